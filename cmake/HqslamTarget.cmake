@@ -1,0 +1,42 @@
+# One library of hqslam: C++20, warnings, its public headers, and its own install component, so
+# that find_package(hqslam COMPONENTS core) works where only core was built.
+
+function(hqslam_compile_settings target)
+  target_compile_features(${target} PUBLIC cxx_std_20)
+  target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wshadow -Wconversion
+                                           -Wno-sign-conversion)
+  if(HQSLAM_WARNINGS_AS_ERRORS)
+    target_compile_options(${target} PRIVATE -Werror)
+  endif()
+endfunction()
+
+# hqslam_library(<component> SOURCES <file>...): target hqslam_<component>, alias hqslam::<component>.
+function(hqslam_library component)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES")
+  set(target hqslam_${component})
+  add_library(${target} STATIC ${arg_SOURCES})
+  add_library(hqslam::${component} ALIAS ${target})
+  hqslam_compile_settings(${target})
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${component}
+                                             POSITION_INDEPENDENT_CODE ON)
+  target_include_directories(
+    ${target} PUBLIC $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/include>
+                     $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+  install(TARGETS ${target} EXPORT hqslam-${component}-targets COMPONENT ${component})
+  install(EXPORT hqslam-${component}-targets NAMESPACE hqslam:: COMPONENT ${component}
+          DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/hqslam)
+  install(DIRECTORY include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT ${component})
+endfunction()
+
+function(hqslam_install_config)
+  include(CMakePackageConfigHelpers)
+  set(destination ${CMAKE_INSTALL_LIBDIR}/cmake/hqslam)
+  write_basic_package_version_file(${CMAKE_CURRENT_BINARY_DIR}/hqslamConfigVersion.cmake
+                                   COMPATIBILITY SameMinorVersion)
+  configure_package_config_file(cmake/hqslamConfig.cmake.in
+                                ${CMAKE_CURRENT_BINARY_DIR}/hqslamConfig.cmake
+                                INSTALL_DESTINATION ${destination})
+  install(FILES ${CMAKE_CURRENT_BINARY_DIR}/hqslamConfig.cmake
+                ${CMAKE_CURRENT_BINARY_DIR}/hqslamConfigVersion.cmake
+          DESTINATION ${destination} COMPONENT core)
+endfunction()

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <cstdint>
+
+#include "hqslam/core/range_image.h"
+
+namespace hqslam {
+
+/// Errors of a range image against the true one. Definitions: TULIP (CVPR 2024), evaluation code,
+/// in metres here.
+struct ImageError {
+  double mae_all_m = 0.0;    ///< mean |range - true| over all pixels, no return counting as 0 m
+  double mae_valid_m = 0.0;  ///< the same over pixels where both have a return
+  std::int64_t valid_pixels = 0;
+  std::int64_t pixels = 0;
+};
+/// Throws Error if the shapes differ.
+ImageError image_error(const RangeImage& image, const RangeImage& true_image);
+
+}  // namespace hqslam

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <vector>
+
+#include "hqslam/core/range_image.h"
+#include "hqslam/core/sensor_model.h"
+
+namespace hqslam {
+
+/// One point per pixel of a range image: row and column are never recomputed from coordinates.
+/// This is what SLAM takes in.
+struct OrganizedCloud {
+  int rows = 0;
+  int columns = 0;
+  std::vector<Eigen::Vector3f> points_m;  ///< rows x columns, sensor frame; zero where no return
+  std::vector<float> range_m;             ///< rows x columns; 0 where no return
+  /// Capture time of each pixel minus the scan's stamp; empty: the scan is motion-corrected.
+  std::vector<float> time_offset_s;
+
+  OrganizedCloud() = default;
+  OrganizedCloud(int rows_, int columns_);
+
+  std::size_t index(int row, int column) const {
+    return static_cast<std::size_t>(row) * columns + column;
+  }
+};
+
+OrganizedCloud select_rows(const OrganizedCloud& cloud, RowSelection rows);
+
+/// The ranges alone.
+RangeImage range_image(const OrganizedCloud& cloud);
+
+}  // namespace hqslam

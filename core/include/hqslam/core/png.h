@@ -1,0 +1,26 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "hqslam/core/range_image.h"
+
+namespace hqslam {
+
+struct RgbImage {
+  int rows = 0;
+  int columns = 0;
+  std::vector<std::array<std::uint8_t, 3>> pixels;  ///< row-major
+};
+
+/// Throws Error if the file cannot be written.
+void write_png(const RgbImage& image, const std::string& path);
+/// The file's bytes, for embedding in a page.
+std::vector<std::uint8_t> encode_png(const RgbImage& image);
+
+/// Near is bright, far is dark blue, no return is black; logarithmic in range.
+RgbImage color_by_range(const RangeImage& image, double max_range_m);
+
+}  // namespace hqslam

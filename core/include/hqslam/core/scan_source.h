@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "hqslam/core/organized_cloud.h"
+#include "hqslam/core/projection.h"
+#include "hqslam/core/sensor_model.h"
+
+namespace hqslam {
+
+/// One scan of a recording, ready for SLAM or upsampling.
+struct RecordedScan {
+  std::string name;  ///< the file, or the stack and the index in it
+  double stamp_s = 0.0;
+  OrganizedCloud cloud;
+  std::int64_t invalid_points = 0;  ///< not finite or at the origin: dropped
+  ProjectionCounts counts;
+};
+
+/// A recording read scan by scan; never more than one scan in memory.
+class ScanSource {
+ public:
+  virtual ~ScanSource() = default;
+  virtual const SensorModel& sensor() const = 0;
+  virtual std::int64_t size() const = 0;
+  /// The next scan, or nothing at the end. Throws Error for a scan that cannot be read.
+  virtual std::optional<RecordedScan> next() = 0;
+};
+
+/// Where row 0 of the images in an .npy stack looks.
+enum class RowOrder { kHighestFirst, kLowestFirst };
+
+struct RecordingOptions {
+  RowOrder row_order = RowOrder::kHighestFirst;
+  /// Whether a stack's scans were captured rolling or were corrected for motion already.
+  CaptureTime capture_time = CaptureTime::kRolling;
+};
+
+/// Opens a recording of `sensor`: a folder of KITTI .bin files (motion-corrected), a folder of .pcd
+/// files (time offsets from a field t, time or timestamp where there is one), an .npy stack of
+/// range images (N x H x W or N x H x W x 1, float32 metres), or a folder written by `hqslam
+/// simulate` (stack, sensor and true stamps). Throws Error: which file, what was expected, what was
+/// found, what to do.
+std::unique_ptr<ScanSource> open_recording(const std::string& path, const SensorModel& sensor,
+                                           const RecordingOptions& options = {});
+
+}  // namespace hqslam

@@ -1,0 +1,75 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace hqslam {
+
+/// Which rows of a sensor are kept: offset, offset + stride, offset + 2 stride, ...
+struct RowSelection {
+  int offset = 0;
+  int stride = 1;
+};
+
+/// The rows that make a sensor with `wanted` rows of one with `rows`: the lowest of each group, so
+/// 16 of 64 are 3, 7, ..., 63. Throws Error unless `wanted` divides `rows`.
+RowSelection selection_for(int rows, int wanted);
+
+/// A spinning LiDAR as the geometry of its range image.
+///
+/// Row 0 is the highest beam. The centre of pixel (row, column) looks along
+///   azimuth = pi - (column + 1/2) * 2 pi / columns + residual_azimuth_rad[row]
+///   elevation = beam_elevation_rad[row]
+/// in the sensor frame (x forward, y left, z up), so column 0 looks backwards and azimuth falls
+/// with the column; columns wrap around.
+///
+/// A real beam has an azimuth offset of up to a few degrees. Its whole columns are taken out when
+/// the image is made (`column_shift`), so that neighbours in a column look the same way; what is
+/// left, at most half a column, is `residual_azimuth_rad`. Pixel (row, column) is thus measured
+/// when the sensor's head stands at column `firing_column(row, column)`.
+struct SensorModel {
+  std::string name;
+  int columns = 0;
+  double scan_period_s = 0.1;
+  double min_range_m = 0.5;
+  double max_range_m = 120.0;
+  std::vector<double> beam_elevation_rad;       ///< one per row, strictly falling
+  std::vector<double> beam_azimuth_offset_rad;  ///< one per row, counter-clockwise positive
+
+  int rows() const { return static_cast<int>(beam_elevation_rad.size()); }
+  double column_step_rad() const;
+  /// Whole columns by which the beam of this row leads (positive: looks at a smaller column).
+  int column_shift(int row) const;
+  double residual_azimuth_rad(int row) const;
+  double azimuth_rad(int row, int column) const;
+  /// The column at which the head stands when pixel (row, column) is measured, 0..columns-1.
+  int firing_column(int row, int column) const;
+  /// When that is, relative to the middle of the scan: -period/2 .. +period/2. A head at column 0
+  /// begins a scan; the scan's stamp is its middle.
+  double time_offset_s(int row, int column) const;
+  /// The column whose pixel contains this direction, 0..columns-1.
+  int column_of(int row, double azimuth_rad) const;
+
+  bool operator==(const SensorModel&) const = default;
+};
+
+/// Throws Error with field, value and constraint when the model breaks its invariants.
+void validate(const SensorModel& sensor);
+
+/// The sensor that has only the selected rows. Its name says so ("os1-64/3:4").
+SensorModel select_rows(const SensorModel& sensor, RowSelection rows);
+
+/// os1-64, os1-16, hdl-64e, hdl-32e, vlp-16, vls-128. Throws Error that lists them for any other.
+SensorModel sensor_preset(std::string_view name);
+std::vector<std::string> sensor_preset_names();
+
+/// A sensor model as JSON (angles in degrees). `read` accepts this form and Ouster's metadata
+/// files (beam_altitude_angles, beam_azimuth_angles, lidar_mode or data_format). Throws Error.
+SensorModel read_sensor_json(const std::string& path);
+void write_sensor_json(const SensorModel& sensor, const std::string& path);
+
+/// A preset's name or the path of a .json file. Throws Error.
+SensorModel load_sensor(const std::string& preset_or_path);
+
+}  // namespace hqslam

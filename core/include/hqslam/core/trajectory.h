@@ -1,0 +1,34 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "hqslam/core/pose.h"
+
+namespace hqslam {
+
+struct StampedPose {
+  double stamp_s = 0.0;
+  Pose T_map_sensor = Pose::Identity();
+};
+
+/// Poses in the order of time.
+using Trajectory = std::vector<StampedPose>;
+
+/// The same trajectory with the first pose at the origin.
+Trajectory relative_to_first(const Trajectory& trajectory);
+
+/// Length of the path in metres.
+double path_length_m(const Trajectory& trajectory);
+
+/// TUM: "stamp x y z qx qy qz qw" per line, '#' comments. KITTI: 12 numbers per line, the upper
+/// three rows of T_map_sensor; KITTI has no stamps, so stamps are index * period_s. All throw
+/// Error with file and line.
+Trajectory read_tum(const std::string& path);
+Trajectory read_kitti_poses(const std::string& path, double period_s = 0.1);
+void write_tum(const Trajectory& trajectory, const std::string& path);
+void write_kitti_poses(const Trajectory& trajectory, const std::string& path);
+/// Tells the two apart by the number of columns (8 or 12).
+Trajectory read_trajectory(const std::string& path, double period_s = 0.1);
+
+}  // namespace hqslam

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "hqslam/core/pose.h"
+#include "hqslam/core/range_image.h"
+#include "hqslam/core/sensor_model.h"
+
+namespace hqslam::sim {
+
+/// A drive through a procedural city. Everything follows from these fields: the same spec gives
+/// the same bytes on every machine, whatever the number of threads.
+struct DriveSpec {
+  std::string name;         ///< the style of city and driving: block, town or hills
+  std::uint64_t seed = 1;   ///< of the city, the traffic, the driver and the sensor's noise
+  std::int64_t scans = 200;
+};
+
+/// block (200 scans), town (4,000), hills (8,000). Throws Error that lists them for any other.
+DriveSpec drive_preset(std::string_view name);
+std::vector<std::string> drive_preset_names();
+
+/// One scan with the truth.
+struct SimulatedScan {
+  RangeImage image;  ///< rolling capture: column after column, from a moving sensor
+  double stamp_s = 0.0;  ///< the middle of the scan
+  Pose T_map_sensor = Pose::Identity();  ///< true pose at stamp_s; the first scan's is the identity
+  /// True pose when the head stands at each column (SensorModel::firing_column).
+  std::vector<Pose> T_map_sensor_at_column;
+};
+
+/// Drives a sensor through the city, one scan after the other; never more than one in memory.
+class DriveSimulator {
+ public:
+  DriveSimulator(const DriveSpec& spec, const SensorModel& sensor);
+  ~DriveSimulator();
+  DriveSimulator(DriveSimulator&&) noexcept;
+  DriveSimulator& operator=(DriveSimulator&&) noexcept;
+
+  const SensorModel& sensor() const;
+  std::int64_t scans() const;
+  std::optional<SimulatedScan> next();
+
+ private:
+  struct Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace hqslam::sim

@@ -1,0 +1,129 @@
+#include "hqslam/core/projection.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <optional>
+
+#include "hqslam/core/error.h"
+
+namespace hqslam {
+
+namespace {
+
+/// The beam nearest in elevation, or nothing if the direction lies more than half a beam spacing
+/// above the highest or below the lowest beam.
+std::optional<int> nearest_row(double elevation_rad, const std::vector<double>& beams_rad) {
+  const int rows = static_cast<int>(beams_rad.size());
+  int above = 0;  // number of beams at or above the direction: a binary search, beams fall
+  for (int step = rows; step > 0;) {
+    const int half = step / 2;
+    if (beams_rad[above + half] >= elevation_rad) {
+      above += half + 1;
+      step -= half + 1;
+    } else {
+      step = half;
+    }
+  }
+  int row = above;
+  if (above == rows ||
+      (above > 0 && beams_rad[above - 1] - elevation_rad < elevation_rad - beams_rad[above])) {
+    row = above - 1;
+  }
+  const int neighbour = row + 1 < rows ? row + 1 : row - 1;
+  if (neighbour < 0) return row;
+  const double half_spacing_rad = std::abs(beams_rad[row] - beams_rad[neighbour]) / 2.0;
+  const bool beyond_edge = (row == 0 && elevation_rad > beams_rad[0] + half_spacing_rad) ||
+                           (row == rows - 1 && elevation_rad < beams_rad[row] - half_spacing_rad);
+  return beyond_edge ? std::nullopt : std::optional(row);
+}
+
+void require_matching_shapes(const Scan& scan, const SensorModel& sensor) {
+  const std::size_t points = scan.points_m.size();
+  if (!scan.row.empty() && scan.row.size() != points) {
+    throw Error(fmt::format("scan has {} points but {} rows: expected one row per point or none",
+                            points, scan.row.size()));
+  }
+  if (!scan.time_offset_s.empty() && scan.time_offset_s.size() != points) {
+    throw Error(
+        fmt::format("scan has {} points but {} time offsets: expected one per point or none",
+                    points, scan.time_offset_s.size()));
+  }
+  for (const std::uint16_t row : scan.row) {
+    if (row >= sensor.rows()) {
+      throw Error(
+          fmt::format("scan has a point in row {} but sensor '{}' has rows 0 to {}: name the "
+                      "sensor that recorded the scan",
+                      row, sensor.name, sensor.rows() - 1));
+    }
+  }
+}
+
+}  // namespace
+
+ProjectedScan project(const Scan& scan, const SensorModel& sensor) {
+  require_matching_shapes(scan, sensor);
+  ProjectedScan result;
+  result.cloud = OrganizedCloud(sensor.rows(), sensor.columns);
+  if (!scan.time_offset_s.empty()) {
+    result.cloud.time_offset_s.assign(result.cloud.range_m.size(), 0.0F);
+  }
+  for (std::size_t i = 0; i < scan.points_m.size(); ++i) {
+    const Eigen::Vector3f& point_m = scan.points_m[i];
+    const float range_m = point_m.norm();
+    if (!(range_m >= sensor.min_range_m && range_m <= sensor.max_range_m) || range_m <= 0.0F) {
+      ++result.counts.out_of_range;
+      continue;
+    }
+    const std::optional<int> row =
+        scan.row.empty() ? nearest_row(std::asin(point_m.z() / range_m), sensor.beam_elevation_rad)
+                         : std::optional<int>(scan.row[i]);
+    if (!row) {
+      ++result.counts.outside_rows;
+      continue;
+    }
+    const int column = sensor.column_of(*row, std::atan2(point_m.y(), point_m.x()));
+    const std::size_t pixel = result.cloud.index(*row, column);
+    float& nearest_m = result.cloud.range_m[pixel];
+    if (nearest_m > 0.0F) ++result.counts.hidden_by_nearer;
+    if (nearest_m > 0.0F && nearest_m <= range_m) continue;
+    nearest_m = range_m;
+    result.cloud.points_m[pixel] = point_m;
+    if (!scan.time_offset_s.empty()) result.cloud.time_offset_s[pixel] = scan.time_offset_s[i];
+  }
+  for (const float range_m : result.cloud.range_m) result.counts.kept += range_m > 0.0F ? 1 : 0;
+  return result;
+}
+
+OrganizedCloud unproject(const RangeImage& image, const SensorModel& sensor,
+                         CaptureTime capture_time) {
+  if (image.rows != sensor.rows() || image.columns != sensor.columns) {
+    throw Error(
+        fmt::format("image of {}x{} pixels does not fit sensor '{}' of {}x{}: name the "
+                    "sensor that recorded it",
+                    image.rows, image.columns, sensor.name, sensor.rows(), sensor.columns));
+  }
+  OrganizedCloud cloud(image.rows, image.columns);
+  if (capture_time == CaptureTime::kRolling) cloud.time_offset_s.resize(cloud.range_m.size());
+  for (int row = 0; row < image.rows; ++row) {
+    const double cos_elevation = std::cos(sensor.beam_elevation_rad[row]);
+    const double sin_elevation = std::sin(sensor.beam_elevation_rad[row]);
+    for (int column = 0; column < image.columns; ++column) {
+      const std::size_t pixel = image.index(row, column);
+      if (capture_time == CaptureTime::kRolling) {
+        cloud.time_offset_s[pixel] = static_cast<float>(sensor.time_offset_s(row, column));
+      }
+      const double range_m = image.range_m[pixel];
+      if (!(range_m > 0.0) || !std::isfinite(range_m)) continue;
+      const double azimuth_rad = sensor.azimuth_rad(row, column);
+      cloud.range_m[pixel] = image.range_m[pixel];
+      cloud.points_m[pixel] =
+          (range_m * Eigen::Vector3d(cos_elevation * std::cos(azimuth_rad),
+                                     cos_elevation * std::sin(azimuth_rad), sin_elevation))
+              .cast<float>();
+    }
+  }
+  return cloud;
+}
+
+}  // namespace hqslam

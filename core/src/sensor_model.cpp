@@ -1,0 +1,112 @@
+#include "hqslam/core/sensor_model.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "hqslam/core/error.h"
+
+namespace hqslam {
+
+namespace {
+
+constexpr double kTwoPi = 2.0 * std::numbers::pi;
+
+/// `value` modulo `modulus` in 0..modulus-1, for negative values too.
+int wrapped(int value, int modulus) {
+  const int remainder = value % modulus;
+  return remainder < 0 ? remainder + modulus : remainder;
+}
+
+void require(bool holds, const SensorModel& sensor, const std::string& complaint) {
+  if (!holds) throw Error(fmt::format("sensor '{}': {}", sensor.name, complaint));
+}
+
+}  // namespace
+
+RowSelection selection_for(int rows, int wanted) {
+  if (wanted < 1 || wanted > rows || rows % wanted != 0) {
+    throw Error(
+        fmt::format("cannot keep {} of {} rows evenly: the number of rows to keep must "
+                    "divide {}",
+                    wanted, rows, rows));
+  }
+  const int stride = rows / wanted;
+  return {stride - 1, stride};
+}
+
+double SensorModel::column_step_rad() const { return kTwoPi / columns; }
+
+int SensorModel::column_shift(int row) const {
+  return static_cast<int>(std::lround(beam_azimuth_offset_rad[row] / column_step_rad()));
+}
+
+double SensorModel::residual_azimuth_rad(int row) const {
+  return beam_azimuth_offset_rad[row] - column_shift(row) * column_step_rad();
+}
+
+double SensorModel::azimuth_rad(int row, int column) const {
+  return std::numbers::pi - (column + 0.5) * column_step_rad() + residual_azimuth_rad(row);
+}
+
+int SensorModel::firing_column(int row, int column) const {
+  return wrapped(column + column_shift(row), columns);
+}
+
+double SensorModel::time_offset_s(int row, int column) const {
+  return ((firing_column(row, column) + 0.5) / columns - 0.5) * scan_period_s;
+}
+
+int SensorModel::column_of(int row, double azimuth) const {
+  const double turns = (std::numbers::pi - azimuth + residual_azimuth_rad(row)) / kTwoPi;
+  return wrapped(static_cast<int>(std::floor((turns - std::floor(turns)) * columns)), columns);
+}
+
+void validate(const SensorModel& sensor) {
+  const auto rows = sensor.beam_elevation_rad.size();
+  require(rows >= 1 && rows <= 1024, sensor,
+          fmt::format("expected 1 to 1024 beams, found {}", rows));
+  require(sensor.columns >= 16 && sensor.columns <= 16384, sensor,
+          fmt::format("columns is {}, expected 16 to 16384", sensor.columns));
+  require(sensor.beam_azimuth_offset_rad.size() == rows, sensor,
+          fmt::format("{} azimuth offsets for {} beam elevations, expected as many",
+                      sensor.beam_azimuth_offset_rad.size(), rows));
+  require(sensor.scan_period_s > 0.0 && std::isfinite(sensor.scan_period_s), sensor,
+          fmt::format("scan_period_s is {}, expected a positive number", sensor.scan_period_s));
+  require(sensor.min_range_m >= 0.0 && sensor.max_range_m > sensor.min_range_m &&
+              std::isfinite(sensor.max_range_m),
+          sensor,
+          fmt::format("ranges are {} to {} m, expected 0 <= minimum < maximum", sensor.min_range_m,
+                      sensor.max_range_m));
+  for (std::size_t row = 0; row < rows; ++row) {
+    const double elevation_rad = sensor.beam_elevation_rad[row];
+    require(
+        std::abs(elevation_rad) < kTwoPi / 4.0, sensor,
+        fmt::format("elevation of beam {} is {} rad, expected within +-pi/2", row, elevation_rad));
+    require(row == 0 || elevation_rad < sensor.beam_elevation_rad[row - 1], sensor,
+            fmt::format("beam {} is not below beam {}: elevations must fall from row to row", row,
+                        row - 1));
+    require(std::abs(sensor.beam_azimuth_offset_rad[row]) < kTwoPi / 4.0, sensor,
+            fmt::format("azimuth offset of beam {} is {} rad, expected within +-pi/2", row,
+                        sensor.beam_azimuth_offset_rad[row]));
+  }
+}
+
+SensorModel select_rows(const SensorModel& sensor, RowSelection rows) {
+  if (rows.offset < 0 || rows.stride < 1 || rows.offset >= sensor.rows()) {
+    throw Error(fmt::format("row selection {}:{} does not fit a sensor of {} rows", rows.offset,
+                            rows.stride, sensor.rows()));
+  }
+  SensorModel result = sensor;
+  result.name = fmt::format("{}/{}:{}", sensor.name, rows.offset, rows.stride);
+  result.beam_elevation_rad.clear();
+  result.beam_azimuth_offset_rad.clear();
+  for (int row = rows.offset; row < sensor.rows(); row += rows.stride) {
+    result.beam_elevation_rad.push_back(sensor.beam_elevation_rad[row]);
+    result.beam_azimuth_offset_rad.push_back(sensor.beam_azimuth_offset_rad[row]);
+  }
+  return result;
+}
+
+}  // namespace hqslam

@@ -1,0 +1,73 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <vector>
+
+#include "hqslam/core/organized_cloud.h"
+#include "hqslam/core/sensor_model.h"
+#include "hqslam/core/trajectory.h"
+#include "hqslam/slam/status.h"
+
+namespace hqslam::slam {
+
+struct SlamOptions;
+
+/// Seconds spent in each stage of one scan.
+struct StageTimes {
+  double segmentation_s = 0.0;
+  double features_s = 0.0;
+  double odometry_s = 0.0;
+  double mapping_s = 0.0;
+  double total_s = 0.0;
+};
+
+/// What happened to one scan.
+struct ScanReport {
+  double stamp_s = 0.0;
+  Pose T_odom_sensor = Pose::Identity();  ///< odometry alone: smooth, drifts
+  Pose T_map_sensor = Pose::Identity();   ///< after scan-to-map optimisation
+  Status odometry_status = Status::kOk;
+  Status mapping_status = Status::kOk;
+  int returns = 0;
+  int ground_points = 0;
+  int clusters = 0;
+  int edge_features = 0;
+  int planar_features = 0;
+  int edge_correspondences = 0;    ///< used by the last iteration of mapping
+  int planar_correspondences = 0;
+  bool key_frame = false;
+  StageTimes times;
+};
+
+/// LeGO-LOAM without ROS: scan in, pose out.
+///
+///   OrganizedCloud -> ground, clusters -> edge and planar features -> two-step odometry
+///   -> de-skewed features -> scan-to-map optimisation -> pose, map
+///
+/// Deterministic: the same scans give the same bytes, whatever the number of threads. Every scan
+/// is processed in the call that brings it.
+class Slam {
+ public:
+  /// Throws Error if the sensor or an option is invalid.
+  explicit Slam(const SensorModel& sensor);
+  Slam(const SensorModel& sensor, const SlamOptions& options);
+  ~Slam();
+  Slam(Slam&&) noexcept;
+  Slam& operator=(Slam&&) noexcept;
+
+  /// Throws Error if the cloud's shape is not the sensor's; anything inside the cloud is survived.
+  ScanReport process(const OrganizedCloud& cloud, double stamp_s);
+
+  /// T_map_sensor of every scan so far, in the frame of the first scan.
+  const Trajectory& trajectory() const;
+
+  /// The map: features of all key frames, thinned to one point per 0.2 m voxel.
+  std::vector<Eigen::Vector3f> map_points_m() const;
+
+ private:
+  struct Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace hqslam::slam

@@ -1,0 +1,213 @@
+#include "hqslam/core/connected_components.h"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <random>
+#include <set>
+
+#include "hqslam/core/error.h"
+
+using hqslam::ComponentLabeler;
+using hqslam::ConnectedComponents;
+using hqslam::ConnectedComponentsOptions;
+using hqslam::RangeImage;
+using hqslam::SensorModel;
+
+namespace {
+
+constexpr double kDegree = 3.14159265358979323846 / 180.0;
+
+/// `rows` beams and `columns` columns, neighbours one degree apart vertically.
+SensorModel small_sensor(int rows, int columns) {
+  SensorModel sensor;
+  sensor.columns = columns;
+  for (int row = 0; row < rows; ++row) sensor.beam_elevation_rad.push_back(-row * kDegree);
+  sensor.beam_azimuth_offset_rad.assign(rows, 0.0);
+  return sensor;
+}
+
+/// The slow, textbook form: union-find over all pairs of neighbours with atan2.
+std::vector<int> union_find_labels(const RangeImage& image, const SensorModel& sensor,
+                                   double min_angle_rad,
+                                   const std::vector<std::uint8_t>& excluded) {
+  std::vector<int> parent(image.range_m.size());
+  std::iota(parent.begin(), parent.end(), 0);
+  const auto root = [&](int i) {
+    while (parent[i] != i) i = parent[i];
+    return i;
+  };
+  const auto takes_part = [&](std::size_t i) {
+    return image.range_m[i] > 0.0F && (excluded.empty() || excluded[i] == 0);
+  };
+  const auto join = [&](std::size_t i, std::size_t j, double alpha_rad) {
+    if (!takes_part(i) || !takes_part(j)) return;
+    const double far_m = std::max(image.range_m[i], image.range_m[j]);
+    const double near_m = std::min(image.range_m[i], image.range_m[j]);
+    const double beta_rad =
+        std::atan2(near_m * std::sin(alpha_rad), far_m - near_m * std::cos(alpha_rad));
+    if (beta_rad > min_angle_rad) {
+      const int a = root(static_cast<int>(i));
+      const int b = root(static_cast<int>(j));
+      parent[std::max(a, b)] = std::min(a, b);
+    }
+  };
+  for (int row = 0; row < image.rows; ++row) {
+    for (int column = 0; column < image.columns; ++column) {
+      join(image.index(row, column), image.index(row, (column + 1) % image.columns),
+           sensor.column_step_rad());
+      if (row + 1 < image.rows) {
+        join(image.index(row, column), image.index(row + 1, column),
+             sensor.beam_elevation_rad[row] - sensor.beam_elevation_rad[row + 1]);
+      }
+    }
+  }
+  std::map<int, int> number;
+  std::vector<int> labels(image.range_m.size(), ConnectedComponents::kNoComponent);
+  for (std::size_t i = 0; i < labels.size(); ++i) {
+    if (!takes_part(i)) continue;
+    const auto found = number.emplace(root(static_cast<int>(i)), static_cast<int>(number.size()));
+    labels[i] = found.first->second;
+  }
+  return labels;
+}
+
+ConnectedComponents components_of(const RangeImage& image, const SensorModel& sensor,
+                                  double min_angle_rad) {
+  ComponentLabeler labeler(sensor, {min_angle_rad, true});
+  return labeler.label(image);
+}
+
+}  // namespace
+
+TEST_CASE("a uniform image is one component") {
+  const SensorModel sensor = small_sensor(4, 360);
+  RangeImage image(4, 360);
+  for (float& range_m : image.range_m) range_m = 10.0F;
+  const auto result = components_of(image, sensor, 20 * kDegree);
+  REQUIRE(result.components.size() == 1);
+  CHECK(result.components[0].pixels == 4 * 360);
+  CHECK(result.components[0].first_row == 0);
+  CHECK(result.components[0].last_row == 3);
+}
+
+TEST_CASE("a near column splits the scan in two, because the scan is a circle") {
+  const SensorModel sensor = small_sensor(5, 360);
+  RangeImage image(5, 360);
+  for (float& range_m : image.range_m) range_m = 10.0F;
+  for (int row = 0; row < 5; ++row) image.at(row, 180) = 5.0F;
+  CHECK(components_of(image, sensor, 20 * kDegree).components.size() == 2);
+  ComponentLabeler cut_out(sensor, {20 * kDegree, false});
+  CHECK(cut_out.label(image).components.size() == 3);
+}
+
+TEST_CASE("a near row splits the scan in three, because rows do not wrap") {
+  const SensorModel sensor = small_sensor(5, 360);
+  RangeImage image(5, 360);
+  for (float& range_m : image.range_m) range_m = 10.0F;
+  for (int column = 0; column < 360; ++column) image.at(2, column) = 5.0F;
+  const auto result = components_of(image, sensor, 20 * kDegree);
+  REQUIRE(result.components.size() == 3);
+  CHECK(result.components[1].first_row == 2);
+  CHECK(result.components[1].last_row == 2);
+}
+
+TEST_CASE("two points connect exactly when the angle exceeds the threshold") {
+  // 10 m and 9 m under 1 degree: beta = atan2(9 sin 1, 10 - 9 cos 1) = 8.92 degrees.
+  const SensorModel sensor = small_sensor(2, 360);
+  RangeImage image(2, 360);
+  image.at(0, 7) = 10.0F;
+  image.at(1, 7) = 9.0F;
+  CHECK(components_of(image, sensor, 8.9 * kDegree).components.size() == 1);
+  CHECK(components_of(image, sensor, 8.95 * kDegree).components.size() == 2);
+}
+
+TEST_CASE("the criterion does not depend on the scale of the ranges") {
+  const SensorModel sensor = hqslam::sensor_preset("vlp-16");
+  RangeImage image(16, 1800);
+  std::mt19937 generator(5);
+  for (float& range_m : image.range_m)
+    range_m = 8.0F + 0.0005F * static_cast<float>(generator() % 1000);
+  const auto once = components_of(image, sensor, 10 * kDegree);
+  for (float& range_m : image.range_m) range_m *= 0.25F;  // exact in binary
+  CHECK(components_of(image, sensor, 10 * kDegree).label == once.label);
+}
+
+TEST_CASE("labels equal those of a slow union-find on random images, with and without a mask") {
+  std::mt19937 generator(11);
+  for (int trial = 0; trial < 30; ++trial) {
+    const SensorModel sensor = small_sensor(3 + trial % 7, 16 + 9 * (trial % 5));
+    RangeImage image(sensor.rows(), sensor.columns);
+    for (float& range_m : image.range_m) {
+      const auto value = generator() % 100;
+      range_m = value < 10 ? 0.0F : 10.0F + 0.01F * static_cast<float>(value * (1 + trial % 4));
+    }
+    std::vector<std::uint8_t> excluded;
+    if (trial % 2 == 1) {
+      for (std::size_t i = 0; i < image.range_m.size(); ++i)
+        excluded.push_back(generator() % 5 == 0);
+    }
+    ComponentLabeler labeler(sensor, {30 * kDegree, true});
+    const auto& result = labeler.label(image, excluded);
+    CHECK(result.label == union_find_labels(image, sensor, 30 * kDegree, excluded));
+  }
+}
+
+TEST_CASE("sizes add up and rows are those of the pixels") {
+  const SensorModel sensor = hqslam::sensor_preset("os1-64");
+  std::mt19937 generator(1);
+  RangeImage image(64, 1024);
+  for (float& range_m : image.range_m)
+    range_m = 5.0F + 0.01F * static_cast<float>(generator() % 300);
+  ComponentLabeler labeler(sensor, {10 * kDegree, true});
+  const auto& result = labeler.label(image);
+  std::vector<hqslam::Component> counted(result.components.size(), {0, 1000, -1});
+  for (int row = 0; row < 64; ++row) {
+    for (int column = 0; column < 1024; ++column) {
+      auto& component = counted[result.label[image.index(row, column)]];
+      ++component.pixels;
+      component.first_row = std::min(component.first_row, row);
+      component.last_row = std::max(component.last_row, row);
+    }
+  }
+  for (std::size_t i = 0; i < counted.size(); ++i) {
+    REQUIRE(counted[i].pixels == result.components[i].pixels);
+    REQUIRE(counted[i].first_row == result.components[i].first_row);
+    REQUIRE(counted[i].last_row == result.components[i].last_row);
+  }
+}
+
+TEST_CASE("more than 65,536 components are told apart") {
+  SensorModel sensor = small_sensor(64, 4096);
+  RangeImage image(64, 4096);
+  for (int row = 0; row < 64; ++row) {
+    for (int column = 0; column < 4096; ++column) {
+      image.at(row, column) = (row + column) % 2 == 0 ? 5.0F : 50.0F;
+    }
+  }
+  const auto result = components_of(image, sensor, 10 * kDegree);
+  CHECK(result.components.size() == 64 * 4096);
+  const std::set<std::int32_t> labels(result.label.begin(), result.label.end());
+  CHECK(labels.size() == 64 * 4096);
+}
+
+TEST_CASE("a second image is not affected by the first") {
+  const SensorModel sensor = small_sensor(4, 32);
+  RangeImage full(4, 32);
+  for (float& range_m : full.range_m) range_m = 3.0F;
+  ComponentLabeler labeler(sensor, {});
+  labeler.label(full);
+  CHECK(labeler.label(RangeImage(4, 32)).components.empty());
+  CHECK(labeler.label(full).components.size() == 1);
+}
+
+TEST_CASE("wrong shapes and angles are refused") {
+  const SensorModel sensor = small_sensor(4, 32);
+  CHECK_THROWS_AS(ComponentLabeler(sensor, {0.0, true}), hqslam::Error);
+  CHECK_THROWS_AS(ComponentLabeler(sensor, {2.0, true}), hqslam::Error);
+  ComponentLabeler labeler(sensor, {});
+  CHECK_THROWS_AS(labeler.label(RangeImage(4, 33)), hqslam::Error);
+  CHECK_THROWS_AS(labeler.label(RangeImage(4, 32), std::vector<std::uint8_t>(3)), hqslam::Error);
+}

@@ -1,0 +1,127 @@
+#include "hqslam/core/projection.h"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <random>
+
+#include "hqslam/core/error.h"
+
+using hqslam::CaptureTime;
+using hqslam::OrganizedCloud;
+using hqslam::RangeImage;
+using hqslam::Scan;
+using hqslam::SensorModel;
+
+namespace {
+
+RangeImage random_image(const SensorModel& sensor, unsigned seed) {
+  std::mt19937 generator(seed);
+  RangeImage image(sensor.rows(), sensor.columns);
+  for (float& range_m : image.range_m) {
+    const auto value = generator() % 1000;
+    range_m = value < 200 ? 0.0F : 2.0F + 0.05F * static_cast<float>(value);
+  }
+  return image;
+}
+
+Scan scan_of(const OrganizedCloud& cloud, const SensorModel& sensor, bool with_rows) {
+  Scan scan;
+  for (int row = 0; row < cloud.rows; ++row) {
+    for (int column = 0; column < cloud.columns; ++column) {
+      const std::size_t pixel = cloud.index(row, column);
+      if (cloud.range_m[pixel] <= 0.0F) continue;
+      scan.points_m.push_back(cloud.points_m[pixel]);
+      if (with_rows) scan.row.push_back(static_cast<std::uint16_t>(row));
+      if (!cloud.time_offset_s.empty()) scan.time_offset_s.push_back(cloud.time_offset_s[pixel]);
+    }
+  }
+  (void)sensor;
+  return scan;
+}
+
+}  // namespace
+
+TEST_CASE("project inverts unproject for every preset, with rows given or found by elevation") {
+  for (const std::string& name : hqslam::sensor_preset_names()) {
+    const SensorModel sensor = hqslam::sensor_preset(name);
+    const RangeImage image = random_image(sensor, 7);
+    const OrganizedCloud cloud = hqslam::unproject(image, sensor, CaptureTime::kRolling);
+    for (const bool with_rows : {true, false}) {
+      const auto projected = hqslam::project(scan_of(cloud, sensor, with_rows), sensor);
+      CAPTURE(name);
+      CHECK(projected.counts.outside_rows == 0);
+      CHECK(projected.counts.hidden_by_nearer == 0);
+      CHECK(projected.counts.out_of_range == 0);
+      REQUIRE(projected.cloud.range_m.size() == image.range_m.size());
+      double worst_m = 0.0;
+      double worst_s = 0.0;
+      for (std::size_t i = 0; i < image.range_m.size(); ++i) {
+        worst_m =
+            std::max<double>(worst_m, std::abs(projected.cloud.range_m[i] - image.range_m[i]));
+        if (image.range_m[i] <= 0.0F) continue;
+        worst_s = std::max<double>(
+            worst_s, std::abs(projected.cloud.time_offset_s[i] - cloud.time_offset_s[i]));
+      }
+      CHECK(worst_m < 1e-4);
+      CHECK(worst_s == 0.0);
+    }
+  }
+}
+
+TEST_CASE(
+    "a point straight ahead of the vlp-16's beam of 1 degree lands in row 7, column 899 or 900") {
+  Scan scan;
+  const double elevation_rad = 1.0 * 3.14159265358979 / 180.0;
+  scan.points_m = {Eigen::Vector3d(10 * std::cos(elevation_rad), 0.01, 10 * std::sin(elevation_rad))
+                       .cast<float>()};
+  const auto projected = hqslam::project(scan, hqslam::sensor_preset("vlp-16"));
+  CHECK(projected.cloud.range_m[projected.cloud.index(7, 899)] == doctest::Approx(10.0));
+}
+
+TEST_CASE("the nearest return wins a pixel, in whatever order they come") {
+  const SensorModel sensor = hqslam::sensor_preset("vlp-16");
+  Scan scan;
+  const Eigen::Vector3f direction(1.0F, 0.001F, std::tan(0.0174533F));
+  scan.points_m = {20.0F * direction, 5.0F * direction, 10.0F * direction};
+  const auto projected = hqslam::project(scan, sensor);
+  CHECK(projected.counts.kept == 1);
+  CHECK(projected.counts.hidden_by_nearer == 2);
+  CHECK(projected.cloud.points_m[projected.cloud.index(7, 899)].isApprox(5.0F * direction));
+}
+
+TEST_CASE("points outside the ranges or the beams are left out and counted") {
+  const SensorModel sensor = hqslam::sensor_preset("vlp-16");
+  Scan scan;
+  scan.points_m = {{0.1F, 0, 0}, {500, 0, 0}, {5, 0, 5}, {5, 0, -5}, {0, 0, 0}};
+  const auto projected = hqslam::project(scan, sensor);
+  CHECK(projected.counts.out_of_range == 3);
+  CHECK(projected.counts.outside_rows == 2);
+  CHECK(projected.counts.kept == 0);
+}
+
+TEST_CASE("a row that the sensor does not have and a shape that is not its own are refused") {
+  const SensorModel sensor = hqslam::sensor_preset("vlp-16");
+  Scan scan;
+  scan.points_m = {{5, 0, 0}};
+  scan.row = {16};
+  CHECK_THROWS_AS(hqslam::project(scan, sensor), hqslam::Error);
+  scan.row = {1, 2};
+  CHECK_THROWS_AS(hqslam::project(scan, sensor), hqslam::Error);
+  CHECK_THROWS_AS(hqslam::unproject(RangeImage(64, 1024), sensor, CaptureTime::kRolling),
+                  hqslam::Error);
+}
+
+TEST_CASE("rows selected from a cloud are those selected from its image") {
+  const SensorModel sensor = hqslam::sensor_preset("os1-64");
+  const RangeImage image = random_image(sensor, 3);
+  const auto rows = hqslam::selection_for(64, 16);
+  const OrganizedCloud all = hqslam::unproject(image, sensor, CaptureTime::kRolling);
+  const OrganizedCloud selected = hqslam::select_rows(all, rows);
+  const OrganizedCloud direct = hqslam::unproject(
+      hqslam::select_rows(image, rows), hqslam::select_rows(sensor, rows), CaptureTime::kRolling);
+  CHECK(selected.rows == 16);
+  CHECK(selected.points_m == direct.points_m);
+  CHECK(selected.time_offset_s == direct.time_offset_s);
+  CHECK(hqslam::range_image(selected).range_m == direct.range_m);
+}

@@ -1,0 +1,124 @@
+#include "hqslam/core/sensor_model.h"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <numbers>
+#include <set>
+
+#include "hqslam/core/error.h"
+
+using hqslam::Error;
+using hqslam::SensorModel;
+
+namespace {
+
+double degrees(double rad) { return rad * 180.0 / std::numbers::pi; }
+
+}  // namespace
+
+TEST_CASE("every preset is valid and has the rows its name says") {
+  const std::vector<std::pair<std::string, int>> expected = {{"os1-64", 64},  {"os1-16", 16},
+                                                             {"hdl-64e", 64}, {"hdl-32e", 32},
+                                                             {"vlp-16", 16},  {"vls-128", 128}};
+  CHECK(hqslam::sensor_preset_names().size() == expected.size());
+  for (const auto& [name, rows] : expected) {
+    const SensorModel sensor = hqslam::sensor_preset(name);
+    CHECK(sensor.rows() == rows);
+    CHECK(sensor.name == name);
+    CHECK_NOTHROW(hqslam::validate(sensor));
+  }
+}
+
+TEST_CASE("an unknown preset is refused with the list of known ones") {
+  CHECK_THROWS_WITH_AS(hqslam::sensor_preset("os2"),
+                       "unknown sensor 'os2': expected one of os1-64, os1-16, hdl-64e, hdl-32e, "
+                       "vlp-16, vls-128 or a .json file",
+                       Error);
+}
+
+TEST_CASE("16 of 64 rows are 3, 7, ..., 63") {
+  const hqslam::RowSelection rows = hqslam::selection_for(64, 16);
+  CHECK(rows.offset == 3);
+  CHECK(rows.stride == 4);
+  const SensorModel all = hqslam::sensor_preset("os1-64");
+  const SensorModel some = hqslam::select_rows(all, rows);
+  REQUIRE(some.rows() == 16);
+  CHECK(some.beam_elevation_rad.front() == all.beam_elevation_rad[3]);
+  CHECK(some.beam_elevation_rad.back() == all.beam_elevation_rad[63]);
+  CHECK(some.beam_azimuth_offset_rad[1] == all.beam_azimuth_offset_rad[7]);
+  CHECK_THROWS_AS(hqslam::selection_for(64, 17), Error);
+  CHECK_THROWS_AS(hqslam::selection_for(64, 0), Error);
+}
+
+TEST_CASE("column 0 looks backwards, the middle column forward, azimuth falls with the column") {
+  const SensorModel sensor = hqslam::sensor_preset("vlp-16");
+  CHECK(degrees(sensor.azimuth_rad(0, 0)) == doctest::Approx(179.9));
+  CHECK(degrees(sensor.azimuth_rad(0, 899)) == doctest::Approx(0.1));
+  CHECK(degrees(sensor.azimuth_rad(0, 450)) == doctest::Approx(89.9));
+}
+
+TEST_CASE("a direction's column is the pixel whose centre is nearest") {
+  for (const char* name : {"os1-64", "vls-128", "hdl-64e"}) {
+    const SensorModel sensor = hqslam::sensor_preset(name);
+    const double step_rad = sensor.column_step_rad();
+    for (int row = 0; row < sensor.rows(); row += 5) {
+      for (int column = 0; column < sensor.columns; column += 7) {
+        const double azimuth_rad = sensor.azimuth_rad(row, column);
+        CHECK(sensor.column_of(row, azimuth_rad) == column);
+        CHECK(sensor.column_of(row, azimuth_rad + 0.49 * step_rad) == column);
+        CHECK(sensor.column_of(row, azimuth_rad - 0.49 * step_rad) == column);
+        CHECK(sensor.column_of(row, azimuth_rad + 4.0 * std::numbers::pi) == column);
+      }
+    }
+  }
+}
+
+TEST_CASE("azimuth offsets split into whole columns and at most half a column") {
+  const SensorModel sensor = hqslam::sensor_preset("os1-64");
+  for (int row = 0; row < sensor.rows(); ++row) {
+    CHECK(std::abs(sensor.residual_azimuth_rad(row)) <= sensor.column_step_rad() / 2 + 1e-12);
+    CHECK(sensor.column_shift(row) * sensor.column_step_rad() + sensor.residual_azimuth_rad(row) ==
+          doctest::Approx(sensor.beam_azimuth_offset_rad[row]));
+  }
+  // The first beam looks 3.12 degrees clockwise of the head: 9 columns of 0.3516 degrees.
+  CHECK(sensor.column_shift(0) == -9);
+}
+
+TEST_CASE("the beam that fires from a column looks where the head plus its offset looks") {
+  const SensorModel sensor = hqslam::sensor_preset("os1-64");
+  for (int row = 0; row < sensor.rows(); ++row) {
+    const int column = 500;
+    const int head_column = sensor.firing_column(row, column);
+    const double head_rad = std::numbers::pi - (head_column + 0.5) * sensor.column_step_rad();
+    CHECK(head_rad + sensor.beam_azimuth_offset_rad[row] ==
+          doctest::Approx(sensor.azimuth_rad(row, column)));
+  }
+}
+
+TEST_CASE("each row is measured once per column, from half a period before to half after") {
+  const SensorModel sensor = hqslam::sensor_preset("os1-64");
+  std::set<int> heads;
+  for (int column = 0; column < sensor.columns; ++column) {
+    heads.insert(sensor.firing_column(0, column));
+    CHECK(std::abs(sensor.time_offset_s(0, column)) < sensor.scan_period_s / 2);
+  }
+  CHECK(heads.size() == 1024);
+  CHECK(*heads.rbegin() == 1023);
+}
+
+TEST_CASE("validation names the field, the value and the constraint") {
+  SensorModel sensor = hqslam::sensor_preset("vlp-16");
+  sensor.columns = 3;
+  CHECK_THROWS_WITH_AS(hqslam::validate(sensor),
+                       "sensor 'vlp-16': columns is 3, expected 16 to 16384", Error);
+  sensor = hqslam::sensor_preset("vlp-16");
+  std::swap(sensor.beam_elevation_rad[3], sensor.beam_elevation_rad[4]);
+  CHECK_THROWS_AS(hqslam::validate(sensor), Error);
+  sensor = hqslam::sensor_preset("vlp-16");
+  sensor.beam_azimuth_offset_rad.pop_back();
+  CHECK_THROWS_AS(hqslam::validate(sensor), Error);
+  sensor = hqslam::sensor_preset("vlp-16");
+  sensor.beam_elevation_rad[0] = std::nan("");
+  CHECK_THROWS_AS(hqslam::validate(sensor), Error);
+}
