@@ -1,0 +1,196 @@
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <functional>
+#include <string_view>
+
+#include "excerpt.h"
+#include "hqslam/core/error.h"
+#include "hqslam/core/trajectory.h"
+
+namespace hqslam {
+
+namespace {
+
+constexpr std::size_t kTumColumns = 8;
+constexpr std::size_t kKittiColumns = 12;
+/// How far a rotation read from rounded numbers may be from a rotation.
+constexpr double kRotationTolerance = 1e-2;
+
+struct Row {
+  int line = 0;
+  std::vector<double> numbers;
+};
+
+[[noreturn]] void fail(const std::string& path, int line, const std::string& complaint) {
+  throw Error(fmt::format("{}:{}: {}", path, line, complaint));
+}
+
+double number_from(std::string_view word, const std::string& path, int line) {
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+  if (error != std::errc() || end != word.data() + word.size() || !std::isfinite(value)) {
+    fail(path, line,
+         fmt::format("expected a finite number, found '{}'; give a trajectory in TUM or KITTI form",
+                     excerpt(word)));
+  }
+  return value;
+}
+
+std::vector<double> numbers_of(std::string_view text, const std::string& path, int line) {
+  constexpr std::string_view kSpace = " \t\r";
+  std::vector<double> numbers;
+  for (std::size_t begin = text.find_first_not_of(kSpace); begin != std::string_view::npos;) {
+    const std::size_t end = std::min(text.find_first_of(kSpace, begin), text.size());
+    if (numbers.size() > kKittiColumns) break;
+    numbers.push_back(number_from(text.substr(begin, end - begin), path, line));
+    begin = text.find_first_not_of(kSpace, end);
+  }
+  return numbers;
+}
+
+/// The rows of a file of numbers; '#' comments and empty lines are left out.
+std::vector<Row> read_rows(const std::string& path) {
+  std::ifstream stream(path, std::ios::binary);
+  if (!stream) {
+    throw Error(
+        fmt::format("{}: expected a readable trajectory, found none; check the path", path));
+  }
+  std::vector<Row> rows;
+  std::string text;
+  for (int line = 1; std::getline(stream, text); ++line) {
+    if (const auto comment = text.find('#'); comment != std::string::npos) text.resize(comment);
+    Row row{line, numbers_of(text, path, line)};
+    if (!row.numbers.empty()) rows.push_back(std::move(row));
+  }
+  if (rows.empty()) {
+    throw Error(
+        fmt::format("{}: expected at least one pose, found none; give a trajectory in TUM "
+                    "or KITTI form",
+                    path));
+  }
+  return rows;
+}
+
+void require_columns(const Row& row, std::size_t expected, const std::string& form,
+                     const std::string& path) {
+  if (row.numbers.size() == expected) return;
+  fail(path, row.line,
+       fmt::format("expected {} numbers ({}), found {}{}; correct or remove the line", expected,
+                   form, row.numbers.size() > kKittiColumns ? "more than " : "",
+                   std::min(row.numbers.size(), kKittiColumns)));
+}
+
+Trajectory tum_from(const std::vector<Row>& rows, const std::string& path) {
+  Trajectory trajectory;
+  trajectory.reserve(rows.size());
+  for (const Row& row : rows) {
+    require_columns(row, kTumColumns, "TUM: stamp x y z qx qy qz qw", path);
+    const auto& n = row.numbers;
+    const Eigen::Quaterniond q(n[7], n[4], n[5], n[6]);
+    if (!(std::abs(q.norm() - 1.0) <= kRotationTolerance)) {
+      fail(path, row.line,
+           fmt::format("expected a unit quaternion in columns 5 to 8, found one of norm {:.4g}",
+                       q.norm()));
+    }
+    if (!trajectory.empty() && !(n[0] > trajectory.back().stamp_s)) {
+      fail(path, row.line,
+           fmt::format("expected stamps that rise from line to line, found {:.9f} after {:.9f}; "
+                       "sort the lines and remove repeated ones",
+                       n[0], trajectory.back().stamp_s));
+    }
+    StampedPose pose;
+    pose.stamp_s = n[0];
+    pose.T_map_sensor.linear() = q.normalized().toRotationMatrix();
+    pose.T_map_sensor.translation() = Eigen::Vector3d(n[1], n[2], n[3]);
+    trajectory.push_back(pose);
+  }
+  return trajectory;
+}
+
+Trajectory kitti_from(const std::vector<Row>& rows, const std::string& path, double period_s) {
+  Trajectory trajectory;
+  trajectory.reserve(rows.size());
+  for (const Row& row : rows) {
+    require_columns(row, kKittiColumns, "KITTI: a 3x4 pose, row by row", path);
+    const Eigen::Matrix<double, 3, 4> matrix =
+        Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>>(row.numbers.data());
+    const Eigen::Matrix3d R = matrix.leftCols<3>();
+    const double deviation = (R.transpose() * R - Eigen::Matrix3d::Identity()).norm();
+    if (!(deviation <= kRotationTolerance) || R.determinant() < 0.0) {
+      fail(path, row.line,
+           fmt::format("expected a rotation in columns 1-3, 5-7, 9-11, found a matrix with "
+                       "|R'R - I| = {:.4g} and determinant {:.4g}",
+                       deviation, R.determinant()));
+    }
+    StampedPose pose;
+    pose.stamp_s = static_cast<double>(trajectory.size()) * period_s;
+    pose.T_map_sensor.linear() = Eigen::Quaterniond(R).normalized().toRotationMatrix();
+    pose.T_map_sensor.translation() = matrix.col(3);
+    trajectory.push_back(pose);
+  }
+  return trajectory;
+}
+
+std::string tum_line(const StampedPose& pose) {
+  const Eigen::Vector3d& t = pose.T_map_sensor.translation();
+  Eigen::Quaterniond q(pose.T_map_sensor.linear());
+  if (q.w() < 0.0) q.coeffs() = -q.coeffs();  // one text per pose, whichever sign Eigen picked
+  return fmt::format("{:.9f} {:.9f} {:.9f} {:.9f} {:.12f} {:.12f} {:.12f} {:.12f}\n", pose.stamp_s,
+                     t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w());
+}
+
+std::string kitti_line(const StampedPose& pose) {
+  std::string line;
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 4; ++column) {
+      line += fmt::format("{:.12e}{}", pose.T_map_sensor.matrix()(row, column),
+                          row == 2 && column == 3 ? '\n' : ' ');
+    }
+  }
+  return line;
+}
+
+void write_lines(const Trajectory& trajectory, const std::string& path,
+                 const std::function<std::string(const StampedPose&)>& line_of) {
+  std::ofstream stream(path, std::ios::binary);
+  for (const StampedPose& pose : trajectory) stream << line_of(pose);
+  stream.flush();
+  if (!stream) {
+    throw Error(
+        fmt::format("{}: cannot be written; check that the folder exists, is writable and "
+                    "has free space",
+                    path));
+  }
+}
+
+}  // namespace
+
+Trajectory read_tum(const std::string& path) { return tum_from(read_rows(path), path); }
+
+Trajectory read_kitti_poses(const std::string& path, double period_s) {
+  return kitti_from(read_rows(path), path, period_s);
+}
+
+Trajectory read_trajectory(const std::string& path, double period_s) {
+  const std::vector<Row> rows = read_rows(path);
+  const std::size_t columns = rows.front().numbers.size();
+  if (columns == kTumColumns) return tum_from(rows, path);
+  if (columns == kKittiColumns) return kitti_from(rows, path, period_s);
+  fail(path, rows.front().line,
+       fmt::format("expected 8 numbers (TUM) or 12 (KITTI), found {}; give a trajectory in one of "
+                   "the two forms",
+                   columns));
+}
+
+void write_tum(const Trajectory& trajectory, const std::string& path) {
+  write_lines(trajectory, path, tum_line);
+}
+
+void write_kitti_poses(const Trajectory& trajectory, const std::string& path) {
+  write_lines(trajectory, path, kitti_line);
+}
+
+}  // namespace hqslam
