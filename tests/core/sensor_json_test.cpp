@@ -1,0 +1,164 @@
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <numbers>
+
+#include "error_message.h"
+#include "file_contents.h"
+#include "hqslam/core/sensor_model.h"
+#include "temporary_directory.h"
+
+using namespace hqslam;
+using namespace hqslam::test;
+
+namespace {
+
+constexpr const char* kOwn = R"({"name": "two", "columns": 1024, "scan_period_s": 0.1,
+  "min_range_m": 0.5, "max_range_m": 80, "beam_elevation_deg": [10, -10],
+  "beam_azimuth_offset_deg": [1.5, 0]})";
+
+constexpr const char* kGrouped = R"({"sensor_info": {"prod_line": "OS-0-32"},
+  "beam_intrinsics": {"beam_altitude_angles": [10, -10], "beam_azimuth_angles": [3, -3]},
+  "lidar_data_format": {"columns_per_frame": 512}, "config_params": {"lidar_mode": "512x20"}})";
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  const auto at = text.find(from);
+  REQUIRE(at != std::string::npos);
+  return text.replace(at, from.size(), to);
+}
+
+SensorModel sensor_of(const std::string& json) {
+  const TemporaryDirectory directory;
+  write_file(directory.file("s.json"), json);
+  return read_sensor_json(directory.file("s.json"));
+}
+
+std::string complaint_about(const std::string& json) {
+  return error_message([&] { sensor_of(json); });
+}
+
+double degrees(double rad) { return rad * 180.0 / std::numbers::pi; }
+
+}  // namespace
+
+TEST_CASE("a sensor file in degrees is read field by field") {
+  const SensorModel sensor = sensor_of(kOwn);
+  CHECK(sensor.name == "two");
+  CHECK(sensor.columns == 1024);
+  CHECK(sensor.scan_period_s == 0.1);
+  CHECK(sensor.min_range_m == 0.5);
+  CHECK(sensor.max_range_m == 80.0);
+  REQUIRE(sensor.rows() == 2);
+  CHECK(degrees(sensor.beam_elevation_rad[0]) == doctest::Approx(10.0));
+  CHECK(degrees(sensor.beam_azimuth_offset_rad[0]) == doctest::Approx(1.5));
+}
+
+TEST_CASE("every preset comes back from its file to a hundred-millionth of a degree") {
+  const TemporaryDirectory directory;
+  const std::string path = directory.file("s.json");
+  for (const std::string& name : sensor_preset_names()) {
+    CAPTURE(name);
+    const SensorModel sensor = sensor_preset(name);
+    write_sensor_json(sensor, path);
+    const SensorModel back = load_sensor(path);
+    CHECK(back.name == sensor.name);
+    CHECK(back.columns == sensor.columns);
+    CHECK(back.scan_period_s == sensor.scan_period_s);
+    CHECK(back.min_range_m == sensor.min_range_m);
+    CHECK(back.max_range_m == sensor.max_range_m);
+    REQUIRE(back.rows() == sensor.rows());
+    for (int row = 0; row < sensor.rows(); ++row) {
+      CHECK(std::abs(degrees(back.beam_elevation_rad[row] - sensor.beam_elevation_rad[row])) <
+            1e-8);
+      CHECK(std::abs(degrees(back.beam_azimuth_offset_rad[row] -
+                             sensor.beam_azimuth_offset_rad[row])) < 1e-8);
+    }
+    write_sensor_json(back, directory.file("again.json"));
+    CHECK(file_contents(path) == file_contents(directory.file("again.json")));
+  }
+}
+
+TEST_CASE("angles given with few decimals are written with few decimals") {
+  const TemporaryDirectory directory;
+  write_sensor_json(sensor_preset("os1-64"), directory.file("s.json"));
+  const std::string text = file_contents(directory.file("s.json"));
+  CHECK(text.find("16.46,") != std::string::npos);
+  CHECK(text.find("00000") == std::string::npos);
+  CHECK(text.find("99999") == std::string::npos);
+}
+
+TEST_CASE("Ouster's grouped metadata give the sensor with azimuths turned counter-clockwise") {
+  const SensorModel sensor = sensor_of(kGrouped);
+  CHECK(sensor.name == "OS-0-32");
+  CHECK(sensor.columns == 512);
+  CHECK(sensor.scan_period_s == 0.05);
+  CHECK(degrees(sensor.beam_elevation_rad[1]) == doctest::Approx(-10.0));
+  CHECK(degrees(sensor.beam_azimuth_offset_rad[0]) == doctest::Approx(-3.0));
+  const SensorModel without_mode = sensor_of(replaced(
+      replaced(kGrouped, R"("lidar_mode": "512x20")", ""), R"(512})", R"(512, "fps": 10})"));
+  CHECK(without_mode.columns == 512);
+  CHECK(without_mode.scan_period_s == 0.1);
+}
+
+TEST_CASE("Ouster's real metadata files, reduced and full, are read") {
+  const char* data = std::getenv("HQSLAM_DATA");
+  if (data == nullptr) {
+    MESSAGE("skipped: HQSLAM_DATA is not set");
+    return;
+  }
+  const std::string folder = std::string(data) + "/ouster/";
+  const SensorModel os1_64 = read_sensor_json(folder + "OS-1-64_1024x10_fw20.json");
+  CHECK(os1_64.name == "OS-1-64_1024x10_fw20");
+  CHECK(os1_64.rows() == 64);
+  CHECK(os1_64.columns == 1024);
+  CHECK(os1_64.scan_period_s == 0.1);
+  CHECK(degrees(os1_64.beam_elevation_rad[0]) == doctest::Approx(16.46));
+  CHECK(degrees(os1_64.beam_azimuth_offset_rad[0]) == doctest::Approx(-3.12));
+  const SensorModel os1_32 = load_sensor(folder + "OS-1-32-G_v2.1.1_1024x10.json");
+  CHECK(os1_32.name == "OS-1-32-G");
+  CHECK(os1_32.rows() == 32);
+  CHECK(degrees(os1_32.beam_elevation_rad[31]) == doctest::Approx(-15.32));
+  CHECK(degrees(os1_32.beam_azimuth_offset_rad[31]) == doctest::Approx(-4.24));
+}
+
+TEST_CASE("a sensor file with a wrong field is refused with file, field, expected and found") {
+  const auto with = [](const std::string& from, const std::string& to) {
+    return complaint_about(replaced(kOwn, from, to));
+  };
+  CHECK(one_line_with(with("\"max_range_m\": 80,", ""), "s.json", "'max_range_m'",
+                      "expected a number", "found nothing"));
+  CHECK(one_line_with(with("\"max_range_m\"", "\"max_range\""), "'max_range'", "unknown field",
+                      "max_range_m"));
+  CHECK(one_line_with(with("1024", "\"many\""), "'columns'", "number", "\"many\""));
+  CHECK(one_line_with(with("1024", "1024.5"), "'columns'", "whole number", "1024.5"));
+  CHECK(one_line_with(with("[10, -10]", "[10, null]"), "'beam_elevation_deg[1]'", "null"));
+  CHECK(one_line_with(with("[10, -10]", "10"), "'beam_elevation_deg'", "list", "found 10"));
+  CHECK(one_line_with(with("\"two\"", "2"), "'name'", "text", "found 2"));
+  CHECK(one_line_with(with("\"two\"", "\"a\\nb\""), "'name'", "printable"));
+  CHECK(one_line_with(with("80", "1e999"), "s.json", "out of range"));
+  CHECK(one_line_with(with("80", "NaN"), "s.json", "expected JSON"));
+  CHECK(one_line_with(with("[10, -10]", "[-10, 10]"), "s.json", "elevations must fall"));
+  CHECK(one_line_with(with("[1.5, 0]", "[1.5]"), "s.json", "azimuth offsets"));
+  CHECK(one_line_with(complaint_about("[1, 2]"), "s.json", "object"));
+  CHECK(one_line_with(complaint_about("{\"name\": \"x\""), "s.json", "JSON", "byte"));
+  CHECK(one_line_with(complaint_about(std::string(100000, '[')), "s.json", "JSON"));
+}
+
+TEST_CASE("Ouster metadata that contradict themselves or lack a field are refused") {
+  const auto with = [](const std::string& from, const std::string& to) {
+    return complaint_about(replaced(kGrouped, from, to));
+  };
+  CHECK(one_line_with(with("512x20", "fast"), "s.json", "'lidar_mode'", "1024x10", "'fast'"));
+  CHECK(one_line_with(with("512x20", "1024x10"), "'columns_per_frame'", "1024", "found 512"));
+  CHECK(one_line_with(with("\"lidar_mode\": \"512x20\"", ""), "'lidar_mode'", "found nothing"));
+  CHECK(one_line_with(with("beam_azimuth_angles", "other"), "'beam_azimuth_angles'", "nothing"));
+}
+
+TEST_CASE("a sensor is loaded by the name of a preset or the path of a file") {
+  CHECK(load_sensor("vlp-16") == sensor_preset("vlp-16"));
+  CHECK(one_line_with(error_message([] { load_sensor("/nowhere/x.json"); }), "/nowhere/x.json",
+                      "no file"));
+  CHECK(one_line_with(error_message([] { load_sensor("os9"); }), "os9", "os1-64"));
+  CHECK(one_line_with(error_message([] { load_sensor("/tmp/"); }), "/tmp/", "folder"));
+}
