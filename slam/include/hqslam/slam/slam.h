@@ -34,7 +34,7 @@ struct ScanReport {
   int clusters = 0;
   int edge_features = 0;
   int planar_features = 0;
-  int edge_correspondences = 0;    ///< used by the last iteration of mapping
+  int edge_correspondences = 0;  ///< used by the last iteration of mapping
   int planar_correspondences = 0;
   bool key_frame = false;
   StageTimes times;

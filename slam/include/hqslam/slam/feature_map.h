@@ -1,0 +1,66 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace hqslam::slam {
+
+/// Nearest points found by FeatureMap, nearest first.
+struct Neighbours {
+  static constexpr int kWanted = 5;
+  int count = 0;
+  std::array<Eigen::Vector3f, kWanted> points_m;
+  std::array<float, kWanted> squared_distance_m2{};
+};
+
+/// A map of points, thinned to one per voxel, that grows point by point and finds nearest points.
+///
+/// Space is cut into cubes of `2 * max_distance_m`, found by a hash; a cube keeps one point per
+/// voxel of `leaf_m`, the running mean of the first points that fell there. A search looks at the
+/// at most eight cubes that a ball of max_distance_m touches. Inserting and searching take the same
+/// time however large the map has grown: a kd-tree would have to be built anew with every key
+/// frame. Exact: the neighbours are those of a search through all points.
+///
+/// Points farther than a million cubes from the origin are left out.
+class FeatureMap {
+ public:
+  FeatureMap(double leaf_m, double max_distance_m);
+
+  void insert(const std::vector<Eigen::Vector3f>& points_m);
+
+  /// Up to five nearest points within max_distance_m.
+  Neighbours nearest(const Eigen::Vector3f& query_m) const;
+
+  std::size_t size() const { return size_; }
+  /// All points, in the order in which their cubes and voxels were first met.
+  std::vector<Eigen::Vector3f> points_m() const;
+
+ private:
+  struct Cell {
+    Eigen::Vector3f mean_m;
+    std::uint16_t voxel = 0;  ///< within the cube
+    std::uint16_t count = 0;
+  };
+  struct Cube {
+    std::uint64_t key = 0;
+    std::vector<Cell> cells;
+  };
+
+  bool key_of(const Eigen::Vector3i& cube, std::uint64_t& key) const;
+  const Cube* find(std::uint64_t key) const;
+  Cube& find_or_add(std::uint64_t key);
+  void grow_table();
+  void insert(const Eigen::Vector3f& point_m);
+
+  float leaf_m_;
+  float max_distance_m_;
+  float cube_m_;
+  int voxels_per_side_;
+  std::size_t size_ = 0;
+  std::vector<Cube> cubes_;
+  std::vector<std::uint32_t> table_;  ///< open addressing: index of a cube plus one, 0 empty
+};
+
+}  // namespace hqslam::slam

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "hqslam/core/organized_cloud.h"
+#include "hqslam/slam/options.h"
+#include "hqslam/slam/segmentation.h"
+
+namespace hqslam::slam {
+
+/// A point of a scan as it was measured (not corrected for motion).
+struct FeaturePoint {
+  Eigen::Vector3f point_m = Eigen::Vector3f::Zero();  ///< sensor frame at the time of capture
+  float time_offset_s = 0.0F;                         ///< capture time minus the scan's stamp
+  int row = 0;
+};
+
+/// LOAM's four kinds of features, each ordered by row.
+struct Features {
+  std::vector<FeaturePoint> sharp_edges;  ///< the sharpest; matched from scan to scan
+  std::vector<FeaturePoint> edges;        ///< more of them ("less sharp"), the sharpest included
+  std::vector<FeaturePoint> flat_points;  ///< the flattest ground points; matched scan to scan
+  std::vector<FeaturePoint> ground;       ///< ground points, thinned
+  std::vector<FeaturePoint> surfaces;     ///< clusters' points that are no edges ("less flat"), and
+                                          ///< every fifth outlier; thinned
+};
+
+/// Chooses edge and planar features of a scan.
+///
+/// In: cloud (sensor frame), its segmentation. Out: features. Within each row, returns of ground
+/// and clusters follow each other; with their ranges r the smoothness of point i is
+///   c_i = | sum over j = i-5..i+5, j != i, of r_j  -  10 r_i |        [m]
+/// Points on the far side of a depth jump (they may be hidden from elsewhere) and points on
+/// surfaces nearly parallel to the beam are never features. Each row is cut into sections; edges
+/// are the largest c of a section, flat points the smallest, and neither has a neighbour of its
+/// kind within 5 points. Source: LOAM (Zhang & Singh 2014), LeGO-LOAM's featureAssociation.
+///
+/// Differs from LeGO-LOAM: smoothness is judged against the range as well as by itself, so that a
+/// distant surface is no edge; the ground is not thinned to every fifth column before the
+/// smoothness is taken; every point of a section takes part in the choice, the last one too, and
+/// points at the ends of a row are only ever compared with points of the same row and scan; all
+/// flat points, the fourth of a section too, keep their neighbours from being chosen.
+Features extract_features(const OrganizedCloud& cloud, const Segmentation& segmentation,
+                          const FeatureOptions& options);
+
+}  // namespace hqslam::slam

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "hqslam/core/organized_cloud.h"
+#include "hqslam/slam/options.h"
+
+namespace hqslam::slam {
+
+/// Marks the pixels that lie on the ground.
+///
+/// In: a cloud in the sensor frame (z up), the sensor. Out: 1 per pixel of the ground, 0 elsewhere.
+/// Within a column, two returns that follow each other from below are ground if the line through
+/// them rises or falls by at most max_slope_rad. Source: LeGO-LOAM, section 4 A of its paper.
+///
+/// Differs from LeGO-LOAM: the rows searched are those that look below the horizon, whatever the
+/// sensor, not a number per sensor; a beam without a return does not end the ground, the next
+/// return above it is compared.
+std::vector<std::uint8_t> mark_ground(const OrganizedCloud& cloud, const SensorModel& sensor,
+                                      const GroundOptions& options);
+
+}  // namespace hqslam::slam

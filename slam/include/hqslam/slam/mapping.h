@@ -1,0 +1,60 @@
+#pragma once
+
+#include "hqslam/core/pose.h"
+#include "hqslam/slam/feature_map.h"
+#include "hqslam/slam/features.h"
+#include "hqslam/slam/motion_correction.h"
+#include "hqslam/slam/options.h"
+#include "hqslam/slam/status.h"
+
+namespace hqslam::slam {
+
+struct MappingResult {
+  Pose T_map_sensor = Pose::Identity();
+  Status status = Status::kOk;
+  int edge_correspondences = 0;
+  int planar_correspondences = 0;
+};
+
+/// Where the sensor was at the scan before, for the motion within a scan.
+struct PreviousPose {
+  Pose T_map_sensor = Pose::Identity();
+  double duration_s = 0.1;  ///< from its stamp to the scan's
+};
+
+/// Scan-to-map optimisation, and the map.
+///
+/// In: features of a scan (as measured), a predicted pose. Out: the pose. Each edge feature is
+/// matched with the line through its five nearest edge points of the map, each planar feature with
+/// the plane through its five nearest planar points; all six parameters are estimated by
+/// Levenberg-Marquardt; search and estimation alternate until the pose stands. Source: LOAM,
+/// section VI; LeGO-LOAM's mapOptmization.
+///
+/// Differs from LeGO-LOAM: every scan is matched, not every third; the map is one incremental
+/// structure (FeatureMap), not rebuilt from key frames; the weight of a planar feature falls with
+/// its distance from the sensor, not from the origin of the map; planes are fitted about their
+/// centroid, so that a plane through the map's origin is as good as any; a turn makes a key frame
+/// too; the scan is corrected for motion anew with every improved pose.
+class Mapping {
+ public:
+  explicit Mapping(const MappingOptions& options);
+
+  MappingResult locate(const Features& features, const Pose& T_map_sensor_predicted,
+                       const PreviousPose& previous) const;
+
+  /// Whether the pose is far enough from the last one inserted.
+  bool is_key_frame(const Pose& T_map_sensor) const;
+  void insert(const Features& features, const Pose& T_map_sensor, const SensorMotion& motion);
+
+  const FeatureMap& edges() const { return edges_; }
+  const FeatureMap& planes() const { return planes_; }
+
+ private:
+  MappingOptions options_;
+  FeatureMap edges_;
+  FeatureMap planes_;
+  bool has_key_frame_ = false;
+  Pose T_map_last_key_frame_ = Pose::Identity();
+};
+
+}  // namespace hqslam::slam

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <memory>
+
+#include "hqslam/core/pose.h"
+#include "hqslam/slam/features.h"
+#include "hqslam/slam/motion_correction.h"
+#include "hqslam/slam/options.h"
+#include "hqslam/slam/status.h"
+
+namespace hqslam::slam {
+
+struct OdometryResult {
+  Pose T_reference_sensor = Pose::Identity();
+  Status status = Status::kOk;
+  int planar_correspondences = 0;
+  int edge_correspondences = 0;
+};
+
+/// Scan-to-scan motion in two steps.
+///
+/// In: features of a scan (as measured), a predicted motion since the reference scan. Out: the
+/// sensor's pose in the frame of the reference scan at its stamp. Step 1 matches flat points of the
+/// ground with planes of the reference's ground and estimates z, roll, pitch; step 2 matches sharp
+/// edges with lines through the reference's edges and estimates x, y, yaw, both by
+/// Levenberg-Marquardt. The scan is corrected for the motion found so far before each search.
+/// Source: LeGO-LOAM, section 4 C of its paper.
+///
+/// Differs from LeGO-LOAM: the search runs over all of the reference, not over as many points as
+/// the scan has features; full LM steps, not 5 % of a Gauss-Newton step; the two steps alternate
+/// until neither moves; ground is matched with ground and edges with edges, as its paper says; a
+/// direction that is not observable keeps its predicted value; a scan with too few features
+/// leaves the prediction and says so.
+class Odometry {
+ public:
+  explicit Odometry(const OdometryOptions& options);
+  ~Odometry();
+  Odometry(Odometry&&) noexcept;
+  Odometry& operator=(Odometry&&) noexcept;
+
+  bool has_reference() const;
+  /// Makes this scan the one that the next are matched with.
+  void set_reference(const Features& features, const SensorMotion& motion);
+
+  /// `duration_s`: from the reference's stamp to the scan's.
+  OdometryResult estimate(const Features& features, const Pose& T_reference_sensor_predicted,
+                          double duration_s) const;
+
+ private:
+  struct Reference;
+  OdometryOptions options_;
+  std::unique_ptr<Reference> reference_;
+};
+
+}  // namespace hqslam::slam

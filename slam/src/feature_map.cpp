@@ -1,0 +1,145 @@
+#include "hqslam/slam/feature_map.h"
+
+#include <cmath>
+
+namespace hqslam::slam {
+
+namespace {
+
+/// Points averaged per voxel; later ones leave it as it is, so that old parts of the map are not
+/// smeared by the drift of a later visit.
+constexpr std::uint16_t kMaxMeanCount = 20;
+
+constexpr int kCubeRange = 1 << 20;  // cubes on each side of the origin
+
+std::uint64_t mixed(std::uint64_t key) {
+  key ^= key >> 31;
+  key *= 0x9E3779B97F4A7C15ULL;
+  return key ^ (key >> 29);
+}
+
+Eigen::Vector3i floored(const Eigen::Vector3f& v) { return v.array().floor().cast<int>(); }
+
+void insert_sorted(Neighbours& found, const Eigen::Vector3f& point_m, float distance_m2) {
+  int place = found.count < Neighbours::kWanted ? found.count++ : Neighbours::kWanted - 1;
+  while (place > 0 && found.squared_distance_m2[place - 1] > distance_m2) {
+    found.squared_distance_m2[place] = found.squared_distance_m2[place - 1];
+    found.points_m[place] = found.points_m[place - 1];
+    --place;
+  }
+  found.squared_distance_m2[place] = distance_m2;
+  found.points_m[place] = point_m;
+}
+
+}  // namespace
+
+FeatureMap::FeatureMap(double leaf_m, double max_distance_m)
+    : leaf_m_(static_cast<float>(leaf_m)),
+      max_distance_m_(static_cast<float>(max_distance_m)),
+      cube_m_(static_cast<float>(2.0 * max_distance_m)),
+      voxels_per_side_(static_cast<int>(std::ceil(2.0 * max_distance_m / leaf_m))),
+      table_(1024, 0) {}
+
+bool FeatureMap::key_of(const Eigen::Vector3i& cube, std::uint64_t& key) const {
+  const Eigen::Vector3i shifted = cube.array() + kCubeRange;
+  if ((shifted.array() < 0).any() || (shifted.array() >= 2 * kCubeRange).any()) return false;
+  key = (static_cast<std::uint64_t>(shifted.x()) << 42) |
+        (static_cast<std::uint64_t>(shifted.y()) << 21) | static_cast<std::uint64_t>(shifted.z());
+  return true;
+}
+
+const FeatureMap::Cube* FeatureMap::find(std::uint64_t key) const {
+  const std::size_t mask = table_.size() - 1;
+  for (std::size_t slot = mixed(key) & mask; table_[slot] != 0; slot = (slot + 1) & mask) {
+    const Cube& cube = cubes_[table_[slot] - 1];
+    if (cube.key == key) return &cube;
+  }
+  return nullptr;
+}
+
+FeatureMap::Cube& FeatureMap::find_or_add(std::uint64_t key) {
+  const std::size_t mask = table_.size() - 1;
+  std::size_t slot = mixed(key) & mask;
+  for (; table_[slot] != 0; slot = (slot + 1) & mask) {
+    Cube& cube = cubes_[table_[slot] - 1];
+    if (cube.key == key) return cube;
+  }
+  cubes_.push_back({key, {}});
+  table_[slot] = static_cast<std::uint32_t>(cubes_.size());
+  if (2 * cubes_.size() > table_.size()) grow_table();
+  return cubes_.back();
+}
+
+void FeatureMap::grow_table() {
+  table_.assign(2 * table_.size(), 0);
+  const std::size_t mask = table_.size() - 1;
+  for (std::size_t i = 0; i < cubes_.size(); ++i) {
+    std::size_t slot = mixed(cubes_[i].key) & mask;
+    while (table_[slot] != 0) slot = (slot + 1) & mask;
+    table_[slot] = static_cast<std::uint32_t>(i + 1);
+  }
+}
+
+void FeatureMap::insert(const std::vector<Eigen::Vector3f>& points_m) {
+  for (const Eigen::Vector3f& point_m : points_m) insert(point_m);
+}
+
+void FeatureMap::insert(const Eigen::Vector3f& point_m) {
+  const Eigen::Vector3f scaled = point_m / cube_m_;
+  if (!(scaled.array().abs() < static_cast<float>(kCubeRange - 1)).all()) return;
+  const Eigen::Vector3i cube_index = floored(scaled);
+  std::uint64_t key = 0;
+  if (!key_of(cube_index, key)) return;
+  Cube& cube = find_or_add(key);
+  const Eigen::Vector3i voxel = floored((point_m - cube_index.cast<float>() * cube_m_) / leaf_m_)
+                                    .cwiseMax(0)
+                                    .cwiseMin(voxels_per_side_ - 1);
+  const auto voxel_index = static_cast<std::uint16_t>(
+      (voxel.x() * voxels_per_side_ + voxel.y()) * voxels_per_side_ + voxel.z());
+  for (Cell& cell : cube.cells) {
+    if (cell.voxel != voxel_index) continue;
+    if (cell.count < kMaxMeanCount) {
+      ++cell.count;
+      cell.mean_m += (point_m - cell.mean_m) / static_cast<float>(cell.count);
+    }
+    return;
+  }
+  cube.cells.push_back({point_m, voxel_index, 1});
+  ++size_;
+}
+
+Neighbours FeatureMap::nearest(const Eigen::Vector3f& query_m) const {
+  Neighbours found;
+  const Eigen::Vector3f scaled = query_m / cube_m_;
+  if (!(scaled.array().abs() < static_cast<float>(kCubeRange - 1)).all()) return found;
+  // The ball has the diameter of a cube: along each axis it touches the cube of its lower end and
+  // the next.
+  const Eigen::Vector3i lowest = floored(scaled.array() - 0.5F);
+  float limit_m2 = max_distance_m_ * max_distance_m_;
+  for (int corner = 0; corner < 8; ++corner) {
+    const Eigen::Vector3i index =
+        lowest + Eigen::Vector3i(corner & 1, (corner >> 1) & 1, corner >> 2);
+    std::uint64_t key = 0;
+    if (!key_of(index, key)) continue;
+    const Cube* cube = find(key);
+    if (cube == nullptr) continue;
+    for (const Cell& cell : cube->cells) {
+      const float distance_m2 = (cell.mean_m - query_m).squaredNorm();
+      if (distance_m2 >= limit_m2) continue;
+      insert_sorted(found, cell.mean_m, distance_m2);
+      if (found.count == Neighbours::kWanted) limit_m2 = found.squared_distance_m2.back();
+    }
+  }
+  return found;
+}
+
+std::vector<Eigen::Vector3f> FeatureMap::points_m() const {
+  std::vector<Eigen::Vector3f> result;
+  result.reserve(size_);
+  for (const Cube& cube : cubes_) {
+    for (const Cell& cell : cube.cells) result.push_back(cell.mean_m);
+  }
+  return result;
+}
+
+}  // namespace hqslam::slam

@@ -1,0 +1,51 @@
+#include "hqslam/slam/ground.h"
+
+#include <cmath>
+
+namespace hqslam::slam {
+
+namespace {
+
+/// Beams higher than this do not meet the ground within a useful distance.
+constexpr double kHighestGroundBeam_rad = -0.5 * 3.14159265358979323846 / 180.0;
+
+/// How many beams without a return may lie between two compared ones.
+constexpr int kMaxMissingBeams = 2;
+
+void mark_column(const OrganizedCloud& cloud, int highest_row, int column, float max_slope_squared,
+                 std::vector<std::uint8_t>& ground) {
+  int lower_row = -1;
+  for (int row = cloud.rows - 1; row >= highest_row; --row) {
+    const std::size_t upper = cloud.index(row, column);
+    if (cloud.range_m[upper] <= 0.0F) continue;
+    if (lower_row >= 0 && lower_row - row <= kMaxMissingBeams + 1) {
+      const std::size_t lower = cloud.index(lower_row, column);
+      const Eigen::Vector3f step_m = cloud.points_m[upper] - cloud.points_m[lower];
+      if (step_m.z() * step_m.z() <= max_slope_squared * step_m.head<2>().squaredNorm()) {
+        ground[upper] = 1;
+        ground[lower] = 1;
+      }
+    }
+    lower_row = row;
+  }
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> mark_ground(const OrganizedCloud& cloud, const SensorModel& sensor,
+                                      const GroundOptions& options) {
+  std::vector<std::uint8_t> ground(cloud.range_m.size(), 0);
+  int highest_row = 0;
+  while (highest_row < cloud.rows &&
+         sensor.beam_elevation_rad[highest_row] > kHighestGroundBeam_rad) {
+    ++highest_row;
+  }
+  const auto max_slope = static_cast<float>(std::tan(options.max_slope_rad));
+#pragma omp parallel for schedule(static)
+  for (int column = 0; column < cloud.columns; ++column) {
+    mark_column(cloud, highest_row, column, max_slope * max_slope, ground);
+  }
+  return ground;
+}
+
+}  // namespace hqslam::slam

@@ -1,0 +1,50 @@
+#include "map_matching.h"
+
+#include <Eigen/Eigenvalues>
+#include <cmath>
+
+namespace hqslam::slam {
+
+namespace {
+
+struct Spread {
+  Eigen::Vector3d mean_m;
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;  ///< of the covariance, smallest first
+};
+
+Spread spread_of(const Neighbours& neighbours) {
+  Spread result;
+  result.mean_m.setZero();
+  for (const auto& point_m : neighbours.points_m) result.mean_m += point_m.cast<double>();
+  result.mean_m /= Neighbours::kWanted;
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  for (const auto& point_m : neighbours.points_m) {
+    const Eigen::Vector3d offset_m = point_m.cast<double>() - result.mean_m;
+    covariance += offset_m * offset_m.transpose();
+  }
+  result.solver.computeDirect(covariance / Neighbours::kWanted);
+  return result;
+}
+
+}  // namespace
+
+std::optional<MapLine> fit_line(const Neighbours& neighbours) {
+  if (neighbours.count < Neighbours::kWanted) return std::nullopt;
+  const Spread spread = spread_of(neighbours);
+  const Eigen::Vector3d& eigenvalues = spread.solver.eigenvalues();
+  if (!(eigenvalues[2] > 3.0 * eigenvalues[1])) return std::nullopt;
+  return MapLine{spread.mean_m, spread.solver.eigenvectors().col(2)};
+}
+
+std::optional<MapPlane> fit_plane(const Neighbours& neighbours, double max_residual_m) {
+  if (neighbours.count < Neighbours::kWanted) return std::nullopt;
+  const Spread spread = spread_of(neighbours);
+  const MapPlane plane{spread.mean_m, spread.solver.eigenvectors().col(0)};
+  for (const auto& point_m : neighbours.points_m) {
+    const double residual_m = plane.normal.dot(point_m.cast<double>() - plane.point_m);
+    if (!(std::abs(residual_m) <= max_residual_m)) return std::nullopt;
+  }
+  return plane;
+}
+
+}  // namespace hqslam::slam

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+
+#include "hqslam/slam/feature_map.h"
+
+namespace hqslam::slam {
+
+/// A line through points, for an edge feature.
+struct MapLine {
+  Eigen::Vector3d point_m;
+  Eigen::Vector3d direction;
+};
+/// The line through five neighbours, if they lie along one: the largest eigenvalue of their
+/// covariance is more than three times the second (LOAM).
+std::optional<MapLine> fit_line(const Neighbours& neighbours);
+
+/// A plane through points, for a planar feature.
+struct MapPlane {
+  Eigen::Vector3d point_m;
+  Eigen::Vector3d normal;
+};
+/// The plane through five neighbours, if none is farther than max_residual_m from it.
+std::optional<MapPlane> fit_plane(const Neighbours& neighbours, double max_residual_m);
+
+}  // namespace hqslam::slam

@@ -1,0 +1,165 @@
+#include "hqslam/slam/mapping.h"
+
+#include <cmath>
+#include <optional>
+
+#include "map_matching.h"
+#include "rigid_alignment.h"
+#include "voxel_thinning.h"
+
+namespace hqslam::slam {
+
+namespace {
+
+constexpr double kMinWeight = 0.1;
+constexpr double kMinObservableShare = 0.005;
+constexpr int kStepsPerSearch = 2;
+
+/// Thinned features of the scan that is located.
+struct ScanFeatures {
+  std::vector<FeaturePoint> edges;
+  std::vector<FeaturePoint> planes;
+};
+
+ScanFeatures thinned(const Features& features, const MappingOptions& options) {
+  std::vector<FeaturePoint> planes = features.ground;
+  planes.insert(planes.end(), features.surfaces.begin(), features.surfaces.end());
+  return {thin(features.edges, options.edge_leaf_m), thin(planes, options.planar_leaf_m)};
+}
+
+/// Constraints of the motion that remains, in axes of the map with the predicted position as
+/// origin: points are R p, planes are moved by -t.
+struct Constraints {
+  std::vector<PlaneConstraint> all;
+  int edges = 0;
+  int planes = 0;
+};
+
+using EdgePair = std::array<PlaneConstraint, 2>;
+
+std::optional<EdgePair> match_edge(const FeatureMap& map, const Eigen::Vector3d& rotated_m,
+                                   const Eigen::Vector3d& origin_m) {
+  const auto line = fit_line(map.nearest((rotated_m + origin_m).cast<float>()));
+  if (!line) return std::nullopt;
+  const Eigen::Vector3d on_line_m = line->point_m - origin_m;
+  const double distance_m = line->direction.cross(rotated_m - on_line_m).norm();
+  const double weight = 1.0 - 0.9 * distance_m;
+  if (weight < kMinWeight) return std::nullopt;
+  const Eigen::Vector3d a = line->direction.unitOrthogonal();
+  const Eigen::Vector3d b = line->direction.cross(a);
+  return EdgePair{
+      {{rotated_m, a, a.dot(on_line_m), weight}, {rotated_m, b, b.dot(on_line_m), weight}}};
+}
+
+std::optional<PlaneConstraint> match_plane(const FeatureMap& map, const Eigen::Vector3d& rotated_m,
+                                           const Eigen::Vector3d& origin_m, double max_residual_m) {
+  const auto plane = fit_plane(map.nearest((rotated_m + origin_m).cast<float>()), max_residual_m);
+  if (!plane) return std::nullopt;
+  const double offset_m = plane->normal.dot(plane->point_m - origin_m);
+  const double distance_m = std::abs(plane->normal.dot(rotated_m) - offset_m);
+  const double weight = 1.0 - 0.9 * distance_m / std::sqrt(rotated_m.norm());
+  if (weight < kMinWeight) return std::nullopt;
+  return PlaneConstraint{rotated_m, plane->normal, offset_m, weight};
+}
+
+Constraints match(const ScanFeatures& scan, const FeatureMap& edge_map, const FeatureMap& plane_map,
+                  const Pose& T_map_sensor, const SensorMotion& motion,
+                  const MappingOptions& options) {
+  const std::vector<Eigen::Vector3f> edges_m = motion_corrected(scan.edges, motion);
+  const std::vector<Eigen::Vector3f> planes_m = motion_corrected(scan.planes, motion);
+  std::vector<std::optional<EdgePair>> edges(edges_m.size());
+  std::vector<std::optional<PlaneConstraint>> planes(planes_m.size());
+  const Eigen::Matrix3d rotation = T_map_sensor.linear();
+  const Eigen::Vector3d origin_m = T_map_sensor.translation();
+#pragma omp parallel
+  {
+#pragma omp for schedule(static) nowait
+    for (std::size_t i = 0; i < edges_m.size(); ++i) {
+      edges[i] = match_edge(edge_map, rotation * edges_m[i].cast<double>(), origin_m);
+    }
+#pragma omp for schedule(static)
+    for (std::size_t i = 0; i < planes_m.size(); ++i) {
+      planes[i] = match_plane(plane_map, rotation * planes_m[i].cast<double>(), origin_m,
+                              options.max_plane_residual_m);
+    }
+  }
+  Constraints result;
+  for (const auto& edge : edges) {
+    if (!edge) continue;
+    result.all.insert(result.all.end(), edge->begin(), edge->end());
+    ++result.edges;
+  }
+  for (const auto& plane : planes) {
+    if (!plane) continue;
+    result.all.push_back(*plane);
+    ++result.planes;
+  }
+  return result;
+}
+
+}  // namespace
+
+Mapping::Mapping(const MappingOptions& options)
+    : options_(options),
+      edges_(options.edge_leaf_m, options.max_neighbour_distance_m),
+      planes_(options.planar_leaf_m, options.max_neighbour_distance_m) {}
+
+MappingResult Mapping::locate(const Features& features, const Pose& T_map_sensor_predicted,
+                              const PreviousPose& previous) const {
+  const ScanFeatures scan = thinned(features, options_);
+  MappingResult result;
+  result.T_map_sensor = T_map_sensor_predicted;
+  for (int iteration = 0; iteration < options_.max_iterations; ++iteration) {
+    const SensorMotion motion{previous.T_map_sensor.inverse() * result.T_map_sensor,
+                              previous.duration_s};
+    const Constraints constraints =
+        match(scan, edges_, planes_, result.T_map_sensor, motion, options_);
+    result.edge_correspondences = constraints.edges;
+    result.planar_correspondences = constraints.planes;
+    if (constraints.edges + constraints.planes < options_.min_correspondences) {
+      result.T_map_sensor = T_map_sensor_predicted;
+      result.status = Status::kTooFewFeatures;
+      return result;
+    }
+    const MotionParameters found =
+        align(constraints.all, MotionParameters{}, FreeParameters::kAll, kStepsPerSearch);
+    const Observability observable =
+        observability(constraints.all, FreeParameters::kAll, kMinObservableShare);
+    const Pose change = pose_of(without_unobservable(MotionParameters{}, found, observable));
+    result.T_map_sensor.linear() = change.linear() * result.T_map_sensor.linear();
+    result.T_map_sensor.translation() += change.translation();
+    const bool converged = rotation_angle_rad(change) < options_.converged_rotation_rad &&
+                           change.translation().norm() < options_.converged_translation_m;
+    result.status = observable.degenerate_directions > 0 ? Status::kDegenerate
+                    : converged                          ? Status::kOk
+                                                         : Status::kNotConverged;
+    if (converged) break;
+  }
+  result.T_map_sensor = orthonormalized(result.T_map_sensor);
+  return result;
+}
+
+bool Mapping::is_key_frame(const Pose& T_map_sensor) const {
+  if (!has_key_frame_) return true;
+  const Pose motion = T_map_last_key_frame_.inverse() * T_map_sensor;
+  return motion.translation().norm() >= options_.key_frame_translation_m ||
+         rotation_angle_rad(motion) >= options_.key_frame_rotation_rad;
+}
+
+void Mapping::insert(const Features& features, const Pose& T_map_sensor,
+                     const SensorMotion& motion) {
+  const ScanFeatures scan = thinned(features, options_);
+  const auto in_map = [&](const std::vector<FeaturePoint>& points) {
+    std::vector<Eigen::Vector3f> result = motion_corrected(points, motion);
+    for (Eigen::Vector3f& point_m : result) {
+      point_m = (T_map_sensor * point_m.cast<double>()).cast<float>();
+    }
+    return result;
+  };
+  edges_.insert(in_map(scan.edges));
+  planes_.insert(in_map(scan.planes));
+  T_map_last_key_frame_ = T_map_sensor;
+  has_key_frame_ = true;
+}
+
+}  // namespace hqslam::slam

@@ -1,0 +1,162 @@
+#include "hqslam/slam/odometry.h"
+
+#include <cmath>
+#include <optional>
+
+#include "rigid_alignment.h"
+#include "row_ordered_cloud.h"
+
+namespace hqslam::slam {
+
+namespace {
+
+/// From this iteration on, distant matches lose weight and the search is narrower.
+constexpr int kRobustFromIteration = 2;
+constexpr double kNarrowSearchShare = 0.3;
+constexpr double kMinWeight = 0.1;
+constexpr double kMinObservableShare = 0.005;
+constexpr int kStepsPerSearch = 3;
+
+using Constraints = std::vector<PlaneConstraint>;
+
+/// What a search needs to know besides the point.
+struct SearchState {
+  Pose T_reference_sensor;
+  double max_distance_m;
+  bool robust;
+};
+
+/// A plane through the nearest point, its neighbour in the same row and one in a row nearby.
+std::optional<PlaneConstraint> planar_constraint(const RowOrderedCloud& target,
+                                                 const Eigen::Vector3f& point_m,
+                                                 const SearchState& state) {
+  const Eigen::Vector3d point = point_m.cast<double>();
+  const Eigen::Vector3d moved = state.T_reference_sensor * point;
+  const Eigen::Vector3f query = moved.cast<float>();
+  const auto first = target.nearest(query, state.max_distance_m);
+  if (!first) return std::nullopt;
+  const auto second = target.nearest_in_row_of(*first, query, state.max_distance_m);
+  const auto third = target.nearest_near_row_of(*first, query, state.max_distance_m);
+  if (!second || !third) return std::nullopt;
+  const Eigen::Vector3d a = target.point_m(*first).cast<double>();
+  const Eigen::Vector3d b = target.point_m(*second).cast<double>();
+  const Eigen::Vector3d c = target.point_m(*third).cast<double>();
+  const Eigen::Vector3d cross = (b - a).cross(c - a);
+  if (!(cross.norm() > 1e-6)) return std::nullopt;
+  PlaneConstraint constraint{point, cross.normalized(), 0.0, 1.0};
+  constraint.offset_m = constraint.normal.dot(a);
+  const double distance_m = std::abs(constraint.normal.dot(moved) - constraint.offset_m);
+  if (state.robust) constraint.weight = 1.0 - 1.8 * distance_m / std::sqrt(point.norm());
+  if (constraint.weight < kMinWeight) return std::nullopt;
+  return constraint;
+}
+
+/// The line through the nearest point and one in a row nearby, as two planes.
+void add_edge_constraints(const RowOrderedCloud& target, const Eigen::Vector3f& point_m,
+                          const SearchState& state, Constraints& constraints) {
+  const Eigen::Vector3d point = point_m.cast<double>();
+  const Eigen::Vector3d moved = state.T_reference_sensor * point;
+  const Eigen::Vector3f query = moved.cast<float>();
+  const auto first = target.nearest(query, state.max_distance_m);
+  if (!first) return;
+  const auto second = target.nearest_near_row_of(*first, query, state.max_distance_m);
+  if (!second) return;
+  const Eigen::Vector3d a = target.point_m(*first).cast<double>();
+  const Eigen::Vector3d along = target.point_m(*second).cast<double>() - a;
+  if (!(along.norm() > 1e-3)) return;
+  const Eigen::Vector3d direction = along.normalized();
+  const Eigen::Vector3d across = direction.unitOrthogonal();
+  const double distance_m = direction.cross(moved - a).norm();
+  const double weight = state.robust ? 1.0 - 1.8 * distance_m : 1.0;
+  if (weight < kMinWeight) return;
+  for (const Eigen::Vector3d& normal : {across, direction.cross(across).eval()}) {
+    constraints.push_back({point, normal, normal.dot(a), weight});
+  }
+}
+
+/// One of the two steps: LM over the free parameters; unobservable directions are held.
+bool improve(const Constraints& constraints, FreeParameters free, Pose& T_reference_sensor) {
+  const MotionParameters start = parameters_of(T_reference_sensor);
+  const MotionParameters end = align(constraints, start, free, kStepsPerSearch);
+  const Observability observable = observability(constraints, free, kMinObservableShare);
+  T_reference_sensor = pose_of(without_unobservable(start, end, observable));
+  return observable.degenerate_directions == 0;
+}
+
+}  // namespace
+
+struct Odometry::Reference {
+  RowOrderedCloud ground;
+  RowOrderedCloud edges;
+
+  Reference(const Features& features, const SensorMotion& motion)
+      : ground(features.ground, motion_corrected(features.ground, motion)),
+        edges(features.edges, motion_corrected(features.edges, motion)) {}
+};
+
+Odometry::Odometry(const OdometryOptions& options) : options_(options) {}
+Odometry::~Odometry() = default;
+Odometry::Odometry(Odometry&&) noexcept = default;
+Odometry& Odometry::operator=(Odometry&&) noexcept = default;
+
+bool Odometry::has_reference() const { return reference_ != nullptr; }
+
+void Odometry::set_reference(const Features& features, const SensorMotion& motion) {
+  reference_ = std::make_unique<Reference>(features, motion);
+}
+
+OdometryResult Odometry::estimate(const Features& features,
+                                  const Pose& T_reference_sensor_predicted,
+                                  double duration_s) const {
+  OdometryResult result;
+  result.T_reference_sensor = T_reference_sensor_predicted;
+  result.status = Status::kTooFewFeatures;
+  if (reference_ == nullptr || static_cast<int>(reference_->edges.size()) < options_.min_edges ||
+      static_cast<int>(reference_->ground.size()) < options_.min_planar) {
+    return result;
+  }
+  for (int iteration = 0; iteration < options_.max_iterations; ++iteration) {
+    const Pose before = result.T_reference_sensor;
+    const SensorMotion motion{before, duration_s};
+    const bool robust = iteration >= kRobustFromIteration;
+    const double reach_m = options_.max_distance_m * (robust ? kNarrowSearchShare : 1.0);
+
+    Constraints planar;
+    for (const auto& point_m : motion_corrected(features.flat_points, motion)) {
+      const auto found = planar_constraint(reference_->ground, point_m, {before, reach_m, robust});
+      if (found) planar.push_back(*found);
+    }
+    result.planar_correspondences = static_cast<int>(planar.size());
+    const bool enough_planar = result.planar_correspondences >= options_.min_correspondences;
+    const bool planar_observable =
+        !enough_planar || improve(planar, FreeParameters::kOutOfPlane, result.T_reference_sensor);
+
+    Constraints edges;
+    for (const auto& point_m : motion_corrected(features.sharp_edges, motion)) {
+      add_edge_constraints(reference_->edges, point_m, {result.T_reference_sensor, reach_m, robust},
+                           edges);
+    }
+    result.edge_correspondences = static_cast<int>(edges.size()) / 2;
+    const bool enough_edges = result.edge_correspondences >= options_.min_correspondences;
+    const bool edges_observable =
+        !enough_edges || improve(edges, FreeParameters::kInPlane, result.T_reference_sensor);
+
+    if (!enough_planar || !enough_edges) {
+      result.status = Status::kTooFewFeatures;
+      if (!enough_planar && !enough_edges) return result;
+      continue;
+    }
+    result.status =
+        planar_observable && edges_observable ? Status::kNotConverged : Status::kDegenerate;
+    const Pose change = before.inverse() * result.T_reference_sensor;
+    if (iteration > kRobustFromIteration &&
+        rotation_angle_rad(change) < options_.converged_rotation_rad &&
+        change.translation().norm() < options_.converged_translation_m) {
+      if (result.status == Status::kNotConverged) result.status = Status::kOk;
+      break;
+    }
+  }
+  return result;
+}
+
+}  // namespace hqslam::slam

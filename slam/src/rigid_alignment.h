@@ -1,0 +1,73 @@
+#pragma once
+
+#include <ceres/cost_function.h>
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "hqslam/core/pose.h"
+
+namespace hqslam::slam {
+
+/// One linear constraint on a point of the scan: its distance from a plane.
+///   residual = weight * (normal . (R p + t) - offset_m)
+/// A planar feature gives one; an edge feature gives two, with normals perpendicular to the line.
+struct PlaneConstraint {
+  Eigen::Vector3d point_m;  ///< p, in the frame that is moved
+  Eigen::Vector3d normal;   ///< unit length, in the frame that stays
+  double offset_m = 0.0;    ///< of the plane: normal . q for any point q of it
+  double weight = 1.0;
+};
+
+/// The motion that is estimated, as LeGO-LOAM splits it in two:
+///   T = translation (x, y, z) after R = Rz(yaw) Ry(pitch) Rx(roll).
+struct MotionParameters {
+  double in_plane[3] = {0.0, 0.0, 0.0};      ///< x, y [m], yaw [rad]
+  double out_of_plane[3] = {0.0, 0.0, 0.0};  ///< z [m], roll, pitch [rad]
+};
+Pose pose_of(const MotionParameters& parameters);
+MotionParameters parameters_of(const Pose& pose);
+
+/// All constraints as one batched residual with analytic Jacobians: parameter block 0 is
+/// MotionParameters::in_plane, block 1 is out_of_plane.
+///
+///   d residual / d t = weight n;   d residual / d angle = weight n . (dR/dangle p).
+class PlaneConstraintsCost : public ceres::CostFunction {
+ public:
+  explicit PlaneConstraintsCost(const std::vector<PlaneConstraint>& constraints);
+  bool Evaluate(double const* const* parameters, double* residuals,
+                double** jacobians) const override;
+
+ private:
+  const std::vector<PlaneConstraint>& constraints_;
+};
+
+enum class FreeParameters { kInPlane, kOutOfPlane, kAll };
+
+/// Levenberg-Marquardt (Ceres) from `start`, at most `max_steps` steps; the other parameters are
+/// held. Never leaves a worse estimate than `start`.
+MotionParameters align(const std::vector<PlaneConstraint>& constraints,
+                       const MotionParameters& start, FreeParameters free, int max_steps);
+
+/// Directions of motion that the constraints do not tell.
+///
+/// In: constraints whose points are about the origin, and which parameters they are to tell. With
+/// angles scaled by a lever of 10 m, so that all parameters are lengths, the eigenvalues of
+/// J^T J / (sum of weight^2) say which share of the constraints speaks about a direction.
+/// Directions with less than `min_share` are degenerate. Source: Zhang, Kaess & Singh, ICRA 2016.
+/// Differs from LeGO-LOAM: every direction is judged (not in the order of eigenvalues up to the
+/// first good one), and a share is asked for, so that the test does not depend on the number of
+/// points.
+struct Observability {
+  int degenerate_directions = 0;
+  /// Projects a change of (x, y, z, roll, pitch, yaw) onto the observable directions.
+  Eigen::Matrix<double, 6, 6> projection = Eigen::Matrix<double, 6, 6>::Identity();
+};
+Observability observability(const std::vector<PlaneConstraint>& constraints, FreeParameters free,
+                            double min_share);
+
+/// `start` changed towards `end` in the observable directions only.
+MotionParameters without_unobservable(const MotionParameters& start, const MotionParameters& end,
+                                      const Observability& observability);
+
+}  // namespace hqslam::slam

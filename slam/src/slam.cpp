@@ -1,0 +1,170 @@
+#include "hqslam/slam/slam.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+
+#include "hqslam/core/error.h"
+#include "hqslam/slam/features.h"
+#include "hqslam/slam/mapping.h"
+#include "hqslam/slam/odometry.h"
+#include "hqslam/slam/options.h"
+#include "hqslam/slam/segmentation.h"
+
+namespace hqslam::slam {
+
+namespace {
+
+/// Seconds since construction or since the last call of lap().
+class Stopwatch {
+ public:
+  double lap_s() {
+    const auto now = std::chrono::steady_clock::now();
+    const double elapsed_s = std::chrono::duration<double>(now - last_).count();
+    last_ = now;
+    return elapsed_s;
+  }
+
+ private:
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
+
+SensorModel validated(const SensorModel& sensor) {
+  hqslam::validate(sensor);
+  return sensor;
+}
+
+SlamOptions validated(const SlamOptions& options) {
+  validate(options);
+  return options;
+}
+
+}  // namespace
+
+/// What is carried from scan to scan. The reference is the last scan that could be located.
+struct Slam::Implementation {
+  SensorModel sensor;
+  SlamOptions options;
+  Segmenter segmenter;
+  Odometry odometry;
+  Mapping mapping;
+  Trajectory trajectory;
+  double reference_stamp_s = 0.0;
+  Pose T_map_reference = Pose::Identity();
+  Pose T_odom_reference = Pose::Identity();
+  SensorMotion motion;  ///< of the last located scan since the one before
+
+  Implementation(const SensorModel& sensor_, const SlamOptions& options_)
+      : sensor(validated(sensor_)),
+        options(validated(options_)),
+        segmenter(sensor, options.ground, options.segmentation),
+        odometry(options.odometry),
+        mapping(options.mapping) {}
+
+  ScanReport process(const OrganizedCloud& cloud, double stamp_s);
+  void begin(const Features& features, double stamp_s, ScanReport& report);
+  void follow(const Features& features, double stamp_s, Stopwatch& stopwatch, ScanReport& report);
+};
+
+ScanReport Slam::Implementation::process(const OrganizedCloud& cloud, double stamp_s) {
+  Stopwatch stopwatch;
+  ScanReport report;
+  report.stamp_s = stamp_s;
+  const Segmentation segmentation = segmenter.segment(cloud);
+  report.returns = segmentation.returns;
+  report.ground_points = segmentation.ground_points;
+  report.clusters = segmentation.clusters;
+  report.times.segmentation_s = stopwatch.lap_s();
+
+  const Features features = extract_features(cloud, segmentation, options.features);
+  report.edge_features = static_cast<int>(features.edges.size());
+  report.planar_features = static_cast<int>(features.ground.size() + features.surfaces.size());
+  report.times.features_s = stopwatch.lap_s();
+
+  if (odometry.has_reference()) {
+    follow(features, stamp_s, stopwatch, report);
+  } else {
+    begin(features, stamp_s, report);
+    report.times.mapping_s = stopwatch.lap_s();
+  }
+  report.times.total_s = report.times.segmentation_s + report.times.features_s +
+                         report.times.odometry_s + report.times.mapping_s;
+  trajectory.push_back({stamp_s, report.T_map_sensor});
+  return report;
+}
+
+/// The first scan with enough features defines the frame of the map.
+void Slam::Implementation::begin(const Features& features, double stamp_s, ScanReport& report) {
+  const bool enough = static_cast<int>(features.edges.size()) >= options.odometry.min_edges &&
+                      report.planar_features >= options.odometry.min_planar;
+  if (!enough) {
+    report.odometry_status = Status::kTooFewFeatures;
+    report.mapping_status = Status::kTooFewFeatures;
+    return;
+  }
+  motion.duration_s = sensor.scan_period_s;
+  odometry.set_reference(features, motion);
+  mapping.insert(features, Pose::Identity(), motion);
+  report.key_frame = true;
+  reference_stamp_s = stamp_s;
+}
+
+void Slam::Implementation::follow(const Features& features, double stamp_s, Stopwatch& stopwatch,
+                                  ScanReport& report) {
+  const double since_reference_s = stamp_s - reference_stamp_s;
+  const double duration_s = since_reference_s > 0.0 ? since_reference_s : sensor.scan_period_s;
+  const Pose predicted =
+      interpolate(Pose::Identity(), motion.T_begin_end, duration_s / motion.duration_s);
+  const OdometryResult moved = odometry.estimate(features, predicted, duration_s);
+  report.odometry_status = moved.status;
+  report.T_odom_sensor = orthonormalized(T_odom_reference * moved.T_reference_sensor);
+  report.times.odometry_s = stopwatch.lap_s();
+
+  const MappingResult located = mapping.locate(features, T_map_reference * moved.T_reference_sensor,
+                                               {T_map_reference, duration_s});
+  report.mapping_status = located.status;
+  report.T_map_sensor = located.T_map_sensor;
+  report.edge_correspondences = located.edge_correspondences;
+  report.planar_correspondences = located.planar_correspondences;
+  if (located.status != Status::kTooFewFeatures) {
+    motion = {T_map_reference.inverse() * located.T_map_sensor, duration_s};
+    if (mapping.is_key_frame(located.T_map_sensor)) {
+      mapping.insert(features, located.T_map_sensor, motion);
+      report.key_frame = true;
+    }
+    odometry.set_reference(features, motion);
+    reference_stamp_s = stamp_s;
+    T_map_reference = located.T_map_sensor;
+    T_odom_reference = report.T_odom_sensor;
+  }
+  report.times.mapping_s = stopwatch.lap_s();
+}
+
+Slam::Slam(const SensorModel& sensor) : Slam(sensor, SlamOptions{}) {}
+Slam::Slam(const SensorModel& sensor, const SlamOptions& options)
+    : implementation_(std::make_unique<Implementation>(sensor, options)) {}
+Slam::~Slam() = default;
+Slam::Slam(Slam&&) noexcept = default;
+Slam& Slam::operator=(Slam&&) noexcept = default;
+
+ScanReport Slam::process(const OrganizedCloud& cloud, double stamp_s) {
+  const SensorModel& sensor = implementation_->sensor;
+  if (cloud.rows != sensor.rows() || cloud.columns != sensor.columns) {
+    throw Error(
+        fmt::format("scan of {}x{} pixels does not fit sensor '{}' of {}x{}: name the "
+                    "sensor that recorded it",
+                    cloud.rows, cloud.columns, sensor.name, sensor.rows(), sensor.columns));
+  }
+  return implementation_->process(cloud, stamp_s);
+}
+
+const Trajectory& Slam::trajectory() const { return implementation_->trajectory; }
+
+std::vector<Eigen::Vector3f> Slam::map_points_m() const {
+  std::vector<Eigen::Vector3f> points_m = implementation_->mapping.planes().points_m();
+  const std::vector<Eigen::Vector3f> edges_m = implementation_->mapping.edges().points_m();
+  points_m.insert(points_m.end(), edges_m.begin(), edges_m.end());
+  return points_m;
+}
+
+}  // namespace hqslam::slam

@@ -1,0 +1,19 @@
+#include "hqslam/slam/status.h"
+
+namespace hqslam::slam {
+
+std::string_view name(Status status) {
+  switch (status) {
+    case Status::kOk:
+      return "ok";
+    case Status::kTooFewFeatures:
+      return "too few features";
+    case Status::kDegenerate:
+      return "degenerate";
+    case Status::kNotConverged:
+      return "not converged";
+  }
+  return "unknown";
+}
+
+}  // namespace hqslam::slam

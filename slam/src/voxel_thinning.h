@@ -1,0 +1,13 @@
+#pragma once
+
+#include <vector>
+
+#include "hqslam/slam/features.h"
+
+namespace hqslam::slam {
+
+/// One point per voxel of `leaf_m`: the mean of position and time offset. The row is the first
+/// point's: it means something only where all points are of one row.
+std::vector<FeaturePoint> thin(const std::vector<FeaturePoint>& points, double leaf_m);
+
+}  // namespace hqslam::slam
