@@ -13,10 +13,19 @@ struct RingRecovery {
   int spurious_wraps = 0;          ///< azimuth wraps that did not begin a new ring
   int missed_wraps = 0;            ///< rings that began without a wrap
   int empty_rings = 0;             ///< rings of the sensor without a point
+  /// Share of the points in rings that do not follow the beam table: near 0 for scans of this
+  /// sensor.
+  double off_table_share = 0.0;
 };
 
+/// Whether neighbouring points of the scan lie on one ring (KITTI) rather than in one column, as
+/// drivers store them that write each firing of all beams as it comes.
+bool stored_ring_after_ring(const Scan& scan, const SensorModel& sensor);
+
 /// Rows of a scan whose points are stored ring after ring, highest first, each ring once around in
-/// azimuth (KITTI's HDL-64E files): from the wraps of the azimuth, checked against the beam table.
+/// azimuth in either direction, beginning in front (KITTI) or at the back: from the wraps of the
+/// azimuth, checked against the beam table. Survives spurious and missing wraps and empty rings.
+/// Throws Error if the points are in no such order.
 RingRecovery recover_rings(const Scan& scan, const SensorModel& sensor);
 
 }  // namespace hqslam

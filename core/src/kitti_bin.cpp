@@ -1,0 +1,87 @@
+#include "hqslam/core/kitti_bin.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+#include <cstring>
+#include <string_view>
+
+#include "hqslam/core/error.h"
+#include "whole_file.h"
+
+namespace hqslam {
+
+namespace {
+
+constexpr std::size_t kBytesPerPoint = 4 * sizeof(float);
+constexpr std::size_t kMaxFileBytes = 64U << 20U;  // 4 million points, 30 times a scan
+/// No LiDAR reaches so far: a coordinate beyond is a number that was never one.
+constexpr float kMaxCoordinate_m = 10'000.0F;
+constexpr double kMaxImplausibleShare = 0.1;
+
+bool is_text(std::string_view bytes) {
+  const std::string_view start = bytes.substr(0, 4096);
+  return std::all_of(start.begin(), start.end(),
+                     [](unsigned char c) { return std::isprint(c) != 0 || std::isspace(c) != 0; });
+}
+
+void require_points(const std::string& bytes, const std::string& path) {
+  if (bytes.empty()) {
+    throw Error(fmt::format("{}: expected a KITTI scan, found an empty file; copy it again", path));
+  }
+  if (is_text(bytes)) {
+    throw Error(
+        fmt::format("{}: expected a KITTI scan (binary float32 x y z intensity), found "
+                    "text; give the original .bin file",
+                    path));
+  }
+  if (bytes.size() % kBytesPerPoint != 0) {
+    throw Error(
+        fmt::format("{}: expected a KITTI scan of 16 bytes per point (float32 x y z "
+                    "intensity), found {} bytes, {} too many; the file is truncated or of "
+                    "another kind",
+                    path, bytes.size(), bytes.size() % kBytesPerPoint));
+  }
+}
+
+}  // namespace
+
+Scan read_kitti_bin(const std::string& path) {
+  const std::string bytes = whole_file(path, "a KITTI .bin file", kMaxFileBytes);
+  require_points(bytes, path);
+  const std::size_t points = bytes.size() / kBytesPerPoint;
+  std::size_t implausible = 0;
+  Scan scan;
+  scan.points_m.reserve(points);
+  for (std::size_t i = 0; i < points; ++i) {
+    std::array<float, 3> xyz{};
+    std::memcpy(xyz.data(), bytes.data() + i * kBytesPerPoint, sizeof(xyz));
+    const Eigen::Vector3f point_m(xyz[0], xyz[1], xyz[2]);
+    if (!point_m.allFinite() || point_m.isZero(0.0F)) {
+      ++scan.invalid_points;
+      continue;
+    }
+    if (point_m.cwiseAbs().maxCoeff() > kMaxCoordinate_m) ++implausible;
+    scan.points_m.push_back(point_m);
+  }
+  if (static_cast<double>(implausible) > kMaxImplausibleShare * static_cast<double>(points)) {
+    throw Error(
+        fmt::format("{}: expected coordinates in metres, found {} of {} points beyond {} "
+                    "m; give float32 x y z intensity in metres",
+                    path, implausible, points, kMaxCoordinate_m));
+  }
+  return scan;
+}
+
+void write_kitti_bin(const Scan& scan, const std::string& path) {
+  std::string bytes(scan.points_m.size() * kBytesPerPoint, '\0');
+  for (std::size_t i = 0; i < scan.points_m.size(); ++i) {
+    std::memcpy(bytes.data() + i * kBytesPerPoint, scan.points_m[i].data(), 3 * sizeof(float));
+  }
+  write_whole_file(path, bytes);
+}
+
+}  // namespace hqslam

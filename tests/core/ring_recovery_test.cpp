@@ -1,0 +1,296 @@
+#include "hqslam/core/ring_recovery.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <numbers>
+
+#include "error_message.h"
+#include "hqslam/core/kitti_bin.h"
+
+using namespace hqslam;
+using namespace hqslam::test;
+
+namespace {
+
+constexpr double kTwoPi = 2.0 * std::numbers::pi;
+
+/// A scan and, per point, the row that it was made with or is known to have.
+struct KnownScan {
+  Scan scan;
+  std::vector<int> row;
+  std::vector<double> angle_rad;  ///< since the ring began
+
+  void add(const Eigen::Vector3f& point_m, int its_row, double its_angle_rad) {
+    scan.points_m.push_back(point_m);
+    row.push_back(its_row);
+    angle_rad.push_back(its_angle_rad);
+  }
+};
+
+struct RingOrder {
+  double first_azimuth_rad = 0.0;
+  double direction = 1.0;
+};
+
+/// A square with walls and open streets, no noise. As on an HDL-64E the lasers sit a little above
+/// the origin, so near surfaces are seen under another elevation than far ones.
+KnownScan a_square(const SensorModel& sensor, const RingOrder& order) {
+  constexpr double kLaserHeight_m = 0.12;
+  KnownScan known;
+  for (int row = 0; row < sensor.rows(); ++row) {
+    const double tangent = std::tan(sensor.beam_elevation_rad[row]);
+    for (int step = 0; step < 1000; ++step) {
+      const double angle_rad = (step + 0.5) / 1000 * kTwoPi;
+      const double azimuth_rad = order.first_azimuth_rad + order.direction * angle_rad;
+      const double wall_m = 9.0 / std::max(std::abs(std::cos(azimuth_rad)), 0.05) + 2.0 * row / 64;
+      const double ground_m = tangent < 0.0 ? 1.7 / -tangent : 1e3;
+      const double distance_m = std::min(wall_m, ground_m);
+      if (distance_m > 100.0 || distance_m * tangent > 4.0) continue;
+      known.add({static_cast<float>(distance_m * std::cos(azimuth_rad)),
+                 static_cast<float>(distance_m * std::sin(azimuth_rad)),
+                 static_cast<float>(distance_m * tangent + kLaserHeight_m)},
+                row, angle_rad);
+    }
+  }
+  return known;
+}
+
+template <typename Keep>
+KnownScan only(const KnownScan& known, const Keep& keep) {
+  KnownScan result;
+  for (std::size_t i = 0; i < known.row.size(); ++i) {
+    if (keep(known.row[i], known.angle_rad[i])) {
+      result.add(known.scan.points_m[i], known.row[i], known.angle_rad[i]);
+    }
+  }
+  return result;
+}
+
+std::size_t wrong_rows(const KnownScan& known, const RingRecovery& recovery) {
+  REQUIRE(recovery.row.size() == known.row.size());
+  std::size_t wrong = 0;
+  for (std::size_t i = 0; i < known.row.size(); ++i) wrong += recovery.row[i] != known.row[i];
+  return wrong;
+}
+
+KnownScan without_ring(const KnownScan& known, int ring) {
+  return only(known, [&](int row, double) { return row != ring; });
+}
+
+/// `ring` ends early and the next one begins late, so that the azimuth rises where it should wrap.
+KnownScan without_wrap_after(const KnownScan& known, int ring) {
+  return only(known, [&](int row, double angle_rad) {
+    return !(row == ring && angle_rad > 2.8) && !(row == ring + 1 && angle_rad < 3.4);
+  });
+}
+
+/// A stray point of the ring's beginning in the middle of it.
+KnownScan with_stray_point_in(const KnownScan& known, int ring) {
+  KnownScan result;
+  bool added = false;
+  const auto first = std::find(known.row.begin(), known.row.end(), ring) - known.row.begin();
+  for (std::size_t i = 0; i < known.row.size(); ++i) {
+    if (!added && known.row[i] == ring && known.angle_rad[i] > 3.0) {
+      result.add(known.scan.points_m[first], ring, 0.0);
+      added = true;
+    }
+    result.add(known.scan.points_m[i], known.row[i], known.angle_rad[i]);
+  }
+  return result;
+}
+
+/// A real scan with the rows that its wraps give; nothing if they do not give 64 rings.
+KnownScan rings_by_wraps(const std::string& path) {
+  const Scan scan = read_kitti_bin(path);
+  KnownScan known;
+  int row = 0;
+  double previous_rad = 0.0;
+  for (const Eigen::Vector3f& p : scan.points_m) {
+    const double azimuth_rad = std::atan2(p.y(), p.x());
+    const double angle_rad = azimuth_rad < 0.0 ? azimuth_rad + kTwoPi : azimuth_rad;
+    if (angle_rad < previous_rad - std::numbers::pi) ++row;
+    previous_rad = angle_rad;
+    known.add(p, row, angle_rad);
+  }
+  return row == 63 ? known : KnownScan{};
+}
+
+std::vector<std::string> real_scans(int every) {
+  std::vector<std::string> paths;
+  const char* data = std::getenv("HQSLAM_DATA");
+  if (data == nullptr) {
+    MESSAGE("skipped: HQSLAM_DATA is not set");
+    return paths;
+  }
+  for (const char* drive : {"kitti_drive_0005", "kitti_drive_22"}) {
+    const auto folder = std::filesystem::path(data) / drive / "velodyne";
+    std::vector<std::string> all;
+    for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+      all.push_back(entry.path().string());
+    }
+    std::sort(all.begin(), all.end());
+    for (std::size_t i = 0; i < all.size(); i += every) paths.push_back(all[i]);
+  }
+  return paths;
+}
+
+}  // namespace
+
+TEST_CASE("rings are recovered whichever way the sensor turns and wherever rings begin") {
+  for (const std::string name : {"hdl-64e", "os1-64", "os1-16", "vlp-16", "hdl-32e"}) {
+    for (const double first_azimuth_rad : {0.0, std::numbers::pi}) {
+      for (const double direction : {1.0, -1.0}) {
+        CAPTURE(name);
+        CAPTURE(first_azimuth_rad);
+        CAPTURE(direction);
+        const SensorModel sensor = sensor_preset(name);
+        const KnownScan known = a_square(sensor, {first_azimuth_rad, direction});
+        const RingRecovery recovery = recover_rings(known.scan, sensor);
+        CHECK(wrong_rows(known, recovery) == 0);
+        CHECK(recovery.spurious_wraps == 0);
+        CHECK(recovery.missed_wraps == 0);
+        CHECK(recovery.off_table_share < 0.05);
+        CHECK(stored_ring_after_ring(known.scan, sensor));
+      }
+    }
+  }
+}
+
+TEST_CASE("any one empty ring is found to be empty") {
+  const SensorModel sensor = sensor_preset("hdl-64e");
+  const KnownScan known = a_square(sensor, {});
+  for (int ring = 0; ring < 64; ++ring) {
+    CAPTURE(ring);
+    const KnownScan damaged = without_ring(known, ring);
+    const RingRecovery recovery = recover_rings(damaged.scan, sensor);
+    CHECK(wrong_rows(damaged, recovery) == 0);
+    CHECK(recovery.empty_rings == 1);
+  }
+}
+
+TEST_CASE("a wrap that is missing between any two rings is found") {
+  const SensorModel sensor = sensor_preset("hdl-64e");
+  const KnownScan known = a_square(sensor, {});
+  // From ring 1 on: what is left of rings 0 and 1 without the wrap between them does not overlap,
+  // so there is nothing to tell their heights apart.
+  for (int ring = 1; ring + 1 < 64; ++ring) {
+    CAPTURE(ring);
+    const KnownScan damaged = without_wrap_after(known, ring);
+    const RingRecovery recovery = recover_rings(damaged.scan, sensor);
+    CHECK(wrong_rows(damaged, recovery) == 0);
+    CHECK(recovery.missed_wraps == 1);
+    CHECK(recovery.empty_rings == 0);
+  }
+}
+
+TEST_CASE("a stray point that wraps the azimuth in any ring begins no ring") {
+  const SensorModel sensor = sensor_preset("hdl-64e");
+  const KnownScan known = a_square(sensor, {});
+  for (int ring = 0; ring < 64; ++ring) {
+    CAPTURE(ring);
+    const KnownScan damaged = with_stray_point_in(known, ring);
+    const RingRecovery recovery = recover_rings(damaged.scan, sensor);
+    CHECK(wrong_rows(damaged, recovery) == 0);
+    CHECK(recovery.spurious_wraps == 1);
+  }
+}
+
+TEST_CASE("a spurious wrap, a missing wrap and an empty ring in one scan are all survived") {
+  const SensorModel sensor = sensor_preset("hdl-64e");
+  const KnownScan damaged =
+      with_stray_point_in(without_wrap_after(without_ring(a_square(sensor, {}), 20), 35), 50);
+  const RingRecovery recovery = recover_rings(damaged.scan, sensor);
+  CHECK(wrong_rows(damaged, recovery) == 0);
+  CHECK(recovery.spurious_wraps == 1);
+  CHECK(recovery.missed_wraps == 1);
+  CHECK(recovery.empty_rings == 1);
+}
+
+TEST_CASE("a scan of another sensor does not follow the beam table") {
+  const Scan scan = a_square(sensor_preset("hdl-64e"), {}).scan;
+  for (const std::string name : {"os1-64", "os1-16", "vlp-16", "hdl-32e", "vls-128"}) {
+    CAPTURE(name);
+    const SensorModel sensor = sensor_preset(name);
+    const RingRecovery recovery = recover_rings(scan, sensor);
+    CHECK((recovery.off_table_share > 0.3 || recovery.spurious_wraps > 10));
+  }
+}
+
+TEST_CASE("an empty scan and a scan of one point have rings too") {
+  const SensorModel sensor = sensor_preset("vlp-16");
+  Scan scan;
+  CHECK(recover_rings(scan, sensor).empty_rings == 16);
+  const double elevation_rad = sensor.beam_elevation_rad[11];
+  scan.points_m.emplace_back(10.0F, 0.0F, static_cast<float>(10.0 * std::tan(elevation_rad)));
+  const RingRecovery recovery = recover_rings(scan, sensor);
+  CHECK(recovery.row.size() == 1);
+  CHECK(recovery.empty_rings == 15);
+}
+
+TEST_CASE("points stored column after column or at random are told from rings and refused") {
+  const SensorModel sensor = sensor_preset("os1-64");
+  const KnownScan known = a_square(sensor, {});
+  std::vector<std::size_t> order(known.row.size());
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return std::pair(known.angle_rad[a], known.row[a]) <
+           std::pair(known.angle_rad[b], known.row[b]);
+  });
+  Scan columns;
+  for (const std::size_t i : order) columns.points_m.push_back(known.scan.points_m[i]);
+  CHECK_FALSE(stored_ring_after_ring(columns, sensor));
+
+  Scan shuffled;
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    shuffled.points_m.push_back(known.scan.points_m[i * 7919 % order.size()]);
+  }
+  CHECK(one_line_with(error_message([&] { recover_rings(shuffled, sensor); }),
+                      "expected points stored ring after ring", "jumps"));
+}
+
+TEST_CASE("the rings of real scans are those that their wraps give") {
+  const SensorModel sensor = sensor_preset("hdl-64e");
+  for (const std::string& path : real_scans(3)) {
+    CAPTURE(path);
+    const KnownScan known = rings_by_wraps(path);
+    if (known.row.empty()) continue;
+    const RingRecovery recovery = recover_rings(known.scan, sensor);
+    CHECK(wrong_rows(known, recovery) == 0);
+    CHECK(recovery.off_table_share < 0.1);
+  }
+}
+
+TEST_CASE("a real scan with one point behind its last ring has a spurious wrap") {
+  const char* data = std::getenv("HQSLAM_DATA");
+  if (data == nullptr) {
+    MESSAGE("skipped: HQSLAM_DATA is not set");
+    return;
+  }
+  const Scan scan = read_kitti_bin(std::string(data) + "/kitti_drive_0005/velodyne/000042.bin");
+  const RingRecovery recovery = recover_rings(scan, sensor_preset("hdl-64e"));
+  CHECK(recovery.spurious_wraps == 1);
+  CHECK(recovery.empty_rings == 0);
+  CHECK(recovery.row.back() == 63);
+}
+
+TEST_CASE("damaged real scans lose no more than the damaged ring") {
+  const SensorModel sensor = sensor_preset("hdl-64e");
+  for (const std::string& path : real_scans(20)) {
+    const KnownScan known = rings_by_wraps(path);
+    if (known.row.empty()) continue;
+    for (int ring = 1; ring < 63; ring += 4) {
+      CAPTURE(path);
+      CAPTURE(ring);
+      const KnownScan empty = without_ring(known, ring);
+      CHECK(wrong_rows(empty, recover_rings(empty.scan, sensor)) == 0);
+      const KnownScan missed = without_wrap_after(known, ring);
+      CHECK(wrong_rows(missed, recover_rings(missed.scan, sensor)) < 100);
+      const KnownScan stray = with_stray_point_in(known, ring);
+      CHECK(wrong_rows(stray, recover_rings(stray.scan, sensor)) < 3);
+    }
+  }
+}
