@@ -27,28 +27,18 @@ ScanFeatures thinned(const Features& features, const MappingOptions& options) {
   return {thin(features.edges, options.edge_leaf_m), thin(planes, options.planar_leaf_m)};
 }
 
-/// Constraints of the motion that remains, in axes of the map with the predicted position as
-/// origin: points are R p, planes are moved by -t.
-struct Constraints {
-  std::vector<PlaneConstraint> all;
-  int edges = 0;
-  int planes = 0;
-};
+// Constraints are of the motion that remains, in axes of the map with the predicted position as
+// origin: points are R p, planes are moved by -t.
 
-using EdgePair = std::array<PlaneConstraint, 2>;
-
-std::optional<EdgePair> match_edge(const FeatureMap& map, const Eigen::Vector3d& rotated_m,
-                                   const Eigen::Vector3d& origin_m) {
+std::optional<EdgeConstraints> match_edge(const FeatureMap& map, const Eigen::Vector3d& rotated_m,
+                                          const Eigen::Vector3d& origin_m) {
   const auto line = fit_line(map.nearest((rotated_m + origin_m).cast<float>()));
   if (!line) return std::nullopt;
   const Eigen::Vector3d on_line_m = line->point_m - origin_m;
   const double distance_m = line->direction.cross(rotated_m - on_line_m).norm();
   const double weight = 1.0 - 0.9 * distance_m;
   if (weight < kMinWeight) return std::nullopt;
-  const Eigen::Vector3d a = line->direction.unitOrthogonal();
-  const Eigen::Vector3d b = line->direction.cross(a);
-  return EdgePair{
-      {{rotated_m, a, a.dot(on_line_m), weight}, {rotated_m, b, b.dot(on_line_m), weight}}};
+  return edge_constraints(rotated_m, on_line_m, line->direction, weight);
 }
 
 std::optional<PlaneConstraint> match_plane(const FeatureMap& map, const Eigen::Vector3d& rotated_m,
@@ -62,12 +52,12 @@ std::optional<PlaneConstraint> match_plane(const FeatureMap& map, const Eigen::V
   return PlaneConstraint{rotated_m, plane->normal, offset_m, weight};
 }
 
-Constraints match(const ScanFeatures& scan, const FeatureMap& edge_map, const FeatureMap& plane_map,
-                  const Pose& T_map_sensor, const SensorMotion& motion,
-                  const MappingOptions& options) {
+ConstraintList match(const ScanFeatures& scan, const FeatureMap& edge_map,
+                     const FeatureMap& plane_map, const Pose& T_map_sensor,
+                     const SensorMotion& motion, const MappingOptions& options) {
   const std::vector<Eigen::Vector3f> edges_m = motion_corrected(scan.edges, motion);
   const std::vector<Eigen::Vector3f> planes_m = motion_corrected(scan.planes, motion);
-  std::vector<std::optional<EdgePair>> edges(edges_m.size());
+  std::vector<std::optional<EdgeConstraints>> edges(edges_m.size());
   std::vector<std::optional<PlaneConstraint>> planes(planes_m.size());
   const Eigen::Matrix3d rotation = T_map_sensor.linear();
   const Eigen::Vector3d origin_m = T_map_sensor.translation();
@@ -83,17 +73,9 @@ Constraints match(const ScanFeatures& scan, const FeatureMap& edge_map, const Fe
                               options.max_plane_residual_m);
     }
   }
-  Constraints result;
-  for (const auto& edge : edges) {
-    if (!edge) continue;
-    result.all.insert(result.all.end(), edge->begin(), edge->end());
-    ++result.edges;
-  }
-  for (const auto& plane : planes) {
-    if (!plane) continue;
-    result.all.push_back(*plane);
-    ++result.planes;
-  }
+  ConstraintList result;
+  result.add(edges);
+  result.add(planes);
   return result;
 }
 
@@ -112,7 +94,7 @@ MappingResult Mapping::locate(const Features& features, const Pose& T_map_sensor
   for (int iteration = 0; iteration < options_.max_iterations; ++iteration) {
     const SensorMotion motion{previous.T_map_sensor.inverse() * result.T_map_sensor,
                               previous.duration_s};
-    const Constraints constraints =
+    const ConstraintList constraints =
         match(scan, edges_, planes_, result.T_map_sensor, motion, options_);
     result.edge_correspondences = constraints.edges;
     result.planar_correspondences = constraints.planes;

@@ -17,8 +17,6 @@ constexpr double kMinWeight = 0.1;
 constexpr double kMinObservableShare = 0.005;
 constexpr int kStepsPerSearch = 3;
 
-using Constraints = std::vector<PlaneConstraint>;
-
 /// What a search needs to know besides the point.
 struct SearchState {
   Pose T_reference_sensor;
@@ -27,9 +25,9 @@ struct SearchState {
 };
 
 /// A plane through the nearest point, its neighbour in the same row and one in a row nearby.
-std::optional<PlaneConstraint> planar_constraint(const RowOrderedCloud& target,
-                                                 const Eigen::Vector3f& point_m,
-                                                 const SearchState& state) {
+std::optional<PlaneConstraint> match_plane(const RowOrderedCloud& target,
+                                           const Eigen::Vector3f& point_m,
+                                           const SearchState& state) {
   const Eigen::Vector3d point = point_m.cast<double>();
   const Eigen::Vector3d moved = state.T_reference_sensor * point;
   const Eigen::Vector3f query = moved.cast<float>();
@@ -52,30 +50,40 @@ std::optional<PlaneConstraint> planar_constraint(const RowOrderedCloud& target,
 }
 
 /// The line through the nearest point and one in a row nearby, as two planes.
-void add_edge_constraints(const RowOrderedCloud& target, const Eigen::Vector3f& point_m,
-                          const SearchState& state, Constraints& constraints) {
+std::optional<EdgeConstraints> match_edge(const RowOrderedCloud& target,
+                                          const Eigen::Vector3f& point_m,
+                                          const SearchState& state) {
   const Eigen::Vector3d point = point_m.cast<double>();
   const Eigen::Vector3d moved = state.T_reference_sensor * point;
   const Eigen::Vector3f query = moved.cast<float>();
   const auto first = target.nearest(query, state.max_distance_m);
-  if (!first) return;
+  if (!first) return std::nullopt;
   const auto second = target.nearest_near_row_of(*first, query, state.max_distance_m);
-  if (!second) return;
+  if (!second) return std::nullopt;
   const Eigen::Vector3d a = target.point_m(*first).cast<double>();
   const Eigen::Vector3d along = target.point_m(*second).cast<double>() - a;
-  if (!(along.norm() > 1e-3)) return;
+  if (!(along.norm() > 1e-3)) return std::nullopt;
   const Eigen::Vector3d direction = along.normalized();
-  const Eigen::Vector3d across = direction.unitOrthogonal();
   const double distance_m = direction.cross(moved - a).norm();
   const double weight = state.robust ? 1.0 - 1.8 * distance_m : 1.0;
-  if (weight < kMinWeight) return;
-  for (const Eigen::Vector3d& normal : {across, direction.cross(across).eval()}) {
-    constraints.push_back({point, normal, normal.dot(a), weight});
-  }
+  if (weight < kMinWeight) return std::nullopt;
+  return edge_constraints(point, a, direction, weight);
+}
+
+/// One constraint or none per feature, searched in parallel.
+template <typename Find>
+ConstraintList find_all(const std::vector<Eigen::Vector3f>& points_m, const Find& find) {
+  std::vector<decltype(find(points_m.front()))> found(points_m.size());
+#pragma omp parallel for schedule(static)
+  for (std::size_t i = 0; i < points_m.size(); ++i) found[i] = find(points_m[i]);
+  ConstraintList list;
+  list.add(found);
+  return list;
 }
 
 /// One of the two steps: LM over the free parameters; unobservable directions are held.
-bool improve(const Constraints& constraints, FreeParameters free, Pose& T_reference_sensor) {
+bool improve(const std::vector<PlaneConstraint>& constraints, FreeParameters free,
+             Pose& T_reference_sensor) {
   const MotionParameters start = parameters_of(T_reference_sensor);
   const MotionParameters end = align(constraints, start, free, kStepsPerSearch);
   const Observability observable = observability(constraints, free, kMinObservableShare);
@@ -121,25 +129,25 @@ OdometryResult Odometry::estimate(const Features& features,
     const bool robust = iteration >= kRobustFromIteration;
     const double reach_m = options_.max_distance_m * (robust ? kNarrowSearchShare : 1.0);
 
-    Constraints planar;
-    for (const auto& point_m : motion_corrected(features.flat_points, motion)) {
-      const auto found = planar_constraint(reference_->ground, point_m, {before, reach_m, robust});
-      if (found) planar.push_back(*found);
-    }
-    result.planar_correspondences = static_cast<int>(planar.size());
-    const bool enough_planar = result.planar_correspondences >= options_.min_correspondences;
+    const SearchState planar_state{before, reach_m, robust};
+    const ConstraintList planar =
+        find_all(motion_corrected(features.flat_points, motion), [&](const auto& point_m) {
+          return match_plane(reference_->ground, point_m, planar_state);
+        });
+    result.planar_correspondences = planar.planes;
+    const bool enough_planar = planar.planes >= options_.min_correspondences;
     const bool planar_observable =
-        !enough_planar || improve(planar, FreeParameters::kOutOfPlane, result.T_reference_sensor);
+        !enough_planar ||
+        improve(planar.all, FreeParameters::kOutOfPlane, result.T_reference_sensor);
 
-    Constraints edges;
-    for (const auto& point_m : motion_corrected(features.sharp_edges, motion)) {
-      add_edge_constraints(reference_->edges, point_m, {result.T_reference_sensor, reach_m, robust},
-                           edges);
-    }
-    result.edge_correspondences = static_cast<int>(edges.size()) / 2;
-    const bool enough_edges = result.edge_correspondences >= options_.min_correspondences;
+    const SearchState edge_state{result.T_reference_sensor, reach_m, robust};
+    const ConstraintList edges = find_all(
+        motion_corrected(features.sharp_edges, motion),
+        [&](const auto& point_m) { return match_edge(reference_->edges, point_m, edge_state); });
+    result.edge_correspondences = edges.edges;
+    const bool enough_edges = edges.edges >= options_.min_correspondences;
     const bool edges_observable =
-        !enough_edges || improve(edges, FreeParameters::kInPlane, result.T_reference_sensor);
+        !enough_edges || improve(edges.all, FreeParameters::kInPlane, result.T_reference_sensor);
 
     if (!enough_planar || !enough_edges) {
       result.status = Status::kTooFewFeatures;

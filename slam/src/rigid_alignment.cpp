@@ -54,6 +54,29 @@ std::vector<int> held_parameters(FreeParameters free) {
 
 }  // namespace
 
+EdgeConstraints edge_constraints(const Eigen::Vector3d& point_m, const Eigen::Vector3d& on_line_m,
+                                 const Eigen::Vector3d& direction, double weight) {
+  const Eigen::Vector3d a = direction.unitOrthogonal();
+  const Eigen::Vector3d b = direction.cross(a);
+  return {{{point_m, a, a.dot(on_line_m), weight}, {point_m, b, b.dot(on_line_m), weight}}};
+}
+
+void ConstraintList::add(const std::vector<std::optional<EdgeConstraints>>& found) {
+  for (const auto& edge : found) {
+    if (!edge) continue;
+    all.insert(all.end(), edge->begin(), edge->end());
+    ++edges;
+  }
+}
+
+void ConstraintList::add(const std::vector<std::optional<PlaneConstraint>>& found) {
+  for (const auto& plane : found) {
+    if (!plane) continue;
+    all.push_back(*plane);
+    ++planes;
+  }
+}
+
 Pose pose_of(const MotionParameters& p) {
   return pose_from_xyz_rpy({p.in_plane[0], p.in_plane[1], p.out_of_plane[0]}, p.out_of_plane[1],
                            p.out_of_plane[2], p.in_plane[2]);

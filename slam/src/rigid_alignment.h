@@ -3,6 +3,8 @@
 #include <ceres/cost_function.h>
 
 #include <Eigen/Core>
+#include <array>
+#include <optional>
 #include <vector>
 
 #include "hqslam/core/pose.h"
@@ -17,6 +19,22 @@ struct PlaneConstraint {
   Eigen::Vector3d normal;   ///< unit length, in the frame that stays
   double offset_m = 0.0;    ///< of the plane: normal . q for any point q of it
   double weight = 1.0;
+};
+
+/// An edge feature: two planes that meet in its line, perpendicular to each other.
+using EdgeConstraints = std::array<PlaneConstraint, 2>;
+/// Of a point at `point_m` that belongs on the line through `on_line_m` along unit `direction`.
+EdgeConstraints edge_constraints(const Eigen::Vector3d& point_m, const Eigen::Vector3d& on_line_m,
+                                 const Eigen::Vector3d& direction, double weight);
+
+/// What a search found for each feature, all in one list.
+struct ConstraintList {
+  std::vector<PlaneConstraint> all;
+  int edges = 0;
+  int planes = 0;
+
+  void add(const std::vector<std::optional<EdgeConstraints>>& found);
+  void add(const std::vector<std::optional<PlaneConstraint>>& found);
 };
 
 /// The motion that is estimated, as LeGO-LOAM splits it in two:

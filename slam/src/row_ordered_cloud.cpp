@@ -1,6 +1,9 @@
 #include "row_ordered_cloud.h"
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
 
 namespace hqslam::slam {
 
@@ -11,20 +14,29 @@ constexpr int kRowReach = 2;
 }  // namespace
 
 RowOrderedCloud::RowOrderedCloud(const std::vector<FeaturePoint>& features,
-                                 const std::vector<Eigen::Vector3f>& points_m)
-    : points_m_(points_m) {
-  for (const FeaturePoint& feature : features) {
-    while (static_cast<int>(row_begin_.size()) <= feature.row) {
+                                 const std::vector<Eigen::Vector3f>& points_m) {
+  std::vector<float> azimuth_rad(points_m.size());
+  std::vector<int> order(points_m.size());
+  for (std::size_t i = 0; i < points_m.size(); ++i) {
+    azimuth_rad[i] = std::atan2(points_m[i].y(), points_m[i].x());
+    order[i] = static_cast<int>(i);
+  }
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
+    return std::pair(features[a].row, azimuth_rad[a]) < std::pair(features[b].row, azimuth_rad[b]);
+  });
+  auto cloud = pcl::make_shared<pcl::PointCloud<pcl::PointXYZ>>();
+  cloud->reserve(points_m.size());
+  for (const int i : order) {
+    while (static_cast<int>(row_begin_.size()) <= features[i].row) {
       row_begin_.push_back(static_cast<int>(row_.size()));
     }
-    row_.push_back(feature.row);
+    row_.push_back(features[i].row);
+    azimuth_rad_.push_back(azimuth_rad[i]);
+    points_m_.push_back(points_m[i]);
+    cloud->push_back({points_m[i].x(), points_m[i].y(), points_m[i].z()});
   }
   row_begin_.push_back(static_cast<int>(row_.size()));
-  if (points_m_.empty()) return;
-  auto cloud = pcl::make_shared<pcl::PointCloud<pcl::PointXYZ>>();
-  cloud->reserve(points_m_.size());
-  for (const Eigen::Vector3f& p : points_m_) cloud->push_back({p.x(), p.y(), p.z()});
-  tree_.setInputCloud(cloud);
+  if (!cloud->empty()) tree_.setInputCloud(cloud);
 }
 
 std::optional<int> RowOrderedCloud::nearest(const Eigen::Vector3f& query_m,
@@ -38,15 +50,37 @@ std::optional<int> RowOrderedCloud::nearest(const Eigen::Vector3f& query_m,
   return index[0];
 }
 
-std::optional<int> RowOrderedCloud::nearest_among(int first, int last, int except,
-                                                  const Eigen::Vector3f& query_m,
-                                                  float& squared_distance_m2) const {
+/// Walks away from the query's azimuth on both sides. A point whose azimuth differs by d is at
+/// least rho sin(d) away, rho being the query's distance from the vertical axis: beyond the best
+/// distance so far the walk ends.
+std::optional<int> RowOrderedCloud::nearest_in_row(int row, int except,
+                                                   const Eigen::Vector3f& query_m,
+                                                   float& squared_distance_m2) const {
+  const int begin = row_begin_[row];
+  const int count = row_begin_[row + 1] - begin;
+  if (count == 0) return std::nullopt;
+  const float azimuth_rad = std::atan2(query_m.y(), query_m.x());
+  const float rho_m = query_m.head<2>().norm();
+  const auto first = azimuth_rad_.begin() + begin;
+  const int start = static_cast<int>(std::lower_bound(first, first + count, azimuth_rad) - first);
   std::optional<int> best;
-  for (int i = first; i < last; ++i) {
-    const float candidate_m2 = (points_m_[i] - query_m).squaredNorm();
-    if (candidate_m2 < squared_distance_m2 && i != except) {
-      squared_distance_m2 = candidate_m2;
-      best = i;
+  for (const int direction : {1, -1}) {
+    // Around half the circle on each side; the index wraps as the scan does.
+    for (int step = direction == 1 ? 0 : 1; step <= count / 2; ++step) {
+      const int i = begin + ((start + direction * step) % count + count) % count;
+      const float difference_rad =
+          std::remainder(azimuth_rad_[i] - azimuth_rad, 2.0F * std::numbers::pi_v<float>);
+      if (std::abs(difference_rad) < std::numbers::pi_v<float> / 2.0F) {
+        const float lateral_m = rho_m * std::sin(difference_rad);
+        if (lateral_m * lateral_m > squared_distance_m2) break;
+      } else if (rho_m * rho_m > squared_distance_m2) {
+        break;
+      }
+      const float candidate_m2 = (points_m_[i] - query_m).squaredNorm();
+      if (candidate_m2 < squared_distance_m2 && i != except) {
+        squared_distance_m2 = candidate_m2;
+        best = i;
+      }
     }
   }
   return best;
@@ -55,7 +89,7 @@ std::optional<int> RowOrderedCloud::nearest_among(int first, int last, int excep
 std::optional<int> RowOrderedCloud::nearest_in_row_of(int i, const Eigen::Vector3f& query_m,
                                                       double max_distance_m) const {
   auto limit_m2 = static_cast<float>(max_distance_m * max_distance_m);
-  return nearest_among(row_begin_[row_[i]], row_begin_[row_[i] + 1], i, query_m, limit_m2);
+  return nearest_in_row(row_[i], i, query_m, limit_m2);
 }
 
 std::optional<int> RowOrderedCloud::nearest_near_row_of(int i, const Eigen::Vector3f& query_m,
@@ -66,7 +100,7 @@ std::optional<int> RowOrderedCloud::nearest_near_row_of(int i, const Eigen::Vect
   for (int row = std::max(0, row_[i] - kRowReach); row <= std::min(rows - 1, row_[i] + kRowReach);
        ++row) {
     if (row == row_[i]) continue;
-    const auto found = nearest_among(row_begin_[row], row_begin_[row + 1], i, query_m, limit_m2);
+    const auto found = nearest_in_row(row, i, query_m, limit_m2);
     if (found) best = found;
   }
   return best;

@@ -11,7 +11,8 @@
 
 namespace hqslam::slam {
 
-/// Points ordered by row with a kd-tree: the search target of the odometry.
+/// Points ordered by row, and by azimuth within a row, with a kd-tree: the search target of the
+/// odometry.
 class RowOrderedCloud {
  public:
   /// `points_m`: the positions to search, one per point of `features` (whose rows are taken).
@@ -31,9 +32,10 @@ class RowOrderedCloud {
                                          double max_distance_m) const;
 
  private:
-  std::optional<int> nearest_among(int first, int last, int except, const Eigen::Vector3f& query_m,
-                                   float& squared_distance_m2) const;
+  std::optional<int> nearest_in_row(int row, int except, const Eigen::Vector3f& query_m,
+                                    float& squared_distance_m2) const;
   std::vector<Eigen::Vector3f> points_m_;
+  std::vector<float> azimuth_rad_;
   std::vector<int> row_;
   std::vector<int> row_begin_;  ///< index of the first point of each row, and the end
   pcl::KdTreeFLANN<pcl::PointXYZ> tree_;
