@@ -1,0 +1,52 @@
+#!/usr/bin/env bash
+# Installs what hqslam needs to be built on Debian or Ubuntu; does nothing where all is there.
+#   tools/setup.sh          to build and run
+#   tools/setup.sh checks   also what tools/test.sh checks the sources with
+set -euo pipefail
+
+packages=(
+  g++ cmake ninja-build
+  libeigen3-dev libfmt-dev nlohmann-json3-dev libpng-dev # core
+  libembree-dev                                          # the simulated city
+  libpcl-dev libceres-dev                                # slam
+  libcli11-dev                                           # the command line
+  doctest-dev                                            # the tests
+)
+if [[ "${1:-}" == checks ]]; then
+  packages+=(clang-format clang-tidy)
+fi
+
+if ! command -v apt-get >/dev/null || ! command -v dpkg-query >/dev/null; then
+  echo "setup: not Debian or Ubuntu, nothing installed. Needed are the counterparts of:"
+  echo "  ${packages[*]}"
+  exit 0
+fi
+
+missing=()
+for package in "${packages[@]}"; do
+  status=$(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null || true)
+  [[ "$status" == installed ]] || missing+=("$package")
+done
+if ((${#missing[@]} == 0)); then
+  echo "setup: all packages are there"
+  exit 0
+fi
+
+as_root=()
+if ((EUID != 0)); then
+  if ! command -v sudo >/dev/null; then
+    echo "setup: neither root nor sudo, nothing installed. Missing packages:"
+    echo "  ${missing[*]}"
+    exit 0
+  fi
+  as_root=(sudo)
+fi
+
+# A container has no use for the manual's index, whose rebuilding can take minutes.
+if [[ -e /.dockerenv || -e /run/.containerenv || -n "${container:-}" ]]; then
+  "${as_root[@]}" rm -f /var/lib/man-db/auto-update
+fi
+echo "setup: installing ${missing[*]}"
+"${as_root[@]}" apt-get update -qq
+"${as_root[@]}" env DEBIAN_FRONTEND=noninteractive \
+  apt-get install -y -qq --no-install-recommends "${missing[@]}" >/dev/null
