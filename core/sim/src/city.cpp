@@ -1,0 +1,97 @@
+#include "city.h"
+
+#include <numbers>
+
+#include "furniture.h"
+#include "ground.h"
+#include "tree.h"
+
+namespace hqslam::sim {
+
+namespace {
+
+std::vector<TriangleMesh> make_prototypes(std::uint64_t seed) {
+  std::vector<TriangleMesh> prototypes;
+  for (int shape = 0; shape < kTreeShapes; ++shape) {
+    prototypes.push_back(make_tree(seed_of(seed, 1, static_cast<std::uint64_t>(shape))));
+  }
+  for (int shape = 0; shape < kBushShapes; ++shape) {
+    prototypes.push_back(make_bush(seed_of(seed, 2, static_cast<std::uint64_t>(shape))));
+  }
+  for (int body = 0; body < kCarBodies; ++body) prototypes.push_back(make_car(body));
+  for (int body = 0; body < kWalkerBodies; ++body) prototypes.push_back(make_walker(body));
+  return prototypes;
+}
+
+Eigen::Affine3d scaled_upright(const Eigen::Vector3d& origin, double heading_rad, double scale) {
+  return Eigen::Affine3d(upright_frame(origin, heading_rad)) * Eigen::Scaling(scale);
+}
+
+/// Tree lines and lone trees in the open land, so that the horizon is not empty.
+void plant_open_land(City& city, std::uint64_t seed) {
+  Random random(seed);
+  const Eigen::Vector2d low = city.layout.rim_m.min();
+  const Eigen::Vector2d size = city.layout.rim_m.sizes();
+  const double around_m = 2.0 * size.sum();
+  const int trees = static_cast<int>(around_m / 7.0);
+  for (int tree = 0; tree < trees; ++tree) {
+    const BlockSide side = side_of(city.layout.rim_m, random.below(4));
+    const bool in_line = random.chance(0.6);
+    const double away_m = in_line ? 18.0 + random.uniform(-1.0, 1.0) : random.uniform(8.0, 120.0);
+    const Eigen::Vector2d at = side.at(random.uniform(-60.0, side.length_m + 60.0), -away_m);
+    const bool inside = ((at - low).array() > 0.0).all() && ((low + size - at).array() > 0.0).all();
+    if (!inside) place_tree(city, at, 0.0, random);
+  }
+}
+
+}  // namespace
+
+BlockSide side_of(const Eigen::AlignedBox2d& sheet_m, int side) {
+  const Eigen::Vector2d low = sheet_m.min();
+  const Eigen::Vector2d high = sheet_m.max();
+  const Eigen::Vector2d size = sheet_m.sizes();
+  switch (side) {
+    case 0:
+      return {low, {1.0, 0.0}, {0.0, 1.0}, size.x()};
+    case 1:
+      return {{high.x(), low.y()}, {0.0, 1.0}, {-1.0, 0.0}, size.y()};
+    case 2:
+      return {high, {-1.0, 0.0}, {0.0, -1.0}, size.x()};
+    default:
+      return {{low.x(), high.y()}, {0.0, -1.0}, {1.0, 0.0}, size.y()};
+  }
+}
+
+void place_tree(City& city, const Eigen::Vector2d& sheet_m, double lift_m, Random& random) {
+  const double heading_rad = random.uniform(0.0, 2.0 * std::numbers::pi);
+  const double scale = random.uniform(0.8, 1.35);
+  city.placements.push_back(
+      {kFirstTree + random.below(kTreeShapes),
+       scaled_upright(city.layout.ground(sheet_m, lift_m), heading_rad, scale), 128});
+}
+
+void place_bush(City& city, const Eigen::Vector2d& sheet_m, Random& random) {
+  const double heading_rad = random.uniform(0.0, 2.0 * std::numbers::pi);
+  const double scale = random.uniform(0.8, 1.6);
+  city.placements.push_back(
+      {kFirstBush + random.below(kBushShapes),
+       scaled_upright(city.layout.ground(sheet_m, kKerbHeight_m), heading_rad, scale), 128});
+}
+
+City make_city(const CityStyle& style, std::uint64_t seed) {
+  City city{.layout = make_layout(style, seed),
+            .fixed = {},
+            .prototypes = make_prototypes(seed_of(seed, 11)),
+            .placements = {}};
+  add_open_land(city.fixed, city.layout);
+  add_streets(city.fixed, city.layout);
+  for (const Block& block : city.layout.blocks) {
+    add_block_ground(city.fixed, city.layout, block);
+    fill_block(city, block);
+    furnish_sidewalks(city, block, style.parked_car_share);
+  }
+  plant_open_land(city, seed_of(seed, 12));
+  return city;
+}
+
+}  // namespace hqslam::sim

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <vector>
+
+#include "layout.h"
+#include "mesh.h"
+#include "random.h"
+#include "road_user.h"
+
+namespace hqslam::sim {
+
+/// Things of which one shape stands in many places: where each kind begins in City::prototypes.
+constexpr int kTreeShapes = 7;
+constexpr int kBushShapes = 3;
+constexpr int kFirstTree = 0;
+constexpr int kFirstBush = kFirstTree + kTreeShapes;
+constexpr int kFirstCar = kFirstBush + kBushShapes;
+constexpr int kFirstWalker = kFirstCar + kCarBodies;
+
+struct Placement {
+  int prototype = 0;
+  Eigen::Affine3d T_world_prototype = Eigen::Affine3d::Identity();
+  std::uint8_t shade = 128;  ///< of the paint or the clothes
+};
+
+/// Everything that stands still.
+struct City {
+  Layout layout;
+  TriangleMesh fixed;
+  std::vector<TriangleMesh> prototypes;
+  std::vector<Placement> placements;
+};
+
+City make_city(const CityStyle& style, std::uint64_t seed);
+
+/// A point on the kerb of a block: side 0 is that of small v, then counter-clockwise.
+struct BlockSide {
+  Eigen::Vector2d from_m;
+  Eigen::Vector2d along;
+  Eigen::Vector2d inwards;
+  double length_m = 0.0;
+  Eigen::Vector2d at(double along_m, double inwards_m) const {
+    return from_m + along_m * along + inwards_m * inwards;
+  }
+};
+BlockSide side_of(const Eigen::AlignedBox2d& sheet_m, int side);
+
+/// What a block is filled with, by its kind.
+void fill_block(City& city, const Block& block);
+
+/// What stands on the sidewalk and parks at the kerb.
+void furnish_sidewalks(City& city, const Block& block, double parked_car_share);
+
+void place_tree(City& city, const Eigen::Vector2d& sheet_m, double lift_m, Random& random);
+void place_bush(City& city, const Eigen::Vector2d& sheet_m, Random& random);
+
+}  // namespace hqslam::sim

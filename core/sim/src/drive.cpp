@@ -1,0 +1,102 @@
+#include "hqslam/sim/drive.h"
+
+#include <fmt/format.h>
+
+#include "driver_path.h"
+#include "hqslam/core/error.h"
+#include "lane.h"
+#include "lidar.h"
+#include "random.h"
+#include "ray_scene.h"
+#include "route.h"
+#include "traffic.h"
+#include "vehicle_motion.h"
+
+namespace hqslam::sim {
+
+namespace {
+
+/// Traffic must know where the sensor will be for as long as a car crosses the city.
+constexpr double kForesight_s = 200.0;
+
+DriverPath make_path(const Layout& layout, const DriverStyle& style, std::uint64_t seed,
+                     double duration_s) {
+  const double length_m = (duration_s + kForesight_s) * style.max_limit_mps;
+  const auto route = make_route(layout, style, seed_of(seed, 1), length_m);
+  return {lane_along(layout, route, style, seed_of(seed, 2)), style};
+}
+
+const DriveSpec& checked(const DriveSpec& spec) {
+  constexpr std::int64_t kMostScans = 1'000'000;
+  if (spec.scans < 1 || spec.scans > kMostScans) {
+    throw Error(fmt::format("drive '{}': scans is {}, expected 1 to {}", spec.name, spec.scans,
+                            kMostScans));
+  }
+  return spec;
+}
+
+}  // namespace
+
+struct DriveSimulator::Implementation {
+  Implementation(const DriveSpec& spec_, const SensorModel& sensor_)
+      : spec(checked(spec_)),
+        sensor((validate(sensor_), sensor_)),
+        style(drive_style(spec.name)),
+        city(make_city(style.city, seed_of(spec.seed, 1))),
+        path(make_path(city.layout, style.driver, seed_of(spec.seed, 2), duration_s())),
+        motion(path, city.layout.terrain, seed_of(spec.seed, 3)),
+        traffic(city.layout, style, path, seed_of(spec.seed, 4), duration_s()),
+        scene(city),
+        lidar(sensor, seed_of(spec.seed, 5)),
+        T_map_world(motion.T_world_sensor(0.5 * sensor.scan_period_s).inverse()) {}
+
+  double duration_s() const { return static_cast<double>(spec.scans) * sensor.scan_period_s; }
+
+  DriveSpec spec;
+  SensorModel sensor;
+  DriveStyle style;
+  City city;
+  DriverPath path;
+  VehicleMotion motion;
+  Traffic traffic;
+  RayScene scene;
+  Lidar lidar;
+  Pose T_map_world;
+  std::int64_t next_scan = 0;
+};
+
+DriveSimulator::DriveSimulator(const DriveSpec& spec, const SensorModel& sensor)
+    : implementation_(std::make_unique<Implementation>(spec, sensor)) {}
+DriveSimulator::~DriveSimulator() = default;
+DriveSimulator::DriveSimulator(DriveSimulator&&) noexcept = default;
+DriveSimulator& DriveSimulator::operator=(DriveSimulator&&) noexcept = default;
+
+const SensorModel& DriveSimulator::sensor() const { return implementation_->sensor; }
+std::int64_t DriveSimulator::scans() const { return implementation_->spec.scans; }
+
+std::optional<SimulatedScan> DriveSimulator::next() {
+  Implementation& self = *implementation_;
+  if (self.next_scan >= self.spec.scans) return std::nullopt;
+  const double period_s = self.sensor.scan_period_s;
+  const double begin_s = static_cast<double>(self.next_scan) * period_s;
+  std::vector<Pose> T_world_sensor;
+  for (int column = 0; column < self.sensor.columns; ++column) {
+    T_world_sensor.push_back(
+        self.motion.T_world_sensor(begin_s + period_s * (column + 0.5) / self.sensor.columns));
+  }
+  SimulatedScan scan;
+  scan.stamp_s = begin_s + 0.5 * period_s;
+  const Pose T_world_middle = self.motion.T_world_sensor(scan.stamp_s);
+  self.scene.place_actors(
+      self.traffic.actors(begin_s, begin_s + period_s, T_world_middle.translation().head<2>()));
+  scan.image = self.lidar.measure(self.scene, T_world_sensor, self.next_scan);
+  scan.T_map_sensor = self.T_map_world * T_world_middle;
+  for (const Pose& pose : T_world_sensor) {
+    scan.T_map_sensor_at_column.push_back(self.T_map_world * pose);
+  }
+  if (self.next_scan == 0) scan.T_map_sensor = Pose::Identity();
+  ++self.next_scan;
+  return scan;
+}
+
+}  // namespace hqslam::sim

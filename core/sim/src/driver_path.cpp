@@ -1,0 +1,148 @@
+#include "driver_path.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace hqslam::sim {
+
+namespace {
+
+constexpr double kSpacing_m = 1.0;
+constexpr int kSmoothingPasses = 6;
+
+struct Resampled {
+  std::vector<Eigen::Vector2d> control_m;
+  std::vector<double> limit_mps;
+  std::vector<double> stop_s;
+};
+
+/// A point every metre of the polyline, with the limits and stops that lie there.
+Resampled resample(const std::vector<LanePoint>& lane) {
+  Resampled result;
+  double until_next_m = 0.0;
+  double pending_stop_s = 0.0;
+  for (std::size_t k = 0; k + 1 < lane.size(); ++k) {
+    const Eigen::Vector2d step = lane[k + 1].plane_m - lane[k].plane_m;
+    const double length_m = step.norm();
+    pending_stop_s = std::max(pending_stop_s, lane[k].stop_s);
+    while (until_next_m < length_m) {
+      result.control_m.push_back(lane[k].plane_m + step * (until_next_m / length_m));
+      result.limit_mps.push_back(lane[k].speed_limit_mps);
+      result.stop_s.push_back(pending_stop_s);
+      pending_stop_s = 0.0;
+      until_next_m += kSpacing_m;
+    }
+    until_next_m -= length_m;
+  }
+  return result;
+}
+
+void smooth(std::vector<Eigen::Vector2d>& control_m) {
+  for (int pass = 0; pass < kSmoothingPasses; ++pass) {
+    Eigen::Vector2d previous = control_m.front();
+    for (std::size_t k = 1; k + 1 < control_m.size(); ++k) {
+      const Eigen::Vector2d here = control_m[k];
+      control_m[k] = 0.25 * previous + 0.5 * here + 0.25 * control_m[k + 1];
+      previous = here;
+    }
+  }
+}
+
+double curvature_per_m(const std::vector<Eigen::Vector2d>& control_m, std::size_t k) {
+  const Eigen::Vector2d first = 0.5 * (control_m[k + 1] - control_m[k - 1]) / kSpacing_m;
+  const Eigen::Vector2d second =
+      (control_m[k + 1] - 2.0 * control_m[k] + control_m[k - 1]) / (kSpacing_m * kSpacing_m);
+  const double speed = first.norm();
+  return std::abs(first.x() * second.y() - first.y() * second.x()) / (speed * speed * speed);
+}
+
+std::vector<double> plan_speed(const Resampled& way, const DriverStyle& style) {
+  const std::size_t count = way.control_m.size();
+  std::vector<double> speed_mps = way.limit_mps;
+  for (std::size_t k = 1; k + 1 < count; ++k) {
+    const double curvature = std::max(curvature_per_m(way.control_m, k), 1e-6);
+    speed_mps[k] = std::min(speed_mps[k], std::sqrt(style.lateral_acceleration_mps2 / curvature));
+    if (way.stop_s[k] > 0.0) speed_mps[k] = 0.0;
+  }
+  speed_mps.front() = 0.0;
+  const auto reachable = [](double from_mps, double acceleration_mps2) {
+    return std::sqrt(from_mps * from_mps + 2.0 * acceleration_mps2 * kSpacing_m);
+  };
+  for (std::size_t k = 1; k < count; ++k) {
+    speed_mps[k] = std::min(speed_mps[k], reachable(speed_mps[k - 1], style.acceleration_mps2));
+  }
+  for (std::size_t k = count - 1; k > 0; --k) {
+    speed_mps[k - 1] = std::min(speed_mps[k - 1], reachable(speed_mps[k], style.braking_mps2));
+  }
+  return speed_mps;
+}
+
+/// Uniform cubic B-spline and its first derivative by the knot parameter.
+struct SplineValue {
+  Eigen::Vector2d position;
+  Eigen::Vector2d derivative;
+};
+
+SplineValue spline_at(const std::vector<Eigen::Vector2d>& control, double parameter) {
+  const double last = static_cast<double>(control.size()) - 3.0;
+  const double clamped = std::clamp(parameter, 0.0, last - 1e-9);
+  const auto first = static_cast<std::size_t>(clamped);
+  const double t = clamped - static_cast<double>(first);
+  const double s = 1.0 - t;
+  const Eigen::Vector2d& a = control[first];
+  const Eigen::Vector2d& b = control[first + 1];
+  const Eigen::Vector2d& c = control[first + 2];
+  const Eigen::Vector2d& d = control[first + 3];
+  SplineValue value;
+  value.position = (s * s * s * a + (3.0 * t * t * t - 6.0 * t * t + 4.0) * b +
+                    (3.0 * s * s * s - 6.0 * s * s + 4.0) * c + t * t * t * d) /
+                   6.0;
+  value.derivative = 0.5 * (s * s * (b - a) + (1.0 + 2.0 * s * t) * (c - b) + t * t * (d - c));
+  return value;
+}
+
+}  // namespace
+
+DriverPath::DriverPath(const std::vector<LanePoint>& lane, const DriverStyle& style) {
+  constexpr double kStartStop_s = 0.5;
+  Resampled way = resample(lane);
+  smooth(way.control_m);
+  const std::vector<double> speed_mps = plan_speed(way, style);
+  control_m_ = std::move(way.control_m);
+  // Spline parameter 0 lies at control point 1: the first one only shapes the start.
+  double time_s = kStartStop_s;
+  knots_.push_back({0.0, 0.0, 0.0});
+  knots_.push_back({time_s, 0.0, 0.0});
+  for (std::size_t k = 2; k + 2 < control_m_.size(); ++k) {
+    const double before = k == 2 ? 0.0 : speed_mps[k - 1];
+    time_s += 2.0 * kSpacing_m / std::max(before + speed_mps[k], 1e-3);
+    knots_.push_back({time_s, static_cast<double>(k - 1) * kSpacing_m, speed_mps[k]});
+    if (way.stop_s[k] > 0.0) {
+      time_s += way.stop_s[k];
+      knots_.push_back({time_s, static_cast<double>(k - 1) * kSpacing_m, 0.0});
+    }
+  }
+}
+
+PathState DriverPath::at_time(double time_s) const {
+  const double clamped_s = std::clamp(time_s, 0.0, duration_s());
+  const auto after =
+      std::upper_bound(knots_.begin() + 1, knots_.end() - 1, clamped_s,
+                       [](double wanted_s, const Knot& knot) { return wanted_s < knot.time_s; });
+  const Knot& from = *(after - 1);
+  const double span_s = after->time_s - from.time_s;
+  const double since_s = clamped_s - from.time_s;
+  const double acceleration = (after->speed_mps - from.speed_mps) / span_s;
+  PathState state =
+      at_distance(from.along_m + from.speed_mps * since_s + 0.5 * acceleration * since_s * since_s);
+  state.speed_mps *= from.speed_mps + acceleration * since_s;
+  return state;
+}
+
+PathState DriverPath::at_distance(double along_m) const {
+  const SplineValue value = spline_at(control_m_, along_m / kSpacing_m);
+  return {value.position, std::atan2(value.derivative.y(), value.derivative.x()),
+          value.derivative.norm() / kSpacing_m, along_m};
+}
+
+}  // namespace hqslam::sim

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+
+#include "ray_scene.h"
+
+namespace hqslam::sim {
+
+/// What one ray of the beam's footprint brings back.
+struct Echo {
+  double range_m = 0.0;
+  double signal = 0.0;  ///< q of lidar.h, per ray
+};
+
+/// The echo of a hit; none if glass lets the ray through for good. `random_bits` are the pixel's.
+std::optional<Echo> echo_of(const RayHit& hit, double max_range_m, std::uint64_t random_bits);
+
+/// The footprint of one pixel: the central ray counts as much as two others.
+struct Footprint {
+  std::array<Echo, 5> echoes;
+  std::array<double, 5> weights{};
+  int count = 0;
+  void add(const Echo& echo, double weight);
+};
+
+/// The one echo that the sensor reports of a footprint, before noise. None if it is empty.
+std::optional<Echo> reported_echo(const Footprint& footprint);
+
+/// Range after detection and noise; 0 if nothing is detected.
+float detected_range_m(const Echo& echo, double min_range_m, double max_range_m,
+                       std::uint64_t random_bits);
+
+}  // namespace hqslam::sim

@@ -1,0 +1,146 @@
+#include "furniture.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace hqslam::sim {
+
+namespace {
+
+constexpr Surface kPoleMetal{Material::kMetal, 110};
+
+int steps(double length_m, double step_m) {
+  return std::max(1, static_cast<int>(std::ceil(length_m / step_m)));
+}
+
+}  // namespace
+
+void add_lamp(TriangleMesh& mesh, const Eigen::Isometry3d& frame) {
+  constexpr double kHeight_m = 7.0;
+  add_column(mesh, frame * Eigen::Vector3d(0.0, 0.0, -0.4),
+             frame * Eigen::Vector3d(0.0, 0.0, kHeight_m), 0.09, 0.06, 8, kPoleMetal);
+  add_column(mesh, frame * Eigen::Vector3d(0.0, 0.0, kHeight_m - 0.1),
+             frame * Eigen::Vector3d(0.0, -1.8, kHeight_m + 0.2), 0.045, 0.045, 5, kPoleMetal);
+  add_box(mesh, frame, {-0.15, -2.3, kHeight_m + 0.12}, {0.15, -1.7, kHeight_m + 0.28}, kPoleMetal);
+}
+
+void add_traffic_sign(TriangleMesh& mesh, const Eigen::Isometry3d& frame, Random& random) {
+  const double height_m = random.uniform(2.1, 2.6);
+  const double half_size_m = random.uniform(0.25, 0.4);
+  add_column(mesh, frame * Eigen::Vector3d(0.0, 0.0, -0.3),
+             frame * Eigen::Vector3d(0.0, 0.0, height_m + half_size_m), 0.035, 0.035, 6,
+             kPoleMetal);
+  add_box(mesh, frame, {-0.05, -half_size_m, height_m - half_size_m},
+          {-0.035, half_size_m, height_m + half_size_m}, {Material::kRetroreflector, 128});
+}
+
+void add_traffic_light(TriangleMesh& mesh, const Eigen::Isometry3d& frame) {
+  add_column(mesh, frame * Eigen::Vector3d(0.0, 0.0, -0.3), frame * Eigen::Vector3d(0.0, 0.0, 5.6),
+             0.09, 0.08, 8, kPoleMetal);
+  add_column(mesh, frame * Eigen::Vector3d(0.0, 0.0, 5.5), frame * Eigen::Vector3d(0.0, -3.6, 5.7),
+             0.06, 0.05, 6, kPoleMetal);
+  for (const double y_m : {-3.6, -0.25}) {
+    const double z_m = y_m < -1.0 ? 5.0 : 2.7;
+    add_box(mesh, frame, {-0.18, y_m - 0.15, z_m}, {0.12, y_m + 0.15, z_m + 0.9},
+            {Material::kMetal, 20});
+  }
+}
+
+void add_bench(TriangleMesh& mesh, const Eigen::Isometry3d& frame) {
+  const Surface wood{Material::kWood, 120};
+  add_box(mesh, frame, {-0.9, -0.2, 0.42}, {0.9, 0.25, 0.47}, wood);
+  add_box(mesh, frame, {-0.9, 0.25, 0.55}, {0.9, 0.3, 0.9}, wood);
+  for (const double x_m : {-0.75, 0.7}) {
+    add_box(mesh, frame, {x_m, -0.2, -0.2}, {x_m + 0.06, 0.25, 0.42}, kPoleMetal);
+    add_box(mesh, frame, {x_m, 0.24, 0.42}, {x_m + 0.06, 0.3, 0.9}, kPoleMetal);
+  }
+}
+
+void add_bin(TriangleMesh& mesh, const Eigen::Isometry3d& frame, Random& random) {
+  const double radius_m = random.uniform(0.22, 0.35);
+  add_column(mesh, frame * Eigen::Vector3d(0.0, 0.0, -0.2),
+             frame * Eigen::Vector3d(0.0, 0.0, random.uniform(0.8, 1.15)), radius_m, radius_m, 9,
+             {Material::kMetal, random.shade()});
+}
+
+void add_hedge(TriangleMesh& mesh, const Layout& layout, const Eigen::Vector2d& from_m,
+               const Eigen::Vector2d& to_m, double height_m, Random& random) {
+  constexpr double kStep_m = 0.5;
+  constexpr double kHalfWidth_m = 0.45;
+  const Eigen::Vector2d across =
+      Eigen::Vector2d(-(to_m - from_m).y(), (to_m - from_m).x()).normalized();
+  // The cross section: up one side, over the top, down the other.
+  const int levels = steps(height_m, kStep_m);
+  const int columns = 2 * levels + 3;
+  const int rows = steps((to_m - from_m).norm(), kStep_m) + 1;
+  std::vector<Eigen::Vector3d> points;
+  for (int row = 0; row < rows; ++row) {
+    const Eigen::Vector2d at = from_m + (to_m - from_m) * (static_cast<double>(row) / (rows - 1));
+    for (int column = 0; column < columns; ++column) {
+      const int level = std::min({column, columns - 1 - column, levels});
+      const double side = std::clamp(column - levels - 1, -1, 1);
+      const double bulge_m = 0.1 * random.uniform(-1.0, 1.0);
+      const Eigen::Vector2d sheet = at + side * (kHalfWidth_m + bulge_m) * across;
+      const double z_m = height_m * level / levels + (level > 0 ? 0.08 * random.normal() : -0.2);
+      points.push_back(layout.ground(sheet, kKerbHeight_m + z_m));
+    }
+  }
+  add_grid(mesh, points, rows, columns, {Material::kFoliage, 90});
+}
+
+void add_picket_fence(TriangleMesh& mesh, const Layout& layout, const Eigen::Vector2d& from_m,
+                      const Eigen::Vector2d& to_m, Random& random) {
+  constexpr double kSpacing_m = 0.19;
+  const Surface wood{Material::kWood, random.shade()};
+  const double length_m = (to_m - from_m).norm();
+  const Eigen::Vector2d along = (to_m - from_m) / length_m;
+  const int pickets = steps(length_m, kSpacing_m);
+  for (int picket = 0; picket < pickets; ++picket) {
+    const Eigen::Vector2d a = from_m + along * (picket * length_m / pickets);
+    const Eigen::Vector2d b = a + 0.09 * along;
+    add_quad(mesh, layout.ground(a, 0.1), layout.ground(b, 0.1), layout.ground(b, 1.15),
+             layout.ground(a, 1.15), wood);
+  }
+  const int rails = steps(length_m, 2.5);
+  for (int rail = 0; rail < rails; ++rail) {
+    const Eigen::Vector2d a = from_m + along * (rail * length_m / rails);
+    const Eigen::Vector2d b = from_m + along * ((rail + 1) * length_m / rails);
+    for (const double z_m : {0.4, 0.95}) {
+      add_quad(mesh, layout.ground(a, z_m), layout.ground(b, z_m), layout.ground(b, z_m + 0.08),
+               layout.ground(a, z_m + 0.08), wood);
+    }
+    add_column(mesh, layout.ground(a, 0.0), layout.ground(a, 1.3), 0.05, 0.05, 5, wood);
+  }
+}
+
+void add_garden_wall(TriangleMesh& mesh, const Layout& layout, const Eigen::Vector2d& from_m,
+                     const Eigen::Vector2d& to_m, double height_m, Surface surface) {
+  const double length_m = (to_m - from_m).norm();
+  const Eigen::Vector2d along = (to_m - from_m) / length_m;
+  const Eigen::Vector2d across = 0.13 * Eigen::Vector2d(-along.y(), along.x());
+  const int rows = steps(length_m, 3.0) + 1;
+  std::vector<Eigen::Vector3d> points;
+  for (int row = 0; row < rows; ++row) {
+    const Eigen::Vector2d at = from_m + (to_m - from_m) * (static_cast<double>(row) / (rows - 1));
+    points.push_back(layout.ground(at - across, -0.2));
+    points.push_back(layout.ground(at - across, height_m));
+    points.push_back(layout.ground(at + across, height_m));
+    points.push_back(layout.ground(at + across, -0.2));
+  }
+  add_grid(mesh, points, rows, 4, surface);
+}
+
+void add_wire(TriangleMesh& mesh, const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
+  constexpr int kSpans = 4;
+  const auto at = [&](int span) {
+    const double fraction = static_cast<double>(span) / kSpans;
+    Eigen::Vector3d point = from + fraction * (to - from);
+    point.z() -= 0.03 * (to - from).norm() * 4.0 * fraction * (1.0 - fraction);
+    return point;
+  };
+  for (int span = 0; span < kSpans; ++span) {
+    add_column(mesh, at(span), at(span + 1), 0.02, 0.02, 3, {Material::kRubber, 200});
+  }
+}
+
+}  // namespace hqslam::sim

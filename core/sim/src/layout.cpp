@@ -1,0 +1,162 @@
+#include "layout.h"
+
+#include <cmath>
+#include <numbers>
+
+#include "random.h"
+
+namespace hqslam::sim {
+
+namespace {
+
+constexpr double kOuterBlockDepth_m = 48.0;
+
+Street make_street(double position_m, Random& random) {
+  Street street;
+  street.position_m = position_m;
+  const double width = random.uniform();
+  if (width < 0.2) {
+    street.half_width_m = 4.2;
+    street.parking = false;
+  } else if (width > 0.8) {
+    street.half_width_m = 7.2;
+    street.lane_offset_m = 2.6;
+  }
+  street.tree_lined = random.chance(0.55);
+  return street;
+}
+
+std::vector<Street> make_streets(const CityStyle& style, Random& random) {
+  std::vector<Street> streets;
+  double position_m = 0.0;
+  for (int i = 0; i < style.streets; ++i) {
+    streets.push_back(make_street(position_m, random));
+    position_m += random.uniform(style.min_spacing_m, style.max_spacing_m);
+  }
+  const double middle_m = 0.5 * (streets.front().position_m + streets.back().position_m);
+  for (Street& street : streets) street.position_m -= middle_m;
+  return streets;
+}
+
+/// Tangents of the bending add up to `bend` at most, so that streets never fold.
+Bending make_bending(double bend, Random& random) {
+  Bending bending;
+  constexpr std::array<double, 3> kWavelength_m = {410.0, 270.0, 170.0};
+  for (std::size_t k = 0; k < kWavelength_m.size(); ++k) {
+    const double direction_rad =
+        std::numbers::pi * (static_cast<double>(k) / 3.0 + 0.25) + random.uniform(-0.3, 0.3);
+    const double wave_number =
+        2.0 * std::numbers::pi / (kWavelength_m[k] * random.uniform(0.85, 1.15));
+    const Eigen::Vector2d along(std::cos(direction_rad), std::sin(direction_rad));
+    // Across the wave: shearing bends streets, stretching would only widen them.
+    bending.waves[k] = {wave_number * along,
+                        bend * 0.6 / wave_number * Eigen::Vector2d(-along.y(), along.x()),
+                        random.uniform(0.0, 2.0 * std::numbers::pi)};
+  }
+  return bending;
+}
+
+/// At most one stretch per street of axis 0, never at the rim: every crossing keeps two ways out.
+std::set<Stretch> close_stretches(const CityStyle& style, Random& random) {
+  std::set<Stretch> closed;
+  int previous = -1;
+  for (int street = 1; street + 1 < style.streets; ++street) {
+    const bool close = random.chance(style.closed_street_share);
+    const int crossing = random.below(style.streets - 1);
+    if (close && crossing != previous) closed.insert({0, street, crossing});
+    previous = close ? crossing : -1;
+  }
+  return closed;
+}
+
+BlockKind pick_kind(const CityStyle& style, Random& random) {
+  double total = 0.0;
+  for (double weight : style.block_weights) total += weight;
+  double draw = random.uniform(0.0, total);
+  for (std::size_t kind = 0; kind < style.block_weights.size(); ++kind) {
+    draw -= style.block_weights[kind];
+    if (draw < 0.0) return static_cast<BlockKind>(kind);
+  }
+  return BlockKind::kRowHouses;
+}
+
+/// Kerb positions along one axis: cell k reaches from low[k] to high[k].
+struct Cells {
+  std::vector<double> low_m;
+  std::vector<double> high_m;
+};
+
+Cells cells_between(const std::vector<Street>& streets, double low_end_m, double high_end_m) {
+  Cells cells;
+  cells.low_m.push_back(low_end_m);
+  for (const Street& street : streets) {
+    cells.high_m.push_back(street.position_m - street.half_width_m);
+    cells.low_m.push_back(street.position_m + street.half_width_m);
+  }
+  cells.high_m.push_back(high_end_m);
+  return cells;
+}
+
+std::vector<Block> make_blocks(const CityStyle& style, const Layout& layout, std::uint64_t seed) {
+  const Cells u = cells_between(layout.streets[0], layout.rim_m.min().x(), layout.rim_m.max().x());
+  const Cells v = cells_between(layout.streets[1], layout.rim_m.min().y(), layout.rim_m.max().y());
+  std::vector<Block> blocks;
+  const int last = style.streets;
+  for (int i = 0; i <= last; ++i) {
+    for (int j = 0; j <= last; ++j) {
+      // A closed stretch of street i lies between cells i and i+1 of axis 0.
+      if (i > 0 && layout.closed.contains({0, i - 1, j - 1})) continue;
+      const bool wide = layout.closed.contains({0, i, j - 1});
+      Block block;
+      block.sheet_m = Eigen::AlignedBox2d(Eigen::Vector2d(u.low_m[i], v.low_m[j]),
+                                          Eigen::Vector2d(u.high_m[wide ? i + 1 : i], v.high_m[j]));
+      block.seed = seed_of(seed, static_cast<std::uint64_t>(i), static_cast<std::uint64_t>(j));
+      Random random(block.seed);
+      block.kind = pick_kind(style, random);
+      blocks.push_back(block);
+    }
+  }
+  return blocks;
+}
+
+}  // namespace
+
+Eigen::Vector2d Bending::operator()(const Eigen::Vector2d& sheet_m) const {
+  Eigen::Vector2d plane_m = sheet_m;
+  for (const Wave& wave : waves) {
+    plane_m +=
+        std::sin(wave.wave_vector_rad_per_m.dot(sheet_m) + wave.phase_rad) * wave.amplitude_m;
+  }
+  return plane_m;
+}
+
+Eigen::Vector3d Layout::ground(const Eigen::Vector2d& sheet_m, double lift_m) const {
+  const Eigen::Vector2d plane_m = plane(sheet_m);
+  return {plane_m.x(), plane_m.y(), terrain.height_m(plane_m) + lift_m};
+}
+
+double Layout::heading_rad(const Eigen::Vector2d& sheet_m, const Eigen::Vector2d& direction) const {
+  const Eigen::Vector2d step_m =
+      plane(sheet_m + 0.5 * direction) - plane(sheet_m - 0.5 * direction);
+  return std::atan2(step_m.y(), step_m.x());
+}
+
+Layout make_layout(const CityStyle& style, std::uint64_t seed) {
+  Random random(seed_of(seed, 1));
+  Layout layout{.streets = {},
+                .closed = {},
+                .blocks = {},
+                .rim_m = {},
+                .bending = make_bending(style.bend, random),
+                .terrain = Terrain(seed_of(seed, 2), style.slope_bound)};
+  for (auto& streets : layout.streets) streets = make_streets(style, random);
+  layout.closed = close_stretches(style, random);
+  for (int axis = 0; axis < 2; ++axis) {
+    layout.rim_m.min()[axis] = layout.streets[axis].front().position_m - kOuterBlockDepth_m;
+    layout.rim_m.max()[axis] = layout.streets[axis].back().position_m + kOuterBlockDepth_m;
+  }
+  layout.blocks = make_blocks(style, layout, seed_of(seed, 3));
+  return layout;
+}
+
+}  // namespace hqslam::sim

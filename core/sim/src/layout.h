@@ -1,0 +1,75 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <array>
+#include <cstdint>
+#include <set>
+#include <tuple>
+#include <vector>
+
+#include "style.h"
+#include "terrain.h"
+
+namespace hqslam::sim {
+
+/// The plan of the city is drawn on a sheet (u, v) where streets are straight and blocks are
+/// rectangles; the sheet is then bent into the plane (x, y) and laid over the terrain. A street of
+/// axis 0 is the line u = position_m, one of axis 1 the line v = position_m.
+struct Street {
+  double position_m = 0.0;
+  double half_width_m = 5.5;   ///< from the middle to the kerb
+  double lane_offset_m = 1.7;  ///< of the middle of a lane; traffic keeps right
+  bool parking = true;         ///< room for parked cars along both kerbs
+  bool tree_lined = false;
+};
+
+/// What lies between streets, up to the kerbs.
+struct Block {
+  Eigen::AlignedBox2d sheet_m;
+  BlockKind kind = BlockKind::kRowHouses;
+  std::uint64_t seed = 0;
+};
+
+/// How the sheet is bent: x = u + sum a sin(w . (u, v) + phase), y likewise.
+struct Bending {
+  struct Wave {
+    Eigen::Vector2d wave_vector_rad_per_m;
+    Eigen::Vector2d amplitude_m;
+    double phase_rad;
+  };
+  std::array<Wave, 3> waves;
+  Eigen::Vector2d operator()(const Eigen::Vector2d& sheet_m) const;
+};
+
+/// The stretch of a street between two neighbouring crossings.
+struct Stretch {
+  int axis = 0;
+  int street = 0;
+  int from_crossing = 0;  ///< index of the crossing street with the smaller position
+  auto operator<=>(const Stretch&) const = default;
+};
+
+struct Layout {
+  std::array<std::vector<Street>, 2> streets;  ///< by axis, in the order of position_m
+  std::set<Stretch> closed;                    ///< stretches that are built over
+  std::vector<Block> blocks;
+  Eigen::AlignedBox2d rim_m;  ///< the whole city on the sheet; open land begins beyond
+  Bending bending;
+  Terrain terrain;
+
+  /// A point of the sheet in the plane.
+  Eigen::Vector2d plane(const Eigen::Vector2d& sheet_m) const { return bending(sheet_m); }
+  /// A point of the sheet on the terrain, lifted.
+  Eigen::Vector3d ground(const Eigen::Vector2d& sheet_m, double lift_m) const;
+  /// Where the direction (u, v) of the sheet points in the plane.
+  double heading_rad(const Eigen::Vector2d& sheet_m, const Eigen::Vector2d& direction) const;
+};
+
+/// By how much blocks stand above the street.
+constexpr double kKerbHeight_m = 0.14;
+constexpr double kSidewalkWidth_m = 3.0;
+constexpr double kCornerRadius_m = 4.0;
+
+Layout make_layout(const CityStyle& style, std::uint64_t seed);
+
+}  // namespace hqslam::sim

@@ -1,0 +1,230 @@
+#include "ray_scene.h"
+
+#include <embree3/rtcore.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "hqslam/core/error.h"
+
+namespace hqslam::sim {
+
+namespace {
+
+/// Owns an Embree object.
+template <typename Handle, void (*kRelease)(Handle)>
+class Owned {
+ public:
+  explicit Owned(Handle handle) : handle_(handle) {}
+  ~Owned() {
+    if (handle_ != nullptr) kRelease(handle_);
+  }
+  Owned(Owned&& other) noexcept : handle_(std::exchange(other.handle_, nullptr)) {}
+  Owned& operator=(Owned&&) = delete;
+  operator Handle() const { return handle_; }  // NOLINT(google-explicit-constructor)
+
+ private:
+  Handle handle_;
+};
+using Device = Owned<RTCDevice, rtcReleaseDevice>;
+using Scene = Owned<RTCScene, rtcReleaseScene>;
+using Geometry = Owned<RTCGeometry, rtcReleaseGeometry>;
+
+/// One thread and one instruction set, so that the tree and the rays come out the same everywhere.
+Device make_device() {
+  Device device(rtcNewDevice("threads=1,set_affinity=0,isa=sse4.2"));
+  if (device == nullptr) {
+    throw Error(
+        fmt::format("Embree cannot start (error {}): the simulator needs a processor with "
+                    "SSE 4.2",
+                    static_cast<int>(rtcGetDeviceError(nullptr))));
+  }
+  return device;
+}
+
+Scene make_scene(RTCDevice device) {
+  Scene scene(rtcNewScene(device));
+  rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
+  rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_MEDIUM);
+  return scene;
+}
+
+unsigned attach_mesh(RTCDevice device, RTCScene scene, const TriangleMesh& mesh) {
+  const Geometry geometry(rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE));
+  auto* vertices = static_cast<float*>(
+      rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                              sizeof(Eigen::Vector3f), mesh.vertices_m.size()));
+  auto* triangles = static_cast<std::uint32_t*>(
+      rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                              3 * sizeof(std::uint32_t), mesh.triangles.size()));
+  for (const Eigen::Vector3f& vertex : mesh.vertices_m) {
+    vertices = std::copy_n(vertex.data(), 3, vertices);
+  }
+  for (const auto& triangle : mesh.triangles) {
+    triangles = std::copy_n(triangle.data(), 3, triangles);
+  }
+  rtcCommitGeometry(geometry);
+  return rtcAttachGeometry(scene, geometry);
+}
+
+void set_transform(RTCGeometry geometry, unsigned time_step, const Eigen::Affine3d& transform) {
+  std::array<float, 12> columns{};
+  for (int column = 0; column < 4; ++column) {
+    for (int row = 0; row < 3; ++row) {
+      columns[static_cast<std::size_t>(3 * column + row)] =
+          static_cast<float>(transform.matrix()(row, column));
+    }
+  }
+  rtcSetGeometryTransform(geometry, time_step, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, columns.data());
+}
+
+struct EmbreeHit {
+  unsigned instance;
+  unsigned triangle;
+  float range_m;
+};
+
+std::optional<EmbreeHit> first_hit(RTCScene scene, const Eigen::Vector3d& origin_m,
+                                   const Eigen::Vector3d& direction, double time,
+                                   double max_range_m) {
+  RTCRayHit query{};
+  query.ray.org_x = static_cast<float>(origin_m.x());
+  query.ray.org_y = static_cast<float>(origin_m.y());
+  query.ray.org_z = static_cast<float>(origin_m.z());
+  query.ray.dir_x = static_cast<float>(direction.x());
+  query.ray.dir_y = static_cast<float>(direction.y());
+  query.ray.dir_z = static_cast<float>(direction.z());
+  query.ray.tfar = static_cast<float>(max_range_m);
+  query.ray.time = static_cast<float>(time);
+  query.ray.mask = 0xffffffffU;
+  query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  rtcIntersect1(scene, &context, &query);
+  if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
+  return EmbreeHit{query.hit.instID[0], query.hit.primID, query.ray.tfar};
+}
+
+/// The ray o + t d (in the mesh's frame) against the plane of a triangle with normal n and corner
+/// v:
+///   t = n . (v - o) / n . d,   cos of incidence = |n . d| / (|n| |d|)
+/// `embree_m` is Embree's t: for a ray that nearly lies in the plane it is the better one.
+RayHit meet_triangle(const TriangleMesh& mesh, unsigned triangle, const Eigen::Vector3d& origin,
+                     const Eigen::Vector3d& direction, float embree_m) {
+  const auto& index = mesh.triangles[triangle];
+  const Eigen::Vector3d a = mesh.vertices_m[index[0]].cast<double>();
+  const Eigen::Vector3d b = mesh.vertices_m[index[1]].cast<double>();
+  const Eigen::Vector3d c = mesh.vertices_m[index[2]].cast<double>();
+  const Eigen::Vector3d normal = (b - a).cross(c - a);
+  const double along = normal.dot(direction);
+  const double cosine = std::abs(along) / (normal.norm() * direction.norm());
+  RayHit hit{embree_m, std::min(1.0, cosine), mesh.surfaces[triangle]};
+  if (cosine > 1e-3) hit.range_m = normal.dot(a - origin) / along;
+  return hit;
+}
+
+/// Paint and clothes take the shade of the one who wears them.
+Surface worn(Surface surface, std::uint8_t shade) {
+  if (surface.material == Material::kCarPaint || surface.material == Material::kCloth) {
+    surface.shade = shade;
+  }
+  return surface;
+}
+
+}  // namespace
+
+struct RayScene::Implementation {
+  explicit Implementation(const City& city_)
+      : city(city_), device(make_device()), fixed(make_scene(device)), moving(make_scene(device)) {
+    attach_mesh(device, fixed, city.fixed);
+    for (const TriangleMesh& mesh : city.prototypes) {
+      Scene scene = make_scene(device);
+      attach_mesh(device, scene, mesh);
+      rtcCommitScene(scene);
+      prototypes.push_back(std::move(scene));
+    }
+    for (const Placement& placement : city.placements) {
+      const Geometry instance(rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE));
+      rtcSetGeometryInstancedScene(instance,
+                                   prototypes[static_cast<std::size_t>(placement.prototype)]);
+      set_transform(instance, 0, placement.T_world_prototype);
+      rtcCommitGeometry(instance);
+      rtcAttachGeometry(fixed, instance);
+      T_prototype_world.push_back(placement.T_world_prototype.inverse());
+    }
+    rtcCommitScene(fixed);
+    rtcCommitScene(moving);
+  }
+
+  const City& city;
+  Device device;
+  Scene fixed;   ///< geometry 0 is the city's own mesh, 1 + k is placement k
+  Scene moving;  ///< geometry k is actor k
+  std::vector<Scene> prototypes;
+  std::vector<Eigen::Affine3d> T_prototype_world;  ///< of the placements
+  std::vector<ActorMotion> actors;
+};
+
+RayScene::RayScene(const City& city) : implementation_(std::make_unique<Implementation>(city)) {}
+RayScene::~RayScene() = default;
+RayScene::RayScene(RayScene&&) noexcept = default;
+RayScene& RayScene::operator=(RayScene&&) noexcept = default;
+
+void RayScene::place_actors(const std::vector<ActorMotion>& actors) {
+  Implementation& self = *implementation_;
+  for (unsigned k = 0; k < self.actors.size(); ++k) rtcDetachGeometry(self.moving, k);
+  self.actors.assign(actors.begin(), actors.begin() + static_cast<std::ptrdiff_t>(
+                                                          std::min(actors.size(), kMostActors)));
+  for (unsigned k = 0; k < self.actors.size(); ++k) {
+    const ActorMotion& actor = self.actors[k];
+    const Geometry instance(rtcNewGeometry(self.device, RTC_GEOMETRY_TYPE_INSTANCE));
+    rtcSetGeometryInstancedScene(instance,
+                                 self.prototypes[static_cast<std::size_t>(actor.prototype)]);
+    rtcSetGeometryTimeStepCount(instance, 2);
+    set_transform(instance, 0, actor.T_world_at_start);
+    set_transform(instance, 1, actor.T_world_at_end);
+    rtcCommitGeometry(instance);
+    rtcAttachGeometryByID(self.moving, instance, k);
+  }
+  rtcCommitScene(self.moving);
+}
+
+std::optional<RayHit> RayScene::cast(const Eigen::Vector3d& origin_m,
+                                     const Eigen::Vector3d& direction, double scan_fraction,
+                                     double max_range_m) const {
+  const Implementation& self = *implementation_;
+  const auto fixed = first_hit(self.fixed, origin_m, direction, 0.0, max_range_m);
+  const double nearest_m = fixed ? fixed->range_m : max_range_m;
+  if (!self.actors.empty()) {
+    const auto moving = first_hit(self.moving, origin_m, direction, scan_fraction, nearest_m);
+    if (moving) {
+      const ActorMotion& actor = self.actors[moving->instance];
+      Eigen::Affine3d T_world_actor;
+      T_world_actor.matrix() = (1.0 - scan_fraction) * actor.T_world_at_start.matrix() +
+                               scan_fraction * actor.T_world_at_end.matrix();
+      const Eigen::Affine3d T_actor_world = T_world_actor.inverse();
+      RayHit hit = meet_triangle(self.city.prototypes[static_cast<std::size_t>(actor.prototype)],
+                                 moving->triangle, T_actor_world * origin_m,
+                                 T_actor_world.linear() * direction, moving->range_m);
+      hit.surface = worn(hit.surface, actor.shade);
+      return hit;
+    }
+  }
+  if (!fixed) return std::nullopt;
+  if (fixed->instance == RTC_INVALID_GEOMETRY_ID) {
+    return meet_triangle(self.city.fixed, fixed->triangle, origin_m, direction, fixed->range_m);
+  }
+  const std::size_t k = fixed->instance - 1;
+  const Placement& placement = self.city.placements[k];
+  RayHit hit = meet_triangle(self.city.prototypes[static_cast<std::size_t>(placement.prototype)],
+                             fixed->triangle, self.T_prototype_world[k] * origin_m,
+                             self.T_prototype_world[k].linear() * direction, fixed->range_m);
+  hit.surface = worn(hit.surface, placement.shade);
+  return hit;
+}
+
+}  // namespace hqslam::sim

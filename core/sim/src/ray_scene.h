@@ -1,0 +1,43 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "city.h"
+#include "traffic.h"
+
+namespace hqslam::sim {
+
+/// Where a ray met something first.
+struct RayHit {
+  double range_m = 0.0;
+  double cos_incidence = 1.0;  ///< of the angle between the ray and the surface's normal, 0..1
+  Surface surface;
+};
+
+/// The city and those who move in it, ready for rays (Embree). Embree says which triangle is met;
+/// where on it is computed here, because Embree's own arithmetic differs between processors.
+class RayScene {
+ public:
+  explicit RayScene(const City& city);
+  ~RayScene();
+  RayScene(RayScene&&) noexcept;
+  RayScene& operator=(RayScene&&) noexcept;
+
+  /// Who moves during the coming scan; the first `kMostActors` are taken.
+  void place_actors(const std::vector<ActorMotion>& actors);
+  /// `direction` has length 1; `scan_fraction` 0..1 is the time within the scan. May be called from
+  /// many threads at once.
+  std::optional<RayHit> cast(const Eigen::Vector3d& origin_m, const Eigen::Vector3d& direction,
+                             double scan_fraction, double max_range_m) const;
+
+  static constexpr std::size_t kMostActors = 40;
+
+ private:
+  struct Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace hqslam::sim

@@ -1,0 +1,109 @@
+#include "road_user.h"
+
+#include <array>
+
+namespace hqslam::sim {
+
+namespace {
+
+/// A car from the side: lower body, then the glasshouse on top.
+struct CarShape {
+  double half_length_m;
+  double half_width_m;
+  double belt_m;  ///< height of the bonnet and of the lower edge of the windows
+  double roof_m;
+  double windscreen_foot_m;  ///< along x
+  double windscreen_top_m;
+  double rear_top_m;
+  double rear_foot_m;
+};
+
+constexpr std::array<CarShape, kCarBodies> kCarShapes = {{
+    {2.0, 0.87, 0.92, 1.47, 0.95, 0.25, -1.45, -1.9},
+    {2.3, 0.90, 0.92, 1.45, 0.90, 0.15, -1.05, -1.65},
+    {2.25, 0.93, 1.05, 1.70, 0.95, 0.40, -1.85, -2.15},
+    {2.6, 0.98, 1.10, 2.15, 1.75, 1.20, -2.50, -2.58},
+}};
+
+/// A prism whose top is narrower: corners in x given per level.
+void add_frustum(TriangleMesh& mesh, const std::array<double, 2>& low_x,
+                 const std::array<double, 2>& high_x, double low_half_width, double high_half_width,
+                 double low_z, double high_z, Surface sides, Surface top) {
+  const auto corner = [&](bool high, bool front, bool left) {
+    const double half_width = high ? high_half_width : low_half_width;
+    return Eigen::Vector3d(high ? high_x[front] : low_x[front], left ? half_width : -half_width,
+                           high ? high_z : low_z);
+  };
+  for (const bool left : {false, true}) {
+    add_quad(mesh, corner(false, false, left), corner(false, true, left), corner(true, true, left),
+             corner(true, false, left), sides);
+  }
+  for (const bool front : {false, true}) {
+    add_quad(mesh, corner(false, front, false), corner(false, front, true),
+             corner(true, front, true), corner(true, front, false), sides);
+  }
+  add_quad(mesh, corner(true, false, false), corner(true, true, false), corner(true, true, true),
+           corner(true, false, true), top);
+}
+
+}  // namespace
+
+TriangleMesh make_car(int body) {
+  const CarShape& shape = kCarShapes[static_cast<std::size_t>(body)];
+  TriangleMesh mesh;
+  const Surface paint{Material::kCarPaint, 128};
+  const double l = shape.half_length_m;
+  const double w = shape.half_width_m;
+  add_frustum(mesh, {-l + 0.08, l - 0.1}, {-l, l}, 0.94 * w, w, 0.2, 0.55, paint, paint);
+  add_frustum(mesh, {-l, l}, {-l + 0.1, l - 0.25}, w, 0.95 * w, 0.55, shape.belt_m - 0.08, paint,
+              paint);
+  add_frustum(mesh, {-l + 0.1, l - 0.25}, {shape.rear_foot_m, shape.windscreen_foot_m}, 0.95 * w,
+              0.92 * w, shape.belt_m - 0.08, shape.belt_m, paint, paint);
+  add_frustum(mesh, {shape.rear_foot_m, shape.windscreen_foot_m},
+              {shape.rear_top_m, shape.windscreen_top_m}, 0.9 * w, 0.72 * w, shape.belt_m,
+              shape.roof_m, {Material::kCarGlass, 128}, paint);
+  // Pillars between the windows.
+  for (const double y : {-0.86 * w, 0.86 * w}) {
+    add_column(mesh, {-0.35, y, shape.belt_m - 0.05}, {-0.35, 0.84 * y, shape.roof_m}, 0.06, 0.05,
+               4, paint);
+  }
+  add_quad(mesh, {-l + 0.1, -w, 0.22}, {l - 0.1, -w, 0.22}, {l - 0.1, w, 0.22}, {-l + 0.1, w, 0.22},
+           {Material::kRubber, 128});
+  for (const double x : {-0.62 * l, 0.64 * l}) {
+    for (const double side : {-1.0, 1.0}) {
+      add_column(mesh, {x, side * (w - 0.2), 0.31}, {x, side * (w + 0.01), 0.31}, 0.31, 0.31, 9,
+                 {Material::kRubber, 128});
+    }
+  }
+  for (const double end : {-l - 0.01, l + 0.01}) {
+    add_box(mesh, Eigen::Isometry3d::Identity(), {end - 0.01, -0.26, 0.42},
+            {end + 0.01, 0.26, 0.53}, {Material::kRetroreflector, 60});
+  }
+  for (const double side : {-1.0, 1.0}) {
+    add_box(mesh, Eigen::Isometry3d::Identity(),
+            {shape.windscreen_foot_m - 0.25, side > 0 ? w : -w - 0.16, shape.belt_m},
+            {shape.windscreen_foot_m - 0.12, side > 0 ? w + 0.16 : -w, shape.belt_m + 0.13}, paint);
+  }
+  return mesh;
+}
+
+TriangleMesh make_walker(int body) {
+  TriangleMesh mesh;
+  const Surface cloth{Material::kCloth, 128};
+  const double size = body == 0 ? 1.0 : 0.93;
+  const double stride_m = body == 0 ? 0.28 : 0.16;
+  const auto limb = [&](const Eigen::Vector3d& from, const Eigen::Vector3d& to, double from_m,
+                        double to_m) {
+    add_column(mesh, size * from, size * to, size * from_m, size * to_m, 6, cloth);
+  };
+  limb({stride_m, 0.1, 0.0}, {0.0, 0.09, 0.86}, 0.06, 0.09);
+  limb({-stride_m, -0.1, 0.0}, {0.0, -0.09, 0.86}, 0.06, 0.09);
+  limb({0.0, 0.0, 0.82}, {0.02, 0.0, 1.46}, 0.17, 0.19);
+  limb({0.02, 0.0, 1.46}, {0.03, 0.0, 1.56}, 0.07, 0.06);
+  limb({0.03, 0.0, 1.53}, {0.04, 0.0, 1.78}, 0.10, 0.09);
+  limb({0.0, 0.23, 1.42}, {-0.18, 0.26, 0.86}, 0.05, 0.04);
+  limb({0.0, -0.23, 1.42}, {0.2, -0.26, 0.88}, 0.05, 0.04);
+  return mesh;
+}
+
+}  // namespace hqslam::sim

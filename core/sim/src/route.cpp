@@ -1,0 +1,137 @@
+#include "route.h"
+
+#include <array>
+#include <map>
+#include <optional>
+#include <utility>
+
+#include "random.h"
+
+namespace hqslam::sim {
+
+namespace {
+
+using Direction = Eigen::Vector2i;
+
+Direction left_of(const Direction& direction) { return {-direction.y(), direction.x()}; }
+
+struct CrossingOrder {
+  bool operator()(const std::pair<Crossing, Crossing>& a,
+                  const std::pair<Crossing, Crossing>& b) const {
+    const auto key = [](const std::pair<Crossing, Crossing>& way) {
+      return std::array<int, 4>{way.first.x(), way.first.y(), way.second.x(), way.second.y()};
+    };
+    return key(a) < key(b);
+  }
+};
+
+class Planner {
+ public:
+  Planner(const Layout& layout, const DriverStyle& style, std::uint64_t seed)
+      : layout_(layout), style_(style), random_(seed) {
+    const Crossing middle(static_cast<int>(layout.streets[0].size()) / 2,
+                          static_cast<int>(layout.streets[1].size()) / 2);
+    route_.push_back(middle);
+    direction_ = {1, 0};
+    step(direction_);
+  }
+
+  std::vector<Crossing> plan(double min_length_m) {
+    while (length_m_ < min_length_m) {
+      if (!drive_circuit()) wander();
+      const int ways = random_.below(3);
+      for (int way = 0; way < ways; ++way) wander();
+    }
+    return route_;
+  }
+
+ private:
+  bool open(const Crossing& from, const Direction& direction) const {
+    const Crossing to = from + direction;
+    for (int axis = 0; axis < 2; ++axis) {
+      const int count = static_cast<int>(layout_.streets[axis].size());
+      if (to[axis] < 0 || to[axis] >= count) return false;
+    }
+    // Driving along axis 1 follows a street of axis 0 and the other way round.
+    const int street_axis = direction.x() == 0 ? 0 : 1;
+    const int along = 1 - street_axis;
+    return !layout_.closed.contains(
+        {street_axis, from[street_axis], std::min(from[along], to[along])});
+  }
+
+  void step(const Direction& direction) {
+    const Crossing from = route_.back();
+    const Crossing to = from + direction;
+    driven_[{from, to}] = true;
+    for (int axis = 0; axis < 2; ++axis) {
+      length_m_ += std::abs(layout_.streets[axis][to[axis]].position_m -
+                            layout_.streets[axis][from[axis]].position_m);
+    }
+    route_.push_back(to);
+    direction_ = direction;
+  }
+
+  /// Once around a rectangle that begins here, then its first stretch again.
+  bool drive_circuit() {
+    for (int attempt = 0; attempt < 60; ++attempt) {
+      const bool left = random_.chance(0.5);
+      Direction direction = direction_;
+      const int turn = random_.below(3);
+      if (turn == 1) direction = left_of(direction);
+      if (turn == 2) direction = -left_of(direction);
+      const std::array<int, 2> size = {1 + random_.below(style_.max_circuit_blocks),
+                                       1 + random_.below(style_.max_circuit_blocks)};
+      std::vector<Direction> ways;
+      for (std::size_t side = 0; side < 4; ++side) {
+        ways.insert(ways.end(), static_cast<std::size_t>(size[side % 2]), direction);
+        direction = left ? left_of(direction) : Direction(-left_of(direction));
+      }
+      ways.push_back(ways.front());
+      if (!passable(ways)) continue;
+      for (const Direction& way : ways) step(way);
+      return true;
+    }
+    return false;
+  }
+
+  bool passable(const std::vector<Direction>& ways) const {
+    Crossing at = route_.back();
+    for (const Direction& way : ways) {
+      if (!open(at, way)) return false;
+      at += way;
+    }
+    return true;
+  }
+
+  /// One stretch on, never back.
+  void wander() {
+    std::vector<Direction> possible;
+    std::vector<Direction> driven_backwards;
+    for (const Direction& way :
+         {direction_, left_of(direction_), Direction(-left_of(direction_))}) {
+      if (!open(route_.back(), way)) continue;
+      possible.push_back(way);
+      if (driven_.contains({route_.back() + way, route_.back()})) driven_backwards.push_back(way);
+    }
+    const auto& choice =
+        !driven_backwards.empty() && random_.chance(0.6) ? driven_backwards : possible;
+    step(choice[static_cast<std::size_t>(random_.below(static_cast<int>(choice.size())))]);
+  }
+
+  const Layout& layout_;
+  const DriverStyle& style_;
+  Random random_;
+  std::vector<Crossing> route_;
+  Direction direction_;
+  double length_m_ = 0.0;
+  std::map<std::pair<Crossing, Crossing>, bool, CrossingOrder> driven_;
+};
+
+}  // namespace
+
+std::vector<Crossing> make_route(const Layout& layout, const DriverStyle& style, std::uint64_t seed,
+                                 double min_length_m) {
+  return Planner(layout, style, seed).plan(min_length_m);
+}
+
+}  // namespace hqslam::sim

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+#include "layout.h"
+
+namespace hqslam::sim {
+
+/// A crossing of street `index[0]` of axis 0 with street `index[1]` of axis 1.
+using Crossing = Eigen::Vector2i;
+
+/// Crossings one after the other, neighbours joined by a street that is open, never turning back on
+/// the spot. Made of circuits (around a rectangle of blocks and on over its first stretch again)
+/// joined by short ways that like to meet driven streets from the other end. A longer route begins
+/// with the shorter one.
+std::vector<Crossing> make_route(const Layout& layout, const DriverStyle& style, std::uint64_t seed,
+                                 double min_length_m);
+
+}  // namespace hqslam::sim

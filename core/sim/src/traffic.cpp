@@ -1,0 +1,163 @@
+#include "traffic.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "city.h"
+#include "on_ground.h"
+#include "random.h"
+
+namespace hqslam::sim {
+
+namespace {
+
+constexpr double kReach_m = 95.0;
+constexpr double kClearance_m = 6.0;
+
+}  // namespace
+
+Traffic::Traffic(const Layout& layout, const DriveStyle& style, const DriverPath& ego,
+                 std::uint64_t seed, double until_s)
+    : layout_(layout), ego_(ego), car_ahead_(style.driver.follows_car) {
+  add_trips(style, seed_of(seed, 1), until_s);
+  add_walkers(style.city, seed_of(seed, 2));
+}
+
+void Traffic::add_trips(const DriveStyle& style, std::uint64_t seed, double until_s) {
+  for (int axis = 0; axis < 2; ++axis) {
+    const double low_m = layout_.rim_m.min()[1 - axis];
+    const double high_m = layout_.rim_m.max()[1 - axis];
+    for (std::size_t street = 0; street < layout_.streets[axis].size(); ++street) {
+      const Street& line = layout_.streets[axis][street];
+      // Nobody drives through what is built over.
+      const bool blocked =
+          std::any_of(layout_.closed.begin(), layout_.closed.end(), [&](const Stretch& stretch) {
+            return stretch.axis == axis && stretch.street == static_cast<int>(street);
+          });
+      if (blocked) continue;
+      for (const double direction : {-1.0, 1.0}) {
+        // On the right of its direction: +u has -v on its right, +v has +u.
+        const double right = axis == 0 ? direction : -direction;
+        Random random(seed_of(
+            seed, 4 * street + 2 * static_cast<std::uint64_t>(axis) + (direction > 0.0 ? 1 : 0)));
+        const double speed_mps = random.uniform(7.5, 12.5);
+        double start_s = -(high_m - low_m) / speed_mps;
+        while (start_s < until_s) {
+          start_s += style.city.seconds_between_cars * random.uniform(0.35, 1.65);
+          const Trip trip{axis,           line.position_m + right * line.lane_offset_m,
+                          direction,      direction > 0.0 ? low_m : high_m,
+                          high_m - low_m, start_s,
+                          speed_mps,      kFirstCar + random.below(kCarBodies),
+                          random.shade()};
+          if (!meets_ego(trip)) trips_.push_back(trip);
+        }
+      }
+    }
+  }
+}
+
+void Traffic::add_walkers(const CityStyle& style, std::uint64_t seed) {
+  for (const Block& block : layout_.blocks) {
+    Random random(seed_of(seed, block.seed));
+    const bool busy = block.kind != BlockKind::kOpenLand && block.kind != BlockKind::kWalled;
+    const int count = busy ? random.below(2 * style.pedestrians_per_block + 1) : random.below(2);
+    for (int k = 0; k < count; ++k) {
+      const double inset_m = random.uniform(1.4, 2.4);
+      const Eigen::AlignedBox2d around(block.sheet_m.min().array() + inset_m,
+                                       block.sheet_m.max().array() - inset_m);
+      const double speed_mps = random.uniform(0.8, 1.6) * (random.chance(0.5) ? 1.0 : -1.0);
+      walkers_.push_back({around, random.uniform(0.0, 2.0 * around.sizes().sum()), speed_mps,
+                          kFirstWalker + random.below(kWalkerBodies), random.shade()});
+    }
+  }
+}
+
+Eigen::Vector2d Traffic::sheet_of(const Trip& trip, double time_s) const {
+  Eigen::Vector2d sheet_m;
+  sheet_m[trip.axis] = trip.street_m;
+  sheet_m[1 - trip.axis] = trip.from_m + trip.direction * trip.speed_mps * (time_s - trip.start_s);
+  return sheet_m;
+}
+
+bool Traffic::meets_ego(const Trip& trip) const {
+  constexpr double kStep_s = 0.25;
+  const double begin_s = std::max(0.0, trip.start_s);
+  const double end_s = trip.start_s + trip.length_m / trip.speed_mps;
+  for (double time_s = begin_s; time_s < end_s; time_s += kStep_s) {
+    const Eigen::Vector2d plane_m = layout_.plane(sheet_of(trip, time_s));
+    const PathState ego = ego_.at_time(time_s);
+    const Eigen::Vector2d away = plane_m - ego.plane_m;
+    const Eigen::Vector2d forward(std::cos(ego.heading_rad), std::sin(ego.heading_rad));
+    const double ahead_m = std::abs(away.dot(forward));
+    const double aside_m = std::abs(away.dot(Eigen::Vector2d(-forward.y(), forward.x())));
+    // Oncoming cars pass at the width of a lane; behind and ahead there must be more room.
+    if (ahead_m < kClearance_m && aside_m < 2.6) return true;
+  }
+  return false;
+}
+
+Eigen::Affine3d Traffic::pose_of(const Trip& trip, double time_s) const {
+  const Eigen::Vector2d sheet_m = sheet_of(trip, time_s);
+  Eigen::Vector2d direction = Eigen::Vector2d::Zero();
+  direction[1 - trip.axis] = trip.direction;
+  return Eigen::Affine3d(
+      on_ground(layout_.terrain, layout_.plane(sheet_m), layout_.heading_rad(sheet_m, direction)));
+}
+
+Eigen::Vector2d Traffic::sheet_of(const Walker& walker, double time_s) const {
+  const double around_m = 2.0 * walker.sheet_m.sizes().sum();
+  double along_m = std::fmod(walker.start_m + walker.speed_mps * time_s, around_m);
+  if (along_m < 0.0) along_m += around_m;
+  for (int k = 0; k < 3; ++k) {
+    const BlockSide side = side_of(walker.sheet_m, k);
+    if (along_m < side.length_m) return side.at(along_m, 0.0);
+    along_m -= side.length_m;
+  }
+  return side_of(walker.sheet_m, 3).at(along_m, 0.0);
+}
+
+Eigen::Affine3d Traffic::pose_of(const Walker& walker, double time_s) const {
+  const Eigen::Vector2d here = layout_.plane(sheet_of(walker, time_s));
+  const Eigen::Vector2d there = layout_.plane(sheet_of(walker, time_s + 0.5));
+  const Eigen::Vector2d step = there - here;
+  const double z_m = layout_.terrain.height_m(here) + kKerbHeight_m;
+  return Eigen::Affine3d(upright_frame({here.x(), here.y(), z_m}, std::atan2(step.y(), step.x())));
+}
+
+Eigen::Affine3d Traffic::pose_of_car_ahead(double time_s) const {
+  const double ego_m = ego_.at_time(time_s).along_m;
+  const PathState ahead = ego_.at_distance(ego_m + 24.0 + 8.0 * std::sin(ego_m / 90.0));
+  return Eigen::Affine3d(on_ground(layout_.terrain, ahead.plane_m, ahead.heading_rad));
+}
+
+std::vector<ActorMotion> Traffic::actors(double from_s, double to_s,
+                                         const Eigen::Vector2d& plane_m) const {
+  std::vector<std::pair<double, ActorMotion>> near;
+  const auto consider = [&](const Eigen::Vector2d& sheet_m, const auto& make) {
+    const double away_m = (layout_.plane(sheet_m) - plane_m).norm();
+    if (away_m < kReach_m) near.emplace_back(away_m, make());
+  };
+  for (const Trip& trip : trips_) {
+    if (from_s < trip.start_s || to_s > trip.start_s + trip.length_m / trip.speed_mps) continue;
+    consider(sheet_of(trip, from_s), [&] {
+      return ActorMotion{trip.prototype, pose_of(trip, from_s), pose_of(trip, to_s), trip.shade};
+    });
+  }
+  for (const Walker& walker : walkers_) {
+    consider(sheet_of(walker, from_s), [&] {
+      return ActorMotion{walker.prototype, pose_of(walker, from_s), pose_of(walker, to_s),
+                         walker.shade};
+    });
+  }
+  std::stable_sort(near.begin(), near.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::vector<ActorMotion> actors;
+  if (car_ahead_) {
+    actors.push_back(
+        {kFirstCar + kCarBodies - 1, pose_of_car_ahead(from_s), pose_of_car_ahead(to_s), 150});
+  }
+  for (auto& [away_m, actor] : near) actors.push_back(actor);
+  return actors;
+}
+
+}  // namespace hqslam::sim

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstdint>
+
+#include "driver_path.h"
+#include "hqslam/core/pose.h"
+#include "terrain.h"
+
+namespace hqslam::sim {
+
+/// The sensor on the roof of the car: follows the slope of the street and sways a little on its
+/// springs. The swaying depends on the distance driven, so that a standing car stands still and
+/// the pose is as smooth in time as the path.
+class VehicleMotion {
+ public:
+  VehicleMotion(const DriverPath& path, const Terrain& terrain, std::uint64_t seed);
+  Pose T_world_sensor(double time_s) const;
+
+ private:
+  struct Sway {
+    double wave_number_rad_per_m;
+    double phase_rad;
+    double amplitude;
+  };
+  static double sum(const std::vector<Sway>& sways, double along_m);
+
+  const DriverPath& path_;
+  const Terrain& terrain_;
+  std::vector<Sway> roll_;
+  std::vector<Sway> pitch_;
+  std::vector<Sway> heave_;
+};
+
+/// Of the sensor above the street.
+constexpr double kSensorHeight_m = 1.85;
+
+}  // namespace hqslam::sim
