@@ -1,0 +1,145 @@
+#include "pcd_columns.h"
+
+#include <fmt/format.h>
+
+#include <bit>
+#include <charconv>
+
+#include "excerpt.h"
+#include "hqslam/core/error.h"
+#include "lzf.h"
+
+namespace hqslam {
+
+static_assert(std::endian::native == std::endian::little, "files are little-endian, and so are we");
+
+namespace {
+
+template <typename T>
+double number_at(const char* bytes) {
+  T value{};
+  std::memcpy(&value, bytes, sizeof(T));
+  return static_cast<double>(value);
+}
+
+}  // namespace
+
+double PcdColumn::at(std::size_t point) const {
+  const char* const bytes = first + point * stride_bytes;
+  if (type == 'F') return size_bytes == 4 ? number_at<float>(bytes) : number_at<double>(bytes);
+  const bool is_signed = type == 'I';
+  switch (size_bytes) {
+    case 1:
+      return is_signed ? number_at<std::int8_t>(bytes) : number_at<std::uint8_t>(bytes);
+    case 2:
+      return is_signed ? number_at<std::int16_t>(bytes) : number_at<std::uint16_t>(bytes);
+    case 4:
+      return is_signed ? number_at<std::int32_t>(bytes) : number_at<std::uint32_t>(bytes);
+    default:
+      return is_signed ? number_at<std::int64_t>(bytes) : number_at<std::uint64_t>(bytes);
+  }
+}
+
+PcdColumns::PcdColumns(std::string_view file, const PcdHeader& header, const std::string& path)
+    : header_(header), path_(path) {
+  const std::string_view data = file.substr(header.data_offset_bytes);
+  if (header.data == PcdData::kAscii) read_ascii(data);
+  if (header.data == PcdData::kBinary) read_binary(data);
+  if (header.data == PcdData::kBinaryCompressed) read_compressed(data);
+}
+
+PcdColumn PcdColumns::column(const PcdField& field) const {
+  if (field.count == 0) {
+    throw Error(
+        fmt::format("{}: field '{}': expected one number per point, found none; give a "
+                    ".pcd file with COUNT 1 for it",
+                    path_, excerpt(field.name)));
+  }
+  if (header_.data == PcdData::kAscii) {
+    return {reinterpret_cast<const char*>(numbers_.data() + field.first_number),
+            header_.point_numbers * sizeof(double), 'F', sizeof(double)};
+  }
+  if (header_.data == PcdData::kBinary) {
+    return {points_ + field.offset_bytes, header_.point_bytes, field.type, field.size_bytes};
+  }
+  return {decompressed_.data() + header_.points * field.offset_bytes,
+          field.size_bytes * field.count, field.type, field.size_bytes};
+}
+
+void PcdColumns::read_ascii(std::string_view data) {
+  const std::size_t expected = header_.points * header_.point_numbers;
+  // Each number takes a character and a separator.
+  if (header_.points > data.size() || expected > (data.size() + 1) / 2) {
+    throw Error(
+        fmt::format("{}: truncated: expected {} points of {} numbers, found {} bytes; copy "
+                    "the file again",
+                    path_, header_.points, header_.point_numbers, data.size()));
+  }
+  numbers_.reserve(expected);
+  constexpr std::string_view kSpace = " \t\r\n";
+  std::size_t at = 0;
+  while (numbers_.size() < expected) {
+    at = data.find_first_not_of(kSpace, at);
+    if (at == std::string_view::npos) {
+      throw Error(
+          fmt::format("{}: truncated: expected {} points of {} numbers, found {} numbers; "
+                      "copy the file again",
+                      path_, header_.points, header_.point_numbers, numbers_.size()));
+    }
+    const std::size_t end = std::min(data.find_first_of(kSpace, at), data.size());
+    double value = 0.0;
+    const auto [stop, error] = std::from_chars(data.data() + at, data.data() + end, value);
+    if (error == std::errc::invalid_argument || stop != data.data() + end) {
+      throw Error(fmt::format("{}: point {}: expected a number, found '{}'; correct the line",
+                              path_, numbers_.size() / header_.point_numbers,
+                              excerpt(data.substr(at, end - at))));
+    }
+    numbers_.push_back(value);
+    at = end;
+  }
+}
+
+void PcdColumns::read_binary(std::string_view data) {
+  const bool fits = header_.point_bytes == 0 || header_.points <= data.size() / header_.point_bytes;
+  if (!fits) {
+    throw Error(
+        fmt::format("{}: truncated: expected {} points of {} bytes, found {} bytes; copy "
+                    "the file again",
+                    path_, header_.points, header_.point_bytes, data.size()));
+  }
+  points_ = data.data();
+}
+
+void PcdColumns::read_compressed(std::string_view data) {
+  std::uint32_t compressed_bytes = 0;
+  std::uint32_t bytes = 0;
+  constexpr std::size_t kSizes = sizeof(compressed_bytes) + sizeof(bytes);
+  if (data.size() >= kSizes) {
+    std::memcpy(&compressed_bytes, data.data(), sizeof(compressed_bytes));
+    std::memcpy(&bytes, data.data() + sizeof(compressed_bytes), sizeof(bytes));
+  }
+  if (data.size() < kSizes || compressed_bytes > data.size() - kSizes) {
+    throw Error(
+        fmt::format("{}: truncated: expected {} compressed bytes, found {}; copy the file "
+                    "again",
+                    path_, compressed_bytes, data.size() < kSizes ? 0 : data.size() - kSizes));
+  }
+  const bool fits = header_.point_bytes == 0 || (bytes % header_.point_bytes == 0 &&
+                                                 bytes / header_.point_bytes == header_.points);
+  if (!fits) {
+    throw Error(
+        fmt::format("{}: expected {} points of {} bytes, found {} bytes when decompressed; "
+                    "write the file again",
+                    path_, header_.points, header_.point_bytes, bytes));
+  }
+  auto decompressed = lzf_decompressed(data.substr(kSizes, compressed_bytes), bytes);
+  if (!decompressed) {
+    throw Error(
+        fmt::format("{}: expected LZF data that stand for {} bytes, found damaged data; "
+                    "copy the file again",
+                    path_, bytes));
+  }
+  decompressed_ = std::move(*decompressed);
+}
+
+}  // namespace hqslam

@@ -1,0 +1,251 @@
+#include "hqslam/core/pcd.h"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+
+#include "error_message.h"
+#include "file_contents.h"
+#include "temporary_directory.h"
+
+using namespace hqslam;
+using namespace hqslam::test;
+
+namespace {
+
+template <typename T>
+std::string bytes_of(T value) {
+  std::string bytes(sizeof(T), '\0');
+  std::memcpy(bytes.data(), &value, sizeof(T));
+  return bytes;
+}
+
+std::string header(const std::string& fields, const std::string& size, const std::string& type,
+                   int points, const std::string& data) {
+  return "# .PCD v0.7\nVERSION 0.7\nFIELDS " + fields + "\nSIZE " + size + "\nTYPE " + type +
+         "\nWIDTH " + std::to_string(points) + "\nHEIGHT 1\nPOINTS " + std::to_string(points) +
+         "\nDATA " + data + "\n";
+}
+
+Scan scan_of(const std::string& contents) {
+  const TemporaryDirectory directory;
+  write_file(directory.file("0.pcd"), contents);
+  return read_pcd(directory.file("0.pcd"));
+}
+
+Scan scan_of(const std::string& contents, const SensorModel& sensor) {
+  const TemporaryDirectory directory;
+  write_file(directory.file("0.pcd"), contents);
+  return read_pcd(directory.file("0.pcd"), sensor);
+}
+
+std::string complaint_about(const std::string& contents) {
+  return error_message([&] { scan_of(contents); });
+}
+
+std::string literals(const std::string& bytes) {
+  std::string stream;
+  for (std::size_t i = 0; i < bytes.size(); i += 32) {
+    const std::string chunk = bytes.substr(i, 32);
+    stream += static_cast<char>(chunk.size() - 1);
+    stream += chunk;
+  }
+  return bytes_of(static_cast<std::uint32_t>(stream.size())) +
+         bytes_of(static_cast<std::uint32_t>(bytes.size())) + stream;
+}
+
+const std::string kAscii = header("x y z", "4 4 4", "F F F", 2, "ascii") + "1 2 3\n-4 5.5 6e-1\n";
+
+/// One point on each beam, with its ring number as the driver counts.
+std::string one_point_per_beam(const SensorModel& sensor, bool ring_0_is_highest) {
+  std::string contents = header("x y z ring", "4 4 4 2", "F F F U", sensor.rows(), "ascii");
+  for (int row = 0; row < sensor.rows(); ++row) {
+    const int ring = ring_0_is_highest ? row : sensor.rows() - 1 - row;
+    contents += "10 0 " + std::to_string(10.0 * std::tan(sensor.beam_elevation_rad[row])) + " " +
+                std::to_string(ring) + "\n";
+  }
+  return contents;
+}
+
+}  // namespace
+
+TEST_CASE("an ascii file is read, with or without COUNT") {
+  const std::string counted =
+      "VERSION 0.7\nFIELDS i x y z\nSIZE 1 8 4 4\nTYPE U F F F\n"
+      "COUNT 2 1 1 1\nWIDTH 1\nHEIGHT 2\nDATA ascii\n"
+      "7 7 1 2 3\r\n7 7\t-4 5.5 0.6";
+  for (const std::string& contents : {kAscii, counted}) {
+    const Scan scan = scan_of(contents);
+    REQUIRE(scan.points_m.size() == 2);
+    CHECK(scan.points_m[0] == Eigen::Vector3f(1, 2, 3));
+    CHECK(scan.points_m[1] == Eigen::Vector3f(-4, 5.5F, 0.6F));
+    CHECK(scan.row.empty());
+    CHECK(scan.time_offset_s.empty());
+  }
+}
+
+TEST_CASE("a binary file with fields of every type in any order is read") {
+  std::string contents =
+      header("intensity z ring y t x", "1 8 2 4 4 8", "U F U F U F", 2, "binary");
+  contents += bytes_of<std::uint8_t>(9) + bytes_of(3.0) + bytes_of<std::uint16_t>(1) +
+              bytes_of(2.0F) + bytes_of<std::uint32_t>(0) + bytes_of(1.0);
+  contents += bytes_of<std::uint8_t>(9) + bytes_of(6.0) + bytes_of<std::uint16_t>(0) +
+              bytes_of(5.0F) + bytes_of<std::uint32_t>(100'000'000) + bytes_of(4.0);
+  const Scan scan = scan_of(contents);
+  REQUIRE(scan.points_m.size() == 2);
+  CHECK(scan.points_m[0] == Eigen::Vector3f(1, 2, 3));
+  CHECK(scan.points_m[1] == Eigen::Vector3f(4, 5, 6));
+  REQUIRE(scan.time_offset_s.size() == 2);
+  CHECK(scan.time_offset_s[0] == doctest::Approx(-0.05));
+  CHECK(scan.time_offset_s[1] == doctest::Approx(0.05));
+}
+
+TEST_CASE("coordinates may be whole numbers of any size") {
+  std::string contents = header("x y z w", "1 2 8 4", "I I I U", 1, "binary");
+  contents += bytes_of<std::int8_t>(-1) + bytes_of<std::int16_t>(-300) +
+              bytes_of<std::int64_t>(70000) + bytes_of<std::uint32_t>(1);
+  CHECK(scan_of(contents).points_m.at(0) == Eigen::Vector3f(-1, -300, 70000));
+}
+
+TEST_CASE("a compressed file holds its fields one after the other") {
+  const std::string data = bytes_of(1.0F) + bytes_of(4.0F) + bytes_of(2.0F) + bytes_of(5.0F) +
+                           bytes_of(3.0F) + bytes_of(6.0F);
+  const Scan scan =
+      scan_of(header("x y z", "4 4 4", "F F F", 2, "binary_compressed") + literals(data));
+  REQUIRE(scan.points_m.size() == 2);
+  CHECK(scan.points_m[0] == Eigen::Vector3f(1, 2, 3));
+  CHECK(scan.points_m[1] == Eigen::Vector3f(4, 5, 6));
+}
+
+TEST_CASE("points of a good file that are not finite or at the origin are counted and left out") {
+  const Scan scan = scan_of(header("x y z t", "4 4 4 4", "F F F F", 5, "ascii") +
+                            "nan nan nan 0\n0 0 0 0.01\n1 2 3 0.02\n1 2 inf 0.03\n1 2 4 0.04\n");
+  CHECK(scan.points_m.size() == 2);
+  CHECK(scan.invalid_points == 3);
+  REQUIRE(scan.time_offset_s.size() == 2);
+  CHECK(scan.time_offset_s[1] == doctest::Approx(0.01));
+}
+
+TEST_CASE("times are offsets from the middle of the scan, whatever they count from") {
+  const std::string rows = "1 0 0 1700000000.00\n2 0 0 1700000000.06\n3 0 0 1700000000.10\n";
+  const Scan scan = scan_of(header("x y z timestamp", "4 4 4 8", "F F F F", 3, "ascii") + rows);
+  REQUIRE(scan.time_offset_s.size() == 3);
+  CHECK(scan.time_offset_s[0] == doctest::Approx(-0.05).epsilon(1e-4));
+  CHECK(scan.time_offset_s[1] == doctest::Approx(0.01).epsilon(1e-4));
+  const Scan none =
+      scan_of(header("x y z time", "4 4 4 4", "F F F F", 2, "ascii") + "1 0 0 0\n2 0 0 0\n");
+  CHECK(none.time_offset_s.empty());
+}
+
+TEST_CASE("times in another unit are refused with field, unit and what was found") {
+  const std::string seconds = complaint_about(
+      header("x y z time", "4 4 4 4", "F F F F", 2, "ascii") + "1 0 0 0\n2 0 0 99999\n");
+  CHECK(one_line_with(seconds, "0.pcd", "'time'", "seconds", "99999 s"));
+  const std::string nanoseconds = complaint_about(
+      header("x y z t", "4 4 4 4", "F F F U", 2, "ascii") + "1 0 0 0\n2 0 0 1500000000\n");
+  CHECK(one_line_with(nanoseconds, "'t'", "nanoseconds", "1.5 s"));
+  CHECK(one_line_with(
+      complaint_about(header("x y z t", "4 4 4 4", "F F F F", 2, "ascii") + "1 0 0 0\n2 0 0 nan\n"),
+      "'t'", "not finite"));
+}
+
+TEST_CASE("row 0 is the highest beam whether the driver counts rings from above or from below") {
+  for (const std::string& name : sensor_preset_names()) {
+    CAPTURE(name);
+    const SensorModel sensor = sensor_preset(name);
+    for (const bool ring_0_is_highest : {true, false}) {
+      const Scan scan = scan_of(one_point_per_beam(sensor, ring_0_is_highest), sensor);
+      REQUIRE(static_cast<int>(scan.row.size()) == sensor.rows());
+      CHECK(scan.row.front() == 0);
+      CHECK(scan.row.back() == sensor.rows() - 1);
+    }
+  }
+}
+
+TEST_CASE("rings in the order of firing or all alike are left to the elevation") {
+  const SensorModel sensor = sensor_preset("vlp-16");
+  std::string firing = header("x y z ring", "4 4 4 2", "F F F U", 16, "ascii");
+  std::string alike = firing;
+  for (int row = 0; row < 16; ++row) {
+    // A VLP-16 fires -15, 1, -13, 3, ... degrees.
+    const int laser = row < 8 ? 15 - 2 * row : 30 - 2 * row;
+    const std::string point =
+        "10 0 " + std::to_string(10.0 * std::tan(sensor.beam_elevation_rad[row])) + " ";
+    firing += point + std::to_string(laser) + "\n";
+    alike += point + "0\n";
+  }
+  CHECK(scan_of(firing, sensor).row.empty());
+  CHECK(scan_of(alike, sensor).row.empty());
+}
+
+TEST_CASE("a ring that the sensor does not have is refused") {
+  const TemporaryDirectory directory;
+  write_file(directory.file("0.pcd"), one_point_per_beam(sensor_preset("hdl-32e"), true));
+  const std::string complaint =
+      error_message([&] { read_pcd(directory.file("0.pcd"), sensor_preset("vlp-16")); });
+  CHECK(one_line_with(complaint, "0.pcd", "'ring'", "0 to 15", "vlp-16", "found 16"));
+}
+
+TEST_CASE("points written as .pcd come back bit by bit") {
+  const TemporaryDirectory directory;
+  const std::vector<Eigen::Vector3f> points_m = {{1, 2, 3}, {-0.1F, 1e-7F, 123.456F}};
+  write_pcd(points_m, directory.file("map.pcd"));
+  CHECK(read_pcd(directory.file("map.pcd")).points_m == points_m);
+  write_pcd({}, directory.file("empty.pcd"));
+  CHECK(read_pcd(directory.file("empty.pcd")).points_m.empty());
+  CHECK(one_line_with(error_message([] { write_pcd({}, "/nowhere/map.pcd"); }), "/nowhere"));
+}
+
+TEST_CASE("a file that is no point cloud is refused with file, expected and found") {
+  const auto with = [](const std::string& from, const std::string& to) {
+    std::string contents = kAscii;
+    const auto at = contents.find(from);
+    REQUIRE(at != std::string::npos);
+    return complaint_about(contents.replace(at, from.size(), to));
+  };
+  CHECK(one_line_with(complaint_about(""), "0.pcd", "DATA"));
+  CHECK(one_line_with(complaint_about("ply\nformat ascii\n"), "0.pcd", "DATA", "found 'ply'"));
+  CHECK(one_line_with(with("FIELDS x y z", "FIELDS x y w"), "fields x y z", "found x y w"));
+  CHECK(one_line_with(with("SIZE 4 4 4", "SIZE 4 4"), "SIZE", "expected 3", "found 2"));
+  CHECK(one_line_with(with("SIZE 4 4 4", "SIZE 4 4 3"), "'z'", "F of 3"));
+  CHECK(one_line_with(with("TYPE F F F", "TYPE F F Q"), "'z'", "Q of 4"));
+  CHECK(one_line_with(with("TYPE F F F\n", ""), "line TYPE"));
+  CHECK(one_line_with(with("WIDTH 2", "WIDTH -2"), "WIDTH", "'-2'"));
+  CHECK(one_line_with(with("WIDTH 2", "WIDTH 3"), "POINTS", "3 x 1", "found 2"));
+  CHECK(one_line_with(with("DATA ascii", "DATA base64"), "'base64'", "binary_compressed"));
+  CHECK(one_line_with(with("5.5", "five"), "point 1", "'five'"));
+  CHECK(one_line_with(with(" 6e-1\n", ""), "truncated", "2 points of 3", "found 5"));
+  CHECK(one_line_with(with("DATA ascii", "DATA binary"), "truncated", "2 points of 12 bytes"));
+  CHECK(one_line_with(complaint_about(header("x y z", "4 4 4", "F F F", 2, "binary") + "abc"),
+                      "truncated", "found 3 bytes"));
+  CHECK(one_line_with(error_message([] { read_pcd("/nowhere/0.pcd"); }), "/nowhere", "no file"));
+}
+
+TEST_CASE("counts that overflow or exceed the file are refused before anything is allocated") {
+  std::string huge = "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 4294967295\nHEIGHT 1\nDATA ";
+  CHECK(one_line_with(complaint_about(huge + "ascii\n1 2 3\n"), "truncated"));
+  CHECK(one_line_with(complaint_about(huge + "binary\n1 2 3\n"), "truncated"));
+  CHECK(one_line_with(complaint_about(huge + "binary_compressed\n1 2 3\n"), "truncated"));
+  const std::string overflow =
+      "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 4294967296\n"
+      "HEIGHT 4294967296\nDATA ascii\n1 2 3\n";
+  CHECK(one_line_with(complaint_about(overflow), "POINTS"));
+  const std::string none =
+      "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 0 1 1\nWIDTH 1\nHEIGHT 1\n"
+      "DATA binary\n12345678";
+  CHECK(one_line_with(complaint_about(none), "'x'", "found none"));
+}
+
+TEST_CASE("damaged compressed data are refused") {
+  const std::string data(24, 'a');
+  const std::string start = header("x y z", "4 4 4", "F F F", 2, "binary_compressed");
+  std::string stream = literals(data);
+  CHECK(one_line_with(complaint_about(start + stream.substr(0, 20)), "truncated"));
+  CHECK(one_line_with(complaint_about(start + "ab"), "truncated"));
+  CHECK(one_line_with(complaint_about(start + literals(std::string(23, 'a'))), "found 23 bytes"));
+  stream[8] = '\xFF';
+  CHECK(one_line_with(complaint_about(start + stream), "damaged"));
+}
