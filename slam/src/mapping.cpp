@@ -21,10 +21,10 @@ struct ScanFeatures {
   std::vector<FeaturePoint> planes;
 };
 
-ScanFeatures thinned(const Features& features, const MappingOptions& options) {
+ScanFeatures thinned(const Features& features, double edge_leaf_m, double planar_leaf_m) {
   std::vector<FeaturePoint> planes = features.ground;
   planes.insert(planes.end(), features.surfaces.begin(), features.surfaces.end());
-  return {thin(features.edges, options.edge_leaf_m), thin(planes, options.planar_leaf_m)};
+  return {thin(features.edges, edge_leaf_m), thin(planes, planar_leaf_m)};
 }
 
 // Constraints are of the motion that remains, in axes of the map with the predicted position as
@@ -88,7 +88,8 @@ Mapping::Mapping(const MappingOptions& options)
 
 MappingResult Mapping::locate(const Features& features, const Pose& T_map_sensor_predicted,
                               const PreviousPose& previous) const {
-  const ScanFeatures scan = thinned(features, options_);
+  const ScanFeatures scan =
+      thinned(features, options_.edge_leaf_m, options_.located_planar_leaf_m);
   MappingResult result;
   result.T_map_sensor = T_map_sensor_predicted;
   for (int iteration = 0; iteration < options_.max_iterations; ++iteration) {
@@ -130,7 +131,7 @@ bool Mapping::is_key_frame(const Pose& T_map_sensor) const {
 
 void Mapping::insert(const Features& features, const Pose& T_map_sensor,
                      const SensorMotion& motion) {
-  const ScanFeatures scan = thinned(features, options_);
+  const ScanFeatures scan = thinned(features, options_.edge_leaf_m, options_.planar_leaf_m);
   const auto in_map = [&](const std::vector<FeaturePoint>& points) {
     std::vector<Eigen::Vector3f> result = motion_corrected(points, motion);
     for (Eigen::Vector3f& point_m : result) {

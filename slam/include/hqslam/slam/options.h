@@ -36,7 +36,7 @@ struct OdometryOptions {
   int min_correspondences = 10;
   double max_distance_m = 5.0;
   double converged_rotation_rad = 0.0017453292519943296;  ///< 0.1 degrees
-  double converged_translation_m = 0.001;
+  double converged_translation_m = 0.005;                 ///< LeGO-LOAM: 0.001; mapping refines it
 };
 
 struct MappingOptions {
@@ -44,6 +44,7 @@ struct MappingOptions {
   int min_correspondences = 50;
   double edge_leaf_m = 0.2;
   double planar_leaf_m = 0.4;
+  double located_planar_leaf_m = 0.8;  ///< of the scan that is located; LeGO-LOAM: as in the map
   double max_neighbour_distance_m = 1.0;
   double max_plane_residual_m = 0.2;
   double key_frame_translation_m = 0.3;
