@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 #include "hqslam/core/error.h"
 
@@ -25,9 +26,9 @@
 //
 // So the height h of each ring is followed through the scan: at each azimuth the height of the ring
 // last seen there less the fall since then, and of these the median. The scan is cut into segments
-// at each wrap, and at a large gap of the azimuth (the only place where a wrap can hide) if the
-// height falls there. Each segment s, of n_s points, is given a row r_s, never falling, such that
-// the sum of
+// at each wrap, and at a large gap of the azimuth (the only place where a wrap can hide) if all
+// that follows up to the next wrap lies lower. Each segment s, of n_s points, is given a row r_s,
+// never falling, such that the sum of
 //   heights     min(n_s, n_s-1) / (n / rows) * min(|(h_s - h_s-1) - (e[r_s] - e[r_s-1])| /
 //   spacing[r_s], 2) elevations  n_s / (n / rows) * min(|median elevation_s - e[r_s]| /
 //   spacing[r_s], 2) / 10 order       after a wrap: 0 to the next row, kSpuriousWrap to the same
@@ -47,10 +48,11 @@ constexpr float kTwoPi = 2.0F * std::numbers::pi_v<float>;
 constexpr float kWrap_rad = 0.05F;
 /// Ten times the azimuth step of a slow sensor.
 constexpr float kGap_rad = 0.035F;
-constexpr double kMaxDeviation = 2.0;
+constexpr double kMaxFall = 2.0;
+constexpr double kMaxElevation = 20.0;
 constexpr double kSpuriousWrap = 0.6;
 constexpr double kMissedWrap = 0.2;
-constexpr double kSkippedRow = 0.3;
+constexpr double kSkippedRow = 0.15;
 /// How far the height must fall across a gap, in beam spacings, to count as a possible wrap.
 constexpr double kFallAcrossGap = 0.4;
 /// Beyond these deviations, in beam spacings, a ring does not belong to the sensor.
@@ -59,7 +61,7 @@ constexpr double kMaxElevationDeviation = 3.0;
 constexpr int kAzimuthBins = 72;
 constexpr int kMinPointsPerBin = 3;
 /// A part of a ring smaller than this is no evidence of a ring of its own.
-constexpr double kMinRingShareAfterGap = 0.05;
+constexpr double kMinRingShareAfterGap = 0.03;
 /// Far more than in any scan that is stored ring after ring; bounds time and memory.
 constexpr std::size_t kMaxSegmentsPerRow = 16;
 
@@ -203,16 +205,13 @@ class HeightTracker {
         min_points_after_gap_(kMinRingShareAfterGap * points_per_row) {}
 
   std::vector<Segment> segments(const std::vector<Piece>& pieces) {
-    for (const Piece& piece : pieces) {
-      const std::vector<BinElevation> bins = bins_of(piece);
-      if (piece.begins_with_wrap || falls_across_gap(piece, bins)) close_segment();
-      if (current_bins_.empty() && current_.first == current_.end) {
-        current_ = {piece.first, piece.end, piece.begins_with_wrap, 0.0, 0.0};
-      }
-      current_.end = piece.end;
-      current_bins_.insert(current_bins_.end(), bins.begin(), bins.end());
+    for (std::size_t begin = 0; begin < pieces.size();) {
+      std::size_t end = begin + 1;
+      while (end < pieces.size() && !pieces[end].begins_with_wrap) ++end;
+      add_turn({pieces.begin() + static_cast<std::ptrdiff_t>(begin),
+                pieces.begin() + static_cast<std::ptrdiff_t>(end)});
+      begin = end;
     }
-    close_segment();
     return std::move(segments_);
   }
 
@@ -244,38 +243,89 @@ class HeightTracker {
                        [&](const BinElevation& b) { return last_[b.bin].seen; });
   }
 
-  double height_rad(const std::vector<BinElevation>& bins) const {
-    std::vector<double> heights_rad;
+  /// Of the bins that look at directions seen before.
+  std::vector<double> heights_rad(const std::vector<BinElevation>& bins) const {
+    std::vector<double> result;
     for (const BinElevation& b : bins) {
       const LastSeen& last = last_[b.bin];
-      if (last.seen) heights_rad.push_back(last.height_rad + b.elevation_rad - last.elevation_rad);
+      if (last.seen) result.push_back(last.height_rad + b.elevation_rad - last.elevation_rad);
     }
-    return median(heights_rad);
+    return result;
   }
 
-  bool falls_across_gap(const Piece& piece, const std::vector<BinElevation>& bins) const {
-    if (static_cast<double>(piece.end - piece.first) < min_points_after_gap_) return false;
-    if (!has_height(bins) || !has_height(current_bins_)) return false;
-    return height_rad(bins) < height_rad(current_bins_) - kFallAcrossGap * spacing_rad_;
+  static std::vector<double> elevations_rad(const std::vector<BinElevation>& bins) {
+    std::vector<double> result;
+    for (const BinElevation& b : bins) result.push_back(b.elevation_rad);
+    return result;
   }
 
-  void close_segment() {
-    if (current_.first == current_.end) return;
-    std::vector<float> values(tangent_.begin() + static_cast<std::ptrdiff_t>(current_.first),
-                              tangent_.begin() + static_cast<std::ptrdiff_t>(current_.end));
-    current_.elevation_rad = std::atan(median(values));
-    if (has_height(current_bins_)) {
-      current_.height_rad = height_rad(current_bins_);
+  struct Fall {
+    double fall_rad = 0.0;       ///< from the median of what comes before to that of what follows
+    double deviation_rad = 0.0;  ///< mean absolute deviation from the two medians
+  };
+
+  Fall fall_between(const std::vector<BinElevation>& before,
+                    const std::vector<BinElevation>& after) const {
+    if (before.empty() || after.empty()) return {};
+    // Where nothing was seen before, the fall of the elevation itself must do.
+    const bool comparable = has_height(before) && has_height(after);
+    Fall fall;
+    double count = 0.0;
+    for (const auto& [bins, sign] : {std::pair(&before, 1.0), std::pair(&after, -1.0)}) {
+      std::vector<double> values = comparable ? heights_rad(*bins) : elevations_rad(*bins);
+      const double middle = median(values);
+      for (const double value : values) fall.deviation_rad += std::abs(value - middle);
+      fall.fall_rad += sign * middle;
+      count += static_cast<double>(values.size());
+    }
+    fall.deviation_rad /= count;
+    return fall;
+  }
+
+  /// The points from one wrap to the next: one segment, or more where the height falls at a gap.
+  void add_turn(const std::vector<Piece>& pieces) {
+    std::vector<std::vector<BinElevation>> bins;
+    for (const Piece& piece : pieces) bins.push_back(bins_of(piece));
+    const auto joined = [&](std::size_t begin, std::size_t end) {
+      std::vector<BinElevation> all;
+      for (std::size_t i = begin; i < end; ++i)
+        all.insert(all.end(), bins[i].begin(), bins[i].end());
+      return all;
+    };
+    for (std::size_t begin = 0; begin < pieces.size();) {
+      // Where the rest of the turn lies lower than what is before it and both are most even.
+      std::size_t cut = pieces.size();
+      double least_deviation_rad = std::numeric_limits<double>::infinity();
+      for (std::size_t i = begin + 1; i < pieces.size(); ++i) {
+        if (static_cast<double>(pieces.back().end - pieces[i].first) < min_points_after_gap_) break;
+        const Fall fall = fall_between(joined(begin, i), joined(i, pieces.size()));
+        if (fall.fall_rad < kFallAcrossGap * spacing_rad_) continue;
+        if (fall.deviation_rad >= least_deviation_rad) continue;
+        least_deviation_rad = fall.deviation_rad;
+        cut = i;
+      }
+      add_segment(
+          {pieces[begin].first, pieces[cut - 1].end, pieces[begin].begins_with_wrap, 0.0, 0.0},
+          joined(begin, cut));
+      begin = cut;
+    }
+  }
+
+  void add_segment(Segment segment, const std::vector<BinElevation>& bins) {
+    std::vector<float> values(tangent_.begin() + static_cast<std::ptrdiff_t>(segment.first),
+                              tangent_.begin() + static_cast<std::ptrdiff_t>(segment.end));
+    segment.elevation_rad = std::atan(median(values));
+    if (has_height(bins)) {
+      std::vector<double> heights = heights_rad(bins);
+      segment.height_rad = median(heights);
+    } else if (segments_.empty()) {
+      segment.height_rad = segment.elevation_rad;
     } else {
-      current_.height_rad =
-          segments_.empty() ? current_.elevation_rad : segments_.back().height_rad;
+      const Segment& last = segments_.back();
+      segment.height_rad = last.height_rad + segment.elevation_rad - last.elevation_rad;
     }
-    for (const BinElevation& b : current_bins_) {
-      last_[b.bin] = {true, b.elevation_rad, current_.height_rad};
-    }
-    current_bins_.clear();
-    segments_.push_back(current_);
-    current_.first = current_.end;
+    for (const BinElevation& b : bins) last_[b.bin] = {true, b.elevation_rad, segment.height_rad};
+    segments_.push_back(segment);
   }
 
   const std::vector<float>& angle_rad_;
@@ -283,8 +333,6 @@ class HeightTracker {
   double spacing_rad_;
   double min_points_after_gap_;
   std::array<LastSeen, kAzimuthBins> last_;
-  Segment current_;
-  std::vector<BinElevation> current_bins_;
   std::vector<Segment> segments_;
 };
 
@@ -328,13 +376,13 @@ class RowAssignment {
   }
 
   double elevation_cost(std::size_t s, int row) const {
-    return rings_in(s) / rows_ * std::min(elevation_deviation(s, row), kMaxDeviation);
+    return rings_in(s) / rows_ * std::min(elevation_deviation(s, row), kMaxElevation);
   }
 
   double step_cost(std::size_t s, int from, int row) const {
     const bool wrap = segments_[s].begins_with_wrap;
-    double cost = std::min(rings_in(s - 1), rings_in(s)) *
-                  std::min(fall_deviation(s, from, row), kMaxDeviation);
+    double cost =
+        std::min(rings_in(s - 1), rings_in(s)) * std::min(fall_deviation(s, from, row), kMaxFall);
     if (row == from) return cost + (wrap ? kSpuriousWrap : 0.0);
     cost += kSkippedRow * (row - from - 1);
     return cost + (wrap ? 0.0 : kMissedWrap);
@@ -376,7 +424,11 @@ RingRecovery recovery_from(const std::vector<Segment>& segments, const std::vect
       const bool new_row = row_of[s] != row_of[s - 1];
       recovery.spurious_wraps += static_cast<int>(segment.begins_with_wrap && !new_row);
       recovery.missed_wraps += static_cast<int>(!segment.begins_with_wrap && new_row);
-      off = off || assignment.fall_deviation(s, row_of[s - 1], row_of[s]) > kMaxFallDeviation;
+      // The height of a ring seen in a few directions says nothing about a whole one.
+      const bool comparable =
+          segment.end - segment.first < 2 * (segments[s - 1].end - segments[s - 1].first);
+      off = off || (comparable &&
+                    assignment.fall_deviation(s, row_of[s - 1], row_of[s]) > kMaxFallDeviation);
     }
     if (off) off_table += segment.end - segment.first;
   }
