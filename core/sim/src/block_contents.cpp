@@ -22,6 +22,22 @@ Eigen::Isometry3d frame_at(const City& city, const Eigen::Vector2d& sheet_m,
                        city.layout.heading_rad(sheet_m, along));
 }
 
+/// Tubs, shrubs and boxes along the foot of a house.
+void plant_tubs(City& city, const BlockSide& side, double from_m, double to_m, Random& random) {
+  const int count = random.below(5);
+  for (int k = 0; k < count; ++k) {
+    const Eigen::Vector2d at =
+        side.at(random.uniform(from_m + 0.6, to_m - 0.6), kLotLine_m - random.uniform(0.25, 0.6));
+    if (random.chance(0.6)) {
+      place_bush(city, at, random);
+    } else {
+      const double height_m = random.uniform(0.4, 1.3);
+      add_box(city.fixed, frame_at(city, at, side.along), {-0.3, -0.25, -0.3},
+              {random.uniform(0.2, 0.8), 0.3, height_m}, {Material::kMetal, random.shade()});
+    }
+  }
+}
+
 /// Closed house fronts around a yard, with a gap here and there.
 void add_row_houses(City& city, const Block& block, Random& random) {
   const double room_m = block.sheet_m.sizes().minCoeff() - 2.0 * kLotLine_m;
@@ -37,19 +53,23 @@ void add_row_houses(City& city, const Block& block, Random& random) {
       if (end_m - to_m < 5.0) to_m = end_m;
       const bool first = from_m == corner_m;
       const bool last = to_m == end_m;
-      if (first || last || !random.chance(0.1)) {
+      if (first || last || !random.chance(0.2)) {
         HouseLot lot;
-        const double setback_m = kLotLine_m + (first || last ? 0.0 : random.uniform(0.0, 0.5));
+        const double setback_m = kLotLine_m + (first || last ? 0.0 : random.uniform(0.0, 1.6));
         lot.sheet_m = box_of(side.at(from_m, setback_m), side.at(to_m, kLotLine_m + depth_m));
         lot.front = k;
         lot.open_to_view[k] = true;
         if (k % 2 == 0 && first) lot.open_to_view[(k + 3) % 4] = true;
         if (k % 2 == 0 && last) lot.open_to_view[(k + 1) % 4] = true;
         add_house(city.fixed, city.layout, lot, random);
+        plant_tubs(city, side, from_m, to_m, random);
       } else {
         add_garden_wall(city.fixed, city.layout, side.at(from_m, kLotLine_m),
                         side.at(to_m, kLotLine_m), 1.8, {Material::kPlaster, random.shade()});
-        place_tree(city, side.at(0.5 * (from_m + to_m), kLotLine_m + 4.0), kKerbHeight_m, random);
+        for (const double behind_m : {3.5, 9.0, 15.0}) {
+          place_tree(city, side.at(random.uniform(from_m, to_m), kLotLine_m + behind_m),
+                     kKerbHeight_m, random);
+        }
       }
       from_m = to_m;
     }
@@ -98,15 +118,16 @@ void add_detached_houses(City& city, const Block& block, Random& random) {
       add_house(city.fixed, city.layout, lot, random);
       const double gap_m = random.uniform(2.5, 6.0);
       add_garden_front(city, side, from_m, to_m + gap_m, random);
-      const int bushes = random.below(4);
+      const int bushes = 2 + random.below(7);
       for (int bush = 0; bush < bushes; ++bush) {
         place_bush(city,
                    side.at(random.uniform(from_m, to_m),
-                           kLotLine_m + random.uniform(1.2, front_garden_m - 0.8)),
+                           kLotLine_m + random.uniform(0.9, front_garden_m - 0.5)),
                    random);
       }
-      if (random.chance(0.4)) {
-        place_tree(city, side.at(to_m + 0.5 * gap_m, kLotLine_m + random.uniform(2.0, 8.0)),
+      const int trees = random.below(3);
+      for (int tree = 0; tree < trees; ++tree) {
+        place_tree(city, side.at(to_m + 0.5 * gap_m, kLotLine_m + random.uniform(1.0, 18.0)),
                    kKerbHeight_m, random);
       }
       from_m = to_m + gap_m;

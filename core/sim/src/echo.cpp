@@ -12,49 +12,57 @@ namespace {
 /// Echoes closer together than this cannot be told apart (a pulse of 5 ns).
 constexpr double kPulseLength_m = 0.75;
 
+/// The power of the cosine of incidence by which the signal falls: 1 would be Lambertian.
+constexpr double kRoughness = 0.35;
+
 double signal_of(double reflectivity, double cos_incidence, double range_m, double max_range_m) {
   const double nearness = max_range_m / std::max(range_m, 0.1);
-  return reflectivity / 0.8 * std::sqrt(std::max(cos_incidence, 0.02)) * nearness * nearness;
+  return reflectivity / 0.8 * std::pow(std::max(cos_incidence, 0.02), kRoughness) * nearness *
+         nearness;
 }
 
-/// A window: curtained by its shade, or a room of a depth that the shade decides.
-std::optional<Echo> echo_of_window(const RayHit& hit, double max_range_m,
-                                   std::uint64_t random_bits) {
+/// Most pixels of a patch of glass behave alike, a few do not.
+bool lost_in_glass(const PixelBits& bits, double share_of_patches) {
+  const bool lost_patch = uniform_of(scrambled(bits.patch)) < share_of_patches;
+  return uniform_of(scrambled(bits.pixel)) < (lost_patch ? 0.93 : 0.06);
+}
+
+/// A window, all of it alike: with curtains, showing the room behind, or swallowing the beam. Its
+/// shade decides.
+std::optional<Echo> echo_of_window(const RayHit& hit, double max_range_m, const PixelBits& bits) {
   constexpr double kMirrorCosine = 0.995;
   if (hit.cos_incidence > kMirrorCosine) {
     return Echo{hit.range_m, signal_of(0.8, 1.0, hit.range_m, max_range_m)};
   }
   const double draw = uniform_of(scrambled(hit.surface.shade));
-  if (draw < 0.5) {
+  if (draw < 0.45) {
     const double range_m = hit.range_m + 0.12 / std::max(hit.cos_incidence, 0.2);
     return Echo{range_m, signal_of(0.25, hit.cos_incidence, range_m, max_range_m)};
   }
-  if (uniform_of(scrambled(random_bits)) < 0.6) return std::nullopt;
-  const double depth_m = 1.0 + 6.0 * (draw - 0.5) + 0.8 * uniform_of(scrambled(~random_bits));
+  if (lost_in_glass(bits, draw < 0.7 ? 0.9 : 0.15)) return std::nullopt;
+  const double depth_m = 1.0 + 6.0 * uniform_of(scrambled(~hit.surface.shade));
   const double range_m = hit.range_m + depth_m / std::max(hit.cos_incidence, 0.4);
   return Echo{range_m, signal_of(0.15, hit.cos_incidence, range_m, max_range_m)};
 }
 
 std::optional<Echo> echo_of_car_window(const RayHit& hit, double max_range_m,
-                                       std::uint64_t random_bits) {
-  const double draw = uniform_of(scrambled(random_bits));
-  if (draw < 0.65) return std::nullopt;
-  if (draw < 0.8) {
-    return Echo{hit.range_m,
-                signal_of(reflectivity(hit.surface), hit.cos_incidence, hit.range_m, max_range_m)};
-  }
-  const double range_m = hit.range_m + 0.4 + 0.6 * uniform_of(scrambled(~random_bits));
-  return Echo{range_m, signal_of(0.1, hit.cos_incidence, range_m, max_range_m)};
+                                       const PixelBits& bits) {
+  const double tint = uniform_of(scrambled(hit.surface.shade));
+  if (lost_in_glass(bits, 0.25 + 0.65 * tint)) return std::nullopt;
+  // Through the glass to the seats, or off the glass itself.
+  const bool seats = uniform_of(scrambled(~bits.patch)) < 0.7;
+  const double range_m = hit.range_m + (seats ? 0.3 + 0.4 * tint : 0.0);
+  return Echo{range_m, signal_of(seats ? 0.1 : 0.12, hit.cos_incidence, range_m, max_range_m)};
 }
 
 }  // namespace
 
-std::optional<Echo> echo_of(const RayHit& hit, double max_range_m, std::uint64_t random_bits) {
+std::optional<Echo> echo_of(const RayHit& hit, double max_range_m, const PixelBits& bits) {
   if (hit.surface.material == Material::kGlass) {
-    return echo_of_window(hit, max_range_m, random_bits);
+    return echo_of_window(hit, max_range_m, bits);
   }
   if (hit.surface.material == Material::kCarGlass) {
-    return echo_of_car_window(hit, max_range_m, random_bits);
+    return echo_of_car_window(hit, max_range_m, bits);
   }
   return Echo{hit.range_m,
               signal_of(reflectivity(hit.surface), hit.cos_incidence, hit.range_m, max_range_m)};
@@ -92,8 +100,9 @@ std::optional<Echo> reported_echo(const Footprint& footprint) {
 
 float detected_range_m(const Echo& echo, double min_range_m, double max_range_m,
                        std::uint64_t random_bits) {
-  const double cube = echo.signal * echo.signal * echo.signal;
-  const double probability = 0.997 * cube / (1.0 + cube);
+  const double square = echo.signal * echo.signal;
+  const double power = square * square * echo.signal;
+  const double probability = 0.9985 * power / (1.0 + power);
   if (uniform_of(scrambled(random_bits)) >= probability) return 0.0F;
   const double deviation_m = 0.008 + 0.008 / std::sqrt(std::max(echo.signal, 0.25));
   const double range_m = echo.range_m + deviation_m * normal_of(scrambled(~random_bits));

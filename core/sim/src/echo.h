@@ -14,8 +14,15 @@ struct Echo {
   double signal = 0.0;  ///< q of lidar.h, per ray
 };
 
-/// The echo of a hit; none if glass lets the ray through for good. `random_bits` are the pixel's.
-std::optional<Echo> echo_of(const RayHit& hit, double max_range_m, std::uint64_t random_bits);
+/// Random bits of a pixel and of the patch of pixels around it: what glass does is alike in
+/// neighbouring pixels.
+struct PixelBits {
+  std::uint64_t pixel = 0;
+  std::uint64_t patch = 0;
+};
+
+/// The echo of a hit; none if glass lets the ray through for good.
+std::optional<Echo> echo_of(const RayHit& hit, double max_range_m, const PixelBits& bits);
 
 /// The footprint of one pixel: the central ray counts as much as two others.
 struct Footprint {

@@ -18,11 +18,11 @@ Street make_street(double position_m, Random& random) {
   if (width < 0.2) {
     street.half_width_m = 4.2;
     street.parking = false;
-  } else if (width > 0.8) {
-    street.half_width_m = 7.2;
-    street.lane_offset_m = 2.6;
+  } else if (width > 0.7) {
+    street.half_width_m = 8.0;
+    street.lane_offset_m = 2.8;
   }
-  street.tree_lined = random.chance(0.55);
+  street.tree_lined = random.chance(0.7);
   return street;
 }
 

@@ -80,16 +80,23 @@ class Measurement {
   void report_column(int column) {
     for (int row = 0; row < sensor_.rows(); ++row) {
       const std::size_t pixel = image_.index(row, column);
-      const std::uint64_t bits = seed_of(seed_, pixel);
+      const PixelBits bits = bits_of(row, column);
       const auto echo = reported_echo(footprint(row, column, bits));
       if (echo) {
         image_.range_m[pixel] =
-            detected_range_m(*echo, sensor_.min_range_m, sensor_.max_range_m, bits);
+            detected_range_m(*echo, sensor_.min_range_m, sensor_.max_range_m, bits.pixel);
       }
     }
   }
 
-  Footprint footprint(int row, int column, std::uint64_t bits) const {
+  PixelBits bits_of(int row, int column) const {
+    constexpr int kPatchRows = 3;
+    constexpr int kPatchColumns = 5;
+    const std::size_t patch = image_.index(row / kPatchRows, column / kPatchColumns);
+    return {seed_of(seed_, image_.index(row, column)), seed_of(~seed_, patch)};
+  }
+
+  Footprint footprint(int row, int column, const PixelBits& bits) const {
     const std::size_t pixel = image_.index(row, column);
     Footprint footprint;
     const auto add = [&](const RayHit& hit, double weight) {

@@ -14,15 +14,17 @@ namespace hqslam::sim {
 /// A spinning LiDAR: rays, what comes back, and what the sensor makes of it.
 ///
 /// Signal: a surface of reflectivity rho at range r, met at an incidence angle of cosine c, returns
-///   q = rho / 0.8 * max(c, 0.02)^0.5 * (max_range / r)^2
+///   q = rho / 0.8 * max(c, 0.02)^0.35 * (max_range / r)^2
 /// times the power that is just enough half of the time: max_range_m is thus the range at which a
 /// bright target, met head-on, is seen every other time. (A Lambertian surface has c to the power
-/// of 1; real streets are rough and return more at grazing incidence.) Detection: with probability
-/// 0.997 q^3 / (1 + q^3). Noise: standard deviation 8 mm + 8 mm / sqrt(q) (the latter at most 16
-/// mm). Mixed pixels: where a neighbouring pixel's range differs, the beam's footprint is sampled
+/// of 1; real streets are rough and return more at grazing incidence.)
+/// Detection: with probability 0.9985 q^5 / (1 + q^5).
+/// Noise: standard deviation 8 mm + 8 mm / sqrt(q) (the latter at most 16 mm).
+/// Mixed pixels: where a neighbouring pixel's range differs, the beam's footprint is sampled
 /// towards that neighbour too. Echoes closer together than the pulse are one: their mean, weighted
-/// by power; otherwise the strongest counts. Glass: half of the windows have curtains; of the
-/// others comes the room behind, or nothing. Ranges are rounded to 1 mm.
+/// by power; otherwise the strongest counts.
+/// Glass: some windows have curtains, some show the room behind, some return nothing.
+/// Ranges are rounded to 1 mm.
 class Lidar {
  public:
   Lidar(const SensorModel& sensor, std::uint64_t seed);

@@ -127,9 +127,10 @@ RayHit meet_triangle(const TriangleMesh& mesh, unsigned triangle, const Eigen::V
   return hit;
 }
 
-/// Paint and clothes take the shade of the one who wears them.
+/// Paint, car windows and clothes take the shade of the one who wears them.
 Surface worn(Surface surface, std::uint8_t shade) {
-  if (surface.material == Material::kCarPaint || surface.material == Material::kCloth) {
+  if (surface.material == Material::kCarPaint || surface.material == Material::kCarGlass ||
+      surface.material == Material::kCloth) {
     surface.shade = shade;
   }
   return surface;

@@ -47,7 +47,7 @@ void plant_street_trees(City& city, const BlockSide& side, Random& random) {
   double along_m = 9.0 + random.uniform(0.0, 4.0);
   while (along_m < side.length_m - 9.0) {
     if (random.chance(0.85)) place_tree(city, side.at(along_m, 1.0), kKerbHeight_m, random);
-    along_m += random.uniform(8.0, 13.0);
+    along_m += random.uniform(6.5, 11.0);
   }
 }
 

@@ -17,7 +17,7 @@ DriveStyle block_style() {
                 .bend = 0.12,
                 .closed_street_share = 0.0,
                 .slope_bound = 0.05,
-                .block_weights = {5.0, 2.0, 0.7, 0.7, 0.0, 0.0},
+                .block_weights = {3.5, 3.5, 0.7, 1.0, 0.0, 0.0},
                 .parked_car_share = 0.6,
                 .seconds_between_cars = 14.0,
                 .pedestrians_per_block = 3};
@@ -40,7 +40,7 @@ DriveStyle town_style() {
                 .bend = 0.25,
                 .closed_street_share = 0.5,
                 .slope_bound = 0.10,
-                .block_weights = {4.0, 3.0, 0.9, 0.9, 0.8, 0.3},
+                .block_weights = {3.0, 3.6, 0.9, 1.3, 0.8, 0.4},
                 .parked_car_share = 0.55,
                 .seconds_between_cars = 14.0,
                 .pedestrians_per_block = 3};
@@ -63,7 +63,7 @@ DriveStyle hills_style() {
                 .bend = 0.35,
                 .closed_street_share = 0.6,
                 .slope_bound = 0.30,
-                .block_weights = {3.0, 3.0, 0.6, 1.0, 1.6, 1.8},
+                .block_weights = {2.6, 3.2, 0.6, 1.2, 1.5, 1.7},
                 .parked_car_share = 0.5,
                 .seconds_between_cars = 8.0,
                 .pedestrians_per_block = 3};

@@ -16,8 +16,8 @@ namespace hqslam::sim {
 /// A drive through a procedural city. Everything follows from these fields: the same spec gives
 /// the same bytes on every machine, whatever the number of threads.
 struct DriveSpec {
-  std::string name;         ///< the style of city and driving: block, town or hills
-  std::uint64_t seed = 1;   ///< of the city, the traffic, the driver and the sensor's noise
+  std::string name;        ///< the style of city and driving: block, town or hills
+  std::uint64_t seed = 1;  ///< of the city, the traffic, the driver and the sensor's noise
   std::int64_t scans = 200;
 };
 
@@ -27,7 +27,7 @@ std::vector<std::string> drive_preset_names();
 
 /// One scan with the truth.
 struct SimulatedScan {
-  RangeImage image;  ///< rolling capture: column after column, from a moving sensor
+  RangeImage image;      ///< rolling capture: column after column, from a moving sensor
   double stamp_s = 0.0;  ///< the middle of the scan
   Pose T_map_sensor = Pose::Identity();  ///< true pose at stamp_s; the first scan's is the identity
   /// True pose when the head stands at each column (SensorModel::firing_column).

@@ -1,0 +1,154 @@
+#include "hqslam/sim/write_drive.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "hqslam/core/error.h"
+#include "hqslam/core/kitti_bin.h"
+#include "hqslam/core/pcd.h"
+#include "hqslam/core/projection.h"
+
+namespace hqslam::sim {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+void make_directory(const fs::path& directory) {
+  std::error_code failure;
+  fs::create_directories(directory, failure);
+  if (failure || !fs::is_directory(directory)) {
+    throw Error(
+        fmt::format("{}: expected a folder that can be written, found none and cannot make "
+                    "it ({}); choose another",
+                    directory.string(), failure.message()));
+  }
+}
+
+/// One file per scan: what an earlier, longer drive left there would pass for scans of this one.
+void make_empty_directory(const fs::path& directory) {
+  make_directory(directory);
+  if (!fs::is_empty(directory)) {
+    throw Error(
+        fmt::format("{}: expected an empty folder, found files; remove them or choose "
+                    "another folder",
+                    directory.string()));
+  }
+}
+
+/// `directory`, after it has been made: members that open files in it are initialised with this.
+const std::string& made(const std::string& directory) {
+  make_directory(directory);
+  return directory;
+}
+
+std::string in(const std::string& directory, std::string_view name) {
+  return (fs::path(directory) / name).string();
+}
+
+void require_written(const std::ofstream& stream, const std::string& path) {
+  if (!stream) {
+    throw Error(
+        fmt::format("{}: cannot be written; check that the folder is writable and has free "
+                    "space",
+                    path));
+  }
+}
+
+void write_drive_json(const std::string& path, const DriveSpec& spec, const SensorModel& sensor) {
+  const nlohmann::ordered_json json = {
+      {"name", spec.name}, {"seed", spec.seed}, {"scans", spec.scans}, {"sensor", sensor.name}};
+  std::ofstream stream(path, std::ios::binary);
+  stream << json.dump(2) << '\n';
+  stream.flush();
+  require_written(stream, path);
+}
+
+Eigen::Quaterniond rotation_of(const Pose& pose) {
+  Eigen::Quaterniond rotation(pose.linear());
+  if (rotation.w() < 0.0) rotation.coeffs() = -rotation.coeffs();
+  return rotation;
+}
+
+std::vector<double> column_truth(const std::vector<Pose>& poses) {
+  std::vector<double> values;
+  values.reserve(7 * poses.size());
+  for (const Pose& pose : poses) {
+    const Eigen::Quaterniond q = rotation_of(pose);
+    const Eigen::Vector3d t = pose.translation();
+    values.insert(values.end(), {t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w()});
+  }
+  return values;
+}
+
+std::vector<Eigen::Vector3f> returns_of(const RangeImage& image, const SensorModel& sensor) {
+  const OrganizedCloud cloud = unproject(image, sensor, CaptureTime::kRolling);
+  std::vector<Eigen::Vector3f> points_m;
+  for (std::size_t pixel = 0; pixel < cloud.points_m.size(); ++pixel) {
+    if (cloud.range_m[pixel] > 0.0F) points_m.push_back(cloud.points_m[pixel]);
+  }
+  return points_m;
+}
+
+}  // namespace
+
+DriveWriter::DriveWriter(const std::string& directory, const DriveSpec& spec,
+                         const SensorModel& sensor, ExtraFormats extra)
+    : directory_(made(directory)),
+      sensor_(sensor),
+      extra_(extra),
+      stack_(in(directory, "scans.npy"), sensor.rows(), sensor.columns),
+      columns_(in(directory, "truth_columns.npy"), {sensor.columns, 7}),
+      tum_(in(directory, "truth.tum"), std::ios::binary),
+      kitti_(in(directory, "truth.kitti"), std::ios::binary) {
+  require_written(tum_, in(directory, "truth.tum"));
+  require_written(kitti_, in(directory, "truth.kitti"));
+  write_sensor_json(sensor, in(directory, "sensor.json"));
+  write_drive_json(in(directory, "drive.json"), spec, sensor);
+  if (extra_.kitti_bin) make_empty_directory(fs::path(directory) / "bin");
+  if (extra_.pcd) make_empty_directory(fs::path(directory) / "pcd");
+}
+
+void DriveWriter::append(const SimulatedScan& scan) {
+  stack_.append(scan.image);
+  columns_.append(column_truth(scan.T_map_sensor_at_column));
+  append_truth(scan);
+  if (extra_.kitti_bin || extra_.pcd) write_extra(scan.image);
+  ++scans_;
+}
+
+void DriveWriter::append_truth(const SimulatedScan& scan) {
+  const Eigen::Vector3d t = scan.T_map_sensor.translation();
+  const Eigen::Quaterniond q = rotation_of(scan.T_map_sensor);
+  tum_ << fmt::format("{:.9f} {:.9f} {:.9f} {:.9f} {:.12f} {:.12f} {:.12f} {:.12f}\n", scan.stamp_s,
+                      t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w());
+  std::string line;
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 4; ++column) {
+      line += fmt::format("{:.12e}{}", scan.T_map_sensor.matrix()(row, column),
+                          row == 2 && column == 3 ? '\n' : ' ');
+    }
+  }
+  kitti_ << line;
+  tum_.flush();
+  kitti_.flush();
+  require_written(tum_, in(directory_, "truth.tum"));
+  require_written(kitti_, in(directory_, "truth.kitti"));
+}
+
+void DriveWriter::write_extra(const RangeImage& image) const {
+  Scan scan;
+  scan.points_m = returns_of(image, sensor_);
+  const fs::path directory(directory_);
+  if (extra_.kitti_bin) {
+    write_kitti_bin(scan, (directory / "bin" / fmt::format("{:06}.bin", scans_)).string());
+  }
+  if (extra_.pcd) {
+    write_pcd(scan.points_m, (directory / "pcd" / fmt::format("{:06}.pcd", scans_)).string());
+  }
+}
+
+}  // namespace hqslam::sim
