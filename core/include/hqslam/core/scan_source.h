@@ -39,11 +39,18 @@ struct RecordingOptions {
   CaptureTime capture_time = CaptureTime::kRolling;
 };
 
-/// Opens a recording of `sensor`: a folder of KITTI .bin files (motion-corrected), a folder of .pcd
-/// files (time offsets from a field t, time or timestamp where there is one), an .npy stack of
-/// range images (N x H x W or N x H x W x 1, float32 metres), or a folder written by `hqslam
-/// simulate` (stack, sensor and true stamps). Throws Error: which file, what was expected, what was
-/// found, what to do.
+/// Opens a recording of `sensor`:
+/// - a folder of KITTI .bin files (motion-corrected; rows from the rings where the points are
+/// stored
+///   ring after ring, from the elevation otherwise), or a KITTI drive with them in `velodyne`;
+/// - a folder of .pcd files (rows and time offsets as read_pcd gives them);
+/// - one .bin or .pcd file: a recording of one scan;
+/// - an .npy stack of range images (N x H x W or N x H x W x 1, float32 metres; `options` apply);
+/// - a folder written by `hqslam simulate` (scans.npy, sensor.json).
+/// Files are taken in the natural order of their names; the stamp of a scan is its index times
+/// sensor.scan_period_s. Pixels of images that are not finite or negative count as invalid points.
+/// Throws Error: which file, what was expected, what was found, what to do; also for scans that
+/// cannot be the sensor's.
 std::unique_ptr<ScanSource> open_recording(const std::string& path, const SensorModel& sensor,
                                            const RecordingOptions& options = {});
 

@@ -1,0 +1,15 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "hqslam/core/scan_source.h"
+
+namespace hqslam {
+
+/// One scan per file, all .bin or all .pcd, in the order given.
+std::unique_ptr<ScanSource> make_file_scan_source(std::vector<std::string> paths,
+                                                  const SensorModel& sensor);
+
+}  // namespace hqslam

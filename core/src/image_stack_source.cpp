@@ -1,0 +1,98 @@
+#include "image_stack_source.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "hqslam/core/error.h"
+#include "hqslam/core/npy.h"
+
+namespace hqslam {
+
+namespace {
+
+constexpr double kMaxForeignShare = 0.5;
+
+void flip_rows(RangeImage& image) {
+  for (int row = 0; row < image.rows / 2; ++row) {
+    const auto top = image.range_m.begin() + static_cast<std::ptrdiff_t>(image.index(row, 0));
+    const auto bottom =
+        image.range_m.begin() + static_cast<std::ptrdiff_t>(image.index(image.rows - 1 - row, 0));
+    std::swap_ranges(top, top + image.columns, bottom);
+  }
+}
+
+class ImageStackSource : public ScanSource {
+ public:
+  ImageStackSource(const std::string& path, const SensorModel& sensor,
+                   const RecordingOptions& options)
+      : path_(path), sensor_(sensor), options_(options), reader_(path) {
+    if (reader_.rows() != sensor.rows() || reader_.columns() != sensor.columns) {
+      throw Error(fmt::format(
+          "{}: expected images of {} x {} pixels (sensor '{}'), found {} x {}; "
+          "name the sensor that recorded them",
+          path, sensor.rows(), sensor.columns, sensor.name, reader_.rows(), reader_.columns()));
+    }
+    if (reader_.images() == 0) {
+      throw Error(fmt::format("{}: expected at least one image, found none; record again", path));
+    }
+  }
+
+  const SensorModel& sensor() const override { return sensor_; }
+  std::int64_t size() const override { return reader_.images(); }
+
+  std::optional<RecordedScan> next() override {
+    if (next_ == reader_.images()) return std::nullopt;
+    RecordedScan result;
+    result.name = fmt::format("{}[{}]", path_, next_);
+    result.stamp_s = static_cast<double>(next_) * sensor_.scan_period_s;
+    RangeImage image = reader_.read(next_);
+    remove_bad_pixels(image, result);
+    if (options_.row_order == RowOrder::kLowestFirst) flip_rows(image);
+    result.cloud = unproject(image, sensor_, options_.capture_time);
+    ++next_;
+    return result;
+  }
+
+ private:
+  void remove_bad_pixels(RangeImage& image, RecordedScan& result) const {
+    for (float& range_m : image.range_m) {
+      if (range_m == 0.0F) continue;
+      if (!std::isfinite(range_m) || range_m < 0.0F) {
+        ++result.invalid_points;
+        range_m = 0.0F;
+      } else if (range_m < sensor_.min_range_m || range_m > sensor_.max_range_m) {
+        ++result.counts.out_of_range;
+        range_m = 0.0F;
+      } else {
+        ++result.counts.kept;
+      }
+    }
+    const std::int64_t pixels = static_cast<std::int64_t>(image.range_m.size());
+    const double share = static_cast<double>(result.counts.out_of_range + result.invalid_points) /
+                         static_cast<double>(pixels);
+    if (share > kMaxForeignShare) {
+      throw Error(fmt::format(
+          "{}: expected ranges from {} to {} m (sensor '{}') and 0 for no "
+          "return, found {:.0f} % of the pixels outside; give ranges in metres",
+          result.name, sensor_.min_range_m, sensor_.max_range_m, sensor_.name, 100.0 * share));
+    }
+  }
+
+  std::string path_;
+  SensorModel sensor_;
+  RecordingOptions options_;
+  NpyStackReader reader_;
+  std::int64_t next_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<ScanSource> make_image_stack_source(const std::string& path,
+                                                    const SensorModel& sensor,
+                                                    const RecordingOptions& options) {
+  return std::make_unique<ImageStackSource>(path, sensor, options);
+}
+
+}  // namespace hqslam

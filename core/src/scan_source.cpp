@@ -1,0 +1,121 @@
+#include "hqslam/core/scan_source.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <vector>
+
+#include "file_scan_source.h"
+#include "hqslam/core/error.h"
+#include "image_stack_source.h"
+#include "natural_order.h"
+
+namespace hqslam {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kKnownRecordings =
+    "a folder of .bin or .pcd files, one such file, an .npy stack of range images or a folder "
+    "written by 'hqslam simulate'";
+
+/// Files of a folder with this extension, in natural order.
+std::vector<std::string> files_in(const fs::path& folder, const std::string& extension) {
+  std::vector<std::string> paths;
+  std::error_code error;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
+       entry.increment(error)) {
+    std::error_code ignored;
+    if (entry->path().extension() == extension && entry->is_regular_file(ignored)) {
+      paths.push_back(entry->path().string());
+    }
+  }
+  if (error) {
+    throw Error(
+        fmt::format("{}: expected a folder that can be read, found '{}'; check its "
+                    "permissions",
+                    folder.string(), error.message()));
+  }
+  std::sort(paths.begin(), paths.end(), naturally_before);
+  return paths;
+}
+
+bool nearly_equal(const std::vector<double>& a, const std::vector<double>& b) {
+  constexpr double kTolerance_rad = 1e-7;
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](double x, double y) { return std::abs(x - y) < kTolerance_rad; });
+}
+
+/// The images of a simulated drive are those of one sensor; another one would bend every point.
+void require_sensor_of_simulation(const fs::path& folder, const SensorModel& sensor) {
+  const std::string path = (folder / "sensor.json").string();
+  const SensorModel simulated = read_sensor_json(path);
+  const bool same = simulated.columns == sensor.columns &&
+                    nearly_equal(simulated.beam_elevation_rad, sensor.beam_elevation_rad) &&
+                    nearly_equal(simulated.beam_azimuth_offset_rad, sensor.beam_azimuth_offset_rad);
+  if (same) return;
+  throw Error(
+      fmt::format("{}: expected a drive of sensor '{}' ({} rows, {} columns), found one of "
+                  "'{}' ({} rows, {} columns); name {} as the sensor",
+                  folder.string(), sensor.name, sensor.rows(), sensor.columns, simulated.name,
+                  simulated.rows(), simulated.columns, path));
+}
+
+[[noreturn]] void fail_for_folder_without_scans(const fs::path& folder) {
+  const std::vector<std::string> stacks = files_in(folder, ".npy");
+  if (!stacks.empty()) {
+    throw Error(
+        fmt::format("{}: expected .bin or .pcd files, found .npy files; give the path of "
+                    "one of them, such as {}",
+                    folder.string(), stacks.front()));
+  }
+  std::error_code error;
+  throw Error(fmt::format("{}: expected .bin or .pcd files, found {}; give {}", folder.string(),
+                          fs::is_empty(folder, error) ? "an empty folder" : "none",
+                          kKnownRecordings));
+}
+
+std::unique_ptr<ScanSource> open_folder(const fs::path& folder, const SensorModel& sensor) {
+  std::error_code error;
+  if (fs::exists(folder / "scans.npy", error) && fs::exists(folder / "sensor.json", error)) {
+    require_sensor_of_simulation(folder, sensor);
+    return make_image_stack_source((folder / "scans.npy").string(), sensor, {});
+  }
+  std::vector<std::string> bin = files_in(folder, ".bin");
+  std::vector<std::string> pcd = files_in(folder, ".pcd");
+  if (!bin.empty() && !pcd.empty()) {
+    throw Error(
+        fmt::format("{}: expected files of one kind, found {} .bin and {} .pcd; give a "
+                    "folder with one kind only",
+                    folder.string(), bin.size(), pcd.size()));
+  }
+  if (!bin.empty()) return make_file_scan_source(std::move(bin), sensor);
+  if (!pcd.empty()) return make_file_scan_source(std::move(pcd), sensor);
+  // KITTI keeps the scans of a drive in a folder of this name.
+  if (fs::is_directory(folder / "velodyne", error)) return open_folder(folder / "velodyne", sensor);
+  fail_for_folder_without_scans(folder);
+}
+
+}  // namespace
+
+std::unique_ptr<ScanSource> open_recording(const std::string& path, const SensorModel& sensor,
+                                           const RecordingOptions& options) {
+  validate(sensor);
+  const fs::path recording(path);
+  std::error_code error;
+  if (fs::is_directory(recording, error)) return open_folder(recording, sensor);
+  if (!fs::is_regular_file(recording, error)) {
+    throw Error(fmt::format("{}: expected a recording, found no such file or folder; give {}", path,
+                            kKnownRecordings));
+  }
+  const fs::path extension = recording.extension();
+  if (extension == ".npy") return make_image_stack_source(path, sensor, options);
+  if (extension == ".bin" || extension == ".pcd") return make_file_scan_source({path}, sensor);
+  throw Error(fmt::format("{}: expected a recording, found a file named '{}'; give {}", path,
+                          extension.string(), kKnownRecordings));
+}
+
+}  // namespace hqslam
