@@ -4,27 +4,15 @@
 
 #include "driver_path.h"
 #include "hqslam/core/error.h"
-#include "lane.h"
 #include "lidar.h"
-#include "random.h"
+#include "path_plan.h"
 #include "ray_scene.h"
-#include "route.h"
 #include "traffic.h"
 #include "vehicle_motion.h"
 
 namespace hqslam::sim {
 
 namespace {
-
-/// Traffic must know where the sensor will be for as long as a car crosses the city.
-constexpr double kForesight_s = 200.0;
-
-DriverPath make_path(const Layout& layout, const DriverStyle& style, std::uint64_t seed,
-                     double duration_s) {
-  const double length_m = (duration_s + kForesight_s) * style.max_limit_mps;
-  const auto route = make_route(layout, style, seed_of(seed, 1), length_m);
-  return {lane_along(layout, route, style, seed_of(seed, 2)), style};
-}
 
 const DriveSpec& checked(const DriveSpec& spec) {
   constexpr std::int64_t kMostScans = 1'000'000;
@@ -42,12 +30,13 @@ struct DriveSimulator::Implementation {
       : spec(checked(spec_)),
         sensor((validate(sensor_), sensor_)),
         style(drive_style(spec.name)),
-        city(make_city(style.city, seed_of(spec.seed, 1))),
-        path(make_path(city.layout, style.driver, seed_of(spec.seed, 2), duration_s())),
-        motion(path, city.layout.terrain, seed_of(spec.seed, 3)),
-        traffic(city.layout, style, path, seed_of(spec.seed, 4), duration_s()),
+        city(make_city(style.city, seed_of_part(spec.seed, DrivePart::kCity))),
+        path(plan_path(city.layout, style.driver, spec.seed, duration_s())),
+        motion(path, city.layout.terrain, seed_of_part(spec.seed, DrivePart::kSway)),
+        traffic(city.layout, style, path, seed_of_part(spec.seed, DrivePart::kTraffic),
+                duration_s()),
         scene(city),
-        lidar(sensor, seed_of(spec.seed, 5)),
+        lidar(sensor, seed_of_part(spec.seed, DrivePart::kNoise)),
         T_map_world(motion.T_world_sensor(0.5 * sensor.scan_period_s).inverse()) {}
 
   double duration_s() const { return static_cast<double>(spec.scans) * sensor.scan_period_s; }

@@ -64,7 +64,9 @@ std::vector<double> plan_speed(const Resampled& way, const DriverStyle& style) {
     speed_mps[k] = std::min(speed_mps[k], std::sqrt(style.lateral_acceleration_mps2 / curvature));
     if (way.stop_s[k] > 0.0) speed_mps[k] = 0.0;
   }
-  speed_mps.front() = 0.0;
+  // The spline begins at control point 1.
+  speed_mps[0] = 0.0;
+  speed_mps[1] = 0.0;
   const auto reachable = [](double from_mps, double acceleration_mps2) {
     return std::sqrt(from_mps * from_mps + 2.0 * acceleration_mps2 * kSpacing_m);
   };
@@ -109,13 +111,11 @@ DriverPath::DriverPath(const std::vector<LanePoint>& lane, const DriverStyle& st
   smooth(way.control_m);
   const std::vector<double> speed_mps = plan_speed(way, style);
   control_m_ = std::move(way.control_m);
-  // Spline parameter 0 lies at control point 1: the first one only shapes the start.
   double time_s = kStartStop_s;
   knots_.push_back({0.0, 0.0, 0.0});
   knots_.push_back({time_s, 0.0, 0.0});
   for (std::size_t k = 2; k + 2 < control_m_.size(); ++k) {
-    const double before = k == 2 ? 0.0 : speed_mps[k - 1];
-    time_s += 2.0 * kSpacing_m / std::max(before + speed_mps[k], 1e-3);
+    time_s += 2.0 * kSpacing_m / std::max(speed_mps[k - 1] + speed_mps[k], 1e-3);
     knots_.push_back({time_s, static_cast<double>(k - 1) * kSpacing_m, speed_mps[k]});
     if (way.stop_s[k] > 0.0) {
       time_s += way.stop_s[k];

@@ -1,0 +1,119 @@
+#include "hqslam/sim/drive.h"
+
+#include <doctest/doctest.h>
+#include <omp.h>
+
+#include <cmath>
+#include <cstring>
+
+#include "error_message.h"
+#include "small_sensor.h"
+
+using namespace hqslam;
+using namespace hqslam::sim;
+using namespace hqslam::test;
+
+namespace {
+
+std::vector<SimulatedScan> drive(const DriveSpec& spec, int threads) {
+  const int before = omp_get_max_threads();
+  omp_set_num_threads(threads);
+  DriveSimulator simulator(spec, small_sensor());
+  std::vector<SimulatedScan> scans;
+  while (auto scan = simulator.next()) scans.push_back(*scan);
+  omp_set_num_threads(before);
+  return scans;
+}
+
+bool same_bytes(const SimulatedScan& a, const SimulatedScan& b) {
+  const auto same_pose = [](const Pose& p, const Pose& q) { return p.matrix() == q.matrix(); };
+  bool same = a.stamp_s == b.stamp_s && same_pose(a.T_map_sensor, b.T_map_sensor) &&
+              a.image.range_m.size() == b.image.range_m.size() &&
+              std::memcmp(a.image.range_m.data(), b.image.range_m.data(),
+                          a.image.range_m.size() * sizeof(float)) == 0;
+  for (std::size_t k = 0; same && k < a.T_map_sensor_at_column.size(); ++k) {
+    same = same_pose(a.T_map_sensor_at_column[k], b.T_map_sensor_at_column[k]);
+  }
+  return same;
+}
+
+DriveSpec short_drive(const char* name, std::int64_t scans) {
+  DriveSpec spec = drive_preset(name);
+  spec.scans = scans;
+  return spec;
+}
+
+}  // namespace
+
+TEST_CASE("the same spec gives the same bytes, with one thread and with two") {
+  const DriveSpec spec = short_drive("block", 30);
+  const auto first = drive(spec, 1);
+  const auto again = drive(spec, 2);
+  REQUIRE(first.size() == 30);
+  REQUIRE(again.size() == 30);
+  for (std::size_t k = 0; k < first.size(); ++k) CHECK(same_bytes(first[k], again[k]));
+}
+
+TEST_CASE("another seed gives another drive") {
+  DriveSpec spec = short_drive("block", 1);
+  const auto first = drive(spec, 1);
+  spec.seed = 2;
+  CHECK_FALSE(same_bytes(first[0], drive(spec, 1)[0]));
+}
+
+TEST_CASE("a shorter drive is the beginning of a longer one") {
+  const auto shorter = drive(short_drive("town", 3), 2);
+  const auto longer = drive(short_drive("town", 6), 2);
+  for (std::size_t k = 0; k < shorter.size(); ++k) CHECK(same_bytes(shorter[k], longer[k]));
+}
+
+TEST_CASE(
+    "stamps are the middles of scans, the truth starts at the identity and fits the columns") {
+  const auto scans = drive(short_drive("block", 30), 2);
+  const SensorModel sensor = small_sensor();
+  CHECK(scans[0].T_map_sensor.matrix() == Pose::Identity().matrix());
+  for (std::size_t k = 0; k < scans.size(); ++k) {
+    CHECK(scans[k].stamp_s == doctest::Approx(0.1 * static_cast<double>(k) + 0.05));
+    const auto& columns = scans[k].T_map_sensor_at_column;
+    REQUIRE(columns.size() == 128);
+    // The stamp lies between the two columns in the middle.
+    const Pose middle = interpolate(columns[63], columns[64], 0.5);
+    CHECK((middle.translation() - scans[k].T_map_sensor.translation()).norm() < 1e-4);
+    if (k > 0) {
+      const Pose& last = scans[k - 1].T_map_sensor_at_column.back();
+      CHECK((columns.front().translation() - last.translation()).norm() < 0.02);
+    }
+  }
+  // It drives off.
+  CHECK(scans.back().T_map_sensor.translation().x() > 3.0);
+}
+
+TEST_CASE("every drive sees its city: most beams return, within the sensor's limits") {
+  for (const char* name : {"block", "town", "hills"}) {
+    const auto scans = drive(short_drive(name, 2), 2);
+    int returns = 0;
+    for (const float range_m : scans[1].image.range_m) {
+      if (range_m == 0.0F) continue;
+      ++returns;
+      CHECK(range_m >= 0.5F);
+      CHECK(range_m <= 120.0F);
+    }
+    CHECK(returns > 0.6 * 16 * 128);
+  }
+}
+
+TEST_CASE("presets: lengths, names, and one clear line for anything else") {
+  CHECK(drive_preset("block").scans == 200);
+  CHECK(drive_preset("town").scans == 4000);
+  CHECK(drive_preset("hills").scans == 8000);
+  CHECK(drive_preset_names() == std::vector<std::string>{"block", "town", "hills"});
+  CHECK(one_line_with(error_message([] { drive_preset("desert"); }), "desert", "block", "town",
+                      "hills"));
+  CHECK(
+      one_line_with(error_message([] { DriveSimulator(short_drive("block", 0), small_sensor()); }),
+                    "scans is 0"));
+  SensorModel broken = small_sensor();
+  broken.columns = 3;
+  CHECK(one_line_with(error_message([&] { DriveSimulator(drive_preset("block"), broken); }),
+                      "columns is 3"));
+}

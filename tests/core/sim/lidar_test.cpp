@@ -1,0 +1,115 @@
+#include "lidar.h"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+#include "hqslam/core/projection.h"
+#include "small_city.h"
+#include "small_sensor.h"
+
+using namespace hqslam;
+using namespace hqslam::sim;
+using namespace hqslam::test;
+
+namespace {
+
+void add_floor(TriangleMesh& mesh) {
+  add_quad(mesh, {-200.0, -200.0, 0.0}, {200.0, -200.0, 0.0}, {200.0, 200.0, 0.0},
+           {-200.0, 200.0, 0.0}, {Material::kConcrete, 255});
+}
+
+/// A head that drives along x and turns while it spins.
+std::vector<Pose> moving_head(const SensorModel& sensor, double speed_mps, double yaw_rate) {
+  std::vector<Pose> poses;
+  for (int column = 0; column < sensor.columns; ++column) {
+    const double time_s = ((column + 0.5) / sensor.columns - 0.5) * sensor.scan_period_s;
+    poses.push_back(pose_from_xyz_rpy({speed_mps * time_s, 0.0, 1.8}, 0.0, 0.0, yaw_rate * time_s));
+  }
+  return poses;
+}
+
+}  // namespace
+
+TEST_CASE("a standing sensor measures the floor where it is, within the noise") {
+  City city = empty_city();
+  add_floor(city.fixed);
+  const RayScene scene(city);
+  const SensorModel sensor = small_sensor();
+  const std::vector<Pose> poses(static_cast<std::size_t>(sensor.columns),
+                                pose_from_xyz_rpy({3.0, 4.0, 1.8}, 0.0, 0.0, 0.4));
+  const RangeImage image = Lidar(sensor, 1).measure(scene, poses, 0);
+  const OrganizedCloud cloud = unproject(image, sensor, CaptureTime::kRolling);
+  int returns = 0;
+  for (int row = 0; row < sensor.rows(); ++row) {
+    for (int column = 0; column < sensor.columns; ++column) {
+      if (!image.has_return(row, column)) continue;
+      ++returns;
+      const Eigen::Vector3d point =
+          poses[0] * cloud.points_m[cloud.index(row, column)].cast<double>();
+      CHECK(std::abs(point.z()) < 0.04);
+    }
+    // Beams that look up meet nothing.
+    if (sensor.beam_elevation_rad[static_cast<std::size_t>(row)] > 0.0) {
+      CHECK_FALSE(image.has_return(row, 5));
+    }
+  }
+  CHECK(returns > 8 * sensor.columns);
+}
+
+TEST_CASE("rolling capture: with the pose of each column walls are straight, with one pose not") {
+  City city = empty_city();
+  add_wall(city.fixed, 15.0, -60.0, 60.0);
+  add_wall(city.fixed, -20.0, -60.0, 60.0);
+  const RayScene scene(city);
+  const SensorModel sensor = small_sensor();
+  const std::vector<Pose> poses = moving_head(sensor, 15.0, 0.8);
+  const RangeImage image = Lidar(sensor, 1).measure(scene, poses, 0);
+  const OrganizedCloud cloud = unproject(image, sensor, CaptureTime::kRolling);
+  const Pose middle = pose_from_xyz_rpy({0.0, 0.0, 1.8}, 0.0, 0.0, 0.0);
+  double largest_m = 0.0;
+  double largest_with_one_pose_m = 0.0;
+  int returns = 0;
+  const auto from_wall = [](const Eigen::Vector3d& point) {
+    return std::min(std::abs(point.x() - 15.0), std::abs(point.x() + 20.0));
+  };
+  for (int row = 0; row < sensor.rows(); ++row) {
+    for (int column = 0; column < sensor.columns; ++column) {
+      if (!image.has_return(row, column)) continue;
+      const Eigen::Vector3d point = cloud.points_m[cloud.index(row, column)].cast<double>();
+      const auto firing = static_cast<std::size_t>(sensor.firing_column(row, column));
+      largest_m = std::max(largest_m, from_wall(poses[firing] * point));
+      largest_with_one_pose_m = std::max(largest_with_one_pose_m, from_wall(middle * point));
+      ++returns;
+    }
+  }
+  CHECK(returns > 500);
+  CHECK(largest_m < 0.06);
+  CHECK(largest_with_one_pose_m > 0.5);
+}
+
+TEST_CASE("at an edge between two near surfaces some ranges lie between them, elsewhere none") {
+  City city = empty_city();
+  add_wall(city.fixed, 10.0, -60.0, 0.3);
+  add_wall(city.fixed, 10.5, 0.2, 60.0);
+  const RayScene scene(city);
+  SensorModel sensor = small_sensor();
+  sensor.columns = 1024;
+  sensor.beam_azimuth_offset_rad.assign(sensor.beam_elevation_rad.size(), 0.0);
+  int between = 0;
+  for (int step = 0; step < 20; ++step) {
+    const std::vector<Pose> poses(static_cast<std::size_t>(sensor.columns),
+                                  pose_from_xyz_rpy({0.0, 0.0, 0.0}, 0.0, 0.0, 0.0005 * step));
+    const RangeImage image = Lidar(sensor, 1).measure(scene, poses, step);
+    const OrganizedCloud cloud = unproject(image, sensor, CaptureTime::kRolling);
+    for (std::size_t pixel = 0; pixel < cloud.points_m.size(); ++pixel) {
+      if (cloud.range_m[pixel] == 0.0F) continue;
+      const Eigen::Vector3d point = poses[0] * cloud.points_m[pixel].cast<double>();
+      if (point.x() > 10.1 && point.x() < 10.4) {
+        ++between;
+        CHECK(std::abs(point.y() - 0.3) < 0.06);
+      }
+    }
+  }
+  CHECK(between > 10);
+}

@@ -1,0 +1,24 @@
+#pragma once
+
+#include "city.h"
+#include "style.h"
+
+namespace hqslam::test {
+
+/// A city without anything in it: its layout is that of a block drive, the rest is for the test to
+/// add.
+inline sim::City empty_city() {
+  return {.layout = sim::make_layout(sim::drive_style("block").city, 1),
+          .fixed = {},
+          .prototypes = {},
+          .placements = {}};
+}
+
+/// A vertical wall in the plane x = `x_m`, from y0 to y1, 20 m high.
+inline void add_wall(sim::TriangleMesh& mesh, double x_m, double y0_m, double y1_m,
+                     std::uint8_t shade = 255) {
+  sim::add_quad(mesh, {x_m, y0_m, -10.0}, {x_m, y1_m, -10.0}, {x_m, y1_m, 10.0}, {x_m, y0_m, 10.0},
+                {sim::Material::kPlaster, shade});
+}
+
+}  // namespace hqslam::test

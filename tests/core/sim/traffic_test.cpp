@@ -1,0 +1,55 @@
+#include "traffic.h"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+#include "city.h"
+#include "hqslam/sim/drive.h"
+#include "path_plan.h"
+
+using namespace hqslam::sim;
+
+TEST_CASE("cars keep clear of the sensor's car, and some pass it") {
+  const DriveStyle style = drive_style("town");
+  const Layout layout = make_layout(style.city, 1);
+  const DriverPath ego = plan_path(layout, style.driver, 1, 150.0);
+  const Traffic traffic(layout, style, ego, 3, 150.0);
+  int near = 0;
+  for (double time_s = 0.0; time_s < 150.0; time_s += 0.5) {
+    const PathState here = ego.at_time(time_s);
+    for (const ActorMotion& actor : traffic.actors(time_s, time_s + 0.1, here.plane_m)) {
+      if (actor.prototype < kFirstCar || actor.prototype >= kFirstWalker) continue;
+      const Eigen::Vector2d away = actor.T_world_at_start.translation().head<2>() - here.plane_m;
+      CHECK(away.norm() > 2.2);
+      if (away.norm() < 30.0) ++near;
+    }
+  }
+  CHECK(near > 20);
+}
+
+TEST_CASE("actors move by their speed between the start and the end of a scan") {
+  const DriveStyle style = drive_style("hills");
+  const Layout layout = make_layout(style.city, 1);
+  const DriverPath ego = plan_path(layout, style.driver, 1, 60.0);
+  const Traffic traffic(layout, style, ego, 3, 60.0);
+  int cars = 0;
+  int walkers = 0;
+  for (double time_s = 0.0; time_s < 60.0; time_s += 1.0) {
+    for (const ActorMotion& actor :
+         traffic.actors(time_s, time_s + 0.1, ego.at_time(time_s).plane_m)) {
+      const double moved_m =
+          (actor.T_world_at_end.translation() - actor.T_world_at_start.translation()).norm();
+      if (actor.prototype >= kFirstWalker) {
+        ++walkers;
+        CHECK(moved_m < 0.25);
+        CHECK(moved_m > 0.02);
+      } else {
+        ++cars;
+        CHECK(moved_m < 2.2);
+      }
+    }
+  }
+  CHECK(cars > 20);
+  CHECK(walkers > 20);
+}

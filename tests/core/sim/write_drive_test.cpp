@@ -1,0 +1,81 @@
+#include "hqslam/sim/write_drive.h"
+
+#include <doctest/doctest.h>
+
+#include <filesystem>
+
+#include "error_message.h"
+#include "file_contents.h"
+#include "hqslam/core/kitti_bin.h"
+#include "hqslam/core/npy.h"
+#include "hqslam/core/pcd.h"
+#include "hqslam/core/trajectory.h"
+#include "small_sensor.h"
+#include "temporary_directory.h"
+
+using namespace hqslam;
+using namespace hqslam::sim;
+using namespace hqslam::test;
+
+TEST_CASE("a drive that is written part of the way reads back as what was simulated") {
+  const TemporaryDirectory directory;
+  const std::string out = directory.file("drive");
+  DriveSpec spec = drive_preset("block");
+  spec.scans = 5;
+  DriveSimulator simulator(spec, small_sensor());
+  DriveWriter writer(out, spec, simulator.sensor(), {.kitti_bin = true, .pcd = true});
+  std::vector<SimulatedScan> scans;
+  for (int k = 0; k < 3; ++k) {
+    scans.push_back(*simulator.next());
+    writer.append(scans.back());
+  }
+
+  // The writer is still open, as if the run had been cut off here.
+  NpyStackReader stack(out + "/scans.npy");
+  const Trajectory tum = read_tum(out + "/truth.tum");
+  const Trajectory kitti = read_kitti_poses(out + "/truth.kitti");
+  REQUIRE(stack.images() == 3);
+  REQUIRE(tum.size() == 3);
+  REQUIRE(kitti.size() == 3);
+  CHECK(read_sensor_json(out + "/sensor.json").columns == 128);
+  for (std::size_t k = 0; k < 3; ++k) {
+    CHECK(stack.read(static_cast<std::int64_t>(k)).range_m == scans[k].image.range_m);
+    CHECK(tum[k].stamp_s == doctest::Approx(scans[k].stamp_s));
+    CHECK(tum[k].T_map_sensor.isApprox(scans[k].T_map_sensor, 1e-8));
+    CHECK(kitti[k].T_map_sensor.isApprox(scans[k].T_map_sensor, 1e-8));
+    const auto returns = std::count_if(scans[k].image.range_m.begin(), scans[k].image.range_m.end(),
+                                       [](float r) { return r > 0; });
+    const std::string number = "00000" + std::to_string(k);
+    CHECK(read_kitti_bin(out + "/bin/" + number + ".bin").points_m.size() ==
+          static_cast<std::size_t>(returns));
+    CHECK(read_pcd(out + "/pcd/" + number + ".pcd").points_m.size() ==
+          static_cast<std::size_t>(returns));
+  }
+  std::ifstream columns(out + "/truth_columns.npy", std::ios::binary);
+  const NpyHeader header = read_npy_header(columns, out + "/truth_columns.npy");
+  CHECK(header.dtype == "<f8");
+  CHECK(header.shape == std::vector<std::int64_t>{3, 128, 7});
+  columns.seekg(header.data_offset_bytes + (128 + 5) * 7 * 8);
+  double x_m = 0.0;
+  columns.read(reinterpret_cast<char*>(&x_m), sizeof(x_m));
+  CHECK(x_m == scans[1].T_map_sensor_at_column[5].translation().x());
+  const std::string json = file_contents(out + "/drive.json");
+  CHECK(json.find("\"name\": \"block\"") != std::string::npos);
+  CHECK(json.find("\"scans\": 5") != std::string::npos);
+}
+
+TEST_CASE("a folder that cannot be made, or old files among the new, is one clear line") {
+  const TemporaryDirectory directory;
+  write_file(directory.file("taken"), "text");
+  const DriveSpec spec = drive_preset("block");
+  CHECK(one_line_with(
+      error_message([&] { DriveWriter(directory.file("taken"), spec, small_sensor()); }), "taken",
+      "folder"));
+  const std::string out = directory.file("drive");
+  std::filesystem::create_directories(out + "/bin");
+  write_file(out + "/bin/000007.bin", "old");
+  CHECK(one_line_with(error_message([&] {
+                        DriveWriter(out, spec, small_sensor(), {.kitti_bin = true, .pcd = false});
+                      }),
+                      "bin", "empty"));
+}
