@@ -16,7 +16,8 @@ struct CloudError {
 };
 inline constexpr double kCloudErrorVoxel_m = 0.1;
 inline constexpr double kOutlierDistance_m = 0.5;
-/// Throws Error if either cloud is empty.
+/// The grid of voxels begins at the lowest corner of both clouds. Throws Error if either cloud is
+/// empty or has a coordinate that is not finite.
 CloudError cloud_error(const std::vector<Eigen::Vector3f>& cloud_m,
                        const std::vector<Eigen::Vector3f>& true_cloud_m);
 

@@ -14,7 +14,7 @@ struct ImageError {
   std::int64_t valid_pixels = 0;
   std::int64_t pixels = 0;
 };
-/// Throws Error if the shapes differ.
+/// A pixel that is not finite or negative counts as no return. Throws Error if the shapes differ.
 ImageError image_error(const RangeImage& image, const RangeImage& true_image);
 
 }  // namespace hqslam

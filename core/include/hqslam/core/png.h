@@ -15,12 +15,13 @@ struct RgbImage {
   std::vector<std::array<std::uint8_t, 3>> pixels;  ///< row-major
 };
 
-/// Throws Error if the file cannot be written.
+/// Throws Error if the image is empty or the file cannot be written.
 void write_png(const RgbImage& image, const std::string& path);
 /// The file's bytes, for embedding in a page.
 std::vector<std::uint8_t> encode_png(const RgbImage& image);
 
-/// Near is bright, far is dark blue, no return is black; logarithmic in range.
+/// Near (1 m and less) is bright, far (max_range_m and more) is dark blue, no return is black;
+/// logarithmic in range. Throws Error unless max_range_m is more than 1 m.
 RgbImage color_by_range(const RangeImage& image, double max_range_m);
 
 }  // namespace hqslam
