@@ -81,10 +81,10 @@ void FeatureMap::grow_table() {
 }
 
 void FeatureMap::insert(const std::vector<Eigen::Vector3f>& points_m) {
-  for (const Eigen::Vector3f& point_m : points_m) insert(point_m);
+  for (const Eigen::Vector3f& point_m : points_m) insert_point(point_m);
 }
 
-void FeatureMap::insert(const Eigen::Vector3f& point_m) {
+void FeatureMap::insert_point(const Eigen::Vector3f& point_m) {
   const Eigen::Vector3f scaled = point_m / cube_m_;
   if (!(scaled.array().abs() < static_cast<float>(kCubeRange - 1)).all()) return;
   const Eigen::Vector3i cube_index = floored(scaled);

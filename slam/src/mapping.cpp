@@ -12,13 +12,14 @@ namespace hqslam::slam {
 namespace {
 
 constexpr double kMinWeight = 0.1;
-constexpr double kMinObservableShare = 0.005;
 constexpr int kStepsPerSearch = 2;
 
 /// Thinned features of the scan that is located.
 struct ScanFeatures {
   std::vector<FeaturePoint> edges;
   std::vector<FeaturePoint> planes;
+
+  std::size_t size() const { return edges.size() + planes.size(); }
 };
 
 ScanFeatures thinned(const Features& features, double edge_leaf_m, double planar_leaf_m) {
@@ -88,8 +89,7 @@ Mapping::Mapping(const MappingOptions& options)
 
 MappingResult Mapping::locate(const Features& features, const Pose& T_map_sensor_predicted,
                               const PreviousPose& previous) const {
-  const ScanFeatures scan =
-      thinned(features, options_.edge_leaf_m, options_.located_planar_leaf_m);
+  const ScanFeatures scan = thinned(features, options_.edge_leaf_m, options_.located_planar_leaf_m);
   MappingResult result;
   result.T_map_sensor = T_map_sensor_predicted;
   for (int iteration = 0; iteration < options_.max_iterations; ++iteration) {
@@ -99,15 +99,16 @@ MappingResult Mapping::locate(const Features& features, const Pose& T_map_sensor
         match(scan, edges_, planes_, result.T_map_sensor, motion, options_);
     result.edge_correspondences = constraints.edges;
     result.planar_correspondences = constraints.planes;
-    if (constraints.edges + constraints.planes < options_.min_correspondences) {
+    const int matched = constraints.edges + constraints.planes;
+    if (matched < options_.min_correspondences ||
+        matched < options_.min_matched_share * static_cast<double>(scan.size())) {
       result.T_map_sensor = T_map_sensor_predicted;
       result.status = Status::kTooFewFeatures;
       return result;
     }
     const MotionParameters found =
         align(constraints.all, MotionParameters{}, FreeParameters::kAll, kStepsPerSearch);
-    const Observability observable =
-        observability(constraints.all, FreeParameters::kAll, kMinObservableShare);
+    const Observability observable = observability(constraints.all, FreeParameters::kAll);
     const Pose change = pose_of(without_unobservable(MotionParameters{}, found, observable));
     result.T_map_sensor.linear() = change.linear() * result.T_map_sensor.linear();
     result.T_map_sensor.translation() += change.translation();

@@ -14,7 +14,6 @@ namespace {
 constexpr int kRobustFromIteration = 2;
 constexpr double kNarrowSearchShare = 0.3;
 constexpr double kMinWeight = 0.1;
-constexpr double kMinObservableShare = 0.005;
 constexpr int kStepsPerSearch = 3;
 
 /// What a search needs to know besides the point.
@@ -86,7 +85,7 @@ bool improve(const std::vector<PlaneConstraint>& constraints, FreeParameters fre
              Pose& T_reference_sensor) {
   const MotionParameters start = parameters_of(T_reference_sensor);
   const MotionParameters end = align(constraints, start, free, kStepsPerSearch);
-  const Observability observable = observability(constraints, free, kMinObservableShare);
+  const Observability observable = observability(constraints, free);
   T_reference_sensor = pose_of(without_unobservable(start, end, observable));
   return observable.degenerate_directions == 0;
 }

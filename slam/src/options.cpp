@@ -42,6 +42,8 @@ void validate(const SlamOptions& options) {
   require_positive("odometry.max_iterations", options.odometry.max_iterations);
   require_positive("odometry.max_distance_m", options.odometry.max_distance_m);
   require_positive("mapping.max_iterations", options.mapping.max_iterations);
+  require(options.mapping.min_matched_share >= 0.0 && options.mapping.min_matched_share < 1.0,
+          "mapping.min_matched_share", options.mapping.min_matched_share, "a share from 0 to 1");
   require_positive("mapping.max_neighbour_distance_m", options.mapping.max_neighbour_distance_m);
   for (const auto& [field, leaf_m] : {std::pair{"mapping.edge_leaf_m", options.mapping.edge_leaf_m},
                                       {"mapping.planar_leaf_m", options.mapping.planar_leaf_m}}) {

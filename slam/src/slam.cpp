@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <cmath>
 
 #include "hqslam/core/error.h"
 #include "hqslam/slam/features.h"
@@ -39,9 +40,35 @@ SlamOptions validated(const SlamOptions& options) {
   return options;
 }
 
+/// Whether a pixel holds what it should: no return, or a finite point at a finite range.
+bool is_sound(const OrganizedCloud& cloud, std::size_t pixel) {
+  return cloud.range_m[pixel] == 0.0F ||
+         (cloud.range_m[pixel] > 0.0F && std::isfinite(cloud.range_m[pixel]) &&
+          cloud.points_m[pixel].allFinite());
+}
+
+/// The cloud with unsound pixels emptied.
+OrganizedCloud without_unsound(const OrganizedCloud& cloud) {
+  OrganizedCloud result = cloud;
+  for (std::size_t pixel = 0; pixel < cloud.range_m.size(); ++pixel) {
+    if (!is_sound(cloud, pixel)) result.range_m[pixel] = 0.0F;
+  }
+  return result;
+}
+
+bool all_sound(const OrganizedCloud& cloud) {
+  for (std::size_t pixel = 0; pixel < cloud.range_m.size(); ++pixel) {
+    if (!is_sound(cloud, pixel)) return false;
+  }
+  return true;
+}
+
 }  // namespace
 
-/// What is carried from scan to scan. The reference is the last scan that could be located.
+/// After so many scans in a row that only the odometry could follow, the map goes on without them.
+constexpr int kMaxUnlocatedScans = 5;
+
+/// What is carried from scan to scan. The reference is the last scan that could be followed.
 struct Slam::Implementation {
   SensorModel sensor;
   SlamOptions options;
@@ -52,7 +79,8 @@ struct Slam::Implementation {
   double reference_stamp_s = 0.0;
   Pose T_map_reference = Pose::Identity();
   Pose T_odom_reference = Pose::Identity();
-  SensorMotion motion;  ///< of the last located scan since the one before
+  SensorMotion motion;  ///< of the reference since the one before
+  int unlocated_scans = 0;
 
   Implementation(const SensorModel& sensor_, const SlamOptions& options_)
       : sensor(validated(sensor_)),
@@ -126,9 +154,12 @@ void Slam::Implementation::follow(const Features& features, double stamp_s, Stop
   report.T_map_sensor = located.T_map_sensor;
   report.edge_correspondences = located.edge_correspondences;
   report.planar_correspondences = located.planar_correspondences;
-  if (located.status != Status::kTooFewFeatures) {
+  const bool is_located = located.status != Status::kTooFewFeatures;
+  unlocated_scans = is_located ? 0 : unlocated_scans + 1;
+  if (is_located || moved.status != Status::kTooFewFeatures) {
     motion = {T_map_reference.inverse() * located.T_map_sensor, duration_s};
-    if (mapping.is_key_frame(located.T_map_sensor)) {
+    const bool may_insert = is_located || unlocated_scans > kMaxUnlocatedScans;
+    if (may_insert && mapping.is_key_frame(located.T_map_sensor)) {
       mapping.insert(features, located.T_map_sensor, motion);
       report.key_frame = true;
     }
@@ -155,7 +186,8 @@ ScanReport Slam::process(const OrganizedCloud& cloud, double stamp_s) {
                     "sensor that recorded it",
                     cloud.rows, cloud.columns, sensor.name, sensor.rows(), sensor.columns));
   }
-  return implementation_->process(cloud, stamp_s);
+  return all_sound(cloud) ? implementation_->process(cloud, stamp_s)
+                          : implementation_->process(without_unsound(cloud), stamp_s);
 }
 
 const Trajectory& Slam::trajectory() const { return implementation_->trajectory; }

@@ -52,7 +52,7 @@ class FeatureMap {
   const Cube* find(std::uint64_t key) const;
   Cube& find_or_add(std::uint64_t key);
   void grow_table();
-  void insert(const Eigen::Vector3f& point_m);
+  void insert_point(const Eigen::Vector3f& point_m);
 
   float leaf_m_;
   float max_distance_m_;

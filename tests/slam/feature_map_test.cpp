@@ -1,0 +1,80 @@
+#include "hqslam/slam/feature_map.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <limits>
+#include <random>
+
+using hqslam::slam::FeatureMap;
+using hqslam::slam::Neighbours;
+
+namespace {
+
+std::vector<Eigen::Vector3f> random_points(int count, float extent_m, unsigned seed) {
+  std::mt19937 generator(seed);
+  const auto random = [&] {
+    return extent_m * (static_cast<float>(generator() % 20001) / 10000.0F - 1.0F);
+  };
+  std::vector<Eigen::Vector3f> points(count);
+  for (auto& p : points) p = {random(), random(), 0.2F * random()};
+  return points;
+}
+
+}  // namespace
+
+TEST_CASE("neighbours are those of a search through all points of the map") {
+  FeatureMap map(0.4, 1.0);
+  map.insert(random_points(20000, 15.0F, 1));
+  const auto all = map.points_m();
+  CHECK(all.size() == map.size());
+  for (const auto& query : random_points(500, 16.0F, 2)) {
+    std::vector<float> distances_m2;
+    for (const auto& p : all) {
+      const float d2 = (p - query).squaredNorm();
+      if (d2 < 1.0F) distances_m2.push_back(d2);
+    }
+    std::sort(distances_m2.begin(), distances_m2.end());
+    distances_m2.resize(std::min<std::size_t>(distances_m2.size(), Neighbours::kWanted));
+    const Neighbours found = map.nearest(query);
+    REQUIRE(found.count == static_cast<int>(distances_m2.size()));
+    for (int i = 0; i < found.count; ++i) {
+      CHECK(found.squared_distance_m2[i] == distances_m2[i]);
+      CHECK((found.points_m[i] - query).squaredNorm() == distances_m2[i]);
+    }
+  }
+}
+
+TEST_CASE("a voxel keeps one point, the mean of those that fell in it") {
+  FeatureMap map(0.4, 1.0);
+  map.insert({{0.1F, 0.1F, 0.1F}, {0.3F, 0.1F, 0.1F}, {0.5F, 0.1F, 0.1F}});
+  REQUIRE(map.size() == 2);
+  CHECK((map.points_m()[0] - Eigen::Vector3f(0.2F, 0.1F, 0.1F)).norm() < 1e-6F);
+}
+
+TEST_CASE("a voxel seen often enough is no longer moved by later points") {
+  FeatureMap map(0.4, 1.0);
+  map.insert(std::vector<Eigen::Vector3f>(100, {0.1F, 0.1F, 0.1F}));
+  map.insert(std::vector<Eigen::Vector3f>(1000, {0.3F, 0.3F, 0.3F}));
+  CHECK((map.points_m()[0] - Eigen::Vector3f(0.1F, 0.1F, 0.1F)).norm() < 1e-6F);
+}
+
+TEST_CASE("negative coordinates and cube borders are like any other place") {
+  FeatureMap map(0.2, 1.0);
+  map.insert({{-0.01F, -0.01F, -0.01F}, {0.01F, 0.01F, 0.01F}});
+  CHECK(map.size() == 2);
+  const Neighbours found = map.nearest({0, 0, 0});
+  CHECK(found.count == 2);
+}
+
+TEST_CASE("points that are not finite or beyond every map are left out, and queries find nothing") {
+  FeatureMap map(0.4, 1.0);
+  const float infinity = std::numeric_limits<float>::infinity();
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  map.insert({{nan, 0, 0}, {0, infinity, 0}, {1e9F, 0, 0}});
+  CHECK(map.size() == 0);
+  map.insert({{1, 1, 1}});
+  CHECK(map.nearest({nan, 1, 1}).count == 0);
+  CHECK(map.nearest({infinity, 1, 1}).count == 0);
+  CHECK(map.nearest({1, 1, 1}).count == 1);
+}

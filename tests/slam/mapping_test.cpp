@@ -1,0 +1,99 @@
+#include "hqslam/slam/mapping.h"
+
+#include <doctest/doctest.h>
+
+#include "yard.h"
+
+using namespace hqslam;
+using slam::Status;
+
+namespace {
+
+slam::Features features_of(const SensorModel& sensor, const OrganizedCloud& cloud) {
+  slam::Segmenter segmenter(sensor, {}, {});
+  return slam::extract_features(cloud, segmenter.segment(cloud), {});
+}
+
+/// A map of the yard from eleven places along its length, in the frame of the first.
+struct MappedYard {
+  SensorModel sensor = test::small_sensor(32, 1024);
+  test::Yard yard;
+  Pose T_yard_map = test::yard_pose(-5, 0, 0);
+  slam::Mapping mapping{slam::MappingOptions{}};
+
+  explicit MappedYard(const test::Yard& yard_ = {}) : yard(yard_) {
+    for (int i = 0; i <= 10; ++i) {
+      const Pose T_yard_sensor = test::yard_pose(-5 + i, 0, 0);
+      mapping.insert(features_of(sensor, yard.scan(sensor, T_yard_sensor)),
+                     T_yard_map.inverse() * T_yard_sensor, {});
+    }
+  }
+};
+
+}  // namespace
+
+TEST_CASE("a scan is located in the map from a rough prediction") {
+  const MappedYard mapped;
+  const Pose T_yard_sensor = test::yard_pose(0.3, 0.4, 0.1);
+  const Pose truth = mapped.T_yard_map.inverse() * T_yard_sensor;
+  const Pose predicted = truth * pose_from_xyz_rpy({0.2, -0.15, 0.05}, 0.01, -0.01, 0.02);
+  const auto features = features_of(mapped.sensor, mapped.yard.scan(mapped.sensor, T_yard_sensor));
+  const auto result = mapped.mapping.locate(features, predicted, {predicted, 0.1});
+  CHECK(result.status == Status::kOk);
+  CHECK((result.T_map_sensor.translation() - truth.translation()).norm() < 0.03);
+  CHECK(rotation_angle_rad(result.T_map_sensor.inverse() * truth) < 0.003);
+}
+
+TEST_CASE("in a corridor without ends the motion along it is held, not invented") {
+  test::Yard corridor;
+  corridor.half_width_m = 4.0;
+  corridor.pillars = false;
+  corridor.end_walls = false;
+  const MappedYard mapped(corridor);
+  const Pose T_yard_sensor = test::yard_pose(0.0, 0.2, 0.0);
+  const Pose predicted = mapped.T_yard_map.inverse() * test::yard_pose(0.4, 0.0, 0.01);
+  const auto features = features_of(mapped.sensor, corridor.scan(mapped.sensor, T_yard_sensor));
+  const auto result = mapped.mapping.locate(features, predicted, {predicted, 0.1});
+  CHECK(result.status == Status::kDegenerate);
+  CHECK(result.T_map_sensor.translation().x() ==
+        doctest::Approx(predicted.translation().x()).epsilon(0.02));
+  CHECK(result.T_map_sensor.translation().y() == doctest::Approx(0.2).epsilon(0.2));
+}
+
+TEST_CASE("far from the origin of the map a scan is located as well as at it") {
+  // LeGO-LOAM weighs planar features by their distance from the map's origin.
+  MappedYard mapped;
+  const Pose far = pose_from_xyz_rpy({4000, -3000, 50}, 0, 0, 1.0);
+  slam::Mapping mapping{slam::MappingOptions{}};
+  for (int i = 0; i <= 10; ++i) {
+    const Pose T_yard_sensor = test::yard_pose(-5 + i, 0, 0);
+    mapping.insert(features_of(mapped.sensor, mapped.yard.scan(mapped.sensor, T_yard_sensor)),
+                   far * mapped.T_yard_map.inverse() * T_yard_sensor, {});
+  }
+  const Pose T_yard_sensor = test::yard_pose(0.3, 0.4, 0.1);
+  const Pose truth = far * mapped.T_yard_map.inverse() * T_yard_sensor;
+  const Pose predicted = truth * pose_from_xyz_rpy({0.2, -0.15, 0.05}, 0, 0, 0.02);
+  const auto features = features_of(mapped.sensor, mapped.yard.scan(mapped.sensor, T_yard_sensor));
+  const auto result = mapping.locate(features, predicted, {predicted, 0.1});
+  CHECK(result.status == Status::kOk);
+  CHECK((result.T_map_sensor.translation() - truth.translation()).norm() < 0.03);
+}
+
+TEST_CASE("without a map the prediction stands and the status says so") {
+  const SensorModel sensor = test::small_sensor();
+  const slam::Mapping mapping{slam::MappingOptions{}};
+  const auto features = features_of(sensor, test::Yard().scan(sensor, test::yard_pose(0, 0, 0)));
+  const Pose predicted = pose_from_xyz_rpy({1, 2, 3}, 0, 0, 1);
+  const auto result = mapping.locate(features, predicted, {predicted, 0.1});
+  CHECK(result.status == Status::kTooFewFeatures);
+  CHECK(result.T_map_sensor.isApprox(predicted));
+}
+
+TEST_CASE("a turn on the spot makes a key frame, a short step does not") {
+  slam::Mapping mapping{slam::MappingOptions{}};
+  CHECK(mapping.is_key_frame(Pose::Identity()));
+  mapping.insert(slam::Features{}, Pose::Identity(), {});
+  CHECK(!mapping.is_key_frame(pose_from_xyz_rpy({0.2, 0, 0}, 0, 0, 0.1)));
+  CHECK(mapping.is_key_frame(pose_from_xyz_rpy({0, 0, 0}, 0, 0, 0.25)));
+  CHECK(mapping.is_key_frame(pose_from_xyz_rpy({0.31, 0, 0}, 0, 0, 0)));
+}

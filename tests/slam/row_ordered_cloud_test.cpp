@@ -1,0 +1,78 @@
+#include "row_ordered_cloud.h"
+
+#include <doctest/doctest.h>
+
+#include <random>
+
+using hqslam::slam::FeaturePoint;
+using hqslam::slam::RowOrderedCloud;
+
+namespace {
+
+struct Points {
+  std::vector<FeaturePoint> features;
+  std::vector<Eigen::Vector3f> points_m;
+};
+
+/// Random points in rows 0..9; row 4 is empty.
+Points random_rows(int count, unsigned seed) {
+  std::mt19937 generator(seed);
+  const auto random = [&] { return static_cast<float>(generator() % 20001) / 1000.0F - 10.0F; };
+  Points result;
+  for (int row = 0; row < 10; ++row) {
+    for (int i = 0; row != 4 && i < count; ++i) {
+      const Eigen::Vector3f p(random(), random(), 0.1F * random());
+      result.features.push_back({p, 0.0F, row});
+      result.points_m.push_back(p);
+    }
+  }
+  return result;
+}
+
+template <typename Accept>
+float slow_nearest_m2(const Points& points, const Eigen::Vector3f& query_m, const Accept& accept) {
+  float best_m2 = 25.0F;
+  for (std::size_t i = 0; i < points.points_m.size(); ++i) {
+    if (accept(points.features[i].row, points.points_m[i])) {
+      best_m2 = std::min(best_m2, (points.points_m[i] - query_m).squaredNorm());
+    }
+  }
+  return best_m2;
+}
+
+}  // namespace
+
+TEST_CASE("nearest, in the row and near the row agree with a search through all points") {
+  const Points points = random_rows(40, 1);
+  const RowOrderedCloud cloud(points.features, points.points_m);
+  const Points queries = random_rows(30, 2);
+  for (const Eigen::Vector3f& query_m : queries.points_m) {
+    const auto first = cloud.nearest(query_m, 5.0);
+    REQUIRE(first);
+    const Eigen::Vector3f first_m = cloud.point_m(*first);
+    CHECK((first_m - query_m).squaredNorm() ==
+          doctest::Approx(slow_nearest_m2(points, query_m, [](int, const auto&) { return true; })));
+    int row = -1;
+    for (std::size_t i = 0; i < points.points_m.size(); ++i) {
+      if (points.points_m[i] == first_m) row = points.features[i].row;
+    }
+    const auto second = cloud.nearest_in_row_of(*first, query_m, 5.0);
+    const float second_m2 = slow_nearest_m2(
+        points, query_m, [&](int r, const auto& p) { return r == row && p != first_m; });
+    if (second_m2 < 25.0F) REQUIRE(second);
+    if (second) CHECK((cloud.point_m(*second) - query_m).squaredNorm() == second_m2);
+    const auto third = cloud.nearest_near_row_of(*first, query_m, 5.0);
+    const float third_m2 = slow_nearest_m2(
+        points, query_m, [&](int r, const auto&) { return r != row && std::abs(r - row) <= 2; });
+    if (third_m2 < 25.0F) REQUIRE(third);
+    if (third) CHECK((cloud.point_m(*third) - query_m).squaredNorm() == third_m2);
+  }
+}
+
+TEST_CASE("an empty cloud and a query that is not finite find nothing") {
+  CHECK(!RowOrderedCloud({}, {}).nearest({0, 0, 0}, 5.0));
+  const Points points = random_rows(3, 1);
+  const RowOrderedCloud cloud(points.features, points.points_m);
+  CHECK(!cloud.nearest({std::nanf(""), 0, 0}, 5.0));
+  CHECK(!cloud.nearest({100, 0, 0}, 5.0));
+}

@@ -1,0 +1,163 @@
+#include "hqslam/slam/slam.h"
+
+#include <doctest/doctest.h>
+#include <omp.h>
+
+#include <random>
+
+#include "hqslam/core/error.h"
+#include "hqslam/slam/options.h"
+#include "yard.h"
+
+using namespace hqslam;
+using slam::Status;
+
+namespace {
+
+constexpr double kPeriod_s = 0.1;
+
+/// Around the yard at 5 m/s, with turns: the true pose at a time.
+Pose drive_pose(double time_s) {
+  const double phase = 0.25 * time_s;
+  const Eigen::Vector2d p(14.0 * std::sin(phase), 3.0 * std::sin(2.0 * phase));
+  const Eigen::Vector2d v(14.0 * std::cos(phase), 6.0 * std::cos(2.0 * phase));
+  return test::yard_pose(p.x(), p.y(), std::atan2(v.y(), v.x()));
+}
+
+/// Scan `i` of a drive with rolling capture at (nearly) constant velocity within the scan.
+OrganizedCloud drive_scan(const SensorModel& sensor, int i) {
+  const double time_s = i * kPeriod_s;
+  const Pose before = drive_pose(time_s - kPeriod_s / 2);
+  const Pose after = drive_pose(time_s + kPeriod_s / 2);
+  const Pose step = before.inverse() * after;
+  return test::Yard().scan(sensor, drive_pose(time_s), &step);
+}
+
+double worst_error_m(const Trajectory& trajectory) {
+  double worst_m = 0.0;
+  for (std::size_t i = 0; i < trajectory.size(); ++i) {
+    const Pose truth = drive_pose(0).inverse() * drive_pose(static_cast<double>(i) * kPeriod_s);
+    worst_m =
+        std::max(worst_m, (trajectory[i].T_map_sensor.translation() - truth.translation()).norm());
+  }
+  return worst_m;
+}
+
+OrganizedCloud garbage(const SensorModel& sensor, unsigned seed) {
+  std::mt19937 generator(seed);
+  RangeImage image(sensor.rows(), sensor.columns);
+  for (float& range_m : image.range_m)
+    range_m = 1.0F + 0.05F * static_cast<float>(generator() % 1000);
+  return unproject(image, sensor, CaptureTime::kMotionCorrected);
+}
+
+}  // namespace
+
+TEST_CASE("a drive around a yard is tracked to centimetres with 16, 32, 64 and 128 rows") {
+  for (const int rows : {16, 32, 64, 128}) {
+    const SensorModel sensor = test::small_sensor(rows, 512);
+    slam::Slam slam(sensor);
+    int not_ok = 0;
+    for (int i = 0; i < 40; ++i) {
+      not_ok += slam.process(drive_scan(sensor, i), i * kPeriod_s).mapping_status != Status::kOk;
+    }
+    CAPTURE(rows);
+    CHECK(not_ok <= 4);
+    CHECK(worst_error_m(slam.trajectory()) < 0.15);
+  }
+}
+
+TEST_CASE("one and two threads give the same bytes, and so do two runs") {
+  const SensorModel sensor = test::small_sensor(16, 512);
+  std::vector<Trajectory> trajectories;
+  std::vector<std::vector<Eigen::Vector3f>> maps;
+  const int threads_before = omp_get_max_threads();
+  for (const int threads : {1, 2, 2}) {
+    omp_set_num_threads(threads);
+    slam::Slam slam(sensor);
+    for (int i = 0; i < 20; ++i) slam.process(drive_scan(sensor, i), i * kPeriod_s);
+    trajectories.push_back(slam.trajectory());
+    maps.push_back(slam.map_points_m());
+  }
+  omp_set_num_threads(threads_before);
+  for (int run = 1; run < 3; ++run) {
+    CHECK(maps[run] == maps[0]);
+    for (std::size_t i = 0; i < trajectories[0].size(); ++i) {
+      CHECK(trajectories[run][i].T_map_sensor.matrix() == trajectories[0][i].T_map_sensor.matrix());
+    }
+  }
+}
+
+TEST_CASE("empty, nearly empty and garbage scans are survived, reported and recovered from") {
+  const SensorModel sensor = test::small_sensor(32, 512);
+  for (const int kind : {0, 1, 2}) {
+    slam::Slam slam(sensor);
+    for (int i = 0; i < 40; ++i) {
+      OrganizedCloud cloud = drive_scan(sensor, i);
+      const bool bad = i >= 20 && i < 23;
+      if (bad && kind == 0) cloud = OrganizedCloud(sensor.rows(), sensor.columns);
+      if (bad && kind == 1) {
+        for (std::size_t k = 0; k < cloud.range_m.size(); ++k) {
+          if (k % 500 != 0) cloud.range_m[k] = 0.0F;
+        }
+      }
+      if (bad && kind == 2) cloud = garbage(sensor, static_cast<unsigned>(i));
+      const auto report = slam.process(cloud, i * kPeriod_s);
+      CAPTURE(kind);
+      CAPTURE(i);
+      if (bad) CHECK(report.mapping_status != Status::kOk);
+      if (bad) CHECK(!report.key_frame);
+      if (i >= 26) CHECK(report.mapping_status == Status::kOk);
+    }
+    CAPTURE(kind);
+    CHECK(slam.trajectory().size() == 40);
+    CHECK(worst_error_m(slam.trajectory()) < 0.3);
+    const Pose end = slam.trajectory().back().T_map_sensor;
+    const Pose truth = drive_pose(0).inverse() * drive_pose(3.9);
+    CHECK((end.translation() - truth.translation()).norm() < 0.15);
+  }
+}
+
+TEST_CASE("a drive that begins with empty scans begins where the first good scan is") {
+  const SensorModel sensor = test::small_sensor(16, 512);
+  slam::Slam slam(sensor);
+  const OrganizedCloud empty(sensor.rows(), sensor.columns);
+  CHECK(slam.process(empty, 0.0).mapping_status == Status::kTooFewFeatures);
+  CHECK(slam.process(empty, 0.1).mapping_status == Status::kTooFewFeatures);
+  CHECK(slam.process(drive_scan(sensor, 2), 0.2).mapping_status == Status::kOk);
+  CHECK(slam.process(drive_scan(sensor, 3), 0.3).mapping_status == Status::kOk);
+  CHECK(slam.map_points_m().size() > 100);
+}
+
+TEST_CASE("scans with equal or falling stamps are still processed") {
+  const SensorModel sensor = test::small_sensor(16, 512);
+  slam::Slam slam(sensor);
+  for (int i = 0; i < 10; ++i) {
+    const auto report = slam.process(drive_scan(sensor, i), i < 5 ? 1.0 : 0.5);
+    CHECK(report.T_map_sensor.matrix().allFinite());
+  }
+  CHECK(slam.trajectory().size() == 10);
+}
+
+TEST_CASE("points and ranges that are not finite do no harm") {
+  const SensorModel sensor = test::small_sensor(16, 512);
+  slam::Slam slam(sensor);
+  for (int i = 0; i < 10; ++i) {
+    OrganizedCloud cloud = drive_scan(sensor, i);
+    for (std::size_t k = 0; k < cloud.range_m.size(); k += 97) {
+      cloud.range_m[k] = k % 2 == 0 ? std::nanf("") : HUGE_VALF;
+      cloud.points_m[k].setConstant(std::nanf(""));
+    }
+    const auto report = slam.process(cloud, i * kPeriod_s);
+    CHECK(report.T_map_sensor.matrix().allFinite());
+  }
+  CHECK(worst_error_m(slam.trajectory()) < 0.15);
+}
+
+TEST_CASE("a scan of another shape is refused") {
+  slam::Slam slam(test::small_sensor(16, 512));
+  CHECK_THROWS_AS(slam.process(OrganizedCloud(64, 1024), 0.0), Error);
+  SensorModel broken = test::small_sensor(16, 512);
+  broken.columns = 0;
+  CHECK_THROWS_AS(slam::Slam{broken}, Error);
+}

@@ -1,0 +1,102 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "hqslam/core/organized_cloud.h"
+#include "hqslam/core/pose.h"
+#include "hqslam/core/projection.h"
+#include "hqslam/core/sensor_model.h"
+
+namespace hqslam::test {
+
+/// A yard with exact geometry to test SLAM in: a floor, four walls and square pillars, seen from
+/// any pose. The frame of the yard has its origin on the floor in the middle, z up.
+class Yard {
+ public:
+  double half_length_m = 30.0;  ///< along x
+  double half_width_m = 20.0;   ///< along y
+  bool pillars = true;
+  bool end_walls = true;  ///< the walls at +-half_length; without them the yard is a corridor
+
+  /// The scan of a sensor that stands still, or of one that moves by T_begin_end during a scan
+  /// period, T_yard_sensor being its pose at the stamp.
+  OrganizedCloud scan(const SensorModel& sensor, const Pose& T_yard_sensor,
+                      const Pose* T_begin_end = nullptr) const {
+    RangeImage image(sensor.rows(), sensor.columns);
+    for (int row = 0; row < sensor.rows(); ++row) {
+      for (int column = 0; column < sensor.columns; ++column) {
+        Pose T_yard_beam = T_yard_sensor;
+        if (T_begin_end != nullptr) {
+          const double fraction = sensor.time_offset_s(row, column) / sensor.scan_period_s;
+          T_yard_beam = T_yard_sensor * interpolate(Pose::Identity(), *T_begin_end, fraction);
+        }
+        const double elevation_rad = sensor.beam_elevation_rad[row];
+        const double azimuth_rad = sensor.azimuth_rad(row, column);
+        const Eigen::Vector3d direction(std::cos(elevation_rad) * std::cos(azimuth_rad),
+                                        std::cos(elevation_rad) * std::sin(azimuth_rad),
+                                        std::sin(elevation_rad));
+        const double range_m = cast(T_yard_beam.translation(), T_yard_beam.linear() * direction);
+        if (range_m < sensor.max_range_m) image.at(row, column) = static_cast<float>(range_m);
+      }
+    }
+    return unproject(
+        image, sensor,
+        T_begin_end != nullptr ? CaptureTime::kRolling : CaptureTime::kMotionCorrected);
+  }
+
+ private:
+  static constexpr double kNone = std::numeric_limits<double>::infinity();
+
+  double cast(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) const {
+    double nearest = direction.z() < 0.0 ? -origin.z() / direction.z() : kNone;
+    const double half[2] = {half_length_m, half_width_m};
+    for (int axis = end_walls ? 0 : 1; axis < 2; ++axis) {
+      const double wall = direction[axis] > 0.0 ? half[axis] : -half[axis];
+      const double distance = (wall - origin[axis]) / direction[axis];
+      const double height = origin.z() + distance * direction.z();
+      if (distance > 0.0 && distance < nearest && height < 6.0) nearest = distance;
+    }
+    if (!pillars) return nearest;
+    for (int i = -3; i <= 3; ++i) {
+      for (const double side : {-1.0, 1.0}) {
+        const Eigen::Vector2d centre(8.0 * i + side, side * (9.0 + 0.7 * i));
+        nearest = std::min(nearest, cast_pillar(origin, direction, centre));
+      }
+    }
+    return nearest;
+  }
+
+  /// An upright square pillar of 0.6 m, endlessly high.
+  static double cast_pillar(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction,
+                            const Eigen::Vector2d& centre) {
+    double enter = 0.0;
+    double leave = kNone;
+    for (int axis = 0; axis < 2; ++axis) {
+      const double low = (centre[axis] - 0.3 - origin[axis]) / direction[axis];
+      const double high = (centre[axis] + 0.3 - origin[axis]) / direction[axis];
+      enter = std::max(enter, std::min(low, high));
+      leave = std::min(leave, std::max(low, high));
+    }
+    return enter < leave && enter > 0.0 ? enter : kNone;
+  }
+};
+
+/// A small sensor: quick to simulate, enough for SLAM.
+inline SensorModel small_sensor(int rows = 16, int columns = 512) {
+  SensorModel sensor;
+  sensor.name = "small";
+  sensor.columns = columns;
+  for (int row = 0; row < rows; ++row) {
+    sensor.beam_elevation_rad.push_back((10.0 - 25.0 * row / (rows - 1)) * M_PI / 180.0);
+  }
+  sensor.beam_azimuth_offset_rad.assign(rows, 0.0);
+  return sensor;
+}
+
+inline Pose yard_pose(double x_m, double y_m, double yaw_rad) {
+  return pose_from_xyz_rpy({x_m, y_m, 1.7}, 0.0, 0.0, yaw_rad);
+}
+
+}  // namespace hqslam::test
