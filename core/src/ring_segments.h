@@ -1,0 +1,41 @@
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <vector>
+
+#include "hqslam/core/scan.h"
+#include "hqslam/core/sensor_model.h"
+
+namespace hqslam {
+
+/// Points of one ring, or of a part of one, in the order of the file.
+struct RingSegment {
+  std::size_t first = 0;
+  std::size_t end = 0;
+  bool begins_with_wrap = false;
+  double height_rad = 0.0;     ///< elevation relative to the rings before it, seen the same way
+  double elevation_rad = 0.0;  ///< median of its points
+};
+
+/// Cuts a scan into segments at each wrap of the azimuth, and at a large gap of the azimuth (the
+/// only place where a wrap can hide) if all that follows up to the next wrap lies lower. At least
+/// one point.
+std::vector<RingSegment> ring_segments(const Scan& scan, const SensorModel& sensor);
+
+/// Tangent of the elevation of each point: rises with it, at a fraction of the cost. Finite.
+std::vector<float> elevation_tangents(const Scan& scan);
+
+/// Distance of each beam to its neighbours.
+std::vector<double> beam_spacing_rad(const SensorModel& sensor);
+double median_beam_spacing_rad(const SensorModel& sensor);
+
+/// The upper one of the two in the middle; at least one value. Changes their order.
+template <typename T>
+T median(std::vector<T>& values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+}  // namespace hqslam
