@@ -12,7 +12,7 @@
 namespace hqslam::sim {
 
 /// Things of which one shape stands in many places: where each kind begins in City::prototypes.
-constexpr int kTreeShapes = 7;
+constexpr int kTreeShapes = 10;
 constexpr int kBushShapes = 3;
 constexpr int kFirstTree = 0;
 constexpr int kFirstBush = kFirstTree + kTreeShapes;

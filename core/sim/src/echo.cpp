@@ -12,13 +12,11 @@ namespace {
 /// Echoes closer together than this cannot be told apart (a pulse of 5 ns).
 constexpr double kPulseLength_m = 0.75;
 
-/// The power of the cosine of incidence by which the signal falls: 1 would be Lambertian.
-constexpr double kRoughness = 0.35;
-
 double signal_of(double reflectivity, double cos_incidence, double range_m, double max_range_m) {
   const double nearness = max_range_m / std::max(range_m, 0.1);
-  return reflectivity / 0.8 * std::pow(std::max(cos_incidence, 0.02), kRoughness) * nearness *
-         nearness;
+  // Roots instead of pow: they are rounded alike on every machine.
+  const double quarter = std::sqrt(std::sqrt(std::max(cos_incidence, 0.02)));
+  return reflectivity / 0.8 * quarter * std::sqrt(quarter) * nearness * nearness;
 }
 
 /// Most pixels of a patch of glass behave alike, a few do not.

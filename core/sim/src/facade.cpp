@@ -127,6 +127,68 @@ void add_storey(TriangleMesh& mesh, const WallFrame& wall, const Rectangle& stor
   add_panel(mesh, wall, {pier_from_m, storey.s1_m, z0_m, z1_m}, 0.0, style.wall);
 }
 
+/// Two steps up to a door.
+void add_steps(TriangleMesh& mesh, const WallFrame& wall, double s_m, const WallPlace& place) {
+  const Surface stone{Material::kConcrete, 150};
+  add_block(mesh, wall, {s_m - 0.9, s_m + 0.9, place.foot_z_m, place.floor_z_m}, -0.8, 0.0, stone);
+  add_block(mesh, wall, {s_m - 0.9, s_m + 0.9, place.foot_z_m, place.floor_z_m - 0.17}, -1.15, -0.8,
+            stone);
+}
+
+/// A bay that sticks out over the upper storeys, with windows on its front.
+void add_oriel(TriangleMesh& mesh, const WallFrame& wall, double s0_m, double s1_m,
+               const WallPlace& place, const FacadeStyle& style, Random& random) {
+  constexpr double kReach_m = 0.75;
+  const double low_m = place.floor_z_m + style.storey_height_m;
+  const double high_m = place.floor_z_m + style.storeys * style.storey_height_m - 0.3;
+  add_block(mesh, wall, {s0_m, s1_m, low_m, high_m}, -kReach_m, 0.0, style.wall);
+  for (int storey = 1; storey < style.storeys; ++storey) {
+    const double z_m = place.floor_z_m + storey * style.storey_height_m + 0.8;
+    add_panel(mesh, wall, {s0_m + 0.3, s1_m - 0.3, z_m, z_m + style.window_height_m},
+              -kReach_m - 0.01, {Material::kGlass, random.shade()});
+  }
+}
+
+/// A shop's awning over the sidewalk.
+void add_awning(TriangleMesh& mesh, const WallFrame& wall, double length_m, double z_m,
+                Random& random) {
+  add_quad(mesh, wall.point(0.3, z_m + 0.4, 0.0), wall.point(length_m - 0.3, z_m + 0.4, 0.0),
+           wall.point(length_m - 0.3, z_m, -1.3), wall.point(0.3, z_m, -1.3),
+           {Material::kCloth, random.shade()});
+}
+
+/// What sticks out of a front: steps, an oriel, an awning, a gutter pipe.
+void add_relief(TriangleMesh& mesh, const WallFrame& wall, const WallPlace& place,
+                const FacadeStyle& style, int bays, int door_bay, Random& random) {
+  const double length_m = (place.to - place.from).norm();
+  const double bay_m = length_m / bays;
+  if (door_bay >= 0) add_steps(mesh, wall, (door_bay + 0.5) * bay_m, place);
+  if (style.storeys > 1 && random.chance(0.35)) {
+    const int bay = random.below(bays);
+    add_oriel(mesh, wall, bay * bay_m + 0.1, (bay + 1) * bay_m - 0.1, place, style, random);
+  }
+  if (style.shop && random.chance(0.5)) {
+    add_awning(mesh, wall, length_m, place.floor_z_m + 2.55, random);
+  }
+  const double eaves_m = place.floor_z_m + style.storeys * style.storey_height_m;
+  add_column(mesh, wall.point(0.15, place.foot_z_m, -0.08), wall.point(0.15, eaves_m, -0.08), 0.06,
+             0.06, 5, {Material::kMetal, 140});
+}
+
+/// Balconies on some bays above the ground storey.
+void add_balconies(TriangleMesh& mesh, const WallFrame& wall, const WallPlace& place,
+                   const FacadeStyle& style, int bays, Random& random) {
+  const double bay_m = (place.to - place.from).norm() / bays;
+  const bool solid = random.chance(0.5);
+  for (int storey = 1; storey < style.storeys; ++storey) {
+    const double z_m = place.floor_z_m + storey * style.storey_height_m;
+    for (int bay = 0; bay < bays; ++bay) {
+      if (!random.chance(style.balcony_share)) continue;
+      add_balcony(mesh, wall, bay * bay_m + 0.2, (bay + 1) * bay_m - 0.2, z_m, solid);
+    }
+  }
+}
+
 }  // namespace
 
 void add_facade(TriangleMesh& mesh, const WallPlace& place, const FacadeStyle& style,
@@ -138,19 +200,14 @@ void add_facade(TriangleMesh& mesh, const WallPlace& place, const FacadeStyle& s
   const int door_bay = with_door ? random.below(bays) : -1;
   const Openings upper{style.window_width_m, 0.9, 0.9 + style.window_height_m};
   const Openings shop{style.bay_width_m - 0.5, 0.45, 2.6};
-  const bool solid_balconies = random.chance(0.5);
   for (int storey = 0; storey < style.storeys; ++storey) {
     const double z_m = place.floor_z_m + storey * style.storey_height_m;
     add_storey(mesh, wall, {0.0, length_m, z_m, z_m + style.storey_height_m}, bays,
                storey == 0 && style.shop ? shop : upper, style, storey == 0 ? door_bay : -1,
                random);
-    if (storey == 0) continue;
-    for (int bay = 0; bay < bays; ++bay) {
-      if (!random.chance(style.balcony_share)) continue;
-      const double s_m = length_m * bay / bays;
-      add_balcony(mesh, wall, s_m + 0.2, s_m + length_m / bays - 0.2, z_m, solid_balconies);
-    }
   }
+  add_balconies(mesh, wall, place, style, bays, random);
+  add_relief(mesh, wall, place, style, bays, door_bay, random);
   const double eaves_m = place.floor_z_m + style.storeys * style.storey_height_m;
   add_block(mesh, wall, {0.0, length_m, eaves_m - 0.25, eaves_m}, -0.25, 0.0, style.wall);
 }

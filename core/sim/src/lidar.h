@@ -14,7 +14,7 @@ namespace hqslam::sim {
 /// A spinning LiDAR: rays, what comes back, and what the sensor makes of it.
 ///
 /// Signal: a surface of reflectivity rho at range r, met at an incidence angle of cosine c, returns
-///   q = rho / 0.8 * max(c, 0.02)^0.35 * (max_range / r)^2
+///   q = rho / 0.8 * max(c, 0.02)^(3/8) * (max_range / r)^2
 /// times the power that is just enough half of the time: max_range_m is thus the range at which a
 /// bright target, met head-on, is seen every other time. (A Lambertian surface has c to the power
 /// of 1; real streets are rough and return more at grazing incidence.)

@@ -40,13 +40,10 @@ void add_foliage(TriangleMesh& mesh, const Eigen::Vector3d& middle,
   }
 }
 
-}  // namespace
-
-TriangleMesh make_tree(std::uint64_t seed) {
-  Random random(seed);
+TriangleMesh make_broadleaf(Random& random) {
   TriangleMesh mesh;
   const double trunk_m = random.uniform(2.2, 3.4);
-  const double crown_radius_m = random.uniform(1.5, 2.9);
+  const double crown_radius_m = random.uniform(1.5, 3.4);
   const double crown_half_height_m = crown_radius_m * random.uniform(0.9, 1.5);
   const double trunk_radius_m = 0.06 * crown_radius_m + random.uniform(0.02, 0.08);
   const Surface bark{Material::kBark, random.shade()};
@@ -72,6 +69,32 @@ TriangleMesh make_tree(std::uint64_t seed) {
               {0.6 * crown_radius_m, 0.6 * crown_radius_m, 0.65 * crown_half_height_m},
               static_cast<int>(50.0 * crown_radius_m * crown_radius_m), 0.16, random);
   return mesh;
+}
+
+/// A slim tree: foliage from near the ground to the tip.
+TriangleMesh make_conifer(Random& random) {
+  TriangleMesh mesh;
+  const double height_m = random.uniform(5.0, 9.0);
+  const double foot_m = random.uniform(0.4, 1.4);
+  const double radius_m = height_m * random.uniform(0.14, 0.24);
+  add_column(mesh, {0.0, 0.0, -0.6}, {0.0, 0.0, 0.95 * height_m}, 0.14, 0.03, 6,
+             {Material::kBark, random.shade()});
+  constexpr int kTiers = 9;
+  for (int tier = 0; tier < kTiers; ++tier) {
+    const double up = (tier + 0.5) / kTiers;
+    const double tier_m = radius_m * (1.05 - up);
+    add_foliage(mesh, {0.0, 0.0, foot_m + up * (height_m - foot_m)},
+                {tier_m, tier_m, 0.8 * (height_m - foot_m) / kTiers},
+                static_cast<int>(70.0 * tier_m * tier_m) + 20, 0.13, random);
+  }
+  return mesh;
+}
+
+}  // namespace
+
+TriangleMesh make_tree(std::uint64_t seed) {
+  Random random(seed);
+  return random.chance(0.3) ? make_conifer(random) : make_broadleaf(random);
 }
 
 TriangleMesh make_bush(std::uint64_t seed) {

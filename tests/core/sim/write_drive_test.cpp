@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include <cmath>
 #include <filesystem>
 
 #include "error_message.h"
@@ -58,7 +59,7 @@ TEST_CASE("a drive that is written part of the way reads back as what was simula
   columns.seekg(header.data_offset_bytes + (128 + 5) * 7 * 8);
   double x_m = 0.0;
   columns.read(reinterpret_cast<char*>(&x_m), sizeof(x_m));
-  CHECK(x_m == scans[1].T_map_sensor_at_column[5].translation().x());
+  CHECK(std::abs(x_m - scans[1].T_map_sensor_at_column[5].translation().x()) < 1e-12);
   const std::string json = file_contents(out + "/drive.json");
   CHECK(json.find("\"name\": \"block\"") != std::string::npos);
   CHECK(json.find("\"scans\": 5") != std::string::npos);
