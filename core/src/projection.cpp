@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <optional>
+#include <vector>
 
 #include "hqslam/core/error.h"
 
@@ -68,6 +69,10 @@ ProjectedScan project(const Scan& scan, const SensorModel& sensor) {
   if (!scan.time_offset_s.empty()) {
     result.cloud.time_offset_s.assign(result.cloud.range_m.size(), 0.0F);
   }
+  std::vector<double> residual_azimuth_rad(sensor.rows());
+  for (int row = 0; row < sensor.rows(); ++row) {
+    residual_azimuth_rad[row] = sensor.residual_azimuth_rad(row);
+  }
   for (std::size_t i = 0; i < scan.points_m.size(); ++i) {
     const Eigen::Vector3f& point_m = scan.points_m[i];
     const float range_m = point_m.norm();
@@ -82,7 +87,8 @@ ProjectedScan project(const Scan& scan, const SensorModel& sensor) {
       ++result.counts.outside_rows;
       continue;
     }
-    const int column = sensor.column_of(*row, std::atan2(point_m.y(), point_m.x()));
+    const int column =
+        sensor.column_of_azimuth(std::atan2(point_m.y(), point_m.x()) - residual_azimuth_rad[*row]);
     const std::size_t pixel = result.cloud.index(*row, column);
     float& nearest_m = result.cloud.range_m[pixel];
     if (nearest_m > 0.0F) ++result.counts.hidden_by_nearer;

@@ -58,8 +58,12 @@ double SensorModel::time_offset_s(int row, int column) const {
   return ((firing_column(row, column) + 0.5) / columns - 0.5) * scan_period_s;
 }
 
-int SensorModel::column_of(int row, double azimuth) const {
-  const double turns = (std::numbers::pi - azimuth + residual_azimuth_rad(row)) / kTwoPi;
+int SensorModel::column_of(int row, double azimuth_rad) const {
+  return column_of_azimuth(azimuth_rad - residual_azimuth_rad(row));
+}
+
+int SensorModel::column_of_azimuth(double azimuth_rad) const {
+  const double turns = 0.5 - azimuth_rad / kTwoPi;
   return wrapped(static_cast<int>(std::floor((turns - std::floor(turns)) * columns)), columns);
 }
 

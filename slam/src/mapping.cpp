@@ -14,20 +14,6 @@ namespace {
 constexpr double kMinWeight = 0.1;
 constexpr int kStepsPerSearch = 2;
 
-/// Thinned features of the scan that is located.
-struct ScanFeatures {
-  std::vector<FeaturePoint> edges;
-  std::vector<FeaturePoint> planes;
-
-  std::size_t size() const { return edges.size() + planes.size(); }
-};
-
-ScanFeatures thinned(const Features& features, double edge_leaf_m, double planar_leaf_m) {
-  std::vector<FeaturePoint> planes = features.ground;
-  planes.insert(planes.end(), features.surfaces.begin(), features.surfaces.end());
-  return {thin(features.edges, edge_leaf_m), thin(planes, planar_leaf_m)};
-}
-
 // Constraints are of the motion that remains, in axes of the map with the predicted position as
 // origin: points are R p, planes are moved by -t.
 
@@ -53,11 +39,11 @@ std::optional<PlaneConstraint> match_plane(const FeatureMap& map, const Eigen::V
   return PlaneConstraint{rotated_m, plane->normal, offset_m, weight};
 }
 
-ConstraintList match(const ScanFeatures& scan, const FeatureMap& edge_map,
+ConstraintList match(const MapFeatures& scan, const FeatureMap& edge_map,
                      const FeatureMap& plane_map, const Pose& T_map_sensor,
                      const SensorMotion& motion, const MappingOptions& options) {
   const std::vector<Eigen::Vector3f> edges_m = motion_corrected(scan.edges, motion);
-  const std::vector<Eigen::Vector3f> planes_m = motion_corrected(scan.planes, motion);
+  const std::vector<Eigen::Vector3f> planes_m = motion_corrected(scan.planes_to_locate, motion);
   std::vector<std::optional<EdgeConstraints>> edges(edges_m.size());
   std::vector<std::optional<PlaneConstraint>> planes(planes_m.size());
   const Eigen::Matrix3d rotation = T_map_sensor.linear();
@@ -82,26 +68,37 @@ ConstraintList match(const ScanFeatures& scan, const FeatureMap& edge_map,
 
 }  // namespace
 
+MapFeatures map_features(const Features& features, const MappingOptions& options) {
+  std::vector<FeaturePoint> planes = features.ground;
+  planes.insert(planes.end(), features.surfaces.begin(), features.surfaces.end());
+  MapFeatures result;
+  result.edges = thin(features.edges, options.edge_leaf_m);
+  result.planes = thin(planes, options.planar_leaf_m);
+  result.planes_to_locate = thin(result.planes, options.located_planar_leaf_m);
+  return result;
+}
+
 Mapping::Mapping(const MappingOptions& options)
     : options_(options),
       edges_(options.edge_leaf_m, options.max_neighbour_distance_m),
       planes_(options.planar_leaf_m, options.max_neighbour_distance_m) {}
 
-MappingResult Mapping::locate(const Features& features, const Pose& T_map_sensor_predicted,
+MappingResult Mapping::locate(const MapFeatures& features, const Pose& T_map_sensor_predicted,
                               const PreviousPose& previous) const {
-  const ScanFeatures scan = thinned(features, options_.edge_leaf_m, options_.located_planar_leaf_m);
+  const auto feature_count =
+      static_cast<double>(features.edges.size() + features.planes_to_locate.size());
   MappingResult result;
   result.T_map_sensor = T_map_sensor_predicted;
   for (int iteration = 0; iteration < options_.max_iterations; ++iteration) {
     const SensorMotion motion{previous.T_map_sensor.inverse() * result.T_map_sensor,
                               previous.duration_s};
     const ConstraintList constraints =
-        match(scan, edges_, planes_, result.T_map_sensor, motion, options_);
+        match(features, edges_, planes_, result.T_map_sensor, motion, options_);
     result.edge_correspondences = constraints.edges;
     result.planar_correspondences = constraints.planes;
     const int matched = constraints.edges + constraints.planes;
     if (matched < options_.min_correspondences ||
-        matched < options_.min_matched_share * static_cast<double>(scan.size())) {
+        matched < options_.min_matched_share * feature_count) {
       result.T_map_sensor = T_map_sensor_predicted;
       result.status = Status::kTooFewFeatures;
       return result;
@@ -130,9 +127,8 @@ bool Mapping::is_key_frame(const Pose& T_map_sensor) const {
          rotation_angle_rad(motion) >= options_.key_frame_rotation_rad;
 }
 
-void Mapping::insert(const Features& features, const Pose& T_map_sensor,
+void Mapping::insert(const MapFeatures& features, const Pose& T_map_sensor,
                      const SensorMotion& motion) {
-  const ScanFeatures scan = thinned(features, options_.edge_leaf_m, options_.planar_leaf_m);
   const auto in_map = [&](const std::vector<FeaturePoint>& points) {
     std::vector<Eigen::Vector3f> result = motion_corrected(points, motion);
     for (Eigen::Vector3f& point_m : result) {
@@ -140,8 +136,8 @@ void Mapping::insert(const Features& features, const Pose& T_map_sensor,
     }
     return result;
   };
-  edges_.insert(in_map(scan.edges));
-  planes_.insert(in_map(scan.planes));
+  edges_.insert(in_map(features.edges));
+  planes_.insert(in_map(features.planes));
   T_map_last_key_frame_ = T_map_sensor;
   has_key_frame_ = true;
 }

@@ -132,7 +132,7 @@ void Slam::Implementation::begin(const Features& features, double stamp_s, ScanR
   }
   motion.duration_s = sensor.scan_period_s;
   odometry.set_reference(features, motion);
-  mapping.insert(features, Pose::Identity(), motion);
+  mapping.insert(map_features(features, options.mapping), Pose::Identity(), motion);
   report.key_frame = true;
   reference_stamp_s = stamp_s;
 }
@@ -148,7 +148,8 @@ void Slam::Implementation::follow(const Features& features, double stamp_s, Stop
   report.T_odom_sensor = orthonormalized(T_odom_reference * moved.T_reference_sensor);
   report.times.odometry_s = stopwatch.lap_s();
 
-  const MappingResult located = mapping.locate(features, T_map_reference * moved.T_reference_sensor,
+  const MapFeatures thinned = map_features(features, options.mapping);
+  const MappingResult located = mapping.locate(thinned, T_map_reference * moved.T_reference_sensor,
                                                {T_map_reference, duration_s});
   report.mapping_status = located.status;
   report.T_map_sensor = located.T_map_sensor;
@@ -160,7 +161,7 @@ void Slam::Implementation::follow(const Features& features, double stamp_s, Stop
     motion = {T_map_reference.inverse() * located.T_map_sensor, duration_s};
     const bool may_insert = is_located || unlocated_scans > kMaxUnlocatedScans;
     if (may_insert && mapping.is_key_frame(located.T_map_sensor)) {
-      mapping.insert(features, located.T_map_sensor, motion);
+      mapping.insert(thinned, located.T_map_sensor, motion);
       report.key_frame = true;
     }
     odometry.set_reference(features, motion);

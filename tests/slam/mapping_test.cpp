@@ -9,9 +9,9 @@ using slam::Status;
 
 namespace {
 
-slam::Features features_of(const SensorModel& sensor, const OrganizedCloud& cloud) {
+slam::MapFeatures features_of(const SensorModel& sensor, const OrganizedCloud& cloud) {
   slam::Segmenter segmenter(sensor, {}, {});
-  return slam::extract_features(cloud, segmenter.segment(cloud), {});
+  return slam::map_features(slam::extract_features(cloud, segmenter.segment(cloud), {}), {});
 }
 
 /// A map of the yard from eleven places along its length, in the frame of the first.
@@ -92,7 +92,7 @@ TEST_CASE("without a map the prediction stands and the status says so") {
 TEST_CASE("a turn on the spot makes a key frame, a short step does not") {
   slam::Mapping mapping{slam::MappingOptions{}};
   CHECK(mapping.is_key_frame(Pose::Identity()));
-  mapping.insert(slam::Features{}, Pose::Identity(), {});
+  mapping.insert(slam::MapFeatures{}, Pose::Identity(), {});
   CHECK(!mapping.is_key_frame(pose_from_xyz_rpy({0.2, 0, 0}, 0, 0, 0.1)));
   CHECK(mapping.is_key_frame(pose_from_xyz_rpy({0, 0, 0}, 0, 0, 0.25)));
   CHECK(mapping.is_key_frame(pose_from_xyz_rpy({0.31, 0, 0}, 0, 0, 0)));

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 #include "hqslam/core/pose.h"
 #include "hqslam/slam/feature_map.h"
 #include "hqslam/slam/features.h"
@@ -8,6 +10,14 @@
 #include "hqslam/slam/status.h"
 
 namespace hqslam::slam {
+
+/// Features of a scan as measured, thinned to one per voxel.
+struct MapFeatures {
+  std::vector<FeaturePoint> edges;
+  std::vector<FeaturePoint> planes;            ///< as dense as the map
+  std::vector<FeaturePoint> planes_to_locate;  ///< fewer: enough to locate the scan
+};
+MapFeatures map_features(const Features& features, const MappingOptions& options);
 
 struct MappingResult {
   Pose T_map_sensor = Pose::Identity();
@@ -24,7 +34,7 @@ struct PreviousPose {
 
 /// Scan-to-map optimisation, and the map.
 ///
-/// In: features of a scan (as measured), a predicted pose. Out: the pose. Each edge feature is
+/// In: thinned features of a scan, a predicted pose. Out: the pose. Each edge feature is
 /// matched with the line through its five nearest edge points of the map, each planar feature with
 /// the plane through its five nearest planar points; all six parameters are estimated by
 /// Levenberg-Marquardt; search and estimation alternate until the pose stands. Source: LOAM,
@@ -39,12 +49,12 @@ class Mapping {
  public:
   explicit Mapping(const MappingOptions& options);
 
-  MappingResult locate(const Features& features, const Pose& T_map_sensor_predicted,
+  MappingResult locate(const MapFeatures& features, const Pose& T_map_sensor_predicted,
                        const PreviousPose& previous) const;
 
   /// Whether the pose is far enough from the last one inserted.
   bool is_key_frame(const Pose& T_map_sensor) const;
-  void insert(const Features& features, const Pose& T_map_sensor, const SensorMotion& motion);
+  void insert(const MapFeatures& features, const Pose& T_map_sensor, const SensorMotion& motion);
 
   const FeatureMap& edges() const { return edges_; }
   const FeatureMap& planes() const { return planes_; }
