@@ -142,7 +142,7 @@ TEST_CASE("damaged .npy stacks are read or refused, nothing else") {
     NpyStackWriter writer(path, 16, 32);
     for (int i = 0; i < 3; ++i) writer.append(an_image(a_small_sensor()));
   });
-  feed(valid, "scans.npy", 1500, [](const std::string& path) {
+  feed(valid, "scans.npy", 5000, [](const std::string& path) {
     const auto source = open_recording(path, a_small_sensor());
     while (source->next()) {
     }
@@ -152,7 +152,7 @@ TEST_CASE("damaged .npy stacks are read or refused, nothing else") {
 TEST_CASE("damaged KITTI scans are read or refused, nothing else") {
   const std::string valid =
       written([](const std::string& path) { write_kitti_bin(a_scan(), path); });
-  feed(valid, "0.bin", 1000, [](const std::string& path) {
+  feed(valid, "0.bin", 4000, [](const std::string& path) {
     const auto source = open_recording(path, a_small_sensor());
     while (source->next()) {
     }
@@ -163,25 +163,25 @@ TEST_CASE("damaged .pcd files of every kind are read or refused, nothing else") 
   const SensorModel sensor = a_small_sensor();
   const Read read = [&](const std::string& path) { project(read_pcd(path, sensor), sensor); };
   const std::string ascii = "5 0 1 3 0\n5 0 0 7 1000\n5 0 -1 11 2000\n5 1 -1 11 3000\n";
-  feed(pcd_of("ascii", ascii), "0.pcd", 1500, read);
+  feed(pcd_of("ascii", ascii), "0.pcd", 5000, read);
   // Four points of 18 bytes: any bytes will do, zeros are points without a return.
   const std::string zeros(72, '\0');
-  feed(pcd_of("binary", zeros), "0.pcd", 1500, read);
+  feed(pcd_of("binary", zeros), "0.pcd", 5000, read);
   std::string stream = {8, 0, 0, 0, 72, 0, 0, 0};
   stream += std::string{0, 0, static_cast<char>(7 << 5), 62, 0, 0, 0, 0};
   stream[0] = 5;
-  feed(pcd_of("binary_compressed", stream), "0.pcd", 2000, read);
+  feed(pcd_of("binary_compressed", stream), "0.pcd", 6000, read);
 }
 
 TEST_CASE("damaged sensor files are read or refused, nothing else") {
   const std::string own =
       written([](const std::string& path) { write_sensor_json(sensor_preset("vlp-16"), path); });
   const Read read = [](const std::string& path) { validate(read_sensor_json(path)); };
-  feed(own, "sensor.json", 1500, read);
+  feed(own, "sensor.json", 5000, read);
   const std::string ouster = R"({"beam_intrinsics": {"beam_altitude_angles": [10, 0, -10.5],
     "beam_azimuth_angles": [3, -3, 1]}, "lidar_data_format": {"columns_per_frame": 512},
     "config_params": {"lidar_mode": "512x20"}})";
-  feed(ouster, "ouster.json", 1500, read);
+  feed(ouster, "ouster.json", 5000, read);
 }
 
 TEST_CASE("damaged trajectories are read or refused, nothing else") {
@@ -190,7 +190,7 @@ TEST_CASE("damaged trajectories are read or refused, nothing else") {
     trajectory.push_back({0.1 * i, pose_from_xyz_rpy({1.0 * i, 2, 3}, 0.1 * i, 0.2, -0.3)});
   }
   const Read read = [](const std::string& path) { path_length_m(read_trajectory(path)); };
-  feed(written([&](const std::string& path) { write_tum(trajectory, path); }), "t.tum", 1500, read);
+  feed(written([&](const std::string& path) { write_tum(trajectory, path); }), "t.tum", 5000, read);
   feed(written([&](const std::string& path) { write_kitti_poses(trajectory, path); }), "t.kitti",
-       1500, read);
+       5000, read);
 }
