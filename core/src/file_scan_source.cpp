@@ -67,7 +67,12 @@ void require_directions_of(const SensorModel& sensor, const ProjectionCounts& co
 Scan kitti_scan_with_rows(const std::string& path, const SensorModel& sensor) {
   Scan scan = read_kitti_bin(path);
   if (!stored_ring_after_ring(scan, sensor)) return scan;
-  RingRecovery rings = recover_rings(scan, sensor);
+  RingRecovery rings;
+  try {
+    rings = recover_rings(scan, sensor);
+  } catch (const Error& error) {
+    throw Error(fmt::format("{}: {}", path, error.what()));
+  }
   require_rings_of(sensor, rings, scan.points_m.size(), path);
   scan.row = std::move(rings.row);
   return scan;

@@ -118,6 +118,22 @@ TEST_CASE("points stored column after column take their rows from the elevation"
   CHECK(recorded->invalid_points == 16 * 200);
 }
 
+TEST_CASE("rings whose points are in no order of azimuth are refused with the file's name") {
+  const TemporaryDirectory directory;
+  const SensorModel sensor = sensor_preset("os1-16");
+  const RangeImage image = an_image(sensor);
+  const OrganizedCloud cloud = unproject(image, sensor, CaptureTime::kMotionCorrected);
+  Scan scan;
+  for (int row = 0; row < image.rows; ++row) {
+    for (int i = 0; i < image.columns; ++i) {
+      scan.points_m.push_back(cloud.points_m[image.index(row, i * 333 % image.columns)]);
+    }
+  }
+  write_kitti_bin(scan, directory.file("0.bin"));
+  CHECK(one_line_with(complaint_about(directory.file("0.bin"), sensor), "0.bin", "ring after ring",
+                      "jumps"));
+}
+
 TEST_CASE("an .npy stack gives its images, in either order of rows, rolling or corrected") {
   const TemporaryDirectory directory;
   const SensorModel sensor = sensor_preset("os1-16");

@@ -21,9 +21,10 @@ Trajectory relative_to_first(const Trajectory& trajectory);
 /// Length of the path in metres.
 double path_length_m(const Trajectory& trajectory);
 
-/// TUM: "stamp x y z qx qy qz qw" per line, '#' comments. KITTI: 12 numbers per line, the upper
-/// three rows of T_map_sensor; KITTI has no stamps, so stamps are index * period_s. All throw
-/// Error with file and line.
+/// TUM: "stamp x y z qx qy qz qw" per line, '#' comments, stamps rise. KITTI: 12 numbers per line,
+/// the upper three rows of T_map_sensor; KITTI has no stamps, so stamps are index * period_s.
+/// Rotations are made orthonormal. All throw Error with file and line; a file without a pose is
+/// one.
 Trajectory read_tum(const std::string& path);
 Trajectory read_kitti_poses(const std::string& path, double period_s = 0.1);
 void write_tum(const Trajectory& trajectory, const std::string& path);
