@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "hqslam/core/error.h"
 #include "hqslam/core/npy.h"
@@ -26,8 +27,12 @@ void flip_rows(RangeImage& image) {
 class ImageStackSource : public ScanSource {
  public:
   ImageStackSource(const std::string& path, const SensorModel& sensor,
-                   const RecordingOptions& options)
-      : path_(path), sensor_(sensor), options_(options), reader_(path) {
+                   const RecordingOptions& options, std::vector<double> stamps_s)
+      : path_(path),
+        sensor_(sensor),
+        options_(options),
+        stamps_s_(std::move(stamps_s)),
+        reader_(path) {
     if (reader_.rows() != sensor.rows() || reader_.columns() != sensor.columns) {
       throw Error(fmt::format(
           "{}: expected images of {} x {} pixels (sensor '{}'), found {} x {}; "
@@ -46,7 +51,9 @@ class ImageStackSource : public ScanSource {
     if (next_ == reader_.images()) return std::nullopt;
     RecordedScan result;
     result.name = fmt::format("{}[{}]", path_, next_);
-    result.stamp_s = static_cast<double>(next_) * sensor_.scan_period_s;
+    const auto index = static_cast<std::size_t>(next_);
+    result.stamp_s = index < stamps_s_.size() ? stamps_s_[index]
+                                              : static_cast<double>(next_) * sensor_.scan_period_s;
     RangeImage image = reader_.read(next_);
     remove_bad_pixels(image, result);
     if (options_.row_order == RowOrder::kLowestFirst) flip_rows(image);
@@ -83,6 +90,7 @@ class ImageStackSource : public ScanSource {
   std::string path_;
   SensorModel sensor_;
   RecordingOptions options_;
+  std::vector<double> stamps_s_;
   NpyStackReader reader_;
   std::int64_t next_ = 0;
 };
@@ -91,8 +99,9 @@ class ImageStackSource : public ScanSource {
 
 std::unique_ptr<ScanSource> make_image_stack_source(const std::string& path,
                                                     const SensorModel& sensor,
-                                                    const RecordingOptions& options) {
-  return std::make_unique<ImageStackSource>(path, sensor, options);
+                                                    const RecordingOptions& options,
+                                                    std::vector<double> stamps_s) {
+  return std::make_unique<ImageStackSource>(path, sensor, options, std::move(stamps_s));
 }
 
 }  // namespace hqslam

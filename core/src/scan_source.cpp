@@ -9,6 +9,7 @@
 
 #include "file_scan_source.h"
 #include "hqslam/core/error.h"
+#include "hqslam/core/trajectory.h"
 #include "image_stack_source.h"
 #include "natural_order.h"
 
@@ -64,6 +65,17 @@ void require_sensor_of_simulation(const fs::path& folder, const SensorModel& sen
                   simulated.rows(), simulated.columns, path));
 }
 
+/// The stamps of a simulated drive's scans, where its truth is still beside it.
+std::vector<double> true_stamps_s(const fs::path& folder) {
+  std::vector<double> stamps_s;
+  if (std::error_code error; fs::is_regular_file(folder / "truth.tum", error)) {
+    for (const StampedPose& pose : read_tum((folder / "truth.tum").string())) {
+      stamps_s.push_back(pose.stamp_s);
+    }
+  }
+  return stamps_s;
+}
+
 [[noreturn]] void fail_for_folder_without_scans(const fs::path& folder) {
   const std::vector<std::string> stacks = files_in(folder, ".npy");
   if (!stacks.empty()) {
@@ -82,7 +94,8 @@ std::unique_ptr<ScanSource> open_folder(const fs::path& folder, const SensorMode
   std::error_code error;
   if (fs::exists(folder / "scans.npy", error) && fs::exists(folder / "sensor.json", error)) {
     require_sensor_of_simulation(folder, sensor);
-    return make_image_stack_source((folder / "scans.npy").string(), sensor, {});
+    return make_image_stack_source((folder / "scans.npy").string(), sensor, {},
+                                   true_stamps_s(folder));
   }
   std::vector<std::string> bin = files_in(folder, ".bin");
   std::vector<std::string> pcd = files_in(folder, ".pcd");
