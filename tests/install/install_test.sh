@@ -1,0 +1,40 @@
+#!/usr/bin/env bash
+# The libraries install alone and are found from another project:
+#   install_test.sh BUILD_FOLDER CXX_COMPILER
+set -euo pipefail
+source_folder=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
+build_folder=$1
+compiler=$2
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+
+for component in core slam sim; do
+  cmake --install "$build_folder" --prefix "$folder/prefix" --component "$component" >/dev/null
+done
+
+cmake -S "$source_folder" -B "$folder/build" -G Ninja -DCMAKE_BUILD_TYPE=Release -Wno-dev \
+  -DCMAKE_CXX_COMPILER="$compiler" -DCMAKE_PREFIX_PATH="$folder/prefix" >"$folder/log" 2>&1 ||
+  { cat "$folder/log"; exit 1; }
+cmake --build "$folder/build" >"$folder/log" 2>&1 || { cat "$folder/log"; exit 1; }
+
+# It runs: without arguments it says 2.
+status=0
+"$folder/build/drive_to_poses" || status=$?
+[[ $status == 2 ]] || { echo "the consumer ended with $status instead of 2"; exit 1; }
+
+# core alone must be enough where only core was installed.
+rm -rf "$folder/prefix" "$folder/build"
+cmake --install "$build_folder" --prefix "$folder/prefix" --component core >/dev/null
+mkdir "$folder/core_only"
+cat >"$folder/core_only/CMakeLists.txt" <<'CMAKE'
+cmake_minimum_required(VERSION 3.25)
+project(core_only LANGUAGES CXX)
+find_package(hqslam REQUIRED COMPONENTS core)
+find_package(hqslam QUIET COMPONENTS slam)
+if(hqslam_FOUND)
+  message(FATAL_ERROR "slam was found though it is not installed")
+endif()
+CMAKE
+cmake -S "$folder/core_only" -B "$folder/build" -G Ninja -DCMAKE_CXX_COMPILER="$compiler" \
+  -DCMAKE_PREFIX_PATH="$folder/prefix" >"$folder/log" 2>&1 || { cat "$folder/log"; exit 1; }
+echo "hqslam installs and is found"

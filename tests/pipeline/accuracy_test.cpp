@@ -1,0 +1,95 @@
+// Whole drives against known trajectories, from file or simulator to pose.
+
+#include <doctest/doctest.h>
+#include <omp.h>
+
+#include <cstdlib>
+#include <string>
+
+#include "hqslam/core/projection.h"
+#include "hqslam/core/scan_source.h"
+#include "hqslam/core/trajectory_error.h"
+#include "hqslam/sim/drive.h"
+#include "hqslam/slam/slam.h"
+
+using namespace hqslam;
+
+namespace {
+
+struct TrackedDrive {
+  Trajectory estimate;
+  Trajectory truth;
+};
+
+TrackedDrive track_simulated(std::int64_t scans, int rows) {
+  sim::DriveSpec spec = sim::drive_preset("block");
+  spec.scans = scans;
+  const SensorModel sensor = sensor_preset("os1-64");
+  const RowSelection selection = selection_for(sensor.rows(), rows);
+  sim::DriveSimulator simulator(spec, sensor);
+  const SensorModel selected = select_rows(sensor, selection);
+  slam::Slam slam(selected);
+  TrackedDrive result;
+  while (const auto scan = simulator.next()) {
+    slam.process(unproject(select_rows(scan->image, selection), selected, CaptureTime::kRolling),
+                 scan->stamp_s);
+    result.truth.push_back({scan->stamp_s, scan->T_map_sensor});
+  }
+  result.estimate = slam.trajectory();
+  return result;
+}
+
+double ape_rmse_m(const TrackedDrive& drive) {
+  return absolute_pose_error(drive.estimate, drive.truth, Alignment::kSe3)
+      .translation_statistics.rmse;
+}
+
+/// The recorded HDL-64E drive of HQSLAM_DATA, or an empty result where that is not set.
+TrackedDrive track_recorded(int rows) {
+  TrackedDrive result;
+  const char* data = std::getenv("HQSLAM_DATA");
+  if (data == nullptr) {
+    MESSAGE("skipped: HQSLAM_DATA is not set");
+    return result;
+  }
+  const std::string folder = std::string(data) + "/kitti_drive_0005";
+  const SensorModel sensor = sensor_preset("hdl-64e");
+  const RowSelection selection = selection_for(sensor.rows(), rows);
+  const auto source = open_recording(folder + "/velodyne", sensor);
+  slam::Slam slam(select_rows(sensor, selection));
+  while (const auto scan = source->next()) {
+    slam.process(select_rows(scan->cloud, selection), scan->stamp_s);
+  }
+  result.estimate = slam.trajectory();
+  result.truth = read_kitti_poses(folder + "/poses_icp.txt");
+  return result;
+}
+
+}  // namespace
+
+TEST_CASE("the simulated block is tracked to 0.15 m with 64 rows and with 16") {
+  CHECK(ape_rmse_m(track_simulated(200, 64)) <= 0.15);
+  CHECK(ape_rmse_m(track_simulated(200, 16)) <= 0.15);
+}
+
+TEST_CASE("the recorded HDL-64E drive is tracked to 0.05 m with 64 rows, 0.10 m with 16") {
+  const TrackedDrive all_rows = track_recorded(64);
+  if (all_rows.estimate.empty()) return;
+  CHECK(all_rows.estimate.size() == 80);
+  CHECK(ape_rmse_m(all_rows) <= 0.05);
+  CHECK(ape_rmse_m(track_recorded(16)) <= 0.10);
+}
+
+TEST_CASE("a simulated drive gives the same bytes with one and with two threads") {
+  const int threads_before = omp_get_max_threads();
+  omp_set_num_threads(1);
+  const TrackedDrive one = track_simulated(15, 64);
+  omp_set_num_threads(2);
+  const TrackedDrive two = track_simulated(15, 64);
+  omp_set_num_threads(threads_before);
+  REQUIRE(one.estimate.size() == two.estimate.size());
+  for (std::size_t i = 0; i < one.estimate.size(); ++i) {
+    CHECK(one.truth[i].T_map_sensor.matrix() == two.truth[i].T_map_sensor.matrix());
+    CHECK(one.estimate[i].T_map_sensor.matrix() == two.estimate[i].T_map_sensor.matrix());
+  }
+}

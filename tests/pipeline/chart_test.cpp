@@ -1,0 +1,73 @@
+#include "report/chart.h"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+namespace hqslam::tools {
+
+TEST_CASE("ticks stand at 1, 2 or 5 times a power of ten, whatever the extent") {
+  for (const double extent : {1e-4, 0.03, 0.7, 1.0, 9.0, 71.2, 4000.0, 1.3e6}) {
+    CAPTURE(extent);
+    const double step = tick_step(extent, 5);
+    const double mantissa = step / std::pow(10.0, std::floor(std::log10(step) + 1e-9));
+    const bool round = std::abs(mantissa - 1.0) < 1e-6 || std::abs(mantissa - 2.0) < 1e-6 ||
+                       std::abs(mantissa - 5.0) < 1e-6;
+    CHECK(round);
+    CHECK(extent / step >= 2.5);
+    CHECK(extent / step <= 10.0);
+  }
+}
+
+TEST_CASE("ticks lie within the bounds, both ends included") {
+  CHECK(ticks_within(-10.0, 20.0, 10.0) == std::vector<double>{-10.0, 0.0, 10.0, 20.0});
+  CHECK(ticks_within(0.1, 0.9, 1.0).empty());
+  CHECK(tick_text(3 * 0.1) == "0.3");
+  CHECK(tick_text(-20.0) == "-20");
+}
+
+TEST_CASE("markup in a file name is shown, not obeyed") {
+  CHECK(escape_html("<b>&\"x\"") == "&lt;b&gt;&amp;&quot;x&quot;");
+  CHECK(escape_html("Stra\xC3\x9F"
+                    "e") ==
+        "Stra\xC3\x9F"
+        "e");
+}
+
+TEST_CASE("bytes that are not UTF-8 become replacement characters") {
+  CHECK(escape_html("a\xFF"
+                    "b") ==
+        "a\xEF\xBF\xBD"
+        "b");
+  CHECK(escape_html("a\xC3") == "a\xEF\xBF\xBD");  // truncated
+  CHECK(escape_html("\xE2\x28\xA1") == "\xEF\xBF\xBD(\xEF\xBF\xBD");
+}
+
+TEST_CASE("x runs to the right and y upwards over the whole plot") {
+  const PlotBox box{-1.0, 3.0, 10.0, 20.0};
+  CHECK(to_plot_x(box, -1.0) == 0.0);
+  CHECK(to_plot_x(box, 3.0) == kPlotUnits);
+  CHECK(to_plot_y(box, 20.0) == 0.0);
+  CHECK(to_plot_y(box, 10.0) == kPlotUnits);
+}
+
+TEST_CASE("stacked layers stand on one another: the upper one's outline is the sum") {
+  const Chart chart{
+      "scan", "ms", {0.0, 1.0}, {{"low", "a", {1.0, 1.0}}, {"high", "b", {3.0, 1.0}}}, true};
+  // The highest sum is 4 and stands at 1/1.08 of the height: y = 1000 (1 - 4 / 4.32) = 74.1.
+  const std::string html = chart_html(chart);
+  CHECK(html.find("class=\"layer b\" d=\"M0.0,74.1L1000.0,537.0V") != std::string::npos);
+  CHECK(html.find("class=\"layer a\" d=\"M0.0,768.5L1000.0,768.5V") != std::string::npos);
+  CHECK(html.find("layer b") < html.find("layer a"));
+}
+
+TEST_CASE("a chart of one point or of zeros has no infinite number in it") {
+  Chart chart;
+  chart.x = {5.0};
+  chart.series = {{"error", "error", {0.0}}};
+  const std::string html = chart_html(chart);
+  CHECK(html.find("nan") == std::string::npos);
+  CHECK(html.find("inf") == std::string::npos);
+}
+
+}  // namespace hqslam::tools

@@ -1,0 +1,90 @@
+#include "command_line.h"
+
+#include <doctest/doctest.h>
+
+#include <initializer_list>
+#include <string>
+#include <vector>
+
+namespace hqslam::tools {
+namespace {
+
+/// What the arguments after "hqslam" make of the options. Throws CLI::ParseError.
+CommandLine parsed(std::vector<std::string> arguments) {
+  CLI::App app("", "hqslam");
+  CommandLine options;
+  declare_program(app, options);
+  std::vector<std::string> reversed(arguments.rbegin(), arguments.rend());
+  app.parse(reversed);
+  return options;
+}
+
+}  // namespace
+
+TEST_CASE("the options of run arrive where they belong") {
+  const RunOptions run =
+      parsed({"run", "/", "--sensor", "os1-64", "--rows", "16", "--out", "x", "--row-order",
+              "lowest-first", "--motion-corrected", "--threads", "2"})
+          .run;
+  CHECK(run.input == "/");
+  CHECK(run.sensor == "os1-64");
+  CHECK(run.rows == 16);
+  CHECK(run.out == "x");
+  CHECK(run.row_order == "lowest-first");
+  CHECK(run.motion_corrected);
+  CHECK(run.threads == 2);
+}
+
+TEST_CASE("the options of simulate, demo, evaluate and bench arrive where they belong") {
+  const SimulateOptions simulate = parsed({"simulate", "--drive", "town", "--sensor", "vlp-16",
+                                           "--out", "x", "--scans", "7", "--seed", "9", "--bin"})
+                                       .simulate;
+  CHECK(simulate.drive == "town");
+  CHECK(simulate.scans == 7);
+  CHECK(simulate.seed == 9);
+  CHECK(simulate.bin);
+  CHECK_FALSE(simulate.pcd);
+  CHECK(parsed({"demo", "--out", "y"}).demo.out == "y");
+  CHECK(parsed({"bench", "--json", "--scans", "20"}).bench.json);
+  CHECK(parsed({"bench", "--drive", "hills"}).bench.drive == "hills");
+}
+
+TEST_CASE("what makes no sense is refused") {
+  const std::vector<std::vector<std::string>> wrong = {
+      {},
+      {"fly"},
+      {"run"},
+      {"run", "/no/such/recording", "--out", "x"},
+      {"run", "/"},
+      {"run", "/", "--out", "x", "--rows", "0"},
+      {"run", "/", "--out", "x", "--rows", "many"},
+      {"run", "/", "--out", "x", "--row-order", "sideways"},
+      {"run", "/", "--out", "x", "--threads", "0"},
+      {"run", "/", "--out", "x", "--reference", "/no/such/file"},
+      {"simulate", "--drive", "moon", "--out", "x"},
+      {"simulate", "--drive", "town", "--out", "x", "--scans", "-3"},
+      {"evaluate", "/no/such/file", "/no/such/file"},
+      {"bench", "--input", "/"},
+      {"bench", "--sensor", "os1-64"},
+  };
+  for (const std::vector<std::string>& arguments : wrong) {
+    CAPTURE(arguments.size());
+    CHECK_THROWS_AS(parsed(arguments), CLI::ParseError);
+  }
+}
+
+TEST_CASE("the program's help names every subcommand, and evaluate's defines its errors") {
+  CLI::App app("", "hqslam");
+  CommandLine options;
+  declare_program(app, options);
+  for (const char* name : {"run", "demo", "simulate", "evaluate", "bench"}) {
+    CHECK(app.help().find(name) != std::string::npos);
+  }
+  const std::string help = app.get_subcommand("evaluate")->help();
+  for (const char* part :
+       {"APE", "RPE", "MAE", "Chamfer", "IoU", "F1", "outlier", "TULIP", "evo"}) {
+    CHECK(help.find(part) != std::string::npos);
+  }
+}
+
+}  // namespace hqslam::tools

@@ -1,0 +1,38 @@
+#!/usr/bin/env bash
+# What README.md says is true: its commands run as they stand, its C++ example is the one that is
+# compiled.
+#   readme_test.sh SOURCE_FOLDER HQSLAM_PROGRAM
+set -euo pipefail
+readme=$1/README.md
+program=$2
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+cd "$folder"
+
+# block LANGUAGE: the lines of all fenced blocks of that language.
+block() { awk -v fence='```'"$1" '/^```/ { inside = ($0 == fence); next } inside' "$readme"; }
+
+block cpp >example.cpp
+diff example.cpp "$1/tests/install/drive_to_poses.cpp" ||
+  { echo "README.md: the C++ example is not tests/install/drive_to_poses.cpp"; exit 1; }
+
+# The recordings that the README takes for granted, under the names that it uses.
+hqslam() { "$program" "$@"; }
+quietly() { "$@" >log 2>&1 || { echo "failed: $*"; cat log; exit 1; }; }
+quietly hqslam simulate --drive block --sensor hdl-64e --scans 4 --bin --out kitti
+quietly hqslam simulate --drive block --sensor os1-64 --scans 4 --pcd --out ouster
+mkdir velodyne_points
+mv kitti/bin velodyne_points/data
+mv ouster/pcd clouds
+mv ouster/scans.npy ranges.npy
+mv ouster/sensor.json my_sensor.json
+mv ouster/truth.tum truth.tum
+
+# bench and demo take long and have tests of their own.
+block sh | grep '^hqslam ' | grep -v -E '^hqslam (bench|demo)' >commands
+(($(wc -l <commands) >= 5)) || { echo "README.md: found only $(wc -l <commands) commands"; exit 1; }
+while read -r command; do
+  echo "$command"
+  # shellcheck disable=SC2086
+  quietly $command
+done <commands

@@ -1,0 +1,229 @@
+#include <doctest/doctest.h>
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <thread>
+#include <vector>
+
+#include "hqslam/core/pcd.h"
+#include "hqslam/core/trajectory.h"
+#include "hqslam/core/trajectory_error.h"
+#include "program.h"
+
+namespace hqslam::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool is_one_line(const std::string& text) {
+  return !text.empty() && text.find('\n') == text.size() - 1;
+}
+
+std::string last_line(const std::string& text) {
+  const std::size_t end = text.find_last_not_of('\n');
+  const std::size_t begin = text.find_last_of('\n', end);
+  return text.substr(begin + 1, end - begin);
+}
+
+nlohmann::json timings(const TemporaryDirectory& out) {
+  return nlohmann::json::parse(file_contents(out.file("timings.json")));
+}
+
+/// A folder of .bin files: `count` names for the drive's first file.
+void make_long_recording(const fs::path& folder, int count) {
+  const fs::path first = simulated_drive() + "/bin/000000.bin";
+  fs::create_directory(folder);
+  for (int i = 0; i < count; ++i) {
+    fs::create_symlink(first, folder / fmt::format("{:06}.bin", i));
+  }
+}
+
+}  // namespace
+
+TEST_CASE("a simulated drive needs no sensor and no reference: both are in its folder") {
+  const TemporaryDirectory out;
+  const ProgramResult result =
+      run_hqslam(fmt::format("run '{}' --out '{}'", simulated_drive(), out.path().string()));
+  CAPTURE(result.error);
+  REQUIRE(result.status == 0);
+  CHECK(result.out.find("APE RMSE") != std::string::npos);
+  CHECK(result.out.find("alignment: se3") != std::string::npos);
+  const Trajectory estimate = read_tum(out.file("trajectory.tum"));
+  REQUIRE(estimate.size() == kDriveScans);
+  CHECK(read_kitti_poses(out.file("trajectory.kitti")).size() == kDriveScans);
+  CHECK(estimate.front().T_map_sensor.isApprox(Pose::Identity()));
+  CHECK(read_pcd(out.file("map.pcd")).points_m.size() > 1000);
+  CHECK(timings(out)["end"] == "complete");
+  const Trajectory truth = read_tum(simulated_drive() + "/truth.tum");
+  CHECK(absolute_pose_error(estimate, truth, Alignment::kFirstPose).translation_statistics.max <
+        0.2);
+}
+
+TEST_CASE("two runs give the same bytes, with one thread and with two") {
+  std::vector<std::string> trajectories;
+  std::vector<std::string> maps;
+  for (const int threads : {1, 1, 2}) {
+    const TemporaryDirectory out;
+    REQUIRE(run_hqslam(fmt::format("run '{}' --threads {} --out '{}'", simulated_drive(), threads,
+                                   out.path().string()))
+                .status == 0);
+    trajectories.push_back(file_contents(out.file("trajectory.tum")));
+    maps.push_back(file_contents(out.file("map.pcd")));
+  }
+  CHECK(trajectories[0].size() > 100);
+  CHECK(trajectories[0] == trajectories[1]);
+  CHECK(trajectories[0] == trajectories[2]);
+  CHECK(maps[0] == maps[1]);
+  CHECK(maps[0] == maps[2]);
+}
+
+TEST_CASE("the same drive is read from its stack, its .bin files and its .pcd files") {
+  for (const char* part : {"scans.npy", "bin", "pcd"}) {
+    CAPTURE(part);
+    const TemporaryDirectory out;
+    const ProgramResult result =
+        run_hqslam(fmt::format("run '{}/{}' --sensor os1-16 --rows 8 --out '{}'", simulated_drive(),
+                               part, out.path().string()));
+    CAPTURE(result.error);
+    CHECK(result.status == 0);
+    CHECK(timings(out)["rows"] == 8);
+    CHECK(timings(out)["scans"] == kDriveScans);
+  }
+}
+
+TEST_CASE("a bad file in mid-drive ends the run with one line and keeps the results so far") {
+  const TemporaryDirectory folder;
+  fs::copy(simulated_drive() + "/bin", folder.file("bin"));
+  std::vector<fs::path> files(fs::directory_iterator(folder.file("bin")), {});
+  std::sort(files.begin(), files.end());
+  fs::resize_file(files[5], 1001);
+  const ProgramResult result = run_hqslam(
+      fmt::format("run '{0}/bin' --sensor os1-16 --out '{0}/out'", folder.path().string()));
+  CHECK(result.status == 2);
+  CHECK(last_line(result.error).find(files[5].filename().string()) != std::string::npos);
+  CHECK(read_tum(folder.file("out/trajectory.tum")).size() == 5);
+  CHECK(read_pcd(folder.file("out/map.pcd")).points_m.size() > 1000);
+  CHECK(file_contents(folder.file("out/report.html")).find("The run ended after 5 of 12") !=
+        std::string::npos);
+}
+
+TEST_CASE("Ctrl-C stops a run with status 130 and valid results") {
+  const TemporaryDirectory folder;
+  make_long_recording(folder.path() / "bin", 5000);
+  const std::string input = folder.file("bin");
+  const std::string out = folder.file("out");
+  const pid_t child = fork();
+  if (child == 0) {
+    dup2(open("/dev/null", O_WRONLY), STDOUT_FILENO);
+    dup2(open("/dev/null", O_WRONLY), STDERR_FILENO);
+    execl(HQSLAM_PROGRAM, "hqslam", "run", input.c_str(), "--sensor", "os1-16", "--out",
+          out.c_str(), nullptr);
+    _exit(127);
+  }
+  while (!fs::exists(out + "/trajectory.tum") && kill(child, 0) == 0) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  kill(child, SIGINT);
+  int status = 0;
+  waitpid(child, &status, 0);
+  REQUIRE(WIFEXITED(status));
+  CHECK(WEXITSTATUS(status) == 130);
+  const std::size_t poses = read_tum(out + "/trajectory.tum").size();
+  CHECK(poses >= 1);
+  CHECK(poses < 5000);
+  CHECK(read_kitti_poses(out + "/trajectory.kitti").size() == poses);
+  CHECK(fs::exists(out + "/report.html"));
+  CHECK(fs::exists(out + "/map.pcd"));
+}
+
+TEST_CASE("wrong input is one line on stderr and status 2, and writes nothing") {
+  const TemporaryDirectory folder;
+  const std::string out = folder.file("out");
+  write_file(folder.file("text.npy"), "these are not range images\n");
+  write_file(folder.file("poses.kitti"), "1 0 0 0 0 1 0 0 0 0 1 0\n");
+  fs::create_directory(folder.file("empty"));
+  const std::string drive = simulated_drive();
+  const std::vector<std::string> wrong = {
+      "run /no/such/folder --sensor os1-16 --out '" + out + "'",
+      "run '" + drive + "/bin' --out '" + out + "'",
+      "run '" + drive + "' --sensor os1-17 --out '" + out + "'",
+      "run '" + drive + "' --rows 5 --out '" + out + "'",
+      "run '" + drive + "' --rows 32 --out '" + out + "'",
+      "run '" + drive + "/scans.npy' --sensor os1-64 --out '" + out + "'",
+      "run '" + drive + "' --reference '" + folder.file("poses.kitti") + "' --out '" + out + "'",
+      "run '" + folder.file("text.npy") + "' --sensor os1-16 --out '" + out + "'",
+      "run '" + folder.file("empty") + "' --sensor os1-16 --out '" + out + "'",
+      "simulate --drive moon --sensor os1-16 --out '" + out + "'",
+      "simulate --drive block --sensor nonsense --out '" + out + "'",
+      "evaluate '" + folder.file("text.npy") + "' '" + drive + "/scans.npy'",
+      "fly",
+      "",
+  };
+  for (const std::string& arguments : wrong) {
+    CAPTURE(arguments);
+    const ProgramResult result = run_hqslam(arguments);
+    CAPTURE(result.error);
+    CHECK(result.status == 2);
+    CHECK(is_one_line(result.error));
+    CHECK(result.out.empty());
+  }
+  CHECK_FALSE(fs::exists(out));
+}
+
+TEST_CASE("help and version are no errors") {
+  CHECK(run_hqslam("--version").out.rfind("hqslam ", 0) == 0);
+  for (const char* arguments : {"--help", "run --help", "evaluate --help", "--version"}) {
+    const ProgramResult result = run_hqslam(arguments);
+    CHECK(result.status == 0);
+    CHECK(result.error.empty());
+  }
+}
+
+TEST_CASE("on the simulated block, 64 rows keep within 0.15 m of the truth") {
+  const TemporaryDirectory folder;
+  REQUIRE(run_hqslam("simulate --drive block --sensor os1-64 --out '" + folder.file("drive") + "'")
+              .status == 0);
+  REQUIRE(
+      run_hqslam(fmt::format("run '{0}/drive' --out '{0}/out'", folder.path().string())).status ==
+      0);
+  const AbsolutePoseError error =
+      absolute_pose_error(read_tum(folder.file("out/trajectory.tum")),
+                          read_tum(folder.file("drive/truth.tum")), Alignment::kSe3);
+  MESSAGE("APE RMSE " << error.translation_statistics.rmse << " m");
+  CHECK(error.translation_m.size() == 200);
+  CHECK(error.translation_statistics.rmse <= 0.15);
+}
+
+TEST_CASE(
+    "on a real HDL-64E drive, 64 rows keep within 0.05 m of a dense ICP, 16 rows within 0.1 m") {
+  const char* data = std::getenv("HQSLAM_DATA");
+  if (data == nullptr) {
+    MESSAGE("SKIPPED: HQSLAM_DATA is not set");
+    return;
+  }
+  const std::string drive = std::string(data) + "/kitti_drive_0005";
+  for (const auto& [rows, largest_rmse_m] : {std::pair{64, 0.05}, std::pair{16, 0.10}}) {
+    CAPTURE(rows);
+    const TemporaryDirectory out;
+    const ProgramResult result =
+        run_hqslam(fmt::format("run '{0}/velodyne' --sensor hdl-64e --rows {1} --reference "
+                               "'{0}/poses_icp.txt' --out '{2}'",
+                               drive, rows, out.path().string()));
+    CAPTURE(result.error);
+    REQUIRE(result.status == 0);
+    const AbsolutePoseError error =
+        absolute_pose_error(read_kitti_poses(out.file("trajectory.kitti")),
+                            read_kitti_poses(drive + "/poses_icp.txt"), Alignment::kSe3);
+    MESSAGE(rows << " rows: APE RMSE " << error.translation_statistics.rmse << " m");
+    CHECK(error.translation_m.size() == 80);
+    CHECK(error.translation_statistics.rmse <= largest_rmse_m);
+  }
+}
+
+}  // namespace hqslam::test

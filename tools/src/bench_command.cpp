@@ -1,0 +1,232 @@
+#include "bench_command.h"
+
+#include <fmt/format.h>
+#include <omp.h>
+#include <stdlib.h>
+
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+#include <CLI/Validators.hpp>
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <vector>
+
+#include "bench_measurement.h"
+#include "exit_status.h"
+#include "hqslam/core/error.h"
+#include "hqslam/core/scan_source.h"
+#include "hqslam/sim/drive.h"
+#include "simulate_command.h"
+
+namespace hqslam::tools {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr std::array<int, 2> kRowCounts = {64, 16};
+constexpr int kMostThreads = 2;
+constexpr std::size_t kStepImages = 20;
+
+/// A folder of its own that is removed with what is in it.
+class TemporaryFolder {
+ public:
+  TemporaryFolder() {
+    std::string name = (fs::temp_directory_path() / "hqslam-bench-XXXXXX").string();
+    if (mkdtemp(name.data()) == nullptr) {
+      throw Error(fmt::format("{}: cannot be made for the simulated drive; set TMPDIR", name));
+    }
+    path_ = name;
+  }
+  ~TemporaryFolder() {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+  }
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
+
+struct Measurements {
+  std::string input;
+  std::string sensor;
+  std::vector<SlamTiming> slam;
+  int step_images = 0;
+  StepTiming steps;
+};
+
+/// Images from all over the recording.
+std::vector<RangeImage> sample_images(ScanSource& source) {
+  const std::int64_t stride =
+      std::max<std::int64_t>(1, source.size() / static_cast<std::int64_t>(kStepImages));
+  std::vector<RangeImage> images;
+  for (std::int64_t i = 0; images.size() < kStepImages; ++i) {
+    const std::optional<RecordedScan> scan = source.next();
+    if (!scan) {
+      break;
+    }
+    if (i % stride == 0) {
+      images.push_back(range_image(scan->cloud));
+    }
+  }
+  return images;
+}
+
+Measurements measure(const std::string& input, const SensorModel& sensor,
+                     const InterruptGuard& interrupt) {
+  Measurements measurements;
+  measurements.input = input;
+  measurements.sensor = sensor.name;
+  for (const int rows : kRowCounts) {
+    for (int threads = 1; threads <= kMostThreads; ++threads) {
+      if (rows > sensor.rows() || interrupt.stop_requested()) {
+        continue;
+      }
+      fmt::print(stderr, "slam, {} rows, {} thread{} ...\n", rows, threads, threads > 1 ? "s" : "");
+      const std::unique_ptr<ScanSource> source = open_recording(input, sensor);
+      measurements.slam.push_back(time_slam(*source, rows, threads, interrupt));
+    }
+  }
+  const std::unique_ptr<ScanSource> source = open_recording(input, sensor);
+  const std::vector<RangeImage> images = sample_images(*source);
+  fmt::print(stderr, "components and projection on {} scans ...\n", images.size());
+  measurements.step_images = static_cast<int>(images.size());
+  measurements.steps = time_steps(images, sensor);
+  return measurements;
+}
+
+Json distribution_json(const Distribution& distribution) {
+  return {{"median", distribution.median},
+          {"p95", distribution.p95},
+          {"max", distribution.max},
+          {"mean", distribution.mean}};
+}
+
+void print_json(const Measurements& measurements) {
+  Json slam = Json::array();
+  for (const SlamTiming& timing : measurements.slam) {
+    Json stages;
+    for (const auto& [stage, distribution] : timing.stages_ms) {
+      stages[stage] = distribution_json(distribution);
+    }
+    slam.push_back(
+        {{"rows", timing.rows},
+         {"threads", timing.threads},
+         {"scans", timing.scans},
+         {"stages_ms", std::move(stages)},
+         {"first_fifth_ms", timing.first_fifth_ms},
+         {"last_fifth_ms", timing.last_fifth_ms},
+         {"peak_memory_mb", timing.peak_memory_mb ? Json(*timing.peak_memory_mb) : Json()}});
+  }
+  const StepTiming& steps = measurements.steps;
+  const Json json = {
+      {"input", measurements.input},
+      {"sensor", measurements.sensor},
+      {"cores", omp_get_num_procs()},
+      {"slam", std::move(slam)},
+      {"steps_ms",
+       {{"scans", measurements.step_images},
+        {"components", distribution_json(steps.components_ms)},
+        {"components_textbook", distribution_json(steps.components_textbook_ms)},
+        {"projection", distribution_json(steps.projection_ms)},
+        {"unprojection", distribution_json(steps.unprojection_ms)}}},
+  };
+  fmt::print("{}\n", json.dump(2, ' ', false, Json::error_handler_t::replace));
+}
+
+void print_slam_table(const std::vector<SlamTiming>& timings) {
+  fmt::print("SLAM, median ms per scan (total: median, then 95 % below)\n");
+  fmt::print("{:>5}{:>9}{:>7}{:>14}{:>10}{:>10}{:>9}{:>8}{:>8}{:>14}{:>9}\n", "rows", "threads",
+             "scans", "segmentation", "features", "odometry", "mapping", "total", "95 %",
+             "first->last", "peak MB");
+  for (const SlamTiming& timing : timings) {
+    fmt::print("{:>5}{:>9}{:>7}{:>14.2f}{:>10.2f}{:>10.2f}{:>9.2f}{:>8.2f}{:>8.2f}{:>14}{:>9}\n",
+               timing.rows, timing.threads, timing.scans, timing.stages_ms[0].second.median,
+               timing.stages_ms[1].second.median, timing.stages_ms[2].second.median,
+               timing.stages_ms[3].second.median, timing.stages_ms[4].second.median,
+               timing.stages_ms[4].second.p95,
+               fmt::format("{:.1f}->{:.1f}", timing.first_fifth_ms, timing.last_fifth_ms),
+               timing.peak_memory_mb ? fmt::format("{:.0f}", *timing.peak_memory_mb) : "-");
+  }
+  fmt::print(
+      "first->last: median total over the first and the last fifth of the scans;\n"
+      "peak MB: resident memory of the whole process\n\n");
+}
+
+void print_text(const Measurements& measurements) {
+  fmt::print("{}, sensor {}, {} cores\n\n", measurements.input, measurements.sensor,
+             omp_get_num_procs());
+  print_slam_table(measurements.slam);
+  const StepTiming& steps = measurements.steps;
+  fmt::print("Single steps on {} scans, one thread, median ms per scan\n",
+             measurements.step_images);
+  fmt::print("{:<40}{:>8.2f}\n", "connected components (10 degrees)", steps.components_ms.median);
+  fmt::print("{:<40}{:>8.2f}  ({:.1f} times as long)\n", "  textbook: std::queue, atan2",
+             steps.components_textbook_ms.median,
+             steps.components_textbook_ms.median / steps.components_ms.median);
+  fmt::print("{:<40}{:>8.2f}\n", "project (scan -> range image)", steps.projection_ms.median);
+  fmt::print("{:<40}{:>8.2f}\n", "unproject (range image -> points)", steps.unprojection_ms.median);
+}
+
+}  // namespace
+
+void declare_bench(CLI::App& app, BenchOptions& options) {
+  CLI::App* command =
+      app.add_subcommand("bench", "Time per stage, with 64 and 16 rows, with one thread and two");
+  CLI::Option* input =
+      command
+          ->add_option("--input", options.input,
+                       "Recording to measure on, as for hqslam run; default: a simulated drive")
+          ->check(CLI::ExistingPath);
+  CLI::Option* sensor =
+      command->add_option("--sensor", options.sensor, "The recording's sensor (name or .json file)")
+          ->needs(input);
+  input->needs(sensor);
+  command->add_option("--drive", options.drive, "Simulated drive to measure on")
+      ->check(CLI::IsMember(sim::drive_preset_names()))
+      ->capture_default_str()
+      ->excludes(input);
+  command->add_option("--scans", options.scans, "Length of the simulated drive")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str()
+      ->excludes(input);
+  command->add_flag("--json", options.json, "Print JSON instead of a table");
+}
+
+int bench_command(const BenchOptions& options) {
+  const InterruptGuard interrupt;
+  std::optional<TemporaryFolder> drive;
+  std::string input = options.input;
+  std::string sensor = options.sensor;
+  if (input.empty()) {
+    drive.emplace();
+    SimulateOptions simulate;
+    simulate.drive = options.drive;
+    simulate.sensor = "os1-64";
+    simulate.scans = options.scans;
+    simulate.out = drive->path().string();
+    simulate_drive(simulate, interrupt);
+    input = simulate.out;
+    sensor = (drive->path() / "sensor.json").string();
+  }
+  const Measurements measurements = measure(input, load_sensor(sensor), interrupt);
+  if (interrupt.stop_requested()) {
+    fmt::print(stderr, "hqslam: interrupted\n");
+    return kInterrupted;
+  }
+  if (options.json) {
+    print_json(measurements);
+  } else {
+    print_text(measurements);
+  }
+  return kOk;
+}
+
+}  // namespace hqslam::tools

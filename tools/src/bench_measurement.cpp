@@ -1,0 +1,138 @@
+#include "bench_measurement.h"
+
+#include <malloc.h>
+#include <omp.h>
+
+#include <algorithm>
+#include <chrono>
+#include <fstream>
+#include <optional>
+
+#include "hqslam/core/connected_components.h"
+#include "hqslam/core/projection.h"
+#include "hqslam/slam/slam.h"
+#include "textbook_components.h"
+
+namespace hqslam::tools {
+namespace {
+
+constexpr std::size_t kWarmUpScans = 10;
+constexpr double kOutlierAngle_rad = 0.17453292519943295;  // 10 degrees
+
+template <typename Step>
+double milliseconds_of(const Step& step) {
+  const auto start = std::chrono::steady_clock::now();
+  step();
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
+      .count();
+}
+
+Distribution stage_distribution(const std::vector<slam::StageTimes>& times,
+                                double slam::StageTimes::*stage) {
+  std::vector<double> values_ms;
+  for (const slam::StageTimes& scan : times) {
+    values_ms.push_back(1e3 * scan.*stage);
+  }
+  return distribution_of(std::move(values_ms));
+}
+
+/// Median total over the scans [begin, end).
+double median_total_ms(const std::vector<slam::StageTimes>& times, std::size_t begin,
+                       std::size_t end) {
+  const auto from = times.begin() + static_cast<std::ptrdiff_t>(std::min(begin, times.size()));
+  const auto to = times.begin() + static_cast<std::ptrdiff_t>(std::min(end, times.size()));
+  return from < to ? stage_distribution({from, to}, &slam::StageTimes::total_s).median : 0.0;
+}
+
+/// Makes the kernel count the peak of resident memory anew, so that one run is not charged with
+/// another's (Linux, proc(5): clear_refs 5).
+void reset_peak_memory() {
+  malloc_trim(0);
+  std::ofstream("/proc/self/clear_refs") << "5\n";
+}
+
+/// Peak resident memory since then in MB, from proc(5)'s VmHWM; nothing where there is no /proc.
+std::optional<double> peak_memory_mb() {
+  std::ifstream status("/proc/self/status");
+  std::string field;
+  while (status >> field) {
+    double kibibytes = 0.0;
+    if (field == "VmHWM:" && status >> kibibytes) {
+      return kibibytes * 1024.0 / 1e6;
+    }
+  }
+  return std::nullopt;
+}
+
+/// The points of an image in the order of its pixels, with their rows, as a reader gives them.
+Scan scan_of(const OrganizedCloud& cloud) {
+  Scan scan;
+  for (int row = 0; row < cloud.rows; ++row) {
+    for (int column = 0; column < cloud.columns; ++column) {
+      const std::size_t pixel = cloud.index(row, column);
+      if (cloud.range_m[pixel] > 0.0F) {
+        scan.points_m.push_back(cloud.points_m[pixel]);
+        scan.row.push_back(static_cast<std::uint16_t>(row));
+      }
+    }
+  }
+  return scan;
+}
+
+}  // namespace
+
+SlamTiming time_slam(ScanSource& source, int rows, int threads, const InterruptGuard& interrupt) {
+  omp_set_num_threads(threads);
+  reset_peak_memory();
+  const RowSelection selection = selection_for(source.sensor().rows(), rows);
+  slam::Slam slam(select_rows(source.sensor(), selection));
+  std::vector<slam::StageTimes> times;
+  while (!interrupt.stop_requested()) {
+    const std::optional<RecordedScan> scan = source.next();
+    if (!scan) {
+      break;
+    }
+    times.push_back(slam.process(select_rows(scan->cloud, selection), scan->stamp_s).times);
+  }
+  SlamTiming timing;
+  timing.rows = rows;
+  timing.threads = threads;
+  timing.scans = static_cast<std::int64_t>(times.size());
+  for (const Stage& stage : kStages) {
+    timing.stages_ms.emplace_back(stage.name, stage_distribution(times, stage.seconds));
+  }
+  timing.stages_ms.emplace_back("total", stage_distribution(times, &slam::StageTimes::total_s));
+  const std::size_t fifth = times.size() / 5;
+  timing.first_fifth_ms = median_total_ms(times, kWarmUpScans, kWarmUpScans + fifth);
+  timing.last_fifth_ms = median_total_ms(times, times.size() - fifth, times.size());
+  timing.peak_memory_mb = peak_memory_mb();
+  return timing;
+}
+
+StepTiming time_steps(const std::vector<RangeImage>& images, const SensorModel& sensor) {
+  constexpr int kRepetitions = 5;
+  omp_set_num_threads(1);
+  ConnectedComponentsOptions options;
+  options.min_angle_rad = kOutlierAngle_rad;
+  ComponentLabeler labeler(sensor, options);
+  std::vector<double> components_ms;
+  std::vector<double> textbook_ms;
+  std::vector<double> projection_ms;
+  std::vector<double> unprojection_ms;
+  for (int repetition = 0; repetition < kRepetitions; ++repetition) {
+    for (const RangeImage& image : images) {
+      components_ms.push_back(milliseconds_of([&] { labeler.label(image); }));
+      textbook_ms.push_back(
+          milliseconds_of([&] { textbook_components(image, sensor, kOutlierAngle_rad); }));
+      OrganizedCloud cloud;
+      unprojection_ms.push_back(milliseconds_of(
+          [&] { cloud = unproject(image, sensor, CaptureTime::kMotionCorrected); }));
+      const Scan scan = scan_of(cloud);
+      projection_ms.push_back(milliseconds_of([&] { project(scan, sensor); }));
+    }
+  }
+  return {distribution_of(std::move(components_ms)), distribution_of(std::move(textbook_ms)),
+          distribution_of(std::move(projection_ms)), distribution_of(std::move(unprojection_ms))};
+}
+
+}  // namespace hqslam::tools

@@ -1,0 +1,83 @@
+#include "command_line.h"
+
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <exception>
+#include <string>
+
+#include "exit_status.h"
+#include "hqslam/core/error.h"
+
+namespace hqslam::tools {
+namespace {
+
+/// The subcommand that was asked for, "" before one was recognised.
+std::string chosen_subcommand(const CLI::App& app) {
+  const auto chosen = app.get_subcommands();
+  return chosen.empty() ? "" : chosen.front()->get_name();
+}
+
+int report_parse_error(const CLI::App& app, const CLI::ParseError& error) {
+  if (error.get_exit_code() == 0) {
+    return app.exit(error);  // --help and --version
+  }
+  const std::string name = chosen_subcommand(app);
+  fmt::print(stderr, "hqslam: {}; hqslam {}{}--help lists what is expected\n", error.what(), name,
+             name.empty() ? "" : " ");
+  return kWrongInput;
+}
+
+int run_subcommand(const std::string& name, const CommandLine& options) {
+  if (name == "run") {
+    return run_command(options.run);
+  }
+  if (name == "demo") {
+    return demo_command(options.demo);
+  }
+  if (name == "simulate") {
+    return simulate_command(options.simulate);
+  }
+  if (name == "evaluate") {
+    return evaluate_command(options.evaluate);
+  }
+  return bench_command(options.bench);
+}
+
+}  // namespace
+
+void declare_program(CLI::App& app, CommandLine& options) {
+  app.description("LiDAR SLAM on plain CPUs: from a recorded drive to a trajectory and a map.");
+  app.set_version_flag("--version", "hqslam " HQSLAM_VERSION);
+  app.set_help_flag("-h,--help", "Print this help and exit");
+  app.get_formatter()->column_width(34);
+  app.require_subcommand(1);
+  app.footer(
+      "Exit status: 0 done, 2 wrong input (one line on stderr says what and how to mend it),\n"
+      "130 interrupted, 1 anything else.");
+  declare_run(app, options.run);
+  declare_demo(app, options.demo);
+  declare_simulate(app, options.simulate);
+  declare_evaluate(app, options.evaluate);
+  declare_bench(app, options.bench);
+}
+
+int run_program(int argc, const char* const* argv) {
+  CLI::App app("", "hqslam");
+  CommandLine options;
+  declare_program(app, options);
+  try {
+    app.parse(argc, argv);
+    return run_subcommand(chosen_subcommand(app), options);
+  } catch (const CLI::ParseError& error) {
+    return report_parse_error(app, error);
+  } catch (const Error& error) {
+    fmt::print(stderr, "hqslam: {}\n", error.what());
+    return kWrongInput;
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "hqslam: failed: {}\n", error.what());
+    return kFailure;
+  }
+}
+
+}  // namespace hqslam::tools

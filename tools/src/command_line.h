@@ -1,0 +1,30 @@
+#pragma once
+
+#include <CLI/App.hpp>
+
+#include "bench_command.h"
+#include "demo_command.h"
+#include "evaluate_command.h"
+#include "run_command.h"
+#include "simulate_command.h"
+
+namespace hqslam::tools {
+
+/// The options of every subcommand. Each has one definition, in its command's file: it drives
+/// parsing, validation and --help.
+struct CommandLine {
+  RunOptions run;
+  DemoOptions demo;
+  SimulateOptions simulate;
+  EvaluateOptions evaluate;
+  BenchOptions bench;
+};
+
+/// Declares the program: parsing fills `options`.
+void declare_program(CLI::App& app, CommandLine& options);
+
+/// Parses, runs the subcommand and returns its ExitStatus. Never throws; wrong input is one line on
+/// stderr.
+int run_program(int argc, const char* const* argv);
+
+}  // namespace hqslam::tools

@@ -1,0 +1,12 @@
+#pragma once
+
+#include <string>
+
+namespace hqslam::tools {
+
+/// Makes room for a drive in a folder: removes the files of an earlier simulated drive, so that
+/// none of its scans mixes with the new ones. Throws Error, touching nothing, if the folder holds a
+/// file of one of those names that is not part of a simulated drive.
+void clear_drive_folder(const std::string& folder);
+
+}  // namespace hqslam::tools

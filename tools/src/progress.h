@@ -1,0 +1,43 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <cstdio>
+#include <string>
+
+namespace hqslam::tools {
+
+/// How far a job over scans has come.
+struct ProgressState {
+  std::string label;  ///< "run 64x1024"
+  std::int64_t done = 0;
+  std::int64_t total = 0;
+  double elapsed_s = 0.0;
+};
+
+/// "run 64x1024 [#####.....]  50 %  40/80 scans  31.2 scans/s  1.3 s left"
+std::string progress_bar(const ProgressState& state);
+/// The same without the bar.
+std::string progress_line(const ProgressState& state);
+
+/// Shows progress on a stream: a bar that is drawn over on a terminal, otherwise a plain line now
+/// and then, so that logs stay short.
+class Progress {
+ public:
+  Progress(std::string label, std::int64_t total, std::FILE* stream = stderr);
+  /// Call after each scan; draws only when it is time to.
+  void update(std::int64_t done);
+  /// Draws the last state and ends the line.
+  void finish();
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  void draw();
+  std::FILE* stream_;
+  bool terminal_;
+  ProgressState state_;
+  Clock::time_point start_ = Clock::now();
+  Clock::time_point last_drawn_ = start_;
+};
+
+}  // namespace hqslam::tools

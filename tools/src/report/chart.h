@@ -1,0 +1,61 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace hqslam::tools {
+
+/// Text with the characters escaped that HTML would take for markup. Bytes that are not UTF-8 come
+/// out as U+FFFD.
+std::string escape_html(std::string_view text);
+
+/// A step of 1, 2 or 5 times a power of ten that divides `extent` into about `wanted` parts.
+double tick_step(double extent, int wanted);
+/// The multiples of `step` within [min, max].
+std::vector<double> ticks_within(double min, double max, double step);
+/// A tick without needless digits: 0.05, 20.
+std::string tick_text(double value);
+
+/// What a plot shows, in the units of its axes.
+struct PlotBox {
+  double x_min = 0.0;
+  double x_max = 1.0;
+  double y_min = 0.0;
+  double y_max = 1.0;
+};
+
+/// A plot's drawing area is 1000 x 1000 units, stretched to the size of its box: lines keep their
+/// width (non-scaling strokes) and all text stands outside, in HTML, so that it is as large on a
+/// phone as on a desktop.
+inline constexpr double kPlotUnits = 1000.0;
+double to_plot_x(const PlotBox& box, double x);  ///< rightwards
+double to_plot_y(const PlotBox& box, double y);  ///< downwards, as SVG has it
+
+/// Grid lines as SVG and their labels as HTML.
+struct PlotGrid {
+  std::string svg;
+  std::string labels_html;
+};
+PlotGrid plot_grid(const PlotBox& box, const std::vector<double>& x_ticks,
+                   const std::vector<double>& y_ticks);
+
+/// One line or one layer of a chart.
+struct Series {
+  std::string name;
+  std::string css_class;  ///< of the page's style: its colour
+  std::vector<double> y;  ///< one value per x of the chart
+};
+
+struct Chart {
+  std::string x_label;
+  std::string y_label;
+  std::vector<double> x;  ///< rising
+  std::vector<Series> series;
+  bool stacked = false;  ///< layers on top of one another instead of lines
+};
+
+/// A chart with its legend, as HTML with inline SVG.
+std::string chart_html(const Chart& chart);
+
+}  // namespace hqslam::tools

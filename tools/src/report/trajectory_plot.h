@@ -1,0 +1,20 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "reference.h"
+#include "slam_run.h"
+
+namespace hqslam::tools {
+
+/// The drive from above in the map frame, x to the right and y upwards, both axes in metres and of
+/// one scale: the map's points faintly behind, the reference as a dashed line, the estimate
+/// coloured by its error where there is a reference. HTML with inline SVG.
+std::string trajectory_plot_html(const SlamRun& run,
+                                 const std::optional<ReferenceComparison>& comparison);
+
+/// Colour "#rrggbb" of an error, `share` 0 (none) to 1 (the largest).
+std::string error_color(double share);
+
+}  // namespace hqslam::tools

@@ -1,0 +1,178 @@
+#include "run_command.h"
+
+#include <fmt/format.h>
+#include <omp.h>
+
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+#include <CLI/Validators.hpp>
+#include <cstdio>
+#include <filesystem>
+
+#include "exit_status.h"
+#include "hqslam/core/error.h"
+#include "run_output.h"
+#include "timing_statistics.h"
+
+namespace hqslam::tools {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A file that `hqslam simulate` leaves in its folder, if `input` is such a folder.
+std::string simulated_file(const std::string& input, const char* name) {
+  const fs::path path = fs::path(input) / name;
+  return fs::is_directory(input) && fs::is_regular_file(path) ? path.string() : "";
+}
+
+SensorModel sensor_of(const RunOptions& options) {
+  if (!options.sensor.empty()) {
+    return load_sensor(options.sensor);
+  }
+  const std::string simulated = simulated_file(options.input, "sensor.json");
+  if (simulated.empty()) {
+    throw Error(
+        fmt::format("{}: does not say which sensor it was recorded with; give --sensor NAME or "
+                    "--sensor FILE.json",
+                    options.input));
+  }
+  return load_sensor(simulated);
+}
+
+std::optional<TrajectoryFile> reference_of(const RunOptions& options, std::int64_t scans) {
+  const std::string path =
+      options.reference.empty() ? simulated_file(options.input, "truth.tum") : options.reference;
+  if (path.empty()) {
+    return std::nullopt;
+  }
+  TrajectoryFile reference = read_trajectory_file(path);
+  if (!reference.has_stamps && static_cast<std::int64_t>(reference.poses.size()) != scans) {
+    throw Error(
+        fmt::format("{}: has {} poses without stamps, but {} has {} scans; give one pose per scan "
+                    "or a TUM file",
+                    path, reference.poses.size(), options.input, scans));
+  }
+  return reference;
+}
+
+RecordingOptions recording_options(const RunOptions& options) {
+  RecordingOptions recording;
+  recording.row_order =
+      options.row_order == "lowest-first" ? RowOrder::kLowestFirst : RowOrder::kHighestFirst;
+  recording.capture_time =
+      options.motion_corrected ? CaptureTime::kMotionCorrected : CaptureTime::kRolling;
+  return recording;
+}
+
+void print_summary(const RunResult& result, const RunOptions& options) {
+  const SlamRun& run = result.run;
+  fmt::print("{} scans, {:.1f} m of path, {:.1f} scans/s\n", run.scans.size(),
+             path_length_m(run.trajectory), scans_per_second(run));
+  if (result.comparison) {
+    const AbsolutePoseError& error = result.comparison->error;
+    fmt::print("APE RMSE {:.3f} m over {} poses against {} (alignment: {})\n",
+               error.translation_statistics.rmse, error.translation_m.size(),
+               result.comparison->reference_path, name(error.alignment));
+  }
+  fmt::print("results: {}/trajectory.tum, trajectory.kitti, map.pcd, timings.json, report.html\n",
+             options.out);
+}
+
+/// What to tell the shell, with the one line on stderr that explains it.
+int exit_status_of(const SlamRun& run) {
+  switch (run.end) {
+    case RunEnd::kInterrupted:
+      fmt::print(stderr,
+                 "hqslam: interrupted after {} of {} scans; the results up to there are valid\n",
+                 run.scans.size(), run.scans_in_recording);
+      return kInterrupted;
+    case RunEnd::kUnreadableScan:
+      fmt::print(stderr,
+                 "hqslam: {}; stopped after {} of {} scans, the results up to there are valid\n",
+                 run.end_message, run.scans.size(), run.scans_in_recording);
+      return kWrongInput;
+    case RunEnd::kComplete:
+      break;
+  }
+  return kOk;
+}
+
+}  // namespace
+
+void declare_run(CLI::App& app, RunOptions& options) {
+  CLI::App* command = app.add_subcommand("run", "From a recorded drive to a trajectory and a map");
+  command
+      ->add_option("INPUT", options.input,
+                   "Folder of KITTI .bin files, folder of .pcd files, .npy stack of range images "
+                   "(N x H x W, float32 metres), or folder written by hqslam simulate")
+      ->required()
+      ->check(CLI::ExistingPath);
+  command->add_option(
+      "--sensor", options.sensor,
+      "os1-64, os1-16, hdl-64e, hdl-32e, vlp-16, vls-128, or a .json file with the "
+      "beam angles (Ouster's metadata files too); not needed for a simulated drive");
+  command
+      ->add_option("--rows", options.rows, "Use only this many of the sensor's rows, evenly spread")
+      ->check(CLI::PositiveNumber);
+  command->add_option("--out", options.out, "Folder for the results; made if it is not there")
+      ->required();
+  command
+      ->add_option("--reference", options.reference,
+                   "Trajectory to compare with (TUM, or KITTI with one pose per scan); by default "
+                   "the truth of a simulated drive")
+      ->check(CLI::ExistingFile);
+  command
+      ->add_option("--row-order", options.row_order,
+                   "Where row 0 of the images of a .npy stack looks")
+      ->check(CLI::IsMember({"highest-first", "lowest-first"}))
+      ->capture_default_str();
+  command->add_flag("--motion-corrected", options.motion_corrected,
+                    "The scans of a .npy stack are already corrected for the sensor's motion");
+  command->add_option("--threads", options.threads, "Threads (default: all cores)")
+      ->check(CLI::Range(1, 256));
+  command->footer(
+      "Writes into --out:\n"
+      "  trajectory.tum    stamp x y z qx qy qz qw per scan\n"
+      "  trajectory.kitti  3x4 matrix per scan, row-major; both in the first scan's sensor frame\n"
+      "  map.pcd           the features of all key frames, in that frame\n"
+      "  timings.json      time per stage and status of every scan\n"
+      "  report.html       trajectory, error and times on one page\n"
+      "Ctrl-C stops the run; what is written up to then is valid.");
+}
+
+RunResult run_and_write(const RunOptions& options, const InterruptGuard& interrupt) {
+  if (options.threads > 0) {
+    omp_set_num_threads(options.threads);
+  }
+  const SensorModel sensor = sensor_of(options);
+  SlamRunSpec spec;
+  spec.input = options.input;
+  if (options.rows > 0 && options.rows != sensor.rows()) {
+    spec.rows = selection_for(sensor.rows(), options.rows);
+  }
+  const std::unique_ptr<ScanSource> source =
+      open_recording(options.input, sensor, recording_options(options));
+  const std::optional<TrajectoryFile> reference = reference_of(options, source->size());
+  RunOutput output(options.out);
+
+  RunResult result;
+  result.run = run_slam(*source, spec, output, interrupt);
+  if (reference) {
+    result.comparison = compare_with_reference(result.run.trajectory, *reference);
+    if (!result.comparison) {
+      fmt::print(stderr, "hqslam: {}: fewer than 3 poses match the stamps of the scans; no error\n",
+                 reference->path);
+    }
+  }
+  output.write_results(result.run, result.comparison);
+  return result;
+}
+
+int run_command(const RunOptions& options) {
+  const InterruptGuard interrupt;
+  const RunResult result = run_and_write(options, interrupt);
+  print_summary(result, options);
+  return exit_status_of(result.run);
+}
+
+}  // namespace hqslam::tools

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <CLI/App.hpp>
+#include <optional>
+#include <string>
+
+#include "interrupt.h"
+#include "reference.h"
+#include "slam_run.h"
+
+namespace hqslam::tools {
+
+struct RunOptions {
+  std::string input;
+  std::string sensor;  ///< empty: sensor.json in a folder written by `hqslam simulate`
+  int rows = 0;        ///< 0: all
+  std::string out;
+  std::string reference;  ///< empty: truth.tum in a folder written by `hqslam simulate`, or none
+  std::string row_order = "highest-first";
+  bool motion_corrected = false;
+  int threads = 0;  ///< 0: what OpenMP chooses
+};
+
+void declare_run(CLI::App& app, RunOptions& options);
+
+/// A run and how it compares with its reference.
+struct RunResult {
+  SlamRun run;
+  std::optional<ReferenceComparison> comparison;
+};
+/// Runs and writes the results, printing nothing but progress. Throws Error.
+RunResult run_and_write(const RunOptions& options, const InterruptGuard& interrupt);
+
+/// Returns an ExitStatus. Throws Error.
+int run_command(const RunOptions& options);
+
+}  // namespace hqslam::tools

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <chrono>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "reference.h"
+#include "slam_run.h"
+
+namespace hqslam::tools {
+
+/// The folder that a run writes into: trajectory.tum, trajectory.kitti, map.pcd, timings.json and
+/// report.html. Every file is written under another name first and then renamed, so that each is
+/// valid whenever the program stops. No other file in the folder is touched.
+class RunOutput {
+ public:
+  /// Makes the folder. Throws Error if it cannot be made, or if one of the five files is there and
+  /// was not written by hqslam.
+  explicit RunOutput(const std::string& folder);
+
+  const std::filesystem::path& folder() const { return folder_; }
+  /// Whether so much time has passed since the last checkpoint that another is worth writing.
+  bool checkpoint_due() const;
+  /// The trajectory and the timings so far. The first call removes the map and the report of an
+  /// earlier run, which would belong to another trajectory.
+  void write_checkpoint(const SlamRun& run);
+  /// Everything.
+  void write_results(const SlamRun& run, const std::optional<ReferenceComparison>& comparison);
+
+ private:
+  void write_file(const std::string& name, const std::function<void(const std::string&)>& write);
+  std::filesystem::path folder_;
+  std::chrono::steady_clock::time_point last_checkpoint_;
+  bool first_ = true;
+};
+
+/// timings.json: medians, 95th percentiles and maxima per stage in milliseconds, counts of
+/// statuses, scans per second, and the same per scan.
+std::string timings_json(const SlamRun& run);
+
+}  // namespace hqslam::tools

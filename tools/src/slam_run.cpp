@@ -1,0 +1,95 @@
+#include "slam_run.h"
+
+#include <fmt/format.h>
+#include <omp.h>
+
+#include <chrono>
+#include <optional>
+
+#include "hqslam/core/error.h"
+#include "progress.h"
+#include "run_output.h"
+
+namespace hqslam::tools {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+/// The next scan, or nothing at the end of the recording or at a scan that cannot be read.
+std::optional<RecordedScan> read_next(ScanSource& source, SlamRun& run) {
+  try {
+    return source.next();
+  } catch (const Error& error) {
+    run.end = RunEnd::kUnreadableScan;
+    run.end_message = error.what();
+    return std::nullopt;
+  }
+}
+
+}  // namespace
+
+std::string_view name(RunEnd end) {
+  switch (end) {
+    case RunEnd::kInterrupted:
+      return "interrupted";
+    case RunEnd::kUnreadableScan:
+      return "unreadable scan";
+    case RunEnd::kComplete:
+      break;
+  }
+  return "complete";
+}
+
+double scans_per_second(const SlamRun& run) {
+  return run.wall_s > 0.0 ? static_cast<double>(run.scans.size()) / run.wall_s : 0.0;
+}
+
+SlamRun run_slam(ScanSource& source, const SlamRunSpec& spec, RunOutput& output,
+                 const InterruptGuard& interrupt) {
+  const SensorModel sensor = spec.rows ? select_rows(source.sensor(), *spec.rows) : source.sensor();
+  slam::Slam slam(sensor);
+  SlamRun run;
+  run.input = spec.input;
+  run.sensor_name = sensor.name;
+  run.rows = sensor.rows();
+  run.columns = sensor.columns;
+  run.threads = omp_get_max_threads();
+  run.scans_in_recording = source.size();
+
+  Progress progress(fmt::format("slam {}x{}", run.rows, run.columns), source.size());
+  const auto start = Clock::now();
+  while (true) {
+    if (interrupt.stop_requested()) {
+      run.end = RunEnd::kInterrupted;
+      break;
+    }
+    ScanRecord record;
+    const auto reading_start = Clock::now();
+    const std::optional<RecordedScan> scan = read_next(source, run);
+    if (!scan) {
+      break;
+    }
+    record.reading_s = seconds_since(reading_start);
+    record.invalid_points = scan->invalid_points;
+    record.report =
+        slam.process(spec.rows ? select_rows(scan->cloud, *spec.rows) : scan->cloud, scan->stamp_s);
+    run.scans.push_back(record);
+    run.wall_s = seconds_since(start);
+    progress.update(static_cast<std::int64_t>(run.scans.size()));
+    if (output.checkpoint_due()) {
+      run.trajectory = slam.trajectory();
+      output.write_checkpoint(run);
+    }
+  }
+  run.wall_s = seconds_since(start);
+  progress.finish();
+  run.trajectory = slam.trajectory();
+  run.map_points_m = slam.map_points_m();
+  return run;
+}
+
+}  // namespace hqslam::tools

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hqslam/core/scan_source.h"
+#include "hqslam/core/sensor_model.h"
+#include "hqslam/slam/slam.h"
+#include "interrupt.h"
+
+namespace hqslam::tools {
+
+class RunOutput;
+
+/// One processed scan.
+struct ScanRecord {
+  slam::ScanReport report;
+  double reading_s = 0.0;  ///< reading and projecting the file
+  std::int64_t invalid_points = 0;
+};
+
+/// Why a run came to its end.
+enum class RunEnd { kComplete, kInterrupted, kUnreadableScan };
+
+/// A run of SLAM over a recording, finished or not.
+struct SlamRun {
+  std::string input;
+  std::string sensor_name;
+  int rows = 0;
+  int columns = 0;
+  int threads = 1;
+  std::int64_t scans_in_recording = 0;
+  std::vector<ScanRecord> scans;
+  Trajectory trajectory;  ///< T_map_sensor, the map's frame is the first scan's sensor frame
+  std::vector<Eigen::Vector3f> map_points_m;  ///< map frame; filled when the run ends
+  double wall_s = 0.0;
+  RunEnd end = RunEnd::kComplete;
+  std::string end_message;  ///< the reader's message for kUnreadableScan
+};
+
+/// "complete", "interrupted", "unreadable scan"
+std::string_view name(RunEnd end);
+
+/// Scans per second over the whole run: reading, SLAM and writing.
+double scans_per_second(const SlamRun& run);
+
+/// How a recording is processed.
+struct SlamRunSpec {
+  std::string input;
+  std::optional<RowSelection> rows;  ///< what SLAM gets to see; nothing: every row
+};
+
+/// Processes a recording scan by scan, showing progress on stderr and handing intermediate results
+/// to `output` now and then. A scan that cannot be read ends the run, it does not throw.
+SlamRun run_slam(ScanSource& source, const SlamRunSpec& spec, RunOutput& output,
+                 const InterruptGuard& interrupt);
+
+}  // namespace hqslam::tools
