@@ -272,7 +272,7 @@ TEST_CASE("scans of another sensor or in other units are refused") {
   CHECK(one_line_with(complaint_about(directory.file("mm.npy"), os1_64), "mm.npy[0]", "metres"));
   CHECK(one_line_with(complaint_about(directory.file("mm.npy"), sensor_preset("os1-16")), "mm.npy",
                       "16 x 1024", "64 x 1024"));
-  NpyStackWriter(directory.file("none.npy"), 64, 1024);
+  const NpyStackWriter no_images(directory.file("none.npy"), 64, 1024);
   CHECK(
       one_line_with(complaint_about(directory.file("none.npy"), os1_64), "none.npy", "one image"));
 }
