@@ -26,13 +26,12 @@ mv kitti/bin velodyne_points/data
 mv ouster/pcd clouds
 mv ouster/scans.npy ranges.npy
 mv ouster/sensor.json my_sensor.json
-mv ouster/truth.tum truth.tum
+mv ouster/truth.kitti truth.txt
 
 # bench and demo take long and have tests of their own.
 block sh | grep '^hqslam ' | grep -v -E '^hqslam (bench|demo)' >commands
 (($(wc -l <commands) >= 5)) || { echo "README.md: found only $(wc -l <commands) commands"; exit 1; }
 while read -r command; do
   echo "$command"
-  # shellcheck disable=SC2086
-  quietly $command
+  eval "quietly $command"
 done <commands

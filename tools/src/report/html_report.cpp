@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
+#include <filesystem>
 #include <numeric>
 
 #include "report/chart.h"
@@ -66,6 +66,12 @@ std::string notice_html(const SlamRun& run) {
       "<p class=\"notice\">The run ended after {} of {} scans: {}. What is shown is valid up to "
       "there.</p>\n",
       run.scans.size(), run.scans_in_recording, escape_html(why));
+}
+
+/// The recording without most of its path: "kitti_drive_0005/velodyne".
+std::string short_name(const SlamRun& run) {
+  const std::filesystem::path path(run.input);
+  return (path.parent_path().filename() / path.filename()).string();
 }
 
 /// Seconds since the first scan.
@@ -196,7 +202,7 @@ std::string statuses_html(const SlamRun& run) {
 }  // namespace
 
 std::string html_report(const SlamRun& run, const std::optional<ReferenceComparison>& comparison) {
-  const std::string title = fmt::format("{}, {} rows", escape_html(run.input), run.rows);
+  const std::string title = fmt::format("{}, {} rows", escape_html(short_name(run)), run.rows);
   return fmt::format(
              "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
              "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
