@@ -85,11 +85,14 @@ TEST_CASE("files of somebody else are neither replaced nor removed") {
   }
 }
 
-TEST_CASE("a file in the place of the folder is one clear line") {
+TEST_CASE("a file in the place of the folder or above it is one clear line") {
   const TemporaryDirectory folder;
   write_file(folder.file("out"), "");
   CHECK(one_line_with(error_message([&] { RunOutput(folder.file("out")); }), "out", "--out"));
-  CHECK(one_line_with(error_message([&] { RunOutput(folder.file("out/deeper")); }), "--out"));
+  CHECK(one_line_with(error_message([&] {
+                        RunOutput(folder.file("out/deeper")).write_checkpoint(test::example_run(1));
+                      }),
+                      "deeper", "--out"));
 }
 
 }  // namespace hqslam::tools

@@ -82,7 +82,6 @@ std::vector<RangeImage> sample_images(ScanSource& source) {
 Measurements measure(const std::string& input, const SensorModel& sensor,
                      const InterruptGuard& interrupt) {
   Measurements measurements;
-  measurements.input = input;
   measurements.sensor = sensor.name;
   for (const int rows : kRowCounts) {
     for (int threads = 1; threads <= kMostThreads; ++threads) {
@@ -216,7 +215,10 @@ int bench_command(const BenchOptions& options) {
     input = simulate.out;
     sensor = (drive->path() / "sensor.json").string();
   }
-  const Measurements measurements = measure(input, load_sensor(sensor), interrupt);
+  Measurements measurements = measure(input, load_sensor(sensor), interrupt);
+  measurements.input = options.input.empty()
+                           ? fmt::format("simulated {}, {} scans", options.drive, options.scans)
+                           : options.input;
   if (interrupt.stop_requested()) {
     fmt::print(stderr, "hqslam: interrupted\n");
     return kInterrupted;

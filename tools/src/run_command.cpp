@@ -157,6 +157,12 @@ RunResult run_and_write(const RunOptions& options, const InterruptGuard& interru
 
   RunResult result;
   result.run = run_slam(*source, spec, output, interrupt);
+  if (result.run.scans.empty()) {
+    if (result.run.end == RunEnd::kUnreadableScan) {
+      throw Error(result.run.end_message);
+    }
+    return result;  // interrupted at once: an earlier run's results stay
+  }
   if (reference) {
     result.comparison = compare_with_reference(result.run.trajectory, *reference);
     if (!result.comparison) {
@@ -171,7 +177,9 @@ RunResult run_and_write(const RunOptions& options, const InterruptGuard& interru
 int run_command(const RunOptions& options) {
   const InterruptGuard interrupt;
   const RunResult result = run_and_write(options, interrupt);
-  print_summary(result, options);
+  if (!result.run.scans.empty()) {
+    print_summary(result, options);
+  }
   return exit_status_of(result.run);
 }
 

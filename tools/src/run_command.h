@@ -28,7 +28,8 @@ struct RunResult {
   SlamRun run;
   std::optional<ReferenceComparison> comparison;
 };
-/// Runs and writes the results, printing nothing but progress. Throws Error.
+/// Runs and writes the results, printing nothing but progress. Without a single scan nothing is
+/// written. Throws Error, also if the first scan cannot be read.
 RunResult run_and_write(const RunOptions& options, const InterruptGuard& interrupt);
 
 /// Returns an ExitStatus. Throws Error.

@@ -146,12 +146,9 @@ std::string timings_json(const SlamRun& run) {
 
 RunOutput::RunOutput(const std::string& folder)
     : folder_(folder), last_checkpoint_(std::chrono::steady_clock::now()) {
-  std::error_code error;
-  fs::create_directories(folder_, error);
-  if (!fs::is_directory(folder_)) {
-    throw Error(
-        fmt::format("{}: cannot be made as a folder for the results ({}); give another --out",
-                    folder, error ? error.message() : "a file of that name is there"));
+  if (fs::exists(folder_) && !fs::is_directory(folder_)) {
+    throw Error(fmt::format(
+        "{}: expected a folder for the results, found a file; give another --out", folder));
   }
   if (written_by_hqslam(folder_)) {
     return;
@@ -170,6 +167,16 @@ bool RunOutput::checkpoint_due() const {
   return first_ || std::chrono::duration<double>(since).count() >= kCheckpointInterval_s;
 }
 
+void RunOutput::make_folder() const {
+  std::error_code error;
+  fs::create_directories(folder_, error);
+  if (std::error_code ignored; !fs::is_directory(folder_, ignored)) {
+    throw Error(
+        fmt::format("{}: cannot be made as a folder for the results ({}); give another --out",
+                    folder_.string(), error.message()));
+  }
+}
+
 void RunOutput::write_file(const std::string& name,
                            const std::function<void(const std::string&)>& write) {
   const fs::path part = folder_ / (name + ".part");
@@ -183,6 +190,7 @@ void RunOutput::write_file(const std::string& name,
 }
 
 void RunOutput::write_checkpoint(const SlamRun& run) {
+  make_folder();
   // The timings first: they mark the folder as ours.
   write_file("timings.json", [&](const std::string& path) { write_text(timings_json(run), path); });
   if (first_) {

@@ -16,20 +16,21 @@ namespace hqslam::tools {
 /// valid whenever the program stops. No other file in the folder is touched.
 class RunOutput {
  public:
-  /// Makes the folder. Throws Error if it cannot be made, or if one of the five files is there and
-  /// was not written by hqslam.
+  /// Touches nothing yet. Throws Error if one of the five files is there and was not written by
+  /// hqslam.
   explicit RunOutput(const std::string& folder);
 
   const std::filesystem::path& folder() const { return folder_; }
   /// Whether so much time has passed since the last checkpoint that another is worth writing.
   bool checkpoint_due() const;
-  /// The trajectory and the timings so far. The first call removes the map and the report of an
-  /// earlier run, which would belong to another trajectory.
+  /// The trajectory and the timings so far. Makes the folder; the first call removes the map and
+  /// the report of an earlier run, which would belong to another trajectory.
   void write_checkpoint(const SlamRun& run);
   /// Everything.
   void write_results(const SlamRun& run, const std::optional<ReferenceComparison>& comparison);
 
  private:
+  void make_folder() const;
   void write_file(const std::string& name, const std::function<void(const std::string&)>& write);
   std::filesystem::path folder_;
   std::chrono::steady_clock::time_point last_checkpoint_;
