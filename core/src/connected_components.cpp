@@ -81,8 +81,8 @@ const ConnectedComponents& ComponentLabeler::label(const RangeImage& image,
       const std::int32_t column = pixel - row * columns_;
       component.last_row = std::max(component.last_row, row);
       const auto visit = [&](std::int32_t neighbour, float sin_alpha, float cos_alpha) {
-        if (label[neighbour] == kUnvisited && connected(range_m[pixel], range_m[neighbour],
-                                                        sin_alpha, cos_alpha, tan_min_angle_)) {
+        if (label[neighbour] == kUnvisited &&
+            connected(range_m[pixel], range_m[neighbour], sin_alpha, cos_alpha, tan_min_angle_)) {
           label[neighbour] = id;
           queue_[tail++] = neighbour;
         }
