@@ -7,6 +7,14 @@ namespace hqslam::slam {
 
 namespace {
 
+/// Variance along a line over that across it. LOAM asks for 3, which five points in a corner reach
+/// by chance.
+constexpr double kMinLineElongation = 10.0;
+
+/// Of the variance along a patch, the least across it: points of a single row are a line, through
+/// which any plane goes.
+constexpr double kMinPlaneWidthShare = 0.1;
+
 struct Spread {
   Eigen::Vector3d mean_m;
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;  ///< of the covariance, smallest first
@@ -32,13 +40,15 @@ std::optional<MapLine> fit_line(const Neighbours& neighbours) {
   if (neighbours.count < Neighbours::kWanted) return std::nullopt;
   const Spread spread = spread_of(neighbours);
   const Eigen::Vector3d& eigenvalues = spread.solver.eigenvalues();
-  if (!(eigenvalues[2] > 3.0 * eigenvalues[1])) return std::nullopt;
+  if (!(eigenvalues[2] > kMinLineElongation * eigenvalues[1])) return std::nullopt;
   return MapLine{spread.mean_m, spread.solver.eigenvectors().col(2)};
 }
 
 std::optional<MapPlane> fit_plane(const Neighbours& neighbours, double max_residual_m) {
   if (neighbours.count < Neighbours::kWanted) return std::nullopt;
   const Spread spread = spread_of(neighbours);
+  const Eigen::Vector3d& eigenvalues = spread.solver.eigenvalues();
+  if (!(eigenvalues[1] >= kMinPlaneWidthShare * eigenvalues[2])) return std::nullopt;
   const MapPlane plane{spread.mean_m, spread.solver.eigenvectors().col(0)};
   for (const auto& point_m : neighbours.points_m) {
     const double residual_m = plane.normal.dot(point_m.cast<double>() - plane.point_m);

@@ -13,7 +13,7 @@ struct MapLine {
   Eigen::Vector3d direction;
 };
 /// The line through five neighbours, if they lie along one: the largest eigenvalue of their
-/// covariance is more than three times the second (LOAM).
+/// covariance is more than ten times the second (three times in LOAM).
 std::optional<MapLine> fit_line(const Neighbours& neighbours);
 
 /// A plane through points, for a planar feature.
@@ -21,7 +21,8 @@ struct MapPlane {
   Eigen::Vector3d point_m;
   Eigen::Vector3d normal;
 };
-/// The plane through five neighbours, if none is farther than max_residual_m from it.
+/// The plane through five neighbours, if they do not lie along a line and none is farther than
+/// max_residual_m from the plane.
 std::optional<MapPlane> fit_plane(const Neighbours& neighbours, double max_residual_m);
 
 }  // namespace hqslam::slam

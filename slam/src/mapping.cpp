@@ -12,6 +12,8 @@ namespace hqslam::slam {
 namespace {
 
 constexpr double kMinWeight = 0.1;
+/// Cosine of the steepest ground's angle with the sensor's.
+constexpr double kMinGroundUprightness = 0.9;
 constexpr int kStepsPerSearch = 2;
 
 // Constraints are of the motion that remains, in axes of the map with the predicted position as
@@ -28,8 +30,10 @@ std::optional<EdgeConstraints> match_edge(const FeatureMap& map, const Eigen::Ve
   return edge_constraints(rotated_m, on_line_m, line->direction, weight);
 }
 
-std::optional<PlaneConstraint> match_plane(const FeatureMap& map, const Eigen::Vector3d& rotated_m,
-                                           const Eigen::Vector3d& origin_m, double max_residual_m) {
+std::optional<PlaneConstraint> match_surface(const FeatureMap& map,
+                                             const Eigen::Vector3d& rotated_m,
+                                             const Eigen::Vector3d& origin_m,
+                                             double max_residual_m) {
   const auto plane = fit_plane(map.nearest((rotated_m + origin_m).cast<float>()), max_residual_m);
   if (!plane) return std::nullopt;
   const double offset_m = plane->normal.dot(plane->point_m - origin_m);
@@ -39,42 +43,68 @@ std::optional<PlaneConstraint> match_plane(const FeatureMap& map, const Eigen::V
   return PlaneConstraint{rotated_m, plane->normal, offset_m, weight};
 }
 
+/// Keeps of a ground plane what it tells about height, roll and pitch.
+///
+/// A ring on the ground lies in the map beside the rings of earlier scans. The slope of a plane
+/// through points of two rings a few decimetres apart is mostly noise, and its horizontal part
+/// pulls the scan's ring towards the map's: against the motion. So the normal n is replaced by its
+/// part along the sensor's vertical u, n' = (n . u) u, with the distance of the point left as it
+/// is.
+std::optional<PlaneConstraint> upright(std::optional<PlaneConstraint> ground,
+                                       const Eigen::Vector3d& vertical) {
+  if (!ground) return std::nullopt;
+  const double distance_m = ground->normal.dot(ground->point_m) - ground->offset_m;
+  const double share = ground->normal.dot(vertical);
+  if (std::abs(share) < kMinGroundUprightness) return std::nullopt;
+  ground->normal = share * vertical;
+  ground->offset_m = ground->normal.dot(ground->point_m) - distance_m;
+  return ground;
+}
+
+/// One constraint or none per feature, searched in parallel.
+template <typename Find>
+void add_all(const std::vector<FeaturePoint>& features, const SensorMotion& motion,
+             const Pose& T_map_sensor, const Find& find, ConstraintList& list) {
+  const std::vector<Eigen::Vector3f> points_m = motion_corrected(features, motion);
+  const Eigen::Matrix3d rotation = T_map_sensor.linear();
+  std::vector<decltype(find(Eigen::Vector3d()))> found(points_m.size());
+#pragma omp parallel for schedule(static)
+  for (std::size_t i = 0; i < points_m.size(); ++i) {
+    found[i] = find(rotation * points_m[i].cast<double>());
+  }
+  list.add(found);
+}
+
 ConstraintList match(const MapFeatures& scan, const FeatureMap& edge_map,
                      const FeatureMap& plane_map, const Pose& T_map_sensor,
-                     const SensorMotion& motion, const MappingOptions& options) {
-  const std::vector<Eigen::Vector3f> edges_m = motion_corrected(scan.edges, motion);
-  const std::vector<Eigen::Vector3f> planes_m = motion_corrected(scan.planes_to_locate, motion);
-  std::vector<std::optional<EdgeConstraints>> edges(edges_m.size());
-  std::vector<std::optional<PlaneConstraint>> planes(planes_m.size());
-  const Eigen::Matrix3d rotation = T_map_sensor.linear();
+                     const SensorMotion& motion, double max_plane_residual_m) {
   const Eigen::Vector3d origin_m = T_map_sensor.translation();
-#pragma omp parallel
-  {
-#pragma omp for schedule(static) nowait
-    for (std::size_t i = 0; i < edges_m.size(); ++i) {
-      edges[i] = match_edge(edge_map, rotation * edges_m[i].cast<double>(), origin_m);
-    }
-#pragma omp for schedule(static)
-    for (std::size_t i = 0; i < planes_m.size(); ++i) {
-      planes[i] = match_plane(plane_map, rotation * planes_m[i].cast<double>(), origin_m,
-                              options.max_plane_residual_m);
-    }
-  }
-  ConstraintList result;
-  result.add(edges);
-  result.add(planes);
-  return result;
+  const Eigen::Vector3d vertical = T_map_sensor.linear().col(2);
+  const auto edge = [&](const Eigen::Vector3d& rotated_m) {
+    return match_edge(edge_map, rotated_m, origin_m);
+  };
+  const auto surface = [&](const Eigen::Vector3d& rotated_m) {
+    return match_surface(plane_map, rotated_m, origin_m, max_plane_residual_m);
+  };
+  const auto ground = [&](const Eigen::Vector3d& rotated_m) {
+    return upright(surface(rotated_m), vertical);
+  };
+  ConstraintList list;
+  add_all(scan.edges, motion, T_map_sensor, edge, list);
+  add_all(scan.surfaces_to_locate, motion, T_map_sensor, surface, list);
+  add_all(scan.ground_to_locate, motion, T_map_sensor, ground, list);
+  return list;
 }
 
 }  // namespace
 
 MapFeatures map_features(const Features& features, const MappingOptions& options) {
-  std::vector<FeaturePoint> planes = features.ground;
-  planes.insert(planes.end(), features.surfaces.begin(), features.surfaces.end());
   MapFeatures result;
   result.edges = thin(features.edges, options.edge_leaf_m);
-  result.planes = thin(planes, options.planar_leaf_m);
-  result.planes_to_locate = thin(result.planes, options.located_planar_leaf_m);
+  result.ground = thin(features.ground, options.planar_leaf_m);
+  result.surfaces = thin(features.surfaces, options.planar_leaf_m);
+  result.ground_to_locate = thin(result.ground, options.located_planar_leaf_m);
+  result.surfaces_to_locate = thin(result.surfaces, options.located_planar_leaf_m);
   return result;
 }
 
@@ -86,14 +116,15 @@ Mapping::Mapping(const MappingOptions& options)
 MappingResult Mapping::locate(const MapFeatures& features, const Pose& T_map_sensor_predicted,
                               const PreviousPose& previous) const {
   const auto feature_count =
-      static_cast<double>(features.edges.size() + features.planes_to_locate.size());
+      static_cast<double>(features.edges.size() + features.ground_to_locate.size() +
+                          features.surfaces_to_locate.size());
   MappingResult result;
   result.T_map_sensor = T_map_sensor_predicted;
   for (int iteration = 0; iteration < options_.max_iterations; ++iteration) {
     const SensorMotion motion{previous.T_map_sensor.inverse() * result.T_map_sensor,
                               previous.duration_s};
-    const ConstraintList constraints =
-        match(features, edges_, planes_, result.T_map_sensor, motion, options_);
+    const ConstraintList constraints = match(features, edges_, planes_, result.T_map_sensor, motion,
+                                             options_.max_plane_residual_m);
     result.edge_correspondences = constraints.edges;
     result.planar_correspondences = constraints.planes;
     const int matched = constraints.edges + constraints.planes;
@@ -103,9 +134,9 @@ MappingResult Mapping::locate(const MapFeatures& features, const Pose& T_map_sen
       result.status = Status::kTooFewFeatures;
       return result;
     }
+    const Observability observable = observability(constraints.all, FreeParameters::kAll);
     const MotionParameters found =
         align(constraints.all, MotionParameters{}, FreeParameters::kAll, kStepsPerSearch);
-    const Observability observable = observability(constraints.all, FreeParameters::kAll);
     const Pose change = pose_of(without_unobservable(MotionParameters{}, found, observable));
     result.T_map_sensor.linear() = change.linear() * result.T_map_sensor.linear();
     result.T_map_sensor.translation() += change.translation();
@@ -137,7 +168,8 @@ void Mapping::insert(const MapFeatures& features, const Pose& T_map_sensor,
     return result;
   };
   edges_.insert(in_map(features.edges));
-  planes_.insert(in_map(features.planes));
+  planes_.insert(in_map(features.ground));
+  planes_.insert(in_map(features.surfaces));
   T_map_last_key_frame_ = T_map_sensor;
   has_key_frame_ = true;
 }

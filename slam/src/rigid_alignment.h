@@ -67,8 +67,8 @@ enum class FreeParameters { kInPlane, kOutOfPlane, kAll };
 MotionParameters align(const std::vector<PlaneConstraint>& constraints,
                        const MotionParameters& start, FreeParameters free, int max_steps);
 
-/// Measured: 0.11 and more in streets, 0.02 along a corridor without ends.
-inline constexpr double kMinObservableShare = 0.04;
+/// Measured: 0.008 and more in streets, 0.001 along a corridor without ends.
+inline constexpr double kMinObservableShare = 0.003;
 
 /// Directions of motion that the constraints do not tell.
 ///

@@ -23,6 +23,12 @@ TEST_CASE("five points of a patch are no line") {
       five({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}, {0.5F, 0.5F, 0}}})));
 }
 
+TEST_CASE("five points along a ring are no plane: any plane goes through a line") {
+  CHECK(!hqslam::slam::fit_plane(
+      five({{{0, 0, 0}, {0.4F, 0, 0.01F}, {0.8F, 0.01F, 0}, {1.2F, 0, 0}, {1.6F, 0, 0.01F}}}),
+      0.2));
+}
+
 TEST_CASE("a plane through the origin of the map is found like any other") {
   const auto plane = hqslam::slam::fit_plane(
       five({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}, {-1, 0.5F, 0}}}), 0.2);

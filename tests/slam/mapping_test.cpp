@@ -79,6 +79,22 @@ TEST_CASE("far from the origin of the map a scan is located as well as at it") {
   CHECK((result.T_map_sensor.translation() - truth.translation()).norm() < 0.03);
 }
 
+TEST_CASE("rings on a bare floor do not hold the sensor back") {
+  // A sensor that drives over an endless floor sees the same rings in every scan. They must not be
+  // taken for a sign that it stands.
+  test::Yard floor;
+  floor.pillars = false;
+  floor.end_walls = false;
+  floor.half_width_m = 1000.0;
+  const MappedYard mapped(floor);
+  const Pose predicted = mapped.T_yard_map.inverse() * test::yard_pose(6.0, 0.0, 0.0);
+  const auto features =
+      features_of(mapped.sensor, floor.scan(mapped.sensor, test::yard_pose(6.0, 0.0, 0.0)));
+  const auto result = mapped.mapping.locate(features, predicted, {predicted, 0.1});
+  CHECK(result.status == Status::kDegenerate);
+  CHECK((result.T_map_sensor.translation() - predicted.translation()).norm() < 0.01);
+}
+
 TEST_CASE("without a map the prediction stands and the status says so") {
   const SensorModel sensor = test::small_sensor();
   const slam::Mapping mapping{slam::MappingOptions{}};

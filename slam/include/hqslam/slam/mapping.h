@@ -14,8 +14,10 @@ namespace hqslam::slam {
 /// Features of a scan as measured, thinned to one per voxel.
 struct MapFeatures {
   std::vector<FeaturePoint> edges;
-  std::vector<FeaturePoint> planes;            ///< as dense as the map
-  std::vector<FeaturePoint> planes_to_locate;  ///< fewer: enough to locate the scan
+  std::vector<FeaturePoint> ground;              ///< as dense as the map
+  std::vector<FeaturePoint> surfaces;            ///< the same
+  std::vector<FeaturePoint> ground_to_locate;    ///< fewer: enough to locate the scan
+  std::vector<FeaturePoint> surfaces_to_locate;  ///< the same
 };
 MapFeatures map_features(const Features& features, const MappingOptions& options);
 
@@ -43,8 +45,11 @@ struct PreviousPose {
 /// Differs from LeGO-LOAM: every scan is matched, not every third; the map is one incremental
 /// structure (FeatureMap), not rebuilt from key frames; the weight of a planar feature falls with
 /// its distance from the sensor, not from the origin of the map; planes are fitted about their
-/// centroid, so that a plane through the map's origin is as good as any; a turn makes a key frame
-/// too; the scan is corrected for motion anew with every improved pose.
+/// centroid, so that a plane through the map's origin is as good as any; lines must be longer and
+/// planes wider than LeGO-LOAM asks; the ground tells height,
+/// roll and pitch only, as in the odometry's first step, because the rings that a sensor draws on
+/// it would hold the sensor back; a turn makes a key frame too; the scan is corrected for motion
+/// anew with every improved pose.
 class Mapping {
  public:
   explicit Mapping(const MappingOptions& options);
