@@ -112,15 +112,19 @@ Neighbours FeatureMap::nearest(const Eigen::Vector3f& query_m) const {
   Neighbours found;
   const Eigen::Vector3f scaled = query_m / cube_m_;
   if (!(scaled.array().abs() < static_cast<float>(kCubeRange - 1)).all()) return found;
-  // The ball has the diameter of a cube: along each axis it touches the cube of its lower end and
-  // the next.
-  const Eigen::Vector3i lowest = floored(scaled.array() - 0.5F);
+  // The ball has the diameter of a cube: along each axis it touches the query's own cube and the
+  // one beyond the nearer face. Cubes farther than the fifth neighbour so far are not looked into.
+  const Eigen::Vector3i own = floored(scaled);
+  const Eigen::Array3f inside = scaled.array() - own.cast<float>().array();  // 0..1
+  const Eigen::Array3i step = (inside < 0.5F).select(Eigen::Array3i::Constant(-1), 1);
+  const Eigen::Array3f face_m = (inside < 0.5F).select(inside, 1.0F - inside) * cube_m_;
+  const Eigen::Array3f face_m2 = face_m.square();
   float limit_m2 = max_distance_m_ * max_distance_m_;
   for (int corner = 0; corner < 8; ++corner) {
-    const Eigen::Vector3i index =
-        lowest + Eigen::Vector3i(corner & 1, (corner >> 1) & 1, corner >> 2);
+    const Eigen::Array3i beyond(corner & 1, (corner >> 1) & 1, corner >> 2);
+    if ((beyond.cast<float>() * face_m2).sum() >= limit_m2) continue;
     std::uint64_t key = 0;
-    if (!key_of(index, key)) continue;
+    if (!key_of(own + (beyond * step).matrix(), key)) continue;
     const Cube* cube = find(key);
     if (cube == nullptr) continue;
     for (const Cell& cell : cube->cells) {
