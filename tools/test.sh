@@ -3,6 +3,8 @@
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 jobs=$(nproc)
+# Tests run side by side: threads that wait must not spin.
+export OMP_WAIT_POLICY=passive
 
 step() { printf '\n== %s\n' "$1"; }
 
