@@ -47,17 +47,27 @@ ComponentLabeler::ComponentLabeler(const SensorModel& sensor,
   result_.components.reserve(pixels);
 }
 
-const ConnectedComponents& ComponentLabeler::label(const RangeImage& image,
-                                                   const std::vector<std::uint8_t>& excluded) {
-  if (image.rows != rows_ || image.columns != columns_) {
+namespace {
+
+constexpr std::int32_t kUnvisited = -2;
+
+void require_shapes(const RangeImage& image, const std::vector<std::uint8_t>& excluded, int rows,
+                    int columns) {
+  if (image.rows != rows || image.columns != columns) {
     throw Error(fmt::format("connected components: image is {}x{}, expected {}x{}", image.rows,
-                            image.columns, rows_, columns_));
+                            image.columns, rows, columns));
   }
   if (!excluded.empty() && excluded.size() != image.range_m.size()) {
     throw Error(fmt::format("connected components: mask has {} pixels, expected {}",
                             excluded.size(), image.range_m.size()));
   }
-  constexpr std::int32_t kUnvisited = -2;
+}
+
+}  // namespace
+
+const ConnectedComponents& ComponentLabeler::label(const RangeImage& image,
+                                                   const std::vector<std::uint8_t>& excluded) {
+  require_shapes(image, excluded, rows_, columns_);
   const float* range_m = image.range_m.data();
   std::int32_t* label = result_.label.data();
   const auto pixels = static_cast<std::int32_t>(image.range_m.size());
@@ -67,44 +77,48 @@ const ConnectedComponents& ComponentLabeler::label(const RangeImage& image,
   }
   result_.components.clear();
   for (std::int32_t start = 0; start < pixels; ++start) {
-    if (label[start] != kUnvisited) continue;
-    const auto id = static_cast<std::int32_t>(result_.components.size());
-    const std::int32_t first_row = start / columns_;
-    Component component{0, first_row, first_row};
-    std::int32_t head = 0;
-    std::int32_t tail = 0;
-    queue_[tail++] = start;
-    label[start] = id;
-    while (head < tail) {
-      const std::int32_t pixel = queue_[head++];
-      const std::int32_t row = pixel / columns_;
-      const std::int32_t column = pixel - row * columns_;
-      component.last_row = std::max(component.last_row, row);
-      const auto visit = [&](std::int32_t neighbour, float sin_alpha, float cos_alpha) {
-        if (label[neighbour] == kUnvisited &&
-            connected(range_m[pixel], range_m[neighbour], sin_alpha, cos_alpha, tan_min_angle_)) {
-          label[neighbour] = id;
-          queue_[tail++] = neighbour;
-        }
-      };
-      // Scanning row-major, a component is found at its highest row, so `first_row` stands.
-      if (row > 0) visit(pixel - columns_, vertical_sin_[row - 1], vertical_cos_[row - 1]);
-      if (row + 1 < rows_) visit(pixel + columns_, vertical_sin_[row], vertical_cos_[row]);
-      if (column > 0) {
-        visit(pixel - 1, horizontal_sin_, horizontal_cos_);
-      } else if (wrap_columns_) {
-        visit(pixel + columns_ - 1, horizontal_sin_, horizontal_cos_);
-      }
-      if (column + 1 < columns_) {
-        visit(pixel + 1, horizontal_sin_, horizontal_cos_);
-      } else if (wrap_columns_) {
-        visit(pixel - columns_ + 1, horizontal_sin_, horizontal_cos_);
-      }
-    }
-    component.pixels = tail;
-    result_.components.push_back(component);
+    if (label[start] == kUnvisited) result_.components.push_back(grow(range_m, start));
   }
   return result_;
+}
+
+Component ComponentLabeler::grow(const float* range_m, std::int32_t start) {
+  std::int32_t* label = result_.label.data();
+  const auto id = static_cast<std::int32_t>(result_.components.size());
+  // Pixels are scanned row-major, so a component is met at its highest row first.
+  const std::int32_t first_row = start / columns_;
+  Component component{0, first_row, first_row};
+  std::int32_t head = 0;
+  std::int32_t tail = 0;
+  queue_[tail++] = start;
+  label[start] = id;
+  while (head < tail) {
+    const std::int32_t pixel = queue_[head++];
+    const std::int32_t row = pixel / columns_;
+    const std::int32_t column = pixel - row * columns_;
+    component.last_row = std::max(component.last_row, row);
+    const auto visit = [&](std::int32_t neighbour, float sin_alpha, float cos_alpha) {
+      if (label[neighbour] == kUnvisited &&
+          connected(range_m[pixel], range_m[neighbour], sin_alpha, cos_alpha, tan_min_angle_)) {
+        label[neighbour] = id;
+        queue_[tail++] = neighbour;
+      }
+    };
+    if (row > 0) visit(pixel - columns_, vertical_sin_[row - 1], vertical_cos_[row - 1]);
+    if (row + 1 < rows_) visit(pixel + columns_, vertical_sin_[row], vertical_cos_[row]);
+    if (column > 0) {
+      visit(pixel - 1, horizontal_sin_, horizontal_cos_);
+    } else if (wrap_columns_) {
+      visit(pixel + columns_ - 1, horizontal_sin_, horizontal_cos_);
+    }
+    if (column + 1 < columns_) {
+      visit(pixel + 1, horizontal_sin_, horizontal_cos_);
+    } else if (wrap_columns_) {
+      visit(pixel - columns_ + 1, horizontal_sin_, horizontal_cos_);
+    }
+  }
+  component.pixels = tail;
+  return component;
 }
 
 }  // namespace hqslam

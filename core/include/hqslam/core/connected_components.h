@@ -55,6 +55,9 @@ class ComponentLabeler {
   }
 
  private:
+  /// Labels the component of pixel `start`, which must be unvisited.
+  Component grow(const float* range_m, std::int32_t start);
+
   int rows_;
   int columns_;
   bool wrap_columns_;
