@@ -1,10 +1,11 @@
 #!/usr/bin/env bash
 # The libraries install alone and are found from another project:
-#   install_test.sh BUILD_FOLDER CXX_COMPILER
+#   install_test.sh BUILD_FOLDER CXX_COMPILER CXX_FLAGS
 set -euo pipefail
 source_folder=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 build_folder=$1
 compiler=$2
+flags=$3 # a library with sanitizers needs them in its user too
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 
@@ -13,7 +14,8 @@ for component in core slam sim; do
 done
 
 cmake -S "$source_folder" -B "$folder/build" -G Ninja -DCMAKE_BUILD_TYPE=Release -Wno-dev \
-  -DCMAKE_CXX_COMPILER="$compiler" -DCMAKE_PREFIX_PATH="$folder/prefix" >"$folder/log" 2>&1 ||
+  -DCMAKE_CXX_COMPILER="$compiler" -DCMAKE_CXX_FLAGS="$flags" \
+  -DCMAKE_PREFIX_PATH="$folder/prefix" >"$folder/log" 2>&1 ||
   { cat "$folder/log"; exit 1; }
 cmake --build "$folder/build" >"$folder/log" 2>&1 || { cat "$folder/log"; exit 1; }
 

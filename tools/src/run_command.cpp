@@ -1,6 +1,7 @@
 #include "run_command.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <omp.h>
 
 #include <CLI/Config.hpp>
@@ -107,10 +108,10 @@ void declare_run(CLI::App& app, RunOptions& options) {
                    "(N x H x W, float32 metres), or folder written by hqslam simulate")
       ->required()
       ->check(CLI::ExistingPath);
-  command->add_option(
-      "--sensor", options.sensor,
-      "os1-64, os1-16, hdl-64e, hdl-32e, vlp-16, vls-128, or a .json file with the "
-      "beam angles (Ouster's metadata files too); not needed for a simulated drive");
+  command->add_option("--sensor", options.sensor,
+                      fmt::format("{}, or a .json file with the beam angles (Ouster's metadata "
+                                  "files too); not needed for a simulated drive",
+                                  fmt::join(sensor_preset_names(), ", ")));
   command
       ->add_option("--rows", options.rows, "Use only this many of the sensor's rows, evenly spread")
       ->check(CLI::PositiveNumber);
