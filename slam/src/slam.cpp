@@ -63,10 +63,17 @@ bool all_sound(const OrganizedCloud& cloud) {
   return true;
 }
 
-}  // namespace
-
-/// After so many scans in a row that only the odometry could follow, the map goes on without them.
+/// After so many scans in a row that did not fit the map, it goes on from where the sensor is
+/// believed to be: the sensor was carried away, or has drifted too far.
 constexpr int kMaxUnlocatedScans = 5;
+
+/// Whether a scan can serve as the one that the next are matched with.
+bool can_be_reference(const Features& features, const OdometryOptions& options) {
+  return static_cast<int>(features.edges.size()) >= options.min_edges &&
+         static_cast<int>(features.ground.size() + features.surfaces.size()) >= options.min_planar;
+}
+
+}  // namespace
 
 /// What is carried from scan to scan. The reference is the last scan that could be followed.
 struct Slam::Implementation {
@@ -123,9 +130,7 @@ ScanReport Slam::Implementation::process(const OrganizedCloud& cloud, double sta
 
 /// The first scan with enough features defines the frame of the map.
 void Slam::Implementation::begin(const Features& features, double stamp_s, ScanReport& report) {
-  const bool enough = static_cast<int>(features.edges.size()) >= options.odometry.min_edges &&
-                      report.planar_features >= options.odometry.min_planar;
-  if (!enough) {
+  if (!can_be_reference(features, options.odometry)) {
     report.odometry_status = Status::kTooFewFeatures;
     report.mapping_status = Status::kTooFewFeatures;
     return;
@@ -157,10 +162,11 @@ void Slam::Implementation::follow(const Features& features, double stamp_s, Stop
   report.planar_correspondences = located.planar_correspondences;
   const bool is_located = located.status != Status::kTooFewFeatures;
   unlocated_scans = is_located ? 0 : unlocated_scans + 1;
-  if (is_located || moved.status != Status::kTooFewFeatures) {
+  const bool goes_on =
+      unlocated_scans > kMaxUnlocatedScans && can_be_reference(features, options.odometry);
+  if (is_located || moved.status != Status::kTooFewFeatures || goes_on) {
     motion = {T_map_reference.inverse() * located.T_map_sensor, duration_s};
-    const bool may_insert = is_located || unlocated_scans > kMaxUnlocatedScans;
-    if (may_insert && mapping.is_key_frame(located.T_map_sensor)) {
+    if ((is_located || goes_on) && mapping.is_key_frame(located.T_map_sensor)) {
       mapping.insert(thinned, located.T_map_sensor, motion);
       report.key_frame = true;
     }

@@ -129,6 +129,28 @@ TEST_CASE("a drive that begins with empty scans begins where the first good scan
   CHECK(slam.map_points_m().size() > 100);
 }
 
+TEST_CASE("a sensor that is carried to another place starts the map anew there") {
+  const SensorModel sensor = test::small_sensor(32, 512);
+  test::Yard elsewhere;
+  elsewhere.half_length_m = 13.0;
+  elsewhere.half_width_m = 41.0;
+  slam::Slam slam(sensor);
+  int ok_elsewhere = 0;
+  for (int i = 0; i < 50; ++i) {
+    const auto report =
+        slam.process(i < 15 ? drive_scan(sensor, i)
+                            : elsewhere.scan(sensor, test::yard_pose(0.3, -20.0 + 0.5 * i, 1.5)),
+                     i * kPeriod_s);
+    CHECK(report.T_map_sensor.matrix().allFinite());
+    if (i >= 40) ok_elsewhere += report.mapping_status == Status::kOk;
+  }
+  CHECK(ok_elsewhere >= 8);
+  // The last steps are those driven: 0.5 m each.
+  const Trajectory& trajectory = slam.trajectory();
+  const Pose step = trajectory[48].T_map_sensor.inverse() * trajectory[49].T_map_sensor;
+  CHECK(step.translation().norm() == doctest::Approx(0.5).epsilon(0.1));
+}
+
 TEST_CASE("scans with equal or falling stamps are still processed") {
   const SensorModel sensor = test::small_sensor(16, 512);
   slam::Slam slam(sensor);

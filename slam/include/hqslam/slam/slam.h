@@ -62,7 +62,8 @@ class Slam {
   /// T_map_sensor of every scan so far, in the frame of the first scan.
   const Trajectory& trajectory() const;
 
-  /// The map: features of all key frames, thinned to one point per 0.2 m voxel.
+  /// The map: planar features of all key frames, one per 0.4 m voxel, then edge features, one per
+  /// 0.2 m voxel (MappingOptions), in the frame of the first scan.
   std::vector<Eigen::Vector3f> map_points_m() const;
 
  private:
