@@ -25,7 +25,7 @@ RangeImage random_image(const SensorModel& sensor, unsigned seed) {
   return image;
 }
 
-Scan scan_of(const OrganizedCloud& cloud, const SensorModel& sensor, bool with_rows) {
+Scan scan_of(const OrganizedCloud& cloud, bool with_rows) {
   Scan scan;
   for (int row = 0; row < cloud.rows; ++row) {
     for (int column = 0; column < cloud.columns; ++column) {
@@ -36,7 +36,6 @@ Scan scan_of(const OrganizedCloud& cloud, const SensorModel& sensor, bool with_r
       if (!cloud.time_offset_s.empty()) scan.time_offset_s.push_back(cloud.time_offset_s[pixel]);
     }
   }
-  (void)sensor;
   return scan;
 }
 
@@ -48,7 +47,7 @@ TEST_CASE("project inverts unproject for every preset, with rows given or found 
     const RangeImage image = random_image(sensor, 7);
     const OrganizedCloud cloud = hqslam::unproject(image, sensor, CaptureTime::kRolling);
     for (const bool with_rows : {true, false}) {
-      const auto projected = hqslam::project(scan_of(cloud, sensor, with_rows), sensor);
+      const auto projected = hqslam::project(scan_of(cloud, with_rows), sensor);
       CAPTURE(name);
       CHECK(projected.counts.outside_rows == 0);
       CHECK(projected.counts.hidden_by_nearer == 0);
