@@ -63,6 +63,8 @@ DriveSimulator& DriveSimulator::operator=(DriveSimulator&&) noexcept = default;
 const SensorModel& DriveSimulator::sensor() const { return implementation_->sensor; }
 std::int64_t DriveSimulator::scans() const { return implementation_->spec.scans; }
 
+void DriveSimulator::skip(std::int64_t scans) { implementation_->next_scan += scans; }
+
 std::optional<SimulatedScan> DriveSimulator::next() {
   Implementation& self = *implementation_;
   if (self.next_scan >= self.spec.scans) return std::nullopt;

@@ -45,6 +45,8 @@ class DriveSimulator {
   const SensorModel& sensor() const;
   std::int64_t scans() const;
   std::optional<SimulatedScan> next();
+  /// Leaves out the next `scans` scans without simulating them; those after it stay the same.
+  void skip(std::int64_t scans);
 
  private:
   struct Implementation;
