@@ -2,15 +2,22 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
 #include <numbers>
 
+#include "hqslam/core/connected_components.h"
 #include "hqslam/core/error.h"
+#include "row_bits.h"
 
 namespace hqslam::nn {
 
-OutlierRemoval::OutlierRemoval(const SensorModel& sensor, RowSelection measured_rows,
-                               const OutlierRemovalOptions& options, int columns)
-    : rows_(sensor.rows()), columns_(columns) {
+namespace {
+
+void validate(const SensorModel& sensor, RowSelection measured_rows,
+              const OutlierRemovalOptions& options, int columns) {
   if (!(options.min_angle_rad > 0.0 && options.min_angle_rad < std::numbers::pi / 2.0)) {
     throw Error(fmt::format("outlier removal: min_angle_rad is {}, expected 0 < angle < pi/2",
                             options.min_angle_rad));
@@ -29,6 +36,196 @@ OutlierRemoval::OutlierRemoval(const SensorModel& sensor, RowSelection measured_
                     "offset of 0 or more and a stride of 1 or more",
                     measured_rows.offset, measured_rows.offset, measured_rows.stride));
   }
+}
+
+constexpr int kWordBits = 64;
+
+template <typename Visit>
+void for_each_bit(std::uint64_t word, int first_column, const Visit& visit) {
+  for (; word != 0; word &= word - 1) visit(first_column + std::countr_zero(word));
+}
+
+}  // namespace
+
+OutlierRemoval::OutlierRemoval(const SensorModel& sensor, RowSelection measured_rows,
+                               const OutlierRemovalOptions& options, int columns)
+    : rows_(sensor.rows()),
+      columns_(columns),
+      words_(words_for(columns)),
+      min_pixels_(options.min_pixels),
+      measured_rows_(measured_rows) {
+  validate(sensor, measured_rows, options, columns);
+  tan_min_angle_ = static_cast<float>(std::tan(options.min_angle_rad));
+  horizontal_sin_ = static_cast<float>(std::sin(sensor.column_step_rad()));
+  horizontal_cos_ = static_cast<float>(std::cos(sensor.column_step_rad()));
+  for (int row = 0; row + 1 < rows_; ++row) {
+    const double alpha_rad = sensor.beam_elevation_rad[row] - sensor.beam_elevation_rad[row + 1];
+    down_sin_.push_back(static_cast<float>(std::sin(alpha_rad)));
+    down_cos_.push_back(static_cast<float>(std::cos(alpha_rad)));
+  }
+  const std::size_t words = row_start(rows_);
+  for (auto* bits : {&present_, &right_, &down_, &large_, &run_start_}) bits->resize(words);
+  wraps_.resize(rows_);
+  first_run_.resize(words);
+  runs_.resize(static_cast<std::size_t>(rows_) * columns_);
+}
+
+void OutlierRemoval::find(const float* range_m, std::uint8_t* rejected, int threads) {
+  std::memset(rejected, 0, static_cast<std::size_t>(rows_) * columns_);
+  if (min_pixels_ < 2) return;  // no component is smaller than one pixel
+  connect_rows(range_m, threads);
+  for (int row = 1; row < rows_; ++row) spread(row - 1, row);
+  for (int row = rows_ - 2; row >= 0; --row) spread(row + 1, row);
+  number_runs();
+  join_runs();
+  for (std::int32_t run = 0; run < run_count_; ++run) {
+    const std::int32_t first_pixel = runs_[run].first_pixel;
+    const int row = first_pixel / columns_;
+    const int beyond = row - measured_rows_.offset;
+    const bool measured = beyond >= 0 && beyond % measured_rows_.stride == 0;
+    if (!measured && runs_[root_of(run)].pixels < min_pixels_) {
+      std::memset(rejected + first_pixel, 1, static_cast<std::size_t>(runs_[run].length));
+    }
+  }
+}
+
+/// The bits of every row, and in large_ the runs that are long enough by themselves.
+void OutlierRemoval::connect_rows(const float* range_m, int threads) {
+#pragma omp parallel for schedule(static) num_threads(threads)
+  for (int row = 0; row < rows_; ++row) {
+    const float* row_m = range_m + static_cast<std::size_t>(row) * columns_;
+    const bool has_below = row + 1 < rows_;
+    const ConnectionAngles angles{horizontal_sin_, horizontal_cos_,
+                                  has_below ? down_sin_[row] : 0.0F,
+                                  has_below ? down_cos_[row] : 1.0F, tan_min_angle_};
+    const std::size_t start = row_start(row);
+    find_connections(row_m, has_below ? row_m + columns_ : row_m, columns_, angles,
+                     {&present_[start], &right_[start], &down_[start]});
+    const float first_m = row_m[0];
+    const float last_m = row_m[columns_ - 1];
+    wraps_[row] = first_m > 0.0F && last_m > 0.0F &&
+                  ComponentLabeler::connected(first_m, last_m, horizontal_sin_, horizontal_cos_,
+                                              tan_min_angle_);
+    mark_long_runs(&right_[start], words_, min_pixels_, &large_[start]);
+    settle(row);
+  }
+}
+
+/// Marks the runs whole that have a pixel in large_, over the wrap too.
+void OutlierRemoval::settle(int row) {
+  const std::uint64_t* right = &right_[row_start(row)];
+  std::uint64_t* large = &large_[row_start(row)];
+  fill_runs(right, words_, large);
+  if (wraps_[row] == 0) return;
+  std::uint64_t& last_word = large[words_ - 1];
+  const int last_bit = (columns_ - 1) % kWordBits;
+  const std::uint64_t first = large[0] & 1;
+  const std::uint64_t last = last_word >> last_bit & 1;
+  if (first == last) return;
+  large[0] |= 1;
+  last_word |= std::uint64_t{1} << last_bit;
+  fill_runs(right, words_, large);
+}
+
+/// Takes large_ from one row over to a neighbouring one.
+void OutlierRemoval::spread(int from, int to) {
+  const std::uint64_t* source = &large_[row_start(from)];
+  const std::uint64_t* vertical = &down_[row_start(std::min(from, to))];
+  std::uint64_t* target = &large_[row_start(to)];
+  std::uint64_t added = 0;
+  for (int word = 0; word < words_; ++word) {
+    const std::uint64_t reached = source[word] & vertical[word] & ~target[word];
+    target[word] |= reached;
+    added |= reached;
+  }
+  if (added != 0) settle(to);
+}
+
+void OutlierRemoval::number_runs() {
+  std::int32_t starts = 0;
+  std::int32_t ends = 0;
+  for (int row = 0; row < rows_; ++row) {
+    const std::int32_t first_pixel = row * columns_;
+    std::uint64_t joins_previous = 0;  // in bit 0
+    for (int word = 0; word < words_; ++word) {
+      const std::size_t i = row_start(row) + word;
+      // large_ has whole runs, so what is left has whole runs too.
+      const std::uint64_t left = present_[i] & ~large_[i];
+      run_start_[i] = left & ~(right_[i] << 1 | joins_previous);
+      joins_previous = right_[i] >> 63;
+      first_run_[i] = starts;
+      const std::int32_t pixel = first_pixel + word * kWordBits;
+      for_each_bit(run_start_[i], pixel, [&](std::int32_t first) {
+        runs_[starts].parent = starts;
+        runs_[starts++].first_pixel = first;
+      });
+      for_each_bit(left & ~right_[i], pixel, [&](std::int32_t last) {
+        Run& run = runs_[ends++];
+        run.length = last - run.first_pixel + 1;
+        run.pixels = run.length;
+      });
+    }
+  }
+  run_count_ = starts;
+}
+
+void OutlierRemoval::join_runs() {
+  if (run_count_ == 0) return;
+  const int last_bit = (columns_ - 1) % kWordBits;
+  for (int row = 0; row < rows_; ++row) {
+    const std::size_t first_word = row_start(row);
+    const std::uint64_t last_left =
+        present_[first_word + words_ - 1] & ~large_[first_word + words_ - 1];
+    if (wraps_[row] != 0 && (last_left >> last_bit & 1) != 0) {
+      join(run_of(row, 0), run_of(row, columns_ - 1));
+    }
+    if (row + 1 < rows_) join_rows(row);
+  }
+}
+
+/// Joins the runs of this row with those of the row below.
+void OutlierRemoval::join_rows(int row) {
+  std::uint64_t pair_before = 0;  // in bit 0: the last column had a connected pair
+  for (int word = 0; word < words_; ++word) {
+    const std::size_t upper = row_start(row) + word;
+    const std::size_t lower = upper + words_;
+    const std::uint64_t upper_left = present_[upper] & ~large_[upper];
+    const std::uint64_t lower_left = present_[lower] & ~large_[lower];
+    const std::uint64_t pairs = down_[upper] & upper_left & lower_left;
+    // The same two runs as in the column before?
+    const std::uint64_t repeated =
+        (pairs << 1 | pair_before) & ~run_start_[upper] & ~run_start_[lower];
+    pair_before = pairs >> 63;
+    const int column = word * kWordBits;
+    for_each_bit(pairs & ~repeated, column,
+                 [&](int c) { join(run_of(row, c), run_of(row + 1, c)); });
+    for_each_bit(down_[upper] & upper_left & large_[lower], column,
+                 [&](int c) { runs_[root_of(run_of(row, c))].pixels = min_pixels_; });
+    for_each_bit(down_[upper] & large_[upper] & lower_left, column,
+                 [&](int c) { runs_[root_of(run_of(row + 1, c))].pixels = min_pixels_; });
+  }
+}
+
+std::int32_t OutlierRemoval::run_of(int row, int column) const {
+  const std::size_t i = row_start(row) + column / kWordBits;
+  const std::uint64_t up_to_column = (std::uint64_t{2} << column % kWordBits) - 1;
+  return first_run_[i] + std::popcount(run_start_[i] & up_to_column) - 1;
+}
+
+std::int32_t OutlierRemoval::root_of(std::int32_t run) {
+  while (runs_[run].parent != run) {
+    runs_[run].parent = runs_[runs_[run].parent].parent;
+    run = runs_[run].parent;
+  }
+  return run;
+}
+
+void OutlierRemoval::join(std::int32_t a, std::int32_t b) {
+  a = root_of(a);
+  b = root_of(b);
+  if (a == b) return;
+  runs_[std::max(a, b)].parent = std::min(a, b);
+  runs_[std::min(a, b)].pixels += runs_[std::max(a, b)].pixels;
 }
 
 }  // namespace hqslam::nn

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -36,8 +37,45 @@ class OutlierRemoval {
   int columns() const { return columns_; }
 
  private:
+  /// A run of connected pixels in one row that is not known to belong to a large component.
+  struct Run {
+    std::int32_t parent = 0;
+    std::int32_t pixels = 0;  ///< at a root: of the whole set of runs
+    std::int32_t first_pixel = 0;
+    std::int32_t length = 0;
+  };
+
+  void connect_rows(const float* range_m, int threads);
+  void settle(int row);
+  void spread(int from, int to);
+  void number_runs();
+  void join_runs();
+  void join_rows(int row);
+  std::int32_t run_of(int row, int column) const;
+  std::int32_t root_of(std::int32_t run);
+  void join(std::int32_t a, std::int32_t b);
+  std::size_t row_start(int row) const { return static_cast<std::size_t>(row) * words_; }
+
   int rows_;
   int columns_;
+  int words_;  ///< 64-bit words per row of bits
+  int min_pixels_;
+  RowSelection measured_rows_;
+  float tan_min_angle_;
+  float horizontal_sin_;
+  float horizontal_cos_;
+  std::vector<float> down_sin_;  ///< between row r and r + 1
+  std::vector<float> down_cos_;
+  // One bit per pixel, rows_ x words_.
+  std::vector<std::uint64_t> present_;
+  std::vector<std::uint64_t> right_;
+  std::vector<std::uint64_t> down_;
+  std::vector<std::uint64_t> large_;      ///< known to belong to a component that stays
+  std::vector<std::uint64_t> run_start_;  ///< first pixels of runs_
+  std::vector<std::uint8_t> wraps_;       ///< per row: last column connected with the first
+  std::vector<std::int32_t> first_run_;   ///< per word: runs that start before it
+  std::vector<Run> runs_;
+  std::int32_t run_count_ = 0;
 };
 
 }  // namespace hqslam::nn

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <memory>
+#include <span>
+
+#include "hqslam/nn/convolution_shape.h"
+#include "hqslam/nn/instruction_set.h"
+#include "hqslam/nn/tensor.h"
+
+namespace hqslam::nn {
+
+/// What a layer does with the sums it has computed: output = a(sum + skip), a(v) = max(v, slope v).
+struct LayerEnd {
+  float negative_slope = 1.0F;   ///< 1 linear, 0 ReLU
+  const Tensor* skip = nullptr;  ///< of the output's shape
+};
+
+/// 2-D convolution (cross-correlation, as everywhere in deep learning):
+///   output[o][y][x] = bias[o] + sum_{i, r, c} weight[o][i][r][c]
+///                                input[i][y stride + r - padding][x stride + c - padding]
+/// Rows beyond the edge are zero, columns continue as the input's ColumnPadding says.
+///
+/// One object serves one pair of shapes and one thread team at a time. Called by all threads of an
+/// OpenMP parallel region, the team shares the work; the result does not depend on its size.
+/// No call allocates.
+class Conv2d {
+ public:
+  /// Throws Error if the shapes do not fit.
+  Conv2d(const ConvolutionShape& shape, const Tensor& input, const Tensor& output,
+         InstructionSet instruction_set, int threads = 1);
+  ~Conv2d();
+  Conv2d(Conv2d&&) noexcept;
+  Conv2d& operator=(Conv2d&&) noexcept;
+
+  /// weight: output x input x kernel rows x kernel columns; bias: output channels, or empty for
+  /// none. Throws Error if a size differs.
+  void set_parameters(std::span<const float> weight, std::span<const float> bias);
+
+  /// Borders of the input must be filled; those of the output will be.
+  void forward(const Tensor& input, const LayerEnd& end, Tensor& output);
+  /// d_input = the gradient with respect to the input, plus `end.skip` (another gradient of the
+  /// same input). Borders of d_output (before the activation) must be filled.
+  void backward_input(const Tensor& d_output, const LayerEnd& end, Tensor& d_input);
+  /// Adds to d_weight and d_bias (empty: none). One thread.
+  void backward_parameters(const Tensor& input, const Tensor& d_output, std::span<float> d_weight,
+                           std::span<float> d_bias);
+
+  const ConvolutionShape& shape() const;
+
+ private:
+  struct Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+/// The same, written as the formula above.
+void conv2d_reference(const ConvolutionShape& shape, std::span<const float> weight,
+                      std::span<const float> bias, const Tensor& input, Tensor& output);
+/// The gradients, written as its derivatives. d_input is overwritten, the others are added to.
+void conv2d_backward_reference(const ConvolutionShape& shape, std::span<const float> weight,
+                               const Tensor& input, const Tensor& d_output, Tensor& d_input,
+                               std::span<float> d_weight, std::span<float> d_bias);
+
+}  // namespace hqslam::nn

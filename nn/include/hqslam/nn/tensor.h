@@ -1,0 +1,67 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace hqslam::nn {
+
+/// How a tensor continues beyond its first and last column. Beyond its first and last row it is
+/// always zero.
+enum class ColumnPadding {
+  kCircular,  ///< a whole scan: the last column is a neighbour of the first
+  kZero,
+};
+
+/// Values of shape channels x rows x columns, float32, each channel with a border around it, so
+/// that a convolution reads beyond the edges without asking where it is.
+///
+/// Memory: row y of channel c begins at row(c, y); row(c, -border_rows()) to
+/// row(c, rows() + border_rows() - 1) and in each of them columns -kBorderColumns to
+/// padded_columns() + kBorderColumns - 1 may be read. Columns from columns() to padded_columns()
+/// hold whatever a vector kernel left there; they are part of the border.
+class Tensor {
+ public:
+  /// Columns to the left and right of each row. Also the number of floats that the widest vector
+  /// holds, so that a row can always be processed in whole vectors.
+  static constexpr int kBorderColumns = 16;
+
+  Tensor() = default;
+  /// All zero. Throws Error unless channels, rows, columns >= 1 and 0 <= border_rows <= 16.
+  Tensor(int channels, int rows, int columns, ColumnPadding padding, int border_rows = 1);
+
+  int channels() const { return channels_; }
+  int rows() const { return rows_; }
+  int columns() const { return columns_; }
+  int padded_columns() const { return padded_columns_; }
+  int border_rows() const { return border_rows_; }
+  ColumnPadding padding() const { return padding_; }
+  std::int64_t row_stride() const { return padded_columns_ + 2 * kBorderColumns; }
+  std::int64_t channel_stride() const { return row_stride() * (rows_ + 2 * border_rows_); }
+
+  float* row(int channel, int row) { return values_.data() + offset(channel, row); }
+  const float* row(int channel, int row) const { return values_.data() + offset(channel, row); }
+  float& at(int channel, int row_, int column) { return row(channel, row_)[column]; }
+  float at(int channel, int row_, int column) const { return row(channel, row_)[column]; }
+
+  /// Makes the border columns of one row continue the row as padding() says.
+  void fill_border(int channel, int row);
+  /// The same for every row of every channel.
+  void fill_borders();
+  void set_zero();
+
+ private:
+  std::int64_t offset(int channel, int row) const {
+    return channel * channel_stride() + (row + border_rows_) * row_stride() + kBorderColumns;
+  }
+
+  int channels_ = 0;
+  int rows_ = 0;
+  int columns_ = 0;
+  int padded_columns_ = 0;
+  int border_rows_ = 0;
+  ColumnPadding padding_ = ColumnPadding::kCircular;
+  std::vector<float> values_;
+};
+
+}  // namespace hqslam::nn

@@ -1,0 +1,28 @@
+#include "hqslam/nn/activation.h"
+
+#include <algorithm>
+
+namespace hqslam::nn {
+
+void leaky_relu(float slope, Tensor& values) {
+  for (int channel = 0; channel < values.channels(); ++channel) {
+    for (int y = 0; y < values.rows(); ++y) {
+      float* row = values.row(channel, y);
+      for (int x = 0; x < values.columns(); ++x) row[x] = std::max(row[x], slope * row[x]);
+      values.fill_border(channel, y);
+    }
+  }
+}
+
+void leaky_relu_backward(float slope, const Tensor& output, Tensor& d_values) {
+  for (int channel = 0; channel < output.channels(); ++channel) {
+    for (int y = 0; y < output.rows(); ++y) {
+      const float* out = output.row(channel, y);
+      float* gradient = d_values.row(channel, y);
+      for (int x = 0; x < output.columns(); ++x) gradient[x] *= out[x] > 0.0F ? 1.0F : slope;
+      d_values.fill_border(channel, y);
+    }
+  }
+}
+
+}  // namespace hqslam::nn

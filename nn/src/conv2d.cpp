@@ -1,0 +1,54 @@
+#include "hqslam/nn/conv2d.h"
+
+#include <utility>
+
+#include "kernels/bias.h"
+#include "kernels/strided_convolution.h"
+
+namespace hqslam::nn {
+
+struct Conv2d::Implementation {
+  ConvolutionShape shape;
+  kernels::StridedConvolution convolution;  // input: wide side, output: narrow side
+  kernels::ConvolutionScratch scratch;
+  std::vector<float> bias;
+};
+
+Conv2d::Conv2d(const ConvolutionShape& shape, const Tensor& input, const Tensor& output,
+               InstructionSet instruction_set, int threads) {
+  kernels::StridedConvolution convolution(shape, output, input, instruction_set);
+  kernels::ConvolutionScratch scratch = convolution.make_scratch(threads);
+  implementation_ = std::make_unique<Implementation>(
+      Implementation{shape, std::move(convolution), std::move(scratch), {}});
+}
+Conv2d::~Conv2d() = default;
+Conv2d::Conv2d(Conv2d&&) noexcept = default;
+Conv2d& Conv2d::operator=(Conv2d&&) noexcept = default;
+
+const ConvolutionShape& Conv2d::shape() const { return implementation_->shape; }
+
+void Conv2d::set_parameters(std::span<const float> weight, std::span<const float> bias) {
+  implementation_->convolution.set_weights(weight);
+  implementation_->bias = kernels::padded_bias(bias, shape().output_channels);
+}
+
+void Conv2d::forward(const Tensor& input, const LayerEnd& end, Tensor& output) {
+  Implementation& self = *implementation_;
+  self.convolution.gather(input, {self.bias.data(), end.skip, end.negative_slope}, output,
+                          self.scratch);
+}
+
+void Conv2d::backward_input(const Tensor& d_output, const LayerEnd& end, Tensor& d_input) {
+  Implementation& self = *implementation_;
+  self.convolution.scatter(d_output, {nullptr, end.skip, end.negative_slope}, d_input,
+                           self.scratch);
+}
+
+void Conv2d::backward_parameters(const Tensor& input, const Tensor& d_output,
+                                 std::span<float> d_weight, std::span<float> d_bias) {
+  Implementation& self = *implementation_;
+  self.convolution.add_weight_gradient(d_output, input, d_weight, self.scratch);
+  kernels::add_bias_gradient(d_output, d_bias);
+}
+
+}  // namespace hqslam::nn

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstdint>
+
+namespace hqslam::nn {
+
+// One row of an image with one bit per pixel: bit c % 64 of word c / 64 belongs to column c. Bits
+// beyond the last column are zero.
+
+inline int words_for(int columns) { return (columns + 63) / 64; }
+
+/// The criterion's constants for a row: float, as ComponentLabeler rounds them.
+struct ConnectionAngles {
+  float horizontal_sin = 0.0F;
+  float horizontal_cos = 1.0F;
+  float down_sin = 0.0F;  ///< between this row's beam and that of the row below
+  float down_cos = 1.0F;
+  float tan_min_angle = 0.0F;
+};
+
+/// The bits of one row, words_for(columns) words each. `right`: the pixel is connected with the
+/// one to its right (never set in the last column); `down`: with the one below.
+struct ConnectionRow {
+  std::uint64_t* present;
+  std::uint64_t* right;
+  std::uint64_t* down;
+};
+
+/// row_m and below_m: `columns` ranges in metres, 0 = no return. The last row passes itself as
+/// below_m and ignores `down`.
+void find_connections(const float* row_m, const float* below_m, int columns,
+                      const ConnectionAngles& angles, const ConnectionRow& result);
+
+/// Sets in `marked` at least one bit of every run of `right`-connected pixels that is at least
+/// min_pixels (2 or more) long, and no other.
+void mark_long_runs(const std::uint64_t* right, int words, int min_pixels, std::uint64_t* marked);
+
+/// Marks every run whole that has a marked pixel.
+void fill_runs(const std::uint64_t* right, int words, std::uint64_t* marked);
+
+}  // namespace hqslam::nn

@@ -1,0 +1,62 @@
+#include "hqslam/nn/instruction_set.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <cstdlib>
+
+#include "hqslam/core/error.h"
+#include "kernels/row_kernels.h"
+
+namespace hqslam::nn {
+
+std::string_view name(InstructionSet instruction_set) {
+  switch (instruction_set) {
+    case InstructionSet::kAvx2:
+      return "avx2";
+    case InstructionSet::kAvx512:
+      return "avx512";
+    case InstructionSet::kPortable:
+      break;
+  }
+  return "portable";
+}
+
+std::vector<InstructionSet> available_instruction_sets() {
+  std::vector<InstructionSet> available{InstructionSet::kPortable};
+#ifdef HQSLAM_X86_KERNELS
+  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) {
+    available.push_back(InstructionSet::kAvx2);
+    if (__builtin_cpu_supports("avx512f")) available.push_back(InstructionSet::kAvx512);
+  }
+#endif
+  return available;
+}
+
+InstructionSet chosen_instruction_set() {
+  const std::vector<InstructionSet> available = available_instruction_sets();
+  const char* wanted = std::getenv("HQSLAM_INSTRUCTION_SET");
+  if (wanted == nullptr) return available.back();
+  std::vector<std::string_view> names;
+  for (const InstructionSet instruction_set : available) {
+    if (name(instruction_set) == wanted) return instruction_set;
+    names.push_back(name(instruction_set));
+  }
+  throw Error(fmt::format(
+      "HQSLAM_INSTRUCTION_SET is '{}', expected one that this processor and build have: {}", wanted,
+      fmt::join(names, ", ")));
+}
+
+namespace kernels {
+
+const RowKernels& row_kernels(InstructionSet instruction_set) {
+#ifdef HQSLAM_X86_KERNELS
+  if (instruction_set == InstructionSet::kAvx512) return kAvx512Kernels;
+  if (instruction_set == InstructionSet::kAvx2) return kAvx2Kernels;
+#endif
+  static_cast<void>(instruction_set);
+  return kPortableKernels;
+}
+
+}  // namespace kernels
+}  // namespace hqslam::nn

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <cstdint>
+
+#include "hqslam/nn/instruction_set.h"
+
+// The two loops in which the engine spends its time, compiled once per instruction set. Raw
+// pointers only: the wide versions must not share an inline function (Eigen's, say) with code that
+// is compiled for the baseline.
+namespace hqslam::nn::kernels {
+
+/// Output channels are computed in blocks of this many; packed weights are padded to it.
+inline constexpr int kOutputBlock = 8;
+/// Gradients of weights are summed in vectors over the channels of the narrow side, padded to this.
+inline constexpr int kGradientVector = 16;
+
+/// One row of a convolution as a sum over taps (input channel, kernel row, kernel column):
+///   y[o][x]      = bias[o] + sum_t weights[o / 8][t][o % 8] * input[tap_offset[t] + x]
+///   output[o][x] = a(y[o][x] + skip[o][x]),  a(v) = max(v, negative_slope * v)
+/// for begin <= x < end, rounded up to whole vectors of 16. negative_slope: 1 linear, 0 ReLU.
+struct AccumulateRow {
+  const float* input = nullptr;
+  const std::int64_t* tap_offset = nullptr;
+  int taps = 0;
+  const float* weights = nullptr;
+  const float* bias = nullptr;  ///< padded to whole blocks; nullptr: zero
+  int output_channels = 0;
+  float* output = nullptr;
+  std::int64_t output_channel_stride = 0;
+  const float* skip = nullptr;  ///< nullptr: none
+  std::int64_t skip_channel_stride = 0;
+  float negative_slope = 1.0F;
+  int begin = 0;
+  int end = 0;
+};
+
+/// The gradient of the weights from one stretch of a row:
+///   gradient[t][a] += sum_x narrow[x][a] * wide[tap_offset[t] + x],  0 <= x < columns
+/// narrow_channels is a multiple of 16.
+struct CorrelateRow {
+  const float* narrow = nullptr;  ///< columns x narrow_channels
+  int narrow_channels = 0;
+  const float* wide = nullptr;
+  const std::int64_t* tap_offset = nullptr;
+  int taps = 0;
+  int columns = 0;
+  float* gradient = nullptr;  ///< taps x narrow_channels
+};
+
+struct RowKernels {
+  void (*accumulate)(const AccumulateRow&);
+  void (*correlate)(const CorrelateRow&);
+};
+
+/// The kernels of an instruction set that this processor has.
+const RowKernels& row_kernels(InstructionSet instruction_set);
+
+// One per translation unit.
+extern const RowKernels kPortableKernels;
+#ifdef HQSLAM_X86_KERNELS
+extern const RowKernels kAvx2Kernels;
+extern const RowKernels kAvx512Kernels;
+#endif
+
+}  // namespace hqslam::nn::kernels

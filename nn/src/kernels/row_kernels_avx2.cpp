@@ -1,0 +1,14 @@
+namespace hqslam::nn::kernels {
+namespace {
+constexpr int kVectorFloats = 8;
+constexpr int kChannelBlock = 4;
+constexpr int kColumnVectors = 3;
+constexpr int kTapBlock = 6;
+}  // namespace
+}  // namespace hqslam::nn::kernels
+
+#include "row_kernels_inl.h"
+
+namespace hqslam::nn::kernels {
+const RowKernels kAvx2Kernels{accumulate, correlate};
+}  // namespace hqslam::nn::kernels

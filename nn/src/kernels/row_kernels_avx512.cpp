@@ -1,0 +1,14 @@
+namespace hqslam::nn::kernels {
+namespace {
+constexpr int kVectorFloats = 16;
+constexpr int kChannelBlock = 8;
+constexpr int kColumnVectors = 3;
+constexpr int kTapBlock = 12;
+}  // namespace
+}  // namespace hqslam::nn::kernels
+
+#include "row_kernels_inl.h"
+
+namespace hqslam::nn::kernels {
+const RowKernels kAvx512Kernels{accumulate, correlate};
+}  // namespace hqslam::nn::kernels

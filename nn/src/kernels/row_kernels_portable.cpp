@@ -1,0 +1,14 @@
+namespace hqslam::nn::kernels {
+namespace {
+constexpr int kVectorFloats = 4;
+constexpr int kChannelBlock = 4;
+constexpr int kColumnVectors = 2;
+constexpr int kTapBlock = 4;
+}  // namespace
+}  // namespace hqslam::nn::kernels
+
+#include "row_kernels_inl.h"
+
+namespace hqslam::nn::kernels {
+const RowKernels kPortableKernels{accumulate, correlate};
+}  // namespace hqslam::nn::kernels

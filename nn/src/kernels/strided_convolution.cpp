@@ -1,0 +1,284 @@
+#include "strided_convolution.h"
+
+#include <fmt/format.h>
+#include <omp.h>
+
+#include <algorithm>
+
+#include "hqslam/core/error.h"
+
+namespace hqslam::nn::kernels {
+namespace {
+
+int blocks_of(int channels) { return (channels + kOutputBlock - 1) / kOutputBlock; }
+
+int padded_gradient_channels(int channels) {
+  return (channels + kGradientVector - 1) / kGradientVector * kGradientVector;
+}
+
+/// floor(a / b) for b > 0, also where a is negative.
+int floor_divided(int a, int b) { return a >= 0 ? a / b : -((-a + b - 1) / b); }
+
+}  // namespace
+
+StridedConvolution::StridedConvolution(const ConvolutionShape& shape, const Tensor& narrow,
+                                       const Tensor& wide, InstructionSet instruction_set)
+    : shape_(shape),
+      padding_(wide.padding()),
+      narrow_rows_(narrow.rows()),
+      narrow_columns_(narrow.columns()),
+      wide_rows_(wide.rows()),
+      wide_columns_(wide.columns()),
+      wide_border_rows_(wide.border_rows()),
+      kernels_(&row_kernels(instruction_set)) {
+  validate(shape_);
+  check(narrow, wide);
+  plan_gather(wide);
+  plan_scatter(narrow);
+}
+
+/// Everything that the kernels will read must be inside the tensors' memory.
+void StridedConvolution::check(const Tensor& narrow, const Tensor& wide) const {
+  const ConvolutionShape& s = shape_;
+  if (wide.channels() != s.input_channels || narrow.channels() != s.output_channels) {
+    throw Error(fmt::format("convolution: tensors of {} and {} channels, expected {} and {}",
+                            wide.channels(), narrow.channels(), s.input_channels,
+                            s.output_channels));
+  }
+  if (narrow.rows() != convolved_size(wide.rows(), s.kernel_rows, s.stride, s.padding_rows)) {
+    throw Error(fmt::format("convolution: {} rows do not become {} with stride {}", wide.rows(),
+                            narrow.rows(), s.stride));
+  }
+  const bool circular = wide.padding() == ColumnPadding::kCircular;
+  const int columns =
+      circular ? wide.columns() / s.stride
+               : convolved_size(wide.columns(), s.kernel_columns, s.stride, s.padding_columns);
+  if (narrow.columns() != columns || (circular && wide.columns() % s.stride != 0) ||
+      narrow.padding() != wide.padding() ||
+      wide.columns() > narrow.padded_columns() * s.stride) {
+    throw Error(fmt::format("convolution: {} columns do not become {} with stride {}",
+                            wide.columns(), narrow.columns(), s.stride));
+  }
+  const int below = (narrow.rows() - 1) * s.stride + s.kernel_rows - s.padding_rows - wide.rows();
+  const int wide_border = std::max(s.padding_rows, below);
+  const int narrow_above = (s.kernel_rows - 1 - s.padding_rows + s.stride - 1) / s.stride;
+  const int narrow_below =
+      (wide.rows() - 1 + s.padding_rows) / s.stride - (narrow.rows() - 1);
+  const int narrow_border = std::max({0, narrow_above, narrow_below});
+  if (wide.border_rows() < wide_border || narrow.border_rows() < narrow_border) {
+    throw Error(fmt::format("convolution: borders of {} and {} rows, expected {} and {}",
+                            wide.border_rows(), narrow.border_rows(), wide_border, narrow_border));
+  }
+}
+
+void StridedConvolution::plan_gather(const Tensor& wide) {
+  const ConvolutionShape& s = shape_;
+  // With a stride the taps read the phase planes: wide columns of one phase side by side.
+  const Tensor planes(s.stride == 1 ? 1 : s.input_channels * s.stride, wide.rows(),
+                      s.stride == 1 ? wide.columns() : narrow_columns_, padding_,
+                      wide.border_rows());
+  for (int b = 0; b < s.input_channels; ++b) {
+    for (int i = 0; i < s.kernel_rows; ++i) {
+      for (int j = 0; j < s.kernel_columns; ++j) {
+        const int column = j - s.padding_columns;
+        const int shift = floor_divided(column, s.stride);
+        const int plane = b * s.stride + (column - shift * s.stride);
+        gather_offset_.push_back(plane * planes.channel_stride() + i * planes.row_stride() + shift);
+      }
+    }
+  }
+}
+
+void StridedConvolution::plan_scatter(const Tensor& narrow) {
+  const ConvolutionShape& s = shape_;
+  const int kernel = s.kernel_rows * s.kernel_columns;
+  for (int row_phase = 0; row_phase < s.stride; ++row_phase) {
+    for (int column_phase = 0; column_phase < s.stride; ++column_phase) {
+      ScatterPhase phase;
+      for (int a = 0; a < s.output_channels; ++a) {
+        for (int i = 0; i < s.kernel_rows; ++i) {
+          const int row = row_phase + s.padding_rows - i;
+          if (row % s.stride != 0) continue;
+          for (int j = 0; j < s.kernel_columns; ++j) {
+            const int column = column_phase + s.padding_columns - j;
+            if (column % s.stride != 0) continue;
+            phase.tap_offset.push_back(a * narrow.channel_stride() +
+                                       row / s.stride * narrow.row_stride() + column / s.stride);
+            phase.weight_index.push_back(static_cast<std::int64_t>(a) * s.input_channels * kernel +
+                                         i * s.kernel_columns + j);
+          }
+        }
+      }
+      scatter_phases_.push_back(std::move(phase));
+    }
+  }
+}
+
+void StridedConvolution::set_weights(std::span<const float> weights) {
+  const ConvolutionShape& s = shape_;
+  if (static_cast<std::int64_t>(weights.size()) != s.weights()) {
+    throw Error(fmt::format("convolution: {} weights, expected {}", weights.size(), s.weights()));
+  }
+  const std::size_t taps = gather_offset_.size();
+  gather_weights_.assign(blocks_of(s.output_channels) * taps * kOutputBlock, 0.0F);
+  for (int a = 0; a < s.output_channels; ++a) {
+    for (std::size_t t = 0; t < taps; ++t) {
+      gather_weights_[((a / kOutputBlock) * taps + t) * kOutputBlock + a % kOutputBlock] =
+          weights[a * taps + t];
+    }
+  }
+  const std::int64_t kernel = static_cast<std::int64_t>(s.kernel_rows) * s.kernel_columns;
+  for (ScatterPhase& phase : scatter_phases_) {
+    const std::size_t phase_taps = phase.tap_offset.size();
+    phase.weights.assign(blocks_of(s.input_channels) * phase_taps * kOutputBlock, 0.0F);
+    for (int b = 0; b < s.input_channels; ++b) {
+      for (std::size_t t = 0; t < phase_taps; ++t) {
+        phase.weights[((b / kOutputBlock) * phase_taps + t) * kOutputBlock + b % kOutputBlock] =
+            weights[phase.weight_index[t] + b * kernel];
+      }
+    }
+  }
+}
+
+ConvolutionScratch StridedConvolution::make_scratch(int threads) const {
+  ConvolutionScratch scratch;
+  if (shape_.stride > 1) {
+    scratch.phases = Tensor(shape_.input_channels * shape_.stride, wide_rows_, narrow_columns_,
+                            padding_, wide_border_rows_);
+  }
+  // A row of every wide channel and column phase (scatter), or of the narrow channels with the
+  // channels side by side, and the gradient of every weight (add_weight_gradient).
+  const Tensor row(1, 1, narrow_columns_, padding_, 0);
+  const std::size_t scatter_floats =
+      static_cast<std::size_t>(shape_.input_channels) * shape_.stride * row.row_stride();
+  const std::size_t channels = padded_gradient_channels(shape_.output_channels);
+  const std::size_t gradient_floats = channels * (narrow_columns_ + gather_offset_.size());
+  scratch.rows.assign(threads, std::vector<float>(std::max(scatter_floats, gradient_floats)));
+  return scratch;
+}
+
+void StridedConvolution::sort_phases(const Tensor& wide, ConvolutionScratch& scratch) const {
+  const int stride = shape_.stride;
+  const int tasks = wide_rows_ * shape_.input_channels;
+#pragma omp for schedule(static)
+  for (int task = 0; task < tasks; ++task) {
+    const int channel = task / wide_rows_;
+    const int y = task % wide_rows_;
+    const float* from = wide.row(channel, y);
+    for (int phase = 0; phase < stride; ++phase) {
+      float* to = scratch.phases.row(channel * stride + phase, y);
+      // The border of the wide row holds what lies beyond its last column.
+      for (int x = 0; x < narrow_columns_; ++x) {
+        const int column = x * stride + phase;
+        to[x] = column < wide_columns_ + Tensor::kBorderColumns ? from[column] : 0.0F;
+      }
+      scratch.phases.fill_border(channel * stride + phase, y);
+    }
+  }
+}
+
+const float* StridedConvolution::gather_base(const Tensor& wide, const ConvolutionScratch& scratch,
+                                             int y) const {
+  const Tensor& planes = shape_.stride == 1 ? wide : scratch.phases;
+  return planes.row(0, y * shape_.stride - shape_.padding_rows);
+}
+
+void StridedConvolution::gather(const Tensor& wide, const Epilogue& epilogue, Tensor& narrow,
+                                ConvolutionScratch& scratch) const {
+  if (shape_.stride > 1) sort_phases(wide, scratch);
+#pragma omp for schedule(static)
+  for (int y = 0; y < narrow_rows_; ++y) {
+    AccumulateRow row;
+    row.input = gather_base(wide, scratch, y);
+    row.tap_offset = gather_offset_.data();
+    row.taps = static_cast<int>(gather_offset_.size());
+    row.weights = gather_weights_.data();
+    row.bias = epilogue.bias;
+    row.output_channels = shape_.output_channels;
+    row.output = narrow.row(0, y);
+    row.output_channel_stride = narrow.channel_stride();
+    if (epilogue.skip != nullptr) {
+      row.skip = epilogue.skip->row(0, y);
+      row.skip_channel_stride = epilogue.skip->channel_stride();
+    }
+    row.negative_slope = epilogue.negative_slope;
+    row.end = narrow_columns_;
+    kernels_->accumulate(row);
+    for (int channel = 0; channel < shape_.output_channels; ++channel) {
+      narrow.fill_border(channel, y);
+    }
+  }
+}
+
+void StridedConvolution::scatter_row(const Tensor& narrow, const Epilogue& epilogue, int wide_row,
+                                     Tensor& wide, std::vector<float>& rows) const {
+  const int stride = shape_.stride;
+  const int row_phase = wide_row % stride;
+  const std::int64_t row_stride = narrow.row_stride();
+  AccumulateRow row;
+  row.input = narrow.row(0, wide_row / stride);
+  row.bias = epilogue.bias;
+  row.output_channels = shape_.input_channels;
+  row.output_channel_stride = stride * row_stride;
+  row.end = (wide_columns_ + stride - 1) / stride;
+  for (int phase = 0; phase < stride; ++phase) {
+    const ScatterPhase& taps = scatter_phases_[row_phase * stride + phase];
+    row.tap_offset = taps.tap_offset.data();
+    row.taps = static_cast<int>(taps.tap_offset.size());
+    row.weights = taps.weights.data();
+    row.output = rows.data() + phase * row_stride;
+    kernels_->accumulate(row);
+  }
+  for (int channel = 0; channel < shape_.input_channels; ++channel) {
+    float* to = wide.row(channel, wide_row);
+    const float* skip = epilogue.skip == nullptr ? nullptr : epilogue.skip->row(channel, wide_row);
+    const float* from = rows.data() + channel * stride * row_stride;
+    for (int x = 0; x < wide_columns_; ++x) {
+      float y = from[x % stride * row_stride + x / stride];
+      if (skip != nullptr) y += skip[x];
+      to[x] = std::max(y, epilogue.negative_slope * y);
+    }
+    wide.fill_border(channel, wide_row);
+  }
+}
+
+void StridedConvolution::scatter(const Tensor& narrow, const Epilogue& epilogue, Tensor& wide,
+                                 ConvolutionScratch& scratch) const {
+#pragma omp for schedule(static)
+  for (int y = 0; y < wide_rows_; ++y) {
+    scatter_row(narrow, epilogue, y, wide, scratch.rows[omp_get_thread_num()]);
+  }
+}
+
+void StridedConvolution::add_weight_gradient(const Tensor& narrow, const Tensor& wide,
+                                             std::span<float> gradient,
+                                             ConvolutionScratch& scratch) const {
+  if (shape_.stride > 1) sort_phases(wide, scratch);
+  const int channels = padded_gradient_channels(shape_.output_channels);
+  const int taps = static_cast<int>(gather_offset_.size());
+  float* side_by_side = scratch.rows.front().data();
+  float* sums = side_by_side + static_cast<std::int64_t>(channels) * narrow_columns_;
+  std::fill_n(side_by_side, static_cast<std::size_t>(channels) * narrow_columns_, 0.0F);
+  std::fill_n(sums, static_cast<std::size_t>(channels) * taps, 0.0F);
+  constexpr int kStretch = 64;  // columns whose values stay in the first-level cache
+  for (int y = 0; y < narrow_rows_; ++y) {
+    for (int a = 0; a < shape_.output_channels; ++a) {
+      const float* from = narrow.row(a, y);
+      for (int x = 0; x < narrow_columns_; ++x) side_by_side[x * channels + a] = from[x];
+    }
+    for (int x = 0; x < narrow_columns_; x += kStretch) {
+      kernels_->correlate({.narrow = side_by_side + x * channels,
+                           .narrow_channels = channels,
+                           .wide = gather_base(wide, scratch, y) + x,
+                           .tap_offset = gather_offset_.data(),
+                           .taps = taps,
+                           .columns = std::min(kStretch, narrow_columns_ - x),
+                           .gradient = sums});
+    }
+  }
+  for (int a = 0; a < shape_.output_channels; ++a) {
+    for (int t = 0; t < taps; ++t) gradient[a * taps + t] += sums[t * channels + a];
+  }
+}
+
+}  // namespace hqslam::nn::kernels

@@ -1,0 +1,90 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "hqslam/nn/convolution_shape.h"
+#include "hqslam/nn/instruction_set.h"
+#include "hqslam/nn/tensor.h"
+#include "row_kernels.h"
+
+namespace hqslam::nn::kernels {
+
+/// Memory that the methods of StridedConvolution work in; one per thread team.
+struct ConvolutionScratch {
+  Tensor phases;                       ///< the wide tensor, its columns sorted by column mod stride
+  std::vector<std::vector<float>> rows;  ///< one per thread
+};
+
+/// A convolution seen from both sides. The narrow side has one pixel per `stride` pixels of the
+/// wide side, and the weights w are narrow channels x wide channels x kernel rows x kernel columns:
+///   gather   narrow[a][y][x]                      = sum  w[a][b][i][j] wide[b][y s + i - p][x s + j - p]
+///   scatter  wide[b][y s + i - p][x s + j - p]   += sum  w[a][b][i][j] narrow[a][y][x]
+/// One is the adjoint of the other, so conv2d is gather forward and scatter backward, and
+/// conv_transpose2d scatter forward and gather backward, with the weights in PyTorch's layout in
+/// both cases. Beyond the edges both tensors continue as their ColumnPadding says.
+///
+/// Inside an OpenMP parallel region the threads of the team share the work and wait for each other
+/// at the end; every value is computed by one thread in an order that does not depend on their
+/// number.
+class StridedConvolution {
+ public:
+  /// Plans for one pair of tensor shapes. `shape` is conv2d's: input channels are the wide side's,
+  /// output channels the narrow side's. Throws Error if the tensors do not fit it or their borders
+  /// are too small.
+  StridedConvolution(const ConvolutionShape& shape, const Tensor& narrow, const Tensor& wide,
+                     InstructionSet instruction_set);
+
+  /// Rearranges the weights (narrow x wide x kernel rows x kernel columns).
+  void set_weights(std::span<const float> weights);
+
+  ConvolutionScratch make_scratch(int threads) const;
+
+  /// a(v) = max(v, negative_slope v); bias may be empty; skip (may be null) is added before a.
+  struct Epilogue {
+    const float* bias = nullptr;  ///< padded to whole blocks of kOutputBlock
+    const Tensor* skip = nullptr;
+    float negative_slope = 1.0F;
+  };
+  /// Fills the border columns of the result too.
+  void gather(const Tensor& wide, const Epilogue& epilogue, Tensor& narrow,
+              ConvolutionScratch& scratch) const;
+  void scatter(const Tensor& narrow, const Epilogue& epilogue, Tensor& wide,
+               ConvolutionScratch& scratch) const;
+  /// Adds to gradient (the weights' layout): sum narrow[a][y][x] wide[b][y s + i - p][x s + j - p].
+  /// One thread.
+  void add_weight_gradient(const Tensor& narrow, const Tensor& wide, std::span<float> gradient,
+                           ConvolutionScratch& scratch) const;
+
+ private:
+  /// The taps that end in the wide pixels whose row and column have one phase (mod stride).
+  struct ScatterPhase {
+    std::vector<std::int64_t> tap_offset;
+    std::vector<std::int64_t> weight_index;  ///< of each tap, for wide channel 0
+    std::vector<float> weights;              ///< blocks of 8 wide channels x taps x 8
+  };
+
+  void check(const Tensor& narrow, const Tensor& wide) const;
+  void plan_gather(const Tensor& wide);
+  void plan_scatter(const Tensor& narrow);
+  /// Where the taps of narrow row y are counted from.
+  const float* gather_base(const Tensor& wide, const ConvolutionScratch& scratch, int y) const;
+  void sort_phases(const Tensor& wide, ConvolutionScratch& scratch) const;
+  void scatter_row(const Tensor& narrow, const Epilogue& epilogue, int wide_row, Tensor& wide,
+                   std::vector<float>& rows) const;
+
+  ConvolutionShape shape_;
+  ColumnPadding padding_;
+  int narrow_rows_ = 0;
+  int narrow_columns_ = 0;
+  int wide_rows_ = 0;
+  int wide_columns_ = 0;
+  int wide_border_rows_ = 0;
+  const RowKernels* kernels_;
+  std::vector<std::int64_t> gather_offset_;  ///< wide channel, kernel row, kernel column
+  std::vector<float> gather_weights_;        ///< blocks of 8 narrow channels x taps x 8
+  std::vector<ScatterPhase> scatter_phases_;  ///< row phase x stride + column phase
+};
+
+}  // namespace hqslam::nn::kernels
