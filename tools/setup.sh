@@ -5,12 +5,12 @@
 set -euo pipefail
 
 packages=(
-  g++ cmake ninja-build
-  libeigen3-dev libfmt-dev nlohmann-json3-dev libpng-dev # core
-  libembree-dev                                          # the simulated city
-  libpcl-dev libceres-dev                                # slam
-  libcli11-dev                                           # the command line
-  doctest-dev                                            # the tests
+  g++ cmake ninja-build pkg-config
+  libeigen3-dev libfmt-dev nlohmann-json3-dev libpng-dev libzip-dev # core
+  libembree-dev                                                     # the simulated city
+  libpcl-dev libceres-dev                                           # slam
+  libcli11-dev                                                      # the command line
+  doctest-dev                                                       # the tests
 )
 if [[ "${1:-}" == checks ]]; then
   packages+=(clang-format clang-tidy)

@@ -1,13 +1,13 @@
 #include "hqslam/core/npy.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <bit>
 #include <limits>
 #include <utility>
 
 #include "hqslam/core/error.h"
+#include "npy_header_bytes.h"
 
 namespace hqslam {
 
@@ -18,10 +18,6 @@ namespace {
 /// Space for the largest header of the arrays written here, so that it can grow in place.
 constexpr std::size_t kWrittenHeaderBytes = 128;
 constexpr std::int64_t kMaxImageSide = 65536;
-
-std::string shape_text(const std::vector<std::int64_t>& shape) {
-  return fmt::format("({})", fmt::join(shape, ", "));
-}
 
 void require_range_images(const NpyHeader& header, const std::string& path) {
   if (header.dtype != "<f4") {
@@ -43,7 +39,7 @@ void require_range_images(const NpyHeader& header, const std::string& path) {
     throw Error(
         fmt::format("{}: expected range images of shape (N, rows, columns) or "
                     "(N, rows, columns, 1), found {}; reshape the array",
-                    path, shape_text(shape)));
+                    path, npy_shape_text(shape)));
   }
 }
 
@@ -59,7 +55,7 @@ void require_data(const NpyHeader& header, std::int64_t file_bytes, const std::s
       fmt::format("{}: {}: expected {} images of {} bytes for shape {}, found {} bytes; copy or "
                   "write the file again",
                   path, long_enough ? "too long" : "truncated", header.shape[0], image_bytes,
-                  shape_text(header.shape), found));
+                  npy_shape_text(header.shape), found));
 }
 
 template <typename T>
@@ -114,8 +110,8 @@ NpyArrayWriter<T>::NpyArrayWriter(const std::string& path, std::vector<std::int6
   for (const std::int64_t size : item_shape_) {
     if (size < 1 || static_cast<std::size_t>(size) >
                         std::numeric_limits<std::uint32_t>::max() / item_elements_) {
-      throw Error(
-          fmt::format("{}: item shape {} is empty or too large", path, shape_text(item_shape_)));
+      throw Error(fmt::format("{}: item shape {} is empty or too large", path,
+                              npy_shape_text(item_shape_)));
     }
     item_elements_ *= static_cast<std::size_t>(size);
   }
@@ -138,19 +134,13 @@ void NpyArrayWriter<T>::append(std::span<const T> item) {
 
 template <typename T>
 void NpyArrayWriter<T>::write_header() {
-  std::string text = fmt::format("{{'descr': '{}', 'fortran_order': False, 'shape': ({}, {}), }}",
-                                 dtype_of<T>(), items_, fmt::join(item_shape_, ", "));
-  constexpr std::size_t kPreamble = 10;
-  if (kPreamble + text.size() + 1 > kWrittenHeaderBytes) {
-    throw Error(
-        fmt::format("{}: item shape {} has too many dimensions", path_, shape_text(item_shape_)));
+  std::vector<std::int64_t> shape = {items_};
+  shape.insert(shape.end(), item_shape_.begin(), item_shape_.end());
+  const std::string header = npy_header_bytes(dtype_of<T>(), shape, kWrittenHeaderBytes);
+  if (header.size() > kWrittenHeaderBytes) {
+    throw Error(fmt::format("{}: item shape {} has too many dimensions", path_,
+                            npy_shape_text(item_shape_)));
   }
-  text.resize(kWrittenHeaderBytes - kPreamble - 1, ' ');
-  text += '\n';
-  std::string header("\x93NUMPY\x01\x00", 8);
-  header += static_cast<char>(text.size() & 0xFF);
-  header += static_cast<char>(text.size() >> 8);
-  header += text;
   stream_.seekp(0);
   stream_.write(header.data(), static_cast<std::streamsize>(header.size()));
   stream_.flush();
