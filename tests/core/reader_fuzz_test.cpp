@@ -10,6 +10,7 @@
 #include "file_contents.h"
 #include "hqslam/core/kitti_bin.h"
 #include "hqslam/core/npy.h"
+#include "hqslam/core/npz.h"
 #include "hqslam/core/pcd.h"
 #include "hqslam/core/projection.h"
 #include "hqslam/core/ring_recovery.h"
@@ -147,6 +148,23 @@ TEST_CASE("damaged .npy stacks are read or refused, nothing else") {
     while (source->next()) {
     }
   });
+}
+
+TEST_CASE("damaged .npz archives are read or refused, nothing else") {
+  constexpr std::int64_t kLargestBytes = 1 << 20;
+  const Read read = [](const std::string& path) { read_npz(path, kLargestBytes); };
+  const std::string own = written([](const std::string& path) {
+    NpzArrays arrays;
+    arrays["weights"] = npz_array(std::vector<float>(60, 0.5F), {3, 4, 5});
+    arrays["step"] = npz_array(std::vector<std::int64_t>{7}, {});
+    arrays["note"] = npz_text("damage me");
+    write_npz(path, arrays);
+  });
+  feed(own, "own.npz", 4000, read);
+  // Stored members: their headers lie open to the damage. The directory is at the end of a file,
+  // and small files have more of it.
+  feed(file_contents(HQSLAM_GOLDEN_DIR "/numpy_stored.npz"), "stored.npz", 3000, read);
+  feed(file_contents(HQSLAM_GOLDEN_DIR "/numpy_deflated.npz"), "deflated.npz", 3000, read);
 }
 
 TEST_CASE("damaged KITTI scans are read or refused, nothing else") {

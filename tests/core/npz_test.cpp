@@ -1,0 +1,435 @@
+#include "hqslam/core/npz.h"
+
+#include <doctest/doctest.h>
+#include <sys/resource.h>
+
+#include <array>
+#include <cmath>
+#include <csignal>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <iterator>
+#include <limits>
+
+#include "error_message.h"
+#include "file_contents.h"
+#include "temporary_directory.h"
+
+using namespace hqslam;
+using namespace hqslam::test;
+
+namespace {
+
+std::string little_endian(std::uint64_t value, int bytes) {
+  std::string text;
+  for (int i = 0; i < bytes; ++i) text += static_cast<char>((value >> (8 * i)) & 0xFF);
+  return text;
+}
+
+/// The checksum of zip, bit by bit. Source: polynomial 0xEDB88320 of IEEE 802.3, reflected.
+std::uint32_t crc32(const std::string& bytes) {
+  std::uint32_t crc = 0xFFFFFFFFU;
+  for (const char byte : bytes) {
+    crc ^= static_cast<unsigned char>(byte);
+    for (int bit = 0; bit < 8; ++bit) crc = (crc >> 1) ^ ((crc & 1) != 0 ? 0xEDB88320U : 0U);
+  }
+  return ~crc;
+}
+
+/// A member put together by hand, which may lie about everything.
+struct HandMember {
+  std::string name = "a.npy";
+  std::string packed;
+  std::uint64_t claimed_bytes = 0;
+  std::uint32_t crc = 0;
+  int method = 0;  // 0 stored, 8 deflated
+  int flags = 0;
+};
+
+HandMember stored(const std::string& contents, const std::string& name = "a.npy") {
+  return {name, contents, contents.size(), crc32(contents), 0, 0};
+}
+
+/// Deflate's blocks of plain bytes suffice for one that is short.
+HandMember deflated(const std::string& contents) {
+  HandMember member = stored(contents);
+  member.method = 8;
+  member.packed = std::string("\x01", 1) + little_endian(contents.size(), 2) +
+                  little_endian(~contents.size() & 0xFFFF, 2) + contents;
+  return member;
+}
+
+/// Source: PKWARE's APPNOTE.TXT, sections 4.3.7, 4.3.12 and 4.3.16.
+std::string zip_of(const std::vector<HandMember>& members) {
+  std::string file;
+  std::string directory;
+  for (const HandMember& member : members) {
+    const std::string common =
+        little_endian(20, 2) + little_endian(static_cast<std::uint64_t>(member.flags), 2) +
+        little_endian(static_cast<std::uint64_t>(member.method), 2) + little_endian(0x210000, 4) +
+        little_endian(member.crc, 4) + little_endian(member.packed.size(), 4) +
+        little_endian(member.claimed_bytes, 4) + little_endian(member.name.size(), 2) +
+        little_endian(0, 2);
+    directory += "PK\x01\x02" + little_endian(20, 2) + common + little_endian(0, 10) +
+                 little_endian(file.size(), 4) + member.name;
+    file += "PK\x03\x04" + common + member.name + member.packed;
+  }
+  return file + directory + "PK\x05\x06" + little_endian(0, 4) + little_endian(members.size(), 2) +
+         little_endian(members.size(), 2) + little_endian(directory.size(), 4) +
+         little_endian(file.size(), 4) + little_endian(0, 2);
+}
+
+std::string npy_file(const std::string& dtype, const std::string& shape, const std::string& data,
+                     const std::string& fortran_order = "False") {
+  const std::string text = "{'descr': '" + dtype + "', 'fortran_order': " + fortran_order +
+                           ", 'shape': " + shape + ", }\n";
+  return std::string("\x93NUMPY\x01\x00", 8) + little_endian(text.size(), 2) + text + data;
+}
+
+const std::string kFourBytes = "\x01\x02\x03\x04";
+
+std::string complaint_about(const std::string& contents, std::int64_t largest_bytes = 1 << 20) {
+  const TemporaryDirectory directory;
+  write_file(directory.file("arrays.npz"), contents);
+  return error_message([&] { read_npz(directory.file("arrays.npz"), largest_bytes); });
+}
+
+std::string complaint_about(const HandMember& member) { return complaint_about(zip_of({member})); }
+
+NpzArrays some_arrays() {
+  NpzArrays arrays;
+  arrays["weights"] = npz_array(std::vector<float>{1.5F, -2.0F, 0.1F, 7, 8, 9}, {2, 3});
+  arrays["loss"] = npz_array(std::vector<double>{0.1}, {});
+  arrays["steps"] = npz_array(std::vector<std::int64_t>{-1, 1LL << 62}, {2});
+  arrays["none"] = npz_array(std::vector<float>{}, {0, 3});
+  arrays["text"] = npz_text("Grüße\n");
+  arrays["layers.0.bias"] = {"|i1", {2}, {std::byte{0x80}, std::byte{0x7F}}};
+  return arrays;
+}
+
+void check_equal(const NpzArrays& found, const NpzArrays& expected) {
+  REQUIRE(found.size() == expected.size());
+  for (const auto& [name, array] : expected) {
+    CAPTURE(name);
+    REQUIRE(found.count(name) == 1);
+    CHECK(found.at(name).dtype == array.dtype);
+    CHECK(found.at(name).shape == array.shape);
+    CHECK(found.at(name).bytes == array.bytes);
+  }
+}
+
+/// No file grows beyond this while it lives.
+class FileSizeLimit {
+ public:
+  explicit FileSizeLimit(rlim_t bytes) {
+    previous_handler_ = std::signal(SIGXFSZ, SIG_IGN);
+    getrlimit(RLIMIT_FSIZE, &previous_);
+    const rlimit limit{bytes, previous_.rlim_max};
+    setrlimit(RLIMIT_FSIZE, &limit);
+  }
+  ~FileSizeLimit() {
+    setrlimit(RLIMIT_FSIZE, &previous_);
+    (void)std::signal(SIGXFSZ, previous_handler_);
+  }
+  FileSizeLimit(const FileSizeLimit&) = delete;
+  FileSizeLimit& operator=(const FileSizeLimit&) = delete;
+
+ private:
+  rlimit previous_{};
+  void (*previous_handler_)(int) = nullptr;
+};
+
+}  // namespace
+
+TEST_CASE("arrays that are written come back with dtype, shape and bytes") {
+  const TemporaryDirectory directory;
+  write_npz(directory.file("arrays.npz"), some_arrays());
+  check_equal(read_npz(directory.file("arrays.npz")), some_arrays());
+}
+
+TEST_CASE("the values of an array are those it was made of") {
+  const NpzArrays arrays = some_arrays();
+  CHECK(float_values(arrays.at("weights"), "weights") ==
+        std::vector<float>{1.5F, -2.0F, 0.1F, 7, 8, 9});
+  CHECK(double_values(arrays.at("loss"), "loss") == std::vector<double>{0.1});
+  CHECK(int64_values(arrays.at("steps"), "steps") == std::vector<std::int64_t>{-1, 1LL << 62});
+  CHECK(float_values(arrays.at("none"), "none").empty());
+  CHECK(text_value(arrays.at("text"), "text") == "Grüße\n");
+  CHECK(text_value(npz_text(""), "text").empty());
+  CHECK(arrays.at("loss").elements() == 1);
+  CHECK(arrays.at("weights").elements() == 6);
+  CHECK(arrays.at("none").elements() == 0);
+}
+
+TEST_CASE("numpy's files are read, stored and deflated, with every dtype") {
+  for (const char* name : {"numpy_stored.npz", "numpy_deflated.npz"}) {
+    CAPTURE(name);
+    const NpzArrays arrays = read_npz(std::string(HQSLAM_GOLDEN_DIR) + "/" + name);
+    REQUIRE(arrays.size() == 11);
+    const std::vector<float> singles = float_values(arrays.at("float32"), "float32");
+    CHECK(arrays.at("float32").shape == std::vector<std::int64_t>{2, 3});
+    CHECK(singles == std::vector<float>{0.5F, -1.25F, 3.0F, INFINITY, 1e-40F, 0.0F});
+    CHECK(std::signbit(singles[5]));
+    CHECK(double_values(arrays.at("float64"), "float64") == std::vector<double>{0.1, -1e300});
+    CHECK(int64_values(arrays.at("int64"), "int64") == std::vector<std::int64_t>{-1, 1LL << 62});
+    CHECK(arrays.at("int64").shape == std::vector<std::int64_t>{2, 1});
+    CHECK(arrays.at("int32").dtype == "<i4");
+    std::array<std::int32_t, 2> words{};
+    REQUIRE(arrays.at("int32").bytes.size() == sizeof(words));
+    std::memcpy(words.data(), arrays.at("int32").bytes.data(), sizeof(words));
+    CHECK(words == std::array<std::int32_t, 2>{std::numeric_limits<std::int32_t>::min(), 7});
+    CHECK(text_value(arrays.at("uint8"), "uint8") == "Grüße");
+    CHECK(arrays.at("int8").dtype == "|i1");
+    CHECK(arrays.at("int8").bytes == std::vector<std::byte>{std::byte{0x80}, std::byte{0x7F}});
+    CHECK(arrays.at("bool").dtype == "|b1");
+    CHECK(arrays.at("bool").bytes ==
+          std::vector<std::byte>{std::byte{1}, std::byte{0}, std::byte{1}});
+    CHECK(arrays.at("scalar").shape.empty());
+    CHECK(int64_values(arrays.at("scalar"), "scalar") == std::vector<std::int64_t>{42});
+    CHECK(arrays.at("empty").shape == std::vector<std::int64_t>{0, 3});
+    CHECK(arrays.at("empty").bytes.empty());
+    CHECK(arrays.at("ramp").shape == std::vector<std::int64_t>{3, 10, 100});
+    CHECK(float_values(arrays.at("ramp"), "ramp")[2999] == 49.0F);
+    CHECK(arrays.count("nested/näme") == 1);
+  }
+}
+
+TEST_CASE("files packed by hand are read, stored and deflated") {
+  const TemporaryDirectory directory;
+  const std::string path = directory.file("arrays.npz");
+  const std::string array = npy_file("|u1", "(2, 2)", kFourBytes);
+  HandMember second = deflated(array);
+  second.name = "b.npy";
+  write_file(path, zip_of({stored(array), second}));
+  const NpzArrays arrays = read_npz(path);
+  for (const char* name : {"a", "b"}) {
+    CHECK(arrays.at(name).shape == std::vector<std::int64_t>{2, 2});
+    CHECK(arrays.at(name).bytes ==
+          std::vector<std::byte>{std::byte{1}, std::byte{2}, std::byte{3}, std::byte{4}});
+  }
+  write_file(path, zip_of({}));
+  CHECK(read_npz(path).empty());
+}
+
+TEST_CASE("the same arrays give the same bytes, whatever the time zone") {
+  const TemporaryDirectory directory;
+  write_npz(directory.file("one.npz"), some_arrays());
+  const char* zone = std::getenv("TZ");
+  const std::string previous = zone == nullptr ? "" : zone;
+  setenv("TZ", "Pacific/Auckland", 1);
+  write_npz(directory.file("two.npz"), some_arrays());
+  zone == nullptr ? unsetenv("TZ") : setenv("TZ", previous.c_str(), 1);
+  const std::string contents = file_contents(directory.file("one.npz"));
+  CHECK(contents == file_contents(directory.file("two.npz")));
+  // The first member is the first by name, deflated, of 1980-01-01 00:00.
+  CHECK(contents.substr(8, 6) == std::string("\x08\x00\x00\x00\x21\x00", 6));
+  CHECK(contents.substr(30, 17) == "layers.0.bias.npy");
+}
+
+TEST_CASE("a written file holds numpy's header, aligned to 64 bytes") {
+  const TemporaryDirectory directory;
+  const std::string path = directory.file("arrays.npz");
+  // Deflate does not shrink this; what it holds is seen through the size that zip records.
+  write_npz(path, {{"a", npz_array(std::vector<float>{1}, {1})}});
+  CHECK(file_contents(path).substr(22, 4) == little_endian(128 + 4, 4));
+}
+
+TEST_CASE("an array is refused whose values do not fit its shape") {
+  CHECK(one_line_with(error_message([] {
+                        npz_array(std::vector<float>{1, 2}, {3});
+                      }),
+                      "expected 3 values", "(3,)", "found 2"));
+  CHECK(one_line_with(error_message([] {
+                        npz_array(std::vector<float>{}, {-1, 0});
+                      }),
+                      "negative", "(-1, 0)"));
+  CHECK(one_line_with(error_message([] {
+                        npz_array(std::vector<double>{}, {1LL << 40, 1LL << 40});
+                      }),
+                      "2^59"));
+}
+
+TEST_CASE("values of another dtype or size are refused by name") {
+  const NpzArray array = npz_array(std::vector<float>{1, 2}, {2, 1});
+  CHECK(one_line_with(error_message([&] { double_values(array, "bias"); }), "bias", "'<f8'",
+                      "'<f4'"));
+  CHECK(one_line_with(error_message([&] { int64_values(array, "bias"); }), "bias", "'<i8'"));
+  CHECK(one_line_with(error_message([&] { text_value(array, "bias"); }), "bias", "'|u1'"));
+  NpzArray cut = array;
+  cut.bytes.pop_back();
+  CHECK(one_line_with(error_message([&] { float_values(cut, "bias"); }), "bias", "8 bytes",
+                      "found 7"));
+  const NpzArray square = {"|u1", {1, 1}, {std::byte{65}}};
+  CHECK(one_line_with(error_message([&] { text_value(square, "note"); }), "note", "one-dimensional",
+                      "(1, 1)"));
+}
+
+TEST_CASE("what is no zip archive is refused") {
+  const TemporaryDirectory directory;
+  const auto read = [&](const std::string& path) { return error_message([&] { read_npz(path); }); };
+  CHECK(one_line_with(read(directory.file("none.npz")), "none.npz", "no file"));
+  CHECK(one_line_with(read(directory.path().string()), "a folder"));
+  CHECK(one_line_with(complaint_about(""), "arrays.npz", "expected an .npz file"));
+  CHECK(one_line_with(complaint_about("x y z\n1 2 3\n"), "expected an .npz file"));
+  CHECK(
+      one_line_with(complaint_about(npy_file("<f4", "(1,)", kFourBytes)), "expected an .npz file"));
+}
+
+TEST_CASE("a file that is cut anywhere is refused") {
+  const TemporaryDirectory directory;
+  const std::string path = directory.file("arrays.npz");
+  write_npz(path, some_arrays());
+  const std::string contents = file_contents(path);
+  for (std::size_t length = 0; length < contents.size(); length += 13) {
+    CAPTURE(length);
+    write_file(path, contents.substr(0, length));
+    CHECK(one_line_with(error_message([&] { read_npz(path); }), path, "expected", "found"));
+  }
+}
+
+TEST_CASE("a member that numpy would not have written is refused by name") {
+  const std::string array = npy_file("|u1", "(4,)", kFourBytes);
+  for (const char* name : {"a.txt", "folder/", ".npy", "a.npy.bak"}) {
+    CAPTURE(name);
+    CHECK(one_line_with(complaint_about(stored(array, name)), "arrays.npz", name,
+                        "a name that ends in .npy"));
+  }
+  CHECK(one_line_with(complaint_about(stored(array, "line\nbreak")), "line?break"));
+  CHECK(one_line_with(complaint_about(zip_of({stored(array), stored(array)})), "'a.npy'",
+                      "every name once"));
+  HandMember member = stored(array);
+  member.flags = 1;
+  CHECK(one_line_with(complaint_about(member), "'a.npy'", "no encryption"));
+  member = stored(array);
+  member.method = 12;  // bzip2
+  CHECK(one_line_with(complaint_about(member), "'a.npy'", "stored or deflated", "method 12"));
+  CHECK(one_line_with(complaint_about(stored("no array")), "'a.npy'", "NUMPY"));
+  CHECK(one_line_with(complaint_about(stored(array.substr(0, 30))), "'a.npy'", "truncated"));
+}
+
+TEST_CASE("an array that hqslam does not read is refused by member and reason") {
+  const auto with = [](const std::string& dtype, const std::string& shape,
+                       const std::string& fortran_order = "False") {
+    return complaint_about(deflated(npy_file(dtype, shape, kFourBytes, fortran_order)));
+  };
+  CHECK(one_line_with(with("<f2", "(2,)"), "arrays.npz: member 'a.npy'", "dtype <f4", "'<f2'"));
+  CHECK(one_line_with(with(">f4", "(1,)"), "'>f4'"));
+  CHECK(one_line_with(with("|O", "(1,)"), "'|O'"));
+  CHECK(one_line_with(with("<f4", "(1,)", "True"), "C order", "Fortran"));
+  CHECK(one_line_with(with("<f4", "(2,)"), "shape (2,)", "found 4 bytes"));
+  CHECK(one_line_with(with("<f4", "(0,)"), "shape (0,)", "found 4 bytes"));
+  CHECK(one_line_with(with("|u1", "()"), "shape ()", "found 4 bytes"));
+  CHECK(one_line_with(with("<f4", "(-1,)"), "a size in 'shape'"));
+  CHECK(one_line_with(with("<f4", "(99999999999999999999,)"), "smaller sizes"));
+  CHECK(one_line_with(with("<f4", "(4294967296, 4294967296)"), "(4294967296, 4294967296)"));
+  // 2^62 + 1 floats are 4 bytes modulo 2^64.
+  CHECK(one_line_with(with("<f4", "(4611686018427387905,)"), "(4611686018427387905,)"));
+}
+
+TEST_CASE("damaged contents are refused by their checksum") {
+  const std::string array = npy_file("|u1", "(4,)", kFourBytes);
+  for (HandMember member : {stored(array), deflated(array)}) {
+    member.packed.back() = '\x7F';
+    CHECK(one_line_with(complaint_about(member), "'a.npy'", "right checksum", "CRC"));
+  }
+  HandMember broken = deflated(array);
+  broken.packed[0] = '\x07';  // deflate has no block of kind 3
+  CHECK(one_line_with(complaint_about(broken), "'a.npy'", "can be unpacked"));
+}
+
+TEST_CASE("a claimed size is not believed") {
+  // The claim and the header agree, the packed bytes hold less: nothing of the kind is allocated.
+  HandMember member = stored(npy_file("|u1", "(4000000000,)", kFourBytes));
+  member.claimed_bytes += 4000000000 - 4;
+  CHECK(one_line_with(complaint_about(member), "'a.npy'", "1 bytes from each", "a claim of 4000"));
+  member = deflated(npy_file("|u1", "(4000000000,)", kFourBytes));
+  member.claimed_bytes += 4000000000 - 4;
+  CHECK(one_line_with(complaint_about(member), "'a.npy'", "1032 bytes from each"));
+  // What deflate could have done, but has not.
+  member = deflated(npy_file("|u1", "(50000,)", kFourBytes));
+  member.claimed_bytes += 50000 - 4;
+  CHECK(one_line_with(complaint_about(member), "'a.npy'", "expected 50"));
+  // More is packed than is claimed.
+  member = deflated(npy_file("|u1", "(4,)", kFourBytes + std::string(1000, 'x')));
+  member.claimed_bytes -= 1000;
+  CHECK(one_line_with(complaint_about(member), "'a.npy'", "expected"));
+}
+
+TEST_CASE("arrays above the limit are refused before they are unpacked") {
+  const TemporaryDirectory directory;
+  const std::string path = directory.file("arrays.npz");
+  const std::int64_t bytes = 4 << 20;
+  const std::vector<float> zeros(static_cast<std::size_t>(bytes) / 4);
+  NpzArrays arrays;
+  arrays["first"] = npz_array(zeros, {bytes / 4});
+  arrays["second"] = arrays["first"];
+  write_npz(path, arrays);
+  CHECK(file_contents(path).size() < 20000);
+  CHECK(read_npz(path, 2 * bytes).size() == 2);
+  CHECK(one_line_with(error_message([&] { read_npz(path, 2 * bytes - 1); }), path, "second",
+                      "too large", "at most 4194303 bytes", "found 4194304"));
+  CHECK(one_line_with(error_message([&] { read_npz(path, 1000); }), "first", "too large"));
+  std::filesystem::resize_file(path, 80 << 20);  // takes no space on the disk
+  CHECK(one_line_with(error_message([&] { read_npz(path, 1000); }), path, "too large"));
+}
+
+TEST_CASE("members that share their packed bytes are refused") {
+  std::string file = zip_of({stored(npy_file("|u1", "(4,)", kFourBytes)),
+                             stored(npy_file("|u1", "(4,)", kFourBytes), "b.npy")});
+  // Both directory entries claim more than half of the file.
+  for (std::size_t at = file.find("PK\x01\x02"); at != std::string::npos;
+       at = file.find("PK\x01\x02", at + 1)) {
+    file.replace(at + 20, 4, little_endian(file.size() - 100, 4));
+  }
+  CHECK(one_line_with(complaint_about(file), "'b.npy'", "packed bytes in the rest of the file"));
+}
+
+TEST_CASE("arrays that numpy could not read are not written") {
+  const TemporaryDirectory directory;
+  const auto write = [&](const std::string& name, const NpzArray& array) {
+    return error_message([&] { write_npz(directory.file("out.npz"), {{name, array}}); });
+  };
+  const NpzArray good = npz_array(std::vector<float>{1}, {1});
+  CHECK(one_line_with(write("", good), "out.npz", "1 to 65531 bytes"));
+  CHECK(one_line_with(write(std::string("a\0b", 3), good), "zero byte"));
+  CHECK(one_line_with(write("\xFF\xFE", good), "UTF-8"));
+  CHECK(one_line_with(write(std::string(65532, 'n'), good), "nnn...", "of 65532 bytes"));
+  CHECK(one_line_with(write("a", {"<f2", {1}, {}}), "array 'a'", "dtype", "'<f2'"));
+  CHECK(one_line_with(write("a", {"<f4", {2}, std::vector<std::byte>(4)}), "array 'a'", "(2,)",
+                      "found 4 bytes"));
+  CHECK(one_line_with(write("a", {"<f4", {-1}, {}}), "array 'a'", "(-1,)"));
+  CHECK(one_line_with(write("a", {"|u1", std::vector<std::int64_t>(33, 1), {std::byte{1}}}),
+                      "array 'a'"));
+  CHECK(one_line_with(error_message([&] { write_npz(directory.file("out.npz"), {}); }),
+                      "at least one array"));
+  CHECK(std::filesystem::is_empty(directory.path()));
+}
+
+TEST_CASE("where a file cannot be written the old one stays and nothing is left beside it") {
+  const TemporaryDirectory directory;
+  const std::string path = directory.file("arrays.npz");
+  write_npz(path, some_arrays());
+  const std::string before = file_contents(path);
+  std::vector<float> noise(20000);
+  std::uint32_t state = 1;
+  for (float& value : noise) {
+    state = state * 1664525U + 1013904223U;
+    value = static_cast<float>(state) / 3.0F;
+  }
+  std::string complaint;
+  {
+    const FileSizeLimit limit(10000);
+    complaint = error_message([&] {
+      write_npz(path, {{"noise", npz_array(noise, {static_cast<std::int64_t>(noise.size())})}});
+    });
+  }
+  CHECK(one_line_with(complaint, path, "cannot be written", "free space"));
+  CHECK(file_contents(path) == before);
+  CHECK(std::distance(std::filesystem::directory_iterator(directory.path()), {}) == 1);
+  CHECK(one_line_with(
+      error_message([&] { write_npz(directory.file("none/arrays.npz"), some_arrays()); }),
+      "cannot be written", "folder exists"));
+  CHECK(one_line_with(error_message([&] { write_npz(directory.path().string(), some_arrays()); }),
+                      "cannot be written"));
+}
