@@ -100,7 +100,7 @@ void write_npz(const std::string& path, const NpzArrays& arrays) {
   for (const auto& [name, file] : files) add_member(archive.get(), path, name, file);
   // This writes a file beside `path` and renames it. What it could not write it leaves to discard.
   if (zip_close(archive.get()) != 0) fail_to_write(path, zip_strerror(archive.get()));
-  archive.release();
+  (void)archive.release();
 }
 
 }  // namespace hqslam
