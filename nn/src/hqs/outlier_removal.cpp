@@ -64,29 +64,25 @@ OutlierRemoval::OutlierRemoval(const SensorModel& sensor, RowSelection measured_
     down_cos_.push_back(static_cast<float>(std::cos(alpha_rad)));
   }
   const std::size_t words = row_start(rows_);
-  for (auto* bits : {&present_, &right_, &down_, &large_, &run_start_}) bits->resize(words);
+  for (auto* bits : {&present_, &right_, &down_, &large_, &undecided_, &run_start_})
+    bits->resize(words);
   wraps_.resize(rows_);
   first_run_.resize(words);
   runs_.resize(static_cast<std::size_t>(rows_) * columns_);
+  run_pairs_.resize(2 * static_cast<std::size_t>(columns_));
 }
 
 void OutlierRemoval::find(const float* range_m, std::uint8_t* rejected, int threads) {
-  std::memset(rejected, 0, static_cast<std::size_t>(rows_) * columns_);
-  if (min_pixels_ < 2) return;  // no component is smaller than one pixel
   connect_rows(range_m, threads);
   for (int row = 1; row < rows_; ++row) spread(row - 1, row);
   for (int row = rows_ - 2; row >= 0; --row) spread(row + 1, row);
   number_runs();
-  join_runs();
-  for (std::int32_t run = 0; run < run_count_; ++run) {
-    const std::int32_t first_pixel = runs_[run].first_pixel;
-    const int row = first_pixel / columns_;
-    const int beyond = row - measured_rows_.offset;
-    const bool measured = beyond >= 0 && beyond % measured_rows_.stride == 0;
-    if (!measured && runs_[root_of(run)].pixels < min_pixels_) {
-      std::memset(rejected + first_pixel, 1, static_cast<std::size_t>(runs_[run].length));
-    }
+  for (int row = 0; row < rows_; ++row) {
+    join_over_wrap(row);
+    if (row + 1 < rows_) join_with_row_below(row);
   }
+  mark_large_runs();
+  write_rejected(rejected, threads);
 }
 
 /// The bits of every row, and in large_ the runs that are long enough by themselves.
@@ -131,78 +127,96 @@ void OutlierRemoval::settle(int row) {
 void OutlierRemoval::spread(int from, int to) {
   const std::uint64_t* source = &large_[row_start(from)];
   const std::uint64_t* vertical = &down_[row_start(std::min(from, to))];
+  const std::uint64_t* present = &present_[row_start(to)];
   std::uint64_t* target = &large_[row_start(to)];
   std::uint64_t added = 0;
   for (int word = 0; word < words_; ++word) {
-    const std::uint64_t reached = source[word] & vertical[word] & ~target[word];
+    const std::uint64_t reached = source[word] & vertical[word] & present[word] & ~target[word];
     target[word] |= reached;
     added |= reached;
   }
   if (added != 0) settle(to);
 }
 
+/// large_ has whole runs, so what is left has whole runs too.
 void OutlierRemoval::number_runs() {
   std::int32_t starts = 0;
   std::int32_t ends = 0;
   for (int row = 0; row < rows_; ++row) {
-    const std::int32_t first_pixel = row * columns_;
     std::uint64_t joins_previous = 0;  // in bit 0
-    for (int word = 0; word < words_; ++word) {
-      const std::size_t i = row_start(row) + word;
-      // large_ has whole runs, so what is left has whole runs too.
-      const std::uint64_t left = present_[i] & ~large_[i];
-      run_start_[i] = left & ~(right_[i] << 1 | joins_previous);
+    for (std::size_t i = row_start(row); i < row_start(row + 1); ++i) {
+      undecided_[i] = present_[i] & ~large_[i];
+      run_start_[i] = undecided_[i] & ~(right_[i] << 1 | joins_previous);
       joins_previous = right_[i] >> 63;
       first_run_[i] = starts;
-      const std::int32_t pixel = first_pixel + word * kWordBits;
-      for_each_bit(run_start_[i], pixel, [&](std::int32_t first) {
+      const auto first_bit = static_cast<std::int32_t>(i) * kWordBits;
+      for_each_bit(run_start_[i], first_bit, [&](std::int32_t start) {
         runs_[starts].parent = starts;
-        runs_[starts++].first_pixel = first;
+        runs_[starts++].start = start;
       });
-      for_each_bit(left & ~right_[i], pixel, [&](std::int32_t last) {
-        Run& run = runs_[ends++];
-        run.length = last - run.first_pixel + 1;
-        run.pixels = run.length;
+      for_each_bit(undecided_[i] & ~right_[i], first_bit, [&](std::int32_t last) {
+        runs_[ends].pixels = last - runs_[ends].start + 1;
+        ++ends;
       });
     }
   }
   run_count_ = starts;
 }
 
-void OutlierRemoval::join_runs() {
-  if (run_count_ == 0) return;
-  const int last_bit = (columns_ - 1) % kWordBits;
-  for (int row = 0; row < rows_; ++row) {
-    const std::size_t first_word = row_start(row);
-    const std::uint64_t last_left =
-        present_[first_word + words_ - 1] & ~large_[first_word + words_ - 1];
-    if (wraps_[row] != 0 && (last_left >> last_bit & 1) != 0) {
-      join(run_of(row, 0), run_of(row, columns_ - 1));
-    }
-    if (row + 1 < rows_) join_rows(row);
+void OutlierRemoval::join_over_wrap(int row) {
+  const std::uint64_t last_word = undecided_[row_start(row + 1) - 1];
+  if (wraps_[row] != 0 && (last_word >> (columns_ - 1) % kWordBits & 1) != 0) {
+    join(run_of(row, 0), run_of(row, columns_ - 1));
   }
 }
 
-/// Joins the runs of this row with those of the row below.
-void OutlierRemoval::join_rows(int row) {
-  std::uint64_t pair_before = 0;  // in bit 0: the last column had a connected pair
+void OutlierRemoval::join_with_row_below(int row) {
+  const auto runs = [&](std::size_t start) {
+    return RunRow{&undecided_[start], &run_start_[start], &first_run_[start]};
+  };
+  const std::size_t start = row_start(row);
+  const int numbers =
+      list_run_pairs(&down_[start], runs(start), runs(start + words_), words_, run_pairs_.data());
+  for (int i = 0; i < numbers; i += 2) join(run_pairs_[i], run_pairs_[i + 1]);
+  keep_touching(row, row + 1);
+  keep_touching(row + 1, row);
+}
+
+/// Makes the runs of a row count as large that touch a large component in the other row.
+void OutlierRemoval::keep_touching(int row, int other_row) {
   for (int word = 0; word < words_; ++word) {
-    const std::size_t upper = row_start(row) + word;
-    const std::size_t lower = upper + words_;
-    const std::uint64_t upper_left = present_[upper] & ~large_[upper];
-    const std::uint64_t lower_left = present_[lower] & ~large_[lower];
-    const std::uint64_t pairs = down_[upper] & upper_left & lower_left;
-    // The same two runs as in the column before?
-    const std::uint64_t repeated =
-        (pairs << 1 | pair_before) & ~run_start_[upper] & ~run_start_[lower];
-    pair_before = pairs >> 63;
-    const int column = word * kWordBits;
-    for_each_bit(pairs & ~repeated, column,
-                 [&](int c) { join(run_of(row, c), run_of(row + 1, c)); });
-    for_each_bit(down_[upper] & upper_left & large_[lower], column,
-                 [&](int c) { runs_[root_of(run_of(row, c))].pixels = min_pixels_; });
-    for_each_bit(down_[upper] & large_[upper] & lower_left, column,
-                 [&](int c) { runs_[root_of(run_of(row + 1, c))].pixels = min_pixels_; });
+    const std::uint64_t touching = undecided_[row_start(row) + word] &
+                                   large_[row_start(other_row) + word] &
+                                   down_[row_start(std::min(row, other_row)) + word];
+    for_each_bit(touching, word * kWordBits,
+                 [&](int column) { runs_[root_of(run_of(row, column))].pixels = min_pixels_; });
+  }
+}
+
+/// Adds to large_ the first pixel of every run whose component turned out to be large.
+void OutlierRemoval::mark_large_runs() {
+  for (std::int32_t i = 0; i < run_count_; ++i) {
+    // A parent has a smaller number, so its own parent is the root already.
+    Run& run = runs_[i];
+    run.parent = runs_[run.parent].parent;
+    const std::uint64_t large = runs_[run.parent].pixels >= min_pixels_;
+    large_[run.start / kWordBits] |= large << run.start % kWordBits;
+  }
+}
+
+void OutlierRemoval::write_rejected(std::uint8_t* rejected, int threads) {
+#pragma omp parallel for schedule(static) num_threads(threads)
+  for (int row = 0; row < rows_; ++row) {
+    std::uint8_t* rejected_row = rejected + static_cast<std::size_t>(row) * columns_;
+    const int beyond = row - measured_rows_.offset;
+    if (beyond >= 0 && beyond % measured_rows_.stride == 0) {
+      std::memset(rejected_row, 0, static_cast<std::size_t>(columns_));
+      continue;
+    }
+    const std::size_t start = row_start(row);
+    fill_runs(&right_[start], words_, &large_[start]);
+    for (std::size_t i = start; i < start + words_; ++i) undecided_[i] = present_[i] & ~large_[i];
+    unpack(&undecided_[start], columns_, rejected_row);
   }
 }
 

@@ -1,8 +1,10 @@
 #include "row_bits.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstddef>
+#include <cstring>
 
 #include "hqslam/core/connected_components.h"
 
@@ -55,13 +57,11 @@ inline ConnectionWord connection_word(const float* row_m, const float* below_m,
   std::uint8_t down[kWordBits];
   for (int i = 0; i < kWordBits; ++i) present[i] = row_m[i] > 0.0F;
   for (int i = 0; i < kWordBits; ++i) {
-    right[i] = (row_m[i] > 0.0F) & (row_m[i + 1] > 0.0F) &
-               ComponentLabeler::connected(row_m[i], row_m[i + 1], angles.horizontal_sin,
+    right[i] = ComponentLabeler::connected(row_m[i], row_m[i + 1], angles.horizontal_sin,
                                            angles.horizontal_cos, angles.tan_min_angle);
   }
   for (int i = 0; i < kWordBits; ++i) {
-    down[i] = (row_m[i] > 0.0F) & (below_m[i] > 0.0F) &
-              ComponentLabeler::connected(row_m[i], below_m[i], angles.down_sin, angles.down_cos,
+    down[i] = ComponentLabeler::connected(row_m[i], below_m[i], angles.down_sin, angles.down_cos,
                                           angles.tan_min_angle);
   }
   return {packed(present), packed(right), packed(down)};
@@ -88,6 +88,12 @@ HQSLAM_CLONES void find_connections(const float* row_m, const float* below_m, in
   result.present[last] = bits.present;
   result.right[last] = bits.right;
   result.down[last] = bits.down;
+  // At wide angles the formula holds for some pairs of negative ranges too.
+  for (int word = 0; word < last; ++word) {
+    result.right[word] &=
+        result.present[word] & (result.present[word] >> 1 | result.present[word + 1] << 63);
+  }
+  result.right[last] &= result.present[last] & result.present[last] >> 1;
 }
 
 /// A run of n pixels is n - 1 set bits of `right`. Bit c stays where the next `length` bits are
@@ -118,7 +124,10 @@ inline void fill_within_words(const std::uint64_t* right, int words, std::uint64
   for (int word = 0; word < words; ++word) {
     std::uint64_t path = right[word];
     std::uint64_t fill = marked[word];
-    for (int step = 1; step < kWordBits; step *= 2) {
+    // Unrolled, so that the compiler works on several words at once.
+#pragma GCC unroll 6
+    for (int doubling = 0; doubling < 6; ++doubling) {
+      const int step = 1 << doubling;
       fill |= ((fill & path) << step) | ((fill >> step) & path);
       path &= path >> step;
     }
@@ -149,6 +158,49 @@ inline void fill_across_words(const std::uint64_t* right, int words, std::uint64
 HQSLAM_CLONES void fill_runs(const std::uint64_t* right, int words, std::uint64_t* marked) {
   fill_within_words(right, words, marked);
   fill_across_words(right, words, marked);
+}
+
+HQSLAM_CLONES int list_run_pairs(const std::uint64_t* down, const RunRow& upper,
+                                 const RunRow& lower, int words, std::int32_t* pairs) {
+  int count = 0;
+  std::uint64_t connected_before = 0;  // in bit 0: the last pixel of the word before
+  for (int word = 0; word < words; ++word) {
+    const std::uint64_t upper_start = upper.start[word];
+    const std::uint64_t lower_start = lower.start[word];
+    const std::uint64_t connected = down[word] & upper.pixels[word] & lower.pixels[word];
+    // Where neither row begins a run, the pair is that of the column before.
+    const std::uint64_t repeated =
+        (connected << 1 | connected_before) & ~upper_start & ~lower_start;
+    connected_before = connected >> 63;
+    for (std::uint64_t left = connected & ~repeated; left != 0; left &= left - 1) {
+      const std::uint64_t up_to_column = left ^ (left - 1);
+      pairs[count++] = upper.first_run[word] + std::popcount(upper_start & up_to_column) - 1;
+      pairs[count++] = lower.first_run[word] + std::popcount(lower_start & up_to_column) - 1;
+    }
+  }
+  return count;
+}
+
+namespace {
+
+/// For every byte, its bits as eight bytes of 0 or 1, the lowest bit first in memory.
+constexpr std::array<std::array<std::uint8_t, 8>, 256> kBytesOfBits = [] {
+  std::array<std::array<std::uint8_t, 8>, 256> table{};
+  for (unsigned value = 0; value < 256; ++value) {
+    for (unsigned bit = 0; bit < 8; ++bit) table[value][bit] = value >> bit & 1;
+  }
+  return table;
+}();
+
+}  // namespace
+
+void unpack(const std::uint64_t* bits, int columns, std::uint8_t* bytes) {
+  const auto eight_from = [&](int column) {
+    return kBytesOfBits[bits[column / kWordBits] >> column % kWordBits & 0xFF].data();
+  };
+  int column = 0;
+  for (; column + 8 <= columns; column += 8) std::memcpy(bytes + column, eight_from(column), 8);
+  if (column < columns) std::memcpy(bytes + column, eight_from(column), columns - column);
 }
 
 }  // namespace hqslam::nn

@@ -41,16 +41,18 @@ class OutlierRemoval {
   struct Run {
     std::int32_t parent = 0;
     std::int32_t pixels = 0;  ///< at a root: of the whole set of runs
-    std::int32_t first_pixel = 0;
-    std::int32_t length = 0;
+    std::int32_t start = 0;   ///< index of the first pixel's bit
   };
 
   void connect_rows(const float* range_m, int threads);
   void settle(int row);
   void spread(int from, int to);
   void number_runs();
-  void join_runs();
-  void join_rows(int row);
+  void join_over_wrap(int row);
+  void join_with_row_below(int row);
+  void keep_touching(int row, int other_row);
+  void mark_large_runs();
+  void write_rejected(std::uint8_t* rejected, int threads);
   std::int32_t run_of(int row, int column) const;
   std::int32_t root_of(std::int32_t run);
   void join(std::int32_t a, std::int32_t b);
@@ -71,11 +73,13 @@ class OutlierRemoval {
   std::vector<std::uint64_t> right_;
   std::vector<std::uint64_t> down_;
   std::vector<std::uint64_t> large_;      ///< known to belong to a component that stays
+  std::vector<std::uint64_t> undecided_;  ///< present and not known to be large: runs_
   std::vector<std::uint64_t> run_start_;  ///< first pixels of runs_
   std::vector<std::uint8_t> wraps_;       ///< per row: last column connected with the first
   std::vector<std::int32_t> first_run_;   ///< per word: runs that start before it
   std::vector<Run> runs_;
   std::int32_t run_count_ = 0;
+  std::vector<std::int32_t> run_pairs_;  ///< of two rows: numbers of connected runs
 };
 
 }  // namespace hqslam::nn
