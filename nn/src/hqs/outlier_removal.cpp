@@ -45,6 +45,15 @@ void for_each_bit(std::uint64_t word, int first_column, const Visit& visit) {
   for (; word != 0; word &= word - 1) visit(first_column + std::countr_zero(word));
 }
 
+/// The length of the run that starts at this bit of the first word.
+int run_pixels(const std::uint64_t* right, int bit) {
+  int pixels = 1 + std::countr_one(*right >> bit);
+  for (int end = kWordBits; bit + pixels > end; end += kWordBits) {
+    pixels += std::countr_one(*++right);
+  }
+  return pixels;
+}
+
 }  // namespace
 
 OutlierRemoval::OutlierRemoval(const SensorModel& sensor, RowSelection measured_rows,
@@ -69,42 +78,52 @@ OutlierRemoval::OutlierRemoval(const SensorModel& sensor, RowSelection measured_
   wraps_.resize(rows_);
   first_run_.resize(words);
   runs_.resize(static_cast<std::size_t>(rows_) * columns_);
-  run_pairs_.resize(2 * static_cast<std::size_t>(columns_));
+  run_pairs_.resize(2 * static_cast<std::size_t>(columns_) * kBands);
 }
+
+int OutlierRemoval::first_row(int band) const { return rows_ * band / kBands; }
 
 void OutlierRemoval::find(const float* range_m, std::uint8_t* rejected, int threads) {
-  connect_rows(range_m, threads);
-  for (int row = 1; row < rows_; ++row) spread(row - 1, row);
-  for (int row = rows_ - 2; row >= 0; --row) spread(row + 1, row);
-  number_runs();
-  for (int row = 0; row < rows_; ++row) {
-    join_over_wrap(row);
-    if (row + 1 < rows_) join_with_row_below(row);
+#pragma omp parallel for schedule(dynamic) num_threads(threads)
+  for (int band = 0; band < kBands; ++band) label_band(range_m, band);
+  for (int band = 1; band < kBands; ++band) {
+    if (first_row(band) > 0) join_with_row_below(first_row(band) - 1, run_pairs_.data());
   }
-  mark_large_runs();
-  write_rejected(rejected, threads);
+#pragma omp parallel for schedule(dynamic) num_threads(threads)
+  for (int band = 0; band < kBands; ++band) write_band(band, rejected);
 }
 
-/// The bits of every row, and in large_ the runs that are long enough by themselves.
-void OutlierRemoval::connect_rows(const float* range_m, int threads) {
-#pragma omp parallel for schedule(static) num_threads(threads)
-  for (int row = 0; row < rows_; ++row) {
-    const float* row_m = range_m + static_cast<std::size_t>(row) * columns_;
-    const bool has_below = row + 1 < rows_;
-    const ConnectionAngles angles{horizontal_sin_, horizontal_cos_,
-                                  has_below ? down_sin_[row] : 0.0F,
-                                  has_below ? down_cos_[row] : 1.0F, tan_min_angle_};
-    const std::size_t start = row_start(row);
-    find_connections(row_m, has_below ? row_m + columns_ : row_m, columns_, angles,
-                     {&present_[start], &right_[start], &down_[start]});
-    const float first_m = row_m[0];
-    const float last_m = row_m[columns_ - 1];
-    wraps_[row] = first_m > 0.0F && last_m > 0.0F &&
-                  ComponentLabeler::connected(first_m, last_m, horizontal_sin_, horizontal_cos_,
-                                              tan_min_angle_);
-    mark_long_runs(&right_[start], words_, min_pixels_, &large_[start]);
-    settle(row);
+/// Everything that needs only the rows of one band.
+void OutlierRemoval::label_band(const float* range_m, int band) {
+  const int first = first_row(band);
+  const int end = first_row(band + 1);
+  for (int row = first; row < end; ++row) connect_row(range_m, row);
+  for (int row = first + 1; row < end; ++row) spread(row - 1, row);
+  for (int row = end - 2; row >= first; --row) spread(row + 1, row);
+  number_runs(band);
+  std::int32_t* run_pairs = &run_pairs_[2 * static_cast<std::size_t>(columns_) * band];
+  for (int row = first; row < end; ++row) {
+    join_over_wrap(row);
+    if (row + 1 < end) join_with_row_below(row, run_pairs);
   }
+}
+
+/// The bits of a row, and in large_ the runs that are long enough by themselves.
+void OutlierRemoval::connect_row(const float* range_m, int row) {
+  const float* row_m = range_m + static_cast<std::size_t>(row) * columns_;
+  const bool has_below = row + 1 < rows_;
+  const ConnectionAngles angles{horizontal_sin_, horizontal_cos_, has_below ? down_sin_[row] : 0.0F,
+                                has_below ? down_cos_[row] : 1.0F, tan_min_angle_};
+  const std::size_t start = row_start(row);
+  find_connections(row_m, has_below ? row_m + columns_ : row_m, columns_, angles,
+                   {&present_[start], &right_[start], &down_[start]});
+  const float first_m = row_m[0];
+  const float last_m = row_m[columns_ - 1];
+  wraps_[row] = first_m > 0.0F && last_m > 0.0F &&
+                ComponentLabeler::connected(first_m, last_m, horizontal_sin_, horizontal_cos_,
+                                            tan_min_angle_);
+  mark_long_runs(&right_[start], words_, min_pixels_, &large_[start]);
+  settle(row);
 }
 
 /// Marks the runs whole that have a pixel in large_, over the wrap too.
@@ -139,28 +158,23 @@ void OutlierRemoval::spread(int from, int to) {
 }
 
 /// large_ has whole runs, so what is left has whole runs too.
-void OutlierRemoval::number_runs() {
-  std::int32_t starts = 0;
-  std::int32_t ends = 0;
-  for (int row = 0; row < rows_; ++row) {
+void OutlierRemoval::number_runs(int band) {
+  std::int32_t count = first_run_of(band);
+  for (int row = first_row(band); row < first_row(band + 1); ++row) {
     std::uint64_t joins_previous = 0;  // in bit 0
     for (std::size_t i = row_start(row); i < row_start(row + 1); ++i) {
       undecided_[i] = present_[i] & ~large_[i];
       run_start_[i] = undecided_[i] & ~(right_[i] << 1 | joins_previous);
       joins_previous = right_[i] >> 63;
-      first_run_[i] = starts;
-      const auto first_bit = static_cast<std::int32_t>(i) * kWordBits;
-      for_each_bit(run_start_[i], first_bit, [&](std::int32_t start) {
-        runs_[starts].parent = starts;
-        runs_[starts++].start = start;
-      });
-      for_each_bit(undecided_[i] & ~right_[i], first_bit, [&](std::int32_t last) {
-        runs_[ends].pixels = last - runs_[ends].start + 1;
-        ++ends;
+      first_run_[i] = count;
+      for_each_bit(run_start_[i], 0, [&](int bit) {
+        const auto start = static_cast<std::int32_t>(i) * kWordBits + bit;
+        runs_[count] = {count, run_pixels(&right_[i], bit), start};
+        ++count;
       });
     }
   }
-  run_count_ = starts;
+  end_run_[band] = count;
 }
 
 void OutlierRemoval::join_over_wrap(int row) {
@@ -170,14 +184,14 @@ void OutlierRemoval::join_over_wrap(int row) {
   }
 }
 
-void OutlierRemoval::join_with_row_below(int row) {
+void OutlierRemoval::join_with_row_below(int row, std::int32_t* run_pairs) {
   const auto runs = [&](std::size_t start) {
     return RunRow{&undecided_[start], &run_start_[start], &first_run_[start]};
   };
   const std::size_t start = row_start(row);
   const int numbers =
-      list_run_pairs(&down_[start], runs(start), runs(start + words_), words_, run_pairs_.data());
-  for (int i = 0; i < numbers; i += 2) join(run_pairs_[i], run_pairs_[i + 1]);
+      list_run_pairs(&down_[start], runs(start), runs(start + words_), words_, run_pairs);
+  for (int i = 0; i < numbers; i += 2) join(run_pairs[i], run_pairs[i + 1]);
   keep_touching(row, row + 1);
   keep_touching(row + 1, row);
 }
@@ -193,31 +207,31 @@ void OutlierRemoval::keep_touching(int row, int other_row) {
   }
 }
 
-/// Adds to large_ the first pixel of every run whose component turned out to be large.
-void OutlierRemoval::mark_large_runs() {
-  for (std::int32_t i = 0; i < run_count_; ++i) {
-    // A parent has a smaller number, so its own parent is the root already.
-    Run& run = runs_[i];
-    run.parent = runs_[run.parent].parent;
-    const std::uint64_t large = runs_[run.parent].pixels >= min_pixels_;
-    large_[run.start / kWordBits] |= large << run.start % kWordBits;
+/// Adds to large_ the first pixel of every run whose component turned out to be large, and from
+/// it the whole run.
+void OutlierRemoval::write_band(int band, std::uint8_t* rejected) {
+  for (std::int32_t run = first_run_of(band); run < end_run_[band]; ++run) {
+    // No short cuts are made on the way: another band's parents may be read by its own thread.
+    std::int32_t root = runs_[run].parent;
+    while (runs_[root].parent != root) root = runs_[root].parent;
+    const std::uint64_t large = runs_[root].pixels >= min_pixels_;
+    large_[runs_[run].start / kWordBits] |= large << runs_[run].start % kWordBits;
+  }
+  for (int row = first_row(band); row < first_row(band + 1); ++row) {
+    write_row(row, rejected + static_cast<std::size_t>(row) * columns_);
   }
 }
 
-void OutlierRemoval::write_rejected(std::uint8_t* rejected, int threads) {
-#pragma omp parallel for schedule(static) num_threads(threads)
-  for (int row = 0; row < rows_; ++row) {
-    std::uint8_t* rejected_row = rejected + static_cast<std::size_t>(row) * columns_;
-    const int beyond = row - measured_rows_.offset;
-    if (beyond >= 0 && beyond % measured_rows_.stride == 0) {
-      std::memset(rejected_row, 0, static_cast<std::size_t>(columns_));
-      continue;
-    }
-    const std::size_t start = row_start(row);
-    fill_runs(&right_[start], words_, &large_[start]);
-    for (std::size_t i = start; i < start + words_; ++i) undecided_[i] = present_[i] & ~large_[i];
-    unpack(&undecided_[start], columns_, rejected_row);
+void OutlierRemoval::write_row(int row, std::uint8_t* rejected_row) {
+  const int beyond = row - measured_rows_.offset;
+  if (beyond >= 0 && beyond % measured_rows_.stride == 0) {
+    std::memset(rejected_row, 0, static_cast<std::size_t>(columns_));
+    return;
   }
+  const std::size_t start = row_start(row);
+  fill_runs(&right_[start], words_, &large_[start]);
+  for (std::size_t i = start; i < start + words_; ++i) undecided_[i] = present_[i] & ~large_[i];
+  unpack(&undecided_[start], columns_, rejected_row);
 }
 
 std::int32_t OutlierRemoval::run_of(int row, int column) const {

@@ -43,7 +43,7 @@ void fill_runs(const std::uint64_t* right, int words, std::uint64_t* marked);
 struct RunRow {
   const std::uint64_t* pixels;    ///< those that belong to a run
   const std::uint64_t* start;     ///< the first pixel of each run
-  const std::int32_t* first_run;  ///< how many runs start before this word, in the whole image
+  const std::int32_t* first_run;  ///< number of the first run that starts in this word or later
 };
 
 /// Lists the runs of two rows that a bit of `down` connects, from left to right, as the upper

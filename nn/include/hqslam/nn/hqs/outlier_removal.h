@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -44,15 +45,21 @@ class OutlierRemoval {
     std::int32_t start = 0;   ///< index of the first pixel's bit
   };
 
-  void connect_rows(const float* range_m, int threads);
+  /// Rows are labelled in so many bands, each by one thread, that are joined afterwards.
+  static constexpr int kBands = 4;
+
+  int first_row(int band) const;
+  std::int32_t first_run_of(int band) const { return first_row(band) * columns_; }
+  void label_band(const float* range_m, int band);
+  void connect_row(const float* range_m, int row);
   void settle(int row);
   void spread(int from, int to);
-  void number_runs();
+  void number_runs(int band);
   void join_over_wrap(int row);
-  void join_with_row_below(int row);
+  void join_with_row_below(int row, std::int32_t* run_pairs);
   void keep_touching(int row, int other_row);
-  void mark_large_runs();
-  void write_rejected(std::uint8_t* rejected, int threads);
+  void write_band(int band, std::uint8_t* rejected);
+  void write_row(int row, std::uint8_t* rejected_row);
   std::int32_t run_of(int row, int column) const;
   std::int32_t root_of(std::int32_t run);
   void join(std::int32_t a, std::int32_t b);
@@ -76,10 +83,10 @@ class OutlierRemoval {
   std::vector<std::uint64_t> undecided_;  ///< present and not known to be large: runs_
   std::vector<std::uint64_t> run_start_;  ///< first pixels of runs_
   std::vector<std::uint8_t> wraps_;       ///< per row: last column connected with the first
-  std::vector<std::int32_t> first_run_;   ///< per word: runs that start before it
-  std::vector<Run> runs_;
-  std::int32_t run_count_ = 0;
-  std::vector<std::int32_t> run_pairs_;  ///< of two rows: numbers of connected runs
+  std::vector<std::int32_t> first_run_;   ///< per word: the first run that starts in it or later
+  std::vector<Run> runs_;                 ///< of band b: from first_run_of(b) to end_run_[b]
+  std::array<std::int32_t, kBands> end_run_{};
+  std::vector<std::int32_t> run_pairs_;  ///< of two rows: numbers of connected runs; per band
 };
 
 }  // namespace hqslam::nn
