@@ -78,19 +78,21 @@ OutlierRemoval::OutlierRemoval(const SensorModel& sensor, RowSelection measured_
   wraps_.resize(rows_);
   first_run_.resize(words);
   runs_.resize(static_cast<std::size_t>(rows_) * columns_);
-  run_pairs_.resize(2 * static_cast<std::size_t>(columns_) * kBands);
+  run_pairs_.resize(2 * static_cast<std::size_t>(columns_) * kMaxBands);
 }
 
-int OutlierRemoval::first_row(int band) const { return rows_ * band / kBands; }
+int OutlierRemoval::first_row(int band) const { return rows_ * band / bands_; }
 
 void OutlierRemoval::find(const float* range_m, std::uint8_t* rejected, int threads) {
-#pragma omp parallel for schedule(dynamic) num_threads(threads)
-  for (int band = 0; band < kBands; ++band) label_band(range_m, band);
-  for (int band = 1; band < kBands; ++band) {
+  // One band is fastest on one thread; more than threads share the load of unlike bands.
+  bands_ = threads > 1 ? kMaxBands : 1;
+#pragma omp parallel for schedule(dynamic) num_threads(threads) if (threads > 1)
+  for (int band = 0; band < bands_; ++band) label_band(range_m, band);
+  for (int band = 1; band < bands_; ++band) {
     if (first_row(band) > 0) join_with_row_below(first_row(band) - 1, run_pairs_.data());
   }
-#pragma omp parallel for schedule(dynamic) num_threads(threads)
-  for (int band = 0; band < kBands; ++band) write_band(band, rejected);
+#pragma omp parallel for schedule(dynamic) num_threads(threads) if (threads > 1)
+  for (int band = 0; band < bands_; ++band) write_band(band, rejected);
 }
 
 /// Everything that needs only the rows of one band.

@@ -45,8 +45,8 @@ class OutlierRemoval {
     std::int32_t start = 0;   ///< index of the first pixel's bit
   };
 
-  /// Rows are labelled in so many bands, each by one thread, that are joined afterwards.
-  static constexpr int kBands = 4;
+  /// Rows are labelled in bands, each by one thread, that are joined afterwards.
+  static constexpr int kMaxBands = 4;
 
   int first_row(int band) const;
   std::int32_t first_run_of(int band) const { return first_row(band) * columns_; }
@@ -69,6 +69,7 @@ class OutlierRemoval {
   int columns_;
   int words_;  ///< 64-bit words per row of bits
   int min_pixels_;
+  int bands_ = 1;
   RowSelection measured_rows_;
   float tan_min_angle_;
   float horizontal_sin_;
@@ -85,7 +86,7 @@ class OutlierRemoval {
   std::vector<std::uint8_t> wraps_;       ///< per row: last column connected with the first
   std::vector<std::int32_t> first_run_;   ///< per word: the first run that starts in it or later
   std::vector<Run> runs_;                 ///< of band b: from first_run_of(b) to end_run_[b]
-  std::array<std::int32_t, kBands> end_run_{};
+  std::array<std::int32_t, kMaxBands> end_run_{};
   std::vector<std::int32_t> run_pairs_;  ///< of two rows: numbers of connected runs; per band
 };
 
