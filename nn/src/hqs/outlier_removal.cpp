@@ -14,6 +14,16 @@
 
 namespace hqslam::nn {
 
+/// Purpose: which pixels belong to small components, without a visit to every pixel.
+///
+/// In: ranges (rows x columns, metres). Out: a mask of the pixels in components below min_pixels.
+/// Method: bits say which neighbours connect (row_bits.h). A run of connected pixels in a row, or
+/// a rectangle, that has min_pixels by itself makes its component large; two sweeps over the rows
+/// carry that on with a few operations per 64 pixels and decide most of an image. Only the runs
+/// that are left are numbered and joined by union-find; those that touch a large component, by a
+/// way that no sweep took, are large too. Which pixels the sweeps reach never changes the result.
+/// Source: the criterion is ComponentLabeler's (Bogoslavskyi & Stachniss, IROS 2016).
+
 namespace {
 
 void validate(const SensorModel& sensor, RowSelection measured_rows,
@@ -100,6 +110,8 @@ void OutlierRemoval::label_band(const float* range_m, int band) {
   const int first = first_row(band);
   const int end = first_row(band + 1);
   for (int row = first; row < end; ++row) connect_row(range_m, row);
+  for (const int height : {2, 4}) mark_large_rectangles(first, end, height);
+  for (int row = first; row < end; ++row) settle(row);
   for (int row = first + 1; row < end; ++row) spread(row - 1, row);
   for (int row = end - 2; row >= first; --row) spread(row + 1, row);
   number_runs(band);
@@ -110,7 +122,7 @@ void OutlierRemoval::label_band(const float* range_m, int band) {
   }
 }
 
-/// The bits of a row, and in large_ the runs that are long enough by themselves.
+/// The bits of a row, and in large_ a pixel of each run that is long enough by itself.
 void OutlierRemoval::connect_row(const float* range_m, int row) {
   const float* row_m = range_m + static_cast<std::size_t>(row) * columns_;
   const bool has_below = row + 1 < rows_;
@@ -125,7 +137,23 @@ void OutlierRemoval::connect_row(const float* range_m, int row) {
                 ComponentLabeler::connected(first_m, last_m, horizontal_sin_, horizontal_cos_,
                                             tan_min_angle_);
   mark_long_runs(&right_[start], words_, min_pixels_, &large_[start]);
-  settle(row);
+}
+
+/// Adds to large_ the first pixel of every rectangle of `height` rows, connected in each row and
+/// at its left side, that is large by itself. run_start_ serves as scratch.
+void OutlierRemoval::mark_large_rectangles(int first, int end, int height) {
+  const int width = (min_pixels_ - 1) / height + 1;
+  for (int row = first; row < end; ++row) {
+    mark_long_runs(&right_[row_start(row)], words_, width, &run_start_[row_start(row)]);
+  }
+  for (std::size_t i = row_start(first); i + row_start(height - 1) < row_start(end); ++i) {
+    std::uint64_t marked = run_start_[i];
+    for (int below = 1; below < height; ++below) {
+      const std::size_t j = i + row_start(below);
+      marked &= run_start_[j] & down_[j - words_];
+    }
+    large_[i] |= marked;
+  }
 }
 
 /// Marks the runs whole that have a pixel in large_, over the wrap too.

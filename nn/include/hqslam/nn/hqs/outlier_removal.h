@@ -52,6 +52,7 @@ class OutlierRemoval {
   std::int32_t first_run_of(int band) const { return first_row(band) * columns_; }
   void label_band(const float* range_m, int band);
   void connect_row(const float* range_m, int row);
+  void mark_large_rectangles(int first, int end, int height);
   void settle(int row);
   void spread(int from, int to);
   void number_runs(int band);
