@@ -4,7 +4,7 @@
 
 #include "hqslam/nn/instruction_set.h"
 
-// The two loops in which the engine spends its time, compiled once per instruction set. Raw
+// The loops in which the engine spends its time, compiled once per instruction set. Raw
 // pointers only: the wide versions must not share an inline function (Eigen's, say) with code that
 // is compiled for the baseline.
 namespace hqslam::nn::kernels {
@@ -47,9 +47,26 @@ struct CorrelateRow {
   float* gradient = nullptr;  ///< taps x narrow_channels
 };
 
+/// The end of the U-shaped denoiser for one row of pixels (nn/hqs/selection.h has the formula).
+/// score_*: in the scores, out the softmax of gain times the scores over the four candidates.
+struct SelectRow {
+  float gain = 1.0F;
+  float* score_above = nullptr;
+  float* score_below = nullptr;
+  float* score_here = nullptr;
+  float* score_nothing = nullptr;
+  const float* residual = nullptr;
+  const float* above = nullptr;
+  const float* below = nullptr;
+  const float* here = nullptr;
+  float* z = nullptr;
+  int columns = 0;  ///< rounded up to whole vectors of 16
+};
+
 struct RowKernels {
   void (*accumulate)(const AccumulateRow&);
   void (*correlate)(const CorrelateRow&);
+  void (*select)(const SelectRow&);
 };
 
 /// The kernels of an instruction set that this processor has.

@@ -10,5 +10,5 @@ constexpr int kTapBlock = 6;
 #include "row_kernels_inl.h"
 
 namespace hqslam::nn::kernels {
-const RowKernels kAvx2Kernels{accumulate, correlate};
+const RowKernels kAvx2Kernels{accumulate, correlate, select};
 }  // namespace hqslam::nn::kernels

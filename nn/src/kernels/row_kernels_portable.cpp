@@ -10,5 +10,5 @@ constexpr int kTapBlock = 4;
 #include "row_kernels_inl.h"
 
 namespace hqslam::nn::kernels {
-const RowKernels kPortableKernels{accumulate, correlate};
+const RowKernels kPortableKernels{accumulate, correlate, select};
 }  // namespace hqslam::nn::kernels

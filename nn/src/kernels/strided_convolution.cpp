@@ -19,6 +19,33 @@ int padded_gradient_channels(int channels) {
 /// floor(a / b) for b > 0, also where a is negative.
 int floor_divided(int a, int b) { return a >= 0 ? a / b : -((-a + b - 1) / b); }
 
+/// to[x] = from[x stride]; stride 2, the usual one, is spelled out for the vectoriser.
+void take_every(const float* from, int stride, int count, float* to) {
+  if (stride == 2) {
+    for (int x = 0; x < count; ++x) to[x] = from[2 * x];
+    return;
+  }
+  for (int x = 0; x < count; ++x) to[x] = from[x * stride];
+}
+
+/// to[x stride] = from[x]
+void put_every(const float* from, int stride, int count, float* to) {
+  if (stride == 1) {
+    std::copy_n(from, count, to);
+    return;
+  }
+  for (int x = 0; x < count; ++x) to[x * stride] = from[x];
+}
+
+/// values = a(values + skip)
+void end_row(const float* skip, float negative_slope, int count, float* values) {
+  if (skip != nullptr) {
+    for (int x = 0; x < count; ++x) values[x] += skip[x];
+  }
+  if (negative_slope == 1.0F) return;
+  for (int x = 0; x < count; ++x) values[x] = std::max(values[x], negative_slope * values[x]);
+}
+
 }  // namespace
 
 StridedConvolution::StridedConvolution(const ConvolutionShape& shape, const Tensor& narrow,
@@ -160,18 +187,16 @@ ConvolutionScratch StridedConvolution::make_scratch(int threads) const {
 void StridedConvolution::sort_phases(const Tensor& wide, ConvolutionScratch& scratch) const {
   const int stride = shape_.stride;
   const int tasks = wide_rows_ * shape_.input_channels;
+  // The border of the wide row holds what lies beyond its last column, as far as it is needed.
+  const int columns =
+      std::min(narrow_columns_, (wide_columns_ + Tensor::kBorderColumns) / stride);
 #pragma omp for schedule(static)
   for (int task = 0; task < tasks; ++task) {
     const int channel = task / wide_rows_;
     const int y = task % wide_rows_;
-    const float* from = wide.row(channel, y);
     for (int phase = 0; phase < stride; ++phase) {
       float* to = scratch.phases.row(channel * stride + phase, y);
-      // The border of the wide row holds what lies beyond its last column.
-      for (int x = 0; x < narrow_columns_; ++x) {
-        const int column = x * stride + phase;
-        to[x] = column < wide_columns_ + Tensor::kBorderColumns ? from[column] : 0.0F;
-      }
+      take_every(wide.row(channel, y) + phase, stride, columns, to);
       scratch.phases.fill_border(channel * stride + phase, y);
     }
   }
@@ -233,11 +258,11 @@ void StridedConvolution::scatter_row(const Tensor& narrow, const Epilogue& epilo
     float* to = wide.row(channel, wide_row);
     const float* skip = epilogue.skip == nullptr ? nullptr : epilogue.skip->row(channel, wide_row);
     const float* from = rows.data() + channel * stride * row_stride;
-    for (int x = 0; x < wide_columns_; ++x) {
-      float y = from[x % stride * row_stride + x / stride];
-      if (skip != nullptr) y += skip[x];
-      to[x] = std::max(y, epilogue.negative_slope * y);
+    for (int phase = 0; phase < stride; ++phase) {
+      const int columns = (wide_columns_ - phase + stride - 1) / stride;
+      put_every(from + phase * row_stride, stride, columns, to + phase);
     }
+    end_row(skip, epilogue.negative_slope, wide_columns_, to);
     wide.fill_border(channel, wide_row);
   }
 }

@@ -1,0 +1,32 @@
+#pragma once
+
+#include "hqslam/core/range_image.h"
+#include "hqslam/core/sensor_model.h"
+
+namespace hqslam::nn {
+
+/// How a row between two measured ones is filled from them, column by column. With u and d the
+/// nearest measured ranges above and below and t how far down the row lies between them (0 to 1):
+/// - kNearest: u for t < 1/2, otherwise d;
+/// - kLinear: (1 - t) u + t d;
+/// - kInverse: linear in 1 / range, 1 / ((1 - t) / u + t / d), which is exact on a plane seen under
+///   beams of equal steps.
+/// Where only one of the two has a return, the nearer one decides (as kNearest): a mean with "no
+/// return" would be a range that nothing has. Rows beyond the outermost measured ones repeat them.
+enum class Interpolation { kNearest, kLinear, kInverse };
+
+/// An image of `rows` rows whose measured rows are those of `measured`, from top to bottom. Throws
+/// Error if there are not as many of them.
+RangeImage interpolate_rows(const RangeImage& measured, RowSelection measured_rows, int rows,
+                            Interpolation interpolation);
+
+/// For every pixel the nearest measured range above or in its row, and below or in its row; beyond
+/// the outermost measured rows both are that row's.
+struct MeasuredNeighbours {
+  RangeImage above;
+  RangeImage below;
+};
+MeasuredNeighbours measured_neighbours(const RangeImage& measured, RowSelection measured_rows,
+                                       int rows);
+
+}  // namespace hqslam::nn

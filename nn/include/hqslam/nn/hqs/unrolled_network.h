@@ -1,0 +1,94 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "hqslam/core/range_image.h"
+#include "hqslam/nn/hqs/data_consistency.h"
+#include "hqslam/nn/hqs/denoiser.h"
+#include "hqslam/nn/hqs/network_description.h"
+#include "hqslam/nn/hqs/outlier_removal.h"
+
+namespace hqslam::nn {
+
+/// What one HQS layer computed. Tiles, ranges in units of range_scale_m.
+struct LayerState {
+  DenoiserState denoiser;              ///< input begins with H, z is Z
+  Tensor y;                            ///< Y
+  std::vector<std::uint8_t> rejected;  ///< the filter's mask, rows x columns
+};
+
+/// One scan on its way through the network, with memory for everything it needs: after it was made
+/// nothing allocates.
+struct UnrolledState {
+  Tensor l;               ///< measured ranges, 0 in the other rows
+  Candidates candidates;  ///< measured neighbours above and below
+  Tensor z0;              ///< start: Z and Y of layer 0
+  std::vector<LayerState> layers;
+  std::vector<float> raster;  ///< rows x columns, for the filter
+};
+
+/// The unrolled loop (eq. 10): for each layer
+///   H = data consistency(L, Z, Y);  Z = G(H);  Y = H, or Z where the filter rejects H.
+/// Simple DU has one auxiliary and no filter inside: Y = Z.
+///
+/// Holds packed weights and scratch for one image size and one thread team.
+class UnrolledNetwork {
+ public:
+  /// `columns` may be fewer than the sensor's: cut-outs for training. Throws Error.
+  UnrolledNetwork(const NetworkDescription& description, int columns,
+                  InstructionSet instruction_set, int threads);
+
+  const NetworkDescription& description() const { return description_; }
+  int rows() const { return rows_; }
+  int columns() const { return columns_; }
+  std::int64_t multiply_adds() const;
+
+  /// All arrays of parameter_shapes(description), one after the other. Throws Error.
+  void set_parameters(std::span<const float> parameters);
+
+  UnrolledState make_state() const;
+  /// Puts a scan's measured rows into the state and makes the start Z0 = Y0: interpolated over rows
+  /// (DU-OR) or zero (Simple DU). measured: as many rows as measured_rows says, metres.
+  void start(const RangeImage& measured, UnrolledState& state) const;
+  /// All layers; the result is state.layers.back().denoiser.z. The last layer's Y, which nothing
+  /// needs, is left to finish_last_layer. Uses the network's threads.
+  void forward(UnrolledState& state, std::optional<std::uint64_t> dropout_seed = std::nullopt);
+
+  /// The last layer's mask and Y.
+  void finish_last_layer(UnrolledState& state) { remove_outliers(state, description_.layers - 1); }
+
+  /// d_z: d loss / d Z of the last layer, tiles. Adds to d_parameters. The filter's masks are
+  /// constants. One thread.
+  void backward(const UnrolledState& state, const Tensor& d_z, std::span<float> d_parameters);
+
+ private:
+  Denoiser& denoiser(int layer) { return *denoisers_[description_.shared_weights ? 0 : layer]; }
+  DataConsistency data_consistency(int layer) const;
+  void remove_outliers(UnrolledState& state, int layer);
+  void set_y(LayerState& layer) const;
+  void run_layer(UnrolledState& state, int layer, std::optional<std::uint64_t> dropout_seed);
+  const Tensor& previous_z(const UnrolledState& state, int layer) const;
+  const Tensor& previous_y(const UnrolledState& state, int layer) const;
+  /// Splits d loss / d Y of a layer into what belongs to its H and to its Z.
+  void backward_y(const LayerState& layer, const Tensor& d_y, Tensor& d_h, Tensor& d_z) const;
+  void add_penalty_gradient(int layer, double d_penalty, std::span<float> d_parameters) const;
+
+  NetworkDescription description_;
+  int rows_;
+  int columns_;
+  int threads_;
+  std::vector<std::unique_ptr<Denoiser>> denoisers_;
+  std::int64_t denoiser_parameters_ = 0;  ///< of one denoiser
+  OutlierRemoval filter_;
+  std::vector<float> penalty_;   ///< b of each layer
+  float alpha_ = 1.0F;           ///< Simple DU's
+  /// Scratch of backward, made when first needed.
+  struct BackwardScratch;
+  std::shared_ptr<BackwardScratch> backward_;
+};
+
+}  // namespace hqslam::nn

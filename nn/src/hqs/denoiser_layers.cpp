@@ -1,0 +1,42 @@
+#include "denoiser_layers.h"
+
+#include <fmt/format.h>
+
+#include "hqslam/core/error.h"
+
+namespace hqslam::nn {
+
+std::int64_t ParameterShape::elements() const {
+  std::int64_t product = 1;
+  for (const std::int64_t extent : shape) product *= extent;
+  return product;
+}
+
+std::int64_t elements(const std::vector<ParameterShape>& shapes) {
+  std::int64_t sum = 0;
+  for (const ParameterShape& shape : shapes) sum += shape.elements();
+  return sum;
+}
+
+void add_convolution(const std::string& name, std::vector<std::int64_t> weight, int bias,
+                     std::vector<ParameterShape>& shapes) {
+  shapes.push_back({name + ".weight", std::move(weight)});
+  if (bias > 0) shapes.push_back({name + ".bias", {bias}});
+}
+
+void check_parameters(std::span<const float> parameters,
+                      const std::vector<ParameterShape>& shapes) {
+  if (static_cast<std::int64_t>(parameters.size()) != elements(shapes)) {
+    throw Error(
+        fmt::format("denoiser: {} parameters, expected {}", parameters.size(), elements(shapes)));
+  }
+}
+
+void UniformStart::add(std::int64_t count, float limit, std::vector<float>& values) {
+  for (std::int64_t i = 0; i < count; ++i) {
+    const float unit = static_cast<float>(generator_() >> 40) / static_cast<float>(1 << 24);
+    values.push_back(limit * (2.0F * unit - 1.0F));
+  }
+}
+
+}  // namespace hqslam::nn

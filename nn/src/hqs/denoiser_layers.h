@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstdint>
+#include <random>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "hqslam/nn/hqs/denoiser.h"
+
+// What both denoisers do with the parameters of their convolutions.
+namespace hqslam::nn {
+
+/// Appends the arrays of one convolution; weight has PyTorch's layout.
+void add_convolution(const std::string& name, std::vector<std::int64_t> weight, int bias,
+                     std::vector<ParameterShape>& shapes);
+
+/// Takes the next `count` values off the front.
+template <typename T>
+std::span<T> take(std::span<T>& values, std::int64_t count) {
+  const std::span<T> front = values.first(static_cast<std::size_t>(count));
+  values = values.subspan(static_cast<std::size_t>(count));
+  return front;
+}
+
+std::int64_t elements(const std::vector<ParameterShape>& shapes);
+/// Throws Error unless there are as many parameters as the shapes hold.
+void check_parameters(std::span<const float> parameters, const std::vector<ParameterShape>& shapes);
+
+/// PyTorch's start: uniform in +-1 / sqrt(fan in) for weights and biases.
+class UniformStart {
+ public:
+  explicit UniformStart(std::uint64_t seed) : generator_(seed) {}
+  /// Appends `count` values in +-limit.
+  void add(std::int64_t count, float limit, std::vector<float>& values);
+
+ private:
+  std::mt19937_64 generator_;
+};
+
+}  // namespace hqslam::nn

@@ -1,0 +1,78 @@
+#include "hqslam/nn/hqs/network_description.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "hqslam/core/error.h"
+
+namespace hqslam::nn {
+namespace {
+
+constexpr float kFirstPenalty = 0.1F;
+constexpr float kFirstAlpha = 10.99F;  // as in the authors' code of Simple DU
+
+std::unique_ptr<Denoiser> any_denoiser(const NetworkDescription& d) {
+  if (d.kind == NetworkKind::kSimpleDu) {
+    return make_plain_denoiser(d.plain, 1, 1, InstructionSet::kPortable, 1);
+  }
+  const int halvings = 1 << (d.u_shaped.channels.size() - 1);
+  return make_u_shaped_denoiser(d.u_shaped, d.u_shaped.tile.rows * halvings,
+                                d.u_shaped.tile.columns * halvings, InstructionSet::kPortable, 1);
+}
+
+}  // namespace
+
+std::string_view name(NetworkKind kind) {
+  return kind == NetworkKind::kDuOr ? "du-or" : "simple-du";
+}
+
+void validate(const NetworkDescription& d) {
+  constexpr int kMostLayers = 20;
+  if (d.layers < 1 || d.layers > kMostLayers) {
+    throw Error(fmt::format("network: layers is {}, expected 1 to {}", d.layers, kMostLayers));
+  }
+  if (!(d.range_scale_m > 0.0F) || !std::isfinite(d.range_scale_m)) {
+    throw Error(fmt::format("network: range_scale_m is {}, expected above 0", d.range_scale_m));
+  }
+  validate(d.sensor);
+  if (d.measured_rows.stride < 1 || d.measured_rows.offset < 0 ||
+      d.measured_rows.offset >= d.sensor.rows()) {
+    throw Error(fmt::format("network: rows {} + n {} of {} are no selection",
+                            d.measured_rows.offset, d.measured_rows.stride, d.sensor.rows()));
+  }
+}
+
+std::vector<ParameterShape> parameter_shapes(const NetworkDescription& d) {
+  const std::vector<ParameterShape> of_one = any_denoiser(d)->parameter_shapes();
+  std::vector<ParameterShape> shapes;
+  for (int layer = 0; layer < (d.shared_weights ? 1 : d.layers); ++layer) {
+    for (ParameterShape shape : of_one) {
+      shape.name = fmt::format("layers.{}.{}", layer, shape.name);
+      shapes.push_back(std::move(shape));
+    }
+  }
+  if (d.kind == NetworkKind::kSimpleDu) {
+    shapes.push_back({"alpha", {1}});
+  } else {
+    shapes.push_back({"log_penalty", {d.layers}});
+  }
+  return shapes;
+}
+
+std::vector<float> initial_parameters(const NetworkDescription& d, std::uint64_t seed) {
+  const auto denoiser = any_denoiser(d);
+  std::vector<float> parameters;
+  for (int layer = 0; layer < (d.shared_weights ? 1 : d.layers); ++layer) {
+    const std::vector<float> of_one = denoiser->initial_parameters(seed * 1000 + layer);
+    parameters.insert(parameters.end(), of_one.begin(), of_one.end());
+  }
+  if (d.kind == NetworkKind::kSimpleDu) {
+    parameters.push_back(kFirstAlpha);
+  } else {
+    parameters.insert(parameters.end(), d.layers, std::log(kFirstPenalty));
+  }
+  return parameters;
+}
+
+}  // namespace hqslam::nn

@@ -1,0 +1,285 @@
+#include "hqslam/nn/hqs/unrolled_network.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "hqslam/core/error.h"
+#include "hqslam/nn/hqs/interpolation.h"
+
+namespace hqslam::nn {
+namespace {
+
+int checked_columns(const NetworkDescription& description, int columns) {
+  validate(description);
+  if (columns < 1 || columns > description.sensor.columns) {
+    throw Error(fmt::format("network: images of {} columns, expected 1 to {}", columns,
+                            description.sensor.columns));
+  }
+  return columns;
+}
+
+/// Rows of the channels from `from_channel` on, borders too.
+void copy_channels(const Tensor& from, int from_channel, int channels, Tensor& to, int to_channel) {
+#pragma omp for schedule(static)
+  for (int row = 0; row < to.rows(); ++row) {
+    for (int channel = 0; channel < channels; ++channel) {
+      std::copy_n(from.row(from_channel + channel, row), to.columns(),
+                  to.row(to_channel + channel, row));
+      to.fill_border(to_channel + channel, row);
+    }
+  }
+}
+
+}  // namespace
+
+UnrolledNetwork::UnrolledNetwork(const NetworkDescription& description, int columns,
+                                 InstructionSet instruction_set, int threads)
+    : description_(description),
+      rows_(description.sensor.rows()),
+      columns_(checked_columns(description, columns)),
+      threads_(threads),
+      filter_(description.sensor, description.measured_rows, description.filter, columns) {
+  for (int layer = 0; layer < (description_.shared_weights ? 1 : description_.layers); ++layer) {
+    denoisers_.push_back(
+        description_.kind == NetworkKind::kDuOr
+            ? make_u_shaped_denoiser(description_.u_shaped, rows_, columns_, instruction_set,
+                                     threads)
+            : make_plain_denoiser(description_.plain, rows_, columns_, instruction_set, threads));
+  }
+  for (const ParameterShape& shape : denoisers_.front()->parameter_shapes()) {
+    denoiser_parameters_ += shape.elements();
+  }
+}
+
+std::int64_t UnrolledNetwork::multiply_adds() const {
+  return denoisers_.front()->multiply_adds() * description_.layers;
+}
+
+void UnrolledNetwork::set_parameters(std::span<const float> parameters) {
+  const bool simple = description_.kind == NetworkKind::kSimpleDu;
+  const std::size_t penalties = simple ? 1 : description_.layers;
+  const std::size_t expected = denoisers_.size() * denoiser_parameters_ + penalties;
+  if (parameters.size() != expected) {
+    throw Error(fmt::format("network: {} parameters, expected {}", parameters.size(), expected));
+  }
+  for (std::size_t i = 0; i < denoisers_.size(); ++i) {
+    denoisers_[i]->set_parameters(
+        parameters.subspan(i * denoiser_parameters_, denoiser_parameters_));
+  }
+  penalty_.clear();
+  for (int layer = 0; layer < description_.layers; ++layer) {
+    const float last = parameters[expected - penalties + (simple ? 0 : layer)];
+    penalty_.push_back(simple ? 0.5F / last : std::exp(last));
+    if (simple) alpha_ = last;
+  }
+}
+
+UnrolledState UnrolledNetwork::make_state() const {
+  const Denoiser& denoiser = *denoisers_.front();
+  const TileSize tile = denoiser.tile();
+  const Tensor image(tile.pixels(), rows_ / tile.rows, columns_ / tile.columns, denoiser.padding());
+  UnrolledState state{image, {image, image}, image, {}, {}};
+  const std::size_t pixels = static_cast<std::size_t>(rows_) * columns_;
+  for (int layer = 0; layer < description_.layers; ++layer) {
+    state.layers.push_back({denoiser.make_state(), image, std::vector<std::uint8_t>(pixels)});
+  }
+  state.raster.resize(pixels);
+  return state;
+}
+
+void UnrolledNetwork::start(const RangeImage& measured, UnrolledState& state) const {
+  const TileSize tile = denoisers_.front()->tile();
+  const auto put = [&](RangeImage image, Tensor& tiles) {
+    for (float& range : image.range_m) range /= description_.range_scale_m;
+    to_tiles(image.range_m.data(), tile, tiles);
+  };
+  MeasuredNeighbours neighbours = measured_neighbours(measured, description_.measured_rows, rows_);
+  put(std::move(neighbours.above), state.candidates.above);
+  put(neighbours.below, state.candidates.below);
+  // In a measured row both neighbours are the row itself; the other rows of L are never looked at.
+  put(std::move(neighbours.below), state.l);
+  if (description_.kind == NetworkKind::kSimpleDu) {
+    state.z0.set_zero();
+  } else {
+    put(interpolate_rows(measured, description_.measured_rows, rows_, Interpolation::kLinear),
+        state.z0);
+  }
+}
+
+DataConsistency UnrolledNetwork::data_consistency(int layer) const {
+  return {denoisers_.front()->tile(), description_.measured_rows, penalty_[layer]};
+}
+
+const Tensor& UnrolledNetwork::previous_z(const UnrolledState& state, int layer) const {
+  return layer == 0 ? state.z0 : state.layers[layer - 1].denoiser.z;
+}
+
+const Tensor& UnrolledNetwork::previous_y(const UnrolledState& state, int layer) const {
+  if (description_.kind == NetworkKind::kSimpleDu) return previous_z(state, layer);
+  return layer == 0 ? state.z0 : state.layers[layer - 1].y;
+}
+
+void UnrolledNetwork::run_layer(UnrolledState& state, int layer,
+                                std::optional<std::uint64_t> dropout_seed) {
+  Denoiser& prior = denoiser(layer);
+  const TileSize tile = prior.tile();
+  DenoiserState& current = state.layers[layer].denoiser;
+#pragma omp parallel num_threads(threads_)
+  {
+    data_consistency(layer).forward(state.l, previous_z(state, layer), previous_y(state, layer),
+                                    current.input);  // eq. 10a
+    if (layer > 0 && prior.memory_channels() > 0) {
+      const Tensor& before = state.layers[layer - 1].denoiser.output;
+      copy_channels(before, before.channels() - prior.memory_channels(), prior.memory_channels(),
+                    current.input, tile.pixels());
+    }
+    prior.forward(state.candidates, current, dropout_seed);  // eq. 10b
+  }
+}
+
+void UnrolledNetwork::remove_outliers(UnrolledState& state, int layer) {
+  LayerState& current = state.layers[layer];
+  const TileSize tile = denoisers_.front()->tile();
+  const bool of_h = description_.filtered == FilteredIterate::kH;
+#pragma omp parallel num_threads(threads_)
+  from_tiles(of_h ? current.denoiser.input : current.denoiser.z, tile, state.raster.data());
+  filter_.find(state.raster.data(), current.rejected.data(), threads_);  // eq. 10c
+#pragma omp parallel num_threads(threads_)
+  set_y(current);
+}
+
+/// Calls visit(channel, row, x, rejected) for every pixel of the tiles.
+template <typename Visit>
+static void for_each_pixel(TileSize tile, const Tensor& tiles,
+                           const std::vector<std::uint8_t>& rejected, int row, const Visit& visit) {
+  const int columns = tiles.columns() * tile.columns;
+  for (int channel = 0; channel < tile.pixels(); ++channel) {
+    const std::uint8_t* mask = rejected.data() +
+                               (row * tile.rows + channel / tile.columns) * columns +
+                               channel % tile.columns;
+    for (int x = 0; x < tiles.columns(); ++x) visit(channel, x, mask[x * tile.columns] != 0);
+  }
+}
+
+void UnrolledNetwork::set_y(LayerState& layer) const {
+  const bool of_h = description_.filtered == FilteredIterate::kH;
+  const Tensor& filtered = of_h ? layer.denoiser.input : layer.denoiser.z;
+  const bool zero = description_.rejected == RejectedPixel::kZero;
+#pragma omp for schedule(static)
+  for (int row = 0; row < layer.y.rows(); ++row) {
+    for_each_pixel(denoisers_.front()->tile(), layer.y, layer.rejected, row,
+                   [&](int channel, int x, bool rejected) {
+                     layer.y.row(channel, row)[x] =
+                         !rejected ? filtered.row(channel, row)[x]
+                                   : (zero ? 0.0F : layer.denoiser.z.row(channel, row)[x]);
+                   });
+  }
+}
+
+void UnrolledNetwork::forward(UnrolledState& state, std::optional<std::uint64_t> dropout_seed) {
+  for (int layer = 0; layer < description_.layers; ++layer) {
+    const std::uint64_t seed = dropout_seed.value_or(0) * 1000 + layer * 10;
+    run_layer(state, layer, dropout_seed ? std::optional(seed) : std::nullopt);
+    const bool last = layer + 1 == description_.layers;
+    if (!last && description_.kind == NetworkKind::kDuOr) remove_outliers(state, layer);
+  }
+}
+
+// --- backward ------------------------------------------------------------------------------------
+
+struct UnrolledNetwork::BackwardScratch {
+  DenoiserState gradient;
+  Tensor d_z;
+  Tensor d_y;
+  Tensor d_h;
+  Tensor d_a;
+};
+
+void UnrolledNetwork::backward_y(const LayerState& layer, const Tensor& d_y, Tensor& d_h,
+                                 Tensor& d_z) const {
+  const bool of_h = description_.filtered == FilteredIterate::kH;
+  const bool zero = description_.rejected == RejectedPixel::kZero;
+  for (int row = 0; row < d_y.rows(); ++row) {
+    for_each_pixel(denoisers_.front()->tile(), d_y, layer.rejected, row,
+                   [&](int channel, int x, bool rejected) {
+                     const float gradient = d_y.row(channel, row)[x];
+                     float& to_h = d_h.row(channel, row)[x];
+                     float& to_z = d_z.row(channel, row)[x];
+                     to_h = !rejected && of_h ? gradient : 0.0F;
+                     if (rejected ? !zero : !of_h) to_z += gradient;
+                   });
+  }
+}
+
+void UnrolledNetwork::add_penalty_gradient(int layer, double d_penalty,
+                                           std::span<float> d_parameters) const {
+  if (description_.kind == NetworkKind::kSimpleDu) {
+    // b = 1 / (2 alpha)
+    d_parameters.back() += static_cast<float>(-d_penalty * 0.5 / (alpha_ * alpha_));
+  } else {
+    d_parameters[d_parameters.size() - description_.layers + layer] +=
+        static_cast<float>(d_penalty * penalty_[layer]);
+  }
+}
+
+void UnrolledNetwork::backward(const UnrolledState& state, const Tensor& d_z,
+                               std::span<float> d_parameters) {
+  const bool simple = description_.kind == NetworkKind::kSimpleDu;
+  const Denoiser& any = *denoisers_.front();
+  const int pixels = any.tile().pixels();
+  const int memory = any.memory_channels();
+  if (backward_ == nullptr) {
+    backward_ = std::make_shared<BackwardScratch>(
+        BackwardScratch{any.make_state(), state.z0, state.z0, state.z0, state.z0});
+  }
+  BackwardScratch& scratch = *backward_;
+  DenoiserState& gradient = scratch.gradient;
+  scratch.d_z = d_z;
+  scratch.d_y.set_zero();
+  const int first_memory = gradient.output.channels() - memory;
+  for (int channel = first_memory; memory > 0 && channel < gradient.output.channels(); ++channel) {
+    for (int row = 0; row < gradient.output.rows(); ++row) {
+      std::fill_n(gradient.output.row(channel, row), gradient.output.columns(), 0.0F);
+    }
+  }
+  for (int layer = description_.layers - 1; layer >= 0; --layer) {
+    const LayerState& current = state.layers[layer];
+    const bool last = layer + 1 == description_.layers;
+    if (last || simple) {
+      scratch.d_h.set_zero();
+    } else {
+      backward_y(current, scratch.d_y, scratch.d_h, scratch.d_z);
+    }
+    gradient.z = scratch.d_z;
+    const std::size_t begin = description_.shared_weights ? 0 : layer * denoiser_parameters_;
+    denoiser(layer).backward(state.candidates, current.denoiser, gradient,
+                             d_parameters.subspan(begin, denoiser_parameters_));
+    for (int channel = 0; channel < pixels; ++channel) {
+      for (int row = 0; row < scratch.d_h.rows(); ++row) {
+        float* to = scratch.d_h.row(channel, row);
+        const float* from = gradient.input.row(channel, row);
+        for (int x = 0; x < scratch.d_h.columns(); ++x) to[x] += from[x];
+      }
+    }
+    const double d_penalty = data_consistency(layer).backward(
+        state.l, previous_z(state, layer), previous_y(state, layer), scratch.d_h, scratch.d_a);
+    add_penalty_gradient(layer, d_penalty, d_parameters);
+    if (memory > 0) copy_channels(gradient.input, pixels, memory, gradient.output, first_memory);
+    // A is the mean of Z and Y; Simple DU's Y is its Z.
+    for (int channel = 0; channel < pixels; ++channel) {
+      for (int row = 0; row < scratch.d_a.rows(); ++row) {
+        const float* from = scratch.d_a.row(channel, row);
+        float* to_z = scratch.d_z.row(channel, row);
+        float* to_y = scratch.d_y.row(channel, row);
+        for (int x = 0; x < scratch.d_a.columns(); ++x) {
+          to_z[x] = simple ? from[x] : 0.5F * from[x];
+          to_y[x] = simple ? 0.0F : 0.5F * from[x];
+        }
+      }
+    }
+  }
+}
+
+}  // namespace hqslam::nn
