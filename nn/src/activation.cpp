@@ -19,7 +19,10 @@ void leaky_relu_backward(float slope, const Tensor& output, Tensor& d_values) {
     for (int y = 0; y < output.rows(); ++y) {
       const float* out = output.row(channel, y);
       float* gradient = d_values.row(channel, y);
-      for (int x = 0; x < output.columns(); ++x) gradient[x] *= out[x] > 0.0F ? 1.0F : slope;
+#pragma GCC ivdep
+      for (int x = 0; x < output.columns(); ++x) {
+        gradient[x] = out[x] > 0.0F ? gradient[x] : slope * gradient[x];
+      }
       d_values.fill_border(channel, y);
     }
   }

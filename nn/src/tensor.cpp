@@ -33,6 +33,11 @@ void Tensor::fill_border(int channel, int row_index) {
     std::fill(values + columns_, values + padded_columns_ + kBorderColumns, 0.0F);
     return;
   }
+  if (columns_ == padded_columns_) {  // at least as wide as the border
+    std::copy_n(values + columns_ - kBorderColumns, kBorderColumns, values - kBorderColumns);
+    std::copy_n(values, kBorderColumns, values + columns_);
+    return;
+  }
   // A row shorter than the border goes round more than once.
   for (int column = -1; column >= -kBorderColumns; --column) {
     values[column] = values[column + columns_];

@@ -163,15 +163,12 @@ HQSLAM_CLONES void fill_runs(const std::uint64_t* right, int words, std::uint64_
 HQSLAM_CLONES int list_run_pairs(const std::uint64_t* down, const RunRow& upper,
                                  const RunRow& lower, int words, std::int32_t* pairs) {
   int count = 0;
-  std::uint64_t connected_before = 0;  // in bit 0: the last pixel of the word before
   for (int word = 0; word < words; ++word) {
     const std::uint64_t upper_start = upper.start[word];
     const std::uint64_t lower_start = lower.start[word];
     const std::uint64_t connected = down[word] & upper.pixels[word] & lower.pixels[word];
     // Where neither row begins a run, the pair is that of the column before.
-    const std::uint64_t repeated =
-        (connected << 1 | connected_before) & ~upper_start & ~lower_start;
-    connected_before = connected >> 63;
+    const std::uint64_t repeated = connected << 1 & ~upper_start & ~lower_start;
     for (std::uint64_t left = connected & ~repeated; left != 0; left &= left - 1) {
       const std::uint64_t up_to_column = left ^ (left - 1);
       pairs[count++] = upper.first_run[word] + std::popcount(upper_start & up_to_column) - 1;

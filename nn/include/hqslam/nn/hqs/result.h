@@ -1,0 +1,15 @@
+#pragma once
+
+#include "hqslam/core/range_image.h"
+#include "hqslam/nn/hqs/network_description.h"
+#include "hqslam/nn/hqs/tiles.h"
+#include "hqslam/nn/tensor.h"
+
+namespace hqslam::nn {
+
+/// The last layer's Z as an image in metres: ranges outside the sensor's limits become "no return",
+/// the measured rows are put back. z: tiles. measured: one row per measured row.
+RangeImage restored_image(const NetworkDescription& description, TileSize tile, const Tensor& z,
+                          const RangeImage& measured);
+
+}  // namespace hqslam::nn

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstdint>
+
+#include "hqslam/core/range_image.h"
+#include "hqslam/core/sensor_model.h"
+
+namespace hqslam::nn {
+
+/// How one scan becomes many.
+struct Augmentation {
+  int crop_columns = 0;                ///< a cut-out of this many columns; 0: the whole circle
+  bool mirror = true;                  ///< left and right swapped, half of the time
+  float smallest_scale = 0.9F;         ///< all ranges are multiplied by a number
+  float largest_scale = 1.1F;          ///< between these two
+  float range_noise_m = 0.0F;          ///< standard deviation, on what the network gets to see
+  float largest_dropout_share = 0.0F;  ///< of the measured returns, between 0 and this are lost
+};
+
+/// What the network sees and what it should say.
+struct TrainingSample {
+  RangeImage measured;  ///< the measured rows only
+  RangeImage truth;     ///< all rows
+};
+
+/// A turned, mirrored, scaled cut-out of a scan. The same seed gives the same sample on every
+/// machine. Ranges that leave the sensor's limits are lost.
+TrainingSample augmented_sample(const RangeImage& scan, const SensorModel& sensor,
+                                RowSelection measured_rows, const Augmentation& augmentation,
+                                std::uint64_t seed);
+
+}  // namespace hqslam::nn

@@ -1,0 +1,67 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "hqslam/core/range_image.h"
+#include "hqslam/nn/hqs/network_description.h"
+#include "hqslam/nn/training/adamw.h"
+#include "hqslam/nn/training/augmentation.h"
+
+namespace hqslam::nn {
+
+/// How a network is trained; everything that decides the result, but for the scans.
+struct TrainingPlan {
+  std::int64_t steps = 10'000;
+  int batch = 4;  ///< samples whose gradients are summed before a step
+  float learning_rate = 1e-3F;
+  std::int64_t warm_up_steps = 100;
+  AdamWOptions adamw;
+  double largest_gradient_norm = 0.1;  ///< of the loss in units of range_scale_m
+  Augmentation augmentation;
+  std::uint64_t seed = 1;
+};
+/// Throws Error with field, value and constraint.
+void validate(const TrainingPlan& plan, const SensorModel& sensor);
+
+struct TrainingStep {
+  double loss_m = 0.0;         ///< mean over the batch, before the step
+  double gradient_norm = 0.0;  ///< before it was clipped
+  float learning_rate = 0.0F;
+};
+
+/// How well the network does on scans that it is not trained on; means over the scans, metres.
+struct Validation {
+  double mae_all_m = 0.0;
+  double mae_all_filtered_m = 0.0;  ///< with the filter at the end
+  double mae_all_linear_m = 0.0;    ///< linear interpolation over rows
+  double mae_valid_m = 0.0;
+};
+
+/// Everything that a training needs to go on as if it had not stopped.
+struct TrainingState {
+  std::vector<float> parameters;
+  AdamW optimiser;
+};
+
+/// Trains on scans with all of the sensor's rows. Each step draws its samples from seed, step and
+/// place in the batch alone, and sums gradients in that order: the result depends neither on the
+/// number of threads nor on interruptions.
+class Trainer {
+ public:
+  /// Throws Error, also if a scan does not have the sensor's shape.
+  Trainer(const NetworkDescription& description, const TrainingPlan& plan,
+          std::vector<RangeImage> scans, TrainingState state, int threads);
+  ~Trainer();
+
+  TrainingStep step();
+  Validation validate(const std::vector<RangeImage>& scans);
+  const TrainingState& state() const;
+
+ private:
+  struct Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace hqslam::nn
