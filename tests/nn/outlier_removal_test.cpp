@@ -347,6 +347,43 @@ TEST_CASE("ranges that are no ranges are no returns") {
   }
 }
 
+TEST_CASE("negative ranges are no returns at angles at which the formula connects them") {
+  std::mt19937 generator(25);
+  for (const int columns : {3, 9}) {
+    SensorModel sensor = small_sensor(5, columns);
+    for (double& elevation_rad : sensor.beam_elevation_rad) elevation_rad *= 30.0;
+    for (const int min_pixels : {2, 3, 5, 8}) {
+      const OutlierRemovalOptions options{89.0 * kDegree, min_pixels};
+      OutlierRemoval removal(sensor, kNothingMeasured, options, columns);
+      int wrong = 0;
+      for (int i = 0; i < 200; ++i) {
+        RangeImage image = random_image(Kind::kMesh, 5, columns, generator);
+        for (float& range_m : image.range_m) range_m = range_m > 0.0F ? 1.0F : -10.0F;
+        wrong += found(removal, image) !=
+                 from_component_labeler(image, sensor, kNothingMeasured, options);
+      }
+      CHECK(wrong == 0);
+    }
+  }
+}
+
+TEST_CASE("components reach over rows that different threads label") {
+  const SensorModel sensor = small_sensor(16, 360);
+  OutlierRemoval removal(sensor, kNothingMeasured, {}, 360);
+  for (int row = 0; row + 1 < 16; ++row) {
+    RangeImage image(16, 360);
+    draw_run(image, row, 10, 10);  // one pixel above a long run
+    draw_run(image, row + 1, 10, 40);
+    draw_run(image, row, 100, 130);  // one pixel below a long run
+    draw_run(image, row + 1, 110, 110);
+    draw_run(image, row, 200, 209);  // 10 + 10
+    draw_run(image, row + 1, 209, 218);
+    for (const int threads : {1, 2, 4}) {
+      CHECK(found(removal, image, threads) == Mask(image.range_m.size(), 0));
+    }
+  }
+}
+
 TEST_CASE("the number of threads and earlier images change nothing") {
   std::mt19937 generator(24);
   const SensorModel sensor = hqslam::sensor_preset("os1-64");
