@@ -192,8 +192,7 @@ void require_printable_name(const SensorModel& sensor, const std::string& path) 
   }
 }
 
-Json parsed(const std::string& path) {
-  const std::string bytes = whole_file(path, "a sensor's .json file", kMaxFileBytes);
+Json parsed(const std::string& bytes, const std::string& path) {
   Json json;
   try {
     json = Json::parse(bytes);
@@ -217,21 +216,25 @@ Json parsed(const std::string& path) {
 
 }  // namespace
 
-SensorModel read_sensor_json(const std::string& path) {
-  const Json json = parsed(path);
+SensorModel sensor_from_json(const std::string& text, const std::string& source) {
+  const Json json = parsed(text, source);
   const bool ouster = json.contains("beam_altitude_angles") || json.contains("beam_intrinsics");
   const SensorModel sensor =
-      ouster ? sensor_from_ouster(json, path) : sensor_from_own_form(json, path);
-  require_printable_name(sensor, path);
+      ouster ? sensor_from_ouster(json, source) : sensor_from_own_form(json, source);
+  require_printable_name(sensor, source);
   try {
     validate(sensor);
   } catch (const Error& error) {
-    throw Error(fmt::format("{}: {}; correct the sensor file", path, error.what()));
+    throw Error(fmt::format("{}: {}; correct the sensor file", source, error.what()));
   }
   return sensor;
 }
 
-void write_sensor_json(const SensorModel& sensor, const std::string& path) {
+SensorModel read_sensor_json(const std::string& path) {
+  return sensor_from_json(whole_file(path, "a sensor's .json file", kMaxFileBytes), path);
+}
+
+std::string sensor_json(const SensorModel& sensor) {
   Json json;
   json["name"] = sensor.name;
   json["columns"] = sensor.columns;
@@ -244,7 +247,11 @@ void write_sensor_json(const SensorModel& sensor, const std::string& path) {
   for (const double angle_rad : sensor.beam_azimuth_offset_rad) {
     json["beam_azimuth_offset_deg"].push_back(degrees(angle_rad));
   }
-  write_whole_file(path, json.dump(1) + "\n");
+  return json.dump(1) + "\n";
+}
+
+void write_sensor_json(const SensorModel& sensor, const std::string& path) {
+  write_whole_file(path, sensor_json(sensor));
 }
 
 SensorModel load_sensor(const std::string& preset_or_path) {

@@ -11,8 +11,9 @@ void conv2d_reference(const ConvolutionShape& shape, std::span<const float> weig
       for (int x = 0; x < output.columns(); ++x) {
         double sum = bias.empty() ? 0.0 : bias[o];
         for_each_tap(shape, input, y, x, [&](int i, int r, int c, int row, int column) {
-          sum += static_cast<double>(weight[weight_index(shape, o, shape.input_channels, i, r, c)]) *
-                 input.at(i, row, column);
+          sum +=
+              static_cast<double>(weight[weight_index(shape, o, shape.input_channels, i, r, c)]) *
+              input.at(i, row, column);
         });
         output.at(o, y, x) = static_cast<float>(sum);
       }

@@ -14,8 +14,9 @@ struct ConvTranspose2d::Implementation {
   std::vector<float> bias;
 };
 
-ConvTranspose2d::ConvTranspose2d(const ConvolutionShape& shape, const Tensor& input, const Tensor& output,
-               InstructionSet instruction_set, int threads) {
+ConvTranspose2d::ConvTranspose2d(const ConvolutionShape& shape, const Tensor& input,
+                                 const Tensor& output, InstructionSet instruction_set,
+                                 int threads) {
   ConvolutionShape adjoint = shape;
   std::swap(adjoint.input_channels, adjoint.output_channels);
   kernels::StridedConvolution convolution(adjoint, input, output, instruction_set);
@@ -37,17 +38,16 @@ void ConvTranspose2d::set_parameters(std::span<const float> weight, std::span<co
 void ConvTranspose2d::forward(const Tensor& input, const LayerEnd& end, Tensor& output) {
   Implementation& self = *implementation_;
   self.convolution.scatter(input, {self.bias.data(), end.skip, end.negative_slope}, output,
-                          self.scratch);
+                           self.scratch);
 }
 
 void ConvTranspose2d::backward_input(const Tensor& d_output, const LayerEnd& end, Tensor& d_input) {
   Implementation& self = *implementation_;
-  self.convolution.gather(d_output, {nullptr, end.skip, end.negative_slope}, d_input,
-                           self.scratch);
+  self.convolution.gather(d_output, {nullptr, end.skip, end.negative_slope}, d_input, self.scratch);
 }
 
 void ConvTranspose2d::backward_parameters(const Tensor& input, const Tensor& d_output,
-                                 std::span<float> d_weight, std::span<float> d_bias) {
+                                          std::span<float> d_weight, std::span<float> d_bias) {
   Implementation& self = *implementation_;
   self.convolution.add_weight_gradient(input, d_output, d_weight, self.scratch);
   kernels::add_bias_gradient(d_output, d_bias);

@@ -9,8 +9,7 @@ namespace {
 
 void check(const char* field, int value, int least, int most) {
   if (value < least || value > most) {
-    throw Error(
-        fmt::format("convolution: {} is {}, expected {} to {}", field, value, least, most));
+    throw Error(fmt::format("convolution: {} is {}, expected {} to {}", field, value, least, most));
   }
 }
 

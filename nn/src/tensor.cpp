@@ -16,8 +16,7 @@ Tensor::Tensor(int channels, int rows, int columns, ColumnPadding padding, int b
       border_rows_(border_rows),
       padding_(padding) {
   constexpr int kMostBorderRows = 16;
-  if (channels < 1 || rows < 1 || columns < 1 || border_rows < 0 ||
-      border_rows > kMostBorderRows) {
+  if (channels < 1 || rows < 1 || columns < 1 || border_rows < 0 || border_rows > kMostBorderRows) {
     throw Error(fmt::format(
         "tensor: {} channels, {} rows, {} columns, {} border rows; expected at least one of each "
         "and a border of 0 to {} rows",

@@ -8,8 +8,8 @@
 namespace hqslam::nn::kernels {
 namespace {
 
-typedef float Vector __attribute__((vector_size(kVectorFloats * sizeof(float)), aligned(4),
-                                    may_alias));
+typedef float Vector
+    __attribute__((vector_size(kVectorFloats * sizeof(float)), aligned(4), may_alias));
 
 inline Vector load(const float* values) { return *reinterpret_cast<const Vector*>(values); }
 inline void store(float* values, Vector vector) { *reinterpret_cast<Vector*>(values) = vector; }
@@ -26,10 +26,9 @@ inline void accumulate_block(const AccumulateRow& row, int channel, int x) {
 #pragma GCC unroll 16
     for (int v = 0; v < kVectors; ++v) sum[o][v] = Vector{} + start;
   }
-  const float* weights = row.weights +
-                         static_cast<std::int64_t>(channel / kOutputBlock) * row.taps *
-                             kOutputBlock +
-                         channel % kOutputBlock;
+  const float* weights =
+      row.weights + static_cast<std::int64_t>(channel / kOutputBlock) * row.taps * kOutputBlock +
+      channel % kOutputBlock;
   const float* input = row.input + x;
   for (int t = 0; t < row.taps; ++t) {
     const float* values = input + row.tap_offset[t];

@@ -81,16 +81,14 @@ void StridedConvolution::check(const Tensor& narrow, const Tensor& wide) const {
       circular ? wide.columns() / s.stride
                : convolved_size(wide.columns(), s.kernel_columns, s.stride, s.padding_columns);
   if (narrow.columns() != columns || (circular && wide.columns() % s.stride != 0) ||
-      narrow.padding() != wide.padding() ||
-      wide.columns() > narrow.padded_columns() * s.stride) {
+      narrow.padding() != wide.padding() || wide.columns() > narrow.padded_columns() * s.stride) {
     throw Error(fmt::format("convolution: {} columns do not become {} with stride {}",
                             wide.columns(), narrow.columns(), s.stride));
   }
   const int below = (narrow.rows() - 1) * s.stride + s.kernel_rows - s.padding_rows - wide.rows();
   const int wide_border = std::max(s.padding_rows, below);
   const int narrow_above = (s.kernel_rows - 1 - s.padding_rows + s.stride - 1) / s.stride;
-  const int narrow_below =
-      (wide.rows() - 1 + s.padding_rows) / s.stride - (narrow.rows() - 1);
+  const int narrow_below = (wide.rows() - 1 + s.padding_rows) / s.stride - (narrow.rows() - 1);
   const int narrow_border = std::max({0, narrow_above, narrow_below});
   if (wide.border_rows() < wide_border || narrow.border_rows() < narrow_border) {
     throw Error(fmt::format("convolution: borders of {} and {} rows, expected {} and {}",
@@ -188,8 +186,7 @@ void StridedConvolution::sort_phases(const Tensor& wide, ConvolutionScratch& scr
   const int stride = shape_.stride;
   const int tasks = wide_rows_ * shape_.input_channels;
   // The border of the wide row holds what lies beyond its last column, as far as it is needed.
-  const int columns =
-      std::min(narrow_columns_, (wide_columns_ + Tensor::kBorderColumns) / stride);
+  const int columns = std::min(narrow_columns_, (wide_columns_ + Tensor::kBorderColumns) / stride);
 #pragma omp for schedule(static)
   for (int task = 0; task < tasks; ++task) {
     const int channel = task / wide_rows_;

@@ -13,14 +13,14 @@ namespace hqslam::nn::kernels {
 
 /// Memory that the methods of StridedConvolution work in; one per thread team.
 struct ConvolutionScratch {
-  Tensor phases;                       ///< the wide tensor, its columns sorted by column mod stride
+  Tensor phases;  ///< the wide tensor, its columns sorted by column mod stride
   std::vector<std::vector<float>> rows;  ///< one per thread
 };
 
 /// A convolution seen from both sides. The narrow side has one pixel per `stride` pixels of the
 /// wide side, and the weights w are narrow channels x wide channels x kernel rows x kernel columns:
-///   gather   narrow[a][y][x]                      = sum  w[a][b][i][j] wide[b][y s + i - p][x s + j - p]
-///   scatter  wide[b][y s + i - p][x s + j - p]   += sum  w[a][b][i][j] narrow[a][y][x]
+///   gather   narrow[a][y][x]                      = sum  w[a][b][i][j] wide[b][y s + i - p][x s +
+///   j - p] scatter  wide[b][y s + i - p][x s + j - p]   += sum  w[a][b][i][j] narrow[a][y][x]
 /// One is the adjoint of the other, so conv2d is gather forward and scatter backward, and
 /// conv_transpose2d scatter forward and gather backward, with the weights in PyTorch's layout in
 /// both cases. Beyond the edges both tensors continue as their ColumnPadding says.
@@ -82,8 +82,8 @@ class StridedConvolution {
   int wide_columns_ = 0;
   int wide_border_rows_ = 0;
   const RowKernels* kernels_;
-  std::vector<std::int64_t> gather_offset_;  ///< wide channel, kernel row, kernel column
-  std::vector<float> gather_weights_;        ///< blocks of 8 narrow channels x taps x 8
+  std::vector<std::int64_t> gather_offset_;   ///< wide channel, kernel row, kernel column
+  std::vector<float> gather_weights_;         ///< blocks of 8 narrow channels x taps x 8
   std::vector<ScatterPhase> scatter_phases_;  ///< row phase x stride + column phase
 };
 

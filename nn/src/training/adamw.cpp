@@ -41,7 +41,8 @@ float cosine_learning_rate(float highest, std::int64_t warm_up_steps, std::int64
   }
   const double part = static_cast<double>(step - warm_up_steps) /
                       static_cast<double>(std::max<std::int64_t>(1, steps - warm_up_steps));
-  return static_cast<float>(highest * 0.5 * (1.0 + std::cos(std::numbers::pi * std::min(1.0, part))));
+  return static_cast<float>(highest * 0.5 *
+                            (1.0 + std::cos(std::numbers::pi * std::min(1.0, part))));
 }
 
 }  // namespace hqslam::nn

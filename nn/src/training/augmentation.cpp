@@ -27,9 +27,8 @@ TrainingSample augmented_sample(const RangeImage& scan, const SensorModel& senso
   Random random(seed);
   const auto turn = static_cast<int>(random.below(scan.columns));
   const bool mirrored = augmentation.mirror && random.unit() < 0.5;
-  const double scale =
-      augmentation.smallest_scale +
-      random.unit() * (augmentation.largest_scale - augmentation.smallest_scale);
+  const double scale = augmentation.smallest_scale +
+                       random.unit() * (augmentation.largest_scale - augmentation.smallest_scale);
   const int columns = augmentation.crop_columns > 0 ? augmentation.crop_columns : scan.columns;
   TrainingSample sample;
   sample.truth = RangeImage(scan.rows, columns);

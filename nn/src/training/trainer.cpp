@@ -77,8 +77,8 @@ void validate(const TrainingPlan& plan, const SensorModel& sensor) {
   check(a.smallest_scale > 0.0F && a.smallest_scale <= a.largest_scale, "smallest_scale",
         a.smallest_scale, "above 0 and at most largest_scale");
   check(a.range_noise_m >= 0.0F, "range_noise_m", a.range_noise_m, "at least 0");
-  check(a.largest_dropout_share >= 0.0F && a.largest_dropout_share < 1.0F,
-        "largest_dropout_share", a.largest_dropout_share, "0 to below 1");
+  check(a.largest_dropout_share >= 0.0F && a.largest_dropout_share < 1.0F, "largest_dropout_share",
+        a.largest_dropout_share, "0 to below 1");
 }
 
 Trainer::Trainer(const NetworkDescription& description, const TrainingPlan& plan,
@@ -146,9 +146,10 @@ TrainingStep Trainer::step() {
   result.learning_rate = cosine_learning_rate(self.plan.learning_rate, self.plan.warm_up_steps,
                                               self.plan.steps, self.state.optimiser.steps);
   if (!std::isfinite(result.loss_m) || !std::isfinite(result.gradient_norm)) {
-    throw Error(fmt::format("training: the loss of step {} is not finite; a smaller learning_rate "
-                            "may help",
-                            self.state.optimiser.steps));
+    throw Error(
+        fmt::format("training: the loss of step {} is not finite; a smaller learning_rate "
+                    "may help",
+                    self.state.optimiser.steps));
   }
   self.state.optimiser.step(sum, result.learning_rate, self.state.parameters);
   return result;
@@ -184,8 +185,8 @@ Validation Trainer::validate(const std::vector<RangeImage>& scans) {
       if (rejected[i] != 0) image.range_m[i] = 0.0F;
     }
     each[item].mae_all_filtered_m = image_error(image, truth).mae_all_m;
-    const RangeImage linear = interpolate_rows(measured, description.measured_rows, truth.rows,
-                                               Interpolation::kLinear);
+    const RangeImage linear =
+        interpolate_rows(measured, description.measured_rows, truth.rows, Interpolation::kLinear);
     each[item].mae_all_linear_m = image_error(linear, truth).mae_all_m;
   });
   Validation mean;

@@ -70,6 +70,9 @@ std::vector<std::string> sensor_preset_names();
 /// files (beam_altitude_angles, beam_azimuth_angles, lidar_mode or data_format). Throws Error.
 SensorModel read_sensor_json(const std::string& path);
 void write_sensor_json(const SensorModel& sensor, const std::string& path);
+/// The same for text; `source` stands for the file in messages.
+SensorModel sensor_from_json(const std::string& text, const std::string& source);
+std::string sensor_json(const SensorModel& sensor);
 
 /// A preset's name or the path of a .json file. Throws Error.
 SensorModel load_sensor(const std::string& preset_or_path);

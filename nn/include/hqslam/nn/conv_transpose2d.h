@@ -23,7 +23,7 @@ class ConvTranspose2d {
  public:
   /// Throws Error if the shapes do not fit.
   ConvTranspose2d(const ConvolutionShape& shape, const Tensor& input, const Tensor& output,
-         InstructionSet instruction_set, int threads = 1);
+                  InstructionSet instruction_set, int threads = 1);
   ~ConvTranspose2d();
   ConvTranspose2d(ConvTranspose2d&&) noexcept;
   ConvTranspose2d& operator=(ConvTranspose2d&&) noexcept;
@@ -50,10 +50,11 @@ class ConvTranspose2d {
 
 /// The same, written as the formula above.
 void conv_transpose2d_reference(const ConvolutionShape& shape, std::span<const float> weight,
-                      std::span<const float> bias, const Tensor& input, Tensor& output);
+                                std::span<const float> bias, const Tensor& input, Tensor& output);
 /// The gradients, written as its derivatives. d_input is overwritten, the others are added to.
-void conv_transpose2d_backward_reference(const ConvolutionShape& shape, std::span<const float> weight,
-                               const Tensor& input, const Tensor& d_output, Tensor& d_input,
-                               std::span<float> d_weight, std::span<float> d_bias);
+void conv_transpose2d_backward_reference(const ConvolutionShape& shape,
+                                         std::span<const float> weight, const Tensor& input,
+                                         const Tensor& d_output, Tensor& d_input,
+                                         std::span<float> d_weight, std::span<float> d_bias);
 
 }  // namespace hqslam::nn

@@ -13,8 +13,8 @@ namespace hqslam::nn {
 /// Differs from the paper, whose eq. 7 and 10a have D^T Y where D^T L is meant; D^T D is 0 or 1 on
 /// each pixel, so no matrix is inverted.
 ///
-/// All tensors hold tiles of ranges in one unit; only the first tile.pixels() channels count. Called
-/// by all threads of a parallel region, they share the work.
+/// All tensors hold tiles of ranges in one unit; only the first tile.pixels() channels count.
+/// Called by all threads of a parallel region, they share the work.
 struct DataConsistency {
   TileSize tile;
   RowSelection measured_rows;

@@ -53,8 +53,8 @@ class Denoiser {
   /// the work. `dropout_seed` (training only) drops activations where the denoiser has dropout.
   virtual void forward(const Candidates& candidates, DenoiserState& state,
                        std::optional<std::uint64_t> dropout_seed = std::nullopt) = 0;
-  /// In: gradient.z and the memory channels of gradient.output. Out: gradient.input; d_parameters is
-  /// added to. One thread.
+  /// In: gradient.z and the memory channels of gradient.output. Out: gradient.input; d_parameters
+  /// is added to. One thread.
   virtual void backward(const Candidates& candidates, const DenoiserState& state,
                         DenoiserState& gradient, std::span<float> d_parameters) = 0;
 };
@@ -63,8 +63,8 @@ class Denoiser {
 ///   encoder.0     3x3, tile.pixels() + memory -> channels[0]
 ///   encoder.i     3x3, stride 2, channels[i - 1] -> channels[i]
 ///   bottleneck    3x3, the last channels -> as many
-///   decoder.i     2x2 transposed, stride 2, channels[i + 1] -> channels[i], plus encoder.i's result
-///   head          1x1, channels[0] -> 5 tile.pixels() scores and corrections, memory
+///   decoder.i     2x2 transposed, stride 2, channels[i + 1] -> channels[i], plus encoder.i's
+///   result head          1x1, channels[0] -> 5 tile.pixels() scores and corrections, memory
 /// with leaky ReLU after all but the head, whose result goes to `select`. The paper gives no sizes.
 struct UShapedDenoiserShape {
   TileSize tile{4, 4};
@@ -84,7 +84,8 @@ struct PlainDenoiserShape {
   int convolutions = 5;
   float dropout = 0.05F;
 };
-std::unique_ptr<Denoiser> make_plain_denoiser(const PlainDenoiserShape& shape, int rows, int columns,
-                                              InstructionSet instruction_set, int threads);
+std::unique_ptr<Denoiser> make_plain_denoiser(const PlainDenoiserShape& shape, int rows,
+                                              int columns, InstructionSet instruction_set,
+                                              int threads);
 
 }  // namespace hqslam::nn

@@ -20,20 +20,20 @@ std::string_view name(NetworkKind kind);  ///< "du-or", "simple-du"
 
 /// Which image the outlier filter of a layer looks at: H (eq. 10c) or Z (the paper's prose).
 enum class FilteredIterate { kH, kZ };
-/// What Y is where the filter rejects a pixel: Z there, or 0 as eq. 10c has it. A 0 halves the range
-/// in the next layer's mean of Z and Y and makes a new ghost; kZero is there to show it.
+/// What Y is where the filter rejects a pixel: Z there, or 0 as eq. 10c has it. A 0 halves the
+/// range in the next layer's mean of Z and Y and makes a new ghost; kZero is there to show it.
 enum class RejectedPixel { kTakesZ, kZero };
 
 /// Everything about a network but its parameters.
 struct NetworkDescription {
   NetworkKind kind = NetworkKind::kDuOr;
-  int layers = 5;                ///< K
-  bool shared_weights = false;   ///< one denoiser for all layers
+  int layers = 5;                 ///< K
+  bool shared_weights = false;    ///< one denoiser for all layers
   UShapedDenoiserShape u_shaped;  ///< of kDuOr
-  PlainDenoiserShape plain;      ///< of kSimpleDu
-  SensorModel sensor;            ///< with all rows
+  PlainDenoiserShape plain;       ///< of kSimpleDu
+  SensorModel sensor;             ///< with all rows
   RowSelection measured_rows;
-  float range_scale_m = 80.0F;   ///< ranges are divided by it
+  float range_scale_m = 80.0F;  ///< ranges are divided by it
   OutlierRemovalOptions filter;
   FilteredIterate filtered = FilteredIterate::kH;
   RejectedPixel rejected = RejectedPixel::kTakesZ;

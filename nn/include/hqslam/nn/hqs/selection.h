@@ -17,8 +17,8 @@ struct Candidates {
 /// correction:
 ///   Z = w_a above + w_b below + w_h H + r,   (w_a, w_b, w_h, w_0) = softmax(gain scores)
 /// w_0 is the weight of "no return". At a depth jump a sum of features and ranges would have to
-/// hit the one range or the other exactly, or leave a point hovering between them; a choice only has
-/// to be clear.
+/// hit the one range or the other exactly, or leave a point hovering between them; a choice only
+/// has to be clear.
 ///
 /// scores holds 5 groups of tile.pixels() channels: above, below, here, nothing, r.
 inline constexpr int kSelectionGroups = 5;

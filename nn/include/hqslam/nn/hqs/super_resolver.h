@@ -16,10 +16,10 @@ namespace hqslam::nn {
 
 /// The terms of eq. 3 after one layer, in m^2 over all pixels (mu J has no value: it is learned).
 struct ObjectiveTerms {
-  double data_m2 = 0.0;           ///< 1/2 |L - D H|^2
-  double denoiser_gap_m2 = 0.0;   ///< b/2 |Z - H|^2
-  double filter_gap_m2 = 0.0;     ///< b/2 |Y - H|^2
-  std::int64_t rejected = 0;      ///< pixels that Q rejects
+  double data_m2 = 0.0;          ///< 1/2 |L - D H|^2
+  double denoiser_gap_m2 = 0.0;  ///< b/2 |Z - H|^2
+  double filter_gap_m2 = 0.0;    ///< b/2 |Y - H|^2
+  std::int64_t rejected = 0;     ///< pixels that Q rejects
 };
 
 /// What one layer computed, for people who want to look.
@@ -42,7 +42,7 @@ struct SuperResolverOptions {
   int threads = 0;  ///< 0: as many as OpenMP would use
   /// Instead of the weights file's; min_pixels 0 switches the filter off everywhere.
   std::optional<OutlierRemovalOptions> filter;
-  bool filter_result = true;  ///< Q on the last layer's Z
+  bool filter_result = true;                      ///< Q on the last layer's Z
   std::optional<InstructionSet> instruction_set;  ///< nothing: chosen_instruction_set()
 };
 

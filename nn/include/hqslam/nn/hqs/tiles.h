@@ -6,9 +6,9 @@
 namespace hqslam::nn {
 
 /// An image cut into tiles of rows x columns pixels, each pixel of a tile in a channel of its own
-/// (pixel-unshuffle, PyTorch's order): pixel (y, x) is channel (y % rows) columns + x % columns, row
-/// y / rows, column x / columns. With 4 x 4 tiles and 16 of 64 rows measured, the measured rows are
-/// channels of their own. 1 x 1 is the image as it is.
+/// (pixel-unshuffle, PyTorch's order): pixel (y, x) is channel (y % rows) columns + x % columns,
+/// row y / rows, column x / columns. With 4 x 4 tiles and 16 of 64 rows measured, the measured rows
+/// are channels of their own. 1 x 1 is the image as it is.
 struct TileSize {
   int rows = 1;
   int columns = 1;
@@ -16,8 +16,8 @@ struct TileSize {
   bool operator==(const TileSize&) const = default;
 };
 
-/// image: rows x columns, row-major. Fills the first tile.pixels() channels of `tiles`, borders too.
-/// Called by all threads of a parallel region, they share the work.
+/// image: rows x columns, row-major. Fills the first tile.pixels() channels of `tiles`, borders
+/// too. Called by all threads of a parallel region, they share the work.
 void to_tiles(const float* image, TileSize tile, Tensor& tiles);
 /// The way back.
 void from_tiles(const Tensor& tiles, TileSize tile, float* image);

@@ -84,8 +84,8 @@ class UnrolledNetwork {
   std::vector<std::unique_ptr<Denoiser>> denoisers_;
   std::int64_t denoiser_parameters_ = 0;  ///< of one denoiser
   OutlierRemoval filter_;
-  std::vector<float> penalty_;   ///< b of each layer
-  float alpha_ = 1.0F;           ///< Simple DU's
+  std::vector<float> penalty_;  ///< b of each layer
+  float alpha_ = 1.0F;          ///< Simple DU's
   /// Scratch of backward, made when first needed.
   struct BackwardScratch;
   std::shared_ptr<BackwardScratch> backward_;

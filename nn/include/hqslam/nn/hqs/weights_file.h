@@ -24,8 +24,8 @@ struct Weights {
 };
 
 /// Makes the self-test of weights from a scan's measured rows.
-SelfTest make_self_test(const NetworkDescription& description,
-                        const std::vector<float>& parameters, const RangeImage& measured);
+SelfTest make_self_test(const NetworkDescription& description, const std::vector<float>& parameters,
+                        const RangeImage& measured);
 
 /// Reads an .npz file: the arrays by name, "description" (JSON as UTF-8 bytes),
 /// "self_test.measured", "self_test.expected". Throws Error with file, field, expected, found for

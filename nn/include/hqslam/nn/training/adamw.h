@@ -29,7 +29,8 @@ struct AdamW {
   void step(std::span<const float> gradient, float learning_rate, std::span<float> parameters);
 };
 
-/// Scales the gradient so that its Euclidean norm is at most `largest_norm`. Returns the norm before.
+/// Scales the gradient so that its Euclidean norm is at most `largest_norm`. Returns the norm
+/// before.
 double clip_norm(double largest_norm, std::span<float> gradient);
 
 /// Rises linearly from 0 over warm_up_steps, then falls to 0 on a cosine until `steps`. step counts

@@ -1,0 +1,119 @@
+#include "hqslam/nn/hqs/network_json.h"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+#include "../json_fields.h"
+#include "hqslam/core/error.h"
+
+namespace hqslam::nn {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double kDegrees = 180.0 / std::numbers::pi;
+
+void read_u_shaped(JsonFields fields, UShapedDenoiserShape& shape) {
+  fields.optional("tile_rows", shape.tile.rows);
+  fields.optional("tile_columns", shape.tile.columns);
+  if (fields.has("channels")) shape.channels = fields.integers("channels");
+  fields.optional("memory", shape.memory);
+  fields.optional("negative_slope", shape.negative_slope);
+  fields.finish();
+}
+
+void read_plain(JsonFields fields, PlainDenoiserShape& shape) {
+  fields.optional("features", shape.features);
+  fields.optional("convolutions", shape.convolutions);
+  fields.optional("dropout", shape.dropout);
+  fields.finish();
+}
+
+void read_filter(JsonFields fields, OutlierRemovalOptions& filter) {
+  double min_angle_deg = filter.min_angle_rad * kDegrees;
+  fields.optional("min_angle_deg", min_angle_deg);
+  filter.min_angle_rad = min_angle_deg / kDegrees;
+  fields.optional("min_pixels", filter.min_pixels);
+  fields.finish();
+}
+
+SensorModel read_sensor(JsonFields& fields, const std::string& source) {
+  const std::string text = fields.dumped("sensor");
+  if (text.starts_with("\"")) return sensor_preset(fields.text("sensor"));
+  return sensor_from_json(text, source + ": sensor");
+}
+
+RowSelection read_rows(JsonFields& fields, int sensor_rows) {
+  if (!fields.dumped("measured_rows").starts_with("{")) {
+    return selection_for(sensor_rows, static_cast<int>(fields.integer("measured_rows")));
+  }
+  JsonFields rows = fields.object("measured_rows");
+  RowSelection selection;
+  rows.optional("offset", selection.offset);
+  rows.optional("stride", selection.stride);
+  rows.finish();
+  return selection;
+}
+
+}  // namespace
+
+NetworkDescription network_from_json(const std::string& text, const std::string& source) {
+  JsonFields fields(text, source);
+  NetworkDescription d;
+  d.kind = static_cast<NetworkKind>(fields.choice("kind", {"du-or", "simple-du"}));
+  d.shared_weights = d.kind == NetworkKind::kSimpleDu;
+  fields.optional("layers", d.layers);
+  fields.optional("shared_weights", d.shared_weights);
+  const char* const denoiser = "denoiser";
+  if (fields.has(denoiser) && d.kind == NetworkKind::kDuOr) {
+    read_u_shaped(fields.object(denoiser), d.u_shaped);
+  } else if (fields.has(denoiser)) {
+    read_plain(fields.object(denoiser), d.plain);
+  }
+  d.sensor = read_sensor(fields, source);
+  d.measured_rows = read_rows(fields, d.sensor.rows());
+  fields.optional("range_scale_m", d.range_scale_m);
+  if (fields.has("filter")) read_filter(fields.object("filter"), d.filter);
+  if (fields.has("filtered_iterate")) {
+    d.filtered = static_cast<FilteredIterate>(fields.choice("filtered_iterate", {"h", "z"}));
+  }
+  if (fields.has("rejected_pixel")) {
+    d.rejected = static_cast<RejectedPixel>(fields.choice("rejected_pixel", {"takes-z", "zero"}));
+  }
+  fields.finish();
+  try {
+    validate(d);
+  } catch (const Error& error) {
+    throw Error(source + ": " + error.what());
+  }
+  return d;
+}
+
+std::string network_json(const NetworkDescription& d) {
+  Json json;
+  json["kind"] = name(d.kind);
+  json["layers"] = d.layers;
+  json["shared_weights"] = d.shared_weights;
+  if (d.kind == NetworkKind::kDuOr) {
+    json["denoiser"] = {{"tile_rows", d.u_shaped.tile.rows},
+                        {"tile_columns", d.u_shaped.tile.columns},
+                        {"channels", d.u_shaped.channels},
+                        {"memory", d.u_shaped.memory},
+                        {"negative_slope", d.u_shaped.negative_slope}};
+  } else {
+    json["denoiser"] = {{"features", d.plain.features},
+                        {"convolutions", d.plain.convolutions},
+                        {"dropout", d.plain.dropout}};
+  }
+  json["sensor"] = Json::parse(sensor_json(d.sensor));
+  json["measured_rows"] = {{"offset", d.measured_rows.offset}, {"stride", d.measured_rows.stride}};
+  json["range_scale_m"] = d.range_scale_m;
+  json["filter"] = {{"min_angle_deg", std::round(d.filter.min_angle_rad * kDegrees * 1e9) / 1e9},
+                    {"min_pixels", d.filter.min_pixels}};
+  json["filtered_iterate"] = d.filtered == FilteredIterate::kH ? "h" : "z";
+  json["rejected_pixel"] = d.rejected == RejectedPixel::kTakesZ ? "takes-z" : "zero";
+  return json.dump(1) + "\n";
+}
+
+}  // namespace hqslam::nn

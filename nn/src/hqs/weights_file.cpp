@@ -1,0 +1,164 @@
+#include "hqslam/nn/hqs/weights_file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "../json_fields.h"
+#include "hqslam/core/error.h"
+#include "hqslam/core/npz.h"
+#include "hqslam/nn/hqs/network_json.h"
+#include "hqslam/nn/hqs/unrolled_network.h"
+
+namespace hqslam::nn {
+namespace {
+
+constexpr const char* kFormat = "hqslam-weights-1";
+constexpr const char* kDescription = "description";
+constexpr const char* kMeasured = "self_test.measured";
+constexpr const char* kExpected = "self_test.expected";
+
+std::string shape_text(const std::vector<std::int64_t>& shape) {
+  std::string text;
+  for (const std::int64_t extent : shape)
+    text += fmt::format("{}{}", text.empty() ? "" : "x", extent);
+  return text;
+}
+
+/// The array of that name, which must have that shape; taken out of `arrays`.
+std::vector<float> take_floats(const std::string& path, const std::string& name,
+                               const std::vector<std::int64_t>& shape, NpzArrays& arrays) {
+  const auto found = arrays.find(name);
+  if (found == arrays.end()) {
+    throw Error(
+        fmt::format("{}: expected an array '{}' of {}, found none", path, name, shape_text(shape)));
+  }
+  if (found->second.shape != shape) {
+    throw Error(fmt::format("{}: array '{}': expected shape {}, found {}", path, name,
+                            shape_text(shape), shape_text(found->second.shape)));
+  }
+  std::vector<float> values = float_values(found->second, fmt::format("{}: {}", path, name));
+  for (const float value : values) {
+    if (!std::isfinite(value)) {
+      throw Error(
+          fmt::format("{}: array '{}': expected finite values, found {}", path, name, value));
+    }
+  }
+  arrays.erase(found);
+  return values;
+}
+
+RangeImage take_image(const std::string& path, const std::string& name, int rows, int columns,
+                      NpzArrays& arrays) {
+  RangeImage image(rows, columns);
+  image.range_m = take_floats(path, name, {rows, columns}, arrays);
+  return image;
+}
+
+/// What the network makes of measured rows: Z of the last layer, metres.
+RangeImage last_z(const NetworkDescription& description, const std::vector<float>& parameters,
+                  const RangeImage& measured) {
+  UnrolledNetwork network(description, description.sensor.columns, chosen_instruction_set(), 1);
+  network.set_parameters(parameters);
+  UnrolledState state = network.make_state();
+  network.start(measured, state);
+  network.forward(state);
+  RangeImage z(network.rows(), network.columns());
+  const TileSize tile =
+      description.kind == NetworkKind::kDuOr ? description.u_shaped.tile : TileSize{};
+  from_tiles(state.layers.back().denoiser.z, tile, z.range_m.data());
+  for (float& range : z.range_m) range *= description.range_scale_m;
+  return z;
+}
+
+int measured_row_count(const NetworkDescription& d) {
+  return (d.sensor.rows() - d.measured_rows.offset + d.measured_rows.stride - 1) /
+         d.measured_rows.stride;
+}
+
+}  // namespace
+
+SelfTest make_self_test(const NetworkDescription& description, const std::vector<float>& parameters,
+                        const RangeImage& measured) {
+  return {measured, last_z(description, parameters, measured)};
+}
+
+Weights read_weights(const std::string& path) {
+  constexpr std::int64_t kLargestBytes = 64LL << 20;
+  NpzArrays arrays = read_npz(path, kLargestBytes);
+  const auto description = arrays.find(kDescription);
+  if (description == arrays.end()) {
+    throw Error(fmt::format(
+        "{}: expected weights with a member 'description', found none; weights are made by "
+        "hqslam train",
+        path));
+  }
+  JsonFields fields(text_value(description->second, fmt::format("{}: description", path)),
+                    path + ": description");
+  arrays.erase(description);
+  fields.choice("format", {kFormat});
+  Weights weights;
+  weights.description = network_from_json(fields.dumped("network"), path + ": network");
+  weights.training = fields.dumped("training");
+  fields.finish();
+  for (const ParameterShape& shape : parameter_shapes(weights.description)) {
+    const std::vector<float> values = take_floats(path, shape.name, shape.shape, arrays);
+    weights.parameters.insert(weights.parameters.end(), values.begin(), values.end());
+  }
+  const int columns = weights.description.sensor.columns;
+  weights.self_test.measured =
+      take_image(path, kMeasured, measured_row_count(weights.description), columns, arrays);
+  weights.self_test.expected =
+      take_image(path, kExpected, weights.description.sensor.rows(), columns, arrays);
+  if (!arrays.empty()) {
+    throw Error(fmt::format("{}: unknown array '{}' for a network of kind {}", path,
+                            arrays.begin()->first.substr(0, 40), name(weights.description.kind)));
+  }
+  return weights;
+}
+
+void write_weights(const std::string& path, const Weights& weights) {
+  const NetworkDescription& d = weights.description;
+  nlohmann::ordered_json json;
+  json["format"] = kFormat;
+  json["network"] = nlohmann::ordered_json::parse(network_json(d));
+  json["training"] = nlohmann::ordered_json::parse(weights.training);
+  NpzArrays arrays;
+  arrays[kDescription] = npz_text(json.dump(1) + "\n");
+  auto next = weights.parameters.begin();
+  for (const ParameterShape& shape : parameter_shapes(d)) {
+    const auto end = next + shape.elements();
+    arrays[shape.name] = npz_array(std::vector<float>(next, end), shape.shape);
+    next = end;
+  }
+  const auto image = [](const RangeImage& i) { return npz_array(i.range_m, {i.rows, i.columns}); };
+  arrays[kMeasured] = image(weights.self_test.measured);
+  arrays[kExpected] = image(weights.self_test.expected);
+  write_npz(path, arrays);
+}
+
+void check_self_test(const Weights& weights, const std::string& path) {
+  const NetworkDescription& d = weights.description;
+  const RangeImage z = last_z(d, weights.parameters, weights.self_test.measured);
+  // The filter inside decides at thresholds: a rounding error may tip a single component, so a few
+  // pixels may differ; the rest must agree.
+  const float tolerance_m = 1e-3F * d.range_scale_m;
+  constexpr double kLargestShare = 0.001;
+  std::int64_t differing = 0;
+  for (std::size_t i = 0; i < z.range_m.size(); ++i) {
+    if (!(std::abs(z.range_m[i] - weights.self_test.expected.range_m[i]) <= tolerance_m))
+      ++differing;
+  }
+  const auto allowed =
+      static_cast<std::int64_t>(kLargestShare * static_cast<double>(z.range_m.size()));
+  if (differing > allowed) {
+    throw Error(fmt::format(
+        "{}: self-test: {} of {} pixels differ from what the network gave where it was trained, "
+        "expected at most {}; the file was changed or is damaged",
+        path, differing, z.range_m.size(), allowed));
+  }
+}
+
+}  // namespace hqslam::nn

@@ -1,0 +1,153 @@
+#include "json_fields.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+
+#include "hqslam/core/error.h"
+
+namespace hqslam::nn {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// The beginning of a value, fit for a message of one line.
+std::string excerpt(const Json& value) {
+  constexpr std::size_t kMostCharacters = 30;
+  std::string text = value.dump(-1, ' ', true, Json::error_handler_t::replace);
+  return text.size() > kMostCharacters ? text.substr(0, kMostCharacters) + "..." : text;
+}
+
+}  // namespace
+
+JsonFields::JsonFields(const std::string& text, std::string source) : source_(std::move(source)) {
+  try {
+    object_ = Json::parse(text);
+  } catch (const Json::exception&) {
+    throw Error(fmt::format("{}: expected JSON, found something else; correct the text", source_));
+  }
+  if (!object_.is_object()) {
+    throw Error(fmt::format("{}: expected a JSON object, found {}", source_, excerpt(object_)));
+  }
+}
+
+void JsonFields::complain(const std::string& field, const std::string& expected) const {
+  throw Error(fmt::format("{}: field '{}': expected {}, found {}", source_, field, expected,
+                          object_.contains(field) ? excerpt(object_[field]) : "nothing"));
+}
+
+const Json& JsonFields::get(const std::string& field, const std::string& expected) {
+  if (!object_.contains(field)) complain(field, expected);
+  read_.insert(field);
+  return object_[field];
+}
+
+double JsonFields::number(const std::string& field) {
+  const Json& value = get(field, "a number");
+  if (!value.is_number() || !std::isfinite(value.get<double>())) complain(field, "a number");
+  return value.get<double>();
+}
+
+std::int64_t JsonFields::integer(const std::string& field) {
+  constexpr double kLargest = 9e15;  // a double holds every whole number up to here
+  const double value = number(field);
+  if (value != std::floor(value) || std::abs(value) > kLargest) complain(field, "a whole number");
+  return static_cast<std::int64_t>(value);
+}
+
+bool JsonFields::boolean(const std::string& field) {
+  const Json& value = get(field, "true or false");
+  if (!value.is_boolean()) complain(field, "true or false");
+  return value.get<bool>();
+}
+
+std::string JsonFields::text(const std::string& field) {
+  const Json& value = get(field, "a text");
+  if (!value.is_string()) complain(field, "a text");
+  return value.get<std::string>();
+}
+
+std::vector<int> JsonFields::integers(const std::string& field) {
+  const std::string expected = "a list of whole numbers";
+  const Json& list = get(field, expected);
+  if (!list.is_array()) complain(field, expected);
+  std::vector<int> values;
+  for (const Json& value : list) {
+    if (!value.is_number_integer() || std::abs(value.get<double>()) > 1e6)
+      complain(field, expected);
+    values.push_back(value.get<int>());
+  }
+  return values;
+}
+
+std::size_t JsonFields::choice(const std::string& field, const std::vector<std::string>& names) {
+  const std::string value = text(field);
+  const auto found = std::find(names.begin(), names.end(), value);
+  if (found == names.end()) complain(field, fmt::format("one of {}", fmt::join(names, ", ")));
+  return static_cast<std::size_t>(found - names.begin());
+}
+
+JsonFields JsonFields::object(const std::string& field) {
+  const Json& value = get(field, "an object");
+  if (!value.is_object()) complain(field, "an object");
+  return {value, fmt::format("{}: {}", source_, field)};
+}
+
+std::vector<JsonFields> JsonFields::objects(const std::string& field) {
+  const std::string expected = "a list of objects";
+  const Json& list = get(field, expected);
+  if (!list.is_array()) complain(field, expected);
+  std::vector<JsonFields> values;
+  for (const Json& value : list) {
+    if (!value.is_object()) complain(field, expected);
+    values.push_back(JsonFields(value, fmt::format("{}: {}[{}]", source_, field, values.size())));
+  }
+  return values;
+}
+
+std::string JsonFields::dumped(const std::string& field) {
+  return get(field, "a value").dump(1, ' ', true, Json::error_handler_t::replace);
+}
+
+void JsonFields::optional(const std::string& field, int& value) {
+  constexpr std::int64_t kLargest = 1'000'000'000;
+  if (!has(field)) return;
+  const std::int64_t whole = integer(field);
+  if (std::abs(whole) > kLargest) complain(field, "a smaller number");
+  value = static_cast<int>(whole);
+}
+void JsonFields::optional(const std::string& field, std::int64_t& value) {
+  if (has(field)) value = integer(field);
+}
+void JsonFields::optional(const std::string& field, std::uint64_t& value) {
+  if (!has(field)) return;
+  if (integer(field) < 0) complain(field, "at least 0");
+  value = static_cast<std::uint64_t>(integer(field));
+}
+void JsonFields::optional(const std::string& field, float& value) {
+  if (has(field)) value = static_cast<float>(number(field));
+}
+void JsonFields::optional(const std::string& field, double& value) {
+  if (has(field)) value = number(field);
+}
+void JsonFields::optional(const std::string& field, bool& value) {
+  if (has(field)) value = boolean(field);
+}
+
+void JsonFields::finish() const {
+  for (const auto& item : object_.items()) {
+    if (!read_.contains(item.key())) {
+      std::string key = item.key().substr(0, 30);
+      for (char& c : key) {
+        if (!std::isprint(static_cast<unsigned char>(c))) c = '?';
+      }
+      throw Error(
+          fmt::format("{}: unknown field '{}'; take it out or correct its name", source_, key));
+    }
+  }
+}
+
+}  // namespace hqslam::nn
