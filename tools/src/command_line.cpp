@@ -41,6 +41,12 @@ int run_subcommand(const std::string& name, const CommandLine& options) {
   if (name == "evaluate") {
     return evaluate_command(options.evaluate);
   }
+  if (name == "train") {
+    return train_command(options.train);
+  }
+  if (name == "upsample") {
+    return upsample_command(options.upsample);
+  }
   return bench_command(options.bench);
 }
 
@@ -60,6 +66,8 @@ void declare_program(CLI::App& app, CommandLine& options) {
   declare_simulate(app, options.simulate);
   declare_evaluate(app, options.evaluate);
   declare_bench(app, options.bench);
+  declare_train(app, options.train);
+  declare_upsample(app, options.upsample);
 }
 
 int run_program(int argc, const char* const* argv) {

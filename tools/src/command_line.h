@@ -7,6 +7,8 @@
 #include "evaluate_command.h"
 #include "run_command.h"
 #include "simulate_command.h"
+#include "train_command.h"
+#include "upsample_command.h"
 
 namespace hqslam::tools {
 
@@ -18,6 +20,8 @@ struct CommandLine {
   SimulateOptions simulate;
   EvaluateOptions evaluate;
   BenchOptions bench;
+  TrainOptions train;
+  UpsampleOptions upsample;
 };
 
 /// Declares the program: parsing fills `options`.

@@ -30,12 +30,12 @@ std::string duration_text(double seconds) {
 
 /// "40/80 scans  31.2 scans/s  1 s left"; the last two only once something was done.
 std::string counts_text(const ProgressState& state) {
-  std::string text = fmt::format("{}/{} scans", state.done, state.total);
+  std::string text = fmt::format("{}/{} {}", state.done, state.total, state.unit);
   if (state.done > 0 && state.elapsed_s > 0.0) {
-    const double scans_per_s = static_cast<double>(state.done) / state.elapsed_s;
-    text += fmt::format("  {:.1f} scans/s", scans_per_s);
+    const double done_per_s = static_cast<double>(state.done) / state.elapsed_s;
+    text += fmt::format("  {:.1f} {}/s", done_per_s, state.unit);
     if (state.done < state.total) {
-      const double left_s = static_cast<double>(state.total - state.done) / scans_per_s;
+      const double left_s = static_cast<double>(state.total - state.done) / done_per_s;
       text += fmt::format("  {} left", duration_text(left_s));
     } else {
       text += fmt::format("  {}", duration_text(state.elapsed_s));
@@ -56,10 +56,11 @@ std::string progress_line(const ProgressState& state) {
   return fmt::format("{}: {}", state.label, counts_text(state));
 }
 
-Progress::Progress(std::string label, std::int64_t total, std::FILE* stream)
+Progress::Progress(std::string label, std::int64_t total, std::FILE* stream, std::string unit)
     : stream_(stream), terminal_(isatty(fileno(stream)) == 1) {
   state_.label = std::move(label);
   state_.total = total;
+  state_.unit = std::move(unit);
 }
 
 void Progress::update(std::int64_t done) {

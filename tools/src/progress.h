@@ -7,12 +7,13 @@
 
 namespace hqslam::tools {
 
-/// How far a job over scans has come.
+/// How far a job over scans, or over something else, has come.
 struct ProgressState {
   std::string label;  ///< "run 64x1024"
   std::int64_t done = 0;
   std::int64_t total = 0;
   double elapsed_s = 0.0;
+  std::string unit = "scans";
 };
 
 /// "run 64x1024 [#####.....]  50 %  40/80 scans  31.2 scans/s  1.3 s left"
@@ -24,7 +25,8 @@ std::string progress_line(const ProgressState& state);
 /// and then, so that logs stay short.
 class Progress {
  public:
-  Progress(std::string label, std::int64_t total, std::FILE* stream = stderr);
+  Progress(std::string label, std::int64_t total, std::FILE* stream = stderr,
+           std::string unit = "scans");
   /// Call after each scan; draws only when it is time to.
   void update(std::int64_t done);
   /// Draws the last state and ends the line.

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "hqslam/nn/hqs/network_description.h"
+#include "hqslam/nn/training/trainer.h"
+
+namespace hqslam::nn {
+
+/// Simulated drives to take scans from: every `every`-th of `scans` scans, for each seed.
+struct SimulatedScans {
+  std::string drive;
+  std::vector<int> seeds;
+  std::int64_t scans = 0;
+  std::int64_t every = 1;
+};
+
+/// Where scans come from; a stack is an .npy file of range images of the network's sensor.
+struct ScanSet {
+  std::vector<SimulatedScans> simulated;
+  std::vector<std::string> stacks;  ///< a leading $NAME is that environment variable's value
+};
+
+/// What `hqslam train --config` reads.
+struct TrainingConfiguration {
+  NetworkDescription network;
+  TrainingPlan plan;
+  ScanSet training;
+  ScanSet validation;
+  std::int64_t validate_every = 2000;  ///< steps; also when checkpoints are written
+  std::string start_from;              ///< weights file to begin with; empty: random
+};
+
+/// Throws Error with `source`, field, expected, found; also if a drive's seed or a stack is in both
+/// sets.
+TrainingConfiguration training_configuration(const std::string& text, const std::string& source);
+
+}  // namespace hqslam::nn

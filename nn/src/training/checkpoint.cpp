@@ -1,0 +1,101 @@
+#include "hqslam/nn/training/checkpoint.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "hqslam/core/error.h"
+#include "hqslam/core/npz.h"
+
+namespace hqslam::nn {
+namespace {
+
+constexpr int kCurveColumns = 6;
+
+const NpzArray& member(const NpzArrays& arrays, const std::string& path, const std::string& name) {
+  const auto found = arrays.find(name);
+  if (found == arrays.end()) {
+    throw Error(
+        fmt::format("{}: expected a checkpoint with an array '{}', found none", path, name));
+  }
+  return found->second;
+}
+
+std::vector<float> finite_values(const NpzArrays& arrays, const std::string& path,
+                                 const std::string& name, std::size_t expected) {
+  std::vector<float> values = float_values(member(arrays, path, name), path + ": " + name);
+  if (values.size() != expected) {
+    throw Error(fmt::format("{}: array '{}': expected {} values, found {}", path, name, expected,
+                            values.size()));
+  }
+  for (const float value : values) {
+    if (!std::isfinite(value)) {
+      throw Error(
+          fmt::format("{}: array '{}': expected finite values, found {}", path, name, value));
+    }
+  }
+  return values;
+}
+
+std::vector<CurvePoint> curve_of(const NpzArrays& arrays, const std::string& path) {
+  const std::vector<double> values = double_values(member(arrays, path, "curve"), path + ": curve");
+  if (values.size() % kCurveColumns != 0) {
+    throw Error(fmt::format("{}: array 'curve': expected rows of {} values, found {} values", path,
+                            kCurveColumns, values.size()));
+  }
+  std::vector<CurvePoint> curve;
+  for (std::size_t i = 0; i < values.size(); i += kCurveColumns) {
+    const double* v = &values[i];
+    curve.push_back({std::llround(v[0]), v[1], {v[2], v[3], v[4], v[5]}});
+  }
+  return curve;
+}
+
+}  // namespace
+
+void write_checkpoint(const std::string& path, const Checkpoint& checkpoint) {
+  const auto parameters = static_cast<std::int64_t>(checkpoint.state.parameters.size());
+  std::vector<double> curve;
+  for (const CurvePoint& p : checkpoint.curve) {
+    curve.insert(curve.end(), {static_cast<double>(p.step), p.loss_m, p.validation.mae_all_m,
+                               p.validation.mae_all_filtered_m, p.validation.mae_all_linear_m,
+                               p.validation.mae_valid_m});
+  }
+  NpzArrays arrays;
+  arrays["configuration"] = npz_text(checkpoint.configuration);
+  arrays["steps"] = npz_array(std::vector<std::int64_t>{checkpoint.state.optimiser.steps}, {1});
+  arrays["parameters"] = npz_array(checkpoint.state.parameters, {parameters});
+  arrays["first_moment"] = npz_array(checkpoint.state.optimiser.first_moment, {parameters});
+  arrays["second_moment"] = npz_array(checkpoint.state.optimiser.second_moment, {parameters});
+  arrays["curve"] =
+      npz_array(curve, {static_cast<std::int64_t>(checkpoint.curve.size()), kCurveColumns});
+  write_npz(path, arrays);
+}
+
+Checkpoint read_checkpoint(const std::string& path, const std::string& configuration,
+                           const NetworkDescription& description, const AdamWOptions& adamw) {
+  const NpzArrays arrays = read_npz(path);
+  if (text_value(member(arrays, path, "configuration"), path + ": configuration") !=
+      configuration) {
+    throw Error(fmt::format(
+        "{}: the checkpoint is of another training configuration; train into another folder, or "
+        "delete the checkpoint to begin anew",
+        path));
+  }
+  std::size_t parameters = 0;
+  for (const ParameterShape& shape : parameter_shapes(description)) parameters += shape.elements();
+  const std::vector<std::int64_t> steps =
+      int64_values(member(arrays, path, "steps"), path + ": steps");
+  if (steps.size() != 1 || steps[0] < 0) {
+    throw Error(fmt::format("{}: array 'steps': expected one number of at least 0", path));
+  }
+  AdamW optimiser(adamw, parameters);
+  optimiser.steps = steps[0];
+  optimiser.first_moment = finite_values(arrays, path, "first_moment", parameters);
+  optimiser.second_moment = finite_values(arrays, path, "second_moment", parameters);
+  return {configuration,
+          {finite_values(arrays, path, "parameters", parameters), std::move(optimiser)},
+          curve_of(arrays, path)};
+}
+
+}  // namespace hqslam::nn

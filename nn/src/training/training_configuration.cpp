@@ -1,0 +1,107 @@
+#include "hqslam/nn/training/training_configuration.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "../json_fields.h"
+#include "hqslam/core/error.h"
+#include "hqslam/nn/hqs/network_json.h"
+
+namespace hqslam::nn {
+namespace {
+
+SimulatedScans simulated_scans(JsonFields fields) {
+  SimulatedScans scans;
+  scans.drive = fields.text("drive");
+  scans.seeds = fields.integers("seeds");
+  scans.scans = fields.integer("scans");
+  fields.optional("every", scans.every);
+  fields.finish();
+  if (scans.seeds.empty()) fields.complain("seeds", "at least one seed");
+  for (const int seed : scans.seeds) {
+    if (seed < 0) fields.complain("seeds", "numbers of at least 0");
+  }
+  if (scans.scans < 1) fields.complain("scans", "at least 1");
+  if (scans.every < 1) fields.complain("every", "at least 1");
+  return scans;
+}
+
+ScanSet scan_set(JsonFields& fields, const std::string& field) {
+  ScanSet set;
+  for (JsonFields& entry : fields.objects(field)) {
+    if (entry.has("stack")) {
+      set.stacks.push_back(entry.text("stack"));
+      entry.finish();
+    } else {
+      set.simulated.push_back(simulated_scans(entry));
+    }
+  }
+  if (set.stacks.empty() && set.simulated.empty()) {
+    fields.complain(field, "a list of drives or stacks");
+  }
+  return set;
+}
+
+/// A drive or a stack that is trained on says nothing about drives that are not.
+void check_apart(const ScanSet& training, const ScanSet& validation, const std::string& source) {
+  for (const std::string& stack : validation.stacks) {
+    if (std::find(training.stacks.begin(), training.stacks.end(), stack) != training.stacks.end()) {
+      throw Error(fmt::format("{}: '{}' is in both training and validation", source, stack));
+    }
+  }
+  for (const SimulatedScans& v : validation.simulated) {
+    for (const SimulatedScans& t : training.simulated) {
+      for (const int seed : v.seeds) {
+        const bool shared = std::find(t.seeds.begin(), t.seeds.end(), seed) != t.seeds.end();
+        if (t.drive == v.drive && shared) {
+          throw Error(fmt::format("{}: drive {} with seed {} is in both training and validation",
+                                  source, t.drive, seed));
+        }
+      }
+    }
+  }
+}
+
+void read_augmentation(JsonFields fields, Augmentation& a) {
+  fields.optional("crop_columns", a.crop_columns);
+  fields.optional("mirror", a.mirror);
+  fields.optional("smallest_scale", a.smallest_scale);
+  fields.optional("largest_scale", a.largest_scale);
+  fields.optional("range_noise_m", a.range_noise_m);
+  fields.optional("largest_dropout_share", a.largest_dropout_share);
+  fields.finish();
+}
+
+}  // namespace
+
+TrainingConfiguration training_configuration(const std::string& text, const std::string& source) {
+  JsonFields fields(text, source);
+  TrainingConfiguration c;
+  c.network = network_from_json(fields.dumped("network"), source + ": network");
+  c.training = scan_set(fields, "training");
+  c.validation = scan_set(fields, "validation");
+  check_apart(c.training, c.validation, source);
+  fields.optional("steps", c.plan.steps);
+  fields.optional("batch", c.plan.batch);
+  fields.optional("learning_rate", c.plan.learning_rate);
+  fields.optional("warm_up_steps", c.plan.warm_up_steps);
+  fields.optional("weight_decay", c.plan.adamw.weight_decay);
+  fields.optional("largest_gradient_norm", c.plan.largest_gradient_norm);
+  fields.optional("seed", c.plan.seed);
+  fields.optional("validate_every", c.validate_every);
+  if (fields.has("start_from")) c.start_from = fields.text("start_from");
+  if (fields.has("augmentation")) {
+    read_augmentation(fields.object("augmentation"), c.plan.augmentation);
+  }
+  fields.finish();
+  if (c.validate_every < 1) fields.complain("validate_every", "at least 1");
+  try {
+    validate(c.plan, c.network.sensor);
+  } catch (const Error& error) {
+    throw Error(source + ": " + error.what());
+  }
+  return c;
+}
+
+}  // namespace hqslam::nn

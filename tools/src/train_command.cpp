@@ -1,0 +1,190 @@
+#include "train_command.h"
+
+#include <fmt/format.h>
+#include <omp.h>
+
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+#include <CLI/Validators.hpp>
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "exit_status.h"
+#include "hqslam/core/error.h"
+#include "hqslam/nn/hqs/weights_file.h"
+#include "hqslam/nn/training/checkpoint.h"
+#include "hqslam/nn/training/training_configuration.h"
+#include "interrupt.h"
+#include "progress.h"
+#include "report/learning_curve.h"
+#include "training_scans.h"
+
+namespace hqslam::tools {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// A training on its way: what is written and how it goes on.
+struct Training {
+  std::string configuration_text;
+  nn::TrainingConfiguration configuration;
+  std::filesystem::path out;
+  std::vector<nn::CurvePoint> curve;
+  std::int64_t training_scans = 0;
+  std::vector<RangeImage> validation;
+
+  std::string checkpoint_path() const { return (out / "checkpoint.npz").string(); }
+};
+
+std::string text_of_file(const std::string& path) {
+  constexpr std::streamoff kLargestBytes = 1 << 20;
+  std::ifstream file(path, std::ios::binary);
+  std::ostringstream text;
+  if (!file || !(text << file.rdbuf()) || file.tellg() > kLargestBytes) {
+    throw Error(fmt::format("{}: expected a training configuration (.json), cannot read it", path));
+  }
+  return text.str();
+}
+
+/// Random parameters, those of the weights file to begin with, or the checkpoint's.
+nn::TrainingState starting_state(Training& training) {
+  const nn::TrainingConfiguration& c = training.configuration;
+  if (std::filesystem::exists(training.checkpoint_path())) {
+    nn::Checkpoint checkpoint = nn::read_checkpoint(
+        training.checkpoint_path(), training.configuration_text, c.network, c.plan.adamw);
+    training.curve = std::move(checkpoint.curve);
+    return std::move(checkpoint.state);
+  }
+  std::vector<float> parameters = nn::initial_parameters(c.network, c.plan.seed);
+  if (!c.start_from.empty()) {
+    const nn::Weights weights = nn::read_weights(c.start_from);
+    if (weights.parameters.size() != parameters.size()) {
+      throw Error(fmt::format("{}: a network of {} parameters, expected {} as in the configuration",
+                              c.start_from, weights.parameters.size(), parameters.size()));
+    }
+    parameters = weights.parameters;
+  }
+  const std::size_t count = parameters.size();
+  return {std::move(parameters), nn::AdamW(c.plan.adamw, count)};
+}
+
+/// What stands in the weights file about how they were made.
+std::string training_json(const Training& training, const nn::TrainingState& state) {
+  nlohmann::ordered_json json;
+  json["code_version"] = HQSLAM_VERSION;
+  json["steps_done"] = state.optimiser.steps;
+  json["training_scans"] = training.training_scans;
+  json["validation_scans"] = training.validation.size();
+  if (!training.curve.empty()) {
+    const nn::Validation& v = training.curve.back().validation;
+    json["validation"] = {{"mae_all_m", v.mae_all_m},
+                          {"mae_all_filtered_m", v.mae_all_filtered_m},
+                          {"mae_all_linear_m", v.mae_all_linear_m},
+                          {"mae_valid_m", v.mae_valid_m}};
+  }
+  json["configuration"] = nlohmann::ordered_json::parse(training.configuration_text);
+  return json.dump();
+}
+
+void write_results(const Training& training, const nn::TrainingState& state) {
+  const nn::NetworkDescription& network = training.configuration.network;
+  nn::write_checkpoint(training.checkpoint_path(),
+                       {training.configuration_text, state, training.curve});
+  const RangeImage sample = select_rows(training.validation.front(), network.measured_rows);
+  nn::write_weights((training.out / "weights.npz").string(),
+                    {network, state.parameters, training_json(training, state),
+                     nn::make_self_test(network, state.parameters, sample)});
+  write_learning_curve(training.curve, (training.out / "curve.svg").string());
+}
+
+void print_point(const nn::CurvePoint& point, std::int64_t steps, double steps_per_s) {
+  const double left_min = static_cast<double>(steps - point.step) / steps_per_s / 60.0;
+  fmt::print(
+      "step {:>7}/{}  loss {:.3f} m  validation MAE {:.3f} m ({:.3f} of linear's), filtered "
+      "{:.3f} m, valid {:.3f} m  {:.1f} min left\n",
+      point.step, steps, point.loss_m, point.validation.mae_all_m,
+      point.validation.mae_all_m / point.validation.mae_all_linear_m,
+      point.validation.mae_all_filtered_m, point.validation.mae_valid_m, left_min);
+  std::fflush(stdout);
+}
+
+/// Trains until the last step or until asked to stop. Returns an ExitStatus.
+int train(Training& training, nn::Trainer& trainer, const InterruptGuard& interrupt) {
+  const std::int64_t steps = training.configuration.plan.steps;
+  const std::int64_t first = trainer.state().optimiser.steps;
+  Progress progress("train", steps, stderr, "steps");
+  const Clock::time_point start = Clock::now();
+  double loss_sum_m = 0.0;
+  std::int64_t losses = 0;
+  for (std::int64_t step = first; step < steps && !interrupt.stop_requested();) {
+    loss_sum_m += trainer.step().loss_m;
+    ++losses;
+    ++step;
+    progress.update(step);
+    if (step % training.configuration.validate_every != 0 && step != steps) continue;
+    const double elapsed_s = std::chrono::duration<double>(Clock::now() - start).count();
+    training.curve.push_back(
+        {step, loss_sum_m / static_cast<double>(losses), trainer.validate(training.validation)});
+    loss_sum_m = 0.0;
+    losses = 0;
+    print_point(training.curve.back(), steps, static_cast<double>(step - first) / elapsed_s);
+    write_results(training, trainer.state());
+  }
+  progress.finish();
+  // Between two points of the curve, only the checkpoint: the loss since the last point starts
+  // anew.
+  nn::write_checkpoint(training.checkpoint_path(),
+                       {training.configuration_text, trainer.state(), training.curve});
+  return trainer.state().optimiser.steps < steps ? kInterrupted : kOk;
+}
+
+}  // namespace
+
+void declare_train(CLI::App& app, TrainOptions& options) {
+  CLI::App* command =
+      app.add_subcommand("train", "Train a super-resolution network on simulated or own scans");
+  command->add_option("--config", options.config, "Network, data and recipe (.json)")->required();
+  command
+      ->add_option("--out", options.out, "Folder for results; a checkpoint in it is continued from")
+      ->required();
+  command->add_option("--threads", options.threads, "Threads (default: all cores)")
+      ->check(CLI::PositiveNumber);
+  command->footer(
+      "Writes into --out: weights.npz (for --weights and --upsample), checkpoint.npz, curve.svg.\n"
+      "Ctrl-C stops after the step; the same command goes on exactly where it stopped. The "
+      "recipes\n"
+      "of the weights that come with hqslam are beside them, weights/*.json.");
+}
+
+int train_command(const TrainOptions& options) {
+  const InterruptGuard interrupt;
+  Training training;
+  training.configuration_text = text_of_file(options.config);
+  training.configuration = nn::training_configuration(training.configuration_text, options.config);
+  training.out = options.out;
+  std::filesystem::create_directories(training.out);
+  nn::TrainingState state = starting_state(training);
+  const nn::TrainingConfiguration& c = training.configuration;
+  training.validation = load_scans(c.validation, c.network.sensor, "validation scans", interrupt);
+  std::vector<RangeImage> scans =
+      load_scans(c.training, c.network.sensor, "training scans", interrupt);
+  if (interrupt.stop_requested()) return kInterrupted;
+  training.training_scans = static_cast<std::int64_t>(scans.size());
+  const int threads = options.threads > 0 ? options.threads : omp_get_max_threads();
+  nn::Trainer trainer(c.network, c.plan, std::move(scans), std::move(state), threads);
+  fmt::print("{}: {} parameters, {} training scans, {} validation scans, from step {}\n",
+             nn::name(c.network.kind), trainer.state().parameters.size(), training.training_scans,
+             training.validation.size(), trainer.state().optimiser.steps);
+  const int status = train(training, trainer, interrupt);
+  if (status == kInterrupted) {
+    fmt::print(stderr, "hqslam: interrupted at step {}; the same command goes on from there\n",
+               trainer.state().optimiser.steps);
+  }
+  fmt::print("results: {}\n", options.out);
+  return status;
+}
+
+}  // namespace hqslam::tools

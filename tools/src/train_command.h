@@ -1,0 +1,18 @@
+#pragma once
+
+#include <CLI/App.hpp>
+#include <string>
+
+namespace hqslam::tools {
+
+struct TrainOptions {
+  std::string config;
+  std::string out;
+  int threads = 0;  ///< 0: what OpenMP chooses
+};
+
+void declare_train(CLI::App& app, TrainOptions& options);
+/// Returns an ExitStatus. Throws Error.
+int train_command(const TrainOptions& options);
+
+}  // namespace hqslam::tools
