@@ -8,41 +8,46 @@
 #include <CLI/Formatter.hpp>
 #include <CLI/Validators.hpp>
 #include <cstdio>
-#include <filesystem>
+#include <memory>
 
 #include "exit_status.h"
 #include "hqslam/core/error.h"
+#include "recording_sensor.h"
 #include "run_output.h"
 #include "timing_statistics.h"
+#include "upsampling_plan.h"
 
 namespace hqslam::tools {
 namespace {
 
-namespace fs = std::filesystem;
+/// What is read and what SLAM gets to see of it.
+struct RunPlan {
+  std::string input;
+  SensorModel recording_sensor;
+  std::optional<RowSelection> rows;
+  std::optional<Upsampler> upsampler;
 
-/// A file that `hqslam simulate` leaves in its folder, if `input` is such a folder.
-std::string simulated_file(const std::string& input, const char* name) {
-  const fs::path path = fs::path(input) / name;
-  return fs::is_directory(input) && fs::is_regular_file(path) ? path.string() : "";
-}
+  SlamRunSpec spec() { return {input, rows, upsampler ? &*upsampler : nullptr}; }
+};
 
-SensorModel sensor_of(const RunOptions& options) {
-  if (!options.sensor.empty()) {
-    return load_sensor(options.sensor);
+RunPlan plan_of(const RunOptions& options) {
+  if (!options.upsample.empty()) {
+    UpsamplingPlan plan =
+        plan_upsampling({options.input, options.sensor, options.upsample, options.rows});
+    return {options.input, plan.recording_sensor, plan.rows, std::move(plan.upsampler)};
   }
-  const std::string simulated = simulated_file(options.input, "sensor.json");
-  if (simulated.empty()) {
-    throw Error(
-        fmt::format("{}: does not say which sensor it was recorded with; give --sensor NAME or "
-                    "--sensor FILE.json",
-                    options.input));
+  RunPlan plan;
+  plan.input = options.input;
+  plan.recording_sensor = required_recording_sensor(options.input, options.sensor);
+  if (options.rows > 0 && options.rows != plan.recording_sensor.rows()) {
+    plan.rows = selection_for(plan.recording_sensor.rows(), options.rows);
   }
-  return load_sensor(simulated);
+  return plan;
 }
 
 std::optional<TrajectoryFile> reference_of(const RunOptions& options, std::int64_t scans) {
   const std::string path =
-      options.reference.empty() ? simulated_file(options.input, "truth.tum") : options.reference;
+      options.reference.empty() ? file_of_drive(options.input, "truth.tum") : options.reference;
   if (path.empty()) {
     return std::nullopt;
   }
@@ -65,10 +70,22 @@ RecordingOptions recording_options(const RunOptions& options) {
   return recording;
 }
 
+double median_upsampling_ms(const SlamRun& run) {
+  std::vector<double> times_ms;
+  for (const ScanRecord& scan : run.scans) {
+    times_ms.push_back(1e3 * scan.upsampling_s);
+  }
+  return distribution_of(std::move(times_ms)).median;
+}
+
 void print_summary(const RunResult& result, const RunOptions& options) {
   const SlamRun& run = result.run;
   fmt::print("{} scans, {:.1f} m of path, {:.1f} scans/s\n", run.scans.size(),
              path_length_m(run.trajectory), scans_per_second(run));
+  if (!run.upsampled_by.empty()) {
+    fmt::print("upsampled to {} rows by {}: {:.1f} ms a scan (median)\n", run.rows,
+               run.upsampled_by, median_upsampling_ms(run));
+  }
   if (result.comparison) {
     const AbsolutePoseError& error = result.comparison->error;
     fmt::print("APE RMSE {:.3f} m over {} poses against {} (alignment: {})\n",
@@ -129,6 +146,12 @@ void declare_run(CLI::App& app, RunOptions& options) {
       ->capture_default_str();
   command->add_flag("--motion-corrected", options.motion_corrected,
                     "The scans of a .npy stack are already corrected for the sensor's motion");
+  command
+      ->add_option("--upsample", options.upsample,
+                   fmt::format("Fill the rows between the measured ones first: a trained network "
+                               "(.npz), or interpolation ({})",
+                               fmt::join(interpolation_names(), ", ")))
+      ->check(CLI::ExistingFile | CLI::IsMember(interpolation_names()));
   command->add_option("--threads", options.threads, "Threads (default: all cores)")
       ->check(CLI::Range(1, 256));
   command->footer(
@@ -145,19 +168,14 @@ RunResult run_and_write(const RunOptions& options, const InterruptGuard& interru
   if (options.threads > 0) {
     omp_set_num_threads(options.threads);
   }
-  const SensorModel sensor = sensor_of(options);
-  SlamRunSpec spec;
-  spec.input = options.input;
-  if (options.rows > 0 && options.rows != sensor.rows()) {
-    spec.rows = selection_for(sensor.rows(), options.rows);
-  }
+  RunPlan plan = plan_of(options);
   const std::unique_ptr<ScanSource> source =
-      open_recording(options.input, sensor, recording_options(options));
+      open_recording(options.input, plan.recording_sensor, recording_options(options));
   const std::optional<TrajectoryFile> reference = reference_of(options, source->size());
   RunOutput output(options.out);
 
   RunResult result;
-  result.run = run_slam(*source, spec, output, interrupt);
+  result.run = run_slam(*source, plan.spec(), output, interrupt);
   if (result.run.scans.empty()) {
     if (result.run.end == RunEnd::kUnreadableScan) {
       throw Error(result.run.end_message);

@@ -18,7 +18,8 @@ struct RunOptions {
   std::string reference;  ///< empty: truth.tum in a folder written by `hqslam simulate`, or none
   std::string row_order = "highest-first";
   bool motion_corrected = false;
-  int threads = 0;  ///< 0: what OpenMP chooses
+  std::string upsample;  ///< weights file or interpolation; empty: the recording as it is
+  int threads = 0;       ///< 0: what OpenMP chooses
 };
 
 void declare_run(CLI::App& app, RunOptions& options);

@@ -58,15 +58,22 @@ using Durations_ms = std::vector<std::pair<std::string, std::vector<double>>>;
 
 /// Per stage one duration per scan.
 Durations_ms durations_of(const SlamRun& run) {
+  const std::size_t before_slam = run.upsampled_by.empty() ? 1 : 2;
   Durations_ms durations = {{"reading", {}}};
+  if (!run.upsampled_by.empty()) {
+    durations.emplace_back("upsampling", std::vector<double>());
+  }
   for (const Stage& stage : kStages) {
     durations.emplace_back(stage.name, std::vector<double>());
   }
   durations.emplace_back("slam_total", std::vector<double>());
   for (const ScanRecord& scan : run.scans) {
     durations.front().second.push_back(rounded(milliseconds(scan.reading_s)));
+    if (!run.upsampled_by.empty()) {
+      durations[1].second.push_back(rounded(milliseconds(scan.upsampling_s)));
+    }
     for (std::size_t i = 0; i < kStages.size(); ++i) {
-      durations[i + 1].second.push_back(
+      durations[i + before_slam].second.push_back(
           rounded(milliseconds(scan.report.times.*kStages[i].seconds)));
     }
     durations.back().second.push_back(rounded(milliseconds(scan.report.times.total_s)));
@@ -125,6 +132,7 @@ std::string timings_json(const SlamRun& run) {
       {"sensor", run.sensor_name},
       {"rows", run.rows},
       {"columns", run.columns},
+      {"upsampled_by", run.upsampled_by.empty() ? Json() : Json(run.upsampled_by)},
       {"threads", run.threads},
       {"end", name(run.end)},
       {"scans", run.scans.size()},

@@ -9,6 +9,7 @@
 #include "hqslam/core/error.h"
 #include "progress.h"
 #include "run_output.h"
+#include "upsampled_cloud.h"
 
 namespace hqslam::tools {
 namespace {
@@ -28,6 +29,25 @@ std::optional<RecordedScan> read_next(ScanSource& source, SlamRun& run) {
     run.end_message = error.what();
     return std::nullopt;
   }
+}
+
+/// What SLAM gets to see of a scan.
+OrganizedCloud prepared(const RecordedScan& scan, const SlamRunSpec& spec, ScanRecord& record) {
+  OrganizedCloud measured = spec.rows ? select_rows(scan.cloud, *spec.rows) : scan.cloud;
+  if (spec.upsampler == nullptr) {
+    return measured;
+  }
+  const auto start = Clock::now();
+  OrganizedCloud cloud = upsampled_cloud(*spec.upsampler, measured);
+  record.upsampling_s = seconds_since(start);
+  return cloud;
+}
+
+SensorModel sensor_of(const ScanSource& source, const SlamRunSpec& spec) {
+  if (spec.upsampler != nullptr) {
+    return spec.upsampler->sensor();
+  }
+  return spec.rows ? select_rows(source.sensor(), *spec.rows) : source.sensor();
 }
 
 }  // namespace
@@ -50,13 +70,14 @@ double scans_per_second(const SlamRun& run) {
 
 SlamRun run_slam(ScanSource& source, const SlamRunSpec& spec, RunOutput& output,
                  const InterruptGuard& interrupt) {
-  const SensorModel sensor = spec.rows ? select_rows(source.sensor(), *spec.rows) : source.sensor();
+  const SensorModel sensor = sensor_of(source, spec);
   slam::Slam slam(sensor);
   SlamRun run;
   run.input = spec.input;
   run.sensor_name = sensor.name;
   run.rows = sensor.rows();
   run.columns = sensor.columns;
+  run.upsampled_by = spec.upsampler != nullptr ? spec.upsampler->name() : "";
   run.threads = omp_get_max_threads();
   run.scans_in_recording = source.size();
 
@@ -75,8 +96,8 @@ SlamRun run_slam(ScanSource& source, const SlamRunSpec& spec, RunOutput& output,
     }
     record.reading_s = seconds_since(reading_start);
     record.invalid_points = scan->invalid_points;
-    record.report =
-        slam.process(spec.rows ? select_rows(scan->cloud, *spec.rows) : scan->cloud, scan->stamp_s);
+    const OrganizedCloud cloud = prepared(*scan, spec, record);
+    record.report = slam.process(cloud, scan->stamp_s);
     run.scans.push_back(record);
     run.wall_s = seconds_since(start);
     progress.update(static_cast<std::int64_t>(run.scans.size()));

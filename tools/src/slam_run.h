@@ -10,6 +10,7 @@
 #include "hqslam/core/sensor_model.h"
 #include "hqslam/slam/slam.h"
 #include "interrupt.h"
+#include "upsampler.h"
 
 namespace hqslam::tools {
 
@@ -18,7 +19,8 @@ class RunOutput;
 /// One processed scan.
 struct ScanRecord {
   slam::ScanReport report;
-  double reading_s = 0.0;  ///< reading and projecting the file
+  double reading_s = 0.0;     ///< reading and projecting the file
+  double upsampling_s = 0.0;  ///< filling the missing rows and making points of them
   std::int64_t invalid_points = 0;
 };
 
@@ -31,6 +33,7 @@ struct SlamRun {
   std::string sensor_name;
   int rows = 0;
   int columns = 0;
+  std::string upsampled_by;  ///< Upsampler::name(); empty: the recording as it is
   int threads = 1;
   std::int64_t scans_in_recording = 0;
   std::vector<ScanRecord> scans;
@@ -44,13 +47,14 @@ struct SlamRun {
 /// "complete", "interrupted", "unreadable scan"
 std::string_view name(RunEnd end);
 
-/// Scans per second over the whole run: reading, SLAM and writing.
+/// Scans per second over the whole run: reading, upsampling, SLAM and writing.
 double scans_per_second(const SlamRun& run);
 
 /// How a recording is processed.
 struct SlamRunSpec {
   std::string input;
-  std::optional<RowSelection> rows;  ///< what SLAM gets to see; nothing: every row
+  std::optional<RowSelection> rows;  ///< of the recording that are looked at; nothing: every row
+  Upsampler* upsampler = nullptr;    ///< what fills the rows between them; nullptr: nothing
 };
 
 /// Processes a recording scan by scan, showing progress on stderr and handing intermediate results

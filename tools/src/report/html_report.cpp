@@ -124,6 +124,12 @@ std::vector<StageColumn> stage_columns(const SlamRun& run) {
   for (const ScanRecord& scan : run.scans) {
     columns.front().times_ms.push_back(1e3 * scan.reading_s);
   }
+  if (!run.upsampled_by.empty()) {
+    columns.push_back({"upsampling", {}});
+    for (const ScanRecord& scan : run.scans) {
+      columns.back().times_ms.push_back(1e3 * scan.upsampling_s);
+    }
+  }
   for (const Stage& stage : kStages) {
     StageColumn column{std::string(stage.name), {}};
     for (const ScanRecord& scan : run.scans) {
@@ -202,7 +208,10 @@ std::string statuses_html(const SlamRun& run) {
 }  // namespace
 
 std::string html_report(const SlamRun& run, const std::optional<ReferenceComparison>& comparison) {
-  const std::string title = fmt::format("{}, {} rows", escape_html(short_name(run)), run.rows);
+  const std::string upsampled =
+      run.upsampled_by.empty() ? "" : fmt::format(" by {}", run.upsampled_by);
+  const std::string title =
+      fmt::format("{}, {} rows{}", escape_html(short_name(run)), run.rows, upsampled);
   return fmt::format(
              "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
              "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"

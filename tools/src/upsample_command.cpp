@@ -1,0 +1,191 @@
+#include "upsample_command.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <omp.h>
+
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+#include <CLI/Validators.hpp>
+#include <chrono>
+#include <cstdio>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "exit_status.h"
+#include "hqslam/core/error.h"
+#include "hqslam/core/scan_source.h"
+#include "interrupt.h"
+#include "progress.h"
+#include "timing_statistics.h"
+#include "upsample_output.h"
+#include "upsampled_cloud.h"
+#include "upsampling_plan.h"
+
+namespace hqslam::tools {
+namespace {
+
+struct UpsampleRun {
+  std::vector<double> times_s;  ///< of the upsampling alone, per scan
+  std::int64_t scans_in_recording = 0;
+  bool motion_corrected = false;
+  std::optional<std::string> unreadable;  ///< the reader's message for the scan that ended the run
+};
+
+UpsamplingPlan plan_of(const UpsampleOptions& options) {
+  UpsamplingRequest request;
+  request.input = options.input;
+  request.sensor = options.sensor;
+  request.method = options.weights.empty() ? options.method : options.weights;
+  return plan_upsampling(request);
+}
+
+std::unique_ptr<ScanSource> open_input(const UpsampleOptions& options, const UpsamplingPlan& plan) {
+  RecordingOptions recording;
+  recording.row_order =
+      options.row_order == "lowest-first" ? RowOrder::kLowestFirst : RowOrder::kHighestFirst;
+  return open_recording(options.input, plan.recording_sensor, recording);
+}
+
+/// The next scan, or nothing at the end of the recording or at a scan that cannot be read, unless
+/// it is the first: then throws Error.
+std::optional<RecordedScan> read_next(ScanSource& source, UpsampleRun& run) {
+  try {
+    return source.next();
+  } catch (const Error& error) {
+    if (run.times_s.empty()) {
+      throw;
+    }
+    run.unreadable = error.what();
+    return std::nullopt;
+  }
+}
+
+/// The ranges of the points that are written: those of the measured rows are the recording's.
+UpsampleRun upsample(ScanSource& source, UpsamplingPlan& plan, const UpsampleOptions& options,
+                     const InterruptGuard& interrupt) {
+  using Clock = std::chrono::steady_clock;
+  std::optional<UpsampleOutput> output;  // made when the first scan is there
+  UpsampleRun run;
+  run.scans_in_recording = source.size();
+  Progress progress(fmt::format("upsample to {}x{}", plan.upsampler.sensor().rows(),
+                                plan.upsampler.sensor().columns),
+                    source.size());
+  while (!interrupt.stop_requested()) {
+    const std::optional<RecordedScan> scan = read_next(source, run);
+    if (!scan) {
+      break;
+    }
+    const OrganizedCloud measured = plan.rows ? select_rows(scan->cloud, *plan.rows) : scan->cloud;
+    const RangeImage measured_image = range_image(measured);
+    const auto start = Clock::now();
+    const RangeImage lifted = plan.upsampler.run(measured_image);
+    run.times_s.push_back(std::chrono::duration<double>(Clock::now() - start).count());
+    const OrganizedCloud cloud =
+        upsampled_cloud(lifted, measured, plan.upsampler.measured_rows(), plan.upsampler.sensor());
+    if (!output) {
+      output.emplace(
+          options.out, options.input, options.weights.empty() ? options.method : options.weights,
+          plan.upsampler.sensor(), UpsampledFormats{options.bin, options.pcd, options.png});
+    }
+    output->append(range_image(cloud), cloud);
+    run.motion_corrected = cloud.time_offset_s.empty();
+    progress.update(static_cast<std::int64_t>(run.times_s.size()));
+  }
+  progress.finish();
+  return run;
+}
+
+void print_summary(const UpsampleRun& run, const UpsamplingPlan& plan,
+                   const UpsampleOptions& options) {
+  const Upsampler& upsampler = plan.upsampler;
+  fmt::print("{} scans, {} rows -> {} rows of {} columns, by {}", run.times_s.size(),
+             select_rows(upsampler.sensor(), upsampler.measured_rows()).rows(),
+             upsampler.sensor().rows(), upsampler.sensor().columns, upsampler.name());
+  if (const nn::SuperResolver* network = upsampler.network()) {
+    fmt::print(" ({} layers, {} parameters, {:.3f} GMAC a scan)", network->description().layers,
+               network->parameters(), 1e-9 * static_cast<double>(network->multiply_adds()));
+  }
+  const double median_s = distribution_of(run.times_s).median;
+  fmt::print("\nupsampling alone: {:.2f} ms a scan, {:.1f} scans/s (median, {} thread{})\n",
+             1e3 * median_s, 1.0 / median_s, omp_get_max_threads(),
+             omp_get_max_threads() == 1 ? "" : "s");
+  fmt::print("results: {0}/scans.npy, sensor.json{1}{2}{3}\n", options.out,
+             options.bin ? ", bin" : "", options.pcd ? ", pcd" : "", options.png ? ", png" : "");
+  if (run.motion_corrected) {
+    fmt::print(
+        "the scans are corrected for motion: hqslam run {}/scans.npy --sensor "
+        "{}/sensor.json --motion-corrected\n",
+        options.out, options.out);
+  }
+}
+
+}  // namespace
+
+void declare_upsample(CLI::App& app, UpsampleOptions& options) {
+  CLI::App* command =
+      app.add_subcommand("upsample", "Fill the rows between those of a LiDAR with few beams");
+  command
+      ->add_option("INPUT", options.input,
+                   "Recording as for hqslam run: the measured rows alone, or all rows of the "
+                   "sensor, of which the measured ones are looked at")
+      ->required()
+      ->check(CLI::ExistingPath);
+  CLI::Option_group* method = command->add_option_group("How", "One of");
+  method->add_option("--weights", options.weights, "Trained network (.npz)")
+      ->check(CLI::ExistingFile);
+  method->add_option("--method", options.method, "Interpolation, of every fourth row")
+      ->check(CLI::IsMember(interpolation_names()));
+  method->require_option(1);
+  command->add_option("--sensor", options.sensor,
+                      "Sensor of the recording (name or .json file); default: that of a simulated "
+                      "drive, or the one that the weights were made for. For interpolation: with "
+                      "all rows");
+  command->add_option("--out", options.out, "Folder for the results; made if it is not there")
+      ->required();
+  command
+      ->add_option("--row-order", options.row_order,
+                   "Where row 0 of the images of a .npy stack looks")
+      ->check(CLI::IsMember({"highest-first", "lowest-first"}))
+      ->capture_default_str();
+  command->add_option("--threads", options.threads, "Threads (default: all cores)")
+      ->check(CLI::Range(1, 256));
+  command->add_flag("--bin", options.bin, "Also write KITTI .bin files");
+  command->add_flag("--pcd", options.pcd, "Also write .pcd files");
+  command->add_flag("--png", options.png, "Also write pictures of the range images");
+  command->footer(
+      "Writes into --out: scans.npy (N x rows x columns, float32 metres), sensor.json,\n"
+      "upsample.json (where it came from), and the truth of a simulated drive. hqslam run takes "
+      "the\n"
+      "folder as it is. Ctrl-C stops; what is written up to then is valid.");
+}
+
+int upsample_command(const UpsampleOptions& options) {
+  const InterruptGuard interrupt;
+  if (options.threads > 0) {
+    omp_set_num_threads(options.threads);
+  }
+  UpsamplingPlan plan = plan_of(options);
+  const std::unique_ptr<ScanSource> source = open_input(options, plan);
+  const UpsampleRun run = upsample(*source, plan, options, interrupt);
+  const auto scans = static_cast<std::int64_t>(run.times_s.size());
+  if (scans > 0) {
+    print_summary(run, plan, options);
+  }
+  if (run.unreadable) {
+    fmt::print(stderr,
+               "hqslam: {}; stopped after {} of {} scans, the results up to there are valid\n",
+               *run.unreadable, scans, run.scans_in_recording);
+    return kWrongInput;
+  }
+  if (scans < run.scans_in_recording) {
+    fmt::print(stderr,
+               "hqslam: interrupted after {} of {} scans; the results up to there are valid\n",
+               scans, run.scans_in_recording);
+    return kInterrupted;
+  }
+  return kOk;
+}
+
+}  // namespace hqslam::tools

@@ -1,0 +1,82 @@
+#include "upsampler.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <array>
+#include <utility>
+
+#include "hqslam/core/error.h"
+
+namespace hqslam::tools {
+namespace {
+
+struct NamedInterpolation {
+  const char* name;
+  nn::Interpolation interpolation;
+};
+constexpr std::array<NamedInterpolation, 3> kInterpolations = {{
+    {"nearest", nn::Interpolation::kNearest},
+    {"linear", nn::Interpolation::kLinear},
+    {"inverse", nn::Interpolation::kInverse},
+}};
+
+}  // namespace
+
+std::vector<std::string> interpolation_names() {
+  std::vector<std::string> names;
+  for (const NamedInterpolation& named : kInterpolations) {
+    names.emplace_back(named.name);
+  }
+  return names;
+}
+
+bool is_interpolation(std::string_view name) {
+  for (const NamedInterpolation& named : kInterpolations) {
+    if (named.name == name) {
+      return true;
+    }
+  }
+  return false;
+}
+
+nn::Interpolation interpolation_from_name(std::string_view name) {
+  for (const NamedInterpolation& named : kInterpolations) {
+    if (named.name == name) {
+      return named.interpolation;
+    }
+  }
+  throw Error(fmt::format("'{}' is no interpolation; choose one of {}", name,
+                          fmt::join(interpolation_names(), ", ")));
+}
+
+Upsampler::Upsampler(nn::SuperResolver network, SensorModel sensor)
+    : method_(std::move(network)),
+      sensor_(std::move(sensor)),
+      measured_rows_(this->network()->description().measured_rows) {}
+
+Upsampler::Upsampler(nn::Interpolation interpolation, SensorModel sensor,
+                     RowSelection measured_rows)
+    : method_(interpolation), sensor_(std::move(sensor)), measured_rows_(measured_rows) {}
+
+std::string Upsampler::name() const {
+  if (network() != nullptr) {
+    return std::string(nn::name(network()->description().kind));
+  }
+  for (const NamedInterpolation& named : kInterpolations) {
+    if (named.interpolation == std::get<nn::Interpolation>(method_)) {
+      return named.name;
+    }
+  }
+  return "";
+}
+
+RangeImage Upsampler::run(const RangeImage& measured) {
+  if (auto* resolver = std::get_if<nn::SuperResolver>(&method_)) {
+    return resolver->run(measured);
+  }
+  return nn::interpolate_rows(measured, measured_rows_, sensor_.rows(),
+                              std::get<nn::Interpolation>(method_));
+}
+
+}  // namespace hqslam::tools

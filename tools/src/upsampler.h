@@ -1,0 +1,44 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "hqslam/core/range_image.h"
+#include "hqslam/core/sensor_model.h"
+#include "hqslam/nn/hqs/interpolation.h"
+#include "hqslam/nn/hqs/super_resolver.h"
+
+namespace hqslam::tools {
+
+/// "nearest", "linear", "inverse"
+std::vector<std::string> interpolation_names();
+/// Throws Error that lists them for any other.
+nn::Interpolation interpolation_from_name(std::string_view name);
+bool is_interpolation(std::string_view name);
+
+/// What fills the rows between the measured ones: a trained network or interpolation.
+class Upsampler {
+ public:
+  /// sensor: of the result, all rows.
+  Upsampler(nn::SuperResolver network, SensorModel sensor);
+  Upsampler(nn::Interpolation interpolation, SensorModel sensor, RowSelection measured_rows);
+
+  const SensorModel& sensor() const { return sensor_; }
+  RowSelection measured_rows() const { return measured_rows_; }
+  /// "du-or", "simple-du", "linear", ...
+  std::string name() const;
+  /// Nothing for interpolation.
+  const nn::SuperResolver* network() const { return std::get_if<nn::SuperResolver>(&method_); }
+
+  /// measured: the measured rows alone, metres. Returns all rows. Throws Error.
+  RangeImage run(const RangeImage& measured);
+
+ private:
+  std::variant<nn::SuperResolver, nn::Interpolation> method_;
+  SensorModel sensor_;
+  RowSelection measured_rows_;
+};
+
+}  // namespace hqslam::tools
