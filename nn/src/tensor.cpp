@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstring>
 
 #include "hqslam/core/error.h"
 
@@ -33,8 +34,9 @@ void Tensor::fill_border(int channel, int row_index) {
     return;
   }
   if (columns_ == padded_columns_) {  // at least as wide as the border
-    std::copy_n(values + columns_ - kBorderColumns, kBorderColumns, values - kBorderColumns);
-    std::copy_n(values, kBorderColumns, values + columns_);
+    constexpr std::size_t kBytes = kBorderColumns * sizeof(float);
+    std::memcpy(values - kBorderColumns, values + columns_ - kBorderColumns, kBytes);
+    std::memcpy(values + columns_, values, kBytes);
     return;
   }
   // A row shorter than the border goes round more than once.

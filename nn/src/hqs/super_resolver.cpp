@@ -34,7 +34,7 @@ struct SuperResolver::Implementation {
         threads(threads_of(options_)),
         network(with_options(weights.description, options_), weights.description.sensor.columns,
                 options_.instruction_set.value_or(chosen_instruction_set()), threads),
-        state(network.make_state()),
+        state(network.make_state(UnrolledNetwork::Kept::kLastTwo)),
         filter(network.description().sensor, network.description().measured_rows,
                network.description().filter, network.columns()),
         rejected(static_cast<std::size_t>(network.rows()) * network.columns()),
@@ -46,7 +46,7 @@ struct SuperResolver::Implementation {
   static std::vector<float> penalties(const Weights& weights);
   RangeImage measured_rows(const RangeImage& image) const;
   RangeImage in_metres(const Tensor& tiles) const;
-  LayerTrace layer_trace(int layer, const RangeImage& measured) const;
+  LayerTrace layer_trace(const UnrolledState& all, int layer, const RangeImage& measured) const;
 
   SuperResolverOptions options;
   int threads;
@@ -90,8 +90,9 @@ RangeImage SuperResolver::Implementation::in_metres(const Tensor& tiles) const {
   return image;
 }
 
-LayerTrace SuperResolver::Implementation::layer_trace(int layer, const RangeImage& measured) const {
-  const LayerState& from = state.layers[layer];
+LayerTrace SuperResolver::Implementation::layer_trace(const UnrolledState& all, int layer,
+                                                      const RangeImage& measured) const {
+  const LayerState& from = all.layer(layer);
   LayerTrace trace{in_metres(from.denoiser.input),
                    in_metres(from.denoiser.z),
                    in_metres(from.y),
@@ -140,21 +141,24 @@ std::int64_t SuperResolver::multiply_adds() const {
 RangeImage SuperResolver::run(const RangeImage& image, Trace* trace) {
   Implementation& self = *implementation_;
   const RangeImage measured = self.measured_rows(image);
-  self.network.start(measured, self.state);
-  self.network.forward(self.state);
-  const Tensor& z = self.state.layers.back().denoiser.z;
-  RangeImage result = restored_image(description(), tile_of(description()), z, measured);
+  std::optional<UnrolledState> all;
+  if (trace != nullptr) all = self.network.make_state();
+  UnrolledState& state = all ? *all : self.state;
+  self.network.start(measured, state);
+  self.network.forward(state);
+  RangeImage result =
+      restored_image(description(), tile_of(description()), self.network.result(state), measured);
   if (self.options.filter_result) {
     self.filter.find(result.range_m.data(), self.rejected.data(), self.threads);
     for (std::size_t i = 0; i < result.range_m.size(); ++i) {
-      result.range_m[i] = self.rejected[i] != 0 ? 0.0F : result.range_m[i];
+      if (self.rejected[i] != 0) result.range_m[i] = 0.0F;
     }
   }
   if (trace != nullptr) {
-    self.network.finish_last_layer(self.state);
-    *trace = Trace{self.in_metres(self.state.z0), {}, self.rejected};
+    self.network.finish_last_layer(state);
+    *trace = Trace{self.in_metres(state.z0), {}, self.rejected};
     for (int layer = 0; layer < description().layers; ++layer) {
-      trace->layers.push_back(self.layer_trace(layer, measured));
+      trace->layers.push_back(self.layer_trace(state, layer, measured));
     }
   }
   return result;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include "hqslam/core/error.h"
 #include "hqslam/nn/hqs/interpolation.h"
@@ -28,6 +29,17 @@ void copy_channels(const Tensor& from, int from_channel, int channels, Tensor& t
       std::copy_n(from.row(from_channel + channel, row), to.columns(),
                   to.row(to_channel + channel, row));
       to.fill_border(to_channel + channel, row);
+    }
+  }
+}
+
+/// Zero from channel `from_channel` on, borders too.
+void clear_channels(int from_channel, Tensor& tensor) {
+#pragma omp for schedule(static)
+  for (int row = 0; row < tensor.rows(); ++row) {
+    for (int channel = from_channel; channel < tensor.channels(); ++channel) {
+      std::fill_n(tensor.row(channel, row), tensor.columns(), 0.0F);
+      tensor.fill_border(channel, row);
     }
   }
 }
@@ -76,14 +88,16 @@ void UnrolledNetwork::set_parameters(std::span<const float> parameters) {
   }
 }
 
-UnrolledState UnrolledNetwork::make_state() const {
+UnrolledState UnrolledNetwork::make_state(Kept kept) const {
   const Denoiser& denoiser = *denoisers_.front();
   const TileSize tile = denoiser.tile();
   const Tensor image(tile.pixels(), rows_ / tile.rows, columns_ / tile.columns, denoiser.padding());
   UnrolledState state{image, {image, image}, image, {}, {}};
   const std::size_t pixels = static_cast<std::size_t>(rows_) * columns_;
-  for (int layer = 0; layer < description_.layers; ++layer) {
-    state.layers.push_back({denoiser.make_state(), image, std::vector<std::uint8_t>(pixels)});
+  const int slots =
+      kept == Kept::kAllLayers ? description_.layers : std::min(2, description_.layers);
+  for (int slot = 0; slot < slots; ++slot) {
+    state.slots.push_back({denoiser.make_state(), image, std::vector<std::uint8_t>(pixels)});
   }
   state.raster.resize(pixels);
   return state;
@@ -113,25 +127,27 @@ DataConsistency UnrolledNetwork::data_consistency(int layer) const {
 }
 
 const Tensor& UnrolledNetwork::previous_z(const UnrolledState& state, int layer) const {
-  return layer == 0 ? state.z0 : state.layers[layer - 1].denoiser.z;
+  return layer == 0 ? state.z0 : state.layer(layer - 1).denoiser.z;
 }
 
 const Tensor& UnrolledNetwork::previous_y(const UnrolledState& state, int layer) const {
   if (description_.kind == NetworkKind::kSimpleDu) return previous_z(state, layer);
-  return layer == 0 ? state.z0 : state.layers[layer - 1].y;
+  return layer == 0 ? state.z0 : state.layer(layer - 1).y;
 }
 
 void UnrolledNetwork::run_layer(UnrolledState& state, int layer,
                                 std::optional<std::uint64_t> dropout_seed) {
   Denoiser& prior = denoiser(layer);
   const TileSize tile = prior.tile();
-  DenoiserState& current = state.layers[layer].denoiser;
+  DenoiserState& current = state.layer(layer).denoiser;
 #pragma omp parallel num_threads(threads_)
   {
     data_consistency(layer).forward(state.l, previous_z(state, layer), previous_y(state, layer),
                                     current.input);  // eq. 10a
-    if (layer > 0 && prior.memory_channels() > 0) {
-      const Tensor& before = state.layers[layer - 1].denoiser.output;
+    if (layer == 0) {
+      clear_channels(tile.pixels(), current.input);  // no memory yet
+    } else if (prior.memory_channels() > 0) {
+      const Tensor& before = state.layer(layer - 1).denoiser.output;
       copy_channels(before, before.channels() - prior.memory_channels(), prior.memory_channels(),
                     current.input, tile.pixels());
     }
@@ -140,7 +156,7 @@ void UnrolledNetwork::run_layer(UnrolledState& state, int layer,
 }
 
 void UnrolledNetwork::remove_outliers(UnrolledState& state, int layer) {
-  LayerState& current = state.layers[layer];
+  LayerState& current = state.layer(layer);
   const TileSize tile = denoisers_.front()->tile();
   const bool of_h = description_.filtered == FilteredIterate::kH;
 #pragma omp parallel num_threads(threads_)
@@ -150,31 +166,31 @@ void UnrolledNetwork::remove_outliers(UnrolledState& state, int layer) {
   set_y(current);
 }
 
-/// Calls visit(channel, row, x, rejected) for every pixel of the tiles.
-template <typename Visit>
-static void for_each_pixel(TileSize tile, const Tensor& tiles,
-                           const std::vector<std::uint8_t>& rejected, int row, const Visit& visit) {
-  const int columns = tiles.columns() * tile.columns;
-  for (int channel = 0; channel < tile.pixels(); ++channel) {
-    const std::uint8_t* mask = rejected.data() +
-                               (row * tile.rows + channel / tile.columns) * columns +
-                               channel % tile.columns;
-    for (int x = 0; x < tiles.columns(); ++x) visit(channel, x, mask[x * tile.columns] != 0);
-  }
-}
-
 void UnrolledNetwork::set_y(LayerState& layer) const {
+  const TileSize tile = denoisers_.front()->tile();
   const bool of_h = description_.filtered == FilteredIterate::kH;
   const Tensor& filtered = of_h ? layer.denoiser.input : layer.denoiser.z;
   const bool zero = description_.rejected == RejectedPixel::kZero;
 #pragma omp for schedule(static)
   for (int row = 0; row < layer.y.rows(); ++row) {
-    for_each_pixel(denoisers_.front()->tile(), layer.y, layer.rejected, row,
-                   [&](int channel, int x, bool rejected) {
-                     layer.y.row(channel, row)[x] =
-                         !rejected ? filtered.row(channel, row)[x]
-                                   : (zero ? 0.0F : layer.denoiser.z.row(channel, row)[x]);
-                   });
+    for (int channel = 0; channel < tile.pixels(); ++channel) {
+      std::copy_n(filtered.row(channel, row), layer.y.columns(), layer.y.row(channel, row));
+    }
+    // Few pixels are rejected: look for them eight at a time.
+    const std::uint8_t* mask = layer.rejected.data() + row * tile.rows * columns_;
+    for (int begin = 0; begin < tile.rows * columns_; begin += 8) {
+      const int end = std::min(begin + 8, tile.rows * columns_);
+      std::uint64_t any = 0;
+      std::memcpy(&any, mask + begin, static_cast<std::size_t>(end - begin));
+      if (any == 0) continue;
+      for (int pixel = begin; pixel < end; ++pixel) {
+        if (mask[pixel] == 0) continue;
+        const int x = pixel % columns_;
+        const int channel = pixel / columns_ * tile.columns + x % tile.columns;
+        layer.y.row(channel, row)[x / tile.columns] =
+            zero ? 0.0F : layer.denoiser.z.row(channel, row)[x / tile.columns];
+      }
+    }
   }
 }
 
@@ -196,6 +212,19 @@ struct UnrolledNetwork::BackwardScratch {
   Tensor d_h;
   Tensor d_a;
 };
+
+/// Calls visit(channel, x, rejected) for every pixel of the tiles.
+template <typename Visit>
+static void for_each_pixel(TileSize tile, const Tensor& tiles,
+                           const std::vector<std::uint8_t>& rejected, int row, const Visit& visit) {
+  const int columns = tiles.columns() * tile.columns;
+  for (int channel = 0; channel < tile.pixels(); ++channel) {
+    const std::uint8_t* mask = rejected.data() +
+                               (row * tile.rows + channel / tile.columns) * columns +
+                               channel % tile.columns;
+    for (int x = 0; x < tiles.columns(); ++x) visit(channel, x, mask[x * tile.columns] != 0);
+  }
+}
 
 void UnrolledNetwork::backward_y(const LayerState& layer, const Tensor& d_y, Tensor& d_h,
                                  Tensor& d_z) const {
@@ -239,13 +268,9 @@ void UnrolledNetwork::backward(const UnrolledState& state, const Tensor& d_z,
   scratch.d_z = d_z;
   scratch.d_y.set_zero();
   const int first_memory = gradient.output.channels() - memory;
-  for (int channel = first_memory; memory > 0 && channel < gradient.output.channels(); ++channel) {
-    for (int row = 0; row < gradient.output.rows(); ++row) {
-      std::fill_n(gradient.output.row(channel, row), gradient.output.columns(), 0.0F);
-    }
-  }
+  if (memory > 0) clear_channels(first_memory, gradient.output);
   for (int layer = description_.layers - 1; layer >= 0; --layer) {
-    const LayerState& current = state.layers[layer];
+    const LayerState& current = state.layer(layer);
     const bool last = layer + 1 == description_.layers;
     if (last || simple) {
       scratch.d_h.set_zero();

@@ -62,13 +62,13 @@ RangeImage last_z(const NetworkDescription& description, const std::vector<float
                   const RangeImage& measured) {
   UnrolledNetwork network(description, description.sensor.columns, chosen_instruction_set(), 1);
   network.set_parameters(parameters);
-  UnrolledState state = network.make_state();
+  UnrolledState state = network.make_state(UnrolledNetwork::Kept::kLastTwo);
   network.start(measured, state);
   network.forward(state);
   RangeImage z(network.rows(), network.columns());
   const TileSize tile =
       description.kind == NetworkKind::kDuOr ? description.u_shaped.tile : TileSize{};
-  from_tiles(state.layers.back().denoiser.z, tile, z.range_m.data());
+  from_tiles(network.result(state), tile, z.range_m.data());
   for (float& range : z.range_m) range *= description.range_scale_m;
   return z;
 }

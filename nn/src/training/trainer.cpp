@@ -118,7 +118,7 @@ void Trainer::Implementation::run_sample(Worker& worker, int place) {
   to_tiles(sample.truth.range_m.data(), tile, worker.truth);
   worker.network.start(sample.measured, worker.state);
   worker.network.forward(worker.state, random.bits() >> 20);
-  losses[place] = l1_loss(worker.state.layers.back().denoiser.z, worker.truth, tile,
+  losses[place] = l1_loss(worker.network.result(worker.state), worker.truth, tile,
                           description.measured_rows, worker.d_z);
   std::fill(gradients[place].begin(), gradients[place].end(), 0.0F);
   worker.network.backward(worker.state, worker.d_z, gradients[place]);
@@ -173,7 +173,7 @@ Validation Trainer::validate(const std::vector<RangeImage>& scans) {
     worker.network.start(measured, worker.state);
     worker.network.forward(worker.state);
     RangeImage image = restored_image(description, tile_of(description),
-                                      worker.state.layers.back().denoiser.z, measured);
+                                      worker.network.result(worker.state), measured);
     const ImageError error = image_error(image, truth);
     each[item].mae_all_m = error.mae_all_m;
     each[item].mae_valid_m = error.mae_valid_m;

@@ -24,10 +24,14 @@ struct LayerState {
 /// One scan on its way through the network, with memory for everything it needs: after it was made
 /// nothing allocates.
 struct UnrolledState {
+  LayerState& layer(int index) { return slots[index % slots.size()]; }
+  const LayerState& layer(int index) const { return slots[index % slots.size()]; }
+
   Tensor l;               ///< measured ranges, 0 in the other rows
   Candidates candidates;  ///< measured neighbours above and below
   Tensor z0;              ///< start: Z and Y of layer 0
-  std::vector<LayerState> layers;
+  /// Of all layers, or of the last few: layer k is in slot k mod the number of slots.
+  std::vector<LayerState> slots;
   std::vector<float> raster;  ///< rows x columns, for the filter
 };
 
@@ -50,13 +54,20 @@ class UnrolledNetwork {
   /// All arrays of parameter_shapes(description), one after the other. Throws Error.
   void set_parameters(std::span<const float> parameters);
 
-  UnrolledState make_state() const;
+  /// Which layers' values a state keeps: backward and trace need all; two are enough for a result
+  /// and stay in the processor's cache.
+  enum class Kept { kAllLayers, kLastTwo };
+  UnrolledState make_state(Kept kept = Kept::kAllLayers) const;
   /// Puts a scan's measured rows into the state and makes the start Z0 = Y0: interpolated over rows
   /// (DU-OR) or zero (Simple DU). measured: as many rows as measured_rows says, metres.
   void start(const RangeImage& measured, UnrolledState& state) const;
-  /// All layers; the result is state.layers.back().denoiser.z. The last layer's Y, which nothing
+  /// All layers; result(state) is then the last layer's Z. The last layer's Y, which nothing
   /// needs, is left to finish_last_layer. Uses the network's threads.
   void forward(UnrolledState& state, std::optional<std::uint64_t> dropout_seed = std::nullopt);
+
+  const Tensor& result(const UnrolledState& state) const {
+    return state.layer(description_.layers - 1).denoiser.z;
+  }
 
   /// The last layer's mask and Y.
   void finish_last_layer(UnrolledState& state) { remove_outliers(state, description_.layers - 1); }
