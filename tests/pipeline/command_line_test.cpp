@@ -24,7 +24,7 @@ CommandLine parsed(std::vector<std::string> arguments) {
 TEST_CASE("the options of run arrive where they belong") {
   const RunOptions run =
       parsed({"run", "/", "--sensor", "os1-64", "--rows", "16", "--out", "x", "--row-order",
-              "lowest-first", "--motion-corrected", "--threads", "2"})
+              "lowest-first", "--motion-corrected", "--threads", "2", "--upsample", "linear"})
           .run;
   CHECK(run.input == "/");
   CHECK(run.sensor == "os1-64");
@@ -33,6 +33,24 @@ TEST_CASE("the options of run arrive where they belong") {
   CHECK(run.row_order == "lowest-first");
   CHECK(run.motion_corrected);
   CHECK(run.threads == 2);
+  CHECK(run.upsample == "linear");
+}
+
+TEST_CASE("the options of upsample arrive where they belong") {
+  const UpsampleOptions upsample =
+      parsed({"upsample", "/", "--method", "inverse", "--sensor", "os1-64", "--out", "x", "--bin",
+              "--png", "--threads", "2", "--row-order", "lowest-first"})
+          .upsample;
+  CHECK(upsample.input == "/");
+  CHECK(upsample.method == "inverse");
+  CHECK(upsample.weights.empty());
+  CHECK(upsample.sensor == "os1-64");
+  CHECK(upsample.out == "x");
+  CHECK(upsample.bin);
+  CHECK_FALSE(upsample.pcd);
+  CHECK(upsample.png);
+  CHECK(upsample.threads == 2);
+  CHECK(upsample.row_order == "lowest-first");
 }
 
 TEST_CASE("the options of simulate, demo, evaluate and bench arrive where they belong") {
@@ -61,6 +79,11 @@ TEST_CASE("what makes no sense is refused") {
       {"run", "/", "--out", "x", "--row-order", "sideways"},
       {"run", "/", "--out", "x", "--threads", "0"},
       {"run", "/", "--out", "x", "--reference", "/no/such/file"},
+      {"run", "/", "--out", "x", "--upsample", "cubic"},
+      {"upsample", "/", "--out", "x"},
+      {"upsample", "/", "--method", "linear"},
+      {"upsample", "/", "--out", "x", "--method", "cubic"},
+      {"upsample", "/", "--out", "x", "--weights", "/no/such/file"},
       {"simulate", "--drive", "moon", "--out", "x"},
       {"simulate", "--drive", "town", "--out", "x", "--scans", "-3"},
       {"evaluate", "/no/such/file", "/no/such/file"},
@@ -77,7 +100,7 @@ TEST_CASE("the program's help names every subcommand, and evaluate's defines its
   CLI::App app("", "hqslam");
   CommandLine options;
   declare_program(app, options);
-  for (const char* name : {"run", "demo", "simulate", "evaluate", "bench"}) {
+  for (const char* name : {"run", "demo", "simulate", "evaluate", "bench", "upsample"}) {
     CHECK(app.help().find(name) != std::string::npos);
   }
   const std::string help = app.get_subcommand("evaluate")->help();
