@@ -110,4 +110,17 @@ CloudError cloud_error(const Points& cloud_m, const Points& true_cloud_m) {
   return error;
 }
 
+std::vector<float> nearest_distances_m(const std::vector<Eigen::Vector3f>& cloud_m,
+                                       const std::vector<Eigen::Vector3f>& true_cloud_m) {
+  require_points(cloud_m, "cloud");
+  require_points(true_cloud_m, "true cloud");
+  const NearestPoint nearest(true_cloud_m);
+  std::vector<float> distances_m;
+  distances_m.reserve(cloud_m.size());
+  for (const Eigen::Vector3f& point_m : cloud_m) {
+    distances_m.push_back(static_cast<float>(std::sqrt(nearest.squared_distance_m2(point_m))));
+  }
+  return distances_m;
+}
+
 }  // namespace hqslam

@@ -41,6 +41,9 @@ int run_subcommand(const std::string& name, const CommandLine& options) {
   if (name == "evaluate") {
     return evaluate_command(options.evaluate);
   }
+  if (name == "compare") {
+    return compare_command(options.compare);
+  }
   if (name == "train") {
     return train_command(options.train);
   }
@@ -65,6 +68,7 @@ void declare_program(CLI::App& app, CommandLine& options) {
   declare_demo(app, options.demo);
   declare_simulate(app, options.simulate);
   declare_evaluate(app, options.evaluate);
+  declare_compare(app, options.compare);
   declare_bench(app, options.bench);
   declare_train(app, options.train);
   declare_upsample(app, options.upsample);

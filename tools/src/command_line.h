@@ -3,6 +3,7 @@
 #include <CLI/App.hpp>
 
 #include "bench_command.h"
+#include "compare_command.h"
 #include "demo_command.h"
 #include "evaluate_command.h"
 #include "run_command.h"
@@ -20,6 +21,7 @@ struct CommandLine {
   SimulateOptions simulate;
   EvaluateOptions evaluate;
   BenchOptions bench;
+  CompareOptions compare;
   TrainOptions train;
   UpsampleOptions upsample;
 };

@@ -21,4 +21,9 @@ inline constexpr double kOutlierDistance_m = 0.5;
 CloudError cloud_error(const std::vector<Eigen::Vector3f>& cloud_m,
                        const std::vector<Eigen::Vector3f>& true_cloud_m);
 
+/// The distance of each point of the cloud to the nearest true point, metres. Throws Error as
+/// cloud_error does.
+std::vector<float> nearest_distances_m(const std::vector<Eigen::Vector3f>& cloud_m,
+                                       const std::vector<Eigen::Vector3f>& true_cloud_m);
+
 }  // namespace hqslam

@@ -41,9 +41,10 @@ struct Trace {
 struct SuperResolverOptions {
   int threads = 0;  ///< 0: as many as OpenMP would use
   /// Instead of the weights file's; min_pixels 0 switches the filter off everywhere.
-  std::optional<OutlierRemovalOptions> filter;
-  bool filter_result = true;                      ///< Q on the last layer's Z
-  std::optional<InstructionSet> instruction_set;  ///< nothing: chosen_instruction_set()
+  std::optional<OutlierRemovalOptions> filter = std::nullopt;
+  bool filter_result = true;  ///< Q on the last layer's Z
+  std::optional<InstructionSet> instruction_set =
+      std::nullopt;  ///< nothing: chosen_instruction_set()
 };
 
 /// Lifts the scans of a sensor with few rows to many. Not thread-safe: one object per thread.

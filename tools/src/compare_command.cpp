@@ -1,0 +1,179 @@
+#include "compare_command.h"
+
+#include <fmt/format.h>
+#include <omp.h>
+
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+#include <CLI/Validators.hpp>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "exit_status.h"
+#include "hqslam/core/error.h"
+#include "hqslam/core/scan_source.h"
+#include "interrupt.h"
+#include "progress.h"
+#include "recording_sensor.h"
+#include "upsampling_comparison.h"
+
+namespace hqslam::tools {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int kMeasuredRows = 16;
+
+/// The network without the filter at its end, and without any filter at all.
+Upsampler without_last_filter(const std::string& weights, const SensorModel& sensor) {
+  return {nn::SuperResolver::load(weights, {.filter_result = false}), sensor};
+}
+Upsampler without_filter(const std::string& weights, const SensorModel& sensor) {
+  nn::OutlierRemovalOptions off;
+  off.min_pixels = 0;
+  return {nn::SuperResolver::load(weights, {.filter = off}), sensor};
+}
+
+std::vector<ComparedMethod> methods_of(const CompareOptions& options, const SensorModel& sensor) {
+  const RowSelection rows = selection_for(sensor.rows(), kMeasuredRows);
+  std::vector<ComparedMethod> methods;
+  for (const std::string& name : interpolation_names()) {
+    methods.push_back({name, Upsampler(interpolation_from_name(name), sensor, rows), std::nullopt});
+  }
+  for (const std::string& weights : options.weights) {
+    Upsampler network(nn::SuperResolver::load(weights), sensor);
+    const std::string name = network.name();
+    methods.push_back({name + ", no filter", without_filter(weights, sensor), std::nullopt});
+    methods.push_back({name, std::move(network), without_last_filter(weights, sensor)});
+  }
+  return methods;
+}
+
+void print_scores(const std::vector<UpsamplingScore>& scores) {
+  const UpsamplingScore* linear = &scores.front();
+  for (const UpsamplingScore& score : scores) {
+    if (score.method == "linear") linear = &score;
+  }
+  fmt::print(
+      "| method | MAE all m | of linear | MAE valid m | Chamfer m^2 | IoU | F1 | outliers % | per "
+      "scan | of linear | good lost % | ms |\n|{:-<1}|{}\n",
+      "", "--|--|--|--|--|--|--|--|--|--|--|");
+  for (const UpsamplingScore& s : scores) {
+    fmt::print(
+        "| {} | {:.3f} | {:.3f} | {:.3f} | {:.3f} | {:.3f} | {:.3f} | {:.2f} | {:.0f} | "
+        "{:.3f} | {} | {:.2f} |\n",
+        s.method, s.mae_all_m, s.mae_all_m / linear->mae_all_m, s.mae_valid_m, s.chamfer_m2, s.iou,
+        s.f1, 100.0 * s.outlier_share, s.outliers_per_scan,
+        s.outliers_per_scan / linear->outliers_per_scan,
+        s.good_lost_share ? fmt::format("{:.2f}", 100.0 * *s.good_lost_share) : "-",
+        s.upsampling_ms);
+  }
+}
+
+void print_trials(const std::vector<FilterTrial>& trials) {
+  fmt::print(
+      "| angle deg | min pixels | bad removed % | good lost % | outliers left % | MAE all m |\n"
+      "|--|--|--|--|--|--|\n");
+  for (const FilterTrial& t : trials) {
+    fmt::print("| {:.0f} | {} | {:.1f} | {:.2f} | {:.2f} | {:.3f} |\n", t.min_angle_deg,
+               t.min_pixels, 100.0 * t.bad_removed_share, 100.0 * t.good_lost_share,
+               100.0 * t.outlier_share, t.mae_all_m);
+  }
+}
+
+Json scores_json(const std::vector<UpsamplingScore>& scores) {
+  Json json = Json::array();
+  for (const UpsamplingScore& s : scores) {
+    Json row = {{"method", s.method},
+                {"mae_all_m", s.mae_all_m},
+                {"mae_valid_m", s.mae_valid_m},
+                {"chamfer_m2", s.chamfer_m2},
+                {"iou", s.iou},
+                {"f1", s.f1},
+                {"outlier_share", s.outlier_share},
+                {"outliers_per_scan", s.outliers_per_scan},
+                {"upsampling_ms", s.upsampling_ms}};
+    if (s.good_lost_share) row["good_lost_share"] = *s.good_lost_share;
+    json.push_back(row);
+  }
+  return json;
+}
+
+void write_json(const Json& json, const std::string& path) {
+  std::ofstream file(path, std::ios::binary);
+  file << json.dump(1) << "\n";
+  if (!file.flush()) throw Error(fmt::format("{}: cannot write", path));
+}
+
+/// Hands every `every`-th scan of the recording to `use`. Returns how many.
+template <typename Use>
+std::int64_t for_each_scan(const CompareOptions& options, const SensorModel& sensor,
+                           const InterruptGuard& interrupt, const Use& use) {
+  const auto source = open_recording(options.input, sensor);
+  Progress progress("compare", source->size());
+  std::int64_t used = 0;
+  for (std::int64_t i = 0; !interrupt.stop_requested(); ++i) {
+    const auto scan = source->next();
+    if (!scan) break;
+    if (i % options.every == 0) {
+      use(scan->cloud);
+      ++used;
+    }
+    progress.update(i + 1);
+  }
+  progress.finish();
+  return used;
+}
+
+}  // namespace
+
+void declare_compare(CLI::App& app, CompareOptions& options) {
+  CLI::App* command = app.add_subcommand(
+      "compare", "Compare ways to lift 16 rows to all against a recording that has all");
+  command->add_option("input", options.input, "Recording with all rows (as for hqslam run)")
+      ->required();
+  command->add_option("--sensor", options.sensor, "Sensor (name or .json file)");
+  command->add_option("--weights", options.weights, "Weights files to compare")
+      ->check(CLI::ExistingFile);
+  command->add_option("--every", options.every, "Take every n-th scan (default: all)")
+      ->check(CLI::PositiveNumber);
+  command->add_flag("--filters", options.filters,
+                    "Instead, try settings of the outlier filter on the first weights' results");
+  command->add_option("--json", options.json, "Also write the table into this file");
+  command->add_option("--threads", options.threads, "Threads (default: all cores)")
+      ->check(CLI::PositiveNumber);
+  command->footer(
+      "Rows: nearest, linear and inverse (linear in 1/range) interpolation, and each network\n"
+      "without and with its outlier filter. Outliers are farther than 0.5 m from the true cloud,\n"
+      "good points nearer than 0.2 m.");
+}
+
+int compare_command(const CompareOptions& options) {
+  if (options.threads > 0) omp_set_num_threads(options.threads);
+  const InterruptGuard interrupt;
+  const SensorModel sensor = required_recording_sensor(options.input, options.sensor);
+  Json json;
+  std::int64_t used = 0;
+  if (options.filters) {
+    if (options.weights.empty()) throw Error("compare: --filters needs --weights");
+    FilterComparison comparison(without_last_filter(options.weights.front(), sensor),
+                                {5, 10, 15, 20, 30, 60}, {3, 5, 10, 20, 50, 100});
+    used = for_each_scan(options, sensor, interrupt,
+                         [&](const OrganizedCloud& scan) { comparison.add(scan); });
+    print_trials(comparison.trials());
+  } else {
+    UpsamplingComparison comparison(methods_of(options, sensor));
+    used = for_each_scan(options, sensor, interrupt,
+                         [&](const OrganizedCloud& scan) { comparison.add(scan); });
+    print_scores(comparison.scores());
+    json = {{"input", options.input},
+            {"sensor", sensor.name},
+            {"scans", used},
+            {"methods", scores_json(comparison.scores())}};
+  }
+  fmt::print("{} scans of {}\n", used, options.input);
+  if (!options.json.empty() && !json.is_null()) write_json(json, options.json);
+  return interrupt.stop_requested() ? kInterrupted : kOk;
+}
+
+}  // namespace hqslam::tools

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <CLI/App.hpp>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace hqslam::tools {
+
+struct CompareOptions {
+  std::string input;
+  std::string sensor;  ///< empty: as for hqslam run
+  std::vector<std::string> weights;
+  std::int64_t every = 1;
+  std::string json;  ///< file to write; empty: none
+  bool filters = false;
+  int threads = 0;  ///< 0: what OpenMP chooses
+};
+
+void declare_compare(CLI::App& app, CompareOptions& options);
+/// Returns an ExitStatus. Throws Error.
+int compare_command(const CompareOptions& options);
+
+}  // namespace hqslam::tools
