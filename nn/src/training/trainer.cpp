@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
 #include <thread>
 
 #include "hqslam/core/error.h"
@@ -30,16 +31,47 @@ struct Worker {
   Tensor d_z;
 };
 
-/// Runs job(worker index, item) for every item, item i on worker i mod workers.
+/// Runs job(worker index, item) for every item, item i on worker i mod workers. What a job throws
+/// is thrown once all have ended.
 template <typename Job>
 void in_parallel(int workers, int items, const Job& job) {
   std::vector<std::thread> threads;
+  std::vector<std::exception_ptr> thrown(workers);
   const auto run = [&](int worker) {
-    for (int item = worker; item < items; item += workers) job(worker, item);
+    try {
+      for (int item = worker; item < items; item += workers) job(worker, item);
+    } catch (...) {
+      thrown[worker] = std::current_exception();
+    }
   };
   for (int worker = 1; worker < workers; ++worker) threads.emplace_back(run, worker);
   run(0);
   for (std::thread& thread : threads) thread.join();
+  for (const std::exception_ptr& exception : thrown) {
+    if (exception != nullptr) std::rethrow_exception(exception);
+  }
+}
+
+void check_scans(const std::vector<RangeImage>& scans, const SensorModel& sensor) {
+  for (const RangeImage& scan : scans) {
+    if (scan.rows != sensor.rows() || scan.columns != sensor.columns) {
+      throw Error(fmt::format("training: a scan of {} x {}, expected the sensor's {} x {}",
+                              scan.rows, scan.columns, sensor.rows(), sensor.columns));
+    }
+  }
+}
+
+void check_state(const TrainingState& state, const NetworkDescription& description) {
+  std::int64_t expected = 0;
+  for (const ParameterShape& shape : parameter_shapes(description)) expected += shape.elements();
+  for (const std::vector<float>* values :
+       {&state.parameters, &state.optimiser.first_moment, &state.optimiser.second_moment}) {
+    if (static_cast<std::int64_t>(values->size()) != expected) {
+      throw Error(fmt::format("training: a state of {} parameters, {} and {} moments, expected {}",
+                              state.parameters.size(), state.optimiser.first_moment.size(),
+                              state.optimiser.second_moment.size(), expected));
+    }
+  }
 }
 
 TileSize tile_of(const NetworkDescription& description) {
@@ -85,13 +117,8 @@ Trainer::Trainer(const NetworkDescription& description, const TrainingPlan& plan
                  std::vector<RangeImage> scans, TrainingState state, int threads) {
   nn::validate(plan, description.sensor);
   if (scans.empty()) throw Error("training: no scans to train on");
-  for (const RangeImage& scan : scans) {
-    if (scan.rows != description.sensor.rows() || scan.columns != description.sensor.columns) {
-      throw Error(fmt::format("training: a scan of {} x {}, expected the sensor's {} x {}",
-                              scan.rows, scan.columns, description.sensor.rows(),
-                              description.sensor.columns));
-    }
-  }
+  check_scans(scans, description.sensor);
+  check_state(state, description);
   implementation_ = std::make_unique<Implementation>(
       Implementation{description, plan, std::move(scans), std::move(state), {}, {}, {}});
   Implementation& self = *implementation_;
@@ -158,6 +185,7 @@ TrainingStep Trainer::step() {
 Validation Trainer::validate(const std::vector<RangeImage>& scans) {
   Implementation& self = *implementation_;
   const NetworkDescription& description = self.description;
+  check_scans(scans, description.sensor);
   const int workers = static_cast<int>(self.workers.size());
   const int items = static_cast<int>(scans.size());
   std::vector<Worker> whole;

@@ -50,12 +50,14 @@ struct TrainingState {
 /// number of threads nor on interruptions.
 class Trainer {
  public:
-  /// Throws Error, also if a scan does not have the sensor's shape.
+  /// Throws Error, also if a scan does not have the sensor's shape or the state not the network's
+  /// number of parameters.
   Trainer(const NetworkDescription& description, const TrainingPlan& plan,
           std::vector<RangeImage> scans, TrainingState state, int threads);
   ~Trainer();
 
   TrainingStep step();
+  /// Throws Error if a scan does not have the sensor's shape.
   Validation validate(const std::vector<RangeImage>& scans);
   const TrainingState& state() const;
 
