@@ -5,8 +5,15 @@
 namespace hqslam::nn {
 namespace {
 
+/// The range if the sensor can see that far and that near, otherwise 0.
+float within_limits(double range_m, const SensorModel& sensor) {
+  const bool seen = range_m >= sensor.min_range_m && range_m <= sensor.max_range_m;
+  return seen ? static_cast<float>(range_m) : 0.0F;
+}
+
 /// Noise and drop-outs on what the network sees.
-void disturb(const Augmentation& augmentation, Random& random, RangeImage& measured) {
+void disturb(const Augmentation& augmentation, const SensorModel& sensor, Random& random,
+             RangeImage& measured) {
   const double dropout = random.unit() * augmentation.largest_dropout_share;
   if (dropout <= 0.0 && augmentation.range_noise_m <= 0.0F) return;
   for (float& range_m : measured.range_m) {
@@ -15,6 +22,7 @@ void disturb(const Augmentation& augmentation, Random& random, RangeImage& measu
       range_m = 0.0F;
     } else {
       range_m += augmentation.range_noise_m * static_cast<float>(random.normal());
+      range_m = within_limits(range_m, sensor);
     }
   }
 }
@@ -35,9 +43,7 @@ TrainingSample augmented_sample(const RangeImage& scan, const SensorModel& senso
   for (int row = 0; row < scan.rows; ++row) {
     for (int column = 0; column < columns; ++column) {
       const int from = (turn + (mirrored ? columns - 1 - column : column)) % scan.columns;
-      const double range_m = scan.at(row, from) * scale;
-      const bool seen = range_m >= sensor.min_range_m && range_m <= sensor.max_range_m;
-      sample.truth.at(row, column) = seen ? static_cast<float>(range_m) : 0.0F;
+      sample.truth.at(row, column) = within_limits(scan.at(row, from) * scale, sensor);
     }
   }
   RangeImage& measured = sample.measured;
@@ -47,7 +53,7 @@ TrainingSample augmented_sample(const RangeImage& scan, const SensorModel& senso
     ++measured.rows;
   }
   measured.columns = columns;
-  disturb(augmentation, random, measured);
+  disturb(augmentation, sensor, random, measured);
   return sample;
 }
 
