@@ -12,6 +12,12 @@ std::int64_t ParameterShape::elements() const {
   return product;
 }
 
+void check_field(const char* field, int value, int least, int most) {
+  if (value < least || value > most) {
+    throw Error(fmt::format("denoiser: {} is {}, expected {} to {}", field, value, least, most));
+  }
+}
+
 std::int64_t elements(const std::vector<ParameterShape>& shapes) {
   std::int64_t sum = 0;
   for (const ParameterShape& shape : shapes) sum += shape.elements();

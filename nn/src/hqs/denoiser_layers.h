@@ -23,6 +23,9 @@ std::span<T> take(std::span<T>& values, std::int64_t count) {
   return front;
 }
 
+/// Throws Error unless least <= value <= most.
+void check_field(const char* field, int value, int least, int most);
+
 std::int64_t elements(const std::vector<ParameterShape>& shapes);
 /// Throws Error unless there are as many parameters as the shapes hold.
 void check_parameters(std::span<const float> parameters, const std::vector<ParameterShape>& shapes);

@@ -16,6 +16,7 @@ std::unique_ptr<Denoiser> any_denoiser(const NetworkDescription& d) {
   if (d.kind == NetworkKind::kSimpleDu) {
     return make_plain_denoiser(d.plain, 1, 1, InstructionSet::kPortable, 1);
   }
+  validate(d.u_shaped);
   const int halvings = 1 << (d.u_shaped.channels.size() - 1);
   return make_u_shaped_denoiser(d.u_shaped, d.u_shaped.tile.rows * halvings,
                                 d.u_shaped.tile.columns * halvings, InstructionSet::kPortable, 1);
@@ -36,10 +37,15 @@ void validate(const NetworkDescription& d) {
     throw Error(fmt::format("network: range_scale_m is {}, expected above 0", d.range_scale_m));
   }
   validate(d.sensor);
-  if (d.measured_rows.stride < 1 || d.measured_rows.offset < 0 ||
-      d.measured_rows.offset >= d.sensor.rows()) {
+  if (d.measured_rows.stride < 1 || d.measured_rows.stride > d.sensor.rows() ||
+      d.measured_rows.offset < 0 || d.measured_rows.offset >= d.sensor.rows()) {
     throw Error(fmt::format("network: rows {} + n {} of {} are no selection",
                             d.measured_rows.offset, d.measured_rows.stride, d.sensor.rows()));
+  }
+  if (d.kind == NetworkKind::kDuOr) {
+    validate(d.u_shaped);
+  } else {
+    validate(d.plain);
   }
 }
 

@@ -53,12 +53,7 @@ class PlainDenoiser final : public Denoiser {
 PlainDenoiser::PlainDenoiser(const PlainDenoiserShape& shape, int rows, int columns,
                              InstructionSet instruction_set, int threads)
     : shape_(shape), rows_(rows), columns_(columns) {
-  if (shape.features < 1 || shape.convolutions < 2 ||
-      !(shape.dropout >= 0.0F && shape.dropout < 1.0F)) {
-    throw Error(fmt::format(
-        "denoiser: {} features, {} convolutions, dropout {}; expected >= 1, >= 2, 0 to below 1",
-        shape.features, shape.convolutions, shape.dropout));
-  }
+  validate(shape);
   const DenoiserState state = make_state();
   for (int i = 0; i < shape.convolutions; ++i) {
     const Tensor& from = i == 0 ? state.input : state.hidden[i - 1];
@@ -133,6 +128,7 @@ void PlainDenoiser::forward(const Candidates& /*candidates*/, DenoiserState& sta
     if (dropout_seed) drop_out(*dropout_seed + i, state.hidden[i]);
   }
   layers_[last].forward(state.hidden[last - 1], {}, state.z);
+#pragma omp master
   dropped_out_ = dropout_seed.has_value();
 }
 
@@ -166,6 +162,16 @@ void PlainDenoiser::backward(const Candidates& /*candidates*/, const DenoiserSta
 }
 
 }  // namespace
+
+void validate(const PlainDenoiserShape& shape) {
+  constexpr int kMostFeatures = 512;
+  constexpr int kMostConvolutions = 20;
+  check_field("features", shape.features, 1, kMostFeatures);
+  check_field("convolutions", shape.convolutions, 2, kMostConvolutions);
+  if (!(shape.dropout >= 0.0F && shape.dropout < 1.0F)) {
+    throw Error(fmt::format("denoiser: dropout is {}, expected 0 to below 1", shape.dropout));
+  }
+}
 
 std::unique_ptr<Denoiser> make_plain_denoiser(const PlainDenoiserShape& shape, int rows,
                                               int columns, InstructionSet instruction_set,

@@ -48,15 +48,7 @@ class UShapedDenoiser final : public Denoiser {
   std::vector<ConvTranspose2d> decoders_;  ///< the lowest first
 };
 
-void check(const UShapedDenoiserShape& shape, int rows, int columns) {
-  if (shape.channels.size() < 2 || shape.channels.size() > 5) {
-    throw Error(
-        fmt::format("denoiser: channels of {} levels, expected 2 to 5", shape.channels.size()));
-  }
-  if (shape.tile.rows < 1 || shape.tile.columns < 1 || shape.memory < 0 ||
-      !(shape.negative_slope >= 0.0F && shape.negative_slope <= 1.0F)) {
-    throw Error("denoiser: tile, memory or negative_slope out of range");
-  }
+void check_image(const UShapedDenoiserShape& shape, int rows, int columns) {
   const int halvings = 1 << (shape.channels.size() - 1);
   if (rows % (shape.tile.rows * halvings) != 0 || columns % (shape.tile.columns * halvings) != 0) {
     throw Error(fmt::format("denoiser: an image of {} x {}, expected multiples of {} x {}", rows,
@@ -67,7 +59,8 @@ void check(const UShapedDenoiserShape& shape, int rows, int columns) {
 UShapedDenoiser::UShapedDenoiser(const UShapedDenoiserShape& shape, int rows, int columns,
                                  InstructionSet instruction_set, int threads)
     : shape_(shape), rows_(rows), columns_(columns), instruction_set_(instruction_set) {
-  check(shape, rows, columns);
+  validate(shape);
+  check_image(shape, rows, columns);
   const DenoiserState state = make_state();
   const auto conv = [&](const Tensor& from, const Tensor& to, int kernel, int stride) {
     return Conv2d({from.channels(), to.channels(), kernel, kernel, stride, kernel / 2, kernel / 2},
@@ -244,6 +237,23 @@ void UShapedDenoiser::backward(const Candidates& candidates, const DenoiserState
 }
 
 }  // namespace
+
+void validate(const UShapedDenoiserShape& shape) {
+  constexpr int kMostChannels = 512;
+  constexpr int kLargestTile = 16;
+  if (shape.channels.size() < 2 || shape.channels.size() > 5) {
+    throw Error(
+        fmt::format("denoiser: channels of {} levels, expected 2 to 5", shape.channels.size()));
+  }
+  for (const int channels : shape.channels) check_field("channels", channels, 1, kMostChannels);
+  check_field("tile.rows", shape.tile.rows, 1, kLargestTile);
+  check_field("tile.columns", shape.tile.columns, 1, kLargestTile);
+  check_field("memory", shape.memory, 0, kMostChannels);
+  if (!(shape.negative_slope >= 0.0F && shape.negative_slope <= 1.0F)) {
+    throw Error(
+        fmt::format("denoiser: negative_slope is {}, expected 0 to 1", shape.negative_slope));
+  }
+}
 
 std::unique_ptr<Denoiser> make_u_shaped_denoiser(const UShapedDenoiserShape& shape, int rows,
                                                  int columns, InstructionSet instruction_set,

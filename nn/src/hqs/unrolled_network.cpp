@@ -104,6 +104,10 @@ UnrolledState UnrolledNetwork::make_state(Kept kept) const {
 }
 
 void UnrolledNetwork::start(const RangeImage& measured, UnrolledState& state) const {
+  if (measured.columns != columns_) {
+    throw Error(fmt::format("network: a scan of {} x {}, expected {} columns", measured.rows,
+                            measured.columns, columns_));
+  }
   const TileSize tile = denoisers_.front()->tile();
   const auto put = [&](RangeImage image, Tensor& tiles) {
     for (float& range : image.range_m) range /= description_.range_scale_m;
@@ -255,6 +259,10 @@ void UnrolledNetwork::add_penalty_gradient(int layer, double d_penalty,
 
 void UnrolledNetwork::backward(const UnrolledState& state, const Tensor& d_z,
                                std::span<float> d_parameters) {
+  if (static_cast<int>(state.slots.size()) != description_.layers) {
+    throw Error(fmt::format("network: a state that kept {} of {} layers, expected all of them",
+                            state.slots.size(), description_.layers));
+  }
   const bool simple = description_.kind == NetworkKind::kSimpleDu;
   const Denoiser& any = *denoisers_.front();
   const int pixels = any.tile().pixels();

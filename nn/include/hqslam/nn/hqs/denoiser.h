@@ -63,8 +63,8 @@ class Denoiser {
 ///   encoder.0     3x3, tile.pixels() + memory -> channels[0]
 ///   encoder.i     3x3, stride 2, channels[i - 1] -> channels[i]
 ///   bottleneck    3x3, the last channels -> as many
-///   decoder.i     2x2 transposed, stride 2, channels[i + 1] -> channels[i], plus encoder.i's
-///   result head          1x1, channels[0] -> 5 tile.pixels() scores and corrections, memory
+///   decoder.i     2x2 transposed, stride 2, channels[i + 1] -> channels[i], plus encoder.i
+///   head          1x1, channels[0] -> 5 tile.pixels() scores and corrections, memory
 /// with leaky ReLU after all but the head, whose result goes to `select`. The paper gives no sizes.
 struct UShapedDenoiserShape {
   TileSize tile{4, 4};
@@ -72,6 +72,8 @@ struct UShapedDenoiserShape {
   int memory = 16;
   float negative_slope = 0.0F;
 };
+/// Throws Error with field, value and constraint.
+void validate(const UShapedDenoiserShape& shape);
 /// rows x columns: the image's. Throws Error if they cannot be halved often enough.
 std::unique_ptr<Denoiser> make_u_shaped_denoiser(const UShapedDenoiserShape& shape, int rows,
                                                  int columns, InstructionSet instruction_set,
@@ -84,6 +86,8 @@ struct PlainDenoiserShape {
   int convolutions = 5;
   float dropout = 0.05F;
 };
+/// Throws Error with field, value and constraint.
+void validate(const PlainDenoiserShape& shape);
 std::unique_ptr<Denoiser> make_plain_denoiser(const PlainDenoiserShape& shape, int rows,
                                               int columns, InstructionSet instruction_set,
                                               int threads);

@@ -59,7 +59,8 @@ class UnrolledNetwork {
   enum class Kept { kAllLayers, kLastTwo };
   UnrolledState make_state(Kept kept = Kept::kAllLayers) const;
   /// Puts a scan's measured rows into the state and makes the start Z0 = Y0: interpolated over rows
-  /// (DU-OR) or zero (Simple DU). measured: as many rows as measured_rows says, metres.
+  /// (DU-OR) or zero (Simple DU). measured: as many rows as measured_rows says, metres. Throws
+  /// Error for another shape.
   void start(const RangeImage& measured, UnrolledState& state) const;
   /// All layers; result(state) is then the last layer's Z. The last layer's Y, which nothing
   /// needs, is left to finish_last_layer. Uses the network's threads.
@@ -73,7 +74,7 @@ class UnrolledNetwork {
   void finish_last_layer(UnrolledState& state) { remove_outliers(state, description_.layers - 1); }
 
   /// d_z: d loss / d Z of the last layer, tiles. Adds to d_parameters. The filter's masks are
-  /// constants. One thread.
+  /// constants. One thread. Throws Error unless the state keeps all layers.
   void backward(const UnrolledState& state, const Tensor& d_z, std::span<float> d_parameters);
 
  private:
