@@ -19,8 +19,9 @@ struct ConvolutionScratch {
 
 /// A convolution seen from both sides. The narrow side has one pixel per `stride` pixels of the
 /// wide side, and the weights w are narrow channels x wide channels x kernel rows x kernel columns:
-///   gather   narrow[a][y][x]                      = sum  w[a][b][i][j] wide[b][y s + i - p][x s +
-///   j - p] scatter  wide[b][y s + i - p][x s + j - p]   += sum  w[a][b][i][j] narrow[a][y][x]
+///   gather   narrow[a][y][x] = sum  w[a][b][i][j] wide[b][v][u]
+///   scatter  wide[b][v][u]  += sum  w[a][b][i][j] narrow[a][y][x]
+/// with v = y s + i - p and u = x s + j - p.
 /// One is the adjoint of the other, so conv2d is gather forward and scatter backward, and
 /// conv_transpose2d scatter forward and gather backward, with the weights in PyTorch's layout in
 /// both cases. Beyond the edges both tensors continue as their ColumnPadding says.
