@@ -1,0 +1,75 @@
+#include "hqslam/nn/instruction_set.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <optional>
+#include <string>
+
+#include "../error_message.h"
+
+namespace hqslam::nn {
+namespace {
+
+constexpr const char* kVariable = "HQSLAM_INSTRUCTION_SET";
+
+/// Sets the variable (or unsets it) until the end of the scope.
+class Setting {
+ public:
+  explicit Setting(const std::optional<std::string>& value) {
+    if (const char* before = std::getenv(kVariable)) before_ = before;
+    set(value);
+  }
+  ~Setting() { set(before_); }
+  Setting(const Setting&) = delete;
+  Setting& operator=(const Setting&) = delete;
+
+ private:
+  static void set(const std::optional<std::string>& value) {
+    if (value) {
+      setenv(kVariable, value->c_str(), 1);
+    } else {
+      unsetenv(kVariable);
+    }
+  }
+  std::optional<std::string> before_;
+};
+
+}  // namespace
+
+TEST_CASE("the portable kernels are always there, and come first") {
+  const std::vector<InstructionSet> available = available_instruction_sets();
+  REQUIRE_FALSE(available.empty());
+  CHECK(available.front() == InstructionSet::kPortable);
+  CHECK(std::is_sorted(available.begin(), available.end()));
+}
+
+TEST_CASE("without the variable the widest instruction set is chosen") {
+  const Setting setting(std::nullopt);
+  CHECK(chosen_instruction_set() == available_instruction_sets().back());
+}
+
+TEST_CASE("the variable forces each available instruction set") {
+  for (const InstructionSet instruction_set : available_instruction_sets()) {
+    const Setting setting(std::string(name(instruction_set)));
+    CHECK(chosen_instruction_set() == instruction_set);
+  }
+}
+
+TEST_CASE("an unknown name is refused with the list of those that there are") {
+  const Setting setting("sse9");
+  const std::string message = test::error_message([] { chosen_instruction_set(); });
+  CHECK(test::one_line_with(message, kVariable, "'sse9'", "portable"));
+  for (const InstructionSet instruction_set : available_instruction_sets()) {
+    CHECK(message.find(name(instruction_set)) != std::string::npos);
+  }
+}
+
+TEST_CASE("every instruction set has its own name") {
+  CHECK(name(InstructionSet::kPortable) == "portable");
+  CHECK(name(InstructionSet::kAvx2) == "avx2");
+  CHECK(name(InstructionSet::kAvx512) == "avx512");
+}
+
+}  // namespace hqslam::nn

@@ -1,0 +1,121 @@
+#include "hqslam/nn/hqs/interpolation.h"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "../error_message.h"
+
+namespace hqslam::nn {
+namespace {
+
+/// One column.
+RangeImage column(const std::vector<float>& ranges_m) {
+  RangeImage image(static_cast<int>(ranges_m.size()), 1);
+  image.range_m = ranges_m;
+  return image;
+}
+
+using Ranges = std::vector<float>;
+
+Ranges filled(const Ranges& measured_m, RowSelection rows, int all, Interpolation interpolation) {
+  return interpolate_rows(column(measured_m), rows, all, interpolation).range_m;
+}
+
+}  // namespace
+
+TEST_CASE("between 4 m and 12 m the three interpolations are what a hand computes") {
+  const RowSelection rows{1, 4};
+  CHECK(filled({4, 12}, rows, 7, Interpolation::kNearest) == Ranges{4, 4, 4, 12, 12, 12, 12});
+  CHECK(filled({4, 12}, rows, 7, Interpolation::kLinear) == Ranges{4, 4, 6, 8, 10, 12, 12});
+  const Ranges inverse = filled({4, 12}, rows, 7, Interpolation::kInverse);
+  CHECK(inverse[2] == doctest::Approx(1.0 / (0.75 / 4 + 0.25 / 12)));
+  CHECK(inverse[3] == doctest::Approx(6.0));
+  CHECK(inverse[4] == doctest::Approx(1.0 / (0.25 / 4 + 0.75 / 12)));
+  CHECK(inverse[1] == 4.0F);
+  CHECK(inverse[5] == 12.0F);
+}
+
+TEST_CASE("where one of two rows has no return the nearer one decides") {
+  for (const Interpolation any :
+       {Interpolation::kNearest, Interpolation::kLinear, Interpolation::kInverse}) {
+    CHECK(filled({8, 0}, {0, 4}, 5, any) == Ranges{8, 8, 0, 0, 0});
+    CHECK(filled({0, 8}, {0, 4}, 5, any) == Ranges{0, 0, 8, 8, 8});
+    CHECK(filled({0, 0}, {0, 4}, 5, any) == Ranges{0, 0, 0, 0, 0});
+    CHECK(filled({8, 0}, {0, 3}, 4, any) == Ranges{8, 8, 0, 0});
+  }
+}
+
+TEST_CASE("rows beyond the outermost measured ones repeat them") {
+  for (const Interpolation any :
+       {Interpolation::kNearest, Interpolation::kLinear, Interpolation::kInverse}) {
+    CHECK(filled({3, 5}, {3, 1}, 5, any) == Ranges{3, 3, 3, 3, 5});
+    CHECK(filled({3}, {0, 4}, 4, any) == Ranges{3, 3, 3, 3});
+    CHECK(filled({3, 5, 4}, {0, 1}, 3, any) == Ranges{3, 5, 4});
+  }
+}
+
+TEST_CASE("inverse interpolation fits a plane under equal beam steps to step^2 / 8") {
+  // 1 / range of a plane is a sine of the elevation, and linear interpolation of a sine errs by
+  // that share of it. A ground 2 m below and a wall 10 m away.
+  constexpr double kStepRad = 2.0 * std::numbers::pi / 180.0;
+  for (const bool ground : {true, false}) {
+    const auto range_m = [&](int row) {
+      const double elevation_rad = -0.1 - row * kStepRad / 4.0;
+      return static_cast<float>(ground ? -2.0 / std::sin(elevation_rad)
+                                       : 10.0 / std::cos(elevation_rad));
+    };
+    Ranges measured;
+    for (int row = 0; row < 41; row += 4) measured.push_back(range_m(row));
+    const Ranges inverse = filled(measured, {0, 4}, 41, Interpolation::kInverse);
+    const Ranges linear = filled(measured, {0, 4}, 41, Interpolation::kLinear);
+    double inverse_error = 0.0;
+    double linear_error = 0.0;
+    for (int row = 0; row < 41; ++row) {
+      inverse_error += std::fabs(inverse[row] - range_m(row));
+      linear_error += std::fabs(linear[row] - range_m(row));
+      CHECK(inverse[row] == doctest::Approx(range_m(row)).epsilon(kStepRad * kStepRad / 8));
+    }
+    CHECK(inverse_error < linear_error);
+  }
+}
+
+TEST_CASE("inverse interpolation is exact where 1 / range is linear over the rows") {
+  const auto range_m = [](int row) { return 1.0F / (0.02F + 0.01F * static_cast<float>(row)); };
+  const Ranges inverse =
+      filled({range_m(0), range_m(4), range_m(8)}, {0, 4}, 9, Interpolation::kInverse);
+  for (int row = 0; row < 9; ++row)
+    CHECK(inverse[row] == doctest::Approx(range_m(row)).epsilon(1e-6));
+}
+
+TEST_CASE("measured neighbours are the nearest measured rows above and below, or the row itself") {
+  const MeasuredNeighbours neighbours = measured_neighbours(column({7, 0, 9}), {1, 3}, 9);
+  CHECK(neighbours.above.range_m == Ranges{7, 7, 7, 7, 0, 0, 0, 9, 9});
+  CHECK(neighbours.below.range_m == Ranges{7, 7, 0, 0, 0, 9, 9, 9, 9});
+}
+
+TEST_CASE("columns are interpolated each for itself") {
+  RangeImage measured(2, 2);
+  measured.range_m = {1, 10, 3, 30};
+  const RangeImage image = interpolate_rows(measured, {0, 2}, 3, Interpolation::kLinear);
+  CHECK(image.range_m == Ranges{1, 10, 2, 20, 3, 30});
+}
+
+TEST_CASE("images that do not have the measured rows are refused") {
+  const auto message = [](int measured, RowSelection rows, int all) {
+    return test::error_message(
+        [&] { interpolate_rows(RangeImage(measured, 2), rows, all, Interpolation::kLinear); });
+  };
+  CHECK(test::one_line_with(message(3, {0, 4}, 16), "interpolation", "3 x 2", "16 rows"));
+  CHECK(message(5, {0, 4}, 16) != "no Error");
+  CHECK(message(4, {0, 4}, 16) == "no Error");
+  CHECK(message(4, {0, 0}, 4) != "no Error");
+  CHECK(message(0, {4, 1}, 4) != "no Error");
+  CHECK(message(4, {-1, 4}, 16) != "no Error");
+  CHECK(test::error_message([] {
+          measured_neighbours(RangeImage(1, 2), {0, 4}, 16);
+        }) != "no Error");
+}
+
+}  // namespace hqslam::nn

@@ -1,0 +1,103 @@
+#include "hqslam/nn/hqs/network_description.h"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+#include "../error_message.h"
+#include "small_network.h"
+
+namespace hqslam::nn {
+namespace {
+
+std::string message(const NetworkDescription& description) {
+  return test::error_message([&] { validate(description); });
+}
+
+}  // namespace
+
+TEST_CASE("each layer has its own arrays unless weights are shared, penalties come last") {
+  NetworkDescription description = small_du_or();
+  std::vector<ParameterShape> shapes = parameter_shapes(description);
+  CHECK(shapes.front().name == "layers.0.encoder.0.weight");
+  CHECK(shapes.size() == 3 * 10 + 1);
+  CHECK(shapes[10].name == "layers.1.encoder.0.weight");
+  CHECK(shapes.back().name == "log_penalty");
+  CHECK(shapes.back().shape == std::vector<std::int64_t>{3});
+  description.shared_weights = true;
+  shapes = parameter_shapes(description);
+  CHECK(shapes.size() == 10 + 1);
+  CHECK(shapes.back().shape == std::vector<std::int64_t>{3});
+  shapes = parameter_shapes(small_simple_du());
+  CHECK(shapes.size() == 5 + 1);
+  CHECK(shapes.back().name == "alpha");
+  CHECK(shapes.back().shape == std::vector<std::int64_t>{1});
+}
+
+TEST_CASE("starting values fit the arrays; layers start differently, penalties at 0.1 or 10.99") {
+  for (const NetworkDescription& description : {small_du_or(), small_simple_du()}) {
+    std::int64_t count = 0;
+    for (const ParameterShape& shape : parameter_shapes(description)) count += shape.elements();
+    CHECK(static_cast<std::int64_t>(initial_parameters(description, 1).size()) == count);
+    CHECK(initial_parameters(description, 1) != initial_parameters(description, 2));
+  }
+  const std::vector<float> parameters = initial_parameters(small_du_or(), 1);
+  CHECK(parameters.back() == doctest::Approx(std::log(0.1)));
+  CHECK(parameters[0] != parameters[(parameters.size() - 3) / 3]);
+  CHECK(initial_parameters(small_simple_du(), 1).back() == 10.99F);
+}
+
+TEST_CASE("descriptions that describe no network are refused with the field and the value") {
+  CHECK(message(small_du_or()) == "no Error");
+  NetworkDescription d = small_du_or();
+  d.layers = 0;
+  CHECK(test::one_line_with(message(d), "layers is 0"));
+  d.layers = 21;
+  CHECK(test::one_line_with(message(d), "layers is 21"));
+  d = small_du_or();
+  d.range_scale_m = 0.0F;
+  CHECK(test::one_line_with(message(d), "range_scale_m is 0"));
+  d.range_scale_m = std::nanf("");
+  CHECK(test::one_line_with(message(d), "range_scale_m"));
+  d = small_du_or();
+  d.measured_rows = {16, 4};
+  CHECK(test::one_line_with(message(d), "16", "no selection"));
+  d.measured_rows = {0, 2'000'000'000};
+  CHECK(message(d) != "no Error");
+  d.measured_rows = {0, 0};
+  CHECK(message(d) != "no Error");
+  d = small_du_or();
+  d.u_shaped.memory = 513;
+  CHECK(test::one_line_with(message(d), "memory is 513"));
+  d = small_simple_du();
+  d.plain.features = 0;
+  CHECK(test::one_line_with(message(d), "features is 0"));
+  d = small_du_or();
+  d.sensor.columns = 0;
+  CHECK(message(d) != "no Error");
+}
+
+TEST_CASE("parameter shapes of senseless denoisers are refused, not computed") {
+  NetworkDescription d = small_du_or();
+  d.u_shaped.channels = {};
+  CHECK_THROWS_AS(parameter_shapes(d), Error);
+  d.u_shaped.channels.assign(100, 2);
+  CHECK_THROWS_AS(parameter_shapes(d), Error);
+  d = small_du_or();
+  d.u_shaped.tile = {1 << 20, 1 << 20};
+  CHECK_THROWS_AS(parameter_shapes(d), Error);
+  d = small_du_or();
+  d.u_shaped.channels = {6, 2'000'000'000};
+  CHECK_THROWS_AS(parameter_shapes(d), Error);
+  d = small_du_or();
+  d.u_shaped.memory = 2'000'000'000;
+  CHECK_THROWS_AS(parameter_shapes(d), Error);
+  d = small_simple_du();
+  d.plain.features = 2'000'000'000;
+  CHECK_THROWS_AS(parameter_shapes(d), Error);
+  d = small_simple_du();
+  d.plain.convolutions = 2'000'000'000;
+  CHECK_THROWS_AS(parameter_shapes(d), Error);
+}
+
+}  // namespace hqslam::nn

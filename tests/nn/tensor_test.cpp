@@ -1,0 +1,95 @@
+#include "hqslam/nn/tensor.h"
+
+#include <doctest/doctest.h>
+
+#include "../error_message.h"
+
+namespace hqslam::nn {
+namespace {
+
+Tensor counted(int columns, ColumnPadding padding) {
+  Tensor tensor(2, 3, columns, padding, 2);
+  for (int c = 0; c < 2; ++c) {
+    for (int y = 0; y < 3; ++y) {
+      for (int x = 0; x < columns; ++x) {
+        tensor.at(c, y, x) = static_cast<float>(10000 * (c + 1) + 1000 * y + x);
+      }
+    }
+  }
+  return tensor;
+}
+
+}  // namespace
+
+TEST_CASE("a circular tensor goes round in its border columns, however narrow it is") {
+  for (const int columns : {1, 5, 15, 16, 17, 32, 40}) {
+    CAPTURE(columns);
+    Tensor tensor = counted(columns, ColumnPadding::kCircular);
+    tensor.fill_borders();
+    for (int x = -Tensor::kBorderColumns; x < tensor.padded_columns() + Tensor::kBorderColumns;
+         ++x) {
+      const int round = (x % columns + columns) % columns;
+      REQUIRE(tensor.at(1, 2, x) == static_cast<float>(22000 + round));
+    }
+  }
+}
+
+TEST_CASE("a zero-padded tensor has zeros in its border columns, whatever was left there") {
+  Tensor tensor = counted(20, ColumnPadding::kZero);
+  for (int x = 20; x < tensor.padded_columns(); ++x) tensor.at(0, 1, x) = 7.0F;
+  tensor.fill_borders();
+  for (int x = -Tensor::kBorderColumns; x < 0; ++x) REQUIRE(tensor.at(0, 1, x) == 0.0F);
+  for (int x = 20; x < tensor.padded_columns() + Tensor::kBorderColumns; ++x) {
+    REQUIRE(tensor.at(0, 1, x) == 0.0F);
+  }
+  CHECK(tensor.at(0, 1, 19) == 11019.0F);
+}
+
+TEST_CASE("rows beyond the edge are zero before and after the borders are filled") {
+  Tensor tensor = counted(20, ColumnPadding::kCircular);
+  tensor.fill_borders();
+  for (int c = 0; c < 2; ++c) {
+    for (const int y : {-2, -1, 3, 4}) {
+      for (int x = -Tensor::kBorderColumns; x < 48; ++x) REQUIRE(tensor.at(c, y, x) == 0.0F);
+    }
+  }
+}
+
+TEST_CASE("filling one row's border leaves the other rows alone") {
+  Tensor tensor = counted(16, ColumnPadding::kCircular);
+  tensor.fill_border(1, 1);
+  CHECK(tensor.at(1, 1, -1) == 21015.0F);
+  CHECK(tensor.at(1, 0, -1) == 0.0F);
+  CHECK(tensor.at(1, 2, -1) == 0.0F);
+  CHECK(tensor.at(0, 1, -1) == 0.0F);
+}
+
+TEST_CASE("set_zero clears values and borders") {
+  Tensor tensor = counted(16, ColumnPadding::kCircular);
+  tensor.fill_borders();
+  tensor.set_zero();
+  for (int x = -16; x < 32; ++x) REQUIRE(tensor.at(1, 2, x) == 0.0F);
+}
+
+TEST_CASE("rows are a whole number of the widest vector apart") {
+  for (const int columns : {1, 16, 17, 100}) {
+    const Tensor tensor(1, 1, columns, ColumnPadding::kZero);
+    CHECK(tensor.row_stride() % 16 == 0);
+    CHECK(tensor.padded_columns() >= columns);
+    CHECK(tensor.padded_columns() < columns + 16);
+  }
+}
+
+TEST_CASE("a tensor without channels, rows or columns, or with a wrong border is refused") {
+  const auto message = [](int channels, int rows, int columns, int border_rows) {
+    return test::error_message(
+        [&] { Tensor(channels, rows, columns, ColumnPadding::kZero, border_rows); });
+  };
+  CHECK(test::one_line_with(message(0, 2, 3, 1), "0 channels", "expected"));
+  CHECK(test::one_line_with(message(1, 0, 3, 1), "0 rows"));
+  CHECK(test::one_line_with(message(1, 2, -3, 1), "-3 columns"));
+  CHECK(test::one_line_with(message(1, 2, 3, 17), "17 border rows"));
+  CHECK(test::one_line_with(message(1, 2, 3, -1), "-1 border rows"));
+}
+
+}  // namespace hqslam::nn

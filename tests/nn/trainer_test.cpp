@@ -1,0 +1,216 @@
+#include "hqslam/nn/training/trainer.h"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+#include "../error_message.h"
+#include "small_network.h"
+
+namespace hqslam::nn {
+namespace {
+
+std::vector<RangeImage> scans() {
+  std::vector<RangeImage> scans;
+  for (int i = 0; i < 3; ++i) {
+    scans.push_back(small_scene());
+    for (float& range_m : scans.back().range_m) range_m *= 1.0F + 0.2F * static_cast<float>(i);
+  }
+  return scans;
+}
+
+TrainingPlan small_plan() {
+  TrainingPlan plan;
+  plan.steps = 150;
+  plan.batch = 3;
+  plan.learning_rate = 3e-3F;
+  plan.warm_up_steps = 5;
+  plan.augmentation = {.crop_columns = 32, .range_noise_m = 0.02F, .largest_dropout_share = 0.05F};
+  return plan;
+}
+
+TrainingState fresh_state(const NetworkDescription& description) {
+  std::vector<float> parameters = initial_parameters(description, 1);
+  const std::size_t count = parameters.size();
+  return {std::move(parameters), AdamW({}, count)};
+}
+
+NetworkDescription filtered_du_or() {
+  NetworkDescription description = small_du_or();
+  description.filter.min_pixels = 12;
+  return description;
+}
+
+NetworkDescription simple_du_with_dropout() {
+  NetworkDescription description = small_simple_du();
+  description.plain.dropout = 0.1F;
+  return description;
+}
+
+void train(Trainer& trainer, int steps) {
+  for (int i = 0; i < steps; ++i) trainer.step();
+}
+
+TrainingState trained(const NetworkDescription& description, int steps, int threads) {
+  Trainer trainer(description, small_plan(), scans(), fresh_state(description), threads);
+  train(trainer, steps);
+  return trainer.state();
+}
+
+void check_same(const TrainingState& a, const TrainingState& b) {
+  CHECK(a.parameters == b.parameters);
+  CHECK(a.optimiser.first_moment == b.optimiser.first_moment);
+  CHECK(a.optimiser.second_moment == b.optimiser.second_moment);
+  CHECK(a.optimiser.steps == b.optimiser.steps);
+}
+
+std::string plan_message(const TrainingPlan& plan) {
+  return test::error_message([&] { validate(plan, small_sensor()); });
+}
+
+}  // namespace
+
+TEST_CASE("training makes DU-OR better than it was and better than interpolation") {
+  const NetworkDescription description = filtered_du_or();
+  Trainer trainer(description, small_plan(), scans(), fresh_state(description), 2);
+  const Validation before = trainer.validate(scans());
+  TrainingStep step;
+  double first_m = 0.0;
+  double last_m = 0.0;
+  for (int i = 0; i < 150; ++i) {
+    step = trainer.step();
+    if (i < 10) first_m += step.loss_m / 10;
+    if (i >= 140) last_m += step.loss_m / 10;
+  }
+  const Validation after = trainer.validate(scans());
+  CHECK(last_m < 0.7 * first_m);
+  CHECK(after.mae_all_m < 0.7 * before.mae_all_m);
+  CHECK(after.mae_all_m < after.mae_all_linear_m);
+  CHECK(after.mae_all_linear_m == before.mae_all_linear_m);
+  CHECK(step.learning_rate < 1e-5F);
+  CHECK(trainer.state().optimiser.steps == 150);
+}
+
+TEST_CASE("training makes Simple DU better than it was") {
+  const NetworkDescription description = simple_du_with_dropout();
+  Trainer trainer(description, small_plan(), scans(), fresh_state(description), 2);
+  const Validation before = trainer.validate(scans());
+  train(trainer, 60);
+  CHECK(trainer.validate(scans()).mae_all_m < 0.7 * before.mae_all_m);
+}
+
+TEST_CASE("one, two and three threads train the same bytes") {
+  for (const NetworkDescription& description : {filtered_du_or(), simple_du_with_dropout()}) {
+    const TrainingState one = trained(description, 6, 1);
+    check_same(one, trained(description, 6, 2));
+    check_same(one, trained(description, 6, 3));
+    CHECK(one.parameters != fresh_state(description).parameters);
+  }
+}
+
+TEST_CASE("a training that stopped and went on gives the same bytes as one that never stopped") {
+  for (const NetworkDescription& description : {filtered_du_or(), simple_du_with_dropout()}) {
+    const TrainingState whole = trained(description, 8, 1);
+    const TrainingState half = trained(description, 3, 2);
+    Trainer second(description, small_plan(), scans(), half, 2);
+    train(second, 5);
+    check_same(second.state(), whole);
+  }
+}
+
+TEST_CASE("another seed trains other bytes") {
+  const NetworkDescription description = small_du_or();
+  TrainingPlan plan = small_plan();
+  plan.seed = 2;
+  Trainer trainer(description, plan, scans(), fresh_state(description), 1);
+  train(trainer, 2);
+  CHECK(trainer.state().parameters != trained(description, 2, 1).parameters);
+}
+
+TEST_CASE(
+    "a step reports the loss before it, the unclipped norm, and moves no parameter by more "
+    "than the learning rate allows") {
+  const NetworkDescription description = small_du_or();
+  TrainingPlan plan = small_plan();
+  plan.largest_gradient_norm = 1e-9;
+  Trainer trainer(description, plan, scans(), fresh_state(description), 1);
+  const TrainingStep step = trainer.step();
+  CHECK(step.loss_m > 0.0);
+  CHECK(step.gradient_norm > 1e-3);
+  CHECK(step.learning_rate == doctest::Approx(3e-3 / 5));
+  const std::vector<float> before = fresh_state(description).parameters;
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    REQUIRE(std::fabs(trainer.state().parameters[i] - before[i]) <
+            1.1 * step.learning_rate * (1.0 + 0.01 * std::fabs(before[i])));
+  }
+}
+
+TEST_CASE("validation does not depend on the threads or on dropout, and of nothing is zero") {
+  const NetworkDescription description = simple_du_with_dropout();
+  Trainer one(description, small_plan(), scans(), fresh_state(description), 1);
+  Trainer two(description, small_plan(), scans(), fresh_state(description), 2);
+  const Validation a = one.validate(scans());
+  CHECK(a.mae_all_m == two.validate(scans()).mae_all_m);
+  CHECK(a.mae_all_m == one.validate(scans()).mae_all_m);
+  CHECK(one.validate({}).mae_all_m == 0.0);
+}
+
+TEST_CASE("plans that cannot be followed are refused with the field and the value") {
+  CHECK(plan_message(small_plan()) == "no Error");
+  TrainingPlan plan = small_plan();
+  plan.steps = 0;
+  CHECK(test::one_line_with(plan_message(plan), "steps is 0"));
+  plan = small_plan();
+  plan.batch = 0;
+  CHECK(test::one_line_with(plan_message(plan), "batch is 0"));
+  plan = small_plan();
+  plan.learning_rate = -1.0F;
+  CHECK(test::one_line_with(plan_message(plan), "learning_rate is -1"));
+  plan = small_plan();
+  plan.learning_rate = std::nanf("");
+  CHECK(test::one_line_with(plan_message(plan), "learning_rate"));
+  plan = small_plan();
+  plan.augmentation.crop_columns = 65;
+  CHECK(test::one_line_with(plan_message(plan), "crop_columns is 65"));
+  plan = small_plan();
+  plan.augmentation.smallest_scale = 2.0F;
+  CHECK(test::one_line_with(plan_message(plan), "smallest_scale is 2"));
+  plan = small_plan();
+  plan.augmentation.largest_dropout_share = 1.0F;
+  CHECK(test::one_line_with(plan_message(plan), "largest_dropout_share is 1"));
+}
+
+TEST_CASE("scans and states that do not fit the network are refused, by any number of threads") {
+  const NetworkDescription description = small_du_or();
+  const auto message = [&](std::vector<RangeImage> with, const TrainingState& state) {
+    return test::error_message(
+        [&] { Trainer(description, small_plan(), std::move(with), state, 2); });
+  };
+  const TrainingState good = fresh_state(description);
+  CHECK(message(scans(), good) == "no Error");
+  CHECK(test::one_line_with(message({}, good), "no scans"));
+  CHECK(test::one_line_with(message({RangeImage(16, 32)}, good), "16 x 32", "16 x 64"));
+  TrainingState bad = good;
+  bad.parameters.pop_back();
+  CHECK(test::one_line_with(message(scans(), bad), std::to_string(bad.parameters.size())));
+  bad = good;
+  bad.optimiser.second_moment.pop_back();
+  CHECK(test::one_line_with(message(scans(), bad), std::to_string(good.parameters.size())));
+  Trainer trainer(description, small_plan(), scans(), good, 2);
+  CHECK(test::one_line_with(test::error_message([&] {
+                              trainer.validate({small_scene(), RangeImage(16, 32)});
+                            }),
+                            "16 x 32"));
+}
+
+TEST_CASE("a training whose loss is not finite stops with an Error, by any number of threads") {
+  const NetworkDescription description = small_du_or();
+  for (const int threads : {1, 2}) {
+    TrainingState state = fresh_state(description);
+    state.parameters[0] = std::nanf("");
+    Trainer trainer(description, small_plan(), scans(), state, threads);
+    CHECK(test::one_line_with(test::error_message([&] { trainer.step(); }), "not finite"));
+  }
+}
+
+}  // namespace hqslam::nn
