@@ -67,6 +67,10 @@ struct RowKernels {
   void (*accumulate)(const AccumulateRow&);
   void (*correlate)(const CorrelateRow&);
   void (*select)(const SelectRow&);
+  /// For measuring the processor's peak: `rounds` times one multiply-add in every lane of so many
+  /// independent chains that their latency hides. Returns something that depends on all of them.
+  float (*multiply_add_chains)(std::int64_t rounds, float start);
+  int chain_multiply_adds;  ///< of one round
 };
 
 /// The kernels of an instruction set that this processor has.

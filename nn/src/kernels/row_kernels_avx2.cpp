@@ -10,5 +10,6 @@ constexpr int kTapBlock = 6;
 #include "row_kernels_inl.h"
 
 namespace hqslam::nn::kernels {
-const RowKernels kAvx2Kernels{accumulate, correlate, select};
+const RowKernels kAvx2Kernels{accumulate, correlate, select, multiply_add_chains,
+                              kChainMultiplyAdds};
 }  // namespace hqslam::nn::kernels

@@ -10,5 +10,6 @@ constexpr int kTapBlock = 12;
 #include "row_kernels_inl.h"
 
 namespace hqslam::nn::kernels {
-const RowKernels kAvx512Kernels{accumulate, correlate, select};
+const RowKernels kAvx512Kernels{accumulate, correlate, select, multiply_add_chains,
+                                kChainMultiplyAdds};
 }  // namespace hqslam::nn::kernels

@@ -10,5 +10,6 @@ constexpr int kTapBlock = 4;
 #include "row_kernels_inl.h"
 
 namespace hqslam::nn::kernels {
-const RowKernels kPortableKernels{accumulate, correlate, select};
+const RowKernels kPortableKernels{accumulate, correlate, select, multiply_add_chains,
+                                  kChainMultiplyAdds};
 }  // namespace hqslam::nn::kernels
