@@ -1,0 +1,57 @@
+#include "hqslam/nn/training/checkpoint.h"
+
+#include <doctest/doctest.h>
+
+#include "../error_message.h"
+#include "../temporary_directory.h"
+#include "hqslam/core/npz.h"
+#include "small_network.h"
+
+namespace hqslam::nn {
+namespace {
+
+Checkpoint some_checkpoint() {
+  std::vector<float> parameters = initial_parameters(small_du_or(), 2);
+  AdamW optimiser({}, parameters.size());
+  optimiser.step(std::vector<float>(parameters.size(), 0.25F), 1e-3F, parameters);
+  return {"{\"a\": 1}", {parameters, optimiser}, {{1, 2.5, {1.0, 1.5, 2.0, 0.5}}}};
+}
+
+}  // namespace
+
+TEST_CASE("a checkpoint brings back parameters, moments, steps and curve exactly") {
+  const test::TemporaryDirectory directory;
+  const std::string path = directory.file("checkpoint.npz");
+  const Checkpoint written = some_checkpoint();
+  write_checkpoint(path, written);
+  const Checkpoint read = read_checkpoint(path, written.configuration, small_du_or(), {});
+  CHECK(read.state.parameters == written.state.parameters);
+  CHECK(read.state.optimiser.steps == 1);
+  CHECK(read.state.optimiser.first_moment == written.state.optimiser.first_moment);
+  CHECK(read.state.optimiser.second_moment == written.state.optimiser.second_moment);
+  REQUIRE(read.curve.size() == 1);
+  CHECK(read.curve[0].step == 1);
+  CHECK(read.curve[0].loss_m == 2.5);
+  CHECK(read.curve[0].validation.mae_valid_m == 0.5);
+}
+
+TEST_CASE("a checkpoint of another configuration or network, or a damaged one, is refused") {
+  const test::TemporaryDirectory directory;
+  const std::string path = directory.file("checkpoint.npz");
+  write_checkpoint(path, some_checkpoint());
+  const auto message = [&](const std::string& configuration,
+                           const NetworkDescription& description) {
+    return test::error_message([&] { read_checkpoint(path, configuration, description, {}); });
+  };
+  CHECK(test::one_line_with(message("{}", small_du_or()), "another training configuration"));
+  CHECK(test::one_line_with(message("{\"a\": 1}", small_simple_du()), "first_moment", "expected"));
+  NpzArrays arrays = read_npz(path);
+  arrays["steps"] = npz_array(std::vector<std::int64_t>{-4}, {1});
+  write_npz(path, arrays);
+  CHECK(test::one_line_with(message("{\"a\": 1}", small_du_or()), "steps"));
+  arrays.erase("steps");
+  write_npz(path, arrays);
+  CHECK(test::one_line_with(message("{\"a\": 1}", small_du_or()), "steps", "found none"));
+}
+
+}  // namespace hqslam::nn

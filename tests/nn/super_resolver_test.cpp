@@ -1,0 +1,134 @@
+#include "hqslam/nn/hqs/super_resolver.h"
+
+#include <doctest/doctest.h>
+
+#include "../error_message.h"
+#include "../temporary_directory.h"
+#include "small_network.h"
+
+namespace hqslam::nn {
+namespace {
+
+Weights weights_of(NetworkDescription description) {
+  description.filter.min_pixels = 4;
+  Weights weights;
+  weights.description = description;
+  weights.parameters = initial_parameters(description, 3);
+  weights.training = "{}";
+  weights.self_test = make_self_test(description, weights.parameters,
+                                     select_rows(small_scene(), description.measured_rows));
+  return weights;
+}
+
+}  // namespace
+
+TEST_CASE("the measured rows alone and all rows give the same image") {
+  SuperResolver resolver(weights_of(small_du_or()), {});
+  const RangeImage scene = small_scene();
+  CHECK(resolver.run(scene).range_m ==
+        resolver.run(select_rows(scene, small_du_or().measured_rows)).range_m);
+}
+
+TEST_CASE("measured rows come back as they were, computed ranges keep the sensor's limits") {
+  for (const NetworkDescription& description : {small_du_or(), small_simple_du()}) {
+    SuperResolver resolver(weights_of(description), {});
+    const RangeImage scene = small_scene();
+    const RangeImage image = resolver.run(scene);
+    CHECK(select_rows(image, description.measured_rows).range_m ==
+          select_rows(scene, description.measured_rows).range_m);
+    for (const float range_m : image.range_m) {
+      const bool within =
+          range_m >= resolver.sensor().min_range_m && range_m <= resolver.sensor().max_range_m;
+      CHECK((range_m == 0.0F || within));
+    }
+  }
+}
+
+TEST_CASE("an image of another shape is refused with both shapes that would do") {
+  SuperResolver resolver(weights_of(small_du_or()), {});
+  CHECK(test::one_line_with(test::error_message([&] { resolver.run(RangeImage(5, 64)); }), "5 x 64",
+                            "4 or 16 x 64"));
+  CHECK(
+      test::one_line_with(test::error_message([&] { resolver.run(RangeImage(4, 32)); }), "4 x 32"));
+}
+
+TEST_CASE("the trace shows every layer and does not change the result") {
+  const Weights weights = weights_of(small_du_or());
+  SuperResolver resolver(weights, {});
+  const RangeImage scene = small_scene();
+  Trace trace;
+  const RangeImage traced = resolver.run(scene, &trace);
+  CHECK(traced.range_m == resolver.run(scene).range_m);
+  REQUIRE(trace.layers.size() == 3);
+  CHECK(trace.start.has_return(0, 0));
+  const RowSelection rows = weights.description.measured_rows;
+  for (const LayerTrace& layer : trace.layers) {
+    // eq. 3, summed here from the images that the trace shows.
+    double data_m2 = 0.0;
+    for (int row = rows.offset; row < 16; row += rows.stride) {
+      for (int column = 0; column < 64; ++column) {
+        const double gap_m = scene.at(row, column) - layer.h.at(row, column);
+        data_m2 += 0.5 * gap_m * gap_m;
+      }
+    }
+    CHECK(layer.objective.data_m2 == doctest::Approx(data_m2).epsilon(1e-5));
+    CHECK(layer.penalty == doctest::Approx(0.1));
+    std::int64_t rejected = 0;
+    for (std::size_t i = 0; i < layer.rejected.size(); ++i) {
+      rejected += layer.rejected[i];
+      // Y is H where Q kept it, otherwise Z.
+      const float expected = layer.rejected[i] != 0 ? layer.z.range_m[i] : layer.h.range_m[i];
+      CHECK(layer.y.range_m[i] == expected);
+    }
+    CHECK(layer.objective.rejected == rejected);
+  }
+}
+
+TEST_CASE("the filter's settings can be replaced and its last pass left out") {
+  const Weights weights = weights_of(small_du_or());
+  const RangeImage scene = small_scene();
+  SuperResolver filtered(weights, {});
+  SuperResolver inside_only(weights, {.filter_result = false});
+  OutlierRemovalOptions everything;
+  everything.min_pixels = 1'000'000;
+  SuperResolver strict(weights, {.filter = everything});
+  const RangeImage image = inside_only.run(scene);
+  Trace trace;
+  const RangeImage without = filtered.run(scene, &trace);
+  for (std::size_t i = 0; i < image.range_m.size(); ++i) {
+    CHECK(without.range_m[i] == (trace.rejected[i] != 0 ? 0.0F : image.range_m[i]));
+  }
+  const RangeImage empty = strict.run(scene);
+  for (int column = 0; column < 64; ++column) CHECK_FALSE(empty.has_return(0, column));
+  CHECK(empty.has_return(3, 0));
+}
+
+TEST_CASE("every instruction set and number of threads gives the same image") {
+  const Weights weights = weights_of(small_du_or());
+  const RangeImage scene = small_scene();
+  for (const InstructionSet instruction_set : available_instruction_sets()) {
+    SuperResolver one(weights,
+                      {.threads = 1, .filter_result = false, .instruction_set = instruction_set});
+    SuperResolver two(weights,
+                      {.threads = 2, .filter_result = false, .instruction_set = instruction_set});
+    CHECK(one.run(scene).range_m == two.run(scene).range_m);
+  }
+}
+
+TEST_CASE("a weights file is loaded, checked and counted") {
+  const test::TemporaryDirectory directory;
+  const std::string path = directory.file("weights.npz");
+  const Weights weights = weights_of(small_du_or());
+  write_weights(path, weights);
+  SuperResolver resolver = SuperResolver::load(path);
+  CHECK(resolver.parameters() == static_cast<std::int64_t>(weights.parameters.size()));
+  // By hand, per layer: tiles 4 x 16; encoder 19 -> 6 and 6 -> 8, bottleneck 8 -> 8 with 9 taps,
+  // decoder 8 -> 6 with 4, head 6 -> 5 * 16 + 3.
+  const std::int64_t per_layer =
+      64 * (19 * 6 * 9) + 16 * (6 * 8 * 9) + 16 * (8 * 8 * 9) + 16 * (8 * 6 * 4) + 64 * (6 * 83);
+  CHECK(resolver.multiply_adds() == 3 * per_layer);
+  CHECK(test::one_line_with(
+      test::error_message([&] { SuperResolver::load(directory.file("none.npz")); }), "none.npz"));
+}
+
+}  // namespace hqslam::nn

@@ -1,0 +1,75 @@
+#include "hqslam/nn/training/training_configuration.h"
+
+#include <doctest/doctest.h>
+
+#include <string>
+
+#include "../error_message.h"
+
+namespace hqslam::nn {
+namespace {
+
+using test::error_message;
+using test::one_line_with;
+
+const std::string kText = R"({
+  "network": {"kind": "du-or", "sensor": "os1-64", "measured_rows": 16, "layers": 4,
+              "denoiser": {"channels": [8, 16], "memory": 2}},
+  "training": [{"drive": "town", "seeds": [1, 2], "scans": 30, "every": 10}, {"stack": "a.npy"}],
+  "validation": [{"drive": "town", "seeds": [3], "scans": 10}],
+  "steps": 12, "batch": 2, "learning_rate": 0.01,
+  "augmentation": {"crop_columns": 256, "mirror": false}
+})";
+
+std::string message_after(const std::string& from, const std::string& to) {
+  std::string text = kText;
+  const std::size_t place = text.find(from);
+  REQUIRE(place != std::string::npos);
+  text.replace(place, from.size(), to);
+  return error_message([&] { training_configuration(text, "recipe.json"); });
+}
+
+}  // namespace
+
+TEST_CASE("a configuration is read field by field, the rest keeps its default") {
+  const TrainingConfiguration c = training_configuration(kText, "recipe.json");
+  CHECK(c.network.layers == 4);
+  CHECK(c.network.u_shaped.channels == std::vector<int>{8, 16});
+  CHECK(c.network.sensor.name == "os1-64");
+  CHECK(c.network.measured_rows.offset == 3);
+  CHECK(c.network.measured_rows.stride == 4);
+  REQUIRE(c.training.simulated.size() == 1);
+  CHECK(c.training.simulated[0].seeds == std::vector<int>{1, 2});
+  CHECK(c.training.simulated[0].every == 10);
+  CHECK(c.training.stacks == std::vector<std::string>{"a.npy"});
+  CHECK(c.plan.steps == 12);
+  CHECK(c.plan.learning_rate == doctest::Approx(0.01));
+  CHECK(c.plan.augmentation.crop_columns == 256);
+  CHECK_FALSE(c.plan.augmentation.mirror);
+  CHECK(c.plan.adamw.weight_decay == doctest::Approx(0.01));
+  CHECK(c.plan.seed == 1);
+}
+
+TEST_CASE("mistakes in a configuration are named with field, expected and found") {
+  CHECK(one_line_with(message_after("\"steps\": 12", "\"steps\": 0"), "recipe.json", "steps is 0"));
+  CHECK(one_line_with(message_after("\"steps\": 12", "\"stepz\": 12"), "unknown field 'stepz'"));
+  CHECK(one_line_with(message_after("\"steps\": 12", "\"steps\": \"many\""), "steps", "a number",
+                      "many"));
+  CHECK(one_line_with(message_after("\"batch\": 2", "\"batch\": 2.5"), "batch", "whole number"));
+  CHECK(one_line_with(message_after("\"crop_columns\": 256", "\"crop_columns\": 4096"),
+                      "crop_columns is 4096"));
+  CHECK(one_line_with(message_after("\"os1-64\"", "\"os9\""), "os9"));
+  CHECK(one_line_with(message_after("\"seeds\": [3]", "\"seeds\": []"), "seeds", "at least one"));
+  CHECK(one_line_with(message_after("\"scans\": 10}", "\"scans\": -1}"), "scans"));
+  CHECK(one_line_with(message_after("{\n", "["), "expected JSON"));
+}
+
+TEST_CASE("training and validation never share a drive or a stack") {
+  CHECK(one_line_with(message_after("\"seeds\": [3]", "\"seeds\": [2]"), "town", "seed 2",
+                      "both training and validation"));
+  CHECK(one_line_with(
+      message_after(R"({"drive": "town", "seeds": [3], "scans": 10})", R"({"stack": "a.npy"})"),
+      "a.npy", "both"));
+}
+
+}  // namespace hqslam::nn

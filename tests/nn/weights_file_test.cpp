@@ -1,0 +1,127 @@
+#include "hqslam/nn/hqs/weights_file.h"
+
+#include <doctest/doctest.h>
+
+#include <string>
+
+#include "../error_message.h"
+#include "../temporary_directory.h"
+#include "hqslam/core/npz.h"
+#include "small_network.h"
+
+namespace hqslam::nn {
+namespace {
+
+using test::error_message;
+using test::one_line_with;
+
+Weights small_weights(const NetworkDescription& description) {
+  Weights weights;
+  weights.description = description;
+  weights.parameters = initial_parameters(description, 7);
+  weights.training = R"({"seed": 7})";
+  weights.self_test = make_self_test(description, weights.parameters,
+                                     select_rows(small_scene(), description.measured_rows));
+  return weights;
+}
+
+/// The message for a weights file after `change` was made to its arrays.
+template <typename Change>
+std::string message_after(const Change& change) {
+  const test::TemporaryDirectory directory;
+  const std::string path = directory.file("weights.npz");
+  write_weights(path, small_weights(small_du_or()));
+  NpzArrays arrays = read_npz(path);
+  change(arrays);
+  write_npz(path, arrays);
+  return error_message([&] { check_self_test(read_weights(path), path); });
+}
+
+/// The message after `from` became `to` in the description.
+std::string message_after_edit(const std::string& from, const std::string& to) {
+  return message_after([&](NpzArrays& arrays) {
+    std::string text = text_value(arrays["description"], "description");
+    const std::size_t place = text.find(from);
+    REQUIRE(place != std::string::npos);
+    arrays["description"] = npz_text(text.replace(place, from.size(), to));
+  });
+}
+
+}  // namespace
+
+TEST_CASE("weights of both networks come back as they were written") {
+  const test::TemporaryDirectory directory;
+  const std::string path = directory.file("weights.npz");
+  for (const NetworkDescription& description : {small_du_or(), small_simple_du()}) {
+    const Weights written = small_weights(description);
+    write_weights(path, written);
+    const Weights read = read_weights(path);
+    CHECK(read.parameters == written.parameters);
+    CHECK(read.description.kind == description.kind);
+    CHECK(read.description.layers == description.layers);
+    CHECK(read.description.sensor.name == description.sensor.name);
+    CHECK(read.self_test.expected.range_m == written.self_test.expected.range_m);
+    CHECK(one_line_with(read.training.substr(0, 1), "{"));
+    CHECK_NOTHROW(check_self_test(read, path));
+  }
+}
+
+TEST_CASE("arrays stand in the file under PyTorch's names and layouts") {
+  const test::TemporaryDirectory directory;
+  const std::string path = directory.file("weights.npz");
+  write_weights(path, small_weights(small_du_or()));
+  const NpzArrays arrays = read_npz(path);
+  CHECK(arrays.at("layers.0.encoder.0.weight").shape == std::vector<std::int64_t>{6, 19, 3, 3});
+  CHECK(arrays.at("layers.2.decoder.0.weight").shape == std::vector<std::int64_t>{8, 6, 2, 2});
+  CHECK(arrays.at("log_penalty").shape == std::vector<std::int64_t>{3});
+}
+
+TEST_CASE("a changed weight is found by the self-test") {
+  CHECK(one_line_with(message_after([](NpzArrays& arrays) {
+                        std::vector<float> bias =
+                            float_values(arrays["layers.2.head.bias"], "bias");
+                        bias[70] += 0.5F;
+                        arrays["layers.2.head.bias"] =
+                            npz_array(bias, {static_cast<std::int64_t>(bias.size())});
+                      }),
+                      "self-test", "differ"));
+}
+
+TEST_CASE("missing, unknown, misshapen and non-finite arrays are refused by name") {
+  CHECK(one_line_with(message_after([](NpzArrays& a) { a.erase("layers.1.bottleneck.bias"); }),
+                      "layers.1.bottleneck.bias", "expected", "found none"));
+  CHECK(one_line_with(
+      message_after([](NpzArrays& a) { a["extra"] = npz_array(std::vector<float>{1.0F}, {1}); }),
+      "unknown array 'extra'"));
+  CHECK(one_line_with(message_after([](NpzArrays& a) {
+                        a["log_penalty"] = npz_array(std::vector<float>{1.0F, 2.0F}, {2});
+                      }),
+                      "log_penalty", "expected shape 3", "found 2"));
+  CHECK(one_line_with(message_after([](NpzArrays& a) {
+                        a["log_penalty"] = npz_array(std::vector<float>{1.0F, NAN, 2.0F}, {3});
+                      }),
+                      "log_penalty", "finite"));
+  CHECK(one_line_with(message_after([](NpzArrays& a) { a.erase("self_test.measured"); }),
+                      "self_test.measured", "found none"));
+  CHECK(one_line_with(message_after([](NpzArrays& a) { a.erase("description"); }), "description",
+                      "hqslam train"));
+}
+
+TEST_CASE("a description that does not fit is refused with field, expected and found") {
+  CHECK(one_line_with(message_after_edit("\"du-or\"", "\"du-xor\""), "kind",
+                      "one of du-or, simple-du", "du-xor"));
+  CHECK(one_line_with(message_after_edit("\"layers\": 3", "\"layers\": 300"), "layers is 300",
+                      "1 to 20"));
+  CHECK(one_line_with(message_after_edit("\"layers\": 3", "\"layerz\": 3"), "unknown field",
+                      "layerz"));
+  CHECK(one_line_with(message_after_edit("\"layers\": 3", "\"layers\": 4"),
+                      "layers.3.encoder.0.weight", "found none"));
+  CHECK(one_line_with(message_after_edit("\"memory\": 3", "\"memory\": 1e9"), "memory"));
+  CHECK(one_line_with(message_after_edit("\"tile_rows\": 4", "\"tile_rows\": 3"),
+                      "layers.0.encoder.0.weight", "expected shape"));
+  CHECK(one_line_with(message_after_edit("\"format\": \"hqslam-weights-1\"", "\"format\": 2"),
+                      "format"));
+  CHECK(one_line_with(message_after_edit("\"stride\": 4", "\"stride\": 0"), "no selection"));
+}
+
+}  // namespace hqslam::nn

@@ -1,0 +1,81 @@
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "hqslam/core/connected_components.h"
+#include "hqslam/nn/hqs/data_consistency.h"
+#include "hqslam/nn/hqs/interpolation.h"
+#include "hqslam/nn/hqs/selection.h"
+
+// The numbers of the worked example in nn/hqs/README.md.
+namespace hqslam::nn {
+
+TEST_CASE("worked example, start: a pixel a quarter down between 10 m and 14 m") {
+  RangeImage measured(2, 16);
+  for (int column = 0; column < 16; ++column) {
+    measured.at(0, column) = 10.0F;
+    measured.at(1, column) = 14.0F;
+  }
+  const RowSelection rows{3, 4};
+  CHECK(interpolate_rows(measured, rows, 8, Interpolation::kLinear).at(4, 0) ==
+        doctest::Approx(11.0));
+  CHECK(interpolate_rows(measured, rows, 8, Interpolation::kInverse).at(4, 0) ==
+        doctest::Approx(10.769).epsilon(1e-4));
+  CHECK(interpolate_rows(measured, rows, 8, Interpolation::kNearest).at(4, 0) == 10.0F);
+}
+
+TEST_CASE("worked example, data consistency: L = 10, Z = 12, Y = 11, b = 0.1") {
+  const Tensor shape(1, 2, 16, ColumnPadding::kCircular);
+  Tensor l = shape;
+  Tensor z = shape;
+  Tensor y = shape;
+  Tensor h = shape;
+  for (int row = 0; row < 2; ++row) {
+    l.at(0, row, 0) = 10.0F;
+    z.at(0, row, 0) = 12.0F;
+    y.at(0, row, 0) = 11.0F;
+  }
+  DataConsistency{{1, 1}, {1, 2}, 0.1F}.forward(l, z, y, h);
+  CHECK(h.at(0, 1, 0) == doctest::Approx(10.25));  // measured row
+  CHECK(h.at(0, 0, 0) == doctest::Approx(11.5));   // other row
+}
+
+TEST_CASE("worked example, selection: above 10 m, below 14 m, here 11.5 m") {
+  const Tensor shape(1, 1, 16, ColumnPadding::kCircular);
+  Candidates candidates{shape, shape};
+  candidates.above.at(0, 0, 0) = 10.0F;
+  candidates.below.at(0, 0, 0) = 14.0F;
+  Tensor h = shape;
+  h.at(0, 0, 0) = 11.5F;
+  Tensor scores(kSelectionGroups, 1, 16, ColumnPadding::kCircular);
+  scores.at(0, 0, 0) = 1.0F;   // above
+  scores.at(3, 0, 0) = -0.5F;  // nothing
+  scores.at(4, 0, 0) = 0.02F;  // correction
+  Tensor z = shape;
+  select(candidates, h, {1, 1}, InstructionSet::kPortable, scores, z);
+  CHECK(scores.at(0, 0, 0) == doctest::Approx(0.962).epsilon(1e-3));
+  CHECK(scores.at(1, 0, 0) == doctest::Approx(0.0176).epsilon(1e-2));
+  CHECK(scores.at(2, 0, 0) == doctest::Approx(0.0176).epsilon(1e-2));
+  CHECK(scores.at(3, 0, 0) == doctest::Approx(0.0024).epsilon(2e-2));
+  CHECK(z.at(0, 0, 0) == doctest::Approx(10.09).epsilon(1e-3));
+}
+
+TEST_CASE("worked example, filter: 10.0 m and 10.2 m connect, 10.2 m and 12.0 m do not") {
+  const double alpha_rad = 2.0 * std::numbers::pi / 1024.0;
+  const auto angle_deg = [&](double farther_m, double nearer_m) {
+    return std::atan2(nearer_m * std::sin(alpha_rad), farther_m - nearer_m * std::cos(alpha_rad)) *
+           180.0 / std::numbers::pi;
+  };
+  CHECK(angle_deg(10.2, 10.0) == doctest::Approx(17.04).epsilon(1e-3));
+  CHECK(angle_deg(12.0, 10.2) == doctest::Approx(1.99).epsilon(2e-3));
+  const auto connected = [&](float a_m, float b_m) {
+    return ComponentLabeler::connected(a_m, b_m, static_cast<float>(std::sin(alpha_rad)),
+                                       static_cast<float>(std::cos(alpha_rad)),
+                                       std::tan(static_cast<float>(std::numbers::pi) / 12.0F));
+  };
+  CHECK(connected(10.0F, 10.2F));
+  CHECK_FALSE(connected(10.2F, 12.0F));
+}
+
+}  // namespace hqslam::nn
