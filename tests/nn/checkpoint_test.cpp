@@ -46,9 +46,11 @@ TEST_CASE("a checkpoint of another configuration or network, or a damaged one, i
   CHECK(test::one_line_with(message("{}", small_du_or()), "another training configuration"));
   CHECK(test::one_line_with(message("{\"a\": 1}", small_simple_du()), "first_moment", "expected"));
   NpzArrays arrays = read_npz(path);
-  arrays["steps"] = npz_array(std::vector<std::int64_t>{-4}, {1});
-  write_npz(path, arrays);
-  CHECK(test::one_line_with(message("{\"a\": 1}", small_du_or()), "steps"));
+  for (const std::int64_t steps : {std::int64_t{-4}, std::int64_t{1} << 62}) {
+    arrays["steps"] = npz_array(std::vector<std::int64_t>{steps}, {1});
+    write_npz(path, arrays);
+    CHECK(test::one_line_with(message("{\"a\": 1}", small_du_or()), "steps"));
+  }
   arrays.erase("steps");
   write_npz(path, arrays);
   CHECK(test::one_line_with(message("{\"a\": 1}", small_du_or()), "steps", "found none"));

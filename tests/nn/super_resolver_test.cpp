@@ -52,6 +52,15 @@ TEST_CASE("an image of another shape is refused with both shapes that would do")
       test::one_line_with(test::error_message([&] { resolver.run(RangeImage(4, 32)); }), "4 x 32"));
 }
 
+TEST_CASE("weights with another number of parameters are refused") {
+  for (const NetworkDescription& description : {small_du_or(), small_simple_du()}) {
+    Weights weights = weights_of(description);
+    weights.parameters.clear();
+    CHECK(test::one_line_with(test::error_message([&] { SuperResolver(weights, {}); }),
+                              "0 parameters", "expected"));
+  }
+}
+
 TEST_CASE("the trace shows every layer and does not change the result") {
   const Weights weights = weights_of(small_du_or());
   SuperResolver resolver(weights, {});

@@ -53,7 +53,7 @@ EngineResult engine(const Problem& p, InstructionSet instruction_set) {
   EngineResult result{image_of(p.description, state.slots.back().denoiser.z),
                       std::vector<float>(p.parameters.size()),
                       {}};
-  network.backward(state, d_z, result.gradient);
+  network.backward(state, std::span(&d_z, 1), result.gradient);
   for (const LayerState& layer : state.slots) result.rejected.push_back(layer.rejected);
   return result;
 }

@@ -76,10 +76,10 @@ void check_against_pytorch(const NetworkDescription& description, const std::str
     const Tensor truth = tiles_of(description, small_scene(), state.z0);
     Tensor d_z = state.z0;
     const double loss = l1_loss(state.slots.back().denoiser.z, truth, tile_of(description),
-                                description.measured_rows, d_z);
+                                description.measured_rows, 1.0F, d_z);
     CHECK(loss == doctest::Approx(golden.value("loss")).epsilon(kTolerance));
     std::vector<float> d_parameters(parameters.size());
-    network.backward(state, d_z, d_parameters);
+    network.backward(state, std::span(&d_z, 1), d_parameters);
     const std::vector<float> expected = golden.values("d_parameters");
     std::size_t next = 0;
     for (const ParameterShape& shape : parameter_shapes(description)) {
@@ -134,7 +134,7 @@ TEST_CASE("what was in the state before does not matter, backwards neither") {
       network.forward(state);
       network.finish_last_layer(state);
       std::vector<float> gradient(parameters.size());
-      network.backward(state, state.slots.back().denoiser.z, gradient);
+      network.backward(state, std::span(&state.slots.back().denoiser.z, 1), gradient);
       return gradient;
     };
     UnrolledState fresh = network.make_state();
@@ -182,7 +182,7 @@ TEST_CASE("a state that keeps two layers has the same result; backward refuses i
     const UnrolledState all = state_after(description, parameters, measured_scene(description));
     CHECK(nn::same_bits(network.result(state), network.result(all)));
     std::vector<float> gradient(parameters.size());
-    CHECK_THROWS_AS(network.backward(state, state.z0, gradient), Error);
+    CHECK_THROWS_AS(network.backward(state, std::span(&state.z0, 1), gradient), Error);
   }
 }
 
@@ -288,6 +288,35 @@ TEST_CASE("scans, columns and parameters that do not fit are refused") {
   CHECK(test::one_line_with(test::error_message([&] { network.start(RangeImage(4, 32), state); }),
                             "4 x 32", "64"));
   CHECK_THROWS_AS(network.start(RangeImage(4, 128), state), Error);
+}
+
+TEST_CASE("a loss on an inner layer has the gradient of the network that ends there") {
+  NetworkDescription two = small_du_or();
+  two.layers = 2;
+  const NetworkDescription three = small_du_or();
+  const std::vector<float> parameters = initial_parameters(three, 4);
+  const std::size_t of_layer = (parameters.size() - 3) / 3;
+  std::vector<float> fewer(parameters.begin(), parameters.begin() + 2 * of_layer);
+  fewer.insert(fewer.end(), parameters.end() - 3, parameters.end() - 1);
+  const RangeImage measured = select_rows(small_scene(), three.measured_rows);
+  const UnrolledState state = state_after(three, parameters, measured);
+  Tensor d_inner = state.z0;
+  fill_random(5, d_inner);
+  Tensor nothing = state.z0;
+  nothing.set_zero();
+  UnrolledNetwork whole(three, 64, chosen_instruction_set(), 1);
+  whole.set_parameters(parameters);
+  std::vector<float> gradient(parameters.size());
+  whole.backward(state, std::vector<Tensor>{d_inner, nothing}, gradient);
+  UnrolledNetwork shorter(two, 64, chosen_instruction_set(), 1);
+  shorter.set_parameters(fewer);
+  std::vector<float> expected(fewer.size());
+  shorter.backward(state_after(two, fewer, measured), std::span(&d_inner, 1), expected);
+  for (std::size_t i = 0; i < 2 * of_layer; ++i) {
+    REQUIRE(gradient[i] == doctest::Approx(expected[i]).epsilon(1e-5).scale(1e-3));
+  }
+  CHECK(gradient[3 * of_layer + 1] == doctest::Approx(expected[2 * of_layer + 1]));
+  for (std::size_t i = 2 * of_layer; i < 3 * of_layer; ++i) REQUIRE(gradient[i] == 0.0F);
 }
 
 }  // namespace hqslam::nn

@@ -38,9 +38,9 @@ struct SuperResolver::Implementation {
         filter(network.description().sensor, network.description().measured_rows,
                network.description().filter, network.columns()),
         rejected(static_cast<std::size_t>(network.rows()) * network.columns()),
-        parameters(static_cast<std::int64_t>(weights.parameters.size())),
-        penalty(penalties(weights)) {
-    network.set_parameters(weights.parameters);
+        parameters(static_cast<std::int64_t>(weights.parameters.size())) {
+    network.set_parameters(weights.parameters);  // checks how many there are
+    penalty = penalties(weights);
   }
 
   static std::vector<float> penalties(const Weights& weights);

@@ -33,6 +33,17 @@ void copy_channels(const Tensor& from, int from_channel, int channels, Tensor& t
   }
 }
 
+/// The first `channels` channels of `from` are added to those of `to`.
+void add_tiles(const Tensor& from, int channels, Tensor& to) {
+  for (int channel = 0; channel < channels; ++channel) {
+    for (int row = 0; row < to.rows(); ++row) {
+      const float* from_row = from.row(channel, row);
+      float* to_row = to.row(channel, row);
+      for (int x = 0; x < to.columns(); ++x) to_row[x] += from_row[x];
+    }
+  }
+}
+
 /// Zero from channel `from_channel` on, borders too.
 void clear_channels(int from_channel, Tensor& tensor) {
 #pragma omp for schedule(static)
@@ -257,7 +268,7 @@ void UnrolledNetwork::add_penalty_gradient(int layer, double d_penalty,
   }
 }
 
-void UnrolledNetwork::backward(const UnrolledState& state, const Tensor& d_z,
+void UnrolledNetwork::backward(const UnrolledState& state, std::span<const Tensor> d_z,
                                std::span<float> d_parameters) {
   if (static_cast<int>(state.slots.size()) != description_.layers) {
     throw Error(fmt::format("network: a state that kept {} of {} layers, expected all of them",
@@ -273,7 +284,7 @@ void UnrolledNetwork::backward(const UnrolledState& state, const Tensor& d_z,
   }
   BackwardScratch& scratch = *backward_;
   DenoiserState& gradient = scratch.gradient;
-  scratch.d_z = d_z;
+  scratch.d_z.set_zero();
   scratch.d_y.set_zero();
   const int first_memory = gradient.output.channels() - memory;
   if (memory > 0) clear_channels(first_memory, gradient.output);
@@ -285,17 +296,15 @@ void UnrolledNetwork::backward(const UnrolledState& state, const Tensor& d_z,
     } else {
       backward_y(current, scratch.d_y, scratch.d_h, scratch.d_z);
     }
+    const int from_end = description_.layers - 1 - layer;
+    if (from_end < static_cast<int>(d_z.size())) {
+      add_tiles(d_z[d_z.size() - 1 - from_end], pixels, scratch.d_z);
+    }
     gradient.z = scratch.d_z;
     const std::size_t begin = description_.shared_weights ? 0 : layer * denoiser_parameters_;
     denoiser(layer).backward(state.candidates, current.denoiser, gradient,
                              d_parameters.subspan(begin, denoiser_parameters_));
-    for (int channel = 0; channel < pixels; ++channel) {
-      for (int row = 0; row < scratch.d_h.rows(); ++row) {
-        float* to = scratch.d_h.row(channel, row);
-        const float* from = gradient.input.row(channel, row);
-        for (int x = 0; x < scratch.d_h.columns(); ++x) to[x] += from[x];
-      }
-    }
+    add_tiles(gradient.input, pixels, scratch.d_h);
     const double d_penalty = data_consistency(layer).backward(
         state.l, previous_z(state, layer), previous_y(state, layer), scratch.d_h, scratch.d_a);
     add_penalty_gradient(layer, d_penalty, d_parameters);

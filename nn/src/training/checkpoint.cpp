@@ -86,8 +86,9 @@ Checkpoint read_checkpoint(const std::string& path, const std::string& configura
   for (const ParameterShape& shape : parameter_shapes(description)) parameters += shape.elements();
   const std::vector<std::int64_t> steps =
       int64_values(member(arrays, path, "steps"), path + ": steps");
-  if (steps.size() != 1 || steps[0] < 0) {
-    throw Error(fmt::format("{}: array 'steps': expected one number of at least 0", path));
+  constexpr std::int64_t kMostSteps = 1'000'000'000'000;  // times the batch this still fits
+  if (steps.size() != 1 || steps[0] < 0 || steps[0] > kMostSteps) {
+    throw Error(fmt::format("{}: array 'steps': expected one number, 0 to {}", path, kMostSteps));
   }
   AdamW optimiser(adamw, parameters);
   optimiser.steps = steps[0];

@@ -5,9 +5,9 @@
 namespace hqslam::nn {
 
 double l1_loss(const Tensor& z, const Tensor& truth, TileSize tile, RowSelection measured_rows,
-               Tensor& d_z) {
+               float share, Tensor& d_z) {
   const double pixels = static_cast<double>(tile.pixels()) * z.rows() * z.columns();
-  const auto weight = static_cast<float>(1.0 / pixels);
+  const auto weight = static_cast<float>(share / pixels);
   double sum = 0.0;
   for (int channel = 0; channel < tile.pixels(); ++channel) {
     for (int row = 0; row < z.rows(); ++row) {

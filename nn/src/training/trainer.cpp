@@ -24,11 +24,11 @@ struct Worker {
       : network(description, columns, chosen_instruction_set(), 1),
         state(network.make_state()),
         truth(state.z0),
-        d_z(state.z0) {}
+        d_z(description.layers, state.z0) {}
   UnrolledNetwork network;
   UnrolledState state;
   Tensor truth;
-  Tensor d_z;
+  std::vector<Tensor> d_z;  ///< of each layer
 };
 
 /// Runs job(worker index, item) for every item, item i on worker i mod workers. What a job throws
@@ -102,6 +102,7 @@ void validate(const TrainingPlan& plan, const SensorModel& sensor) {
   check(plan.learning_rate > 0.0F, "learning_rate", plan.learning_rate, "above 0");
   check(plan.warm_up_steps >= 0, "warm_up_steps", static_cast<double>(plan.warm_up_steps),
         "at least 0");
+  check(plan.layer_loss_share >= 0.0F, "layer_loss_share", plan.layer_loss_share, "at least 0");
   check(plan.largest_gradient_norm > 0.0, "largest_gradient_norm", plan.largest_gradient_norm,
         "above 0");
   check(a.crop_columns >= 0 && a.crop_columns <= sensor.columns, "crop_columns", a.crop_columns,
@@ -145,8 +146,12 @@ void Trainer::Implementation::run_sample(Worker& worker, int place) {
   to_tiles(sample.truth.range_m.data(), tile, worker.truth);
   worker.network.start(sample.measured, worker.state);
   worker.network.forward(worker.state, random.bits() >> 20);
-  losses[place] = l1_loss(worker.network.result(worker.state), worker.truth, tile,
-                          description.measured_rows, worker.d_z);
+  for (int layer = 0; layer < description.layers; ++layer) {
+    const bool last = layer + 1 == description.layers;
+    losses[place] =
+        l1_loss(worker.state.layer(layer).denoiser.z, worker.truth, tile, description.measured_rows,
+                last ? 1.0F : plan.layer_loss_share, worker.d_z[layer]);
+  }
   std::fill(gradients[place].begin(), gradients[place].end(), 0.0F);
   worker.network.backward(worker.state, worker.d_z, gradients[place]);
 }

@@ -73,9 +73,11 @@ class UnrolledNetwork {
   /// The last layer's mask and Y.
   void finish_last_layer(UnrolledState& state) { remove_outliers(state, description_.layers - 1); }
 
-  /// d_z: d loss / d Z of the last layer, tiles. Adds to d_parameters. The filter's masks are
-  /// constants. One thread. Throws Error unless the state keeps all layers.
-  void backward(const UnrolledState& state, const Tensor& d_z, std::span<float> d_parameters);
+  /// d_z: d loss / d Z of the last d_z.size() layers, tiles; the loss does not look at the others.
+  /// Adds to d_parameters. The filter's masks are constants. One thread. Throws Error unless the
+  /// state keeps all layers and d_z holds one to all of them.
+  void backward(const UnrolledState& state, std::span<const Tensor> d_z,
+                std::span<float> d_parameters);
 
  private:
   Denoiser& denoiser(int layer) { return *denoisers_[description_.shared_weights ? 0 : layer]; }

@@ -7,9 +7,9 @@
 namespace hqslam::nn {
 
 /// Mean of |Z - truth| over all pixels, "no return" counting as range 0; measured rows, which the
-/// result gets back as they were, count as exact. Writes the gradient d loss / d Z (0 where they
-/// are equal) with that mean's weight. Tiles.
+/// result gets back as they were, count as exact. Writes `share` times the gradient d loss / d Z (0
+/// where the two are equal). Tiles.
 double l1_loss(const Tensor& z, const Tensor& truth, TileSize tile, RowSelection measured_rows,
-               Tensor& d_z);
+               float share, Tensor& d_z);
 
 }  // namespace hqslam::nn

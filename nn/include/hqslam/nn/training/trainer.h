@@ -18,6 +18,9 @@ struct TrainingPlan {
   float learning_rate = 1e-3F;
   std::int64_t warm_up_steps = 100;
   AdamWOptions adamw;
+  /// Share in the loss of each layer before the last: with 0 only the last Z has to be an image,
+  /// and the others become whatever helps it, which the filter inside and people cannot read.
+  float layer_loss_share = 0.1F;
   double largest_gradient_norm = 0.1;  ///< of the loss in units of range_scale_m
   Augmentation augmentation;
   std::uint64_t seed = 1;
@@ -26,7 +29,7 @@ struct TrainingPlan {
 void validate(const TrainingPlan& plan, const SensorModel& sensor);
 
 struct TrainingStep {
-  double loss_m = 0.0;         ///< mean over the batch, before the step
+  double loss_m = 0.0;         ///< of the last layer, mean over the batch, before the step
   double gradient_norm = 0.0;  ///< before it was clipped
   float learning_rate = 0.0F;
 };
