@@ -65,6 +65,10 @@ TEST_CASE("the options of simulate, demo, evaluate and bench arrive where they b
   CHECK(parsed({"demo", "--out", "y"}).demo.out == "y");
   CHECK(parsed({"bench", "--json", "--scans", "20"}).bench.json);
   CHECK(parsed({"bench", "--drive", "hills"}).bench.drive == "hills");
+  CHECK(parsed({"bench", "--cpu"}).bench.cpu);
+  CHECK(
+      parsed({"bench", "--weights", "/dev/null", "--weights", "/dev/null"}).bench.weights.size() ==
+      2);
 }
 
 TEST_CASE("what makes no sense is refused") {

@@ -16,10 +16,14 @@
 #include <vector>
 
 #include "bench_measurement.h"
+#include "bench_network.h"
+#include "bench_network_output.h"
 #include "exit_status.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/scan_source.h"
+#include "hqslam/nn/hqs/weights_file.h"
 #include "hqslam/sim/drive.h"
+#include "installed_weights.h"
 #include "simulate_command.h"
 
 namespace hqslam::tools {
@@ -60,7 +64,24 @@ struct Measurements {
   std::vector<SlamTiming> slam;
   int step_images = 0;
   StepTiming steps;
+  std::vector<MultiplyAddPeak> peaks;
+  std::vector<NetworkTiming> networks;
 };
+
+/// The networks that come with the program and are measured if no others are named.
+constexpr std::array<const char*, 2> kInstalledNetworks = {"du-or_os1_16to64.npz",
+                                                           "simple-du_os1_16to64.npz"};
+
+std::vector<std::string> weights_of(const BenchOptions& options) {
+  std::vector<std::string> paths = options.weights;
+  for (const char* name : kInstalledNetworks) {
+    if (const std::optional<std::string> path = installed_weights(name);
+        path && options.weights.empty()) {
+      paths.push_back(*path);
+    }
+  }
+  return paths;
+}
 
 /// Images from all over the recording.
 std::vector<RangeImage> sample_images(ScanSource& source) {
@@ -79,8 +100,29 @@ std::vector<RangeImage> sample_images(ScanSource& source) {
   return images;
 }
 
+void measure_networks(const std::vector<std::string>& paths, const std::vector<RangeImage>& images,
+                      const InterruptGuard& interrupt, Measurements& measurements) {
+  for (const std::string& path : paths) {
+    if (interrupt.stop_requested()) {
+      return;
+    }
+    const nn::Weights weights = nn::read_weights(path);
+    if (!takes(weights, images)) {
+      fmt::print(stderr, "{}: left out, it is for images of {} x {}\n", path,
+                 weights.description.sensor.rows(), weights.description.sensor.columns);
+      continue;
+    }
+    if (measurements.peaks.empty()) {
+      measurements.peaks = measure_peaks(kMostThreads);
+    }
+    fmt::print(stderr, "network {} ...\n", nn::name(weights.description.kind));
+    measurements.networks.push_back(
+        time_network(path, weights, images, measurements.peaks, kMostThreads, interrupt));
+  }
+}
+
 Measurements measure(const std::string& input, const SensorModel& sensor,
-                     const InterruptGuard& interrupt) {
+                     const std::vector<std::string>& weights, const InterruptGuard& interrupt) {
   Measurements measurements;
   measurements.sensor = sensor.name;
   for (const int rows : kRowCounts) {
@@ -98,6 +140,7 @@ Measurements measure(const std::string& input, const SensorModel& sensor,
   fmt::print(stderr, "components and projection on {} scans ...\n", images.size());
   measurements.step_images = static_cast<int>(images.size());
   measurements.steps = time_steps(images, sensor);
+  measure_networks(weights, images, interrupt, measurements);
   return measurements;
 }
 
@@ -136,6 +179,8 @@ void print_json(const Measurements& measurements) {
         {"components_textbook", distribution_json(steps.components_textbook_ms)},
         {"projection", distribution_json(steps.projection_ms)},
         {"unprojection", distribution_json(steps.unprojection_ms)}}},
+      {"peaks", peaks_json(measurements.peaks)},
+      {"networks", networks_json(measurements.networks)},
   };
   fmt::print("{}\n", json.dump(2, ' ', false, Json::error_handler_t::replace));
 }
@@ -172,13 +217,14 @@ void print_text(const Measurements& measurements) {
              steps.components_textbook_ms.median / steps.components_ms.median);
   fmt::print("{:<40}{:>8.2f}\n", "project (scan -> range image)", steps.projection_ms.median);
   fmt::print("{:<40}{:>8.2f}\n", "unproject (range image -> points)", steps.unprojection_ms.median);
+  print_networks(measurements.peaks, measurements.networks);
 }
 
 }  // namespace
 
 void declare_bench(CLI::App& app, BenchOptions& options) {
-  CLI::App* command =
-      app.add_subcommand("bench", "Time per stage, with 64 and 16 rows, with one thread and two");
+  CLI::App* command = app.add_subcommand(
+      "bench", "Time per stage of SLAM and of the network, with one thread and two");
   CLI::Option* input =
       command
           ->add_option("--input", options.input,
@@ -196,11 +242,25 @@ void declare_bench(CLI::App& app, BenchOptions& options) {
       ->check(CLI::PositiveNumber)
       ->capture_default_str()
       ->excludes(input);
+  command
+      ->add_option("--weights", options.weights,
+                   "Trained network to measure (.npz), may be repeated; default: those that come "
+                   "with hqslam")
+      ->check(CLI::ExistingFile);
   command->add_flag("--json", options.json, "Print JSON instead of a table");
+  command->add_flag("--cpu", options.cpu,
+                    "Only say which instruction sets the network can use and which one it does; "
+                    "HQSLAM_INSTRUCTION_SET=NAME chooses another");
 }
 
 int bench_command(const BenchOptions& options) {
+  if (options.cpu) {
+    print_instruction_sets(options.json);
+    return kOk;
+  }
   const InterruptGuard interrupt;
+  const std::vector<std::string> weights = weights_of(options);
+  nn::chosen_instruction_set();  // an unknown one is better refused at once
   std::optional<TemporaryFolder> drive;
   std::string input = options.input;
   std::string sensor = options.sensor;
@@ -215,7 +275,7 @@ int bench_command(const BenchOptions& options) {
     input = simulate.out;
     sensor = (drive->path() / "sensor.json").string();
   }
-  Measurements measurements = measure(input, load_sensor(sensor), interrupt);
+  Measurements measurements = measure(input, load_sensor(sensor), weights, interrupt);
   measurements.input = options.input.empty()
                            ? fmt::format("simulated {}, {} scans", options.drive, options.scans)
                            : options.input;

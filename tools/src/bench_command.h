@@ -3,6 +3,7 @@
 #include <CLI/App.hpp>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 namespace hqslam::tools {
 
@@ -11,7 +12,9 @@ struct BenchOptions {
   std::string sensor;  ///< of the input
   std::string drive = "block";
   std::int64_t scans = 200;
+  std::vector<std::string> weights;  ///< empty: those that come with the program
   bool json = false;
+  bool cpu = false;  ///< say only which instruction set is in use
 };
 
 void declare_bench(CLI::App& app, BenchOptions& options);
