@@ -44,6 +44,9 @@ int run_subcommand(const std::string& name, const CommandLine& options) {
   if (name == "compare") {
     return compare_command(options.compare);
   }
+  if (name == "inspect") {
+    return inspect_command(options.inspect);
+  }
   if (name == "train") {
     return train_command(options.train);
   }
@@ -69,6 +72,7 @@ void declare_program(CLI::App& app, CommandLine& options) {
   declare_simulate(app, options.simulate);
   declare_evaluate(app, options.evaluate);
   declare_compare(app, options.compare);
+  declare_inspect(app, options.inspect);
   declare_bench(app, options.bench);
   declare_train(app, options.train);
   declare_upsample(app, options.upsample);

@@ -6,6 +6,7 @@
 #include "compare_command.h"
 #include "demo_command.h"
 #include "evaluate_command.h"
+#include "inspect_command.h"
 #include "run_command.h"
 #include "simulate_command.h"
 #include "train_command.h"
@@ -22,6 +23,7 @@ struct CommandLine {
   EvaluateOptions evaluate;
   BenchOptions bench;
   CompareOptions compare;
+  InspectOptions inspect;
   TrainOptions train;
   UpsampleOptions upsample;
 };

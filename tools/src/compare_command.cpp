@@ -166,9 +166,14 @@ int compare_command(const CompareOptions& options) {
     used = for_each_scan(options, sensor, interrupt,
                          [&](const OrganizedCloud& scan) { comparison.add(scan); });
     print_scores(comparison.scores());
+    fmt::print(
+        "chance in the data: the median of the eight true ranges around each pixel has an MAE "
+        "of {:.3f} m\n",
+        comparison.true_neighbours_mae_m());
     json = {{"input", options.input},
             {"sensor", sensor.name},
             {"scans", used},
+            {"true_neighbours_mae_all_m", comparison.true_neighbours_mae_m()},
             {"methods", scores_json(comparison.scores())}};
   }
   fmt::print("{} scans of {}\n", used, options.input);

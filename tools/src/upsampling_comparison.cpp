@@ -1,5 +1,6 @@
 #include "upsampling_comparison.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <numbers>
@@ -21,10 +22,13 @@ std::vector<Eigen::Vector3f> points_of(const OrganizedCloud& cloud) {
   return points_m;
 }
 
-/// Distance of every pixel's point to the nearest true one; nothing has a return: -1 is not used,
-/// the list has one value per pixel that has one, in their order.
+/// Distance to the nearest true point, one value for each pixel that has a return.
 std::vector<float> pixel_distances_m(const OrganizedCloud& cloud, const OrganizedCloud& truth) {
   return nearest_distances_m(points_of(cloud), points_of(truth));
+}
+
+bool is_measured(int row, RowSelection measured) {
+  return row >= measured.offset && (row - measured.offset) % measured.stride == 0;
 }
 
 /// Calls visit(pixel, distance_m) for the computed pixels that have a return.
@@ -36,10 +40,30 @@ void for_each_computed(const OrganizedCloud& cloud, RowSelection measured,
     if (cloud.range_m[pixel] <= 0.0F) continue;
     const float distance_m = distances_m[next++];
     const int row = static_cast<int>(pixel) / cloud.columns;
-    const bool is_measured =
-        row >= measured.offset && (row - measured.offset) % measured.stride == 0;
-    if (!is_measured) visit(pixel, distance_m);
+    if (!is_measured(row, measured)) visit(pixel, distance_m);
   }
+}
+
+/// Each computed pixel as the median (the mean of the middle two) of the eight true ranges around
+/// it, no return counting as 0; beyond the top and bottom row there is none.
+RangeImage median_of_true_neighbours(const RangeImage& truth, RowSelection measured) {
+  RangeImage image = truth;
+  for (int row = 0; row < truth.rows; ++row) {
+    if (is_measured(row, measured)) continue;
+    for (int column = 0; column < truth.columns; ++column) {
+      std::vector<float> around;
+      for (int r = std::max(row - 1, 0); r <= std::min(row + 1, truth.rows - 1); ++r) {
+        for (int c = -1; c <= 1; ++c) {
+          if (r == row && c == 0) continue;
+          around.push_back(truth.at(r, (column + c + truth.columns) % truth.columns));
+        }
+      }
+      std::sort(around.begin(), around.end());
+      const std::size_t count = around.size();
+      image.at(row, column) = 0.5F * (around[(count - 1) / 2] + around[count / 2]);
+    }
+  }
+  return image;
 }
 
 }  // namespace
@@ -49,7 +73,17 @@ UpsamplingComparison::UpsamplingComparison(std::vector<ComparedMethod> methods)
 
 void UpsamplingComparison::add(const OrganizedCloud& truth) {
   for (std::size_t i = 0; i < methods_.size(); ++i) add(methods_[i], truth, sums_[i]);
+  if (!methods_.empty()) {
+    const RangeImage image = range_image(truth);
+    const RangeImage median =
+        median_of_true_neighbours(image, methods_.front().upsampler.measured_rows());
+    true_neighbours_mae_sum_m_ += image_error(median, image).mae_all_m;
+  }
   ++scans_;
+}
+
+double UpsamplingComparison::true_neighbours_mae_m() const {
+  return true_neighbours_mae_sum_m_ / static_cast<double>(scans_);
 }
 
 void UpsamplingComparison::add(ComparedMethod& method, const OrganizedCloud& truth,

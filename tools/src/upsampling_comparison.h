@@ -44,6 +44,9 @@ class UpsamplingComparison {
   /// truth: a scan with all rows of the methods' sensor. Throws Error.
   void add(const OrganizedCloud& truth);
   std::vector<UpsamplingScore> scores() const;
+  /// How much of a scan is chance: MAE over all pixels, metres, of a method that knows what none
+  /// can, the true ranges of the eight pixels around each computed one, and takes their median.
+  double true_neighbours_mae_m() const;
 
  private:
   struct Sums {
@@ -56,6 +59,7 @@ class UpsamplingComparison {
 
   std::vector<ComparedMethod> methods_;
   std::vector<Sums> sums_;
+  double true_neighbours_mae_sum_m_ = 0.0;
   std::int64_t scans_ = 0;
 };
 

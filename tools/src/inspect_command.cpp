@@ -1,0 +1,64 @@
+#include "inspect_command.h"
+
+#include <fmt/format.h>
+
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+#include <CLI/Validators.hpp>
+#include <fstream>
+
+#include "exit_status.h"
+#include "hqslam/core/error.h"
+#include "hqslam/core/scan_source.h"
+#include "report/layers_report.h"
+#include "upsampling_plan.h"
+
+namespace hqslam::tools {
+namespace {
+
+RangeImage scan_of(const InspectOptions& options, const SensorModel& sensor) {
+  const auto source = open_recording(options.input, sensor);
+  if (options.scan >= source->size()) {
+    throw Error(fmt::format("{}: has {} scans, expected one with index {}", options.input,
+                            source->size(), options.scan));
+  }
+  for (std::int64_t i = 0; i < options.scan; ++i) source->next();
+  return range_image(source->next()->cloud);
+}
+
+}  // namespace
+
+void declare_inspect(CLI::App& app, InspectOptions& options) {
+  CLI::App* command =
+      app.add_subcommand("inspect", "Show what every layer of a network makes of one scan");
+  command->add_option("input", options.input, "Recording (as for hqslam upsample)")->required();
+  command->add_option("--weights", options.weights, "Weights file")->required();
+  command->add_option("--sensor", options.sensor, "Sensor (name or .json file)");
+  command->add_option("--scan", options.scan, "Which scan, counted from 0 (default: the first)")
+      ->check(CLI::NonNegativeNumber);
+  command->add_option("--out", options.out, "Page to write (.html)")->required();
+  command->footer(
+      "Writes one page with H, Z and the filter's mask of every layer, the terms of the objective\n"
+      "and, if the recording has all rows, the error of every layer.");
+}
+
+int inspect_command(const InspectOptions& options) {
+  const UpsamplingPlan plan = plan_upsampling({options.input, options.sensor, options.weights, 0});
+  nn::SuperResolver network = nn::SuperResolver::load(options.weights);
+  const RangeImage scan = scan_of(options, plan.recording_sensor);
+  LayersReport report;
+  report.recording = options.input;
+  report.weights = options.weights;
+  report.scan = options.scan;
+  report.max_range_m = network.sensor().max_range_m;
+  report.measured = plan.rows ? select_rows(scan, *plan.rows) : scan;
+  if (scan.rows == network.sensor().rows()) report.truth = scan;
+  report.result = network.run(report.measured, &report.trace);
+  std::ofstream file(options.out, std::ios::binary);
+  file << layers_html(report);
+  if (!file.flush()) throw Error(fmt::format("{}: cannot write", options.out));
+  fmt::print("results: {}\n", options.out);
+  return kOk;
+}
+
+}  // namespace hqslam::tools

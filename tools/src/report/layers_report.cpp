@@ -1,0 +1,107 @@
+#include "report/layers_report.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "hqslam/core/image_error.h"
+#include "hqslam/core/png.h"
+#include "report/chart.h"
+#include "report/density_image.h"
+#include "report/report_style.h"
+
+namespace hqslam::tools {
+namespace {
+
+using Pixel = std::array<std::uint8_t, 3>;
+
+constexpr Pixel kRejected = {235, 60, 50};
+
+std::string image_html(const RgbImage& image, const std::string& caption) {
+  return fmt::format(
+      "<figure><img alt=\"{0}\" src=\"data:image/png;base64,{1}\"><figcaption>{0}</figcaption>"
+      "</figure>\n",
+      escape_html(caption), base64(encode_png(image)));
+}
+
+std::string range_html(const RangeImage& image, double max_range_m, const std::string& caption) {
+  return image_html(color_by_range(image, max_range_m), caption);
+}
+
+/// Grey where the filter keeps a pixel, red where it rejects it, black without a return.
+RgbImage mask_image(const RangeImage& filtered, const std::vector<std::uint8_t>& rejected) {
+  RgbImage image{filtered.rows, filtered.columns, {}};
+  for (std::size_t i = 0; i < filtered.range_m.size(); ++i) {
+    const std::uint8_t grey = filtered.range_m[i] > 0.0F ? 150 : 0;
+    image.pixels.push_back(rejected[i] != 0 ? kRejected : Pixel{grey, grey, grey});
+  }
+  return image;
+}
+
+/// White where a range is right, darker red the farther it is off (0.1 m to 10 m, logarithmic).
+RgbImage error_image(const RangeImage& image, const RangeImage& truth) {
+  RgbImage colours{image.rows, image.columns, {}};
+  for (std::size_t i = 0; i < image.range_m.size(); ++i) {
+    const double error_m = std::abs(image.range_m[i] - truth.range_m[i]);
+    const double share = std::clamp(0.5 + 0.5 * std::log10(std::max(error_m, 1e-3)), 0.0, 1.0);
+    colours.pixels.push_back({static_cast<std::uint8_t>(255.0 - 75.0 * share),
+                              static_cast<std::uint8_t>(255.0 - 235.0 * share),
+                              static_cast<std::uint8_t>(255.0 - 215.0 * share)});
+  }
+  return colours;
+}
+
+std::string layer_html(const LayersReport& report, std::size_t index) {
+  const nn::LayerTrace& layer = report.trace.layers[index];
+  std::string html = fmt::format(
+      "<h2>Layer {}, b = {:.3f}</h2>\n<p class=\"quiet\">data {:.0f} m², denoiser gap {:.0f} m², "
+      "filter gap {:.1f} m², {} pixels rejected (terms of eq. 3)</p>\n",
+      index + 1, layer.penalty, layer.objective.data_m2, layer.objective.denoiser_gap_m2,
+      layer.objective.filter_gap_m2, layer.objective.rejected);
+  html += range_html(layer.h, report.max_range_m, "H: data consistency (eq. 10a)");
+  html += range_html(layer.z, report.max_range_m, "Z: denoiser (eq. 10b)");
+  html += image_html(mask_image(layer.h, layer.rejected),
+                     "Q of H: rejected pixels in red; there Y takes Z (eq. 10c)");
+  if (report.truth) {
+    html +=
+        image_html(error_image(layer.z, *report.truth),
+                   fmt::format("Z against the truth, mean error {:.2f} m: white 0.1 m and less, "
+                               "dark red 10 m and more",
+                               image_error(layer.z, *report.truth).mae_all_m));
+  }
+  return html;
+}
+
+std::string result_html(const LayersReport& report) {
+  std::string html = "<h2>Result</h2>\n";
+  html += image_html(mask_image(report.trace.layers.back().z, report.trace.rejected),
+                     "Q of the last Z: rejected pixels in red");
+  html += range_html(report.result, report.max_range_m,
+                     "Result: measured rows restored, rejected pixels empty");
+  if (report.truth) html += range_html(*report.truth, report.max_range_m, "Truth");
+  return html;
+}
+
+}  // namespace
+
+std::string layers_html(const LayersReport& report) {
+  std::string html = fmt::format(
+      "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n<meta name=\"viewport\" "
+      "content=\"width=device-width, initial-scale=1\">\n<title>Layers of scan {0}</title>\n<style>"
+      "{1}\nfigure {{ margin: .75rem 0; }}\nfigure img {{ width: 100%; height: 8rem; display: "
+      "block; image-rendering: pixelated; }}\nfigcaption {{ color: var(--quiet); font-size: "
+      ".85rem; "
+      "}}\n</style></head><body>\n<h1>Scan {0}, layer by layer</h1>\n<p class=\"quiet\">{2}, "
+      "lifted "
+      "by {3}. Bright is near, dark blue far, black without a return.</p>\n",
+      report.scan, kReportStyle, escape_html(report.recording), escape_html(report.weights));
+  html += range_html(report.measured, report.max_range_m, "Measured rows (L)");
+  html += range_html(report.trace.start, report.max_range_m, "Start (Z and Y before layer 1)");
+  for (std::size_t layer = 0; layer < report.trace.layers.size(); ++layer) {
+    html += layer_html(report, layer);
+  }
+  return html + result_html(report) + "</body></html>\n";
+}
+
+}  // namespace hqslam::tools

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "hqslam/core/range_image.h"
+#include "hqslam/nn/hqs/super_resolver.h"
+
+namespace hqslam::tools {
+
+/// One scan on its way through a network.
+struct LayersReport {
+  std::string recording;
+  std::string weights;
+  std::int64_t scan = 0;
+  double max_range_m = 120.0;       ///< of the colours
+  RangeImage measured;              ///< the measured rows
+  std::optional<RangeImage> truth;  ///< all rows, if the recording has them
+  nn::Trace trace;
+  RangeImage result;
+};
+
+/// A page that needs no other file: start, then H, Z and the filter's mask of every layer, the
+/// terms of the objective, the result and, with the truth, how far Z is from it.
+std::string layers_html(const LayersReport& report);
+
+}  // namespace hqslam::tools
