@@ -274,6 +274,10 @@ void UnrolledNetwork::backward(const UnrolledState& state, std::span<const Tenso
     throw Error(fmt::format("network: a state that kept {} of {} layers, expected all of them",
                             state.slots.size(), description_.layers));
   }
+  if (d_z.empty() || static_cast<int>(d_z.size()) > description_.layers) {
+    throw Error(fmt::format("network: gradients of {} layers, expected of 1 to {}", d_z.size(),
+                            description_.layers));
+  }
   const bool simple = description_.kind == NetworkKind::kSimpleDu;
   const Denoiser& any = *denoisers_.front();
   const int pixels = any.tile().pixels();
