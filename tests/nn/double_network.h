@@ -174,10 +174,12 @@ inline Image u_shaped(const UShapedDenoiserShape& shape, const Start& s, const I
 /// What each layer's filter rejects, rows x columns.
 using Masks = std::vector<std::vector<std::uint8_t>>;
 
-/// The last layer's Z, rows x columns, in units of range_scale_m. `rejected`: the filter's
-/// decisions, empty for none.
-inline std::vector<double> last_z(const NetworkDescription& d, std::span<const double> parameters,
-                                  const RangeImage& measured, const Masks& rejected = {}) {
+/// Each layer's Z, rows x columns, in units of range_scale_m. `rejected`: the filter's decisions.
+inline std::vector<std::vector<double>> layers_z(const NetworkDescription& d,
+                                                 std::span<const double> parameters,
+                                                 const RangeImage& measured,
+                                                 const Masks& rejected) {
+  std::vector<std::vector<double>> all;
   const bool simple = d.kind == NetworkKind::kSimpleDu;
   const Start s = start(d, measured, !simple);
   const TileSize tile = d.u_shaped.tile;
@@ -212,13 +214,14 @@ inline std::vector<double> last_z(const NetworkDescription& d, std::span<const d
     } else {
       z = u_shaped(d.u_shaped, s, h, memory, next);
       y = d.filtered == FilteredIterate::kH ? h : z;
-      for (std::size_t i = 0; i < y.values.size() && !rejected.empty(); ++i) {
+      for (std::size_t i = 0; i < y.values.size(); ++i) {
         if (rejected[layer][i] == 0) continue;
         y.values[i] = d.rejected == RejectedPixel::kZero ? 0.0 : z.values[i];
       }
     }
+    all.push_back(z.values);
   }
-  return z.values;
+  return all;
 }
 
 }  // namespace hqslam::nn::plain

@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <set>
 
 #include "../error_message.h"
 #include "small_network.h"
@@ -127,6 +128,49 @@ TEST_CASE("another seed trains other bytes") {
   CHECK(trainer.state().parameters != trained(description, 2, 1).parameters);
 }
 
+TEST_CASE("the gradient and the loss of a batch are means: equal samples give those of one") {
+  const NetworkDescription description = small_du_or();
+  RangeImage rings(16, 64);  // the same from every side, so that turning it changes nothing
+  for (int i = 0; i < 16 * 64; ++i) rings.range_m[i] = 30.0F - static_cast<float>(i / 64);
+  TrainingPlan plan = small_plan();
+  plan.augmentation = {.smallest_scale = 1.0F, .largest_scale = 1.0F};
+  TrainingStep steps[2];
+  for (const int batch : {1, 5}) {
+    plan.batch = batch;
+    Trainer trainer(description, plan, {rings}, fresh_state(description), 1);
+    steps[batch / 5] = trainer.step();
+  }
+  CHECK(steps[1].loss_m == doctest::Approx(steps[0].loss_m).epsilon(1e-6));
+  CHECK(steps[1].gradient_norm == doctest::Approx(steps[0].gradient_norm).epsilon(1e-5));
+}
+
+TEST_CASE("every step draws samples of its own") {
+  const NetworkDescription description = small_du_or();
+  TrainingPlan plan = small_plan();
+  plan.learning_rate = 1e-30F;  // the network stays as it is
+  Trainer trainer(description, plan, scans(), fresh_state(description), 1);
+  std::set<double> losses_m;
+  for (int i = 0; i < 8; ++i) losses_m.insert(trainer.step().loss_m);
+  const std::vector<float> before = fresh_state(description).parameters;
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    REQUIRE(std::fabs(trainer.state().parameters[i] - before[i]) < 1e-20);
+  }
+  CHECK(losses_m.size() == 8);
+}
+
+TEST_CASE("without a share in the loss inner layers only serve the last one") {
+  const NetworkDescription description = small_du_or();
+  TrainingPlan plan = small_plan();
+  std::vector<TrainingStep> steps;
+  for (const float share : {0.0F, 1.0F}) {
+    plan.layer_loss_share = share;
+    Trainer trainer(description, plan, scans(), fresh_state(description), 1);
+    steps.push_back(trainer.step());
+  }
+  CHECK(steps[0].loss_m == steps[1].loss_m);  // it is the last layer's
+  CHECK(steps[0].gradient_norm < steps[1].gradient_norm);
+}
+
 TEST_CASE(
     "a step reports the loss before it, the unclipped norm, and moves no parameter by more "
     "than the learning rate allows") {
@@ -169,6 +213,9 @@ TEST_CASE("plans that cannot be followed are refused with the field and the valu
   plan = small_plan();
   plan.learning_rate = std::nanf("");
   CHECK(test::one_line_with(plan_message(plan), "learning_rate"));
+  plan = small_plan();
+  plan.layer_loss_share = -0.1F;
+  CHECK(test::one_line_with(plan_message(plan), "layer_loss_share is -0.1"));
   plan = small_plan();
   plan.augmentation.crop_columns = 65;
   CHECK(test::one_line_with(plan_message(plan), "crop_columns is 65"));

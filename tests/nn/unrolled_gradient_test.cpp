@@ -14,12 +14,16 @@ struct Problem {
   NetworkDescription description;
   RangeImage measured;
   std::vector<float> parameters;
-  std::vector<float> direction;  ///< loss = sum of direction times Z, rows x columns
+  /// loss = sum of direction times Z over the last layers, rows x columns each.
+  std::vector<std::vector<float>> directions;
 };
 
-Problem problem(const NetworkDescription& description, int columns, std::uint32_t seed) {
-  Problem p{description, RangeImage(4, columns), initial_parameters(description, seed),
-            random_values(seed + 1, 16 * columns)};
+Problem problem(const NetworkDescription& description, int columns, std::uint32_t seed,
+                int layers_in_loss = 1) {
+  Problem p{description, RangeImage(4, columns), initial_parameters(description, seed), {}};
+  for (int i = 0; i < layers_in_loss; ++i) {
+    p.directions.push_back(random_values(seed + 1 + i, 16 * columns));
+  }
   const RangeImage scene = select_rows(small_scene(), description.measured_rows);
   for (int row = 0; row < 4; ++row) {
     for (int column = 0; column < columns; ++column) {
@@ -36,7 +40,7 @@ Problem problem(const NetworkDescription& description, int columns, std::uint32_
 }
 
 struct EngineResult {
-  std::vector<float> z;
+  std::vector<std::vector<float>> z;  ///< of each layer
   std::vector<float> gradient;
   plain::Masks rejected;
 };
@@ -48,20 +52,26 @@ EngineResult engine(const Problem& p, InstructionSet instruction_set) {
   network.start(p.measured, state);
   network.forward(state);
   network.finish_last_layer(state);
-  Tensor d_z = state.z0;
-  to_tiles(p.direction.data(), tile_of(p.description), d_z);
-  EngineResult result{image_of(p.description, state.slots.back().denoiser.z),
-                      std::vector<float>(p.parameters.size()),
-                      {}};
-  network.backward(state, std::span(&d_z, 1), result.gradient);
-  for (const LayerState& layer : state.slots) result.rejected.push_back(layer.rejected);
+  std::vector<Tensor> d_z(p.directions.size(), state.z0);
+  for (std::size_t i = 0; i < d_z.size(); ++i) {
+    to_tiles(p.directions[i].data(), tile_of(p.description), d_z[i]);
+  }
+  EngineResult result{{}, std::vector<float>(p.parameters.size()), {}};
+  network.backward(state, d_z, result.gradient);
+  for (const LayerState& layer : state.slots) {
+    result.z.push_back(image_of(p.description, layer.denoiser.z));
+    result.rejected.push_back(layer.rejected);
+  }
   return result;
 }
 
 double loss(const Problem& p, const std::vector<double>& parameters, const plain::Masks& rejected) {
-  const std::vector<double> z = plain::last_z(p.description, parameters, p.measured, rejected);
+  const auto z = plain::layers_z(p.description, parameters, p.measured, rejected);
   double sum = 0.0;
-  for (std::size_t i = 0; i < z.size(); ++i) sum += z[i] * p.direction[i];
+  for (std::size_t n = 0; n < p.directions.size(); ++n) {
+    const std::vector<double>& of_layer = z[z.size() - p.directions.size() + n];
+    for (std::size_t i = 0; i < of_layer.size(); ++i) sum += of_layer[i] * p.directions[n][i];
+  }
   return sum;
 }
 
@@ -106,13 +116,17 @@ void check_gradients(const Problem& p, int each, const EngineResult& result) {
 
 void check_network(const Problem& p, int each) {
   const std::vector<double> parameters(p.parameters.begin(), p.parameters.end());
-  for (const InstructionSet any : available_instruction_sets()) {
-    CAPTURE(name(any));
-    const EngineResult result = engine(p, any);
-    const std::vector<double> expected =
-        plain::last_z(p.description, parameters, p.measured, result.rejected);
-    CHECK(relative_error(result.z, expected) < 1e-4);
-    if (any == chosen_instruction_set()) check_gradients(p, each, result);
+  const EngineResult chosen = engine(p, chosen_instruction_set());
+  const auto expected = plain::layers_z(p.description, parameters, p.measured, chosen.rejected);
+  for (std::size_t layer = 0; layer < expected.size(); ++layer) {
+    CHECK(relative_error(chosen.z[layer], expected[layer]) < 1e-4);
+  }
+  check_gradients(p, each, chosen);
+  for (const InstructionSet other : available_instruction_sets()) {
+    CAPTURE(name(other));
+    const EngineResult result = engine(p, other);
+    CHECK(relative_error(result.z.back(), expected.back()) < 1e-4);
+    CHECK(relative_error(result.gradient, chosen.gradient) < 1e-4);
   }
 }
 
@@ -122,18 +136,18 @@ TEST_CASE("DU-OR and its gradients equal a naive network in double precision") {
   check_network(problem(small_du_or(), 64, 21), 4);
 }
 
-TEST_CASE("the same holds for cut-outs, three levels, other tiles, and leaky activations") {
+TEST_CASE("the same holds for a loss on both layers, cut-outs, three levels and other tiles") {
   NetworkDescription d = small_du_or();
   d.layers = 2;
   d.u_shaped = {.tile = {2, 4}, .channels = {5, 3, 4}, .memory = 2, .negative_slope = 0.2F};
-  check_network(problem(d, 32, 22), 4);
+  check_network(problem(d, 32, 22, 2), 4);
 }
 
-TEST_CASE("the same holds without memory and with shared weights") {
+TEST_CASE("the same holds for a loss on all layers without memory and with shared weights") {
   NetworkDescription d = small_du_or();
   d.shared_weights = true;
   d.u_shaped.memory = 0;
-  check_network(problem(d, 32, 23), 4);
+  check_network(problem(d, 32, 23, 3), 4);
 }
 
 TEST_CASE("the same holds for every way to use what the filter rejects") {
@@ -145,7 +159,7 @@ TEST_CASE("the same holds for every way to use what the filter rejects") {
       d.rejected = pixel;
       CAPTURE(static_cast<int>(iterate));
       CAPTURE(static_cast<int>(pixel));
-      check_network(problem(d, 32, 24), 2);
+      check_network(problem(d, 32, 24, 3), 2);
     }
   }
 }
@@ -154,10 +168,10 @@ TEST_CASE("Simple DU and its gradients equal a naive network in double precision
   check_network(problem(small_simple_du(), 32, 25), 6);
 }
 
-TEST_CASE("Simple DU with weights of its own in each layer too") {
+TEST_CASE("Simple DU with weights of its own and a loss in each layer too") {
   NetworkDescription d = small_simple_du();
   d.shared_weights = false;
-  check_network(problem(d, 32, 26), 3);
+  check_network(problem(d, 32, 26, 3), 3);
 }
 
 }  // namespace hqslam::nn

@@ -148,6 +148,36 @@ TEST_CASE("what was in the state before does not matter, backwards neither") {
   }
 }
 
+TEST_CASE("what stands in the borders of d loss / d Z does not matter") {
+  for (const NetworkDescription& description : {filtered(small_du_or()), small_simple_du()}) {
+    const std::vector<float> parameters = parameters_for(description, 8);
+    UnrolledNetwork network(description, 40, chosen_instruction_set(), 1);
+    network.set_parameters(parameters);
+    UnrolledState state = network.make_state();
+    RangeImage measured(4, 40);
+    for (int i = 0; i < 4 * 40; ++i) measured.range_m[i] = small_scene().range_m[i];
+    network.start(measured, state);
+    network.forward(state);
+    std::vector<Tensor> d_z(1, state.z0);
+    fill_random(1, d_z[0]);
+    std::vector<float> clean(parameters.size());
+    network.backward(state, d_z, clean);
+    for (int c = 0; c < d_z[0].channels(); ++c) {
+      for (int y = 0; y < d_z[0].rows(); ++y) {
+        float* row = d_z[0].row(c, y);
+        std::fill(row - Tensor::kBorderColumns, row, 1e6F);
+        std::fill(row + d_z[0].columns(), row + d_z[0].padded_columns() + Tensor::kBorderColumns,
+                  1e6F);
+      }
+    }
+    std::vector<float> soiled(parameters.size());
+    network.backward(state, d_z, soiled);
+    CHECK(soiled == clean);
+    CHECK_THROWS_AS(network.backward(state, {}, soiled), Error);
+    CHECK_THROWS_AS(network.backward(state, std::vector<Tensor>(4, state.z0), soiled), Error);
+  }
+}
+
 TEST_CASE("the first layers do not depend on how many come after them") {
   NetworkDescription description = filtered(small_du_or());
   const std::vector<float> parameters = parameters_for(description, 3);
