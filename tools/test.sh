@@ -30,9 +30,11 @@ cmake --build --preset release -j "$jobs"
 step "Tests"
 ctest --preset release -j "$jobs"
 
-step "core alone"
-cmake --preset core-only -Wno-dev >/dev/null
-cmake --build --preset core-only -j "$jobs"
+step "core alone, core and nn alone"
+for preset in core-only nn-only; do
+  cmake --preset "$preset" -Wno-dev >/dev/null
+  cmake --build --preset "$preset" -j "$jobs"
+done
 
 step "Format"
 if command -v clang-format >/dev/null; then
@@ -50,7 +52,7 @@ if command -v clang-tidy >/dev/null; then
   if [[ "$(cat build/release/clang-tidy-passed 2>/dev/null)" == "$state" ]]; then
     echo "clang-tidy: no file changed since it last passed"
   else
-    sources '*.cpp' | grep -E '^(\./)?(core|slam)/src/' |
+    sources '*.cpp' | grep -E '^(\./)?(core|nn|slam)/src/' |
       xargs grep -L -E '#include [<"](pcl|ceres|omp\.h)' |
       xargs -P "$jobs" -n 3 clang-tidy --quiet -p build/release --extra-arg=-fno-openmp 2>/dev/null
     echo "$state" >build/release/clang-tidy-passed
