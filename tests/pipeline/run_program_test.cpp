@@ -257,15 +257,21 @@ TEST_CASE("bench --cpu says which instruction set is in use and lets the environ
   unsetenv("HQSLAM_INSTRUCTION_SET");
 }
 
-TEST_CASE("the demo ends with a table of both runs and a report for each") {
+TEST_CASE("the demo ends with a table of every way through the drive and a report for each") {
   const TemporaryDirectory folder;
   const ProgramResult result = run_hqslam("demo --out '" + folder.path().string() + "'");
   CAPTURE(result.error);
+  CAPTURE(result.out);
   REQUIRE(result.status == 0);
-  for (const char* rows : {"64", "16"}) {
-    CAPTURE(rows);
-    CHECK(result.out.find(fmt::format("\n{:>6}{:>8}", rows, 200)) != std::string::npos);
-    const std::string report = fmt::format("rows-{}/report.html", rows);
+  std::vector<std::pair<std::string, std::string>> ways = {
+      {"64 beams", "rows-64"}, {"16 beams", "rows-16"}, {"16 -> 64, linear", "linear"}};
+  if (result.out.find("Without DU-OR") == std::string::npos) {
+    ways.emplace_back("16 -> 64, DU-OR", "du-or");
+  }
+  for (const auto& [name, results] : ways) {
+    CAPTURE(name);
+    CHECK(result.out.find(fmt::format("\n{:<18}{:>7}", name, 200)) != std::string::npos);
+    const std::string report = results + "/report.html";
     CHECK(result.out.find(report) != std::string::npos);
     CHECK(fs::exists(folder.file(report)));
   }
