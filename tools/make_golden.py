@@ -227,6 +227,7 @@ def make_adamw():
 ROWS, COLUMNS, LAYERS = 16, 64, 3
 FIRST_ROW, ROW_STRIDE = 3, 4
 RANGE_SCALE_M = 80.0
+MIN_RANGE_M = 0.5
 # The sensor of tests/nn/small_network.h.
 ELEVATION_RAD = numpy.radians(6.0 - 1.5 * numpy.arange(ROWS))
 COLUMN_STEP_RAD = 2.0 * numpy.pi / COLUMNS
@@ -244,6 +245,7 @@ def scene_m():
 
 def rejected_pixels(ranges, min_angle_rad, min_pixels):
     """Breadth-first search over the four neighbours (Bogoslavskyi & Stachniss)."""
+    ranges = numpy.where(ranges >= MIN_RANGE_M / RANGE_SCALE_M, ranges, 0.0)
     measured = (numpy.arange(ROWS) - FIRST_ROW) % ROW_STRIDE == 0
     seen = numpy.zeros((ROWS, COLUMNS), bool)
     rejected = numpy.zeros((ROWS, COLUMNS), bool)

@@ -270,9 +270,11 @@ TEST_CASE("Y is H or Z, and Z or 0 where the filter rejects, as the description 
         const std::vector<float> z = image_of(d, layer.denoiser.z);
         const std::vector<float> y = image_of(d, layer.y);
         const std::vector<float>& source = iterate == FilteredIterate::kH ? h : z;
+        std::vector<float> seen = source;  // nearer than 0.5 m the sensor sees nothing
+        for (float& range : seen) range = range >= 0.5F / 80.0F ? range : 0.0F;
         std::vector<std::uint8_t> expected_mask(y.size());
         OutlierRemoval(d.sensor, d.measured_rows, d.filter, 64)
-            .find(source.data(), expected_mask.data());
+            .find(seen.data(), expected_mask.data());
         REQUIRE(layer.rejected == expected_mask);
         int rejected = 0;
         for (std::size_t i = 0; i < y.size(); ++i) {

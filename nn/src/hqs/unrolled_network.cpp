@@ -176,6 +176,10 @@ void UnrolledNetwork::remove_outliers(UnrolledState& state, int layer) {
   const bool of_h = description_.filtered == FilteredIterate::kH;
 #pragma omp parallel num_threads(threads_)
   from_tiles(of_h ? current.denoiser.input : current.denoiser.z, tile, state.raster.data());
+  // What is nearer than the sensor can see is no return.
+  const auto nearest =
+      static_cast<float>(description_.sensor.min_range_m) / description_.range_scale_m;
+  for (float& range : state.raster) range = range >= nearest ? range : 0.0F;
   filter_.find(state.raster.data(), current.rejected.data(), threads_);  // eq. 10c
 #pragma omp parallel num_threads(threads_)
   set_y(current);

@@ -130,7 +130,7 @@ void correlate(const CorrelateRow& row) {
 
 typedef std::int32_t IntVector __attribute__((vector_size(kVectorFloats * sizeof(float))));
 
-/// e^v for v <= 0, relative error below 3e-7; 0 below -87. v = n ln 2 + f with |f| <= ln 2 / 2,
+/// e^v for v <= 0, relative error below 3e-7; e^-87 below -87. v = n ln 2 + f with |f| <= ln 2 / 2,
 /// e^f by its Taylor series up to f^7, 2^n by writing n into the exponent.
 inline Vector exponential(Vector v) {
   const Vector lowest = Vector{} - 87.0F;

@@ -4,15 +4,15 @@
 
 namespace hqslam::nn {
 
-double l1_loss(const Tensor& z, const Tensor& truth, TileSize tile, RowSelection measured_rows,
-               float share, Tensor& d_z) {
+double l1_loss(const Tensor& z, const Tensor& truth, TileSize tile,
+               std::optional<RowSelection> restored_rows, float share, Tensor& d_z) {
   const double pixels = static_cast<double>(tile.pixels()) * z.rows() * z.columns();
   const auto weight = static_cast<float>(share / pixels);
   double sum = 0.0;
   for (int channel = 0; channel < tile.pixels(); ++channel) {
     for (int row = 0; row < z.rows(); ++row) {
       float* gradient = d_z.row(channel, row);
-      if (measured(tile, measured_rows, channel, row)) {
+      if (restored_rows && measured(tile, *restored_rows, channel, row)) {
         for (int x = 0; x < z.columns(); ++x) gradient[x] = 0.0F;
         continue;
       }

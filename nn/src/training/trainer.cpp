@@ -148,9 +148,9 @@ void Trainer::Implementation::run_sample(Worker& worker, int place) {
   worker.network.forward(worker.state, random.bits() >> 20);
   for (int layer = 0; layer < description.layers; ++layer) {
     const bool last = layer + 1 == description.layers;
-    losses[place] =
-        l1_loss(worker.state.layer(layer).denoiser.z, worker.truth, tile, description.measured_rows,
-                last ? 1.0F : plan.layer_loss_share, worker.d_z[layer]);
+    losses[place] = l1_loss(worker.state.layer(layer).denoiser.z, worker.truth, tile,
+                            last ? std::optional(description.measured_rows) : std::nullopt,
+                            last ? 1.0F : plan.layer_loss_share, worker.d_z[layer]);
   }
   std::fill(gradients[place].begin(), gradients[place].end(), 0.0F);
   worker.network.backward(worker.state, worker.d_z, gradients[place]);
