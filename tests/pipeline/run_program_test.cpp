@@ -270,10 +270,11 @@ TEST_CASE("the demo ends with a table of every way through the drive and a repor
   }
   for (const auto& [name, results] : ways) {
     CAPTURE(name);
-    CHECK(result.out.find(fmt::format("\n{:<18}{:>7}", name, 200)) != std::string::npos);
+    CHECK(result.out.find(fmt::format("\n{:<18}{:>14}", name, 200)) != std::string::npos);
     const std::string report = results + "/report.html";
     CHECK(result.out.find(report) != std::string::npos);
     CHECK(fs::exists(folder.file(report)));
+    CHECK(file_contents(folder.file("demo.html")).find(report) != std::string::npos);
   }
 }
 

@@ -1,0 +1,127 @@
+#include <doctest/doctest.h>
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "hqslam/nn/hqs/weights_file.h"
+#include "program.h"
+
+namespace hqslam::test {
+namespace {
+
+bool holds(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+/// A network that trains in a second; `change` replaces text in its configuration.
+std::string small_configuration(const std::string& from = "", const std::string& to = "") {
+  std::string text = R"({
+    "network": {"kind": "du-or", "layers": 2, "sensor": "os1-64", "measured_rows": 16,
+                "denoiser": {"channels": [8, 8], "memory": 2}},
+    "training": [{"drive": "block", "seeds": [5], "scans": 4, "every": 2}],
+    "validation": [{"drive": "block", "seeds": [6], "scans": 1}],
+    "steps": 4, "batch": 2, "augmentation": {"crop_columns": 64}, "validate_every": 2
+  })";
+  if (!from.empty()) text.replace(text.find(from), from.size(), to);
+  return text;
+}
+
+ProgramResult train(const TemporaryDirectory& folder, const std::string& configuration,
+                    const std::string& out) {
+  std::ofstream(folder.file("recipe.json")) << configuration;
+  return run_hqslam(
+      fmt::format("train --config '{}' --out '{}'", folder.file("recipe.json"), folder.file(out)));
+}
+
+}  // namespace
+
+TEST_CASE("training leaves weights that load, a checkpoint and a learning curve") {
+  const TemporaryDirectory folder;
+  const ProgramResult first = train(folder, small_configuration(), "a");
+  REQUIRE(first.status == 0);
+  CHECK(holds(first.out, "2 training scans, 1 validation scans, from step 0"));
+  CHECK(holds(first.out, "step       2/4"));
+  CHECK(holds(first.out, "step       4/4"));
+  const nn::Weights weights = nn::read_weights(folder.file("a/weights.npz"));
+  CHECK_NOTHROW(nn::check_self_test(weights, "a"));
+  CHECK(weights.description.layers == 2);
+  CHECK(nlohmann::json::parse(weights.training)["configuration"]["steps"] == 4);
+  CHECK(file_contents(folder.file("a/curve.svg")).starts_with("<svg"));
+  CHECK(std::filesystem::exists(folder.file("a/checkpoint.npz")));
+
+  // The same again gives the same bytes; a finished training has nothing left to do.
+  REQUIRE(train(folder, small_configuration(), "b").status == 0);
+  const std::string bytes = file_contents(folder.file("a/weights.npz"));
+  CHECK(file_contents(folder.file("b/weights.npz")) == bytes);
+  const ProgramResult again = train(folder, small_configuration(), "a");
+  CHECK(again.status == 0);
+  CHECK(holds(again.out, "from step 4"));
+  CHECK(file_contents(folder.file("a/weights.npz")) == bytes);
+
+  // Another recipe does not go on from this checkpoint.
+  const ProgramResult other =
+      train(folder, small_configuration("\"batch\": 2", "\"batch\": 3"), "a");
+  CHECK(other.status == 2);
+  CHECK(holds(other.error, "another training configuration"));
+}
+
+TEST_CASE("a wrong recipe is one line on stderr and status 2") {
+  const TemporaryDirectory folder;
+  const ProgramResult unknown =
+      train(folder, small_configuration("\"steps\": 4", "\"stepz\": 4"), "a");
+  CHECK(unknown.status == 2);
+  CHECK(holds(unknown.error, "unknown field 'stepz'"));
+  const ProgramResult stack =
+      train(folder,
+            small_configuration(R"({"drive": "block", "seeds": [5], "scans": 4, "every": 2})",
+                                R"({"stack": "$HQSLAM_NO_SUCH_FOLDER/a.npy"})"),
+            "a");
+  CHECK(stack.status == 2);
+  CHECK(holds(stack.error, "HQSLAM_NO_SUCH_FOLDER is not set"));
+  CHECK(run_hqslam("train --config /nowhere.json --out '" + folder.file("a") + "'").status == 2);
+}
+
+TEST_CASE("compare puts interpolation and networks side by side, inspect shows the layers") {
+  const TemporaryDirectory folder;
+  REQUIRE(train(folder, small_configuration(), "a").status == 0);
+  const std::string weights = folder.file("a/weights.npz");
+  const std::string drive = folder.file("drive");
+  REQUIRE(
+      run_hqslam("simulate --drive block --sensor os1-64 --scans 2 --seed 9 --out '" + drive + "'")
+          .status == 0);
+  const ProgramResult compared = run_hqslam(fmt::format("compare '{}' --weights '{}' --json '{}'",
+                                                        drive, weights, folder.file("table.json")));
+  REQUIRE(compared.status == 0);
+  for (const char* row : {"| nearest |", "| linear |", "| inverse |", "| du-or, no filter |",
+                          "| du-or |", "2 scans of", "chance in the data"}) {
+    CAPTURE(row);
+    CHECK(holds(compared.out, row));
+  }
+  const auto table = nlohmann::json::parse(file_contents(folder.file("table.json")));
+  REQUIRE(table["methods"].size() == 5);
+  CHECK(table["scans"] == 2);
+  CHECK(table["methods"][1]["mae_all_m"] > 0.0);
+  CHECK(table["methods"][4]["good_lost_share"] >= 0.0);
+
+  const ProgramResult filters =
+      run_hqslam(fmt::format("compare '{}' --weights '{}' --filters", drive, weights));
+  CHECK(filters.status == 0);
+  CHECK(holds(filters.out, "| 10 | 20 |"));
+
+  const ProgramResult inspected =
+      run_hqslam(fmt::format("inspect '{}' --weights '{}' --scan 1 --out '{}'", drive, weights,
+                             folder.file("layers.html")));
+  CHECK(inspected.status == 0);
+  const std::string page = file_contents(folder.file("layers.html"));
+  CHECK(holds(page, "Layer 2"));
+  CHECK_FALSE(holds(page, "Layer 3"));
+  CHECK(run_hqslam(fmt::format("inspect '{}' --weights '{}' --scan 2 --out '{}'", drive, weights,
+                               folder.file("none.html")))
+            .status == 2);
+  CHECK_FALSE(std::filesystem::exists(folder.file("none.html")));
+}
+
+}  // namespace hqslam::test
