@@ -6,17 +6,21 @@
 #include <CLI/Formatter.hpp>
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "exit_status.h"
+#include "hqslam/core/error.h"
+#include "hqslam/core/npy.h"
 #include "hqslam/core/scan_source.h"
 #include "installed_weights.h"
 #include "interrupt.h"
 #include "progress.h"
 #include "recording_sensor.h"
+#include "report/demo_report.h"
 #include "run_command.h"
 #include "simulate_command.h"
 #include "timing_statistics.h"
@@ -104,41 +108,85 @@ std::string ape_text(const RunResult& result) {
 }
 
 /// The four columns about the images.
-std::string score_text(const std::optional<UpsamplingScore>& score) {
-  constexpr const char* kColumns = "{:>10}{:>11}{:>10}{:>14}";
+std::vector<std::string> score_cells(const std::optional<UpsamplingScore>& score) {
   if (!score) {
-    return fmt::format(fmt::runtime(kColumns), "-", "-", "-", "-");
+    return {"-", "-", "-", "-"};
   }
-  return fmt::format(fmt::runtime(kColumns), fmt::format("{:.3f}", score->mae_all_m),
-                     fmt::format("{:.3f}", score->mae_valid_m),
-                     fmt::format("{:.2f} %", 100.0 * score->outlier_share),
-                     fmt::format("{:.1f}", 1e3 / score->upsampling_ms));
+  return {fmt::format("{:.3f}", score->mae_all_m), fmt::format("{:.3f}", score->mae_valid_m),
+          fmt::format("{:.2f} %", 100.0 * score->outlier_share),
+          fmt::format("{:.1f}", 1e3 / score->upsampling_ms)};
 }
 
-void print_table(const std::vector<DemoRow>& rows) {
-  fmt::print("{:<18}{:>7}{:>9}{:>10}{:>11}{:>10}{:>14}{:>10}{:>14}\n", "", "scans", "APE, m",
-             "MAE all", "MAE valid", "outliers", "upsampling/s", "SLAM, ms", "all, scans/s");
+DemoTable table_of(const std::vector<DemoRow>& rows) {
+  DemoTable table;
+  table.columns = {"scans",    "APE, m",       "MAE all",  "MAE valid",
+                   "outliers", "upsampling/s", "SLAM, ms", "all, scans/s"};
   for (const DemoRow& row : rows) {
     const SlamRun& run = row.result.run;
-    fmt::print("{:<18}{:>7}{:>9}{}{:>10.1f}{:>14.1f}\n", row.way.name, run.scans.size(),
-               ape_text(row.result), score_text(row.score), median_slam_ms(run),
-               scans_per_second(run));
+    std::vector<std::string> cells = {fmt::format("{}", run.scans.size()), ape_text(row.result)};
+    const std::vector<std::string> of_images = score_cells(row.score);
+    cells.insert(cells.end(), of_images.begin(), of_images.end());
+    cells.push_back(fmt::format("{:.1f}", median_slam_ms(run)));
+    cells.push_back(fmt::format("{:.1f}", scans_per_second(run)));
+    table.rows.push_back({row.way.name, row.way.folder + "/report.html", std::move(cells)});
   }
-  fmt::print(
-      "APE: absolute pose error (RMSE) against the true trajectory, SE(3)-aligned, {:.1f} m of "
-      "path\n"
-      "MAE: mean |range - true range| in metres, over all pixels and over those where both have a\n"
-      "     return; outliers: points farther than 0.5 m from the cloud of 64 beams\n"
-      "upsampling/s: scans per second of the upsampling alone; all: reading, upsampling and "
-      "SLAM\n\n",
-      path_length_m(rows.front().result.run.trajectory));
+  table.notes = {
+      fmt::format("APE: absolute pose error (RMSE) against the true trajectory, SE(3)-aligned; the "
+                  "path is {:.0f} m",
+                  path_length_m(rows.front().result.run.trajectory)),
+      "MAE: mean |range - true range| in metres, over all pixels and over those where both have a "
+      "return",
+      "outliers: share of points farther than 0.5 m from the cloud of 64 beams",
+      "upsampling/s: scans per second of the upsampling alone; all: reading, upsampling and SLAM"};
+  return table;
 }
 
-void print_reports(const std::vector<DemoRow>& rows, const std::filesystem::path& out) {
-  fmt::print("To look at, in any browser:\n");
-  for (const DemoRow& row : rows) {
-    fmt::print("  {}\n", (out / row.way.folder / "report.html").string());
+void print_table(const DemoTable& table) {
+  constexpr const char* kCell = "{:>14}";
+  fmt::print("{:<18}", "");
+  for (const std::string& column : table.columns) {
+    fmt::print(fmt::runtime(kCell), column);
   }
+  for (const DemoTable::Row& row : table.rows) {
+    fmt::print("\n{:<18}", row.name);
+    for (const std::string& cell : row.cells) {
+      fmt::print(fmt::runtime(kCell), cell);
+    }
+  }
+  fmt::print("\n");
+  for (const std::string& note : table.notes) {
+    fmt::print("{}\n", note);
+  }
+  fmt::print("\n");
+}
+
+/// The scan in the middle of the drive as every way sees it.
+std::vector<std::pair<std::string, RangeImage>> example_images(const std::string& drive,
+                                                               const std::vector<DemoRow>& rows) {
+  NpyStackReader stack(drive + "/scans.npy");
+  const RangeImage truth = stack.read(stack.images() / 2);
+  std::vector<std::pair<std::string, RangeImage>> images;
+  for (const DemoRow& row : rows) {
+    const RowSelection seen = selection_for(truth.rows, row.way.rows);
+    if (row.way.upsample.empty()) {
+      images.emplace_back(row.way.name, select_rows(truth, seen));
+      continue;
+    }
+    UpsamplingPlan plan = plan_upsampling({drive, "", row.way.upsample, row.way.rows});
+    images.emplace_back(row.way.name, plan.upsampler.run(select_rows(truth, seen)));
+  }
+  return images;
+}
+
+std::string write_page(const std::filesystem::path& out, const std::string& html) {
+  const std::string path = (out / "demo.html").string();
+  std::ofstream stream(path, std::ios::binary);
+  stream << html;
+  stream.close();
+  if (!stream) {
+    throw Error(fmt::format("{}: cannot be written; is the disk full?", path));
+  }
+  return path;
 }
 
 }  // namespace
@@ -187,11 +235,18 @@ int demo_command(const DemoOptions& options) {
   }
   fmt::print("A drive of {} scans through a simulated city, sensor {}.\n\n",
              rows.front().result.run.scans_in_recording, simulate.sensor);
-  print_table(rows);
+  const DemoTable table = table_of(rows);
+  print_table(table);
   if (!weights) {
     fmt::print("Without DU-OR: its weights, weights/{}, are not there.\n\n", kWeights);
   }
-  print_reports(rows, out);
+  const double max_range_m = required_recording_sensor(simulate.out, "").max_range_m;
+  const std::string page =
+      write_page(out, demo_html(table, example_images(simulate.out, rows), max_range_m));
+  fmt::print("To look at, in any browser:\n  {}\n", page);
+  for (const DemoTable::Row& row : table.rows) {
+    fmt::print("  {}\n", (out / row.report).string());
+  }
   return kOk;
 }
 
