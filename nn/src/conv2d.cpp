@@ -1,7 +1,10 @@
 #include "hqslam/nn/conv2d.h"
 
+#include <fmt/format.h>
+
 #include <utility>
 
+#include "hqslam/core/error.h"
 #include "kernels/bias.h"
 #include "kernels/strided_convolution.h"
 
@@ -36,6 +39,15 @@ void Conv2d::forward(const Tensor& input, const LayerEnd& end, Tensor& output) {
   Implementation& self = *implementation_;
   self.convolution.gather(input, {self.bias.data(), end.skip, end.negative_slope}, output,
                           self.scratch);
+}
+
+void Conv2d::forward_row(const Tensor& input, int row, float* output,
+                         std::int64_t channel_stride) const {
+  const Implementation& self = *implementation_;
+  if (self.shape.stride != 1) {
+    throw Error(fmt::format("conv2d: single rows with stride {}, expected 1", self.shape.stride));
+  }
+  self.convolution.gather_row(input, self.bias.data(), row, output, channel_stride, self.scratch);
 }
 
 void Conv2d::backward_input(const Tensor& d_output, const LayerEnd& end, Tensor& d_input) {

@@ -30,7 +30,7 @@ class PlainDenoiser final : public Denoiser {
   std::vector<ParameterShape> parameter_shapes() const override;
   std::vector<float> initial_parameters(std::uint64_t seed) const override;
   std::int64_t multiply_adds() const override;
-  DenoiserState make_state() const override;
+  DenoiserState make_state(bool for_backward) const override;
   void set_parameters(std::span<const float> parameters) override;
   void forward(const Candidates& candidates, DenoiserState& state,
                std::optional<std::uint64_t> dropout_seed) override;
@@ -54,7 +54,7 @@ PlainDenoiser::PlainDenoiser(const PlainDenoiserShape& shape, int rows, int colu
                              InstructionSet instruction_set, int threads)
     : shape_(shape), rows_(rows), columns_(columns) {
   validate(shape);
-  const DenoiserState state = make_state();
+  const DenoiserState state = make_state(true);
   for (int i = 0; i < shape.convolutions; ++i) {
     const Tensor& from = i == 0 ? state.input : state.hidden[i - 1];
     const Tensor& to = i + 1 == shape.convolutions ? state.z : state.hidden[i];
@@ -87,7 +87,7 @@ std::int64_t PlainDenoiser::multiply_adds() const {
   return elements(parameter_shapes()) * rows_ * columns_;
 }
 
-DenoiserState PlainDenoiser::make_state() const {
+DenoiserState PlainDenoiser::make_state(bool /*for_backward*/) const {
   DenoiserState state;
   state.input = Tensor(1, rows_, columns_, padding());
   for (int i = 0; i + 1 < shape_.convolutions; ++i) {

@@ -4,25 +4,33 @@
 
 namespace hqslam::nn {
 
+void select_row(const Candidates& candidates, const Tensor& h, TileSize tile,
+                InstructionSet instruction_set, int row, float* scores, std::int64_t channel_stride,
+                Tensor& z) {
+  const kernels::RowKernels& kernels = kernels::row_kernels(instruction_set);
+  const std::int64_t group_stride = tile.pixels() * channel_stride;
+  for (int channel = 0; channel < tile.pixels(); ++channel) {
+    float* of_channel = scores + channel * channel_stride;
+    kernels.select({.gain = kSelectionGain,
+                    .score_above = of_channel,
+                    .score_below = of_channel + group_stride,
+                    .score_here = of_channel + 2 * group_stride,
+                    .score_nothing = of_channel + 3 * group_stride,
+                    .residual = of_channel + 4 * group_stride,
+                    .above = candidates.above.row(channel, row),
+                    .below = candidates.below.row(channel, row),
+                    .here = h.row(channel, row),
+                    .z = z.row(channel, row),
+                    .columns = z.columns()});
+  }
+}
+
 void select(const Candidates& candidates, const Tensor& h, TileSize tile,
             InstructionSet instruction_set, Tensor& scores, Tensor& z) {
-  const kernels::RowKernels& kernels = kernels::row_kernels(instruction_set);
-  const int pixels = tile.pixels();
 #pragma omp for schedule(static)
   for (int row = 0; row < z.rows(); ++row) {
-    for (int channel = 0; channel < pixels; ++channel) {
-      kernels.select({.gain = kSelectionGain,
-                      .score_above = scores.row(channel, row),
-                      .score_below = scores.row(channel + pixels, row),
-                      .score_here = scores.row(channel + 2 * pixels, row),
-                      .score_nothing = scores.row(channel + 3 * pixels, row),
-                      .residual = scores.row(channel + 4 * pixels, row),
-                      .above = candidates.above.row(channel, row),
-                      .below = candidates.below.row(channel, row),
-                      .here = h.row(channel, row),
-                      .z = z.row(channel, row),
-                      .columns = z.columns()});
-    }
+    select_row(candidates, h, tile, instruction_set, row, scores.row(0, row),
+               scores.channel_stride(), z);
   }
 }
 

@@ -1,5 +1,7 @@
 #include <fmt/format.h>
+#include <omp.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "denoiser_layers.h"
@@ -25,7 +27,7 @@ class UShapedDenoiser final : public Denoiser {
   std::vector<ParameterShape> parameter_shapes() const override;
   std::vector<float> initial_parameters(std::uint64_t seed) const override;
   std::int64_t multiply_adds() const override;
-  DenoiserState make_state() const override;
+  DenoiserState make_state(bool for_backward) const override;
   void set_parameters(std::span<const float> parameters) override;
   void forward(const Candidates& candidates, DenoiserState& state,
                std::optional<std::uint64_t> dropout_seed) override;
@@ -36,6 +38,9 @@ class UShapedDenoiser final : public Denoiser {
   int levels() const { return static_cast<int>(shape_.channels.size()); }
   int scores() const { return kSelectionGroups * shape_.tile.pixels(); }
   Tensor level_tensor(int level, int channels) const;
+  /// Head and selection one row after the other: the scores of a row never leave the cache. Leaves
+  /// the memory and no weights.
+  void select_by_row(const Candidates& candidates, DenoiserState& state);
   /// hidden[] of the decoder that gives level `level` (the lowest level has none).
   int decoder(int level) const { return 2 * levels() - 1 - level; }
 
@@ -45,7 +50,8 @@ class UShapedDenoiser final : public Denoiser {
   InstructionSet instruction_set_;
   std::vector<Conv2d> encoders_;
   std::vector<Conv2d> bottleneck_and_head_;
-  std::vector<ConvTranspose2d> decoders_;  ///< the lowest first
+  std::vector<ConvTranspose2d> decoders_;      ///< the lowest first
+  std::vector<std::vector<float>> head_rows_;  ///< a row of the head's result, one per thread
 };
 
 void check_image(const UShapedDenoiserShape& shape, int rows, int columns) {
@@ -61,7 +67,7 @@ UShapedDenoiser::UShapedDenoiser(const UShapedDenoiserShape& shape, int rows, in
     : shape_(shape), rows_(rows), columns_(columns), instruction_set_(instruction_set) {
   validate(shape);
   check_image(shape, rows, columns);
-  const DenoiserState state = make_state();
+  const DenoiserState state = make_state(true);
   const auto conv = [&](const Tensor& from, const Tensor& to, int kernel, int stride) {
     return Conv2d({from.channels(), to.channels(), kernel, kernel, stride, kernel / 2, kernel / 2},
                   from, to, instruction_set, threads);
@@ -78,6 +84,8 @@ UShapedDenoiser::UShapedDenoiser(const UShapedDenoiserShape& shape, int rows, in
                            to, instruction_set, threads);
   }
   bottleneck_and_head_.push_back(conv(state.hidden.back(), state.output, 1, 1));
+  head_rows_.assign(threads, std::vector<float>(static_cast<std::size_t>(state.output.channels()) *
+                                                state.output.padded_columns()));
 }
 
 Tensor UShapedDenoiser::level_tensor(int level, int channels) const {
@@ -85,7 +93,7 @@ Tensor UShapedDenoiser::level_tensor(int level, int channels) const {
           padding()};
 }
 
-DenoiserState UShapedDenoiser::make_state() const {
+DenoiserState UShapedDenoiser::make_state(bool for_backward) const {
   DenoiserState state;
   state.input = level_tensor(0, shape_.tile.pixels() + shape_.memory);
   for (int level = 0; level < levels(); ++level) {
@@ -94,7 +102,8 @@ DenoiserState UShapedDenoiser::make_state() const {
   for (int level = levels() - 1; level >= 0; --level) {
     state.hidden.push_back(level_tensor(level, shape_.channels[level]));
   }
-  state.output = level_tensor(0, scores() + shape_.memory);
+  state.output =
+      level_tensor(0, for_backward ? scores() + shape_.memory : std::max(1, shape_.memory));
   state.z = level_tensor(0, shape_.tile.pixels());
   return state;
 }
@@ -141,7 +150,7 @@ std::vector<float> UShapedDenoiser::initial_parameters(std::uint64_t seed) const
 }
 
 std::int64_t UShapedDenoiser::multiply_adds() const {
-  const DenoiserState state = make_state();
+  const DenoiserState state = make_state(true);
   const auto pixels = [](const Tensor& tensor) {
     return static_cast<std::int64_t>(tensor.rows()) * tensor.columns();
   };
@@ -182,8 +191,27 @@ void UShapedDenoiser::forward(const Candidates& candidates, DenoiserState& state
     decoders_[levels() - 2 - level].forward(state.hidden[to - 1], {slope, &state.hidden[level]},
                                             state.hidden[to]);
   }
+  if (state.output.channels() < scores() + shape_.memory) {
+    select_by_row(candidates, state);
+    return;
+  }
   bottleneck_and_head_[1].forward(state.hidden.back(), {}, state.output);
   select(candidates, state.input, shape_.tile, instruction_set_, state.output, state.z);
+}
+
+void UShapedDenoiser::select_by_row(const Candidates& candidates, DenoiserState& state) {
+  const std::int64_t stride = state.output.padded_columns();
+#pragma omp for schedule(static)
+  for (int row = 0; row < state.z.rows(); ++row) {
+    float* scores_of_row = head_rows_[omp_get_thread_num()].data();
+    bottleneck_and_head_[1].forward_row(state.hidden.back(), row, scores_of_row, stride);
+    select_row(candidates, state.input, shape_.tile, instruction_set_, row, scores_of_row, stride,
+               state.z);
+    for (int channel = 0; channel < shape_.memory; ++channel) {
+      std::copy_n(scores_of_row + (scores() + channel) * stride, state.output.columns(),
+                  state.output.row(channel, row));
+    }
+  }
 }
 
 void UShapedDenoiser::backward(const Candidates& candidates, const DenoiserState& state,

@@ -108,7 +108,8 @@ UnrolledState UnrolledNetwork::make_state(Kept kept) const {
   const int slots =
       kept == Kept::kAllLayers ? description_.layers : std::min(2, description_.layers);
   for (int slot = 0; slot < slots; ++slot) {
-    state.slots.push_back({denoiser.make_state(), image, std::vector<std::uint8_t>(pixels)});
+    state.slots.push_back(
+        {denoiser.make_state(kept == Kept::kAllLayers), image, std::vector<std::uint8_t>(pixels)});
   }
   state.raster.resize(pixels);
   return state;

@@ -28,8 +28,8 @@ void take_every(const float* from, int stride, int count, float* to) {
   for (int x = 0; x < count; ++x) to[x] = from[x * stride];
 }
 
-/// The phases of a row, `phase_stride` apart, put together: to[x stride + phase] = phases[phase][x].
-/// Strides 1 and 2, the usual ones, are spelled out for the vectoriser.
+/// The phases of a row, `phase_stride` apart, put together: to[x stride + phase] =
+/// phases[phase][x]. Strides 1 and 2, the usual ones, are spelled out for the vectoriser.
 void merge_phases(const float* phases, std::int64_t phase_stride, int stride, int columns,
                   float* to) {
   if (stride == 1) {
@@ -217,18 +217,25 @@ const float* StridedConvolution::gather_base(const Tensor& wide, const Convoluti
   return planes.row(0, y * shape_.stride - shape_.padding_rows);
 }
 
+AccumulateRow StridedConvolution::gather_task(const Tensor& wide, const float* bias, int y,
+                                              const ConvolutionScratch& scratch) const {
+  AccumulateRow row;
+  row.input = gather_base(wide, scratch, y);
+  row.tap_offset = gather_offset_.data();
+  row.taps = static_cast<int>(gather_offset_.size());
+  row.weights = gather_weights_.data();
+  row.bias = bias;
+  row.output_channels = shape_.output_channels;
+  row.end = narrow_columns_;
+  return row;
+}
+
 void StridedConvolution::gather(const Tensor& wide, const Epilogue& epilogue, Tensor& narrow,
                                 ConvolutionScratch& scratch) const {
   if (shape_.stride > 1) sort_phases(wide, scratch);
 #pragma omp for schedule(static)
   for (int y = 0; y < narrow_rows_; ++y) {
-    AccumulateRow row;
-    row.input = gather_base(wide, scratch, y);
-    row.tap_offset = gather_offset_.data();
-    row.taps = static_cast<int>(gather_offset_.size());
-    row.weights = gather_weights_.data();
-    row.bias = epilogue.bias;
-    row.output_channels = shape_.output_channels;
+    AccumulateRow row = gather_task(wide, epilogue.bias, y, scratch);
     row.output = narrow.row(0, y);
     row.output_channel_stride = narrow.channel_stride();
     if (epilogue.skip != nullptr) {
@@ -236,12 +243,20 @@ void StridedConvolution::gather(const Tensor& wide, const Epilogue& epilogue, Te
       row.skip_channel_stride = epilogue.skip->channel_stride();
     }
     row.negative_slope = epilogue.negative_slope;
-    row.end = narrow_columns_;
     kernels_->accumulate(row);
     for (int channel = 0; channel < shape_.output_channels; ++channel) {
       narrow.fill_border(channel, y);
     }
   }
+}
+
+void StridedConvolution::gather_row(const Tensor& wide, const float* bias, int y, float* output,
+                                    std::int64_t channel_stride,
+                                    const ConvolutionScratch& scratch) const {
+  AccumulateRow row = gather_task(wide, bias, y, scratch);
+  row.output = output;
+  row.output_channel_stride = channel_stride;
+  kernels_->accumulate(row);
 }
 
 void StridedConvolution::scatter_row(const Tensor& narrow, const Epilogue& epilogue, int wide_row,

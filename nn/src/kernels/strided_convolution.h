@@ -51,6 +51,10 @@ class StridedConvolution {
   /// Fills the border columns of the result too.
   void gather(const Tensor& wide, const Epilogue& epilogue, Tensor& narrow,
               ConvolutionScratch& scratch) const;
+  /// One row of gather with stride 1, into memory of the caller's: output channels channel_stride
+  /// floats apart, each with room for whole vectors of 16. By the calling thread alone.
+  void gather_row(const Tensor& wide, const float* bias, int y, float* output,
+                  std::int64_t channel_stride, const ConvolutionScratch& scratch) const;
   void scatter(const Tensor& narrow, const Epilogue& epilogue, Tensor& wide,
                ConvolutionScratch& scratch) const;
   /// Adds to gradient (the weights' layout): sum narrow[a][y][x] wide[b][y s + i - p][x s + j - p].
@@ -69,6 +73,8 @@ class StridedConvolution {
   void check(const Tensor& narrow, const Tensor& wide) const;
   void plan_gather(const Tensor& wide);
   void plan_scatter(const Tensor& narrow);
+  AccumulateRow gather_task(const Tensor& wide, const float* bias, int y,
+                            const ConvolutionScratch& scratch) const;
   /// Where the taps of narrow row y are counted from.
   const float* gather_base(const Tensor& wide, const ConvolutionScratch& scratch, int y) const;
   void sort_phases(const Tensor& wide, ConvolutionScratch& scratch) const;

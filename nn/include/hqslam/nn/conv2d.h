@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <span>
 
@@ -38,6 +39,11 @@ class Conv2d {
 
   /// Borders of the input must be filled; those of the output will be.
   void forward(const Tensor& input, const LayerEnd& end, Tensor& output);
+  /// One row of the linear result, into memory of the caller's, so that what follows can use it
+  /// while it is in the cache: output channels are channel_stride floats apart, each with room for
+  /// the columns rounded up to 16. By the calling thread alone. Throws Error unless the stride
+  /// is 1.
+  void forward_row(const Tensor& input, int row, float* output, std::int64_t channel_stride) const;
   /// d_input = the gradient with respect to the input, plus `end.skip` (another gradient of the
   /// same input). Borders of d_output (before the activation) must be filled.
   void backward_input(const Tensor& d_output, const LayerEnd& end, Tensor& d_input);

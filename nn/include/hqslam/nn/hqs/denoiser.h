@@ -25,7 +25,8 @@ struct ParameterShape {
 struct DenoiserState {
   Tensor input;                ///< first the tiles of H, then the memory of the layer before
   std::vector<Tensor> hidden;  ///< after their activations
-  Tensor output;               ///< of the last convolution; its last channels are the memory
+  Tensor output;               ///< of the last convolution; its last channels are the memory, and
+                               ///< all there is where nobody will ask for gradients
   Tensor z;                    ///< tiles of Z
 };
 
@@ -44,7 +45,8 @@ class Denoiser {
   virtual std::vector<float> initial_parameters(std::uint64_t seed) const = 0;
   /// Multiply-adds of one pass.
   virtual std::int64_t multiply_adds() const = 0;
-  virtual DenoiserState make_state() const = 0;
+  /// for_backward: with room for what `backward` needs.
+  virtual DenoiserState make_state(bool for_backward = true) const = 0;
 
   /// All arrays of parameter_shapes(), one after the other. Throws Error for another number.
   virtual void set_parameters(std::span<const float> parameters) = 0;

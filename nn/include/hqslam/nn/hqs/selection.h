@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+
 #include "hqslam/nn/hqs/tiles.h"
 #include "hqslam/nn/instruction_set.h"
 #include "hqslam/nn/tensor.h"
@@ -30,6 +32,12 @@ inline constexpr float kSelectionGain = 4.0F;
 /// they share the work.
 void select(const Candidates& candidates, const Tensor& h, TileSize tile,
             InstructionSet instruction_set, Tensor& scores, Tensor& z);
+
+/// One row of the same by the calling thread alone. scores: groups of channels as above,
+/// channel_stride floats apart; in the scores, out the softmax.
+void select_row(const Candidates& candidates, const Tensor& h, TileSize tile,
+                InstructionSet instruction_set, int row, float* scores, std::int64_t channel_stride,
+                Tensor& z);
 
 /// weights: what `select` left. d_z: d loss / d Z. Writes d loss / d scores (groups as above,
 /// borders filled) and d loss / d H along the direct way through w_h. One thread.
