@@ -59,6 +59,22 @@ TEST_CASE("the timings hold medians in milliseconds, counts of statuses and ever
   CHECK(json["per_scan"]["odometry_status"][4] == "degenerate");
 }
 
+TEST_CASE("upsampling is a stage of its own where there is any, and none where there is not") {
+  SlamRun run = test::example_run(3);
+  const nlohmann::json without = nlohmann::json::parse(timings_json(run));
+  CHECK(without["upsampled_by"].is_null());
+  CHECK_FALSE(without["times_ms"].contains("upsampling"));
+  run.upsampled_by = "du-or";
+  for (ScanRecord& scan : run.scans) {
+    scan.upsampling_s = 0.006;
+  }
+  const nlohmann::json with = nlohmann::json::parse(timings_json(run));
+  CHECK(with["upsampled_by"] == "du-or");
+  CHECK(with["times_ms"]["upsampling"]["median"] == doctest::Approx(6.0));
+  CHECK(with["times_ms"]["mapping"] == without["times_ms"]["mapping"]);
+  CHECK(with["times_ms"]["slam_total"] == without["times_ms"]["slam_total"]);
+}
+
 TEST_CASE("an earlier run's results are replaced, and a checkpoint leaves none of them behind") {
   const TemporaryDirectory folder;
   RunOutput(folder.path().string()).write_results(test::example_run(10), std::nullopt);

@@ -7,14 +7,14 @@ const std::string_view kReportStyle = R"css(
   color-scheme: light dark;
   --page: #ffffff; --text: #1c1f24; --quiet: #666d78; --rule: #e3e6ea; --panel: #f6f7f9;
   --reference: #1c1f24; --estimate: #2c5cd4; --notice: #fff3dc; --notice-text: #6b4700;
-  --reading: #aeb4bd; --segmentation: #4a78c8; --features: #3f9e8c;
+  --reading: #aeb4bd; --upsampling: #c9564a; --segmentation: #4a78c8; --features: #3f9e8c;
   --odometry: #e2a33c; --mapping: #b4588f;
 }
 @media (prefers-color-scheme: dark) {
   :root {
     --page: #14171b; --text: #e4e7eb; --quiet: #99a1ad; --rule: #2c3138; --panel: #1c2026;
     --reference: #e4e7eb; --estimate: #7ea2ff; --notice: #3a2d12; --notice-text: #f3d9a4;
-    --reading: #6d7480; --segmentation: #5f8bd6; --features: #4fb09d;
+    --reading: #6d7480; --upsampling: #dd7264; --segmentation: #5f8bd6; --features: #4fb09d;
     --odometry: #d9a04a; --mapping: #c270a2;
   }
   .plot .map { filter: invert(1); mix-blend-mode: screen; }
@@ -70,11 +70,13 @@ p { margin: .25rem 0 .75rem; }
 .plot .line.reference { stroke: var(--reference); stroke-width: 1.5px; stroke-dasharray: 5 4; }
 .plot .line.error { stroke: var(--estimate); }
 .plot .layer.reading { fill: var(--reading); }
+.plot .layer.upsampling { fill: var(--upsampling); }
 .plot .layer.segmentation { fill: var(--segmentation); }
 .plot .layer.features { fill: var(--features); }
 .plot .layer.odometry { fill: var(--odometry); }
 .plot .layer.mapping { fill: var(--mapping); }
 i.reading { color: var(--reading); }
+i.upsampling { color: var(--upsampling); }
 i.segmentation { color: var(--segmentation); }
 i.features { color: var(--features); }
 i.odometry { color: var(--odometry); }
