@@ -89,10 +89,18 @@ TEST_CASE("inverse interpolation is exact where 1 / range is linear over the row
     CHECK(inverse[row] == doctest::Approx(range_m(row)).epsilon(1e-6));
 }
 
-TEST_CASE("measured neighbours are the nearest measured rows above and below, or the row itself") {
-  const MeasuredNeighbours neighbours = measured_neighbours(column({7, 0, 9}), {1, 3}, 9);
-  CHECK(neighbours.above.range_m == Ranges{7, 7, 7, 7, 0, 0, 0, 9, 9});
-  CHECK(neighbours.below.range_m == Ranges{7, 7, 0, 0, 0, 9, 9, 9, 9});
+TEST_CASE("a row lies between the nearest measured rows above and below, or is one itself") {
+  std::vector<int> above;
+  std::vector<int> below;
+  for (int row = 0; row < 9; ++row) {  // measured: rows 1, 4, 7
+    const RowsBetween between = rows_between(row, {1, 3}, 3);
+    above.push_back(between.above);
+    below.push_back(between.below);
+  }
+  CHECK(above == std::vector<int>{0, 0, 0, 0, 1, 1, 1, 2, 2});
+  CHECK(below == std::vector<int>{0, 0, 1, 1, 1, 2, 2, 2, 2});
+  CHECK(rows_between(2, {1, 3}, 3).part_down == doctest::Approx(1.0 / 3.0));
+  CHECK(rows_between(6, {1, 3}, 3).part_down == doctest::Approx(2.0 / 3.0));
 }
 
 TEST_CASE("columns are interpolated each for itself") {
@@ -113,9 +121,6 @@ TEST_CASE("images that do not have the measured rows are refused") {
   CHECK(message(4, {0, 0}, 4) != "no Error");
   CHECK(message(0, {4, 1}, 4) != "no Error");
   CHECK(message(4, {-1, 4}, 16) != "no Error");
-  CHECK(test::error_message([] {
-          measured_neighbours(RangeImage(1, 2), {0, 4}, 16);
-        }) != "no Error");
 }
 
 }  // namespace hqslam::nn

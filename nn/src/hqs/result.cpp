@@ -5,19 +5,24 @@
 namespace hqslam::nn {
 
 RangeImage restored_image(const NetworkDescription& description, TileSize tile, const Tensor& z,
-                          const RangeImage& measured) {
+                          const RangeImage& measured, int threads) {
   RangeImage image(z.rows() * tile.rows, z.columns() * tile.columns);
-  from_tiles(z, tile, image.range_m.data());
+  const RowSelection rows = description.measured_rows;
   const auto nearest_m = static_cast<float>(description.sensor.min_range_m);
   const auto farthest_m = static_cast<float>(description.sensor.max_range_m);
-  for (float& range_m : image.range_m) {
-    range_m *= description.range_scale_m;
-    if (!(range_m >= nearest_m && range_m <= farthest_m)) range_m = 0.0F;
-  }
-  for (int row = 0; row < measured.rows; ++row) {
-    const int to = description.measured_rows.offset + row * description.measured_rows.stride;
-    std::copy_n(&measured.range_m[measured.index(row, 0)], measured.columns,
-                &image.range_m[image.index(to, 0)]);
+#pragma omp parallel for schedule(static) num_threads(threads)
+  for (int row = 0; row < image.rows; ++row) {
+    float* to = &image.range_m[image.index(row, 0)];
+    if (row >= rows.offset && (row - rows.offset) % rows.stride == 0) {
+      const int from = (row - rows.offset) / rows.stride;
+      std::copy_n(&measured.range_m[measured.index(from, 0)], measured.columns, to);
+      continue;
+    }
+    take_image_row(z, tile, row, to);
+    for (int column = 0; column < image.columns; ++column) {
+      const float range_m = to[column] * description.range_scale_m;
+      to[column] = range_m >= nearest_m && range_m <= farthest_m ? range_m : 0.0F;
+    }
   }
   return image;
 }

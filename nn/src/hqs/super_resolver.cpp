@@ -146,12 +146,12 @@ RangeImage SuperResolver::run(const RangeImage& image, Trace* trace) {
   UnrolledState& state = all ? *all : self.state;
   self.network.start(measured, state);
   self.network.forward(state);
-  RangeImage result =
-      restored_image(description(), tile_of(description()), self.network.result(state), measured);
+  RangeImage result = restored_image(description(), tile_of(description()),
+                                     self.network.result(state), measured, self.threads);
   if (self.options.filter_result) {
     self.filter.find(result.range_m.data(), self.rejected.data(), self.threads);
     for (std::size_t i = 0; i < result.range_m.size(); ++i) {
-      if (self.rejected[i] != 0) result.range_m[i] = 0.0F;
+      result.range_m[i] = self.rejected[i] != 0 ? 0.0F : result.range_m[i];
     }
   }
   if (trace != nullptr) {

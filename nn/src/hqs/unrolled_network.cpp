@@ -120,22 +120,33 @@ void UnrolledNetwork::start(const RangeImage& measured, UnrolledState& state) co
     throw Error(fmt::format("network: a scan of {} x {}, expected {} columns", measured.rows,
                             measured.columns, columns_));
   }
+  check_measured_rows(measured, description_.measured_rows, rows_);
+#pragma omp parallel for schedule(static) num_threads(threads_)
+  for (int row = 0; row < rows_; ++row) start_row(measured, row, state);
+}
+
+void UnrolledNetwork::start_row(const RangeImage& measured, int row, UnrolledState& state) const {
   const TileSize tile = denoisers_.front()->tile();
-  const auto put = [&](RangeImage image, Tensor& tiles) {
-    for (float& range : image.range_m) range /= description_.range_scale_m;
-    to_tiles(image.range_m.data(), tile, tiles);
+  const RowsBetween between = rows_between(row, description_.measured_rows, measured.rows);
+  float* scaled = &state.raster[static_cast<std::size_t>(row) * columns_];
+  const auto put = [&](int from_row, Tensor& tiles) {
+    const float* from = &measured.range_m[measured.index(from_row, 0)];
+    for (int x = 0; x < columns_; ++x) scaled[x] = from[x] / description_.range_scale_m;
+    put_image_row(scaled, tile, row, tiles);
   };
-  MeasuredNeighbours neighbours = measured_neighbours(measured, description_.measured_rows, rows_);
-  put(std::move(neighbours.above), state.candidates.above);
-  put(neighbours.below, state.candidates.below);
+  put(between.above, state.candidates.above);
+  put(between.below, state.candidates.below);
   // In a measured row both neighbours are the row itself; the other rows of L are never looked at.
-  put(std::move(neighbours.below), state.l);
+  put_image_row(scaled, tile, row, state.l);
   if (description_.kind == NetworkKind::kSimpleDu) {
-    state.z0.set_zero();
-  } else {
-    put(interpolate_rows(measured, description_.measured_rows, rows_, Interpolation::kLinear),
-        state.z0);
+    std::fill_n(scaled, columns_, 0.0F);
+  } else if (between.above != between.below) {
+    interpolate_row(&measured.range_m[measured.index(between.above, 0)],
+                    &measured.range_m[measured.index(between.below, 0)], between.part_down,
+                    Interpolation::kLinear, columns_, scaled);
+    for (int x = 0; x < columns_; ++x) scaled[x] /= description_.range_scale_m;
   }
+  put_image_row(scaled, tile, row, state.z0);
 }
 
 DataConsistency UnrolledNetwork::data_consistency(int layer) const {

@@ -21,13 +21,20 @@ enum class Interpolation { kNearest, kLinear, kInverse };
 RangeImage interpolate_rows(const RangeImage& measured, RowSelection measured_rows, int rows,
                             Interpolation interpolation);
 
-/// For every pixel the nearest measured range above or in its row, and below or in its row; beyond
-/// the outermost measured rows both are that row's.
-struct MeasuredNeighbours {
-  RangeImage above;
-  RangeImage below;
+/// Which rows of a measured image an output row lies between, and where. In a measured row, and
+/// beyond the outermost ones, both are that row.
+struct RowsBetween {
+  int above = 0;
+  int below = 0;
+  float part_down = 1.0F;  ///< 0 at `above`, 1 at `below`
 };
-MeasuredNeighbours measured_neighbours(const RangeImage& measured, RowSelection measured_rows,
-                                       int rows);
+RowsBetween rows_between(int row, RowSelection measured_rows, int measured);
+
+/// One row of interpolate_rows, `columns` values from those of the two rows. Any unit.
+void interpolate_row(const float* above, const float* below, float part_down,
+                     Interpolation interpolation, int columns, float* row);
+
+/// Throws Error unless `measured` holds the measured rows of `rows`.
+void check_measured_rows(const RangeImage& measured, RowSelection measured_rows, int rows);
 
 }  // namespace hqslam::nn

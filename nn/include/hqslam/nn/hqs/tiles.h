@@ -22,6 +22,10 @@ void to_tiles(const float* image, TileSize tile, Tensor& tiles);
 /// The way back.
 void from_tiles(const Tensor& tiles, TileSize tile, float* image);
 
+/// One row of the image, by the calling thread alone; borders are left as they are.
+void put_image_row(const float* image_row, TileSize tile, int row, Tensor& tiles);
+void take_image_row(const Tensor& tiles, TileSize tile, int row, float* image_row);
+
 /// Whether row `row` of channel `channel` of the tiles holds measured pixels.
 inline bool measured(TileSize tile, RowSelection measured_rows, int channel, int row) {
   const int image_row = row * tile.rows + channel / tile.columns;

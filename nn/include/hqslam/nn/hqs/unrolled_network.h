@@ -83,6 +83,7 @@ class UnrolledNetwork {
   Denoiser& denoiser(int layer) { return *denoisers_[description_.shared_weights ? 0 : layer]; }
   DataConsistency data_consistency(int layer) const;
   void remove_outliers(UnrolledState& state, int layer);
+  void start_row(const RangeImage& measured, int row, UnrolledState& state) const;
   void set_y(LayerState& layer) const;
   void run_layer(UnrolledState& state, int layer, std::optional<std::uint64_t> dropout_seed);
   const Tensor& previous_z(const UnrolledState& state, int layer) const;
