@@ -396,3 +396,30 @@ TEST_CASE("the number of threads and earlier images change nothing") {
     for (const int threads : {1, 2, 3}) CHECK(found(used, image, threads) == expected);
   }
 }
+
+TEST_CASE("a small component stays where a measured range nearby supports it") {
+  const SensorModel sensor = small_sensor(8, 64);
+  std::vector<float> range_m(8 * 64, 0.0F);
+  const auto at = [&](int row, int column) -> float& { return range_m[row * 64 + column]; };
+  at(3, 10) = 20.0F;   // measured
+  at(1, 11) = 20.15F;  // within 1 % of it, a column beside it
+  at(5, 9) = 19.9F;    // below it
+  at(5, 10) = 20.3F;   // not within 1 %
+  at(5, 12) = 20.0F;   // two columns away
+  at(3, 63) = 9.0F;
+  at(2, 0) = 9.05F;  // round the circle
+  at(7, 40) = 5.0F;  // measured itself
+  std::vector<std::uint8_t> rejected(range_m.size());
+  OutlierRemovalOptions options;
+  options.support_share = 0.01F;
+  for (const int threads : {1, 2}) {
+    OutlierRemoval(sensor, {3, 4}, options, 64).find(range_m.data(), rejected.data(), threads);
+    std::vector<int> rejected_pixels;
+    for (int i = 0; i < 8 * 64; ++i) {
+      if (rejected[i] != 0) rejected_pixels.push_back(i);
+    }
+    CHECK(rejected_pixels == std::vector<int>{5 * 64 + 10, 5 * 64 + 12});
+  }
+  options.support_share = -0.5F;
+  CHECK_THROWS_AS(OutlierRemoval(sensor, {3, 4}, options, 64), hqslam::Error);
+}

@@ -109,7 +109,7 @@ TEST_CASE("compare puts interpolation and networks side by side, inspect shows t
   const ProgramResult filters =
       run_hqslam(fmt::format("compare '{}' --weights '{}' --filters", drive, weights));
   CHECK(filters.status == 0);
-  CHECK(holds(filters.out, "| 10 | 20 |"));
+  CHECK(holds(filters.out, "| 1 | 10 | 20 |"));
 
   const ProgramResult inspected =
       run_hqslam(fmt::format("inspect '{}' --weights '{}' --scan 1 --out '{}'", drive, weights,

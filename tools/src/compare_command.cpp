@@ -72,12 +72,13 @@ void print_scores(const std::vector<UpsamplingScore>& scores) {
 
 void print_trials(const std::vector<FilterTrial>& trials) {
   fmt::print(
-      "| angle deg | min pixels | bad removed % | good lost % | outliers left % | MAE all m |\n"
-      "|--|--|--|--|--|--|\n");
+      "| support % | angle deg | min pixels | bad removed % | good lost % | outliers left % | MAE "
+      "all m |\n"
+      "|--|--|--|--|--|--|--|\n");
   for (const FilterTrial& t : trials) {
-    fmt::print("| {:.0f} | {} | {:.1f} | {:.2f} | {:.2f} | {:.3f} |\n", t.min_angle_deg,
-               t.min_pixels, 100.0 * t.bad_removed_share, 100.0 * t.good_lost_share,
-               100.0 * t.outlier_share, t.mae_all_m);
+    fmt::print("| {:.0f} | {:.0f} | {} | {:.1f} | {:.2f} | {:.2f} | {:.3f} |\n",
+               100.0 * t.support_share, t.min_angle_deg, t.min_pixels, 100.0 * t.bad_removed_share,
+               100.0 * t.good_lost_share, 100.0 * t.outlier_share, t.mae_all_m);
   }
 }
 
@@ -157,7 +158,7 @@ int compare_command(const CompareOptions& options) {
   if (options.filters) {
     if (options.weights.empty()) throw Error("compare: --filters needs --weights");
     FilterComparison comparison(without_last_filter(options.weights.front(), sensor),
-                                {5, 10, 15, 20, 30, 60}, {3, 5, 10, 20, 50, 100});
+                                {5, 10, 15, 20, 30, 60}, {5, 10, 20, 50, 100}, {0.0, 0.01});
     used = for_each_scan(options, sensor, interrupt,
                          [&](const OrganizedCloud& scan) { comparison.add(scan); });
     print_trials(comparison.trials());

@@ -139,14 +139,18 @@ std::vector<UpsamplingScore> UpsamplingComparison::scores() const {
 }
 
 FilterComparison::FilterComparison(Upsampler unfiltered, const std::vector<double>& min_angles_deg,
-                                   const std::vector<int>& min_pixels)
+                                   const std::vector<int>& min_pixels,
+                                   const std::vector<double>& support_shares)
     : unfiltered_(std::move(unfiltered)) {
-  for (const double angle_deg : min_angles_deg) {
-    for (const int pixels : min_pixels) {
-      Counts counts;
-      counts.trial.min_angle_deg = angle_deg;
-      counts.trial.min_pixels = pixels;
-      counts_.push_back(counts);
+  for (const double share : support_shares) {
+    for (const double angle_deg : min_angles_deg) {
+      for (const int pixels : min_pixels) {
+        Counts counts;
+        counts.trial.min_angle_deg = angle_deg;
+        counts.trial.min_pixels = pixels;
+        counts.trial.support_share = share;
+        counts_.push_back(counts);
+      }
     }
   }
 }
@@ -162,7 +166,8 @@ void FilterComparison::add(const OrganizedCloud& truth) {
   for (Counts& counts : counts_) {
     nn::OutlierRemoval filter(
         unfiltered_.sensor(), rows,
-        {counts.trial.min_angle_deg * std::numbers::pi / 180.0, counts.trial.min_pixels},
+        {counts.trial.min_angle_deg * std::numbers::pi / 180.0, counts.trial.min_pixels,
+         static_cast<float>(counts.trial.support_share)},
         image.columns);
     filter.find(image.range_m.data(), rejected.data());
     RangeImage filtered = image;

@@ -67,6 +67,7 @@ class UpsamplingComparison {
 struct FilterTrial {
   double min_angle_deg = 0.0;
   int min_pixels = 0;
+  double support_share = 0.0;
   double bad_removed_share =
       0.0;                       ///< of the computed points farther than 0.5 m from the true cloud
   double good_lost_share = 0.0;  ///< of the computed points nearer than 0.2 m
@@ -78,7 +79,7 @@ struct FilterTrial {
 class FilterComparison {
  public:
   FilterComparison(Upsampler unfiltered, const std::vector<double>& min_angles_deg,
-                   const std::vector<int>& min_pixels);
+                   const std::vector<int>& min_pixels, const std::vector<double>& support_shares);
   void add(const OrganizedCloud& truth);
   std::vector<FilterTrial> trials() const;
 

@@ -35,7 +35,14 @@ void read_filter(JsonFields fields, OutlierRemovalOptions& filter) {
   fields.optional("min_angle_deg", min_angle_deg);
   filter.min_angle_rad = min_angle_deg / kDegrees;
   fields.optional("min_pixels", filter.min_pixels);
+  fields.optional("support_share", filter.support_share);
   fields.finish();
+}
+
+Json filter_json(const OutlierRemovalOptions& filter) {
+  return {{"min_angle_deg", std::round(filter.min_angle_rad * kDegrees * 1e9) / 1e9},
+          {"min_pixels", filter.min_pixels},
+          {"support_share", std::round(filter.support_share * 1e6) / 1e6}};
 }
 
 SensorModel read_sensor(JsonFields& fields, const std::string& source) {
@@ -75,6 +82,8 @@ NetworkDescription network_from_json(const std::string& text, const std::string&
   d.measured_rows = read_rows(fields, d.sensor.rows());
   fields.optional("range_scale_m", d.range_scale_m);
   if (fields.has("filter")) read_filter(fields.object("filter"), d.filter);
+  d.last_filter = d.filter;
+  if (fields.has("last_filter")) read_filter(fields.object("last_filter"), d.last_filter);
   if (fields.has("filtered_iterate")) {
     d.filtered = static_cast<FilteredIterate>(fields.choice("filtered_iterate", {"h", "z"}));
   }
@@ -109,8 +118,8 @@ std::string network_json(const NetworkDescription& d) {
   json["sensor"] = Json::parse(sensor_json(d.sensor));
   json["measured_rows"] = {{"offset", d.measured_rows.offset}, {"stride", d.measured_rows.stride}};
   json["range_scale_m"] = d.range_scale_m;
-  json["filter"] = {{"min_angle_deg", std::round(d.filter.min_angle_rad * kDegrees * 1e9) / 1e9},
-                    {"min_pixels", d.filter.min_pixels}};
+  json["filter"] = filter_json(d.filter);
+  json["last_filter"] = filter_json(d.last_filter);
   json["filtered_iterate"] = d.filtered == FilteredIterate::kH ? "h" : "z";
   json["rejected_pixel"] = d.rejected == RejectedPixel::kTakesZ ? "takes-z" : "zero";
   return json.dump(1) + "\n";

@@ -36,6 +36,10 @@ void validate(const SensorModel& sensor, RowSelection measured_rows,
     throw Error(
         fmt::format("outlier removal: min_pixels is {}, expected 0 or more", options.min_pixels));
   }
+  if (!(options.support_share >= 0.0F && options.support_share < 1.0F)) {
+    throw Error(fmt::format("outlier removal: support_share is {}, expected 0 to below 1",
+                            options.support_share));
+  }
   if (columns < 1 || columns > sensor.columns) {
     throw Error(fmt::format("outlier removal: columns is {}, expected 1 to {}, the sensor's",
                             columns, sensor.columns));
@@ -72,6 +76,7 @@ OutlierRemoval::OutlierRemoval(const SensorModel& sensor, RowSelection measured_
       columns_(columns),
       words_(words_for(columns)),
       min_pixels_(options.min_pixels),
+      support_share_(options.support_share),
       measured_rows_(measured_rows) {
   validate(sensor, measured_rows, options, columns);
   tan_min_angle_ = static_cast<float>(std::tan(options.min_angle_rad));
@@ -103,6 +108,34 @@ void OutlierRemoval::find(const float* range_m, std::uint8_t* rejected, int thre
   }
 #pragma omp parallel for schedule(dynamic) num_threads(threads) if (threads > 1)
   for (int band = 0; band < bands_; ++band) write_band(band, rejected);
+  if (support_share_ <= 0.0F) return;
+#pragma omp parallel for schedule(static) num_threads(threads) if (threads > 1)
+  for (int row = 0; row < rows_; ++row) {
+    keep_supported(range_m, row, rejected + static_cast<std::size_t>(row) * columns_);
+  }
+}
+
+void OutlierRemoval::keep_supported(const float* range_m, int row,
+                                    std::uint8_t* rejected_row) const {
+  for (int column = 0; column < columns_; ++column) {
+    if (rejected_row[column] != 0 && supported(range_m, row, column)) rejected_row[column] = 0;
+  }
+}
+
+bool OutlierRemoval::supported(const float* range_m, int row, int column) const {
+  const int stride = measured_rows_.stride;
+  const int above = row < measured_rows_.offset ? -1 : row - (row - measured_rows_.offset) % stride;
+  const int below = above < 0 ? measured_rows_.offset : above + stride;
+  const float pixel_m = range_m[static_cast<std::size_t>(row) * columns_ + column];
+  for (const int measured : {above, below}) {
+    if (measured < 0 || measured >= rows_) continue;
+    const float* row_m = range_m + static_cast<std::size_t>(measured) * columns_;
+    for (const int step : {columns_ - 1, 0, 1}) {
+      const float measured_m = row_m[(column + step) % columns_];
+      if (std::abs(pixel_m - measured_m) < support_share_ * measured_m) return true;
+    }
+  }
+  return false;
 }
 
 /// Everything that needs only the rows of one band.

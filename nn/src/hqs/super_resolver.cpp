@@ -14,7 +14,7 @@ namespace {
 
 NetworkDescription with_options(NetworkDescription description,
                                 const SuperResolverOptions& options) {
-  if (options.filter) description.filter = *options.filter;
+  if (options.filter) description.filter = description.last_filter = *options.filter;
   return description;
 }
 
@@ -36,7 +36,7 @@ struct SuperResolver::Implementation {
                 options_.instruction_set.value_or(chosen_instruction_set()), threads),
         state(network.make_state(UnrolledNetwork::Kept::kLastTwo)),
         filter(network.description().sensor, network.description().measured_rows,
-               network.description().filter, network.columns()),
+               network.description().last_filter, network.columns()),
         rejected(static_cast<std::size_t>(network.rows()) * network.columns()),
         parameters(static_cast<std::int64_t>(weights.parameters.size())) {
     network.set_parameters(weights.parameters);  // checks how many there are

@@ -210,7 +210,7 @@ Validation Trainer::validate(const std::vector<RangeImage>& scans) {
     const ImageError error = image_error(image, truth);
     each[item].mae_all_m = error.mae_all_m;
     each[item].mae_valid_m = error.mae_valid_m;
-    OutlierRemoval filter(description.sensor, description.measured_rows, description.filter,
+    OutlierRemoval filter(description.sensor, description.measured_rows, description.last_filter,
                           image.columns);
     std::vector<std::uint8_t> rejected(image.range_m.size());
     filter.find(image.range_m.data(), rejected.data());

@@ -33,8 +33,10 @@ struct NetworkDescription {
   PlainDenoiserShape plain;       ///< of kSimpleDu
   SensorModel sensor;             ///< with all rows
   RowSelection measured_rows;
-  float range_scale_m = 80.0F;  ///< ranges are divided by it
-  OutlierRemovalOptions filter;
+  float range_scale_m = 80.0F;   ///< ranges are divided by it
+  OutlierRemovalOptions filter;  ///< in every layer
+  /// On the last Z. Inside, a rejected pixel only takes Z; here it is lost, or a ghost stays.
+  OutlierRemovalOptions last_filter;
   FilteredIterate filtered = FilteredIterate::kH;
   RejectedPixel rejected = RejectedPixel::kTakesZ;
 };

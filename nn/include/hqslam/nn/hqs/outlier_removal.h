@@ -15,16 +15,21 @@ struct OutlierRemovalOptions {
   double min_angle_rad = 0.17453292519943295;  // 10 degrees
   /// Components of fewer pixels are rejected.
   int min_pixels = 20;
+  /// A pixel of such a component stays if its range is within this share of a range that was
+  /// measured in the next measured row above or below it, in its column or one beside it: a thin
+  /// pole, the edge of a wall. 0: none stays.
+  float support_share = 0.0F;
 };
 
 /// Q of eq. 10c: which pixels of a range image belong to small connected components. The
 /// components are those that a breadth-first search over N4 neighbours finds (ComponentLabeler in
 /// core, which the tests compare with), found here from runs of connected pixels in each row that
-/// are merged with union-find: several times as fast.
+/// are merged with union-find: several times as fast. Differs from the paper by support_share.
 class OutlierRemoval {
  public:
   /// `columns` may be fewer than the sensor's: a cut-out of a scan, closed to a circle. Throws
-  /// Error unless 0 < min_angle < pi/2, min_pixels >= 0 and 1 <= columns <= sensor.columns.
+  /// Error unless 0 < min_angle < pi/2, min_pixels >= 0, 0 <= support_share < 1 and
+  /// 1 <= columns <= sensor.columns.
   OutlierRemoval(const SensorModel& sensor, RowSelection measured_rows,
                  const OutlierRemovalOptions& options, int columns);
 
@@ -60,6 +65,8 @@ class OutlierRemoval {
   void join_with_row_below(int row, std::int32_t* run_pairs);
   void keep_touching(int row, int other_row);
   void write_band(int band, std::uint8_t* rejected);
+  void keep_supported(const float* range_m, int row, std::uint8_t* rejected_row) const;
+  bool supported(const float* range_m, int row, int column) const;
   void write_row(int row, std::uint8_t* rejected_row);
   std::int32_t run_of(int row, int column) const;
   std::int32_t root_of(std::int32_t run);
@@ -70,6 +77,7 @@ class OutlierRemoval {
   int columns_;
   int words_;  ///< 64-bit words per row of bits
   int min_pixels_;
+  float support_share_;
   int bands_ = 1;
   RowSelection measured_rows_;
   float tan_min_angle_;
