@@ -179,22 +179,37 @@ void UnrolledNetwork::run_layer(UnrolledState& state, int layer,
                     current.input, tile.pixels());
     }
     prior.forward(state.candidates, current, dropout_seed);  // eq. 10b
+    if (has_filter_after(layer)) fill_raster(state, layer);
+  }
+}
+
+void UnrolledNetwork::fill_raster(UnrolledState& state, int layer) const {
+  const DenoiserState& current = state.layer(layer).denoiser;
+  const bool of_h = description_.filtered == FilteredIterate::kH;
+  const TileSize tile = denoisers_.front()->tile();
+  // What is nearer than the sensor can see is no return.
+  const auto nearest =
+      static_cast<float>(description_.sensor.min_range_m) / description_.range_scale_m;
+#pragma omp for schedule(static)
+  for (int row = 0; row < rows_; ++row) {
+    float* ranges = &state.raster[static_cast<std::size_t>(row) * columns_];
+    take_image_row(of_h ? current.input : current.z, tile, row, ranges);
+    for (int x = 0; x < columns_; ++x) ranges[x] = ranges[x] >= nearest ? ranges[x] : 0.0F;
   }
 }
 
 void UnrolledNetwork::remove_outliers(UnrolledState& state, int layer) {
   LayerState& current = state.layer(layer);
-  const TileSize tile = denoisers_.front()->tile();
-  const bool of_h = description_.filtered == FilteredIterate::kH;
-#pragma omp parallel num_threads(threads_)
-  from_tiles(of_h ? current.denoiser.input : current.denoiser.z, tile, state.raster.data());
-  // What is nearer than the sensor can see is no return.
-  const auto nearest =
-      static_cast<float>(description_.sensor.min_range_m) / description_.range_scale_m;
-  for (float& range : state.raster) range = range >= nearest ? range : 0.0F;
   filter_.find(state.raster.data(), current.rejected.data(), threads_);  // eq. 10c
 #pragma omp parallel num_threads(threads_)
   set_y(current);
+}
+
+void UnrolledNetwork::finish_last_layer(UnrolledState& state) {
+  const int last = description_.layers - 1;
+#pragma omp parallel num_threads(threads_)
+  fill_raster(state, last);
+  remove_outliers(state, last);
 }
 
 void UnrolledNetwork::set_y(LayerState& layer) const {
@@ -229,8 +244,7 @@ void UnrolledNetwork::forward(UnrolledState& state, std::optional<std::uint64_t>
   for (int layer = 0; layer < description_.layers; ++layer) {
     const std::uint64_t seed = dropout_seed.value_or(0) * 1000 + layer * 10;
     run_layer(state, layer, dropout_seed ? std::optional(seed) : std::nullopt);
-    const bool last = layer + 1 == description_.layers;
-    if (!last && description_.kind == NetworkKind::kDuOr) remove_outliers(state, layer);
+    if (has_filter_after(layer)) remove_outliers(state, layer);
   }
 }
 

@@ -71,7 +71,7 @@ class UnrolledNetwork {
   }
 
   /// The last layer's mask and Y.
-  void finish_last_layer(UnrolledState& state) { remove_outliers(state, description_.layers - 1); }
+  void finish_last_layer(UnrolledState& state);
 
   /// d_z: d loss / d Z of the last d_z.size() layers, tiles; the loss does not look at the others.
   /// Adds to d_parameters. The filter's masks are constants. One thread. Throws Error unless the
@@ -82,6 +82,12 @@ class UnrolledNetwork {
  private:
   Denoiser& denoiser(int layer) { return *denoisers_[description_.shared_weights ? 0 : layer]; }
   DataConsistency data_consistency(int layer) const;
+  /// DU-OR's, but for the last one, whose Y nothing needs.
+  bool has_filter_after(int layer) const {
+    return description_.kind == NetworkKind::kDuOr && layer + 1 < description_.layers;
+  }
+  /// The image that the filter of a layer looks at, into state.raster.
+  void fill_raster(UnrolledState& state, int layer) const;
   void remove_outliers(UnrolledState& state, int layer);
   void start_row(const RangeImage& measured, int row, UnrolledState& state) const;
   void set_y(LayerState& layer) const;
