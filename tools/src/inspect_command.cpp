@@ -50,6 +50,7 @@ int inspect_command(const InspectOptions& options) {
   report.recording = options.input;
   report.weights = options.weights;
   report.scan = options.scan;
+  report.min_range_m = network.sensor().min_range_m;
   report.max_range_m = network.sensor().max_range_m;
   report.measured = plan.rows ? select_rows(scan, *plan.rows) : scan;
   if (scan.rows == network.sensor().rows()) report.truth = scan;

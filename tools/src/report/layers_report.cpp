@@ -25,15 +25,21 @@ std::string image_html(const RgbImage& image, const std::string& caption) {
       escape_html(caption), base64(encode_png(image)));
 }
 
-std::string range_html(const RangeImage& image, double max_range_m, const std::string& caption) {
-  return image_html(color_by_range(image, max_range_m), caption);
+std::string range_html(const RangeImage& image, const LayersReport& report,
+                       const std::string& caption) {
+  RangeImage seen = image;
+  for (float& range_m : seen.range_m) {
+    if (!(range_m >= report.min_range_m)) range_m = 0.0F;
+  }
+  return image_html(color_by_range(seen, report.max_range_m), caption);
 }
 
 /// Grey where the filter keeps a pixel, red where it rejects it, black without a return.
-RgbImage mask_image(const RangeImage& filtered, const std::vector<std::uint8_t>& rejected) {
+RgbImage mask_image(const RangeImage& filtered, double min_range_m,
+                    const std::vector<std::uint8_t>& rejected) {
   RgbImage image{filtered.rows, filtered.columns, {}};
   for (std::size_t i = 0; i < filtered.range_m.size(); ++i) {
-    const std::uint8_t grey = filtered.range_m[i] > 0.0F ? 150 : 0;
+    const std::uint8_t grey = filtered.range_m[i] >= min_range_m ? 150 : 0;
     image.pixels.push_back(rejected[i] != 0 ? kRejected : Pixel{grey, grey, grey});
   }
   return image;
@@ -55,13 +61,13 @@ RgbImage error_image(const RangeImage& image, const RangeImage& truth) {
 std::string layer_html(const LayersReport& report, std::size_t index) {
   const nn::LayerTrace& layer = report.trace.layers[index];
   std::string html = fmt::format(
-      "<h2>Layer {}, b = {:.3f}</h2>\n<p class=\"quiet\">data {:.0f} m², denoiser gap {:.0f} m², "
+      "<h2>Layer {}, b = {:.3f}</h2>\n<p class=\"quiet\">data {:.2f} m², denoiser gap {:.0f} m², "
       "filter gap {:.1f} m², {} pixels rejected (terms of eq. 3)</p>\n",
       index + 1, layer.penalty, layer.objective.data_m2, layer.objective.denoiser_gap_m2,
       layer.objective.filter_gap_m2, layer.objective.rejected);
-  html += range_html(layer.h, report.max_range_m, "H: data consistency (eq. 10a)");
-  html += range_html(layer.z, report.max_range_m, "Z: denoiser (eq. 10b)");
-  html += image_html(mask_image(layer.h, layer.rejected),
+  html += range_html(layer.h, report, "H: data consistency (eq. 10a)");
+  html += range_html(layer.z, report, "Z: denoiser (eq. 10b)");
+  html += image_html(mask_image(layer.h, report.min_range_m, layer.rejected),
                      "Q of H: rejected pixels in red; there Y takes Z (eq. 10c)");
   if (report.truth) {
     html +=
@@ -75,11 +81,12 @@ std::string layer_html(const LayersReport& report, std::size_t index) {
 
 std::string result_html(const LayersReport& report) {
   std::string html = "<h2>Result</h2>\n";
-  html += image_html(mask_image(report.trace.layers.back().z, report.trace.rejected),
-                     "Q of the last Z: rejected pixels in red");
-  html += range_html(report.result, report.max_range_m,
-                     "Result: measured rows restored, rejected pixels empty");
-  if (report.truth) html += range_html(*report.truth, report.max_range_m, "Truth");
+  html += image_html(
+      mask_image(report.trace.layers.back().z, report.min_range_m, report.trace.rejected),
+      "Q of the last Z: rejected pixels in red");
+  html +=
+      range_html(report.result, report, "Result: measured rows restored, rejected pixels empty");
+  if (report.truth) html += range_html(*report.truth, report, "Truth");
   return html;
 }
 
@@ -96,8 +103,8 @@ std::string layers_html(const LayersReport& report) {
       "lifted "
       "by {3}. Bright is near, dark blue far, black without a return.</p>\n",
       report.scan, kReportStyle, escape_html(report.recording), escape_html(report.weights));
-  html += range_html(report.measured, report.max_range_m, "Measured rows (L)");
-  html += range_html(report.trace.start, report.max_range_m, "Start (Z and Y before layer 1)");
+  html += range_html(report.measured, report, "Measured rows (L)");
+  html += range_html(report.trace.start, report, "Start (Z and Y before layer 1)");
   for (std::size_t layer = 0; layer < report.trace.layers.size(); ++layer) {
     html += layer_html(report, layer);
   }

@@ -13,6 +13,7 @@ struct LayersReport {
   std::string recording;
   std::string weights;
   std::int64_t scan = 0;
+  double min_range_m = 0.5;         ///< what is nearer is shown as no return
   double max_range_m = 120.0;       ///< of the colours
   RangeImage measured;              ///< the measured rows
   std::optional<RangeImage> truth;  ///< all rows, if the recording has them
