@@ -27,6 +27,16 @@ mv ouster/pcd clouds
 mv ouster/scans.npy ranges.npy
 mv ouster/sensor.json my_sensor.json
 mv ouster/truth.kitti truth.txt
+ln -s "$1/weights" weights
+cat >my_recipe.json <<'JSON'
+{
+  "network": {"kind": "du-or", "layers": 1, "sensor": "os1-64", "measured_rows": 16,
+              "denoiser": {"channels": [8, 8], "memory": 0}},
+  "training": [{"stack": "ranges.npy"}],
+  "validation": [{"drive": "block", "seeds": [7], "scans": 1}],
+  "steps": 2, "augmentation": {"crop_columns": 64}
+}
+JSON
 
 # bench and demo take long and have tests of their own.
 block sh | grep '^hqslam ' | grep -v -E '^hqslam (bench|demo)' >commands
