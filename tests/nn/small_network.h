@@ -58,10 +58,6 @@ inline NetworkDescription small_simple_du() {
   return description;
 }
 
-inline TileSize tile_of(const NetworkDescription& description) {
-  return description.kind == NetworkKind::kDuOr ? description.u_shaped.tile : TileSize{};
-}
-
 /// An image in units of range_scale_m.
 inline std::vector<float> image_of(const NetworkDescription& description, const Tensor& tiles) {
   const TileSize tile = tile_of(description);

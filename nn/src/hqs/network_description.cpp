@@ -28,6 +28,10 @@ std::string_view name(NetworkKind kind) {
   return kind == NetworkKind::kDuOr ? "du-or" : "simple-du";
 }
 
+TileSize tile_of(const NetworkDescription& d) {
+  return d.kind == NetworkKind::kDuOr ? d.u_shaped.tile : TileSize{};
+}
+
 void validate(const NetworkDescription& d) {
   constexpr int kMostLayers = 20;
   if (d.layers < 1 || d.layers > kMostLayers) {

@@ -22,10 +22,6 @@ int threads_of(const SuperResolverOptions& options) {
   return options.threads > 0 ? options.threads : omp_get_max_threads();
 }
 
-TileSize tile_of(const NetworkDescription& description) {
-  return description.kind == NetworkKind::kDuOr ? description.u_shaped.tile : TileSize{};
-}
-
 }  // namespace
 
 struct SuperResolver::Implementation {

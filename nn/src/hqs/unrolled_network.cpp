@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "channels.h"
 #include "hqslam/core/error.h"
 #include "hqslam/nn/hqs/interpolation.h"
 
@@ -19,40 +20,6 @@ int checked_columns(const NetworkDescription& description, int columns) {
                             description.sensor.columns));
   }
   return columns;
-}
-
-/// Rows of the channels from `from_channel` on, borders too.
-void copy_channels(const Tensor& from, int from_channel, int channels, Tensor& to, int to_channel) {
-#pragma omp for schedule(static)
-  for (int row = 0; row < to.rows(); ++row) {
-    for (int channel = 0; channel < channels; ++channel) {
-      std::copy_n(from.row(from_channel + channel, row), to.columns(),
-                  to.row(to_channel + channel, row));
-      to.fill_border(to_channel + channel, row);
-    }
-  }
-}
-
-/// The first `channels` channels of `from` are added to those of `to`.
-void add_tiles(const Tensor& from, int channels, Tensor& to) {
-  for (int channel = 0; channel < channels; ++channel) {
-    for (int row = 0; row < to.rows(); ++row) {
-      const float* from_row = from.row(channel, row);
-      float* to_row = to.row(channel, row);
-      for (int x = 0; x < to.columns(); ++x) to_row[x] += from_row[x];
-    }
-  }
-}
-
-/// Zero from channel `from_channel` on, borders too.
-void clear_channels(int from_channel, Tensor& tensor) {
-#pragma omp for schedule(static)
-  for (int row = 0; row < tensor.rows(); ++row) {
-    for (int channel = from_channel; channel < tensor.channels(); ++channel) {
-      std::fill_n(tensor.row(channel, row), tensor.columns(), 0.0F);
-      tensor.fill_border(channel, row);
-    }
-  }
 }
 
 }  // namespace
@@ -245,116 +212,6 @@ void UnrolledNetwork::forward(UnrolledState& state, std::optional<std::uint64_t>
     const std::uint64_t seed = dropout_seed.value_or(0) * 1000 + layer * 10;
     run_layer(state, layer, dropout_seed ? std::optional(seed) : std::nullopt);
     if (has_filter_after(layer)) remove_outliers(state, layer);
-  }
-}
-
-// --- backward ------------------------------------------------------------------------------------
-
-struct UnrolledNetwork::BackwardScratch {
-  DenoiserState gradient;
-  Tensor d_z;
-  Tensor d_y;
-  Tensor d_h;
-  Tensor d_a;
-};
-
-/// Calls visit(channel, x, rejected) for every pixel of the tiles.
-template <typename Visit>
-static void for_each_pixel(TileSize tile, const Tensor& tiles,
-                           const std::vector<std::uint8_t>& rejected, int row, const Visit& visit) {
-  const int columns = tiles.columns() * tile.columns;
-  for (int channel = 0; channel < tile.pixels(); ++channel) {
-    const std::uint8_t* mask = rejected.data() +
-                               (row * tile.rows + channel / tile.columns) * columns +
-                               channel % tile.columns;
-    for (int x = 0; x < tiles.columns(); ++x) visit(channel, x, mask[x * tile.columns] != 0);
-  }
-}
-
-void UnrolledNetwork::backward_y(const LayerState& layer, const Tensor& d_y, Tensor& d_h,
-                                 Tensor& d_z) const {
-  const bool of_h = description_.filtered == FilteredIterate::kH;
-  const bool zero = description_.rejected == RejectedPixel::kZero;
-  for (int row = 0; row < d_y.rows(); ++row) {
-    for_each_pixel(denoisers_.front()->tile(), d_y, layer.rejected, row,
-                   [&](int channel, int x, bool rejected) {
-                     const float gradient = d_y.row(channel, row)[x];
-                     float& to_h = d_h.row(channel, row)[x];
-                     float& to_z = d_z.row(channel, row)[x];
-                     to_h = !rejected && of_h ? gradient : 0.0F;
-                     if (rejected ? !zero : !of_h) to_z += gradient;
-                   });
-  }
-}
-
-void UnrolledNetwork::add_penalty_gradient(int layer, double d_penalty,
-                                           std::span<float> d_parameters) const {
-  if (description_.kind == NetworkKind::kSimpleDu) {
-    // b = 1 / (2 alpha)
-    d_parameters.back() += static_cast<float>(-d_penalty * 0.5 / (alpha_ * alpha_));
-  } else {
-    d_parameters[d_parameters.size() - description_.layers + layer] +=
-        static_cast<float>(d_penalty * penalty_[layer]);
-  }
-}
-
-void UnrolledNetwork::backward(const UnrolledState& state, std::span<const Tensor> d_z,
-                               std::span<float> d_parameters) {
-  if (static_cast<int>(state.slots.size()) != description_.layers) {
-    throw Error(fmt::format("network: a state that kept {} of {} layers, expected all of them",
-                            state.slots.size(), description_.layers));
-  }
-  if (d_z.empty() || static_cast<int>(d_z.size()) > description_.layers) {
-    throw Error(fmt::format("network: gradients of {} layers, expected of 1 to {}", d_z.size(),
-                            description_.layers));
-  }
-  const bool simple = description_.kind == NetworkKind::kSimpleDu;
-  const Denoiser& any = *denoisers_.front();
-  const int pixels = any.tile().pixels();
-  const int memory = any.memory_channels();
-  if (backward_ == nullptr) {
-    backward_ = std::make_shared<BackwardScratch>(
-        BackwardScratch{any.make_state(), state.z0, state.z0, state.z0, state.z0});
-  }
-  BackwardScratch& scratch = *backward_;
-  DenoiserState& gradient = scratch.gradient;
-  scratch.d_z.set_zero();
-  scratch.d_y.set_zero();
-  const int first_memory = gradient.output.channels() - memory;
-  if (memory > 0) clear_channels(first_memory, gradient.output);
-  for (int layer = description_.layers - 1; layer >= 0; --layer) {
-    const LayerState& current = state.layer(layer);
-    const bool last = layer + 1 == description_.layers;
-    if (last || simple) {
-      scratch.d_h.set_zero();
-    } else {
-      backward_y(current, scratch.d_y, scratch.d_h, scratch.d_z);
-    }
-    const int from_end = description_.layers - 1 - layer;
-    if (from_end < static_cast<int>(d_z.size())) {
-      add_tiles(d_z[d_z.size() - 1 - from_end], pixels, scratch.d_z);
-    }
-    gradient.z = scratch.d_z;
-    const std::size_t begin = description_.shared_weights ? 0 : layer * denoiser_parameters_;
-    denoiser(layer).backward(state.candidates, current.denoiser, gradient,
-                             d_parameters.subspan(begin, denoiser_parameters_));
-    add_tiles(gradient.input, pixels, scratch.d_h);
-    const double d_penalty = data_consistency(layer).backward(
-        state.l, previous_z(state, layer), previous_y(state, layer), scratch.d_h, scratch.d_a);
-    add_penalty_gradient(layer, d_penalty, d_parameters);
-    if (memory > 0) copy_channels(gradient.input, pixels, memory, gradient.output, first_memory);
-    // A is the mean of Z and Y; Simple DU's Y is its Z.
-    for (int channel = 0; channel < pixels; ++channel) {
-      for (int row = 0; row < scratch.d_a.rows(); ++row) {
-        const float* from = scratch.d_a.row(channel, row);
-        float* to_z = scratch.d_z.row(channel, row);
-        float* to_y = scratch.d_y.row(channel, row);
-        for (int x = 0; x < scratch.d_a.columns(); ++x) {
-          to_z[x] = simple ? from[x] : 0.5F * from[x];
-          to_y[x] = simple ? 0.0F : 0.5F * from[x];
-        }
-      }
-    }
   }
 }
 

@@ -66,9 +66,7 @@ RangeImage last_z(const NetworkDescription& description, const std::vector<float
   network.start(measured, state);
   network.forward(state);
   RangeImage z(network.rows(), network.columns());
-  const TileSize tile =
-      description.kind == NetworkKind::kDuOr ? description.u_shaped.tile : TileSize{};
-  from_tiles(network.result(state), tile, z.range_m.data());
+  from_tiles(network.result(state), tile_of(description), z.range_m.data());
   for (float& range : z.range_m) range *= description.range_scale_m;
   return z;
 }

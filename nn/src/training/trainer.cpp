@@ -74,10 +74,6 @@ void check_state(const TrainingState& state, const NetworkDescription& descripti
   }
 }
 
-TileSize tile_of(const NetworkDescription& description) {
-  return description.kind == NetworkKind::kDuOr ? description.u_shaped.tile : TileSize{};
-}
-
 }  // namespace
 
 struct Trainer::Implementation {

@@ -41,6 +41,9 @@ struct NetworkDescription {
   RejectedPixel rejected = RejectedPixel::kTakesZ;
 };
 
+/// How the network's images are cut into tiles.
+TileSize tile_of(const NetworkDescription& description);
+
 /// Throws Error with field, value and constraint.
 void validate(const NetworkDescription& description);
 

@@ -1,0 +1,38 @@
+#include "channels.h"
+
+#include <algorithm>
+
+namespace hqslam::nn {
+
+void copy_channels(const Tensor& from, int from_channel, int channels, Tensor& to, int to_channel) {
+#pragma omp for schedule(static)
+  for (int row = 0; row < to.rows(); ++row) {
+    for (int channel = 0; channel < channels; ++channel) {
+      std::copy_n(from.row(from_channel + channel, row), to.columns(),
+                  to.row(to_channel + channel, row));
+      to.fill_border(to_channel + channel, row);
+    }
+  }
+}
+
+void add_channels(const Tensor& from, int channels, Tensor& to) {
+  for (int channel = 0; channel < channels; ++channel) {
+    for (int row = 0; row < to.rows(); ++row) {
+      const float* from_row = from.row(channel, row);
+      float* to_row = to.row(channel, row);
+      for (int x = 0; x < to.columns(); ++x) to_row[x] += from_row[x];
+    }
+  }
+}
+
+void clear_channels(int from_channel, Tensor& tensor) {
+#pragma omp for schedule(static)
+  for (int row = 0; row < tensor.rows(); ++row) {
+    for (int channel = from_channel; channel < tensor.channels(); ++channel) {
+      std::fill_n(tensor.row(channel, row), tensor.columns(), 0.0F);
+      tensor.fill_border(channel, row);
+    }
+  }
+}
+
+}  // namespace hqslam::nn

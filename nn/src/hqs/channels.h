@@ -1,0 +1,18 @@
+#pragma once
+
+#include "hqslam/nn/tensor.h"
+
+// Groups of channels of tensors that hold tiles and memory side by side. copy and clear: called by
+// all threads of a parallel region, they share the work.
+namespace hqslam::nn {
+
+/// Rows of the channels from `from_channel` on, borders too.
+void copy_channels(const Tensor& from, int from_channel, int channels, Tensor& to, int to_channel);
+
+/// The first `channels` channels of `from` are added to those of `to`.
+void add_channels(const Tensor& from, int channels, Tensor& to);
+
+/// Zero from channel `from_channel` on, borders too.
+void clear_channels(int from_channel, Tensor& tensor);
+
+}  // namespace hqslam::nn
