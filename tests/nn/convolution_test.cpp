@@ -35,9 +35,10 @@ std::vector<Case> cases() {
 }
 
 Tensor narrow_tensor(const ConvolutionShape& s, const Case& c, int channels) {
-  const int columns = c.padding == ColumnPadding::kCircular
-                          ? c.columns / s.stride
-                          : convolved_size(c.columns, s.kernel_columns, s.stride, s.padding_columns);
+  const int columns =
+      c.padding == ColumnPadding::kCircular
+          ? c.columns / s.stride
+          : convolved_size(c.columns, s.kernel_columns, s.stride, s.padding_columns);
   return {channels, convolved_size(c.rows, s.kernel_rows, s.stride, s.padding_rows), columns,
           c.padding, 4};
 }
