@@ -19,7 +19,7 @@ void leaky_relu_backward(float slope, const Tensor& output, Tensor& d_values) {
     for (int y = 0; y < output.rows(); ++y) {
       const float* out = output.row(channel, y);
       float* gradient = d_values.row(channel, y);
-#pragma GCC ivdep
+#pragma omp simd
       for (int x = 0; x < output.columns(); ++x) {
         gradient[x] = out[x] > 0.0F ? gradient[x] : slope * gradient[x];
       }

@@ -77,8 +77,8 @@ std::vector<float> PlainDenoiser::initial_parameters(std::uint64_t seed) const {
   UniformStart start(seed);
   std::vector<float> parameters;
   for (const ParameterShape& shape : parameter_shapes()) {
-    const auto fan_in = static_cast<float>(shape.elements() / shape.shape[0]);
-    start.add(shape.elements(), 1.0F / std::sqrt(fan_in), parameters);
+    const std::int64_t fan_in = shape.elements() / shape.shape[0];
+    start.add(shape.elements(), 1.0F / std::sqrt(static_cast<float>(fan_in)), parameters);
   }
   return parameters;
 }

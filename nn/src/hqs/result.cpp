@@ -5,7 +5,7 @@
 namespace hqslam::nn {
 
 RangeImage restored_image(const NetworkDescription& description, TileSize tile, const Tensor& z,
-                          const RangeImage& measured, int threads) {
+                          const RangeImage& measured, [[maybe_unused]] int threads) {
   RangeImage image(z.rows() * tile.rows, z.columns() * tile.columns);
   const RowSelection rows = description.measured_rows;
   const auto nearest_m = static_cast<float>(description.sensor.min_range_m);

@@ -50,7 +50,7 @@ void select_backward(const Candidates& candidates, const Tensor& h, TileSize til
       }
       float* d_residual = d_scores.row(channel + 4 * pixels, row);
       float* d_here = d_h.row(channel, row);
-#pragma GCC ivdep  // d_h may be d_z itself: each value is read before it is written
+#pragma omp simd  // d_h may be d_z itself: each value is read before it is written
       for (int x = 0; x < d_z.columns(); ++x) {
         const float mean = weight[0][x] * candidate[0][x] + weight[1][x] * candidate[1][x] +
                            weight[2][x] * candidate[2][x];

@@ -134,8 +134,9 @@ std::vector<float> UShapedDenoiser::initial_parameters(std::uint64_t seed) const
     const bool head = shape.name.starts_with("head");
     if (shape.shape.size() == 4) {
       // PyTorch counts the fan-in of both kinds of convolution in the second extent.
-      const auto fan_in = static_cast<float>(shape.elements() / shape.shape[0]);
-      start.add(shape.elements(), (head ? 0.1F : 1.0F) / std::sqrt(fan_in), parameters);
+      const std::int64_t fan_in = shape.elements() / shape.shape[0];
+      start.add(shape.elements(), (head ? 0.1F : 1.0F) / std::sqrt(static_cast<float>(fan_in)),
+                parameters);
     } else if (head) {
       // "Here" is the first choice, "nothing" the last.
       constexpr float kFirstScores[kSelectionGroups] = {0.0F, 0.0F, 0.5F, -0.25F, 0.0F};

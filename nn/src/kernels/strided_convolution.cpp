@@ -38,7 +38,7 @@ void merge_phases(const float* phases, std::int64_t phase_stride, int stride, in
   }
   if (stride == 2 && columns % 2 == 0) {
     const float* odd = phases + phase_stride;
-#pragma GCC ivdep
+#pragma omp simd
     for (int x = 0; x < columns / 2; ++x) {
       to[2 * x] = phases[x];
       to[2 * x + 1] = odd[x];
@@ -51,7 +51,7 @@ void merge_phases(const float* phases, std::int64_t phase_stride, int stride, in
 /// values = a(values + skip)
 void end_row(const float* skip, float negative_slope, int count, float* values) {
   if (skip != nullptr) {
-#pragma GCC ivdep
+#pragma omp simd
     for (int x = 0; x < count; ++x) values[x] += skip[x];
   }
   if (negative_slope == 1.0F) return;
