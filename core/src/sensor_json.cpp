@@ -22,13 +22,14 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kMaxFileBytes = 16U << 20U;
-constexpr std::array<std::string_view, 7> kFields = {"name",
+constexpr std::array<std::string_view, 8> kFields = {"name",
                                                      "columns",
                                                      "scan_period_s",
                                                      "min_range_m",
                                                      "max_range_m",
                                                      "beam_elevation_deg",
-                                                     "beam_azimuth_offset_deg"};
+                                                     "beam_azimuth_offset_deg",
+                                                     "measured_rows"};
 
 double radians(double degrees) { return degrees * std::numbers::pi / 180.0; }
 
@@ -78,6 +79,14 @@ class Fields {
     return result;
   }
 
+  RowSelection row_selection(const std::string& field) const {
+    const std::string expected = "an object of offset and stride";
+    const Json& value = get(field, expected);
+    if (!value.is_object() || value.size() != 2) complain(field, expected, text_of(value));
+    const Fields fields(value, path_);
+    return {fields.integer("offset"), fields.integer("stride")};
+  }
+
   [[noreturn]] void complain(const std::string& field, const std::string& expected,
                              const std::string& found) const {
     throw Error(fmt::format("{}: field '{}': expected {}, found {}; correct the sensor file", path_,
@@ -112,6 +121,7 @@ SensorModel sensor_from_own_form(const Json& json, const std::string& path) {
   sensor.max_range_m = fields.number("max_range_m");
   sensor.beam_elevation_rad = fields.angles_rad("beam_elevation_deg");
   sensor.beam_azimuth_offset_rad = fields.angles_rad("beam_azimuth_offset_deg");
+  if (json.contains("measured_rows")) sensor.measured_rows = fields.row_selection("measured_rows");
   return sensor;
 }
 
@@ -246,6 +256,10 @@ std::string sensor_json(const SensorModel& sensor) {
   }
   for (const double angle_rad : sensor.beam_azimuth_offset_rad) {
     json["beam_azimuth_offset_deg"].push_back(degrees(angle_rad));
+  }
+  if (sensor.measured_rows) {
+    json["measured_rows"] = {{"offset", sensor.measured_rows->offset},
+                             {"stride", sensor.measured_rows->stride}};
   }
   return json.dump(1) + "\n";
 }

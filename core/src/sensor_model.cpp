@@ -95,7 +95,38 @@ void validate(const SensorModel& sensor) {
             fmt::format("azimuth offset of beam {} is {} rad, expected within +-pi/2", row,
                         sensor.beam_azimuth_offset_rad[row]));
   }
+  if (sensor.measured_rows) {
+    const RowSelection measured = *sensor.measured_rows;
+    require(
+        measured.stride >= 1 && measured.offset >= 0 && measured.offset < sensor.rows(), sensor,
+        fmt::format("measured_rows is offset {}, stride {}, expected an offset of 0 to {} and a "
+                    "stride of 1 or more",
+                    measured.offset, measured.stride, sensor.rows() - 1));
+  }
 }
+
+namespace {
+
+/// Which of the selected rows were measured, counted in the selection.
+std::optional<RowSelection> measured_of(const SensorModel& sensor, RowSelection rows) {
+  if (!sensor.measured_rows) return std::nullopt;
+  std::vector<int> measured;
+  int selected = 0;
+  for (int row = rows.offset; row < sensor.rows(); row += rows.stride, ++selected) {
+    if (sensor.measured_rows->contains(row)) measured.push_back(selected);
+  }
+  if (static_cast<int>(measured.size()) == selected) return std::nullopt;
+  if (measured.empty()) {
+    throw Error(fmt::format(
+        "sensor '{}': rows {}, {}, ... were all computed; select some of the "
+        "measured rows {}, {}, ...",
+        sensor.name, rows.offset, rows.offset + rows.stride, sensor.measured_rows->offset,
+        sensor.measured_rows->offset + sensor.measured_rows->stride));
+  }
+  return RowSelection{measured.front(), measured.size() > 1 ? measured[1] - measured[0] : selected};
+}
+
+}  // namespace
 
 SensorModel select_rows(const SensorModel& sensor, RowSelection rows) {
   if (rows.offset < 0 || rows.stride < 1 || rows.offset >= sensor.rows()) {
@@ -110,6 +141,7 @@ SensorModel select_rows(const SensorModel& sensor, RowSelection rows) {
     result.beam_elevation_rad.push_back(sensor.beam_elevation_rad[row]);
     result.beam_azimuth_offset_rad.push_back(sensor.beam_azimuth_offset_rad[row]);
   }
+  result.measured_rows = measured_of(sensor, rows);
   return result;
 }
 

@@ -1,5 +1,6 @@
 #include "hqslam/slam/feature_map.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace hqslam::slam {
@@ -80,11 +81,12 @@ void FeatureMap::grow_table() {
   }
 }
 
-void FeatureMap::insert(const std::vector<Eigen::Vector3f>& points_m) {
-  for (const Eigen::Vector3f& point_m : points_m) insert_point(point_m);
+void FeatureMap::insert(const std::vector<Eigen::Vector3f>& points_m, std::uint32_t key_frame) {
+  for (const Eigen::Vector3f& point_m : points_m) insert_cell({point_m, key_frame, 0, 1});
 }
 
-void FeatureMap::insert_point(const Eigen::Vector3f& point_m) {
+void FeatureMap::insert_cell(Cell inserted) {
+  const Eigen::Vector3f& point_m = inserted.mean_m;
   const Eigen::Vector3f scaled = point_m / cube_m_;
   if (!(scaled.array().abs() < static_cast<float>(kCubeRange - 1)).all()) return;
   const Eigen::Vector3i cube_index = floored(scaled);
@@ -94,17 +96,19 @@ void FeatureMap::insert_point(const Eigen::Vector3f& point_m) {
   const Eigen::Vector3i voxel = floored((point_m - cube_index.cast<float>() * cube_m_) / leaf_m_)
                                     .cwiseMax(0)
                                     .cwiseMin(voxels_per_side_ - 1);
-  const auto voxel_index = static_cast<std::uint16_t>(
+  inserted.voxel = static_cast<std::uint16_t>(
       (voxel.x() * voxels_per_side_ + voxel.y()) * voxels_per_side_ + voxel.z());
   for (Cell& cell : cube.cells) {
-    if (cell.voxel != voxel_index) continue;
+    if (cell.voxel != inserted.voxel) continue;
+    cell.key_frame = std::min(cell.key_frame, inserted.key_frame);
     if (cell.count < kMaxMeanCount) {
-      ++cell.count;
-      cell.mean_m += (point_m - cell.mean_m) / static_cast<float>(cell.count);
+      cell.count = static_cast<std::uint16_t>(cell.count + inserted.count);
+      cell.mean_m += static_cast<float>(inserted.count) * (point_m - cell.mean_m) /
+                     static_cast<float>(cell.count);
     }
     return;
   }
-  cube.cells.push_back({point_m, voxel_index, 1});
+  cube.cells.push_back(inserted);
   ++size_;
 }
 
@@ -135,6 +139,52 @@ Neighbours FeatureMap::nearest(const Eigen::Vector3f& query_m) const {
     }
   }
   return found;
+}
+
+std::vector<Eigen::Vector3f> FeatureMap::points_near_m(const Eigen::Vector3d& centre_m,
+                                                       double radius_m,
+                                                       std::uint32_t newest_key_frame) const {
+  std::vector<Eigen::Vector3f> result;
+  const Eigen::Vector3f centre = centre_m.cast<float>();
+  const auto radius = static_cast<float>(radius_m);
+  const Eigen::Vector3f reach(radius, radius, radius / 2.0F);
+  const auto has_room = static_cast<float>(kCubeRange - 1);
+  const Eigen::Vector3i first = floored(((centre - reach) / cube_m_).cwiseMax(-has_room));
+  const Eigen::Vector3i last = floored(((centre + reach) / cube_m_).cwiseMin(has_room));
+  for (int x = first.x(); x <= last.x(); ++x) {
+    for (int y = first.y(); y <= last.y(); ++y) {
+      for (int z = first.z(); z <= last.z(); ++z) {
+        std::uint64_t key = 0;
+        const Cube* cube = key_of({x, y, z}, key) ? find(key) : nullptr;
+        if (cube == nullptr) continue;
+        for (const Cell& cell : cube->cells) {
+          const Eigen::Vector3f offset = cell.mean_m - centre;
+          if (cell.key_frame <= newest_key_frame && offset.head<2>().norm() <= radius &&
+              std::abs(offset.z()) <= reach.z()) {
+            result.push_back(cell.mean_m);
+          }
+        }
+      }
+    }
+  }
+  return result;
+}
+
+void FeatureMap::correct(const std::vector<Pose>& corrections) {
+  std::vector<bool> moves;
+  for (const Pose& correction : corrections) moves.push_back(!correction.matrix().isIdentity(0.0));
+  std::vector<Cell> moved;
+  for (Cube& cube : cubes_) {
+    const auto stays = [&](const Cell& cell) { return !moves[cell.key_frame]; };
+    const auto first_moved = std::stable_partition(cube.cells.begin(), cube.cells.end(), stays);
+    moved.insert(moved.end(), first_moved, cube.cells.end());
+    cube.cells.erase(first_moved, cube.cells.end());
+  }
+  size_ -= moved.size();
+  for (Cell& cell : moved) {
+    cell.mean_m = (corrections[cell.key_frame] * cell.mean_m.cast<double>()).cast<float>();
+    insert_cell(cell);
+  }
 }
 
 std::vector<Eigen::Vector3f> FeatureMap::points_m() const {

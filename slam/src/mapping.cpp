@@ -1,6 +1,8 @@
 #include "hqslam/slam/mapping.h"
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <optional>
 
 #include "map_matching.h"
@@ -14,14 +16,34 @@ namespace {
 constexpr double kMinWeight = 0.1;
 /// Cosine of the steepest ground's angle with the sensor's.
 constexpr double kMinGroundUprightness = 0.9;
+/// So many points of the ground tell the height well enough to ask nothing else about it.
+constexpr int kMinGroundConstraints = 100;
 constexpr int kStepsPerSearch = 2;
+
+/// Searches of wide reach, before the pose is good enough for the narrow one.
+constexpr int kWideSearches = 2;
+
+/// What is searched, and how far about a point. Five neighbours that are farther apart are seldom
+/// of one surface.
+struct SearchedMap {
+  const FeatureMap& points;
+  double reach_m;
+
+  Neighbours nearest(const Eigen::Vector3d& query_m) const {
+    Neighbours found = points.nearest(query_m.cast<float>());
+    while (found.count > 0 && found.squared_distance_m2[found.count - 1] > reach_m * reach_m) {
+      --found.count;
+    }
+    return found;
+  }
+};
 
 // Constraints are of the motion that remains, in axes of the map with the predicted position as
 // origin: points are R p, planes are moved by -t.
 
-std::optional<EdgeConstraints> match_edge(const FeatureMap& map, const Eigen::Vector3d& rotated_m,
+std::optional<EdgeConstraints> match_edge(const SearchedMap& map, const Eigen::Vector3d& rotated_m,
                                           const Eigen::Vector3d& origin_m) {
-  const auto line = fit_line(map.nearest((rotated_m + origin_m).cast<float>()));
+  const auto line = fit_line(map.nearest(rotated_m + origin_m));
   if (!line) return std::nullopt;
   const Eigen::Vector3d on_line_m = line->point_m - origin_m;
   const double distance_m = line->direction.cross(rotated_m - on_line_m).norm();
@@ -30,11 +52,11 @@ std::optional<EdgeConstraints> match_edge(const FeatureMap& map, const Eigen::Ve
   return edge_constraints(rotated_m, on_line_m, line->direction, weight);
 }
 
-std::optional<PlaneConstraint> match_surface(const FeatureMap& map,
+std::optional<PlaneConstraint> match_surface(const SearchedMap& map,
                                              const Eigen::Vector3d& rotated_m,
                                              const Eigen::Vector3d& origin_m,
                                              double max_residual_m) {
-  const auto plane = fit_plane(map.nearest((rotated_m + origin_m).cast<float>()), max_residual_m);
+  const auto plane = fit_plane(map.nearest(rotated_m + origin_m), max_residual_m);
   if (!plane) return std::nullopt;
   const double offset_m = plane->normal.dot(plane->point_m - origin_m);
   const double distance_m = std::abs(plane->normal.dot(rotated_m) - offset_m);
@@ -61,6 +83,22 @@ std::optional<PlaneConstraint> upright(std::optional<PlaneConstraint> ground,
   return ground;
 }
 
+/// Keeps of a surface's plane what it tells about x, y, yaw and, by its lever, roll and pitch.
+///
+/// What is not ground stands upright, mostly. Where it does not - kerbs, cars, leaves, ground that
+/// was not recognised - five points of rows that are far apart make a slope of chance, and slopes
+/// of chance, all of them seen from the same side, tilt the map scan by scan. So the normal n loses
+/// its part along the sensor's vertical u, n' = n - (n . u) u, with the distance of the point left
+/// as it is: height comes from the ground alone.
+std::optional<PlaneConstraint> horizontal(std::optional<PlaneConstraint> surface,
+                                          const Eigen::Vector3d& vertical) {
+  if (!surface) return std::nullopt;
+  const double distance_m = surface->normal.dot(surface->point_m) - surface->offset_m;
+  surface->normal -= surface->normal.dot(vertical) * vertical;
+  surface->offset_m = surface->normal.dot(surface->point_m) - distance_m;
+  return surface;
+}
+
 /// One constraint or none per feature, searched in parallel.
 template <typename Find>
 void add_all(const std::vector<FeaturePoint>& features, const SensorMotion& motion,
@@ -75,34 +113,49 @@ void add_all(const std::vector<FeaturePoint>& features, const SensorMotion& moti
   list.add(found);
 }
 
-ConstraintList match(const MapFeatures& scan, const FeatureMap& edge_map,
-                     const FeatureMap& plane_map, const Pose& T_map_sensor,
+ConstraintList match(const MapFeatures& scan, const SearchedMap& edge_map,
+                     const SearchedMap& plane_map, const Pose& T_map_sensor,
                      const SensorMotion& motion, double max_plane_residual_m) {
   const Eigen::Vector3d origin_m = T_map_sensor.translation();
   const Eigen::Vector3d vertical = T_map_sensor.linear().col(2);
   const auto edge = [&](const Eigen::Vector3d& rotated_m) {
     return match_edge(edge_map, rotated_m, origin_m);
   };
-  const auto surface = [&](const Eigen::Vector3d& rotated_m) {
+  const auto plane = [&](const Eigen::Vector3d& rotated_m) {
     return match_surface(plane_map, rotated_m, origin_m, max_plane_residual_m);
   };
-  const auto ground = [&](const Eigen::Vector3d& rotated_m) {
-    return upright(surface(rotated_m), vertical);
-  };
   ConstraintList list;
+  add_all(
+      scan.ground_to_locate, motion, T_map_sensor,
+      [&](const Eigen::Vector3d& rotated_m) { return upright(plane(rotated_m), vertical); }, list);
+  const bool ground_tells_height = list.planes >= kMinGroundConstraints;
+  add_all(
+      scan.surfaces_to_locate, motion, T_map_sensor,
+      [&](const Eigen::Vector3d& rotated_m) {
+        return ground_tells_height ? horizontal(plane(rotated_m), vertical) : plane(rotated_m);
+      },
+      list);
   add_all(scan.edges, motion, T_map_sensor, edge, list);
-  add_all(scan.surfaces_to_locate, motion, T_map_sensor, surface, list);
-  add_all(scan.ground_to_locate, motion, T_map_sensor, ground, list);
   return list;
+}
+
+std::vector<FeaturePoint> measured(const std::vector<FeaturePoint>& features,
+                                   const std::optional<RowSelection>& rows) {
+  if (!rows) return features;
+  std::vector<FeaturePoint> result;
+  std::copy_if(features.begin(), features.end(), std::back_inserter(result),
+               [&](const FeaturePoint& feature) { return rows->contains(feature.row); });
+  return result;
 }
 
 }  // namespace
 
-MapFeatures map_features(const Features& features, const MappingOptions& options) {
+MapFeatures map_features(const Features& features, const std::optional<RowSelection>& measured_rows,
+                         const MappingOptions& options) {
   MapFeatures result;
-  result.edges = thin(features.edges, options.edge_leaf_m);
-  result.ground = thin(features.ground, options.planar_leaf_m);
-  result.surfaces = thin(features.surfaces, options.planar_leaf_m);
+  result.edges = thin(measured(features.edges, measured_rows), options.edge_leaf_m);
+  result.ground = thin(measured(features.ground, measured_rows), options.planar_leaf_m);
+  result.surfaces = thin(measured(features.surfaces, measured_rows), options.planar_leaf_m);
   result.ground_to_locate = thin(result.ground, options.located_planar_leaf_m);
   result.surfaces_to_locate = thin(result.surfaces, options.located_planar_leaf_m);
   return result;
@@ -120,21 +173,31 @@ MappingResult Mapping::locate(const MapFeatures& features, const Pose& T_map_sen
                           features.surfaces_to_locate.size());
   MappingResult result;
   result.T_map_sensor = T_map_sensor_predicted;
+  bool narrow_suffices = true;
   for (int iteration = 0; iteration < options_.max_iterations; ++iteration) {
     const SensorMotion motion{previous.T_map_sensor.inverse() * result.T_map_sensor,
                               previous.duration_s};
-    const ConstraintList constraints = match(features, edges_, planes_, result.T_map_sensor, motion,
-                                             options_.max_plane_residual_m);
+    const bool narrow = iteration >= kWideSearches && narrow_suffices;
+    const double reach_m =
+        narrow ? options_.close_neighbour_distance_m : options_.max_neighbour_distance_m;
+    const ConstraintList constraints =
+        match(features, {edges_, reach_m}, {planes_, reach_m}, result.T_map_sensor, motion,
+              options_.max_plane_residual_m);
+    const int matched = constraints.edges + constraints.planes;
+    const bool enough = matched >= options_.min_correspondences &&
+                        matched >= options_.min_matched_share * feature_count;
+    const Observability observable = observability(constraints.all, FreeParameters::kAll);
+    if (narrow && (!enough || observable.degenerate_directions > 0)) {
+      narrow_suffices = false;
+      continue;
+    }
     result.edge_correspondences = constraints.edges;
     result.planar_correspondences = constraints.planes;
-    const int matched = constraints.edges + constraints.planes;
-    if (matched < options_.min_correspondences ||
-        matched < options_.min_matched_share * feature_count) {
+    if (!enough) {
       result.T_map_sensor = T_map_sensor_predicted;
       result.status = Status::kTooFewFeatures;
       return result;
     }
-    const Observability observable = observability(constraints.all, FreeParameters::kAll);
     const MotionParameters found =
         align(constraints.all, MotionParameters{}, FreeParameters::kAll, kStepsPerSearch);
     const Pose change = pose_of(without_unobservable(MotionParameters{}, found, observable));
@@ -145,14 +208,14 @@ MappingResult Mapping::locate(const MapFeatures& features, const Pose& T_map_sen
     result.status = observable.degenerate_directions > 0 ? Status::kDegenerate
                     : converged                          ? Status::kOk
                                                          : Status::kNotConverged;
-    if (converged) break;
+    if (converged && (narrow || !narrow_suffices)) break;
   }
   result.T_map_sensor = orthonormalized(result.T_map_sensor);
   return result;
 }
 
 bool Mapping::is_key_frame(const Pose& T_map_sensor) const {
-  if (!has_key_frame_) return true;
+  if (key_frames_ == 0) return true;
   const Pose motion = T_map_last_key_frame_.inverse() * T_map_sensor;
   return motion.translation().norm() >= options_.key_frame_translation_m ||
          rotation_angle_rad(motion) >= options_.key_frame_rotation_rad;
@@ -167,11 +230,26 @@ void Mapping::insert(const MapFeatures& features, const Pose& T_map_sensor,
     }
     return result;
   };
-  edges_.insert(in_map(features.edges));
-  planes_.insert(in_map(features.ground));
-  planes_.insert(in_map(features.surfaces));
+  edges_.insert(in_map(features.edges), key_frames_);
+  planes_.insert(in_map(features.ground), key_frames_);
+  planes_.insert(in_map(features.surfaces), key_frames_);
   T_map_last_key_frame_ = T_map_sensor;
-  has_key_frame_ = true;
+  ++key_frames_;
+}
+
+Mapping Mapping::older_part(const Eigen::Vector3d& centre_m, double radius_m,
+                            std::uint32_t key_frames) const {
+  Mapping result(options_);
+  if (key_frames == 0) return result;
+  result.edges_.insert(edges_.points_near_m(centre_m, radius_m, key_frames - 1));
+  result.planes_.insert(planes_.points_near_m(centre_m, radius_m, key_frames - 1));
+  return result;
+}
+
+void Mapping::correct(const std::vector<Pose>& corrections) {
+  edges_.correct(corrections);
+  planes_.correct(corrections);
+  T_map_last_key_frame_ = orthonormalized(corrections.back() * T_map_last_key_frame_);
 }
 
 }  // namespace hqslam::slam

@@ -45,6 +45,8 @@ void validate(const SlamOptions& options) {
   require(options.mapping.min_matched_share >= 0.0 && options.mapping.min_matched_share < 1.0,
           "mapping.min_matched_share", options.mapping.min_matched_share, "a share from 0 to 1");
   require_positive("mapping.max_neighbour_distance_m", options.mapping.max_neighbour_distance_m);
+  require_positive("mapping.close_neighbour_distance_m",
+                   options.mapping.close_neighbour_distance_m);
   for (const auto& [field, leaf_m] : {std::pair{"mapping.edge_leaf_m", options.mapping.edge_leaf_m},
                                       {"mapping.planar_leaf_m", options.mapping.planar_leaf_m}}) {
     // A cube of the map numbers its voxels with 16 bits.

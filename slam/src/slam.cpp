@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <optional>
 
 #include "hqslam/core/error.h"
 #include "hqslam/slam/features.h"
@@ -11,6 +12,7 @@
 #include "hqslam/slam/odometry.h"
 #include "hqslam/slam/options.h"
 #include "hqslam/slam/segmentation.h"
+#include "loop_closing.h"
 
 namespace hqslam::slam {
 
@@ -82,7 +84,9 @@ struct Slam::Implementation {
   Segmenter segmenter;
   Odometry odometry;
   Mapping mapping;
+  std::optional<LoopClosing> loop_closing;
   Trajectory trajectory;
+  std::vector<std::uint32_t> key_frame_of_scan;  ///< the last up to each scan
   double reference_stamp_s = 0.0;
   Pose T_map_reference = Pose::Identity();
   Pose T_odom_reference = Pose::Identity();
@@ -94,11 +98,18 @@ struct Slam::Implementation {
         options(validated(options_)),
         segmenter(sensor, options.ground, options.segmentation),
         odometry(options.odometry),
-        mapping(options.mapping) {}
+        mapping(options.mapping) {
+    if (options.loop_closing.enabled) loop_closing.emplace();
+  }
 
   ScanReport process(const OrganizedCloud& cloud, double stamp_s);
-  void begin(const Features& features, double stamp_s, ScanReport& report);
-  void follow(const Features& features, double stamp_s, Stopwatch& stopwatch, ScanReport& report);
+  void begin(const OrganizedCloud& cloud, const Features& features, Stopwatch& stopwatch,
+             ScanReport& report);
+  void follow(const OrganizedCloud& cloud, const Features& features, Stopwatch& stopwatch,
+              ScanReport& report);
+  void add_key_frame(const OrganizedCloud& cloud, const MapFeatures& features, Stopwatch& stopwatch,
+                     ScanReport& report);
+  void correct(const std::vector<Pose>& corrections, ScanReport& report);
 };
 
 ScanReport Slam::Implementation::process(const OrganizedCloud& cloud, double stamp_s) {
@@ -117,19 +128,21 @@ ScanReport Slam::Implementation::process(const OrganizedCloud& cloud, double sta
   report.times.features_s = stopwatch.lap_s();
 
   if (odometry.has_reference()) {
-    follow(features, stamp_s, stopwatch, report);
+    follow(cloud, features, stopwatch, report);
   } else {
-    begin(features, stamp_s, report);
-    report.times.mapping_s = stopwatch.lap_s();
+    begin(cloud, features, stopwatch, report);
   }
   report.times.total_s = report.times.segmentation_s + report.times.features_s +
-                         report.times.odometry_s + report.times.mapping_s;
+                         report.times.odometry_s + report.times.mapping_s +
+                         report.times.loop_closing_s;
   trajectory.push_back({stamp_s, report.T_map_sensor});
+  key_frame_of_scan.push_back(mapping.key_frames() > 0 ? mapping.key_frames() - 1 : 0);
   return report;
 }
 
 /// The first scan with enough features defines the frame of the map.
-void Slam::Implementation::begin(const Features& features, double stamp_s, ScanReport& report) {
+void Slam::Implementation::begin(const OrganizedCloud& cloud, const Features& features,
+                                 Stopwatch& stopwatch, ScanReport& report) {
   if (!can_be_reference(features, options.odometry)) {
     report.odometry_status = Status::kTooFewFeatures;
     report.mapping_status = Status::kTooFewFeatures;
@@ -137,14 +150,14 @@ void Slam::Implementation::begin(const Features& features, double stamp_s, ScanR
   }
   motion.duration_s = sensor.scan_period_s;
   odometry.set_reference(features, motion);
-  mapping.insert(map_features(features, options.mapping), Pose::Identity(), motion);
-  report.key_frame = true;
-  reference_stamp_s = stamp_s;
+  reference_stamp_s = report.stamp_s;
+  add_key_frame(cloud, map_features(features, sensor.measured_rows, options.mapping), stopwatch,
+                report);
 }
 
-void Slam::Implementation::follow(const Features& features, double stamp_s, Stopwatch& stopwatch,
-                                  ScanReport& report) {
-  const double since_reference_s = stamp_s - reference_stamp_s;
+void Slam::Implementation::follow(const OrganizedCloud& cloud, const Features& features,
+                                  Stopwatch& stopwatch, ScanReport& report) {
+  const double since_reference_s = report.stamp_s - reference_stamp_s;
   const double duration_s = since_reference_s > 0.0 ? since_reference_s : sensor.scan_period_s;
   const Pose predicted =
       interpolate(Pose::Identity(), motion.T_begin_end, duration_s / motion.duration_s);
@@ -153,7 +166,7 @@ void Slam::Implementation::follow(const Features& features, double stamp_s, Stop
   report.T_odom_sensor = orthonormalized(T_odom_reference * moved.T_reference_sensor);
   report.times.odometry_s = stopwatch.lap_s();
 
-  const MapFeatures thinned = map_features(features, options.mapping);
+  const MapFeatures thinned = map_features(features, sensor.measured_rows, options.mapping);
   const MappingResult located = mapping.locate(thinned, T_map_reference * moved.T_reference_sensor,
                                                {T_map_reference, duration_s});
   report.mapping_status = located.status;
@@ -166,16 +179,44 @@ void Slam::Implementation::follow(const Features& features, double stamp_s, Stop
       unlocated_scans > kMaxUnlocatedScans && can_be_reference(features, options.odometry);
   if (is_located || moved.status != Status::kTooFewFeatures || goes_on) {
     motion = {T_map_reference.inverse() * located.T_map_sensor, duration_s};
-    if ((is_located || goes_on) && mapping.is_key_frame(located.T_map_sensor)) {
-      mapping.insert(thinned, located.T_map_sensor, motion);
-      report.key_frame = true;
-    }
     odometry.set_reference(features, motion);
-    reference_stamp_s = stamp_s;
+    reference_stamp_s = report.stamp_s;
     T_map_reference = located.T_map_sensor;
     T_odom_reference = report.T_odom_sensor;
+    if ((is_located || goes_on) && mapping.is_key_frame(located.T_map_sensor)) {
+      add_key_frame(cloud, thinned, stopwatch, report);
+    }
   }
-  report.times.mapping_s = stopwatch.lap_s();
+  report.times.mapping_s += stopwatch.lap_s();
+}
+
+/// Puts the scan, of which `motion` and T_map_sensor are known, into the map.
+void Slam::Implementation::add_key_frame(const OrganizedCloud& cloud, const MapFeatures& features,
+                                         Stopwatch& stopwatch, ScanReport& report) {
+  mapping.insert(features, report.T_map_sensor, motion);
+  report.key_frame = true;
+  report.times.mapping_s += stopwatch.lap_s();
+  if (!loop_closing) return;
+  const LoopResult result = loop_closing->process(
+      {cloud, features, motion, report.T_map_sensor, report.mapping_status, trajectory.size()},
+      mapping);
+  report.loop = result.report;
+  if (!result.corrections.empty()) correct(result.corrections, report);
+  report.times.loop_closing_s = stopwatch.lap_s();
+}
+
+/// Moves map and path with their key frames. The odometry's frame and the last motion stay as they
+/// are, so the next scan is followed as if nothing had happened, in the corrected map.
+void Slam::Implementation::correct(const std::vector<Pose>& corrections, ScanReport& report) {
+  mapping.correct(corrections);
+  for (std::size_t scan = 0; scan < trajectory.size(); ++scan) {
+    const Pose& correction = corrections[key_frame_of_scan[scan]];
+    if (correction.matrix().isIdentity(0.0)) continue;
+    Pose& T_map_sensor = trajectory[scan].T_map_sensor;
+    T_map_sensor = orthonormalized(correction * T_map_sensor);
+  }
+  report.T_map_sensor = orthonormalized(corrections.back() * report.T_map_sensor);
+  T_map_reference = report.T_map_sensor;
 }
 
 Slam::Slam(const SensorModel& sensor) : Slam(sensor, SlamOptions{}) {}

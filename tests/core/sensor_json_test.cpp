@@ -54,6 +54,15 @@ TEST_CASE("a sensor file in degrees is read field by field") {
   CHECK(degrees(sensor.beam_azimuth_offset_rad[0]) == doctest::Approx(1.5));
 }
 
+TEST_CASE("a sensor file may name the measured rows, and they come back from it") {
+  CHECK(!sensor_of(kOwn).measured_rows);
+  const std::string lifted = replaced(
+      kOwn, "\"columns\"", "\"measured_rows\": {\"offset\": 1, \"stride\": 4}, \"columns\"");
+  const SensorModel sensor = sensor_of(lifted);
+  CHECK(sensor.measured_rows == RowSelection{1, 4});
+  CHECK(sensor_of(sensor_json(sensor)) == sensor);
+}
+
 TEST_CASE("every preset comes back from its file to a hundred-millionth of a degree") {
   const TemporaryDirectory directory;
   const std::string path = directory.file("s.json");
@@ -134,6 +143,13 @@ TEST_CASE("a sensor file with a wrong field is refused with file, field, expecte
   CHECK(one_line_with(with("1024", "1024.5"), "'columns'", "whole number", "1024.5"));
   CHECK(one_line_with(with("[10, -10]", "[10, null]"), "'beam_elevation_deg[1]'", "null"));
   CHECK(one_line_with(with("[10, -10]", "10"), "'beam_elevation_deg'", "list", "found 10"));
+  const auto with_measured_rows = [&](const std::string& value) {
+    return with("\"columns\"", "\"measured_rows\": " + value + ", \"columns\"");
+  };
+  CHECK(one_line_with(with_measured_rows("3"), "'measured_rows'", "offset and stride", "found 3"));
+  CHECK(one_line_with(with_measured_rows("{\"offset\": 1, \"step\": 4}"), "'stride'", "nothing"));
+  CHECK(one_line_with(with_measured_rows("{\"offset\": 2, \"stride\": 4}"), "measured_rows",
+                      "offset of 0 to 1"));
   CHECK(one_line_with(with("\"two\"", "2"), "'name'", "text", "found 2"));
   CHECK(one_line_with(with("\"two\"", "\"a\\nb\""), "'name'", "printable"));
   CHECK(one_line_with(with("80", "1e999"), "s.json", "out of range"));

@@ -51,6 +51,21 @@ TEST_CASE("16 of 64 rows are 3, 7, ..., 63") {
   CHECK_THROWS_AS(hqslam::selection_for(64, 0), Error);
 }
 
+TEST_CASE("a selection of rows keeps in mind which of them were measured") {
+  SensorModel lifted = hqslam::sensor_preset("os1-64");
+  lifted.measured_rows = hqslam::RowSelection{3, 4};
+  const auto measured_of = [&](int offset, int stride) {
+    return hqslam::select_rows(lifted, {offset, stride}).measured_rows;
+  };
+  CHECK(measured_of(3, 4) == std::nullopt);  // all of them
+  CHECK(measured_of(7, 8) == std::nullopt);
+  CHECK(measured_of(1, 2) == hqslam::RowSelection{1, 2});
+  CHECK(measured_of(0, 1) == hqslam::RowSelection{3, 4});
+  CHECK(measured_of(0, 3) == hqslam::RowSelection{1, 4});
+  CHECK(measured_of(0, 63) == hqslam::RowSelection{1, 2});  // rows 0 and 63
+  CHECK_THROWS_AS(hqslam::select_rows(lifted, {2, 4}), Error);
+}
+
 TEST_CASE("column 0 looks backwards, the middle column forward, azimuth falls with the column") {
   const SensorModel sensor = hqslam::sensor_preset("vlp-16");
   CHECK(degrees(sensor.azimuth_rad(0, 0)) == doctest::Approx(179.9));
@@ -121,4 +136,9 @@ TEST_CASE("validation names the field, the value and the constraint") {
   sensor = hqslam::sensor_preset("vlp-16");
   sensor.beam_elevation_rad[0] = std::nan("");
   CHECK_THROWS_AS(hqslam::validate(sensor), Error);
+  sensor = hqslam::sensor_preset("vlp-16");
+  for (const hqslam::RowSelection rows : {hqslam::RowSelection{0, 0}, {-1, 4}, {16, 4}}) {
+    sensor.measured_rows = rows;
+    CHECK_THROWS_AS(hqslam::validate(sensor), Error);
+  }
 }

@@ -6,6 +6,7 @@
 #include <limits>
 #include <random>
 
+using hqslam::Pose;
 using hqslam::slam::FeatureMap;
 using hqslam::slam::Neighbours;
 
@@ -77,4 +78,50 @@ TEST_CASE("points that are not finite or beyond every map are left out, and quer
   CHECK(map.nearest({nan, 1, 1}).count == 0);
   CHECK(map.nearest({infinity, 1, 1}).count == 0);
   CHECK(map.nearest({1, 1, 1}).count == 1);
+}
+
+TEST_CASE("points near a place are those of the key frames asked for, within the radius") {
+  FeatureMap map(0.4, 1.0);
+  const auto points = random_points(3000, 30.0F, 3);
+  for (std::uint32_t k = 0; k < 3; ++k) {
+    map.insert({points.begin() + 1000 * k, points.begin() + 1000 * (k + 1)}, k);
+  }
+  const Eigen::Vector3d centre_m(-4.0, 7.0, 0.5);
+  FeatureMap first_two(0.4, 1.0);
+  first_two.insert({points.begin(), points.begin() + 2000});
+  std::size_t expected = 0;
+  for (const auto& p : first_two.points_m()) {
+    const Eigen::Vector3d offset_m = p.cast<double>() - centre_m;
+    expected += offset_m.head<2>().norm() <= 9.0 && std::abs(offset_m.z()) <= 4.5;
+  }
+  CHECK(expected > 50);
+  CHECK(map.points_near_m(centre_m, 9.0, 1).size() == expected);
+}
+
+TEST_CASE("a corrected map holds every point where its key frame belongs") {
+  // Key frame 1 saw the same corner as key frame 0, but 5 m too far along x.
+  FeatureMap map(0.4, 1.0);
+  map.insert({{0.1F, 0.1F, 0.1F}, {1.1F, 0.1F, 0.1F}}, 0);
+  map.insert({{5.3F, 0.1F, 0.1F}, {7.1F, 0.1F, 0.1F}}, 1);
+  Pose back = Pose::Identity();
+  back.translation().x() = -5.0;
+  map.correct({Pose::Identity(), back});
+  REQUIRE(map.size() == 3);
+  const auto points = map.points_m();
+  CHECK((points[1] - Eigen::Vector3f(1.1F, 0.1F, 0.1F)).norm() < 1e-5F);
+  CHECK((points[0] - Eigen::Vector3f(0.2F, 0.1F, 0.1F)).norm() < 1e-5F);
+  CHECK((points[2] - Eigen::Vector3f(2.1F, 0.1F, 0.1F)).norm() < 1e-5F);
+  // Where two met, the older key frame is remembered; a search finds what moved, nothing is left.
+  CHECK(map.points_near_m({0, 0, 0}, 1.5, 0).size() == 2);
+  CHECK(map.nearest({2.1F, 0.1F, 0.1F}).squared_distance_m2[0] < 1e-6F);
+  CHECK(map.nearest({7.1F, 0.1F, 0.1F}).count == 0);
+}
+
+TEST_CASE("a correction that moves nothing leaves the same bytes") {
+  FeatureMap map(0.4, 1.0);
+  map.insert(random_points(5000, 10.0F, 4), 0);
+  map.insert(random_points(5000, 10.0F, 5), 1);
+  const auto before = map.points_m();
+  map.correct({Pose::Identity(), Pose::Identity()});
+  CHECK(map.points_m() == before);
 }

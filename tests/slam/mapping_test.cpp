@@ -2,6 +2,9 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "yard.h"
 
 using namespace hqslam;
@@ -11,7 +14,8 @@ namespace {
 
 slam::MapFeatures features_of(const SensorModel& sensor, const OrganizedCloud& cloud) {
   slam::Segmenter segmenter(sensor, {}, {});
-  return slam::map_features(slam::extract_features(cloud, segmenter.segment(cloud), {}), {});
+  return slam::map_features(slam::extract_features(cloud, segmenter.segment(cloud), {}),
+                            std::nullopt, {});
 }
 
 /// A map of the yard from eleven places along its length, in the frame of the first.
@@ -112,4 +116,57 @@ TEST_CASE("a turn on the spot makes a key frame, a short step does not") {
   CHECK(!mapping.is_key_frame(pose_from_xyz_rpy({0.2, 0, 0}, 0, 0, 0.1)));
   CHECK(mapping.is_key_frame(pose_from_xyz_rpy({0, 0, 0}, 0, 0, 0.25)));
   CHECK(mapping.is_key_frame(pose_from_xyz_rpy({0.31, 0, 0}, 0, 0, 0)));
+}
+
+TEST_CASE("of a scan with computed rows only the measured ones meet the map") {
+  const SensorModel sensor = test::small_sensor(32, 512);
+  const OrganizedCloud cloud = test::Yard().scan(sensor, test::yard_pose(0, 0, 0));
+  slam::Segmenter segmenter(sensor, {}, {});
+  const slam::Features features = slam::extract_features(cloud, segmenter.segment(cloud), {});
+  // A point of a map feature is the mean of the features in its voxel: the measured rows alone give
+  // the same map.
+  slam::Features of_measured_rows;
+  const auto copy = [&](const auto& from, auto& to) {
+    for (const slam::FeaturePoint& feature : from) {
+      if (feature.row % 4 == 3) to.push_back(feature);
+    }
+  };
+  copy(features.edges, of_measured_rows.edges);
+  copy(features.ground, of_measured_rows.ground);
+  copy(features.surfaces, of_measured_rows.surfaces);
+  REQUIRE(of_measured_rows.ground.size() < features.ground.size() / 2);
+  const slam::MapFeatures expected = slam::map_features(of_measured_rows, std::nullopt, {});
+  const slam::MapFeatures result = slam::map_features(features, RowSelection{3, 4}, {});
+  const auto same = [](const auto& a, const auto& b) {
+    return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                      [](const auto& p, const auto& q) { return p.point_m == q.point_m; });
+  };
+  CHECK(same(result.edges, expected.edges));
+  CHECK(same(result.ground, expected.ground));
+  CHECK(same(result.surfaces, expected.surfaces));
+  CHECK(same(result.ground_to_locate, expected.ground_to_locate));
+  CHECK(same(result.surfaces_to_locate, expected.surfaces_to_locate));
+}
+
+TEST_CASE("surfaces that lean to one side do not lift the sensor") {
+  // A floor and walls, and before one wall a bank whose slope the map has a little too high.
+  const MappedYard mapped;
+  const Pose T_yard_sensor = test::yard_pose(0.3, 0.0, 0.0);
+  const Pose truth = mapped.T_yard_map.inverse() * T_yard_sensor;
+  slam::MapFeatures features =
+      features_of(mapped.sensor, mapped.yard.scan(mapped.sensor, T_yard_sensor));
+  slam::Mapping mapping = mapped.mapping;
+  slam::MapFeatures bank_in_map;
+  for (int i = 0; i < 40; ++i) {
+    for (int k = 0; k < 8; ++k) {
+      const float x_m = -8.0F + 0.4F * static_cast<float>(i);
+      const float y_m = -9.0F + 0.4F * static_cast<float>(k);
+      const Eigen::Vector3f point_m(x_m, y_m, 3.0F - 0.5F * y_m);
+      features.surfaces_to_locate.push_back({point_m, 0.0F, 0});
+      bank_in_map.surfaces.push_back({point_m + Eigen::Vector3f(0, 0, 0.08F), 0.0F, 0});
+    }
+  }
+  mapping.insert(bank_in_map, truth, {});
+  const auto result = mapping.locate(features, truth, {truth, 0.1});
+  CHECK(std::abs((result.T_map_sensor.translation() - truth.translation()).z()) < 0.005);
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -10,6 +11,9 @@ namespace hqslam {
 struct RowSelection {
   int offset = 0;
   int stride = 1;
+
+  bool contains(int row) const { return row >= offset && (row - offset) % stride == 0; }
+  bool operator==(const RowSelection&) const = default;
 };
 
 /// The rows that make a sensor with `wanted` rows of one with `rows`: the lowest of each group, so
@@ -36,6 +40,9 @@ struct SensorModel {
   double max_range_m = 120.0;
   std::vector<double> beam_elevation_rad;       ///< one per row, strictly falling
   std::vector<double> beam_azimuth_offset_rad;  ///< one per row, counter-clockwise positive
+  /// The rows that a beam measures; those between them are computed from them. Nothing: all are
+  /// measured.
+  std::optional<RowSelection> measured_rows;
 
   int rows() const { return static_cast<int>(beam_elevation_rad.size()); }
   double column_step_rad() const;

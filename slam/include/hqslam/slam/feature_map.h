@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "hqslam/core/pose.h"
+
 namespace hqslam::slam {
 
 /// Nearest points found by FeatureMap, nearest first.
@@ -23,12 +25,15 @@ struct Neighbours {
 /// time however large the map has grown: a kd-tree would have to be built anew with every key
 /// frame. Exact: the neighbours are those of a search through all points.
 ///
+/// Every point remembers the key frame that first put it there, so that it can be moved when that
+/// key frame turns out to have been elsewhere, and old parts of the map can be told from new ones.
+///
 /// Points farther than a million cubes from the origin are left out.
 class FeatureMap {
  public:
   FeatureMap(double leaf_m, double max_distance_m);
 
-  void insert(const std::vector<Eigen::Vector3f>& points_m);
+  void insert(const std::vector<Eigen::Vector3f>& points_m, std::uint32_t key_frame = 0);
 
   /// Up to five nearest points within max_distance_m.
   Neighbours nearest(const Eigen::Vector3f& query_m) const;
@@ -37,11 +42,21 @@ class FeatureMap {
   /// All points, in the order in which their cubes and voxels were first met.
   std::vector<Eigen::Vector3f> points_m() const;
 
+  /// The points within radius_m of a centre horizontally, and within half of that vertically, that
+  /// key frames up to `newest_key_frame` put there.
+  std::vector<Eigen::Vector3f> points_near_m(const Eigen::Vector3d& centre_m, double radius_m,
+                                             std::uint32_t newest_key_frame) const;
+
+  /// Moves every point with its key frame: in, per key frame, T_corrected_map that takes its points
+  /// to where they belong. Points that meet in one voxel are merged; the oldest key frame is kept.
+  void correct(const std::vector<Pose>& corrections);
+
  private:
   struct Cell {
     Eigen::Vector3f mean_m;
-    std::uint16_t voxel = 0;  ///< within the cube
-    std::uint16_t count = 0;
+    std::uint32_t key_frame = 0;  ///< the first that saw it
+    std::uint16_t voxel = 0;      ///< within the cube
+    std::uint16_t count = 0;      ///< points averaged
   };
   struct Cube {
     std::uint64_t key = 0;
@@ -52,7 +67,7 @@ class FeatureMap {
   const Cube* find(std::uint64_t key) const;
   Cube& find_or_add(std::uint64_t key);
   void grow_table();
-  void insert_point(const Eigen::Vector3f& point_m);
+  void insert_cell(Cell cell);
 
   float leaf_m_;
   float max_distance_m_;

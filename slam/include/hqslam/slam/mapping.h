@@ -1,8 +1,11 @@
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "hqslam/core/pose.h"
+#include "hqslam/core/sensor_model.h"
 #include "hqslam/slam/feature_map.h"
 #include "hqslam/slam/features.h"
 #include "hqslam/slam/motion_correction.h"
@@ -11,7 +14,7 @@
 
 namespace hqslam::slam {
 
-/// Features of a scan as measured, thinned to one per voxel.
+/// Features of a scan's measured rows, not corrected for motion, thinned to one per voxel.
 struct MapFeatures {
   std::vector<FeaturePoint> edges;
   std::vector<FeaturePoint> ground;              ///< as dense as the map
@@ -19,7 +22,9 @@ struct MapFeatures {
   std::vector<FeaturePoint> ground_to_locate;    ///< fewer: enough to locate the scan
   std::vector<FeaturePoint> surfaces_to_locate;  ///< the same
 };
-MapFeatures map_features(const Features& features, const MappingOptions& options);
+/// measured_rows: SensorModel::measured_rows. Features of computed rows are left out.
+MapFeatures map_features(const Features& features, const std::optional<RowSelection>& measured_rows,
+                         const MappingOptions& options);
 
 struct MappingResult {
   Pose T_map_sensor = Pose::Identity();
@@ -48,8 +53,8 @@ struct PreviousPose {
 /// centroid, so that a plane through the map's origin is as good as any; lines must be longer and
 /// planes wider than LeGO-LOAM asks; the ground tells height,
 /// roll and pitch only, as in the odometry's first step, because the rings that a sensor draws on
-/// it would hold the sensor back; a turn makes a key frame too; the scan is corrected for motion
-/// anew with every improved pose.
+/// it would hold the sensor back, and surfaces tell nothing about height; a turn makes a key frame
+/// too; the scan is corrected for motion anew with every improved pose.
 class Mapping {
  public:
   explicit Mapping(const MappingOptions& options);
@@ -60,6 +65,13 @@ class Mapping {
   /// Whether the pose is far enough from the last one inserted.
   bool is_key_frame(const Pose& T_map_sensor) const;
   void insert(const MapFeatures& features, const Pose& T_map_sensor, const SensorMotion& motion);
+  std::uint32_t key_frames() const { return key_frames_; }
+
+  /// The map about a place as it was when it had `key_frames` key frames, to locate in.
+  Mapping older_part(const Eigen::Vector3d& centre_m, double radius_m,
+                     std::uint32_t key_frames) const;
+  /// Moves every key frame with its points; in, per key frame, T_corrected_map.
+  void correct(const std::vector<Pose>& corrections);
 
   const FeatureMap& edges() const { return edges_; }
   const FeatureMap& planes() const { return planes_; }
@@ -68,7 +80,7 @@ class Mapping {
   MappingOptions options_;
   FeatureMap edges_;
   FeatureMap planes_;
-  bool has_key_frame_ = false;
+  std::uint32_t key_frames_ = 0;
   Pose T_map_last_key_frame_ = Pose::Identity();
 };
 

@@ -1,7 +1,5 @@
 #pragma once
 
-#include "hqslam/core/sensor_model.h"
-
 namespace hqslam::slam {
 
 /// Angles in radians, lengths in metres. Every default is LeGO-LOAM's unless it says otherwise.
@@ -47,13 +45,18 @@ struct MappingOptions {
   double min_matched_share = 0.25;
   double edge_leaf_m = 0.2;
   double planar_leaf_m = 0.4;
-  double located_planar_leaf_m = 0.8;  ///< of the scan that is located; LeGO-LOAM: as in the map
-  double max_neighbour_distance_m = 1.0;
+  double located_planar_leaf_m = 0.8;     ///< of the scan that is located; LeGO-LOAM: as in the map
+  double max_neighbour_distance_m = 1.0;  ///< of the first two searches
+  double close_neighbour_distance_m = 0.6;  ///< of those that follow; LeGO-LOAM: 1 m for all
   double max_plane_residual_m = 0.2;
   double key_frame_translation_m = 0.3;
   double key_frame_rotation_rad = 0.2;  ///< LIO-SAM's; LeGO-LOAM has no key frame for a turn
   double converged_rotation_rad = 0.0008726646259971648;  ///< 0.05 degrees
   double converged_translation_m = 0.0005;
+};
+
+struct LoopClosingOptions {
+  bool enabled = false;
 };
 
 struct SlamOptions {
@@ -62,6 +65,7 @@ struct SlamOptions {
   FeatureOptions features;
   OdometryOptions odometry;
   MappingOptions mapping;
+  LoopClosingOptions loop_closing;
 };
 
 /// Throws Error with field, value and constraint.

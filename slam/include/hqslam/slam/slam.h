@@ -7,6 +7,7 @@
 #include "hqslam/core/organized_cloud.h"
 #include "hqslam/core/sensor_model.h"
 #include "hqslam/core/trajectory.h"
+#include "hqslam/slam/loop_report.h"
 #include "hqslam/slam/status.h"
 
 namespace hqslam::slam {
@@ -19,6 +20,7 @@ struct StageTimes {
   double features_s = 0.0;
   double odometry_s = 0.0;
   double mapping_s = 0.0;
+  double loop_closing_s = 0.0;
   double total_s = 0.0;
 };
 
@@ -26,7 +28,7 @@ struct StageTimes {
 struct ScanReport {
   double stamp_s = 0.0;
   Pose T_odom_sensor = Pose::Identity();  ///< odometry alone: smooth, drifts
-  Pose T_map_sensor = Pose::Identity();   ///< after scan-to-map optimisation
+  Pose T_map_sensor = Pose::Identity();   ///< after scan-to-map optimisation and loop closing
   Status odometry_status = Status::kOk;
   Status mapping_status = Status::kOk;
   int returns = 0;
@@ -37,13 +39,14 @@ struct ScanReport {
   int edge_correspondences = 0;  ///< used by the last iteration of mapping
   int planar_correspondences = 0;
   bool key_frame = false;
+  LoopReport loop;
   StageTimes times;
 };
 
 /// LeGO-LOAM without ROS: scan in, pose out.
 ///
 ///   OrganizedCloud -> ground, clusters -> edge and planar features -> two-step odometry
-///   -> de-skewed features -> scan-to-map optimisation -> pose, map
+///   -> de-skewed features -> scan-to-map optimisation -> loop closing -> pose, map
 ///
 /// Deterministic: the same scans give the same bytes, whatever the number of threads. Every scan
 /// is processed in the call that brings it.
@@ -59,7 +62,8 @@ class Slam {
   /// Throws Error if the cloud's shape is not the sensor's; anything inside the cloud is survived.
   ScanReport process(const OrganizedCloud& cloud, double stamp_s);
 
-  /// T_map_sensor of every scan so far, in the frame of the first scan.
+  /// T_map_sensor of every scan so far, in the frame of the first scan. Where a loop was closed,
+  /// past poses are corrected: they differ then from those that were reported.
   const Trajectory& trajectory() const;
 
   /// The map: planar features of all key frames, one per 0.4 m voxel, then edge features, one per

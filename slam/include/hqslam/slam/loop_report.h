@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cstddef>
+#include <string_view>
+
+namespace hqslam::slam {
+
+/// What loop closing did with a scan.
+enum class LoopStatus {
+  kNotSearched,   ///< switched off, or too little path since the last search
+  kNoCandidate,   ///< no older place within reach of plausible drift looks like this one
+  kNotVerified,   ///< some do, but the scan does not fit there
+  kAmbiguous,     ///< the scan fits at several places: none is taken
+  kAwaitsOthers,  ///< a loop was found; it counts when others farther on agree with it
+  kAgrees,        ///< the place was recognised, and the pose is right as it is
+  kClosed,        ///< the path and the map were corrected
+  kImplausible,   ///< the correction would have bent the path too much: not done
+};
+std::string_view name(LoopStatus status);  ///< "not searched", "no candidate", ...
+
+struct LoopReport {
+  LoopStatus status = LoopStatus::kNotSearched;
+  int candidates = 0;          ///< places that were looked at
+  std::size_t older_scan = 0;  ///< kAwaitsOthers, kAgrees, kClosed: the scan that this one met
+  double correction_m = 0.0;   ///< kClosed: by how much this scan's pose moved
+};
+
+}  // namespace hqslam::slam

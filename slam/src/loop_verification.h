@@ -1,0 +1,37 @@
+#pragma once
+
+#include "hqslam/slam/mapping.h"
+
+namespace hqslam::slam {
+
+/// How well features fit a map at a pose.
+struct Fit {
+  double overlap = 0.0;     ///< share of edges and surfaces on a line or plane of the map
+  double residual_m = 0.0;  ///< root mean square of their distances
+};
+/// The ground takes no part: it fits everywhere.
+Fit fit_of(const MapFeatures& features, const Mapping& map, const Pose& T_map_sensor);
+
+enum class LoopVerdict {
+  kAccepted,
+  kNotRegistered,  ///< too little matched, or no pose was settled on
+  kNotObservable,  ///< some direction could slide
+  kLittleOverlap,
+  kLargeResidual,
+};
+
+struct VerifiedLoop {
+  LoopVerdict verdict = LoopVerdict::kNotRegistered;
+  Pose T_map_sensor = Pose::Identity();
+  Fit fit;
+};
+
+/// Whether a place is the one that the sensor is at.
+///
+/// In: what the sensor saw lately (RecentFeatures), the map of the place as it was before
+/// (Mapping::older_part), a pose to start from. Out: the registered pose, and a verdict. Registered
+/// as any scan is (Mapping::locate); judged more strictly, by distances from lines and planes.
+VerifiedLoop verify_loop(const MapFeatures& features, const Mapping& older_part,
+                         const Pose& T_map_sensor_start);
+
+}  // namespace hqslam::slam

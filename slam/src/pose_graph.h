@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "hqslam/core/pose.h"
+
+namespace hqslam::slam {
+
+/// A measured motion from one node to another.
+struct PoseGraphEdge {
+  std::size_t from = 0;
+  std::size_t to = 0;
+  Pose T_from_to = Pose::Identity();
+  double translation_sigma_m = 1.0;
+  double rotation_sigma_rad = 1.0;
+};
+
+/// Poses along a path, and what was measured between them.
+struct PoseGraph {
+  std::vector<Pose> T_map_node;
+  std::vector<PoseGraphEdge> odometry;  ///< edge i from node i to node i + 1
+  std::vector<PoseGraphEdge> loops;     ///< between places that were recognised
+};
+
+/// By how much two poses disagree with an edge: E = T_from_to^-1 (T_map_from^-1 T_map_to).
+Pose disagreement(const PoseGraphEdge& edge, const std::vector<Pose>& T_map_node);
+
+/// The poses that agree best with all edges; empty if no solution was found.
+///
+///   minimise  sum over odometry |r|^2 + sum over loops rho(|r|^2),
+///   r = (translation of E / translation sigma, 2 vec(q of E) / rotation sigma),
+/// with rho the Cauchy loss, node 0 held. A far correction lies beyond the reach of a robust loss,
+/// so the problem is solved without it first and with it from there: a loop that the others
+/// contradict is then let go (the first and last step of graduated non-convexity, Yang et al.,
+/// RA-L 2020). Ceres, Levenberg-Marquardt, sparse Cholesky, one thread.
+std::vector<Pose> optimized(const PoseGraph& graph);
+
+}  // namespace hqslam::slam
