@@ -53,6 +53,23 @@ TEST_CASE("the options of upsample arrive where they belong") {
   CHECK(upsample.row_order == "lowest-first");
 }
 
+TEST_CASE("the options of table arrive where they belong, lists split at commas") {
+  const TableOptions table =
+      parsed({"table", "--drives", "town,/", "--methods", "rows-16,du-or", "--weights", "a,b",
+              "--sensor", "hdl-64e", "--reference", "/proc/version", "--scans", "7", "--out", "x",
+              "--threads", "2"})
+          .table;
+  CHECK(table.drives == std::vector<std::string>{"town", "/"});
+  CHECK(table.methods == std::vector<std::string>{"rows-16", "du-or"});
+  CHECK(table.weights == std::vector<std::string>{"a", "b"});
+  CHECK(table.sensor == "hdl-64e");
+  CHECK(table.reference == "/proc/version");
+  CHECK(table.scans == 7);
+  CHECK(table.out == "x");
+  CHECK(table.threads == 2);
+  CHECK(parsed({"table", "--out", "x"}).table.drives == std::vector<std::string>{"town", "hills"});
+}
+
 TEST_CASE("the options of simulate, demo, evaluate and bench arrive where they belong") {
   const SimulateOptions simulate = parsed({"simulate", "--drive", "town", "--sensor", "vlp-16",
                                            "--out", "x", "--scans", "7", "--seed", "9", "--bin"})

@@ -23,7 +23,7 @@ inline SlamRun example_run(int scans) {
     run.trajectory.push_back(pose);
     ScanRecord record;
     record.report.stamp_s = pose.stamp_s;
-    record.report.times = {0.001, 0.002, 0.003, 0.004, 0.010};
+    record.report.times = {0.001, 0.002, 0.003, 0.004, 0.0, 0.010};
     record.reading_s = 0.005;
     run.scans.push_back(record);
     run.map_points_m.emplace_back(static_cast<float>(i), 5.0F, 1.0F);

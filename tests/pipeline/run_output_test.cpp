@@ -59,6 +59,22 @@ TEST_CASE("the timings hold medians in milliseconds, counts of statuses and ever
   CHECK(json["per_scan"]["odometry_status"][4] == "degenerate");
 }
 
+TEST_CASE("the timings list the loops that were found") {
+  SlamRun run = test::example_run(10);
+  CHECK(nlohmann::json::parse(timings_json(run))["loops"].empty());
+  run.scans[7].report.loop = {slam::LoopStatus::kClosed, 1, 2, 3.25};
+  run.scans[8].report.loop = {slam::LoopStatus::kAwaitsOthers, 1, 3, 0.0};
+  run.scans[9].report.loop = {slam::LoopStatus::kAgrees, 1, 4, 0.0};
+  const nlohmann::json loops = nlohmann::json::parse(timings_json(run))["loops"];
+  REQUIRE(loops.size() == 2);
+  CHECK(loops[0]["scan"] == 7);
+  CHECK(loops[0]["older_scan"] == 2);
+  CHECK(loops[0]["status"] == "closed");
+  CHECK(loops[0]["correction_m"] == doctest::Approx(3.25));
+  CHECK(loops[1]["scan"] == 9);
+  CHECK(loops[1]["status"] == "agrees");
+}
+
 TEST_CASE("upsampling is a stage of its own where there is any, and none where there is not") {
   SlamRun run = test::example_run(3);
   const nlohmann::json without = nlohmann::json::parse(timings_json(run));

@@ -202,7 +202,7 @@ TEST_CASE("help and version are no errors") {
   }
 }
 
-TEST_CASE("bench measures every stage with 64 and 16 rows, with one thread and two") {
+TEST_CASE("bench measures every stage with 64, 16 and 16 lifted rows, with one thread and two") {
   const TemporaryDirectory folder;
   write_untrained_weights(folder.file("weights.npz"), sensor_preset("os1-64"));
   const ProgramResult result =
@@ -210,9 +210,15 @@ TEST_CASE("bench measures every stage with 64 and 16 rows, with one thread and t
   CAPTURE(result.error);
   REQUIRE(result.status == 0);
   const nlohmann::json json = nlohmann::json::parse(result.out);
-  REQUIRE(json["slam"].size() == 4);
+  REQUIRE(json["slam"].size() == 6);
   for (const nlohmann::json& timing : json["slam"]) {
     CHECK(timing["scans"] == 12);
+    const bool is_lifted = timing["upsampled_by"] == "du-or";
+    CHECK(is_lifted == timing["upsampling_ms"].is_object());
+    if (is_lifted) {
+      CHECK(timing["rows"] == 16);
+      CHECK(timing["stages_ms"]["total"]["median"] > timing["upsampling_ms"]["median"]);
+    }
     for (const char* stage : {"segmentation", "features", "odometry", "mapping", "total"}) {
       CHECK(timing["stages_ms"][stage]["median"] > 0.0);
     }

@@ -42,7 +42,9 @@ TEST_CASE("a stack of the measured rows and one of all rows both find their sens
   const UpsamplingPlan measured = plan_upsampling({files.stack_16, "", files.weights});
   CHECK(measured.recording_sensor.beam_elevation_rad == sensor_preset("os1-16").beam_elevation_rad);
   CHECK_FALSE(measured.rows.has_value());
-  CHECK(measured.upsampler.sensor() == sensor_preset("os1-64"));
+  SensorModel lifted = sensor_preset("os1-64");
+  lifted.measured_rows = RowSelection{3, 4};
+  CHECK(measured.upsampler.sensor() == lifted);
   CHECK(measured.upsampler.name() == "du-or");
 
   const UpsamplingPlan all = plan_upsampling({files.stack_64, "", files.weights});

@@ -121,18 +121,48 @@ void measure_networks(const std::vector<std::string>& paths, const std::vector<R
   }
 }
 
+/// The networks of this sensor that are quick enough to stand before SLAM.
+std::vector<Upsampler> quick_upsamplers(const std::vector<std::string>& paths,
+                                        const SensorModel& sensor) {
+  std::vector<Upsampler> upsamplers;
+  for (const std::string& path : paths) {
+    nn::SuperResolver network = nn::SuperResolver::load(path);
+    const nn::NetworkDescription& description = network.description();
+    if (description.kind == nn::NetworkKind::kDuOr && description.sensor.rows() == sensor.rows() &&
+        description.sensor.columns == sensor.columns) {
+      upsamplers.emplace_back(std::move(network), sensor);
+    }
+  }
+  return upsamplers;
+}
+
+void measure_slam(const std::string& input, const SensorModel& sensor, int rows,
+                  Upsampler* upsampler, int threads, const InterruptGuard& interrupt,
+                  Measurements& measurements) {
+  if (interrupt.stop_requested()) {
+    return;
+  }
+  fmt::print(stderr, "slam, {} rows{}, {} thread{} ...\n", rows,
+             upsampler != nullptr ? fmt::format(" lifted by {}", upsampler->name()) : "", threads,
+             threads > 1 ? "s" : "");
+  const std::unique_ptr<ScanSource> source = open_recording(input, sensor);
+  measurements.slam.push_back(time_slam(*source, rows, upsampler, threads, interrupt));
+}
+
 Measurements measure(const std::string& input, const SensorModel& sensor,
                      const std::vector<std::string>& weights, const InterruptGuard& interrupt) {
   Measurements measurements;
   measurements.sensor = sensor.name;
-  for (const int rows : kRowCounts) {
-    for (int threads = 1; threads <= kMostThreads; ++threads) {
-      if (rows > sensor.rows() || interrupt.stop_requested()) {
-        continue;
+  std::vector<Upsampler> upsamplers = quick_upsamplers(weights, sensor);
+  for (int threads = 1; threads <= kMostThreads; ++threads) {
+    for (const int rows : kRowCounts) {
+      if (rows <= sensor.rows()) {
+        measure_slam(input, sensor, rows, nullptr, threads, interrupt, measurements);
       }
-      fmt::print(stderr, "slam, {} rows, {} thread{} ...\n", rows, threads, threads > 1 ? "s" : "");
-      const std::unique_ptr<ScanSource> source = open_recording(input, sensor);
-      measurements.slam.push_back(time_slam(*source, rows, threads, interrupt));
+    }
+    for (Upsampler& upsampler : upsamplers) {
+      const int rows = select_rows(sensor, upsampler.measured_rows()).rows();
+      measure_slam(input, sensor, rows, &upsampler, threads, interrupt, measurements);
     }
   }
   const std::unique_ptr<ScanSource> source = open_recording(input, sensor);
@@ -160,8 +190,11 @@ void print_json(const Measurements& measurements) {
     }
     slam.push_back(
         {{"rows", timing.rows},
+         {"upsampled_by", timing.upsampled_by},
          {"threads", timing.threads},
          {"scans", timing.scans},
+         {"upsampling_ms",
+          timing.upsampling_ms ? distribution_json(*timing.upsampling_ms) : Json()},
          {"stages_ms", std::move(stages)},
          {"first_fifth_ms", timing.first_fifth_ms},
          {"last_fifth_ms", timing.last_fifth_ms},
@@ -186,21 +219,30 @@ void print_json(const Measurements& measurements) {
 }
 
 void print_slam_table(const std::vector<SlamTiming>& timings) {
-  fmt::print("SLAM, median ms per scan (total: median, then 95 % below)\n");
-  fmt::print("{:>5}{:>9}{:>7}{:>14}{:>10}{:>10}{:>9}{:>8}{:>8}{:>14}{:>9}\n", "rows", "threads",
-             "scans", "segmentation", "features", "odometry", "mapping", "total", "95 %",
-             "first->last", "peak MB");
+  fmt::print(
+      "From a measured scan to a pose, median ms per scan (total: median, then 95 % below)\n");
+  fmt::print("{:<14}{:>8}{:>7}{:>12}{:>14}{:>10}{:>10}{:>9}{:>8}{:>8}{:>9}{:>14}{:>9}\n", "rows",
+             "threads", "scans", "upsampling", "segmentation", "features", "odometry", "mapping",
+             "total", "95 %", "scans/s", "first->last", "peak MB");
   for (const SlamTiming& timing : timings) {
-    fmt::print("{:>5}{:>9}{:>7}{:>14.2f}{:>10.2f}{:>10.2f}{:>9.2f}{:>8.2f}{:>8.2f}{:>14}{:>9}\n",
-               timing.rows, timing.threads, timing.scans, timing.stages_ms[0].second.median,
-               timing.stages_ms[1].second.median, timing.stages_ms[2].second.median,
-               timing.stages_ms[3].second.median, timing.stages_ms[4].second.median,
-               timing.stages_ms[4].second.p95,
-               fmt::format("{:.1f}->{:.1f}", timing.first_fifth_ms, timing.last_fifth_ms),
-               timing.peak_memory_mb ? fmt::format("{:.0f}", *timing.peak_memory_mb) : "-");
+    const Distribution& total_ms = timing.stages_ms[4].second;
+    fmt::print(
+        "{:<14}{:>8}{:>7}{:>12}{:>14.2f}{:>10.2f}{:>10.2f}{:>9.2f}{:>8.2f}{:>8.2f}{:>9.1f}{:>14}"
+        "{:>9}\n",
+        timing.upsampled_by.empty() ? fmt::format("{}", timing.rows)
+                                    : fmt::format("{}, {}", timing.rows, timing.upsampled_by),
+        timing.threads, timing.scans,
+        timing.upsampling_ms ? fmt::format("{:.2f}", timing.upsampling_ms->median) : "-",
+        timing.stages_ms[0].second.median, timing.stages_ms[1].second.median,
+        timing.stages_ms[2].second.median, timing.stages_ms[3].second.median, total_ms.median,
+        total_ms.p95, 1e3 / total_ms.mean,
+        fmt::format("{:.1f}->{:.1f}", timing.first_fifth_ms, timing.last_fifth_ms),
+        timing.peak_memory_mb ? fmt::format("{:.0f}", *timing.peak_memory_mb) : "-");
   }
   fmt::print(
-      "first->last: median total over the first and the last fifth of the scans;\n"
+      "upsampling: 16 rows of points to all rows of points; scans/s: of upsampling and SLAM, from "
+      "the "
+      "mean total;\nfirst->last: median total over the first and the last fifth of the scans;\n"
       "peak MB: resident memory of the whole process\n\n");
 }
 

@@ -12,6 +12,7 @@
 #include "hqslam/core/projection.h"
 #include "hqslam/slam/slam.h"
 #include "textbook_components.h"
+#include "upsampled_cloud.h"
 
 namespace hqslam::tools {
 namespace {
@@ -36,12 +37,12 @@ Distribution stage_distribution(const std::vector<slam::StageTimes>& times,
   return distribution_of(std::move(values_ms));
 }
 
-/// Median total over the scans [begin, end).
-double median_total_ms(const std::vector<slam::StageTimes>& times, std::size_t begin,
-                       std::size_t end) {
-  const auto from = times.begin() + static_cast<std::ptrdiff_t>(std::min(begin, times.size()));
-  const auto to = times.begin() + static_cast<std::ptrdiff_t>(std::min(end, times.size()));
-  return from < to ? stage_distribution({from, to}, &slam::StageTimes::total_s).median : 0.0;
+/// Median over the scans [begin, end).
+double median_ms(const std::vector<double>& values_ms, std::size_t begin, std::size_t end) {
+  const auto from =
+      values_ms.begin() + static_cast<std::ptrdiff_t>(std::min(begin, values_ms.size()));
+  const auto to = values_ms.begin() + static_cast<std::ptrdiff_t>(std::min(end, values_ms.size()));
+  return from < to ? distribution_of({from, to}).median : 0.0;
 }
 
 /// Makes the kernel count the peak of resident memory anew, so that one run is not charged with
@@ -81,30 +82,44 @@ Scan scan_of(const OrganizedCloud& cloud) {
 
 }  // namespace
 
-SlamTiming time_slam(ScanSource& source, int rows, int threads, const InterruptGuard& interrupt) {
+SlamTiming time_slam(ScanSource& source, int rows, Upsampler* upsampler, int threads,
+                     const InterruptGuard& interrupt) {
   omp_set_num_threads(threads);
   reset_peak_memory();
-  const RowSelection selection = selection_for(source.sensor().rows(), rows);
-  slam::Slam slam(select_rows(source.sensor(), selection));
+  const RowSelection selection = upsampler != nullptr ? upsampler->measured_rows()
+                                                      : selection_for(source.sensor().rows(), rows);
+  slam::Slam slam(upsampler != nullptr ? upsampler->sensor()
+                                       : select_rows(source.sensor(), selection));
   std::vector<slam::StageTimes> times;
+  std::vector<double> upsampling_ms;
+  std::vector<double> total_ms;
   while (!interrupt.stop_requested()) {
     const std::optional<RecordedScan> scan = source.next();
     if (!scan) {
       break;
     }
-    times.push_back(slam.process(select_rows(scan->cloud, selection), scan->stamp_s).times);
+    OrganizedCloud cloud = select_rows(scan->cloud, selection);
+    upsampling_ms.push_back(upsampler == nullptr ? 0.0 : milliseconds_of([&] {
+      cloud = upsampled_cloud(*upsampler, cloud);
+    }));
+    times.push_back(slam.process(cloud, scan->stamp_s).times);
+    total_ms.push_back(upsampling_ms.back() + 1e3 * times.back().total_s);
   }
   SlamTiming timing;
   timing.rows = rows;
   timing.threads = threads;
   timing.scans = static_cast<std::int64_t>(times.size());
+  if (upsampler != nullptr) {
+    timing.upsampled_by = upsampler->name();
+    timing.upsampling_ms = distribution_of(std::move(upsampling_ms));
+  }
   for (const Stage& stage : kStages) {
     timing.stages_ms.emplace_back(stage.name, stage_distribution(times, stage.seconds));
   }
-  timing.stages_ms.emplace_back("total", stage_distribution(times, &slam::StageTimes::total_s));
   const std::size_t fifth = times.size() / 5;
-  timing.first_fifth_ms = median_total_ms(times, kWarmUpScans, kWarmUpScans + fifth);
-  timing.last_fifth_ms = median_total_ms(times, times.size() - fifth, times.size());
+  timing.first_fifth_ms = median_ms(total_ms, kWarmUpScans, kWarmUpScans + fifth);
+  timing.last_fifth_ms = median_ms(total_ms, times.size() - fifth, times.size());
+  timing.stages_ms.emplace_back("total", distribution_of(std::move(total_ms)));
   timing.peak_memory_mb = peak_memory_mb();
   return timing;
 }

@@ -12,22 +12,27 @@
 #include "hqslam/core/sensor_model.h"
 #include "interrupt.h"
 #include "timing_statistics.h"
+#include "upsampler.h"
 
 namespace hqslam::tools {
 
 /// SLAM over a drive, seen with some of the sensor's rows and some number of threads.
 struct SlamTiming {
-  int rows = 0;
+  int rows = 0;              ///< measured
+  std::string upsampled_by;  ///< to all rows; empty: the measured rows as they are
   int threads = 0;
   std::int64_t scans = 0;
-  std::vector<std::pair<std::string, Distribution>> stages_ms;  ///< and "total"
+  std::optional<Distribution> upsampling_ms;  ///< a scan of points in, a scan of points out
+  std::vector<std::pair<std::string, Distribution>> stages_ms;  ///< and "total", with upsampling
   double first_fifth_ms = 0.0;  ///< median total of the first fifth of the scans, first 10 left out
   double last_fifth_ms = 0.0;
   std::optional<double> peak_memory_mb;  ///< resident memory of the process during this run
 };
 
-/// Scans come from the source one at a time; only SLAM is timed.
-SlamTiming time_slam(ScanSource& source, int rows, int threads, const InterruptGuard& interrupt);
+/// Scans come from the source one at a time; only upsampling and SLAM are timed. upsampler: nullptr
+/// for the measured rows as they are.
+SlamTiming time_slam(ScanSource& source, int rows, Upsampler* upsampler, int threads,
+                     const InterruptGuard& interrupt);
 
 /// Single steps on some scans of the drive, one thread, milliseconds per scan.
 struct StepTiming {

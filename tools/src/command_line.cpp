@@ -47,6 +47,9 @@ int run_subcommand(const std::string& name, const CommandLine& options) {
   if (name == "inspect") {
     return inspect_command(options.inspect);
   }
+  if (name == "table") {
+    return table_command(options.table);
+  }
   if (name == "train") {
     return train_command(options.train);
   }
@@ -74,6 +77,7 @@ void declare_program(CLI::App& app, CommandLine& options) {
   declare_compare(app, options.compare);
   declare_inspect(app, options.inspect);
   declare_bench(app, options.bench);
+  declare_table(app, options.table);
   declare_train(app, options.train);
   declare_upsample(app, options.upsample);
 }

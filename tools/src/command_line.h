@@ -9,6 +9,7 @@
 #include "inspect_command.h"
 #include "run_command.h"
 #include "simulate_command.h"
+#include "table_command.h"
 #include "train_command.h"
 #include "upsample_command.h"
 
@@ -24,6 +25,7 @@ struct CommandLine {
   BenchOptions bench;
   CompareOptions compare;
   InspectOptions inspect;
+  TableOptions table;
   TrainOptions train;
   UpsampleOptions upsample;
 };

@@ -154,6 +154,8 @@ void declare_run(CLI::App& app, RunOptions& options) {
       ->check(CLI::ExistingFile | CLI::IsMember(interpolation_names()));
   command->add_option("--threads", options.threads, "Threads (default: all cores)")
       ->check(CLI::Range(1, 256));
+  command->add_flag("--loop-closing", options.loop_closing,
+                    "Recognise places passed before and correct the path and the map");
   command->footer(
       "Writes into --out:\n"
       "  trajectory.tum    stamp x y z qx qy qz qw per scan\n"
@@ -175,7 +177,9 @@ RunResult run_and_write(const RunOptions& options, const InterruptGuard& interru
   RunOutput output(options.out);
 
   RunResult result;
-  result.run = run_slam(*source, plan.spec(), output, interrupt);
+  SlamRunSpec spec = plan.spec();
+  spec.loop_closing = options.loop_closing;
+  result.run = run_slam(*source, spec, output, interrupt);
   if (result.run.scans.empty()) {
     if (result.run.end == RunEnd::kUnreadableScan) {
       throw Error(result.run.end_message);

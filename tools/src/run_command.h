@@ -20,6 +20,7 @@ struct RunOptions {
   bool motion_corrected = false;
   std::string upsample;  ///< weights file or interpolation; empty: the recording as it is
   int threads = 0;       ///< 0: what OpenMP chooses
+  bool loop_closing = false;
 };
 
 void declare_run(CLI::App& app, RunOptions& options);

@@ -93,6 +93,22 @@ Json status_counts(const SlamRun& run, slam::Status slam::ScanReport::*status) {
   return counts;
 }
 
+/// Places that were recognised, and by how much the pose moved.
+Json loops_json(const SlamRun& run) {
+  Json loops = Json::array();
+  for (std::size_t scan = 0; scan < run.scans.size(); ++scan) {
+    const slam::LoopReport& loop = run.scans[scan].report.loop;
+    if (loop.status != slam::LoopStatus::kAgrees && loop.status != slam::LoopStatus::kClosed) {
+      continue;
+    }
+    loops.push_back(Json{{"scan", scan},
+                         {"older_scan", loop.older_scan},
+                         {"status", slam::name(loop.status)},
+                         {"correction_m", rounded(loop.correction_m)}});
+  }
+  return loops;
+}
+
 Json per_scan(const SlamRun& run, const Durations_ms& durations) {
   Json stamps = Json::array();
   Json odometry = Json::array();
@@ -143,6 +159,7 @@ std::string timings_json(const SlamRun& run) {
       {"invalid_points_dropped", invalid_points},
       {"odometry_status", status_counts(run, &slam::ScanReport::odometry_status)},
       {"mapping_status", status_counts(run, &slam::ScanReport::mapping_status)},
+      {"loops", loops_json(run)},
       {"times_ms", std::move(statistics)},
   };
   // File names need not be UTF-8: what is not is replaced instead of ending the run.

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "hqslam/core/error.h"
+#include "hqslam/slam/options.h"
 #include "progress.h"
 #include "run_output.h"
 #include "upsampled_cloud.h"
@@ -68,10 +69,16 @@ double scans_per_second(const SlamRun& run) {
   return run.wall_s > 0.0 ? static_cast<double>(run.scans.size()) / run.wall_s : 0.0;
 }
 
+slam::SlamOptions slam_options(bool loop_closing) {
+  slam::SlamOptions options;
+  options.loop_closing.enabled = loop_closing;
+  return options;
+}
+
 SlamRun run_slam(ScanSource& source, const SlamRunSpec& spec, RunOutput& output,
                  const InterruptGuard& interrupt) {
   const SensorModel sensor = sensor_of(source, spec);
-  slam::Slam slam(sensor);
+  slam::Slam slam(sensor, slam_options(spec.loop_closing));
   SlamRun run;
   run.input = spec.input;
   run.sensor_name = sensor.name;

@@ -8,6 +8,7 @@
 
 #include "hqslam/core/scan_source.h"
 #include "hqslam/core/sensor_model.h"
+#include "hqslam/slam/options.h"
 #include "hqslam/slam/slam.h"
 #include "interrupt.h"
 #include "upsampler.h"
@@ -55,7 +56,11 @@ struct SlamRunSpec {
   std::string input;
   std::optional<RowSelection> rows;  ///< of the recording that are looked at; nothing: every row
   Upsampler* upsampler = nullptr;    ///< what fills the rows between them; nullptr: nothing
+  bool loop_closing = false;
 };
+
+/// What SLAM runs with.
+slam::SlamOptions slam_options(bool loop_closing);
 
 /// Processes a recording scan by scan, showing progress on stderr and handing intermediate results
 /// to `output` now and then. A scan that cannot be read ends the run, it does not throw.

@@ -51,13 +51,15 @@ nn::Interpolation interpolation_from_name(std::string_view name) {
 }
 
 Upsampler::Upsampler(nn::SuperResolver network, SensorModel sensor)
-    : method_(std::move(network)),
-      sensor_(std::move(sensor)),
-      measured_rows_(this->network()->description().measured_rows) {}
+    : method_(std::move(network)), sensor_(std::move(sensor)) {
+  sensor_.measured_rows = this->network()->description().measured_rows;
+}
 
 Upsampler::Upsampler(nn::Interpolation interpolation, SensorModel sensor,
                      RowSelection measured_rows)
-    : method_(interpolation), sensor_(std::move(sensor)), measured_rows_(measured_rows) {}
+    : method_(interpolation), sensor_(std::move(sensor)) {
+  sensor_.measured_rows = measured_rows;
+}
 
 std::string Upsampler::name() const {
   if (network() != nullptr) {
@@ -75,7 +77,7 @@ RangeImage Upsampler::run(const RangeImage& measured) {
   if (auto* resolver = std::get_if<nn::SuperResolver>(&method_)) {
     return resolver->run(measured);
   }
-  return nn::interpolate_rows(measured, measured_rows_, sensor_.rows(),
+  return nn::interpolate_rows(measured, measured_rows(), sensor_.rows(),
                               std::get<nn::Interpolation>(method_));
 }
 

@@ -21,12 +21,13 @@ bool is_interpolation(std::string_view name);
 /// What fills the rows between the measured ones: a trained network or interpolation.
 class Upsampler {
  public:
-  /// sensor: of the result, all rows.
+  /// sensor: of the result, all rows, as if all were measured.
   Upsampler(nn::SuperResolver network, SensorModel sensor);
   Upsampler(nn::Interpolation interpolation, SensorModel sensor, RowSelection measured_rows);
 
+  /// Of the result; names the measured rows.
   const SensorModel& sensor() const { return sensor_; }
-  RowSelection measured_rows() const { return measured_rows_; }
+  RowSelection measured_rows() const { return *sensor_.measured_rows; }
   /// "du-or", "simple-du", "linear", ...
   std::string name() const;
   /// Nothing for interpolation.
@@ -38,7 +39,6 @@ class Upsampler {
  private:
   std::variant<nn::SuperResolver, nn::Interpolation> method_;
   SensorModel sensor_;
-  RowSelection measured_rows_;
 };
 
 }  // namespace hqslam::tools

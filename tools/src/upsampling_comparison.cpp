@@ -5,8 +5,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "hqslam/core/cloud_error.h"
-#include "hqslam/core/image_error.h"
 #include "hqslam/nn/hqs/outlier_removal.h"
 #include "timing_statistics.h"
 #include "upsampled_cloud.h"
@@ -68,6 +66,13 @@ RangeImage median_of_true_neighbours(const RangeImage& truth, RowSelection measu
 
 }  // namespace
 
+ScanErrors scan_errors(const RangeImage& image, const OrganizedCloud& cloud,
+                       const OrganizedCloud& truth) {
+  const std::vector<Eigen::Vector3f> points_m = points_of(cloud);
+  return {image_error(image, range_image(truth)), cloud_error(points_m, points_of(truth)),
+          static_cast<std::int64_t>(points_m.size())};
+}
+
 UpsamplingComparison::UpsamplingComparison(std::vector<ComparedMethod> methods)
     : methods_(std::move(methods)), sums_(methods_.size()) {}
 
@@ -96,17 +101,16 @@ void UpsamplingComparison::add(ComparedMethod& method, const OrganizedCloud& tru
   sums.times_ms.push_back(
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
   const OrganizedCloud cloud = upsampled_cloud(image, measured, rows, method.upsampler.sensor());
-  const ImageError image_difference = image_error(image, range_image(truth));
-  const std::vector<Eigen::Vector3f> points_m = points_of(cloud);
-  const CloudError error = cloud_error(points_m, points_of(truth));
+  const ScanErrors errors = scan_errors(image, cloud, truth);
+  const CloudError& error = errors.cloud;
   UpsamplingScore& sum = sums.sum;
-  sum.mae_all_m += image_difference.mae_all_m;
-  sum.mae_valid_m += image_difference.mae_valid_m;
+  sum.mae_all_m += errors.image.mae_all_m;
+  sum.mae_valid_m += errors.image.mae_valid_m;
   sum.chamfer_m2 += error.chamfer_m2;
   sum.iou += error.iou;
   sum.f1 += error.f1;
   sum.outlier_share += error.outlier_share;
-  sum.outliers_per_scan += error.outlier_share * static_cast<double>(points_m.size());
+  sum.outliers_per_scan += error.outlier_share * static_cast<double>(errors.points);
   if (!method.unfiltered) return;
   const OrganizedCloud unfiltered = upsampled_cloud(method.unfiltered->run(measured_image),
                                                     measured, rows, method.upsampler.sensor());

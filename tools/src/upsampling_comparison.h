@@ -5,7 +5,10 @@
 #include <string>
 #include <vector>
 
+#include "hqslam/core/cloud_error.h"
+#include "hqslam/core/image_error.h"
 #include "hqslam/core/organized_cloud.h"
+#include "hqslam/core/range_image.h"
 #include "hqslam/core/sensor_model.h"
 #include "upsampler.h"
 
@@ -29,6 +32,16 @@ struct UpsamplingScore {
   /// share that the filter takes away. Nothing for methods without one.
   std::optional<double> good_lost_share;
 };
+
+/// How far one upsampled scan is from the true one.
+struct ScanErrors {
+  ImageError image;
+  CloudError cloud;
+  std::int64_t points = 0;  ///< of the upsampled cloud
+};
+/// cloud: the points of `image`. Throws Error.
+ScanErrors scan_errors(const RangeImage& image, const OrganizedCloud& cloud,
+                       const OrganizedCloud& truth);
 
 /// One way of upsampling and, if it ends with a filter, the same without that.
 struct ComparedMethod {

@@ -170,7 +170,7 @@ std::string legend_html(const Drawing& drawing) {
 
 }  // namespace
 
-std::string error_color(double share) {
+std::array<std::uint8_t, 3> error_rgb(double share) {
   // Blue, violet, pink, orange: told apart on white and on black, and by the colour-blind by
   // lightness.
   constexpr std::array<std::array<double, 3>, 4> kStops = {
@@ -178,11 +178,16 @@ std::string error_color(double share) {
   const double position = std::clamp(share, 0.0, 1.0) * (kStops.size() - 1);
   const auto stop = std::min(kStops.size() - 2, static_cast<std::size_t>(position));
   const double fraction = position - static_cast<double>(stop);
-  std::array<int, 3> color{};
+  std::array<std::uint8_t, 3> color{};
   for (std::size_t i = 0; i < 3; ++i) {
-    color[i] = static_cast<int>(
+    color[i] = static_cast<std::uint8_t>(
         std::lround((1.0 - fraction) * kStops[stop][i] + fraction * kStops[stop + 1][i]));
   }
+  return color;
+}
+
+std::string error_color(double share) {
+  const std::array<std::uint8_t, 3> color = error_rgb(share);
   return fmt::format("#{:02x}{:02x}{:02x}", color[0], color[1], color[2]);
 }
 

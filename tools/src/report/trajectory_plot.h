@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <optional>
 #include <string>
 
@@ -14,7 +16,9 @@ namespace hqslam::tools {
 std::string trajectory_plot_html(const SlamRun& run,
                                  const std::optional<ReferenceComparison>& comparison);
 
-/// Colour "#rrggbb" of an error, `share` 0 (none) to 1 (the largest).
+/// Colour of an error, `share` 0 (none) to 1 (the largest).
+std::array<std::uint8_t, 3> error_rgb(double share);
+/// The same as "#rrggbb".
 std::string error_color(double share);
 
 }  // namespace hqslam::tools
