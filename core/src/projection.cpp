@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <map>
 #include <optional>
 #include <vector>
 
@@ -101,6 +102,37 @@ ProjectedScan project(const Scan& scan, const SensorModel& sensor) {
   return result;
 }
 
+namespace {
+
+/// When every pixel is measured, relative to the middle of the scan.
+std::vector<float> time_offsets_s(const SensorModel& sensor) {
+  std::vector<float> of_head_s(sensor.columns);
+  for (int column = 0; column < sensor.columns; ++column) {
+    of_head_s[sensor.firing_column(0, column)] =
+        static_cast<float>(sensor.time_offset_s(0, column));
+  }
+  std::vector<float> result;
+  result.reserve(of_head_s.size() * static_cast<std::size_t>(sensor.rows()));
+  for (int row = 0; row < sensor.rows(); ++row) {
+    const auto first = of_head_s.begin() + sensor.firing_column(row, 0);
+    result.insert(result.end(), first, of_head_s.end());
+    result.insert(result.end(), of_head_s.begin(), first);
+  }
+  return result;
+}
+
+/// (cos, sin) of the azimuth of every pixel of a row.
+std::vector<Eigen::Vector2d> horizontal_directions(const SensorModel& sensor, int row) {
+  std::vector<Eigen::Vector2d> result;
+  for (int column = 0; column < sensor.columns; ++column) {
+    const double azimuth_rad = sensor.azimuth_rad(row, column);
+    result.emplace_back(std::cos(azimuth_rad), std::sin(azimuth_rad));
+  }
+  return result;
+}
+
+}  // namespace
+
 OrganizedCloud unproject(const RangeImage& image, const SensorModel& sensor,
                          CaptureTime capture_time) {
   if (image.rows != sensor.rows() || image.columns != sensor.columns) {
@@ -110,23 +142,22 @@ OrganizedCloud unproject(const RangeImage& image, const SensorModel& sensor,
                     image.rows, image.columns, sensor.name, sensor.rows(), sensor.columns));
   }
   OrganizedCloud cloud(image.rows, image.columns);
-  if (capture_time == CaptureTime::kRolling) cloud.time_offset_s.resize(cloud.range_m.size());
+  if (capture_time == CaptureTime::kRolling) cloud.time_offset_s = time_offsets_s(sensor);
+  // Rows of the same residual azimuth look the same ways, and sensors have one to four of these.
+  std::map<double, std::vector<Eigen::Vector2d>> directions;
   for (int row = 0; row < image.rows; ++row) {
     const double cos_elevation = std::cos(sensor.beam_elevation_rad[row]);
     const double sin_elevation = std::sin(sensor.beam_elevation_rad[row]);
+    std::vector<Eigen::Vector2d>& direction = directions[sensor.residual_azimuth_rad(row)];
+    if (direction.empty()) direction = horizontal_directions(sensor, row);
     for (int column = 0; column < image.columns; ++column) {
       const std::size_t pixel = image.index(row, column);
-      if (capture_time == CaptureTime::kRolling) {
-        cloud.time_offset_s[pixel] = static_cast<float>(sensor.time_offset_s(row, column));
-      }
       const double range_m = image.range_m[pixel];
       if (!(range_m > 0.0) || !std::isfinite(range_m)) continue;
-      const double azimuth_rad = sensor.azimuth_rad(row, column);
+      const Eigen::Vector2d horizontal = cos_elevation * direction[column];
       cloud.range_m[pixel] = image.range_m[pixel];
       cloud.points_m[pixel] =
-          (range_m * Eigen::Vector3d(cos_elevation * std::cos(azimuth_rad),
-                                     cos_elevation * std::sin(azimuth_rad), sin_elevation))
-              .cast<float>();
+          (range_m * Eigen::Vector3d(horizontal.x(), horizontal.y(), sin_elevation)).cast<float>();
     }
   }
   return cloud;

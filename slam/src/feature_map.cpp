@@ -21,8 +21,16 @@ std::uint64_t mixed(std::uint64_t key) {
 
 Eigen::Vector3i floored(const Eigen::Vector3f& v) { return v.array().floor().cast<int>(); }
 
+/// distance_m2: less than that of the sixth so far.
 void insert_sorted(Neighbours& found, const Eigen::Vector3f& point_m, float distance_m2) {
-  int place = found.count < Neighbours::kWanted ? found.count++ : Neighbours::kWanted - 1;
+  int place = found.count;
+  if (found.count < Neighbours::kWanted) {
+    ++found.count;
+  } else {
+    found.sixth_squared_m2 = std::max(distance_m2, found.squared_distance_m2.back());
+    if (distance_m2 >= found.squared_distance_m2.back()) return;
+    --place;
+  }
   while (place > 0 && found.squared_distance_m2[place - 1] > distance_m2) {
     found.squared_distance_m2[place] = found.squared_distance_m2[place - 1];
     found.points_m[place] = found.points_m[place - 1];
@@ -117,25 +125,23 @@ Neighbours FeatureMap::nearest(const Eigen::Vector3f& query_m) const {
   const Eigen::Vector3f scaled = query_m / cube_m_;
   if (!(scaled.array().abs() < static_cast<float>(kCubeRange - 1)).all()) return found;
   // The ball has the diameter of a cube: along each axis it touches the query's own cube and the
-  // one beyond the nearer face. Cubes farther than the fifth neighbour so far are not looked into.
+  // one beyond the nearer face. Cubes farther than the sixth neighbour so far are not looked into.
   const Eigen::Vector3i own = floored(scaled);
   const Eigen::Array3f inside = scaled.array() - own.cast<float>().array();  // 0..1
   const Eigen::Array3i step = (inside < 0.5F).select(Eigen::Array3i::Constant(-1), 1);
   const Eigen::Array3f face_m = (inside < 0.5F).select(inside, 1.0F - inside) * cube_m_;
   const Eigen::Array3f face_m2 = face_m.square();
-  float limit_m2 = max_distance_m_ * max_distance_m_;
+  found.sixth_squared_m2 = max_distance_m_ * max_distance_m_;
   for (int corner = 0; corner < 8; ++corner) {
     const Eigen::Array3i beyond(corner & 1, (corner >> 1) & 1, corner >> 2);
-    if ((beyond.cast<float>() * face_m2).sum() >= limit_m2) continue;
+    if ((beyond.cast<float>() * face_m2).sum() >= found.sixth_squared_m2) continue;
     std::uint64_t key = 0;
     if (!key_of(own + (beyond * step).matrix(), key)) continue;
     const Cube* cube = find(key);
     if (cube == nullptr) continue;
     for (const Cell& cell : cube->cells) {
       const float distance_m2 = (cell.mean_m - query_m).squaredNorm();
-      if (distance_m2 >= limit_m2) continue;
-      insert_sorted(found, cell.mean_m, distance_m2);
-      if (found.count == Neighbours::kWanted) limit_m2 = found.squared_distance_m2.back();
+      if (distance_m2 < found.sixth_squared_m2) insert_sorted(found, cell.mean_m, distance_m2);
     }
   }
   return found;

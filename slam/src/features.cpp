@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
+#include <iterator>
 
 #include "voxel_thinning.h"
 
@@ -34,6 +35,11 @@ struct Row {
 
 Row gather_row(const OrganizedCloud& cloud, const Segmentation& segmentation, int row) {
   Row result;
+  const auto most = static_cast<std::size_t>(cloud.columns);
+  result.points.reserve(most);
+  result.range_m.reserve(most);
+  result.column.reserve(most);
+  result.ground.reserve(most);
   for (int column = 0; column < cloud.columns; ++column) {
     const std::size_t pixel = cloud.index(row, column);
     const PixelClass pixel_class = segmentation.pixel_class[pixel];
@@ -95,6 +101,23 @@ void suppress_neighbours(const Row& row, int chosen, std::vector<std::uint8_t>& 
   }
 }
 
+/// Takes candidates, the best first, until there are `wanted`; what is near one is left out.
+/// better(a, b): whether a goes before b; of equals the first in the row does.
+template <typename Better, typename Take>
+void choose(const Row& row, std::vector<int>& candidates, int wanted, const Better& better,
+            std::vector<std::uint8_t>& taken, const Take& take) {
+  const auto worse = [&](int a, int b) { return better(b, a) || (!better(a, b) && a > b); };
+  std::make_heap(candidates.begin(), candidates.end(), worse);
+  for (auto last = candidates.end(); last != candidates.begin() && wanted > 0; --last) {
+    std::pop_heap(candidates.begin(), last, worse);
+    const int i = *std::prev(last);
+    if (taken[i] != 0) continue;
+    take(i);
+    suppress_neighbours(row, i, taken);
+    --wanted;
+  }
+}
+
 /// Edges of the points first..last-1 of a row: the largest smoothness first.
 void choose_edges(Row& row, int first, int last, const FeatureOptions& options,
                   std::vector<std::uint8_t>& taken, Features& features) {
@@ -106,18 +129,15 @@ void choose_edges(Row& row, int first, int last, const FeatureOptions& options,
       candidates.push_back(i);
     }
   }
-  std::stable_sort(candidates.begin(), candidates.end(),
-                   [&](int a, int b) { return row.smoothness_m[a] > row.smoothness_m[b]; });
-  int chosen = 0;
-  for (const int i : candidates) {
-    if (chosen == options.edges_per_section) break;
-    if (taken[i] != 0) continue;
-    if (chosen < options.sharp_edges_per_section) features.sharp_edges.push_back(row.points[i]);
-    features.edges.push_back(row.points[i]);
-    row.is_edge[i] = 1;
-    suppress_neighbours(row, i, taken);
-    ++chosen;
-  }
+  int sharp = options.sharp_edges_per_section;
+  choose(
+      row, candidates, options.edges_per_section,
+      [&](int a, int b) { return row.smoothness_m[a] > row.smoothness_m[b]; }, taken,
+      [&](int i) {
+        if (sharp-- > 0) features.sharp_edges.push_back(row.points[i]);
+        features.edges.push_back(row.points[i]);
+        row.is_edge[i] = 1;
+      });
 }
 
 /// Flat ground points of the points first..last-1 of a row: the smallest smoothness first.
@@ -130,16 +150,10 @@ void choose_flat_points(const Row& row, int first, int last, const FeatureOption
       candidates.push_back(i);
     }
   }
-  std::stable_sort(candidates.begin(), candidates.end(),
-                   [&](int a, int b) { return row.smoothness_m[a] < row.smoothness_m[b]; });
-  int chosen = 0;
-  for (const int i : candidates) {
-    if (chosen == options.flat_points_per_section) break;
-    if (taken[i] != 0) continue;
-    features.flat_points.push_back(row.points[i]);
-    suppress_neighbours(row, i, taken);
-    ++chosen;
-  }
+  choose(
+      row, candidates, options.flat_points_per_section,
+      [&](int a, int b) { return row.smoothness_m[a] < row.smoothness_m[b]; }, taken,
+      [&](int i) { features.flat_points.push_back(row.points[i]); });
 }
 
 Features features_of_row(const OrganizedCloud& cloud, const Segmentation& segmentation,

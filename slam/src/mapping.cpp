@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "map_matching.h"
+#include "nearby_fit.h"
 #include "rigid_alignment.h"
 #include "voxel_thinning.h"
 
@@ -23,27 +24,12 @@ constexpr int kStepsPerSearch = 2;
 /// Searches of wide reach, before the pose is good enough for the narrow one.
 constexpr int kWideSearches = 2;
 
-/// What is searched, and how far about a point. Five neighbours that are farther apart are seldom
-/// of one surface.
-struct SearchedMap {
-  const FeatureMap& points;
-  double reach_m;
-
-  Neighbours nearest(const Eigen::Vector3d& query_m) const {
-    Neighbours found = points.nearest(query_m.cast<float>());
-    while (found.count > 0 && found.squared_distance_m2[found.count - 1] > reach_m * reach_m) {
-      --found.count;
-    }
-    return found;
-  }
-};
-
 // Constraints are of the motion that remains, in axes of the map with the predicted position as
 // origin: points are R p, planes are moved by -t.
 
-std::optional<EdgeConstraints> match_edge(const SearchedMap& map, const Eigen::Vector3d& rotated_m,
+std::optional<EdgeConstraints> match_edge(const std::optional<MapLine>& line,
+                                          const Eigen::Vector3d& rotated_m,
                                           const Eigen::Vector3d& origin_m) {
-  const auto line = fit_line(map.nearest(rotated_m + origin_m));
   if (!line) return std::nullopt;
   const Eigen::Vector3d on_line_m = line->point_m - origin_m;
   const double distance_m = line->direction.cross(rotated_m - on_line_m).norm();
@@ -52,11 +38,9 @@ std::optional<EdgeConstraints> match_edge(const SearchedMap& map, const Eigen::V
   return edge_constraints(rotated_m, on_line_m, line->direction, weight);
 }
 
-std::optional<PlaneConstraint> match_surface(const SearchedMap& map,
+std::optional<PlaneConstraint> match_surface(const std::optional<MapPlane>& plane,
                                              const Eigen::Vector3d& rotated_m,
-                                             const Eigen::Vector3d& origin_m,
-                                             double max_residual_m) {
-  const auto plane = fit_plane(map.nearest(rotated_m + origin_m), max_residual_m);
+                                             const Eigen::Vector3d& origin_m) {
   if (!plane) return std::nullopt;
   const double offset_m = plane->normal.dot(plane->point_m - origin_m);
   const double distance_m = std::abs(plane->normal.dot(rotated_m) - offset_m);
@@ -99,43 +83,76 @@ std::optional<PlaneConstraint> horizontal(std::optional<PlaneConstraint> surface
   return surface;
 }
 
-/// One constraint or none per feature, searched in parallel.
-template <typename Find>
-void add_all(const std::vector<FeaturePoint>& features, const SensorMotion& motion,
-             const Pose& T_map_sensor, const Find& find, ConstraintList& list) {
-  const std::vector<Eigen::Vector3f> points_m = motion_corrected(features, motion);
-  const Eigen::Matrix3d rotation = T_map_sensor.linear();
-  std::vector<decltype(find(Eigen::Vector3d()))> found(points_m.size());
+/// A kind of features with what is near each of them in the map.
+template <typename Fit>
+struct SearchedFeatures {
+  const std::vector<FeaturePoint>& features;
+  std::vector<NearbyFit<Fit>> nearby;
+
+  explicit SearchedFeatures(const std::vector<FeaturePoint>& searched)
+      : features(searched), nearby(searched.size()) {}
+};
+
+/// The features of a scan while it is located.
+struct LocatedScan {
+  SearchedFeatures<MapPlane> ground;
+  SearchedFeatures<MapPlane> surfaces;
+  SearchedFeatures<MapLine> edges;
+};
+
+/// Where a scan is believed to be, and how far about its features the map is searched: five
+/// neighbours that are farther apart are seldom of one surface.
+struct SearchState {
+  Pose T_map_sensor;
+  SensorMotion motion;
+  double reach_m;
+};
+
+/// One constraint or none per feature, searched in parallel: constrain(fit, rotated_m).
+template <typename Fit, typename Make, typename Constrain>
+void add_all(SearchedFeatures<Fit>& searched, const SearchState& state, const FeatureMap& map,
+             const Make& make, const Constrain& constrain, ConstraintList& list) {
+  const std::vector<Eigen::Vector3f> points_m = motion_corrected(searched.features, state.motion);
+  const Eigen::Matrix3d rotation = state.T_map_sensor.linear();
+  const Eigen::Vector3d origin_m = state.T_map_sensor.translation();
+  std::vector<decltype(constrain(std::optional<Fit>(), Eigen::Vector3d()))> found(points_m.size());
 #pragma omp parallel for schedule(static)
   for (std::size_t i = 0; i < points_m.size(); ++i) {
-    found[i] = find(rotation * points_m[i].cast<double>());
+    const Eigen::Vector3d rotated_m = rotation * points_m[i].cast<double>();
+    const Eigen::Vector3f query_m = (rotated_m + origin_m).cast<float>();
+    found[i] = constrain(searched.nearby[i].at(map, query_m, state.reach_m, make), rotated_m);
   }
   list.add(found);
 }
 
-ConstraintList match(const MapFeatures& scan, const SearchedMap& edge_map,
-                     const SearchedMap& plane_map, const Pose& T_map_sensor,
-                     const SensorMotion& motion, double max_plane_residual_m) {
-  const Eigen::Vector3d origin_m = T_map_sensor.translation();
-  const Eigen::Vector3d vertical = T_map_sensor.linear().col(2);
-  const auto edge = [&](const Eigen::Vector3d& rotated_m) {
-    return match_edge(edge_map, rotated_m, origin_m);
-  };
-  const auto plane = [&](const Eigen::Vector3d& rotated_m) {
-    return match_surface(plane_map, rotated_m, origin_m, max_plane_residual_m);
+ConstraintList match(LocatedScan& scan, const SearchState& state, const FeatureMap& edge_map,
+                     const FeatureMap& plane_map, double max_plane_residual_m) {
+  const Eigen::Vector3d origin_m = state.T_map_sensor.translation();
+  const Eigen::Vector3d vertical = state.T_map_sensor.linear().col(2);
+  const auto make_plane = [&](const Neighbours& neighbours) {
+    return fit_plane(neighbours, max_plane_residual_m);
   };
   ConstraintList list;
   add_all(
-      scan.ground_to_locate, motion, T_map_sensor,
-      [&](const Eigen::Vector3d& rotated_m) { return upright(plane(rotated_m), vertical); }, list);
-  const bool ground_tells_height = list.planes >= kMinGroundConstraints;
-  add_all(
-      scan.surfaces_to_locate, motion, T_map_sensor,
-      [&](const Eigen::Vector3d& rotated_m) {
-        return ground_tells_height ? horizontal(plane(rotated_m), vertical) : plane(rotated_m);
+      scan.ground, state, plane_map, make_plane,
+      [&](const auto& plane, const Eigen::Vector3d& rotated_m) {
+        return upright(match_surface(plane, rotated_m, origin_m), vertical);
       },
       list);
-  add_all(scan.edges, motion, T_map_sensor, edge, list);
+  const bool ground_tells_height = list.planes >= kMinGroundConstraints;
+  add_all(
+      scan.surfaces, state, plane_map, make_plane,
+      [&](const auto& plane, const Eigen::Vector3d& rotated_m) {
+        const auto constraint = match_surface(plane, rotated_m, origin_m);
+        return ground_tells_height ? horizontal(constraint, vertical) : constraint;
+      },
+      list);
+  add_all(
+      scan.edges, state, edge_map, fit_line,
+      [&](const auto& line, const Eigen::Vector3d& rotated_m) {
+        return match_edge(line, rotated_m, origin_m);
+      },
+      list);
   return list;
 }
 
@@ -173,6 +190,9 @@ MappingResult Mapping::locate(const MapFeatures& features, const Pose& T_map_sen
                           features.surfaces_to_locate.size());
   MappingResult result;
   result.T_map_sensor = T_map_sensor_predicted;
+  LocatedScan scan{SearchedFeatures<MapPlane>(features.ground_to_locate),
+                   SearchedFeatures<MapPlane>(features.surfaces_to_locate),
+                   SearchedFeatures<MapLine>(features.edges)};
   bool narrow_suffices = true;
   for (int iteration = 0; iteration < options_.max_iterations; ++iteration) {
     const SensorMotion motion{previous.T_map_sensor.inverse() * result.T_map_sensor,
@@ -180,9 +200,8 @@ MappingResult Mapping::locate(const MapFeatures& features, const Pose& T_map_sen
     const bool narrow = iteration >= kWideSearches && narrow_suffices;
     const double reach_m =
         narrow ? options_.close_neighbour_distance_m : options_.max_neighbour_distance_m;
-    const ConstraintList constraints =
-        match(features, {edges_, reach_m}, {planes_, reach_m}, result.T_map_sensor, motion,
-              options_.max_plane_residual_m);
+    const ConstraintList constraints = match(scan, {result.T_map_sensor, motion, reach_m}, edges_,
+                                             planes_, options_.max_plane_residual_m);
     const int matched = constraints.edges + constraints.planes;
     const bool enough = matched >= options_.min_correspondences &&
                         matched >= options_.min_matched_share * feature_count;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
 namespace hqslam::slam {
@@ -11,6 +10,8 @@ namespace {
 
 constexpr int kRowReach = 2;
 
+float azimuth_of(const Eigen::Vector3f& point_m) { return std::atan2(point_m.y(), point_m.x()); }
+
 }  // namespace
 
 RowOrderedCloud::RowOrderedCloud(const std::vector<FeaturePoint>& features,
@@ -18,7 +19,7 @@ RowOrderedCloud::RowOrderedCloud(const std::vector<FeaturePoint>& features,
   std::vector<float> azimuth_rad(points_m.size());
   std::vector<int> order(points_m.size());
   for (std::size_t i = 0; i < points_m.size(); ++i) {
-    azimuth_rad[i] = std::atan2(points_m[i].y(), points_m[i].x());
+    azimuth_rad[i] = azimuth_of(points_m[i]);
     order[i] = static_cast<int>(i);
   }
   std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
@@ -33,6 +34,7 @@ RowOrderedCloud::RowOrderedCloud(const std::vector<FeaturePoint>& features,
     row_.push_back(features[i].row);
     azimuth_rad_.push_back(azimuth_rad[i]);
     points_m_.push_back(points_m[i]);
+    direction_.push_back(points_m[i].head<2>().normalized());
     cloud->push_back({points_m[i].x(), points_m[i].y(), points_m[i].z()});
   }
   row_begin_.push_back(static_cast<int>(row_.size()));
@@ -50,32 +52,32 @@ std::optional<int> RowOrderedCloud::nearest(const Eigen::Vector3f& query_m,
   return index[0];
 }
 
-/// Walks away from the query's azimuth on both sides. A point whose azimuth differs by d is at
-/// least rho sin(d) away, rho being the query's distance from the vertical axis: beyond the best
-/// distance so far the walk ends.
+/// Walks away from the query's azimuth on both sides. A point whose direction from the vertical
+/// axis is u is at least as far from the query q as q is from the ray along u, |q x u|, or |q|
+/// where the ray points away: beyond the best distance so far the walk ends.
 std::optional<int> RowOrderedCloud::nearest_in_row(int row, int except,
                                                    const Eigen::Vector3f& query_m,
+                                                   float query_azimuth_rad,
                                                    float& squared_distance_m2) const {
   const int begin = row_begin_[row];
   const int count = row_begin_[row + 1] - begin;
   if (count == 0) return std::nullopt;
-  const float azimuth_rad = std::atan2(query_m.y(), query_m.x());
-  const float rho_m = query_m.head<2>().norm();
+  const float rho_m2 = query_m.head<2>().squaredNorm();
   const auto first = azimuth_rad_.begin() + begin;
-  const int start = static_cast<int>(std::lower_bound(first, first + count, azimuth_rad) - first);
+  const int start =
+      static_cast<int>(std::lower_bound(first, first + count, query_azimuth_rad) - first);
   std::optional<int> best;
   for (const int direction : {1, -1}) {
     // Around half the circle on each side; the index wraps as the scan does.
     for (int step = direction == 1 ? 0 : 1; step <= count / 2; ++step) {
-      const int i = begin + ((start + direction * step) % count + count) % count;
-      const float difference_rad =
-          std::remainder(azimuth_rad_[i] - azimuth_rad, 2.0F * std::numbers::pi_v<float>);
-      if (std::abs(difference_rad) < std::numbers::pi_v<float> / 2.0F) {
-        const float lateral_m = rho_m * std::sin(difference_rad);
-        if (lateral_m * lateral_m > squared_distance_m2) break;
-      } else if (rho_m * rho_m > squared_distance_m2) {
-        break;
-      }
+      int i = start + direction * step;
+      if (i < 0) i += count;
+      if (i >= count) i -= count;
+      i += begin;
+      const Eigen::Vector2f& u = direction_[i];
+      const float lateral_m = query_m.x() * u.y() - query_m.y() * u.x();
+      const bool ahead = query_m.head<2>().dot(u) >= 0.0F;
+      if ((ahead ? lateral_m * lateral_m : rho_m2) > squared_distance_m2) break;
       const float candidate_m2 = (points_m_[i] - query_m).squaredNorm();
       if (candidate_m2 < squared_distance_m2 && i != except) {
         squared_distance_m2 = candidate_m2;
@@ -89,18 +91,19 @@ std::optional<int> RowOrderedCloud::nearest_in_row(int row, int except,
 std::optional<int> RowOrderedCloud::nearest_in_row_of(int i, const Eigen::Vector3f& query_m,
                                                       double max_distance_m) const {
   auto limit_m2 = static_cast<float>(max_distance_m * max_distance_m);
-  return nearest_in_row(row_[i], i, query_m, limit_m2);
+  return nearest_in_row(row_[i], i, query_m, azimuth_of(query_m), limit_m2);
 }
 
 std::optional<int> RowOrderedCloud::nearest_near_row_of(int i, const Eigen::Vector3f& query_m,
                                                         double max_distance_m) const {
   auto limit_m2 = static_cast<float>(max_distance_m * max_distance_m);
+  const float azimuth_rad = azimuth_of(query_m);
   const int rows = static_cast<int>(row_begin_.size()) - 1;
   std::optional<int> best;
   for (int row = std::max(0, row_[i] - kRowReach); row <= std::min(rows - 1, row_[i] + kRowReach);
        ++row) {
     if (row == row_[i]) continue;
-    const auto found = nearest_in_row(row, i, query_m, limit_m2);
+    const auto found = nearest_in_row(row, i, query_m, azimuth_rad, limit_m2);
     if (found) best = found;
   }
   return best;

@@ -33,8 +33,9 @@ class RowOrderedCloud {
 
  private:
   std::optional<int> nearest_in_row(int row, int except, const Eigen::Vector3f& query_m,
-                                    float& squared_distance_m2) const;
+                                    float query_azimuth_rad, float& squared_distance_m2) const;
   std::vector<Eigen::Vector3f> points_m_;
+  std::vector<Eigen::Vector2f> direction_;  ///< horizontal, of length 1
   std::vector<float> azimuth_rad_;
   std::vector<int> row_;
   std::vector<int> row_begin_;  ///< index of the first point of each row, and the end

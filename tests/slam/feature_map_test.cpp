@@ -36,9 +36,12 @@ TEST_CASE("neighbours are those of a search through all points of the map") {
       if (d2 < 1.0F) distances_m2.push_back(d2);
     }
     std::sort(distances_m2.begin(), distances_m2.end());
+    const float sixth_m2 =
+        distances_m2.size() > Neighbours::kWanted ? distances_m2[Neighbours::kWanted] : 1.0F;
     distances_m2.resize(std::min<std::size_t>(distances_m2.size(), Neighbours::kWanted));
     const Neighbours found = map.nearest(query);
     REQUIRE(found.count == static_cast<int>(distances_m2.size()));
+    CHECK(found.sixth_squared_m2 == sixth_m2);
     for (int i = 0; i < found.count; ++i) {
       CHECK(found.squared_distance_m2[i] == distances_m2[i]);
       CHECK((found.points_m[i] - query).squaredNorm() == distances_m2[i]);

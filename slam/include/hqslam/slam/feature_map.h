@@ -15,6 +15,8 @@ struct Neighbours {
   int count = 0;
   std::array<Eigen::Vector3f, kWanted> points_m;
   std::array<float, kWanted> squared_distance_m2{};
+  /// With five found: the sixth is no nearer than this; the reach of the search if there is none.
+  float sixth_squared_m2 = 0.0F;
 };
 
 /// A map of points, thinned to one per voxel, that grows point by point and finds nearest points.
