@@ -143,7 +143,7 @@ OrganizedCloud unproject(const RangeImage& image, const SensorModel& sensor,
   }
   OrganizedCloud cloud(image.rows, image.columns);
   if (capture_time == CaptureTime::kRolling) cloud.time_offset_s = time_offsets_s(sensor);
-  // Rows of the same residual azimuth look the same ways, and sensors have one to four of these.
+  // Rows of the same residual azimuth look the same ways: all rows where beams have no offsets.
   std::map<double, std::vector<Eigen::Vector2d>> directions;
   for (int row = 0; row < image.rows; ++row) {
     const double cos_elevation = std::cos(sensor.beam_elevation_rad[row]);

@@ -12,6 +12,11 @@ constexpr int kRowReach = 2;
 
 float azimuth_of(const Eigen::Vector3f& point_m) { return std::atan2(point_m.y(), point_m.x()); }
 
+/// (horizontal, vertical) of length 1
+Eigen::Vector2f elevation_of(const Eigen::Vector3f& point_m) {
+  return Eigen::Vector2f(point_m.head<2>().norm(), point_m.z()).normalized();
+}
+
 }  // namespace
 
 RowOrderedCloud::RowOrderedCloud(const std::vector<FeaturePoint>& features,
@@ -25,8 +30,6 @@ RowOrderedCloud::RowOrderedCloud(const std::vector<FeaturePoint>& features,
   std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
     return std::pair(features[a].row, azimuth_rad[a]) < std::pair(features[b].row, azimuth_rad[b]);
   });
-  auto cloud = pcl::make_shared<pcl::PointCloud<pcl::PointXYZ>>();
-  cloud->reserve(points_m.size());
   for (const int i : order) {
     while (static_cast<int>(row_begin_.size()) <= features[i].row) {
       row_begin_.push_back(static_cast<int>(row_.size()));
@@ -35,27 +38,69 @@ RowOrderedCloud::RowOrderedCloud(const std::vector<FeaturePoint>& features,
     azimuth_rad_.push_back(azimuth_rad[i]);
     points_m_.push_back(points_m[i]);
     direction_.push_back(points_m[i].head<2>().normalized());
-    cloud->push_back({points_m[i].x(), points_m[i].y(), points_m[i].z()});
   }
   row_begin_.push_back(static_cast<int>(row_.size()));
-  if (!cloud->empty()) tree_.setInputCloud(cloud);
+  find_elevations();
 }
 
+void RowOrderedCloud::find_elevations() {
+  const std::size_t rows = row_begin_.size() - 1;
+  const auto higher = [](const auto& a, const auto& b) { return a.y() < b.y(); };
+  Eigen::Vector2f lowest(0.0F, 1.0F);
+  lowest_up_to_.resize(rows);
+  for (std::size_t row = 0; row < rows; ++row) {
+    for (int i = row_begin_[row]; i < row_begin_[row + 1]; ++i) {
+      lowest = std::min(lowest, elevation_of(points_m_[i]), higher);
+    }
+    lowest_up_to_[row] = lowest;
+  }
+  Eigen::Vector2f highest(0.0F, -1.0F);
+  highest_from_.resize(rows);
+  for (std::size_t row = rows; row-- > 0;) {
+    for (int i = row_begin_[row]; i < row_begin_[row + 1]; ++i) {
+      highest = std::max(highest, elevation_of(points_m_[i]), higher);
+    }
+    highest_from_[row] = highest;
+  }
+}
+
+/// Points of an elevation u above that of the query q are at least as far from it as it is from the
+/// cone of u, |q x u| in the plane of (horizontal, vertical).
 std::optional<int> RowOrderedCloud::nearest(const Eigen::Vector3f& query_m,
                                             double max_distance_m) const {
   if (points_m_.empty() || !query_m.allFinite()) return std::nullopt;
-  pcl::Indices index(1);
-  std::vector<float> squared_distance_m2(1);
-  const pcl::PointXYZ query(query_m.x(), query_m.y(), query_m.z());
-  if (tree_.nearestKSearch(query, 1, index, squared_distance_m2) < 1) return std::nullopt;
-  if (squared_distance_m2[0] > max_distance_m * max_distance_m) return std::nullopt;
-  return index[0];
+  const Eigen::Vector2f q_m(query_m.head<2>().norm(), query_m.z());
+  const float azimuth_rad = azimuth_of(query_m);
+  auto limit_m2 = static_cast<float>(max_distance_m * max_distance_m);
+  std::optional<int> best;
+  const auto search = [&](int row) {
+    const auto found = nearest_in_row(row, std::nullopt, query_m, azimuth_rad, limit_m2);
+    if (found) best = found;
+  };
+  const auto too_far = [&](float to_cone_m) {
+    return to_cone_m > 0.0F && to_cone_m * to_cone_m > limit_m2;
+  };
+  const auto is_above = [&](const Eigen::Vector2f& u) { return u.y() * q_m.norm() > q_m.y(); };
+  const auto first = std::partition_point(lowest_up_to_.begin(), lowest_up_to_.end(), is_above);
+  const int rows = static_cast<int>(lowest_up_to_.size());
+  const int start = static_cast<int>(first - lowest_up_to_.begin());
+  for (int row = start; row < rows; ++row) {
+    const Eigen::Vector2f& u = highest_from_[row];
+    if (too_far(q_m.y() * u.x() - q_m.x() * u.y())) break;
+    search(row);
+  }
+  for (int row = start - 1; row >= 0; --row) {
+    const Eigen::Vector2f& u = lowest_up_to_[row];
+    if (too_far(q_m.x() * u.y() - q_m.y() * u.x())) break;
+    search(row);
+  }
+  return best;
 }
 
 /// Walks away from the query's azimuth on both sides. A point whose direction from the vertical
 /// axis is u is at least as far from the query q as q is from the ray along u, |q x u|, or |q|
 /// where the ray points away: beyond the best distance so far the walk ends.
-std::optional<int> RowOrderedCloud::nearest_in_row(int row, int except,
+std::optional<int> RowOrderedCloud::nearest_in_row(int row, std::optional<int> except,
                                                    const Eigen::Vector3f& query_m,
                                                    float query_azimuth_rad,
                                                    float& squared_distance_m2) const {

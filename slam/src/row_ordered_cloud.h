@@ -1,8 +1,5 @@
 #pragma once
 
-#include <pcl/kdtree/kdtree_flann.h>
-#include <pcl/point_types.h>
-
 #include <Eigen/Core>
 #include <optional>
 #include <vector>
@@ -11,8 +8,13 @@
 
 namespace hqslam::slam {
 
-/// Points ordered by row, and by azimuth within a row, with a kd-tree: the search target of the
-/// odometry.
+/// Points ordered by row, and by azimuth within a row: the search target of the odometry, where
+/// nearest points are looked for in one row, in rows nearby and in all rows.
+///
+/// The order is an index already: from the row at the query's elevation the search goes up and down
+/// while the rows beyond can be nearer than the best so far, and in each row from the query's
+/// azimuth both ways likewise. Exact. LeGO-LOAM builds a kd-tree for every scan; with PCL's the
+/// odometry took twice as long.
 class RowOrderedCloud {
  public:
   /// `points_m`: the positions to search, one per point of `features` (whose rows are taken).
@@ -32,14 +34,19 @@ class RowOrderedCloud {
                                          double max_distance_m) const;
 
  private:
-  std::optional<int> nearest_in_row(int row, int except, const Eigen::Vector3f& query_m,
-                                    float query_azimuth_rad, float& squared_distance_m2) const;
+  void find_elevations();
+  std::optional<int> nearest_in_row(int row, std::optional<int> except,
+                                    const Eigen::Vector3f& query_m, float query_azimuth_rad,
+                                    float& squared_distance_m2) const;
   std::vector<Eigen::Vector3f> points_m_;
   std::vector<Eigen::Vector2f> direction_;  ///< horizontal, of length 1
   std::vector<float> azimuth_rad_;
   std::vector<int> row_;
   std::vector<int> row_begin_;  ///< index of the first point of each row, and the end
-  pcl::KdTreeFLANN<pcl::PointXYZ> tree_;
+  /// Elevations as (horizontal, vertical) of length 1. Per row: the highest of the points from this
+  /// row on, the lowest of those up to it.
+  std::vector<Eigen::Vector2f> highest_from_;
+  std::vector<Eigen::Vector2f> lowest_up_to_;
 };
 
 }  // namespace hqslam::slam

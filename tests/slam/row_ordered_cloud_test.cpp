@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include <cmath>
 #include <random>
 
 using hqslam::slam::FeaturePoint;
@@ -29,6 +30,18 @@ Points random_rows(int count, unsigned seed) {
   return result;
 }
 
+/// Points as a sensor sees them: each row at an elevation of its own, 12 degrees up to 15 down.
+Points rings(int count, unsigned seed) {
+  Points result = random_rows(count, seed);
+  for (std::size_t i = 0; i < result.points_m.size(); ++i) {
+    Eigen::Vector3f& p = result.points_m[i];
+    const float elevation_rad = 0.2F - 0.05F * static_cast<float>(result.features[i].row);
+    p.z() = p.head<2>().norm() * std::tan(elevation_rad);
+    result.features[i].point_m = p;
+  }
+  return result;
+}
+
 template <typename Accept>
 float slow_nearest_m2(const Points& points, const Eigen::Vector3f& query_m, const Accept& accept) {
   float best_m2 = 25.0F;
@@ -40,12 +53,8 @@ float slow_nearest_m2(const Points& points, const Eigen::Vector3f& query_m, cons
   return best_m2;
 }
 
-}  // namespace
-
-TEST_CASE("nearest, in the row and near the row agree with a search through all points") {
-  const Points points = random_rows(40, 1);
+void compare_with_search_through_all(const Points& points, const Points& queries) {
   const RowOrderedCloud cloud(points.features, points.points_m);
-  const Points queries = random_rows(30, 2);
   for (const Eigen::Vector3f& query_m : queries.points_m) {
     const auto first = cloud.nearest(query_m, 5.0);
     REQUIRE(first);
@@ -67,6 +76,14 @@ TEST_CASE("nearest, in the row and near the row agree with a search through all 
     if (third_m2 < 25.0F) REQUIRE(third);
     if (third) CHECK((cloud.point_m(*third) - query_m).squaredNorm() == third_m2);
   }
+}
+
+}  // namespace
+
+TEST_CASE("nearest, in the row and near the row agree with a search through all points") {
+  compare_with_search_through_all(random_rows(40, 1), random_rows(30, 2));
+  compare_with_search_through_all(rings(40, 1), rings(30, 2));
+  compare_with_search_through_all(rings(40, 1), random_rows(30, 3));
 }
 
 TEST_CASE("an empty cloud and a query that is not finite find nothing") {
