@@ -126,24 +126,27 @@ void add_all(SearchedFeatures<Fit>& searched, const SearchState& state, const Fe
 }
 
 ConstraintList match(LocatedScan& scan, const SearchState& state, const FeatureMap& edge_map,
-                     const FeatureMap& plane_map, double max_plane_residual_m) {
+                     const FeatureMap& plane_map, const MappingOptions& options) {
   const Eigen::Vector3d origin_m = state.T_map_sensor.translation();
   const Eigen::Vector3d vertical = state.T_map_sensor.linear().col(2);
-  const auto make_plane = [&](const Neighbours& neighbours) {
-    return fit_plane(neighbours, max_plane_residual_m);
+  const auto flat_ground = [&](const Neighbours& neighbours) {
+    return fit_plane(neighbours, options.max_ground_residual_m);
+  };
+  const auto plane = [&](const Neighbours& neighbours) {
+    return fit_plane(neighbours, options.max_plane_residual_m);
   };
   ConstraintList list;
   add_all(
-      scan.ground, state, plane_map, make_plane,
-      [&](const auto& plane, const Eigen::Vector3d& rotated_m) {
-        return upright(match_surface(plane, rotated_m, origin_m), vertical);
+      scan.ground, state, plane_map, flat_ground,
+      [&](const auto& near, const Eigen::Vector3d& rotated_m) {
+        return upright(match_surface(near, rotated_m, origin_m), vertical);
       },
       list);
   const bool ground_tells_height = list.planes >= kMinGroundConstraints;
   add_all(
-      scan.surfaces, state, plane_map, make_plane,
-      [&](const auto& plane, const Eigen::Vector3d& rotated_m) {
-        const auto constraint = match_surface(plane, rotated_m, origin_m);
+      scan.surfaces, state, plane_map, plane,
+      [&](const auto& near, const Eigen::Vector3d& rotated_m) {
+        const auto constraint = match_surface(near, rotated_m, origin_m);
         return ground_tells_height ? horizontal(constraint, vertical) : constraint;
       },
       list);
@@ -200,8 +203,8 @@ MappingResult Mapping::locate(const MapFeatures& features, const Pose& T_map_sen
     const bool narrow = iteration >= kWideSearches && narrow_suffices;
     const double reach_m =
         narrow ? options_.close_neighbour_distance_m : options_.max_neighbour_distance_m;
-    const ConstraintList constraints = match(scan, {result.T_map_sensor, motion, reach_m}, edges_,
-                                             planes_, options_.max_plane_residual_m);
+    const ConstraintList constraints =
+        match(scan, {result.T_map_sensor, motion, reach_m}, edges_, planes_, options_);
     const int matched = constraints.edges + constraints.planes;
     const bool enough = matched >= options_.min_correspondences &&
                         matched >= options_.min_matched_share * feature_count;

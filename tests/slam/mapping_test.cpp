@@ -34,6 +34,36 @@ struct MappedYard {
   }
 };
 
+/// A road that rises at 45 degrees on its left side, and two walls, as a sensor 1.7 m above the
+/// road sees them, every half metre from `offset_m` on.
+slam::MapFeatures beside_a_bank(double offset_m) {
+  slam::MapFeatures result;
+  const auto add = [](double x, double y, double z, std::vector<slam::FeaturePoint>& to) {
+    to.push_back({{static_cast<float>(x), static_cast<float>(y), static_cast<float>(z)}, 0.0F, 0});
+  };
+  for (double along = -10.0 + offset_m; along < 10.0; along += 0.5) {
+    for (double y = -6.0 + offset_m; y < 6.0; y += 0.5) {
+      add(along, y, -1.7 + std::max(0.0, y - 3.0), result.ground);
+    }
+    for (double z = -1.0; z < 3.0; z += 0.5) {
+      add(along, -7.0, z, result.surfaces);
+      add(11.0, along, z, result.surfaces);
+    }
+  }
+  result.ground_to_locate = result.ground;
+  result.surfaces_to_locate = result.surfaces;
+  return result;
+}
+
+/// The roll that a scan is given whose points on the road lie between those of the map.
+double roll_beside_a_bank_rad(const slam::MappingOptions& options) {
+  slam::Mapping mapping{options};
+  mapping.insert(beside_a_bank(0.25), Pose::Identity(), {});
+  const auto result = mapping.locate(beside_a_bank(0.0), Pose::Identity(), {Pose::Identity(), 0.1});
+  REQUIRE(result.status == Status::kOk);
+  return roll_pitch_yaw_rad(result.T_map_sensor).x();
+}
+
 }  // namespace
 
 TEST_CASE("a scan is located in the map from a rough prediction") {
@@ -46,6 +76,14 @@ TEST_CASE("a scan is located in the map from a rough prediction") {
   CHECK(result.status == Status::kOk);
   CHECK((result.T_map_sensor.translation() - truth.translation()).norm() < 0.03);
   CHECK(rotation_angle_rad(result.T_map_sensor.inverse() * truth) < 0.003);
+}
+
+TEST_CASE("ground that bends between the points of the map does not tilt the scan") {
+  slam::MappingOptions lenient;
+  lenient.max_ground_residual_m = lenient.max_plane_residual_m;
+  const double lenient_rad = roll_beside_a_bank_rad(lenient);
+  CHECK(std::abs(lenient_rad) > 1e-4);
+  CHECK(std::abs(roll_beside_a_bank_rad({})) < 0.1 * std::abs(lenient_rad));
 }
 
 TEST_CASE("in a corridor without ends the motion along it is held, not invented") {

@@ -53,8 +53,8 @@ struct PreviousPose {
 /// centroid, so that a plane through the map's origin is as good as any; lines must be longer and
 /// planes wider than LeGO-LOAM asks; the ground tells height,
 /// roll and pitch only, as in the odometry's first step, because the rings that a sensor draws on
-/// it would hold the sensor back, and surfaces tell nothing about height; a turn makes a key frame
-/// too; the scan is corrected for motion anew with every improved pose.
+/// it would hold the sensor back, and only where it is flat; surfaces tell nothing about height; a
+/// turn makes a key frame too; the scan is corrected for motion anew with every improved pose.
 class Mapping {
  public:
   explicit Mapping(const MappingOptions& options);

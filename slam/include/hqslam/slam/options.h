@@ -49,6 +49,7 @@ struct MappingOptions {
   double max_neighbour_distance_m = 1.0;  ///< of the first two searches
   double close_neighbour_distance_m = 0.6;  ///< of those that follow; LeGO-LOAM: 1 m for all
   double max_plane_residual_m = 0.2;
+  double max_ground_residual_m = 0.05;  ///< LeGO-LOAM: 0.2 for the ground too
   double key_frame_translation_m = 0.3;
   double key_frame_rotation_rad = 0.2;  ///< LIO-SAM's; LeGO-LOAM has no key frame for a turn
   double converged_rotation_rad = 0.0008726646259971648;  ///< 0.05 degrees
