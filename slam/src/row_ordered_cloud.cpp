@@ -80,7 +80,8 @@ std::optional<int> RowOrderedCloud::nearest(const Eigen::Vector3f& query_m,
   const auto too_far = [&](float to_cone_m) {
     return to_cone_m > 0.0F && to_cone_m * to_cone_m > limit_m2;
   };
-  const auto is_above = [&](const Eigen::Vector2f& u) { return u.y() * q_m.norm() > q_m.y(); };
+  const float distance_m = q_m.norm();
+  const auto is_above = [&](const Eigen::Vector2f& u) { return u.y() * distance_m > q_m.y(); };
   const auto first = std::partition_point(lowest_up_to_.begin(), lowest_up_to_.end(), is_above);
   const int rows = static_cast<int>(lowest_up_to_.size());
   const int start = static_cast<int>(first - lowest_up_to_.begin());
