@@ -40,7 +40,21 @@ void insert_sorted(Neighbours& found, const Eigen::Vector3f& point_m, float dist
   found.points_m[place] = point_m;
 }
 
+/// Moves the cells that are wanted to the end of another list; both keep their order.
+template <typename Cell, typename Wanted>
+void take_out(std::vector<Cell>& cells, std::vector<Cell>& taken, const Wanted& wanted) {
+  const auto first_taken = std::stable_partition(cells.begin(), cells.end(),
+                                                 [&](const Cell& cell) { return !wanted(cell); });
+  taken.insert(taken.end(), first_taken, cells.end());
+  cells.erase(first_taken, cells.end());
+}
+
 }  // namespace
+
+bool Surroundings::contains(const Eigen::Vector3f& point_m) const {
+  const Eigen::Vector3f offset_m = point_m - centre_m;
+  return offset_m.head<2>().norm() <= radius_m && std::abs(offset_m.z()) <= half_height_m();
+}
 
 FeatureMap::FeatureMap(double leaf_m, double max_distance_m)
     : leaf_m_(static_cast<float>(leaf_m)),
@@ -90,7 +104,8 @@ void FeatureMap::grow_table() {
 }
 
 void FeatureMap::insert(const std::vector<Eigen::Vector3f>& points_m, std::uint32_t key_frame) {
-  for (const Eigen::Vector3f& point_m : points_m) insert_cell({point_m, key_frame, 0, 1});
+  for (const Eigen::Vector3f& point_m : points_m)
+    insert_cell({point_m, key_frame, key_frame, 0, 1});
 }
 
 void FeatureMap::insert_cell(Cell inserted) {
@@ -107,8 +122,9 @@ void FeatureMap::insert_cell(Cell inserted) {
   inserted.voxel = static_cast<std::uint16_t>(
       (voxel.x() * voxels_per_side_ + voxel.y()) * voxels_per_side_ + voxel.z());
   for (Cell& cell : cube.cells) {
-    if (cell.voxel != inserted.voxel) continue;
+    if (cell.voxel != inserted.voxel || in_use(cell) != in_use(inserted)) continue;
     cell.key_frame = std::min(cell.key_frame, inserted.key_frame);
+    cell.last_seen = std::max(cell.last_seen, inserted.last_seen);
     if (cell.count < kMaxMeanCount) {
       cell.count = static_cast<std::uint16_t>(cell.count + inserted.count);
       cell.mean_m += static_cast<float>(inserted.count) * (point_m - cell.mean_m) /
@@ -140,6 +156,7 @@ Neighbours FeatureMap::nearest(const Eigen::Vector3f& query_m) const {
     const Cube* cube = find(key);
     if (cube == nullptr) continue;
     for (const Cell& cell : cube->cells) {
+      if (!in_use(cell)) continue;
       const float distance_m2 = (cell.mean_m - query_m).squaredNorm();
       if (distance_m2 < found.sixth_squared_m2) insert_sorted(found, cell.mean_m, distance_m2);
     }
@@ -147,33 +164,48 @@ Neighbours FeatureMap::nearest(const Eigen::Vector3f& query_m) const {
   return found;
 }
 
-std::vector<Eigen::Vector3f> FeatureMap::points_near_m(const Eigen::Vector3d& centre_m,
-                                                       double radius_m,
-                                                       std::uint32_t newest_key_frame) const {
-  std::vector<Eigen::Vector3f> result;
-  const Eigen::Vector3f centre = centre_m.cast<float>();
-  const auto radius = static_cast<float>(radius_m);
-  const Eigen::Vector3f reach(radius, radius, radius / 2.0F);
+std::vector<std::size_t> FeatureMap::cubes_touching(const Surroundings& place) const {
+  const Eigen::Vector3f reach(place.radius_m, place.radius_m, place.half_height_m());
   const auto has_room = static_cast<float>(kCubeRange - 1);
-  const Eigen::Vector3i first = floored(((centre - reach) / cube_m_).cwiseMax(-has_room));
-  const Eigen::Vector3i last = floored(((centre + reach) / cube_m_).cwiseMin(has_room));
+  const Eigen::Vector3i first = floored(((place.centre_m - reach) / cube_m_).cwiseMax(-has_room));
+  const Eigen::Vector3i last = floored(((place.centre_m + reach) / cube_m_).cwiseMin(has_room));
+  std::vector<std::size_t> result;
   for (int x = first.x(); x <= last.x(); ++x) {
     for (int y = first.y(); y <= last.y(); ++y) {
       for (int z = first.z(); z <= last.z(); ++z) {
         std::uint64_t key = 0;
         const Cube* cube = key_of({x, y, z}, key) ? find(key) : nullptr;
-        if (cube == nullptr) continue;
-        for (const Cell& cell : cube->cells) {
-          const Eigen::Vector3f offset = cell.mean_m - centre;
-          if (cell.key_frame <= newest_key_frame && offset.head<2>().norm() <= radius &&
-              std::abs(offset.z()) <= reach.z()) {
-            result.push_back(cell.mean_m);
-          }
-        }
+        if (cube != nullptr) result.push_back(static_cast<std::size_t>(cube - cubes_.data()));
       }
     }
   }
   return result;
+}
+
+std::vector<Eigen::Vector3f> FeatureMap::points_near_m(const Surroundings& place,
+                                                       std::uint32_t newest_key_frame) const {
+  std::vector<Eigen::Vector3f> result;
+  for (const std::size_t cube : cubes_touching(place)) {
+    for (const Cell& cell : cubes_[cube].cells) {
+      if (cell.key_frame <= newest_key_frame && place.contains(cell.mean_m)) {
+        result.push_back(cell.mean_m);
+      }
+    }
+  }
+  return result;
+}
+
+void FeatureMap::recall(const Surroundings& place, std::uint32_t key_frame) {
+  std::vector<Cell> recalled;
+  for (const std::size_t cube : cubes_touching(place)) {
+    take_out(cubes_[cube].cells, recalled,
+             [&](const Cell& cell) { return !in_use(cell) && place.contains(cell.mean_m); });
+  }
+  size_ -= recalled.size();
+  for (Cell& cell : recalled) {
+    cell.last_seen = key_frame;
+    insert_cell(cell);
+  }
 }
 
 void FeatureMap::correct(const std::vector<Pose>& corrections) {
@@ -181,10 +213,7 @@ void FeatureMap::correct(const std::vector<Pose>& corrections) {
   for (const Pose& correction : corrections) moves.push_back(!correction.matrix().isIdentity(0.0));
   std::vector<Cell> moved;
   for (Cube& cube : cubes_) {
-    const auto stays = [&](const Cell& cell) { return !moves[cell.key_frame]; };
-    const auto first_moved = std::stable_partition(cube.cells.begin(), cube.cells.end(), stays);
-    moved.insert(moved.end(), first_moved, cube.cells.end());
-    cube.cells.erase(first_moved, cube.cells.end());
+    take_out(cube.cells, moved, [&](const Cell& cell) { return moves[cell.key_frame]; });
   }
   size_ -= moved.size();
   for (Cell& cell : moved) {

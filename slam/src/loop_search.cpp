@@ -8,7 +8,6 @@ namespace hqslam::slam {
 
 namespace {
 
-constexpr double kPartRadius_m = 45.0;
 constexpr std::size_t kMaxCandidates = 3;
 constexpr double kNearNode_m = 10.0;
 /// Scans tell a turn to one sector of the scan context.
@@ -21,7 +20,7 @@ constexpr double kWorthVerifying = 0.9;
 constexpr double kAmbiguousShare = 0.8;
 
 Mapping part_about(const LoopSearchSpace& space, const Pose& T_map_place) {
-  return space.mapping.older_part(T_map_place.translation(), kPartRadius_m, space.old_key_frames);
+  return space.mapping.older_part(loop_surroundings(T_map_place), space.old_key_frames);
 }
 
 bool is_plausible(const Pose& change, const PlausibleDrift& drift) {
@@ -86,6 +85,11 @@ bool is_elsewhere(const FoundLoop& a, const FoundLoop& b) {
 }
 
 }  // namespace
+
+Surroundings loop_surroundings(const Pose& T_map_place) {
+  constexpr float kRadius_m = 45.0F;
+  return {T_map_place.translation().cast<float>(), kRadius_m};
+}
 
 std::optional<FoundLoop> loop_at(const LoopSearchSpace& space, const Pose& T_map_last_believed) {
   std::optional<std::size_t> nearest;

@@ -37,6 +37,9 @@ struct LoopSearchResult {
   std::optional<FoundLoop> loop;
 };
 
+/// The part of the map about a place with which a node is compared.
+Surroundings loop_surroundings(const Pose& T_map_place);
+
 /// Looks where the last node is believed to be: nothing if no older node is near, or the features
 /// do not fit the older part of the map there.
 std::optional<FoundLoop> loop_at(const LoopSearchSpace& space, const Pose& T_map_last_believed);

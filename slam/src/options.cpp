@@ -47,6 +47,8 @@ void validate(const SlamOptions& options) {
   require_positive("mapping.max_neighbour_distance_m", options.mapping.max_neighbour_distance_m);
   require_positive("mapping.close_neighbour_distance_m",
                    options.mapping.close_neighbour_distance_m);
+  require_positive("mapping.recent_path_m", options.mapping.recent_path_m);
+  require_positive("mapping.trusted_residual_m", options.mapping.trusted_residual_m);
   require_positive("mapping.max_plane_residual_m", options.mapping.max_plane_residual_m);
   require_positive("mapping.max_ground_residual_m", options.mapping.max_ground_residual_m);
   for (const auto& [field, leaf_m] : {std::pair{"mapping.edge_leaf_m", options.mapping.edge_leaf_m},

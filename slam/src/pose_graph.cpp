@@ -3,6 +3,8 @@
 #include <ceres/ceres.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
 #include <memory>
 
 namespace hqslam::slam {
@@ -90,6 +92,18 @@ bool solve(const PoseGraph& graph, ceres::LossFunction* loop_loss,
   return summary.IsSolutionUsable();
 }
 
+std::vector<Pose> poses_of(const std::vector<NodeParameters>& nodes) {
+  std::vector<Pose> result;
+  result.reserve(nodes.size());
+  for (const NodeParameters& node : nodes) {
+    Pose pose = Pose::Identity();
+    pose.linear() = node.rotation.normalized().toRotationMatrix();
+    pose.translation() = node.translation_m;
+    result.push_back(pose);
+  }
+  return result;
+}
+
 }  // namespace
 
 Pose disagreement(const PoseGraphEdge& edge, const std::vector<Pose>& T_map_node) {
@@ -102,17 +116,17 @@ std::vector<Pose> optimized(const PoseGraph& graph) {
   for (const Pose& pose : graph.T_map_node) {
     nodes.push_back({pose.translation(), Eigen::Quaterniond(pose.linear())});
   }
-  std::vector<Pose> result;
-  if (nodes.empty()) return result;
+  if (nodes.empty() || !solve(graph, nullptr, nodes)) return {};
+  std::vector<Pose> T_map_node = poses_of(nodes);
+  const auto agrees = [&](const PoseGraphEdge& loop) {
+    const Pose strain = disagreement(loop, T_map_node);
+    return std::hypot(strain.translation().norm() / loop.translation_sigma_m,
+                      rotation_angle_rad(strain) / loop.rotation_sigma_rad) <= kCauchyScale;
+  };
+  if (std::all_of(graph.loops.begin(), graph.loops.end(), agrees)) return T_map_node;
   ceres::CauchyLoss robust(kCauchyScale);
-  if (!solve(graph, nullptr, nodes) || !solve(graph, &robust, nodes)) return result;
-  for (const NodeParameters& node : nodes) {
-    Pose pose = Pose::Identity();
-    pose.linear() = node.rotation.normalized().toRotationMatrix();
-    pose.translation() = node.translation_m;
-    result.push_back(pose);
-  }
-  return result;
+  if (!solve(graph, &robust, nodes)) return {};
+  return poses_of(nodes);
 }
 
 }  // namespace hqslam::slam

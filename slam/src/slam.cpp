@@ -13,6 +13,7 @@
 #include "hqslam/slam/options.h"
 #include "hqslam/slam/segmentation.h"
 #include "loop_closing.h"
+#include "loop_search.h"
 
 namespace hqslam::slam {
 
@@ -202,6 +203,9 @@ void Slam::Implementation::add_key_frame(const OrganizedCloud& cloud, const MapF
       mapping);
   report.loop = result.report;
   if (!result.corrections.empty()) correct(result.corrections, report);
+  if (result.report.status == LoopStatus::kAgrees || result.report.status == LoopStatus::kClosed) {
+    mapping.recall(loop_surroundings(report.T_map_sensor));
+  }
   report.times.loop_closing_s = stopwatch.lap_s();
 }
 

@@ -98,7 +98,7 @@ TEST_CASE("points near a place are those of the key frames asked for, within the
     expected += offset_m.head<2>().norm() <= 9.0 && std::abs(offset_m.z()) <= 4.5;
   }
   CHECK(expected > 50);
-  CHECK(map.points_near_m(centre_m, 9.0, 1).size() == expected);
+  CHECK(map.points_near_m({centre_m.cast<float>(), 9.0F}, 1).size() == expected);
 }
 
 TEST_CASE("a corrected map holds every point where its key frame belongs") {
@@ -115,7 +115,7 @@ TEST_CASE("a corrected map holds every point where its key frame belongs") {
   CHECK((points[0] - Eigen::Vector3f(0.2F, 0.1F, 0.1F)).norm() < 1e-5F);
   CHECK((points[2] - Eigen::Vector3f(2.1F, 0.1F, 0.1F)).norm() < 1e-5F);
   // Where two met, the older key frame is remembered; a search finds what moved, nothing is left.
-  CHECK(map.points_near_m({0, 0, 0}, 1.5, 0).size() == 2);
+  CHECK(map.points_near_m({{0, 0, 0}, 1.5F}, 0).size() == 2);
   CHECK(map.nearest({2.1F, 0.1F, 0.1F}).squared_distance_m2[0] < 1e-6F);
   CHECK(map.nearest({7.1F, 0.1F, 0.1F}).count == 0);
 }
@@ -127,4 +127,59 @@ TEST_CASE("a correction that moves nothing leaves the same bytes") {
   const auto before = map.points_m();
   map.correct({Pose::Identity(), Pose::Identity()});
   CHECK(map.points_m() == before);
+}
+
+TEST_CASE("what was laid aside is not found, and what is seen there becomes points of its own") {
+  FeatureMap map(0.4, 1.0);
+  map.insert({{0.1F, 0.1F, 0.1F}, {1.1F, 0.1F, 0.1F}}, 0);
+  map.insert({{1.15F, 0.1F, 0.1F}}, 5);
+  map.lay_aside_before(5);
+  // Key frame 5 saw the second point again: it stays in use.
+  CHECK(map.nearest({0.1F, 0.1F, 0.1F}).count == 0);
+  CHECK(map.nearest({1.1F, 0.1F, 0.1F}).count == 1);
+  map.insert({{0.3F, 0.1F, 0.1F}}, 6);
+  REQUIRE(map.size() == 3);
+  const Neighbours found = map.nearest({0.1F, 0.1F, 0.1F});
+  REQUIRE(found.count == 1);
+  CHECK(found.points_m[0] == Eigen::Vector3f(0.3F, 0.1F, 0.1F));
+  // The older part of the map is as it was.
+  const auto older = map.points_near_m({{0, 0, 0}, 1.0F}, 4);
+  REQUIRE(older.size() == 1);
+  CHECK(older[0] == Eigen::Vector3f(0.1F, 0.1F, 0.1F));
+}
+
+TEST_CASE("what is recalled is found again and merged, and only within the radius") {
+  FeatureMap map(0.4, 1.0);
+  map.insert({{0.1F, 0.1F, 0.1F}, {9.1F, 0.1F, 0.1F}}, 0);
+  map.lay_aside_before(5);
+  map.insert({{0.3F, 0.1F, 0.1F}}, 6);
+  map.recall({{0, 0, 0}, 5.0F}, 6);
+  REQUIRE(map.size() == 2);
+  const Neighbours found = map.nearest({0.1F, 0.1F, 0.1F});
+  REQUIRE(found.count == 1);
+  CHECK((found.points_m[0] - Eigen::Vector3f(0.2F, 0.1F, 0.1F)).norm() < 1e-6F);
+  CHECK(map.points_near_m({{0, 0, 0}, 1.0F}, 0).size() == 1);  // still of the key frame of old
+  CHECK(map.nearest({9.1F, 0.1F, 0.1F}).count == 0);
+  // What was recalled is laid aside again when it is not seen for long.
+  map.lay_aside_before(7);
+  CHECK(map.nearest({0.1F, 0.1F, 0.1F}).count == 0);
+}
+
+TEST_CASE(
+    "a map of which parts were laid aside and recalled finds what a search through all does") {
+  FeatureMap map(0.4, 1.0);
+  map.insert(random_points(4000, 12.0F, 6), 0);
+  map.insert(random_points(4000, 12.0F, 7), 1);
+  map.lay_aside_before(1);
+  map.recall({{4.0F, -3.0F, 0.0F}, 6.0F}, 1);
+  map.lay_aside_before(0);
+  const auto all = map.points_m();
+  CHECK(all.size() == map.size());
+  for (const auto& query : random_points(200, 13.0F, 8)) {
+    float nearest_m2 = 1.0F;
+    for (const auto& p : all) nearest_m2 = std::min(nearest_m2, (p - query).squaredNorm());
+    const Neighbours found = map.nearest(query);
+    REQUIRE((found.count > 0) == (nearest_m2 < 1.0F));
+    if (found.count > 0) CHECK(found.squared_distance_m2[0] == nearest_m2);
+  }
 }

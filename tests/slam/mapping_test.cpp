@@ -34,18 +34,19 @@ struct MappedYard {
   }
 };
 
-/// A road that rises at 45 degrees on its left side, and two walls, as a sensor 1.7 m above the
-/// road sees them, every half metre from `offset_m` on.
-slam::MapFeatures beside_a_bank(double offset_m) {
+/// A road and two walls, as a sensor 1.7 m above the road sees them, from `offset_m` on.
+/// rise_m(y): of the ground.
+template <typename Rise>
+slam::MapFeatures road_with(double offset_m, double spacing_m, const Rise& rise_m) {
   slam::MapFeatures result;
   const auto add = [](double x, double y, double z, std::vector<slam::FeaturePoint>& to) {
     to.push_back({{static_cast<float>(x), static_cast<float>(y), static_cast<float>(z)}, 0.0F, 0});
   };
-  for (double along = -10.0 + offset_m; along < 10.0; along += 0.5) {
-    for (double y = -6.0 + offset_m; y < 6.0; y += 0.5) {
-      add(along, y, -1.7 + std::max(0.0, y - 3.0), result.ground);
+  for (double along = -10.0 + offset_m; along < 10.0; along += spacing_m) {
+    for (double y = -6.0 + offset_m; y < 6.0; y += spacing_m) {
+      add(along, y, -1.7 + rise_m(y), result.ground);
     }
-    for (double z = -1.0; z < 3.0; z += 0.5) {
+    for (double z = -1.0; z < 3.0; z += spacing_m) {
       add(along, -7.0, z, result.surfaces);
       add(11.0, along, z, result.surfaces);
     }
@@ -53,6 +54,16 @@ slam::MapFeatures beside_a_bank(double offset_m) {
   result.ground_to_locate = result.ground;
   result.surfaces_to_locate = result.surfaces;
   return result;
+}
+
+/// A road with a step on its left side.
+slam::MapFeatures road(double offset_m, double step_m) {
+  return road_with(offset_m, 0.4, [&](double y) { return y > 4.5 ? step_m : 0.0; });
+}
+
+/// A road that rises at 45 degrees on its left side.
+slam::MapFeatures beside_a_bank(double offset_m) {
+  return road_with(offset_m, 0.5, [](double y) { return std::max(0.0, y - 3.0); });
 }
 
 /// The roll that a scan is given whose points on the road lie between those of the map.
@@ -84,6 +95,43 @@ TEST_CASE("ground that bends between the points of the map does not tilt the sca
   const double lenient_rad = roll_beside_a_bank_rad(lenient);
   CHECK(std::abs(lenient_rad) > 1e-4);
   CHECK(std::abs(roll_beside_a_bank_rad({})) < 0.1 * std::abs(lenient_rad));
+}
+
+TEST_CASE("ground that fits badly on one side hardly tilts the scan") {
+  // What is more than 4.5 m to the left lies a kerb's height lower in the scan than in the map.
+  const auto roll_rad = [](double trusted_residual_m) {
+    slam::MappingOptions options;
+    options.trusted_residual_m = trusted_residual_m;
+    slam::Mapping mapping{options};
+    mapping.insert(road(0.1, 0.0), Pose::Identity(), {});
+    const slam::MapFeatures scan = road(0.0, -0.12);
+    const auto result = mapping.locate(scan, Pose::Identity(), {Pose::Identity(), 0.1});
+    REQUIRE(result.status == Status::kOk);
+    return roll_pitch_yaw_rad(result.T_map_sensor).x();
+  };
+  const double plain_rad = roll_rad(1000.0);
+  CHECK(std::abs(plain_rad) > 2e-3);
+  CHECK(std::abs(roll_rad(slam::MappingOptions{}.trusted_residual_m)) < 0.1 * std::abs(plain_rad));
+}
+
+TEST_CASE("a place met again with drift is matched with only when it was recalled") {
+  // The yard, then 250 m of path elsewhere, then the yard again, where it has drifted by 0.4 m.
+  MappedYard mapped;
+  for (int i = 1; i <= 5; ++i) {
+    const slam::MapFeatures elsewhere = road(0.0, 0.0);
+    mapped.mapping.insert(elsewhere, pose_from_xyz_rpy({50.0 * i, 500.0, 0.0}, 0, 0, 0), {});
+  }
+  const Pose T_yard_sensor = test::yard_pose(0.3, 0.4, 0.1);
+  const Pose truth = mapped.T_yard_map.inverse() * T_yard_sensor;
+  const Pose drifted = truth * pose_from_xyz_rpy({0.4, 0.0, 0.0}, 0, 0, 0);
+  const auto features = features_of(mapped.sensor, mapped.yard.scan(mapped.sensor, T_yard_sensor));
+  const auto before = mapped.mapping.locate(features, drifted, {drifted, 0.1});
+  CHECK(before.status == Status::kTooFewFeatures);
+  CHECK(before.T_map_sensor.isApprox(drifted));
+  mapped.mapping.recall({truth.translation().cast<float>(), 45.0F});
+  const auto after = mapped.mapping.locate(features, drifted, {drifted, 0.1});
+  CHECK(after.status == Status::kOk);
+  CHECK((after.T_map_sensor.translation() - truth.translation()).norm() < 0.03);
 }
 
 TEST_CASE("in a corridor without ends the motion along it is held, not invented") {

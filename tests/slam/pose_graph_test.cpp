@@ -97,6 +97,23 @@ TEST_CASE("a gap far beyond the reach of the robust loss is closed") {
   CHECK(poses.back().translation().norm() < 0.02);
 }
 
+TEST_CASE("a path that drifts always to the same side is closed by loops that agree") {
+  // Every edge turns by three of its sigmas, always to the left. That many sigmas would pay for
+  // letting the loops go.
+  const PoseGraph open = drifted_square(pose_from_xyz_rpy({0.0, 0.0, 0.0}, 0.0, 0.0, 0.015));
+  const std::vector<Pose> truth = square();
+  PoseGraph closed = open;
+  const std::size_t last = truth.size() - 1;
+  for (const std::size_t back : {0, 1, 2}) {
+    closed.loops.push_back({0, last - back, truth[0].inverse() * truth[last - back], 0.1, 0.01});
+  }
+  const auto gap_m = [&](const std::vector<Pose>& poses) {
+    return (poses[last].translation() - truth[last].translation()).norm();
+  };
+  CHECK(gap_m(open.T_map_node) > 3.0);
+  CHECK(gap_m(optimized(closed)) < 0.1);
+}
+
 TEST_CASE("a false loop does not bend a path that true loops hold") {
   PoseGraph graph = drifted_square(Pose::Identity());
   for (const std::size_t i : {0, 2, 4, 6}) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <optional>
 #include <vector>
 
@@ -54,7 +55,10 @@ struct PreviousPose {
 /// planes wider than LeGO-LOAM asks; the ground tells height,
 /// roll and pitch only, as in the odometry's first step, because the rings that a sensor draws on
 /// it would hold the sensor back, and only where it is flat; surfaces tell nothing about height; a
-/// turn makes a key frame too; the scan is corrected for motion anew with every improved pose.
+/// turn makes a key frame too; the scan is corrected for motion anew with every improved pose;
+/// features far from their line or plane lose weight; and only the recent part of the map is
+/// matched with, and older parts that were recalled. A place that is met again with decimetres of
+/// drift would fit half, and tilt or turn the sensor by degrees.
 class Mapping {
  public:
   explicit Mapping(const MappingOptions& options);
@@ -68,8 +72,9 @@ class Mapping {
   std::uint32_t key_frames() const { return key_frames_; }
 
   /// The map about a place as it was when it had `key_frames` key frames, to locate in.
-  Mapping older_part(const Eigen::Vector3d& centre_m, double radius_m,
-                     std::uint32_t key_frames) const;
+  Mapping older_part(const Surroundings& place, std::uint32_t key_frames) const;
+  /// Matches scans with all of the map about a place again: it was verified that it fits there.
+  void recall(const Surroundings& place);
   /// Moves every key frame with its points; in, per key frame, T_corrected_map.
   void correct(const std::vector<Pose>& corrections);
 
@@ -77,10 +82,14 @@ class Mapping {
   const FeatureMap& planes() const { return planes_; }
 
  private:
+  void lay_aside_old_map();
+
   MappingOptions options_;
   FeatureMap edges_;
   FeatureMap planes_;
   std::uint32_t key_frames_ = 0;
+  std::deque<double> recent_path_m_;  ///< along the path, of the key frames matched with
+  double path_m_ = 0.0;               ///< up to the last key frame
   Pose T_map_last_key_frame_ = Pose::Identity();
 };
 

@@ -48,8 +48,14 @@ struct MappingOptions {
   double located_planar_leaf_m = 0.8;     ///< of the scan that is located; LeGO-LOAM: as in the map
   double max_neighbour_distance_m = 1.0;  ///< of the first two searches
   double close_neighbour_distance_m = 0.6;  ///< of those that follow; LeGO-LOAM: 1 m for all
-  double max_plane_residual_m = 0.2;
+  /// Of a feature from its line or plane: a scan's weights begin to fall from there, after the
+  /// first two searches; LeGO-LOAM: by 0.09 for 0.1 m.
+  double trusted_residual_m = 0.05;
+  double max_plane_residual_m = 0.2;    ///< of the five points of a plane
   double max_ground_residual_m = 0.05;  ///< LeGO-LOAM: 0.2 for the ground too
+  /// The map is matched with as far as the last so many metres of path saw it, or a loop was
+  /// verified there; LeGO-LOAM: all of it.
+  double recent_path_m = 200.0;
   double key_frame_translation_m = 0.3;
   double key_frame_rotation_rad = 0.2;  ///< LIO-SAM's; LeGO-LOAM has no key frame for a turn
   double converged_rotation_rad = 0.0008726646259971648;  ///< 0.05 degrees

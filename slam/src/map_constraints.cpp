@@ -1,0 +1,129 @@
+#include "map_constraints.h"
+
+#include <cmath>
+#include <optional>
+
+#include "robust_weights.h"
+
+namespace hqslam::slam {
+
+namespace {
+
+constexpr double kMinWeight = 0.1;
+/// Cosine of the steepest ground's angle with the sensor's.
+constexpr double kMinGroundUprightness = 0.9;
+/// So many points of the ground tell the height well enough to ask nothing else about it.
+constexpr int kMinGroundConstraints = 100;
+
+std::optional<EdgeConstraints> match_edge(const std::optional<MapLine>& line,
+                                          const Eigen::Vector3d& rotated_m,
+                                          const Eigen::Vector3d& origin_m) {
+  if (!line) return std::nullopt;
+  const Eigen::Vector3d on_line_m = line->point_m - origin_m;
+  const double distance_m = line->direction.cross(rotated_m - on_line_m).norm();
+  const double weight = 1.0 - 0.9 * distance_m;
+  if (weight < kMinWeight) return std::nullopt;
+  return edge_constraints(rotated_m, on_line_m, line->direction, weight);
+}
+
+std::optional<PlaneConstraint> match_surface(const std::optional<MapPlane>& plane,
+                                             const Eigen::Vector3d& rotated_m,
+                                             const Eigen::Vector3d& origin_m) {
+  if (!plane) return std::nullopt;
+  const double offset_m = plane->normal.dot(plane->point_m - origin_m);
+  const double distance_m = std::abs(plane->normal.dot(rotated_m) - offset_m);
+  const double weight = 1.0 - 0.9 * distance_m / std::sqrt(rotated_m.norm());
+  if (weight < kMinWeight) return std::nullopt;
+  return PlaneConstraint{rotated_m, plane->normal, offset_m, weight};
+}
+
+/// Keeps of a ground plane what it tells about height, roll and pitch.
+///
+/// A ring on the ground lies in the map beside the rings of earlier scans. The slope of a plane
+/// through points of two rings a few decimetres apart is mostly noise, and its horizontal part
+/// pulls the scan's ring towards the map's: against the motion. So the normal n is replaced by its
+/// part along the sensor's vertical u, n' = (n . u) u, with the distance of the point left as it
+/// is.
+std::optional<PlaneConstraint> upright(std::optional<PlaneConstraint> ground,
+                                       const Eigen::Vector3d& vertical) {
+  if (!ground) return std::nullopt;
+  const double distance_m = ground->normal.dot(ground->point_m) - ground->offset_m;
+  const double share = ground->normal.dot(vertical);
+  if (std::abs(share) < kMinGroundUprightness) return std::nullopt;
+  ground->normal = share * vertical;
+  ground->offset_m = ground->normal.dot(ground->point_m) - distance_m;
+  return ground;
+}
+
+/// Keeps of a surface's plane what it tells about x, y, yaw and, by its lever, roll and pitch.
+///
+/// What is not ground stands upright, mostly. Where it does not - kerbs, cars, leaves, ground that
+/// was not recognised - five points of rows that are far apart make a slope of chance, and slopes
+/// of chance, all of them seen from the same side, tilt the map scan by scan. So the normal n loses
+/// its part along the sensor's vertical u, n' = n - (n . u) u, with the distance of the point left
+/// as it is: height comes from the ground alone.
+std::optional<PlaneConstraint> horizontal(std::optional<PlaneConstraint> surface,
+                                          const Eigen::Vector3d& vertical) {
+  if (!surface) return std::nullopt;
+  const double distance_m = surface->normal.dot(surface->point_m) - surface->offset_m;
+  surface->normal -= surface->normal.dot(vertical) * vertical;
+  surface->offset_m = surface->normal.dot(surface->point_m) - distance_m;
+  return surface;
+}
+
+/// One constraint or none per feature, searched in parallel: constrain(fit, rotated_m).
+template <typename Fit, typename Make, typename Constrain>
+void add_all(SearchedFeatures<Fit>& searched, const SearchState& state, const FeatureMap& map,
+             const Make& make, const Constrain& constrain, double trusted_residual_m,
+             ConstraintList& list) {
+  const std::vector<Eigen::Vector3f> points_m = motion_corrected(searched.features, state.motion);
+  const Eigen::Matrix3d rotation = state.T_map_sensor.linear();
+  const Eigen::Vector3d origin_m = state.T_map_sensor.translation();
+  std::vector<decltype(constrain(std::optional<Fit>(), Eigen::Vector3d()))> found(points_m.size());
+#pragma omp parallel for schedule(static)
+  for (std::size_t i = 0; i < points_m.size(); ++i) {
+    const Eigen::Vector3d rotated_m = rotation * points_m[i].cast<double>();
+    const Eigen::Vector3f query_m = (rotated_m + origin_m).cast<float>();
+    found[i] = constrain(searched.nearby[i].at(map, query_m, state.reach_m, make), rotated_m);
+  }
+  if (state.trust_near) trust_near(found, trusted_residual_m);
+  list.add(found);
+}
+
+}  // namespace
+
+ConstraintList map_constraints(LocatedScan& scan, const SearchState& state, const FeatureMap& edges,
+                               const FeatureMap& planes, const MappingOptions& options) {
+  const Eigen::Vector3d origin_m = state.T_map_sensor.translation();
+  const Eigen::Vector3d vertical = state.T_map_sensor.linear().col(2);
+  const auto flat_ground = [&](const Neighbours& neighbours) {
+    return fit_plane(neighbours, options.max_ground_residual_m);
+  };
+  const auto plane = [&](const Neighbours& neighbours) {
+    return fit_plane(neighbours, options.max_plane_residual_m);
+  };
+  ConstraintList list;
+  add_all(
+      scan.ground, state, planes, flat_ground,
+      [&](const auto& near, const Eigen::Vector3d& rotated_m) {
+        return upright(match_surface(near, rotated_m, origin_m), vertical);
+      },
+      options.trusted_residual_m, list);
+  const bool ground_tells_height = list.planes >= kMinGroundConstraints;
+  add_all(
+      scan.surfaces, state, planes, plane,
+      [&](const auto& near, const Eigen::Vector3d& rotated_m) {
+        const auto constraint = match_surface(near, rotated_m, origin_m);
+        return ground_tells_height ? horizontal(constraint, vertical) : constraint;
+      },
+      options.trusted_residual_m, list);
+  add_all(
+      scan.edges, state, edges, fit_line,
+      [&](const auto& line, const Eigen::Vector3d& rotated_m) {
+        return match_edge(line, rotated_m, origin_m);
+      },
+      options.trusted_residual_m, list);
+  return list;
+}
+
+}  // namespace hqslam::slam

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <vector>
+
+#include "rigid_alignment.h"
+
+namespace hqslam::slam {
+
+/// How far a feature is from its plane, or from its line.
+inline double distance_m(const PlaneConstraint& plane) {
+  return std::abs(plane.normal.dot(plane.point_m) - plane.offset_m);
+}
+inline double distance_m(const EdgeConstraints& edge) {
+  return std::hypot(distance_m(edge[0]), distance_m(edge[1]));
+}
+
+inline void weigh(PlaneConstraint& plane, double factor) { plane.weight *= factor; }
+inline void weigh(EdgeConstraints& edge, double factor) {
+  for (PlaneConstraint& plane : edge) plane.weight *= factor;
+}
+
+/// Takes weight from the features of one kind that lie far from their line or plane.
+///
+/// Near kerbs, hedges and corners five neighbours are of two surfaces, and the line or plane
+/// through them lies centimetres beside both, always on the same side: scan after scan is pulled
+/// the same way. So a feature at a distance d is weighed with
+///
+///   1 / (1 + d^2 / s^2),  s = max(least_m, 3 median of d),
+///
+/// the loss of Geman and McClure by iterated reweighting. The median lets all features pull while
+/// the pose is still off. LOAM and LeGO-LOAM only take 0.9 d from a weight of 1.
+template <typename Constraints>
+void trust_near(std::vector<std::optional<Constraints>>& found, double least_m) {
+  constexpr double kScalePerMedian = 3.0;
+  std::vector<double> distances_m;
+  for (const auto& constraints : found) {
+    if (constraints) distances_m.push_back(distance_m(*constraints));
+  }
+  if (distances_m.empty()) return;
+  const auto middle = distances_m.begin() + static_cast<std::ptrdiff_t>(distances_m.size() / 2);
+  std::nth_element(distances_m.begin(), middle, distances_m.end());
+  const double scale_m = std::max(least_m, kScalePerMedian * *middle);
+  for (auto& constraints : found) {
+    if (!constraints) continue;
+    const double relative = distance_m(*constraints) / scale_m;
+    weigh(*constraints, 1.0 / (1.0 + relative * relative));
+  }
+}
+
+}  // namespace hqslam::slam
