@@ -84,8 +84,11 @@ TEST_CASE("a weights file becomes a filtered row before LiDAR-64") {
 
 TEST_CASE("a recording is named after its folder and keeps the sensor and truth it was given") {
   const test::TemporaryDirectory folder;
+  std::filesystem::create_directories(folder.file("kitti_drive/velodyne"));
   std::filesystem::create_directory(folder.file("street"));
   TableOptions options = options_for("out");
+  options.drives = {folder.file("kitti_drive/velodyne")};
+  CHECK(plan_table(options).drives[0].name == "kitti_drive");
   options.drives = {folder.file("street") + "/", "town"};
   options.sensor = "hdl-64e";
   options.reference = "truth.txt";

@@ -131,6 +131,22 @@ TEST_CASE(
         both["methods"][0]["images"]["outlier_share"].get<double>());
 }
 
+TEST_CASE("a drive that was simulated once serves shorter tables too") {
+  const TemporaryDirectory folder;
+  const auto rows_of = [&](int scans, const std::string& out) {
+    const ProgramResult result = run_hqslam(fmt::format(
+        "table --drives block --scans {} --methods rows-16 --out '{}'", scans, folder.file(out)));
+    CAPTURE(result.error);
+    REQUIRE(result.status == 0);
+    return json_of(folder.file(out) + "/table.json")["drives"];
+  };
+  rows_of(6, "long");
+  const nlohmann::json shortened = rows_of(4, "long");
+  CHECK(json_of(folder.file("long/drives/block/drive.json"))["scans"] == 6);  // not made anew
+  CHECK(shortened[0]["scans"] == 4);
+  CHECK(shortened == rows_of(4, "short"));
+}
+
 TEST_CASE("a wrong table is one line on stderr and status 2, and writes nothing") {
   const TemporaryDirectory folder;
   const std::string out = folder.file("out");

@@ -48,6 +48,13 @@ bool is_preset(const std::string& drive) {
   return std::find(presets.begin(), presets.end(), drive) != presets.end();
 }
 
+/// A recording is named after its file or folder; one of KITTI's, whose scans all lie in a folder
+/// "velodyne", after the drive.
+std::string recording_name(const fs::path& path) {
+  const std::string name = path.stem().string();
+  return name == "velodyne" ? path.parent_path().filename().string() : name;
+}
+
 TableDrive drive_of(const std::string& drive, const TableOptions& options) {
   if (is_preset(drive)) {
     sim::DriveSpec spec = sim::drive_preset(drive);
@@ -59,7 +66,7 @@ TableDrive drive_of(const std::string& drive, const TableOptions& options) {
                             drive, fmt::join(sim::drive_preset_names(), ", ")));
   }
   const fs::path path = fs::canonical(drive);
-  return {path.stem().string(), path.string(), options.sensor, options.reference, std::nullopt};
+  return {recording_name(path), path.string(), options.sensor, options.reference, std::nullopt};
 }
 
 template <typename Named>
