@@ -73,29 +73,29 @@ std::optional<PlaneConstraint> horizontal(std::optional<PlaneConstraint> surface
 
 /// One constraint or none per feature, searched in parallel: constrain(fit, rotated_m).
 template <typename Fit, typename Make, typename Constrain>
-void add_all(SearchedFeatures<Fit>& searched, const SearchState& state, const FeatureMap& map,
+void add_all(SearchedFeatures<Fit>& searched, const MapSearch& search, const FeatureMap& map,
              const Make& make, const Constrain& constrain, double trusted_residual_m,
              ConstraintList& list) {
-  const std::vector<Eigen::Vector3f> points_m = motion_corrected(searched.features, state.motion);
-  const Eigen::Matrix3d rotation = state.T_map_sensor.linear();
-  const Eigen::Vector3d origin_m = state.T_map_sensor.translation();
+  const std::vector<Eigen::Vector3f> points_m = motion_corrected(searched.features, search.motion);
+  const Eigen::Matrix3d rotation = search.T_map_sensor.linear();
+  const Eigen::Vector3d origin_m = search.T_map_sensor.translation();
   std::vector<decltype(constrain(std::optional<Fit>(), Eigen::Vector3d()))> found(points_m.size());
 #pragma omp parallel for schedule(static)
   for (std::size_t i = 0; i < points_m.size(); ++i) {
     const Eigen::Vector3d rotated_m = rotation * points_m[i].cast<double>();
     const Eigen::Vector3f query_m = (rotated_m + origin_m).cast<float>();
-    found[i] = constrain(searched.nearby[i].at(map, query_m, state.reach_m, make), rotated_m);
+    found[i] = constrain(searched.nearby[i].at(map, query_m, search.reach_m, make), rotated_m);
   }
-  if (state.trust_near) trust_near(found, trusted_residual_m);
+  if (search.trust_near) trust_near(found, trusted_residual_m);
   list.add(found);
 }
 
 }  // namespace
 
-ConstraintList map_constraints(LocatedScan& scan, const SearchState& state, const FeatureMap& edges,
+ConstraintList map_constraints(LocatedScan& scan, const MapSearch& search, const FeatureMap& edges,
                                const FeatureMap& planes, const MappingOptions& options) {
-  const Eigen::Vector3d origin_m = state.T_map_sensor.translation();
-  const Eigen::Vector3d vertical = state.T_map_sensor.linear().col(2);
+  const Eigen::Vector3d origin_m = search.T_map_sensor.translation();
+  const Eigen::Vector3d vertical = search.T_map_sensor.linear().col(2);
   const auto flat_ground = [&](const Neighbours& neighbours) {
     return fit_plane(neighbours, options.max_ground_residual_m);
   };
@@ -104,21 +104,21 @@ ConstraintList map_constraints(LocatedScan& scan, const SearchState& state, cons
   };
   ConstraintList list;
   add_all(
-      scan.ground, state, planes, flat_ground,
+      scan.ground, search, planes, flat_ground,
       [&](const auto& near, const Eigen::Vector3d& rotated_m) {
         return upright(match_surface(near, rotated_m, origin_m), vertical);
       },
       options.trusted_residual_m, list);
   const bool ground_tells_height = list.planes >= kMinGroundConstraints;
   add_all(
-      scan.surfaces, state, planes, plane,
+      scan.surfaces, search, planes, plane,
       [&](const auto& near, const Eigen::Vector3d& rotated_m) {
         const auto constraint = match_surface(near, rotated_m, origin_m);
         return ground_tells_height ? horizontal(constraint, vertical) : constraint;
       },
       options.trusted_residual_m, list);
   add_all(
-      scan.edges, state, edges, fit_line,
+      scan.edges, search, edges, fit_line,
       [&](const auto& line, const Eigen::Vector3d& rotated_m) {
         return match_edge(line, rotated_m, origin_m);
       },

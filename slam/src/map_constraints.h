@@ -28,7 +28,7 @@ struct LocatedScan {
 
 /// Where a scan is believed to be, and how far about its features the map is searched: five
 /// neighbours that are farther apart are seldom of one surface.
-struct SearchState {
+struct MapSearch {
   Pose T_map_sensor;
   SensorMotion motion;
   double reach_m;
@@ -36,9 +36,9 @@ struct SearchState {
 };
 
 /// What the map says about where a scan is: per feature that finds its line or plane, constraints
-/// of the motion that remains, in axes of the map with state.T_map_sensor's position as origin
+/// of the motion that remains, in axes of the map with search.T_map_sensor's position as origin
 /// (points are R p, planes are moved by -t). Features are searched in parallel.
-ConstraintList map_constraints(LocatedScan& scan, const SearchState& state, const FeatureMap& edges,
+ConstraintList map_constraints(LocatedScan& scan, const MapSearch& search, const FeatureMap& edges,
                                const FeatureMap& planes, const MappingOptions& options);
 
 }  // namespace hqslam::slam
