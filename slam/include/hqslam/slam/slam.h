@@ -67,7 +67,8 @@ class Slam {
   const Trajectory& trajectory() const;
 
   /// The map: planar features of all key frames, one per 0.4 m voxel, then edge features, one per
-  /// 0.2 m voxel (MappingOptions), in the frame of the first scan.
+  /// 0.2 m voxel (MappingOptions), in the frame of the first scan. A place that was passed again,
+  /// and not verified to be the same, is there once for each visit.
   std::vector<Eigen::Vector3f> map_points_m() const;
 
  private:
