@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <filesystem>
 
 #include "error_message.h"
@@ -41,7 +42,26 @@ TEST_CASE("--scans shortens simulated drives and --methods chooses among the row
   CHECK(plan.drives[0].simulated->scans == 30);
   REQUIRE(plan.methods.size() == 2);
   CHECK(plan.methods[0].title == "DU-OR");
-  CHECK(plan.shown.size() == table_methods().size());
+}
+
+TEST_CASE("a variant of SLAM is a row behind its method, never without being asked for") {
+  TableOptions options = options_for("out");
+  CHECK(std::none_of(table_methods().begin(), table_methods().end(),
+                     [](const TableMethod& method) { return method.variant != nullptr; }));
+  options.methods = {"du-or+whole-map", "rows-64+16-rows"};
+  const TablePlan plan = plan_table(options);
+  REQUIRE(plan.methods.size() == 2);
+  CHECK(plan.methods[0].title == "DU-OR, the whole map matched");
+  CHECK(plan.methods[0].source == "du-or");
+  CHECK(plan.methods[0].filtered);
+  CHECK_FALSE(is_reference(plan.methods[1]));
+  const auto shown = [&](const std::string& name) {
+    return std::find_if(plan.shown.begin(), plan.shown.end(),
+                        [&](const TableMethod& method) { return method.name == name; });
+  };
+  CHECK(shown("du-or") < shown("du-or+whole-map"));
+  CHECK(shown("du-or+whole-map") < shown("rows-64"));
+  CHECK(shown("rows-64+16-rows") < plan.shown.end());
 }
 
 TEST_CASE("methods that share a network share a pass, and all rows come first") {
@@ -78,8 +98,10 @@ TEST_CASE("a weights file becomes a filtered row before LiDAR-64") {
   CHECK(plan.methods.back().name == "mine");
   CHECK(plan.methods.back().filtered);
   CHECK(weights_of(plan.methods.back(), "any") == folder.file("mine.npz"));
-  CHECK(plan.shown[plan.shown.size() - 2].name == "mine");
-  CHECK(plan.shown.back().name == "rows-64");
+  const auto mine = std::find_if(plan.shown.begin(), plan.shown.end(),
+                                 [](const TableMethod& method) { return method.name == "mine"; });
+  REQUIRE(mine != plan.shown.end());
+  CHECK((mine + 1)->name == "rows-64");
 }
 
 TEST_CASE("a recording is named after its folder and keeps the sensor and truth it was given") {
@@ -105,6 +127,8 @@ TEST_CASE("what is not there or would mix is refused in one line") {
   TableOptions wrong = options_for("out");
   wrong.methods = {"du-and"};
   CHECK(test::one_line_with(plan_error(wrong), "du-and", "rows-16", "du-or"));
+  wrong.methods = {"rows-16+computed-rows"};  // it has none
+  CHECK(test::one_line_with(plan_error(wrong), "rows-16+computed-rows", "+whole-map"));
   wrong = options_for("out");
   wrong.drives = {"moon"};
   CHECK(test::one_line_with(plan_error(wrong), "moon", "town"));

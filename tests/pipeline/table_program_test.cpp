@@ -120,7 +120,8 @@ TEST_CASE(
   };
   run_hqslam("simulate --drive block --sensor os1-64 --scans 5 --out '" + folder.file("block") +
              "'");
-  const ProgramResult shared = run_with("du-or-no-filter,du-or", folder.file("shared"));
+  const ProgramResult shared =
+      run_with("du-or-no-filter,du-or,du-or+computed-rows", folder.file("shared"));
   CAPTURE(shared.error);
   REQUIRE(shared.status == 0);
   REQUIRE(run_with("du-or-no-filter", folder.file("alone")).status == 0);
@@ -129,6 +130,12 @@ TEST_CASE(
   CHECK(both["methods"][0] == json_of(folder.file("alone/table.json"))["drives"][0]["methods"][0]);
   CHECK(both["methods"][1]["images"]["outlier_share"] <
         both["methods"][0]["images"]["outlier_share"].get<double>());
+
+  // A variant of SLAM sees the same images, but goes another way.
+  CHECK(both["methods"][2]["images"] == both["methods"][1]["images"]);
+  const std::string results = folder.file("shared/results/block/");
+  CHECK(file_contents(results + "du-or+computed-rows-loop-closing-off.tum") !=
+        file_contents(results + "du-or-loop-closing-off.tum"));
 }
 
 TEST_CASE("a drive that was simulated once serves shorter tables too") {

@@ -31,6 +31,17 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// What may stand behind a method's name, a line each.
+std::string variants_help() {
+  std::string help =
+      "Rows that show what a part of SLAM is worth: METHOD+VARIANT in --methods, such as\n"
+      "du-or+whole-map, with\n";
+  for (const SlamVariant& variant : slam_variants()) {
+    help += fmt::format("  +{:<16} {}\n", variant.name, variant.title);
+  }
+  return help;
+}
+
 /// A drive whose recording is there.
 struct PreparedDrive {
   TableDrive drive;
@@ -182,6 +193,7 @@ void declare_table(CLI::App& app, TableOptions& options) {
   command->add_option("--threads", options.threads, "Threads (default: all cores)")
       ->check(CLI::Range(1, 256));
   command->footer(
+      variants_help() +
       "Writes into --out:\n"
       "  table.md, table.json, table.html   the tables; the page also shows where the error is\n"
       "  DRIVE-loop-closing-off.png, -on.png   trajectories coloured by error\n"

@@ -29,7 +29,7 @@ MethodFigures method_figures(const TableMethod& method, const TableResult& resul
   figures.result = result;
   const std::array<Trajectory, 2> true_trajectory = truth_for(result, truth);
   for (std::size_t i = 0; i < result.trajectory.size(); ++i) {
-    if (all_rows != nullptr && method.rows != kTableAllRows) {
+    if (all_rows != nullptr && !is_reference(method)) {
       figures.against_all_rows[i] = error_figures(result.trajectory[i], all_rows->trajectory[i]);
     }
     figures.against_truth[i] = error_figures(result.trajectory[i], true_trajectory[i]);
@@ -79,7 +79,7 @@ DriveFigures drive_figures(const TableDrive& drive, const std::string& sensor,
   const TableResult* all_rows = nullptr;
   for (std::size_t i = 0; i < methods.size(); ++i) {
     figures.scans = results[i].settings.scans;
-    if (methods[i].rows == kTableAllRows) all_rows = &results[i];
+    if (is_reference(methods[i])) all_rows = &results[i];
   }
   for (std::size_t i = 0; i < methods.size(); ++i) {
     figures.methods.push_back(method_figures(methods[i], results[i], all_rows, truth));

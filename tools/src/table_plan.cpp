@@ -35,12 +35,34 @@ TableMethod method_of_weights(const std::string& path) {
   return {name, name, kTableMeasuredRows, path, true};
 }
 
-TableMethod method_named(const std::string& name) {
+TableMethod method_with(const TableMethod& method, const SlamVariant& variant) {
+  TableMethod with = method;
+  with.name += fmt::format("+{}", variant.name);
+  with.title += fmt::format(", {}", variant.title);
+  with.variant = &variant;
+  return with;
+}
+
+/// Every row that the program can make: each of the table's, followed by its variants.
+std::vector<TableMethod> known_methods() {
+  std::vector<TableMethod> known;
   for (const TableMethod& method : table_methods()) {
+    known.push_back(method);
+    for (const SlamVariant& variant : slam_variants()) {
+      if (variant.applies(method)) known.push_back(method_with(method, variant));
+    }
+  }
+  return known;
+}
+
+TableMethod method_named(const std::string& name) {
+  for (const TableMethod& method : known_methods()) {
     if (method.name == name) return method;
   }
-  throw Error(fmt::format("--methods: '{}' is none; choose from {}", name,
-                          fmt::join(table_method_names(), ", ")));
+  throw Error(fmt::format(
+      "--methods: '{}' is none; choose from {}, or one of these and a variant "
+      "that applies to it: {}",
+      name, fmt::join(table_method_names(), ", "), fmt::join(slam_variant_names(), ", ")));
 }
 
 bool is_preset(const std::string& drive) {
@@ -115,6 +137,10 @@ bool uses_network(const TableMethod& method) {
   return !method.source.empty() && !is_interpolation(method.source);
 }
 
+bool is_reference(const TableMethod& method) {
+  return method.rows == kTableAllRows && method.variant == nullptr;
+}
+
 std::string weights_of(const TableMethod& method, const std::string& sensor_name) {
   if (!uses_network(method)) return "";
   if (is_weights_file(method.source)) return method.source;
@@ -134,7 +160,7 @@ std::vector<std::vector<TableMethod>> passes_of(const std::vector<TableMethod>& 
   std::vector<std::vector<TableMethod>> passes;
   for (const TableMethod& method : methods) {
     const auto same = std::find_if(passes.begin(), passes.end(), [&](const auto& pass) {
-      return uses_network(method) && pass.front().source == method.source;
+      return pass.front().rows == method.rows && pass.front().source == method.source;
     });
     if (same != passes.end()) {
       same->push_back(method);
@@ -153,10 +179,11 @@ TablePlan plan_table(const TableOptions& options) {
   const std::vector<std::string> names =
       options.methods.empty() ? table_method_names() : options.methods;
   for (const std::string& name : names) plan.methods.push_back(method_named(name));
-  plan.shown = table_methods();
+  plan.shown = known_methods();
   for (const std::string& weights : options.weights) {
     plan.methods.push_back(method_of_weights(weights));
-    plan.shown.insert(plan.shown.end() - 1, plan.methods.back());  // all rows stay the last row
+    plan.shown.insert(std::find_if(plan.shown.begin(), plan.shown.end(), is_reference),
+                      plan.methods.back());  // all rows stay the last
   }
   require_different_names(plan.drives, "--drives");
   require_different_names(plan.methods, "--methods");

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "hqslam/sim/drive.h"
+#include "table_variants.h"
 
 namespace hqslam::tools {
 
@@ -33,20 +34,24 @@ struct TableMethod {
   /// come with the program) or a weights file.
   std::string source;
   bool filtered = false;  ///< whether the filter at the end runs over a network's result
+  const SlamVariant* variant = nullptr;  ///< of SLAM; nullptr: SLAM as it is
 };
 
-/// Every row that the program knows, in the table's order.
+/// The rows of the table without a choice, in its order.
 const std::vector<TableMethod>& table_methods();
 /// Names of those rows.
 std::vector<std::string> table_method_names();
 bool uses_network(const TableMethod& method);
+/// Whether the other rows are compared with this one's trajectory: all rows, SLAM as it is.
+bool is_reference(const TableMethod& method);
 
 /// The weights that `method` needs for a sensor, "" if it needs none. Throws Error if no such
 /// weights come with the program.
 std::string weights_of(const TableMethod& method, const std::string& sensor_name);
 
-/// Methods that differ only in what follows the network share its pass over the drive. All rows
-/// come first: their trajectory is what the others are compared with.
+/// Methods that see the same rows, filled in the same way, share a pass over the drive: they differ
+/// only in what follows. All rows come first: their trajectory is what the others are compared
+/// with.
 std::vector<std::vector<TableMethod>> passes_of(const std::vector<TableMethod>& methods);
 
 /// A drive of the table.

@@ -13,11 +13,9 @@
 #include "hqslam/core/scan_source.h"
 #include "hqslam/nn/hqs/outlier_removal.h"
 #include "hqslam/nn/instruction_set.h"
-#include "hqslam/slam/options.h"
 #include "hqslam/slam/slam.h"
 #include "processor.h"
 #include "progress.h"
-#include "slam_run.h"
 #include "timing_statistics.h"
 #include "upsampled_cloud.h"
 #include "upsampling_comparison.h"
@@ -56,8 +54,7 @@ std::optional<nn::OutlierRemoval> filter_of(const TableMethod& method, const Ups
 
 /// SLAM and what it took.
 struct TimedSlam {
-  TimedSlam(const SensorModel& sensor, bool loop_closing)
-      : slam(sensor, slam_options(loop_closing)) {}
+  explicit TimedSlam(const SlamSetup& setup) : slam(setup.sensor, setup.options) {}
 
   void add(const OrganizedCloud& cloud, double stamp_s) {
     slam::ScanReport report;
@@ -86,7 +83,8 @@ class MethodRun {
  public:
   MethodRun(const TableMethod& method, const SensorModel& sensor, const Upsampler* upsampler)
       : filter_(filter_of(method, upsampler)),
-        slam_{TimedSlam(sensor, false), TimedSlam(sensor, true)} {}
+        slam_{TimedSlam(slam_setup(method, sensor, false)),
+              TimedSlam(slam_setup(method, sensor, true))} {}
 
   /// The rows as they are.
   void add(const OrganizedCloud& cloud, double stamp_s) {

@@ -183,7 +183,7 @@ TextTable upsampling_table(const DriveFigures& drive) {
   table.columns = {"Method",   "MAE all pixels, m", "MAE valid, m", "outliers, %",
                    "frames/s", "parameters",        "GMAC"};
   for (const MethodFigures& figures : drive.methods) {
-    if (figures.method.source.empty()) continue;
+    if (figures.method.source.empty() || figures.method.variant != nullptr) continue;
     const std::optional<ImageScores>& images = figures.result.images;
     const std::optional<NetworkSize>& network = figures.result.network;
     table.rows.push_back(
