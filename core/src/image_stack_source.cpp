@@ -30,7 +30,9 @@ class ImageStackSource : public ScanSource {
                    const RecordingOptions& options, std::vector<double> stamps_s)
       : path_(path),
         sensor_(sensor),
-        options_(options),
+        row_order_(options.row_order),
+        capture_time_(sensor.motion_corrected ? CaptureTime::kMotionCorrected
+                                              : options.capture_time),
         stamps_s_(std::move(stamps_s)),
         reader_(path) {
     if (reader_.rows() != sensor.rows() || reader_.columns() != sensor.columns) {
@@ -56,8 +58,8 @@ class ImageStackSource : public ScanSource {
                                               : static_cast<double>(next_) * sensor_.scan_period_s;
     RangeImage image = reader_.read(next_);
     remove_bad_pixels(image, result);
-    if (options_.row_order == RowOrder::kLowestFirst) flip_rows(image);
-    result.cloud = unproject(image, sensor_, options_.capture_time);
+    if (row_order_ == RowOrder::kLowestFirst) flip_rows(image);
+    result.cloud = unproject(image, sensor_, capture_time_);
     ++next_;
     return result;
   }
@@ -89,7 +91,8 @@ class ImageStackSource : public ScanSource {
 
   std::string path_;
   SensorModel sensor_;
-  RecordingOptions options_;
+  RowOrder row_order_;
+  CaptureTime capture_time_;
   std::vector<double> stamps_s_;
   NpyStackReader reader_;
   std::int64_t next_ = 0;

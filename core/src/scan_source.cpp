@@ -50,19 +50,26 @@ bool nearly_equal(const std::vector<double>& a, const std::vector<double>& b) {
                     [](double x, double y) { return std::abs(x - y) < kTolerance_rad; });
 }
 
-/// The images of a simulated drive are those of one sensor; another one would bend every point.
-void require_sensor_of_simulation(const fs::path& folder, const SensorModel& sensor) {
+/// The images of such a folder are those of one sensor; another one would bend every point. What
+/// the folder says about them, which rows were measured and whether they are corrected for motion,
+/// holds whatever the caller calls the sensor.
+SensorModel sensor_of_folder(const fs::path& folder, const SensorModel& sensor) {
   const std::string path = (folder / "sensor.json").string();
-  const SensorModel simulated = read_sensor_json(path);
-  const bool same = simulated.columns == sensor.columns &&
-                    nearly_equal(simulated.beam_elevation_rad, sensor.beam_elevation_rad) &&
-                    nearly_equal(simulated.beam_azimuth_offset_rad, sensor.beam_azimuth_offset_rad);
-  if (same) return;
-  throw Error(
-      fmt::format("{}: expected a drive of sensor '{}' ({} rows, {} columns), found one of "
-                  "'{}' ({} rows, {} columns); name {} as the sensor",
-                  folder.string(), sensor.name, sensor.rows(), sensor.columns, simulated.name,
-                  simulated.rows(), simulated.columns, path));
+  const SensorModel recorded = read_sensor_json(path);
+  const bool same = recorded.columns == sensor.columns &&
+                    nearly_equal(recorded.beam_elevation_rad, sensor.beam_elevation_rad) &&
+                    nearly_equal(recorded.beam_azimuth_offset_rad, sensor.beam_azimuth_offset_rad);
+  if (!same) {
+    throw Error(
+        fmt::format("{}: expected a drive of sensor '{}' ({} rows, {} columns), found one of "
+                    "'{}' ({} rows, {} columns); name {} as the sensor",
+                    folder.string(), sensor.name, sensor.rows(), sensor.columns, recorded.name,
+                    recorded.rows(), recorded.columns, path));
+  }
+  SensorModel result = sensor;
+  result.measured_rows = recorded.measured_rows;
+  result.motion_corrected = recorded.motion_corrected;
+  return result;
 }
 
 /// The stamps of a simulated drive's scans, where its truth is still beside it.
@@ -90,13 +97,24 @@ std::vector<double> true_stamps_s(const fs::path& folder) {
                           kKnownRecordings));
 }
 
-std::unique_ptr<ScanSource> open_folder(const fs::path& folder, const SensorModel& sensor) {
+/// Points come with their height: no order of rows is to be told.
+void refuse_row_order(const fs::path& recording, const RecordingOptions& options) {
+  if (options.row_order == RowOrder::kHighestFirst) return;
+  throw Error(fmt::format(
+      "{}: expected an .npy stack where rows are said to be lowest first, found points; "
+      "leave the order of rows out",
+      recording.string()));
+}
+
+std::unique_ptr<ScanSource> open_folder(const fs::path& folder, const SensorModel& sensor,
+                                        const RecordingOptions& options) {
   std::error_code error;
   if (fs::exists(folder / "scans.npy", error) && fs::exists(folder / "sensor.json", error)) {
-    require_sensor_of_simulation(folder, sensor);
-    return make_image_stack_source((folder / "scans.npy").string(), sensor, {},
+    return make_image_stack_source((folder / "scans.npy").string(),
+                                   sensor_of_folder(folder, sensor), options,
                                    true_stamps_s(folder));
   }
+  refuse_row_order(folder, options);
   std::vector<std::string> bin = files_in(folder, ".bin");
   std::vector<std::string> pcd = files_in(folder, ".pcd");
   if (!bin.empty() && !pcd.empty()) {
@@ -108,7 +126,9 @@ std::unique_ptr<ScanSource> open_folder(const fs::path& folder, const SensorMode
   if (!bin.empty()) return make_file_scan_source(std::move(bin), sensor);
   if (!pcd.empty()) return make_file_scan_source(std::move(pcd), sensor);
   // KITTI keeps the scans of a drive in a folder of this name.
-  if (fs::is_directory(folder / "velodyne", error)) return open_folder(folder / "velodyne", sensor);
+  if (fs::is_directory(folder / "velodyne", error)) {
+    return open_folder(folder / "velodyne", sensor, options);
+  }
   fail_for_folder_without_scans(folder);
 }
 
@@ -119,14 +139,17 @@ std::unique_ptr<ScanSource> open_recording(const std::string& path, const Sensor
   validate(sensor);
   const fs::path recording(path);
   std::error_code error;
-  if (fs::is_directory(recording, error)) return open_folder(recording, sensor);
+  if (fs::is_directory(recording, error)) return open_folder(recording, sensor, options);
   if (!fs::is_regular_file(recording, error)) {
     throw Error(fmt::format("{}: expected a recording, found no such file or folder; give {}", path,
                             kKnownRecordings));
   }
   const fs::path extension = recording.extension();
   if (extension == ".npy") return make_image_stack_source(path, sensor, options);
-  if (extension == ".bin" || extension == ".pcd") return make_file_scan_source({path}, sensor);
+  if (extension == ".bin" || extension == ".pcd") {
+    refuse_row_order(recording, options);
+    return make_file_scan_source({path}, sensor);
+  }
   throw Error(fmt::format("{}: expected a recording, found a file named '{}'; give {}", path,
                           extension.string(), kKnownRecordings));
 }

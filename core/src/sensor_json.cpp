@@ -22,14 +22,15 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kMaxFileBytes = 16U << 20U;
-constexpr std::array<std::string_view, 8> kFields = {"name",
+constexpr std::array<std::string_view, 9> kFields = {"name",
                                                      "columns",
                                                      "scan_period_s",
                                                      "min_range_m",
                                                      "max_range_m",
                                                      "beam_elevation_deg",
                                                      "beam_azimuth_offset_deg",
-                                                     "measured_rows"};
+                                                     "measured_rows",
+                                                     "motion_corrected"};
 
 double radians(double degrees) { return degrees * std::numbers::pi / 180.0; }
 
@@ -87,6 +88,12 @@ class Fields {
     return {fields.integer("offset"), fields.integer("stride")};
   }
 
+  bool truth(const std::string& field) const {
+    const Json& value = get(field, "true or false");
+    if (!value.is_boolean()) complain(field, "true or false", text_of(value));
+    return value.get<bool>();
+  }
+
   [[noreturn]] void complain(const std::string& field, const std::string& expected,
                              const std::string& found) const {
     throw Error(fmt::format("{}: field '{}': expected {}, found {}; correct the sensor file", path_,
@@ -122,6 +129,7 @@ SensorModel sensor_from_own_form(const Json& json, const std::string& path) {
   sensor.beam_elevation_rad = fields.angles_rad("beam_elevation_deg");
   sensor.beam_azimuth_offset_rad = fields.angles_rad("beam_azimuth_offset_deg");
   if (json.contains("measured_rows")) sensor.measured_rows = fields.row_selection("measured_rows");
+  if (json.contains("motion_corrected")) sensor.motion_corrected = fields.truth("motion_corrected");
   return sensor;
 }
 
@@ -261,6 +269,7 @@ std::string sensor_json(const SensorModel& sensor) {
     json["measured_rows"] = {{"offset", sensor.measured_rows->offset},
                              {"stride", sensor.measured_rows->stride}};
   }
+  if (sensor.motion_corrected) json["motion_corrected"] = true;
   return json.dump(1) + "\n";
 }
 

@@ -205,6 +205,40 @@ TEST_CASE("a simulated drive is opened with the sensor it was made with and no o
                       "'hdl-32e' (32 rows"));
 }
 
+TEST_CASE("what a folder's sensor file says of its images holds whatever the sensor is called") {
+  const TemporaryDirectory directory;
+  const SensorModel preset = sensor_preset("hdl-32e");
+  SensorModel lifted = preset;
+  lifted.measured_rows = RowSelection{3, 4};
+  lifted.motion_corrected = true;
+  write_sensor_json(lifted, directory.file("sensor.json"));
+  NpyStackWriter writer(directory.file("scans.npy"), 32, preset.columns);
+  writer.append(an_image(preset));
+  const std::string path = directory.path().string();
+  const auto source = open_recording(path, preset);
+  CHECK(source->sensor() == lifted);
+  CHECK(source->next()->cloud.time_offset_s.empty());
+
+  // The same stack alone is taken as the caller says.
+  CHECK_FALSE(open_recording(path + "/scans.npy", preset)->next()->cloud.time_offset_s.empty());
+  CHECK(open_recording(path + "/scans.npy", lifted)->next()->cloud.time_offset_s.empty());
+  write_sensor_json(preset, directory.file("sensor.json"));
+  const RecordingOptions corrected{RowOrder::kHighestFirst, CaptureTime::kMotionCorrected};
+  CHECK(open_recording(path, preset, corrected)->next()->cloud.time_offset_s.empty());
+}
+
+TEST_CASE("an order of rows is refused where points say how high they are") {
+  const TemporaryDirectory directory;
+  const SensorModel sensor = sensor_preset("os1-16");
+  write_kitti_bin(as_scan(an_image(sensor), sensor), directory.file("0.bin"));
+  for (const std::string& path : {directory.path().string(), directory.file("0.bin")}) {
+    CHECK(one_line_with(error_message([&] {
+                          open_recording(path, sensor, {RowOrder::kLowestFirst, {}});
+                        }),
+                        path, ".npy", "leave"));
+  }
+}
+
 TEST_CASE("a KITTI drive is opened by the folder above its scans") {
   const TemporaryDirectory directory;
   const SensorModel sensor = sensor_preset("os1-16");

@@ -63,6 +63,17 @@ TEST_CASE("a sensor file may name the measured rows, and they come back from it"
   CHECK(sensor_of(sensor_json(sensor)) == sensor);
 }
 
+TEST_CASE("a sensor file may say that its images are corrected for motion, and it comes back") {
+  CHECK_FALSE(sensor_of(kOwn).motion_corrected);
+  const SensorModel sensor =
+      sensor_of(replaced(kOwn, "\"columns\"", "\"motion_corrected\": true, \"columns\""));
+  CHECK(sensor.motion_corrected);
+  CHECK(sensor_of(sensor_json(sensor)) == sensor);
+  CHECK(one_line_with(
+      complaint_about(replaced(kOwn, "\"columns\"", "\"motion_corrected\": 1, \"columns\"")),
+      "'motion_corrected'", "true or false", "found 1"));
+}
+
 TEST_CASE("every preset comes back from its file to a hundred-millionth of a degree") {
   const TemporaryDirectory directory;
   const std::string path = directory.file("s.json");

@@ -64,6 +64,8 @@ TEST_CASE("descriptions that describe no network are refused with the field and 
   CHECK(test::one_line_with(message(d), "16", "no selection"));
   d.measured_rows = {0, 2'000'000'000};
   CHECK(message(d) != "no Error");
+  d.measured_rows = {0, 1};
+  CHECK(test::one_line_with(message(d), "all 16 rows", "are measured"));
   d.measured_rows = {0, 0};
   CHECK(message(d) != "no Error");
   d = small_du_or();

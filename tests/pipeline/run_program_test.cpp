@@ -56,6 +56,7 @@ TEST_CASE("a simulated drive needs no sensor and no reference: both are in its f
   REQUIRE(result.status == 0);
   CHECK(result.out.find("APE RMSE") != std::string::npos);
   CHECK(result.out.find("alignment: se3") != std::string::npos);
+  CHECK(result.out.find(fmt::format("mapping: {} scans ok\n", kDriveScans)) != std::string::npos);
   const Trajectory estimate = read_tum(out.file("trajectory.tum"));
   REQUIRE(estimate.size() == kDriveScans);
   CHECK(read_kitti_poses(out.file("trajectory.kitti")).size() == kDriveScans);
@@ -166,6 +167,10 @@ TEST_CASE("wrong input is one line on stderr and status 2, and writes nothing") 
   write_file(folder.file("poses.kitti"), "1 0 0 0 0 1 0 0 0 0 1 0\n");
   fs::create_directory(folder.file("empty"));
   const std::string drive = simulated_drive();
+  Trajectory by_the_clock = read_tum(drive + "/truth.tum");
+  for (StampedPose& pose : by_the_clock) pose.stamp_s += 1.6e9;
+  write_tum(by_the_clock, folder.file("clock.tum"));
+  const std::string bin = "run '" + drive + "/bin' --sensor os1-16 ";
   const std::vector<std::string> wrong = {
       "run /no/such/folder --sensor os1-16 --out '" + out + "'",
       "run '" + drive + "/bin' --out '" + out + "'",
@@ -174,6 +179,9 @@ TEST_CASE("wrong input is one line on stderr and status 2, and writes nothing") 
       "run '" + drive + "' --rows 32 --out '" + out + "'",
       "run '" + drive + "/scans.npy' --sensor os1-64 --out '" + out + "'",
       "run '" + drive + "' --reference '" + folder.file("poses.kitti") + "' --out '" + out + "'",
+      bin + "--reference '" + folder.file("clock.tum") + "' --out '" + out + "'",
+      bin + "--row-order lowest-first --out '" + out + "'",
+      bin + "--upsample linear --out '" + out + "'",
       "run '" + folder.file("text.npy") + "' --sensor os1-16 --out '" + out + "'",
       "run '" + folder.file("empty") + "' --sensor os1-16 --out '" + out + "'",
       "simulate --drive moon --sensor os1-16 --out '" + out + "'",

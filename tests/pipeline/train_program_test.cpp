@@ -5,9 +5,12 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "hqslam/nn/hqs/weights_file.h"
 #include "program.h"
+#include "untrained_weights.h"
 
 namespace hqslam::test {
 namespace {
@@ -122,6 +125,48 @@ TEST_CASE("compare puts interpolation and networks side by side, inspect shows t
                                folder.file("none.html")))
             .status == 2);
   CHECK_FALSE(std::filesystem::exists(folder.file("none.html")));
+}
+
+TEST_CASE("no command replaces a file that is not its own, and every one replaces its own") {
+  const TemporaryDirectory folder;
+  const std::string weights = folder.file("weights.npz");
+  write_untrained_weights(weights, sensor_preset("os1-64"));
+  const std::string drive = folder.file("drive");
+  REQUIRE(
+      run_hqslam("simulate --drive block --sensor os1-64 --scans 1 --out '" + drive + "'").status ==
+      0);
+  const std::string input = fmt::format("'{}' --weights '{}' ", drive, weights);
+  std::filesystem::create_directory(folder.file("trained"));
+  std::filesystem::create_directory(folder.file("tables"));
+  write_file(folder.file("recipe.json"), small_configuration());
+  const std::string training = fmt::format("train --config '{}' --out '{}'",
+                                           folder.file("recipe.json"), folder.file("trained"));
+  const std::string table =
+      fmt::format("table --drives '{}' --methods rows-16 --out '{}'", drive, folder.file("tables"));
+  const std::vector<std::pair<std::string, std::string>> commands = {
+      {fmt::format("inspect {} --out '{}'", input, folder.file("layers.html")), "layers.html"},
+      {fmt::format("compare {} --json '{}'", input, folder.file("table.json")), "table.json"},
+      {training, "trained/weights.npz"},
+      {table, "tables/table.md"},
+      {table, "tables/table.json"},
+  };
+  for (const auto& [command, file] : commands) {
+    CAPTURE(command);
+    const std::string path = folder.file(file);
+    write_file(path, "mine");
+    const ProgramResult refused = run_hqslam(command);
+    CAPTURE(refused.error);
+    CHECK(refused.status == 2);
+    CHECK(holds(refused.error, path));
+    CHECK(file_contents(path) == "mine");
+    std::filesystem::remove(path);
+  }
+  for (const auto& [command, file] : commands) {
+    CAPTURE(command);
+    CHECK(run_hqslam(command).status == 0);
+    CHECK(run_hqslam(command).status == 0);
+    CHECK(file_contents(folder.file(file)) != "mine");
+  }
 }
 
 }  // namespace hqslam::test

@@ -35,8 +35,8 @@ struct Material {
   std::string measured = folder.file("measured.npy");
   std::string weights = folder.file("weights.npz");
   Material() {
-    run_hqslam(fmt::format("simulate --drive block --sensor os1-64 --scans {} --pcd --out '{}'",
-                           kScans, drive));
+    run_hqslam(fmt::format(
+        "simulate --drive block --sensor os1-64 --scans {} --bin --pcd --out '{}'", kScans, drive));
     NpyStackReader all(drive + "/scans.npy");
     NpyStackWriter rows(measured, 16, 1024);
     for (std::int64_t i = 0; i < all.images(); ++i) {
@@ -122,6 +122,18 @@ TEST_CASE("upsampling and then running is running with --upsample") {
     CHECK(timings["per_scan"]["times_ms"]["upsampling"].size() == kScans);
     CHECK(file_contents(folder.file("one_step/report.html")).find("upsampling") !=
           std::string::npos);
+  }
+}
+
+TEST_CASE("a lifted recording says whether it was corrected for motion, as its scans were") {
+  const Material& files = material();
+  for (const auto& [part, corrected] : {std::pair("scans.npy", false), std::pair("bin", true)}) {
+    CAPTURE(part);
+    const TemporaryDirectory out;
+    REQUIRE(run_hqslam(fmt::format("upsample '{}/{}' --sensor os1-64 --method linear --out '{}'",
+                                   files.drive, part, out.path().string()))
+                .status == 0);
+    CHECK(read_sensor_json(out.file("sensor.json")).motion_corrected == corrected);
   }
 }
 

@@ -89,6 +89,15 @@ TEST_CASE("interpolation looks at every fourth row, or at as many as it is told"
   CHECK(plan_upsampling({files.stack_64, "os1-64", "inverse", 32}).rows->stride == 2);
 }
 
+TEST_CASE("rows of a sensor that all were measured are not thinned and filled without a word") {
+  const Files files;
+  CHECK(one_line_with(error_message([&] {
+                        plan_upsampling({files.stack_16, "os1-16", "linear"});
+                      }),
+                      "all 16 rows", "nothing between them", "os1-64"));
+  CHECK(plan_upsampling({files.stack_16, "os1-16", "linear", 4}).rows->stride == 4);
+}
+
 TEST_CASE("a sensor that the weights were not made for is one line that says what they expect") {
   const Files files;
   CHECK(one_line_with(error_message([&] {

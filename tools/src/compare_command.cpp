@@ -6,7 +6,6 @@
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
 #include <CLI/Validators.hpp>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "exit_status.h"
@@ -15,6 +14,7 @@
 #include "interrupt.h"
 #include "progress.h"
 #include "recording_sensor.h"
+#include "text_file.h"
 #include "upsampling_comparison.h"
 
 namespace hqslam::tools {
@@ -23,6 +23,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr int kMeasuredRows = 16;
+constexpr const char* kWrittenBy = "hqslam compare";
 
 /// The network without the filter at its end, and without any filter at all.
 Upsampler without_last_filter(const std::string& weights, const SensorModel& sensor) {
@@ -100,12 +101,6 @@ Json scores_json(const std::vector<UpsamplingScore>& scores) {
   return json;
 }
 
-void write_json(const Json& json, const std::string& path) {
-  std::ofstream file(path, std::ios::binary);
-  file << json.dump(1) << "\n";
-  if (!file.flush()) throw Error(fmt::format("{}: cannot write", path));
-}
-
 /// Hands every `every`-th scan of the recording to `use`. Returns how many.
 template <typename Use>
 std::int64_t for_each_scan(const CompareOptions& options, const SensorModel& sensor,
@@ -132,15 +127,18 @@ void declare_compare(CLI::App& app, CompareOptions& options) {
   CLI::App* command = app.add_subcommand(
       "compare", "Compare ways to lift 16 rows to all against a recording that has all");
   command->add_option("input", options.input, "Recording with all rows (as for hqslam run)")
-      ->required();
+      ->required()
+      ->check(CLI::ExistingPath);
   command->add_option("--sensor", options.sensor, "Sensor (name or .json file)");
   command->add_option("--weights", options.weights, "Weights files to compare")
       ->check(CLI::ExistingFile);
   command->add_option("--every", options.every, "Take every n-th scan (default: all)")
       ->check(CLI::PositiveNumber);
-  command->add_flag("--filters", options.filters,
-                    "Instead, try settings of the outlier filter on the first weights' results");
-  command->add_option("--json", options.json, "Also write the table into this file");
+  CLI::Option* filters = command->add_flag(
+      "--filters", options.filters,
+      "Instead, try settings of the outlier filter on the first weights' results");
+  command->add_option("--json", options.json, "Also write the table into this file")
+      ->excludes(filters);
   command->add_option("--threads", options.threads, "Threads (default: all cores)")
       ->check(CLI::PositiveNumber);
   command->footer(
@@ -152,6 +150,7 @@ void declare_compare(CLI::App& app, CompareOptions& options) {
 int compare_command(const CompareOptions& options) {
   if (options.threads > 0) omp_set_num_threads(options.threads);
   const InterruptGuard interrupt;
+  if (!options.json.empty()) refuse_to_replace_foreign(options.json, kWrittenBy);
   const SensorModel sensor = required_recording_sensor(options.input, options.sensor);
   Json json;
   std::int64_t used = 0;
@@ -171,14 +170,17 @@ int compare_command(const CompareOptions& options) {
         "chance in the data: the median of the eight true ranges around each pixel has an MAE "
         "of {:.3f} m\n",
         comparison.true_neighbours_mae_m());
-    json = {{"input", options.input},
+    json = {{"written_by", kWrittenBy},
+            {"input", options.input},
             {"sensor", sensor.name},
             {"scans", used},
             {"true_neighbours_mae_all_m", comparison.true_neighbours_mae_m()},
             {"methods", scores_json(comparison.scores())}};
   }
   fmt::print("{} scans of {}\n", used, options.input);
-  if (!options.json.empty() && !json.is_null()) write_json(json, options.json);
+  if (!options.json.empty()) {
+    write_text_file(json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n", options.json);
+  }
   return interrupt.stop_requested() ? kInterrupted : kOk;
 }
 

@@ -5,12 +5,12 @@
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
 #include <CLI/Validators.hpp>
-#include <fstream>
 
 #include "exit_status.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/scan_source.h"
 #include "report/layers_report.h"
+#include "text_file.h"
 #include "upsampling_plan.h"
 
 namespace hqslam::tools {
@@ -31,7 +31,9 @@ RangeImage scan_of(const InspectOptions& options, const SensorModel& sensor) {
 void declare_inspect(CLI::App& app, InspectOptions& options) {
   CLI::App* command =
       app.add_subcommand("inspect", "Show what every layer of a network makes of one scan");
-  command->add_option("input", options.input, "Recording (as for hqslam upsample)")->required();
+  command->add_option("input", options.input, "Recording (as for hqslam upsample)")
+      ->required()
+      ->check(CLI::ExistingPath);
   command->add_option("--weights", options.weights, "Weights file")->required();
   command->add_option("--sensor", options.sensor, "Sensor (name or .json file)");
   command->add_option("--scan", options.scan, "Which scan, counted from 0 (default: the first)")
@@ -43,6 +45,7 @@ void declare_inspect(CLI::App& app, InspectOptions& options) {
 }
 
 int inspect_command(const InspectOptions& options) {
+  refuse_to_replace_foreign(options.out, kLayersPageMarker);
   const UpsamplingPlan plan = plan_upsampling({options.input, options.sensor, options.weights, 0});
   nn::SuperResolver network = nn::SuperResolver::load(options.weights);
   const RangeImage scan = scan_of(options, plan.recording_sensor);
@@ -55,9 +58,7 @@ int inspect_command(const InspectOptions& options) {
   report.measured = plan.rows ? select_rows(scan, *plan.rows) : scan;
   if (scan.rows == network.sensor().rows()) report.truth = scan;
   report.result = network.run(report.measured, &report.trace);
-  std::ofstream file(options.out, std::ios::binary);
-  file << layers_html(report);
-  if (!file.flush()) throw Error(fmt::format("{}: cannot write", options.out));
+  write_text_file(layers_html(report), options.out);
   fmt::print("results: {}\n", options.out);
   return kOk;
 }

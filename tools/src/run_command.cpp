@@ -45,7 +45,23 @@ RunPlan plan_of(const RunOptions& options) {
   return plan;
 }
 
-std::optional<TrajectoryFile> reference_of(const RunOptions& options, std::int64_t scans) {
+/// A scan's stamp is its index times the sensor's period: that of a reference recorded with a clock
+/// is another time, and none of its poses would be compared.
+void require_stamps_of_scans(const TrajectoryFile& reference, std::int64_t scans,
+                             double scan_period_s) {
+  const double first_s = reference.poses.front().stamp_s;
+  const double last_s = reference.poses.back().stamp_s;
+  const double end_s = static_cast<double>(scans) * scan_period_s;
+  if (first_s <= end_s && last_s >= 0.0) return;
+  throw Error(fmt::format(
+      "{}: has stamps from {:.3f} to {:.3f} s, expected some between 0 and {:.3f} s (the "
+      "stamp of scan i is i times {} s); shift them, or give one pose per scan in "
+      "KITTI's form",
+      reference.path, first_s, last_s, end_s, scan_period_s));
+}
+
+std::optional<TrajectoryFile> reference_of(const RunOptions& options, const ScanSource& source) {
+  const std::int64_t scans = source.size();
   const std::string path =
       options.reference.empty() ? file_of_drive(options.input, "truth.tum") : options.reference;
   if (path.empty()) {
@@ -57,6 +73,10 @@ std::optional<TrajectoryFile> reference_of(const RunOptions& options, std::int64
         fmt::format("{}: has {} poses without stamps, but {} has {} scans; give one pose per scan "
                     "or a TUM file",
                     path, reference.poses.size(), options.input, scans));
+  }
+  // A simulated drive's scans have the stamps of its truth.
+  if (reference.has_stamps && file_of_drive(options.input, "truth.tum").empty()) {
+    require_stamps_of_scans(reference, scans, source.sensor().scan_period_s);
   }
   return reference;
 }
@@ -78,10 +98,28 @@ double median_upsampling_ms(const SlamRun& run) {
   return distribution_of(std::move(times_ms)).median;
 }
 
+/// "mapping: 198 scans ok, 2 degenerate; 1 loop closed"
+std::string mapping_summary(const SlamRun& run) {
+  std::vector<std::string> counts;
+  for (const auto& [status, scans] : status_counts(run, &slam::ScanReport::mapping_status)) {
+    if (scans > 0) {
+      counts.push_back(
+          fmt::format("{}{} {}", scans, counts.empty() ? " scans" : "", slam::name(status)));
+    }
+  }
+  std::string summary = fmt::format("mapping: {}", fmt::join(counts, ", "));
+  if (run.loop_closing) {
+    const std::int64_t closed = loops_closed(run);
+    summary += fmt::format("; {} loop{} closed", closed, closed == 1 ? "" : "s");
+  }
+  return summary;
+}
+
 void print_summary(const RunResult& result, const RunOptions& options) {
   const SlamRun& run = result.run;
   fmt::print("{} scans, {:.1f} m of path, {:.1f} scans/s\n", run.scans.size(),
              path_length_m(run.trajectory), scans_per_second(run));
+  fmt::print("{}\n", mapping_summary(run));
   if (!run.upsampled_by.empty()) {
     fmt::print("upsampled to {} rows by {}: {:.1f} ms a scan (median)\n", run.rows,
                run.upsampled_by, median_upsampling_ms(run));
@@ -163,7 +201,10 @@ void declare_run(CLI::App& app, RunOptions& options) {
       "  map.pcd           the features of all key frames, in that frame\n"
       "  timings.json      time per stage and status of every scan\n"
       "  report.html       trajectory, error and times on one page\n"
-      "Ctrl-C stops the run; what is written up to then is valid.");
+      "An earlier run's results in it are replaced from the first scan on. Ctrl-C stops the run;\n"
+      "what is written up to then is valid. Mapping says of every scan whether it was located:\n"
+      "ok, degenerate (some direction of motion could not be seen), too few features, or not\n"
+      "converged.");
 }
 
 RunResult run_and_write(const RunOptions& options, const InterruptGuard& interrupt) {
@@ -173,7 +214,7 @@ RunResult run_and_write(const RunOptions& options, const InterruptGuard& interru
   RunPlan plan = plan_of(options);
   const std::unique_ptr<ScanSource> source =
       open_recording(options.input, plan.recording_sensor, recording_options(options));
-  const std::optional<TrajectoryFile> reference = reference_of(options, source->size());
+  const std::optional<TrajectoryFile> reference = reference_of(options, *source);
   RunOutput output(options.out);
 
   RunResult result;
@@ -189,7 +230,9 @@ RunResult run_and_write(const RunOptions& options, const InterruptGuard& interru
   if (reference) {
     result.comparison = compare_with_reference(result.run.trajectory, *reference);
     if (!result.comparison) {
-      fmt::print(stderr, "hqslam: {}: fewer than 3 poses match the stamps of the scans; no error\n",
+      fmt::print(stderr,
+                 "hqslam: {}: fewer than 3 of its poses are within 0.02 s of a scan: not compared "
+                 "with it\n",
                  reference->path);
     }
   }

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <fstream>
@@ -81,16 +80,12 @@ Durations_ms durations_of(const SlamRun& run) {
   return durations;
 }
 
-Json status_counts(const SlamRun& run, slam::Status slam::ScanReport::*status) {
-  Json counts;
-  for (const slam::Status kind : {slam::Status::kOk, slam::Status::kTooFewFeatures,
-                                  slam::Status::kDegenerate, slam::Status::kNotConverged}) {
-    const auto count =
-        std::count_if(run.scans.begin(), run.scans.end(),
-                      [&](const ScanRecord& scan) { return scan.report.*status == kind; });
-    counts[std::string(slam::name(kind))] = count;
+Json statuses_json(const SlamRun& run, slam::Status slam::ScanReport::*status) {
+  Json json;
+  for (const auto& [kind, scans] : status_counts(run, status)) {
+    json[std::string(slam::name(kind))] = scans;
   }
-  return counts;
+  return json;
 }
 
 /// Places that were recognised, and by how much the pose moved.
@@ -157,8 +152,8 @@ std::string timings_json(const SlamRun& run) {
       {"scans_per_second", rounded(scans_per_second(run))},
       {"key_frames", key_frames},
       {"invalid_points_dropped", invalid_points},
-      {"odometry_status", status_counts(run, &slam::ScanReport::odometry_status)},
-      {"mapping_status", status_counts(run, &slam::ScanReport::mapping_status)},
+      {"odometry_status", statuses_json(run, &slam::ScanReport::odometry_status)},
+      {"mapping_status", statuses_json(run, &slam::ScanReport::mapping_status)},
       {"loops", loops_json(run)},
       {"times_ms", std::move(statistics)},
   };

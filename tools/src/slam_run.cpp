@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <omp.h>
 
+#include <algorithm>
 #include <chrono>
 #include <optional>
 
@@ -69,6 +70,24 @@ double scans_per_second(const SlamRun& run) {
   return run.wall_s > 0.0 ? static_cast<double>(run.scans.size()) / run.wall_s : 0.0;
 }
 
+std::vector<std::pair<slam::Status, std::int64_t>> status_counts(
+    const SlamRun& run, slam::Status slam::ScanReport::*status) {
+  std::vector<std::pair<slam::Status, std::int64_t>> counts;
+  for (const slam::Status kind : {slam::Status::kOk, slam::Status::kTooFewFeatures,
+                                  slam::Status::kDegenerate, slam::Status::kNotConverged}) {
+    counts.emplace_back(
+        kind, std::count_if(run.scans.begin(), run.scans.end(),
+                            [&](const ScanRecord& scan) { return scan.report.*status == kind; }));
+  }
+  return counts;
+}
+
+std::int64_t loops_closed(const SlamRun& run) {
+  return std::count_if(run.scans.begin(), run.scans.end(), [](const ScanRecord& scan) {
+    return scan.report.loop.status == slam::LoopStatus::kClosed;
+  });
+}
+
 slam::SlamOptions slam_options(bool loop_closing) {
   slam::SlamOptions options;
   options.loop_closing.enabled = loop_closing;
@@ -85,6 +104,7 @@ SlamRun run_slam(ScanSource& source, const SlamRunSpec& spec, RunOutput& output,
   run.rows = sensor.rows();
   run.columns = sensor.columns;
   run.upsampled_by = spec.upsampler != nullptr ? spec.upsampler->name() : "";
+  run.loop_closing = spec.loop_closing;
   run.threads = omp_get_max_threads();
   run.scans_in_recording = source.size();
 

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "hqslam/core/scan_source.h"
@@ -35,6 +36,7 @@ struct SlamRun {
   int rows = 0;
   int columns = 0;
   std::string upsampled_by;  ///< Upsampler::name(); empty: the recording as it is
+  bool loop_closing = false;
   int threads = 1;
   std::int64_t scans_in_recording = 0;
   std::vector<ScanRecord> scans;
@@ -50,6 +52,13 @@ std::string_view name(RunEnd end);
 
 /// Scans per second over the whole run: reading, upsampling, SLAM and writing.
 double scans_per_second(const SlamRun& run);
+
+/// How many scans a stage ended with each status: all statuses, kOk first.
+std::vector<std::pair<slam::Status, std::int64_t>> status_counts(
+    const SlamRun& run, slam::Status slam::ScanReport::*status);
+
+/// Scans at which the path and the map were corrected.
+std::int64_t loops_closed(const SlamRun& run);
 
 /// How a recording is processed.
 struct SlamRunSpec {

@@ -147,6 +147,22 @@ void write_pictures(const DriveFigures& drive, const fs::path& out) {
   }
 }
 
+/// Throws Error if a table would replace what is none.
+void refuse_foreign_tables(const std::string& out) {
+  const fs::path folder(out);
+  const std::string json = (folder / "table.json").string();
+  refuse_to_replace_foreign(json, kTableJsonMarker);
+  if (fs::exists(json)) return;
+  for (const char* name : {"table.md", "table.html"}) {
+    if (fs::exists(folder / name)) {
+      throw Error(
+          fmt::format("{}: is there already and was not written by hqslam table; give "
+                      "another --out or move it",
+                      (folder / name).string()));
+    }
+  }
+}
+
 void write_tables(const std::vector<DriveFigures>& drives, const fs::path& out) {
   write_text_file(table_markdown(drives), (out / "table.md").string());
   write_text_file(table_json(drives), (out / "table.json").string());
@@ -207,6 +223,7 @@ int table_command(const TableOptions& options) {
   if (options.threads > 0) omp_set_num_threads(options.threads);
   const InterruptGuard interrupt;
   const TablePlan plan = plan_table(options);
+  refuse_foreign_tables(options.out);
   std::vector<PreparedDrive> drives;
   for (const TableDrive& drive : plan.drives) {
     if (!prepare_drive(drive, interrupt)) return report_interruption();

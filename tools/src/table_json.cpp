@@ -61,7 +61,9 @@ Json method_timings_json(const MethodFigures& figures) {
 }  // namespace
 
 std::string table_json(const std::vector<DriveFigures>& drives) {
-  Json json = {{"alignment", name(Alignment::kSe3)}, {"drives", Json::array()}};
+  Json json = {{"written_by", kTableJsonMarker},
+               {"alignment", name(Alignment::kSe3)},
+               {"drives", Json::array()}};
   Json timings = Json::array();
   for (const DriveFigures& drive : drives) {
     Json methods = Json::array();

@@ -23,4 +23,17 @@ void write_text_file(const std::string& text, const std::string& path) {
   }
 }
 
+void refuse_to_replace_foreign(const std::string& path, const std::string& marker) {
+  constexpr std::streamsize kMarkerWithin = 4096;
+  std::error_code error;
+  if (!std::filesystem::exists(path, error)) return;
+  std::string beginning(kMarkerWithin, '\0');
+  std::ifstream stream(path, std::ios::binary);
+  stream.read(beginning.data(), kMarkerWithin);
+  if (beginning.find(marker) != std::string::npos) return;
+  throw Error(fmt::format(
+      "{}: is there already and was not written by this command; give another name or move it",
+      path));
+}
+
 }  // namespace hqslam::tools

@@ -8,4 +8,8 @@ namespace hqslam::tools {
 /// is either what it was or whole. Throws Error.
 void write_text_file(const std::string& text, const std::string& path);
 
+/// Throws Error if there is something at `path` that does not hold `marker` among its first 4096
+/// bytes: it was not written by the command that puts the marker there, which must not replace it.
+void refuse_to_replace_foreign(const std::string& path, const std::string& marker);
+
 }  // namespace hqslam::tools

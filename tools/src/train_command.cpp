@@ -49,6 +49,29 @@ std::string text_of_file(const std::string& path) {
   return text.str();
 }
 
+/// Throws Error if the results would replace what is not this training's.
+void refuse_foreign_results(const Training& training) {
+  if (std::filesystem::exists(training.checkpoint_path())) return;
+  for (const char* name : {"weights.npz", "curve.svg"}) {
+    if (std::filesystem::exists(training.out / name)) {
+      throw Error(
+          fmt::format("{}: is there already, but no checkpoint.npz of a training; give another "
+                      "--out or move it",
+                      (training.out / name).string()));
+    }
+  }
+}
+
+void make_folder(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (std::error_code ignored; !std::filesystem::is_directory(folder, ignored)) {
+    throw Error(
+        fmt::format("{}: cannot be made as a folder for the results ({}); give another --out",
+                    folder.string(), error.message()));
+  }
+}
+
 /// Random parameters, those of the weights file to begin with, or the checkpoint's.
 nn::TrainingState starting_state(Training& training) {
   const nn::TrainingConfiguration& c = training.configuration;
@@ -165,7 +188,8 @@ int train_command(const TrainOptions& options) {
   training.configuration_text = text_of_file(options.config);
   training.configuration = nn::training_configuration(training.configuration_text, options.config);
   training.out = options.out;
-  std::filesystem::create_directories(training.out);
+  refuse_foreign_results(training);
+  make_folder(training.out);
   nn::TrainingState state = starting_state(training);
   const nn::TrainingConfiguration& c = training.configuration;
   training.validation = load_scans(c.validation, c.network.sensor, "validation scans", interrupt);

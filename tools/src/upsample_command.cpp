@@ -29,7 +29,6 @@ namespace {
 struct UpsampleRun {
   std::vector<double> times_s;  ///< of the upsampling alone, per scan
   std::int64_t scans_in_recording = 0;
-  bool motion_corrected = false;
   std::optional<std::string> unreadable;  ///< the reader's message for the scan that ended the run
 };
 
@@ -85,12 +84,13 @@ UpsampleRun upsample(ScanSource& source, UpsamplingPlan& plan, const UpsampleOpt
     const OrganizedCloud cloud =
         upsampled_cloud(lifted, measured, plan.upsampler.measured_rows(), plan.upsampler.sensor());
     if (!output) {
-      output.emplace(
-          options.out, options.input, options.weights.empty() ? options.method : options.weights,
-          plan.upsampler.sensor(), UpsampledFormats{options.bin, options.pcd, options.png});
+      SensorModel sensor = plan.upsampler.sensor();
+      sensor.motion_corrected = cloud.time_offset_s.empty();
+      output.emplace(options.out, options.input,
+                     options.weights.empty() ? options.method : options.weights, sensor,
+                     UpsampledFormats{options.bin, options.pcd, options.png});
     }
     output->append(range_image(cloud), cloud);
-    run.motion_corrected = cloud.time_offset_s.empty();
     progress.update(static_cast<std::int64_t>(run.times_s.size()));
   }
   progress.finish();
@@ -113,12 +113,6 @@ void print_summary(const UpsampleRun& run, const UpsamplingPlan& plan,
              omp_get_max_threads() == 1 ? "" : "s");
   fmt::print("results: {0}/scans.npy, sensor.json{1}{2}{3}\n", options.out,
              options.bin ? ", bin" : "", options.pcd ? ", pcd" : "", options.png ? ", png" : "");
-  if (run.motion_corrected) {
-    fmt::print(
-        "the scans are corrected for motion: hqslam run {}/scans.npy --sensor "
-        "{}/sensor.json --motion-corrected\n",
-        options.out, options.out);
-  }
 }
 
 }  // namespace

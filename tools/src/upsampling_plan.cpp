@@ -16,8 +16,9 @@ namespace {
 /// Sensors of one type differ by this much from their data sheet.
 constexpr double kBeamTolerance_deg = 0.25;
 constexpr double kDegreesPerRadian = 57.29577951308232;
-/// Without --rows every fourth row is measured.
+/// Without --rows every fourth row is measured, if there are so many that this makes sense.
 constexpr int kInterpolationFactor = 4;
+constexpr int kFewestRowsToThin = 64;
 
 bool fits(const SensorModel& sensor, const SensorModel& expected) {
   if (sensor.rows() != expected.rows() || sensor.columns != expected.columns) {
@@ -89,6 +90,13 @@ UpsamplingPlan plan_for_interpolation(const UpsamplingRequest& request) {
     }
     return {select_rows(full, measured_rows), std::nullopt,
             Upsampler(interpolation, full, measured_rows)};
+  }
+  if (request.rows == 0 && full.rows() < kFewestRowsToThin) {
+    throw Error(fmt::format(
+        "{}: has all {} rows of sensor '{}', so there is nothing between them to fill; name the "
+        "sensor with the rows to fill (os1-64 for scans of an os1-16), or say with hqslam run "
+        "--rows how many of the {} to look at",
+        request.input, full.rows(), full.name, full.rows()));
   }
   const RowSelection measured_rows = selection_for(
       full.rows(), request.rows > 0 ? request.rows : full.rows() / kInterpolationFactor);

@@ -46,6 +46,12 @@ void validate(const NetworkDescription& d) {
     throw Error(fmt::format("network: rows {} + n {} of {} are no selection",
                             d.measured_rows.offset, d.measured_rows.stride, d.sensor.rows()));
   }
+  if (d.measured_rows == RowSelection{0, 1}) {
+    throw Error(fmt::format(
+        "network: all {} rows of sensor '{}' are measured, expected some to be computed; name the "
+        "sensor with all rows, such as os1-64 for 16 measured ones",
+        d.sensor.rows(), d.sensor.name));
+  }
   if (d.kind == NetworkKind::kDuOr) {
     validate(d.u_shaped);
   } else {

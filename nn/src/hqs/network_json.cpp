@@ -1,5 +1,9 @@
 #include "hqslam/nn/hqs/network_json.h"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <numbers>
@@ -47,7 +51,17 @@ Json filter_json(const OutlierRemovalOptions& filter) {
 
 SensorModel read_sensor(JsonFields& fields, const std::string& source) {
   const std::string text = fields.dumped("sensor");
-  if (text.starts_with("\"")) return sensor_preset(fields.text("sensor"));
+  if (text.starts_with("\"")) {
+    const std::string sensor = fields.text("sensor");
+    const std::vector<std::string> presets = sensor_preset_names();
+    if (std::find(presets.begin(), presets.end(), sensor) == presets.end()) {
+      throw Error(fmt::format(
+          "{}: sensor '{}' is none of {}; name one of them, or put what a sensor file says in its "
+          "place",
+          source, sensor, fmt::join(presets, ", ")));
+    }
+    return sensor_preset(sensor);
+  }
   return sensor_from_json(text, source + ": sensor");
 }
 

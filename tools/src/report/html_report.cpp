@@ -53,6 +53,9 @@ std::string numbers_html(const SlamRun& run, const std::optional<ReferenceCompar
       "SLAM per scan",
       fmt::format("{:.1f} <small>ms</small>", distribution_of(slam_times_ms(run)).median),
       "median");
+  if (run.loop_closing) {
+    html += number_html("Loops closed", fmt::format("{}", loops_closed(run)), "");
+  }
   html += number_html("Map points", fmt::format("{}", run.map_points_m.size()), "");
   return html + "</dl>\n";
 }
@@ -85,8 +88,9 @@ std::vector<double> times_since_start_s(const Trajectory& trajectory) {
 
 std::string error_html(const SlamRun& run, const std::optional<ReferenceComparison>& comparison) {
   if (!comparison) {
-    return "<h2>Error over time</h2>\n<p class=\"quiet\">No reference trajectory was given: "
-           "<code>--reference FILE</code> adds the error.</p>\n";
+    return "<h2>Error over time</h2>\n<p class=\"quiet\">Not compared with a "
+           "reference trajectory: <code>--reference FILE</code>, with at least three poses at the "
+           "scans' stamps, adds the error.</p>\n";
   }
   const AbsolutePoseError& error = comparison->error;
   const std::vector<double> all_times_s = times_since_start_s(run.trajectory);
@@ -188,12 +192,8 @@ std::string times_html(const SlamRun& run) {
 std::string status_row(const SlamRun& run, std::string_view stage,
                        slam::Status slam::ScanReport::*status) {
   std::string row = fmt::format("<tr><td>{}</td>", stage);
-  for (const slam::Status kind : {slam::Status::kOk, slam::Status::kTooFewFeatures,
-                                  slam::Status::kDegenerate, slam::Status::kNotConverged}) {
-    row += fmt::format("<td>{}</td>", std::count_if(run.scans.begin(), run.scans.end(),
-                                                    [&](const ScanRecord& scan) {
-                                                      return scan.report.*status == kind;
-                                                    }));
+  for (const auto& [kind, scans] : status_counts(run, status)) {
+    row += fmt::format("<td>{}</td>", scans);
   }
   return row + "</tr>\n";
 }

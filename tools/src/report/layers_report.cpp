@@ -94,7 +94,8 @@ std::string result_html(const LayersReport& report) {
 
 std::string layers_html(const LayersReport& report) {
   std::string html = fmt::format(
-      "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n<meta name=\"viewport\" "
+      "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n{4}\n<meta "
+      "name=\"viewport\" "
       "content=\"width=device-width, initial-scale=1\">\n<title>Layers of scan {0}</title>\n<style>"
       "{1}\nfigure {{ margin: .75rem 0; }}\nfigure img {{ width: 100%; height: 8rem; display: "
       "block; image-rendering: pixelated; }}\nfigcaption {{ color: var(--quiet); font-size: "
@@ -102,7 +103,8 @@ std::string layers_html(const LayersReport& report) {
       "}}\n</style></head><body>\n<h1>Scan {0}, layer by layer</h1>\n<p class=\"quiet\">{2}, "
       "lifted "
       "by {3}. Bright is near, dark blue far, black without a return.</p>\n",
-      report.scan, kReportStyle, escape_html(report.recording), escape_html(report.weights));
+      report.scan, kReportStyle, escape_html(report.recording), escape_html(report.weights),
+      kLayersPageMarker);
   html += range_html(report.measured, report, "Measured rows (L)");
   html += range_html(report.trace.start, report, "Start (Z and Y before layer 1)");
   for (std::size_t layer = 0; layer < report.trace.layers.size(); ++layer) {

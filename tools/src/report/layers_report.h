@@ -8,6 +8,10 @@
 
 namespace hqslam::tools {
 
+/// Tells a page of this kind from other files.
+inline constexpr const char* kLayersPageMarker =
+    R"(<meta name="generator" content="hqslam inspect">)";
+
 /// One scan on its way through a network.
 struct LayersReport {
   std::string recording;

@@ -35,7 +35,8 @@ enum class RowOrder { kHighestFirst, kLowestFirst };
 
 struct RecordingOptions {
   RowOrder row_order = RowOrder::kHighestFirst;
-  /// Whether a stack's scans were captured rolling or were corrected for motion already.
+  /// Whether a stack's scans were captured rolling or were corrected for motion already; they are
+  /// taken as corrected too if the sensor's model says so.
   CaptureTime capture_time = CaptureTime::kRolling;
 };
 
@@ -46,7 +47,9 @@ struct RecordingOptions {
 /// - a folder of .pcd files (rows and time offsets as read_pcd gives them);
 /// - one .bin or .pcd file: a recording of one scan;
 /// - an .npy stack of range images (N x H x W or N x H x W x 1, float32 metres; `options` apply);
-/// - a folder written by `hqslam simulate` (scans.npy, sensor.json).
+/// - a folder written by `hqslam simulate` or `hqslam upsample` (scans.npy, sensor.json; `options`
+///   apply): what its sensor.json says of measured rows and of the correction for motion holds,
+///   whatever `sensor` says.
 /// Files are taken in the natural order of their names; the stamp of a scan is its index times
 /// sensor.scan_period_s. Pixels of images that are not finite or negative count as invalid points.
 /// Throws Error: which file, what was expected, what was found, what to do; also for scans that

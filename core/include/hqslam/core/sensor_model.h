@@ -43,6 +43,8 @@ struct SensorModel {
   /// The rows that a beam measures; those between them are computed from them. Nothing: all are
   /// measured.
   std::optional<RowSelection> measured_rows;
+  /// Whether its range images were corrected for the sensor's motion before they were recorded.
+  bool motion_corrected = false;
 
   int rows() const { return static_cast<int>(beam_elevation_rad.size()); }
   double column_step_rad() const;
