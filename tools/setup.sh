@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Installs what hqslam needs to be built on Debian or Ubuntu; does nothing where all is there.
+# Installs what hqslam needs to be built on Debian 12; does nothing where all is there. On other
+# systems with apt it tries the same packages.
 #   tools/setup.sh          to build and run
 #   tools/setup.sh checks   also what tools/test.sh checks the sources with
 set -euo pipefail
@@ -30,6 +31,12 @@ done
 if ((${#missing[@]} == 0)); then
   echo "setup: all packages are there"
   exit 0
+fi
+
+# shellcheck source=/dev/null
+system=$(. /etc/os-release 2>/dev/null && echo "${ID:-} ${VERSION_ID:-}" || true)
+if [[ "$system" != "debian 12" ]]; then
+  echo "setup: made for Debian 12; here CMake must be 3.25 or newer and Embree (libembree-dev) 3"
 fi
 
 as_root=()

@@ -21,6 +21,8 @@ hqslam() { "$program" "$@"; }
 quietly() { "$@" >log 2>&1 || { echo "failed: $*"; cat log; exit 1; }; }
 quietly hqslam simulate --drive block --sensor hdl-64e --scans 4 --bin --out kitti
 quietly hqslam simulate --drive block --sensor os1-64 --scans 4 --pcd --out ouster
+quietly hqslam simulate --drive block --sensor os1-16 --scans 4 --out ouster16
+mv ouster16/scans.npy ranges16.npy
 mkdir velodyne_points
 mv kitti/bin velodyne_points/data
 mv ouster/pcd clouds

@@ -281,7 +281,7 @@ void declare_bench(CLI::App& app, BenchOptions& options) {
       ->capture_default_str()
       ->excludes(input);
   command->add_option("--scans", options.scans, "Length of the simulated drive")
-      ->check(CLI::PositiveNumber)
+      ->check(CLI::Range(1, 1000000000))
       ->capture_default_str()
       ->excludes(input);
   command

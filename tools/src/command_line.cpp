@@ -23,6 +23,11 @@ int report_parse_error(const CLI::App& app, const CLI::ParseError& error) {
     return app.exit(error);  // --help and --version
   }
   const std::string name = chosen_subcommand(app);
+  if (name.empty() && !app.remaining().empty()) {
+    fmt::print(stderr, "hqslam: '{}' is no subcommand; hqslam --help lists them\n",
+               app.remaining().front());
+    return kWrongInput;
+  }
   fmt::print(stderr, "hqslam: {}; hqslam {}{}--help lists what is expected\n", error.what(), name,
              name.empty() ? "" : " ");
   return kWrongInput;

@@ -133,14 +133,14 @@ void declare_compare(CLI::App& app, CompareOptions& options) {
   command->add_option("--weights", options.weights, "Weights files to compare")
       ->check(CLI::ExistingFile);
   command->add_option("--every", options.every, "Take every n-th scan (default: all)")
-      ->check(CLI::PositiveNumber);
+      ->check(CLI::Range(1, 1000000000));
   CLI::Option* filters = command->add_flag(
       "--filters", options.filters,
       "Instead, try settings of the outlier filter on the first weights' results");
   command->add_option("--json", options.json, "Also write the table into this file")
       ->excludes(filters);
   command->add_option("--threads", options.threads, "Threads (default: all cores)")
-      ->check(CLI::PositiveNumber);
+      ->check(CLI::Range(1, 256));
   command->footer(
       "Rows: nearest, linear and inverse (linear in 1/range) interpolation, and each network\n"
       "without and with its outlier filter. Outliers are farther than 0.5 m from the true cloud,\n"

@@ -40,7 +40,8 @@ void declare_inspect(CLI::App& app, InspectOptions& options) {
       ->check(CLI::NonNegativeNumber);
   command->add_option("--out", options.out, "Page to write (.html)")->required();
   command->footer(
-      "Writes one page with H, Z and the filter's mask of every layer, the terms of the objective\n"
+      "Writes one page with H, Z, the filter's mask and Y of every layer, the terms of the "
+      "objective\n"
       "and, if the recording has all rows, the error of every layer.");
 }
 
@@ -55,6 +56,7 @@ int inspect_command(const InspectOptions& options) {
   report.scan = options.scan;
   report.min_range_m = network.sensor().min_range_m;
   report.max_range_m = network.sensor().max_range_m;
+  report.network = network.description();
   report.measured = plan.rows ? select_rows(scan, *plan.rows) : scan;
   if (scan.rows == network.sensor().rows()) report.truth = scan;
   report.result = network.run(report.measured, &report.trace);

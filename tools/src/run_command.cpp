@@ -169,7 +169,7 @@ void declare_run(CLI::App& app, RunOptions& options) {
                                   fmt::join(sensor_preset_names(), ", ")));
   command
       ->add_option("--rows", options.rows, "Use only this many of the sensor's rows, evenly spread")
-      ->check(CLI::PositiveNumber);
+      ->check(CLI::Range(1, 1000000000));
   command->add_option("--out", options.out, "Folder for the results; made if it is not there")
       ->required();
   command

@@ -38,7 +38,7 @@ void declare_simulate(CLI::App& app, SimulateOptions& options) {
       ->required();
   command->add_option("--out", options.out, "Folder to write; made if it is not there")->required();
   command->add_option("--scans", options.scans, "Length (default: the drive's own)")
-      ->check(CLI::PositiveNumber);
+      ->check(CLI::Range(1, 1000000000));
   command->add_option("--seed", options.seed,
                       "Seed of city, traffic, driver and noise (default: 1)");
   command->add_flag("--bin", options.bin, "Also write KITTI .bin files");

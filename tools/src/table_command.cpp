@@ -204,7 +204,7 @@ void declare_table(CLI::App& app, TableOptions& options) {
                    "scan)")
       ->check(CLI::ExistingFile);
   command->add_option("--scans", options.scans, "Only so many scans of each drive")
-      ->check(CLI::PositiveNumber);
+      ->check(CLI::Range(1, 1000000000));
   command->add_option("--out", options.out, "Folder for drives, results and tables")->required();
   command->add_option("--threads", options.threads, "Threads (default: all cores)")
       ->check(CLI::Range(1, 256));

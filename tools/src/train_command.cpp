@@ -174,7 +174,7 @@ void declare_train(CLI::App& app, TrainOptions& options) {
       ->add_option("--out", options.out, "Folder for results; a checkpoint in it is continued from")
       ->required();
   command->add_option("--threads", options.threads, "Threads (default: all cores)")
-      ->check(CLI::PositiveNumber);
+      ->check(CLI::Range(1, 256));
   command->footer(
       "Writes into --out: weights.npz (for --weights and --upsample), checkpoint.npz, curve.svg.\n"
       "Ctrl-C stops after the step; the same command goes on exactly where it stopped. The "

@@ -54,8 +54,9 @@ std::string demo_html(const DemoTable& table,
   }
   return html +
          "<p class=\"quiet\">One scan from the middle of the drive as range images, unrolled from "
-         "behind over the left, front and right: near is bright, far is dark blue, no return is "
-         "black.</p>\n</body>\n</html>\n";
+         "behind over the left, front and right: near is bright, far is dark blue, black is no "
+         "return or, in the network's image, a pixel that its filter "
+         "rejected.</p>\n</body>\n</html>\n";
 }
 
 }  // namespace hqslam::tools

@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "hqslam/core/error.h"
 #include "report/canvas.h"
@@ -89,6 +90,20 @@ void draw_path(Canvas& canvas, const ErrorPanel& panel, const ErrorScale& scale,
   }
 }
 
+/// A ring around the first pose.
+void draw_start(Canvas& canvas, const ErrorPanel& panel, const View& view) {
+  constexpr double kRadius = 6.0;
+  constexpr int kCorners = 24;
+  if (panel.path_m.empty()) return;
+  std::vector<Eigen::Vector2d> ring;
+  for (int i = 0; i <= kCorners; ++i) {
+    const double angle_rad = 2.0 * std::numbers::pi * i / kCorners;
+    ring.push_back(view(panel.path_m.front()) +
+                   kRadius * Eigen::Vector2d(std::cos(angle_rad), std::sin(angle_rad)));
+  }
+  canvas.draw_line(ring, 1.5, kText, view.pixels);
+}
+
 void draw_panel(Canvas& canvas, const ErrorMap& map, const ErrorPanel& panel,
                 const ErrorScale& scale, const View& view) {
   canvas.fill(view.pixels, kPanel);
@@ -96,6 +111,7 @@ void draw_panel(Canvas& canvas, const ErrorMap& map, const ErrorPanel& panel,
   for (const Eigen::Vector2d& point_m : map.reference_m) reference.push_back(view(point_m));
   canvas.draw_line(reference, 2.0, kReference, view.pixels);
   draw_path(canvas, panel, scale, view);
+  draw_start(canvas, panel, view);
   draw_scale_bar(canvas, view);
 }
 
@@ -103,7 +119,8 @@ void draw_panel(Canvas& canvas, const ErrorMap& map, const ErrorPanel& panel,
 void draw_color_bar(Canvas& canvas, const ErrorScale& scale, int left, int top) {
   constexpr int kColumns = 320;
   constexpr int kRows = 14;
-  canvas.draw_text("position error", {static_cast<double>(left), top - 8.0}, 12.0, kText);
+  canvas.draw_text("distance from LiDAR-64's position, aligned",
+                   {static_cast<double>(left), top - 8.0}, 12.0, kText);
   for (int column = 0; column < kColumns; ++column) {
     canvas.fill({left + column, top, 1, kRows}, error_rgb((column + 0.5) / kColumns));
   }
@@ -113,7 +130,7 @@ void draw_color_bar(Canvas& canvas, const ErrorScale& scale, int left, int top) 
   const double line_left = left + kColumns + 190.0;
   const double line = top + 0.5 * kRows;
   canvas.draw_line({{line_left, line}, {line_left + 50.0, line}}, 2.0, kReference, canvas.whole());
-  canvas.draw_text("LiDAR-64", {line_left + 62.0, line + 6.0}, 12.0, kText);
+  canvas.draw_text("LiDAR-64; a ring: the start", {line_left + 62.0, line + 6.0}, 12.0, kText);
 }
 
 /// As many columns as make neither a strip nor a tower.
@@ -141,6 +158,12 @@ std::string top_text(const ErrorScale& scale) {
                      scale.clipped ? " or more" : "");
 }
 
+std::string error_text(const ErrorPanel& panel) {
+  const double largest_m =
+      panel.error_m.empty() ? 0.0 : *std::max_element(panel.error_m.begin(), panel.error_m.end());
+  return fmt::format("RMSE {:.3f} m, largest {:.2f} m", panel.rmse_m, largest_m);
+}
+
 RgbImage panel_image(const ErrorMap& map, std::size_t panel, const ErrorScale& scale) {
   const PlotBox box = box_of(map);
   Canvas canvas(panel_rows(box), kPanelColumns);
@@ -162,8 +185,8 @@ RgbImage error_map_image(const ErrorMap& map, const std::string& title) {
     const int left = kGap + static_cast<int>(i) % columns * (kPanelColumns + kGap);
     const int top = kTitleRows + static_cast<int>(i) / columns * cell_rows;
     canvas.draw_text(map.panels[i].title, {static_cast<double>(left), top + 46.0}, 14.0, kText);
-    const std::string rmse = fmt::format("RMSE {:.3f} m", map.panels[i].rmse_m);
-    canvas.draw_text(rmse, {left + kPanelColumns - text_width(rmse, 12.0), top + 46.0}, 12.0,
+    const std::string errors = error_text(map.panels[i]);
+    canvas.draw_text(errors, {left + kPanelColumns - text_width(errors, 12.0), top + 46.0}, 12.0,
                      kQuiet);
     draw_panel(canvas, map, map.panels[i], scale,
                {box, {left, top + kPanelTitleRows, kPanelColumns, panel_rows(box)}});

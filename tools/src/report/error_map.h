@@ -34,7 +34,11 @@ ErrorScale error_scale(const ErrorMap& map);
 /// "0.42 m", with "or more" where errors are larger.
 std::string top_text(const ErrorScale& scale);
 
-/// One panel, without its title: the reference in grey, the trajectory in colours, a scale bar.
+/// "RMSE 0.109 m, largest 0.31 m"
+std::string error_text(const ErrorPanel& panel);
+
+/// One panel, without its title: the reference in grey, the trajectory in colours with a ring at
+/// its start, a scale bar.
 RgbImage panel_image(const ErrorMap& map, std::size_t panel, const ErrorScale& scale);
 
 /// All panels with their titles and a colour bar. `title` stands above. Throws Error if there is no

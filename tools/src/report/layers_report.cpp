@@ -58,6 +58,17 @@ RgbImage error_image(const RangeImage& image, const RangeImage& truth) {
   return colours;
 }
 
+/// What the filter looks at, what it rejects, and what becomes of it.
+std::string filter_html(const LayersReport& report, const nn::LayerTrace& layer) {
+  const bool of_h = report.network.filtered == nn::FilteredIterate::kH;
+  const char* const filtered = of_h ? "H" : "Z";
+  const char* const taken = report.network.rejected == nn::RejectedPixel::kTakesZ ? "Z" : "0";
+  return image_html(mask_image(of_h ? layer.h : layer.z, report.min_range_m, layer.rejected),
+                    fmt::format("Q of {}: rejected pixels in red", filtered)) +
+         range_html(layer.y, report,
+                    fmt::format("Y (eq. 10c): {}, where it was rejected {}", filtered, taken));
+}
+
 std::string layer_html(const LayersReport& report, std::size_t index) {
   const nn::LayerTrace& layer = report.trace.layers[index];
   std::string html = fmt::format(
@@ -67,8 +78,7 @@ std::string layer_html(const LayersReport& report, std::size_t index) {
       layer.objective.filter_gap_m2, layer.objective.rejected);
   html += range_html(layer.h, report, "H: data consistency (eq. 10a)");
   html += range_html(layer.z, report, "Z: denoiser (eq. 10b)");
-  html += image_html(mask_image(layer.h, report.min_range_m, layer.rejected),
-                     "Q of H: rejected pixels in red; there Y takes Z (eq. 10c)");
+  if (report.network.kind == nn::NetworkKind::kDuOr) html += filter_html(report, layer);
   if (report.truth) {
     html +=
         image_html(error_image(layer.z, *report.truth),

@@ -21,11 +21,12 @@ struct LayersReport {
   double max_range_m = 120.0;       ///< of the colours
   RangeImage measured;              ///< the measured rows
   std::optional<RangeImage> truth;  ///< all rows, if the recording has them
+  nn::NetworkDescription network;
   nn::Trace trace;
   RangeImage result;
 };
 
-/// A page that needs no other file: start, then H, Z and the filter's mask of every layer, the
+/// A page that needs no other file: start, then H, Z, the filter's mask and Y of every layer, the
 /// terms of the objective, the result and, with the truth, how far Z is from it.
 std::string layers_html(const LayersReport& report);
 

@@ -72,9 +72,9 @@ std::string scale_html(const ErrorScale& scale) {
   std::string gradient;
   for (int i = 0; i <= 6; ++i) gradient += fmt::format(", {}", error_color(i / 6.0));
   return fmt::format(
-      "<ul class=\"legend\"><li>position error 0<i class=\"scale\" "
+      "<ul class=\"legend\"><li>distance 0<i class=\"scale\" "
       "style=\"background:linear-gradient(90deg{})\"></i>{}</li>"
-      "<li><i class=\"reference-line\"></i>LiDAR-64</li></ul>\n",
+      "<li><i class=\"reference-line\"></i>LiDAR-64; a ring: the start</li></ul>\n",
       gradient, top_text(scale));
 }
 
@@ -89,9 +89,9 @@ std::string maps_html(const DriveFigures& drive, std::size_t loop_closing) {
       kLoopClosingNames[loop_closing], scale_html(scale));
   for (std::size_t i = 0; i < map.panels.size(); ++i) {
     html += fmt::format(
-        "<figure><figcaption>{0}<span>RMSE {1} m</span></figcaption><img alt=\"{0}\" "
+        "<figure><figcaption>{0}<span>{1}</span></figcaption><img alt=\"{0}\" "
         "src=\"data:image/png;base64,{2}\"></figure>\n",
-        escape_html(map.panels[i].title), figure_text(map.panels[i].rmse_m),
+        escape_html(map.panels[i].title), error_text(map.panels[i]),
         base64(encode_png(panel_image(map, i, scale))));
   }
   return html + "</div>\n";
