@@ -16,7 +16,7 @@ constexpr int kHalfWindow = 5;          // neighbours on each side
 constexpr int kMaxColumnGap = 10;       // neighbours farther apart than this are none
 constexpr float kDepthJump_m = 0.3F;    // hides what lies behind
 constexpr float kParallelJump = 0.02F;  // of the range, on both sides: surface along the beam
-constexpr int kOutlierColumns = 5;      // every fifth outlier goes into the map
+constexpr int kOutlierColumns = 5;      // outliers of every fifth column go into the map
 
 /// The ground and cluster returns of one row, one after the other, and what was found about them.
 struct Row {

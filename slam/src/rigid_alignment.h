@@ -16,8 +16,9 @@ namespace hqslam::slam {
 /// A planar feature gives one; an edge feature gives two, with normals perpendicular to the line.
 struct PlaneConstraint {
   Eigen::Vector3d point_m;  ///< p, in the frame that is moved
-  Eigen::Vector3d normal;   ///< unit length, in the frame that stays
-  double offset_m = 0.0;    ///< of the plane: normal . q for any point q of it
+  Eigen::Vector3d normal;  ///< in the frame that stays; unit length, or less where the plane is not
+                           ///< to tell all that it could
+  double offset_m = 0.0;   ///< of the plane: normal . q for any point q of it
   double weight = 1.0;
 };
 

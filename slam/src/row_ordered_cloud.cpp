@@ -22,10 +22,12 @@ Eigen::Vector2f elevation_of(const Eigen::Vector3f& point_m) {
 RowOrderedCloud::RowOrderedCloud(const std::vector<FeaturePoint>& features,
                                  const std::vector<Eigen::Vector3f>& points_m) {
   std::vector<float> azimuth_rad(points_m.size());
-  std::vector<int> order(points_m.size());
+  std::vector<int> order;
+  order.reserve(points_m.size());
   for (std::size_t i = 0; i < points_m.size(); ++i) {
+    if (!points_m[i].allFinite()) continue;
     azimuth_rad[i] = azimuth_of(points_m[i]);
-    order[i] = static_cast<int>(i);
+    order.push_back(static_cast<int>(i));
   }
   std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
     return std::pair(features[a].row, azimuth_rad[a]) < std::pair(features[b].row, azimuth_rad[b]);

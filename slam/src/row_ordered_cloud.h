@@ -13,11 +13,14 @@ namespace hqslam::slam {
 ///
 /// The order is an index already: from the row at the query's elevation the search goes up and down
 /// while the rows beyond can be nearer than the best so far, and in each row from the query's
-/// azimuth both ways likewise. Exact. LeGO-LOAM builds a kd-tree for every scan; with PCL's the
-/// odometry took twice as long.
+/// azimuth both ways likewise. Each way takes at most half of the row's points: exact where they
+/// stand all around; in a row with points on one side only, the nearest can be missed if more than
+/// half of them stand before it. LeGO-LOAM builds a kd-tree for every scan; with PCL's the odometry
+/// took twice as long.
 class RowOrderedCloud {
  public:
   /// `points_m`: the positions to search, one per point of `features` (whose rows are taken).
+  /// Those that are not finite are left out.
   RowOrderedCloud(const std::vector<FeaturePoint>& features,
                   const std::vector<Eigen::Vector3f>& points_m);
 

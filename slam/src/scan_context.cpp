@@ -37,12 +37,12 @@ ScanContext scan_context(const OrganizedCloud& cloud) {
   for (std::size_t pixel = 0; pixel < cloud.range_m.size(); ++pixel) {
     if (!(cloud.range_m[pixel] > 0.0F)) continue;
     const Eigen::Vector3f& p = cloud.points_m[pixel];
-    const int ring = static_cast<int>(p.head<2>().norm() * ScanContext::kRings /
-                                      static_cast<float>(ScanContext::kMaxRange_m));
-    if (ring >= ScanContext::kRings) continue;
+    const float ring =
+        p.head<2>().norm() * ScanContext::kRings / static_cast<float>(ScanContext::kMaxRange_m);
+    if (!(ring < ScanContext::kRings)) continue;  // before the cast: a far point's is no int
     const double azimuth_rad = std::atan2(p.y(), p.x());
     const int sector = wrapped(static_cast<int>(std::floor(azimuth_rad / kSector_rad)));
-    float& height_m = result.unit_sectors(ring, sector);
+    float& height_m = result.unit_sectors(static_cast<int>(ring), sector);
     height_m = std::max(height_m, p.z() - kLowest_m);
   }
   for (int sector = 0; sector < ScanContext::kSectors; ++sector) {

@@ -1,12 +1,9 @@
 #include "hqslam/slam/slam.h"
 
-#include <fmt/format.h>
-
+#include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <optional>
 
-#include "hqslam/core/error.h"
 #include "hqslam/slam/features.h"
 #include "hqslam/slam/mapping.h"
 #include "hqslam/slam/odometry.h"
@@ -14,6 +11,8 @@
 #include "hqslam/slam/segmentation.h"
 #include "loop_closing.h"
 #include "loop_search.h"
+#include "scan_check.h"
+#include "scan_clock.h"
 
 namespace hqslam::slam {
 
@@ -43,32 +42,12 @@ SlamOptions validated(const SlamOptions& options) {
   return options;
 }
 
-/// Whether a pixel holds what it should: no return, or a finite point at a finite range.
-bool is_sound(const OrganizedCloud& cloud, std::size_t pixel) {
-  return cloud.range_m[pixel] == 0.0F ||
-         (cloud.range_m[pixel] > 0.0F && std::isfinite(cloud.range_m[pixel]) &&
-          cloud.points_m[pixel].allFinite());
-}
-
-/// The cloud with unsound pixels emptied.
-OrganizedCloud without_unsound(const OrganizedCloud& cloud) {
-  OrganizedCloud result = cloud;
-  for (std::size_t pixel = 0; pixel < cloud.range_m.size(); ++pixel) {
-    if (!is_sound(cloud, pixel)) result.range_m[pixel] = 0.0F;
-  }
-  return result;
-}
-
-bool all_sound(const OrganizedCloud& cloud) {
-  for (std::size_t pixel = 0; pixel < cloud.range_m.size(); ++pixel) {
-    if (!is_sound(cloud, pixel)) return false;
-  }
-  return true;
-}
-
 /// After so many scans in a row that did not fit the map, it goes on from where the sensor is
 /// believed to be: the sensor was carried away, or has drifted too far.
 constexpr int kMaxUnlocatedScans = 5;
+
+/// A sensor that is followed no longer is believed to keep its velocity for so long.
+constexpr double kMaxPrediction_periods = 100.0;
 
 /// Whether a scan can serve as the one that the next are matched with.
 bool can_be_reference(const Features& features, const OdometryOptions& options) {
@@ -88,7 +67,9 @@ struct Slam::Implementation {
   std::optional<LoopClosing> loop_closing;
   Trajectory trajectory;
   std::vector<std::uint32_t> key_frame_of_scan;  ///< the last up to each scan
-  double reference_stamp_s = 0.0;
+  ScanClock clock;
+  double time_s = 0.0;  ///< of the scan at hand
+  double reference_time_s = 0.0;
   Pose T_map_reference = Pose::Identity();
   Pose T_odom_reference = Pose::Identity();
   SensorMotion motion;  ///< of the reference since the one before
@@ -99,7 +80,8 @@ struct Slam::Implementation {
         options(validated(options_)),
         segmenter(sensor, options.ground, options.segmentation),
         odometry(options.odometry),
-        mapping(options.mapping) {
+        mapping(options.mapping),
+        clock(sensor.scan_period_s) {
     if (options.loop_closing.enabled) loop_closing.emplace();
   }
 
@@ -108,6 +90,8 @@ struct Slam::Implementation {
              ScanReport& report);
   void follow(const OrganizedCloud& cloud, const Features& features, Stopwatch& stopwatch,
               ScanReport& report);
+  void make_reference(const Features& features, const SensorMotion& since_reference,
+                      const ScanReport& report);
   void add_key_frame(const OrganizedCloud& cloud, const MapFeatures& features, Stopwatch& stopwatch,
                      ScanReport& report);
   void correct(const std::vector<Pose>& corrections, ScanReport& report);
@@ -117,6 +101,7 @@ ScanReport Slam::Implementation::process(const OrganizedCloud& cloud, double sta
   Stopwatch stopwatch;
   ScanReport report;
   report.stamp_s = stamp_s;
+  time_s = clock.time_s(stamp_s);
   const Segmentation segmentation = segmenter.segment(cloud);
   report.returns = segmentation.returns;
   report.ground_points = segmentation.ground_points;
@@ -149,19 +134,17 @@ void Slam::Implementation::begin(const OrganizedCloud& cloud, const Features& fe
     report.mapping_status = Status::kTooFewFeatures;
     return;
   }
-  motion.duration_s = sensor.scan_period_s;
-  odometry.set_reference(features, motion);
-  reference_stamp_s = report.stamp_s;
+  make_reference(features, {Pose::Identity(), sensor.scan_period_s}, report);
   add_key_frame(cloud, map_features(features, sensor.measured_rows, options.mapping), stopwatch,
                 report);
 }
 
 void Slam::Implementation::follow(const OrganizedCloud& cloud, const Features& features,
                                   Stopwatch& stopwatch, ScanReport& report) {
-  const double since_reference_s = report.stamp_s - reference_stamp_s;
-  const double duration_s = since_reference_s > 0.0 ? since_reference_s : sensor.scan_period_s;
+  const double duration_s = time_s - reference_time_s;
+  const double predicted_s = std::min(duration_s, kMaxPrediction_periods * sensor.scan_period_s);
   const Pose predicted =
-      interpolate(Pose::Identity(), motion.T_begin_end, duration_s / motion.duration_s);
+      interpolate(Pose::Identity(), motion.T_begin_end, predicted_s / motion.duration_s);
   const OdometryResult moved = odometry.estimate(features, predicted, duration_s);
   report.odometry_status = moved.status;
   report.T_odom_sensor = orthonormalized(T_odom_reference * moved.T_reference_sensor);
@@ -175,20 +158,34 @@ void Slam::Implementation::follow(const OrganizedCloud& cloud, const Features& f
   report.edge_correspondences = located.edge_correspondences;
   report.planar_correspondences = located.planar_correspondences;
   const bool is_located = located.status != Status::kTooFewFeatures;
+  const bool is_followed = is_located || moved.status != Status::kTooFewFeatures;
   unlocated_scans = is_located ? 0 : unlocated_scans + 1;
   const bool goes_on =
       unlocated_scans > kMaxUnlocatedScans && can_be_reference(features, options.odometry);
-  if (is_located || moved.status != Status::kTooFewFeatures || goes_on) {
-    motion = {T_map_reference.inverse() * located.T_map_sensor, duration_s};
-    odometry.set_reference(features, motion);
-    reference_stamp_s = report.stamp_s;
-    T_map_reference = located.T_map_sensor;
-    T_odom_reference = report.T_odom_sensor;
+  if (is_followed || goes_on) {
+    Pose T_reference_sensor = T_map_reference.inverse() * located.T_map_sensor;
+    if (!is_followed) {
+      // Nothing measured this motion: a wrong velocity would be predicted again, and kept for good.
+      T_reference_sensor = Pose::Identity();
+      unlocated_scans = 0;
+    }
+    make_reference(features, {T_reference_sensor, duration_s}, report);
     if ((is_located || goes_on) && mapping.is_key_frame(located.T_map_sensor)) {
       add_key_frame(cloud, thinned, stopwatch, report);
     }
   }
   report.times.mapping_s += stopwatch.lap_s();
+}
+
+/// Makes this scan, of which the poses are known, the one that the next are matched with.
+void Slam::Implementation::make_reference(const Features& features,
+                                          const SensorMotion& since_reference,
+                                          const ScanReport& report) {
+  motion = since_reference;
+  odometry.set_reference(features, motion);
+  reference_time_s = time_s;
+  T_map_reference = report.T_map_sensor;
+  T_odom_reference = report.T_odom_sensor;
 }
 
 /// Puts the scan, of which `motion` and T_map_sensor are known, into the map.
@@ -231,13 +228,7 @@ Slam::Slam(Slam&&) noexcept = default;
 Slam& Slam::operator=(Slam&&) noexcept = default;
 
 ScanReport Slam::process(const OrganizedCloud& cloud, double stamp_s) {
-  const SensorModel& sensor = implementation_->sensor;
-  if (cloud.rows != sensor.rows() || cloud.columns != sensor.columns) {
-    throw Error(
-        fmt::format("scan of {}x{} pixels does not fit sensor '{}' of {}x{}: name the "
-                    "sensor that recorded it",
-                    cloud.rows, cloud.columns, sensor.name, sensor.rows(), sensor.columns));
-  }
+  check(cloud, stamp_s, implementation_->sensor);
   return all_sound(cloud) ? implementation_->process(cloud, stamp_s)
                           : implementation_->process(without_unsound(cloud), stamp_s);
 }

@@ -7,7 +7,8 @@
 namespace hqslam::slam {
 
 /// One point per voxel of `leaf_m`: the mean of position and time offset. The row is the first
-/// point's: it means something only where all points are of one row.
+/// point's: it means something only where all points are of one row. Points a million voxels from
+/// the origin or farther are left out.
 std::vector<FeaturePoint> thin(const std::vector<FeaturePoint>& points, double leaf_m);
 
 }  // namespace hqslam::slam

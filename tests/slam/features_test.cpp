@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <set>
 
 #include "yard.h"
@@ -59,13 +60,18 @@ TEST_CASE("the far side of a depth jump is never an edge, the near side may be o
 }
 
 TEST_CASE("a point whose both neighbours are 2 % away lies along the beam and is no edge") {
-  // 10, 10.25, 10.5, ... : steps below the depth jump of 0.3 m, above 2 % of the range.
-  std::vector<float> range_m(360, 10.0F);
-  for (int i = 0; i < 12; ++i) range_m[100 + i] = 10.0F + 0.25F * static_cast<float>(i);
-  for (int i = 112; i < 360; ++i) range_m[i] = 12.75F;
+  // From 2 to 9.8 m by steps below the depth jump of 0.3 m and above 2 % of the range. Their size
+  // changes every six points: where it does, the row is bent enough for an edge.
+  constexpr int kBegin = 100;
+  constexpr int kSteps = 30;
+  std::vector<float> range_m(360, 2.0F);
+  for (int i = 0; i < kSteps; ++i) {
+    range_m[kBegin + i + 1] = range_m[kBegin + i] + (i / 6 % 2 == 0 ? 0.29F : 0.23F);
+  }
+  std::fill(range_m.begin() + kBegin + kSteps, range_m.end(), range_m[kBegin + kSteps]);
   const OneRow row(range_m);
   for (const auto& edge : row.features().edges) {
-    for (int i = 101; i < 111; ++i) CHECK(edge.point_m != row.cloud.points_m[i]);
+    for (int i = 1; i < kSteps; ++i) CHECK(edge.point_m != row.cloud.points_m[kBegin + i]);
   }
 }
 

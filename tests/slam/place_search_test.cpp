@@ -75,10 +75,8 @@ TEST_CASE("upright structure is what reaches up, not ground, however steep") {
       points_m.emplace_back(x_m, y_m, 0.3F * x_m);  // ground that rises by 30 %
     }
   }
-  const std::size_t ground = points_m.size();
   for (float z_m = 1.0F; z_m <= 3.0F; z_m += 0.5F) points_m.emplace_back(3.1F, 2.1F, z_m);
   const auto upright = slam::upright_structure_m(points_m);
   CHECK(upright.size() >= 5);
   CHECK(upright.size() <= 5 + 9);  // the ground beneath the post is in its column
-  CHECK(points_m.size() == ground + 5);
 }

@@ -93,3 +93,20 @@ TEST_CASE("an empty cloud and a query that is not finite find nothing") {
   CHECK(!cloud.nearest({std::nanf(""), 0, 0}, 5.0));
   CHECK(!cloud.nearest({100, 0, 0}, 5.0));
 }
+
+TEST_CASE("points that are not finite are left out, and the others are found") {
+  Points points = rings(50, 7);
+  const Points sound = points;
+  const Eigen::Vector3f nowhere_m = Eigen::Vector3f::Constant(std::nanf(""));
+  for (int row = 9; row >= 0; --row) {
+    points.features.push_back({nowhere_m, 0.0F, row});
+    points.points_m.push_back(row % 2 == 0 ? nowhere_m : Eigen::Vector3f(HUGE_VALF, 0.0F, 0.0F));
+  }
+  const RowOrderedCloud cloud(points.features, points.points_m);
+  CHECK(cloud.size() == sound.points_m.size());
+  for (const Eigen::Vector3f& point_m : sound.points_m) {
+    const auto found = cloud.nearest(point_m, 5.0);
+    REQUIRE(found);
+    CHECK(cloud.point_m(*found) == point_m);
+  }
+}

@@ -76,6 +76,17 @@ TEST_CASE("other places look different, whatever the turn") {
   }
 }
 
+TEST_CASE("a point farther away than an integer counts rings changes nothing") {
+  const std::vector<Eigen::Vector3f> points_m = {{10.0F, 0.5F, 0.0F}, {-30.0F, -0.1F, 0.0F}};
+  std::vector<Eigen::Vector3f> with_far_m = points_m;
+  for (const float far_m : {1e4F, 9e9F, 3e18F, 3e38F}) with_far_m.emplace_back(-far_m, far_m, 1.0F);
+  OrganizedCloud cloud = cloud_of(with_far_m);
+  cloud.range_m.back() = 1.0F;
+  const ScanContext context = scan_context(cloud);
+  CHECK(context.unit_sectors == scan_context(cloud_of(points_m)).unit_sectors);
+  CHECK(context.seen == scan_context(cloud_of(points_m)).seen);
+}
+
 TEST_CASE("an empty scan looks like nothing") {
   const ScanContext empty = scan_context(OrganizedCloud(16, 360));
   const ScanContext something = scan_context(cloud_of({{10.0F, 0.5F, 0.0F}}));

@@ -4,6 +4,7 @@
 #include <omp.h>
 
 #include <algorithm>
+#include <cmath>
 #include <random>
 
 #include "hqslam/core/error.h"
@@ -94,6 +95,27 @@ double closing_error_m(const ClosedDrive& drive, const test::Circuit& circuit) {
   const Pose T_estimated =
       drive.trajectory[nearest].T_map_sensor.inverse() * drive.trajectory[last].T_map_sensor;
   return (T_estimated.translation() - T_true.translation()).norm();
+}
+
+/// The drive around the yard with stamps of another clock: its worst error, and how often the map
+/// did not tell the pose.
+struct ClockedDrive {
+  double worst_error_m = 0.0;
+  int not_ok = 0;
+};
+
+template <typename StampOf>
+ClockedDrive drive_with_clock(const StampOf& stamp_s) {
+  const SensorModel sensor = test::small_sensor(16, 512);
+  slam::Slam slam(sensor);
+  ClockedDrive result;
+  for (int i = 0; i < 30; ++i) {
+    const auto report = slam.process(drive_scan(sensor, i), stamp_s(i));
+    CHECK(report.stamp_s == stamp_s(i));
+    result.not_ok += report.mapping_status != Status::kOk;
+  }
+  result.worst_error_m = worst_error_m(slam.trajectory());
+  return result;
 }
 
 OrganizedCloud garbage(const SensorModel& sensor, unsigned seed) {
@@ -204,14 +226,79 @@ TEST_CASE("a sensor that is carried to another place starts the map anew there")
   CHECK(step.translation().norm() == doctest::Approx(0.5).epsilon(0.1));
 }
 
-TEST_CASE("scans with equal or falling stamps are still processed") {
+TEST_CASE("a drive is tracked to centimetres whatever the clock does") {
+  const ClockedDrive equal_or_falling = drive_with_clock([](int i) { return i < 15 ? 1.0 : 0.5; });
+  CHECK(equal_or_falling.worst_error_m < 0.15);
+  CHECK(equal_or_falling.not_ok <= 4);
+  // Every fifth scan is stamped right after the one before.
+  const ClockedDrive late =
+      drive_with_clock([](int i) { return kPeriod_s * i - (i % 5 == 4 ? 0.0999 : 0.0); });
+  CHECK(late.worst_error_m < 0.15);
+  CHECK(late.not_ok <= 4);
+  // From the time since the start to that of day, and back.
+  const ClockedDrive set_twice =
+      drive_with_clock([](int i) { return kPeriod_s * i + (i >= 10 && i < 20 ? 1.7e9 : 0.0); });
+  CHECK(set_twice.worst_error_m < 0.15);
+  CHECK(set_twice.not_ok <= 4);
+}
+
+TEST_CASE("a stamp that is no time in seconds is refused, and nothing has changed") {
   const SensorModel sensor = test::small_sensor(16, 512);
   slam::Slam slam(sensor);
-  for (int i = 0; i < 10; ++i) {
-    const auto report = slam.process(drive_scan(sensor, i), i < 5 ? 1.0 : 0.5);
-    CHECK(report.T_map_sensor.matrix().allFinite());
+  for (int i = 0; i < 6; ++i) {
+    const OrganizedCloud scan = drive_scan(sensor, i);
+    for (const double stamp : {std::nan(""), HUGE_VAL, -HUGE_VAL, 1.7e18}) {
+      CHECK_THROWS_AS(slam.process(scan, stamp), Error);
+    }
+    slam.process(scan, i * kPeriod_s);
   }
-  CHECK(slam.trajectory().size() == 10);
+  CHECK(slam.trajectory().size() == 6);
+  CHECK(worst_error_m(slam.trajectory()) < 0.15);
+}
+
+TEST_CASE("a sensor that is covered is believed to keep its velocity for a hundred periods") {
+  const SensorModel sensor = test::small_sensor(16, 512);
+  slam::Slam slam(sensor);
+  for (int i = 0; i < 10; ++i) slam.process(drive_scan(sensor, i), i * kPeriod_s);
+  const OrganizedCloud empty(sensor.rows(), sensor.columns);
+  for (int i = 10; i < 150; ++i) slam.process(empty, i * kPeriod_s);
+  const Trajectory& trajectory = slam.trajectory();
+  const auto way_m = [&](std::size_t from, std::size_t to) {
+    return (trajectory[to].T_map_sensor.translation() - trajectory[from].T_map_sensor.translation())
+        .norm();
+  };
+  CHECK(way_m(9, 19) > 3.0);
+  CHECK(way_m(99, 100) > 0.1);
+  CHECK(way_m(120, 149) < 1e-6);
+}
+
+TEST_CASE("a fast sensor that was covered and stands elsewhere then is followed there at once") {
+  test::Village street;
+  street.add_street(-40.0, 0.0, 240.0, 31);
+  test::Village elsewhere;
+  elsewhere.add_street(-60.0, 0.0, 120.0, 32);
+  const SensorModel sensor = test::small_sensor(16, 360);
+  slam::Slam slam(sensor);
+  int scans = 0;
+  const auto process = [&](const OrganizedCloud& cloud) {
+    return slam.process(cloud, kPeriod_s * scans++);
+  };
+  // Up to 8 m in a scan: farther than odometry and map look for what a scan saw.
+  double x_m = 0.0;
+  for (int i = 0; i < 20; ++i) {
+    x_m += std::min(0.5 * i, 8.0);
+    process(street.scan(sensor, test::yard_pose(x_m, 0.0, 0.0)));
+  }
+  CHECK(slam.trajectory().back().T_map_sensor.translation().x() ==
+        doctest::Approx(x_m).epsilon(0.01));
+  for (int i = 0; i < 20; ++i) process(OrganizedCloud(sensor.rows(), sensor.columns));
+  const OrganizedCloud there = elsewhere.scan(sensor, test::yard_pose(0.0, 0.0, 1.0));
+  const Pose T_map_there = process(there).T_map_sensor;
+  for (int i = 0; i < 5; ++i) {
+    const slam::ScanReport report = process(there);
+    CHECK(report.mapping_status == Status::kOk);
+    CHECK((T_map_there.inverse() * report.T_map_sensor).translation().norm() < 0.05);
+  }
 }
 
 TEST_CASE("points and ranges that are not finite do no harm") {
@@ -227,6 +314,42 @@ TEST_CASE("points and ranges that are not finite do no harm") {
     CHECK(report.T_map_sensor.matrix().allFinite());
   }
   CHECK(worst_error_m(slam.trajectory()) < 0.15);
+}
+
+TEST_CASE("a pixel with a capture time that is not finite is no return") {
+  const SensorModel sensor = test::small_sensor(16, 512);
+  slam::Slam slam(sensor);
+  slam::Slam slam_without(sensor);
+  for (int i = 0; i < 10; ++i) {
+    OrganizedCloud cloud = drive_scan(sensor, i);
+    OrganizedCloud without = cloud;
+    for (std::size_t k = 0; k < cloud.range_m.size(); k += 97) {
+      cloud.time_offset_s[k] = k % 2 == 0 ? std::nanf("") : HUGE_VALF;
+      without.range_m[k] = 0.0F;
+    }
+    const auto report = slam.process(cloud, i * kPeriod_s);
+    const auto expected = slam_without.process(without, i * kPeriod_s);
+    CHECK(report.returns == expected.returns);
+    CHECK(report.T_map_sensor.matrix() == expected.T_map_sensor.matrix());
+  }
+}
+
+TEST_CASE("a scan with a pixel without its own point, range or capture time is refused") {
+  const SensorModel sensor = test::small_sensor(16, 512);
+  slam::Slam slam(sensor);
+  const OrganizedCloud sound = drive_scan(sensor, 0);
+  OrganizedCloud cloud = sound;
+  cloud.points_m.pop_back();
+  CHECK_THROWS_AS(slam.process(cloud, 0.0), Error);
+  cloud = sound;
+  cloud.range_m.push_back(1.0F);
+  CHECK_THROWS_AS(slam.process(cloud, 0.0), Error);
+  cloud = sound;
+  cloud.time_offset_s.resize(1);
+  CHECK_THROWS_AS(slam.process(cloud, 0.0), Error);
+  cloud.time_offset_s.clear();
+  CHECK_NOTHROW(slam.process(cloud, 0.0));
+  CHECK(slam.trajectory().size() == 1);
 }
 
 TEST_CASE("a scan of another shape is refused") {

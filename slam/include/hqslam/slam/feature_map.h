@@ -33,13 +33,15 @@ struct Surroundings {
 /// Space is cut into cubes of `2 * max_distance_m`, found by a hash; a cube keeps one point per
 /// voxel of `leaf_m`, the running mean of the first points that fell there. A search looks at the
 /// at most eight cubes that a ball of max_distance_m touches. Inserting and searching take the same
-/// time however large the map has grown: a kd-tree would have to be built anew with every key
-/// frame. Exact: the neighbours are those of a search through all points.
+/// time however far the map reaches: a kd-tree would have to be built anew with every key frame.
+/// Exact: the neighbours are those of a search through all points.
 ///
 /// Every point remembers the key frame that first put it there, so that it can be moved when that
 /// key frame turns out to have been elsewhere, and old parts of the map can be told from new ones;
 /// and the last that saw it. Points not seen lately can be laid aside: searches pass them over, and
-/// what is seen at their place becomes points of its own, until they are recalled.
+/// what is seen at their place becomes points of its own, until they are recalled. They stay in
+/// their cubes: where a place is passed many times and never recalled, its cubes grow with every
+/// pass, and so do the memory and the time to insert and search there.
 ///
 /// Points farther than a million cubes from the origin are left out.
 class FeatureMap {

@@ -23,7 +23,7 @@ struct Features {
   std::vector<FeaturePoint> flat_points;  ///< the flattest ground points; matched scan to scan
   std::vector<FeaturePoint> ground;       ///< ground points, thinned
   std::vector<FeaturePoint> surfaces;     ///< clusters' points that are no edges ("less flat"), and
-                                          ///< every fifth outlier; thinned
+                                          ///< the outliers of every fifth column; thinned
 };
 
 /// Chooses edge and planar features of a scan.

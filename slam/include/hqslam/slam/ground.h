@@ -14,9 +14,9 @@ namespace hqslam::slam {
 /// Within a column, two returns that follow each other from below are ground if the line through
 /// them rises or falls by at most max_slope_rad. Source: LeGO-LOAM, section 4 A of its paper.
 ///
-/// Differs from LeGO-LOAM: the rows searched are those that look below the horizon, whatever the
-/// sensor, not a number per sensor; a beam without a return does not end the ground, the next
-/// return above it is compared.
+/// Differs from LeGO-LOAM: the rows searched are those that look more than half a degree below the
+/// horizon, whatever the sensor, not a number per sensor; one or two beams without a return do not
+/// end the ground, the next return above them is compared.
 std::vector<std::uint8_t> mark_ground(const OrganizedCloud& cloud, const SensorModel& sensor,
                                       const GroundOptions& options);
 

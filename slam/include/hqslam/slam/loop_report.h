@@ -14,7 +14,7 @@ enum class LoopStatus {
   kAwaitsOthers,  ///< a loop was found; it counts when others farther on agree with it
   kAgrees,        ///< the place was recognised, and the pose is right as it is
   kClosed,        ///< the path and the map were corrected
-  kImplausible,   ///< the correction would have bent the path too much: not done
+  kImplausible,   ///< no correction was found, or it would have bent the path too much: not done
 };
 std::string_view name(LoopStatus status);  ///< "not searched", "no candidate", ...
 

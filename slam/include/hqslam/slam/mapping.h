@@ -54,11 +54,11 @@ struct PreviousPose {
 /// centroid, so that a plane through the map's origin is as good as any; lines must be longer and
 /// planes wider than LeGO-LOAM asks; the ground tells height, roll and pitch only, as in the
 /// odometry's first step, because the rings that a sensor draws on it would hold the sensor back,
-/// and only where it is flat; surfaces tell nothing about height; a turn makes a key frame too; the
-/// scan is corrected for motion anew with every improved pose; features far from their line or
-/// plane lose weight; and only the recent part of the map is matched with, and older parts that
-/// were recalled. A place that is met again with decimetres of drift would fit half, and tilt or
-/// turn the sensor by degrees.
+/// and only where it is flat; surfaces tell nothing about height where a hundred points of the
+/// ground match; a turn makes a key frame too; the scan is corrected for motion anew with every
+/// improved pose; features far from their line or plane lose weight; and only the recent part of
+/// the map is matched with, and older parts that were recalled. A place that is met again with
+/// decimetres of drift would fit half, and tilt or turn the sensor by degrees.
 class Mapping {
  public:
   explicit Mapping(const MappingOptions& options);

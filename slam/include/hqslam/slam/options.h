@@ -2,7 +2,8 @@
 
 namespace hqslam::slam {
 
-/// Angles in radians, lengths in metres. Every default is LeGO-LOAM's unless it says otherwise.
+/// Angles in radians, lengths in metres. Every default is LeGO-LOAM's unless it says otherwise;
+/// validate() has the bounds.
 
 struct GroundOptions {
   double max_slope_rad = 0.17453292519943295;  ///< 10 degrees
@@ -23,12 +24,12 @@ struct FeatureOptions {
   /// Smoothness |sum of 10 neighbours' ranges - 10 range|: an edge has more than both of these,
   /// a flat point less than the first.
   double min_edge_smoothness_m = 0.31622776601683794;
-  double min_edge_smoothness_per_range = 0.02;
+  double min_edge_smoothness_per_range = 0.02;  ///< LeGO-LOAM has none
   double planar_leaf_m = 0.2;
 };
 
 struct OdometryOptions {
-  int max_iterations = 8;
+  int max_iterations = 8;  ///< LeGO-LOAM: 25; see Odometry for what its steps are
   int min_edges = 10;
   int min_planar = 100;
   int min_correspondences = 10;
@@ -41,15 +42,16 @@ struct MappingOptions {
   int max_iterations = 10;
   int min_correspondences = 50;
   /// A scan of which less fits the map is not of this place. Measured: streets 0.47 and more, noise
-  /// 0.2.
+  /// 0.2. LeGO-LOAM has none.
   double min_matched_share = 0.25;
   double edge_leaf_m = 0.2;
   double planar_leaf_m = 0.4;
   double located_planar_leaf_m = 0.8;     ///< of the scan that is located; LeGO-LOAM: as in the map
   double max_neighbour_distance_m = 1.0;  ///< of the first two searches
-  double close_neighbour_distance_m = 0.6;  ///< of those that follow; LeGO-LOAM: 1 m for all
-  /// Of a feature from its line or plane: a scan's weights begin to fall from there, after the
-  /// first two searches; LeGO-LOAM: by 0.09 for 0.1 m.
+  double close_neighbour_distance_m = 0.6;  ///< of those that follow, where it finds enough;
+                                            ///< LeGO-LOAM: 1 m for all
+  /// Of a feature from its line or plane: a scan's weights begin to fall from there, in the
+  /// searches of close_neighbour_distance_m; LeGO-LOAM: by 0.09 for 0.1 m.
   double trusted_residual_m = 0.05;
   double max_plane_residual_m = 0.2;    ///< of the five points of a plane
   double max_ground_residual_m = 0.05;  ///< LeGO-LOAM: 0.2 for the ground too

@@ -59,7 +59,10 @@ class Slam {
   Slam(Slam&&) noexcept;
   Slam& operator=(Slam&&) noexcept;
 
-  /// Throws Error if the cloud's shape is not the sensor's; anything inside the cloud is survived.
+  /// Throws Error if the cloud's shape is not the sensor's, if a pixel has no point, range or
+  /// capture time of its own (but none need have a time), or if the stamp is no time in seconds.
+  /// Whatever the numbers inside the cloud are is survived: a pixel with one that is not finite is
+  /// no return. Stamps need not rise: see src/scan_clock.h.
   ScanReport process(const OrganizedCloud& cloud, double stamp_s);
 
   /// T_map_sensor of every scan so far, in the frame of the first scan. Where a loop was closed,

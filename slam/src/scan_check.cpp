@@ -1,0 +1,73 @@
+#include "scan_check.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "hqslam/core/error.h"
+
+namespace hqslam::slam {
+
+namespace {
+
+void check_size(const OrganizedCloud& cloud, const SensorModel& sensor) {
+  if (cloud.rows != sensor.rows() || cloud.columns != sensor.columns) {
+    throw Error(
+        fmt::format("scan of {}x{} pixels does not fit sensor '{}' of {}x{}: name the "
+                    "sensor that recorded it",
+                    cloud.rows, cloud.columns, sensor.name, sensor.rows(), sensor.columns));
+  }
+  const std::size_t pixels = static_cast<std::size_t>(cloud.rows) * cloud.columns;
+  const std::size_t times = cloud.time_offset_s.size();
+  if (cloud.points_m.size() != pixels || cloud.range_m.size() != pixels ||
+      (times != 0 && times != pixels)) {
+    throw Error(
+        fmt::format("scan of {}x{} pixels has {} points, {} ranges and {} capture times: give "
+                    "each pixel its own, or no times at all",
+                    cloud.rows, cloud.columns, cloud.points_m.size(), cloud.range_m.size(), times));
+  }
+}
+
+/// Beyond it a double no longer tells the columns of a scan apart: such stamps have another unit.
+constexpr double kMaxStamp_s = 1e11;
+
+void check_stamp(double stamp_s) {
+  if (!(std::abs(stamp_s) <= kMaxStamp_s)) {
+    throw Error(
+        fmt::format("stamp of a scan is {}, expected a time within +-{} s: give stamps in "
+                    "seconds",
+                    stamp_s, kMaxStamp_s));
+  }
+}
+
+/// Whether a pixel holds what it should: no return, or a finite point at a finite range and time.
+bool is_sound(const OrganizedCloud& cloud, std::size_t pixel) {
+  return cloud.range_m[pixel] == 0.0F ||
+         (cloud.range_m[pixel] > 0.0F && std::isfinite(cloud.range_m[pixel]) &&
+          cloud.points_m[pixel].allFinite() &&
+          (cloud.time_offset_s.empty() || std::isfinite(cloud.time_offset_s[pixel])));
+}
+
+}  // namespace
+
+void check(const OrganizedCloud& cloud, double stamp_s, const SensorModel& sensor) {
+  check_size(cloud, sensor);
+  check_stamp(stamp_s);
+}
+
+OrganizedCloud without_unsound(const OrganizedCloud& cloud) {
+  OrganizedCloud result = cloud;
+  for (std::size_t pixel = 0; pixel < cloud.range_m.size(); ++pixel) {
+    if (!is_sound(cloud, pixel)) result.range_m[pixel] = 0.0F;
+  }
+  return result;
+}
+
+bool all_sound(const OrganizedCloud& cloud) {
+  for (std::size_t pixel = 0; pixel < cloud.range_m.size(); ++pixel) {
+    if (!is_sound(cloud, pixel)) return false;
+  }
+  return true;
+}
+
+}  // namespace hqslam::slam
