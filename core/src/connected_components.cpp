@@ -17,8 +17,7 @@ namespace hqslam {
 /// Criterion, for neighbours with ranges d1 >= d2 under the angle alpha: the angle between the
 /// longer beam and the line through both points,
 ///   beta = atan2(d2 sin alpha, d1 - d2 cos alpha),  connected iff beta > theta.
-/// Both arguments of atan2 are positive for 0 < alpha < pi/2 (the second may be negative, then beta
-/// exceeds pi/2), so with 0 < theta < pi/2 this is
+/// Both arguments of atan2 are positive for 0 < alpha < pi/2, so with 0 < theta < pi/2 this is
 ///   d2 sin alpha > tan theta (d1 - d2 cos alpha),
 /// which needs no atan.
 /// Source: Bogoslavskyi & Stachniss, IROS 2016; the paper's section on outlier removal.

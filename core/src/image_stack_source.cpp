@@ -44,6 +44,7 @@ class ImageStackSource : public ScanSource {
     if (reader_.images() == 0) {
       throw Error(fmt::format("{}: expected at least one image, found none; record again", path));
     }
+    complete_stamps();
   }
 
   const SensorModel& sensor() const override { return sensor_; }
@@ -54,8 +55,8 @@ class ImageStackSource : public ScanSource {
     RecordedScan result;
     result.name = fmt::format("{}[{}]", path_, next_);
     const auto index = static_cast<std::size_t>(next_);
-    result.stamp_s = index < stamps_s_.size() ? stamps_s_[index]
-                                              : static_cast<double>(next_) * sensor_.scan_period_s;
+    result.stamp_s =
+        stamps_s_.empty() ? static_cast<double>(next_) * sensor_.scan_period_s : stamps_s_[index];
     RangeImage image = reader_.read(next_);
     remove_bad_pixels(image, result);
     if (row_order_ == RowOrder::kLowestFirst) flip_rows(image);
@@ -65,6 +66,22 @@ class ImageStackSource : public ScanSource {
   }
 
  private:
+  /// Stamps may be more than the images: lifting was interrupted. They may be one fewer:
+  /// simulation was, between a scan and its truth.
+  void complete_stamps() {
+    if (stamps_s_.empty()) return;
+    const auto images = static_cast<std::size_t>(reader_.images());
+    if (stamps_s_.size() + 1 == images) {
+      stamps_s_.push_back(stamps_s_.back() + sensor_.scan_period_s);
+    }
+    if (stamps_s_.size() < images) {
+      throw Error(fmt::format(
+          "{}: expected a stamp for each of {} images, found {} in the truth.tum beside them; give "
+          "the truth of this drive or take it away",
+          path_, images, stamps_s_.size()));
+    }
+  }
+
   void remove_bad_pixels(RangeImage& image, RecordedScan& result) const {
     for (float& range_m : image.range_m) {
       if (range_m == 0.0F) continue;

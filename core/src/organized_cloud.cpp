@@ -1,26 +1,22 @@
 #include "hqslam/core/organized_cloud.h"
 
-#include <algorithm>
+#include "row_selection.h"
 
 namespace hqslam {
 
 namespace {
 
-/// The selected rows of a row-major grid with `columns` columns; an empty grid stays empty.
+/// These rows of a row-major grid with `columns` columns; an empty grid stays empty.
 template <typename Value>
-std::vector<Value> selected_rows(const std::vector<Value>& grid, int rows, int columns,
-                                 RowSelection selection) {
+std::vector<Value> rows_of(const std::vector<Value>& grid, int columns,
+                           const std::vector<int>& rows) {
   std::vector<Value> result;
   if (grid.empty()) return result;
-  for (int row = selection.offset; row < rows; row += selection.stride) {
+  for (const int row : rows) {
     const auto first = grid.begin() + static_cast<std::ptrdiff_t>(row) * columns;
     result.insert(result.end(), first, first + columns);
   }
   return result;
-}
-
-int selected_count(int rows, RowSelection selection) {
-  return (rows - selection.offset + selection.stride - 1) / selection.stride;
 }
 
 }  // namespace
@@ -32,20 +28,22 @@ OrganizedCloud::OrganizedCloud(int rows_, int columns_)
       range_m(static_cast<std::size_t>(rows_) * columns_, 0.0F) {}
 
 RangeImage select_rows(const RangeImage& image, RowSelection rows) {
+  const std::vector<int> selected = selected_rows(image.rows, rows);
   RangeImage result;
-  result.rows = selected_count(image.rows, rows);
+  result.rows = static_cast<int>(selected.size());
   result.columns = image.columns;
-  result.range_m = selected_rows(image.range_m, image.rows, image.columns, rows);
+  result.range_m = rows_of(image.range_m, image.columns, selected);
   return result;
 }
 
 OrganizedCloud select_rows(const OrganizedCloud& cloud, RowSelection rows) {
+  const std::vector<int> selected = selected_rows(cloud.rows, rows);
   OrganizedCloud result;
-  result.rows = selected_count(cloud.rows, rows);
+  result.rows = static_cast<int>(selected.size());
   result.columns = cloud.columns;
-  result.points_m = selected_rows(cloud.points_m, cloud.rows, cloud.columns, rows);
-  result.range_m = selected_rows(cloud.range_m, cloud.rows, cloud.columns, rows);
-  result.time_offset_s = selected_rows(cloud.time_offset_s, cloud.rows, cloud.columns, rows);
+  result.points_m = rows_of(cloud.points_m, cloud.columns, selected);
+  result.range_m = rows_of(cloud.range_m, cloud.columns, selected);
+  result.time_offset_s = rows_of(cloud.time_offset_s, cloud.columns, selected);
   return result;
 }
 

@@ -2,8 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <bit>
 #include <charconv>
+#include <limits>
+#include <optional>
 
 #include "excerpt.h"
 #include "hqslam/core/error.h"
@@ -15,11 +18,43 @@ static_assert(std::endian::native == std::endian::little, "files are little-endi
 
 namespace {
 
+/// As much as the most points that a header may announce take with 32 bytes each.
+constexpr std::size_t kMaxDecompressedBytes = std::size_t{1} << 30U;
+
 template <typename T>
 double number_at(const char* bytes) {
   T value{};
   std::memcpy(&value, bytes, sizeof(T));
   return static_cast<double>(value);
+}
+
+/// Whether a number that no double holds is too large rather than too small: the decimal place of
+/// its first digit that is not 0, moved by its exponent, is left of the point.
+bool is_too_large(std::string_view word) {
+  const std::size_t e = std::min(word.find_first_of("eE"), word.size());
+  std::int64_t exponent = 0;
+  if (e < word.size()) {
+    const std::string_view text = word.substr(word[e + 1] == '+' ? e + 2 : e + 1);
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), exponent);
+    if (error == std::errc::result_out_of_range) return text[0] != '-';
+  }
+  const std::string_view mantissa = word.substr(0, e);
+  const std::size_t point = std::min(mantissa.find('.'), mantissa.size());
+  const auto first = mantissa.find_first_of("123456789");
+  if (first == std::string_view::npos) return false;
+  return exponent > static_cast<std::int64_t>(first) - static_cast<std::int64_t>(point);
+}
+
+/// A number as text, infinite where it is too large for a double, 0 where it is too small; nothing
+/// if the word is no number.
+std::optional<double> number_in(std::string_view word) {
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+  if (error == std::errc::invalid_argument || end != word.data() + word.size()) return std::nullopt;
+  if (error == std::errc()) return value;
+  if (!is_too_large(word)) return 0.0;
+  return word[0] == '-' ? -std::numeric_limits<double>::infinity()
+                        : std::numeric_limits<double>::infinity();
 }
 
 }  // namespace
@@ -87,14 +122,13 @@ void PcdColumns::read_ascii(std::string_view data) {
                       path_, header_.points, header_.point_numbers, numbers_.size()));
     }
     const std::size_t end = std::min(data.find_first_of(kSpace, at), data.size());
-    double value = 0.0;
-    const auto [stop, error] = std::from_chars(data.data() + at, data.data() + end, value);
-    if (error == std::errc::invalid_argument || stop != data.data() + end) {
+    const std::optional<double> value = number_in(data.substr(at, end - at));
+    if (!value) {
       throw Error(fmt::format("{}: point {}: expected a number, found '{}'; correct the line",
                               path_, numbers_.size() / header_.point_numbers,
                               excerpt(data.substr(at, end - at))));
     }
-    numbers_.push_back(value);
+    numbers_.push_back(*value);
     at = end;
   }
 }
@@ -131,6 +165,12 @@ void PcdColumns::read_compressed(std::string_view data) {
         fmt::format("{}: expected {} points of {} bytes, found {} bytes when decompressed; "
                     "write the file again",
                     path_, header_.points, header_.point_bytes, bytes));
+  }
+  if (bytes > kMaxDecompressedBytes) {
+    throw Error(
+        fmt::format("{}: expected at most {} bytes when decompressed, found {}; leave out fields "
+                    "other than x y z",
+                    path_, kMaxDecompressedBytes, bytes));
   }
   auto decompressed = lzf_decompressed(data.substr(kSizes, compressed_bytes), bytes);
   if (!decompressed) {

@@ -1,11 +1,15 @@
 #include "ring_segments.h"
 
+#include <fmt/format.h>
+
 #include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
 #include <span>
 #include <utility>
+
+#include "hqslam/core/error.h"
 
 // The azimuth of the points, counted in the direction of rotation from the seam where rings begin,
 // rises within a ring and falls back where the next one begins: a wrap.
@@ -32,6 +36,8 @@ constexpr double kGapColumns = 4.0;
 constexpr double kFallAcrossGap = 0.4;
 /// A part of a ring smaller than this is no evidence of a ring of its own.
 constexpr double kMinRingShareAfterGap = 0.03;
+/// More than the gaps that fit into a turn; bounds the time, which grows with their square.
+constexpr std::size_t kMaxPiecesPerTurn = 256;
 constexpr int kAzimuthBins = 72;
 constexpr int kMinPointsPerBin = 3;
 
@@ -116,6 +122,19 @@ std::vector<Piece> cut_into_pieces(const std::vector<float>& angle_rad, float ga
   }
   pieces.back().end = angle_rad.size();
   return pieces;
+}
+
+void require_few_pieces_per_turn(const std::vector<Piece>& pieces, std::size_t points) {
+  std::size_t in_turn = 0;
+  for (const Piece& piece : pieces) {
+    in_turn = piece.begins_with_wrap ? 1 : in_turn + 1;
+    if (in_turn <= kMaxPiecesPerTurn) continue;
+    throw Error(
+        fmt::format("expected points stored ring after ring, each once around in azimuth, found "
+                    "{} jumps of the azimuth in {} points, more than {} of them in one turn; give "
+                    "scans as the sensor wrote them",
+                    pieces.size() - 1, points, kMaxPiecesPerTurn - 1));
+  }
 }
 
 /// Follows the height of the rings through the scan and cuts it into segments.
@@ -301,7 +320,9 @@ std::vector<RingSegment> ring_segments(const Scan& scan, const SensorModel& sens
       angles_from_ring_begin_rad(azimuths_rad(scan), tangent, gap_rad);
   const double points_per_row = static_cast<double>(scan.points_m.size()) / sensor.rows();
   HeightTracker tracker(angle_rad, tangent, median_beam_spacing_rad(sensor), points_per_row);
-  return tracker.segments(cut_into_pieces(angle_rad, gap_rad));
+  const std::vector<Piece> pieces = cut_into_pieces(angle_rad, gap_rad);
+  require_few_pieces_per_turn(pieces, scan.points_m.size());
+  return tracker.segments(pieces);
 }
 
 }  // namespace hqslam

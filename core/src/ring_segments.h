@@ -20,7 +20,7 @@ struct RingSegment {
 
 /// Cuts a scan into segments at each wrap of the azimuth, and at a large gap of the azimuth (the
 /// only place where a wrap can hide) if all that follows up to the next wrap lies lower. At least
-/// one point.
+/// one point. Throws Error where the azimuth jumps more often than gaps fit into a turn.
 std::vector<RingSegment> ring_segments(const Scan& scan, const SensorModel& sensor);
 
 /// Tangent of the elevation of each point: rises with it, at a fraction of the cost. Finite.

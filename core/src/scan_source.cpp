@@ -56,15 +56,17 @@ bool nearly_equal(const std::vector<double>& a, const std::vector<double>& b) {
 SensorModel sensor_of_folder(const fs::path& folder, const SensorModel& sensor) {
   const std::string path = (folder / "sensor.json").string();
   const SensorModel recorded = read_sensor_json(path);
+  constexpr double kTolerance_s = 1e-9;
   const bool same = recorded.columns == sensor.columns &&
+                    std::abs(recorded.scan_period_s - sensor.scan_period_s) < kTolerance_s &&
                     nearly_equal(recorded.beam_elevation_rad, sensor.beam_elevation_rad) &&
                     nearly_equal(recorded.beam_azimuth_offset_rad, sensor.beam_azimuth_offset_rad);
   if (!same) {
-    throw Error(
-        fmt::format("{}: expected a drive of sensor '{}' ({} rows, {} columns), found one of "
-                    "'{}' ({} rows, {} columns); name {} as the sensor",
-                    folder.string(), sensor.name, sensor.rows(), sensor.columns, recorded.name,
-                    recorded.rows(), recorded.columns, path));
+    throw Error(fmt::format(
+        "{}: expected a drive of sensor '{}' ({} rows, {} columns, {} s a scan), found "
+        "one of '{}' ({} rows, {} columns, {} s a scan); name {} as the sensor",
+        folder.string(), sensor.name, sensor.rows(), sensor.columns, sensor.scan_period_s,
+        recorded.name, recorded.rows(), recorded.columns, recorded.scan_period_s, path));
   }
   SensorModel result = sensor;
   result.measured_rows = recorded.measured_rows;

@@ -12,6 +12,7 @@
 
 #include "excerpt.h"
 #include "hqslam/core/error.h"
+#include "hqslam/core/json_limits.h"
 #include "hqslam/core/sensor_model.h"
 #include "whole_file.h"
 
@@ -211,6 +212,7 @@ void require_printable_name(const SensorModel& sensor, const std::string& path) 
 }
 
 Json parsed(const std::string& bytes, const std::string& path) {
+  check_json_limits(bytes, path);
   Json json;
   try {
     json = Json::parse(bytes);

@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <cstdint>
 #include <numbers>
 
 #include "hqslam/core/error.h"
+#include "row_selection.h"
 
 namespace hqslam {
 
@@ -108,40 +110,39 @@ void validate(const SensorModel& sensor) {
 namespace {
 
 /// Which of the selected rows were measured, counted in the selection.
-std::optional<RowSelection> measured_of(const SensorModel& sensor, RowSelection rows) {
+std::optional<RowSelection> measured_of(const SensorModel& sensor, RowSelection rows,
+                                        const std::vector<int>& selected) {
   if (!sensor.measured_rows) return std::nullopt;
+  const int count = static_cast<int>(selected.size());
   std::vector<int> measured;
-  int selected = 0;
-  for (int row = rows.offset; row < sensor.rows(); row += rows.stride, ++selected) {
-    if (sensor.measured_rows->contains(row)) measured.push_back(selected);
+  for (int i = 0; i < count; ++i) {
+    if (sensor.measured_rows->contains(selected[i])) measured.push_back(i);
   }
-  if (static_cast<int>(measured.size()) == selected) return std::nullopt;
+  if (static_cast<int>(measured.size()) == count) return std::nullopt;
   if (measured.empty()) {
-    throw Error(fmt::format(
-        "sensor '{}': rows {}, {}, ... were all computed; select some of the "
-        "measured rows {}, {}, ...",
-        sensor.name, rows.offset, rows.offset + rows.stride, sensor.measured_rows->offset,
-        sensor.measured_rows->offset + sensor.measured_rows->stride));
+    const auto second = [](RowSelection r) { return std::int64_t{r.offset} + r.stride; };
+    throw Error(
+        fmt::format("sensor '{}': rows {}, {}, ... were all computed; select some of the "
+                    "measured rows {}, {}, ...",
+                    sensor.name, rows.offset, second(rows), sensor.measured_rows->offset,
+                    second(*sensor.measured_rows)));
   }
-  return RowSelection{measured.front(), measured.size() > 1 ? measured[1] - measured[0] : selected};
+  return RowSelection{measured.front(), measured.size() > 1 ? measured[1] - measured[0] : count};
 }
 
 }  // namespace
 
 SensorModel select_rows(const SensorModel& sensor, RowSelection rows) {
-  if (rows.offset < 0 || rows.stride < 1 || rows.offset >= sensor.rows()) {
-    throw Error(fmt::format("row selection {}:{} does not fit a sensor of {} rows", rows.offset,
-                            rows.stride, sensor.rows()));
-  }
+  const std::vector<int> selected = selected_rows(sensor.rows(), rows);
   SensorModel result = sensor;
   result.name = fmt::format("{}/{}:{}", sensor.name, rows.offset, rows.stride);
   result.beam_elevation_rad.clear();
   result.beam_azimuth_offset_rad.clear();
-  for (int row = rows.offset; row < sensor.rows(); row += rows.stride) {
+  for (const int row : selected) {
     result.beam_elevation_rad.push_back(sensor.beam_elevation_rad[row]);
     result.beam_azimuth_offset_rad.push_back(sensor.beam_azimuth_offset_rad[row]);
   }
-  result.measured_rows = measured_of(sensor, rows);
+  result.measured_rows = measured_of(sensor, rows, selected);
   return result;
 }
 

@@ -4,20 +4,25 @@
 #include <cmath>
 #include <fstream>
 #include <functional>
+#include <optional>
 #include <string_view>
 
 #include "excerpt.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/trajectory.h"
+#include "whole_file.h"
 
 namespace hqslam {
 
 namespace {
 
+constexpr std::size_t kMaxFileBytes = 128U << 20U;  // more than a million poses
 constexpr std::size_t kTumColumns = 8;
 constexpr std::size_t kKittiColumns = 12;
 /// How far a rotation read from rounded numbers may be from a rotation.
 constexpr double kRotationTolerance = 1e-2;
+
+enum class Form { kTum, kKitti };
 
 struct Row {
   int line = 0;
@@ -51,27 +56,14 @@ std::vector<double> numbers_of(std::string_view text, const std::string& path, i
   return numbers;
 }
 
-/// The rows of a file of numbers; '#' comments and empty lines are left out.
-std::vector<Row> read_rows(const std::string& path) {
-  std::ifstream stream(path, std::ios::binary);
-  if (!stream) {
-    throw Error(
-        fmt::format("{}: expected a readable trajectory, found none; check the path", path));
-  }
-  std::vector<Row> rows;
-  std::string text;
-  for (int line = 1; std::getline(stream, text); ++line) {
-    if (const auto comment = text.find('#'); comment != std::string::npos) text.resize(comment);
-    Row row{line, numbers_of(text, path, line)};
-    if (!row.numbers.empty()) rows.push_back(std::move(row));
-  }
-  if (rows.empty()) {
-    throw Error(
-        fmt::format("{}: expected at least one pose, found none; give a trajectory in TUM "
-                    "or KITTI form",
-                    path));
-  }
-  return rows;
+Form form_of(const Row& row, const std::string& path) {
+  const std::size_t columns = row.numbers.size();
+  if (columns == kTumColumns) return Form::kTum;
+  if (columns == kKittiColumns) return Form::kKitti;
+  fail(path, row.line,
+       fmt::format("expected 8 numbers (TUM) or 12 (KITTI), found {}; give a trajectory in one of "
+                   "the two forms",
+                   columns));
 }
 
 void require_columns(const Row& row, std::size_t expected, const std::string& form,
@@ -83,53 +75,69 @@ void require_columns(const Row& row, std::size_t expected, const std::string& fo
                    std::min(row.numbers.size(), kKittiColumns)));
 }
 
-Trajectory tum_from(const std::vector<Row>& rows, const std::string& path) {
-  Trajectory trajectory;
-  trajectory.reserve(rows.size());
-  for (const Row& row : rows) {
-    require_columns(row, kTumColumns, "TUM: stamp x y z qx qy qz qw", path);
-    const auto& n = row.numbers;
-    const Eigen::Quaterniond q(n[7], n[4], n[5], n[6]);
-    if (!(std::abs(q.norm() - 1.0) <= kRotationTolerance)) {
-      fail(path, row.line,
-           fmt::format("expected a unit quaternion in columns 5 to 8, found one of norm {:.4g}",
-                       q.norm()));
-    }
-    if (!trajectory.empty() && !(n[0] > trajectory.back().stamp_s)) {
-      fail(path, row.line,
-           fmt::format("expected stamps that rise from line to line, found {:.9f} after {:.9f}; "
-                       "sort the lines and remove repeated ones",
-                       n[0], trajectory.back().stamp_s));
-    }
-    StampedPose pose;
-    pose.stamp_s = n[0];
-    pose.T_map_sensor.linear() = q.normalized().toRotationMatrix();
-    pose.T_map_sensor.translation() = Eigen::Vector3d(n[1], n[2], n[3]);
-    trajectory.push_back(pose);
+StampedPose tum_pose(const Row& row, const Trajectory& before, const std::string& path) {
+  require_columns(row, kTumColumns, "TUM: stamp x y z qx qy qz qw", path);
+  const auto& n = row.numbers;
+  const Eigen::Quaterniond q(n[7], n[4], n[5], n[6]);
+  if (!(std::abs(q.norm() - 1.0) <= kRotationTolerance)) {
+    fail(path, row.line,
+         fmt::format("expected a unit quaternion in columns 5 to 8, found one of norm {:.4g}",
+                     q.norm()));
   }
-  return trajectory;
+  if (!before.empty() && !(n[0] > before.back().stamp_s)) {
+    fail(path, row.line,
+         fmt::format("expected stamps that rise from line to line, found {:.9f} after {:.9f}; "
+                     "sort the lines and remove repeated ones",
+                     n[0], before.back().stamp_s));
+  }
+  StampedPose pose;
+  pose.stamp_s = n[0];
+  pose.T_map_sensor.linear() = q.normalized().toRotationMatrix();
+  pose.T_map_sensor.translation() = Eigen::Vector3d(n[1], n[2], n[3]);
+  return pose;
 }
 
-Trajectory kitti_from(const std::vector<Row>& rows, const std::string& path, double period_s) {
+StampedPose kitti_pose(const Row& row, double stamp_s, const std::string& path) {
+  require_columns(row, kKittiColumns, "KITTI: a 3x4 pose, row by row", path);
+  const Eigen::Matrix<double, 3, 4> matrix =
+      Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>>(row.numbers.data());
+  const Eigen::Matrix3d R = matrix.leftCols<3>();
+  const double deviation = (R.transpose() * R - Eigen::Matrix3d::Identity()).norm();
+  if (!(deviation <= kRotationTolerance) || R.determinant() < 0.0) {
+    fail(path, row.line,
+         fmt::format("expected a rotation in columns 1-3, 5-7, 9-11, found a matrix with "
+                     "|R'R - I| = {:.4g} and determinant {:.4g}",
+                     deviation, R.determinant()));
+  }
+  StampedPose pose;
+  pose.stamp_s = stamp_s;
+  pose.T_map_sensor.linear() = Eigen::Quaterniond(R).normalized().toRotationMatrix();
+  pose.T_map_sensor.translation() = matrix.col(3);
+  return pose;
+}
+
+/// The poses of a file, each made from its line as it is met: '#' comments and empty lines are left
+/// out. Without a form the first line of numbers tells it.
+Trajectory trajectory_in(const std::string& path, std::optional<Form> form, double period_s) {
+  const std::string file = whole_file(path, "a trajectory", kMaxFileBytes);
   Trajectory trajectory;
-  trajectory.reserve(rows.size());
-  for (const Row& row : rows) {
-    require_columns(row, kKittiColumns, "KITTI: a 3x4 pose, row by row", path);
-    const Eigen::Matrix<double, 3, 4> matrix =
-        Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>>(row.numbers.data());
-    const Eigen::Matrix3d R = matrix.leftCols<3>();
-    const double deviation = (R.transpose() * R - Eigen::Matrix3d::Identity()).norm();
-    if (!(deviation <= kRotationTolerance) || R.determinant() < 0.0) {
-      fail(path, row.line,
-           fmt::format("expected a rotation in columns 1-3, 5-7, 9-11, found a matrix with "
-                       "|R'R - I| = {:.4g} and determinant {:.4g}",
-                       deviation, R.determinant()));
-    }
-    StampedPose pose;
-    pose.stamp_s = static_cast<double>(trajectory.size()) * period_s;
-    pose.T_map_sensor.linear() = Eigen::Quaterniond(R).normalized().toRotationMatrix();
-    pose.T_map_sensor.translation() = matrix.col(3);
-    trajectory.push_back(pose);
+  std::string_view rest = file;
+  for (int line = 1; !rest.empty(); ++line) {
+    const std::string_view text = rest.substr(0, rest.find('\n'));
+    rest.remove_prefix(std::min(text.size() + 1, rest.size()));
+    const Row row{line, numbers_of(text.substr(0, text.find('#')), path, line)};
+    if (row.numbers.empty()) continue;
+    if (!form) form = form_of(row, path);
+    trajectory.push_back(
+        form == Form::kTum
+            ? tum_pose(row, trajectory, path)
+            : kitti_pose(row, static_cast<double>(trajectory.size()) * period_s, path));
+  }
+  if (trajectory.empty()) {
+    throw Error(
+        fmt::format("{}: expected at least one pose, found none; give a trajectory in TUM "
+                    "or KITTI form",
+                    path));
   }
   return trajectory;
 }
@@ -168,21 +176,14 @@ void write_lines(const Trajectory& trajectory, const std::string& path,
 
 }  // namespace
 
-Trajectory read_tum(const std::string& path) { return tum_from(read_rows(path), path); }
+Trajectory read_tum(const std::string& path) { return trajectory_in(path, Form::kTum, 0.0); }
 
 Trajectory read_kitti_poses(const std::string& path, double period_s) {
-  return kitti_from(read_rows(path), path, period_s);
+  return trajectory_in(path, Form::kKitti, period_s);
 }
 
 Trajectory read_trajectory(const std::string& path, double period_s) {
-  const std::vector<Row> rows = read_rows(path);
-  const std::size_t columns = rows.front().numbers.size();
-  if (columns == kTumColumns) return tum_from(rows, path);
-  if (columns == kKittiColumns) return kitti_from(rows, path, period_s);
-  fail(path, rows.front().line,
-       fmt::format("expected 8 numbers (TUM) or 12 (KITTI), found {}; give a trajectory in one of "
-                   "the two forms",
-                   columns));
+  return trajectory_in(path, std::nullopt, period_s);
 }
 
 void write_tum(const Trajectory& trajectory, const std::string& path) {

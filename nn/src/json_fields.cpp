@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "hqslam/core/error.h"
+#include "hqslam/core/json_limits.h"
 
 namespace hqslam::nn {
 namespace {
@@ -23,12 +24,17 @@ std::string excerpt(const Json& value) {
 
 }  // namespace
 
-JsonFields::JsonFields(const std::string& text, std::string source) : source_(std::move(source)) {
+Json parsed_json(const std::string& text, const std::string& source) {
+  check_json_limits(text, source);
   try {
-    object_ = Json::parse(text);
+    return Json::parse(text);
   } catch (const Json::exception&) {
-    throw Error(fmt::format("{}: expected JSON, found something else; correct the text", source_));
+    throw Error(fmt::format("{}: expected JSON, found something else; correct the text", source));
   }
+}
+
+JsonFields::JsonFields(const std::string& text, std::string source) : source_(std::move(source)) {
+  object_ = parsed_json(text, source_);
   if (!object_.is_object()) {
     throw Error(fmt::format("{}: expected a JSON object, found {}", source_, excerpt(object_)));
   }

@@ -7,6 +7,10 @@
 
 namespace hqslam::nn {
 
+/// Any JSON value. Throws Error for a text that is none or goes beyond check_json_limits; `source`
+/// stands for the file in messages.
+nlohmann::ordered_json parsed_json(const std::string& text, const std::string& source);
+
 /// A JSON object read field by field. Every complaint is one Error naming source, field, expected
 /// and found; fields that nobody asked for are complained about by `finish`.
 class JsonFields {

@@ -225,18 +225,60 @@ TEST_CASE("a file that is no point cloud is refused with file, expected and foun
 }
 
 TEST_CASE("counts that overflow or exceed the file are refused before anything is allocated") {
-  std::string huge = "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 4294967295\nHEIGHT 1\nDATA ";
+  std::string huge = "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 33554432\nHEIGHT 1\nDATA ";
   CHECK(one_line_with(complaint_about(huge + "ascii\n1 2 3\n"), "truncated"));
   CHECK(one_line_with(complaint_about(huge + "binary\n1 2 3\n"), "truncated"));
   CHECK(one_line_with(complaint_about(huge + "binary_compressed\n1 2 3\n"), "truncated"));
   const std::string overflow =
       "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 4294967296\n"
       "HEIGHT 4294967296\nDATA ascii\n1 2 3\n";
-  CHECK(one_line_with(complaint_about(overflow), "POINTS"));
+  CHECK(one_line_with(complaint_about(overflow), "WIDTH", "up to 33554432"));
+  const std::string product =
+      "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 33554432\n"
+      "HEIGHT 2\nDATA ascii\n1 2 3\n";
+  CHECK(one_line_with(complaint_about(product), "POINTS", "33554432 x 2"));
   const std::string none =
       "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 0 1 1\nWIDTH 1\nHEIGHT 1\n"
       "DATA binary\n12345678";
   CHECK(one_line_with(complaint_about(none), "'x'", "found none"));
+}
+
+TEST_CASE("compressed data that would become gigabytes are refused before they do") {
+  const std::string wide =
+      "FIELDS x y z pad\nSIZE 4 4 4 4\nTYPE F F F F\nCOUNT 1 1 1 13\nWIDTH 25165824\nHEIGHT 1\n"
+      "DATA binary_compressed\n";
+  const std::string sizes = bytes_of<std::uint32_t>(0) + bytes_of<std::uint32_t>(64U * 25165824U);
+  CHECK(one_line_with(complaint_about(wide + sizes), "0.pcd", "at most 1073741824 bytes",
+                      "found 1610612736"));
+}
+
+TEST_CASE("numbers too large for a double are infinite, those too small are 0") {
+  const std::string too_large[] = {"1e400",
+                                   "-1e400",
+                                   "0.001E+999",
+                                   "1" + std::string(400, '0'),
+                                   "0." + std::string(400, '0') + "1e800",
+                                   "1e99999999999999999999"};
+  for (const std::string& number : too_large) {
+    CAPTURE(number);
+    const Scan scan =
+        scan_of(header("x y z", "4 4 4", "F F F", 2, "ascii") + "5 " + number + " 1\n1 2 3\n");
+    CHECK(scan.invalid_points == 1);
+    CHECK(scan.points_m == std::vector<Eigen::Vector3f>{{1, 2, 3}});
+  }
+  const std::string too_small[] = {"1e-400",
+                                   "-1e-400",
+                                   "100E-999",
+                                   "0e400",
+                                   "0." + std::string(400, '0') + "1",
+                                   "1" + std::string(400, '0') + "e-800",
+                                   "1e-99999999999999999999"};
+  for (const std::string& number : too_small) {
+    CAPTURE(number);
+    const Scan scan =
+        scan_of(header("x y z", "4 4 4", "F F F", 1, "ascii") + "5 " + number + " 1\n");
+    CHECK(scan.points_m == std::vector<Eigen::Vector3f>{{5, 0, 1}});
+  }
 }
 
 TEST_CASE("damaged compressed data are refused") {

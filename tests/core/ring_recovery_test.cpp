@@ -290,6 +290,29 @@ TEST_CASE("points stored column after column or at random are told from rings an
                       "expected points stored ring after ring", "jumps"));
 }
 
+TEST_CASE("an azimuth that jumps to and fro is refused at once") {
+  const SensorModel sensor = sensor_preset("os1-64");
+  Scan scan;
+  for (int i = 0; i < 20'000; ++i) {
+    const double azimuth_rad = i % 2 == 0 ? 1.0 : 1.045;
+    scan.points_m.emplace_back(static_cast<float>(10.0 * std::cos(azimuth_rad)),
+                               static_cast<float>(10.0 * std::sin(azimuth_rad)), 0.0F);
+  }
+  CHECK(one_line_with(error_message([&] { recover_rings(scan, sensor); }),
+                      "expected points stored ring after ring", "jumps", "in one turn"));
+}
+
+TEST_CASE("a turn with as many gaps as fit into it is one ring") {
+  const SensorModel sensor = sensor_preset("vlp-16");
+  Scan scan;
+  for (int i = 0; i < 170; ++i) {
+    const double azimuth_rad = 0.01 + 0.0365 * i;
+    scan.points_m.emplace_back(static_cast<float>(10.0 * std::cos(azimuth_rad)),
+                               static_cast<float>(10.0 * std::sin(azimuth_rad)), 0.0F);
+  }
+  CHECK(recover_rings(scan, sensor).empty_rings == 15);
+}
+
 TEST_CASE("the rings of real scans are those that their wraps give") {
   const SensorModel sensor = sensor_preset("hdl-64e");
   for (const std::string& path : real_scans(3)) {

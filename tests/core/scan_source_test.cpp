@@ -13,6 +13,7 @@
 #include "hqslam/core/kitti_bin.h"
 #include "hqslam/core/npy.h"
 #include "hqslam/core/pcd.h"
+#include "hqslam/core/trajectory.h"
 #include "temporary_directory.h"
 
 using namespace hqslam;
@@ -203,6 +204,45 @@ TEST_CASE("a simulated drive is opened with the sensor it was made with and no o
                       "sensor.json"));
   CHECK(one_line_with(complaint_about(path, sensor_preset("os1-64")), "'os1-64' (64 rows",
                       "'hdl-32e' (32 rows"));
+}
+
+TEST_CASE("a folder's sensor is another one if its scans take longer") {
+  const TemporaryDirectory directory;
+  const SensorModel sensor = sensor_preset("vlp-16");
+  SensorModel slow = sensor;
+  slow.scan_period_s = 0.2;
+  write_sensor_json(slow, directory.file("sensor.json"));
+  NpyStackWriter writer(directory.file("scans.npy"), 16, sensor.columns);
+  writer.append(an_image(sensor));
+  const std::string path = directory.path().string();
+  CHECK(open_recording(path, slow)->size() == 1);
+  CHECK(one_line_with(complaint_about(path, sensor), "0.1 s a scan", "found", "0.2 s a scan"));
+}
+
+TEST_CASE("the scans of a drive have the stamps of its truth, also where it was interrupted") {
+  const TemporaryDirectory directory;
+  const SensorModel sensor = sensor_preset("vlp-16");
+  write_sensor_json(sensor, directory.file("sensor.json"));
+  NpyStackWriter writer(directory.file("scans.npy"), 16, sensor.columns);
+  for (int i = 0; i < 3; ++i) writer.append(an_image(sensor));
+  const std::string path = directory.path().string();
+  const auto with_truth_of = [&](int poses) {
+    Trajectory truth;
+    for (int i = 0; i < poses; ++i) truth.push_back({0.05 + 0.1 * i, Pose::Identity()});
+    write_tum(truth, directory.file("truth.tum"));
+  };
+  // Of a whole drive, of one that was lifted in part, of one whose last pose is missing.
+  for (const int poses : {3, 5, 2}) {
+    CAPTURE(poses);
+    with_truth_of(poses);
+    const auto source = open_recording(path, sensor);
+    for (int i = 0; i < 3; ++i) {
+      CHECK(source->next()->stamp_s == doctest::Approx(0.05 + 0.1 * i));
+    }
+  }
+  with_truth_of(1);
+  CHECK(one_line_with(complaint_about(path, sensor), "scans.npy", "3 images", "found 1",
+                      "truth.tum"));
 }
 
 TEST_CASE("what a folder's sensor file says of its images holds whatever the sensor is called") {

@@ -172,6 +172,30 @@ TEST_CASE("a sensor file with a wrong field is refused with file, field, expecte
   CHECK(one_line_with(complaint_about(std::string(100000, '[')), "s.json", "JSON"));
 }
 
+TEST_CASE("values nested deep and objects of many fields are refused, however they end") {
+  const std::string deep = std::string(1'000'000, '[') + std::string(1'000'000, ']');
+  CHECK(one_line_with(complaint_about(deep), "s.json", "at most 32 levels"));
+  CHECK(
+      one_line_with(complaint_about(replaced(kOwn, "1024", deep)), "s.json", "at most 32 levels"));
+  std::string objects;
+  for (int i = 0; i < 100'000; ++i) objects += "{\"a\":";
+  CHECK(one_line_with(complaint_about(objects + "1" + std::string(100'000, '}')), "32 levels"));
+  std::string fields;
+  for (int i = 0; i < 300'000; ++i) fields += ", \"" + std::to_string(i) + "\": 0";
+  CHECK(one_line_with(complaint_about(replaced(kOwn, "80", "80" + fields)), "s.json",
+                      "at most 1000 fields"));
+}
+
+TEST_CASE("32 levels and 1000 fields are still read") {
+  std::string text =
+      "{\"lidar_mode\": \"512x20\", \"beam_altitude_angles\": [1], "
+      "\"beam_azimuth_angles\": [0], \"deep\": " +
+      std::string(31, '[') + std::string(31, ']');
+  for (int i = 4; i < 1000; ++i) text += ", \"" + std::to_string(i) + "\": 0";
+  CHECK(sensor_of(text + "}").columns == 512);
+  CHECK(one_line_with(complaint_about(text + ", \"more\": 0}"), "at most 1000 fields"));
+}
+
 TEST_CASE("Ouster metadata that contradict themselves or lack a field are refused") {
   const auto with = [](const std::string& from, const std::string& to) {
     return complaint_about(replaced(kGrouped, from, to));

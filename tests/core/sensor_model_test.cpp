@@ -2,11 +2,14 @@
 
 #include <doctest/doctest.h>
 
+#include <climits>
 #include <cmath>
 #include <numbers>
 #include <set>
 
 #include "hqslam/core/error.h"
+#include "hqslam/core/organized_cloud.h"
+#include "hqslam/core/range_image.h"
 
 using hqslam::Error;
 using hqslam::SensorModel;
@@ -49,6 +52,30 @@ TEST_CASE("16 of 64 rows are 3, 7, ..., 63") {
   CHECK(some.beam_azimuth_offset_rad[1] == all.beam_azimuth_offset_rad[7]);
   CHECK_THROWS_AS(hqslam::selection_for(64, 17), Error);
   CHECK_THROWS_AS(hqslam::selection_for(64, 0), Error);
+}
+
+TEST_CASE("a selection that does not fit is refused by sensors, images and clouds alike") {
+  const SensorModel sensor = hqslam::sensor_preset("vlp-16");
+  const hqslam::RangeImage image(16, 32);
+  const hqslam::OrganizedCloud cloud(16, 32);
+  for (const hqslam::RowSelection rows :
+       {hqslam::RowSelection{0, 0}, {3, -1}, {-1, 2}, {16, 2}, {INT_MAX, 1}}) {
+    CAPTURE(rows.offset);
+    CHECK_THROWS_AS(hqslam::select_rows(sensor, rows), Error);
+    CHECK_THROWS_AS(hqslam::select_rows(image, rows), Error);
+    CHECK_THROWS_AS(hqslam::select_rows(cloud, rows), Error);
+  }
+  CHECK_THROWS_WITH_AS(hqslam::select_rows(hqslam::RangeImage(3, 32), {10, 2}),
+                       "row selection 10:2 does not fit 3 rows: expected an offset of 0 to 2 and a "
+                       "stride of 1 or more",
+                       Error);
+}
+
+TEST_CASE("a stride beyond the last row leaves one row") {
+  const hqslam::RowSelection rows{3, INT_MAX};
+  CHECK(hqslam::select_rows(hqslam::sensor_preset("vlp-16"), rows).rows() == 1);
+  CHECK(hqslam::select_rows(hqslam::RangeImage(16, 32), rows).range_m.size() == 32);
+  CHECK(hqslam::select_rows(hqslam::OrganizedCloud(16, 32), rows).points_m.size() == 32);
 }
 
 TEST_CASE("a selection of rows keeps in mind which of them were measured") {

@@ -1,6 +1,7 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <filesystem>
 #include <functional>
 
 #include "error_message.h"
@@ -111,6 +112,27 @@ TEST_CASE("a file that is no trajectory is refused with its name and line") {
   CHECK(one_line_with(complaint_about("1 2 3 4 5 6 7 8 9 10 11 12 13 14",
                                       [](const auto& path) { return read_kitti_poses(path); }),
                       "expected 12", "more than 12"));
+  CHECK(one_line_with(complaint_about(std::string("\x93NUMPY\1\0v\0", 10), read_any), "poses.txt:1",
+                      "finite number"));
   CHECK(one_line_with(error_message([] { read_tum("/nowhere/t.tum"); }), "/nowhere/t.tum"));
   CHECK(one_line_with(error_message([] { write_tum({}, "/nowhere/t.tum"); }), "/nowhere/t.tum"));
+}
+
+TEST_CASE("a trajectory is a regular file that is not far larger than any drive") {
+  const TemporaryDirectory directory;
+  const std::string path = directory.file("t.tum");
+  const auto complaint = [](const std::string& file) {
+    return error_message([&] { read_trajectory(file); });
+  };
+  CHECK(one_line_with(complaint(directory.path().string()), "a trajectory", "found a folder"));
+  CHECK(one_line_with(complaint("/dev/null"), "/dev/null", "a trajectory", "found no file"));
+  write_file(path, "0 0 0 0 0 0 0 1\n");
+  std::filesystem::resize_file(path, 1'000'000'000);  // a hole, no blocks
+  CHECK(one_line_with(complaint(path), "t.tum", "at most", "1000000000 bytes"));
+}
+
+TEST_CASE("the first wrong line is refused, whatever comes after it") {
+  CHECK(one_line_with(complaint_about("1\n2\nthree\n", read_any), "poses.txt:1", "found 1"));
+  CHECK(one_line_with(complaint_about("0 0 0 0 0 0 0 1\n1\ntwo\n", read_tum), "poses.txt:2",
+                      "found 1"));
 }

@@ -30,6 +30,9 @@ std::vector<Case> cases() {
       all.push_back({{2, 3, 3, 5, 1, 1, 2}, 3, columns, padding});
     }
     all.push_back({{1, 2, 5, 3, 3, 2, 0}, 9, 12, padding});
+    all.push_back({{2, 3, 3, 4, 1, 1, 2}, 3, 20, padding});  // zero: one column more than before
+    all.push_back({{2, 3, 3, 5, 2, 1, 2}, 4, 15, padding});
+    all.push_back({{2, 3, 3, 2, 2, 1, 0}, 4, 17, padding});  // zero: the last column has no tap
   }
   return all;
 }
@@ -205,6 +208,16 @@ TEST_CASE("shapes that do not fit are refused") {
   CHECK_THROWS_AS(Conv2d({3, 4, 3, 3, 1, 1, 1}, input, half, any), Error);
   CHECK_THROWS_AS(Conv2d({3, 4, 7, 3, 2, 3, 1}, input, half, any), Error);
   CHECK_THROWS_AS(Conv2d({3, 4, 3, 3, 0, 1, 1}, input, half, any), Error);
+  // With zeros beyond the edge and these paddings a tap would find zeros inside the image,
+  const Tensor wide(1, 8, 16, ColumnPadding::kZero);
+  const auto narrow = [](int rows, int columns) {
+    return Tensor(1, rows, columns, ColumnPadding::kZero, 4);
+  };
+  CHECK_THROWS_AS(Conv2d({1, 1, 3, 3, 2, 1, 0}, wide, narrow(4, 7), any), Error);
+  CHECK_THROWS_AS(Conv2d({1, 1, 3, 5, 3, 1, 0}, wide, narrow(3, 4), any), Error);
+  CHECK_THROWS_AS(ConvTranspose2d({1, 1, 3, 3, 2, 1, 0}, narrow(4, 7), wide, any), Error);
+  // or a whole vector would end beyond the border.
+  CHECK_THROWS_AS(Conv2d({1, 1, 3, 4, 1, 1, 2}, wide, narrow(8, 17), any), Error);
   Conv2d layer({3, 4, 3, 3, 2, 1, 1}, input, half, any);
   CHECK_THROWS_AS(layer.set_parameters(std::vector<float>(5), {}), Error);
   CHECK_THROWS_AS(layer.set_parameters(std::vector<float>(108), std::vector<float>(3)), Error);

@@ -4,7 +4,7 @@
 
 namespace hqslam::nn {
 
-TEST_CASE("every instruction set's peak is that of a vector unit, and wider ones reach more") {
+TEST_CASE("every instruction set's peak is a processor's, and wider ones lose at most half of it") {
   double narrower = 0.1;  // GFLOP/s
   for (const InstructionSet instruction_set : available_instruction_sets()) {
     const double peak = multiply_add_peak_gflops(instruction_set, 1, 5);

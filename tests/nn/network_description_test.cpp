@@ -14,6 +14,15 @@ std::string message(const NetworkDescription& description) {
   return test::error_message([&] { validate(description); });
 }
 
+SensorModel a_sensor(int rows, int columns) {
+  SensorModel sensor = small_sensor();
+  sensor.columns = columns;
+  sensor.beam_elevation_rad.clear();
+  for (int row = 0; row < rows; ++row) sensor.beam_elevation_rad.push_back(0.5 - 1e-3 * row);
+  sensor.beam_azimuth_offset_rad.assign(rows, 0.0);
+  return sensor;
+}
+
 }  // namespace
 
 TEST_CASE("each layer has its own arrays unless weights are shared, penalties come last") {
@@ -77,6 +86,29 @@ TEST_CASE("descriptions that describe no network are refused with the field and 
   d = small_du_or();
   d.sensor.columns = 0;
   CHECK(message(d) != "no Error");
+}
+
+TEST_CASE("networks that take gigabytes are refused, the usual ones on large images are not") {
+  NetworkDescription simple;
+  simple.kind = NetworkKind::kSimpleDu;
+  simple.sensor = a_sensor(128, 2048);
+  simple.measured_rows = {3, 4};
+  CHECK(message(simple) == "no Error");
+  simple.sensor = a_sensor(1024, 16352);
+  simple.layers = 1;
+  simple.plain = {.features = 512, .convolutions = 2, .dropout = 0.0F};
+  CHECK(test::one_line_with(message(simple), "1024 x 16352", "values", "at most 536870912"));
+  NetworkDescription du_or;
+  du_or.u_shaped = {.tile = {4, 4}, .channels = {32, 32}, .memory = 16, .negative_slope = 0.0F};
+  du_or.sensor = a_sensor(128, 2048);
+  du_or.measured_rows = {3, 4};
+  CHECK(message(du_or) == "no Error");
+  du_or.u_shaped.tile = {1, 1};
+  du_or.u_shaped.channels = {512, 512, 512};
+  CHECK(test::one_line_with(message(du_or), "128 x 2048", "values", "at most 536870912"));
+  du_or.u_shaped.channels = {1, 1};
+  du_or.u_shaped.memory = 512;
+  CHECK(test::one_line_with(message(du_or), "128 x 2048", "values"));
 }
 
 TEST_CASE("parameter shapes of senseless denoisers are refused, not computed") {

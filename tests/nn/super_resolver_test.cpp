@@ -20,6 +20,18 @@ Weights weights_of(NetworkDescription description) {
   return weights;
 }
 
+/// eq. 3's first term, summed here from the images that the trace shows.
+void check_data_term(const LayerTrace& layer, const RangeImage& scene, RowSelection rows) {
+  double data_m2 = 0.0;
+  for (int row = rows.offset; row < scene.rows; row += rows.stride) {
+    for (int column = 0; column < scene.columns; ++column) {
+      const double gap_m = scene.at(row, column) - layer.h.at(row, column);
+      data_m2 += 0.5 * gap_m * gap_m;
+    }
+  }
+  CHECK(layer.objective.data_m2 == doctest::Approx(data_m2).epsilon(1e-5));
+}
+
 }  // namespace
 
 TEST_CASE("the measured rows alone and all rows give the same image") {
@@ -61,35 +73,48 @@ TEST_CASE("weights with another number of parameters are refused") {
   }
 }
 
-TEST_CASE("the trace shows every layer and does not change the result") {
-  const Weights weights = weights_of(small_du_or());
-  SuperResolver resolver(weights, {});
-  const RangeImage scene = small_scene();
-  Trace trace;
-  const RangeImage traced = resolver.run(scene, &trace);
-  CHECK(traced.range_m == resolver.run(scene).range_m);
-  REQUIRE(trace.layers.size() == 3);
-  CHECK(trace.start.has_return(0, 0));
-  const RowSelection rows = weights.description.measured_rows;
-  for (const LayerTrace& layer : trace.layers) {
-    // eq. 3, summed here from the images that the trace shows.
-    double data_m2 = 0.0;
-    for (int row = rows.offset; row < 16; row += rows.stride) {
-      for (int column = 0; column < 64; ++column) {
-        const double gap_m = scene.at(row, column) - layer.h.at(row, column);
-        data_m2 += 0.5 * gap_m * gap_m;
-      }
+TEST_CASE("the trace of both networks shows every layer and does not change the result") {
+  for (const NetworkDescription& description : {small_du_or(), small_simple_du()}) {
+    const bool simple = description.kind == NetworkKind::kSimpleDu;
+    SuperResolver resolver(weights_of(description), {});
+    const RangeImage scene = small_scene();
+    Trace trace;
+    const RangeImage traced = resolver.run(scene, &trace);
+    CHECK(traced.range_m == resolver.run(scene).range_m);
+    REQUIRE(trace.layers.size() == 3);
+    CHECK(trace.start.has_return(0, 0) == !simple);
+    for (const LayerTrace& layer : trace.layers) {
+      CHECK(layer.penalty == doctest::Approx(simple ? 0.5 / 10.99 : 0.1));
+      check_data_term(layer, scene, description.measured_rows);
     }
-    CHECK(layer.objective.data_m2 == doctest::Approx(data_m2).epsilon(1e-5));
-    CHECK(layer.penalty == doctest::Approx(0.1));
+  }
+}
+
+TEST_CASE("DU-OR's Y is H where the filter kept it, otherwise Z") {
+  SuperResolver resolver(weights_of(small_du_or()), {});
+  Trace trace;
+  resolver.run(small_scene(), &trace);
+  for (const LayerTrace& layer : trace.layers) {
     std::int64_t rejected = 0;
     for (std::size_t i = 0; i < layer.rejected.size(); ++i) {
       rejected += layer.rejected[i];
-      // Y is H where Q kept it, otherwise Z.
       const float expected = layer.rejected[i] != 0 ? layer.z.range_m[i] : layer.h.range_m[i];
       CHECK(layer.y.range_m[i] == expected);
     }
     CHECK(layer.objective.rejected == rejected);
+  }
+}
+
+TEST_CASE("Simple DU's Y is its Z; it has no filter inside, nor a term of one") {
+  SuperResolver resolver(weights_of(small_simple_du()), {});
+  Trace trace;
+  resolver.run(small_scene(), &trace);
+  for (const LayerTrace& layer : trace.layers) {
+    CHECK(layer.y.range_m == layer.z.range_m);
+    CHECK(layer.rejected == std::vector<std::uint8_t>(16 * 64, 0));
+    CHECK(layer.objective.rejected == 0);
+    CHECK(layer.objective.filter_gap_m2 == 0.0);
+    CHECK(layer.objective.denoiser_gap_m2 > 0.0);
   }
 }
 
@@ -112,7 +137,7 @@ TEST_CASE("the filter's settings can be replaced and its last pass left out") {
   CHECK(empty.has_return(3, 0));
 }
 
-TEST_CASE("every instruction set and number of threads gives the same image") {
+TEST_CASE("one and two threads give the same image with each instruction set") {
   const Weights weights = weights_of(small_du_or());
   const RangeImage scene = small_scene();
   for (const InstructionSet instruction_set : available_instruction_sets()) {

@@ -58,7 +58,11 @@ TEST_CASE("mistakes in a configuration are named with field, expected and found"
   CHECK(one_line_with(message_after("\"batch\": 2", "\"batch\": 2.5"), "batch", "whole number"));
   CHECK(one_line_with(message_after("\"crop_columns\": 256", "\"crop_columns\": 4096"),
                       "crop_columns is 4096"));
-  CHECK(one_line_with(message_after("\"os1-64\"", "\"os9\""), "os9"));
+  CHECK(one_line_with(message_after("\"os1-64\"", "\"os9\""), "recipe.json: network", "'os9'",
+                      "none of", "os1-64", "vls-128"));
+  CHECK(one_line_with(message_after("\"os1-64\"", "\"/dev/zero\""), "'/dev/zero'", "none of"));
+  CHECK(one_line_with(message_after("\"measured_rows\": 16", "\"measured_rows\": 4294967312"),
+                      "measured_rows", "smaller number", "4294967312"));
   CHECK(one_line_with(message_after("\"seeds\": [3]", "\"seeds\": []"), "seeds", "at least one"));
   CHECK(one_line_with(message_after("\"scans\": 10}", "\"scans\": -1}"), "scans"));
   CHECK(one_line_with(message_after("{\n", "["), "expected JSON"));

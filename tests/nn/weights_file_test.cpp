@@ -2,6 +2,8 @@
 
 #include <doctest/doctest.h>
 
+#include <filesystem>
+#include <nlohmann/json.hpp>
 #include <string>
 
 #include "../error_message.h"
@@ -61,7 +63,7 @@ TEST_CASE("weights of both networks come back as they were written") {
     CHECK(read.description.layers == description.layers);
     CHECK(read.description.sensor.name == description.sensor.name);
     CHECK(read.self_test.expected.range_m == written.self_test.expected.range_m);
-    CHECK(one_line_with(read.training.substr(0, 1), "{"));
+    CHECK(nlohmann::json::parse(read.training) == nlohmann::json::parse(written.training));
     CHECK_NOTHROW(check_self_test(read, path));
   }
 }
@@ -122,6 +124,34 @@ TEST_CASE("a description that does not fit is refused with field, expected and f
   CHECK(one_line_with(message_after_edit("\"format\": \"hqslam-weights-1\"", "\"format\": 2"),
                       "format"));
   CHECK(one_line_with(message_after_edit("\"stride\": 4", "\"stride\": 0"), "no selection"));
+}
+
+TEST_CASE("a description nested deep or with objects of many fields is refused") {
+  const std::string deep = std::string(1'000'000, '[') + std::string(1'000'000, ']');
+  CHECK(one_line_with(message_after_edit("\"seed\": 7", "\"seed\": " + deep), "weights.npz",
+                      "at most 32 levels"));
+  CHECK(one_line_with(message_after_edit("\"layers\": 3", "\"layers\": " + deep), "weights.npz",
+                      "at most 32 levels"));
+  std::string fields = "\"seed\": 7";
+  for (int i = 0; i < 300'000; ++i) fields += ", \"" + std::to_string(i) + "\": 0";
+  CHECK(one_line_with(message_after_edit("\"seed\": 7", fields), "weights.npz",
+                      "at most 1000 fields"));
+}
+
+TEST_CASE("weights that no reader would take are not written") {
+  const test::TemporaryDirectory directory;
+  const std::string path = directory.file("weights.npz");
+  for (const int missing : {1, -1}) {
+    Weights weights = small_weights(small_du_or());
+    weights.parameters.resize(weights.parameters.size() - missing);
+    CHECK(one_line_with(error_message([&] { write_weights(path, weights); }), path, "expected",
+                        "parameters", "du-or"));
+  }
+  Weights weights = small_weights(small_du_or());
+  weights.training = "{\"seed\": ";
+  CHECK(one_line_with(error_message([&] { write_weights(path, weights); }), "weights.npz: training",
+                      "expected JSON"));
+  CHECK_FALSE(std::filesystem::exists(path));
 }
 
 }  // namespace hqslam::nn

@@ -22,6 +22,35 @@ std::unique_ptr<Denoiser> any_denoiser(const NetworkDescription& d) {
                                 d.u_shaped.tile.columns * halvings, InstructionSet::kPortable, 1);
 }
 
+/// How many values the tensors of one layer hold, without their borders.
+std::int64_t values_of_a_layer(const NetworkDescription& d) {
+  const TileSize tile = tile_of(d);
+  const std::int64_t places =
+      static_cast<std::int64_t>(d.sensor.rows() / tile.rows) * (d.sensor.columns / tile.columns);
+  if (d.kind == NetworkKind::kSimpleDu) {
+    const std::int64_t hidden = d.plain.features * (d.plain.convolutions - 1);
+    return places * (2 + hidden);  // and H and Z
+  }
+  const std::int64_t images = (2 + kSelectionGroups) * tile.pixels();  // H, Z and the scores
+  std::int64_t values = places * (images + 2 * d.u_shaped.memory);
+  for (std::size_t level = 0; level < d.u_shaped.channels.size(); ++level) {
+    values += (places >> (2 * level)) * 2 * d.u_shaped.channels[level];  // on the way down and up
+  }
+  return values;
+}
+
+/// Memory for all layers is what training and a trace ask for.
+void check_memory(const NetworkDescription& d) {
+  constexpr std::int64_t kMostValues = std::int64_t{1} << 29U;  // 2 GiB
+  const std::int64_t values = d.layers * values_of_a_layer(d);
+  if (values > kMostValues) {
+    throw Error(fmt::format(
+        "network: {} layers on images of {} x {} hold {} values, expected at most {}; take fewer "
+        "channels or layers or a sensor with fewer columns",
+        d.layers, d.sensor.rows(), d.sensor.columns, values, kMostValues));
+  }
+}
+
 }  // namespace
 
 std::string_view name(NetworkKind kind) {
@@ -57,6 +86,7 @@ void validate(const NetworkDescription& d) {
   } else {
     validate(d.plain);
   }
+  check_memory(d);
 }
 
 std::vector<ParameterShape> parameter_shapes(const NetworkDescription& d) {

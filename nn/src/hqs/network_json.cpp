@@ -67,7 +67,9 @@ SensorModel read_sensor(JsonFields& fields, const std::string& source) {
 
 RowSelection read_rows(JsonFields& fields, int sensor_rows) {
   if (!fields.dumped("measured_rows").starts_with("{")) {
-    return selection_for(sensor_rows, static_cast<int>(fields.integer("measured_rows")));
+    int measured = 0;
+    fields.optional("measured_rows", measured);
+    return selection_for(sensor_rows, measured);
   }
   JsonFields rows = fields.object("measured_rows");
   RowSelection selection;

@@ -89,9 +89,10 @@ RangeImage SuperResolver::Implementation::in_metres(const Tensor& tiles) const {
 LayerTrace SuperResolver::Implementation::layer_trace(const UnrolledState& all, int layer,
                                                       const RangeImage& measured) const {
   const LayerState& from = all.layer(layer);
+  const bool has_filter = network.description().kind == NetworkKind::kDuOr;
   LayerTrace trace{in_metres(from.denoiser.input),
                    in_metres(from.denoiser.z),
-                   in_metres(from.y),
+                   in_metres(has_filter ? from.y : from.denoiser.z),
                    from.rejected,
                    penalty[layer],
                    {}};
@@ -108,7 +109,7 @@ LayerTrace SuperResolver::Implementation::layer_trace(const UnrolledState& all, 
     const double z_gap_m = trace.z.range_m[i] - trace.h.range_m[i];
     const double y_gap_m = trace.y.range_m[i] - trace.h.range_m[i];
     terms.denoiser_gap_m2 += 0.5 * trace.penalty * z_gap_m * z_gap_m;
-    terms.filter_gap_m2 += 0.5 * trace.penalty * y_gap_m * y_gap_m;
+    if (has_filter) terms.filter_gap_m2 += 0.5 * trace.penalty * y_gap_m * y_gap_m;
     terms.rejected += trace.rejected[i];
   }
   return trace;
@@ -151,7 +152,7 @@ RangeImage SuperResolver::run(const RangeImage& image, Trace* trace) {
     }
   }
   if (trace != nullptr) {
-    self.network.finish_last_layer(state);
+    if (description().kind == NetworkKind::kDuOr) self.network.finish_last_layer(state);
     *trace = Trace{self.in_metres(state.z0), {}, self.rejected};
     for (int layer = 0; layer < description().layers; ++layer) {
       trace->layers.push_back(self.layer_trace(state, layer, measured));

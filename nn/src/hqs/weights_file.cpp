@@ -71,6 +71,20 @@ RangeImage last_z(const NetworkDescription& description, const std::vector<float
   return z;
 }
 
+/// Throws Error unless there are as many parameters as the network has.
+void check_parameter_count(const std::string& path, const Weights& weights) {
+  std::int64_t expected = 0;
+  for (const ParameterShape& shape : parameter_shapes(weights.description)) {
+    expected += shape.elements();
+  }
+  if (static_cast<std::int64_t>(weights.parameters.size()) != expected) {
+    throw Error(
+        fmt::format("{}: expected {} parameters for a network of kind {}, found {}; write "
+                    "the weights with the description that they were trained with",
+                    path, expected, name(weights.description.kind), weights.parameters.size()));
+  }
+}
+
 int measured_row_count(const NetworkDescription& d) {
   return (d.sensor.rows() - d.measured_rows.offset + d.measured_rows.stride - 1) /
          d.measured_rows.stride;
@@ -119,10 +133,11 @@ Weights read_weights(const std::string& path) {
 
 void write_weights(const std::string& path, const Weights& weights) {
   const NetworkDescription& d = weights.description;
+  check_parameter_count(path, weights);
   nlohmann::ordered_json json;
   json["format"] = kFormat;
   json["network"] = nlohmann::ordered_json::parse(network_json(d));
-  json["training"] = nlohmann::ordered_json::parse(weights.training);
+  json["training"] = parsed_json(weights.training, path + ": training");
   NpzArrays arrays;
   arrays[kDescription] = npz_text(json.dump(1) + "\n");
   auto next = weights.parameters.begin();

@@ -76,7 +76,8 @@ StridedConvolution::StridedConvolution(const ConvolutionShape& shape, const Tens
   plan_scatter(narrow);
 }
 
-/// Everything that the kernels will read must be inside the tensors' memory.
+/// Everything that the kernels will read must be inside the tensors' memory, and what a tap finds
+/// there must be what the wide tensor has.
 void StridedConvolution::check(const Tensor& narrow, const Tensor& wide) const {
   const ConvolutionShape& s = shape_;
   if (wide.channels() != s.input_channels || narrow.channels() != s.output_channels) {
@@ -97,6 +98,7 @@ void StridedConvolution::check(const Tensor& narrow, const Tensor& wide) const {
     throw Error(fmt::format("convolution: {} columns do not become {} with stride {}",
                             wide.columns(), narrow.columns(), s.stride));
   }
+  check_columns_read(narrow, wide);
   const int below = (narrow.rows() - 1) * s.stride + s.kernel_rows - s.padding_rows - wide.rows();
   const int wide_border = std::max(s.padding_rows, below);
   const int narrow_above = (s.kernel_rows - 1 - s.padding_rows + s.stride - 1) / s.stride;
@@ -105,6 +107,28 @@ void StridedConvolution::check(const Tensor& narrow, const Tensor& wide) const {
   if (wide.border_rows() < wide_border || narrow.border_rows() < narrow_border) {
     throw Error(fmt::format("convolution: borders of {} and {} rows, expected {} and {}",
                             wide.border_rows(), narrow.border_rows(), wide_border, narrow_border));
+  }
+}
+
+void StridedConvolution::check_columns_read(const Tensor& narrow, const Tensor& wide) const {
+  const ConvolutionShape& s = shape_;
+  const int last = s.kernel_columns - 1 - s.padding_columns;  // the last tap's column
+  // Without a stride the rows are read in whole vectors: as many as the narrow row takes.
+  const bool beyond_border = s.stride == 1 && narrow.padded_columns() + std::max(0, last) >
+                                                  wide.padded_columns() + Tensor::kBorderColumns;
+  // With one, a phase plane is as wide as the narrow row, and zero beyond: a tap that reads there
+  // must have nothing left to read in the wide row.
+  bool beyond_plane = false;
+  for (int column = s.stride; s.stride > 1 && column <= last; ++column) {
+    const int phase = column % s.stride;
+    beyond_plane |= narrow.columns() * s.stride + phase < wide.columns();
+  }
+  if (wide.padding() == ColumnPadding::kZero && (beyond_border || beyond_plane)) {
+    throw Error(fmt::format(
+        "convolution: kernel of {} columns, stride {} and padding {} on {} columns with zeros "
+        "beyond the edge, expected a padding that makes {} columns of them",
+        s.kernel_columns, s.stride, s.padding_columns, wide.columns(),
+        (wide.columns() + s.stride - 1) / s.stride));
   }
 }
 

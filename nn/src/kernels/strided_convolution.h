@@ -32,8 +32,9 @@ struct ConvolutionScratch {
 class StridedConvolution {
  public:
   /// Plans for one pair of tensor shapes. `shape` is conv2d's: input channels are the wide side's,
-  /// output channels the narrow side's. Throws Error if the tensors do not fit it or their borders
-  /// are too small.
+  /// output channels the narrow side's. Throws Error if the tensors do not fit it, if their borders
+  /// are too small, or if with zeros beyond the edge the padding of the columns is too small (a
+  /// stride leaves columns over that the last tap would need) or too large for the border.
   StridedConvolution(const ConvolutionShape& shape, const Tensor& narrow, const Tensor& wide,
                      InstructionSet instruction_set);
 
@@ -71,6 +72,7 @@ class StridedConvolution {
   };
 
   void check(const Tensor& narrow, const Tensor& wide) const;
+  void check_columns_read(const Tensor& narrow, const Tensor& wide) const;
   void plan_gather(const Tensor& wide);
   void plan_scatter(const Tensor& narrow);
   AccumulateRow gather_task(const Tensor& wide, const float* bias, int y,

@@ -10,8 +10,9 @@ namespace hqslam {
 /// A .pcd file (ascii, binary or binary_compressed; fields of any type and order, x y z among
 /// them). Points that are not finite or at the origin are dropped and counted. Time offsets come
 /// from a field t, time or timestamp: seconds if it is a float, nanoseconds if it is an integer
-/// (Ouster); the stamp of the scan is the middle of its times. Rows are left empty. Throws Error.
-/// Source of the format: Point Cloud Library, "The PCD file format", version 0.7.
+/// (Ouster). They count from the middle of the file's times, and stamp_s stays 0: who knows when
+/// the scan was taken sets it. Rows are left empty. Throws Error, also for more than 33 million
+/// points. Source of the format: Point Cloud Library, "The PCD file format", version 0.7.
 Scan read_pcd(const std::string& path);
 
 /// The same with rows from a field `ring`, where there is one. Some drivers number rings from the

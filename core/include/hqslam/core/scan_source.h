@@ -51,9 +51,10 @@ struct RecordingOptions {
 ///   apply): what its sensor.json says of measured rows and of the correction for motion holds,
 ///   whatever `sensor` says.
 /// Files are taken in the natural order of their names; the stamp of a scan is its index times
-/// sensor.scan_period_s. Pixels of images that are not finite or negative count as invalid points.
-/// Throws Error: which file, what was expected, what was found, what to do; also for scans that
-/// cannot be the sensor's.
+/// sensor.scan_period_s. In a folder with truth.tum the stamps are those of that file: (index +
+/// 1/2) times the period for a simulated drive, the middle of each scan. Pixels of images that are
+/// not finite or negative count as invalid points. Throws Error: which file, what was expected,
+/// what was found, what to do; also for scans that cannot be the sensor's.
 std::unique_ptr<ScanSource> open_recording(const std::string& path, const SensorModel& sensor,
                                            const RecordingOptions& options = {});
 

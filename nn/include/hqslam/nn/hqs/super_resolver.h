@@ -18,7 +18,7 @@ namespace hqslam::nn {
 struct ObjectiveTerms {
   double data_m2 = 0.0;          ///< 1/2 |L - D H|^2
   double denoiser_gap_m2 = 0.0;  ///< b/2 |Z - H|^2
-  double filter_gap_m2 = 0.0;    ///< b/2 |Y - H|^2
+  double filter_gap_m2 = 0.0;    ///< b/2 |Y - H|^2; Simple DU has no such term
   std::int64_t rejected = 0;     ///< pixels that Q rejects
 };
 
@@ -26,8 +26,8 @@ struct ObjectiveTerms {
 struct LayerTrace {
   RangeImage h;                        ///< metres, after data consistency (eq. 10a)
   RangeImage z;                        ///< after the denoiser (eq. 10b)
-  RangeImage y;                        ///< after outlier removal (eq. 10c)
-  std::vector<std::uint8_t> rejected;  ///< Q's mask, one per pixel
+  RangeImage y;                        ///< after outlier removal (eq. 10c); Simple DU: Z
+  std::vector<std::uint8_t> rejected;  ///< Q's mask, one per pixel; Simple DU: all 0
   float penalty = 0.0F;                ///< b
   ObjectiveTerms objective;
 };

@@ -27,7 +27,7 @@ struct UnrolledState {
   LayerState& layer(int index) { return slots[index % slots.size()]; }
   const LayerState& layer(int index) const { return slots[index % slots.size()]; }
 
-  Tensor l;               ///< measured ranges, 0 in the other rows
+  Tensor l;               ///< measured ranges; its other rows are never looked at
   Candidates candidates;  ///< measured neighbours above and below
   Tensor z0;              ///< start: Z and Y of layer 0
   /// Of all layers, or of the last few: layer k is in slot k mod the number of slots.
@@ -70,7 +70,7 @@ class UnrolledNetwork {
     return state.layer(description_.layers - 1).denoiser.z;
   }
 
-  /// The last layer's mask and Y.
+  /// The last layer's mask and Y, which Simple DU does not have.
   void finish_last_layer(UnrolledState& state);
 
   /// d_z: d loss / d Z of the last d_z.size() layers, tiles; the loss does not look at the others.

@@ -31,6 +31,7 @@ SelfTest make_self_test(const NetworkDescription& description, const std::vector
 /// "self_test.measured", "self_test.expected". Throws Error with file, field, expected, found for
 /// anything unknown, missing or inconsistent.
 Weights read_weights(const std::string& path);
+/// Throws Error, also if the parameters are not as many as the description's arrays hold.
 void write_weights(const std::string& path, const Weights& weights);
 
 /// Throws Error if the network does not reproduce its self-test to 1e-3 of the range scale.

@@ -33,8 +33,8 @@ struct AdamW {
 /// before.
 double clip_norm(double largest_norm, std::span<float> gradient);
 
-/// Rises linearly from 0 over warm_up_steps, then falls to 0 on a cosine until `steps`. step counts
-/// from 0.
+/// Rises linearly from highest / warm_up_steps to highest over warm_up_steps, then falls to 0 on a
+/// cosine until `steps`. step counts from 0.
 float cosine_learning_rate(float highest, std::int64_t warm_up_steps, std::int64_t steps,
                            std::int64_t step);
 
