@@ -214,8 +214,10 @@ void declare_table(CLI::App& app, TableOptions& options) {
       "  table.md, table.json, table.html   the tables; the page also shows where the error is\n"
       "  DRIVE-loop-closing-off.png, -on.png   trajectories coloured by error\n"
       "  results/DRIVE/METHOD.json, .tum    each finished run; drives/NAME: simulated drives\n"
-      "Without a choice it takes hours and 3 GB: the drives have 12,000 scans, and Simple DU needs\n"
-      "about a second for one. Ctrl-C keeps what is finished; the same command goes on from there.\n"
+      "Without a choice it takes hours and 3 GB: the drives have 12,000 scans, and Simple DU "
+      "needs\n"
+      "about a second for one. Ctrl-C keeps what is finished; the same command goes on from "
+      "there.\n"
       "A result is computed anew if it is damaged or was made from another recording, with other\n"
       "weights or another version of the program.");
 }
