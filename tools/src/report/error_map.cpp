@@ -119,8 +119,8 @@ void draw_panel(Canvas& canvas, const ErrorMap& map, const ErrorPanel& panel,
 void draw_color_bar(Canvas& canvas, const ErrorScale& scale, int left, int top) {
   constexpr int kColumns = 320;
   constexpr int kRows = 14;
-  canvas.draw_text("distance from LiDAR-64's position, aligned",
-                   {static_cast<double>(left), top - 8.0}, 12.0, kText);
+  canvas.draw_text("distance from LiDAR-64, aligned", {static_cast<double>(left), top - 8.0}, 12.0,
+                   kText);
   for (int column = 0; column < kColumns; ++column) {
     canvas.fill({left + column, top, 1, kRows}, error_rgb((column + 0.5) / kColumns));
   }
@@ -130,7 +130,7 @@ void draw_color_bar(Canvas& canvas, const ErrorScale& scale, int left, int top) 
   const double line_left = left + kColumns + 190.0;
   const double line = top + 0.5 * kRows;
   canvas.draw_line({{line_left, line}, {line_left + 50.0, line}}, 2.0, kReference, canvas.whole());
-  canvas.draw_text("LiDAR-64; a ring: the start", {line_left + 62.0, line + 6.0}, 12.0, kText);
+  canvas.draw_text("LiDAR-64, ring: the start", {line_left + 62.0, line + 6.0}, 12.0, kText);
 }
 
 /// As many columns as make neither a strip nor a tower.
@@ -161,7 +161,7 @@ std::string top_text(const ErrorScale& scale) {
 std::string error_text(const ErrorPanel& panel) {
   const double largest_m =
       panel.error_m.empty() ? 0.0 : *std::max_element(panel.error_m.begin(), panel.error_m.end());
-  return fmt::format("RMSE {:.3f} m, largest {:.2f} m", panel.rmse_m, largest_m);
+  return fmt::format("RMSE {:.3f}, largest {:.2f} m", panel.rmse_m, largest_m);
 }
 
 RgbImage panel_image(const ErrorMap& map, std::size_t panel, const ErrorScale& scale) {

@@ -34,7 +34,7 @@ ErrorScale error_scale(const ErrorMap& map);
 /// "0.42 m", with "or more" where errors are larger.
 std::string top_text(const ErrorScale& scale);
 
-/// "RMSE 0.109 m, largest 0.31 m"
+/// "RMSE 0.109, largest 0.31 m"
 std::string error_text(const ErrorPanel& panel);
 
 /// One panel, without its title: the reference in grey, the trajectory in colours with a ring at

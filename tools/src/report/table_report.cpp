@@ -74,7 +74,7 @@ std::string scale_html(const ErrorScale& scale) {
   return fmt::format(
       "<ul class=\"legend\"><li>distance 0<i class=\"scale\" "
       "style=\"background:linear-gradient(90deg{})\"></i>{}</li>"
-      "<li><i class=\"reference-line\"></i>LiDAR-64; a ring: the start</li></ul>\n",
+      "<li><i class=\"reference-line\"></i>LiDAR-64, ring: the start</li></ul>\n",
       gradient, top_text(scale));
 }
 
