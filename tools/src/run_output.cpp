@@ -11,6 +11,7 @@
 #include "hqslam/core/error.h"
 #include "hqslam/core/pcd.h"
 #include "report/html_report.h"
+#include "result_folder.h"
 #include "timing_statistics.h"
 
 namespace hqslam::tools {
@@ -187,16 +188,6 @@ bool RunOutput::checkpoint_due() const {
   return first_ || std::chrono::duration<double>(since).count() >= kCheckpointInterval_s;
 }
 
-void RunOutput::make_folder() const {
-  std::error_code error;
-  fs::create_directories(folder_, error);
-  if (std::error_code ignored; !fs::is_directory(folder_, ignored)) {
-    throw Error(
-        fmt::format("{}: cannot be made as a folder for the results ({}); give another --out",
-                    folder_.string(), error.message()));
-  }
-}
-
 void RunOutput::write_file(const std::string& name,
                            const std::function<void(const std::string&)>& write) {
   const fs::path part = folder_ / (name + ".part");
@@ -210,7 +201,7 @@ void RunOutput::write_file(const std::string& name,
 }
 
 void RunOutput::write_checkpoint(const SlamRun& run) {
-  make_folder();
+  make_result_folder(folder_);
   // The timings first: they mark the folder as ours.
   write_file("timings.json", [&](const std::string& path) { write_text(timings_json(run), path); });
   if (first_) {

@@ -30,7 +30,6 @@ class RunOutput {
   void write_results(const SlamRun& run, const std::optional<ReferenceComparison>& comparison);
 
  private:
-  void make_folder() const;
   void write_file(const std::string& name, const std::function<void(const std::string&)>& write);
   std::filesystem::path folder_;
   std::chrono::steady_clock::time_point last_checkpoint_;

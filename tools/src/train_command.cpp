@@ -20,6 +20,7 @@
 #include "interrupt.h"
 #include "progress.h"
 #include "report/learning_curve.h"
+#include "result_folder.h"
 #include "training_scans.h"
 
 namespace hqslam::tools {
@@ -59,16 +60,6 @@ void refuse_foreign_results(const Training& training) {
                       "--out or move it",
                       (training.out / name).string()));
     }
-  }
-}
-
-void make_folder(const std::filesystem::path& folder) {
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (std::error_code ignored; !std::filesystem::is_directory(folder, ignored)) {
-    throw Error(
-        fmt::format("{}: cannot be made as a folder for the results ({}); give another --out",
-                    folder.string(), error.message()));
   }
 }
 
@@ -189,7 +180,7 @@ int train_command(const TrainOptions& options) {
   training.configuration = nn::training_configuration(training.configuration_text, options.config);
   training.out = options.out;
   refuse_foreign_results(training);
-  make_folder(training.out);
+  make_result_folder(training.out);
   nn::TrainingState state = starting_state(training);
   const nn::TrainingConfiguration& c = training.configuration;
   training.validation = load_scans(c.validation, c.network.sensor, "validation scans", interrupt);

@@ -14,6 +14,7 @@
 #include "hqslam/core/png.h"
 #include "hqslam/core/scan.h"
 #include "recording_sensor.h"
+#include "result_folder.h"
 
 namespace hqslam::tools {
 namespace {
@@ -86,22 +87,12 @@ void clear(const fs::path& folder) {
   }
 }
 
-void make_folder(const fs::path& folder) {
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (std::error_code ignored; !fs::is_directory(folder, ignored)) {
-    throw Error(
-        fmt::format("{}: cannot be made as a folder for the results ({}); give another --out",
-                    folder.string(), error.message()));
-  }
-}
-
 /// `folder`, made empty of earlier results: the members that open files in it start with this.
 fs::path prepared(const std::string& folder, const std::string& input) {
   const fs::path path = fs::absolute(folder).lexically_normal();
   refuse_to_overwrite_input(path, input);
   clear(path);
-  make_folder(path);
+  make_result_folder(path);
   return path;
 }
 
@@ -144,7 +135,7 @@ UpsampleOutput::UpsampleOutput(const std::string& folder, const std::string& inp
   const std::array<bool, 3> wanted = {formats.kitti_bin, formats.pcd, formats.png};
   for (std::size_t i = 0; i < wanted.size(); ++i) {
     if (wanted[i]) {
-      make_folder(folder_ / kScanFolders[i]);
+      make_result_folder(folder_ / kScanFolders[i]);
     }
   }
 }

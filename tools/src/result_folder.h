@@ -1,0 +1,10 @@
+#pragma once
+
+#include <filesystem>
+
+namespace hqslam::tools {
+
+/// Makes the folder for a command's results, with all above it. Throws Error if it cannot be made.
+void make_result_folder(const std::filesystem::path& folder);
+
+}  // namespace hqslam::tools
