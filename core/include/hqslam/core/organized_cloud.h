@@ -18,6 +18,9 @@ struct OrganizedCloud {
   std::vector<float> range_m;             ///< rows x columns; 0 where no return
   /// Capture time of each pixel minus the scan's stamp; empty: the scan is motion-corrected.
   std::vector<float> time_offset_s;
+  /// Probability that the pixel's point lies near a true surface, 0 to 1: 1 where it was measured,
+  /// what a network says of it where it was computed. Empty: every point was measured.
+  std::vector<float> confidence;
 
   OrganizedCloud() = default;
   OrganizedCloud(int rows_, int columns_);
