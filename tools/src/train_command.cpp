@@ -124,6 +124,26 @@ void write_results(const Training& training, const nn::TrainingState& state) {
   write_learning_curve(training.curve, (training.out / "curve.svg").string());
 }
 
+DriveStore drive_store(const TrainOptions& options, int threads) {
+  if (!options.drives.empty()) return {options.drives, threads};
+  return {std::filesystem::path(options.out) / "drives", threads};
+}
+
+/// Reads the validation scans; returns those to train on, null if asked to stop.
+std::unique_ptr<const nn::TrainingScans> load_scans(Training& training, const DriveStore& store,
+                                                    const InterruptGuard& interrupt) {
+  const nn::TrainingConfiguration& c = training.configuration;
+  const auto validation =
+      stored_scans(c.validation, c.network.sensor, store, "validation scans", interrupt);
+  if (validation == nullptr) return nullptr;
+  for (std::int64_t i = 0; i < validation->size(); ++i) {
+    training.validation.push_back(validation->read(i));
+  }
+  auto scans = stored_scans(c.training, c.network.sensor, store, "training scans", interrupt);
+  if (scans != nullptr) training.training_scans = scans->size();
+  return scans;
+}
+
 void print_point(const nn::CurvePoint& point, std::int64_t steps, double steps_per_s) {
   const double left_min = static_cast<double>(steps - point.step) / steps_per_s / 60.0;
   const nn::ImageFigures& network = point.validation.network;
@@ -176,10 +196,15 @@ void declare_train(CLI::App& app, TrainOptions& options) {
   command
       ->add_option("--out", options.out, "Folder for results; a checkpoint in it is continued from")
       ->required();
+  command->add_option("--drives", options.drives,
+                      "Folder that keeps the simulated drives (default: OUT/drives); trainings may "
+                      "share one");
   command->add_option("--threads", options.threads, "Threads (default: all cores)")
       ->check(CLI::Range(1, 256));
   command->footer(
       "Writes into --out: weights.npz (for --weights and --upsample), checkpoint.npz, curve.svg.\n"
+      "The drives of the recipe are simulated once (0.26 MB for a scan of 64 x 1024) and read\n"
+      "from --drives scan by scan.\n"
       "Ctrl-C stops after the step; the same command goes on exactly where it stopped. The "
       "recipes\n"
       "of the weights that come with hqslam are beside them, weights/*.json.");
@@ -195,12 +220,9 @@ int train_command(const TrainOptions& options) {
   make_result_folder(training.out);
   nn::TrainingState state = starting_state(training);
   const nn::TrainingConfiguration& c = training.configuration;
-  training.validation = load_scans(c.validation, c.network.sensor, "validation scans", interrupt);
-  std::vector<RangeImage> scans =
-      load_scans(c.training, c.network.sensor, "training scans", interrupt);
-  if (interrupt.stop_requested()) return kInterrupted;
-  training.training_scans = static_cast<std::int64_t>(scans.size());
   const int threads = options.threads > 0 ? options.threads : omp_get_max_threads();
+  auto scans = load_scans(training, drive_store(options, threads), interrupt);
+  if (scans == nullptr) return kInterrupted;
   nn::Trainer trainer(c.network, c.plan, std::move(scans), std::move(state), threads);
   fmt::print("{}: {} parameters, {} training scans, {} validation scans, from step {}\n",
              nn::name(c.network.kind), trainer.state().parameters.size(), training.training_scans,

@@ -36,13 +36,15 @@ void in_parallel(int workers, int items, const Job& job) {
   }
 }
 
-void check_scans(const std::vector<RangeImage>& scans, const SensorModel& sensor) {
-  for (const RangeImage& scan : scans) {
-    if (scan.rows != sensor.rows() || scan.columns != sensor.columns) {
-      throw Error(fmt::format("training: a scan of {} x {}, expected the sensor's {} x {}",
-                              scan.rows, scan.columns, sensor.rows(), sensor.columns));
-    }
+void check_shape(int rows, int columns, const SensorModel& sensor) {
+  if (rows != sensor.rows() || columns != sensor.columns) {
+    throw Error(fmt::format("training: a scan of {} x {}, expected the sensor's {} x {}", rows,
+                            columns, sensor.rows(), sensor.columns));
   }
+}
+
+void check_scans(const std::vector<RangeImage>& scans, const SensorModel& sensor) {
+  for (const RangeImage& scan : scans) check_shape(scan.rows, scan.columns, sensor);
 }
 
 void check_state(const TrainingState& state, const NetworkDescription& description) {
@@ -75,7 +77,7 @@ std::vector<std::uint8_t> decays_of(const NetworkDescription& description) {
 struct Trainer::Implementation {
   NetworkDescription description;
   TrainingPlan plan;
-  std::vector<RangeImage> scans;
+  std::unique_ptr<const TrainingScans> scans;
   TrainingState state;
   std::vector<std::uint8_t> decays;
   std::vector<std::unique_ptr<Network>> workers;
@@ -111,10 +113,10 @@ void validate(const TrainingPlan& plan, const SensorModel& sensor) {
 }
 
 Trainer::Trainer(const NetworkDescription& description, const TrainingPlan& plan,
-                 std::vector<RangeImage> scans, TrainingState state, int threads) {
+                 std::unique_ptr<const TrainingScans> scans, TrainingState state, int threads) {
   nn::validate(plan, description.sensor);
-  if (scans.empty()) throw Error("training: no scans to train on");
-  check_scans(scans, description.sensor);
+  if (scans == nullptr || scans->size() == 0) throw Error("training: no scans to train on");
+  check_shape(scans->rows(), scans->columns(), description.sensor);
   check_state(state, description);
   implementation_ = std::make_unique<Implementation>(
       Implementation{description, plan, std::move(scans), std::move(state),
@@ -135,7 +137,7 @@ const TrainingState& Trainer::state() const { return implementation_->state; }
 void Trainer::Implementation::run_sample(Network& network, int place) {
   const auto number = static_cast<std::uint64_t>(state.optimiser.steps * plan.batch + place);
   Random random(plan.seed * 0x9E3779B97F4A7C15ULL + number);
-  const RangeImage& scan = scans[random.below(static_cast<std::int64_t>(scans.size()))];
+  const RangeImage scan = scans->read(random.below(scans->size()));
   const TrainingSample sample = augmented_sample(
       scan, description.sensor, description.measured_rows, plan.augmentation, random.bits());
   std::fill(gradients[place].begin(), gradients[place].end(), 0.0F);

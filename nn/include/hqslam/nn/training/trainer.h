@@ -8,6 +8,7 @@
 #include "hqslam/nn/hqs/network_description.h"
 #include "hqslam/nn/training/adamw.h"
 #include "hqslam/nn/training/augmentation.h"
+#include "hqslam/nn/training/training_scans.h"
 
 namespace hqslam::nn {
 
@@ -67,12 +68,13 @@ struct TrainingState {
 /// number of threads nor on interruptions.
 class Trainer {
  public:
-  /// Throws Error, also if a scan does not have the sensor's shape or the state not the network's
+  /// Throws Error, also if the scans do not have the sensor's shape or the state not the network's
   /// number of parameters.
   Trainer(const NetworkDescription& description, const TrainingPlan& plan,
-          std::vector<RangeImage> scans, TrainingState state, int threads);
+          std::unique_ptr<const TrainingScans> scans, TrainingState state, int threads);
   ~Trainer();
 
+  /// Throws Error if a scan cannot be read or the loss is not finite.
   TrainingStep step();
   /// Throws Error if a scan does not have the sensor's shape.
   Validation validate(const std::vector<RangeImage>& scans);
