@@ -39,7 +39,8 @@ std::vector<ComparedMethod> methods_of(const CompareOptions& options, const Sens
   const RowSelection rows = selection_for(sensor.rows(), kMeasuredRows);
   std::vector<ComparedMethod> methods;
   for (const std::string& name : nn::interpolation_names()) {
-    methods.push_back({name, nn::Upsampler(nn::interpolation_from_name(name), sensor, rows), std::nullopt});
+    methods.push_back(
+        {name, nn::Upsampler(nn::interpolation_from_name(name), sensor, rows), std::nullopt});
   }
   for (const std::string& weights : options.weights) {
     nn::Upsampler network(nn::SuperResolver::load(weights), sensor);

@@ -9,8 +9,8 @@
 #include <set>
 
 #include "hqslam/core/error.h"
-#include "installed_weights.h"
 #include "hqslam/nn/upsampler.h"
+#include "installed_weights.h"
 
 namespace hqslam::tools {
 namespace {

@@ -13,11 +13,11 @@
 #include "hqslam/core/scan_source.h"
 #include "hqslam/nn/hqs/outlier_removal.h"
 #include "hqslam/nn/instruction_set.h"
+#include "hqslam/nn/upsampled_cloud.h"
 #include "hqslam/slam/slam.h"
 #include "processor.h"
 #include "progress.h"
 #include "timing_statistics.h"
-#include "hqslam/nn/upsampled_cloud.h"
 #include "upsampling_comparison.h"
 #include "upsampling_plan.h"
 
@@ -42,10 +42,11 @@ std::optional<nn::Upsampler> shared_upsampler(const TablePass& pass) {
                        weights.empty() ? method.source : weights, kTableMeasuredRows});
   if (weights.empty()) return std::move(plan.upsampler);
   return nn::Upsampler(nn::SuperResolver::load(weights, {.filter_result = false}),
-                   plan.upsampler.sensor());
+                       plan.upsampler.sensor());
 }
 
-std::optional<nn::OutlierRemoval> filter_of(const TableMethod& method, const nn::Upsampler* upsampler) {
+std::optional<nn::OutlierRemoval> filter_of(const TableMethod& method,
+                                            const nn::Upsampler* upsampler) {
   if (!method.filtered) return std::nullopt;
   const nn::NetworkDescription& network = upsampler->network()->description();
   return nn::OutlierRemoval(network.sensor, network.measured_rows, network.last_filter,

@@ -6,8 +6,8 @@
 #include <numbers>
 
 #include "hqslam/nn/hqs/outlier_removal.h"
-#include "timing_statistics.h"
 #include "hqslam/nn/upsampled_cloud.h"
+#include "timing_statistics.h"
 
 namespace hqslam::tools {
 namespace {
@@ -101,7 +101,8 @@ void UpsamplingComparison::add(ComparedMethod& method, const OrganizedCloud& tru
   const RangeImage& image = lifted.image;
   sums.times_ms.push_back(
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
-  const OrganizedCloud cloud = nn::upsampled_cloud(lifted, measured, rows, method.upsampler.sensor());
+  const OrganizedCloud cloud =
+      nn::upsampled_cloud(lifted, measured, rows, method.upsampler.sensor());
   const ScanErrors errors = scan_errors(image, cloud, truth);
   const CloudError& error = errors.cloud;
   UpsamplingScore& sum = sums.sum;
@@ -114,7 +115,7 @@ void UpsamplingComparison::add(ComparedMethod& method, const OrganizedCloud& tru
   sum.outliers_per_scan += error.outlier_share * static_cast<double>(errors.points);
   if (!method.unfiltered) return;
   const OrganizedCloud unfiltered = nn::upsampled_cloud(method.unfiltered->run(measured_image),
-                                                    measured, rows, method.upsampler.sensor());
+                                                        measured, rows, method.upsampler.sensor());
   for_each_computed(unfiltered, rows, pixel_distances_m(unfiltered, truth),
                     [&](std::size_t pixel, float distance_m) {
                       if (distance_m >= kGoodDistance_m) return;
@@ -143,7 +144,8 @@ std::vector<UpsamplingScore> UpsamplingComparison::scores() const {
   return scores;
 }
 
-FilterComparison::FilterComparison(nn::Upsampler unfiltered, const std::vector<double>& min_angles_deg,
+FilterComparison::FilterComparison(nn::Upsampler unfiltered,
+                                   const std::vector<double>& min_angles_deg,
                                    const std::vector<int>& min_pixels,
                                    const std::vector<double>& support_shares)
     : unfiltered_(std::move(unfiltered)) {
