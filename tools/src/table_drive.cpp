@@ -1,18 +1,24 @@
 #include "table_drive.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <vector>
 
+#include "build_hash.h"
+#include "content_hash.h"
 #include "exit_status.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/npy.h"
 #include "recording_sensor.h"
 #include "simulate_command.h"
+#include "text_file.h"
 
 namespace hqslam::tools {
 namespace {
 
+namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 /// The paper's sensor.
@@ -34,13 +40,57 @@ std::int64_t take_scans(Json& json) {
   return scans.is_number_integer() ? scans.get<std::int64_t>() : 0;
 }
 
+/// Beside a simulated drive: which simulator made it.
+constexpr const char* kSimulatorFile = "simulator.txt";
+
+bool made_by_this_simulator(const std::string& folder) {
+  std::ifstream stream(fs::path(folder) / kSimulatorFile);
+  std::string found;
+  return std::getline(stream, found) && found == drive_sources_hash();
+}
+
+/// The stack of range images behind a path, "" if it is none.
+std::string stack_of(const std::string& recording) {
+  if (fs::path(recording).extension() == ".npy") return recording;
+  return file_of_drive(recording, "scans.npy");
+}
+
+std::string stack_identity(const std::string& path, std::int64_t scans) {
+  NpyStackReader reader(path);
+  ContentHash hash;
+  for (std::int64_t i = 0; i < std::min(scans, reader.images()); ++i) {
+    const RangeImage image = reader.read(i);
+    hash.add({reinterpret_cast<const char*>(image.range_m.data()),
+              image.range_m.size() * sizeof(float)});
+  }
+  return "images " + hash.digits();
+}
+
+std::string files_identity(const std::string& path) {
+  if (!fs::is_directory(path)) return "file " + content_hash(path);
+  std::vector<fs::path> files;
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(path)) {
+    if (entry.is_regular_file()) files.push_back(entry.path());
+  }
+  std::sort(files.begin(), files.end());
+  ContentHash hash;
+  for (const fs::path& file : files) {
+    hash.add(fs::relative(file, path).string() + " " + content_hash(file.string()) + "\n");
+  }
+  return "files " + hash.digits();
+}
+
+}  // namespace
+
 bool is_there(const TableDrive& drive) {
+  if (!drive.simulated) return true;
   const Json expected = {{"name", drive.simulated->name},
                          {"seed", drive.simulated->seed},
                          {"sensor", kSimulatedSensor}};
   Json found = drive_json(drive.recording);
   const std::int64_t scans = take_scans(found);
   if (found != expected || scans < drive.simulated->scans) return false;
+  if (!made_by_this_simulator(drive.recording)) return false;
   try {
     return NpyStackReader(drive.recording + "/scans.npy").images() == scans &&
            read_tum(drive.recording + "/truth.tum").size() == static_cast<std::size_t>(scans);
@@ -49,23 +99,24 @@ bool is_there(const TableDrive& drive) {
   }
 }
 
-}  // namespace
-
-bool prepare_drive(const TableDrive& drive, const InterruptGuard& interrupt) {
-  if (!drive.simulated || is_there(drive)) return true;
+bool prepare_drive(const TableDrive& drive, const InterruptGuard& interrupt,
+                   const std::function<void()>& on_scan) {
+  if (is_there(drive)) return true;
   SimulateOptions options;
   options.drive = drive.simulated->name;
   options.sensor = kSimulatedSensor;
   options.out = drive.recording;
   options.scans = drive.simulated->scans;
   options.seed = drive.simulated->seed;
-  return simulate_drive(options, interrupt) == kOk;
+  if (simulate_drive(options, interrupt, on_scan) != kOk) return false;
+  write_text_file(drive_sources_hash() + "\n",
+                  (fs::path(drive.recording) / kSimulatorFile).string());
+  return true;
 }
 
-std::string identity_of(const TableDrive& drive) {
-  Json json = drive_json(drive.recording);
-  take_scans(json);
-  return json.is_null() ? drive.recording : json.dump();
+std::string identity_of(const TableDrive& drive, std::int64_t scans) {
+  const std::string stack = stack_of(drive.recording);
+  return stack.empty() ? files_identity(drive.recording) : stack_identity(stack, scans);
 }
 
 std::optional<TrajectoryFile> truth_of(const TableDrive& drive) {
