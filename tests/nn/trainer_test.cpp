@@ -20,6 +20,10 @@ std::vector<RangeImage> scans() {
   return scans;
 }
 
+std::unique_ptr<const TrainingScans> in_memory(std::vector<RangeImage> scans) {
+  return std::make_unique<ScansInMemory>(std::move(scans));
+}
+
 TrainingPlan small_plan() {
   TrainingPlan plan;
   plan.steps = 150;
@@ -53,7 +57,7 @@ void train(Trainer& trainer, int steps) {
 }
 
 TrainingState trained(const NetworkDescription& description, int steps, int threads) {
-  Trainer trainer(description, small_plan(), scans(), fresh_state(description), threads);
+  Trainer trainer(description, small_plan(), in_memory(scans()), fresh_state(description), threads);
   train(trainer, steps);
   return trainer.state();
 }
@@ -73,7 +77,7 @@ std::string plan_message(const TrainingPlan& plan) {
 
 TEST_CASE("training makes DU-OR better than it was and better than interpolation") {
   const NetworkDescription description = filtered_du_or();
-  Trainer trainer(description, small_plan(), scans(), fresh_state(description), 2);
+  Trainer trainer(description, small_plan(), in_memory(scans()), fresh_state(description), 2);
   const Validation before = trainer.validate(scans());
   TrainingStep step;
   double first_m = 0.0;
@@ -94,7 +98,7 @@ TEST_CASE("training makes DU-OR better than it was and better than interpolation
 
 TEST_CASE("training makes Simple DU better than it was") {
   const NetworkDescription description = simple_du_with_dropout();
-  Trainer trainer(description, small_plan(), scans(), fresh_state(description), 2);
+  Trainer trainer(description, small_plan(), in_memory(scans()), fresh_state(description), 2);
   const Validation before = trainer.validate(scans());
   train(trainer, 60);
   CHECK(trainer.validate(scans()).mae_all_m < 0.7 * before.mae_all_m);
@@ -113,7 +117,7 @@ TEST_CASE("a training that stopped and went on gives the same bytes as one that 
   for (const NetworkDescription& description : {filtered_du_or(), simple_du_with_dropout()}) {
     const TrainingState whole = trained(description, 8, 1);
     const TrainingState half = trained(description, 3, 2);
-    Trainer second(description, small_plan(), scans(), half, 2);
+    Trainer second(description, small_plan(), in_memory(scans()), half, 2);
     train(second, 5);
     check_same(second.state(), whole);
   }
@@ -123,7 +127,7 @@ TEST_CASE("another seed trains other bytes") {
   const NetworkDescription description = small_du_or();
   TrainingPlan plan = small_plan();
   plan.seed = 2;
-  Trainer trainer(description, plan, scans(), fresh_state(description), 1);
+  Trainer trainer(description, plan, in_memory(scans()), fresh_state(description), 1);
   train(trainer, 2);
   CHECK(trainer.state().parameters != trained(description, 2, 1).parameters);
 }
@@ -137,7 +141,7 @@ TEST_CASE("the gradient and the loss of a batch are means: equal samples give th
   TrainingStep steps[2];
   for (const int batch : {1, 5}) {
     plan.batch = batch;
-    Trainer trainer(description, plan, {rings}, fresh_state(description), 1);
+    Trainer trainer(description, plan, in_memory({rings}), fresh_state(description), 1);
     steps[batch / 5] = trainer.step();
   }
   CHECK(steps[1].loss_m == doctest::Approx(steps[0].loss_m).epsilon(1e-6));
@@ -148,7 +152,7 @@ TEST_CASE("every step draws samples of its own") {
   const NetworkDescription description = small_du_or();
   TrainingPlan plan = small_plan();
   plan.learning_rate = 1e-30F;  // the network stays as it is
-  Trainer trainer(description, plan, scans(), fresh_state(description), 1);
+  Trainer trainer(description, plan, in_memory(scans()), fresh_state(description), 1);
   std::set<double> losses_m;
   for (int i = 0; i < 8; ++i) losses_m.insert(trainer.step().loss_m);
   const std::vector<float> before = fresh_state(description).parameters;
@@ -164,7 +168,7 @@ TEST_CASE("without a share in the loss inner layers only serve the last one") {
   std::vector<TrainingStep> steps;
   for (const float share : {0.0F, 1.0F}) {
     plan.layer_loss_share = share;
-    Trainer trainer(description, plan, scans(), fresh_state(description), 1);
+    Trainer trainer(description, plan, in_memory(scans()), fresh_state(description), 1);
     steps.push_back(trainer.step());
   }
   CHECK(steps[0].loss_m == steps[1].loss_m);  // it is the last layer's
@@ -177,7 +181,7 @@ TEST_CASE(
   const NetworkDescription description = small_du_or();
   TrainingPlan plan = small_plan();
   plan.largest_gradient_norm = 1e-9;
-  Trainer trainer(description, plan, scans(), fresh_state(description), 1);
+  Trainer trainer(description, plan, in_memory(scans()), fresh_state(description), 1);
   const TrainingStep step = trainer.step();
   CHECK(step.loss_m > 0.0);
   CHECK(step.gradient_norm > 1e-3);
@@ -191,8 +195,8 @@ TEST_CASE(
 
 TEST_CASE("validation does not depend on the threads or on dropout, and of nothing is zero") {
   const NetworkDescription description = simple_du_with_dropout();
-  Trainer one(description, small_plan(), scans(), fresh_state(description), 1);
-  Trainer two(description, small_plan(), scans(), fresh_state(description), 2);
+  Trainer one(description, small_plan(), in_memory(scans()), fresh_state(description), 1);
+  Trainer two(description, small_plan(), in_memory(scans()), fresh_state(description), 2);
   const Validation a = one.validate(scans());
   CHECK(a.mae_all_m == two.validate(scans()).mae_all_m);
   CHECK(a.mae_all_m == one.validate(scans()).mae_all_m);
@@ -231,7 +235,7 @@ TEST_CASE("scans and states that do not fit the network are refused, by any numb
   const NetworkDescription description = small_du_or();
   const auto message = [&](std::vector<RangeImage> with, const TrainingState& state) {
     return test::error_message(
-        [&] { Trainer(description, small_plan(), std::move(with), state, 2); });
+        [&] { Trainer(description, small_plan(), in_memory(std::move(with)), state, 2); });
   };
   const TrainingState good = fresh_state(description);
   CHECK(message(scans(), good) == "no Error");
@@ -243,11 +247,22 @@ TEST_CASE("scans and states that do not fit the network are refused, by any numb
   bad = good;
   bad.optimiser.second_moment.pop_back();
   CHECK(test::one_line_with(message(scans(), bad), std::to_string(good.parameters.size())));
-  Trainer trainer(description, small_plan(), scans(), good, 2);
+  Trainer trainer(description, small_plan(), in_memory(scans()), good, 2);
   CHECK(test::one_line_with(test::error_message([&] {
                               trainer.validate({small_scene(), RangeImage(16, 32)});
                             }),
                             "16 x 32"));
+}
+
+TEST_CASE("scans in memory are of one shape and numbered from 0") {
+  const auto message = [](std::vector<RangeImage> with, std::int64_t scan) {
+    return test::error_message([&] { return ScansInMemory(std::move(with)).read(scan); });
+  };
+  CHECK(ScansInMemory(scans()).read(2).range_m == scans()[2].range_m);
+  CHECK(test::one_line_with(message({RangeImage(16, 32), RangeImage(8, 32)}, 0), "8 x 32",
+                            "16 x 32"));
+  CHECK(test::one_line_with(message(scans(), 3), "scan 3", "0 to 2"));
+  CHECK(test::one_line_with(message(scans(), -1), "scan -1", "0 to 2"));
 }
 
 TEST_CASE("a training whose loss is not finite stops with an Error, by any number of threads") {
@@ -255,7 +270,7 @@ TEST_CASE("a training whose loss is not finite stops with an Error, by any numbe
   for (const int threads : {1, 2}) {
     TrainingState state = fresh_state(description);
     state.parameters[0] = std::nanf("");
-    Trainer trainer(description, small_plan(), scans(), state, threads);
+    Trainer trainer(description, small_plan(), in_memory(scans()), state, threads);
     CHECK(test::one_line_with(test::error_message([&] { trainer.step(); }), "not finite"));
   }
 }

@@ -27,9 +27,9 @@ TEST_CASE("a comment behind a pose does not take a file's stamps away") {
   const TemporaryDirectory folder;
   const Trajectory poses = test::example_run(5).trajectory;
   write_tum(poses, folder.file("plain.txt"));
-  std::string text = test::file_contents(folder.file("plain.txt"));
+  std::string text = hqslam::test::file_contents(folder.file("plain.txt"));
   text.insert(text.find('\n'), " # the start of the drive");
-  test::write_file(folder.file("commented.txt"), "# stamp x y z\n" + text);
+  hqslam::test::write_file(folder.file("commented.txt"), "# stamp x y z\n" + text);
   const TrajectoryFile file = read_trajectory_file(folder.file("commented.txt"));
   CHECK(file.has_stamps);
   CHECK(file.poses.size() == 5);

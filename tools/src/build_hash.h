@@ -7,7 +7,5 @@ namespace hqslam::tools {
 /// 16 digits that change with the sources of the libraries and of what stands between them here,
 /// with the compiler and with its flags: results of different builds are not the same thing.
 std::string result_sources_hash();
-/// The same of what decides a simulated drive.
-std::string drive_sources_hash();
 
 }  // namespace hqslam::tools

@@ -16,9 +16,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array<const char*, 7> kDriveFiles = {
-    "scans.npy",   "sensor.json",       "drive.json",   "truth.tum",
-    "truth.kitti", "truth_columns.npy", "simulator.txt"};
+constexpr std::array<const char*, 6> kDriveFiles = {
+    "scans.npy", "sensor.json", "drive.json", "truth.tum", "truth.kitti", "truth_columns.npy"};
 constexpr std::array<const char*, 2> kScanFolders = {"bin", "pcd"};
 
 bool written_by_simulate(const fs::path& folder) {

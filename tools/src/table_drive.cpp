@@ -6,14 +6,12 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "build_hash.h"
 #include "content_hash.h"
 #include "exit_status.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/npy.h"
 #include "recording_sensor.h"
 #include "simulate_command.h"
-#include "text_file.h"
 
 namespace hqslam::tools {
 namespace {
@@ -38,15 +36,6 @@ std::int64_t take_scans(Json& json) {
   const Json scans = json["scans"];
   json.erase("scans");
   return scans.is_number_integer() ? scans.get<std::int64_t>() : 0;
-}
-
-/// Beside a simulated drive: which simulator made it.
-constexpr const char* kSimulatorFile = "simulator.txt";
-
-bool made_by_this_simulator(const std::string& folder) {
-  std::ifstream stream(fs::path(folder) / kSimulatorFile);
-  std::string found;
-  return std::getline(stream, found) && found == drive_sources_hash();
 }
 
 /// The stack of range images behind a path, "" if it is none.
@@ -86,11 +75,11 @@ bool is_there(const TableDrive& drive) {
   if (!drive.simulated) return true;
   const Json expected = {{"name", drive.simulated->name},
                          {"seed", drive.simulated->seed},
+                         {"revision", sim::kDriveRevision},
                          {"sensor", kSimulatedSensor}};
   Json found = drive_json(drive.recording);
   const std::int64_t scans = take_scans(found);
   if (found != expected || scans < drive.simulated->scans) return false;
-  if (!made_by_this_simulator(drive.recording)) return false;
   try {
     return NpyStackReader(drive.recording + "/scans.npy").images() == scans &&
            read_tum(drive.recording + "/truth.tum").size() == static_cast<std::size_t>(scans);
@@ -108,10 +97,7 @@ bool prepare_drive(const TableDrive& drive, const InterruptGuard& interrupt,
   options.out = drive.recording;
   options.scans = drive.simulated->scans;
   options.seed = drive.simulated->seed;
-  if (simulate_drive(options, interrupt, on_scan) != kOk) return false;
-  write_text_file(drive_sources_hash() + "\n",
-                  (fs::path(drive.recording) / kSimulatorFile).string());
-  return true;
+  return simulate_drive(options, interrupt, on_scan) == kOk;
 }
 
 std::string identity_of(const TableDrive& drive, std::int64_t scans) {

@@ -9,9 +9,9 @@
 #include <set>
 
 #include "hqslam/core/error.h"
+#include "hqslam/nn/upsampler.h"
 #include "installed_weights.h"
 #include "seed_list.h"
-#include "upsampler.h"
 
 namespace hqslam::tools {
 namespace {
@@ -168,7 +168,7 @@ std::vector<std::string> table_method_names() {
 }
 
 bool uses_network(const TableMethod& method) {
-  return !method.source.empty() && !is_interpolation(method.source);
+  return !method.source.empty() && !nn::is_interpolation(method.source);
 }
 
 bool is_reference(const TableMethod& method) {

@@ -7,15 +7,17 @@
 #include <memory>
 #include <optional>
 #include <utility>
+#include <variant>
 
 #include "hqslam/core/error.h"
 #include "hqslam/core/scan_source.h"
 #include "hqslam/nn/hqs/outlier_removal.h"
 #include "hqslam/nn/instruction_set.h"
+#include "hqslam/nn/upsampled_cloud.h"
+#include "hqslam/slam/lego_loam_as_published.h"
 #include "hqslam/slam/slam.h"
 #include "processor.h"
 #include "timing_statistics.h"
-#include "upsampled_cloud.h"
 #include "upsampling_comparison.h"
 #include "upsampling_plan.h"
 
@@ -31,7 +33,7 @@ double seconds_of(Work&& work) {
 }
 
 /// What the pass's methods have in common: nothing where they see the rows as recorded.
-std::optional<Upsampler> shared_upsampler(const TablePass& pass) {
+std::optional<nn::Upsampler> shared_upsampler(const TablePass& pass) {
   const TableMethod& method = pass.methods.front();
   if (method.source.empty()) return std::nullopt;
   const std::string weights = weights_of(method, pass.sensor.name);
@@ -39,25 +41,42 @@ std::optional<Upsampler> shared_upsampler(const TablePass& pass) {
       plan_upsampling({pass.drive.recording, pass.drive.sensor,
                        weights.empty() ? method.source : weights, kTableMeasuredRows});
   if (weights.empty()) return std::move(plan.upsampler);
-  return Upsampler(nn::SuperResolver::load(weights, {.filter_result = false}),
-                   plan.upsampler.sensor());
+  return nn::Upsampler(nn::SuperResolver::load(weights, {.filter_result = false}),
+                       plan.upsampler.sensor());
 }
 
-std::optional<nn::OutlierRemoval> filter_of(const TableMethod& method, const Upsampler* upsampler) {
+std::optional<nn::OutlierRemoval> filter_of(const TableMethod& method,
+                                            const nn::Upsampler* upsampler) {
   if (!method.filtered) return std::nullopt;
   const nn::NetworkDescription& network = upsampler->network()->description();
   return nn::OutlierRemoval(network.sensor, network.measured_rows, network.last_filter,
                             network.sensor.columns);
 }
 
+using SlamSystem = std::variant<slam::Slam, slam::LegoLoamAsPublished>;
+
+SlamSystem system_of(const SlamSetup& setup) {
+  if (setup.as_published) return slam::LegoLoamAsPublished(setup.sensor);
+  return slam::Slam(setup.sensor, setup.options);
+}
+
 /// SLAM and what it took.
 struct TimedSlam {
-  explicit TimedSlam(const SlamSetup& setup) : slam(setup.sensor, setup.options) {}
+  explicit TimedSlam(const SlamSetup& setup) : system(system_of(setup)) {}
 
   void add(const OrganizedCloud& cloud, double stamp_s) {
+    if (auto* as_published = std::get_if<slam::LegoLoamAsPublished>(&system)) {
+      times_ms.push_back(1e3 * seconds_of([&] { as_published->process(cloud, stamp_s); }));
+      return;
+    }
     slam::ScanReport report;
-    times_ms.push_back(1e3 * seconds_of([&] { report = slam.process(cloud, stamp_s); }));
+    times_ms.push_back(
+        1e3 * seconds_of([&] { report = std::get<slam::Slam>(system).process(cloud, stamp_s); }));
     loops_closed += report.loop.status == slam::LoopStatus::kClosed ? 1 : 0;
+  }
+
+  Trajectory trajectory() const {
+    return std::visit([](const auto& any) { return Trajectory(any.trajectory()); }, system);
   }
 
   SlamTimings timings() const {
@@ -71,7 +90,7 @@ struct TimedSlam {
     return timings;
   }
 
-  slam::Slam slam;
+  SlamSystem system;
   std::vector<double> times_ms;
   std::int64_t loops_closed = 0;
 };
@@ -79,7 +98,7 @@ struct TimedSlam {
 /// One method on its way through the drive.
 class MethodRun {
  public:
-  MethodRun(const TableMethod& method, const SensorModel& sensor, const Upsampler* upsampler,
+  MethodRun(const TableMethod& method, const SensorModel& sensor, const nn::Upsampler* upsampler,
             bool loop_closing)
       : filter_(filter_of(method, upsampler)) {
     slam_.emplace_back(slam_setup(method, sensor, false));
@@ -92,17 +111,17 @@ class MethodRun {
   }
 
   /// lifted: all rows, before the filter; shared_s: what it took. scored: compare with `truth`.
-  void add_lifted(RangeImage lifted, double shared_s, const OrganizedCloud& measured,
-                  const Upsampler& upsampler, const RecordedScan& truth, bool scored) {
-    const double filter_s = filter_ ? seconds_of([&] { remove_outliers(lifted); }) : 0.0;
+  void add_lifted(nn::LiftedImage lifted, double shared_s, const OrganizedCloud& measured,
+                  const nn::Upsampler& upsampler, const RecordedScan& truth, bool scored) {
+    const double filter_s = filter_ ? seconds_of([&] { remove_outliers(lifted.image); }) : 0.0;
     upsampling_ms_.push_back(1e3 * (shared_s + filter_s));
     result_.timings.upsampling_s += shared_s + filter_s;
     OrganizedCloud cloud;
     result_.timings.points_s += seconds_of([&] {
-      cloud = upsampled_cloud(lifted, measured, upsampler.measured_rows(), upsampler.sensor());
+      cloud = nn::upsampled_cloud(lifted, measured, upsampler.measured_rows(), upsampler.sensor());
     });
     add(cloud, truth.stamp_s);
-    if (scored) score(lifted, cloud, truth.cloud);
+    if (scored) score(lifted.image, cloud, truth.cloud);
   }
 
   TableResult result(const TableSettings& settings) const {
@@ -116,7 +135,7 @@ class MethodRun {
     }
     result.timings.upsampling_ms = distribution_of(upsampling_ms_).median;
     for (std::size_t i = 0; i < slam_.size(); ++i) {
-      result.trajectory[i] = slam_[i].slam.trajectory();
+      result.trajectory[i] = slam_[i].trajectory();
       result.timings.slam[i] = slam_[i].timings();
       result.loops_closed += slam_[i].loops_closed;
     }
@@ -176,7 +195,7 @@ class Pass {
       return;
     }
     const RangeImage image = range_image(measured);
-    RangeImage lifted;
+    nn::LiftedImage lifted;
     const double shared_s = seconds_of([&] { lifted = upsampler_->run(image); });
     for (MethodRun& run : runs_) {
       run.add_lifted(lifted, shared_s, measured, *upsampler_, scan, index % score_every_ == 0);
@@ -201,7 +220,7 @@ class Pass {
   }
 
  private:
-  std::optional<Upsampler> upsampler_;
+  std::optional<nn::Upsampler> upsampler_;
   RowSelection rows_;
   std::int64_t score_every_;
   std::vector<MethodRun> runs_;
