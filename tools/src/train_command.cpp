@@ -114,8 +114,7 @@ void write_results(const Training& training, const nn::TrainingState& state) {
   nn::NetworkDescription network = training.configuration.network;
   nn::write_checkpoint(training.checkpoint_path(),
                        {training.configuration_text, state, training.curve});
-  const auto confidence =
-      static_cast<float>(training.curve.back().validation.least_confidence);
+  const auto confidence = static_cast<float>(training.curve.back().validation.least_confidence);
   if (network.kind == nn::NetworkKind::kDuMix) network.least_confidence = confidence;
   const RangeImage sample = select_rows(training.validation.front(), network.measured_rows);
   nn::write_weights((training.out / "weights.npz").string(),
@@ -149,7 +148,8 @@ void print_point(const nn::CurvePoint& point, std::int64_t steps, double steps_p
   const nn::ImageFigures& network = point.validation.network;
   const nn::ImageFigures& linear = point.validation.linear;
   fmt::print(
-      "step {:>7}/{}  loss {:.4f}  of linear's: MAE all {:.3f}, valid {:.3f}, wrong {:.3f} (missing "
+      "step {:>7}/{}  loss {:.4f}  of linear's: MAE all {:.3f}, valid {:.3f}, wrong {:.3f} "
+      "(missing "
       "{:.3f} against {:.3f}, confidence {:.3f})  {:.1f} min left\n",
       point.step, steps, point.loss, network.mae_all_m / linear.mae_all_m,
       network.mae_valid_m / linear.mae_valid_m, network.wrong_share / linear.wrong_share,

@@ -16,11 +16,11 @@
 #include "exit_status.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/scan_source.h"
+#include "hqslam/nn/upsampled_cloud.h"
 #include "interrupt.h"
 #include "progress.h"
 #include "timing_statistics.h"
 #include "upsample_output.h"
-#include "hqslam/nn/upsampled_cloud.h"
 #include "upsampling_plan.h"
 
 namespace hqslam::tools {
@@ -81,8 +81,8 @@ UpsampleRun upsample(ScanSource& source, UpsamplingPlan& plan, const UpsampleOpt
     const auto start = Clock::now();
     const nn::LiftedImage lifted = plan.upsampler.run(measured_image);
     run.times_s.push_back(std::chrono::duration<double>(Clock::now() - start).count());
-    const OrganizedCloud cloud =
-        nn::upsampled_cloud(lifted, measured, plan.upsampler.measured_rows(), plan.upsampler.sensor());
+    const OrganizedCloud cloud = nn::upsampled_cloud(
+        lifted, measured, plan.upsampler.measured_rows(), plan.upsampler.sensor());
     if (!output) {
       SensorModel sensor = plan.upsampler.sensor();
       sensor.motion_corrected = cloud.time_offset_s.empty();

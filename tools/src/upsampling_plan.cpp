@@ -107,7 +107,7 @@ UpsamplingPlan plan_for_interpolation(const UpsamplingRequest& request) {
 
 UpsamplingPlan plan_upsampling(const UpsamplingRequest& request) {
   return nn::is_interpolation(request.method) ? plan_for_interpolation(request)
-                                          : plan_for_network(request);
+                                              : plan_for_network(request);
 }
 
 }  // namespace hqslam::tools

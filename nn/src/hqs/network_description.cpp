@@ -172,9 +172,8 @@ std::vector<float> initial_parameters(const NetworkDescription& d, std::uint64_t
   std::vector<float> parameters;
   for (int layer = 0; layer < (d.shared_weights ? 1 : d.layers); ++layer) {
     const std::uint64_t of_layer = seed * 1000 + layer;
-    const std::vector<float> of_one = is_mix(d)
-                                          ? initial_two_modes_parameters(d, layer, of_layer)
-                                          : any_denoiser(d)->initial_parameters(of_layer);
+    const std::vector<float> of_one = is_mix(d) ? initial_two_modes_parameters(d, layer, of_layer)
+                                                : any_denoiser(d)->initial_parameters(of_layer);
     parameters.insert(parameters.end(), of_one.begin(), of_one.end());
   }
   if (d.kind == NetworkKind::kSimpleDu) {

@@ -91,7 +91,7 @@ struct MeasuredRow {
 struct TwoModesInput {
   const float* outputs = nullptr;
   std::int64_t group_stride = 0;
-  const float* above = nullptr;   ///< ln of the measured range above
+  const float* above = nullptr;  ///< ln of the measured range above
   const float* below = nullptr;
   const float* middle = nullptr;  ///< ln of the range so far
   int columns = 0;                ///< rounded up to whole vectors of 16

@@ -46,9 +46,8 @@ std::vector<CurvePoint> curve_of(const NpzArrays& arrays, const std::string& pat
   std::vector<CurvePoint> curve;
   for (std::size_t i = 0; i < values.size(); i += kCurveColumns) {
     const double* v = &values[i];
-    curve.push_back({std::llround(v[0]),
-                     v[1],
-                     {{v[2], v[3], v[4], v[5]}, {v[6], v[7], v[8], v[9]}, v[10]}});
+    curve.push_back(
+        {std::llround(v[0]), v[1], {{v[2], v[3], v[4], v[5]}, {v[6], v[7], v[8], v[9]}, v[10]}});
   }
   return curve;
 }

@@ -16,8 +16,8 @@ void add_pixel(float range_m, float truth_m, float confidence, ValidatedScan& sc
     scan.missed_sum_m += truth_m;
     return;
   }
-  const int place = std::clamp(static_cast<int>(confidence * ValidatedScan::kBins), 0,
-                               ValidatedScan::kBins - 1);
+  const int place =
+      std::clamp(static_cast<int>(confidence * ValidatedScan::kBins), 0, ValidatedScan::kBins - 1);
   ValidatedScan::Bin& bin = scan.bins[place];
   ++bin.returns;
   if (truth_m <= 0.0F) {
