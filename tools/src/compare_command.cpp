@@ -17,6 +17,7 @@
 #include "recording_sensor.h"
 #include "report/confidence_report.h"
 #include "text_file.h"
+#include "tulip_comparison.h"
 #include "upsampling_comparison.h"
 
 namespace hqslam::tools {
@@ -25,7 +26,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr int kMeasuredRows = 16;
-constexpr const char* kWrittenBy = "hqslam compare";
 
 /// The network without the filter at its end.
 nn::Upsampler without_last_filter(const std::string& weights, const SensorModel& sensor) {
@@ -59,15 +59,18 @@ void print_scores(const std::vector<UpsamplingScore>& scores) {
     if (score.method == "linear") linear = &score;
   }
   fmt::print(
-      "| method | MAE all m | of linear | MAE valid m | Chamfer m^2 | IoU | F1 | outliers % | per "
-      "scan | of linear | good lost % | ms |\n|{:-<1}|{}\n",
-      "", "--|--|--|--|--|--|--|--|--|--|--|");
+      "| method | MAE all m | of linear | MAE valid m | missing % | invented % | Chamfer m^2 | IoU "
+      "| "
+      "precision | recall | F1 | outliers % | per scan | of linear | good lost % | ms "
+      "|\n|{:-<1}|{}\n",
+      "", "--|--|--|--|--|--|--|--|--|--|--|--|--|--|--|");
   for (const UpsamplingScore& s : scores) {
     fmt::print(
-        "| {} | {:.3f} | {:.3f} | {:.3f} | {:.3f} | {:.3f} | {:.3f} | {:.2f} | {:.0f} | "
-        "{:.3f} | {} | {:.2f} |\n",
-        s.method, s.mae_all_m, s.mae_all_m / linear->mae_all_m, s.mae_valid_m, s.chamfer_m2, s.iou,
-        s.f1, 100.0 * s.outlier_share, s.outliers_per_scan,
+        "| {} | {:.3f} | {:.3f} | {:.3f} | {:.2f} | {:.2f} | {:.3f} | {:.3f} | {:.3f} | {:.3f} | "
+        "{:.3f} | {:.2f} | {:.0f} | {:.3f} | {} | {:.2f} |\n",
+        s.method, s.mae_all_m, s.mae_all_m / linear->mae_all_m, s.mae_valid_m,
+        100.0 * s.missing_share, 100.0 * s.invented_share, s.chamfer_m2, s.iou, s.precision,
+        s.recall, s.f1, 100.0 * s.outlier_share, s.outliers_per_scan,
         s.outliers_per_scan / linear->outliers_per_scan,
         s.good_lost_share ? fmt::format("{:.2f}", 100.0 * *s.good_lost_share) : "-",
         s.upsampling_ms);
@@ -92,8 +95,12 @@ Json scores_json(const std::vector<UpsamplingScore>& scores) {
     Json row = {{"method", s.method},
                 {"mae_all_m", s.mae_all_m},
                 {"mae_valid_m", s.mae_valid_m},
+                {"missing_share", s.missing_share},
+                {"invented_share", s.invented_share},
                 {"chamfer_m2", s.chamfer_m2},
                 {"iou", s.iou},
+                {"precision", s.precision},
+                {"recall", s.recall},
                 {"f1", s.f1},
                 {"outlier_share", s.outlier_share},
                 {"outliers_per_scan", s.outliers_per_scan},
@@ -190,20 +197,28 @@ void declare_compare(CLI::App& app, CompareOptions& options) {
       "Instead, try settings of the outlier filter on the first weights' results");
   command->add_option("--json", options.json, "Also write the table into this file")
       ->excludes(filters);
+  command
+      ->add_option("--protocol", options.protocol,
+                   "tulip: project KITTI .bin files, lift and score them as the code of TULIP does")
+      ->check(CLI::IsMember({"own", "tulip"}))
+      ->excludes(filters)
+      ->capture_default_str();
   command->add_option("--threads", options.threads, "Threads (default: all cores)")
       ->check(CLI::Range(1, 256));
   command->footer(
-      "Rows: nearest, linear and inverse (linear in 1/range, by the beams' elevations) "
-      "interpolation,\n"
-      "and each network: with its filters, and where it has one at its end, without that one (the\n"
-      "filters inside stay). Outliers are farther than 0.5 m from the true cloud,\n"
-      "good points nearer than 0.2 m.");
+      "Rows: nearest, linear and inverse (linear in 1/range, by the beams' elevations)\n"
+      "interpolation, and each network: with its filters, and where it has one at its end, without\n"
+      "that one (the filters inside stay). Missing: share of the true returns that are left empty;\n"
+      "invented: share of the points where the truth has no return. Precision, recall, F1: voxels\n"
+      "of 0.1 m. Outliers are farther than 0.5 m from the true cloud, good points nearer than\n"
+      "0.2 m.");
 }
 
 int compare_command(const CompareOptions& options) {
   if (options.threads > 0) omp_set_num_threads(options.threads);
+  if (!options.json.empty()) refuse_to_replace_foreign(options.json, kCompareJsonMarker);
+  if (options.protocol == "tulip") return compare_with_tulip(options);
   const InterruptGuard interrupt;
-  if (!options.json.empty()) refuse_to_replace_foreign(options.json, kWrittenBy);
   const SensorModel sensor = required_recording_sensor(options.input, options.sensor);
   Json json;
   std::int64_t used = 0;
@@ -226,7 +241,7 @@ int compare_command(const CompareOptions& options) {
         "chance in the data: the median of the eight true ranges around each pixel has an MAE "
         "of {:.3f} m\n",
         comparison.true_neighbours_mae_m());
-    json = {{"written_by", kWrittenBy},
+    json = {{"written_by", kCompareJsonMarker},
             {"input", options.input},
             {"sensor", sensor.name},
             {"scans", used},
