@@ -26,14 +26,17 @@ Eigen::Isometry3d frame_at(const City& city, const Eigen::Vector2d& sheet_m,
 void plant_tubs(City& city, const BlockSide& side, double from_m, double to_m, Random& random) {
   const int count = random.below(5);
   for (int k = 0; k < count; ++k) {
-    const Eigen::Vector2d at =
-        side.at(random.uniform(from_m + 0.6, to_m - 0.6), kLotLine_m - random.uniform(0.25, 0.6));
+    const double in_front_m = random.uniform(0.25, 0.6);
+    const double along_m = random.uniform(from_m + 0.6, to_m - 0.6);
+    const Eigen::Vector2d at = side.at(along_m, kLotLine_m - in_front_m);
     if (random.chance(0.6)) {
       place_bush(city, at, random);
     } else {
       const double height_m = random.uniform(0.4, 1.3);
+      const Surface metal{Material::kMetal, random.shade()};
+      const double end_m = random.uniform(0.2, 0.8);
       add_box(city.fixed, frame_at(city, at, side.along), {-0.3, -0.25, -0.3},
-              {random.uniform(0.2, 0.8), 0.3, height_m}, {Material::kMetal, random.shade()});
+              {end_m, 0.3, height_m}, metal);
     }
   }
 }
@@ -120,10 +123,9 @@ void add_detached_houses(City& city, const Block& block, Random& random) {
       add_garden_front(city, side, from_m, to_m + gap_m, random);
       const int bushes = 2 + random.below(7);
       for (int bush = 0; bush < bushes; ++bush) {
-        place_bush(city,
-                   side.at(random.uniform(from_m, to_m),
-                           kLotLine_m + random.uniform(0.9, front_garden_m - 0.5)),
-                   random);
+        const double inwards_m = kLotLine_m + random.uniform(0.9, front_garden_m - 0.5);
+        const double along_m = random.uniform(from_m, to_m);
+        place_bush(city, side.at(along_m, inwards_m), random);
       }
       const int trees = random.below(3);
       for (int tree = 0; tree < trees; ++tree) {
@@ -136,7 +138,9 @@ void add_detached_houses(City& city, const Block& block, Random& random) {
 }
 
 Eigen::Vector2d draw_inside(const Eigen::AlignedBox2d& box, double margin_m, Random& random) {
-  const Eigen::Vector2d fraction(random.uniform(), random.uniform());
+  Eigen::Vector2d fraction;
+  fraction.y() = random.uniform();
+  fraction.x() = random.uniform();
   return (box.min().array() + margin_m).matrix() +
          fraction.cwiseProduct((box.sizes().array() - 2.0 * margin_m).matrix());
 }

@@ -58,9 +58,10 @@ void add_bench(TriangleMesh& mesh, const Eigen::Isometry3d& frame) {
 
 void add_bin(TriangleMesh& mesh, const Eigen::Isometry3d& frame, Random& random) {
   const double radius_m = random.uniform(0.22, 0.35);
+  const Surface metal{Material::kMetal, random.shade()};
+  const double height_m = random.uniform(0.8, 1.15);
   add_column(mesh, frame * Eigen::Vector3d(0.0, 0.0, -0.2),
-             frame * Eigen::Vector3d(0.0, 0.0, random.uniform(0.8, 1.15)), radius_m, radius_m, 9,
-             {Material::kMetal, random.shade()});
+             frame * Eigen::Vector3d(0.0, 0.0, height_m), radius_m, radius_m, 9, metal);
 }
 
 void add_hedge(TriangleMesh& mesh, const Layout& layout, const Eigen::Vector2d& from_m,

@@ -77,10 +77,9 @@ void add_small_things(City& city, const BlockSide& side, bool wide_street, Rando
   if (wide_street) add_traffic_light(city.fixed, kerb_frame(city, side, 4.2, 0.6));
   const int bins = random.below(4);
   for (int bin = 0; bin < bins; ++bin) {
-    add_bin(city.fixed,
-            kerb_frame(city, side, random.uniform(6.0, side.length_m - 6.0),
-                       random.chance(0.5) ? 0.5 : 2.6),
-            random);
+    const double inwards_m = random.chance(0.5) ? 0.5 : 2.6;
+    const double along_m = random.uniform(6.0, side.length_m - 6.0);
+    add_bin(city.fixed, kerb_frame(city, side, along_m, inwards_m), random);
   }
   if (random.chance(0.3)) {
     add_bench(city.fixed, kerb_frame(city, side, side.length_m * random.uniform(0.3, 0.7), 2.3));

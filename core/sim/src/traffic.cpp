@@ -65,7 +65,8 @@ void Traffic::add_walkers(const CityStyle& style, std::uint64_t seed) {
       const double inset_m = random.uniform(1.4, 2.4);
       const Eigen::AlignedBox2d around(block.sheet_m.min().array() + inset_m,
                                        block.sheet_m.max().array() - inset_m);
-      const double speed_mps = random.uniform(0.8, 1.6) * (random.chance(0.5) ? 1.0 : -1.0);
+      const double walk_mps = random.uniform(0.8, 1.6);
+      const double speed_mps = random.chance(0.5) ? walk_mps : -walk_mps;
       walkers_.push_back({around, random.uniform(0.0, 2.0 * around.sizes().sum()), speed_mps,
                           kFirstWalker + random.below(kWalkerBodies), random.shade()});
     }
