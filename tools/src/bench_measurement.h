@@ -12,7 +12,7 @@
 #include "hqslam/core/sensor_model.h"
 #include "interrupt.h"
 #include "timing_statistics.h"
-#include "upsampler.h"
+#include "hqslam/nn/upsampler.h"
 
 namespace hqslam::tools {
 
@@ -31,7 +31,7 @@ struct SlamTiming {
 
 /// Scans come from the source one at a time; only upsampling and SLAM are timed. upsampler: nullptr
 /// for the measured rows as they are.
-SlamTiming time_slam(ScanSource& source, int rows, Upsampler* upsampler, int threads,
+SlamTiming time_slam(ScanSource& source, int rows, nn::Upsampler* upsampler, int threads,
                      const InterruptGuard& interrupt);
 
 /// Single steps on some scans of the drive, one thread, milliseconds per scan.

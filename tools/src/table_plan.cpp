@@ -10,7 +10,7 @@
 
 #include "hqslam/core/error.h"
 #include "installed_weights.h"
-#include "upsampler.h"
+#include "hqslam/nn/upsampler.h"
 
 namespace hqslam::tools {
 namespace {
@@ -134,7 +134,7 @@ std::vector<std::string> table_method_names() {
 }
 
 bool uses_network(const TableMethod& method) {
-  return !method.source.empty() && !is_interpolation(method.source);
+  return !method.source.empty() && !nn::is_interpolation(method.source);
 }
 
 bool is_reference(const TableMethod& method) {

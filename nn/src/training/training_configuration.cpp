@@ -113,6 +113,7 @@ TrainingConfiguration training_configuration(const std::string& text, const std:
   fields.optional("weight_decay", c.plan.adamw.weight_decay);
   fields.optional("largest_gradient_norm", c.plan.largest_gradient_norm);
   fields.optional("layer_loss_share", c.plan.layer_loss_share);
+  fields.optional("average_steps", c.plan.average_steps);
   fields.optional("seed", c.plan.seed);
   fields.optional("validate_every", c.validate_every);
   if (fields.has("start_from")) c.start_from = fields.text("start_from");

@@ -1,4 +1,4 @@
-#include "upsampled_cloud.h"
+#include "hqslam/nn/upsampled_cloud.h"
 
 #include <doctest/doctest.h>
 
@@ -6,12 +6,12 @@
 #include <cstdlib>
 #include <string>
 
-#include "error_message.h"
+#include "../error_message.h"
 #include "hqslam/core/cloud_error.h"
 #include "hqslam/core/projection.h"
 #include "hqslam/core/scan_source.h"
 
-namespace hqslam::tools {
+namespace hqslam::nn {
 namespace {
 
 using hqslam::test::error_message;
@@ -176,4 +176,4 @@ TEST_CASE(
   CHECK(joined_sum_m < 0.6 * table_sum_m);
 }
 
-}  // namespace hqslam::tools
+}  // namespace hqslam::nn
