@@ -114,6 +114,22 @@ void add_picket_fence(TriangleMesh& mesh, const Layout& layout, const Eigen::Vec
   }
 }
 
+void add_rail_fence(TriangleMesh& mesh, const Layout& layout, const Eigen::Vector2d& from_m,
+                    const Eigen::Vector2d& to_m) {
+  const Surface wood{Material::kWood, 100};
+  const int spans = steps((to_m - from_m).norm(), 3.5);
+  for (int span = 0; span <= spans; ++span) {
+    const Eigen::Vector2d here = from_m + (to_m - from_m) * (static_cast<double>(span) / spans);
+    add_column(mesh, layout.ground(here, -0.2), layout.ground(here, 1.3), 0.07, 0.07, 6, wood);
+    if (span == spans) return;
+    const Eigen::Vector2d next = from_m + (to_m - from_m) * ((span + 1.0) / spans);
+    for (const double z_m : {0.55, 1.1}) {
+      add_quad(mesh, layout.ground(here, z_m), layout.ground(next, z_m),
+               layout.ground(next, z_m + 0.1), layout.ground(here, z_m + 0.1), wood);
+    }
+  }
+}
+
 void add_garden_wall(TriangleMesh& mesh, const Layout& layout, const Eigen::Vector2d& from_m,
                      const Eigen::Vector2d& to_m, double height_m, Surface surface) {
   const double length_m = (to_m - from_m).norm();

@@ -2,7 +2,6 @@
 
 #include "city.h"
 #include "furniture.h"
-#include "on_ground.h"
 
 namespace hqslam::sim {
 
@@ -57,12 +56,9 @@ void park_cars(City& city, const BlockSide& side, double share, Random& random) 
   while (along_m < side.length_m - 13.0) {
     if (random.chance(share)) {
       const Eigen::Vector2d at = side.at(along_m, -1.15 + random.uniform(-0.1, 0.12));
-      const Eigen::Vector2d plane_m = city.layout.plane(at);
       const double heading_rad =
           city.layout.heading_rad(at, -side.along) + random.uniform(-0.03, 0.03);
-      city.placements.push_back(
-          {kFirstCar + random.below(kCarBodies),
-           Eigen::Affine3d(on_ground(city.layout.terrain, plane_m, heading_rad)), random.shade()});
+      park_car(city, at, heading_rad, random);
     }
     along_m += random.uniform(5.7, 7.0);
   }

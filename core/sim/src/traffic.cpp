@@ -24,6 +24,7 @@ Traffic::Traffic(const Layout& layout, const DriveStyle& style, const DriverPath
 }
 
 void Traffic::add_trips(const DriveStyle& style, std::uint64_t seed, double until_s) {
+  if (!std::isfinite(style.city.seconds_between_cars)) return;
   for (int axis = 0; axis < 2; ++axis) {
     const double low_m = layout_.rim_m.min()[1 - axis];
     const double high_m = layout_.rim_m.max()[1 - axis];
@@ -58,6 +59,7 @@ void Traffic::add_trips(const DriveStyle& style, std::uint64_t seed, double unti
 
 void Traffic::add_walkers(const CityStyle& style, std::uint64_t seed) {
   for (const Block& block : layout_.blocks) {
+    if (!has_sidewalk(block.kind)) continue;
     Random random(seed_of(seed, block.seed));
     const bool busy = block.kind != BlockKind::kOpenLand && block.kind != BlockKind::kWalled;
     const int count = busy ? random.below(2 * style.pedestrians_per_block + 1) : random.below(2);
