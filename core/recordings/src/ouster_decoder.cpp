@@ -92,6 +92,11 @@ void OusterDecoder::Impl::add(const Packet& packet, std::vector<OusterFrame>& co
     ++counts.foreign;
     return;
   }
+  const std::uint64_t serial = serial_number(packet.payload, metadata_.profile);
+  if (options_.serial_number != 0 && serial != 0 && serial != options_.serial_number) {
+    ++counts.foreign;
+    return;
+  }
   const std::uint32_t id = frame_id(packet.payload, metadata_.profile);
   if (!frame_) {
     begin(packet, id);

@@ -142,7 +142,8 @@ void VelodyneProbe::State::set_field_of_view(VelodyneStream& stream) const {
   stream.cut_azimuth_deg = (longest_end - longest / 2 + kBins) % kBins;
 }
 
-std::optional<VelodyneStream> VelodyneProbe::result() const {
+std::optional<VelodyneStream> VelodyneProbe::result(
+    std::optional<VelodyneModel> otherwise) const {
   const State& state = *state_;
   if (state.packets == 0) return std::nullopt;
   VelodyneStream stream;
@@ -166,6 +167,8 @@ std::optional<VelodyneStream> VelodyneProbe::result() const {
     stream.model = *by_spacing;
   } else if (stream.factory_model) {
     stream.model = *stream.factory_model;
+  } else if (otherwise) {
+    stream.model = *otherwise;
   } else {
     return std::nullopt;
   }

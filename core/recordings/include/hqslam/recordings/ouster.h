@@ -64,6 +64,8 @@ struct OusterFrame {
 
 struct OusterOptions {
   KeptReturn kept_return = KeptReturn::kStrongest;  ///< kLast: the farther one
+  /// Packets of any other sensor are foreign, where the profile says whose they are; 0: of none.
+  std::uint64_t serial_number = 0;
   /// Whether ranges are read; without them frames are only counted and timed.
   bool with_ranges = true;
 };

@@ -48,7 +48,9 @@ class VelodyneProbe {
   VelodyneProbe();
   ~VelodyneProbe();
   void add(const Packet& packet);
-  std::optional<VelodyneStream> result() const;
+  /// `otherwise` is the model where neither spacing nor factory byte tell one.
+  std::optional<VelodyneStream> result(
+      std::optional<VelodyneModel> otherwise = std::nullopt) const;
 
  private:
   struct State;
