@@ -51,9 +51,10 @@ class OusterScans : public ScanSource {
     result.name = fmt::format("{}[{}]", path_, index_++);
     std::optional<OusterScan> scan = geometry_.scan(frame);
     if (!scan) {
-      throw ScanError(fmt::format("{}: expected columns of one turn, found times of more than a "
-                                  "second or none; the packets are damaged",
-                                  result.name));
+      throw ScanError(
+          fmt::format("{}: expected columns of one turn, found times of more than a "
+                      "second or none; the packets are damaged",
+                      result.name));
     }
     result.stamp_s = scan->stamp_s;
     result.cloud = std::move(scan->cloud);
@@ -141,8 +142,8 @@ std::map<std::uint64_t, int> serial_numbers(const RecordingFile& file, const Str
   for (const Candidate& candidate : candidates) {
     found += fmt::format("{}{}", found.empty() ? "" : ", ", candidate.source);
   }
-  throw Error(fmt::format("{}: several metadata fit its packets: {}; give one of them as the sensor",
-                          path, found));
+  throw Error(fmt::format(
+      "{}: several metadata fit its packets: {}; give one of them as the sensor", path, found));
 }
 
 Candidate metadata_of(const RecordingFile& file, const Stream& stream, const std::string& path,
@@ -175,22 +176,22 @@ Candidate metadata_of(const RecordingFile& file, const Stream& stream, const std
 
 /// Which sensor's packets are read, where packets say whose they are: that of the metadata, else
 /// the one that is there. 0: any.
-std::uint64_t serial_to_read(const RecordingFile& file, const Stream& stream,
-                             const Candidate& of, const std::string& path,
-                             std::vector<std::string>& warnings) {
+std::uint64_t serial_to_read(const RecordingFile& file, const Stream& stream, const Candidate& of,
+                             const std::string& path, std::vector<std::string>& warnings) {
   const auto found = serial_numbers(file, stream, of.metadata.profile);
   if (found.empty() || found.contains(0)) return 0;
   if (found.contains(of.metadata.serial_number)) return of.metadata.serial_number;
   if (found.size() > 1) {
-    throw Error(fmt::format("{}: {} carries packets of {} sensors, none of them number {} of {}; "
-                            "give the metadata of one of them as the sensor",
-                            path, stream.name, found.size(), of.metadata.serial_number, of.source));
+    throw Error(
+        fmt::format("{}: {} carries packets of {} sensors, none of them number {} of {}; "
+                    "give the metadata of one of them as the sensor",
+                    path, stream.name, found.size(), of.metadata.serial_number, of.source));
   }
   if (of.metadata.serial_number != 0) {
-    warnings.push_back(fmt::format("{}: packets of sensor {}, but {} is of sensor {}: its beams may "
-                                   "be off by tenths of a degree",
-                                   path, found.begin()->first, of.source,
-                                   of.metadata.serial_number));
+    warnings.push_back(
+        fmt::format("{}: packets of sensor {}, but {} is of sensor {}: its beams may "
+                    "be off by tenths of a degree",
+                    path, found.begin()->first, of.source, of.metadata.serial_number));
   }
   return found.begin()->first;
 }
@@ -240,9 +241,10 @@ void require_packets_of(const Candidate& of, const Stream& stream, const std::st
 Opened open_ouster(std::shared_ptr<const RecordingFile> file, const Stream& stream,
                    const std::string& path, const OpenOptions& options) {
   if (!options.sensor.empty() && !options.sensor.ends_with(".json")) {
-    throw Error(fmt::format("{}: packets of an Ouster need the metadata of that sensor, found the "
-                            "preset '{}'; give the sensor's .json file, or put it beside the file",
-                            path, options.sensor));
+    throw Error(
+        fmt::format("{}: packets of an Ouster need the metadata of that sensor, found the "
+                    "preset '{}'; give the sensor's .json file, or put it beside the file",
+                    path, options.sensor));
   }
   const Candidate of = metadata_of(*file, stream, path, options);
   require_packets_of(of, stream, path);
@@ -254,18 +256,20 @@ Opened open_ouster(std::shared_ptr<const RecordingFile> file, const Stream& stre
   info.has_stamps = true;
   info.has_point_times = true;
   if (options.columns > 0 && options.columns != info.sensor.columns) {
-    throw Error(fmt::format("{}: an Ouster's packets have {} columns a turn, {} are asked for; "
-                            "record in another mode",
-                            path, info.sensor.columns, options.columns));
+    throw Error(
+        fmt::format("{}: an Ouster's packets have {} columns a turn, {} are asked for; "
+                    "record in another mode",
+                    path, info.sensor.columns, options.columns));
   }
   OusterOptions decoding;
   decoding.kept_return = options.kept_return;
   decoding.serial_number = serial_to_read(*file, stream, of, path, info.warnings);
   count_scans(*file, stream, of.metadata, decoding, info);
   if (info.scans == 0) {
-    throw Error(fmt::format("{}: expected at least one turn of the sensor, found none in {} packets; "
-                            "record longer",
-                            path, stream.messages));
+    throw Error(
+        fmt::format("{}: expected at least one turn of the sensor, found none in {} packets; "
+                    "record longer",
+                    path, stream.messages));
   }
   const std::string complaint = packet_complaint(info.packets, info.lost_scans);
   if (!complaint.empty()) info.warnings.push_back(fmt::format("{}: {}", path, complaint));

@@ -29,9 +29,9 @@ Stream stream_of(const Endpoint& endpoint, const Traffic& traffic) {
   stream.name = text(endpoint);
   stream.endpoint = endpoint;
   stream.messages = traffic.packets;
-  const auto most = std::max_element(
-      traffic.sizes.begin(), traffic.sizes.end(),
-      [](const auto& a, const auto& b) { return a.second < b.second; });
+  const auto most =
+      std::max_element(traffic.sizes.begin(), traffic.sizes.end(),
+                       [](const auto& a, const auto& b) { return a.second < b.second; });
   stream.packet_bytes = most->first;
   if (2 * traffic.velodyne > traffic.packets) {
     stream.kind = StreamKind::kVelodynePackets;

@@ -2,11 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 
+#include "bag.h"
 #include "hqslam/core/error.h"
 #include "packet_scans.h"
 #include "recording_file.h"
@@ -18,10 +20,30 @@ namespace {
 namespace fs = std::filesystem;
 
 /// What a file begins with.
-enum class FileKind { kOther, kPcap };
+enum class FileKind { kOther, kPcap, kDb3, kMcap, kRos1Bag, kBagFolder };
+
+/// The files of a ROS 2 bag's folder, in natural order; empty if it is none.
+std::vector<std::string> files_of_bag(const fs::path& folder) {
+  std::vector<std::string> paths;
+  std::error_code error;
+  if (!fs::is_regular_file(folder / "metadata.yaml", error)) return paths;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
+       entry.increment(error)) {
+    const std::string extension = entry->path().extension().string();
+    if (extension == ".db3" || extension == ".mcap") paths.push_back(entry->path().string());
+  }
+  // name_2.db3 comes before name_10.db3: numbers are not padded.
+  std::sort(paths.begin(), paths.end(), [](const std::string& a, const std::string& b) {
+    return std::pair(a.size(), a) < std::pair(b.size(), b);
+  });
+  return paths;
+}
 
 FileKind kind_of(const std::string& path) {
   std::error_code error;
+  if (fs::is_directory(path, error)) {
+    return files_of_bag(path).empty() ? FileKind::kOther : FileKind::kBagFolder;
+  }
   if (!fs::is_regular_file(path, error)) return FileKind::kOther;
   std::array<char, 16> head{};
   std::ifstream stream(path, std::ios::binary);
@@ -35,7 +57,28 @@ FileKind kind_of(const std::string& path) {
         std::string_view("\x0A\x0D\x0D\x0A", 4)}) {
     if (begins_with(magic)) return FileKind::kPcap;
   }
+  if (begins_with("SQLite format 3")) return FileKind::kDb3;
+  if (begins_with("\x89MCAP0\r\n")) return FileKind::kMcap;
+  if (begins_with("#ROSBAG V2.0\n")) return FileKind::kRos1Bag;
   return FileKind::kOther;
+}
+
+std::unique_ptr<Bag> open_bag(const std::string& path, FileKind kind) {
+  switch (kind) {
+    case FileKind::kDb3:
+      return open_db3(path);
+    case FileKind::kMcap:
+      return open_mcap(path);
+    case FileKind::kRos1Bag:
+      return open_ros1_bag(path);
+    default:
+      break;
+  }
+  std::vector<std::unique_ptr<Bag>> parts;
+  for (const std::string& file : files_of_bag(path)) {
+    parts.push_back(file.ends_with(".db3") ? open_db3(file) : open_mcap(file));
+  }
+  return chained(std::move(parts));
 }
 
 bool has_scans(const Stream& stream) { return stream.kind != StreamKind::kOther; }
@@ -62,14 +105,16 @@ Stream chosen_stream(const RecordingFile& file, const std::string& path, const s
   }
   if (candidates.size() == 1) return candidates.front();
   if (candidates.empty() && !name.empty()) {
-    throw Error(fmt::format("{}: expected scans in stream {}, found these streams: {}; name one of "
-                            "them that has scans",
-                            path, name, listed(file.streams())));
+    throw Error(
+        fmt::format("{}: expected scans in stream {}, found these streams: {}; name one of "
+                    "them that has scans",
+                    path, name, listed(file.streams())));
   }
   if (candidates.empty()) {
-    throw Error(fmt::format("{}: expected packets or point clouds of a LiDAR, found none in these "
-                            "streams: {}; give a recording of the sensor's data",
-                            path, listed(file.streams())));
+    throw Error(
+        fmt::format("{}: expected packets or point clouds of a LiDAR, found none in these "
+                    "streams: {}; give a recording of the sensor's data",
+                    path, listed(file.streams())));
   }
   throw Error(fmt::format("{}: has several streams with scans: {}; name one of them with --stream",
                           path, listed(candidates)));
@@ -93,9 +138,10 @@ Opened open_files_of_scans(const std::string& path, const OpenOptions& options) 
   std::error_code error;
   const bool own = options.sensor.empty() && fs::is_regular_file(described, error);
   if (options.sensor.empty() && !own) {
-    throw Error(fmt::format("{}: does not say which sensor it was recorded with; give --sensor NAME "
-                            "or --sensor FILE.json",
-                            path));
+    throw Error(
+        fmt::format("{}: does not say which sensor it was recorded with; give --sensor NAME "
+                    "or --sensor FILE.json",
+                    path));
   }
   Opened opened;
   RecordingInfo& info = opened.info;
@@ -117,7 +163,10 @@ Opened open_any(const std::string& path, const OpenOptions& options) {
 }  // namespace
 
 std::unique_ptr<RecordingFile> open_recording_file(const std::string& path) {
-  return kind_of(path) == FileKind::kPcap ? open_pcap_recording(path) : nullptr;
+  const FileKind kind = kind_of(path);
+  if (kind == FileKind::kOther) return nullptr;
+  if (kind == FileKind::kPcap) return open_pcap_recording(path);
+  return bag_recording(open_bag(path, kind), path);
 }
 
 bool is_capture_or_bag(const std::string& path) { return kind_of(path) != FileKind::kOther; }

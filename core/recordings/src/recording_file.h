@@ -22,8 +22,8 @@ struct Message {
 class MessageSource {
  public:
   virtual ~MessageSource() = default;
-  /// The next message, or nothing at the end; its bytes live until the next call. Throws Error for a
-  /// file that cannot be read on.
+  /// The next message, or nothing at the end; its bytes live until the next call. Throws Error for
+  /// a file that cannot be read on.
   virtual std::optional<Message> next() = 0;
 };
 

@@ -52,8 +52,9 @@ struct Channel {
   std::uint16_t row = 0;
   float cos_elevation = 1.0F;
   float sin_elevation = 0.0F;
-  double clockwise = 0.0;  ///< hundredths of a degree
-  double time_us = 0.0;    ///< after the first firing of the block
+  double clockwise = 0.0;   ///< hundredths of a degree
+  double time_us = 0.0;     ///< after the first firing of the block
+  double azimuth_us = 0.0;  ///< the same, for the interpolation of the azimuth
 };
 
 /// One firing of 32 channels (or the 16 of a VLP-16, twice).
@@ -153,6 +154,8 @@ VelodyneDecoder::Impl::Impl(const VelodyneStream& stream, const SensorModel& sen
       channel.sin_elevation = static_cast<float>(std::sin(sensor.beam_elevation_rad[row]));
       channel.clockwise = -sensor.beam_azimuth_offset_rad[row] * (kTurn / 2) / std::numbers::pi;
       channel.time_us = sequence * timing_.firing_us + laser_time_us(stream.model, laser);
+      channel.azimuth_us =
+          sequence * timing_.firing_us + laser_azimuth_time_us(stream.model, laser);
       channels_[bank].push_back(channel);
     }
   }
@@ -295,7 +298,7 @@ void VelodyneDecoder::Impl::add_points(const Firing& firing, Bytes payload, doub
     }
     if (measured.distance == 0) continue;
     const Channel& channel = channels_[firing.bank][c];
-    const double azimuth = firing.azimuth + firing.rate * channel.time_us + channel.clockwise;
+    const double azimuth = firing.azimuth + firing.rate * channel.azimuth_us + channel.clockwise;
     const double whole = std::floor(azimuth);
     const int entry = modulo_turn(static_cast<int>(whole));
     const auto rest = static_cast<float>((azimuth - whole) * (std::numbers::pi / (kTurn / 2)));

@@ -142,8 +142,7 @@ void VelodyneProbe::State::set_field_of_view(VelodyneStream& stream) const {
   stream.cut_azimuth_deg = (longest_end - longest / 2 + kBins) % kBins;
 }
 
-std::optional<VelodyneStream> VelodyneProbe::result(
-    std::optional<VelodyneModel> otherwise) const {
+std::optional<VelodyneStream> VelodyneProbe::result(std::optional<VelodyneModel> otherwise) const {
   const State& state = *state_;
   if (state.packets == 0) return std::nullopt;
   VelodyneStream stream;

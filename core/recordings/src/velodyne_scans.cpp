@@ -83,10 +83,11 @@ VelodyneStream probe(const RecordingFile& file, const Stream& stream, const std:
     throw Error(fmt::format("{}: {}", path, error.what()));
   }
   if (!found) {
-    throw Error(fmt::format("{}: expected packets of a VLP-16, HDL-32E, VLP-32C or VLS-128, found "
-                            "some that say neither by their spacing nor by their factory byte whose "
-                            "they are; name the sensor",
-                            path));
+    throw Error(
+        fmt::format("{}: expected packets of a VLP-16, HDL-32E, VLP-32C or VLS-128, found "
+                    "some that say neither by their spacing nor by their factory byte whose "
+                    "they are; name the sensor",
+                    path));
   }
   return *found;
 }
@@ -98,9 +99,10 @@ VelodyneModel model_for(const SensorModel& sensor, VelodyneModel found, const st
   for (const VelodyneModel model : kVelodyneModels) {
     if (timing(model).lasers == sensor.rows()) return model;
   }
-  throw Error(fmt::format("{}: expected a sensor of 16, 32 or 128 rows for packets of a {}, found "
-                          "'{}' with {}; name the sensor that recorded them",
-                          path, name(found), sensor.name, sensor.rows()));
+  throw Error(
+      fmt::format("{}: expected a sensor of 16, 32 or 128 rows for packets of a {}, found "
+                  "'{}' with {}; name the sensor that recorded them",
+                  path, name(found), sensor.name, sensor.rows()));
 }
 
 /// Columns of a preset for 10 turns a second; a slower head fires more often in a turn.
@@ -127,9 +129,10 @@ SensorModel sensor_of(VelodyneStream& stream, const OpenOptions& options, const 
     preset = !options.sensor.ends_with(".json");
     const VelodyneModel wanted = model_for(sensor, stream.model, path);
     if (wanted != stream.model) {
-      warnings.push_back(fmt::format("{}: the packets look like those of a {}, but are read as a "
-                                     "{}'s, as asked for",
-                                     path, name(stream.model), name(wanted)));
+      warnings.push_back(
+          fmt::format("{}: the packets look like those of a {}, but are read as a "
+                      "{}'s, as asked for",
+                      path, name(stream.model), name(wanted)));
       stream.model = wanted;
     }
   }
@@ -196,14 +199,16 @@ Opened open_velodyne(std::shared_ptr<const RecordingFile> file, const Stream& st
   VelodyneStream velodyne = probe(*file, stream, path, wanted ? &*wanted : nullptr);
   info.sensor = sensor_of(velodyne, options, path, info.warnings);
   info.sensor_known = options.sensor.empty();
-  info.format = fmt::format("Velodyne packets, {} return", velodyne.dual_return ? "dual" : "single");
+  info.format =
+      fmt::format("Velodyne packets, {} return", velodyne.dual_return ? "dual" : "single");
   info.has_stamps = true;
   info.has_point_times = true;
   count_scans(*file, stream, velodyne, info);
   if (info.scans == 0) {
-    throw Error(fmt::format("{}: expected at least one turn of the sensor, found less than that in "
-                            "{} packets; record longer",
-                            path, stream.messages));
+    throw Error(
+        fmt::format("{}: expected at least one turn of the sensor, found less than that in "
+                    "{} packets; record longer",
+                    path, stream.messages));
   }
   if (const std::string text = packet_complaint(info.packets, 0); !text.empty()) {
     info.warnings.push_back(fmt::format("{}: {}", path, text));

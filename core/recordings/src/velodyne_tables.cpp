@@ -86,6 +86,10 @@ double laser_time_us(VelodyneModel model, int laser) {
   return 2.665 * (laser / 8 + laser / 64);
 }
 
+double laser_azimuth_time_us(VelodyneModel model, int laser) {
+  return model == VelodyneModel::kVlp32c ? 2.304 * laser : laser_time_us(model, laser);
+}
+
 std::vector<double> laser_elevations_deg(VelodyneModel model) {
   std::vector<double> result;
   switch (model) {

@@ -108,7 +108,8 @@ TEST_CASE("what is no capture is refused in one line") {
   std::string radio = pcap_bytes(some_packets());
   radio[20] = 127;  // IEEE 802.11 with radio information
   write_file(directory.file("radio.pcap"), radio);
-  CHECK(one_line_with(error_message([&] { open_pcap(directory.file("radio.pcap")); }), "link type"));
+  CHECK(
+      one_line_with(error_message([&] { open_pcap(directory.file("radio.pcap")); }), "link type"));
 }
 
 TEST_CASE("damaged captures are read or refused, nothing else") {

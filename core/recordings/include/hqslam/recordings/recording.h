@@ -18,8 +18,8 @@ enum class StreamKind { kVelodynePackets, kOusterPackets, kPointClouds, kOther }
 struct Stream {
   std::string name;  ///< the topic, or "192.168.1.201:2368"
   StreamKind kind = StreamKind::kOther;
-  std::string type;           ///< of a topic's messages
-  std::int64_t messages = 0;  ///< or packets
+  std::string type;              ///< of a topic's messages
+  std::int64_t messages = 0;     ///< or packets
   std::size_t packet_bytes = 0;  ///< of the most frequent size; 0 for topics
   Endpoint endpoint;             ///< of a capture's stream
 };
@@ -48,12 +48,12 @@ struct RecordingInfo {
   std::int64_t scans = 0;
   double first_stamp_s = 0.0;
   double duration_s = 0.0;
-  bool has_stamps = false;        ///< from the recording, not counted from the period
-  bool has_point_times = false;   ///< or points are as captured while the sensor turned
-  PacketCounts packets;           ///< all 0 for what has no packets
-  std::int64_t lost_scans = 0;    ///< turns of which nothing came
+  bool has_stamps = false;       ///< from the recording, not counted from the period
+  bool has_point_times = false;  ///< or points are as captured while the sensor turned
+  PacketCounts packets;          ///< all 0 for what has no packets
+  std::int64_t lost_scans = 0;   ///< turns of which nothing came
   std::int64_t partial_scans = 0;
-  std::vector<Stream> streams;    ///< all of the file
+  std::vector<Stream> streams;  ///< all of the file
   std::vector<std::string> warnings;
 };
 

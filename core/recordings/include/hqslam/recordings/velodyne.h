@@ -49,8 +49,7 @@ class VelodyneProbe {
   ~VelodyneProbe();
   void add(const Packet& packet);
   /// `otherwise` is the model where neither spacing nor factory byte tell one.
-  std::optional<VelodyneStream> result(
-      std::optional<VelodyneModel> otherwise = std::nullopt) const;
+  std::optional<VelodyneStream> result(std::optional<VelodyneModel> otherwise = std::nullopt) const;
 
  private:
   struct State;
