@@ -25,7 +25,7 @@ struct RunPlan {
   std::string input;
   SensorModel recording_sensor;
   std::optional<RowSelection> rows;
-  std::optional<Upsampler> upsampler;
+  std::optional<nn::Upsampler> upsampler;
 
   SlamRunSpec spec() { return {input, rows, upsampler ? &*upsampler : nullptr}; }
 };
@@ -188,8 +188,8 @@ void declare_run(CLI::App& app, RunOptions& options) {
       ->add_option("--upsample", options.upsample,
                    fmt::format("Fill the rows between the measured ones first: a trained network "
                                "(.npz), or interpolation ({})",
-                               fmt::join(interpolation_names(), ", ")))
-      ->check(CLI::ExistingFile | CLI::IsMember(interpolation_names()));
+                               fmt::join(nn::interpolation_names(), ", ")))
+      ->check(CLI::ExistingFile | CLI::IsMember(nn::interpolation_names()));
   command->add_option("--threads", options.threads, "Threads (default: all cores)")
       ->check(CLI::Range(1, 256));
   command->add_flag("--loop-closing", options.loop_closing,

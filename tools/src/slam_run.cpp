@@ -8,10 +8,10 @@
 #include <optional>
 
 #include "hqslam/core/error.h"
+#include "hqslam/nn/upsampled_cloud.h"
 #include "hqslam/slam/options.h"
 #include "progress.h"
 #include "run_output.h"
-#include "upsampled_cloud.h"
 
 namespace hqslam::tools {
 namespace {
@@ -40,7 +40,7 @@ OrganizedCloud prepared(const RecordedScan& scan, const SlamRunSpec& spec, ScanR
     return measured;
   }
   const auto start = Clock::now();
-  OrganizedCloud cloud = upsampled_cloud(*spec.upsampler, measured);
+  OrganizedCloud cloud = nn::upsampled_cloud(*spec.upsampler, measured);
   record.upsampling_s = seconds_since(start);
   return cloud;
 }

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "hqslam/core/sensor_model.h"
-#include "upsampler.h"
+#include "hqslam/nn/upsampler.h"
 
 namespace hqslam::tools {
 
@@ -20,7 +20,7 @@ struct UpsamplingRequest {
 struct UpsamplingPlan {
   SensorModel recording_sensor;      ///< to open the recording with
   std::optional<RowSelection> rows;  ///< of the recording that are looked at; nothing: all of them
-  Upsampler upsampler;
+  nn::Upsampler upsampler;
 };
 
 /// A recording either has the measured rows alone or all rows of the sensor, of which the measured
