@@ -12,7 +12,8 @@ struct CompareOptions {
   std::string sensor;  ///< empty: as for hqslam run
   std::vector<std::string> weights;
   std::int64_t every = 1;
-  std::string json;  ///< file to write; empty: none
+  std::string json;   ///< file to write; empty: none
+  std::string curve;  ///< page to write about the last weights' confidence; empty: none
   bool filters = false;
   std::string protocol = "own";  ///< or "tulip"
   int threads = 0;               ///< 0: what OpenMP chooses

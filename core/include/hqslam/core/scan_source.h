@@ -48,7 +48,8 @@ struct RecordingOptions {
 /// - one .bin or .pcd file: a recording of one scan;
 /// - an .npy stack of range images (N x H x W or N x H x W x 1, float32 metres; `options` apply);
 /// - a folder written by `hqslam simulate` or `hqslam upsample` (scans.npy, sensor.json; `options`
-///   apply): what its sensor.json says of measured rows and of the correction for motion holds,
+///   apply), with the confidence of its pixels if there is a confidence.npy: what its sensor.json
+///   says of measured rows and of the correction for motion holds,
 ///   whatever `sensor` says.
 /// Files are taken in the natural order of their names; the stamp of a scan is its index times
 /// sensor.scan_period_s. In a folder with truth.tum the stamps are those of that file: (index +
