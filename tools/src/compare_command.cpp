@@ -211,9 +211,11 @@ void declare_compare(CLI::App& app, CompareOptions& options) {
       "
       "and each network: with its filters, and where it has one at its end, without that one (the
       "
-      "filters inside stay). Missing: share of the true returns that are left empty; invented: share
+      "filters inside stay). Missing: share of the true returns between the measured rows that "
+      "are\n"
+      "left empty; invented: share
       "
-      "of the points where the truth has no return. Precision, recall, F1: voxels of 0.1 m. Outliers
+      "of the computed points where the truth has no return. Precision, recall, F1: voxels of 0.1 m. Outliers
       "
       "are farther than 0.5 m from the true cloud, good points nearer than 0.2 m.");
 }
