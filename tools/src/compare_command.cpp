@@ -212,9 +212,8 @@ void declare_compare(CLI::App& app, CompareOptions& options) {
       "that one (the filters inside stay). Missing: share of the true returns between the "
       "measured\n"
       "rows that are left empty; invented: share of the computed points where the truth has no\n"
-      "return. Precision, recall, F1: voxels of 0.1 m. Outliers are farther than 0.5 m from the "
-      "true\n"
-      "cloud, good points nearer than 0.2 m.");
+      "return. Precision, recall, F1: voxels of 0.1 m. Outliers are farther than 0.5 m from the\n"
+      "true cloud, good points nearer than 0.2 m.");
 }
 
 int compare_command(const CompareOptions& options) {

@@ -30,8 +30,11 @@ void declare_simulate(CLI::App& app, SimulateOptions& options) {
   CLI::App* command =
       app.add_subcommand("simulate", "Drive a LiDAR through a simulated city, with the truth");
   command
-      ->add_option("--drive", options.drive,
-                   "block: 200 scans; town: 4,000 with three loops; hills: 8,000, harder")
+      ->add_option(
+          "--drive", options.drive,
+          "block: 200 scans of quiet streets; town: 4,000 with three loops; hills: 8,000, harder; "
+          "meadow: 4,000 of open land; narrow: 3,000 between walls; yard: 2,000 of a low "
+          "robot; handheld: 2,000 on foot; car-park: 2,000, both ways round")
       ->required()
       ->check(CLI::IsMember(sim::drive_preset_names()));
   command->add_option("--sensor", options.sensor, "Sensor (name or .json file, as for hqslam run)")

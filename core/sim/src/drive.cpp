@@ -2,15 +2,17 @@
 
 #include <fmt/format.h>
 
-#include "driver_path.h"
 #include "hqslam/core/error.h"
 #include "lidar.h"
 #include "path_plan.h"
 #include "ray_scene.h"
-#include "traffic.h"
-#include "vehicle_motion.h"
+#include "scenario.h"
 
 namespace hqslam::sim {
+
+std::unique_ptr<Scenario> make_scenario(const DriveSpec& spec, double duration_s) {
+  return make_street_scenario(spec, duration_s);
+}
 
 void validate(const DriveSpec& spec) {
   constexpr std::int64_t kMostScans = 1'000'000;
@@ -38,25 +40,14 @@ struct DriveSimulator::Implementation {
   Implementation(const DriveSpec& spec_, const SensorModel& sensor_)
       : spec((validate(spec_), spec_)),
         sensor((validate(sensor_), sensor_)),
-        style(drive_style(spec.name)),
-        city(make_city(style.city, seed_of_part(spec.seed, DrivePart::kCity))),
-        path(plan_path(city.layout, style.driver, spec.seed, duration_s())),
-        motion(path, city.layout.terrain, spec.mount, seed_of_part(spec.seed, DrivePart::kSway)),
-        traffic(city.layout, style, path, seed_of_part(spec.seed, DrivePart::kTraffic),
-                duration_s()),
-        scene(city),
+        scenario(make_scenario(spec, static_cast<double>(spec.scans) * sensor.scan_period_s)),
+        scene(scenario->city()),
         lidar(sensor, spec.conditions, seed_of_part(spec.seed, DrivePart::kNoise)),
-        T_map_world(motion.T_world_sensor(0.5 * sensor.scan_period_s).inverse()) {}
-
-  double duration_s() const { return static_cast<double>(spec.scans) * sensor.scan_period_s; }
+        T_map_world(scenario->T_world_sensor(0.5 * sensor.scan_period_s).inverse()) {}
 
   DriveSpec spec;
   SensorModel sensor;
-  DriveStyle style;
-  City city;
-  DriverPath path;
-  VehicleMotion motion;
-  Traffic traffic;
+  std::unique_ptr<Scenario> scenario;
   RayScene scene;
   Lidar lidar;
   Pose T_map_world;
@@ -82,13 +73,13 @@ std::optional<SimulatedScan> DriveSimulator::next() {
   std::vector<Pose> T_world_sensor;
   for (int column = 0; column < self.sensor.columns; ++column) {
     T_world_sensor.push_back(
-        self.motion.T_world_sensor(begin_s + period_s * (column + 0.5) / self.sensor.columns));
+        self.scenario->T_world_sensor(begin_s + period_s * (column + 0.5) / self.sensor.columns));
   }
   SimulatedScan scan;
   scan.stamp_s = begin_s + 0.5 * period_s;
-  const Pose T_world_middle = self.motion.T_world_sensor(scan.stamp_s);
+  const Pose T_world_middle = self.scenario->T_world_sensor(scan.stamp_s);
   self.scene.place_actors(
-      self.traffic.actors(begin_s, begin_s + period_s, T_world_middle.translation().head<2>()));
+      self.scenario->actors(begin_s, begin_s + period_s, T_world_middle.translation().head<2>()));
   scan.image = self.lidar.measure(self.scene, T_world_sensor, self.next_scan);
   scan.T_map_sensor = self.T_map_world * T_world_middle;
   for (const Pose& pose : T_world_sensor) {
