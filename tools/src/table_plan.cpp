@@ -152,6 +152,7 @@ const std::vector<TableMethod>& table_methods() {
       {"rows-16", "LiDAR-16", kTableMeasuredRows, "", false},
       {"nearest", "nearest row", kTableMeasuredRows, "nearest", false},
       {"linear", "linear", kTableMeasuredRows, "linear", false},
+      {"inverse", "linear in 1/range", kTableMeasuredRows, "inverse", false},
       {"simple-du", "Simple DU", kTableMeasuredRows, "simple-du", false},
       {"simple-du-filter", "Simple DU + OR", kTableMeasuredRows, "simple-du", true},
       {"du-or-no-filter", "DU-OR, last filter off", kTableMeasuredRows, "du-or", false},
