@@ -147,7 +147,8 @@ void ConvolutionGraph::backward(const std::vector<Tensor>& values, std::vector<T
   for (std::size_t i = steps_.size(); i-- > 0;) {
     const ConvolutionStep& step = steps_[i];
     Tensor& d_to = gradients[step.to];
-    if (step.negative_slope != 1.0F) leaky_relu_backward(step.negative_slope, values[step.to], d_to);
+    if (step.negative_slope != 1.0F)
+      leaky_relu_backward(step.negative_slope, values[step.to], d_to);
     if (step.row_bias) {
       const std::span<float> d_rows = d_arrays.back();
       d_arrays.pop_back();

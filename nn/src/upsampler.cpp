@@ -55,8 +55,7 @@ Upsampler::Upsampler(SuperResolver network, SensorModel sensor)
   sensor_.measured_rows = this->network()->description().measured_rows;
 }
 
-Upsampler::Upsampler(Interpolation interpolation, SensorModel sensor,
-                     RowSelection measured_rows)
+Upsampler::Upsampler(Interpolation interpolation, SensorModel sensor, RowSelection measured_rows)
     : method_(interpolation), sensor_(std::move(sensor)) {
   sensor_.measured_rows = measured_rows;
 }

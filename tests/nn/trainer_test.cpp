@@ -37,7 +37,8 @@ TrainingPlan small_plan() {
 TrainingState fresh_state(const NetworkDescription& description) {
   std::vector<float> parameters = initial_parameters(description, 1);
   const std::size_t count = parameters.size();
-  return {std::move(parameters), AdamW({}, count)};
+  std::vector<float> average = parameters;
+  return {std::move(parameters), AdamW({}, count), std::move(average)};
 }
 
 NetworkDescription filtered_du_or() {
@@ -64,6 +65,7 @@ TrainingState trained(const NetworkDescription& description, int steps, int thre
 
 void check_same(const TrainingState& a, const TrainingState& b) {
   CHECK(a.parameters == b.parameters);
+  CHECK(a.average == b.average);
   CHECK(a.optimiser.first_moment == b.optimiser.first_moment);
   CHECK(a.optimiser.second_moment == b.optimiser.second_moment);
   CHECK(a.optimiser.steps == b.optimiser.steps);
@@ -80,18 +82,18 @@ TEST_CASE("training makes DU-OR better than it was and better than interpolation
   Trainer trainer(description, small_plan(), in_memory(scans()), fresh_state(description), 2);
   const Validation before = trainer.validate(scans());
   TrainingStep step;
-  double first_m = 0.0;
-  double last_m = 0.0;
+  double first_loss = 0.0;
+  double last_loss = 0.0;
   for (int i = 0; i < 150; ++i) {
     step = trainer.step();
-    if (i < 10) first_m += step.loss_m / 10;
-    if (i >= 140) last_m += step.loss_m / 10;
+    if (i < 10) first_loss += step.loss / 10;
+    if (i >= 140) last_loss += step.loss / 10;
   }
   const Validation after = trainer.validate(scans());
-  CHECK(last_m < 0.7 * first_m);
-  CHECK(after.mae_all_m < 0.7 * before.mae_all_m);
-  CHECK(after.mae_all_m < after.mae_all_linear_m);
-  CHECK(after.mae_all_linear_m == before.mae_all_linear_m);
+  CHECK(last_loss < 0.7 * first_loss);
+  CHECK(after.network.mae_all_m < 0.7 * before.network.mae_all_m);
+  CHECK(after.network.mae_all_m < after.linear.mae_all_m);
+  CHECK(after.linear.mae_all_m == before.linear.mae_all_m);
   CHECK(step.learning_rate < 1e-5F);
   CHECK(trainer.state().optimiser.steps == 150);
 }
@@ -101,7 +103,7 @@ TEST_CASE("training makes Simple DU better than it was") {
   Trainer trainer(description, small_plan(), in_memory(scans()), fresh_state(description), 2);
   const Validation before = trainer.validate(scans());
   train(trainer, 60);
-  CHECK(trainer.validate(scans()).mae_all_m < 0.7 * before.mae_all_m);
+  CHECK(trainer.validate(scans()).network.mae_all_m < 0.7 * before.network.mae_all_m);
 }
 
 TEST_CASE("one, two and three threads train the same bytes") {
@@ -144,7 +146,7 @@ TEST_CASE("the gradient and the loss of a batch are means: equal samples give th
     Trainer trainer(description, plan, in_memory({rings}), fresh_state(description), 1);
     steps[batch / 5] = trainer.step();
   }
-  CHECK(steps[1].loss_m == doctest::Approx(steps[0].loss_m).epsilon(1e-6));
+  CHECK(steps[1].loss == doctest::Approx(steps[0].loss).epsilon(1e-6));
   CHECK(steps[1].gradient_norm == doctest::Approx(steps[0].gradient_norm).epsilon(1e-5));
 }
 
@@ -153,13 +155,13 @@ TEST_CASE("every step draws samples of its own") {
   TrainingPlan plan = small_plan();
   plan.learning_rate = 1e-30F;  // the network stays as it is
   Trainer trainer(description, plan, in_memory(scans()), fresh_state(description), 1);
-  std::set<double> losses_m;
-  for (int i = 0; i < 8; ++i) losses_m.insert(trainer.step().loss_m);
+  std::set<double> losses;
+  for (int i = 0; i < 8; ++i) losses.insert(trainer.step().loss);
   const std::vector<float> before = fresh_state(description).parameters;
   for (std::size_t i = 0; i < before.size(); ++i) {
     REQUIRE(std::fabs(trainer.state().parameters[i] - before[i]) < 1e-20);
   }
-  CHECK(losses_m.size() == 8);
+  CHECK(losses.size() == 8);
 }
 
 TEST_CASE("without a share in the loss inner layers only serve the last one") {
@@ -171,7 +173,7 @@ TEST_CASE("without a share in the loss inner layers only serve the last one") {
     Trainer trainer(description, plan, in_memory(scans()), fresh_state(description), 1);
     steps.push_back(trainer.step());
   }
-  CHECK(steps[0].loss_m == steps[1].loss_m);  // it is the last layer's
+  CHECK(steps[0].loss == steps[1].loss);  // it is the last layer's
   CHECK(steps[0].gradient_norm < steps[1].gradient_norm);
 }
 
@@ -183,7 +185,7 @@ TEST_CASE(
   plan.largest_gradient_norm = 1e-9;
   Trainer trainer(description, plan, in_memory(scans()), fresh_state(description), 1);
   const TrainingStep step = trainer.step();
-  CHECK(step.loss_m > 0.0);
+  CHECK(step.loss > 0.0);
   CHECK(step.gradient_norm > 1e-3);
   CHECK(step.learning_rate == doctest::Approx(3e-3 / 5));
   const std::vector<float> before = fresh_state(description).parameters;
@@ -198,9 +200,9 @@ TEST_CASE("validation does not depend on the threads or on dropout, and of nothi
   Trainer one(description, small_plan(), in_memory(scans()), fresh_state(description), 1);
   Trainer two(description, small_plan(), in_memory(scans()), fresh_state(description), 2);
   const Validation a = one.validate(scans());
-  CHECK(a.mae_all_m == two.validate(scans()).mae_all_m);
-  CHECK(a.mae_all_m == one.validate(scans()).mae_all_m);
-  CHECK(one.validate({}).mae_all_m == 0.0);
+  CHECK(a.network.mae_all_m == two.validate(scans()).network.mae_all_m);
+  CHECK(a.network.mae_all_m == one.validate(scans()).network.mae_all_m);
+  CHECK(one.validate({}).network.mae_all_m == 0.0);
 }
 
 TEST_CASE("plans that cannot be followed are refused with the field and the value") {

@@ -123,12 +123,13 @@ void measure_networks(const std::vector<std::string>& paths, const std::vector<R
 
 /// The networks of this sensor that are quick enough to stand before SLAM.
 std::vector<nn::Upsampler> quick_upsamplers(const std::vector<std::string>& paths,
-                                        const SensorModel& sensor) {
+                                            const SensorModel& sensor) {
   std::vector<nn::Upsampler> upsamplers;
   for (const std::string& path : paths) {
     nn::SuperResolver network = nn::SuperResolver::load(path);
     const nn::NetworkDescription& description = network.description();
-    if (description.kind == nn::NetworkKind::kDuOr && description.sensor.rows() == sensor.rows() &&
+    if (description.kind != nn::NetworkKind::kSimpleDu &&
+        description.sensor.rows() == sensor.rows() &&
         description.sensor.columns == sensor.columns) {
       upsamplers.emplace_back(std::move(network), sensor);
     }

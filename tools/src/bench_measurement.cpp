@@ -10,9 +10,9 @@
 
 #include "hqslam/core/connected_components.h"
 #include "hqslam/core/projection.h"
+#include "hqslam/nn/upsampled_cloud.h"
 #include "hqslam/slam/slam.h"
 #include "textbook_components.h"
-#include "hqslam/nn/upsampled_cloud.h"
 
 namespace hqslam::tools {
 namespace {

@@ -10,9 +10,9 @@
 #include "hqslam/core/scan.h"
 #include "hqslam/core/scan_source.h"
 #include "hqslam/core/sensor_model.h"
+#include "hqslam/nn/upsampler.h"
 #include "interrupt.h"
 #include "timing_statistics.h"
-#include "hqslam/nn/upsampler.h"
 
 namespace hqslam::tools {
 

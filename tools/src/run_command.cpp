@@ -32,8 +32,8 @@ struct RunPlan {
 
 RunPlan plan_of(const RunOptions& options) {
   if (!options.upsample.empty()) {
-    UpsamplingPlan plan =
-        plan_upsampling({options.input, options.sensor, options.upsample, options.rows});
+    UpsamplingPlan plan = plan_upsampling(
+        {options.input, options.sensor, options.upsample, options.rows, options.least_confidence});
     return {options.input, plan.recording_sensor, plan.rows, std::move(plan.upsampler)};
   }
   RunPlan plan;
@@ -190,6 +190,11 @@ void declare_run(CLI::App& app, RunOptions& options) {
                                "(.npz), or interpolation ({})",
                                fmt::join(nn::interpolation_names(), ", ")))
       ->check(CLI::ExistingFile | CLI::IsMember(nn::interpolation_names()));
+  command
+      ->add_option("--confidence", options.least_confidence,
+                   "With --upsample: leave computed pixels empty of which the network (du-mix) is "
+                   "less sure; default: as the weights say")
+      ->check(CLI::Range(0.0, 1.0));
   command->add_option("--threads", options.threads, "Threads (default: all cores)")
       ->check(CLI::Range(1, 256));
   command->add_flag("--loop-closing", options.loop_closing,

@@ -19,7 +19,8 @@ struct RunOptions {
   std::string row_order = "highest-first";
   bool motion_corrected = false;
   std::string upsample;  ///< weights file or interpolation; empty: the recording as it is
-  int threads = 0;       ///< 0: what OpenMP chooses
+  std::optional<float> least_confidence;  ///< nothing: as the weights say
+  int threads = 0;                        ///< 0: what OpenMP chooses
   bool loop_closing = false;
 };
 

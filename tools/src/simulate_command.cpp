@@ -54,12 +54,12 @@ void declare_simulate(CLI::App& app, SimulateOptions& options) {
       "hqslam run takes the folder as it is.");
 }
 
-int simulate_drive(const SimulateOptions& options, const InterruptGuard& interrupt) {
+int simulate_drive(const SimulateOptions& options, const InterruptGuard& interrupt,
+                   const std::function<void()>& on_scan) {
   const sim::DriveSpec spec = drive_of(options);
   sim::DriveSimulator simulator(spec, load_sensor(options.sensor));
   clear_drive_folder(options.out);
   sim::DriveWriter writer(options.out, spec, simulator.sensor(), {options.bin, options.pcd});
-  Progress progress(fmt::format("simulate {}", options.drive), simulator.scans());
   std::int64_t done = 0;
   while (!interrupt.stop_requested()) {
     const std::optional<sim::SimulatedScan> scan = simulator.next();
@@ -67,10 +67,18 @@ int simulate_drive(const SimulateOptions& options, const InterruptGuard& interru
       break;
     }
     writer.append(*scan);
-    progress.update(++done);
+    ++done;
+    on_scan();
   }
-  progress.finish();
   return done < simulator.scans() ? kInterrupted : kOk;
+}
+
+int simulate_drive(const SimulateOptions& options, const InterruptGuard& interrupt) {
+  Progress progress(fmt::format("simulate {}", options.drive), drive_of(options).scans);
+  std::int64_t done = 0;
+  const int status = simulate_drive(options, interrupt, [&] { progress.update(++done); });
+  progress.finish();
+  return status;
 }
 
 int simulate_command(const SimulateOptions& options) {

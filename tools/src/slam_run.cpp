@@ -8,10 +8,10 @@
 #include <optional>
 
 #include "hqslam/core/error.h"
+#include "hqslam/nn/upsampled_cloud.h"
 #include "hqslam/slam/options.h"
 #include "progress.h"
 #include "run_output.h"
-#include "hqslam/nn/upsampled_cloud.h"
 
 namespace hqslam::tools {
 namespace {

@@ -6,8 +6,8 @@
 #include <numbers>
 
 #include "hqslam/nn/hqs/outlier_removal.h"
-#include "timing_statistics.h"
 #include "hqslam/nn/upsampled_cloud.h"
+#include "timing_statistics.h"
 
 namespace hqslam::tools {
 namespace {
@@ -101,7 +101,8 @@ void UpsamplingComparison::add(ComparedMethod& method, const OrganizedCloud& tru
   const RangeImage& image = lifted.image;
   sums.times_ms.push_back(
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
-  const OrganizedCloud cloud = nn::upsampled_cloud(lifted, measured, rows, method.upsampler.sensor());
+  const OrganizedCloud cloud =
+      nn::upsampled_cloud(lifted, measured, rows, method.upsampler.sensor());
   const ScanErrors errors = scan_errors(image, cloud, truth);
   const CloudError& error = errors.cloud;
   UpsamplingScore& sum = sums.sum;
@@ -109,12 +110,16 @@ void UpsamplingComparison::add(ComparedMethod& method, const OrganizedCloud& tru
   sum.mae_valid_m += errors.image.mae_valid_m;
   sum.chamfer_m2 += error.chamfer_m2;
   sum.iou += error.iou;
+  sum.precision += error.precision;
+  sum.recall += error.recall;
   sum.f1 += error.f1;
+  sum.missing_share += errors.image.missing_share;
+  sum.invented_share += errors.image.invented_share;
   sum.outlier_share += error.outlier_share;
   sum.outliers_per_scan += error.outlier_share * static_cast<double>(errors.points);
   if (!method.unfiltered) return;
   const OrganizedCloud unfiltered = nn::upsampled_cloud(method.unfiltered->run(measured_image),
-                                                    measured, rows, method.upsampler.sensor());
+                                                        measured, rows, method.upsampler.sensor());
   for_each_computed(unfiltered, rows, pixel_distances_m(unfiltered, truth),
                     [&](std::size_t pixel, float distance_m) {
                       if (distance_m >= kGoodDistance_m) return;
@@ -131,7 +136,8 @@ std::vector<UpsamplingScore> UpsamplingComparison::scores() const {
     UpsamplingScore score = sums.sum;
     score.method = methods_[i].name;
     for (double* mean : {&score.mae_all_m, &score.mae_valid_m, &score.chamfer_m2, &score.iou,
-                         &score.f1, &score.outlier_share, &score.outliers_per_scan}) {
+                         &score.precision, &score.recall, &score.f1, &score.missing_share,
+                         &score.invented_share, &score.outlier_share, &score.outliers_per_scan}) {
       *mean /= n;
     }
     score.upsampling_ms = distribution_of(sums.times_ms).median;
@@ -143,7 +149,8 @@ std::vector<UpsamplingScore> UpsamplingComparison::scores() const {
   return scores;
 }
 
-FilterComparison::FilterComparison(nn::Upsampler unfiltered, const std::vector<double>& min_angles_deg,
+FilterComparison::FilterComparison(nn::Upsampler unfiltered,
+                                   const std::vector<double>& min_angles_deg,
                                    const std::vector<int>& min_pixels,
                                    const std::vector<double>& support_shares)
     : unfiltered_(std::move(unfiltered)) {

@@ -36,7 +36,8 @@ RowsBetween rows_between(int row, RowSelection measured_rows, int measured) {
 RowsBetween rows_between(int row, RowSelection measured_rows,
                          std::span<const double> beam_elevation_rad) {
   const auto rows = static_cast<int>(beam_elevation_rad.size());
-  const int measured = (rows - measured_rows.offset + measured_rows.stride - 1) / measured_rows.stride;
+  const int measured =
+      (rows - measured_rows.offset + measured_rows.stride - 1) / measured_rows.stride;
   RowsBetween between = rows_between(row, measured_rows, measured);
   if (between.above == between.below) return between;
   const double above_rad =

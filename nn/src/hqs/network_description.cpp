@@ -148,6 +148,10 @@ void validate(const NetworkDescription& d) {
     throw Error(
         fmt::format("network: least_confidence is {}, expected 0 to 1", d.least_confidence));
   }
+  if (!(d.confidence_exponent > 0.0F && d.confidence_exponent <= 10.0F)) {
+    throw Error(fmt::format("network: confidence_exponent is {}, expected above 0, at most 10",
+                            d.confidence_exponent));
+  }
   check_memory(d);
 }
 
@@ -172,9 +176,8 @@ std::vector<float> initial_parameters(const NetworkDescription& d, std::uint64_t
   std::vector<float> parameters;
   for (int layer = 0; layer < (d.shared_weights ? 1 : d.layers); ++layer) {
     const std::uint64_t of_layer = seed * 1000 + layer;
-    const std::vector<float> of_one = is_mix(d)
-                                          ? initial_two_modes_parameters(d, layer, of_layer)
-                                          : any_denoiser(d)->initial_parameters(of_layer);
+    const std::vector<float> of_one = is_mix(d) ? initial_two_modes_parameters(d, layer, of_layer)
+                                                : any_denoiser(d)->initial_parameters(of_layer);
     parameters.insert(parameters.end(), of_one.begin(), of_one.end());
   }
   if (d.kind == NetworkKind::kSimpleDu) {

@@ -26,8 +26,8 @@ int threads_of(const SuperResolverOptions& options) {
 
 float checked_tolerance_m(float tolerance_m) {
   if (!(tolerance_m > 0.0F && tolerance_m < 1e3F)) {
-    throw Error(fmt::format("upsampling: tolerance_m is {}, expected above 0 and below 1000",
-                            tolerance_m));
+    throw Error(
+        fmt::format("upsampling: tolerance_m is {}, expected above 0 and below 1000", tolerance_m));
   }
   return tolerance_m;
 }
@@ -67,13 +67,14 @@ RangeImage SuperResolver::Implementation::measured_rows(const RangeImage& image)
   const int all = description.sensor.rows();
   const RowSelection rows = description.measured_rows;
   const int measured = (all - rows.offset + rows.stride - 1) / rows.stride;
-  const bool fits = image.columns == description.sensor.columns &&
-                    (image.rows == all || image.rows == measured);
+  const bool fits =
+      image.columns == description.sensor.columns && (image.rows == all || image.rows == measured);
   if (!fits || image.range_m.size() != static_cast<std::size_t>(image.rows) * image.columns) {
-    throw Error(fmt::format("upsampling: an image of {} x {} with {} ranges, expected {} or {} x "
-                            "{} ({})",
-                            image.rows, image.columns, image.range_m.size(), measured, all,
-                            description.sensor.columns, description.sensor.name));
+    throw Error(
+        fmt::format("upsampling: an image of {} x {} with {} ranges, expected {} or {} x "
+                    "{} ({})",
+                    image.rows, image.columns, image.range_m.size(), measured, all,
+                    description.sensor.columns, description.sensor.name));
   }
   RangeImage result = image.rows == measured ? image : select_rows(image, rows);
   for (float& range_m : result.range_m) {

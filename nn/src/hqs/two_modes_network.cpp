@@ -83,8 +83,8 @@ ConvolutionGraph make_graph(const NetworkDescription& d, int layer, int rows, in
 /// A graph for asking about parameters only.
 ConvolutionGraph smallest_graph(const NetworkDescription& d, int layer) {
   // Biases of rows are learned: as many rows as the sensor's images have.
-  return make_graph(d, layer, d.sensor.rows() / d.two_modes.tile.rows, 2,
-                    InstructionSet::kPortable, 1);
+  return make_graph(d, layer, d.sensor.rows() / d.two_modes.tile.rows, 2, InstructionSet::kPortable,
+                    1);
 }
 
 }  // namespace
@@ -127,15 +127,22 @@ TwoModesNetwork::TwoModesNetwork(const NetworkDescription& description, int colu
   }
   const TwoModesShape& shape = description_.two_modes;
   for (int layer = 0; layer < static_cast<int>(shape.layers.size()); ++layer) {
-    ConvolutionGraph graph = make_graph(description_, layer, rows_, columns_, instruction_set, threads);
+    ConvolutionGraph graph =
+        make_graph(description_, layer, rows_, columns_, instruction_set, threads);
     std::vector<Tensor> values = graph.make_values();
     const auto tiles = [&](int channels) {
       return Tensor(channels, rows_, columns_, ColumnPadding::kCircular);
     };
     const auto computed = static_cast<int>(computed_.size());
     const std::int64_t parameters = elements(graph.parameter_shapes());
-    layers_.push_back({std::move(graph), std::move(values), {}, {}, tiles(tile_.pixels()),
-                       tiles(computed), tiles(computed), parameters});
+    layers_.push_back({std::move(graph),
+                       std::move(values),
+                       {},
+                       {},
+                       tiles(tile_.pixels()),
+                       tiles(computed),
+                       tiles(computed),
+                       parameters});
   }
   // A head's row, then ranges and confidences of a row of tiles.
   const auto row_floats = static_cast<std::size_t>(measured_log_.padded_columns());
@@ -310,6 +317,7 @@ void TwoModesNetwork::run_layer(int layer, const RangeImage& measured, float tol
     for (std::int64_t pixel = 0; pixel < pixels; ++pixel) {
       kernels.two_modes({.in = modes_input(layer, pixel, row, of_head, stride),
                          .tolerance_m = tolerance_m,
+                         .confidence_exponent = description_.confidence_exponent,
                          .log_range = self.z.row(static_cast<int>(pixel), row),
                          .probability = self.probability.row(static_cast<int>(pixel), row),
                          .range_m = last ? ranges + pixel * stride : nullptr,
@@ -333,8 +341,8 @@ void TwoModesNetwork::finish_image_row(const RangeImage& measured, int row, cons
   const auto farthest_m = static_cast<float>(description_.sensor.max_range_m);
   for (std::size_t pixel = 0; pixel < computed_.size(); ++pixel) {
     const int channel = computed_[pixel].channel;
-    const std::size_t first = image.index(row * tile_.rows + channel / tile_.columns,
-                                          channel % tile_.columns);
+    const std::size_t first =
+        image.index(row * tile_.rows + channel / tile_.columns, channel % tile_.columns);
     float* range_m = &image.range_m[first];
     float* confidence = &lifted_.confidence[first];
     const float* range = ranges + static_cast<std::int64_t>(pixel) * stride;
@@ -347,7 +355,8 @@ void TwoModesNetwork::finish_image_row(const RangeImage& measured, int row, cons
   }
   const std::size_t first = image.index(row * tile_.rows + description_.measured_rows.offset, 0);
   for (int column = 0; column < image.columns; ++column) {
-    const bool valid = measured_valid_.at(column % tile_.columns, row, column / tile_.columns) > 0.0F;
+    const bool valid =
+        measured_valid_.at(column % tile_.columns, row, column / tile_.columns) > 0.0F;
     image.range_m[first + column] = valid ? measured.at(row, column) : 0.0F;
     lifted_.confidence[first + column] = valid ? 1.0F : 0.0F;
   }

@@ -44,9 +44,9 @@ class TwoModesNetwork final : public Network {
     std::vector<Tensor> values;     ///< of the graph; the last is only filled for training
     std::vector<Tensor> gradients;  ///< of the values; made when first needed, as d_h
     Tensor d_h;
-    Tensor h;                       ///< tiles of ln range: H
-    Tensor z;                       ///< tiles of the computed pixels: ln of the chosen mode
-    Tensor probability;             ///< of a return, as z
+    Tensor h;            ///< tiles of ln range: H
+    Tensor z;            ///< tiles of the computed pixels: ln of the chosen mode
+    Tensor probability;  ///< of a return, as z
     std::int64_t parameters = 0;
   };
   /// A computed pixel of a tile.

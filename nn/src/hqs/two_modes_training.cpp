@@ -115,8 +115,8 @@ double TwoModesNetwork::add_gradient(const RangeImage& measured, const RangeImag
       self.d_h = self.h;
     }
     end -= self.parameters;
-    const double of_layer = backward_layer(layer, truth_m, options,
-                                           d_parameters.subspan(end, self.parameters));
+    const double of_layer =
+        backward_layer(layer, truth_m, options, d_parameters.subspan(end, self.parameters));
     if (layer + 1 == static_cast<int>(layers_.size())) loss = of_layer;
   }
   return loss;

@@ -58,8 +58,8 @@ RangeImage take_image(const std::string& path, const std::string& name, int rows
   return image;
 }
 
-/// What the network makes of measured rows: Z of the last layer, metres; of DU-Mix, the image before
-/// doubtful pixels are emptied.
+/// What the network makes of measured rows: Z of the last layer, metres; of DU-Mix, the image
+/// before doubtful pixels are emptied.
 RangeImage last_z(const NetworkDescription& description, const std::vector<float>& parameters,
                   const RangeImage& measured) {
   if (description.kind == NetworkKind::kDuMix) {

@@ -91,7 +91,7 @@ struct MeasuredRow {
 struct TwoModesInput {
   const float* outputs = nullptr;
   std::int64_t group_stride = 0;
-  const float* above = nullptr;   ///< ln of the measured range above
+  const float* above = nullptr;  ///< ln of the measured range above
   const float* below = nullptr;
   const float* middle = nullptr;  ///< ln of the range so far
   int columns = 0;                ///< rounded up to whole vectors of 16
@@ -101,6 +101,7 @@ struct TwoModesInput {
 struct TwoModesRow {
   TwoModesInput in;
   float tolerance_m = 0.5F;
+  float confidence_exponent = 1.0F;
   float* log_range = nullptr;    ///< the chosen mode
   float* probability = nullptr;  ///< of a return
   float* range_m = nullptr;      ///< nullptr: not wanted; neither is the next then

@@ -9,7 +9,8 @@ namespace hqslam::nn::kernels {
 namespace {
 
 void fill_measured(const MeasuredRow& row) {
-  constexpr float kFarthest_m = 1e4F;  // beyond any sensor; infinity and NaN fail the comparison too
+  constexpr float kFarthest_m =
+      1e4F;  // beyond any sensor; infinity and NaN fail the comparison too
   for (int x = 0; x < row.columns; x += kVectorFloats) {
     const Vector range_m = load(row.range_m + x);
     const auto there = (range_m > 0.0F) & (range_m < kFarthest_m);
@@ -83,8 +84,9 @@ void two_modes(const TwoModesRow& row) {
     const Vector of_other = laplace_below(farther - gap) - laplace_below(-nearer - gap);
     const Vector weight = first ? m.weight1 : 1.0F - m.weight1;
     store(row.range_m + x, range_m);
-    store(row.confidence + x,
-          m.probability * (weight * of_chosen + (1.0F - weight) * of_other));
+    const Vector said = m.probability * (weight * of_chosen + (1.0F - weight) * of_other);
+    const Vector above_zero = smaller(larger(said, Vector{} + 1e-9F), Vector{} + 1.0F);
+    store(row.confidence + x, exponential(row.confidence_exponent * logarithm(above_zero)));
   }
 }
 
@@ -110,9 +112,9 @@ double two_modes_loss(const TwoModesLossRow& row) {
     const Vector posterior2 = part2 / sum;
     const Vector valid = there ? Vector{} + 1.0F : Vector{};
     const Vector likely = there ? m.probability : 1.0F - m.probability;
-    loss += static_cast<double>(
-        sum_of(range_share * (m.log_scale + near - logarithm(sum)) -
-               row.return_share * logarithm(larger(likely, Vector{} + 1e-7F))));
+    loss +=
+        static_cast<double>(sum_of(range_share * (m.log_scale + near - logarithm(sum)) -
+                                   row.return_share * logarithm(larger(likely, Vector{} + 1e-7F))));
     const auto put = [&](TwoModesOutput group, Vector gradient) {
       store(row.d_outputs + static_cast<int>(group) * row.d_group_stride + x, gradient);
     };
@@ -135,16 +137,15 @@ double two_modes_loss(const TwoModesLossRow& row) {
     const Vector middle = load(row.in.middle + x);
     put(TwoModesOutput::kCorrectionAbove, d_mode1);
     put(TwoModesOutput::kCorrectionBelow, d_mode2);
-    put(TwoModesOutput::kShareAbove, kTwoModesGain * d_mode1 * m.share1 * (1.0F - m.share1) *
-                                         (load(row.in.above + x) - middle));
-    put(TwoModesOutput::kShareBelow, kTwoModesGain * d_mode2 * m.share2 * (1.0F - m.share2) *
-                                         (load(row.in.below + x) - middle));
+    put(TwoModesOutput::kShareAbove,
+        kTwoModesGain * d_mode1 * m.share1 * (1.0F - m.share1) * (load(row.in.above + x) - middle));
+    put(TwoModesOutput::kShareBelow,
+        kTwoModesGain * d_mode2 * m.share2 * (1.0F - m.share2) * (load(row.in.below + x) - middle));
     put(TwoModesOutput::kWeight, kTwoModesGain * range_share * (m.weight1 - posterior1));
-    const Vector scale = load(row.in.outputs +
-                              static_cast<int>(TwoModesOutput::kScale) * row.in.group_stride + x);
+    const Vector scale =
+        load(row.in.outputs + static_cast<int>(TwoModesOutput::kScale) * row.in.group_stride + x);
     const auto free = (scale >= kLowestScale) & (scale <= kHighestScale);
-    const Vector d_log_scale =
-        range_share * (1.0F - posterior1 * far1 - posterior2 * far2);
+    const Vector d_log_scale = range_share * (1.0F - posterior1 * far1 - posterior2 * far2);
     put(TwoModesOutput::kScale, free ? kTwoModesGain * d_log_scale : Vector{});
     put(TwoModesOutput::kReturn, kTwoModesGain * d_return);
     store(row.d_middle + x, d_mode1 * (1.0F - m.share1) + d_mode2 * (1.0F - m.share2));

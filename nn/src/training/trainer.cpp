@@ -118,9 +118,8 @@ Trainer::Trainer(const NetworkDescription& description, const TrainingPlan& plan
   if (scans == nullptr || scans->size() == 0) throw Error("training: no scans to train on");
   check_shape(scans->rows(), scans->columns(), description.sensor);
   check_state(state, description);
-  implementation_ = std::make_unique<Implementation>(
-      Implementation{description, plan, std::move(scans), std::move(state),
-                     decays_of(description), {}, {}, {}});
+  implementation_ = std::make_unique<Implementation>(Implementation{
+      description, plan, std::move(scans), std::move(state), decays_of(description), {}, {}, {}});
   Implementation& self = *implementation_;
   const int columns = plan.augmentation.crop_columns > 0 ? plan.augmentation.crop_columns
                                                          : description.sensor.columns;

@@ -15,11 +15,11 @@ struct ValidatedScan {
   /// kBins; what says nothing of its confidence lies in the last bin.
   static constexpr int kBins = 1000;
   struct Bin {
-    std::int64_t returns = 0;      ///< the network has a return
-    std::int64_t wrong = 0;        ///< of them: more than 0.5 m off, or where truth has none
-    std::int64_t found = 0;        ///< of them: truth has one too
-    double error_sum_m = 0.0;      ///< |range - truth| of those found
-    double invented_sum_m = 0.0;   ///< range where truth has none
+    std::int64_t returns = 0;        ///< the network has a return
+    std::int64_t wrong = 0;          ///< of them: more than 0.5 m off, or where truth has none
+    std::int64_t found = 0;          ///< of them: truth has one too
+    double error_sum_m = 0.0;        ///< |range - truth| of those found
+    double invented_sum_m = 0.0;     ///< range where truth has none
     double truth_found_sum_m = 0.0;  ///< true range of those found: the error if they were emptied
   };
   std::vector<Bin> bins{kBins};

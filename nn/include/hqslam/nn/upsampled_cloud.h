@@ -1,8 +1,8 @@
 #pragma once
 
 #include "hqslam/core/organized_cloud.h"
-#include "hqslam/nn/lifted_image.h"
 #include "hqslam/core/sensor_model.h"
+#include "hqslam/nn/lifted_image.h"
 #include "hqslam/nn/upsampler.h"
 
 namespace hqslam::nn {

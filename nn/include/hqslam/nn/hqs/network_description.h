@@ -40,7 +40,7 @@ struct TwoModesLayerShape {
 };
 struct TwoModesShape {
   TileSize tile{4, 4};  ///< one measured row in each
-  std::vector<TwoModesLayerShape> layers{TwoModesLayerShape{}};
+  std::vector<TwoModesLayerShape> layers = std::vector<TwoModesLayerShape>(1);
   int memory = 16;  ///< channels that a layer hands to the next beside what it says of the pixels
   float negative_slope = 0.1F;
 };
@@ -56,7 +56,10 @@ struct NetworkDescription {
   /// kDuMix: computed pixels with a smaller confidence come out empty. Chosen after training, so
   /// that as many true returns are missing as linear interpolation misses.
   float least_confidence = 0.1F;
-  SensorModel sensor;             ///< with all rows
+  /// kDuMix: what the mixture says, to this power, is the confidence. Fitted after training on scans
+  /// that were not trained on, so that the confidence is the share that is right.
+  float confidence_exponent = 1.0F;
+  SensorModel sensor;  ///< with all rows
   RowSelection measured_rows;
   float range_scale_m = 80.0F;   ///< ranges are divided by it
   OutlierRemovalOptions filter;  ///< in every layer

@@ -17,9 +17,10 @@ struct ObjectiveTerms {
 
 /// What one layer computed, for people who want to look.
 struct LayerTrace {
-  RangeImage h;                        ///< metres, after data consistency (eq. 10a)
-  RangeImage z;                        ///< after the denoiser (eq. 10b)
-  RangeImage y;                        ///< after outlier removal (eq. 10c); Simple DU: Z; DU-Mix: Z, empty where a return is unlikely
+  RangeImage h;  ///< metres, after data consistency (eq. 10a)
+  RangeImage z;  ///< after the denoiser (eq. 10b)
+  RangeImage y;  ///< after outlier removal (eq. 10c); Simple DU: Z; DU-Mix: Z, empty where a return
+                 ///< is unlikely
   std::vector<std::uint8_t> rejected;  ///< Q's mask, one per pixel; Simple DU and DU-Mix: all 0
   std::vector<float> probability;      ///< DU-Mix: of a return, one per pixel; otherwise empty
   float penalty = 0.0F;                ///< b; DU-Mix: 0

@@ -9,12 +9,13 @@ namespace hqslam::nn {
 ///   w  = s(4 o4)                                           probability of the first
 ///   ln b = -3.5 + 4 clamp(o5, -1/2, 1)                     the scale of both
 ///   p  = s(4 o6)                                           probability of a return
-/// so that a range, where there is one, is distributed as w Laplace(y1, b) + (1 - w) Laplace(y2, b).
-/// At a depth jump the truth is one surface or the other, never the mean: two modes and a hard
+/// so that a range, where there is one, is distributed as w Laplace(y1, b) + (1 - w) Laplace(y2,
+/// b). At a depth jump the truth is one surface or the other, never the mean: two modes and a hard
 /// choice say so, one number cannot.
 ///
 /// Result: the mode with the larger weight; its confidence, the probability that there is a return
-/// and that it lies within a tolerance of that range (p times the mass of both modes there).
+/// and that it lies within a tolerance of that range: p times the mass of both modes there, to the
+/// power of NetworkDescription::confidence_exponent.
 ///
 /// Loss of a pixel: the cross-entropy of p and, where there is a return, a share of
 ///   -ln(w/b e^(-|y - y1|/b) + (1 - w)/b e^(-|y - y2|/b)).

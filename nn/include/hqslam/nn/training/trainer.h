@@ -22,8 +22,9 @@ struct TrainingPlan {
   /// Share in the loss of each layer before the last: with 0 only the last Z has to be an image,
   /// and the others become whatever helps it, which the filter inside and people cannot read.
   float layer_loss_share = 0.1F;
-  double largest_gradient_norm = 0.1;  ///< of the loss in the network's own unit (L1: range_scale_m)
-  std::int64_t average_steps = 1000;   ///< of the mean of the parameters that is kept
+  double largest_gradient_norm =
+      0.1;                            ///< of the loss in the network's own unit (L1: range_scale_m)
+  std::int64_t average_steps = 1000;  ///< of the mean of the parameters that is kept
   Augmentation augmentation;
   std::uint64_t seed = 1;
 };
@@ -38,10 +39,10 @@ struct TrainingStep {
 
 /// How an upsampled image differs from the truth, over the computed pixels of all scans.
 struct ImageFigures {
-  double mae_all_m = 0.0;      ///< over all pixels, measured ones too; no return counts as 0 m
-  double mae_valid_m = 0.0;    ///< over the pixels where both have a return, measured ones too
-  double wrong_share = 0.0;    ///< of the computed returns: farther than 0.5 m from the pixel's true
-                               ///< range, or where there is none
+  double mae_all_m = 0.0;    ///< over all pixels, measured ones too; no return counts as 0 m
+  double mae_valid_m = 0.0;  ///< over the pixels where both have a return, measured ones too
+  double wrong_share = 0.0;  ///< of the computed returns: farther than 0.5 m from the pixel's true
+                             ///< range, or where there is none
   double missing_share = 0.0;  ///< of the true returns: left empty
 };
 
@@ -52,6 +53,9 @@ struct Validation {
   /// DU-Mix: the confidence below which pixels were emptied for these figures, so that as many
   /// true returns are missing as linear interpolation misses.
   double least_confidence = 0.0;
+  /// DU-Mix: the power of the confidence that says best how many are right (the smallest Brier
+  /// score); least_confidence is before it.
+  double confidence_exponent = 1.0;
 };
 
 /// Everything that a training needs to go on as if it had not stopped.
