@@ -71,6 +71,31 @@ TEST_CASE("training leaves weights that load, a checkpoint and a learning curve"
   CHECK(holds(other.error, "another training configuration"));
 }
 
+TEST_CASE("trainings share a folder of drives; one of varied conditions is simulated for itself") {
+  const TemporaryDirectory folder;
+  const auto train_with = [&](const std::string& configuration, const std::string& out) {
+    std::ofstream(folder.file("recipe.json")) << configuration;
+    return run_hqslam(fmt::format("train --config '{}' --out '{}' --drives '{}'",
+                                  folder.file("recipe.json"), folder.file(out),
+                                  folder.file("drives")));
+  };
+  const auto files = [&] {
+    const std::filesystem::directory_iterator begin(folder.file("drives"));
+    return std::distance(begin, std::filesystem::directory_iterator());
+  };
+  REQUIRE(train_with(small_configuration(), "a").status == 0);
+  CHECK(files() == 2);
+  const ProgramResult again = train_with(small_configuration(), "b");
+  REQUIRE(again.status == 0);
+  CHECK_FALSE(holds(again.error, "training scans"));  // nothing left to simulate
+  CHECK(file_contents(folder.file("b/weights.npz")) == file_contents(folder.file("a/weights.npz")));
+  CHECK(files() == 2);
+  REQUIRE(
+      train_with(small_configuration("\"every\": 2", R"("every": 2, "conditions": "varied")"), "c")
+          .status == 0);
+  CHECK(files() == 3);
+}
+
 TEST_CASE("a wrong recipe is one line on stderr and status 2") {
   const TemporaryDirectory folder;
   const ProgramResult unknown =

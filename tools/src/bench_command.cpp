@@ -122,9 +122,9 @@ void measure_networks(const std::vector<std::string>& paths, const std::vector<R
 }
 
 /// The networks of this sensor that are quick enough to stand before SLAM.
-std::vector<Upsampler> quick_upsamplers(const std::vector<std::string>& paths,
-                                        const SensorModel& sensor) {
-  std::vector<Upsampler> upsamplers;
+std::vector<nn::Upsampler> quick_upsamplers(const std::vector<std::string>& paths,
+                                            const SensorModel& sensor) {
+  std::vector<nn::Upsampler> upsamplers;
   for (const std::string& path : paths) {
     nn::SuperResolver network = nn::SuperResolver::load(path);
     const nn::NetworkDescription& description = network.description();
@@ -137,7 +137,7 @@ std::vector<Upsampler> quick_upsamplers(const std::vector<std::string>& paths,
 }
 
 void measure_slam(const std::string& input, const SensorModel& sensor, int rows,
-                  Upsampler* upsampler, int threads, const InterruptGuard& interrupt,
+                  nn::Upsampler* upsampler, int threads, const InterruptGuard& interrupt,
                   Measurements& measurements) {
   if (interrupt.stop_requested()) {
     return;
@@ -153,14 +153,14 @@ Measurements measure(const std::string& input, const SensorModel& sensor,
                      const std::vector<std::string>& weights, const InterruptGuard& interrupt) {
   Measurements measurements;
   measurements.sensor = sensor.name;
-  std::vector<Upsampler> upsamplers = quick_upsamplers(weights, sensor);
+  std::vector<nn::Upsampler> upsamplers = quick_upsamplers(weights, sensor);
   for (int threads = 1; threads <= kMostThreads; ++threads) {
     for (const int rows : kRowCounts) {
       if (rows <= sensor.rows()) {
         measure_slam(input, sensor, rows, nullptr, threads, interrupt, measurements);
       }
     }
-    for (Upsampler& upsampler : upsamplers) {
+    for (nn::Upsampler& upsampler : upsamplers) {
       const int rows = select_rows(sensor, upsampler.measured_rows()).rows();
       measure_slam(input, sensor, rows, &upsampler, threads, interrupt, measurements);
     }

@@ -176,7 +176,7 @@ double filter_ms(const nn::Weights& weights, const std::vector<RangeImage>& meas
   std::vector<double> times_ms;
   for (const RangeImage& image : measured) {
     nn::Trace trace;
-    std::vector<RangeImage> filtered = {resolver.run(image, &trace)};
+    std::vector<RangeImage> filtered = {resolver.run(image, &trace).image};
     for (int layer = 0;
          description.kind == nn::NetworkKind::kDuOr && layer + 1 < description.layers; ++layer) {
       filtered.push_back(description.filtered == nn::FilteredIterate::kH ? trace.layers[layer].h

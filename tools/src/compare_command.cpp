@@ -26,10 +26,10 @@ constexpr int kMeasuredRows = 16;
 constexpr const char* kWrittenBy = "hqslam compare";
 
 /// The network without the filter at its end, and without any filter at all.
-Upsampler without_last_filter(const std::string& weights, const SensorModel& sensor) {
+nn::Upsampler without_last_filter(const std::string& weights, const SensorModel& sensor) {
   return {nn::SuperResolver::load(weights, {.filter_result = false}), sensor};
 }
-Upsampler without_filter(const std::string& weights, const SensorModel& sensor) {
+nn::Upsampler without_filter(const std::string& weights, const SensorModel& sensor) {
   nn::OutlierRemovalOptions off;
   off.min_pixels = 0;
   return {nn::SuperResolver::load(weights, {.filter = off}), sensor};
@@ -38,11 +38,12 @@ Upsampler without_filter(const std::string& weights, const SensorModel& sensor) 
 std::vector<ComparedMethod> methods_of(const CompareOptions& options, const SensorModel& sensor) {
   const RowSelection rows = selection_for(sensor.rows(), kMeasuredRows);
   std::vector<ComparedMethod> methods;
-  for (const std::string& name : interpolation_names()) {
-    methods.push_back({name, Upsampler(interpolation_from_name(name), sensor, rows), std::nullopt});
+  for (const std::string& name : nn::interpolation_names()) {
+    methods.push_back(
+        {name, nn::Upsampler(nn::interpolation_from_name(name), sensor, rows), std::nullopt});
   }
   for (const std::string& weights : options.weights) {
-    Upsampler network(nn::SuperResolver::load(weights), sensor);
+    nn::Upsampler network(nn::SuperResolver::load(weights), sensor);
     const std::string name = network.name();
     methods.push_back({name + ", no filter", without_filter(weights, sensor), std::nullopt});
     methods.push_back({name, std::move(network), without_last_filter(weights, sensor)});

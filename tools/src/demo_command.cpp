@@ -173,7 +173,7 @@ std::vector<std::pair<std::string, RangeImage>> example_images(const std::string
       continue;
     }
     UpsamplingPlan plan = plan_upsampling({drive, "", row.way.upsample, row.way.rows});
-    images.emplace_back(row.way.name, plan.upsampler.run(select_rows(truth, seen)));
+    images.emplace_back(row.way.name, plan.upsampler.run(select_rows(truth, seen)).image);
   }
   return images;
 }

@@ -101,9 +101,13 @@ void declare_dense_map(CLI::App& command, DenseMapChoice& choice) {
       ->capture_default_str();
 }
 
-DenseMapRun build_dense_map(RunPlan& plan, const ScanPoses& poses, const DenseMapChoice& choice,
-                            const InterruptGuard& interrupt) {
+DenseMapRun build_dense_map(const RecordingChoice& recording, const ScanPoses& poses,
+                            const DenseMapChoice& choice, const InterruptGuard& interrupt) {
   const auto start = std::chrono::steady_clock::now();
+  nn::SuperResolverOptions network;
+  network.tolerance_m = static_cast<float>(choice.voxel_m);
+  network.least_confidence = slam::DenseMapOptions::kLeastPointConfidence;
+  RunPlan plan = plan_of(recording, network);
   slam::DenseMapOptions options;
   options.voxel_m = choice.voxel_m;
   options.least_confidence = choice.least_confidence;

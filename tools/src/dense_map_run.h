@@ -11,7 +11,7 @@
 
 namespace hqslam::tools {
 
-struct RunPlan;
+struct RecordingChoice;
 
 /// What a user may say about a dense map.
 struct DenseMapChoice {
@@ -44,7 +44,9 @@ struct DenseMapRun {
 /// Reads the recording twice, with the poses that are known when it is over: first all scans are
 /// put into the map, then they vote about what they saw through. Between the two no scan is kept.
 /// Shows progress on stderr. A scan that cannot be read ends each reading at the same place.
-DenseMapRun build_dense_map(RunPlan& plan, const ScanPoses& poses, const DenseMapChoice& choice,
-                            const InterruptGuard& interrupt);
+/// A network is asked for all points that it believes in at all, and how sure it is that they lie
+/// within a voxel of the truth: the map decides, not its operating point.
+DenseMapRun build_dense_map(const RecordingChoice& recording, const ScanPoses& poses,
+                            const DenseMapChoice& choice, const InterruptGuard& interrupt);
 
 }  // namespace hqslam::tools

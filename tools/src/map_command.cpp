@@ -65,10 +65,9 @@ int map_command(const MapOptions& options) {
   if (options.threads > 0) {
     omp_set_num_threads(options.threads);
   }
-  RunPlan plan = plan_of(options);
-  const ScanPoses poses = poses_from(options.poses, plan.open()->size());
+  const ScanPoses poses = poses_from(options.poses, plan_of(options).open()->size());
   refuse_foreign_dense_map(options.out);
-  const DenseMapRun run = build_dense_map(plan, poses, options.map, interrupt);
+  const DenseMapRun run = build_dense_map(options, poses, options.map, interrupt);
   if (interrupt.stop_requested()) {
     fmt::print(stderr, "hqslam: interrupted; no dense map was written\n");
     return kInterrupted;

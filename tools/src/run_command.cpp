@@ -140,9 +140,9 @@ ScanPoses poses_of(const SlamRun& run) {
 }
 
 /// All other results are written by now: what goes wrong here costs the dense map alone.
-void add_dense_map(RunPlan& plan, const RunOptions& options, const InterruptGuard& interrupt,
-                   RunOutput& output, RunResult& result) {
-  DenseMapRun dense_map = build_dense_map(plan, poses_of(result.run), options.map, interrupt);
+void add_dense_map(const RunOptions& options, const InterruptGuard& interrupt, RunOutput& output,
+                   RunResult& result) {
+  DenseMapRun dense_map = build_dense_map(options, poses_of(result.run), options.map, interrupt);
   if (interrupt.stop_requested()) return;
   output.write_dense_map(result.run, result.comparison, dense_map);
   result.dense_map_summary = dense_map_summary(dense_map);
@@ -214,7 +214,7 @@ RunResult run_and_write(const RunOptions& options, const InterruptGuard& interru
   }
   output.write_results(result.run, result.comparison);
   if (options.dense_map && !interrupt.stop_requested()) {
-    add_dense_map(plan, options, interrupt, output, result);
+    add_dense_map(options, interrupt, output, result);
   }
   return result;
 }

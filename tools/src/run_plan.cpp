@@ -37,15 +37,15 @@ void declare_recording(CLI::App& command, RecordingChoice& choice) {
       .add_option("--upsample", choice.upsample,
                   fmt::format("Fill the rows between the measured ones first: a trained network "
                               "(.npz), or interpolation ({})",
-                              fmt::join(interpolation_names(), ", ")))
-      ->check(CLI::ExistingFile | CLI::IsMember(interpolation_names()));
+                              fmt::join(nn::interpolation_names(), ", ")))
+      ->check(CLI::ExistingFile | CLI::IsMember(nn::interpolation_names()));
 }
 
 std::unique_ptr<ScanSource> RunPlan::open() const {
   return open_recording(input, recording_sensor, recording_options);
 }
 
-RunPlan plan_of(const RecordingChoice& choice) {
+RunPlan plan_of(const RecordingChoice& choice, const nn::SuperResolverOptions& network) {
   RunPlan plan;
   plan.input = choice.input;
   plan.recording_options.row_order =
@@ -54,7 +54,7 @@ RunPlan plan_of(const RecordingChoice& choice) {
       choice.motion_corrected ? CaptureTime::kMotionCorrected : CaptureTime::kRolling;
   if (!choice.upsample.empty()) {
     UpsamplingPlan upsampling =
-        plan_upsampling({choice.input, choice.sensor, choice.upsample, choice.rows});
+        plan_upsampling({choice.input, choice.sensor, choice.upsample, choice.rows, network});
     plan.recording_sensor = upsampling.recording_sensor;
     plan.rows = upsampling.rows;
     plan.upsampler = std::move(upsampling.upsampler);

@@ -7,8 +7,8 @@
 
 #include "hqslam/core/scan_source.h"
 #include "hqslam/core/sensor_model.h"
+#include "hqslam/nn/upsampler.h"
 #include "slam_run.h"
-#include "upsampler.h"
 
 namespace hqslam::tools {
 
@@ -29,13 +29,13 @@ struct RunPlan {
   SensorModel recording_sensor;
   RecordingOptions recording_options;
   std::optional<RowSelection> rows;
-  std::optional<Upsampler> upsampler;
+  std::optional<nn::Upsampler> upsampler;
 
   SlamRunSpec spec() { return {input, rows, upsampler ? &*upsampler : nullptr}; }
   /// The recording from its beginning. Throws Error.
   std::unique_ptr<ScanSource> open() const;
 };
 /// Throws Error.
-RunPlan plan_of(const RecordingChoice& choice);
+RunPlan plan_of(const RecordingChoice& choice, const nn::SuperResolverOptions& network = {});
 
 }  // namespace hqslam::tools

@@ -8,10 +8,10 @@
 #include <optional>
 
 #include "hqslam/core/error.h"
+#include "hqslam/nn/upsampled_cloud.h"
 #include "hqslam/slam/options.h"
 #include "progress.h"
 #include "run_output.h"
-#include "upsampled_cloud.h"
 
 namespace hqslam::tools {
 namespace {
@@ -56,7 +56,7 @@ OrganizedCloud measured_cloud(const OrganizedCloud& cloud, const SlamRunSpec& sp
 }
 
 OrganizedCloud prepared_cloud(const OrganizedCloud& measured, const SlamRunSpec& spec) {
-  return spec.upsampler != nullptr ? upsampled_cloud(*spec.upsampler, measured) : measured;
+  return spec.upsampler != nullptr ? nn::upsampled_cloud(*spec.upsampler, measured) : measured;
 }
 
 std::string_view name(RunEnd end) {

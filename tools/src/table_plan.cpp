@@ -9,8 +9,8 @@
 #include <set>
 
 #include "hqslam/core/error.h"
+#include "hqslam/nn/upsampler.h"
 #include "installed_weights.h"
-#include "upsampler.h"
 
 namespace hqslam::tools {
 namespace {
@@ -134,7 +134,7 @@ std::vector<std::string> table_method_names() {
 }
 
 bool uses_network(const TableMethod& method) {
-  return !method.source.empty() && !is_interpolation(method.source);
+  return !method.source.empty() && !nn::is_interpolation(method.source);
 }
 
 bool is_reference(const TableMethod& method) {

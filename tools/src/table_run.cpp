@@ -13,11 +13,11 @@
 #include "hqslam/core/scan_source.h"
 #include "hqslam/nn/hqs/outlier_removal.h"
 #include "hqslam/nn/instruction_set.h"
+#include "hqslam/nn/upsampled_cloud.h"
 #include "hqslam/slam/slam.h"
 #include "processor.h"
 #include "progress.h"
 #include "timing_statistics.h"
-#include "upsampled_cloud.h"
 #include "upsampling_comparison.h"
 #include "upsampling_plan.h"
 
@@ -33,7 +33,7 @@ double seconds_of(Work&& work) {
 }
 
 /// What the pass's methods have in common: nothing where they see the rows as recorded.
-std::optional<Upsampler> shared_upsampler(const TablePass& pass) {
+std::optional<nn::Upsampler> shared_upsampler(const TablePass& pass) {
   const TableMethod& method = pass.methods.front();
   if (method.source.empty()) return std::nullopt;
   const std::string weights = weights_of(method, pass.sensor.name);
@@ -41,11 +41,12 @@ std::optional<Upsampler> shared_upsampler(const TablePass& pass) {
       plan_upsampling({pass.drive.recording, pass.drive.sensor,
                        weights.empty() ? method.source : weights, kTableMeasuredRows});
   if (weights.empty()) return std::move(plan.upsampler);
-  return Upsampler(nn::SuperResolver::load(weights, {.filter_result = false}),
-                   plan.upsampler.sensor());
+  return nn::Upsampler(nn::SuperResolver::load(weights, {.filter_result = false}),
+                       plan.upsampler.sensor());
 }
 
-std::optional<nn::OutlierRemoval> filter_of(const TableMethod& method, const Upsampler* upsampler) {
+std::optional<nn::OutlierRemoval> filter_of(const TableMethod& method,
+                                            const nn::Upsampler* upsampler) {
   if (!method.filtered) return std::nullopt;
   const nn::NetworkDescription& network = upsampler->network()->description();
   return nn::OutlierRemoval(network.sensor, network.measured_rows, network.last_filter,
@@ -81,7 +82,7 @@ struct TimedSlam {
 /// One method on its way through the drive.
 class MethodRun {
  public:
-  MethodRun(const TableMethod& method, const SensorModel& sensor, const Upsampler* upsampler)
+  MethodRun(const TableMethod& method, const SensorModel& sensor, const nn::Upsampler* upsampler)
       : filter_(filter_of(method, upsampler)),
         slam_{TimedSlam(slam_setup(method, sensor, false)),
               TimedSlam(slam_setup(method, sensor, true))} {}
@@ -92,17 +93,17 @@ class MethodRun {
   }
 
   /// lifted: all rows, before the filter; shared_s: what it took. scored: compare with `truth`.
-  void add_lifted(RangeImage lifted, double shared_s, const OrganizedCloud& measured,
-                  const Upsampler& upsampler, const RecordedScan& truth, bool scored) {
-    const double filter_s = filter_ ? seconds_of([&] { remove_outliers(lifted); }) : 0.0;
+  void add_lifted(nn::LiftedImage lifted, double shared_s, const OrganizedCloud& measured,
+                  const nn::Upsampler& upsampler, const RecordedScan& truth, bool scored) {
+    const double filter_s = filter_ ? seconds_of([&] { remove_outliers(lifted.image); }) : 0.0;
     upsampling_ms_.push_back(1e3 * (shared_s + filter_s));
     result_.timings.upsampling_s += shared_s + filter_s;
     OrganizedCloud cloud;
     result_.timings.points_s += seconds_of([&] {
-      cloud = upsampled_cloud(lifted, measured, upsampler.measured_rows(), upsampler.sensor());
+      cloud = nn::upsampled_cloud(lifted, measured, upsampler.measured_rows(), upsampler.sensor());
     });
     add(cloud, truth.stamp_s);
-    if (scored) score(lifted, cloud, truth.cloud);
+    if (scored) score(lifted.image, cloud, truth.cloud);
   }
 
   TableResult result(const TableSettings& settings) const {
@@ -177,7 +178,7 @@ class Pass {
       return;
     }
     const RangeImage image = range_image(measured);
-    RangeImage lifted;
+    nn::LiftedImage lifted;
     const double shared_s = seconds_of([&] { lifted = upsampler_->run(image); });
     for (MethodRun& run : runs_) {
       run.add_lifted(lifted, shared_s, measured, *upsampler_, scan, index % score_every_ == 0);
@@ -203,7 +204,7 @@ class Pass {
   }
 
  private:
-  std::optional<Upsampler> upsampler_;
+  std::optional<nn::Upsampler> upsampler_;
   RowSelection rows_;
   std::int64_t score_every_;
   std::vector<MethodRun> runs_;

@@ -16,11 +16,11 @@
 #include "exit_status.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/scan_source.h"
+#include "hqslam/nn/upsampled_cloud.h"
 #include "interrupt.h"
 #include "progress.h"
 #include "timing_statistics.h"
 #include "upsample_output.h"
-#include "upsampled_cloud.h"
 #include "upsampling_plan.h"
 
 namespace hqslam::tools {
@@ -79,10 +79,10 @@ UpsampleRun upsample(ScanSource& source, UpsamplingPlan& plan, const UpsampleOpt
     const OrganizedCloud measured = plan.rows ? select_rows(scan->cloud, *plan.rows) : scan->cloud;
     const RangeImage measured_image = range_image(measured);
     const auto start = Clock::now();
-    const RangeImage lifted = plan.upsampler.run(measured_image);
+    const nn::LiftedImage lifted = plan.upsampler.run(measured_image);
     run.times_s.push_back(std::chrono::duration<double>(Clock::now() - start).count());
-    const OrganizedCloud cloud =
-        upsampled_cloud(lifted, measured, plan.upsampler.measured_rows(), plan.upsampler.sensor());
+    const OrganizedCloud cloud = nn::upsampled_cloud(
+        lifted, measured, plan.upsampler.measured_rows(), plan.upsampler.sensor());
     if (!output) {
       SensorModel sensor = plan.upsampler.sensor();
       sensor.motion_corrected = cloud.time_offset_s.empty();
@@ -99,7 +99,7 @@ UpsampleRun upsample(ScanSource& source, UpsamplingPlan& plan, const UpsampleOpt
 
 void print_summary(const UpsampleRun& run, const UpsamplingPlan& plan,
                    const UpsampleOptions& options) {
-  const Upsampler& upsampler = plan.upsampler;
+  const nn::Upsampler& upsampler = plan.upsampler;
   fmt::print("{} scans, {} rows -> {} rows of {} columns, by {}", run.times_s.size(),
              select_rows(upsampler.sensor(), upsampler.measured_rows()).rows(),
              upsampler.sensor().rows(), upsampler.sensor().columns, upsampler.name());
@@ -130,7 +130,7 @@ void declare_upsample(CLI::App& app, UpsampleOptions& options) {
   method->add_option("--weights", options.weights, "Trained network (.npz)")
       ->check(CLI::ExistingFile);
   method->add_option("--method", options.method, "Interpolation, of every fourth row")
-      ->check(CLI::IsMember(interpolation_names()));
+      ->check(CLI::IsMember(nn::interpolation_names()));
   method->require_option(1);
   command->add_option("--sensor", options.sensor,
                       "Sensor of the recording (name or .json file); default: that of a simulated "

@@ -54,7 +54,7 @@ std::optional<int> recorded_rows(const std::string& input) {
 }
 
 UpsamplingPlan plan_for_network(const UpsamplingRequest& request) {
-  nn::SuperResolver network = nn::SuperResolver::load(request.method);
+  nn::SuperResolver network = nn::SuperResolver::load(request.method, request.network_options);
   const SensorModel full = network.sensor();
   const RowSelection measured_rows = network.description().measured_rows;
   const SensorModel measured = select_rows(full, measured_rows);
@@ -70,16 +70,16 @@ UpsamplingPlan plan_for_network(const UpsamplingRequest& request) {
     recorded = select_rows(recorded, measured_rows);
   }
   if (fits(recorded, full)) {
-    return {recorded, measured_rows, Upsampler(std::move(network), recorded)};
+    return {recorded, measured_rows, nn::Upsampler(std::move(network), recorded)};
   }
   if (fits(recorded, measured)) {
-    return {recorded, std::nullopt, Upsampler(std::move(network), full)};
+    return {recorded, std::nullopt, nn::Upsampler(std::move(network), full)};
   }
   fail_for_sensor(request, recorded, full, measured_rows);
 }
 
 UpsamplingPlan plan_for_interpolation(const UpsamplingRequest& request) {
-  const nn::Interpolation interpolation = interpolation_from_name(request.method);
+  const nn::Interpolation interpolation = nn::interpolation_from_name(request.method);
   const SensorModel full = required_recording_sensor(request.input, request.sensor);
   const int recorded = recorded_rows(request.input).value_or(full.rows());
   if (recorded < full.rows()) {
@@ -89,7 +89,7 @@ UpsamplingPlan plan_for_interpolation(const UpsamplingRequest& request) {
                               recorded, request.rows));
     }
     return {select_rows(full, measured_rows), std::nullopt,
-            Upsampler(interpolation, full, measured_rows)};
+            nn::Upsampler(interpolation, full, measured_rows)};
   }
   if (request.rows == 0 && full.rows() < kFewestRowsToThin) {
     throw Error(fmt::format(
@@ -100,14 +100,14 @@ UpsamplingPlan plan_for_interpolation(const UpsamplingRequest& request) {
   }
   const RowSelection measured_rows = selection_for(
       full.rows(), request.rows > 0 ? request.rows : full.rows() / kInterpolationFactor);
-  return {full, measured_rows, Upsampler(interpolation, full, measured_rows)};
+  return {full, measured_rows, nn::Upsampler(interpolation, full, measured_rows)};
 }
 
 }  // namespace
 
 UpsamplingPlan plan_upsampling(const UpsamplingRequest& request) {
-  return is_interpolation(request.method) ? plan_for_interpolation(request)
-                                          : plan_for_network(request);
+  return nn::is_interpolation(request.method) ? plan_for_interpolation(request)
+                                              : plan_for_network(request);
 }
 
 }  // namespace hqslam::tools

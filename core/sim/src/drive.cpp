@@ -15,31 +15,40 @@
 
 namespace hqslam::sim {
 
-namespace {
-
-const DriveSpec& checked(const DriveSpec& spec) {
+void validate(const DriveSpec& spec) {
   constexpr std::int64_t kMostScans = 1'000'000;
+  static_cast<void>(drive_style(spec.name));
   if (spec.scans < 1 || spec.scans > kMostScans) {
     throw Error(fmt::format("drive '{}': scans is {}, expected 1 to {}", spec.name, spec.scans,
                             kMostScans));
   }
-  return spec;
+  const auto check = [&](const char* field, double value, double low, double high) {
+    if (value >= low && value <= high) return;
+    throw Error(
+        fmt::format("drive '{}': {} is {}, expected {} to {}", spec.name, field, value, low, high));
+  };
+  constexpr double kSteepest_rad = 0.7854;
+  check("sensor_height_m", spec.mount.sensor_height_m, 0.1, 10.0);
+  check("mount_roll_rad", spec.mount.mount_roll_rad, -kSteepest_rad, kSteepest_rad);
+  check("mount_pitch_rad", spec.mount.mount_pitch_rad, -kSteepest_rad, kSteepest_rad);
+  check("extra_range_noise_m", spec.conditions.extra_range_noise_m, 0.0, 1.0);
+  check("dropout_share", spec.conditions.dropout_share, 0.0, 0.999);
+  check("extinction_per_m", spec.conditions.extinction_per_m, 0.0, 1.0);
+  check("airborne_share", spec.conditions.airborne_share, 0.0, 1.0);
 }
-
-}  // namespace
 
 struct DriveSimulator::Implementation {
   Implementation(const DriveSpec& spec_, const SensorModel& sensor_)
-      : spec(checked(spec_)),
+      : spec((validate(spec_), spec_)),
         sensor((validate(sensor_), sensor_)),
         style(drive_style(spec.name)),
         city(make_city(style.city, seed_of_part(spec.seed, DrivePart::kCity))),
         path(plan_path(city.layout, style.driver, spec.seed, duration_s())),
-        motion(path, city.layout.terrain, seed_of_part(spec.seed, DrivePart::kSway)),
+        motion(path, city.layout.terrain, spec.mount, seed_of_part(spec.seed, DrivePart::kSway)),
         traffic(city.layout, style, path, seed_of_part(spec.seed, DrivePart::kTraffic),
                 duration_s()),
         scene(city),
-        lidar(sensor, seed_of_part(spec.seed, DrivePart::kNoise)),
+        lidar(sensor, spec.conditions, seed_of_part(spec.seed, DrivePart::kNoise)),
         T_map_world(motion.T_world_sensor(0.5 * sensor.scan_period_s).inverse()) {}
 
   /// When the head is at each column of the next scan.

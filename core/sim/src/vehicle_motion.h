@@ -4,6 +4,7 @@
 
 #include "driver_path.h"
 #include "hqslam/core/pose.h"
+#include "hqslam/sim/drive.h"
 #include "terrain.h"
 
 namespace hqslam::sim {
@@ -13,7 +14,8 @@ namespace hqslam::sim {
 /// the pose is as smooth in time as the path.
 class VehicleMotion {
  public:
-  VehicleMotion(const DriverPath& path, const Terrain& terrain, std::uint64_t seed);
+  VehicleMotion(const DriverPath& path, const Terrain& terrain, const SensorMount& mount,
+                std::uint64_t seed);
   Pose T_world_sensor(double time_s) const;
 
  private:
@@ -26,12 +28,10 @@ class VehicleMotion {
 
   const DriverPath& path_;
   const Terrain& terrain_;
+  SensorMount mount_;
   std::vector<Sway> roll_;
   std::vector<Sway> pitch_;
   std::vector<Sway> heave_;
 };
-
-/// Of the sensor above the street.
-constexpr double kSensorHeight_m = 1.85;
 
 }  // namespace hqslam::sim

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "hqslam/slam/dense_map.h"
+
 namespace hqslam::slam {
 
 namespace {
@@ -15,7 +17,6 @@ constexpr double kMostWeight = 16.0;
 constexpr std::uint32_t kMostWeightSum = 1U << 21U;
 
 constexpr double kMeasuredConfidence = 0.95;
-constexpr double kLeastConfidence = 0.1;
 constexpr double kMostConfidence = 0.98;  ///< of a computed point: no network knows better
 /// Of a neighbour where nothing was measured.
 constexpr double kComputedSupport = 0.25;
@@ -40,8 +41,8 @@ PointVote measured_vote() {
 }
 
 PointVote computed_vote(float confidence) {
+  if (!(confidence >= DenseMapOptions::kLeastPointConfidence)) return {};
   const double c = std::min<double>(confidence, kMostConfidence);
-  if (!(c >= kLeastConfidence)) return {};
   return {odds_of(c), static_cast<std::uint8_t>(std::ceil(kMostWeight * c)), false};
 }
 

@@ -15,6 +15,9 @@
 namespace hqslam::slam {
 
 struct DenseMapOptions {
+  /// A computed point with less is left out.
+  static constexpr float kLeastPointConfidence = 0.1F;
+
   double voxel_m = 0.1;  ///< one point per voxel; 0.02 to 1
   /// Of a point from the sensor, beyond which it is left out: what is farther hardly gets denser.
   double max_range_m = 50.0;

@@ -13,13 +13,45 @@
 
 namespace hqslam::sim {
 
+/// How the sensor sits on what carries it.
+struct SensorMount {
+  double sensor_height_m = 1.85;  ///< above the ground beneath it; 0.1 to 10
+  /// Added to the roll and pitch of what carries it; -45 to 45 degrees. Positive roll raises the
+  /// left side, positive pitch lowers the front.
+  double mount_roll_rad = 0.0;
+  double mount_pitch_rad = 0.0;
+
+  bool operator==(const SensorMount&) const = default;
+};
+
+/// What makes the sensor see worse than on a clear day; src/lidar.h has the formulas.
+struct SensingConditions {
+  double extra_range_noise_m = 0.0;  ///< standard deviation, beside the sensor's own; 0 to 1
+  double dropout_share = 0.0;        ///< of the returns that are lost at random; 0 to below 1
+  double extinction_per_m = 0.0;     ///< of rain or fog: visibility is about 3.9 over it; 0 to 1
+  double airborne_share = 0.0;       ///< of the pixels that meet drops in the air; 0 to 1
+
+  bool operator==(const SensingConditions&) const = default;
+};
+
 /// A drive through a procedural city. Everything follows from these fields: the same spec gives
 /// the same bytes on every machine, whatever the number of threads.
 struct DriveSpec {
   std::string name;        ///< the style of city and driving: block, town or hills
   std::uint64_t seed = 1;  ///< of the city, the traffic, the driver and the sensor's noise
   std::int64_t scans = 200;
+  SensorMount mount;
+  SensingConditions conditions;
 };
+/// Raised whenever the same spec begins to give other bytes.
+constexpr int kDriveRevision = 1;
+/// Throws Error with field, value and constraint.
+void validate(const DriveSpec& spec);
+
+/// The same drive with a mount and conditions drawn from its seed: a height of 0.4 to 2.2 m; roll
+/// and pitch of up to 5 degrees, mostly below 2; up to 20 mm more noise; up to 6 % drop-outs; rain
+/// or fog in one drive of four. Large values are rarer than small ones.
+DriveSpec with_varied_conditions(DriveSpec spec);
 
 /// block (200 scans), town (4,000), hills (8,000). Throws Error that lists them for any other.
 DriveSpec drive_preset(std::string_view name);

@@ -1,4 +1,4 @@
-#include "upsampled_cloud.h"
+#include "hqslam/nn/upsampled_cloud.h"
 
 #include <fmt/format.h>
 
@@ -10,7 +10,7 @@
 #include "hqslam/core/error.h"
 #include "hqslam/core/projection.h"
 
-namespace hqslam::tools {
+namespace hqslam::nn {
 namespace {
 
 /// Deviations below this are rounding of the points' coordinates.
@@ -23,11 +23,11 @@ struct Deviation {
   float time_s = 0.0F;
 };
 
-void check_shapes(const RangeImage& lifted, const OrganizedCloud& measured,
+void check_shapes(const RangeImage& image, const OrganizedCloud& measured,
                   RowSelection measured_rows, const SensorModel& sensor) {
   const int expected_rows = select_rows(sensor, measured_rows).rows();
   if (measured.rows == expected_rows && measured.columns == sensor.columns &&
-      lifted.rows == sensor.rows() && lifted.columns == sensor.columns) {
+      image.rows == sensor.rows() && image.columns == sensor.columns) {
     return;
   }
   throw Error(
@@ -35,7 +35,7 @@ void check_shapes(const RangeImage& lifted, const OrganizedCloud& measured,
                   "found {} x {} and "
                   "{} x {}",
                   expected_rows, sensor.rows(), sensor.columns, measured.rows, measured.columns,
-                  lifted.rows, lifted.columns));
+                  image.rows, image.columns));
 }
 
 Deviation deviation_of(const OrganizedCloud& measured, std::size_t pixel, const SensorModel& sensor,
@@ -131,12 +131,13 @@ void copy_row(const OrganizedCloud& measured, int from, OrganizedCloud& cloud, i
 
 }  // namespace
 
-OrganizedCloud upsampled_cloud(const RangeImage& lifted, const OrganizedCloud& measured,
+OrganizedCloud upsampled_cloud(const LiftedImage& lifted, const OrganizedCloud& measured,
                                RowSelection measured_rows, const SensorModel& sensor) {
-  check_shapes(lifted, measured, measured_rows, sensor);
+  check_shapes(lifted.image, measured, measured_rows, sensor);
   OrganizedCloud cloud = unproject(
-      lifted, sensor,
+      lifted.image, sensor,
       measured.time_offset_s.empty() ? CaptureTime::kMotionCorrected : CaptureTime::kRolling);
+  cloud.confidence = lifted.confidence;
   const std::vector<Deviation> deviations = deviations_of(measured, measured_rows, sensor);
   for (int row = 0; row < cloud.rows; ++row) {
     const int steps = row - measured_rows.offset;
@@ -157,4 +158,4 @@ OrganizedCloud upsampled_cloud(Upsampler& upsampler, const OrganizedCloud& measu
                          upsampler.sensor());
 }
 
-}  // namespace hqslam::tools
+}  // namespace hqslam::nn

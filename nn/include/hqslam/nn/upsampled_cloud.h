@@ -1,11 +1,11 @@
 #pragma once
 
 #include "hqslam/core/organized_cloud.h"
-#include "hqslam/core/range_image.h"
 #include "hqslam/core/sensor_model.h"
-#include "upsampler.h"
+#include "hqslam/nn/lifted_image.h"
+#include "hqslam/nn/upsampler.h"
 
-namespace hqslam::tools {
+namespace hqslam::nn {
 
 /// Joins what was measured with what was computed: the rows of `measured_rows` are those of
 /// `measured`, points and times exactly as recorded; the pixels between them come from `lifted`.
@@ -17,12 +17,13 @@ namespace hqslam::tools {
 ///   elevation = beam_elevation[row] + (1 - t) deviation_above + t deviation_below
 /// with t how far down the row lies between the two (0 to 1); of one of them where the other has no
 /// return; none where neither has one. Its capture time is the sensor model's for its pixel,
-/// shifted as the time of the nearer one of the two is. A motion-corrected scan has no times.
+/// shifted as the time of the nearer one of the two is. A motion-corrected scan has no times. The
+/// cloud's confidence is the image's.
 /// Throws Error if a shape differs.
-OrganizedCloud upsampled_cloud(const RangeImage& lifted, const OrganizedCloud& measured,
+OrganizedCloud upsampled_cloud(const LiftedImage& lifted, const OrganizedCloud& measured,
                                RowSelection measured_rows, const SensorModel& sensor);
 
 /// The same of what the upsampler makes of the measured rows.
 OrganizedCloud upsampled_cloud(Upsampler& upsampler, const OrganizedCloud& measured);
 
-}  // namespace hqslam::tools
+}  // namespace hqslam::nn

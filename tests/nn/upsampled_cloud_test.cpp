@@ -1,4 +1,4 @@
-#include "upsampled_cloud.h"
+#include "hqslam/nn/upsampled_cloud.h"
 
 #include <doctest/doctest.h>
 
@@ -6,12 +6,12 @@
 #include <cstdlib>
 #include <string>
 
-#include "error_message.h"
+#include "../error_message.h"
 #include "hqslam/core/cloud_error.h"
 #include "hqslam/core/projection.h"
 #include "hqslam/core/scan_source.h"
 
-namespace hqslam::tools {
+namespace hqslam::nn {
 namespace {
 
 using hqslam::test::error_message;
@@ -63,7 +63,8 @@ TEST_CASE("measured points and their times stay as they are, to the bit") {
     measured.points_m[i] *= 1.0F + 0.01F * static_cast<float>(i % 5);
     measured.time_offset_s[i] += 0.001F * static_cast<float>(i % 3);
   }
-  const OrganizedCloud cloud = upsampled_cloud(RangeImage(6, 16), measured, kMeasuredRows, sensor);
+  const OrganizedCloud cloud =
+      upsampled_cloud({RangeImage(6, 16), {}}, measured, kMeasuredRows, sensor);
   const OrganizedCloud kept = select_rows(cloud, kMeasuredRows);
   CHECK(kept.points_m == measured.points_m);
   CHECK(kept.range_m == measured.range_m);
@@ -76,7 +77,7 @@ TEST_CASE("the scans of a sensor that keeps to its beam table become what unproj
   for (const CaptureTime time : {CaptureTime::kRolling, CaptureTime::kMotionCorrected}) {
     const OrganizedCloud expected = unproject(image, sensor, time);
     const OrganizedCloud cloud =
-        upsampled_cloud(image, select_rows(expected, kMeasuredRows), kMeasuredRows, sensor);
+        upsampled_cloud({image, {}}, select_rows(expected, kMeasuredRows), kMeasuredRows, sensor);
     CHECK(cloud.points_m == expected.points_m);
     CHECK(cloud.range_m == expected.range_m);
     CHECK(cloud.time_offset_s == expected.time_offset_s);
@@ -100,7 +101,7 @@ TEST_CASE("a computed point deviates from its beam as the measured ones above an
   measure(1, 5, 0.4);   // row 2 of column 5 has only the one below
   measure(0, 6, -0.3);  // row 0 lies above the first measured row
 
-  const OrganizedCloud cloud = upsampled_cloud(lifted, measured, kMeasuredRows, sensor);
+  const OrganizedCloud cloud = upsampled_cloud({lifted, {}}, measured, kMeasuredRows, sensor);
   const auto deviation_deg = [&](int row, int column) {
     return (elevation_rad(cloud.points_m[cloud.index(row, column)]) -
             sensor.beam_elevation_rad[row]) /
@@ -130,7 +131,7 @@ TEST_CASE("a computed point is as late as the measured ones near it, and stays i
   for (float& time_s : measured.time_offset_s) {
     time_s = std::remainder(time_s + kLate_s, 0.1F);
   }
-  const OrganizedCloud cloud = upsampled_cloud(image, measured, kMeasuredRows, sensor);
+  const OrganizedCloud cloud = upsampled_cloud({image, {}}, measured, kMeasuredRows, sensor);
   for (int column = 0; column < 16; ++column) {
     const float time_s = cloud.time_offset_s[cloud.index(2, column)];
     CHECK(time_s == doctest::Approx(measured.time_offset_s[measured.index(1, column)]));
@@ -140,16 +141,16 @@ TEST_CASE("a computed point is as late as the measured ones near it, and stays i
 
 TEST_CASE("images that are not of the sensor are refused in one line") {
   const SensorModel sensor = small_sensor();
-  CHECK(one_line_with(error_message([&] {
-                        upsampled_cloud(RangeImage(6, 16), OrganizedCloud(2, 16), kMeasuredRows,
-                                        sensor);
-                      }),
-                      "3 measured", "2 x 16"));
-  CHECK(one_line_with(error_message([&] {
-                        upsampled_cloud(RangeImage(3, 16), OrganizedCloud(3, 16), kMeasuredRows,
-                                        sensor);
-                      }),
-                      "6 upsampled", "3 x 16"));
+  CHECK(one_line_with(
+      error_message([&] {
+        upsampled_cloud({RangeImage(6, 16), {}}, OrganizedCloud(2, 16), kMeasuredRows, sensor);
+      }),
+      "3 measured", "2 x 16"));
+  CHECK(one_line_with(
+      error_message([&] {
+        upsampled_cloud({RangeImage(3, 16), {}}, OrganizedCloud(3, 16), kMeasuredRows, sensor);
+      }),
+      "6 upsampled", "3 x 16"));
 }
 
 TEST_CASE(
@@ -164,7 +165,7 @@ TEST_CASE(
   const OrganizedCloud truth =
       open_recording(std::string(data) + "/kitti_drive_0005", sensor)->next()->cloud;
   const OrganizedCloud joined =
-      upsampled_cloud(range_image(truth), select_rows(truth, rows), rows, sensor);
+      upsampled_cloud({range_image(truth), {}}, select_rows(truth, rows), rows, sensor);
   const OrganizedCloud by_table =
       unproject(range_image(truth), sensor, CaptureTime::kMotionCorrected);
   double joined_sum_m = 0.0;
@@ -176,4 +177,15 @@ TEST_CASE(
   CHECK(joined_sum_m < 0.6 * table_sum_m);
 }
 
-}  // namespace hqslam::tools
+TEST_CASE("the confidence of a lifted image is that of its cloud") {
+  const SensorModel sensor = small_sensor();
+  const RangeImage image = image_of(sensor);
+  const OrganizedCloud measured =
+      select_rows(unproject(image, sensor, CaptureTime::kMotionCorrected), kMeasuredRows);
+  LiftedImage lifted{image, std::vector<float>(image.range_m.size(), 0.25F)};
+  lifted.confidence[17] = 0.75F;
+  CHECK(upsampled_cloud(lifted, measured, kMeasuredRows, sensor).confidence == lifted.confidence);
+  CHECK(upsampled_cloud({image, {}}, measured, kMeasuredRows, sensor).confidence.empty());
+}
+
+}  // namespace hqslam::nn

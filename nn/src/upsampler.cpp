@@ -1,4 +1,4 @@
-#include "upsampler.h"
+#include "hqslam/nn/upsampler.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -8,17 +8,17 @@
 
 #include "hqslam/core/error.h"
 
-namespace hqslam::tools {
+namespace hqslam::nn {
 namespace {
 
 struct NamedInterpolation {
   const char* name;
-  nn::Interpolation interpolation;
+  Interpolation interpolation;
 };
 constexpr std::array<NamedInterpolation, 3> kInterpolations = {{
-    {"nearest", nn::Interpolation::kNearest},
-    {"linear", nn::Interpolation::kLinear},
-    {"inverse", nn::Interpolation::kInverse},
+    {"nearest", Interpolation::kNearest},
+    {"linear", Interpolation::kLinear},
+    {"inverse", Interpolation::kInverse},
 }};
 
 }  // namespace
@@ -40,7 +40,7 @@ bool is_interpolation(std::string_view name) {
   return false;
 }
 
-nn::Interpolation interpolation_from_name(std::string_view name) {
+Interpolation interpolation_from_name(std::string_view name) {
   for (const NamedInterpolation& named : kInterpolations) {
     if (named.name == name) {
       return named.interpolation;
@@ -50,13 +50,12 @@ nn::Interpolation interpolation_from_name(std::string_view name) {
                           fmt::join(interpolation_names(), ", ")));
 }
 
-Upsampler::Upsampler(nn::SuperResolver network, SensorModel sensor)
+Upsampler::Upsampler(SuperResolver network, SensorModel sensor)
     : method_(std::move(network)), sensor_(std::move(sensor)) {
   sensor_.measured_rows = this->network()->description().measured_rows;
 }
 
-Upsampler::Upsampler(nn::Interpolation interpolation, SensorModel sensor,
-                     RowSelection measured_rows)
+Upsampler::Upsampler(Interpolation interpolation, SensorModel sensor, RowSelection measured_rows)
     : method_(interpolation), sensor_(std::move(sensor)) {
   sensor_.measured_rows = measured_rows;
 }
@@ -66,19 +65,20 @@ std::string Upsampler::name() const {
     return std::string(nn::name(network()->description().kind));
   }
   for (const NamedInterpolation& named : kInterpolations) {
-    if (named.interpolation == std::get<nn::Interpolation>(method_)) {
+    if (named.interpolation == std::get<Interpolation>(method_)) {
       return named.name;
     }
   }
   return "";
 }
 
-RangeImage Upsampler::run(const RangeImage& measured) {
-  if (auto* resolver = std::get_if<nn::SuperResolver>(&method_)) {
+LiftedImage Upsampler::run(const RangeImage& measured) {
+  if (auto* resolver = std::get_if<SuperResolver>(&method_)) {
     return resolver->run(measured);
   }
-  return nn::interpolate_rows(measured, measured_rows(), sensor_.rows(),
-                              std::get<nn::Interpolation>(method_));
+  return {interpolate_rows(measured, measured_rows(), sensor_.beam_elevation_rad,
+                           std::get<Interpolation>(method_)),
+          {}};
 }
 
-}  // namespace hqslam::tools
+}  // namespace hqslam::nn
