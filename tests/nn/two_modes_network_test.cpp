@@ -33,7 +33,8 @@ std::unique_ptr<Network> network_with(const NetworkDescription& description,
   return network;
 }
 
-/// The computed pixels of an image as PyTorch's side stores them: row of the tile, tile row, column.
+/// The computed pixels of an image as PyTorch's side stores them: row of the tile, tile row,
+/// column.
 std::vector<float> computed_pixels(const std::vector<float>& image) {
   std::vector<float> pixels;
   for (int of_tile = 0; of_tile < 3; ++of_tile) {
@@ -101,7 +102,8 @@ TEST_CASE("any number of threads gives the same bytes") {
   }
 }
 
-TEST_CASE("measured returns come out as they were with confidence 1, and nothing where nothing is") {
+TEST_CASE(
+    "measured returns come out as they were with confidence 1, and nothing where nothing is") {
   const NetworkDescription description = one_layer();
   RangeImage measured = select_rows(small_scene(), description.measured_rows);
   measured.at(1, 7) = 0.0F;
@@ -179,7 +181,8 @@ TEST_CASE("a DU-Mix that cannot be is refused with the field") {
   CHECK(test::one_line_with(message(bad, 64), "channels is 0"));
   const auto network = make_network(one_layer(), 64, InstructionSet::kPortable, 1);
   CHECK(test::one_line_with(
-      test::error_message([&] { network->set_parameters(std::vector<float>(7)); }), "7 parameters"));
+      test::error_message([&] { network->set_parameters(std::vector<float>(7)); }),
+      "7 parameters"));
   CHECK(test::one_line_with(test::error_message([&] { network->lift(RangeImage(4, 32), 0.5F); }),
                             "4 x 32"));
 }

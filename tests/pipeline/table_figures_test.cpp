@@ -135,13 +135,6 @@ TEST_CASE("the upsampling table leaves out what does not upsample") {
         std::vector<std::string>{"DU-OR", "2.50", "0.250", "6.25", "250", "175k", "0.367"});
 }
 
-TEST_CASE("rows of different builds are pointed out") {
-  DriveFigures drive = example_drive(true);
-  CHECK(table_markdown({drive}).find("same build") == std::string::npos);
-  drive.methods[1].result.timings.build = "build 2";
-  CHECK(table_markdown({drive}).find("same build") != std::string::npos);
-}
-
 TEST_CASE("the page of Markdown holds every table, the machine and the weights") {
   const std::string text = table_markdown({example_drive(true)});
   for (const char* part :

@@ -44,6 +44,22 @@ TEST_CASE("--scans shortens simulated drives and --methods chooses among the row
   CHECK(plan.methods[0].title == "DU-OR");
 }
 
+TEST_CASE("over seeds every drive is there from each seed, without loop closing") {
+  TableOptions options = options_for("out");
+  options.drives = {"town", "hills"};
+  options.seeds = "3..4";
+  options.scans = 50;
+  const TablePlan plan = plan_table(options);
+  CHECK(plan.over_seeds);
+  CHECK_FALSE(plan.loop_closing);
+  REQUIRE(plan.drives.size() == 4);
+  CHECK(plan.drives[1].name == "town-seed-4");
+  CHECK(plan.drives[2].simulated->name == "hills");
+  CHECK(plan.drives[2].simulated->seed == 3);
+  CHECK(plan.drives[2].simulated->scans == 50);
+  CHECK(plan.drives[3].recording == "out/drives/hills-seed-4");
+}
+
 TEST_CASE("a variant of SLAM is a row behind its method, never without being asked for") {
   TableOptions options = options_for("out");
   CHECK(std::none_of(table_methods().begin(), table_methods().end(),
@@ -137,6 +153,12 @@ TEST_CASE("what is not there or would mix is refused in one line") {
   wrong = options_for("out");
   wrong.methods = {"du-or", "du-or"};
   CHECK(test::one_line_with(plan_error(wrong), "--methods", "twice"));
+  wrong = options_for("out");
+  wrong.seeds = "1..2";
+  wrong.methods = {"rows-16"};
+  CHECK(test::one_line_with(plan_error(wrong), "--against", "'linear'"));
+  wrong.drives = {"."};
+  CHECK(test::one_line_with(plan_error(wrong), "--seeds", "town", "'.'"));
   wrong = options_for("out");
   wrong.weights = {"none.npz"};
   CHECK(test::one_line_with(plan_error(wrong), "--weights none.npz"));

@@ -128,7 +128,8 @@ std::vector<nn::Upsampler> quick_upsamplers(const std::vector<std::string>& path
   for (const std::string& path : paths) {
     nn::SuperResolver network = nn::SuperResolver::load(path);
     const nn::NetworkDescription& description = network.description();
-    if (description.kind == nn::NetworkKind::kDuOr && description.sensor.rows() == sensor.rows() &&
+    if (description.kind != nn::NetworkKind::kSimpleDu &&
+        description.sensor.rows() == sensor.rows() &&
         description.sensor.columns == sensor.columns) {
       upsamplers.emplace_back(std::move(network), sensor);
     }

@@ -107,7 +107,9 @@ DenseMapRun build_dense_map(const RecordingChoice& recording, const ScanPoses& p
   nn::SuperResolverOptions network;
   network.tolerance_m = static_cast<float>(choice.voxel_m);
   network.least_confidence = slam::DenseMapOptions::kLeastPointConfidence;
-  RunPlan plan = plan_of(recording, network);
+  RecordingChoice all_points = recording;
+  all_points.least_confidence.reset();
+  RunPlan plan = plan_of(all_points, network);
   slam::DenseMapOptions options;
   options.voxel_m = choice.voxel_m;
   options.least_confidence = choice.least_confidence;

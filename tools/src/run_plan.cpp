@@ -39,6 +39,11 @@ void declare_recording(CLI::App& command, RecordingChoice& choice) {
                               "(.npz), or interpolation ({})",
                               fmt::join(nn::interpolation_names(), ", ")))
       ->check(CLI::ExistingFile | CLI::IsMember(nn::interpolation_names()));
+  command
+      .add_option("--confidence", choice.least_confidence,
+                  "With --upsample: leave computed pixels empty of which the network (du-mix) is "
+                  "less sure; default: as the weights say")
+      ->check(CLI::Range(0.0, 1.0));
 }
 
 std::unique_ptr<ScanSource> RunPlan::open() const {
@@ -53,8 +58,8 @@ RunPlan plan_of(const RecordingChoice& choice, const nn::SuperResolverOptions& n
   plan.recording_options.capture_time =
       choice.motion_corrected ? CaptureTime::kMotionCorrected : CaptureTime::kRolling;
   if (!choice.upsample.empty()) {
-    UpsamplingPlan upsampling =
-        plan_upsampling({choice.input, choice.sensor, choice.upsample, choice.rows, network});
+    UpsamplingPlan upsampling = plan_upsampling({choice.input, choice.sensor, choice.upsample,
+                                                 choice.rows, choice.least_confidence, network});
     plan.recording_sensor = upsampling.recording_sensor;
     plan.rows = upsampling.rows;
     plan.upsampler = std::move(upsampling.upsampler);

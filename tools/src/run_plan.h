@@ -20,6 +20,7 @@ struct RecordingChoice {
   std::string row_order = "highest-first";
   bool motion_corrected = false;
   std::string upsample;  ///< weights file or interpolation; empty: the recording as it is
+  std::optional<float> least_confidence;  ///< nothing: as the weights say
 };
 void declare_recording(CLI::App& command, RecordingChoice& choice);
 
@@ -35,7 +36,7 @@ struct RunPlan {
   /// The recording from its beginning. Throws Error.
   std::unique_ptr<ScanSource> open() const;
 };
-/// Throws Error.
+/// network: how its network is loaded; the choice's least_confidence comes first. Throws Error.
 RunPlan plan_of(const RecordingChoice& choice, const nn::SuperResolverOptions& network = {});
 
 }  // namespace hqslam::tools

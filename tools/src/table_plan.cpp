@@ -11,6 +11,7 @@
 #include "hqslam/core/error.h"
 #include "hqslam/nn/upsampler.h"
 #include "installed_weights.h"
+#include "seed_list.h"
 
 namespace hqslam::tools {
 namespace {
@@ -77,18 +78,40 @@ std::string recording_name(const fs::path& path) {
   return name == "velodyne" ? path.parent_path().filename().string() : name;
 }
 
+TableDrive simulated_drive(const std::string& name, const std::string& drive,
+                           std::optional<std::uint64_t> seed, const TableOptions& options) {
+  sim::DriveSpec spec = sim::drive_preset(drive);
+  spec.scans = options.scans.value_or(spec.scans);
+  spec.seed = seed.value_or(spec.seed);
+  return {name, (fs::path(options.out) / "drives" / name).string(), "", "", spec};
+}
+
 TableDrive drive_of(const std::string& drive, const TableOptions& options) {
-  if (is_preset(drive)) {
-    sim::DriveSpec spec = sim::drive_preset(drive);
-    spec.scans = options.scans.value_or(spec.scans);
-    return {drive, (fs::path(options.out) / "drives" / drive).string(), "", "", spec};
-  }
+  if (is_preset(drive)) return simulated_drive(drive, drive, std::nullopt, options);
   if (!fs::exists(drive)) {
     throw Error(fmt::format("--drives: '{}' is neither a simulated drive ({}) nor a file or folder",
                             drive, fmt::join(sim::drive_preset_names(), ", ")));
   }
   const fs::path path = fs::canonical(drive);
   return {recording_name(path), path.string(), options.sensor, options.reference, std::nullopt};
+}
+
+/// Every drive from every seed.
+std::vector<TableDrive> seeded_drives(const TableOptions& options) {
+  std::vector<TableDrive> drives;
+  for (const std::string& drive : options.drives) {
+    if (!is_preset(drive)) {
+      throw Error(
+          fmt::format("--seeds: drives are simulated from seeds; expected one of {}, found "
+                      "'{}' in --drives",
+                      fmt::join(sim::drive_preset_names(), ", "), drive));
+    }
+    for (const std::uint64_t seed : seeds_from(options.seeds)) {
+      drives.push_back(
+          simulated_drive(fmt::format("{}-seed-{}", drive, seed), drive, seed, options));
+    }
+  }
+  return drives;
 }
 
 template <typename Named>
@@ -108,6 +131,17 @@ void require_one_recording(const TablePlan& plan, const TableOptions& options) {
   if (!options.reference.empty() && recordings != 1) {
     throw Error(fmt::format("--reference: is of one recording, but --drives names {}; give one",
                             recordings));
+  }
+}
+
+void require_method(const TablePlan& plan, const std::string& against) {
+  const bool there = std::any_of(plan.methods.begin(), plan.methods.end(),
+                                 [&](const TableMethod& method) { return method.name == against; });
+  if (!there) {
+    throw Error(
+        fmt::format("--against: '{}' is none of the rows to compute; add it to --methods or "
+                    "name one of them",
+                    against));
   }
 }
 
@@ -175,7 +209,13 @@ std::vector<std::vector<TableMethod>> passes_of(const std::vector<TableMethod>& 
 
 TablePlan plan_table(const TableOptions& options) {
   TablePlan plan;
-  for (const std::string& drive : options.drives) plan.drives.push_back(drive_of(drive, options));
+  plan.over_seeds = !options.seeds.empty();
+  plan.loop_closing = !plan.over_seeds;
+  if (plan.over_seeds) {
+    plan.drives = seeded_drives(options);
+  } else {
+    for (const std::string& drive : options.drives) plan.drives.push_back(drive_of(drive, options));
+  }
   const std::vector<std::string> names =
       options.methods.empty() ? table_method_names() : options.methods;
   for (const std::string& name : names) plan.methods.push_back(method_named(name));
@@ -189,6 +229,7 @@ TablePlan plan_table(const TableOptions& options) {
   require_different_names(plan.methods, "--methods");
   require_different_names(plan.shown, "--weights");
   require_one_recording(plan, options);
+  if (plan.over_seeds) require_method(plan, options.against);
   return plan;
 }
 

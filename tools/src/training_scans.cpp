@@ -6,9 +6,12 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "content_hash.h"
 #include "drive_store.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/npy.h"
+#include "hqslam/core/scan_source.h"
+#include "result_folder.h"
 
 namespace hqslam::tools {
 namespace {
@@ -23,6 +26,24 @@ std::string expanded(const std::string& path) {
     throw Error(fmt::format("{}: the environment variable {} is not set", path, name));
   }
   return value + path.substr(slash);
+}
+
+/// A recording's folder as a stack in the store, written once: a name made of the paths, and of the
+/// sensor.
+std::string stack_of_recording(const std::string& folder, const SensorModel& sensor,
+                               const DriveStore& store) {
+  const std::string about = std::filesystem::absolute(folder).string() + sensor_json(sensor);
+  const std::filesystem::path path = store.path / fmt::format("recording_{}.npy", text_hash(about));
+  if (std::filesystem::exists(path)) return path.string();
+  make_result_folder(store.path);
+  const std::string unfinished = path.string() + ".unfinished";
+  {
+    const auto source = open_recording(folder, sensor);
+    NpyStackWriter writer(unfinished, sensor.rows(), sensor.columns);
+    while (const auto scan = source->next()) writer.append(range_image(scan->cloud));
+  }
+  std::filesystem::rename(unfinished, path);
+  return path.string();
 }
 
 std::vector<StoredDrive> drives_of(const nn::ScanSet& set) {
@@ -76,7 +97,11 @@ std::unique_ptr<const StoredScans> stored_scans(const nn::ScanSet& set, const Se
                                                 const DriveStore& store, const char* label,
                                                 const InterruptGuard& interrupt) {
   std::vector<std::string> paths;
-  for (const std::string& stack : set.stacks) paths.push_back(expanded(stack));
+  for (const std::string& stack : set.stacks) {
+    const std::string path = expanded(stack);
+    paths.push_back(std::filesystem::is_directory(path) ? stack_of_recording(path, sensor, store)
+                                                        : path);
+  }
   // What is wrong with a stack should be said before hours of simulation.
   StoredScans(paths, sensor);
   const std::vector<StoredDrive> drives = drives_of(set);

@@ -37,6 +37,7 @@ UpsamplingPlan plan_of(const UpsampleOptions& options) {
   request.input = options.input;
   request.sensor = options.sensor;
   request.method = options.weights.empty() ? options.method : options.weights;
+  request.least_confidence = options.least_confidence;
   return plan_upsampling(request);
 }
 
@@ -44,6 +45,8 @@ std::unique_ptr<ScanSource> open_input(const UpsampleOptions& options, const Ups
   RecordingOptions recording;
   recording.row_order =
       options.row_order == "lowest-first" ? RowOrder::kLowestFirst : RowOrder::kHighestFirst;
+  recording.capture_time =
+      options.motion_corrected ? CaptureTime::kMotionCorrected : CaptureTime::kRolling;
   return open_recording(options.input, plan.recording_sensor, recording);
 }
 
@@ -143,13 +146,22 @@ void declare_upsample(CLI::App& app, UpsampleOptions& options) {
                    "Where row 0 of the images of a .npy stack looks")
       ->check(CLI::IsMember({"highest-first", "lowest-first"}))
       ->capture_default_str();
+  command->add_flag("--motion-corrected", options.motion_corrected,
+                    "The scans of a .npy stack are already corrected for the sensor's motion");
+  command
+      ->add_option(
+          "--confidence", options.least_confidence,
+          "Leave computed pixels empty of which the network (du-mix) is less sure; default: "
+          "as the weights say")
+      ->check(CLI::Range(0.0, 1.0));
   command->add_option("--threads", options.threads, "Threads (default: all cores)")
       ->check(CLI::Range(1, 256));
   command->add_flag("--bin", options.bin, "Also write KITTI .bin files");
   command->add_flag("--pcd", options.pcd, "Also write .pcd files");
   command->add_flag("--png", options.png, "Also write pictures of the range images");
   command->footer(
-      "Writes into --out: scans.npy (N x rows x columns, float32 metres), sensor.json,\n"
+      "Writes into --out: scans.npy (N x rows x columns, float32 metres), confidence.npy (of a\n"
+      "network that says how sure it is, 0 to 1 per pixel), sensor.json,\n"
       "upsample.json (where it came from), and the truth of a simulated drive. hqslam run takes "
       "the\n"
       "folder as it is. Ctrl-C stops; what is written up to then is valid.");

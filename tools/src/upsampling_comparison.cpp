@@ -110,7 +110,11 @@ void UpsamplingComparison::add(ComparedMethod& method, const OrganizedCloud& tru
   sum.mae_valid_m += errors.image.mae_valid_m;
   sum.chamfer_m2 += error.chamfer_m2;
   sum.iou += error.iou;
+  sum.precision += error.precision;
+  sum.recall += error.recall;
   sum.f1 += error.f1;
+  sum.missing_share += errors.image.missing_share;
+  sum.invented_share += errors.image.invented_share;
   sum.outlier_share += error.outlier_share;
   sum.outliers_per_scan += error.outlier_share * static_cast<double>(errors.points);
   if (!method.unfiltered) return;
@@ -132,7 +136,8 @@ std::vector<UpsamplingScore> UpsamplingComparison::scores() const {
     UpsamplingScore score = sums.sum;
     score.method = methods_[i].name;
     for (double* mean : {&score.mae_all_m, &score.mae_valid_m, &score.chamfer_m2, &score.iou,
-                         &score.f1, &score.outlier_share, &score.outliers_per_scan}) {
+                         &score.precision, &score.recall, &score.f1, &score.missing_share,
+                         &score.invented_share, &score.outlier_share, &score.outliers_per_scan}) {
       *mean /= n;
     }
     score.upsampling_ms = distribution_of(sums.times_ms).median;

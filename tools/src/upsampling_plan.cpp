@@ -53,8 +53,20 @@ std::optional<int> recorded_rows(const std::string& input) {
       kBeamTolerance_deg, request.input, found.name, found.rows(), found.columns));
 }
 
+[[noreturn]] void fail_for_confidence(const UpsamplingRequest& request) {
+  throw Error(fmt::format(
+      "{}: does not say how sure it is of a pixel; leave --confidence out, or give weights of kind "
+      "du-mix",
+      request.method));
+}
+
 UpsamplingPlan plan_for_network(const UpsamplingRequest& request) {
-  nn::SuperResolver network = nn::SuperResolver::load(request.method, request.network_options);
+  nn::SuperResolverOptions options = request.network_options;
+  if (request.least_confidence) options.least_confidence = request.least_confidence;
+  nn::SuperResolver network = nn::SuperResolver::load(request.method, options);
+  if (request.least_confidence && network.description().kind != nn::NetworkKind::kDuMix) {
+    fail_for_confidence(request);
+  }
   const SensorModel full = network.sensor();
   const RowSelection measured_rows = network.description().measured_rows;
   const SensorModel measured = select_rows(full, measured_rows);
@@ -79,6 +91,7 @@ UpsamplingPlan plan_for_network(const UpsamplingRequest& request) {
 }
 
 UpsamplingPlan plan_for_interpolation(const UpsamplingRequest& request) {
+  if (request.least_confidence) fail_for_confidence(request);
   const nn::Interpolation interpolation = nn::interpolation_from_name(request.method);
   const SensorModel full = required_recording_sensor(request.input, request.sensor);
   const int recorded = recorded_rows(request.input).value_or(full.rows());

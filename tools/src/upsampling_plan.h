@@ -14,6 +14,8 @@ struct UpsamplingRequest {
   std::string sensor;  ///< empty: sensor.json in the recording's folder, or the weights' sensor
   std::string method;  ///< an interpolation's name or the path of a weights file
   int rows = 0;        ///< measured rows; 0: the weights', or for interpolation every fourth
+  /// Computed pixels that are less sure come out empty; nothing: as the weights say.
+  std::optional<float> least_confidence = std::nullopt;
   nn::SuperResolverOptions network_options = {};
 };
 

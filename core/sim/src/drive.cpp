@@ -4,16 +4,18 @@
 
 #include <limits>
 
-#include "driver_path.h"
 #include "hqslam/core/error.h"
 #include "lidar.h"
 #include "path_plan.h"
 #include "ray_scene.h"
+#include "scenario.h"
 #include "surface_distance.h"
-#include "traffic.h"
-#include "vehicle_motion.h"
 
 namespace hqslam::sim {
+
+std::unique_ptr<Scenario> make_scenario(const DriveSpec& spec, double duration_s) {
+  return make_street_scenario(spec, duration_s);
+}
 
 void validate(const DriveSpec& spec) {
   constexpr std::int64_t kMostScans = 1'000'000;
@@ -41,30 +43,19 @@ struct DriveSimulator::Implementation {
   Implementation(const DriveSpec& spec_, const SensorModel& sensor_)
       : spec((validate(spec_), spec_)),
         sensor((validate(sensor_), sensor_)),
-        style(drive_style(spec.name)),
-        city(make_city(style.city, seed_of_part(spec.seed, DrivePart::kCity))),
-        path(plan_path(city.layout, style.driver, spec.seed, duration_s())),
-        motion(path, city.layout.terrain, spec.mount, seed_of_part(spec.seed, DrivePart::kSway)),
-        traffic(city.layout, style, path, seed_of_part(spec.seed, DrivePart::kTraffic),
-                duration_s()),
-        scene(city),
+        scenario(make_scenario(spec, static_cast<double>(spec.scans) * sensor.scan_period_s)),
+        scene(scenario->city()),
         lidar(sensor, spec.conditions, seed_of_part(spec.seed, DrivePart::kNoise)),
-        T_map_world(motion.T_world_sensor(0.5 * sensor.scan_period_s).inverse()) {}
+        T_map_world(scenario->T_world_sensor(0.5 * sensor.scan_period_s).inverse()) {}
 
   /// When the head is at each column of the next scan.
   std::vector<Pose> T_world_sensor_at_column() const;
   /// Where the sensor is along the drive, every two metres.
   std::vector<Eigen::Vector3d> places_m() const;
 
-  double duration_s() const { return static_cast<double>(spec.scans) * sensor.scan_period_s; }
-
   DriveSpec spec;
   SensorModel sensor;
-  DriveStyle style;
-  City city;
-  DriverPath path;
-  VehicleMotion motion;
-  Traffic traffic;
+  std::unique_ptr<Scenario> scenario;
   RayScene scene;
   Lidar lidar;
   Pose T_map_world;
@@ -87,7 +78,7 @@ std::vector<Pose> DriveSimulator::Implementation::T_world_sensor_at_column() con
   std::vector<Pose> T_world_sensor;
   for (int column = 0; column < sensor.columns; ++column) {
     T_world_sensor.push_back(
-        motion.T_world_sensor(begin_s + sensor.scan_period_s * (column + 0.5) / sensor.columns));
+        scenario->T_world_sensor(begin_s + sensor.scan_period_s * (column + 0.5) / sensor.columns));
   }
   return T_world_sensor;
 }
@@ -111,7 +102,7 @@ std::vector<Eigen::Vector3d> DriveSimulator::Implementation::places_m() const {
   std::vector<Eigen::Vector3d> places_m;
   for (std::int64_t scan = 0; scan < spec.scans; ++scan) {
     const Eigen::Vector3d place_m =
-        motion.T_world_sensor((static_cast<double>(scan) + 0.5) * sensor.scan_period_s)
+        scenario->T_world_sensor((static_cast<double>(scan) + 0.5) * sensor.scan_period_s)
             .translation();
     if (places_m.empty() || (place_m - places_m.back()).norm() >= kStep_m) {
       places_m.push_back(place_m);
@@ -144,9 +135,9 @@ std::optional<SimulatedScan> DriveSimulator::next() {
   const std::vector<Pose> T_world_sensor = self.T_world_sensor_at_column();
   SimulatedScan scan;
   scan.stamp_s = begin_s + 0.5 * period_s;
-  const Pose T_world_middle = self.motion.T_world_sensor(scan.stamp_s);
+  const Pose T_world_middle = self.scenario->T_world_sensor(scan.stamp_s);
   self.scene.place_actors(
-      self.traffic.actors(begin_s, begin_s + period_s, T_world_middle.translation().head<2>()));
+      self.scenario->actors(begin_s, begin_s + period_s, T_world_middle.translation().head<2>()));
   scan.image = self.lidar.measure(self.scene, T_world_sensor, self.next_scan);
   scan.T_map_sensor = self.T_map_world * T_world_middle;
   for (const Pose& pose : T_world_sensor) {

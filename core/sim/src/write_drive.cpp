@@ -60,8 +60,11 @@ void require_written(const std::ofstream& stream, const std::string& path) {
 }
 
 void write_drive_json(const std::string& path, const DriveSpec& spec, const SensorModel& sensor) {
-  nlohmann::ordered_json json = {
-      {"name", spec.name}, {"seed", spec.seed}, {"scans", spec.scans}, {"sensor", sensor.name}};
+  nlohmann::ordered_json json = {{"name", spec.name},
+                                 {"seed", spec.seed},
+                                 {"revision", kDriveRevision},
+                                 {"scans", spec.scans},
+                                 {"sensor", sensor.name}};
   if (spec.mount != SensorMount{}) {
     json["mount"] = {{"sensor_height_m", spec.mount.sensor_height_m},
                      {"mount_roll_rad", spec.mount.mount_roll_rad},

@@ -55,7 +55,10 @@ ScanSet scan_set(JsonFields& fields, const std::string& field) {
   ScanSet set;
   for (JsonFields& entry : fields.objects(field)) {
     if (entry.has("stack")) {
-      set.stacks.push_back(entry.text("stack"));
+      std::int64_t repeat = 1;
+      entry.optional("repeat", repeat);
+      if (repeat < 1 || repeat > 10'000) entry.complain("repeat", "1 to 10000");
+      set.stacks.insert(set.stacks.end(), static_cast<std::size_t>(repeat), entry.text("stack"));
       entry.finish();
     } else {
       set.simulated.push_back(simulated_scans(entry));

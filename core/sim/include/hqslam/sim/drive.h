@@ -37,7 +37,7 @@ struct SensingConditions {
 /// A drive through a procedural city. Everything follows from these fields: the same spec gives
 /// the same bytes on every machine, whatever the number of threads.
 struct DriveSpec {
-  std::string name;        ///< the style of city and driving: block, town or hills
+  std::string name;        ///< of drive_preset_names(): the style of city and driving
   std::uint64_t seed = 1;  ///< of the city, the traffic, the driver and the sensor's noise
   std::int64_t scans = 200;
   SensorMount mount;
@@ -53,8 +53,9 @@ void validate(const DriveSpec& spec);
 /// or fog in one drive of four. Large values are rarer than small ones.
 DriveSpec with_varied_conditions(DriveSpec spec);
 
-/// block (200 scans), town (4,000), hills (8,000). Throws Error that lists them for any other.
+/// A drive with its usual length and mount. Throws Error that lists the names for any other.
 DriveSpec drive_preset(std::string_view name);
+/// block, town, hills, meadow, narrow, yard, handheld, car-park; the README says what they are.
 std::vector<std::string> drive_preset_names();
 
 /// One scan with the truth.

@@ -22,10 +22,13 @@ struct SimulatedScans {
   DriveConditions conditions = DriveConditions::kUsual;
 };
 
-/// Where scans come from; a stack is an .npy file of range images of the network's sensor.
+/// Where scans come from; a stack is an .npy file of range images of the network's sensor, or the
+/// folder of a recording of it.
 struct ScanSet {
   std::vector<SimulatedScans> simulated;
-  std::vector<std::string> stacks;  ///< a leading $NAME is that environment variable's value
+  /// A leading $NAME is that environment variable's value. As often as the recipe says to repeat
+  /// it: a few real scans can be seen as often as many simulated ones.
+  std::vector<std::string> stacks;
 };
 
 /// What `hqslam train --config` reads.
