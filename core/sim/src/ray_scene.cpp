@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "hqslam/core/error.h"
+#include "triangle_distance.h"
 
 namespace hqslam::sim {
 
@@ -125,6 +126,9 @@ RayHit meet_triangle(const TriangleMesh& mesh, unsigned triangle, const Eigen::V
   return hit;
 }
 
+/// Embree works in single precision: it is to look a little farther.
+float search_radius(double distance_m) { return static_cast<float>(1.001 * distance_m + 1e-3); }
+
 /// Paint, car windows and clothes take the shade of the one who wears them.
 Surface worn(Surface surface, std::uint8_t shade) {
   if (surface.material == Material::kCarPaint || surface.material == Material::kCarGlass ||
@@ -162,6 +166,9 @@ struct RayScene::Implementation {
     rtcCommitScene(moving);
   }
 
+  struct NearestQuery;
+  static bool look_at_triangle(RTCPointQueryFunctionArguments* arguments);
+
   const Scenery& scenery;
   Device device;
   Scene fixed;   ///< geometry 0 is the city's own mesh, 1 + k is placement k
@@ -194,6 +201,50 @@ void RayScene::place_actors(const std::vector<ActorMotion>& actors) {
     rtcAttachGeometryByID(self.moving, instance, k);
   }
   rtcCommitScene(self.moving);
+}
+
+/// What Embree's search for the nearest surface carries along.
+struct RayScene::Implementation::NearestQuery {
+  const Implementation& self;
+  Eigen::Vector3d point_m;
+  double nearest_m;
+};
+
+/// Called for every triangle that may be nearer than what was found so far. A placed thing is as
+/// much larger as its shape as the first column of its transform is long.
+bool RayScene::Implementation::look_at_triangle(RTCPointQueryFunctionArguments* arguments) {
+  auto& query = *static_cast<NearestQuery*>(arguments->userPtr);
+  const Implementation& self = query.self;
+  const TriangleMesh* mesh = &self.scenery.fixed;
+  Eigen::Vector3d point_m = query.point_m;
+  double scale = 1.0;
+  if (arguments->context->instStackSize > 0) {
+    const std::size_t k = arguments->context->instID[0] - 1;
+    const Placement& placement = self.scenery.placements[k];
+    mesh = &self.scenery.prototypes[static_cast<std::size_t>(placement.prototype)];
+    point_m = self.T_prototype_world[k] * point_m;
+    scale = placement.T_world_prototype.linear().col(0).norm();
+  }
+  const double distance_m = scale * distance_to_triangle_m(*mesh, arguments->primID, point_m);
+  if (distance_m >= query.nearest_m) return false;
+  query.nearest_m = distance_m;
+  arguments->query->radius = search_radius(distance_m);
+  return true;
+}
+
+std::optional<double> RayScene::distance_m(const Eigen::Vector3d& point_m, double reach_m) const {
+  Implementation::NearestQuery nearest{*implementation_, point_m, reach_m};
+  RTCPointQuery query{};
+  query.x = static_cast<float>(point_m.x());
+  query.y = static_cast<float>(point_m.y());
+  query.z = static_cast<float>(point_m.z());
+  query.radius = search_radius(reach_m);
+  RTCPointQueryContext context;
+  rtcInitPointQueryContext(&context);
+  rtcPointQuery(implementation_->fixed, &query, &context, &Implementation::look_at_triangle,
+                &nearest);
+  if (nearest.nearest_m >= reach_m) return std::nullopt;
+  return nearest.nearest_m;
 }
 
 std::optional<RayHit> RayScene::cast(const Eigen::Vector3d& origin_m,

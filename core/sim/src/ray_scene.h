@@ -33,6 +33,10 @@ class RayScene {
   std::optional<RayHit> cast(const Eigen::Vector3d& origin_m, const Eigen::Vector3d& direction,
                              double scan_fraction, double max_range_m) const;
 
+  /// From a point to the nearest surface of what stands still; nothing if it is farther than
+  /// `reach_m`. May be called from many threads at once.
+  std::optional<double> distance_m(const Eigen::Vector3d& point_m, double reach_m) const;
+
   static constexpr std::size_t kMostActors = 40;
 
  private:
