@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// How the weights of a sensor are called: du-or_os1_16to64.npz.
+/// How the weights of a sensor are called: du-mix_os1_16to64.npz.
 struct SensorWeights {
   const char* sensor;
   const char* part_of_name;
@@ -157,6 +157,7 @@ const std::vector<TableMethod>& table_methods() {
       {"simple-du-filter", "Simple DU + OR", kTableMeasuredRows, "simple-du", true},
       {"du-or-no-filter", "DU-OR, last filter off", kTableMeasuredRows, "du-or", false},
       {"du-or", "DU-OR", kTableMeasuredRows, "du-or", true},
+      {"du-mix", "DU-Mix", kTableMeasuredRows, "du-mix", false},
       {"rows-64", "LiDAR-64", kTableAllRows, "", false},
   };
   return methods;

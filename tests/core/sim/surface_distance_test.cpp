@@ -29,7 +29,7 @@ City random_city() {
           {Material::kConcrete, 1});
   city.prototypes.push_back(box);
   for (int k = 0; k < 30; ++k) {
-    Eigen::Isometry3d turned(Eigen::Translation3d(place()));
+    Eigen::Isometry3d turned{Eigen::Translation3d(place())};
     turned.rotate(Eigen::AngleAxisd(random.uniform(0.0, 3.0), place().normalized()));
     if (k % 2 == 0) {
       add_box(city.fixed, turned, {-0.5, -0.3, -0.2}, {0.5, 0.3, 0.2}, {Material::kConcrete, 1});
