@@ -137,7 +137,7 @@ Eigen::AlignedBox2d surroundings_of(const Trajectory& path) {
 Pose T_camera_map_behind(const Pose& T_map_sensor) {
   constexpr double kBehind_m = 16.0;
   constexpr double kAbove_m = 9.0;
-  constexpr double kDown = 0.42;  ///< per metre ahead
+  constexpr double kDown = 0.34;  ///< per metre ahead
   const Eigen::Vector2d heading = T_map_sensor.linear().col(0).head<2>().normalized();
   const Eigen::Vector3d ahead(heading.x(), heading.y(), 0.0);
   const Eigen::Vector3d look = (ahead - kDown * Eigen::Vector3d::UnitZ()).normalized();
