@@ -14,12 +14,13 @@
 namespace hqslam::sim {
 
 std::unique_ptr<Scenario> make_scenario(const DriveSpec& spec, double duration_s) {
-  return make_street_scenario(spec, duration_s);
+  return has_streets(spec.name) ? make_street_scenario(spec, duration_s)
+                                : make_indoor_scenario(spec, duration_s);
 }
 
 void validate(const DriveSpec& spec) {
   constexpr std::int64_t kMostScans = 1'000'000;
-  static_cast<void>(drive_style(spec.name));
+  static_cast<void>(drive_preset(spec.name));
   if (spec.scans < 1 || spec.scans > kMostScans) {
     throw Error(fmt::format("drive '{}': scans is {}, expected 1 to {}", spec.name, spec.scans,
                             kMostScans));
@@ -44,7 +45,7 @@ struct DriveSimulator::Implementation {
       : spec((validate(spec_), spec_)),
         sensor((validate(sensor_), sensor_)),
         scenario(make_scenario(spec, static_cast<double>(spec.scans) * sensor.scan_period_s)),
-        scene(scenario->city()),
+        scene(scenario->scenery()),
         lidar(sensor, spec.conditions, seed_of_part(spec.seed, DrivePart::kNoise)),
         T_map_world(scenario->T_world_sensor(0.5 * sensor.scan_period_s).inverse()) {}
 

@@ -21,7 +21,7 @@ struct RayHit {
 /// where on it is computed here, because Embree's own arithmetic differs between processors.
 class RayScene {
  public:
-  explicit RayScene(const City& city);
+  explicit RayScene(const Scenery& scenery);
   ~RayScene();
   RayScene(RayScene&&) noexcept;
   RayScene& operator=(RayScene&&) noexcept;

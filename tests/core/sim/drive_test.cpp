@@ -8,6 +8,7 @@
 
 #include "error_message.h"
 #include "small_sensor.h"
+#include "style.h"
 
 using namespace hqslam;
 using namespace hqslam::sim;
@@ -108,12 +109,13 @@ TEST_CASE("presets: lengths, names, and one clear line for anything else") {
   CHECK(drive_preset("town").scans == 4000);
   CHECK(drive_preset("hills").scans == 8000);
   CHECK(drive_preset("yard").mount.sensor_height_m == 0.4);
-  CHECK(drive_preset_names().size() == 8);
+  CHECK(drive_preset_names().size() == 9);
   CHECK(one_line_with(error_message([] { drive_preset("desert"); }), "desert", "block", "town",
                       "hills"));
   CHECK(
       one_line_with(error_message([] { DriveSimulator(short_drive("block", 0), small_sensor()); }),
                     "scans is 0"));
+  CHECK(one_line_with(error_message([] { drive_style("indoors"); }), "indoors", "no streets"));
   SensorModel broken = small_sensor();
   broken.columns = 3;
   CHECK(one_line_with(error_message([&] { DriveSimulator(drive_preset("block"), broken); }),

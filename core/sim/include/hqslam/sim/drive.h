@@ -55,7 +55,7 @@ DriveSpec with_varied_conditions(DriveSpec spec);
 
 /// A drive with its usual length and mount. Throws Error that lists the names for any other.
 DriveSpec drive_preset(std::string_view name);
-/// block, town, hills, meadow, narrow, yard, handheld, car-park; the README says what they are.
+/// block, town, hills, meadow, narrow, yard, handheld, car-park, indoors: see the README.
 std::vector<std::string> drive_preset_names();
 
 /// One scan with the truth.
