@@ -29,8 +29,11 @@ City random_city() {
           {Material::kConcrete, 1});
   city.prototypes.push_back(box);
   for (int k = 0; k < 30; ++k) {
-    Eigen::Isometry3d turned{Eigen::Translation3d(place())};
-    turned.rotate(Eigen::AngleAxisd(random.uniform(0.0, 3.0), place().normalized()));
+    const Eigen::Vector3d origin_m = place();
+    const Eigen::Vector3d axis = place().normalized();
+    Eigen::Isometry3d turned = Eigen::Isometry3d::Identity();
+    turned.linear() = Eigen::AngleAxisd(random.uniform(0.0, 3.0), axis).toRotationMatrix();
+    turned.translation() = origin_m;
     if (k % 2 == 0) {
       add_box(city.fixed, turned, {-0.5, -0.3, -0.2}, {0.5, 0.3, 0.2}, {Material::kConcrete, 1});
     } else {
