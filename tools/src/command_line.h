@@ -6,6 +6,7 @@
 #include "compare_command.h"
 #include "demo_command.h"
 #include "evaluate_command.h"
+#include "info_command.h"
 #include "inspect_command.h"
 #include "run_command.h"
 #include "simulate_command.h"
@@ -24,6 +25,7 @@ struct CommandLine {
   EvaluateOptions evaluate;
   BenchOptions bench;
   CompareOptions compare;
+  InfoOptions info;
   InspectOptions inspect;
   TableOptions table;
   TrainOptions train;

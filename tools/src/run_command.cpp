@@ -12,6 +12,7 @@
 
 #include "exit_status.h"
 #include "hqslam/core/error.h"
+#include "hqslam/recordings/recording.h"
 #include "recording_sensor.h"
 #include "run_output.h"
 #include "timing_statistics.h"
@@ -32,13 +33,13 @@ struct RunPlan {
 
 RunPlan plan_of(const RunOptions& options) {
   if (!options.upsample.empty()) {
-    UpsamplingPlan plan = plan_upsampling(
-        {options.input, options.sensor, options.upsample, options.rows, options.least_confidence});
+    UpsamplingPlan plan = plan_upsampling({options.input, options.sensor, options.upsample,
+                                           options.rows, options.least_confidence, options.stream});
     return {options.input, plan.recording_sensor, plan.rows, std::move(plan.upsampler)};
   }
   RunPlan plan;
   plan.input = options.input;
-  plan.recording_sensor = required_recording_sensor(options.input, options.sensor);
+  plan.recording_sensor = required_recording_sensor(options.input, options.sensor, options.stream);
   if (options.rows > 0 && options.rows != plan.recording_sensor.rows()) {
     plan.rows = selection_for(plan.recording_sensor.rows(), options.rows);
   }
@@ -75,7 +76,9 @@ std::optional<TrajectoryFile> reference_of(const RunOptions& options, const Scan
                     path, reference.poses.size(), options.input, scans));
   }
   // A simulated drive's scans have the stamps of its truth.
-  if (reference.has_stamps && file_of_drive(options.input, "truth.tum").empty()) {
+  // Those of a capture or a bag have the recording's own.
+  if (reference.has_stamps && file_of_drive(options.input, "truth.tum").empty() &&
+      !recordings::is_capture_or_bag(options.input)) {
     require_stamps_of_scans(reference, scans, source.sensor().scan_period_s);
   }
   return reference;
@@ -87,7 +90,14 @@ RecordingOptions recording_options(const RunOptions& options) {
       options.row_order == "lowest-first" ? RowOrder::kLowestFirst : RowOrder::kHighestFirst;
   recording.capture_time =
       options.motion_corrected ? CaptureTime::kMotionCorrected : CaptureTime::kRolling;
+  recording.times_from_azimuth = options.capture == "rolling";
+  recording.stamps = options.stamps;
   return recording;
+}
+
+InputRecording input_recording(const RunOptions& options) {
+  return {options.input, options.sensor, options.stream, options.kept_return == "last",
+          recording_options(options)};
 }
 
 double median_upsampling_ms(const SlamRun& run) {
@@ -136,6 +146,9 @@ void print_summary(const RunResult& result, const RunOptions& options) {
 
 /// What to tell the shell, with the one line on stderr that explains it.
 int exit_status_of(const SlamRun& run) {
+  if (run.left_out.scans > 0 && !run.scans.empty()) {
+    fmt::print(stderr, "hqslam: {}\n", run.left_out.text());
+  }
   switch (run.end) {
     case RunEnd::kInterrupted:
       fmt::print(stderr,
@@ -158,15 +171,24 @@ int exit_status_of(const SlamRun& run) {
 void declare_run(CLI::App& app, RunOptions& options) {
   CLI::App* command = app.add_subcommand("run", "From a recorded drive to a trajectory and a map");
   command
-      ->add_option("INPUT", options.input,
-                   "Folder of KITTI .bin files, folder of .pcd files, .npy stack of range images "
-                   "(N x H x W, float32 metres), or folder written by hqslam simulate")
+      ->add_option(
+          "INPUT", options.input,
+          "Capture (.pcap, .pcapng) or bag (.db3, .mcap, .bag) of a sensor, folder of KITTI "
+          ".bin files, folder of .pcd files, .npy stack of range images (N x H x W, "
+          "float32 metres), or folder written by hqslam simulate")
       ->required()
       ->check(CLI::ExistingPath);
   command->add_option("--sensor", options.sensor,
                       fmt::format("{}, or a .json file with the beam angles (Ouster's metadata "
-                                  "files too); not needed for a simulated drive",
+                                  "files too); not needed where the recording says it",
                                   fmt::join(sensor_preset_names(), ", ")));
+  command->add_option("--stream", options.stream,
+                      "Which stream of a capture or a bag: a topic, or a port or sender:port");
+  command
+      ->add_option("--return", options.kept_return,
+                   "Which one is kept where a sensor sends two returns of a pulse")
+      ->check(CLI::IsMember({"strongest", "last"}))
+      ->capture_default_str();
   command
       ->add_option("--rows", options.rows, "Use only this many of the sensor's rows, evenly spread")
       ->check(CLI::Range(1, 1000000000));
@@ -184,6 +206,15 @@ void declare_run(CLI::App& app, RunOptions& options) {
       ->capture_default_str();
   command->add_flag("--motion-corrected", options.motion_corrected,
                     "The scans of a .npy stack are already corrected for the sensor's motion");
+  command
+      ->add_option(
+          "--capture", options.capture,
+          "How points without a time were captured: rolling, while the sensor turned (each "
+          "has the time of its azimuth), or corrected for motion (default)")
+      ->check(CLI::IsMember({"rolling", "corrected"}));
+  command->add_option("--stamps", options.stamps,
+                      "File with the stamp of each scan (seconds, or dates as KITTI's "
+                      "timestamps.txt), or 'names' for the numbers in the files' names");
   command
       ->add_option("--upsample", options.upsample,
                    fmt::format("Fill the rows between the measured ones first: a trained network "
@@ -218,7 +249,8 @@ RunResult run_and_write(const RunOptions& options, const InterruptGuard& interru
   }
   RunPlan plan = plan_of(options);
   const std::unique_ptr<ScanSource> source =
-      open_recording(options.input, plan.recording_sensor, recording_options(options));
+      open_input(input_recording(options), plan.recording_sensor);
+  print_warnings(*source);
   const std::optional<TrajectoryFile> reference = reference_of(options, *source);
   RunOutput output(options.out);
 

@@ -14,10 +14,14 @@ struct RunOptions {
   std::string input;
   std::string sensor;  ///< empty: sensor.json in a folder written by `hqslam simulate`
   int rows = 0;        ///< 0: all
+  std::string stream;  ///< of a capture or a bag; empty: the only one with scans
+  std::string kept_return = "strongest";
   std::string out;
   std::string reference;  ///< empty: truth.tum in a folder written by `hqslam simulate`, or none
   std::string row_order = "highest-first";
   bool motion_corrected = false;
+  std::string capture;   ///< "rolling": points without a time have that of their azimuth
+  std::string stamps;    ///< a file, or "names"; empty: what the recording says
   std::string upsample;  ///< weights file or interpolation; empty: the recording as it is
   std::optional<float> least_confidence;  ///< nothing: as the weights say
   int threads = 0;                        ///< 0: what OpenMP chooses
