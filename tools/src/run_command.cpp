@@ -12,6 +12,7 @@
 
 #include "exit_status.h"
 #include "hqslam/core/error.h"
+#include "hqslam/recordings/recording.h"
 #include "map_command.h"
 #include "recording_sensor.h"
 #include "run_output.h"
