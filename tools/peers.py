@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Runs other LiDAR odometries on exactly the scans that hqslam sees, for its results to stand beside.
 
-    tools/peers.py DRIVE... [--rows 16,64] [--peers kiss-icp,...] [--hqslam PROGRAM] [--out FOLDER]
+    tools/peers.py DRIVE... [--rows 16,64] [--scans N] [--peers kiss-icp,...] [--hqslam PROGRAM]
+                   [--out FOLDER]
 
 DRIVE is a folder written by `hqslam simulate` (or kept by `hqslam table` under drives/). Every scan
 is made into points as hqslam does it, of all rows or of 16, with the time of each point within the
@@ -30,11 +31,12 @@ import numpy
 class Drive:
     """A simulated drive: scans.npy, sensor.json and truth.tum."""
 
-    def __init__(self, folder, rows):
+    def __init__(self, folder, rows, scans=None):
         folder = pathlib.Path(folder)
         self.truth = folder / "truth.tum"
         self.ranges = numpy.load(folder / "scans.npy", mmap_mode="r")
-        self.stamps = [line.split()[0] for line in self.truth.read_text().splitlines()]
+        lines = self.truth.read_text().splitlines()[: min(self.ranges.shape[0], scans or sys.maxsize)]
+        self.stamps = [line.split()[0] for line in lines]
         sensor = json.loads((folder / "sensor.json").read_text())
         count, columns = len(sensor["beam_elevation_deg"]), sensor["columns"]
         if count % rows != 0:
@@ -61,7 +63,7 @@ class Drive:
         self.fraction = ((column + shift) % columns + 0.5) / columns
 
     def __len__(self):
-        return min(len(self.stamps), self.ranges.shape[0])
+        return len(self.stamps)
 
     def scan(self, index):
         """Points (N, 3) in metres, as captured, and the fraction of the sweep of each (N,)."""
@@ -231,6 +233,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("drives", nargs="+", metavar="DRIVE")
     parser.add_argument("--rows", default="16,64", help="of the sensor's, separated by commas")
+    parser.add_argument("--scans", type=int, help="only so many of each drive")
     parser.add_argument("--peers", default=",".join(PEERS), help="separated by commas")
     parser.add_argument("--hqslam", default="build/release/tools/hqslam", help="the program")
     parser.add_argument("--out", default="peers", help="folder for the trajectories")
@@ -242,7 +245,7 @@ def main():
     for folder in options.drives:
         name = pathlib.Path(folder).resolve().name
         for rows in map(int, options.rows.split(",")):
-            drive = Drive(folder, rows)
+            drive = Drive(folder, rows, options.scans)
             for peer in options.peers.split(","):
                 make, fraction = PEERS[peer]
                 trajectory = out / f"{name}-{peer}-{rows}.tum"

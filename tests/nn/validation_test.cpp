@@ -76,4 +76,21 @@ TEST_CASE("what says nothing of its confidence is taken as it is") {
   CHECK(validation.network.mae_all_m == doctest::Approx((0.4 + 2.0 + 7.0 + 10.0) / (16 * 64)));
 }
 
+TEST_CASE("the exponent of the confidence makes it the share that is right") {
+  // Said with 0.5, right with 0.25; said with 0.25, right with 0.0625: squares.
+  LiftedImage lifted{truth(), std::vector<float>(16 * 64)};
+  int number = 0;
+  for (std::size_t i = 0; i < lifted.confidence.size(); ++i) {
+    const bool often = i / 64 % 2 == 0;
+    lifted.confidence[i] = often ? 0.5F : 0.25F;
+    const bool right = number++ % 16 < (often ? 4 : 1);
+    lifted.image.range_m[i] = right ? 10.0F : 20.0F;
+  }
+  RangeImage walls(16, 64);
+  for (float& range_m : walls.range_m) range_m = 10.0F;
+  FixedNetwork network(lifted);
+  const Validation validation = validation_of({validated_scan(network, small_du_or(), walls)});
+  CHECK(validation.confidence_exponent == doctest::Approx(2.0).epsilon(0.02));
+}
+
 }  // namespace hqslam::nn

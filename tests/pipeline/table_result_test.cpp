@@ -20,7 +20,7 @@ struct SavedResult {
     return load_result(result.settings, folder.path().string());
   }
   test::TemporaryDirectory folder;
-  TableResult result = test::example_result(table_methods()[6], 0.5);
+  TableResult result = test::example_result(table_methods()[7], 0.5);
 };
 
 }  // namespace

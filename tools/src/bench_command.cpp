@@ -69,8 +69,8 @@ struct Measurements {
 };
 
 /// The networks that come with the program and are measured if no others are named.
-constexpr std::array<const char*, 2> kInstalledNetworks = {"du-or_os1_16to64.npz",
-                                                           "simple-du_os1_16to64.npz"};
+constexpr std::array<const char*, 3> kInstalledNetworks = {
+    "du-mix_os1_16to64.npz", "du-or_os1_16to64.npz", "simple-du_os1_16to64.npz"};
 
 std::vector<std::string> weights_of(const BenchOptions& options) {
   std::vector<std::string> paths = options.weights;

@@ -7,7 +7,9 @@
 #include "demo_command.h"
 #include "evaluate_command.h"
 #include "info_command.h"
+#include "evaluate_map_command.h"
 #include "inspect_command.h"
+#include "map_command.h"
 #include "run_command.h"
 #include "simulate_command.h"
 #include "table_command.h"
@@ -22,7 +24,9 @@ struct CommandLine {
   RunOptions run;
   DemoOptions demo;
   SimulateOptions simulate;
+  MapOptions map;
   EvaluateOptions evaluate;
+  EvaluateMapOptions evaluate_map;
   BenchOptions bench;
   CompareOptions compare;
   InfoOptions info;

@@ -209,11 +209,13 @@ void declare_compare(CLI::App& app, CompareOptions& options) {
       ->check(CLI::Range(1, 256));
   command->footer(
       "Rows: nearest, linear and inverse (linear in 1/range, by the beams' elevations)\n"
-      "interpolation, and each network: with its filters, and where it has one at its end, without\n"
-      "that one (the filters inside stay). Missing: share of the true returns that are left empty;\n"
-      "invented: share of the points where the truth has no return. Precision, recall, F1: voxels\n"
-      "of 0.1 m. Outliers are farther than 0.5 m from the true cloud, good points nearer than\n"
-      "0.2 m.");
+      "interpolation, and each network: with its filters, and where it has one at its end, "
+      "without\n"
+      "that one (the filters inside stay). Missing: share of the true returns between the "
+      "measured\n"
+      "rows that are left empty; invented: share of the computed points where the truth has no\n"
+      "return. Precision, recall, F1: voxels of 0.1 m. Outliers are farther than 0.5 m from the\n"
+      "true cloud, good points nearer than 0.2 m.");
 }
 
 int compare_command(const CompareOptions& options) {

@@ -55,8 +55,11 @@ int evaluate_trajectories(const EvaluateOptions& options) {
               kDegreesPerRadian * 100.0 / stretch_m);
   }
   const std::size_t slipped = slips(estimate, reference).size();
+  const Trajectory compared(
+      reference.begin() + static_cast<std::ptrdiff_t>(ape.pairs.reference.front()),
+      reference.begin() + static_cast<std::ptrdiff_t>(ape.pairs.reference.back()) + 1);
   fmt::print("{:<26}{:>10}{:>10.1f} per 100 km\n", "slips", slipped,
-             slips_per_100_km(slipped, path_length_m(reference)));
+             slips_per_100_km(slipped, path_length_m(compared)));
   return kOk;
 }
 

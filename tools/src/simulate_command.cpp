@@ -34,7 +34,8 @@ void declare_simulate(CLI::App& app, SimulateOptions& options) {
           "--drive", options.drive,
           "block: 200 scans of quiet streets; town: 4,000 with three loops; hills: 8,000, harder; "
           "meadow: 4,000 of open land; narrow: 3,000 between walls; yard: 2,000 of a low "
-          "robot; handheld: 2,000 on foot; car-park: 2,000, both ways round")
+          "robot; handheld: 2,000 on foot; car-park: 2,000, both ways round; "
+          "indoors: 2,000 through rooms and up stairs")
       ->required()
       ->check(CLI::IsMember(sim::drive_preset_names()));
   command->add_option("--sensor", options.sensor, "Sensor (name or .json file, as for hqslam run)")

@@ -70,6 +70,11 @@ struct SlamRunSpec {
   bool loop_closing = false;
 };
 
+/// The rows of a recorded scan that are looked at.
+OrganizedCloud measured_cloud(const OrganizedCloud& cloud, const SlamRunSpec& spec);
+/// What SLAM gets to see of them: with the rows between them filled, if there is an upsampler.
+OrganizedCloud prepared_cloud(const OrganizedCloud& measured, const SlamRunSpec& spec);
+
 /// What SLAM runs with.
 slam::SlamOptions slam_options(bool loop_closing);
 

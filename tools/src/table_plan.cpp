@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// How the weights of a sensor are called: du-or_os1_16to64.npz.
+/// How the weights of a sensor are called: du-mix_os1_16to64.npz.
 struct SensorWeights {
   const char* sensor;
   const char* part_of_name;
@@ -152,10 +152,12 @@ const std::vector<TableMethod>& table_methods() {
       {"rows-16", "LiDAR-16", kTableMeasuredRows, "", false},
       {"nearest", "nearest row", kTableMeasuredRows, "nearest", false},
       {"linear", "linear", kTableMeasuredRows, "linear", false},
+      {"inverse", "linear in 1/range", kTableMeasuredRows, "inverse", false},
       {"simple-du", "Simple DU", kTableMeasuredRows, "simple-du", false},
       {"simple-du-filter", "Simple DU + OR", kTableMeasuredRows, "simple-du", true},
       {"du-or-no-filter", "DU-OR, last filter off", kTableMeasuredRows, "du-or", false},
       {"du-or", "DU-OR", kTableMeasuredRows, "du-or", true},
+      {"du-mix", "DU-Mix", kTableMeasuredRows, "du-mix", false},
       {"rows-64", "LiDAR-64", kTableAllRows, "", false},
   };
   return methods;

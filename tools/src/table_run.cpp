@@ -49,6 +49,7 @@ std::optional<nn::OutlierRemoval> filter_of(const TableMethod& method,
                                             const nn::Upsampler* upsampler) {
   if (!method.filtered) return std::nullopt;
   const nn::NetworkDescription& network = upsampler->network()->description();
+  if (network.last_filter.min_pixels == 0) return std::nullopt;  // it was made without one
   return nn::OutlierRemoval(network.sensor, network.measured_rows, network.last_filter,
                             network.sensor.columns);
 }

@@ -7,6 +7,7 @@
 #include <CLI/Formatter.hpp>
 #include <CLI/Validators.hpp>
 #include <chrono>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -104,7 +105,8 @@ std::string training_json(const Training& training, const nn::TrainingState& sta
     const nn::Validation& v = training.curve.back().validation;
     json["validation"] = {{"network", figures_json(v.network)},
                           {"linear", figures_json(v.linear)},
-                          {"least_confidence", v.least_confidence}};
+                          {"least_confidence", v.least_confidence},
+                          {"confidence_exponent", v.confidence_exponent}};
   }
   json["configuration"] = nlohmann::ordered_json::parse(training.configuration_text);
   return json.dump();
@@ -114,8 +116,12 @@ void write_results(const Training& training, const nn::TrainingState& state) {
   nn::NetworkDescription network = training.configuration.network;
   nn::write_checkpoint(training.checkpoint_path(),
                        {training.configuration_text, state, training.curve});
-  const auto confidence = static_cast<float>(training.curve.back().validation.least_confidence);
-  if (network.kind == nn::NetworkKind::kDuMix) network.least_confidence = confidence;
+  if (network.kind == nn::NetworkKind::kDuMix) {
+    const nn::Validation& v = training.curve.back().validation;
+    network.least_confidence =
+        static_cast<float>(std::pow(v.least_confidence, v.confidence_exponent));
+    network.confidence_exponent = static_cast<float>(v.confidence_exponent);
+  }
   const RangeImage sample = select_rows(training.validation.front(), network.measured_rows);
   nn::write_weights((training.out / "weights.npz").string(),
                     {network, state.average, training_json(training, state),
@@ -177,6 +183,10 @@ int train(Training& training, nn::Trainer& trainer, const InterruptGuard& interr
     loss_sum = 0.0;
     losses = 0;
     print_point(training.curve.back(), steps, static_cast<double>(step - first) / elapsed_s);
+    write_results(training, trainer.state());
+  }
+  if (first >= steps && !training.curve.empty()) {  // it had ended: only the results anew
+    training.curve.back().validation = trainer.validate(training.validation);
     write_results(training, trainer.state());
   }
   progress.finish();

@@ -110,6 +110,7 @@ Json json_of(const std::string& name, const TulipScore& s) {
 }  // namespace
 
 int compare_with_tulip(const CompareOptions& options) {
+  if (!options.curve.empty()) throw Error("compare: --curve is no part of --protocol tulip");
   const InterruptGuard interrupt;
   const std::vector<fs::path> scans = scans_of(options);
   std::vector<TulipMethod> methods = methods_of(options);

@@ -42,6 +42,15 @@ void for_each_computed(const OrganizedCloud& cloud, RowSelection measured,
   }
 }
 
+/// The image with its measured rows emptied.
+RangeImage computed_rows(RangeImage image, RowSelection measured) {
+  for (int row = 0; row < image.rows; ++row) {
+    if (!is_measured(row, measured)) continue;
+    for (int column = 0; column < image.columns; ++column) image.at(row, column) = 0.0F;
+  }
+  return image;
+}
+
 /// Each computed pixel as the median (the mean of the middle two) of the eight true ranges around
 /// it, no return counting as 0; beyond the top and bottom row there is none.
 RangeImage median_of_true_neighbours(const RangeImage& truth, RowSelection measured) {
@@ -113,8 +122,10 @@ void UpsamplingComparison::add(ComparedMethod& method, const OrganizedCloud& tru
   sum.precision += error.precision;
   sum.recall += error.recall;
   sum.f1 += error.f1;
-  sum.missing_share += errors.image.missing_share;
-  sum.invented_share += errors.image.invented_share;
+  const ImageError computed =
+      image_error(computed_rows(image, rows), computed_rows(range_image(truth), rows));
+  sum.missing_share += computed.missing_share;
+  sum.invented_share += computed.invented_share;
   sum.outlier_share += error.outlier_share;
   sum.outliers_per_scan += error.outlier_share * static_cast<double>(errors.points);
   if (!method.unfiltered) return;

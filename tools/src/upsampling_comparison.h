@@ -27,8 +27,8 @@ struct UpsamplingScore {
   double precision = 0.0;
   double recall = 0.0;
   double f1 = 0.0;
-  double missing_share = 0.0;      ///< of the true returns, left empty
-  double invented_share = 0.0;     ///< of the points, where the truth has no return
+  double missing_share = 0.0;      ///< of the computed pixels' true returns, left empty
+  double invented_share = 0.0;     ///< of the computed points, where the truth has no return
   double outlier_share = 0.0;      ///< of all points, farther than 0.5 m from the true cloud
   double outliers_per_scan = 0.0;  ///< as many points
   double upsampling_ms = 0.0;      ///< median

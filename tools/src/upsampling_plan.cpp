@@ -62,8 +62,9 @@ std::optional<int> recorded_rows(const std::string& input) {
 }
 
 UpsamplingPlan plan_for_network(const UpsamplingRequest& request) {
-  nn::SuperResolver network =
-      nn::SuperResolver::load(request.method, {.least_confidence = request.least_confidence});
+  nn::SuperResolverOptions options = request.network_options;
+  if (request.least_confidence) options.least_confidence = request.least_confidence;
+  nn::SuperResolver network = nn::SuperResolver::load(request.method, options);
   if (request.least_confidence && network.description().kind != nn::NetworkKind::kDuMix) {
     fail_for_confidence(request);
   }

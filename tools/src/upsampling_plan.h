@@ -16,6 +16,7 @@ struct UpsamplingRequest {
   int rows = 0;        ///< measured rows; 0: the weights', or for interpolation every fourth
   /// Computed pixels that are less sure come out empty; nothing: as the weights say.
   std::optional<float> least_confidence = std::nullopt;
+  nn::SuperResolverOptions network_options = {};
   std::string stream = "";  ///< of a capture or a bag; empty: the only one with scans
 };
 

@@ -96,10 +96,8 @@ void park_car(City& city, const Eigen::Vector2d& sheet_m, double heading_rad, Ra
 }
 
 City make_city(const CityStyle& style, std::uint64_t seed) {
-  City city{.layout = make_layout(style, seed),
-            .fixed = {},
-            .prototypes = make_prototypes(seed_of(seed, 11)),
-            .placements = {}};
+  City city{{.fixed = {}, .prototypes = make_prototypes(seed_of(seed, 11)), .placements = {}},
+            make_layout(style, seed)};
   add_open_land(city.fixed, city.layout);
   add_streets(city.fixed, city.layout);
   for (const Block& block : city.layout.blocks) {

@@ -25,12 +25,16 @@ struct Placement {
   std::uint8_t shade = 128;  ///< of the paint or the clothes
 };
 
-/// Everything that stands still.
-struct City {
-  Layout layout;
+/// Everything that stands still, and the shapes of what moves.
+struct Scenery {
   TriangleMesh fixed;
   std::vector<TriangleMesh> prototypes;
   std::vector<Placement> placements;
+};
+
+/// The scenery of a layout.
+struct City : Scenery {
+  Layout layout;
 };
 
 City make_city(const CityStyle& style, std::uint64_t seed);

@@ -2,21 +2,25 @@
 
 #include <fmt/format.h>
 
+#include <limits>
+
 #include "hqslam/core/error.h"
 #include "lidar.h"
 #include "path_plan.h"
 #include "ray_scene.h"
 #include "scenario.h"
+#include "surface_distance.h"
 
 namespace hqslam::sim {
 
 std::unique_ptr<Scenario> make_scenario(const DriveSpec& spec, double duration_s) {
-  return make_street_scenario(spec, duration_s);
+  return has_streets(spec.name) ? make_street_scenario(spec, duration_s)
+                                : make_indoor_scenario(spec, duration_s);
 }
 
 void validate(const DriveSpec& spec) {
   constexpr std::int64_t kMostScans = 1'000'000;
-  static_cast<void>(drive_style(spec.name));
+  static_cast<void>(drive_preset(spec.name));
   if (spec.scans < 1 || spec.scans > kMostScans) {
     throw Error(fmt::format("drive '{}': scans is {}, expected 1 to {}", spec.name, spec.scans,
                             kMostScans));
@@ -41,9 +45,14 @@ struct DriveSimulator::Implementation {
       : spec((validate(spec_), spec_)),
         sensor((validate(sensor_), sensor_)),
         scenario(make_scenario(spec, static_cast<double>(spec.scans) * sensor.scan_period_s)),
-        scene(scenario->city()),
+        scene(scenario->scenery()),
         lidar(sensor, spec.conditions, seed_of_part(spec.seed, DrivePart::kNoise)),
         T_map_world(scenario->T_world_sensor(0.5 * sensor.scan_period_s).inverse()) {}
+
+  /// When the head is at each column of the next scan.
+  std::vector<Pose> T_world_sensor_at_column() const;
+  /// Where the sensor is along the drive, every two metres.
+  std::vector<Eigen::Vector3d> places_m() const;
 
   DriveSpec spec;
   SensorModel sensor;
@@ -65,16 +74,66 @@ std::int64_t DriveSimulator::scans() const { return implementation_->spec.scans;
 
 void DriveSimulator::skip(std::int64_t scans) { implementation_->next_scan += scans; }
 
+std::vector<Pose> DriveSimulator::Implementation::T_world_sensor_at_column() const {
+  const double begin_s = static_cast<double>(next_scan) * sensor.scan_period_s;
+  std::vector<Pose> T_world_sensor;
+  for (int column = 0; column < sensor.columns; ++column) {
+    T_world_sensor.push_back(
+        scenario->T_world_sensor(begin_s + sensor.scan_period_s * (column + 0.5) / sensor.columns));
+  }
+  return T_world_sensor;
+}
+
+std::optional<VisibleSurface> DriveSimulator::next_visible() {
+  Implementation& self = *implementation_;
+  if (self.next_scan >= self.spec.scans) return std::nullopt;
+  self.scene.place_actors({});
+  const std::vector<Eigen::Vector3d> seen_m =
+      self.lidar.visible_surface_m(self.scene, self.T_world_sensor_at_column());
+  ++self.next_scan;
+  VisibleSurface visible;
+  for (const Eigen::Vector3d& point_m : seen_m) {
+    visible.points_m.push_back((self.T_map_world * point_m).cast<float>());
+  }
+  return visible;
+}
+
+std::vector<Eigen::Vector3d> DriveSimulator::Implementation::places_m() const {
+  constexpr double kStep_m = 2.0;
+  std::vector<Eigen::Vector3d> places_m;
+  for (std::int64_t scan = 0; scan < spec.scans; ++scan) {
+    const Eigen::Vector3d place_m =
+        scenario->T_world_sensor((static_cast<double>(scan) + 0.5) * sensor.scan_period_s)
+            .translation();
+    if (places_m.empty() || (place_m - places_m.back()).norm() >= kStep_m) {
+      places_m.push_back(place_m);
+    }
+  }
+  return places_m;
+}
+
+std::vector<float> DriveSimulator::distances_to_surface_m(
+    const std::vector<Eigen::Vector3f>& points_m, double reach_m) {
+  Implementation& self = *implementation_;
+  self.scene.place_actors({});
+  const Pose T_world_map = self.T_map_world.inverse();
+  const std::vector<Eigen::Vector3d> places_m = self.places_m();
+  std::vector<float> distances_m(points_m.size(), std::numeric_limits<float>::infinity());
+#pragma omp parallel for schedule(dynamic, 1024)
+  for (std::size_t i = 0; i < points_m.size(); ++i) {
+    if (!points_m[i].allFinite()) continue;
+    distances_m[i] = static_cast<float>(distance_to_true_surface_m(
+        self.scene, places_m, T_world_map * points_m[i].cast<double>(), reach_m));
+  }
+  return distances_m;
+}
+
 std::optional<SimulatedScan> DriveSimulator::next() {
   Implementation& self = *implementation_;
   if (self.next_scan >= self.spec.scans) return std::nullopt;
   const double period_s = self.sensor.scan_period_s;
   const double begin_s = static_cast<double>(self.next_scan) * period_s;
-  std::vector<Pose> T_world_sensor;
-  for (int column = 0; column < self.sensor.columns; ++column) {
-    T_world_sensor.push_back(
-        self.scenario->T_world_sensor(begin_s + period_s * (column + 0.5) / self.sensor.columns));
-  }
+  const std::vector<Pose> T_world_sensor = self.T_world_sensor_at_column();
   SimulatedScan scan;
   scan.stamp_s = begin_s + 0.5 * period_s;
   const Pose T_world_middle = self.scenario->T_world_sensor(scan.stamp_s);

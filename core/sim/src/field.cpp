@@ -58,6 +58,14 @@ void add_marker_posts(City& city, const BlockSide& side, Random& random) {
   }
 }
 
+/// Shrubs and tall weeds on the verge.
+void plant_verge(City& city, const BlockSide& side, Random& random) {
+  for (double along_m = random.uniform(8.0, 30.0); along_m < side.length_m - 8.0;
+       along_m += random.uniform(5.0, 35.0)) {
+    place_bush(city, side.at(along_m, random.uniform(1.3, 3.2)), -0.2, random);
+  }
+}
+
 /// Trees in a line along the road, with gaps.
 void plant_avenue(City& city, const BlockSide& side, Random& random) {
   const double spacing_m = random.uniform(12.0, 25.0);
@@ -105,6 +113,7 @@ void add_field(City& city, const Block& block, Random& random) {
     if (random.chance(0.3)) add_poles(city, side, random);
     if (random.chance(0.6)) add_marker_posts(city, side, random);
     if (random.chance(0.12)) plant_avenue(city, side, random);
+    plant_verge(city, side, random);
   }
   const double area_m2 = block.sheet_m.volume();
   const double shortest_m = block.sheet_m.sizes().minCoeff();

@@ -13,22 +13,21 @@ struct Size {
   double amplitude;  ///< radians or metres
   double per_second;
 };
-constexpr double kTenDegrees_rad = std::numbers::pi / 18.0;
-constexpr std::array<Size, 5> kSizes = {{{kTenDegrees_rad, 1.0},
-                                         {kTenDegrees_rad, 1.0},
-                                         {0.3 * kTenDegrees_rad, 0.5},
-                                         {0.03, 1.0},
-                                         {0.025, 2.0}}};
 
 }  // namespace
 
-HandSway::HandSway(std::uint64_t seed) {
+HandSway::HandSway(std::uint64_t seed, double largest_rad) {
+  const std::array<Size, 5> sizes = {{{largest_rad, 1.0},
+                                      {largest_rad, 1.0},
+                                      {0.3 * largest_rad, 0.5},
+                                      {0.03, 1.0},
+                                      {0.025, 2.0}}};
   Random random(seed);
-  for (std::size_t k = 0; k < kSizes.size(); ++k) {
+  for (std::size_t k = 0; k < sizes.size(); ++k) {
     Swing& swing = swings_[k];
-    swing.amplitude = kSizes[k].amplitude;
+    swing.amplitude = sizes[k].amplitude;
     swing.frequency_rad_per_s =
-        2.0 * std::numbers::pi * kSizes[k].per_second / random.uniform(0.95, 1.05);
+        2.0 * std::numbers::pi * sizes[k].per_second / random.uniform(0.95, 1.05);
     swing.phase_rad = random.uniform(0.0, 2.0 * std::numbers::pi);
     swing.slow_phase_rad = random.uniform(0.0, 2.0 * std::numbers::pi);
   }

@@ -161,4 +161,30 @@ RangeImage Lidar::measure(const RayScene& scene, const std::vector<Pose>& T_worl
       .take();
 }
 
+std::vector<Eigen::Vector3d> Lidar::visible_surface_m(
+    const RayScene& scene, const std::vector<Pose>& T_world_sensor) const {
+  const int rows = sensor_.rows();
+  const int columns = sensor_.columns;
+  std::vector<std::optional<Eigen::Vector3d>> seen_m(directions_.size());
+#pragma omp parallel for schedule(dynamic, 1)
+  for (int row = 0; row < rows; ++row) {
+    for (int column = 0; column < columns; ++column) {
+      const std::size_t pixel = static_cast<std::size_t>(row) * columns + column;
+      const Pose& pose =
+          T_world_sensor[static_cast<std::size_t>(sensor_.firing_column(row, column))];
+      const Eigen::Vector3d direction = pose.linear() * directions_[pixel];
+      const auto hit = scene.cast(pose.translation(), direction, 0.0, sensor_.max_range_m);
+      if (!hit || hit->range_m < sensor_.min_range_m || is_glass(hit->surface.material)) continue;
+      const auto echo = echo_of(*hit, sensor_.max_range_m, {});
+      if (echo && echo->signal >= 1.0)
+        seen_m[pixel] = pose.translation() + hit->range_m * direction;
+    }
+  }
+  std::vector<Eigen::Vector3d> points_m;
+  for (const auto& point_m : seen_m) {
+    if (point_m) points_m.push_back(*point_m);
+  }
+  return points_m;
+}
+
 }  // namespace hqslam::sim

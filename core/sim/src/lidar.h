@@ -39,6 +39,11 @@ class Lidar {
   /// One revolution; `T_world_sensor` at every column of the head.
   RangeImage measure(const RayScene& scene, const std::vector<Pose>& T_world_sensor,
                      std::int64_t scan) const;
+  /// Where the beams of one revolution meet surfaces that are within range and bright enough to be
+  /// seen at least every other time (q of 1 and more); none behind glass. World frame, in the order
+  /// of the pixels.
+  std::vector<Eigen::Vector3d> visible_surface_m(const RayScene& scene,
+                                                 const std::vector<Pose>& T_world_sensor) const;
 
  private:
   const SensorModel sensor_;

@@ -17,7 +17,7 @@ class StreetScenario final : public Scenario {
         traffic_(city_.layout, style_, path_, seed_of_part(spec.seed, DrivePart::kTraffic),
                  duration_s) {}
 
-  const City& city() const override { return city_; }
+  const Scenery& scenery() const override { return city_; }
   Pose T_world_sensor(double time_s) const override { return motion_->T_world_sensor(time_s); }
   std::vector<ActorMotion> actors(double from_s, double to_s,
                                   const Eigen::Vector2d& plane_m) const override {

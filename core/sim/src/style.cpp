@@ -176,12 +176,12 @@ DriveStyle car_park_style() {
 /// The drives that have a name. Where the sensor is not on a car's roof, its height.
 struct NamedDrive {
   std::string_view name;
-  DriveStyle (*style)();
+  DriveStyle (*style)();  ///< null: no streets
   std::int64_t scans;
   double sensor_height_m = SensorMount{}.sensor_height_m;
 };
 
-constexpr std::array<NamedDrive, 8> kDrives = {{
+constexpr std::array<NamedDrive, 9> kDrives = {{
     {"block", block_style, 200},
     {"town", town_style, 4000},
     {"hills", hills_style, 8000},
@@ -190,6 +190,7 @@ constexpr std::array<NamedDrive, 8> kDrives = {{
     {"yard", yard_style, 2000, 0.4},
     {"handheld", handheld_style, 2000, 1.5},
     {"car-park", car_park_style, 2000},
+    {"indoors", nullptr, 2000, 1.4},
 }};
 
 const NamedDrive& named_drive(std::string_view name) {
@@ -204,7 +205,14 @@ const NamedDrive& named_drive(std::string_view name) {
 
 }  // namespace
 
-DriveStyle drive_style(std::string_view name) { return named_drive(name).style(); }
+bool has_streets(std::string_view name) { return named_drive(name).style != nullptr; }
+
+DriveStyle drive_style(std::string_view name) {
+  if (!has_streets(name)) {
+    throw Error(fmt::format("drive '{}' has no streets; choose another", name));
+  }
+  return named_drive(name).style();
+}
 
 DriveSpec drive_preset(std::string_view name) {
   const NamedDrive& drive = named_drive(name);

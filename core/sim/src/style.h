@@ -80,7 +80,9 @@ struct DriveStyle {
   Carrier carrier = Carrier::kWheels;
 };
 
-/// Of a drive of drive_preset_names(). Throws Error that lists them for any other.
+/// Whether a drive goes through streets and has a style. Throws Error for an unknown name.
+bool has_streets(std::string_view name);
+/// Throws Error for a name that is unknown or has no streets.
 DriveStyle drive_style(std::string_view name);
 
 }  // namespace hqslam::sim

@@ -148,6 +148,10 @@ void validate(const NetworkDescription& d) {
     throw Error(
         fmt::format("network: least_confidence is {}, expected 0 to 1", d.least_confidence));
   }
+  if (!(d.confidence_exponent > 0.0F && d.confidence_exponent <= 10.0F)) {
+    throw Error(fmt::format("network: confidence_exponent is {}, expected above 0, at most 10",
+                            d.confidence_exponent));
+  }
   check_memory(d);
 }
 

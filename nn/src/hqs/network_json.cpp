@@ -185,6 +185,7 @@ NetworkDescription network_from_json(const std::string& text, const std::string&
   d.measured_rows = read_rows(fields, d.sensor.rows());
   if (d.kind == NetworkKind::kDuMix) {
     fields.optional("least_confidence", d.least_confidence);
+    fields.optional("confidence_exponent", d.confidence_exponent);
     d.last_filter.min_pixels = 0;
     if (fields.has("last_filter")) read_filter(fields.object("last_filter"), d.last_filter);
   } else {
@@ -211,6 +212,7 @@ std::string network_json(const NetworkDescription& d) {
   json["measured_rows"] = {{"offset", d.measured_rows.offset}, {"stride", d.measured_rows.stride}};
   if (d.kind == NetworkKind::kDuMix) {
     json["least_confidence"] = d.least_confidence;
+    json["confidence_exponent"] = d.confidence_exponent;
     if (d.last_filter.min_pixels > 0) json["last_filter"] = filter_json(d.last_filter);
     return json.dump(1) + "\n";
   }

@@ -317,6 +317,7 @@ void TwoModesNetwork::run_layer(int layer, const RangeImage& measured, float tol
     for (std::int64_t pixel = 0; pixel < pixels; ++pixel) {
       kernels.two_modes({.in = modes_input(layer, pixel, row, of_head, stride),
                          .tolerance_m = tolerance_m,
+                         .confidence_exponent = description_.confidence_exponent,
                          .log_range = self.z.row(static_cast<int>(pixel), row),
                          .probability = self.probability.row(static_cast<int>(pixel), row),
                          .range_m = last ? ranges + pixel * stride : nullptr,

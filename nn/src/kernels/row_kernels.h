@@ -101,6 +101,7 @@ struct TwoModesInput {
 struct TwoModesRow {
   TwoModesInput in;
   float tolerance_m = 0.5F;
+  float confidence_exponent = 1.0F;
   float* log_range = nullptr;    ///< the chosen mode
   float* probability = nullptr;  ///< of a return
   float* range_m = nullptr;      ///< nullptr: not wanted; neither is the next then

@@ -84,7 +84,9 @@ void two_modes(const TwoModesRow& row) {
     const Vector of_other = laplace_below(farther - gap) - laplace_below(-nearer - gap);
     const Vector weight = first ? m.weight1 : 1.0F - m.weight1;
     store(row.range_m + x, range_m);
-    store(row.confidence + x, m.probability * (weight * of_chosen + (1.0F - weight) * of_other));
+    const Vector said = m.probability * (weight * of_chosen + (1.0F - weight) * of_other);
+    const Vector above_zero = smaller(larger(said, Vector{} + 1e-9F), Vector{} + 1.0F);
+    store(row.confidence + x, exponential(row.confidence_exponent * logarithm(above_zero)));
   }
 }
 

@@ -10,7 +10,7 @@
 namespace hqslam::nn {
 namespace {
 
-constexpr int kCurveColumns = 11;
+constexpr int kCurveColumns = 12;
 
 const NpzArray& member(const NpzArrays& arrays, const std::string& path, const std::string& name) {
   const auto found = arrays.find(name);
@@ -46,8 +46,9 @@ std::vector<CurvePoint> curve_of(const NpzArrays& arrays, const std::string& pat
   std::vector<CurvePoint> curve;
   for (std::size_t i = 0; i < values.size(); i += kCurveColumns) {
     const double* v = &values[i];
-    curve.push_back(
-        {std::llround(v[0]), v[1], {{v[2], v[3], v[4], v[5]}, {v[6], v[7], v[8], v[9]}, v[10]}});
+    curve.push_back({std::llround(v[0]),
+                     v[1],
+                     {{v[2], v[3], v[4], v[5]}, {v[6], v[7], v[8], v[9]}, v[10], v[11]}});
   }
   return curve;
 }
@@ -62,7 +63,7 @@ void write_checkpoint(const std::string& path, const Checkpoint& checkpoint) {
     for (const ImageFigures& f : {p.validation.network, p.validation.linear}) {
       curve.insert(curve.end(), {f.mae_all_m, f.mae_valid_m, f.wrong_share, f.missing_share});
     }
-    curve.push_back(p.validation.least_confidence);
+    curve.insert(curve.end(), {p.validation.least_confidence, p.validation.confidence_exponent});
   }
   NpzArrays arrays;
   arrays["configuration"] = npz_text(checkpoint.configuration);

@@ -92,6 +92,28 @@ ImageFigures figures_from(const ValidatedScan& scan, int first) {
               share(static_cast<double>(scan.true_returns - kept.found), scan.true_returns)};
 }
 
+/// The exponent from 0.3 to 3 with the smallest sum of squares between c^exponent and 1 for what is
+/// right, 0 for what is wrong (Brier score).
+double best_exponent(const ValidatedScan& scan) {
+  double best = 1.0;
+  double least = HUGE_VAL;
+  for (int percent = 30; percent <= 300; ++percent) {
+    double score = 0.0;
+    for (int i = 0; i < ValidatedScan::kBins; ++i) {
+      const ValidatedScan::Bin& bin = scan.bins[i];
+      const double said = std::pow((i + 0.5) / ValidatedScan::kBins, 0.01 * percent);
+      const auto wrong = static_cast<double>(bin.wrong);
+      const double right = static_cast<double>(bin.returns) - wrong;
+      score += right * (1.0 - said) * (1.0 - said) + wrong * said * said;
+    }
+    if (score < least) {
+      least = score;
+      best = 0.01 * percent;
+    }
+  }
+  return best;
+}
+
 }  // namespace
 
 ValidatedScan validated_scan(Network& network, const NetworkDescription& description,
@@ -131,6 +153,7 @@ Validation validation_of(const std::vector<ValidatedScan>& scans) {
   }
   validation.network = figures_from(sum, low);
   validation.least_confidence = static_cast<double>(low) / ValidatedScan::kBins;
+  validation.confidence_exponent = best_exponent(sum);
   return validation;
 }
 

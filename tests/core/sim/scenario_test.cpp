@@ -70,7 +70,7 @@ Bounds bounds_of(const SampledDrive& drive) {
 /// How near the sensor comes to anything that stands still, level and at every meter or so; 0 if
 /// something stands between where it was and where it is next.
 double clearance_m(const SampledDrive& drive) {
-  const RayScene scene(drive.scenario->city());
+  const RayScene scene(drive.scenario->scenery());
   double nearest_m = 100.0;
   Eigen::Vector3d last_m = drive.T_world_sensor.front().translation();
   for (const Pose& pose : drive.T_world_sensor) {
@@ -103,7 +103,7 @@ TEST_CASE("every drive moves smoothly, at its pace, and clear of all that stands
   const std::vector<Expectation> expectations = {
       {"meadow", 20.5, 4.5, 1.5, 2.0},  {"narrow", 9.5, 4.0, 1.2, 1.2},
       {"yard", 1.6, 1.3, 0.5, 1.2},     {"handheld", 1.8, 5.5, 13.0, 1.2},
-      {"car-park", 5.8, 4.0, 1.2, 1.2},
+      {"car-park", 5.8, 4.0, 1.2, 1.2}, {"indoors", 1.3, 6.0, 6.0, 0.3},
   };
   for (const Expectation& expected : expectations) {
     for (const std::uint64_t seed : {1, 2}) {
@@ -136,6 +136,24 @@ TEST_CASE("a hand rolls and pitches by ten degrees about once in a second") {
   CHECK(largest_rad < 0.19);
   CHECK(upwards >= 55);
   CHECK(upwards <= 65);
+}
+
+TEST_CASE("indoors the sensor stays at its height over floors and steps, on both storeys") {
+  const SampledDrive drive("indoors", 2, 200.0);
+  const RayScene scene(drive.scenario->scenery());
+  double lowest_m = 100.0;
+  double highest_m = -100.0;
+  for (std::size_t k = 0; k < drive.T_world_sensor.size(); k += 5) {
+    const Eigen::Vector3d here_m = drive.T_world_sensor[k].translation();
+    const auto floor = scene.cast(here_m, {0.0, 0.0, -1.0}, 0.0, 10.0);
+    REQUIRE(floor.has_value());
+    CHECK(std::abs(floor->range_m - 1.4) < 0.3);
+    CHECK(scene.cast(here_m, {0.0, 0.0, 1.0}, 0.0, 10.0).has_value());
+    lowest_m = std::min(lowest_m, here_m.z());
+    highest_m = std::max(highest_m, here_m.z());
+  }
+  CHECK(highest_m - lowest_m > 3.1);
+  CHECK(highest_m - lowest_m < 3.4);
 }
 
 TEST_CASE("a car park is passed in both directions") {

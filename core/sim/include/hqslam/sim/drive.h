@@ -55,7 +55,7 @@ DriveSpec with_varied_conditions(DriveSpec spec);
 
 /// A drive with its usual length and mount. Throws Error that lists the names for any other.
 DriveSpec drive_preset(std::string_view name);
-/// block, town, hills, meadow, narrow, yard, handheld, car-park; the README says what they are.
+/// block, town, hills, meadow, narrow, yard, handheld, car-park, indoors: see the README.
 std::vector<std::string> drive_preset_names();
 
 /// One scan with the truth.
@@ -65,6 +65,11 @@ struct SimulatedScan {
   Pose T_map_sensor = Pose::Identity();  ///< true pose at stamp_s; the first scan's is the identity
   /// True pose when the head stands at each column (SensorModel::firing_column).
   std::vector<Pose> T_map_sensor_at_column;
+};
+
+/// Where the beams of one scan would meet what stands still.
+struct VisibleSurface {
+  std::vector<Eigen::Vector3f> points_m;  ///< map frame, in the order of the pixels
 };
 
 /// Drives a sensor through the city, one scan after the other; never more than one in memory.
@@ -80,6 +85,19 @@ class DriveSimulator {
   std::optional<SimulatedScan> next();
   /// Leaves out the next `scans` scans without simulating them; those after it stay the same.
   void skip(std::int64_t scans);
+
+  /// What the next scan could see of the true surface, and goes on to the scan after it: every beam
+  /// from where the sensor is then, without noise and drop-outs, without those who move, and
+  /// without glass, which shows what is behind it or nothing. A beam counts if its surface lies
+  /// within the sensor's range and is bright enough to be seen at least every other time.
+  std::optional<VisibleSurface> next_visible();
+  /// From each point (map frame) to the nearest true surface: metres, infinity where that is
+  /// farther than `reach_m` and for points that are not finite. True are the surfaces of what
+  /// stands still, and what their windows show to a sensor on this drive (curtains, rooms, seats):
+  /// of that the distance along the line of sight from where the sensor was counts, every two
+  /// metres of the drive.
+  std::vector<float> distances_to_surface_m(const std::vector<Eigen::Vector3f>& points_m,
+                                            double reach_m);
 
  private:
   struct Implementation;

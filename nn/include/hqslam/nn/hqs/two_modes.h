@@ -14,7 +14,8 @@ namespace hqslam::nn {
 /// choice say so, one number cannot.
 ///
 /// Result: the mode with the larger weight; its confidence, the probability that there is a return
-/// and that it lies within a tolerance of that range (p times the mass of both modes there).
+/// and that it lies within a tolerance of that range: p times the mass of both modes there, to the
+/// power of NetworkDescription::confidence_exponent.
 ///
 /// Loss of a pixel: the cross-entropy of p and, where there is a return, a share of
 ///   -ln(w/b e^(-|y - y1|/b) + (1 - w)/b e^(-|y - y2|/b)).

@@ -53,6 +53,9 @@ struct Validation {
   /// DU-Mix: the confidence below which pixels were emptied for these figures, so that as many
   /// true returns are missing as linear interpolation misses.
   double least_confidence = 0.0;
+  /// DU-Mix: the power of the confidence that says best how many are right (the smallest Brier
+  /// score); least_confidence is before it.
+  double confidence_exponent = 1.0;
 };
 
 /// Everything that a training needs to go on as if it had not stopped.
