@@ -54,7 +54,7 @@ std::optional<TrajectoryFile> reference_of(const RunOptions& options, const Scan
   // A simulated drive's scans have the stamps of its truth.
   // Those of a capture or a bag have the recording's own.
   if (reference.has_stamps && file_of_drive(options.input, "truth.tum").empty() &&
-      !recordings::is_capture_or_bag(options.input)) {
+      options.stamps.empty() && !recordings::is_capture_or_bag(options.input)) {
     require_stamps_of_scans(reference, scans, source.sensor().scan_period_s);
   }
   return reference;

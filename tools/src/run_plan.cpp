@@ -17,8 +17,8 @@ void declare_recording(CLI::App& command, RecordingChoice& choice) {
       .add_option(
           "INPUT", choice.input,
           "Capture (.pcap, .pcapng) or bag (.db3, .mcap, .bag) of a sensor, folder of KITTI "
-          ".bin files, folder of .pcd files, .npy stack of range images (N x H x W, float32 "
-          "metres), or folder written by hqslam simulate")
+          ".bin files or of .pcd, .ply, .csv or .txt files, .npy stack of range images (N x H x W, "
+          "float32 metres), or folder written by hqslam simulate")
       ->required()
       ->check(CLI::ExistingPath);
   command.add_option("--sensor", choice.sensor,
