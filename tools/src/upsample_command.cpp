@@ -194,7 +194,7 @@ int upsample_command(const UpsampleOptions& options) {
                *run.unreadable, scans, run.scans_in_recording);
     return kWrongInput;
   }
-  if (scans < run.scans_in_recording) {
+  if (scans + run.left_out.scans < run.scans_in_recording) {
     fmt::print(stderr,
                "hqslam: interrupted after {} of {} scans; the results up to there are valid\n",
                scans, run.scans_in_recording);
