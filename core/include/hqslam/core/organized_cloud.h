@@ -19,7 +19,8 @@ struct OrganizedCloud {
   /// Capture time of each pixel minus the scan's stamp; empty: the scan is motion-corrected.
   std::vector<float> time_offset_s;
   /// Probability that the pixel's point lies near a true surface, 0 to 1: 1 where it was measured,
-  /// what a network says of it where it was computed. Empty: every point was measured.
+  /// what a network says of it where it was computed. Empty: no point was computed, or nothing is
+  /// known of those that were.
   std::vector<float> confidence;
 
   OrganizedCloud() = default;
