@@ -237,7 +237,8 @@ Slam::Implementation::Followed Slam::Implementation::locate(const Features& feat
         mapping.locate(thinned, surprised(expected, surprise, duration_s), T_map_moved);
     if (matched(from_odometry) > kFitsBetter * matched(located)) located = from_odometry;
   }
-  if (located.status == Status::kOk && duration_s > kSteady_periods * sensor.scan_period_s) {
+  if (located.status != Status::kTooFewFeatures &&
+      duration_s > kSteady_periods * sensor.scan_period_s) {
     located.status = Status::kAfterGap;
   }
   Followed result{located.state, located.status != Status::kTooFewFeatures,
