@@ -421,10 +421,124 @@ def simple_du(name, seed, features, convolutions):
     save_network(name, measured_m, truth, parameters, z[1:], {})
 
 
+def du_mix(name, seed, layers, memory, slope, layer_share):
+    """Two modes per pixel (nn/hqs/two_modes.h). layers: channels, lower channels and residual blocks
+    of each. Everything in the logarithm of ranges in metres."""
+    import torch
+    from torch.nn import functional
+
+    generator = numpy.random.RandomState(seed)
+    measured_m = scene_m()[FIRST_ROW::ROW_STRIDE].copy()
+    measured_m[2, 30:33] = 0.0
+    valid = torch.tensor((measured_m > 0.0).astype("<f8"))
+    filled = measured_m.copy()
+    for row in range(len(filled)):
+        above = filled[row - 1] if row > 0 else numpy.full(COLUMNS, 20.0)
+        filled[row] = numpy.where(filled[row] > 0.0, filled[row], above)
+    filled = torch.tensor(filled)
+    tile_rows = torch.arange(ROWS // 4)
+    up, same, down = (tile_rows - 1).clamp(min=0), tile_rows, tile_rows
+
+    def computed(of_tile):
+        """[3, tile rows, columns]: the same for the three computed rows of a tile."""
+        return of_tile[None].expand(3, -1, -1)
+
+    above_m, below_m = computed(filled[up]), computed(filled[down])
+    part = torch.tensor([0.25, 0.5, 0.75], dtype=torch.float64)[:, None, None]
+    part = part.expand(3, ROWS // 4, COLUMNS).clone()
+    start = -torch.log((1.0 - part) / above_m + part / below_m)
+    above, below = above_m.log(), below_m.log()
+    truth_m = torch.tensor(scene_m()).reshape(ROWS // 4, 4, COLUMNS).transpose(0, 1)[:3]
+    there = (truth_m > 0.0).double()
+    truth = torch.where(truth_m > 0.0, truth_m, torch.ones_like(truth_m)).log()
+
+    def tiles(rows):
+        """[rows of a tile, tile rows, columns] -> [1, rows x 4, tile rows, tile columns]."""
+        n = rows.shape[0]
+        return rows.reshape(n, ROWS // 4, COLUMNS // 4, 4).permute(0, 3, 1, 2).reshape(
+            1, 4 * n, ROWS // 4, COLUMNS // 4)
+
+    def untiled(x):
+        n = x.shape[1] // 4
+        return x.reshape(n, 4, ROWS // 4, COLUMNS // 4).permute(0, 2, 3, 1).reshape(
+            n, ROWS // 4, COLUMNS)
+
+    inputs = [16 + 8 + (15 - 3 + memory if layer else 0) for layer in range(len(layers))]
+    outputs = [84 + (memory if layer + 1 < len(layers) else 0) for layer in range(len(layers))]
+    count = sum(i * c * 9 + c + c * (ROWS // 4) + c * l * 9 + l + (1 + n) * (l * l * 9 + l) +
+                l * c * 4 + c + c * o + o for i, o, (c, l, n) in zip(inputs, outputs, layers))
+    parameters = Parameters(generator, count)
+    middle, probability, remembered, loss = start, None, None, 0.0
+    results = {}
+    typical = numpy.log(20.0)
+    for layer, (channels, lower, blocks) in enumerate(layers):
+        h = torch.cat([middle, filled[None, same].log()])
+        x = [tiles(0.5 * (h - typical)), tiles(valid[None] - 0.5),
+             tiles((filled[up].log() - filled.log()).clamp(-1.0, 1.0)[None])]
+        if layer:
+            x += [tiles(probability - 0.5), remembered]
+        x = torch.cat(x, 1)
+
+        def activated(v):
+            return torch.maximum(v, slope * v)
+
+        weight, bias = parameters.take(channels, x.shape[1], 3, 3), parameters.take(channels)
+        row_bias = parameters.take(channels, ROWS // 4)
+        encoded = activated(conv2d(x, weight, bias, 1, (1, 1), True) + row_bias[None, :, :, None])
+        weight, bias = parameters.take(lower, channels, 3, 3), parameters.take(lower)
+        x = activated(conv2d(encoded, weight, bias, 2, (1, 1), True))
+        for block in range(1 + blocks):
+            weight, bias = parameters.take(lower, lower, 3, 3), parameters.take(lower)
+            y = conv2d(x, weight, bias, 1, (1, 1), True)
+            x = activated(y + x) if block else activated(y)
+        weight, bias = parameters.take(lower, channels, 2, 2), parameters.take(channels)
+        x = activated(functional.conv_transpose2d(x, weight, bias, 2) + encoded)
+        weight, bias = parameters.take(outputs[layer], channels, 1, 1), parameters.take(outputs[layer])
+        x = functional.conv2d(x, weight, bias)
+        o = [untiled(x[:, 12 * g : 12 * (g + 1)]) for g in range(7)]
+        remembered = x[:, 84:]
+        share1, share2 = torch.sigmoid(4 * o[0]), torch.sigmoid(4 * o[2])
+        mode1 = share1 * above + (1.0 - share1) * middle + o[1]
+        mode2 = share2 * below + (1.0 - share2) * middle + o[3]
+        weight1 = torch.sigmoid(4 * o[4])
+        log_scale = -3.5 + 4.0 * o[5].clamp(-0.5, 1.0)
+        probability = torch.sigmoid(4 * o[6])
+        scale = log_scale.exp()
+        density = (weight1 * torch.exp(-(truth - mode1).abs() / scale) +
+                   (1.0 - weight1) * torch.exp(-(truth - mode2).abs() / scale)) / scale
+        pixel = -0.3 * there * density.log() - there * probability.log()
+        pixel = pixel - (1.0 - there) * (1.0 - probability).log()
+        of_layer = pixel.mean()
+        first = weight1 >= 0.5
+        middle = torch.where(first, mode1, mode2)
+        loss = loss + (1.0 if layer + 1 == len(layers) else layer_share) * of_layer
+        range_m = middle.exp()
+        tolerance = 0.5
+
+        def below_scales(v):
+            tail = 0.5 * torch.exp(-v.abs())
+            return torch.where(v > 0, 1.0 - tail, tail)
+
+        farther = torch.log(1.0 + tolerance / range_m) / scale
+        nearer = -torch.log((1.0 - tolerance / range_m).clamp(min=1e-6)) / scale
+        gap = (torch.where(first, mode2, mode1) - middle) / scale
+        of_chosen = below_scales(farther) - below_scales(-nearer)
+        of_other = below_scales(farther - gap) - below_scales(-nearer - gap)
+        chosen = torch.where(first, weight1, 1.0 - weight1)
+        results["range_m"] = range_m
+        results["confidence"] = probability * (chosen * of_chosen + (1.0 - chosen) * of_other)
+    assert parameters.next == len(parameters.flat)
+    loss.backward()
+    save(name, {"measured_m": measured_m, "parameters": parameters.stored,
+                "loss": of_layer.reshape(1), "d_parameters": parameters.flat.grad, **results})
+
+
 def make_networks():
     du_or("du_or", 10, (6, 8), 3, 0.0, shared=False, min_pixels=0)
     du_or("du_or_filtered", 11, (6, 8), 3, 0.125, shared=True, min_pixels=30)
     simple_du("simple_du", 12, 8, 5)
+    du_mix("du_mix", 13, [(6, 8, 1)], 0, 0.125, 0.1)
+    du_mix("du_mix_two_layers", 14, [(6, 8, 1), (5, 7, 0)], 3, 0.125, 0.25)
 
 
 SECTIONS = {

@@ -96,18 +96,27 @@ CloudError cloud_error(const Points& cloud_m, const Points& true_cloud_m) {
   const Distances to_true = distances(cloud_m, true_cloud_m);
   error.chamfer_m2 = to_true.mean_squared_m2 + distances(true_cloud_m, cloud_m).mean_squared_m2;
   error.outlier_share = to_true.outlier_share;
+  const VoxelOverlap overlap = voxel_overlap(cloud_m, true_cloud_m);
+  error.iou = overlap.iou;
+  error.precision = overlap.precision;
+  error.recall = overlap.recall;
+  error.f1 = overlap.f1;
+  return error;
+}
 
+VoxelOverlap voxel_overlap(const Points& cloud_m, const Points& true_cloud_m) {
+  require_points(cloud_m, "cloud");
+  require_points(true_cloud_m, "true cloud");
   const Eigen::Vector3d origin_m = lowest_corner(cloud_m, true_cloud_m);
   const std::vector<Voxel> occupied = voxels(cloud_m, origin_m);
   const std::vector<Voxel> truly_occupied = voxels(true_cloud_m, origin_m);
   const double both = static_cast<double>(common_count(occupied, truly_occupied));
   const double in_cloud = static_cast<double>(occupied.size());
   const double in_true = static_cast<double>(truly_occupied.size());
-  error.iou = both / (in_cloud + in_true - both);
-  error.precision = both / in_cloud;
-  error.recall = both / in_true;
-  error.f1 = 2.0 * both / (in_cloud + in_true);
-  return error;
+  return {.iou = both / (in_cloud + in_true - both),
+          .precision = both / in_cloud,
+          .recall = both / in_true,
+          .f1 = 2.0 * both / (in_cloud + in_true)};
 }
 
 std::vector<float> nearest_distances_m(const std::vector<Eigen::Vector3f>& cloud_m,

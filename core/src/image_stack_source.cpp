@@ -27,7 +27,8 @@ void flip_rows(RangeImage& image) {
 class ImageStackSource : public ScanSource {
  public:
   ImageStackSource(const std::string& path, const SensorModel& sensor,
-                   const RecordingOptions& options, std::vector<double> stamps_s)
+                   const RecordingOptions& options, std::vector<double> stamps_s,
+                   const std::string& confidence_path)
       : path_(path),
         sensor_(sensor),
         row_order_(options.row_order),
@@ -45,6 +46,7 @@ class ImageStackSource : public ScanSource {
       throw Error(fmt::format("{}: expected at least one image, found none; record again", path));
     }
     complete_stamps();
+    if (!confidence_path.empty()) open_confidence(confidence_path);
   }
 
   const SensorModel& sensor() const override { return sensor_; }
@@ -61,11 +63,36 @@ class ImageStackSource : public ScanSource {
     remove_bad_pixels(image, result);
     if (row_order_ == RowOrder::kLowestFirst) flip_rows(image);
     result.cloud = unproject(image, sensor_, capture_time_);
+    if (confidence_) result.cloud.confidence = confidence_of(image);
     ++next_;
     return result;
   }
 
  private:
+  void open_confidence(const std::string& path) {
+    confidence_.emplace(path);
+    if (confidence_->rows() != reader_.rows() || confidence_->columns() != reader_.columns() ||
+        confidence_->images() < reader_.images()) {
+      throw Error(fmt::format(
+          "{}: expected the confidence of {} images of {} x {}, found {} of {} x {}; lift the "
+          "recording again, or take the file away",
+          path, reader_.images(), reader_.rows(), reader_.columns(), confidence_->images(),
+          confidence_->rows(), confidence_->columns()));
+    }
+  }
+
+  /// Of the next scan's pixels; 0 where there is no return and for what is no probability.
+  std::vector<float> confidence_of(const RangeImage& image) {
+    RangeImage confidence = confidence_->read(next_);
+    if (row_order_ == RowOrder::kLowestFirst) flip_rows(confidence);
+    for (std::size_t i = 0; i < confidence.range_m.size(); ++i) {
+      float& value = confidence.range_m[i];
+      if (!(value >= 0.0F) || image.range_m[i] <= 0.0F) value = 0.0F;
+      value = std::min(value, 1.0F);
+    }
+    return std::move(confidence.range_m);
+  }
+
   /// Stamps may be more than the images: lifting was interrupted. They may be one fewer:
   /// simulation was, between a scan and its truth.
   void complete_stamps() {
@@ -112,6 +139,7 @@ class ImageStackSource : public ScanSource {
   CaptureTime capture_time_;
   std::vector<double> stamps_s_;
   NpyStackReader reader_;
+  std::optional<NpyStackReader> confidence_;
   std::int64_t next_ = 0;
 };
 
@@ -120,8 +148,10 @@ class ImageStackSource : public ScanSource {
 std::unique_ptr<ScanSource> make_image_stack_source(const std::string& path,
                                                     const SensorModel& sensor,
                                                     const RecordingOptions& options,
-                                                    std::vector<double> stamps_s) {
-  return std::make_unique<ImageStackSource>(path, sensor, options, std::move(stamps_s));
+                                                    std::vector<double> stamps_s,
+                                                    const std::string& confidence_path) {
+  return std::make_unique<ImageStackSource>(path, sensor, options, std::move(stamps_s),
+                                            confidence_path);
 }
 
 }  // namespace hqslam

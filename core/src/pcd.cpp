@@ -182,17 +182,29 @@ Scan read_pcd(const std::string& path, const SensorModel& sensor) {
   return scan_from(path, &sensor);
 }
 
-void write_pcd(const std::vector<Eigen::Vector3f>& points_m, const std::string& path) {
+void write_pcd(const std::vector<Eigen::Vector3f>& points_m, const std::string& path,
+               const std::vector<float>& confidence) {
   static_assert(sizeof(Eigen::Vector3f) == 3 * sizeof(float));
+  const bool sure = !confidence.empty();
+  if (sure && confidence.size() != points_m.size()) {
+    throw Error(fmt::format("{}: {} confidences for {} points, expected as many", path,
+                            confidence.size(), points_m.size()));
+  }
   std::string bytes = fmt::format(
-      "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\n"
-      "TYPE F F F\nCOUNT 1 1 1\nWIDTH {0}\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS {0}\n"
+      "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\nFIELDS x y z{1}\nSIZE 4 4 4{2}\n"
+      "TYPE F F F{3}\nCOUNT 1 1 1{4}\nWIDTH {0}\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS {0}\n"
       "DATA binary\n",
-      points_m.size());
-  const std::size_t header_bytes = bytes.size();
-  const std::size_t data_bytes = points_m.size() * sizeof(Eigen::Vector3f);
-  bytes.resize(header_bytes + data_bytes);
-  if (data_bytes > 0) std::memcpy(bytes.data() + header_bytes, points_m.data(), data_bytes);
+      points_m.size(), sure ? " confidence" : "", sure ? " 4" : "", sure ? " F" : "",
+      sure ? " 1" : "");
+  const std::size_t point_bytes = sizeof(Eigen::Vector3f) + (sure ? sizeof(float) : 0);
+  std::size_t next = bytes.size();
+  bytes.resize(next + points_m.size() * point_bytes);
+  for (std::size_t i = 0; i < points_m.size(); ++i, next += point_bytes) {
+    std::memcpy(bytes.data() + next, points_m[i].data(), sizeof(Eigen::Vector3f));
+    if (sure) {
+      std::memcpy(bytes.data() + next + sizeof(Eigen::Vector3f), &confidence[i], sizeof(float));
+    }
+  }
   write_whole_file(path, bytes);
 }
 

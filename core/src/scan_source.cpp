@@ -112,9 +112,10 @@ std::unique_ptr<ScanSource> open_folder(const fs::path& folder, const SensorMode
                                         const RecordingOptions& options) {
   std::error_code error;
   if (fs::exists(folder / "scans.npy", error) && fs::exists(folder / "sensor.json", error)) {
+    const fs::path confidence = folder / "confidence.npy";
     return make_image_stack_source((folder / "scans.npy").string(),
-                                   sensor_of_folder(folder, sensor), options,
-                                   true_stamps_s(folder));
+                                   sensor_of_folder(folder, sensor), options, true_stamps_s(folder),
+                                   fs::exists(confidence, error) ? confidence.string() : "");
   }
   refuse_row_order(folder, options);
   std::vector<std::string> bin = files_in(folder, ".bin");

@@ -119,6 +119,20 @@ SensorModel hdl_32e() {
   return sensor("hdl-32e", 1800, 1.0, 100.0, evenly_spaced_rad(10.67, -30.67, 32));
 }
 
+/// Velodyne VLP-32C (Ultra Puck): beams a third of a degree apart in the middle, wider outside, in
+/// four columns of lasers.
+SensorModel vlp_32c() {
+  const std::vector<double> elevation_deg = {
+      15,     10.333, 7,      4.667,  3.333,  2.333,  1.667,  1.333,  1,       0.667, 0.333,
+      0,      -0.333, -0.667, -1,     -1.333, -1.667, -2,     -2.333, -2.667,  -3,    -3.333,
+      -3.667, -4,     -4.667, -5.333, -6.148, -7.254, -8.843, -11.31, -15.639, -25};
+  const std::vector<double> counter_clockwise_deg = {
+      1.4,  -1.4, 1.4, -1.4, 1.4,  -1.4, 4.2, 1.4, -1.4, -4.2, 4.2, 1.4,  -1.4, -4.2, 4.2, 1.4,
+      -1.4, -4.2, 4.2, 1.4,  -1.4, -4.2, 4.2, 1.4, -1.4, -4.2, 1.4, -1.4, 1.4,  -1.4, 1.4, -1.4};
+  return sensor("vlp-32c", 1800, 0.5, 200.0, radians(elevation_deg),
+                radians(counter_clockwise_deg));
+}
+
 SensorModel vlp_16() {
   return sensor("vlp-16", 1800, 0.5, 100.0, evenly_spaced_rad(15.0, -15.0, 16));
 }
@@ -127,11 +141,12 @@ struct Preset {
   std::string_view name;
   SensorModel (*make)();
 };
-constexpr std::array<Preset, 6> kPresets = {{{"os1-64", os1_64},
+constexpr std::array<Preset, 7> kPresets = {{{"os1-64", os1_64},
                                              {"os1-16", os1_16},
                                              {"hdl-64e", hdl_64e},
                                              {"hdl-32e", hdl_32e},
                                              {"vlp-16", vlp_16},
+                                             {"vlp-32c", vlp_32c},
                                              {"vls-128", vls_128}}};
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "hqslam/core/error.h"
+#include "motion_error.h"
 
 namespace hqslam {
 
@@ -74,6 +75,8 @@ Pose alignment_of(const Trajectory& estimate, const Trajectory& reference, const
   return Pose::Identity();
 }
 
+}  // namespace
+
 void require_pairs(const PosePairs& pairs, std::size_t expected, double max_difference_s) {
   if (pairs.estimate.size() >= expected) return;
   throw Error(
@@ -81,8 +84,6 @@ void require_pairs(const PosePairs& pairs, std::size_t expected, double max_diff
                   "{} s apart, found {}; give trajectories of the same recording",
                   expected, max_difference_s, pairs.estimate.size()));
 }
-
-}  // namespace
 
 std::string_view name(Alignment alignment) {
   for (const NamedAlignment& named : kAlignments) {
@@ -187,11 +188,11 @@ RelativePoseError relative_pose_error(const Trajectory& estimate, const Trajecto
     };
     while (j < pairs.estimate.size() && travelled_m(j) < shortest_m) ++j;
     if (j == pairs.estimate.size()) break;
-    const Pose true_motion = reference[pairs.reference[i]].T_map_sensor.inverse() *
-                             reference[pairs.reference[j]].T_map_sensor;
-    const Pose motion = estimate[pairs.estimate[i]].T_map_sensor.inverse() *
-                        estimate[pairs.estimate[j]].T_map_sensor;
-    const Pose difference = true_motion.inverse() * motion;
+    const Pose difference = motion_error(
+        {estimate[pairs.estimate[i]].T_map_sensor, estimate[pairs.estimate[j]].T_map_sensor},
+        {reference[pairs.reference[i]].T_map_sensor, reference[pairs.reference[j]].T_map_sensor});
+    error.first.push_back(pairs.reference[i]);
+    error.last.push_back(pairs.reference[j]);
     error.translation_m.push_back(difference.translation().norm());
     error.rotation_rad.push_back(rotation_angle_rad(difference));
   }

@@ -6,6 +6,7 @@
 #include <functional>
 #include <optional>
 #include <string_view>
+#include <utility>
 
 #include "excerpt.h"
 #include "hqslam/core/error.h"
@@ -21,8 +22,6 @@ constexpr std::size_t kTumColumns = 8;
 constexpr std::size_t kKittiColumns = 12;
 /// How far a rotation read from rounded numbers may be from a rotation.
 constexpr double kRotationTolerance = 1e-2;
-
-enum class Form { kTum, kKitti };
 
 struct Row {
   int line = 0;
@@ -56,10 +55,10 @@ std::vector<double> numbers_of(std::string_view text, const std::string& path, i
   return numbers;
 }
 
-Form form_of(const Row& row, const std::string& path) {
+TrajectoryForm form_of(const Row& row, const std::string& path) {
   const std::size_t columns = row.numbers.size();
-  if (columns == kTumColumns) return Form::kTum;
-  if (columns == kKittiColumns) return Form::kKitti;
+  if (columns == kTumColumns) return TrajectoryForm::kTum;
+  if (columns == kKittiColumns) return TrajectoryForm::kKitti;
   fail(path, row.line,
        fmt::format("expected 8 numbers (TUM) or 12 (KITTI), found {}; give a trajectory in one of "
                    "the two forms",
@@ -118,7 +117,8 @@ StampedPose kitti_pose(const Row& row, double stamp_s, const std::string& path) 
 
 /// The poses of a file, each made from its line as it is met: '#' comments and empty lines are left
 /// out. Without a form the first line of numbers tells it.
-Trajectory trajectory_in(const std::string& path, std::optional<Form> form, double period_s) {
+ParsedTrajectory parsed(const std::string& path, std::optional<TrajectoryForm> form,
+                        double period_s) {
   const std::string file = whole_file(path, "a trajectory", kMaxFileBytes);
   Trajectory trajectory;
   std::string_view rest = file;
@@ -129,7 +129,7 @@ Trajectory trajectory_in(const std::string& path, std::optional<Form> form, doub
     if (row.numbers.empty()) continue;
     if (!form) form = form_of(row, path);
     trajectory.push_back(
-        form == Form::kTum
+        form == TrajectoryForm::kTum
             ? tum_pose(row, trajectory, path)
             : kitti_pose(row, static_cast<double>(trajectory.size()) * period_s, path));
   }
@@ -139,7 +139,7 @@ Trajectory trajectory_in(const std::string& path, std::optional<Form> form, doub
                     "or KITTI form",
                     path));
   }
-  return trajectory;
+  return {std::move(trajectory), *form};
 }
 
 std::string tum_line(const StampedPose& pose) {
@@ -176,14 +176,20 @@ void write_lines(const Trajectory& trajectory, const std::string& path,
 
 }  // namespace
 
-Trajectory read_tum(const std::string& path) { return trajectory_in(path, Form::kTum, 0.0); }
+Trajectory read_tum(const std::string& path) {
+  return parsed(path, TrajectoryForm::kTum, 0.0).poses;
+}
 
 Trajectory read_kitti_poses(const std::string& path, double period_s) {
-  return trajectory_in(path, Form::kKitti, period_s);
+  return parsed(path, TrajectoryForm::kKitti, period_s).poses;
 }
 
 Trajectory read_trajectory(const std::string& path, double period_s) {
-  return trajectory_in(path, std::nullopt, period_s);
+  return parsed(path, std::nullopt, period_s).poses;
+}
+
+ParsedTrajectory parse_trajectory(const std::string& path, double period_s) {
+  return parsed(path, std::nullopt, period_s);
 }
 
 void write_tum(const Trajectory& trajectory, const std::string& path) {

@@ -19,6 +19,9 @@ class JsonFields {
   JsonFields(const std::string& text, std::string source);
 
   bool has(const std::string& field) const { return object_.contains(field); }
+  bool is_object(const std::string& field) const {
+    return has(field) && object_[field].is_object();
+  }
   std::int64_t integer(const std::string& field);
   double number(const std::string& field);
   bool boolean(const std::string& field);

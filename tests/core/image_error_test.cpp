@@ -19,6 +19,8 @@ TEST_CASE("errors of a small image are those done by hand") {
   CHECK(error.valid_pixels == 2);
   CHECK(error.mae_all_m == doctest::Approx((2.0 + 3.0 + 0.0 + 7.0) / 6.0));
   CHECK(error.mae_valid_m == doctest::Approx(1.0));
+  CHECK(error.missing_share == doctest::Approx(1.0 / 3.0));   // the 3 m of 12, 3 and 5
+  CHECK(error.invented_share == doctest::Approx(1.0 / 3.0));  // the 7 m of 10, 5 and 7
 }
 
 TEST_CASE("images without a common return and empty images have no error of valid pixels") {
@@ -30,6 +32,8 @@ TEST_CASE("images without a common return and empty images have no error of vali
   CHECK(error.mae_all_m == doctest::Approx(3.0));
   CHECK(error.valid_pixels == 0);
   CHECK(error.mae_valid_m == 0.0);
+  CHECK(error.missing_share == 1.0);
+  CHECK(image_error({}, {}).missing_share == 0.0);
   CHECK(image_error({}, {}).mae_all_m == 0.0);
 }
 

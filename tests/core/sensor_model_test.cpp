@@ -21,9 +21,9 @@ double degrees(double rad) { return rad * 180.0 / std::numbers::pi; }
 }  // namespace
 
 TEST_CASE("every preset is valid and has the rows its name says") {
-  const std::vector<std::pair<std::string, int>> expected = {{"os1-64", 64},  {"os1-16", 16},
-                                                             {"hdl-64e", 64}, {"hdl-32e", 32},
-                                                             {"vlp-16", 16},  {"vls-128", 128}};
+  const std::vector<std::pair<std::string, int>> expected = {
+      {"os1-64", 64}, {"os1-16", 16},  {"hdl-64e", 64}, {"hdl-32e", 32},
+      {"vlp-16", 16}, {"vlp-32c", 32}, {"vls-128", 128}};
   CHECK(hqslam::sensor_preset_names().size() == expected.size());
   for (const auto& [name, rows] : expected) {
     const SensorModel sensor = hqslam::sensor_preset(name);
@@ -36,7 +36,7 @@ TEST_CASE("every preset is valid and has the rows its name says") {
 TEST_CASE("an unknown preset is refused with the list of known ones") {
   CHECK_THROWS_WITH_AS(hqslam::sensor_preset("os2"),
                        "unknown sensor 'os2': expected one of os1-64, os1-16, hdl-64e, hdl-32e, "
-                       "vlp-16, vls-128 or a .json file",
+                       "vlp-16, vlp-32c, vls-128 or a .json file",
                        Error);
 }
 

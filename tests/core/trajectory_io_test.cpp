@@ -136,3 +136,12 @@ TEST_CASE("the first wrong line is refused, whatever comes after it") {
   CHECK(one_line_with(complaint_about("0 0 0 0 0 0 0 1\n1\ntwo\n", read_tum), "poses.txt:2",
                       "found 1"));
 }
+
+TEST_CASE("the form of a trajectory is the parser's finding, whatever stands in comments") {
+  const TemporaryDirectory directory;
+  write_file(directory.file("t"), "0 1 2 3 0 0 0 1 # the first pose\n1 1 2 3 0 0 0 1\n");
+  CHECK(parse_trajectory(directory.file("t")).form == TrajectoryForm::kTum);
+  CHECK(parse_trajectory(directory.file("t")).poses.size() == 2);
+  write_file(directory.file("k"), "#0 1 2 3 0 0 0 1\n1 0 0 4 0 1 0 5 0 0 1 6 # 1 2 3\n");
+  CHECK(parse_trajectory(directory.file("k"), 0.5).form == TrajectoryForm::kKitti);
+}

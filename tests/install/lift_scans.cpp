@@ -7,5 +7,5 @@ int main(int argc, char** argv) {
   auto network = hqslam::nn::SuperResolver::load(argv[1]);
   hqslam::NpyStackReader scans(argv[2]);
   hqslam::NpyStackWriter lifted(argv[3], network.sensor().rows(), network.sensor().columns);
-  for (std::int64_t i = 0; i < scans.images(); ++i) lifted.append(network.run(scans.read(i)));
+  for (std::int64_t i = 0; i < scans.images(); ++i) lifted.append(network.run(scans.read(i)).image);
 }

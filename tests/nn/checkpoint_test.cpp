@@ -13,8 +13,12 @@ namespace {
 Checkpoint some_checkpoint() {
   std::vector<float> parameters = initial_parameters(small_du_or(), 2);
   AdamW optimiser({}, parameters.size());
-  optimiser.step(std::vector<float>(parameters.size(), 0.25F), 1e-3F, parameters);
-  return {"{\"a\": 1}", {parameters, optimiser}, {{1, 2.5, {1.0, 1.5, 2.0, 0.5}}}};
+  optimiser.step(std::vector<float>(parameters.size(), 0.25F), 1e-3F, {}, parameters);
+  std::vector<float> average = parameters;
+  average.front() += 1.0F;
+  return {"{\"a\": 1}",
+          {parameters, optimiser, average},
+          {{1, 2.5, {{1.0, 1.5, 0.2, 0.1}, {2.0, 3.0, 0.4, 0.2}, 0.07}}}};
 }
 
 }  // namespace
@@ -26,13 +30,16 @@ TEST_CASE("a checkpoint brings back parameters, moments, steps and curve exactly
   write_checkpoint(path, written);
   const Checkpoint read = read_checkpoint(path, written.configuration, small_du_or(), {});
   CHECK(read.state.parameters == written.state.parameters);
+  CHECK(read.state.average == written.state.average);
   CHECK(read.state.optimiser.steps == 1);
   CHECK(read.state.optimiser.first_moment == written.state.optimiser.first_moment);
   CHECK(read.state.optimiser.second_moment == written.state.optimiser.second_moment);
   REQUIRE(read.curve.size() == 1);
   CHECK(read.curve[0].step == 1);
-  CHECK(read.curve[0].loss_m == 2.5);
-  CHECK(read.curve[0].validation.mae_valid_m == 0.5);
+  CHECK(read.curve[0].loss == 2.5);
+  CHECK(read.curve[0].validation.network.mae_valid_m == 1.5);
+  CHECK(read.curve[0].validation.linear.missing_share == 0.2);
+  CHECK(read.curve[0].validation.least_confidence == 0.07);
 }
 
 TEST_CASE("a checkpoint of another configuration or network, or a damaged one, is refused") {

@@ -19,8 +19,15 @@ RangeImage column(const std::vector<float>& ranges_m) {
 
 using Ranges = std::vector<float>;
 
+/// So many beams, half a degree apart.
+std::vector<double> even_beams(int rows) {
+  std::vector<double> elevation_rad;
+  for (int row = 0; row < rows; ++row) elevation_rad.push_back(0.1 - 0.5 * row / 57.3);
+  return elevation_rad;
+}
+
 Ranges filled(const Ranges& measured_m, RowSelection rows, int all, Interpolation interpolation) {
-  return interpolate_rows(column(measured_m), rows, all, interpolation).range_m;
+  return interpolate_rows(column(measured_m), rows, even_beams(all), interpolation).range_m;
 }
 
 }  // namespace
@@ -89,6 +96,27 @@ TEST_CASE("inverse interpolation is exact where 1 / range is linear over the row
     CHECK(inverse[row] == doctest::Approx(range_m(row)).epsilon(1e-6));
 }
 
+TEST_CASE("inverse interpolation follows the elevations of the beams, the others count rows") {
+  // A wall 10 m away, seen by beams whose steps grow from a fifth of a degree to two degrees.
+  const std::vector<double> elevation_rad = {0.050, 0.0465, 0.040, 0.028, 0.0};
+  Ranges measured;
+  for (const int row : {0, 4}) {
+    measured.push_back(static_cast<float>(10.0 / std::cos(elevation_rad[row] - 0.3)));
+  }
+  const auto filled_with = [&](Interpolation interpolation) {
+    return interpolate_rows(column(measured), {0, 4}, elevation_rad, interpolation).range_m;
+  };
+  const Ranges inverse = filled_with(Interpolation::kInverse);
+  const Ranges linear = filled_with(Interpolation::kLinear);
+  for (int row = 1; row < 4; ++row) {
+    const double true_m = 10.0 / std::cos(elevation_rad[row] - 0.3);
+    CHECK(inverse[row] == doctest::Approx(true_m).epsilon(5e-4));
+    CHECK(std::fabs(linear[row] - true_m) > 3.0 * std::fabs(inverse[row] - true_m));
+  }
+  CHECK(rows_between(1, {0, 4}, elevation_rad).part_down == doctest::Approx(0.07));
+  CHECK(rows_between(4, {0, 4}, elevation_rad).above == 1);
+}
+
 TEST_CASE("a row lies between the nearest measured rows above and below, or is one itself") {
   std::vector<int> above;
   std::vector<int> below;
@@ -106,14 +134,16 @@ TEST_CASE("a row lies between the nearest measured rows above and below, or is o
 TEST_CASE("columns are interpolated each for itself") {
   RangeImage measured(2, 2);
   measured.range_m = {1, 10, 3, 30};
-  const RangeImage image = interpolate_rows(measured, {0, 2}, 3, Interpolation::kLinear);
+  const RangeImage image =
+      interpolate_rows(measured, {0, 2}, even_beams(3), Interpolation::kLinear);
   CHECK(image.range_m == Ranges{1, 10, 2, 20, 3, 30});
 }
 
 TEST_CASE("images that do not have the measured rows are refused") {
   const auto message = [](int measured, RowSelection rows, int all) {
-    return test::error_message(
-        [&] { interpolate_rows(RangeImage(measured, 2), rows, all, Interpolation::kLinear); });
+    return test::error_message([&] {
+      interpolate_rows(RangeImage(measured, 2), rows, even_beams(all), Interpolation::kLinear);
+    });
   };
   CHECK(test::one_line_with(message(3, {0, 4}, 16), "interpolation", "3 x 2", "16 rows"));
   CHECK(message(5, {0, 4}, 16) != "no Error");

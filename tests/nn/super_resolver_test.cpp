@@ -37,15 +37,15 @@ void check_data_term(const LayerTrace& layer, const RangeImage& scene, RowSelect
 TEST_CASE("the measured rows alone and all rows give the same image") {
   SuperResolver resolver(weights_of(small_du_or()), {});
   const RangeImage scene = small_scene();
-  CHECK(resolver.run(scene).range_m ==
-        resolver.run(select_rows(scene, small_du_or().measured_rows)).range_m);
+  CHECK(resolver.run(scene).image.range_m ==
+        resolver.run(select_rows(scene, small_du_or().measured_rows)).image.range_m);
 }
 
 TEST_CASE("measured rows come back as they were, computed ranges keep the sensor's limits") {
   for (const NetworkDescription& description : {small_du_or(), small_simple_du()}) {
     SuperResolver resolver(weights_of(description), {});
     const RangeImage scene = small_scene();
-    const RangeImage image = resolver.run(scene);
+    const RangeImage image = resolver.run(scene).image;
     CHECK(select_rows(image, description.measured_rows).range_m ==
           select_rows(scene, description.measured_rows).range_m);
     for (const float range_m : image.range_m) {
@@ -79,8 +79,8 @@ TEST_CASE("the trace of both networks shows every layer and does not change the 
     SuperResolver resolver(weights_of(description), {});
     const RangeImage scene = small_scene();
     Trace trace;
-    const RangeImage traced = resolver.run(scene, &trace);
-    CHECK(traced.range_m == resolver.run(scene).range_m);
+    const RangeImage traced = resolver.run(scene, &trace).image;
+    CHECK(traced.range_m == resolver.run(scene).image.range_m);
     REQUIRE(trace.layers.size() == 3);
     CHECK(trace.start.has_return(0, 0) == !simple);
     for (const LayerTrace& layer : trace.layers) {
@@ -126,13 +126,13 @@ TEST_CASE("the filter's settings can be replaced and its last pass left out") {
   OutlierRemovalOptions everything;
   everything.min_pixels = 1'000'000;
   SuperResolver strict(weights, {.filter = everything});
-  const RangeImage image = inside_only.run(scene);
+  const RangeImage image = inside_only.run(scene).image;
   Trace trace;
-  const RangeImage without = filtered.run(scene, &trace);
+  const RangeImage without = filtered.run(scene, &trace).image;
   for (std::size_t i = 0; i < image.range_m.size(); ++i) {
     CHECK(without.range_m[i] == (trace.rejected[i] != 0 ? 0.0F : image.range_m[i]));
   }
-  const RangeImage empty = strict.run(scene);
+  const RangeImage empty = strict.run(scene).image;
   for (int column = 0; column < 64; ++column) CHECK_FALSE(empty.has_return(0, column));
   CHECK(empty.has_return(3, 0));
 }
@@ -145,7 +145,7 @@ TEST_CASE("one and two threads give the same image with each instruction set") {
                       {.threads = 1, .filter_result = false, .instruction_set = instruction_set});
     SuperResolver two(weights,
                       {.threads = 2, .filter_result = false, .instruction_set = instruction_set});
-    CHECK(one.run(scene).range_m == two.run(scene).range_m);
+    CHECK(one.run(scene).image.range_m == two.run(scene).image.range_m);
   }
 }
 

@@ -20,6 +20,10 @@ std::vector<RangeImage> scans() {
   return scans;
 }
 
+std::unique_ptr<const TrainingScans> in_memory(std::vector<RangeImage> scans) {
+  return std::make_unique<ScansInMemory>(std::move(scans));
+}
+
 TrainingPlan small_plan() {
   TrainingPlan plan;
   plan.steps = 150;
@@ -33,7 +37,8 @@ TrainingPlan small_plan() {
 TrainingState fresh_state(const NetworkDescription& description) {
   std::vector<float> parameters = initial_parameters(description, 1);
   const std::size_t count = parameters.size();
-  return {std::move(parameters), AdamW({}, count)};
+  std::vector<float> average = parameters;
+  return {std::move(parameters), AdamW({}, count), std::move(average)};
 }
 
 NetworkDescription filtered_du_or() {
@@ -53,13 +58,14 @@ void train(Trainer& trainer, int steps) {
 }
 
 TrainingState trained(const NetworkDescription& description, int steps, int threads) {
-  Trainer trainer(description, small_plan(), scans(), fresh_state(description), threads);
+  Trainer trainer(description, small_plan(), in_memory(scans()), fresh_state(description), threads);
   train(trainer, steps);
   return trainer.state();
 }
 
 void check_same(const TrainingState& a, const TrainingState& b) {
   CHECK(a.parameters == b.parameters);
+  CHECK(a.average == b.average);
   CHECK(a.optimiser.first_moment == b.optimiser.first_moment);
   CHECK(a.optimiser.second_moment == b.optimiser.second_moment);
   CHECK(a.optimiser.steps == b.optimiser.steps);
@@ -73,31 +79,31 @@ std::string plan_message(const TrainingPlan& plan) {
 
 TEST_CASE("training makes DU-OR better than it was and better than interpolation") {
   const NetworkDescription description = filtered_du_or();
-  Trainer trainer(description, small_plan(), scans(), fresh_state(description), 2);
+  Trainer trainer(description, small_plan(), in_memory(scans()), fresh_state(description), 2);
   const Validation before = trainer.validate(scans());
   TrainingStep step;
-  double first_m = 0.0;
-  double last_m = 0.0;
+  double first_loss = 0.0;
+  double last_loss = 0.0;
   for (int i = 0; i < 150; ++i) {
     step = trainer.step();
-    if (i < 10) first_m += step.loss_m / 10;
-    if (i >= 140) last_m += step.loss_m / 10;
+    if (i < 10) first_loss += step.loss / 10;
+    if (i >= 140) last_loss += step.loss / 10;
   }
   const Validation after = trainer.validate(scans());
-  CHECK(last_m < 0.7 * first_m);
-  CHECK(after.mae_all_m < 0.7 * before.mae_all_m);
-  CHECK(after.mae_all_m < after.mae_all_linear_m);
-  CHECK(after.mae_all_linear_m == before.mae_all_linear_m);
+  CHECK(last_loss < 0.7 * first_loss);
+  CHECK(after.network.mae_all_m < 0.7 * before.network.mae_all_m);
+  CHECK(after.network.mae_all_m < after.linear.mae_all_m);
+  CHECK(after.linear.mae_all_m == before.linear.mae_all_m);
   CHECK(step.learning_rate < 1e-5F);
   CHECK(trainer.state().optimiser.steps == 150);
 }
 
 TEST_CASE("training makes Simple DU better than it was") {
   const NetworkDescription description = simple_du_with_dropout();
-  Trainer trainer(description, small_plan(), scans(), fresh_state(description), 2);
+  Trainer trainer(description, small_plan(), in_memory(scans()), fresh_state(description), 2);
   const Validation before = trainer.validate(scans());
   train(trainer, 60);
-  CHECK(trainer.validate(scans()).mae_all_m < 0.7 * before.mae_all_m);
+  CHECK(trainer.validate(scans()).network.mae_all_m < 0.7 * before.network.mae_all_m);
 }
 
 TEST_CASE("one, two and three threads train the same bytes") {
@@ -113,7 +119,7 @@ TEST_CASE("a training that stopped and went on gives the same bytes as one that 
   for (const NetworkDescription& description : {filtered_du_or(), simple_du_with_dropout()}) {
     const TrainingState whole = trained(description, 8, 1);
     const TrainingState half = trained(description, 3, 2);
-    Trainer second(description, small_plan(), scans(), half, 2);
+    Trainer second(description, small_plan(), in_memory(scans()), half, 2);
     train(second, 5);
     check_same(second.state(), whole);
   }
@@ -123,7 +129,7 @@ TEST_CASE("another seed trains other bytes") {
   const NetworkDescription description = small_du_or();
   TrainingPlan plan = small_plan();
   plan.seed = 2;
-  Trainer trainer(description, plan, scans(), fresh_state(description), 1);
+  Trainer trainer(description, plan, in_memory(scans()), fresh_state(description), 1);
   train(trainer, 2);
   CHECK(trainer.state().parameters != trained(description, 2, 1).parameters);
 }
@@ -137,10 +143,10 @@ TEST_CASE("the gradient and the loss of a batch are means: equal samples give th
   TrainingStep steps[2];
   for (const int batch : {1, 5}) {
     plan.batch = batch;
-    Trainer trainer(description, plan, {rings}, fresh_state(description), 1);
+    Trainer trainer(description, plan, in_memory({rings}), fresh_state(description), 1);
     steps[batch / 5] = trainer.step();
   }
-  CHECK(steps[1].loss_m == doctest::Approx(steps[0].loss_m).epsilon(1e-6));
+  CHECK(steps[1].loss == doctest::Approx(steps[0].loss).epsilon(1e-6));
   CHECK(steps[1].gradient_norm == doctest::Approx(steps[0].gradient_norm).epsilon(1e-5));
 }
 
@@ -148,14 +154,14 @@ TEST_CASE("every step draws samples of its own") {
   const NetworkDescription description = small_du_or();
   TrainingPlan plan = small_plan();
   plan.learning_rate = 1e-30F;  // the network stays as it is
-  Trainer trainer(description, plan, scans(), fresh_state(description), 1);
-  std::set<double> losses_m;
-  for (int i = 0; i < 8; ++i) losses_m.insert(trainer.step().loss_m);
+  Trainer trainer(description, plan, in_memory(scans()), fresh_state(description), 1);
+  std::set<double> losses;
+  for (int i = 0; i < 8; ++i) losses.insert(trainer.step().loss);
   const std::vector<float> before = fresh_state(description).parameters;
   for (std::size_t i = 0; i < before.size(); ++i) {
     REQUIRE(std::fabs(trainer.state().parameters[i] - before[i]) < 1e-20);
   }
-  CHECK(losses_m.size() == 8);
+  CHECK(losses.size() == 8);
 }
 
 TEST_CASE("without a share in the loss inner layers only serve the last one") {
@@ -164,10 +170,10 @@ TEST_CASE("without a share in the loss inner layers only serve the last one") {
   std::vector<TrainingStep> steps;
   for (const float share : {0.0F, 1.0F}) {
     plan.layer_loss_share = share;
-    Trainer trainer(description, plan, scans(), fresh_state(description), 1);
+    Trainer trainer(description, plan, in_memory(scans()), fresh_state(description), 1);
     steps.push_back(trainer.step());
   }
-  CHECK(steps[0].loss_m == steps[1].loss_m);  // it is the last layer's
+  CHECK(steps[0].loss == steps[1].loss);  // it is the last layer's
   CHECK(steps[0].gradient_norm < steps[1].gradient_norm);
 }
 
@@ -177,9 +183,9 @@ TEST_CASE(
   const NetworkDescription description = small_du_or();
   TrainingPlan plan = small_plan();
   plan.largest_gradient_norm = 1e-9;
-  Trainer trainer(description, plan, scans(), fresh_state(description), 1);
+  Trainer trainer(description, plan, in_memory(scans()), fresh_state(description), 1);
   const TrainingStep step = trainer.step();
-  CHECK(step.loss_m > 0.0);
+  CHECK(step.loss > 0.0);
   CHECK(step.gradient_norm > 1e-3);
   CHECK(step.learning_rate == doctest::Approx(3e-3 / 5));
   const std::vector<float> before = fresh_state(description).parameters;
@@ -191,12 +197,12 @@ TEST_CASE(
 
 TEST_CASE("validation does not depend on the threads or on dropout, and of nothing is zero") {
   const NetworkDescription description = simple_du_with_dropout();
-  Trainer one(description, small_plan(), scans(), fresh_state(description), 1);
-  Trainer two(description, small_plan(), scans(), fresh_state(description), 2);
+  Trainer one(description, small_plan(), in_memory(scans()), fresh_state(description), 1);
+  Trainer two(description, small_plan(), in_memory(scans()), fresh_state(description), 2);
   const Validation a = one.validate(scans());
-  CHECK(a.mae_all_m == two.validate(scans()).mae_all_m);
-  CHECK(a.mae_all_m == one.validate(scans()).mae_all_m);
-  CHECK(one.validate({}).mae_all_m == 0.0);
+  CHECK(a.network.mae_all_m == two.validate(scans()).network.mae_all_m);
+  CHECK(a.network.mae_all_m == one.validate(scans()).network.mae_all_m);
+  CHECK(one.validate({}).network.mae_all_m == 0.0);
 }
 
 TEST_CASE("plans that cannot be followed are refused with the field and the value") {
@@ -231,7 +237,7 @@ TEST_CASE("scans and states that do not fit the network are refused, by any numb
   const NetworkDescription description = small_du_or();
   const auto message = [&](std::vector<RangeImage> with, const TrainingState& state) {
     return test::error_message(
-        [&] { Trainer(description, small_plan(), std::move(with), state, 2); });
+        [&] { Trainer(description, small_plan(), in_memory(std::move(with)), state, 2); });
   };
   const TrainingState good = fresh_state(description);
   CHECK(message(scans(), good) == "no Error");
@@ -243,11 +249,22 @@ TEST_CASE("scans and states that do not fit the network are refused, by any numb
   bad = good;
   bad.optimiser.second_moment.pop_back();
   CHECK(test::one_line_with(message(scans(), bad), std::to_string(good.parameters.size())));
-  Trainer trainer(description, small_plan(), scans(), good, 2);
+  Trainer trainer(description, small_plan(), in_memory(scans()), good, 2);
   CHECK(test::one_line_with(test::error_message([&] {
                               trainer.validate({small_scene(), RangeImage(16, 32)});
                             }),
                             "16 x 32"));
+}
+
+TEST_CASE("scans in memory are of one shape and numbered from 0") {
+  const auto message = [](std::vector<RangeImage> with, std::int64_t scan) {
+    return test::error_message([&] { return ScansInMemory(std::move(with)).read(scan); });
+  };
+  CHECK(ScansInMemory(scans()).read(2).range_m == scans()[2].range_m);
+  CHECK(test::one_line_with(message({RangeImage(16, 32), RangeImage(8, 32)}, 0), "8 x 32",
+                            "16 x 32"));
+  CHECK(test::one_line_with(message(scans(), 3), "scan 3", "0 to 2"));
+  CHECK(test::one_line_with(message(scans(), -1), "scan -1", "0 to 2"));
 }
 
 TEST_CASE("a training whose loss is not finite stops with an Error, by any number of threads") {
@@ -255,7 +272,7 @@ TEST_CASE("a training whose loss is not finite stops with an Error, by any numbe
   for (const int threads : {1, 2}) {
     TrainingState state = fresh_state(description);
     state.parameters[0] = std::nanf("");
-    Trainer trainer(description, small_plan(), scans(), state, threads);
+    Trainer trainer(description, small_plan(), in_memory(scans()), state, threads);
     CHECK(test::one_line_with(test::error_message([&] { trainer.step(); }), "not finite"));
   }
 }

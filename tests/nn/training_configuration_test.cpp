@@ -50,6 +50,16 @@ TEST_CASE("a configuration is read field by field, the rest keeps its default") 
   CHECK(c.plan.seed == 1);
 }
 
+TEST_CASE("seeds are a list or a span, conditions usual or varied") {
+  std::string text = kText;
+  text.replace(text.find(R"("seeds": [1, 2])"), 15,
+               R"("seeds": {"first": 1000, "count": 3}, "conditions": "varied")");
+  const TrainingConfiguration c = training_configuration(text, "recipe.json");
+  CHECK(c.training.simulated[0].seeds == std::vector<int>{1000, 1001, 1002});
+  CHECK(c.training.simulated[0].conditions == DriveConditions::kVaried);
+  CHECK(c.validation.simulated[0].conditions == DriveConditions::kUsual);
+}
+
 TEST_CASE("mistakes in a configuration are named with field, expected and found") {
   CHECK(one_line_with(message_after("\"steps\": 12", "\"steps\": 0"), "recipe.json", "steps is 0"));
   CHECK(one_line_with(message_after("\"steps\": 12", "\"stepz\": 12"), "unknown field 'stepz'"));
@@ -64,6 +74,14 @@ TEST_CASE("mistakes in a configuration are named with field, expected and found"
   CHECK(one_line_with(message_after("\"measured_rows\": 16", "\"measured_rows\": 4294967312"),
                       "measured_rows", "smaller number", "4294967312"));
   CHECK(one_line_with(message_after("\"seeds\": [3]", "\"seeds\": []"), "seeds", "at least one"));
+  CHECK(one_line_with(message_after("[3]", R"({"first": 3, "count": 0})"), "seeds", "count",
+                      "1 to 100000", "found 0"));
+  CHECK(one_line_with(message_after("[3]", R"({"first": -1, "count": 1})"), "first", "found -1"));
+  CHECK(one_line_with(message_after("[3]", R"({"first": 3})"), "count", "nothing"));
+  CHECK(one_line_with(message_after("[3]", R"({"first": 3, "count": 1, "last": 3})"), "last"));
+  CHECK(one_line_with(message_after("[3]", "3"), "seeds", "list of whole numbers"));
+  CHECK(one_line_with(message_after("[3]", R"([3], "conditions": "bad")"), "conditions",
+                      "usual, varied", "bad"));
   CHECK(one_line_with(message_after("\"scans\": 10}", "\"scans\": -1}"), "scans"));
   CHECK(one_line_with(message_after("{\n", "["), "expected JSON"));
 }
@@ -71,6 +89,8 @@ TEST_CASE("mistakes in a configuration are named with field, expected and found"
 TEST_CASE("training and validation never share a drive or a stack") {
   CHECK(one_line_with(message_after("\"seeds\": [3]", "\"seeds\": [2]"), "town", "seed 2",
                       "both training and validation"));
+  CHECK(one_line_with(message_after("[3]", R"({"first": 2, "count": 2}, "conditions": "varied")"),
+                      "town", "seed 2", "both training and validation"));
   CHECK(one_line_with(
       message_after(R"({"drive": "town", "seeds": [3], "scans": 10})", R"({"stack": "a.npy"})"),
       "a.npy", "both"));

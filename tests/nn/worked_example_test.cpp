@@ -18,11 +18,12 @@ TEST_CASE("worked example, start: a pixel a quarter down between 10 m and 14 m")
     measured.at(1, column) = 14.0F;
   }
   const RowSelection rows{3, 4};
-  CHECK(interpolate_rows(measured, rows, 8, Interpolation::kLinear).at(4, 0) ==
+  const std::vector<double> elevation_rad = {0.07, 0.06, 0.05, 0.04, 0.03, 0.02, 0.01, 0.0};
+  CHECK(interpolate_rows(measured, rows, elevation_rad, Interpolation::kLinear).at(4, 0) ==
         doctest::Approx(11.0));
-  CHECK(interpolate_rows(measured, rows, 8, Interpolation::kInverse).at(4, 0) ==
+  CHECK(interpolate_rows(measured, rows, elevation_rad, Interpolation::kInverse).at(4, 0) ==
         doctest::Approx(10.769).epsilon(1e-4));
-  CHECK(interpolate_rows(measured, rows, 8, Interpolation::kNearest).at(4, 0) == 10.0F);
+  CHECK(interpolate_rows(measured, rows, elevation_rad, Interpolation::kNearest).at(4, 0) == 10.0F);
 }
 
 TEST_CASE("worked example, data consistency: L = 10, Z = 12, Y = 11, b = 0.1") {

@@ -67,6 +67,19 @@ TEST_CASE("a scale error of one percent is a relative error of one percent") {
   CHECK_FALSE(holds(result.out, "over 800 m"));
 }
 
+TEST_CASE("a jump aside is one slip on the path that was compared") {
+  const TemporaryDirectory folder;
+  Trajectory estimate = straight_line();
+  for (std::size_t i = 150; i < estimate.size(); ++i) {
+    estimate[i].T_map_sensor.translation().y() += 0.5;
+  }
+  write_tum(straight_line(), folder.file("truth.tum"));
+  write_tum(estimate, folder.file("estimate.tum"));
+  const ProgramResult result = evaluate(folder.file("estimate.tum"), folder.file("truth.tum"));
+  CAPTURE(result.out);
+  CHECK(holds(result.out, fmt::format("{:<26}{:>10}{:>10} per 100 km", "slips", 1, "334.4")));
+}
+
 TEST_CASE("two stacks that differ by 0.5 m in every fourth pixel have the MAE that follows") {
   const TemporaryDirectory folder;
   // Half of the pixels have no return in either; of the others every second one is 0.5 m off.

@@ -281,8 +281,8 @@ TEST_CASE("the demo ends with a table of every way through the drive and a repor
   REQUIRE(result.status == 0);
   std::vector<std::pair<std::string, std::string>> ways = {
       {"64 beams", "rows-64"}, {"16 beams", "rows-16"}, {"16 -> 64, linear", "linear"}};
-  if (result.out.find("Without DU-OR") == std::string::npos) {
-    ways.emplace_back("16 -> 64, DU-OR", "du-or");
+  if (result.out.find("Without DU-Mix") == std::string::npos) {
+    ways.emplace_back("16 -> 64, DU-Mix", "du-mix");
   }
   for (const auto& [name, results] : ways) {
     CAPTURE(name);

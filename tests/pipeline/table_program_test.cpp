@@ -23,8 +23,22 @@ ProgramResult make_table(const std::string& out) {
       fmt::format("table --drives block --scans 16 --methods {} --out '{}'", kMethods, out));
 }
 
-/// Starts the same table and stops it with Ctrl-C once `file` is there. Returns its exit status.
-int interrupted_table(const std::string& out, const std::string& file) {
+/// The folder of the only results in results/DRIVE with so many scans, "" if there is none yet.
+std::string results_folder(const std::string& out, const std::string& drive, int scans) {
+  const fs::path folder = fs::path(out) / "results" / drive;
+  if (!fs::is_directory(folder)) return "";
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    const std::string name = entry.path().filename().string();
+    if (name.rfind(std::to_string(scans) + "-scans-build-", 0) == 0) {
+      return entry.path().string() + "/";
+    }
+  }
+  return "";
+}
+
+/// Starts the same table and stops it with Ctrl-C once a method's result is there. Returns its exit
+/// status.
+int interrupted_table(const std::string& out, const std::string& method) {
   const pid_t child = fork();
   if (child == 0) {
     dup2(open("/dev/null", O_WRONLY), STDOUT_FILENO);
@@ -33,11 +47,12 @@ int interrupted_table(const std::string& out, const std::string& file) {
           kMethods, "--out", out.c_str(), nullptr);
     _exit(127);
   }
-  while (!fs::exists(file) && kill(child, 0) == 0) {
+  int status = 0;
+  while (!fs::exists(results_folder(out, "block", 16) + method + ".json")) {
+    if (waitpid(child, &status, WNOHANG) == child) return -1;  // it ended by itself
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
   kill(child, SIGINT);
-  int status = 0;
   waitpid(child, &status, 0);
   return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
@@ -65,8 +80,9 @@ double evaluated_ape_m(const std::string& arguments, const std::string& out,
 TEST_CASE("a table is interrupted, finished, repeated and repaired, always with the same figures") {
   const TemporaryDirectory folder;
   const std::string out = folder.file("table");
-  const std::string results = out + "/results/block/";
-  CHECK(interrupted_table(out, results + "rows-64.json") == 130);
+  CHECK(interrupted_table(out, "rows-64") == 130);
+  const std::string results = results_folder(out, "block", 16);
+  REQUIRE_FALSE(results.empty());
   CHECK(file_contents(out + "/table.md").find("| LiDAR-64 |") != std::string::npos);
   CHECK(file_contents(out + "/table.md").find("| DU-OR |") == std::string::npos);
   const std::string first = file_contents(results + "rows-64.json");
@@ -107,7 +123,7 @@ TEST_CASE("a table is interrupted, finished, repeated and repaired, always with 
   write_file(results + "linear.json", "{\"written_by\": \"hqsl");
   const ProgramResult repaired = make_table(out);
   CHECK(repaired.status == 0);
-  CHECK(repaired.error.find("1 of 1: block, linear") != std::string::npos);
+  CHECK(repaired.error.find("block, linear: 16/16 scans") != std::string::npos);
   CHECK(json_of(out + "/table.json")["drives"] == table["drives"]);
 }
 
@@ -133,7 +149,7 @@ TEST_CASE(
 
   // A variant of SLAM sees the same images, but goes another way.
   CHECK(both["methods"][2]["images"] == both["methods"][1]["images"]);
-  const std::string results = folder.file("shared/results/block/");
+  const std::string results = results_folder(folder.file("shared"), "block", 4);
   CHECK(file_contents(results + "du-or+computed-rows-loop-closing-off.tum") !=
         file_contents(results + "du-or-loop-closing-off.tum"));
 }
@@ -152,6 +168,69 @@ TEST_CASE("a drive that was simulated once serves shorter tables too") {
   CHECK(json_of(folder.file("long/drives/block/drive.json"))["scans"] == 6);  // not made anew
   CHECK(shortened[0]["scans"] == 4);
   CHECK(shortened == rows_of(4, "short"));
+
+  // The longer table's results are still there: nothing is left to do.
+  const ProgramResult again = run_hqslam(
+      "table --drives block --scans 6 --methods rows-16 --out '" + folder.file("long") + "'");
+  CHECK(again.error.empty());
+  CHECK(json_of(folder.file("long/table.json"))["drives"][0]["scans"] == 6);
+}
+
+TEST_CASE("other scans at the same place are not given the results of those before") {
+  const TemporaryDirectory folder;
+  const std::string drive = folder.file("drive");
+  const auto path_of = [&](const std::string& seed) {
+    fs::remove_all(drive);
+    run_hqslam("simulate --drive block --sensor os1-64 --scans 4 --seed " + seed + " --out '" +
+               drive + "'");
+    const ProgramResult result = run_hqslam(
+        "table --drives '" + drive + "' --methods rows-16 --out '" + folder.file("out") + "'");
+    CAPTURE(result.error);
+    REQUIRE(result.status == 0);
+    return json_of(folder.file(
+        "out/table.json"))["drives"][0]["methods"][0]["loop_closing_off"]["against_truth"]["path_m"]
+        .get<double>();
+  };
+  CHECK(path_of("1") != path_of("2"));
+}
+
+TEST_CASE("over seeds drives run side by side with the same figures as one by one, and go on") {
+  const TemporaryDirectory folder;
+  const auto table = [&](const std::string& seeds, int threads, const std::string& out) {
+    const ProgramResult result =
+        run_hqslam(fmt::format("table --drives block --seeds {} --scans 20 --methods "
+                               "rows-16,linear --threads {} --out '{}'",
+                               seeds, threads, folder.file(out)));
+    CAPTURE(result.error);
+    REQUIRE(result.status == 0);
+    nlohmann::json json = json_of(folder.file(out) + "/table.json");
+    for (nlohmann::json& method : json["methods"]) {
+      for (const char* part : {"all", "block"}) method[part].erase("slam_ms");
+    }
+    return json;
+  };
+  const nlohmann::json together = table("5,6", 2, "together");
+  REQUIRE(together["drives"].size() == 2);
+  CHECK(together == table("5,6", 1, "alone"));
+  CHECK(together["drives"][0]["path_m"] != together["drives"][1]["path_m"]);
+  CHECK(file_contents(folder.file("together/table.html")).find("seeds 5, 6") != std::string::npos);
+
+  // More seeds: what is there stays as it was, with its times.
+  const std::string before =
+      file_contents(results_folder(folder.file("together"), "block-seed-5", 20) + "linear.json");
+  const nlohmann::json more = table("5..7", 2, "together");
+  CHECK(more["drives"].size() == 3);
+  CHECK(more["drives"][0] == together["drives"][0]);
+  CHECK(file_contents(results_folder(folder.file("together"), "block-seed-5", 20) +
+                      "linear.json") == before);
+}
+
+TEST_CASE("a folder that takes no files is noticed before the work") {
+  const ProgramResult result =
+      run_hqslam("table --drives block --scans 100000 --methods rows-16 --out /proc");
+  CHECK(result.status == 2);
+  CHECK(result.error.find("/proc") != std::string::npos);
+  CHECK(result.error.find('\n') == result.error.size() - 1);
 }
 
 TEST_CASE("a wrong table is one line on stderr and status 2, and writes nothing") {
@@ -165,6 +244,8 @@ TEST_CASE("a wrong table is one line on stderr and status 2, and writes nothing"
            "--drives '" + drive + "'",
            "--drives '" + drive + "/bin'",
            std::string("--drives block --scans 0"),
+           std::string("--drives block --seeds 3..1"),
+           std::string("--drives block --seeds 1..2 --methods rows-16"),
        }) {
     CAPTURE(arguments);
     const ProgramResult result = run_hqslam("table " + arguments + " --out '" + out + "'");

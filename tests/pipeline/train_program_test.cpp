@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "hqslam/core/scan_source.h"
 #include "hqslam/nn/hqs/weights_file.h"
 #include "program.h"
 #include "untrained_weights.h"
@@ -71,6 +72,31 @@ TEST_CASE("training leaves weights that load, a checkpoint and a learning curve"
   CHECK(holds(other.error, "another training configuration"));
 }
 
+TEST_CASE("trainings share a folder of drives; one of varied conditions is simulated for itself") {
+  const TemporaryDirectory folder;
+  const auto train_with = [&](const std::string& configuration, const std::string& out) {
+    std::ofstream(folder.file("recipe.json")) << configuration;
+    return run_hqslam(fmt::format("train --config '{}' --out '{}' --drives '{}'",
+                                  folder.file("recipe.json"), folder.file(out),
+                                  folder.file("drives")));
+  };
+  const auto files = [&] {
+    const std::filesystem::directory_iterator begin(folder.file("drives"));
+    return std::distance(begin, std::filesystem::directory_iterator());
+  };
+  REQUIRE(train_with(small_configuration(), "a").status == 0);
+  CHECK(files() == 2);
+  const ProgramResult again = train_with(small_configuration(), "b");
+  REQUIRE(again.status == 0);
+  CHECK_FALSE(holds(again.error, "training scans"));  // nothing left to simulate
+  CHECK(file_contents(folder.file("b/weights.npz")) == file_contents(folder.file("a/weights.npz")));
+  CHECK(files() == 2);
+  REQUIRE(
+      train_with(small_configuration("\"every\": 2", R"("every": 2, "conditions": "varied")"), "c")
+          .status == 0);
+  CHECK(files() == 3);
+}
+
 TEST_CASE("a wrong recipe is one line on stderr and status 2") {
   const TemporaryDirectory folder;
   const ProgramResult unknown =
@@ -98,8 +124,9 @@ TEST_CASE("compare puts interpolation and networks side by side, inspect shows t
   const ProgramResult compared = run_hqslam(fmt::format("compare '{}' --weights '{}' --json '{}'",
                                                         drive, weights, folder.file("table.json")));
   REQUIRE(compared.status == 0);
-  for (const char* row : {"| nearest |", "| linear |", "| inverse |", "| du-or, no filter |",
-                          "| du-or |", "2 scans of", "chance in the data"}) {
+  for (const char* row :
+       {"| nearest |", "| linear |", "| inverse |", "| du-or, unfiltered at the end |", "| du-or |",
+        "2 scans of", "chance in the data"}) {
     CAPTURE(row);
     CHECK(holds(compared.out, row));
   }
@@ -167,6 +194,60 @@ TEST_CASE("no command replaces a file that is not its own, and every one replace
     CHECK(run_hqslam(command).status == 0);
     CHECK(file_contents(folder.file(file)) != "mine");
   }
+}
+
+TEST_CASE("a network of two modes is trained, lifts with a confidence, and shows its curve") {
+  const TemporaryDirectory folder;
+  const std::string recipe = small_configuration(
+      R"("kind": "du-or", "layers": 2, "sensor": "os1-64", "measured_rows": 16,
+                "denoiser": {"channels": [8, 8], "memory": 2})",
+      R"("kind": "du-mix", "sensor": "os1-64", "measured_rows": 16, "denoiser":
+         {"layers": [{"channels": 8, "lower_channels": 8, "residual_blocks": 1}]})");
+  REQUIRE(train(folder, recipe, "a").status == 0);
+  const std::string weights = folder.file("a/weights.npz");
+  const nn::NetworkDescription description = nn::read_weights(weights).description;
+  CHECK(description.kind == nn::NetworkKind::kDuMix);
+  CHECK(description.confidence_exponent != 1.0F);
+  const std::string drive = folder.file("drive");
+  REQUIRE(
+      run_hqslam("simulate --drive block --sensor os1-64 --scans 2 --seed 9 --out '" + drive + "'")
+          .status == 0);
+
+  const auto lifted_returns = [&](const std::string& out, const std::string& option) {
+    REQUIRE(run_hqslam(fmt::format("upsample '{}' --weights '{}' --out '{}' --pcd {}", drive,
+                                   weights, folder.file(out), option))
+                .status == 0);
+    const auto scan = open_recording(folder.file(out), sensor_preset("os1-64"))->next();
+    REQUIRE(scan);
+    REQUIRE(scan->cloud.confidence.size() == 64 * 1024);
+    int computed = 0;
+    for (std::size_t i = 0; i < scan->cloud.confidence.size(); ++i) {
+      const bool measured = i / 1024 % 4 == 3;
+      const bool there = scan->cloud.range_m[i] > 0.0F;
+      REQUIRE(scan->cloud.confidence[i] <= 1.0F);
+      if (measured || !there) REQUIRE(scan->cloud.confidence[i] == (there ? 1.0F : 0.0F));
+      computed += !measured && there ? 1 : 0;
+    }
+    CHECK(holds(file_contents(folder.file(out + "/pcd/000000.pcd")), "FIELDS x y z confidence"));
+    return computed;
+  };
+  const int all = lifted_returns("all", "--confidence 0");
+  CHECK(all > 40'000);
+  CHECK(lifted_returns("none", "--confidence 1") < 100);
+
+  const ProgramResult compared = run_hqslam(fmt::format("compare '{}' --weights '{}' --curve '{}'",
+                                                        drive, weights, folder.file("curve.html")));
+  REQUIRE(compared.status == 0);
+  CHECK(holds(compared.out, "| du-mix |"));
+  CHECK(holds(file_contents(folder.file("curve.html")), "Can it be believed"));
+  const ProgramResult inspected = run_hqslam(fmt::format(
+      "inspect '{}' --weights '{}' --out '{}'", drive, weights, folder.file("layers.html")));
+  REQUIRE(inspected.status == 0);
+  CHECK(holds(file_contents(folder.file("layers.html")), "Probability of a return"));
+  const ProgramResult refused = run_hqslam(fmt::format(
+      "upsample '{}' --method linear --confidence 0.5 --out '{}'", drive, folder.file("linear")));
+  CHECK(refused.status == 2);
+  CHECK(holds(refused.error, "du-mix"));
 }
 
 }  // namespace hqslam::test

@@ -7,12 +7,12 @@
 
 namespace hqslam::test {
 
-/// A weights file of a network that nobody has trained, for scans of `sensor` of which every fourth
-/// row is measured: its ranges are poor, but it runs.
-inline void write_untrained_weights(const std::string& path, const SensorModel& sensor,
-                                    nn::NetworkKind kind = nn::NetworkKind::kDuOr) {
+/// A network that nobody has trained, for scans of `sensor` of which every fourth row is measured:
+/// its ranges are poor, but it runs.
+inline nn::Weights untrained_weights(const SensorModel& sensor, nn::NetworkKind kind) {
   nn::Weights weights;
   weights.description.kind = kind;
+  if (kind == nn::NetworkKind::kDuMix) weights.description.layers = 1;
   weights.description.sensor = sensor;
   weights.description.measured_rows = selection_for(sensor.rows(), sensor.rows() / 4);
   weights.parameters = initial_parameters(weights.description, 1);
@@ -25,7 +25,12 @@ inline void write_untrained_weights(const std::string& path, const SensorModel& 
     }
   }
   weights.self_test = make_self_test(weights.description, weights.parameters, measured);
-  write_weights(path, weights);
+  return weights;
+}
+
+inline void write_untrained_weights(const std::string& path, const SensorModel& sensor,
+                                    nn::NetworkKind kind = nn::NetworkKind::kDuOr) {
+  write_weights(path, untrained_weights(sensor, kind));
 }
 
 }  // namespace hqslam::test

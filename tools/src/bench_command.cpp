@@ -69,8 +69,8 @@ struct Measurements {
 };
 
 /// The networks that come with the program and are measured if no others are named.
-constexpr std::array<const char*, 2> kInstalledNetworks = {"du-or_os1_16to64.npz",
-                                                           "simple-du_os1_16to64.npz"};
+constexpr std::array<const char*, 3> kInstalledNetworks = {
+    "du-mix_os1_16to64.npz", "du-or_os1_16to64.npz", "simple-du_os1_16to64.npz"};
 
 std::vector<std::string> weights_of(const BenchOptions& options) {
   std::vector<std::string> paths = options.weights;
@@ -122,13 +122,14 @@ void measure_networks(const std::vector<std::string>& paths, const std::vector<R
 }
 
 /// The networks of this sensor that are quick enough to stand before SLAM.
-std::vector<Upsampler> quick_upsamplers(const std::vector<std::string>& paths,
-                                        const SensorModel& sensor) {
-  std::vector<Upsampler> upsamplers;
+std::vector<nn::Upsampler> quick_upsamplers(const std::vector<std::string>& paths,
+                                            const SensorModel& sensor) {
+  std::vector<nn::Upsampler> upsamplers;
   for (const std::string& path : paths) {
     nn::SuperResolver network = nn::SuperResolver::load(path);
     const nn::NetworkDescription& description = network.description();
-    if (description.kind == nn::NetworkKind::kDuOr && description.sensor.rows() == sensor.rows() &&
+    if (description.kind != nn::NetworkKind::kSimpleDu &&
+        description.sensor.rows() == sensor.rows() &&
         description.sensor.columns == sensor.columns) {
       upsamplers.emplace_back(std::move(network), sensor);
     }
@@ -137,7 +138,7 @@ std::vector<Upsampler> quick_upsamplers(const std::vector<std::string>& paths,
 }
 
 void measure_slam(const std::string& input, const SensorModel& sensor, int rows,
-                  Upsampler* upsampler, int threads, const InterruptGuard& interrupt,
+                  nn::Upsampler* upsampler, int threads, const InterruptGuard& interrupt,
                   Measurements& measurements) {
   if (interrupt.stop_requested()) {
     return;
@@ -153,14 +154,14 @@ Measurements measure(const std::string& input, const SensorModel& sensor,
                      const std::vector<std::string>& weights, const InterruptGuard& interrupt) {
   Measurements measurements;
   measurements.sensor = sensor.name;
-  std::vector<Upsampler> upsamplers = quick_upsamplers(weights, sensor);
+  std::vector<nn::Upsampler> upsamplers = quick_upsamplers(weights, sensor);
   for (int threads = 1; threads <= kMostThreads; ++threads) {
     for (const int rows : kRowCounts) {
       if (rows <= sensor.rows()) {
         measure_slam(input, sensor, rows, nullptr, threads, interrupt, measurements);
       }
     }
-    for (Upsampler& upsampler : upsamplers) {
+    for (nn::Upsampler& upsampler : upsamplers) {
       const int rows = select_rows(sensor, upsampler.measured_rows()).rows();
       measure_slam(input, sensor, rows, &upsampler, threads, interrupt, measurements);
     }

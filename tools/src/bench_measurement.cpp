@@ -10,9 +10,9 @@
 
 #include "hqslam/core/connected_components.h"
 #include "hqslam/core/projection.h"
+#include "hqslam/nn/upsampled_cloud.h"
 #include "hqslam/slam/slam.h"
 #include "textbook_components.h"
-#include "upsampled_cloud.h"
 
 namespace hqslam::tools {
 namespace {
@@ -82,7 +82,7 @@ Scan scan_of(const OrganizedCloud& cloud) {
 
 }  // namespace
 
-SlamTiming time_slam(ScanSource& source, int rows, Upsampler* upsampler, int threads,
+SlamTiming time_slam(ScanSource& source, int rows, nn::Upsampler* upsampler, int threads,
                      const InterruptGuard& interrupt) {
   omp_set_num_threads(threads);
   reset_peak_memory();
@@ -100,7 +100,7 @@ SlamTiming time_slam(ScanSource& source, int rows, Upsampler* upsampler, int thr
     }
     OrganizedCloud cloud = select_rows(scan->cloud, selection);
     upsampling_ms.push_back(upsampler == nullptr ? 0.0 : milliseconds_of([&] {
-      cloud = upsampled_cloud(*upsampler, cloud);
+      cloud = nn::upsampled_cloud(*upsampler, cloud);
     }));
     times.push_back(slam.process(cloud, scan->stamp_s).times);
     total_ms.push_back(upsampling_ms.back() + 1e3 * times.back().total_s);

@@ -10,9 +10,9 @@
 #include "hqslam/core/scan.h"
 #include "hqslam/core/scan_source.h"
 #include "hqslam/core/sensor_model.h"
+#include "hqslam/nn/upsampler.h"
 #include "interrupt.h"
 #include "timing_statistics.h"
-#include "upsampler.h"
 
 namespace hqslam::tools {
 
@@ -31,7 +31,7 @@ struct SlamTiming {
 
 /// Scans come from the source one at a time; only upsampling and SLAM are timed. upsampler: nullptr
 /// for the measured rows as they are.
-SlamTiming time_slam(ScanSource& source, int rows, Upsampler* upsampler, int threads,
+SlamTiming time_slam(ScanSource& source, int rows, nn::Upsampler* upsampler, int threads,
                      const InterruptGuard& interrupt);
 
 /// Single steps on some scans of the drive, one thread, milliseconds per scan.

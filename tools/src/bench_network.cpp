@@ -176,7 +176,7 @@ double filter_ms(const nn::Weights& weights, const std::vector<RangeImage>& meas
   std::vector<double> times_ms;
   for (const RangeImage& image : measured) {
     nn::Trace trace;
-    std::vector<RangeImage> filtered = {resolver.run(image, &trace)};
+    std::vector<RangeImage> filtered = {resolver.run(image, &trace).image};
     for (int layer = 0;
          description.kind == nn::NetworkKind::kDuOr && layer + 1 < description.layers; ++layer) {
       filtered.push_back(description.filtered == nn::FilteredIterate::kH ? trace.layers[layer].h
@@ -196,13 +196,15 @@ NetworkSteps time_steps(const nn::Weights& weights, const std::vector<RangeImage
                         nn::InstructionSet instruction_set, int threads) {
   const nn::NetworkDescription& description = weights.description;
   const bool du_or = description.kind == nn::NetworkKind::kDuOr;
-  const double layers = description.layers;
+  const bool du_mix = description.kind == nn::NetworkKind::kDuMix;
+  const double layers = du_mix ? 1.0 : description.layers;
   NetworkSteps result;
   result.threads = threads;
-  result.steps.push_back(
-      {"data consistency", 0.0,
-       layers * data_consistency_ms(description, du_or ? description.u_shaped.tile : nn::TileSize{},
-                                    threads)});
+  if (!du_mix) {
+    result.steps.push_back(
+        {"data consistency", 0.0,
+         layers * data_consistency_ms(description, tile_of(description), threads)});
+  }
   for (const NetworkConvolution& layer : convolutions_of(description)) {
     result.steps.push_back({layer.name, 1e-9 * layers * static_cast<double>(layer.multiply_adds()),
                             layers * convolution_ms(layer, instruction_set, threads)});
@@ -211,6 +213,7 @@ NetworkSteps time_steps(const nn::Weights& weights, const std::vector<RangeImage
     result.steps.push_back(
         {"selection", 0.0, layers * selection_ms(description, instruction_set, threads)});
   }
+  if (du_mix) return result;
   // Few scans of a network that is slow: its filter runs once.
   const std::size_t scans = du_or ? measured.size() : 1;
   result.steps.push_back(

@@ -46,6 +46,12 @@ int run_subcommand(const std::string& name, const CommandLine& options) {
   if (name == "evaluate") {
     return evaluate_command(options.evaluate);
   }
+  if (name == "map") {
+    return map_command(options.map);
+  }
+  if (name == "evaluate-map") {
+    return evaluate_map_command(options.evaluate_map);
+  }
   if (name == "compare") {
     return compare_command(options.compare);
   }
@@ -78,7 +84,9 @@ void declare_program(CLI::App& app, CommandLine& options) {
   declare_run(app, options.run);
   declare_demo(app, options.demo);
   declare_simulate(app, options.simulate);
+  declare_map(app, options.map);
   declare_evaluate(app, options.evaluate);
+  declare_evaluate_map(app, options.evaluate_map);
   declare_compare(app, options.compare);
   declare_inspect(app, options.inspect);
   declare_bench(app, options.bench);

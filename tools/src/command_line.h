@@ -6,7 +6,9 @@
 #include "compare_command.h"
 #include "demo_command.h"
 #include "evaluate_command.h"
+#include "evaluate_map_command.h"
 #include "inspect_command.h"
+#include "map_command.h"
 #include "run_command.h"
 #include "simulate_command.h"
 #include "table_command.h"
@@ -21,7 +23,9 @@ struct CommandLine {
   RunOptions run;
   DemoOptions demo;
   SimulateOptions simulate;
+  MapOptions map;
   EvaluateOptions evaluate;
+  EvaluateMapOptions evaluate_map;
   BenchOptions bench;
   CompareOptions compare;
   InspectOptions inspect;

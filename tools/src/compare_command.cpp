@@ -8,13 +8,16 @@
 #include <CLI/Validators.hpp>
 #include <nlohmann/json.hpp>
 
+#include "confidence_curve.h"
 #include "exit_status.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/scan_source.h"
 #include "interrupt.h"
 #include "progress.h"
 #include "recording_sensor.h"
+#include "report/confidence_report.h"
 #include "text_file.h"
+#include "tulip_comparison.h"
 #include "upsampling_comparison.h"
 
 namespace hqslam::tools {
@@ -23,29 +26,29 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr int kMeasuredRows = 16;
-constexpr const char* kWrittenBy = "hqslam compare";
 
-/// The network without the filter at its end, and without any filter at all.
-Upsampler without_last_filter(const std::string& weights, const SensorModel& sensor) {
+/// The network without the filter at its end.
+nn::Upsampler without_last_filter(const std::string& weights, const SensorModel& sensor) {
   return {nn::SuperResolver::load(weights, {.filter_result = false}), sensor};
-}
-Upsampler without_filter(const std::string& weights, const SensorModel& sensor) {
-  nn::OutlierRemovalOptions off;
-  off.min_pixels = 0;
-  return {nn::SuperResolver::load(weights, {.filter = off}), sensor};
 }
 
 std::vector<ComparedMethod> methods_of(const CompareOptions& options, const SensorModel& sensor) {
   const RowSelection rows = selection_for(sensor.rows(), kMeasuredRows);
   std::vector<ComparedMethod> methods;
-  for (const std::string& name : interpolation_names()) {
-    methods.push_back({name, Upsampler(interpolation_from_name(name), sensor, rows), std::nullopt});
+  for (const std::string& name : nn::interpolation_names()) {
+    methods.push_back(
+        {name, nn::Upsampler(nn::interpolation_from_name(name), sensor, rows), std::nullopt});
   }
   for (const std::string& weights : options.weights) {
-    Upsampler network(nn::SuperResolver::load(weights), sensor);
+    nn::Upsampler network(nn::SuperResolver::load(weights), sensor);
     const std::string name = network.name();
-    methods.push_back({name + ", no filter", without_filter(weights, sensor), std::nullopt});
-    methods.push_back({name, std::move(network), without_last_filter(weights, sensor)});
+    if (network.network()->description().last_filter.min_pixels > 0) {
+      methods.push_back(
+          {name + ", unfiltered at the end", without_last_filter(weights, sensor), std::nullopt});
+      methods.push_back({name, std::move(network), without_last_filter(weights, sensor)});
+    } else {
+      methods.push_back({name, std::move(network), std::nullopt});
+    }
   }
   return methods;
 }
@@ -56,15 +59,18 @@ void print_scores(const std::vector<UpsamplingScore>& scores) {
     if (score.method == "linear") linear = &score;
   }
   fmt::print(
-      "| method | MAE all m | of linear | MAE valid m | Chamfer m^2 | IoU | F1 | outliers % | per "
-      "scan | of linear | good lost % | ms |\n|{:-<1}|{}\n",
-      "", "--|--|--|--|--|--|--|--|--|--|--|");
+      "| method | MAE all m | of linear | MAE valid m | missing % | invented % | Chamfer m^2 | IoU "
+      "| "
+      "precision | recall | F1 | outliers % | per scan | of linear | good lost % | ms "
+      "|\n|{:-<1}|{}\n",
+      "", "--|--|--|--|--|--|--|--|--|--|--|--|--|--|--|");
   for (const UpsamplingScore& s : scores) {
     fmt::print(
-        "| {} | {:.3f} | {:.3f} | {:.3f} | {:.3f} | {:.3f} | {:.3f} | {:.2f} | {:.0f} | "
-        "{:.3f} | {} | {:.2f} |\n",
-        s.method, s.mae_all_m, s.mae_all_m / linear->mae_all_m, s.mae_valid_m, s.chamfer_m2, s.iou,
-        s.f1, 100.0 * s.outlier_share, s.outliers_per_scan,
+        "| {} | {:.3f} | {:.3f} | {:.3f} | {:.2f} | {:.2f} | {:.3f} | {:.3f} | {:.3f} | {:.3f} | "
+        "{:.3f} | {:.2f} | {:.0f} | {:.3f} | {} | {:.2f} |\n",
+        s.method, s.mae_all_m, s.mae_all_m / linear->mae_all_m, s.mae_valid_m,
+        100.0 * s.missing_share, 100.0 * s.invented_share, s.chamfer_m2, s.iou, s.precision,
+        s.recall, s.f1, 100.0 * s.outlier_share, s.outliers_per_scan,
         s.outliers_per_scan / linear->outliers_per_scan,
         s.good_lost_share ? fmt::format("{:.2f}", 100.0 * *s.good_lost_share) : "-",
         s.upsampling_ms);
@@ -89,8 +95,12 @@ Json scores_json(const std::vector<UpsamplingScore>& scores) {
     Json row = {{"method", s.method},
                 {"mae_all_m", s.mae_all_m},
                 {"mae_valid_m", s.mae_valid_m},
+                {"missing_share", s.missing_share},
+                {"invented_share", s.invented_share},
                 {"chamfer_m2", s.chamfer_m2},
                 {"iou", s.iou},
+                {"precision", s.precision},
+                {"recall", s.recall},
                 {"f1", s.f1},
                 {"outlier_share", s.outlier_share},
                 {"outliers_per_scan", s.outliers_per_scan},
@@ -99,6 +109,51 @@ Json scores_json(const std::vector<UpsamplingScore>& scores) {
     json.push_back(row);
   }
   return json;
+}
+
+/// The curve of the last weights, if it was asked for.
+std::optional<ConfidenceCurve> curve_of(const CompareOptions& options, const SensorModel& sensor) {
+  if (options.curve.empty()) return std::nullopt;
+  if (options.weights.empty()) throw Error("compare: --curve needs --weights");
+  refuse_to_replace_foreign(options.curve, kConfidencePageMarker);
+  return ConfidenceCurve(
+      nn::Upsampler(nn::SuperResolver::load(options.weights.back(),
+                                            {.filter_result = false, .least_confidence = 0.0F}),
+                    sensor));
+}
+
+Json curve_json(const ConfidenceCurve& curve) {
+  Json points = Json::array();
+  for (const OperatingPoint& p : curve.points()) {
+    points.push_back({{"least_confidence", p.least_confidence},
+                      {"mae_all_m", p.mae_all_m},
+                      {"mae_valid_m", p.mae_valid_m},
+                      {"outlier_share", p.outlier_share},
+                      {"missing_share", p.missing_share},
+                      {"f1", p.f1}});
+  }
+  Json bins = Json::array();
+  for (const ReliabilityBin& bin : curve.reliability()) {
+    bins.push_back(
+        {{"confidence", bin.confidence}, {"right_share", bin.right_share}, {"pixels", bin.pixels}});
+  }
+  return {
+      {"points", points}, {"reliability", bins}, {"calibration_error", curve.calibration_error()}};
+}
+
+void finish_curve(const ConfidenceCurve& curve, const CompareOptions& options, std::int64_t used) {
+  write_text_file(confidence_html({options.weights.back(), options.input, used, curve.points(),
+                                   curve.reliability(), curve.calibration_error()}),
+                  options.curve);
+  fmt::print(
+      "| confidence | MAE all m | MAE valid m | outliers % | missing % | F1 |\n"
+      "|--|--|--|--|--|--|\n");
+  for (const OperatingPoint& p : curve.points()) {
+    fmt::print("| {:.2f} | {:.3f} | {:.3f} | {:.2f} | {:.2f} | {:.3f} |\n", p.least_confidence,
+               p.mae_all_m, p.mae_valid_m, 100.0 * p.outlier_share, 100.0 * p.missing_share, p.f1);
+  }
+  fmt::print("confidence against what was right: {:.3f} off on average; page: {}\n",
+             curve.calibration_error(), options.curve);
 }
 
 /// Hands every `every`-th scan of the recording to `use`. Returns how many.
@@ -134,23 +189,38 @@ void declare_compare(CLI::App& app, CompareOptions& options) {
       ->check(CLI::ExistingFile);
   command->add_option("--every", options.every, "Take every n-th scan (default: all)")
       ->check(CLI::Range(1, 1000000000));
+  command->add_option("--curve", options.curve,
+                      "Also write a page about the confidence of the last weights (du-mix): every "
+                      "operating point, and whether it can be believed");
   CLI::Option* filters = command->add_flag(
       "--filters", options.filters,
       "Instead, try settings of the outlier filter on the first weights' results");
   command->add_option("--json", options.json, "Also write the table into this file")
       ->excludes(filters);
+  command
+      ->add_option("--protocol", options.protocol,
+                   "tulip: project KITTI .bin files, lift and score them as the code of TULIP does")
+      ->check(CLI::IsMember({"own", "tulip"}))
+      ->excludes(filters)
+      ->capture_default_str();
   command->add_option("--threads", options.threads, "Threads (default: all cores)")
       ->check(CLI::Range(1, 256));
   command->footer(
-      "Rows: nearest, linear and inverse (linear in 1/range) interpolation, and each network\n"
-      "without and with its outlier filter. Outliers are farther than 0.5 m from the true cloud,\n"
-      "good points nearer than 0.2 m.");
+      "Rows: nearest, linear and inverse (linear in 1/range, by the beams' elevations)\n"
+      "interpolation, and each network: with its filters, and where it has one at its end, "
+      "without\n"
+      "that one (the filters inside stay). Missing: share of the true returns between the "
+      "measured\n"
+      "rows that are left empty; invented: share of the computed points where the truth has no\n"
+      "return. Precision, recall, F1: voxels of 0.1 m. Outliers are farther than 0.5 m from the\n"
+      "true cloud, good points nearer than 0.2 m.");
 }
 
 int compare_command(const CompareOptions& options) {
   if (options.threads > 0) omp_set_num_threads(options.threads);
+  if (!options.json.empty()) refuse_to_replace_foreign(options.json, kCompareJsonMarker);
+  if (options.protocol == "tulip") return compare_with_tulip(options);
   const InterruptGuard interrupt;
-  if (!options.json.empty()) refuse_to_replace_foreign(options.json, kWrittenBy);
   const SensorModel sensor = required_recording_sensor(options.input, options.sensor);
   Json json;
   std::int64_t used = 0;
@@ -163,19 +233,26 @@ int compare_command(const CompareOptions& options) {
     print_trials(comparison.trials());
   } else {
     UpsamplingComparison comparison(methods_of(options, sensor));
-    used = for_each_scan(options, sensor, interrupt,
-                         [&](const OrganizedCloud& scan) { comparison.add(scan); });
+    std::optional<ConfidenceCurve> curve = curve_of(options, sensor);
+    used = for_each_scan(options, sensor, interrupt, [&](const OrganizedCloud& scan) {
+      comparison.add(scan);
+      if (curve) curve->add(scan);
+    });
     print_scores(comparison.scores());
     fmt::print(
         "chance in the data: the median of the eight true ranges around each pixel has an MAE "
         "of {:.3f} m\n",
         comparison.true_neighbours_mae_m());
-    json = {{"written_by", kWrittenBy},
+    json = {{"written_by", kCompareJsonMarker},
             {"input", options.input},
             {"sensor", sensor.name},
             {"scans", used},
             {"true_neighbours_mae_all_m", comparison.true_neighbours_mae_m()},
             {"methods", scores_json(comparison.scores())}};
+    if (curve && used > 0) {
+      json["curve"] = curve_json(*curve);
+      finish_curve(*curve, options, used);
+    }
   }
   fmt::print("{} scans of {}\n", used, options.input);
   if (!options.json.empty()) {

@@ -12,10 +12,15 @@ struct CompareOptions {
   std::string sensor;  ///< empty: as for hqslam run
   std::vector<std::string> weights;
   std::int64_t every = 1;
-  std::string json;  ///< file to write; empty: none
+  std::string json;   ///< file to write; empty: none
+  std::string curve;  ///< page to write about the last weights' confidence; empty: none
   bool filters = false;
-  int threads = 0;  ///< 0: what OpenMP chooses
+  std::string protocol = "own";  ///< or "tulip"
+  int threads = 0;               ///< 0: what OpenMP chooses
 };
+
+/// In every file that --json writes: tells it from others.
+inline constexpr const char* kCompareJsonMarker = "hqslam compare";
 
 void declare_compare(CLI::App& app, CompareOptions& options);
 /// Returns an ExitStatus. Throws Error.

@@ -3,38 +3,35 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <cstdint>
 #include <fstream>
 
 #include "hqslam/core/error.h"
 
 namespace hqslam::tools {
-namespace {
 
-constexpr std::uint64_t kStart = 14695981039346656037ULL;
-constexpr std::uint64_t kPrime = 1099511628211ULL;
-
-std::uint64_t hashed(std::string_view bytes, std::uint64_t hash) {
-  for (const char byte : bytes) hash = (hash ^ static_cast<std::uint8_t>(byte)) * kPrime;
-  return hash;
+void ContentHash::add(std::string_view bytes) {
+  constexpr std::uint64_t kPrime = 1099511628211ULL;
+  for (const char byte : bytes) hash_ = (hash_ ^ static_cast<std::uint8_t>(byte)) * kPrime;
 }
 
-std::string digits(std::uint64_t hash) { return fmt::format("{:016x}", hash); }
-
-}  // namespace
+std::string ContentHash::digits() const { return fmt::format("{:016x}", hash_); }
 
 std::string content_hash(const std::string& path) {
   std::ifstream stream(path, std::ios::binary);
   if (!stream) throw Error(fmt::format("{}: cannot be read", path));
-  std::uint64_t hash = kStart;
+  ContentHash hash;
   std::array<char, 65536> buffer{};
   while (stream) {
     stream.read(buffer.data(), buffer.size());
-    hash = hashed({buffer.data(), static_cast<std::size_t>(stream.gcount())}, hash);
+    hash.add({buffer.data(), static_cast<std::size_t>(stream.gcount())});
   }
-  return digits(hash);
+  return hash.digits();
 }
 
-std::string text_hash(std::string_view text) { return digits(hashed(text, kStart)); }
+std::string text_hash(std::string_view text) {
+  ContentHash hash;
+  hash.add(text);
+  return hash.digits();
+}
 
 }  // namespace hqslam::tools

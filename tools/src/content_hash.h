@@ -1,9 +1,21 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <string_view>
 
 namespace hqslam::tools {
+
+/// FNV-1a, 64 bits, of bytes that come piece by piece.
+class ContentHash {
+ public:
+  void add(std::string_view bytes);
+  /// Of all that was added: 16 hexadecimal digits.
+  std::string digits() const;
+
+ private:
+  std::uint64_t hash_ = 14695981039346656037ULL;
+};
 
 /// FNV-1a, 64 bits, of a file's bytes as 16 hexadecimal digits: tells whether a file is the one
 /// that it was, not whether somebody forged it. Throws Error if it cannot be read.

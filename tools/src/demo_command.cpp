@@ -30,7 +30,7 @@
 namespace hqslam::tools {
 namespace {
 
-constexpr const char* kWeights = "du-or_os1_16to64.npz";
+constexpr const char* kWeights = "du-mix_os1_16to64.npz";
 constexpr int kFewRows = 16;
 /// Image errors are means over every so many scans.
 constexpr std::int64_t kComparedScans = 10;
@@ -54,7 +54,7 @@ std::vector<Way> ways(const std::optional<std::string>& weights) {
                              {"16 beams", "rows-16", kFewRows, ""},
                              {"16 -> 64, linear", "linear", kFewRows, "linear"}};
   if (weights) {
-    result.push_back({"16 -> 64, DU-OR", "du-or", kFewRows, *weights});
+    result.push_back({"16 -> 64, DU-Mix", "du-mix", kFewRows, *weights});
   }
   return result;
 }
@@ -173,7 +173,7 @@ std::vector<std::pair<std::string, RangeImage>> example_images(const std::string
       continue;
     }
     UpsamplingPlan plan = plan_upsampling({drive, "", row.way.upsample, row.way.rows});
-    images.emplace_back(row.way.name, plan.upsampler.run(select_rows(truth, seen)));
+    images.emplace_back(row.way.name, plan.upsampler.run(select_rows(truth, seen)).image);
   }
   return images;
 }
@@ -238,7 +238,7 @@ int demo_command(const DemoOptions& options) {
   const DemoTable table = table_of(rows);
   print_table(table);
   if (!weights) {
-    fmt::print("Without DU-OR: its weights, weights/{}, are not there.\n\n", kWeights);
+    fmt::print("Without DU-Mix: its weights, weights/{}, are not there.\n\n", kWeights);
   }
   const double max_range_m = required_recording_sensor(simulate.out, "").max_range_m;
   const std::string page =

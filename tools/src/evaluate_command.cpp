@@ -11,6 +11,7 @@
 
 #include "exit_status.h"
 #include "hqslam/core/cloud_error.h"
+#include "hqslam/core/drift.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/image_error.h"
 #include "hqslam/core/npy.h"
@@ -53,6 +54,12 @@ int evaluate_trajectories(const EvaluateOptions& options) {
     print_row(fmt::format("RPE deg/100 m over {:.0f} m", stretch_m), rpe.rotation_statistics,
               kDegreesPerRadian * 100.0 / stretch_m);
   }
+  const std::size_t slipped = slips(estimate, reference).size();
+  const Trajectory compared(
+      reference.begin() + static_cast<std::ptrdiff_t>(ape.pairs.reference.front()),
+      reference.begin() + static_cast<std::ptrdiff_t>(ape.pairs.reference.back()) + 1);
+  fmt::print("{:<26}{:>10}{:>10.1f} per 100 km\n", "slips", slipped,
+             slips_per_100_km(slipped, path_length_m(compared)));
   return kOk;
 }
 
@@ -169,7 +176,10 @@ constexpr const char* kDefinitions =
     "          stamps, its pose i is pose i of the other file. As in evo (evo_ape).\n"
     "  RPE     relative pose error: the same for the motion over each stretch of 10, 100 and\n"
     "          800 m of path along the reference. Needs no alignment. Position in percent of the\n"
-    "          stretch, rotation in degrees per 100 m (Geiger et al., KITTI, CVPR 2012).\n"
+    "          stretch, rotation in degrees per 100 m (Geiger et al., KITTI, CVPR 2012). The mean\n"
+    "          over stretches of 100 m is the drift of hqslam table --seeds.\n"
+    "  slips   places where the motion over ten scans is wrong by more than 0.3 m or 0.3 degrees;\n"
+    "          scans that follow one another are one slip.\n"
     "  MAE     mean |range - true range| in metres; over all pixels (no return counts as 0 m), "
     "and\n"
     "          over the pixels where both have a return.\n"

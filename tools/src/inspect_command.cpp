@@ -59,7 +59,9 @@ int inspect_command(const InspectOptions& options) {
   report.network = network.description();
   report.measured = plan.rows ? select_rows(scan, *plan.rows) : scan;
   if (scan.rows == network.sensor().rows()) report.truth = scan;
-  report.result = network.run(report.measured, &report.trace);
+  nn::LiftedImage lifted = network.run(report.measured, &report.trace);
+  report.result = std::move(lifted.image);
+  report.confidence = std::move(lifted.confidence);
   write_text_file(layers_html(report), options.out);
   fmt::print("results: {}\n", options.out);
   return kOk;

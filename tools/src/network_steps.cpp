@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "hqslam/nn/hqs/two_modes.h"
+
 namespace hqslam::tools {
 namespace {
 
@@ -50,6 +52,38 @@ std::vector<NetworkConvolution> u_shaped(const nn::NetworkDescription& descripti
   return result;
 }
 
+/// nn/hqs/network_description.h, TwoModesLayerShape, says what they are. All layers, one after the
+/// other: each has a shape of its own.
+std::vector<NetworkConvolution> two_modes(const nn::NetworkDescription& description) {
+  const nn::TwoModesShape& net = description.two_modes;
+  const int rows = description.sensor.rows() / net.tile.rows;
+  const int columns = description.sensor.columns / net.tile.columns;
+  const int computed = net.tile.pixels() - net.tile.columns;
+  const int seen = net.tile.pixels() + 2 * net.tile.columns;
+  std::vector<NetworkConvolution> result;
+  for (std::size_t k = 0; k < net.layers.size(); ++k) {
+    const nn::TwoModesLayerShape& layer = net.layers[k];
+    const auto add = [&](const std::string& name, bool transposed, nn::ConvolutionShape kernel,
+                         int from_level, int to_level) {
+      result.push_back({fmt::format("{}.{}", k, name), transposed, kernel, rows >> from_level,
+                        columns >> from_level, rows >> to_level, columns >> to_level,
+                        nn::ColumnPadding::kCircular});
+    };
+    const int inputs = k == 0 ? seen : seen + computed + net.memory;
+    const int outputs =
+        nn::kTwoModesOutputs * computed + (k + 1 < net.layers.size() ? net.memory : 0);
+    const int lower = layer.lower_channels;
+    add("encoder.0", false, shape(inputs, layer.channels, 3, 1, 1), 0, 0);
+    add("encoder.1", false, shape(layer.channels, lower, 3, 2, 1), 0, 1);
+    for (int block = 0; block <= layer.residual_blocks; ++block) {
+      add(fmt::format("bottleneck.{}", block), false, shape(lower, lower, 3, 1, 1), 1, 1);
+    }
+    add("decoder.0", true, shape(lower, layer.channels, 2, 2, 0), 1, 0);
+    add("head", false, shape(layer.channels, outputs, 1, 1, 0), 0, 0);
+  }
+  return result;
+}
+
 std::vector<NetworkConvolution> plain(const nn::NetworkDescription& description) {
   const nn::PlainDenoiserShape& net = description.plain;
   const int rows = description.sensor.rows();
@@ -73,7 +107,15 @@ std::int64_t NetworkConvolution::multiply_adds() const {
 }
 
 std::vector<NetworkConvolution> convolutions_of(const nn::NetworkDescription& description) {
-  return description.kind == nn::NetworkKind::kDuOr ? u_shaped(description) : plain(description);
+  switch (description.kind) {
+    case nn::NetworkKind::kDuOr:
+      return u_shaped(description);
+    case nn::NetworkKind::kSimpleDu:
+      return plain(description);
+    case nn::NetworkKind::kDuMix:
+      break;
+  }
+  return two_modes(description);
 }
 
 }  // namespace hqslam::tools

@@ -29,7 +29,7 @@ struct NetworkConvolution {
   std::int64_t multiply_adds() const;
 };
 
-/// The convolutions of one HQS layer in the order in which they run.
+/// The convolutions of one HQS layer in the order in which they run; of DU-Mix, of all layers.
 std::vector<NetworkConvolution> convolutions_of(const nn::NetworkDescription& description);
 
 }  // namespace hqslam::tools

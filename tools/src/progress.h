@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <string>
+#include <utility>
 
 namespace hqslam::tools {
 
@@ -27,6 +28,8 @@ class Progress {
  public:
   Progress(std::string label, std::int64_t total, std::FILE* stream = stderr,
            std::string unit = "scans");
+  /// What is being done now.
+  void relabel(std::string label) { state_.label = std::move(label); }
   /// Call after each scan; draws only when it is time to.
   void update(std::int64_t done);
   /// Draws the last state and ends the line.

@@ -1,43 +1,20 @@
 #include "reference.h"
 
 #include <algorithm>
-#include <fstream>
-#include <sstream>
+#include <utility>
 
 #include "hqslam/core/error.h"
 
 namespace hqslam::tools {
 namespace {
 
-constexpr int kTumColumns = 8;
 constexpr std::size_t kFewestPairs = 3;
-
-/// Number of values on the first line that is neither empty nor a comment.
-int columns_of_first_line(const std::string& path) {
-  std::ifstream stream(path);
-  std::string line;
-  while (std::getline(stream, line)) {
-    std::istringstream words(line);
-    std::string word;
-    int columns = 0;
-    while (words >> word && (columns > 0 || word.front() != '#')) {
-      ++columns;
-    }
-    if (columns > 0) {
-      return columns;
-    }
-  }
-  return 0;
-}
 
 }  // namespace
 
 TrajectoryFile read_trajectory_file(const std::string& path) {
-  TrajectoryFile file;
-  file.path = path;
-  file.poses = read_trajectory(path);
-  file.has_stamps = columns_of_first_line(path) == kTumColumns;
-  return file;
+  ParsedTrajectory parsed = parse_trajectory(path);
+  return {path, std::move(parsed.poses), parsed.form == TrajectoryForm::kTum};
 }
 
 Trajectory with_stamps_of(const TrajectoryFile& file, const Trajectory& other) {

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <fstream>
 #include <system_error>
 
 #include "hqslam/core/error.h"
@@ -16,6 +17,12 @@ void make_result_folder(const std::filesystem::path& folder) {
         fmt::format("{}: cannot be made as a folder for the results ({}); give another --out",
                     folder.string(), error.message()));
   }
+  const std::filesystem::path probe = folder / ".hqslam-probe";
+  if (!std::ofstream(probe)) {
+    throw Error(
+        fmt::format("{}: no file can be written there; give another --out", folder.string()));
+  }
+  std::filesystem::remove(probe, error);
 }
 
 }  // namespace hqslam::tools

@@ -12,38 +12,14 @@
 
 #include "exit_status.h"
 #include "hqslam/core/error.h"
+#include "map_command.h"
 #include "recording_sensor.h"
 #include "run_output.h"
+#include "run_plan.h"
 #include "timing_statistics.h"
-#include "upsampling_plan.h"
 
 namespace hqslam::tools {
 namespace {
-
-/// What is read and what SLAM gets to see of it.
-struct RunPlan {
-  std::string input;
-  SensorModel recording_sensor;
-  std::optional<RowSelection> rows;
-  std::optional<Upsampler> upsampler;
-
-  SlamRunSpec spec() { return {input, rows, upsampler ? &*upsampler : nullptr}; }
-};
-
-RunPlan plan_of(const RunOptions& options) {
-  if (!options.upsample.empty()) {
-    UpsamplingPlan plan =
-        plan_upsampling({options.input, options.sensor, options.upsample, options.rows});
-    return {options.input, plan.recording_sensor, plan.rows, std::move(plan.upsampler)};
-  }
-  RunPlan plan;
-  plan.input = options.input;
-  plan.recording_sensor = required_recording_sensor(options.input, options.sensor);
-  if (options.rows > 0 && options.rows != plan.recording_sensor.rows()) {
-    plan.rows = selection_for(plan.recording_sensor.rows(), options.rows);
-  }
-  return plan;
-}
 
 /// A scan's stamp is its index times the sensor's period: that of a reference recorded with a clock
 /// is another time, and none of its poses would be compared.
@@ -79,15 +55,6 @@ std::optional<TrajectoryFile> reference_of(const RunOptions& options, const Scan
     require_stamps_of_scans(reference, scans, source.sensor().scan_period_s);
   }
   return reference;
-}
-
-RecordingOptions recording_options(const RunOptions& options) {
-  RecordingOptions recording;
-  recording.row_order =
-      options.row_order == "lowest-first" ? RowOrder::kLowestFirst : RowOrder::kHighestFirst;
-  recording.capture_time =
-      options.motion_corrected ? CaptureTime::kMotionCorrected : CaptureTime::kRolling;
-  return recording;
 }
 
 double median_upsampling_ms(const SlamRun& run) {
@@ -130,12 +97,21 @@ void print_summary(const RunResult& result, const RunOptions& options) {
                error.translation_statistics.rmse, error.translation_m.size(),
                result.comparison->reference_path, name(error.alignment));
   }
-  fmt::print("results: {}/trajectory.tum, trajectory.kitti, map.pcd, timings.json, report.html\n",
-             options.out);
+  if (!result.dense_map_summary.empty()) {
+    fmt::print("{}\n", result.dense_map_summary);
+  }
+  fmt::print("results: {}/trajectory.tum, trajectory.kitti, map.pcd, timings.json, report.html{}\n",
+             options.out,
+             result.dense_map_summary.empty() ? "" : ", dense_map.pcd, dense_map.ply and pictures");
 }
 
 /// What to tell the shell, with the one line on stderr that explains it.
-int exit_status_of(const SlamRun& run) {
+int exit_status_of(const RunResult& result, const RunOptions& options) {
+  const SlamRun& run = result.run;
+  if (run.end == RunEnd::kComplete && options.dense_map && result.dense_map_summary.empty()) {
+    fmt::print(stderr, "hqslam: interrupted; the results are valid, but there is no dense map\n");
+    return kInterrupted;
+  }
   switch (run.end) {
     case RunEnd::kInterrupted:
       fmt::print(stderr,
@@ -153,23 +129,30 @@ int exit_status_of(const SlamRun& run) {
   return kOk;
 }
 
+/// The poses of a run, but for scans that were not located.
+ScanPoses poses_of(const SlamRun& run) {
+  ScanPoses poses;
+  poses.trajectory = run.trajectory;
+  for (const ScanRecord& scan : run.scans) {
+    poses.is_located.push_back(scan.report.mapping_status != slam::Status::kTooFewFeatures);
+  }
+  return poses;
+}
+
+/// All other results are written by now: what goes wrong here costs the dense map alone.
+void add_dense_map(const RunOptions& options, const InterruptGuard& interrupt, RunOutput& output,
+                   RunResult& result) {
+  DenseMapRun dense_map = build_dense_map(options, poses_of(result.run), options.map, interrupt);
+  if (interrupt.stop_requested()) return;
+  output.write_dense_map(result.run, result.comparison, dense_map);
+  result.dense_map_summary = dense_map_summary(dense_map);
+}
+
 }  // namespace
 
 void declare_run(CLI::App& app, RunOptions& options) {
   CLI::App* command = app.add_subcommand("run", "From a recorded drive to a trajectory and a map");
-  command
-      ->add_option("INPUT", options.input,
-                   "Folder of KITTI .bin files, folder of .pcd files, .npy stack of range images "
-                   "(N x H x W, float32 metres), or folder written by hqslam simulate")
-      ->required()
-      ->check(CLI::ExistingPath);
-  command->add_option("--sensor", options.sensor,
-                      fmt::format("{}, or a .json file with the beam angles (Ouster's metadata "
-                                  "files too); not needed for a simulated drive",
-                                  fmt::join(sensor_preset_names(), ", ")));
-  command
-      ->add_option("--rows", options.rows, "Use only this many of the sensor's rows, evenly spread")
-      ->check(CLI::Range(1, 1000000000));
+  declare_recording(*command, options);
   command->add_option("--out", options.out, "Folder for the results; made if it is not there")
       ->required();
   command
@@ -177,23 +160,14 @@ void declare_run(CLI::App& app, RunOptions& options) {
                    "Trajectory to compare with (TUM, or KITTI with one pose per scan); by default "
                    "the truth of a simulated drive")
       ->check(CLI::ExistingFile);
-  command
-      ->add_option("--row-order", options.row_order,
-                   "Where row 0 of the images of a .npy stack looks")
-      ->check(CLI::IsMember({"highest-first", "lowest-first"}))
-      ->capture_default_str();
-  command->add_flag("--motion-corrected", options.motion_corrected,
-                    "The scans of a .npy stack are already corrected for the sensor's motion");
-  command
-      ->add_option("--upsample", options.upsample,
-                   fmt::format("Fill the rows between the measured ones first: a trained network "
-                               "(.npz), or interpolation ({})",
-                               fmt::join(interpolation_names(), ", ")))
-      ->check(CLI::ExistingFile | CLI::IsMember(interpolation_names()));
   command->add_option("--threads", options.threads, "Threads (default: all cores)")
       ->check(CLI::Range(1, 256));
   command->add_flag("--loop-closing", options.loop_closing,
                     "Recognise places passed before and correct the path and the map");
+  command->add_flag("--dense-map", options.dense_map,
+                    "Also make a dense map of all scans' points, measured and upsampled; reads the "
+                    "recording twice more");
+  declare_dense_map(*command, options.map);
   command->footer(
       "Writes into --out:\n"
       "  trajectory.tum    stamp x y z qx qy qz qw per scan\n"
@@ -201,6 +175,9 @@ void declare_run(CLI::App& app, RunOptions& options) {
       "  map.pcd           the features of all key frames, in that frame\n"
       "  timings.json      time per stage and status of every scan\n"
       "  report.html       trajectory, error and times on one page\n"
+      "and with --dense-map, in the same frame:\n"
+      "  dense_map.pcd, dense_map.ply   x y z confidence times_seen per voxel, binary\n"
+      "  dense_map_above.png, dense_map_perspective.png\n"
       "An earlier run's results in it are replaced from the first scan on. Ctrl-C stops the run;\n"
       "what is written up to then is valid. Mapping says of every scan whether it was located:\n"
       "ok, degenerate (some direction of motion could not be seen), too few features, or not\n"
@@ -212,8 +189,7 @@ RunResult run_and_write(const RunOptions& options, const InterruptGuard& interru
     omp_set_num_threads(options.threads);
   }
   RunPlan plan = plan_of(options);
-  const std::unique_ptr<ScanSource> source =
-      open_recording(options.input, plan.recording_sensor, recording_options(options));
+  const std::unique_ptr<ScanSource> source = plan.open();
   const std::optional<TrajectoryFile> reference = reference_of(options, *source);
   RunOutput output(options.out);
 
@@ -237,6 +213,9 @@ RunResult run_and_write(const RunOptions& options, const InterruptGuard& interru
     }
   }
   output.write_results(result.run, result.comparison);
+  if (options.dense_map && !interrupt.stop_requested()) {
+    add_dense_map(options, interrupt, output, result);
+  }
   return result;
 }
 
@@ -246,7 +225,7 @@ int run_command(const RunOptions& options) {
   if (!result.run.scans.empty()) {
     print_summary(result, options);
   }
-  return exit_status_of(result.run);
+  return exit_status_of(result, options);
 }
 
 }  // namespace hqslam::tools

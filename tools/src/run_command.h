@@ -4,23 +4,21 @@
 #include <optional>
 #include <string>
 
+#include "dense_map_run.h"
 #include "interrupt.h"
 #include "reference.h"
+#include "run_plan.h"
 #include "slam_run.h"
 
 namespace hqslam::tools {
 
-struct RunOptions {
-  std::string input;
-  std::string sensor;  ///< empty: sensor.json in a folder written by `hqslam simulate`
-  int rows = 0;        ///< 0: all
+struct RunOptions : RecordingChoice {
   std::string out;
   std::string reference;  ///< empty: truth.tum in a folder written by `hqslam simulate`, or none
-  std::string row_order = "highest-first";
-  bool motion_corrected = false;
-  std::string upsample;  ///< weights file or interpolation; empty: the recording as it is
-  int threads = 0;       ///< 0: what OpenMP chooses
+  int threads = 0;        ///< 0: what OpenMP chooses
   bool loop_closing = false;
+  bool dense_map = false;
+  DenseMapChoice map;
 };
 
 void declare_run(CLI::App& app, RunOptions& options);
@@ -29,6 +27,7 @@ void declare_run(CLI::App& app, RunOptions& options);
 struct RunResult {
   SlamRun run;
   std::optional<ReferenceComparison> comparison;
+  std::string dense_map_summary;  ///< empty: there is none
 };
 /// Runs and writes the results, printing nothing but progress. Without a single scan nothing is
 /// written. Throws Error, also if the first scan cannot be read.

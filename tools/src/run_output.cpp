@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <system_error>
 
+#include "dense_map_output.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/pcd.h"
 #include "report/html_report.h"
@@ -174,6 +175,7 @@ RunOutput::RunOutput(const std::string& folder)
   if (written_by_hqslam(folder_)) {
     return;
   }
+  refuse_foreign_dense_map(folder_);
   for (const char* result : kResultNames) {
     if (fs::exists(folder_ / result)) {
       throw Error(fmt::format(
@@ -191,8 +193,13 @@ bool RunOutput::checkpoint_due() const {
 void RunOutput::write_file(const std::string& name,
                            const std::function<void(const std::string&)>& write) {
   const fs::path part = folder_ / (name + ".part");
-  write(part.string());
   std::error_code error;
+  try {
+    write(part.string());
+  } catch (const Error&) {
+    fs::remove(part, error);
+    throw;
+  }
   fs::rename(part, folder_ / name, error);
   if (error) {
     throw Error(fmt::format("{}: cannot be written ({}); give another --out",
@@ -208,6 +215,7 @@ void RunOutput::write_checkpoint(const SlamRun& run) {
     std::error_code ignored;
     fs::remove(folder_ / "map.pcd", ignored);
     fs::remove(folder_ / "report.html", ignored);
+    remove_dense_map(folder_);
     first_ = false;
   }
   write_file("trajectory.tum", [&](const std::string& path) { write_tum(run.trajectory, path); });
@@ -222,6 +230,16 @@ void RunOutput::write_results(const SlamRun& run,
   write_file("map.pcd", [&](const std::string& path) { write_pcd(run.map_points_m, path); });
   write_file("report.html",
              [&](const std::string& path) { write_text(html_report(run, comparison), path); });
+}
+
+void RunOutput::write_dense_map(const SlamRun& run,
+                                const std::optional<ReferenceComparison>& comparison,
+                                const DenseMapRun& dense_map) {
+  const DenseMapPictures pictures = pictures_of(dense_map, run.trajectory);
+  tools::write_dense_map(dense_map, pictures, folder_);
+  write_file("report.html", [&](const std::string& path) {
+    write_text(html_report(run, comparison, {&dense_map, &pictures}), path);
+  });
 }
 
 }  // namespace hqslam::tools

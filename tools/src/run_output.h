@@ -6,14 +6,16 @@
 #include <optional>
 #include <string>
 
+#include "dense_map_run.h"
 #include "reference.h"
 #include "slam_run.h"
 
 namespace hqslam::tools {
 
 /// The folder that a run writes into: trajectory.tum, trajectory.kitti, map.pcd, timings.json and
-/// report.html. Every file is written under another name first and then renamed, so that each is
-/// valid whenever the program stops. No other file in the folder is touched.
+/// report.html, and those of a dense map if there is one. Every file is written under another name
+/// first and then renamed, so that each is valid whenever the program stops. No other file in the
+/// folder is touched.
 class RunOutput {
  public:
   /// Touches nothing yet. Throws Error if one of the five files is there and was not written by
@@ -28,6 +30,10 @@ class RunOutput {
   void write_checkpoint(const SlamRun& run);
   /// Everything.
   void write_results(const SlamRun& run, const std::optional<ReferenceComparison>& comparison);
+  /// After write_results: the dense map's four files (dense_map_output.h), and the report again,
+  /// with its pictures.
+  void write_dense_map(const SlamRun& run, const std::optional<ReferenceComparison>& comparison,
+                       const DenseMapRun& dense_map);
 
  private:
   void write_file(const std::string& name, const std::function<void(const std::string&)>& write);

@@ -30,8 +30,12 @@ void declare_simulate(CLI::App& app, SimulateOptions& options) {
   CLI::App* command =
       app.add_subcommand("simulate", "Drive a LiDAR through a simulated city, with the truth");
   command
-      ->add_option("--drive", options.drive,
-                   "block: 200 scans; town: 4,000 with three loops; hills: 8,000, harder")
+      ->add_option(
+          "--drive", options.drive,
+          "block: 200 scans of quiet streets; town: 4,000 with three loops; hills: 8,000, harder; "
+          "meadow: 4,000 of open land; narrow: 3,000 between walls; yard: 2,000 of a low "
+          "robot; handheld: 2,000 on foot; car-park: 2,000, both ways round; "
+          "indoors: 2,000 through rooms and up stairs")
       ->required()
       ->check(CLI::IsMember(sim::drive_preset_names()));
   command->add_option("--sensor", options.sensor, "Sensor (name or .json file, as for hqslam run)")
@@ -50,12 +54,12 @@ void declare_simulate(CLI::App& app, SimulateOptions& options) {
       "hqslam run takes the folder as it is.");
 }
 
-int simulate_drive(const SimulateOptions& options, const InterruptGuard& interrupt) {
+int simulate_drive(const SimulateOptions& options, const InterruptGuard& interrupt,
+                   const std::function<void()>& on_scan) {
   const sim::DriveSpec spec = drive_of(options);
   sim::DriveSimulator simulator(spec, load_sensor(options.sensor));
   clear_drive_folder(options.out);
   sim::DriveWriter writer(options.out, spec, simulator.sensor(), {options.bin, options.pcd});
-  Progress progress(fmt::format("simulate {}", options.drive), simulator.scans());
   std::int64_t done = 0;
   while (!interrupt.stop_requested()) {
     const std::optional<sim::SimulatedScan> scan = simulator.next();
@@ -63,10 +67,18 @@ int simulate_drive(const SimulateOptions& options, const InterruptGuard& interru
       break;
     }
     writer.append(*scan);
-    progress.update(++done);
+    ++done;
+    on_scan();
   }
-  progress.finish();
   return done < simulator.scans() ? kInterrupted : kOk;
+}
+
+int simulate_drive(const SimulateOptions& options, const InterruptGuard& interrupt) {
+  Progress progress(fmt::format("simulate {}", options.drive), drive_of(options).scans);
+  std::int64_t done = 0;
+  const int status = simulate_drive(options, interrupt, [&] { progress.update(++done); });
+  progress.finish();
+  return status;
 }
 
 int simulate_command(const SimulateOptions& options) {

@@ -2,6 +2,7 @@
 
 #include <CLI/App.hpp>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 
@@ -22,6 +23,9 @@ struct SimulateOptions {
 void declare_simulate(CLI::App& app, SimulateOptions& options);
 /// Simulates and writes, printing nothing but progress. Returns kOk or kInterrupted. Throws Error.
 int simulate_drive(const SimulateOptions& options, const InterruptGuard& interrupt);
+/// The same without progress, calling `on_scan` after each scan.
+int simulate_drive(const SimulateOptions& options, const InterruptGuard& interrupt,
+                   const std::function<void()>& on_scan);
 /// Returns an ExitStatus. Throws Error.
 int simulate_command(const SimulateOptions& options);
 

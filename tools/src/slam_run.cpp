@@ -8,10 +8,10 @@
 #include <optional>
 
 #include "hqslam/core/error.h"
+#include "hqslam/nn/upsampled_cloud.h"
 #include "hqslam/slam/options.h"
 #include "progress.h"
 #include "run_output.h"
-#include "upsampled_cloud.h"
 
 namespace hqslam::tools {
 namespace {
@@ -35,13 +35,10 @@ std::optional<RecordedScan> read_next(ScanSource& source, SlamRun& run) {
 
 /// What SLAM gets to see of a scan.
 OrganizedCloud prepared(const RecordedScan& scan, const SlamRunSpec& spec, ScanRecord& record) {
-  OrganizedCloud measured = spec.rows ? select_rows(scan.cloud, *spec.rows) : scan.cloud;
-  if (spec.upsampler == nullptr) {
-    return measured;
-  }
+  const OrganizedCloud measured = measured_cloud(scan.cloud, spec);
   const auto start = Clock::now();
-  OrganizedCloud cloud = upsampled_cloud(*spec.upsampler, measured);
-  record.upsampling_s = seconds_since(start);
+  OrganizedCloud cloud = prepared_cloud(measured, spec);
+  if (spec.upsampler != nullptr) record.upsampling_s = seconds_since(start);
   return cloud;
 }
 
@@ -53,6 +50,14 @@ SensorModel sensor_of(const ScanSource& source, const SlamRunSpec& spec) {
 }
 
 }  // namespace
+
+OrganizedCloud measured_cloud(const OrganizedCloud& cloud, const SlamRunSpec& spec) {
+  return spec.rows ? select_rows(cloud, *spec.rows) : cloud;
+}
+
+OrganizedCloud prepared_cloud(const OrganizedCloud& measured, const SlamRunSpec& spec) {
+  return spec.upsampler != nullptr ? nn::upsampled_cloud(*spec.upsampler, measured) : measured;
+}
 
 std::string_view name(RunEnd end) {
   switch (end) {

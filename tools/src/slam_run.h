@@ -9,10 +9,10 @@
 
 #include "hqslam/core/scan_source.h"
 #include "hqslam/core/sensor_model.h"
+#include "hqslam/nn/upsampler.h"
 #include "hqslam/slam/options.h"
 #include "hqslam/slam/slam.h"
 #include "interrupt.h"
-#include "upsampler.h"
 
 namespace hqslam::tools {
 
@@ -35,7 +35,7 @@ struct SlamRun {
   std::string sensor_name;
   int rows = 0;
   int columns = 0;
-  std::string upsampled_by;  ///< Upsampler::name(); empty: the recording as it is
+  std::string upsampled_by;  ///< nn::Upsampler::name(); empty: the recording as it is
   bool loop_closing = false;
   int threads = 1;
   std::int64_t scans_in_recording = 0;
@@ -63,10 +63,15 @@ std::int64_t loops_closed(const SlamRun& run);
 /// How a recording is processed.
 struct SlamRunSpec {
   std::string input;
-  std::optional<RowSelection> rows;  ///< of the recording that are looked at; nothing: every row
-  Upsampler* upsampler = nullptr;    ///< what fills the rows between them; nullptr: nothing
+  std::optional<RowSelection> rows;    ///< of the recording that are looked at; nothing: every row
+  nn::Upsampler* upsampler = nullptr;  ///< what fills the rows between them; nullptr: nothing
   bool loop_closing = false;
 };
+
+/// The rows of a recorded scan that are looked at.
+OrganizedCloud measured_cloud(const OrganizedCloud& cloud, const SlamRunSpec& spec);
+/// What SLAM gets to see of them: with the rows between them filled, if there is an upsampler.
+OrganizedCloud prepared_cloud(const OrganizedCloud& measured, const SlamRunSpec& spec);
 
 /// What SLAM runs with.
 slam::SlamOptions slam_options(bool loop_closing);

@@ -9,21 +9,25 @@
 #include <CLI/Validators.hpp>
 #include <algorithm>
 #include <filesystem>
+#include <optional>
 #include <utility>
+#include <vector>
 
-#include "content_hash.h"
 #include "exit_status.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/png.h"
-#include "hqslam/core/scan_source.h"
 #include "interrupt.h"
-#include "recording_sensor.h"
+#include "report/seeds_report.h"
 #include "report/table_report.h"
+#include "result_folder.h"
+#include "seeds_figures.h"
+#include "seeds_json.h"
+#include "seeds_text.h"
 #include "table_drive.h"
 #include "table_figures.h"
 #include "table_json.h"
 #include "table_markdown.h"
-#include "table_run.h"
+#include "table_work.h"
 #include "text_file.h"
 
 namespace hqslam::tools {
@@ -40,99 +44,6 @@ std::string variants_help() {
     help += fmt::format("  +{:<16} {}\n", variant.name, variant.title);
   }
   return help;
-}
-
-/// A drive whose recording is there.
-struct PreparedDrive {
-  TableDrive drive;
-  SensorModel sensor;
-  std::int64_t scans = 0;
-  std::string results;  ///< folder
-};
-
-PreparedDrive prepared(const TableDrive& drive, const TableOptions& options) {
-  PreparedDrive prepared;
-  prepared.drive = drive;
-  prepared.sensor = required_recording_sensor(drive.recording, drive.sensor);
-  if (prepared.sensor.rows() != kTableAllRows) {
-    throw Error(fmt::format("{}: expected a recording with {} rows, found '{}' with {}",
-                            drive.recording, kTableAllRows, prepared.sensor.name,
-                            prepared.sensor.rows()));
-  }
-  const std::int64_t size = open_recording(drive.recording, prepared.sensor)->size();
-  prepared.scans = std::min(size, options.scans.value_or(size));
-  prepared.results = (fs::path(options.out) / "results" / drive.name).string();
-  return prepared;
-}
-
-TableSettings settings_of(const PreparedDrive& drive, const TableMethod& method) {
-  TableSettings settings;
-  settings.version = HQSLAM_VERSION;
-  settings.recording = identity_of(drive.drive);
-  settings.sensor = fmt::format("{} {}", drive.sensor.name, text_hash(sensor_json(drive.sensor)));
-  settings.scans = drive.scans;
-  settings.method = method.name;
-  const std::string weights = weights_of(method, drive.sensor.name);
-  if (!weights.empty()) {
-    settings.weights = fs::path(weights).filename().string();
-    settings.weights_hash = content_hash(weights);
-  }
-  return settings;
-}
-
-/// What is left to do on a drive.
-std::vector<TablePass> passes_on(const PreparedDrive& drive,
-                                 const std::vector<TableMethod>& methods) {
-  std::vector<TableMethod> missing;
-  for (const TableMethod& method : methods) {
-    if (!load_result(settings_of(drive, method), drive.results)) missing.push_back(method);
-  }
-  std::vector<TablePass> passes;
-  for (const std::vector<TableMethod>& shared : passes_of(missing)) {
-    TablePass pass{drive.drive, drive.sensor, shared, {}, drive.scans, drive.drive.name};
-    for (const TableMethod& method : shared) {
-      pass.settings.push_back(settings_of(drive, method));
-      pass.title += fmt::format("{} {}", pass.settings.size() == 1 ? "," : " and", method.title);
-    }
-    passes.push_back(std::move(pass));
-  }
-  return passes;
-}
-
-/// Runs what is missing. Returns false if it was interrupted.
-bool run_missing(const std::vector<PreparedDrive>& drives, const std::vector<TableMethod>& methods,
-                 const InterruptGuard& interrupt) {
-  std::vector<std::pair<TablePass, std::string>> passes;
-  for (const PreparedDrive& drive : drives) {
-    for (TablePass& pass : passes_on(drive, methods)) {
-      passes.emplace_back(std::move(pass), drive.results);
-    }
-  }
-  for (std::size_t i = 0; i < passes.size(); ++i) {
-    auto& [pass, folder] = passes[i];
-    pass.title = fmt::format("{} of {}: {}", i + 1, passes.size(), pass.title);
-    const std::vector<TableResult> results = run_pass(pass, interrupt);
-    if (results.empty()) return false;
-    for (const TableResult& result : results) save_result(result, folder);
-  }
-  return true;
-}
-
-/// Of everything that is there, whoever computed it.
-DriveFigures figures_of(const PreparedDrive& drive, const std::vector<TableMethod>& shown) {
-  std::vector<TableMethod> methods;
-  std::vector<TableResult> results;
-  for (const TableMethod& method : shown) {
-    try {
-      if (auto result = load_result(settings_of(drive, method), drive.results)) {
-        methods.push_back(method);
-        results.push_back(std::move(*result));
-      }
-    } catch (const Error&) {
-      continue;  // no weights for this sensor: nothing can be there
-    }
-  }
-  return drive_figures(drive.drive, drive.sensor.name, methods, results, truth_of(drive.drive));
 }
 
 void write_pictures(const DriveFigures& drive, const fs::path& out) {
@@ -163,11 +74,56 @@ void refuse_foreign_tables(const std::string& out) {
   }
 }
 
-void write_tables(const std::vector<DriveFigures>& drives, const fs::path& out) {
-  write_text_file(table_markdown(drives), (out / "table.md").string());
-  write_text_file(table_json(drives), (out / "table.json").string());
-  write_text_file(table_html(drives), (out / "table.html").string());
+void write_pages(const std::string& markdown, const std::string& json, const std::string& html,
+                 const fs::path& out) {
+  write_text_file(markdown, (out / "table.md").string());
+  write_text_file(json, (out / "table.json").string());
+  write_text_file(html, (out / "table.html").string());
+  fmt::print("results: {0}/table.html, table.md and table.json\n", out.string());
+}
+
+void print_table(const TextTable& table) {
+  fmt::print("{}\n\n{}\n", table.title, markdown_of(table));
+}
+
+/// Of everything that is there.
+void write_drives_tables(const std::vector<DriveWork>& works, const TablePlan& plan,
+                         const fs::path& out) {
+  std::vector<DriveFigures> drives;
+  for (const DriveWork& work : works) {
+    if (!work.prepared) continue;
+    const FoundResults found = results_of(*work.prepared, plan.shown, plan.loop_closing);
+    if (found.results.empty()) continue;
+    drives.push_back(drive_figures(work.drive, work.prepared->sensor.name, found.methods,
+                                   found.results, truth_of(work.drive)));
+  }
+  if (drives.empty()) return;
+  for (std::size_t i = 0; i < kLoopClosingNames.size(); ++i) print_table(paper_table(drives, i));
   for (const DriveFigures& drive : drives) write_pictures(drive, out);
+  write_pages(table_markdown(drives), table_json(drives), table_html(drives), out);
+}
+
+/// Of the drives that every method has finished.
+void write_seeds_tables(const std::vector<DriveWork>& works, const TablePlan& plan,
+                        const TableOptions& options) {
+  SeedTable table;
+  table.methods = plan.methods;
+  const auto against =
+      std::find_if(table.methods.begin(), table.methods.end(),
+                   [&](const TableMethod& method) { return method.name == options.against; });
+  table.against = static_cast<std::size_t>(against - table.methods.begin());
+  for (const DriveWork& work : works) {
+    if (!work.prepared) continue;
+    const FoundResults found = results_of(*work.prepared, plan.methods, plan.loop_closing);
+    if (found.results.size() < plan.methods.size()) continue;
+    if (auto drive = seed_drive(work.drive, found.results, truth_of(work.drive)->poses)) {
+      table.drives.push_back(std::move(*drive));
+    }
+  }
+  if (table.drives.empty()) return;
+  print_table(seeds_summary_table(table));
+  print_table(seeds_pair_table(table));
+  write_pages(seeds_markdown(table), seeds_json(table), seeds_html(table), options.out);
 }
 
 int report_interruption() {
@@ -205,6 +161,16 @@ void declare_table(CLI::App& app, TableOptions& options) {
       ->check(CLI::ExistingFile);
   command->add_option("--scans", options.scans, "Only so many scans of each drive")
       ->check(CLI::Range(1, 1000000000));
+  CLI::Option* seeds =
+      command->add_option("--seeds", options.seeds,
+                          "Every simulated drive of --drives from each of these seeds (1..10, or "
+                          "3,5,8) instead of once: "
+                          "drift and slips against the truth, with 95 % intervals");
+  command
+      ->add_option("--against", options.against,
+                   "With --seeds: the row that the others are paired with, drive by drive")
+      ->needs(seeds)
+      ->capture_default_str();
   command->add_option("--out", options.out, "Folder for drives, results and tables")->required();
   command->add_option("--threads", options.threads, "Threads (default: all cores)")
       ->check(CLI::Range(1, 256));
@@ -213,13 +179,17 @@ void declare_table(CLI::App& app, TableOptions& options) {
       "Writes into --out:\n"
       "  table.md, table.json, table.html   the tables; the page also shows where the error is\n"
       "  DRIVE-loop-closing-off.png, -on.png   trajectories coloured by error\n"
-      "  results/DRIVE/METHOD.json, .tum    each finished run; drives/NAME: simulated drives\n"
+      "  results/DRIVE/.../METHOD.json, .tum   each finished run; drives/NAME: simulated drives\n"
       "Without a choice it takes hours and 3 GB: the drives have 12,000 scans, and Simple DU "
       "needs\n"
       "about a second for one. Ctrl-C keeps what is finished; the same command goes on from "
       "there.\n"
-      "A result is computed anew if it is damaged or was made from another recording, with other\n"
-      "weights or another version of the program.");
+      "With --seeds there are no pictures, SLAM runs without loop closing, and as many drives as\n"
+      "there are threads are under way side by side, with one thread each. A simulated drive of\n"
+      "1,000 scans takes 320 MB.\n"
+      "A result is computed anew if it is damaged or was made from a recording with other scans,\n"
+      "with other weights or by another build of the program; results of other lengths and builds\n"
+      "are kept beside it.");
 }
 
 int table_command(const TableOptions& options) {
@@ -227,24 +197,13 @@ int table_command(const TableOptions& options) {
   const InterruptGuard interrupt;
   const TablePlan plan = plan_table(options);
   refuse_foreign_tables(options.out);
-  std::vector<PreparedDrive> drives;
-  for (const TableDrive& drive : plan.drives) {
-    if (!prepare_drive(drive, interrupt)) return report_interruption();
-    drives.push_back(prepared(drive, options));
-  }
-  const bool complete = run_missing(drives, plan.methods, interrupt);
-  std::vector<DriveFigures> figures;
-  for (const PreparedDrive& drive : drives) {
-    DriveFigures of_drive = figures_of(drive, plan.shown);
-    if (!of_drive.methods.empty()) figures.push_back(std::move(of_drive));
-  }
-  if (!figures.empty()) {
-    write_tables(figures, options.out);
-    for (std::size_t i = 0; i < kLoopClosingNames.size(); ++i) {
-      const TextTable table = paper_table(figures, i);
-      fmt::print("{}\n\n{}\n", table.title, markdown_of(table));
-    }
-    fmt::print("results: {0}/table.html, table.md, table.json and pictures\n", options.out);
+  std::vector<DriveWork> works = work_of(plan, options);
+  make_result_folder(options.out);
+  const bool complete = run_missing(works, plan, options, interrupt);
+  if (plan.over_seeds) {
+    write_seeds_tables(works, plan, options);
+  } else {
+    write_drives_tables(works, plan, options.out);
   }
   return complete ? kOk : report_interruption();
 }

@@ -1,9 +1,12 @@
 #include "table_drive.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <vector>
 
+#include "content_hash.h"
 #include "exit_status.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/npy.h"
@@ -13,6 +16,7 @@
 namespace hqslam::tools {
 namespace {
 
+namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 /// The paper's sensor.
@@ -34,9 +38,44 @@ std::int64_t take_scans(Json& json) {
   return scans.is_number_integer() ? scans.get<std::int64_t>() : 0;
 }
 
+/// The stack of range images behind a path, "" if it is none.
+std::string stack_of(const std::string& recording) {
+  if (fs::path(recording).extension() == ".npy") return recording;
+  return file_of_drive(recording, "scans.npy");
+}
+
+std::string stack_identity(const std::string& path, std::int64_t scans) {
+  NpyStackReader reader(path);
+  ContentHash hash;
+  for (std::int64_t i = 0; i < std::min(scans, reader.images()); ++i) {
+    const RangeImage image = reader.read(i);
+    hash.add({reinterpret_cast<const char*>(image.range_m.data()),
+              image.range_m.size() * sizeof(float)});
+  }
+  return "images " + hash.digits();
+}
+
+std::string files_identity(const std::string& path) {
+  if (!fs::is_directory(path)) return "file " + content_hash(path);
+  std::vector<fs::path> files;
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(path)) {
+    if (entry.is_regular_file()) files.push_back(entry.path());
+  }
+  std::sort(files.begin(), files.end());
+  ContentHash hash;
+  for (const fs::path& file : files) {
+    hash.add(fs::relative(file, path).string() + " " + content_hash(file.string()) + "\n");
+  }
+  return "files " + hash.digits();
+}
+
+}  // namespace
+
 bool is_there(const TableDrive& drive) {
+  if (!drive.simulated) return true;
   const Json expected = {{"name", drive.simulated->name},
                          {"seed", drive.simulated->seed},
+                         {"revision", sim::kDriveRevision},
                          {"sensor", kSimulatedSensor}};
   Json found = drive_json(drive.recording);
   const std::int64_t scans = take_scans(found);
@@ -49,23 +88,21 @@ bool is_there(const TableDrive& drive) {
   }
 }
 
-}  // namespace
-
-bool prepare_drive(const TableDrive& drive, const InterruptGuard& interrupt) {
-  if (!drive.simulated || is_there(drive)) return true;
+bool prepare_drive(const TableDrive& drive, const InterruptGuard& interrupt,
+                   const std::function<void()>& on_scan) {
+  if (is_there(drive)) return true;
   SimulateOptions options;
   options.drive = drive.simulated->name;
   options.sensor = kSimulatedSensor;
   options.out = drive.recording;
   options.scans = drive.simulated->scans;
   options.seed = drive.simulated->seed;
-  return simulate_drive(options, interrupt) == kOk;
+  return simulate_drive(options, interrupt, on_scan) == kOk;
 }
 
-std::string identity_of(const TableDrive& drive) {
-  Json json = drive_json(drive.recording);
-  take_scans(json);
-  return json.is_null() ? drive.recording : json.dump();
+std::string identity_of(const TableDrive& drive, std::int64_t scans) {
+  const std::string stack = stack_of(drive.recording);
+  return stack.empty() ? files_identity(drive.recording) : stack_identity(stack, scans);
 }
 
 std::optional<TrajectoryFile> truth_of(const TableDrive& drive) {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 
@@ -9,13 +11,18 @@
 
 namespace hqslam::tools {
 
-/// Sees to it that the recording of a drive is there: one that is to be simulated is simulated,
-/// unless it was already, from the same seed, for the same sensor, to its end and long enough.
-/// Returns false if it was interrupted. Throws Error.
-bool prepare_drive(const TableDrive& drive, const InterruptGuard& interrupt);
+/// Whether the recording of a drive is there: one that is to be simulated was, by this simulator,
+/// from the same seed, for the same sensor, to its end and long enough.
+bool is_there(const TableDrive& drive);
 
-/// What tells one recording from another: what was simulated (its length apart), or the path.
-std::string identity_of(const TableDrive& drive);
+/// Simulates a drive that is not there, calling `on_scan` after each scan. Returns false if it was
+/// interrupted. Throws Error.
+bool prepare_drive(const TableDrive& drive, const InterruptGuard& interrupt,
+                   const std::function<void()>& on_scan);
+
+/// What tells one recording from another, wherever they lie and however they are called: a hash of
+/// the first `scans` images of a stack, or of all files of a folder with their names. Throws Error.
+std::string identity_of(const TableDrive& drive, std::int64_t scans);
 
 /// The true trajectory, if there is one. Throws Error.
 std::optional<TrajectoryFile> truth_of(const TableDrive& drive);

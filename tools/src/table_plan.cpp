@@ -9,15 +9,16 @@
 #include <set>
 
 #include "hqslam/core/error.h"
+#include "hqslam/nn/upsampler.h"
 #include "installed_weights.h"
-#include "upsampler.h"
+#include "seed_list.h"
 
 namespace hqslam::tools {
 namespace {
 
 namespace fs = std::filesystem;
 
-/// How the weights of a sensor are called: du-or_os1_16to64.npz.
+/// How the weights of a sensor are called: du-mix_os1_16to64.npz.
 struct SensorWeights {
   const char* sensor;
   const char* part_of_name;
@@ -77,18 +78,40 @@ std::string recording_name(const fs::path& path) {
   return name == "velodyne" ? path.parent_path().filename().string() : name;
 }
 
+TableDrive simulated_drive(const std::string& name, const std::string& drive,
+                           std::optional<std::uint64_t> seed, const TableOptions& options) {
+  sim::DriveSpec spec = sim::drive_preset(drive);
+  spec.scans = options.scans.value_or(spec.scans);
+  spec.seed = seed.value_or(spec.seed);
+  return {name, (fs::path(options.out) / "drives" / name).string(), "", "", spec};
+}
+
 TableDrive drive_of(const std::string& drive, const TableOptions& options) {
-  if (is_preset(drive)) {
-    sim::DriveSpec spec = sim::drive_preset(drive);
-    spec.scans = options.scans.value_or(spec.scans);
-    return {drive, (fs::path(options.out) / "drives" / drive).string(), "", "", spec};
-  }
+  if (is_preset(drive)) return simulated_drive(drive, drive, std::nullopt, options);
   if (!fs::exists(drive)) {
     throw Error(fmt::format("--drives: '{}' is neither a simulated drive ({}) nor a file or folder",
                             drive, fmt::join(sim::drive_preset_names(), ", ")));
   }
   const fs::path path = fs::canonical(drive);
   return {recording_name(path), path.string(), options.sensor, options.reference, std::nullopt};
+}
+
+/// Every drive from every seed.
+std::vector<TableDrive> seeded_drives(const TableOptions& options) {
+  std::vector<TableDrive> drives;
+  for (const std::string& drive : options.drives) {
+    if (!is_preset(drive)) {
+      throw Error(
+          fmt::format("--seeds: drives are simulated from seeds; expected one of {}, found "
+                      "'{}' in --drives",
+                      fmt::join(sim::drive_preset_names(), ", "), drive));
+    }
+    for (const std::uint64_t seed : seeds_from(options.seeds)) {
+      drives.push_back(
+          simulated_drive(fmt::format("{}-seed-{}", drive, seed), drive, seed, options));
+    }
+  }
+  return drives;
 }
 
 template <typename Named>
@@ -111,6 +134,17 @@ void require_one_recording(const TablePlan& plan, const TableOptions& options) {
   }
 }
 
+void require_method(const TablePlan& plan, const std::string& against) {
+  const bool there = std::any_of(plan.methods.begin(), plan.methods.end(),
+                                 [&](const TableMethod& method) { return method.name == against; });
+  if (!there) {
+    throw Error(
+        fmt::format("--against: '{}' is none of the rows to compute; add it to --methods or "
+                    "name one of them",
+                    against));
+  }
+}
+
 }  // namespace
 
 const std::vector<TableMethod>& table_methods() {
@@ -118,10 +152,12 @@ const std::vector<TableMethod>& table_methods() {
       {"rows-16", "LiDAR-16", kTableMeasuredRows, "", false},
       {"nearest", "nearest row", kTableMeasuredRows, "nearest", false},
       {"linear", "linear", kTableMeasuredRows, "linear", false},
+      {"inverse", "linear in 1/range", kTableMeasuredRows, "inverse", false},
       {"simple-du", "Simple DU", kTableMeasuredRows, "simple-du", false},
       {"simple-du-filter", "Simple DU + OR", kTableMeasuredRows, "simple-du", true},
       {"du-or-no-filter", "DU-OR, last filter off", kTableMeasuredRows, "du-or", false},
       {"du-or", "DU-OR", kTableMeasuredRows, "du-or", true},
+      {"du-mix", "DU-Mix", kTableMeasuredRows, "du-mix", false},
       {"rows-64", "LiDAR-64", kTableAllRows, "", false},
   };
   return methods;
@@ -134,7 +170,7 @@ std::vector<std::string> table_method_names() {
 }
 
 bool uses_network(const TableMethod& method) {
-  return !method.source.empty() && !is_interpolation(method.source);
+  return !method.source.empty() && !nn::is_interpolation(method.source);
 }
 
 bool is_reference(const TableMethod& method) {
@@ -175,7 +211,13 @@ std::vector<std::vector<TableMethod>> passes_of(const std::vector<TableMethod>& 
 
 TablePlan plan_table(const TableOptions& options) {
   TablePlan plan;
-  for (const std::string& drive : options.drives) plan.drives.push_back(drive_of(drive, options));
+  plan.over_seeds = !options.seeds.empty();
+  plan.loop_closing = !plan.over_seeds;
+  if (plan.over_seeds) {
+    plan.drives = seeded_drives(options);
+  } else {
+    for (const std::string& drive : options.drives) plan.drives.push_back(drive_of(drive, options));
+  }
   const std::vector<std::string> names =
       options.methods.empty() ? table_method_names() : options.methods;
   for (const std::string& name : names) plan.methods.push_back(method_named(name));
@@ -189,6 +231,7 @@ TablePlan plan_table(const TableOptions& options) {
   require_different_names(plan.methods, "--methods");
   require_different_names(plan.shown, "--weights");
   require_one_recording(plan, options);
+  if (plan.over_seeds) require_method(plan, options.against);
   return plan;
 }
 

@@ -17,6 +17,8 @@ struct TableOptions {
   std::string sensor;                                   ///< of recordings that do not say theirs
   std::string reference;  ///< true trajectory of the only recording among the drives
   std::optional<std::int64_t> scans;
+  std::string seeds;               ///< "1..10" or "3,5": every drive from each of these seeds
+  std::string against = "linear";  ///< with seeds: the row that the others are paired with
   std::string out;
   int threads = 0;  ///< 0: what OpenMP chooses
 };
@@ -65,6 +67,8 @@ struct TableDrive {
 
 struct TablePlan {
   std::vector<TableDrive> drives;
+  bool over_seeds = false;           ///< many drives, evaluated together
+  bool loop_closing = true;          ///< whether SLAM also runs with it
   std::vector<TableMethod> methods;  ///< to be run
   /// In the table, if their results are there: all that the program knows and those to be run.
   std::vector<TableMethod> shown;

@@ -29,11 +29,15 @@ std::string trajectory_path(const std::string& method, std::size_t loop_closing,
       .string();
 }
 
+/// Loop closing off, and on where it was asked for.
+std::size_t trajectories_of(const TableSettings& settings) { return settings.loop_closing ? 2 : 1; }
+
 Json settings_json(const TableSettings& settings) {
-  return {{"version", settings.version},
+  return {{"build", settings.build},
           {"recording", settings.recording},
           {"sensor", settings.sensor},
           {"scans", settings.scans},
+          {"loop_closing", settings.loop_closing},
           {"method", settings.method},
           {"weights", settings.weights},
           {"weights_hash", settings.weights_hash}};
@@ -58,7 +62,6 @@ Json timings_json(const TableTimings& timings) {
   Json json = {{"threads", timings.threads},
                {"processor", timings.processor},
                {"instruction_set", timings.instruction_set},
-               {"build", timings.build},
                {"upsampling_s", timings.upsampling_s},
                {"upsampling_ms", timings.upsampling_ms},
                {"points_s", timings.points_s}};
@@ -90,7 +93,6 @@ TableTimings timings_from(const Json& json) {
   timings.threads = json.at("threads");
   timings.processor = json.at("processor");
   timings.instruction_set = json.at("instruction_set");
-  timings.build = json.at("build");
   timings.upsampling_s = json.at("upsampling_s");
   timings.upsampling_ms = json.at("upsampling_ms");
   timings.points_s = json.at("points_s");
@@ -116,7 +118,7 @@ std::optional<TableResult> read_result(const TableSettings& settings, const std:
   result.network = network_from(figures.at("network"));
   result.loops_closed = figures.at("loops_closed");
   result.timings = timings_from(json.at("timings"));
-  for (std::size_t i = 0; i < result.trajectory.size(); ++i) {
+  for (std::size_t i = 0; i < trajectories_of(settings); ++i) {
     const std::string path = trajectory_path(settings.method, i, folder);
     if (content_hash(path) != figures.at("trajectory_hash").at(i)) return std::nullopt;
     result.trajectory[i] = read_tum(path);
@@ -131,7 +133,7 @@ void save_result(const TableResult& result, const std::string& folder) {
   fs::create_directories(folder, ignored);  // writing says what is wrong
   const std::string& method = result.settings.method;
   Json hashes;
-  for (std::size_t i = 0; i < result.trajectory.size(); ++i) {
+  for (std::size_t i = 0; i < trajectories_of(result.settings); ++i) {
     const std::string path = trajectory_path(method, i, folder);
     write_tum(result.trajectory[i], path);
     hashes.push_back(content_hash(path));

@@ -17,10 +17,11 @@ inline constexpr std::array<const char*, 2> kLoopClosingNames = {"off", "on"};
 
 /// What a result depends on: one that was made with other settings is not used again.
 struct TableSettings {
-  std::string version;     ///< of the program
-  std::string recording;   ///< what drive.json says, or the path
-  std::string sensor;      ///< name and hash of its model
-  std::int64_t scans = 0;  ///< of the recording that are used
+  std::string build;         ///< result_sources_hash()
+  std::string recording;     ///< hash of the scans that are used
+  std::string sensor;        ///< name and hash of its model
+  std::int64_t scans = 0;    ///< of the recording that are used
+  bool loop_closing = true;  ///< whether SLAM also ran with it
   std::string method;
   std::string weights;  ///< name of the file; empty: no network
   std::string weights_hash;
@@ -58,16 +59,16 @@ struct TableTimings {
   int threads = 1;
   std::string processor;
   std::string instruction_set;  ///< of the network's kernels
-  std::string build;            ///< hash of the program's file
 };
 
 /// One method on one drive.
 struct TableResult {
   TableSettings settings;
-  std::optional<ImageScores> images;     ///< of methods that upsample
-  std::optional<NetworkSize> network;    ///< of methods with a network
-  std::array<Trajectory, 2> trajectory;  ///< mapped pose of every scan, loop closing off and on
-  std::int64_t loops_closed = 0;         ///< with loop closing
+  std::optional<ImageScores> images;   ///< of methods that upsample
+  std::optional<NetworkSize> network;  ///< of methods with a network
+  /// Mapped pose of every scan, loop closing off and on; empty where SLAM did not run with it.
+  std::array<Trajectory, 2> trajectory;
+  std::int64_t loops_closed = 0;  ///< with loop closing
   TableTimings timings;
 };
 

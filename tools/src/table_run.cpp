@@ -7,17 +7,17 @@
 #include <memory>
 #include <optional>
 #include <utility>
+#include <variant>
 
-#include "content_hash.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/scan_source.h"
 #include "hqslam/nn/hqs/outlier_removal.h"
 #include "hqslam/nn/instruction_set.h"
+#include "hqslam/nn/upsampled_cloud.h"
+#include "hqslam/slam/lego_loam_as_published.h"
 #include "hqslam/slam/slam.h"
 #include "processor.h"
-#include "progress.h"
 #include "timing_statistics.h"
-#include "upsampled_cloud.h"
 #include "upsampling_comparison.h"
 #include "upsampling_plan.h"
 
@@ -33,7 +33,7 @@ double seconds_of(Work&& work) {
 }
 
 /// What the pass's methods have in common: nothing where they see the rows as recorded.
-std::optional<Upsampler> shared_upsampler(const TablePass& pass) {
+std::optional<nn::Upsampler> shared_upsampler(const TablePass& pass) {
   const TableMethod& method = pass.methods.front();
   if (method.source.empty()) return std::nullopt;
   const std::string weights = weights_of(method, pass.sensor.name);
@@ -41,25 +41,43 @@ std::optional<Upsampler> shared_upsampler(const TablePass& pass) {
       plan_upsampling({pass.drive.recording, pass.drive.sensor,
                        weights.empty() ? method.source : weights, kTableMeasuredRows});
   if (weights.empty()) return std::move(plan.upsampler);
-  return Upsampler(nn::SuperResolver::load(weights, {.filter_result = false}),
-                   plan.upsampler.sensor());
+  return nn::Upsampler(nn::SuperResolver::load(weights, {.filter_result = false}),
+                       plan.upsampler.sensor());
 }
 
-std::optional<nn::OutlierRemoval> filter_of(const TableMethod& method, const Upsampler* upsampler) {
+std::optional<nn::OutlierRemoval> filter_of(const TableMethod& method,
+                                            const nn::Upsampler* upsampler) {
   if (!method.filtered) return std::nullopt;
   const nn::NetworkDescription& network = upsampler->network()->description();
+  if (network.last_filter.min_pixels == 0) return std::nullopt;  // it was made without one
   return nn::OutlierRemoval(network.sensor, network.measured_rows, network.last_filter,
                             network.sensor.columns);
 }
 
+using SlamSystem = std::variant<slam::Slam, slam::LegoLoamAsPublished>;
+
+SlamSystem system_of(const SlamSetup& setup) {
+  if (setup.as_published) return slam::LegoLoamAsPublished(setup.sensor);
+  return slam::Slam(setup.sensor, setup.options);
+}
+
 /// SLAM and what it took.
 struct TimedSlam {
-  explicit TimedSlam(const SlamSetup& setup) : slam(setup.sensor, setup.options) {}
+  explicit TimedSlam(const SlamSetup& setup) : system(system_of(setup)) {}
 
   void add(const OrganizedCloud& cloud, double stamp_s) {
+    if (auto* as_published = std::get_if<slam::LegoLoamAsPublished>(&system)) {
+      times_ms.push_back(1e3 * seconds_of([&] { as_published->process(cloud, stamp_s); }));
+      return;
+    }
     slam::ScanReport report;
-    times_ms.push_back(1e3 * seconds_of([&] { report = slam.process(cloud, stamp_s); }));
+    times_ms.push_back(
+        1e3 * seconds_of([&] { report = std::get<slam::Slam>(system).process(cloud, stamp_s); }));
     loops_closed += report.loop.status == slam::LoopStatus::kClosed ? 1 : 0;
+  }
+
+  Trajectory trajectory() const {
+    return std::visit([](const auto& any) { return Trajectory(any.trajectory()); }, system);
   }
 
   SlamTimings timings() const {
@@ -73,7 +91,7 @@ struct TimedSlam {
     return timings;
   }
 
-  slam::Slam slam;
+  SlamSystem system;
   std::vector<double> times_ms;
   std::int64_t loops_closed = 0;
 };
@@ -81,10 +99,12 @@ struct TimedSlam {
 /// One method on its way through the drive.
 class MethodRun {
  public:
-  MethodRun(const TableMethod& method, const SensorModel& sensor, const Upsampler* upsampler)
-      : filter_(filter_of(method, upsampler)),
-        slam_{TimedSlam(slam_setup(method, sensor, false)),
-              TimedSlam(slam_setup(method, sensor, true))} {}
+  MethodRun(const TableMethod& method, const SensorModel& sensor, const nn::Upsampler* upsampler,
+            bool loop_closing)
+      : filter_(filter_of(method, upsampler)) {
+    slam_.emplace_back(slam_setup(method, sensor, false));
+    if (loop_closing) slam_.emplace_back(slam_setup(method, sensor, true));
+  }
 
   /// The rows as they are.
   void add(const OrganizedCloud& cloud, double stamp_s) {
@@ -92,17 +112,17 @@ class MethodRun {
   }
 
   /// lifted: all rows, before the filter; shared_s: what it took. scored: compare with `truth`.
-  void add_lifted(RangeImage lifted, double shared_s, const OrganizedCloud& measured,
-                  const Upsampler& upsampler, const RecordedScan& truth, bool scored) {
-    const double filter_s = filter_ ? seconds_of([&] { remove_outliers(lifted); }) : 0.0;
+  void add_lifted(nn::LiftedImage lifted, double shared_s, const OrganizedCloud& measured,
+                  const nn::Upsampler& upsampler, const RecordedScan& truth, bool scored) {
+    const double filter_s = filter_ ? seconds_of([&] { remove_outliers(lifted.image); }) : 0.0;
     upsampling_ms_.push_back(1e3 * (shared_s + filter_s));
     result_.timings.upsampling_s += shared_s + filter_s;
     OrganizedCloud cloud;
     result_.timings.points_s += seconds_of([&] {
-      cloud = upsampled_cloud(lifted, measured, upsampler.measured_rows(), upsampler.sensor());
+      cloud = nn::upsampled_cloud(lifted, measured, upsampler.measured_rows(), upsampler.sensor());
     });
     add(cloud, truth.stamp_s);
-    if (scored) score(lifted, cloud, truth.cloud);
+    if (scored) score(lifted.image, cloud, truth.cloud);
   }
 
   TableResult result(const TableSettings& settings) const {
@@ -116,7 +136,7 @@ class MethodRun {
     }
     result.timings.upsampling_ms = distribution_of(upsampling_ms_).median;
     for (std::size_t i = 0; i < slam_.size(); ++i) {
-      result.trajectory[i] = slam_[i].slam.trajectory();
+      result.trajectory[i] = slam_[i].trajectory();
       result.timings.slam[i] = slam_[i].timings();
       result.loops_closed += slam_[i].loops_closed;
     }
@@ -143,7 +163,7 @@ class MethodRun {
 
   std::optional<nn::OutlierRemoval> filter_;
   std::vector<std::uint8_t> rejected_;
-  std::array<TimedSlam, 2> slam_;
+  std::vector<TimedSlam> slam_;  ///< without and, if asked for, with loop closing
   std::vector<double> upsampling_ms_;
   TableResult result_;  ///< sums until result() divides them
 };
@@ -153,7 +173,6 @@ TableTimings circumstances() {
   timings.threads = omp_get_max_threads();
   timings.processor = processor_name();
   timings.instruction_set = nn::name(nn::chosen_instruction_set());
-  timings.build = content_hash("/proc/self/exe");
   return timings;
 }
 
@@ -163,10 +182,10 @@ class Pass {
   explicit Pass(const TablePass& pass)
       : upsampler_(shared_upsampler(pass)),
         rows_(selection_for(pass.sensor.rows(), pass.methods.front().rows)),
-        score_every_((pass.scans + kMostScoredScans - 1) / kMostScoredScans) {
+        score_every_((pass.scans + pass.scored_scans - 1) / pass.scored_scans) {
     const SensorModel sensor = upsampler_ ? upsampler_->sensor() : select_rows(pass.sensor, rows_);
     for (const TableMethod& method : pass.methods) {
-      runs_.emplace_back(method, sensor, upsampler_ ? &*upsampler_ : nullptr);
+      runs_.emplace_back(method, sensor, upsampler_ ? &*upsampler_ : nullptr, pass.loop_closing);
     }
   }
 
@@ -177,7 +196,7 @@ class Pass {
       return;
     }
     const RangeImage image = range_image(measured);
-    RangeImage lifted;
+    nn::LiftedImage lifted;
     const double shared_s = seconds_of([&] { lifted = upsampler_->run(image); });
     for (MethodRun& run : runs_) {
       run.add_lifted(lifted, shared_s, measured, *upsampler_, scan, index % score_every_ == 0);
@@ -192,7 +211,6 @@ class Pass {
       result.timings.threads = about.threads;
       result.timings.processor = about.processor;
       result.timings.instruction_set = about.instruction_set;
-      result.timings.build = about.build;
       if (upsampler_ && upsampler_->network() != nullptr) {
         result.network = NetworkSize{upsampler_->network()->parameters(),
                                      upsampler_->network()->multiply_adds()};
@@ -203,7 +221,7 @@ class Pass {
   }
 
  private:
-  std::optional<Upsampler> upsampler_;
+  std::optional<nn::Upsampler> upsampler_;
   RowSelection rows_;
   std::int64_t score_every_;
   std::vector<MethodRun> runs_;
@@ -211,21 +229,17 @@ class Pass {
 
 }  // namespace
 
-std::vector<TableResult> run_pass(const TablePass& pass, const InterruptGuard& interrupt) {
+std::vector<TableResult> run_pass(const TablePass& pass, const InterruptGuard& interrupt,
+                                  const std::function<void()>& on_scan) {
   Pass state(pass);
   const std::unique_ptr<ScanSource> source = open_recording(pass.drive.recording, pass.sensor);
-  Progress progress(pass.title, pass.scans);
   for (std::int64_t i = 0; i < pass.scans; ++i) {
-    if (interrupt.stop_requested()) {
-      progress.finish();
-      return {};
-    }
+    if (interrupt.stop_requested()) return {};
     const std::optional<RecordedScan> scan = source->next();
     if (!scan) break;
     state.add(*scan, i);
-    progress.update(i + 1);
+    on_scan();
   }
-  progress.finish();
   return state.results(pass);
 }
 

@@ -106,7 +106,6 @@ std::string machine_text(const TableTimings& timings) {
 struct Circumstances {
   std::set<std::string> machines;
   std::set<std::string> builds;
-  std::set<std::string> versions;
   std::set<std::string> weights;
 };
 
@@ -116,8 +115,7 @@ Circumstances circumstances_of(const std::vector<DriveFigures>& drives) {
     for (const MethodFigures& figures : drive.methods) {
       const TableSettings& settings = figures.result.settings;
       all.machines.insert(machine_text(figures.result.timings));
-      all.builds.insert(figures.result.timings.build);
-      all.versions.insert(settings.version);
+      all.builds.insert(settings.build);
       if (!settings.weights.empty()) {
         all.weights.insert(fmt::format("{} ({})", settings.weights, settings.weights_hash));
       }
@@ -228,17 +226,12 @@ std::vector<std::string> table_notes(const std::vector<DriveFigures>& drives) {
       "between two runs of SLAM; hqslam bench takes it alone. Whole chain: scans by the total time "
       "from a scan of 16 rows to its pose (upsampling, points, SLAM). Reading, simulating and "
       "writing are in neither. SLAM, ms: median per scan.");
-  notes.push_back(fmt::format("Measured with hqslam {} on: {}.",
-                              fmt::join(circumstances.versions, ", "),
+  notes.push_back(fmt::format("Made by build {} of the program, on: {}.",
+                              fmt::join(circumstances.builds, ", "),
                               fmt::join(circumstances.machines, "; ")));
   if (!circumstances.weights.empty()) {
     notes.push_back(fmt::format("Weights, with the hash of the file: {}.",
                                 fmt::join(circumstances.weights, ", ")));
-  }
-  if (circumstances.builds.size() > 1) {
-    notes.emplace_back(
-        "Not all rows come from the same build of the program: remove the folder of results to "
-        "compute all anew.");
   }
   return notes;
 }

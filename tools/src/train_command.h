@@ -8,7 +8,8 @@ namespace hqslam::tools {
 struct TrainOptions {
   std::string config;
   std::string out;
-  int threads = 0;  ///< 0: what OpenMP chooses
+  std::string drives;  ///< empty: the folder "drives" in `out`
+  int threads = 0;     ///< 0: what OpenMP chooses
 };
 
 void declare_train(CLI::App& app, TrainOptions& options);

@@ -2,14 +2,16 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <string>
 
+#include "content_hash.h"
+#include "drive_store.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/npy.h"
-#include "hqslam/sim/drive.h"
-#include "progress.h"
+#include "hqslam/core/scan_source.h"
+#include "result_folder.h"
 
 namespace hqslam::tools {
 namespace {
@@ -26,52 +28,88 @@ std::string expanded(const std::string& path) {
   return value + path.substr(slash);
 }
 
-void add_stack(const std::string& path, const SensorModel& sensor, std::vector<RangeImage>& scans) {
-  NpyStackReader reader(expanded(path));
-  if (reader.rows() != sensor.rows() || reader.columns() != sensor.columns) {
-    throw Error(fmt::format("{}: images of {} x {}, expected the {} x {} of {}", path,
-                            reader.rows(), reader.columns(), sensor.rows(), sensor.columns,
-                            sensor.name));
+/// A recording's folder as a stack in the store, written once: a name made of the paths, and of the
+/// sensor.
+std::string stack_of_recording(const std::string& folder, const SensorModel& sensor,
+                               const DriveStore& store) {
+  const std::string about = std::filesystem::absolute(folder).string() + sensor_json(sensor);
+  const std::filesystem::path path = store.path / fmt::format("recording_{}.npy", text_hash(about));
+  if (std::filesystem::exists(path)) return path.string();
+  make_result_folder(store.path);
+  const std::string unfinished = path.string() + ".unfinished";
+  {
+    const auto source = open_recording(folder, sensor);
+    NpyStackWriter writer(unfinished, sensor.rows(), sensor.columns);
+    while (const auto scan = source->next()) writer.append(range_image(scan->cloud));
   }
-  for (std::int64_t i = 0; i < reader.images(); ++i) {
-    RangeImage image = reader.read(i);
-    for (float& range_m : image.range_m) {
-      if (!std::isfinite(range_m) || range_m < 0.0F) range_m = 0.0F;
-    }
-    scans.push_back(std::move(image));
-  }
+  std::filesystem::rename(unfinished, path);
+  return path.string();
 }
 
-std::int64_t scans_of(const nn::SimulatedScans& drives) {
-  return static_cast<std::int64_t>(drives.seeds.size()) *
-         ((drives.scans + drives.every - 1) / drives.every);
+std::vector<StoredDrive> drives_of(const nn::ScanSet& set) {
+  std::vector<StoredDrive> drives;
+  for (const nn::SimulatedScans& simulated : set.simulated) {
+    for (const int seed : simulated.seeds) {
+      sim::DriveSpec spec = sim::drive_preset(simulated.drive);
+      spec.seed = static_cast<std::uint64_t>(seed);
+      spec.scans = simulated.scans;
+      if (simulated.conditions == nn::DriveConditions::kVaried) {
+        spec = sim::with_varied_conditions(spec);
+      }
+      drives.push_back({spec, simulated.every});
+    }
+  }
+  return drives;
 }
 
 }  // namespace
 
-std::vector<RangeImage> load_scans(const nn::ScanSet& set, const SensorModel& sensor,
-                                   const char* label, const InterruptGuard& interrupt) {
-  std::vector<RangeImage> scans;
-  for (const std::string& stack : set.stacks) add_stack(stack, sensor, scans);
-  std::int64_t total = static_cast<std::int64_t>(scans.size());
-  for (const nn::SimulatedScans& drives : set.simulated) total += scans_of(drives);
-  Progress progress(label, total);
-  for (const nn::SimulatedScans& drives : set.simulated) {
-    for (const int seed : drives.seeds) {
-      sim::DriveSpec spec = sim::drive_preset(drives.drive);
-      spec.seed = static_cast<std::uint64_t>(seed);
-      spec.scans = drives.scans;
-      sim::DriveSimulator simulator(spec, sensor);
-      while (auto scan = simulator.next()) {
-        if (interrupt.stop_requested()) return scans;
-        scans.push_back(std::move(scan->image));
-        simulator.skip(drives.every - 1);
-        progress.update(static_cast<std::int64_t>(scans.size()));
-      }
+StoredScans::StoredScans(const std::vector<std::string>& paths, const SensorModel& sensor)
+    : rows_(sensor.rows()), columns_(sensor.columns) {
+  for (const std::string& path : paths) {
+    const NpyStackReader reader(path);
+    if (reader.rows() != rows_ || reader.columns() != columns_) {
+      throw Error(fmt::format("{}: images of {} x {}, expected the {} x {} of {}", path,
+                              reader.rows(), reader.columns(), rows_, columns_, sensor.name));
     }
+    const std::int64_t begin = size();
+    files_.push_back({path, begin, begin + reader.images()});
   }
-  progress.finish();
-  return scans;
+}
+
+RangeImage StoredScans::read(std::int64_t i) const {
+  if (i < 0 || i >= size()) {
+    throw Error(fmt::format("training: scan {}, expected 0 to {}", i, size() - 1));
+  }
+  const auto file = std::upper_bound(files_.begin(), files_.end(), i,
+                                     [](std::int64_t scan, const File& f) { return scan < f.end; });
+  RangeImage image = NpyStackReader(file->path).read(i - file->begin);
+  if (image.rows != rows_ || image.columns != columns_) {
+    throw Error(fmt::format("{}: changed while it was read", file->path));
+  }
+  for (float& range_m : image.range_m) {
+    if (!std::isfinite(range_m) || range_m < 0.0F) range_m = 0.0F;
+  }
+  return image;
+}
+
+std::unique_ptr<const StoredScans> stored_scans(const nn::ScanSet& set, const SensorModel& sensor,
+                                                const DriveStore& store, const char* label,
+                                                const InterruptGuard& interrupt) {
+  std::vector<std::string> paths;
+  for (const std::string& stack : set.stacks) {
+    const std::string path = expanded(stack);
+    paths.push_back(std::filesystem::is_directory(path) ? stack_of_recording(path, sensor, store)
+                                                        : path);
+  }
+  // What is wrong with a stack should be said before hours of simulation.
+  StoredScans(paths, sensor);
+  const std::vector<StoredDrive> drives = drives_of(set);
+  if (!store_drives(store.path, drives, sensor, store.threads, label, interrupt)) return nullptr;
+  for (const StoredDrive& drive : drives) {
+    paths.push_back(path_in_store(store.path, drive, sensor));
+  }
+  return std::make_unique<const StoredScans>(paths, sensor);
 }
 
 }  // namespace hqslam::tools

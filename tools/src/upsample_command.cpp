@@ -16,11 +16,11 @@
 #include "exit_status.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/scan_source.h"
+#include "hqslam/nn/upsampled_cloud.h"
 #include "interrupt.h"
 #include "progress.h"
 #include "timing_statistics.h"
 #include "upsample_output.h"
-#include "upsampled_cloud.h"
 #include "upsampling_plan.h"
 
 namespace hqslam::tools {
@@ -37,6 +37,7 @@ UpsamplingPlan plan_of(const UpsampleOptions& options) {
   request.input = options.input;
   request.sensor = options.sensor;
   request.method = options.weights.empty() ? options.method : options.weights;
+  request.least_confidence = options.least_confidence;
   return plan_upsampling(request);
 }
 
@@ -44,6 +45,8 @@ std::unique_ptr<ScanSource> open_input(const UpsampleOptions& options, const Ups
   RecordingOptions recording;
   recording.row_order =
       options.row_order == "lowest-first" ? RowOrder::kLowestFirst : RowOrder::kHighestFirst;
+  recording.capture_time =
+      options.motion_corrected ? CaptureTime::kMotionCorrected : CaptureTime::kRolling;
   return open_recording(options.input, plan.recording_sensor, recording);
 }
 
@@ -79,10 +82,10 @@ UpsampleRun upsample(ScanSource& source, UpsamplingPlan& plan, const UpsampleOpt
     const OrganizedCloud measured = plan.rows ? select_rows(scan->cloud, *plan.rows) : scan->cloud;
     const RangeImage measured_image = range_image(measured);
     const auto start = Clock::now();
-    const RangeImage lifted = plan.upsampler.run(measured_image);
+    const nn::LiftedImage lifted = plan.upsampler.run(measured_image);
     run.times_s.push_back(std::chrono::duration<double>(Clock::now() - start).count());
-    const OrganizedCloud cloud =
-        upsampled_cloud(lifted, measured, plan.upsampler.measured_rows(), plan.upsampler.sensor());
+    const OrganizedCloud cloud = nn::upsampled_cloud(
+        lifted, measured, plan.upsampler.measured_rows(), plan.upsampler.sensor());
     if (!output) {
       SensorModel sensor = plan.upsampler.sensor();
       sensor.motion_corrected = cloud.time_offset_s.empty();
@@ -99,7 +102,7 @@ UpsampleRun upsample(ScanSource& source, UpsamplingPlan& plan, const UpsampleOpt
 
 void print_summary(const UpsampleRun& run, const UpsamplingPlan& plan,
                    const UpsampleOptions& options) {
-  const Upsampler& upsampler = plan.upsampler;
+  const nn::Upsampler& upsampler = plan.upsampler;
   fmt::print("{} scans, {} rows -> {} rows of {} columns, by {}", run.times_s.size(),
              select_rows(upsampler.sensor(), upsampler.measured_rows()).rows(),
              upsampler.sensor().rows(), upsampler.sensor().columns, upsampler.name());
@@ -130,7 +133,7 @@ void declare_upsample(CLI::App& app, UpsampleOptions& options) {
   method->add_option("--weights", options.weights, "Trained network (.npz)")
       ->check(CLI::ExistingFile);
   method->add_option("--method", options.method, "Interpolation, of every fourth row")
-      ->check(CLI::IsMember(interpolation_names()));
+      ->check(CLI::IsMember(nn::interpolation_names()));
   method->require_option(1);
   command->add_option("--sensor", options.sensor,
                       "Sensor of the recording (name or .json file); default: that of a simulated "
@@ -143,13 +146,22 @@ void declare_upsample(CLI::App& app, UpsampleOptions& options) {
                    "Where row 0 of the images of a .npy stack looks")
       ->check(CLI::IsMember({"highest-first", "lowest-first"}))
       ->capture_default_str();
+  command->add_flag("--motion-corrected", options.motion_corrected,
+                    "The scans of a .npy stack are already corrected for the sensor's motion");
+  command
+      ->add_option(
+          "--confidence", options.least_confidence,
+          "Leave computed pixels empty of which the network (du-mix) is less sure; default: "
+          "as the weights say")
+      ->check(CLI::Range(0.0, 1.0));
   command->add_option("--threads", options.threads, "Threads (default: all cores)")
       ->check(CLI::Range(1, 256));
   command->add_flag("--bin", options.bin, "Also write KITTI .bin files");
   command->add_flag("--pcd", options.pcd, "Also write .pcd files");
   command->add_flag("--png", options.png, "Also write pictures of the range images");
   command->footer(
-      "Writes into --out: scans.npy (N x rows x columns, float32 metres), sensor.json,\n"
+      "Writes into --out: scans.npy (N x rows x columns, float32 metres), confidence.npy (of a\n"
+      "network that says how sure it is, 0 to 1 per pixel), sensor.json,\n"
       "upsample.json (where it came from), and the truth of a simulated drive. hqslam run takes "
       "the\n"
       "folder as it is. Ctrl-C stops; what is written up to then is valid.");

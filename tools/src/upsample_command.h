@@ -1,6 +1,7 @@
 #pragma once
 
 #include <CLI/App.hpp>
+#include <optional>
 #include <string>
 
 namespace hqslam::tools {
@@ -11,7 +12,9 @@ struct UpsampleOptions {
   std::string method;   ///< or this one
   std::string sensor;   ///< empty: as UpsamplingRequest says
   std::string out;
+  std::optional<float> least_confidence;
   std::string row_order = "highest-first";
+  bool motion_corrected = false;
   int threads = 0;  ///< 0: what OpenMP chooses
   bool bin = false;
   bool pcd = false;

@@ -23,8 +23,8 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kWrittenBy = "hqslam upsample";
-constexpr std::array<const char*, 5> kFiles = {"scans.npy", "sensor.json", "upsample.json",
-                                               "truth.tum", "truth.kitti"};
+constexpr std::array<const char*, 6> kFiles = {"scans.npy",     "confidence.npy", "sensor.json",
+                                               "upsample.json", "truth.tum",      "truth.kitti"};
 constexpr std::array<const char*, 2> kTruthFiles = {"truth.tum", "truth.kitti"};
 constexpr std::array<const char*, 3> kScanFolders = {"bin", "pcd", "png"};
 
@@ -142,6 +142,14 @@ UpsampleOutput::UpsampleOutput(const std::string& folder, const std::string& inp
 
 void UpsampleOutput::append(const RangeImage& image, const OrganizedCloud& cloud) {
   stack_.append(image);
+  if (!cloud.confidence.empty()) {
+    if (!confidence_) {
+      confidence_.emplace((folder_ / "confidence.npy").string(), sensor_.rows(), sensor_.columns);
+    }
+    RangeImage confidence = image;
+    confidence.range_m = cloud.confidence;
+    confidence_->append(confidence);
+  }
   write_formats(image, cloud);
   ++scans_;
 }
@@ -161,7 +169,11 @@ void UpsampleOutput::write_formats(const RangeImage& image, const OrganizedCloud
     write_kitti_bin(scan, path("bin"));
   }
   if (formats_.pcd) {
-    write_pcd(scan.points_m, path("pcd"));
+    std::vector<float> confidence;
+    for (std::size_t pixel = 0; pixel < cloud.confidence.size(); ++pixel) {
+      if (cloud.range_m[pixel] > 0.0F) confidence.push_back(cloud.confidence[pixel]);
+    }
+    write_pcd(scan.points_m, path("pcd"), confidence);
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include "hqslam/core/npy.h"
@@ -21,6 +22,7 @@ struct UpsampledFormats {
 /// The folder that `hqslam upsample` writes into, scan by scan; what is there is valid whenever
 /// writing stops:
 ///   scans.npy      N x rows x columns, float32 metres, 0 = no return, row 0 the highest beam
+///   confidence.npy  N x rows x columns, float32, 0 to 1, if the method says how sure it is
 ///   sensor.json    the sensor model
 ///   upsample.json  where the scans came from
 ///   truth.tum, truth.kitti  those of the drive that was upsampled, if it has any
@@ -42,6 +44,7 @@ class UpsampleOutput {
   SensorModel sensor_;
   UpsampledFormats formats_;
   NpyStackWriter stack_;
+  std::optional<NpyStackWriter> confidence_;
   std::int64_t scans_ = 0;
 };
 

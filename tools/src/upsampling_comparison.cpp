@@ -6,8 +6,8 @@
 #include <numbers>
 
 #include "hqslam/nn/hqs/outlier_removal.h"
+#include "hqslam/nn/upsampled_cloud.h"
 #include "timing_statistics.h"
-#include "upsampled_cloud.h"
 
 namespace hqslam::tools {
 namespace {
@@ -40,6 +40,15 @@ void for_each_computed(const OrganizedCloud& cloud, RowSelection measured,
     const int row = static_cast<int>(pixel) / cloud.columns;
     if (!is_measured(row, measured)) visit(pixel, distance_m);
   }
+}
+
+/// The image with its measured rows emptied.
+RangeImage computed_rows(RangeImage image, RowSelection measured) {
+  for (int row = 0; row < image.rows; ++row) {
+    if (!is_measured(row, measured)) continue;
+    for (int column = 0; column < image.columns; ++column) image.at(row, column) = 0.0F;
+  }
+  return image;
 }
 
 /// Each computed pixel as the median (the mean of the middle two) of the eight true ranges around
@@ -97,10 +106,12 @@ void UpsamplingComparison::add(ComparedMethod& method, const OrganizedCloud& tru
   const OrganizedCloud measured = select_rows(truth, rows);
   const RangeImage measured_image = range_image(measured);
   const auto start = std::chrono::steady_clock::now();
-  const RangeImage image = method.upsampler.run(measured_image);
+  const nn::LiftedImage lifted = method.upsampler.run(measured_image);
+  const RangeImage& image = lifted.image;
   sums.times_ms.push_back(
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
-  const OrganizedCloud cloud = upsampled_cloud(image, measured, rows, method.upsampler.sensor());
+  const OrganizedCloud cloud =
+      nn::upsampled_cloud(lifted, measured, rows, method.upsampler.sensor());
   const ScanErrors errors = scan_errors(image, cloud, truth);
   const CloudError& error = errors.cloud;
   UpsamplingScore& sum = sums.sum;
@@ -108,12 +119,18 @@ void UpsamplingComparison::add(ComparedMethod& method, const OrganizedCloud& tru
   sum.mae_valid_m += errors.image.mae_valid_m;
   sum.chamfer_m2 += error.chamfer_m2;
   sum.iou += error.iou;
+  sum.precision += error.precision;
+  sum.recall += error.recall;
   sum.f1 += error.f1;
+  const ImageError computed =
+      image_error(computed_rows(image, rows), computed_rows(range_image(truth), rows));
+  sum.missing_share += computed.missing_share;
+  sum.invented_share += computed.invented_share;
   sum.outlier_share += error.outlier_share;
   sum.outliers_per_scan += error.outlier_share * static_cast<double>(errors.points);
   if (!method.unfiltered) return;
-  const OrganizedCloud unfiltered = upsampled_cloud(method.unfiltered->run(measured_image),
-                                                    measured, rows, method.upsampler.sensor());
+  const OrganizedCloud unfiltered = nn::upsampled_cloud(method.unfiltered->run(measured_image),
+                                                        measured, rows, method.upsampler.sensor());
   for_each_computed(unfiltered, rows, pixel_distances_m(unfiltered, truth),
                     [&](std::size_t pixel, float distance_m) {
                       if (distance_m >= kGoodDistance_m) return;
@@ -130,7 +147,8 @@ std::vector<UpsamplingScore> UpsamplingComparison::scores() const {
     UpsamplingScore score = sums.sum;
     score.method = methods_[i].name;
     for (double* mean : {&score.mae_all_m, &score.mae_valid_m, &score.chamfer_m2, &score.iou,
-                         &score.f1, &score.outlier_share, &score.outliers_per_scan}) {
+                         &score.precision, &score.recall, &score.f1, &score.missing_share,
+                         &score.invented_share, &score.outlier_share, &score.outliers_per_scan}) {
       *mean /= n;
     }
     score.upsampling_ms = distribution_of(sums.times_ms).median;
@@ -142,7 +160,8 @@ std::vector<UpsamplingScore> UpsamplingComparison::scores() const {
   return scores;
 }
 
-FilterComparison::FilterComparison(Upsampler unfiltered, const std::vector<double>& min_angles_deg,
+FilterComparison::FilterComparison(nn::Upsampler unfiltered,
+                                   const std::vector<double>& min_angles_deg,
                                    const std::vector<int>& min_pixels,
                                    const std::vector<double>& support_shares)
     : unfiltered_(std::move(unfiltered)) {
@@ -162,9 +181,10 @@ FilterComparison::FilterComparison(Upsampler unfiltered, const std::vector<doubl
 void FilterComparison::add(const OrganizedCloud& truth) {
   const RowSelection rows = unfiltered_.measured_rows();
   const OrganizedCloud measured = select_rows(truth, rows);
-  const RangeImage image = unfiltered_.run(range_image(measured));
+  const nn::LiftedImage lifted = unfiltered_.run(range_image(measured));
+  const RangeImage& image = lifted.image;
   const RangeImage true_image = range_image(truth);
-  const OrganizedCloud cloud = upsampled_cloud(image, measured, rows, unfiltered_.sensor());
+  const OrganizedCloud cloud = nn::upsampled_cloud(lifted, measured, rows, unfiltered_.sensor());
   const std::vector<float> distances_m = pixel_distances_m(cloud, truth);
   std::vector<std::uint8_t> rejected(image.range_m.size());
   for (Counts& counts : counts_) {

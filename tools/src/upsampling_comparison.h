@@ -10,7 +10,7 @@
 #include "hqslam/core/organized_cloud.h"
 #include "hqslam/core/range_image.h"
 #include "hqslam/core/sensor_model.h"
-#include "upsampler.h"
+#include "hqslam/nn/upsampler.h"
 
 namespace hqslam::tools {
 
@@ -24,7 +24,11 @@ struct UpsamplingScore {
   double mae_valid_m = 0.0;
   double chamfer_m2 = 0.0;
   double iou = 0.0;
+  double precision = 0.0;
+  double recall = 0.0;
   double f1 = 0.0;
+  double missing_share = 0.0;      ///< of the computed pixels' true returns, left empty
+  double invented_share = 0.0;     ///< of the computed points, where the truth has no return
   double outlier_share = 0.0;      ///< of all points, farther than 0.5 m from the true cloud
   double outliers_per_scan = 0.0;  ///< as many points
   double upsampling_ms = 0.0;      ///< median
@@ -46,8 +50,8 @@ ScanErrors scan_errors(const RangeImage& image, const OrganizedCloud& cloud,
 /// One way of upsampling and, if it ends with a filter, the same without that.
 struct ComparedMethod {
   std::string name;
-  Upsampler upsampler;
-  std::optional<Upsampler> unfiltered;
+  nn::Upsampler upsampler;
+  std::optional<nn::Upsampler> unfiltered;
 };
 
 /// Scores methods scan by scan against recordings that have all rows.
@@ -91,7 +95,7 @@ struct FilterTrial {
 /// Tries settings of the filter at the end on the same results.
 class FilterComparison {
  public:
-  FilterComparison(Upsampler unfiltered, const std::vector<double>& min_angles_deg,
+  FilterComparison(nn::Upsampler unfiltered, const std::vector<double>& min_angles_deg,
                    const std::vector<int>& min_pixels, const std::vector<double>& support_shares);
   void add(const OrganizedCloud& truth);
   std::vector<FilterTrial> trials() const;
@@ -106,7 +110,7 @@ class FilterComparison {
     std::int64_t points_left = 0;
     double mae_sum_m = 0.0;
   };
-  Upsampler unfiltered_;
+  nn::Upsampler unfiltered_;
   std::vector<Counts> counts_;
   std::int64_t scans_ = 0;
 };

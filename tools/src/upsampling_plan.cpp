@@ -53,8 +53,20 @@ std::optional<int> recorded_rows(const std::string& input) {
       kBeamTolerance_deg, request.input, found.name, found.rows(), found.columns));
 }
 
+[[noreturn]] void fail_for_confidence(const UpsamplingRequest& request) {
+  throw Error(fmt::format(
+      "{}: does not say how sure it is of a pixel; leave --confidence out, or give weights of kind "
+      "du-mix",
+      request.method));
+}
+
 UpsamplingPlan plan_for_network(const UpsamplingRequest& request) {
-  nn::SuperResolver network = nn::SuperResolver::load(request.method);
+  nn::SuperResolverOptions options = request.network_options;
+  if (request.least_confidence) options.least_confidence = request.least_confidence;
+  nn::SuperResolver network = nn::SuperResolver::load(request.method, options);
+  if (request.least_confidence && network.description().kind != nn::NetworkKind::kDuMix) {
+    fail_for_confidence(request);
+  }
   const SensorModel full = network.sensor();
   const RowSelection measured_rows = network.description().measured_rows;
   const SensorModel measured = select_rows(full, measured_rows);
@@ -70,16 +82,17 @@ UpsamplingPlan plan_for_network(const UpsamplingRequest& request) {
     recorded = select_rows(recorded, measured_rows);
   }
   if (fits(recorded, full)) {
-    return {recorded, measured_rows, Upsampler(std::move(network), recorded)};
+    return {recorded, measured_rows, nn::Upsampler(std::move(network), recorded)};
   }
   if (fits(recorded, measured)) {
-    return {recorded, std::nullopt, Upsampler(std::move(network), full)};
+    return {recorded, std::nullopt, nn::Upsampler(std::move(network), full)};
   }
   fail_for_sensor(request, recorded, full, measured_rows);
 }
 
 UpsamplingPlan plan_for_interpolation(const UpsamplingRequest& request) {
-  const nn::Interpolation interpolation = interpolation_from_name(request.method);
+  if (request.least_confidence) fail_for_confidence(request);
+  const nn::Interpolation interpolation = nn::interpolation_from_name(request.method);
   const SensorModel full = required_recording_sensor(request.input, request.sensor);
   const int recorded = recorded_rows(request.input).value_or(full.rows());
   if (recorded < full.rows()) {
@@ -89,7 +102,7 @@ UpsamplingPlan plan_for_interpolation(const UpsamplingRequest& request) {
                               recorded, request.rows));
     }
     return {select_rows(full, measured_rows), std::nullopt,
-            Upsampler(interpolation, full, measured_rows)};
+            nn::Upsampler(interpolation, full, measured_rows)};
   }
   if (request.rows == 0 && full.rows() < kFewestRowsToThin) {
     throw Error(fmt::format(
@@ -100,14 +113,14 @@ UpsamplingPlan plan_for_interpolation(const UpsamplingRequest& request) {
   }
   const RowSelection measured_rows = selection_for(
       full.rows(), request.rows > 0 ? request.rows : full.rows() / kInterpolationFactor);
-  return {full, measured_rows, Upsampler(interpolation, full, measured_rows)};
+  return {full, measured_rows, nn::Upsampler(interpolation, full, measured_rows)};
 }
 
 }  // namespace
 
 UpsamplingPlan plan_upsampling(const UpsamplingRequest& request) {
-  return is_interpolation(request.method) ? plan_for_interpolation(request)
-                                          : plan_for_network(request);
+  return nn::is_interpolation(request.method) ? plan_for_interpolation(request)
+                                              : plan_for_network(request);
 }
 
 }  // namespace hqslam::tools

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "hqslam/core/sensor_model.h"
-#include "upsampler.h"
+#include "hqslam/nn/upsampler.h"
 
 namespace hqslam::tools {
 
@@ -14,13 +14,16 @@ struct UpsamplingRequest {
   std::string sensor;  ///< empty: sensor.json in the recording's folder, or the weights' sensor
   std::string method;  ///< an interpolation's name or the path of a weights file
   int rows = 0;        ///< measured rows; 0: the weights', or for interpolation every fourth
+  /// Computed pixels that are less sure come out empty; nothing: as the weights say.
+  std::optional<float> least_confidence = std::nullopt;
+  nn::SuperResolverOptions network_options = {};
 };
 
 /// How a recording gets its missing rows.
 struct UpsamplingPlan {
   SensorModel recording_sensor;      ///< to open the recording with
   std::optional<RowSelection> rows;  ///< of the recording that are looked at; nothing: all of them
-  Upsampler upsampler;
+  nn::Upsampler upsampler;
 };
 
 /// A recording either has the measured rows alone or all rows of the sensor, of which the measured

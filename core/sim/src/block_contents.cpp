@@ -3,6 +3,7 @@
 #include "building.h"
 #include "city.h"
 #include "furniture.h"
+#include "level_blocks.h"
 
 namespace hqslam::sim {
 
@@ -26,14 +27,17 @@ Eigen::Isometry3d frame_at(const City& city, const Eigen::Vector2d& sheet_m,
 void plant_tubs(City& city, const BlockSide& side, double from_m, double to_m, Random& random) {
   const int count = random.below(5);
   for (int k = 0; k < count; ++k) {
-    const Eigen::Vector2d at =
-        side.at(random.uniform(from_m + 0.6, to_m - 0.6), kLotLine_m - random.uniform(0.25, 0.6));
+    const double in_front_m = random.uniform(0.25, 0.6);
+    const double along_m = random.uniform(from_m + 0.6, to_m - 0.6);
+    const Eigen::Vector2d at = side.at(along_m, kLotLine_m - in_front_m);
     if (random.chance(0.6)) {
-      place_bush(city, at, random);
+      place_bush(city, at, kKerbHeight_m, random);
     } else {
       const double height_m = random.uniform(0.4, 1.3);
+      const Surface metal{Material::kMetal, random.shade()};
+      const double end_m = random.uniform(0.2, 0.8);
       add_box(city.fixed, frame_at(city, at, side.along), {-0.3, -0.25, -0.3},
-              {random.uniform(0.2, 0.8), 0.3, height_m}, {Material::kMetal, random.shade()});
+              {end_m, 0.3, height_m}, metal);
     }
   }
 }
@@ -120,10 +124,9 @@ void add_detached_houses(City& city, const Block& block, Random& random) {
       add_garden_front(city, side, from_m, to_m + gap_m, random);
       const int bushes = 2 + random.below(7);
       for (int bush = 0; bush < bushes; ++bush) {
-        place_bush(city,
-                   side.at(random.uniform(from_m, to_m),
-                           kLotLine_m + random.uniform(0.9, front_garden_m - 0.5)),
-                   random);
+        const double inwards_m = kLotLine_m + random.uniform(0.9, front_garden_m - 0.5);
+        const double along_m = random.uniform(from_m, to_m);
+        place_bush(city, side.at(along_m, inwards_m), kKerbHeight_m, random);
       }
       const int trees = random.below(3);
       for (int tree = 0; tree < trees; ++tree) {
@@ -133,12 +136,6 @@ void add_detached_houses(City& city, const Block& block, Random& random) {
       from_m = to_m + gap_m;
     }
   }
-}
-
-Eigen::Vector2d draw_inside(const Eigen::AlignedBox2d& box, double margin_m, Random& random) {
-  const Eigen::Vector2d fraction(random.uniform(), random.uniform());
-  return (box.min().array() + margin_m).matrix() +
-         fraction.cwiseProduct((box.sizes().array() - 2.0 * margin_m).matrix());
 }
 
 /// A paved square: a monument, benches, a few trees, much room.
@@ -169,7 +166,7 @@ void add_park(City& city, const Block& block, Random& random) {
   }
   const int bushes = static_cast<int>(area_m2 / 120.0);
   for (int bush = 0; bush < bushes; ++bush) {
-    place_bush(city, draw_inside(block.sheet_m, 4.5, random), random);
+    place_bush(city, draw_inside(block.sheet_m, 4.5, random), kKerbHeight_m, random);
   }
   for (int k = 0; k < 4; ++k) {
     const BlockSide side = side_of(block.sheet_m, k);
@@ -207,7 +204,7 @@ void add_open_ground(City& city, const Block& block, Random& random) {
 
 }  // namespace
 
-void fill_block(City& city, const Block& block) {
+void fill_block(City& city, const Block& block, double parked_car_share) {
   Random random(seed_of(block.seed, 21));
   switch (block.kind) {
     case BlockKind::kRowHouses:
@@ -222,6 +219,14 @@ void fill_block(City& city, const Block& block) {
       return add_walled_ground(city, block, random);
     case BlockKind::kOpenLand:
       return add_open_ground(city, block, random);
+    case BlockKind::kField:
+      return add_field(city, block, random);
+    case BlockKind::kSmoothWalls:
+      return add_smooth_walls(city, block, random);
+    case BlockKind::kYard:
+      return add_yard(city, block, random);
+    case BlockKind::kParkingRows:
+      return add_parking_rows(city, block, parked_car_share, random);
   }
 }
 

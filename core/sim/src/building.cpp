@@ -42,9 +42,12 @@ void add_flat_roof(TriangleMesh& mesh, const Corners& corner, double eaves_m, Ra
   add_quad(mesh, at_height(corner[0], z_m), at_height(corner[1], z_m), at_height(corner[2], z_m),
            at_height(corner[3], z_m), roof);
   const Eigen::Vector2d place = corner[0] + random.uniform(0.2, 0.7) * (corner[2] - corner[0]);
-  add_box(mesh, upright_frame(at_height(place, z_m), 0.0), {0.0, 0.0, 0.0},
-          {random.uniform(0.5, 1.5), random.uniform(0.5, 1.0), random.uniform(0.8, 1.6)},
-          {Material::kPlaster, random.shade()});
+  const Surface plaster{Material::kPlaster, random.shade()};
+  Eigen::Vector3d chimney_m;
+  chimney_m.x() = random.uniform(0.5, 1.5);
+  chimney_m.y() = random.uniform(0.5, 1.0);
+  chimney_m.z() = random.uniform(0.8, 1.6);
+  add_box(mesh, upright_frame(at_height(place, z_m), 0.0), {0.0, 0.0, 0.0}, chimney_m, plaster);
 }
 
 /// Two slopes; the ridge runs along the front.

@@ -4,6 +4,7 @@
 
 #include "furniture.h"
 #include "ground.h"
+#include "on_ground.h"
 #include "tree.h"
 
 namespace hqslam::sim {
@@ -28,12 +29,12 @@ Eigen::Affine3d scaled_upright(const Eigen::Vector3d& origin, double heading_rad
 }
 
 /// Tree lines and lone trees in the open land, so that the horizon is not empty.
-void plant_open_land(City& city, std::uint64_t seed) {
+void plant_open_land(City& city, double trees_per_m, std::uint64_t seed) {
   Random random(seed);
   const Eigen::Vector2d low = city.layout.rim_m.min();
   const Eigen::Vector2d size = city.layout.rim_m.sizes();
   const double around_m = 2.0 * size.sum();
-  const int trees = static_cast<int>(around_m / 7.0);
+  const int trees = static_cast<int>(around_m * trees_per_m);
   for (int tree = 0; tree < trees; ++tree) {
     const BlockSide side = side_of(city.layout.rim_m, random.below(4));
     const bool in_line = random.chance(0.6);
@@ -62,6 +63,14 @@ BlockSide side_of(const Eigen::AlignedBox2d& sheet_m, int side) {
   }
 }
 
+Eigen::Vector2d draw_inside(const Eigen::AlignedBox2d& sheet_m, double margin_m, Random& random) {
+  Eigen::Vector2d fraction;
+  fraction.y() = random.uniform();
+  fraction.x() = random.uniform();
+  return (sheet_m.min().array() + margin_m).matrix() +
+         fraction.cwiseProduct((sheet_m.sizes().array() - 2.0 * margin_m).matrix());
+}
+
 void place_tree(City& city, const Eigen::Vector2d& sheet_m, double lift_m, Random& random) {
   const double heading_rad = random.uniform(0.0, 2.0 * std::numbers::pi);
   const double scale = random.uniform(0.8, 1.35);
@@ -70,27 +79,33 @@ void place_tree(City& city, const Eigen::Vector2d& sheet_m, double lift_m, Rando
        scaled_upright(city.layout.ground(sheet_m, lift_m), heading_rad, scale), 128});
 }
 
-void place_bush(City& city, const Eigen::Vector2d& sheet_m, Random& random) {
+void place_bush(City& city, const Eigen::Vector2d& sheet_m, double lift_m, Random& random) {
   const double heading_rad = random.uniform(0.0, 2.0 * std::numbers::pi);
   const double scale = random.uniform(0.8, 1.6);
   city.placements.push_back(
       {kFirstBush + random.below(kBushShapes),
-       scaled_upright(city.layout.ground(sheet_m, kKerbHeight_m), heading_rad, scale), 128});
+       scaled_upright(city.layout.ground(sheet_m, lift_m), heading_rad, scale), 128});
+}
+
+void park_car(City& city, const Eigen::Vector2d& sheet_m, double heading_rad, Random& random) {
+  const int body = kFirstCar + random.below(kCarBodies);
+  const Eigen::Vector2d plane_m = city.layout.plane(sheet_m);
+  city.placements.push_back({body,
+                             Eigen::Affine3d(on_ground(city.layout.terrain, plane_m, heading_rad)),
+                             random.shade()});
 }
 
 City make_city(const CityStyle& style, std::uint64_t seed) {
-  City city{.layout = make_layout(style, seed),
-            .fixed = {},
-            .prototypes = make_prototypes(seed_of(seed, 11)),
-            .placements = {}};
+  City city{{.fixed = {}, .prototypes = make_prototypes(seed_of(seed, 11)), .placements = {}},
+            make_layout(style, seed)};
   add_open_land(city.fixed, city.layout);
   add_streets(city.fixed, city.layout);
   for (const Block& block : city.layout.blocks) {
     add_block_ground(city.fixed, city.layout, block);
-    fill_block(city, block);
-    furnish_sidewalks(city, block, style.parked_car_share);
+    fill_block(city, block, style.parked_car_share);
+    if (has_sidewalk(block.kind)) furnish_sidewalks(city, block, style.parked_car_share);
   }
-  plant_open_land(city, seed_of(seed, 12));
+  plant_open_land(city, style.rim_trees_per_m, seed_of(seed, 12));
   return city;
 }
 

@@ -25,12 +25,16 @@ struct Placement {
   std::uint8_t shade = 128;  ///< of the paint or the clothes
 };
 
-/// Everything that stands still.
-struct City {
-  Layout layout;
+/// Everything that stands still, and the shapes of what moves.
+struct Scenery {
   TriangleMesh fixed;
   std::vector<TriangleMesh> prototypes;
   std::vector<Placement> placements;
+};
+
+/// The scenery of a layout.
+struct City : Scenery {
+  Layout layout;
 };
 
 City make_city(const CityStyle& style, std::uint64_t seed);
@@ -48,12 +52,16 @@ struct BlockSide {
 BlockSide side_of(const Eigen::AlignedBox2d& sheet_m, int side);
 
 /// What a block is filled with, by its kind.
-void fill_block(City& city, const Block& block);
+void fill_block(City& city, const Block& block, double parked_car_share);
 
 /// What stands on the sidewalk and parks at the kerb.
 void furnish_sidewalks(City& city, const Block& block, double parked_car_share);
 
 void place_tree(City& city, const Eigen::Vector2d& sheet_m, double lift_m, Random& random);
-void place_bush(City& city, const Eigen::Vector2d& sheet_m, Random& random);
+void place_bush(City& city, const Eigen::Vector2d& sheet_m, double lift_m, Random& random);
+void park_car(City& city, const Eigen::Vector2d& sheet_m, double heading_rad, Random& random);
+
+/// Somewhere in the rectangle, `margin_m` away from its sides.
+Eigen::Vector2d draw_inside(const Eigen::AlignedBox2d& sheet_m, double margin_m, Random& random);
 
 }  // namespace hqslam::sim

@@ -2,52 +2,61 @@
 
 #include <fmt/format.h>
 
-#include "driver_path.h"
+#include <limits>
+
 #include "hqslam/core/error.h"
 #include "lidar.h"
 #include "path_plan.h"
 #include "ray_scene.h"
-#include "traffic.h"
-#include "vehicle_motion.h"
+#include "scenario.h"
+#include "surface_distance.h"
 
 namespace hqslam::sim {
 
-namespace {
+std::unique_ptr<Scenario> make_scenario(const DriveSpec& spec, double duration_s) {
+  return has_streets(spec.name) ? make_street_scenario(spec, duration_s)
+                                : make_indoor_scenario(spec, duration_s);
+}
 
-const DriveSpec& checked(const DriveSpec& spec) {
+void validate(const DriveSpec& spec) {
   constexpr std::int64_t kMostScans = 1'000'000;
+  static_cast<void>(drive_preset(spec.name));
   if (spec.scans < 1 || spec.scans > kMostScans) {
     throw Error(fmt::format("drive '{}': scans is {}, expected 1 to {}", spec.name, spec.scans,
                             kMostScans));
   }
-  return spec;
+  const auto check = [&](const char* field, double value, double low, double high) {
+    if (value >= low && value <= high) return;
+    throw Error(
+        fmt::format("drive '{}': {} is {}, expected {} to {}", spec.name, field, value, low, high));
+  };
+  constexpr double kSteepest_rad = 0.7854;
+  check("sensor_height_m", spec.mount.sensor_height_m, 0.1, 10.0);
+  check("mount_roll_rad", spec.mount.mount_roll_rad, -kSteepest_rad, kSteepest_rad);
+  check("mount_pitch_rad", spec.mount.mount_pitch_rad, -kSteepest_rad, kSteepest_rad);
+  check("extra_range_noise_m", spec.conditions.extra_range_noise_m, 0.0, 1.0);
+  check("dropout_share", spec.conditions.dropout_share, 0.0, 0.999);
+  check("extinction_per_m", spec.conditions.extinction_per_m, 0.0, 1.0);
+  check("airborne_share", spec.conditions.airborne_share, 0.0, 1.0);
 }
-
-}  // namespace
 
 struct DriveSimulator::Implementation {
   Implementation(const DriveSpec& spec_, const SensorModel& sensor_)
-      : spec(checked(spec_)),
+      : spec((validate(spec_), spec_)),
         sensor((validate(sensor_), sensor_)),
-        style(drive_style(spec.name)),
-        city(make_city(style.city, seed_of_part(spec.seed, DrivePart::kCity))),
-        path(plan_path(city.layout, style.driver, spec.seed, duration_s())),
-        motion(path, city.layout.terrain, seed_of_part(spec.seed, DrivePart::kSway)),
-        traffic(city.layout, style, path, seed_of_part(spec.seed, DrivePart::kTraffic),
-                duration_s()),
-        scene(city),
-        lidar(sensor, seed_of_part(spec.seed, DrivePart::kNoise)),
-        T_map_world(motion.T_world_sensor(0.5 * sensor.scan_period_s).inverse()) {}
+        scenario(make_scenario(spec, static_cast<double>(spec.scans) * sensor.scan_period_s)),
+        scene(scenario->scenery()),
+        lidar(sensor, spec.conditions, seed_of_part(spec.seed, DrivePart::kNoise)),
+        T_map_world(scenario->T_world_sensor(0.5 * sensor.scan_period_s).inverse()) {}
 
-  double duration_s() const { return static_cast<double>(spec.scans) * sensor.scan_period_s; }
+  /// When the head is at each column of the next scan.
+  std::vector<Pose> T_world_sensor_at_column() const;
+  /// Where the sensor is along the drive, every two metres.
+  std::vector<Eigen::Vector3d> places_m() const;
 
   DriveSpec spec;
   SensorModel sensor;
-  DriveStyle style;
-  City city;
-  DriverPath path;
-  VehicleMotion motion;
-  Traffic traffic;
+  std::unique_ptr<Scenario> scenario;
   RayScene scene;
   Lidar lidar;
   Pose T_map_world;
@@ -65,21 +74,71 @@ std::int64_t DriveSimulator::scans() const { return implementation_->spec.scans;
 
 void DriveSimulator::skip(std::int64_t scans) { implementation_->next_scan += scans; }
 
+std::vector<Pose> DriveSimulator::Implementation::T_world_sensor_at_column() const {
+  const double begin_s = static_cast<double>(next_scan) * sensor.scan_period_s;
+  std::vector<Pose> T_world_sensor;
+  for (int column = 0; column < sensor.columns; ++column) {
+    T_world_sensor.push_back(
+        scenario->T_world_sensor(begin_s + sensor.scan_period_s * (column + 0.5) / sensor.columns));
+  }
+  return T_world_sensor;
+}
+
+std::optional<VisibleSurface> DriveSimulator::next_visible() {
+  Implementation& self = *implementation_;
+  if (self.next_scan >= self.spec.scans) return std::nullopt;
+  self.scene.place_actors({});
+  const std::vector<Eigen::Vector3d> seen_m =
+      self.lidar.visible_surface_m(self.scene, self.T_world_sensor_at_column());
+  ++self.next_scan;
+  VisibleSurface visible;
+  for (const Eigen::Vector3d& point_m : seen_m) {
+    visible.points_m.push_back((self.T_map_world * point_m).cast<float>());
+  }
+  return visible;
+}
+
+std::vector<Eigen::Vector3d> DriveSimulator::Implementation::places_m() const {
+  constexpr double kStep_m = 2.0;
+  std::vector<Eigen::Vector3d> places_m;
+  for (std::int64_t scan = 0; scan < spec.scans; ++scan) {
+    const Eigen::Vector3d place_m =
+        scenario->T_world_sensor((static_cast<double>(scan) + 0.5) * sensor.scan_period_s)
+            .translation();
+    if (places_m.empty() || (place_m - places_m.back()).norm() >= kStep_m) {
+      places_m.push_back(place_m);
+    }
+  }
+  return places_m;
+}
+
+std::vector<float> DriveSimulator::distances_to_surface_m(
+    const std::vector<Eigen::Vector3f>& points_m, double reach_m) {
+  Implementation& self = *implementation_;
+  self.scene.place_actors({});
+  const Pose T_world_map = self.T_map_world.inverse();
+  const std::vector<Eigen::Vector3d> places_m = self.places_m();
+  std::vector<float> distances_m(points_m.size(), std::numeric_limits<float>::infinity());
+#pragma omp parallel for schedule(dynamic, 1024)
+  for (std::size_t i = 0; i < points_m.size(); ++i) {
+    if (!points_m[i].allFinite()) continue;
+    distances_m[i] = static_cast<float>(distance_to_true_surface_m(
+        self.scene, places_m, T_world_map * points_m[i].cast<double>(), reach_m));
+  }
+  return distances_m;
+}
+
 std::optional<SimulatedScan> DriveSimulator::next() {
   Implementation& self = *implementation_;
   if (self.next_scan >= self.spec.scans) return std::nullopt;
   const double period_s = self.sensor.scan_period_s;
   const double begin_s = static_cast<double>(self.next_scan) * period_s;
-  std::vector<Pose> T_world_sensor;
-  for (int column = 0; column < self.sensor.columns; ++column) {
-    T_world_sensor.push_back(
-        self.motion.T_world_sensor(begin_s + period_s * (column + 0.5) / self.sensor.columns));
-  }
+  const std::vector<Pose> T_world_sensor = self.T_world_sensor_at_column();
   SimulatedScan scan;
   scan.stamp_s = begin_s + 0.5 * period_s;
-  const Pose T_world_middle = self.motion.T_world_sensor(scan.stamp_s);
+  const Pose T_world_middle = self.scenario->T_world_sensor(scan.stamp_s);
   self.scene.place_actors(
-      self.traffic.actors(begin_s, begin_s + period_s, T_world_middle.translation().head<2>()));
+      self.scenario->actors(begin_s, begin_s + period_s, T_world_middle.translation().head<2>()));
   scan.image = self.lidar.measure(self.scene, T_world_sensor, self.next_scan);
   scan.T_map_sensor = self.T_map_world * T_world_middle;
   for (const Pose& pose : T_world_sensor) {

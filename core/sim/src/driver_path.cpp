@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "b_spline.h"
+
 namespace hqslam::sim {
 
 namespace {
@@ -79,30 +81,6 @@ std::vector<double> plan_speed(const Resampled& way, const DriverStyle& style) {
   return speed_mps;
 }
 
-/// Uniform cubic B-spline and its first derivative by the knot parameter.
-struct SplineValue {
-  Eigen::Vector2d position;
-  Eigen::Vector2d derivative;
-};
-
-SplineValue spline_at(const std::vector<Eigen::Vector2d>& control, double parameter) {
-  const double last = static_cast<double>(control.size()) - 3.0;
-  const double clamped = std::clamp(parameter, 0.0, last - 1e-9);
-  const auto first = static_cast<std::size_t>(clamped);
-  const double t = clamped - static_cast<double>(first);
-  const double s = 1.0 - t;
-  const Eigen::Vector2d& a = control[first];
-  const Eigen::Vector2d& b = control[first + 1];
-  const Eigen::Vector2d& c = control[first + 2];
-  const Eigen::Vector2d& d = control[first + 3];
-  SplineValue value;
-  value.position = (s * s * s * a + (3.0 * t * t * t - 6.0 * t * t + 4.0) * b +
-                    (3.0 * s * s * s - 6.0 * s * s + 4.0) * c + t * t * t * d) /
-                   6.0;
-  value.derivative = 0.5 * (s * s * (b - a) + (1.0 + 2.0 * s * t) * (c - b) + t * t * (d - c));
-  return value;
-}
-
 }  // namespace
 
 DriverPath::DriverPath(const std::vector<LanePoint>& lane, const DriverStyle& style) {
@@ -140,7 +118,7 @@ PathState DriverPath::at_time(double time_s) const {
 }
 
 PathState DriverPath::at_distance(double along_m) const {
-  const SplineValue value = spline_at(control_m_, along_m / kSpacing_m);
+  const auto value = spline_at(control_m_, along_m / kSpacing_m);
   return {value.position, std::atan2(value.derivative.y(), value.derivative.x()),
           value.derivative.norm() / kSpacing_m, along_m};
 }

@@ -25,6 +25,21 @@ bool lost_in_glass(const PixelBits& bits, double share_of_patches) {
   return uniform_of(scrambled(bits.pixel)) < (lost_patch ? 0.93 : 0.06);
 }
 
+/// Shares of windows: those with curtains come first.
+constexpr double kCurtained = 0.45;
+
+double window_draw(const RayHit& hit) { return uniform_of(scrambled(hit.surface.shade)); }
+
+double range_through_window_m(const RayHit& hit) {
+  if (window_draw(hit) < kCurtained) return hit.range_m + 0.12 / std::max(hit.cos_incidence, 0.2);
+  const double depth_m = 1.0 + 6.0 * uniform_of(scrambled(~hit.surface.shade));
+  return hit.range_m + depth_m / std::max(hit.cos_incidence, 0.4);
+}
+
+double range_to_seats_m(const RayHit& hit) {
+  return hit.range_m + (0.3 + 0.4 * uniform_of(scrambled(hit.surface.shade)));
+}
+
 /// A window, all of it alike: with curtains, showing the room behind, or swallowing the beam. Its
 /// shade decides.
 std::optional<Echo> echo_of_window(const RayHit& hit, double max_range_m, const PixelBits& bits) {
@@ -32,14 +47,12 @@ std::optional<Echo> echo_of_window(const RayHit& hit, double max_range_m, const 
   if (hit.cos_incidence > kMirrorCosine) {
     return Echo{hit.range_m, signal_of(0.8, 1.0, hit.range_m, max_range_m)};
   }
-  const double draw = uniform_of(scrambled(hit.surface.shade));
-  if (draw < 0.45) {
-    const double range_m = hit.range_m + 0.12 / std::max(hit.cos_incidence, 0.2);
+  const double draw = window_draw(hit);
+  const double range_m = range_through_window_m(hit);
+  if (draw < kCurtained) {
     return Echo{range_m, signal_of(0.25, hit.cos_incidence, range_m, max_range_m)};
   }
   if (lost_in_glass(bits, draw < 0.7 ? 0.9 : 0.15)) return std::nullopt;
-  const double depth_m = 1.0 + 6.0 * uniform_of(scrambled(~hit.surface.shade));
-  const double range_m = hit.range_m + depth_m / std::max(hit.cos_incidence, 0.4);
   return Echo{range_m, signal_of(0.15, hit.cos_incidence, range_m, max_range_m)};
 }
 
@@ -49,11 +62,20 @@ std::optional<Echo> echo_of_car_window(const RayHit& hit, double max_range_m,
   if (lost_in_glass(bits, 0.25 + 0.65 * tint)) return std::nullopt;
   // Through the glass to the seats, or off the glass itself.
   const bool seats = uniform_of(scrambled(~bits.patch)) < 0.7;
-  const double range_m = hit.range_m + (seats ? 0.3 + 0.4 * tint : 0.0);
+  const double range_m = seats ? range_to_seats_m(hit) : hit.range_m;
   return Echo{range_m, signal_of(seats ? 0.1 : 0.12, hit.cos_incidence, range_m, max_range_m)};
 }
 
 }  // namespace
+
+bool is_glass(Material material) {
+  return material == Material::kGlass || material == Material::kCarGlass;
+}
+
+double range_through_glass_m(const RayHit& hit) {
+  return hit.surface.material == Material::kCarGlass ? range_to_seats_m(hit)
+                                                     : range_through_window_m(hit);
+}
 
 std::optional<Echo> echo_of(const RayHit& hit, double max_range_m, const PixelBits& bits) {
   if (hit.surface.material == Material::kGlass) {

@@ -24,6 +24,11 @@ struct PixelBits {
 /// The echo of a hit; none if glass lets the ray through for good.
 std::optional<Echo> echo_of(const RayHit& hit, double max_range_m, const PixelBits& bits);
 
+bool is_glass(Material material);
+/// The range of what a ray sees through the glass that it hits: curtains or a room behind a window,
+/// the seats of a car.
+double range_through_glass_m(const RayHit& hit);
+
 /// The footprint of one pixel: the central ray counts as much as two others.
 struct Footprint {
   std::array<Echo, 5> echoes;

@@ -58,9 +58,10 @@ void add_bench(TriangleMesh& mesh, const Eigen::Isometry3d& frame) {
 
 void add_bin(TriangleMesh& mesh, const Eigen::Isometry3d& frame, Random& random) {
   const double radius_m = random.uniform(0.22, 0.35);
+  const Surface metal{Material::kMetal, random.shade()};
+  const double height_m = random.uniform(0.8, 1.15);
   add_column(mesh, frame * Eigen::Vector3d(0.0, 0.0, -0.2),
-             frame * Eigen::Vector3d(0.0, 0.0, random.uniform(0.8, 1.15)), radius_m, radius_m, 9,
-             {Material::kMetal, random.shade()});
+             frame * Eigen::Vector3d(0.0, 0.0, height_m), radius_m, radius_m, 9, metal);
 }
 
 void add_hedge(TriangleMesh& mesh, const Layout& layout, const Eigen::Vector2d& from_m,
@@ -110,6 +111,22 @@ void add_picket_fence(TriangleMesh& mesh, const Layout& layout, const Eigen::Vec
                layout.ground(a, z_m + 0.08), wood);
     }
     add_column(mesh, layout.ground(a, 0.0), layout.ground(a, 1.3), 0.05, 0.05, 5, wood);
+  }
+}
+
+void add_rail_fence(TriangleMesh& mesh, const Layout& layout, const Eigen::Vector2d& from_m,
+                    const Eigen::Vector2d& to_m) {
+  const Surface wood{Material::kWood, 100};
+  const int spans = steps((to_m - from_m).norm(), 3.5);
+  for (int span = 0; span <= spans; ++span) {
+    const Eigen::Vector2d here = from_m + (to_m - from_m) * (static_cast<double>(span) / spans);
+    add_column(mesh, layout.ground(here, -0.2), layout.ground(here, 1.3), 0.07, 0.07, 6, wood);
+    if (span == spans) return;
+    const Eigen::Vector2d next = from_m + (to_m - from_m) * ((span + 1.0) / spans);
+    for (const double z_m : {0.55, 1.1}) {
+      add_quad(mesh, layout.ground(here, z_m), layout.ground(next, z_m),
+               layout.ground(next, z_m + 0.1), layout.ground(here, z_m + 0.1), wood);
+    }
   }
 }
 

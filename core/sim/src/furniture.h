@@ -18,6 +18,9 @@ void add_hedge(TriangleMesh& mesh, const Layout& layout, const Eigen::Vector2d& 
                const Eigen::Vector2d& to_m, double height_m, Random& random);
 void add_picket_fence(TriangleMesh& mesh, const Layout& layout, const Eigen::Vector2d& from_m,
                       const Eigen::Vector2d& to_m, Random& random);
+/// Posts with two rails, as around a paddock.
+void add_rail_fence(TriangleMesh& mesh, const Layout& layout, const Eigen::Vector2d& from_m,
+                    const Eigen::Vector2d& to_m);
 void add_garden_wall(TriangleMesh& mesh, const Layout& layout, const Eigen::Vector2d& from_m,
                      const Eigen::Vector2d& to_m, double height_m, Surface surface);
 /// An overhead wire that sags between two lamps.

@@ -86,6 +86,23 @@ void add_kerb_and_sidewalk(TriangleMesh& mesh, const Layout& layout,
   }
 }
 
+/// Level with the street, whose strips it covers: tilled ground, or concrete with a seam.
+void add_level_ground(TriangleMesh& mesh, const Layout& layout, const Block& block) {
+  Random random(seed_of(block.seed, 7));
+  if (block.kind == BlockKind::kField) {
+    const double roughness_m = random.uniform(0.03, 0.09);
+    add_patch(mesh, layout, block.sheet_m, Eigen::Vector2d::Constant(3.0),
+              {Material::kGrass, random.shade()}, [&](const Eigen::Vector2d&) {
+                return 0.03 + roughness_m * random.uniform(0.0, 1.6);
+              });
+    return;
+  }
+  const Material material =
+      block.kind == BlockKind::kParkingRows ? Material::kAsphalt : Material::kConcrete;
+  add_patch(mesh, layout, block.sheet_m, Eigen::Vector2d::Constant(3.0), {material, 110},
+            [](const Eigen::Vector2d&) { return 0.02; });
+}
+
 }  // namespace
 
 void add_streets(TriangleMesh& mesh, const Layout& layout) {
@@ -104,6 +121,7 @@ void add_streets(TriangleMesh& mesh, const Layout& layout) {
 }
 
 void add_block_ground(TriangleMesh& mesh, const Layout& layout, const Block& block) {
+  if (!has_sidewalk(block.kind)) return add_level_ground(mesh, layout, block);
   add_kerb_and_sidewalk(mesh, layout, block.sheet_m);
   const Eigen::AlignedBox2d inside(block.sheet_m.min().array() + kSidewalkWidth_m,
                                    block.sheet_m.max().array() - kSidewalkWidth_m);

@@ -27,7 +27,8 @@ class LaneMaker {
   std::vector<LanePoint> make() {
     // Start on the first stretch, clear of the crossing.
     const Eigen::Vector2d direction = direction_of(0);
-    at_ = sheet(route_[0]) + street_of(0).lane_offset_m * right_of(direction) + 18.0 * direction;
+    at_ = sheet(route_[0]) + street_of(0).lane_offset_m * right_of(direction) +
+          style_.start_m * direction;
     limit_mps_ = draw_limit(0);
     add(at_, 0.0);
     for (std::size_t crossing = 1; crossing + 1 < route_.size(); ++crossing) cross(crossing);

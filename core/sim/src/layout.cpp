@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kOuterBlockDepth_m = 48.0;
 
-Street make_street(double position_m, Random& random) {
+Street make_street(const CityStyle& style, double position_m, Random& random) {
   Street street;
   street.position_m = position_m;
   const double width = random.uniform();
@@ -23,15 +23,21 @@ Street make_street(double position_m, Random& random) {
     street.lane_offset_m = 2.8;
   }
   street.tree_lined = random.chance(0.7);
+  if (style.plain_streets) {
+    street.half_width_m = style.plain_streets->half_width_m;
+    street.lane_offset_m = style.plain_streets->lane_offset_m;
+    street.parking = false;
+    street.tree_lined = false;
+  }
   return street;
 }
 
-std::vector<Street> make_streets(const CityStyle& style, Random& random) {
+std::vector<Street> make_streets(const CityStyle& style, const StreetGrid& grid, Random& random) {
   std::vector<Street> streets;
   double position_m = 0.0;
-  for (int i = 0; i < style.streets; ++i) {
-    streets.push_back(make_street(position_m, random));
-    position_m += random.uniform(style.min_spacing_m, style.max_spacing_m);
+  for (int i = 0; i < grid.streets; ++i) {
+    streets.push_back(make_street(style, position_m, random));
+    position_m += random.uniform(grid.min_spacing_m, grid.max_spacing_m);
   }
   const double middle_m = 0.5 * (streets.front().position_m + streets.back().position_m);
   for (Street& street : streets) street.position_m -= middle_m;
@@ -60,21 +66,21 @@ Bending make_bending(double bend, Random& random) {
 std::set<Stretch> close_stretches(const CityStyle& style, Random& random) {
   std::set<Stretch> closed;
   int previous = -1;
-  for (int street = 1; street + 1 < style.streets; ++street) {
+  for (int street = 1; street + 1 < style.grid[0].streets; ++street) {
     const bool close = random.chance(style.closed_street_share);
-    const int crossing = random.below(style.streets - 1);
+    const int crossing = random.below(style.grid[1].streets - 1);
     if (close && crossing != previous) closed.insert({0, street, crossing});
     previous = close ? crossing : -1;
   }
   return closed;
 }
 
-BlockKind pick_kind(const CityStyle& style, Random& random) {
+BlockKind pick_kind(const BlockWeights& weights, Random& random) {
   double total = 0.0;
-  for (double weight : style.block_weights) total += weight;
+  for (const double weight : weights) total += weight;
   double draw = random.uniform(0.0, total);
-  for (std::size_t kind = 0; kind < style.block_weights.size(); ++kind) {
-    draw -= style.block_weights[kind];
+  for (std::size_t kind = 0; kind < weights.size(); ++kind) {
+    draw -= weights[kind];
     if (draw < 0.0) return static_cast<BlockKind>(kind);
   }
   return BlockKind::kRowHouses;
@@ -101,9 +107,10 @@ std::vector<Block> make_blocks(const CityStyle& style, const Layout& layout, std
   const Cells u = cells_between(layout.streets[0], layout.rim_m.min().x(), layout.rim_m.max().x());
   const Cells v = cells_between(layout.streets[1], layout.rim_m.min().y(), layout.rim_m.max().y());
   std::vector<Block> blocks;
-  const int last = style.streets;
-  for (int i = 0; i <= last; ++i) {
-    for (int j = 0; j <= last; ++j) {
+  const int last_u = style.grid[0].streets;
+  const int last_v = style.grid[1].streets;
+  for (int i = 0; i <= last_u; ++i) {
+    for (int j = 0; j <= last_v; ++j) {
       // A closed stretch of street i lies between cells i and i+1 of axis 0.
       if (i > 0 && layout.closed.contains({0, i - 1, j - 1})) continue;
       const bool wide = layout.closed.contains({0, i, j - 1});
@@ -112,7 +119,10 @@ std::vector<Block> make_blocks(const CityStyle& style, const Layout& layout, std
                                           Eigen::Vector2d(u.high_m[wide ? i + 1 : i], v.high_m[j]));
       block.seed = seed_of(seed, static_cast<std::uint64_t>(i), static_cast<std::uint64_t>(j));
       Random random(block.seed);
-      block.kind = pick_kind(style, random);
+      const bool at_rim = i == 0 || i == last_u || j == 0 || j == last_v;
+      block.kind = pick_kind(
+          at_rim ? style.rim_block_weights.value_or(style.block_weights) : style.block_weights,
+          random);
       blocks.push_back(block);
     }
   }
@@ -149,7 +159,9 @@ Layout make_layout(const CityStyle& style, std::uint64_t seed) {
                 .rim_m = {},
                 .bending = make_bending(style.bend, random),
                 .terrain = Terrain(seed_of(seed, 2), style.slope_bound)};
-  for (auto& streets : layout.streets) streets = make_streets(style, random);
+  for (std::size_t axis = 0; axis < 2; ++axis) {
+    layout.streets[axis] = make_streets(style, style.grid[axis], random);
+  }
   layout.closed = close_stretches(style, random);
   for (int axis = 0; axis < 2; ++axis) {
     layout.rim_m.min()[axis] = layout.streets[axis].front().position_m - kOuterBlockDepth_m;

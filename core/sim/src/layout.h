@@ -23,6 +23,9 @@ struct Street {
   bool tree_lined = false;
 };
 
+/// Whether blocks of this kind end in a kerb and a sidewalk; the others lie level with the street.
+constexpr bool has_sidewalk(BlockKind kind) { return kind < BlockKind::kField; }
+
 /// What lies between streets, up to the kerbs.
 struct Block {
   Eigen::AlignedBox2d sheet_m;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "disturbance.h"
 #include "echo.h"
 #include "random.h"
 
@@ -12,6 +13,9 @@ namespace {
 
 /// Half of the beam's divergence: 3 mrad in all, between those of the presets' sensors.
 constexpr double kHalfDivergence_rad = 0.0015;
+
+/// The key of the random bits that rain, drop-outs and extra noise draw from.
+constexpr std::uint64_t kDisturbance = 1;
 
 /// One ray per pixel.
 struct CentralRays {
@@ -38,9 +42,11 @@ bool jumps(const CentralRays& rays, std::size_t a, std::size_t b) {
 /// The measurement of one scan; its parts are independent per pixel, so threads may share them.
 class Measurement {
  public:
-  Measurement(const SensorModel& sensor, const std::vector<Eigen::Vector3d>& directions,
-              const RayScene& scene, const std::vector<Pose>& T_world_sensor, std::uint64_t seed)
+  Measurement(const SensorModel& sensor, const SensingConditions& conditions,
+              const std::vector<Eigen::Vector3d>& directions, const RayScene& scene,
+              const std::vector<Pose>& T_world_sensor, std::uint64_t seed)
       : sensor_(sensor),
+        conditions_(conditions),
         directions_(directions),
         scene_(scene),
         T_world_sensor_(T_world_sensor),
@@ -86,6 +92,8 @@ class Measurement {
         image_.range_m[pixel] =
             detected_range_m(*echo, sensor_.min_range_m, sensor_.max_range_m, bits.pixel);
       }
+      image_.range_m[pixel] = disturbed_range_m(image_.range_m[pixel], conditions_, sensor_,
+                                                seed_of(bits.pixel, kDisturbance));
     }
   }
 
@@ -101,7 +109,9 @@ class Measurement {
     Footprint footprint;
     const auto add = [&](const RayHit& hit, double weight) {
       const auto echo = echo_of(hit, sensor_.max_range_m, bits);
-      if (echo) footprint.add(*echo, weight);
+      if (!echo) return;
+      const double left = transmission(conditions_.extinction_per_m, echo->range_m);
+      footprint.add({echo->range_m, echo->signal * left}, weight);
     };
     if (central_.met[pixel] != 0) add(central_.hits[pixel], 2.0);
     for (const NeighbourStep& step : kNeighbours) {
@@ -120,6 +130,7 @@ class Measurement {
   }
 
   const SensorModel& sensor_;
+  const SensingConditions& conditions_;
   const std::vector<Eigen::Vector3d>& directions_;
   const RayScene& scene_;
   const std::vector<Pose>& T_world_sensor_;
@@ -130,7 +141,8 @@ class Measurement {
 
 }  // namespace
 
-Lidar::Lidar(const SensorModel& sensor, std::uint64_t seed) : sensor_(sensor), seed_(seed) {
+Lidar::Lidar(const SensorModel& sensor, const SensingConditions& conditions, std::uint64_t seed)
+    : sensor_(sensor), conditions_(conditions), seed_(seed) {
   for (int row = 0; row < sensor_.rows(); ++row) {
     const double elevation_rad = sensor_.beam_elevation_rad[static_cast<std::size_t>(row)];
     for (int column = 0; column < sensor_.columns; ++column) {
@@ -144,9 +156,35 @@ Lidar::Lidar(const SensorModel& sensor, std::uint64_t seed) : sensor_(sensor), s
 
 RangeImage Lidar::measure(const RayScene& scene, const std::vector<Pose>& T_world_sensor,
                           std::int64_t scan) const {
-  return Measurement(sensor_, directions_, scene, T_world_sensor,
+  return Measurement(sensor_, conditions_, directions_, scene, T_world_sensor,
                      seed_of(seed_, static_cast<std::uint64_t>(scan)))
       .take();
+}
+
+std::vector<Eigen::Vector3d> Lidar::visible_surface_m(
+    const RayScene& scene, const std::vector<Pose>& T_world_sensor) const {
+  const int rows = sensor_.rows();
+  const int columns = sensor_.columns;
+  std::vector<std::optional<Eigen::Vector3d>> seen_m(directions_.size());
+#pragma omp parallel for schedule(dynamic, 1)
+  for (int row = 0; row < rows; ++row) {
+    for (int column = 0; column < columns; ++column) {
+      const std::size_t pixel = static_cast<std::size_t>(row) * columns + column;
+      const Pose& pose =
+          T_world_sensor[static_cast<std::size_t>(sensor_.firing_column(row, column))];
+      const Eigen::Vector3d direction = pose.linear() * directions_[pixel];
+      const auto hit = scene.cast(pose.translation(), direction, 0.0, sensor_.max_range_m);
+      if (!hit || hit->range_m < sensor_.min_range_m || is_glass(hit->surface.material)) continue;
+      const auto echo = echo_of(*hit, sensor_.max_range_m, {});
+      if (echo && echo->signal >= 1.0)
+        seen_m[pixel] = pose.translation() + hit->range_m * direction;
+    }
+  }
+  std::vector<Eigen::Vector3d> points_m;
+  for (const auto& point_m : seen_m) {
+    if (point_m) points_m.push_back(*point_m);
+  }
+  return points_m;
 }
 
 }  // namespace hqslam::sim

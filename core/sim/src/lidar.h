@@ -7,6 +7,7 @@
 #include "hqslam/core/pose.h"
 #include "hqslam/core/range_image.h"
 #include "hqslam/core/sensor_model.h"
+#include "hqslam/sim/drive.h"
 #include "ray_scene.h"
 
 namespace hqslam::sim {
@@ -25,15 +26,28 @@ namespace hqslam::sim {
 /// by power; otherwise the strongest counts.
 /// Glass: some windows have curtains, some show the room behind, some return nothing.
 /// Ranges are rounded to 1 mm.
+///
+/// Rain or fog of extinction a takes exp(-2 a r) of the signal on its way there and back
+/// (Beer-Lambert; here (1 + a r / 8)^-16, whose roundings are the same on every machine). With
+/// probability airborne_share a pixel meets drops at r_d = min_range + 12 m u^2, u uniform in
+/// [0, 1); if that is nearer than what the pixel would have reported, or it would have reported
+/// nothing, r_d is what it reports. Of what is then reported dropout_share is lost, pixel by pixel,
+/// and extra_range_noise_m is the standard deviation of noise that is added.
 class Lidar {
  public:
-  Lidar(const SensorModel& sensor, std::uint64_t seed);
+  Lidar(const SensorModel& sensor, const SensingConditions& conditions, std::uint64_t seed);
   /// One revolution; `T_world_sensor` at every column of the head.
   RangeImage measure(const RayScene& scene, const std::vector<Pose>& T_world_sensor,
                      std::int64_t scan) const;
+  /// Where the beams of one revolution meet surfaces that are within range and bright enough to be
+  /// seen at least every other time (q of 1 and more); none behind glass. World frame, in the order
+  /// of the pixels.
+  std::vector<Eigen::Vector3d> visible_surface_m(const RayScene& scene,
+                                                 const std::vector<Pose>& T_world_sensor) const;
 
  private:
   const SensorModel sensor_;
+  const SensingConditions conditions_;
   std::uint64_t seed_;
   std::vector<Eigen::Vector3d> directions_;  ///< rows x columns, sensor frame
 };

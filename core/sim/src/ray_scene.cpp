@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "hqslam/core/error.h"
+#include "triangle_distance.h"
 
 namespace hqslam::sim {
 
@@ -125,6 +126,9 @@ RayHit meet_triangle(const TriangleMesh& mesh, unsigned triangle, const Eigen::V
   return hit;
 }
 
+/// Embree works in single precision: it is to look a little farther.
+float search_radius(double distance_m) { return static_cast<float>(1.001 * distance_m + 1e-3); }
+
 /// Paint, car windows and clothes take the shade of the one who wears them.
 Surface worn(Surface surface, std::uint8_t shade) {
   if (surface.material == Material::kCarPaint || surface.material == Material::kCarGlass ||
@@ -137,16 +141,19 @@ Surface worn(Surface surface, std::uint8_t shade) {
 }  // namespace
 
 struct RayScene::Implementation {
-  explicit Implementation(const City& city_)
-      : city(city_), device(make_device()), fixed(make_scene(device)), moving(make_scene(device)) {
-    attach_mesh(device, fixed, city.fixed);
-    for (const TriangleMesh& mesh : city.prototypes) {
+  explicit Implementation(const Scenery& scenery_)
+      : scenery(scenery_),
+        device(make_device()),
+        fixed(make_scene(device)),
+        moving(make_scene(device)) {
+    attach_mesh(device, fixed, scenery.fixed);
+    for (const TriangleMesh& mesh : scenery.prototypes) {
       Scene scene = make_scene(device);
       attach_mesh(device, scene, mesh);
       rtcCommitScene(scene);
       prototypes.push_back(std::move(scene));
     }
-    for (const Placement& placement : city.placements) {
+    for (const Placement& placement : scenery.placements) {
       const Geometry instance(rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE));
       rtcSetGeometryInstancedScene(instance,
                                    prototypes[static_cast<std::size_t>(placement.prototype)]);
@@ -159,7 +166,10 @@ struct RayScene::Implementation {
     rtcCommitScene(moving);
   }
 
-  const City& city;
+  struct NearestQuery;
+  static bool look_at_triangle(RTCPointQueryFunctionArguments* arguments);
+
+  const Scenery& scenery;
   Device device;
   Scene fixed;   ///< geometry 0 is the city's own mesh, 1 + k is placement k
   Scene moving;  ///< geometry k is actor k
@@ -168,7 +178,8 @@ struct RayScene::Implementation {
   std::vector<ActorMotion> actors;
 };
 
-RayScene::RayScene(const City& city) : implementation_(std::make_unique<Implementation>(city)) {}
+RayScene::RayScene(const Scenery& scenery)
+    : implementation_(std::make_unique<Implementation>(scenery)) {}
 RayScene::~RayScene() = default;
 RayScene::RayScene(RayScene&&) noexcept = default;
 RayScene& RayScene::operator=(RayScene&&) noexcept = default;
@@ -192,6 +203,50 @@ void RayScene::place_actors(const std::vector<ActorMotion>& actors) {
   rtcCommitScene(self.moving);
 }
 
+/// What Embree's search for the nearest surface carries along.
+struct RayScene::Implementation::NearestQuery {
+  const Implementation& self;
+  Eigen::Vector3d point_m;
+  double nearest_m;
+};
+
+/// Called for every triangle that may be nearer than what was found so far. A placed thing is as
+/// much larger as its shape as the first column of its transform is long.
+bool RayScene::Implementation::look_at_triangle(RTCPointQueryFunctionArguments* arguments) {
+  auto& query = *static_cast<NearestQuery*>(arguments->userPtr);
+  const Implementation& self = query.self;
+  const TriangleMesh* mesh = &self.scenery.fixed;
+  Eigen::Vector3d point_m = query.point_m;
+  double scale = 1.0;
+  if (arguments->context->instStackSize > 0) {
+    const std::size_t k = arguments->context->instID[0] - 1;
+    const Placement& placement = self.scenery.placements[k];
+    mesh = &self.scenery.prototypes[static_cast<std::size_t>(placement.prototype)];
+    point_m = self.T_prototype_world[k] * point_m;
+    scale = placement.T_world_prototype.linear().col(0).norm();
+  }
+  const double distance_m = scale * distance_to_triangle_m(*mesh, arguments->primID, point_m);
+  if (distance_m >= query.nearest_m) return false;
+  query.nearest_m = distance_m;
+  arguments->query->radius = search_radius(distance_m);
+  return true;
+}
+
+std::optional<double> RayScene::distance_m(const Eigen::Vector3d& point_m, double reach_m) const {
+  Implementation::NearestQuery nearest{*implementation_, point_m, reach_m};
+  RTCPointQuery query{};
+  query.x = static_cast<float>(point_m.x());
+  query.y = static_cast<float>(point_m.y());
+  query.z = static_cast<float>(point_m.z());
+  query.radius = search_radius(reach_m);
+  RTCPointQueryContext context;
+  rtcInitPointQueryContext(&context);
+  rtcPointQuery(implementation_->fixed, &query, &context, &Implementation::look_at_triangle,
+                &nearest);
+  if (nearest.nearest_m >= reach_m) return std::nullopt;
+  return nearest.nearest_m;
+}
+
 std::optional<RayHit> RayScene::cast(const Eigen::Vector3d& origin_m,
                                      const Eigen::Vector3d& direction, double scan_fraction,
                                      double max_range_m) const {
@@ -206,7 +261,7 @@ std::optional<RayHit> RayScene::cast(const Eigen::Vector3d& origin_m,
       T_world_actor.matrix() = (1.0 - scan_fraction) * actor.T_world_at_start.matrix() +
                                scan_fraction * actor.T_world_at_end.matrix();
       const Eigen::Affine3d T_actor_world = T_world_actor.inverse();
-      RayHit hit = meet_triangle(self.city.prototypes[static_cast<std::size_t>(actor.prototype)],
+      RayHit hit = meet_triangle(self.scenery.prototypes[static_cast<std::size_t>(actor.prototype)],
                                  moving->triangle, T_actor_world * origin_m,
                                  T_actor_world.linear() * direction, moving->range_m);
       hit.surface = worn(hit.surface, actor.shade);
@@ -215,11 +270,11 @@ std::optional<RayHit> RayScene::cast(const Eigen::Vector3d& origin_m,
   }
   if (!fixed) return std::nullopt;
   if (fixed->instance == RTC_INVALID_GEOMETRY_ID) {
-    return meet_triangle(self.city.fixed, fixed->triangle, origin_m, direction, fixed->range_m);
+    return meet_triangle(self.scenery.fixed, fixed->triangle, origin_m, direction, fixed->range_m);
   }
   const std::size_t k = fixed->instance - 1;
-  const Placement& placement = self.city.placements[k];
-  RayHit hit = meet_triangle(self.city.prototypes[static_cast<std::size_t>(placement.prototype)],
+  const Placement& placement = self.scenery.placements[k];
+  RayHit hit = meet_triangle(self.scenery.prototypes[static_cast<std::size_t>(placement.prototype)],
                              fixed->triangle, self.T_prototype_world[k] * origin_m,
                              self.T_prototype_world[k].linear() * direction, fixed->range_m);
   hit.surface = worn(hit.surface, placement.shade);

@@ -21,7 +21,7 @@ struct RayHit {
 /// where on it is computed here, because Embree's own arithmetic differs between processors.
 class RayScene {
  public:
-  explicit RayScene(const City& city);
+  explicit RayScene(const Scenery& scenery);
   ~RayScene();
   RayScene(RayScene&&) noexcept;
   RayScene& operator=(RayScene&&) noexcept;
@@ -32,6 +32,10 @@ class RayScene {
   /// many threads at once.
   std::optional<RayHit> cast(const Eigen::Vector3d& origin_m, const Eigen::Vector3d& direction,
                              double scan_fraction, double max_range_m) const;
+
+  /// From a point to the nearest surface of what stands still; nothing if it is farther than
+  /// `reach_m`. May be called from many threads at once.
+  std::optional<double> distance_m(const Eigen::Vector3d& point_m, double reach_m) const;
 
   static constexpr std::size_t kMostActors = 40;
 

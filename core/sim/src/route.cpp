@@ -127,10 +127,68 @@ class Planner {
   std::map<std::pair<Crossing, Crossing>, bool, CrossingOrder> driven_;
 };
 
+/// The outermost streets, then the same the other way round, and so on. A street across the middle
+/// joins the two:
+///
+///   +---Q---+    P, right, Q, left, P: counter-clockwise; right to Q, down to P;
+///   |   |   |    P, left, Q, right, P: clockwise; left to Q, down to P.
+///   +---P---+
+class LoopBothWays {
+ public:
+  explicit LoopBothWays(const Layout& layout)
+      : layout_(layout),
+        last_(static_cast<int>(layout.streets[0].size()) - 1,
+              static_cast<int>(layout.streets[1].size()) - 1),
+        low_(last_.x() / 2, 0),
+        high_(last_.x() / 2, last_.y()),
+        route_{low_} {}
+
+  std::vector<Crossing> plan(double min_length_m) {
+    int side = last_.x();
+    while (length_m_ < min_length_m) {
+      const int other_side = last_.x() - side;
+      go_around(low_, side, high_);
+      go_around(high_, other_side, low_);
+      go_around(low_, side, high_);
+      go_to(low_);
+      side = other_side;
+    }
+    return route_;
+  }
+
+ private:
+  /// By the outer street `side` of axis 0.
+  void go_around(const Crossing& from, int side, const Crossing& to) {
+    go_to({side, from.y()});
+    go_to({side, to.y()});
+    go_to(to);
+  }
+
+  void go_to(const Crossing& to) {
+    const Crossing step = (to - route_.back()).cwiseSign();
+    while (route_.back() != to) {
+      const Crossing from = route_.back();
+      route_.push_back(from + step);
+      for (int axis = 0; axis < 2; ++axis) {
+        length_m_ += std::abs(layout_.streets[axis][route_.back()[axis]].position_m -
+                              layout_.streets[axis][from[axis]].position_m);
+      }
+    }
+  }
+
+  const Layout& layout_;
+  const Crossing last_;
+  const Crossing low_;
+  const Crossing high_;
+  std::vector<Crossing> route_;
+  double length_m_ = 0.0;
+};
+
 }  // namespace
 
 std::vector<Crossing> make_route(const Layout& layout, const DriverStyle& style, std::uint64_t seed,
                                  double min_length_m) {
+  if (style.route == RouteKind::kLoopBothWays) return LoopBothWays(layout).plan(min_length_m);
   return Planner(layout, style, seed).plan(min_length_m);
 }
 

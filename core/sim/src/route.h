@@ -13,8 +13,8 @@ using Crossing = Eigen::Vector2i;
 
 /// Crossings one after the other, neighbours joined by a street that is open, never turning back on
 /// the spot. Made of circuits (around a rectangle of blocks and on over its first stretch again)
-/// joined by short ways that like to meet driven streets from the other end. A longer route begins
-/// with the shorter one.
+/// joined by short ways that like to meet driven streets from the other end; or of a loop driven in
+/// both directions, whose streets must all be open. A longer route begins with the shorter one.
 std::vector<Crossing> make_route(const Layout& layout, const DriverStyle& style, std::uint64_t seed,
                                  double min_length_m);
 

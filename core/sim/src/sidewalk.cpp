@@ -2,7 +2,6 @@
 
 #include "city.h"
 #include "furniture.h"
-#include "on_ground.h"
 
 namespace hqslam::sim {
 
@@ -57,12 +56,9 @@ void park_cars(City& city, const BlockSide& side, double share, Random& random) 
   while (along_m < side.length_m - 13.0) {
     if (random.chance(share)) {
       const Eigen::Vector2d at = side.at(along_m, -1.15 + random.uniform(-0.1, 0.12));
-      const Eigen::Vector2d plane_m = city.layout.plane(at);
       const double heading_rad =
           city.layout.heading_rad(at, -side.along) + random.uniform(-0.03, 0.03);
-      city.placements.push_back(
-          {kFirstCar + random.below(kCarBodies),
-           Eigen::Affine3d(on_ground(city.layout.terrain, plane_m, heading_rad)), random.shade()});
+      park_car(city, at, heading_rad, random);
     }
     along_m += random.uniform(5.7, 7.0);
   }
@@ -77,10 +73,9 @@ void add_small_things(City& city, const BlockSide& side, bool wide_street, Rando
   if (wide_street) add_traffic_light(city.fixed, kerb_frame(city, side, 4.2, 0.6));
   const int bins = random.below(4);
   for (int bin = 0; bin < bins; ++bin) {
-    add_bin(city.fixed,
-            kerb_frame(city, side, random.uniform(6.0, side.length_m - 6.0),
-                       random.chance(0.5) ? 0.5 : 2.6),
-            random);
+    const double inwards_m = random.chance(0.5) ? 0.5 : 2.6;
+    const double along_m = random.uniform(6.0, side.length_m - 6.0);
+    add_bin(city.fixed, kerb_frame(city, side, along_m, inwards_m), random);
   }
   if (random.chance(0.3)) {
     add_bench(city.fixed, kerb_frame(city, side, side.length_m * random.uniform(0.3, 0.7), 2.3));

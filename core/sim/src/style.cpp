@@ -1,6 +1,10 @@
 #include "style.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <limits>
 
 #include "hqslam/core/error.h"
 #include "hqslam/sim/drive.h"
@@ -11,9 +15,7 @@ namespace {
 
 DriveStyle block_style() {
   DriveStyle style;
-  style.city = {.streets = 3,
-                .min_spacing_m = 50.0,
-                .max_spacing_m = 62.0,
+  style.city = {.grid = {StreetGrid{3, 50.0, 62.0}, StreetGrid{3, 50.0, 62.0}},
                 .bend = 0.12,
                 .closed_street_share = 0.0,
                 .slope_bound = 0.05,
@@ -34,9 +36,7 @@ DriveStyle block_style() {
 
 DriveStyle town_style() {
   DriveStyle style;
-  style.city = {.streets = 7,
-                .min_spacing_m = 62.0,
-                .max_spacing_m = 125.0,
+  style.city = {.grid = {StreetGrid{7, 62.0, 125.0}, StreetGrid{7, 62.0, 125.0}},
                 .bend = 0.25,
                 .closed_street_share = 0.5,
                 .slope_bound = 0.16,
@@ -57,9 +57,7 @@ DriveStyle town_style() {
 
 DriveStyle hills_style() {
   DriveStyle style;
-  style.city = {.streets = 9,
-                .min_spacing_m = 70.0,
-                .max_spacing_m = 150.0,
+  style.city = {.grid = {StreetGrid{9, 70.0, 150.0}, StreetGrid{9, 70.0, 150.0}},
                 .bend = 0.35,
                 .closed_street_share = 0.6,
                 .slope_bound = 0.36,
@@ -78,23 +76,157 @@ DriveStyle hills_style() {
   return style;
 }
 
+/// Country roads between fields: beside the ground there is little to see.
+DriveStyle meadow_style() {
+  DriveStyle style;
+  style.city.grid.fill({5, 220.0, 380.0});
+  style.city.plain_streets = {.half_width_m = 3.1, .lane_offset_m = 1.5};
+  style.city.bend = 0.35;
+  style.city.closed_street_share = 0.5;
+  style.city.slope_bound = 0.1;
+  style.city.block_weights[static_cast<std::size_t>(BlockKind::kField)] = 1.0;
+  style.city.rim_trees_per_m = 1.0 / 80.0;
+  style.city.seconds_between_cars = 60.0;
+  style.driver = {.min_limit_mps = 11.0,
+                  .max_limit_mps = 20.0,
+                  .lateral_acceleration_mps2 = 3.0,
+                  .stop_share = 0.1,
+                  .max_circuit_blocks = 1};
+  return style;
+}
+
+/// Alleys of seven metres between long smooth walls.
+DriveStyle narrow_style() {
+  DriveStyle style;
+  style.city.grid.fill({6, 45.0, 120.0});
+  style.city.plain_streets = {.half_width_m = 2.8, .lane_offset_m = 1.3};
+  style.city.bend = 0.2;
+  style.city.closed_street_share = 0.6;
+  style.city.slope_bound = 0.08;
+  style.city.block_weights[static_cast<std::size_t>(BlockKind::kSmoothWalls)] = 6.0;
+  style.city.block_weights[static_cast<std::size_t>(BlockKind::kRowHouses)] = 1.0;
+  style.city.seconds_between_cars = 40.0;
+  style.city.pedestrians_per_block = 2;
+  style.driver = {.min_limit_mps = 5.0,
+                  .max_limit_mps = 9.0,
+                  .lateral_acceleration_mps2 = 2.0,
+                  .stop_share = 0.2,
+                  .max_circuit_blocks = 2};
+  return style;
+}
+
+/// A small robot among what stands about in a yard with houses around it.
+DriveStyle yard_style() {
+  DriveStyle style;
+  style.city.grid.fill({3, 24.0, 34.0});
+  style.city.plain_streets = {.half_width_m = 2.2, .lane_offset_m = 0.6};
+  style.city.bend = 0.05;
+  style.city.slope_bound = 0.03;
+  style.city.block_weights[static_cast<std::size_t>(BlockKind::kYard)] = 1.0;
+  style.city.rim_block_weights.emplace();
+  style.city.rim_block_weights->front() = 1.0;
+  style.city.seconds_between_cars = std::numeric_limits<double>::infinity();
+  style.city.pedestrians_per_block = 1;
+  style.driver = {.start_m = 8.0,
+                  .min_limit_mps = 1.0,
+                  .max_limit_mps = 1.5,
+                  .lateral_acceleration_mps2 = 0.8,
+                  .acceleration_mps2 = 0.6,
+                  .braking_mps2 = 0.8,
+                  .stop_share = 0.2,
+                  .max_circuit_blocks = 2};
+  return style;
+}
+
+/// The quiet streets of block, on foot.
+DriveStyle handheld_style() {
+  DriveStyle style = block_style();
+  style.driver = {.min_limit_mps = 1.1,
+                  .max_limit_mps = 1.6,
+                  .lateral_acceleration_mps2 = 1.0,
+                  .acceleration_mps2 = 0.8,
+                  .braking_mps2 = 0.8,
+                  .stop_share = 0.1,
+                  .max_circuit_blocks = 1};
+  style.carrier = Carrier::kHand;
+  return style;
+}
+
+/// Rows of parked cars; every place is passed in both directions.
+DriveStyle car_park_style() {
+  DriveStyle style;
+  style.city.grid = {StreetGrid{5, 16.6, 17.4}, StreetGrid{3, 55.0, 75.0}};
+  style.city.plain_streets = {.half_width_m = 3.2, .lane_offset_m = 1.3};
+  style.city.bend = 0.03;
+  style.city.slope_bound = 0.03;
+  style.city.block_weights[static_cast<std::size_t>(BlockKind::kParkingRows)] = 1.0;
+  style.city.rim_block_weights = BlockWeights{0.5, 0.4, 0.0, 0.6, 0.5, 0.3};
+  style.city.parked_car_share = 0.75;
+  style.city.seconds_between_cars = std::numeric_limits<double>::infinity();
+  style.city.pedestrians_per_block = 2;
+  style.driver = {.route = RouteKind::kLoopBothWays,
+                  .start_m = 5.0,
+                  .min_limit_mps = 3.5,
+                  .max_limit_mps = 5.5,
+                  .lateral_acceleration_mps2 = 2.0,
+                  .stop_share = 0.1};
+  return style;
+}
+
+/// The drives that have a name. Where the sensor is not on a car's roof, its height.
+struct NamedDrive {
+  std::string_view name;
+  DriveStyle (*style)();  ///< null: no streets
+  std::int64_t scans;
+  double sensor_height_m = SensorMount{}.sensor_height_m;
+};
+
+constexpr std::array<NamedDrive, 9> kDrives = {{
+    {"block", block_style, 200},
+    {"town", town_style, 4000},
+    {"hills", hills_style, 8000},
+    {"meadow", meadow_style, 4000},
+    {"narrow", narrow_style, 3000},
+    {"yard", yard_style, 2000, 0.4},
+    {"handheld", handheld_style, 2000, 1.5},
+    {"car-park", car_park_style, 2000},
+    {"indoors", nullptr, 2000, 1.4},
+}};
+
+const NamedDrive& named_drive(std::string_view name) {
+  const auto found = std::find_if(kDrives.begin(), kDrives.end(),
+                                  [&](const NamedDrive& drive) { return drive.name == name; });
+  if (found == kDrives.end()) {
+    throw Error(fmt::format("unknown drive '{}': expected one of {}", name,
+                            fmt::join(drive_preset_names(), ", ")));
+  }
+  return *found;
+}
+
 }  // namespace
 
+bool has_streets(std::string_view name) { return named_drive(name).style != nullptr; }
+
 DriveStyle drive_style(std::string_view name) {
-  if (name == "block") return block_style();
-  if (name == "town") return town_style();
-  if (name == "hills") return hills_style();
-  throw Error(fmt::format("unknown drive '{}': expected block, town or hills", name));
+  if (!has_streets(name)) {
+    throw Error(fmt::format("drive '{}' has no streets; choose another", name));
+  }
+  return named_drive(name).style();
 }
 
 DriveSpec drive_preset(std::string_view name) {
-  static_cast<void>(drive_style(name));
+  const NamedDrive& drive = named_drive(name);
   DriveSpec spec;
   spec.name = name;
-  spec.scans = name == "block" ? 200 : name == "town" ? 4000 : 8000;
+  spec.scans = drive.scans;
+  spec.mount.sensor_height_m = drive.sensor_height_m;
   return spec;
 }
 
-std::vector<std::string> drive_preset_names() { return {"block", "town", "hills"}; }
+std::vector<std::string> drive_preset_names() {
+  std::vector<std::string> names;
+  for (const NamedDrive& drive : kDrives) names.emplace_back(drive.name);
+  return names;
+}
 
 }  // namespace hqslam::sim

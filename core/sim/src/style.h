@@ -1,27 +1,66 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
+#include <optional>
 #include <string_view>
 
 namespace hqslam::sim {
 
-/// The kinds of block that a city is made of.
-enum class BlockKind { kRowHouses, kDetachedHouses, kSquare, kPark, kWalled, kOpenLand };
+/// The kinds of block that a city is made of. Those from kField on lie level with the street and
+/// have no sidewalk.
+enum class BlockKind {
+  kRowHouses,
+  kDetachedHouses,
+  kSquare,
+  kPark,
+  kWalled,
+  kOpenLand,
+  kField,
+  kSmoothWalls,
+  kYard,
+  kParkingRows,
+};
+constexpr std::size_t kBlockKinds = 10;
+/// How often each kind of block occurs, in the order of BlockKind.
+using BlockWeights = std::array<double, kBlockKinds>;
+
+/// Parallel streets and how far they are apart.
+struct StreetGrid {
+  int streets = 3;
+  double min_spacing_m = 60.0;
+  double max_spacing_m = 120.0;
+};
+
+/// Streets that are all alike, without room for parked cars, without trees.
+struct PlainStreets {
+  double half_width_m = 3.0;
+  double lane_offset_m = 1.4;
+};
 
 struct CityStyle {
-  int streets = 3;              ///< per direction
-  double min_spacing_m = 60.0;  ///< between neighbouring streets
-  double max_spacing_m = 120.0;
-  double bend = 0.2;                      ///< tangent of the angle by which streets wind
-  double closed_street_share = 0.0;       ///< of the streets have one stretch built over
-  double slope_bound = 0.05;              ///< of the terrain
-  std::array<double, 6> block_weights{};  ///< in the order of BlockKind
-  double parked_car_share = 0.6;          ///< of the places to park
-  double seconds_between_cars = 12.0;     ///< on each lane
+  std::array<StreetGrid, 2> grid;  ///< by the axis of the streets (see Street)
+  std::optional<PlainStreets> plain_streets =
+      std::nullopt;                  ///< otherwise each street has its own width
+  double bend = 0.2;                 ///< tangent of the angle by which streets wind
+  double closed_street_share = 0.0;  ///< of the streets have one stretch built over
+  double slope_bound = 0.05;         ///< of the terrain
+  BlockWeights block_weights{};
+  std::optional<BlockWeights> rim_block_weights =
+      std::nullopt;                    ///< of the outermost blocks, where they differ
+  double rim_trees_per_m = 1.0 / 7.0;  ///< trees in the open land, by length of the rim
+  double parked_car_share = 0.6;       ///< of the places to park
+  double seconds_between_cars = 12.0;  ///< on each lane; infinity: there are none
   int pedestrians_per_block = 3;
 };
 
+/// Circuits around blocks joined by short ways; or a loop, the same loop the other way round, and
+/// so on.
+enum class RouteKind { kCircuits, kLoopBothWays };
+
 struct DriverStyle {
+  RouteKind route = RouteKind::kCircuits;
+  double start_m = 18.0;       ///< from the first crossing
   double min_limit_mps = 8.0;  ///< speed limits of the streets
   double max_limit_mps = 14.0;
   double lateral_acceleration_mps2 = 2.5;
@@ -32,12 +71,18 @@ struct DriverStyle {
   bool follows_car = false;    ///< another car drives ahead all the time
 };
 
+/// What carries the sensor: something on wheels, or a hand that rolls and pitches while it walks.
+enum class Carrier { kWheels, kHand };
+
 struct DriveStyle {
   CityStyle city;
   DriverStyle driver;
+  Carrier carrier = Carrier::kWheels;
 };
 
-/// Of block, town or hills. Throws Error that lists them for any other.
+/// Whether a drive goes through streets and has a style. Throws Error for an unknown name.
+bool has_streets(std::string_view name);
+/// Throws Error for a name that is unknown or has no streets.
 DriveStyle drive_style(std::string_view name);
 
 }  // namespace hqslam::sim

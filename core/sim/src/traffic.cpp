@@ -24,6 +24,7 @@ Traffic::Traffic(const Layout& layout, const DriveStyle& style, const DriverPath
 }
 
 void Traffic::add_trips(const DriveStyle& style, std::uint64_t seed, double until_s) {
+  if (!std::isfinite(style.city.seconds_between_cars)) return;
   for (int axis = 0; axis < 2; ++axis) {
     const double low_m = layout_.rim_m.min()[1 - axis];
     const double high_m = layout_.rim_m.max()[1 - axis];
@@ -58,6 +59,7 @@ void Traffic::add_trips(const DriveStyle& style, std::uint64_t seed, double unti
 
 void Traffic::add_walkers(const CityStyle& style, std::uint64_t seed) {
   for (const Block& block : layout_.blocks) {
+    if (!has_sidewalk(block.kind)) continue;
     Random random(seed_of(seed, block.seed));
     const bool busy = block.kind != BlockKind::kOpenLand && block.kind != BlockKind::kWalled;
     const int count = busy ? random.below(2 * style.pedestrians_per_block + 1) : random.below(2);
@@ -65,7 +67,8 @@ void Traffic::add_walkers(const CityStyle& style, std::uint64_t seed) {
       const double inset_m = random.uniform(1.4, 2.4);
       const Eigen::AlignedBox2d around(block.sheet_m.min().array() + inset_m,
                                        block.sheet_m.max().array() - inset_m);
-      const double speed_mps = random.uniform(0.8, 1.6) * (random.chance(0.5) ? 1.0 : -1.0);
+      const double walk_mps = random.uniform(0.8, 1.6);
+      const double speed_mps = random.chance(0.5) ? walk_mps : -walk_mps;
       walkers_.push_back({around, random.uniform(0.0, 2.0 * around.sizes().sum()), speed_mps,
                           kFirstWalker + random.below(kWalkerBodies), random.shade()});
     }

@@ -12,8 +12,10 @@ namespace {
 /// A direction of the unit sphere, by rejection.
 Eigen::Vector3d draw_direction(Random& random) {
   while (true) {
-    const Eigen::Vector3d candidate(random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0),
-                                    random.uniform(-1.0, 1.0));
+    Eigen::Vector3d candidate;
+    candidate.z() = random.uniform(-1.0, 1.0);
+    candidate.y() = random.uniform(-1.0, 1.0);
+    candidate.x() = random.uniform(-1.0, 1.0);
     const double length = candidate.norm();
     if (length > 0.1 && length < 1.0) return candidate / length;
   }
@@ -47,7 +49,9 @@ TriangleMesh make_broadleaf(Random& random) {
   const double crown_half_height_m = crown_radius_m * random.uniform(0.9, 1.5);
   const double trunk_radius_m = 0.06 * crown_radius_m + random.uniform(0.02, 0.08);
   const Surface bark{Material::kBark, random.shade()};
-  const Eigen::Vector3d fork(random.uniform(-0.3, 0.3), random.uniform(-0.3, 0.3), trunk_m);
+  const double fork_y_m = random.uniform(-0.3, 0.3);
+  const double fork_x_m = random.uniform(-0.3, 0.3);
+  const Eigen::Vector3d fork(fork_x_m, fork_y_m, trunk_m);
   add_column(mesh, {0.0, 0.0, -0.6}, fork, trunk_radius_m, 0.75 * trunk_radius_m, 7, bark);
   const Eigen::Vector3d middle = fork + Eigen::Vector3d(0.0, 0.0, 0.75 * crown_half_height_m);
   const int lobes = 5 + random.below(4);

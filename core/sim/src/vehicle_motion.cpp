@@ -8,8 +8,9 @@
 
 namespace hqslam::sim {
 
-VehicleMotion::VehicleMotion(const DriverPath& path, const Terrain& terrain, std::uint64_t seed)
-    : path_(path), terrain_(terrain) {
+VehicleMotion::VehicleMotion(const DriverPath& path, const Terrain& terrain,
+                             const SensorMount& mount, std::uint64_t seed)
+    : path_(path), terrain_(terrain), mount_(mount) {
   Random random(seed);
   constexpr double kRoll_rad = 0.0035;
   constexpr double kPitch_rad = 0.0025;
@@ -38,8 +39,9 @@ Pose VehicleMotion::T_world_sensor(double time_s) const {
   const PathState state = path_.at_time(time_s);
   const Pose T_world_car = on_ground(terrain_, state.plane_m, state.heading_rad);
   const Pose T_car_sensor =
-      pose_from_xyz_rpy({0.0, 0.0, kSensorHeight_m + sum(heave_, state.along_m)},
-                        sum(roll_, state.along_m), sum(pitch_, state.along_m), 0.0);
+      pose_from_xyz_rpy({0.0, 0.0, mount_.sensor_height_m + sum(heave_, state.along_m)},
+                        mount_.mount_roll_rad + sum(roll_, state.along_m),
+                        mount_.mount_pitch_rad + sum(pitch_, state.along_m), 0.0);
   return T_world_car * T_car_sensor;
 }
 

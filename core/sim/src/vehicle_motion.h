@@ -3,7 +3,8 @@
 #include <cstdint>
 
 #include "driver_path.h"
-#include "hqslam/core/pose.h"
+#include "hqslam/sim/drive.h"
+#include "sensor_motion.h"
 #include "terrain.h"
 
 namespace hqslam::sim {
@@ -11,10 +12,11 @@ namespace hqslam::sim {
 /// The sensor on the roof of the car: follows the slope of the street and sways a little on its
 /// springs. The swaying depends on the distance driven, so that a standing car stands still and
 /// the pose is as smooth in time as the path.
-class VehicleMotion {
+class VehicleMotion final : public SensorMotion {
  public:
-  VehicleMotion(const DriverPath& path, const Terrain& terrain, std::uint64_t seed);
-  Pose T_world_sensor(double time_s) const;
+  VehicleMotion(const DriverPath& path, const Terrain& terrain, const SensorMount& mount,
+                std::uint64_t seed);
+  Pose T_world_sensor(double time_s) const override;
 
  private:
   struct Sway {
@@ -26,12 +28,10 @@ class VehicleMotion {
 
   const DriverPath& path_;
   const Terrain& terrain_;
+  SensorMount mount_;
   std::vector<Sway> roll_;
   std::vector<Sway> pitch_;
   std::vector<Sway> heave_;
 };
-
-/// Of the sensor above the street.
-constexpr double kSensorHeight_m = 1.85;
 
 }  // namespace hqslam::sim

@@ -60,8 +60,22 @@ void require_written(const std::ofstream& stream, const std::string& path) {
 }
 
 void write_drive_json(const std::string& path, const DriveSpec& spec, const SensorModel& sensor) {
-  const nlohmann::ordered_json json = {
-      {"name", spec.name}, {"seed", spec.seed}, {"scans", spec.scans}, {"sensor", sensor.name}};
+  nlohmann::ordered_json json = {{"name", spec.name},
+                                 {"seed", spec.seed},
+                                 {"revision", kDriveRevision},
+                                 {"scans", spec.scans},
+                                 {"sensor", sensor.name}};
+  if (spec.mount != SensorMount{}) {
+    json["mount"] = {{"sensor_height_m", spec.mount.sensor_height_m},
+                     {"mount_roll_rad", spec.mount.mount_roll_rad},
+                     {"mount_pitch_rad", spec.mount.mount_pitch_rad}};
+  }
+  if (spec.conditions != SensingConditions{}) {
+    json["conditions"] = {{"extra_range_noise_m", spec.conditions.extra_range_noise_m},
+                          {"dropout_share", spec.conditions.dropout_share},
+                          {"extinction_per_m", spec.conditions.extinction_per_m},
+                          {"airborne_share", spec.conditions.airborne_share}};
+  }
   std::ofstream stream(path, std::ios::binary);
   stream << json.dump(2) << '\n';
   stream.flush();

@@ -33,6 +33,22 @@ RowsBetween rows_between(int row, RowSelection measured_rows, int measured) {
   return {above, above + 1, static_cast<float>(rest) / static_cast<float>(stride)};
 }
 
+RowsBetween rows_between(int row, RowSelection measured_rows,
+                         std::span<const double> beam_elevation_rad) {
+  const auto rows = static_cast<int>(beam_elevation_rad.size());
+  const int measured =
+      (rows - measured_rows.offset + measured_rows.stride - 1) / measured_rows.stride;
+  RowsBetween between = rows_between(row, measured_rows, measured);
+  if (between.above == between.below) return between;
+  const double above_rad =
+      beam_elevation_rad[measured_rows.offset + between.above * measured_rows.stride];
+  const double below_rad =
+      beam_elevation_rad[measured_rows.offset + between.below * measured_rows.stride];
+  between.part_down =
+      static_cast<float>((above_rad - beam_elevation_rad[row]) / (above_rad - below_rad));
+  return between;
+}
+
 void check_measured_rows(const RangeImage& measured, RowSelection measured_rows, int rows) {
   const int expected =
       (rows - measured_rows.offset + measured_rows.stride - 1) / std::max(measured_rows.stride, 1);
@@ -52,12 +68,16 @@ void interpolate_row(const float* above, const float* below, float part_down,
   }
 }
 
-RangeImage interpolate_rows(const RangeImage& measured, RowSelection measured_rows, int rows,
+RangeImage interpolate_rows(const RangeImage& measured, RowSelection measured_rows,
+                            std::span<const double> beam_elevation_rad,
                             Interpolation interpolation) {
+  const auto rows = static_cast<int>(beam_elevation_rad.size());
   check_measured_rows(measured, measured_rows, rows);
   RangeImage image(rows, measured.columns);
   for (int row = 0; row < rows; ++row) {
-    const RowsBetween between = rows_between(row, measured_rows, measured.rows);
+    const RowsBetween between = interpolation == Interpolation::kInverse
+                                    ? rows_between(row, measured_rows, beam_elevation_rad)
+                                    : rows_between(row, measured_rows, measured.rows);
     const float* above = &measured.range_m[measured.index(between.above, 0)];
     const float* below = &measured.range_m[measured.index(between.below, 0)];
     float* to = &image.range_m[image.index(row, 0)];

@@ -34,6 +34,80 @@ void read_plain(JsonFields fields, PlainDenoiserShape& shape) {
   fields.finish();
 }
 
+TwoModesLayerShape two_modes_layer(JsonFields fields) {
+  TwoModesLayerShape shape;
+  fields.optional("channels", shape.channels);
+  fields.optional("lower_channels", shape.lower_channels);
+  fields.optional("residual_blocks", shape.residual_blocks);
+  fields.finish();
+  return shape;
+}
+
+void read_two_modes(JsonFields fields, TwoModesShape& shape) {
+  fields.optional("tile_rows", shape.tile.rows);
+  fields.optional("tile_columns", shape.tile.columns);
+  fields.optional("memory", shape.memory);
+  fields.optional("negative_slope", shape.negative_slope);
+  if (fields.has("layers")) {
+    shape.layers.clear();
+    for (JsonFields& layer : fields.objects("layers")) {
+      shape.layers.push_back(two_modes_layer(std::move(layer)));
+    }
+  }
+  fields.finish();
+}
+
+Json two_modes_json(const TwoModesShape& shape) {
+  Json layers = Json::array();
+  for (const TwoModesLayerShape& layer : shape.layers) {
+    layers.push_back({{"channels", layer.channels},
+                      {"lower_channels", layer.lower_channels},
+                      {"residual_blocks", layer.residual_blocks}});
+  }
+  return {{"tile_rows", shape.tile.rows},
+          {"tile_columns", shape.tile.columns},
+          {"memory", shape.memory},
+          {"negative_slope", shape.negative_slope},
+          {"layers", std::move(layers)}};
+}
+
+Json u_shaped_json(const UShapedDenoiserShape& shape) {
+  return {{"tile_rows", shape.tile.rows},
+          {"tile_columns", shape.tile.columns},
+          {"channels", shape.channels},
+          {"memory", shape.memory},
+          {"negative_slope", shape.negative_slope}};
+}
+
+Json plain_json(const PlainDenoiserShape& shape) {
+  return {{"features", shape.features},
+          {"convolutions", shape.convolutions},
+          {"dropout", shape.dropout}};
+}
+
+Json denoiser_json(const NetworkDescription& d) {
+  switch (d.kind) {
+    case NetworkKind::kDuOr:
+      return u_shaped_json(d.u_shaped);
+    case NetworkKind::kSimpleDu:
+      return plain_json(d.plain);
+    case NetworkKind::kDuMix:
+      break;
+  }
+  return two_modes_json(d.two_modes);
+}
+
+void read_denoiser(JsonFields fields, NetworkDescription& d) {
+  switch (d.kind) {
+    case NetworkKind::kDuOr:
+      return read_u_shaped(std::move(fields), d.u_shaped);
+    case NetworkKind::kSimpleDu:
+      return read_plain(std::move(fields), d.plain);
+    case NetworkKind::kDuMix:
+      return read_two_modes(std::move(fields), d.two_modes);
+  }
+}
+
 void read_filter(JsonFields fields, OutlierRemovalOptions& filter) {
   double min_angle_deg = filter.min_angle_rad * kDegrees;
   fields.optional("min_angle_deg", min_angle_deg);
@@ -79,23 +153,8 @@ RowSelection read_rows(JsonFields& fields, int sensor_rows) {
   return selection;
 }
 
-}  // namespace
-
-NetworkDescription network_from_json(const std::string& text, const std::string& source) {
-  JsonFields fields(text, source);
-  NetworkDescription d;
-  d.kind = static_cast<NetworkKind>(fields.choice("kind", {"du-or", "simple-du"}));
-  d.shared_weights = d.kind == NetworkKind::kSimpleDu;
-  fields.optional("layers", d.layers);
-  fields.optional("shared_weights", d.shared_weights);
-  const char* const denoiser = "denoiser";
-  if (fields.has(denoiser) && d.kind == NetworkKind::kDuOr) {
-    read_u_shaped(fields.object(denoiser), d.u_shaped);
-  } else if (fields.has(denoiser)) {
-    read_plain(fields.object(denoiser), d.plain);
-  }
-  d.sensor = read_sensor(fields, source);
-  d.measured_rows = read_rows(fields, d.sensor.rows());
+/// What the networks that compute one range per pixel have beside it.
+void read_image_options(JsonFields& fields, NetworkDescription& d) {
   fields.optional("range_scale_m", d.range_scale_m);
   if (fields.has("filter")) read_filter(fields.object("filter"), d.filter);
   d.last_filter = d.filter;
@@ -105,6 +164,32 @@ NetworkDescription network_from_json(const std::string& text, const std::string&
   }
   if (fields.has("rejected_pixel")) {
     d.rejected = static_cast<RejectedPixel>(fields.choice("rejected_pixel", {"takes-z", "zero"}));
+  }
+}
+
+}  // namespace
+
+NetworkDescription network_from_json(const std::string& text, const std::string& source) {
+  JsonFields fields(text, source);
+  NetworkDescription d;
+  d.kind = static_cast<NetworkKind>(fields.choice("kind", {"du-or", "simple-du", "du-mix"}));
+  d.shared_weights = d.kind == NetworkKind::kSimpleDu;
+  if (d.kind != NetworkKind::kDuMix) {
+    fields.optional("layers", d.layers);
+    fields.optional("shared_weights", d.shared_weights);
+  }
+  const char* const denoiser = "denoiser";
+  if (fields.has(denoiser)) read_denoiser(fields.object(denoiser), d);
+  if (d.kind == NetworkKind::kDuMix) d.layers = static_cast<int>(d.two_modes.layers.size());
+  d.sensor = read_sensor(fields, source);
+  d.measured_rows = read_rows(fields, d.sensor.rows());
+  if (d.kind == NetworkKind::kDuMix) {
+    fields.optional("least_confidence", d.least_confidence);
+    fields.optional("confidence_exponent", d.confidence_exponent);
+    d.last_filter.min_pixels = 0;
+    if (fields.has("last_filter")) read_filter(fields.object("last_filter"), d.last_filter);
+  } else {
+    read_image_options(fields, d);
   }
   fields.finish();
   try {
@@ -118,21 +203,19 @@ NetworkDescription network_from_json(const std::string& text, const std::string&
 std::string network_json(const NetworkDescription& d) {
   Json json;
   json["kind"] = name(d.kind);
-  json["layers"] = d.layers;
-  json["shared_weights"] = d.shared_weights;
-  if (d.kind == NetworkKind::kDuOr) {
-    json["denoiser"] = {{"tile_rows", d.u_shaped.tile.rows},
-                        {"tile_columns", d.u_shaped.tile.columns},
-                        {"channels", d.u_shaped.channels},
-                        {"memory", d.u_shaped.memory},
-                        {"negative_slope", d.u_shaped.negative_slope}};
-  } else {
-    json["denoiser"] = {{"features", d.plain.features},
-                        {"convolutions", d.plain.convolutions},
-                        {"dropout", d.plain.dropout}};
+  if (d.kind != NetworkKind::kDuMix) {
+    json["layers"] = d.layers;
+    json["shared_weights"] = d.shared_weights;
   }
+  json["denoiser"] = denoiser_json(d);
   json["sensor"] = Json::parse(sensor_json(d.sensor));
   json["measured_rows"] = {{"offset", d.measured_rows.offset}, {"stride", d.measured_rows.stride}};
+  if (d.kind == NetworkKind::kDuMix) {
+    json["least_confidence"] = d.least_confidence;
+    json["confidence_exponent"] = d.confidence_exponent;
+    if (d.last_filter.min_pixels > 0) json["last_filter"] = filter_json(d.last_filter);
+    return json.dump(1) + "\n";
+  }
   json["range_scale_m"] = d.range_scale_m;
   json["filter"] = filter_json(d.filter);
   json["last_filter"] = filter_json(d.last_filter);

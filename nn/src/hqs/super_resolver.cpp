@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "hqslam/core/error.h"
-#include "hqslam/nn/hqs/result.h"
-#include "hqslam/nn/hqs/unrolled_network.h"
+#include "hqslam/nn/hqs/network.h"
+#include "hqslam/nn/hqs/outlier_removal.h"
 
 namespace hqslam::nn {
 namespace {
@@ -15,6 +15,8 @@ namespace {
 NetworkDescription with_options(NetworkDescription description,
                                 const SuperResolverOptions& options) {
   if (options.filter) description.filter = description.last_filter = *options.filter;
+  if (options.least_confidence) description.least_confidence = *options.least_confidence;
+  validate(description);
   return description;
 }
 
@@ -22,97 +24,81 @@ int threads_of(const SuperResolverOptions& options) {
   return options.threads > 0 ? options.threads : omp_get_max_threads();
 }
 
+float checked_tolerance_m(float tolerance_m) {
+  if (!(tolerance_m > 0.0F && tolerance_m < 1e3F)) {
+    throw Error(
+        fmt::format("upsampling: tolerance_m is {}, expected above 0 and below 1000", tolerance_m));
+  }
+  return tolerance_m;
+}
+
 }  // namespace
 
 struct SuperResolver::Implementation {
-  Implementation(const Weights& weights, const SuperResolverOptions& options_)
-      : options(options_),
-        threads(threads_of(options_)),
-        network(with_options(weights.description, options_), weights.description.sensor.columns,
-                options_.instruction_set.value_or(chosen_instruction_set()), threads),
-        state(network.make_state(UnrolledNetwork::Kept::kLastTwo)),
-        filter(network.description().sensor, network.description().measured_rows,
-               network.description().last_filter, network.columns()),
-        rejected(static_cast<std::size_t>(network.rows()) * network.columns()),
+  Implementation(const Weights& weights, const SuperResolverOptions& options)
+      : description(with_options(weights.description, options)),
+        threads(threads_of(options)),
+        tolerance_m(checked_tolerance_m(options.tolerance_m)),
+        filters_result(options.filter_result && description.last_filter.min_pixels > 0),
+        network(make_network(description, description.sensor.columns,
+                             options.instruction_set.value_or(chosen_instruction_set()), threads)),
+        filter(description.sensor, description.measured_rows, description.last_filter,
+               description.sensor.columns),
+        rejected(static_cast<std::size_t>(description.sensor.rows()) * description.sensor.columns),
         parameters(static_cast<std::int64_t>(weights.parameters.size())) {
-    network.set_parameters(weights.parameters);  // checks how many there are
-    penalty = penalties(weights);
+    network->set_parameters(weights.parameters);  // checks how many there are
   }
 
-  static std::vector<float> penalties(const Weights& weights);
   RangeImage measured_rows(const RangeImage& image) const;
-  RangeImage in_metres(const Tensor& tiles) const;
-  LayerTrace layer_trace(const UnrolledState& all, int layer, const RangeImage& measured) const;
+  void empty_doubtful(LiftedImage& lifted) const;
+  void empty_rejected(LiftedImage& lifted);
 
-  SuperResolverOptions options;
+  NetworkDescription description;
   int threads;
-  UnrolledNetwork network;
-  UnrolledState state;
+  float tolerance_m;
+  bool filters_result;
+  std::unique_ptr<Network> network;
   OutlierRemoval filter;
-  std::vector<std::uint8_t> rejected;
+  std::vector<std::uint8_t> rejected;  ///< by the filter at the end
   std::int64_t parameters;
-  std::vector<float> penalty;
 };
 
-std::vector<float> SuperResolver::Implementation::penalties(const Weights& weights) {
-  const NetworkDescription& d = weights.description;
-  std::vector<float> penalty;
-  for (int layer = 0; layer < d.layers; ++layer) {
-    penalty.push_back(
-        d.kind == NetworkKind::kSimpleDu
-            ? 0.5F / weights.parameters.back()
-            : std::exp(weights.parameters[weights.parameters.size() - d.layers + layer]));
-  }
-  return penalty;
-}
-
 RangeImage SuperResolver::Implementation::measured_rows(const RangeImage& image) const {
-  const NetworkDescription& d = network.description();
-  const int all = d.sensor.rows();
-  const int stride = d.measured_rows.stride;
-  const int measured = (all - d.measured_rows.offset + stride - 1) / stride;
-  if (image.columns != d.sensor.columns || (image.rows != all && image.rows != measured)) {
-    throw Error(fmt::format("upsampling: an image of {} x {}, expected {} or {} x {} ({})",
-                            image.rows, image.columns, measured, all, d.sensor.columns,
-                            d.sensor.name));
+  const int all = description.sensor.rows();
+  const RowSelection rows = description.measured_rows;
+  const int measured = (all - rows.offset + rows.stride - 1) / rows.stride;
+  const bool fits =
+      image.columns == description.sensor.columns && (image.rows == all || image.rows == measured);
+  if (!fits || image.range_m.size() != static_cast<std::size_t>(image.rows) * image.columns) {
+    throw Error(
+        fmt::format("upsampling: an image of {} x {} with {} ranges, expected {} or {} x "
+                    "{} ({})",
+                    image.rows, image.columns, image.range_m.size(), measured, all,
+                    description.sensor.columns, description.sensor.name));
   }
-  return image.rows == measured ? image : select_rows(image, d.measured_rows);
+  RangeImage result = image.rows == measured ? image : select_rows(image, rows);
+  for (float& range_m : result.range_m) {
+    if (!(range_m > 0.0F && std::isfinite(range_m))) range_m = 0.0F;
+  }
+  return result;
 }
 
-RangeImage SuperResolver::Implementation::in_metres(const Tensor& tiles) const {
-  RangeImage image(network.rows(), network.columns());
-  from_tiles(tiles, tile_of(network.description()), image.range_m.data());
-  for (float& range_m : image.range_m) range_m *= network.description().range_scale_m;
-  return image;
-}
-
-LayerTrace SuperResolver::Implementation::layer_trace(const UnrolledState& all, int layer,
-                                                      const RangeImage& measured) const {
-  const LayerState& from = all.layer(layer);
-  const bool has_filter = network.description().kind == NetworkKind::kDuOr;
-  LayerTrace trace{in_metres(from.denoiser.input),
-                   in_metres(from.denoiser.z),
-                   in_metres(has_filter ? from.y : from.denoiser.z),
-                   from.rejected,
-                   penalty[layer],
-                   {}};
-  const RowSelection rows = network.description().measured_rows;
-  ObjectiveTerms& terms = trace.objective;
-  for (int row = 0; row < measured.rows; ++row) {
-    for (int column = 0; column < measured.columns; ++column) {
-      const double gap_m =
-          measured.at(row, column) - trace.h.at(rows.offset + row * rows.stride, column);
-      terms.data_m2 += 0.5 * gap_m * gap_m;
+void SuperResolver::Implementation::empty_doubtful(LiftedImage& lifted) const {
+  for (std::size_t i = 0; i < lifted.confidence.size(); ++i) {
+    if (lifted.confidence[i] < description.least_confidence) {
+      lifted.image.range_m[i] = lifted.confidence[i] = 0.0F;
     }
   }
-  for (std::size_t i = 0; i < trace.h.range_m.size(); ++i) {
-    const double z_gap_m = trace.z.range_m[i] - trace.h.range_m[i];
-    const double y_gap_m = trace.y.range_m[i] - trace.h.range_m[i];
-    terms.denoiser_gap_m2 += 0.5 * trace.penalty * z_gap_m * z_gap_m;
-    if (has_filter) terms.filter_gap_m2 += 0.5 * trace.penalty * y_gap_m * y_gap_m;
-    terms.rejected += trace.rejected[i];
+}
+
+void SuperResolver::Implementation::empty_rejected(LiftedImage& lifted) {
+  if (!filters_result) return;
+  filter.find(lifted.image.range_m.data(), rejected.data(), threads);
+  for (std::size_t i = 0; i < rejected.size(); ++i) {
+    if (rejected[i] == 0) continue;
+    lifted.image.range_m[i] = 0.0F;
+    if (!lifted.confidence.empty()) lifted.confidence[i] = 0.0F;
   }
-  return trace;
 }
 
 SuperResolver SuperResolver::load(const std::string& path, const SuperResolverOptions& options) {
@@ -128,37 +114,24 @@ SuperResolver::SuperResolver(SuperResolver&&) noexcept = default;
 SuperResolver& SuperResolver::operator=(SuperResolver&&) noexcept = default;
 
 const NetworkDescription& SuperResolver::description() const {
-  return implementation_->network.description();
+  return implementation_->description;
 }
 std::int64_t SuperResolver::parameters() const { return implementation_->parameters; }
 std::int64_t SuperResolver::multiply_adds() const {
-  return implementation_->network.multiply_adds();
+  return implementation_->network->multiply_adds();
 }
 
-RangeImage SuperResolver::run(const RangeImage& image, Trace* trace) {
+LiftedImage SuperResolver::run(const RangeImage& image, Trace* trace) {
   Implementation& self = *implementation_;
   const RangeImage measured = self.measured_rows(image);
-  std::optional<UnrolledState> all;
-  if (trace != nullptr) all = self.network.make_state();
-  UnrolledState& state = all ? *all : self.state;
-  self.network.start(measured, state);
-  self.network.forward(state);
-  RangeImage result = restored_image(description(), tile_of(description()),
-                                     self.network.result(state), measured, self.threads);
-  if (self.options.filter_result) {
-    self.filter.find(result.range_m.data(), self.rejected.data(), self.threads);
-    for (std::size_t i = 0; i < result.range_m.size(); ++i) {
-      result.range_m[i] = self.rejected[i] != 0 ? 0.0F : result.range_m[i];
-    }
-  }
+  LiftedImage lifted = self.network->lift(measured, self.tolerance_m);
+  self.empty_doubtful(lifted);
+  self.empty_rejected(lifted);
   if (trace != nullptr) {
-    if (description().kind == NetworkKind::kDuOr) self.network.finish_last_layer(state);
-    *trace = Trace{self.in_metres(state.z0), {}, self.rejected};
-    for (int layer = 0; layer < description().layers; ++layer) {
-      trace->layers.push_back(self.layer_trace(state, layer, measured));
-    }
+    *trace = self.network->trace(measured);
+    trace->rejected = self.rejected;
   }
-  return result;
+  return lifted;
 }
 
 }  // namespace hqslam::nn

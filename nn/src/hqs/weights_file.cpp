@@ -9,6 +9,7 @@
 #include "../json_fields.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/npz.h"
+#include "hqslam/nn/hqs/network.h"
 #include "hqslam/nn/hqs/network_json.h"
 #include "hqslam/nn/hqs/unrolled_network.h"
 
@@ -57,9 +58,17 @@ RangeImage take_image(const std::string& path, const std::string& name, int rows
   return image;
 }
 
-/// What the network makes of measured rows: Z of the last layer, metres.
+/// What the network makes of measured rows: Z of the last layer, metres; of DU-Mix, the image
+/// before doubtful pixels are emptied.
 RangeImage last_z(const NetworkDescription& description, const std::vector<float>& parameters,
                   const RangeImage& measured) {
+  if (description.kind == NetworkKind::kDuMix) {
+    constexpr float kAnyTolerance_m = 0.5F;
+    const auto network =
+        make_network(description, description.sensor.columns, chosen_instruction_set(), 1);
+    network->set_parameters(parameters);
+    return network->lift(measured, kAnyTolerance_m).image;
+  }
   UnrolledNetwork network(description, description.sensor.columns, chosen_instruction_set(), 1);
   network.set_parameters(parameters);
   UnrolledState state = network.make_state(UnrolledNetwork::Kept::kLastTwo);

@@ -63,10 +63,74 @@ struct SelectRow {
   int columns = 0;  ///< rounded up to whole vectors of 16
 };
 
+/// The start of the two-mode network, a row of interpolated logarithms of ranges:
+///   y = -ln(weight_above / r_above + weight_below / r_below)
+struct InterpolateRow {
+  const float* inverse_above = nullptr;  ///< 1 / m
+  const float* inverse_below = nullptr;
+  float weight_above = 0.5F;
+  float weight_below = 0.5F;
+  float* log_range = nullptr;
+  int columns = 0;  ///< rounded up to whole vectors of 16
+};
+
+/// One row of measured ranges made ready for the two-mode network. A range that is not above 0 or
+/// is not finite is no return: its place takes the range of the filled row above.
+struct MeasuredRow {
+  const float* range_m = nullptr;
+  const float* log_range_above = nullptr;
+  const float* inverse_above = nullptr;
+  float* log_range = nullptr;
+  float* inverse = nullptr;
+  float* valid = nullptr;  ///< 1 a return, 0 none
+  int columns = 0;         ///< rounded up to whole vectors of 16
+};
+
+/// The seven outputs per pixel of the two-mode network and what they stand on; two_modes.h has the
+/// formulas. Output g of a pixel's row begins at outputs + g group_stride.
+struct TwoModesInput {
+  const float* outputs = nullptr;
+  std::int64_t group_stride = 0;
+  const float* above = nullptr;  ///< ln of the measured range above
+  const float* below = nullptr;
+  const float* middle = nullptr;  ///< ln of the range so far
+  int columns = 0;                ///< rounded up to whole vectors of 16
+};
+
+/// What the outputs say.
+struct TwoModesRow {
+  TwoModesInput in;
+  float tolerance_m = 0.5F;
+  float confidence_exponent = 1.0F;
+  float* log_range = nullptr;    ///< the chosen mode
+  float* probability = nullptr;  ///< of a return
+  float* range_m = nullptr;      ///< nullptr: not wanted; neither is the next then
+  float* confidence = nullptr;
+};
+
+/// The loss of a row and its gradients.
+struct TwoModesLossRow {
+  TwoModesInput in;
+  const float* truth_m = nullptr;  ///< 0: no return
+  float return_share = 1.0F;       ///< weight of the cross-entropy of each pixel
+  float range_share = 1.0F;        ///< weight of the likelihood of each pixel with a return
+  /// d loss / d ln of the chosen mode and d loss / d probability from what comes after; nullptr: 0.
+  const float* d_log_range = nullptr;
+  const float* d_probability = nullptr;
+  float* d_outputs = nullptr;  ///< as outputs, d_group_stride apart
+  std::int64_t d_group_stride = 0;
+  float* d_middle = nullptr;
+};
+
 struct RowKernels {
   void (*accumulate)(const AccumulateRow&);
   void (*correlate)(const CorrelateRow&);
   void (*select)(const SelectRow&);
+  void (*fill_measured)(const MeasuredRow&);
+  void (*interpolate)(const InterpolateRow&);
+  void (*two_modes)(const TwoModesRow&);
+  /// Returns the row's share of the loss; columns must be whole vectors of 16.
+  double (*two_modes_loss)(const TwoModesLossRow&);
   /// For measuring the processor's peak: `rounds` times one multiply-add in every lane of so many
   /// independent chains that their latency hides. Returns something that depends on all of them.
   float (*multiply_add_chains)(std::int64_t rounds, float start);

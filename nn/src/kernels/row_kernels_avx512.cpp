@@ -8,8 +8,10 @@ constexpr int kTapBlock = 12;
 }  // namespace hqslam::nn::kernels
 
 #include "row_kernels_inl.h"
+#include "two_modes_inl.h"
 
 namespace hqslam::nn::kernels {
-const RowKernels kAvx512Kernels{accumulate, correlate, select, multiply_add_chains,
-                                kChainMultiplyAdds};
+const RowKernels kAvx512Kernels{accumulate,     correlate,           select,
+                                fill_measured,  interpolate,         two_modes,
+                                two_modes_loss, multiply_add_chains, kChainMultiplyAdds};
 }  // namespace hqslam::nn::kernels

@@ -4,15 +4,10 @@
 // units may share a function.
 
 #include "row_kernels.h"
+#include "vector_math_inl.h"
 
 namespace hqslam::nn::kernels {
 namespace {
-
-typedef float Vector
-    __attribute__((vector_size(kVectorFloats * sizeof(float)), aligned(4), may_alias));
-
-inline Vector load(const float* values) { return *reinterpret_cast<const Vector*>(values); }
-inline void store(float* values, Vector vector) { *reinterpret_cast<Vector*>(values) = vector; }
 
 /// kChannelBlock channels from `channel` on, `kVectors` vectors from column x on.
 template <int kVectors>
@@ -127,30 +122,6 @@ void correlate(const CorrelateRow& row) {
     correlate_channels<1>(row, channel);
   }
 }
-
-typedef std::int32_t IntVector __attribute__((vector_size(kVectorFloats * sizeof(float))));
-
-/// e^v for v <= 0, relative error below 3e-7; e^-87 below -87. v = n ln 2 + f with |f| <= ln 2 / 2,
-/// e^f by its Taylor series up to f^7, 2^n by writing n into the exponent.
-inline Vector exponential(Vector v) {
-  const Vector lowest = Vector{} - 87.0F;
-  v = v > lowest ? v : lowest;
-  const Vector scaled = v * 1.44269504F - 0.5F;
-  const IntVector n = __builtin_convertvector(scaled, IntVector);  // towards zero: rounds v / ln 2
-  const Vector whole = __builtin_convertvector(n, Vector);
-  const Vector f = (v - whole * 0.693359375F) + whole * 2.12194440e-4F;  // ln 2 in two parts
-  Vector sum = f * (1.0F / 5040.0F) + 1.0F / 720.0F;
-  sum = sum * f + 1.0F / 120.0F;
-  sum = sum * f + 1.0F / 24.0F;
-  sum = sum * f + 1.0F / 6.0F;
-  sum = sum * f + 0.5F;
-  sum = sum * f + 1.0F;
-  sum = sum * f + 1.0F;
-  const IntVector bits = (n + 127) << 23;
-  return sum * reinterpret_cast<const Vector&>(bits);
-}
-
-inline Vector larger(Vector a, Vector b) { return a > b ? a : b; }
 
 void select(const SelectRow& row) {
   for (int x = 0; x < row.columns; x += kVectorFloats) {

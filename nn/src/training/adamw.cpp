@@ -7,7 +7,7 @@
 namespace hqslam::nn {
 
 void AdamW::step(std::span<const float> gradient, float learning_rate,
-                 std::span<float> parameters) {
+                 std::span<const std::uint8_t> decays, std::span<float> parameters) {
   ++steps;
   const auto t = static_cast<double>(steps);
   const auto scale1 = static_cast<float>(1.0 / (1.0 - std::pow(options.beta1, t)));
@@ -18,7 +18,8 @@ void AdamW::step(std::span<const float> gradient, float learning_rate,
     float& v = second_moment[i];
     m = options.beta1 * m + (1.0F - options.beta1) * g;
     v = options.beta2 * v + (1.0F - options.beta2) * g * g;
-    parameters[i] -= learning_rate * (options.weight_decay * parameters[i] +
+    const float decay = decays.empty() || decays[i] != 0 ? options.weight_decay : 0.0F;
+    parameters[i] -= learning_rate * (decay * parameters[i] +
                                       m * scale1 / (std::sqrt(v * scale2) + options.epsilon));
   }
 }

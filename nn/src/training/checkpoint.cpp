@@ -10,7 +10,7 @@
 namespace hqslam::nn {
 namespace {
 
-constexpr int kCurveColumns = 6;
+constexpr int kCurveColumns = 12;
 
 const NpzArray& member(const NpzArrays& arrays, const std::string& path, const std::string& name) {
   const auto found = arrays.find(name);
@@ -46,7 +46,9 @@ std::vector<CurvePoint> curve_of(const NpzArrays& arrays, const std::string& pat
   std::vector<CurvePoint> curve;
   for (std::size_t i = 0; i < values.size(); i += kCurveColumns) {
     const double* v = &values[i];
-    curve.push_back({std::llround(v[0]), v[1], {v[2], v[3], v[4], v[5]}});
+    curve.push_back({std::llround(v[0]),
+                     v[1],
+                     {{v[2], v[3], v[4], v[5]}, {v[6], v[7], v[8], v[9]}, v[10], v[11]}});
   }
   return curve;
 }
@@ -57,14 +59,17 @@ void write_checkpoint(const std::string& path, const Checkpoint& checkpoint) {
   const auto parameters = static_cast<std::int64_t>(checkpoint.state.parameters.size());
   std::vector<double> curve;
   for (const CurvePoint& p : checkpoint.curve) {
-    curve.insert(curve.end(), {static_cast<double>(p.step), p.loss_m, p.validation.mae_all_m,
-                               p.validation.mae_all_filtered_m, p.validation.mae_all_linear_m,
-                               p.validation.mae_valid_m});
+    curve.insert(curve.end(), {static_cast<double>(p.step), p.loss});
+    for (const ImageFigures& f : {p.validation.network, p.validation.linear}) {
+      curve.insert(curve.end(), {f.mae_all_m, f.mae_valid_m, f.wrong_share, f.missing_share});
+    }
+    curve.insert(curve.end(), {p.validation.least_confidence, p.validation.confidence_exponent});
   }
   NpzArrays arrays;
   arrays["configuration"] = npz_text(checkpoint.configuration);
   arrays["steps"] = npz_array(std::vector<std::int64_t>{checkpoint.state.optimiser.steps}, {1});
   arrays["parameters"] = npz_array(checkpoint.state.parameters, {parameters});
+  arrays["average"] = npz_array(checkpoint.state.average, {parameters});
   arrays["first_moment"] = npz_array(checkpoint.state.optimiser.first_moment, {parameters});
   arrays["second_moment"] = npz_array(checkpoint.state.optimiser.second_moment, {parameters});
   arrays["curve"] =
@@ -95,7 +100,8 @@ Checkpoint read_checkpoint(const std::string& path, const std::string& configura
   optimiser.first_moment = finite_values(arrays, path, "first_moment", parameters);
   optimiser.second_moment = finite_values(arrays, path, "second_moment", parameters);
   return {configuration,
-          {finite_values(arrays, path, "parameters", parameters), std::move(optimiser)},
+          {finite_values(arrays, path, "parameters", parameters), std::move(optimiser),
+           finite_values(arrays, path, "average", parameters)},
           curve_of(arrays, path)};
 }
 

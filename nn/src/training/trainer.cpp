@@ -8,28 +8,12 @@
 #include <thread>
 
 #include "hqslam/core/error.h"
-#include "hqslam/core/image_error.h"
-#include "hqslam/nn/hqs/interpolation.h"
-#include "hqslam/nn/hqs/result.h"
-#include "hqslam/nn/hqs/unrolled_network.h"
-#include "hqslam/nn/training/l1_loss.h"
+#include "hqslam/nn/hqs/network.h"
 #include "random.h"
+#include "validation.h"
 
 namespace hqslam::nn {
 namespace {
-
-/// One thread's network and memory.
-struct Worker {
-  Worker(const NetworkDescription& description, int columns)
-      : network(description, columns, chosen_instruction_set(), 1),
-        state(network.make_state()),
-        truth(state.z0),
-        d_z(description.layers, state.z0) {}
-  UnrolledNetwork network;
-  UnrolledState state;
-  Tensor truth;
-  std::vector<Tensor> d_z;  ///< of each layer
-};
 
 /// Runs job(worker index, item) for every item, item i on worker i mod workers. What a job throws
 /// is thrown once all have ended.
@@ -52,26 +36,40 @@ void in_parallel(int workers, int items, const Job& job) {
   }
 }
 
-void check_scans(const std::vector<RangeImage>& scans, const SensorModel& sensor) {
-  for (const RangeImage& scan : scans) {
-    if (scan.rows != sensor.rows() || scan.columns != sensor.columns) {
-      throw Error(fmt::format("training: a scan of {} x {}, expected the sensor's {} x {}",
-                              scan.rows, scan.columns, sensor.rows(), sensor.columns));
-    }
+void check_shape(int rows, int columns, const SensorModel& sensor) {
+  if (rows != sensor.rows() || columns != sensor.columns) {
+    throw Error(fmt::format("training: a scan of {} x {}, expected the sensor's {} x {}", rows,
+                            columns, sensor.rows(), sensor.columns));
   }
+}
+
+void check_scans(const std::vector<RangeImage>& scans, const SensorModel& sensor) {
+  for (const RangeImage& scan : scans) check_shape(scan.rows, scan.columns, sensor);
 }
 
 void check_state(const TrainingState& state, const NetworkDescription& description) {
   std::int64_t expected = 0;
   for (const ParameterShape& shape : parameter_shapes(description)) expected += shape.elements();
   for (const std::vector<float>* values :
-       {&state.parameters, &state.optimiser.first_moment, &state.optimiser.second_moment}) {
+       {&state.parameters, &state.average, &state.optimiser.first_moment,
+        &state.optimiser.second_moment}) {
     if (static_cast<std::int64_t>(values->size()) != expected) {
-      throw Error(fmt::format("training: a state of {} parameters, {} and {} moments, expected {}",
-                              state.parameters.size(), state.optimiser.first_moment.size(),
-                              state.optimiser.second_moment.size(), expected));
+      throw Error(fmt::format(
+          "training: a state of {} parameters, {} means, {} and {} moments, expected {}",
+          state.parameters.size(), state.average.size(), state.optimiser.first_moment.size(),
+          state.optimiser.second_moment.size(), expected));
     }
   }
+}
+
+/// Weight decay pulls at the convolutions' weights alone: a penalty or a bias that it pulled at
+/// would end where the decay wants it.
+std::vector<std::uint8_t> decays_of(const NetworkDescription& description) {
+  std::vector<std::uint8_t> decays;
+  for (const ParameterShape& shape : parameter_shapes(description)) {
+    decays.insert(decays.end(), shape.elements(), shape.shape.size() == 4 ? 1 : 0);
+  }
+  return decays;
 }
 
 }  // namespace
@@ -79,13 +77,15 @@ void check_state(const TrainingState& state, const NetworkDescription& descripti
 struct Trainer::Implementation {
   NetworkDescription description;
   TrainingPlan plan;
-  std::vector<RangeImage> scans;
+  std::unique_ptr<const TrainingScans> scans;
   TrainingState state;
-  std::vector<Worker> workers;
+  std::vector<std::uint8_t> decays;
+  std::vector<std::unique_ptr<Network>> workers;
   std::vector<std::vector<float>> gradients;  ///< one per sample of the batch
   std::vector<double> losses;
 
-  void run_sample(Worker& worker, int place);
+  void run_sample(Network& network, int place);
+  void average();
 };
 
 void validate(const TrainingPlan& plan, const SensorModel& sensor) {
@@ -99,6 +99,8 @@ void validate(const TrainingPlan& plan, const SensorModel& sensor) {
   check(plan.warm_up_steps >= 0, "warm_up_steps", static_cast<double>(plan.warm_up_steps),
         "at least 0");
   check(plan.layer_loss_share >= 0.0F, "layer_loss_share", plan.layer_loss_share, "at least 0");
+  check(plan.average_steps >= 1, "average_steps", static_cast<double>(plan.average_steps),
+        "at least 1");
   check(plan.largest_gradient_norm > 0.0, "largest_gradient_norm", plan.largest_gradient_norm,
         "above 0");
   check(a.crop_columns >= 0 && a.crop_columns <= sensor.columns, "crop_columns", a.crop_columns,
@@ -111,18 +113,18 @@ void validate(const TrainingPlan& plan, const SensorModel& sensor) {
 }
 
 Trainer::Trainer(const NetworkDescription& description, const TrainingPlan& plan,
-                 std::vector<RangeImage> scans, TrainingState state, int threads) {
+                 std::unique_ptr<const TrainingScans> scans, TrainingState state, int threads) {
   nn::validate(plan, description.sensor);
-  if (scans.empty()) throw Error("training: no scans to train on");
-  check_scans(scans, description.sensor);
+  if (scans == nullptr || scans->size() == 0) throw Error("training: no scans to train on");
+  check_shape(scans->rows(), scans->columns(), description.sensor);
   check_state(state, description);
-  implementation_ = std::make_unique<Implementation>(
-      Implementation{description, plan, std::move(scans), std::move(state), {}, {}, {}});
+  implementation_ = std::make_unique<Implementation>(Implementation{
+      description, plan, std::move(scans), std::move(state), decays_of(description), {}, {}, {}});
   Implementation& self = *implementation_;
   const int columns = plan.augmentation.crop_columns > 0 ? plan.augmentation.crop_columns
                                                          : description.sensor.columns;
   for (int i = 0; i < std::clamp(threads, 1, plan.batch); ++i) {
-    self.workers.emplace_back(description, columns);
+    self.workers.push_back(make_network(description, columns, chosen_instruction_set(), 1));
   }
   self.gradients.assign(plan.batch, std::vector<float>(self.state.parameters.size()));
   self.losses.resize(plan.batch);
@@ -131,35 +133,36 @@ Trainer::~Trainer() = default;
 
 const TrainingState& Trainer::state() const { return implementation_->state; }
 
-void Trainer::Implementation::run_sample(Worker& worker, int place) {
+void Trainer::Implementation::run_sample(Network& network, int place) {
   const auto number = static_cast<std::uint64_t>(state.optimiser.steps * plan.batch + place);
   Random random(plan.seed * 0x9E3779B97F4A7C15ULL + number);
-  const RangeImage& scan = scans[random.below(static_cast<std::int64_t>(scans.size()))];
-  TrainingSample sample = augmented_sample(scan, description.sensor, description.measured_rows,
-                                           plan.augmentation, random.bits());
-  const TileSize tile = tile_of(description);
-  for (float& range : sample.truth.range_m) range /= description.range_scale_m;
-  to_tiles(sample.truth.range_m.data(), tile, worker.truth);
-  worker.network.start(sample.measured, worker.state);
-  worker.network.forward(worker.state, random.bits() >> 20);
-  for (int layer = 0; layer < description.layers; ++layer) {
-    const bool last = layer + 1 == description.layers;
-    losses[place] = l1_loss(worker.state.layer(layer).denoiser.z, worker.truth, tile,
-                            last ? std::optional(description.measured_rows) : std::nullopt,
-                            last ? 1.0F : plan.layer_loss_share, worker.d_z[layer]);
-  }
+  const RangeImage scan = scans->read(random.below(scans->size()));
+  const TrainingSample sample = augmented_sample(
+      scan, description.sensor, description.measured_rows, plan.augmentation, random.bits());
   std::fill(gradients[place].begin(), gradients[place].end(), 0.0F);
-  worker.network.backward(worker.state, worker.d_z, gradients[place]);
+  losses[place] =
+      network.add_gradient(sample.measured, sample.truth, {.layer_share = plan.layer_loss_share},
+                           random.bits() >> 20, gradients[place]);
+}
+
+/// The mean follows at once in the first steps and ever more slowly later.
+void Trainer::Implementation::average() {
+  const auto steps = static_cast<double>(state.optimiser.steps);
+  const auto follow = static_cast<float>(
+      std::max(1.0 / static_cast<double>(plan.average_steps), 10.0 / (9.0 + steps)));
+  for (std::size_t i = 0; i < state.parameters.size(); ++i) {
+    state.average[i] += std::min(follow, 1.0F) * (state.parameters[i] - state.average[i]);
+  }
 }
 
 TrainingStep Trainer::step() {
   Implementation& self = *implementation_;
   const int workers = static_cast<int>(self.workers.size());
   in_parallel(workers, workers, [&](int worker, int) {
-    self.workers[worker].network.set_parameters(self.state.parameters);
+    self.workers[worker]->set_parameters(self.state.parameters);
   });
   in_parallel(workers, self.plan.batch,
-              [&](int worker, int place) { self.run_sample(self.workers[worker], place); });
+              [&](int worker, int place) { self.run_sample(*self.workers[worker], place); });
   std::vector<float>& sum = self.gradients.front();
   double loss = self.losses.front();
   for (int place = 1; place < self.plan.batch; ++place) {
@@ -169,17 +172,18 @@ TrainingStep Trainer::step() {
   const float share = 1.0F / static_cast<float>(self.plan.batch);
   for (float& g : sum) g *= share;
   TrainingStep result;
-  result.loss_m = loss * share * self.description.range_scale_m;
+  result.loss = loss * share;
   result.gradient_norm = clip_norm(self.plan.largest_gradient_norm, sum);
   result.learning_rate = cosine_learning_rate(self.plan.learning_rate, self.plan.warm_up_steps,
                                               self.plan.steps, self.state.optimiser.steps);
-  if (!std::isfinite(result.loss_m) || !std::isfinite(result.gradient_norm)) {
+  if (!std::isfinite(result.loss) || !std::isfinite(result.gradient_norm)) {
     throw Error(
         fmt::format("training: the loss of step {} is not finite; a smaller learning_rate "
                     "may help",
                     self.state.optimiser.steps));
   }
-  self.state.optimiser.step(sum, result.learning_rate, self.state.parameters);
+  self.state.optimiser.step(sum, result.learning_rate, self.decays, self.state.parameters);
+  self.average();
   return result;
 }
 
@@ -188,44 +192,17 @@ Validation Trainer::validate(const std::vector<RangeImage>& scans) {
   const NetworkDescription& description = self.description;
   check_scans(scans, description.sensor);
   const int workers = static_cast<int>(self.workers.size());
-  const int items = static_cast<int>(scans.size());
-  std::vector<Worker> whole;
+  std::vector<std::unique_ptr<Network>> whole;
   for (int i = 0; i < workers; ++i) {
-    whole.emplace_back(description, description.sensor.columns);
-    whole.back().network.set_parameters(self.state.parameters);
+    whole.push_back(
+        make_network(description, description.sensor.columns, chosen_instruction_set(), 1));
+    whole.back()->set_parameters(self.state.average);
   }
-  std::vector<Validation> each(scans.size());
-  in_parallel(workers, items, [&](int index, int item) {
-    Worker& worker = whole[index];
-    const RangeImage& truth = scans[item];
-    const RangeImage measured = select_rows(truth, description.measured_rows);
-    worker.network.start(measured, worker.state);
-    worker.network.forward(worker.state);
-    RangeImage image = restored_image(description, tile_of(description),
-                                      worker.network.result(worker.state), measured);
-    const ImageError error = image_error(image, truth);
-    each[item].mae_all_m = error.mae_all_m;
-    each[item].mae_valid_m = error.mae_valid_m;
-    OutlierRemoval filter(description.sensor, description.measured_rows, description.last_filter,
-                          image.columns);
-    std::vector<std::uint8_t> rejected(image.range_m.size());
-    filter.find(image.range_m.data(), rejected.data());
-    for (std::size_t i = 0; i < rejected.size(); ++i) {
-      if (rejected[i] != 0) image.range_m[i] = 0.0F;
-    }
-    each[item].mae_all_filtered_m = image_error(image, truth).mae_all_m;
-    const RangeImage linear =
-        interpolate_rows(measured, description.measured_rows, truth.rows, Interpolation::kLinear);
-    each[item].mae_all_linear_m = image_error(linear, truth).mae_all_m;
+  std::vector<ValidatedScan> each(scans.size());
+  in_parallel(workers, static_cast<int>(scans.size()), [&](int worker, int item) {
+    each[item] = validated_scan(*whole[worker], description, scans[item]);
   });
-  Validation mean;
-  for (const Validation& v : each) {
-    mean.mae_all_m += v.mae_all_m / items;
-    mean.mae_all_filtered_m += v.mae_all_filtered_m / items;
-    mean.mae_all_linear_m += v.mae_all_linear_m / items;
-    mean.mae_valid_m += v.mae_valid_m / items;
-  }
-  return mean;
+  return validation_of(each);
 }
 
 }  // namespace hqslam::nn

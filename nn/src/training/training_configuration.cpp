@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <numeric>
 
 #include "../json_fields.h"
 #include "hqslam/core/error.h"
@@ -11,12 +12,35 @@
 namespace hqslam::nn {
 namespace {
 
+/// "seeds": a list, or {"first": 1000, "count": 200}.
+std::vector<int> seeds_of(JsonFields& fields) {
+  constexpr std::int64_t kMostSeeds = 100'000;
+  constexpr std::int64_t kLargestSeed = 1'000'000'000;
+  if (!fields.is_object("seeds")) return fields.integers("seeds");
+  JsonFields span = fields.object("seeds");
+  const std::int64_t first = span.integer("first");
+  const std::int64_t count = span.integer("count");
+  span.finish();
+  if (first < 0 || first > kLargestSeed) {
+    span.complain("first", fmt::format("0 to {}", kLargestSeed));
+  }
+  if (count < 1 || count > kMostSeeds) span.complain("count", fmt::format("1 to {}", kMostSeeds));
+  std::vector<int> seeds(static_cast<std::size_t>(count));
+  std::iota(seeds.begin(), seeds.end(), static_cast<int>(first));
+  return seeds;
+}
+
 SimulatedScans simulated_scans(JsonFields fields) {
   SimulatedScans scans;
   scans.drive = fields.text("drive");
-  scans.seeds = fields.integers("seeds");
+  scans.seeds = seeds_of(fields);
   scans.scans = fields.integer("scans");
   fields.optional("every", scans.every);
+  if (fields.has("conditions")) {
+    scans.conditions = fields.choice("conditions", {"usual", "varied"}) == 0
+                           ? DriveConditions::kUsual
+                           : DriveConditions::kVaried;
+  }
   fields.finish();
   if (scans.seeds.empty()) fields.complain("seeds", "at least one seed");
   for (const int seed : scans.seeds) {
@@ -31,7 +55,10 @@ ScanSet scan_set(JsonFields& fields, const std::string& field) {
   ScanSet set;
   for (JsonFields& entry : fields.objects(field)) {
     if (entry.has("stack")) {
-      set.stacks.push_back(entry.text("stack"));
+      std::int64_t repeat = 1;
+      entry.optional("repeat", repeat);
+      if (repeat < 1 || repeat > 10'000) entry.complain("repeat", "1 to 10000");
+      set.stacks.insert(set.stacks.end(), static_cast<std::size_t>(repeat), entry.text("stack"));
       entry.finish();
     } else {
       set.simulated.push_back(simulated_scans(entry));
@@ -89,6 +116,7 @@ TrainingConfiguration training_configuration(const std::string& text, const std:
   fields.optional("weight_decay", c.plan.adamw.weight_decay);
   fields.optional("largest_gradient_norm", c.plan.largest_gradient_norm);
   fields.optional("layer_loss_share", c.plan.layer_loss_share);
+  fields.optional("average_steps", c.plan.average_steps);
   fields.optional("seed", c.plan.seed);
   fields.optional("validate_every", c.validate_every);
   if (fields.has("start_from")) c.start_from = fields.text("start_from");

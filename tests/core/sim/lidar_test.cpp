@@ -38,7 +38,7 @@ TEST_CASE("a standing sensor measures the floor where it is, within the noise") 
   const SensorModel sensor = small_sensor();
   const std::vector<Pose> poses(static_cast<std::size_t>(sensor.columns),
                                 pose_from_xyz_rpy({3.0, 4.0, 1.8}, 0.0, 0.0, 0.4));
-  const RangeImage image = Lidar(sensor, 1).measure(scene, poses, 0);
+  const RangeImage image = Lidar(sensor, {}, 1).measure(scene, poses, 0);
   const OrganizedCloud cloud = unproject(image, sensor, CaptureTime::kRolling);
   int returns = 0;
   for (int row = 0; row < sensor.rows(); ++row) {
@@ -64,7 +64,7 @@ TEST_CASE("rolling capture: with the pose of each column walls are straight, wit
   const RayScene scene(city);
   const SensorModel sensor = small_sensor();
   const std::vector<Pose> poses = moving_head(sensor, 15.0, 0.8);
-  const RangeImage image = Lidar(sensor, 1).measure(scene, poses, 0);
+  const RangeImage image = Lidar(sensor, {}, 1).measure(scene, poses, 0);
   const OrganizedCloud cloud = unproject(image, sensor, CaptureTime::kRolling);
   const Pose middle = pose_from_xyz_rpy({0.0, 0.0, 1.8}, 0.0, 0.0, 0.0);
   double largest_m = 0.0;
@@ -100,7 +100,7 @@ TEST_CASE("at an edge between two near surfaces some ranges lie between them, el
   for (int step = 0; step < 20; ++step) {
     const std::vector<Pose> poses(static_cast<std::size_t>(sensor.columns),
                                   pose_from_xyz_rpy({0.0, 0.0, 0.0}, 0.0, 0.0, 0.0005 * step));
-    const RangeImage image = Lidar(sensor, 1).measure(scene, poses, step);
+    const RangeImage image = Lidar(sensor, {}, 1).measure(scene, poses, step);
     const OrganizedCloud cloud = unproject(image, sensor, CaptureTime::kRolling);
     for (std::size_t pixel = 0; pixel < cloud.points_m.size(); ++pixel) {
       if (cloud.range_m[pixel] == 0.0F) continue;

@@ -13,7 +13,7 @@ TEST_CASE("a route follows open streets and never turns back on the spot") {
       const Eigen::Vector2i step = route[k + 1] - route[k];
       REQUIRE(step.cwiseAbs().sum() == 1);
       REQUIRE((route[k].array() >= 0).all());
-      REQUIRE((route[k].array() < style.city.streets).all());
+      REQUIRE((route[k].array() < style.city.grid[0].streets).all());
       if (k > 0) REQUIRE(route[k + 1] != route[k - 1]);
       if (step.x() == 0) {
         const int low = std::min(route[k].y(), route[k + 1].y());

@@ -8,10 +8,8 @@ namespace hqslam::test {
 /// A city without anything in it: its layout is that of a block drive, the rest is for the test to
 /// add.
 inline sim::City empty_city() {
-  return {.layout = sim::make_layout(sim::drive_style("block").city, 1),
-          .fixed = {},
-          .prototypes = {},
-          .placements = {}};
+  return {{.fixed = {}, .prototypes = {}, .placements = {}},
+          sim::make_layout(sim::drive_style("block").city, 1)};
 }
 
 /// A vertical wall in the plane x = `x_m`, from y0 to y1, 20 m high.

@@ -6,7 +6,9 @@
 #include <filesystem>
 #include <numeric>
 
+#include "hqslam/core/png.h"
 #include "report/chart.h"
+#include "report/density_image.h"
 #include "report/report_style.h"
 #include "report/trajectory_plot.h"
 #include "timing_statistics.h"
@@ -205,9 +207,29 @@ std::string statuses_html(const SlamRun& run) {
          status_row(run, "mapping", &slam::ScanReport::mapping_status) + "</table></div>\n";
 }
 
+std::string picture_html(const std::string& caption, const RgbImage& image) {
+  return fmt::format(
+      "<img alt=\"{}\" style=\"width:100%;height:auto\" src=\"data:image/png;base64,{}\">\n",
+      caption, base64(encode_png(image)));
+}
+
+std::string dense_map_html(const DenseMapPage& page) {
+  if (page.run == nullptr || page.pictures == nullptr) {
+    return "";
+  }
+  return fmt::format(
+      "<h2>Dense map</h2>\n<p class=\"quiet\">{} points, one per {} m, of {} scans: measured, and "
+      "computed where scans agree. Colours tell heights, blue the lowest. The second picture looks "
+      "ahead from behind the place where the sensor was after a third of its path.</p>\n{}{}",
+      page.run->points.size(), page.run->voxel_m, page.run->scans,
+      picture_html("The dense map from above", page.pictures->above),
+      picture_html("The dense map in perspective", page.pictures->perspective));
+}
+
 }  // namespace
 
-std::string html_report(const SlamRun& run, const std::optional<ReferenceComparison>& comparison) {
+std::string html_report(const SlamRun& run, const std::optional<ReferenceComparison>& comparison,
+                        const DenseMapPage& dense_map) {
   const std::string upsampled =
       run.upsampled_by.empty() ? "" : fmt::format(" by {}", run.upsampled_by);
   const std::string title =
@@ -219,8 +241,8 @@ std::string html_report(const SlamRun& run, const std::optional<ReferenceCompari
              "<h1>{}</h1>\n<p class=\"quiet\">hqslam run, sensor {}, range images of {} x {}</p>\n",
              title, kReportStyle, title, escape_html(run.sensor_name), run.rows, run.columns) +
          notice_html(run) + numbers_html(run, comparison) + "<h2>Trajectory from above</h2>\n" +
-         trajectory_plot_html(run, comparison) + error_html(run, comparison) + times_html(run) +
-         statuses_html(run) + "</body>\n</html>\n";
+         trajectory_plot_html(run, comparison) + dense_map_html(dense_map) +
+         error_html(run, comparison) + times_html(run) + statuses_html(run) + "</body>\n</html>\n";
 }
 
 }  // namespace hqslam::tools

@@ -58,6 +58,17 @@ RgbImage error_image(const RangeImage& image, const RangeImage& truth) {
   return colours;
 }
 
+/// White where something is certain, black where it is ruled out.
+RgbImage share_image(const std::vector<float>& shares, int rows, int columns) {
+  RgbImage image{rows, columns, {}};
+  for (const float share : shares) {
+    const auto grey =
+        static_cast<std::uint8_t>(std::lround(255.0F * std::clamp(share, 0.0F, 1.0F)));
+    image.pixels.push_back({grey, grey, grey});
+  }
+  return image;
+}
+
 /// What the filter looks at, what it rejects, and what becomes of it.
 std::string filter_html(const LayersReport& report, const nn::LayerTrace& layer) {
   const bool of_h = report.network.filtered == nn::FilteredIterate::kH;
@@ -69,8 +80,20 @@ std::string filter_html(const LayersReport& report, const nn::LayerTrace& layer)
                     fmt::format("Y (eq. 10c): {}, where it was rejected {}", filtered, taken));
 }
 
+/// A layer of two modes and the probability of a return.
+std::string mixture_html(const LayersReport& report, const nn::LayerTrace& layer) {
+  return range_html(layer.h, report, "H: what was measured, and what is known of the rest so far") +
+         range_html(layer.z, report, "Z: the likelier of the two modes of every pixel") +
+         image_html(share_image(layer.probability, layer.z.rows, layer.z.columns),
+                    "Probability of a return: white certain, black none") +
+         range_html(layer.y, report, "Z where a return is likely");
+}
+
 std::string layer_html(const LayersReport& report, std::size_t index) {
   const nn::LayerTrace& layer = report.trace.layers[index];
+  if (report.network.kind == nn::NetworkKind::kDuMix) {
+    return fmt::format("<h2>Layer {}</h2>\n", index + 1) + mixture_html(report, layer);
+  }
   std::string html = fmt::format(
       "<h2>Layer {}, b = {:.3f}</h2>\n<p class=\"quiet\">data {:.2f} m², denoiser gap {:.0f} m², "
       "filter gap {:.1f} m², {} pixels rejected (terms of eq. 3)</p>\n",
@@ -91,11 +114,28 @@ std::string layer_html(const LayersReport& report, std::size_t index) {
 
 std::string result_html(const LayersReport& report) {
   std::string html = "<h2>Result</h2>\n";
-  html += image_html(
-      mask_image(report.trace.layers.back().z, report.min_range_m, report.trace.rejected),
-      "Q of the last Z: rejected pixels in red");
-  html +=
-      range_html(report.result, report, "Result: measured rows restored, rejected pixels empty");
+  if (report.network.kind == nn::NetworkKind::kDuMix) {
+    const std::string caption = fmt::format(
+        "Confidence: a return, and within {} m of its range. White certain; emptied "
+        "below {:.2f}",
+        nn::SuperResolverOptions{}.tolerance_m, report.network.least_confidence);
+    html += image_html(share_image(report.confidence, report.result.rows, report.result.columns),
+                       caption);
+    html += range_html(report.result, report, "Result: measured rows, doubtful pixels empty");
+    if (report.truth) {
+      html +=
+          image_html(error_image(report.result, *report.truth),
+                     fmt::format("Result against the truth, mean error {:.2f} m where both have "
+                                 "a return: white 0.1 m and less, dark red 10 m and more",
+                                 image_error(report.result, *report.truth).mae_valid_m));
+    }
+  } else {
+    html += image_html(
+        mask_image(report.trace.layers.back().z, report.min_range_m, report.trace.rejected),
+        "Q of the last Z: rejected pixels in red");
+    html +=
+        range_html(report.result, report, "Result: measured rows restored, rejected pixels empty");
+  }
   if (report.truth) html += range_html(*report.truth, report, "Truth");
   return html;
 }

@@ -24,6 +24,7 @@ struct LayersReport {
   nn::NetworkDescription network;
   nn::Trace trace;
   RangeImage result;
+  std::vector<float> confidence;  ///< of the result, per pixel; of networks that say it
 };
 
 /// A page that needs no other file: start, then H, Z, the filter's mask and Y of every layer, the

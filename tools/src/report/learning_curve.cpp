@@ -24,10 +24,23 @@ double y_of(const PlotBox& box, double y) {
   return kTop + kHeight * to_plot_y(box, y) / kPlotUnits;
 }
 
+/// The validation's figures as parts of linear interpolation's.
+struct Part {
+  const char* colour;
+  double (*of)(const nn::Validation& v);
+};
+constexpr Part kParts[] = {
+    {"#d62728", [](const nn::Validation& v) { return v.network.mae_all_m / v.linear.mae_all_m; }},
+    {"#1f77b4",
+     [](const nn::Validation& v) { return v.network.mae_valid_m / v.linear.mae_valid_m; }},
+    {"#2ca02c",
+     [](const nn::Validation& v) { return v.network.wrong_share / v.linear.wrong_share; }}};
+
 PlotBox box_of(const std::vector<nn::CurvePoint>& curve) {
   PlotBox box{0.0, static_cast<double>(curve.back().step), 1e9, 0.0};
   for (const nn::CurvePoint& p : curve) {
-    for (const double value : {p.loss_m, p.validation.mae_all_m, p.validation.mae_all_linear_m}) {
+    for (const auto& part : kParts) {
+      const double value = part.of(p.validation);
       box.y_min = std::min(box.y_min, value);
       box.y_max = std::max(box.y_max, value);
     }
@@ -75,16 +88,16 @@ std::string learning_curve_svg(const std::vector<nn::CurvePoint>& curve) {
   if (!curve.empty()) {
     const PlotBox box = box_of(curve);
     svg += grid_svg(box);
-    svg +=
-        line_svg(curve, box, "#888", [](const auto& p) { return p.validation.mae_all_linear_m; });
-    svg += line_svg(curve, box, "#1f77b4", [](const auto& p) { return p.loss_m; });
-    svg += line_svg(curve, box, "#d62728", [](const auto& p) { return p.validation.mae_all_m; });
+    for (const Part& part : kParts) {
+      svg += line_svg(curve, box, part.colour,
+                      [&](const nn::CurvePoint& p) { return part.of(p.validation); });
+    }
   }
   svg +=
-      "<text x=\"70\" y=\"28\">mean absolute error over all pixels, m: <tspan fill=\"#d62728\">"
-      "validation</tspan>, <tspan fill=\"#1f77b4\">training loss</tspan>, <tspan fill=\"#888\">"
-      "linear interpolation</tspan></text>\n<text x=\"420\" y=\"440\" text-anchor=\"middle\">step"
-      "</text>\n</svg>\n";
+      "<text x=\"70\" y=\"28\">of linear interpolation's: <tspan fill=\"#d62728\">MAE over all "
+      "pixels</tspan>, <tspan fill=\"#1f77b4\">MAE where both have a return</tspan>, <tspan "
+      "fill=\"#2ca02c\">wrong points</tspan></text>\n<text x=\"420\" y=\"440\" "
+      "text-anchor=\"middle\">step</text>\n</svg>\n";
   return svg;
 }
 

@@ -69,6 +69,11 @@ p { margin: .25rem 0 .75rem; }
 .plot .line.estimate { stroke: var(--estimate); stroke-width: 3.5px; }
 .plot .line.reference { stroke: var(--reference); stroke-width: 1.5px; stroke-dasharray: 5 4; }
 .plot .line.error { stroke: var(--estimate); }
+.plot .line.reading { stroke: var(--reading); }
+.plot .line.upsampling { stroke: var(--upsampling); }
+.plot .line.segmentation { stroke: var(--segmentation); }
+.plot .line.features { stroke: var(--features); }
+.plot .line.odometry { stroke: var(--odometry); }
 .plot .layer.reading { fill: var(--reading); }
 .plot .layer.upsampling { fill: var(--upsampling); }
 .plot .layer.segmentation { fill: var(--segmentation); }

@@ -9,20 +9,15 @@
 #include "hqslam/core/png.h"
 #include "report/chart.h"
 #include "report/density_image.h"
-#include "report/report_style.h"
+#include "report/table_page.h"
 #include "report/trajectory_plot.h"
 #include "table_text.h"
 
 namespace hqslam::tools {
 namespace {
 
-/// What this page adds to the reports' style: it is wider, and has a colour per method.
+/// What this page adds.
 constexpr std::string_view kTableStyle = R"css(
-body { max-width: 84rem; }
-h2 { font-size: 1.3rem; margin-top: 3.5rem; }
-h3 { font-size: 1rem; margin: 2rem 0 .4rem; font-weight: 650; }
-th { vertical-align: bottom; line-height: 1.25; }
-td { white-space: nowrap; }
 .tables { display: grid; gap: 0 3rem; grid-template-columns: repeat(auto-fit, minmax(min(36rem, 100%), 1fr)); }
 .maps { display: grid; gap: 1rem; grid-template-columns: repeat(auto-fill, minmax(min(17rem, 100%), 1fr)); }
 .maps figure { margin: 0; }
@@ -30,7 +25,6 @@ td { white-space: nowrap; }
 .maps figcaption { display: flex; justify-content: space-between; gap: .5rem; font-size: .85rem; margin-bottom: .25rem; }
 .maps figcaption span { color: var(--quiet); }
 .legend .reference-line { width: 1.6rem; height: 0; border-radius: 0; background: none; border-top: 2px solid #c4c9d0; }
-.notes { padding-left: 1.1rem; }
 )css";
 
 /// One per method, told apart on white and on black.
@@ -47,25 +41,6 @@ std::string color_style() {
                        kMethodColors[i]);
   }
   return css;
-}
-
-std::string html_of(const TextTable& table) {
-  std::string html = "<div class=\"scroll\"><table><tr>";
-  for (const std::string& column : table.columns) {
-    html += fmt::format("<th>{}</th>", escape_html(column));
-  }
-  html += "</tr>\n";
-  for (const std::vector<std::string>& row : table.rows) {
-    html += "<tr>";
-    for (const std::string& cell : row) html += fmt::format("<td>{}</td>", escape_html(cell));
-    html += "</tr>\n";
-  }
-  return html + "</table></div>\n";
-}
-
-std::string titled(const TextTable& table) {
-  if (table.rows.empty()) return "";
-  return fmt::format("<h3>{}</h3>\n{}", escape_html(table.title), html_of(table));
 }
 
 std::string scale_html(const ErrorScale& scale) {
@@ -154,20 +129,12 @@ std::string drive_html(const DriveFigures& drive) {
                   escape_html(drive_text(drive)),
                   drive.truth.empty() ? "" : fmt::format("; truth: {}", escape_html(drive.truth)));
   for (std::size_t i = 0; i < kLoopClosingNames.size(); ++i) {
-    html += titled(trajectory_table(drive, i));
+    html += titled_table_html(trajectory_table(drive, i));
   }
-  html += titled(upsampling_table(drive));
+  html += titled_table_html(upsampling_table(drive));
   for (std::size_t i = 0; i < kLoopClosingNames.size(); ++i) html += maps_html(drive, i);
   for (std::size_t i = 0; i < kLoopClosingNames.size(); ++i) html += chart_of(drive, i);
   return html;
-}
-
-std::string notes_html(const std::vector<DriveFigures>& drives) {
-  std::string html = "<h2>Notes</h2>\n<ul class=\"notes quiet\">\n";
-  for (const std::string& note : table_notes(drives)) {
-    html += fmt::format("<li>{}</li>\n", escape_html(note));
-  }
-  return html + "</ul>\n";
 }
 
 }  // namespace
@@ -193,18 +160,15 @@ ErrorMap error_map_of(const DriveFigures& drive, std::size_t loop_closing) {
 }
 
 std::string table_html(const std::vector<DriveFigures>& drives) {
-  std::string html = fmt::format(
-      "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
-      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
-      "<title>hqslam table</title>\n<style>{}{}{}</style>\n</head>\n<body>\n"
-      "<h1>16 rows, 16 lifted to 64, and 64 rows in one SLAM</h1>\n<div class=\"tables\">\n",
-      kReportStyle, kTableStyle, color_style());
+  std::string body = "<div class=\"tables\">\n";
   for (std::size_t i = 0; i < kLoopClosingNames.size(); ++i) {
-    html += fmt::format("<div>{}</div>\n", titled(paper_table(drives, i)));
+    body += fmt::format("<div>{}</div>\n", titled_table_html(paper_table(drives, i)));
   }
-  html += "</div>\n";
-  for (const DriveFigures& drive : drives) html += drive_html(drive);
-  return html + notes_html(drives) + "</body>\n</html>\n";
+  body += "</div>\n";
+  for (const DriveFigures& drive : drives) body += drive_html(drive);
+  return table_page_html("16 rows, 16 lifted to 64, and 64 rows in one SLAM",
+                         std::string(kTableStyle) + color_style(),
+                         body + notes_html(table_notes(drives)));
 }
 
 }  // namespace hqslam::tools

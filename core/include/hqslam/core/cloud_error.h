@@ -21,6 +21,17 @@ inline constexpr double kOutlierDistance_m = 0.5;
 CloudError cloud_error(const std::vector<Eigen::Vector3f>& cloud_m,
                        const std::vector<Eigen::Vector3f>& true_cloud_m);
 
+/// Occupied voxels of kCloudErrorVoxel_m of two clouds; the grid as in cloud_error. Throws Error as
+/// it does.
+struct VoxelOverlap {
+  double iou = 0.0;
+  double precision = 0.0;
+  double recall = 0.0;
+  double f1 = 0.0;
+};
+VoxelOverlap voxel_overlap(const std::vector<Eigen::Vector3f>& cloud_m,
+                           const std::vector<Eigen::Vector3f>& true_cloud_m);
+
 /// The distance of each point of the cloud to the nearest true point, metres. Throws Error as
 /// cloud_error does.
 std::vector<float> nearest_distances_m(const std::vector<Eigen::Vector3f>& cloud_m,

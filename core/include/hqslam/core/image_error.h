@@ -9,8 +9,10 @@ namespace hqslam {
 /// Errors of a range image against the true one. Definitions: TULIP (CVPR 2024), evaluation code,
 /// in metres here.
 struct ImageError {
-  double mae_all_m = 0.0;    ///< mean |range - true| over all pixels, no return counting as 0 m
-  double mae_valid_m = 0.0;  ///< the same over pixels where both have a return
+  double mae_all_m = 0.0;       ///< mean |range - true| over all pixels, no return counting as 0 m
+  double mae_valid_m = 0.0;     ///< the same over pixels where both have a return
+  double missing_share = 0.0;   ///< of the true returns: pixels that the image leaves empty
+  double invented_share = 0.0;  ///< of the image's returns: pixels where the truth has none
   std::int64_t valid_pixels = 0;
   std::int64_t pixels = 0;
 };

@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "hqslam/core/organized_cloud.h"
 #include "hqslam/core/projection.h"
@@ -26,8 +27,12 @@ class ScanSource {
   virtual ~ScanSource() = default;
   virtual const SensorModel& sensor() const = 0;
   virtual std::int64_t size() const = 0;
-  /// The next scan, or nothing at the end. Throws Error for a scan that cannot be read.
+  /// The next scan, or nothing at the end. Throws ScanError for a scan that cannot be understood,
+  /// after which the next one can be asked for, and Error where the recording cannot be read on.
   virtual std::optional<RecordedScan> next() = 0;
+  /// What whoever uses the recording should know of it, a line each; complete when all scans were
+  /// read.
+  virtual std::vector<std::string> warnings() const { return {}; }
 };
 
 /// Where row 0 of the images in an .npy stack looks.
@@ -48,7 +53,8 @@ struct RecordingOptions {
 /// - one .bin or .pcd file: a recording of one scan;
 /// - an .npy stack of range images (N x H x W or N x H x W x 1, float32 metres; `options` apply);
 /// - a folder written by `hqslam simulate` or `hqslam upsample` (scans.npy, sensor.json; `options`
-///   apply): what its sensor.json says of measured rows and of the correction for motion holds,
+///   apply), with the confidence of its pixels if there is a confidence.npy: what its sensor.json
+///   says of measured rows and of the correction for motion holds,
 ///   whatever `sensor` says.
 /// Files are taken in the natural order of their names; the stamp of a scan is its index times
 /// sensor.scan_period_s. In a folder with truth.tum the stamps are those of that file: (index +

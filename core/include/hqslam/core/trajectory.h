@@ -32,4 +32,14 @@ void write_kitti_poses(const Trajectory& trajectory, const std::string& path);
 /// Tells the two apart by the number of columns (8 or 12).
 Trajectory read_trajectory(const std::string& path, double period_s = 0.1);
 
+enum class TrajectoryForm { kTum, kKitti };
+/// A trajectory with the form that its file was found to have: TUM's stamps were recorded, KITTI's
+/// are counted.
+struct ParsedTrajectory {
+  Trajectory poses;
+  TrajectoryForm form = TrajectoryForm::kTum;
+};
+/// read_trajectory, and which of the two it was.
+ParsedTrajectory parse_trajectory(const std::string& path, double period_s = 0.1);
+
 }  // namespace hqslam

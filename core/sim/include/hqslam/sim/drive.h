@@ -13,16 +13,49 @@
 
 namespace hqslam::sim {
 
+/// How the sensor sits on what carries it.
+struct SensorMount {
+  double sensor_height_m = 1.85;  ///< above the ground beneath it; 0.1 to 10
+  /// Added to the roll and pitch of what carries it; -45 to 45 degrees. Positive roll raises the
+  /// left side, positive pitch lowers the front.
+  double mount_roll_rad = 0.0;
+  double mount_pitch_rad = 0.0;
+
+  bool operator==(const SensorMount&) const = default;
+};
+
+/// What makes the sensor see worse than on a clear day; src/lidar.h has the formulas.
+struct SensingConditions {
+  double extra_range_noise_m = 0.0;  ///< standard deviation, beside the sensor's own; 0 to 1
+  double dropout_share = 0.0;        ///< of the returns that are lost at random; 0 to below 1
+  double extinction_per_m = 0.0;     ///< of rain or fog: visibility is about 3.9 over it; 0 to 1
+  double airborne_share = 0.0;       ///< of the pixels that meet drops in the air; 0 to 1
+
+  bool operator==(const SensingConditions&) const = default;
+};
+
 /// A drive through a procedural city. Everything follows from these fields: the same spec gives
 /// the same bytes on every machine, whatever the number of threads.
 struct DriveSpec {
-  std::string name;        ///< the style of city and driving: block, town or hills
+  std::string name;        ///< of drive_preset_names(): the style of city and driving
   std::uint64_t seed = 1;  ///< of the city, the traffic, the driver and the sensor's noise
   std::int64_t scans = 200;
+  SensorMount mount;
+  SensingConditions conditions;
 };
+/// Raised whenever the same spec begins to give other bytes.
+constexpr int kDriveRevision = 1;
+/// Throws Error with field, value and constraint.
+void validate(const DriveSpec& spec);
 
-/// block (200 scans), town (4,000), hills (8,000). Throws Error that lists them for any other.
+/// The same drive with a mount and conditions drawn from its seed: a height of 0.4 to 2.2 m; roll
+/// and pitch of up to 5 degrees, mostly below 2; up to 20 mm more noise; up to 6 % drop-outs; rain
+/// or fog in one drive of four. Large values are rarer than small ones.
+DriveSpec with_varied_conditions(DriveSpec spec);
+
+/// A drive with its usual length and mount. Throws Error that lists the names for any other.
 DriveSpec drive_preset(std::string_view name);
+/// block, town, hills, meadow, narrow, yard, handheld, car-park, indoors: see the README.
 std::vector<std::string> drive_preset_names();
 
 /// One scan with the truth.
@@ -32,6 +65,11 @@ struct SimulatedScan {
   Pose T_map_sensor = Pose::Identity();  ///< true pose at stamp_s; the first scan's is the identity
   /// True pose when the head stands at each column (SensorModel::firing_column).
   std::vector<Pose> T_map_sensor_at_column;
+};
+
+/// Where the beams of one scan would meet what stands still.
+struct VisibleSurface {
+  std::vector<Eigen::Vector3f> points_m;  ///< map frame, in the order of the pixels
 };
 
 /// Drives a sensor through the city, one scan after the other; never more than one in memory.
@@ -47,6 +85,19 @@ class DriveSimulator {
   std::optional<SimulatedScan> next();
   /// Leaves out the next `scans` scans without simulating them; those after it stay the same.
   void skip(std::int64_t scans);
+
+  /// What the next scan could see of the true surface, and goes on to the scan after it: every beam
+  /// from where the sensor is then, without noise and drop-outs, without those who move, and
+  /// without glass, which shows what is behind it or nothing. A beam counts if its surface lies
+  /// within the sensor's range and is bright enough to be seen at least every other time.
+  std::optional<VisibleSurface> next_visible();
+  /// From each point (map frame) to the nearest true surface: metres, infinity where that is
+  /// farther than `reach_m` and for points that are not finite. True are the surfaces of what
+  /// stands still, and what their windows show to a sensor on this drive (curtains, rooms, seats):
+  /// of that the distance along the line of sight from where the sensor was counts, every two
+  /// metres of the drive.
+  std::vector<float> distances_to_surface_m(const std::vector<Eigen::Vector3f>& points_m,
+                                            double reach_m);
 
  private:
   struct Implementation;

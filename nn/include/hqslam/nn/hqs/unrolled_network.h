@@ -50,6 +50,8 @@ class UnrolledNetwork {
   int rows() const { return rows_; }
   int columns() const { return columns_; }
   std::int64_t multiply_adds() const;
+  /// b of a layer.
+  float penalty(int layer) const { return penalty_[layer]; }
 
   /// All arrays of parameter_shapes(description), one after the other. Throws Error.
   void set_parameters(std::span<const float> parameters);

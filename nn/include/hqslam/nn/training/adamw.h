@@ -26,7 +26,9 @@ struct AdamW {
 
   AdamW(const AdamWOptions& options_, std::size_t parameters)
       : options(options_), first_moment(parameters), second_moment(parameters) {}
-  void step(std::span<const float> gradient, float learning_rate, std::span<float> parameters);
+  /// decays: of each parameter, whether weight decay pulls at it; empty: at all of them.
+  void step(std::span<const float> gradient, float learning_rate,
+            std::span<const std::uint8_t> decays, std::span<float> parameters);
 };
 
 /// Scales the gradient so that its Euclidean norm is at most `largest_norm`. Returns the norm

@@ -12,7 +12,7 @@ namespace hqslam::nn {
 /// One point of the learning curve.
 struct CurvePoint {
   std::int64_t step = 0;
-  double loss_m = 0.0;  ///< mean over the steps since the last point
+  double loss = 0.0;  ///< mean over the steps since the last point
   Validation validation;
 };
 

@@ -8,6 +8,7 @@
 #include "hqslam/nn/hqs/network_description.h"
 #include "hqslam/nn/training/adamw.h"
 #include "hqslam/nn/training/augmentation.h"
+#include "hqslam/nn/training/training_scans.h"
 
 namespace hqslam::nn {
 
@@ -21,7 +22,9 @@ struct TrainingPlan {
   /// Share in the loss of each layer before the last: with 0 only the last Z has to be an image,
   /// and the others become whatever helps it, which the filter inside and people cannot read.
   float layer_loss_share = 0.1F;
-  double largest_gradient_norm = 0.1;  ///< of the loss in units of range_scale_m
+  double largest_gradient_norm =
+      0.1;                            ///< of the loss in the network's own unit (L1: range_scale_m)
+  std::int64_t average_steps = 1000;  ///< of the mean of the parameters that is kept
   Augmentation augmentation;
   std::uint64_t seed = 1;
 };
@@ -29,23 +32,39 @@ struct TrainingPlan {
 void validate(const TrainingPlan& plan, const SensorModel& sensor);
 
 struct TrainingStep {
-  double loss_m = 0.0;         ///< of the last layer, mean over the batch, before the step
+  double loss = 0.0;           ///< of the last layer, mean over the batch, before the step
   double gradient_norm = 0.0;  ///< before it was clipped
   float learning_rate = 0.0F;
 };
 
-/// How well the network does on scans that it is not trained on; means over the scans, metres.
+/// How an upsampled image differs from the truth, over the computed pixels of all scans.
+struct ImageFigures {
+  double mae_all_m = 0.0;    ///< over all pixels, measured ones too; no return counts as 0 m
+  double mae_valid_m = 0.0;  ///< over the pixels where both have a return, measured ones too
+  double wrong_share = 0.0;  ///< of the computed returns: farther than 0.5 m from the pixel's true
+                             ///< range, or where there is none
+  double missing_share = 0.0;  ///< of the true returns: left empty
+};
+
+/// How well the network does on scans that it is not trained on.
 struct Validation {
-  double mae_all_m = 0.0;
-  double mae_all_filtered_m = 0.0;  ///< with the filter at the end
-  double mae_all_linear_m = 0.0;    ///< linear interpolation over rows
-  double mae_valid_m = 0.0;
+  ImageFigures network;
+  ImageFigures linear;  ///< linear interpolation over rows
+  /// DU-Mix: the confidence below which pixels were emptied for these figures, so that as many
+  /// true returns are missing as linear interpolation misses.
+  double least_confidence = 0.0;
+  /// DU-Mix: the power of the confidence that says best how many are right (the smallest Brier
+  /// score); least_confidence is before it.
+  double confidence_exponent = 1.0;
 };
 
 /// Everything that a training needs to go on as if it had not stopped.
 struct TrainingState {
   std::vector<float> parameters;
   AdamW optimiser;
+  /// Exponential mean of the parameters over the last steps (about average_steps of the plan): what
+  /// is validated and kept.
+  std::vector<float> average;
 };
 
 /// Trains on scans with all of the sensor's rows. Each step draws its samples from seed, step and
@@ -53,12 +72,13 @@ struct TrainingState {
 /// number of threads nor on interruptions.
 class Trainer {
  public:
-  /// Throws Error, also if a scan does not have the sensor's shape or the state not the network's
+  /// Throws Error, also if the scans do not have the sensor's shape or the state not the network's
   /// number of parameters.
   Trainer(const NetworkDescription& description, const TrainingPlan& plan,
-          std::vector<RangeImage> scans, TrainingState state, int threads);
+          std::unique_ptr<const TrainingScans> scans, TrainingState state, int threads);
   ~Trainer();
 
+  /// Throws Error if a scan cannot be read or the loss is not finite.
   TrainingStep step();
   /// Throws Error if a scan does not have the sensor's shape.
   Validation validate(const std::vector<RangeImage>& scans);

@@ -9,18 +9,26 @@
 
 namespace hqslam::nn {
 
+/// Whether all drives have the same sensor mount on a clear day, or each one its own, drawn from
+/// its seed (a matter for whoever simulates them).
+enum class DriveConditions { kUsual, kVaried };
+
 /// Simulated drives to take scans from: every `every`-th of `scans` scans, for each seed.
 struct SimulatedScans {
   std::string drive;
   std::vector<int> seeds;
   std::int64_t scans = 0;
   std::int64_t every = 1;
+  DriveConditions conditions = DriveConditions::kUsual;
 };
 
-/// Where scans come from; a stack is an .npy file of range images of the network's sensor.
+/// Where scans come from; a stack is an .npy file of range images of the network's sensor, or the
+/// folder of a recording of it.
 struct ScanSet {
   std::vector<SimulatedScans> simulated;
-  std::vector<std::string> stacks;  ///< a leading $NAME is that environment variable's value
+  /// A leading $NAME is that environment variable's value. As often as the recipe says to repeat
+  /// it: a few real scans can be seen as often as many simulated ones.
+  std::vector<std::string> stacks;
 };
 
 /// What `hqslam train --config` reads.

@@ -1,0 +1,12 @@
+# Run with cmake -P by hqslam_source_hash: hashes the files that FILES lists, names and contents.
+file(STRINGS ${FILES} paths)
+set(all "${SALT}")
+foreach(path IN LISTS paths)
+  file(SHA256 ${path} hash)
+  file(RELATIVE_PATH name ${ROOT} ${path})
+  string(APPEND all "\n${name} ${hash}")
+endforeach()
+string(SHA256 hash "${all}")
+string(SUBSTRING ${hash} 0 16 hash)
+string(TOUPPER ${NAME} name)
+file(WRITE ${HEADER} "#pragma once\n\n#define HQSLAM_${name} \"${hash}\"\n")

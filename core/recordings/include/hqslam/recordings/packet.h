@@ -1,0 +1,45 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+
+namespace hqslam::recordings {
+
+/// Who sent a packet and to which port.
+struct Endpoint {
+  std::array<std::uint8_t, 16> address{};  ///< IPv6, or IPv4 in the last four bytes
+  std::uint16_t port = 0;                  ///< the receiver's
+
+  auto operator<=>(const Endpoint&) const = default;
+};
+
+/// "192.168.1.201:2368"; IPv6 in brackets.
+std::string text(const Endpoint& endpoint);
+
+/// What one UDP datagram carried. The payload lives until the next packet is asked for.
+struct Packet {
+  std::int64_t capture_time_ns = 0;  ///< since 1970, by the clock of whoever recorded it
+  Endpoint endpoint;
+  std::span<const std::uint8_t> payload;
+};
+
+/// Packets in the order in which they were recorded; never more than one in memory.
+class PacketSource {
+ public:
+  virtual ~PacketSource() = default;
+  /// The next packet, or nothing at the end. Throws Error for a recording that cannot be read on.
+  virtual std::optional<Packet> next() = 0;
+  /// What was left out, once all packets were read: "" or one line.
+  virtual std::string complaint() const { return ""; }
+};
+
+/// The UDP datagrams of a .pcap or .pcapng file (Ethernet with or without VLAN tags, Linux cooked,
+/// loopback or raw IP; fragments of IPv4 are put together). Frames that are no UDP are passed over.
+/// A file that ends in the middle of a frame ends before it. Throws Error.
+std::unique_ptr<PacketSource> open_pcap(const std::string& path);
+
+}  // namespace hqslam::recordings

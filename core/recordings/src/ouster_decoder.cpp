@@ -1,0 +1,191 @@
+#include <algorithm>
+#include <cstdlib>
+
+#include "ouster_layout.h"
+
+namespace hqslam::recordings {
+
+namespace {
+
+/// A packet of a frame this far back was overtaken; one of an older frame is of a sensor that
+/// began to count anew.
+constexpr std::int64_t kMostLateFrames = 16;
+/// Turns up to this many were lost; more, and the sensor began to count anew.
+constexpr std::int64_t kMostLostFrames = 6000;
+constexpr double kMissingAtEnd = 0.1;
+
+}  // namespace
+
+class OusterDecoder::Impl {
+ public:
+  Impl(const OusterMetadata& metadata, const OusterOptions& options)
+      : metadata_(metadata), options_(options), layout_(layout(metadata.profile)) {
+    const int columns = metadata_.sensor.columns;
+    first_sent_ = columns;
+    for (int begin = 0; begin < columns; begin += metadata_.columns_per_packet) {
+      bool sent = false;
+      for (int i = begin; i < std::min(columns, begin + metadata_.columns_per_packet); ++i) {
+        if (!metadata_.in_window(i)) continue;
+        sent = true;
+        first_sent_ = std::min(first_sent_, i);
+        last_sent_ = i;
+      }
+      packets_sent_ += sent ? 1 : 0;
+    }
+  }
+
+  void add(const Packet& packet, std::vector<OusterFrame>& completed);
+  void complete(std::vector<OusterFrame>& completed, bool at_end);
+
+  PacketCounts counts;
+  std::int64_t lost_frames = 0;
+  std::int64_t partial_frames = 0;
+
+ private:
+  void begin(const Packet& packet, std::uint32_t id);
+  void read_columns(Bytes packet);
+  void read_pixels(const std::uint8_t* pixels, int column);
+  bool seen(Bytes packet) const;
+  std::size_t column_bytes() const {
+    return layout_.column_header + layout_.column_footer +
+           layout_.pixel * static_cast<std::size_t>(metadata_.sensor.rows());
+  }
+
+  OusterMetadata metadata_;
+  OusterOptions options_;
+  OusterLayout layout_;
+  std::optional<OusterFrame> frame_;
+  bool first_frame_ = true;
+  std::int64_t packets_in_frame_ = 0;
+  /// What the sensor sends of a turn.
+  int first_sent_ = 0;
+  int last_sent_ = 0;
+  std::int64_t packets_sent_ = 0;
+};
+
+void OusterDecoder::Impl::begin(const Packet& packet, std::uint32_t id) {
+  const auto columns = static_cast<std::size_t>(metadata_.sensor.columns);
+  const auto pixels = columns * static_cast<std::size_t>(metadata_.sensor.rows());
+  OusterFrame frame;
+  frame.frame_id = id;
+  if (options_.with_ranges) {
+    frame.range_mm.assign(pixels, 0);
+    if (metadata_.dual_return()) frame.second_range_mm.assign(pixels, 0);
+  }
+  frame.timestamp_ns.assign(columns, 0);
+  frame.measurement_id.assign(columns, 0);
+  frame.status.assign(columns, 0);
+  frame.first_capture_ns = packet.capture_time_ns;
+  frame.first_timestamp_ns = little_endian<std::uint64_t>(packet.payload, layout_.packet_header);
+  frame_ = std::move(frame);
+  packets_in_frame_ = 0;
+}
+
+/// Whether the first valid column of the packet has come already.
+bool OusterDecoder::Impl::seen(Bytes packet) const {
+  const std::size_t column = little_endian<std::uint16_t>(packet, layout_.packet_header + 8);
+  return column < frame_->status.size() && frame_->status[column] != 0;
+}
+
+void OusterDecoder::Impl::add(const Packet& packet, std::vector<OusterFrame>& completed) {
+  if (packet.payload.size() != metadata_.packet_bytes()) {
+    ++counts.foreign;
+    return;
+  }
+  const std::uint64_t serial = serial_number(packet.payload, metadata_.profile);
+  if (options_.serial_number != 0 && serial != 0 && serial != options_.serial_number) {
+    ++counts.foreign;
+    return;
+  }
+  const std::uint32_t id = frame_id(packet.payload, metadata_.profile);
+  if (!frame_) {
+    begin(packet, id);
+  } else if (id != frame_->frame_id) {
+    const std::int64_t ahead = metadata_.profile == OusterProfile::kFusaDual
+                                   ? static_cast<std::int32_t>(id - frame_->frame_id)
+                                   : static_cast<std::int16_t>(id - frame_->frame_id);
+    if (ahead < 0 && ahead >= -kMostLateFrames) {
+      ++counts.late;
+      return;
+    }
+    complete(completed, false);
+    if (ahead > 1 && ahead <= kMostLostFrames) lost_frames += ahead - 1;
+    begin(packet, id);
+  } else if (seen(packet.payload)) {
+    ++counts.late;
+    return;
+  }
+  ++counts.used;
+  ++packets_in_frame_;
+  read_columns(packet.payload);
+}
+
+void OusterDecoder::Impl::read_columns(Bytes packet) {
+  for (int i = 0; i < metadata_.columns_per_packet; ++i) {
+    const std::uint8_t* const column =
+        packet.data() + layout_.packet_header + column_bytes() * static_cast<std::size_t>(i);
+    const std::size_t id = little_endian<std::uint16_t>(column + 8);
+    const bool legacy = layout_.column_footer > 0;
+    const std::uint32_t status =
+        legacy ? little_endian<std::uint32_t>(column + column_bytes() - layout_.column_footer)
+               : little_endian<std::uint16_t>(column + 10);
+    if ((status & 1U) == 0 || id >= frame_->status.size()) continue;
+    frame_->timestamp_ns[id] = little_endian<std::uint64_t>(column);
+    frame_->measurement_id[id] = static_cast<std::uint16_t>(id);
+    frame_->status[id] = status;
+    if (options_.with_ranges) read_pixels(column + layout_.column_header, static_cast<int>(id));
+  }
+}
+
+void OusterDecoder::Impl::read_pixels(const std::uint8_t* pixels, int column) {
+  const auto columns = static_cast<std::size_t>(metadata_.sensor.columns);
+  const auto rows = static_cast<std::size_t>(metadata_.sensor.rows());
+  std::uint32_t* range = frame_->range_mm.data() + column;
+  for (std::size_t row = 0; row < rows; ++row) {
+    range[row * columns] = range_mm(pixels + row * layout_.pixel, layout_);
+  }
+  if (layout_.second_range_at == 0) return;
+  std::uint32_t* second = frame_->second_range_mm.data() + column;
+  for (std::size_t row = 0; row < rows; ++row) {
+    second[row * columns] =
+        range_mm(pixels + row * layout_.pixel + layout_.second_range_at, layout_);
+  }
+}
+
+/// Ends the frame. Of the first and the last one of a recording a part may never have been
+/// recorded; such a frame is left out, unless it is the only one.
+void OusterDecoder::Impl::complete(std::vector<OusterFrame>& completed, bool at_end) {
+  if (!frame_) return;
+  const auto& status = frame_->status;
+  const auto valid = [](std::uint32_t s) { return s != 0; };
+  const auto first = std::find_if(status.begin(), status.end(), valid) - status.begin();
+  const auto last = status.rend() - std::find_if(status.rbegin(), status.rend(), valid) - 1;
+  const double most = kMissingAtEnd * metadata_.sensor.columns;
+  const bool begins_late = first_frame_ && static_cast<double>(first - first_sent_) > most;
+  const bool ends_early = at_end && static_cast<double>(last_sent_ - last) > most;
+  if ((first_frame_ && at_end) || !(begins_late || ends_early)) {
+    counts.lost += std::max<std::int64_t>(0, packets_sent_ - packets_in_frame_);
+    completed.push_back(std::move(*frame_));
+  } else {
+    ++partial_frames;
+  }
+  first_frame_ = false;
+  frame_.reset();
+}
+
+OusterDecoder::OusterDecoder(const OusterMetadata& metadata, const OusterOptions& options)
+    : impl_(std::make_unique<Impl>(metadata, options)) {}
+OusterDecoder::~OusterDecoder() = default;
+OusterDecoder::OusterDecoder(OusterDecoder&&) noexcept = default;
+
+void OusterDecoder::add(const Packet& packet, std::vector<OusterFrame>& completed) {
+  impl_->add(packet, completed);
+}
+void OusterDecoder::finish(std::vector<OusterFrame>& completed) {
+  impl_->complete(completed, true);
+}
+const PacketCounts& OusterDecoder::counts() const { return impl_->counts; }
+std::int64_t OusterDecoder::lost_frames() const { return impl_->lost_frames; }
+std::int64_t OusterDecoder::partial_frames() const { return impl_->partial_frames; }
+
+}  // namespace hqslam::recordings

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "byte_reader.h"
+#include "hqslam/recordings/ouster.h"
+
+namespace hqslam::recordings {
+
+/// Where a profile has what a range image needs. A packet is a header, columns_per_packet columns
+/// and a footer; a column is a header, a pixel per beam and a footer. Bytes are counted from the
+/// beginning of each.
+struct OusterLayout {
+  std::size_t packet_header = 32;
+  std::size_t packet_footer = 32;
+  std::size_t column_header = 12;
+  std::size_t column_footer = 0;
+  std::size_t pixel = 0;
+  std::size_t range_bytes = 4;
+  std::uint32_t range_mask = 0;
+  int range_shift = 0;              ///< ranges in units of 1 << range_shift mm
+  std::size_t second_range_at = 0;  ///< 0: a single return
+};
+
+const OusterLayout& layout(OusterProfile profile);
+
+/// The range that stands here, mm.
+inline std::uint32_t range_mm(const std::uint8_t* bytes, const OusterLayout& of) {
+  const std::uint32_t word = of.range_bytes == 2
+                                 ? std::uint32_t{little_endian<std::uint16_t>(bytes)}
+                                 : little_endian<std::uint32_t>(bytes);
+  return (word & of.range_mask) << of.range_shift;
+}
+
+/// The turn that a packet is of; the packet has the size of its profile.
+std::uint32_t frame_id(Bytes packet, OusterProfile profile);
+
+/// Of the sensor, 0 where the profile does not say.
+std::uint64_t serial_number(Bytes packet, OusterProfile profile);
+
+}  // namespace hqslam::recordings

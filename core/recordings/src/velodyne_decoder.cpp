@@ -1,0 +1,353 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "hqslam/core/error.h"
+#include "sensor_clock.h"
+#include "velodyne_tables.h"
+
+// A point of a Velodyne packet.
+//
+// In:  block i of a packet: azimuth a_i (hundredths of a degree, clockwise from the front) at the
+//      time t_i of its first firing; channel c: distance, of the laser that fires dt_c later.
+// Out: a = a_i + dt_c (a_j - a_i) / (t_j - t_i) + offset of the laser, j the next block of another
+//      firing (the last block takes the rate of the one before);
+//      x = d cos e cos a, y = -d cos e sin a, z = d sin e; time t_i + dt_c.
+// A jump of the azimuth that no head makes between two blocks is the part of the circle that the
+// sensor does not look at: the blocks behind it fired as much later as the head took to pass it.
+
+namespace hqslam::recordings {
+
+namespace {
+
+constexpr int kTurn = 36000;
+/// A head's azimuth may tremble by some hundredths of a degree; more is a new turn.
+constexpr int kSmallestFall = 200;
+constexpr double kMostOfAScan = 0.75;
+constexpr std::int64_t kSecond_ns = 1'000'000'000;
+
+int modulo_turn(int azimuth) { return (azimuth % kTurn + kTurn) % kTurn; }
+
+/// Cosine and sine of hundredths of a degree.
+struct Directions {
+  std::vector<float> cosine, sine;
+  Directions() {
+    for (int i = 0; i < kTurn; ++i) {
+      cosine.push_back(static_cast<float>(std::cos(i * std::numbers::pi / (kTurn / 2))));
+      sine.push_back(static_cast<float>(std::sin(i * std::numbers::pi / (kTurn / 2))));
+    }
+  }
+};
+
+const Directions& directions() {
+  static const Directions table;
+  return table;
+}
+
+/// A laser as one channel of a block.
+struct Channel {
+  std::uint16_t row = 0;
+  float cos_elevation = 1.0F;
+  float sin_elevation = 0.0F;
+  double clockwise = 0.0;   ///< hundredths of a degree
+  double time_us = 0.0;     ///< after the first firing of the block
+  double azimuth_us = 0.0;  ///< the same, for the interpolation of the azimuth
+};
+
+/// One firing of 32 channels (or the 16 of a VLP-16, twice).
+struct Firing {
+  int block = 0;  ///< of the packet; with two returns the first of the pair
+  int bank = 0;
+  int azimuth = 0;
+  double time_us = 0.0;  ///< after the time of the packet
+  double rate = 0.0;     ///< hundredths of a degree in a microsecond
+};
+
+struct Measurement {
+  std::uint16_t distance = 0;
+  std::uint8_t intensity = 0;
+};
+
+Measurement measurement(Bytes payload, int block_index, int channel) {
+  const std::size_t at = kBlockBytes * static_cast<std::size_t>(block_index) + 4 +
+                         3 * static_cast<std::size_t>(channel);
+  return {little_endian<std::uint16_t>(payload, at), payload[at + 2]};
+}
+
+/// Of two returns of a pulse. The first block of a pair has the last one, the second block the
+/// strongest, or the second strongest where the last one is the strongest.
+Measurement kept(Measurement last, Measurement other, KeptReturn which) {
+  if (other.distance == 0) return last;
+  if (last.distance == 0) return other;
+  if (which == KeptReturn::kLast) return last;
+  return last.intensity > other.intensity ? last : other;
+}
+
+}  // namespace
+
+class VelodyneDecoder::Impl {
+ public:
+  Impl(const VelodyneStream& stream, const SensorModel& sensor, const VelodyneOptions& options);
+  void add(const Packet& packet, std::vector<Scan>& completed);
+  void finish(std::vector<Scan>& completed);
+
+  PacketCounts counts;
+  std::int64_t partial_scans = 0;
+
+ private:
+  bool take_time(const Packet& packet, std::vector<Scan>& completed);
+  void count_lost(std::int64_t passed_us, int azimuth);
+  void read_firings(Bytes payload);
+  void set_rates();
+  void add_firing(const Firing& firing, Bytes payload, std::int64_t packet_ns,
+                  std::vector<Scan>& completed);
+  void add_points(const Firing& firing, Bytes payload, double start_s);
+  void complete(std::vector<Scan>& completed);
+  double expected_rate() const { return kTurn / (1e6 * stream_.scan_period_s); }
+
+  VelodyneStream stream_;
+  VelodyneTiming timing_;
+  VelodyneOptions options_;
+  std::array<std::vector<Channel>, 4> channels_;
+  int cut_ = 0;
+
+  SensorClock clock_;
+  std::optional<std::int64_t> last_us_;  ///< of the packet before, within the hour
+  std::int64_t sensor_us_ = 0;           ///< the same, counted on over the hours
+  int last_packet_azimuth_ = 0;
+  double rate_ = 0.0;
+  std::vector<Firing> firings_;
+
+  Scan scan_;
+  bool began_with_cut_ = false;
+  bool empty_ = true;
+  int first_turned_ = 0;
+  int last_turned_ = 0;
+  std::int64_t first_ns_ = 0;
+  std::int64_t last_ns_ = 0;
+};
+
+VelodyneDecoder::Impl::Impl(const VelodyneStream& stream, const SensorModel& sensor,
+                            const VelodyneOptions& options)
+    : stream_(stream),
+      timing_(timing(stream.model)),
+      options_(options),
+      cut_(modulo_turn(static_cast<int>(std::lround(100.0 * stream.cut_azimuth_deg)))) {
+  if (sensor.rows() != timing_.lasers) {
+    throw Error(
+        fmt::format("sensor '{}' has {} rows, expected the {} lasers of a {}; name the "
+                    "sensor that recorded the packets",
+                    sensor.name, sensor.rows(), timing_.lasers, name(stream.model)));
+  }
+  const std::vector<int> rows = laser_rows(stream.model);
+  for (int bank = 0; bank < 4; ++bank) {
+    for (int c = 0; c < kChannels; ++c) {
+      const int sequence = timing_.lasers < kChannels ? c / timing_.lasers : 0;
+      const int laser = timing_.lasers <= kChannels ? c % timing_.lasers : bank * kChannels + c;
+      const int row = rows[laser];
+      Channel channel;
+      channel.row = static_cast<std::uint16_t>(row);
+      channel.cos_elevation = static_cast<float>(std::cos(sensor.beam_elevation_rad[row]));
+      channel.sin_elevation = static_cast<float>(std::sin(sensor.beam_elevation_rad[row]));
+      channel.clockwise = -sensor.beam_azimuth_offset_rad[row] * (kTurn / 2) / std::numbers::pi;
+      channel.time_us = sequence * timing_.firing_us + laser_time_us(stream.model, laser);
+      channel.azimuth_us =
+          sequence * timing_.firing_us + laser_azimuth_time_us(stream.model, laser);
+      channels_[bank].push_back(channel);
+    }
+  }
+  rate_ = expected_rate();
+}
+
+/// The time of a packet; false if the packet is left out. A time far from the last one is a gap or
+/// a clock that was set: the scan ends there.
+bool VelodyneDecoder::Impl::take_time(const Packet& packet, std::vector<Scan>& completed) {
+  const std::int64_t now_us = little_endian<std::uint32_t>(packet.payload, kTimeAt);
+  if (!last_us_) {
+    sensor_us_ = now_us;
+    last_us_ = now_us;
+    return true;
+  }
+  std::int64_t passed_us = now_us - *last_us_;
+  if (passed_us < -kHour_us / 2) passed_us += kHour_us;
+  if (passed_us > kHour_us / 2) passed_us -= kHour_us;
+  if (passed_us <= 0 && passed_us > -kSecond_ns / 1000) {
+    ++counts.late;
+    return false;
+  }
+  if (std::abs(passed_us) >= kSecond_ns / 1000) {
+    finish(completed);
+  } else {
+    count_lost(passed_us, block_azimuth(packet.payload, 0));
+  }
+  last_us_ = now_us;
+  sensor_us_ += passed_us;
+  return true;
+}
+
+/// Packets that never came between the last one and this one.
+void VelodyneDecoder::Impl::count_lost(std::int64_t passed_us, int azimuth) {
+  const double spacing_us = stream_.dual_return ? timing_.packet_us_dual : timing_.packet_us_single;
+  double expected_us = spacing_us;
+  const int from = modulo_turn(last_packet_azimuth_ - cut_);
+  const int to = modulo_turn(azimuth - cut_);
+  if (to < from - kSmallestFall) {  // over what the sensor does not look at
+    expected_us += 1e6 * stream_.scan_period_s * (1.0 - stream_.field_of_view_deg / 360.0);
+  }
+  const auto lost = std::llround((static_cast<double>(passed_us) - expected_us) / spacing_us);
+  if (lost > 0) counts.lost += lost;
+}
+
+/// The firings of a packet with their azimuths and times.
+void VelodyneDecoder::Impl::read_firings(Bytes payload) {
+  firings_.clear();
+  const int step = stream_.dual_return ? 2 : 1;
+  const bool banks = timing_.lasers > kChannels;
+  int sequence = 0;
+  for (int i = 0; i < kBlocks; i += step) {
+    Firing firing;
+    firing.block = i;
+    firing.bank = banks ? bank_of(block_flag(payload, i)) : 0;
+    firing.azimuth = block_azimuth(payload, i);
+    if (banks) {
+      if (!firings_.empty() && firing.bank <= firings_.back().bank) ++sequence;
+      firing.time_us = sequence * timing_.firing_us;
+    } else {
+      firing.time_us = (i / step) * timing_.block_firings * timing_.firing_us;
+    }
+    firings_.push_back(firing);
+  }
+  if (banks) {  // the packet's time is that of its first firing, whichever laser's that is
+    const double first_us = channels_[firings_.front().bank].front().time_us;
+    for (Firing& firing : firings_) firing.time_us -= first_us;
+  }
+  set_rates();
+}
+
+void VelodyneDecoder::Impl::set_rates() {
+  double blind_us = 0.0;
+  for (std::size_t i = 0; i < firings_.size(); ++i) {
+    const double own_us = firings_[i].time_us;
+    std::size_t next = i + 1;
+    while (next < firings_.size() && firings_[next].time_us == own_us) ++next;
+    double passed_us = 0.0;
+    if (next < firings_.size()) {
+      const double step_us = firings_[next].time_us - own_us;
+      const int advance = modulo_turn(firings_[next].azimuth - firings_[i].azimuth);
+      if (advance <= 100 + 3.0 * expected_rate() * step_us) {
+        rate_ = advance / step_us;
+      } else if (next == i + 1 && advance < kTurn / 2 + kTurn / 3) {
+        passed_us = std::max(0.0, advance / expected_rate() - step_us);
+      }
+    }
+    firings_[i].rate = rate_;
+    firings_[i].time_us = own_us + blind_us;
+    blind_us += passed_us;
+  }
+}
+
+void VelodyneDecoder::Impl::add(const Packet& packet, std::vector<Scan>& completed) {
+  if (!is_velodyne_packet(packet.payload)) {
+    ++counts.foreign;
+    return;
+  }
+  if (!take_time(packet, completed)) return;
+  ++counts.used;
+  const std::int64_t packet_ns = clock_.recorded_ns(1000 * sensor_us_, packet.capture_time_ns);
+  read_firings(packet.payload);
+  for (const Firing& firing : firings_) add_firing(firing, packet.payload, packet_ns, completed);
+  last_packet_azimuth_ = block_azimuth(packet.payload, 0);
+}
+
+void VelodyneDecoder::Impl::add_firing(const Firing& firing, Bytes payload, std::int64_t packet_ns,
+                                       std::vector<Scan>& completed) {
+  const int turned = modulo_turn(firing.azimuth - cut_);
+  const std::int64_t firing_ns = packet_ns + std::llround(1e3 * firing.time_us);
+  if (!empty_ && turned < last_turned_ - kSmallestFall) {
+    complete(completed);
+    began_with_cut_ = true;
+  } else if (!empty_ && firing_ns - first_ns_ > kSecond_ns) {
+    ++partial_scans;  // the head stands still: no turn takes so long
+    scan_ = {};
+    empty_ = true;
+    began_with_cut_ = false;
+  }
+  if (empty_) {
+    first_turned_ = turned;
+    first_ns_ = firing_ns;
+    empty_ = false;
+  }
+  last_turned_ = turned;
+  last_ns_ = firing_ns;
+  if (options_.with_points) {
+    add_points(firing, payload, 1e-9 * static_cast<double>(firing_ns - first_ns_));
+  }
+}
+
+/// `start_s`: of the firing after the scan's first one.
+void VelodyneDecoder::Impl::add_points(const Firing& firing, Bytes payload, double start_s) {
+  const Directions& table = directions();
+  const auto unit_m = static_cast<float>(timing_.distance_unit_m);
+  for (int c = 0; c < kChannels; ++c) {
+    Measurement measured = measurement(payload, firing.block, c);
+    if (stream_.dual_return) {
+      measured = kept(measured, measurement(payload, firing.block + 1, c), options_.kept_return);
+    }
+    if (measured.distance == 0) continue;
+    const Channel& channel = channels_[firing.bank][c];
+    const double azimuth = firing.azimuth + firing.rate * channel.azimuth_us + channel.clockwise;
+    const double whole = std::floor(azimuth);
+    const int entry = modulo_turn(static_cast<int>(whole));
+    const auto rest = static_cast<float>((azimuth - whole) * (std::numbers::pi / (kTurn / 2)));
+    const float cosine = table.cosine[entry] - rest * table.sine[entry];
+    const float sine = table.sine[entry] + rest * table.cosine[entry];
+    const float distance_m = unit_m * static_cast<float>(measured.distance);
+    const float horizontal_m = distance_m * channel.cos_elevation;
+    scan_.points_m.emplace_back(horizontal_m * cosine, -horizontal_m * sine,
+                                distance_m * channel.sin_elevation);
+    scan_.row.push_back(channel.row);
+    scan_.time_offset_s.push_back(static_cast<float>(start_s + 1e-6 * channel.time_us));
+  }
+}
+
+/// Ends the scan. What began in the middle of a turn is one only if little of it is missing.
+void VelodyneDecoder::Impl::complete(std::vector<Scan>& completed) {
+  if (empty_) return;
+  const double seen_deg = 0.01 * (last_turned_ - first_turned_);
+  if (!began_with_cut_ && seen_deg < kMostOfAScan * stream_.field_of_view_deg) {
+    ++partial_scans;
+  } else {
+    const std::int64_t middle_ns = (last_ns_ - first_ns_) / 2;
+    const auto middle_s = static_cast<float>(1e-9 * static_cast<double>(middle_ns));
+    for (float& offset_s : scan_.time_offset_s) offset_s -= middle_s;
+    scan_.stamp_s = 1e-9 * static_cast<double>(first_ns_ + middle_ns);
+    completed.push_back(std::move(scan_));
+  }
+  const std::size_t points = scan_.points_m.capacity();
+  scan_ = {};
+  scan_.points_m.reserve(points);
+  empty_ = true;
+}
+
+void VelodyneDecoder::Impl::finish(std::vector<Scan>& completed) {
+  began_with_cut_ = false;  // nothing follows: what is missing at the end counts too
+  complete(completed);
+}
+
+VelodyneDecoder::VelodyneDecoder(const VelodyneStream& stream, const SensorModel& sensor,
+                                 const VelodyneOptions& options)
+    : impl_(std::make_unique<Impl>(stream, sensor, options)) {}
+VelodyneDecoder::~VelodyneDecoder() = default;
+VelodyneDecoder::VelodyneDecoder(VelodyneDecoder&&) noexcept = default;
+
+void VelodyneDecoder::add(const Packet& packet, std::vector<Scan>& completed) {
+  impl_->add(packet, completed);
+}
+void VelodyneDecoder::finish(std::vector<Scan>& completed) { impl_->finish(completed); }
+const PacketCounts& VelodyneDecoder::counts() const { return impl_->counts; }
+std::int64_t VelodyneDecoder::partial_scans() const { return impl_->partial_scans; }
+
+}  // namespace hqslam::recordings

@@ -1,0 +1,57 @@
+#include "hand_sway.h"
+#include "indoor_mesh.h"
+#include "path_plan.h"
+#include "random.h"
+#include "scenario.h"
+#include "walking_path.h"
+
+namespace hqslam::sim {
+
+namespace {
+
+constexpr double kPace_mps = 1.0;
+constexpr double kSway_rad = 0.06;
+
+class IndoorScenario final : public Scenario {
+ public:
+  IndoorScenario(const DriveSpec& spec, double duration_s)
+      : plan_(make_indoor_plan(seed_of_part(spec.seed, DrivePart::kCity))),
+        path_(indoor_route(plan_, seed_of_part(spec.seed, DrivePart::kPath),
+                           kPace_mps * duration_s + kSpare_m),
+              kPace_mps),
+        sway_(seed_of_part(spec.seed, DrivePart::kSway), kSway_rad),
+        T_walker_hand_(pose_from_xyz_rpy({0.0, 0.0, spec.mount.sensor_height_m}, 0.0, 0.0, 0.0)),
+        T_hand_mount_(pose_from_xyz_rpy(Eigen::Vector3d::Zero(), spec.mount.mount_roll_rad,
+                                        spec.mount.mount_pitch_rad, 0.0)) {
+    scenery_.fixed = make_indoor_mesh(plan_);
+  }
+
+  const Scenery& scenery() const override { return scenery_; }
+  Pose T_world_sensor(double time_s) const override {
+    const WalkingPath::State state = path_.at_time(time_s);
+    const Pose T_world_walker = upright_frame(state.feet_m, state.heading_rad);
+    return T_world_walker * T_walker_hand_ * sway_.T_hand_sensor(time_s) * T_hand_mount_;
+  }
+  std::vector<ActorMotion> actors(double /*from_s*/, double /*to_s*/,
+                                  const Eigen::Vector2d& /*plane_m*/) const override {
+    return {};
+  }
+
+ private:
+  static constexpr double kSpare_m = 10.0;  ///< corners are cut, and the spline needs some points
+
+  IndoorPlan plan_;
+  WalkingPath path_;
+  HandSway sway_;
+  Pose T_walker_hand_;
+  Pose T_hand_mount_;
+  Scenery scenery_;
+};
+
+}  // namespace
+
+std::unique_ptr<Scenario> make_indoor_scenario(const DriveSpec& spec, double duration_s) {
+  return std::make_unique<IndoorScenario>(spec, duration_s);
+}
+
+}  // namespace hqslam::sim

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+
+#include "hqslam/core/range_image.h"
+#include "hqslam/nn/hqs/network_description.h"
+#include "hqslam/nn/hqs/trace.h"
+#include "hqslam/nn/instruction_set.h"
+#include "hqslam/nn/lifted_image.h"
+
+namespace hqslam::nn {
+
+/// What the loss looks at.
+struct LossOptions {
+  /// Share of each layer before the last: with 0 only the last one has to say what is there.
+  float layer_share = 0.1F;
+};
+
+/// A network with its weights packed for one image size, and memory for one scan at a time: what
+/// lifts scans, and what is trained. Not thread-safe: one object per thread (team).
+class Network {
+ public:
+  virtual ~Network() = default;
+
+  /// Multiply-adds of the convolutions for one scan.
+  virtual std::int64_t multiply_adds() const = 0;
+  /// All arrays of parameter_shapes(description), one after the other. Throws Error for another
+  /// number of values.
+  virtual void set_parameters(std::span<const float> parameters) = 0;
+
+  /// measured: the measured rows, metres; what is not finite or not above 0 is no return. Returns
+  /// what the network says of every computed pixel, nothing emptied for want of confidence; a range
+  /// outside the sensor's limits is no return. `confidence` is for a tolerance of tolerance_m.
+  /// Throws Error for another shape.
+  virtual const LiftedImage& lift(const RangeImage& measured, float tolerance_m) = 0;
+
+  /// What every layer makes of a scan; `rejected` of the whole is left empty. Throws Error for
+  /// another shape.
+  virtual Trace trace(const RangeImage& measured) = 0;
+
+  /// The training loss of one scan, in units of the network's own; its gradient is added to
+  /// d_parameters. truth: all rows, metres, 0 = no return. One thread.
+  virtual double add_gradient(const RangeImage& measured, const RangeImage& truth,
+                              const LossOptions& options, std::uint64_t seed,
+                              std::span<float> d_parameters) = 0;
+};
+
+/// `columns` may be fewer than the sensor's: cut-outs for training. Throws Error if the description
+/// is invalid or the network cannot have that many columns.
+std::unique_ptr<Network> make_network(const NetworkDescription& description, int columns,
+                                      InstructionSet instruction_set, int threads);
+
+}  // namespace hqslam::nn

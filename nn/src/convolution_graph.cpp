@@ -1,0 +1,179 @@
+#include "convolution_graph.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "hqs/denoiser_layers.h"
+#include "hqslam/core/error.h"
+#include "hqslam/nn/activation.h"
+
+namespace hqslam::nn {
+namespace {
+
+/// The pixels of a step's result along one axis.
+int size_after(const ConvolutionStep& step, int size) {
+  if (step.transposed) return size * step.stride;
+  if (size % step.stride != 0) {
+    throw Error(fmt::format("network: {} pixels before '{}', expected a multiple of {}", size,
+                            step.name, step.stride));
+  }
+  return size / step.stride;
+}
+
+}  // namespace
+
+ConvolutionGraph::ConvolutionGraph(std::vector<ConvolutionStep> steps,
+                                   const std::vector<int>& channels, int rows, int columns,
+                                   InstructionSet instruction_set, int threads)
+    : steps_(std::move(steps)), shapes_(channels.size()), row_biases_(steps_.size()) {
+  shapes_[0] = Tensor(channels[0], rows, columns, ColumnPadding::kCircular);
+  for (std::size_t i = 0; i < steps_.size(); ++i) {
+    const ConvolutionStep& step = steps_[i];
+    const Tensor& from = shapes_[step.from];
+    shapes_[step.to] = Tensor(channels[step.to], size_after(step, from.rows()),
+                              size_after(step, from.columns()), ColumnPadding::kCircular);
+    const Tensor& to = shapes_[step.to];
+    const int padding = step.transposed ? 0 : step.kernel / 2;
+    const ConvolutionShape shape{from.channels(), to.channels(), step.kernel, step.kernel,
+                                 step.stride,     padding,       padding};
+    if (step.transposed) {
+      layers_.emplace_back(ConvTranspose2d(shape, from, to, instruction_set, threads));
+    } else {
+      layers_.emplace_back(Conv2d(shape, from, to, instruction_set, threads));
+    }
+    if (step.row_bias) row_biases_[i] = to;
+  }
+}
+
+const ConvolutionShape& ConvolutionGraph::shape(std::size_t step) const {
+  return std::visit([](const auto& layer) -> const ConvolutionShape& { return layer.shape(); },
+                    layers_[step]);
+}
+
+std::vector<ParameterShape> ConvolutionGraph::parameter_shapes() const {
+  std::vector<ParameterShape> shapes;
+  for (std::size_t i = 0; i < steps_.size(); ++i) {
+    const ConvolutionStep& step = steps_[i];
+    const int in = shape(i).input_channels;
+    const int out = shape(i).output_channels;
+    const int first = step.transposed ? in : out;
+    add_convolution(step.name, {first, step.transposed ? out : in, step.kernel, step.kernel}, out,
+                    shapes);
+    if (step.row_bias) {
+      shapes.push_back({step.name + ".row_bias", {out, shapes_[step.to].rows()}});
+    }
+  }
+  return shapes;
+}
+
+std::vector<float> ConvolutionGraph::initial_parameters(std::uint64_t seed) const {
+  UniformStart start(seed);
+  std::vector<float> parameters;
+  for (std::size_t i = 0; i < steps_.size(); ++i) {
+    const ConvolutionStep& step = steps_[i];
+    // PyTorch counts the fan-in of both kinds of convolution in the second extent.
+    const int second = step.transposed ? shape(i).output_channels : shape(i).input_channels;
+    const auto fan_in = static_cast<float>(second * step.kernel * step.kernel);
+    start.add(shape(i).weights(), step.start_scale / std::sqrt(fan_in), parameters);
+    start.add(shape(i).output_channels, 0.1F * step.start_scale, parameters);
+    if (step.row_bias) {
+      const std::size_t rows = shapes_[step.to].rows();
+      parameters.insert(parameters.end(), rows * shape(i).output_channels, 0.0F);
+    }
+  }
+  return parameters;
+}
+
+std::int64_t ConvolutionGraph::multiply_adds() const {
+  std::int64_t sum = 0;
+  for (std::size_t i = 0; i < steps_.size(); ++i) {
+    const Tensor& pixels = shapes_[steps_[i].transposed ? steps_[i].from : steps_[i].to];
+    sum += shape(i).weights() * pixels.rows() * pixels.columns();
+  }
+  return sum;
+}
+
+void ConvolutionGraph::set_parameters(std::span<const float> parameters) {
+  check_parameters(parameters, parameter_shapes());
+  for (std::size_t i = 0; i < steps_.size(); ++i) {
+    const std::span<const float> weight = take(parameters, shape(i).weights());
+    const std::span<const float> bias = take(parameters, shape(i).output_channels);
+    std::visit([&](auto& layer) { layer.set_parameters(weight, bias); }, layers_[i]);
+    if (!steps_[i].row_bias) continue;
+    Tensor& rows = row_biases_[i];
+    for (int channel = 0; channel < rows.channels(); ++channel) {
+      const std::span<const float> values = take(parameters, rows.rows());
+      for (int row = 0; row < rows.rows(); ++row) {
+        std::fill_n(rows.row(channel, row), rows.columns(), values[row]);
+      }
+    }
+  }
+}
+
+void ConvolutionGraph::forward(std::vector<Tensor>& values, int left_out) {
+  for (std::size_t i = 0; i + left_out < steps_.size(); ++i) {
+    const ConvolutionStep& step = steps_[i];
+    const Tensor* skip = step.skip ? &values[*step.skip] : nullptr;
+    if (step.row_bias) skip = &row_biases_[i];
+    std::visit(
+        [&](auto& layer) {
+          layer.forward(values[step.from], {step.negative_slope, skip}, values[step.to]);
+        },
+        layers_[i]);
+  }
+}
+
+void ConvolutionGraph::last_step_row(const std::vector<Tensor>& values, int row, float* output,
+                                     std::int64_t channel_stride) const {
+  std::get<Conv2d>(layers_.back())
+      .forward_row(values[steps_.back().from], row, output, channel_stride);
+}
+
+std::optional<int> ConvolutionGraph::used_as_skip_for(int index) const {
+  for (const ConvolutionStep& step : steps_) {
+    if (step.skip == index) return step.to;
+  }
+  return std::nullopt;
+}
+
+void ConvolutionGraph::backward(const std::vector<Tensor>& values, std::vector<Tensor>& gradients,
+                                std::span<float> d_parameters) {
+  std::vector<std::span<float>> d_arrays;
+  for (const ParameterShape& array : parameter_shapes()) {
+    d_arrays.push_back(take(d_parameters, array.elements()));
+  }
+  for (std::size_t i = steps_.size(); i-- > 0;) {
+    const ConvolutionStep& step = steps_[i];
+    Tensor& d_to = gradients[step.to];
+    if (step.negative_slope != 1.0F)
+      leaky_relu_backward(step.negative_slope, values[step.to], d_to);
+    if (step.row_bias) {
+      const std::span<float> d_rows = d_arrays.back();
+      d_arrays.pop_back();
+      for (int channel = 0; channel < d_to.channels(); ++channel) {
+        for (int row = 0; row < d_to.rows(); ++row) {
+          const float* from = d_to.row(channel, row);
+          float sum = 0.0F;
+          for (int x = 0; x < d_to.columns(); ++x) sum += from[x];
+          d_rows[static_cast<std::size_t>(channel) * d_to.rows() + row] += sum;
+        }
+      }
+    }
+    const std::span<float> d_bias = d_arrays.back();
+    d_arrays.pop_back();
+    const std::span<float> d_weight = d_arrays.back();
+    d_arrays.pop_back();
+    const std::optional<int> skip = used_as_skip_for(step.from);
+    std::visit(
+        [&](auto& layer) {
+          layer.backward_parameters(values[step.from], d_to, d_weight, d_bias);
+          layer.backward_input(d_to, {1.0F, skip ? &gradients[*skip] : nullptr},
+                               gradients[step.from]);
+        },
+        layers_[i]);
+  }
+}
+
+}  // namespace hqslam::nn

@@ -1,0 +1,80 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "hqslam/nn/conv2d.h"
+#include "hqslam/nn/conv_transpose2d.h"
+#include "hqslam/nn/convolution_shape.h"
+#include "hqslam/nn/hqs/denoiser.h"
+#include "hqslam/nn/instruction_set.h"
+#include "hqslam/nn/tensor.h"
+
+namespace hqslam::nn {
+
+/// One convolution between two tensors: to = a(convolution(from) + skip + row bias),
+/// a(v) = max(v, negative_slope v).
+struct ConvolutionStep {
+  std::string name;  ///< of its parameters: "encoder.0"
+  bool transposed = false;
+  int kernel = 3;
+  int stride = 1;
+  int from = 0;  ///< numbers of tensors
+  int to = 1;
+  std::optional<int> skip = std::nullopt;  ///< may be `from`: a residual step
+  float negative_slope = 1.0F;
+  bool row_bias = false;  ///< a learned bias per output channel and row beside the one per channel;
+                          ///< not together with a skip
+  float start_scale = 1.0F;  ///< of its first weights, in PyTorch's uniform start
+};
+
+/// Steps from tensor 0, the input, to the last tensor, the output, each tensor written by one step
+/// and used as a skip by at most one. Described once: parameters, multiply-adds, forward and
+/// backward follow. Odd kernels of stride 1 or 2 are padded by half of the kernel; a transposed
+/// step's kernel is its stride.
+class ConvolutionGraph {
+ public:
+  /// channels: of every tensor; tensor 0 has rows x columns pixels, the others follow. Throws
+  /// Error if a shape does not fit.
+  ConvolutionGraph(std::vector<ConvolutionStep> steps, const std::vector<int>& channels, int rows,
+                   int columns, InstructionSet instruction_set, int threads);
+
+  std::vector<ParameterShape> parameter_shapes() const;
+  /// PyTorch's start: uniform in +-1 / sqrt(fan in); biases in +-0.1, those of rows 0.
+  std::vector<float> initial_parameters(std::uint64_t seed) const;
+  std::int64_t multiply_adds() const;
+  /// Tensors of the right shapes, all zero.
+  std::vector<Tensor> make_values() const { return shapes_; }
+
+  /// All arrays of parameter_shapes(), one after the other. Throws Error for another number.
+  void set_parameters(std::span<const float> parameters);
+
+  /// values[0] -> the other values, but for the last `left_out` steps. Called by all threads of a
+  /// parallel region, they share the work.
+  void forward(std::vector<Tensor>& values, int left_out = 0);
+  /// One row of the last step's result, by the calling thread alone (Conv2d::forward_row).
+  void last_step_row(const std::vector<Tensor>& values, int row, float* output,
+                     std::int64_t channel_stride) const;
+  /// In: gradients.back(), borders filled. Out: gradients.front(); d_parameters is added to. The
+  /// others are overwritten. One thread.
+  void backward(const std::vector<Tensor>& values, std::vector<Tensor>& gradients,
+                std::span<float> d_parameters);
+
+ private:
+  using Layer = std::variant<Conv2d, ConvTranspose2d>;
+
+  const ConvolutionShape& shape(std::size_t step) const;
+  /// The tensor whose gradient tensor `index` gets as a skip.
+  std::optional<int> used_as_skip_for(int index) const;
+
+  std::vector<ConvolutionStep> steps_;
+  std::vector<Tensor> shapes_;
+  std::vector<Layer> layers_;
+  std::vector<Tensor> row_biases_;  ///< one per step, of the shape of its result; empty: none
+};
+
+}  // namespace hqslam::nn

@@ -1,0 +1,161 @@
+#include "hqslam/nn/upsampled_cloud.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <vector>
+
+#include "hqslam/core/error.h"
+#include "hqslam/core/projection.h"
+
+namespace hqslam::nn {
+namespace {
+
+/// Deviations below this are rounding of the points' coordinates.
+constexpr float kRounding_rad = 1e-6F;
+
+/// How a measured point differs from what the sensor model says of its pixel.
+struct Deviation {
+  bool has_return = false;
+  float elevation_rad = 0.0F;
+  float time_s = 0.0F;
+};
+
+void check_shapes(const RangeImage& image, const OrganizedCloud& measured,
+                  RowSelection measured_rows, const SensorModel& sensor) {
+  const int expected_rows = select_rows(sensor, measured_rows).rows();
+  if (measured.rows == expected_rows && measured.columns == sensor.columns &&
+      image.rows == sensor.rows() && image.columns == sensor.columns) {
+    return;
+  }
+  throw Error(
+      fmt::format("upsampled cloud: expected {} measured and {} upsampled rows of {} columns, "
+                  "found {} x {} and "
+                  "{} x {}",
+                  expected_rows, sensor.rows(), sensor.columns, measured.rows, measured.columns,
+                  image.rows, image.columns));
+}
+
+Deviation deviation_of(const OrganizedCloud& measured, std::size_t pixel, const SensorModel& sensor,
+                       int row, int column) {
+  Deviation deviation;
+  if (measured.range_m[pixel] <= 0.0F) {
+    return deviation;
+  }
+  deviation.has_return = true;
+  const Eigen::Vector3f& point_m = measured.points_m[pixel];
+  const double elevation_rad = std::atan2(point_m.z(), std::hypot(point_m.x(), point_m.y()));
+  const auto off_rad = static_cast<float>(elevation_rad - sensor.beam_elevation_rad[row]);
+  deviation.elevation_rad = std::abs(off_rad) < kRounding_rad ? 0.0F : off_rad;
+  if (!measured.time_offset_s.empty()) {
+    deviation.time_s =
+        measured.time_offset_s[pixel] - static_cast<float>(sensor.time_offset_s(row, column));
+  }
+  return deviation;
+}
+
+/// Of every pixel of the measured rows.
+std::vector<Deviation> deviations_of(const OrganizedCloud& measured, RowSelection measured_rows,
+                                     const SensorModel& sensor) {
+  std::vector<Deviation> deviations(measured.range_m.size());
+  for (int i = 0; i < measured.rows; ++i) {
+    const int row = measured_rows.offset + i * measured_rows.stride;
+    for (int column = 0; column < measured.columns; ++column) {
+      const std::size_t pixel = measured.index(i, column);
+      deviations[pixel] = deviation_of(measured, pixel, sensor, row, column);
+    }
+  }
+  return deviations;
+}
+
+/// The deviation a fraction t down from `above` to `below`.
+Deviation between(const Deviation& above, const Deviation& below, float t) {
+  if (!above.has_return || !below.has_return) {
+    return above.has_return ? above : below;
+  }
+  return {true, (1.0F - t) * above.elevation_rad + t * below.elevation_rad,
+          t < 0.5F ? above.time_s : below.time_s};
+}
+
+/// Turns a point up by an angle about the horizontal axis across its line of sight.
+Eigen::Vector3f turned_up(const Eigen::Vector3f& point_m, float angle_rad) {
+  const float horizontal_m = std::hypot(point_m.x(), point_m.y());
+  const float cosine = std::cos(angle_rad);
+  const float sine = std::sin(angle_rad);
+  const float scale = cosine - point_m.z() / horizontal_m * sine;
+  return {scale * point_m.x(), scale * point_m.y(), cosine * point_m.z() + sine * horizontal_m};
+}
+
+/// An offset that is off by a whole revolution, back into the scan.
+float within_scan(float time_offset_s, double scan_period_s) {
+  return static_cast<float>(std::remainder(time_offset_s, scan_period_s));
+}
+
+/// The rows between measured rows `above` and `below` (-1 or the number of rows: none there).
+void correct_row(OrganizedCloud& cloud, int row, int above, int below, float t,
+                 const OrganizedCloud& measured, const std::vector<Deviation>& deviations,
+                 const SensorModel& sensor) {
+  for (int column = 0; column < cloud.columns; ++column) {
+    const auto deviation_in = [&](int measured_row) {
+      return measured_row < 0 || measured_row >= measured.rows
+                 ? Deviation()
+                 : deviations[measured.index(measured_row, column)];
+    };
+    const Deviation deviation = between(deviation_in(above), deviation_in(below), t);
+    const std::size_t pixel = cloud.index(row, column);
+    if (deviation.elevation_rad != 0.0F && cloud.range_m[pixel] > 0.0F) {
+      cloud.points_m[pixel] = turned_up(cloud.points_m[pixel], deviation.elevation_rad);
+    }
+    if (deviation.time_s != 0.0F) {
+      cloud.time_offset_s[pixel] =
+          within_scan(cloud.time_offset_s[pixel] + deviation.time_s, sensor.scan_period_s);
+    }
+  }
+}
+
+void copy_row(const OrganizedCloud& measured, int from, OrganizedCloud& cloud, int to) {
+  const std::size_t source = measured.index(from, 0);
+  const std::size_t target = cloud.index(to, 0);
+  const auto copy = [&](const auto& values, auto& result) {
+    std::copy_n(values.begin() + static_cast<std::ptrdiff_t>(source), measured.columns,
+                result.begin() + static_cast<std::ptrdiff_t>(target));
+  };
+  copy(measured.points_m, cloud.points_m);
+  copy(measured.range_m, cloud.range_m);
+  if (!measured.time_offset_s.empty()) {
+    copy(measured.time_offset_s, cloud.time_offset_s);
+  }
+}
+
+}  // namespace
+
+OrganizedCloud upsampled_cloud(const LiftedImage& lifted, const OrganizedCloud& measured,
+                               RowSelection measured_rows, const SensorModel& sensor) {
+  check_shapes(lifted.image, measured, measured_rows, sensor);
+  OrganizedCloud cloud = unproject(
+      lifted.image, sensor,
+      measured.time_offset_s.empty() ? CaptureTime::kMotionCorrected : CaptureTime::kRolling);
+  cloud.confidence = lifted.confidence;
+  const std::vector<Deviation> deviations = deviations_of(measured, measured_rows, sensor);
+  for (int row = 0; row < cloud.rows; ++row) {
+    const int steps = row - measured_rows.offset;
+    const int rest = ((steps % measured_rows.stride) + measured_rows.stride) % measured_rows.stride;
+    const int above = (steps - rest) / measured_rows.stride;
+    if (rest == 0 && above >= 0) {
+      copy_row(measured, above, cloud, row);
+    } else {
+      const float t = static_cast<float>(rest) / static_cast<float>(measured_rows.stride);
+      correct_row(cloud, row, above, above + 1, t, measured, deviations, sensor);
+    }
+  }
+  return cloud;
+}
+
+OrganizedCloud upsampled_cloud(Upsampler& upsampler, const OrganizedCloud& measured) {
+  return upsampled_cloud(upsampler.run(range_image(measured)), measured, upsampler.measured_rows(),
+                         upsampler.sensor());
+}
+
+}  // namespace hqslam::nn

@@ -1,0 +1,189 @@
+#include "hqslam/slam/dense_map.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "dense_map/block_surroundings.h"
+#include "dense_map/path_table.h"
+#include "dense_map/see_through.h"
+#include "dense_map/voxel_grid.h"
+#include "dense_map/voxel_votes.h"
+#include "hqslam/core/error.h"
+
+namespace hqslam::slam {
+
+namespace {
+
+void check_option(const char* field, double value, double low, double high) {
+  if (value >= low && value <= high) return;
+  throw Error(fmt::format("dense map: {} is {}, expected {} to {}", field, value, low, high));
+}
+
+DenseMapOptions validated(const DenseMapOptions& options) {
+  validate(options);
+  return options;
+}
+
+void check_shape(const OrganizedCloud& cloud) {
+  const std::size_t pixels = static_cast<std::size_t>(std::max(cloud.rows, 0)) *
+                             static_cast<std::size_t>(std::max(cloud.columns, 0));
+  const auto fits = [&](std::size_t size) { return size == 0 || size == pixels; };
+  if (cloud.points_m.size() == pixels && cloud.range_m.size() == pixels &&
+      fits(cloud.time_offset_s.size()) && fits(cloud.confidence.size())) {
+    return;
+  }
+  throw Error(fmt::format(
+      "dense map: scan of {}x{} pixels has {} points, {} ranges, {} capture times and {} "
+      "confidences: give each pixel its own, of the last two or none",
+      cloud.rows, cloud.columns, cloud.points_m.size(), cloud.range_m.size(),
+      cloud.time_offset_s.size(), cloud.confidence.size()));
+}
+
+void check_path(const SensorPath& path) {
+  if (path.at(0.0).matrix().allFinite()) return;
+  throw Error("dense map: the pose of a scan is not finite; leave the scan out");
+}
+
+bool has_return(const OrganizedCloud& cloud, std::size_t pixel) {
+  return cloud.range_m[pixel] > 0.0F && std::isfinite(cloud.range_m[pixel]) &&
+         cloud.points_m[pixel].allFinite() &&
+         (cloud.time_offset_s.empty() || std::isfinite(cloud.time_offset_s[pixel]));
+}
+
+}  // namespace
+
+void validate(const DenseMapOptions& options) {
+  check_option("voxel_m", options.voxel_m, 0.02, 1.0);
+  check_option("max_range_m", options.max_range_m, 1.0, 1000.0);
+  check_option("least_confidence", options.least_confidence, 0.001, 0.999);
+  check_option("assumed_confidence", options.assumed_confidence, 0.0, 1.0);
+  check_option("max_voxels", static_cast<double>(options.max_voxels), 1.0, 2e9);
+}
+
+struct DenseMap::Implementation {
+  DenseMapOptions options;
+  VoxelGrid grid;
+  std::uint32_t scans = 0;  ///< calls of insert and see_through so far
+  bool full = false;
+
+  explicit Implementation(const DenseMapOptions& options_)
+      : options(validated(options_)), grid(options.voxel_m) {}
+
+  PointVote vote_of(const OrganizedCloud& cloud, std::size_t pixel, bool measured_row) const {
+    if (!cloud.confidence.empty()) {
+      const float confidence = cloud.confidence[pixel];
+      return confidence >= 1.0F ? measured_vote() : computed_vote(confidence);
+    }
+    return measured_row ? measured_vote()
+                        : computed_vote(static_cast<float>(options.assumed_confidence));
+  }
+
+  void add(const Eigen::Vector3d& point_m, const PointVote& vote);
+  std::vector<const VoxelBlock*> sorted_blocks() const;
+  std::vector<DenseMapPoint> points_of(const VoxelBlock& block) const;
+};
+
+/// Puts a point of the scan `scans` into its voxel.
+void DenseMap::Implementation::add(const Eigen::Vector3d& point_m, const PointVote& vote) {
+  const auto index = grid.voxel_of(point_m);
+  if (!index) return;
+  if (grid.size() >= options.max_voxels && grid.find(*index) == nullptr) {
+    full = true;
+    return;
+  }
+  vote_for(grid.find_or_add(*index), point_m / options.voxel_m - index->cast<double>(), vote,
+           scans);
+}
+
+/// In an order that does not depend on that of the scans.
+std::vector<const VoxelBlock*> DenseMap::Implementation::sorted_blocks() const {
+  std::vector<const VoxelBlock*> blocks;
+  for (const VoxelBlock& block : grid.blocks()) blocks.push_back(&block);
+  std::sort(blocks.begin(), blocks.end(), [](const VoxelBlock* a, const VoxelBlock* b) {
+    return std::lexicographical_compare(a->index().begin(), a->index().end(), b->index().begin(),
+                                        b->index().end());
+  });
+  return blocks;
+}
+
+std::vector<DenseMapPoint> DenseMap::Implementation::points_of(const VoxelBlock& block) const {
+  const BlockSurroundings surroundings(grid, block);
+  std::vector<DenseMapPoint> points;
+  block.for_each([&](const Eigen::Vector3i& index, const Voxel& voxel) {
+    double support = 0.0;
+    surroundings.for_each_neighbour(
+        index, [&](const Voxel& neighbour) { support += support_of(neighbour); });
+    const double confidence = confidence_of(voxel, support);
+    if (confidence < options.least_confidence) return;
+    const Eigen::Vector3d point_m = grid.voxel_m() * (index.cast<double>() + mean_place(voxel));
+    points.push_back({point_m.cast<float>(), static_cast<float>(confidence), voxel.times_seen});
+  });
+  return points;
+}
+
+DenseMap::DenseMap(const DenseMapOptions& options)
+    : implementation_(std::make_unique<Implementation>(options)) {}
+DenseMap::~DenseMap() = default;
+DenseMap::DenseMap(DenseMap&&) noexcept = default;
+DenseMap& DenseMap::operator=(DenseMap&&) noexcept = default;
+
+void DenseMap::insert(const OrganizedCloud& cloud, const std::optional<RowSelection>& measured_rows,
+                      const SensorPath& path) {
+  check_shape(cloud);
+  check_path(path);
+  Implementation& self = *implementation_;
+  ++self.scans;
+  const PathTable table(path, cloud);
+  std::vector<PointVote> votes(cloud.range_m.size());
+  std::vector<Eigen::Vector3d> points_m(cloud.range_m.size());
+#pragma omp parallel for schedule(static)
+  for (int row = 0; row < cloud.rows; ++row) {
+    const bool measured_row = !measured_rows || measured_rows->contains(row);
+    for (int column = 0; column < cloud.columns; ++column) {
+      const std::size_t pixel = cloud.index(row, column);
+      if (!has_return(cloud, pixel) || cloud.range_m[pixel] > self.options.max_range_m) continue;
+      votes[pixel] = self.vote_of(cloud, pixel, measured_row);
+      points_m[pixel] = table.at(pixel) * cloud.points_m[pixel].cast<double>();
+    }
+  }
+  for (std::size_t pixel = 0; pixel < votes.size(); ++pixel) {
+    if (votes[pixel].odds > 0) self.add(points_m[pixel], votes[pixel]);
+  }
+}
+
+void DenseMap::see_through(const OrganizedCloud& measured, const SensorPath& path) {
+  check_shape(measured);
+  check_path(path);
+  Implementation& self = *implementation_;
+  ++self.scans;
+  const PathTable table(path, measured);
+  std::vector<Beam> beams;
+  for (std::size_t pixel = 0; pixel < measured.range_m.size(); ++pixel) {
+    if (!has_return(measured, pixel)) continue;
+    const Pose& T_map_sensor = table.at(pixel);
+    const Beam beam{T_map_sensor.translation(),
+                    T_map_sensor * measured.points_m[pixel].cast<double>()};
+    if (self.grid.voxel_of(beam.origin_m) && self.grid.voxel_of(beam.end_m)) beams.push_back(beam);
+  }
+  vote_against_seen_through(self.grid, beams, self.scans, self.options.max_range_m);
+}
+
+std::size_t DenseMap::voxels() const { return implementation_->grid.size(); }
+bool DenseMap::is_full() const { return implementation_->full; }
+
+std::vector<DenseMapPoint> DenseMap::points() const {
+  const Implementation& self = *implementation_;
+  const std::vector<const VoxelBlock*> blocks = self.sorted_blocks();
+  std::vector<std::vector<DenseMapPoint>> points_of_block(blocks.size());
+#pragma omp parallel for schedule(dynamic, 64)
+  for (std::size_t i = 0; i < blocks.size(); ++i) points_of_block[i] = self.points_of(*blocks[i]);
+  std::vector<DenseMapPoint> points;
+  for (const auto& of_block : points_of_block) {
+    points.insert(points.end(), of_block.begin(), of_block.end());
+  }
+  return points;
+}
+
+}  // namespace hqslam::slam

@@ -1,0 +1,305 @@
+#include "captures.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstring>
+
+namespace hqslam::test {
+
+namespace {
+
+void put_big_endian(Payload& bytes, std::size_t at, std::size_t value) {
+  bytes[at] = static_cast<std::uint8_t>(value >> 8);
+  bytes[at + 1] = static_cast<std::uint8_t>(value);
+}
+
+template <typename T>
+void append(std::string& bytes, T value) {
+  for (std::size_t i = 0; i < sizeof(T); ++i) {
+    bytes += static_cast<char>(static_cast<std::uint64_t>(value) >> (8 * i));
+  }
+}
+
+void append(std::string& bytes, const Payload& payload) {
+  bytes.append(payload.begin(), payload.end());
+}
+
+}  // namespace
+
+std::vector<Payload> ethernet_frames(const Captured& captured, std::size_t fragment_bytes) {
+  Payload datagram(8);
+  put_big_endian(datagram, 0, 443);
+  put_big_endian(datagram, 2, captured.port);
+  put_big_endian(datagram, 4, 8 + captured.payload.size());
+  datagram.insert(datagram.end(), captured.payload.begin(), captured.payload.end());
+  const std::size_t most = fragment_bytes == 0 ? datagram.size() : fragment_bytes;
+  std::vector<Payload> frames;
+  for (std::size_t at = 0; at < datagram.size(); at += most) {
+    const std::size_t bytes = std::min(most, datagram.size() - at);
+    Payload frame(14 + 20);
+    put_big_endian(frame, 12, 0x0800);
+    frame[14] = 0x45;
+    put_big_endian(frame, 16, 20 + bytes);
+    put_big_endian(frame, 18, static_cast<std::size_t>(captured.time_ns / 1000 % 65536));
+    put_big_endian(frame, 20, (at + bytes < datagram.size() ? 0x2000 : 0) | at / 8);
+    frame[23] = 17;
+    const std::array<std::uint8_t, 4> sender = {192, 168, 1, captured.sender};
+    std::copy(sender.begin(), sender.end(), frame.begin() + 26);
+    frame.insert(frame.end(), datagram.begin() + static_cast<std::ptrdiff_t>(at),
+                 datagram.begin() + static_cast<std::ptrdiff_t>(at + bytes));
+    frames.push_back(std::move(frame));
+  }
+  return frames;
+}
+
+std::string pcap_bytes(const std::vector<Captured>& packets, std::size_t fragment_bytes) {
+  std::string bytes;
+  append(bytes, std::uint32_t{0xA1B2C3D4});
+  append(bytes, std::uint16_t{2});
+  append(bytes, std::uint16_t{4});
+  append(bytes, std::uint64_t{0});
+  append(bytes, std::uint32_t{65535});
+  append(bytes, std::uint32_t{1});
+  for (const Captured& captured : packets) {
+    for (const Payload& frame : ethernet_frames(captured, fragment_bytes)) {
+      append(bytes, static_cast<std::uint32_t>(captured.time_ns / 1'000'000'000));
+      append(bytes, static_cast<std::uint32_t>(captured.time_ns % 1'000'000'000 / 1000));
+      append(bytes, static_cast<std::uint32_t>(frame.size()));
+      append(bytes, static_cast<std::uint32_t>(frame.size()));
+      append(bytes, frame);
+    }
+  }
+  return bytes;
+}
+
+std::string pcapng_bytes(const std::vector<Captured>& packets) {
+  std::string bytes;
+  append(bytes, std::uint32_t{0x0A0D0D0A});
+  append(bytes, std::uint32_t{28});
+  append(bytes, std::uint32_t{0x1A2B3C4D});
+  append(bytes, std::uint32_t{1});  // version 1.0
+  append(bytes, ~std::uint64_t{0});
+  append(bytes, std::uint32_t{28});
+  append(bytes, std::uint32_t{1});  // interface: Ethernet, if_tsresol 9
+  append(bytes, std::uint32_t{32});
+  append(bytes, std::uint32_t{1});
+  append(bytes, std::uint32_t{0});
+  append(bytes, std::uint16_t{9});
+  append(bytes, std::uint16_t{1});
+  append(bytes, std::uint32_t{9});
+  append(bytes, std::uint32_t{0});
+  append(bytes, std::uint32_t{32});
+  for (const Captured& captured : packets) {
+    const Payload frame = ethernet_frames(captured).front();
+    const std::size_t padded = (frame.size() + 3) / 4 * 4;
+    append(bytes, std::uint32_t{6});
+    append(bytes, static_cast<std::uint32_t>(32 + padded));
+    append(bytes, std::uint32_t{0});
+    append(bytes, static_cast<std::uint32_t>(captured.time_ns >> 32));
+    append(bytes, static_cast<std::uint32_t>(captured.time_ns));
+    append(bytes, static_cast<std::uint32_t>(frame.size()));
+    append(bytes, static_cast<std::uint32_t>(frame.size()));
+    append(bytes, frame);
+    bytes.append(padded - frame.size(), '\0');
+    append(bytes, static_cast<std::uint32_t>(32 + padded));
+  }
+  return bytes;
+}
+
+Payload velodyne_packet(std::uint32_t time_us, const std::vector<int>& azimuths,
+                        std::uint16_t distance, std::uint8_t intensity, std::uint8_t return_mode,
+                        std::uint8_t product) {
+  Payload packet(recordings::kVelodynePacketBytes);
+  for (int i = 0; i < 12; ++i) {
+    put(packet, 100 * static_cast<std::size_t>(i), std::uint16_t{0xEEFF});
+    put(packet, 100 * static_cast<std::size_t>(i) + 2,
+        static_cast<std::uint16_t>(azimuths[static_cast<std::size_t>(i)]));
+    for (int c = 0; c < 32; ++c) set_measurement(packet, i, c, distance, intensity);
+  }
+  put(packet, 1200, time_us);
+  packet[1204] = return_mode;
+  packet[1205] = product;
+  return packet;
+}
+
+void set_measurement(Payload& packet, int block, int channel, std::uint16_t distance,
+                     std::uint8_t intensity) {
+  const auto at = static_cast<std::size_t>(100 * block + 4 + 3 * channel);
+  put(packet, at, distance);
+  packet[at + 2] = intensity;
+}
+
+std::vector<Captured> velodyne_capture(const RoundRoom& room) {
+  std::vector<Captured> result;
+  const double degrees_per_us = 360.0 * room.rate_hz / 1e6;
+  const double blind_deg = room.blind_to_deg - room.blind_from_deg;
+  double time_us = 0.0;
+  std::vector<int> azimuths;
+  double first_us = 0.0;
+  while (time_us < 1e6 * room.duration_s) {
+    const double azimuth_deg = std::fmod(room.first_azimuth_deg + time_us * degrees_per_us, 360.0);
+    if (azimuth_deg >= room.blind_from_deg && azimuth_deg < room.blind_to_deg) {
+      time_us += blind_deg / degrees_per_us;
+      continue;
+    }
+    if (azimuths.empty()) first_us = time_us;
+    for (int i = 0; i < (room.dual ? 2 : 1); ++i) {
+      azimuths.push_back(static_cast<int>(std::lround(100.0 * azimuth_deg)) % 36000);
+    }
+    time_us += room.firing_us;
+    if (azimuths.size() < 12) continue;
+    Captured captured;
+    captured.time_ns = room.start_ns + std::llround(1e3 * first_us);
+    captured.payload = velodyne_packet(static_cast<std::uint32_t>(std::lround(first_us)), azimuths,
+                                       2500, 10, room.dual ? 0x39 : 0x37, room.product);
+    result.push_back(std::move(captured));
+    azimuths.clear();
+  }
+  return result;
+}
+
+std::string ouster_metadata_text(recordings::OusterProfile profile, int rows) {
+  std::string altitude;
+  std::string azimuth;
+  for (int row = 0; row < rows; ++row) {
+    altitude += fmt::format("{}{}", row == 0 ? "" : ", ", 10.0 - 20.0 * row / (rows - 1));
+    azimuth += fmt::format("{}{}", row == 0 ? "" : ", ", row % 2 == 0 ? 2.0 : -1.0);
+  }
+  return fmt::format(
+      R"({{"beam_altitude_angles": [{}], "beam_azimuth_angles": [{}], "lidar_mode": "512x20",
+ "lidar_origin_to_beam_origin_mm": 20.0, "prod_line": "OS-1-8", "prod_sn": "77",
+ "data_format": {{"columns_per_frame": 512, "columns_per_packet": 16, "pixels_per_column": {},
+                  "column_window": [0, 511], "udp_profile_lidar": "{}"}}}})",
+      altitude, azimuth, rows, recordings::name(profile));
+}
+
+std::vector<Captured> ouster_turn(recordings::OusterProfile profile, std::uint32_t frame_id,
+                                  int rows, std::uint16_t port) {
+  using recordings::OusterProfile;
+  const auto metadata =
+      recordings::ouster_metadata_from_json(ouster_metadata_text(profile, rows), "a test");
+  const bool legacy = profile == OusterProfile::kLegacy;
+  const bool fusa = profile == OusterProfile::kFusaDual;
+  const std::size_t header = legacy ? 16 : 12;
+  const std::size_t pixel = profile == OusterProfile::kRng15       ? 4
+                            : fusa                                 ? 8
+                            : profile == OusterProfile::kRng19Dual ? 16
+                                                                   : 12;
+  const std::size_t column_bytes =
+      header + pixel * static_cast<std::size_t>(rows) + (legacy ? 4 : 0);
+  std::vector<Captured> packets;
+  for (int first = 0; first < 512; first += 16) {
+    Payload bytes(metadata.packet_bytes());
+    if (fusa) {
+      put(bytes, 4, frame_id);
+    } else if (!legacy) {
+      put(bytes, 0, std::uint16_t{1});
+      put(bytes, 2, static_cast<std::uint16_t>(frame_id));
+    }
+    const std::uint64_t turn_ns = 50'000'000;
+    const auto time_of = [&](int column) {
+      return 5'000'000'000 + frame_id * turn_ns +
+             static_cast<std::uint64_t>(column) * turn_ns / 512;
+    };
+    for (int i = 0; i < 16; ++i) {
+      const int column = first + i;
+      const std::size_t at = (legacy ? 0 : 32) + column_bytes * static_cast<std::size_t>(i);
+      put(bytes, at, time_of(column));
+      put(bytes, at + 8, static_cast<std::uint16_t>(column));
+      if (legacy) {
+        put(bytes, at + 10, static_cast<std::uint16_t>(frame_id));
+        put(bytes, at + column_bytes - 4, std::uint32_t{0xFFFFFFFF});
+      } else {
+        put(bytes, at + 10, std::uint16_t{1});
+      }
+      for (int row = 0; row < rows; ++row) {
+        const std::size_t p = at + header + pixel * static_cast<std::size_t>(row);
+        const auto range_mm = static_cast<std::uint32_t>(2000 + 10 * row + column);
+        if (pixel == 4 || pixel == 8) {
+          put(bytes, p, static_cast<std::uint16_t>(range_mm / 8 | 0x8000));  // and a flag
+        } else {
+          put(bytes, p, range_mm | 0xFF000000U);  // and what is no range
+        }
+        if (fusa) put(bytes, p + 4, static_cast<std::uint16_t>((range_mm + 500) / 8));
+        if (pixel == 16) put(bytes, p + 4, range_mm + 500);
+      }
+    }
+    packets.push_back({1'600'000'000'000'000'000 + static_cast<std::int64_t>(time_of(first)), port,
+                       std::move(bytes)});
+  }
+  return packets;
+}
+
+recordings::Packet as_packet(const Captured& captured) {
+  recordings::Packet packet;
+  packet.capture_time_ns = captured.time_ns;
+  packet.endpoint.address = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 192, 168, 1, captured.sender};
+  packet.endpoint.port = captured.port;
+  packet.payload = captured.payload;
+  return packet;
+}
+
+std::optional<recordings::Packet> CapturedPackets::next() {
+  if (next_ == packets_.size()) return std::nullopt;
+  return as_packet(packets_[next_++]);
+}
+
+std::string md5(const void* bytes, std::size_t count) {
+  std::array<std::uint32_t, 64> sines{};
+  for (std::size_t i = 0; i < sines.size(); ++i) {
+    sines[i] = static_cast<std::uint32_t>(
+        std::floor(std::abs(std::sin(static_cast<double>(i) + 1.0)) * 4294967296.0));
+  }
+  constexpr std::array<std::array<int, 4>, 4> kTurns = {
+      {{7, 12, 17, 22}, {5, 9, 14, 20}, {4, 11, 16, 23}, {6, 10, 15, 21}}};
+  Payload message(static_cast<const std::uint8_t*>(bytes),
+                  static_cast<const std::uint8_t*>(bytes) + count);
+  message.push_back(0x80);
+  message.resize((message.size() + 8 + 63) / 64 * 64);
+  put(message, message.size() - 8, std::uint64_t{count} * 8);
+  std::array<std::uint32_t, 4> state = {0x67452301, 0xEFCDAB89, 0x98BADCFE, 0x10325476};
+  for (std::size_t chunk = 0; chunk < message.size(); chunk += 64) {
+    std::array<std::uint32_t, 16> words{};
+    std::memcpy(words.data(), message.data() + chunk, 64);
+    auto [a, b, c, d] = state;
+    for (std::size_t i = 0; i < 64; ++i) {
+      std::uint32_t f = 0;
+      std::size_t word = 0;
+      switch (i / 16) {
+        case 0:
+          f = (b & c) | (~b & d);
+          word = i;
+          break;
+        case 1:
+          f = (d & b) | (~d & c);
+          word = (5 * i + 1) % 16;
+          break;
+        case 2:
+          f = b ^ c ^ d;
+          word = (3 * i + 5) % 16;
+          break;
+        default:
+          f = c ^ (b | ~d);
+          word = 7 * i % 16;
+      }
+      const std::uint32_t next =
+          b + std::rotl(a + f + sines[i] + words[word], kTurns[i / 16][i % 4]);
+      a = d;
+      d = c;
+      c = b;
+      b = next;
+    }
+    state = {state[0] + a, state[1] + b, state[2] + c, state[3] + d};
+  }
+  std::string text;
+  for (const std::uint32_t word : state) {
+    for (int i = 0; i < 4; ++i) text += fmt::format("{:02x}", word >> (8 * i) & 0xFF);
+  }
+  return text;
+}
+
+}  // namespace hqslam::test

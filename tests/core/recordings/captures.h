@@ -1,0 +1,86 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "hqslam/recordings/ouster.h"
+#include "hqslam/recordings/packet.h"
+
+namespace hqslam::test {
+
+using Payload = std::vector<std::uint8_t>;
+
+/// A datagram as it was captured.
+struct Captured {
+  std::int64_t time_ns = 0;
+  std::uint16_t port = 2368;
+  Payload payload;
+  std::uint8_t sender = 201;  ///< the last number of 192.168.1.x
+};
+
+template <typename T>
+void put(Payload& bytes, std::size_t at, T value) {
+  for (std::size_t i = 0; i < sizeof(T); ++i) {
+    bytes[at + i] = static_cast<std::uint8_t>(static_cast<std::uint64_t>(value) >> (8 * i));
+  }
+}
+
+/// Ethernet, IPv4 and UDP headers around the payload; cut into fragments of at most
+/// `fragment_bytes` (a multiple of 8), 0: whole.
+std::vector<Payload> ethernet_frames(const Captured& captured, std::size_t fragment_bytes = 0);
+
+/// The bytes of a .pcap file (microseconds) or of a .pcapng file (nanoseconds).
+std::string pcap_bytes(const std::vector<Captured>& packets, std::size_t fragment_bytes = 0);
+std::string pcapng_bytes(const std::vector<Captured>& packets);
+
+/// A Velodyne's data packet: 12 blocks with these azimuths (hundredths of a degree), all
+/// measurements of `distance` and `intensity`.
+Payload velodyne_packet(std::uint32_t time_us, const std::vector<int>& azimuths,
+                        std::uint16_t distance = 2500, std::uint8_t intensity = 10,
+                        std::uint8_t return_mode = 0x37, std::uint8_t product = 0x22);
+/// Changes one measurement of it.
+void set_measurement(Payload& packet, int block, int channel, std::uint16_t distance,
+                     std::uint8_t intensity = 10);
+
+/// What a sensor in a round room sends: whole packets from `first_azimuth_deg` on for
+/// `duration_s`; time 0 is at `start_ns`.
+struct RoundRoom {
+  double rate_hz = 10.0;
+  double duration_s = 0.35;
+  double first_azimuth_deg = 300.0;
+  double packet_us = 1327.104;
+  double firing_us = 110.592;  ///< from block to block
+  bool dual = false;
+  std::uint8_t product = 0x22;
+  double blind_from_deg = 0.0;  ///< nothing is sent between these, clockwise
+  double blind_to_deg = 0.0;
+  std::int64_t start_ns = 1'600'000'000'000'000'000;
+};
+std::vector<Captured> velodyne_capture(const RoundRoom& room = {});
+
+/// Metadata of a small Ouster with `rows` beams and 512 columns at 20 Hz.
+std::string ouster_metadata_text(recordings::OusterProfile profile, int rows = 8);
+
+/// The lidar packets of one of its turns: range of row r at column c is 2000 + 10 r + c mm, rounded
+/// down to the profile's unit; the second return is 500 mm farther.
+std::vector<Captured> ouster_turn(recordings::OusterProfile profile, std::uint32_t frame_id,
+                                  int rows = 8, std::uint16_t port = 7502);
+
+/// Packets of memory.
+class CapturedPackets : public recordings::PacketSource {
+ public:
+  explicit CapturedPackets(std::vector<Captured> packets) : packets_(std::move(packets)) {}
+  std::optional<recordings::Packet> next() override;
+
+ private:
+  std::vector<Captured> packets_;
+  std::size_t next_ = 0;
+};
+
+recordings::Packet as_packet(const Captured& captured);
+
+/// The MD5 digest, in hexadecimal. Source: RFC 1321.
+std::string md5(const void* bytes, std::size_t count);
+
+}  // namespace hqslam::test

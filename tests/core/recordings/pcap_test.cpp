@@ -1,0 +1,139 @@
+#include <doctest/doctest.h>
+
+#include <random>
+
+#include "captures.h"
+#include "error_message.h"
+#include "file_contents.h"
+#include "hqslam/recordings/packet.h"
+#include "ip_datagram.h"
+#include "temporary_directory.h"
+
+using namespace hqslam;
+using namespace hqslam::recordings;
+using namespace hqslam::test;
+
+namespace {
+
+struct Read {
+  std::vector<Captured> packets;
+  std::string complaint;
+};
+
+Read read(const std::string& bytes) {
+  const TemporaryDirectory directory;
+  write_file(directory.file("a.pcap"), bytes);
+  const auto source = open_pcap(directory.file("a.pcap"));
+  Read result;
+  while (const auto packet = source->next()) {
+    result.packets.push_back({packet->capture_time_ns, packet->endpoint.port,
+                              Payload(packet->payload.begin(), packet->payload.end())});
+    CHECK(text(packet->endpoint) == "192.168.1.201:" + std::to_string(packet->endpoint.port));
+  }
+  result.complaint = source->complaint();
+  return result;
+}
+
+std::vector<Captured> some_packets() {
+  std::vector<Captured> packets;
+  for (int i = 0; i < 5; ++i) {
+    Payload payload(static_cast<std::size_t>(3000 + i));
+    for (std::size_t k = 0; k < payload.size(); ++k) {
+      payload[k] = static_cast<std::uint8_t>(k * 7 + static_cast<std::size_t>(i));
+    }
+    packets.push_back({1'600'000'000'123'456'000 + i * 1'000'000, 7502, payload});
+  }
+  return packets;
+}
+
+void check_same(const std::vector<Captured>& found, const std::vector<Captured>& expected) {
+  REQUIRE(found.size() == expected.size());
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    CHECK(found[i].time_ns == expected[i].time_ns);
+    CHECK(found[i].port == expected[i].port);
+    CHECK(found[i].payload == expected[i].payload);
+  }
+}
+
+}  // namespace
+
+TEST_CASE("datagrams of .pcap and .pcapng files come out as they were sent") {
+  check_same(read(pcap_bytes(some_packets())).packets, some_packets());
+  auto nanoseconds = some_packets();
+  nanoseconds[2].time_ns += 789;
+  check_same(read(pcapng_bytes(nanoseconds)).packets, nanoseconds);
+}
+
+TEST_CASE("fragments are put together, in whichever order they come") {
+  check_same(read(pcap_bytes(some_packets(), 1480)).packets, some_packets());
+  IpDatagrams datagrams;
+  for (const Captured& captured : some_packets()) {
+    auto frames = ethernet_frames(captured, 800);
+    REQUIRE(frames.size() == 4);
+    std::swap(frames[0], frames[3]);
+    frames.insert(frames.begin() + 1, frames[0]);  // and one of them twice
+    int complete = 0;
+    for (const Payload& frame : frames) {
+      const auto datagram = datagrams.add(Bytes(frame).subspan(14));
+      if (!datagram) continue;
+      ++complete;
+      CHECK(Payload(datagram->payload.begin(), datagram->payload.end()) == captured.payload);
+    }
+    CHECK(complete == 1);
+  }
+  CHECK(datagrams.incomplete() == 0);
+}
+
+TEST_CASE("a datagram of which a fragment is missing is counted and its memory given back") {
+  IpDatagrams datagrams;
+  for (int i = 0; i < 200; ++i) {
+    const auto frames = ethernet_frames({i * 1000, 7502, Payload(2000), 201}, 1480);
+    CHECK_FALSE(datagrams.add(Bytes(frames[0]).subspan(14)));
+  }
+  CHECK(datagrams.incomplete() == 200);
+}
+
+TEST_CASE("a capture that ends in the middle of a frame ends before it") {
+  const std::string bytes = pcap_bytes(some_packets());
+  CHECK(read(bytes.substr(0, bytes.size() - 10)).packets.size() == 4);
+}
+
+TEST_CASE("what is no capture is refused in one line") {
+  const TemporaryDirectory directory;
+  CHECK(one_line_with(error_message([&] { open_pcap(directory.file("none.pcap")); }), "none.pcap",
+                      "no such file"));
+  write_file(directory.file("text.pcap"), "this is no capture, however long it may be");
+  CHECK(one_line_with(error_message([&] { open_pcap(directory.file("text.pcap")); }), "text.pcap",
+                      ".pcapng"));
+  std::string radio = pcap_bytes(some_packets());
+  radio[20] = 127;  // IEEE 802.11 with radio information
+  write_file(directory.file("radio.pcap"), radio);
+  CHECK(
+      one_line_with(error_message([&] { open_pcap(directory.file("radio.pcap")); }), "link type"));
+}
+
+TEST_CASE("damaged captures are read or refused, nothing else") {
+  const TemporaryDirectory directory;
+  std::mt19937 random(3);
+  std::int64_t read_packets = 0;
+  for (const std::string& valid : {pcap_bytes(some_packets()), pcap_bytes(some_packets(), 1480),
+                                   pcapng_bytes(some_packets())}) {
+    for (int copy = 0; copy < 400; ++copy) {
+      std::string bytes = valid;
+      // The headers are where the readers work.
+      for (int edit = 0; edit < 5; ++edit) {
+        const std::size_t frame = random() % 5 * (valid.size() / 5);
+        bytes[(frame + random() % 120) % bytes.size()] = static_cast<char>(random());
+      }
+      if (copy % 7 == 0) bytes.resize(random() % bytes.size());
+      write_file(directory.file("a.pcap"), bytes);
+      const std::string message = error_message([&] {
+        const auto source = open_pcap(directory.file("a.pcap"));
+        while (source->next()) ++read_packets;
+        CHECK(one_line_with(source->complaint()));
+      });
+      CHECK(one_line_with(message));
+    }
+  }
+  CHECK(read_packets > 500);
+}

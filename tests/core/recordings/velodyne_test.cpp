@@ -1,0 +1,347 @@
+#include "hqslam/recordings/velodyne.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "captures.h"
+#include "error_message.h"
+#include "real_data.h"
+#include "velodyne_tables.h"
+
+using namespace hqslam;
+using namespace hqslam::recordings;
+using namespace hqslam::test;
+
+namespace {
+
+double radians(double degrees) { return degrees * std::numbers::pi / 180.0; }
+
+VelodyneStream probed(const std::vector<Captured>& packets) {
+  VelodyneProbe probe;
+  for (const Captured& captured : packets) probe.add(as_packet(captured));
+  const auto stream = probe.result();
+  REQUIRE(stream);
+  return *stream;
+}
+
+struct Decoded {
+  std::vector<Scan> scans;
+  PacketCounts counts;
+  std::int64_t partial = 0;
+};
+
+Decoded decoded(const std::vector<Captured>& packets, const VelodyneStream& stream,
+                const VelodyneOptions& options = {}) {
+  VelodyneDecoder decoder(stream, sensor_preset(name(stream.model)), options);
+  Decoded result;
+  for (const Captured& captured : packets) decoder.add(as_packet(captured), result.scans);
+  decoder.finish(result.scans);
+  result.counts = decoder.counts();
+  result.partial = decoder.partial_scans();
+  return result;
+}
+
+/// Azimuths of twelve blocks, so many hundredths of a degree apart.
+std::vector<int> azimuths(int first, int step) {
+  std::vector<int> result;
+  for (int i = 0; i < 12; ++i) result.push_back((first + i * step) % 36000);
+  return result;
+}
+
+/// The stream that the hand-computed packets are of.
+VelodyneStream stream_of(VelodyneModel model, bool dual = false) {
+  VelodyneStream stream;
+  stream.model = model;
+  stream.dual_return = dual;
+  return stream;
+}
+
+}  // namespace
+
+TEST_CASE("the lasers of every model are the beams of its preset") {
+  for (const VelodyneModel model : kVelodyneModels) {
+    CAPTURE(name(model));
+    const SensorModel sensor = sensor_preset(name(model));
+    const auto elevations_deg = laser_elevations_deg(model);
+    const auto rows = laser_rows(model);
+    REQUIRE(static_cast<int>(elevations_deg.size()) == sensor.rows());
+    std::vector<bool> used(rows.size(), false);
+    for (std::size_t laser = 0; laser < rows.size(); ++laser) {
+      used[static_cast<std::size_t>(rows[laser])] = true;
+      CHECK(std::abs(radians(elevations_deg[laser]) -
+                     sensor.beam_elevation_rad[static_cast<std::size_t>(rows[laser])]) <
+            radians(0.02));
+    }
+    CHECK(std::count(used.begin(), used.end(), false) == 0);
+  }
+  // The eight columns of a VLS-128's lasers: -6.354 degrees for lasers 0, 8, 16, ...
+  const SensorModel vls = sensor_preset("vls-128");
+  const double column_deg[] = {-6.354, -4.548, -2.732, -0.911, 0.911, 2.732, 4.548, 6.354};
+  const auto rows = laser_rows(VelodyneModel::kVls128);
+  for (std::size_t laser = 0; laser < 128; ++laser) {
+    CHECK(vls.beam_azimuth_offset_rad[static_cast<std::size_t>(rows[laser])] ==
+          doctest::Approx(radians(column_deg[laser % 8])));
+  }
+}
+
+TEST_CASE("a point of a VLP-16 is where and when its laser fired") {
+  // Blocks 0.4 degrees apart; laser 3 of the second firing of block 5: -15 + 3 * ... = +3 degrees.
+  auto packet = velodyne_packet(1000, azimuths(9000, 40), 0);
+  set_measurement(packet, 5, 16 + 3, 5000);  // 10 m
+  const Decoded result = [&] {
+    VelodyneDecoder decoder(stream_of(VelodyneModel::kVlp16), sensor_preset("vlp-16"));
+    Decoded d;
+    // A turn before and behind it, so that the scan is whole.
+    decoder.add(as_packet({0, 2368, velodyne_packet(0, azimuths(35700, 40), 0)}), d.scans);
+    decoder.add(as_packet({1'000'000, 2368, packet}), d.scans);
+    decoder.add(as_packet({90'000'000, 2368, velodyne_packet(90000, azimuths(35900, 40), 0)}),
+                d.scans);
+    return d;
+  }();
+  REQUIRE(result.scans.size() == 1);
+  const Scan& scan = result.scans[0];
+  REQUIRE(scan.points_m.size() == 1);
+  const double laser_us = 55.296 + 3 * 2.304;
+  const double azimuth_rad = radians(92.0 + 0.4 * laser_us / 110.592);
+  const double elevation_rad = radians(3.0);
+  const Eigen::Vector3d expected_m(10.0 * std::cos(elevation_rad) * std::cos(azimuth_rad),
+                                   -10.0 * std::cos(elevation_rad) * std::sin(azimuth_rad),
+                                   10.0 * std::sin(elevation_rad));
+  CHECK((scan.points_m[0].cast<double>() - expected_m).norm() < 1e-5);
+  CHECK(scan.row[0] == 6);  // 15, 13, 11, 9, 7, 5, 3
+  const double time_us = 1000.0 + 5 * 110.592 + laser_us;
+  CHECK(scan.stamp_s + scan.time_offset_s[0] ==
+        doctest::Approx(1e-6 * time_us).scale(0).epsilon(1e-5));
+}
+
+TEST_CASE("two returns of a pulse come in pairs of blocks") {
+  std::vector<int> pairs;
+  for (int i = 0; i < 12; ++i) pairs.push_back(9000 + 20 * (i / 2));
+  auto packet = velodyne_packet(1000, pairs, 0);
+  set_measurement(packet, 4, 0, 3000, 5);  // last: 6 m, weak
+  set_measurement(packet, 5, 0, 2000, 9);  // 4 m, strong
+  set_measurement(packet, 6, 1, 3000, 9);  // last and strongest
+  set_measurement(packet, 7, 1, 2000, 5);
+  set_measurement(packet, 8, 2, 0);  // only one return
+  set_measurement(packet, 9, 2, 2500, 5);
+  const auto ranges = [&](KeptReturn kept) {
+    VelodyneStream stream = stream_of(VelodyneModel::kVlp16, true);
+    stream.field_of_view_deg = 1.0;
+    const Decoded d = decoded({{0, 2368, packet}}, stream, {kept, true});
+    std::vector<float> result;
+    for (const auto& point_m : d.scans.at(0).points_m) result.push_back(point_m.norm());
+    return result;
+  };
+  const auto near_to = [](const std::vector<float>& found, const std::vector<double>& expected) {
+    return std::equal(found.begin(), found.end(), expected.begin(), expected.end(),
+                      [](float f, double e) { return std::abs(f - e) < 1e-4; });
+  };
+  CHECK(near_to(ranges(KeptReturn::kStrongest), {4.0, 6.0, 5.0}));
+  CHECK(near_to(ranges(KeptReturn::kLast), {6.0, 6.0, 5.0}));
+}
+
+TEST_CASE("the lasers of a VLS-128 come in four banks that fire together") {
+  auto packet = velodyne_packet(1000, azimuths(9000, 0), 0);
+  for (int i = 0; i < 12; ++i) {
+    put(packet, 100 * static_cast<std::size_t>(i), kBankFlags[static_cast<std::size_t>(i % 4)]);
+    put(packet, 100 * static_cast<std::size_t>(i) + 2,
+        static_cast<std::uint16_t>(9000 + 20 * (i / 4)));
+  }
+  set_measurement(packet, 6, 5, 2500);  // second firing, bank 2: laser 69, -19.582 degrees
+  VelodyneStream stream = stream_of(VelodyneModel::kVls128);
+  stream.field_of_view_deg = 0.4;
+  const Decoded d = decoded({{0, 2368, packet}}, stream);
+  REQUIRE(d.scans.size() == 1);
+  REQUIRE(d.scans[0].points_m.size() == 1);
+  const Eigen::Vector3d point_m = d.scans[0].points_m[0].cast<double>();
+  CHECK(point_m.norm() == doctest::Approx(10.0).scale(0).epsilon(1e-5));  // units of 4 mm
+  CHECK(std::asin(point_m.z() / 10.0) == doctest::Approx(radians(-19.582)).scale(0).epsilon(1e-4));
+  // Laser 69 is of group 8, behind the pause after the eighth: 9 * 2.665 us.
+  const double azimuth_deg = 90.2 + 0.2 * 9 * 2.665 / 53.3 - 2.732;
+  CHECK(std::atan2(-point_m.y(), point_m.x()) ==
+        doctest::Approx(radians(azimuth_deg)).scale(0).epsilon(1e-5));
+  CHECK(d.scans[0].row[0] == 126);
+}
+
+TEST_CASE("the spacing of the packets tells the model, whatever the factory byte says") {
+  struct Case {
+    VelodyneModel model;
+    double packet_us, firing_us;
+    bool dual;
+  };
+  for (const Case& c : {Case{VelodyneModel::kVlp16, 1327.104, 110.592, false},
+                        Case{VelodyneModel::kVlp16, 663.552, 110.592, true},
+                        Case{VelodyneModel::kHdl32e, 552.96, 46.08, false},
+                        Case{VelodyneModel::kHdl32e, 276.48, 46.08, true},
+                        Case{VelodyneModel::kVlp32c, 663.552, 55.296, false},
+                        Case{VelodyneModel::kVlp32c, 331.776, 55.296, true}}) {
+    RoundRoom room;
+    room.packet_us = c.packet_us;
+    room.firing_us = c.firing_us;
+    room.dual = c.dual;
+    room.product = 0x21;  // HDL-32E
+    const VelodyneStream stream = probed(velodyne_capture(room));
+    CHECK(stream.model == c.model);
+    CHECK(stream.dual_return == c.dual);
+    CHECK(stream.factory_model == VelodyneModel::kHdl32e);
+    CHECK(stream.scan_period_s == doctest::Approx(0.1).scale(0).epsilon(0.001));
+    CHECK(stream.field_of_view_deg == 360.0);
+  }
+}
+
+TEST_CASE("turns of any rate and field of view become scans with the recording's stamps") {
+  for (const double rate_hz : {5.0, 10.0, 17.0, 20.0}) {
+    for (const bool blind : {false, true}) {
+      CAPTURE(rate_hz);
+      CAPTURE(blind);
+      RoundRoom room;
+      room.rate_hz = rate_hz;
+      room.duration_s = 4.5 / rate_hz;
+      room.first_azimuth_deg = 300.0;
+      if (blind) {  // looks to the front: 280 to 80 degrees
+        room.blind_from_deg = 80.0;
+        room.blind_to_deg = 280.0;
+      }
+      const auto packets = velodyne_capture(room);
+      const VelodyneStream stream = probed(packets);
+      CHECK(stream.scan_period_s == doctest::Approx(1.0 / rate_hz).scale(0).epsilon(0.002));
+      CHECK(stream.field_of_view_deg ==
+            doctest::Approx(blind ? 160.0 : 360.0).scale(0).epsilon(0.02));
+      const Decoded d = decoded(packets, stream);
+      CHECK(d.counts.lost == 0);
+      // The head looks away first where there is a blind angle: three quarters are soon together.
+      REQUIRE(d.scans.size() == (blind ? 5 : 4));
+      for (std::size_t i = 0; i < d.scans.size(); ++i) {
+        const Scan& scan = d.scans[i];
+        if (i > 0) {
+          CHECK(scan.stamp_s - d.scans[i - 1].stamp_s ==
+                doctest::Approx(1.0 / rate_hz)
+                    .scale(0)
+                    .epsilon(i == 1 || i + 1 == d.scans.size() ? 0.1 : 0.02));
+        }
+        const auto [first, last] =
+            std::minmax_element(scan.time_offset_s.begin(), scan.time_offset_s.end());
+        const double expected_s = (blind ? 160.0 / 360.0 : 1.0) / rate_hz;
+        CHECK(*last - *first < 1.02 * expected_s);
+        CHECK(std::abs(*last + *first) < 0.002);
+      }
+    }
+  }
+}
+
+TEST_CASE("lost, doubled, overtaken and foreign packets are counted, and a lost turn is a gap") {
+  auto packets = velodyne_capture({.duration_s = 1.05});
+  packets.erase(packets.begin() + 200, packets.begin() + 290);  // more than a turn
+  packets.insert(packets.begin() + 100, packets[98]);           // doubled
+  std::swap(packets[50], packets[51]);                          // overtaken
+  packets.push_back({packets.back().time_ns, 8308, Payload(512)});
+  const Decoded d = decoded(packets, probed(packets));
+  CHECK(d.counts.lost == 90 + 1);
+  CHECK(d.counts.late == 2);
+  CHECK(d.counts.foreign == 1);
+  double longest_s = 0.0;
+  for (std::size_t i = 1; i < d.scans.size(); ++i) {
+    longest_s = std::max(longest_s, d.scans[i].stamp_s - d.scans[i - 1].stamp_s);
+  }
+  CHECK(longest_s > 0.14);
+}
+
+TEST_CASE("time goes on over the hour, and a clock that is set ends a scan") {
+  auto packets = velodyne_capture({.duration_s = 0.5});
+  for (auto& captured : packets) {
+    const auto time_us = little_endian<std::uint32_t>(captured.payload, kTimeAt);
+    put(captured.payload, kTimeAt, (time_us + 3'599'800'000U) % 3'600'000'000U);
+  }
+  const Decoded over_hour = decoded(packets, probed(packets));
+  REQUIRE(over_hour.scans.size() == 5);
+  CHECK(over_hour.counts.lost == 0);
+  CHECK(over_hour.scans[3].stamp_s - over_hour.scans[0].stamp_s ==
+        doctest::Approx(0.3).scale(0).epsilon(0.01));
+  for (std::size_t i = 150; i < packets.size(); ++i) {
+    const auto time_us = little_endian<std::uint32_t>(packets[i].payload, kTimeAt);
+    put(packets[i].payload, kTimeAt, (time_us + 400'000'000U) % 3'600'000'000U);
+  }
+  // Set in the third turn: what was before and behind it are two parts, the first one nearly whole.
+  const Decoded set = decoded(packets, probed(packets));
+  REQUIRE(set.scans.size() == 5);
+  CHECK(over_hour.partial == 1);
+  CHECK(set.partial == 2);
+  for (std::size_t i = 2; i < 5; ++i) {
+    CHECK(std::abs(set.scans[i].stamp_s - over_hour.scans[i].stamp_s) < 0.001);
+  }
+}
+
+TEST_CASE("damaged Velodyne packets neither crash nor hang") {
+  std::mt19937 random(11);
+  const auto packets = velodyne_capture({.duration_s = 0.5, .dual = true});
+  for (const VelodyneModel model : kVelodyneModels) {
+    VelodyneDecoder decoder(stream_of(model, random() % 2 == 0), sensor_preset(name(model)));
+    VelodyneProbe probe;
+    std::vector<Scan> scans;
+    std::size_t points = 0;
+    for (int copy = 0; copy < 4000; ++copy) {
+      Captured packet = packets[static_cast<std::size_t>(copy) % packets.size()];
+      for (int edit = 0; edit < 3; ++edit) {
+        packet.payload[random() % packet.payload.size()] = static_cast<std::uint8_t>(random());
+      }
+      if (copy % 50 == 0) packet.payload.resize(random() % packet.payload.size());
+      probe.add(as_packet(packet));
+      decoder.add(as_packet(packet), scans);
+      for (const Scan& scan : scans) points += scan.points_m.size();
+      scans.clear();
+    }
+    decoder.finish(scans);
+    CHECK(decoder.counts().foreign > 0);
+    CHECK(points > 0);
+    CHECK_NOTHROW(probe.result());
+  }
+}
+
+TEST_CASE("packets of an HDL-64E are refused with what to do") {
+  auto packet = velodyne_packet(0, azimuths(0, 20));
+  for (int i = 1; i < 12; i += 2) {
+    put(packet, 100 * static_cast<std::size_t>(i), std::uint16_t{0xDDFF});
+  }
+  VelodyneProbe probe;
+  probe.add(as_packet({0, 2368, packet}));
+  CHECK(one_line_with(error_message([&] { probe.result(); }), "HDL-64E", "calibration"));
+}
+
+TEST_CASE("real captures of three sensors decode, whatever their factory bytes say") {
+  struct Expected {
+    const char* name;
+    VelodyneModel model;
+    double period_s, field_of_view_deg;
+    std::size_t scans;
+  };
+  for (const Expected& e : {Expected{"packets/velodyne/vlp-16_90deg_1200rpm_50rev.pcap",
+                                     VelodyneModel::kVlp16, 0.05, 360.0, 50},
+                            Expected{"packets/velodyne/hdl-32e_driving_18rev.pcap",
+                                     VelodyneModel::kHdl32e, 0.085, 360.0, 17},
+                            Expected{"packets/velodyne/vlp-16_old_firmware.pcap",
+                                     VelodyneModel::kVlp16, 0.1, 360.0, 1}}) {
+    const auto path = real_data(e.name);
+    if (!path) return;
+    CAPTURE(e.name);
+    const auto packets = open_pcap(*path);
+    VelodyneProbe probe;
+    while (const auto packet = packets->next()) probe.add(*packet);
+    const auto stream = probe.result();
+    REQUIRE(stream);
+    CHECK(stream->model == e.model);
+    VelodyneDecoder decoder(*stream, sensor_preset(name(stream->model)));
+    std::vector<Scan> scans;
+    const auto again = open_pcap(*path);
+    while (const auto packet = again->next()) decoder.add(*packet, scans);
+    decoder.finish(scans);
+    CHECK(stream->scan_period_s == doctest::Approx(e.period_s).scale(0).epsilon(0.02));
+    CHECK(stream->field_of_view_deg == doctest::Approx(e.field_of_view_deg).scale(0).epsilon(0.03));
+    CHECK(scans.size() == e.scans);
+    CHECK(decoder.counts().lost == 0);
+    CHECK(decoder.counts().late == 0);
+  }
+}

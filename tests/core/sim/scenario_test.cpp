@@ -1,0 +1,175 @@
+#include "scenario.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include "ray_scene.h"
+
+using namespace hqslam;
+using namespace hqslam::sim;
+
+namespace {
+
+constexpr double kStep_s = 0.05;
+
+/// A drive, sampled every kStep_s of its first `duration_s`.
+struct SampledDrive {
+  std::unique_ptr<Scenario> scenario;
+  std::vector<Pose> T_world_sensor;
+
+  SampledDrive(const std::string& name, std::uint64_t seed, double duration_s) {
+    DriveSpec spec = drive_preset(name);
+    spec.seed = seed;
+    scenario = make_scenario(spec, duration_s);
+    for (double time_s = 0.0; time_s < duration_s; time_s += kStep_s) {
+      T_world_sensor.push_back(scenario->T_world_sensor(time_s));
+    }
+  }
+
+  double length_m() const {
+    double sum_m = 0.0;
+    for (std::size_t k = 1; k < T_world_sensor.size(); ++k) sum_m += step_m(k);
+    return sum_m;
+  }
+  double step_m(std::size_t k) const {
+    return (T_world_sensor[k].translation() - T_world_sensor[k - 1].translation()).norm();
+  }
+  double fastest_mps() const {
+    double fastest_m = 0.0;
+    for (std::size_t k = 1; k < T_world_sensor.size(); ++k) {
+      fastest_m = std::max(fastest_m, step_m(k));
+    }
+    return fastest_m / kStep_s;
+  }
+};
+
+struct Bounds {
+  double acceleration_mps2 = 0.0;
+  double angular_acceleration_rad_per_s2 = 0.0;
+};
+
+/// The largest second differences.
+Bounds bounds_of(const SampledDrive& drive) {
+  Bounds bounds;
+  const auto& T = drive.T_world_sensor;
+  for (std::size_t k = 1; k + 1 < T.size(); ++k) {
+    const Eigen::Vector3d bend =
+        T[k + 1].translation() - 2.0 * T[k].translation() + T[k - 1].translation();
+    const Pose turn = (T[k - 1].inverse() * T[k]).inverse() * (T[k].inverse() * T[k + 1]);
+    bounds.acceleration_mps2 = std::max(bounds.acceleration_mps2, bend.norm() / kStep_s / kStep_s);
+    bounds.angular_acceleration_rad_per_s2 = std::max(bounds.angular_acceleration_rad_per_s2,
+                                                      rotation_angle_rad(turn) / kStep_s / kStep_s);
+  }
+  return bounds;
+}
+
+/// How near the sensor comes to anything that stands still, level and at every meter or so; 0 if
+/// something stands between where it was and where it is next.
+double clearance_m(const SampledDrive& drive) {
+  const RayScene scene(drive.scenario->scenery());
+  double nearest_m = 100.0;
+  Eigen::Vector3d last_m = drive.T_world_sensor.front().translation();
+  for (const Pose& pose : drive.T_world_sensor) {
+    const Eigen::Vector3d here_m = pose.translation();
+    const Eigen::Vector3d way_m = here_m - last_m;
+    if (way_m.norm() < 0.5) continue;
+    if (scene.cast(last_m, way_m.normalized(), 0.0, way_m.norm())) return 0.0;
+    for (int k = 0; k < 24; ++k) {
+      const double angle_rad = 2.0 * std::numbers::pi * k / 24;
+      const auto hit =
+          scene.cast(here_m, {std::cos(angle_rad), std::sin(angle_rad), 0.0}, 0.0, nearest_m);
+      if (hit) nearest_m = hit->range_m;
+    }
+    last_m = here_m;
+  }
+  return nearest_m;
+}
+
+struct Expectation {
+  std::string drive;
+  double fastest_mps;
+  double acceleration_mps2;
+  double angular_acceleration_rad_per_s2;
+  double clearance_m;
+};
+
+}  // namespace
+
+TEST_CASE("every drive moves smoothly, at its pace, and clear of all that stands") {
+  const std::vector<Expectation> expectations = {
+      {"meadow", 20.5, 4.5, 1.5, 2.0},  {"narrow", 9.5, 4.0, 1.2, 1.2},
+      {"yard", 1.6, 1.3, 0.5, 1.2},     {"handheld", 1.8, 5.5, 13.0, 1.2},
+      {"car-park", 5.8, 4.0, 1.2, 1.2}, {"indoors", 1.3, 6.0, 6.0, 0.3},
+  };
+  for (const Expectation& expected : expectations) {
+    for (const std::uint64_t seed : {1, 2}) {
+      CAPTURE(expected.drive);
+      CAPTURE(seed);
+      const SampledDrive drive(expected.drive, seed, 180.0);
+      CHECK(drive.fastest_mps() < expected.fastest_mps);
+      CHECK(drive.length_m() > 0.35 * 180.0 * expected.fastest_mps);
+      const Bounds bounds = bounds_of(drive);
+      CHECK(bounds.acceleration_mps2 < expected.acceleration_mps2);
+      CHECK(bounds.angular_acceleration_rad_per_s2 < expected.angular_acceleration_rad_per_s2);
+      CHECK(clearance_m(drive) > expected.clearance_m);
+    }
+  }
+}
+
+TEST_CASE("a hand rolls and pitches by ten degrees about once in a second") {
+  const SampledDrive drive("handheld", 3, 60.0);
+  double largest_rad = 0.0;
+  int upwards = 0;
+  double last_rad = 0.0;
+  for (const Pose& pose : drive.T_world_sensor) {
+    const Eigen::Vector3d up = pose.linear().col(2);
+    const double roll_rad = std::atan2(pose.linear()(2, 1), up.z());
+    largest_rad = std::max(largest_rad, std::abs(roll_rad));
+    if (last_rad < 0.0 && roll_rad >= 0.0) ++upwards;
+    last_rad = roll_rad;
+  }
+  CHECK(largest_rad > 0.15);
+  CHECK(largest_rad < 0.19);
+  CHECK(upwards >= 55);
+  CHECK(upwards <= 65);
+}
+
+TEST_CASE("indoors the sensor stays at its height over floors and steps, on both storeys") {
+  const SampledDrive drive("indoors", 2, 200.0);
+  const RayScene scene(drive.scenario->scenery());
+  double lowest_m = 100.0;
+  double highest_m = -100.0;
+  for (std::size_t k = 0; k < drive.T_world_sensor.size(); k += 5) {
+    const Eigen::Vector3d here_m = drive.T_world_sensor[k].translation();
+    const auto floor = scene.cast(here_m, {0.0, 0.0, -1.0}, 0.0, 10.0);
+    REQUIRE(floor.has_value());
+    CHECK(std::abs(floor->range_m - 1.4) < 0.3);
+    CHECK(scene.cast(here_m, {0.0, 0.0, 1.0}, 0.0, 10.0).has_value());
+    lowest_m = std::min(lowest_m, here_m.z());
+    highest_m = std::max(highest_m, here_m.z());
+  }
+  CHECK(highest_m - lowest_m > 3.1);
+  CHECK(highest_m - lowest_m < 3.4);
+}
+
+TEST_CASE("a car park is passed in both directions") {
+  const SampledDrive drive("car-park", 1, 250.0);
+  // Of the places that are met again, some are met the other way round.
+  int same = 0;
+  int opposite = 0;
+  const auto& T = drive.T_world_sensor;
+  for (std::size_t later = 2400; later < T.size(); later += 20) {
+    for (std::size_t earlier = 0; earlier + 1200 < later; earlier += 20) {
+      if ((T[later].translation() - T[earlier].translation()).norm() > 4.0) continue;
+      const double cosine = T[later].linear().col(0).dot(T[earlier].linear().col(0));
+      same += cosine > 0.9 ? 1 : 0;
+      opposite += cosine < -0.9 ? 1 : 0;
+    }
+  }
+  CHECK(same > 10);
+  CHECK(opposite > 10);
+}

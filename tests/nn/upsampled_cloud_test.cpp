@@ -1,0 +1,191 @@
+#include "hqslam/nn/upsampled_cloud.h"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <string>
+
+#include "../error_message.h"
+#include "hqslam/core/cloud_error.h"
+#include "hqslam/core/projection.h"
+#include "hqslam/core/scan_source.h"
+
+namespace hqslam::nn {
+namespace {
+
+using hqslam::test::error_message;
+using hqslam::test::one_line_with;
+
+constexpr double kDegree = 0.017453292519943295;
+constexpr RowSelection kMeasuredRows = {1, 2};
+
+/// Six rows of 16 columns, of which rows 1, 3 and 5 are measured.
+SensorModel small_sensor() {
+  SensorModel sensor;
+  sensor.name = "small";
+  sensor.columns = 16;
+  for (int row = 0; row < 6; ++row) {
+    sensor.beam_elevation_rad.push_back((10.0 - 4.0 * row) * kDegree);
+    sensor.beam_azimuth_offset_rad.push_back(0.0);
+  }
+  return sensor;
+}
+
+RangeImage image_of(const SensorModel& sensor) {
+  RangeImage image(sensor.rows(), sensor.columns);
+  for (std::size_t i = 0; i < image.range_m.size(); ++i) {
+    image.range_m[i] = i % 7 == 3 ? 0.0F : 5.0F + 0.1F * static_cast<float>(i);
+  }
+  return image;
+}
+
+double elevation_rad(const Eigen::Vector3f& point_m) {
+  return std::asin(static_cast<double>(point_m.z()) / point_m.cast<double>().norm());
+}
+
+/// A point of the same azimuth as the pixel's centre, at this elevation.
+Eigen::Vector3f point_at(const SensorModel& sensor, int row, int column, double range_m,
+                         double elevation) {
+  const double azimuth = sensor.azimuth_rad(row, column);
+  return (range_m * Eigen::Vector3d(std::cos(elevation) * std::cos(azimuth),
+                                    std::cos(elevation) * std::sin(azimuth), std::sin(elevation)))
+      .cast<float>();
+}
+
+}  // namespace
+
+TEST_CASE("measured points and their times stay as they are, to the bit") {
+  const SensorModel sensor = small_sensor();
+  OrganizedCloud measured =
+      select_rows(unproject(image_of(sensor), sensor, CaptureTime::kRolling), kMeasuredRows);
+  for (std::size_t i = 0; i < measured.points_m.size(); ++i) {
+    measured.points_m[i] *= 1.0F + 0.01F * static_cast<float>(i % 5);
+    measured.time_offset_s[i] += 0.001F * static_cast<float>(i % 3);
+  }
+  const OrganizedCloud cloud =
+      upsampled_cloud({RangeImage(6, 16), {}}, measured, kMeasuredRows, sensor);
+  const OrganizedCloud kept = select_rows(cloud, kMeasuredRows);
+  CHECK(kept.points_m == measured.points_m);
+  CHECK(kept.range_m == measured.range_m);
+  CHECK(kept.time_offset_s == measured.time_offset_s);
+}
+
+TEST_CASE("the scans of a sensor that keeps to its beam table become what unproject makes") {
+  const SensorModel sensor = small_sensor();
+  const RangeImage image = image_of(sensor);
+  for (const CaptureTime time : {CaptureTime::kRolling, CaptureTime::kMotionCorrected}) {
+    const OrganizedCloud expected = unproject(image, sensor, time);
+    const OrganizedCloud cloud =
+        upsampled_cloud({image, {}}, select_rows(expected, kMeasuredRows), kMeasuredRows, sensor);
+    CHECK(cloud.points_m == expected.points_m);
+    CHECK(cloud.range_m == expected.range_m);
+    CHECK(cloud.time_offset_s == expected.time_offset_s);
+  }
+}
+
+TEST_CASE("a computed point deviates from its beam as the measured ones above and below do") {
+  const SensorModel sensor = small_sensor();
+  RangeImage lifted(6, 16);
+  lifted.range_m.assign(lifted.range_m.size(), 20.0F);
+  OrganizedCloud measured(3, 16);
+  const auto measure = [&](int measured_row, int column, double deviation_deg) {
+    const int row = kMeasuredRows.offset + measured_row * kMeasuredRows.stride;
+    const std::size_t pixel = measured.index(measured_row, column);
+    measured.range_m[pixel] = 10.0F;
+    measured.points_m[pixel] = point_at(sensor, row, column, 10.0,
+                                        sensor.beam_elevation_rad[row] + deviation_deg * kDegree);
+  };
+  measure(0, 4, 0.2);
+  measure(1, 4, 0.4);   // row 2 of column 4 lies half way between the two
+  measure(1, 5, 0.4);   // row 2 of column 5 has only the one below
+  measure(0, 6, -0.3);  // row 0 lies above the first measured row
+
+  const OrganizedCloud cloud = upsampled_cloud({lifted, {}}, measured, kMeasuredRows, sensor);
+  const auto deviation_deg = [&](int row, int column) {
+    return (elevation_rad(cloud.points_m[cloud.index(row, column)]) -
+            sensor.beam_elevation_rad[row]) /
+           kDegree;
+  };
+  CHECK(deviation_deg(2, 4) == doctest::Approx(0.3).epsilon(1e-3));
+  CHECK(deviation_deg(2, 5) == doctest::Approx(0.4).epsilon(1e-3));
+  CHECK(deviation_deg(0, 6) == doctest::Approx(-0.3).epsilon(1e-3));
+  CHECK(std::abs(deviation_deg(2, 7)) < 1e-4);
+  for (const int row : {0, 2, 4}) {
+    for (int column = 0; column < 16; ++column) {
+      const Eigen::Vector3f& point_m = cloud.points_m[cloud.index(row, column)];
+      CHECK(point_m.norm() == doctest::Approx(20.0).epsilon(1e-6));
+      CHECK(std::remainder(std::atan2(point_m.y(), point_m.x()) - sensor.azimuth_rad(row, column),
+                           2.0 * 3.141592653589793) == doctest::Approx(0.0).epsilon(1e-6));
+    }
+  }
+}
+
+TEST_CASE("a computed point is as late as the measured ones near it, and stays inside the scan") {
+  const SensorModel sensor = small_sensor();
+  RangeImage image(6, 16);
+  image.range_m.assign(image.range_m.size(), 10.0F);
+  const OrganizedCloud model = unproject(image, sensor, CaptureTime::kRolling);
+  OrganizedCloud measured = select_rows(model, kMeasuredRows);
+  constexpr float kLate_s = 0.03F;
+  for (float& time_s : measured.time_offset_s) {
+    time_s = std::remainder(time_s + kLate_s, 0.1F);
+  }
+  const OrganizedCloud cloud = upsampled_cloud({image, {}}, measured, kMeasuredRows, sensor);
+  for (int column = 0; column < 16; ++column) {
+    const float time_s = cloud.time_offset_s[cloud.index(2, column)];
+    CHECK(time_s == doctest::Approx(measured.time_offset_s[measured.index(1, column)]));
+    CHECK(std::abs(time_s) <= 0.05F + 1e-6F);
+  }
+}
+
+TEST_CASE("images that are not of the sensor are refused in one line") {
+  const SensorModel sensor = small_sensor();
+  CHECK(one_line_with(
+      error_message([&] {
+        upsampled_cloud({RangeImage(6, 16), {}}, OrganizedCloud(2, 16), kMeasuredRows, sensor);
+      }),
+      "3 measured", "2 x 16"));
+  CHECK(one_line_with(
+      error_message([&] {
+        upsampled_cloud({RangeImage(3, 16), {}}, OrganizedCloud(3, 16), kMeasuredRows, sensor);
+      }),
+      "6 upsampled", "3 x 16"));
+}
+
+TEST_CASE(
+    "on a real scan the true ranges become points nearer to the true ones than by the table") {
+  const char* data = std::getenv("HQSLAM_DATA");
+  if (data == nullptr) {
+    MESSAGE("SKIPPED: HQSLAM_DATA is not set");
+    return;
+  }
+  const SensorModel sensor = sensor_preset("hdl-64e");
+  const RowSelection rows = selection_for(64, 16);
+  const OrganizedCloud truth =
+      open_recording(std::string(data) + "/kitti_drive_0005", sensor)->next()->cloud;
+  const OrganizedCloud joined =
+      upsampled_cloud({range_image(truth), {}}, select_rows(truth, rows), rows, sensor);
+  const OrganizedCloud by_table =
+      unproject(range_image(truth), sensor, CaptureTime::kMotionCorrected);
+  double joined_sum_m = 0.0;
+  double table_sum_m = 0.0;
+  for (std::size_t pixel = 0; pixel < truth.points_m.size(); ++pixel) {
+    joined_sum_m += (joined.points_m[pixel] - truth.points_m[pixel]).norm();
+    table_sum_m += (by_table.points_m[pixel] - truth.points_m[pixel]).norm();
+  }
+  CHECK(joined_sum_m < 0.6 * table_sum_m);
+}
+
+TEST_CASE("the confidence of a lifted image is that of its cloud") {
+  const SensorModel sensor = small_sensor();
+  const RangeImage image = image_of(sensor);
+  const OrganizedCloud measured =
+      select_rows(unproject(image, sensor, CaptureTime::kMotionCorrected), kMeasuredRows);
+  LiftedImage lifted{image, std::vector<float>(image.range_m.size(), 0.25F)};
+  lifted.confidence[17] = 0.75F;
+  CHECK(upsampled_cloud(lifted, measured, kMeasuredRows, sensor).confidence == lifted.confidence);
+  CHECK(upsampled_cloud({image, {}}, measured, kMeasuredRows, sensor).confidence.empty());
+}
+
+}  // namespace hqslam::nn

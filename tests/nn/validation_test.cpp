@@ -1,0 +1,96 @@
+#include "../../nn/src/training/validation.h"
+
+#include <doctest/doctest.h>
+
+#include "small_network.h"
+
+namespace hqslam::nn {
+namespace {
+
+/// Says the same image and confidence of every scan.
+class FixedNetwork final : public Network {
+ public:
+  explicit FixedNetwork(LiftedImage lifted) : lifted_(std::move(lifted)) {}
+  std::int64_t multiply_adds() const override { return 0; }
+  void set_parameters(std::span<const float>) override {}
+  const LiftedImage& lift(const RangeImage&, float) override { return lifted_; }
+  Trace trace(const RangeImage&) override { return {}; }
+  double add_gradient(const RangeImage&, const RangeImage&, const LossOptions&, std::uint64_t,
+                      std::span<float>) override {
+    return 0.0;
+  }
+
+ private:
+  LiftedImage lifted_;
+};
+
+/// Walls 10 m away; the first 16 columns of the row above the second measured one see nothing.
+RangeImage truth() {
+  RangeImage image(16, 64);
+  for (float& range_m : image.range_m) range_m = 10.0F;
+  for (int column = 0; column < 16; ++column) image.at(6, column) = 0.0F;
+  // Linear interpolation misses what lies between two rows without returns.
+  for (const int row : {7, 11}) {
+    for (int column = 40; column < 44; ++column) image.at(row, column) = 0.0F;
+  }
+  return image;
+}
+
+}  // namespace
+
+TEST_CASE("validation empties the least sure pixels until as much is missing as linearly") {
+  LiftedImage lifted{truth(), std::vector<float>(16 * 64, 0.9F)};
+  for (int column = 0; column < 16; ++column) {
+    lifted.image.at(6, column) = 30.0F;  // invented, and hardly believed
+    lifted.confidence[lifted.image.index(6, column)] = 0.105F;
+  }
+  for (int row = 8; row < 11;
+       ++row) {  // true returns that are hardly believed: as many as linear's
+    for (int column = 40; column < 44; ++column) {
+      lifted.confidence[lifted.image.index(row, column)] = 0.205F;
+    }
+  }
+  FixedNetwork network(lifted);
+  const NetworkDescription description = small_du_or();
+  const Validation validation = validation_of({validated_scan(network, description, truth())});
+  // Of 12 x 64 computed pixels 16 have no true return; 12 + 2 x 8 lie beside empty measured rows.
+  CHECK(validation.linear.missing_share > 0.0);
+  CHECK(validation.network.missing_share == doctest::Approx(12.0 / (12 * 64 - 16)));
+  CHECK(validation.network.missing_share <= validation.linear.missing_share);
+  CHECK(validation.network.wrong_share == 0.0);
+  CHECK(validation.network.mae_valid_m == 0.0);
+  CHECK(validation.network.mae_all_m == doctest::Approx(12 * 10.0 / (16 * 64)));
+  CHECK(validation.least_confidence > 0.205);
+}
+
+TEST_CASE("what says nothing of its confidence is taken as it is") {
+  LiftedImage lifted{truth(), {}};
+  lifted.image.at(1, 5) = 10.4F;
+  lifted.image.at(1, 6) = 12.0F;
+  lifted.image.at(6, 3) = 7.0F;  // where truth has nothing
+  lifted.image.at(2, 9) = 0.0F;
+  FixedNetwork network(lifted);
+  const Validation validation = validation_of({validated_scan(network, small_du_or(), truth())});
+  CHECK(validation.network.wrong_share == doctest::Approx(2.0 / (12 * 64 - 16)));
+  CHECK(validation.network.missing_share == doctest::Approx(1.0 / (12 * 64 - 16)));
+  CHECK(validation.network.mae_all_m == doctest::Approx((0.4 + 2.0 + 7.0 + 10.0) / (16 * 64)));
+}
+
+TEST_CASE("the exponent of the confidence makes it the share that is right") {
+  // Said with 0.5, right with 0.25; said with 0.25, right with 0.0625: squares.
+  LiftedImage lifted{truth(), std::vector<float>(16 * 64)};
+  int number = 0;
+  for (std::size_t i = 0; i < lifted.confidence.size(); ++i) {
+    const bool often = i / 64 % 2 == 0;
+    lifted.confidence[i] = often ? 0.5F : 0.25F;
+    const bool right = number++ % 16 < (often ? 4 : 1);
+    lifted.image.range_m[i] = right ? 10.0F : 20.0F;
+  }
+  RangeImage walls(16, 64);
+  for (float& range_m : walls.range_m) range_m = 10.0F;
+  FixedNetwork network(lifted);
+  const Validation validation = validation_of({validated_scan(network, small_du_or(), walls)});
+  CHECK(validation.confidence_exponent == doctest::Approx(2.0).epsilon(0.02));
+}
+
+}  // namespace hqslam::nn

@@ -1,0 +1,63 @@
+#include "table_drive.h"
+
+#include <doctest/doctest.h>
+
+#include <filesystem>
+
+#include "file_contents.h"
+#include "hqslam/core/npy.h"
+#include "temporary_directory.h"
+
+namespace hqslam::tools {
+namespace {
+
+/// A stack of images of 16 x 64 pixels, image i filled with ranges[i].
+void write_stack(const std::vector<float>& ranges_m, const std::string& path) {
+  NpyStackWriter writer(path, 16, 64);
+  for (const float range_m : ranges_m) {
+    RangeImage image(16, 64);
+    image.range_m.assign(image.range_m.size(), range_m);
+    writer.append(image);
+  }
+}
+
+std::string identity(const std::string& recording, std::int64_t scans) {
+  return identity_of({"name", recording, "", "", std::nullopt}, scans);
+}
+
+}  // namespace
+
+TEST_CASE("a stack is known by the images that are used, wherever it lies") {
+  const test::TemporaryDirectory folder;
+  write_stack({1.0F, 2.0F}, folder.file("a.npy"));
+  std::filesystem::create_directory(folder.file("drive"));
+  write_stack({1.0F, 2.0F, 3.0F}, folder.file("drive/scans.npy"));
+  const std::string two = identity(folder.file("a.npy"), 2);
+  CHECK(identity(folder.file("drive"), 2) == two);
+  CHECK(identity(folder.file("drive"), 3) != two);
+  CHECK(identity(folder.file("a.npy"), 1) != two);
+}
+
+TEST_CASE("as many other scans at the same path are another recording") {
+  const test::TemporaryDirectory folder;
+  write_stack({1.0F, 2.0F}, folder.file("a.npy"));
+  const std::string before = identity(folder.file("a.npy"), 2);
+  write_stack({1.0F, 0.0F}, folder.file("a.npy"));
+  CHECK(identity(folder.file("a.npy"), 2) != before);
+}
+
+TEST_CASE("a folder of files is known by their names and bytes, not by its place") {
+  const test::TemporaryDirectory folder;
+  for (const char* name : {"a", "b"}) {
+    std::filesystem::create_directory(folder.file(name));
+    test::write_file(folder.file(std::string(name) + "/000000.bin"), "0123456789abcdef");
+  }
+  const std::string before = identity(folder.file("a"), 1);
+  CHECK(identity(folder.file("b"), 1) == before);
+  test::write_file(folder.file("b/000000.bin"), "0123456789abcdeF");
+  CHECK(identity(folder.file("b"), 1) != before);
+  std::filesystem::rename(folder.file("a/000000.bin"), folder.file("a/000001.bin"));
+  CHECK(identity(folder.file("a"), 1) != before);
+}
+
+}  // namespace hqslam::tools

@@ -1,0 +1,257 @@
+#include "hqslam/slam/dense_map.h"
+
+#include <doctest/doctest.h>
+#include <omp.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <random>
+
+#include "error_message.h"
+
+using namespace hqslam;
+using namespace hqslam::slam;
+using hqslam::test::error_message;
+using hqslam::test::one_line_with;
+
+namespace {
+
+/// A cloud of one row with these points.
+OrganizedCloud cloud_of(const std::vector<Eigen::Vector3f>& points_m) {
+  OrganizedCloud cloud(1, static_cast<int>(points_m.size()));
+  cloud.points_m = points_m;
+  for (std::size_t i = 0; i < points_m.size(); ++i) cloud.range_m[i] = points_m[i].norm();
+  return cloud;
+}
+
+OrganizedCloud computed(OrganizedCloud cloud, float confidence) {
+  cloud.confidence.assign(cloud.range_m.size(), confidence);
+  return cloud;
+}
+
+/// An upright wall `x_m` ahead, 2 m wide and 1 m high, in steps of 5 cm.
+std::vector<Eigen::Vector3f> wall(float x_m) {
+  std::vector<Eigen::Vector3f> points_m;
+  for (int i = 0; i < 40; ++i) {
+    for (int k = 0; k < 20; ++k) {
+      points_m.emplace_back(x_m, -0.975F + 0.05F * static_cast<float>(i),
+                            -0.475F + 0.05F * static_cast<float>(k));
+    }
+  }
+  return points_m;
+}
+
+const SensorPath kOrigin{Pose::Identity()};
+
+SensorPath at(double x_m, double y_m = 0.0) {
+  return SensorPath(Pose(Eigen::Translation3d(x_m, y_m, 0.0)));
+}
+
+std::size_t points_near_x(const std::vector<DenseMapPoint>& points, float x_m) {
+  return static_cast<std::size_t>(std::count_if(points.begin(), points.end(), [&](const auto& p) {
+    return std::abs(p.point_m.x() - x_m) < 0.06F;
+  }));
+}
+
+bool same_bytes(const std::vector<DenseMapPoint>& a, const std::vector<DenseMapPoint>& b) {
+  return a.size() == b.size() &&
+         std::memcmp(a.data(), b.data(), a.size() * sizeof(DenseMapPoint)) == 0;
+}
+
+/// Scans of a random scatter about the sensor, measured and computed, from places along a line.
+std::vector<OrganizedCloud> random_scans(int count) {
+  std::mt19937 generator(11);
+  const auto random = [&](double extent) {
+    return static_cast<float>(extent * (static_cast<double>(generator() % 2001) / 1000.0 - 1.0));
+  };
+  std::vector<OrganizedCloud> scans;
+  for (int scan = 0; scan < count; ++scan) {
+    OrganizedCloud cloud(4, 500);
+    for (std::size_t i = 0; i < cloud.range_m.size(); ++i) {
+      cloud.points_m[i] = {random(3.0), random(3.0), random(1.0)};
+      cloud.range_m[i] = cloud.points_m[i].norm();
+      cloud.confidence.push_back(i % 4 == 0 ? 1.0F : 0.5F + random(0.5));
+      cloud.time_offset_s.push_back(random(0.05));
+    }
+    scans.push_back(cloud);
+  }
+  return scans;
+}
+
+std::vector<DenseMapPoint> map_of(const std::vector<OrganizedCloud>& scans, bool backwards) {
+  Trajectory trajectory;
+  for (std::size_t i = 0; i < scans.size(); ++i) {
+    const double k = static_cast<double>(i);
+    trajectory.push_back({0.1 * k, pose_from_xyz_rpy({0.5 * k, 0.0, 0.0}, 0.0, 0.0, 0.1 * k)});
+  }
+  std::vector<std::size_t> order(scans.size());
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = backwards ? order.size() - 1 - i : i;
+  DenseMap map({});
+  for (const std::size_t i : order) map.insert(scans[i], std::nullopt, SensorPath(trajectory, i));
+  for (const std::size_t i : order) map.see_through(scans[i], SensorPath(trajectory, i));
+  return map.points();
+}
+
+}  // namespace
+
+TEST_CASE("one point per voxel: the mean of the measured ones, in the map's frame") {
+  DenseMap map({});
+  map.insert(cloud_of({{1.02F, 0.05F, 0.05F}, {1.06F, 0.05F, 0.05F}, {1.15F, 0.05F, 0.05F}}),
+             std::nullopt, at(10.0));
+  const auto points = map.points();
+  REQUIRE(points.size() == 2);
+  CHECK(map.voxels() == 2);
+  CHECK((points[0].point_m - Eigen::Vector3f(11.04F, 0.05F, 0.05F)).norm() < 1e-3F);
+  CHECK((points[1].point_m - Eigen::Vector3f(11.15F, 0.05F, 0.05F)).norm() < 1e-3F);
+  CHECK(points[0].times_seen == 1);
+}
+
+TEST_CASE("points of a turning, driving sensor are put where it was when it measured them") {
+  Trajectory trajectory;
+  for (int i = 0; i < 3; ++i) {
+    trajectory.push_back({0.1 * i, pose_from_xyz_rpy({1.0 * i, 0.0, 0.0}, 0.0, 0.0, 0.2 * i)});
+  }
+  // One thing, seen early and late.
+  const Eigen::Vector3d thing_m(4.05, 3.05, 0.05);
+  std::vector<Eigen::Vector3f> seen_m;
+  const SensorPath path(trajectory, 1);
+  for (const double t : {-0.05, 0.05}) {
+    seen_m.push_back((path.at(t).inverse() * thing_m).cast<float>());
+  }
+  OrganizedCloud cloud = cloud_of(seen_m);
+  cloud.time_offset_s = {-0.05F, 0.05F};
+  DenseMap map({});
+  map.insert(cloud, std::nullopt, path);
+  const auto points = map.points();
+  REQUIRE(points.size() == 1);
+  CHECK((points[0].point_m.cast<double>() - thing_m).norm() < 2e-3);
+}
+
+TEST_CASE("a wall that other scans see through vanishes; one that they see stays") {
+  DenseMap map({});
+  // Something stands 5 m ahead in two scans and is gone in six.
+  for (int i = 0; i < 2; ++i) map.insert(cloud_of(wall(5.05F)), std::nullopt, kOrigin);
+  std::vector<Eigen::Vector3f> behind_m = wall(10.05F);
+  for (int i = 0; i < 6; ++i) map.insert(cloud_of(behind_m), std::nullopt, kOrigin);
+  const std::size_t before = points_near_x(map.points(), 5.05F);
+  CHECK(before == 200);
+  for (int i = 0; i < 2; ++i) map.see_through(cloud_of(wall(5.05F)), kOrigin);
+  // The far wall fills half of the near one's angle; a dense one meets every voxel on the way.
+  for (int i = 0; i < 6; ++i) {
+    std::vector<Eigen::Vector3f> dense_m;
+    for (const Eigen::Vector3f& point_m : wall(5.05F)) dense_m.push_back(10.05F / 5.05F * point_m);
+    map.see_through(cloud_of(dense_m), kOrigin);
+  }
+  CHECK(points_near_x(map.points(), 5.05F) == 0);
+  CHECK(points_near_x(map.points(), 10.05F) == 200);
+}
+
+TEST_CASE("a computed wall is believed when scans agree, a lone computed point is not") {
+  const OrganizedCloud lone = computed(cloud_of({{5.05F, 0.05F, 0.05F}}), 0.5F);
+  DenseMap map({});
+  map.insert(lone, std::nullopt, kOrigin);
+  CHECK(map.points().empty());
+  map.insert(lone, std::nullopt, kOrigin);
+  REQUIRE(map.points().size() == 1);
+  CHECK(map.points()[0].confidence == doctest::Approx(0.5).epsilon(1e-3));
+  CHECK(map.points()[0].times_seen == 2);
+}
+
+TEST_CASE("a computed point between measured ones is believed sooner than one in the open") {
+  DenseMap map({});
+  map.insert(cloud_of({{5.05F, -0.05F, 0.05F}, {5.05F, 0.15F, 0.05F}}), std::nullopt, kOrigin);
+  map.insert(computed(cloud_of({{5.05F, 0.05F, 0.05F}, {5.05F, 2.05F, 0.05F}}), 0.5F), std::nullopt,
+             kOrigin);
+  CHECK(map.points().size() == 3);
+}
+
+TEST_CASE("rows between the measured ones are computed, and taken as half right if nobody says") {
+  OrganizedCloud cloud(2, 1);
+  cloud.points_m = {{5.05F, 0.05F, 0.05F}, {5.05F, 0.05F, 1.05F}};
+  cloud.range_m = {5.05F, 5.16F};
+  DenseMap map({});
+  map.insert(cloud, RowSelection{1, 2}, kOrigin);
+  REQUIRE(map.points().size() == 1);
+  CHECK(map.points()[0].point_m.z() > 1.0F);
+  DenseMapOptions trusting;
+  trusting.assumed_confidence = 0.9;
+  DenseMap other(trusting);
+  other.insert(cloud, RowSelection{1, 2}, kOrigin);
+  CHECK(other.points().size() == 2);
+}
+
+TEST_CASE("the same scans give the same bytes, in any order, with one thread and with three") {
+  const auto scans = random_scans(8);
+  const int before = omp_get_max_threads();
+  omp_set_num_threads(1);
+  const auto one = map_of(scans, false);
+  const auto backwards = map_of(scans, true);
+  omp_set_num_threads(3);
+  const auto three = map_of(scans, false);
+  omp_set_num_threads(before);
+  CHECK(one.size() > 500);
+  CHECK(same_bytes(one, backwards));
+  CHECK(same_bytes(one, three));
+}
+
+TEST_CASE("memory is bounded: what is full takes no further voxels and says so") {
+  DenseMapOptions options;
+  options.max_voxels = 100;
+  DenseMap map(options);
+  map.insert(cloud_of(wall(5.05F)), std::nullopt, kOrigin);
+  CHECK(map.is_full());
+  CHECK(map.voxels() == 100);
+  map.insert(cloud_of(wall(5.05F)), std::nullopt, kOrigin);
+  CHECK(map.voxels() == 100);
+  const auto points = map.points();
+  REQUIRE(points.size() == 100);
+  CHECK(std::all_of(points.begin(), points.end(), [](const auto& p) { return p.times_seen == 2; }));
+}
+
+TEST_CASE("points beyond the range, without a return or not finite leave no trace") {
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  constexpr float kInfinite = std::numeric_limits<float>::infinity();
+  OrganizedCloud cloud =
+      cloud_of({{60.0F, 0.0F, 0.0F}, {5.0F, 0.0F, 0.0F}, {kNan, 0.0F, 0.0F}, {1e30F, 0.0F, 0.0F}});
+  cloud.range_m = {60.0F, 0.0F, 5.0F, 5.0F};
+  DenseMap map({});
+  map.insert(cloud, std::nullopt, kOrigin);
+  map.see_through(cloud, kOrigin);
+  cloud.range_m = {kNan, kInfinite, -5.0F, kInfinite};
+  map.insert(cloud, std::nullopt, kOrigin);
+  cloud.range_m.assign(4, 5.0F);
+  cloud.time_offset_s.assign(4, kNan);
+  map.insert(cloud, std::nullopt, kOrigin);
+  map.see_through(cloud, kOrigin);
+  CHECK(map.voxels() == 0);
+  CHECK(map.points().empty());
+}
+
+TEST_CASE("clouds, poses and options that cannot be are errors of one line") {
+  DenseMap map({});
+  OrganizedCloud cloud = cloud_of({{5.0F, 0.0F, 0.0F}, {6.0F, 0.0F, 0.0F}});
+  cloud.confidence = {1.0F};
+  CHECK(one_line_with(error_message([&] { map.insert(cloud, std::nullopt, kOrigin); }), "1x2",
+                      "1 confidences"));
+  cloud.confidence.clear();
+  cloud.range_m.pop_back();
+  CHECK(one_line_with(error_message([&] { map.see_through(cloud, kOrigin); }), "1 ranges"));
+  Pose nowhere = Pose::Identity();
+  nowhere.translation().x() = std::numeric_limits<double>::infinity();
+  CHECK(
+      one_line_with(error_message([&] {
+                      map.insert(cloud_of({{5.0F, 0.0F, 0.0F}}), std::nullopt, SensorPath(nowhere));
+                    }),
+                    "pose", "not finite"));
+  DenseMapOptions options;
+  options.voxel_m = 0.0;
+  CHECK(one_line_with(error_message([&] { DenseMap{options}; }), "voxel_m", "0.02"));
+  options = {};
+  options.least_confidence = 1.0;
+  CHECK(one_line_with(error_message([&] { validate(options); }), "least_confidence", "0.999"));
+  options = {};
+  options.max_range_m = std::numeric_limits<double>::quiet_NaN();
+  CHECK(one_line_with(error_message([&] { validate(options); }), "max_range_m"));
+}

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "hqslam/core/organized_cloud.h"
+#include "hqslam/nn/upsampler.h"
+
+namespace hqslam::tools {
+
+/// What is left, and how good it is, when computed pixels below a confidence are emptied. Means
+/// over the scans; definitions as in `hqslam compare`.
+struct OperatingPoint {
+  double least_confidence = 0.0;
+  double mae_all_m = 0.0;
+  double mae_valid_m = 0.0;
+  double outlier_share = 0.0;  ///< of all points, farther than 0.5 m from the true cloud
+  double missing_share = 0.0;  ///< of the computed pixels' true returns, left empty
+  double f1 = 0.0;             ///< of voxels of 0.1 m
+};
+
+/// The computed pixels whose confidence lies in one tenth, over all scans.
+struct ReliabilityBin {
+  double confidence = 0.0;   ///< mean
+  double right_share = 0.0;  ///< truth has a return within 0.5 m of the pixel's range
+  std::int64_t pixels = 0;
+};
+
+/// How a network's confidence trades outliers for missing returns, and whether it can be believed.
+class ConfidenceCurve {
+ public:
+  /// network: with confidence 0 as its operating point. Throws Error if it has no confidence.
+  explicit ConfidenceCurve(nn::Upsampler network);
+  /// truth: a scan with all rows. Throws Error.
+  void add(const OrganizedCloud& truth);
+  std::vector<OperatingPoint> points() const;
+  std::vector<ReliabilityBin> reliability() const;
+  /// Mean distance of the bins from the diagonal, weighted by their pixels.
+  double calibration_error() const;
+
+ private:
+  nn::Upsampler network_;
+  std::vector<OperatingPoint> sums_;
+  std::vector<ReliabilityBin> bin_sums_;
+  std::int64_t scans_ = 0;
+};
+
+}  // namespace hqslam::tools

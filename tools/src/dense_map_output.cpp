@@ -1,0 +1,87 @@
+#include "dense_map_output.h"
+
+#include <fmt/format.h>
+
+#include <functional>
+#include <system_error>
+
+#include "hqslam/core/error.h"
+#include "report/cloud_picture.h"
+#include "result_folder.h"
+#include "text_file.h"
+
+namespace hqslam::tools {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kPictureColumns = 1600;
+constexpr int kAboveRows = 1200;
+constexpr int kPerspectiveRows = 900;
+
+void write_whole(const fs::path& path, const std::function<void(const std::string&)>& write) {
+  const fs::path part = path.string() + ".part";
+  std::error_code error;
+  try {
+    write(part.string());
+  } catch (const Error&) {
+    fs::remove(part, error);
+    throw;
+  }
+  fs::rename(part, path, error);
+  if (error) {
+    throw Error(fmt::format("{}: cannot be written ({}); give another --out", path.string(),
+                            error.message()));
+  }
+}
+
+}  // namespace
+
+DenseMapPictures pictures_of(const DenseMapRun& run, const Trajectory& path) {
+  std::vector<Eigen::Vector3f> points_m;
+  points_m.reserve(run.points.size());
+  for (const slam::DenseMapPoint& point : run.points) points_m.push_back(point.point_m);
+  const CloudScene scene{points_m, path, run.voxel_m};
+  return {cloud_from_above(scene, kAboveRows, kPictureColumns),
+          cloud_in_perspective(scene, kPerspectiveRows, kPictureColumns)};
+}
+
+void refuse_foreign_dense_map(const fs::path& folder) {
+  for (const char* name : {"dense_map.pcd", "dense_map.ply"}) {
+    refuse_to_replace_foreign((folder / name).string(), "written by hqslam");
+  }
+  if (fs::exists(folder / "dense_map.ply")) return;
+  for (const char* name : kDenseMapFiles) {
+    if (fs::exists(folder / name)) {
+      throw Error(fmt::format(
+          "{}: is there already and no dense map of hqslam beside it; give another --out or move "
+          "it",
+          (folder / name).string()));
+    }
+  }
+}
+
+void remove_dense_map(const fs::path& folder) {
+  std::error_code ignored;
+  // The .ply, by which the others are known as ours, goes last and comes first.
+  for (const char* name :
+       {kDenseMapFiles[0], kDenseMapFiles[2], kDenseMapFiles[3], kDenseMapFiles[1]}) {
+    fs::remove(folder / name, ignored);
+  }
+}
+
+void write_dense_map(const DenseMapRun& run, const DenseMapPictures& pictures,
+                     const fs::path& folder) {
+  make_result_folder(folder);
+  remove_dense_map(folder);
+  write_whole(folder / "dense_map.ply",
+              [&](const std::string& path) { slam::write_dense_map_ply(run.points, path); });
+  write_whole(folder / "dense_map.pcd",
+              [&](const std::string& path) { slam::write_dense_map_pcd(run.points, path); });
+  write_whole(folder / "dense_map_above.png",
+              [&](const std::string& path) { write_png(pictures.above, path); });
+  write_whole(folder / "dense_map_perspective.png",
+              [&](const std::string& path) { write_png(pictures.perspective, path); });
+}
+
+}  // namespace hqslam::tools

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <CLI/App.hpp>
+#include <string>
+#include <vector>
+
+namespace hqslam::tools {
+
+struct EvaluateMapOptions {
+  std::vector<std::string> maps;
+  std::string drive;
+};
+
+void declare_evaluate_map(CLI::App& app, EvaluateMapOptions& options);
+/// Returns an ExitStatus. Throws Error.
+int evaluate_map_command(const EvaluateMapOptions& options);
+
+}  // namespace hqslam::tools

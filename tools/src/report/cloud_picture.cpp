@@ -1,0 +1,199 @@
+#include "report/cloud_picture.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace hqslam::tools {
+namespace {
+
+using Rgb = std::array<std::uint8_t, 3>;
+
+constexpr Rgb kBackground = {17, 20, 28};
+/// From low to high: told apart by lightness too.
+constexpr std::array<Rgb, 5> kHeights = {
+    {{58, 76, 150}, {42, 132, 152}, {86, 178, 118}, {214, 200, 92}, {246, 236, 206}}};
+constexpr float kNothing = std::numeric_limits<float>::infinity();
+
+Rgb color_of_height(double share) {
+  const double position = std::clamp(share, 0.0, 1.0) * (kHeights.size() - 1);
+  const auto below = std::min(static_cast<std::size_t>(position), kHeights.size() - 2);
+  const double weight = position - static_cast<double>(below);
+  Rgb color{};
+  for (std::size_t i = 0; i < color.size(); ++i) {
+    color[i] = static_cast<std::uint8_t>(
+        std::lround((1.0 - weight) * kHeights[below][i] + weight * kHeights[below + 1][i]));
+  }
+  return color;
+}
+
+/// A point as the picture has it: pixels from the left and the top, and how far away it is.
+struct Spot {
+  double column = 0.0;
+  double row = 0.0;
+  double side = 1.0;  ///< pixels
+  float depth_m = 0.0F;
+  Rgb color{};
+};
+
+/// An image in which the nearest spot of a pixel is seen.
+class DepthImage {
+ public:
+  DepthImage(int rows, int columns) : depth_m_(static_cast<std::size_t>(rows) * columns, kNothing) {
+    image_.rows = rows;
+    image_.columns = columns;
+    image_.pixels.assign(depth_m_.size(), kBackground);
+  }
+
+  void draw(const Spot& spot) {
+    // Written so that what is not a number fails.
+    const double reach = spot.side / 2.0;
+    const bool is_inside = spot.column > -reach && spot.column < image_.columns + reach &&
+                           spot.row > -reach && spot.row < image_.rows + reach;
+    if (!is_inside) return;
+    const auto first = [&](double at) { return static_cast<int>(std::floor(at - reach + 0.5)); };
+    const auto last = [&](double at) {
+      return std::max(first(at), static_cast<int>(std::ceil(at + reach - 0.5)) - 1);
+    };
+    for (int row = std::max(0, first(spot.row)); row <= std::min(image_.rows - 1, last(spot.row));
+         ++row) {
+      for (int column = std::max(0, first(spot.column));
+           column <= std::min(image_.columns - 1, last(spot.column)); ++column) {
+        const std::size_t pixel = static_cast<std::size_t>(row) * image_.columns + column;
+        if (spot.depth_m >= depth_m_[pixel]) continue;
+        depth_m_[pixel] = spot.depth_m;
+        image_.pixels[pixel] = spot.color;
+      }
+    }
+  }
+
+  /// Darkens pixels behind nearer neighbours, so that edges in depth are seen.
+  /// Source: Boucheny, "Interactive scientific visualization of large datasets", 2009 (eye-dome
+  /// lighting).
+  RgbImage shaded() const {
+    RgbImage result = image_;
+    for (int row = 0; row < image_.rows; ++row) {
+      for (int column = 0; column < image_.columns; ++column) {
+        const std::size_t pixel = static_cast<std::size_t>(row) * image_.columns + column;
+        if (depth_m_[pixel] == kNothing) continue;
+        const double light = light_at(row, column);
+        for (std::uint8_t& channel : result.pixels[pixel]) {
+          channel = static_cast<std::uint8_t>(std::lround(light * channel));
+        }
+      }
+    }
+    return result;
+  }
+
+ private:
+  double light_at(int row, int column) const {
+    constexpr int kRadius = 2;
+    constexpr double kStrength = 6.0;
+    constexpr std::array<std::array<int, 2>, 8> kAround = {
+        {{-1, -1}, {-1, 0}, {-1, 1}, {0, -1}, {0, 1}, {1, -1}, {1, 0}, {1, 1}}};
+    const float depth_m = depth_m_[static_cast<std::size_t>(row) * image_.columns + column];
+    double behind = 0.0;
+    for (const auto& [down, right] : kAround) {
+      const int r = row + kRadius * down;
+      const int c = column + kRadius * right;
+      if (r < 0 || r >= image_.rows || c < 0 || c >= image_.columns) continue;
+      const float other_m = depth_m_[static_cast<std::size_t>(r) * image_.columns + c];
+      if (other_m < depth_m) behind += std::log(depth_m / other_m);
+    }
+    return std::max(0.25, std::exp(-kStrength * std::min(behind / 8.0, 1.0)));
+  }
+
+  RgbImage image_;
+  std::vector<float> depth_m_;
+};
+
+/// The heights between which colours change: all but a few points'.
+std::array<double, 2> range_of_heights(const std::vector<Eigen::Vector3f>& points_m) {
+  std::vector<float> heights_m;
+  for (const Eigen::Vector3f& point_m : points_m) heights_m.push_back(point_m.z());
+  if (heights_m.empty()) return {0.0, 1.0};
+  const auto at = [&](double share) {
+    const auto place = heights_m.begin() + static_cast<std::ptrdiff_t>(
+                                               share * static_cast<double>(heights_m.size() - 1));
+    std::nth_element(heights_m.begin(), place, heights_m.end());
+    return static_cast<double>(*place);
+  };
+  const double low_m = at(0.01);
+  return {low_m, std::max(low_m + 1.0, at(0.99))};
+}
+
+Eigen::AlignedBox2d surroundings_of(const Trajectory& path) {
+  constexpr double kMargin_m = 40.0;
+  Eigen::AlignedBox2d box(Eigen::Vector2d::Zero());
+  for (const StampedPose& pose : path) box.extend(pose.T_map_sensor.translation().head<2>());
+  box.min().array() -= kMargin_m;
+  box.max().array() += kMargin_m;
+  return box;
+}
+
+/// Behind and above a sensor, upright, looking ahead and down. Axes: x to the right, y down, z into
+/// the picture.
+Pose T_camera_map_behind(const Pose& T_map_sensor) {
+  constexpr double kBehind_m = 16.0;
+  constexpr double kAbove_m = 9.0;
+  constexpr double kDown = 0.34;  ///< per metre ahead
+  const Eigen::Vector2d heading = T_map_sensor.linear().col(0).head<2>().normalized();
+  const Eigen::Vector3d ahead(heading.x(), heading.y(), 0.0);
+  const Eigen::Vector3d look = (ahead - kDown * Eigen::Vector3d::UnitZ()).normalized();
+  const Eigen::Vector3d right = look.cross(Eigen::Vector3d::UnitZ()).normalized();
+  Pose T_map_camera = Pose::Identity();
+  T_map_camera.linear() << right, look.cross(right), look;
+  T_map_camera.translation() =
+      T_map_sensor.translation() - kBehind_m * ahead + kAbove_m * Eigen::Vector3d::UnitZ();
+  return T_map_camera.inverse();
+}
+
+}  // namespace
+
+RgbImage cloud_from_above(const CloudScene& scene, int rows, int columns) {
+  const Eigen::AlignedBox2d box = surroundings_of(scene.path);
+  const double pixels_per_m = std::min(columns / box.sizes().x(), rows / box.sizes().y());
+  const auto [low_m, high_m] = range_of_heights(scene.points_m);
+  DepthImage image(rows, columns);
+  for (const Eigen::Vector3f& point_m : scene.points_m) {
+    const Eigen::Vector2d from_centre_m = point_m.head<2>().cast<double>() - box.center();
+    Spot spot;
+    spot.column = columns / 2.0 + pixels_per_m * from_centre_m.x();
+    spot.row = rows / 2.0 - pixels_per_m * from_centre_m.y();
+    spot.side = std::max(1.0, pixels_per_m * scene.point_m);
+    // Seen from so high that depths hardly differ in ratio.
+    spot.depth_m = static_cast<float>(high_m + 60.0 - point_m.z());
+    spot.color = color_of_height((point_m.z() - low_m) / (high_m - low_m));
+    image.draw(spot);
+  }
+  return image.shaded();
+}
+
+RgbImage cloud_in_perspective(const CloudScene& scene, int rows, int columns) {
+  constexpr double kFocalLength = 0.8;  ///< per width of the picture
+  constexpr double kNearest_m = 3.0;
+  constexpr double kFarthest_m = 150.0;
+  constexpr double kLowest_m = -3.0;
+  constexpr double kHighest_m = 9.0;
+  DepthImage image(rows, columns);
+  if (scene.path.empty()) return image.shaded();
+  const Pose& T_map_sensor = scene.path[scene.path.size() / 3].T_map_sensor;
+  const Pose T_camera_map = T_camera_map_behind(T_map_sensor);
+  const double focal = kFocalLength * columns;
+  for (const Eigen::Vector3f& point_m : scene.points_m) {
+    const Eigen::Vector3d seen_m = T_camera_map * point_m.cast<double>();
+    if (!(seen_m.z() > kNearest_m && seen_m.z() < kFarthest_m)) continue;
+    const double height_m = point_m.z() - T_map_sensor.translation().z();
+    Spot spot;
+    spot.column = columns / 2.0 + focal * seen_m.x() / seen_m.z();
+    spot.row = rows / 2.0 + focal * seen_m.y() / seen_m.z();
+    spot.side = std::clamp(focal * scene.point_m / seen_m.z(), 1.0, 12.0);
+    spot.depth_m = static_cast<float>(seen_m.z());
+    spot.color = color_of_height((height_m - kLowest_m) / (kHighest_m - kLowest_m));
+    image.draw(spot);
+  }
+  return image.shaded();
+}
+
+}  // namespace hqslam::tools
