@@ -18,14 +18,15 @@ TEST_CASE("a point without time offset stays where it is") {
 }
 
 TEST_CASE("a sensor at 10 m/s sees a point of the scan's end 0.5 m nearer") {
-  const auto corrected = slam::motion_corrected({{{9.5F, 0, 0}, 0.05F, 0}}, {{10, 0, 0}, {}});
+  const auto corrected =
+      slam::motion_corrected({{{9.5F, 0, 0}, 0.05F, 0}}, {{10, 0, 0}, {0, 0, 0}});
   CHECK((corrected[0] - Eigen::Vector3f(10, 0, 0)).norm() < 1e-5F);
 }
 
 TEST_CASE("a sensor that turns on the spot sees a point ahead move to the other side") {
   // 2 rad/s to the left: after 0.05 s a point at the left stands 0.1 rad less to the left.
   const Eigen::Vector3f seen(10 * std::cos(0.4F), 10 * std::sin(0.4F), 1.0F);
-  const auto corrected = slam::motion_corrected({{seen, 0.05F, 0}}, {{}, {0, 0, 2}});
+  const auto corrected = slam::motion_corrected({{seen, 0.05F, 0}}, {{0, 0, 0}, {0, 0, 2}});
   const Eigen::Vector3f expected(10 * std::cos(0.5F), 10 * std::sin(0.5F), 1.0F);
   CHECK((corrected[0] - expected).norm() < 1e-5F);
 }
