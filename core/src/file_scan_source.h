@@ -8,8 +8,9 @@
 
 namespace hqslam {
 
-/// One scan per file, all .bin or all .pcd, in the order given.
+/// One scan per file, all of one kind, in the order given. Throws Error.
 std::unique_ptr<ScanSource> make_file_scan_source(std::vector<std::string> paths,
-                                                  const SensorModel& sensor);
+                                                  const SensorModel& sensor,
+                                                  const RecordingOptions& options);
 
 }  // namespace hqslam

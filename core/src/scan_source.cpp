@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <vector>
@@ -19,9 +20,17 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr std::array<const char*, 3> kBinaryPoints = {".bin", ".pcd", ".ply"};
+constexpr std::array<const char*, 2> kTextPoints = {".csv", ".txt"};
 constexpr const char* kKnownRecordings =
-    "a folder of .bin or .pcd files, one such file, an .npy stack of range images or a folder "
+    "a folder of .bin, .pcd, .ply, .txt or .csv files, one such file, an .npy stack of range "
+    "images or a folder "
     "written by 'hqslam simulate'";
+
+/// KITTI's file of stamps, and no scan.
+bool is_timestamps(const std::string& path) {
+  return fs::path(path).filename() == "timestamps.txt";
+}
 
 /// Files of a folder with this extension, in natural order.
 std::vector<std::string> files_in(const fs::path& folder, const std::string& extension) {
@@ -108,6 +117,29 @@ void refuse_row_order(const fs::path& recording, const RecordingOptions& options
       recording.string()));
 }
 
+/// The files of a folder with one of these extensions; empty if there are none. Throws Error if
+/// there are some with different ones.
+template <std::size_t N>
+std::vector<std::string> files_of_one_kind(const fs::path& folder,
+                                           const std::array<const char*, N>& extensions) {
+  std::vector<std::string> paths;
+  const char* kind = "";
+  for (const char* extension : extensions) {
+    std::vector<std::string> found = files_in(folder, extension);
+    std::erase_if(found, is_timestamps);
+    if (found.empty()) continue;
+    if (!paths.empty()) {
+      throw Error(
+          fmt::format("{}: expected files of one kind, found {} {} and {} {}; give a "
+                      "folder with one kind only",
+                      folder.string(), paths.size(), kind, found.size(), extension));
+    }
+    kind = extension;
+    paths = std::move(found);
+  }
+  return paths;
+}
+
 std::unique_ptr<ScanSource> open_folder(const fs::path& folder, const SensorModel& sensor,
                                         const RecordingOptions& options) {
   std::error_code error;
@@ -118,20 +150,16 @@ std::unique_ptr<ScanSource> open_folder(const fs::path& folder, const SensorMode
                                    fs::exists(confidence, error) ? confidence.string() : "");
   }
   refuse_row_order(folder, options);
-  std::vector<std::string> bin = files_in(folder, ".bin");
-  std::vector<std::string> pcd = files_in(folder, ".pcd");
-  if (!bin.empty() && !pcd.empty()) {
-    throw Error(
-        fmt::format("{}: expected files of one kind, found {} .bin and {} .pcd; give a "
-                    "folder with one kind only",
-                    folder.string(), bin.size(), pcd.size()));
+  std::vector<std::string> paths = files_of_one_kind(folder, kBinaryPoints);
+  if (!paths.empty()) return make_file_scan_source(std::move(paths), sensor, options);
+  // KITTI keeps the scans of a drive in folders of these names.
+  for (const char* below : {"velodyne", "velodyne_points/data"}) {
+    if (fs::is_directory(folder / below, error))
+      return open_folder(folder / below, sensor, options);
   }
-  if (!bin.empty()) return make_file_scan_source(std::move(bin), sensor);
-  if (!pcd.empty()) return make_file_scan_source(std::move(pcd), sensor);
-  // KITTI keeps the scans of a drive in a folder of this name.
-  if (fs::is_directory(folder / "velodyne", error)) {
-    return open_folder(folder / "velodyne", sensor, options);
-  }
+  // Last, because texts lie beside recordings of every kind.
+  if (files_in(folder, ".npy").empty()) paths = files_of_one_kind(folder, kTextPoints);
+  if (!paths.empty()) return make_file_scan_source(std::move(paths), sensor, options);
   fail_for_folder_without_scans(folder);
 }
 
@@ -149,9 +177,12 @@ std::unique_ptr<ScanSource> open_recording(const std::string& path, const Sensor
   }
   const fs::path extension = recording.extension();
   if (extension == ".npy") return make_image_stack_source(path, sensor, options);
-  if (extension == ".bin" || extension == ".pcd") {
+  const auto is_one_of = [&](const auto& extensions) {
+    return std::find(extensions.begin(), extensions.end(), extension) != extensions.end();
+  };
+  if (is_one_of(kBinaryPoints) || is_one_of(kTextPoints)) {
     refuse_row_order(recording, options);
-    return make_file_scan_source({path}, sensor);
+    return make_file_scan_source({path}, sensor, options);
   }
   throw Error(fmt::format("{}: expected a recording, found a file named '{}'; give {}", path,
                           extension.string(), kKnownRecordings));

@@ -294,9 +294,11 @@ TEST_CASE("a path that is no recording is refused in one line") {
   const std::string path = directory.path().string();
   CHECK(one_line_with(complaint_about("/nowhere", sensor), "/nowhere", "no such", "give a folder"));
   CHECK(one_line_with(complaint_about(path, sensor), path, "empty folder", ".bin or .pcd"));
-  write_file(directory.file("readme.txt"), "hello");
+  write_file(directory.file("readme.md"), "hello");
   CHECK(one_line_with(complaint_about(path, sensor), path, "found none"));
-  CHECK(one_line_with(complaint_about(directory.file("readme.txt"), sensor), "'.txt'"));
+  CHECK(one_line_with(complaint_about(directory.file("readme.md"), sensor), "'.md'"));
+  write_file(directory.file("readme.txt"), "hello");  // a kind of recording, but no points in it
+  CHECK(one_line_with(complaint_about(directory.file("readme.txt"), sensor), "columns x y z"));
   write_file(directory.file("a.npy"), "not numpy");
   CHECK(one_line_with(complaint_about(path, sensor), "a.npy", "give the path"));
   CHECK(one_line_with(complaint_about(directory.file("a.npy"), sensor), "a.npy", "NUMPY"));

@@ -181,7 +181,8 @@ TEST_CASE("other scans at the same place are not given the results of those befo
   const std::string drive = folder.file("drive");
   const auto path_of = [&](const std::string& seed) {
     fs::remove_all(drive);
-    run_hqslam("simulate --drive block --sensor os1-64 --scans 4 --seed " + seed + " --out '" +
+    // Long enough to set out: the drive begins standing.
+    run_hqslam("simulate --drive block --sensor os1-64 --scans 16 --seed " + seed + " --out '" +
                drive + "'");
     const ProgramResult result = run_hqslam(
         "table --drives '" + drive + "' --methods rows-16 --out '" + folder.file("out") + "'");

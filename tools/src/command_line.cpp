@@ -55,6 +55,9 @@ int run_subcommand(const std::string& name, const CommandLine& options) {
   if (name == "compare") {
     return compare_command(options.compare);
   }
+  if (name == "info") {
+    return info_command(options.info);
+  }
   if (name == "inspect") {
     return inspect_command(options.inspect);
   }
@@ -82,6 +85,7 @@ void declare_program(CLI::App& app, CommandLine& options) {
       "Exit status: 0 done, 2 wrong input (one line on stderr says what and how to mend it),\n"
       "130 interrupted, 1 anything else.");
   declare_run(app, options.run);
+  declare_info(app, options.info);
   declare_demo(app, options.demo);
   declare_simulate(app, options.simulate);
   declare_map(app, options.map);

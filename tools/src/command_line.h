@@ -7,6 +7,7 @@
 #include "demo_command.h"
 #include "evaluate_command.h"
 #include "evaluate_map_command.h"
+#include "info_command.h"
 #include "inspect_command.h"
 #include "map_command.h"
 #include "run_command.h"
@@ -28,6 +29,7 @@ struct CommandLine {
   EvaluateMapOptions evaluate_map;
   BenchOptions bench;
   CompareOptions compare;
+  InfoOptions info;
   InspectOptions inspect;
   TableOptions table;
   TrainOptions train;

@@ -160,11 +160,12 @@ void finish_curve(const ConfidenceCurve& curve, const CompareOptions& options, s
 template <typename Use>
 std::int64_t for_each_scan(const CompareOptions& options, const SensorModel& sensor,
                            const InterruptGuard& interrupt, const Use& use) {
-  const auto source = open_recording(options.input, sensor);
+  const auto source = open_input({options.input, options.sensor, "", false, {}}, sensor);
   Progress progress("compare", source->size());
   std::int64_t used = 0;
+  LeftOut left_out;
   for (std::int64_t i = 0; !interrupt.stop_requested(); ++i) {
-    const auto scan = source->next();
+    const auto scan = next_usable(*source, left_out);
     if (!scan) break;
     if (i % options.every == 0) {
       use(scan->cloud);
@@ -173,6 +174,7 @@ std::int64_t for_each_scan(const CompareOptions& options, const SensorModel& sen
     progress.update(i + 1);
   }
   progress.finish();
+  if (left_out.scans > 0) fmt::print(stderr, "hqslam: {}\n", left_out.text());
   return used;
 }
 

@@ -68,9 +68,10 @@ ReadingCounts read_all(
           : source->size();
   Progress progress(label, most);
   ReadingCounts counts;
+  LeftOut not_understood;  // as in the run that gave the poses
   try {
     for (std::int64_t i = 0; i < most && !reading.interrupt.stop_requested(); ++i) {
-      const std::optional<RecordedScan> scan = source->next();
+      const std::optional<RecordedScan> scan = next_usable(*source, not_understood);
       if (!scan) break;
       if (const auto pose = pose_of(reading.poses, i, scan->stamp_s)) {
         use(*scan, slam::SensorPath(reading.poses.trajectory, *pose));

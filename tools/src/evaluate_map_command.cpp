@@ -5,6 +5,7 @@
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
 #include <CLI/Validators.hpp>
+#include <Eigen/SVD>
 #include <filesystem>
 #include <optional>
 
@@ -29,15 +30,36 @@ struct PlacedMap {
   bool is_aligned = false;
 };
 
-/// T_truth_map that brings the trajectory beside a map as near to the truth as it gets.
+/// T_truth_map that brings the poses beside a map as near to the truth as one motion can: the mean
+/// of T_truth_sensor T_map_sensor^-1 over the scans. Rotations count, so a straight drive, whose
+/// places alone say nothing of roll, is no harder than another.
 std::optional<Pose> alignment_of(const fs::path& map, const TrajectoryFile& truth) {
+  constexpr double kSameTime_s = 0.01;
   const std::string path = file_of_drive(map.parent_path().string(), "trajectory.tum");
   if (path.empty()) {
     return std::nullopt;
   }
   const Trajectory trajectory = read_tum(path);
-  const AbsolutePoseError error = absolute_pose_error(trajectory, truth.poses, Alignment::kSe3);
-  return error.aligned_estimate.front().T_map_sensor * trajectory.front().T_map_sensor.inverse();
+  const PosePairs pairs = associate(trajectory, truth.poses, kSameTime_s);
+  if (pairs.estimate.empty()) {
+    throw Error(fmt::format("{}: no pose is of the time of a scan of the drive's", path));
+  }
+  Eigen::Matrix3d rotations = Eigen::Matrix3d::Zero();
+  for (std::size_t i = 0; i < pairs.estimate.size(); ++i) {
+    rotations += truth.poses[pairs.reference[i]].T_map_sensor.linear() *
+                 trajectory[pairs.estimate[i]].T_map_sensor.linear().transpose();
+  }
+  // The rotation nearest to the sum.
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(rotations, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  Pose T_truth_map = Pose::Identity();
+  T_truth_map.linear() = svd.matrixU() * svd.matrixV().transpose();
+  Eigen::Vector3d offset_m = Eigen::Vector3d::Zero();
+  for (std::size_t i = 0; i < pairs.estimate.size(); ++i) {
+    offset_m += truth.poses[pairs.reference[i]].T_map_sensor.translation() -
+                T_truth_map.linear() * trajectory[pairs.estimate[i]].T_map_sensor.translation();
+  }
+  T_truth_map.translation() = offset_m / static_cast<double>(pairs.estimate.size());
+  return T_truth_map;
 }
 
 PlacedMap placed_map(const std::string& path, const TrajectoryFile& truth) {

@@ -9,6 +9,7 @@
 #include "exit_status.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/scan_source.h"
+#include "recording_sensor.h"
 #include "report/layers_report.h"
 #include "text_file.h"
 #include "upsampling_plan.h"
@@ -17,7 +18,7 @@ namespace hqslam::tools {
 namespace {
 
 RangeImage scan_of(const InspectOptions& options, const SensorModel& sensor) {
-  const auto source = open_recording(options.input, sensor);
+  const auto source = open_input({options.input, options.sensor, "", false, {}}, sensor);
   if (options.scan >= source->size()) {
     throw Error(fmt::format("{}: has {} scans, expected one with index {}", options.input,
                             source->size(), options.scan));

@@ -1,21 +1,57 @@
 #pragma once
 
+#include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
+#include "hqslam/core/scan_source.h"
 #include "hqslam/core/sensor_model.h"
 
 namespace hqslam::tools {
+
+/// A recording as a user names it.
+struct InputRecording {
+  std::string input;
+  std::string sensor;        ///< a preset's name or a .json file; empty: what the recording says
+  std::string stream;        ///< of a capture or a bag; empty: the only one with scans
+  bool last_return = false;  ///< of two returns of a pulse; otherwise the strongest
+  RecordingOptions files;
+};
 
 /// A file that `hqslam simulate` or `hqslam upsample` leaves in its folder, if `input` is such a
 /// folder and has it; otherwise "".
 std::string file_of_drive(const std::string& input, const char* name);
 
 /// The sensor of a recording: `sensor` (a preset's name or a .json file) or, if that is empty, the
-/// sensor.json in the recording's folder. Nothing where neither says. Throws Error.
-std::optional<SensorModel> recording_sensor(const std::string& input, const std::string& sensor);
+/// sensor.json in the recording's folder. Of a capture or a bag: as the recording says, or `sensor`
+/// says, at the rate at which it turned. Nothing where neither says. Throws Error.
+std::optional<SensorModel> recording_sensor(const std::string& input, const std::string& sensor,
+                                            const std::string& stream = "");
 
 /// The same where one is needed: throws Error where neither says.
-SensorModel required_recording_sensor(const std::string& input, const std::string& sensor);
+SensorModel required_recording_sensor(const std::string& input, const std::string& sensor,
+                                      const std::string& stream = "");
+
+/// Opens any recording with the sensor that recording_sensor gave, or with the rows or columns of
+/// it that a network wants. Throws Error.
+std::unique_ptr<ScanSource> open_input(const InputRecording& recording, const SensorModel& sensor);
+
+/// Scans of a recording that could not be understood.
+struct LeftOut {
+  std::int64_t scans = 0;
+  std::string first;  ///< what was wrong with the first one
+
+  /// "2 scans were left out: ..."
+  std::string text() const;
+};
+
+/// The next scan that can be understood, or nothing at the end. Throws Error where the recording
+/// cannot be read on.
+std::optional<RecordedScan> next_usable(ScanSource& source, LeftOut& left_out);
+
+/// Prints what a user should know of the recording to stderr, a line each.
+void print_warnings(const ScanSource& source);
 
 }  // namespace hqslam::tools

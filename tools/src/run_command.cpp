@@ -12,6 +12,7 @@
 
 #include "exit_status.h"
 #include "hqslam/core/error.h"
+#include "hqslam/recordings/recording.h"
 #include "map_command.h"
 #include "recording_sensor.h"
 #include "run_output.h"
@@ -51,7 +52,9 @@ std::optional<TrajectoryFile> reference_of(const RunOptions& options, const Scan
                     path, reference.poses.size(), options.input, scans));
   }
   // A simulated drive's scans have the stamps of its truth.
-  if (reference.has_stamps && file_of_drive(options.input, "truth.tum").empty()) {
+  // Those of a capture or a bag have the recording's own.
+  if (reference.has_stamps && file_of_drive(options.input, "truth.tum").empty() &&
+      options.stamps.empty() && !recordings::is_capture_or_bag(options.input)) {
     require_stamps_of_scans(reference, scans, source.sensor().scan_period_s);
   }
   return reference;
@@ -108,6 +111,9 @@ void print_summary(const RunResult& result, const RunOptions& options) {
 /// What to tell the shell, with the one line on stderr that explains it.
 int exit_status_of(const RunResult& result, const RunOptions& options) {
   const SlamRun& run = result.run;
+  if (run.left_out.scans > 0 && !run.scans.empty()) {
+    fmt::print(stderr, "hqslam: {}\n", run.left_out.text());
+  }
   if (run.end == RunEnd::kComplete && options.dense_map && result.dense_map_summary.empty()) {
     fmt::print(stderr, "hqslam: interrupted; the results are valid, but there is no dense map\n");
     return kInterrupted;
@@ -190,6 +196,7 @@ RunResult run_and_write(const RunOptions& options, const InterruptGuard& interru
   }
   RunPlan plan = plan_of(options);
   const std::unique_ptr<ScanSource> source = plan.open();
+  print_warnings(*source);
   const std::optional<TrajectoryFile> reference = reference_of(options, *source);
   RunOutput output(options.out);
 

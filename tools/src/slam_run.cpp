@@ -25,7 +25,7 @@ double seconds_since(Clock::time_point start) {
 /// The next scan, or nothing at the end of the recording or at a scan that cannot be read.
 std::optional<RecordedScan> read_next(ScanSource& source, SlamRun& run) {
   try {
-    return source.next();
+    return next_usable(source, run.left_out);
   } catch (const Error& error) {
     run.end = RunEnd::kUnreadableScan;
     run.end_message = error.what();
@@ -141,6 +141,10 @@ SlamRun run_slam(ScanSource& source, const SlamRunSpec& spec, RunOutput& output,
   }
   run.wall_s = seconds_since(start);
   progress.finish();
+  if (run.scans.empty() && run.left_out.scans > 0 && run.end == RunEnd::kComplete) {
+    run.end = RunEnd::kUnreadableScan;
+    run.end_message = run.left_out.text();
+  }
   run.trajectory = slam.trajectory();
   run.map_points_m = slam.map_points_m();
   return run;

@@ -13,6 +13,7 @@
 #include "hqslam/slam/options.h"
 #include "hqslam/slam/slam.h"
 #include "interrupt.h"
+#include "recording_sensor.h"
 
 namespace hqslam::tools {
 
@@ -44,6 +45,7 @@ struct SlamRun {
   std::vector<Eigen::Vector3f> map_points_m;  ///< map frame; filled when the run ends
   double wall_s = 0.0;
   RunEnd end = RunEnd::kComplete;
+  LeftOut left_out;
   std::string end_message;  ///< the reader's message for kUnreadableScan
 };
 

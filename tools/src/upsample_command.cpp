@@ -19,6 +19,7 @@
 #include "hqslam/nn/upsampled_cloud.h"
 #include "interrupt.h"
 #include "progress.h"
+#include "recording_sensor.h"
 #include "timing_statistics.h"
 #include "upsample_output.h"
 #include "upsampling_plan.h"
@@ -29,6 +30,7 @@ namespace {
 struct UpsampleRun {
   std::vector<double> times_s;  ///< of the upsampling alone, per scan
   std::int64_t scans_in_recording = 0;
+  LeftOut left_out;
   std::optional<std::string> unreadable;  ///< the reader's message for the scan that ended the run
 };
 
@@ -36,25 +38,29 @@ UpsamplingPlan plan_of(const UpsampleOptions& options) {
   UpsamplingRequest request;
   request.input = options.input;
   request.sensor = options.sensor;
+  request.stream = options.stream;
   request.method = options.weights.empty() ? options.method : options.weights;
   request.least_confidence = options.least_confidence;
   return plan_upsampling(request);
 }
 
-std::unique_ptr<ScanSource> open_input(const UpsampleOptions& options, const UpsamplingPlan& plan) {
+std::unique_ptr<ScanSource> source_of(const UpsampleOptions& options, const UpsamplingPlan& plan) {
   RecordingOptions recording;
   recording.row_order =
       options.row_order == "lowest-first" ? RowOrder::kLowestFirst : RowOrder::kHighestFirst;
   recording.capture_time =
       options.motion_corrected ? CaptureTime::kMotionCorrected : CaptureTime::kRolling;
-  return open_recording(options.input, plan.recording_sensor, recording);
+  auto source = tools::open_input({options.input, options.sensor, options.stream, false, recording},
+                                  plan.recording_sensor);
+  print_warnings(*source);
+  return source;
 }
 
 /// The next scan, or nothing at the end of the recording or at a scan that cannot be read, unless
 /// it is the first: then throws Error.
 std::optional<RecordedScan> read_next(ScanSource& source, UpsampleRun& run) {
   try {
-    return source.next();
+    return next_usable(source, run.left_out);
   } catch (const Error& error) {
     if (run.times_s.empty()) {
       throw;
@@ -135,6 +141,8 @@ void declare_upsample(CLI::App& app, UpsampleOptions& options) {
   method->add_option("--method", options.method, "Interpolation, of every fourth row")
       ->check(CLI::IsMember(nn::interpolation_names()));
   method->require_option(1);
+  command->add_option("--stream", options.stream,
+                      "Which stream of a capture or a bag: a topic, or a port or sender:port");
   command->add_option("--sensor", options.sensor,
                       "Sensor of the recording (name or .json file); default: that of a simulated "
                       "drive, or the one that the weights were made for. For interpolation: with "
@@ -173,12 +181,13 @@ int upsample_command(const UpsampleOptions& options) {
     omp_set_num_threads(options.threads);
   }
   UpsamplingPlan plan = plan_of(options);
-  const std::unique_ptr<ScanSource> source = open_input(options, plan);
+  const std::unique_ptr<ScanSource> source = source_of(options, plan);
   const UpsampleRun run = upsample(*source, plan, options, interrupt);
   const auto scans = static_cast<std::int64_t>(run.times_s.size());
   if (scans > 0) {
     print_summary(run, plan, options);
   }
+  if (run.left_out.scans > 0) fmt::print(stderr, "hqslam: {}\n", run.left_out.text());
   if (run.unreadable) {
     fmt::print(stderr,
                "hqslam: {}; stopped after {} of {} scans, the results up to there are valid\n",

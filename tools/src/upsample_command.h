@@ -11,6 +11,7 @@ struct UpsampleOptions {
   std::string weights;  ///< this one
   std::string method;   ///< or this one
   std::string sensor;   ///< empty: as UpsamplingRequest says
+  std::string stream;   ///< of a capture or a bag; empty: the only one with scans
   std::string out;
   std::optional<float> least_confidence;
   std::string row_order = "highest-first";

@@ -8,6 +8,7 @@
 
 #include "hqslam/core/error.h"
 #include "hqslam/core/npy.h"
+#include "hqslam/recordings/recording.h"
 #include "recording_sensor.h"
 
 namespace hqslam::tools {
@@ -76,8 +77,9 @@ UpsamplingPlan plan_for_network(const UpsamplingRequest& request) {
   }
   const std::optional<int> rows = recorded_rows(request.input);
   const bool measured_alone = rows == measured.rows();
-  SensorModel recorded =
-      recording_sensor(request.input, request.sensor).value_or(measured_alone ? measured : full);
+  SensorModel recorded = recording_sensor(request.input, request.sensor, request.stream)
+                             .value_or(measured_alone ? measured : full);
+  if (recordings::is_capture_or_bag(request.input)) recorded.columns = full.columns;
   if (measured_alone && recorded.rows() == full.rows()) {
     recorded = select_rows(recorded, measured_rows);
   }
@@ -93,7 +95,7 @@ UpsamplingPlan plan_for_network(const UpsamplingRequest& request) {
 UpsamplingPlan plan_for_interpolation(const UpsamplingRequest& request) {
   if (request.least_confidence) fail_for_confidence(request);
   const nn::Interpolation interpolation = nn::interpolation_from_name(request.method);
-  const SensorModel full = required_recording_sensor(request.input, request.sensor);
+  const SensorModel full = required_recording_sensor(request.input, request.sensor, request.stream);
   const int recorded = recorded_rows(request.input).value_or(full.rows());
   if (recorded < full.rows()) {
     const RowSelection measured_rows = selection_for(full.rows(), recorded);

@@ -17,6 +17,7 @@ struct UpsamplingRequest {
   /// Computed pixels that are less sure come out empty; nothing: as the weights say.
   std::optional<float> least_confidence = std::nullopt;
   nn::SuperResolverOptions network_options = {};
+  std::string stream = "";  ///< of a capture or a bag; empty: the only one with scans
 };
 
 /// How a recording gets its missing rows.

@@ -22,6 +22,10 @@ Opened open_velodyne(std::shared_ptr<const RecordingFile> file, const Stream& st
 Opened open_ouster(std::shared_ptr<const RecordingFile> file, const Stream& stream,
                    const std::string& path, const OpenOptions& options);
 
+/// Scans of a topic of sensor_msgs/PointCloud2. Throws Error.
+Opened open_clouds(std::shared_ptr<const RecordingFile> file, const Stream& stream,
+                   const std::string& path, const OpenOptions& options);
+
 /// "3 packets were lost, 1 came late or twice"; empty if all is well.
 std::string packet_complaint(const PacketCounts& counts, std::int64_t lost_scans);
 

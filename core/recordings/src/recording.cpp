@@ -120,16 +120,42 @@ Stream chosen_stream(const RecordingFile& file, const std::string& path, const s
                           path, listed(candidates)));
 }
 
+Opened open_stream(const std::shared_ptr<const RecordingFile>& file, const Stream& stream,
+                   const std::string& path, const OpenOptions& options) {
+  switch (stream.kind) {
+    case StreamKind::kVelodynePackets:
+      return open_velodyne(file, stream, path, options);
+    case StreamKind::kOusterPackets:
+      return open_ouster(file, stream, path, options);
+    default:
+      return open_clouds(file, stream, path, options);
+  }
+}
+
 Opened open_file(const std::string& path, const OpenOptions& options) {
   const std::shared_ptr<const RecordingFile> file = open_recording_file(path);
   const Stream stream = chosen_stream(*file, path, options.stream);
-  Opened opened = stream.kind == StreamKind::kVelodynePackets
-                      ? open_velodyne(file, stream, path, options)
-                      : open_ouster(file, stream, path, options);
+  Opened opened = open_stream(file, stream, path, options);
   opened.info.kind = file->kind();
   opened.info.stream = stream.name;
   opened.info.streams = file->streams();
   return opened;
+}
+
+/// What only a scan itself tells.
+void describe_first_scan(const std::string& path, const SensorModel& sensor,
+                         const OpenOptions& options, RecordingInfo& info) {
+  const auto source = hqslam::open_recording(path, sensor, options.files);
+  try {
+    const auto first = source->next();
+    if (!first) return;
+    info.first_stamp_s = first->stamp_s;
+    info.has_stamps = first->stamp_s != 0.0;  // counted ones begin with 0
+    info.has_point_times = !first->cloud.time_offset_s.empty();
+    info.format = fmt::format("{} returns in the first scan", first->counts.kept);
+  } catch (const Error& error) {
+    info.warnings.push_back(error.what());
+  }
 }
 
 /// What core's readers open: files of scans of a sensor that must be named.
@@ -153,6 +179,11 @@ Opened open_files_of_scans(const std::string& path, const OpenOptions& options) 
   info.scans = opened.source->size();
   info.duration_s = static_cast<double>(info.scans) * info.sensor.scan_period_s;
   info.warnings = opened.source->warnings();
+  const fs::path extension = fs::path(path).extension();
+  info.kind = fs::is_directory(path, error) ? "folder of scans"
+              : extension == ".npy"         ? "stack of range images"
+                                            : "file of one scan";
+  describe_first_scan(path, sensor, options, info);
   return opened;
 }
 
@@ -173,6 +204,10 @@ bool is_capture_or_bag(const std::string& path) { return kind_of(path) != FileKi
 
 std::unique_ptr<ScanSource> open_recording(const std::string& path, const OpenOptions& options) {
   return open_any(path, options).source;
+}
+
+SensorModel recording_sensor(const std::string& path, const OpenOptions& options) {
+  return open_any(path, options).info.sensor;
 }
 
 RecordingInfo inspect(const std::string& path, const OpenOptions& options) {

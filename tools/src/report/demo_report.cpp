@@ -55,8 +55,8 @@ std::string demo_html(const DemoTable& table,
   return html +
          "<p class=\"quiet\">One scan from the middle of the drive as range images, unrolled from "
          "behind over the left, front and right: near is bright, far is dark blue, black is no "
-         "return or, in the network's image, a pixel that its filter "
-         "rejected.</p>\n</body>\n</html>\n";
+         "return or, in the network's image, a pixel that it is "
+         "not sure of.</p>\n</body>\n</html>\n";
 }
 
 }  // namespace hqslam::tools

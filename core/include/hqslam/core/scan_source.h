@@ -43,24 +43,37 @@ struct RecordingOptions {
   /// Whether a stack's scans were captured rolling or were corrected for motion already; they are
   /// taken as corrected too if the sensor's model says so.
   CaptureTime capture_time = CaptureTime::kRolling;
+  /// Gives points of files that have no times the time of their azimuth: for scans as captured
+  /// while the sensor turned, points in the order of their firing. Otherwise such scans are taken
+  /// as corrected for motion.
+  bool times_from_azimuth = false;
+  /// A file with the stamp of each scan (seconds, or dates as in KITTI's timestamps.txt), or
+  /// kStampsFromNames for the number in each file's name. Empty: what the recording says.
+  std::string stamps = {};
 };
+
+/// For RecordingOptions::stamps.
+inline constexpr const char* kStampsFromNames = "names";
 
 /// Opens a recording of `sensor`:
 /// - a folder of KITTI .bin files (motion-corrected; rows from the rings where the points are
 /// stored
 ///   ring after ring, from the elevation otherwise), or a KITTI drive with them in `velodyne`;
-/// - a folder of .pcd files (rows and time offsets as read_pcd gives them);
-/// - one .bin or .pcd file: a recording of one scan;
+/// - a folder of .pcd, .ply, .txt or .csv files (rows from rings, times from a field of times);
+/// - one such file: a recording of one scan;
 /// - an .npy stack of range images (N x H x W or N x H x W x 1, float32 metres; `options` apply);
 /// - a folder written by `hqslam simulate` or `hqslam upsample` (scans.npy, sensor.json; `options`
 ///   apply), with the confidence of its pixels if there is a confidence.npy: what its sensor.json
 ///   says of measured rows and of the correction for motion holds,
 ///   whatever `sensor` says.
-/// Files are taken in the natural order of their names; the stamp of a scan is its index times
-/// sensor.scan_period_s. In a folder with truth.tum the stamps are those of that file: (index +
-/// 1/2) times the period for a simulated drive, the middle of each scan. Pixels of images that are
-/// not finite or negative count as invalid points. Throws Error: which file, what was expected,
-/// what was found, what to do; also for scans that cannot be the sensor's.
+/// Files are taken in the natural order of their names. The stamp of a scan is what options.stamps
+/// says, else that of a timestamps.txt in the folder or the one above it (KITTI's drives), else the
+/// middle of its points' times where those are a clock's, else its index times
+/// sensor.scan_period_s. A unit whose beams are off the sensor's by up to 1.5 degrees is read with
+/// its own, estimated from its first scans. In a folder with truth.tum the stamps are those of that
+/// file: (index + 1/2) times the period for a simulated drive, the middle of each scan. Pixels of
+/// images that are not finite or negative count as invalid points. Throws Error: which file, what
+/// was expected, what was found, what to do; also for scans that cannot be the sensor's.
 std::unique_ptr<ScanSource> open_recording(const std::string& path, const SensorModel& sensor,
                                            const RecordingOptions& options = {});
 

@@ -71,7 +71,7 @@ void validate(const SensorModel& sensor);
 /// The sensor that has only the selected rows. Its name says so ("os1-64/3:4").
 SensorModel select_rows(const SensorModel& sensor, RowSelection rows);
 
-/// os1-64, os1-16, hdl-64e, hdl-32e, vlp-16, vlp-32c, vls-128. Throws Error that lists them for any other.
+/// os1-64, os1-16, hdl-64e, hdl-32e, vlp-16, vlp-32c, vls-128. Throws Error for any other.
 SensorModel sensor_preset(std::string_view name);
 std::vector<std::string> sensor_preset_names();
 

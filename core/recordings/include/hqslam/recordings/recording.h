@@ -27,15 +27,15 @@ struct Stream {
 struct OpenOptions {
   /// A preset's name or a .json file (for packets of an Ouster its metadata); empty: what the
   /// recording says. What is said here wins.
-  std::string sensor;
+  std::string sensor = {};
   /// Which stream: a topic, a port or sender:port; empty: the only one with scans.
-  std::string stream;
+  std::string stream = {};
   /// Columns of the images that points are put into; 0: the sensor's, by its rate of turning. For
   /// an Ouster's packets it must be 0 or as many as it sends.
   int columns = 0;
   KeptReturn kept_return = KeptReturn::kStrongest;
   /// For .npy stacks and other files of scans.
-  RecordingOptions files;
+  RecordingOptions files = {};
 };
 
 /// What a recording is.
@@ -70,7 +70,11 @@ bool is_capture_or_bag(const std::string& path);
 std::unique_ptr<ScanSource> open_recording(const std::string& path,
                                            const OpenOptions& options = {});
 
-/// The same, and what was found out about it. Throws Error as open_recording does.
+/// The sensor of a capture or a bag, as open_recording gives it. Throws Error.
+SensorModel recording_sensor(const std::string& path, const OpenOptions& options = {});
+
+/// The same as open_recording, and what was found out about it. Throws Error as open_recording
+/// does.
 RecordingInfo inspect(const std::string& path, const OpenOptions& options = {});
 
 }  // namespace hqslam::recordings

@@ -1,0 +1,31 @@
+#pragma once
+
+#include "hqslam/core/scan.h"
+#include "hqslam/core/sensor_model.h"
+
+namespace hqslam {
+
+/// Times of points that were recorded without any, from the azimuth at which they were measured.
+///
+/// In:  scans as captured while the head turned, points in the order of their firing; a turn takes
+///      scan_period_s.
+/// Out: time offset = (turns of the head up to the point) x scan_period_s, from the middle of the
+///      scan's times. The turns are counted on from scan to scan, so a scan of 364 degrees takes
+///      that much longer than one of 360, and stamp_s is the middle of its times since the first
+///      point of the first scan. Points that are stored ring after ring turn many times within a
+///      scan: such a scan begins at the back, as an image does, and lasts one turn.
+class AzimuthTimes {
+ public:
+  explicit AzimuthTimes(double scan_period_s) : scan_period_s_(scan_period_s) {}
+
+  void set(Scan& scan, const SensorModel& sensor);
+
+ private:
+  double scan_period_s_;
+  bool begun_ = false;
+  double turned_rad_ = 0.0;  ///< clockwise, since azimuth 0
+  double first_turned_rad_ = 0.0;
+  std::int64_t scans_ = 0;
+};
+
+}  // namespace hqslam

@@ -1,0 +1,238 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cstdint>
+#include <cstring>
+#include <string_view>
+
+#include "excerpt.h"
+#include "hqslam/core/error.h"
+#include "text_points.h"
+#include "whole_file.h"
+
+namespace hqslam {
+
+namespace {
+
+constexpr std::size_t kMaxFileBytes = std::size_t{1} << 31U;
+constexpr std::size_t kMaxPoints = 33'000'000;
+constexpr std::size_t kMaxProperties = 200;
+
+enum class NumberType { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kFloat32, kFloat64 };
+
+struct TypeName {
+  std::string_view name;
+  NumberType type;
+  std::size_t bytes;
+};
+constexpr std::array<TypeName, 16> kTypes = {{{"char", NumberType::kInt8, 1},
+                                              {"int8", NumberType::kInt8, 1},
+                                              {"uchar", NumberType::kUint8, 1},
+                                              {"uint8", NumberType::kUint8, 1},
+                                              {"short", NumberType::kInt16, 2},
+                                              {"int16", NumberType::kInt16, 2},
+                                              {"ushort", NumberType::kUint16, 2},
+                                              {"uint16", NumberType::kUint16, 2},
+                                              {"int", NumberType::kInt32, 4},
+                                              {"int32", NumberType::kInt32, 4},
+                                              {"uint", NumberType::kUint32, 4},
+                                              {"uint32", NumberType::kUint32, 4},
+                                              {"float", NumberType::kFloat32, 4},
+                                              {"float32", NumberType::kFloat32, 4},
+                                              {"double", NumberType::kFloat64, 8},
+                                              {"float64", NumberType::kFloat64, 8}}};
+
+struct Property {
+  std::string name;
+  NumberType type = NumberType::kFloat32;
+  std::size_t offset = 0;
+};
+
+struct Header {
+  bool ascii = false;
+  std::size_t points = 0;
+  std::size_t point_bytes = 0;
+  std::vector<Property> properties;
+  std::size_t data_at = 0;
+
+  const Property* find(std::string_view name) const {
+    const auto found = std::find_if(properties.begin(), properties.end(),
+                                    [&](const Property& p) { return p.name == name; });
+    return found == properties.end() ? nullptr : &*found;
+  }
+  template <typename Names>
+  const Property* find_any(const Names& names) const {
+    for (const char* name : names) {
+      if (const Property* property = find(name)) return property;
+    }
+    return nullptr;
+  }
+};
+
+[[noreturn]] void fail(const std::string& path, const std::string& expected,
+                       std::string_view found) {
+  throw Error(fmt::format("{}: expected {}, found '{}'; give a .ply file of points", path, expected,
+                          excerpt(found)));
+}
+
+std::vector<std::string> words_of(std::string_view line) {
+  std::vector<std::string> words;
+  while (true) {
+    const std::size_t begin = line.find_first_not_of(" \t\r");
+    if (begin == std::string_view::npos) return words;
+    const std::size_t end = std::min(line.find_first_of(" \t\r", begin), line.size());
+    words.emplace_back(line.substr(begin, end - begin));
+    line.remove_prefix(end);
+  }
+}
+
+void add_property(Header& header, const std::vector<std::string>& words, const std::string& path,
+                  std::string_view line) {
+  const auto type = std::find_if(kTypes.begin(), kTypes.end(), [&](const TypeName& known) {
+    return words.size() == 3 && known.name == words[1];
+  });
+  if (type == kTypes.end() || header.properties.size() >= kMaxProperties) {
+    fail(path, "a property TYPE NAME of a point", line);
+  }
+  header.properties.push_back({words[2], type->type, header.point_bytes});
+  header.point_bytes += type->bytes;
+}
+
+Header read_header(std::string_view file, const std::string& path) {
+  Header header;
+  bool known_format = false;
+  bool in_vertex = false;
+  bool behind_vertex = false;
+  for (std::size_t at = 0, line_number = 0; at < file.size(); ++line_number) {
+    const std::size_t end = file.find('\n', at);
+    if (end == std::string_view::npos) break;
+    const std::string_view line = file.substr(at, end - at);
+    at = end + 1;
+    const std::vector<std::string> words = words_of(line);
+    if (line_number == 0) {
+      if (words.size() != 1 || words[0] != "ply") fail(path, "a file that begins with 'ply'", line);
+    } else if (words.empty() || words[0] == "comment" || words[0] == "obj_info") {
+      continue;
+    } else if (words[0] == "format") {
+      header.ascii = words.size() > 1 && words[1] == "ascii";
+      known_format = header.ascii || (words.size() > 1 && words[1] == "binary_little_endian");
+      if (!known_format) fail(path, "format ascii or binary_little_endian", line);
+    } else if (words[0] == "element") {
+      behind_vertex = behind_vertex || in_vertex;
+      in_vertex = words.size() == 3 && words[1] == "vertex" && !behind_vertex;
+      if (!in_vertex && !behind_vertex) fail(path, "the points as the first element", line);
+      if (!in_vertex) continue;
+      const char* const last = words[2].data() + words[2].size();
+      const auto parsed = std::from_chars(words[2].data(), last, header.points);
+      if (parsed.ec != std::errc() || parsed.ptr != last || header.points > kMaxPoints) {
+        fail(path, fmt::format("a number of points up to {}", kMaxPoints), line);
+      }
+    } else if (words[0] == "property") {
+      if (in_vertex && !behind_vertex) add_property(header, words, path, line);
+    } else if (words[0] == "end_header") {
+      if (!known_format) fail(path, "a line 'format'", "none");
+      header.data_at = at;
+      return header;
+    } else {
+      fail(path, "a line of a .ply header", line);
+    }
+  }
+  fail(path, "a header that ends with 'end_header'", "its end");
+}
+
+template <typename T>
+double loaded(const char* at) {
+  T value;
+  std::memcpy(&value, at, sizeof(T));
+  return static_cast<double>(value);
+}
+
+double value_at(const char* point, const Property& property) {
+  const char* const at = point + property.offset;
+  switch (property.type) {
+    case NumberType::kInt8:
+      return loaded<std::int8_t>(at);
+    case NumberType::kUint8:
+      return loaded<std::uint8_t>(at);
+    case NumberType::kInt16:
+      return loaded<std::int16_t>(at);
+    case NumberType::kUint16:
+      return loaded<std::uint16_t>(at);
+    case NumberType::kInt32:
+      return loaded<std::int32_t>(at);
+    case NumberType::kUint32:
+      return loaded<std::uint32_t>(at);
+    case NumberType::kFloat32:
+      return loaded<float>(at);
+    case NumberType::kFloat64:
+      break;
+  }
+  return loaded<double>(at);
+}
+
+/// The numbers of all points, one after the other, of a file of text.
+std::vector<double> ascii_numbers(std::string_view data, const Header& header,
+                                  const std::string& path) {
+  const std::size_t wanted = header.points * header.properties.size();
+  if (wanted > data.size()) fail(path, fmt::format("{} numbers", wanted), "too little text");
+  std::vector<double> numbers;
+  numbers.reserve(wanted);
+  while (numbers.size() < wanted) {
+    const std::size_t begin = data.find_first_not_of(" \t\r\n");
+    if (begin == std::string_view::npos) break;
+    data.remove_prefix(begin);
+    double value = 0.0;
+    const auto parsed = std::from_chars(data.data(), data.data() + data.size(), value);
+    if (parsed.ptr == data.data()) fail(path, "a number", data.substr(0, 20));
+    numbers.push_back(value);
+    data.remove_prefix(static_cast<std::size_t>(parsed.ptr - data.data()));
+  }
+  if (numbers.size() < wanted) {
+    fail(path, fmt::format("{} numbers", wanted), fmt::format("{}", numbers.size()));
+  }
+  return numbers;
+}
+
+}  // namespace
+
+RawPoints read_ply_points(const std::string& path) {
+  const std::string file = whole_file(path, "a .ply file", kMaxFileBytes);
+  const Header header = read_header(file, path);
+  const std::string_view data = std::string_view(file).substr(header.data_at);
+  const Property* const x = header.find("x");
+  const Property* const y = header.find("y");
+  const Property* const z = header.find("z");
+  if (x == nullptr || y == nullptr || z == nullptr) fail(path, "properties x y z", "others");
+  const Property* const ring = header.find_any(kRingNames);
+  const Property* const time = header.find_any(kTimeNames);
+  std::vector<double> numbers;
+  if (header.ascii) {
+    numbers = ascii_numbers(data, header, path);
+  } else if (header.points > data.size() / header.point_bytes) {
+    fail(path, fmt::format("{} points of {} bytes", header.points, header.point_bytes),
+         fmt::format("{} bytes", data.size()));
+  }
+  RawPoints points;
+  if (ring != nullptr) points.ring_name = ring->name;
+  if (time != nullptr) {
+    points.time.name = time->name;
+    points.time.whole_numbers =
+        time->type != NumberType::kFloat32 && time->type != NumberType::kFloat64;
+  }
+  points.scan.points_m.reserve(header.points);
+  for (std::size_t i = 0; i < header.points; ++i) {
+    const auto value = [&](const Property& property) {
+      if (!header.ascii) return value_at(data.data() + i * header.point_bytes, property);
+      return numbers[i * header.properties.size() +
+                     static_cast<std::size_t>(&property - header.properties.data())];
+    };
+    if (!points.add(value(*x), value(*y), value(*z))) continue;
+    if (ring != nullptr) points.ring.push_back(value(*ring));
+    if (time != nullptr) points.time.values.push_back(value(*time));
+  }
+  return points;
+}
+
+}  // namespace hqslam

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <string>
+
+#include "raw_points.h"
+
+namespace hqslam {
+
+/// A .txt or .csv file: a point per line, numbers separated by spaces, tabs, commas or semicolons.
+/// A first line of names says which column is which (x y z, ring or channel, t or time ...);
+/// without one they are x y z intensity ring t, of which the first three must be there. Lines that
+/// begin with # or // are passed over. Throws Error with the line.
+RawPoints read_text_points(const std::string& path);
+
+/// A .ply file, ascii or binary_little_endian, whose first element is `vertex`; properties x y z,
+/// ring or channel, t or time ..., of any number type, in any order. Throws Error.
+RawPoints read_ply_points(const std::string& path);
+
+}  // namespace hqslam

@@ -1,0 +1,304 @@
+#include "bags.h"
+
+#include <bzlib.h>
+#include <lz4frame.h>
+#include <sqlite3.h>
+#include <zstd.h>
+
+#include <cstring>
+#include <map>
+#include <stdexcept>
+
+namespace hqslam::test {
+
+namespace {
+
+/// Writes a message as ROS 2 (CDR, little-endian) or ROS 1 does.
+class Writer {
+ public:
+  explicit Writer(bool ros1) : ros1_(ros1) {
+    if (!ros1) {  // little-endian CDR
+      bytes.push_back(0);
+      bytes.push_back(1);
+      bytes.push_back(0);
+      bytes.push_back(0);
+    }
+  }
+  template <typename T>
+  void number(T value) {
+    while (!ros1_ && (bytes.size() - 4) % sizeof(T) != 0) bytes.push_back(0);
+    const auto* first = reinterpret_cast<const std::uint8_t*>(&value);
+    for (std::size_t i = 0; i < sizeof(T); ++i) bytes.push_back(first[i]);
+  }
+  void words(const std::string& text) {
+    number(static_cast<std::uint32_t>(text.size() + (ros1_ ? 0 : 1)));
+    bytes.insert(bytes.end(), text.begin(), text.end());
+    if (!ros1_) bytes.push_back(0);
+  }
+  void raw(const Payload& payload) { bytes.insert(bytes.end(), payload.begin(), payload.end()); }
+  void time(std::int64_t ns) {
+    number(static_cast<std::uint32_t>(ns / 1'000'000'000));
+    number(static_cast<std::uint32_t>(ns % 1'000'000'000));
+  }
+  void header(std::int64_t ns) {
+    if (ros1_) number(std::uint32_t{0});
+    time(ns);
+    words("lidar");
+  }
+  Payload bytes;
+
+ private:
+  bool ros1_;
+};
+
+template <typename T>
+void append(std::string& bytes, T value) {
+  bytes.append(reinterpret_cast<const char*>(&value), sizeof(T));
+}
+
+void append_words(std::string& bytes, const std::string& text) {
+  append(bytes, static_cast<std::uint32_t>(text.size()));
+  bytes += text;
+}
+
+std::string compressed(const std::string& bytes, const std::string& compression) {
+  std::string result;
+  if (compression == "lz4") {
+    result.resize(LZ4F_compressFrameBound(bytes.size(), nullptr));
+    result.resize(
+        LZ4F_compressFrame(result.data(), result.size(), bytes.data(), bytes.size(), nullptr));
+  } else if (compression == "zstd") {
+    result.resize(ZSTD_compressBound(bytes.size()));
+    result.resize(ZSTD_compress(result.data(), result.size(), bytes.data(), bytes.size(), 3));
+  } else if (compression == "bz2") {
+    auto size = static_cast<unsigned int>(bytes.size() + bytes.size() / 50 + 1000);
+    result.resize(size);
+    std::string source = bytes;
+    if (BZ2_bzBuffToBuffCompress(result.data(), &size, source.data(),
+                                 static_cast<unsigned int>(source.size()), 9, 0, 0) != BZ_OK) {
+      throw std::runtime_error("bz2");
+    }
+    result.resize(size);
+  } else {
+    result = bytes;
+  }
+  return result;
+}
+
+void append_record(std::string& bytes, std::uint8_t opcode, const std::string& content) {
+  append(bytes, opcode);
+  append(bytes, std::uint64_t{content.size()});
+  bytes += content;
+}
+
+/// A number per topic, in the order of their first messages.
+std::map<std::string, std::uint16_t> numbered(const std::vector<BagMessage>& messages) {
+  std::map<std::string, std::uint16_t> ids;
+  for (const BagMessage& message : messages) {
+    ids.try_emplace(message.topic, static_cast<std::uint16_t>(ids.size() + 1));
+  }
+  return ids;
+}
+
+using Fields = std::vector<std::pair<std::string, std::string>>;
+
+void append_ros1_record(std::string& bytes, const Fields& fields, const std::string& data) {
+  std::string header;
+  for (const auto& [name, value] : fields) append_words(header, name + "=" + value);
+  append_words(bytes, header);
+  append_words(bytes, data);
+}
+
+template <typename T>
+std::string raw(T value) {
+  return {reinterpret_cast<const char*>(&value), sizeof(T)};
+}
+
+}  // namespace
+
+Payload velodyne_scan_message(const std::vector<Captured>& packets, bool ros1) {
+  Writer writer(ros1);
+  writer.header(packets.front().time_ns);
+  writer.number(static_cast<std::uint32_t>(packets.size()));
+  for (const Captured& packet : packets) {
+    writer.time(packet.time_ns);
+    writer.raw(packet.payload);
+    // The next packet's time is aligned again.
+  }
+  return writer.bytes;
+}
+
+Payload buffer_message(const Payload& packet, bool ros1) {
+  Writer writer(ros1);
+  writer.number(static_cast<std::uint32_t>(packet.size()));
+  writer.raw(packet);
+  return writer.bytes;
+}
+
+Payload text_message(const std::string& text, bool ros1) {
+  Writer writer(ros1);
+  writer.words(text);
+  return writer.bytes;
+}
+
+Payload cloud_message(std::int64_t stamp_ns, const std::vector<CloudPoint>& points, bool ros1,
+                      std::uint8_t time_type, const std::string& time_name) {
+  Writer writer(ros1);
+  writer.header(stamp_ns);
+  writer.number(std::uint32_t{1});
+  writer.number(static_cast<std::uint32_t>(points.size()));
+  writer.number(std::uint32_t{5});
+  const std::uint32_t step = 26;
+  const auto field = [&](const std::string& name, std::uint32_t offset, std::uint8_t type) {
+    writer.words(name);
+    writer.number(offset);
+    writer.number(type);
+    writer.number(std::uint32_t{1});
+  };
+  field("x", 0, 7);
+  field("y", 4, 7);
+  field("z", 8, 7);
+  field("ring", 12, 4);
+  field(time_name, 18, time_type);
+  writer.number(std::uint8_t{0});
+  writer.number(step);
+  writer.number(static_cast<std::uint32_t>(step * points.size()));
+  writer.number(static_cast<std::uint32_t>(step * points.size()));
+  for (const CloudPoint& point : points) {
+    Payload bytes(step);
+    std::memcpy(bytes.data(), &point.x, 4);
+    std::memcpy(bytes.data() + 4, &point.y, 4);
+    std::memcpy(bytes.data() + 8, &point.z, 4);
+    std::memcpy(bytes.data() + 12, &point.ring, 2);
+    const auto single = static_cast<float>(point.time);
+    if (time_type == 6) put(bytes, 18, static_cast<std::uint32_t>(point.time));
+    if (time_type == 7) std::memcpy(bytes.data() + 18, &single, 4);
+    if (time_type == 8) std::memcpy(bytes.data() + 18, &point.time, 8);
+    writer.raw(bytes);
+  }
+  writer.number(std::uint8_t{1});
+  return writer.bytes;
+}
+
+std::string mcap_bytes(const std::vector<BagMessage>& messages, const std::string& compression) {
+  const std::string magic("\x89MCAP0\r\n", 8);
+  std::string records;
+  const auto ids = numbered(messages);
+  std::map<std::string, bool> written;
+  for (const BagMessage& message : messages) {
+    const std::uint16_t id = ids.at(message.topic);
+    if (!written[message.topic]) {
+      written[message.topic] = true;
+      std::string schema;
+      append(schema, id);
+      append_words(schema, message.type);
+      append_words(schema, "ros2msg");
+      append_words(schema, "");
+      append_record(records, 3, schema);
+      std::string channel;
+      append(channel, id);
+      append(channel, id);
+      append_words(channel, message.topic);
+      append_words(channel, "cdr");
+      append_words(channel, "");
+      append_record(records, 4, channel);
+    }
+    std::string content;
+    append(content, id);
+    append(content, std::uint32_t{0});
+    append(content, static_cast<std::uint64_t>(message.time_ns));
+    append(content, static_cast<std::uint64_t>(message.time_ns));
+    content.append(message.bytes.begin(), message.bytes.end());
+    append_record(records, 5, content);
+  }
+  std::string chunk;
+  append(chunk, std::uint64_t{0});
+  append(chunk, std::uint64_t{0});
+  append(chunk, std::uint64_t{records.size()});
+  append(chunk, std::uint32_t{0});
+  append_words(chunk, compression);
+  const std::string packed = compressed(records, compression);
+  append(chunk, std::uint64_t{packed.size()});
+  chunk += packed;
+  std::string bytes = magic;
+  std::string header;
+  append_words(header, "ros2");
+  append_words(header, "a test");
+  append_record(bytes, 1, header);
+  append_record(bytes, 6, chunk);
+  append_record(bytes, 15, std::string(4, '\0'));
+  append_record(bytes, 2, std::string(20, '\0'));
+  return bytes + magic;
+}
+
+std::string ros1_bytes(const std::vector<BagMessage>& messages, const std::string& compression) {
+  std::string bytes = "#ROSBAG V2.0\n";
+  append_ros1_record(bytes, {{"op", raw(std::uint8_t{3})}, {"index_pos", raw(std::uint64_t{0})}},
+                     std::string(100, ' '));
+  std::string records;
+  const auto ids = numbered(messages);
+  std::map<std::string, bool> written;
+  for (const BagMessage& message : messages) {
+    const auto id = static_cast<std::uint32_t>(ids.at(message.topic));
+    if (!written[message.topic]) {
+      written[message.topic] = true;
+      std::string type = message.type;
+      if (const auto at = type.find("/msg/"); at != std::string::npos) type.erase(at, 4);
+      std::string connection;
+      append_words(connection, "topic=" + message.topic);
+      append_words(connection, "type=" + type);
+      append_ros1_record(
+          records, {{"op", raw(std::uint8_t{7})}, {"conn", raw(id)}, {"topic", message.topic}},
+          connection);
+    }
+    const std::string time = raw(static_cast<std::uint32_t>(message.time_ns / 1'000'000'000)) +
+                             raw(static_cast<std::uint32_t>(message.time_ns % 1'000'000'000));
+    append_ros1_record(records, {{"op", raw(std::uint8_t{2})}, {"conn", raw(id)}, {"time", time}},
+                       std::string(message.bytes.begin(), message.bytes.end()));
+  }
+  append_ros1_record(bytes,
+                     {{"op", raw(std::uint8_t{5})},
+                      {"compression", compression},
+                      {"size", raw(static_cast<std::uint32_t>(records.size()))}},
+                     compressed(records, compression));
+  return bytes;
+}
+
+void write_db3(const std::vector<BagMessage>& messages, const std::string& path) {
+  sqlite3* database = nullptr;
+  if (sqlite3_open(path.c_str(), &database) != SQLITE_OK) throw std::runtime_error(path);
+  const auto run = [&](const char* sql) { sqlite3_exec(database, sql, nullptr, nullptr, nullptr); };
+  run("CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT NOT NULL, type TEXT NOT NULL, "
+      "serialization_format TEXT NOT NULL, offered_qos_profiles TEXT NOT NULL)");
+  run("CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id INTEGER NOT NULL, timestamp INTEGER "
+      "NOT NULL, data BLOB NOT NULL)");
+  run("BEGIN");
+  const auto ids = numbered(messages);
+  std::map<std::string, bool> written;
+  for (const BagMessage& message : messages) {
+    const int id = ids.at(message.topic);
+    sqlite3_stmt* statement = nullptr;
+    if (!written[message.topic]) {
+      written[message.topic] = true;
+      sqlite3_prepare_v2(database, "INSERT INTO topics VALUES(?, ?, ?, 'cdr', '')", -1, &statement,
+                         nullptr);
+      sqlite3_bind_int(statement, 1, id);
+      sqlite3_bind_text(statement, 2, message.topic.c_str(), -1, SQLITE_TRANSIENT);
+      sqlite3_bind_text(statement, 3, message.type.c_str(), -1, SQLITE_TRANSIENT);
+      sqlite3_step(statement);
+      sqlite3_finalize(statement);
+    }
+    sqlite3_prepare_v2(database, "INSERT INTO messages(topic_id, timestamp, data) VALUES(?, ?, ?)",
+                       -1, &statement, nullptr);
+    sqlite3_bind_int(statement, 1, id);
+    sqlite3_bind_int64(statement, 2, message.time_ns);
+    sqlite3_bind_blob(statement, 3, message.bytes.data(), static_cast<int>(message.bytes.size()),
+                      SQLITE_TRANSIENT);
+    sqlite3_step(statement);
+    sqlite3_finalize(statement);
+  }
+  run("COMMIT");
+  sqlite3_close(database);
+}
+
+}  // namespace hqslam::test

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "captures.h"
+
+namespace hqslam::test {
+
+/// One message of a bag that a test makes.
+struct BagMessage {
+  std::string topic;
+  std::string type;  ///< as ROS 2 writes it, with /msg/
+  std::int64_t time_ns = 0;
+  Payload bytes;
+};
+
+/// A velodyne_msgs/VelodyneScan with these packets.
+Payload velodyne_scan_message(const std::vector<Captured>& packets, bool ros1);
+/// A message of one buffer: Ouster's PacketMsg.
+Payload buffer_message(const Payload& packet, bool ros1);
+/// A std_msgs/String.
+Payload text_message(const std::string& text, bool ros1);
+
+/// A point of a cloud with a ring and a time.
+struct CloudPoint {
+  float x = 0.0F, y = 0.0F, z = 0.0F;
+  std::uint16_t ring = 0;
+  double time = 0.0;
+};
+/// A sensor_msgs/PointCloud2; its field of times has this type (6: uint32, 7: float32, 8: float64).
+Payload cloud_message(std::int64_t stamp_ns, const std::vector<CloudPoint>& points, bool ros1,
+                      std::uint8_t time_type = 8, const std::string& time_name = "timestamp");
+
+/// The bytes of an MCAP file; compression "", "lz4" or "zstd".
+std::string mcap_bytes(const std::vector<BagMessage>& messages, const std::string& compression);
+/// The bytes of a ROS 1 bag; compression "none", "lz4" or "bz2". Messages are written by ROS 1.
+std::string ros1_bytes(const std::vector<BagMessage>& messages, const std::string& compression);
+/// Writes a ROS 2 bag (sqlite).
+void write_db3(const std::vector<BagMessage>& messages, const std::string& path);
+
+}  // namespace hqslam::test

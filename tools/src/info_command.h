@@ -1,0 +1,19 @@
+#pragma once
+
+#include <CLI/App.hpp>
+#include <string>
+
+namespace hqslam::tools {
+
+struct InfoOptions {
+  std::string input;
+  std::string sensor;  ///< empty: what the recording says
+  std::string stream;  ///< empty: the only one with scans
+};
+
+void declare_info(CLI::App& app, InfoOptions& options);
+
+/// Returns an ExitStatus. Throws Error.
+int info_command(const InfoOptions& options);
+
+}  // namespace hqslam::tools
