@@ -86,7 +86,7 @@ void LoopClosing::add_node(const LoopKeyFrame& key_frame) {
   nodes_.push_back(
       {static_cast<std::uint32_t>(T_map_key_frame_.size() - 1), key_frame.scan, path_m_});
   contexts_.push_back(scan_context(key_frame.cloud));
-  recent_.add(key_frame.features, key_frame.T_map_sensor, key_frame.motion);
+  recent_.add(key_frame.features, key_frame.T_map_sensor, key_frame.velocity);
 }
 
 LoopResult LoopClosing::search(const Mapping& mapping) {

@@ -18,7 +18,7 @@ namespace hqslam::slam {
 struct LoopKeyFrame {
   const OrganizedCloud& cloud;
   const MapFeatures& features;
-  SensorMotion motion;
+  Twist velocity;  ///< a second
   Pose T_map_sensor = Pose::Identity();
   Status mapping_status = Status::kOk;
   std::size_t scan = 0;  ///< its number in the trajectory

@@ -41,12 +41,20 @@ class FitSum {
   double squares_m2_ = 0.0;
 };
 
+/// A sensor that stands about there.
+MotionState somewhere_near(const Pose& T_map_sensor) {
+  MotionState result;
+  result.T_map_sensor = T_map_sensor;
+  return result;
+}
+
 /// Whether the pose could as well lie ahead or to the side: along a corridor every place fits, and
 /// the few edges that noise makes of its walls hold the pose wherever it happens to be.
 bool slides(const MapFeatures& features, const Mapping& older_part, const Pose& T_map_sensor) {
   for (const int axis : {0, 1}) {
     const Pose pushed = T_map_sensor * Eigen::Translation3d(kPush_m * Eigen::Vector3d::Unit(axis));
-    const Pose returned = older_part.locate(features, pushed, {pushed, 1.0}).T_map_sensor;
+    const Pose returned =
+        older_part.locate(features, somewhere_near(pushed), pushed).state.T_map_sensor;
     if ((returned.translation() - T_map_sensor.translation()).norm() > kMaxReturn_m) return true;
   }
   return false;
@@ -75,21 +83,21 @@ VerifiedLoop verify_loop(const MapFeatures& features, const Mapping& older_part,
                          const Pose& T_map_sensor_start) {
   VerifiedLoop result;
   const auto locate = [&](const Pose& T_map_sensor) {
-    return older_part.locate(features, T_map_sensor, {T_map_sensor, 1.0});
+    return older_part.locate(features, somewhere_near(T_map_sensor), T_map_sensor);
   };
   MappingResult located = locate(T_map_sensor_start);
-  if (located.status == Status::kNotConverged) located = locate(located.T_map_sensor);
-  result.T_map_sensor = located.T_map_sensor;
+  if (located.status == Status::kNotConverged) located = locate(located.state.T_map_sensor);
+  result.T_map_sensor = located.state.T_map_sensor;
   // Where the pose can slide, edges that are none keep it moving to and fro.
   const bool settled = located.status == Status::kOk || located.status == Status::kDegenerate;
   if (!settled) return result;
-  result.fit = fit_of(features, older_part, located.T_map_sensor);
+  result.fit = fit_of(features, older_part, located.state.T_map_sensor);
   if (result.fit.overlap < kMinOverlap) {
     result.verdict = LoopVerdict::kLittleOverlap;
   } else if (result.fit.residual_m > kMaxResidual_m) {
     result.verdict = LoopVerdict::kLargeResidual;
   } else if (located.status == Status::kDegenerate ||
-             slides(features, older_part, located.T_map_sensor)) {
+             slides(features, older_part, located.state.T_map_sensor)) {
     result.verdict = LoopVerdict::kNotObservable;
   } else {
     result.verdict = LoopVerdict::kAccepted;

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <optional>
 
+#include "hqslam/slam/motion_correction.h"
 #include "robust_weights.h"
 
 namespace hqslam::slam {
@@ -76,7 +77,8 @@ template <typename Fit, typename Make, typename Constrain>
 void add_all(SearchedFeatures<Fit>& searched, const MapSearch& search, const FeatureMap& map,
              const Make& make, const Constrain& constrain, double trusted_residual_m,
              ConstraintList& list) {
-  const std::vector<Eigen::Vector3f> points_m = motion_corrected(searched.features, search.motion);
+  const std::vector<Eigen::Vector3f> points_m =
+      motion_corrected(searched.features, search.velocity);
   const Eigen::Matrix3d rotation = search.T_map_sensor.linear();
   const Eigen::Vector3d origin_m = search.T_map_sensor.translation();
   std::vector<decltype(constrain(std::optional<Fit>(), Eigen::Vector3d()))> found(points_m.size());
@@ -86,7 +88,7 @@ void add_all(SearchedFeatures<Fit>& searched, const MapSearch& search, const Fea
     const Eigen::Vector3f query_m = (rotated_m + origin_m).cast<float>();
     found[i] = constrain(searched.nearby[i].at(map, query_m, search.reach_m, make), rotated_m);
   }
-  if (search.trust_near) trust_near(found, trusted_residual_m);
+  weigh_by_noise(found, trusted_residual_m, search.trust_near);
   list.add(found);
 }
 

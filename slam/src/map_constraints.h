@@ -30,7 +30,7 @@ struct LocatedScan {
 /// neighbours that are farther apart are seldom of one surface.
 struct MapSearch {
   Pose T_map_sensor;
-  SensorMotion motion;
+  Twist velocity;  ///< a second
   double reach_m;
   bool trust_near;  ///< take weight from features far from their line or plane
 };

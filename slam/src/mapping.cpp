@@ -4,15 +4,15 @@
 #include <iterator>
 #include <optional>
 
+#include "hqslam/slam/motion_correction.h"
 #include "map_constraints.h"
 #include "rigid_alignment.h"
+#include "scan_information.h"
 #include "voxel_thinning.h"
 
 namespace hqslam::slam {
 
 namespace {
-
-constexpr int kStepsPerSearch = 2;
 
 /// Searches of wide reach, before the pose is good enough for the narrow one.
 constexpr int kWideSearches = 2;
@@ -44,53 +44,53 @@ Mapping::Mapping(const MappingOptions& options)
       edges_(options.edge_leaf_m, options.max_neighbour_distance_m),
       planes_(options.planar_leaf_m, options.max_neighbour_distance_m) {}
 
-MappingResult Mapping::locate(const MapFeatures& features, const Pose& T_map_sensor_predicted,
-                              const PreviousPose& previous) const {
+MappingResult Mapping::locate(const MapFeatures& features, const MotionState& expected,
+                              const Pose& T_map_sensor_start) const {
   const auto feature_count =
       static_cast<double>(features.edges.size() + features.ground_to_locate.size() +
                           features.surfaces_to_locate.size());
   MappingResult result;
-  result.T_map_sensor = T_map_sensor_predicted;
+  const ExpectedState prior(expected);
+  result.state = prior.given(T_map_sensor_start);
   LocatedScan scan{SearchedFeatures<MapPlane>(features.ground_to_locate),
                    SearchedFeatures<MapPlane>(features.surfaces_to_locate),
                    SearchedFeatures<MapLine>(features.edges)};
   bool narrow_suffices = true;
   for (int iteration = 0; iteration < options_.max_iterations; ++iteration) {
-    const SensorMotion motion{previous.T_map_sensor.inverse() * result.T_map_sensor,
-                              previous.duration_s};
     const bool narrow = iteration >= kWideSearches && narrow_suffices;
     const double reach_m =
         narrow ? options_.close_neighbour_distance_m : options_.max_neighbour_distance_m;
-    const ConstraintList constraints = map_constraints(
-        scan, {result.T_map_sensor, motion, reach_m, narrow}, edges_, planes_, options_);
+    const ConstraintList constraints =
+        map_constraints(scan, {result.state.T_map_sensor, result.state.velocity, reach_m, narrow},
+                        edges_, planes_, options_);
     const int matched = constraints.edges + constraints.planes;
     const bool enough = matched >= options_.min_correspondences &&
                         matched >= options_.min_matched_share * feature_count;
-    const Observability observable = observability(constraints.all, FreeParameters::kAll);
-    if (narrow && (!enough || observable.degenerate_directions > 0)) {
+    const Pose before = result.state.T_map_sensor;
+    const ScanInformation told = scan_information(constraints.all, before.linear());
+    const bool tells_all =
+        observability(constraints.all, FreeParameters::kAll).degenerate_directions == 0;
+    if (narrow && (!enough || !tells_all)) {
       narrow_suffices = false;
       continue;
     }
     result.edge_correspondences = constraints.edges;
     result.planar_correspondences = constraints.planes;
     if (!enough) {
-      result.T_map_sensor = T_map_sensor_predicted;
+      result.state = expected;
       result.status = Status::kTooFewFeatures;
       return result;
     }
-    const MotionParameters found =
-        align(constraints.all, MotionParameters{}, FreeParameters::kAll, kStepsPerSearch);
-    const Pose change = pose_of(without_unobservable(MotionParameters{}, found, observable));
-    result.T_map_sensor.linear() = change.linear() * result.T_map_sensor.linear();
-    result.T_map_sensor.translation() += change.translation();
+    result.state = prior.improved(result.state, told);
+    const Pose change = before.inverse() * result.state.T_map_sensor;
     const bool converged = rotation_angle_rad(change) < options_.converged_rotation_rad &&
                            change.translation().norm() < options_.converged_translation_m;
-    result.status = observable.degenerate_directions > 0 ? Status::kDegenerate
-                    : converged                          ? Status::kOk
-                                                         : Status::kNotConverged;
+    result.status = !tells_all  ? Status::kDegenerate
+                    : converged ? Status::kOk
+                                : Status::kNotConverged;
     if (converged && (narrow || !narrow_suffices)) break;
   }
-  result.T_map_sensor = orthonormalized(result.T_map_sensor);
+  result.state.T_map_sensor = orthonormalized(result.state.T_map_sensor);
   return result;
 }
 
@@ -101,10 +101,9 @@ bool Mapping::is_key_frame(const Pose& T_map_sensor) const {
          rotation_angle_rad(motion) >= options_.key_frame_rotation_rad;
 }
 
-void Mapping::insert(const MapFeatures& features, const Pose& T_map_sensor,
-                     const SensorMotion& motion) {
+void Mapping::insert(const MapFeatures& features, const Pose& T_map_sensor, const Twist& velocity) {
   const auto in_map = [&](const std::vector<FeaturePoint>& points) {
-    std::vector<Eigen::Vector3f> result = motion_corrected(points, motion);
+    std::vector<Eigen::Vector3f> result = motion_corrected(points, velocity);
     for (Eigen::Vector3f& point_m : result) {
       point_m = (T_map_sensor * point_m.cast<double>()).cast<float>();
     }

@@ -96,9 +96,9 @@ struct Odometry::Reference {
   RowOrderedCloud ground;
   RowOrderedCloud edges;
 
-  Reference(const Features& features, const SensorMotion& motion)
-      : ground(features.ground, motion_corrected(features.ground, motion)),
-        edges(features.edges, motion_corrected(features.edges, motion)) {}
+  Reference(const Features& features, const Twist& velocity)
+      : ground(features.ground, motion_corrected(features.ground, velocity)),
+        edges(features.edges, motion_corrected(features.edges, velocity)) {}
 };
 
 Odometry::Odometry(const OdometryOptions& options) : options_(options) {}
@@ -108,8 +108,8 @@ Odometry& Odometry::operator=(Odometry&&) noexcept = default;
 
 bool Odometry::has_reference() const { return reference_ != nullptr; }
 
-void Odometry::set_reference(const Features& features, const SensorMotion& motion) {
-  reference_ = std::make_unique<Reference>(features, motion);
+void Odometry::set_reference(const Features& features, const Twist& velocity) {
+  reference_ = std::make_unique<Reference>(features, velocity);
 }
 
 OdometryResult Odometry::estimate(const Features& features,
@@ -124,13 +124,13 @@ OdometryResult Odometry::estimate(const Features& features,
   }
   for (int iteration = 0; iteration < options_.max_iterations; ++iteration) {
     const Pose before = result.T_reference_sensor;
-    const SensorMotion motion{before, duration_s};
+    const Twist velocity = (1.0 / duration_s) * logarithm(before);
     const bool robust = iteration >= kRobustFromIteration;
     const double reach_m = options_.max_distance_m * (robust ? kNarrowSearchShare : 1.0);
 
     const SearchState planar_state{before, reach_m, robust};
     const ConstraintList planar =
-        find_all(motion_corrected(features.flat_points, motion), [&](const auto& point_m) {
+        find_all(motion_corrected(features.flat_points, velocity), [&](const auto& point_m) {
           return match_plane(reference_->ground, point_m, planar_state);
         });
     result.planar_correspondences = planar.planes;
@@ -141,7 +141,7 @@ OdometryResult Odometry::estimate(const Features& features,
 
     const SearchState edge_state{result.T_reference_sensor, reach_m, robust};
     const ConstraintList edges = find_all(
-        motion_corrected(features.sharp_edges, motion),
+        motion_corrected(features.sharp_edges, velocity),
         [&](const auto& point_m) { return match_edge(reference_->edges, point_m, edge_state); });
     result.edge_correspondences = edges.edges;
     const bool enough_edges = edges.edges >= options_.min_correspondences;

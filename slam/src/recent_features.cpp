@@ -25,10 +25,10 @@ std::vector<FeaturePoint> every_nth(const std::vector<FeaturePoint>& points,
 }  // namespace
 
 void RecentFeatures::add(const MapFeatures& features, const Pose& T_map_sensor,
-                         const SensorMotion& motion) {
-  scans_.push_back({T_map_sensor, motion_corrected(features.edges, motion),
-                    motion_corrected(features.ground_to_locate, motion),
-                    motion_corrected(features.surfaces_to_locate, motion)});
+                         const Twist& velocity) {
+  scans_.push_back({T_map_sensor, motion_corrected(features.edges, velocity),
+                    motion_corrected(features.ground_to_locate, velocity),
+                    motion_corrected(features.surfaces_to_locate, velocity)});
   if (scans_.size() > max_scans_) scans_.pop_front();
 }
 

@@ -16,7 +16,7 @@ class RecentFeatures {
   explicit RecentFeatures(std::size_t max_scans) : max_scans_(max_scans) {}
 
   /// Keeps the features of a scan and forgets those of the oldest beyond max_scans.
-  void add(const MapFeatures& features, const Pose& T_map_sensor, const SensorMotion& motion);
+  void add(const MapFeatures& features, const Pose& T_map_sensor, const Twist& velocity);
 
   /// The map was corrected: so are the poses of the scans, which all moved with the last of them.
   void correct(const Pose& T_corrected_map);

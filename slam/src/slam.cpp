@@ -4,6 +4,7 @@
 #include <chrono>
 #include <optional>
 
+#include "drift.h"
 #include "hqslam/slam/features.h"
 #include "hqslam/slam/mapping.h"
 #include "hqslam/slam/odometry.h"
@@ -47,7 +48,32 @@ SlamOptions validated(const SlamOptions& options) {
 constexpr int kMaxUnlocatedScans = 5;
 
 /// A sensor that is followed no longer is believed to keep its velocity for so long.
-constexpr double kMaxPrediction_periods = 100.0;
+constexpr double kSteady_periods = 10.0;
+
+/// A state known better than this is where the scan is looked for, unless the odometry saw it
+/// farther away than a search in the map reaches. Otherwise it is looked for where the odometry saw
+/// it too, and found there if so many times as much of it fits.
+constexpr double kPrecise_m = 0.5;
+constexpr double kPrecise_rad = 0.05;
+constexpr double kElsewhere_m = 0.3;
+constexpr double kElsewhere_rad = 0.03;
+constexpr double kFitsBetter = 1.1;
+
+bool is_precise(const MotionState& state) {
+  const Vector6 variance = state.covariance.diagonal().head<6>();
+  return variance.head<3>().maxCoeff() < kPrecise_m * kPrecise_m &&
+         variance.tail<3>().maxCoeff() < kPrecise_rad * kPrecise_rad;
+}
+
+bool is_elsewhere(const Twist& surprise) {
+  return surprise.linear.norm() > kElsewhere_m || surprise.angular.norm() > kElsewhere_rad;
+}
+
+int matched(const MappingResult& located) {
+  return located.status == Status::kTooFewFeatures
+             ? 0
+             : located.edge_correspondences + located.planar_correspondences;
+}
 
 /// Whether a scan can serve as the one that the next are matched with.
 bool can_be_reference(const Features& features, const OdometryOptions& options) {
@@ -70,9 +96,10 @@ struct Slam::Implementation {
   ScanClock clock;
   double time_s = 0.0;  ///< of the scan at hand
   double reference_time_s = 0.0;
-  Pose T_map_reference = Pose::Identity();
+  MotionState reference;
   Pose T_odom_reference = Pose::Identity();
-  SensorMotion motion;  ///< of the reference since the one before
+  AccelerationNoise accelerations;
+  Drift drift;
   int unlocated_scans = 0;
 
   Implementation(const SensorModel& sensor_, const SlamOptions& options_)
@@ -85,13 +112,30 @@ struct Slam::Implementation {
     if (options.loop_closing.enabled) loop_closing.emplace();
   }
 
+  /// The first key frame, until its motion is known.
+  struct FirstScan {
+    double time_s = 0.0;
+    Features features;
+    MapFeatures thinned;
+  };
+  std::optional<FirstScan> first_scan;
+
+  /// What is known of a scan after it was looked for.
+  struct Followed {
+    MotionState state;
+    bool is_located = false;   ///< in the map
+    bool by_odometry = false;  ///< from the reference
+  };
+
   ScanReport process(const OrganizedCloud& cloud, double stamp_s);
   void begin(const OrganizedCloud& cloud, const Features& features, Stopwatch& stopwatch,
              ScanReport& report);
   void follow(const OrganizedCloud& cloud, const Features& features, Stopwatch& stopwatch,
               ScanReport& report);
-  void make_reference(const Features& features, const SensorMotion& since_reference,
-                      const ScanReport& report);
+  Followed locate(const Features& features, const MapFeatures& thinned, Stopwatch& stopwatch,
+                  ScanReport& report) const;
+  void correct_first_key_frame(const Twist& velocity);
+  void make_reference(const Features& features, const MotionState& state, const ScanReport& report);
   void add_key_frame(const OrganizedCloud& cloud, const MapFeatures& features, Stopwatch& stopwatch,
                      ScanReport& report);
   void correct(const std::vector<Pose>& corrections, ScanReport& report);
@@ -134,70 +178,114 @@ void Slam::Implementation::begin(const OrganizedCloud& cloud, const Features& fe
     report.mapping_status = Status::kTooFewFeatures;
     return;
   }
-  make_reference(features, {Pose::Identity(), sensor.scan_period_s}, report);
-  add_key_frame(cloud, map_features(features, sensor.measured_rows, options.mapping), stopwatch,
-                report);
+  make_reference(features, unknown_motion(Pose::Identity()), report);
+  first_scan = {time_s, features, map_features(features, sensor.measured_rows, options.mapping)};
+  add_key_frame(cloud, first_scan->thinned, stopwatch, report);
 }
 
 void Slam::Implementation::follow(const OrganizedCloud& cloud, const Features& features,
                                   Stopwatch& stopwatch, ScanReport& report) {
-  const double duration_s = time_s - reference_time_s;
-  const double predicted_s = std::min(duration_s, kMaxPrediction_periods * sensor.scan_period_s);
-  const Pose predicted =
-      interpolate(Pose::Identity(), motion.T_begin_end, predicted_s / motion.duration_s);
-  const OdometryResult moved = odometry.estimate(features, predicted, duration_s);
-  report.odometry_status = moved.status;
-  report.T_odom_sensor = orthonormalized(T_odom_reference * moved.T_reference_sensor);
-  report.times.odometry_s = stopwatch.lap_s();
-
   const MapFeatures thinned = map_features(features, sensor.measured_rows, options.mapping);
-  const MappingResult located = mapping.locate(thinned, T_map_reference * moved.T_reference_sensor,
-                                               {T_map_reference, duration_s});
-  report.mapping_status = located.status;
-  report.T_map_sensor = located.T_map_sensor;
-  report.edge_correspondences = located.edge_correspondences;
-  report.planar_correspondences = located.planar_correspondences;
-  const bool is_located = located.status != Status::kTooFewFeatures;
-  const bool is_followed = is_located || moved.status != Status::kTooFewFeatures;
-  unlocated_scans = is_located ? 0 : unlocated_scans + 1;
+  Followed followed = locate(features, thinned, stopwatch, report);
+  if (first_scan && followed.is_located) {
+    correct_first_key_frame(followed.state.velocity);
+    followed = locate(features, thinned, stopwatch, report);
+  }
+  unlocated_scans = followed.is_located ? 0 : unlocated_scans + 1;
   const bool goes_on =
       unlocated_scans > kMaxUnlocatedScans && can_be_reference(features, options.odometry);
-  if (is_followed || goes_on) {
-    Pose T_reference_sensor = T_map_reference.inverse() * located.T_map_sensor;
-    if (!is_followed) {
+  if (followed.by_odometry || followed.is_located || goes_on) {
+    if (!followed.by_odometry && !followed.is_located) {
       // Nothing measured this motion: a wrong velocity would be predicted again, and kept for good.
-      T_reference_sensor = Pose::Identity();
+      drift.lose(followed.state);
+      followed.state = unknown_motion(followed.state.T_map_sensor);
+      first_scan.reset();
       unlocated_scans = 0;
     }
-    make_reference(features, {T_reference_sensor, duration_s}, report);
-    if ((is_located || goes_on) && mapping.is_key_frame(located.T_map_sensor)) {
+    if (followed.is_located) {
+      accelerations.learn(reference.velocity, followed.state.velocity, time_s - reference_time_s);
+      drift.locate(reference.T_map_sensor.inverse() * followed.state.T_map_sensor, followed.state);
+    }
+    make_reference(features, followed.state, report);
+    if ((followed.is_located || goes_on) && mapping.is_key_frame(report.T_map_sensor)) {
       add_key_frame(cloud, thinned, stopwatch, report);
     }
   }
   report.times.mapping_s += stopwatch.lap_s();
 }
 
+/// Where the scan is, by the odometry and in the map, the last one that was followed being the
+/// reference.
+Slam::Implementation::Followed Slam::Implementation::locate(const Features& features,
+                                                            const MapFeatures& thinned,
+                                                            Stopwatch& stopwatch,
+                                                            ScanReport& report) const {
+  const double duration_s = time_s - reference_time_s;
+  const MotionState expected = predicted(
+      reference, duration_s, kSteady_periods * sensor.scan_period_s, accelerations.density());
+  const OdometryResult moved = odometry.estimate(
+      features, reference.T_map_sensor.inverse() * expected.T_map_sensor, duration_s);
+  const Pose T_map_moved = orthonormalized(reference.T_map_sensor * moved.T_reference_sensor);
+  report.odometry_status = moved.status;
+  report.T_odom_sensor = orthonormalized(T_odom_reference * moved.T_reference_sensor);
+  report.times.odometry_s += stopwatch.lap_s();
+
+  MappingResult located = mapping.locate(thinned, expected, expected.T_map_sensor);
+  const Twist surprise = logarithm(expected.T_map_sensor.inverse() * T_map_moved);
+  if (!is_precise(expected) || is_elsewhere(surprise)) {
+    const MappingResult from_odometry =
+        mapping.locate(thinned, surprised(expected, surprise, duration_s), T_map_moved);
+    if (matched(from_odometry) > kFitsBetter * matched(located)) located = from_odometry;
+  }
+  if (located.status != Status::kTooFewFeatures &&
+      duration_s > kSteady_periods * sensor.scan_period_s) {
+    located.status = Status::kAfterGap;
+  }
+  Followed result{located.state, located.status != Status::kTooFewFeatures,
+                  moved.status != Status::kTooFewFeatures};
+  if (!result.is_located) {
+    result.state.T_map_sensor = T_map_moved;
+    result.state.velocity = (1.0 / duration_s) * logarithm(moved.T_reference_sensor);
+  }
+  report.mapping_status = located.status;
+  report.edge_correspondences = located.edge_correspondences;
+  report.planar_correspondences = located.planar_correspondences;
+  report.T_map_sensor = result.state.T_map_sensor;
+  report.covariance = drift.covariance(result.state);
+  report.times.mapping_s += stopwatch.lap_s();
+  return result;
+}
+
+/// The first scan was taken as if the sensor stood: now that its velocity is known it is corrected
+/// for that, and the map begins anew with it.
+void Slam::Implementation::correct_first_key_frame(const Twist& velocity) {
+  mapping = Mapping(options.mapping);
+  mapping.insert(first_scan->thinned, Pose::Identity(), velocity);
+  if (reference_time_s == first_scan->time_s)
+    odometry.set_reference(first_scan->features, velocity);
+  first_scan.reset();
+}
+
 /// Makes this scan, of which the poses are known, the one that the next are matched with.
-void Slam::Implementation::make_reference(const Features& features,
-                                          const SensorMotion& since_reference,
+void Slam::Implementation::make_reference(const Features& features, const MotionState& state,
                                           const ScanReport& report) {
-  motion = since_reference;
-  odometry.set_reference(features, motion);
+  reference = state;
+  odometry.set_reference(features, state.velocity);
   reference_time_s = time_s;
-  T_map_reference = report.T_map_sensor;
   T_odom_reference = report.T_odom_sensor;
 }
 
-/// Puts the scan, of which `motion` and T_map_sensor are known, into the map.
+/// Puts the scan, of which velocity and T_map_sensor are known, into the map.
 void Slam::Implementation::add_key_frame(const OrganizedCloud& cloud, const MapFeatures& features,
                                          Stopwatch& stopwatch, ScanReport& report) {
-  mapping.insert(features, report.T_map_sensor, motion);
+  mapping.insert(features, report.T_map_sensor, reference.velocity);
   report.key_frame = true;
   report.times.mapping_s += stopwatch.lap_s();
   if (!loop_closing) return;
-  const LoopResult result = loop_closing->process(
-      {cloud, features, motion, report.T_map_sensor, report.mapping_status, trajectory.size()},
-      mapping);
+  const LoopResult result =
+      loop_closing->process({cloud, features, reference.velocity, report.T_map_sensor,
+                             report.mapping_status, trajectory.size()},
+                            mapping);
   report.loop = result.report;
   if (!result.corrections.empty()) correct(result.corrections, report);
   if (result.report.status == LoopStatus::kAgrees || result.report.status == LoopStatus::kClosed) {
@@ -217,7 +305,7 @@ void Slam::Implementation::correct(const std::vector<Pose>& corrections, ScanRep
     T_map_sensor = orthonormalized(correction * T_map_sensor);
   }
   report.T_map_sensor = orthonormalized(corrections.back() * report.T_map_sensor);
-  T_map_reference = report.T_map_sensor;
+  reference.T_map_sensor = report.T_map_sensor;
 }
 
 Slam::Slam(const SensorModel& sensor) : Slam(sensor, SlamOptions{}) {}

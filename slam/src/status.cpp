@@ -12,6 +12,8 @@ std::string_view name(Status status) {
       return "degenerate";
     case Status::kNotConverged:
       return "not converged";
+    case Status::kAfterGap:
+      return "after a gap";
   }
   return "unknown";
 }

@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include <cmath>
 #include <numbers>
 
 using hqslam::Pose;
@@ -31,7 +32,46 @@ TEST_CASE("interpolation meets both ends, the middle, and continues beyond") {
   CHECK(hqslam::interpolate(a, b, 1.0).isApprox(b, 1e-12));
   const Pose twice = hqslam::interpolate(a, b, 2.0);
   CHECK(hqslam::rotation_angle_rad(a.inverse() * twice) == doctest::Approx(0.8));
-  CHECK((twice.translation() - 2.0 * b.translation()).norm() < 1e-12);
+  const Pose step = a.inverse() * b;
+  CHECK(twice.isApprox(a * step * step, 1e-12));
+}
+
+TEST_CASE("the exponential of a turn about the vertical is a drive along a circle") {
+  // Radius 5 m, a quarter of it: 5 m forward and 5 m to the left, heading left.
+  const double quarter = std::numbers::pi / 2;
+  const Pose pose = hqslam::exponential({{5.0 * quarter, 0, 0}, {0, 0, quarter}});
+  CHECK((pose.translation() - Eigen::Vector3d(5, 5, 0)).norm() < 1e-12);
+  CHECK((pose.linear() * Eigen::Vector3d::UnitX() - Eigen::Vector3d::UnitY()).norm() < 1e-12);
+}
+
+TEST_CASE("a constant twist is the limit of many small steps, of any axis and size") {
+  for (const double size : {1e-9, 1e-5, 1e-3, 0.3, 3.0}) {
+    const Eigen::Vector3d v = size * Eigen::Vector3d(3.0, -1.0, 0.5);
+    const Eigen::Vector3d w = size * Eigen::Vector3d(0.3, 0.5, -0.8);
+    // Each step: the differential equation dT = T [twist] dt, solved by squaring 2^-30 of it.
+    constexpr int kHalvings = 30;
+    Eigen::Matrix4d T = Eigen::Matrix4d::Zero();
+    T.topLeftCorner<3, 3>() << 0, -w.z(), w.y(), w.z(), 0, -w.x(), -w.y(), w.x(), 0;
+    T.topRightCorner<3, 1>() = v;
+    T = (T / std::ldexp(1.0, kHalvings)).eval();
+    // (I + A)^2 = I + (2 A + A^2): the identity is left out, so that nothing small is lost.
+    for (int k = 0; k < kHalvings; ++k) T = (2.0 * T + T * T).eval();
+    T += Eigen::Matrix4d::Identity();
+    const Pose pose = hqslam::exponential({v, w});
+    CAPTURE(size);
+    CHECK((pose.matrix() - T).norm() < 1e-8 * size * (1.0 + size));
+  }
+}
+
+TEST_CASE("the logarithm undoes the exponential") {
+  for (const double size : {0.0, 1e-12, 9e-5, 1.1e-4, 0.3, 3.1}) {
+    const hqslam::Twist twist{{3.0, -1.0, 0.5},
+                              size * Eigen::Vector3d(0.3, 0.5, -0.8).normalized()};
+    const hqslam::Twist back = hqslam::logarithm(hqslam::exponential(twist));
+    CAPTURE(size);
+    CHECK((back.linear - twist.linear).norm() < 1e-9);
+    CHECK((back.angular - twist.angular).norm() < 1e-12);
+  }
 }
 
 TEST_CASE("interpolation between equal poses is that pose") {

@@ -45,12 +45,12 @@ Driven drive(const test::Circuit& circuit, const Estimate& estimate) {
                                            truth[i] * estimate.error_per_step;
     const OrganizedCloud cloud = circuit.village.scan(sensor, truth[i]);
     const slam::MapFeatures features = test::features_of(cloud, sensor);
-    const slam::SensorMotion motion;
-    mapping.insert(features, T_map_sensor, motion);
+    const Twist standing;
+    mapping.insert(features, T_map_sensor, standing);
     driven.T_map_sensor.push_back(T_map_sensor);
     if (!estimate.closes_loops) continue;
-    const slam::LoopResult result =
-        loop_closing.process({cloud, features, motion, T_map_sensor, estimate.status, i}, mapping);
+    const slam::LoopResult result = loop_closing.process(
+        {cloud, features, standing, T_map_sensor, estimate.status, i}, mapping);
     driven.reports.push_back(result.report);
     if (result.corrections.empty()) continue;
     mapping.correct(result.corrections);

@@ -2,6 +2,8 @@
 
 #include <doctest/doctest.h>
 
+#include <cmath>
+
 using namespace hqslam;
 using slam::PoseGraph;
 
@@ -21,9 +23,14 @@ TEST_CASE("key frames between two nodes are moved by their share of the path bet
   CHECK(result[3].isApprox(moved, 1e-12));
   CHECK(result[4].isApprox(moved * at_x(1), 1e-12));
   // A quarter of the way: between where the first node leaves it and where the second puts it.
-  const Pose by_second = moved * at_x(-3);
-  CHECK((result[1].translation() - (0.75 * at_x(1).translation() + 0.25 * by_second.translation()))
-            .norm() < 1e-12);
+  // Between them a turn by 0.1 rad about a fixed point c, of which a quarter is made:
+  // c = p + (d / 2 + z x d / (2 tan 0.05)) for a displacement d from p.
+  const Eigen::Vector3d p_m = at_x(1).translation();
+  const Eigen::Vector3d d_m = (moved * at_x(-3)).translation() - p_m;
+  const Eigen::Vector3d aside_m = Eigen::Vector3d::UnitZ().cross(d_m);
+  const Eigen::Vector3d centre_m = p_m + 0.5 * d_m + 0.5 / std::tan(0.05) * aside_m;
+  const Eigen::AngleAxisd quarter(0.025, Eigen::Vector3d::UnitZ());
+  CHECK((result[1].translation() - (centre_m + quarter * (p_m - centre_m))).norm() < 1e-12);
   CHECK(rotation_angle_rad(result[1]) == doctest::Approx(0.025));
 }
 

@@ -18,6 +18,15 @@ slam::MapFeatures features_of(const SensorModel& sensor, const OrganizedCloud& c
                             std::nullopt, {});
 }
 
+/// A sensor that is believed to be here: metres, radians.
+slam::MotionState believed(const Pose& T_map_sensor, double sigma = 0.3) {
+  slam::MotionState state;
+  state.T_map_sensor = T_map_sensor;
+  state.covariance.diagonal() << slam::Vector6::Constant(sigma * sigma),
+      slam::Vector6::Constant(1.0);
+  return state;
+}
+
 /// A map of the yard from eleven places along its length, in the frame of the first.
 struct MappedYard {
   SensorModel sensor = test::small_sensor(32, 1024);
@@ -70,9 +79,10 @@ slam::MapFeatures beside_a_bank(double offset_m) {
 double roll_beside_a_bank_rad(const slam::MappingOptions& options) {
   slam::Mapping mapping{options};
   mapping.insert(beside_a_bank(0.25), Pose::Identity(), {});
-  const auto result = mapping.locate(beside_a_bank(0.0), Pose::Identity(), {Pose::Identity(), 0.1});
+  const auto result =
+      mapping.locate(beside_a_bank(0.0), believed(Pose::Identity()), Pose::Identity());
   REQUIRE(result.status == Status::kOk);
-  return roll_pitch_yaw_rad(result.T_map_sensor).x();
+  return roll_pitch_yaw_rad(result.state.T_map_sensor).x();
 }
 
 }  // namespace
@@ -83,10 +93,10 @@ TEST_CASE("a scan is located in the map from a rough prediction") {
   const Pose truth = mapped.T_yard_map.inverse() * T_yard_sensor;
   const Pose predicted = truth * pose_from_xyz_rpy({0.2, -0.15, 0.05}, 0.01, -0.01, 0.02);
   const auto features = features_of(mapped.sensor, mapped.yard.scan(mapped.sensor, T_yard_sensor));
-  const auto result = mapped.mapping.locate(features, predicted, {predicted, 0.1});
+  const auto result = mapped.mapping.locate(features, believed(predicted), predicted);
   CHECK(result.status == Status::kOk);
-  CHECK((result.T_map_sensor.translation() - truth.translation()).norm() < 0.03);
-  CHECK(rotation_angle_rad(result.T_map_sensor.inverse() * truth) < 0.003);
+  CHECK((result.state.T_map_sensor.translation() - truth.translation()).norm() < 0.03);
+  CHECK(rotation_angle_rad(result.state.T_map_sensor.inverse() * truth) < 0.003);
 }
 
 TEST_CASE("ground that bends between the points of the map does not tilt the scan") {
@@ -105,9 +115,9 @@ TEST_CASE("ground that fits badly on one side hardly tilts the scan") {
     slam::Mapping mapping{options};
     mapping.insert(road(0.1, 0.0), Pose::Identity(), {});
     const slam::MapFeatures scan = road(0.0, -0.12);
-    const auto result = mapping.locate(scan, Pose::Identity(), {Pose::Identity(), 0.1});
+    const auto result = mapping.locate(scan, believed(Pose::Identity()), Pose::Identity());
     REQUIRE(result.status == Status::kOk);
-    return roll_pitch_yaw_rad(result.T_map_sensor).x();
+    return roll_pitch_yaw_rad(result.state.T_map_sensor).x();
   };
   const double plain_rad = roll_rad(1000.0);
   CHECK(std::abs(plain_rad) > 2e-3);
@@ -125,13 +135,13 @@ TEST_CASE("a place met again with drift is matched with only when it was recalle
   const Pose truth = mapped.T_yard_map.inverse() * T_yard_sensor;
   const Pose drifted = truth * pose_from_xyz_rpy({0.4, 0.0, 0.0}, 0, 0, 0);
   const auto features = features_of(mapped.sensor, mapped.yard.scan(mapped.sensor, T_yard_sensor));
-  const auto before = mapped.mapping.locate(features, drifted, {drifted, 0.1});
+  const auto before = mapped.mapping.locate(features, believed(drifted), drifted);
   CHECK(before.status == Status::kTooFewFeatures);
-  CHECK(before.T_map_sensor.isApprox(drifted));
+  CHECK(before.state.T_map_sensor.isApprox(drifted));
   mapped.mapping.recall({truth.translation().cast<float>(), 45.0F});
-  const auto after = mapped.mapping.locate(features, drifted, {drifted, 0.1});
+  const auto after = mapped.mapping.locate(features, believed(drifted), drifted);
   CHECK(after.status == Status::kOk);
-  CHECK((after.T_map_sensor.translation() - truth.translation()).norm() < 0.03);
+  CHECK((after.state.T_map_sensor.translation() - truth.translation()).norm() < 0.03);
 }
 
 TEST_CASE("in a corridor without ends the motion along it is held, not invented") {
@@ -143,11 +153,12 @@ TEST_CASE("in a corridor without ends the motion along it is held, not invented"
   const Pose T_yard_sensor = test::yard_pose(0.0, 0.2, 0.0);
   const Pose predicted = mapped.T_yard_map.inverse() * test::yard_pose(0.4, 0.0, 0.01);
   const auto features = features_of(mapped.sensor, corridor.scan(mapped.sensor, T_yard_sensor));
-  const auto result = mapped.mapping.locate(features, predicted, {predicted, 0.1});
+  // As well as a car's next scan is predicted.
+  const auto result = mapped.mapping.locate(features, believed(predicted, 0.03), predicted);
   CHECK(result.status == Status::kDegenerate);
-  CHECK(result.T_map_sensor.translation().x() ==
+  CHECK(result.state.T_map_sensor.translation().x() ==
         doctest::Approx(predicted.translation().x()).epsilon(0.02));
-  CHECK(result.T_map_sensor.translation().y() == doctest::Approx(0.2).epsilon(0.2));
+  CHECK(result.state.T_map_sensor.translation().y() == doctest::Approx(0.2).epsilon(0.2));
 }
 
 TEST_CASE("far from the origin of the map a scan is located as well as at it") {
@@ -164,9 +175,9 @@ TEST_CASE("far from the origin of the map a scan is located as well as at it") {
   const Pose truth = far * mapped.T_yard_map.inverse() * T_yard_sensor;
   const Pose predicted = truth * pose_from_xyz_rpy({0.2, -0.15, 0.05}, 0, 0, 0.02);
   const auto features = features_of(mapped.sensor, mapped.yard.scan(mapped.sensor, T_yard_sensor));
-  const auto result = mapping.locate(features, predicted, {predicted, 0.1});
+  const auto result = mapping.locate(features, believed(predicted), predicted);
   CHECK(result.status == Status::kOk);
-  CHECK((result.T_map_sensor.translation() - truth.translation()).norm() < 0.03);
+  CHECK((result.state.T_map_sensor.translation() - truth.translation()).norm() < 0.03);
 }
 
 TEST_CASE("rings on a bare floor do not hold the sensor back") {
@@ -180,9 +191,9 @@ TEST_CASE("rings on a bare floor do not hold the sensor back") {
   const Pose predicted = mapped.T_yard_map.inverse() * test::yard_pose(6.0, 0.0, 0.0);
   const auto features =
       features_of(mapped.sensor, floor.scan(mapped.sensor, test::yard_pose(6.0, 0.0, 0.0)));
-  const auto result = mapped.mapping.locate(features, predicted, {predicted, 0.1});
+  const auto result = mapped.mapping.locate(features, believed(predicted), predicted);
   CHECK(result.status == Status::kDegenerate);
-  CHECK((result.T_map_sensor.translation() - predicted.translation()).norm() < 0.01);
+  CHECK((result.state.T_map_sensor.translation() - predicted.translation()).norm() < 0.01);
 }
 
 TEST_CASE("without a map the prediction stands and the status says so") {
@@ -190,9 +201,9 @@ TEST_CASE("without a map the prediction stands and the status says so") {
   const slam::Mapping mapping{slam::MappingOptions{}};
   const auto features = features_of(sensor, test::Yard().scan(sensor, test::yard_pose(0, 0, 0)));
   const Pose predicted = pose_from_xyz_rpy({1, 2, 3}, 0, 0, 1);
-  const auto result = mapping.locate(features, predicted, {predicted, 0.1});
+  const auto result = mapping.locate(features, believed(predicted), predicted);
   CHECK(result.status == Status::kTooFewFeatures);
-  CHECK(result.T_map_sensor.isApprox(predicted));
+  CHECK(result.state.T_map_sensor.isApprox(predicted));
 }
 
 TEST_CASE("a turn on the spot makes a key frame, a short step does not") {
@@ -253,6 +264,6 @@ TEST_CASE("surfaces that lean to one side do not lift the sensor") {
     }
   }
   mapping.insert(bank_in_map, truth, {});
-  const auto result = mapping.locate(features, truth, {truth, 0.1});
-  CHECK(std::abs((result.T_map_sensor.translation() - truth.translation()).z()) < 0.005);
+  const auto result = mapping.locate(features, believed(truth), truth);
+  CHECK(std::abs((result.state.T_map_sensor.translation() - truth.translation()).z()) < 0.005);
 }

@@ -45,6 +45,6 @@ TEST_CASE("features measured during the motion are put where they belong") {
   slam::RecentFeatures recent(2);
   slam::MapFeatures features;
   features.surfaces_to_locate = {{{4.0F, 0.0F, 0.0F}, 0.05F, 0}};
-  recent.add(features, Pose::Identity(), {at_x(1.0), 0.1});
+  recent.add(features, Pose::Identity(), {{10.0, 0.0, 0.0}, {0.0, 0.0, 0.0}});
   CHECK(recent.about_last(35.0, 100).surfaces_to_locate[0].point_m.x() == doctest::Approx(4.5));
 }

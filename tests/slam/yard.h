@@ -20,18 +20,27 @@ class Yard {
   bool pillars = true;
   bool end_walls = true;  ///< the walls at +-half_length; without them the yard is a corridor
 
-  /// The scan of a sensor that stands still, or of one that moves by T_begin_end during a scan
-  /// period, T_yard_sensor being its pose at the stamp.
-  OrganizedCloud scan(const SensorModel& sensor, const Pose& T_yard_sensor,
-                      const Pose* T_begin_end = nullptr) const {
+  /// The scan of a sensor that stands still.
+  OrganizedCloud scan(const SensorModel& sensor, const Pose& T_yard_sensor) const {
+    return unproject(image(sensor, [&](double) { return T_yard_sensor; }), sensor,
+                     CaptureTime::kMotionCorrected);
+  }
+
+  /// The scan of a sensor that moves: T_yard_sensor_at(time after the stamp, seconds).
+  template <typename PoseAt>
+  OrganizedCloud rolling_scan(const SensorModel& sensor, const PoseAt& T_yard_sensor_at) const {
+    return unproject(image(sensor, T_yard_sensor_at), sensor, CaptureTime::kRolling);
+  }
+
+ private:
+  static constexpr double kNone = std::numeric_limits<double>::infinity();
+
+  template <typename PoseAt>
+  RangeImage image(const SensorModel& sensor, const PoseAt& T_yard_sensor_at) const {
     RangeImage image(sensor.rows(), sensor.columns);
     for (int row = 0; row < sensor.rows(); ++row) {
       for (int column = 0; column < sensor.columns; ++column) {
-        Pose T_yard_beam = T_yard_sensor;
-        if (T_begin_end != nullptr) {
-          const double fraction = sensor.time_offset_s(row, column) / sensor.scan_period_s;
-          T_yard_beam = T_yard_sensor * interpolate(Pose::Identity(), *T_begin_end, fraction);
-        }
+        const Pose T_yard_beam = T_yard_sensor_at(sensor.time_offset_s(row, column));
         const double elevation_rad = sensor.beam_elevation_rad[row];
         const double azimuth_rad = sensor.azimuth_rad(row, column);
         const Eigen::Vector3d direction(std::cos(elevation_rad) * std::cos(azimuth_rad),
@@ -41,13 +50,8 @@ class Yard {
         if (range_m < sensor.max_range_m) image.at(row, column) = static_cast<float>(range_m);
       }
     }
-    return unproject(
-        image, sensor,
-        T_begin_end != nullptr ? CaptureTime::kRolling : CaptureTime::kMotionCorrected);
+    return image;
   }
-
- private:
-  static constexpr double kNone = std::numeric_limits<double>::infinity();
 
   double cast(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) const {
     double nearest = direction.z() < 0.0 ? -origin.z() / direction.z() : kNone;

@@ -17,8 +17,25 @@ Eigen::Vector3d roll_pitch_yaw_rad(const Pose& pose);
 /// The angle of the pose's rotation, 0..pi.
 double rotation_angle_rad(const Pose& pose);
 
-/// On the straight line from `a` (fraction 0) to `b` (fraction 1): linear in translation, spherical
-/// in rotation. Fractions outside 0..1 extrapolate.
+/// A motion as a screw: translation and rotation vector, or their rates. In the frame that moves:
+/// a car that drives along a curve has a constant twist forward and about its vertical.
+struct Twist {
+  Eigen::Vector3d linear = Eigen::Vector3d::Zero();   ///< metres, or metres a second
+  Eigen::Vector3d angular = Eigen::Vector3d::Zero();  ///< radians, or radians a second
+};
+inline Twist operator*(double factor, const Twist& twist) {
+  return {factor * twist.linear, factor * twist.angular};
+}
+
+/// The motion of a constant twist over one unit of time: the exponential of SE(3).
+///   R = exp([w]),  t = V v,  V = I + (1 - cos a) / a^2 [w] + (a - sin a) / a^3 [w]^2,  a = |w|.
+/// Source: Eade, "Lie groups for 2D and 3D transformations", section 3.
+Pose exponential(const Twist& twist);
+/// The twist that moves by `pose` in one unit of time, rotation at most pi: `exponential` undone.
+Twist logarithm(const Pose& pose);
+
+/// On the screw motion from `a` (fraction 0) to `b` (fraction 1): the twist is constant, as that of
+/// a body that moves steadily. Fractions outside 0..1 extrapolate.
 Pose interpolate(const Pose& a, const Pose& b, double fraction);
 
 /// The same pose with its rotation matrix made orthonormal again; for long products of poses.

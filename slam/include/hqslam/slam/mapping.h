@@ -9,7 +9,7 @@
 #include "hqslam/core/sensor_model.h"
 #include "hqslam/slam/feature_map.h"
 #include "hqslam/slam/features.h"
-#include "hqslam/slam/motion_correction.h"
+#include "hqslam/slam/motion_state.h"
 #include "hqslam/slam/options.h"
 #include "hqslam/slam/status.h"
 
@@ -28,16 +28,10 @@ MapFeatures map_features(const Features& features, const std::optional<RowSelect
                          const MappingOptions& options);
 
 struct MappingResult {
-  Pose T_map_sensor = Pose::Identity();
+  MotionState state;  ///< at the scan's stamp
   Status status = Status::kOk;
   int edge_correspondences = 0;
   int planar_correspondences = 0;
-};
-
-/// Where the sensor was at the scan before, for the motion within a scan.
-struct PreviousPose {
-  Pose T_map_sensor = Pose::Identity();
-  double duration_s = 0.1;  ///< from its stamp to the scan's
 };
 
 /// Scan-to-map optimisation, and the map.
@@ -63,12 +57,13 @@ class Mapping {
  public:
   explicit Mapping(const MappingOptions& options);
 
-  MappingResult locate(const MapFeatures& features, const Pose& T_map_sensor_predicted,
-                       const PreviousPose& previous) const;
+  /// In: what is expected without the scan, and how well; a pose to begin the search from.
+  MappingResult locate(const MapFeatures& features, const MotionState& expected,
+                       const Pose& T_map_sensor_start) const;
 
   /// Whether the pose is far enough from the last one inserted.
   bool is_key_frame(const Pose& T_map_sensor) const;
-  void insert(const MapFeatures& features, const Pose& T_map_sensor, const SensorMotion& motion);
+  void insert(const MapFeatures& features, const Pose& T_map_sensor, const Twist& velocity);
   std::uint32_t key_frames() const { return key_frames_; }
 
   /// The map about a place as it was when it had `key_frames` key frames, to locate in.

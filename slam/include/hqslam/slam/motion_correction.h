@@ -8,21 +8,16 @@
 
 namespace hqslam::slam {
 
-/// How a sensor moves while it captures a scan: at a constant velocity.
-struct SensorMotion {
-  Pose T_begin_end = Pose::Identity();  ///< motion over `duration_s`
-  double duration_s = 0.1;
-};
-
 /// Points as if all had been measured at the scan's stamp, in the sensor frame at the stamp.
 ///
-/// In: points p(t) in the sensor frame at their own time t (offset from the stamp). Out:
-///   p(0) = T_stamp_sensor(t) p(t),  T_stamp_sensor(t) = interpolate(I, T_begin_end, t / duration).
+/// In: points p(t) in the sensor frame at their own time t (offset from the stamp), the sensor's
+/// velocity at the stamp, a second. Out:
+///   p(0) = T_stamp_sensor(t) p(t),  T_stamp_sensor(t) = exponential(t velocity).
 /// Source: LOAM, section V A (constant velocity within a sweep).
-/// Differs from LeGO-LOAM: no IMU; corrected to the stamp, not to the end of the sweep; points
-/// without offset (a motion-corrected scan) stay as they are, so already corrected recordings are
-/// not corrected twice.
+/// Differs from LeGO-LOAM: no IMU; along a screw, not along a chord; corrected to the stamp, not to
+/// the end of the sweep; points without offset (a motion-corrected scan) stay as they are, so
+/// already corrected recordings are not corrected twice.
 std::vector<Eigen::Vector3f> motion_corrected(const std::vector<FeaturePoint>& points,
-                                              const SensorMotion& motion);
+                                              const Twist& velocity);
 
 }  // namespace hqslam::slam

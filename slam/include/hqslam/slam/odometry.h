@@ -40,7 +40,7 @@ class Odometry {
 
   bool has_reference() const;
   /// Makes this scan the one that the next are matched with.
-  void set_reference(const Features& features, const SensorMotion& motion);
+  void set_reference(const Features& features, const Twist& velocity);
 
   /// `duration_s`: from the reference's stamp to the scan's.
   OdometryResult estimate(const Features& features, const Pose& T_reference_sensor_predicted,

@@ -8,6 +8,7 @@
 #include "hqslam/core/sensor_model.h"
 #include "hqslam/core/trajectory.h"
 #include "hqslam/slam/loop_report.h"
+#include "hqslam/slam/motion_state.h"
 #include "hqslam/slam/status.h"
 
 namespace hqslam::slam {
@@ -29,6 +30,9 @@ struct ScanReport {
   double stamp_s = 0.0;
   Pose T_odom_sensor = Pose::Identity();  ///< odometry alone: smooth, drifts
   Pose T_map_sensor = Pose::Identity();   ///< after scan-to-map optimisation and loop closing
+  /// Of T_map_sensor against the truth, the first scan's pose being exact: the covariance of e in
+  /// T_true = T_map_sensor exp(e), (linear, angular) in the sensor's frame, m^2, m rad, rad^2.
+  Matrix6 covariance = Matrix6::Zero();
   Status odometry_status = Status::kOk;
   Status mapping_status = Status::kOk;
   int returns = 0;

@@ -12,8 +12,12 @@ enum class Status {
   kTooFewFeatures,
   kDegenerate,    ///< some direction of motion was not observable: there the prediction stands
   kNotConverged,  ///< the iteration limit was reached while the estimate still moved
+  /// Mapping: located, but scans are missing before this one (more than ten periods): where it was
+  /// looked for was a guess, and a place that looks alike would not be noticed.
+  kAfterGap,
 };
 
-std::string_view name(Status status);  ///< "ok", "too few features", "degenerate", "not converged"
+std::string_view name(Status status);  ///< "ok", "too few features", "degenerate", "not converged",
+                                       ///< "after a gap"
 
 }  // namespace hqslam::slam

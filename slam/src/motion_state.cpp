@@ -1,0 +1,98 @@
+#include "hqslam/slam/motion_state.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace hqslam::slam {
+
+namespace {
+
+constexpr double kFading_s = 1.0;
+/// Of a new step in what was learnt about accelerations.
+constexpr double kNewShare = 0.05;
+
+Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
+  Eigen::Matrix3d m;
+  m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
+  return m;
+}
+
+Vector6 six(double linear, double angular) {
+  Vector6 result;
+  result << linear, linear, linear, angular, angular, angular;
+  return result;
+}
+
+}  // namespace
+
+Vector6 vector_of(const Twist& twist) {
+  Vector6 result;
+  result << twist.linear, twist.angular;
+  return result;
+}
+
+Twist twist_of(const Vector6& vector) { return {vector.head<3>(), vector.tail<3>()}; }
+
+Matrix6 adjoint(const Pose& pose) {
+  Matrix6 result = Matrix6::Zero();
+  result.topLeftCorner<3, 3>() = pose.linear();
+  result.bottomRightCorner<3, 3>() = pose.linear();
+  result.topRightCorner<3, 3>() = cross_matrix(pose.translation()) * pose.linear();
+  return result;
+}
+
+MotionState unknown_motion(const Pose& T_map_sensor) {
+  MotionState result;
+  result.T_map_sensor = T_map_sensor;
+  Vector12 sigma;
+  sigma << six(1e-3, 1e-4), six(20.0, 1.0);
+  result.covariance = sigma.cwiseAbs2().asDiagonal();
+  return result;
+}
+
+AccelerationNoise::AccelerationNoise() : density_(six(10.0, 1.0)) {}
+
+void AccelerationNoise::learn(const Twist& before, const Twist& after, double step_s) {
+  const Vector6 change = vector_of(after) - vector_of(before);
+  const Vector6 least = six(0.1, 0.002);
+  density_ =
+      ((1.0 - kNewShare) * density_ + kNewShare / step_s * change.cwiseAbs2()).cwiseMax(least);
+}
+
+MotionState predicted(const MotionState& state, double duration_s, double steady_s,
+                      const Vector6& density) {
+  const double beyond_s = std::max(0.0, duration_s - steady_s);
+  const double kept = std::exp(-beyond_s / kFading_s);
+  const double t_s = duration_s - beyond_s + kFading_s * (1.0 - kept);
+  const Pose motion = exponential(t_s * state.velocity);
+  Matrix12 F = Matrix12::Identity();
+  F.topLeftCorner<6, 6>() = adjoint(motion.inverse());
+  F.topRightCorner<6, 6>().diagonal().setConstant(duration_s);
+  MotionState result;
+  result.T_map_sensor = state.T_map_sensor * motion;
+  result.velocity = kept * state.velocity;
+  result.covariance = F * state.covariance * F.transpose();
+  // What is no longer expected of the velocity is not known either.
+  const Vector6 forgotten = (1.0 - kept) * vector_of(state.velocity);
+  const Vector6 lost_m = (duration_s - t_s) * vector_of(state.velocity);
+  result.covariance.topLeftCorner<6, 6>().diagonal() +=
+      std::pow(duration_s, 3) * density + lost_m.cwiseAbs2();
+  result.covariance.bottomRightCorner<6, 6>().diagonal() +=
+      duration_s * density + forgotten.cwiseAbs2();
+  const Vector6 coupling = duration_s * duration_s * density + lost_m.cwiseProduct(forgotten);
+  result.covariance.topRightCorner<6, 6>().diagonal() += coupling;
+  result.covariance.bottomLeftCorner<6, 6>().diagonal() += coupling;
+  return result;
+}
+
+MotionState surprised(const MotionState& expected, const Twist& surprise, double duration_s) {
+  const Vector6 variance = vector_of(surprise).cwiseAbs2();
+  MotionState result = expected;
+  result.covariance.topLeftCorner<6, 6>().diagonal() += variance;
+  result.covariance.topRightCorner<6, 6>().diagonal() += variance / duration_s;
+  result.covariance.bottomLeftCorner<6, 6>().diagonal() += variance / duration_s;
+  result.covariance.bottomRightCorner<6, 6>().diagonal() += variance / (duration_s * duration_s);
+  return result;
+}
+
+}  // namespace hqslam::slam
