@@ -9,9 +9,9 @@
 namespace hqslam {
 
 /// The images of an .npy stack. Image i is of stamps_s[i]; without any stamps, of i scan periods.
-/// confidence_path: a stack with the confidence of every pixel, 0 to 1; empty: none. Throws Error if
-/// the shape of either is not that of the sensor, if there are fewer confidences than images, or if
-/// more than the last image has no stamp.
+/// confidence_path: a stack with the confidence of every pixel, 0 to 1; empty: none. Throws Error
+/// if the shape of either is not that of the sensor, if there are fewer confidences than images, or
+/// if more than the last image has no stamp.
 std::unique_ptr<ScanSource> make_image_stack_source(const std::string& path,
                                                     const SensorModel& sensor,
                                                     const RecordingOptions& options,

@@ -13,8 +13,9 @@ namespace hqslam::slam {
 ///
 /// with the motion T since the scan before, the covariance P of a scan's pose against the map, the
 /// step in metres and the share per metre. P takes the errors of features as independent. They are
-/// not: neighbours err together. So P is multiplied by a factor. Share and factor were chosen on
-/// simulated drives, so that errors against the truth are as large as the covariance says.
+/// not: neighbours err together. So P is multiplied by a factor. Share and factor are rough
+/// guesses, not calibrated: on two simulated drives the squared error over the covariance was 22
+/// and 26 on average where 6 would be right, most of it a tilt of 0.2 degrees from the first scans.
 class Drift {
  public:
   /// A scan was located: `state` against the map, `motion` since the scan before.

@@ -78,9 +78,9 @@ double scans_per_second(const SlamRun& run) {
 std::vector<std::pair<slam::Status, std::int64_t>> status_counts(
     const SlamRun& run, slam::Status slam::ScanReport::*status) {
   std::vector<std::pair<slam::Status, std::int64_t>> counts;
-  for (const slam::Status kind : {slam::Status::kOk, slam::Status::kTooFewFeatures,
-                                  slam::Status::kDegenerate, slam::Status::kNotConverged,
-                                  slam::Status::kAfterGap}) {
+  for (const slam::Status kind :
+       {slam::Status::kOk, slam::Status::kTooFewFeatures, slam::Status::kDegenerate,
+        slam::Status::kNotConverged, slam::Status::kAfterGap}) {
     counts.emplace_back(
         kind, std::count_if(run.scans.begin(), run.scans.end(),
                             [&](const ScanRecord& scan) { return scan.report.*status == kind; }));

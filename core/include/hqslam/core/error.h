@@ -11,7 +11,8 @@ class Error : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// One scan of a recording that cannot be understood: it is left out, the next one can be asked for.
+/// One scan of a recording that cannot be understood: it is left out, the next one can be asked
+/// for.
 class ScanError : public Error {
  public:
   using Error::Error;

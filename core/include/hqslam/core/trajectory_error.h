@@ -51,8 +51,8 @@ AbsolutePoseError absolute_pose_error(const Trajectory& estimate, const Trajecto
 /// Relative pose error over stretches of a given length of path along the reference; drift.
 struct RelativePoseError {
   double stretch_m = 0.0;
-  std::vector<std::size_t> first;  ///< per stretch, where it begins: index into the reference
-  std::vector<std::size_t> last;   ///< and where it ends
+  std::vector<std::size_t> first;     ///< per stretch, where it begins: index into the reference
+  std::vector<std::size_t> last;      ///< and where it ends
   std::vector<double> translation_m;  ///< per stretch, not divided by its length
   std::vector<double> rotation_rad;
   ErrorStatistics translation_statistics;

@@ -31,7 +31,8 @@ struct ScanReport {
   Pose T_odom_sensor = Pose::Identity();  ///< odometry alone: smooth, drifts
   Pose T_map_sensor = Pose::Identity();   ///< after scan-to-map optimisation and loop closing
   /// Of T_map_sensor against the truth, the first scan's pose being exact: the covariance of e in
-  /// T_true = T_map_sensor exp(e), (linear, angular) in the sensor's frame, m^2, m rad, rad^2.
+  /// T_true = T_map_sensor exp(e), (linear, angular) in the sensor's frame, m^2, m rad, rad^2. Not
+  /// calibrated: errors are about twice as large as it says (src/drift.h).
   Matrix6 covariance = Matrix6::Zero();
   Status odometry_status = Status::kOk;
   Status mapping_status = Status::kOk;

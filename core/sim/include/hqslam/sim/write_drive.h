@@ -20,7 +20,8 @@ struct ExtraFormats {
 /// Writes a drive to a folder, scan by scan; what is there is valid whenever writing stops:
 ///   scans.npy          N x rows x columns, float32 metres, 0 = no return, row 0 the highest beam
 ///   sensor.json        the sensor model
-///   drive.json         name, seed and planned length of the drive, and the simulator's revision; mount and conditions where
+///   drive.json         name, seed and planned length of the drive, and the simulator's revision;
+///   mount and conditions where
 ///                      they are not the usual ones
 ///   truth.tum          true pose of every scan at its stamp, in the frame of the first scan
 ///   truth.kitti        the same as KITTI writes it

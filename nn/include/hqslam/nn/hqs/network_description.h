@@ -56,8 +56,8 @@ struct NetworkDescription {
   /// kDuMix: computed pixels with a smaller confidence come out empty. Chosen after training, so
   /// that as many true returns are missing as linear interpolation misses.
   float least_confidence = 0.1F;
-  /// kDuMix: what the mixture says, to this power, is the confidence. Fitted after training on scans
-  /// that were not trained on, so that the confidence is the share that is right.
+  /// kDuMix: what the mixture says, to this power, is the confidence. Fitted after training on
+  /// scans that were not trained on, so that the confidence is the share that is right.
   float confidence_exponent = 1.0F;
   SensorModel sensor;  ///< with all rows
   RowSelection measured_rows;
