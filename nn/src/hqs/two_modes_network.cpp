@@ -11,6 +11,7 @@
 #include "hqslam/core/error.h"
 #include "hqslam/nn/hqs/interpolation.h"
 #include "hqslam/nn/hqs/two_modes.h"
+#include "two_modes_graph.h"
 
 namespace hqslam::nn {
 namespace {
@@ -18,86 +19,7 @@ namespace {
 constexpr float kTypicalRange_m = 20.0F;
 const float kTypicalLogRange = std::log(kTypicalRange_m);
 
-// The tensors of a layer's graph, in their order.
-enum GraphTensor { kInput, kEncoded, kLower, kBottleneck };
-
-int computed_pixels(const TwoModesShape& shape) { return shape.tile.pixels() - shape.tile.columns; }
-
-/// H, validity of what was measured, ln above - ln below; later layers also see the probability of
-/// a return and the memory of the layer before.
-int input_channels(const TwoModesShape& shape, int layer) {
-  const int first = shape.tile.pixels() + 2 * shape.tile.columns;
-  return layer == 0 ? first : first + computed_pixels(shape) + shape.memory;
-}
-
-bool is_last(const TwoModesShape& shape, int layer) {
-  return layer + 1 == static_cast<int>(shape.layers.size());
-}
-
-int output_channels(const TwoModesShape& shape, int layer) {
-  return kTwoModesOutputs * computed_pixels(shape) + (is_last(shape, layer) ? 0 : shape.memory);
-}
-
-ConvolutionGraph make_graph(const NetworkDescription& d, int layer, int rows, int columns,
-                            InstructionSet instruction_set, int threads) {
-  const TwoModesShape& shape = d.two_modes;
-  const TwoModesLayerShape& of_layer = shape.layers[layer];
-  const float slope = shape.negative_slope;
-  std::vector<int> channels{input_channels(shape, layer), of_layer.channels,
-                            of_layer.lower_channels, of_layer.lower_channels};
-  std::vector<ConvolutionStep> steps;
-  steps.push_back({.name = "encoder.0",
-                   .from = kInput,
-                   .to = kEncoded,
-                   .negative_slope = slope,
-                   .row_bias = true});
-  steps.push_back(
-      {.name = "encoder.1", .stride = 2, .from = kEncoded, .to = kLower, .negative_slope = slope});
-  steps.push_back(
-      {.name = "bottleneck.0", .from = kLower, .to = kBottleneck, .negative_slope = slope});
-  int from = kBottleneck;
-  for (int block = 1; block <= of_layer.residual_blocks; ++block) {
-    steps.push_back({.name = fmt::format("bottleneck.{}", block),
-                     .from = from,
-                     .to = from + 1,
-                     .skip = from,
-                     .negative_slope = slope});
-    channels.push_back(of_layer.lower_channels);
-    ++from;
-  }
-  steps.push_back({.name = "decoder.0",
-                   .transposed = true,
-                   .kernel = 2,
-                   .stride = 2,
-                   .from = from,
-                   .to = from + 1,
-                   .skip = kEncoded,
-                   .negative_slope = slope});
-  channels.push_back(of_layer.channels);
-  steps.push_back(
-      {.name = "head", .kernel = 1, .from = from + 1, .to = from + 2, .start_scale = 0.1F});
-  channels.push_back(output_channels(shape, layer));
-  return {std::move(steps), channels, rows, columns, instruction_set, threads};
-}
-
-/// A graph for asking about parameters only.
-ConvolutionGraph smallest_graph(const NetworkDescription& d, int layer) {
-  // Biases of rows are learned: as many rows as the sensor's images have.
-  return make_graph(d, layer, d.sensor.rows() / d.two_modes.tile.rows, 2, InstructionSet::kPortable,
-                    1);
-}
-
 }  // namespace
-
-std::vector<ParameterShape> two_modes_parameter_shapes(const NetworkDescription& description,
-                                                       int layer) {
-  return smallest_graph(description, layer).parameter_shapes();
-}
-
-std::vector<float> initial_two_modes_parameters(const NetworkDescription& description, int layer,
-                                                std::uint64_t seed) {
-  return smallest_graph(description, layer).initial_parameters(seed);
-}
 
 TwoModesNetwork::TwoModesNetwork(const NetworkDescription& description, int columns,
                                  InstructionSet instruction_set, int threads)
@@ -128,7 +50,7 @@ TwoModesNetwork::TwoModesNetwork(const NetworkDescription& description, int colu
   const TwoModesShape& shape = description_.two_modes;
   for (int layer = 0; layer < static_cast<int>(shape.layers.size()); ++layer) {
     ConvolutionGraph graph =
-        make_graph(description_, layer, rows_, columns_, instruction_set, threads);
+        two_modes_graph(description_, layer, rows_, columns_, instruction_set, threads);
     std::vector<Tensor> values = graph.make_values();
     const auto tiles = [&](int channels) {
       return Tensor(channels, rows_, columns_, ColumnPadding::kCircular);
@@ -146,7 +68,7 @@ TwoModesNetwork::TwoModesNetwork(const NetworkDescription& description, int colu
   }
   // A head's row, then ranges and confidences of a row of tiles.
   const auto row_floats = static_cast<std::size_t>(measured_log_.padded_columns());
-  const std::size_t channels = output_channels(shape, 0) + shape.memory + 2 * computed_.size();
+  const std::size_t channels = two_modes_outputs(shape, 0) + shape.memory + 2 * computed_.size();
   scratch_.assign(threads, std::vector<float>(channels * row_floats));
   const int image_columns = columns_ * tile_.columns;
   lifted_.image = RangeImage(description_.sensor.rows(), image_columns);
@@ -233,7 +155,7 @@ void TwoModesNetwork::start_row(int row) {
 /// Everything that the convolutions see but for the memory, which the layer before has put there.
 void TwoModesNetwork::make_input_row(int layer, int row) {
   Layer& self = layers_[layer];
-  Tensor& input = self.values[kInput];
+  Tensor& input = self.values.front();
   const auto put = [&](int channel, auto value) {
     float* to = input.row(channel, row);
 #pragma omp simd
@@ -286,7 +208,7 @@ void TwoModesNetwork::next_h_row(int layer, int row, const float* memory,
     std::copy_n(self.z.row(static_cast<int>(pixel), row), columns_,
                 next.h.row(computed_[pixel].channel, row));
   }
-  Tensor& input = next.values[kInput];
+  Tensor& input = next.values.front();
   const int first = input.channels() - description_.two_modes.memory;
   for (int channel = first; channel < input.channels(); ++channel) {
     std::copy_n(memory + (channel - first) * channel_stride, columns_, input.row(channel, row));
@@ -298,9 +220,9 @@ void TwoModesNetwork::next_h_row(int layer, int row, const float* memory,
 void TwoModesNetwork::run_layer(int layer, const RangeImage& measured, float tolerance_m) {
   const kernels::RowKernels& kernels = kernels::row_kernels(instruction_set_);
   Layer& self = layers_[layer];
-  const bool last = is_last(description_.two_modes, layer);
+  const bool last = is_last_layer(description_.two_modes, layer);
   const std::int64_t stride = measured_log_.padded_columns();
-  const int outputs = output_channels(description_.two_modes, layer);
+  const int outputs = two_modes_outputs(description_.two_modes, layer);
   const auto pixels = static_cast<std::int64_t>(computed_.size());
 #pragma omp for schedule(static)
   for (int row = 0; row < rows_; ++row) {
@@ -372,50 +294,6 @@ const LiftedImage& TwoModesNetwork::lift(const RangeImage& measured, float toler
     }
   }
   return lifted_;
-}
-
-RangeImage TwoModesNetwork::in_metres(const Tensor& log_ranges) const {
-  RangeImage image(rows_ * tile_.rows, columns_ * tile_.columns);
-  from_tiles(log_ranges, tile_, image.range_m.data());
-  for (float& range_m : image.range_m) range_m = std::exp(range_m);
-  return image;
-}
-
-LayerTrace TwoModesNetwork::layer_trace(int layer) const {
-  const Layer& self = layers_[layer];
-  Tensor z = self.h;  // measured pixels stay
-  Tensor probability = self.h;
-  for (int channel = 0; channel < tile_.pixels(); ++channel) {
-    for (int row = 0; row < rows_; ++row) {
-      const float* valid = measured_valid_.row(channel % tile_.columns, row);
-      std::copy_n(valid, columns_, probability.row(channel, row));
-    }
-  }
-  for (std::size_t pixel = 0; pixel < computed_.size(); ++pixel) {
-    const auto from = static_cast<int>(pixel);
-    for (int row = 0; row < rows_; ++row) {
-      std::copy_n(self.z.row(from, row), columns_, z.row(computed_[pixel].channel, row));
-      std::copy_n(self.probability.row(from, row), columns_,
-                  probability.row(computed_[pixel].channel, row));
-    }
-  }
-  LayerTrace trace{in_metres(self.h), in_metres(z), in_metres(z), {}, {}, 0.0F, {}};
-  trace.rejected.assign(trace.z.range_m.size(), 0);
-  trace.probability.resize(trace.z.range_m.size());
-  from_tiles(probability, tile_, trace.probability.data());
-  for (std::size_t i = 0; i < trace.y.range_m.size(); ++i) {
-    if (trace.probability[i] < 0.5F) trace.y.range_m[i] = 0.0F;
-  }
-  return trace;
-}
-
-Trace TwoModesNetwork::trace(const RangeImage& measured) {
-  lift(measured, 0.5F);  // the tolerance plays no part in what is traced
-  Trace trace{in_metres(layers_.front().h), {}, {}};
-  for (int layer = 0; layer < static_cast<int>(layers_.size()); ++layer) {
-    trace.layers.push_back(layer_trace(layer));
-  }
-  return trace;
 }
 
 }  // namespace hqslam::nn

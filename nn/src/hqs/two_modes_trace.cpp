@@ -1,0 +1,53 @@
+#include <algorithm>
+#include <cmath>
+
+#include "two_modes_network.h"
+
+// What every layer of the two-mode network makes of a scan, for people who want to look.
+namespace hqslam::nn {
+
+RangeImage TwoModesNetwork::in_metres(const Tensor& log_ranges) const {
+  RangeImage image(rows_ * tile_.rows, columns_ * tile_.columns);
+  from_tiles(log_ranges, tile_, image.range_m.data());
+  for (float& range_m : image.range_m) range_m = std::exp(range_m);
+  return image;
+}
+
+LayerTrace TwoModesNetwork::layer_trace(int layer) const {
+  const Layer& self = layers_[layer];
+  Tensor z = self.h;  // measured pixels stay
+  Tensor probability = self.h;
+  for (int channel = 0; channel < tile_.pixels(); ++channel) {
+    for (int row = 0; row < rows_; ++row) {
+      const float* valid = measured_valid_.row(channel % tile_.columns, row);
+      std::copy_n(valid, columns_, probability.row(channel, row));
+    }
+  }
+  for (std::size_t pixel = 0; pixel < computed_.size(); ++pixel) {
+    const auto from = static_cast<int>(pixel);
+    for (int row = 0; row < rows_; ++row) {
+      std::copy_n(self.z.row(from, row), columns_, z.row(computed_[pixel].channel, row));
+      std::copy_n(self.probability.row(from, row), columns_,
+                  probability.row(computed_[pixel].channel, row));
+    }
+  }
+  LayerTrace trace{in_metres(self.h), in_metres(z), in_metres(z), {}, {}, 0.0F, {}};
+  trace.rejected.assign(trace.z.range_m.size(), 0);
+  trace.probability.resize(trace.z.range_m.size());
+  from_tiles(probability, tile_, trace.probability.data());
+  for (std::size_t i = 0; i < trace.y.range_m.size(); ++i) {
+    if (trace.probability[i] < 0.5F) trace.y.range_m[i] = 0.0F;
+  }
+  return trace;
+}
+
+Trace TwoModesNetwork::trace(const RangeImage& measured) {
+  lift(measured, 0.5F);  // the tolerance plays no part in what is traced
+  Trace trace{in_metres(layers_.front().h), {}, {}};
+  for (int layer = 0; layer < static_cast<int>(layers_.size()); ++layer) {
+    trace.layers.push_back(layer_trace(layer));
+  }
+  return trace;
+}
+
+}  // namespace hqslam::nn
