@@ -107,7 +107,7 @@ inline WeightedDistance distance_from_line(const Eigen::Vector3d& p, const Eigen
           distance_m};
 }
 
-inline WeightedDistance weighed(WeightedDistance distance, double weight) {
+inline WeightedDistance weighed(const WeightedDistance& distance, double weight) {
   return {weight * distance.gradient, weight * distance.distance_m};
 }
 
