@@ -1,15 +1,20 @@
-#include <hqslam/core/scan_source.h>
+#include <hqslam/nn/upsampled_cloud.h>
+#include <hqslam/recordings/recording.h>
 #include <hqslam/slam/slam.h>
 
 #include <iostream>
 
+// A recording of an OS1-16 (a capture, a bag, ...) in, a pose per scan out, lifted to 64 rows.
 int main(int argc, char** argv) {
   if (argc != 3) return 2;
-  const hqslam::SensorModel sensor = hqslam::load_sensor(argv[2]);
-  const auto recording = hqslam::open_recording(argv[1], sensor);
-  hqslam::slam::Slam slam(sensor);
+  const auto recording = hqslam::recordings::open_recording(argv[1]);
+  auto network = hqslam::nn::SuperResolver::load(argv[2]);
+  const hqslam::SensorModel sensor = network.sensor();
+  hqslam::nn::Upsampler upsampler(std::move(network), sensor);
+  hqslam::slam::Slam slam(upsampler.sensor());
   while (const auto scan = recording->next()) {
-    const auto report = slam.process(scan->cloud, scan->stamp_s);
+    const auto lifted = hqslam::nn::upsampled_cloud(upsampler, scan->cloud);
+    const auto report = slam.process(lifted, scan->stamp_s);
     std::cout << report.T_map_sensor.translation().transpose() << '\n';
   }
 }

@@ -53,6 +53,55 @@ TEST_CASE("the options of upsample arrive where they belong") {
   CHECK(upsample.row_order == "lowest-first");
 }
 
+TEST_CASE("the options of live arrive where they belong, --view with a port and without") {
+  const LiveCommandOptions live = parsed({"live",     "--sensor",   "os1-16",
+                                          "--port",   "7000",       "--rows",
+                                          "16",       "--out",      "x",
+                                          "--return", "last",       "--threads",
+                                          "2",        "--upsample", "linear",
+                                          "--record", "a.pcap",     "--loop-closing",
+                                          "--view",   "8000",       "--view-address",
+                                          "0.0.0.0"})
+                                      .live;
+  CHECK(live.sensor == "os1-16");
+  CHECK(live.port == 7000);
+  CHECK(live.rows == 16);
+  CHECK(live.kept_return == "last");
+  CHECK(live.upsample == "linear");
+  CHECK(live.record == "a.pcap");
+  CHECK(live.threads == 2);
+  CHECK(live.loop_closing);
+  CHECK(live.view == 8000);
+  CHECK(live.view_address == "0.0.0.0");
+  const LiveCommandOptions plain = parsed({"live", "--sensor", "vlp-16", "--out", "x"}).live;
+  CHECK_FALSE(plain.view);
+  CHECK(plain.view_address == "127.0.0.1");
+  CHECK(parsed({"live", "--sensor", "vlp-16", "--out", "x", "--view"}).live.view == 8642);
+}
+
+TEST_CASE("every command that opens recordings reads them as run does") {
+  const std::vector<std::string> reading = {"--stream",    "7502",        "--return", "last",
+                                            "--capture",   "rolling",     "--stamps", "names",
+                                            "--row-order", "lowest-first"};
+  const auto with = [&](std::vector<std::string> arguments) {
+    arguments.insert(arguments.end(), reading.begin(), reading.end());
+    return parsed(arguments);
+  };
+  const CommandLine inspect = with({"inspect", "/", "--weights", "a", "--out", "x"});
+  const CommandLine upsample = with({"upsample", "/", "--method", "linear", "--out", "x"});
+  const CommandLine map = with({"map", "/", "--poses", "/proc/version", "--out", "x"});
+  for (const InputChoice& choice : std::vector<InputChoice>{
+           with({"run", "/", "--out", "x"}).run, map.map, inspect.inspect, upsample.upsample,
+           with({"compare", "/"}).compare, with({"table", "--out", "x"}).table.reading,
+           with({"bench", "--input", "/"}).bench.recording}) {
+    CHECK(choice.stream == "7502");
+    CHECK(choice.kept_return == "last");
+    CHECK(choice.capture == "rolling");
+    CHECK(choice.stamps == "names");
+    CHECK(choice.row_order == "lowest-first");
+  }
+}
+
 TEST_CASE("the options of table arrive where they belong, lists split at commas") {
   const TableOptions table =
       parsed({"table", "--drives", "town,/", "--methods", "rows-16,du-or", "--weights", "a,b",
@@ -108,7 +157,8 @@ TEST_CASE("what makes no sense is refused") {
       {"simulate", "--drive", "moon", "--out", "x"},
       {"simulate", "--drive", "town", "--out", "x", "--scans", "-3"},
       {"evaluate", "/no/such/file", "/no/such/file"},
-      {"bench", "--input", "/"},
+      {"live", "--sensor", "vlp-16"},
+      {"live", "--sensor", "vlp-16", "--out", "x", "--port", "70000"},
       {"bench", "--sensor", "os1-64"},
   };
   for (const std::vector<std::string>& arguments : wrong) {
@@ -121,7 +171,7 @@ TEST_CASE("the program's help names every subcommand, and evaluate's defines its
   CLI::App app("", "hqslam");
   CommandLine options;
   declare_program(app, options);
-  for (const char* name : {"run", "demo", "simulate", "evaluate", "bench", "upsample"}) {
+  for (const char* name : {"run", "live", "demo", "simulate", "evaluate", "bench", "upsample"}) {
     CHECK(app.help().find(name) != std::string::npos);
   }
   const std::string help = app.get_subcommand("evaluate")->help();

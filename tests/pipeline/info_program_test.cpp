@@ -17,12 +17,14 @@ TEST_CASE("a capture is explained by info, and the command that it names runs") 
   room.duration_s = 0.31;
   auto packets = velodyne_capture(room);
   packets.erase(packets.begin() + 100);
+  packets.push_back({packets.back().time_ns, 8308, Payload(512)});
   write_file(path, pcap_bytes(packets));
   const ProgramResult info = run_hqslam(fmt::format("info '{}'", path));
   CHECK(info.status == 0);
   for (const char* part : {"pcap capture", "192.168.1.201:2368", "Velodyne packets, single return",
                            "vlp-16: 16 rows x 900 columns, 20", "6 in 0.3", "1 lost",
-                           "each with its own time", "1 packet was lost", " --out results"}) {
+                           "each with its own time", "1 packet was lost", " --out results",
+                           "192.168.1.201:8308, 1 packets of positions, no scans"}) {
     CAPTURE(part);
     CHECK(info.out.find(part) != std::string::npos);
   }

@@ -12,11 +12,13 @@
 
 #include "../core/recordings/loopback.h"
 #include "hqslam/core/pcd.h"
+#include "hqslam/core/sensor_model.h"
 #include "hqslam/core/trajectory.h"
 #include "http_get.h"
 #include "ouster_drive.h"
 #include "program.h"
 #include "udp_socket.h"
+#include "untrained_weights.h"
 
 namespace hqslam::test {
 namespace {
@@ -148,6 +150,39 @@ TEST_CASE("live that never got a packet says so, writes nothing and can be ended
   REQUIRE(live.says(fmt::format("no packet yet on UDP port {}", live.port())));
   CHECK(live.end(SIGINT) == 0);
   CHECK_FALSE(fs::exists(live.path("out")));
+}
+
+TEST_CASE("captures are opened by upsample, compare, inspect, bench and table as by run") {
+  const TemporaryDirectory folder;
+  run_hqslam(fmt::format("simulate --drive block --sensor os1-64 --scans 6 --out '{}'",
+                         folder.file("drive")));
+  OusterDrive drive = ouster_drive(folder.file("drive"));
+  for (Captured& packet : drive.packets) packet.time_ns += 1'600'000'000'000'000'000;
+  const std::string capture = folder.file("a.pcap");
+  write_file(capture, pcap_bytes(drive.packets));
+  write_file(folder.file("a.json"), drive.metadata);
+  const std::string weights = folder.file("weights.npz");
+  write_untrained_weights(weights, sensor_preset("os1-64"));
+  for (const std::string& arguments :
+       {fmt::format("upsample '{}' --method linear --return last --out '{}'", capture,
+                    folder.file("lifted")),
+        fmt::format("compare '{}' --return last", capture),
+        fmt::format("inspect '{}' --weights '{}' --scan 2 --out '{}'", capture, weights,
+                    folder.file("layers.html")),
+        fmt::format("bench --input '{}' --stream 7502 --weights '{}'", capture, weights),
+        fmt::format("table --drives '{}' --methods linear,rows-64 --stream 7502 --out '{}'",
+                    capture, folder.file("table"))}) {
+    CAPTURE(arguments);
+    const ProgramResult result = run_hqslam(arguments);
+    CAPTURE(result.error);
+    CHECK(result.status == 0);
+  }
+  CHECK(file_contents(folder.file("lifted/upsample.json")).find("a.pcap") != std::string::npos);
+  const ProgramResult none =
+      run_hqslam(fmt::format("inspect '{}' --weights '{}' --scan 6 --out '{}'", capture, weights,
+                             folder.file("none.html")));
+  CHECK(none.status == 2);
+  CHECK(none.error.find("has 6 scans") != std::string::npos);
 }
 
 TEST_CASE("a port in use and other wrong input of live are one line and status 2") {

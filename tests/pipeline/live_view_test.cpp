@@ -189,6 +189,8 @@ TEST_CASE(
   status.counts.other_senders = 2;
   CHECK(status_line(status).find("mapping degenerate") != std::string::npos);
   CHECK(status_line(status).ends_with("  2 packets of other senders"));
+  status.counts.recording_failure = "a.pcap: cannot be written on; is the disk full?";
+  CHECK(status_line(status).ends_with("  NOT RECORDED ANY MORE"));
 }
 
 }  // namespace hqslam::tools

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# What README.md says is true: its commands run as they stand, its C++ example is the one that is
-# compiled.
+# What README.md says is true: its commands run as they stand, its C++ examples are those that
+# are compiled.
 #   readme_test.sh SOURCE_FOLDER HQSLAM_PROGRAM
 set -euo pipefail
 readme=$1/README.md
@@ -12,9 +12,9 @@ cd "$folder"
 # block LANGUAGE: the lines of all fenced blocks of that language.
 block() { awk -v fence='```'"$1" '/^```/ { inside = ($0 == fence); next } inside' "$readme"; }
 
-block cpp >example.cpp
-diff example.cpp "$1/tests/install/drive_to_poses.cpp" ||
-  { echo "README.md: the C++ example is not tests/install/drive_to_poses.cpp"; exit 1; }
+block cpp >examples
+cat "$1/tests/install/drive_to_poses.cpp" "$1/tests/install/driver_callback.h" | diff examples - ||
+  { echo "README.md: the C++ examples are not those of tests/install"; exit 1; }
 
 # The recordings that the README takes for granted, under the names that it uses.
 hqslam() { "$program" "$@"; }

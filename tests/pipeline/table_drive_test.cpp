@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include <filesystem>
+#include <set>
 
 #include "file_contents.h"
 #include "hqslam/core/npy.h"
@@ -36,6 +37,24 @@ TEST_CASE("a stack is known by the images that are used, wherever it lies") {
   CHECK(identity(folder.file("drive"), 2) == two);
   CHECK(identity(folder.file("drive"), 3) != two);
   CHECK(identity(folder.file("a.npy"), 1) != two);
+}
+
+TEST_CASE("a recording that is read in another way is another one") {
+  const test::TemporaryDirectory folder;
+  write_stack({1.0F}, folder.file("a.npy"));
+  TableDrive drive{"name", folder.file("a.npy"), "", "", std::nullopt};
+  std::set<std::string> identities = {identity_of(drive, 1)};
+  for (const auto change :
+       {+[](InputChoice& c) { c.stream = "7502"; }, +[](InputChoice& c) { c.kept_return = "last"; },
+        +[](InputChoice& c) { c.row_order = "lowest-first"; },
+        +[](InputChoice& c) { c.motion_corrected = true; },
+        +[](InputChoice& c) { c.capture = "rolling"; },
+        +[](InputChoice& c) { c.stamps = "names"; }}) {
+    drive.reading = {};
+    change(drive.reading);
+    identities.insert(identity_of(drive, 1));
+  }
+  CHECK(identities.size() == 7);
 }
 
 TEST_CASE("as many other scans at the same path are another recording") {

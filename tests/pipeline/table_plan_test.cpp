@@ -132,11 +132,21 @@ TEST_CASE("a recording is named after its folder and keeps the sensor and truth 
   options.drives = {folder.file("street") + "/", "town"};
   options.sensor = "hdl-64e";
   options.reference = "truth.txt";
+  options.reading.kept_return = "last";
+  options.reading.stream = "7502";
+  options.reading.capture = "rolling";
   const TablePlan plan = plan_table(options);
   CHECK(plan.drives[0].name == "street");
   CHECK(plan.drives[0].sensor == "hdl-64e");
   CHECK(plan.drives[0].reference == "truth.txt");
   CHECK_FALSE(plan.drives[0].simulated);
+  const InputRecording street = input_of(plan.drives[0]);
+  CHECK(street.input == plan.drives[0].recording);
+  CHECK(street.sensor == "hdl-64e");
+  CHECK(street.stream == "7502");
+  CHECK(street.last_return);
+  CHECK(street.files.times_from_azimuth);
+  CHECK_FALSE(input_of(plan.drives[1]).last_return);  // simulated
   CHECK(plan.drives[1].sensor.empty());
   CHECK(plan.drives[1].reference.empty());
 }

@@ -137,7 +137,7 @@ std::vector<nn::Upsampler> quick_upsamplers(const std::vector<std::string>& path
   return upsamplers;
 }
 
-void measure_slam(const std::string& input, const SensorModel& sensor, int rows,
+void measure_slam(const InputRecording& input, const SensorModel& sensor, int rows,
                   nn::Upsampler* upsampler, int threads, const InterruptGuard& interrupt,
                   Measurements& measurements) {
   if (interrupt.stop_requested()) {
@@ -146,11 +146,11 @@ void measure_slam(const std::string& input, const SensorModel& sensor, int rows,
   fmt::print(stderr, "slam, {} rows{}, {} thread{} ...\n", rows,
              upsampler != nullptr ? fmt::format(" lifted by {}", upsampler->name()) : "", threads,
              threads > 1 ? "s" : "");
-  const std::unique_ptr<ScanSource> source = open_recording(input, sensor);
+  const std::unique_ptr<ScanSource> source = open_input(input, sensor);
   measurements.slam.push_back(time_slam(*source, rows, upsampler, threads, interrupt));
 }
 
-Measurements measure(const std::string& input, const SensorModel& sensor,
+Measurements measure(const InputRecording& input, const SensorModel& sensor,
                      const std::vector<std::string>& weights, const InterruptGuard& interrupt) {
   Measurements measurements;
   measurements.sensor = sensor.name;
@@ -166,7 +166,7 @@ Measurements measure(const std::string& input, const SensorModel& sensor,
       measure_slam(input, sensor, rows, &upsampler, threads, interrupt, measurements);
     }
   }
-  const std::unique_ptr<ScanSource> source = open_recording(input, sensor);
+  const std::unique_ptr<ScanSource> source = open_input(input, sensor);
   const std::vector<RangeImage> images = sample_images(*source);
   fmt::print(stderr, "components and projection on {} scans ...\n", images.size());
   measurements.step_images = static_cast<int>(images.size());
@@ -270,13 +270,14 @@ void declare_bench(CLI::App& app, BenchOptions& options) {
       "bench", "Time per stage of SLAM and of the network, with one thread and two");
   CLI::Option* input =
       command
-          ->add_option("--input", options.input,
+          ->add_option("--input", options.recording.input,
                        "Recording to measure on, as for hqslam run; default: a simulated drive")
           ->check(CLI::ExistingPath);
-  CLI::Option* sensor =
-      command->add_option("--sensor", options.sensor, "The recording's sensor (name or .json file)")
-          ->needs(input);
-  input->needs(sensor);
+  command
+      ->add_option("--sensor", options.recording.sensor,
+                   "Sensor of a recording that does not say its own (name or .json file)")
+      ->needs(input);
+  declare_reading(*command, options.recording);
   command->add_option("--drive", options.drive, "Simulated drive to measure on")
       ->check(CLI::IsMember(sim::drive_preset_names()))
       ->capture_default_str()
@@ -305,9 +306,8 @@ int bench_command(const BenchOptions& options) {
   const std::vector<std::string> weights = weights_of(options);
   nn::chosen_instruction_set();  // an unknown one is better refused at once
   std::optional<TemporaryFolder> drive;
-  std::string input = options.input;
-  std::string sensor = options.sensor;
-  if (input.empty()) {
+  InputRecording input = input_recording(options.recording);
+  if (input.input.empty()) {
     drive.emplace();
     SimulateOptions simulate;
     simulate.drive = options.drive;
@@ -315,13 +315,12 @@ int bench_command(const BenchOptions& options) {
     simulate.scans = options.scans;
     simulate.out = drive->path().string();
     simulate_drive(simulate, interrupt);
-    input = simulate.out;
-    sensor = (drive->path() / "sensor.json").string();
+    input.input = simulate.out;
   }
-  Measurements measurements = measure(input, load_sensor(sensor), weights, interrupt);
-  measurements.input = options.input.empty()
-                           ? fmt::format("simulated {}, {} scans", options.drive, options.scans)
-                           : options.input;
+  const SensorModel sensor = required_recording_sensor(input.input, input.sensor, input.stream);
+  Measurements measurements = measure(input, sensor, weights, interrupt);
+  measurements.input =
+      drive ? fmt::format("simulated {}, {} scans", options.drive, options.scans) : input.input;
   if (interrupt.stop_requested()) {
     fmt::print(stderr, "hqslam: interrupted\n");
     return kInterrupted;

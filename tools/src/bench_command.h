@@ -5,11 +5,12 @@
 #include <string>
 #include <vector>
 
+#include "recording_choice.h"
+
 namespace hqslam::tools {
 
 struct BenchOptions {
-  std::string input;   ///< empty: a simulated drive
-  std::string sensor;  ///< of the input
+  InputChoice recording;  ///< its input empty: a simulated drive
   std::string drive = "block";
   std::int64_t scans = 200;
   std::vector<std::string> weights;  ///< empty: those that come with the program

@@ -40,6 +40,13 @@ std::string packets_line(const recordings::RecordingInfo& info) {
                      packets.late, packets.foreign);
 }
 
+std::string what_is_in(const recordings::Stream& stream) {
+  if (!stream.type.empty()) return "of " + stream.type;
+  return stream.kind == recordings::StreamKind::kVelodynePositions
+             ? "packets of positions, no scans"
+             : "packets";
+}
+
 /// In quotation marks if the shell would take it apart.
 std::string for_shell(const std::string& word) {
   const bool plain = std::all_of(word.begin(), word.end(), [](unsigned char c) {
@@ -84,8 +91,7 @@ int info_command(const InfoOptions& options) {
   print_line("file", fmt::format("{}: {}", options.input, info.kind));
   for (const recordings::Stream& stream : info.streams) {
     print_line(stream.name == info.stream ? "stream" : "  also",
-               fmt::format("{}, {} {}", stream.name, stream.messages,
-                           stream.type.empty() ? "packets" : "of " + stream.type));
+               fmt::format("{}, {} {}", stream.name, stream.messages, what_is_in(stream)));
   }
   print_line("holds", info.format);
   print_line("sensor", sensor_line(info));

@@ -82,7 +82,8 @@ void declare_live(CLI::App& app, LiveCommandOptions& options) {
       ->add_option(
           "--sensor", options.sensor,
           fmt::format("{}, or a .json file: an Ouster's metadata, or the beam angles of one "
-                      "Velodyne. An Ouster that is only named is asked for its metadata over HTTP",
+                      "Velodyne; or the db.xml of an HDL-64E. An Ouster that is only named is "
+                      "asked for its metadata over HTTP",
                       fmt::join(sensor_preset_names(), ", ")))
       ->required();
   command

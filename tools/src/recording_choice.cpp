@@ -24,10 +24,13 @@ void declare_input(CLI::App& command, InputChoice& choice, const std::string& wh
       ->check(CLI::ExistingPath);
   command.add_option(
       "--sensor", choice.sensor,
-      sensor.empty() ? fmt::format("{}, or a .json file with the beam angles (Ouster's metadata "
-                                   "files too); not needed where the recording says it",
-                                   fmt::join(sensor_preset_names(), ", "))
-                     : sensor);
+      sensor.empty()
+          ? fmt::format(
+                "{}, or a .json file with the beam angles (Ouster's metadata "
+                "files too) or, for packets of an HDL-64E, its db.xml; not needed where the "
+                "recording says it",
+                fmt::join(sensor_preset_names(), ", "))
+          : sensor);
   declare_reading(command, choice);
 }
 

@@ -112,7 +112,14 @@ void SlamSession::process(const RecordedScan& scan, ScanRecord record, RunOutput
   const auto upsampling_start = Clock::now();
   cloud_ = prepared_cloud(measured, spec_);
   if (spec_.upsampler != nullptr) record.upsampling_s = seconds_since(upsampling_start);
-  record.report = slam_.process(cloud_, scan.stamp_s);
+  try {
+    record.report = slam_.process(cloud_, scan.stamp_s);
+  } catch (const ScanError& error) {
+    if (run_.left_out.scans++ == 0) {
+      run_.left_out.first = fmt::format("{}: {}", scan.name, error.what());
+    }
+    return;
+  }
   if (located) located(record);
   run_.scans.push_back(record);
   run_.wall_s = seconds_since(start_);

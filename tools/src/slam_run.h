@@ -90,7 +90,8 @@ class SlamSession {
   SlamSession(const SensorModel& sensor, const SlamRunSpec& spec);
 
   /// Locates the next scan; hands intermediate results to `output` now and then. `record` says
-  /// what is known of it already; `located` is called as soon as its pose is there. Throws Error.
+  /// what is known of it already; `located` is called as soon as its pose is there. A scan that
+  /// cannot be understood is counted and left out. Throws Error.
   void process(const RecordedScan& scan, ScanRecord record, RunOutput& output,
                const std::function<void(ScanRecord&)>& located = {});
   /// Everything but how it ended.

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <omp.h>
 
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
@@ -154,6 +153,7 @@ void declare_table(CLI::App& app, TableOptions& options) {
       ->delimiter(',');
   command->add_option("--sensor", options.sensor,
                       "Sensor of recordings that do not say theirs (name or .json file)");
+  declare_reading(*command, options.reading);
   command
       ->add_option("--reference", options.reference,
                    "True trajectory of the recording in --drives (TUM, or KITTI with one pose per "
@@ -172,8 +172,7 @@ void declare_table(CLI::App& app, TableOptions& options) {
       ->needs(seeds)
       ->capture_default_str();
   command->add_option("--out", options.out, "Folder for drives, results and tables")->required();
-  command->add_option("--threads", options.threads, "Threads (default: all cores)")
-      ->check(CLI::Range(1, 256));
+  declare_threads(*command, options.threads);
   command->footer(
       variants_help() +
       "Writes into --out:\n"
@@ -193,7 +192,7 @@ void declare_table(CLI::App& app, TableOptions& options) {
 }
 
 int table_command(const TableOptions& options) {
-  if (options.threads > 0) omp_set_num_threads(options.threads);
+  use_threads(options.threads);
   const InterruptGuard interrupt;
   const TablePlan plan = plan_table(options);
   refuse_foreign_tables(options.out);

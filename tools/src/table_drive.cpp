@@ -1,5 +1,7 @@
 #include "table_drive.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
@@ -69,6 +71,22 @@ std::string files_identity(const std::string& path) {
   return "files " + hash.digits();
 }
 
+/// What makes other scans of the same files; "" where nothing was said.
+std::string reading_identity(const InputChoice& reading) {
+  const InputChoice usual;
+  std::string identity;
+  const auto add = [&](const char* what, const std::string& value, const std::string& if_not) {
+    if (value != if_not) identity += fmt::format(", {} {}", what, value);
+  };
+  add("stream", reading.stream, usual.stream);
+  add("return", reading.kept_return, usual.kept_return);
+  add("rows", reading.row_order, usual.row_order);
+  add("capture", reading.capture, usual.capture);
+  add("stamps", reading.stamps, usual.stamps);
+  if (reading.motion_corrected) identity += ", motion-corrected";
+  return identity;
+}
+
 }  // namespace
 
 bool is_there(const TableDrive& drive) {
@@ -102,7 +120,8 @@ bool prepare_drive(const TableDrive& drive, const InterruptGuard& interrupt,
 
 std::string identity_of(const TableDrive& drive, std::int64_t scans) {
   const std::string stack = stack_of(drive.recording);
-  return stack.empty() ? files_identity(drive.recording) : stack_identity(stack, scans);
+  return (stack.empty() ? files_identity(drive.recording) : stack_identity(stack, scans)) +
+         reading_identity(drive.reading);
 }
 
 std::optional<TrajectoryFile> truth_of(const TableDrive& drive) {

@@ -21,7 +21,8 @@ bool prepare_drive(const TableDrive& drive, const InterruptGuard& interrupt,
                    const std::function<void()>& on_scan);
 
 /// What tells one recording from another, wherever they lie and however they are called: a hash of
-/// the first `scans` images of a stack, or of all files of a folder with their names. Throws Error.
+/// the first `scans` images of a stack, or of all files of a folder with their names; and how it is
+/// read, if not as usual. Throws Error.
 std::string identity_of(const TableDrive& drive, std::int64_t scans);
 
 /// The true trajectory, if there is one. Throws Error.

@@ -93,7 +93,8 @@ TableDrive drive_of(const std::string& drive, const TableOptions& options) {
                             drive, fmt::join(sim::drive_preset_names(), ", ")));
   }
   const fs::path path = fs::canonical(drive);
-  return {recording_name(path), path.string(), options.sensor, options.reference, std::nullopt};
+  return {recording_name(path), path.string(), options.sensor,
+          options.reference,    std::nullopt,  options.reading};
 }
 
 /// Every drive from every seed.
@@ -207,6 +208,13 @@ std::vector<std::vector<TableMethod>> passes_of(const std::vector<TableMethod>& 
   std::stable_partition(passes.begin(), passes.end(),
                         [](const auto& pass) { return pass.front().rows == kTableAllRows; });
   return passes;
+}
+
+InputRecording input_of(const TableDrive& drive) {
+  InputChoice choice = drive.reading;
+  choice.input = drive.recording;
+  choice.sensor = drive.sensor;
+  return input_recording(choice);
 }
 
 TablePlan plan_table(const TableOptions& options) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "hqslam/sim/drive.h"
+#include "recording_choice.h"
 #include "table_variants.h"
 
 namespace hqslam::tools {
@@ -15,6 +16,7 @@ struct TableOptions {
   std::vector<std::string> methods;                     ///< empty: all
   std::vector<std::string> weights;                     ///< files that become rows of their own
   std::string sensor;                                   ///< of recordings that do not say theirs
+  InputChoice reading;    ///< how recordings are read; its input and sensor are not looked at
   std::string reference;  ///< true trajectory of the only recording among the drives
   std::optional<std::int64_t> scans;
   std::string seeds;               ///< "1..10" or "3,5": every drive from each of these seeds
@@ -63,7 +65,10 @@ struct TableDrive {
   std::string sensor;     ///< empty: the recording says it
   std::string reference;  ///< path of the true trajectory; empty: the recording's own, or none
   std::optional<sim::DriveSpec> simulated;  ///< to be simulated into `recording`
+  InputChoice reading = {};                 ///< as TableOptions has it
 };
+/// The drive's recording, to be opened.
+InputRecording input_of(const TableDrive& drive);
 
 struct TablePlan {
   std::vector<TableDrive> drives;

@@ -37,9 +37,13 @@ std::optional<nn::Upsampler> shared_upsampler(const TablePass& pass) {
   const TableMethod& method = pass.methods.front();
   if (method.source.empty()) return std::nullopt;
   const std::string weights = weights_of(method, pass.sensor.name);
-  UpsamplingPlan plan =
-      plan_upsampling({pass.drive.recording, pass.drive.sensor,
-                       weights.empty() ? method.source : weights, kTableMeasuredRows});
+  UpsamplingPlan plan = plan_upsampling({pass.drive.recording,
+                                         pass.drive.sensor,
+                                         weights.empty() ? method.source : weights,
+                                         kTableMeasuredRows,
+                                         std::nullopt,
+                                         {},
+                                         pass.drive.reading.stream});
   if (weights.empty()) return std::move(plan.upsampler);
   return nn::Upsampler(nn::SuperResolver::load(weights, {.filter_result = false}),
                        plan.upsampler.sensor());
@@ -232,10 +236,11 @@ class Pass {
 std::vector<TableResult> run_pass(const TablePass& pass, const InterruptGuard& interrupt,
                                   const std::function<void()>& on_scan) {
   Pass state(pass);
-  const std::unique_ptr<ScanSource> source = open_recording(pass.drive.recording, pass.sensor);
+  const std::unique_ptr<ScanSource> source = open_input(input_of(pass.drive), pass.sensor);
+  LeftOut left_out;
   for (std::int64_t i = 0; i < pass.scans; ++i) {
     if (interrupt.stop_requested()) return {};
-    const std::optional<RecordedScan> scan = source->next();
+    const std::optional<RecordedScan> scan = next_usable(*source, left_out);
     if (!scan) break;
     state.add(*scan, i);
     on_scan();

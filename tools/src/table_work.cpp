@@ -25,7 +25,8 @@ namespace {
 namespace fs = std::filesystem;
 
 SensorModel sensor_of(const TableDrive& drive) {
-  SensorModel sensor = required_recording_sensor(drive.recording, drive.sensor);
+  SensorModel sensor =
+      required_recording_sensor(drive.recording, drive.sensor, drive.reading.stream);
   if (sensor.rows() == kTableAllRows) return sensor;
   throw Error(fmt::format("{}: expected a recording with {} rows, found '{}' with {}",
                           drive.recording, kTableAllRows, sensor.name, sensor.rows()));
@@ -43,7 +44,7 @@ PreparedDrive prepared(const TableDrive& drive, const TableOptions& options) {
   PreparedDrive prepared;
   prepared.drive = drive;
   prepared.sensor = sensor_of(drive);
-  const std::int64_t size = open_recording(drive.recording, prepared.sensor)->size();
+  const std::int64_t size = open_input(input_of(drive), prepared.sensor)->size();
   prepared.scans = std::min(size, options.scans.value_or(size));
   prepared.identity = identity_of(drive, prepared.scans);
   prepared.results = result_folder(drive, prepared.scans, options.out);

@@ -124,6 +124,7 @@ std::string status_line(const LiveStatus& status) {
   say(counts.packets.late, "packets late or twice");
   say(counts.packets.foreign, "packets of another kind");
   say(counts.other_senders, "packets of other senders");
+  if (!counts.recording_failure.empty()) line += "  NOT RECORDED ANY MORE";
   return line;
 }
 
@@ -160,7 +161,8 @@ SlamRun run_live(recordings::LiveSensor& sensor, const SlamRunSpec& spec, RunOut
   }
   const recordings::LiveCounts counts = sensor.counts();
   run.scans_in_recording = counts.scans;
-  run.left_out = {counts.left_out_scans, counts.first_left_out};
+  run.left_out.scans += counts.left_out_scans;
+  if (!counts.first_left_out.empty()) run.left_out.first = counts.first_left_out;
   return session.finished();
 }
 

@@ -1,0 +1,216 @@
+// A ROS 2 node: points of a LiDAR with 16 beams in, pose and lifted points out.
+//
+//   subscribes  points             sensor_msgs/PointCloud2, fields x y z and t or time
+//   publishes   odometry           nav_msgs/Odometry, sensor in the frame of the first scan
+//               lifted             sensor_msgs/PointCloud2, x y z of all rows
+//               map -> sensor      by tf2
+//   parameters  weights            a network of weights/, "" for none
+//               sensor             a preset or .json file, without weights
+//               map_frame, loop_closing, threads
+//
+// Written against the documented interfaces of rclcpp and tf2_ros (Humble and later). It is not
+// built or tested here, where there is no ROS.
+#include <hqslam/core/error.h>
+#include <hqslam/core/projection.h>
+#include <hqslam/nn/upsampled_cloud.h>
+#include <hqslam/slam/options.h>
+#include <hqslam/slam/slam.h>
+#include <tf2_ros/transform_broadcaster.h>
+
+#include <algorithm>
+#include <cstring>
+#include <geometry_msgs/msg/transform_stamped.hpp>
+#include <memory>
+#include <nav_msgs/msg/odometry.hpp>
+#include <optional>
+#include <rclcpp/rclcpp.hpp>
+#include <sensor_msgs/msg/point_cloud2.hpp>
+#include <sensor_msgs/point_cloud2_iterator.hpp>
+#include <string>
+
+namespace {
+
+using PointCloud2 = sensor_msgs::msg::PointCloud2;
+using sensor_msgs::msg::PointField;
+
+const PointField* field_of(const PointCloud2& message, std::initializer_list<const char*> names) {
+  for (const char* name : names) {
+    for (const PointField& field : message.fields) {
+      if (field.name == name) return &field;
+    }
+  }
+  return nullptr;
+}
+
+/// A number of whatever type the driver writes.
+double number_at(const PointCloud2& message, const PointField& field, std::size_t point) {
+  const std::uint8_t* bytes = &message.data[point * message.point_step + field.offset];
+  const auto as = [&](auto value) {
+    std::memcpy(&value, bytes, sizeof value);
+    return static_cast<double>(value);
+  };
+  switch (field.datatype) {
+    case PointField::UINT8:
+      return as(std::uint8_t());
+    case PointField::UINT16:
+      return as(std::uint16_t());
+    case PointField::UINT32:
+      return as(std::uint32_t());
+    case PointField::INT32:
+      return as(std::int32_t());
+    case PointField::FLOAT32:
+      return as(float());
+    default:
+      return as(double());
+  }
+}
+
+/// Points of a turn with their times, which drivers count from the message's stamp, in seconds if
+/// they are floating-point numbers and else in nanoseconds. Rows come from the elevation: drivers
+/// do not agree on whether ring 0 is the highest beam or the lowest.
+hqslam::Scan scan_of(const PointCloud2& message) {
+  const PointField* x = field_of(message, {"x"});
+  const PointField* y = field_of(message, {"y"});
+  const PointField* z = field_of(message, {"z"});
+  const PointField* time = field_of(message, {"t", "time", "timestamp"});
+  if (!x || !y || !z || !time) {
+    throw hqslam::Error("points need the fields x, y, z and t or time");
+  }
+  const bool seconds =
+      time->datatype == PointField::FLOAT32 || time->datatype == PointField::FLOAT64;
+  hqslam::Scan scan;
+  double first_s = 1e300;
+  double last_s = -1e300;
+  const std::size_t points = static_cast<std::size_t>(message.width) * message.height;
+  for (std::size_t i = 0; i < points; ++i) {
+    const double time_s = (seconds ? 1.0 : 1e-9) * number_at(message, *time, i);
+    first_s = std::min(first_s, time_s);
+    last_s = std::max(last_s, time_s);
+    scan.points_m.emplace_back(number_at(message, *x, i), number_at(message, *y, i),
+                               number_at(message, *z, i));
+    scan.time_offset_s.push_back(static_cast<float>(time_s));
+  }
+  if (scan.points_m.empty()) throw hqslam::Error("a message without points");
+  const double middle_s = (first_s + last_s) / 2.0;
+  for (float& offset_s : scan.time_offset_s) offset_s -= static_cast<float>(middle_s);
+  scan.stamp_s = rclcpp::Time(message.header.stamp).seconds() + middle_s;
+  return scan;
+}
+
+PointCloud2 message_of(const hqslam::OrganizedCloud& cloud, const std_msgs::msg::Header& header) {
+  PointCloud2 message;
+  message.header = header;
+  sensor_msgs::PointCloud2Modifier modifier(message);
+  modifier.setPointCloud2FieldsByString(1, "xyz");
+  const auto returns = std::count_if(cloud.range_m.begin(), cloud.range_m.end(),
+                                     [](float range_m) { return range_m > 0.0F; });
+  modifier.resize(static_cast<std::size_t>(returns));
+  sensor_msgs::PointCloud2Iterator<float> to(message, "x");
+  for (std::size_t pixel = 0; pixel < cloud.range_m.size(); ++pixel) {
+    if (!(cloud.range_m[pixel] > 0.0F)) continue;
+    for (int axis = 0; axis < 3; ++axis) to[axis] = cloud.points_m[pixel][axis];
+    ++to;
+  }
+  return message;
+}
+
+class HqslamNode : public rclcpp::Node {
+ public:
+  HqslamNode() : Node("hqslam"), broadcaster_(*this) {
+    const std::string weights = declare_parameter("weights", "");
+    const std::string sensor = declare_parameter("sensor", "os1-16");
+    map_frame_ = declare_parameter("map_frame", "map");
+    hqslam::slam::SlamOptions options;
+    options.loop_closing.enabled = declare_parameter("loop_closing", false);
+    options.threads = static_cast<int>(declare_parameter("threads", 0));
+    if (weights.empty()) {
+      sensor_ = hqslam::load_sensor(sensor);
+    } else {
+      auto network = hqslam::nn::SuperResolver::load(weights, {.threads = options.threads});
+      const hqslam::SensorModel all_rows = network.sensor();
+      upsampler_.emplace(std::move(network), all_rows);
+      sensor_ = select_rows(all_rows, upsampler_->measured_rows());
+    }
+    slam_.emplace(upsampler_ ? upsampler_->sensor() : sensor_, options);
+    odometry_ = create_publisher<nav_msgs::msg::Odometry>("odometry", 10);
+    lifted_ = create_publisher<PointCloud2>("lifted", rclcpp::SensorDataQoS());
+    // One message waits: who is too slow loses whole scans.
+    points_ = create_subscription<PointCloud2>(
+        "points", rclcpp::SensorDataQoS().keep_last(1),
+        [this](const PointCloud2::ConstSharedPtr& message) { take(*message); });
+  }
+
+ private:
+  void take(const PointCloud2& message) {
+    try {
+      locate(message);
+    } catch (const hqslam::Error& error) {
+      RCLCPP_WARN_THROTTLE(get_logger(), *get_clock(), 1000, "scan left out: %s", error.what());
+    }
+  }
+
+  void locate(const PointCloud2& message) {
+    const hqslam::Scan scan = scan_of(message);
+    hqslam::OrganizedCloud cloud = hqslam::project(scan, sensor_).cloud;
+    if (upsampler_) cloud = hqslam::nn::upsampled_cloud(*upsampler_, cloud);
+    const hqslam::slam::ScanReport report = slam_->process(cloud, scan.stamp_s);
+
+    std_msgs::msg::Header header = message.header;
+    header.stamp = rclcpp::Time(static_cast<std::int64_t>(1e9 * scan.stamp_s));
+    if (upsampler_) lifted_->publish(message_of(cloud, header));
+    publish(report, header);
+  }
+
+  void publish(const hqslam::slam::ScanReport& report, const std_msgs::msg::Header& header) {
+    const Eigen::Vector3d position_m = report.T_map_sensor.translation();
+    const Eigen::Quaterniond turn(report.T_map_sensor.rotation());
+    geometry_msgs::msg::TransformStamped transform;
+    transform.header.stamp = header.stamp;
+    transform.header.frame_id = map_frame_;
+    transform.child_frame_id = header.frame_id;
+    transform.transform.translation.x = position_m.x();
+    transform.transform.translation.y = position_m.y();
+    transform.transform.translation.z = position_m.z();
+    transform.transform.rotation.x = turn.x();
+    transform.transform.rotation.y = turn.y();
+    transform.transform.rotation.z = turn.z();
+    transform.transform.rotation.w = turn.w();
+    broadcaster_.sendTransform(transform);
+
+    nav_msgs::msg::Odometry odometry;
+    odometry.header = transform.header;
+    odometry.child_frame_id = header.frame_id;
+    odometry.pose.pose.position.x = position_m.x();
+    odometry.pose.pose.position.y = position_m.y();
+    odometry.pose.pose.position.z = position_m.z();
+    odometry.pose.pose.orientation = transform.transform.rotation;
+    // hqslam's covariance is in the sensor's frame, the message's in that of the map.
+    hqslam::slam::Matrix6 to_map = hqslam::slam::Matrix6::Zero();
+    to_map.topLeftCorner<3, 3>() = to_map.bottomRightCorner<3, 3>() = report.T_map_sensor.linear();
+    const hqslam::slam::Matrix6 covariance = to_map * report.covariance * to_map.transpose();
+    for (int row = 0; row < 6; ++row) {
+      for (int column = 0; column < 6; ++column) {
+        odometry.pose.covariance[static_cast<std::size_t>(6 * row + column)] =
+            covariance(row, column);
+      }
+    }
+    odometry_->publish(odometry);
+  }
+
+  std::string map_frame_;
+  hqslam::SensorModel sensor_;  ///< of the points that come
+  std::optional<hqslam::nn::Upsampler> upsampler_;
+  std::optional<hqslam::slam::Slam> slam_;
+  rclcpp::Publisher<nav_msgs::msg::Odometry>::SharedPtr odometry_;
+  rclcpp::Publisher<PointCloud2>::SharedPtr lifted_;
+  rclcpp::Subscription<PointCloud2>::SharedPtr points_;
+  tf2_ros::TransformBroadcaster broadcaster_;
+};
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  rclcpp::init(argc, argv);
+  rclcpp::spin(std::make_shared<HqslamNode>());
+  rclcpp::shutdown();
+}
