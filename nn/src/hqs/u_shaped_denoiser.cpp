@@ -250,7 +250,7 @@ void UShapedDenoiser::backward(const Candidates& candidates, const DenoiserState
     parameters_of(encoders_[level], level, state.hidden[level - 1], gradient.hidden[level]);
     // The level above also reached the decoder, through the skip.
     encoders_[level].backward_input(gradient.hidden[level],
-                                    {1.0F, &gradient.hidden[decoder(level - 1)]},
+                                    {&gradient.hidden[decoder(level - 1)]},
                                     gradient.hidden[level - 1]);
   }
   leaky_relu_backward(slope, state.hidden[0], gradient.hidden[0]);
