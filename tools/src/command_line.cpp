@@ -33,7 +33,9 @@ int report_parse_error(const CLI::App& app, const CLI::ParseError& error) {
   return kWrongInput;
 }
 
-int run_subcommand(const std::string& name, const CommandLine& options) {
+/// subcommand: of the one called `name`, if that has any.
+int run_subcommand(const std::string& name, const std::string& subcommand,
+                   const CommandLine& options) {
   if (name == "run") {
     return run_command(options.run);
   }
@@ -70,6 +72,9 @@ int run_subcommand(const std::string& name, const CommandLine& options) {
   if (name == "upsample") {
     return upsample_command(options.upsample);
   }
+  if (name == "weights") {
+    return weights_command(subcommand, options.weights);
+  }
   return bench_command(options.bench);
 }
 
@@ -97,6 +102,7 @@ void declare_program(CLI::App& app, CommandLine& options) {
   declare_table(app, options.table);
   declare_train(app, options.train);
   declare_upsample(app, options.upsample);
+  declare_weights(app, options.weights);
 }
 
 int run_program(int argc, const char* const* argv) {
@@ -105,7 +111,8 @@ int run_program(int argc, const char* const* argv) {
   declare_program(app, options);
   try {
     app.parse(argc, argv);
-    return run_subcommand(chosen_subcommand(app), options);
+    const std::string name = chosen_subcommand(app);
+    return run_subcommand(name, chosen_subcommand(*app.get_subcommand(name)), options);
   } catch (const CLI::ParseError& error) {
     return report_parse_error(app, error);
   } catch (const Error& error) {

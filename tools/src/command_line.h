@@ -15,6 +15,7 @@
 #include "table_command.h"
 #include "train_command.h"
 #include "upsample_command.h"
+#include "weights_command.h"
 
 namespace hqslam::tools {
 
@@ -34,6 +35,7 @@ struct CommandLine {
   TableOptions table;
   TrainOptions train;
   UpsampleOptions upsample;
+  WeightsOptions weights;
 };
 
 /// Declares the program: parsing fills `options`.

@@ -8,6 +8,10 @@ namespace hqslam::tools {
 /// is either what it was or whole. Throws Error.
 void write_text_file(const std::string& text, const std::string& path);
 
+/// The text of a file of at most 1 MB that people write. Throws Error with `expected`, what it
+/// should be.
+std::string read_small_text_file(const std::string& path, const std::string& expected);
+
 /// Throws Error if there is something at `path` that does not hold `marker` among its first 4096
 /// bytes: it was not written by the command that puts the marker there, which must not replace it.
 void refuse_to_replace_foreign(const std::string& path, const std::string& marker);

@@ -9,9 +9,7 @@
 #include <chrono>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
 #include "exit_status.h"
 #include "hqslam/core/error.h"
@@ -22,6 +20,7 @@
 #include "progress.h"
 #include "report/learning_curve.h"
 #include "result_folder.h"
+#include "text_file.h"
 #include "training_scans.h"
 
 namespace hqslam::tools {
@@ -40,16 +39,6 @@ struct Training {
 
   std::string checkpoint_path() const { return (out / "checkpoint.npz").string(); }
 };
-
-std::string text_of_file(const std::string& path) {
-  constexpr std::streamoff kLargestBytes = 1 << 20;
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream text;
-  if (!file || !(text << file.rdbuf()) || file.tellg() > kLargestBytes) {
-    throw Error(fmt::format("{}: expected a training configuration (.json), cannot read it", path));
-  }
-  return text.str();
-}
 
 /// Throws Error if the results would replace what is not this training's.
 void refuse_foreign_results(const Training& training) {
@@ -223,7 +212,8 @@ void declare_train(CLI::App& app, TrainOptions& options) {
 int train_command(const TrainOptions& options) {
   const InterruptGuard interrupt;
   Training training;
-  training.configuration_text = text_of_file(options.config);
+  training.configuration_text =
+      read_small_text_file(options.config, "a training configuration (.json)");
   training.configuration = nn::training_configuration(training.configuration_text, options.config);
   training.out = options.out;
   refuse_foreign_results(training);
