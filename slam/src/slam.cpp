@@ -14,6 +14,7 @@
 #include "loop_search.h"
 #include "scan_check.h"
 #include "scan_clock.h"
+#include "thread_limit.h"
 
 namespace hqslam::slam {
 
@@ -317,6 +318,7 @@ Slam& Slam::operator=(Slam&&) noexcept = default;
 
 ScanReport Slam::process(const OrganizedCloud& cloud, double stamp_s) {
   check(cloud, stamp_s, implementation_->sensor);
+  const ThreadLimit limit(implementation_->options.threads);
   return all_sound(cloud) ? implementation_->process(cloud, stamp_s)
                           : implementation_->process(without_unsound(cloud), stamp_s);
 }

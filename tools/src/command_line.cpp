@@ -48,6 +48,9 @@ int run_subcommand(const std::string& name, const std::string& subcommand,
   if (name == "evaluate") {
     return evaluate_command(options.evaluate);
   }
+  if (name == "live") {
+    return live_command(options.live);
+  }
   if (name == "map") {
     return map_command(options.map);
   }
@@ -90,6 +93,7 @@ void declare_program(CLI::App& app, CommandLine& options) {
       "Exit status: 0 done, 2 wrong input (one line on stderr says what and how to mend it),\n"
       "130 interrupted, 1 anything else.");
   declare_run(app, options.run);
+  declare_live(app, options.live);
   declare_info(app, options.info);
   declare_demo(app, options.demo);
   declare_simulate(app, options.simulate);

@@ -9,6 +9,7 @@
 #include "evaluate_map_command.h"
 #include "info_command.h"
 #include "inspect_command.h"
+#include "live_command.h"
 #include "map_command.h"
 #include "run_command.h"
 #include "simulate_command.h"
@@ -23,6 +24,7 @@ namespace hqslam::tools {
 /// parsing, validation and --help.
 struct CommandLine {
   RunOptions run;
+  LiveCommandOptions live;
   DemoOptions demo;
   SimulateOptions simulate;
   MapOptions map;
