@@ -76,9 +76,10 @@ int matched(const MappingResult& located) {
              : located.edge_correspondences + located.planar_correspondences;
 }
 
-/// Whether a scan can serve as the one that the next are matched with.
+/// Whether a scan can serve as the one that the next are matched with: edges alone will do
+/// (indoors), and so will ground and surfaces alone (in open land).
 bool can_be_reference(const Features& features, const OdometryOptions& options) {
-  return static_cast<int>(features.edges.size()) >= options.min_edges &&
+  return static_cast<int>(features.edges.size()) >= options.min_edges ||
          static_cast<int>(features.ground.size() + features.surfaces.size()) >= options.min_planar;
 }
 
