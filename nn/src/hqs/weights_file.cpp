@@ -8,6 +8,7 @@
 
 #include "../json_fields.h"
 #include "hqslam/core/error.h"
+#include "hqslam/core/excerpt.h"
 #include "hqslam/core/npz.h"
 #include "hqslam/nn/hqs/network.h"
 #include "hqslam/nn/hqs/network_json.h"
@@ -135,7 +136,7 @@ Weights read_weights(const std::string& path) {
       take_image(path, kExpected, weights.description.sensor.rows(), columns, arrays);
   if (!arrays.empty()) {
     throw Error(fmt::format("{}: unknown array '{}' for a network of kind {}", path,
-                            arrays.begin()->first.substr(0, 40), name(weights.description.kind)));
+                            excerpt(arrays.begin()->first), name(weights.description.kind)));
   }
   return weights;
 }
