@@ -6,6 +6,7 @@
 
 #include <atomic>
 #include <exception>
+#include <fstream>
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <thread>
@@ -54,6 +55,19 @@ void rename_to(const std::string& from, const std::string& to) {
     throw Error(fmt::format("{}: cannot be written ({}); check that the folder is writable", to,
                             failure.message()));
   }
+}
+
+/// Of programs that were killed: nobody has a lock on them.
+void remove_abandoned_parts(const fs::path& folder) {
+  std::error_code error;
+  std::vector<fs::path> abandoned;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
+       entry.increment(error)) {
+    const fs::path& path = entry->path();
+    if (path.extension() != ".part") continue;
+    if (FileLock(path).state() == FileLock::State::kHeld) abandoned.push_back(path);
+  }
+  for (const fs::path& path : abandoned) fs::remove(path, error);
 }
 
 /// Threads that take one drive after the other.
@@ -106,6 +120,8 @@ class Crew {
     const std::string path = path_in_store(folder_, drive, sensor_);
     // Two programs may be at the same drive.
     const std::string part = fmt::format("{}.{}.part", path, getpid());
+    std::ofstream(part).close();
+    const FileLock lock(part);
     if (simulate(drive, part)) {
       rename_to(part, path);
     } else {
@@ -159,6 +175,7 @@ bool store_drives(const fs::path& folder, const std::vector<StoredDrive>& drives
   }
   if (missing.empty()) return true;
   make_result_folder(folder);
+  remove_abandoned_parts(folder);
   return Crew(std::move(missing), folder, sensor, label, interrupt).work(threads);
 }
 

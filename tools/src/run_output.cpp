@@ -4,15 +4,15 @@
 
 #include <array>
 #include <cmath>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <system_error>
 
 #include "dense_map_output.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/pcd.h"
+#include "hqslam/core/whole_file.h"
 #include "report/html_report.h"
-#include "result_folder.h"
+#include "text_file.h"
 #include "timing_statistics.h"
 
 namespace hqslam::tools {
@@ -23,24 +23,9 @@ using Json = nlohmann::ordered_json;
 
 constexpr double kCheckpointInterval_s = 5.0;
 constexpr const char* kWrittenBy = "hqslam run";
+constexpr const char* kMarker = "\"written_by\": \"hqslam run\"";
 constexpr std::array<const char*, 5> kResultNames = {"trajectory.tum", "trajectory.kitti",
                                                      "map.pcd", "timings.json", "report.html"};
-
-/// Whether the folder holds the results of an earlier run, which this one may replace.
-bool written_by_hqslam(const fs::path& folder) {
-  std::ifstream stream(folder / "timings.json");
-  const Json json = Json::parse(stream, nullptr, /*allow_exceptions=*/false);
-  return json.is_object() && json.value("written_by", Json()) == kWrittenBy;
-}
-
-void write_text(const std::string& text, const std::string& path) {
-  std::ofstream stream(path, std::ios::binary);
-  stream << text;
-  stream.close();
-  if (!stream) {
-    throw Error(fmt::format("{}: cannot be written; is the disk full?", path));
-  }
-}
 
 double milliseconds(double seconds) { return 1e3 * seconds; }
 
@@ -173,9 +158,7 @@ RunOutput::RunOutput(const std::string& folder)
     throw Error(fmt::format(
         "{}: expected a folder for the results, found a file; give another --out", folder));
   }
-  if (written_by_hqslam(folder_)) {
-    return;
-  }
+  if (has_marker((folder_ / "timings.json").string(), kMarker)) return;
   refuse_foreign_dense_map(folder_);
   for (const char* result : kResultNames) {
     if (fs::exists(folder_ / result)) {
@@ -193,25 +176,17 @@ bool RunOutput::checkpoint_due() const {
 
 void RunOutput::write_file(const std::string& name,
                            const std::function<void(const std::string&)>& write) {
-  const fs::path part = folder_ / (name + ".part");
-  std::error_code error;
-  try {
-    write(part.string());
-  } catch (const Error&) {
-    fs::remove(part, error);
-    throw;
-  }
-  fs::rename(part, folder_ / name, error);
-  if (error) {
-    throw Error(fmt::format("{}: cannot be written ({}); give another --out",
-                            (folder_ / name).string(), error.message()));
-  }
+  replace_file((folder_ / name).string(), write);
 }
 
 void RunOutput::write_checkpoint(const SlamRun& run) {
-  make_result_folder(folder_);
+  if (first_) {
+    make_result_folder(folder_);
+    lock_.emplace(folder_);
+  }
   // The timings first: they mark the folder as ours.
-  write_file("timings.json", [&](const std::string& path) { write_text(timings_json(run), path); });
+  write_file("timings.json",
+             [&](const std::string& path) { write_whole_file(path, timings_json(run)); });
   if (first_) {
     std::error_code ignored;
     fs::remove(folder_ / "map.pcd", ignored);
@@ -229,8 +204,9 @@ void RunOutput::write_results(const SlamRun& run,
                               const std::optional<ReferenceComparison>& comparison) {
   write_checkpoint(run);
   write_file("map.pcd", [&](const std::string& path) { write_pcd(run.map_points_m, path); });
-  write_file("report.html",
-             [&](const std::string& path) { write_text(html_report(run, comparison), path); });
+  write_file("report.html", [&](const std::string& path) {
+    write_whole_file(path, html_report(run, comparison));
+  });
 }
 
 void RunOutput::write_dense_map(const SlamRun& run,
@@ -239,7 +215,7 @@ void RunOutput::write_dense_map(const SlamRun& run,
   const DenseMapPictures pictures = pictures_of(dense_map, run.trajectory);
   tools::write_dense_map(dense_map, pictures, folder_);
   write_file("report.html", [&](const std::string& path) {
-    write_text(html_report(run, comparison, {&dense_map, &pictures}), path);
+    write_whole_file(path, html_report(run, comparison, {&dense_map, &pictures}));
   });
 }
 
