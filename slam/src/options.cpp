@@ -34,6 +34,8 @@ constexpr Constraint kSections{[](double value) { return value >= 1.0 && value <
 constexpr Constraint kLeaf{[](double value) { return value >= 0.001 && std::isfinite(value); },
                            "0.001 or more"};
 
+constexpr int kMostThreads = 256;
+
 struct Field {
   const char* name;
   double value;
@@ -102,6 +104,8 @@ std::vector<Field> fields_of(const MappingOptions& options) {
 
 void validate(const SlamOptions& options) {
   const MappingOptions& mapping = options.mapping;
+  require(options.threads >= 0 && options.threads <= kMostThreads, "threads", options.threads,
+          "0 to 256");
   require_all({{"ground.max_slope_rad", options.ground.max_slope_rad, kAcute}});
   require_all(fields_of(options.segmentation));
   require_all(fields_of(options.features));

@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "hqslam/core/error.h"
 
@@ -40,6 +42,39 @@ void check_stamp(double stamp_s) {
   }
 }
 
+/// Offsets may reach so far from the stamp, in scan periods: half a period where the sensor turns
+/// as its model says.
+constexpr double kMaxOffset_periods = 1.0;
+/// Offsets that span so much of a period are around its middle, if they are counted from there,
+/// with less than kMaxMiddle_periods to spare.
+constexpr double kWholeScan_periods = 0.6;
+constexpr double kMaxMiddle_periods = 0.3;
+
+/// The capture times of the returns must be offsets from the scan's stamp, its middle, in seconds.
+void check_times(const OrganizedCloud& cloud, const SensorModel& sensor) {
+  if (cloud.time_offset_s.empty()) return;
+  double first_s = std::numeric_limits<double>::infinity();
+  double last_s = -first_s;
+  for (std::size_t pixel = 0; pixel < cloud.range_m.size(); ++pixel) {
+    const double offset_s = cloud.time_offset_s[pixel];
+    if (!(cloud.range_m[pixel] > 0.0F) || !std::isfinite(offset_s)) continue;
+    first_s = std::min(first_s, offset_s);
+    last_s = std::max(last_s, offset_s);
+  }
+  if (first_s > last_s) return;
+  const double period_s = sensor.scan_period_s;
+  const bool too_far = std::max(-first_s, last_s) > kMaxOffset_periods * period_s;
+  const bool off_the_middle = last_s - first_s > kWholeScan_periods * period_s &&
+                              std::abs(first_s + last_s) / 2.0 > kMaxMiddle_periods * period_s;
+  if (!too_far && !off_the_middle) return;
+  throw ScanError(fmt::format(
+      "capture times of a scan reach from {:.6g} to {:.6g} s after its stamp, expected about "
+      "{:.3g} "
+      "to {:.3g} s: give them in seconds, counted from the middle of the scan, and give that as "
+      "the stamp",
+      first_s, last_s, -period_s / 2.0, period_s / 2.0));
+}
+
 /// Whether a pixel holds what it should: no return, or a finite point at a finite range and time.
 bool is_sound(const OrganizedCloud& cloud, std::size_t pixel) {
   return cloud.range_m[pixel] == 0.0F ||
@@ -53,6 +88,7 @@ bool is_sound(const OrganizedCloud& cloud, std::size_t pixel) {
 void check(const OrganizedCloud& cloud, double stamp_s, const SensorModel& sensor) {
   check_size(cloud, sensor);
   check_stamp(stamp_s);
+  check_times(cloud, sensor);
 }
 
 OrganizedCloud without_unsound(const OrganizedCloud& cloud) {

@@ -14,6 +14,7 @@
 #include "loop_search.h"
 #include "scan_check.h"
 #include "scan_clock.h"
+#include "thread_limit.h"
 
 namespace hqslam::slam {
 
@@ -75,9 +76,10 @@ int matched(const MappingResult& located) {
              : located.edge_correspondences + located.planar_correspondences;
 }
 
-/// Whether a scan can serve as the one that the next are matched with.
+/// Whether a scan can serve as the one that the next are matched with: edges alone will do
+/// (indoors), and so will ground and surfaces alone (in open land).
 bool can_be_reference(const Features& features, const OdometryOptions& options) {
-  return static_cast<int>(features.edges.size()) >= options.min_edges &&
+  return static_cast<int>(features.edges.size()) >= options.min_edges ||
          static_cast<int>(features.ground.size() + features.surfaces.size()) >= options.min_planar;
 }
 
@@ -317,6 +319,7 @@ Slam& Slam::operator=(Slam&&) noexcept = default;
 
 ScanReport Slam::process(const OrganizedCloud& cloud, double stamp_s) {
   check(cloud, stamp_s, implementation_->sensor);
+  const ThreadLimit limit(implementation_->options.threads);
   return all_sound(cloud) ? implementation_->process(cloud, stamp_s)
                           : implementation_->process(without_unsound(cloud), stamp_s);
 }

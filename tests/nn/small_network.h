@@ -50,6 +50,16 @@ inline NetworkDescription small_du_or() {
   return description;
 }
 
+inline NetworkDescription small_du_mix(const std::vector<TwoModesLayerShape>& layers) {
+  NetworkDescription description = small_du_or();
+  description.kind = NetworkKind::kDuMix;
+  description.layers = static_cast<int>(layers.size());
+  description.two_modes.layers = layers;
+  description.two_modes.memory = layers.size() > 1 ? 3 : 0;
+  description.two_modes.negative_slope = 0.125F;
+  return description;
+}
+
 inline NetworkDescription small_simple_du() {
   NetworkDescription description = small_du_or();
   description.kind = NetworkKind::kSimpleDu;

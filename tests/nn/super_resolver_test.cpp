@@ -2,6 +2,8 @@
 
 #include <doctest/doctest.h>
 
+#include <array>
+
 #include "../error_message.h"
 #include "../temporary_directory.h"
 #include "small_network.h"
@@ -52,6 +54,40 @@ TEST_CASE("measured rows come back as they were, computed ranges keep the sensor
       const bool within =
           range_m >= resolver.sensor().min_range_m && range_m <= resolver.sensor().max_range_m;
       CHECK((range_m == 0.0F || within));
+    }
+  }
+}
+
+TEST_CASE("inside a parallel region of the caller's each object works as it does outside") {
+  const test::TemporaryDirectory directory;
+  for (const NetworkDescription& description :
+       {small_du_or(), small_simple_du(), small_du_mix({{6, 8, 1}, {5, 7, 0}})}) {
+    const std::string path = directory.file("weights.npz");
+    write_weights(path, weights_of(description));
+    const RangeImage scene = small_scene();
+    SuperResolver alone = SuperResolver::load(path, {.threads = 2});
+    Trace expected_trace;
+    const LiftedImage expected = alone.run(scene, &expected_trace);
+    constexpr int kCallers = 3;
+    std::array<std::string, kCallers> complaints;
+    std::array<LiftedImage, kCallers> lifted;
+    std::array<Trace, kCallers> traces;
+#pragma omp parallel for num_threads(kCallers) schedule(static, 1)
+    for (int i = 0; i < kCallers; ++i) {
+      complaints[i] = test::error_message([&] {
+        SuperResolver own = SuperResolver::load(path, {.threads = 2});
+        lifted[i] = own.run(scene, &traces[i]);
+      });
+    }
+    for (int i = 0; i < kCallers; ++i) {
+      CHECK(complaints[i] == "no Error");
+      CHECK(lifted[i].image.range_m == expected.image.range_m);
+      CHECK(lifted[i].confidence == expected.confidence);
+      REQUIRE(traces[i].layers.size() == expected_trace.layers.size());
+      for (std::size_t layer = 0; layer < expected_trace.layers.size(); ++layer) {
+        CHECK(traces[i].layers[layer].z.range_m == expected_trace.layers[layer].z.range_m);
+        CHECK(traces[i].layers[layer].rejected == expected_trace.layers[layer].rejected);
+      }
     }
   }
 }

@@ -11,16 +11,6 @@ namespace {
 
 constexpr double kTolerance = 1e-4;
 
-NetworkDescription small_du_mix(const std::vector<TwoModesLayerShape>& layers) {
-  NetworkDescription description = small_du_or();
-  description.kind = NetworkKind::kDuMix;
-  description.layers = static_cast<int>(layers.size());
-  description.two_modes.layers = layers;
-  description.two_modes.memory = layers.size() > 1 ? 3 : 0;
-  description.two_modes.negative_slope = 0.125F;
-  return description;
-}
-
 NetworkDescription one_layer() { return small_du_mix({{6, 8, 1}}); }
 NetworkDescription two_layers() { return small_du_mix({{6, 8, 1}, {5, 7, 0}}); }
 

@@ -123,6 +123,11 @@ TEST_CASE("options that do not go together, or ask for too much, are refused") {
   options = {};
   options.features.sections = 1 << 20;
   CHECK(complaint(options).find("1 to 1000") != std::string::npos);
+  options = {};
+  options.threads = -1;
+  CHECK(complaint(options).find("threads is -1, expected 0 to 256") != std::string::npos);
+  options.threads = 257;
+  CHECK(!complaint(options).empty());
 }
 
 TEST_CASE("all of the map may be matched with, and every residual trusted") {

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <random>
 
+#include "../error_message.h"
 #include "hqslam/core/error.h"
 #include "hqslam/slam/options.h"
 #include "steady_drive.h"
@@ -125,6 +126,31 @@ OrganizedCloud garbage(const SensorModel& sensor, unsigned seed) {
 }
 
 }  // namespace
+
+TEST_CASE("a sensor of sixteen rows that stands is located in every scan, and stays where it is") {
+  const SensorModel sensor = test::small_sensor(16, 1024);
+  std::mt19937 generator(1);
+  const auto noisy = [&](OrganizedCloud cloud) {
+    for (std::size_t i = 0; i < cloud.range_m.size(); ++i) {
+      if (cloud.range_m[i] <= 0.0F) continue;
+      const float factor = 1.0F + 0.03F *
+                                      (static_cast<float>(generator() % 2001) / 1000.0F - 1.0F) /
+                                      cloud.range_m[i];
+      cloud.range_m[i] *= factor;
+      cloud.points_m[i] *= factor;
+    }
+    return cloud;
+  };
+  slam::Slam slam(sensor);
+  for (int i = 0; i < 20; ++i) {
+    const OrganizedCloud scan = test::Yard().scan(sensor, test::yard_pose(1.0, 2.0, 0.3));
+    const auto report = slam.process(noisy(scan), i * kPeriod_s);
+    CAPTURE(i);
+    CHECK(report.mapping_status != Status::kTooFewFeatures);
+    CHECK(report.T_map_sensor.translation().norm() < 0.02);
+    CHECK(rotation_angle_rad(report.T_map_sensor) < 0.002);
+  }
+}
 
 TEST_CASE("a drive around a yard is tracked to centimetres with 16, 32, 64 and 128 rows") {
   for (const int rows : {16, 32, 64, 128}) {
@@ -397,6 +423,55 @@ TEST_CASE("a scan with a pixel without its own point, range or capture time is r
   cloud.time_offset_s.clear();
   CHECK_NOTHROW(slam.process(cloud, 0.0));
   CHECK(slam.trajectory().size() == 1);
+}
+
+TEST_CASE("capture times that are no offsets from the middle of the scan in seconds are refused") {
+  const SensorModel sensor = test::small_sensor(16, 512);
+  slam::Slam slam(sensor);
+  const OrganizedCloud sound = drive_scan(sensor, 0);
+  const auto changed = [&](float factor, float shift_s) {
+    OrganizedCloud cloud = sound;
+    for (float& offset_s : cloud.time_offset_s) offset_s = factor * offset_s + shift_s;
+    return cloud;
+  };
+  const auto period_s = static_cast<float>(sensor.scan_period_s);
+  const auto refused = [&](const OrganizedCloud& cloud) {
+    return test::one_line_with(test::error_message([&] { slam.process(cloud, 0.0); }),
+                               "capture times", "middle of the scan");
+  };
+  CHECK(refused(changed(1.0F, period_s / 2.0F)));   // from its beginning
+  CHECK(refused(changed(1.0F, -period_s / 2.0F)));  // from its end
+  CHECK(refused(changed(1.0F, 1.6e9F)));            // no offsets at all
+  CHECK(refused(changed(1000.0F, 0.0F)));           // milliseconds
+  CHECK_THROWS_AS(slam.process(changed(1e6F, 0.0F), 0.0), ScanError);
+  CHECK(slam.trajectory().empty());
+  CHECK_NOTHROW(slam.process(changed(1.0F, period_s / 10.0F), 0.0));
+  CHECK_NOTHROW(slam.process(changed(1.5F, 0.0F), 0.1));  // a head that is slower than its model
+  OrganizedCloud half = changed(1.0F, 0.0F);              // returns of one half of the turn alone
+  for (std::size_t k = 0; k < half.range_m.size(); ++k) {
+    if (half.time_offset_s[k] < 0.0F) half.range_m[k] = 0.0F;
+  }
+  CHECK_NOTHROW(slam.process(half, 0.2));
+  // Of pixels without a return the times mean nothing.
+  OrganizedCloud cloud = sound;
+  cloud.range_m[5] = 0.0F;
+  cloud.time_offset_s[5] = 1e9F;
+  CHECK_NOTHROW(slam.process(cloud, 0.3));
+}
+
+TEST_CASE("the number of threads is an option, and the caller's own stays as it was") {
+  const SensorModel sensor = test::small_sensor(16, 512);
+  const int before = omp_get_max_threads();
+  std::vector<Pose> last;
+  for (const int threads : {1, 3}) {
+    slam::SlamOptions options;
+    options.threads = threads;
+    slam::Slam slam(sensor, options);
+    for (int i = 0; i < 5; ++i) slam.process(drive_scan(sensor, i), i * kPeriod_s);
+    last.push_back(slam.trajectory().back().T_map_sensor);
+    CHECK(omp_get_max_threads() == before);
+  }
+  CHECK(last[0].matrix() == last[1].matrix());
 }
 
 TEST_CASE("a scan of another shape is refused") {

@@ -33,7 +33,9 @@ int report_parse_error(const CLI::App& app, const CLI::ParseError& error) {
   return kWrongInput;
 }
 
-int run_subcommand(const std::string& name, const CommandLine& options) {
+/// subcommand: of the one called `name`, if that has any.
+int run_subcommand(const std::string& name, const std::string& subcommand,
+                   const CommandLine& options) {
   if (name == "run") {
     return run_command(options.run);
   }
@@ -45,6 +47,9 @@ int run_subcommand(const std::string& name, const CommandLine& options) {
   }
   if (name == "evaluate") {
     return evaluate_command(options.evaluate);
+  }
+  if (name == "live") {
+    return live_command(options.live);
   }
   if (name == "map") {
     return map_command(options.map);
@@ -70,6 +75,9 @@ int run_subcommand(const std::string& name, const CommandLine& options) {
   if (name == "upsample") {
     return upsample_command(options.upsample);
   }
+  if (name == "weights") {
+    return weights_command(subcommand, options.weights);
+  }
   return bench_command(options.bench);
 }
 
@@ -85,6 +93,7 @@ void declare_program(CLI::App& app, CommandLine& options) {
       "Exit status: 0 done, 2 wrong input (one line on stderr says what and how to mend it),\n"
       "130 interrupted, 1 anything else.");
   declare_run(app, options.run);
+  declare_live(app, options.live);
   declare_info(app, options.info);
   declare_demo(app, options.demo);
   declare_simulate(app, options.simulate);
@@ -97,6 +106,7 @@ void declare_program(CLI::App& app, CommandLine& options) {
   declare_table(app, options.table);
   declare_train(app, options.train);
   declare_upsample(app, options.upsample);
+  declare_weights(app, options.weights);
 }
 
 namespace {
@@ -113,7 +123,8 @@ int exit_status_of(int argc, const char* const* argv) {
   declare_program(app, options);
   try {
     app.parse(argc, argv);
-    return run_subcommand(chosen_subcommand(app), options);
+    const std::string name = chosen_subcommand(app);
+    return run_subcommand(name, chosen_subcommand(*app.get_subcommand(name)), options);
   } catch (const CLI::ParseError& error) {
     return report_parse_error(app, error);
   } catch (const Error& error) {

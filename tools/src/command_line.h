@@ -9,12 +9,14 @@
 #include "evaluate_map_command.h"
 #include "info_command.h"
 #include "inspect_command.h"
+#include "live_command.h"
 #include "map_command.h"
 #include "run_command.h"
 #include "simulate_command.h"
 #include "table_command.h"
 #include "train_command.h"
 #include "upsample_command.h"
+#include "weights_command.h"
 
 namespace hqslam::tools {
 
@@ -22,6 +24,7 @@ namespace hqslam::tools {
 /// parsing, validation and --help.
 struct CommandLine {
   RunOptions run;
+  LiveCommandOptions live;
   DemoOptions demo;
   SimulateOptions simulate;
   MapOptions map;
@@ -34,6 +37,7 @@ struct CommandLine {
   TableOptions table;
   TrainOptions train;
   UpsampleOptions upsample;
+  WeightsOptions weights;
 };
 
 /// Declares the program: parsing fills `options`.

@@ -1,7 +1,6 @@
 #include "compare_command.h"
 
 #include <fmt/format.h>
-#include <omp.h>
 
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
@@ -161,7 +160,8 @@ void finish_curve(const ConfidenceCurve& curve, const CompareOptions& options, s
 template <typename Use>
 std::int64_t for_each_scan(const CompareOptions& options, const SensorModel& sensor,
                            const InterruptGuard& interrupt, const Use& use) {
-  const auto source = open_input({options.input, options.sensor, "", false, {}}, sensor);
+  const auto source = open_input(input_recording(options), sensor);
+  print_warnings(*source);
   Progress progress("compare", source->size());
   std::int64_t used = 0;
   LeftOut left_out;
@@ -184,10 +184,7 @@ std::int64_t for_each_scan(const CompareOptions& options, const SensorModel& sen
 void declare_compare(CLI::App& app, CompareOptions& options) {
   CLI::App* command = app.add_subcommand(
       "compare", "Compare ways to lift 16 rows to all against a recording that has all");
-  command->add_option("input", options.input, "Recording with all rows (as for hqslam run)")
-      ->required()
-      ->check(CLI::ExistingPath);
-  command->add_option("--sensor", options.sensor, "Sensor (name or .json file)");
+  declare_input(*command, options, "Recording with all rows (as for hqslam run)");
   command->add_option("--weights", options.weights, "Weights files to compare")
       ->check(CLI::ExistingFile);
   command->add_option("--every", options.every, "Take every n-th scan (default: all)")
@@ -206,8 +203,7 @@ void declare_compare(CLI::App& app, CompareOptions& options) {
       ->check(CLI::IsMember({"own", "tulip"}))
       ->excludes(filters)
       ->capture_default_str();
-  command->add_option("--threads", options.threads, "Threads (default: all cores)")
-      ->check(CLI::Range(1, 256));
+  declare_threads(*command, options.threads);
   command->footer(
       "Rows: nearest, linear and inverse (linear in 1/range, by the beams' elevations)\n"
       "interpolation, and each network: with its filters, and where it has one at its end, "
@@ -220,11 +216,12 @@ void declare_compare(CLI::App& app, CompareOptions& options) {
 }
 
 int compare_command(const CompareOptions& options) {
-  if (options.threads > 0) omp_set_num_threads(options.threads);
+  use_threads(options.threads);
   if (!options.json.empty()) refuse_to_replace_foreign(options.json, kCompareJsonMarker);
   if (options.protocol == "tulip") return compare_with_tulip(options);
   const InterruptGuard interrupt;
-  const SensorModel sensor = required_recording_sensor(options.input, options.sensor);
+  const SensorModel sensor =
+      required_recording_sensor(options.input, options.sensor, options.stream);
   Json json;
   std::int64_t used = 0;
   if (options.filters) {

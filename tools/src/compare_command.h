@@ -5,11 +5,11 @@
 #include <string>
 #include <vector>
 
+#include "recording_choice.h"
+
 namespace hqslam::tools {
 
-struct CompareOptions {
-  std::string input;
-  std::string sensor;  ///< empty: as for hqslam run
+struct CompareOptions : InputChoice {
   std::vector<std::string> weights;
   std::int64_t every = 1;
   std::string json;   ///< file to write; empty: none

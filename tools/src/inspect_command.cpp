@@ -19,13 +19,18 @@ namespace hqslam::tools {
 namespace {
 
 RangeImage scan_of(const InspectOptions& options, const SensorModel& sensor) {
-  const auto source = open_input({options.input, options.sensor, "", false, {}}, sensor);
-  if (options.scan >= source->size()) {
-    throw Error(fmt::format("{}: has {} scans, expected one with index {}", options.input,
-                            source->size(), options.scan));
+  const auto source = open_input(input_recording(options), sensor);
+  print_warnings(*source);
+  LeftOut left_out;
+  std::optional<RecordedScan> scan;
+  for (std::int64_t i = 0; i <= options.scan; ++i) {
+    scan = next_usable(*source, left_out);
+    if (!scan) {
+      throw Error(fmt::format("{}: has {} scans{}, expected one with index {}", options.input, i,
+                              left_out.scans > 0 ? " that can be used" : "", options.scan));
+    }
   }
-  for (std::int64_t i = 0; i < options.scan; ++i) source->next();
-  return range_image(source->next()->cloud);
+  return range_image(scan->cloud);
 }
 
 }  // namespace
@@ -33,11 +38,8 @@ RangeImage scan_of(const InspectOptions& options, const SensorModel& sensor) {
 void declare_inspect(CLI::App& app, InspectOptions& options) {
   CLI::App* command =
       app.add_subcommand("inspect", "Show what every layer of a network makes of one scan");
-  command->add_option("input", options.input, "Recording (as for hqslam upsample)")
-      ->required()
-      ->check(CLI::ExistingPath);
+  declare_input(*command, options, "Recording (as for hqslam upsample)");
   command->add_option("--weights", options.weights, "Weights file")->required();
-  command->add_option("--sensor", options.sensor, "Sensor (name or .json file)");
   command->add_option("--scan", options.scan, "Which scan, counted from 0 (default: the first)")
       ->check(CLI::NonNegativeNumber);
   command->add_option("--out", options.out, "Page to write (.html)")->required();
@@ -49,7 +51,8 @@ void declare_inspect(CLI::App& app, InspectOptions& options) {
 
 int inspect_command(const InspectOptions& options) {
   refuse_to_replace_foreign(options.out, kLayersPageMarker);
-  const UpsamplingPlan plan = plan_upsampling({options.input, options.sensor, options.weights, 0});
+  const UpsamplingPlan plan = plan_upsampling(
+      {options.input, options.sensor, options.weights, 0, std::nullopt, {}, options.stream});
   nn::SuperResolver network = nn::SuperResolver::load(options.weights);
   const RangeImage scan = scan_of(options, plan.recording_sensor);
   LayersReport report;

@@ -4,12 +4,12 @@
 #include <cstdint>
 #include <string>
 
+#include "recording_choice.h"
+
 namespace hqslam::tools {
 
-struct InspectOptions {
-  std::string input;
+struct InspectOptions : InputChoice {  ///< sensor empty: as for hqslam upsample
   std::string weights;
-  std::string sensor;  ///< empty: as for hqslam upsample
   std::int64_t scan = 0;
   std::string out;
 };

@@ -1,7 +1,6 @@
 #include "map_command.h"
 
 #include <fmt/format.h>
-#include <omp.h>
 
 #include <CLI/Validators.hpp>
 
@@ -51,8 +50,7 @@ void declare_map(CLI::App& app, MapOptions& options) {
   command->add_option("--out", options.out, "Folder for the map; made if it is not there")
       ->required();
   declare_dense_map(*command, options.map);
-  command->add_option("--threads", options.threads, "Threads (default: all cores)")
-      ->check(CLI::Range(1, 256));
+  declare_threads(*command, options.threads);
   command->footer(
       "Writes into --out, in the frame of the poses:\n"
       "  dense_map.pcd, dense_map.ply   x y z confidence times_seen per voxel, binary\n"
@@ -62,9 +60,7 @@ void declare_map(CLI::App& app, MapOptions& options) {
 
 int map_command(const MapOptions& options) {
   const InterruptGuard interrupt;
-  if (options.threads > 0) {
-    omp_set_num_threads(options.threads);
-  }
+  use_threads(options.threads);
   const ScanPoses poses = poses_from(options.poses, plan_of(options).open()->size());
   refuse_foreign_dense_map(options.out);
   const DenseMapRun run = build_dense_map(options, poses, options.map, interrupt);

@@ -1,8 +1,6 @@
 #include "run_command.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
-#include <omp.h>
 
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
@@ -19,8 +17,8 @@
 #include "recording_sensor.h"
 #include "run_output.h"
 #include "run_plan.h"
+#include "run_summary.h"
 #include "terminal.h"
-#include "timing_statistics.h"
 
 namespace hqslam::tools {
 namespace {
@@ -63,40 +61,9 @@ std::optional<TrajectoryFile> reference_of(const RunOptions& options, const Scan
   return reference;
 }
 
-double median_upsampling_ms(const SlamRun& run) {
-  std::vector<double> times_ms;
-  for (const ScanRecord& scan : run.scans) {
-    times_ms.push_back(1e3 * scan.upsampling_s);
-  }
-  return distribution_of(std::move(times_ms)).median;
-}
-
-/// "mapping: 198 scans ok, 2 degenerate; 1 loop closed"
-std::string mapping_summary(const SlamRun& run) {
-  std::vector<std::string> counts;
-  for (const auto& [status, scans] : status_counts(run, &slam::ScanReport::mapping_status)) {
-    if (scans > 0) {
-      counts.push_back(
-          fmt::format("{}{} {}", scans, counts.empty() ? " scans" : "", slam::name(status)));
-    }
-  }
-  std::string summary = fmt::format("mapping: {}", fmt::join(counts, ", "));
-  if (run.loop_closing) {
-    const std::int64_t closed = loops_closed(run);
-    summary += fmt::format("; {} loop{} closed", closed, closed == 1 ? "" : "s");
-  }
-  return summary;
-}
-
 void print_summary(const RunResult& result, const RunOptions& options) {
   const SlamRun& run = result.run;
-  to_stdout("{} scans, {:.1f} m of path, {:.1f} scans/s\n", run.scans.size(),
-            path_length_m(run.trajectory), scans_per_second(run));
-  to_stdout("{}\n", mapping_summary(run));
-  if (!run.upsampled_by.empty()) {
-    to_stdout("upsampled to {} rows by {}: {:.1f} ms a scan (median)\n", run.rows, run.upsampled_by,
-              median_upsampling_ms(run));
-  }
+  to_stdout("{}", run_summary(run));
   if (result.comparison) {
     const AbsolutePoseError& error = result.comparison->error;
     to_stdout("APE RMSE {:.3f} m over {} poses against {} (alignment: {})\n",
@@ -175,8 +142,7 @@ void declare_run(CLI::App& app, RunOptions& options) {
                    "Trajectory to compare with (TUM, or KITTI with one pose per scan); by default "
                    "the truth of a simulated drive")
       ->check(CLI::ExistingFile);
-  command->add_option("--threads", options.threads, "Threads (default: all cores)")
-      ->check(CLI::Range(1, 256));
+  declare_threads(*command, options.threads);
   command->add_flag("--loop-closing", options.loop_closing,
                     "Recognise places passed before and correct the path and the map");
   command->add_flag("--dense-map", options.dense_map,
@@ -200,9 +166,7 @@ void declare_run(CLI::App& app, RunOptions& options) {
 }
 
 RunResult run_and_write(const RunOptions& options, const InterruptGuard& interrupt) {
-  if (options.threads > 0) {
-    omp_set_num_threads(options.threads);
-  }
+  use_threads(options.threads);
   refuse_to_write_into_recording(options);
   RunPlan plan = plan_of(options);
   const std::unique_ptr<ScanSource> source = plan.open();

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -22,10 +23,21 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 constexpr double kCheckpointInterval_s = 5.0;
-constexpr const char* kWrittenBy = "hqslam run";
-constexpr const char* kMarker = "\"written_by\": \"hqslam run\"";
+/// Of the time between checkpoints what one may take: a long drive's are large.
+constexpr double kCheckpointShare = 0.01;
+constexpr std::array<const char*, 2> kCommands = {"run", "live"};
 constexpr std::array<const char*, 5> kResultNames = {"trajectory.tum", "trajectory.kitti",
                                                      "map.pcd", "timings.json", "report.html"};
+
+std::string written_by(const std::string& command) { return "hqslam " + command; }
+
+/// Whether the folder holds the results of an earlier run, which this one may replace.
+bool written_by_hqslam(const fs::path& folder) {
+  return std::any_of(kCommands.begin(), kCommands.end(), [&](const char* command) {
+    return has_marker((folder / "timings.json").string(),
+                      fmt::format("\"written_by\": \"{}\"", written_by(command)));
+  });
+}
 
 double milliseconds(double seconds) { return 1e3 * seconds; }
 
@@ -53,6 +65,8 @@ Durations_ms durations_of(const SlamRun& run) {
     durations.emplace_back(stage.name, std::vector<double>());
   }
   durations.emplace_back("slam_total", std::vector<double>());
+  const bool live = !run.scans.empty() && run.scans.front().latency_s;
+  std::vector<double> latencies_ms;
   for (const ScanRecord& scan : run.scans) {
     durations.front().second.push_back(rounded(milliseconds(scan.reading_s)));
     if (!run.upsampled_by.empty()) {
@@ -63,7 +77,9 @@ Durations_ms durations_of(const SlamRun& run) {
           rounded(milliseconds(scan.report.times.*kStages[i].seconds)));
     }
     durations.back().second.push_back(rounded(milliseconds(scan.report.times.total_s)));
+    if (live) latencies_ms.push_back(rounded(milliseconds(scan.latency_s.value_or(0.0))));
   }
+  if (live) durations.emplace_back("latency", std::move(latencies_ms));
   return durations;
 }
 
@@ -125,7 +141,7 @@ std::string timings_json(const SlamRun& run) {
     key_frames += scan.report.key_frame ? 1 : 0;
   }
   const Json json = {
-      {"written_by", kWrittenBy},
+      {"written_by", written_by(run.command)},
       {"input", run.input},
       {"sensor", run.sensor_name},
       {"rows", run.rows},
@@ -158,12 +174,12 @@ RunOutput::RunOutput(const std::string& folder)
     throw Error(fmt::format(
         "{}: expected a folder for the results, found a file; give another --out", folder));
   }
-  if (has_marker((folder_ / "timings.json").string(), kMarker)) return;
+  if (written_by_hqslam(folder_)) return;
   refuse_foreign_dense_map(folder_);
   for (const char* result : kResultNames) {
     if (fs::exists(folder_ / result)) {
       throw Error(fmt::format(
-          "{}: is there already and was not written by hqslam run; give another --out or move it",
+          "{}: is there already and was not written by hqslam; give another --out or move it",
           (folder_ / result).string()));
     }
   }
@@ -171,7 +187,8 @@ RunOutput::RunOutput(const std::string& folder)
 
 bool RunOutput::checkpoint_due() const {
   const auto since = std::chrono::steady_clock::now() - last_checkpoint_;
-  return first_ || std::chrono::duration<double>(since).count() >= kCheckpointInterval_s;
+  const double wanted_s = std::max(kCheckpointInterval_s, last_duration_s_ / kCheckpointShare);
+  return first_ || std::chrono::duration<double>(since).count() >= wanted_s;
 }
 
 void RunOutput::write_file(const std::string& name,
@@ -180,6 +197,7 @@ void RunOutput::write_file(const std::string& name,
 }
 
 void RunOutput::write_checkpoint(const SlamRun& run) {
+  const auto start = std::chrono::steady_clock::now();
   if (first_) {
     make_result_folder(folder_);
     lock_.emplace(folder_);
@@ -198,6 +216,7 @@ void RunOutput::write_checkpoint(const SlamRun& run) {
   write_file("trajectory.kitti",
              [&](const std::string& path) { write_kitti_poses(run.trajectory, path); });
   last_checkpoint_ = std::chrono::steady_clock::now();
+  last_duration_s_ = std::chrono::duration<double>(last_checkpoint_ - start).count();
 }
 
 void RunOutput::write_results(const SlamRun& run,

@@ -41,6 +41,7 @@ class RunOutput {
   void write_file(const std::string& name, const std::function<void(const std::string&)>& write);
   std::filesystem::path folder_;
   std::chrono::steady_clock::time_point last_checkpoint_;
+  double last_duration_s_ = 0.0;  ///< what the last checkpoint took
   bool first_ = true;
   std::optional<FolderLock> lock_;  ///< from the first checkpoint on
 };

@@ -8,25 +8,14 @@
 #include "hqslam/core/scan_source.h"
 #include "hqslam/core/sensor_model.h"
 #include "hqslam/nn/upsampler.h"
+#include "recording_choice.h"
 #include "recording_sensor.h"
 #include "slam_run.h"
 
 namespace hqslam::tools {
 
 /// A recording and what is made of its scans before they are used.
-struct RecordingChoice {
-  std::string input;
-  std::string sensor;  ///< empty: what the recording says
-  int rows = 0;        ///< 0: all
-  std::string stream;  ///< of a capture or a bag; empty: the only one with scans
-  std::string kept_return = "strongest";
-  std::string row_order = "highest-first";
-  bool motion_corrected = false;
-  std::string capture;   ///< "rolling": points without a time have that of their azimuth
-  std::string stamps;    ///< a file, or "names"; empty: what the recording says
-  std::string upsample;  ///< weights file or interpolation; empty: the recording as it is
-  std::optional<float> least_confidence;  ///< nothing: as the weights say
-};
+struct RecordingChoice : InputChoice, LiftingChoice {};
 void declare_recording(CLI::App& command, RecordingChoice& choice);
 
 /// The same, found to be possible.
@@ -42,5 +31,8 @@ struct RunPlan {
 };
 /// network: how its network is loaded; the choice's least_confidence comes first. Throws Error.
 RunPlan plan_of(const RecordingChoice& choice, const nn::SuperResolverOptions& network = {});
+/// The same for a sensor that sends now and can be read with any number of columns; it is called
+/// `name` in messages. There is nothing to open. Throws Error.
+RunPlan plan_of(const LiftingChoice& choice, const SensorModel& sensor, const std::string& name);
 
 }  // namespace hqslam::tools

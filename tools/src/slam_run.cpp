@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <chrono>
 #include <optional>
+#include <utility>
 
 #include "hqslam/core/error.h"
 #include "hqslam/nn/upsampled_cloud.h"
@@ -33,20 +34,12 @@ std::optional<RecordedScan> read_next(ScanSource& source, SlamRun& run) {
   }
 }
 
-/// What SLAM gets to see of a scan.
-OrganizedCloud prepared(const RecordedScan& scan, const SlamRunSpec& spec, ScanRecord& record) {
-  const OrganizedCloud measured = measured_cloud(scan.cloud, spec);
-  const auto start = Clock::now();
-  OrganizedCloud cloud = prepared_cloud(measured, spec);
-  if (spec.upsampler != nullptr) record.upsampling_s = seconds_since(start);
-  return cloud;
-}
-
-SensorModel sensor_of(const ScanSource& source, const SlamRunSpec& spec) {
+/// Of the scans that SLAM gets to see.
+SensorModel sensor_of(const SensorModel& recorded, const SlamRunSpec& spec) {
   if (spec.upsampler != nullptr) {
     return spec.upsampler->sensor();
   }
-  return spec.rows ? select_rows(source.sensor(), *spec.rows) : source.sensor();
+  return spec.rows ? select_rows(recorded, *spec.rows) : recorded;
 }
 
 }  // namespace
@@ -100,54 +93,69 @@ slam::SlamOptions slam_options(bool loop_closing) {
   return options;
 }
 
+SlamSession::SlamSession(const SensorModel& sensor, const SlamRunSpec& spec)
+    : spec_(spec), slam_(sensor_of(sensor, spec), slam_options(spec.loop_closing)) {
+  const SensorModel seen = sensor_of(sensor, spec);
+  run_.input = spec.input;
+  run_.sensor_name = seen.name;
+  run_.rows = seen.rows();
+  run_.columns = seen.columns;
+  run_.upsampled_by = spec.upsampler != nullptr ? spec.upsampler->name() : "";
+  run_.loop_closing = spec.loop_closing;
+  run_.threads = omp_get_max_threads();
+}
+
+void SlamSession::process(const RecordedScan& scan, ScanRecord record, RunOutput& output,
+                          const std::function<void(ScanRecord&)>& located) {
+  record.invalid_points = scan.invalid_points;
+  const OrganizedCloud measured = measured_cloud(scan.cloud, spec_);
+  const auto upsampling_start = Clock::now();
+  cloud_ = prepared_cloud(measured, spec_);
+  if (spec_.upsampler != nullptr) record.upsampling_s = seconds_since(upsampling_start);
+  record.report = slam_.process(cloud_, scan.stamp_s);
+  if (located) located(record);
+  run_.scans.push_back(record);
+  run_.wall_s = seconds_since(start_);
+  if (output.checkpoint_due()) {
+    run_.trajectory = slam_.trajectory();
+    output.write_checkpoint(run_);
+  }
+}
+
+SlamRun SlamSession::finished() {
+  run_.wall_s = seconds_since(start_);
+  run_.trajectory = slam_.trajectory();
+  run_.map_points_m = slam_.map_points_m();
+  return std::move(run_);
+}
+
 SlamRun run_slam(ScanSource& source, const SlamRunSpec& spec, RunOutput& output,
                  const InterruptGuard& interrupt) {
-  const SensorModel sensor = sensor_of(source, spec);
-  slam::Slam slam(sensor, slam_options(spec.loop_closing));
-  SlamRun run;
-  run.input = spec.input;
-  run.sensor_name = sensor.name;
-  run.rows = sensor.rows();
-  run.columns = sensor.columns;
-  run.upsampled_by = spec.upsampler != nullptr ? spec.upsampler->name() : "";
-  run.loop_closing = spec.loop_closing;
-  run.threads = omp_get_max_threads();
+  SlamSession session(source.sensor(), spec);
+  SlamRun& run = session.run();
   run.scans_in_recording = source.size();
-
   Progress progress(fmt::format("slam {}x{}", run.rows, run.columns), source.size());
-  const auto start = Clock::now();
   while (true) {
     if (interrupt.stop_requested()) {
       run.end = RunEnd::kInterrupted;
       break;
     }
-    ScanRecord record;
     const auto reading_start = Clock::now();
     const std::optional<RecordedScan> scan = read_next(source, run);
     if (!scan) {
       break;
     }
+    ScanRecord record;
     record.reading_s = seconds_since(reading_start);
-    record.invalid_points = scan->invalid_points;
-    const OrganizedCloud cloud = prepared(*scan, spec, record);
-    record.report = slam.process(cloud, scan->stamp_s);
-    run.scans.push_back(record);
-    run.wall_s = seconds_since(start);
+    session.process(*scan, record, output);
     progress.update(static_cast<std::int64_t>(run.scans.size()));
-    if (output.checkpoint_due()) {
-      run.trajectory = slam.trajectory();
-      output.write_checkpoint(run);
-    }
   }
-  run.wall_s = seconds_since(start);
   progress.finish();
   if (run.scans.empty() && run.left_out.scans > 0 && run.end == RunEnd::kComplete) {
     run.end = RunEnd::kUnreadableScan;
     run.end_message = run.left_out.text();
   }
-  run.trajectory = slam.trajectory();
-  run.map_points_m = slam.map_points_m();
-  return run;
+  return session.finished();
 }
 
 }  // namespace hqslam::tools

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <chrono>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <utility>
@@ -25,6 +27,8 @@ struct ScanRecord {
   double reading_s = 0.0;     ///< reading and projecting the file
   double upsampling_s = 0.0;  ///< filling the missing rows and making points of them
   std::int64_t invalid_points = 0;
+  /// Of a sensor that sends now: from the packet that completed the scan to its pose.
+  std::optional<double> latency_s;
 };
 
 /// Why a run came to its end.
@@ -32,6 +36,7 @@ enum class RunEnd { kComplete, kInterrupted, kUnreadableScan };
 
 /// A run of SLAM over a recording, finished or not.
 struct SlamRun {
+  std::string command = "run";  ///< the subcommand that made it
   std::string input;
   std::string sensor_name;
   int rows = 0;
@@ -39,7 +44,7 @@ struct SlamRun {
   std::string upsampled_by;  ///< nn::Upsampler::name(); empty: the recording as it is
   bool loop_closing = false;
   int threads = 1;
-  std::int64_t scans_in_recording = 0;
+  std::int64_t scans_in_recording = 0;  ///< or that have come from a sensor
   std::vector<ScanRecord> scans;
   Trajectory trajectory;  ///< T_map_sensor, the map's frame is the first scan's sensor frame
   std::vector<Eigen::Vector3f> map_points_m;  ///< map frame; filled when the run ends
@@ -77,6 +82,34 @@ OrganizedCloud prepared_cloud(const OrganizedCloud& measured, const SlamRunSpec&
 
 /// What SLAM runs with.
 slam::SlamOptions slam_options(bool loop_closing);
+
+/// SLAM over scans that come one by one, and what is to be told of it.
+class SlamSession {
+ public:
+  /// sensor: of the scans, before anything is made of them.
+  SlamSession(const SensorModel& sensor, const SlamRunSpec& spec);
+
+  /// Locates the next scan; hands intermediate results to `output` now and then. `record` says
+  /// what is known of it already; `located` is called as soon as its pose is there. Throws Error.
+  void process(const RecordedScan& scan, ScanRecord record, RunOutput& output,
+               const std::function<void(ScanRecord&)>& located = {});
+  /// Everything but how it ended.
+  SlamRun& run() { return run_; }
+  /// The trajectory and the map as they are now.
+  const Trajectory& trajectory() const { return slam_.trajectory(); }
+  std::vector<Eigen::Vector3f> map_points_m() const { return slam_.map_points_m(); }
+  /// What SLAM saw of the last scan.
+  const OrganizedCloud& cloud() const { return cloud_; }
+  /// The run with its trajectory and map.
+  SlamRun finished();
+
+ private:
+  SlamRunSpec spec_;
+  slam::Slam slam_;
+  SlamRun run_;
+  OrganizedCloud cloud_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
 
 /// Processes a recording scan by scan, showing progress on stderr and handing intermediate results
 /// to `output` now and then. A scan that cannot be read ends the run, it does not throw.

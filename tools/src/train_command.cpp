@@ -14,7 +14,6 @@
 
 #include "exit_status.h"
 #include "hqslam/core/error.h"
-#include "hqslam/core/whole_file.h"
 #include "hqslam/nn/hqs/weights_file.h"
 #include "hqslam/nn/training/checkpoint.h"
 #include "hqslam/nn/training/training_configuration.h"
@@ -23,14 +22,13 @@
 #include "report/learning_curve.h"
 #include "result_folder.h"
 #include "terminal.h"
+#include "text_file.h"
 #include "training_scans.h"
 
 namespace hqslam::tools {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-constexpr std::size_t kLargestConfigurationBytes = 1 << 20;
 
 /// A training on its way: what is written and how it goes on.
 struct Training {
@@ -216,7 +214,7 @@ int train_command(const TrainOptions& options) {
   const InterruptGuard interrupt;
   Training training;
   training.configuration_text =
-      whole_file(options.config, "a training configuration (.json)", kLargestConfigurationBytes);
+      read_small_text_file(options.config, "a training configuration (.json)");
   training.configuration = nn::training_configuration(training.configuration_text, options.config);
   training.out = options.out;
   refuse_foreign_results(training);

@@ -45,13 +45,7 @@ UpsamplingPlan plan_of(const UpsampleOptions& options) {
 }
 
 std::unique_ptr<ScanSource> source_of(const UpsampleOptions& options, const UpsamplingPlan& plan) {
-  RecordingOptions recording;
-  recording.row_order =
-      options.row_order == "lowest-first" ? RowOrder::kLowestFirst : RowOrder::kHighestFirst;
-  recording.capture_time =
-      options.motion_corrected ? CaptureTime::kMotionCorrected : CaptureTime::kRolling;
-  auto source = tools::open_input({options.input, options.sensor, options.stream, false, recording},
-                                  plan.recording_sensor);
+  auto source = open_input(input_recording(options), plan.recording_sensor);
   print_warnings(*source, options.input);
   return source;
 }
@@ -129,41 +123,26 @@ void print_summary(const UpsampleRun& run, const UpsamplingPlan& plan,
 void declare_upsample(CLI::App& app, UpsampleOptions& options) {
   CLI::App* command =
       app.add_subcommand("upsample", "Fill the rows between those of a LiDAR with few beams");
-  command
-      ->add_option("INPUT", options.input,
-                   "Recording as for hqslam run: the measured rows alone, or all rows of the "
-                   "sensor, of which the measured ones are looked at")
-      ->required()
-      ->check(CLI::ExistingPath);
+  declare_input(*command, options,
+                "Recording as for hqslam run: the measured rows alone, or all rows of the sensor, "
+                "of which the measured ones are looked at",
+                "Sensor of the recording (name or .json file); default: what the recording says, "
+                "or the one that the weights were made for. For interpolation: with all rows");
   CLI::Option_group* method = command->add_option_group("How", "One of");
   method->add_option("--weights", options.weights, "Trained network (.npz)")
       ->check(CLI::ExistingFile);
   method->add_option("--method", options.method, "Interpolation, of every fourth row")
       ->check(CLI::IsMember(nn::interpolation_names()));
   method->require_option(1);
-  command->add_option("--stream", options.stream,
-                      "Which stream of a capture or a bag: a topic, or a port or sender:port");
-  command->add_option("--sensor", options.sensor,
-                      "Sensor of the recording (name or .json file); default: that of a simulated "
-                      "drive, or the one that the weights were made for. For interpolation: with "
-                      "all rows");
   command->add_option("--out", options.out, "Folder for the results; made if it is not there")
       ->required();
-  command
-      ->add_option("--row-order", options.row_order,
-                   "Where row 0 of the images of a .npy stack looks")
-      ->check(CLI::IsMember({"highest-first", "lowest-first"}))
-      ->capture_default_str();
-  command->add_flag("--motion-corrected", options.motion_corrected,
-                    "The scans of a .npy stack are already corrected for the sensor's motion");
   command
       ->add_option(
           "--confidence", options.least_confidence,
           "Leave computed pixels empty of which the network (du-mix) is less sure; default: "
           "as the weights say")
       ->check(CLI::Range(0.0, 1.0));
-  command->add_option("--threads", options.threads, "Threads (default: all cores)")
-      ->check(CLI::Range(1, 256));
+  declare_threads(*command, options.threads);
   command->add_flag("--bin", options.bin, "Also write KITTI .bin files");
   command->add_flag("--pcd", options.pcd, "Also write .pcd files");
   command->add_flag("--png", options.png, "Also write pictures of the range images");
@@ -177,9 +156,7 @@ void declare_upsample(CLI::App& app, UpsampleOptions& options) {
 
 int upsample_command(const UpsampleOptions& options) {
   const InterruptGuard interrupt;
-  if (options.threads > 0) {
-    omp_set_num_threads(options.threads);
-  }
+  use_threads(options.threads);
   UpsamplingPlan plan = plan_of(options);
   const std::unique_ptr<ScanSource> source = source_of(options, plan);
   const UpsampleRun run = upsample(*source, plan, options, interrupt);

@@ -34,8 +34,20 @@ bool fits(const SensorModel& sensor, const SensorModel& expected) {
   return true;
 }
 
+/// Whether scans come from packets, whose columns can be chosen.
+bool has_any_columns(const UpsamplingRequest& request) {
+  return request.sender || recordings::is_capture_or_bag(request.input);
+}
+
+std::optional<SensorModel> sensor_of(const UpsamplingRequest& request) {
+  if (request.sender) return request.sender;
+  return recording_sensor(request.input, request.sensor, request.stream);
+}
+
 /// The rows that the files themselves have, where they tell.
-std::optional<int> recorded_rows(const std::string& input) {
+std::optional<int> recorded_rows(const UpsamplingRequest& request) {
+  if (request.sender) return std::nullopt;
+  const std::string& input = request.input;
   if (std::filesystem::path(input).extension() == ".npy") {
     return NpyStackReader(input).rows();
   }
@@ -75,11 +87,10 @@ UpsamplingPlan plan_for_network(const UpsamplingRequest& request) {
     throw Error(fmt::format("{}: was made for {} measured rows, --rows asks for {}; leave it out",
                             request.method, measured.rows(), request.rows));
   }
-  const std::optional<int> rows = recorded_rows(request.input);
+  const std::optional<int> rows = recorded_rows(request);
   const bool measured_alone = rows == measured.rows();
-  SensorModel recorded = recording_sensor(request.input, request.sensor, request.stream)
-                             .value_or(measured_alone ? measured : full);
-  if (recordings::is_capture_or_bag(request.input)) recorded.columns = full.columns;
+  SensorModel recorded = sensor_of(request).value_or(measured_alone ? measured : full);
+  if (has_any_columns(request)) recorded.columns = full.columns;
   if (measured_alone && recorded.rows() == full.rows()) {
     recorded = select_rows(recorded, measured_rows);
   }
@@ -95,8 +106,10 @@ UpsamplingPlan plan_for_network(const UpsamplingRequest& request) {
 UpsamplingPlan plan_for_interpolation(const UpsamplingRequest& request) {
   if (request.least_confidence) fail_for_confidence(request);
   const nn::Interpolation interpolation = nn::interpolation_from_name(request.method);
-  const SensorModel full = required_recording_sensor(request.input, request.sensor, request.stream);
-  const int recorded = recorded_rows(request.input).value_or(full.rows());
+  const SensorModel full =
+      request.sender ? *request.sender
+                     : required_recording_sensor(request.input, request.sensor, request.stream);
+  const int recorded = recorded_rows(request).value_or(full.rows());
   if (recorded < full.rows()) {
     const RowSelection measured_rows = selection_for(full.rows(), recorded);
     if (request.rows > 0 && request.rows != recorded) {

@@ -18,6 +18,9 @@ struct UpsamplingRequest {
   std::optional<float> least_confidence = std::nullopt;
   nn::SuperResolverOptions network_options = {};
   std::string stream = "";  ///< of a capture or a bag; empty: the only one with scans
+  /// Of a sensor that sends now: `input` is only its name then, `sensor` and `stream` are not
+  /// looked at.
+  std::optional<SensorModel> sender = std::nullopt;
 };
 
 /// How a recording gets its missing rows.

@@ -55,6 +55,7 @@ class OusterDecoder::Impl {
   OusterOptions options_;
   OusterLayout layout_;
   std::optional<OusterFrame> frame_;
+  std::optional<std::uint32_t> last_id_;  ///< of the frame that is read or was read last
   bool first_frame_ = true;
   std::int64_t packets_in_frame_ = 0;
   /// What the sensor sends of a turn.
@@ -78,6 +79,7 @@ void OusterDecoder::Impl::begin(const Packet& packet, std::uint32_t id) {
   frame.first_capture_ns = packet.capture_time_ns;
   frame.first_timestamp_ns = little_endian<std::uint64_t>(packet.payload, layout_.packet_header);
   frame_ = std::move(frame);
+  last_id_ = id;
   packets_in_frame_ = 0;
 }
 
@@ -98,26 +100,26 @@ void OusterDecoder::Impl::add(const Packet& packet, std::vector<OusterFrame>& co
     return;
   }
   const std::uint32_t id = frame_id(packet.payload, metadata_.profile);
-  if (!frame_) {
-    begin(packet, id);
-  } else if (id != frame_->frame_id) {
+  if (last_id_ && id != *last_id_) {
     const std::int64_t ahead = metadata_.profile == OusterProfile::kFusaDual
-                                   ? static_cast<std::int32_t>(id - frame_->frame_id)
-                                   : static_cast<std::int16_t>(id - frame_->frame_id);
+                                   ? static_cast<std::int32_t>(id - *last_id_)
+                                   : static_cast<std::int16_t>(id - *last_id_);
     if (ahead < 0 && ahead >= -kMostLateFrames) {
       ++counts.late;
       return;
     }
     complete(completed, false);
     if (ahead > 1 && ahead <= kMostLostFrames) lost_frames += ahead - 1;
-    begin(packet, id);
-  } else if (seen(packet.payload)) {
-    ++counts.late;
+  } else if (last_id_ && (!frame_ || seen(packet.payload))) {
+    ++counts.late;  // of a frame that has it, or all of its packets
     return;
   }
+  if (!frame_) begin(packet, id);
   ++counts.used;
   ++packets_in_frame_;
   read_columns(packet.payload);
+  // Whoever follows a sensor need not wait for the first packet of the next turn.
+  if (packets_in_frame_ == packets_sent_) complete(completed, false);
 }
 
 void OusterDecoder::Impl::read_columns(Bytes packet) {

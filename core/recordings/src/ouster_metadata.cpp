@@ -10,6 +10,7 @@
 #include "hqslam/core/error.h"
 #include "hqslam/core/json_limits.h"
 #include "ouster_layout.h"
+#include "ouster_metadata_text.h"
 
 namespace hqslam::recordings {
 
@@ -104,6 +105,12 @@ void set_window(OusterMetadata& metadata, const Json& format, const std::string&
   metadata.last_column = window[1].get<int>();
 }
 
+/// What no other sensor's description has.
+bool has_beams_of_ouster(const Json& json) {
+  return json.is_object() &&
+         (json.contains("beam_altitude_angles") || json.contains("beam_intrinsics"));
+}
+
 std::uint64_t whole_number(const std::string& text) {
   std::uint64_t value = 0;
   const auto parsed = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -112,11 +119,15 @@ std::uint64_t whole_number(const std::string& text) {
 
 }  // namespace
 
+bool is_ouster_metadata(const std::string& text) {
+  return has_beams_of_ouster(Json::parse(text, nullptr, /*allow_exceptions=*/false));
+}
+
 OusterMetadata ouster_metadata_from_json(const std::string& text, const std::string& source) {
   OusterMetadata metadata;
   metadata.sensor = sensor_from_json(text, source);
   const Json json = Json::parse(text);  // sensor_from_json has checked that it can be
-  if (!json.contains("beam_altitude_angles") && !json.contains("beam_intrinsics")) {
+  if (!has_beams_of_ouster(json)) {
     throw Error(
         fmt::format("{}: expected an Ouster's metadata, found the description of another "
                     "sensor; give the .json file that the sensor wrote",
@@ -144,7 +155,7 @@ OusterMetadata ouster_metadata_from_json(const std::string& text, const std::str
   return metadata;
 }
 
-OusterMetadata read_ouster_metadata(const std::string& path) {
+std::string ouster_metadata_text(const std::string& path) {
   std::error_code error;
   const std::uintmax_t bytes = std::filesystem::file_size(path, error);
   if (error || !std::filesystem::is_regular_file(path, error) || bytes > kMaxFileBytes) {
@@ -157,7 +168,11 @@ OusterMetadata read_ouster_metadata(const std::string& path) {
   std::string contents(bytes, '\0');
   stream.read(contents.data(), static_cast<std::streamsize>(bytes));
   contents.resize(static_cast<std::size_t>(stream.gcount()));
-  return ouster_metadata_from_json(contents, path);
+  return contents;
+}
+
+OusterMetadata read_ouster_metadata(const std::string& path) {
+  return ouster_metadata_from_json(ouster_metadata_text(path), path);
 }
 
 }  // namespace hqslam::recordings

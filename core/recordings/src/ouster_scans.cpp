@@ -5,6 +5,7 @@
 #include <map>
 
 #include "hqslam/core/error.h"
+#include "hqslam/recordings/scan_assembler.h"
 #include "ouster_layout.h"
 #include "packet_scans.h"
 
@@ -16,75 +17,6 @@ namespace fs = std::filesystem;
 
 constexpr int kProbedPackets = 2000;
 constexpr std::size_t kMaxMetadataFiles = 500;
-
-class OusterScans : public ScanSource {
- public:
-  OusterScans(std::shared_ptr<const RecordingFile> file, const Stream& stream, std::string path,
-              const OusterMetadata& metadata, const RecordingInfo& info,
-              const OusterOptions& options)
-      : file_(std::move(file)),
-        packets_(file_->packets(stream)),
-        path_(std::move(path)),
-        sensor_(info.sensor),
-        size_(info.scans),
-        warnings_(info.warnings),
-        decoder_(metadata, options),
-        geometry_(metadata, options) {}
-
-  const SensorModel& sensor() const override { return sensor_; }
-  std::int64_t size() const override { return size_; }
-  std::vector<std::string> warnings() const override { return warnings_; }
-
-  std::optional<RecordedScan> next() override {
-    while (ready_.empty() && !ended_) {
-      if (const auto packet = packets_->next()) {
-        decoder_.add(*packet, ready_);
-      } else {
-        decoder_.finish(ready_);
-        ended_ = true;
-      }
-    }
-    if (ready_.empty()) return std::nullopt;
-    const OusterFrame frame = std::move(ready_.front());
-    ready_.erase(ready_.begin());
-    RecordedScan result;
-    result.name = fmt::format("{}[{}]", path_, index_++);
-    std::optional<OusterScan> scan = geometry_.scan(frame);
-    if (!scan) {
-      throw ScanError(
-          fmt::format("{}: expected columns of one turn, found times of more than a "
-                      "second or none; the packets are damaged",
-                      result.name));
-    }
-    result.stamp_s = scan->stamp_s;
-    result.cloud = std::move(scan->cloud);
-    count(frame, result);
-    return result;
-  }
-
- private:
-  static void count(const OusterFrame& frame, RecordedScan& result) {
-    for (const float range_m : result.cloud.range_m) result.counts.kept += range_m > 0.0F ? 1 : 0;
-    std::int64_t returns = 0;
-    for (std::size_t i = 0; i < frame.range_mm.size(); ++i) {
-      const bool second = !frame.second_range_mm.empty() && frame.second_range_mm[i] > 0;
-      returns += frame.range_mm[i] > 0 || second ? 1 : 0;
-    }
-    result.counts.out_of_range = returns - result.counts.kept;
-  }
-
-  std::shared_ptr<const RecordingFile> file_;
-  std::unique_ptr<PacketSource> packets_;
-  std::string path_;
-  SensorModel sensor_;
-  std::int64_t size_;
-  std::vector<std::string> warnings_;
-  OusterDecoder decoder_;
-  OusterGeometry geometry_;
-  std::vector<OusterFrame> ready_;
-  std::int64_t index_ = 0;
-  bool ended_ = false;
-};
 
 /// Metadata that may be those of the capture.
 struct Candidate {
@@ -273,8 +205,8 @@ Opened open_ouster(std::shared_ptr<const RecordingFile> file, const Stream& stre
   }
   const std::string complaint = packet_complaint(info.packets, info.lost_scans);
   if (!complaint.empty()) info.warnings.push_back(fmt::format("{}: {}", path, complaint));
-  opened.source =
-      std::make_unique<OusterScans>(std::move(file), stream, path, of.metadata, info, decoding);
+  opened.source = packet_scan_source(std::move(file), stream, info,
+                                     ouster_assembler(of.metadata, path, decoding));
   return opened;
 }
 

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "hqslam/core/scan_source.h"
+#include "hqslam/recordings/scan_assembler.h"
 #include "recording_file.h"
 
 namespace hqslam::recordings {
@@ -25,6 +26,11 @@ Opened open_ouster(std::shared_ptr<const RecordingFile> file, const Stream& stre
 /// Scans of a topic of sensor_msgs/PointCloud2. Throws Error.
 Opened open_clouds(std::shared_ptr<const RecordingFile> file, const Stream& stream,
                    const std::string& path, const OpenOptions& options);
+
+/// The scans that the assembler makes of a stream's packets; `info` says how many there are.
+std::unique_ptr<ScanSource> packet_scan_source(std::shared_ptr<const RecordingFile> file,
+                                               const Stream& stream, const RecordingInfo& info,
+                                               std::unique_ptr<ScanAssembler> assembler);
 
 /// "3 packets were lost, 1 came late or twice"; empty if all is well.
 std::string packet_complaint(const PacketCounts& counts, std::int64_t lost_scans);

@@ -4,6 +4,7 @@
 #include <map>
 
 #include "hqslam/core/error.h"
+#include "ouster_layout.h"
 #include "recording_file.h"
 #include "velodyne_tables.h"
 
@@ -11,9 +12,6 @@ namespace hqslam::recordings {
 
 namespace {
 
-/// An Ouster's smallest lidar packet: 16 columns of 8 beams would have 656 bytes. Its packets of
-/// inertial data have 48, a Velodyne's of positions 512.
-constexpr std::size_t kSmallestLidarPacket = 600;
 /// A capture of more senders and ports than this is of a whole network.
 constexpr std::size_t kMaxStreams = 1000;
 

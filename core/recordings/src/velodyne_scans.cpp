@@ -2,70 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <deque>
 
 #include "hqslam/core/error.h"
-#include "hqslam/core/projection.h"
+#include "hqslam/recordings/scan_assembler.h"
 #include "packet_scans.h"
-#include "velodyne_tables.h"
+#include "velodyne_sensor.h"
 
 namespace hqslam::recordings {
 
 namespace {
 
 constexpr int kProbedPackets = 20000;
-constexpr double kPresetPeriod_s = 0.1;
-
-class VelodyneScans : public ScanSource {
- public:
-  VelodyneScans(std::shared_ptr<const RecordingFile> file, const Stream& stream, std::string path,
-                const VelodyneStream& velodyne, const RecordingInfo& info,
-                const VelodyneOptions& options)
-      : file_(std::move(file)),
-        packets_(file_->packets(stream)),
-        path_(std::move(path)),
-        sensor_(info.sensor),
-        size_(info.scans),
-        warnings_(info.warnings),
-        decoder_(velodyne, info.sensor, options) {}
-
-  const SensorModel& sensor() const override { return sensor_; }
-  std::int64_t size() const override { return size_; }
-  std::vector<std::string> warnings() const override { return warnings_; }
-
-  std::optional<RecordedScan> next() override {
-    while (ready_.empty() && !ended_) {
-      if (const auto packet = packets_->next()) {
-        decoder_.add(*packet, ready_);
-      } else {
-        decoder_.finish(ready_);
-        ended_ = true;
-      }
-    }
-    if (ready_.empty()) return std::nullopt;
-    const Scan scan = std::move(ready_.front());
-    ready_.erase(ready_.begin());
-    ProjectedScan projected = project(scan, sensor_);
-    RecordedScan result;
-    result.name = fmt::format("{}[{}]", path_, index_++);
-    result.stamp_s = scan.stamp_s;
-    result.cloud = std::move(projected.cloud);
-    result.counts = projected.counts;
-    return result;
-  }
-
- private:
-  std::shared_ptr<const RecordingFile> file_;
-  std::unique_ptr<PacketSource> packets_;
-  std::string path_;
-  SensorModel sensor_;
-  std::int64_t size_;
-  std::vector<std::string> warnings_;
-  VelodyneDecoder decoder_;
-  std::vector<Scan> ready_;
-  std::int64_t index_ = 0;
-  bool ended_ = false;
-};
 
 VelodyneStream probe(const RecordingFile& file, const Stream& stream, const std::string& path,
                      const SensorModel* wanted) {
@@ -90,60 +37,6 @@ VelodyneStream probe(const RecordingFile& file, const Stream& stream, const std:
                     path));
   }
   return *found;
-}
-
-/// The model that has as many lasers as the user's sensor has rows: the one found, if that fits.
-VelodyneModel model_for(const SensorModel& sensor, VelodyneModel found, const std::string& path) {
-  if (const auto named = velodyne_model(sensor.name)) return *named;
-  if (timing(found).lasers == sensor.rows()) return found;
-  for (const VelodyneModel model : kVelodyneModels) {
-    if (timing(model).lasers == sensor.rows()) return model;
-  }
-  throw Error(
-      fmt::format("{}: expected a sensor of 16, 32 or 128 rows for packets of a {}, found "
-                  "'{}' with {}; name the sensor that recorded them",
-                  path, name(found), sensor.name, sensor.rows()));
-}
-
-/// Columns of a preset for 10 turns a second; a slower head fires more often in a turn.
-int columns_at(int preset_columns, double period_s) {
-  const double columns = preset_columns * period_s / kPresetPeriod_s;
-  return std::clamp(static_cast<int>(std::lround(columns / 100.0)) * 100, 100, 10000);
-}
-
-/// The sensor of the stream, whose model may be changed to the user's.
-SensorModel sensor_of(VelodyneStream& stream, const OpenOptions& options, const std::string& path,
-                      std::vector<std::string>& warnings) {
-  SensorModel sensor;
-  bool preset = true;
-  if (options.sensor.empty()) {
-    sensor = sensor_preset(name(stream.model));
-    if (stream.factory_model && *stream.factory_model != stream.model) {
-      warnings.push_back(fmt::format(
-          "{}: the packets' factory bytes say {}, but they are {:.0f} us apart as those of a {}: "
-          "taken as that; name the sensor if it is not",
-          path, name(*stream.factory_model), stream.packet_spacing_us, name(stream.model)));
-    }
-  } else {
-    sensor = load_sensor(options.sensor);
-    preset = !options.sensor.ends_with(".json");
-    const VelodyneModel wanted = model_for(sensor, stream.model, path);
-    if (wanted != stream.model) {
-      warnings.push_back(
-          fmt::format("{}: the packets look like those of a {}, but are read as a "
-                      "{}'s, as asked for",
-                      path, name(stream.model), name(wanted)));
-      stream.model = wanted;
-    }
-  }
-  sensor.scan_period_s = std::round(1e4 * stream.scan_period_s) * 1e-4;
-  if (options.columns > 0) {
-    sensor.columns = options.columns;
-  } else if (preset) {
-    sensor.columns = columns_at(sensor.columns, sensor.scan_period_s);
-  }
-  validate(sensor);
-  return sensor;
 }
 
 /// Goes through the whole stream once without computing points.
@@ -179,17 +72,6 @@ void count_scans(const RecordingFile& file, const Stream& stream, const Velodyne
 
 }  // namespace
 
-std::string packet_complaint(const PacketCounts& counts, std::int64_t lost_scans) {
-  std::string text;
-  const auto say = [&](std::int64_t count, const char* what) {
-    if (count > 0) text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, what);
-  };
-  say(counts.lost, counts.lost == 1 ? "packet was lost" : "packets were lost");
-  say(lost_scans, lost_scans == 1 ? "whole turn was lost" : "whole turns were lost");
-  say(counts.late, "came late or twice and were left out");
-  return text;
-}
-
 Opened open_velodyne(std::shared_ptr<const RecordingFile> file, const Stream& stream,
                      const std::string& path, const OpenOptions& options) {
   Opened opened;
@@ -197,7 +79,7 @@ Opened open_velodyne(std::shared_ptr<const RecordingFile> file, const Stream& st
   std::optional<SensorModel> wanted;
   if (!options.sensor.empty()) wanted = load_sensor(options.sensor);
   VelodyneStream velodyne = probe(*file, stream, path, wanted ? &*wanted : nullptr);
-  info.sensor = sensor_of(velodyne, options, path, info.warnings);
+  info.sensor = velodyne_sensor(velodyne, options.sensor, options.columns, path, info.warnings);
   info.sensor_known = options.sensor.empty();
   info.format =
       fmt::format("Velodyne packets, {} return", velodyne.dual_return ? "dual" : "single");
@@ -215,8 +97,8 @@ Opened open_velodyne(std::shared_ptr<const RecordingFile> file, const Stream& st
   }
   VelodyneOptions decoding;
   decoding.kept_return = options.kept_return;
-  opened.source =
-      std::make_unique<VelodyneScans>(std::move(file), stream, path, velodyne, info, decoding);
+  opened.source = packet_scan_source(std::move(file), stream, info,
+                                     velodyne_assembler(velodyne, info.sensor, path, decoding));
   return opened;
 }
 

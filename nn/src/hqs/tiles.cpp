@@ -20,7 +20,6 @@ void take_image_row(const Tensor& tiles, TileSize tile, int row, float* image_ro
 
 void to_tiles(const float* image, TileSize tile, Tensor& tiles) {
   const std::int64_t columns = static_cast<std::int64_t>(tiles.columns()) * tile.columns;
-#pragma omp for schedule(static)
   for (int y = 0; y < tiles.rows(); ++y) {
     for (int row = y * tile.rows; row < (y + 1) * tile.rows; ++row) {
       put_image_row(image + row * columns, tile, row, tiles);
@@ -31,7 +30,6 @@ void to_tiles(const float* image, TileSize tile, Tensor& tiles) {
 
 void from_tiles(const Tensor& tiles, TileSize tile, float* image) {
   const std::int64_t columns = static_cast<std::int64_t>(tiles.columns()) * tile.columns;
-#pragma omp for schedule(static)
   for (int row = 0; row < tiles.rows() * tile.rows; ++row) {
     take_image_row(tiles, tile, row, image + row * columns);
   }

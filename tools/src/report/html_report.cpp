@@ -41,7 +41,8 @@ std::string distance_html(double metres) {
 std::string numbers_html(const SlamRun& run, const std::optional<ReferenceComparison>& comparison) {
   std::string html = "<dl class=\"numbers\">\n";
   html += number_html("Scans", fmt::format("{}", run.scans.size()),
-                      fmt::format("of {} in the recording", run.scans_in_recording));
+                      fmt::format("of {} {}", run.scans_in_recording,
+                                  run.command == "live" ? "that came" : "in the recording"));
   html += number_html("Path length", distance_html(path_length_m(run.trajectory)), "");
   if (comparison) {
     const double rmse_m = comparison->error.translation_statistics.rmse;
@@ -238,9 +239,10 @@ std::string html_report(const SlamRun& run, const std::optional<ReferenceCompari
   return fmt::format(
              "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
              "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
-             "<title>hqslam run: {}</title>\n<style>{}</style>\n</head>\n<body>\n"
-             "<h1>{}</h1>\n<p class=\"quiet\">hqslam run, sensor {}, range images of {} x {}</p>\n",
-             title, kReportStyle, title, escape_html(run.sensor_name), run.rows, run.columns) +
+             "<title>hqslam {}: {}</title>\n<style>{}</style>\n</head>\n<body>\n"
+             "<h1>{}</h1>\n<p class=\"quiet\">hqslam {}, sensor {}, range images of {} x {}</p>\n",
+             run.command, title, kReportStyle, title, run.command, escape_html(run.sensor_name),
+             run.rows, run.columns) +
          notice_html(run) + numbers_html(run, comparison) + "<h2>Trajectory from above</h2>\n" +
          trajectory_plot_html(run, comparison) + dense_map_html(dense_map) +
          error_html(run, comparison) + times_html(run) + statuses_html(run) + "</body>\n</html>\n";

@@ -19,7 +19,8 @@ std::vector<std::string> interpolation_names();
 Interpolation interpolation_from_name(std::string_view name);
 bool is_interpolation(std::string_view name);
 
-/// What fills the rows between the measured ones: a trained network or interpolation.
+/// What fills the rows between the measured ones: a trained network or interpolation. Threads: as
+/// SuperResolver.
 class Upsampler {
  public:
   /// sensor: of the result, all rows, as if all were measured.

@@ -69,6 +69,7 @@ struct LoopClosingOptions {
 };
 
 struct SlamOptions {
+  int threads = 0;  ///< 0: what OpenMP would take
   GroundOptions ground;
   SegmentationOptions segmentation;
   FeatureOptions features;

@@ -55,6 +55,11 @@ struct ScanReport {
 ///
 /// Deterministic: the same scans give the same bytes, whatever the number of threads. Every scan
 /// is processed in the call that brings it.
+///
+/// Threads: one object serves one thread at a time, reading included; objects are independent of
+/// one another. process() works with options.threads OpenMP threads, or, inside a parallel region
+/// of the caller's, with the one that calls it. A driver's callback may call it directly; whoever
+/// cannot wait for a scan's time hands scans over to a thread of their own.
 class Slam {
  public:
   /// Throws Error if the sensor or an option is invalid.
@@ -65,12 +70,14 @@ class Slam {
   Slam& operator=(Slam&&) noexcept;
 
   /// Throws Error if the cloud's shape is not the sensor's, if a pixel has no point, range or
-  /// capture time of its own (but none need have a time), or if the stamp is no time in seconds.
+  /// capture time of its own (but none need have a time), or if the stamp is no time in seconds;
+  /// ScanError if the capture times are no offsets from the middle of the scan in seconds.
   /// Whatever the numbers inside the cloud are is survived: a pixel with one that is not finite is
   /// no return. Stamps need not rise: see src/scan_clock.h.
   ScanReport process(const OrganizedCloud& cloud, double stamp_s);
 
-  /// T_map_sensor of every scan so far, in the frame of the first scan. Where a loop was closed,
+  /// T_map_sensor of every scan so far, in the frame of the first scan; not to be read while
+  /// process() runs. Where a loop was closed,
   /// past poses are corrected: they differ then from those that were reported.
   const Trajectory& trajectory() const;
 

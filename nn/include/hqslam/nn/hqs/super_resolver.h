@@ -30,7 +30,11 @@ struct SuperResolverOptions {
       std::nullopt;  ///< nothing: chosen_instruction_set()
 };
 
-/// Lifts the scans of a sensor with few rows to many. Not thread-safe: one object per thread.
+/// Lifts the scans of a sensor with few rows to many.
+///
+/// Threads: one object serves one thread at a time; objects are independent of one another. Each
+/// works with options.threads OpenMP threads, or, inside a parallel region of the caller's, with
+/// the one that calls it. The result is the same whatever their number.
 class SuperResolver {
  public:
   /// Reads and checks a weights file and runs its self-test. Throws Error.

@@ -17,7 +17,7 @@ struct TileSize {
 };
 
 /// image: rows x columns, row-major. Fills the first tile.pixels() channels of `tiles`, borders
-/// too. Called by all threads of a parallel region, they share the work.
+/// too. By the calling thread alone.
 void to_tiles(const float* image, TileSize tile, Tensor& tiles);
 /// The way back.
 void from_tiles(const Tensor& tiles, TileSize tile, float* image);

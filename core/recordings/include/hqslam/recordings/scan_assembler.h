@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "hqslam/core/scan_source.h"
+#include "hqslam/core/sensor_model.h"
+#include "hqslam/recordings/ouster.h"
+#include "hqslam/recordings/packet.h"
+#include "hqslam/recordings/velodyne.h"
+
+namespace hqslam::recordings {
+
+/// Packets of one sensor, in the order in which they came -> scans, ready for SLAM or upsampling.
+class ScanAssembler {
+ public:
+  virtual ~ScanAssembler() = default;
+  virtual const SensorModel& sensor() const = 0;
+  /// Takes the next packet in; its payload is not needed afterwards.
+  virtual void add(const Packet& packet) = 0;
+  /// No packet follows: what is left becomes a scan if it is nearly one.
+  virtual void finish() = 0;
+  /// The next complete scan, or nothing: it takes more packets. Scans are counted in their names.
+  /// Throws ScanError for one that cannot be understood, after which the next can be asked for.
+  virtual std::optional<RecordedScan> next() = 0;
+  virtual const PacketCounts& counts() const = 0;
+  /// Whole turns of which no packet came.
+  virtual std::int64_t lost_scans() const = 0;
+};
+
+/// `sensor`: what VelodyneDecoder needs, with the columns of the images that points are put into.
+/// `name`: what the scans' names begin with. Throws Error.
+std::unique_ptr<ScanAssembler> velodyne_assembler(const VelodyneStream& stream,
+                                                  const SensorModel& sensor, std::string name,
+                                                  const VelodyneOptions& options = {});
+
+std::unique_ptr<ScanAssembler> ouster_assembler(const OusterMetadata& metadata, std::string name,
+                                                const OusterOptions& options = {});
+
+}  // namespace hqslam::recordings

@@ -1,0 +1,72 @@
+#include "velodyne_sensor.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "hqslam/core/error.h"
+#include "velodyne_tables.h"
+
+namespace hqslam::recordings {
+
+namespace {
+
+constexpr double kPresetPeriod_s = 0.1;
+
+/// The model that has as many lasers as the user's sensor has rows: the one found, if that fits.
+VelodyneModel model_for(const SensorModel& sensor, VelodyneModel found, const std::string& path) {
+  if (const auto named = velodyne_model(sensor.name)) return *named;
+  if (timing(found).lasers == sensor.rows()) return found;
+  for (const VelodyneModel model : kVelodyneModels) {
+    if (timing(model).lasers == sensor.rows()) return model;
+  }
+  throw Error(
+      fmt::format("{}: expected a sensor of 16, 32 or 128 rows for packets of a {}, found "
+                  "'{}' with {}; name the sensor that recorded them",
+                  path, name(found), sensor.name, sensor.rows()));
+}
+
+/// Columns of a preset for 10 turns a second; a slower head fires more often in a turn.
+int columns_at(int preset_columns, double period_s) {
+  const double columns = preset_columns * period_s / kPresetPeriod_s;
+  return std::clamp(static_cast<int>(std::lround(columns / 100.0)) * 100, 100, 10000);
+}
+
+}  // namespace
+
+SensorModel velodyne_sensor(VelodyneStream& stream, const std::string& wanted_sensor, int columns,
+                            const std::string& path, std::vector<std::string>& warnings) {
+  SensorModel sensor;
+  bool preset = true;
+  if (wanted_sensor.empty()) {
+    sensor = sensor_preset(name(stream.model));
+    if (stream.factory_model && *stream.factory_model != stream.model) {
+      warnings.push_back(fmt::format(
+          "{}: the packets' factory bytes say {}, but they are {:.0f} us apart as those of a {}: "
+          "taken as that; name the sensor if it is not",
+          path, name(*stream.factory_model), stream.packet_spacing_us, name(stream.model)));
+    }
+  } else {
+    sensor = load_sensor(wanted_sensor);
+    preset = !wanted_sensor.ends_with(".json");
+    const VelodyneModel wanted = model_for(sensor, stream.model, path);
+    if (wanted != stream.model) {
+      warnings.push_back(
+          fmt::format("{}: the packets look like those of a {}, but are read as a "
+                      "{}'s, as asked for",
+                      path, name(stream.model), name(wanted)));
+      stream.model = wanted;
+    }
+  }
+  sensor.scan_period_s = std::round(1e4 * stream.scan_period_s) * 1e-4;
+  if (columns > 0) {
+    sensor.columns = columns;
+  } else if (preset) {
+    sensor.columns = columns_at(sensor.columns, sensor.scan_period_s);
+  }
+  validate(sensor);
+  return sensor;
+}
+
+}  // namespace hqslam::recordings

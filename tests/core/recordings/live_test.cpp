@@ -1,0 +1,393 @@
+#include "hqslam/recordings/live.h"
+
+#include <arpa/inet.h>
+#include <doctest/doctest.h>
+#include <fmt/format.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+
+#include <atomic>
+#include <chrono>
+#include <functional>
+#include <sstream>
+#include <thread>
+
+#include "captures.h"
+#include "error_message.h"
+#include "file_contents.h"
+#include "hqslam/core/error.h"
+#include "hqslam/recordings/recording.h"
+#include "http_get.h"
+#include "loopback.h"
+#include "pcap_writer.h"
+#include "temporary_directory.h"
+#include "udp_socket.h"
+
+using namespace hqslam;
+using namespace hqslam::recordings;
+using namespace hqslam::test;
+
+namespace {
+
+constexpr double kPatience_s = 20.0;
+
+LiveOptions vlp16() {
+  LiveOptions options;
+  options.sensor = "vlp-16";
+  options.port = free_udp_port();
+  return options;
+}
+
+RoundRoom long_room(double duration_s) {
+  RoundRoom room;
+  room.duration_s = duration_s;
+  return room;
+}
+
+/// All scans that come until `sent` packets are through, and none comes any more.
+std::vector<LiveScan> all_scans(LiveSensor& sensor, std::int64_t expected) {
+  std::vector<LiveScan> scans;
+  while (static_cast<std::int64_t>(scans.size()) < expected) {
+    auto scan = sensor.next(kPatience_s);
+    if (!scan) break;
+    scans.push_back(std::move(*scan));
+  }
+  return scans;
+}
+
+/// Sends from another thread while the sensor is recognised in this one.
+class Background {
+ public:
+  explicit Background(std::function<void()> work) : thread_(std::move(work)) {}
+  ~Background() { thread_.join(); }
+
+ private:
+  std::thread thread_;
+};
+
+/// A server that takes one connection, reads what is asked and gives back any bytes.
+class OneAnswer {
+ public:
+  explicit OneAnswer(std::string answer) : listener_(socket(AF_INET, SOCK_STREAM, 0)) {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    socklen_t bytes = sizeof address;
+    bind(listener_.get(), reinterpret_cast<const sockaddr*>(&address), bytes);
+    listen(listener_.get(), 1);
+    getsockname(listener_.get(), reinterpret_cast<sockaddr*>(&address), &bytes);
+    port_ = ntohs(address.sin_port);
+    thread_ = std::thread([this, answer = std::move(answer)] {
+      const FileDescriptor connection(accept(listener_.get(), nullptr, nullptr));
+      char buffer[1024];
+      const ssize_t read = recv(connection.get(), buffer, sizeof buffer, 0);
+      asked_.assign(buffer, static_cast<std::size_t>(std::max<ssize_t>(read, 0)));
+      std::size_t sent = 0;
+      while (sent < answer.size()) {
+        const ssize_t part =
+            send(connection.get(), answer.data() + sent, answer.size() - sent, MSG_NOSIGNAL);
+        if (part <= 0) break;
+        sent += static_cast<std::size_t>(part);
+      }
+    });
+  }
+  ~OneAnswer() { join(); }
+  void join() {
+    if (thread_.joinable()) thread_.join();
+  }
+  std::uint16_t port() const { return port_; }
+  /// Once it has answered.
+  const std::string& asked() const { return asked_; }
+
+ private:
+  FileDescriptor listener_;
+  std::uint16_t port_ = 0;
+  std::string asked_;
+  std::thread thread_;
+};
+
+constexpr std::array<std::uint8_t, 16> kLoopback = {0, 0, 0, 0, 0,   0, 0, 0,
+                                                    0, 0, 0, 0, 127, 0, 0, 1};
+
+std::string http_answer(const std::string& body) {
+  return "HTTP/1.1 200 OK\r\nContent-Type: application/json\r\n\r\n" + body;
+}
+
+}  // namespace
+
+TEST_CASE("scans that come over UDP are those of the capture with the same packets") {
+  const TemporaryDirectory folder;
+  const auto packets = velodyne_capture(long_room(1.5));
+  write_file(folder.file("a.pcap"), pcap_bytes(packets));
+  const auto recorded = open_recording(folder.file("a.pcap"));
+  const LiveOptions options = vlp16();
+  LiveSensor sensor(options);
+  const Background sending([&] { replay(packets, options.port, 1.0); });
+  REQUIRE(sensor.recognise(kPatience_s));
+  CHECK(sensor.sensor() == recorded->sensor());
+  CHECK(sensor.format() == "Velodyne packets, single return");
+  CHECK(text(sensor.sender()) == fmt::format("127.0.0.1:{}", options.port));
+  sensor.start();
+  // Half a second of 1.5 s was for recognising; what is left has eight or nine whole turns.
+  const auto scans = all_scans(sensor, 8);
+  REQUIRE(scans.size() == 8);
+  for (const LiveScan& scan : scans) {
+    std::optional<RecordedScan> same = recorded->next();
+    while (same && same->cloud.range_m != scan.scan.cloud.range_m) same = recorded->next();
+    CHECK(same);  // in the same order
+    CHECK(scan.completed_ns > 1'700'000'000'000'000'000);
+    // Its stamp is by this computer's clock, in the middle of the turn before it was complete.
+    const double age_s = 1e-9 * static_cast<double>(scan.completed_ns) - scan.scan.stamp_s;
+    CHECK(age_s == doctest::Approx(0.05).epsilon(0.4));
+  }
+  for (std::size_t i = 1; i < scans.size(); ++i) {
+    CHECK(scans[i].scan.stamp_s - scans[i - 1].scan.stamp_s == doctest::Approx(0.1).epsilon(0.02));
+  }
+  CHECK(sensor.counts().packets.lost == 0);
+  CHECK(sensor.counts().dropped_scans == 0);
+}
+
+TEST_CASE("packets that never come, come twice or are of another kind are counted") {
+  auto packets = velodyne_capture(long_room(1.4));
+  const std::size_t behind = 600;  // behind what it is recognised by
+  packets.erase(packets.begin() + behind, packets.begin() + behind + 3);
+  packets.insert(packets.begin() + behind + 50, packets[behind + 49]);
+  packets[behind + 80].payload.assign(512, 7);
+  const LiveOptions options = vlp16();
+  LiveSensor sensor(options);
+  const Background sending([&] { replay(packets, options.port, 2.0); });
+  REQUIRE(sensor.recognise(kPatience_s));
+  sensor.start();
+  REQUIRE(all_scans(sensor, 7).size() == 7);
+  const LiveCounts counts = sensor.counts();
+  CHECK(counts.packets.lost == 4);  // three, and the one that was another
+  CHECK(counts.packets.late == 1);
+  CHECK(counts.packets.foreign == 1);
+  CHECK(counts.scans >= 7);
+}
+
+TEST_CASE("who does not take scans in time loses whole ones, the oldest, and memory is bounded") {
+  const auto packets = velodyne_capture(long_room(2.6));
+  LiveOptions options = vlp16();
+  options.most_waiting = 3;
+  LiveSensor sensor(options);
+  std::atomic<bool> sent = false;
+  const Background sending([&] {
+    replay(packets, options.port, 0.0);
+    sent = true;
+  });
+  REQUIRE(sensor.recognise(kPatience_s));
+  sensor.start();
+  while (!sent || sensor.counts().scans < 19) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  const LiveCounts counts = sensor.counts();
+  CHECK(counts.packets.lost == 0);  // packets are read on
+  CHECK(counts.dropped_scans == counts.scans - 3);
+  int waiting = 0;
+  std::string last_name;
+  while (const auto scan = sensor.next(0.05)) {
+    ++waiting;
+    last_name = scan->scan.name;
+  }
+  CHECK(waiting == 3);
+  CHECK(last_name == fmt::format("live[{}]", counts.scans - 1));
+}
+
+TEST_CASE("memory does not grow with what was received, whether scans are taken or not") {
+  const auto resident_kb = [] {
+    std::istringstream status(file_contents("/proc/self/statm"));
+    std::int64_t total = 0;
+    std::int64_t resident = 0;
+    status >> total >> resident;
+    return 4 * resident;
+  };
+  const LiveOptions options = vlp16();
+  LiveSensor sensor(options);
+  {
+    const Background sending([&] { replay(velodyne_capture(long_room(2.0)), options.port, 0.0); });
+    REQUIRE(sensor.recognise(kPatience_s));
+  }
+  sensor.start();
+  const auto packets = velodyne_capture(long_room(10.0));
+  replay(packets, options.port, 0.0);
+  const std::int64_t before_kb = resident_kb();
+  for (int round = 0; round < 4; ++round) {
+    replay(packets, options.port, 0.0);
+    while (round % 2 == 0 && sensor.next(0.05)) continue;
+  }
+  CHECK(sensor.counts().scans > 350);
+  CHECK(resident_kb() - before_kb < 4000);  // 400 scans would be 180 MB
+}
+
+TEST_CASE("an Ouster's turn is complete with its last packet, whatever its metadata came by") {
+  const TemporaryDirectory folder;
+  const OusterProfile profile = OusterProfile::kRng19;
+  write_file(folder.file("sensor.json"), ouster_metadata_text(profile));
+  LiveOptions options;
+  options.sensor = folder.file("sensor.json");
+  options.port = free_udp_port();
+  options.record = folder.file("kept.pcap");
+  LiveSensor sensor(options);
+  const LoopbackSender sender(options.port);
+  const auto first = ouster_turn(profile, 7);
+  sender.send(Payload(48));  // inertial data
+  sender.send(first[0].payload);
+  REQUIRE(sensor.recognise(kPatience_s));
+  CHECK(sensor.sensor().rows() == 8);
+  CHECK(sensor.format() == "Ouster packets, RNG19_RFL8_SIG16_NIR16");
+  sensor.start();
+  const auto turn = ouster_turn(profile, 8);
+  for (const Captured& packet : turn) sender.send(packet.payload);
+  REQUIRE(sensor.next(kPatience_s));  // what came of turn 7
+  const auto scan = sensor.next(kPatience_s);
+  REQUIRE(scan);  // no packet of turn 9 was sent
+  CHECK(scan->scan.counts.kept + scan->scan.counts.out_of_range == 8 * 512);
+  sender.send(turn[3].payload);  // comes twice, behind the end of its turn
+  for (const Captured& packet : ouster_turn(profile, 10)) sender.send(packet.payload);
+  REQUIRE(sensor.next(kPatience_s));
+  CHECK(sensor.counts().packets.late == 1);
+  CHECK(sensor.counts().lost_scans == 1);
+  CHECK(file_contents(folder.file("kept.json")) == ouster_metadata_text(profile));
+}
+
+TEST_CASE("what was recorded live is opened as any capture, an Ouster's metadata included") {
+  const TemporaryDirectory folder;
+  const OusterProfile profile = OusterProfile::kRng15;
+  write_file(folder.file("sensor.json"), ouster_metadata_text(profile));
+  LiveOptions options;
+  options.sensor = folder.file("sensor.json");
+  options.port = free_udp_port();
+  options.record = folder.file("kept.pcap");
+  std::vector<float> live_range_m;
+  {
+    LiveSensor sensor(options);
+    const LoopbackSender sender(options.port);
+    sender.send(ouster_turn(profile, 2)[0].payload);
+    REQUIRE(sensor.recognise(kPatience_s));
+    sensor.start();
+    for (const Captured& packet : ouster_turn(profile, 3)) sender.send(packet.payload);
+    REQUIRE(sensor.next(kPatience_s));  // the packet that it was recognised by
+    const auto scan = sensor.next(kPatience_s);
+    REQUIRE(scan);
+    live_range_m = scan->scan.cloud.range_m;
+  }
+  const RecordingInfo info = inspect(folder.file("kept.pcap"));
+  CHECK(info.format == "Ouster packets, RNG15_RFL8_NIR8");
+  CHECK(info.packets.used == 33);
+  const auto source = open_recording(folder.file("kept.pcap"));
+  CHECK(source->next()->counts.kept <= 8 * 16);
+  CHECK(source->next()->cloud.range_m == live_range_m);
+}
+
+TEST_CASE("captures are written with any sender and size, and never over another file") {
+  const TemporaryDirectory folder;
+  std::vector<Captured> packets;
+  for (const std::size_t bytes : {0, 1, 1206, 12609, 65000}) {
+    packets.push_back({1'600'000'000'123'456'789 + static_cast<std::int64_t>(bytes), 7502,
+                       Payload(bytes, static_cast<std::uint8_t>(bytes)), 9});
+  }
+  Packet from_ipv6 = as_packet(packets[2]);
+  from_ipv6.endpoint.address = {0xFE, 0x80, 0, 0, 0, 0, 0, 0, 2, 3, 4, 5, 6, 7, 8, 9};
+  {
+    PcapWriter writer(folder.file("a.pcap"));
+    for (const Captured& packet : packets) writer.add(as_packet(packet));
+    writer.add(from_ipv6);
+  }
+  const auto source = open_pcap(folder.file("a.pcap"));
+  for (const Captured& packet : packets) {
+    const auto read = source->next();
+    REQUIRE(read);
+    CHECK(read->capture_time_ns == packet.time_ns);
+    CHECK(read->endpoint == as_packet(packet).endpoint);
+    CHECK(Payload(read->payload.begin(), read->payload.end()) == packet.payload);
+  }
+  const auto last = source->next();
+  REQUIRE(last);
+  CHECK(last->endpoint == from_ipv6.endpoint);
+  CHECK(last->payload.size() == 1206);
+  CHECK_FALSE(source->next());
+  CHECK(one_line_with(error_message([&] { PcapWriter(folder.file("a.pcap")); }), "a.pcap",
+                      "another file"));
+  CHECK(one_line_with(error_message([&] { PcapWriter(folder.file("a.txt")); }), ".pcap"));
+  write_file(folder.file("b.json"), "{}");
+  CHECK(one_line_with(error_message([&] { PcapWriter(folder.file("b.pcap")); }), "b.json"));
+}
+
+TEST_CASE("a port in use, an unknown sensor and packets of another one are refused in one line") {
+  LiveOptions options = vlp16();
+  const UdpSocket other(options.port);
+  CHECK(one_line_with(error_message([&] { LiveSensor sensor(options); }),
+                      fmt::format("UDP port {}", options.port), "uses it"));
+  options = vlp16();
+  options.sensor = "vlp-17";
+  CHECK(one_line_with(error_message([&] { LiveSensor sensor(options); }), "vlp-17"));
+  options = vlp16();
+  LiveSensor sensor(options);
+  const LoopbackSender sender(options.port);
+  for (int i = 0; i < 300; ++i) sender.send(Payload(900));
+  CHECK(one_line_with(error_message([&] { sensor.recognise(kPatience_s); }), "900 bytes",
+                      "127.0.0.1", "vlp-16"));
+}
+
+TEST_CASE("without packets nothing is recognised, and nobody waits longer than asked") {
+  LiveSensor sensor(vlp16());
+  CHECK_FALSE(sensor.recognise(0.05));
+  CHECK(sensor.packets_seen() == 0);
+}
+
+TEST_CASE("an Ouster that is only named is asked for its metadata where its packets come from") {
+  std::string text = ouster_metadata_text(OusterProfile::kLegacy, 16);
+  OneAnswer server(http_answer(text));
+  LiveOptions options;
+  options.sensor = "os1-16";
+  options.port = free_udp_port();
+  options.http_port = server.port();
+  LiveSensor sensor(options);
+  const LoopbackSender sender(options.port);
+  sender.send(ouster_turn(OusterProfile::kLegacy, 1, 16)[0].payload);
+  REQUIRE(sensor.recognise(kPatience_s));
+  server.join();
+  CHECK(server.asked().starts_with("GET /api/v1/sensor/metadata HTTP/1.0\r\n"));
+  CHECK(sensor.sensor().rows() == 16);
+  CHECK(one_line_with(error_message([&] { sensor.start(1024); }), "512", "1024"));
+  sensor.start(512);
+}
+
+TEST_CASE("an Ouster of another kind, or one that says nothing, is refused in one line") {
+  const auto refused = [](const std::string& answer) {
+    OneAnswer server(answer);
+    LiveOptions options;
+    options.sensor = "os1-16";
+    options.port = free_udp_port();
+    options.http_port = server.port();
+    LiveSensor sensor(options);
+    LoopbackSender(options.port).send(ouster_turn(OusterProfile::kLegacy, 1, 16)[0].payload);
+    return error_message([&] { sensor.recognise(kPatience_s); });
+  };
+  CHECK(one_line_with(refused(http_answer(ouster_metadata_text(OusterProfile::kLegacy, 32))),
+                      "32 beams", "os1-16"));
+  CHECK(one_line_with(refused("HTTP/1.1 404 Not Found\r\n\r\n"), "status 404", ".json file"));
+  CHECK(one_line_with(refused(http_answer("no json")), ".json file"));
+  CHECK(one_line_with(refused("HTTP/1.1 200 OK\r\nand no end"), "cut off"));
+  CHECK(one_line_with(refused("SSH-2.0-OpenSSH\r\n"), "no HTTP"));
+  CHECK(one_line_with(refused("HTTP/1.1 \x1B[2J\r\n\r\n"), "no HTTP"));
+  CHECK(one_line_with(refused(""), "no HTTP"));
+  CHECK(one_line_with(refused(http_answer(std::string(3 << 20, 'x'))), "1 MiB"));
+}
+
+TEST_CASE("a server that is not there or never answers does not hold anybody up") {
+  const UdpSocket nobody(0);
+  CHECK(one_line_with(error_message([&] { http_get(kLoopback, nobody.port(), "/"); }),
+                      "http://127.0.0.1:", "refused"));
+  const FileDescriptor silent(socket(AF_INET, SOCK_STREAM, 0));
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  socklen_t bytes = sizeof address;
+  REQUIRE(bind(silent.get(), reinterpret_cast<const sockaddr*>(&address), bytes) == 0);
+  REQUIRE(listen(silent.get(), 1) == 0);
+  getsockname(silent.get(), reinterpret_cast<sockaddr*>(&address), &bytes);
+  CHECK(one_line_with(error_message([&] { http_get(kLoopback, ntohs(address.sin_port), "/"); }),
+                      "within 3 s"));
+}

@@ -1,0 +1,194 @@
+#include "live/live_view.h"
+
+#include <arpa/inet.h>
+#include <doctest/doctest.h>
+#include <fmt/format.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "error_message.h"
+#include "live/live_map.h"
+#include "live/live_page.h"
+#include "live/live_run.h"
+#include "live/view_server.h"
+
+namespace hqslam::tools {
+namespace {
+
+using test::error_message;
+using test::one_line_with;
+
+OrganizedCloud ring(float radius_m, int columns) {
+  OrganizedCloud cloud(1, columns);
+  for (int column = 0; column < columns; ++column) {
+    const float a = 6.2831853F * static_cast<float>(column) / static_cast<float>(columns);
+    cloud.points_m[column] = {radius_m * std::cos(a), radius_m * std::sin(a), 0.0F};
+    cloud.range_m[column] = radius_m;
+  }
+  return cloud;
+}
+
+nlohmann::json state(const LiveView& view, const std::string& query) {
+  const ViewAnswer answer = view.answer("/state" + query);
+  CHECK(answer.status == 200);
+  return nlohmann::json::parse(answer.body);
+}
+
+/// What a server answers to these bytes.
+std::string answer_to(const std::string& url, const std::string& request) {
+  const FileDescriptor connection(socket(AF_INET, SOCK_STREAM, 0));
+  sockaddr_in to{};
+  to.sin_family = AF_INET;
+  to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  to.sin_port = htons(static_cast<std::uint16_t>(std::stoi(url.substr(url.rfind(':') + 1))));
+  REQUIRE(connect(connection.get(), reinterpret_cast<sockaddr*>(&to), sizeof to) == 0);
+  send(connection.get(), request.data(), request.size(), MSG_NOSIGNAL);
+  std::string answer;
+  std::array<char, 1024> part{};
+  while (true) {
+    const ssize_t bytes = recv(connection.get(), part.data(), part.size(), 0);
+    if (bytes <= 0) return answer;
+    answer.append(part.data(), static_cast<std::size_t>(bytes));
+  }
+}
+
+}  // namespace
+
+TEST_CASE("the live map keeps one point per voxel, and coarser ones instead of too many") {
+  LiveMap map;
+  map.add({0.01F, 0.01F, 0.01F});
+  map.add({0.02F, 0.02F, 0.02F});
+  map.add({-0.01F, 0.02F, 0.02F});
+  map.add({std::numeric_limits<float>::quiet_NaN(), 0.0F, 0.0F});
+  map.add({1e9F, 0.0F, 0.0F});
+  CHECK(map.points_m().size() == 2);
+  CHECK(map.generation() == 0);
+  for (int i = 0; i < 600; ++i) {
+    for (int k = 0; k < 600; ++k) {
+      map.add({0.3F * static_cast<float>(i), 0.3F * static_cast<float>(k), 0.0F});
+    }
+  }
+  CHECK(map.points_m().size() < LiveMap::kMostPoints);
+  CHECK(map.points_m().size() > LiveMap::kMostPoints / 10);
+  CHECK(map.generation() > 0);
+  CHECK(map.voxel_m() > LiveMap::kFirstVoxel_m);
+  // Nothing of the area is missing.
+  std::array<int, 9> ninths{};
+  for (const Eigen::Vector3f& p : map.points_m()) {
+    ++ninths[static_cast<std::size_t>(p.x() / 60.01F) * 3 +
+             static_cast<std::size_t>(p.y() / 60.01F)];
+  }
+  for (const int points : ninths) CHECK(points > static_cast<int>(map.points_m().size()) / 12);
+}
+
+TEST_CASE("the page is told what has come since it asked last, and everything anew after a loop") {
+  LiveView view("a title");
+  view.add(ring(10.0F, 64), Pose::Identity());
+  const auto first = state(view, "");
+  CHECK(first["points"].size() == 3 * 16);
+  CHECK(first["points"][0] == 1000);  // centimetres
+  CHECK(first["positions"] == nlohmann::json({0, 0, 0}));
+  Pose moved = Pose::Identity();
+  moved.translation().x() = 2.0;
+  view.add(ring(10.0F, 64), moved);
+  view.set({9.5, 31.0, 2, 7, 1, 2.0, "ok"});
+  const std::string query =
+      fmt::format("?generation={}&positions=1&points=16", first["generation"].get<int>());
+  const auto second = state(view, query);
+  CHECK(second["positions"] == nlohmann::json({200, 0, 0}));
+  CHECK(second["points"].size() == 3 * 16);
+  CHECK(second["points"][0] == 1200);
+  CHECK(second["position_m"][0] == 2.0);
+  CHECK(second["lost_packets"] == 7);
+  CHECK(second["dropped_scans"] == 1);
+  CHECK(second["mapping"] == "ok");
+  view.replace({{0.0, Pose::Identity()}}, {{1.0F, 2.0F, 3.0F}});
+  const auto third = state(view, query);
+  CHECK(third["generation"] != first["generation"]);
+  CHECK(third["points"] == nlohmann::json({100, 200, 300}));
+  for (const char* hostile :
+       {"?generation=99999999999999999999999", "?points=-1", "?positions=18446744073709551615",
+        "?generation=2&points=999999999&positions=999999999", "?&&&==", "?%00"}) {
+    CHECK(state(view, hostile).is_object());
+  }
+}
+
+TEST_CASE("the path of a long drive is thinned out, from its beginning to its end") {
+  LiveView view("");
+  Pose pose = Pose::Identity();
+  for (int i = 0; i < 50'000; ++i) {
+    pose.translation().x() = 0.2 * i;
+    view.add(OrganizedCloud(1, 1), pose);
+  }
+  const auto positions = state(view, "")["positions"];
+  CHECK(positions.size() / 3 < LiveView::kMostPositions);
+  CHECK(positions.size() / 3 > LiveView::kMostPositions / 4);
+  CHECK(positions[0] == 0);
+  CHECK(positions[positions.size() - 3] > 990'000);
+}
+
+TEST_CASE("the page is one file, and its title cannot break out of it") {
+  const std::string page = live_page("<script>alert(1)</script>");
+  CHECK(page.find("<script>alert") == std::string::npos);
+  CHECK(page.find("src=") == std::string::npos);
+  CHECK(page.find("http") == std::string::npos);
+}
+
+TEST_CASE("the server answers GET, and refuses or leaves everything else") {
+  const ViewServer server("127.0.0.1", 0, [](const std::string& target) {
+    return target == "/a?b=1" ? ViewAnswer{200, "text/plain", "hello"}
+                              : ViewAnswer{404, "text/plain", ""};
+  });
+  const std::string url = server.url();
+  const std::string hello = answer_to(url, "GET /a?b=1 HTTP/1.1\r\nHost: x\r\n\r\n");
+  CHECK(hello.starts_with("HTTP/1.1 200 OK\r\n"));
+  CHECK(hello.ends_with("\r\n\r\nhello"));
+  CHECK(answer_to(url, "GET /b HTTP/1.1\r\n\r\n").starts_with("HTTP/1.1 404"));
+  CHECK(answer_to(url, "POST /a HTTP/1.1\r\n\r\n").starts_with("HTTP/1.1 400"));
+  CHECK(answer_to(url, "GET\r\n\r\n").starts_with("HTTP/1.1 400"));
+  CHECK(answer_to(url, "GET /\r\n\r\n").starts_with("HTTP/1.1 400"));
+  answer_to(url, std::string(100'000, 'x'));
+  const auto start = std::chrono::steady_clock::now();
+  answer_to(url, "GET /a");  // and then nothing
+  CHECK(std::chrono::steady_clock::now() - start < std::chrono::seconds(4));
+  CHECK(answer_to(url, "GET /a?b=1 HTTP/1.1\r\n\r\n").ends_with("hello"));
+}
+
+TEST_CASE("a page's port in use and an address that is none are refused in one line") {
+  const auto nothing = [](const std::string&) { return ViewAnswer(); };
+  const ViewServer server("127.0.0.1", 0, nothing);
+  const std::string url = server.url();
+  const auto port = static_cast<std::uint16_t>(std::stoi(url.substr(url.rfind(':') + 1)));
+  CHECK(one_line_with(error_message([&] { ViewServer("127.0.0.1", port, nothing); }),
+                      std::to_string(port), "--view"));
+  CHECK(one_line_with(error_message([&] { ViewServer("localhost", 0, nothing); }), "localhost",
+                      "127.0.0.1"));
+}
+
+TEST_CASE(
+    "the line of a second has pose, rate, latency and what was lost, and more only if there is") {
+  LiveStatus status;
+  status.elapsed_s = 12.2;
+  CHECK(status_line(status) == "12 s  0.0 scans/s  0 packets lost  0 scans dropped");
+  ScanRecord record;
+  record.report.T_map_sensor.translation() = Eigen::Vector3d(3.214, -0.4, 0.02);
+  status.latest = record;
+  status.rate_hz = 9.96;
+  status.latency_s = 0.0234;
+  status.counts.packets.lost = 3;
+  status.counts.dropped_scans = 1;
+  CHECK(status_line(status) ==
+        "12 s  x 3.21 y -0.40 z 0.02 m  10.0 scans/s  latency 23 ms  3 packets lost  1 scans "
+        "dropped");
+  status.latest->report.mapping_status = slam::Status::kDegenerate;
+  status.counts.other_senders = 2;
+  CHECK(status_line(status).find("mapping degenerate") != std::string::npos);
+  CHECK(status_line(status).ends_with("  2 packets of other senders"));
+}
+
+}  // namespace hqslam::tools

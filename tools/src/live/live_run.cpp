@@ -1,0 +1,165 @@
+#include "live/live_run.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <optional>
+
+#include "hqslam/core/error.h"
+#include "hqslam/slam/status.h"
+#include "terminal.h"
+
+namespace hqslam::tools {
+namespace {
+
+using SteadyClock = std::chrono::steady_clock;
+
+constexpr double kStatusInterval_s = 1.0;
+/// How long to wait for a scan before looking whether the user wants to stop.
+constexpr double kWait_s = 0.1;
+
+double seconds_since(SteadyClock::time_point start) {
+  return std::chrono::duration<double>(SteadyClock::now() - start).count();
+}
+
+/// By the clock that packets are timed with.
+std::int64_t now_ns() {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(
+             std::chrono::system_clock::now().time_since_epoch())
+      .count();
+}
+
+/// What happened since the last line.
+struct LastSecond {
+  SteadyClock::time_point start = SteadyClock::now();
+  std::int64_t scans = 0;
+  std::optional<double> latency_s;
+};
+
+/// Follows a run: what its lines and its page are made of.
+class LiveProgress {
+ public:
+  explicit LiveProgress(LiveView* view) : view_(view) {}
+
+  void located(const SlamSession& session, const ScanRecord& record) {
+    if (previous_) path_m_ += (record.report.T_map_sensor.translation() - *previous_).norm();
+    previous_ = record.report.T_map_sensor.translation();
+    latest_ = record;
+    ++scans_;
+    ++second_.scans;
+    second_.latency_s = std::max(second_.latency_s.value_or(0.0), *record.latency_s);
+    if (view_ == nullptr) return;
+    if (record.report.loop.status == slam::LoopStatus::kClosed) {
+      view_->replace(session.trajectory(), session.map_points_m());
+    }
+    view_->add(session.cloud(), record.report.T_map_sensor);
+  }
+
+  void tell_if_due(const recordings::LiveCounts& counts) {
+    const double passed_s = seconds_since(second_.start);
+    if (passed_s < kStatusInterval_s) return;
+    const LiveStatus status{seconds_since(start_), static_cast<double>(second_.scans) / passed_s,
+                            second_.latency_s, latest_, counts};
+    to_stdout("{}\n", status_line(status));
+    if (view_ != nullptr) view_->set(numbers(status));
+    second_ = {};
+  }
+
+ private:
+  LiveNumbers numbers(const LiveStatus& status) const {
+    LiveNumbers numbers;
+    numbers.rate_hz = status.rate_hz;
+    numbers.latency_ms = 1e3 * status.latency_s.value_or(0.0);
+    numbers.scans = scans_;
+    numbers.lost_packets = status.counts.packets.lost;
+    numbers.dropped_scans = status.counts.dropped_scans;
+    numbers.path_m = path_m_;
+    numbers.mapping = latest_ ? slam::name(latest_->report.mapping_status) : "no scan yet";
+    return numbers;
+  }
+
+  LiveView* view_;
+  SteadyClock::time_point start_ = SteadyClock::now();
+  LastSecond second_;
+  std::optional<ScanRecord> latest_;
+  std::optional<Eigen::Vector3d> previous_;
+  std::int64_t scans_ = 0;
+  double path_m_ = 0.0;
+};
+
+/// The next scan, or nothing within a while or when the port fails, which ends the run.
+std::optional<recordings::LiveScan> next_scan(recordings::LiveSensor& sensor, SlamRun& run) {
+  try {
+    return sensor.next(kWait_s);
+  } catch (const Error& error) {
+    run.end = RunEnd::kUnreadableScan;
+    run.end_message = error.what();
+    return std::nullopt;
+  }
+}
+
+}  // namespace
+
+std::string status_line(const LiveStatus& status) {
+  std::string line = fmt::format("{:.0f} s", status.elapsed_s);
+  if (status.latest) {
+    const Eigen::Vector3d position_m = status.latest->report.T_map_sensor.translation();
+    line += fmt::format("  x {:.2f} y {:.2f} z {:.2f} m", position_m.x(), position_m.y(),
+                        position_m.z());
+    const slam::Status mapping = status.latest->report.mapping_status;
+    if (mapping != slam::Status::kOk) line += fmt::format("  mapping {}", slam::name(mapping));
+  }
+  line += fmt::format("  {:.1f} scans/s", status.rate_hz);
+  if (status.latency_s) line += fmt::format("  latency {:.0f} ms", 1e3 * *status.latency_s);
+  const recordings::LiveCounts& counts = status.counts;
+  line +=
+      fmt::format("  {} packets lost  {} scans dropped", counts.packets.lost, counts.dropped_scans);
+  const auto say = [&](std::int64_t count, const char* what) {
+    if (count > 0) line += fmt::format("  {} {}", count, what);
+  };
+  say(counts.lost_scans, "turns lost");
+  say(counts.left_out_scans, "scans not understood");
+  say(counts.packets.late, "packets late or twice");
+  say(counts.packets.foreign, "packets of another kind");
+  say(counts.other_senders, "packets of other senders");
+  return line;
+}
+
+bool wait_for_sensor(recordings::LiveSensor& sensor, const InterruptGuard& interrupt) {
+  auto told = SteadyClock::now();
+  while (!interrupt.stop_requested()) {
+    if (sensor.recognise(kWait_s)) return true;
+    if (seconds_since(told) < kStatusInterval_s) continue;
+    told = SteadyClock::now();
+    const std::int64_t seen = sensor.packets_seen();
+    to_stdout(
+        "{} on UDP port {}{}\n", seen == 0 ? "no packet yet" : "listening", sensor.port(),
+        seen == 0 ? "; does the sensor send to this computer?" : fmt::format(", {} packets", seen));
+  }
+  return false;
+}
+
+SlamRun run_live(recordings::LiveSensor& sensor, const SlamRunSpec& spec, RunOutput& output,
+                 const InterruptGuard& interrupt, LiveView* view) {
+  SlamSession session(sensor.sensor(), spec);
+  SlamRun& run = session.run();
+  run.command = "live";
+  LiveProgress progress(view);
+  while (!interrupt.stop_requested() && run.end == RunEnd::kComplete) {
+    const std::optional<recordings::LiveScan> scan = next_scan(sensor, run);
+    if (scan) {
+      session.process(scan->scan, {}, output, [&](ScanRecord& record) {
+        record.latency_s = 1e-9 * static_cast<double>(now_ns() - scan->completed_ns);
+        progress.located(session, record);
+      });
+    }
+    progress.tell_if_due(sensor.counts());
+  }
+  const recordings::LiveCounts counts = sensor.counts();
+  run.scans_in_recording = counts.scans;
+  run.left_out = {counts.left_out_scans, counts.first_left_out};
+  return session.finished();
+}
+
+}  // namespace hqslam::tools

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+
+#include "hqslam/recordings/live.h"
+#include "interrupt.h"
+#include "live/live_view.h"
+#include "run_output.h"
+#include "slam_run.h"
+
+namespace hqslam::tools {
+
+/// What is said once a second.
+struct LiveStatus {
+  double elapsed_s = 0.0;
+  double rate_hz = 0.0;              ///< scans located in the last second
+  std::optional<double> latency_s;   ///< the longest of them
+  std::optional<ScanRecord> latest;  ///< the last scan of all
+  recordings::LiveCounts counts;
+};
+/// "12 s  x 3.21 y -0.40 z 0.02 m  10.0 scans/s  latency 23 ms  0 packets lost  0 scans dropped"
+std::string status_line(const LiveStatus& status);
+
+/// Waits until it is known what the sensor sends, saying once a second that it does. Returns false
+/// if it was interrupted before. Throws Error.
+bool wait_for_sensor(recordings::LiveSensor& sensor, const InterruptGuard& interrupt);
+
+/// SLAM on the scans of a sensor that was started, as they come, until it is interrupted or the
+/// port fails. Prints a status line a second. `view`: is told everything; nullptr: there is none.
+SlamRun run_live(recordings::LiveSensor& sensor, const SlamRunSpec& spec, RunOutput& output,
+                 const InterruptGuard& interrupt, LiveView* view);
+
+}  // namespace hqslam::tools

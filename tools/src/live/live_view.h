@@ -1,0 +1,59 @@
+#pragma once
+
+#include <cstdint>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "hqslam/core/organized_cloud.h"
+#include "hqslam/core/pose.h"
+#include "hqslam/core/trajectory.h"
+#include "live/live_map.h"
+#include "live/view_server.h"
+
+namespace hqslam::tools {
+
+/// The numbers beside the picture.
+struct LiveNumbers {
+  double rate_hz = 0.0;  ///< scans located in the last second
+  double latency_ms = 0.0;
+  std::int64_t scans = 0;
+  std::int64_t lost_packets = 0;
+  std::int64_t dropped_scans = 0;
+  double path_m = 0.0;
+  std::string mapping;  ///< of the last scan: "ok", ...
+};
+
+/// What the page of a sensor that sends now shows: the path, the map and numbers, all of bounded
+/// size. Written by the thread that runs SLAM, read by the page's.
+class LiveView {
+ public:
+  static constexpr std::size_t kMostPositions = 20'000;
+
+  explicit LiveView(std::string title) : title_(std::move(title)) {}
+
+  /// A scan was located. Its points are put where it was at its stamp, not where each was measured.
+  void add(const OrganizedCloud& cloud, const Pose& T_map_sensor);
+  /// A loop was closed: the path and the map are others now.
+  void replace(const Trajectory& trajectory, const std::vector<Eigen::Vector3f>& map_points_m);
+  void set(const LiveNumbers& numbers);
+
+  /// "/": the page. "/state?generation=G&positions=N&points=M": what has come since, as JSON, at
+  /// most 20,000 points at once; everything from the beginning where G is another one.
+  ViewAnswer answer(const std::string& target) const;
+
+ private:
+  std::string state(const std::string& query) const;
+  void add_position(const Eigen::Vector3f& position_m);
+
+  std::string title_;
+  mutable std::mutex mutex_;  ///< of what follows
+  LiveMap map_;
+  std::vector<Eigen::Vector3f> positions_m_;
+  std::int64_t position_generation_ = 0;
+  float step_m_ = 0.1F;  ///< between positions
+  Pose T_map_sensor_ = Pose::Identity();
+  LiveNumbers numbers_;
+};
+
+}  // namespace hqslam::tools
