@@ -239,9 +239,8 @@ TEST_CASE("after a full disk the same command does what it could not do") {
          {simulate_arguments(folder.file("drive")), upsample_arguments(folder.file("lifted")),
           run_arguments(folder.file("run")), train_arguments(folder, folder.file("trained"))}) {
       CAPTURE(arguments);
-      const ProgramResult full =
-          run_shell(fmt::format("(trap '' XFSZ; ulimit -f {}; exec {} {} 2>&1 | cat >&2; )", blocks,
-                                kProgram, arguments));
+      const ProgramResult full = run_shell(fmt::format(
+          "(trap '' 25; ulimit -f {}; exec {} {} 2>&1) | cat >&2", blocks, kProgram, arguments));
       CAPTURE(full.error);
       CHECK(holds(full.error, folder.path().string()));
       CHECK(parts_below(folder.path()).empty());

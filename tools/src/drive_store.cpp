@@ -57,6 +57,15 @@ void rename_to(const std::string& from, const std::string& to) {
   }
 }
 
+/// A file of which nothing stays unless it was renamed.
+struct RemovedAtEnd {
+  const fs::path path;
+  ~RemovedAtEnd() {
+    std::error_code ignored;
+    fs::remove(path, ignored);
+  }
+};
+
 /// Of programs that were killed: nobody has a lock on them.
 void remove_abandoned_parts(const fs::path& folder) {
   std::error_code error;
@@ -120,14 +129,10 @@ class Crew {
     const std::string path = path_in_store(folder_, drive, sensor_);
     // Two programs may be at the same drive.
     const std::string part = fmt::format("{}.{}.part", path, getpid());
+    const RemovedAtEnd part_removed{part};
     std::ofstream(part).close();
     const FileLock lock(part);
-    if (simulate(drive, part)) {
-      rename_to(part, path);
-    } else {
-      std::error_code ignored;
-      fs::remove(part, ignored);
-    }
+    if (simulate(drive, part)) rename_to(part, path);
   }
 
   /// Returns false if it stopped before the end.
@@ -168,6 +173,7 @@ std::string path_in_store(const fs::path& folder, const StoredDrive& drive,
 bool store_drives(const fs::path& folder, const std::vector<StoredDrive>& drives,
                   const SensorModel& sensor, int threads, const char* label,
                   const InterruptGuard& interrupt) {
+  remove_abandoned_parts(folder);
   std::vector<StoredDrive> missing;
   for (const StoredDrive& drive : drives) {
     sim::validate(drive.spec);
@@ -175,7 +181,6 @@ bool store_drives(const fs::path& folder, const std::vector<StoredDrive>& drives
   }
   if (missing.empty()) return true;
   make_result_folder(folder);
-  remove_abandoned_parts(folder);
   return Crew(std::move(missing), folder, sensor, label, interrupt).work(threads);
 }
 

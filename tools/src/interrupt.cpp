@@ -20,7 +20,8 @@ extern "C" void request_stop(int signal_number) {
 InterruptGuard::InterruptGuard() {
   g_stop_requested = 0;
   for (const int number : kSignals) {
-    if (std::signal(number, request_stop) == SIG_IGN) std::signal(number, SIG_IGN);
+    const bool ignored = std::signal(number, request_stop) == SIG_IGN;
+    if (ignored && number == SIGHUP) std::signal(number, SIG_IGN);
   }
 }
 

@@ -3,8 +3,8 @@
 namespace hqslam::tools {
 
 /// While it lives, the first SIGINT, SIGTERM or SIGHUP (the terminal was closed) only asks for a
-/// clean stop; the second one ends the program at once. A signal that the program was started to
-/// ignore, as nohup has it ignore SIGHUP, stays ignored. One at a time.
+/// clean stop; the second one ends the program at once. SIGHUP stays ignored where the program was
+/// started so (nohup). One at a time.
 class InterruptGuard {
  public:
   InterruptGuard();
