@@ -11,6 +11,7 @@
 #include "hqslam/core/scan_source.h"
 #include "recording_sensor.h"
 #include "report/layers_report.h"
+#include "terminal.h"
 #include "text_file.h"
 #include "upsampling_plan.h"
 
@@ -69,7 +70,7 @@ int inspect_command(const InspectOptions& options) {
   report.result = std::move(lifted.image);
   report.confidence = std::move(lifted.confidence);
   write_text_file(layers_html(report), options.out);
-  fmt::print("results: {}\n", options.out);
+  to_stdout("results: {}\n", options.out);
   return kOk;
 }
 

@@ -8,6 +8,7 @@
 
 #include "dense_map_run.h"
 #include "reference.h"
+#include "result_folder.h"
 #include "slam_run.h"
 
 namespace hqslam::tools {
@@ -25,8 +26,9 @@ class RunOutput {
   const std::filesystem::path& folder() const { return folder_; }
   /// Whether so much time has passed since the last checkpoint that another is worth writing.
   bool checkpoint_due() const;
-  /// The trajectory and the timings so far. Makes the folder; the first call removes the map and
-  /// the report of an earlier run, which would belong to another trajectory.
+  /// The trajectory and the timings so far. The first call makes the folder, locks it and removes
+  /// the map and the report of an earlier run, which would belong to another trajectory. Throws
+  /// Error, also if another program writes into the folder.
   void write_checkpoint(const SlamRun& run);
   /// Everything.
   void write_results(const SlamRun& run, const std::optional<ReferenceComparison>& comparison);
@@ -41,6 +43,7 @@ class RunOutput {
   std::chrono::steady_clock::time_point last_checkpoint_;
   double last_duration_s_ = 0.0;  ///< what the last checkpoint took
   bool first_ = true;
+  std::optional<FolderLock> lock_;  ///< from the first checkpoint on
 };
 
 /// timings.json: medians, 95th percentiles and maxima per stage in milliseconds, counts of

@@ -16,6 +16,7 @@
 #include "hqslam/nn/hqs/network_json.h"
 #include "hqslam/nn/hqs/weights_file.h"
 #include "hqslam/sim/drive.h"
+#include "terminal.h"
 #include "text_file.h"
 
 namespace hqslam::tools {
@@ -52,10 +53,10 @@ int pack(const PackOptions& options) {
                                                    sample_scan(weights.description));
   nn::check_self_test(weights, options.arrays);
   nn::write_weights(options.out, weights);
-  fmt::print("{}: {}, {} parameters, {}\n", options.out, nn::name(weights.description.kind),
-             weights.parameters.size(),
-             checked ? "which give what the self-test beside them expects"
-                     : "no self-test beside them: one was made of what they give");
+  to_stdout("{}: {}, {} parameters, {}\n", options.out, nn::name(weights.description.kind),
+            weights.parameters.size(),
+            checked ? "which give what the self-test beside them expects"
+                    : "no self-test beside them: one was made of what they give");
   return kOk;
 }
 
@@ -71,7 +72,7 @@ void print_arrays(const nn::Weights& weights) {
   const std::vector<nn::ParameterShape> arrays = nn::parameter_shapes(weights.description);
   std::size_t width = 5;
   for (const nn::ParameterShape& array : arrays) width = std::max(width, array.name.size());
-  fmt::print("{:<{}}  {:<18} {:>10} {:>10}\n", "array", width, "shape", "mean", "deviation");
+  to_stdout("{:<{}}  {:<18} {:>10} {:>10}\n", "array", width, "shape", "mean", "deviation");
   auto next = weights.parameters.begin();
   for (const nn::ParameterShape& array : arrays) {
     const auto end = next + array.elements();
@@ -83,8 +84,8 @@ void print_arrays(const nn::Weights& weights) {
     }
     const auto count = static_cast<double>(array.elements());
     const double mean = sum / count;
-    fmt::print("{:<{}}  {:<18} {:>10.4f} {:>10.4f}\n", array.name, width, shape_text(array), mean,
-               std::sqrt(std::max(0.0, squares / count - mean * mean)));
+    to_stdout("{:<{}}  {:<18} {:>10.4f} {:>10.4f}\n", array.name, width, shape_text(array), mean,
+              std::sqrt(std::max(0.0, squares / count - mean * mean)));
     next = end;
   }
 }
@@ -94,18 +95,18 @@ int show(const std::string& path) {
   nn::check_self_test(weights, path);
   const nn::NetworkDescription& d = weights.description;
   const auto network = nn::make_network(d, d.sensor.columns, nn::chosen_instruction_set(), 1);
-  fmt::print(
+  to_stdout(
       "{}: {}, K = {}, {}: rows {}, {}, ... of {} x {} measured\n"
       "{} parameters, {:.3f} GMAC a scan; self-test passed\n\n",
       path, nn::name(d.kind), d.layers, d.sensor.name, d.measured_rows.offset,
       d.measured_rows.offset + d.measured_rows.stride, d.sensor.rows(), d.sensor.columns,
       weights.parameters.size(), static_cast<double>(network->multiply_adds()) * 1e-9);
   print_arrays(weights);
-  fmt::print("\ndescription\n{}\ntraining\n{}\n", nn::network_json(d),
-             nlohmann::ordered_json::parse(weights.training).dump(1));
+  to_stdout("\ndescription\n{}\ntraining\n{}\n", nn::network_json(d),
+            nlohmann::ordered_json::parse(weights.training).dump(1));
   std::filesystem::path card = path;
   card.replace_extension(".md");
-  if (std::filesystem::exists(card)) fmt::print("\nits card: {}\n", card.string());
+  if (std::filesystem::exists(card)) to_stdout("\nits card: {}\n", card.string());
   return kOk;
 }
 

@@ -8,6 +8,7 @@
 
 #include "../json_fields.h"
 #include "hqslam/core/error.h"
+#include "hqslam/core/excerpt.h"
 #include "hqslam/core/npz.h"
 #include "hqslam/nn/hqs/network.h"
 #include "hqslam/nn/hqs/network_json.h"
@@ -98,7 +99,7 @@ void check_nothing_left(const std::string& path, const NetworkDescription& descr
                         const NpzArrays& arrays) {
   if (arrays.empty()) return;
   throw Error(fmt::format("{}: unknown array '{}' for a network of kind {}", path,
-                          arrays.begin()->first.substr(0, 40), name(description.kind)));
+                          excerpt(arrays.begin()->first), name(description.kind)));
 }
 
 /// What the network makes of measured rows: Z of the last layer, metres; of DU-Mix, the image
