@@ -161,7 +161,7 @@ template <typename Use>
 std::int64_t for_each_scan(const CompareOptions& options, const SensorModel& sensor,
                            const InterruptGuard& interrupt, const Use& use) {
   const auto source = open_input(input_recording(options), sensor);
-  print_warnings(*source);
+  print_warnings(*source, options.input);
   Progress progress("compare", source->size());
   std::int64_t used = 0;
   LeftOut left_out;

@@ -20,7 +20,7 @@ namespace {
 
 RangeImage scan_of(const InspectOptions& options, const SensorModel& sensor) {
   const auto source = open_input(input_recording(options), sensor);
-  print_warnings(*source);
+  print_warnings(*source, options.input);
   LeftOut left_out;
   std::optional<RecordedScan> scan;
   for (std::int64_t i = 0; i <= options.scan; ++i) {

@@ -128,8 +128,7 @@ void write_seeds_tables(const std::vector<DriveWork>& works, const TablePlan& pl
 }
 
 int report_interruption() {
-  to_stdout(stderr,
-            "hqslam: interrupted; what is finished is kept, the same command goes on from there\n");
+  to_stderr("hqslam: interrupted; what is finished is kept, the same command goes on from there\n");
   return kInterrupted;
 }
 
