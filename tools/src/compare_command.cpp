@@ -116,10 +116,12 @@ std::optional<ConfidenceCurve> curve_of(const CompareOptions& options, const Sen
   if (options.curve.empty()) return std::nullopt;
   if (options.weights.empty()) throw Error("compare: --curve needs --weights");
   refuse_to_replace_foreign(options.curve, kConfidencePageMarker);
-  return ConfidenceCurve(
-      nn::Upsampler(nn::SuperResolver::load(options.weights.back(),
-                                            {.filter_result = false, .least_confidence = 0.0F}),
-                    sensor));
+  return ConfidenceCurve(nn::Upsampler(nn::SuperResolver::load(options.weights.back(),
+                                                               {.filter_result = false,
+                                                                .tolerance_m = options.tolerance_m,
+                                                                .least_confidence = 0.0F}),
+                                       sensor),
+                         options.tolerance_m);
 }
 
 Json curve_json(const ConfidenceCurve& curve) {
@@ -192,6 +194,13 @@ void declare_compare(CLI::App& app, CompareOptions& options) {
   command->add_option("--curve", options.curve,
                       "Also write a page about the confidence of the last weights (du-mix): every "
                       "operating point, and whether it can be believed");
+  command
+      ->add_option(
+          "--tolerance", options.tolerance_m,
+          "With --curve: how far off in metres a range may be and count as right; with 100 "
+          "and more it is the confidence that there is a return at all")
+      ->check(CLI::Range(0.001, 999.0))
+      ->capture_default_str();
   CLI::Option* filters = command->add_flag(
       "--filters", options.filters,
       "Instead, try settings of the outlier filter on the first weights' results");

@@ -51,8 +51,10 @@ void declare_inspect(CLI::App& app, InspectOptions& options) {
 
 int inspect_command(const InspectOptions& options) {
   refuse_to_replace_foreign(options.out, kLayersPageMarker);
-  const UpsamplingPlan plan = plan_upsampling(
-      {options.input, options.sensor, options.weights, 0, std::nullopt, {}, options.stream});
+  const UpsamplingPlan plan = plan_upsampling({.input = options.input,
+                                               .sensor = options.sensor,
+                                               .method = options.weights,
+                                               .stream = options.stream});
   nn::SuperResolver network = nn::SuperResolver::load(options.weights);
   const RangeImage scan = scan_of(options, plan.recording_sensor);
   LayersReport report;

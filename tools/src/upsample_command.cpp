@@ -40,7 +40,7 @@ UpsamplingPlan plan_of(const UpsampleOptions& options) {
   request.sensor = options.sensor;
   request.stream = options.stream;
   request.method = options.weights.empty() ? options.method : options.weights;
-  request.least_confidence = options.least_confidence;
+  request.confidence = options;
   return plan_upsampling(request);
 }
 
@@ -136,12 +136,7 @@ void declare_upsample(CLI::App& app, UpsampleOptions& options) {
   method->require_option(1);
   command->add_option("--out", options.out, "Folder for the results; made if it is not there")
       ->required();
-  command
-      ->add_option(
-          "--confidence", options.least_confidence,
-          "Leave computed pixels empty of which the network (du-mix) is less sure; default: "
-          "as the weights say")
-      ->check(CLI::Range(0.0, 1.0));
+  declare_confidence(*command, options);
   declare_threads(*command, options.threads);
   command->add_flag("--bin", options.bin, "Also write KITTI .bin files");
   command->add_flag("--pcd", options.pcd, "Also write .pcd files");

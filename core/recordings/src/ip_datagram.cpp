@@ -54,13 +54,15 @@ std::optional<UdpDatagram> IpDatagrams::add_ipv4(Bytes packet) {
   }
   if (packet[9] != kUdp) return std::nullopt;
   const std::size_t total = big_endian_16(packet, 2);
-  if (total < header_bytes || total > packet.size()) {
+  const bool fragment = (big_endian_16(packet, 6) & 0x3FFF) != 0;
+  if (total < header_bytes || (fragment && total > packet.size())) {
     ++damaged_;  // cut off when it was recorded, or never whole
     return std::nullopt;
   }
   const Bytes header = packet.first(header_bytes);
-  const Bytes data = packet.subspan(header_bytes, total - header_bytes);
-  const bool fragment = (big_endian_16(packet, 6) & 0x3FFF) != 0;
+  // Old firmware of the VLP-16 gives its packets of positions the length of its packets of points:
+  // what UDP says of the length decides whether anything is missing.
+  const Bytes data = packet.subspan(header_bytes, std::min(total, packet.size()) - header_bytes);
   return fragment ? add_fragment(header, data) : udp(data, ipv4_sender(header));
 }
 

@@ -25,8 +25,12 @@ constexpr std::int64_t kMostForeignPackets = 200;
 
 }  // namespace
 
-LiveStream::LiveStream(const LiveOptions& options)
-    : options_(options), named_(load_sensor(options.sensor)) {
+LiveStream::LiveStream(const LiveOptions& options) : options_(options) {
+  if (options.sensor.ends_with(".xml")) {
+    named_ = sensor_of(read_velodyne_calibration(options.sensor));
+    return;
+  }
+  named_ = load_sensor(options.sensor);
   if (!options.sensor.ends_with(".json")) {
     is_ouster_ = named_.name.starts_with("os");
     return;
@@ -91,7 +95,7 @@ bool LiveStream::recognise_velodyne(const Packet& packet) {
   const std::int64_t now_us = little_endian<std::uint32_t>(packet.payload, kTimeAt);
   if (!first_us_ || now_us < *first_us_) first_us_ = now_us;  // the sensor's hour was over
   if (now_us - *first_us_ < kProbed_us && packets_ < kMostProbedPackets) return false;
-  velodyne_ = probe_.result(velodyne_model(named_.name));
+  velodyne_ = probe_.result(named_model(options_.sensor));
   if (!velodyne_) fail_for_packets(packet);
   sensor_ = velodyne_sensor(*velodyne_, options_.sensor, 0,
                             fmt::format("UDP port {}", packet.endpoint.port), warnings_);

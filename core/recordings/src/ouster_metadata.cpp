@@ -3,14 +3,13 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "hqslam/core/error.h"
 #include "hqslam/core/json_limits.h"
 #include "ouster_layout.h"
 #include "ouster_metadata_text.h"
+#include "small_file.h"
 
 namespace hqslam::recordings {
 
@@ -156,19 +155,7 @@ OusterMetadata ouster_metadata_from_json(const std::string& text, const std::str
 }
 
 std::string ouster_metadata_text(const std::string& path) {
-  std::error_code error;
-  const std::uintmax_t bytes = std::filesystem::file_size(path, error);
-  if (error || !std::filesystem::is_regular_file(path, error) || bytes > kMaxFileBytes) {
-    throw Error(
-        fmt::format("{}: expected an Ouster's metadata (.json), found no such file or one "
-                    "above 16 MiB; give the .json file that the sensor wrote",
-                    path));
-  }
-  std::ifstream stream(path, std::ios::binary);
-  std::string contents(bytes, '\0');
-  stream.read(contents.data(), static_cast<std::streamsize>(bytes));
-  contents.resize(static_cast<std::size_t>(stream.gcount()));
-  return contents;
+  return small_file(path, kMaxFileBytes, "an Ouster's metadata (.json)");
 }
 
 OusterMetadata read_ouster_metadata(const std::string& path) {

@@ -12,6 +12,8 @@ namespace hqslam::recordings {
 
 namespace {
 
+constexpr std::size_t kVelodynePositionBytes = 512;
+constexpr std::uint16_t kVelodynePositionPort = 8308;
 /// A capture of more senders and ports than this is of a whole network.
 constexpr std::size_t kMaxStreams = 1000;
 
@@ -33,6 +35,9 @@ Stream stream_of(const Endpoint& endpoint, const Traffic& traffic) {
   stream.packet_bytes = most->first;
   if (2 * traffic.velodyne > traffic.packets) {
     stream.kind = StreamKind::kVelodynePackets;
+  } else if (stream.packet_bytes == kVelodynePositionBytes &&
+             endpoint.port == kVelodynePositionPort) {
+    stream.kind = StreamKind::kVelodynePositions;
   } else if (stream.packet_bytes >= kSmallestLidarPacket) {
     stream.kind = StreamKind::kOusterPackets;
   }

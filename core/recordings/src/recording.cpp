@@ -81,7 +81,9 @@ std::unique_ptr<Bag> open_bag(const std::string& path, FileKind kind) {
   return chained(std::move(parts));
 }
 
-bool has_scans(const Stream& stream) { return stream.kind != StreamKind::kOther; }
+bool has_scans(const Stream& stream) {
+  return stream.kind != StreamKind::kOther && stream.kind != StreamKind::kVelodynePositions;
+}
 
 bool is_named(const Stream& stream, const std::string& name) {
   return stream.name == name ||

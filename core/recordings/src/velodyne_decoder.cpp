@@ -15,7 +15,9 @@
 //      time t_i of its first firing; channel c: distance, of the laser that fires dt_c later.
 // Out: a = a_i + dt_c (a_j - a_i) / (t_j - t_i) + offset of the laser, j the next block of another
 //      firing (the last block takes the rate of the one before);
-//      x = d cos e cos a, y = -d cos e sin a, z = d sin e; time t_i + dt_c.
+//      x = h cos a + l sin a, y = -h sin a + l cos a, z = d sin e + u cos e with
+//      h = d cos e - u sin e; time t_i + dt_c. Offsets u and l of the beam's beginning are an
+//      HDL-64E's, whose d is the measured distance and the laser's own correction; else 0.
 // A jump of the azimuth that no head makes between two blocks is the part of the circle that the
 // sensor does not look at: the blocks behind it fired as much later as the head took to pass it.
 
@@ -55,6 +57,9 @@ struct Channel {
   double clockwise = 0.0;   ///< hundredths of a degree
   double time_us = 0.0;     ///< after the first firing of the block
   double azimuth_us = 0.0;  ///< the same, for the interpolation of the azimuth
+  float distance_m = 0.0F;  ///< VelodyneCalibration::Laser's; 0 without a calibration
+  float up_m = 0.0F;
+  float left_m = 0.0F;
 };
 
 /// One firing of 32 channels (or the 16 of a VLP-16, twice).
@@ -84,6 +89,25 @@ Measurement kept(Measurement last, Measurement other, KeptReturn which) {
   if (last.distance == 0) return other;
   if (which == KeptReturn::kLast) return last;
   return last.intensity > other.intensity ? last : other;
+}
+
+/// The row of each laser.
+std::vector<int> rows_of(const VelodyneStream& stream) {
+  if (stream.model != VelodyneModel::kHdl64e) return laser_rows(stream.model);
+  std::vector<double> elevations_rad;
+  for (const auto& laser : stream.calibration->lasers)
+    elevations_rad.push_back(laser.elevation_rad);
+  return rows_by_elevation(elevations_rad);
+}
+
+/// An HDL-64E's packets come as fast as its version sends them.
+VelodyneTiming timing_of(const VelodyneStream& stream) {
+  VelodyneTiming result = timing(stream.model);
+  if (stream.model == VelodyneModel::kHdl64e && stream.packet_spacing_us > 0.0) {
+    result.packet_us_single = stream.packet_spacing_us;
+    result.firing_us = stream.packet_spacing_us / (kBlocks / 2);
+  }
+  return result;
 }
 
 }  // namespace
@@ -133,7 +157,7 @@ class VelodyneDecoder::Impl {
 VelodyneDecoder::Impl::Impl(const VelodyneStream& stream, const SensorModel& sensor,
                             const VelodyneOptions& options)
     : stream_(stream),
-      timing_(timing(stream.model)),
+      timing_(timing_of(stream)),
       options_(options),
       cut_(modulo_turn(static_cast<int>(std::lround(100.0 * stream.cut_azimuth_deg)))) {
   if (sensor.rows() != timing_.lasers) {
@@ -142,17 +166,28 @@ VelodyneDecoder::Impl::Impl(const VelodyneStream& stream, const SensorModel& sen
                     "sensor that recorded the packets",
                     sensor.name, sensor.rows(), timing_.lasers, name(stream.model)));
   }
-  const std::vector<int> rows = laser_rows(stream.model);
+  if (stream.model == VelodyneModel::kHdl64e &&
+      (!stream.calibration || stream.calibration->lasers.size() != 64)) {
+    throw Error("packets of an HDL-64E need the calibration of that unit: name its db.xml");
+  }
+  const std::vector<int> rows = rows_of(stream);
   for (int bank = 0; bank < 4; ++bank) {
     for (int c = 0; c < kChannels; ++c) {
       const int sequence = timing_.lasers < kChannels ? c / timing_.lasers : 0;
       const int laser = timing_.lasers <= kChannels ? c % timing_.lasers : bank * kChannels + c;
+      if (laser >= timing_.lasers) continue;  // a bank that the model has not
       const int row = rows[laser];
       Channel channel;
       channel.row = static_cast<std::uint16_t>(row);
       channel.cos_elevation = static_cast<float>(std::cos(sensor.beam_elevation_rad[row]));
       channel.sin_elevation = static_cast<float>(std::sin(sensor.beam_elevation_rad[row]));
       channel.clockwise = -sensor.beam_azimuth_offset_rad[row] * (kTurn / 2) / std::numbers::pi;
+      if (stream.calibration) {
+        const VelodyneCalibration::Laser& own = stream.calibration->lasers[laser];
+        channel.distance_m = static_cast<float>(own.distance_m);
+        channel.up_m = static_cast<float>(own.up_m);
+        channel.left_m = static_cast<float>(own.left_m);
+      }
       channel.time_us = sequence * timing_.firing_us + laser_time_us(stream.model, laser);
       channel.azimuth_us =
           sequence * timing_.firing_us + laser_azimuth_time_us(stream.model, laser);
@@ -221,7 +256,8 @@ void VelodyneDecoder::Impl::read_firings(Bytes payload) {
     firings_.push_back(firing);
   }
   if (banks) {  // the packet's time is that of its first firing, whichever laser's that is
-    const double first_us = channels_[firings_.front().bank].front().time_us;
+    const std::vector<Channel>& first = channels_[firings_.front().bank];
+    const double first_us = first.empty() ? 0.0 : first.front().time_us;
     for (Firing& firing : firings_) firing.time_us -= first_us;
   }
   set_rates();
@@ -291,7 +327,8 @@ void VelodyneDecoder::Impl::add_firing(const Firing& firing, Bytes payload, std:
 void VelodyneDecoder::Impl::add_points(const Firing& firing, Bytes payload, double start_s) {
   const Directions& table = directions();
   const auto unit_m = static_cast<float>(timing_.distance_unit_m);
-  for (int c = 0; c < kChannels; ++c) {
+  const int channels = static_cast<int>(channels_[firing.bank].size());
+  for (int c = 0; c < channels; ++c) {
     Measurement measured = measurement(payload, firing.block, c);
     if (stream_.dual_return) {
       measured = kept(measured, measurement(payload, firing.block + 1, c), options_.kept_return);
@@ -304,10 +341,13 @@ void VelodyneDecoder::Impl::add_points(const Firing& firing, Bytes payload, doub
     const auto rest = static_cast<float>((azimuth - whole) * (std::numbers::pi / (kTurn / 2)));
     const float cosine = table.cosine[entry] - rest * table.sine[entry];
     const float sine = table.sine[entry] + rest * table.cosine[entry];
-    const float distance_m = unit_m * static_cast<float>(measured.distance);
-    const float horizontal_m = distance_m * channel.cos_elevation;
-    scan_.points_m.emplace_back(horizontal_m * cosine, -horizontal_m * sine,
-                                distance_m * channel.sin_elevation);
+    const float distance_m = unit_m * static_cast<float>(measured.distance) + channel.distance_m;
+    const float horizontal_m =
+        distance_m * channel.cos_elevation - channel.up_m * channel.sin_elevation;
+    scan_.points_m.emplace_back(
+        horizontal_m * cosine + channel.left_m * sine,
+        channel.left_m * cosine - horizontal_m * sine,
+        distance_m * channel.sin_elevation + channel.up_m * channel.cos_elevation);
     scan_.row.push_back(channel.row);
     scan_.time_offset_s.push_back(static_cast<float>(start_s + 1e-6 * channel.time_us));
   }

@@ -44,6 +44,7 @@ Value median(std::vector<Value> values) {
 struct VelodyneProbe::State {
   std::int64_t packets = 0;
   std::int64_t with_pairs = 0;
+  std::int64_t with_double_pairs = 0;  ///< as an HDL-64E with two returns sends them
   std::array<std::int64_t, 4> banks{};
   std::map<std::uint8_t, std::int64_t> products;
   std::vector<std::int64_t> spacings_us;
@@ -69,6 +70,10 @@ void VelodyneProbe::add(const Packet& packet) {
   State& state = *state_;
   ++state.packets;
   if (has_pairs(payload)) ++state.with_pairs;
+  if (block_azimuth(payload, 0) == block_azimuth(payload, 2) &&
+      block_azimuth(payload, 4) == block_azimuth(payload, 6)) {
+    ++state.with_double_pairs;
+  }
   ++state.products[payload[kProductAt]];
   for (int i = 0; i < kBlocks; ++i) {
     ++state.banks[bank_of(block_flag(payload, i))];
@@ -153,15 +158,15 @@ std::optional<VelodyneStream> VelodyneProbe::result(std::optional<VelodyneModel>
   }
   const bool four_banks = 10 * state.banks[2] > state.banks[0];
   const bool two_banks = 2 * state.banks[1] > state.banks[0] && !four_banks;
-  if (two_banks) {
-    throw Error(
-        "expected packets of a VLP-16, HDL-32E, VLP-32C or VLS-128, found those of an HDL-64E, "
-        "whose distances mean nothing without the calibration of that very unit; give its scans "
-        "as point clouds");
-  }
   const auto by_spacing = state.model_by_spacing(stream.packet_spacing_us, stream.dual_return);
   if (four_banks) {
     stream.model = VelodyneModel::kVls128;
+  } else if (two_banks && 2 * state.with_double_pairs > state.packets) {
+    throw Error(
+        "expected packets of an HDL-64E with one return, found two; set the sensor to one, or "
+        "give its scans as point clouds");
+  } else if (two_banks) {
+    stream.model = VelodyneModel::kHdl64e;
   } else if (by_spacing) {
     stream.model = *by_spacing;
   } else if (stream.factory_model) {

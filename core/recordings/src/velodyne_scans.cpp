@@ -15,7 +15,7 @@ namespace {
 constexpr int kProbedPackets = 20000;
 
 VelodyneStream probe(const RecordingFile& file, const Stream& stream, const std::string& path,
-                     const SensorModel* wanted) {
+                     std::optional<VelodyneModel> named) {
   VelodyneProbe probe;
   const auto packets = file.packets(stream);
   for (int i = 0; i < kProbedPackets; ++i) {
@@ -25,7 +25,7 @@ VelodyneStream probe(const RecordingFile& file, const Stream& stream, const std:
   }
   std::optional<VelodyneStream> found;
   try {
-    found = probe.result(wanted != nullptr ? velodyne_model(wanted->name) : std::nullopt);
+    found = probe.result(named);
   } catch (const Error& error) {
     throw Error(fmt::format("{}: {}", path, error.what()));
   }
@@ -76,9 +76,7 @@ Opened open_velodyne(std::shared_ptr<const RecordingFile> file, const Stream& st
                      const std::string& path, const OpenOptions& options) {
   Opened opened;
   RecordingInfo& info = opened.info;
-  std::optional<SensorModel> wanted;
-  if (!options.sensor.empty()) wanted = load_sensor(options.sensor);
-  VelodyneStream velodyne = probe(*file, stream, path, wanted ? &*wanted : nullptr);
+  VelodyneStream velodyne = probe(*file, stream, path, named_model(options.sensor));
   info.sensor = velodyne_sensor(velodyne, options.sensor, options.columns, path, info.warnings);
   info.sensor_known = options.sensor.empty();
   info.format =

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "hqslam/core/error.h"
 #include "velodyne_tables.h"
@@ -13,10 +14,13 @@ namespace hqslam::recordings {
 namespace {
 
 constexpr double kPresetPeriod_s = 0.1;
+constexpr const char* kCalibrationExtension = ".xml";
 
 /// The model that has as many lasers as the user's sensor has rows: the one found, if that fits.
 VelodyneModel model_for(const SensorModel& sensor, VelodyneModel found, const std::string& path) {
-  if (const auto named = velodyne_model(sensor.name)) return *named;
+  const auto named = velodyne_model(sensor.name);
+  const bool without_calibration = named == VelodyneModel::kHdl64e && found != *named;
+  if (named && !without_calibration) return *named;
   if (timing(found).lasers == sensor.rows()) return found;
   for (const VelodyneModel model : kVelodyneModels) {
     if (timing(model).lasers == sensor.rows()) return model;
@@ -33,13 +37,44 @@ int columns_at(int preset_columns, double period_s) {
   return std::clamp(static_cast<int>(std::lround(columns / 100.0)) * 100, 100, 10000);
 }
 
+void require_calibration(const VelodyneStream& stream, const std::string& path) {
+  if (stream.model != VelodyneModel::kHdl64e) return;
+  throw Error(
+      fmt::format("{}: packets of an HDL-64E, whose distances mean nothing without the "
+                  "calibration of that very unit; name its db.xml as the sensor, or give its "
+                  "scans as point clouds",
+                  path));
+}
+
+void take_calibration(VelodyneStream& stream, VelodyneCalibration calibration,
+                      const std::string& path, std::vector<std::string>& warnings) {
+  if (stream.model != VelodyneModel::kHdl64e) {
+    warnings.push_back(fmt::format(
+        "{}: the packets look like those of a {}, but are read as an HDL-64E's, as asked for", path,
+        name(stream.model)));
+    stream.model = VelodyneModel::kHdl64e;
+  }
+  stream.calibration = std::move(calibration);
+}
+
 }  // namespace
+
+std::optional<VelodyneModel> named_model(const std::string& wanted_sensor) {
+  if (wanted_sensor.empty()) return std::nullopt;
+  if (wanted_sensor.ends_with(kCalibrationExtension)) return VelodyneModel::kHdl64e;
+  return velodyne_model(load_sensor(wanted_sensor).name);
+}
 
 SensorModel velodyne_sensor(VelodyneStream& stream, const std::string& wanted_sensor, int columns,
                             const std::string& path, std::vector<std::string>& warnings) {
   SensorModel sensor;
   bool preset = true;
-  if (wanted_sensor.empty()) {
+  if (wanted_sensor.ends_with(kCalibrationExtension)) {
+    take_calibration(stream, read_velodyne_calibration(wanted_sensor), path, warnings);
+    sensor = sensor_of(*stream.calibration);
+    preset = false;
+  } else if (wanted_sensor.empty()) {
+    require_calibration(stream, path);
     sensor = sensor_preset(name(stream.model));
     if (stream.factory_model && *stream.factory_model != stream.model) {
       warnings.push_back(fmt::format(
@@ -58,6 +93,7 @@ SensorModel velodyne_sensor(VelodyneStream& stream, const std::string& wanted_se
                       path, name(stream.model), name(wanted)));
       stream.model = wanted;
     }
+    require_calibration(stream, path);
   }
   sensor.scan_period_s = std::round(1e4 * stream.scan_period_s) * 1e-4;
   if (columns > 0) {

@@ -11,10 +11,12 @@ constexpr int kFullTurn = 36000;
 
 /// Firing sequences: VLP-16 16 lasers 2.304 us apart, two sequences a block; HDL-32E 32 lasers
 /// 1.152 us apart; VLP-32C 16 pairs 2.304 us apart; VLS-128 16 groups of eight 2.665 us apart, one
-/// such pause after the eighth group and three after the last, four blocks a sequence.
+/// such pause after the eighth group and three after the last, four blocks a sequence; HDL-64E 64
+/// lasers in 48 us, two blocks a sequence.
 constexpr VelodyneTiming kVlp16Timing = {0.002, 55.296, 2.0, 1327.104, 663.552, 16, 0x22};
 constexpr VelodyneTiming kHdl32eTiming = {0.002, 46.080, 1.0, 552.960, 276.480, 32, 0x21};
 constexpr VelodyneTiming kVlp32cTiming = {0.004, 55.296, 1.0, 663.552, 331.776, 32, 0x28};
+constexpr VelodyneTiming kHdl64eTiming = {0.002, 48.0, 0.5, 288.0, 144.0, 64, 0x00};
 constexpr VelodyneTiming kVls128Timing = {0.004, 53.300, 0.25, 159.900, 79.950, 128, 0xA1};
 
 const std::vector<double> kVlp32cElevations_deg = {
@@ -45,6 +47,8 @@ std::string_view name(VelodyneModel model) {
       return "hdl-32e";
     case VelodyneModel::kVlp32c:
       return "vlp-32c";
+    case VelodyneModel::kHdl64e:
+      return "hdl-64e";
     case VelodyneModel::kVls128:
       break;
   }
@@ -52,6 +56,7 @@ std::string_view name(VelodyneModel model) {
 }
 
 std::optional<VelodyneModel> velodyne_model(std::string_view wanted) {
+  if (wanted == name(VelodyneModel::kHdl64e)) return VelodyneModel::kHdl64e;
   for (const VelodyneModel model : kVelodyneModels) {
     if (name(model) == wanted) return model;
   }
@@ -66,6 +71,8 @@ const VelodyneTiming& timing(VelodyneModel model) {
       return kHdl32eTiming;
     case VelodyneModel::kVlp32c:
       return kVlp32cTiming;
+    case VelodyneModel::kHdl64e:
+      return kHdl64eTiming;
     case VelodyneModel::kVls128:
       break;
   }
@@ -80,6 +87,8 @@ double laser_time_us(VelodyneModel model, int laser) {
       return 1.152 * laser;
     case VelodyneModel::kVlp32c:
       return 2.304 * (laser / 2);
+    case VelodyneModel::kHdl64e:
+      return 0.0;
     case VelodyneModel::kVls128:
       break;
   }
@@ -105,21 +114,25 @@ std::vector<double> laser_elevations_deg(VelodyneModel model) {
       return result;
     case VelodyneModel::kVlp32c:
       return kVlp32cElevations_deg;
+    case VelodyneModel::kHdl64e:
     case VelodyneModel::kVls128:
       break;
   }
   return kVls128Elevations_deg;
 }
 
-std::vector<int> laser_rows(VelodyneModel model) {
-  const std::vector<double> elevation = laser_elevations_deg(model);
-  std::vector<int> lasers(elevation.size());
+std::vector<int> rows_by_elevation(const std::vector<double>& elevations) {
+  std::vector<int> lasers(elevations.size());
   std::iota(lasers.begin(), lasers.end(), 0);
-  std::sort(lasers.begin(), lasers.end(),
-            [&](int a, int b) { return elevation[a] > elevation[b]; });
-  std::vector<int> rows(elevation.size());
+  std::stable_sort(lasers.begin(), lasers.end(),
+                   [&](int a, int b) { return elevations[a] > elevations[b]; });
+  std::vector<int> rows(elevations.size());
   for (std::size_t row = 0; row < lasers.size(); ++row) rows[lasers[row]] = static_cast<int>(row);
   return rows;
+}
+
+std::vector<int> laser_rows(VelodyneModel model) {
+  return rows_by_elevation(laser_elevations_deg(model));
 }
 
 int bank_of(std::uint16_t flag) {

@@ -43,9 +43,13 @@ double laser_azimuth_time_us(VelodyneModel model, int laser);
 /// The row of each laser, 0 the highest beam.
 std::vector<int> laser_rows(VelodyneModel model);
 
-/// By the manual, degrees: for tests of laser_rows against the presets.
+/// The same of lasers with these elevations.
+std::vector<int> rows_by_elevation(const std::vector<double>& elevations);
+
+/// By the manual, degrees: for tests of laser_rows against the presets. Not of an HDL-64E.
 std::vector<double> laser_elevations_deg(VelodyneModel model);
 
+/// Those whose lasers stand as their manuals say.
 inline constexpr std::array<VelodyneModel, 4> kVelodyneModels = {
     VelodyneModel::kVlp16, VelodyneModel::kHdl32e, VelodyneModel::kVlp32c, VelodyneModel::kVls128};
 

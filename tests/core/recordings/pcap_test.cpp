@@ -93,6 +93,22 @@ TEST_CASE("a datagram of which a fragment is missing is counted and its memory g
   CHECK(datagrams.incomplete() == 200);
 }
 
+TEST_CASE(
+    "a length in the IP header beyond the frame is no damage where UDP's own length is whole") {
+  Captured positions{1'600'000'000'000'000'000, 8308, Payload(512, 3)};
+  Payload frame = ethernet_frames(positions).front();
+  frame[16] = 1234 >> 8;
+  frame[17] = 1234 & 0xFF;
+  IpDatagrams datagrams;
+  const auto datagram = datagrams.add(Bytes(frame).subspan(14));
+  REQUIRE(datagram);
+  CHECK(datagram->payload.size() == 512);
+  CHECK(datagrams.damaged() == 0);
+  frame.resize(frame.size() - 1);  // and here something is missing
+  CHECK_FALSE(datagrams.add(Bytes(frame).subspan(14)));
+  CHECK(datagrams.damaged() == 1);
+}
+
 TEST_CASE("a capture that ends in the middle of a frame ends before it") {
   const std::string bytes = pcap_bytes(some_packets());
   CHECK(read(bytes.substr(0, bytes.size() - 10)).packets.size() == 4);

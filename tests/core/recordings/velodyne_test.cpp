@@ -301,16 +301,6 @@ TEST_CASE("damaged Velodyne packets neither crash nor hang") {
   }
 }
 
-TEST_CASE("packets of an HDL-64E are refused with what to do") {
-  auto packet = velodyne_packet(0, azimuths(0, 20));
-  for (int i = 1; i < 12; i += 2) {
-    put(packet, 100 * static_cast<std::size_t>(i), std::uint16_t{0xDDFF});
-  }
-  VelodyneProbe probe;
-  probe.add(as_packet({0, 2368, packet}));
-  CHECK(one_line_with(error_message([&] { probe.result(); }), "HDL-64E", "calibration"));
-}
-
 TEST_CASE("real captures of three sensors decode, whatever their factory bytes say") {
   struct Expected {
     const char* name;

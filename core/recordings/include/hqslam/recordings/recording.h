@@ -12,7 +12,13 @@
 namespace hqslam::recordings {
 
 /// What a stream of a capture or a bag holds.
-enum class StreamKind { kVelodynePackets, kOusterPackets, kPointClouds, kOther };
+enum class StreamKind {
+  kVelodynePackets,
+  kVelodynePositions,  ///< of its GPS receiver: no scans
+  kOusterPackets,
+  kPointClouds,
+  kOther
+};
 
 /// A topic of a bag, or what one sender sent to one port of a capture.
 struct Stream {

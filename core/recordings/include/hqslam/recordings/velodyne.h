@@ -14,9 +14,9 @@
 namespace hqslam::recordings {
 
 /// The sensors whose packets are understood.
-enum class VelodyneModel { kVlp16, kHdl32e, kVlp32c, kVls128 };
+enum class VelodyneModel { kVlp16, kHdl32e, kVlp32c, kVls128, kHdl64e };
 
-/// The name of the model's sensor preset: "vlp-16", "hdl-32e", "vlp-32c", "vls-128".
+/// The name of the model's sensor preset: "vlp-16", "hdl-32e", "vlp-32c", "vls-128", "hdl-64e".
 std::string_view name(VelodyneModel model);
 /// The model of that name; nothing for any other.
 std::optional<VelodyneModel> velodyne_model(std::string_view name);
@@ -25,6 +25,27 @@ std::optional<VelodyneModel> velodyne_model(std::string_view name);
 enum class KeptReturn { kStrongest, kLast };
 
 inline constexpr std::size_t kVelodynePacketBytes = 1206;
+
+/// How the lasers of one very HDL-64E stand: its distances mean nothing without.
+struct VelodyneCalibration {
+  struct Laser {
+    double elevation_rad = 0.0;
+    double azimuth_offset_rad = 0.0;  ///< counter-clockwise
+    double distance_m = 0.0;          ///< to be added to what is measured
+    double up_m = 0.0;    ///< of the beam's beginning, across the beam, in its vertical plane
+    double left_m = 0.0;  ///< and across that plane
+    bool operator==(const Laser&) const = default;
+  };
+  std::vector<Laser> lasers;  ///< in the order of their numbers
+  bool operator==(const VelodyneCalibration&) const = default;
+};
+
+/// Reads the db.xml that comes with an HDL-64E, 64 lasers. What it says of intensities and of the
+/// finer corrections of distances below 25 m (distCorrectionX_, distCorrectionY_) is left out.
+/// Throws Error.
+VelodyneCalibration read_velodyne_calibration(const std::string& path);
+/// The sensor that it is: rows by elevation, columns and limits of the preset.
+SensorModel sensor_of(const VelodyneCalibration& calibration);
 
 /// What the packets of a stream say of their sensor.
 struct VelodyneStream {
@@ -38,6 +59,8 @@ struct VelodyneStream {
   /// What the factory byte of the packets names; nothing if that is none of the models.
   std::optional<VelodyneModel> factory_model;
   double packet_spacing_us = 0.0;  ///< median; 0 with fewer than two packets
+  /// Of an HDL-64E, whose packets do not say it: to be filled in by whoever has it.
+  std::optional<VelodyneCalibration> calibration;
 };
 
 /// Looks at packets from the beginning of a stream, all of kVelodynePacketBytes. The time between
@@ -79,12 +102,14 @@ struct VelodyneOptions {
 /// interpolated between the blocks of a packet. All beams start at the centre of the sensor (the
 /// lasers' heights above one another, up to 11 mm, are left out). Pulses without return are no
 /// points; points of a range that the sensor cannot measure are the projection's to drop.
+/// An HDL-64E's lasers count as firing at once, 48 us for all or what the packets' spacing says;
+/// it must send one return.
 /// Sources: the models' user manuals (VLP-16 63-9243, HDL-32E 63-9113, VLP-32C 63-9325, VLS-128
-/// 63-9483), "Data packet format" and "Firing sequence timing".
+/// 63-9483, HDL-64E S2 63-HDL64ES2), "Data packet format" and "Firing sequence timing".
 class VelodyneDecoder {
  public:
   /// `sensor` gives elevation and azimuth offset of each row; as many rows as the model has lasers.
-  /// Throws Error if it has not.
+  /// Throws Error if it has not, or if there is no calibration of an HDL-64E.
   VelodyneDecoder(const VelodyneStream& stream, const SensorModel& sensor,
                   const VelodyneOptions& options = {});
   ~VelodyneDecoder();
