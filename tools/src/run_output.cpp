@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <system_error>
 
+#include "covariances_csv.h"
 #include "dense_map_output.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/pcd.h"
@@ -23,8 +24,9 @@ using Json = nlohmann::ordered_json;
 
 constexpr double kCheckpointInterval_s = 5.0;
 constexpr const char* kWrittenBy = "hqslam run";
-constexpr std::array<const char*, 5> kResultNames = {"trajectory.tum", "trajectory.kitti",
-                                                     "map.pcd", "timings.json", "report.html"};
+constexpr std::array<const char*, 6> kResultNames = {"trajectory.tum",  "trajectory.kitti",
+                                                     "covariances.csv", "map.pcd",
+                                                     "timings.json",    "report.html"};
 
 /// Whether the folder holds the results of an earlier run, which this one may replace.
 bool written_by_hqslam(const fs::path& folder) {
@@ -214,6 +216,7 @@ void RunOutput::write_checkpoint(const SlamRun& run) {
   write_file("timings.json", [&](const std::string& path) { write_text(timings_json(run), path); });
   if (first_) {
     std::error_code ignored;
+    fs::remove(folder_ / "covariances.csv", ignored);
     fs::remove(folder_ / "map.pcd", ignored);
     fs::remove(folder_ / "report.html", ignored);
     remove_dense_map(folder_);
@@ -228,6 +231,8 @@ void RunOutput::write_checkpoint(const SlamRun& run) {
 void RunOutput::write_results(const SlamRun& run,
                               const std::optional<ReferenceComparison>& comparison) {
   write_checkpoint(run);
+  write_file("covariances.csv",
+             [&](const std::string& path) { write_text(covariances_csv(run), path); });
   write_file("map.pcd", [&](const std::string& path) { write_pcd(run.map_points_m, path); });
   write_file("report.html",
              [&](const std::string& path) { write_text(html_report(run, comparison), path); });
