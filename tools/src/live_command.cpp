@@ -53,8 +53,10 @@ void print_summary(const SlamRun& run, const recordings::LiveCounts& counts,
       latency.median, latency.p95, latency.max);
   to_stdout("{} packets, {} lost; {} of {} scans dropped\n", counts.packets.used,
             counts.packets.lost, counts.dropped_scans, counts.scans);
-  to_stdout("results: {}/trajectory.tum, trajectory.kitti, map.pcd, timings.json, report.html\n",
-            options.out);
+  to_stdout(
+      "results: {}/trajectory.tum, trajectory.kitti, covariances.csv, map.pcd, timings.json, "
+      "report.html\n",
+      options.out);
   if (run.left_out.scans > 0) to_stderr("hqslam: {}\n", run.left_out.text());
 }
 

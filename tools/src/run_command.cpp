@@ -73,9 +73,11 @@ void print_summary(const RunResult& result, const RunOptions& options) {
   if (!result.dense_map_summary.empty()) {
     to_stdout("{}\n", result.dense_map_summary);
   }
-  to_stdout("results: {}/trajectory.tum, trajectory.kitti, map.pcd, timings.json, report.html{}\n",
-            options.out,
-            result.dense_map_summary.empty() ? "" : ", dense_map.pcd, dense_map.ply and pictures");
+  to_stdout(
+      "results: {}/trajectory.tum, trajectory.kitti, covariances.csv, map.pcd, timings.json, "
+      "report.html{}\n",
+      options.out,
+      result.dense_map_summary.empty() ? "" : ", dense_map.pcd, dense_map.ply and pictures");
 }
 
 /// What to tell the shell, with the one line on stderr that explains it.
@@ -153,6 +155,8 @@ void declare_run(CLI::App& app, RunOptions& options) {
       "Writes into --out:\n"
       "  trajectory.tum    stamp x y z qx qy qz qw per scan\n"
       "  trajectory.kitti  3x4 matrix per scan, row-major; both in the first scan's sensor frame\n"
+      "  covariances.csv   how well each pose is known: 6x6 per scan, x y z and rotations about "
+      "them\n"
       "  map.pcd           the features of all key frames, in that frame\n"
       "  timings.json      time per stage and status of every scan\n"
       "  report.html       trajectory, error and times on one page\n"

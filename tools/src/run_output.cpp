@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <system_error>
 
+#include "covariances_csv.h"
 #include "dense_map_output.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/pcd.h"
@@ -26,8 +27,9 @@ constexpr double kCheckpointInterval_s = 5.0;
 /// Of the time between checkpoints what one may take: a long drive's are large.
 constexpr double kCheckpointShare = 0.01;
 constexpr std::array<const char*, 2> kCommands = {"run", "live"};
-constexpr std::array<const char*, 5> kResultNames = {"trajectory.tum", "trajectory.kitti",
-                                                     "map.pcd", "timings.json", "report.html"};
+constexpr std::array<const char*, 6> kResultNames = {"trajectory.tum",  "trajectory.kitti",
+                                                     "covariances.csv", "map.pcd",
+                                                     "timings.json",    "report.html"};
 
 std::string written_by(const std::string& command) { return "hqslam " + command; }
 
@@ -207,6 +209,7 @@ void RunOutput::write_checkpoint(const SlamRun& run) {
              [&](const std::string& path) { write_whole_file(path, timings_json(run)); });
   if (first_) {
     std::error_code ignored;
+    fs::remove(folder_ / "covariances.csv", ignored);
     fs::remove(folder_ / "map.pcd", ignored);
     fs::remove(folder_ / "report.html", ignored);
     remove_dense_map(folder_);
@@ -222,6 +225,8 @@ void RunOutput::write_checkpoint(const SlamRun& run) {
 void RunOutput::write_results(const SlamRun& run,
                               const std::optional<ReferenceComparison>& comparison) {
   write_checkpoint(run);
+  write_file("covariances.csv",
+             [&](const std::string& path) { write_whole_file(path, covariances_csv(run)); });
   write_file("map.pcd", [&](const std::string& path) { write_pcd(run.map_points_m, path); });
   write_file("report.html", [&](const std::string& path) {
     write_whole_file(path, html_report(run, comparison));
