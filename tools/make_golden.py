@@ -275,265 +275,114 @@ def rejected_pixels(ranges, min_angle_rad, min_pixels):
     return rejected
 
 
-class Parameters:
-    """Small fractions of 256, which a byte stores; handed out array by array."""
-
-    def __init__(self, generator, count):
-        import torch
-
-        self.stored = generator.randint(-64, 65, count).astype("|i1")
-        self.flat = torch.tensor(self.stored / 256.0, requires_grad=True)
-        self.next = 0
-
-    def take(self, *shape):
-        count = int(numpy.prod(shape))
-        self.next += count
-        return self.flat[self.next - count : self.next].reshape(shape)
-
-    def conv(self, outputs, inputs, kernel):
-        return self.take(outputs, inputs, kernel, kernel), self.take(outputs)
+# Also as users export them, for `hqslam weights pack`.
+EXPORTED = ("du_or", "simple_du", "du_mix_two_layers")
 
 
-def start_images(measured):
-    """Measured ranges spread over all rows: L, and the nearest measured ones above and below, and
-    linear between them where both have a return, otherwise the nearer one."""
+def small_network(kind, denoiser, layers=LAYERS, shared=False, min_pixels=0):
+    """As hqslam writes descriptions: the network of tests/nn/small_network.h."""
+    return {
+        "kind": kind, "layers": layers, "shared_weights": shared, "denoiser": denoiser,
+        "sensor": {"beam_elevation_deg": list(6.0 - 1.5 * numpy.arange(ROWS)),
+                   "min_range_m": MIN_RANGE_M, "max_range_m": 120.0},
+        "measured_rows": {"offset": FIRST_ROW, "stride": ROW_STRIDE},
+        "range_scale_m": RANGE_SCALE_M, "filter": {"min_pixels": min_pixels},
+    }
+
+
+def in_file_order(module):
+    """The parameters as weights files have them: those of the layers first."""
+    return [value for name, value in sorted(module.named_parameters(),
+                                            key=lambda named: not named[0].startswith("layers."))]
+
+
+def with_stored_parameters(module, seed, last=None):
+    """Small fractions of 256, which a byte stores; returned as such."""
     import torch
 
-    above, below, linear = (torch.zeros(ROWS, COLUMNS, dtype=torch.float64) for _ in range(3))
-    rows = FIRST_ROW + ROW_STRIDE * numpy.arange(len(measured))
-    for row in range(ROWS):
-        up = max([i for i in range(len(rows)) if rows[i] <= row], default=0)
-        down = min([i for i in range(len(rows)) if rows[i] >= row], default=len(rows) - 1)
-        above[row], below[row] = measured[up], measured[down]
-        part = (row - rows[up]) / ROW_STRIDE if up != down else 0.0
-        both = (above[row] > 0.0) & (below[row] > 0.0)
-        nearer = above[row] if part < 0.5 else below[row]
-        linear[row] = torch.where(both, (1.0 - part) * above[row] + part * below[row], nearer)
-    return above, below, linear
+    count = sum(value.numel() for value in in_file_order(module))
+    stored = numpy.random.RandomState(seed).randint(-64, 65, count).astype("|i1")
+    if last is not None:
+        stored[-1] = last
+    values, begin = torch.tensor(stored / 256.0), 0
+    with torch.no_grad():
+        for value in in_file_order(module):
+            value.copy_(values[begin : begin + value.numel()].reshape(value.shape))
+            begin += value.numel()
+    return stored
 
 
-def to_tiles(image, tile):
-    from torch.nn import functional
-
-    return functional.pixel_unshuffle(image[None, None], tile)
-
-
-def from_tiles(tiles, tile):
-    from torch.nn import functional
-
-    return functional.pixel_shuffle(tiles, tile)[0, 0]
-
-
-def u_shaped(parameters, channels, memory, slope, h, remembered, above, below):
-    import torch
-    from torch.nn import functional
-
-    first, second = channels
-
-    def activated(x):
-        return functional.leaky_relu(x, slope)
-
-    def conv(x, outputs, stride):
-        return activated(conv2d(x, *parameters.conv(outputs, x.shape[1], 3), stride, (1, 1), True))
-
-    up = conv(torch.cat((to_tiles(h, 4), remembered), 1), first, 1)
-    low = conv(conv(up, second, 2), second, 1)
-    weight, bias = parameters.take(second, first, 2, 2), parameters.take(first)
-    up = activated(functional.conv_transpose2d(low, weight, bias, 2) + up)
-    output = functional.conv2d(up, *parameters.conv(80 + memory, first, 1))
-    groups = output[0, :80].reshape(5, 16, *output.shape[2:])
-    scores = torch.stack([from_tiles(group[None], 4) for group in groups])
-    return selection(scores, above, below, h), output[:, 80:]
-
-
-def measured_mask():
+def save_network(name, module, measured_m, stored, total, loss, extra):
+    """total: what is differentiated, of which `loss` is the last layer's part."""
+    import layers
     import torch
 
-    mask = torch.zeros(ROWS, 1, dtype=torch.float64)
-    mask[FIRST_ROW::ROW_STRIDE] = 1.0
-    return mask
+    total.backward()
+    gradient = torch.cat([value.grad.flatten() for value in in_file_order(module)])
+    save(name, {"measured_m": measured_m, "parameters": stored, "loss": loss.reshape(1),
+                "d_parameters": gradient, **extra})
+    if name in EXPORTED:
+        layers.save_arrays(GOLDEN / f"exported_{name}.npz", module, measured_m)
 
 
-def save_network(name, measured_m, truth, parameters, z, extra):
+def unrolled(name, module, seed, last=None):
     """The loss is the one of training: measured rows count as exact."""
-    loss = ((1.0 - measured_mask()) * (z[-1] - truth).abs()).mean()
-    loss.backward()
-    save(name, {"measured_m": measured_m, "parameters": parameters.stored, "loss": loss.reshape(1),
-                "d_parameters": parameters.flat.grad, **extra,
-                **{f"layers.{i}.z": value for i, value in enumerate(z)}})
+    import torch
+    from du_or import l1_loss
+
+    measured_m = torch.tensor(scene_m()[FIRST_ROW::ROW_STRIDE])
+    truth = torch.tensor(scene_m() / RANGE_SCALE_M)
+    stored = with_stored_parameters(module, seed, last)
+    z, masks = module.iterates(measured_m), []
+    if isinstance(z, tuple):
+        z, masks = z
+    extra = {f"layers.{i}.z": value for i, value in enumerate(z)}
+    for i, mask in enumerate(masks):
+        extra[f"layers.{i}.rejected"] = mask.numpy().astype("|u1")
+        assert 0.03 < mask.double().mean() < 0.7, f"a dull mask: {mask.double().mean()}"
+    loss = l1_loss(module.rows, z[-1], truth)
+    save_network(name, module, measured_m, stored, loss, loss, extra)
 
 
 def du_or(name, seed, channels, memory, slope, shared, min_pixels):
-    import torch
+    from du_or import DuOr
 
-    generator = numpy.random.RandomState(seed)
-    measured_m = scene_m()[FIRST_ROW::ROW_STRIDE]
-    truth = torch.tensor(scene_m() / RANGE_SCALE_M)
-    above, below, linear = start_images(torch.tensor(measured_m / RANGE_SCALE_M))
-    first, second = channels
-    count = ((16 + memory) * first * 9 + first + (first + second) * second * 9 + 2 * second +
-             first * second * 4 + first + first * (80 + memory) + 80 + memory)
-    parameters = Parameters(generator, count * (1 if shared else LAYERS) + LAYERS)
-    penalty = torch.exp(parameters.flat[-LAYERS:])
-    mask = measured_mask()
-    z, y = [linear], linear
-    remembered = torch.zeros(1, memory, ROWS // 4, COLUMNS // 4, dtype=torch.float64)
-    extra = {}
-    for layer in range(LAYERS):
-        b = penalty[layer]
-        h = (mask * below + b * (z[-1] + y)) / (mask + 2.0 * b)
-        if shared:
-            parameters.next = 0
-        next_z, remembered = u_shaped(parameters, channels, memory, slope, h, remembered, above,
-                                      below)
-        rejected = rejected_pixels(h.detach().numpy(), numpy.radians(10.0), min_pixels)
-        y = torch.where(torch.tensor(rejected), next_z, h)
-        z.append(next_z)
-        if min_pixels > 0:
-            extra[f"layers.{layer}.rejected"] = rejected.astype("|u1")
-            assert 0.03 < rejected.mean() < 0.7, f"a dull mask: {rejected.mean()}"
-    assert parameters.next == len(parameters.flat) - LAYERS
-    save_network(name, measured_m, truth, parameters, z[1:], extra)
+    def find_outliers(h):
+        return rejected_pixels(h, numpy.radians(10.0), min_pixels)
+
+    denoiser = {"tile_rows": 4, "tile_columns": 4, "channels": list(channels), "memory": memory,
+                "negative_slope": slope}
+    network = small_network("du-or", denoiser, shared=shared, min_pixels=min_pixels)
+    unrolled(name, DuOr(network, find_outliers if min_pixels > 0 else None), seed)
 
 
 def simple_du(name, seed, features, convolutions):
+    from simple_du import SimpleDu
+
+    denoiser = {"features": features, "convolutions": convolutions, "dropout": 0.0}
+    unrolled(name, SimpleDu(small_network("simple-du", denoiser, shared=True)), seed, last=96)
+
+
+def du_mix(name, seed, shapes, memory, slope, layer_share):
+    """shapes: channels, lower channels and residual blocks of each layer."""
     import torch
+    from du_mix import DuMix
 
-    generator = numpy.random.RandomState(seed)
-    measured_m = scene_m()[FIRST_ROW::ROW_STRIDE]
-    truth = torch.tensor(scene_m() / RANGE_SCALE_M)
-    _, l, _ = start_images(torch.tensor(measured_m / RANGE_SCALE_M))
-    channels = [1] + [features] * (convolutions - 1) + [1]
-    parameters = Parameters(generator, sum(a * b * 9 for a, b in zip(channels, channels[1:])) + 1)
-    parameters.stored[-1] = 96
-    with torch.no_grad():
-        parameters.flat[-1] = 96 / 256.0
-    alpha = parameters.flat[-1]
-    mask = measured_mask()
-    z = [torch.zeros(ROWS, COLUMNS, dtype=torch.float64)]
-    for _ in range(LAYERS):
-        parameters.next = 0
-        x = ((mask * alpha * l + z[-1]) / (mask * alpha + 1.0))[None, None]
-        for i, (inputs, outputs) in enumerate(zip(channels, channels[1:])):
-            x = conv2d(x, parameters.take(outputs, inputs, 3, 3), None, 1, (1, 1), False)
-            x = torch.relu(x) if i + 1 < convolutions else x
-        z.append(x[0, 0])
-    save_network(name, measured_m, truth, parameters, z[1:], {})
-
-
-def du_mix(name, seed, layers, memory, slope, layer_share):
-    """Two modes per pixel (nn/hqs/two_modes.h). layers: channels, lower channels and residual blocks
-    of each. Everything in the logarithm of ranges in metres."""
-    import torch
-    from torch.nn import functional
-
-    generator = numpy.random.RandomState(seed)
-    measured_m = scene_m()[FIRST_ROW::ROW_STRIDE].copy()
+    fields = ("channels", "lower_channels", "residual_blocks")
+    denoiser = {"tile_rows": 4, "tile_columns": 4, "memory": memory, "negative_slope": slope,
+                "layers": [dict(zip(fields, shape)) for shape in shapes]}
+    module = DuMix(small_network("du-mix", denoiser, layers=len(shapes)))
+    stored = with_stored_parameters(module, seed)
+    measured_m = torch.tensor(scene_m()[FIRST_ROW::ROW_STRIDE])
     measured_m[2, 30:33] = 0.0
-    valid = torch.tensor((measured_m > 0.0).astype("<f8"))
-    filled = measured_m.copy()
-    for row in range(len(filled)):
-        above = filled[row - 1] if row > 0 else numpy.full(COLUMNS, 20.0)
-        filled[row] = numpy.where(filled[row] > 0.0, filled[row], above)
-    filled = torch.tensor(filled)
-    tile_rows = torch.arange(ROWS // 4)
-    up, same, down = (tile_rows - 1).clamp(min=0), tile_rows, tile_rows
-
-    def computed(of_tile):
-        """[3, tile rows, columns]: the same for the three computed rows of a tile."""
-        return of_tile[None].expand(3, -1, -1)
-
-    above_m, below_m = computed(filled[up]), computed(filled[down])
-    part = torch.tensor([0.25, 0.5, 0.75], dtype=torch.float64)[:, None, None]
-    part = part.expand(3, ROWS // 4, COLUMNS).clone()
-    start = -torch.log((1.0 - part) / above_m + part / below_m)
-    above, below = above_m.log(), below_m.log()
-    truth_m = torch.tensor(scene_m()).reshape(ROWS // 4, 4, COLUMNS).transpose(0, 1)[:3]
-    there = (truth_m > 0.0).double()
-    truth = torch.where(truth_m > 0.0, truth_m, torch.ones_like(truth_m)).log()
-
-    def tiles(rows):
-        """[rows of a tile, tile rows, columns] -> [1, rows x 4, tile rows, tile columns]."""
-        n = rows.shape[0]
-        return rows.reshape(n, ROWS // 4, COLUMNS // 4, 4).permute(0, 3, 1, 2).reshape(
-            1, 4 * n, ROWS // 4, COLUMNS // 4)
-
-    def untiled(x):
-        n = x.shape[1] // 4
-        return x.reshape(n, 4, ROWS // 4, COLUMNS // 4).permute(0, 2, 3, 1).reshape(
-            n, ROWS // 4, COLUMNS)
-
-    inputs = [16 + 8 + (15 - 3 + memory if layer else 0) for layer in range(len(layers))]
-    outputs = [84 + (memory if layer + 1 < len(layers) else 0) for layer in range(len(layers))]
-    count = sum(i * c * 9 + c + c * (ROWS // 4) + c * l * 9 + l + (1 + n) * (l * l * 9 + l) +
-                l * c * 4 + c + c * o + o for i, o, (c, l, n) in zip(inputs, outputs, layers))
-    parameters = Parameters(generator, count)
-    middle, probability, remembered, loss = start, None, None, 0.0
-    results = {}
-    typical = numpy.log(20.0)
-    for layer, (channels, lower, blocks) in enumerate(layers):
-        h = torch.cat([middle, filled[None, same].log()])
-        x = [tiles(0.5 * (h - typical)), tiles(valid[None] - 0.5),
-             tiles((filled[up].log() - filled.log()).clamp(-1.0, 1.0)[None])]
-        if layer:
-            x += [tiles(probability - 0.5), remembered]
-        x = torch.cat(x, 1)
-
-        def activated(v):
-            return torch.maximum(v, slope * v)
-
-        weight, bias = parameters.take(channels, x.shape[1], 3, 3), parameters.take(channels)
-        row_bias = parameters.take(channels, ROWS // 4)
-        encoded = activated(conv2d(x, weight, bias, 1, (1, 1), True) + row_bias[None, :, :, None])
-        weight, bias = parameters.take(lower, channels, 3, 3), parameters.take(lower)
-        x = activated(conv2d(encoded, weight, bias, 2, (1, 1), True))
-        for block in range(1 + blocks):
-            weight, bias = parameters.take(lower, lower, 3, 3), parameters.take(lower)
-            y = conv2d(x, weight, bias, 1, (1, 1), True)
-            x = activated(y + x) if block else activated(y)
-        weight, bias = parameters.take(lower, channels, 2, 2), parameters.take(channels)
-        x = activated(functional.conv_transpose2d(x, weight, bias, 2) + encoded)
-        weight, bias = parameters.take(outputs[layer], channels, 1, 1), parameters.take(outputs[layer])
-        x = functional.conv2d(x, weight, bias)
-        o = [untiled(x[:, 12 * g : 12 * (g + 1)]) for g in range(7)]
-        remembered = x[:, 84:]
-        share1, share2 = torch.sigmoid(4 * o[0]), torch.sigmoid(4 * o[2])
-        mode1 = share1 * above + (1.0 - share1) * middle + o[1]
-        mode2 = share2 * below + (1.0 - share2) * middle + o[3]
-        weight1 = torch.sigmoid(4 * o[4])
-        log_scale = -3.5 + 4.0 * o[5].clamp(-0.5, 1.0)
-        probability = torch.sigmoid(4 * o[6])
-        scale = log_scale.exp()
-        density = (weight1 * torch.exp(-(truth - mode1).abs() / scale) +
-                   (1.0 - weight1) * torch.exp(-(truth - mode2).abs() / scale)) / scale
-        pixel = -0.3 * there * density.log() - there * probability.log()
-        pixel = pixel - (1.0 - there) * (1.0 - probability).log()
-        of_layer = pixel.mean()
-        first = weight1 >= 0.5
-        middle = torch.where(first, mode1, mode2)
-        loss = loss + (1.0 if layer + 1 == len(layers) else layer_share) * of_layer
-        range_m = middle.exp()
-        tolerance = 0.5
-
-        def below_scales(v):
-            tail = 0.5 * torch.exp(-v.abs())
-            return torch.where(v > 0, 1.0 - tail, tail)
-
-        farther = torch.log(1.0 + tolerance / range_m) / scale
-        nearer = -torch.log((1.0 - tolerance / range_m).clamp(min=1e-6)) / scale
-        gap = (torch.where(first, mode2, mode1) - middle) / scale
-        of_chosen = below_scales(farther) - below_scales(-nearer)
-        of_other = below_scales(farther - gap) - below_scales(-nearer - gap)
-        chosen = torch.where(first, weight1, 1.0 - weight1)
-        results["range_m"] = range_m
-        results["confidence"] = probability * (chosen * of_chosen + (1.0 - chosen) * of_other)
-    assert parameters.next == len(parameters.flat)
-    loss.backward()
-    save(name, {"measured_m": measured_m, "parameters": parameters.stored,
-                "loss": of_layer.reshape(1), "d_parameters": parameters.flat.grad, **results})
+    total, loss = module.loss(measured_m, torch.tensor(scene_m()), layer_share)
+    said = module.layer_modes(measured_m)[-1]
+    extra = {"range_m": said["middle"].exp(), "confidence": module.confidence(said, 0.5)}
+    save_network(name, module, measured_m, stored, total, loss, extra)
 
 
 def make_networks():
+    sys.path.insert(0, str(pathlib.Path(__file__).parent / "pytorch"))
     du_or("du_or", 10, (6, 8), 3, 0.0, shared=False, min_pixels=0)
     du_or("du_or_filtered", 11, (6, 8), 3, 0.125, shared=True, min_pixels=30)
     simple_du("simple_du", 12, 8, 5)

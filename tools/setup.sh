@@ -3,6 +3,7 @@
 # systems with apt it tries the same packages.
 #   tools/setup.sh          to build and run
 #   tools/setup.sh checks   also what tools/test.sh checks the sources with
+#   tools/setup.sh fuzz     also what tools/fuzz.sh needs
 set -euo pipefail
 
 packages=(
@@ -16,6 +17,8 @@ packages=(
 )
 if [[ "${1:-}" == checks ]]; then
   packages+=(clang-format clang-tidy)
+elif [[ "${1:-}" == fuzz ]]; then
+  packages+=(clang libclang-rt-dev libomp-dev)
 fi
 
 if ! command -v apt-get >/dev/null || ! command -v dpkg-query >/dev/null; then

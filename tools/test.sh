@@ -1,5 +1,7 @@
 #!/usr/bin/env bash
 # Installs, builds everything, runs every test and checks the sources.
+#   tools/test.sh
+#   tools/test.sh --fuzz [SECONDS]   and then fuzzes every reader for 20 seconds, or so many
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 jobs=$(nproc)
@@ -60,6 +62,11 @@ if command -v clang-tidy >/dev/null; then
   fi
 else
   echo "clang-tidy is not there: SKIPPED"
+fi
+
+if [[ "${1:-}" == --fuzz ]]; then
+  step "Fuzzing"
+  tools/fuzz.sh "${2:-20}"
 fi
 
 step "All passed"

@@ -10,7 +10,7 @@
 #include <string_view>
 
 #include "hqslam/core/error.h"
-#include "whole_file.h"
+#include "hqslam/core/whole_file.h"
 
 namespace hqslam {
 

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "hqslam/core/error.h"
+#include "hqslam/core/excerpt.h"
 #include "npy_header_bytes.h"
 
 namespace hqslam {
@@ -24,7 +25,7 @@ void require_range_images(const NpyHeader& header, const std::string& path) {
     throw Error(
         fmt::format("{}: expected float32 values ('<f4'), found '{}'; convert with "
                     "array.astype('<f4')",
-                    path, header.dtype));
+                    path, excerpt(header.dtype)));
   }
   if (header.fortran_order) {
     throw Error(

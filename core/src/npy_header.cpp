@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "hqslam/core/error.h"
+#include "hqslam/core/excerpt.h"
 #include "hqslam/core/npy.h"
 
 namespace hqslam {
@@ -32,7 +33,7 @@ class DictionaryParser {
     expect('{');
     while (!accept('}')) {
       const std::string key = quoted();
-      if (!keys.insert(key).second) complain(fmt::format("key '{}' once", key));
+      if (!keys.insert(key).second) complain(fmt::format("key '{}' once", excerpt(key)));
       expect(':');
       parse_value(key, header);
       if (!accept(',')) {

@@ -5,8 +5,8 @@
 #include <sstream>
 #include <utility>
 
-#include "excerpt.h"
 #include "hqslam/core/error.h"
+#include "hqslam/core/excerpt.h"
 #include "hqslam/core/npy.h"
 #include "hqslam/core/npz.h"
 #include "npy_header_bytes.h"

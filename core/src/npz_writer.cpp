@@ -2,12 +2,14 @@
 
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <string>
 #include <string_view>
 
-#include "excerpt.h"
 #include "hqslam/core/error.h"
+#include "hqslam/core/excerpt.h"
 #include "hqslam/core/npz.h"
+#include "hqslam/core/whole_file.h"
 #include "npy_header_bytes.h"
 #include "npz_layout.h"
 #include "npz_zip.h"
@@ -25,11 +27,32 @@ constexpr std::size_t kNameCharacters = 120;  // of a name in a message
                   path, reason));
 }
 
-ZipArchive created(const std::string& path) {
-  int code = ZIP_ER_OK;
-  ZipArchive archive(zip_open(path.c_str(), ZIP_CREATE | ZIP_TRUNCATE, &code));
-  if (!archive) fail_to_write(path, zip_error_text(code));
+struct FreeSource {
+  void operator()(zip_source_t* source) const { zip_source_free(source); }
+};
+using ZipSource = std::unique_ptr<zip_source_t, FreeSource>;
+
+/// An archive that is kept in memory: of one that is kept in a file libzip would leave its own
+/// temporary file behind if the program were killed. `source` stays the caller's.
+ZipArchive created(zip_source_t* source, const std::string& path) {
+  zip_error_t error;
+  zip_error_init(&error);
+  ZipArchive archive(zip_open_from_source(source, ZIP_TRUNCATE, &error));
+  if (!archive) fail_to_write(path, zip_error_strerror(&error));
+  zip_source_keep(source);
   return archive;
+}
+
+std::string bytes_of(zip_source_t* source, const std::string& path) {
+  zip_stat_t stat;
+  zip_stat_init(&stat);
+  bool good = zip_source_open(source) == 0 && zip_source_stat(source, &stat) == 0;
+  std::string bytes(good ? stat.size : 0, '\0');
+  good = good && zip_source_read(source, bytes.data(), bytes.size()) ==
+                     static_cast<zip_int64_t>(bytes.size());
+  if (!good) fail_to_write(path, zip_error_strerror(zip_source_error(source)));
+  zip_source_close(source);
+  return bytes;
 }
 
 /// The bytes of an array's .npy file.
@@ -96,11 +119,14 @@ void write_npz(const std::string& path, const NpzArrays& arrays) {
     require_name(path, name);
     files[name] = npy_file(path, name, array);
   }
-  ZipArchive archive = created(path);
+  const ZipSource source(zip_source_buffer_create(nullptr, 0, 0, nullptr));
+  if (!source) fail_to_write(path, "no memory");
+  ZipArchive archive = created(source.get(), path);
   for (const auto& [name, file] : files) add_member(archive.get(), path, name, file);
-  // This writes a file beside `path` and renames it. What it could not write it leaves to discard.
   if (zip_close(archive.get()) != 0) fail_to_write(path, zip_strerror(archive.get()));
   (void)archive.release();
+  const std::string bytes = bytes_of(source.get(), path);
+  replace_file(path, [&](const std::string& part) { write_whole_file(part, bytes); });
 }
 
 }  // namespace hqslam

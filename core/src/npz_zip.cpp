@@ -6,8 +6,8 @@
 #include <set>
 #include <string_view>
 
-#include "excerpt.h"
 #include "hqslam/core/error.h"
+#include "hqslam/core/excerpt.h"
 
 namespace hqslam {
 

@@ -6,10 +6,11 @@
 #include <optional>
 
 #include "hqslam/core/error.h"
+#include "hqslam/core/excerpt.h"
+#include "hqslam/core/whole_file.h"
 #include "pcd_columns.h"
 #include "pcd_header.h"
 #include "raw_points.h"
-#include "whole_file.h"
 
 namespace hqslam {
 
@@ -43,7 +44,7 @@ PcdColumn coordinate(const PcdHeader& header, const PcdColumns& columns, std::st
     throw Error(
         fmt::format("{}: expected fields x y z, found {}; give a point cloud with "
                     "coordinates",
-                    path, found));
+                    path, excerpt(found, 200)));
   }
   return columns.column(*field);
 }
@@ -72,13 +73,14 @@ PointColumns point_columns(const PcdHeader& header, const PcdColumns& columns,
   return result;
 }
 
-RawPoints raw_points(const PointColumns& columns, std::size_t points) {
+RawPoints raw_points(const PointColumns& columns, PcdColumns& data, std::size_t points) {
   RawPoints raw;
   raw.ring_name = columns.ring_name;
   raw.time.name = columns.time_name;
   raw.time.whole_numbers = columns.whole_times;
   raw.scan.points_m.reserve(points);
   for (std::size_t i = 0; i < points; ++i) {
+    data.read_point(i);
     if (!raw.add(columns.x.at(i), columns.y.at(i), columns.z.at(i))) continue;
     if (columns.time) raw.time.values.push_back(columns.time->at(i));
     if (columns.ring) raw.ring.push_back(columns.ring->at(i));
@@ -89,8 +91,9 @@ RawPoints raw_points(const PointColumns& columns, std::size_t points) {
 Scan scan_from(const std::string& path, const SensorModel* sensor) {
   const std::string file = whole_file(path, "a .pcd file", kMaxFileBytes);
   const PcdHeader header = parse_pcd_header(file, path);
-  const PcdColumns columns(file, header, path);
-  return scan_of(raw_points(point_columns(header, columns, path), header.points), sensor, path);
+  PcdColumns data(file, header, path);
+  const PointColumns columns = point_columns(header, data, path);
+  return scan_of(raw_points(columns, data, header.points), sensor, path);
 }
 
 }  // namespace

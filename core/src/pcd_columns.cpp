@@ -8,8 +8,8 @@
 #include <limits>
 #include <optional>
 
-#include "excerpt.h"
 #include "hqslam/core/error.h"
+#include "hqslam/core/excerpt.h"
 #include "lzf.h"
 
 namespace hqslam {
@@ -78,7 +78,7 @@ double PcdColumn::at(std::size_t point) const {
 PcdColumns::PcdColumns(std::string_view file, const PcdHeader& header, const std::string& path)
     : header_(header), path_(path) {
   const std::string_view data = file.substr(header.data_offset_bytes);
-  if (header.data == PcdData::kAscii) read_ascii(data);
+  if (header.data == PcdData::kAscii) check_ascii(data);
   if (header.data == PcdData::kBinary) read_binary(data);
   if (header.data == PcdData::kBinaryCompressed) read_compressed(data);
 }
@@ -91,8 +91,8 @@ PcdColumn PcdColumns::column(const PcdField& field) const {
                     path_, excerpt(field.name)));
   }
   if (header_.data == PcdData::kAscii) {
-    return {reinterpret_cast<const char*>(numbers_.data() + field.first_number),
-            header_.point_numbers * sizeof(double), 'F', sizeof(double)};
+    return {reinterpret_cast<const char*>(numbers_.data() + field.first_number), 0, 'F',
+            sizeof(double)};
   }
   if (header_.data == PcdData::kBinary) {
     return {points_ + field.offset_bytes, header_.point_bytes, field.type, field.size_bytes};
@@ -101,7 +101,7 @@ PcdColumn PcdColumns::column(const PcdField& field) const {
           field.size_bytes * field.count, field.type, field.size_bytes};
 }
 
-void PcdColumns::read_ascii(std::string_view data) {
+void PcdColumns::check_ascii(std::string_view data) {
   const std::size_t expected = header_.points * header_.point_numbers;
   // Each number takes a character and a separator.
   if (header_.points > data.size() || expected > (data.size() + 1) / 2) {
@@ -110,26 +110,29 @@ void PcdColumns::read_ascii(std::string_view data) {
                     "the file again",
                     path_, header_.points, header_.point_numbers, data.size()));
   }
-  numbers_.reserve(expected);
+  rest_ = data;
+  numbers_.resize(header_.point_numbers);
+}
+
+void PcdColumns::read_point(std::size_t point) {
+  if (header_.data != PcdData::kAscii) return;
   constexpr std::string_view kSpace = " \t\r\n";
-  std::size_t at = 0;
-  while (numbers_.size() < expected) {
-    at = data.find_first_not_of(kSpace, at);
-    if (at == std::string_view::npos) {
+  for (std::size_t i = 0; i < numbers_.size(); ++i) {
+    rest_.remove_prefix(std::min(rest_.find_first_not_of(kSpace), rest_.size()));
+    if (rest_.empty()) {
       throw Error(
           fmt::format("{}: truncated: expected {} points of {} numbers, found {} numbers; "
                       "copy the file again",
-                      path_, header_.points, header_.point_numbers, numbers_.size()));
+                      path_, header_.points, numbers_.size(), point * numbers_.size() + i));
     }
-    const std::size_t end = std::min(data.find_first_of(kSpace, at), data.size());
-    const std::optional<double> value = number_in(data.substr(at, end - at));
+    const std::string_view word = rest_.substr(0, rest_.find_first_of(kSpace));
+    const std::optional<double> value = number_in(word);
     if (!value) {
       throw Error(fmt::format("{}: point {}: expected a number, found '{}'; correct the line",
-                              path_, numbers_.size() / header_.point_numbers,
-                              excerpt(data.substr(at, end - at))));
+                              path_, point, excerpt(word)));
     }
-    numbers_.push_back(*value);
-    at = end;
+    numbers_[i] = *value;
+    rest_.remove_prefix(word.size());
   }
 }
 

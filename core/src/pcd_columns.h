@@ -30,14 +30,20 @@ class PcdColumns {
   /// The first number of this field. Throws Error if it has none.
   PcdColumn column(const PcdField& field) const;
 
+  /// To be called before the columns are asked for point 0, then for point 1 and so on: of a text
+  /// only one point is kept as numbers, since all would take many times its size. Throws Error if a
+  /// word of it is no number.
+  void read_point(std::size_t point);
+
  private:
-  void read_ascii(std::string_view data);
+  void check_ascii(std::string_view data);
   void read_binary(std::string_view data);
   void read_compressed(std::string_view data);
 
   const PcdHeader& header_;
   const std::string& path_;
-  std::vector<double> numbers_;   ///< ascii: points x point_numbers
+  std::string_view rest_;         ///< ascii: what has not been read
+  std::vector<double> numbers_;   ///< ascii: those of one point
   std::string decompressed_;      ///< binary_compressed: one field after the other
   const char* points_ = nullptr;  ///< binary: one point after the other
 };

@@ -7,8 +7,8 @@
 #include <limits>
 #include <map>
 
-#include "excerpt.h"
 #include "hqslam/core/error.h"
+#include "hqslam/core/excerpt.h"
 
 namespace hqslam {
 

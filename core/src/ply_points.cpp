@@ -7,10 +7,10 @@
 #include <cstring>
 #include <string_view>
 
-#include "excerpt.h"
 #include "hqslam/core/error.h"
+#include "hqslam/core/excerpt.h"
+#include "hqslam/core/whole_file.h"
 #include "text_points.h"
-#include "whole_file.h"
 
 namespace hqslam {
 

@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "hqslam/core/error.h"
-#include "whole_file.h"
+#include "hqslam/core/whole_file.h"
 
 namespace hqslam {
 

@@ -10,9 +10,9 @@
 #include <optional>
 #include <string_view>
 
-#include "excerpt.h"
 #include "hqslam/core/error.h"
-#include "whole_file.h"
+#include "hqslam/core/excerpt.h"
+#include "hqslam/core/whole_file.h"
 
 namespace hqslam {
 

@@ -10,11 +10,11 @@
 #include <numbers>
 #include <string_view>
 
-#include "excerpt.h"
 #include "hqslam/core/error.h"
+#include "hqslam/core/excerpt.h"
 #include "hqslam/core/json_limits.h"
 #include "hqslam/core/sensor_model.h"
-#include "whole_file.h"
+#include "hqslam/core/whole_file.h"
 
 namespace hqslam {
 

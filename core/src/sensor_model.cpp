@@ -78,8 +78,12 @@ void validate(const SensorModel& sensor) {
   require(sensor.beam_azimuth_offset_rad.size() == rows, sensor,
           fmt::format("{} azimuth offsets for {} beam elevations, expected as many",
                       sensor.beam_azimuth_offset_rad.size(), rows));
-  require(sensor.scan_period_s > 0.0 && std::isfinite(sensor.scan_period_s), sensor,
-          fmt::format("scan_period_s is {}, expected a positive number", sensor.scan_period_s));
+  constexpr double kShortestPeriod_s = 0.001;
+  constexpr double kLongestPeriod_s = 100.0;
+  require(sensor.scan_period_s >= kShortestPeriod_s && sensor.scan_period_s <= kLongestPeriod_s,
+          sensor,
+          fmt::format("scan_period_s is {}, expected {} to {}", sensor.scan_period_s,
+                      kShortestPeriod_s, kLongestPeriod_s));
   require(sensor.min_range_m >= 0.0 && sensor.max_range_m > sensor.min_range_m &&
               std::isfinite(sensor.max_range_m),
           sensor,

@@ -8,10 +8,10 @@
 #include <string_view>
 #include <utility>
 
-#include "excerpt.h"
 #include "hqslam/core/error.h"
+#include "hqslam/core/excerpt.h"
 #include "hqslam/core/trajectory.h"
-#include "whole_file.h"
+#include "hqslam/core/whole_file.h"
 
 namespace hqslam {
 

@@ -1,9 +1,10 @@
-#include "whole_file.h"
+#include "hqslam/core/whole_file.h"
 
 #include <fmt/format.h>
 
 #include <filesystem>
 #include <fstream>
+#include <system_error>
 
 #include "hqslam/core/error.h"
 
@@ -43,6 +44,24 @@ void write_whole_file(const std::string& path, const std::string& bytes) {
                     "has free space",
                     path));
   }
+}
+
+void replace_file(const std::string& path,
+                  const std::function<void(const std::string& part)>& write) {
+  const std::string part = path + ".part";
+  std::error_code failure;
+  try {
+    write(part);
+  } catch (...) {
+    std::filesystem::remove(part, failure);
+    throw;
+  }
+  std::filesystem::rename(part, path, failure);
+  if (!failure) return;
+  std::error_code ignored;
+  std::filesystem::remove(part, ignored);
+  throw Error(fmt::format("{}: cannot be written ({}); check that the folder is writable", path,
+                          failure.message()));
 }
 
 }  // namespace hqslam

@@ -21,7 +21,7 @@ void leaky_relu_backward(float slope, const Tensor& output, Tensor& d_values) {
       float* gradient = d_values.row(channel, y);
 #pragma omp simd
       for (int x = 0; x < output.columns(); ++x) {
-        gradient[x] = out[x] > 0.0F ? gradient[x] : slope * gradient[x];
+        gradient[x] *= out[x] > 0.0F ? 1.0F : slope;
       }
       d_values.fill_border(channel, y);
     }

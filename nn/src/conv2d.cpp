@@ -50,10 +50,10 @@ void Conv2d::forward_row(const Tensor& input, int row, float* output,
   self.convolution.gather_row(input, self.bias.data(), row, output, channel_stride, self.scratch);
 }
 
-void Conv2d::backward_input(const Tensor& d_output, const LayerEnd& end, Tensor& d_input) {
+void Conv2d::backward_input(const Tensor& d_output, const InputGradientEnd& end, Tensor& d_input) {
   Implementation& self = *implementation_;
-  self.convolution.scatter(d_output, {nullptr, end.skip, end.negative_slope}, d_input,
-                           self.scratch);
+  self.convolution.scatter(d_output, {nullptr, end.skip, end.negative_slope, end.activated},
+                           d_input, self.scratch);
 }
 
 void Conv2d::backward_parameters(const Tensor& input, const Tensor& d_output,

@@ -41,9 +41,11 @@ void ConvTranspose2d::forward(const Tensor& input, const LayerEnd& end, Tensor& 
                            self.scratch);
 }
 
-void ConvTranspose2d::backward_input(const Tensor& d_output, const LayerEnd& end, Tensor& d_input) {
+void ConvTranspose2d::backward_input(const Tensor& d_output, const InputGradientEnd& end,
+                                     Tensor& d_input) {
   Implementation& self = *implementation_;
-  self.convolution.gather(d_output, {nullptr, end.skip, end.negative_slope}, d_input, self.scratch);
+  self.convolution.gather(d_output, {nullptr, end.skip, end.negative_slope, end.activated}, d_input,
+                          self.scratch);
 }
 
 void ConvTranspose2d::backward_parameters(const Tensor& input, const Tensor& d_output,

@@ -138,17 +138,25 @@ std::optional<int> ConvolutionGraph::used_as_skip_for(int index) const {
   return std::nullopt;
 }
 
+std::optional<float> ConvolutionGraph::slope_before(int index) const {
+  for (const ConvolutionStep& step : steps_) {
+    if (step.to == index && step.negative_slope != 1.0F) return step.negative_slope;
+  }
+  return std::nullopt;
+}
+
 void ConvolutionGraph::backward(const std::vector<Tensor>& values, std::vector<Tensor>& gradients,
                                 std::span<float> d_parameters) {
   std::vector<std::span<float>> d_arrays;
   for (const ParameterShape& array : parameter_shapes()) {
     d_arrays.push_back(take(d_parameters, array.elements()));
   }
+  if (steps_.back().negative_slope != 1.0F) {
+    leaky_relu_backward(steps_.back().negative_slope, values.back(), gradients.back());
+  }
   for (std::size_t i = steps_.size(); i-- > 0;) {
     const ConvolutionStep& step = steps_[i];
-    Tensor& d_to = gradients[step.to];
-    if (step.negative_slope != 1.0F)
-      leaky_relu_backward(step.negative_slope, values[step.to], d_to);
+    const Tensor& d_to = gradients[step.to];
     if (step.row_bias) {
       const std::span<float> d_rows = d_arrays.back();
       d_arrays.pop_back();
@@ -165,12 +173,16 @@ void ConvolutionGraph::backward(const std::vector<Tensor>& values, std::vector<T
     d_arrays.pop_back();
     const std::span<float> d_weight = d_arrays.back();
     d_arrays.pop_back();
-    const std::optional<int> skip = used_as_skip_for(step.from);
+    InputGradientEnd end;
+    if (const std::optional<int> skip = used_as_skip_for(step.from)) end.skip = &gradients[*skip];
+    if (const std::optional<float> slope = slope_before(step.from)) {
+      end.activated = &values[step.from];
+      end.negative_slope = *slope;
+    }
     std::visit(
         [&](auto& layer) {
           layer.backward_parameters(values[step.from], d_to, d_weight, d_bias);
-          layer.backward_input(d_to, {1.0F, skip ? &gradients[*skip] : nullptr},
-                               gradients[step.from]);
+          layer.backward_input(d_to, end, gradients[step.from]);
         },
         layers_[i]);
   }

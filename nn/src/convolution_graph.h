@@ -60,7 +60,7 @@ class ConvolutionGraph {
   void last_step_row(const std::vector<Tensor>& values, int row, float* output,
                      std::int64_t channel_stride) const;
   /// In: gradients.back(), borders filled. Out: gradients.front(); d_parameters is added to. The
-  /// others are overwritten. One thread.
+  /// others are overwritten: the gradients of what went into their activations. One thread.
   void backward(const std::vector<Tensor>& values, std::vector<Tensor>& gradients,
                 std::span<float> d_parameters);
 
@@ -70,6 +70,8 @@ class ConvolutionGraph {
   const ConvolutionShape& shape(std::size_t step) const;
   /// The tensor whose gradient tensor `index` gets as a skip.
   std::optional<int> used_as_skip_for(int index) const;
+  /// Of the activation that made tensor `index`; nothing if none did.
+  std::optional<float> slope_before(int index) const;
 
   std::vector<ConvolutionStep> steps_;
   std::vector<Tensor> shapes_;

@@ -4,10 +4,10 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 
 #include "hqslam/core/error.h"
+#include "hqslam/core/excerpt.h"
 #include "hqslam/core/json_limits.h"
 
 namespace hqslam::nn {
@@ -17,9 +17,7 @@ using Json = nlohmann::ordered_json;
 
 /// The beginning of a value, fit for a message of one line.
 std::string excerpt(const Json& value) {
-  constexpr std::size_t kMostCharacters = 30;
-  std::string text = value.dump(-1, ' ', true, Json::error_handler_t::replace);
-  return text.size() > kMostCharacters ? text.substr(0, kMostCharacters) + "..." : text;
+  return hqslam::excerpt(value.dump(-1, ' ', true, Json::error_handler_t::replace));
 }
 
 }  // namespace
@@ -146,12 +144,8 @@ void JsonFields::optional(const std::string& field, bool& value) {
 void JsonFields::finish() const {
   for (const auto& item : object_.items()) {
     if (!read_.contains(item.key())) {
-      std::string key = item.key().substr(0, 30);
-      for (char& c : key) {
-        if (!std::isprint(static_cast<unsigned char>(c))) c = '?';
-      }
-      throw Error(
-          fmt::format("{}: unknown field '{}'; take it out or correct its name", source_, key));
+      throw Error(fmt::format("{}: unknown field '{}'; take it out or correct its name", source_,
+                              hqslam::excerpt(item.key())));
     }
   }
 }

@@ -17,6 +17,7 @@ constexpr int kMaxColumnGap = 10;       // neighbours farther apart than this ar
 constexpr float kDepthJump_m = 0.3F;    // hides what lies behind
 constexpr float kParallelJump = 0.02F;  // of the range, on both sides: surface along the beam
 constexpr int kOutlierColumns = 5;      // outliers of every fifth column go into the map
+constexpr int kSlopeRows = 3;           // how far away the row beside a row may be
 
 /// The ground and cluster returns of one row, one after the other, and what was found about them.
 struct Row {
@@ -33,6 +34,33 @@ struct Row {
   bool neighbours(int i, int j) const { return std::abs(column[i] - column[j]) <= kMaxColumnGap; }
 };
 
+/// The ground in the first row with a return above (step -1) or below (1) a pixel.
+const Eigen::Vector3f* ground_beside(const OrganizedCloud& cloud, const Segmentation& segmentation,
+                                     int row, int column, int step) {
+  for (int i = 1; i <= kSlopeRows; ++i) {
+    const int other = row + i * step;
+    if (other < 0 || other >= cloud.rows) return nullptr;
+    const std::size_t pixel = cloud.index(other, column);
+    if (segmentation.pixel_class[pixel] == PixelClass::kNoReturn) continue;
+    return segmentation.pixel_class[pixel] == PixelClass::kGround ? &cloud.points_m[pixel]
+                                                                  : nullptr;
+  }
+  return nullptr;
+}
+
+/// FeaturePoint::slope of a pixel on the ground: half way between the directions from the point
+/// below and to the point above.
+Eigen::Vector3f slope_at(const OrganizedCloud& cloud, const Segmentation& segmentation, int row,
+                         int column) {
+  const Eigen::Vector3f& here_m = cloud.points_m[cloud.index(row, column)];
+  Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+  for (const int step : {-1, 1}) {
+    const Eigen::Vector3f* other_m = ground_beside(cloud, segmentation, row, column, step);
+    if (other_m != nullptr) sum -= static_cast<float>(step) * (*other_m - here_m).normalized();
+  }
+  return sum.normalized();  // of zero: zero
+}
+
 Row gather_row(const OrganizedCloud& cloud, const Segmentation& segmentation, int row) {
   Row result;
   const auto most = static_cast<std::size_t>(cloud.columns);
@@ -45,7 +73,10 @@ Row gather_row(const OrganizedCloud& cloud, const Segmentation& segmentation, in
     const PixelClass pixel_class = segmentation.pixel_class[pixel];
     if (pixel_class == PixelClass::kNoReturn) continue;
     const float offset_s = cloud.time_offset_s.empty() ? 0.0F : cloud.time_offset_s[pixel];
-    const FeaturePoint point{cloud.points_m[pixel], offset_s, row};
+    FeaturePoint point{cloud.points_m[pixel], offset_s, row};
+    if (pixel_class == PixelClass::kGround) {
+      point.slope = slope_at(cloud, segmentation, row, column);
+    }
     if (pixel_class == PixelClass::kOutlier) {
       if (column % kOutlierColumns == 0) result.outliers.push_back(point);
       continue;

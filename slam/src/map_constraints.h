@@ -21,8 +21,8 @@ struct SearchedFeatures {
 
 /// The features of a scan while it is located.
 struct LocatedScan {
-  SearchedFeatures<MapPlane> ground;
-  SearchedFeatures<MapPlane> surfaces;
+  SearchedFeatures<MapSurface> ground;
+  SearchedFeatures<MapSurface> surfaces;
   SearchedFeatures<MapLine> edges;
 };
 

@@ -34,19 +34,14 @@ Spread spread_of(const Neighbours& neighbours) {
   return result;
 }
 
-}  // namespace
-
-std::optional<MapLine> fit_line(const Neighbours& neighbours) {
-  if (neighbours.count < Neighbours::kWanted) return std::nullopt;
-  const Spread spread = spread_of(neighbours);
+std::optional<MapLine> line_of(const Spread& spread) {
   const Eigen::Vector3d& eigenvalues = spread.solver.eigenvalues();
   if (!(eigenvalues[2] > kMinLineElongation * eigenvalues[1])) return std::nullopt;
   return MapLine{spread.mean_m, spread.solver.eigenvectors().col(2)};
 }
 
-std::optional<MapPlane> fit_plane(const Neighbours& neighbours, double max_residual_m) {
-  if (neighbours.count < Neighbours::kWanted) return std::nullopt;
-  const Spread spread = spread_of(neighbours);
+std::optional<MapPlane> plane_of(const Neighbours& neighbours, const Spread& spread,
+                                 double max_residual_m) {
   const Eigen::Vector3d& eigenvalues = spread.solver.eigenvalues();
   if (!(eigenvalues[1] >= kMinPlaneWidthShare * eigenvalues[2])) return std::nullopt;
   const MapPlane plane{spread.mean_m, spread.solver.eigenvectors().col(0)};
@@ -55,6 +50,26 @@ std::optional<MapPlane> fit_plane(const Neighbours& neighbours, double max_resid
     if (!(std::abs(residual_m) <= max_residual_m)) return std::nullopt;
   }
   return plane;
+}
+
+}  // namespace
+
+std::optional<MapLine> fit_line(const Neighbours& neighbours) {
+  if (neighbours.count < Neighbours::kWanted) return std::nullopt;
+  return line_of(spread_of(neighbours));
+}
+
+std::optional<MapPlane> fit_plane(const Neighbours& neighbours, double max_residual_m) {
+  if (neighbours.count < Neighbours::kWanted) return std::nullopt;
+  return plane_of(neighbours, spread_of(neighbours), max_residual_m);
+}
+
+std::optional<MapSurface> fit_surface(const Neighbours& neighbours, double max_residual_m) {
+  if (neighbours.count < Neighbours::kWanted) return std::nullopt;
+  const Spread spread = spread_of(neighbours);
+  if (const auto plane = plane_of(neighbours, spread, max_residual_m)) return *plane;
+  if (const auto line = line_of(spread)) return *line;
+  return std::nullopt;
 }
 
 }  // namespace hqslam::slam

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <optional>
+#include <variant>
 
 #include "hqslam/slam/feature_map.h"
 
@@ -24,5 +25,10 @@ struct MapPlane {
 /// The plane through five neighbours, if they do not lie along a line and none is farther than
 /// max_residual_m from the plane.
 std::optional<MapPlane> fit_plane(const Neighbours& neighbours, double max_residual_m);
+
+/// What five neighbours on a surface say of it: its plane, or, where all of them are of one row,
+/// the line that the row drew on it.
+using MapSurface = std::variant<MapPlane, MapLine>;
+std::optional<MapSurface> fit_surface(const Neighbours& neighbours, double max_residual_m);
 
 }  // namespace hqslam::slam

@@ -52,8 +52,8 @@ MappingResult Mapping::locate(const MapFeatures& features, const MotionState& ex
   MappingResult result;
   const ExpectedState prior(expected);
   result.state = prior.given(T_map_sensor_start);
-  LocatedScan scan{SearchedFeatures<MapPlane>(features.ground_to_locate),
-                   SearchedFeatures<MapPlane>(features.surfaces_to_locate),
+  LocatedScan scan{SearchedFeatures<MapSurface>(features.ground_to_locate),
+                   SearchedFeatures<MapSurface>(features.surfaces_to_locate),
                    SearchedFeatures<MapLine>(features.edges)};
   bool narrow_suffices = true;
   for (int iteration = 0; iteration < options_.max_iterations; ++iteration) {

@@ -118,10 +118,10 @@ OdometryResult Odometry::estimate(const Features& features,
   OdometryResult result;
   result.T_reference_sensor = T_reference_sensor_predicted;
   result.status = Status::kTooFewFeatures;
-  if (reference_ == nullptr || static_cast<int>(reference_->edges.size()) < options_.min_edges ||
-      static_cast<int>(reference_->ground.size()) < options_.min_planar) {
-    return result;
-  }
+  if (reference_ == nullptr) return result;
+  const bool has_edges = static_cast<int>(reference_->edges.size()) >= options_.min_edges;
+  const bool has_ground = static_cast<int>(reference_->ground.size()) >= options_.min_planar;
+  if (!has_edges && !has_ground) return result;
   for (int iteration = 0; iteration < options_.max_iterations; ++iteration) {
     const Pose before = result.T_reference_sensor;
     const Twist velocity = (1.0 / duration_s) * logarithm(before);
@@ -134,7 +134,7 @@ OdometryResult Odometry::estimate(const Features& features,
           return match_plane(reference_->ground, point_m, planar_state);
         });
     result.planar_correspondences = planar.planes;
-    const bool enough_planar = planar.planes >= options_.min_correspondences;
+    const bool enough_planar = has_ground && planar.planes >= options_.min_correspondences;
     const bool planar_observable =
         !enough_planar ||
         improve(planar.all, FreeParameters::kOutOfPlane, result.T_reference_sensor);
@@ -144,13 +144,15 @@ OdometryResult Odometry::estimate(const Features& features,
         motion_corrected(features.sharp_edges, velocity),
         [&](const auto& point_m) { return match_edge(reference_->edges, point_m, edge_state); });
     result.edge_correspondences = edges.edges;
-    const bool enough_edges = edges.edges >= options_.min_correspondences;
+    const bool enough_edges = has_edges && edges.edges >= options_.min_correspondences;
+    // Where there is no ground, edges tell what they can about all of the motion.
+    const FreeParameters told = enough_planar ? FreeParameters::kInPlane : FreeParameters::kAll;
     const bool edges_observable =
-        !enough_edges || improve(edges.all, FreeParameters::kInPlane, result.T_reference_sensor);
+        !enough_edges || improve(edges.all, told, result.T_reference_sensor);
 
-    if (!enough_planar || !enough_edges) {
+    if (!enough_edges) {
       result.status = Status::kTooFewFeatures;
-      if (!enough_planar && !enough_edges) return result;
+      if (!enough_planar) return result;
       continue;
     }
     result.status =

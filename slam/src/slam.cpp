@@ -76,9 +76,10 @@ int matched(const MappingResult& located) {
              : located.edge_correspondences + located.planar_correspondences;
 }
 
-/// Whether a scan can serve as the one that the next are matched with.
+/// Whether a scan can serve as the one that the next are matched with: edges alone will do
+/// (indoors), and so will ground and surfaces alone (in open land).
 bool can_be_reference(const Features& features, const OdometryOptions& options) {
-  return static_cast<int>(features.edges.size()) >= options.min_edges &&
+  return static_cast<int>(features.edges.size()) >= options.min_edges ||
          static_cast<int>(features.ground.size() + features.surfaces.size()) >= options.min_planar;
 }
 
@@ -109,7 +110,8 @@ struct Slam::Implementation {
         segmenter(sensor, options.ground, options.segmentation),
         odometry(options.odometry),
         mapping(options.mapping),
-        clock(sensor.scan_period_s) {
+        clock(sensor.scan_period_s),
+        drift(sensor) {
     if (options.loop_closing.enabled) loop_closing.emplace();
   }
 
@@ -203,9 +205,12 @@ void Slam::Implementation::follow(const OrganizedCloud& cloud, const Features& f
       first_scan.reset();
       unlocated_scans = 0;
     }
+    const Pose motion = reference.T_map_sensor.inverse() * followed.state.T_map_sensor;
     if (followed.is_located) {
       accelerations.learn(reference.velocity, followed.state.velocity, time_s - reference_time_s);
-      drift.locate(reference.T_map_sensor.inverse() * followed.state.T_map_sensor, followed.state);
+      drift.locate(motion, followed.state);
+    } else {
+      drift.move(motion);
     }
     make_reference(features, followed.state, report);
     if ((followed.is_located || goes_on) && mapping.is_key_frame(report.T_map_sensor)) {
@@ -252,7 +257,8 @@ Slam::Implementation::Followed Slam::Implementation::locate(const Features& feat
   report.edge_correspondences = located.edge_correspondences;
   report.planar_correspondences = located.planar_correspondences;
   report.T_map_sensor = result.state.T_map_sensor;
-  report.covariance = drift.covariance(result.state);
+  report.covariance =
+      drift.covariance(reference.T_map_sensor.inverse() * result.state.T_map_sensor, result.state);
   report.times.mapping_s += stopwatch.lap_s();
   return result;
 }

@@ -33,23 +33,25 @@ std::vector<FeaturePoint> within_reach(const std::vector<FeaturePoint>& points, 
 
 /// Of points whose box has at most kMaxVoxels.
 std::vector<FeaturePoint> thin_box(const std::vector<FeaturePoint>& points, float leaf_m) {
-  auto cloud = pcl::make_shared<pcl::PointCloud<pcl::PointXYZI>>();
+  auto cloud = pcl::make_shared<pcl::PointCloud<pcl::PointXYZINormal>>();
   cloud->reserve(points.size());
   for (const FeaturePoint& point : points) {
-    pcl::PointXYZI pcl_point;
+    pcl::PointXYZINormal pcl_point;
     pcl_point.getVector3fMap() = point.point_m;
-    pcl_point.intensity = point.time_offset_s;  // averaged like the position
+    pcl_point.intensity = point.time_offset_s;       // averaged like the position
+    pcl_point.getNormalVector3fMap() = point.slope;  // averaged, and made of length 1 again
     cloud->push_back(pcl_point);
   }
-  pcl::VoxelGrid<pcl::PointXYZI> grid;
+  pcl::VoxelGrid<pcl::PointXYZINormal> grid;
   grid.setLeafSize(leaf_m, leaf_m, leaf_m);
   grid.setInputCloud(cloud);
-  pcl::PointCloud<pcl::PointXYZI> kept;
+  pcl::PointCloud<pcl::PointXYZINormal> kept;
   grid.filter(kept);
   std::vector<FeaturePoint> result;
   result.reserve(kept.size());
-  for (const pcl::PointXYZI& point : kept) {
-    result.push_back({point.getVector3fMap(), point.intensity, points.front().row});
+  for (const pcl::PointXYZINormal& point : kept) {
+    result.push_back({point.getVector3fMap(), point.intensity, points.front().row,
+                      point.getNormalVector3fMap()});
   }
   return result;
 }

@@ -87,6 +87,12 @@ TEST_CASE("an ascii file is read, with or without COUNT") {
   }
 }
 
+TEST_CASE("a file of no points is read, however it is stored") {
+  for (const char* data : {"ascii", "binary"}) {
+    CHECK(scan_of(header("x y z ring", "4 4 4 2", "F F F U", 0, data)).points_m.empty());
+  }
+}
+
 TEST_CASE("a binary file with fields of every type in any order is read") {
   std::string contents =
       header("intensity z ring y t x", "1 8 2 4 4 8", "U F U F U F", 2, "binary");

@@ -169,3 +169,13 @@ TEST_CASE("validation names the field, the value and the constraint") {
     CHECK_THROWS_AS(hqslam::validate(sensor), Error);
   }
 }
+
+TEST_CASE("a turn takes a millisecond to a hundred seconds") {
+  SensorModel sensor = hqslam::sensor_preset("vlp-16");
+  for (const double period_s : {1e-300, 0.0, -0.1, 1e300, std::nan("")}) {
+    sensor.scan_period_s = period_s;
+    CHECK_THROWS_AS(hqslam::validate(sensor), Error);
+  }
+  sensor.scan_period_s = 0.001;
+  CHECK_NOTHROW(hqslam::validate(sensor));
+}

@@ -22,7 +22,7 @@ Run run(const PlainDenoiserShape& shape, std::optional<std::uint64_t> dropout_se
   r.denoiser = make_plain_denoiser(shape, 8, 40, chosen_instruction_set(), threads);
   r.denoiser->set_parameters(r.denoiser->initial_parameters(7));
   r.state = r.denoiser->make_state();
-  fill_random(1, r.state.input);
+  fill_random(1, r.state.input());
 #pragma omp parallel num_threads(threads)
   r.denoiser->forward(r.candidates, r.state, dropout_seed);
   return r;
@@ -66,12 +66,12 @@ TEST_CASE("without a seed nothing is dropped; with one, the share that was asked
   const Run plain = run(kDropout, std::nullopt);
   const Run dropped = run(kDropout, 5);
   const double expected =
-      zero_share(plain.state.hidden[0]) + 0.25 * (1.0 - zero_share(plain.state.hidden[0]));
-  CHECK(zero_share(dropped.state.hidden[0]) == doctest::Approx(expected).epsilon(0.03));
+      zero_share(plain.state.values[1]) + 0.25 * (1.0 - zero_share(plain.state.values[1]));
+  CHECK(zero_share(dropped.state.values[1]) == doctest::Approx(expected).epsilon(0.03));
   for (int x = 0; x < 40; ++x) {  // what is left is scaled so that the mean stays
-    const float value = dropped.state.hidden[0].at(3, 4, x);
+    const float value = dropped.state.values[1].at(3, 4, x);
     if (value != 0.0F) {
-      CHECK(value == doctest::Approx(plain.state.hidden[0].at(3, 4, x) / 0.75));
+      CHECK(value == doctest::Approx(plain.state.values[1].at(3, 4, x) / 0.75));
     }
   }
 }

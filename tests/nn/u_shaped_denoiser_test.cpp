@@ -63,12 +63,12 @@ TEST_CASE("with a head of zeros Z is the mean of the candidates and nothing") {
     Candidates candidates{state.z, state.z};
     fill_random(1, candidates.above);
     fill_random(2, candidates.below);
-    fill_random(3, state.input);
+    fill_random(3, state.input());
     denoiser->forward(candidates, state);
     for (int x = 0; x < 8; ++x) {
       REQUIRE(state.z.at(7, 3, x) ==
               doctest::Approx((candidates.above.at(7, 3, x) + candidates.below.at(7, 3, x) +
-                               state.input.at(7, 3, x)) /
+                               state.input().at(7, 3, x)) /
                               4));
     }
   }
@@ -82,7 +82,7 @@ TEST_CASE("Z turns with the scan: columns are a circle without a seam") {
   Candidates candidates{state.z, state.z};
   fill_random(1, candidates.above);
   fill_random(2, candidates.below);
-  fill_random(3, state.input);
+  fill_random(3, state.input());
   constexpr int kTurn = 4;  // tiles: the lowest level halves twice
   const auto turn = [](const Tensor& from, Tensor& to) {
     for (int c = 0; c < from.channels(); ++c) {
@@ -95,7 +95,7 @@ TEST_CASE("Z turns with the scan: columns are a circle without a seam") {
   Candidates turned_candidates = candidates;
   turn(candidates.above, turned_candidates.above);
   turn(candidates.below, turned_candidates.below);
-  turn(state.input, turned.input);
+  turn(state.input(), turned.input());
   denoiser->forward(candidates, state);
   denoiser->forward(turned_candidates, turned);
   Tensor expected = state.z;

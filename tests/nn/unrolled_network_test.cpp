@@ -41,7 +41,7 @@ bool same_bits(const UnrolledState& a, const UnrolledState& b) {
   bool same = a.slots.size() == b.slots.size();
   for (std::size_t i = 0; same && i < a.slots.size(); ++i) {
     same = nn::same_bits(a.slots[i].denoiser.z, b.slots[i].denoiser.z) &&
-           nn::same_bits(a.slots[i].denoiser.input, b.slots[i].denoiser.input) &&
+           nn::same_bits(a.slots[i].denoiser.input(), b.slots[i].denoiser.input()) &&
            nn::same_bits(a.slots[i].y, b.slots[i].y) && a.slots[i].rejected == b.slots[i].rejected;
   }
   return same;
@@ -223,7 +223,7 @@ TEST_CASE("a small penalty keeps measured rows at L, a large one lets them go") 
     std::vector<float> parameters = parameters_for(description, 4);
     std::fill(parameters.end() - 3, parameters.end(), std::log(penalty));
     const UnrolledState state = state_after(description, parameters, measured);
-    const std::vector<float> h = image_of(description, state.slots.back().denoiser.input);
+    const std::vector<float> h = image_of(description, state.slots.back().denoiser.input());
     double sum_m = 0.0;
     for (int row = 0; row < 4; ++row) {
       for (int column = 0; column < 64; ++column) {
@@ -266,7 +266,7 @@ TEST_CASE("Y is H or Z, and Z or 0 where the filter rejects, as the description 
       d.rejected = pixel;
       const UnrolledState state = state_after(d, parameters_for(d, 5), measured_scene(d));
       for (const LayerState& layer : state.slots) {
-        const std::vector<float> h = image_of(d, layer.denoiser.input);
+        const std::vector<float> h = image_of(d, layer.denoiser.input());
         const std::vector<float> z = image_of(d, layer.denoiser.z);
         const std::vector<float> y = image_of(d, layer.y);
         const std::vector<float>& source = iterate == FilteredIterate::kH ? h : z;

@@ -2,6 +2,8 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -25,6 +27,10 @@ Weights small_weights(const NetworkDescription& description) {
   weights.self_test = make_self_test(description, weights.parameters,
                                      select_rows(small_scene(), description.measured_rows));
   return weights;
+}
+
+std::string golden_file(const std::string& name) {
+  return std::string(HQSLAM_GOLDEN_DIR "/") + name + ".npz";
 }
 
 /// The message for a weights file after `change` was made to its arrays.
@@ -152,6 +158,53 @@ TEST_CASE("weights that no reader would take are not written") {
   CHECK(one_line_with(error_message([&] { write_weights(path, weights); }), "weights.npz: training",
                       "expected JSON"));
   CHECK_FALSE(std::filesystem::exists(path));
+}
+
+TEST_CASE("arrays that PyTorch exported give the ranges that PyTorch gave, within 1e-4 m") {
+  NetworkDescription du_mix = small_du_or();
+  du_mix.kind = NetworkKind::kDuMix;
+  du_mix.two_modes = {
+      .tile = {4, 4}, .layers = {{6, 8, 1}, {5, 7, 0}}, .memory = 3, .negative_slope = 0.125F};
+  du_mix.layers = 2;
+  const std::vector<std::pair<std::string, NetworkDescription>> exported = {
+      {"du_or", small_du_or()}, {"simple_du", small_simple_du()}, {"du_mix_two_layers", du_mix}};
+  for (const auto& [name, description] : exported) {
+    CAPTURE(name);
+    const ForeignArrays foreign = read_foreign_arrays(golden_file("exported_" + name), description);
+    REQUIRE(foreign.self_test.has_value());
+    const SelfTest ours =
+        make_self_test(description, foreign.parameters, foreign.self_test->measured);
+    REQUIRE(ours.expected.range_m.size() == foreign.self_test->expected.range_m.size());
+    float largest_gap_m = 0.0F;
+    for (std::size_t i = 0; i < ours.expected.range_m.size(); ++i) {
+      largest_gap_m = std::max(largest_gap_m, std::abs(ours.expected.range_m[i] -
+                                                       foreign.self_test->expected.range_m[i]));
+    }
+    CHECK(largest_gap_m < 1e-4F);
+  }
+}
+
+TEST_CASE("arrays of double precision are taken, missing and unknown ones named") {
+  const test::TemporaryDirectory directory;
+  const std::string path = directory.file("arrays.npz");
+  NpzArrays arrays = read_npz(golden_file("exported_simple_du"));
+  arrays.erase("self_test.measured");
+  arrays.erase("self_test.expected");
+  arrays["alpha"] = npz_array(std::vector<double>{1.5}, {1});
+  write_npz(path, arrays);
+  const ForeignArrays foreign = read_foreign_arrays(path, small_simple_du());
+  CHECK_FALSE(foreign.self_test.has_value());
+  CHECK(foreign.parameters.back() == 1.5F);
+
+  arrays["batch_norm.weight"] = npz_array(std::vector<float>{1.0F}, {1});
+  write_npz(path, arrays);
+  CHECK(one_line_with(error_message([&] { read_foreign_arrays(path, small_simple_du()); }), path,
+                      "unknown array 'batch_norm.weight'"));
+  arrays.erase("batch_norm.weight");
+  arrays.erase("alpha");
+  write_npz(path, arrays);
+  CHECK(one_line_with(error_message([&] { read_foreign_arrays(path, small_simple_du()); }), path,
+                      "expected an array 'alpha' of 1, found none"));
 }
 
 }  // namespace hqslam::nn

@@ -65,7 +65,41 @@ TrackedDrive track_recorded(int rows) {
   return result;
 }
 
+/// Mean over a simulated drive of e^T C^-1 e, e being the error of a pose and C its covariance: 6
+/// if the covariance is right.
+double normalised_error_squared(const char* drive, std::uint64_t seed, std::int64_t scans) {
+  sim::DriveSpec spec = sim::drive_preset(drive);
+  spec.seed = seed;
+  spec.scans = scans;
+  const SensorModel sensor = sensor_preset("os1-16");
+  sim::DriveSimulator simulator(spec, sensor);
+  slam::Slam slam(sensor);
+  double sum = 0.0;
+  while (const auto scan = simulator.next()) {
+    const auto report =
+        slam.process(unproject(scan->image, sensor, CaptureTime::kRolling), scan->stamp_s);
+    if (report.covariance.isZero(0.0)) continue;
+    const auto error =
+        slam::vector_of(logarithm(report.T_map_sensor.inverse() * scan->T_map_sensor));
+    sum += error.dot(report.covariance.ldlt().solve(error));
+  }
+  return sum / static_cast<double>(scans - 1);
+}
+
 }  // namespace
+
+TEST_CASE("errors are as large as their covariances say, on the average of six simulated drives") {
+  double mean = 0.0;
+  for (const std::uint64_t seed : {1, 2, 3}) {
+    for (const char* drive : {"town", "hills"}) {
+      mean += normalised_error_squared(drive, seed, 100) / 6.0;
+    }
+  }
+  // 95 % of the means of six independent errors with six degrees of freedom; those of one drive are
+  // one error that grows.
+  CHECK(mean > 3.56);
+  CHECK(mean < 9.07);
+}
 
 TEST_CASE("the simulated block is tracked to 0.15 m with 64 rows and with 16") {
   CHECK(ape_rmse_m(track_simulated(200, 64)) <= 0.15);

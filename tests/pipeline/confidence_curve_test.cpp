@@ -31,7 +31,7 @@ OrganizedCloud room() {
 }  // namespace
 
 TEST_CASE("with growing confidence points are lost, never won, and the bins hold every return") {
-  ConfidenceCurve curve(untrained(nn::NetworkKind::kDuMix));
+  ConfidenceCurve curve(untrained(nn::NetworkKind::kDuMix), 0.5F);
   curve.add(room());
   const std::vector<OperatingPoint> points = curve.points();
   REQUIRE(points.size() > 5);
@@ -52,7 +52,7 @@ TEST_CASE("with growing confidence points are lost, never won, and the bins hold
 
 TEST_CASE("a network without a confidence has no curve") {
   CHECK(test::one_line_with(
-      test::error_message([] { ConfidenceCurve(untrained(nn::NetworkKind::kDuOr)); }), "du-or",
+      test::error_message([] { ConfidenceCurve(untrained(nn::NetworkKind::kDuOr), 0.5F); }), "du-or",
       "du-mix"));
 }
 

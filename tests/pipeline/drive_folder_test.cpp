@@ -17,6 +17,8 @@ using hqslam::test::one_line_with;
 using hqslam::test::TemporaryDirectory;
 using hqslam::test::write_file;
 
+constexpr const char* kDriveJson = R"({"name": "block", "seed": 1, "scans": 5})";
+
 }  // namespace
 
 TEST_CASE("an earlier drive makes room, files beside it stay") {
@@ -26,6 +28,7 @@ TEST_CASE("an earlier drive makes room, files beside it stay") {
                            "truth_columns.npy", "bin/000003.bin", "bin/mine.bin", "notes.txt"}) {
     write_file(folder.file(name), "x");
   }
+  write_file(folder.file("drive.json"), kDriveJson);
   clear_drive_folder(folder.path().string());
   CHECK(fs::exists(folder.file("notes.txt")));
   CHECK(fs::exists(folder.file("bin/mine.bin")));
@@ -42,6 +45,14 @@ TEST_CASE("a file of the same name that is no drive's is neither replaced nor re
                         "--out"));
     CHECK(fs::exists(folder.file(name)));
   }
+}
+
+TEST_CASE("the beginning of a drive whose disk was full makes room as well") {
+  const TemporaryDirectory folder;
+  write_file(folder.file("drive.json"), kDriveJson);
+  write_file(folder.file("scans.npy"), "");
+  CHECK_NOTHROW(clear_drive_folder(folder.path().string()));
+  CHECK_FALSE(fs::exists(folder.file("scans.npy")));
 }
 
 TEST_CASE("a folder that is not there or is empty needs nothing") {

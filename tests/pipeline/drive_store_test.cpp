@@ -8,6 +8,7 @@
 #include "error_message.h"
 #include "file_contents.h"
 #include "hqslam/core/npy.h"
+#include "result_folder.h"
 #include "temporary_directory.h"
 
 namespace hqslam::tools {
@@ -107,6 +108,17 @@ TEST_CASE("asked to stop, it leaves whole drives only and says so") {
   CHECK_FALSE(store_drives(folder.path(), {block(1, 2, 1), block(2, 2, 1)}, coarse_sensor(), 2,
                            "drives", interrupt));
   CHECK(files_in(folder) == 0);
+}
+
+TEST_CASE("what a killed program left is removed, what another program is at stays") {
+  const TemporaryDirectory folder;
+  write_file(folder.file("block_9_abc.npy.77.part"), "left");
+  write_file(folder.file("block_8_abc.npy.78.part"), "at work");
+  const FileLock lock(folder.file("block_8_abc.npy.78.part"));
+  REQUIRE(store(folder, {block(1, 1, 1)}, 1));
+  CHECK_FALSE(fs::exists(folder.file("block_9_abc.npy.77.part")));
+  CHECK(fs::exists(folder.file("block_8_abc.npy.78.part")));
+  CHECK(files_in(folder) == 2);
 }
 
 TEST_CASE("a drive that cannot be, and a folder that cannot be, are one line") {

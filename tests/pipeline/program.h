@@ -16,17 +16,22 @@ struct ProgramResult {
   std::string error;
 };
 
-/// Runs the built program with these arguments, as a shell understands them.
-inline ProgramResult run_hqslam(const std::string& arguments) {
+/// Runs commands of a shell, with nothing to read.
+inline ProgramResult run_shell(const std::string& commands) {
   const TemporaryDirectory folder;
-  const std::string command = std::string("'") + HQSLAM_PROGRAM + "' " + arguments + " >'" +
-                              folder.file("out") + "' 2>'" + folder.file("error") + "' </dev/null";
+  const std::string command = "{ " + commands + "\n} >'" + folder.file("out") + "' 2>'" +
+                              folder.file("error") + "' </dev/null";
   const int status = std::system(command.c_str());
   ProgramResult result;
   result.status = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
   result.out = file_contents(folder.file("out"));
   result.error = file_contents(folder.file("error"));
   return result;
+}
+
+/// Runs the built program with these arguments, as a shell understands them.
+inline ProgramResult run_hqslam(const std::string& arguments) {
+  return run_shell(std::string("'") + HQSLAM_PROGRAM + "' " + arguments);
 }
 
 /// A drive of `kDriveScans` scans of an OS1-16 through the simulated city, made once per test

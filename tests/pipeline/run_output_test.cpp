@@ -29,12 +29,12 @@ std::set<std::string> names_in(const fs::path& folder) {
   return names;
 }
 
-const std::set<std::string> kAllResults = {"trajectory.tum", "trajectory.kitti", "map.pcd",
-                                           "timings.json", "report.html"};
+const std::set<std::string> kAllResults = {"trajectory.tum", "trajectory.kitti", "covariances.csv",
+                                           "map.pcd",        "timings.json",     "report.html"};
 
 }  // namespace
 
-TEST_CASE("the results are five files that read back, and no other file is left") {
+TEST_CASE("the results are six files that read back, and no other file is left") {
   const TemporaryDirectory folder;
   const SlamRun run = test::example_run(10);
   RunOutput output(folder.file("a/b"));

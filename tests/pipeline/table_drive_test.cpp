@@ -65,6 +65,22 @@ TEST_CASE("as many other scans at the same path are another recording") {
   CHECK(identity(folder.file("a.npy"), 2) != before);
 }
 
+TEST_CASE("a simulated drive is there only while its files can be read") {
+  const test::TemporaryDirectory folder;
+  TableDrive drive{"block", folder.file("drive"), "", "", sim::drive_preset("block")};
+  drive.simulated->scans = 1;
+  const InterruptGuard interrupt;
+  CHECK_FALSE(is_there(drive));
+  for (const char* damaged : {"sensor.json", "drive.json", "scans.npy", "truth.tum"}) {
+    CAPTURE(damaged);
+    REQUIRE(prepare_drive(drive, interrupt, [] {}));
+    CHECK(is_there(drive));
+    test::write_file(folder.file(std::string("drive/") + damaged), "damaged");
+    CHECK_FALSE(is_there(drive));
+    if (damaged == std::string("drive.json")) std::filesystem::remove_all(folder.file("drive"));
+  }
+}
+
 TEST_CASE("a folder of files is known by their names and bytes, not by its place") {
   const test::TemporaryDirectory folder;
   for (const char* name : {"a", "b"}) {

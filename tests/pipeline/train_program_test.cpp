@@ -110,6 +110,16 @@ TEST_CASE("a wrong recipe is one line on stderr and status 2") {
             "a");
   CHECK(stack.status == 2);
   CHECK(holds(stack.error, "HQSLAM_NO_SUCH_FOLDER is not set"));
+  for (const auto& [from, to] : std::vector<std::pair<std::string, std::string>>{
+           {R"("drive": "block", "seeds": [5])", R"("drive": "moon", "seeds": [5])"},
+           {R"("scans": 4)", R"("scans": 4000000000000)"},
+           {R"("crop_columns": 64)", R"("crop_columns": 63)"},
+           {R"("measured_rows": 16)", R"("measured_rows": 17)"}}) {
+    const ProgramResult wrong = train(folder, small_configuration(from, to), "a");
+    CAPTURE(wrong.error);
+    CHECK(wrong.status == 2);
+    CHECK(holds(wrong.error, "recipe.json: "));
+  }
   CHECK(run_hqslam("train --config /nowhere.json --out '" + folder.file("a") + "'").status == 2);
 }
 

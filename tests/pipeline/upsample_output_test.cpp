@@ -65,11 +65,22 @@ TEST_CASE("an earlier upsampled drive is replaced whole; other files stay") {
   write_scans(out, 3, {false, true, true});
   write_file(out + "/notes.txt", "mine");
   write_file(out + "/pcd/notes.txt", "mine");
+  write_file(out + "/pcd/mine.pcd", "mine");
   write_scans(out, 1);
   CHECK(NpyStackReader(out + "/scans.npy").images() == 1);
-  CHECK(names_in(out + "/pcd") == std::set<std::string>{"notes.txt"});
+  CHECK(names_in(out + "/pcd") == std::set<std::string>{"mine.pcd", "notes.txt"});
   CHECK(names_in(out + "/png").empty());
   CHECK(file_contents(out + "/notes.txt") == "mine");
+}
+
+TEST_CASE("the beginning of a drive whose disk was full is replaced") {
+  const TemporaryDirectory folder;
+  const std::string out = folder.file("out");
+  write_scans(out, 1);
+  write_file(out + "/scans.npy", "");
+  fs::remove(out + "/sensor.json");
+  write_scans(out, 2);
+  CHECK(NpyStackReader(out + "/scans.npy").images() == 2);
 }
 
 TEST_CASE("what hqslam upsample did not write is not overwritten") {

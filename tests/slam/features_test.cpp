@@ -37,6 +37,26 @@ slam::Features yard_features(const SensorModel& sensor, const test::Yard& yard) 
 
 }  // namespace
 
+TEST_CASE("the ground's slope lies in the ground, across the row; nothing else has one") {
+  const SensorModel sensor = test::small_sensor(16, 512);
+  const Pose tilted = pose_from_xyz_rpy({0.0, 0.0, 1.7}, 0.05, -0.03, 0.4);
+  slam::Segmenter segmenter(sensor, {}, {});
+  test::Yard floor;
+  floor.pillars = false;
+  floor.half_length_m = floor.half_width_m = 500.0;
+  const OrganizedCloud cloud = floor.scan(sensor, tilted);
+  const auto features = slam::extract_features(cloud, segmenter.segment(cloud), {});
+  const Eigen::Vector3f up = tilted.linear().transpose().col(2).cast<float>();
+  CHECK(features.ground.size() > 200);
+  for (const auto& point : features.ground) {
+    CHECK(point.slope.norm() == doctest::Approx(1.0));
+    CHECK(std::abs(point.slope.dot(up)) < 0.02F);
+    CHECK(point.slope.head<2>().dot(point.point_m.head<2>().normalized()) > 0.9F);
+  }
+  for (const auto& point : yard_features(sensor, test::Yard()).surfaces)
+    CHECK(point.slope == Eigen::Vector3f::Zero());
+}
+
 TEST_CASE("a circle around the sensor has no edges") {
   CHECK(OneRow(std::vector<float>(360, 10.0F)).features().edges.empty());
 }

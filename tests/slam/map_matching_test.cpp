@@ -29,6 +29,21 @@ TEST_CASE("five points along a ring are no plane: any plane goes through a line"
       0.2));
 }
 
+TEST_CASE("what neighbours on a surface make is a plane, or of one row the line it drew there") {
+  using namespace hqslam::slam;
+  const auto patch =
+      fit_surface(five({{{0, 0, 2}, {1, 0, 2}, {0, 1, 2}, {1, 1, 2}, {2, 1, 2}}}), 0.2);
+  REQUIRE(patch);
+  REQUIRE(std::holds_alternative<MapPlane>(*patch));
+  CHECK(std::abs(std::get<MapPlane>(*patch).normal.z()) == doctest::Approx(1.0));
+  const auto row =
+      fit_surface(five({{{0, 5, 0}, {0.4F, 5, 0}, {0.8F, 5, 0}, {1.2F, 5, 0}, {1.6F, 5, 0}}}), 0.2);
+  REQUIRE(row);
+  REQUIRE(std::holds_alternative<MapLine>(*row));
+  CHECK(std::abs(std::get<MapLine>(*row).direction.x()) == doctest::Approx(1.0));
+  CHECK(!fit_surface(five({{{0, 0, 0}, {2, 0, 0}, {0, 2, 0}, {2, 2, 0}, {1, 1, 0.9F}}}), 0.2));
+}
+
 TEST_CASE("a plane through the origin of the map is found like any other") {
   const auto plane = hqslam::slam::fit_plane(
       five({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}, {-1, 0.5F, 0}}}), 0.2);
@@ -47,4 +62,5 @@ TEST_CASE("fewer than five neighbours give neither line nor plane") {
   few.count = 4;
   CHECK(!hqslam::slam::fit_line(few));
   CHECK(!hqslam::slam::fit_plane(few, 10.0));
+  CHECK(!hqslam::slam::fit_surface(few, 10.0));
 }

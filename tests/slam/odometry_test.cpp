@@ -43,6 +43,45 @@ TEST_CASE("the search covers all of the reference, however few features the scan
   CHECK(result.edge_correspondences >= 10);
 }
 
+TEST_CASE("without any ground, edges alone find the motion") {
+  const SensorModel sensor = test::small_sensor(32, 1024);
+  const test::Yard yard;
+  const Pose step = pose_from_xyz_rpy({0.3, 0.05, 0.0}, 0.0, 0.0, 0.03);
+  const Pose first = test::yard_pose(0, 0, 0.2);
+  const auto edges_alone = [&](const Pose& T_yard_sensor) {
+    slam::Features features = features_of(sensor, yard.scan(sensor, T_yard_sensor));
+    features.ground.clear();
+    features.flat_points.clear();
+    return features;
+  };
+  slam::Odometry odometry({});
+  odometry.set_reference(edges_alone(first), {});
+  const auto result = odometry.estimate(edges_alone(first * step), Pose::Identity(), 0.1);
+  CHECK(result.planar_correspondences == 0);
+  CHECK(result.status != Status::kTooFewFeatures);
+  CHECK((result.T_reference_sensor.translation() - step.translation()).norm() < 0.05);
+  CHECK(rotation_angle_rad(result.T_reference_sensor.inverse() * step) < 0.005);
+}
+
+TEST_CASE("ground alone tells height, roll and pitch, and says that it is not all") {
+  const SensorModel sensor = test::small_sensor(32, 1024);
+  const test::Yard yard;
+  const auto ground_alone = [&](const Pose& T_yard_sensor) {
+    slam::Features features = features_of(sensor, yard.scan(sensor, T_yard_sensor));
+    features.edges.clear();
+    features.sharp_edges.clear();
+    return features;
+  };
+  const Pose first = test::yard_pose(0, 0, 0.2);
+  const Pose step = pose_from_xyz_rpy({0.0, 0.0, 0.1}, 0.01, -0.02, 0.0);
+  slam::Odometry odometry({});
+  odometry.set_reference(ground_alone(first), {});
+  const auto result = odometry.estimate(ground_alone(first * step), Pose::Identity(), 0.1);
+  CHECK(result.status == Status::kTooFewFeatures);
+  CHECK(result.T_reference_sensor.translation().z() == doctest::Approx(0.1).epsilon(0.05));
+  CHECK(rotation_angle_rad(result.T_reference_sensor.inverse() * step) < 0.002);
+}
+
 TEST_CASE("too few features leave the prediction and say so") {
   const SensorModel sensor = test::small_sensor();
   const test::Yard yard;

@@ -35,6 +35,17 @@ TEST_CASE("points of one voxel become their mean, in position and time") {
   CHECK(thinned[1].point_m == Eigen::Vector3f(1, 1, 1));
 }
 
+TEST_CASE("the slopes of a voxel become their mean direction; none stays none") {
+  const std::vector<FeaturePoint> points = {{{0.01F, 0.01F, 0.01F}, 0.0F, 3, {1, 0, 0}},
+                                            {{0.03F, 0.05F, 0.01F}, 0.0F, 3, {0, 0, 1}},
+                                            {{1, 1, 1}, 0.0F, 3}};
+  const auto thinned = hqslam::slam::thin(points, 0.2);
+  REQUIRE(thinned.size() == 2);
+  const float half = std::sqrt(0.5F);
+  CHECK((thinned[0].slope - Eigen::Vector3f(half, 0.0F, half)).norm() < 1e-6F);
+  CHECK(thinned[1].slope == Eigen::Vector3f::Zero());
+}
+
 TEST_CASE("thinning nothing gives nothing") { CHECK(hqslam::slam::thin({}, 0.2).empty()); }
 
 TEST_CASE("a stray point far away keeps no others from being thinned, nor changes them") {

@@ -8,7 +8,6 @@
 #include <CLI/Formatter.hpp>
 #include <CLI/Validators.hpp>
 #include <array>
-#include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -25,6 +24,7 @@
 #include "hqslam/sim/drive.h"
 #include "installed_weights.h"
 #include "simulate_command.h"
+#include "terminal.h"
 
 namespace hqslam::tools {
 namespace {
@@ -108,14 +108,14 @@ void measure_networks(const std::vector<std::string>& paths, const std::vector<R
     }
     const nn::Weights weights = nn::read_weights(path);
     if (!takes(weights, images)) {
-      fmt::print(stderr, "{}: left out, it is for images of {} x {}\n", path,
-                 weights.description.sensor.rows(), weights.description.sensor.columns);
+      to_stderr("{}: left out, it is for images of {} x {}\n", path,
+                weights.description.sensor.rows(), weights.description.sensor.columns);
       continue;
     }
     if (measurements.peaks.empty()) {
       measurements.peaks = measure_peaks(kMostThreads);
     }
-    fmt::print(stderr, "network {} ...\n", nn::name(weights.description.kind));
+    to_stderr("network {} ...\n", nn::name(weights.description.kind));
     measurements.networks.push_back(
         time_network(path, weights, images, measurements.peaks, kMostThreads, interrupt));
   }
@@ -143,9 +143,9 @@ void measure_slam(const InputRecording& input, const SensorModel& sensor, int ro
   if (interrupt.stop_requested()) {
     return;
   }
-  fmt::print(stderr, "slam, {} rows{}, {} thread{} ...\n", rows,
-             upsampler != nullptr ? fmt::format(" lifted by {}", upsampler->name()) : "", threads,
-             threads > 1 ? "s" : "");
+  to_stderr("slam, {} rows{}, {} thread{} ...\n", rows,
+            upsampler != nullptr ? fmt::format(" lifted by {}", upsampler->name()) : "", threads,
+            threads > 1 ? "s" : "");
   const std::unique_ptr<ScanSource> source = open_input(input, sensor);
   measurements.slam.push_back(time_slam(*source, rows, upsampler, threads, interrupt));
 }
@@ -168,7 +168,7 @@ Measurements measure(const InputRecording& input, const SensorModel& sensor,
   }
   const std::unique_ptr<ScanSource> source = open_input(input, sensor);
   const std::vector<RangeImage> images = sample_images(*source);
-  fmt::print(stderr, "components and projection on {} scans ...\n", images.size());
+  to_stderr("components and projection on {} scans ...\n", images.size());
   measurements.step_images = static_cast<int>(images.size());
   measurements.steps = time_steps(images, sensor);
   measure_networks(weights, images, interrupt, measurements);
@@ -216,18 +216,18 @@ void print_json(const Measurements& measurements) {
       {"peaks", peaks_json(measurements.peaks)},
       {"networks", networks_json(measurements.networks)},
   };
-  fmt::print("{}\n", json.dump(2, ' ', false, Json::error_handler_t::replace));
+  to_stdout("{}\n", json.dump(2, ' ', false, Json::error_handler_t::replace));
 }
 
 void print_slam_table(const std::vector<SlamTiming>& timings) {
-  fmt::print(
+  to_stdout(
       "From a measured scan to a pose, median ms per scan (total: median, then 95 % below)\n");
-  fmt::print("{:<14}{:>8}{:>7}{:>12}{:>14}{:>10}{:>10}{:>9}{:>8}{:>8}{:>9}{:>14}{:>9}\n", "rows",
-             "threads", "scans", "upsampling", "segmentation", "features", "odometry", "mapping",
-             "total", "95 %", "scans/s", "first->last", "peak MB");
+  to_stdout("{:<14}{:>8}{:>7}{:>12}{:>14}{:>10}{:>10}{:>9}{:>8}{:>8}{:>9}{:>14}{:>9}\n", "rows",
+            "threads", "scans", "upsampling", "segmentation", "features", "odometry", "mapping",
+            "total", "95 %", "scans/s", "first->last", "peak MB");
   for (const SlamTiming& timing : timings) {
     const Distribution& total_ms = timing.stages_ms[4].second;
-    fmt::print(
+    to_stdout(
         "{:<14}{:>8}{:>7}{:>12}{:>14.2f}{:>10.2f}{:>10.2f}{:>9.2f}{:>8.2f}{:>8.2f}{:>9.1f}{:>14}"
         "{:>9}\n",
         timing.upsampled_by.empty() ? fmt::format("{}", timing.rows)
@@ -240,7 +240,7 @@ void print_slam_table(const std::vector<SlamTiming>& timings) {
         fmt::format("{:.1f}->{:.1f}", timing.first_fifth_ms, timing.last_fifth_ms),
         timing.peak_memory_mb ? fmt::format("{:.0f}", *timing.peak_memory_mb) : "-");
   }
-  fmt::print(
+  to_stdout(
       "upsampling: 16 rows of points to all rows of points; scans/s: of upsampling and SLAM, from "
       "the "
       "mean total;\nfirst->last: median total over the first and the last fifth of the scans;\n"
@@ -248,18 +248,17 @@ void print_slam_table(const std::vector<SlamTiming>& timings) {
 }
 
 void print_text(const Measurements& measurements) {
-  fmt::print("{}, sensor {}, {} cores\n\n", measurements.input, measurements.sensor,
-             omp_get_num_procs());
+  to_stdout("{}, sensor {}, {} cores\n\n", measurements.input, measurements.sensor,
+            omp_get_num_procs());
   print_slam_table(measurements.slam);
   const StepTiming& steps = measurements.steps;
-  fmt::print("Single steps on {} scans, one thread, median ms per scan\n",
-             measurements.step_images);
-  fmt::print("{:<40}{:>8.2f}\n", "connected components (10 degrees)", steps.components_ms.median);
-  fmt::print("{:<40}{:>8.2f}  ({:.1f} times as long)\n", "  textbook: std::queue, atan2",
-             steps.components_textbook_ms.median,
-             steps.components_textbook_ms.median / steps.components_ms.median);
-  fmt::print("{:<40}{:>8.2f}\n", "project (scan -> range image)", steps.projection_ms.median);
-  fmt::print("{:<40}{:>8.2f}\n", "unproject (range image -> points)", steps.unprojection_ms.median);
+  to_stdout("Single steps on {} scans, one thread, median ms per scan\n", measurements.step_images);
+  to_stdout("{:<40}{:>8.2f}\n", "connected components (10 degrees)", steps.components_ms.median);
+  to_stdout("{:<40}{:>8.2f}  ({:.1f} times as long)\n", "  textbook: std::queue, atan2",
+            steps.components_textbook_ms.median,
+            steps.components_textbook_ms.median / steps.components_ms.median);
+  to_stdout("{:<40}{:>8.2f}\n", "project (scan -> range image)", steps.projection_ms.median);
+  to_stdout("{:<40}{:>8.2f}\n", "unproject (range image -> points)", steps.unprojection_ms.median);
   print_networks(measurements.peaks, measurements.networks);
 }
 
@@ -322,7 +321,7 @@ int bench_command(const BenchOptions& options) {
   measurements.input =
       drive ? fmt::format("simulated {}, {} scans", options.drive, options.scans) : input.input;
   if (interrupt.stop_requested()) {
-    fmt::print(stderr, "hqslam: interrupted\n");
+    to_stderr("hqslam: interrupted\n");
     return kInterrupted;
   }
   if (options.json) {

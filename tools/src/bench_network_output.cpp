@@ -2,9 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <cstdio>
 #include <nlohmann/json.hpp>
 #include <string>
+
+#include "terminal.h"
 
 namespace hqslam::tools {
 namespace {
@@ -42,12 +43,12 @@ double gflops(const NetworkStepTiming& step) {
 }
 
 void print_runs(const NetworkTiming& network) {
-  fmt::print("{:>12}{:>9}{:>8}{:>12}{:>11}{:>9}{:>10}{:>12}\n", "instructions", "threads", "frames",
-             "frames/s", "ms/frame", "95 %", "GFLOP/s", "of peak");
+  to_stdout("{:>12}{:>9}{:>8}{:>12}{:>11}{:>9}{:>10}{:>12}\n", "instructions", "threads", "frames",
+            "frames/s", "ms/frame", "95 %", "GFLOP/s", "of peak");
   for (const NetworkRun& run : network.runs) {
-    fmt::print("{:>12}{:>9}{:>8}{:>12.1f}{:>11.2f}{:>9.2f}{:>10.1f}{:>10.1f} %\n",
-               nn::name(run.instruction_set), run.threads, run.frames, frames_per_second(run),
-               run.frame_ms.median, run.frame_ms.p95, run.gflops, 100.0 * run.peak_share);
+    to_stdout("{:>12}{:>9}{:>8}{:>12.1f}{:>11.2f}{:>9.2f}{:>10.1f}{:>10.1f} %\n",
+              nn::name(run.instruction_set), run.threads, run.frames, frames_per_second(run),
+              run.frame_ms.median, run.frame_ms.p95, run.gflops, 100.0 * run.peak_share);
   }
 }
 
@@ -62,32 +63,31 @@ double whole_ms(const NetworkTiming& network, int threads) {
 }
 
 void print_steps(const NetworkTiming& network) {
-  fmt::print("\n  its steps, each by itself, all {} layers of a frame, {}, median ms\n",
-             network.layers, nn::name(network.steps_instruction_set));
-  fmt::print("  {:<18}{:>8}", "", "GMAC");
+  to_stdout("\n  its steps, each by itself, all {} layers of a frame, {}, median ms\n",
+            network.layers, nn::name(network.steps_instruction_set));
+  to_stdout("  {:<18}{:>8}", "", "GMAC");
   for (const NetworkSteps& steps : network.steps) {
-    fmt::print("{:>22}",
-               fmt::format("{} thread{}: GFLOP/s", steps.threads, steps.threads == 1 ? "" : "s"));
+    to_stdout("{:>22}",
+              fmt::format("{} thread{}: GFLOP/s", steps.threads, steps.threads == 1 ? "" : "s"));
   }
-  fmt::print("\n");
+  to_stdout("\n");
   for (std::size_t i = 0; !network.steps.empty() && i < network.steps.front().steps.size(); ++i) {
     const NetworkStepTiming& first = network.steps.front().steps[i];
-    fmt::print("  {:<18}{:>8}", first.name,
-               first.gmac > 0.0 ? fmt::format("{:.3f}", first.gmac) : "-");
+    to_stdout("  {:<18}{:>8}", first.name,
+              first.gmac > 0.0 ? fmt::format("{:.3f}", first.gmac) : "-");
     for (const NetworkSteps& steps : network.steps) {
       const NetworkStepTiming& step = steps.steps[i];
-      fmt::print("{:>22}",
-                 fmt::format("{:.3f} {:>8}", step.ms,
-                             step.gmac > 0.0 ? fmt::format("{:.0f}", gflops(step)) : "-"));
+      to_stdout("{:>22}", fmt::format("{:.3f} {:>8}", step.ms,
+                                      step.gmac > 0.0 ? fmt::format("{:.0f}", gflops(step)) : "-"));
     }
-    fmt::print("\n");
+    to_stdout("\n");
   }
-  fmt::print("  {:<18}{:>8}", "whole frame", "");
+  to_stdout("  {:<18}{:>8}", "whole frame", "");
   for (const NetworkSteps& steps : network.steps) {
-    fmt::print("{:>22}", fmt::format("{:.3f} {:>8}", whole_ms(network, steps.threads), ""));
+    to_stdout("{:>22}", fmt::format("{:.3f} {:>8}", whole_ms(network, steps.threads), ""));
   }
-  fmt::print("\n");
-  fmt::print(
+  to_stdout("\n");
+  to_stdout(
       "  {} written as its formula: {:.1f} ms, as it is used: {:.3f} ms ({:.0f} times as "
       "fast, one thread)\n",
       network.reference.layer, network.reference.reference_ms, network.reference.fast_ms,
@@ -138,12 +138,12 @@ void print_networks(const std::vector<MultiplyAddPeak>& peaks,
   if (networks.empty()) {
     return;
   }
-  fmt::print("\nPeak of multiply-adds in registers, measured, GFLOP/s\n");
+  to_stdout("\nPeak of multiply-adds in registers, measured, GFLOP/s\n");
   for (const MultiplyAddPeak& peak : peaks) {
-    fmt::print("{:>12}{:>9}{:>10.1f}\n", nn::name(peak.instruction_set), peak.threads, peak.gflops);
+    to_stdout("{:>12}{:>9}{:>10.1f}\n", nn::name(peak.instruction_set), peak.threads, peak.gflops);
   }
   for (const NetworkTiming& network : networks) {
-    fmt::print(
+    to_stdout(
         "\n{}: whole network, filter included; {} layers, {} parameters, {:.3f} GMAC a "
         "frame\n",
         network.name, network.layers, network.parameters, network.gmac);
@@ -161,10 +161,10 @@ void print_instruction_sets(bool json) {
     names += fmt::format("{}{}", names.empty() ? "" : ", ", nn::name(set));
   }
   if (json) {
-    fmt::print("{}\n", Json{{"instruction_set", chosen}, {"available", available}}.dump(2));
+    to_stdout("{}\n", Json{{"instruction_set", chosen}, {"available", available}}.dump(2));
     return;
   }
-  fmt::print("in use:    {}\navailable: {}\n", chosen, names);
+  to_stdout("in use:    {}\navailable: {}\n", chosen, names);
 }
 
 }  // namespace hqslam::tools

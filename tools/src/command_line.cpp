@@ -1,13 +1,14 @@
 #include "command_line.h"
 
-#include <fmt/format.h>
+#include <omp.h>
 
-#include <cstdio>
 #include <exception>
+#include <filesystem>
 #include <string>
 
 #include "exit_status.h"
 #include "hqslam/core/error.h"
+#include "terminal.h"
 
 namespace hqslam::tools {
 namespace {
@@ -24,16 +25,17 @@ int report_parse_error(const CLI::App& app, const CLI::ParseError& error) {
   }
   const std::string name = chosen_subcommand(app);
   if (name.empty() && !app.remaining().empty()) {
-    fmt::print(stderr, "hqslam: '{}' is no subcommand; hqslam --help lists them\n",
-               app.remaining().front());
+    to_stderr("hqslam: '{}' is no subcommand; hqslam --help lists them\n", app.remaining().front());
     return kWrongInput;
   }
-  fmt::print(stderr, "hqslam: {}; hqslam {}{}--help lists what is expected\n", error.what(), name,
-             name.empty() ? "" : " ");
+  to_stderr("hqslam: {}; hqslam {}{}--help lists what is expected\n", error.what(), name,
+            name.empty() ? "" : " ");
   return kWrongInput;
 }
 
-int run_subcommand(const std::string& name, const CommandLine& options) {
+/// subcommand: of the one called `name`, if that has any.
+int run_subcommand(const std::string& name, const std::string& subcommand,
+                   const CommandLine& options) {
   if (name == "run") {
     return run_command(options.run);
   }
@@ -73,6 +75,9 @@ int run_subcommand(const std::string& name, const CommandLine& options) {
   if (name == "upsample") {
     return upsample_command(options.upsample);
   }
+  if (name == "weights") {
+    return weights_command(subcommand, options.weights);
+  }
   return bench_command(options.bench);
 }
 
@@ -101,24 +106,46 @@ void declare_program(CLI::App& app, CommandLine& options) {
   declare_table(app, options.table);
   declare_train(app, options.train);
   declare_upsample(app, options.upsample);
+  declare_weights(app, options.weights);
 }
 
-int run_program(int argc, const char* const* argv) {
+namespace {
+
+/// OMP_NUM_THREADS may say anything; the stacks of too many threads do not fit.
+void limit_threads() {
+  constexpr int kMostThreads = 256;
+  if (omp_get_max_threads() > kMostThreads) omp_set_num_threads(kMostThreads);
+}
+
+int exit_status_of(int argc, const char* const* argv) {
   CLI::App app("", "hqslam");
   CommandLine options;
   declare_program(app, options);
   try {
     app.parse(argc, argv);
-    return run_subcommand(chosen_subcommand(app), options);
+    const std::string name = chosen_subcommand(app);
+    return run_subcommand(name, chosen_subcommand(*app.get_subcommand(name)), options);
   } catch (const CLI::ParseError& error) {
     return report_parse_error(app, error);
   } catch (const Error& error) {
-    fmt::print(stderr, "hqslam: {}\n", error.what());
+    to_stderr("hqslam: {}\n", error.what());
+    return kWrongInput;
+  } catch (const std::filesystem::filesystem_error& error) {
+    to_stderr("hqslam: {}: {}; check the path\n", error.path1().string(), error.code().message());
     return kWrongInput;
   } catch (const std::exception& error) {
-    fmt::print(stderr, "hqslam: failed: {}\n", error.what());
+    to_stderr("hqslam: failed: {}\n", error.what());
     return kFailure;
   }
+}
+
+}  // namespace
+
+int run_program(int argc, const char* const* argv) {
+  prepare_standard_streams();
+  limit_threads();
+  const int status = exit_status_of(argc, argv);
+  return all_printed() || status != kOk ? status : kFailure;
 }
 
 }  // namespace hqslam::tools

@@ -16,6 +16,7 @@
 #include "table_command.h"
 #include "train_command.h"
 #include "upsample_command.h"
+#include "weights_command.h"
 
 namespace hqslam::tools {
 
@@ -36,6 +37,7 @@ struct CommandLine {
   TableOptions table;
   TrainOptions train;
   UpsampleOptions upsample;
+  WeightsOptions weights;
 };
 
 /// Declares the program: parsing fills `options`.

@@ -15,6 +15,7 @@
 #include "progress.h"
 #include "recording_sensor.h"
 #include "report/confidence_report.h"
+#include "terminal.h"
 #include "text_file.h"
 #include "tulip_comparison.h"
 #include "upsampling_comparison.h"
@@ -57,14 +58,14 @@ void print_scores(const std::vector<UpsamplingScore>& scores) {
   for (const UpsamplingScore& score : scores) {
     if (score.method == "linear") linear = &score;
   }
-  fmt::print(
+  to_stdout(
       "| method | MAE all m | of linear | MAE valid m | missing % | invented % | Chamfer m^2 | IoU "
       "| "
       "precision | recall | F1 | outliers % | per scan | of linear | good lost % | ms "
       "|\n|{:-<1}|{}\n",
       "", "--|--|--|--|--|--|--|--|--|--|--|--|--|--|--|");
   for (const UpsamplingScore& s : scores) {
-    fmt::print(
+    to_stdout(
         "| {} | {:.3f} | {:.3f} | {:.3f} | {:.2f} | {:.2f} | {:.3f} | {:.3f} | {:.3f} | {:.3f} | "
         "{:.3f} | {:.2f} | {:.0f} | {:.3f} | {} | {:.2f} |\n",
         s.method, s.mae_all_m, s.mae_all_m / linear->mae_all_m, s.mae_valid_m,
@@ -77,14 +78,14 @@ void print_scores(const std::vector<UpsamplingScore>& scores) {
 }
 
 void print_trials(const std::vector<FilterTrial>& trials) {
-  fmt::print(
+  to_stdout(
       "| support % | angle deg | min pixels | bad removed % | good lost % | outliers left % | MAE "
       "all m |\n"
       "|--|--|--|--|--|--|--|\n");
   for (const FilterTrial& t : trials) {
-    fmt::print("| {:.0f} | {:.0f} | {} | {:.1f} | {:.2f} | {:.2f} | {:.3f} |\n",
-               100.0 * t.support_share, t.min_angle_deg, t.min_pixels, 100.0 * t.bad_removed_share,
-               100.0 * t.good_lost_share, 100.0 * t.outlier_share, t.mae_all_m);
+    to_stdout("| {:.0f} | {:.0f} | {} | {:.1f} | {:.2f} | {:.2f} | {:.3f} |\n",
+              100.0 * t.support_share, t.min_angle_deg, t.min_pixels, 100.0 * t.bad_removed_share,
+              100.0 * t.good_lost_share, 100.0 * t.outlier_share, t.mae_all_m);
   }
 }
 
@@ -115,10 +116,12 @@ std::optional<ConfidenceCurve> curve_of(const CompareOptions& options, const Sen
   if (options.curve.empty()) return std::nullopt;
   if (options.weights.empty()) throw Error("compare: --curve needs --weights");
   refuse_to_replace_foreign(options.curve, kConfidencePageMarker);
-  return ConfidenceCurve(
-      nn::Upsampler(nn::SuperResolver::load(options.weights.back(),
-                                            {.filter_result = false, .least_confidence = 0.0F}),
-                    sensor));
+  return ConfidenceCurve(nn::Upsampler(nn::SuperResolver::load(options.weights.back(),
+                                                               {.filter_result = false,
+                                                                .tolerance_m = options.tolerance_m,
+                                                                .least_confidence = 0.0F}),
+                                       sensor),
+                         options.tolerance_m);
 }
 
 Json curve_json(const ConfidenceCurve& curve) {
@@ -144,15 +147,15 @@ void finish_curve(const ConfidenceCurve& curve, const CompareOptions& options, s
   write_text_file(confidence_html({options.weights.back(), options.input, used, curve.points(),
                                    curve.reliability(), curve.calibration_error()}),
                   options.curve);
-  fmt::print(
+  to_stdout(
       "| confidence | MAE all m | MAE valid m | outliers % | missing % | F1 |\n"
       "|--|--|--|--|--|--|\n");
   for (const OperatingPoint& p : curve.points()) {
-    fmt::print("| {:.2f} | {:.3f} | {:.3f} | {:.2f} | {:.2f} | {:.3f} |\n", p.least_confidence,
-               p.mae_all_m, p.mae_valid_m, 100.0 * p.outlier_share, 100.0 * p.missing_share, p.f1);
+    to_stdout("| {:.2f} | {:.3f} | {:.3f} | {:.2f} | {:.2f} | {:.3f} |\n", p.least_confidence,
+              p.mae_all_m, p.mae_valid_m, 100.0 * p.outlier_share, 100.0 * p.missing_share, p.f1);
   }
-  fmt::print("confidence against what was right: {:.3f} off on average; page: {}\n",
-             curve.calibration_error(), options.curve);
+  to_stdout("confidence against what was right: {:.3f} off on average; page: {}\n",
+            curve.calibration_error(), options.curve);
 }
 
 /// Hands every `every`-th scan of the recording to `use`. Returns how many.
@@ -160,7 +163,7 @@ template <typename Use>
 std::int64_t for_each_scan(const CompareOptions& options, const SensorModel& sensor,
                            const InterruptGuard& interrupt, const Use& use) {
   const auto source = open_input(input_recording(options), sensor);
-  print_warnings(*source);
+  print_warnings(*source, options.input);
   Progress progress("compare", source->size());
   std::int64_t used = 0;
   LeftOut left_out;
@@ -174,7 +177,7 @@ std::int64_t for_each_scan(const CompareOptions& options, const SensorModel& sen
     progress.update(i + 1);
   }
   progress.finish();
-  if (left_out.scans > 0) fmt::print(stderr, "hqslam: {}\n", left_out.text());
+  if (left_out.scans > 0) to_stderr("hqslam: {}\n", left_out.text());
   return used;
 }
 
@@ -191,6 +194,13 @@ void declare_compare(CLI::App& app, CompareOptions& options) {
   command->add_option("--curve", options.curve,
                       "Also write a page about the confidence of the last weights (du-mix): every "
                       "operating point, and whether it can be believed");
+  command
+      ->add_option(
+          "--tolerance", options.tolerance_m,
+          "With --curve: how far off in metres a range may be and count as right; with 100 "
+          "and more it is the confidence that there is a return at all")
+      ->check(CLI::Range(0.001, 999.0))
+      ->capture_default_str();
   CLI::Option* filters = command->add_flag(
       "--filters", options.filters,
       "Instead, try settings of the outlier filter on the first weights' results");
@@ -238,7 +248,7 @@ int compare_command(const CompareOptions& options) {
       if (curve) curve->add(scan);
     });
     print_scores(comparison.scores());
-    fmt::print(
+    to_stdout(
         "chance in the data: the median of the eight true ranges around each pixel has an MAE "
         "of {:.3f} m\n",
         comparison.true_neighbours_mae_m());
@@ -253,7 +263,7 @@ int compare_command(const CompareOptions& options) {
       finish_curve(*curve, options, used);
     }
   }
-  fmt::print("{} scans of {}\n", used, options.input);
+  to_stdout("{} scans of {}\n", used, options.input);
   if (!options.json.empty()) {
     write_text_file(json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n", options.json);
   }

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "hqslam/nn/hqs/super_resolver.h"
 #include "recording_choice.h"
 
 namespace hqslam::tools {
@@ -14,6 +15,7 @@ struct CompareOptions : InputChoice {
   std::int64_t every = 1;
   std::string json;   ///< file to write; empty: none
   std::string curve;  ///< page to write about the last weights' confidence; empty: none
+  float tolerance_m = nn::SuperResolverOptions{}.tolerance_m;  ///< of that confidence
   bool filters = false;
   std::string protocol = "own";  ///< or "tulip"
   int threads = 0;               ///< 0: what OpenMP chooses

@@ -66,12 +66,12 @@ void add_point(const LiftedScan& scan, const OrganizedCloud& truth, RowSelection
 }
 
 void add_reliability(const nn::LiftedImage& lifted, const OrganizedCloud& truth,
-                     RowSelection measured, std::vector<ReliabilityBin>& bins) {
+                     RowSelection measured, float tolerance_m, std::vector<ReliabilityBin>& bins) {
   for (std::size_t i = 0; i < lifted.confidence.size(); ++i) {
     if (measured.contains(static_cast<int>(i) / truth.columns)) continue;
     const double confidence = lifted.confidence[i];
     const bool right = truth.range_m[i] > 0.0F &&
-                       std::fabs(lifted.image.range_m[i] - truth.range_m[i]) <= kOutlierDistance_m;
+                       std::fabs(lifted.image.range_m[i] - truth.range_m[i]) <= tolerance_m;
     ReliabilityBin& bin = bins[std::min(static_cast<int>(confidence * kBins), kBins - 1)];
     bin.confidence += confidence;
     bin.right_share += right ? 1.0 : 0.0;
@@ -81,8 +81,11 @@ void add_reliability(const nn::LiftedImage& lifted, const OrganizedCloud& truth,
 
 }  // namespace
 
-ConfidenceCurve::ConfidenceCurve(nn::Upsampler network)
-    : network_(std::move(network)), sums_(operating_points()), bin_sums_(kBins) {
+ConfidenceCurve::ConfidenceCurve(nn::Upsampler network, float tolerance_m)
+    : network_(std::move(network)),
+      tolerance_m_(tolerance_m),
+      sums_(operating_points()),
+      bin_sums_(kBins) {
   if (network_.network() == nullptr ||
       network_.network()->description().kind != nn::NetworkKind::kDuMix) {
     throw Error("compare: a confidence curve of " + network_.name() +
@@ -102,7 +105,7 @@ void ConfidenceCurve::add(const OrganizedCloud& truth) {
     scan.distance_m.push_back(range_m > 0.0F ? distances_m[next++] : 0.0F);
   }
   for (OperatingPoint& sum : sums_) add_point(scan, truth, rows, sum);
-  add_reliability(scan.lifted, truth, rows, bin_sums_);
+  add_reliability(scan.lifted, truth, rows, tolerance_m_, bin_sums_);
   ++scans_;
 }
 

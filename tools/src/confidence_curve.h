@@ -22,7 +22,7 @@ struct OperatingPoint {
 /// The computed pixels whose confidence lies in one tenth, over all scans.
 struct ReliabilityBin {
   double confidence = 0.0;   ///< mean
-  double right_share = 0.0;  ///< truth has a return within 0.5 m of the pixel's range
+  double right_share = 0.0;  ///< truth has a return within the tolerance of the pixel's range
   std::int64_t pixels = 0;
 };
 
@@ -30,7 +30,8 @@ struct ReliabilityBin {
 class ConfidenceCurve {
  public:
   /// network: with confidence 0 as its operating point. Throws Error if it has no confidence.
-  explicit ConfidenceCurve(nn::Upsampler network);
+  /// tolerance_m: the network's, within which a range is right.
+  ConfidenceCurve(nn::Upsampler network, float tolerance_m);
   /// truth: a scan with all rows. Throws Error.
   void add(const OrganizedCloud& truth);
   std::vector<OperatingPoint> points() const;
@@ -40,6 +41,7 @@ class ConfidenceCurve {
 
  private:
   nn::Upsampler network_;
+  float tolerance_m_;
   std::vector<OperatingPoint> sums_;
   std::vector<ReliabilityBin> bin_sums_;
   std::int64_t scans_ = 0;

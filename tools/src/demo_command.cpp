@@ -4,7 +4,6 @@
 
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <memory>
@@ -23,6 +22,7 @@
 #include "report/demo_report.h"
 #include "run_command.h"
 #include "simulate_command.h"
+#include "terminal.h"
 #include "timing_statistics.h"
 #include "upsampling_comparison.h"
 #include "upsampling_plan.h"
@@ -143,21 +143,21 @@ DemoTable table_of(const std::vector<DemoRow>& rows) {
 
 void print_table(const DemoTable& table) {
   constexpr const char* kCell = "{:>14}";
-  fmt::print("{:<18}", "");
+  to_stdout("{:<18}", "");
   for (const std::string& column : table.columns) {
-    fmt::print(fmt::runtime(kCell), column);
+    to_stdout(fmt::runtime(kCell), column);
   }
   for (const DemoTable::Row& row : table.rows) {
-    fmt::print("\n{:<18}", row.name);
+    to_stdout("\n{:<18}", row.name);
     for (const std::string& cell : row.cells) {
-      fmt::print(fmt::runtime(kCell), cell);
+      to_stdout(fmt::runtime(kCell), cell);
     }
   }
-  fmt::print("\n");
+  to_stdout("\n");
   for (const std::string& note : table.notes) {
-    fmt::print("{}\n", note);
+    to_stdout("{}\n", note);
   }
-  fmt::print("\n");
+  to_stdout("\n");
 }
 
 /// The scan in the middle of the drive as every way sees it.
@@ -204,7 +204,7 @@ int demo_command(const DemoOptions& options) {
   namespace fs = std::filesystem;
   const InterruptGuard interrupt;
   const auto interrupted = [] {
-    fmt::print(stderr, "hqslam: interrupted\n");
+    to_stderr("hqslam: interrupted\n");
     return kInterrupted;
   };
   const fs::path out = fs::absolute(options.out).lexically_normal();
@@ -233,19 +233,19 @@ int demo_command(const DemoOptions& options) {
   if (interrupt.stop_requested()) {
     return interrupted();
   }
-  fmt::print("A drive of {} scans through a simulated city, sensor {}.\n\n",
-             rows.front().result.run.scans_in_recording, simulate.sensor);
+  to_stdout("A drive of {} scans through a simulated city, sensor {}.\n\n",
+            rows.front().result.run.scans_in_recording, simulate.sensor);
   const DemoTable table = table_of(rows);
   print_table(table);
   if (!weights) {
-    fmt::print("Without DU-Mix: its weights, weights/{}, are not there.\n\n", kWeights);
+    to_stdout("Without DU-Mix: its weights, weights/{}, are not there.\n\n", kWeights);
   }
   const double max_range_m = required_recording_sensor(simulate.out, "").max_range_m;
   const std::string page =
       write_page(out, demo_html(table, example_images(simulate.out, rows), max_range_m));
-  fmt::print("To look at, in any browser:\n  {}\n", page);
+  to_stdout("To look at, in any browser:\n  {}\n", page);
   for (const DemoTable::Row& row : table.rows) {
-    fmt::print("  {}\n", (out / row.report).string());
+    to_stdout("  {}\n", (out / row.report).string());
   }
   return kOk;
 }

@@ -2,10 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <functional>
+#include <string>
 #include <system_error>
 
 #include "hqslam/core/error.h"
+#include "hqslam/core/whole_file.h"
 #include "report/cloud_picture.h"
 #include "result_folder.h"
 #include "text_file.h"
@@ -18,22 +19,6 @@ namespace fs = std::filesystem;
 constexpr int kPictureColumns = 1600;
 constexpr int kAboveRows = 1200;
 constexpr int kPerspectiveRows = 900;
-
-void write_whole(const fs::path& path, const std::function<void(const std::string&)>& write) {
-  const fs::path part = path.string() + ".part";
-  std::error_code error;
-  try {
-    write(part.string());
-  } catch (const Error&) {
-    fs::remove(part, error);
-    throw;
-  }
-  fs::rename(part, path, error);
-  if (error) {
-    throw Error(fmt::format("{}: cannot be written ({}); give another --out", path.string(),
-                            error.message()));
-  }
-}
 
 }  // namespace
 
@@ -67,6 +52,7 @@ void remove_dense_map(const fs::path& folder) {
   for (const char* name :
        {kDenseMapFiles[0], kDenseMapFiles[2], kDenseMapFiles[3], kDenseMapFiles[1]}) {
     fs::remove(folder / name, ignored);
+    fs::remove(folder / (std::string(name) + ".part"), ignored);  // of a run that was killed
   }
 }
 
@@ -74,14 +60,14 @@ void write_dense_map(const DenseMapRun& run, const DenseMapPictures& pictures,
                      const fs::path& folder) {
   make_result_folder(folder);
   remove_dense_map(folder);
-  write_whole(folder / "dense_map.ply",
-              [&](const std::string& path) { slam::write_dense_map_ply(run.points, path); });
-  write_whole(folder / "dense_map.pcd",
-              [&](const std::string& path) { slam::write_dense_map_pcd(run.points, path); });
-  write_whole(folder / "dense_map_above.png",
-              [&](const std::string& path) { write_png(pictures.above, path); });
-  write_whole(folder / "dense_map_perspective.png",
-              [&](const std::string& path) { write_png(pictures.perspective, path); });
+  replace_file((folder / "dense_map.ply").string(),
+               [&](const std::string& path) { slam::write_dense_map_ply(run.points, path); });
+  replace_file((folder / "dense_map.pcd").string(),
+               [&](const std::string& path) { slam::write_dense_map_pcd(run.points, path); });
+  replace_file((folder / "dense_map_above.png").string(),
+               [&](const std::string& path) { write_png(pictures.above, path); });
+  replace_file((folder / "dense_map_perspective.png").string(),
+               [&](const std::string& path) { write_png(pictures.perspective, path); });
 }
 
 }  // namespace hqslam::tools

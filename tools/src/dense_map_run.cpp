@@ -110,6 +110,7 @@ DenseMapRun build_dense_map(const RecordingChoice& recording, const ScanPoses& p
   network.least_confidence = slam::DenseMapOptions::kLeastPointConfidence;
   RecordingChoice all_points = recording;
   all_points.least_confidence.reset();
+  all_points.tolerance_m.reset();
   RunPlan plan = plan_of(all_points, network);
   slam::DenseMapOptions options;
   options.voxel_m = choice.voxel_m;

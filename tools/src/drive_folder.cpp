@@ -6,10 +6,12 @@
 #include <array>
 #include <cctype>
 #include <filesystem>
+#include <string_view>
 #include <system_error>
 #include <vector>
 
 #include "hqslam/core/error.h"
+#include "hqslam/sim/read_drive.h"
 
 namespace hqslam::tools {
 namespace {
@@ -18,11 +20,18 @@ namespace fs = std::filesystem;
 
 constexpr std::array<const char*, 6> kDriveFiles = {
     "scans.npy", "sensor.json", "drive.json", "truth.tum", "truth.kitti", "truth_columns.npy"};
+constexpr std::string_view kMarkerFile = "drive.json";  // is replaced, not removed
 constexpr std::array<const char*, 2> kScanFolders = {"bin", "pcd"};
 
+/// The file that says what the drive is comes first: it marks the folder however little else is
+/// there, because a disk was full or the program was killed.
 bool written_by_simulate(const fs::path& folder) {
-  return fs::is_regular_file(folder / "drive.json") &&
-         fs::is_regular_file(folder / "truth_columns.npy");
+  try {
+    sim::read_drive_json((folder / "drive.json").string());
+    return true;
+  } catch (const Error&) {
+    return false;
+  }
 }
 
 /// bin/000123.bin, pcd/000123.pcd
@@ -33,7 +42,9 @@ bool is_numbered_scan(const fs::path& file, const std::string& extension) {
                      [](unsigned char c) { return std::isdigit(c) != 0; });
 }
 
-void remove_scans(const fs::path& folder, const std::string& extension) {
+}  // namespace
+
+void remove_numbered_scans(const fs::path& folder, const std::string& extension) {
   if (!fs::is_directory(folder)) {
     return;
   }
@@ -48,16 +59,14 @@ void remove_scans(const fs::path& folder, const std::string& extension) {
   }
 }
 
-}  // namespace
-
 void clear_drive_folder(const std::string& folder) {
   const fs::path path(folder);
   if (written_by_simulate(path)) {
     for (const char* scans : kScanFolders) {
-      remove_scans(path / scans, scans);
+      remove_numbered_scans(path / scans, scans);
     }
     for (const char* file : kDriveFiles) {
-      fs::remove(path / file);
+      if (file != kMarkerFile) fs::remove(path / file);
     }
     return;
   }

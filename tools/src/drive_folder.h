@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <string>
 
 namespace hqslam::tools {
@@ -8,5 +9,8 @@ namespace hqslam::tools {
 /// none of its scans mixes with the new ones. Throws Error, touching nothing, if the folder holds a
 /// file of one of those names that is not part of a simulated drive.
 void clear_drive_folder(const std::string& folder);
+
+/// Removes 000000.EXTENSION, 000001.EXTENSION and so on from a folder, and no other file.
+void remove_numbered_scans(const std::filesystem::path& folder, const std::string& extension);
 
 }  // namespace hqslam::tools

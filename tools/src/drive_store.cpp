@@ -6,6 +6,7 @@
 
 #include <atomic>
 #include <exception>
+#include <fstream>
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <thread>
@@ -54,6 +55,28 @@ void rename_to(const std::string& from, const std::string& to) {
     throw Error(fmt::format("{}: cannot be written ({}); check that the folder is writable", to,
                             failure.message()));
   }
+}
+
+/// A file of which nothing stays unless it was renamed.
+struct RemovedAtEnd {
+  const fs::path path;
+  ~RemovedAtEnd() {
+    std::error_code ignored;
+    fs::remove(path, ignored);
+  }
+};
+
+/// Of programs that were killed: nobody has a lock on them.
+void remove_abandoned_parts(const fs::path& folder) {
+  std::error_code error;
+  std::vector<fs::path> abandoned;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
+       entry.increment(error)) {
+    const fs::path& path = entry->path();
+    if (path.extension() != ".part") continue;
+    if (FileLock(path).state() == FileLock::State::kHeld) abandoned.push_back(path);
+  }
+  for (const fs::path& path : abandoned) fs::remove(path, error);
 }
 
 /// Threads that take one drive after the other.
@@ -106,12 +129,10 @@ class Crew {
     const std::string path = path_in_store(folder_, drive, sensor_);
     // Two programs may be at the same drive.
     const std::string part = fmt::format("{}.{}.part", path, getpid());
-    if (simulate(drive, part)) {
-      rename_to(part, path);
-    } else {
-      std::error_code ignored;
-      fs::remove(part, ignored);
-    }
+    const RemovedAtEnd part_removed{part};
+    std::ofstream(part).close();
+    const FileLock lock(part);
+    if (simulate(drive, part)) rename_to(part, path);
   }
 
   /// Returns false if it stopped before the end.
@@ -152,6 +173,7 @@ std::string path_in_store(const fs::path& folder, const StoredDrive& drive,
 bool store_drives(const fs::path& folder, const std::vector<StoredDrive>& drives,
                   const SensorModel& sensor, int threads, const char* label,
                   const InterruptGuard& interrupt) {
+  remove_abandoned_parts(folder);
   std::vector<StoredDrive> missing;
   for (const StoredDrive& drive : drives) {
     sim::validate(drive.spec);

@@ -19,6 +19,7 @@
 #include "hqslam/core/projection.h"
 #include "hqslam/core/trajectory_error.h"
 #include "reference.h"
+#include "terminal.h"
 
 namespace hqslam::tools {
 namespace {
@@ -27,8 +28,8 @@ constexpr double kDegreesPerRadian = 57.29577951308232;
 constexpr std::array<double, 3> kStretches_m = {10.0, 100.0, 800.0};
 
 void print_row(std::string_view label, const ErrorStatistics& statistics, double scale) {
-  fmt::print("{:<26}{:>10.4f}{:>10.4f}{:>10.4f}{:>10.4f}\n", label, scale * statistics.rmse,
-             scale * statistics.mean, scale * statistics.median, scale * statistics.max);
+  to_stdout("{:<26}{:>10.4f}{:>10.4f}{:>10.4f}{:>10.4f}\n", label, scale * statistics.rmse,
+            scale * statistics.mean, scale * statistics.median, scale * statistics.max);
 }
 
 int evaluate_trajectories(const EvaluateOptions& options) {
@@ -38,9 +39,9 @@ int evaluate_trajectories(const EvaluateOptions& options) {
   const Trajectory reference = with_stamps_of(reference_file, estimate_file.poses);
   const Alignment alignment = alignment_from_name(options.alignment);
   const AbsolutePoseError ape = absolute_pose_error(estimate, reference, alignment);
-  fmt::print("{} of {} poses paired with {}, {:.1f} m of path\n", ape.translation_m.size(),
-             estimate.size(), options.reference, path_length_m(reference));
-  fmt::print("{:<26}{:>10}{:>10}{:>10}{:>10}\n", "", "RMSE", "mean", "median", "max");
+  to_stdout("{} of {} poses paired with {}, {:.1f} m of path\n", ape.translation_m.size(),
+            estimate.size(), options.reference, path_length_m(reference));
+  to_stdout("{:<26}{:>10}{:>10}{:>10}{:>10}\n", "", "RMSE", "mean", "median", "max");
   print_row(fmt::format("APE m (align {})", options.alignment), ape.translation_statistics, 1.0);
   print_row(fmt::format("APE deg (align {})", options.alignment), ape.rotation_statistics,
             kDegreesPerRadian);
@@ -58,18 +59,18 @@ int evaluate_trajectories(const EvaluateOptions& options) {
   const Trajectory compared(
       reference.begin() + static_cast<std::ptrdiff_t>(ape.pairs.reference.front()),
       reference.begin() + static_cast<std::ptrdiff_t>(ape.pairs.reference.back()) + 1);
-  fmt::print("{:<26}{:>10}{:>10.1f} per 100 km\n", "slips", slipped,
-             slips_per_100_km(slipped, path_length_m(compared)));
+  to_stdout("{:<26}{:>10}{:>10.1f} per 100 km\n", "slips", slipped,
+            slips_per_100_km(slipped, path_length_m(compared)));
   return kOk;
 }
 
 void print_cloud_error(const CloudError& error) {
-  fmt::print("Chamfer distance      {:.4f} m^2\n", error.chamfer_m2);
-  fmt::print("voxel IoU at 0.1 m    {:.4f}\n", error.iou);
-  fmt::print("voxel precision       {:.4f}\n", error.precision);
-  fmt::print("voxel recall          {:.4f}\n", error.recall);
-  fmt::print("voxel F1 at 0.1 m     {:.4f}\n", error.f1);
-  fmt::print("outlier points        {:.2f} %\n", 100.0 * error.outlier_share);
+  to_stdout("Chamfer distance      {:.4f} m^2\n", error.chamfer_m2);
+  to_stdout("voxel IoU at 0.1 m    {:.4f}\n", error.iou);
+  to_stdout("voxel precision       {:.4f}\n", error.precision);
+  to_stdout("voxel recall          {:.4f}\n", error.recall);
+  to_stdout("voxel F1 at 0.1 m     {:.4f}\n", error.f1);
+  to_stdout("outlier points        {:.2f} %\n", 100.0 * error.outlier_share);
 }
 
 int evaluate_clouds(const EvaluateOptions& options) {
@@ -151,18 +152,17 @@ int evaluate_stacks(const EvaluateOptions& options) {
   for (std::int64_t i = 0; i < estimate.images(); ++i) {
     add_image(sums, estimate.read(i), reference.read(i), sensor);
   }
-  fmt::print("{} images of {} x {}, means over all images\n", estimate.images(), estimate.rows(),
-             estimate.columns());
-  fmt::print("MAE, all pixels       {:.4f} m\n",
-             sums.mae_all_m / static_cast<double>(estimate.images()));
-  fmt::print(
-      "MAE, valid pixels     {:.4f} m ({} pixels)\n",
-      sums.valid_pixels > 0 ? sums.valid_sum_m / static_cast<double>(sums.valid_pixels) : 0.0,
-      sums.valid_pixels);
+  to_stdout("{} images of {} x {}, means over all images\n", estimate.images(), estimate.rows(),
+            estimate.columns());
+  to_stdout("MAE, all pixels       {:.4f} m\n",
+            sums.mae_all_m / static_cast<double>(estimate.images()));
+  to_stdout("MAE, valid pixels     {:.4f} m ({} pixels)\n",
+            sums.valid_pixels > 0 ? sums.valid_sum_m / static_cast<double>(sums.valid_pixels) : 0.0,
+            sums.valid_pixels);
   if (sums.images_with_points > 0) {
     print_cloud_error(divided(sums.cloud, sums.images_with_points));
   } else if (!sensor) {
-    fmt::print("(--sensor adds Chamfer distance, IoU, F1 and outliers in 3-D)\n");
+    to_stdout("(--sensor adds Chamfer distance, IoU, F1 and outliers in 3-D)\n");
   }
   return kOk;
 }

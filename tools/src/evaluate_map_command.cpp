@@ -17,6 +17,7 @@
 #include "map_error.h"
 #include "recording_sensor.h"
 #include "reference.h"
+#include "terminal.h"
 
 namespace hqslam::tools {
 namespace {
@@ -85,12 +86,11 @@ std::string file_of(const std::string& drive, const char* name) {
 
 void print_row(const PlacedMap& map, const MapError& error) {
   const auto percent = [](double share) { return fmt::format("{:.2f}", 100.0 * share); };
-  fmt::print("{:>10}{:>9}{:>9}{:>9}{:>9}{:>9}{:>8.3f}{:>8.3f}  {}{}\n", error.points,
-             percent(error.accuracy.at_10_cm), percent(error.accuracy.at_20_cm),
-             percent(error.beyond_30_cm), percent(error.completeness.at_10_cm),
-             percent(error.completeness.at_20_cm), error.f1.at_10_cm, error.f1.at_20_cm, map.name,
-             map.is_aligned ? " (aligned)" : "");
-  std::fflush(stdout);
+  to_stdout("{:>10}{:>9}{:>9}{:>9}{:>9}{:>9}{:>8.3f}{:>8.3f}  {}{}\n", error.points,
+            percent(error.accuracy.at_10_cm), percent(error.accuracy.at_20_cm),
+            percent(error.beyond_30_cm), percent(error.completeness.at_10_cm),
+            percent(error.completeness.at_20_cm), error.f1.at_10_cm, error.f1.at_20_cm, map.name,
+            map.is_aligned ? " (aligned)" : "");
 }
 
 constexpr const char* kDefinitions =
@@ -130,10 +130,10 @@ int evaluate_map_command(const EvaluateMapOptions& options) {
   const TrajectoryFile truth = read_trajectory_file(file_of(options.drive, "truth.tum"));
   const std::vector<Eigen::Vector3f> visible_m = visible_surface_m({spec, sensor});
   sim::DriveSimulator surface(spec, sensor);
-  fmt::print("{} visible samples of the true surface; shares in percent\n", visible_m.size());
-  fmt::print("{:>10}{:>18}{:>9}{:>18}{:>16}\n", "points", "accuracy", "far", "complete", "F1");
-  fmt::print("{:>10}{:>9}{:>9}{:>9}{:>9}{:>9}{:>8}{:>8}\n", "", "0.1 m", "0.2 m", "0.3 m", "0.1 m",
-             "0.2 m", "0.1 m", "0.2 m");
+  to_stdout("{} visible samples of the true surface; shares in percent\n", visible_m.size());
+  to_stdout("{:>10}{:>18}{:>9}{:>18}{:>16}\n", "points", "accuracy", "far", "complete", "F1");
+  to_stdout("{:>10}{:>9}{:>9}{:>9}{:>9}{:>9}{:>8}{:>8}\n", "", "0.1 m", "0.2 m", "0.3 m", "0.1 m",
+            "0.2 m", "0.1 m", "0.2 m");
   for (const std::string& path : options.maps) {
     const PlacedMap map = placed_map(path, truth);
     print_row(map, map_error(map.points_m, visible_m, surface));

@@ -7,15 +7,15 @@
 #include <CLI/Formatter.hpp>
 #include <CLI/Validators.hpp>
 #include <algorithm>
-#include <cstdio>
 
 #include "exit_status.h"
 #include "hqslam/recordings/recording.h"
+#include "terminal.h"
 
 namespace hqslam::tools {
 namespace {
 
-void print_line(const char* what, const std::string& text) { fmt::print("{:<12}{}\n", what, text); }
+void print_line(const char* what, const std::string& text) { to_stdout("{:<12}{}\n", what, text); }
 
 std::string sensor_line(const recordings::RecordingInfo& info) {
   const SensorModel& sensor = info.sensor;

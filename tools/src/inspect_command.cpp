@@ -11,6 +11,7 @@
 #include "hqslam/core/scan_source.h"
 #include "recording_sensor.h"
 #include "report/layers_report.h"
+#include "terminal.h"
 #include "text_file.h"
 #include "upsampling_plan.h"
 
@@ -19,7 +20,7 @@ namespace {
 
 RangeImage scan_of(const InspectOptions& options, const SensorModel& sensor) {
   const auto source = open_input(input_recording(options), sensor);
-  print_warnings(*source);
+  print_warnings(*source, options.input);
   LeftOut left_out;
   std::optional<RecordedScan> scan;
   for (std::int64_t i = 0; i <= options.scan; ++i) {
@@ -50,8 +51,10 @@ void declare_inspect(CLI::App& app, InspectOptions& options) {
 
 int inspect_command(const InspectOptions& options) {
   refuse_to_replace_foreign(options.out, kLayersPageMarker);
-  const UpsamplingPlan plan = plan_upsampling(
-      {options.input, options.sensor, options.weights, 0, std::nullopt, {}, options.stream});
+  const UpsamplingPlan plan = plan_upsampling({.input = options.input,
+                                               .sensor = options.sensor,
+                                               .method = options.weights,
+                                               .stream = options.stream});
   nn::SuperResolver network = nn::SuperResolver::load(options.weights);
   const RangeImage scan = scan_of(options, plan.recording_sensor);
   LayersReport report;
@@ -67,7 +70,7 @@ int inspect_command(const InspectOptions& options) {
   report.result = std::move(lifted.image);
   report.confidence = std::move(lifted.confidence);
   write_text_file(layers_html(report), options.out);
-  fmt::print("results: {}\n", options.out);
+  to_stdout("results: {}\n", options.out);
   return kOk;
 }
 

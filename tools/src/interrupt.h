@@ -2,8 +2,9 @@
 
 namespace hqslam::tools {
 
-/// While it lives, the first SIGINT or SIGTERM only asks for a clean stop; the second one ends the
-/// program at once. One at a time.
+/// While it lives, the first SIGINT, SIGTERM or SIGHUP (the terminal was closed) only asks for a
+/// clean stop; the second one ends the program at once. SIGHUP stays ignored where the program was
+/// started so (nohup). One at a time.
 class InterruptGuard {
  public:
   InterruptGuard();

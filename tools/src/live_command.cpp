@@ -6,7 +6,6 @@
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
 #include <CLI/Validators.hpp>
-#include <cstdio>
 #include <vector>
 
 #include "exit_status.h"
@@ -17,6 +16,7 @@
 #include "live/view_server.h"
 #include "run_plan.h"
 #include "run_summary.h"
+#include "terminal.h"
 #include "timing_statistics.h"
 
 namespace hqslam::tools {
@@ -35,11 +35,10 @@ recordings::LiveOptions sensor_options(const LiveCommandOptions& options) {
 }
 
 void print_sensor(const recordings::LiveSensor& sensor, const RunPlan& plan) {
-  for (const std::string& warning : sensor.warnings()) fmt::print(stderr, "hqslam: {}\n", warning);
-  fmt::print("{} from {}: {}, {} rows x {} columns, {:.4g} turns a second\n", sensor.format(),
-             text(sensor.sender()), sensor.sensor().name, sensor.sensor().rows(),
-             plan.recording_sensor.columns, 1.0 / sensor.sensor().scan_period_s);
-  std::fflush(stdout);
+  for (const std::string& warning : sensor.warnings()) to_stderr("hqslam: {}\n", warning);
+  to_stdout("{} from {}: {}, {} rows x {} columns, {:.4g} turns a second\n", sensor.format(),
+            text(sensor.sender()), sensor.sensor().name, sensor.sensor().rows(),
+            plan.recording_sensor.columns, 1.0 / sensor.sensor().scan_period_s);
 }
 
 void print_summary(const SlamRun& run, const recordings::LiveCounts& counts,
@@ -47,27 +46,29 @@ void print_summary(const SlamRun& run, const recordings::LiveCounts& counts,
   std::vector<double> latencies_ms;
   for (const ScanRecord& scan : run.scans) latencies_ms.push_back(1e3 * scan.latency_s.value());
   const Distribution latency = distribution_of(std::move(latencies_ms));
-  fmt::print("{}", run_summary(run));
-  fmt::print(
+  to_stdout("{}", run_summary(run));
+  to_stdout(
       "from the packet that completes a scan to its pose: median {:.1f}, 95 % {:.1f}, "
       "longest {:.1f} ms\n",
       latency.median, latency.p95, latency.max);
-  fmt::print("{} packets, {} lost; {} of {} scans dropped\n", counts.packets.used,
-             counts.packets.lost, counts.dropped_scans, counts.scans);
-  fmt::print("results: {}/trajectory.tum, trajectory.kitti, map.pcd, timings.json, report.html\n",
-             options.out);
-  if (run.left_out.scans > 0) fmt::print(stderr, "hqslam: {}\n", run.left_out.text());
+  to_stdout("{} packets, {} lost; {} of {} scans dropped\n", counts.packets.used,
+            counts.packets.lost, counts.dropped_scans, counts.scans);
+  to_stdout(
+      "results: {}/trajectory.tum, trajectory.kitti, covariances.csv, map.pcd, timings.json, "
+      "report.html\n",
+      options.out);
+  if (run.left_out.scans > 0) to_stderr("hqslam: {}\n", run.left_out.text());
 }
 
 /// What to tell the shell, with the line on stderr that explains it.
 int exit_status_of(const SlamRun& run, const recordings::LiveCounts& counts) {
   if (run.end == RunEnd::kUnreadableScan) {
-    fmt::print(stderr, "hqslam: {}; the results up to there are valid\n", run.end_message);
+    to_stderr("hqslam: {}; the results up to there are valid\n", run.end_message);
     return kWrongInput;
   }
   if (!counts.recording_failure.empty()) {
-    fmt::print(stderr, "hqslam: {}; the recording ends there, the results are whole\n",
-               counts.recording_failure);
+    to_stderr("hqslam: {}; the recording ends there, the results are whole\n",
+              counts.recording_failure);
     return kWrongInput;
   }
   return kOk;
@@ -130,8 +131,7 @@ int live_command(const LiveCommandOptions& options) {
   if (options.view) {
     server.emplace(options.view_address, *options.view,
                    [&view](const std::string& target) { return view.answer(target); });
-    fmt::print("page: {}\n", server->url());
-    std::fflush(stdout);
+    to_stdout("page: {}\n", server->url());
   }
   if (!wait_for_sensor(sensor, interrupt)) return kOk;
   RunPlan plan = plan_of(options, sensor.sensor(), fmt::format("UDP port {}", sensor.port()));
@@ -143,7 +143,7 @@ int live_command(const LiveCommandOptions& options) {
   const recordings::LiveCounts counts = sensor.counts();
   if (run.scans.empty()) {
     if (run.end == RunEnd::kUnreadableScan) throw Error(run.end_message);
-    fmt::print(stderr, "hqslam: interrupted before the first scan; nothing was written\n");
+    to_stderr("hqslam: interrupted before the first scan; nothing was written\n");
     return kOk;
   }
   output.write_results(run, std::nullopt);

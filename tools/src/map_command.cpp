@@ -3,13 +3,13 @@
 #include <fmt/format.h>
 
 #include <CLI/Validators.hpp>
-#include <cstdio>
 
 #include "dense_map_output.h"
 #include "exit_status.h"
 #include "hqslam/core/error.h"
 #include "interrupt.h"
 #include "reference.h"
+#include "terminal.h"
 
 namespace hqslam::tools {
 namespace {
@@ -65,16 +65,16 @@ int map_command(const MapOptions& options) {
   refuse_foreign_dense_map(options.out);
   const DenseMapRun run = build_dense_map(options, poses, options.map, interrupt);
   if (interrupt.stop_requested()) {
-    fmt::print(stderr, "hqslam: interrupted; no dense map was written\n");
+    to_stderr("hqslam: interrupted; no dense map was written\n");
     return kInterrupted;
   }
   write_dense_map(run, pictures_of(run, poses.trajectory), options.out);
-  fmt::print(
+  to_stdout(
       "{}\nresults: {}/dense_map.pcd, dense_map.ply, dense_map_above.png, "
       "dense_map_perspective.png\n",
       dense_map_summary(run), options.out);
   if (!run.end_message.empty()) {
-    fmt::print(stderr, "hqslam: {}; the map is of the scans before it\n", run.end_message);
+    to_stderr("hqslam: {}; the map is of the scans before it\n", run.end_message);
     return kWrongInput;
   }
   return kOk;

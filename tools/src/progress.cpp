@@ -7,10 +7,13 @@
 #include <cmath>
 #include <utility>
 
+#include "hqslam/core/excerpt.h"
+
 namespace hqslam::tools {
 namespace {
 
 constexpr int kBarWidth = 24;
+constexpr std::size_t kLabelCharacters = 100;
 constexpr double kTerminalInterval_s = 0.1;
 constexpr double kPlainInterval_s = 10.0;
 
@@ -48,12 +51,13 @@ std::string counts_text(const ProgressState& state) {
 
 std::string progress_bar(const ProgressState& state) {
   const auto filled = static_cast<int>(done_share(state) * kBarWidth);
-  return fmt::format("{} [{:#<{}}{:.<{}}] {:3.0f} %  {}", state.label, "", filled, "",
-                     kBarWidth - filled, 100.0 * done_share(state), counts_text(state));
+  return fmt::format("{} [{:#<{}}{:.<{}}] {:3.0f} %  {}", excerpt(state.label, kLabelCharacters),
+                     "", filled, "", kBarWidth - filled, 100.0 * done_share(state),
+                     counts_text(state));
 }
 
 std::string progress_line(const ProgressState& state) {
-  return fmt::format("{}: {}", state.label, counts_text(state));
+  return fmt::format("{}: {}", excerpt(state.label, kLabelCharacters), counts_text(state));
 }
 
 Progress::Progress(std::string label, std::int64_t total, std::FILE* stream, std::string unit)
@@ -71,21 +75,25 @@ void Progress::update(std::int64_t done) {
   }
 }
 
+void Progress::print(const std::string& text) const {
+  std::fwrite(text.data(), 1, text.size(), stream_);
+  std::fflush(stream_);
+}
+
 void Progress::draw() {
   last_drawn_ = Clock::now();
   state_.elapsed_s = std::chrono::duration<double>(last_drawn_ - start_).count();
   if (terminal_) {
-    fmt::print(stream_, "\r{}\x1b[K", progress_bar(state_));
+    print(fmt::format("\r{}\x1b[K", progress_bar(state_)));
   } else {
-    fmt::print(stream_, "{}\n", progress_line(state_));
+    print(fmt::format("{}\n", progress_line(state_)));
   }
-  std::fflush(stream_);
 }
 
 void Progress::finish() {
   draw();
   if (terminal_) {
-    fmt::print(stream_, "\n");
+    print("\n");
   }
 }
 

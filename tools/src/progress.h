@@ -38,6 +38,8 @@ class Progress {
  private:
   using Clock = std::chrono::steady_clock;
   void draw();
+  /// A stream that takes nothing costs no work.
+  void print(const std::string& text) const;
   std::FILE* stream_;
   bool terminal_;
   ProgressState state_;

@@ -84,11 +84,22 @@ void declare_lifting(CLI::App& command, LiftingChoice& choice) {
                               "(.npz), or interpolation ({})",
                               fmt::join(nn::interpolation_names(), ", ")))
       ->check(CLI::ExistingFile | CLI::IsMember(nn::interpolation_names()));
+  declare_confidence(command, choice);
+}
+
+void declare_confidence(CLI::App& command, ConfidenceChoice& choice) {
   command
-      .add_option("--confidence", choice.least_confidence,
-                  "With --upsample: leave computed pixels empty of which the network (du-mix) is "
-                  "less sure; default: as the weights say")
+      .add_option(
+          "--confidence", choice.least_confidence,
+          "Leave computed pixels empty of which the network (du-mix) is less sure; default: "
+          "as the weights say")
       ->check(CLI::Range(0.0, 1.0));
+  command
+      .add_option("--tolerance", choice.tolerance_m,
+                  fmt::format("Sure of what: that the range is right within so many metres "
+                              "(default: {}); with 100 m and more, that there is a return at all",
+                              nn::SuperResolverOptions{}.tolerance_m))
+      ->check(CLI::Range(0.001, 999.0));
 }
 
 void declare_threads(CLI::App& command, int& threads) {

@@ -30,13 +30,20 @@ void declare_return(CLI::App& command, std::string& kept_return);
 /// The same, to be opened.
 InputRecording input_recording(const InputChoice& choice);
 
-/// What is made of scans before they are used.
-struct LiftingChoice {
-  int rows = 0;                           ///< 0: all
-  std::string upsample;                   ///< weights file or interpolation; empty: nothing
+/// Which pixels of a network that says how sure it is are kept.
+struct ConfidenceChoice {
   std::optional<float> least_confidence;  ///< nothing: as the weights say
+  std::optional<float> tolerance_m;       ///< nothing: SuperResolverOptions' own
 };
-/// --rows, --upsample and --confidence.
+/// --confidence and --tolerance.
+void declare_confidence(CLI::App& command, ConfidenceChoice& choice);
+
+/// What is made of scans before they are used.
+struct LiftingChoice : ConfidenceChoice {
+  int rows = 0;          ///< 0: all
+  std::string upsample;  ///< weights file or interpolation; empty: nothing
+};
+/// --rows, --upsample and what declare_confidence declares.
 void declare_lifting(CLI::App& command, LiftingChoice& choice);
 
 /// --threads; 0: what OpenMP chooses.

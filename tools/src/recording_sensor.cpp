@@ -2,11 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <cstdio>
 #include <filesystem>
 
 #include "hqslam/core/error.h"
 #include "hqslam/recordings/recording.h"
+#include "hqslam/sim/read_drive.h"
+#include "terminal.h"
 
 namespace hqslam::tools {
 
@@ -22,6 +23,17 @@ recordings::OpenOptions open_options(const InputRecording& recording) {
       recording.last_return ? recordings::KeptReturn::kLast : recordings::KeptReturn::kStrongest;
   options.files = recording.files;
   return options;
+}
+
+/// Of a simulated drive; 0 where a folder is none.
+std::int64_t planned_scans(const std::string& input) {
+  const std::string drive = file_of_drive(input, "drive.json");
+  if (drive.empty() || file_of_drive(input, "scans.npy").empty()) return 0;
+  try {
+    return sim::read_drive_json(drive).scans;
+  } catch (const Error&) {
+    return 0;  // of another version: its scans can be read all the same
+  }
 }
 
 }  // namespace
@@ -76,8 +88,14 @@ std::optional<RecordedScan> next_usable(ScanSource& source, LeftOut& left_out) {
   }
 }
 
-void print_warnings(const ScanSource& source) {
-  for (const std::string& line : source.warnings()) fmt::print(stderr, "hqslam: {}\n", line);
+void print_warnings(const ScanSource& source, const std::string& input) {
+  if (const std::int64_t planned = planned_scans(input); source.size() < planned) {
+    to_stderr(
+        "hqslam: {}: the simulation was stopped after {} of {} scans; the same hqslam simulate "
+        "makes them all\n",
+        input, source.size(), planned);
+  }
+  for (const std::string& line : source.warnings()) to_stderr("hqslam: {}\n", line);
 }
 
 }  // namespace hqslam::tools

@@ -51,7 +51,7 @@ struct LeftOut {
 /// cannot be read on.
 std::optional<RecordedScan> next_usable(ScanSource& source, LeftOut& left_out);
 
-/// Prints what a user should know of the recording to stderr, a line each.
-void print_warnings(const ScanSource& source);
+/// Prints what a user should know of the recording to stderr, a line each. `input` is its path.
+void print_warnings(const ScanSource& source, const std::string& input);
 
 }  // namespace hqslam::tools

@@ -6,7 +6,9 @@
 #include <CLI/Formatter.hpp>
 #include <CLI/Validators.hpp>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
+#include <system_error>
 
 #include "exit_status.h"
 #include "hqslam/core/error.h"
@@ -16,6 +18,7 @@
 #include "run_output.h"
 #include "run_plan.h"
 #include "run_summary.h"
+#include "terminal.h"
 
 namespace hqslam::tools {
 namespace {
@@ -60,46 +63,54 @@ std::optional<TrajectoryFile> reference_of(const RunOptions& options, const Scan
 
 void print_summary(const RunResult& result, const RunOptions& options) {
   const SlamRun& run = result.run;
-  fmt::print("{}", run_summary(run));
+  to_stdout("{}", run_summary(run));
   if (result.comparison) {
     const AbsolutePoseError& error = result.comparison->error;
-    fmt::print("APE RMSE {:.3f} m over {} poses against {} (alignment: {})\n",
-               error.translation_statistics.rmse, error.translation_m.size(),
-               result.comparison->reference_path, name(error.alignment));
+    to_stdout("APE RMSE {:.3f} m over {} poses against {} (alignment: {})\n",
+              error.translation_statistics.rmse, error.translation_m.size(),
+              result.comparison->reference_path, name(error.alignment));
   }
   if (!result.dense_map_summary.empty()) {
-    fmt::print("{}\n", result.dense_map_summary);
+    to_stdout("{}\n", result.dense_map_summary);
   }
-  fmt::print("results: {}/trajectory.tum, trajectory.kitti, map.pcd, timings.json, report.html{}\n",
-             options.out,
-             result.dense_map_summary.empty() ? "" : ", dense_map.pcd, dense_map.ply and pictures");
+  to_stdout(
+      "results: {}/trajectory.tum, trajectory.kitti, covariances.csv, map.pcd, timings.json, "
+      "report.html{}\n",
+      options.out,
+      result.dense_map_summary.empty() ? "" : ", dense_map.pcd, dense_map.ply and pictures");
 }
 
 /// What to tell the shell, with the one line on stderr that explains it.
 int exit_status_of(const RunResult& result, const RunOptions& options) {
   const SlamRun& run = result.run;
   if (run.left_out.scans > 0 && !run.scans.empty()) {
-    fmt::print(stderr, "hqslam: {}\n", run.left_out.text());
+    to_stderr("hqslam: {}\n", run.left_out.text());
   }
   if (run.end == RunEnd::kComplete && options.dense_map && result.dense_map_summary.empty()) {
-    fmt::print(stderr, "hqslam: interrupted; the results are valid, but there is no dense map\n");
+    to_stderr("hqslam: interrupted; the results are valid, but there is no dense map\n");
     return kInterrupted;
   }
   switch (run.end) {
     case RunEnd::kInterrupted:
-      fmt::print(stderr,
-                 "hqslam: interrupted after {} of {} scans; the results up to there are valid\n",
-                 run.scans.size(), run.scans_in_recording);
+      to_stderr("hqslam: interrupted after {} of {} scans; the results up to there are valid\n",
+                run.scans.size(), run.scans_in_recording);
       return kInterrupted;
     case RunEnd::kUnreadableScan:
-      fmt::print(stderr,
-                 "hqslam: {}; stopped after {} of {} scans, the results up to there are valid\n",
-                 run.end_message, run.scans.size(), run.scans_in_recording);
+      to_stderr("hqslam: {}; stopped after {} of {} scans, the results up to there are valid\n",
+                run.end_message, run.scans.size(), run.scans_in_recording);
       return kWrongInput;
     case RunEnd::kComplete:
       break;
   }
   return kOk;
+}
+
+/// The map among the scans would be read as one of them by the next run.
+void refuse_to_write_into_recording(const RunOptions& options) {
+  std::error_code error;
+  if (!std::filesystem::equivalent(options.input, options.out, error) || error) return;
+  throw Error(
+      fmt::format("{}: holds the recording; give another --out for the results", options.out));
 }
 
 /// The poses of a run, but for scans that were not located.
@@ -144,6 +155,8 @@ void declare_run(CLI::App& app, RunOptions& options) {
       "Writes into --out:\n"
       "  trajectory.tum    stamp x y z qx qy qz qw per scan\n"
       "  trajectory.kitti  3x4 matrix per scan, row-major; both in the first scan's sensor frame\n"
+      "  covariances.csv   how well each pose is known: 6x6 per scan, x y z and rotations about "
+      "them\n"
       "  map.pcd           the features of all key frames, in that frame\n"
       "  timings.json      time per stage and status of every scan\n"
       "  report.html       trajectory, error and times on one page\n"
@@ -158,9 +171,10 @@ void declare_run(CLI::App& app, RunOptions& options) {
 
 RunResult run_and_write(const RunOptions& options, const InterruptGuard& interrupt) {
   use_threads(options.threads);
+  refuse_to_write_into_recording(options);
   RunPlan plan = plan_of(options);
   const std::unique_ptr<ScanSource> source = plan.open();
-  print_warnings(*source);
+  print_warnings(*source, options.input);
   const std::optional<TrajectoryFile> reference = reference_of(options, *source);
   RunOutput output(options.out);
 
@@ -177,10 +191,10 @@ RunResult run_and_write(const RunOptions& options, const InterruptGuard& interru
   if (reference) {
     result.comparison = compare_with_reference(result.run.trajectory, *reference);
     if (!result.comparison) {
-      fmt::print(stderr,
-                 "hqslam: {}: fewer than 3 of its poses are within 0.02 s of a scan: not compared "
-                 "with it\n",
-                 reference->path);
+      to_stderr(
+          "hqslam: {}: fewer than 3 of its poses are within 0.02 s of a scan: not compared "
+          "with it\n",
+          reference->path);
     }
   }
   output.write_results(result.run, result.comparison);

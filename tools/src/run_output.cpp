@@ -5,15 +5,16 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <system_error>
 
+#include "covariances_csv.h"
 #include "dense_map_output.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/pcd.h"
+#include "hqslam/core/whole_file.h"
 #include "report/html_report.h"
-#include "result_folder.h"
+#include "text_file.h"
 #include "timing_statistics.h"
 
 namespace hqslam::tools {
@@ -26,28 +27,18 @@ constexpr double kCheckpointInterval_s = 5.0;
 /// Of the time between checkpoints what one may take: a long drive's are large.
 constexpr double kCheckpointShare = 0.01;
 constexpr std::array<const char*, 2> kCommands = {"run", "live"};
-constexpr std::array<const char*, 5> kResultNames = {"trajectory.tum", "trajectory.kitti",
-                                                     "map.pcd", "timings.json", "report.html"};
+constexpr std::array<const char*, 6> kResultNames = {"trajectory.tum",  "trajectory.kitti",
+                                                     "covariances.csv", "map.pcd",
+                                                     "timings.json",    "report.html"};
 
 std::string written_by(const std::string& command) { return "hqslam " + command; }
 
 /// Whether the folder holds the results of an earlier run, which this one may replace.
 bool written_by_hqslam(const fs::path& folder) {
-  std::ifstream stream(folder / "timings.json");
-  const Json json = Json::parse(stream, nullptr, /*allow_exceptions=*/false);
-  if (!json.is_object()) return false;
-  const Json by = json.value("written_by", Json());
-  return std::any_of(kCommands.begin(), kCommands.end(),
-                     [&](const char* command) { return by == written_by(command); });
-}
-
-void write_text(const std::string& text, const std::string& path) {
-  std::ofstream stream(path, std::ios::binary);
-  stream << text;
-  stream.close();
-  if (!stream) {
-    throw Error(fmt::format("{}: cannot be written; is the disk full?", path));
-  }
+  return std::any_of(kCommands.begin(), kCommands.end(), [&](const char* command) {
+    return has_marker((folder / "timings.json").string(),
+                      fmt::format("\"written_by\": \"{}\"", written_by(command)));
+  });
 }
 
 double milliseconds(double seconds) { return 1e3 * seconds; }
@@ -185,9 +176,7 @@ RunOutput::RunOutput(const std::string& folder)
     throw Error(fmt::format(
         "{}: expected a folder for the results, found a file; give another --out", folder));
   }
-  if (written_by_hqslam(folder_)) {
-    return;
-  }
+  if (written_by_hqslam(folder_)) return;
   refuse_foreign_dense_map(folder_);
   for (const char* result : kResultNames) {
     if (fs::exists(folder_ / result)) {
@@ -206,28 +195,21 @@ bool RunOutput::checkpoint_due() const {
 
 void RunOutput::write_file(const std::string& name,
                            const std::function<void(const std::string&)>& write) {
-  const fs::path part = folder_ / (name + ".part");
-  std::error_code error;
-  try {
-    write(part.string());
-  } catch (const Error&) {
-    fs::remove(part, error);
-    throw;
-  }
-  fs::rename(part, folder_ / name, error);
-  if (error) {
-    throw Error(fmt::format("{}: cannot be written ({}); give another --out",
-                            (folder_ / name).string(), error.message()));
-  }
+  replace_file((folder_ / name).string(), write);
 }
 
 void RunOutput::write_checkpoint(const SlamRun& run) {
   const auto start = std::chrono::steady_clock::now();
-  make_result_folder(folder_);
+  if (first_) {
+    make_result_folder(folder_);
+    lock_.emplace(folder_);
+  }
   // The timings first: they mark the folder as ours.
-  write_file("timings.json", [&](const std::string& path) { write_text(timings_json(run), path); });
+  write_file("timings.json",
+             [&](const std::string& path) { write_whole_file(path, timings_json(run)); });
   if (first_) {
     std::error_code ignored;
+    fs::remove(folder_ / "covariances.csv", ignored);
     fs::remove(folder_ / "map.pcd", ignored);
     fs::remove(folder_ / "report.html", ignored);
     remove_dense_map(folder_);
@@ -243,9 +225,12 @@ void RunOutput::write_checkpoint(const SlamRun& run) {
 void RunOutput::write_results(const SlamRun& run,
                               const std::optional<ReferenceComparison>& comparison) {
   write_checkpoint(run);
+  write_file("covariances.csv",
+             [&](const std::string& path) { write_whole_file(path, covariances_csv(run)); });
   write_file("map.pcd", [&](const std::string& path) { write_pcd(run.map_points_m, path); });
-  write_file("report.html",
-             [&](const std::string& path) { write_text(html_report(run, comparison), path); });
+  write_file("report.html", [&](const std::string& path) {
+    write_whole_file(path, html_report(run, comparison));
+  });
 }
 
 void RunOutput::write_dense_map(const SlamRun& run,
@@ -254,7 +239,7 @@ void RunOutput::write_dense_map(const SlamRun& run,
   const DenseMapPictures pictures = pictures_of(dense_map, run.trajectory);
   tools::write_dense_map(dense_map, pictures, folder_);
   write_file("report.html", [&](const std::string& path) {
-    write_text(html_report(run, comparison, {&dense_map, &pictures}), path);
+    write_whole_file(path, html_report(run, comparison, {&dense_map, &pictures}));
   });
 }
 

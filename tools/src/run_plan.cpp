@@ -12,7 +12,7 @@ namespace {
 RunPlan lifted(UpsamplingRequest request, const LiftingChoice& choice) {
   request.method = choice.upsample;
   request.rows = choice.rows;
-  request.least_confidence = choice.least_confidence;
+  request.confidence = choice;
   UpsamplingPlan upsampling = plan_upsampling(request);
   RunPlan plan;
   plan.recording_sensor = upsampling.recording_sensor;

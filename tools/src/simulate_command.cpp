@@ -5,7 +5,6 @@
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
 #include <CLI/Validators.hpp>
-#include <cstdio>
 
 #include "drive_folder.h"
 #include "exit_status.h"
@@ -13,6 +12,8 @@
 #include "hqslam/sim/drive.h"
 #include "hqslam/sim/write_drive.h"
 #include "progress.h"
+#include "result_folder.h"
+#include "terminal.h"
 
 namespace hqslam::tools {
 namespace {
@@ -58,6 +59,8 @@ int simulate_drive(const SimulateOptions& options, const InterruptGuard& interru
                    const std::function<void()>& on_scan) {
   const sim::DriveSpec spec = drive_of(options);
   sim::DriveSimulator simulator(spec, load_sensor(options.sensor));
+  make_result_folder(options.out);
+  const FolderLock lock(options.out);
   clear_drive_folder(options.out);
   sim::DriveWriter writer(options.out, spec, simulator.sensor(), {options.bin, options.pcd});
   std::int64_t done = 0;
@@ -85,9 +88,9 @@ int simulate_command(const SimulateOptions& options) {
   const InterruptGuard interrupt;
   const int status = simulate_drive(options, interrupt);
   if (status == kInterrupted) {
-    fmt::print(stderr, "hqslam: interrupted; the scans written up to there are valid\n");
+    to_stderr("hqslam: interrupted; the scans written up to there are valid\n");
   }
-  fmt::print("results: {}\n", options.out);
+  to_stdout("results: {}\n", options.out);
   return status;
 }
 

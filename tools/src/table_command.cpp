@@ -27,6 +27,7 @@
 #include "table_json.h"
 #include "table_markdown.h"
 #include "table_work.h"
+#include "terminal.h"
 #include "text_file.h"
 
 namespace hqslam::tools {
@@ -78,11 +79,11 @@ void write_pages(const std::string& markdown, const std::string& json, const std
   write_text_file(markdown, (out / "table.md").string());
   write_text_file(json, (out / "table.json").string());
   write_text_file(html, (out / "table.html").string());
-  fmt::print("results: {0}/table.html, table.md and table.json\n", out.string());
+  to_stdout("results: {0}/table.html, table.md and table.json\n", out.string());
 }
 
 void print_table(const TextTable& table) {
-  fmt::print("{}\n\n{}\n", table.title, markdown_of(table));
+  to_stdout("{}\n\n{}\n", table.title, markdown_of(table));
 }
 
 /// Of everything that is there.
@@ -126,9 +127,7 @@ void write_seeds_tables(const std::vector<DriveWork>& works, const TablePlan& pl
 }
 
 int report_interruption() {
-  fmt::print(
-      stderr,
-      "hqslam: interrupted; what is finished is kept, the same command goes on from there\n");
+  to_stderr("hqslam: interrupted; what is finished is kept, the same command goes on from there\n");
   return kInterrupted;
 }
 
@@ -198,6 +197,7 @@ int table_command(const TableOptions& options) {
   refuse_foreign_tables(options.out);
   std::vector<DriveWork> works = work_of(plan, options);
   make_result_folder(options.out);
+  const FolderLock lock(options.out);
   const bool complete = run_missing(works, plan, options, interrupt);
   if (plan.over_seeds) {
     write_seeds_tables(works, plan, options);

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <vector>
 
@@ -12,6 +11,8 @@
 #include "exit_status.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/npy.h"
+#include "hqslam/core/sensor_model.h"
+#include "hqslam/core/whole_file.h"
 #include "recording_sensor.h"
 #include "simulate_command.h"
 
@@ -26,8 +27,11 @@ constexpr const char* kSimulatedSensor = "os1-64";
 
 /// What drive.json in the folder says, null if there is none.
 Json drive_json(const std::string& folder) {
-  std::ifstream stream(file_of_drive(folder, "drive.json"));
-  const Json json = Json::parse(stream, nullptr, /*allow_exceptions=*/false);
+  constexpr std::size_t kMostBytes = 1U << 16U;
+  const std::string path = file_of_drive(folder, "drive.json");
+  if (path.empty()) return {};
+  const Json json = Json::parse(whole_file(path, "a drive.json", kMostBytes), nullptr,
+                                /*allow_exceptions=*/false);
   return json.is_discarded() ? Json() : json;
 }
 
@@ -99,7 +103,9 @@ bool is_there(const TableDrive& drive) {
   const std::int64_t scans = take_scans(found);
   if (found != expected || scans < drive.simulated->scans) return false;
   try {
-    return NpyStackReader(drive.recording + "/scans.npy").images() == scans &&
+    const SensorModel sensor = load_sensor(drive.recording + "/sensor.json");
+    return sensor_json(sensor) == sensor_json(load_sensor(kSimulatedSensor)) &&
+           NpyStackReader(drive.recording + "/scans.npy").images() == scans &&
            read_tum(drive.recording + "/truth.tum").size() == static_cast<std::size_t>(scans);
   } catch (const Error&) {
     return false;

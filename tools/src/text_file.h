@@ -8,8 +8,15 @@ namespace hqslam::tools {
 /// is either what it was or whole. Throws Error.
 void write_text_file(const std::string& text, const std::string& path);
 
-/// Throws Error if there is something at `path` that does not hold `marker` among its first 4096
-/// bytes: it was not written by the command that puts the marker there, which must not replace it.
+/// The text of a file of at most 1 MB that people write. Throws Error with `expected`, what it
+/// should be.
+std::string read_small_text_file(const std::string& path, const std::string& expected);
+
+/// Whether there is a file at `path` that holds `marker` among its first 4096 bytes: the command
+/// that puts the marker there wrote it.
+bool has_marker(const std::string& path, const std::string& marker);
+
+/// Throws Error if there is something at `path` without `marker`: it must not be replaced.
 void refuse_to_replace_foreign(const std::string& path, const std::string& marker);
 
 }  // namespace hqslam::tools

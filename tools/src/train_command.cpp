@@ -9,9 +9,8 @@
 #include <chrono>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
-#include <sstream>
+#include <optional>
 
 #include "exit_status.h"
 #include "hqslam/core/error.h"
@@ -22,6 +21,8 @@
 #include "progress.h"
 #include "report/learning_curve.h"
 #include "result_folder.h"
+#include "terminal.h"
+#include "text_file.h"
 #include "training_scans.h"
 
 namespace hqslam::tools {
@@ -40,16 +41,6 @@ struct Training {
 
   std::string checkpoint_path() const { return (out / "checkpoint.npz").string(); }
 };
-
-std::string text_of_file(const std::string& path) {
-  constexpr std::streamoff kLargestBytes = 1 << 20;
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream text;
-  if (!file || !(text << file.rdbuf()) || file.tellg() > kLargestBytes) {
-    throw Error(fmt::format("{}: expected a training configuration (.json), cannot read it", path));
-  }
-  return text.str();
-}
 
 /// Throws Error if the results would replace what is not this training's.
 void refuse_foreign_results(const Training& training) {
@@ -153,14 +144,13 @@ void print_point(const nn::CurvePoint& point, std::int64_t steps, double steps_p
   const double left_min = static_cast<double>(steps - point.step) / steps_per_s / 60.0;
   const nn::ImageFigures& network = point.validation.network;
   const nn::ImageFigures& linear = point.validation.linear;
-  fmt::print(
+  to_stdout(
       "step {:>7}/{}  loss {:.4f}  of linear's: MAE all {:.3f}, valid {:.3f}, wrong {:.3f} "
       "(missing "
       "{:.3f} against {:.3f}, confidence {:.3f})  {:.1f} min left\n",
       point.step, steps, point.loss, network.mae_all_m / linear.mae_all_m,
       network.mae_valid_m / linear.mae_valid_m, network.wrong_share / linear.wrong_share,
       network.missing_share, linear.missing_share, point.validation.least_confidence, left_min);
-  std::fflush(stdout);
 }
 
 /// Trains until the last step or until asked to stop. Returns an ExitStatus.
@@ -223,26 +213,34 @@ void declare_train(CLI::App& app, TrainOptions& options) {
 int train_command(const TrainOptions& options) {
   const InterruptGuard interrupt;
   Training training;
-  training.configuration_text = text_of_file(options.config);
+  training.configuration_text =
+      read_small_text_file(options.config, "a training configuration (.json)");
   training.configuration = nn::training_configuration(training.configuration_text, options.config);
   training.out = options.out;
   refuse_foreign_results(training);
   make_result_folder(training.out);
+  const FolderLock lock(training.out);
   nn::TrainingState state = starting_state(training);
   const nn::TrainingConfiguration& c = training.configuration;
   const int threads = options.threads > 0 ? options.threads : omp_get_max_threads();
-  auto scans = load_scans(training, drive_store(options, threads), interrupt);
-  if (scans == nullptr) return kInterrupted;
-  nn::Trainer trainer(c.network, c.plan, std::move(scans), std::move(state), threads);
-  fmt::print("{}: {} parameters, {} training scans, {} validation scans, from step {}\n",
-             nn::name(c.network.kind), trainer.state().parameters.size(), training.training_scans,
-             training.validation.size(), trainer.state().optimiser.steps);
+  std::optional<nn::Trainer> prepared;
+  try {
+    auto scans = load_scans(training, drive_store(options, threads), interrupt);
+    if (scans == nullptr) return kInterrupted;
+    prepared.emplace(c.network, c.plan, std::move(scans), std::move(state), threads);
+  } catch (const Error& error) {
+    throw Error(fmt::format("{}: {}", options.config, error.what()));
+  }
+  nn::Trainer& trainer = *prepared;
+  to_stdout("{}: {} parameters, {} training scans, {} validation scans, from step {}\n",
+            nn::name(c.network.kind), trainer.state().parameters.size(), training.training_scans,
+            training.validation.size(), trainer.state().optimiser.steps);
   const int status = train(training, trainer, interrupt);
   if (status == kInterrupted) {
-    fmt::print(stderr, "hqslam: interrupted at step {}; the same command goes on from there\n",
-               trainer.state().optimiser.steps);
+    to_stderr("hqslam: interrupted at step {}; the same command goes on from there\n",
+              trainer.state().optimiser.steps);
   }
-  fmt::print("results: {}\n", options.out);
+  to_stdout("results: {}\n", options.out);
   return status;
 }
 

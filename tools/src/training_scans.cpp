@@ -11,6 +11,7 @@
 #include "hqslam/core/error.h"
 #include "hqslam/core/npy.h"
 #include "hqslam/core/scan_source.h"
+#include "hqslam/core/whole_file.h"
 #include "result_folder.h"
 
 namespace hqslam::tools {
@@ -36,13 +37,11 @@ std::string stack_of_recording(const std::string& folder, const SensorModel& sen
   const std::filesystem::path path = store.path / fmt::format("recording_{}.npy", text_hash(about));
   if (std::filesystem::exists(path)) return path.string();
   make_result_folder(store.path);
-  const std::string unfinished = path.string() + ".unfinished";
-  {
+  replace_file(path.string(), [&](const std::string& part) {
     const auto source = open_recording(folder, sensor);
-    NpyStackWriter writer(unfinished, sensor.rows(), sensor.columns);
+    NpyStackWriter writer(part, sensor.rows(), sensor.columns);
     while (const auto scan = source->next()) writer.append(range_image(scan->cloud));
-  }
-  std::filesystem::rename(unfinished, path);
+  });
   return path.string();
 }
 
@@ -62,6 +61,25 @@ std::vector<StoredDrive> drives_of(const nn::ScanSet& set) {
   return drives;
 }
 
+/// Throws Error if none of five images from all over a stack has a return that the sensor can have
+/// had: millimetres, an empty file, no ranges at all.
+void require_returns(const std::string& path, const SensorModel& sensor) {
+  constexpr std::int64_t kTried = 5;
+  NpyStackReader reader(path);
+  const std::int64_t last = reader.images() - 1;
+  for (std::int64_t k = 0; k < kTried && last >= 0; ++k) {
+    const RangeImage image = reader.read(last * k / (kTried - 1));
+    const bool any = std::any_of(image.range_m.begin(), image.range_m.end(), [&](float r) {
+      return r >= sensor.min_range_m && r > 0.0F && r <= sensor.max_range_m;
+    });
+    if (any) return;
+  }
+  throw Error(
+      fmt::format("{}: expected images with ranges from {} to {} m (sensor '{}'), found none; give "
+                  "ranges in metres",
+                  path, sensor.min_range_m, sensor.max_range_m, sensor.name));
+}
+
 }  // namespace
 
 StoredScans::StoredScans(const std::vector<std::string>& paths, const SensorModel& sensor)
@@ -72,6 +90,7 @@ StoredScans::StoredScans(const std::vector<std::string>& paths, const SensorMode
       throw Error(fmt::format("{}: images of {} x {}, expected the {} x {} of {}", path,
                               reader.rows(), reader.columns(), rows_, columns_, sensor.name));
     }
+    require_returns(path, sensor);
     const std::int64_t begin = size();
     files_.push_back({path, begin, begin + reader.images()});
   }

@@ -15,6 +15,7 @@
 #include "hqslam/nn/upsampler.h"
 #include "interrupt.h"
 #include "progress.h"
+#include "terminal.h"
 #include "text_file.h"
 #include "tulip_protocol.h"
 
@@ -124,7 +125,7 @@ int compare_with_tulip(const CompareOptions& options) {
   }
   progress.finish();
   if (done == 0) return kInterrupted;
-  fmt::print(
+  to_stdout(
       "| method | MAE all m | MAE computed rows m | Chamfer m^2 | IoU | precision | recall | "
       "F1 |\n|--|--|--|--|--|--|--|--|\n");
   Json json = {{"written_by", kCompareJsonMarker},
@@ -134,12 +135,12 @@ int compare_with_tulip(const CompareOptions& options) {
                {"methods", Json::array()}};
   for (const TulipMethod& method : methods) {
     const TulipScore s = mean_of(method.sum, static_cast<double>(done));
-    fmt::print("| {} | {:.4f} | {:.4f} | {:.4f} | {:.4f} | {:.4f} | {:.4f} | {:.4f} |\n",
-               method.name, s.mae_m, s.mae_computed_m, s.chamfer_m2, s.iou, s.precision, s.recall,
-               s.f1);
+    to_stdout("| {} | {:.4f} | {:.4f} | {:.4f} | {:.4f} | {:.4f} | {:.4f} | {:.4f} |\n",
+              method.name, s.mae_m, s.mae_computed_m, s.chamfer_m2, s.iou, s.precision, s.recall,
+              s.f1);
     json["methods"].push_back(json_of(method.name, s));
   }
-  fmt::print("{} scans of {}\n", done, options.input);
+  to_stdout("{} scans of {}\n", done, options.input);
   if (!options.json.empty()) {
     write_text_file(json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n", options.json);
   }

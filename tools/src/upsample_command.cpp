@@ -8,7 +8,6 @@
 #include <CLI/Formatter.hpp>
 #include <CLI/Validators.hpp>
 #include <chrono>
-#include <cstdio>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -20,6 +19,7 @@
 #include "interrupt.h"
 #include "progress.h"
 #include "recording_sensor.h"
+#include "terminal.h"
 #include "timing_statistics.h"
 #include "upsample_output.h"
 #include "upsampling_plan.h"
@@ -40,13 +40,13 @@ UpsamplingPlan plan_of(const UpsampleOptions& options) {
   request.sensor = options.sensor;
   request.stream = options.stream;
   request.method = options.weights.empty() ? options.method : options.weights;
-  request.least_confidence = options.least_confidence;
+  request.confidence = options;
   return plan_upsampling(request);
 }
 
 std::unique_ptr<ScanSource> source_of(const UpsampleOptions& options, const UpsamplingPlan& plan) {
   auto source = open_input(input_recording(options), plan.recording_sensor);
-  print_warnings(*source);
+  print_warnings(*source, options.input);
   return source;
 }
 
@@ -103,19 +103,19 @@ UpsampleRun upsample(ScanSource& source, UpsamplingPlan& plan, const UpsampleOpt
 void print_summary(const UpsampleRun& run, const UpsamplingPlan& plan,
                    const UpsampleOptions& options) {
   const nn::Upsampler& upsampler = plan.upsampler;
-  fmt::print("{} scans, {} rows -> {} rows of {} columns, by {}", run.times_s.size(),
-             select_rows(upsampler.sensor(), upsampler.measured_rows()).rows(),
-             upsampler.sensor().rows(), upsampler.sensor().columns, upsampler.name());
+  to_stdout("{} scans, {} rows -> {} rows of {} columns, by {}", run.times_s.size(),
+            select_rows(upsampler.sensor(), upsampler.measured_rows()).rows(),
+            upsampler.sensor().rows(), upsampler.sensor().columns, upsampler.name());
   if (const nn::SuperResolver* network = upsampler.network()) {
-    fmt::print(" ({} layers, {} parameters, {:.3f} GMAC a scan)", network->description().layers,
-               network->parameters(), 1e-9 * static_cast<double>(network->multiply_adds()));
+    to_stdout(" ({} layers, {} parameters, {:.3f} GMAC a scan)", network->description().layers,
+              network->parameters(), 1e-9 * static_cast<double>(network->multiply_adds()));
   }
   const double median_s = distribution_of(run.times_s).median;
-  fmt::print("\nupsampling alone: {:.2f} ms a scan, {:.1f} scans/s (median, {} thread{})\n",
-             1e3 * median_s, 1.0 / median_s, omp_get_max_threads(),
-             omp_get_max_threads() == 1 ? "" : "s");
-  fmt::print("results: {0}/scans.npy, sensor.json{1}{2}{3}\n", options.out,
-             options.bin ? ", bin" : "", options.pcd ? ", pcd" : "", options.png ? ", png" : "");
+  to_stdout("\nupsampling alone: {:.2f} ms a scan, {:.1f} scans/s (median, {} thread{})\n",
+            1e3 * median_s, 1.0 / median_s, omp_get_max_threads(),
+            omp_get_max_threads() == 1 ? "" : "s");
+  to_stdout("results: {0}/scans.npy, sensor.json{1}{2}{3}\n", options.out,
+            options.bin ? ", bin" : "", options.pcd ? ", pcd" : "", options.png ? ", png" : "");
 }
 
 }  // namespace
@@ -136,12 +136,7 @@ void declare_upsample(CLI::App& app, UpsampleOptions& options) {
   method->require_option(1);
   command->add_option("--out", options.out, "Folder for the results; made if it is not there")
       ->required();
-  command
-      ->add_option(
-          "--confidence", options.least_confidence,
-          "Leave computed pixels empty of which the network (du-mix) is less sure; default: "
-          "as the weights say")
-      ->check(CLI::Range(0.0, 1.0));
+  declare_confidence(*command, options);
   declare_threads(*command, options.threads);
   command->add_flag("--bin", options.bin, "Also write KITTI .bin files");
   command->add_flag("--pcd", options.pcd, "Also write .pcd files");
@@ -164,17 +159,15 @@ int upsample_command(const UpsampleOptions& options) {
   if (scans > 0) {
     print_summary(run, plan, options);
   }
-  if (run.left_out.scans > 0) fmt::print(stderr, "hqslam: {}\n", run.left_out.text());
+  if (run.left_out.scans > 0) to_stderr("hqslam: {}\n", run.left_out.text());
   if (run.unreadable) {
-    fmt::print(stderr,
-               "hqslam: {}; stopped after {} of {} scans, the results up to there are valid\n",
-               *run.unreadable, scans, run.scans_in_recording);
+    to_stderr("hqslam: {}; stopped after {} of {} scans, the results up to there are valid\n",
+              *run.unreadable, scans, run.scans_in_recording);
     return kWrongInput;
   }
   if (scans + run.left_out.scans < run.scans_in_recording) {
-    fmt::print(stderr,
-               "hqslam: interrupted after {} of {} scans; the results up to there are valid\n",
-               scans, run.scans_in_recording);
+    to_stderr("hqslam: interrupted after {} of {} scans; the results up to there are valid\n",
+              scans, run.scans_in_recording);
     return kInterrupted;
   }
   return kOk;

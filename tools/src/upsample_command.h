@@ -8,11 +8,11 @@
 
 namespace hqslam::tools {
 
-struct UpsampleOptions : InputChoice {  ///< sensor empty: as UpsamplingRequest says
-  std::string weights;                  ///< this one
-  std::string method;                   ///< or this one
+/// sensor empty: as UpsamplingRequest says
+struct UpsampleOptions : InputChoice, ConfidenceChoice {
+  std::string weights;  ///< this one
+  std::string method;   ///< or this one
   std::string out;
-  std::optional<float> least_confidence;
   int threads = 0;  ///< 0: what OpenMP chooses
   bool bin = false;
   bool pcd = false;

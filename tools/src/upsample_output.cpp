@@ -3,18 +3,19 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <fstream>
 #include <nlohmann/json.hpp>
+#include <string_view>
 #include <system_error>
 #include <vector>
 
+#include "drive_folder.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/kitti_bin.h"
 #include "hqslam/core/pcd.h"
 #include "hqslam/core/png.h"
 #include "hqslam/core/scan.h"
 #include "recording_sensor.h"
-#include "result_folder.h"
+#include "text_file.h"
 
 namespace hqslam::tools {
 namespace {
@@ -23,6 +24,8 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kWrittenBy = "hqslam upsample";
+constexpr const char* kMarker = "\"written_by\": \"hqslam upsample\"";
+constexpr std::string_view kMarkerFile = "upsample.json";  // is replaced, not removed
 constexpr std::array<const char*, 6> kFiles = {"scans.npy",     "confidence.npy", "sensor.json",
                                                "upsample.json", "truth.tum",      "truth.kitti"};
 constexpr std::array<const char*, 2> kTruthFiles = {"truth.tum", "truth.kitti"};
@@ -48,62 +51,46 @@ void refuse_to_overwrite_input(const fs::path& folder, const std::string& input)
   }
 }
 
-bool written_by_upsample(const fs::path& folder) {
-  std::ifstream stream(folder / "upsample.json");
-  const Json json = Json::parse(stream, nullptr, /*allow_exceptions=*/false);
-  return json.is_object() && json.value("written_by", Json()) == kWrittenBy;
-}
-
-void clear(const fs::path& folder) {
-  if (fs::exists(folder) && !fs::is_directory(folder)) {
-    throw Error(
-        fmt::format("{}: expected a folder for the results, found a file; give another --out",
-                    folder.string()));
-  }
-  const bool ours = written_by_upsample(folder);
+/// Throws Error if something in the folder would be replaced that hqslam upsample did not write.
+void refuse_foreign_results(const fs::path& folder) {
+  if (has_marker((folder / kMarkerFile).string(), kMarker)) return;
   std::vector<const char*> names(kFiles.begin(), kFiles.end());
   names.insert(names.end(), kScanFolders.begin(), kScanFolders.end());
   for (const char* name : names) {
-    if (fs::exists(folder / name) && !ours) {
+    if (fs::exists(folder / name)) {
       throw Error(fmt::format(
           "{}: is there already and was not written by hqslam upsample; give another --out or move "
           "it",
           (folder / name).string()));
     }
   }
-  for (const char* scans : kScanFolders) {
-    if (!fs::is_directory(folder / scans)) {
-      continue;
-    }
-    const std::vector<fs::path> files(fs::directory_iterator(folder / scans), {});
-    for (const fs::path& file : files) {
-      if (file.extension() == std::string(".") + scans) {
-        fs::remove(file);
-      }
-    }
-  }
+}
+
+void remove_results(const fs::path& folder) {
+  for (const char* scans : kScanFolders) remove_numbered_scans(folder / scans, scans);
   for (const char* file : kFiles) {
-    fs::remove(folder / file);
+    if (file != kMarkerFile) fs::remove(folder / file);
   }
 }
 
-/// `folder`, made empty of earlier results: the members that open files in it start with this.
-fs::path prepared(const std::string& folder, const std::string& input) {
-  const fs::path path = fs::absolute(folder).lexically_normal();
+/// `folder`, made if it is not there: the lock on it comes next.
+fs::path made(const std::string& folder, const std::string& input) {
+  fs::path path = fs::absolute(folder).lexically_normal();
   refuse_to_overwrite_input(path, input);
-  clear(path);
   make_result_folder(path);
   return path;
 }
 
-void write_origin(const fs::path& path, const std::string& input, const std::string& method) {
-  const Json json = {{"written_by", kWrittenBy}, {"input", input}, {"method", method}};
-  std::ofstream stream(path, std::ios::binary);
-  stream << json.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
-  stream.close();
-  if (!stream) {
-    throw Error(fmt::format("{}: cannot be written; is the disk full?", path.string()));
-  }
+/// `folder`, made empty of earlier results: the members that open files in it start with this. The
+/// file that says where the results came from is first: it marks the folder as ours however little
+/// else is there, because a disk was full or the program was killed.
+fs::path prepared(const fs::path& folder, const std::string& input, const std::string& method) {
+  refuse_foreign_results(folder);
+  const Json origin = {{"written_by", kWrittenBy}, {"input", input}, {"method", method}};
+  write_text_file(origin.dump(2, ' ', false, Json::error_handler_t::replace) + "\n",
+                  (folder / kMarkerFile).string());
+  remove_results(folder);
+  return folder;
 }
 
 Scan scan_of(const OrganizedCloud& cloud) {
@@ -121,11 +108,12 @@ Scan scan_of(const OrganizedCloud& cloud) {
 UpsampleOutput::UpsampleOutput(const std::string& folder, const std::string& input,
                                const std::string& method, const SensorModel& sensor,
                                UpsampledFormats formats)
-    : folder_(prepared(folder, input)),
+    : folder_(made(folder, input)),
+      lock_(folder_),
       sensor_(sensor),
       formats_(formats),
-      stack_((folder_ / "scans.npy").string(), sensor.rows(), sensor.columns) {
-  write_origin(folder_ / "upsample.json", input, method);
+      stack_((prepared(folder_, input, method) / "scans.npy").string(), sensor.rows(),
+             sensor.columns) {
   write_sensor_json(sensor, (folder_ / "sensor.json").string());
   for (const char* truth : kTruthFiles) {
     if (const std::string known = file_of_drive(input, truth); !known.empty()) {

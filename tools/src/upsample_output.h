@@ -9,6 +9,7 @@
 #include "hqslam/core/organized_cloud.h"
 #include "hqslam/core/range_image.h"
 #include "hqslam/core/sensor_model.h"
+#include "result_folder.h"
 
 namespace hqslam::tools {
 
@@ -41,6 +42,7 @@ class UpsampleOutput {
   void write_formats(const RangeImage& image, const OrganizedCloud& cloud) const;
 
   std::filesystem::path folder_;
+  FolderLock lock_;
   SensorModel sensor_;
   UpsampledFormats formats_;
   NpyStackWriter stack_;

@@ -66,18 +66,25 @@ std::optional<int> recorded_rows(const UpsamplingRequest& request) {
       kBeamTolerance_deg, request.input, found.name, found.rows(), found.columns));
 }
 
+bool is_given(const ConfidenceChoice& choice) {
+  return choice.least_confidence || choice.tolerance_m;
+}
+
 [[noreturn]] void fail_for_confidence(const UpsamplingRequest& request) {
-  throw Error(fmt::format(
-      "{}: does not say how sure it is of a pixel; leave --confidence out, or give weights of kind "
-      "du-mix",
-      request.method));
+  throw Error(
+      fmt::format("{}: does not say how sure it is of a pixel; leave --confidence and --tolerance "
+                  "out, or give weights of kind "
+                  "du-mix",
+                  request.method));
 }
 
 UpsamplingPlan plan_for_network(const UpsamplingRequest& request) {
   nn::SuperResolverOptions options = request.network_options;
-  if (request.least_confidence) options.least_confidence = request.least_confidence;
+  const ConfidenceChoice& choice = request.confidence;
+  if (choice.least_confidence) options.least_confidence = choice.least_confidence;
+  if (choice.tolerance_m) options.tolerance_m = *choice.tolerance_m;
   nn::SuperResolver network = nn::SuperResolver::load(request.method, options);
-  if (request.least_confidence && network.description().kind != nn::NetworkKind::kDuMix) {
+  if (is_given(choice) && network.description().kind != nn::NetworkKind::kDuMix) {
     fail_for_confidence(request);
   }
   const SensorModel full = network.sensor();
@@ -104,7 +111,7 @@ UpsamplingPlan plan_for_network(const UpsamplingRequest& request) {
 }
 
 UpsamplingPlan plan_for_interpolation(const UpsamplingRequest& request) {
-  if (request.least_confidence) fail_for_confidence(request);
+  if (is_given(request.confidence)) fail_for_confidence(request);
   const nn::Interpolation interpolation = nn::interpolation_from_name(request.method);
   const SensorModel full =
       request.sender ? *request.sender

@@ -5,6 +5,7 @@
 
 #include "hqslam/core/sensor_model.h"
 #include "hqslam/nn/upsampler.h"
+#include "recording_choice.h"
 
 namespace hqslam::tools {
 
@@ -14,8 +15,7 @@ struct UpsamplingRequest {
   std::string sensor;  ///< empty: sensor.json in the recording's folder, or the weights' sensor
   std::string method;  ///< an interpolation's name or the path of a weights file
   int rows = 0;        ///< measured rows; 0: the weights', or for interpolation every fourth
-  /// Computed pixels that are less sure come out empty; nothing: as the weights say.
-  std::optional<float> least_confidence = std::nullopt;
+  ConfidenceChoice confidence = {};
   nn::SuperResolverOptions network_options = {};
   std::string stream = "";  ///< of a capture or a bag; empty: the only one with scans
   /// Of a sensor that sends now: `input` is only its name then, `sensor` and `stream` are not

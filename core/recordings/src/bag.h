@@ -42,7 +42,7 @@ std::unique_ptr<Bag> chained(std::vector<std::unique_ptr<Bag>> bags);
 /// A bag as a recording: its topics with packets and point clouds are streams.
 std::unique_ptr<RecordingFile> bag_recording(std::unique_ptr<Bag> bag, const std::string& path);
 
-/// The text in one line of printable characters, at most 200.
-std::string printable(const std::string& text);
+/// Of the name of a topic, a type or a field in a message.
+inline constexpr std::size_t kNameCharacters = 200;
 
 }  // namespace hqslam::recordings

@@ -4,6 +4,7 @@
 
 #include "bag.h"
 #include "hqslam/core/error.h"
+#include "hqslam/core/excerpt.h"
 #include "message_reader.h"
 
 namespace hqslam::recordings {
@@ -11,7 +12,6 @@ namespace hqslam::recordings {
 namespace {
 
 constexpr std::size_t kSmallestLidarPacket = 600;
-constexpr std::size_t kMaxPrinted = 200;
 
 /// "velodyne_msgs/msg/VelodyneScan" and "velodyne_msgs/VelodyneScan" are one type.
 std::string plain_type(const std::string& type) {
@@ -134,15 +134,15 @@ class BagRecording : public RecordingFile {
     const auto found = std::find_if(streams_.begin(), streams_.end(),
                                     [&](const Stream& other) { return other.name == stream.name; });
     if (found == streams_.end()) {
-      throw Error(fmt::format("{}: has no topic {}", path_, printable(stream.name)));
+      throw Error(fmt::format("{}: has no topic {}", path_, excerpt(stream.name, kNameCharacters)));
     }
     return bag_->topics()[static_cast<std::size_t>(found - streams_.begin())];
   }
 
   Stream stream_of(const Topic& topic) const {
     Stream stream;
-    stream.name = printable(topic.name);
-    stream.type = printable(topic.type);
+    stream.name = excerpt(topic.name, kNameCharacters);
+    stream.type = excerpt(topic.type, kNameCharacters);
     stream.messages = topic.messages;
     if (topic.messages == 0) return stream;
     const Carrier carrier = carrier_of(topic.type);
@@ -212,14 +212,6 @@ class ChainedBag : public Bag {
 };
 
 }  // namespace
-
-std::string printable(const std::string& text) {
-  std::string result = text.substr(0, kMaxPrinted);
-  for (char& c : result) {
-    if (c < ' ' || c > '~') c = '?';
-  }
-  return text.size() > kMaxPrinted ? result + "..." : result;
-}
 
 std::unique_ptr<Bag> chained(std::vector<std::unique_ptr<Bag>> bags) {
   if (bags.size() == 1) return std::move(bags.front());

@@ -3,6 +3,7 @@
 
 #include "bag.h"
 #include "hqslam/core/error.h"
+#include "hqslam/core/excerpt.h"
 
 namespace hqslam::recordings {
 
@@ -19,7 +20,7 @@ using Statement = std::unique_ptr<sqlite3_stmt, FinalizeStatement>;
 
 [[noreturn]] void fail(const std::string& path, sqlite3* database) {
   throw Error(fmt::format("{}: expected a ROS 2 bag (sqlite), found '{}'; give a whole .db3 file",
-                          path, printable(sqlite3_errmsg(database))));
+                          path, excerpt(sqlite3_errmsg(database), kNameCharacters)));
 }
 
 Database opened(const std::string& path) {

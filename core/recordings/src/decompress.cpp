@@ -9,6 +9,7 @@
 
 #include "bag.h"
 #include "hqslam/core/error.h"
+#include "hqslam/core/excerpt.h"
 
 namespace hqslam::recordings {
 
@@ -81,7 +82,7 @@ std::vector<std::uint8_t> decompressed(Bytes chunk, const std::string& compressi
     throw Error(
         fmt::format("expected a chunk of {} bytes compressed by lz4, zstd or bz2, found a "
                     "damaged one ('{}')",
-                    size, printable(compression)));
+                    size, excerpt(compression, kNameCharacters)));
   }
   return result;
 }

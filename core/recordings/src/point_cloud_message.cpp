@@ -8,6 +8,7 @@
 
 #include "bag.h"
 #include "hqslam/core/error.h"
+#include "hqslam/core/excerpt.h"
 #include "message_reader.h"
 
 namespace hqslam::recordings {
@@ -106,7 +107,7 @@ void check(const Layout& layout) {
     if (field.offset + kTypeBytes[field.type] > layout.point_step) {
       throw Error(
           fmt::format("field '{}': expected it within the {} bytes of a point, found it at {}",
-                      printable(field.name), layout.point_step, field.offset));
+                      excerpt(field.name, kNameCharacters), layout.point_step, field.offset));
     }
   }
 }
@@ -115,7 +116,7 @@ const Field& coordinate(const Layout& layout, std::string_view name) {
   if (const Field* field = layout.find({name})) return *field;
   std::string found;
   for (const Field& field : layout.fields) found += (found.empty() ? "" : " ") + field.name;
-  throw Error(fmt::format("expected fields x y z, found {}", printable(found)));
+  throw Error(fmt::format("expected fields x y z, found {}", excerpt(found, kNameCharacters)));
 }
 
 }  // namespace

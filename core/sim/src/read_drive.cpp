@@ -2,13 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
 #include "hqslam/core/error.h"
 #include "hqslam/core/json_limits.h"
+#include "hqslam/core/whole_file.h"
 
 namespace hqslam::sim {
 
@@ -16,24 +14,11 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::uintmax_t kMostBytes = 1U << 16U;
+constexpr std::size_t kMostBytes = 1U << 16U;
 
 [[noreturn]] void complain(const std::string& path, const std::string& what) {
   throw Error(fmt::format("{}: {}; give a folder written by hqslam simulate, by this version of it",
                           path, what));
-}
-
-std::string text_of(const std::string& path) {
-  std::error_code error;
-  const std::uintmax_t bytes = std::filesystem::file_size(path, error);
-  if (error || bytes > kMostBytes) {
-    complain(path, error ? "expected a file, found none"
-                         : fmt::format("expected at most {} bytes, found {}", kMostBytes, bytes));
-  }
-  std::ifstream stream(path, std::ios::binary);
-  std::ostringstream text;
-  text << stream.rdbuf();
-  return text.str();
 }
 
 template <typename Value>
@@ -79,7 +64,7 @@ void read_conditions(const Json& json, const std::string& path, SensingCondition
 }  // namespace
 
 DriveSpec read_drive_json(const std::string& path) {
-  const std::string text = text_of(path);
+  const std::string text = whole_file(path, "a drive.json written by hqslam simulate", kMostBytes);
   check_json_limits(text, path);
   const Json json = Json::parse(text, nullptr, /*allow_exceptions=*/false);
   if (!json.is_object()) complain(path, "expected a JSON object");

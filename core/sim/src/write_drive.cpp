@@ -11,6 +11,7 @@
 #include "hqslam/core/kitti_bin.h"
 #include "hqslam/core/pcd.h"
 #include "hqslam/core/projection.h"
+#include "hqslam/core/whole_file.h"
 
 namespace hqslam::sim {
 
@@ -38,12 +39,6 @@ void make_empty_directory(const fs::path& directory) {
                     "another folder",
                     directory.string()));
   }
-}
-
-/// `directory`, after it has been made: members that open files in it are initialised with this.
-const std::string& made(const std::string& directory) {
-  make_directory(directory);
-  return directory;
 }
 
 std::string in(const std::string& directory, std::string_view name) {
@@ -76,10 +71,17 @@ void write_drive_json(const std::string& path, const DriveSpec& spec, const Sens
                           {"extinction_per_m", spec.conditions.extinction_per_m},
                           {"airborne_share", spec.conditions.airborne_share}};
   }
-  std::ofstream stream(path, std::ios::binary);
-  stream << json.dump(2) << '\n';
-  stream.flush();
-  require_written(stream, path);
+  replace_file(path, [&](const std::string& part) { write_whole_file(part, json.dump(2) + "\n"); });
+}
+
+/// `directory`, after it has been made with the file that says what the drive is: members that open
+/// files in it are initialised with this. However soon writing stops, that file tells whose the
+/// others are.
+const std::string& made(const std::string& directory, const DriveSpec& spec,
+                        const SensorModel& sensor) {
+  make_directory(directory);
+  write_drive_json(in(directory, "drive.json"), spec, sensor);
+  return directory;
 }
 
 Eigen::Quaterniond rotation_of(const Pose& pose) {
@@ -114,7 +116,7 @@ std::vector<Eigen::Vector3f> returns_of(const RangeImage& image, const SensorMod
 
 DriveWriter::DriveWriter(const std::string& directory, const DriveSpec& spec,
                          const SensorModel& sensor, ExtraFormats extra)
-    : directory_(made(directory)),
+    : directory_(made(directory, spec, sensor)),
       sensor_(sensor),
       extra_(extra),
       stack_(in(directory, "scans.npy"), sensor.rows(), sensor.columns),
@@ -124,7 +126,6 @@ DriveWriter::DriveWriter(const std::string& directory, const DriveSpec& spec,
   require_written(tum_, in(directory, "truth.tum"));
   require_written(kitti_, in(directory, "truth.kitti"));
   write_sensor_json(sensor, in(directory, "sensor.json"));
-  write_drive_json(in(directory, "drive.json"), spec, sensor);
   if (extra_.kitti_bin) make_empty_directory(fs::path(directory) / "bin");
   if (extra_.pcd) make_empty_directory(fs::path(directory) / "pcd");
 }

@@ -143,6 +143,9 @@ RowSelection read_rows(JsonFields& fields, int sensor_rows) {
   if (!fields.dumped("measured_rows").starts_with("{")) {
     int measured = 0;
     fields.optional("measured_rows", measured);
+    if (measured < 1 || measured > sensor_rows || sensor_rows % measured != 0) {
+      fields.complain("measured_rows", fmt::format("a number that divides {}", sensor_rows));
+    }
     return selection_for(sensor_rows, measured);
   }
   JsonFields rows = fields.object("measured_rows");

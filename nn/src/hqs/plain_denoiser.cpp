@@ -56,8 +56,8 @@ PlainDenoiser::PlainDenoiser(const PlainDenoiserShape& shape, int rows, int colu
   validate(shape);
   const DenoiserState state = make_state(true);
   for (int i = 0; i < shape.convolutions; ++i) {
-    const Tensor& from = i == 0 ? state.input : state.hidden[i - 1];
-    const Tensor& to = i + 1 == shape.convolutions ? state.z : state.hidden[i];
+    const Tensor& from = state.values[i];
+    const Tensor& to = i + 1 == shape.convolutions ? state.z : state.values[i + 1];
     layers_.emplace_back(ConvolutionShape{from.channels(), to.channels(), 3, 3, 1, 1, 1}, from, to,
                          instruction_set, threads);
   }
@@ -89,11 +89,11 @@ std::int64_t PlainDenoiser::multiply_adds() const {
 
 DenoiserState PlainDenoiser::make_state(bool /*for_backward*/) const {
   DenoiserState state;
-  state.input = Tensor(1, rows_, columns_, padding());
+  state.values.emplace_back(1, rows_, columns_, padding());
   for (int i = 0; i + 1 < shape_.convolutions; ++i) {
-    state.hidden.emplace_back(shape_.features, rows_, columns_, padding());
+    state.values.emplace_back(shape_.features, rows_, columns_, padding());
   }
-  state.output = Tensor(1, 1, 1, padding());  // no memory
+  state.values.emplace_back(1, 1, 1, padding());  // no memory
   state.z = Tensor(1, rows_, columns_, padding());
   return state;
 }
@@ -124,10 +124,10 @@ void PlainDenoiser::forward(const Candidates& /*candidates*/, DenoiserState& sta
                             std::optional<std::uint64_t> dropout_seed) {
   const int last = shape_.convolutions - 1;
   for (int i = 0; i < last; ++i) {
-    layers_[i].forward(i == 0 ? state.input : state.hidden[i - 1], {0.0F}, state.hidden[i]);
-    if (dropout_seed) drop_out(*dropout_seed + i, state.hidden[i]);
+    layers_[i].forward(state.values[i], {0.0F}, state.values[i + 1]);
+    if (dropout_seed) drop_out(*dropout_seed + i, state.values[i + 1]);
   }
-  layers_[last].forward(state.hidden[last - 1], {}, state.z);
+  layers_[last].forward(state.values[last], {}, state.z);
 #pragma omp master
   dropped_out_ = dropout_seed.has_value();
 }
@@ -152,9 +152,9 @@ void PlainDenoiser::backward(const Candidates& /*candidates*/, const DenoiserSta
     d_weights.push_back(take(d_parameters, layer.shape().weights()));
   gradient.z.fill_borders();
   for (int i = shape_.convolutions - 1; i >= 0; --i) {
-    const Tensor& input = i == 0 ? state.input : state.hidden[i - 1];
-    const Tensor& d_output = i + 1 == shape_.convolutions ? gradient.z : gradient.hidden[i];
-    Tensor& d_input = i == 0 ? gradient.input : gradient.hidden[i - 1];
+    const Tensor& input = state.values[i];
+    const Tensor& d_output = i + 1 == shape_.convolutions ? gradient.z : gradient.values[i + 1];
+    Tensor& d_input = gradient.values[i];
     layers_[i].backward_parameters(input, d_output, d_weights[i], {});
     layers_[i].backward_input(d_output, {}, d_input);
     if (i > 0) backward_activation(input, dropped_out_, d_input);

@@ -35,7 +35,7 @@ LayerTrace UnrolledLifter::layer_trace(const UnrolledState& all, int layer,
   const LayerState& from = all.layer(layer);
   const NetworkDescription& d = network_.description();
   const bool has_filter = d.kind == NetworkKind::kDuOr;
-  LayerTrace trace{in_metres(from.denoiser.input),
+  LayerTrace trace{in_metres(from.denoiser.input()),
                    in_metres(from.denoiser.z),
                    in_metres(has_filter ? from.y : from.denoiser.z),
                    from.rejected,

@@ -137,13 +137,13 @@ void UnrolledNetwork::run_layer(UnrolledState& state, int layer,
 #pragma omp parallel num_threads(threads_)
   {
     data_consistency(layer).forward(state.l, previous_z(state, layer), previous_y(state, layer),
-                                    current.input);  // eq. 10a
+                                    current.input());  // eq. 10a
     if (layer == 0) {
-      clear_channels(tile.pixels(), current.input);  // no memory yet
+      clear_channels(tile.pixels(), current.input());  // no memory yet
     } else if (prior.memory_channels() > 0) {
-      const Tensor& before = state.layer(layer - 1).denoiser.output;
+      const Tensor& before = state.layer(layer - 1).denoiser.output();
       copy_channels(before, before.channels() - prior.memory_channels(), prior.memory_channels(),
-                    current.input, tile.pixels());
+                    current.input(), tile.pixels());
     }
     prior.forward(state.candidates, current, dropout_seed);  // eq. 10b
     if (has_filter_after(layer)) fill_raster(state, layer);
@@ -160,7 +160,7 @@ void UnrolledNetwork::fill_raster(UnrolledState& state, int layer) const {
 #pragma omp for schedule(static)
   for (int row = 0; row < rows_; ++row) {
     float* ranges = &state.raster[static_cast<std::size_t>(row) * columns_];
-    take_image_row(of_h ? current.input : current.z, tile, row, ranges);
+    take_image_row(of_h ? current.input() : current.z, tile, row, ranges);
     for (int x = 0; x < columns_; ++x) ranges[x] = ranges[x] >= nearest ? ranges[x] : 0.0F;
   }
 }
@@ -182,7 +182,7 @@ void UnrolledNetwork::finish_last_layer(UnrolledState& state) {
 void UnrolledNetwork::set_y(LayerState& layer) const {
   const TileSize tile = denoisers_.front()->tile();
   const bool of_h = description_.filtered == FilteredIterate::kH;
-  const Tensor& filtered = of_h ? layer.denoiser.input : layer.denoiser.z;
+  const Tensor& filtered = of_h ? layer.denoiser.input() : layer.denoiser.z;
   const bool zero = description_.rejected == RejectedPixel::kZero;
 #pragma omp for schedule(static)
   for (int row = 0; row < layer.y.rows(); ++row) {

@@ -79,8 +79,8 @@ void UnrolledNetwork::backward(const UnrolledState& state, std::span<const Tenso
   DenoiserState& gradient = scratch.gradient;
   scratch.d_z.set_zero();
   scratch.d_y.set_zero();
-  const int first_memory = gradient.output.channels() - memory;
-  if (memory > 0) clear_channels(first_memory, gradient.output);
+  const int first_memory = gradient.output().channels() - memory;
+  if (memory > 0) clear_channels(first_memory, gradient.output());
   for (int layer = description_.layers - 1; layer >= 0; --layer) {
     const LayerState& current = state.layer(layer);
     const bool last = layer + 1 == description_.layers;
@@ -97,11 +97,12 @@ void UnrolledNetwork::backward(const UnrolledState& state, std::span<const Tenso
     const std::size_t begin = description_.shared_weights ? 0 : layer * denoiser_parameters_;
     denoiser(layer).backward(state.candidates, current.denoiser, gradient,
                              d_parameters.subspan(begin, denoiser_parameters_));
-    add_channels(gradient.input, pixels, scratch.d_h);
+    add_channels(gradient.input(), pixels, scratch.d_h);
     const double d_penalty = data_consistency(layer).backward(
         state.l, previous_z(state, layer), previous_y(state, layer), scratch.d_h, scratch.d_a);
     add_penalty_gradient(layer, d_penalty, d_parameters);
-    if (memory > 0) copy_channels(gradient.input, pixels, memory, gradient.output, first_memory);
+    if (memory > 0)
+      copy_channels(gradient.input(), pixels, memory, gradient.output(), first_memory);
     // A is the mean of Z and Y; Simple DU's Y is its Z.
     for (int channel = 0; channel < pixels; ++channel) {
       for (int row = 0; row < scratch.d_a.rows(); ++row) {

@@ -8,6 +8,7 @@
 
 #include "../json_fields.h"
 #include "hqslam/core/error.h"
+#include "hqslam/core/excerpt.h"
 #include "hqslam/core/npz.h"
 #include "hqslam/nn/hqs/network.h"
 #include "hqslam/nn/hqs/network_json.h"
@@ -16,6 +17,7 @@
 namespace hqslam::nn {
 namespace {
 
+constexpr std::int64_t kLargestBytes = 64LL << 20;
 constexpr const char* kFormat = "hqslam-weights-1";
 constexpr const char* kDescription = "description";
 constexpr const char* kMeasured = "self_test.measured";
@@ -29,8 +31,8 @@ std::string shape_text(const std::vector<std::int64_t>& shape) {
 }
 
 /// The array of that name, which must have that shape; taken out of `arrays`.
-std::vector<float> take_floats(const std::string& path, const std::string& name,
-                               const std::vector<std::int64_t>& shape, NpzArrays& arrays) {
+NpzArray take_array(const std::string& path, const std::string& name,
+                    const std::vector<std::int64_t>& shape, NpzArrays& arrays) {
   const auto found = arrays.find(name);
   if (found == arrays.end()) {
     throw Error(
@@ -40,14 +42,28 @@ std::vector<float> take_floats(const std::string& path, const std::string& name,
     throw Error(fmt::format("{}: array '{}': expected shape {}, found {}", path, name,
                             shape_text(shape), shape_text(found->second.shape)));
   }
-  std::vector<float> values = float_values(found->second, fmt::format("{}: {}", path, name));
+  NpzArray array = std::move(found->second);
+  arrays.erase(found);
+  return array;
+}
+
+std::vector<float> take_floats(const std::string& path, const std::string& name,
+                               const std::vector<std::int64_t>& shape, NpzArrays& arrays) {
+  const NpzArray array = take_array(path, name, shape, arrays);
+  const std::string source = fmt::format("{}: {}", path, name);
+  std::vector<float> values;
+  if (array.dtype == "<f8") {  // PyTorch in double precision
+    const std::vector<double> wide = double_values(array, source);
+    values.assign(wide.begin(), wide.end());
+  } else {
+    values = float_values(array, source);
+  }
   for (const float value : values) {
     if (!std::isfinite(value)) {
       throw Error(
           fmt::format("{}: array '{}': expected finite values, found {}", path, name, value));
     }
   }
-  arrays.erase(found);
   return values;
 }
 
@@ -56,6 +72,34 @@ RangeImage take_image(const std::string& path, const std::string& name, int rows
   RangeImage image(rows, columns);
   image.range_m = take_floats(path, name, {rows, columns}, arrays);
   return image;
+}
+
+std::vector<float> take_parameters(const std::string& path, const NetworkDescription& description,
+                                   NpzArrays& arrays) {
+  std::vector<float> parameters;
+  for (const ParameterShape& shape : parameter_shapes(description)) {
+    const std::vector<float> values = take_floats(path, shape.name, shape.shape, arrays);
+    parameters.insert(parameters.end(), values.begin(), values.end());
+  }
+  return parameters;
+}
+
+int measured_row_count(const NetworkDescription& d) {
+  return (d.sensor.rows() - d.measured_rows.offset + d.measured_rows.stride - 1) /
+         d.measured_rows.stride;
+}
+
+SelfTest take_self_test(const std::string& path, const NetworkDescription& d, NpzArrays& arrays) {
+  const int columns = d.sensor.columns;
+  return {take_image(path, kMeasured, measured_row_count(d), columns, arrays),
+          take_image(path, kExpected, d.sensor.rows(), columns, arrays)};
+}
+
+void check_nothing_left(const std::string& path, const NetworkDescription& description,
+                        const NpzArrays& arrays) {
+  if (arrays.empty()) return;
+  throw Error(fmt::format("{}: unknown array '{}' for a network of kind {}", path,
+                          excerpt(arrays.begin()->first), name(description.kind)));
 }
 
 /// What the network makes of measured rows: Z of the last layer, metres; of DU-Mix, the image
@@ -94,11 +138,6 @@ void check_parameter_count(const std::string& path, const Weights& weights) {
   }
 }
 
-int measured_row_count(const NetworkDescription& d) {
-  return (d.sensor.rows() - d.measured_rows.offset + d.measured_rows.stride - 1) /
-         d.measured_rows.stride;
-}
-
 }  // namespace
 
 SelfTest make_self_test(const NetworkDescription& description, const std::vector<float>& parameters,
@@ -107,13 +146,12 @@ SelfTest make_self_test(const NetworkDescription& description, const std::vector
 }
 
 Weights read_weights(const std::string& path) {
-  constexpr std::int64_t kLargestBytes = 64LL << 20;
   NpzArrays arrays = read_npz(path, kLargestBytes);
   const auto description = arrays.find(kDescription);
   if (description == arrays.end()) {
     throw Error(fmt::format(
         "{}: expected weights with a member 'description', found none; weights are made by "
-        "hqslam train",
+        "hqslam train, or of other programs' arrays by hqslam weights pack",
         path));
   }
   JsonFields fields(text_value(description->second, fmt::format("{}: description", path)),
@@ -124,20 +162,20 @@ Weights read_weights(const std::string& path) {
   weights.description = network_from_json(fields.dumped("network"), path + ": network");
   weights.training = fields.dumped("training");
   fields.finish();
-  for (const ParameterShape& shape : parameter_shapes(weights.description)) {
-    const std::vector<float> values = take_floats(path, shape.name, shape.shape, arrays);
-    weights.parameters.insert(weights.parameters.end(), values.begin(), values.end());
-  }
-  const int columns = weights.description.sensor.columns;
-  weights.self_test.measured =
-      take_image(path, kMeasured, measured_row_count(weights.description), columns, arrays);
-  weights.self_test.expected =
-      take_image(path, kExpected, weights.description.sensor.rows(), columns, arrays);
-  if (!arrays.empty()) {
-    throw Error(fmt::format("{}: unknown array '{}' for a network of kind {}", path,
-                            arrays.begin()->first.substr(0, 40), name(weights.description.kind)));
-  }
+  weights.parameters = take_parameters(path, weights.description, arrays);
+  weights.self_test = take_self_test(path, weights.description, arrays);
+  check_nothing_left(path, weights.description, arrays);
   return weights;
+}
+
+ForeignArrays read_foreign_arrays(const std::string& path, const NetworkDescription& description) {
+  NpzArrays arrays = read_npz(path, kLargestBytes);
+  ForeignArrays foreign{take_parameters(path, description, arrays), std::nullopt};
+  if (arrays.count(kMeasured) > 0 || arrays.count(kExpected) > 0) {
+    foreign.self_test = take_self_test(path, description, arrays);
+  }
+  check_nothing_left(path, description, arrays);
+  return foreign;
 }
 
 void write_weights(const std::string& path, const Weights& weights) {

@@ -11,13 +11,15 @@ namespace hqslam::nn::kernels {
 
 /// Output channels are computed in blocks of this many; packed weights are padded to it.
 inline constexpr int kOutputBlock = 8;
-/// Gradients of weights are summed in vectors over the channels of the narrow side, padded to this.
-inline constexpr int kGradientVector = 16;
+/// Gradients of weights are summed for this many narrow channels at a time, padded to it.
+inline constexpr int kGradientBlock = 8;
 
 /// One row of a convolution as a sum over taps (input channel, kernel row, kernel column):
 ///   y[o][x]      = bias[o] + sum_t weights[o / 8][t][o % 8] * input[tap_offset[t] + x]
 ///   output[o][x] = a(y[o][x] + skip[o][x]),  a(v) = max(v, negative_slope * v)
 /// for begin <= x < end, rounded up to whole vectors of 16. negative_slope: 1 linear, 0 ReLU.
+/// With `activated`, the gradient of what such an a made: a(v) = v where activated > 0, else
+/// negative_slope * v.
 struct AccumulateRow {
   const float* input = nullptr;
   const std::int64_t* tap_offset = nullptr;
@@ -29,22 +31,28 @@ struct AccumulateRow {
   std::int64_t output_channel_stride = 0;
   const float* skip = nullptr;  ///< nullptr: none
   std::int64_t skip_channel_stride = 0;
+  const float* activated = nullptr;  ///< nullptr: none
+  std::int64_t activated_channel_stride = 0;
   float negative_slope = 1.0F;
   int begin = 0;
   int end = 0;
 };
 
-/// The gradient of the weights from one stretch of a row:
-///   gradient[t][a] += sum_x narrow[x][a] * wide[tap_offset[t] + x],  0 <= x < columns
-/// narrow_channels is a multiple of 16.
-struct CorrelateRow {
-  const float* narrow = nullptr;  ///< columns x narrow_channels
+/// The gradient of the weights from some rows:
+///   gradient[t][a] += sum_{y, x} narrow[a][y][x] * wide[tap_offset[t] + y wide_row_stride + x]
+/// for y < rows and x < columns. Both may be read in whole vectors of 16.
+struct CorrelateRows {
+  const float* narrow = nullptr;
+  std::int64_t narrow_channel_stride = 0;
+  std::int64_t narrow_row_stride = 0;
   int narrow_channels = 0;
   const float* wide = nullptr;
+  std::int64_t wide_row_stride = 0;
   const std::int64_t* tap_offset = nullptr;
   int taps = 0;
+  int rows = 0;
   int columns = 0;
-  float* gradient = nullptr;  ///< taps x narrow_channels
+  float* gradient = nullptr;  ///< taps x narrow channels padded to kGradientBlock
 };
 
 /// The end of the U-shaped denoiser for one row of pixels (nn/hqs/selection.h has the formula).
@@ -124,7 +132,7 @@ struct TwoModesLossRow {
 
 struct RowKernels {
   void (*accumulate)(const AccumulateRow&);
-  void (*correlate)(const CorrelateRow&);
+  void (*correlate)(const CorrelateRows&);
   void (*select)(const SelectRow&);
   void (*fill_measured)(const MeasuredRow&);
   void (*interpolate)(const InterpolateRow&);

@@ -3,7 +3,8 @@ namespace {
 constexpr int kVectorFloats = 8;
 constexpr int kChannelBlock = 4;
 constexpr int kColumnVectors = 3;
-constexpr int kTapBlock = 6;
+constexpr int kGradientChannels = 4;
+constexpr int kGradientTaps = 3;
 }  // namespace
 }  // namespace hqslam::nn::kernels
 

@@ -3,7 +3,8 @@ namespace {
 constexpr int kVectorFloats = 16;
 constexpr int kChannelBlock = 8;
 constexpr int kColumnVectors = 3;
-constexpr int kTapBlock = 12;
+constexpr int kGradientChannels = 8;
+constexpr int kGradientTaps = 3;
 }  // namespace
 }  // namespace hqslam::nn::kernels
 

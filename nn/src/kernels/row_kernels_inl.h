@@ -1,7 +1,10 @@
 // Included by one translation unit per instruction set, which defines how wide a vector is
-// (kVectorFloats) and how many outputs one pass keeps in registers (kChannelBlock channels times
-// kColumnVectors vectors). Everything lives in an unnamed namespace: no two of the translation
-// units may share a function.
+// (kVectorFloats) and how many sums one pass keeps in registers: kChannelBlock channels times
+// kColumnVectors vectors of outputs, kGradientChannels channels times kGradientTaps taps of
+// gradients. Everything lives in an unnamed namespace: no two of the translation units may share a
+// function.
+
+#include <utility>
 
 #include "row_kernels.h"
 #include "vector_math_inl.h"
@@ -44,12 +47,20 @@ inline void accumulate_block(const AccumulateRow& row, int channel, int x) {
     float* output = row.output + (channel + o) * row.output_channel_stride + x;
     const float* skip =
         row.skip == nullptr ? nullptr : row.skip + (channel + o) * row.skip_channel_stride + x;
+    const float* activated = row.activated == nullptr
+                                 ? nullptr
+                                 : row.activated + (channel + o) * row.activated_channel_stride + x;
 #pragma GCC unroll 16
     for (int v = 0; v < kVectors; ++v) {
       Vector y = sum[o][v];
       if (skip != nullptr) y += load(skip + v * kVectorFloats);
       const Vector negative = row.negative_slope * y;
-      store(output + v * kVectorFloats, y > negative ? y : negative);
+      if (activated != nullptr) {
+        y = load(activated + v * kVectorFloats) > 0.0F ? y : negative;
+      } else {
+        y = y > negative ? y : negative;
+      }
+      store(output + v * kVectorFloats, y);
     }
   }
 }
@@ -70,56 +81,121 @@ void accumulate(const AccumulateRow& row) {
   for (; x < row.end; x += kVectorFloats) accumulate_columns<1>(row, x);
 }
 
-/// kTaps taps from `tap` on, `kVectors` vectors of narrow channels from `channel` on.
-template <int kTaps, int kVectors>
-inline void correlate_block(const CorrelateRow& row, int tap, int channel) {
-  Vector sum[kTaps][kVectors];
+/// The same. The compiler would otherwise read a value that is used kTaps times as often from
+/// memory, which costs half of the speed.
+inline Vector in_register(Vector vector) {
+#if defined(__x86_64__)
+  asm("" : "+v"(vector));
+#elif defined(__aarch64__)
+  asm("" : "+w"(vector));
+#endif
+  return vector;
+}
+
+/// The lane that lane i of with_halved_groups takes: the first (or second) half of every group of
+/// kGroup lanes, those of the first vector before those of the second.
+template <int kGroup, bool kSecond>
+constexpr int half_group_lane(int i) {
+  constexpr int kHalf = kGroup / 2;
+  return i / kHalf * kGroup + i % kHalf + (kSecond ? kHalf : 0);
+}
+
+/// Two vectors of groups of kGroup lanes -> one of groups of half as many with the same sums.
+template <int kGroup, int... kLanes>
+inline Vector with_halved_groups(Vector a, Vector b, std::integer_sequence<int, kLanes...>) {
+  return __builtin_shufflevector(a, b, half_group_lane<kGroup, false>(kLanes)...) +
+         __builtin_shufflevector(a, b, half_group_lane<kGroup, true>(kLanes)...);
+}
+
+/// The sums over the lanes of kVectors vectors (a power of two) side by side in the first lanes.
+template <int kVectors, int kGroup = kVectorFloats>
+inline Vector sums_of_lanes(const Vector* vectors) {
+  if constexpr (kGroup == 1) {
+    return vectors[0];
+  } else {
+    constexpr int kHalf = kVectors == 1 ? 1 : kVectors / 2;
+    Vector halved[kHalf];
+#pragma GCC unroll 16
+    for (int i = 0; i < kHalf; ++i) {
+      halved[i] =
+          with_halved_groups<kGroup>(vectors[2 * i % kVectors], vectors[(2 * i + 1) % kVectors],
+                                     std::make_integer_sequence<int, kVectorFloats>{});
+    }
+    return sums_of_lanes<kHalf, kGroup / 2>(halved);
+  }
+}
+
+/// Adds the first kGradientChannels lanes to as many floats.
+inline void add_first_lanes(Vector vector, float* values) {
+  typedef float Lanes
+      __attribute__((vector_size(kGradientChannels * sizeof(float)), aligned(4), may_alias));
+  Lanes lanes;
+  __builtin_memcpy(&lanes, &vector, sizeof lanes);
+  Lanes& to = *reinterpret_cast<Lanes*>(values);
+  to = to + lanes;
+}
+
+/// The sums of kGradientChannels narrow channels, which begin at row 0 of `narrow`, for kTaps taps.
+/// `gradient`: of the first tap, `padded_channels` floats before the next one's.
+template <int kTaps>
+inline void correlate_block(const CorrelateRows& rows, const float* const* narrow_channels,
+                            const std::int64_t* tap_offset, int padded_channels, float* gradient) {
+  Vector sum[kTaps][kGradientChannels];
 #pragma GCC unroll 16
   for (int t = 0; t < kTaps; ++t) {
 #pragma GCC unroll 16
-    for (int v = 0; v < kVectors; ++v) sum[t][v] = Vector{};
+    for (int a = 0; a < kGradientChannels; ++a) sum[t][a] = Vector{};
   }
-  const float* wide[kTaps];
+  const auto add = [&](std::int64_t narrow, std::int64_t wide, auto&& load_narrow) {
+    Vector in[kTaps];
 #pragma GCC unroll 16
-  for (int t = 0; t < kTaps; ++t) wide[t] = row.wide + row.tap_offset[tap + t];
-  const float* narrow = row.narrow + channel;
-  for (int x = 0; x < row.columns; ++x, narrow += row.narrow_channels) {
-    Vector in[kVectors];
+    for (int t = 0; t < kTaps; ++t) in[t] = load(rows.wide + tap_offset[t] + wide);
 #pragma GCC unroll 16
-    for (int v = 0; v < kVectors; ++v) in[v] = load(narrow + v * kVectorFloats);
+    for (int a = 0; a < kGradientChannels; ++a) {
+      const Vector value = in_register(load_narrow(narrow_channels[a] + narrow));
 #pragma GCC unroll 16
-    for (int t = 0; t < kTaps; ++t) {
-      const float value = wide[t][x];
-#pragma GCC unroll 16
-      for (int v = 0; v < kVectors; ++v) sum[t][v] += value * in[v];
+      for (int t = 0; t < kTaps; ++t) sum[t][a] += value * in[t];
+    }
+  };
+  const int whole = rows.columns - rows.columns % kVectorFloats;
+  for (int y = 0; y < rows.rows; ++y) {
+    const std::int64_t narrow = y * rows.narrow_row_stride;
+    const std::int64_t wide = y * rows.wide_row_stride;
+    for (int x = 0; x < whole; x += kVectorFloats) add(narrow + x, wide + x, load);
+  }
+  if (whole < rows.columns) {
+    Vector inside{};  // 1 in the lanes of the last columns
+    for (int i = 0; i < rows.columns - whole; ++i) inside[i] = 1.0F;
+    for (int y = 0; y < rows.rows; ++y) {
+      add(y * rows.narrow_row_stride + whole, y * rows.wide_row_stride + whole,
+          [&](const float* values) { return inside > 0.0F ? load(values) : Vector{}; });
     }
   }
 #pragma GCC unroll 16
   for (int t = 0; t < kTaps; ++t) {
-    float* gradient = row.gradient + (tap + t) * row.narrow_channels + channel;
-#pragma GCC unroll 16
-    for (int v = 0; v < kVectors; ++v) {
-      store(gradient + v * kVectorFloats, load(gradient + v * kVectorFloats) + sum[t][v]);
+    add_first_lanes(sums_of_lanes<kGradientChannels>(sum[t]), gradient + t * padded_channels);
+  }
+}
+
+void correlate(const CorrelateRows& rows) {
+  const int padded = (rows.narrow_channels + kGradientBlock - 1) / kGradientBlock * kGradientBlock;
+  for (int channel = 0; channel < padded; channel += kGradientChannels) {
+    // Channels beyond the last one repeat it; their sums go into the padding.
+    const float* narrow[kGradientChannels];
+    for (int a = 0; a < kGradientChannels; ++a) {
+      const int here = channel + a < rows.narrow_channels ? channel + a : rows.narrow_channels - 1;
+      narrow[a] = rows.narrow + here * rows.narrow_channel_stride;
     }
-  }
-}
-
-template <int kVectors>
-inline void correlate_channels(const CorrelateRow& row, int channel) {
-  int tap = 0;
-  for (; tap + kTapBlock <= row.taps; tap += kTapBlock) {
-    correlate_block<kTapBlock, kVectors>(row, tap, channel);
-  }
-  for (; tap < row.taps; ++tap) correlate_block<1, kVectors>(row, tap, channel);
-}
-
-void correlate(const CorrelateRow& row) {
-  int channel = 0;
-  for (; channel + 2 * kVectorFloats <= row.narrow_channels; channel += 2 * kVectorFloats) {
-    correlate_channels<2>(row, channel);
-  }
-  for (; channel < row.narrow_channels; channel += kVectorFloats) {
-    correlate_channels<1>(row, channel);
+    float* gradient = rows.gradient + channel;
+    int tap = 0;
+    for (; tap + kGradientTaps <= rows.taps; tap += kGradientTaps) {
+      correlate_block<kGradientTaps>(rows, narrow, rows.tap_offset + tap, padded,
+                                     gradient + static_cast<std::int64_t>(tap) * padded);
+    }
+    for (; tap < rows.taps; ++tap) {
+      correlate_block<1>(rows, narrow, rows.tap_offset + tap, padded,
+                         gradient + static_cast<std::int64_t>(tap) * padded);
+    }
   }
 }
 

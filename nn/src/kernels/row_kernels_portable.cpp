@@ -3,7 +3,8 @@ namespace {
 constexpr int kVectorFloats = 4;
 constexpr int kChannelBlock = 4;
 constexpr int kColumnVectors = 2;
-constexpr int kTapBlock = 4;
+constexpr int kGradientChannels = 4;
+constexpr int kGradientTaps = 2;
 }  // namespace
 }  // namespace hqslam::nn::kernels
 

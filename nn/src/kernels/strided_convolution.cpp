@@ -13,7 +13,7 @@ namespace {
 int blocks_of(int channels) { return (channels + kOutputBlock - 1) / kOutputBlock; }
 
 int padded_gradient_channels(int channels) {
-  return (channels + kGradientVector - 1) / kGradientVector * kGradientVector;
+  return (channels + kGradientBlock - 1) / kGradientBlock * kGradientBlock;
 }
 
 /// floor(a / b) for b > 0, also where a is negative.
@@ -49,12 +49,21 @@ void merge_phases(const float* phases, std::int64_t phase_stride, int stride, in
 }
 
 /// values = a(values + skip)
-void end_row(const float* skip, float negative_slope, int count, float* values) {
+void end_row(const float* skip, const float* activated, float negative_slope, int count,
+             float* values) {
   if (skip != nullptr) {
 #pragma omp simd
     for (int x = 0; x < count; ++x) values[x] += skip[x];
   }
   if (negative_slope == 1.0F) return;
+  if (activated != nullptr) {
+#pragma omp simd
+    for (int x = 0; x < count; ++x) {
+      const float scaled = negative_slope * values[x];
+      values[x] = activated[x] > 0.0F ? values[x] : scaled;
+    }
+    return;
+  }
   for (int x = 0; x < count; ++x) values[x] = std::max(values[x], negative_slope * values[x]);
 }
 
@@ -207,13 +216,13 @@ ConvolutionScratch StridedConvolution::make_scratch(int threads) const {
     scratch.phases = Tensor(shape_.input_channels * shape_.stride, wide_rows_, narrow_columns_,
                             padding_, wide_border_rows_);
   }
-  // A row of every wide channel and column phase (scatter), or of the narrow channels with the
-  // channels side by side, and the gradient of every weight (add_weight_gradient).
+  // A row of every wide channel and column phase (scatter), or the gradient of every weight
+  // (add_weight_gradient).
   const Tensor row(1, 1, narrow_columns_, padding_, 0);
   const std::size_t scatter_floats =
       static_cast<std::size_t>(shape_.input_channels) * shape_.stride * row.row_stride();
   const std::size_t channels = padded_gradient_channels(shape_.output_channels);
-  const std::size_t gradient_floats = channels * (narrow_columns_ + gather_offset_.size());
+  const std::size_t gradient_floats = channels * gather_offset_.size();
   scratch.rows.assign(threads, std::vector<float>(std::max(scatter_floats, gradient_floats)));
   return scratch;
 }
@@ -254,19 +263,28 @@ AccumulateRow StridedConvolution::gather_task(const Tensor& wide, const float* b
   return row;
 }
 
+void StridedConvolution::end_in(Tensor& result, const Epilogue& epilogue, int y,
+                                AccumulateRow& row) {
+  row.output = result.row(0, y);
+  row.output_channel_stride = result.channel_stride();
+  row.negative_slope = epilogue.negative_slope;
+  if (epilogue.skip != nullptr) {
+    row.skip = epilogue.skip->row(0, y);
+    row.skip_channel_stride = epilogue.skip->channel_stride();
+  }
+  if (epilogue.activated != nullptr) {
+    row.activated = epilogue.activated->row(0, y);
+    row.activated_channel_stride = epilogue.activated->channel_stride();
+  }
+}
+
 void StridedConvolution::gather(const Tensor& wide, const Epilogue& epilogue, Tensor& narrow,
                                 ConvolutionScratch& scratch) const {
   if (shape_.stride > 1) sort_phases(wide, scratch);
 #pragma omp for schedule(static)
   for (int y = 0; y < narrow_rows_; ++y) {
     AccumulateRow row = gather_task(wide, epilogue.bias, y, scratch);
-    row.output = narrow.row(0, y);
-    row.output_channel_stride = narrow.channel_stride();
-    if (epilogue.skip != nullptr) {
-      row.skip = epilogue.skip->row(0, y);
-      row.skip_channel_stride = epilogue.skip->channel_stride();
-    }
-    row.negative_slope = epilogue.negative_slope;
+    end_in(narrow, epilogue, y, row);
     kernels_->accumulate(row);
     for (int channel = 0; channel < shape_.output_channels; ++channel) {
       narrow.fill_border(channel, y);
@@ -294,6 +312,17 @@ void StridedConvolution::scatter_row(const Tensor& narrow, const Epilogue& epilo
   row.output_channels = shape_.input_channels;
   row.output_channel_stride = stride * row_stride;
   row.end = (wide_columns_ + stride - 1) / stride;
+  if (stride == 1) {
+    row.tap_offset = scatter_phases_.front().tap_offset.data();
+    row.taps = static_cast<int>(scatter_phases_.front().tap_offset.size());
+    row.weights = scatter_phases_.front().weights.data();
+    end_in(wide, epilogue, wide_row, row);
+    kernels_->accumulate(row);
+    for (int channel = 0; channel < shape_.input_channels; ++channel) {
+      wide.fill_border(channel, wide_row);
+    }
+    return;
+  }
   for (int phase = 0; phase < stride; ++phase) {
     const ScatterPhase& taps = scatter_phases_[row_phase * stride + phase];
     row.tap_offset = taps.tap_offset.data();
@@ -307,7 +336,9 @@ void StridedConvolution::scatter_row(const Tensor& narrow, const Epilogue& epilo
     const float* skip = epilogue.skip == nullptr ? nullptr : epilogue.skip->row(channel, wide_row);
     const float* from = rows.data() + channel * stride * row_stride;
     merge_phases(from, row_stride, stride, wide_columns_, to);
-    end_row(skip, epilogue.negative_slope, wide_columns_, to);
+    const float* activated =
+        epilogue.activated == nullptr ? nullptr : epilogue.activated->row(channel, wide_row);
+    end_row(skip, activated, epilogue.negative_slope, wide_columns_, to);
     wide.fill_border(channel, wide_row);
   }
 }
@@ -326,25 +357,28 @@ void StridedConvolution::add_weight_gradient(const Tensor& narrow, const Tensor&
   if (shape_.stride > 1) sort_phases(wide, scratch);
   const int channels = padded_gradient_channels(shape_.output_channels);
   const int taps = static_cast<int>(gather_offset_.size());
-  float* side_by_side = scratch.rows.front().data();
-  float* sums = side_by_side + static_cast<std::int64_t>(channels) * narrow_columns_;
-  std::fill_n(side_by_side, static_cast<std::size_t>(channels) * narrow_columns_, 0.0F);
+  float* sums = scratch.rows.front().data();
   std::fill_n(sums, static_cast<std::size_t>(channels) * taps, 0.0F);
-  constexpr int kStretch = 64;  // columns whose values stay in the first-level cache
-  for (int y = 0; y < narrow_rows_; ++y) {
-    for (int a = 0; a < shape_.output_channels; ++a) {
-      const float* from = narrow.row(a, y);
-      for (int x = 0; x < narrow_columns_; ++x) side_by_side[x * channels + a] = from[x];
-    }
-    for (int x = 0; x < narrow_columns_; x += kStretch) {
-      kernels_->correlate({.narrow = side_by_side + x * channels,
-                           .narrow_channels = channels,
-                           .wide = gather_base(wide, scratch, y) + x,
-                           .tap_offset = gather_offset_.data(),
-                           .taps = taps,
-                           .columns = std::min(kStretch, narrow_columns_ - x),
-                           .gradient = sums});
-    }
+  // As many rows at a time as a block of channels may have in the first-level cache.
+  constexpr int kCachedFloats = 6144;
+  const int most = std::max(1, kCachedFloats / (kGradientBlock * narrow_columns_));
+  const int parts = (narrow_rows_ + most - 1) / most;
+  for (int part = 0; part < parts; ++part) {
+    const int begin = part * narrow_rows_ / parts;
+    const int end = (part + 1) * narrow_rows_ / parts;
+    kernels_->correlate(
+        {.narrow = narrow.row(0, begin),
+         .narrow_channel_stride = narrow.channel_stride(),
+         .narrow_row_stride = narrow.row_stride(),
+         .narrow_channels = shape_.output_channels,
+         .wide = gather_base(wide, scratch, begin),
+         .wide_row_stride =
+             shape_.stride * (shape_.stride == 1 ? wide : scratch.phases).row_stride(),
+         .tap_offset = gather_offset_.data(),
+         .taps = taps,
+         .rows = end - begin,
+         .columns = narrow_columns_,
+         .gradient = sums});
   }
   for (int a = 0; a < shape_.output_channels; ++a) {
     for (int t = 0; t < taps; ++t) gradient[a * taps + t] += sums[t * channels + a];

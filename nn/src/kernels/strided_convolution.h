@@ -43,11 +43,13 @@ class StridedConvolution {
 
   ConvolutionScratch make_scratch(int threads) const;
 
-  /// a(v) = max(v, negative_slope v); bias may be empty; skip (may be null) is added before a.
+  /// a(v) = max(v, negative_slope v); bias may be empty; skip (may be null) is added before a. With
+  /// `activated` (of the result's shape), a is the gradient of the activation that made it.
   struct Epilogue {
     const float* bias = nullptr;  ///< padded to whole blocks of kOutputBlock
     const Tensor* skip = nullptr;
     float negative_slope = 1.0F;
+    const Tensor* activated = nullptr;
   };
   /// Fills the border columns of the result too.
   void gather(const Tensor& wide, const Epilogue& epilogue, Tensor& narrow,
@@ -80,6 +82,8 @@ class StridedConvolution {
   /// Where the taps of narrow row y are counted from.
   const float* gather_base(const Tensor& wide, const ConvolutionScratch& scratch, int y) const;
   void sort_phases(const Tensor& wide, ConvolutionScratch& scratch) const;
+  /// Row `y` of the result, and what the epilogue does with it.
+  static void end_in(Tensor& result, const Epilogue& epilogue, int y, AccumulateRow& row);
   void scatter_row(const Tensor& narrow, const Epilogue& epilogue, int wide_row, Tensor& wide,
                    std::vector<float>& rows) const;
 

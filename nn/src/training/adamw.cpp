@@ -12,15 +12,19 @@ void AdamW::step(std::span<const float> gradient, float learning_rate,
   const auto t = static_cast<double>(steps);
   const auto scale1 = static_cast<float>(1.0 / (1.0 - std::pow(options.beta1, t)));
   const auto scale2 = static_cast<float>(1.0 / (1.0 - std::pow(options.beta2, t)));
+  const AdamWOptions o = options;
+  float* p = parameters.data();
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
+    if (decays.empty() || decays[i] != 0) p[i] -= learning_rate * o.weight_decay * p[i];
+  }
+  float* m = first_moment.data();
+  float* v = second_moment.data();
+#pragma omp simd
   for (std::size_t i = 0; i < parameters.size(); ++i) {
     const float g = gradient[i];
-    float& m = first_moment[i];
-    float& v = second_moment[i];
-    m = options.beta1 * m + (1.0F - options.beta1) * g;
-    v = options.beta2 * v + (1.0F - options.beta2) * g * g;
-    const float decay = decays.empty() || decays[i] != 0 ? options.weight_decay : 0.0F;
-    parameters[i] -= learning_rate * (decay * parameters[i] +
-                                      m * scale1 / (std::sqrt(v * scale2) + options.epsilon));
+    m[i] = o.beta1 * m[i] + (1.0F - o.beta1) * g;
+    v[i] = o.beta2 * v[i] + (1.0F - o.beta2) * g * g;
+    p[i] -= learning_rate * (m[i] * scale1 / (std::sqrt(v[i] * scale2) + o.epsilon));
   }
 }
 

@@ -4,11 +4,11 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cstdio>
 #include <optional>
 
 #include "hqslam/core/error.h"
 #include "hqslam/slam/status.h"
+#include "terminal.h"
 
 namespace hqslam::tools {
 namespace {
@@ -61,8 +61,7 @@ class LiveProgress {
     if (passed_s < kStatusInterval_s) return;
     const LiveStatus status{seconds_since(start_), static_cast<double>(second_.scans) / passed_s,
                             second_.latency_s, latest_, counts};
-    fmt::print("{}\n", status_line(status));
-    std::fflush(stdout);
+    to_stdout("{}\n", status_line(status));
     if (view_ != nullptr) view_->set(numbers(status));
     second_ = {};
   }
@@ -135,10 +134,9 @@ bool wait_for_sensor(recordings::LiveSensor& sensor, const InterruptGuard& inter
     if (seconds_since(told) < kStatusInterval_s) continue;
     told = SteadyClock::now();
     const std::int64_t seen = sensor.packets_seen();
-    fmt::print(
+    to_stdout(
         "{} on UDP port {}{}\n", seen == 0 ? "no packet yet" : "listening", sensor.port(),
         seen == 0 ? "; does the sensor send to this computer?" : fmt::format(", {} packets", seen));
-    std::fflush(stdout);
   }
   return false;
 }

@@ -16,6 +16,15 @@ struct LayerEnd {
   const Tensor* skip = nullptr;  ///< of the output's shape
 };
 
+/// What backward_input does with its sums: d_input = (sum + skip) a'. With `activated`, what the
+/// activation max(v, negative_slope v) before the layer gave, a' is its derivative, so that d_input
+/// is the gradient of what went into the activation; without, 1.
+struct InputGradientEnd {
+  const Tensor* skip = nullptr;  ///< another gradient of the same input
+  const Tensor* activated = nullptr;
+  float negative_slope = 1.0F;
+};
+
 /// 2-D convolution (cross-correlation, as everywhere in deep learning):
 ///   output[o][y][x] = bias[o] + sum_{i, r, c} weight[o][i][r][c]
 ///                                input[i][y stride + r - padding][x stride + c - padding]
@@ -44,9 +53,9 @@ class Conv2d {
   /// the columns rounded up to 16. By the calling thread alone. Throws Error unless the stride
   /// is 1.
   void forward_row(const Tensor& input, int row, float* output, std::int64_t channel_stride) const;
-  /// d_input = the gradient with respect to the input, plus `end.skip` (another gradient of the
-  /// same input). Borders of d_output (before the activation) must be filled.
-  void backward_input(const Tensor& d_output, const LayerEnd& end, Tensor& d_input);
+  /// d_input = the gradient with respect to the input; borders of d_output (before the layer's
+  /// activation) must be filled.
+  void backward_input(const Tensor& d_output, const InputGradientEnd& end, Tensor& d_input);
   /// Adds to d_weight and d_bias (empty: none). One thread.
   void backward_parameters(const Tensor& input, const Tensor& d_output, std::span<float> d_weight,
                            std::span<float> d_bias);

@@ -36,7 +36,7 @@ class ConvTranspose2d {
   void forward(const Tensor& input, const LayerEnd& end, Tensor& output);
   /// d_input = the gradient with respect to the input, plus `end.skip` (another gradient of the
   /// same input). Borders of d_output (before the activation) must be filled.
-  void backward_input(const Tensor& d_output, const LayerEnd& end, Tensor& d_input);
+  void backward_input(const Tensor& d_output, const InputGradientEnd& end, Tensor& d_input);
   /// Adds to d_weight and d_bias (empty: none). One thread.
   void backward_parameters(const Tensor& input, const Tensor& d_output, std::span<float> d_weight,
                            std::span<float> d_bias);

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <new>
 #include <vector>
 
 namespace hqslam::nn {
@@ -11,6 +12,24 @@ namespace hqslam::nn {
 enum class ColumnPadding {
   kCircular,  ///< a whole scan: the last column is a neighbour of the first
   kZero,
+};
+
+/// Memory that begins with a cache line: the widest vectors of a row then never lie on two.
+template <typename T>
+struct CacheLineAllocator {
+  using value_type = T;
+  static constexpr std::align_val_t kAlignment{64};
+
+  CacheLineAllocator() = default;
+  template <typename U>
+  CacheLineAllocator(const CacheLineAllocator<U>&) {}
+
+  T* allocate(std::size_t count) {
+    if (count > static_cast<std::size_t>(-1) / sizeof(T)) throw std::bad_array_new_length();
+    return static_cast<T*>(::operator new(count * sizeof(T), kAlignment));
+  }
+  void deallocate(T* memory, std::size_t) { ::operator delete(memory, kAlignment); }
+  friend bool operator==(CacheLineAllocator, CacheLineAllocator) { return true; }
 };
 
 /// Values of shape channels x rows x columns, float32, each channel with a border around it, so
@@ -61,7 +80,7 @@ class Tensor {
   int padded_columns_ = 0;
   int border_rows_ = 0;
   ColumnPadding padding_ = ColumnPadding::kCircular;
-  std::vector<float> values_;
+  std::vector<float, CacheLineAllocator<float>> values_;
 };
 
 }  // namespace hqslam::nn

@@ -14,6 +14,9 @@ struct FeaturePoint {
   Eigen::Vector3f point_m = Eigen::Vector3f::Zero();  ///< sensor frame at the time of capture
   float time_offset_s = 0.0F;                         ///< capture time minus the scan's stamp
   int row = 0;
+  /// Of the ground: the direction of its slope across the row, towards the row above or away from
+  /// it, of length 1. Zero where the rows beside it have no ground there, and of all else.
+  Eigen::Vector3f slope = Eigen::Vector3f::Zero();
 };
 
 /// LOAM's four kinds of features, each ordered by row.

@@ -29,8 +29,9 @@ struct OdometryResult {
 /// Differs from LeGO-LOAM: the search runs over all of the reference, not over as many points as
 /// the scan has features; full LM steps, not 5 % of a Gauss-Newton step; the two steps alternate
 /// until neither moves; ground is matched with ground and edges with edges, as its paper says; a
-/// direction that is not observable keeps its predicted value; a scan with too few features says
-/// so, and keeps what the ground alone, the edges alone or the wide searches could tell.
+/// direction that is not observable keeps its predicted value; where there is no ground (indoors,
+/// close to the floor) edges tell all six parameters, as far as they can; a scan with too few edges
+/// says so, and keeps what the ground alone or the wide searches could tell.
 class Odometry {
  public:
   explicit Odometry(const OdometryOptions& options);

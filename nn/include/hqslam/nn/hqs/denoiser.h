@@ -23,11 +23,17 @@ struct ParameterShape {
 
 /// What one pass through a denoiser computes. The gradients of the same values have the same shape.
 struct DenoiserState {
-  Tensor input;                ///< first the tiles of H, then the memory of the layer before
-  std::vector<Tensor> hidden;  ///< after their activations
-  Tensor output;               ///< of the last convolution; its last channels are the memory, and
-                               ///< all there is where nobody will ask for gradients
-  Tensor z;                    ///< tiles of Z
+  /// From the input to the output, what is between them after its activation.
+  std::vector<Tensor> values;
+  Tensor z;  ///< tiles of Z
+
+  /// First the tiles of H, then the memory of the layer before.
+  Tensor& input() { return values.front(); }
+  const Tensor& input() const { return values.front(); }
+  /// Of the last convolution; its last channels are the memory, and all there is where nobody will
+  /// ask for gradients.
+  Tensor& output() { return values.back(); }
+  const Tensor& output() const { return values.back(); }
 };
 
 /// The learned prior G of eq. 10b: Z = G(H).
@@ -51,12 +57,13 @@ class Denoiser {
   /// All arrays of parameter_shapes(), one after the other. Throws Error for another number.
   virtual void set_parameters(std::span<const float> parameters) = 0;
 
-  /// state.input -> state.z and the memory. Called by all threads of a parallel region, they share
-  /// the work. `dropout_seed` (training only) drops activations where the denoiser has dropout.
+  /// state.input() -> state.z and the memory. Called by all threads of a parallel region, they
+  /// share the work. `dropout_seed` (training only) drops activations where the denoiser has
+  /// dropout.
   virtual void forward(const Candidates& candidates, DenoiserState& state,
                        std::optional<std::uint64_t> dropout_seed = std::nullopt) = 0;
-  /// In: gradient.z and the memory channels of gradient.output. Out: gradient.input; d_parameters
-  /// is added to. One thread.
+  /// In: gradient.z and the memory channels of gradient.output(). Out: gradient.input();
+  /// d_parameters is added to. One thread.
   virtual void backward(const Candidates& candidates, const DenoiserState& state,
                         DenoiserState& gradient, std::span<float> d_parameters) = 0;
 };

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -33,6 +34,16 @@ SelfTest make_self_test(const NetworkDescription& description, const std::vector
 Weights read_weights(const std::string& path);
 /// Throws Error, also if the parameters are not as many as the description's arrays hold.
 void write_weights(const std::string& path, const Weights& weights);
+
+/// What another program saved: the arrays of parameter_shapes(description) by name, of 4 or 8 byte
+/// floats, as numpy.savez writes a PyTorch state dict, and if it likes the self-test.
+struct ForeignArrays {
+  std::vector<float> parameters;
+  std::optional<SelfTest> self_test;
+};
+/// Throws Error with file, array, expected, found for anything unknown, missing or of another
+/// shape.
+ForeignArrays read_foreign_arrays(const std::string& path, const NetworkDescription& description);
 
 /// Throws Error if the network does not reproduce its self-test to 1e-3 of the range scale.
 void check_self_test(const Weights& weights, const std::string& path);

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+#include <functional>
 #include <string>
 
 namespace hqslam {
@@ -10,5 +12,10 @@ std::string whole_file(const std::string& path, const std::string& kind, std::si
 
 /// Writes a file, replacing any of that name. Throws Error.
 void write_whole_file(const std::string& path, const std::string& bytes);
+
+/// Has `write` make `path`.part and renames it then: whenever the program stops, `path` is either
+/// what it was or whole. A part that could not be finished is removed. Throws Error.
+void replace_file(const std::string& path,
+                  const std::function<void(const std::string& part)>& write);
 
 }  // namespace hqslam

@@ -1,0 +1,13 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace hqslam {
+
+/// The beginning of a text that comes from a file, a name or the network, fit for a message of one
+/// line: control characters and bytes that are no UTF-8 are shown as \n, \t, \r or \x1b, so that
+/// they cannot steer a terminal, and "..." stands for what is beyond `max_characters`.
+std::string excerpt(std::string_view text, std::size_t max_characters = 30);
+
+}  // namespace hqslam

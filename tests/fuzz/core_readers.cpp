@@ -1,0 +1,63 @@
+#include "hqslam/core/kitti_bin.h"
+#include "hqslam/core/npz.h"
+#include "hqslam/core/pcd.h"
+#include "hqslam/core/projection.h"
+#include "hqslam/core/scan_source.h"
+#include "hqslam/core/sensor_model.h"
+#include "hqslam/core/trajectory.h"
+#include "input_file.h"
+#include "readers.h"
+#include "scan_stamps.h"
+
+namespace hqslam::fuzz {
+
+namespace {
+
+/// Few columns: the readers are to be fed, not the projection.
+const SensorModel& small_sensor() {
+  static const SensorModel sensor = [] {
+    SensorModel small = sensor_preset("vlp-16");
+    small.columns = 32;
+    return small;
+  }();
+  return sensor;
+}
+
+/// To images, as hqslam run reads a recording.
+void read_scans(const std::string& path) {
+  const auto source = open_recording(path, small_sensor());
+  while (source->next()) {
+  }
+}
+
+void read_poses(const std::string& path, TrajectoryForm form) {
+  const ParsedTrajectory parsed = parse_trajectory(path, 0.1);
+  if (parsed.form == form) path_length_m(parsed.poses);
+}
+
+}  // namespace
+
+void npy(Bytes input) { read_scans(as_file(input, ".npy")); }
+
+void npz(Bytes input) {
+  constexpr std::int64_t kLargestBytes = 1 << 20;
+  read_npz(as_file(input, ".npz"), kLargestBytes);
+}
+
+void pcd(Bytes input) { project(read_pcd(as_file(input, ".pcd"), small_sensor()), small_sensor()); }
+
+void ply(Bytes input) { read_scans(as_file(input, ".ply")); }
+
+void kitti_bin(Bytes input) { read_scans(as_file(input, ".bin")); }
+
+void text(Bytes input) { read_scans(as_file(input, ".csv")); }
+
+void stamps(Bytes input) { read_stamps_s(as_file(input, ".txt")); }
+
+void sensor_json(Bytes input) { validate(read_sensor_json(as_file(input, ".json"))); }
+
+void tum(Bytes input) { read_poses(as_file(input, ".tum"), TrajectoryForm::kTum); }
+
+void kitti(Bytes input) { read_poses(as_file(input, ".kitti"), TrajectoryForm::kKitti); }
+
+}  // namespace hqslam::fuzz

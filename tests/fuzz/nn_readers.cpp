@@ -1,0 +1,101 @@
+#include <cstring>
+#include <string>
+#include <utility>
+
+#include "hqslam/core/error.h"
+#include "hqslam/core/npz.h"
+#include "hqslam/nn/hqs/weights_file.h"
+#include "hqslam/nn/training/checkpoint.h"
+#include "hqslam/nn/training/training_configuration.h"
+#include "input_file.h"
+#include "readers.h"
+
+namespace hqslam::fuzz {
+
+namespace {
+
+/// A network of a few hundred parameters.
+const nn::NetworkDescription& small_network() {
+  static const nn::NetworkDescription network = [] {
+    nn::NetworkDescription small;
+    small.layers = 1;
+    small.u_shaped = {.tile = {4, 4}, .channels = {2}, .memory = 1, .negative_slope = 0.0F};
+    small.sensor = sensor_preset("vlp-16");
+    small.sensor.columns = 32;
+    small.measured_rows = {3, 4};
+    small.filter.min_pixels = 0;
+    return small;
+  }();
+  return network;
+}
+
+/// The arrays of a good file with one of them replaced. The checksums of a zip archive keep random
+/// changes of its bytes out of the readers behind it, so the input is the array: the first byte
+/// says which, the second of what type, the third how the rest is cut into rows.
+NpzArrays with_one_replaced(NpzArrays arrays, Bytes input) {
+  constexpr std::size_t kHead = 3;
+  if (input.size() < kHead) return arrays;
+  auto member = std::next(arrays.begin(), input[0] % static_cast<std::ptrdiff_t>(arrays.size()));
+  constexpr std::pair<const char*, std::size_t> kTypes[] = {
+      {"", 1}, {"<f4", 4}, {"<f8", 8}, {"<i8", 8}, {"|u1", 1}};
+  const auto& [dtype, bytes] = kTypes[input[1] % std::size(kTypes)];
+  NpzArray& array = member->second;
+  const Bytes rest = input.subspan(kHead);
+  if (*dtype == '\0') {  // the values alone
+    std::memcpy(array.bytes.data(), rest.data(), std::min(rest.size(), array.bytes.size()));
+    return arrays;
+  }
+  const std::size_t columns = 1 + input[2] % 16U;
+  const std::size_t rows = rest.size() / bytes / columns;
+  array.dtype = dtype;
+  array.shape = {static_cast<std::int64_t>(rows), static_cast<std::int64_t>(columns)};
+  if (columns == 1) array.shape.pop_back();
+  array.bytes.resize(rows * columns * bytes);
+  std::memcpy(array.bytes.data(), rest.data(), array.bytes.size());
+  return arrays;
+}
+
+std::string written(const NpzArrays& arrays) {
+  std::string path = as_file({}, ".npz");
+  write_npz(path, arrays);
+  return path;
+}
+
+NpzArrays good_weights() {
+  nn::Weights good;
+  good.description = small_network();
+  good.parameters = nn::initial_parameters(good.description, 1);
+  good.training = "{}";
+  good.self_test = nn::make_self_test(good.description, good.parameters, RangeImage(4, 32));
+  const std::string path = as_file({}, ".npz");
+  nn::write_weights(path, good);
+  return read_npz(path);
+}
+
+NpzArrays good_checkpoint() {
+  const std::vector<float> parameters = nn::initial_parameters(small_network(), 1);
+  nn::Checkpoint good{"{}",
+                      {parameters, nn::AdamW(nn::AdamWOptions{}, parameters.size()), parameters},
+                      {nn::CurvePoint{}}};
+  const std::string path = as_file({}, ".npz");
+  nn::write_checkpoint(path, good);
+  return read_npz(path);
+}
+
+}  // namespace
+
+void weights(Bytes input) {
+  static const NpzArrays good = good_weights();
+  nn::read_weights(written(with_one_replaced(good, input)));
+}
+
+void checkpoint(Bytes input) {
+  static const NpzArrays good = good_checkpoint();
+  nn::read_checkpoint(written(with_one_replaced(good, input)), "{}", small_network(), {});
+}
+
+void recipe_json(Bytes input) {
+  nn::training_configuration({reinterpret_cast<const char*>(input.data()), input.size()}, "recipe");
+}
+
+}  // namespace hqslam::fuzz

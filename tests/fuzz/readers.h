@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+namespace hqslam::fuzz {
+
+using Bytes = std::span<const std::uint8_t>;
+
+// One reader each, given hostile bytes as the file that it reads. An Error is what they are for;
+// any other exception passes through and is a finding.
+
+void npy(Bytes input);
+void npz(Bytes input);
+void pcd(Bytes input);
+void ply(Bytes input);
+void kitti_bin(Bytes input);
+void text(Bytes input);
+void stamps(Bytes input);
+void sensor_json(Bytes input);
+void tum(Bytes input);
+void kitti(Bytes input);
+
+void weights(Bytes input);
+void checkpoint(Bytes input);
+void recipe_json(Bytes input);
+
+void pcap(Bytes input);
+void db3(Bytes input);
+void mcap(Bytes input);
+void ros1_bag(Bytes input);
+void ouster_json(Bytes input);
+/// The first byte names the model, whole packets follow.
+void velodyne_packets(Bytes input);
+/// The first byte names the profile, whole packets follow.
+void ouster_packets(Bytes input);
+
+}  // namespace hqslam::fuzz

@@ -1,0 +1,93 @@
+#include <string>
+#include <vector>
+
+#include "captures.h"
+#include "hqslam/core/error.h"
+#include "hqslam/core/projection.h"
+#include "hqslam/recordings/ouster.h"
+#include "hqslam/recordings/recording.h"
+#include "hqslam/recordings/velodyne.h"
+#include "input_file.h"
+#include "readers.h"
+
+namespace hqslam::fuzz {
+
+namespace {
+
+using namespace hqslam::recordings;
+
+/// As hqslam info and hqslam run read a capture or a bag, if it begins as one.
+void read_recording(const std::string& path) {
+  if (!is_capture_or_bag(path)) return;
+  const auto source = recordings::open_recording(path, {.sensor = "vlp-16", .columns = 64});
+  while (true) {
+    try {
+      if (!source->next()) break;
+    } catch (const ScanError&) {
+      continue;  // left out
+    }
+  }
+}
+
+/// Packets of `bytes`, a millisecond apart.
+template <typename Add>
+void for_each_packet(Bytes input, std::size_t bytes, const Add& add) {
+  Packet packet;
+  for (std::size_t at = 0; at + bytes <= input.size(); at += bytes) {
+    packet.payload = input.subspan(at, bytes);
+    packet.capture_time_ns += 1'000'000;
+    add(packet);
+  }
+}
+
+}  // namespace
+
+void pcap(Bytes input) { read_recording(as_file(input, ".pcap")); }
+void db3(Bytes input) { read_recording(as_file(input, ".db3")); }
+void mcap(Bytes input) { read_recording(as_file(input, ".mcap")); }
+void ros1_bag(Bytes input) { read_recording(as_file(input, ".bag")); }
+
+void ouster_json(Bytes input) {
+  ouster_metadata_from_json({reinterpret_cast<const char*>(input.data()), input.size()}, "input");
+}
+
+void velodyne_packets(Bytes input) {
+  if (input.empty()) return;
+  constexpr VelodyneModel kModels[] = {VelodyneModel::kVlp16, VelodyneModel::kHdl32e,
+                                       VelodyneModel::kVlp32c, VelodyneModel::kVls128};
+  const VelodyneModel model = kModels[input[0] % 4U];
+  VelodyneProbe probe;
+  const Bytes packets = input.subspan(1);
+  for_each_packet(packets, kVelodynePacketBytes, [&](const Packet& p) { probe.add(p); });
+  VelodyneStream stream = probe.result(model).value_or(VelodyneStream{});
+  stream.model = model;
+  SensorModel sensor = sensor_preset(std::string(name(model)));
+  sensor.columns = 64;
+  VelodyneDecoder decoder(
+      stream, sensor,
+      {.kept_return = (input[0] & 4U) != 0 ? KeptReturn::kLast : KeptReturn::kStrongest});
+  std::vector<Scan> scans;
+  for_each_packet(packets, kVelodynePacketBytes, [&](const Packet& p) { decoder.add(p, scans); });
+  decoder.finish(scans);
+  for (const Scan& scan : scans) project(scan, sensor);
+}
+
+void ouster_packets(Bytes input) {
+  if (input.empty()) return;
+  constexpr OusterProfile kProfiles[] = {OusterProfile::kLegacy, OusterProfile::kRng19,
+                                         OusterProfile::kRng19Dual, OusterProfile::kRng15,
+                                         OusterProfile::kFusaDual};
+  const OusterMetadata metadata =
+      ouster_metadata_from_json(test::ouster_metadata_text(kProfiles[input[0] % 5U]), "metadata");
+  const OusterOptions options{.kept_return = (input[0] & 8U) != 0 ? KeptReturn::kLast
+                                                                  : KeptReturn::kStrongest};
+  OusterDecoder decoder(metadata, options);
+  OusterGeometry geometry(metadata, options);
+  std::vector<OusterFrame> frames;
+  for_each_packet(input.subspan(1), metadata.packet_bytes(),
+                  [&](const Packet& p) { decoder.add(p, frames); });
+  decoder.finish(frames);
+  for (const OusterFrame& frame : frames) geometry.scan(frame);
+}
+
+}  // namespace hqslam::fuzz

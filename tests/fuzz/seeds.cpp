@@ -1,0 +1,180 @@
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <iterator>
+#include <string>
+#include <vector>
+
+#include "hqslam/core/kitti_bin.h"
+#include "hqslam/core/npy.h"
+#include "hqslam/core/npz.h"
+#include "hqslam/core/pcd.h"
+#include "hqslam/core/sensor_model.h"
+#include "hqslam/core/trajectory.h"
+#ifdef HQSLAM_FUZZ_RECORDINGS
+#include "bags.h"
+#include "captures.h"
+#endif
+
+// Writes the inputs that fuzzing begins with: FOLDER/READER/NAME, small and valid.
+
+namespace {
+
+namespace fs = std::filesystem;
+using namespace hqslam;
+
+fs::path g_folder;
+
+std::string place(const std::string& reader, const std::string& name) {
+  fs::create_directories(g_folder / reader);
+  return (g_folder / reader / name).string();
+}
+
+void put(const std::string& reader, const std::string& name, const std::string& bytes) {
+  std::ofstream(place(reader, name), std::ios::binary) << bytes;
+}
+
+std::string contents(const std::string& path) {
+  std::ifstream stream(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+}
+
+RangeImage an_image() {
+  RangeImage image(16, 32);
+  for (std::size_t i = 0; i < image.range_m.size(); ++i) {
+    image.range_m[i] = 5.0F + static_cast<float>(i % 7);
+  }
+  return image;
+}
+
+void put_points() {
+  const std::string rows = "5 0 1 3 0\n5 0 0 7 1000\n5 0 -1 11 2000\n5 1 -1 11 3000\n";
+  const std::string head =
+      "# .PCD v0.7\nVERSION 0.7\nFIELDS x y z ring t\nSIZE 4 4 4 2 4\nTYPE F F F U U\n"
+      "COUNT 1 1 1 1 1\nWIDTH 4\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS 4\nDATA ";
+  put("pcd", "ascii", head + "ascii\n" + rows);
+  put("pcd", "binary", head + "binary\n" + std::string(72, '\0'));
+  std::string packed = {5, 0, 0, 0, 72, 0, 0, 0};
+  packed += std::string{0, 0, static_cast<char>(7 << 5), 62, 0, 0, 0, 0};
+  put("pcd", "binary_compressed", head + "binary_compressed\n" + packed);
+  put("text", "plain", rows);
+  put("text", "named", "x,y,z,ring,time\n5,0,1,3,0.01\n5,0,0,7,0.02\n");
+  const std::string ply_head =
+      " 1.0\nelement vertex 2\nproperty float x\nproperty float y\n"
+      "property float z\nproperty uchar ring\nproperty double time\nend_header\n";
+  put("ply", "ascii", "ply\nformat ascii" + ply_head + "5 0 1 3 0.01\n5 0 0 7 0.02\n");
+  put("ply", "binary", "ply\nformat binary_little_endian" + ply_head + std::string(42, '\1'));
+  Scan scan;
+  for (int i = 0; i < 40; ++i) {
+    scan.points_m.emplace_back(5.0F, static_cast<float>(20 - i), 0.1F * static_cast<float>(i % 3));
+  }
+  write_kitti_bin(scan, place("kitti_bin", "scan"));
+  put("stamps", "seconds", "0.1\n0.2\n1316430000.5\n");
+  put("stamps", "dates", "2011-09-26 13:02:25.594360375\n2011-09-26 13:02:25.694360375\n");
+}
+
+void put_arrays() {
+  NpyStackWriter(place("npy", "stack"), 16, 32).append(an_image());
+  NpzArrays arrays;
+  arrays["weights"] = npz_array(std::vector<float>(12, 0.5F), {3, 4});
+  arrays["note"] = npz_text("a note");
+  write_npz(place("npz", "own"), arrays);
+  for (const char* golden : {"numpy_stored.npz", "numpy_deflated.npz"}) {
+    put("npz", golden, contents(std::string(HQSLAM_GOLDEN_DIR "/") + golden));
+  }
+}
+
+void put_texts() {
+  write_sensor_json(sensor_preset("vlp-16"), place("sensor_json", "own"));
+  put("sensor_json", "ouster", R"({"beam_intrinsics": {"beam_altitude_angles": [10, 0, -10.5],
+    "beam_azimuth_angles": [3, -3, 1]}, "lidar_data_format": {"columns_per_frame": 512},
+    "config_params": {"lidar_mode": "512x20"}})");
+  Trajectory trajectory;
+  for (int i = 0; i < 4; ++i) {
+    trajectory.push_back({0.1 * i, pose_from_xyz_rpy({1.0 * i, 2, 3}, 0.1 * i, 0.2, -0.3)});
+  }
+  write_tum(trajectory, place("tum", "four"));
+  write_kitti_poses(trajectory, place("kitti", "four"));
+  put("recipe_json", "recipe", R"({
+    "network": {"kind": "du-or", "layers": 2, "sensor": "os1-64", "measured_rows": 16,
+                "denoiser": {"channels": [8, 8], "memory": 2}},
+    "training": [{"drive": "block", "seeds": {"first": 5, "count": 2}, "scans": 4, "every": 2},
+                 {"stack": "a.npy", "repeat": 2}],
+    "validation": [{"drive": "block", "seeds": [9], "scans": 1, "conditions": "varied"}],
+    "steps": 4, "batch": 2, "augmentation": {"crop_columns": 64, "mirror": true},
+    "validate_every": 2})");
+  // Which array, of what type, how many columns, then its values (nn_readers.cpp).
+  for (const char* reader : {"weights", "checkpoint"}) {
+    for (int array = 0; array < 8; ++array) {
+      std::string input = {static_cast<char>(array), static_cast<char>(array % 5), 0};
+      put(reader, std::to_string(array), input + std::string(64, '\0'));
+    }
+    put(reader, "text", std::string({0, 4, 0}) + "{\"format\": \"hqslam weights 1\"}");
+  }
+}
+
+#ifdef HQSLAM_FUZZ_RECORDINGS
+std::string text_of(const test::Payload& payload) { return {payload.begin(), payload.end()}; }
+
+void put_recordings() {
+  using recordings::OusterProfile;
+  const std::vector<test::Captured> velodyne =
+      test::velodyne_capture({.duration_s = 0.004, .first_azimuth_deg = 359.0});
+  put("pcap", "velodyne.pcap", test::pcap_bytes(velodyne));
+  put("pcap", "fragments.pcap", test::pcap_bytes(velodyne, 512));
+  put("pcap", "velodyne.pcapng", test::pcapng_bytes(velodyne));
+  for (int model = 0; model < 8; ++model) {
+    std::string input(1, static_cast<char>(model));
+    for (const test::Captured& packet : velodyne) input += text_of(packet.payload);
+    put("velodyne_packets", std::to_string(model), input);
+  }
+  constexpr OusterProfile kProfiles[] = {OusterProfile::kLegacy, OusterProfile::kRng19,
+                                         OusterProfile::kRng19Dual, OusterProfile::kRng15,
+                                         OusterProfile::kFusaDual};
+  for (int profile = 0; profile < 5; ++profile) {
+    std::vector<test::Captured> turn = test::ouster_turn(kProfiles[profile], 7);
+    turn.resize(3);
+    std::string input(1, static_cast<char>(profile));
+    for (const test::Captured& packet : turn) input += text_of(packet.payload);
+    put("ouster_packets", std::to_string(profile), input);
+    put("ouster_json", std::to_string(profile), test::ouster_metadata_text(kProfiles[profile]));
+    put("pcap", "ouster" + std::to_string(profile) + ".pcap", test::pcap_bytes(turn));
+  }
+  std::vector<test::CloudPoint> points;
+  for (std::uint16_t ring = 0; ring < 16; ++ring) {
+    points.push_back({5.0F, 1.0F, 0.1F * ring, ring, 0.001 * ring});
+  }
+  for (const bool ros1 : {false, true}) {
+    std::vector<test::BagMessage> messages = {
+        {"/points", ros1 ? "sensor_msgs/PointCloud2" : "sensor_msgs/msg/PointCloud2",
+         1'600'000'000'000'000'000, test::cloud_message(1'600'000'000'000'000'000, points, ros1)},
+        {"/text", ros1 ? "std_msgs/String" : "std_msgs/msg/String", 1'600'000'000'000'000'001,
+         test::text_message("a text", ros1)}};
+    if (ros1) {
+      for (const char* compression : {"none", "lz4", "bz2"}) {
+        put("ros1_bag", compression, test::ros1_bytes(messages, compression));
+      }
+      continue;
+    }
+    for (const char* compression : {"", "lz4", "zstd"}) {
+      put("mcap", std::string("cloud") + compression, test::mcap_bytes(messages, compression));
+    }
+    test::write_db3(messages, place("db3", "cloud"));
+  }
+}
+#endif
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc != 2) return 2;
+  g_folder = argv[1];
+  fs::remove_all(g_folder);
+  put_points();
+  put_arrays();
+  put_texts();
+#ifdef HQSLAM_FUZZ_RECORDINGS
+  put_recordings();
+#endif
+  return 0;
+}

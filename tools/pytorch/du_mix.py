@@ -1,0 +1,170 @@
+"""DU-Mix (nn/include/hqslam/nn/hqs/two_modes.h, TwoModesLayerShape) as a PyTorch module."""
+
+import math
+
+import torch
+from torch import nn
+
+from layers import Rows, circular_conv, describe, elevations_rad
+
+OUTPUTS, GAIN, TYPICAL_RANGE_M = 7, 4.0, 20.0
+
+
+class Layer(nn.Module):
+    def __init__(self, inputs, outputs, tile_rows, shape):
+        super().__init__()
+        channels, lower = shape["channels"], shape["lower_channels"]
+        self.encoder = nn.ModuleList([nn.Conv2d(inputs, channels, 3), nn.Conv2d(channels, lower, 3)])
+        self.encoder[0].row_bias = nn.Parameter(torch.zeros(channels, tile_rows))
+        self.bottleneck = nn.ModuleList(
+            [nn.Conv2d(lower, lower, 3) for _ in range(1 + shape["residual_blocks"])])
+        self.decoder = nn.ModuleList([nn.ConvTranspose2d(lower, channels, 2, 2)])
+        self.head = nn.Conv2d(channels, outputs, 1)
+
+    def forward(self, x, slope):
+        def activated(v):
+            return torch.maximum(v, slope * v)
+
+        row_bias = self.encoder[0].row_bias[None, :, :, None]
+        encoded = activated(circular_conv(x, self.encoder[0]) + row_bias)
+        x = activated(circular_conv(encoded, self.encoder[1], 2))
+        for block, layer in enumerate(self.bottleneck):
+            y = circular_conv(x, layer)
+            x = activated(y + x) if block else activated(y)
+        return self.head(activated(self.decoder[0](x) + encoded))
+
+
+def share_below(v):
+    """The share of a Laplace distribution of scale 1 that lies below v."""
+    tail = 0.5 * torch.exp(-v.abs())
+    return torch.where(v > 0, 1.0 - tail, tail)
+
+
+class DuMix(nn.Module):
+    def __init__(self, network):
+        super().__init__()
+        denoiser = network["denoiser"]
+        self.slope, self.memory = denoiser["negative_slope"], denoiser["memory"]
+        self.tile = (denoiser["tile_rows"], denoiser["tile_columns"])
+        self.rows, self.exponent = Rows(network), network.get("confidence_exponent", 1.0)
+        self.part = self.rows.part_down(elevations_rad(network))
+        row_in_tile = torch.arange(self.rows.count) % self.tile[0]
+        self.computed = [i for i in range(self.tile[0]) if i != int(row_in_tile[self.rows.measured[0]])]
+        self.pixels = len(self.computed) * self.tile[1]
+        first, last = self.tile[0] * self.tile[1] + 2 * self.tile[1], len(denoiser["layers"]) - 1
+        self.layers = nn.ModuleList([
+            Layer(first + (self.pixels + self.memory if i else 0),
+                  OUTPUTS * self.pixels + (self.memory if i < last else 0),
+                  self.rows.count // self.tile[0], shape)
+            for i, shape in enumerate(denoiser["layers"])])
+        self.limits_m = network["sensor"]["min_range_m"], network["sensor"]["max_range_m"]
+        self.double()
+
+    @classmethod
+    def load(cls, path):
+        network, tensors = describe(path)
+        module = cls(network)
+        module.load_state_dict(tensors)
+        return module.eval()
+
+    def filled(self, measured_m):
+        """No return takes the range above it; at the top, a typical one."""
+        rows, above = [], torch.full_like(measured_m[0], TYPICAL_RANGE_M)
+        for row in measured_m:
+            above = torch.where(row > 0.0, row, above)
+            rows.append(above)
+        return torch.stack(rows)
+
+    def computed_of(self, image):
+        """The computed rows of all tiles: tile rows x rows of tiles x columns."""
+        by_tile = image.reshape(-1, self.tile[0], image.shape[1])
+        return by_tile[:, self.computed].transpose(0, 1)
+
+    def tiles_of(self, rows):
+        """rows of a tile x rows of tiles x columns -> 1 x channels x rows x columns of tiles."""
+        n, high, columns = rows.shape
+        wide = columns // self.tile[1]
+        return rows.reshape(n, high, wide, self.tile[1]).permute(0, 3, 1, 2).reshape(1, -1, high, wide)
+
+    def rows_of(self, tiles):
+        high, wide = tiles.shape[2:]
+        rows = tiles.reshape(-1, self.tile[1], high, wide).permute(0, 2, 3, 1)
+        return rows.reshape(rows.shape[0], high, wide * self.tile[1])
+
+    def modes(self, outputs, above, below, middle):
+        """What the outputs say of the computed pixels (two_modes.h)."""
+        o = [self.rows_of(outputs[:, g * self.pixels : (g + 1) * self.pixels]) for g in range(OUTPUTS)]
+        shares = torch.sigmoid(GAIN * o[0]), torch.sigmoid(GAIN * o[2])
+        return {
+            "mode1": shares[0] * above + (1.0 - shares[0]) * middle + o[1],
+            "mode2": shares[1] * below + (1.0 - shares[1]) * middle + o[3],
+            "weight1": torch.sigmoid(GAIN * o[4]),
+            "scale": torch.exp(-3.5 + 4.0 * o[5].clamp(-0.5, 1.0)),
+            "probability": torch.sigmoid(GAIN * o[6]),
+        }
+
+    def layer_modes(self, measured_m):
+        """Per layer its modes and `middle`, the logarithm of the range that it has chosen."""
+        valid, filled = (measured_m > 0.0).to(measured_m.dtype), self.filled(measured_m)
+        above_m, below_m = filled[self.rows.above], filled[self.rows.below]
+        start = -torch.log((1.0 - self.part) / above_m + self.part / below_m)
+        above, below = self.computed_of(above_m.log()), self.computed_of(below_m.log())
+        middle, memory, layers = self.computed_of(start), None, []
+        up = [max(0, i - 1) for i in range(len(filled))]
+        step = (filled[up].log() - filled.log()).clamp(-1.0, 1.0)
+        for layer in self.layers:
+            h = torch.cat([middle, filled[None].log()]) - math.log(TYPICAL_RANGE_M)
+            x = [self.tiles_of(0.5 * h), self.tiles_of(valid[None] - 0.5), self.tiles_of(step[None])]
+            if layers:
+                x += [self.tiles_of(layers[-1]["probability"] - 0.5), memory]
+            outputs = layer(torch.cat(x, 1), self.slope)
+            memory = outputs[:, OUTPUTS * self.pixels :]
+            said = self.modes(outputs, above, below, middle)
+            middle = torch.where(said["weight1"] >= 0.5, said["mode1"], said["mode2"])
+            layers.append({**said, "middle": middle})
+        return layers
+
+    def confidence(self, said, tolerance_m):
+        range_m, first = said["middle"].exp(), said["weight1"] >= 0.5
+        farther = torch.log(1.0 + tolerance_m / range_m) / said["scale"]
+        nearer = -torch.log((1.0 - tolerance_m / range_m).clamp(min=1e-6)) / said["scale"]
+        other = torch.where(first, said["mode2"], said["mode1"])
+        gap = (other - said["middle"]) / said["scale"]
+        chosen = torch.where(first, said["weight1"], 1.0 - said["weight1"])
+        within = chosen * (share_below(farther) - share_below(-nearer))
+        within = within + (1.0 - chosen) * (share_below(farther - gap) - share_below(-nearer - gap))
+        return (said["probability"] * within) ** self.exponent
+
+    def forward(self, measured_m, tolerance_m=0.5):
+        """measured_m: measured rows x columns, metres, 0 = no return. All rows: range_m and
+        confidence, nothing emptied but what the sensor cannot see."""
+        said = self.layer_modes(measured_m)[-1]
+        range_m, result = said["middle"].exp(), {}
+        seen = ((range_m >= self.limits_m[0]) & (range_m <= self.limits_m[1])).to(range_m.dtype)
+        for name, values in (("range_m", range_m * seen),
+                             ("confidence", self.confidence(said, tolerance_m) * seen)):
+            own = measured_m if name == "range_m" else (measured_m > 0.0).to(values.dtype)
+            tiles = own.new_zeros(len(own), self.tile[0], own.shape[1])
+            tiles[:, self.computed] = values.transpose(0, 1)
+            image = tiles.reshape(-1, own.shape[1])
+            image[self.rows.measured] = own
+            result[name] = image
+        return result
+
+    def self_test(self, measured_m):
+        return self(measured_m)["range_m"]
+
+    def loss(self, measured_m, truth_m, layer_share=0.1):
+        """The training loss; measured rows x columns and all rows x columns."""
+        there = self.computed_of((truth_m > 0.0).to(truth_m.dtype))
+        truth = self.computed_of(torch.where(truth_m > 0.0, truth_m, torch.ones_like(truth_m)).log())
+        total, layers = 0.0, self.layer_modes(measured_m)
+        for said in layers:
+            density = (said["weight1"] * torch.exp(-(truth - said["mode1"]).abs() / said["scale"]) +
+                       (1.0 - said["weight1"]) *
+                       torch.exp(-(truth - said["mode2"]).abs() / said["scale"])) / said["scale"]
+            p = said["probability"]
+            loss = (-0.3 * there * density.log() - there * p.log() - (1.0 - there) * (1.0 - p).log())
+            last = loss.mean()
+            total = total + (1.0 if said is layers[-1] else layer_share) * last
+        return total, last

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <fmt/format.h>
+
+#include <string_view>
+#include <utility>
+
+namespace hqslam::tools {
+
+/// Print what is formatted; control characters in it are shown, not sent. A stream that takes
+/// nothing, since it is closed or its disk is full, costs no work: nothing is thrown, all_printed()
+/// tells. On stdout a text of lines, on stderr one line, of which the middle is left out if it is
+/// longer than any path.
+void print_lines(std::string_view lines);
+void print_message(std::string_view line);
+
+template <typename... Arguments>
+void to_stdout(fmt::format_string<Arguments...> format, Arguments&&... arguments) {
+  print_lines(fmt::format(format, std::forward<Arguments>(arguments)...));
+}
+
+template <typename... Arguments>
+void to_stderr(fmt::format_string<Arguments...> format, Arguments&&... arguments) {
+  print_message(fmt::format(format, std::forward<Arguments>(arguments)...));
+}
+
+/// To be called before any file is opened. Puts /dev/null where stdin, stdout or stderr is closed:
+/// the next file would get its number, and what is printed would be written into it. A reader that
+/// goes away does not end the program.
+void prepare_standard_streams();
+
+/// Whether stdout took everything; says on stderr if it did not, unless its reader went away.
+bool all_printed();
+
+}  // namespace hqslam::tools
