@@ -37,13 +37,11 @@ std::optional<nn::Upsampler> shared_upsampler(const TablePass& pass) {
   const TableMethod& method = pass.methods.front();
   if (method.source.empty()) return std::nullopt;
   const std::string weights = weights_of(method, pass.sensor.name);
-  UpsamplingPlan plan = plan_upsampling({pass.drive.recording,
-                                         pass.drive.sensor,
-                                         weights.empty() ? method.source : weights,
-                                         kTableMeasuredRows,
-                                         std::nullopt,
-                                         {},
-                                         pass.drive.reading.stream});
+  UpsamplingPlan plan = plan_upsampling({.input = pass.drive.recording,
+                                         .sensor = pass.drive.sensor,
+                                         .method = weights.empty() ? method.source : weights,
+                                         .rows = kTableMeasuredRows,
+                                         .stream = pass.drive.reading.stream});
   if (weights.empty()) return std::move(plan.upsampler);
   return nn::Upsampler(nn::SuperResolver::load(weights, {.filter_result = false}),
                        plan.upsampler.sensor());
