@@ -19,7 +19,7 @@ const nn::NetworkDescription& small_network() {
   static const nn::NetworkDescription network = [] {
     nn::NetworkDescription small;
     small.layers = 1;
-    small.u_shaped = {.tile = {4, 4}, .channels = {2}, .memory = 1, .negative_slope = 0.0F};
+    small.u_shaped = {.tile = {4, 4}, .channels = {2, 2}, .memory = 1, .negative_slope = 0.0F};
     small.sensor = sensor_preset("vlp-16");
     small.sensor.columns = 32;
     small.measured_rows = {3, 4};

@@ -58,7 +58,7 @@ std::string train_arguments(const TemporaryDirectory& folder, const std::string&
                             int steps = 3) {
   write_file(folder.file("recipe.json"), fmt::format(R"({{
     "network": {{"kind": "du-or", "layers": 1, "sensor": "os1-64", "measured_rows": 16,
-                 "denoiser": {{"channels": [4], "memory": 1}}}},
+                 "denoiser": {{"channels": [4, 4], "memory": 1}}}},
     "training": [{{"drive": "block", "seeds": [5], "scans": 2}}],
     "validation": [{{"drive": "block", "seeds": [6], "scans": 1}}],
     "steps": {}, "batch": 1, "augmentation": {{"crop_columns": 64}}, "validate_every": 2
