@@ -36,7 +36,7 @@ class Odometry {
  public:
   explicit Odometry(const OdometryOptions& options);
   ~Odometry();
-  Odometry(Odometry&&) noexcept;  ///< what was moved from can only be assigned to or destroyed
+  Odometry(Odometry&&) noexcept;  ///< moved from: only assign or destroy
   Odometry& operator=(Odometry&&) noexcept;
 
   bool has_reference() const;
