@@ -34,7 +34,7 @@ TEST_CASE("what is no drive.json is an error of one line that names the file") {
     write_file(path, text);
     return error_message([&] { read_drive_json(path); });
   };
-  CHECK(one_line_with(error_message([&] { read_drive_json(path); }), path, "found none"));
+  CHECK(one_line_with(error_message([&] { read_drive_json(path); }), path, "found no file"));
   CHECK(one_line_with(message_for("not json"), path, "object"));
   CHECK(one_line_with(message_for("[]"), path, "object"));
   CHECK(one_line_with(message_for(R"({"name": "town", "seed": 1})"), path, "scans"));

@@ -39,7 +39,7 @@ class Conv2d {
   Conv2d(const ConvolutionShape& shape, const Tensor& input, const Tensor& output,
          InstructionSet instruction_set, int threads = 1);
   ~Conv2d();
-  Conv2d(Conv2d&&) noexcept;
+  Conv2d(Conv2d&&) noexcept;  ///< moved from: only assign or destroy
   Conv2d& operator=(Conv2d&&) noexcept;
 
   /// weight: output x input x kernel rows x kernel columns; bias: output channels, or empty for

@@ -25,7 +25,7 @@ class ConvTranspose2d {
   ConvTranspose2d(const ConvolutionShape& shape, const Tensor& input, const Tensor& output,
                   InstructionSet instruction_set, int threads = 1);
   ~ConvTranspose2d();
-  ConvTranspose2d(ConvTranspose2d&&) noexcept;
+  ConvTranspose2d(ConvTranspose2d&&) noexcept;  ///< moved from: only assign or destroy
   ConvTranspose2d& operator=(ConvTranspose2d&&) noexcept;
 
   /// weight: input x output x kernel rows x kernel columns; bias: output channels, or empty for

@@ -70,7 +70,7 @@ class DenseMap {
   /// Throws Error if an option is invalid.
   explicit DenseMap(const DenseMapOptions& options);
   ~DenseMap();
-  DenseMap(DenseMap&&) noexcept;
+  DenseMap(DenseMap&&) noexcept;  ///< moved from: only assign or destroy
   DenseMap& operator=(DenseMap&&) noexcept;
 
   /// Puts a scan's points in. measured_rows: SensorModel::measured_rows; what the others have was

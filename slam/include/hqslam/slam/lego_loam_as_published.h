@@ -31,7 +31,7 @@ class LegoLoamAsPublished {
   /// Throws Error if the sensor is invalid.
   explicit LegoLoamAsPublished(const SensorModel& sensor);
   ~LegoLoamAsPublished();
-  LegoLoamAsPublished(LegoLoamAsPublished&&) noexcept;
+  LegoLoamAsPublished(LegoLoamAsPublished&&) noexcept;  ///< moved from: only assign or destroy
   LegoLoamAsPublished& operator=(LegoLoamAsPublished&&) noexcept;
 
   /// Returns T_map_sensor at the stamp. Throws Error as Slam::process does.

@@ -36,7 +36,7 @@ class Odometry {
  public:
   explicit Odometry(const OdometryOptions& options);
   ~Odometry();
-  Odometry(Odometry&&) noexcept;
+  Odometry(Odometry&&) noexcept;  ///< moved from: only assign or destroy
   Odometry& operator=(Odometry&&) noexcept;
 
   bool has_reference() const;

@@ -67,7 +67,7 @@ class Slam {
   explicit Slam(const SensorModel& sensor);
   Slam(const SensorModel& sensor, const SlamOptions& options);
   ~Slam();
-  Slam(Slam&&) noexcept;
+  Slam(Slam&&) noexcept;  ///< moved from: only assign or destroy
   Slam& operator=(Slam&&) noexcept;
 
   /// Throws Error if the cloud's shape is not the sensor's, if a pixel has no point, range or

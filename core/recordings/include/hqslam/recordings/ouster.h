@@ -77,7 +77,7 @@ class OusterDecoder {
  public:
   OusterDecoder(const OusterMetadata& metadata, const OusterOptions& options = {});
   ~OusterDecoder();
-  OusterDecoder(OusterDecoder&&) noexcept;
+  OusterDecoder(OusterDecoder&&) noexcept;  ///< moved from: only assign or destroy
 
   /// Takes the next packet in and appends the frame that it completes.
   void add(const Packet& packet, std::vector<OusterFrame>& completed);
@@ -107,7 +107,7 @@ class OusterGeometry {
  public:
   OusterGeometry(const OusterMetadata& metadata, const OusterOptions& options = {});
   ~OusterGeometry();
-  OusterGeometry(OusterGeometry&&) noexcept;
+  OusterGeometry(OusterGeometry&&) noexcept;  ///< moved from: only assign or destroy
 
   /// Nothing if no column of the frame is valid. Ranges beyond the sensor's are no return.
   std::optional<OusterScan> scan(const OusterFrame& frame);

@@ -113,7 +113,7 @@ class VelodyneDecoder {
   VelodyneDecoder(const VelodyneStream& stream, const SensorModel& sensor,
                   const VelodyneOptions& options = {});
   ~VelodyneDecoder();
-  VelodyneDecoder(VelodyneDecoder&&) noexcept;
+  VelodyneDecoder(VelodyneDecoder&&) noexcept;  ///< moved from: only assign or destroy
 
   /// Takes the next packet in and appends the scans that it completes.
   void add(const Packet& packet, std::vector<Scan>& completed);

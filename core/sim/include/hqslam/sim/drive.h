@@ -77,7 +77,7 @@ class DriveSimulator {
  public:
   DriveSimulator(const DriveSpec& spec, const SensorModel& sensor);
   ~DriveSimulator();
-  DriveSimulator(DriveSimulator&&) noexcept;
+  DriveSimulator(DriveSimulator&&) noexcept;  ///< moved from: only assign or destroy
   DriveSimulator& operator=(DriveSimulator&&) noexcept;
 
   const SensorModel& sensor() const;

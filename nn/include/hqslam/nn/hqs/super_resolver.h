@@ -41,7 +41,7 @@ class SuperResolver {
   static SuperResolver load(const std::string& path, const SuperResolverOptions& options = {});
   SuperResolver(const Weights& weights, const SuperResolverOptions& options);
   ~SuperResolver();
-  SuperResolver(SuperResolver&&) noexcept;
+  SuperResolver(SuperResolver&&) noexcept;  ///< moved from: only assign or destroy
   SuperResolver& operator=(SuperResolver&&) noexcept;
 
   const NetworkDescription& description() const;
