@@ -52,8 +52,8 @@ TEST_CASE("with growing confidence points are lost, never won, and the bins hold
 
 TEST_CASE("a network without a confidence has no curve") {
   CHECK(test::one_line_with(
-      test::error_message([] { ConfidenceCurve(untrained(nn::NetworkKind::kDuOr), 0.5F); }), "du-or",
-      "du-mix"));
+      test::error_message([] { ConfidenceCurve(untrained(nn::NetworkKind::kDuOr), 0.5F); }),
+      "du-or", "du-mix"));
 }
 
 }  // namespace hqslam::tools
