@@ -174,16 +174,18 @@ TEST_CASE(
     "the line of a second has pose, rate, latency and what was lost, and more only if there is") {
   LiveStatus status;
   status.elapsed_s = 12.2;
-  CHECK(status_line(status) == "12 s  0.0 scans/s  0 packets lost  0 scans dropped");
+  CHECK(status_line(status) == "12 s  0 scans  0.0 scans/s  0 packets lost  0 scans dropped");
   ScanRecord record;
   record.report.T_map_sensor.translation() = Eigen::Vector3d(3.214, -0.4, 0.02);
   status.latest = record;
+  status.scans = 120;
   status.rate_hz = 9.96;
   status.latency_s = 0.0234;
   status.counts.packets.lost = 3;
   status.counts.dropped_scans = 1;
   CHECK(status_line(status) ==
-        "12 s  x 3.21 y -0.40 z 0.02 m  10.0 scans/s  latency 23 ms  3 packets lost  1 scans "
+        "12 s  120 scans  x 3.21 y -0.40 z 0.02 m  10.0 scans/s  latency 23 ms  3 packets lost  1 "
+        "scans "
         "dropped");
   status.latest->report.mapping_status = slam::Status::kDegenerate;
   status.counts.other_senders = 2;

@@ -59,8 +59,9 @@ class LiveProgress {
   void tell_if_due(const recordings::LiveCounts& counts) {
     const double passed_s = seconds_since(second_.start);
     if (passed_s < kStatusInterval_s) return;
-    const LiveStatus status{seconds_since(start_), static_cast<double>(second_.scans) / passed_s,
-                            second_.latency_s, latest_, counts};
+    const LiveStatus status{
+        seconds_since(start_), scans_,  static_cast<double>(second_.scans) / passed_s,
+        second_.latency_s,     latest_, counts};
     to_stdout("{}\n", status_line(status));
     if (view_ != nullptr) view_->set(numbers(status));
     second_ = {};
@@ -102,7 +103,7 @@ std::optional<recordings::LiveScan> next_scan(recordings::LiveSensor& sensor, Sl
 }  // namespace
 
 std::string status_line(const LiveStatus& status) {
-  std::string line = fmt::format("{:.0f} s", status.elapsed_s);
+  std::string line = fmt::format("{:.0f} s  {} scans", status.elapsed_s, status.scans);
   if (status.latest) {
     const Eigen::Vector3d position_m = status.latest->report.T_map_sensor.translation();
     line += fmt::format("  x {:.2f} y {:.2f} z {:.2f} m", position_m.x(), position_m.y(),

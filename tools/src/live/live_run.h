@@ -15,12 +15,14 @@ namespace hqslam::tools {
 /// What is said once a second.
 struct LiveStatus {
   double elapsed_s = 0.0;
+  std::int64_t scans = 0;            ///< so far
   double rate_hz = 0.0;              ///< scans located in the last second
   std::optional<double> latency_s;   ///< the longest of them
   std::optional<ScanRecord> latest;  ///< the last scan of all
   recordings::LiveCounts counts;
 };
-/// "12 s  x 3.21 y -0.40 z 0.02 m  10.0 scans/s  latency 23 ms  0 packets lost  0 scans dropped"
+/// "12 s  120 scans  x 3.21 y -0.40 z 0.02 m  10.0 scans/s  latency 23 ms  0 packets lost  0 scans
+/// dropped"
 std::string status_line(const LiveStatus& status);
 
 /// Waits until it is known what the sensor sends, saying once a second that it does. Returns false
