@@ -5,7 +5,7 @@ import math
 import torch
 from torch import nn
 
-from layers import Rows, circular_conv, describe, elevations_rad
+from layers import FromWeights, Rows, circular_conv, elevations_rad
 
 OUTPUTS, GAIN, TYPICAL_RANGE_M = 7, 4.0, 20.0
 
@@ -40,7 +40,7 @@ def share_below(v):
     return torch.where(v > 0, 1.0 - tail, tail)
 
 
-class DuMix(nn.Module):
+class DuMix(FromWeights):
     def __init__(self, network):
         super().__init__()
         denoiser = network["denoiser"]
@@ -59,13 +59,6 @@ class DuMix(nn.Module):
             for i, shape in enumerate(denoiser["layers"])])
         self.limits_m = network["sensor"]["min_range_m"], network["sensor"]["max_range_m"]
         self.double()
-
-    @classmethod
-    def load(cls, path):
-        network, tensors = describe(path)
-        module = cls(network)
-        module.load_state_dict(tensors)
-        return module.eval()
 
     def filled(self, measured_m):
         """No return takes the range above it; at the top, a typical one."""

@@ -4,7 +4,7 @@ import torch
 from torch import nn
 from torch.nn import functional
 
-from layers import Rows, circular_conv, describe, from_tiles, to_tiles
+from layers import FromWeights, Rows, circular_conv, from_tiles, to_tiles
 
 GROUPS, GAIN = 5, 4.0
 
@@ -31,7 +31,7 @@ class UShaped(nn.Module):
         return self.head(x)
 
 
-class DuOr(nn.Module):
+class DuOr(FromWeights):
     """find_outliers(H as a numpy array, units of range_scale_m) -> mask of rejected pixels: the
     filter of eq. 10c (nn/include/hqslam/nn/hqs/outlier_removal.h), needed if the network has one."""
 
@@ -51,13 +51,6 @@ class DuOr(nn.Module):
         self.log_penalty = nn.Parameter(torch.zeros(self.count))
         self.limits_m = network["sensor"]["min_range_m"], network["sensor"]["max_range_m"]
         self.double()
-
-    @classmethod
-    def load(cls, path, find_outliers=None):
-        network, tensors = describe(path)
-        module = cls(network, find_outliers)
-        module.load_state_dict(tensors)
-        return module.eval()
 
     def start(self, above, below):
         """Linear between two returns, the nearer row where one is missing."""

@@ -16,6 +16,18 @@ def describe(path):
     return network, tensors
 
 
+class FromWeights(torch.nn.Module):
+    """A network that is made from its description."""
+
+    @classmethod
+    def load(cls, path, *arguments):
+        """With the arrays of a weights file; `arguments`: what cls takes after the description."""
+        network, tensors = describe(path)
+        module = cls(network, *arguments)
+        module.load_state_dict(tensors)
+        return module.eval()
+
+
 def save_arrays(path, module, measured_m):
     """For `hqslam weights pack`: the state dict, and what the module makes of measured rows."""
     arrays = {name: value.detach() for name, value in module.state_dict().items()}

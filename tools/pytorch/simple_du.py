@@ -4,7 +4,7 @@ import torch
 from torch import nn
 from torch.nn import functional
 
-from layers import Rows, describe
+from layers import FromWeights, Rows
 
 
 class Plain(nn.Module):
@@ -23,7 +23,7 @@ class Plain(nn.Module):
         return x
 
 
-class SimpleDu(nn.Module):
+class SimpleDu(FromWeights):
     def __init__(self, network):
         super().__init__()
         self.scale_m, self.rows, self.count = network["range_scale_m"], Rows(network), network["layers"]
@@ -31,13 +31,6 @@ class SimpleDu(nn.Module):
         self.layers = nn.ModuleList([Plain(network["denoiser"]) for _ in range(own)])
         self.alpha = nn.Parameter(torch.ones(1))
         self.double()
-
-    @classmethod
-    def load(cls, path):
-        network, tensors = describe(path)
-        module = cls(network)
-        module.load_state_dict(tensors)
-        return module.eval()
 
     def iterates(self, measured_m):
         """Z of every layer, in units of range_scale_m."""

@@ -68,7 +68,7 @@ class UShapedDenoiser final : public Denoiser {
       : shape_(shape),
         instruction_set_(instruction_set),
         graph_(u_shaped_graph(shape, rows, columns, instruction_set, threads)) {
-    const Tensor& output = graph_.make_values().back();
+    const Tensor output = graph_.make_values().back();
     head_rows_.assign(threads, std::vector<float>(static_cast<std::size_t>(output.channels()) *
                                                   output.padded_columns()));
   }

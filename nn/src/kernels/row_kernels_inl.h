@@ -178,6 +178,7 @@ inline void correlate_block(const CorrelateRows& rows, const float* const* narro
 }
 
 void correlate(const CorrelateRows& rows) {
+  static_assert(kGradientBlock % kGradientChannels == 0);  // the last block fits the padding
   const int padded = (rows.narrow_channels + kGradientBlock - 1) / kGradientBlock * kGradientBlock;
   for (int channel = 0; channel < padded; channel += kGradientChannels) {
     // Channels beyond the last one repeat it; their sums go into the padding.
