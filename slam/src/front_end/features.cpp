@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <iterator>
 
+#include "front_end/posts.h"
 #include "front_end/voxel_thinning.h"
 
 namespace hqslam::slam {
@@ -225,6 +226,7 @@ Features extract_features(const OrganizedCloud& cloud, const Segmentation& segme
 #pragma omp parallel for schedule(dynamic)
   for (int row = 0; row < cloud.rows; ++row) {
     of_row[row] = features_of_row(cloud, segmentation, row, options);
+    of_row[row].posts = posts_in_row(cloud, segmentation, row, options.max_post_width_m);
   }
   Features all;
   for (const Features& row : of_row) {
@@ -233,6 +235,7 @@ Features extract_features(const OrganizedCloud& cloud, const Segmentation& segme
     append(all.flat_points, row.flat_points);
     append(all.ground, row.ground);
     append(all.surfaces, row.surfaces);
+    append(all.posts, row.posts);
   }
   return all;
 }

@@ -90,9 +90,9 @@ std::optional<PlaneConstraint> horizontal(std::optional<PlaneConstraint> surface
 }
 
 /// One constraint or none per feature, searched in parallel: constrain(i, fit, rotated_m).
-template <typename Fit, typename Make, typename Constrain>
-auto find_all(SearchedFeatures<Fit>& searched, const MapSearch& search, const FeatureMap& map,
-              const Make& make, const Constrain& constrain) {
+template <typename Fit, int kNeighbours, typename Make, typename Constrain>
+auto find_all(SearchedFeatures<Fit, kNeighbours>& searched, const MapSearch& search,
+              const FeatureMap& map, const Make& make, const Constrain& constrain) {
   const std::vector<Eigen::Vector3f> points_m =
       motion_corrected(searched.features, search.velocity);
   const Eigen::Matrix3d rotation = search.T_map_sensor.linear();
@@ -164,19 +164,38 @@ std::vector<std::optional<EdgeConstraints>> edge_constraints_of(SearchedFeatures
       });
 }
 
+/// Posts. A row sees one point of each, which tells where the post stands and nothing about height:
+/// it belongs on the upright line through the nearest one of the map.
+std::vector<std::optional<EdgeConstraints>> post_constraints(
+    SearchedFeatures<Eigen::Vector3d, 1>& posts, const MapSearch& search, const FeatureMap& map) {
+  const Eigen::Vector3d origin_m = search.T_map_sensor.translation();
+  const Eigen::Vector3d vertical = search.T_map_sensor.linear().col(2);
+  return find_all(
+      posts, search, map,
+      [](const Neighbours& near) {
+        return std::optional<Eigen::Vector3d>(near.points_m[0].cast<double>());
+      },
+      [&](std::size_t, const std::optional<Eigen::Vector3d>& post_m,
+          const Eigen::Vector3d& rotated_m) -> std::optional<EdgeConstraints> {
+        if (!post_m) return std::nullopt;
+        return edge_constraints(rotated_m, *post_m - origin_m, vertical, 1.0);
+      });
+}
+
 }  // namespace
 
-ConstraintList map_constraints(LocatedScan& scan, const MapSearch& search, const FeatureMap& edges,
-                               const FeatureMap& planes, const MappingOptions& options) {
+ConstraintList map_constraints(LocatedScan& scan, const MapSearch& search, const MapParts& map,
+                               const MappingOptions& options) {
   ConstraintList list;
   const auto add = [&](auto found) {
     weigh_by_noise(found, options.trusted_residual_m, search.trust_near);
     list.add(found);
   };
-  add(ground_constraints(scan.ground, search, planes, options));
+  add(ground_constraints(scan.ground, search, map.planes, options));
   const bool ground_tells_height = list.planes >= kMinGroundConstraints;
-  add(surface_constraints(scan.surfaces, search, planes, options, ground_tells_height));
-  add(edge_constraints_of(scan.edges, search, edges));
+  add(surface_constraints(scan.surfaces, search, map.planes, options, ground_tells_height));
+  add(edge_constraints_of(scan.edges, search, map.edges));
+  add(post_constraints(scan.posts, search, map.posts));
   return list;
 }
 

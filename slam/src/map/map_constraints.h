@@ -10,10 +10,10 @@
 namespace hqslam::slam {
 
 /// A kind of features with what is near each of them in the map.
-template <typename Fit>
+template <typename Fit, int kNeighbours = Neighbours::kWanted>
 struct SearchedFeatures {
   const std::vector<FeaturePoint>& features;
-  std::vector<NearbyFit<Fit>> nearby;
+  std::vector<NearbyFit<Fit, kNeighbours>> nearby;
 
   explicit SearchedFeatures(const std::vector<FeaturePoint>& searched)
       : features(searched), nearby(searched.size()) {}
@@ -24,6 +24,14 @@ struct LocatedScan {
   SearchedFeatures<MapSurface> ground;
   SearchedFeatures<MapSurface> surfaces;
   SearchedFeatures<MapLine> edges;
+  SearchedFeatures<Eigen::Vector3d, 1> posts;  ///< with the nearest post of the map
+};
+
+/// What it is located in.
+struct MapParts {
+  const FeatureMap& edges;
+  const FeatureMap& posts;
+  const FeatureMap& planes;
 };
 
 /// Where a scan is believed to be, and how far about its features the map is searched: five
@@ -38,7 +46,7 @@ struct MapSearch {
 /// What the map says about where a scan is: per feature that finds its line or plane, constraints
 /// of the motion that remains, in axes of the map with search.T_map_sensor's position as origin
 /// (points are R p, planes are moved by -t). Features are searched in parallel.
-ConstraintList map_constraints(LocatedScan& scan, const MapSearch& search, const FeatureMap& edges,
-                               const FeatureMap& planes, const MappingOptions& options);
+ConstraintList map_constraints(LocatedScan& scan, const MapSearch& search, const MapParts& map,
+                               const MappingOptions& options);
 
 }  // namespace hqslam::slam

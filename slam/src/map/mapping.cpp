@@ -32,6 +32,7 @@ MapFeatures map_features(const Features& features, const std::optional<RowSelect
                          const MappingOptions& options) {
   MapFeatures result;
   result.edges = thin(measured(features.edges, measured_rows), options.edge_leaf_m);
+  result.posts = measured(features.posts, measured_rows);
   result.ground = thin(measured(features.ground, measured_rows), options.planar_leaf_m);
   result.surfaces = thin(measured(features.surfaces, measured_rows), options.planar_leaf_m);
   result.ground_to_locate = thin(result.ground, options.located_planar_leaf_m);
@@ -42,19 +43,21 @@ MapFeatures map_features(const Features& features, const std::optional<RowSelect
 Mapping::Mapping(const MappingOptions& options)
     : options_(options),
       edges_(options.edge_leaf_m, options.max_neighbour_distance_m),
+      posts_(options.edge_leaf_m, options.max_neighbour_distance_m),
       planes_(options.planar_leaf_m, options.max_neighbour_distance_m) {}
 
 MappingResult Mapping::locate(const MapFeatures& features, const MotionState& expected,
                               const Pose& T_map_sensor_start) const {
   const auto feature_count =
-      static_cast<double>(features.edges.size() + features.ground_to_locate.size() +
-                          features.surfaces_to_locate.size());
+      static_cast<double>(features.edges.size() + features.posts.size() +
+                          features.ground_to_locate.size() + features.surfaces_to_locate.size());
   MappingResult result;
   const ExpectedState prior(expected);
   result.state = prior.given(T_map_sensor_start);
   LocatedScan scan{SearchedFeatures<MapSurface>(features.ground_to_locate),
                    SearchedFeatures<MapSurface>(features.surfaces_to_locate),
-                   SearchedFeatures<MapLine>(features.edges)};
+                   SearchedFeatures<MapLine>(features.edges),
+                   SearchedFeatures<Eigen::Vector3d, 1>(features.posts)};
   bool narrow_suffices = true;
   for (int iteration = 0; iteration < options_.max_iterations; ++iteration) {
     const bool narrow = iteration >= kWideSearches && narrow_suffices;
@@ -62,7 +65,7 @@ MappingResult Mapping::locate(const MapFeatures& features, const MotionState& ex
         narrow ? options_.close_neighbour_distance_m : options_.max_neighbour_distance_m;
     const ConstraintList constraints =
         map_constraints(scan, {result.state.T_map_sensor, result.state.velocity, reach_m, narrow},
-                        edges_, planes_, options_);
+                        {edges_, posts_, planes_}, options_);
     const int matched = constraints.edges + constraints.planes;
     const bool enough = matched >= options_.min_correspondences &&
                         matched >= options_.min_matched_share * feature_count;
@@ -110,6 +113,7 @@ void Mapping::insert(const MapFeatures& features, const Pose& T_map_sensor, cons
     return result;
   };
   edges_.insert(in_map(features.edges), key_frames_);
+  posts_.insert(in_map(features.posts), key_frames_);
   planes_.insert(in_map(features.ground), key_frames_);
   planes_.insert(in_map(features.surfaces), key_frames_);
   if (key_frames_ > 0) {
@@ -125,6 +129,7 @@ void Mapping::lay_aside_old_map() {
   while (recent_path_m_.front() < path_m_ - options_.recent_path_m) recent_path_m_.pop_front();
   const auto oldest_recent = key_frames_ - static_cast<std::uint32_t>(recent_path_m_.size());
   edges_.lay_aside_before(oldest_recent);
+  posts_.lay_aside_before(oldest_recent);
   planes_.lay_aside_before(oldest_recent);
 }
 
@@ -132,6 +137,7 @@ Mapping Mapping::older_part(const Surroundings& place, std::uint32_t key_frames)
   Mapping result(options_);
   if (key_frames == 0) return result;
   result.edges_.insert(edges_.points_near_m(place, key_frames - 1));
+  result.posts_.insert(posts_.points_near_m(place, key_frames - 1));
   result.planes_.insert(planes_.points_near_m(place, key_frames - 1));
   return result;
 }
@@ -139,11 +145,13 @@ Mapping Mapping::older_part(const Surroundings& place, std::uint32_t key_frames)
 void Mapping::recall(const Surroundings& place) {
   if (key_frames_ == 0) return;
   edges_.recall(place, key_frames_ - 1);
+  posts_.recall(place, key_frames_ - 1);
   planes_.recall(place, key_frames_ - 1);
 }
 
 void Mapping::correct(const std::vector<Pose>& corrections) {
   edges_.correct(corrections);
+  posts_.correct(corrections);
   planes_.correct(corrections);
   T_map_last_key_frame_ = orthonormalized(corrections.back() * T_map_last_key_frame_);
 }

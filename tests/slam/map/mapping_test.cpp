@@ -206,6 +206,41 @@ TEST_CASE("without a map the prediction stands and the status says so") {
   CHECK(result.state.T_map_sensor.isApprox(predicted));
 }
 
+TEST_CASE("posts in open land tell where the sensor is and where it looks") {
+  // A road without walls, and six posts around it, each seen by one row at another height.
+  const auto seen_from = [](double offset_m, double height_m) {
+    slam::MapFeatures scan = road_with(offset_m, 0.4, [](double) { return 0.0; });
+    scan.surfaces.clear();
+    scan.surfaces_to_locate.clear();
+    for (const auto& [x, y] : {std::pair(12.0, 3.0),
+                               {9.0, -8.0},
+                               {-4.0, 11.0},
+                               {-13.0, 5.0},
+                               {-7.0, -9.0},
+                               {15.0, -2.0}}) {
+      for (int i = 0; i < 3; ++i) {
+        const double z = -1.0 + 0.5 * i + height_m;
+        scan.posts.push_back(
+            {{static_cast<float>(x), static_cast<float>(y), static_cast<float>(z)}, 0.0F, i});
+      }
+    }
+    return scan;
+  };
+  slam::Mapping mapping{slam::MappingOptions{}};
+  mapping.insert(seen_from(0.0, 0.0), Pose::Identity(), {});
+  const slam::MapFeatures scan = seen_from(0.1, 0.1);
+  const Pose wrong = pose_from_xyz_rpy({0.25, -0.2, 0.05}, 0.0, 0.0, 0.02);
+  const auto located = mapping.locate(scan, believed(wrong), wrong);
+  CHECK(located.status == Status::kOk);
+  CHECK(located.edge_correspondences == 18);
+  CHECK(located.state.T_map_sensor.translation().norm() < 0.01);
+  CHECK(rotation_angle_rad(located.state.T_map_sensor) < 0.001);
+
+  slam::MapFeatures without = scan;
+  without.posts.clear();
+  CHECK(mapping.locate(without, believed(wrong), wrong).status == Status::kDegenerate);
+}
+
 TEST_CASE("a turn on the spot makes a key frame, a short step does not") {
   slam::Mapping mapping{slam::MappingOptions{}};
   CHECK(mapping.is_key_frame(Pose::Identity()));

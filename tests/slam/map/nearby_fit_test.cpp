@@ -69,6 +69,30 @@ TEST_CASE("what is remembered of a feature that moves is what a new search would
   CHECK(searches < fits);
 }
 
+TEST_CASE("the nearest point alone is remembered as well as five are") {
+  std::mt19937 generator(3);
+  const FeatureMap map = random_map(generator);
+  const auto first = [](const Neighbours& near) {
+    return std::optional<Eigen::Vector3f>(near.points_m[0]);
+  };
+  int found = 0;
+  for (int feature = 0; feature < 300; ++feature) {
+    NearbyFit<Eigen::Vector3f, 1> nearby;
+    Eigen::Vector3f query_m = random_point(generator, 9.0F);
+    for (const float step_m : {0.1F, 0.03F, 0.01F, 0.003F}) {
+      const Neighbours anew = map.nearest(query_m);
+      const auto remembered = nearby.at(map, query_m, 0.6, first);
+      REQUIRE(remembered.has_value() == (anew.count > 0 && anew.squared_distance_m2[0] <= 0.36F));
+      if (remembered) {
+        ++found;
+        CHECK(*remembered == anew.points_m[0]);
+      }
+      query_m += step_m * random_point(generator, 1.0F).normalized();
+    }
+  }
+  CHECK(found > 500);
+}
+
 TEST_CASE("a feature that stays where it is is searched once") {
   std::mt19937 generator(2);
   const FeatureMap map = random_map(generator);

@@ -32,8 +32,8 @@ struct ScanReport {
   Pose T_map_sensor = Pose::Identity();   ///< after scan-to-map optimisation and loop closing
   /// Of T_map_sensor against the truth, the first scan's pose being exact: the covariance of e in
   /// T_true = T_map_sensor exp(e), (linear, angular) in the sensor's frame, m^2, m rad, rad^2.
-  /// What is in it, and what it was calibrated on: src/alignment/drift.h. Zero up to the first scan of the
-  /// map.
+  /// What is in it, and what it was calibrated on: src/alignment/drift.h. Zero up to the first scan
+  /// of the map.
   Matrix6 covariance = Matrix6::Zero();
   Status odometry_status = Status::kOk;
   Status mapping_status = Status::kOk;
