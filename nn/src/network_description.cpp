@@ -48,6 +48,7 @@ std::optional<OutlierRemovalOptions> last_filter(const NetworkDescription& d) {
 }
 
 void validate(const NetworkDescription& d) {
+  const Architecture& architecture = architecture_of(d);
   if (!(d.range_scale_m > 0.0F) || !std::isfinite(d.range_scale_m)) {
     throw Error(fmt::format("network: range_scale_m is {}, expected above 0", d.range_scale_m));
   }
@@ -61,7 +62,7 @@ void validate(const NetworkDescription& d) {
   }
   validate(d.sensor);
   validate_rows(d);
-  architecture_of(d).validate(d);
+  architecture.validate(d);
   check_columns(d, d.sensor.columns);
 }
 

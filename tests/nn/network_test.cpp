@@ -30,7 +30,7 @@ RangeImage repeated_scan(int columns, int times) {
 }
 
 LiftedImage lifted(NetworkDescription description, const RangeImage& measured) {
-  description.sensor.columns = measured.columns;
+  description.sensor.columns = 26 * 8;  // of which these are some, or all
   const auto network = make_network(description, measured.columns, chosen_instruction_set(), 1);
   network->set_parameters(initial_parameters(description, 5));
   return network->lift(measured, 0.5F);
@@ -75,6 +75,9 @@ TEST_CASE("images may have any number of columns that the strides divide, down t
       }
     }
     if (multiple == 1) continue;
+    NetworkDescription other = description;
+    other.sensor.columns = 60;
+    CHECK(test::one_line_with(test::error_message([&] { validate(other); }), "60", "multiple"));
     for (const int columns : {multiple - 1, multiple + 1, 3 * multiple + multiple / 2}) {
       const std::string message =
           test::error_message([&] { lifted(description, RangeImage(4, columns)); });
