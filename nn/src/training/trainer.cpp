@@ -48,8 +48,7 @@ void check_scans(const std::vector<RangeImage>& scans, const SensorModel& sensor
 }
 
 void check_state(const TrainingState& state, const NetworkDescription& description) {
-  std::int64_t expected = 0;
-  for (const ParameterShape& shape : parameter_shapes(description)) expected += shape.elements();
+  const std::int64_t expected = elements(parameter_shapes(description));
   for (const std::vector<float>* values :
        {&state.parameters, &state.average, &state.optimiser.first_moment,
         &state.optimiser.second_moment}) {
