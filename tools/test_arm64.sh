@@ -50,9 +50,9 @@ fetch() {
   done
   # What update-alternatives would link.
   (cd "$root/usr/lib/aarch64-linux-gnu" && ln -s blas/libblas.so* lapack/liblapack.so* .)
-  # Ceres names the libraries that it was built with by their full paths.
-  sed -i "s,/usr/lib/aarch64-linux-gnu/lib,$root&,g" \
-    "$root/usr/lib/aarch64-linux-gnu/cmake/Ceres/CeresTargets.cmake"
+  # Ceres and FLANN name the libraries that they were built with by their full paths.
+  find "$root/usr/lib" -iname '*targets*.cmake' -exec \
+    sed -i "s,\([;\"]\)\(/usr/lib/aarch64-linux-gnu/lib\),\1$root\2,g" {} +
   echo "$wanted" >"$root/unpacked"
 }
 
