@@ -6,7 +6,6 @@
 #include <filesystem>
 #include <random>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "damaged.h"
@@ -25,7 +24,12 @@ namespace {
 
 using Reader = void (*)(fuzz::Bytes);
 
-const std::vector<std::pair<std::string, Reader>> kReaders = {
+struct NamedReader {
+  std::string name;
+  Reader read;
+};
+
+const std::vector<NamedReader> kReaders = {
     {"npy", fuzz::npy},
     {"npz", fuzz::npz},
     {"pcd", fuzz::pcd},
@@ -71,11 +75,11 @@ TEST_CASE("damaged copies of every reader's seeds are read or refused, nothing e
   constexpr int kCopies = 500;
   const test::TemporaryDirectory directory;
   fuzz::write_seeds(directory.file("seeds"));
-  for (const auto& [name, reader] : kReaders) {
-    CAPTURE(name);
+  for (const NamedReader& reader : kReaders) {
+    CAPTURE(reader.name);
     std::vector<std::filesystem::path> seeds;
     for (const auto& entry :
-         std::filesystem::directory_iterator(directory.path() / "seeds" / name)) {
+         std::filesystem::directory_iterator(directory.path() / "seeds" / reader.name)) {
       seeds.push_back(entry.path());
     }
     std::sort(seeds.begin(), seeds.end());
@@ -86,7 +90,7 @@ TEST_CASE("damaged copies of every reader's seeds are read or refused, nothing e
       const std::string valid = test::file_contents(seed.string());
       for (int copy = 0; copy < kCopies; ++copy) {
         CAPTURE(copy);
-        read += reads(reader, test::damaged(valid, random)) ? 1 : 0;
+        read += reads(reader.read, test::damaged(valid, random)) ? 1 : 0;
       }
     }
     CHECK(read > 0);

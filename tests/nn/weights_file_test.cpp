@@ -168,7 +168,8 @@ TEST_CASE("arrays that PyTorch exported give the ranges that PyTorch gave, withi
   du_mix.layers = 2;
   const std::vector<std::pair<std::string, NetworkDescription>> exported = {
       {"du_or", small_du_or()}, {"simple_du", small_simple_du()}, {"du_mix_two_layers", du_mix}};
-  for (const auto& [name, description] : exported) {
+  for (const auto& [network, description] : exported) {
+    const std::string& name = network;
     CAPTURE(name);
     const ForeignArrays foreign = read_foreign_arrays(golden_file("exported_" + name), description);
     REQUIRE(foreign.self_test.has_value());
