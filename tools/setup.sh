@@ -3,7 +3,7 @@
 # systems with apt it tries the same packages.
 #   tools/setup.sh          to build and run
 #   tools/setup.sh checks   also what tools/test.sh checks the sources with
-#   tools/setup.sh fuzz     also what tools/fuzz.sh needs
+#   tools/setup.sh fuzz     also what tools/fuzz.sh and the thread sanitizer need
 #   tools/setup.sh arm64    also what tools/test_arm64.sh needs
 set -euo pipefail
 
