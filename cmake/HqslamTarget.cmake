@@ -8,6 +8,11 @@ function(hqslam_compile_settings target)
   if(HQSLAM_WARNINGS_AS_ERRORS)
     target_compile_options(${target} PRIVATE -Werror)
   endif()
+  # The same bytes on every machine: x86-64 has no fused multiply-add to contract to unless asked,
+  # others do. The network's kernels ask for it.
+  if(NOT CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
+    target_compile_options(${target} PRIVATE -ffp-contract=off)
+  endif()
 endfunction()
 
 # hqslam_library(<component> SOURCES <file>...): target hqslam_<component>, alias hqslam::<component>.

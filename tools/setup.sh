@@ -3,7 +3,8 @@
 # systems with apt it tries the same packages.
 #   tools/setup.sh          to build and run
 #   tools/setup.sh checks   also what tools/test.sh checks the sources with
-#   tools/setup.sh fuzz     also what tools/fuzz.sh needs
+#   tools/setup.sh fuzz     also what tools/fuzz.sh and the thread sanitizer need
+#   tools/setup.sh arm64    also what tools/test_arm64.sh needs
 set -euo pipefail
 
 packages=(
@@ -19,6 +20,8 @@ if [[ "${1:-}" == checks ]]; then
   packages+=(clang-format clang-tidy)
 elif [[ "${1:-}" == fuzz ]]; then
   packages+=(clang libclang-rt-dev libomp-dev)
+elif [[ "${1:-}" == arm64 ]]; then
+  packages+=(g++-aarch64-linux-gnu qemu-user)
 fi
 
 if ! command -v apt-get >/dev/null || ! command -v dpkg-query >/dev/null; then

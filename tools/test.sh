@@ -2,6 +2,8 @@
 # Installs, builds everything, runs every test and checks the sources.
 #   tools/test.sh
 #   tools/test.sh --fuzz [SECONDS]   and then fuzzes every reader for 20 seconds, or so many
+#   tools/test.sh --sanitizers       and then every test under address and undefined-behaviour sanitizers
+#   tools/test.sh --thread           and then what uses threads under the thread sanitizer
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 jobs=$(nproc)
@@ -67,6 +69,24 @@ fi
 if [[ "${1:-}" == --fuzz ]]; then
   step "Fuzzing"
   tools/fuzz.sh "${2:-20}"
+fi
+
+if [[ "${1:-}" == --sanitizers ]]; then
+  step "Address and undefined-behaviour sanitizers"
+  cmake --preset sanitizers -Wno-dev >/dev/null
+  cmake --build --preset sanitizers -j "$jobs"
+  ctest --preset sanitizers -j "$jobs"
+fi
+
+# Clang, whose OpenMP tells the sanitizer what its barriers and locks order; GCC's does not, and each
+# of its barriers would look like a race. Debian's libraries are not instrumented.
+if [[ "${1:-}" == --thread ]]; then
+  step "Thread sanitizer"
+  tools/setup.sh fuzz
+  threaded=(test_nn test_slam test_recordings test_accuracy)
+  cmake --preset thread -Wno-dev >/dev/null
+  cmake --build --preset thread -j "$jobs" --target "${threaded[@]}"
+  ctest --preset thread -R "^($(IFS='|' && echo "${threaded[*]}"))$"
 fi
 
 step "All passed"

@@ -5,6 +5,7 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <map>
 
 namespace hqslam::fuzz {
 
@@ -44,8 +45,8 @@ class InputFile {
 }  // namespace
 
 std::string as_file(Bytes input, const char* extension) {
-  static const InputFile file(extension);
-  return file.set(input);
+  static std::map<std::string, InputFile> files;
+  return files.try_emplace(extension, extension).first->second.set(input);
 }
 
 }  // namespace hqslam::fuzz

@@ -6,8 +6,8 @@
 
 namespace hqslam::fuzz {
 
-/// The path of a file that holds these bytes until the next call; one per process, in memory where
-/// the system has such a folder. `extension` is ".pcd".
+/// The path of a file that holds these bytes until the next call with this extension, say ".pcd";
+/// in memory where the system has such a folder.
 std::string as_file(Bytes input, const char* extension);
 
 }  // namespace hqslam::fuzz

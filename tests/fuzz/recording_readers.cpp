@@ -72,22 +72,40 @@ void velodyne_packets(Bytes input) {
   for (const Scan& scan : scans) project(scan, sensor);
 }
 
+namespace {
+
+/// What is made once for a sensor and serves all its frames.
+struct OusterReader {
+  OusterMetadata metadata;
+  OusterOptions options;
+  OusterGeometry geometry{metadata, options};
+};
+
+std::vector<OusterReader> ouster_readers() {
+  std::vector<OusterReader> readers;
+  for (const KeptReturn kept : {KeptReturn::kStrongest, KeptReturn::kLast}) {
+    for (const OusterProfile profile :
+         {OusterProfile::kLegacy, OusterProfile::kRng19, OusterProfile::kRng19Dual,
+          OusterProfile::kRng15, OusterProfile::kFusaDual}) {
+      readers.push_back({ouster_metadata_from_json(test::ouster_metadata_text(profile), "metadata"),
+                         {.kept_return = kept}});
+    }
+  }
+  return readers;
+}
+
+}  // namespace
+
 void ouster_packets(Bytes input) {
   if (input.empty()) return;
-  constexpr OusterProfile kProfiles[] = {OusterProfile::kLegacy, OusterProfile::kRng19,
-                                         OusterProfile::kRng19Dual, OusterProfile::kRng15,
-                                         OusterProfile::kFusaDual};
-  const OusterMetadata metadata =
-      ouster_metadata_from_json(test::ouster_metadata_text(kProfiles[input[0] % 5U]), "metadata");
-  const OusterOptions options{.kept_return = (input[0] & 8U) != 0 ? KeptReturn::kLast
-                                                                  : KeptReturn::kStrongest};
-  OusterDecoder decoder(metadata, options);
-  OusterGeometry geometry(metadata, options);
+  static std::vector<OusterReader> readers = ouster_readers();
+  OusterReader& reader = readers[input[0] % readers.size()];
+  OusterDecoder decoder(reader.metadata, reader.options);
   std::vector<OusterFrame> frames;
-  for_each_packet(input.subspan(1), metadata.packet_bytes(),
+  for_each_packet(input.subspan(1), reader.metadata.packet_bytes(),
                   [&](const Packet& p) { decoder.add(p, frames); });
   decoder.finish(frames);
-  for (const OusterFrame& frame : frames) geometry.scan(frame);
+  for (const OusterFrame& frame : frames) reader.geometry.scan(frame);
 }
 
 }  // namespace hqslam::fuzz

@@ -1,3 +1,5 @@
+#include "seeds.h"
+
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -16,13 +18,11 @@
 #include "captures.h"
 #endif
 
-// Writes the inputs that fuzzing begins with: FOLDER/READER/NAME, small and valid.
+namespace hqslam::fuzz {
 
 namespace {
 
 namespace fs = std::filesystem;
-using namespace hqslam;
-
 fs::path g_folder;
 
 std::string place(const std::string& reader, const std::string& name) {
@@ -166,9 +166,8 @@ void put_recordings() {
 
 }  // namespace
 
-int main(int argc, char** argv) {
-  if (argc != 2) return 2;
-  g_folder = argv[1];
+void write_seeds(const std::string& folder) {
+  g_folder = folder;
   fs::remove_all(g_folder);
   put_points();
   put_arrays();
@@ -176,5 +175,6 @@ int main(int argc, char** argv) {
 #ifdef HQSLAM_FUZZ_RECORDINGS
   put_recordings();
 #endif
-  return 0;
 }
+
+}  // namespace hqslam::fuzz

@@ -166,7 +166,8 @@ TEST_CASE("arrays that PyTorch exported give the ranges that PyTorch gave, withi
       {"du_or", small_du_or()},
       {"simple_du", small_simple_du()},
       {"du_mix_two_layers", small_du_mix({{6, 8, 1}, {5, 7, 0}})}};
-  for (const auto& [name, description] : exported) {
+  for (const auto& [network, description] : exported) {
+    const std::string& name = network;
     CAPTURE(name);
     const ForeignArrays foreign = read_foreign_arrays(golden_file("exported_" + name), description);
     REQUIRE(foreign.self_test.has_value());

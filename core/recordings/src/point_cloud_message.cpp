@@ -142,8 +142,10 @@ PointCloudMessage read_point_cloud(const Message& message) {
     cloud.time.name = time->name;
     cloud.time.whole_numbers = time->whole();
   }
-  cloud.scan.points_m.reserve(layout.height * layout.width);
-  for (std::size_t row = 0; row < layout.height; ++row) {
+  // Rows without a column may be announced by the thousand million.
+  const std::size_t rows = layout.width == 0 ? 0 : layout.height;
+  cloud.scan.points_m.reserve(rows * layout.width);
+  for (std::size_t row = 0; row < rows; ++row) {
     for (std::size_t column = 0; column < layout.width; ++column) {
       const std::uint8_t* const point =
           layout.data.data() + row * layout.row_step + column * layout.point_step;

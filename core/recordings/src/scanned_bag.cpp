@@ -36,9 +36,9 @@ class ScannedBag : public Bag {
     std::map<std::uint32_t, std::int64_t> messages;
     while (const auto found = file->next()) ++messages[found->connection];
     for (const auto& [id, connection] : file->connections()) {
-      const auto known = std::find_if(topics_.begin(), topics_.end(), [&](const Topic& topic) {
-        return topic.name == connection.topic;
-      });
+      const auto known = std::find_if(
+          topics_.begin(), topics_.end(),
+          [&name = connection.topic](const Topic& topic) { return topic.name == name; });
       if (known == topics_.end()) {
         topics_.push_back({connection.topic, connection.type, messages[id]});
       } else {

@@ -30,6 +30,7 @@ struct Row {
   std::vector<std::uint8_t> unusable;  ///< hidden, along the beam, or too near an end of the row
   std::vector<std::uint8_t> is_edge;
   std::vector<FeaturePoint> outliers;
+  std::vector<int> candidates;  ///< of one section after the other, kept for its memory
 
   int size() const { return static_cast<int>(points.size()); }
   bool neighbours(int i, int j) const { return std::abs(column[i] - column[j]) <= kMaxColumnGap; }
@@ -136,8 +137,9 @@ void suppress_neighbours(const Row& row, int chosen, std::vector<std::uint8_t>& 
 /// Takes candidates, the best first, until there are `wanted`; what is near one is left out.
 /// better(a, b): whether a goes before b; of equals the first in the row does.
 template <typename Better, typename Take>
-void choose(const Row& row, std::vector<int>& candidates, int wanted, const Better& better,
-            std::vector<std::uint8_t>& taken, const Take& take) {
+void choose(Row& row, int wanted, const Better& better, std::vector<std::uint8_t>& taken,
+            const Take& take) {
+  std::vector<int>& candidates = row.candidates;
   const auto worse = [&](int a, int b) { return better(b, a) || (!better(a, b) && a > b); };
   std::make_heap(candidates.begin(), candidates.end(), worse);
   for (auto last = candidates.end(); last != candidates.begin() && wanted > 0; --last) {
@@ -153,17 +155,17 @@ void choose(const Row& row, std::vector<int>& candidates, int wanted, const Bett
 /// Edges of the points first..last-1 of a row: the largest smoothness first.
 void choose_edges(Row& row, int first, int last, const FeatureOptions& options,
                   std::vector<std::uint8_t>& taken, Features& features) {
-  std::vector<int> candidates;
+  row.candidates.clear();
   for (int i = first; i < last; ++i) {
     const double required_m = std::max(options.min_edge_smoothness_m,
                                        options.min_edge_smoothness_per_range * row.range_m[i]);
     if (taken[i] == 0 && row.ground[i] == 0 && row.smoothness_m[i] > required_m) {
-      candidates.push_back(i);
+      row.candidates.push_back(i);
     }
   }
   int sharp = options.sharp_edges_per_section;
   choose(
-      row, candidates, options.edges_per_section,
+      row, options.edges_per_section,
       [&](int a, int b) { return row.smoothness_m[a] > row.smoothness_m[b]; }, taken,
       [&](int i) {
         if (sharp-- > 0) features.sharp_edges.push_back(row.points[i]);
@@ -173,17 +175,17 @@ void choose_edges(Row& row, int first, int last, const FeatureOptions& options,
 }
 
 /// Flat ground points of the points first..last-1 of a row: the smallest smoothness first.
-void choose_flat_points(const Row& row, int first, int last, const FeatureOptions& options,
+void choose_flat_points(Row& row, int first, int last, const FeatureOptions& options,
                         std::vector<std::uint8_t>& taken, Features& features) {
-  std::vector<int> candidates;
+  row.candidates.clear();
   for (int i = first; i < last; ++i) {
     if (taken[i] == 0 && row.ground[i] != 0 &&
         row.smoothness_m[i] < options.min_edge_smoothness_m) {
-      candidates.push_back(i);
+      row.candidates.push_back(i);
     }
   }
   choose(
-      row, candidates, options.flat_points_per_section,
+      row, options.flat_points_per_section,
       [&](int a, int b) { return row.smoothness_m[a] < row.smoothness_m[b]; }, taken,
       [&](int i) { features.flat_points.push_back(row.points[i]); });
 }
@@ -205,6 +207,8 @@ Features features_of_row(const OrganizedCloud& cloud, const Segmentation& segmen
   }
   std::vector<FeaturePoint> ground;
   std::vector<FeaturePoint> surfaces;
+  ground.reserve(row.points.size());
+  surfaces.reserve(row.points.size() + row.outliers.size());
   for (int i = 0; i < row.size(); ++i) {
     if (row.is_edge[i] == 0) (row.ground[i] != 0 ? ground : surfaces).push_back(row.points[i]);
   }

@@ -113,6 +113,14 @@ std::string http_answer(const std::string& body) {
   return "HTTP/1.1 200 OK\r\nContent-Type: application/json\r\n\r\n" + body;
 }
 
+void wait_until_no_more_come(const LiveSensor& sensor) {
+  std::int64_t before = -1;
+  while (sensor.counts().scans != before) {
+    before = sensor.counts().scans;
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  }
+}
+
 }  // namespace
 
 TEST_CASE("scans that come over UDP are those of the capture with the same packets") {
@@ -178,11 +186,8 @@ TEST_CASE("who does not take scans in time loses whole ones, the oldest, and mem
   });
   REQUIRE(sensor.recognise(kPatience_s));
   sensor.start();
-  std::int64_t before = -1;
-  while (!sent || sensor.counts().scans != before) {  // until none comes any more
-    before = sensor.counts().scans;
-    std::this_thread::sleep_for(std::chrono::milliseconds(300));
-  }
+  while (!sent) std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  wait_until_no_more_come(sensor);
   const LiveCounts counts = sensor.counts();
   CHECK(counts.packets.lost == 0);  // packets are read on
   CHECK(counts.dropped_scans == counts.scans - 3);
@@ -218,8 +223,11 @@ TEST_CASE("memory does not grow with what was received, whether scans are taken 
     replay(packets, options.port, 0.0);
     while (round % 2 == 0 && sensor.next(0.05)) continue;
   }
+  wait_until_no_more_come(sensor);
   CHECK(sensor.counts().scans > 350);
+#ifndef __SANITIZE_ADDRESS__                // which keeps what was freed for a while
   CHECK(resident_kb() - before_kb < 4000);  // 400 scans would be 180 MB
+#endif
 }
 
 TEST_CASE("an Ouster's turn is complete with its last packet, whatever its metadata came by") {

@@ -285,7 +285,8 @@ TEST_CASE("the demo ends with a table of every way through the drive and a repor
   if (result.out.find("Without DU-Mix") == std::string::npos) {
     ways.emplace_back("16 -> 64, DU-Mix", "du-mix");
   }
-  for (const auto& [name, results] : ways) {
+  for (const auto& [way, results] : ways) {
+    const std::string& name = way;
     CAPTURE(name);
     CHECK(result.out.find(fmt::format("\n{:<18}{:>14}", name, 200)) != std::string::npos);
     const std::string report = results + "/report.html";

@@ -188,7 +188,8 @@ TEST_CASE("no command replaces a file that is not its own, and every one replace
       {table, "tables/table.md"},
       {table, "tables/table.json"},
   };
-  for (const auto& [command, file] : commands) {
+  for (const auto& [line, file] : commands) {
+    const std::string& command = line;
     CAPTURE(command);
     const std::string path = folder.file(file);
     write_file(path, "mine");
@@ -199,7 +200,8 @@ TEST_CASE("no command replaces a file that is not its own, and every one replace
     CHECK(file_contents(path) == "mine");
     std::filesystem::remove(path);
   }
-  for (const auto& [command, file] : commands) {
+  for (const auto& [line, file] : commands) {
+    const std::string& command = line;
     CAPTURE(command);
     CHECK(run_hqslam(command).status == 0);
     CHECK(run_hqslam(command).status == 0);

@@ -1,0 +1,75 @@
+#include <doctest/doctest.h>
+
+#include <cstdint>
+#include <cstring>
+#include <string>
+#include <vector>
+
+#include "file_contents.h"
+#include "hqslam/core/connected_components.h"
+#include "hqslam/core/projection.h"
+#include "hqslam/core/sensor_model.h"
+#include "hqslam/core/trajectory.h"
+#include "temporary_directory.h"
+
+using namespace hqslam;
+
+namespace {
+
+/// FNV-1a, 64 bits, going on from `hash`.
+std::uint64_t hash_of(const void* data, std::size_t bytes, std::uint64_t hash) {
+  const auto* at = static_cast<const std::uint8_t*>(data);
+  for (std::size_t i = 0; i < bytes; ++i) hash = (hash ^ at[i]) * 1099511628211ULL;
+  return hash;
+}
+
+template <typename Value>
+std::uint64_t hash_of(const std::vector<Value>& values,
+                      std::uint64_t hash = 14695981039346656037ULL) {
+  return hash_of(values.data(), values.size() * sizeof(Value), hash);
+}
+
+/// Walls, posts and nothing, by whole numbers alone.
+RangeImage a_scene(const SensorModel& sensor) {
+  RangeImage image(sensor.rows(), sensor.columns);
+  for (int row = 0; row < image.rows; ++row) {
+    for (int column = 0; column < image.columns; ++column) {
+      const int wall = 12 + (column / 64) % 5 + row % 3;
+      const bool post = column % 97 < 4;
+      const bool nothing = (row * 31 + column * 7) % 23 == 0;
+      image.at(row, column) = nothing ? 0.0F : static_cast<float>(post ? 8 : wall) + 0.125F;
+    }
+  }
+  return image;
+}
+
+}  // namespace
+
+// Made on x86-64. Compilers that fuse multiplications and additions, other vector instructions and
+// another mathematics library could each change a last bit.
+TEST_CASE("points, images, components and trajectories have the same bytes on every machine") {
+  const SensorModel sensor = sensor_preset("os1-64");
+  const RangeImage scene = a_scene(sensor);
+  const OrganizedCloud cloud = unproject(scene, sensor, CaptureTime::kRolling);
+  CHECK(hash_of(cloud.points_m) == 6862067664886597533U);
+  CHECK(hash_of(cloud.time_offset_s) == 8085818488415593253U);
+
+  Scan scan;
+  for (std::size_t i = 0; i < cloud.points_m.size(); ++i) {
+    if (cloud.range_m[i] > 0.0F) scan.points_m.push_back(cloud.points_m[i]);
+  }
+  CHECK(hash_of(project(scan, sensor).cloud.range_m) == 3701233445619095456U);
+
+  ComponentLabeler labeler(sensor, {});
+  CHECK(hash_of(labeler.label(scene).label) == 10878368666235277583U);
+
+  Trajectory trajectory{{0.0, Pose::Identity()}};
+  const Pose step = pose_from_xyz_rpy({0.7, 0.03, -0.01}, 0.002, -0.003, 0.05);
+  for (int i = 1; i < 200; ++i) {
+    trajectory.push_back({0.1 * i, trajectory.back().T_map_sensor * step});
+  }
+  const test::TemporaryDirectory directory;
+  write_tum(trajectory, directory.file("trajectory.tum"));
+  const std::string text = test::file_contents(directory.file("trajectory.tum"));
+  CHECK(hash_of(text.data(), text.size(), 14695981039346656037ULL) == 14911819237509355218U);
+}

@@ -1,0 +1,98 @@
+#include "readers.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "damaged.h"
+#include "error_message.h"
+#include "file_contents.h"
+#include "hqslam/core/error.h"
+#include "seeds.h"
+#include "temporary_directory.h"
+
+// What the fuzzers do, in seconds and without clang: damaged copies of their seeds, the same ones
+// in every run.
+
+using namespace hqslam;
+
+namespace {
+
+using Reader = void (*)(fuzz::Bytes);
+
+struct NamedReader {
+  std::string name;
+  Reader read;
+};
+
+const std::vector<NamedReader> kReaders = {
+    {"npy", fuzz::npy},
+    {"npz", fuzz::npz},
+    {"pcd", fuzz::pcd},
+    {"ply", fuzz::ply},
+    {"kitti_bin", fuzz::kitti_bin},
+    {"text", fuzz::text},
+    {"stamps", fuzz::stamps},
+    {"sensor_json", fuzz::sensor_json},
+    {"tum", fuzz::tum},
+    {"kitti", fuzz::kitti},
+#ifdef HQSLAM_FUZZ_NN
+    {"weights", fuzz::weights},
+    {"checkpoint", fuzz::checkpoint},
+    {"recipe_json", fuzz::recipe_json},
+#endif
+#ifdef HQSLAM_FUZZ_RECORDINGS
+    {"pcap", fuzz::pcap},
+    {"db3", fuzz::db3},
+    {"mcap", fuzz::mcap},
+    {"ros1_bag", fuzz::ros1_bag},
+    {"ouster_json", fuzz::ouster_json},
+    {"velodyne_packets", fuzz::velodyne_packets},
+    {"ouster_packets", fuzz::ouster_packets},
+#endif
+};
+
+/// Whether it was read; any other exception than Error is a failed check.
+bool reads(Reader reader, const std::string& bytes) {
+  try {
+    reader({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()});
+    return true;
+  } catch (const Error& error) {
+    CHECK(test::one_line_with(error.what()));
+  } catch (const std::exception& error) {
+    FAIL_CHECK("not an hqslam::Error: " << error.what());
+  }
+  return false;
+}
+
+}  // namespace
+
+TEST_CASE("damaged copies of every reader's seeds are read or refused, nothing else") {
+  constexpr int kCopies = 500;
+  const test::TemporaryDirectory directory;
+  fuzz::write_seeds(directory.file("seeds"));
+  for (const NamedReader& reader : kReaders) {
+    CAPTURE(reader.name);
+    std::vector<std::filesystem::path> seeds;
+    for (const auto& entry :
+         std::filesystem::directory_iterator(directory.path() / "seeds" / reader.name)) {
+      seeds.push_back(entry.path());
+    }
+    std::sort(seeds.begin(), seeds.end());
+    std::mt19937 random(7);
+    int read = 0;
+    for (const std::filesystem::path& seed : seeds) {
+      CAPTURE(seed.filename().string());
+      const std::string valid = test::file_contents(seed.string());
+      for (int copy = 0; copy < kCopies; ++copy) {
+        CAPTURE(copy);
+        read += reads(reader.read, test::damaged(valid, random)) ? 1 : 0;
+      }
+    }
+    CHECK(read > 0);
+  }
+}

@@ -1,0 +1,27 @@
+#!/usr/bin/env bash
+# cpack makes a Debian package whose program runs and which says what it needs:
+#   package_test.sh BUILD_FOLDER
+set -euo pipefail
+build_folder=$1
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+if ! command -v dpkg-shlibdeps >/dev/null; then
+  echo "dpkg-shlibdeps (dpkg-dev) is not there: SKIPPED"
+  exit 0
+fi
+
+cpack --config "$build_folder/CPackConfig.cmake" -B "$folder" >"$folder/log" 2>&1 ||
+  { cat "$folder/log"; exit 1; }
+dpkg-deb -x "$folder"/hqslam_*.deb "$folder/root"
+for file in bin/hqslam share/man/man1/hqslam.1 share/hqslam/weights/du-mix_os1_16to64.npz \
+  share/doc/hqslam/LICENSE include/hqslam/slam/slam.h; do
+  [[ -f "$folder/root/usr/$file" ]] || { echo "usr/$file is not in the package"; exit 1; }
+done
+depends=$(dpkg-deb -f "$folder"/hqslam_*.deb Depends)
+for library in libc6 libembree libpcl libzip libpcap; do
+  [[ "$depends" == *"$library"* ]] || { echo "Depends lacks $library: $depends"; exit 1; }
+done
+program=$folder/root/usr/bin/hqslam
+"$program" simulate --drive block --sensor os1-16 --scans 5 --out "$folder/drive" >/dev/null 2>&1
+"$program" run "$folder/drive" --out "$folder/results" >/dev/null 2>&1
+[[ $(wc -l <"$folder/results/trajectory.tum") == 5 ]]
