@@ -201,6 +201,138 @@ def make_layers():
     save("layers", arrays)
 
 
+def dropout_factor(seed, share, shape):
+    """What hqslam's dropout multiplies with: 0 or 1 / (1 - share), from seed and place alone."""
+    place = numpy.arange(1, numpy.prod(shape) + 1, dtype=numpy.uint64)
+    with numpy.errstate(over="ignore"):
+        v = numpy.uint64(seed) + numpy.uint64(0x9E3779B97F4A7C15) * place
+        v = (v ^ (v >> numpy.uint64(30))) * numpy.uint64(0xBF58476D1CE4E5B9)
+        v = (v ^ (v >> numpy.uint64(27))) * numpy.uint64(0x94D049BB133111EB)
+    unit = ((v ^ (v >> numpy.uint64(31))) >> numpy.uint64(40)).astype("<f4") / numpy.float32(2**24)
+    return numpy.where(unit < numpy.float32(share), 0.0, 1.0 / (1.0 - share)).reshape(shape)
+
+
+class GoldenLayer:
+    """One case of the section network_layers: inputs and parameters are made by tensor(), in the
+    order in which hqslam has them."""
+
+    def __init__(self, arrays, generator, name):
+        self.arrays, self.generator, self.name = arrays, generator, name
+        self.inputs, self.parameters = [], []
+
+    def input(self, *shape, scale=1.0):
+        import torch
+
+        values = rounded(scale * random_array(self.generator, *shape))
+        self.inputs.append(torch.tensor(values, requires_grad=True))
+        return self.inputs[-1]
+
+    def parameter(self, *shape, middle=0.0):
+        import torch
+
+        values = rounded(middle + random_array(self.generator, *shape) / 2.0)
+        self.parameters.append(torch.tensor(values, requires_grad=True))
+        return self.parameters[-1]
+
+    def finish(self, y):
+        import torch
+
+        d_y = torch.tensor(random_array(self.generator, *y.shape))
+        y.backward(d_y)
+        self.arrays.update({f"{self.name}.output": y, f"{self.name}.d_output": d_y})
+        for i, x in enumerate(self.inputs):
+            self.arrays.update({f"{self.name}.input.{i}": x, f"{self.name}.d_input.{i}": x.grad})
+        if self.parameters:
+            self.arrays[f"{self.name}.parameters"] = torch.cat(
+                [p.detach().flatten() for p in self.parameters])
+            self.arrays[f"{self.name}.d_parameters"] = torch.cat(
+                [p.detach().flatten() * 0.0 if p.grad is None else p.grad.flatten()
+                 for p in self.parameters])
+
+
+def make_network_layers():
+    """Scans x channels x rows x columns."""
+    import torch
+    from torch.nn import functional
+
+    tools_pytorch()
+    from tulip import WindowAttention, merged
+
+    generator = numpy.random.RandomState(4)
+    arrays = {}
+
+    def case(name):
+        return GoldenLayer(arrays, generator, name)
+
+    c = case("transposed")  # strides 2 x 1
+    x, weight, bias = c.input(1, 3, 4, 20), c.parameter(3, 5, 3, 3), c.parameter(5)
+    c.finish(torch.relu(functional.conv_transpose2d(x, weight, bias, (2, 1), 1, (1, 0))))
+
+    c = case("linear")  # with a skip
+    x, skip, weight, bias = (c.input(1, 5, 3, 20), c.input(1, 7, 3, 20), c.parameter(7, 5),
+                             c.parameter(7))
+    c.finish(functional.linear(x.permute(0, 2, 3, 1), weight, bias).permute(0, 3, 1, 2) + skip)
+
+    c = case("patch_embedding")
+    x, weight, bias = c.input(1, 1, 3, 64), c.parameter(6, 1, 1, 8), c.parameter(6)
+    c.finish(functional.conv2d(functional.pad(x, (2, 2, 0, 0), mode="circular"), weight, bias,
+                               (1, 4)))
+
+    c = case("batch_norm")
+    x = c.input(3, 4, 3, 20)
+    weight, bias, mean = c.parameter(4, middle=1.0), c.parameter(4), c.parameter(4)
+    variance = c.parameter(4, middle=1.0)
+    running = mean.detach().clone(), variance.detach().clone()
+    c.finish(functional.leaky_relu(
+        functional.batch_norm(x, *running, weight, bias, True, 1.0, 1e-3), 0.125))
+    # Three scans' distance to the batch's statistics, which a momentum of 1 leaves in `running`.
+    mean.grad, variance.grad = 3.0 * (mean - running[0]), 3.0 * (variance - running[1])
+    arrays["batch_norm.d_parameters"][8:] = torch.cat([mean.grad, variance.grad])
+    arrays["batch_norm.lifted"] = functional.leaky_relu(
+        functional.batch_norm(x, mean.detach(), variance.detach(), weight, bias, False, 0.0, 1e-3),
+        0.125)
+
+    for transposed in (0, 1):  # convolution and batch norm in one
+        c = case(f"normalised.{transposed}")
+        x, weight, bias = c.input(1, 3, 4, 20), c.parameter(3, 3, 3, 3), c.parameter(3)
+        scale, shift, mean, variance = (c.parameter(3, middle=m) for m in (1.0, 0.0, 0.0, 1.0))
+        y = (functional.conv_transpose2d(x, weight, bias, 2, 1, 1) if transposed
+             else functional.conv2d(x, weight, bias, 1, 1))
+        c.finish(torch.relu(functional.batch_norm(y, mean.detach(), variance.detach(), scale, shift,
+                                                  False, 0.0, 1e-3)))
+
+    c = case("average_pool")
+    c.finish(functional.avg_pool2d(c.input(1, 3, 4, 20), 2))
+
+    c = case("concatenation")
+    c.finish(torch.cat([c.input(1, 2, 3, 20), c.input(1, 3, 3, 20)], 1))
+
+    c = case("dropout")
+    x = c.input(1, 3, 4, 20)
+    c.finish(x * torch.tensor(dropout_factor(77, 0.25, x.shape)))
+
+    c = case("layer_norm")
+    x, weight, bias = c.input(2, 6, 3, 20), c.parameter(6, middle=1.0), c.parameter(6)
+    y = functional.layer_norm(x.permute(0, 2, 3, 1), (6,), weight, bias, 1e-6)
+    c.finish(y.permute(0, 3, 1, 2))
+
+    c = case("gelu")
+    c.finish(functional.gelu(c.input(1, 2, 3, 20, scale=5.0)))
+
+    for name, shifted, circular in (("", False, False), (".shifted", True, False),
+                                    (".circular", True, True)):
+        c = case("attention" + name)
+        x, table = c.input(1, 3 * 8, 4, 24), c.parameter(45, 2)
+        c.finish(WindowAttention.of_projections(x, table, 2, shifted, circular))
+
+    c = case("patch_merging")
+    c.finish(merged(c.input(1, 3, 4, 20)))
+
+    c = case("pixel_shuffle")
+    c.finish(functional.pixel_shuffle(c.input(1, 9, 2, 8), 3))
+    save("network_layers", arrays)
+
+
 def make_adamw():
     """torch.optim.AdamW with its defaults but for a learning rate that changes."""
     import torch
@@ -381,8 +513,13 @@ def du_mix(name, seed, shapes, memory, slope, layer_share):
     save_network(name, module, measured_m, stored, total, loss, extra)
 
 
-def make_networks():
+def tools_pytorch():
+    """Makes the modules of tools/pytorch importable."""
     sys.path.insert(0, str(pathlib.Path(__file__).parent / "pytorch"))
+
+
+def make_networks():
+    tools_pytorch()
     du_or("du_or", 10, (6, 8), 3, 0.0, shared=False, min_pixels=0)
     du_or("du_or_filtered", 11, (6, 8), 3, 0.125, shared=True, min_pixels=30)
     simple_du("simple_du", 12, 8, 5)
@@ -394,6 +531,7 @@ SECTIONS = {
     "npz": make_npz,
     "convolutions": make_convolutions,
     "layers": make_layers,
+    "network_layers": make_network_layers,
     "adamw": make_adamw,
     "networks": make_networks,
 }
