@@ -518,6 +518,80 @@ def tools_pytorch():
     sys.path.insert(0, str(pathlib.Path(__file__).parent / "pytorch"))
 
 
+def passes_of(module, measured_m):
+    """The ranges that Monte Carlo passes agree on, with hqslam's seeds: 64 from one pass to the next."""
+    import torch
+
+    calls = []
+
+    def dropout(x, place):
+        seed = 64 * (len(calls) // 8) + place
+        calls.append(seed)
+        return x * torch.tensor(dropout_factor(seed, 0.25, x.shape))
+
+    module.dropout = dropout
+    with torch.no_grad():
+        range_m = module(measured_m)["range_m"]
+    range_m[(range_m < MIN_RANGE_M) | (range_m > 120.0)] = 0.0
+    empty = (range_m == 0.0).double().mean()
+    assert 0.1 < empty < 0.9, f"a dull mask: {empty}"
+    return {"passes.range_m": range_m}
+
+
+def direct(name, module, seed):
+    """Networks that say all ranges in one go: the state dict as users export it, and what training two
+    scans together gives."""
+    import layers
+    import torch
+
+    generator = numpy.random.RandomState(seed)
+    state = module.state_dict()
+    for key, value in state.items():
+        unit = generator.randint(-64, 65, value.shape) / 64.0
+        if value.dim() > 1:
+            unit *= (6.0 / value[0].numel()) ** 0.5  # so that values neither die nor explode
+        elif "norm" in key and key.endswith((".weight", ".running_var")):
+            unit = 1.0 + unit / 4.0
+        else:
+            unit = 0.25 + unit / 4.0
+        value.copy_(torch.tensor(numpy.round(256.0 * unit) / 256.0))
+    truth_m = torch.tensor(numpy.stack([scene_m(), numpy.roll(0.5 * scene_m(), 9, 1)]))
+    measured_m = truth_m[:, FIRST_ROW::ROW_STRIDE]
+    layers.save_arrays(GOLDEN / f"exported_{name}.npz", module.eval(), measured_m[0])
+    assert module.self_test(measured_m[0]).std() > 1.0, "a dull result"
+    lifted = passes_of(module, measured_m[0]) if hasattr(module, "passes") else {}
+    before = {key: value.clone() for key, value in state.items()}
+    seeds = (5, 7000)
+
+    def dropout(x, place):
+        factors = [dropout_factor(s + place, 0.25, x.shape[1:]) for s in seeds]
+        return x * torch.tensor(numpy.stack(factors))
+
+    module.train().dropout = dropout
+    loss = module.loss(measured_m, truth_m).sum()
+    loss.backward()
+    arrays = {"truth_m": truth_m.reshape(-1, COLUMNS), "seeds": numpy.array(seeds, "<i8"),
+              "loss": loss.reshape(1), **lifted}
+    for key, value in module.named_parameters():
+        arrays["d." + key] = value.grad
+    for key, value in module.named_buffers():
+        # Two scans' distance to the batch's statistics, by what the running ones have moved.
+        arrays["d." + key] = 2.0 * (before[key] - value) / 0.01
+    save(name, arrays)
+
+
+def make_direct_networks():
+    tools_pytorch()
+    from srae import Srae
+    from tulip import Tulip
+
+    network = {key: value for key, value in small_network("", {}).items()
+               if key in ("sensor", "measured_rows", "range_scale_m")}
+    direct("srae", Srae({**network, "filters": 1, "dropout": 0.25, "passes": 4,
+                         "largest_deviation": 0.1875}), 21)
+    direct("tulip", Tulip({**network, "channels": 8, "heads": [2, 2], "circular_attention": False}), 16)
+
+
 def make_networks():
     tools_pytorch()
     du_or("du_or", 10, (6, 8), 3, 0.0, shared=False, min_pixels=0)
@@ -534,6 +608,7 @@ SECTIONS = {
     "network_layers": make_network_layers,
     "adamw": make_adamw,
     "networks": make_networks,
+    "direct_networks": make_direct_networks,
 }
 
 

@@ -23,7 +23,7 @@ constexpr double kTolerance = 1e-5;
 struct Case {
   std::string name;
   ColumnPadding padding = kCircular;
-  std::function<std::unique_ptr<Layer>(const std::vector<Tensor>&, const Engine&)> make;
+  std::function<std::unique_ptr<Layer>(const std::vector<TensorShape>&, const Engine&)> make;
   std::optional<std::uint64_t> seed = std::nullopt;
 };
 
@@ -37,7 +37,7 @@ ConvolutionOptions three_by_three(int channels) {
 }
 
 std::vector<Case> cases() {
-  using Tensors = std::vector<Tensor>;
+  using Tensors = std::vector<TensorShape>;
   std::vector<Case> all;
   all.push_back({"transposed", kZero, [](const Tensors& in, const Engine& engine) {
                    ConvolutionOptions options = three_by_three(5);
@@ -83,6 +83,10 @@ std::vector<Case> cases() {
   all.push_back({"pixel_shuffle", kCircular,
                  [](const Tensors& in, const Engine&) { return make_pixel_shuffle(3, in[0]); }});
   return all;
+}
+
+TensorShape shape_of(const Tensor& tensor) {
+  return {tensor.channels(), tensor.rows(), tensor.columns(), tensor.padding()};
 }
 
 /// An array of scans x channels x rows x columns.
@@ -148,10 +152,10 @@ struct Batch {
 
 Batch golden_batch(const Golden& golden, const Case& c, const Engine& engine) {
   Batch batch;
-  std::vector<Tensor> shapes;
+  std::vector<TensorShape> shapes;
   for (int i = 0; golden.has(fmt::format("{}.input.{}", c.name, i)); ++i) {
     batch.inputs.push_back(scans_of(golden, fmt::format("{}.input.{}", c.name, i), c.padding));
-    shapes.push_back(batch.inputs.back().front());
+    shapes.push_back(shape_of(batch.inputs.back().front()));
   }
   batch.d_inputs = batch.inputs;
   for (std::vector<Tensor>& d_input : batch.d_inputs) {
@@ -164,7 +168,7 @@ Batch golden_batch(const Golden& golden, const Case& c, const Engine& engine) {
     batch.parameters = golden.values(c.name + ".parameters");
     batch.d_parameters.resize(batch.parameters.size());
   }
-  batch.output.assign(batch.d_output.size(), batch.layer->make_output());
+  batch.output.assign(batch.d_output.size(), batch.layer->output_shape().make());
   return batch;
 }
 
@@ -264,7 +268,7 @@ TEST_CASE("a convolution with the batch norm behind it worked into its weights g
     options.transposed = transposed;
     if (transposed) options.stride_rows = options.stride_columns = 2;
     const Case c{transposed ? "normalised.1" : "normalised.0", kZero,
-                 [&](const std::vector<Tensor>& in, const Engine& engine) {
+                 [&](const std::vector<TensorShape>& in, const Engine& engine) {
                    return make_normalised_convolution(options, 1e-3F, in[0], engine);
                  }};
     Batch batch = golden_batch(golden, c, {});
@@ -278,7 +282,7 @@ TEST_CASE("a convolution with the batch norm behind it worked into its weights g
 TEST_CASE("without a seed nothing is dropped, and another seed drops others") {
   Tensor input(4, 8, 32, kCircular);
   fill_random(1, input);
-  const std::unique_ptr<Layer> layer = make_dropout(0.25F, input);
+  const std::unique_ptr<Layer> layer = make_dropout(0.25F, shape_of(input));
   Tensor first = input;
   Tensor second = input;
   layer->forward({.inputs = {&input}, .output = &first});
@@ -293,12 +297,12 @@ TEST_CASE("without a seed nothing is dropped, and another seed drops others") {
 }
 
 TEST_CASE("windows that do not divide the image are refused") {
-  const Tensor input(12, 3, 16, kCircular);
+  const TensorShape input{12, 3, 16, kCircular};
   CHECK_THROWS_AS(make_window_attention({.heads = 2}, input, {}), Error);
 }
 
 TEST_CASE("a tensor that two layers use gets the sum of both gradients") {
-  const Tensor input(1, 2, 16, kCircular);
+  const TensorShape input{1, 2, 16, kCircular};
   LayerGraph graph(input);
   const ConvolutionOptions linear{.channels = 1, .bias = false, .linear = true};
   const int once = graph.add("once", make_convolution(linear, input, {}), {0});

@@ -8,13 +8,13 @@ namespace {
 
 class BatchNorm final : public Layer {
  public:
-  BatchNorm(float epsilon, float negative_slope, const Tensor& input)
+  BatchNorm(float epsilon, float negative_slope, const TensorShape& input)
       : epsilon_(epsilon), negative_slope_(negative_slope), output_(input) {}
 
-  Tensor make_output() const override { return output_; }
+  TensorShape output_shape() const override { return output_; }
 
   std::vector<ParameterShape> parameter_shapes() const override {
-    const std::int64_t channels = output_.channels();
+    const std::int64_t channels = output_.channels;
     return {{"weight", {channels}},
             {"bias", {channels}},
             {"running_mean", {channels}},
@@ -24,13 +24,13 @@ class BatchNorm final : public Layer {
   void add_initial_parameters(UniformStart& /*start*/,
                               std::vector<float>& parameters) const override {
     for (const float value : {1.0F, 0.0F, 0.0F, 1.0F}) {
-      parameters.insert(parameters.end(), output_.channels(), value);
+      parameters.insert(parameters.end(), output_.channels, value);
     }
   }
 
   void set_parameters(std::span<const float> parameters) override {
     for (std::vector<float>* values : {&weight_, &bias_, &running_mean_, &running_variance_}) {
-      const std::span<const float> array = take(parameters, output_.channels());
+      const std::span<const float> array = take(parameters, output_.channels);
       values->assign(array.begin(), array.end());
     }
   }
@@ -49,7 +49,7 @@ class BatchNorm final : public Layer {
   ///   d_x = weight / deviation (g - mean(g) - n mean(g n)),
   /// because mean and deviation depend on every x of the batch.
   void backward(std::span<const LayerPass> batch, std::span<float> d_parameters) override {
-    const int channels = output_.channels();
+    const int channels = output_.channels;
     const std::span<float> d_weight = take(d_parameters, channels);
     const std::span<float> d_bias = take(d_parameters, channels);
     const std::span<float> d_mean = take(d_parameters, channels);
@@ -65,7 +65,7 @@ class BatchNorm final : public Layer {
         const Row row = row_of(pass, channel, y);
         float row_sum = 0.0F;
         float row_normal = 0.0F;
-        for (int x = 0; x < output_.columns(); ++x) {
+        for (int x = 0; x < output_.columns; ++x) {
           const float g = gradient_before(row, x);
           row_sum += g;
           row_normal += g * (row.x[x] - mean);
@@ -84,7 +84,7 @@ class BatchNorm final : public Layer {
       for_each_row(batch, [&](const LayerPass& pass, int y) {
         const Row row = row_of(pass, channel, y);
         float* d_x = pass.d_inputs[0]->row(channel, y);
-        for (int x = 0; x < output_.columns(); ++x) {
+        for (int x = 0; x < output_.columns; ++x) {
           const float normal = (row.x[x] - mean) * inverse;
           d_x[x] += scale * (gradient_before(row, x) - mean_g - normal * mean_normal);
         }
@@ -109,22 +109,22 @@ class BatchNorm final : public Layer {
   template <typename Work>
   void for_each_row(std::span<const LayerPass> batch, const Work& work) const {
     for (const LayerPass& pass : batch) {
-      for (int y = 0; y < output_.rows(); ++y) work(pass, y);
+      for (int y = 0; y < output_.rows; ++y) work(pass, y);
     }
   }
   double pixels_of(std::span<const LayerPass> batch) const {
-    return static_cast<double>(batch.size()) * output_.rows() * output_.columns();
+    return static_cast<double>(batch.size()) * output_.rows * output_.columns;
   }
 
   void find_statistics(std::span<const LayerPass> batch) {
-    mean_.resize(output_.channels());
-    variance_.resize(output_.channels());
-    for (int channel = 0; channel < output_.channels(); ++channel) {
+    mean_.resize(output_.channels);
+    variance_.resize(output_.channels);
+    for (int channel = 0; channel < output_.channels; ++channel) {
       double sum = 0.0;
       for_each_row(batch, [&](const LayerPass& pass, int y) {
         const float* x = pass.inputs[0]->row(channel, y);
         float of_row = 0.0F;
-        for (int i = 0; i < output_.columns(); ++i) of_row += x[i];
+        for (int i = 0; i < output_.columns; ++i) of_row += x[i];
         sum += of_row;
       });
       const auto mean = static_cast<float>(sum / pixels_of(batch));
@@ -132,7 +132,7 @@ class BatchNorm final : public Layer {
       for_each_row(batch, [&](const LayerPass& pass, int y) {
         const float* x = pass.inputs[0]->row(channel, y);
         float of_row = 0.0F;
-        for (int i = 0; i < output_.columns(); ++i) of_row += (x[i] - mean) * (x[i] - mean);
+        for (int i = 0; i < output_.columns; ++i) of_row += (x[i] - mean) * (x[i] - mean);
         squares += of_row;
       });
       mean_[channel] = mean;
@@ -142,12 +142,12 @@ class BatchNorm final : public Layer {
 
   void normalise(const LayerPass& pass, const float* mean, const float* variance) const {
 #pragma omp for schedule(static)
-    for (int channel = 0; channel < output_.channels(); ++channel) {
+    for (int channel = 0; channel < output_.channels; ++channel) {
       const float scale = weight_[channel] / std::sqrt(variance[channel] + epsilon_);
-      for (int y = 0; y < output_.rows(); ++y) {
+      for (int y = 0; y < output_.rows; ++y) {
         const float* x = pass.inputs[0]->row(channel, y);
         float* output = pass.output->row(channel, y);
-        for (int i = 0; i < output_.columns(); ++i) {
+        for (int i = 0; i < output_.columns; ++i) {
           const float v = (x[i] - mean[channel]) * scale + bias_[channel];
           output[i] = std::max(v, negative_slope_ * v);
         }
@@ -158,7 +158,7 @@ class BatchNorm final : public Layer {
 
   float epsilon_;
   float negative_slope_;
-  Tensor output_;
+  TensorShape output_;
   std::vector<float> weight_;
   std::vector<float> bias_;
   std::vector<float> running_mean_;
@@ -169,7 +169,8 @@ class BatchNorm final : public Layer {
 
 }  // namespace
 
-std::unique_ptr<Layer> make_batch_norm(float epsilon, float negative_slope, const Tensor& input) {
+std::unique_ptr<Layer> make_batch_norm(float epsilon, float negative_slope,
+                                       const TensorShape& input) {
   return std::make_unique<BatchNorm>(epsilon, negative_slope, input);
 }
 

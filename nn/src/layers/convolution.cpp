@@ -12,38 +12,35 @@
 namespace hqslam::nn {
 namespace {
 
-ConvolutionShape shape_of(const ConvolutionOptions& o, const Tensor& input) {
-  return {input.channels(), o.channels,     o.kernel_rows,     o.kernel_columns,
-          o.stride_rows,    o.padding_rows, o.padding_columns, o.stride_columns};
+ConvolutionShape shape_of(const ConvolutionOptions& o, const TensorShape& input) {
+  return {input.channels, o.channels,     o.kernel_rows,     o.kernel_columns,
+          o.stride_rows,  o.padding_rows, o.padding_columns, o.stride_columns};
 }
 
-Tensor output_of(const ConvolutionOptions& o, const Tensor& input) {
+TensorShape output_of(const ConvolutionOptions& o, const TensorShape& input) {
   if (o.transposed) {
-    return {o.channels, input.rows() * o.stride_rows, input.columns() * o.stride_columns,
-            input.padding()};
+    return {o.channels, input.rows * o.stride_rows, input.columns * o.stride_columns,
+            input.padding};
   }
   const int columns =
-      input.padding() == ColumnPadding::kCircular
-          ? input.columns() / o.stride_columns
-          : convolved_size(input.columns(), o.kernel_columns, o.stride_columns, o.padding_columns);
-  return {o.channels, convolved_size(input.rows(), o.kernel_rows, o.stride_rows, o.padding_rows),
-          columns, input.padding()};
+      input.padding == ColumnPadding::kCircular
+          ? input.columns / o.stride_columns
+          : convolved_size(input.columns, o.kernel_columns, o.stride_columns, o.padding_columns);
+  return {o.channels, convolved_size(input.rows, o.kernel_rows, o.stride_rows, o.padding_rows),
+          columns, input.padding};
 }
 
 class Convolution final : public Layer {
  public:
-  Convolution(const ConvolutionOptions& options, const Tensor& input, const Engine& engine)
+  Convolution(const ConvolutionOptions& options, const TensorShape& input, const Engine& engine)
       : options_(options),
         shape_(shape_of(options, input)),
         output_(output_of(options, input)),
-        computed_pixels_((options.transposed ? input : output_).rows() *
-                         (options.transposed ? input : output_).columns()),
-        layer_(options.transposed ? Either(ConvTranspose2d(shape_, input, output_,
-                                                           engine.instruction_set, engine.threads))
-                                  : Either(Conv2d(shape_, input, output_, engine.instruction_set,
-                                                  engine.threads))) {}
+        computed_pixels_((options.transposed ? input.rows : output_.rows) *
+                         (options.transposed ? input.columns : output_.columns)),
+        layer_(made_layer(input, engine)) {}
 
-  Tensor make_output() const override { return output_; }
+  TensorShape output_shape() const override { return output_; }
   std::int64_t multiply_adds() const override { return shape_.weights() * computed_pixels_; }
 
   std::vector<ParameterShape> parameter_shapes() const override {
@@ -101,9 +98,18 @@ class Convolution final : public Layer {
  private:
   using Either = std::variant<Conv2d, ConvTranspose2d>;
 
+  Either made_layer(const TensorShape& input, const Engine& engine) const {
+    const Tensor from = input.make();
+    const Tensor to = output_.make();
+    if (options_.transposed) {
+      return ConvTranspose2d(shape_, from, to, engine.instruction_set, engine.threads);
+    }
+    return Conv2d(shape_, from, to, engine.instruction_set, engine.threads);
+  }
+
   ConvolutionOptions options_;
   ConvolutionShape shape_;
-  Tensor output_;
+  TensorShape output_;
   std::int64_t computed_pixels_;  ///< of the side with fewer
   Either layer_;
   Tensor d_sum_;
@@ -113,16 +119,16 @@ class Convolution final : public Layer {
 /// Lifting alone: it has no gradients.
 class NormalisedConvolution final : public Layer {
  public:
-  NormalisedConvolution(const ConvolutionOptions& options, float epsilon, const Tensor& input,
+  NormalisedConvolution(const ConvolutionOptions& options, float epsilon, const TensorShape& input,
                         const Engine& engine)
       : channels_(options.channels),
         // conv_transpose2d's weights have the input channels first.
-        outer_(options.transposed ? input.channels() : 1),
+        outer_(options.transposed ? input.channels : 1),
         epsilon_(epsilon),
         convolution_(make_convolution(options, input, engine)),
-        norm_(make_batch_norm(epsilon, options.negative_slope, convolution_->make_output())) {}
+        norm_(make_batch_norm(epsilon, options.negative_slope, convolution_->output_shape())) {}
 
-  Tensor make_output() const override { return convolution_->make_output(); }
+  TensorShape output_shape() const override { return convolution_->output_shape(); }
   std::int64_t multiply_adds() const override { return convolution_->multiply_adds(); }
   void forward(const LayerPass& pass) override { convolution_->forward(pass); }
   void backward(std::span<const LayerPass> /*batch*/, std::span<float> /*d*/) override {}
@@ -172,13 +178,13 @@ class NormalisedConvolution final : public Layer {
 
 }  // namespace
 
-std::unique_ptr<Layer> make_convolution(const ConvolutionOptions& options, const Tensor& input,
+std::unique_ptr<Layer> make_convolution(const ConvolutionOptions& options, const TensorShape& input,
                                         const Engine& engine) {
   return std::make_unique<Convolution>(options, input, engine);
 }
 
 std::unique_ptr<Layer> make_normalised_convolution(const ConvolutionOptions& options, float epsilon,
-                                                   const Tensor& input, const Engine& engine) {
+                                                   const TensorShape& input, const Engine& engine) {
   return std::make_unique<NormalisedConvolution>(options, epsilon, input, engine);
 }
 

@@ -17,6 +17,17 @@ struct Engine {
   int threads = 1;
 };
 
+struct TensorShape {
+  int channels = 1;
+  int rows = 1;
+  int columns = 1;
+  ColumnPadding padding = ColumnPadding::kCircular;
+
+  /// All zero.
+  Tensor make() const { return {channels, rows, columns, padding}; }
+  std::int64_t values() const { return static_cast<std::int64_t>(channels) * rows * columns; }
+};
+
 /// One scan on its way through one layer. Tensors have their borders filled.
 struct LayerPass {
   std::vector<const Tensor*> inputs = {};
@@ -33,8 +44,8 @@ class Layer {
  public:
   virtual ~Layer() = default;
 
-  /// A tensor of the result's shape, all zero.
-  virtual Tensor make_output() const = 0;
+  /// Of the result.
+  virtual TensorShape output_shape() const = 0;
   /// In PyTorch's names and layouts.
   virtual std::vector<ParameterShape> parameter_shapes() const { return {}; }
   /// Appends starting values for training.

@@ -4,7 +4,7 @@ namespace hqslam::nn {
 
 int LayerGraph::add(const std::string& name, std::unique_ptr<Layer> layer,
                     std::vector<int> inputs) {
-  shapes_.push_back(layer->make_output());
+  shapes_.push_back(layer->output_shape());
   const std::int64_t parameters = elements(layer->parameter_shapes());
   std::uint64_t random_before = 0;
   for (const Node& node : nodes_) random_before += node.layer->is_random() ? 1 : 0;
@@ -39,6 +39,12 @@ std::int64_t LayerGraph::multiply_adds() const {
 void LayerGraph::set_parameters(std::span<const float> parameters) {
   check_parameters(parameters, parameter_shapes());
   for (const Node& node : nodes_) node.layer->set_parameters(take(parameters, node.parameters));
+}
+
+std::vector<Tensor> LayerGraph::make_values() const {
+  std::vector<Tensor> values;
+  for (const TensorShape& shape : shapes_) values.push_back(shape.make());
+  return values;
 }
 
 LayerPass LayerGraph::pass_of(int layer, std::vector<Tensor>& values,

@@ -13,12 +13,12 @@ namespace hqslam::nn {
 /// output.
 class LayerGraph {
  public:
-  explicit LayerGraph(const Tensor& input) : shapes_{input} {}
+  explicit LayerGraph(const TensorShape& input) : shapes_{input} {}
 
   /// Returns the number of the layer's result. `name` stands before those of its arrays.
   int add(const std::string& name, std::unique_ptr<Layer> layer, std::vector<int> inputs);
-  /// A tensor of that shape.
-  const Tensor& shape(int tensor) const { return shapes_[tensor]; }
+  const TensorShape& shape(int tensor) const { return shapes_[tensor]; }
+  const TensorShape& output_shape() const { return shapes_.back(); }
 
   std::vector<ParameterShape> parameter_shapes() const;
   std::vector<float> initial_parameters(std::uint64_t seed) const;
@@ -26,7 +26,8 @@ class LayerGraph {
   /// All arrays of parameter_shapes(), one after the other. Throws Error for another number.
   void set_parameters(std::span<const float> parameters);
 
-  std::vector<Tensor> make_values() const { return shapes_; }
+  /// All zero.
+  std::vector<Tensor> make_values() const;
   /// Fills the values from the layer number `first` on. Called by all threads of a parallel region,
   /// they share the work. seed: of all that is random; nothing: nothing is.
   void forward(std::vector<Tensor>& values, std::optional<std::uint64_t> seed = std::nullopt,
@@ -57,7 +58,7 @@ class LayerGraph {
                     std::optional<std::uint64_t> seed) const;
   std::vector<LayerPass> passes_of(int layer, std::span<Scan> batch) const;
 
-  std::vector<Tensor> shapes_;
+  std::vector<TensorShape> shapes_;
   std::vector<Node> nodes_;  ///< node i makes tensor i + 1
 };
 

@@ -27,7 +27,7 @@ struct ConvolutionOptions {
   /// Standard deviation of the weights' uniform start; biases start at 0.
   float start_deviation = 0.02F;
 };
-std::unique_ptr<Layer> make_convolution(const ConvolutionOptions& options, const Tensor& input,
+std::unique_ptr<Layer> make_convolution(const ConvolutionOptions& options, const TensorShape& input,
                                         const Engine& engine);
 
 /// Batch normalisation (Ioffe & Szegedy, 2015) and what is done with its result:
@@ -36,27 +36,28 @@ std::unique_ptr<Layer> make_convolution(const ConvolutionOptions& options, const
 /// arrays running_mean and running_var otherwise. The gradient of these two is their distance to
 /// the batch's, so that a step of 0.01 down it is the running mean of Keras (momentum 0.99).
 /// Arrays: weight, bias, running_mean, running_var.
-std::unique_ptr<Layer> make_batch_norm(float epsilon, float negative_slope, const Tensor& input);
+std::unique_ptr<Layer> make_batch_norm(float epsilon, float negative_slope,
+                                       const TensorShape& input);
 /// For lifting: a convolution with the batch norm behind it worked into its weights. Arrays:
 /// convolution.*, norm.*.
 std::unique_ptr<Layer> make_normalised_convolution(const ConvolutionOptions& options, float epsilon,
-                                                   const Tensor& input, const Engine& engine);
+                                                   const TensorShape& input, const Engine& engine);
 
 /// The mean of each 2 x 2 pixels.
-std::unique_ptr<Layer> make_average_pool(const Tensor& input);
+std::unique_ptr<Layer> make_average_pool(const TensorShape& input);
 
 /// The channels of the first input, then those of the second.
-std::unique_ptr<Layer> make_concatenation(const Tensor& first, const Tensor& second);
+std::unique_ptr<Layer> make_concatenation(const TensorShape& first, const TensorShape& second);
 
 /// With a seed: each value is dropped with a probability of `share`, or else divided by 1 - share.
-std::unique_ptr<Layer> make_dropout(float share, const Tensor& input);
+std::unique_ptr<Layer> make_dropout(float share, const TensorShape& input);
 
 /// Layer normalisation (Ba et al., 2016): every pixel's channels to mean 0 and variance 1, then
 /// times weight plus bias. Arrays: weight, bias.
-std::unique_ptr<Layer> make_layer_norm(float epsilon, const Tensor& input);
+std::unique_ptr<Layer> make_layer_norm(float epsilon, const TensorShape& input);
 
 /// x P(X < x) for a standard normal X (Hendrycks & Gimpel, 2016).
-std::unique_ptr<Layer> make_gelu(const Tensor& input, const Engine& engine);
+std::unique_ptr<Layer> make_gelu(const TensorShape& input, const Engine& engine);
 
 /// Attention within windows of 16 pixels, after Liu et al., "Swin Transformer", 2021. Channels of
 /// the input: queries q, keys k, values v, each split into `heads` parts of depth d. For every head
@@ -72,13 +73,13 @@ struct WindowAttentionOptions {
   bool circular = false;  ///< the last column is a neighbour of the first, and they see each other
 };
 std::unique_ptr<Layer> make_window_attention(const WindowAttentionOptions& options,
-                                             const Tensor& input, const Engine& engine);
+                                             const TensorShape& input, const Engine& engine);
 
 /// Pixels of 2 x 2 patches side by side in the channels: (0, 0), (1, 0), (0, 1), (1, 1).
-std::unique_ptr<Layer> make_patch_merging(const Tensor& input);
+std::unique_ptr<Layer> make_patch_merging(const TensorShape& input);
 
 /// Channel (c factor + i) factor + j of a pixel becomes row i, column j of channel c of a patch of
 /// factor x factor pixels (Shi et al., 2016).
-std::unique_ptr<Layer> make_pixel_shuffle(int factor, const Tensor& input);
+std::unique_ptr<Layer> make_pixel_shuffle(int factor, const TensorShape& input);
 
 }  // namespace hqslam::nn

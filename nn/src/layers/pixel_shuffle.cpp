@@ -9,20 +9,20 @@ class PatchesAndChannels final : public Layer {
  public:
   /// Merging: pixels -> channels; otherwise channels -> pixels.
   enum class Direction { kMerge, kShuffle };
-  PatchesAndChannels(Direction direction, int factor, const Tensor& input)
+  PatchesAndChannels(Direction direction, int factor, const TensorShape& input)
       : direction_(direction),
         factor_(factor),
         output_(direction == Direction::kMerge
-                    ? Tensor(input.channels() * factor * factor, input.rows() / factor,
-                             input.columns() / factor, input.padding())
-                    : Tensor(input.channels() / (factor * factor), input.rows() * factor,
-                             input.columns() * factor, input.padding())) {}
+                    ? TensorShape{input.channels * factor * factor, input.rows / factor,
+                                  input.columns / factor, input.padding}
+                    : TensorShape{input.channels / (factor * factor), input.rows * factor,
+                                  input.columns * factor, input.padding}) {}
 
-  Tensor make_output() const override { return output_; }
+  TensorShape output_shape() const override { return output_; }
 
   void forward(const LayerPass& pass) override {
     const bool merge = direction_ == Direction::kMerge;
-    const Tensor& pixels = merge ? *pass.inputs[0] : output_;
+    const Tensor& pixels = merge ? *pass.inputs[0] : *pass.output;
 #pragma omp for schedule(static)
     for (int y = 0; y < pixels.rows(); ++y) {
       for (int channel = 0; channel < pixels.channels(); ++channel) {
@@ -31,7 +31,7 @@ class PatchesAndChannels final : public Layer {
           if (merge) {
             const float* from = pass.inputs[0]->row(channel, y) + j;
             float* to = pass.output->row(other, y / factor_);
-            for (int x = 0; x < output_.columns(); ++x) to[x] = from[x * factor_];
+            for (int x = 0; x < output_.columns; ++x) to[x] = from[x * factor_];
             pass.output->fill_border(other, y / factor_);
           } else {
             const float* from = pass.inputs[0]->row(other, y / factor_);
@@ -73,16 +73,16 @@ class PatchesAndChannels final : public Layer {
 
   Direction direction_;
   int factor_;
-  Tensor output_;
+  TensorShape output_;
 };
 
 }  // namespace
 
-std::unique_ptr<Layer> make_patch_merging(const Tensor& input) {
+std::unique_ptr<Layer> make_patch_merging(const TensorShape& input) {
   return std::make_unique<PatchesAndChannels>(PatchesAndChannels::Direction::kMerge, 2, input);
 }
 
-std::unique_ptr<Layer> make_pixel_shuffle(int factor, const Tensor& input) {
+std::unique_ptr<Layer> make_pixel_shuffle(int factor, const TensorShape& input) {
   return std::make_unique<PatchesAndChannels>(PatchesAndChannels::Direction::kShuffle, factor,
                                               input);
 }

@@ -21,33 +21,34 @@ using HeadOfWindow = std::array<float, kGreatestDepth * kPixels>;
 
 class WindowAttention final : public Layer {
  public:
-  WindowAttention(const WindowAttentionOptions& options, const Tensor& input, const Engine& engine)
+  WindowAttention(const WindowAttentionOptions& options, const TensorShape& input,
+                  const Engine& engine)
       : options_(options),
-        output_(input.channels() / 3, input.rows(), input.columns(), input.padding()),
-        depth_(output_.channels() / options.heads),
+        output_{input.channels / 3, input.rows, input.columns, input.padding},
+        depth_(output_.channels / options.heads),
         shift_rows_(options.shifted ? options.window_rows / 2 : 0),
         shift_columns_(options.shifted ? options.window_columns / 2 : 0),
-        window_rows_(input.rows() / options.window_rows),
-        window_columns_(input.columns() / options.window_columns),
+        window_rows_(input.rows / options.window_rows),
+        window_columns_(input.columns / options.window_columns),
         kernels_(&kernels::row_kernels(engine.instruction_set)) {
     if (options.window_rows * options.window_columns != kPixels ||
-        depth_ * options.heads * 3 != input.channels() || depth_ % 4 != 0 ||
-        depth_ > kGreatestDepth || window_rows_ * options.window_rows != input.rows() ||
-        window_columns_ * options.window_columns != input.columns()) {
+        depth_ * options.heads * 3 != input.channels || depth_ % 4 != 0 ||
+        depth_ > kGreatestDepth || window_rows_ * options.window_rows != input.rows ||
+        window_columns_ * options.window_columns != input.columns) {
       throw Error(fmt::format(
           "attention: windows of {} x {} and {} heads for {} channels, {} rows, {} columns, "
           "expected "
           "windows of {} pixels that divide rows and columns, and heads of 4, 8, ... {} channels",
-          options.window_rows, options.window_columns, options.heads, output_.channels(),
-          input.rows(), input.columns(), kPixels, kGreatestDepth));
+          options.window_rows, options.window_columns, options.heads, output_.channels, input.rows,
+          input.columns, kPixels, kGreatestDepth));
     }
   }
 
-  Tensor make_output() const override { return output_; }
+  TensorShape output_shape() const override { return output_; }
 
   /// Scores, and sums of values.
   std::int64_t multiply_adds() const override {
-    return 2LL * kPixels * output_.channels() * output_.rows() * output_.columns();
+    return 2LL * kPixels * output_.channels * output_.rows * output_.columns;
   }
 
   std::vector<ParameterShape> parameter_shapes() const override {
@@ -112,8 +113,8 @@ class WindowAttention final : public Layer {
                                      d_values.data(), d_bias.data()});
           for (float& d : d_queries) d *= scale;
           scatter(d_queries, place, 0, *pass.d_inputs[0], add);
-          scatter(d_keys, place, output_.channels(), *pass.d_inputs[0], add);
-          scatter(d_values, place, 2 * output_.channels(), *pass.d_inputs[0], add);
+          scatter(d_keys, place, output_.channels, *pass.d_inputs[0], add);
+          scatter(d_values, place, 2 * output_.channels, *pass.d_inputs[0], add);
         }
       }
       for (int key = 0; key < kPixels; ++key) {
@@ -162,7 +163,7 @@ class WindowAttention final : public Layer {
            ((kind & 2) != 0 && !options_.circular && beyond_column(a) != beyond_column(b));
   }
   int image_row(int window_row, int r) const {
-    return (window_row * options_.window_rows + r + shift_rows_) % output_.rows();
+    return (window_row * options_.window_rows + r + shift_rows_) % output_.rows;
   }
 
   /// work(number in the window, row, column of the image) of each pixel.
@@ -172,7 +173,7 @@ class WindowAttention final : public Layer {
       const int y = image_row(at.row, r);
       int x = at.column * options_.window_columns + shift_columns_;
       for (int c = 0; c < options_.window_columns; ++c, ++x) {
-        if (x == output_.columns()) x = 0;
+        if (x == output_.columns) x = 0;
         work(r * options_.window_columns + c, y, x);
       }
     }
@@ -204,8 +205,8 @@ class WindowAttention final : public Layer {
   kernels::AttentionWindow attend(const Place& at, const LayerPass& pass, HeadWindow& work) const {
     const Tensor& input = *pass.inputs[0];
     gather(input, at, 0, query_scale(), work.queries);
-    gather(input, at, output_.channels(), 1.0F, work.keys);
-    gather(input, at, 2 * output_.channels(), 1.0F, work.values);
+    gather(input, at, output_.channels, 1.0F, work.keys);
+    gather(input, at, 2 * output_.channels, 1.0F, work.values);
     const int kind =
         (at.row + 1 == window_rows_ ? 1 : 0) + (at.column + 1 == window_columns_ ? 2 : 0);
     const kernels::AttentionWindow window{.depth = depth_,
@@ -220,7 +221,7 @@ class WindowAttention final : public Layer {
   }
 
   WindowAttentionOptions options_;
-  Tensor output_;
+  TensorShape output_;
   int depth_;
   int shift_rows_;
   int shift_columns_;
@@ -233,7 +234,7 @@ class WindowAttention final : public Layer {
 }  // namespace
 
 std::unique_ptr<Layer> make_window_attention(const WindowAttentionOptions& options,
-                                             const Tensor& input, const Engine& engine) {
+                                             const TensorShape& input, const Engine& engine) {
   return std::make_unique<WindowAttention>(options, input, engine);
 }
 

@@ -9,6 +9,7 @@
 #include "hqslam/nn/hqs/trace.h"
 #include "hqslam/nn/instruction_set.h"
 #include "hqslam/nn/lifted_image.h"
+#include "hqslam/nn/training/augmentation.h"
 
 namespace hqslam::nn {
 
@@ -36,6 +37,10 @@ class Network {
   /// Throws Error for another shape.
   virtual const LiftedImage& lift(const RangeImage& measured, float tolerance_m) = 0;
 
+  /// What it says of every pixel before anything is emptied or put back, metres: the self-test of a
+  /// weights file.
+  virtual RangeImage estimate(const RangeImage& measured) { return lift(measured, 0.5F).image; }
+
   /// What every layer makes of a scan; `rejected` of the whole is left empty. Throws Error for
   /// another shape.
   virtual Trace trace(const RangeImage& measured) = 0;
@@ -45,6 +50,14 @@ class Network {
   virtual double add_gradient(const RangeImage& measured, const RangeImage& truth,
                               const LossOptions& options, std::uint64_t seed,
                               std::span<float> d_parameters) = 0;
+
+  /// Whether the scans of a batch see each other (batch norm): add_gradients then gets all of them
+  /// in one call.
+  virtual bool joins_batch() const { return false; }
+  /// The sum over the scans of a batch, a seed each.
+  virtual double add_gradients(std::span<const TrainingSample> batch, const LossOptions& options,
+                               std::span<const std::uint64_t> seeds,
+                               std::span<float> d_parameters);
 };
 
 /// `columns` may be fewer than the sensor's: cut-outs for training. Throws Error if the description
