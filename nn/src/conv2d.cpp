@@ -1,4 +1,4 @@
-#include "hqslam/nn/conv2d.h"
+#include "conv2d.h"
 
 #include <fmt/format.h>
 

@@ -5,9 +5,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "hqs/denoiser_layers.h"
+#include "activation.h"
+#include "convolution_step.h"
 #include "hqslam/core/error.h"
-#include "hqslam/nn/activation.h"
+#include "parameters.h"
 
 namespace hqslam::nn {
 namespace {
@@ -112,17 +113,33 @@ void ConvolutionGraph::set_parameters(std::span<const float> parameters) {
   }
 }
 
+LayerEnd ConvolutionGraph::end_of(std::size_t i, const std::vector<Tensor>& values) const {
+  const ConvolutionStep& step = steps_[i];
+  const Tensor* skip = step.skip ? &values[*step.skip] : nullptr;
+  return {step.negative_slope, step.row_bias ? &row_biases_[i] : skip};
+}
+
 void ConvolutionGraph::forward(std::vector<Tensor>& values, int left_out) {
   for (std::size_t i = 0; i + left_out < steps_.size(); ++i) {
     const ConvolutionStep& step = steps_[i];
-    const Tensor* skip = step.skip ? &values[*step.skip] : nullptr;
-    if (step.row_bias) skip = &row_biases_[i];
+    const LayerEnd end = end_of(i, values);
+    std::visit([&](auto& layer) { layer.forward(values[step.from], end, values[step.to]); },
+               layers_[i]);
+  }
+}
+
+std::vector<NetworkStep> ConvolutionGraph::steps(std::vector<Tensor>& values) {
+  std::vector<NetworkStep> steps;
+  for (std::size_t i = 0; i < steps_.size(); ++i) {
+    const ConvolutionStep& step = steps_[i];
     std::visit(
         [&](auto& layer) {
-          layer.forward(values[step.from], {step.negative_slope, skip}, values[step.to]);
+          steps.push_back(convolution_step(step.name, layer, values[step.from], end_of(i, values),
+                                           values[step.to]));
         },
         layers_[i]);
   }
+  return steps;
 }
 
 void ConvolutionGraph::last_step_row(const std::vector<Tensor>& values, int row, float* output,

@@ -7,12 +7,13 @@
 #include <variant>
 #include <vector>
 
-#include "hqslam/nn/conv2d.h"
-#include "hqslam/nn/conv_transpose2d.h"
-#include "hqslam/nn/convolution_shape.h"
-#include "hqslam/nn/hqs/denoiser.h"
+#include "conv2d.h"
+#include "conv_transpose2d.h"
+#include "convolution_shape.h"
+#include "hqslam/nn/hqs/network.h"
 #include "hqslam/nn/instruction_set.h"
-#include "hqslam/nn/tensor.h"
+#include "hqslam/nn/parameter_shape.h"
+#include "tensor.h"
 
 namespace hqslam::nn {
 
@@ -56,6 +57,8 @@ class ConvolutionGraph {
   /// values[0] -> the other values, but for the last `left_out` steps. Called by all threads of a
   /// parallel region, they share the work.
   void forward(std::vector<Tensor>& values, int left_out = 0);
+  /// The steps of `forward`, for measurements; `values` must outlive them.
+  std::vector<NetworkStep> steps(std::vector<Tensor>& values);
   /// One row of the last step's result, by the calling thread alone (Conv2d::forward_row).
   void last_step_row(const std::vector<Tensor>& values, int row, float* output,
                      std::int64_t channel_stride) const;
@@ -68,6 +71,7 @@ class ConvolutionGraph {
   using Layer = std::variant<Conv2d, ConvTranspose2d>;
 
   const ConvolutionShape& shape(std::size_t step) const;
+  LayerEnd end_of(std::size_t step, const std::vector<Tensor>& values) const;
   /// The tensor whose gradient tensor `index` gets as a skip.
   std::optional<int> used_as_skip_for(int index) const;
   /// Of the activation that made tensor `index`; nothing if none did.

@@ -1,4 +1,4 @@
-#include "hqslam/nn/convolution_shape.h"
+#include "convolution_shape.h"
 
 #include <fmt/format.h>
 

@@ -2,8 +2,8 @@
 
 #include <cstdint>
 
-#include "hqslam/nn/convolution_shape.h"
-#include "hqslam/nn/tensor.h"
+#include "convolution_shape.h"
+#include "tensor.h"
 
 // How the reference convolutions count; the fast ones have their own way, on purpose.
 namespace hqslam::nn {

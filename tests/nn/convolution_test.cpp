@@ -3,9 +3,9 @@
 
 #include <vector>
 
+#include "conv2d.h"
+#include "conv_transpose2d.h"
 #include "hqslam/core/error.h"
-#include "hqslam/nn/conv2d.h"
-#include "hqslam/nn/conv_transpose2d.h"
 #include "random_values.h"
 
 namespace hqslam::nn {

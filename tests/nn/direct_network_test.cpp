@@ -2,45 +2,35 @@
 
 #include <doctest/doctest.h>
 
-#include "direct/srae_graph.h"
-#include "direct/tulip_graph.h"
+#include "direct/srae.h"
+#include "direct/tulip.h"
 #include "golden.h"
 #include "hqslam/core/error.h"
+#include "parameters.h"
 #include "small_network.h"
 
 namespace hqslam::nn {
 namespace {
 
-constexpr TensorShape kMeasured{1, 4, 64, ColumnPadding::kZero};
-constexpr TensorShape kMeasuredRound{1, 4, 64, ColumnPadding::kCircular};
-
-/// As tools/make_golden.py has them.
-DirectPlan small_srae() {
-  const SraeShape shape{.filters = 1, .passes = 4, .largest_deviation = 0.1875F};
-  return {
-      .graph_for_lifting =
-          [=](const Engine& engine) {
-            return srae_graph(shape, kMeasured, 4, Purpose::kLifting, engine);
-          },
-      .graph_for_training = [=] { return srae_graph(shape, kMeasured, 4, Purpose::kTraining, {}); },
-      .passes = shape.passes,
-      .largest_deviation = shape.largest_deviation,
-      .joins_batch = true};
-}
-
-DirectPlan small_tulip() {
-  const TulipShape shape{.channels = 8, .heads = {2, 2}};
-  return {.graph_for_lifting =
-              [=](const Engine& engine) { return tulip_graph(shape, kMeasuredRound, engine); },
-          .graph_for_training = [=] { return tulip_graph(shape, kMeasuredRound, {}); },
-          .logarithmic = true};
-}
-
 struct Case {
   std::string name;
-  DirectPlan plan;
+  NetworkDescription description;
 };
-std::vector<Case> cases() { return {{"srae", small_srae()}, {"tulip", small_tulip()}}; }
+
+/// As tools/make_golden.py has them.
+NetworkDescription described(std::shared_ptr<const Architecture> architecture) {
+  NetworkDescription description = small_du_or();
+  description.architecture = std::move(architecture);
+  return description;
+}
+Case small_srae() {
+  const SraeShape shape{.filters = 1, .passes = 4, .largest_deviation = 0.1875F};
+  return {"srae", described(std::make_shared<Srae>(shape))};
+}
+Case small_tulip() {
+  return {"tulip", described(std::make_shared<Tulip>(TulipShape{.channels = 8, .heads = {2, 2}}))};
+}
+std::vector<Case> cases() { return {small_srae(), small_tulip()}; }
 
 /// The arrays that a PyTorch module's state dict has, in our order.
 std::vector<float> exported(const std::string& name, const std::vector<ParameterShape>& shapes,
@@ -55,11 +45,10 @@ std::vector<float> exported(const std::string& name, const std::vector<Parameter
   return parameters;
 }
 
-DirectNetwork network_of(const Case& c, int threads = 1,
-                         InstructionSet instruction_set = chosen_instruction_set()) {
-  DirectNetwork network(c.plan, small_du_or(), instruction_set, threads);
-  network.set_parameters(
-      exported("exported_" + c.name, c.plan.graph_for_training().parameter_shapes()));
+std::unique_ptr<Network> network_of(const Case& c, int threads = 1,
+                                    InstructionSet instruction_set = chosen_instruction_set()) {
+  auto network = make_network(c.description, 64, instruction_set, threads);
+  network->set_parameters(exported("exported_" + c.name, parameter_shapes(c.description)));
   return network;
 }
 
@@ -84,8 +73,8 @@ TEST_CASE("SRAE and TULIP say what their PyTorch modules say, with every instruc
     for (const InstructionSet instruction_set : available_instruction_sets()) {
       CAPTURE(c.name);
       CAPTURE(name(instruction_set));
-      DirectNetwork network = network_of(c, 1, instruction_set);
-      const RangeImage estimate = network.estimate(golden.image("self_test.measured"));
+      const auto network = network_of(c, 1, instruction_set);
+      const RangeImage estimate = network->estimate(golden.image("self_test.measured"));
       CHECK(relative_error(std::span<const float>(estimate.range_m),
                            golden.values("self_test.expected")) < 1e-4);
     }
@@ -96,11 +85,11 @@ TEST_CASE("loss and gradients of a batch equal PyTorch's, dropout and batch norm
   for (const Case& c : cases()) {
     CAPTURE(c.name);
     const Golden golden(c.name);
-    const std::vector<ParameterShape> shapes = c.plan.graph_for_training().parameter_shapes();
-    DirectNetwork network = network_of(c);
+    const std::vector<ParameterShape> shapes = parameter_shapes(c.description);
+    const auto network = network_of(c);
     std::vector<float> d_parameters(elements(shapes));
-    const double loss = network.add_gradients(batch_of(golden), {},
-                                              std::vector<std::uint64_t>{5, 7000}, d_parameters);
+    const double loss = network->add_gradients(batch_of(golden), {},
+                                               std::vector<std::uint64_t>{5, 7000}, d_parameters);
     CHECK(loss == doctest::Approx(golden.value("loss")).epsilon(1e-5));
     std::span<float> rest = d_parameters;
     for (const ParameterShape& shape : shapes) {
@@ -116,21 +105,21 @@ TEST_CASE("loss and gradients of a batch equal PyTorch's, dropout and batch norm
 
 TEST_CASE("SRAE's result is the mean of passes with dropout, empty where they do not agree") {
   const Golden golden("srae");
-  DirectNetwork network = network_of({"srae", small_srae()});
+  const auto network = network_of(small_srae());
   const RangeImage expected = golden.image("passes.range_m");
   const RangeImage measured = select_rows(expected, {3, 4});
-  const RangeImage lifted = network.lift(measured, 0.5F).image;
+  const RangeImage lifted = network->lift(measured, 0.5F).image;
   CHECK(relative_error(std::span<const float>(lifted.range_m), expected.range_m) < 1e-4);
-  const Trace trace = network.trace(measured);
+  const Trace trace = network->trace(measured);
   CHECK(trace.layers.at(0).y.range_m == lifted.range_m);
 }
 
 TEST_CASE("one and two threads lift to the same bits") {
   const RangeImage measured = select_rows(small_scene(), {3, 4});
   for (const Case& c : cases()) {
-    DirectNetwork one = network_of(c, 1);
-    DirectNetwork two = network_of(c, 2);
-    CHECK(one.lift(measured, 0.5F).image.range_m == two.lift(measured, 0.5F).image.range_m);
+    const auto one = network_of(c, 1);
+    const auto two = network_of(c, 2);
+    CHECK(one->lift(measured, 0.5F).image.range_m == two->lift(measured, 0.5F).image.range_m);
   }
 }
 
@@ -146,8 +135,8 @@ TEST_CASE("the published sizes have the published numbers of parameters and mult
 }
 
 TEST_CASE("an image of another size is refused") {
-  DirectNetwork network = network_of({"tulip", small_tulip()});
-  CHECK_THROWS_AS(network.lift(RangeImage(4, 32), 0.5F), Error);
+  const auto network = network_of(small_tulip());
+  CHECK_THROWS_AS(network->lift(RangeImage(4, 32), 0.5F), Error);
 }
 
 }  // namespace hqslam::nn

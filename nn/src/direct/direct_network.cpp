@@ -15,17 +15,22 @@ constexpr std::uint64_t kSeedsOfPass = 64;
 
 }  // namespace
 
-DirectNetwork::DirectNetwork(DirectPlan plan, const NetworkDescription& description,
-                             InstructionSet instruction_set, int threads)
-    : plan_(std::move(plan)),
+DirectNetwork::DirectNetwork(LayerGraph graph, DirectPlan plan,
+                             const NetworkDescription& description, int threads)
+    : graph_(std::move(graph)),
+      plan_(std::move(plan)),
       description_(description),
       threads_(threads),
-      graph_(plan_.graph_for_lifting({instruction_set, threads})),
       values_(graph_.make_values()) {
   const TensorShape& output = graph_.output_shape();
   sum_.resize(static_cast<std::size_t>(output.values()));
   squares_.resize(sum_.size());
   lifted_.image = RangeImage(output.rows, output.columns);
+}
+
+std::int64_t DirectNetwork::multiply_adds() const {
+  return graph_.multiply_adds() +
+         (plan_.passes - 1) * graph_.multiply_adds(graph_.first_random_layer());
 }
 
 void DirectNetwork::set_parameters(std::span<const float> parameters) {
@@ -148,7 +153,17 @@ Trace DirectNetwork::trace(const RangeImage& measured) {
     z.range_m[pixel] = to_metres(mean(pixel));
     rejected[pixel] = agreed(pixel) ? 0 : 1;
   }
-  return {h, {{h, z, lifted, rejected, {}, 0.0F, {}}}, {}};
+  LayerTrace layer;
+  layer.h = h;
+  layer.z = z;
+  layer.y = lifted;
+  layer.rejected = rejected;
+  return {h, {layer}, {}};
+}
+
+std::vector<NetworkStep> DirectNetwork::steps(const RangeImage& measured) {
+  lift(measured, 0.5F);
+  return graph_.steps(values_, plan_.passes);
 }
 
 double DirectNetwork::add_gradient(const RangeImage& measured, const RangeImage& truth,

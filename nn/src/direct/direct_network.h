@@ -9,11 +9,9 @@
 
 namespace hqslam::nn {
 
-/// What a network is made of that goes from the measured rows to all rows in one go.
+/// How a network is used that goes from the measured rows to all rows in one go.
 struct DirectPlan {
-  /// One channel of measured rows in, one channel of all rows out.
-  std::function<LayerGraph(const Engine&)> graph_for_lifting;
-  std::function<LayerGraph()> graph_for_training;  ///< the same arrays
+  std::function<LayerGraph()> graph_for_training;  ///< with the arrays of the one for lifting
   /// Images are ln(1 + range / range_scale_m), otherwise range / range_scale_m.
   bool logarithmic = false;
   int passes = 1;                  ///< with dropout, from 2 on
@@ -26,14 +24,16 @@ struct DirectPlan {
 /// errors over all pixels, no return counting as 0.
 class DirectNetwork final : public Network {
  public:
-  DirectNetwork(DirectPlan plan, const NetworkDescription& description,
-                InstructionSet instruction_set, int threads);
+  /// graph: for lifting; one channel of measured rows in, one of all rows out.
+  DirectNetwork(LayerGraph graph, DirectPlan plan, const NetworkDescription& description,
+                int threads);
 
-  std::int64_t multiply_adds() const override { return graph_.multiply_adds(); }
+  std::int64_t multiply_adds() const override;  ///< of all passes
   void set_parameters(std::span<const float> parameters) override;
   const LiftedImage& lift(const RangeImage& measured, float tolerance_m) override;
   RangeImage estimate(const RangeImage& measured) override;
   Trace trace(const RangeImage& measured) override;
+  std::vector<NetworkStep> steps(const RangeImage& measured) override;
   bool joins_batch() const override { return plan_.joins_batch; }
   double add_gradient(const RangeImage& measured, const RangeImage& truth,
                       const LossOptions& options, std::uint64_t seed,
@@ -61,10 +61,10 @@ class DirectNetwork final : public Network {
   bool agreed(std::size_t pixel) const;
   void restore(const RangeImage& measured, RangeImage& image) const;
 
+  LayerGraph graph_;
   DirectPlan plan_;
   NetworkDescription description_;
   int threads_;
-  LayerGraph graph_;
   std::vector<Tensor> values_;
   std::vector<float> parameters_;
   std::vector<double> sum_;      ///< over the passes, of every pixel

@@ -38,12 +38,14 @@ struct Builder {
   int block(const std::string& name, int heads, bool shifted, int x) {
     const int c = channels(x);
     const int qkv = linear(name + ".attn.qkv", 3 * c, {norm(name + ".norm1", x)});
-    const int attended =
-        graph.add(name + ".attn",
-                  make_window_attention(
-                      {.heads = heads, .shifted = shifted, .circular = shape.circular_attention},
-                      graph.shape(qkv), engine),
-                  {qkv});
+    const int attended = graph.add(name + ".attn",
+                                   make_window_attention({.heads = heads,
+                                                          .window_rows = kTulipWindowRows,
+                                                          .window_columns = kTulipWindowColumns,
+                                                          .shifted = shifted,
+                                                          .circular = shape.circular_attention},
+                                                         graph.shape(qkv), engine),
+                                   {qkv});
     x = linear(name + ".attn.proj", c, {attended, x});
     const int hidden = linear(name + ".mlp.fc1", 4 * c, {norm(name + ".norm2", x)});
     const int activated = graph.add("gelu", make_gelu(graph.shape(hidden), engine), {hidden});

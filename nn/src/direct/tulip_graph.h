@@ -31,6 +31,8 @@ struct TulipShape {
 };
 /// Rows of the result and columns of a token for each measured row and token.
 inline constexpr int kTulipUpscaling = 4;
+inline constexpr int kTulipWindowRows = 2;
+inline constexpr int kTulipWindowColumns = 8;
 
 /// input: the measured rows.
 LayerGraph tulip_graph(const TulipShape& shape, const TensorShape& input, const Engine& engine);

@@ -1,12 +1,13 @@
+#include "plain_denoiser.h"
+
 #include <fmt/format.h>
 
 #include <cmath>
 
+#include "../convolution_step.h"
 #include "../layers/dropout.h"
-#include "denoiser_layers.h"
+#include "../parameters.h"
 #include "hqslam/core/error.h"
-#include "hqslam/nn/conv2d.h"
-#include "hqslam/nn/hqs/denoiser.h"
 
 namespace hqslam::nn {
 namespace {
@@ -28,6 +29,7 @@ class PlainDenoiser final : public Denoiser {
                std::optional<std::uint64_t> dropout_seed) override;
   void backward(const Candidates& candidates, const DenoiserState& state, DenoiserState& gradient,
                 std::span<float> d_parameters) override;
+  std::vector<NetworkStep> steps(const Candidates& candidates, DenoiserState& state) override;
 
  private:
   void drop_out(std::uint64_t seed, Tensor& values) const;
@@ -45,7 +47,6 @@ class PlainDenoiser final : public Denoiser {
 PlainDenoiser::PlainDenoiser(const PlainDenoiserShape& shape, int rows, int columns,
                              InstructionSet instruction_set, int threads)
     : shape_(shape), rows_(rows), columns_(columns) {
-  validate(shape);
   const DenoiserState state = make_state(true);
   for (int i = 0; i < shape.convolutions; ++i) {
     const Tensor& from = state.values[i];
@@ -124,6 +125,17 @@ void PlainDenoiser::forward(const Candidates& /*candidates*/, DenoiserState& sta
   dropped_out_ = dropout_seed.has_value();
 }
 
+std::vector<NetworkStep> PlainDenoiser::steps(const Candidates& /*candidates*/,
+                                              DenoiserState& state) {
+  std::vector<NetworkStep> steps;
+  for (int i = 0; i < shape_.convolutions; ++i) {
+    const bool last = i + 1 == shape_.convolutions;
+    steps.push_back(convolution_step(fmt::format("convolution.{}", i), layers_[i], state.values[i],
+                                     {last ? 1.0F : 0.0F}, last ? state.z : state.values[i + 1]));
+  }
+  return steps;
+}
+
 void PlainDenoiser::backward_activation(const Tensor& values, bool dropped,
                                         Tensor& d_values) const {
   const float scale = dropped ? 1.0F / (1.0F - shape_.dropout) : 1.0F;
@@ -153,8 +165,6 @@ void PlainDenoiser::backward(const Candidates& /*candidates*/, const DenoiserSta
   }
 }
 
-}  // namespace
-
 void validate(const PlainDenoiserShape& shape) {
   constexpr int kMostFeatures = 512;
   constexpr int kMostConvolutions = 20;
@@ -165,10 +175,26 @@ void validate(const PlainDenoiserShape& shape) {
   }
 }
 
-std::unique_ptr<Denoiser> make_plain_denoiser(const PlainDenoiserShape& shape, int rows,
-                                              int columns, InstructionSet instruction_set,
-                                              int threads) {
-  return std::make_unique<PlainDenoiser>(shape, rows, columns, instruction_set, threads);
+}  // namespace
+
+DenoiserDescription plain_denoiser(const PlainDenoiserShape& shape) {
+  validate(shape);
+  return {"plain",
+          {{"features", shape.features},
+           {"convolutions", shape.convolutions},
+           {"dropout", shape.dropout}},
+          {1, 1},
+          [shape](int rows, int columns, InstructionSet instruction_set, int threads) {
+            return std::make_unique<PlainDenoiser>(shape, rows, columns, instruction_set, threads);
+          }};
+}
+
+DenoiserDescription read_plain_denoiser(JsonFields& sizes) {
+  PlainDenoiserShape shape;
+  sizes.optional("features", shape.features);
+  sizes.optional("convolutions", shape.convolutions);
+  sizes.optional("dropout", shape.dropout);
+  return plain_denoiser(shape);
 }
 
 }  // namespace hqslam::nn

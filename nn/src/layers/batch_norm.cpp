@@ -17,8 +17,8 @@ class BatchNorm final : public Layer {
     const std::int64_t channels = output_.channels;
     return {{"weight", {channels}},
             {"bias", {channels}},
-            {"running_mean", {channels}},
-            {"running_var", {channels}}};
+            {"running_mean", {channels}, true},
+            {"running_var", {channels}, true}};
   }
 
   void add_initial_parameters(UniformStart& /*start*/,

@@ -3,9 +3,9 @@
 #include <utility>
 #include <variant>
 
-#include "hqslam/nn/activation.h"
-#include "hqslam/nn/conv2d.h"
-#include "hqslam/nn/conv_transpose2d.h"
+#include "../activation.h"
+#include "../conv2d.h"
+#include "../conv_transpose2d.h"
 #include "layers.h"
 #include "tensor_sums.h"
 

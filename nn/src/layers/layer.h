@@ -5,9 +5,9 @@
 #include <span>
 #include <vector>
 
-#include "../hqs/denoiser_layers.h"
+#include "../parameters.h"
+#include "../tensor.h"
 #include "hqslam/nn/instruction_set.h"
-#include "hqslam/nn/tensor.h"
 
 namespace hqslam::nn {
 

@@ -30,9 +30,9 @@ std::vector<float> LayerGraph::initial_parameters(std::uint64_t seed) const {
   return parameters;
 }
 
-std::int64_t LayerGraph::multiply_adds() const {
+std::int64_t LayerGraph::multiply_adds(int first) const {
   std::int64_t sum = 0;
-  for (const Node& node : nodes_) sum += node.layer->multiply_adds();
+  for (std::size_t i = first; i < nodes_.size(); ++i) sum += nodes_[i].layer->multiply_adds();
   return sum;
 }
 
@@ -69,6 +69,24 @@ int LayerGraph::first_random_layer() const {
     ++layer;
   }
   return layer;
+}
+
+std::vector<NetworkStep> LayerGraph::steps(std::vector<Tensor>& values, int passes) {
+  std::vector<NetworkStep> steps;
+  const int random = first_random_layer();
+  for (int layer = 0; layer < static_cast<int>(nodes_.size()); ++layer) {
+    const std::optional<std::uint64_t> seed =
+        passes > 1 ? std::optional<std::uint64_t>(0) : std::nullopt;
+    NetworkStep step;
+    step.name = nodes_[layer].name;
+    step.calls = layer < random ? 1 : passes;
+    step.multiply_adds = nodes_[layer].layer->multiply_adds();
+    step.run = [this, layer, &values, seed] {
+      nodes_[layer].layer->forward(pass_of(layer, values, seed));
+    };
+    steps.push_back(std::move(step));
+  }
+  return steps;
 }
 
 std::vector<LayerPass> LayerGraph::passes_of(int layer, std::span<Scan> batch) const {

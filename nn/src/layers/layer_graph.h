@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "hqslam/nn/hqs/network.h"
 #include "layer.h"
 
 namespace hqslam::nn {
@@ -22,7 +23,8 @@ class LayerGraph {
 
   std::vector<ParameterShape> parameter_shapes() const;
   std::vector<float> initial_parameters(std::uint64_t seed) const;
-  std::int64_t multiply_adds() const;
+  /// From layer `first` on.
+  std::int64_t multiply_adds(int first = 0) const;
   /// All arrays of parameter_shapes(), one after the other. Throws Error for another number.
   void set_parameters(std::span<const float> parameters);
 
@@ -34,6 +36,10 @@ class LayerGraph {
                int first = 0);
   /// The first layer whose result depends on the seed; as many as there are layers: none does.
   int first_random_layer() const;
+
+  /// The layers, for measurements, those that depend on a seed and all behind them called `passes`
+  /// times; graph and values must outlive them.
+  std::vector<NetworkStep> steps(std::vector<Tensor>& values, int passes);
 
   /// One scan of a batch that is trained on.
   struct Scan {

@@ -1,8 +1,11 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
+#include <string>
+#include <vector>
 
 #include "hqslam/core/range_image.h"
 #include "hqslam/nn/hqs/network_description.h"
@@ -17,6 +20,18 @@ namespace hqslam::nn {
 struct LossOptions {
   /// Share of each layer before the last: with 0 only the last one has to say what is there.
   float layer_share = 0.1F;
+};
+
+/// A part of a network that can be run by itself, to be measured.
+struct NetworkStep {
+  std::string name;                ///< "encoder.0"
+  int calls = 1;                   ///< for one scan
+  std::int64_t multiply_adds = 0;  ///< of one call
+  /// On what the last scan left, as often as one likes.
+  std::function<void()> run;
+  bool by_team = true;  ///< called by all threads of a parallel region, which share the work
+  /// The same, written as its formula, by one thread; empty if there is no such thing.
+  std::function<void()> reference = {};
 };
 
 /// A network with its weights packed for one image size, and memory for one scan at a time: what
@@ -58,6 +73,10 @@ class Network {
   virtual double add_gradients(std::span<const TrainingSample> batch, const LossOptions& options,
                                std::span<const std::uint64_t> seeds,
                                std::span<float> d_parameters);
+
+  /// Lifts a scan and says of what parts that took so much time, in their order; `measured` and the
+  /// network must outlive them. Empty: nobody has measured them yet.
+  virtual std::vector<NetworkStep> steps(const RangeImage& /*measured*/) { return {}; }
 };
 
 /// `columns` may be fewer than the sensor's: cut-outs for training. Throws Error if the description

@@ -14,10 +14,15 @@ namespace {
 
 NetworkDescription with_options(NetworkDescription description,
                                 const SuperResolverOptions& options) {
-  if (options.filter) description.filter = description.last_filter = *options.filter;
   if (options.least_confidence) description.least_confidence = *options.least_confidence;
   validate(description);
   return description;
+}
+
+std::optional<OutlierRemoval> filter_of(const NetworkDescription& d) {
+  const std::optional<OutlierRemovalOptions> options = last_filter(d);
+  if (!options) return std::nullopt;
+  return OutlierRemoval(d.sensor, d.measured_rows, *options, d.sensor.columns);
 }
 
 int threads_of(const SuperResolverOptions& options) {
@@ -39,11 +44,9 @@ struct SuperResolver::Implementation {
       : description(with_options(weights.description, options)),
         threads(threads_of(options)),
         tolerance_m(checked_tolerance_m(options.tolerance_m)),
-        filters_result(options.filter_result && description.last_filter.min_pixels > 0),
         network(make_network(description, description.sensor.columns,
                              options.instruction_set.value_or(chosen_instruction_set()), threads)),
-        filter(description.sensor, description.measured_rows, description.last_filter,
-               description.sensor.columns),
+        filter(options.filter_result ? filter_of(description) : std::nullopt),
         rejected(static_cast<std::size_t>(description.sensor.rows()) * description.sensor.columns),
         parameters(static_cast<std::int64_t>(weights.parameters.size())) {
     network->set_parameters(weights.parameters);  // checks how many there are
@@ -56,10 +59,9 @@ struct SuperResolver::Implementation {
   NetworkDescription description;
   int threads;
   float tolerance_m;
-  bool filters_result;
   std::unique_ptr<Network> network;
-  OutlierRemoval filter;
-  std::vector<std::uint8_t> rejected;  ///< by the filter at the end
+  std::optional<OutlierRemoval> filter;  ///< at the end
+  std::vector<std::uint8_t> rejected;    ///< by the filter at the end
   std::int64_t parameters;
 };
 
@@ -92,8 +94,8 @@ void SuperResolver::Implementation::empty_doubtful(LiftedImage& lifted) const {
 }
 
 void SuperResolver::Implementation::empty_rejected(LiftedImage& lifted) {
-  if (!filters_result) return;
-  filter.find(lifted.image.range_m.data(), rejected.data(), threads);
+  if (!filter) return;
+  filter->find(lifted.image.range_m.data(), rejected.data(), threads);
   for (std::size_t i = 0; i < rejected.size(); ++i) {
     if (rejected[i] == 0) continue;
     lifted.image.range_m[i] = 0.0F;

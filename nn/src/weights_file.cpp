@@ -6,18 +6,17 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "../json_fields.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/excerpt.h"
 #include "hqslam/core/npz.h"
 #include "hqslam/nn/hqs/network.h"
 #include "hqslam/nn/hqs/network_json.h"
-#include "hqslam/nn/hqs/unrolled_network.h"
+#include "json_fields.h"
 
 namespace hqslam::nn {
 namespace {
 
-constexpr std::int64_t kLargestBytes = 64LL << 20;
+constexpr std::int64_t kLargestBytes = 256LL << 20;
 constexpr const char* kFormat = "hqslam-weights-1";
 constexpr const char* kDescription = "description";
 constexpr const char* kMeasured = "self_test.measured";
@@ -99,42 +98,25 @@ void check_nothing_left(const std::string& path, const NetworkDescription& descr
                         const NpzArrays& arrays) {
   if (arrays.empty()) return;
   throw Error(fmt::format("{}: unknown array '{}' for a network of kind {}", path,
-                          excerpt(arrays.begin()->first), name(description.kind)));
+                          excerpt(arrays.begin()->first), name(description)));
 }
 
-/// What the network makes of measured rows: Z of the last layer, metres; of DU-Mix, the image
-/// before doubtful pixels are emptied.
-RangeImage last_z(const NetworkDescription& description, const std::vector<float>& parameters,
-                  const RangeImage& measured) {
-  if (description.kind == NetworkKind::kDuMix) {
-    constexpr float kAnyTolerance_m = 0.5F;
-    const auto network =
-        make_network(description, description.sensor.columns, chosen_instruction_set(), 1);
-    network->set_parameters(parameters);
-    return network->lift(measured, kAnyTolerance_m).image;
-  }
-  UnrolledNetwork network(description, description.sensor.columns, chosen_instruction_set(), 1);
-  network.set_parameters(parameters);
-  UnrolledState state = network.make_state(UnrolledNetwork::Kept::kLastTwo);
-  network.start(measured, state);
-  network.forward(state);
-  RangeImage z(network.rows(), network.columns());
-  from_tiles(network.result(state), tile_of(description), z.range_m.data());
-  for (float& range : z.range_m) range *= description.range_scale_m;
-  return z;
+RangeImage estimate(const NetworkDescription& description, const std::vector<float>& parameters,
+                    const RangeImage& measured) {
+  const auto network =
+      make_network(description, description.sensor.columns, chosen_instruction_set(), 1);
+  network->set_parameters(parameters);
+  return network->estimate(measured);
 }
 
 /// Throws Error unless there are as many parameters as the network has.
 void check_parameter_count(const std::string& path, const Weights& weights) {
-  std::int64_t expected = 0;
-  for (const ParameterShape& shape : parameter_shapes(weights.description)) {
-    expected += shape.elements();
-  }
+  const std::int64_t expected = elements(parameter_shapes(weights.description));
   if (static_cast<std::int64_t>(weights.parameters.size()) != expected) {
     throw Error(
         fmt::format("{}: expected {} parameters for a network of kind {}, found {}; write "
                     "the weights with the description that they were trained with",
-                    path, expected, name(weights.description.kind), weights.parameters.size()));
+                    path, expected, name(weights.description), weights.parameters.size()));
   }
 }
 
@@ -142,7 +124,7 @@ void check_parameter_count(const std::string& path, const Weights& weights) {
 
 SelfTest make_self_test(const NetworkDescription& description, const std::vector<float>& parameters,
                         const RangeImage& measured) {
-  return {measured, last_z(description, parameters, measured)};
+  return {measured, estimate(description, parameters, measured)};
 }
 
 Weights read_weights(const std::string& path) {
@@ -201,7 +183,7 @@ void write_weights(const std::string& path, const Weights& weights) {
 
 void check_self_test(const Weights& weights, const std::string& path) {
   const NetworkDescription& d = weights.description;
-  const RangeImage z = last_z(d, weights.parameters, weights.self_test.measured);
+  const RangeImage z = estimate(d, weights.parameters, weights.self_test.measured);
   // The filter inside decides at thresholds: a rounding error may tip a single component, so a few
   // pixels may differ; the rest must agree.
   const float tolerance_m = 1e-3F * d.range_scale_m;

@@ -6,9 +6,10 @@
 #include <span>
 #include <vector>
 
+#include "data_consistency.h"
+#include "denoiser.h"
+#include "hqs_options.h"
 #include "hqslam/core/range_image.h"
-#include "hqslam/nn/hqs/data_consistency.h"
-#include "hqslam/nn/hqs/denoiser.h"
 #include "hqslam/nn/hqs/network_description.h"
 #include "hqslam/nn/hqs/outlier_removal.h"
 
@@ -37,16 +38,19 @@ struct UnrolledState {
 
 /// The unrolled loop (eq. 10): for each layer
 ///   H = data consistency(L, Z, Y);  Z = G(H);  Y = H, or Z where the filter rejects H.
-/// Simple DU has one auxiliary and no filter inside: Y = Z.
+/// With Z as the only auxiliary there is no filter inside: Y = Z.
 ///
 /// Holds packed weights and scratch for one image size and one thread team.
 class UnrolledNetwork {
  public:
-  /// `columns` may be fewer than the sensor's: cut-outs for training. Throws Error.
+  /// Of a description whose architecture is UnrolledHqs. `columns` may be fewer than the sensor's:
+  /// cut-outs for training. Throws Error.
   UnrolledNetwork(const NetworkDescription& description, int columns,
                   InstructionSet instruction_set, int threads);
 
   const NetworkDescription& description() const { return description_; }
+  const HqsOptions& options() const { return options_; }
+  TileSize tile() const { return denoisers_.front()->tile(); }
   int rows() const { return rows_; }
   int columns() const { return columns_; }
   std::int64_t multiply_adds() const;
@@ -61,7 +65,7 @@ class UnrolledNetwork {
   enum class Kept { kAllLayers, kLastTwo };
   UnrolledState make_state(Kept kept = Kept::kAllLayers) const;
   /// Puts a scan's measured rows into the state and makes the start Z0 = Y0: interpolated over rows
-  /// (DU-OR) or zero (Simple DU). measured: as many rows as measured_rows says, metres. Throws
+  /// or zero, as the options say. measured: as many rows as measured_rows says, metres. Throws
   /// Error for another shape.
   void start(const RangeImage& measured, UnrolledState& state) const;
   /// All layers; result(state) is then the last layer's Z. The last layer's Y, which nothing
@@ -69,11 +73,14 @@ class UnrolledNetwork {
   void forward(UnrolledState& state, std::optional<std::uint64_t> dropout_seed = std::nullopt);
 
   const Tensor& result(const UnrolledState& state) const {
-    return state.layer(description_.layers - 1).denoiser.z;
+    return state.layer(options_.layers - 1).denoiser.z;
   }
 
-  /// The last layer's mask and Y, which Simple DU does not have.
+  /// The last layer's mask and Y, which nobody has without Y.
   void finish_last_layer(UnrolledState& state);
+
+  /// The parts of `forward`, for measurements, on what it left in the state.
+  std::vector<NetworkStep> steps(UnrolledState& state);
 
   /// d_z: d loss / d Z of the last d_z.size() layers, tiles; the loss does not look at the others.
   /// Adds to d_parameters. The filter's masks are constants. One thread. Throws Error unless the
@@ -82,11 +89,11 @@ class UnrolledNetwork {
                 std::span<float> d_parameters);
 
  private:
-  Denoiser& denoiser(int layer) { return *denoisers_[description_.shared_weights ? 0 : layer]; }
+  Denoiser& denoiser(int layer) { return *denoisers_[options_.shared_weights ? 0 : layer]; }
   DataConsistency data_consistency(int layer) const;
-  /// DU-OR's, but for the last one, whose Y nothing needs.
+  /// Of the last layer nothing needs Y.
   bool has_filter_after(int layer) const {
-    return description_.kind == NetworkKind::kDuOr && layer + 1 < description_.layers;
+    return options_.auxiliaries == Auxiliaries::kZAndY && layer + 1 < options_.layers;
   }
   /// The image that the filter of a layer looks at, into state.raster.
   void fill_raster(UnrolledState& state, int layer) const;
@@ -101,6 +108,7 @@ class UnrolledNetwork {
   void add_penalty_gradient(int layer, double d_penalty, std::span<float> d_parameters) const;
 
   NetworkDescription description_;
+  HqsOptions options_;
   int rows_;
   int columns_;
   int threads_;
@@ -108,7 +116,7 @@ class UnrolledNetwork {
   std::int64_t denoiser_parameters_ = 0;  ///< of one denoiser
   OutlierRemoval filter_;
   std::vector<float> penalty_;  ///< b of each layer
-  float alpha_ = 1.0F;          ///< Simple DU's
+  float alpha_ = 1.0F;          ///< Penalty::kAlpha's
   /// Scratch of backward, made when first needed.
   struct BackwardScratch;
   std::shared_ptr<BackwardScratch> backward_;

@@ -1,25 +1,23 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
-#include "hqslam/nn/hqs/selection.h"
-#include "hqslam/nn/hqs/tiles.h"
+#include "../json_fields.h"
+#include "../tensor.h"
+#include "hqslam/nn/hqs/network.h"
 #include "hqslam/nn/instruction_set.h"
-#include "hqslam/nn/tensor.h"
+#include "hqslam/nn/parameter_shape.h"
+#include "selection.h"
+#include "tiles.h"
 
 namespace hqslam::nn {
-
-/// One array of learned parameters, in PyTorch's layout.
-struct ParameterShape {
-  std::string name;  ///< "encoder.0.weight"
-  std::vector<std::int64_t> shape;
-  std::int64_t elements() const;
-};
 
 /// What one pass through a denoiser computes. The gradients of the same values have the same shape.
 struct DenoiserState {
@@ -66,39 +64,39 @@ class Denoiser {
   /// d_parameters is added to. One thread.
   virtual void backward(const Candidates& candidates, const DenoiserState& state,
                         DenoiserState& gradient, std::span<float> d_parameters) = 0;
+
+  /// The parts of `forward`, for measurements (Network::steps).
+  virtual std::vector<NetworkStep> steps(const Candidates& /*candidates*/,
+                                         DenoiserState& /*state*/) {
+    return {};
+  }
 };
 
-/// DU-OR's denoiser: strided convolutions down, transposed convolutions up, on tiles of pixels.
-///   encoder.0     3x3, tile.pixels() + memory -> channels[0]
-///   encoder.i     3x3, stride 2, channels[i - 1] -> channels[i]
-///   bottleneck    3x3, the last channels -> as many
-///   decoder.i     2x2 transposed, stride 2, channels[i + 1] -> channels[i], plus encoder.i
-///   head          1x1, channels[0] -> 5 tile.pixels() scores and corrections, memory
-/// with leaky ReLU after all but the head, whose result goes to `select`. The paper gives no sizes.
-struct UShapedDenoiserShape {
-  TileSize tile{4, 4};
-  std::vector<int> channels{24, 32};
-  int memory = 16;
-  float negative_slope = 0.0F;
+/// A kind of denoiser with its sizes.
+struct DenoiserDescription {
+  std::string kind;              ///< as in the registry
+  nlohmann::ordered_json sizes;  ///< the fields that the kind's `read` takes
+  TileSize multiple;             ///< images have a multiple of so many rows and columns
+  /// For such images of rows x columns.
+  std::function<std::unique_ptr<Denoiser>(int rows, int columns, InstructionSet, int threads)> make;
 };
-/// Throws Error with field, value and constraint.
-void validate(const UShapedDenoiserShape& shape);
-/// rows x columns: the image's. Throws Error if they cannot be halved often enough.
-std::unique_ptr<Denoiser> make_u_shaped_denoiser(const UShapedDenoiserShape& shape, int rows,
-                                                 int columns, InstructionSet instruction_set,
-                                                 int threads);
 
-/// Simple DU's denoiser: `convolutions` 3x3 convolutions of `features` channels on the whole image,
-/// no bias, zeros beyond the edge, ReLU and dropout (training only) after all but the last.
-struct PlainDenoiserShape {
-  int features = 64;
-  int convolutions = 5;
-  float dropout = 0.05F;
+/// Throws Error unless rows and columns are such multiples.
+void check_image(const DenoiserDescription& description, int rows, int columns);
+/// The same.
+std::unique_ptr<Denoiser> make_denoiser(const DenoiserDescription& description, int rows,
+                                        int columns, InstructionSet instruction_set, int threads);
+/// For images as small as can be, to ask about parameters.
+std::unique_ptr<Denoiser> smallest_denoiser(const DenoiserDescription& description);
+
+struct NamedDenoiser {
+  const char* kind;
+  /// Takes the sizes out of the fields of "denoiser". Throws Error.
+  DenoiserDescription (*read)(JsonFields& sizes);
 };
-/// Throws Error with field, value and constraint.
-void validate(const PlainDenoiserShape& shape);
-std::unique_ptr<Denoiser> make_plain_denoiser(const PlainDenoiserShape& shape, int rows,
-                                              int columns, InstructionSet instruction_set,
-                                              int threads);
+/// All there are: those of denoisers.cpp, and what was added.
+const std::vector<NamedDenoiser>& denoisers();
+/// For a program with a denoiser of its own; before it reads any network.
+void add_denoiser(const NamedDenoiser& denoiser);
 
 }  // namespace hqslam::nn

@@ -3,10 +3,10 @@
 #include <memory>
 #include <span>
 
-#include "hqslam/nn/conv2d.h"
-#include "hqslam/nn/convolution_shape.h"
+#include "conv2d.h"
+#include "convolution_shape.h"
 #include "hqslam/nn/instruction_set.h"
-#include "hqslam/nn/tensor.h"
+#include "tensor.h"
 
 namespace hqslam::nn {
 

@@ -2,9 +2,9 @@
 
 #include <cstdint>
 
-#include "hqslam/nn/hqs/tiles.h"
+#include "../tensor.h"
 #include "hqslam/nn/instruction_set.h"
-#include "hqslam/nn/tensor.h"
+#include "tiles.h"
 
 namespace hqslam::nn {
 

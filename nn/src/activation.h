@@ -1,6 +1,6 @@
 #pragma once
 
-#include "hqslam/nn/tensor.h"
+#include "tensor.h"
 
 namespace hqslam::nn {
 

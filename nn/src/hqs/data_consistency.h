@@ -1,8 +1,8 @@
 #pragma once
 
+#include "../tensor.h"
 #include "hqslam/core/sensor_model.h"
-#include "hqslam/nn/hqs/tiles.h"
-#include "hqslam/nn/tensor.h"
+#include "tiles.h"
 
 namespace hqslam::nn {
 

@@ -1,9 +1,9 @@
 #pragma once
 
+#include "../tensor.h"
 #include "hqslam/core/range_image.h"
 #include "hqslam/nn/hqs/network_description.h"
-#include "hqslam/nn/hqs/tiles.h"
-#include "hqslam/nn/tensor.h"
+#include "tiles.h"
 
 namespace hqslam::nn {
 

@@ -2,9 +2,9 @@
 
 #include <optional>
 
+#include "../hqs/tiles.h"
+#include "../tensor.h"
 #include "hqslam/core/sensor_model.h"
-#include "hqslam/nn/hqs/tiles.h"
-#include "hqslam/nn/tensor.h"
 
 namespace hqslam::nn {
 

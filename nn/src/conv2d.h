@@ -4,9 +4,9 @@
 #include <memory>
 #include <span>
 
-#include "hqslam/nn/convolution_shape.h"
+#include "convolution_shape.h"
 #include "hqslam/nn/instruction_set.h"
-#include "hqslam/nn/tensor.h"
+#include "tensor.h"
 
 namespace hqslam::nn {
 

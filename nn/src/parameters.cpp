@@ -1,4 +1,4 @@
-#include "denoiser_layers.h"
+#include "parameters.h"
 
 #include <fmt/format.h>
 
@@ -14,7 +14,20 @@ std::int64_t ParameterShape::elements() const {
 
 void check_field(const char* field, int value, int least, int most) {
   if (value < least || value > most) {
-    throw Error(fmt::format("denoiser: {} is {}, expected {} to {}", field, value, least, most));
+    throw Error(fmt::format("network: {} is {}, expected {} to {}", field, value, least, most));
+  }
+}
+
+void check_slope(float negative_slope) {
+  if (!(negative_slope >= 0.0F && negative_slope <= 1.0F)) {
+    throw Error(fmt::format("network: negative_slope is {}, expected 0 to 1", negative_slope));
+  }
+}
+
+void add_layer(int layer, const std::vector<ParameterShape>& of_layer,
+               std::vector<ParameterShape>& shapes) {
+  for (const ParameterShape& shape : of_layer) {
+    shapes.push_back({fmt::format("layers.{}.{}", layer, shape.name), shape.shape});
   }
 }
 
@@ -34,7 +47,7 @@ void check_parameters(std::span<const float> parameters,
                       const std::vector<ParameterShape>& shapes) {
   if (static_cast<std::int64_t>(parameters.size()) != elements(shapes)) {
     throw Error(
-        fmt::format("denoiser: {} parameters, expected {}", parameters.size(), elements(shapes)));
+        fmt::format("network: {} parameters, expected {}", parameters.size(), elements(shapes)));
   }
 }
 
