@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include "../error_message.h"
 #include "direct/srae.h"
 #include "direct/tulip.h"
 #include "golden.h"
@@ -132,6 +133,38 @@ TEST_CASE("the published sizes have the published numbers of parameters and mult
                                        {1, 16, 1024, ColumnPadding::kCircular}, {});
   CHECK(elements(tulip.parameter_shapes()) == 27'149'076);
   CHECK(static_cast<double>(tulip.multiply_adds()) == doctest::Approx(7.73e9).epsilon(0.02));
+}
+
+TEST_CASE("what every pass does alike is done once, and the steps are all that is multiplied") {
+  for (const Case& c : cases()) {
+    const auto network = network_of(c);
+    std::int64_t multiply_adds = 0;
+    int most_calls = 0;
+    for (const NetworkStep& step : network->steps(select_rows(small_scene(), {3, 4}))) {
+      multiply_adds += step.calls * step.multiply_adds;
+      most_calls = std::max(most_calls, step.calls);
+      if (step.name.starts_with("encoder.0")) CHECK(step.calls == 1);
+      step.run();
+    }
+    CHECK(multiply_adds == network->multiply_adds());
+    CHECK(most_calls == (c.name == "srae" ? 4 : 1));
+  }
+}
+
+TEST_CASE("rows and sizes that do not fit are refused with what would") {
+  NetworkDescription srae = small_srae().description;
+  srae.measured_rows = {2, 3};
+  CHECK(test::one_line_with(test::error_message([&] { validate(srae); }), "2 + n 3", "16"));
+  NetworkDescription tulip = small_tulip().description;
+  tulip.measured_rows = {1, 2};
+  CHECK(test::one_line_with(test::error_message([&] { validate(tulip); }), "1 + n 2", "16"));
+  CHECK(test::one_line_with(test::error_message([] {
+                              Tulip({.channels = 16, .heads = {3, 4}});
+                            }),
+                            "3 heads", "16 channels"));
+  CHECK(test::one_line_with(test::error_message([] { Srae({.dropout = 1.0F}); }), "dropout", "1"));
+  tulip = small_tulip().description;
+  CHECK_THROWS_AS(make_network(tulip, 32, chosen_instruction_set(), 1), Error);  // half a window
 }
 
 TEST_CASE("an image of another size is refused") {
