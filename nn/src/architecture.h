@@ -54,6 +54,9 @@ struct NamedArchitecture {
 /// All there are.
 std::span<const NamedArchitecture> architectures();
 
+/// Throws Error unless its images can have so many columns.
+void check_columns(const NetworkDescription& description, int columns);
+
 /// Throws Error if tensors with so many values in all, which training and a trace ask for, are
 /// more than any network should take.
 void check_memory(std::int64_t values, const NetworkDescription& description);

@@ -31,14 +31,6 @@ void validate_rows(const NetworkDescription& d) {
   }
 }
 
-void check_columns(const NetworkDescription& d, int columns) {
-  const int multiple = d.architecture->column_multiple();
-  if (columns < 1 || columns > d.sensor.columns || columns % multiple != 0) {
-    throw Error(fmt::format("network: images of {} columns, expected 1 to {} and a multiple of {}",
-                            columns, d.sensor.columns, multiple));
-  }
-}
-
 }  // namespace
 
 std::string_view name(const NetworkDescription& d) { return architecture_of(d).name(); }
@@ -76,19 +68,20 @@ void check_memory(std::int64_t values, const NetworkDescription& d) {
   }
 }
 
+void check_columns(const NetworkDescription& d, int columns) {
+  const int multiple = d.architecture->column_multiple();
+  if (columns < 1 || columns > d.sensor.columns || columns % multiple != 0) {
+    throw Error(fmt::format("network: images of {} columns, expected 1 to {} and a multiple of {}",
+                            columns, d.sensor.columns, multiple));
+  }
+}
+
 std::vector<ParameterShape> parameter_shapes(const NetworkDescription& d) {
   return architecture_of(d).parameter_shapes(d);
 }
 
 std::vector<float> initial_parameters(const NetworkDescription& d, std::uint64_t seed) {
   return architecture_of(d).initial_parameters(d, seed);
-}
-
-std::unique_ptr<Network> make_network(const NetworkDescription& d, int columns,
-                                      InstructionSet instruction_set, int threads) {
-  validate(d);
-  check_columns(d, columns);
-  return d.architecture->make_network(d, columns, instruction_set, threads);
 }
 
 }  // namespace hqslam::nn

@@ -24,10 +24,10 @@ void check_slope(float negative_slope) {
   }
 }
 
-void add_layer(int layer, const std::vector<ParameterShape>& of_layer,
-               std::vector<ParameterShape>& shapes) {
-  for (const ParameterShape& shape : of_layer) {
-    shapes.push_back({fmt::format("layers.{}.{}", layer, shape.name), shape.shape});
+void add_part(const std::string& name, const std::vector<ParameterShape>& arrays,
+              std::vector<ParameterShape>& shapes) {
+  for (const ParameterShape& array : arrays) {
+    shapes.push_back({fmt::format("{}.{}", name, array.name), array.shape});
   }
 }
 

@@ -23,17 +23,14 @@ std::span<T> take(std::span<T>& values, std::int64_t count) {
   return front;
 }
 
-/// Of everything that is unrolled.
-inline constexpr int kMostLayers = 20;
-
 /// Throws Error unless least <= value <= most.
 void check_field(const char* field, int value, int least, int most);
 /// Throws Error unless 0 to 1, as the slope of a leaky ReLU is.
 void check_slope(float negative_slope);
 
-/// Appends the arrays of layer 0, 1, ...: "layers.0.head.weight".
-void add_layer(int layer, const std::vector<ParameterShape>& of_layer,
-               std::vector<ParameterShape>& shapes);
+/// Appends the arrays of a part of the network, its name before theirs: "layers.0.head.weight".
+void add_part(const std::string& name, const std::vector<ParameterShape>& arrays,
+              std::vector<ParameterShape>& shapes);
 
 /// Throws Error unless there are as many parameters as the shapes hold.
 void check_parameters(std::span<const float> parameters, const std::vector<ParameterShape>& shapes);

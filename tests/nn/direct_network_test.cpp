@@ -2,9 +2,9 @@
 
 #include <doctest/doctest.h>
 
-#include "../error_message.h"
 #include "direct/srae.h"
 #include "direct/tulip.h"
+#include "error_message.h"
 #include "golden.h"
 #include "hqslam/core/error.h"
 #include "parameters.h"

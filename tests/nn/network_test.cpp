@@ -5,8 +5,8 @@
 
 #include <set>
 
-#include "../error_message.h"
 #include "architecture.h"
+#include "error_message.h"
 #include "hqslam/nn/hqs/network_json.h"
 #include "small_network.h"
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "../error_message.h"
+#include "error_message.h"
 #include "random_values.h"
 
 namespace hqslam::nn {

@@ -4,8 +4,8 @@
 
 #include <array>
 
-#include "../error_message.h"
 #include "../temporary_directory.h"
+#include "error_message.h"
 #include "small_network.h"
 
 namespace hqslam::nn {

@@ -3,14 +3,14 @@
 #include <algorithm>
 #include <memory>
 
-#include "../error_message.h"
-#include "../temporary_directory.h"
 #include "convolution_graph.h"
+#include "error_message.h"
 #include "hqs/denoiser.h"
 #include "hqslam/nn/hqs/network_json.h"
 #include "hqslam/nn/hqs/weights_file.h"
 #include "hqslam/nn/training/trainer.h"
 #include "small_network.h"
+#include "temporary_directory.h"
 
 // A denoiser that the library does not know: all there is of it stands here.
 namespace hqslam::nn {

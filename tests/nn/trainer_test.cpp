@@ -5,9 +5,9 @@
 #include <cmath>
 #include <set>
 
-#include "../error_message.h"
 #include "direct/srae.h"
 #include "direct/tulip.h"
+#include "error_message.h"
 #include "small_network.h"
 
 namespace hqslam::nn {

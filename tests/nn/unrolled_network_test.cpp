@@ -1,6 +1,6 @@
 #include "hqs/unrolled_network.h"
 
-#include "../error_message.h"
+#include "error_message.h"
 #include "golden.h"
 #include "random_values.h"
 #include "small_network.h"

@@ -7,6 +7,7 @@
 
 #include "../parameters.h"
 #include "filter_json.h"
+#include "hqs_options.h"
 #include "hqslam/core/error.h"
 #include "two_modes_network.h"
 
@@ -113,7 +114,7 @@ ConvolutionGraph DuMix::smallest_graph(const NetworkDescription& d, int layer) c
 std::vector<ParameterShape> DuMix::parameter_shapes(const NetworkDescription& d) const {
   std::vector<ParameterShape> shapes;
   for (int layer = 0; layer < static_cast<int>(shape_.layers.size()); ++layer) {
-    add_layer(layer, smallest_graph(d, layer).parameter_shapes(), shapes);
+    add_part(fmt::format("layers.{}", layer), smallest_graph(d, layer).parameter_shapes(), shapes);
   }
   return shapes;
 }

@@ -14,6 +14,8 @@ enum class Start { kLinear, kZero };
 /// 1 / (2 b), one for all.
 enum class Penalty { kLogOfEach, kAlpha };
 
+inline constexpr int kMostLayers = 20;
+
 /// Half-quadratic splitting, whatever the denoiser is.
 struct HqsOptions {
   int layers = 5;               ///< K

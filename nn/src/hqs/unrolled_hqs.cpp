@@ -42,7 +42,9 @@ void UnrolledHqs::validate(const NetworkDescription& d) const {
 std::vector<ParameterShape> UnrolledHqs::parameter_shapes(const NetworkDescription&) const {
   const std::vector<ParameterShape> of_one = smallest_denoiser(denoiser_)->parameter_shapes();
   std::vector<ParameterShape> shapes;
-  for (int layer = 0; layer < denoiser_count(); ++layer) add_layer(layer, of_one, shapes);
+  for (int layer = 0; layer < denoiser_count(); ++layer) {
+    add_part(fmt::format("layers.{}", layer), of_one, shapes);
+  }
   shapes.push_back(
       {options_.penalty == Penalty::kAlpha ? "alpha" : "log_penalty", {penalty_count()}});
   return shapes;

@@ -28,10 +28,11 @@ const Preset& preset_of(std::string_view kind) {
 template <typename Option>
 struct Choice {
   const char* field;
-  std::vector<std::string> names;
+  std::array<const char*, 2> names;
 
   void read(JsonFields& fields, Option& option) const {
-    if (fields.has(field)) option = static_cast<Option>(fields.choice(field, names));
+    if (fields.has(field))
+      option = static_cast<Option>(fields.choice(field, {names.begin(), names.end()}));
   }
   void write(Option option, Json& json) const {
     json[field] = names[static_cast<std::size_t>(option)];
@@ -41,11 +42,11 @@ struct Choice {
     if (option != of_kind) write(option, json);
   }
 };
-const Choice<Auxiliaries> kAuxiliaries{"auxiliaries", {"z-and-y", "z"}};
-const Choice<Start> kStart{"start", {"linear", "zero"}};
-const Choice<Penalty> kPenalty{"penalty", {"log-of-each", "alpha"}};
-const Choice<FilteredIterate> kFiltered{"filtered_iterate", {"h", "z"}};
-const Choice<RejectedPixel> kRejected{"rejected_pixel", {"takes-z", "zero"}};
+constexpr Choice<Auxiliaries> kAuxiliaries{"auxiliaries", {"z-and-y", "z"}};
+constexpr Choice<Start> kStart{"start", {"linear", "zero"}};
+constexpr Choice<Penalty> kPenalty{"penalty", {"log-of-each", "alpha"}};
+constexpr Choice<FilteredIterate> kFiltered{"filtered_iterate", {"h", "z"}};
+constexpr Choice<RejectedPixel> kRejected{"rejected_pixel", {"takes-z", "zero"}};
 
 /// "denoiser": its sizes, and its "kind" if it is not the usual one.
 DenoiserDescription read_denoiser(JsonFields& network, const char* usual) {
