@@ -142,23 +142,19 @@ RangeImage DirectNetwork::estimate(const RangeImage& measured) {
   return image;
 }
 
-/// One layer: H the measured rows, Z the mean of the passes, Y what they agree on.
 Trace DirectNetwork::trace(const RangeImage& measured) {
   const RangeImage lifted = lift(measured, 0.5F).image;
-  RangeImage h(lifted.rows, lifted.columns);
-  restore(measured, h);
-  RangeImage z = h;
-  std::vector<std::uint8_t> rejected(sum_.size());
+  Trace trace;
+  trace.start = RangeImage(lifted.rows, lifted.columns);
+  restore(measured, trace.start);
+  LayerTrace& layer = trace.layers.emplace_back();
+  layer.z = layer.y = lifted;
+  layer.rejected.resize(sum_.size());
   for (std::size_t pixel = 0; pixel < sum_.size(); ++pixel) {
-    z.range_m[pixel] = to_metres(mean(pixel));
-    rejected[pixel] = agreed(pixel) ? 0 : 1;
+    layer.z.range_m[pixel] = to_metres(mean(pixel));
+    layer.rejected[pixel] = agreed(pixel) ? 0 : 1;
   }
-  LayerTrace layer;
-  layer.h = h;
-  layer.z = z;
-  layer.y = lifted;
-  layer.rejected = rejected;
-  return {h, {layer}, {}};
+  return trace;
 }
 
 std::vector<NetworkStep> DirectNetwork::steps(const RangeImage& measured) {

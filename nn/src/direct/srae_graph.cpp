@@ -81,11 +81,17 @@ LayerGraph srae_graph(const SraeShape& shape, const TensorShape& input, int upsc
         "side", make_concatenation(graph.shape(up), graph.shape(sides[level])), {up, sides[level]});
     x = build.two_units(name, shape.filters << level, both);
   }
-  const float deviation = std::sqrt(2.0F / static_cast<float>(shape.filters));
-  graph.add("head",
-            make_convolution({.channels = 1, .negative_slope = 0.0F, .start_deviation = deviation},
-                             graph.shape(x), engine),
-            {x});
+  // With few filters all weights of the head may be negative at the start; without a bias its ReLU
+  // would then be dead for good.
+  constexpr float kHeadBias = 0.1F;
+  graph.add(
+      "head",
+      make_convolution({.channels = 1,
+                        .negative_slope = 0.0F,
+                        .start_deviation = std::sqrt(1.0F / static_cast<float>(shape.filters)),
+                        .start_bias = kHeadBias},
+                       graph.shape(x), engine),
+      {x});
   return std::move(graph);
 }
 

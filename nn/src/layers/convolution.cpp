@@ -35,6 +35,7 @@ class Convolution final : public Layer {
   Convolution(const ConvolutionOptions& options, const TensorShape& input, const Engine& engine)
       : options_(options),
         shape_(shape_of(options, input)),
+        input_(input),
         output_(output_of(options, input)),
         computed_pixels_((options.transposed ? input.rows : output_.rows) *
                          (options.transposed ? input.columns : output_.columns)),
@@ -57,7 +58,8 @@ class Convolution final : public Layer {
   void add_initial_parameters(UniformStart& start, std::vector<float>& parameters) const override {
     start.add(shape_.weights(), std::numbers::sqrt3_v<float> * options_.start_deviation,
               parameters);
-    if (options_.bias) parameters.insert(parameters.end(), shape_.output_channels, 0.0F);
+    if (options_.bias)
+      parameters.insert(parameters.end(), shape_.output_channels, options_.start_bias);
   }
 
   void set_parameters(std::span<const float> parameters) override {
@@ -83,7 +85,7 @@ class Convolution final : public Layer {
         leaky_relu_backward(options_.negative_slope, *pass.output, d_sum_);
         d_sum = &d_sum_;
       }
-      d_input_ = *pass.inputs[0];
+      if (d_input_.channels() == 0) d_input_ = input_.make();
       std::visit(
           [&](auto& layer) {
             layer.backward_parameters(*pass.inputs[0], *d_sum, d_weight, d_parameters);
@@ -109,6 +111,7 @@ class Convolution final : public Layer {
 
   ConvolutionOptions options_;
   ConvolutionShape shape_;
+  TensorShape input_;
   TensorShape output_;
   std::int64_t computed_pixels_;  ///< of the side with fewer
   Either layer_;

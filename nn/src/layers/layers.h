@@ -24,8 +24,8 @@ struct ConvolutionOptions {
   bool bias = true;
   bool linear = false;  ///< a 1 x 1 kernel whose weight is stored as out x in
   float negative_slope = 1.0F;
-  /// Standard deviation of the weights' uniform start; biases start at 0.
-  float start_deviation = 0.02F;
+  float start_deviation = 0.02F;  ///< standard deviation of the weights' uniform start
+  float start_bias = 0.0F;
 };
 std::unique_ptr<Layer> make_convolution(const ConvolutionOptions& options, const TensorShape& input,
                                         const Engine& engine);
