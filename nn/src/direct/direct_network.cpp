@@ -10,7 +10,7 @@
 namespace hqslam::nn {
 namespace {
 
-/// Of the first pass when lifting; each pass has as many seeds for its layers.
+/// Each pass has so many seeds for its layers.
 constexpr std::uint64_t kSeedsOfPass = 64;
 
 }  // namespace
@@ -117,6 +117,7 @@ const LiftedImage& DirectNetwork::lift(const RangeImage& measured, float /*toler
   run_passes(measured);
   const auto nearest_m = static_cast<float>(description_.sensor.min_range_m);
   const auto farthest_m = static_cast<float>(description_.sensor.max_range_m);
+#pragma omp parallel for schedule(static) num_threads(threads_)
   for (std::size_t pixel = 0; pixel < sum_.size(); ++pixel) {
     const float range_m = to_metres(mean(pixel));
     const bool there = range_m >= nearest_m && range_m <= farthest_m && agreed(pixel);
