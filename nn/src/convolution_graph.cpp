@@ -8,6 +8,7 @@
 #include "activation.h"
 #include "convolution_step.h"
 #include "hqslam/core/error.h"
+#include "layers/dropout.h"
 #include "parameters.h"
 
 namespace hqslam::nn {
@@ -21,15 +22,6 @@ int size_after(const ConvolutionStep& step, int size) {
                             step.name, step.stride));
   }
   return size / step.stride;
-}
-
-/// A number between 0 and 1 for each activation: splitmix64 of seed and place, so that it does not
-/// matter who asks first.
-float unit_random(std::uint64_t seed, std::uint64_t place) {
-  std::uint64_t v = seed + 0x9E3779B97F4A7C15ULL * (place + 1);
-  v = (v ^ (v >> 30)) * 0xBF58476D1CE4E5B9ULL;
-  v = (v ^ (v >> 27)) * 0x94D049BB133111EBULL;
-  return static_cast<float>((v ^ (v >> 31)) >> 40) / static_cast<float>(1 << 24);
 }
 
 /// Of what is not dropped, so that the mean stays.

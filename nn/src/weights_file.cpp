@@ -16,7 +16,7 @@
 namespace hqslam::nn {
 namespace {
 
-constexpr std::int64_t kLargestBytes = 64LL << 20;
+constexpr std::int64_t kLargestBytes = 256LL << 20;
 constexpr const char* kFormat = "hqslam-weights-1";
 constexpr const char* kDescription = "description";
 constexpr const char* kMeasured = "self_test.measured";

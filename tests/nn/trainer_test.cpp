@@ -5,6 +5,8 @@
 #include <cmath>
 #include <set>
 
+#include "direct/srae.h"
+#include "direct/tulip.h"
 #include "error_message.h"
 #include "small_network.h"
 
@@ -104,6 +106,46 @@ TEST_CASE("training makes Simple DU better than it was") {
   const Validation before = trainer.validate(scans());
   train(trainer, 60);
   CHECK(trainer.validate(scans()).network.mae_all_m < 0.7 * before.network.mae_all_m);
+}
+
+TEST_CASE(
+    "training makes SRAE and TULIP better than they were, the same by any number of threads") {
+  NetworkDescription srae = small_du_or();
+  srae.architecture = std::make_shared<Srae>(SraeShape{.filters = 2, .passes = 1});
+  NetworkDescription tulip = srae;
+  tulip.architecture = std::make_shared<Tulip>(TulipShape{.channels = 8, .heads = {2, 2}});
+  TrainingPlan plan = small_plan();
+  plan.augmentation.crop_columns = 0;
+  for (const NetworkDescription& description : {srae, tulip}) {
+    CAPTURE(name(description));
+    Trainer one(description, plan, in_memory(scans()), fresh_state(description), 1);
+    Trainer three(description, plan, in_memory(scans()), fresh_state(description), 3);
+    double first = 0.0;
+    double last = 0.0;
+    for (int step = 0; step < 40; ++step) {
+      const double loss = one.step().loss;
+      three.step();
+      if (step < 5) first += loss;
+      if (step >= 35) last += loss;
+    }
+    CHECK(last < 0.7 * first);
+    check_same(one.state(), three.state());
+  }
+}
+
+TEST_CASE("batch norm's statistics follow the scans and no optimiser moves them") {
+  NetworkDescription srae = small_du_or();
+  srae.architecture = std::make_shared<Srae>(SraeShape{.filters = 1, .passes = 1});
+  const TrainingState state = trained(srae, 3, 1);
+  std::size_t begin = 0;
+  for (const ParameterShape& shape : parameter_shapes(srae)) {
+    for (std::int64_t i = 0; i < shape.elements(); ++i) {
+      if (!shape.statistic) continue;
+      CHECK(state.optimiser.second_moment[begin + i] == 0.0F);
+      if (shape.name == "up.0.norm.running_var") CHECK(state.parameters[begin + i] != 1.0F);
+    }
+    begin += shape.elements();
+  }
 }
 
 TEST_CASE("one, two and three threads train the same bytes") {

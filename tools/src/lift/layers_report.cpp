@@ -89,8 +89,17 @@ std::string mixture_html(const LayersReport& report, const nn::LayerTrace& layer
          range_html(layer.y, report, "Z where a return is likely");
 }
 
+/// A network that says all ranges in one go.
+std::string direct_html(const LayersReport& report, const nn::LayerTrace& layer) {
+  return "<h2>The network</h2>\n" + range_html(layer.z, report, "What it says of every pixel") +
+         image_html(mask_image(layer.z, report.min_range_m, layer.rejected),
+                    "Pixels on which its passes with dropout disagree, in red") +
+         range_html(layer.y, report, "What remains");
+}
+
 std::string layer_html(const LayersReport& report, std::size_t index) {
   const nn::LayerTrace& layer = report.trace.layers[index];
+  if (layer.h.range_m.empty()) return direct_html(report, layer);
   if (!layer.probability.empty()) {
     return fmt::format("<h2>Layer {}</h2>\n", index + 1) + mixture_html(report, layer);
   }
@@ -130,9 +139,11 @@ std::string result_html(const LayersReport& report) {
                                  image_error(report.result, *report.truth).mae_valid_m));
     }
   } else {
-    html += image_html(
-        mask_image(report.trace.layers.back().z, report.min_range_m, report.trace.rejected),
-        "Q of the last Z: rejected pixels in red");
+    if (last_filter(report.network)) {
+      html += image_html(
+          mask_image(report.trace.layers.back().z, report.min_range_m, report.trace.rejected),
+          "Q of the last Z: rejected pixels in red");
+    }
     html +=
         range_html(report.result, report, "Result: measured rows restored, rejected pixels empty");
   }

@@ -10,6 +10,9 @@ namespace hqslam::nn {
 struct ParameterShape {
   std::string name;  ///< "encoder.0.weight"
   std::vector<std::int64_t> shape;
+  /// It follows the data that the network sees (batch norm) and is not learned; its gradient is its
+  /// distance to them.
+  bool statistic = false;
   std::int64_t elements() const;
 };
 

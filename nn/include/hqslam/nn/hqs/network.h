@@ -12,6 +12,7 @@
 #include "hqslam/nn/hqs/trace.h"
 #include "hqslam/nn/instruction_set.h"
 #include "hqslam/nn/lifted_image.h"
+#include "hqslam/nn/training/augmentation.h"
 
 namespace hqslam::nn {
 
@@ -64,6 +65,14 @@ class Network {
   virtual double add_gradient(const RangeImage& measured, const RangeImage& truth,
                               const LossOptions& options, std::uint64_t seed,
                               std::span<float> d_parameters) = 0;
+
+  /// Whether the scans of a batch see each other (batch norm): add_gradients then gets all of them
+  /// in one call.
+  virtual bool joins_batch() const { return false; }
+  /// The sum over the scans of a batch, a seed each.
+  virtual double add_gradients(std::span<const TrainingSample> batch, const LossOptions& options,
+                               std::span<const std::uint64_t> seeds,
+                               std::span<float> d_parameters);
 
   /// Lifts a scan and says of what parts that took so much time, in their order; `measured` and the
   /// network must outlive them. Empty: nobody has measured them yet.

@@ -23,7 +23,9 @@ struct ObjectiveTerms {
 
 /// What one layer computed, for people who want to look.
 struct LayerTrace {
-  RangeImage h;  ///< metres, after data consistency (eq. 10a)
+  /// Metres, after data consistency (eq. 10a); empty: the network is no unrolled loop, Z is what it
+  /// says, rejected where its passes with dropout disagree, Y what remains.
+  RangeImage h;
   RangeImage z;  ///< after the denoiser (eq. 10b)
   RangeImage y;  ///< after outlier removal (eq. 10c); without it: Z; DU-Mix: Z, empty where a
                  ///< return is unlikely
