@@ -32,7 +32,7 @@ std::vector<Case> cases() {
     }
     all.push_back({{1, 2, 5, 3, 3, 2, 0}, 9, 12, padding});
     all.push_back({{1, 9, 1, 8, 1, 0, 2, 4}, 3, 64, padding});  // strides 1 x 4
-    all.push_back({{2, 3, 3, 4, 1, 1, 2}, 3, 20, padding});  // zero: one column more than before
+    all.push_back({{2, 3, 3, 4, 1, 1, 2}, 3, 20, padding});     // zero: one column more than before
     all.push_back({{2, 3, 3, 5, 2, 1, 2}, 4, 15, padding});
     all.push_back({{2, 3, 3, 2, 2, 1, 0}, 4, 17, padding});  // zero: the last column has no tap
   }
@@ -132,7 +132,8 @@ Outcome with_reference(const Problem& p, bool transposed) {
 template <typename Layer>
 void check_against_reference(bool transposed) {
   for (const Case& c : cases()) {
-    const bool uneven = c.padding == ColumnPadding::kCircular && c.columns % c.shape.column_stride() != 0;
+    const bool uneven =
+        c.padding == ColumnPadding::kCircular && c.columns % c.shape.column_stride() != 0;
     if (uneven) continue;
     const Problem p = problem(c, transposed);
     const Outcome expected = with_reference(p, transposed);

@@ -10,6 +10,7 @@
 #include <new>
 #include <string>
 
+#include "golden_folder.h"
 #include "hqslam/core/projection.h"
 #include "hqslam/nn/hqs/super_resolver.h"
 #include "hqslam/sim/drive.h"
@@ -65,8 +66,8 @@ Allocations allocations_of(const Call& call) {
 constexpr std::int64_t kFloatBytes = 4;
 
 Allocations of_lifting(const char* weights) {
-  auto resolver = nn::SuperResolver::load(
-      std::string(HQSLAM_GOLDEN_DIR "/../../weights/") + weights, {.threads = 2});
+  auto resolver =
+      nn::SuperResolver::load(golden_folder() + "/../../weights/" + weights, {.threads = 2});
   RangeImage image(64, 1024);
   for (int row = 0; row < image.rows; ++row) {
     for (int column = 0; column < image.columns; ++column) {

@@ -126,7 +126,7 @@ void StridedConvolution::check_columns_read(const Tensor& narrow, const Tensor& 
   const int last = s.kernel_columns - 1 - s.padding_columns;  // the last tap's column
   // Without a stride the rows are read in whole vectors: as many as the narrow row takes.
   const bool beyond_border = stride == 1 && narrow.padded_columns() + std::max(0, last) >
-                                                  wide.padded_columns() + Tensor::kBorderColumns;
+                                                wide.padded_columns() + Tensor::kBorderColumns;
   // With one, a phase plane is as wide as the narrow row, and zero beyond: a tap that reads there
   // must have nothing left to read in the wide row.
   bool beyond_plane = false;
@@ -148,8 +148,7 @@ void StridedConvolution::plan_gather(const Tensor& wide) {
   const int stride = s.column_stride();
   // With a stride the taps read the phase planes: wide columns of one phase side by side.
   const Tensor planes(stride == 1 ? 1 : s.input_channels * stride, wide.rows(),
-                      stride == 1 ? wide.columns() : narrow_columns_, padding_,
-                      wide.border_rows());
+                      stride == 1 ? wide.columns() : narrow_columns_, padding_, wide.border_rows());
   for (int b = 0; b < s.input_channels; ++b) {
     for (int i = 0; i < s.kernel_rows; ++i) {
       for (int j = 0; j < s.kernel_columns; ++j) {
@@ -217,8 +216,8 @@ void StridedConvolution::set_weights(std::span<const float> weights) {
 ConvolutionScratch StridedConvolution::make_scratch(int threads) const {
   ConvolutionScratch scratch;
   if (shape_.column_stride() > 1) {
-    scratch.phases = Tensor(shape_.input_channels * shape_.column_stride(), wide_rows_, narrow_columns_,
-                            padding_, wide_border_rows_);
+    scratch.phases = Tensor(shape_.input_channels * shape_.column_stride(), wide_rows_,
+                            narrow_columns_, padding_, wide_border_rows_);
   }
   // A row of every wide channel and column phase (scatter), or the gradient of every weight
   // (add_weight_gradient).

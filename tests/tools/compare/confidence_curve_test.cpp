@@ -2,8 +2,8 @@
 
 #include <doctest/doctest.h>
 
-#include "error_message.h"
 #include "compare/confidence_report.h"
+#include "error_message.h"
 #include "hqslam/core/projection.h"
 #include "hqslam/nn/hqs/weights_file.h"
 #include "tools/program/untrained_weights.h"

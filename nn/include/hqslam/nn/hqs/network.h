@@ -71,8 +71,7 @@ class Network {
   virtual bool joins_batch() const { return false; }
   /// The sum over the scans of a batch, a seed each.
   virtual double add_gradients(std::span<const TrainingSample> batch, const LossOptions& options,
-                               std::span<const std::uint64_t> seeds,
-                               std::span<float> d_parameters);
+                               std::span<const std::uint64_t> seeds, std::span<float> d_parameters);
 
   /// Lifts a scan and says of what parts that took so much time, in their order; `measured` and the
   /// network must outlive them. Empty: nobody has measured them yet.
