@@ -68,7 +68,8 @@ std::vector<Field> fields_of(const FeatureOptions& options) {
           {"features.min_edge_smoothness_m", options.min_edge_smoothness_m, kNotNegative},
           {"features.min_edge_smoothness_per_range", options.min_edge_smoothness_per_range,
            kNotNegative},
-          {"features.planar_leaf_m", options.planar_leaf_m, kLeaf}};
+          {"features.planar_leaf_m", options.planar_leaf_m, kLeaf},
+          {"features.max_post_width_m", options.max_post_width_m, kNotNegative}};
 }
 
 std::vector<Field> fields_of(const OdometryOptions& options) {

@@ -4,16 +4,16 @@
 #include <chrono>
 #include <optional>
 
-#include "drift.h"
+#include "alignment/drift.h"
+#include "front_end/scan_check.h"
+#include "front_end/scan_clock.h"
 #include "hqslam/slam/features.h"
 #include "hqslam/slam/mapping.h"
 #include "hqslam/slam/odometry.h"
 #include "hqslam/slam/options.h"
 #include "hqslam/slam/segmentation.h"
-#include "loop_closing.h"
-#include "loop_search.h"
-#include "scan_check.h"
-#include "scan_clock.h"
+#include "loops/loop_closing.h"
+#include "loops/loop_search.h"
 #include "thread_limit.h"
 
 namespace hqslam::slam {

@@ -14,6 +14,7 @@
 
 #include "error_message.h"
 #include "file_contents.h"
+#include "golden_folder.h"
 #include "temporary_directory.h"
 #include "zip_by_hand.h"
 
@@ -116,7 +117,7 @@ TEST_CASE("the values of an array are those it was made of") {
 TEST_CASE("numpy's files are read, stored and deflated, with every dtype") {
   for (const char* name : {"numpy_stored.npz", "numpy_deflated.npz"}) {
     CAPTURE(name);
-    const NpzArrays arrays = read_npz(std::string(HQSLAM_GOLDEN_DIR) + "/" + name);
+    const NpzArrays arrays = read_npz(golden_folder() + "/" + name);
     REQUIRE(arrays.size() == 11);
     const std::vector<float> singles = float_values(arrays.at("float32"), "float32");
     CHECK(arrays.at("float32").shape == std::vector<std::int64_t>{2, 3});

@@ -9,6 +9,7 @@
 #include "damaged.h"
 #include "error_message.h"
 #include "file_contents.h"
+#include "golden_folder.h"
 #include "hqslam/core/kitti_bin.h"
 #include "hqslam/core/npy.h"
 #include "hqslam/core/npz.h"
@@ -129,8 +130,8 @@ TEST_CASE("damaged .npz archives are read or refused, nothing else") {
   feed(own, "own.npz", 4000, read);
   // Stored members: their headers lie open to the damage. The directory is at the end of a file,
   // and small files have more of it.
-  feed(file_contents(HQSLAM_GOLDEN_DIR "/numpy_stored.npz"), "stored.npz", 3000, read);
-  feed(file_contents(HQSLAM_GOLDEN_DIR "/numpy_deflated.npz"), "deflated.npz", 3000, read);
+  feed(file_contents(golden_folder() + "/numpy_stored.npz"), "stored.npz", 3000, read);
+  feed(file_contents(golden_folder() + "/numpy_deflated.npz"), "deflated.npz", 3000, read);
 }
 
 TEST_CASE("damaged KITTI scans are read or refused, nothing else") {

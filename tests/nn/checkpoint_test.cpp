@@ -2,7 +2,7 @@
 
 #include <doctest/doctest.h>
 
-#include "../error_message.h"
+#include "error_message.h"
 #include "../temporary_directory.h"
 #include "hqslam/core/npz.h"
 #include "small_network.h"

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "golden_folder.h"
 #include "hqslam/core/npz.h"
 #include "hqslam/core/range_image.h"
 #include "hqslam/nn/tensor.h"
@@ -20,7 +21,7 @@ struct Golden {
   NpzArrays arrays;
 
   explicit Golden(const std::string& name)
-      : arrays(read_npz(std::string(HQSLAM_GOLDEN_DIR "/") + name + ".npz")) {}
+      : arrays(read_npz(golden_folder() + "/" + name + ".npz")) {}
 
   bool has(const std::string& name) const { return arrays.contains(name); }
   const NpzArray& array(const std::string& name) const {

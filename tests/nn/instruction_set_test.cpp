@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-#include "../error_message.h"
+#include "error_message.h"
 
 namespace hqslam::nn {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "../error_message.h"
+#include "error_message.h"
 
 namespace hqslam::nn {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "../error_message.h"
+#include "error_message.h"
 #include "small_network.h"
 
 namespace hqslam::nn {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "../error_message.h"
+#include "error_message.h"
 #include "hqslam/nn/hqs/denoiser.h"
 #include "random_values.h"
 

@@ -4,7 +4,7 @@
 
 #include <array>
 
-#include "../error_message.h"
+#include "error_message.h"
 #include "../temporary_directory.h"
 #include "small_network.h"
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <set>
 
-#include "../error_message.h"
+#include "error_message.h"
 #include "small_network.h"
 
 namespace hqslam::nn {

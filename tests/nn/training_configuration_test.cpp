@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "../error_message.h"
+#include "error_message.h"
 
 namespace hqslam::nn {
 namespace {

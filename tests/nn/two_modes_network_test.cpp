@@ -1,7 +1,7 @@
 #include <cmath>
 #include <limits>
 
-#include "../error_message.h"
+#include "error_message.h"
 #include "golden.h"
 #include "hqslam/nn/hqs/network.h"
 #include "small_network.h"

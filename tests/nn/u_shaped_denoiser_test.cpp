@@ -1,6 +1,6 @@
 #include <doctest/doctest.h>
 
-#include "../error_message.h"
+#include "error_message.h"
 #include "hqslam/nn/hqs/denoiser.h"
 #include "random_values.h"
 

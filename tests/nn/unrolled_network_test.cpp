@@ -1,6 +1,6 @@
 #include "hqslam/nn/hqs/unrolled_network.h"
 
-#include "../error_message.h"
+#include "error_message.h"
 #include "golden.h"
 #include "hqslam/nn/training/l1_loss.h"
 #include "random_values.h"

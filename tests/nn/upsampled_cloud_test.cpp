@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <string>
 
-#include "../error_message.h"
+#include "error_message.h"
 #include "hqslam/core/cloud_error.h"
 #include "hqslam/core/projection.h"
 #include "hqslam/core/scan_source.h"

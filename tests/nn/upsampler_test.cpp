@@ -2,7 +2,7 @@
 
 #include <doctest/doctest.h>
 
-#include "../error_message.h"
+#include "error_message.h"
 
 namespace hqslam::nn {
 

@@ -8,8 +8,9 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "../error_message.h"
+#include "error_message.h"
 #include "../temporary_directory.h"
+#include "golden_folder.h"
 #include "hqslam/core/npz.h"
 #include "small_network.h"
 
@@ -29,9 +30,7 @@ Weights small_weights(const NetworkDescription& description) {
   return weights;
 }
 
-std::string golden_file(const std::string& name) {
-  return std::string(HQSLAM_GOLDEN_DIR "/") + name + ".npz";
-}
+std::string golden_file(const std::string& name) { return golden_folder() + "/" + name + ".npz"; }
 
 /// The message for a weights file after `change` was made to its arrays.
 template <typename Change>

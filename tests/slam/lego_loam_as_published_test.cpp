@@ -10,7 +10,7 @@
 #include "lego_loam_as_published/published_odometry.h"
 #include "lego_loam_as_published/published_step.h"
 #include "lego_loam_as_published/segmented_scan.h"
-#include "village.h"
+#include "slam/village.h"
 
 using namespace hqslam;
 using namespace hqslam::slam::as_published;

@@ -7,12 +7,12 @@
 #include <cmath>
 #include <random>
 
-#include "../error_message.h"
+#include "error_message.h"
 #include "hqslam/core/error.h"
 #include "hqslam/slam/options.h"
-#include "steady_drive.h"
-#include "village.h"
-#include "yard.h"
+#include "slam/steady_drive.h"
+#include "slam/village.h"
+#include "slam/yard.h"
 
 using namespace hqslam;
 using slam::Status;

@@ -2,13 +2,14 @@
 
 #include <omp.h>
 
+#include <CLI/CLI.hpp>
 #include <exception>
 #include <filesystem>
 #include <string>
 
-#include "exit_status.h"
 #include "hqslam/core/error.h"
-#include "terminal.h"
+#include "terminal/exit_status.h"
+#include "terminal/terminal.h"
 
 namespace hqslam::tools {
 namespace {

@@ -1,22 +1,24 @@
 #pragma once
 
-#include <CLI/App.hpp>
+#include "bench/bench_command.h"
+#include "compare/compare_command.h"
+#include "demo/demo_command.h"
+#include "evaluate/evaluate_command.h"
+#include "evaluate/evaluate_map_command.h"
+#include "info/info_command.h"
+#include "lift/inspect_command.h"
+#include "lift/upsample_command.h"
+#include "lift/weights_command.h"
+#include "live/live_command.h"
+#include "run/map_command.h"
+#include "run/run_command.h"
+#include "simulate/simulate_command.h"
+#include "table/table_command.h"
+#include "train/train_command.h"
 
-#include "bench_command.h"
-#include "compare_command.h"
-#include "demo_command.h"
-#include "evaluate_command.h"
-#include "evaluate_map_command.h"
-#include "info_command.h"
-#include "inspect_command.h"
-#include "live_command.h"
-#include "map_command.h"
-#include "run_command.h"
-#include "simulate_command.h"
-#include "table_command.h"
-#include "train_command.h"
-#include "upsample_command.h"
-#include "weights_command.h"
+namespace CLI {
+class App;
+}
 
 namespace hqslam::tools {
 

@@ -2,7 +2,7 @@
 
 #include <optional>
 
-#include "../scan_check.h"
+#include "front_end/scan_check.h"
 #include "published_features.h"
 #include "published_mapping.h"
 #include "published_odometry.h"

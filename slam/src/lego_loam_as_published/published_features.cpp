@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <cstdlib>
 
-#include "../voxel_thinning.h"
+#include "front_end/voxel_thinning.h"
 
 namespace hqslam::slam::as_published {
 

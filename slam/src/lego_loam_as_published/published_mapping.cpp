@@ -6,7 +6,7 @@
 #include <optional>
 #include <set>
 
-#include "../voxel_thinning.h"
+#include "front_end/voxel_thinning.h"
 #include "hqslam/slam/feature_map.h"
 
 namespace hqslam::slam::as_published {

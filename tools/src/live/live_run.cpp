@@ -8,7 +8,7 @@
 
 #include "hqslam/core/error.h"
 #include "hqslam/slam/status.h"
-#include "terminal.h"
+#include "terminal/terminal.h"
 
 namespace hqslam::tools {
 namespace {

@@ -5,10 +5,10 @@
 #include <string>
 
 #include "hqslam/recordings/live.h"
-#include "interrupt.h"
 #include "live/live_view.h"
-#include "run_output.h"
-#include "slam_run.h"
+#include "run/run_output.h"
+#include "run/slam_run.h"
+#include "terminal/interrupt.h"
 
 namespace hqslam::tools {
 

@@ -19,7 +19,7 @@ struct FeaturePoint {
   Eigen::Vector3f slope = Eigen::Vector3f::Zero();
 };
 
-/// LOAM's four kinds of features, each ordered by row.
+/// LOAM's four kinds of features and posts, each ordered by row.
 struct Features {
   std::vector<FeaturePoint> sharp_edges;  ///< the sharpest; matched from scan to scan
   std::vector<FeaturePoint> edges;        ///< more of them ("less sharp"), the sharpest included
@@ -27,6 +27,7 @@ struct Features {
   std::vector<FeaturePoint> ground;       ///< ground points, thinned
   std::vector<FeaturePoint> surfaces;     ///< clusters' points that are no edges ("less flat"), and
                                           ///< the outliers of every fifth column; thinned
+  std::vector<FeaturePoint> posts;  ///< narrow things that stand alone, one point per row: posts.h
 };
 
 /// Chooses edge and planar features of a scan.
@@ -43,7 +44,8 @@ struct Features {
 /// distant surface is no edge; the ground is not thinned to every fifth column before the
 /// smoothness is taken; every point of a section takes part in the choice, the last one too, and
 /// points at the ends of a row are only ever compared with points of the same row and scan; all
-/// flat points, the fourth of a section too, keep their neighbours from being chosen.
+/// flat points, the fourth of a section too, keep their neighbours from being chosen; and there are
+/// posts.
 Features extract_features(const OrganizedCloud& cloud, const Segmentation& segmentation,
                           const FeatureOptions& options);
 

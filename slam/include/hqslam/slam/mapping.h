@@ -18,6 +18,7 @@ namespace hqslam::slam {
 /// Features of a scan's measured rows, not corrected for motion, thinned to one per voxel.
 struct MapFeatures {
   std::vector<FeaturePoint> edges;
+  std::vector<FeaturePoint> posts;
   std::vector<FeaturePoint> ground;              ///< as dense as the map
   std::vector<FeaturePoint> surfaces;            ///< the same
   std::vector<FeaturePoint> ground_to_locate;    ///< fewer: enough to locate the scan
@@ -37,10 +38,11 @@ struct MappingResult {
 /// Scan-to-map optimisation, and the map.
 ///
 /// In: thinned features of a scan, a predicted pose. Out: the pose. Each edge feature is
-/// matched with the line through its five nearest edge points of the map, each planar feature with
-/// the plane through its five nearest planar points; all six parameters are estimated by
-/// Levenberg-Marquardt; search and estimation alternate until the pose stands. Source: LOAM,
-/// section VI; LeGO-LOAM's mapOptmization.
+/// matched with the line through its five nearest edge points of the map, each post with the
+/// upright line through the nearest one of the map, each planar feature with the plane through its
+/// five nearest planar points; all six parameters are estimated by Levenberg-Marquardt; search and
+/// estimation alternate until the pose stands. Source: LOAM, section VI; LeGO-LOAM's
+/// mapOptmization.
 ///
 /// Differs from LeGO-LOAM: every scan is matched, not every third; the map is one incremental
 /// structure (FeatureMap), not rebuilt from key frames; the weight of a planar feature falls with
@@ -81,6 +83,7 @@ class Mapping {
 
   MappingOptions options_;
   FeatureMap edges_;
+  FeatureMap posts_;
   FeatureMap planes_;
   std::uint32_t key_frames_ = 0;
   std::deque<double> recent_path_m_;  ///< along the path, of the key frames matched with

@@ -26,6 +26,7 @@ struct FeatureOptions {
   double min_edge_smoothness_m = 0.31622776601683794;
   double min_edge_smoothness_per_range = 0.02;  ///< LeGO-LOAM has none
   double planar_leaf_m = 0.2;
+  double max_post_width_m = 1.0;  ///< LeGO-LOAM has no posts
 };
 
 struct OdometryOptions {

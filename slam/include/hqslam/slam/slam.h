@@ -32,8 +32,8 @@ struct ScanReport {
   Pose T_map_sensor = Pose::Identity();   ///< after scan-to-map optimisation and loop closing
   /// Of T_map_sensor against the truth, the first scan's pose being exact: the covariance of e in
   /// T_true = T_map_sensor exp(e), (linear, angular) in the sensor's frame, m^2, m rad, rad^2.
-  /// What is in it, and what it was calibrated on: src/drift.h. Zero up to the first scan of the
-  /// map.
+  /// What is in it, and what it was calibrated on: src/alignment/drift.h. Zero up to the first scan
+  /// of the map.
   Matrix6 covariance = Matrix6::Zero();
   Status odometry_status = Status::kOk;
   Status mapping_status = Status::kOk;
@@ -74,7 +74,7 @@ class Slam {
   /// capture time of its own (but none need have a time), or if the stamp is no time in seconds;
   /// ScanError if the capture times are no offsets from the middle of the scan in seconds.
   /// Whatever the numbers inside the cloud are is survived: a pixel with one that is not finite is
-  /// no return. Stamps need not rise: see src/scan_clock.h.
+  /// no return. Stamps need not rise: see src/front_end/scan_clock.h.
   ScanReport process(const OrganizedCloud& cloud, double stamp_s);
 
   /// T_map_sensor of every scan so far, in the frame of the first scan; not to be read while

@@ -1,0 +1,193 @@
+#include "alignment/rigid_alignment.h"
+
+#include <ceres/ceres.h>
+
+#include <Eigen/Eigenvalues>
+#include <cmath>
+
+namespace hqslam::slam {
+
+namespace {
+
+using Matrix3 = Eigen::Matrix3d;
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+
+/// Lever that makes a length of an angle in the observability test.
+constexpr double kLever_m = 10.0;
+
+/// R = Rz(yaw) Ry(pitch) Rx(roll) and its derivatives.
+struct RotationWithDerivatives {
+  Matrix3 R, dR_droll, dR_dpitch, dR_dyaw;
+
+  RotationWithDerivatives(double roll, double pitch, double yaw) {
+    const Matrix3 Rx = Eigen::AngleAxisd(roll, Eigen::Vector3d::UnitX()).toRotationMatrix();
+    const Matrix3 Ry = Eigen::AngleAxisd(pitch, Eigen::Vector3d::UnitY()).toRotationMatrix();
+    const Matrix3 Rz = Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+    // d exp(angle [axis]) / d angle = [axis] exp(angle [axis])
+    const auto generator = [](const Eigen::Vector3d& axis) {
+      Matrix3 cross;
+      cross << 0, -axis.z(), axis.y(), axis.z(), 0, -axis.x(), -axis.y(), axis.x(), 0;
+      return cross;
+    };
+    R = Rz * Ry * Rx;
+    dR_droll = Rz * Ry * generator(Eigen::Vector3d::UnitX()) * Rx;
+    dR_dpitch = Rz * generator(Eigen::Vector3d::UnitY()) * Ry * Rx;
+    dR_dyaw = generator(Eigen::Vector3d::UnitZ()) * R;
+  }
+};
+
+/// (x, y, z, roll, pitch, yaw)
+Vector6 vector_of(const MotionParameters& p) {
+  Vector6 result;
+  result << p.in_plane[0], p.in_plane[1], p.out_of_plane[0], p.out_of_plane[1], p.out_of_plane[2],
+      p.in_plane[2];
+  return result;
+}
+
+/// Places in (x, y, z, roll, pitch, yaw) that are not estimated.
+std::vector<int> held_parameters(FreeParameters free) {
+  if (free == FreeParameters::kInPlane) return {2, 3, 4};
+  if (free == FreeParameters::kOutOfPlane) return {0, 1, 5};
+  return {};
+}
+
+}  // namespace
+
+EdgeConstraints edge_constraints(const Eigen::Vector3d& point_m, const Eigen::Vector3d& on_line_m,
+                                 const Eigen::Vector3d& direction, double weight) {
+  const Eigen::Vector3d a = direction.unitOrthogonal();
+  const Eigen::Vector3d b = direction.cross(a);
+  return {{{point_m, a, a.dot(on_line_m), weight}, {point_m, b, b.dot(on_line_m), weight}}};
+}
+
+void ConstraintList::add(const std::vector<std::optional<EdgeConstraints>>& found) {
+  for (const auto& edge : found) {
+    if (!edge) continue;
+    all.insert(all.end(), edge->begin(), edge->end());
+    ++edges;
+  }
+}
+
+void ConstraintList::add(const std::vector<std::optional<PlaneConstraint>>& found) {
+  for (const auto& plane : found) {
+    if (!plane) continue;
+    all.push_back(*plane);
+    ++planes;
+  }
+}
+
+Pose pose_of(const MotionParameters& p) {
+  return pose_from_xyz_rpy({p.in_plane[0], p.in_plane[1], p.out_of_plane[0]}, p.out_of_plane[1],
+                           p.out_of_plane[2], p.in_plane[2]);
+}
+
+MotionParameters parameters_of(const Pose& pose) {
+  const Eigen::Vector3d angles_rad = roll_pitch_yaw_rad(pose);
+  MotionParameters result;
+  result.in_plane[0] = pose.translation().x();
+  result.in_plane[1] = pose.translation().y();
+  result.in_plane[2] = angles_rad.z();
+  result.out_of_plane[0] = pose.translation().z();
+  result.out_of_plane[1] = angles_rad.x();
+  result.out_of_plane[2] = angles_rad.y();
+  return result;
+}
+
+PlaneConstraintsCost::PlaneConstraintsCost(const std::vector<PlaneConstraint>& constraints)
+    : constraints_(constraints) {
+  set_num_residuals(static_cast<int>(constraints.size()));
+  mutable_parameter_block_sizes()->assign({3, 3});
+}
+
+bool PlaneConstraintsCost::Evaluate(double const* const* parameters, double* residuals,
+                                    double** jacobians) const {
+  const double* in_plane = parameters[0];
+  const double* out_of_plane = parameters[1];
+  const RotationWithDerivatives rotation(out_of_plane[1], out_of_plane[2], in_plane[2]);
+  const Eigen::Vector3d translation_m(in_plane[0], in_plane[1], out_of_plane[0]);
+  double* in_plane_row = jacobians != nullptr ? jacobians[0] : nullptr;
+  double* out_of_plane_row = jacobians != nullptr ? jacobians[1] : nullptr;
+  for (const PlaneConstraint& c : constraints_) {
+    const Eigen::Vector3d moved_m = rotation.R * c.point_m + translation_m;
+    *residuals++ = c.weight * (c.normal.dot(moved_m) - c.offset_m);
+    const Eigen::Vector3d n = c.weight * c.normal;
+    if (in_plane_row != nullptr) {
+      *in_plane_row++ = n.x();
+      *in_plane_row++ = n.y();
+      *in_plane_row++ = n.dot(rotation.dR_dyaw * c.point_m);
+    }
+    if (out_of_plane_row != nullptr) {
+      *out_of_plane_row++ = n.z();
+      *out_of_plane_row++ = n.dot(rotation.dR_droll * c.point_m);
+      *out_of_plane_row++ = n.dot(rotation.dR_dpitch * c.point_m);
+    }
+  }
+  return true;
+}
+
+MotionParameters align(const std::vector<PlaneConstraint>& constraints,
+                       const MotionParameters& start, FreeParameters free, int max_steps) {
+  MotionParameters result = start;
+  if (constraints.empty()) return result;
+  ceres::Problem problem;
+  problem.AddResidualBlock(new PlaneConstraintsCost(constraints), nullptr, result.in_plane,
+                           result.out_of_plane);
+  if (free == FreeParameters::kOutOfPlane) problem.SetParameterBlockConstant(result.in_plane);
+  if (free == FreeParameters::kInPlane) problem.SetParameterBlockConstant(result.out_of_plane);
+  ceres::Solver::Options options;
+  options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
+  options.max_num_iterations = max_steps;
+  options.num_threads = 1;
+  options.logging_type = ceres::SILENT;
+  ceres::Solver::Summary summary;
+  ceres::Solve(options, &problem, &summary);
+  return summary.IsSolutionUsable() ? result : start;
+}
+
+Observability observability(const std::vector<PlaneConstraint>& constraints, FreeParameters free,
+                            double min_share) {
+  Matrix6 information = Matrix6::Zero();
+  double total = 0.0;
+  for (const PlaneConstraint& c : constraints) {
+    Vector6 row;
+    row << c.normal, c.point_m.cross(c.normal) / kLever_m;
+    row *= c.weight;
+    information.selfadjointView<Eigen::Lower>().rankUpdate(row);
+    total += c.weight * c.weight;
+  }
+  information.triangularView<Eigen::Upper>() = information.transpose();
+  // Held parameters get the largest eigenvalue there is: they are not in question.
+  for (const int held : held_parameters(free)) {
+    information.row(held).setZero();
+    information.col(held).setZero();
+    information(held, held) = total;
+  }
+  Observability result;
+  if (!(total > 0.0)) {
+    result.degenerate_directions = 6 - static_cast<int>(held_parameters(free).size());
+    result.projection.setZero();
+    return result;
+  }
+  const Eigen::SelfAdjointEigenSolver<Matrix6> solver(information / total);
+  Vector6 scale;
+  scale << 1, 1, 1, kLever_m, kLever_m, kLever_m;
+  for (int i = 0; i < 6; ++i) {
+    if (solver.eigenvalues()[i] >= min_share) continue;
+    ++result.degenerate_directions;
+    // The change in scaled units is scale * change; its part along the direction is taken out.
+    const Vector6 direction = solver.eigenvectors().col(i);
+    result.projection -= (scale.cwiseInverse().asDiagonal() * direction) *
+                         (scale.asDiagonal() * direction).transpose();
+  }
+  return result;
+}
+
+MotionParameters without_unobservable(const MotionParameters& start, const MotionParameters& end,
+                                      const Observability& observability) {
+  const Vector6 change = observability.projection * (vector_of(end) - vector_of(start));
+  const Vector6 result = vector_of(start) + change;
+  return {{result[0], result[1], result[5]}, {result[2], result[3], result[4]}};
+}
+
+}  // namespace hqslam::slam

@@ -1,0 +1,247 @@
+#include "hqslam/slam/features.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstdlib>
+#include <iterator>
+
+#include "front_end/posts.h"
+#include "front_end/voxel_thinning.h"
+
+namespace hqslam::slam {
+
+namespace {
+
+constexpr int kHalfWindow = 5;          // neighbours on each side
+constexpr int kMaxColumnGap = 10;       // neighbours farther apart than this are none
+constexpr float kDepthJump_m = 0.3F;    // hides what lies behind
+constexpr float kParallelJump = 0.02F;  // of the range, on both sides: surface along the beam
+constexpr int kOutlierColumns = 5;      // outliers of every fifth column go into the map
+constexpr int kSlopeRows = 3;           // how far away the row beside a row may be
+
+/// The ground and cluster returns of one row, one after the other, and what was found about them.
+struct Row {
+  std::vector<FeaturePoint> points;
+  std::vector<float> range_m;
+  std::vector<int> column;
+  std::vector<std::uint8_t> ground;
+  std::vector<float> smoothness_m;
+  std::vector<std::uint8_t> unusable;  ///< hidden, along the beam, or too near an end of the row
+  std::vector<std::uint8_t> is_edge;
+  std::vector<FeaturePoint> outliers;
+  std::vector<int> candidates;  ///< of one section after the other, kept for its memory
+
+  int size() const { return static_cast<int>(points.size()); }
+  bool neighbours(int i, int j) const { return std::abs(column[i] - column[j]) <= kMaxColumnGap; }
+};
+
+/// The ground in the first row with a return above (step -1) or below (1) a pixel.
+const Eigen::Vector3f* ground_beside(const OrganizedCloud& cloud, const Segmentation& segmentation,
+                                     int row, int column, int step) {
+  for (int i = 1; i <= kSlopeRows; ++i) {
+    const int other = row + i * step;
+    if (other < 0 || other >= cloud.rows) return nullptr;
+    const std::size_t pixel = cloud.index(other, column);
+    if (segmentation.pixel_class[pixel] == PixelClass::kNoReturn) continue;
+    return segmentation.pixel_class[pixel] == PixelClass::kGround ? &cloud.points_m[pixel]
+                                                                  : nullptr;
+  }
+  return nullptr;
+}
+
+/// FeaturePoint::slope of a pixel on the ground: half way between the directions from the point
+/// below and to the point above.
+Eigen::Vector3f slope_at(const OrganizedCloud& cloud, const Segmentation& segmentation, int row,
+                         int column) {
+  const Eigen::Vector3f& here_m = cloud.points_m[cloud.index(row, column)];
+  Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+  for (const int step : {-1, 1}) {
+    const Eigen::Vector3f* other_m = ground_beside(cloud, segmentation, row, column, step);
+    if (other_m != nullptr) sum -= static_cast<float>(step) * (*other_m - here_m).normalized();
+  }
+  return sum.normalized();  // of zero: zero
+}
+
+Row gather_row(const OrganizedCloud& cloud, const Segmentation& segmentation, int row) {
+  Row result;
+  const auto most = static_cast<std::size_t>(cloud.columns);
+  result.points.reserve(most);
+  result.range_m.reserve(most);
+  result.column.reserve(most);
+  result.ground.reserve(most);
+  for (int column = 0; column < cloud.columns; ++column) {
+    const std::size_t pixel = cloud.index(row, column);
+    const PixelClass pixel_class = segmentation.pixel_class[pixel];
+    if (pixel_class == PixelClass::kNoReturn) continue;
+    const float offset_s = cloud.time_offset_s.empty() ? 0.0F : cloud.time_offset_s[pixel];
+    FeaturePoint point{cloud.points_m[pixel], offset_s, row};
+    if (pixel_class == PixelClass::kGround) {
+      point.slope = slope_at(cloud, segmentation, row, column);
+    }
+    if (pixel_class == PixelClass::kOutlier) {
+      if (column % kOutlierColumns == 0) result.outliers.push_back(point);
+      continue;
+    }
+    result.points.push_back(point);
+    result.range_m.push_back(cloud.range_m[pixel]);
+    result.column.push_back(column);
+    result.ground.push_back(pixel_class == PixelClass::kGround ? 1 : 0);
+  }
+  return result;
+}
+
+void compute_smoothness(Row& row) {
+  row.smoothness_m.assign(row.points.size(), 0.0F);
+  row.unusable.assign(row.points.size(), 1);
+  for (int i = kHalfWindow; i + kHalfWindow < row.size(); ++i) {
+    float sum_m = -2.0F * kHalfWindow * row.range_m[i];
+    for (int k = 1; k <= kHalfWindow; ++k) sum_m += row.range_m[i - k] + row.range_m[i + k];
+    row.smoothness_m[i] = std::abs(sum_m);
+    row.unusable[i] = 0;
+  }
+}
+
+/// Marks the far side of depth jumps and surfaces along the beam.
+void mark_unreliable(Row& row) {
+  for (int i = kHalfWindow; i + kHalfWindow + 1 < row.size(); ++i) {
+    const float here_m = row.range_m[i];
+    const float next_m = row.range_m[i + 1];
+    if (row.neighbours(i, i + 1)) {
+      if (here_m - next_m > kDepthJump_m) {
+        std::fill(row.unusable.begin() + i - kHalfWindow, row.unusable.begin() + i + 1, 1);
+      } else if (next_m - here_m > kDepthJump_m) {
+        std::fill(row.unusable.begin() + i + 1, row.unusable.begin() + i + kHalfWindow + 2, 1);
+      }
+    }
+    const float before_m = row.range_m[i - 1];
+    if (std::abs(before_m - here_m) > kParallelJump * here_m &&
+        std::abs(next_m - here_m) > kParallelJump * here_m) {
+      row.unusable[i] = 1;
+    }
+  }
+}
+
+/// Keeps the neighbours of a chosen point from being chosen, up to the next gap.
+void suppress_neighbours(const Row& row, int chosen, std::vector<std::uint8_t>& taken) {
+  taken[chosen] = 1;
+  for (const int direction : {-1, 1}) {
+    for (int k = 1; k <= kHalfWindow; ++k) {
+      const int i = chosen + direction * k;
+      if (i < 0 || i >= row.size() || !row.neighbours(i, i - direction)) break;
+      taken[i] = 1;
+    }
+  }
+}
+
+/// Takes candidates, the best first, until there are `wanted`; what is near one is left out.
+/// better(a, b): whether a goes before b; of equals the first in the row does.
+template <typename Better, typename Take>
+void choose(Row& row, int wanted, const Better& better, std::vector<std::uint8_t>& taken,
+            const Take& take) {
+  std::vector<int>& candidates = row.candidates;
+  const auto worse = [&](int a, int b) { return better(b, a) || (!better(a, b) && a > b); };
+  std::make_heap(candidates.begin(), candidates.end(), worse);
+  for (auto last = candidates.end(); last != candidates.begin() && wanted > 0; --last) {
+    std::pop_heap(candidates.begin(), last, worse);
+    const int i = *std::prev(last);
+    if (taken[i] != 0) continue;
+    take(i);
+    suppress_neighbours(row, i, taken);
+    --wanted;
+  }
+}
+
+/// Edges of the points first..last-1 of a row: the largest smoothness first.
+void choose_edges(Row& row, int first, int last, const FeatureOptions& options,
+                  std::vector<std::uint8_t>& taken, Features& features) {
+  row.candidates.clear();
+  for (int i = first; i < last; ++i) {
+    const double required_m = std::max(options.min_edge_smoothness_m,
+                                       options.min_edge_smoothness_per_range * row.range_m[i]);
+    if (taken[i] == 0 && row.ground[i] == 0 && row.smoothness_m[i] > required_m) {
+      row.candidates.push_back(i);
+    }
+  }
+  int sharp = options.sharp_edges_per_section;
+  choose(
+      row, options.edges_per_section,
+      [&](int a, int b) { return row.smoothness_m[a] > row.smoothness_m[b]; }, taken,
+      [&](int i) {
+        if (sharp-- > 0) features.sharp_edges.push_back(row.points[i]);
+        features.edges.push_back(row.points[i]);
+        row.is_edge[i] = 1;
+      });
+}
+
+/// Flat ground points of the points first..last-1 of a row: the smallest smoothness first.
+void choose_flat_points(Row& row, int first, int last, const FeatureOptions& options,
+                        std::vector<std::uint8_t>& taken, Features& features) {
+  row.candidates.clear();
+  for (int i = first; i < last; ++i) {
+    if (taken[i] == 0 && row.ground[i] != 0 &&
+        row.smoothness_m[i] < options.min_edge_smoothness_m) {
+      row.candidates.push_back(i);
+    }
+  }
+  choose(
+      row, options.flat_points_per_section,
+      [&](int a, int b) { return row.smoothness_m[a] < row.smoothness_m[b]; }, taken,
+      [&](int i) { features.flat_points.push_back(row.points[i]); });
+}
+
+Features features_of_row(const OrganizedCloud& cloud, const Segmentation& segmentation,
+                         int row_index, const FeatureOptions& options) {
+  Row row = gather_row(cloud, segmentation, row_index);
+  compute_smoothness(row);
+  mark_unreliable(row);
+  row.is_edge.assign(row.points.size(), 0);
+
+  Features features;
+  std::vector<std::uint8_t> taken = row.unusable;
+  for (int section = 0; section < options.sections; ++section) {
+    const int first = row.size() * section / options.sections;
+    const int last = row.size() * (section + 1) / options.sections;
+    choose_edges(row, first, last, options, taken, features);
+    choose_flat_points(row, first, last, options, taken, features);
+  }
+  std::vector<FeaturePoint> ground;
+  std::vector<FeaturePoint> surfaces;
+  ground.reserve(row.points.size());
+  surfaces.reserve(row.points.size() + row.outliers.size());
+  for (int i = 0; i < row.size(); ++i) {
+    if (row.is_edge[i] == 0) (row.ground[i] != 0 ? ground : surfaces).push_back(row.points[i]);
+  }
+  surfaces.insert(surfaces.end(), row.outliers.begin(), row.outliers.end());
+  features.ground = thin(ground, options.planar_leaf_m);
+  features.surfaces = thin(surfaces, options.planar_leaf_m);
+  return features;
+}
+
+void append(std::vector<FeaturePoint>& to, const std::vector<FeaturePoint>& from) {
+  to.insert(to.end(), from.begin(), from.end());
+}
+
+}  // namespace
+
+Features extract_features(const OrganizedCloud& cloud, const Segmentation& segmentation,
+                          const FeatureOptions& options) {
+  std::vector<Features> of_row(cloud.rows);
+#pragma omp parallel for schedule(dynamic)
+  for (int row = 0; row < cloud.rows; ++row) {
+    of_row[row] = features_of_row(cloud, segmentation, row, options);
+    of_row[row].posts = posts_in_row(cloud, segmentation, row, options.max_post_width_m);
+  }
+  Features all;
+  for (const Features& row : of_row) {
+    append(all.sharp_edges, row.sharp_edges);
+    append(all.edges, row.edges);
+    append(all.flat_points, row.flat_points);
+    append(all.ground, row.ground);
+    append(all.surfaces, row.surfaces);
+    append(all.posts, row.posts);
+  }
+  return all;
+}
+
+}  // namespace hqslam::slam

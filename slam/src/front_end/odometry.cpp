@@ -1,0 +1,171 @@
+#include "hqslam/slam/odometry.h"
+
+#include <cmath>
+#include <optional>
+
+#include "alignment/rigid_alignment.h"
+#include "front_end/row_ordered_cloud.h"
+
+namespace hqslam::slam {
+
+namespace {
+
+/// From this iteration on, distant matches lose weight and the search is narrower.
+constexpr int kRobustFromIteration = 2;
+constexpr double kNarrowSearchShare = 0.3;
+constexpr double kMinWeight = 0.1;
+constexpr int kStepsPerSearch = 3;
+
+/// What a search needs to know besides the point.
+struct SearchState {
+  Pose T_reference_sensor;
+  double max_distance_m;
+  bool robust;
+};
+
+/// A plane through the nearest point, its neighbour in the same row and one in a row nearby.
+std::optional<PlaneConstraint> match_plane(const RowOrderedCloud& target,
+                                           const Eigen::Vector3f& point_m,
+                                           const SearchState& state) {
+  const Eigen::Vector3d point = point_m.cast<double>();
+  const Eigen::Vector3d moved = state.T_reference_sensor * point;
+  const Eigen::Vector3f query = moved.cast<float>();
+  const auto first = target.nearest(query, state.max_distance_m);
+  if (!first) return std::nullopt;
+  const auto second = target.nearest_in_row_of(*first, query, state.max_distance_m);
+  const auto third = target.nearest_near_row_of(*first, query, state.max_distance_m);
+  if (!second || !third) return std::nullopt;
+  const Eigen::Vector3d a = target.point_m(*first).cast<double>();
+  const Eigen::Vector3d b = target.point_m(*second).cast<double>();
+  const Eigen::Vector3d c = target.point_m(*third).cast<double>();
+  const Eigen::Vector3d cross = (b - a).cross(c - a);
+  if (!(cross.norm() > 1e-6)) return std::nullopt;
+  PlaneConstraint constraint{point, cross.normalized(), 0.0, 1.0};
+  constraint.offset_m = constraint.normal.dot(a);
+  const double distance_m = std::abs(constraint.normal.dot(moved) - constraint.offset_m);
+  if (state.robust) constraint.weight = 1.0 - 1.8 * distance_m / std::sqrt(point.norm());
+  if (constraint.weight < kMinWeight) return std::nullopt;
+  return constraint;
+}
+
+/// The line through the nearest point and one in a row nearby, as two planes.
+std::optional<EdgeConstraints> match_edge(const RowOrderedCloud& target,
+                                          const Eigen::Vector3f& point_m,
+                                          const SearchState& state) {
+  const Eigen::Vector3d point = point_m.cast<double>();
+  const Eigen::Vector3d moved = state.T_reference_sensor * point;
+  const Eigen::Vector3f query = moved.cast<float>();
+  const auto first = target.nearest(query, state.max_distance_m);
+  if (!first) return std::nullopt;
+  const auto second = target.nearest_near_row_of(*first, query, state.max_distance_m);
+  if (!second) return std::nullopt;
+  const Eigen::Vector3d a = target.point_m(*first).cast<double>();
+  const Eigen::Vector3d along = target.point_m(*second).cast<double>() - a;
+  if (!(along.norm() > 1e-3)) return std::nullopt;
+  const Eigen::Vector3d direction = along.normalized();
+  const double distance_m = direction.cross(moved - a).norm();
+  const double weight = state.robust ? 1.0 - 1.8 * distance_m : 1.0;
+  if (weight < kMinWeight) return std::nullopt;
+  return edge_constraints(point, a, direction, weight);
+}
+
+/// One constraint or none per feature, searched in parallel.
+template <typename Find>
+ConstraintList find_all(const std::vector<Eigen::Vector3f>& points_m, const Find& find) {
+  std::vector<decltype(find(points_m.front()))> found(points_m.size());
+#pragma omp parallel for schedule(static)
+  for (std::size_t i = 0; i < points_m.size(); ++i) found[i] = find(points_m[i]);
+  ConstraintList list;
+  list.add(found);
+  return list;
+}
+
+/// One of the two steps: LM over the free parameters; unobservable directions are held.
+bool improve(const std::vector<PlaneConstraint>& constraints, FreeParameters free,
+             Pose& T_reference_sensor) {
+  const MotionParameters start = parameters_of(T_reference_sensor);
+  const MotionParameters end = align(constraints, start, free, kStepsPerSearch);
+  const Observability observable = observability(constraints, free);
+  T_reference_sensor = pose_of(without_unobservable(start, end, observable));
+  return observable.degenerate_directions == 0;
+}
+
+}  // namespace
+
+struct Odometry::Reference {
+  RowOrderedCloud ground;
+  RowOrderedCloud edges;
+
+  Reference(const Features& features, const Twist& velocity)
+      : ground(features.ground, motion_corrected(features.ground, velocity)),
+        edges(features.edges, motion_corrected(features.edges, velocity)) {}
+};
+
+Odometry::Odometry(const OdometryOptions& options) : options_(options) {}
+Odometry::~Odometry() = default;
+Odometry::Odometry(Odometry&&) noexcept = default;
+Odometry& Odometry::operator=(Odometry&&) noexcept = default;
+
+bool Odometry::has_reference() const { return reference_ != nullptr; }
+
+void Odometry::set_reference(const Features& features, const Twist& velocity) {
+  reference_ = std::make_unique<Reference>(features, velocity);
+}
+
+OdometryResult Odometry::estimate(const Features& features,
+                                  const Pose& T_reference_sensor_predicted,
+                                  double duration_s) const {
+  OdometryResult result;
+  result.T_reference_sensor = T_reference_sensor_predicted;
+  result.status = Status::kTooFewFeatures;
+  if (reference_ == nullptr) return result;
+  const bool has_edges = static_cast<int>(reference_->edges.size()) >= options_.min_edges;
+  const bool has_ground = static_cast<int>(reference_->ground.size()) >= options_.min_planar;
+  if (!has_edges && !has_ground) return result;
+  for (int iteration = 0; iteration < options_.max_iterations; ++iteration) {
+    const Pose before = result.T_reference_sensor;
+    const Twist velocity = (1.0 / duration_s) * logarithm(before);
+    const bool robust = iteration >= kRobustFromIteration;
+    const double reach_m = options_.max_distance_m * (robust ? kNarrowSearchShare : 1.0);
+
+    const SearchState planar_state{before, reach_m, robust};
+    const ConstraintList planar =
+        find_all(motion_corrected(features.flat_points, velocity), [&](const auto& point_m) {
+          return match_plane(reference_->ground, point_m, planar_state);
+        });
+    result.planar_correspondences = planar.planes;
+    const bool enough_planar = has_ground && planar.planes >= options_.min_correspondences;
+    const bool planar_observable =
+        !enough_planar ||
+        improve(planar.all, FreeParameters::kOutOfPlane, result.T_reference_sensor);
+
+    const SearchState edge_state{result.T_reference_sensor, reach_m, robust};
+    const ConstraintList edges = find_all(
+        motion_corrected(features.sharp_edges, velocity),
+        [&](const auto& point_m) { return match_edge(reference_->edges, point_m, edge_state); });
+    result.edge_correspondences = edges.edges;
+    const bool enough_edges = has_edges && edges.edges >= options_.min_correspondences;
+    // Where there is no ground, edges tell what they can about all of the motion.
+    const FreeParameters told = enough_planar ? FreeParameters::kInPlane : FreeParameters::kAll;
+    const bool edges_observable =
+        !enough_edges || improve(edges.all, told, result.T_reference_sensor);
+
+    if (!enough_edges) {
+      result.status = Status::kTooFewFeatures;
+      if (!enough_planar) return result;
+      continue;
+    }
+    result.status =
+        planar_observable && edges_observable ? Status::kNotConverged : Status::kDegenerate;
+    const Pose change = before.inverse() * result.T_reference_sensor;
+    if (iteration > kRobustFromIteration &&
+        rotation_angle_rad(change) < options_.converged_rotation_rad &&
+        change.translation().norm() < options_.converged_translation_m) {
+      if (result.status == Status::kNotConverged) result.status = Status::kOk;
+      break;
+    }
+  }
+  return result;
+}
+
+}  // namespace hqslam::slam

@@ -1,0 +1,139 @@
+#include "loops/loop_search.h"
+
+#include <algorithm>
+
+#include "loops/place_search.h"
+
+namespace hqslam::slam {
+
+namespace {
+
+constexpr std::size_t kMaxCandidates = 3;
+constexpr double kNearNode_m = 10.0;
+/// Scans tell a turn to one sector of the scan context.
+constexpr double kMaxTurn_rad = 0.1;
+constexpr double kMaxShift_m = 8.0;
+constexpr double kOtherPlace_m = 2.0;
+/// Share of points placed: what is worse than so much of the best cannot fit nearly as well.
+constexpr double kWorthVerifying = 0.9;
+/// Overlap of the second-best place over that of the best, from which it is not clear which it is.
+constexpr double kAmbiguousShare = 0.8;
+
+Mapping part_about(const LoopSearchSpace& space, const Pose& T_map_place) {
+  return space.mapping.older_part(loop_surroundings(T_map_place), space.old_key_frames);
+}
+
+bool is_plausible(const Pose& change, const PlausibleDrift& drift) {
+  return change.translation().norm() <= drift.translation_m &&
+         rotation_angle_rad(change) <= drift.rotation_rad;
+}
+
+std::optional<FoundLoop> verified(const LoopSearchSpace& space, std::size_t node,
+                                  const Mapping& part, const Pose& T_map_last_start) {
+  const VerifiedLoop loop = verify_loop(space.features, part, T_map_last_start);
+  const Pose change = space.graph.T_map_node.back().inverse() * loop.T_map_sensor;
+  if (loop.verdict != LoopVerdict::kAccepted || !is_plausible(change, space.drift[node])) {
+    return std::nullopt;
+  }
+  return FoundLoop{node, loop.T_map_sensor, loop.fit.overlap};
+}
+
+std::vector<Eigen::Vector3f> in_frame(const std::vector<Eigen::Vector3f>& points_m,
+                                      const Pose& T_map_frame) {
+  const Eigen::Isometry3f T_frame_map = T_map_frame.inverse().cast<float>();
+  std::vector<Eigen::Vector3f> result;
+  result.reserve(points_m.size());
+  for (const Eigen::Vector3f& point_m : points_m) result.push_back(T_frame_map * point_m);
+  return result;
+}
+
+/// Edges and walls of a part of the map, in the frame of a place.
+std::vector<Eigen::Vector3f> structure_of(const Mapping& part, const Pose& T_map_place) {
+  std::vector<Eigen::Vector3f> points_m = part.planes().points_m();
+  const std::vector<Eigen::Vector3f> edges_m = part.edges().points_m();
+  points_m.insert(points_m.end(), edges_m.begin(), edges_m.end());
+  return upright_structure_m(in_frame(points_m, T_map_place));
+}
+
+std::vector<Eigen::Vector3f> upright_features(const MapFeatures& features) {
+  std::vector<Eigen::Vector3f> result;
+  // Every other one: enough to find the place.
+  for (const auto* kind : {&features.edges, &features.surfaces_to_locate}) {
+    for (std::size_t i = 0; i < kind->size(); i += 2) result.push_back((*kind)[i].point_m);
+  }
+  return result;
+}
+
+std::vector<FoundLoop> loops_at_candidate(const LoopSearchSpace& space,
+                                          const LoopCandidate& candidate) {
+  const Pose& T_map_place = space.graph.T_map_node[candidate.node];
+  const Mapping part = part_about(space, T_map_place);
+  std::vector<FoundLoop> result;
+  const std::vector<PlacedPoints> places =
+      search_place(structure_of(part, T_map_place), upright_features(space.features),
+                   {candidate.match.yaw_rad, kMaxShift_m, kMaxTurn_rad});
+  for (const PlacedPoints& placed : places) {
+    if (placed.share < kWorthVerifying * places.front().share) break;
+    const auto loop = verified(space, candidate.node, part, T_map_place * placed.T_place_sensor);
+    if (loop) result.push_back(*loop);
+  }
+  return result;
+}
+
+bool is_elsewhere(const FoundLoop& a, const FoundLoop& b) {
+  return (a.T_map_last.translation() - b.T_map_last.translation()).norm() >= kOtherPlace_m;
+}
+
+}  // namespace
+
+Surroundings loop_surroundings(const Pose& T_map_place) {
+  constexpr float kRadius_m = 45.0F;
+  return {T_map_place.translation().cast<float>(), kRadius_m};
+}
+
+std::optional<FoundLoop> loop_at(const LoopSearchSpace& space, const Pose& T_map_last_believed) {
+  std::optional<std::size_t> nearest;
+  double nearest_m = kNearNode_m;
+  for (std::size_t node = 0; node < space.old_nodes; ++node) {
+    const double distance_m =
+        (space.graph.T_map_node[node].translation() - T_map_last_believed.translation()).norm();
+    if (distance_m >= nearest_m) continue;
+    nearest = node;
+    nearest_m = distance_m;
+  }
+  if (!nearest) return std::nullopt;
+  return verified(space, *nearest, part_about(space, T_map_last_believed), T_map_last_believed);
+}
+
+LoopSearchResult search_loop(const LoopSearchSpace& space) {
+  LoopSearchResult result;
+  result.loop = loop_at(space, space.graph.T_map_node.back());
+  if (result.loop) {
+    result.status = LoopStatus::kAwaitsOthers;
+    result.candidates = 1;
+    return result;
+  }
+  const std::vector<LoopCandidate> candidates =
+      loop_candidates(space.graph, space.contexts, space.drift, space.old_nodes, kMaxCandidates);
+  result.candidates = static_cast<int>(candidates.size());
+  if (candidates.empty()) return result;
+  std::vector<FoundLoop> loops;
+  for (const LoopCandidate& candidate : candidates) {
+    const std::vector<FoundLoop> found = loops_at_candidate(space, candidate);
+    loops.insert(loops.end(), found.begin(), found.end());
+  }
+  result.status = LoopStatus::kNotVerified;
+  if (loops.empty()) return result;
+  const auto fits_worse = [](const FoundLoop& a, const FoundLoop& b) {
+    return a.overlap < b.overlap;
+  };
+  const FoundLoop best = *std::max_element(loops.begin(), loops.end(), fits_worse);
+  const bool ambiguous = std::any_of(loops.begin(), loops.end(), [&](const FoundLoop& other) {
+    return is_elsewhere(other, best) && other.overlap >= kAmbiguousShare * best.overlap;
+  });
+  result.status = ambiguous ? LoopStatus::kAmbiguous : LoopStatus::kAwaitsOthers;
+  if (!ambiguous) result.loop = best;
+  return result;
+}
+
+}  // namespace hqslam::slam

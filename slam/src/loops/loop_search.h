@@ -1,0 +1,53 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "hqslam/slam/loop_report.h"
+#include "hqslam/slam/mapping.h"
+#include "loops/loop_candidates.h"
+#include "loops/loop_verification.h"
+#include "loops/pose_graph.h"
+#include "loops/scan_context.h"
+
+namespace hqslam::slam {
+
+/// What a search for loops of the last node is made in.
+struct LoopSearchSpace {
+  const Mapping& mapping;
+  const PoseGraph& graph;
+  const std::vector<ScanContext>& contexts;  ///< one per node
+  const std::vector<PlausibleDrift>& drift;  ///< one per node
+  const MapFeatures& features;               ///< about the last node, in its frame
+  std::size_t old_nodes = 0;                 ///< the first nodes, which are old enough
+  std::uint32_t old_key_frames = 0;          ///< the key frames up to the last of them
+};
+
+/// The last node, recognised at an older place.
+struct FoundLoop {
+  std::size_t node = 0;                ///< the older one
+  Pose T_map_last = Pose::Identity();  ///< where the older part of the map puts the last node
+  double overlap = 0.0;
+};
+
+struct LoopSearchResult {
+  LoopStatus status = LoopStatus::kNoCandidate;
+  int candidates = 0;
+  std::optional<FoundLoop> loop;
+};
+
+/// The part of the map about a place with which a node is compared.
+Surroundings loop_surroundings(const Pose& T_map_place);
+
+/// Looks where the last node is believed to be: nothing if no older node is near, or the features
+/// do not fit the older part of the map there.
+std::optional<FoundLoop> loop_at(const LoopSearchSpace& space, const Pose& T_map_last_believed);
+
+/// Looks where the last node is believed to be, and if it does not fit there, at all places within
+/// reach of plausible drift that look like it. A place counts if the registration is accepted
+/// (verify_loop) and moves the node no farther than plausible. Of several places that fit, none
+/// is taken unless one fits much better than all others.
+LoopSearchResult search_loop(const LoopSearchSpace& space);
+
+}  // namespace hqslam::slam

@@ -1,0 +1,108 @@
+#include "loops/loop_verification.h"
+
+#include <cmath>
+#include <optional>
+
+#include "map/map_matching.h"
+
+namespace hqslam::slam {
+
+namespace {
+
+/// A feature farther than this from its line or plane is not of this place.
+constexpr double kMaxDistance_m = 0.15;
+constexpr double kMaxPlaneResidual_m = 0.2;
+
+// Measured with 16 rows, also with scans that were distorted on purpose: the same place 0.36 to
+// 0.66 and 0.04 to 0.07 m, other places and wrong poses up to 0.33 and 0.08 m and more.
+constexpr double kMinOverlap = 0.38;
+constexpr double kMaxResidual_m = 0.08;
+
+/// A pose pushed this far comes back to within the second where it cannot slide.
+constexpr double kPush_m = 1.0;
+constexpr double kMaxReturn_m = 0.15;
+
+class FitSum {
+ public:
+  void add(std::optional<double> distance_m) {
+    ++features_;
+    if (!distance_m || *distance_m > kMaxDistance_m) return;
+    ++fitting_;
+    squares_m2_ += *distance_m * *distance_m;
+  }
+  Fit result() const {
+    if (fitting_ == 0) return {};
+    return {static_cast<double>(fitting_) / features_, std::sqrt(squares_m2_ / fitting_)};
+  }
+
+ private:
+  int features_ = 0;
+  int fitting_ = 0;
+  double squares_m2_ = 0.0;
+};
+
+/// A sensor that stands about there.
+MotionState somewhere_near(const Pose& T_map_sensor) {
+  MotionState result;
+  result.T_map_sensor = T_map_sensor;
+  return result;
+}
+
+/// Whether the pose could as well lie ahead or to the side: along a corridor every place fits, and
+/// the few edges that noise makes of its walls hold the pose wherever it happens to be.
+bool slides(const MapFeatures& features, const Mapping& older_part, const Pose& T_map_sensor) {
+  for (const int axis : {0, 1}) {
+    const Pose pushed = T_map_sensor * Eigen::Translation3d(kPush_m * Eigen::Vector3d::Unit(axis));
+    const Pose returned =
+        older_part.locate(features, somewhere_near(pushed), pushed).state.T_map_sensor;
+    if ((returned.translation() - T_map_sensor.translation()).norm() > kMaxReturn_m) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+Fit fit_of(const MapFeatures& features, const Mapping& map, const Pose& T_map_sensor) {
+  FitSum sum;
+  for (const FeaturePoint& feature : features.edges) {
+    const Eigen::Vector3d point_m = T_map_sensor * feature.point_m.cast<double>();
+    const auto line = fit_line(map.edges().nearest(point_m.cast<float>()));
+    sum.add(line ? std::optional(line->direction.cross(point_m - line->point_m).norm())
+                 : std::nullopt);
+  }
+  for (const FeaturePoint& feature : features.surfaces_to_locate) {
+    const Eigen::Vector3d point_m = T_map_sensor * feature.point_m.cast<double>();
+    const auto plane = fit_plane(map.planes().nearest(point_m.cast<float>()), kMaxPlaneResidual_m);
+    sum.add(plane ? std::optional(std::abs(plane->normal.dot(point_m - plane->point_m)))
+                  : std::nullopt);
+  }
+  return sum.result();
+}
+
+VerifiedLoop verify_loop(const MapFeatures& features, const Mapping& older_part,
+                         const Pose& T_map_sensor_start) {
+  VerifiedLoop result;
+  const auto locate = [&](const Pose& T_map_sensor) {
+    return older_part.locate(features, somewhere_near(T_map_sensor), T_map_sensor);
+  };
+  MappingResult located = locate(T_map_sensor_start);
+  if (located.status == Status::kNotConverged) located = locate(located.state.T_map_sensor);
+  result.T_map_sensor = located.state.T_map_sensor;
+  // Where the pose can slide, edges that are none keep it moving to and fro.
+  const bool settled = located.status == Status::kOk || located.status == Status::kDegenerate;
+  if (!settled) return result;
+  result.fit = fit_of(features, older_part, located.state.T_map_sensor);
+  if (result.fit.overlap < kMinOverlap) {
+    result.verdict = LoopVerdict::kLittleOverlap;
+  } else if (result.fit.residual_m > kMaxResidual_m) {
+    result.verdict = LoopVerdict::kLargeResidual;
+  } else if (located.status == Status::kDegenerate ||
+             slides(features, older_part, located.state.T_map_sensor)) {
+    result.verdict = LoopVerdict::kNotObservable;
+  } else {
+    result.verdict = LoopVerdict::kAccepted;
+  }
+  return result;
+}
+
+}  // namespace hqslam::slam

@@ -1,0 +1,202 @@
+#include "map/map_constraints.h"
+
+#include <cmath>
+#include <optional>
+
+#include "alignment/robust_weights.h"
+#include "hqslam/slam/motion_correction.h"
+
+namespace hqslam::slam {
+
+namespace {
+
+constexpr double kMinWeight = 0.1;
+/// Cosine of the steepest ground's angle with the sensor's.
+constexpr double kMinGroundUprightness = 0.9;
+/// So many points of the ground tell the height well enough to ask nothing else about it.
+constexpr int kMinGroundConstraints = 100;
+/// Of the angle between two directions that make a plane.
+constexpr double kMinSine = 0.5;
+
+std::optional<EdgeConstraints> match_edge(const std::optional<MapLine>& line,
+                                          const Eigen::Vector3d& rotated_m,
+                                          const Eigen::Vector3d& origin_m) {
+  if (!line) return std::nullopt;
+  const Eigen::Vector3d on_line_m = line->point_m - origin_m;
+  const double distance_m = line->direction.cross(rotated_m - on_line_m).norm();
+  const double weight = 1.0 - 0.9 * distance_m;
+  if (weight < kMinWeight) return std::nullopt;
+  return edge_constraints(rotated_m, on_line_m, line->direction, weight);
+}
+
+/// The plane of a surface of which the map knows a line, and another direction is known.
+std::optional<MapPlane> plane_through(const MapLine& line, const Eigen::Vector3d& direction) {
+  const Eigen::Vector3d normal = line.direction.cross(direction);
+  if (!(normal.norm() > kMinSine)) return std::nullopt;
+  return MapPlane{line.point_m, normal.normalized()};
+}
+
+/// The plane itself, or that through the line and `direction`.
+std::optional<MapPlane> completed(const std::optional<MapSurface>& surface,
+                                  const Eigen::Vector3d& direction) {
+  if (!surface) return std::nullopt;
+  if (const auto* plane = std::get_if<MapPlane>(&*surface)) return *plane;
+  return plane_through(std::get<MapLine>(*surface), direction);
+}
+
+std::optional<PlaneConstraint> match_surface(const std::optional<MapPlane>& plane,
+                                             const Eigen::Vector3d& rotated_m,
+                                             const Eigen::Vector3d& origin_m) {
+  if (!plane) return std::nullopt;
+  const double offset_m = plane->normal.dot(plane->point_m - origin_m);
+  const double distance_m = std::abs(plane->normal.dot(rotated_m) - offset_m);
+  const double weight = 1.0 - 0.9 * distance_m / std::sqrt(rotated_m.norm());
+  if (weight < kMinWeight) return std::nullopt;
+  return PlaneConstraint{rotated_m, plane->normal, offset_m, weight};
+}
+
+/// Keeps of a ground plane what it tells about height, roll and pitch.
+///
+/// A ring on the ground lies in the map beside the rings of earlier scans. The slope of a plane
+/// through points of two rings a few decimetres apart is mostly noise, and its horizontal part
+/// pulls the scan's ring towards the map's: against the motion. So the normal n is replaced by its
+/// part along the sensor's vertical u, n' = (n . u) u, with the distance of the point left as it
+/// is.
+std::optional<PlaneConstraint> upright(std::optional<PlaneConstraint> ground,
+                                       const Eigen::Vector3d& vertical) {
+  if (!ground) return std::nullopt;
+  const double distance_m = ground->normal.dot(ground->point_m) - ground->offset_m;
+  const double share = ground->normal.dot(vertical);
+  if (std::abs(share) < kMinGroundUprightness) return std::nullopt;
+  ground->normal = share * vertical;
+  ground->offset_m = ground->normal.dot(ground->point_m) - distance_m;
+  return ground;
+}
+
+/// Keeps of a surface's plane what it tells about x, y, yaw and, by its lever, roll and pitch.
+///
+/// What is not ground stands upright, mostly. Where it does not - kerbs, cars, leaves, ground that
+/// was not recognised - five points of rows that are far apart make a slope of chance, and slopes
+/// of chance, all of them seen from the same side, tilt the map scan by scan. So the normal n loses
+/// its part along the sensor's vertical u, n' = n - (n . u) u, with the distance of the point left
+/// as it is: height comes from the ground alone.
+std::optional<PlaneConstraint> horizontal(std::optional<PlaneConstraint> surface,
+                                          const Eigen::Vector3d& vertical) {
+  if (!surface) return std::nullopt;
+  const double distance_m = surface->normal.dot(surface->point_m) - surface->offset_m;
+  surface->normal -= surface->normal.dot(vertical) * vertical;
+  surface->offset_m = surface->normal.dot(surface->point_m) - distance_m;
+  return surface;
+}
+
+/// One constraint or none per feature, searched in parallel: constrain(i, fit, rotated_m).
+template <typename Fit, int kNeighbours, typename Make, typename Constrain>
+auto find_all(SearchedFeatures<Fit, kNeighbours>& searched, const MapSearch& search,
+              const FeatureMap& map, const Make& make, const Constrain& constrain) {
+  const std::vector<Eigen::Vector3f> points_m =
+      motion_corrected(searched.features, search.velocity);
+  const Eigen::Matrix3d rotation = search.T_map_sensor.linear();
+  const Eigen::Vector3d origin_m = search.T_map_sensor.translation();
+  std::vector<decltype(constrain(std::size_t(), std::optional<Fit>(), Eigen::Vector3d()))> found(
+      points_m.size());
+#pragma omp parallel for schedule(static)
+  for (std::size_t i = 0; i < points_m.size(); ++i) {
+    const Eigen::Vector3d rotated_m = rotation * points_m[i].cast<double>();
+    const Eigen::Vector3f query_m = (rotated_m + origin_m).cast<float>();
+    found[i] = constrain(i, searched.nearby[i].at(map, query_m, search.reach_m, make), rotated_m);
+  }
+  return found;
+}
+
+/// The ground. A line that a row drew on it is completed by the slope that the scan itself saw
+/// there. Such planes are made of chords between rows that may be metres apart, so they only count
+/// while they are most of what there is: in a map of few scans. There they keep a sensor that sets
+/// out from tilting, with the map, by tenths of a degree.
+std::vector<std::optional<PlaneConstraint>> ground_constraints(SearchedFeatures<MapSurface>& ground,
+                                                               const MapSearch& search,
+                                                               const FeatureMap& planes,
+                                                               const MappingOptions& options) {
+  const Eigen::Vector3d origin_m = search.T_map_sensor.translation();
+  const Eigen::Matrix3d rotation = search.T_map_sensor.linear();
+  std::vector<std::uint8_t> by_line(ground.features.size(), 0);
+  auto found = find_all(
+      ground, search, planes,
+      [&](const Neighbours& near) { return fit_surface(near, options.max_ground_residual_m); },
+      [&](std::size_t i, const std::optional<MapSurface>& near, const Eigen::Vector3d& rotated_m) {
+        by_line[i] = near && std::holds_alternative<MapLine>(*near) ? 1 : 0;
+        const Eigen::Vector3d slope = rotation * ground.features[i].slope.cast<double>();
+        return upright(match_surface(completed(near, slope), rotated_m, origin_m), rotation.col(2));
+      });
+  int by_plane = 0;
+  int by_lines = 0;
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    if (found[i]) ++(by_line[i] != 0 ? by_lines : by_plane);
+  }
+  for (std::size_t i = 0; i < found.size() && by_plane > by_lines; ++i) {
+    if (by_line[i] != 0) found[i].reset();
+  }
+  return found;
+}
+
+/// Surfaces. A line that a row drew on one is completed to the most upright plane through it.
+std::vector<std::optional<PlaneConstraint>> surface_constraints(
+    SearchedFeatures<MapSurface>& surfaces, const MapSearch& search, const FeatureMap& planes,
+    const MappingOptions& options, bool ground_tells_height) {
+  const Eigen::Vector3d origin_m = search.T_map_sensor.translation();
+  const Eigen::Vector3d vertical = search.T_map_sensor.linear().col(2);
+  return find_all(
+      surfaces, search, planes,
+      [&](const Neighbours& near) { return fit_surface(near, options.max_plane_residual_m); },
+      [&](std::size_t, const std::optional<MapSurface>& near, const Eigen::Vector3d& rotated_m) {
+        const auto constraint = match_surface(completed(near, vertical), rotated_m, origin_m);
+        return ground_tells_height ? horizontal(constraint, vertical) : constraint;
+      });
+}
+
+std::vector<std::optional<EdgeConstraints>> edge_constraints_of(SearchedFeatures<MapLine>& edges,
+                                                                const MapSearch& search,
+                                                                const FeatureMap& map) {
+  const Eigen::Vector3d origin_m = search.T_map_sensor.translation();
+  return find_all(
+      edges, search, map, fit_line,
+      [&](std::size_t, const std::optional<MapLine>& line, const Eigen::Vector3d& rotated_m) {
+        return match_edge(line, rotated_m, origin_m);
+      });
+}
+
+/// Posts. A row sees one point of each, which tells where the post stands and nothing about height:
+/// it belongs on the upright line through the nearest one of the map.
+std::vector<std::optional<EdgeConstraints>> post_constraints(
+    SearchedFeatures<Eigen::Vector3d, 1>& posts, const MapSearch& search, const FeatureMap& map) {
+  const Eigen::Vector3d origin_m = search.T_map_sensor.translation();
+  const Eigen::Vector3d vertical = search.T_map_sensor.linear().col(2);
+  return find_all(
+      posts, search, map,
+      [](const Neighbours& near) {
+        return std::optional<Eigen::Vector3d>(near.points_m[0].cast<double>());
+      },
+      [&](std::size_t, const std::optional<Eigen::Vector3d>& post_m,
+          const Eigen::Vector3d& rotated_m) -> std::optional<EdgeConstraints> {
+        if (!post_m) return std::nullopt;
+        return edge_constraints(rotated_m, *post_m - origin_m, vertical, 1.0);
+      });
+}
+
+}  // namespace
+
+ConstraintList map_constraints(LocatedScan& scan, const MapSearch& search, const MapParts& map,
+                               const MappingOptions& options) {
+  ConstraintList list;
+  const auto add = [&](auto found) {
+    weigh_by_noise(found, options.trusted_residual_m, search.trust_near);
+    list.add(found);
+  };
+  add(ground_constraints(scan.ground, search, map.planes, options));
+  const bool ground_tells_height = list.planes >= kMinGroundConstraints;
+  add(surface_constraints(scan.surfaces, search, map.planes, options, ground_tells_height));
+  add(edge_constraints_of(scan.edges, search, map.edges));
+  add(post_constraints(scan.posts, search, map.posts));
+  return list;
+}
+
+}  // namespace hqslam::slam

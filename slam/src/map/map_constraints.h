@@ -1,0 +1,52 @@
+#pragma once
+
+#include <vector>
+
+#include "alignment/rigid_alignment.h"
+#include "hqslam/slam/mapping.h"
+#include "map/map_matching.h"
+#include "map/nearby_fit.h"
+
+namespace hqslam::slam {
+
+/// A kind of features with what is near each of them in the map.
+template <typename Fit, int kNeighbours = Neighbours::kWanted>
+struct SearchedFeatures {
+  const std::vector<FeaturePoint>& features;
+  std::vector<NearbyFit<Fit, kNeighbours>> nearby;
+
+  explicit SearchedFeatures(const std::vector<FeaturePoint>& searched)
+      : features(searched), nearby(searched.size()) {}
+};
+
+/// The features of a scan while it is located.
+struct LocatedScan {
+  SearchedFeatures<MapSurface> ground;
+  SearchedFeatures<MapSurface> surfaces;
+  SearchedFeatures<MapLine> edges;
+  SearchedFeatures<Eigen::Vector3d, 1> posts;  ///< with the nearest post of the map
+};
+
+/// What it is located in.
+struct MapParts {
+  const FeatureMap& edges;
+  const FeatureMap& posts;
+  const FeatureMap& planes;
+};
+
+/// Where a scan is believed to be, and how far about its features the map is searched: five
+/// neighbours that are farther apart are seldom of one surface.
+struct MapSearch {
+  Pose T_map_sensor;
+  Twist velocity;  ///< a second
+  double reach_m;
+  bool trust_near;  ///< take weight from features far from their line or plane
+};
+
+/// What the map says about where a scan is: per feature that finds its line or plane, constraints
+/// of the motion that remains, in axes of the map with search.T_map_sensor's position as origin
+/// (points are R p, planes are moved by -t). Features are searched in parallel.
+ConstraintList map_constraints(LocatedScan& scan, const MapSearch& search, const MapParts& map,
+                               const MappingOptions& options);
+
+}  // namespace hqslam::slam

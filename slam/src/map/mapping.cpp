@@ -1,0 +1,159 @@
+#include "hqslam/slam/mapping.h"
+
+#include <algorithm>
+#include <iterator>
+#include <optional>
+
+#include "alignment/rigid_alignment.h"
+#include "alignment/scan_information.h"
+#include "front_end/voxel_thinning.h"
+#include "hqslam/slam/motion_correction.h"
+#include "map/map_constraints.h"
+
+namespace hqslam::slam {
+
+namespace {
+
+/// Searches of wide reach, before the pose is good enough for the narrow one.
+constexpr int kWideSearches = 2;
+
+std::vector<FeaturePoint> measured(const std::vector<FeaturePoint>& features,
+                                   const std::optional<RowSelection>& rows) {
+  if (!rows) return features;
+  std::vector<FeaturePoint> result;
+  std::copy_if(features.begin(), features.end(), std::back_inserter(result),
+               [&](const FeaturePoint& feature) { return rows->contains(feature.row); });
+  return result;
+}
+
+}  // namespace
+
+MapFeatures map_features(const Features& features, const std::optional<RowSelection>& measured_rows,
+                         const MappingOptions& options) {
+  MapFeatures result;
+  result.edges = thin(measured(features.edges, measured_rows), options.edge_leaf_m);
+  result.posts = measured(features.posts, measured_rows);
+  result.ground = thin(measured(features.ground, measured_rows), options.planar_leaf_m);
+  result.surfaces = thin(measured(features.surfaces, measured_rows), options.planar_leaf_m);
+  result.ground_to_locate = thin(result.ground, options.located_planar_leaf_m);
+  result.surfaces_to_locate = thin(result.surfaces, options.located_planar_leaf_m);
+  return result;
+}
+
+Mapping::Mapping(const MappingOptions& options)
+    : options_(options),
+      edges_(options.edge_leaf_m, options.max_neighbour_distance_m),
+      posts_(options.edge_leaf_m, options.max_neighbour_distance_m),
+      planes_(options.planar_leaf_m, options.max_neighbour_distance_m) {}
+
+MappingResult Mapping::locate(const MapFeatures& features, const MotionState& expected,
+                              const Pose& T_map_sensor_start) const {
+  const auto feature_count =
+      static_cast<double>(features.edges.size() + features.posts.size() +
+                          features.ground_to_locate.size() + features.surfaces_to_locate.size());
+  MappingResult result;
+  const ExpectedState prior(expected);
+  result.state = prior.given(T_map_sensor_start);
+  LocatedScan scan{SearchedFeatures<MapSurface>(features.ground_to_locate),
+                   SearchedFeatures<MapSurface>(features.surfaces_to_locate),
+                   SearchedFeatures<MapLine>(features.edges),
+                   SearchedFeatures<Eigen::Vector3d, 1>(features.posts)};
+  bool narrow_suffices = true;
+  for (int iteration = 0; iteration < options_.max_iterations; ++iteration) {
+    const bool narrow = iteration >= kWideSearches && narrow_suffices;
+    const double reach_m =
+        narrow ? options_.close_neighbour_distance_m : options_.max_neighbour_distance_m;
+    const ConstraintList constraints =
+        map_constraints(scan, {result.state.T_map_sensor, result.state.velocity, reach_m, narrow},
+                        {edges_, posts_, planes_}, options_);
+    const int matched = constraints.edges + constraints.planes;
+    const bool enough = matched >= options_.min_correspondences &&
+                        matched >= options_.min_matched_share * feature_count;
+    const Pose before = result.state.T_map_sensor;
+    const ScanInformation told = scan_information(constraints.all, before.linear());
+    const bool tells_all =
+        observability(constraints.all, FreeParameters::kAll).degenerate_directions == 0;
+    if (narrow && (!enough || !tells_all)) {
+      narrow_suffices = false;
+      continue;
+    }
+    result.edge_correspondences = constraints.edges;
+    result.planar_correspondences = constraints.planes;
+    if (!enough) {
+      result.state = expected;
+      result.status = Status::kTooFewFeatures;
+      return result;
+    }
+    result.state = prior.improved(result.state, told);
+    const Pose change = before.inverse() * result.state.T_map_sensor;
+    const bool converged = rotation_angle_rad(change) < options_.converged_rotation_rad &&
+                           change.translation().norm() < options_.converged_translation_m;
+    result.status = !tells_all  ? Status::kDegenerate
+                    : converged ? Status::kOk
+                                : Status::kNotConverged;
+    if (converged && (narrow || !narrow_suffices)) break;
+  }
+  result.state.T_map_sensor = orthonormalized(result.state.T_map_sensor);
+  return result;
+}
+
+bool Mapping::is_key_frame(const Pose& T_map_sensor) const {
+  if (key_frames_ == 0) return true;
+  const Pose motion = T_map_last_key_frame_.inverse() * T_map_sensor;
+  return motion.translation().norm() >= options_.key_frame_translation_m ||
+         rotation_angle_rad(motion) >= options_.key_frame_rotation_rad;
+}
+
+void Mapping::insert(const MapFeatures& features, const Pose& T_map_sensor, const Twist& velocity) {
+  const auto in_map = [&](const std::vector<FeaturePoint>& points) {
+    std::vector<Eigen::Vector3f> result = motion_corrected(points, velocity);
+    for (Eigen::Vector3f& point_m : result) {
+      point_m = (T_map_sensor * point_m.cast<double>()).cast<float>();
+    }
+    return result;
+  };
+  edges_.insert(in_map(features.edges), key_frames_);
+  posts_.insert(in_map(features.posts), key_frames_);
+  planes_.insert(in_map(features.ground), key_frames_);
+  planes_.insert(in_map(features.surfaces), key_frames_);
+  if (key_frames_ > 0) {
+    path_m_ += (T_map_sensor.translation() - T_map_last_key_frame_.translation()).norm();
+  }
+  T_map_last_key_frame_ = T_map_sensor;
+  ++key_frames_;
+  lay_aside_old_map();
+}
+
+void Mapping::lay_aside_old_map() {
+  recent_path_m_.push_back(path_m_);
+  while (recent_path_m_.front() < path_m_ - options_.recent_path_m) recent_path_m_.pop_front();
+  const auto oldest_recent = key_frames_ - static_cast<std::uint32_t>(recent_path_m_.size());
+  edges_.lay_aside_before(oldest_recent);
+  posts_.lay_aside_before(oldest_recent);
+  planes_.lay_aside_before(oldest_recent);
+}
+
+Mapping Mapping::older_part(const Surroundings& place, std::uint32_t key_frames) const {
+  Mapping result(options_);
+  if (key_frames == 0) return result;
+  result.edges_.insert(edges_.points_near_m(place, key_frames - 1));
+  result.posts_.insert(posts_.points_near_m(place, key_frames - 1));
+  result.planes_.insert(planes_.points_near_m(place, key_frames - 1));
+  return result;
+}
+
+void Mapping::recall(const Surroundings& place) {
+  if (key_frames_ == 0) return;
+  edges_.recall(place, key_frames_ - 1);
+  posts_.recall(place, key_frames_ - 1);
+  planes_.recall(place, key_frames_ - 1);
+}
+
+void Mapping::correct(const std::vector<Pose>& corrections) {
+  edges_.correct(corrections);
+  posts_.correct(corrections);
+  planes_.correct(corrections);
+  T_map_last_key_frame_ = orthonormalized(corrections.back() * T_map_last_key_frame_);
+}
+
+}  // namespace hqslam::slam

@@ -1,0 +1,166 @@
+// Ceres first: doctest's CHECK would otherwise be glog's.
+#include "alignment/rigid_alignment.h"
+
+#include <doctest/doctest.h>
+
+#include <random>
+
+using namespace hqslam;
+using slam::FreeParameters;
+using slam::MotionParameters;
+using slam::PlaneConstraint;
+
+namespace {
+
+double random_unit(std::mt19937& generator) {
+  return static_cast<double>(generator() % 20001) / 10000.0 - 1.0;
+}
+
+/// Points of random planes, moved so that `T` brings them onto the planes.
+std::vector<PlaneConstraint> constraints_of(const Pose& T, int count, unsigned seed) {
+  std::mt19937 generator(seed);
+  std::vector<PlaneConstraint> result;
+  for (int i = 0; i < count; ++i) {
+    const Eigen::Vector3d normal = Eigen::Vector3d(random_unit(generator), random_unit(generator),
+                                                   random_unit(generator) + 0.1)
+                                       .normalized();
+    const Eigen::Vector3d on_plane(20 * random_unit(generator), 20 * random_unit(generator),
+                                   3 * random_unit(generator));
+    result.push_back({T.inverse() * on_plane, normal, normal.dot(on_plane), 0.5 + 0.01 * (i % 50)});
+  }
+  return result;
+}
+
+MotionParameters some_parameters() { return {{0.3, -0.4, 0.2}, {0.1, -0.05, 0.08}}; }
+
+}  // namespace
+
+TEST_CASE("parameters and pose are two forms of one motion") {
+  const MotionParameters p = some_parameters();
+  const MotionParameters back = slam::parameters_of(slam::pose_of(p));
+  for (int i = 0; i < 3; ++i) {
+    CHECK(back.in_plane[i] == doctest::Approx(p.in_plane[i]));
+    CHECK(back.out_of_plane[i] == doctest::Approx(p.out_of_plane[i]));
+  }
+}
+
+TEST_CASE("analytic Jacobians equal central differences") {
+  const auto constraints = constraints_of(Pose::Identity(), 40, 1);
+  const slam::PlaneConstraintsCost cost(constraints);
+  MotionParameters p = some_parameters();
+  double* blocks[2] = {p.in_plane, p.out_of_plane};
+  std::vector<double> residuals(40);
+  std::vector<double> in_plane(40 * 3);
+  std::vector<double> out_of_plane(40 * 3);
+  double* jacobians[2] = {in_plane.data(), out_of_plane.data()};
+  REQUIRE(cost.Evaluate(blocks, residuals.data(), jacobians));
+  constexpr double kStep = 1e-6;
+  for (int block = 0; block < 2; ++block) {
+    for (int k = 0; k < 3; ++k) {
+      std::vector<double> above(40);
+      std::vector<double> below(40);
+      blocks[block][k] += kStep;
+      cost.Evaluate(blocks, above.data(), nullptr);
+      blocks[block][k] -= 2 * kStep;
+      cost.Evaluate(blocks, below.data(), nullptr);
+      blocks[block][k] += kStep;
+      for (int i = 0; i < 40; ++i) {
+        const double numeric = (above[i] - below[i]) / (2 * kStep);
+        CHECK(jacobians[block][3 * i + k] == doctest::Approx(numeric).epsilon(1e-6));
+      }
+    }
+  }
+}
+
+TEST_CASE("only the block that is asked for is computed") {
+  const auto constraints = constraints_of(Pose::Identity(), 5, 1);
+  const slam::PlaneConstraintsCost cost(constraints);
+  MotionParameters p = some_parameters();
+  double* blocks[2] = {p.in_plane, p.out_of_plane};
+  std::vector<double> residuals(5);
+  std::vector<double> out_of_plane(15, 0.0);
+  double* jacobians[2] = {nullptr, out_of_plane.data()};
+  REQUIRE(cost.Evaluate(blocks, residuals.data(), jacobians));
+  CHECK(out_of_plane[0] == doctest::Approx(constraints[0].weight * constraints[0].normal.z()));
+}
+
+TEST_CASE("a known motion is found by full steps, not by small fractions of one") {
+  const Pose T = pose_from_xyz_rpy({0.8, -0.3, 0.1}, 0.02, -0.03, 0.15);
+  const auto constraints = constraints_of(T, 300, 2);
+  const Pose found =
+      slam::pose_of(slam::align(constraints, MotionParameters{}, FreeParameters::kAll, 6));
+  CHECK((found.translation() - T.translation()).norm() < 1e-5);
+  CHECK(rotation_angle_rad(found.inverse() * T) < 1e-6);
+}
+
+TEST_CASE("held parameters keep their values, free ones are found") {
+  const MotionParameters truth = some_parameters();
+  const auto constraints = constraints_of(slam::pose_of(truth), 300, 3);
+  MotionParameters start = truth;
+  start.out_of_plane[0] += 0.2;
+  start.out_of_plane[1] += 0.05;
+  const auto found = slam::align(constraints, start, FreeParameters::kOutOfPlane, 8);
+  CHECK(found.in_plane[0] == start.in_plane[0]);
+  CHECK(found.in_plane[2] == start.in_plane[2]);
+  CHECK(found.out_of_plane[0] == doctest::Approx(truth.out_of_plane[0]).epsilon(1e-4));
+  CHECK(found.out_of_plane[1] == doctest::Approx(truth.out_of_plane[1]).epsilon(1e-4));
+}
+
+TEST_CASE("no constraints leave the start") {
+  const auto found = slam::align({}, some_parameters(), FreeParameters::kAll, 5);
+  CHECK(found.in_plane[0] == some_parameters().in_plane[0]);
+}
+
+TEST_CASE("a corridor does not tell the motion along it, and that motion is held") {
+  // Walls left and right, a floor: normals along y and z only.
+  std::vector<PlaneConstraint> corridor;
+  std::mt19937 generator(4);
+  for (int i = 0; i < 300; ++i) {
+    const Eigen::Vector3d p(10 * random_unit(generator), i % 3 == 0 ? -3.0 : 3.0,
+                            random_unit(generator));
+    corridor.push_back({p, Eigen::Vector3d::UnitY(), p.y() + 0.1, 1.0});
+    const Eigen::Vector3d floor(10 * random_unit(generator), 3 * random_unit(generator), -1.7);
+    corridor.push_back({floor, Eigen::Vector3d::UnitZ(), floor.z() + 0.05, 1.0});
+  }
+  const auto observable = slam::observability(corridor, FreeParameters::kAll, 0.005);
+  CHECK(observable.degenerate_directions == 1);
+  const MotionParameters end = {{5.0, 0.1, 0.01}, {0.05, 0.0, 0.0}};
+  const auto kept = slam::without_unobservable(MotionParameters{}, end, observable);
+  CHECK(std::abs(kept.in_plane[0]) < 0.05);
+  CHECK(kept.in_plane[1] == doctest::Approx(0.1).epsilon(0.02));
+  CHECK(kept.out_of_plane[0] == doctest::Approx(0.05).epsilon(0.02));
+}
+
+TEST_CASE("the degeneracy test does not depend on the number of points") {
+  const auto few = constraints_of(Pose::Identity(), 60, 5);
+  auto many = few;
+  for (int i = 0; i < 20; ++i) many.insert(many.end(), few.begin(), few.end());
+  for (const double share : {0.005, 0.1, 0.2, 0.3}) {
+    CHECK(slam::observability(few, FreeParameters::kAll, share).degenerate_directions ==
+          slam::observability(many, FreeParameters::kAll, share).degenerate_directions);
+  }
+}
+
+TEST_CASE("held parameters are never called degenerate") {
+  std::vector<PlaneConstraint> floor;
+  std::mt19937 generator(6);
+  for (int i = 0; i < 100; ++i) {
+    const Eigen::Vector3d p(10 * random_unit(generator), 10 * random_unit(generator), -1.7);
+    floor.push_back({p, Eigen::Vector3d::UnitZ(), -1.7, 1.0});
+  }
+  CHECK(slam::observability(floor, FreeParameters::kOutOfPlane, 0.005).degenerate_directions == 0);
+  CHECK(slam::observability(floor, FreeParameters::kAll, 0.005).degenerate_directions == 3);
+}
+
+TEST_CASE("an edge feature's two planes measure the distance from its line") {
+  const Eigen::Vector3d on_line(1, 2, 3);
+  const Eigen::Vector3d direction = Eigen::Vector3d(1, 1, 2).normalized();
+  const Eigen::Vector3d point = on_line + 5.0 * direction + 0.3 * direction.unitOrthogonal();
+  const auto planes = slam::edge_constraints(point, on_line, direction, 1.0);
+  double squared_m2 = 0.0;
+  for (const auto& plane : planes) {
+    CHECK(std::abs(plane.normal.dot(direction)) < 1e-12);
+    squared_m2 += std::pow(plane.normal.dot(point) - plane.offset_m, 2);
+  }
+  CHECK(std::sqrt(squared_m2) == doctest::Approx(0.3));
+}

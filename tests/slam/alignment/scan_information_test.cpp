@@ -1,0 +1,120 @@
+// Ceres first: doctest's CHECK would otherwise be glog's.
+#include "alignment/scan_information.h"
+
+#include <doctest/doctest.h>
+
+#include <Eigen/Cholesky>
+#include <cmath>
+#include <random>
+
+using namespace hqslam;
+using slam::ExpectedState;
+using slam::Matrix6;
+using slam::MotionState;
+using slam::PlaneConstraint;
+using slam::ScanInformation;
+using slam::Vector6;
+
+namespace {
+
+constexpr double kSigma_m = 0.02;
+
+double random_unit(std::mt19937& generator) {
+  return static_cast<double>(generator() % 20001) / 10000.0 - 1.0;
+}
+
+/// Points on random planes about a sensor with this orientation.
+std::vector<PlaneConstraint> constraints_about(const Eigen::Matrix3d& R, int count) {
+  std::mt19937 generator(7);
+  const auto random = [&] {
+    return Eigen::Vector3d(random_unit(generator), random_unit(generator), random_unit(generator));
+  };
+  std::vector<PlaneConstraint> result;
+  for (int i = 0; i < count; ++i) {
+    const Eigen::Vector3d point_m = R * (20.0 * random());
+    const Eigen::Vector3d normal = (random() + Eigen::Vector3d(0, 0, 0.1)).normalized();
+    result.push_back({point_m, normal, normal.dot(point_m) + 0.05 * random_unit(generator),
+                      (0.5 + 0.01 * (i % 50)) / kSigma_m});
+  }
+  return result;
+}
+
+/// Half the weighted squares, if the sensor is moved by exp(e) in its own frame.
+double cost(const std::vector<PlaneConstraint>& constraints, const Eigen::Matrix3d& R,
+            const Vector6& e) {
+  Pose T = Pose::Identity();
+  T.linear() = R;
+  const Pose moved = T * exponential(slam::twist_of(e)) * T.inverse();
+  double sum = 0.0;
+  for (const PlaneConstraint& c : constraints) {
+    sum += 0.5 * std::pow(c.weight * (c.normal.dot(moved * c.point_m) - c.offset_m), 2);
+  }
+  return sum;
+}
+
+MotionState standing(double sigma_m, double sigma_mps) {
+  MotionState state;
+  state.covariance.diagonal() << Vector6::Constant(sigma_m * sigma_m),
+      Vector6::Constant(sigma_mps * sigma_mps);
+  return state;
+}
+
+}  // namespace
+
+TEST_CASE("the gradient and the information are those of the weighted squares") {
+  const Eigen::Matrix3d R = pose_from_xyz_rpy({0, 0, 0}, 0.2, -0.4, 1.1).linear();
+  const auto constraints = constraints_about(R, 60);
+  const ScanInformation told = slam::scan_information(constraints, R);
+  constexpr double kStep = 1e-5;
+  for (int i = 0; i < 6; ++i) {
+    const Vector6 e = kStep * Vector6::Unit(i);
+    const double slope = (cost(constraints, R, e) - cost(constraints, R, -e)) / (2 * kStep);
+    CHECK(told.gradient[i] == doctest::Approx(slope).epsilon(1e-5));
+  }
+  // Where all residuals are zero, information is curvature.
+  auto exact = constraints;
+  for (PlaneConstraint& c : exact) c.offset_m = c.normal.dot(c.point_m);
+  const Vector6 e = 1e-4 * (Vector6() << 1, -2, 3, 0.1, 0.2, -0.3).finished();
+  CHECK(
+      cost(exact, R, e) ==
+      doctest::Approx(0.5 * e.dot(slam::scan_information(exact, R).information * e)).epsilon(1e-3));
+}
+
+TEST_CASE("a pose between what is expected and what is seen lies by their variances") {
+  // A wall 0.3 m nearer than expected, known to 0.1 m; the place was expected to 0.2 m.
+  const std::vector<PlaneConstraint> wall = {{{5.0, 0.0, 0.0}, {1.0, 0.0, 0.0}, 5.3, 10.0}};
+  const MotionState expected = standing(0.2, 0.0001);
+  const MotionState found = ExpectedState(expected).improved(
+      expected, slam::scan_information(wall, Eigen::Matrix3d::Identity()));
+  CHECK(found.T_map_sensor.translation().x() == doctest::Approx(0.3 * 0.04 / (0.04 + 0.01)));
+  CHECK(found.covariance(0, 0) == doctest::Approx(0.04 * 0.01 / (0.04 + 0.01)));
+  // Nothing was said about the side.
+  CHECK(found.T_map_sensor.translation().y() == doctest::Approx(0.0));
+  CHECK(found.covariance(1, 1) == doctest::Approx(0.04));
+}
+
+TEST_CASE("a velocity that leads to where the sensor is seen is found with the pose") {
+  // One that moves by an unknown velocity for 0.1 s, and is seen 0.5 m ahead.
+  MotionState start;
+  start.covariance.setZero();
+  start.covariance.diagonal() << Vector6::Constant(1e-8), Vector6::Constant(100.0);
+  const MotionState expected = slam::predicted(start, 0.1, 1.0, Vector6::Constant(1e-6));
+  std::vector<PlaneConstraint> walls;
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const double side : {-5.0, 5.0}) {
+      for (const double aside : {-5.0, 5.0}) {
+        const Eigen::Vector3d normal = Eigen::Vector3d::Unit(axis);
+        const Eigen::Vector3d point_m =
+            side * normal + aside * Eigen::Vector3d::Unit((axis + 1) % 3);
+        walls.push_back({point_m, normal, side + (axis == 0 ? 0.5 : 0.0), 1000.0});
+      }
+    }
+  }
+  const ExpectedState prior(expected);
+  const MotionState found =
+      prior.improved(expected, slam::scan_information(walls, Eigen::Matrix3d::Identity()));
+  CHECK(found.T_map_sensor.translation().x() == doctest::Approx(0.5).epsilon(1e-4));
+  CHECK(found.velocity.linear.x() == doctest::Approx(5.0).epsilon(1e-3));
+  CHECK(found.velocity.linear.y() == doctest::Approx(0.0));
+  CHECK(prior.given(found.T_map_sensor).velocity.linear.x() == doctest::Approx(5.0).epsilon(1e-3));
+}

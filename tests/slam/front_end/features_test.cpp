@@ -1,0 +1,192 @@
+#include "hqslam/slam/features.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <set>
+
+#include "slam/yard.h"
+
+using namespace hqslam;
+
+namespace {
+
+/// One row of a sensor that looks straight ahead, all returns of one cluster.
+struct OneRow {
+  SensorModel sensor;
+  OrganizedCloud cloud;
+  slam::Segmentation segmentation;
+
+  explicit OneRow(const std::vector<float>& range_m) {
+    sensor.columns = static_cast<int>(range_m.size());
+    sensor.beam_elevation_rad = {0.0};
+    sensor.beam_azimuth_offset_rad = {0.0};
+    RangeImage image(1, sensor.columns);
+    image.range_m = range_m;
+    cloud = unproject(image, sensor, CaptureTime::kMotionCorrected);
+    segmentation.pixel_class.assign(range_m.size(), slam::PixelClass::kCluster);
+  }
+  slam::Features features() const { return slam::extract_features(cloud, segmentation, {}); }
+};
+
+slam::Features yard_features(const SensorModel& sensor, const test::Yard& yard) {
+  slam::Segmenter segmenter(sensor, {}, {});
+  const OrganizedCloud cloud = yard.scan(sensor, test::yard_pose(0, 0, 0));
+  return slam::extract_features(cloud, segmenter.segment(cloud), {});
+}
+
+}  // namespace
+
+TEST_CASE("the ground's slope lies in the ground, across the row; nothing else has one") {
+  const SensorModel sensor = test::small_sensor(16, 512);
+  const Pose tilted = pose_from_xyz_rpy({0.0, 0.0, 1.7}, 0.05, -0.03, 0.4);
+  slam::Segmenter segmenter(sensor, {}, {});
+  test::Yard floor;
+  floor.pillars = false;
+  floor.half_length_m = floor.half_width_m = 500.0;
+  const OrganizedCloud cloud = floor.scan(sensor, tilted);
+  const auto features = slam::extract_features(cloud, segmenter.segment(cloud), {});
+  const Eigen::Vector3f up = tilted.linear().transpose().col(2).cast<float>();
+  CHECK(features.ground.size() > 200);
+  for (const auto& point : features.ground) {
+    CHECK(point.slope.norm() == doctest::Approx(1.0));
+    CHECK(std::abs(point.slope.dot(up)) < 0.02F);
+    CHECK(point.slope.head<2>().dot(point.point_m.head<2>().normalized()) > 0.9F);
+  }
+  for (const auto& point : yard_features(sensor, test::Yard()).surfaces)
+    CHECK(point.slope == Eigen::Vector3f::Zero());
+}
+
+TEST_CASE("a circle around the sensor has no edges") {
+  CHECK(OneRow(std::vector<float>(360, 10.0F)).features().edges.empty());
+}
+
+TEST_CASE("the tip of a wedge is the sharpest edge") {
+  std::vector<float> range_m(360, 10.0F);
+  for (int i = -12; i <= 12; ++i) range_m[100 + i] = 9.0F + 0.08F * static_cast<float>(std::abs(i));
+  const OneRow row(range_m);
+  const auto features = row.features();
+  REQUIRE(!features.sharp_edges.empty());
+  CHECK(features.sharp_edges[0].point_m == row.cloud.points_m[100]);
+}
+
+TEST_CASE("the far side of a depth jump is never an edge, the near side may be one") {
+  std::vector<float> range_m(360, 10.0F);
+  for (int i = 100; i < 140; ++i) range_m[i] = 5.0F;
+  const OneRow row(range_m);
+  const auto features = row.features();
+  CHECK(!features.edges.empty());
+  for (const auto& edge : features.edges) CHECK(edge.point_m.norm() == doctest::Approx(5.0));
+}
+
+TEST_CASE("a point whose both neighbours are 2 % away lies along the beam and is no edge") {
+  // From 2 to 9.8 m by steps below the depth jump of 0.3 m and above 2 % of the range. Their size
+  // changes every six points: where it does, the row is bent enough for an edge.
+  constexpr int kBegin = 100;
+  constexpr int kSteps = 30;
+  std::vector<float> range_m(360, 2.0F);
+  for (int i = 0; i < kSteps; ++i) {
+    range_m[kBegin + i + 1] = range_m[kBegin + i] + (i / 6 % 2 == 0 ? 0.29F : 0.23F);
+  }
+  std::fill(range_m.begin() + kBegin + kSteps, range_m.end(), range_m[kBegin + kSteps]);
+  const OneRow row(range_m);
+  for (const auto& edge : row.features().edges) {
+    for (int i = 1; i < kSteps; ++i) CHECK(edge.point_m != row.cloud.points_m[kBegin + i]);
+  }
+}
+
+TEST_CASE("the last point of a section takes part in the choice") {
+  // Sections of 60 points: 119 is the last of the second. A wedge there has its tip at 119.
+  std::vector<float> range_m(360, 10.0F);
+  for (int i = -12; i <= 12; ++i) range_m[119 + i] = 9.0F + 0.08F * static_cast<float>(std::abs(i));
+  const OneRow row(range_m);
+  bool found = false;
+  for (const auto& edge : row.features().sharp_edges) {
+    found = found || edge.point_m == row.cloud.points_m[119];
+  }
+  CHECK(found);
+}
+
+TEST_CASE("a row of fewer than eleven points has no edges and does not crash") {
+  for (const int count : {0, 1, 5, 10}) {
+    std::vector<float> range_m(360, 0.0F);
+    for (int i = 0; i < count; ++i) range_m[i] = 4.0F + static_cast<float>(i % 3);
+    OneRow row(range_m);
+    for (int i = 0; i < 360; ++i) {
+      if (range_m[i] <= 0.0F) row.segmentation.pixel_class[i] = slam::PixelClass::kNoReturn;
+    }
+    CHECK(row.features().edges.empty());
+  }
+}
+
+TEST_CASE("the same relative shape is no edge when it is the curve of a distant wall") {
+  // A wall at 60 m seen at a slant: its curvature is small against its range.
+  std::vector<float> range_m(1024);
+  for (int i = 0; i < 1024; ++i) {
+    const double angle_rad = (i - 512) * 2 * M_PI / 1024;
+    range_m[i] = std::abs(angle_rad) < 1.0 ? static_cast<float>(60.0 / std::cos(angle_rad)) : 0.0F;
+  }
+  OneRow row(range_m);
+  for (int i = 0; i < 1024; ++i) {
+    if (range_m[i] <= 0.0F) row.segmentation.pixel_class[i] = slam::PixelClass::kNoReturn;
+  }
+  CHECK(row.features().edges.empty());
+}
+
+TEST_CASE("edges of a yard lie on its pillars and corners") {
+  const test::Yard yard;
+  const SensorModel sensor = test::small_sensor(32, 1024);
+  const auto features = yard_features(sensor, yard);
+  CHECK(features.sharp_edges.size() > 50);
+  int on_pillar_or_corner = 0;
+  for (const auto& edge : features.sharp_edges) {
+    const Eigen::Vector2d p = edge.point_m.head<2>().cast<double>();
+    bool explained = std::abs(std::abs(p.x()) - yard.half_length_m) < 0.5 &&
+                     std::abs(std::abs(p.y()) - yard.half_width_m) < 0.5;
+    for (int i = -3; i <= 3; ++i) {
+      for (const double side : {-1.0, 1.0}) {
+        explained |= (p - Eigen::Vector2d(8.0 * i + side, side * (9.0 + 0.7 * i))).norm() < 0.6;
+      }
+    }
+    on_pillar_or_corner += explained;
+  }
+  CHECK(on_pillar_or_corner > 0.9 * static_cast<double>(features.sharp_edges.size()));
+}
+
+TEST_CASE("flat points are ground, sharp edges are among the edges, rows rise") {
+  const auto features = yard_features(test::small_sensor(32, 1024), test::Yard());
+  CHECK(features.flat_points.size() > 100);
+  // The lowest point of a wall counts as ground where the floor before it is far away.
+  int on_floor = 0;
+  for (const auto& point : features.flat_points) on_floor += point.point_m.z() < -1.69F;
+  CHECK(on_floor > 0.9 * static_cast<double>(features.flat_points.size()));
+  std::set<std::pair<float, float>> edges;
+  for (const auto& edge : features.edges) edges.emplace(edge.point_m.x(), edge.point_m.y());
+  for (const auto& edge : features.sharp_edges) {
+    CHECK(edges.count({edge.point_m.x(), edge.point_m.y()}) == 1);
+  }
+  for (const auto* kind : {&features.edges, &features.ground, &features.surfaces}) {
+    for (std::size_t i = 1; i < kind->size(); ++i) CHECK((*kind)[i - 1].row <= (*kind)[i].row);
+  }
+}
+
+TEST_CASE("two flat points of a row are never within five points of each other") {
+  const SensorModel sensor = test::small_sensor(16, 720);
+  test::Yard yard;
+  yard.pillars = false;
+  const auto features = yard_features(sensor, yard);
+  REQUIRE(features.flat_points.size() > 20);
+  for (std::size_t i = 0; i < features.flat_points.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      const auto& a = features.flat_points[i];
+      const auto& b = features.flat_points[j];
+      if (a.row != b.row) continue;
+      const int between =
+          std::abs(sensor.column_of(a.row, std::atan2(a.point_m.y(), a.point_m.x())) -
+                   sensor.column_of(b.row, std::atan2(b.point_m.y(), b.point_m.x())));
+      // The chosen are more than five points apart; the last and first point of a row are not
+      // compared.
+      CHECK((between > 5 || between == 0));
+    }
+  }
+}

@@ -1,0 +1,75 @@
+#include "hqslam/slam/motion_correction.h"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <random>
+
+#include "slam/steady_drive.h"
+#include "slam/yard.h"
+
+using namespace hqslam;
+using slam::FeaturePoint;
+
+TEST_CASE("a point without time offset stays where it is") {
+  const Twist velocity{{10, 20, 30}, {1, 2, 3}};
+  const auto corrected = slam::motion_corrected({{{4, 5, 6}, 0.0F, 0}}, velocity);
+  CHECK(corrected[0] == Eigen::Vector3f(4, 5, 6));
+}
+
+TEST_CASE("a sensor at 10 m/s sees a point of the scan's end 0.5 m nearer") {
+  const auto corrected =
+      slam::motion_corrected({{{9.5F, 0, 0}, 0.05F, 0}}, {{10, 0, 0}, {0, 0, 0}});
+  CHECK((corrected[0] - Eigen::Vector3f(10, 0, 0)).norm() < 1e-5F);
+}
+
+TEST_CASE("a sensor that turns on the spot sees a point ahead move to the other side") {
+  // 2 rad/s to the left: after 0.05 s a point at the left stands 0.1 rad less to the left.
+  const Eigen::Vector3f seen(10 * std::cos(0.4F), 10 * std::sin(0.4F), 1.0F);
+  const auto corrected = slam::motion_corrected({{seen, 0.05F, 0}}, {{0, 0, 0}, {0, 0, 2}});
+  const Eigen::Vector3f expected(10 * std::cos(0.5F), 10 * std::sin(0.5F), 1.0F);
+  CHECK((corrected[0] - expected).norm() < 1e-5F);
+}
+
+TEST_CASE("correction is that of a body with a constant twist, for random twists and times") {
+  std::mt19937 generator(3);
+  const auto random = [&] { return static_cast<double>(generator() % 2001) / 1000.0 - 1.0; };
+  for (int trial = 0; trial < 200; ++trial) {
+    const test::SteadyDrive drive{Pose::Identity(),
+                                  {20 * random(), 5 * random(), 5 * random()},
+                                  {2 * random(), 2 * random(), 5 * random() + 1e-3}};
+    const FeaturePoint point{Eigen::Vector3d(20 * random(), 20 * random(), random()).cast<float>(),
+                             static_cast<float>(0.05 * random()), 0};
+    const auto corrected =
+        slam::motion_corrected({point}, {drive.velocity_mps, drive.turn_rad_per_s});
+    const Pose T = drive.at(point.time_offset_s);
+    CHECK((corrected[0].cast<double>() - T * point.point_m.cast<double>()).norm() < 2e-5);
+  }
+}
+
+TEST_CASE("a scan from a sensor that turns, rolls and pitches, corrected, is the walls again") {
+  const SensorModel sensor = test::small_sensor(8, 360);
+  test::Yard yard;
+  yard.pillars = false;
+  const test::SteadyDrive drive{test::yard_pose(3, -2, 0.4), {12, 1, 0.5}, {0.4, -0.3, 1.2}};
+  const OrganizedCloud cloud =
+      yard.rolling_scan(sensor, [&](double time_s) { return drive.at(time_s); });
+  std::vector<FeaturePoint> points;
+  for (std::size_t i = 0; i < cloud.range_m.size(); ++i) {
+    if (cloud.range_m[i] > 0.0F) points.push_back({cloud.points_m[i], cloud.time_offset_s[i], 0});
+  }
+  const auto distance_from_yard = [&](const Eigen::Vector3f& p) {
+    const Eigen::Vector3d in_yard = drive.T_start * p.cast<double>();
+    return std::min({std::abs(in_yard.z()), std::abs(std::abs(in_yard.x()) - yard.half_length_m),
+                     std::abs(std::abs(in_yard.y()) - yard.half_width_m)});
+  };
+  double worst_m = 0.0;
+  double worst_raw_m = 0.0;
+  const Twist velocity{drive.velocity_mps, drive.turn_rad_per_s};
+  for (const auto& p : slam::motion_corrected(points, velocity)) {
+    worst_m = std::max(worst_m, distance_from_yard(p));
+  }
+  for (const auto& p : points) worst_raw_m = std::max(worst_raw_m, distance_from_yard(p.point_m));
+  CHECK(worst_m < 1e-4);
+  CHECK(worst_raw_m > 0.5);
+}

@@ -1,0 +1,123 @@
+#include "front_end/posts.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "hqslam/core/projection.h"
+
+using namespace hqslam;
+
+namespace {
+
+/// One row of a sensor that looks straight ahead at things 10 m away, 0.17 m from column to column.
+struct OneRow {
+  SensorModel sensor;
+  std::vector<float> range_m = std::vector<float>(360, 10.0F);
+  slam::Segmentation segmentation;
+
+  OneRow() {
+    sensor.columns = 360;
+    sensor.beam_elevation_rad = {0.0};
+    sensor.beam_azimuth_offset_rad = {0.0};
+    segmentation.pixel_class.assign(360, slam::PixelClass::kCluster);
+  }
+  void put(int first, int last, float range) {
+    std::fill(range_m.begin() + first, range_m.begin() + last + 1, range);
+    const auto pixel_class =
+        range > 0.0F ? slam::PixelClass::kCluster : slam::PixelClass::kNoReturn;
+    std::fill(segmentation.pixel_class.begin() + first, segmentation.pixel_class.begin() + last + 1,
+              pixel_class);
+  }
+  OrganizedCloud cloud() const {
+    RangeImage image(1, sensor.columns);
+    image.range_m = range_m;
+    return unproject(image, sensor, CaptureTime::kRolling);
+  }
+  std::vector<slam::FeaturePoint> posts() const {
+    return slam::posts_in_row(cloud(), segmentation, 0, 1.0);
+  }
+};
+
+}  // namespace
+
+TEST_CASE("a post is a little behind the mean of what a row sees of it, when its middle was seen") {
+  OneRow row;
+  row.put(100, 102, 5.0F);
+  const OrganizedCloud cloud = row.cloud();
+  const auto posts = row.posts();
+  REQUIRE(posts.size() == 1);
+  const Eigen::Vector3f mean_m =
+      (cloud.points_m[100] + cloud.points_m[101] + cloud.points_m[102]) / 3.0F;
+  const float width_m = (cloud.points_m[102] - cloud.points_m[100]).norm();
+  CHECK(posts[0].point_m.norm() == doctest::Approx(mean_m.norm() + 0.3927F * width_m));
+  CHECK(posts[0].point_m.cross(mean_m).norm() < 1e-4F);
+  CHECK(posts[0].time_offset_s == cloud.time_offset_s[101]);
+  CHECK(posts[0].row == 0);
+}
+
+TEST_CASE("of a trunk that a row sees, the middle is found") {
+  // A circle of 0.3 m radius, 6 m away, seen with beams 0.25 degrees apart.
+  OneRow row;
+  row.sensor.columns = 1440;
+  row.range_m.assign(1440, 50.0F);
+  row.segmentation.pixel_class.assign(1440, slam::PixelClass::kCluster);
+  for (int column = 380; column <= 420; ++column) {
+    const double turn_rad = row.sensor.azimuth_rad(0, column) - row.sensor.azimuth_rad(0, 400);
+    const double beside_m = 6.0 * std::sin(turn_rad);
+    if (std::abs(beside_m) >= 0.3) continue;
+    row.range_m[column] =
+        static_cast<float>(6.0 * std::cos(turn_rad) - std::sqrt(0.09 - beside_m * beside_m));
+  }
+  const auto posts = row.posts();
+  REQUIRE(posts.size() == 1);
+  CHECK(posts[0].point_m.norm() == doctest::Approx(6.0).epsilon(0.003));
+}
+
+TEST_CASE("a single pixel before nothing is a post, wherever clutter or clusters count as such") {
+  OneRow row;
+  row.put(90, 110, 0.0F);
+  row.put(100, 100, 5.0F);
+  CHECK(row.posts().size() == 1);
+  row.segmentation.pixel_class[100] = slam::PixelClass::kOutlier;
+  CHECK(row.posts().size() == 1);
+  row.segmentation.pixel_class[100] = slam::PixelClass::kGround;
+  CHECK(row.posts().empty());
+}
+
+TEST_CASE("what is wider than a metre is no post") {
+  OneRow row;
+  row.put(100, 111, 5.0F);  // 11 steps of 0.087 m
+  CHECK(row.posts().size() == 1);
+  row.put(100, 112, 5.0F);
+  CHECK(row.posts().empty());
+}
+
+TEST_CASE("what something nearer cuts off, and what the seam of the image cuts, is no post") {
+  OneRow row;
+  row.put(100, 102, 5.0F);
+  row.put(103, 140, 3.0F);
+  CHECK(row.posts().empty());
+  OneRow at_seam;
+  at_seam.put(0, 2, 5.0F);
+  at_seam.put(358, 359, 5.0F);
+  CHECK(at_seam.posts().empty());
+}
+
+TEST_CASE("two posts side by side are two where one stands behind the other's gap") {
+  OneRow row;
+  row.put(100, 101, 5.0F);
+  row.put(105, 106, 5.2F);
+  CHECK(row.posts().size() == 2);
+  // Without a gap the nearer one hides the edge of the other.
+  row.put(102, 104, 5.6F);
+  CHECK(row.posts().size() == 2);
+  OneRow touching;
+  touching.put(100, 101, 5.0F);
+  touching.put(102, 103, 5.6F);
+  const auto posts = touching.posts();
+  REQUIRE(posts.size() == 1);
+  CHECK(posts[0].point_m.norm() == doctest::Approx(5.03).epsilon(0.001));
+}

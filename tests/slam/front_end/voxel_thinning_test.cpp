@@ -1,0 +1,92 @@
+#include "front_end/voxel_thinning.h"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <random>
+#include <set>
+#include <tuple>
+
+using hqslam::slam::FeaturePoint;
+using hqslam::slam::thin;
+
+namespace {
+
+std::vector<FeaturePoint> random_points(int count, float extent_m, unsigned seed) {
+  std::mt19937 generator(seed);
+  const auto random = [&] {
+    return extent_m * (static_cast<float>(generator() % 200001) / 100000.0F - 1.0F);
+  };
+  std::vector<FeaturePoint> points(count);
+  for (FeaturePoint& point : points) point.point_m = {random(), random(), random()};
+  return points;
+}
+
+}  // namespace
+
+TEST_CASE("points of one voxel become their mean, in position and time") {
+  const std::vector<FeaturePoint> points = {
+      {{0.01F, 0.01F, 0.01F}, 0.02F, 3}, {{0.03F, 0.05F, 0.01F}, 0.04F, 3}, {{1, 1, 1}, 0.0F, 3}};
+  const auto thinned = hqslam::slam::thin(points, 0.2);
+  REQUIRE(thinned.size() == 2);
+  CHECK((thinned[0].point_m - Eigen::Vector3f(0.02F, 0.03F, 0.01F)).norm() < 1e-6F);
+  CHECK(thinned[0].time_offset_s == doctest::Approx(0.03));
+  CHECK(thinned[0].row == 3);
+  CHECK(thinned[1].point_m == Eigen::Vector3f(1, 1, 1));
+}
+
+TEST_CASE("the slopes of a voxel become their mean direction; none stays none") {
+  const std::vector<FeaturePoint> points = {{{0.01F, 0.01F, 0.01F}, 0.0F, 3, {1, 0, 0}},
+                                            {{0.03F, 0.05F, 0.01F}, 0.0F, 3, {0, 0, 1}},
+                                            {{1, 1, 1}, 0.0F, 3}};
+  const auto thinned = hqslam::slam::thin(points, 0.2);
+  REQUIRE(thinned.size() == 2);
+  const float half = std::sqrt(0.5F);
+  CHECK((thinned[0].slope - Eigen::Vector3f(half, 0.0F, half)).norm() < 1e-6F);
+  CHECK(thinned[1].slope == Eigen::Vector3f::Zero());
+}
+
+TEST_CASE("thinning nothing gives nothing") { CHECK(hqslam::slam::thin({}, 0.2).empty()); }
+
+TEST_CASE("a stray point far away keeps no others from being thinned, nor changes them") {
+  std::vector<FeaturePoint> points = random_points(3000, 1.0F, 1);
+  const std::vector<FeaturePoint> expected = thin(points, 0.2);
+  CHECK(expected.size() < 0.8 * static_cast<double>(points.size()));
+  points.insert(points.begin(), {{5000.0F, 5000.0F, 5000.0F}, 0.0F, 0});
+  const std::vector<FeaturePoint> thinned = thin(points, 0.2);
+  REQUIRE(thinned.size() == expected.size() + 1);
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    CHECK(thinned[i].point_m == expected[i].point_m);
+  }
+  CHECK(thinned.back().point_m == points.front().point_m);
+}
+
+TEST_CASE("points over more voxels than have a number are thinned to one per voxel") {
+  // 10 points in each of some voxels of 0.5 m within 2 km.
+  std::vector<FeaturePoint> points;
+  std::set<std::tuple<float, float, float>> voxels;
+  for (const FeaturePoint& point : random_points(500, 1000.0F, 2)) {
+    const Eigen::Array3f first_m = 0.5F * (2.0F * point.point_m.array()).floor();
+    voxels.emplace(first_m.x(), first_m.y(), first_m.z());
+    for (int i = 0; i < 10; ++i) {
+      points.push_back({first_m + 0.01F + 0.04F * static_cast<float>(i), 0.0F, 0});
+    }
+  }
+  const std::vector<FeaturePoint> thinned = thin(points, 0.5);
+  CHECK(thinned.size() == voxels.size());
+  for (const FeaturePoint& point : thinned) {
+    const Eigen::Array3f first_m = 0.5F * (2.0F * point.point_m.array()).floor();
+    CHECK(voxels.count({first_m.x(), first_m.y(), first_m.z()}) == 1);
+  }
+}
+
+TEST_CASE("points that are not finite, or a million voxels away, are left out") {
+  const float nan = std::nanf("");
+  const std::vector<FeaturePoint> points = {{{1.0F, 2.0F, 3.0F}, 0.0F, 0},
+                                            {{nan, 0.0F, 0.0F}, 0.0F, 0},
+                                            {{0.0F, 2.1e5F, 0.0F}, 0.0F, 0},
+                                            {{0.0F, 0.0F, -3e38F}, 0.0F, 0}};
+  const std::vector<FeaturePoint> thinned = thin(points, 0.2);
+  REQUIRE(thinned.size() == 1);
+  CHECK(thinned[0].point_m == points[0].point_m);
+}

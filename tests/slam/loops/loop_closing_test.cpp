@@ -1,0 +1,137 @@
+#include "loops/loop_closing.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+
+#include "slam/village.h"
+#include "slam/yard.h"
+
+using namespace hqslam;
+using slam::LoopStatus;
+using slam::Status;
+
+namespace {
+
+/// A way as it was estimated, key frame by key frame, with what loop closing made of it.
+struct Driven {
+  std::vector<Pose> T_map_sensor;
+  std::vector<slam::LoopReport> reports;
+  std::vector<Eigen::Vector3f> map_points_m;
+
+  int count(LoopStatus status) const {
+    return static_cast<int>(
+        std::count_if(reports.begin(), reports.end(),
+                      [&](const slam::LoopReport& report) { return report.status == status; }));
+  }
+};
+
+struct Estimate {
+  Pose error_per_step = Pose::Identity();
+  Status status = Status::kOk;
+  bool closes_loops = true;
+};
+
+/// Drives a circuit with an odometry that adds an error to every step; the map is built from that.
+Driven drive(const test::Circuit& circuit, const Estimate& estimate) {
+  const SensorModel sensor = test::small_sensor(16, 256);
+  slam::Mapping mapping{slam::MappingOptions{}};
+  slam::LoopClosing loop_closing;
+  Driven driven;
+  const std::vector<Pose>& truth = circuit.T_village_sensor;
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    const Pose T_map_sensor = i == 0 ? Pose::Identity()
+                                     : driven.T_map_sensor.back() * truth[i - 1].inverse() *
+                                           truth[i] * estimate.error_per_step;
+    const OrganizedCloud cloud = circuit.village.scan(sensor, truth[i]);
+    const slam::MapFeatures features = test::features_of(cloud, sensor);
+    const Twist standing;
+    mapping.insert(features, T_map_sensor, standing);
+    driven.T_map_sensor.push_back(T_map_sensor);
+    if (!estimate.closes_loops) continue;
+    const slam::LoopResult result = loop_closing.process(
+        {cloud, features, standing, T_map_sensor, estimate.status, i}, mapping);
+    driven.reports.push_back(result.report);
+    if (result.corrections.empty()) continue;
+    mapping.correct(result.corrections);
+    for (std::size_t k = 0; k <= i; ++k) {
+      driven.T_map_sensor[k] = result.corrections[k] * driven.T_map_sensor[k];
+    }
+  }
+  driven.map_points_m = mapping.planes().points_m();
+  return driven;
+}
+
+double worst_error_m(const Driven& driven, const std::vector<Pose>& truth) {
+  double worst_m = 0.0;
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    const Pose T_map_sensor = truth.front().inverse() * truth[i];
+    worst_m = std::max(worst_m,
+                       (driven.T_map_sensor[i].translation() - T_map_sensor.translation()).norm());
+  }
+  return worst_m;
+}
+
+/// How far the end of the way is from where it was passed first, beyond what is true.
+double closing_error_m(const Driven& driven, const std::vector<Pose>& truth) {
+  const std::size_t last = truth.size() - 1;
+  const auto distance_m = [&](const Pose& pose) {
+    return (pose.translation() - truth[last].translation()).norm();
+  };
+  const auto middle = truth.begin() + static_cast<std::ptrdiff_t>(last / 2);
+  const auto nearest = std::min_element(truth.begin(), middle, [&](const Pose& a, const Pose& b) {
+    return distance_m(a) < distance_m(b);
+  });
+  const auto first = static_cast<std::size_t>(nearest - truth.begin());
+  const Pose T_true = truth[first].inverse() * truth[last];
+  const Pose T_estimated = driven.T_map_sensor[first].inverse() * driven.T_map_sensor[last];
+  return (T_estimated.translation() - T_true.translation()).norm();
+}
+
+}  // namespace
+
+TEST_CASE("a way that drifts by metres is closed, and path and map become right") {
+  const test::Circuit circuit = test::circuit();
+  const Pose error = pose_from_xyz_rpy({0.0, 0.0, 0.004}, 0.0, 0.0, 0.0003);
+  const Driven open = drive(circuit, {error, Status::kOk, false});
+  const Driven closed = drive(circuit, {error, Status::kOk, true});
+  CHECK(worst_error_m(open, circuit.T_village_sensor) > 2.5);
+  CHECK(closed.count(LoopStatus::kClosed) >= 1);
+  CHECK(worst_error_m(closed, circuit.T_village_sensor) < 1.0);
+  // The second pass lies on the first again: fewer voxels are taken.
+  CHECK(20 * closed.map_points_m.size() < 19 * open.map_points_m.size());
+  // Where the way ends it was before: both passes are at one place now.
+  CHECK(closing_error_m(open, circuit.T_village_sensor) > 2.0);
+  CHECK(closing_error_m(closed, circuit.T_village_sensor) < 0.3);
+  CHECK(closed.count(LoopStatus::kImplausible) == 0);
+  const Driven again = drive(circuit, {error, Status::kOk, true});
+  CHECK(again.map_points_m == closed.map_points_m);
+}
+
+TEST_CASE("a way without drift is left exactly as it is where it meets itself") {
+  const test::Circuit circuit = test::circuit();
+  const Driven without = drive(circuit, {Pose::Identity(), Status::kOk, false});
+  const Driven with = drive(circuit, {Pose::Identity(), Status::kOk, true});
+  CHECK(with.count(LoopStatus::kAgrees) >= 2);
+  CHECK(with.count(LoopStatus::kClosed) == 0);
+  CHECK(with.map_points_m == without.map_points_m);
+}
+
+TEST_CASE("a place that looks exactly like one passed before is not taken for it") {
+  // Two stretches of 50 m with the same houses, 60 m apart on one street. The way begins before the
+  // second and comes to the first at the end; it was so hard to follow that it could have drifted
+  // by the 60 m.
+  test::Circuit circuit;
+  circuit.village.add_street(14.0, 0.0, 50.0, 21);
+  circuit.village.add_street(74.0, 0.0, 50.0, 21);
+  circuit.village.add_street(14.0, 60.0, 110.0, 22);
+  circuit.village.add_street(0.0, 14.0, 32.0, 23, test::Village::Along::kY);
+  circuit.village.add_street(140.0, 14.0, 32.0, 24, test::Village::Along::kY);
+  circuit.T_village_sensor =
+      test::way_through({{72, 0}, {140, 0}, {140, 60}, {0, 60}, {0, 0}, {62, 0}}, 1.5);
+  const Driven without = drive(circuit, {Pose::Identity(), Status::kDegenerate, false});
+  const Driven with = drive(circuit, {Pose::Identity(), Status::kDegenerate, true});
+  CHECK(with.count(LoopStatus::kAwaitsOthers) >= 2);  // it does look like it
+  CHECK(with.count(LoopStatus::kClosed) == 0);
+  CHECK(with.map_points_m == without.map_points_m);
+}

@@ -1,0 +1,107 @@
+#include "loops/loop_search.h"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+#include "slam/village.h"
+#include "slam/yard.h"
+
+using namespace hqslam;
+using slam::LoopStatus;
+
+namespace {
+
+/// A street driven through, node by node, and a scan taken at its end that may be anywhere in it.
+struct DrivenStreet {
+  SensorModel sensor = test::small_sensor(16, 360);
+  slam::Mapping mapping{slam::MappingOptions{}};
+  slam::PoseGraph graph;
+  std::vector<slam::ScanContext> contexts;
+  slam::MapFeatures features;
+
+  void add_node(const OrganizedCloud& cloud, const Pose& T_map_sensor) {
+    graph.T_map_node.push_back(T_map_sensor);
+    contexts.push_back(slam::scan_context(cloud));
+    features = test::features_of(cloud, sensor);
+    mapping.insert(features, T_map_sensor, {});
+  }
+
+  /// What is found for the last node if it could have drifted by `drift_m`.
+  slam::LoopSearchResult search(double drift_m) const {
+    const std::size_t old = graph.T_map_node.size() - 1;
+    const std::vector<slam::PlausibleDrift> drift(old + 1, {drift_m, 0.3});
+    return slam::search_loop(
+        {mapping, graph, contexts, drift, features, old, static_cast<std::uint32_t>(old)});
+  }
+};
+
+/// Nodes from x = -20 to 100 m of a street, then one at x = 20 m that is believed to be elsewhere.
+DrivenStreet drive(const test::Village& village, const Pose& T_map_believed) {
+  DrivenStreet street;
+  for (double x_m = -20.0; x_m <= 100.0; x_m += 4.0) {
+    const Pose pose = test::yard_pose(x_m, 0.0, 0.0);
+    street.add_node(village.scan(street.sensor, pose), pose);
+  }
+  street.add_node(village.scan(street.sensor, test::yard_pose(20.0, 1.0, 0.1)), T_map_believed);
+  return street;
+}
+
+test::Village street_of_one_kind() {
+  test::Village village;
+  village.add_street(-60.0, 0.0, 200.0, 31);
+  return village;
+}
+
+/// The same houses from x = -20 to 40 m and from 40 to 100 m.
+test::Village street_of_two_equal_halves() {
+  test::Village village;
+  village.add_street(-20.0, 0.0, 60.0, 31);
+  village.add_street(40.0, 0.0, 60.0, 31);
+  return village;
+}
+
+}  // namespace
+
+TEST_CASE("a place is found from far away, and the pose with it") {
+  const Pose truth = test::yard_pose(20.0, 1.0, 0.1);
+  const auto street = drive(street_of_one_kind(), test::yard_pose(35.0, 60.0, 0.2));
+  const auto result = street.search(100.0);
+  CHECK(result.status == LoopStatus::kAwaitsOthers);
+  REQUIRE(result.loop);
+  CHECK((result.loop->T_map_last.translation() - truth.translation()).norm() < 0.1);
+  CHECK(rotation_angle_rad(truth.inverse() * result.loop->T_map_last) < 0.01);
+  CHECK(std::abs(street.graph.T_map_node[result.loop->node].translation().x() - 20.0) <= 8.0);
+  // Not if it would have had to drift farther than is plausible.
+  CHECK(!street.search(50.0).loop);
+}
+
+TEST_CASE("of two places that look the same none is taken") {
+  const auto street = drive(street_of_two_equal_halves(), test::yard_pose(50.0, 60.0, 0.1));
+  const auto result = street.search(100.0);
+  CHECK(result.status == LoopStatus::kAmbiguous);
+  CHECK(result.candidates >= 2);
+  CHECK(!result.loop);
+}
+
+TEST_CASE("where the estimate itself fits no other place is asked") {
+  const Pose near_truth = test::yard_pose(20.2, 0.9, 0.1);
+  const auto street = drive(street_of_two_equal_halves(), near_truth);
+  const auto result = street.search(100.0);
+  REQUIRE(result.loop);
+  CHECK(result.candidates == 1);
+  CHECK((result.loop->T_map_last.translation() - near_truth.translation()).norm() < 0.3);
+}
+
+TEST_CASE("a place that was never passed is not found") {
+  DrivenStreet street = drive(street_of_one_kind(), test::yard_pose(20.0, 60.0, 0.0));
+  test::Village other;
+  other.add_street(-60.0, 0.0, 200.0, 77);
+  const auto cloud = other.scan(street.sensor, test::yard_pose(20.0, 0.0, 0.0));
+  street.graph.T_map_node.pop_back();
+  street.contexts.pop_back();
+  street.add_node(cloud, test::yard_pose(20.0, 60.0, 0.0));
+  const auto result = street.search(100.0);
+  CHECK(!result.loop);
+  CHECK((result.status == LoopStatus::kNoCandidate || result.status == LoopStatus::kNotVerified));
+}

@@ -1,0 +1,95 @@
+#include "loops/scan_context.h"
+
+#include <doctest/doctest.h>
+
+#include <numbers>
+
+#include "slam/village.h"
+#include "slam/yard.h"
+
+using namespace hqslam;
+using slam::compare;
+using slam::scan_context;
+using slam::ScanContext;
+
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+OrganizedCloud cloud_of(const std::vector<Eigen::Vector3f>& points_m) {
+  OrganizedCloud cloud(1, static_cast<int>(points_m.size()));
+  cloud.points_m = points_m;
+  for (std::size_t i = 0; i < points_m.size(); ++i) cloud.range_m[i] = points_m[i].norm();
+  return cloud;
+}
+
+}  // namespace
+
+TEST_CASE("a bin of a scan context holds how high its highest point reaches") {
+  // Two points in one bin, one nearer in the same sector, one behind the sensor, one too far.
+  const ScanContext context = scan_context(cloud_of({{10.0F, 0.5F, 0.0F},
+                                                     {10.0F, 0.5F, 2.0F},
+                                                     {5.0F, 0.2F, 1.0F},
+                                                     {-30.0F, -0.1F, 0.0F},
+                                                     {90, 1, 0}}));
+  // Ring 2 holds 8 to 12 m and ring 1 4 to 8 m; heights are from 2 m below the sensor.
+  CHECK(context.unit_sectors(2, 0) == doctest::Approx(4.0 / 5.0));
+  CHECK(context.unit_sectors(1, 0) == doctest::Approx(3.0 / 5.0));
+  CHECK(context.unit_sectors(7, 30) == doctest::Approx(1.0));
+  CHECK(context.unit_sectors.sum() == doctest::Approx(0.8 + 0.6 + 1.0));
+}
+
+TEST_CASE("a place is recognised whichever way the sensor looks, and the turn is found") {
+  test::Village village;
+  village.add_street(-60.0, 0.0, 120.0, 1);
+  for (const int rows : {16, 64}) {
+    const SensorModel sensor = test::small_sensor(rows, 360);
+    const ScanContext first = scan_context(village.scan(sensor, test::yard_pose(0.0, 0.0, 0.2)));
+    for (const double yaw_rad : {-2.5, -0.6, 0.0, 1.3, 3.0}) {
+      const ScanContext turned =
+          scan_context(village.scan(sensor, test::yard_pose(0.3, -0.2, 0.2 + yaw_rad)));
+      const auto match = compare(first, turned, 0.0, kPi);
+      CAPTURE(rows);
+      CAPTURE(yaw_rad);
+      CHECK(match.distance < 0.2);
+      CHECK(std::abs(std::remainder(match.yaw_rad - yaw_rad, 2.0 * kPi)) < 0.11);
+      // With a rough idea of the turn only turns near it are tried.
+      CHECK(compare(first, turned, yaw_rad + 0.1, 0.2).distance == match.distance);
+      CHECK(compare(first, turned, yaw_rad + 1.0, 0.2).distance > match.distance + 0.05);
+    }
+  }
+}
+
+TEST_CASE("other places look different, whatever the turn") {
+  test::Village village;
+  village.add_street(-60.0, 0.0, 120.0, 1);
+  const SensorModel sensor = test::small_sensor(16, 360);
+  const ScanContext here = scan_context(village.scan(sensor, test::yard_pose(0.0, 0.0, 0.0)));
+  const double again =
+      compare(here, scan_context(village.scan(sensor, test::yard_pose(0.5, 0.5, 1.0))), 0.0, kPi)
+          .distance;
+  for (const unsigned seed : {2U, 3U, 4U, 5U}) {
+    test::Village other;
+    other.add_street(-60.0, 0.0, 120.0, seed);
+    const ScanContext there = scan_context(other.scan(sensor, test::yard_pose(0.0, 0.0, 0.0)));
+    CHECK(compare(here, there, 0.0, kPi).distance > 2.0 * again);
+  }
+}
+
+TEST_CASE("a point farther away than an integer counts rings changes nothing") {
+  const std::vector<Eigen::Vector3f> points_m = {{10.0F, 0.5F, 0.0F}, {-30.0F, -0.1F, 0.0F}};
+  std::vector<Eigen::Vector3f> with_far_m = points_m;
+  for (const float far_m : {1e4F, 9e9F, 3e18F, 3e38F}) with_far_m.emplace_back(-far_m, far_m, 1.0F);
+  OrganizedCloud cloud = cloud_of(with_far_m);
+  cloud.range_m.back() = 1.0F;
+  const ScanContext context = scan_context(cloud);
+  CHECK(context.unit_sectors == scan_context(cloud_of(points_m)).unit_sectors);
+  CHECK(context.seen == scan_context(cloud_of(points_m)).seen);
+}
+
+TEST_CASE("an empty scan looks like nothing") {
+  const ScanContext empty = scan_context(OrganizedCloud(16, 360));
+  const ScanContext something = scan_context(cloud_of({{10.0F, 0.5F, 0.0F}}));
+  CHECK(compare(empty, something, 0.0, kPi).distance == 1.0);
+  CHECK(compare(empty, empty, 0.0, kPi).distance == 1.0);
+}

@@ -1,0 +1,304 @@
+#include "hqslam/slam/mapping.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "slam/yard.h"
+
+using namespace hqslam;
+using slam::Status;
+
+namespace {
+
+slam::MapFeatures features_of(const SensorModel& sensor, const OrganizedCloud& cloud) {
+  slam::Segmenter segmenter(sensor, {}, {});
+  return slam::map_features(slam::extract_features(cloud, segmenter.segment(cloud), {}),
+                            std::nullopt, {});
+}
+
+/// A sensor that is believed to be here: metres, radians.
+slam::MotionState believed(const Pose& T_map_sensor, double sigma = 0.3) {
+  slam::MotionState state;
+  state.T_map_sensor = T_map_sensor;
+  state.covariance.diagonal() << slam::Vector6::Constant(sigma * sigma),
+      slam::Vector6::Constant(1.0);
+  return state;
+}
+
+/// A map of the yard from eleven places along its length, in the frame of the first.
+struct MappedYard {
+  SensorModel sensor = test::small_sensor(32, 1024);
+  test::Yard yard;
+  Pose T_yard_map = test::yard_pose(-5, 0, 0);
+  slam::Mapping mapping{slam::MappingOptions{}};
+
+  explicit MappedYard(const test::Yard& yard_ = {}) : yard(yard_) {
+    for (int i = 0; i <= 10; ++i) {
+      const Pose T_yard_sensor = test::yard_pose(-5 + i, 0, 0);
+      mapping.insert(features_of(sensor, yard.scan(sensor, T_yard_sensor)),
+                     T_yard_map.inverse() * T_yard_sensor, {});
+    }
+  }
+};
+
+/// A road and two walls, as a sensor 1.7 m above the road sees them, from `offset_m` on.
+/// rise_m(y): of the ground.
+template <typename Rise>
+slam::MapFeatures road_with(double offset_m, double spacing_m, const Rise& rise_m) {
+  slam::MapFeatures result;
+  const auto add = [](double x, double y, double z, std::vector<slam::FeaturePoint>& to) {
+    to.push_back({{static_cast<float>(x), static_cast<float>(y), static_cast<float>(z)}, 0.0F, 0});
+  };
+  for (double along = -10.0 + offset_m; along < 10.0; along += spacing_m) {
+    for (double y = -6.0 + offset_m; y < 6.0; y += spacing_m) {
+      add(along, y, -1.7 + rise_m(y), result.ground);
+    }
+    for (double z = -1.0; z < 3.0; z += spacing_m) {
+      add(along, -7.0, z, result.surfaces);
+      add(11.0, along, z, result.surfaces);
+    }
+  }
+  result.ground_to_locate = result.ground;
+  result.surfaces_to_locate = result.surfaces;
+  return result;
+}
+
+/// A road with a step on its left side.
+slam::MapFeatures road(double offset_m, double step_m) {
+  return road_with(offset_m, 0.4, [&](double y) { return y > 4.5 ? step_m : 0.0; });
+}
+
+/// A road that rises at 45 degrees on its left side.
+slam::MapFeatures beside_a_bank(double offset_m) {
+  return road_with(offset_m, 0.5, [](double y) { return std::max(0.0, y - 3.0); });
+}
+
+/// The roll that a scan is given whose points on the road lie between those of the map.
+double roll_beside_a_bank_rad(const slam::MappingOptions& options) {
+  slam::Mapping mapping{options};
+  mapping.insert(beside_a_bank(0.25), Pose::Identity(), {});
+  const auto result =
+      mapping.locate(beside_a_bank(0.0), believed(Pose::Identity()), Pose::Identity());
+  REQUIRE(result.status == Status::kOk);
+  return roll_pitch_yaw_rad(result.state.T_map_sensor).x();
+}
+
+}  // namespace
+
+TEST_CASE("a scan is located in the map from a rough prediction") {
+  const MappedYard mapped;
+  const Pose T_yard_sensor = test::yard_pose(0.3, 0.4, 0.1);
+  const Pose truth = mapped.T_yard_map.inverse() * T_yard_sensor;
+  const Pose predicted = truth * pose_from_xyz_rpy({0.2, -0.15, 0.05}, 0.01, -0.01, 0.02);
+  const auto features = features_of(mapped.sensor, mapped.yard.scan(mapped.sensor, T_yard_sensor));
+  const auto result = mapped.mapping.locate(features, believed(predicted), predicted);
+  CHECK(result.status == Status::kOk);
+  CHECK((result.state.T_map_sensor.translation() - truth.translation()).norm() < 0.03);
+  CHECK(rotation_angle_rad(result.state.T_map_sensor.inverse() * truth) < 0.003);
+}
+
+TEST_CASE("ground that bends between the points of the map does not tilt the scan") {
+  slam::MappingOptions lenient;
+  lenient.max_ground_residual_m = lenient.max_plane_residual_m;
+  const double lenient_rad = roll_beside_a_bank_rad(lenient);
+  CHECK(std::abs(lenient_rad) > 1e-4);
+  CHECK(std::abs(roll_beside_a_bank_rad({})) < 0.1 * std::abs(lenient_rad));
+}
+
+TEST_CASE("ground that fits badly on one side hardly tilts the scan") {
+  // What is more than 4.5 m to the left lies a kerb's height lower in the scan than in the map.
+  const auto roll_rad = [](double trusted_residual_m) {
+    slam::MappingOptions options;
+    options.trusted_residual_m = trusted_residual_m;
+    slam::Mapping mapping{options};
+    mapping.insert(road(0.1, 0.0), Pose::Identity(), {});
+    const slam::MapFeatures scan = road(0.0, -0.12);
+    const auto result = mapping.locate(scan, believed(Pose::Identity()), Pose::Identity());
+    REQUIRE(result.status == Status::kOk);
+    return roll_pitch_yaw_rad(result.state.T_map_sensor).x();
+  };
+  const double plain_rad = roll_rad(1000.0);
+  CHECK(std::abs(plain_rad) > 2e-3);
+  CHECK(std::abs(roll_rad(slam::MappingOptions{}.trusted_residual_m)) < 0.1 * std::abs(plain_rad));
+}
+
+TEST_CASE("a place met again with drift is matched with only when it was recalled") {
+  // The yard, then 250 m of path elsewhere, then the yard again, where it has drifted by 0.4 m.
+  MappedYard mapped;
+  for (int i = 1; i <= 5; ++i) {
+    const slam::MapFeatures elsewhere = road(0.0, 0.0);
+    mapped.mapping.insert(elsewhere, pose_from_xyz_rpy({50.0 * i, 500.0, 0.0}, 0, 0, 0), {});
+  }
+  const Pose T_yard_sensor = test::yard_pose(0.3, 0.4, 0.1);
+  const Pose truth = mapped.T_yard_map.inverse() * T_yard_sensor;
+  const Pose drifted = truth * pose_from_xyz_rpy({0.4, 0.0, 0.0}, 0, 0, 0);
+  const auto features = features_of(mapped.sensor, mapped.yard.scan(mapped.sensor, T_yard_sensor));
+  const auto before = mapped.mapping.locate(features, believed(drifted), drifted);
+  CHECK(before.status == Status::kTooFewFeatures);
+  CHECK(before.state.T_map_sensor.isApprox(drifted));
+  mapped.mapping.recall({truth.translation().cast<float>(), 45.0F});
+  const auto after = mapped.mapping.locate(features, believed(drifted), drifted);
+  CHECK(after.status == Status::kOk);
+  CHECK((after.state.T_map_sensor.translation() - truth.translation()).norm() < 0.03);
+}
+
+TEST_CASE("in a corridor without ends the motion along it is held, not invented") {
+  test::Yard corridor;
+  corridor.half_width_m = 4.0;
+  corridor.pillars = false;
+  corridor.end_walls = false;
+  const MappedYard mapped(corridor);
+  const Pose T_yard_sensor = test::yard_pose(0.0, 0.2, 0.0);
+  const Pose predicted = mapped.T_yard_map.inverse() * test::yard_pose(0.4, 0.0, 0.01);
+  const auto features = features_of(mapped.sensor, corridor.scan(mapped.sensor, T_yard_sensor));
+  // As well as a car's next scan is predicted.
+  const auto result = mapped.mapping.locate(features, believed(predicted, 0.03), predicted);
+  CHECK(result.status == Status::kDegenerate);
+  CHECK(result.state.T_map_sensor.translation().x() ==
+        doctest::Approx(predicted.translation().x()).epsilon(0.02));
+  CHECK(result.state.T_map_sensor.translation().y() == doctest::Approx(0.2).epsilon(0.2));
+}
+
+TEST_CASE("far from the origin of the map a scan is located as well as at it") {
+  // LeGO-LOAM weighs planar features by their distance from the map's origin.
+  MappedYard mapped;
+  const Pose far = pose_from_xyz_rpy({4000, -3000, 50}, 0, 0, 1.0);
+  slam::Mapping mapping{slam::MappingOptions{}};
+  for (int i = 0; i <= 10; ++i) {
+    const Pose T_yard_sensor = test::yard_pose(-5 + i, 0, 0);
+    mapping.insert(features_of(mapped.sensor, mapped.yard.scan(mapped.sensor, T_yard_sensor)),
+                   far * mapped.T_yard_map.inverse() * T_yard_sensor, {});
+  }
+  const Pose T_yard_sensor = test::yard_pose(0.3, 0.4, 0.1);
+  const Pose truth = far * mapped.T_yard_map.inverse() * T_yard_sensor;
+  const Pose predicted = truth * pose_from_xyz_rpy({0.2, -0.15, 0.05}, 0, 0, 0.02);
+  const auto features = features_of(mapped.sensor, mapped.yard.scan(mapped.sensor, T_yard_sensor));
+  const auto result = mapping.locate(features, believed(predicted), predicted);
+  CHECK(result.status == Status::kOk);
+  CHECK((result.state.T_map_sensor.translation() - truth.translation()).norm() < 0.03);
+}
+
+TEST_CASE("rings on a bare floor do not hold the sensor back") {
+  // A sensor that drives over an endless floor sees the same rings in every scan. They must not be
+  // taken for a sign that it stands.
+  test::Yard floor;
+  floor.pillars = false;
+  floor.end_walls = false;
+  floor.half_width_m = 1000.0;
+  const MappedYard mapped(floor);
+  const Pose predicted = mapped.T_yard_map.inverse() * test::yard_pose(6.0, 0.0, 0.0);
+  const auto features =
+      features_of(mapped.sensor, floor.scan(mapped.sensor, test::yard_pose(6.0, 0.0, 0.0)));
+  const auto result = mapped.mapping.locate(features, believed(predicted), predicted);
+  CHECK(result.status == Status::kDegenerate);
+  CHECK((result.state.T_map_sensor.translation() - predicted.translation()).norm() < 0.01);
+}
+
+TEST_CASE("without a map the prediction stands and the status says so") {
+  const SensorModel sensor = test::small_sensor();
+  const slam::Mapping mapping{slam::MappingOptions{}};
+  const auto features = features_of(sensor, test::Yard().scan(sensor, test::yard_pose(0, 0, 0)));
+  const Pose predicted = pose_from_xyz_rpy({1, 2, 3}, 0, 0, 1);
+  const auto result = mapping.locate(features, believed(predicted), predicted);
+  CHECK(result.status == Status::kTooFewFeatures);
+  CHECK(result.state.T_map_sensor.isApprox(predicted));
+}
+
+TEST_CASE("posts in open land tell where the sensor is and where it looks") {
+  // A road without walls, and six posts around it, each seen by one row at another height.
+  const auto seen_from = [](double offset_m, double height_m) {
+    slam::MapFeatures scan = road_with(offset_m, 0.4, [](double) { return 0.0; });
+    scan.surfaces.clear();
+    scan.surfaces_to_locate.clear();
+    for (const auto& [x, y] : {std::pair(12.0, 3.0),
+                               {9.0, -8.0},
+                               {-4.0, 11.0},
+                               {-13.0, 5.0},
+                               {-7.0, -9.0},
+                               {15.0, -2.0}}) {
+      for (int i = 0; i < 3; ++i) {
+        const double z = -1.0 + 0.5 * i + height_m;
+        scan.posts.push_back(
+            {{static_cast<float>(x), static_cast<float>(y), static_cast<float>(z)}, 0.0F, i});
+      }
+    }
+    return scan;
+  };
+  slam::Mapping mapping{slam::MappingOptions{}};
+  mapping.insert(seen_from(0.0, 0.0), Pose::Identity(), {});
+  const slam::MapFeatures scan = seen_from(0.1, 0.1);
+  const Pose wrong = pose_from_xyz_rpy({0.25, -0.2, 0.05}, 0.0, 0.0, 0.02);
+  const auto located = mapping.locate(scan, believed(wrong), wrong);
+  CHECK(located.status == Status::kOk);
+  CHECK(located.edge_correspondences == 18);
+  CHECK(located.state.T_map_sensor.translation().norm() < 0.01);
+  CHECK(rotation_angle_rad(located.state.T_map_sensor) < 0.001);
+
+  slam::MapFeatures without = scan;
+  without.posts.clear();
+  CHECK(mapping.locate(without, believed(wrong), wrong).status == Status::kDegenerate);
+}
+
+TEST_CASE("a turn on the spot makes a key frame, a short step does not") {
+  slam::Mapping mapping{slam::MappingOptions{}};
+  CHECK(mapping.is_key_frame(Pose::Identity()));
+  mapping.insert(slam::MapFeatures{}, Pose::Identity(), {});
+  CHECK(!mapping.is_key_frame(pose_from_xyz_rpy({0.2, 0, 0}, 0, 0, 0.1)));
+  CHECK(mapping.is_key_frame(pose_from_xyz_rpy({0, 0, 0}, 0, 0, 0.25)));
+  CHECK(mapping.is_key_frame(pose_from_xyz_rpy({0.31, 0, 0}, 0, 0, 0)));
+}
+
+TEST_CASE("of a scan with computed rows only the measured ones meet the map") {
+  const SensorModel sensor = test::small_sensor(32, 512);
+  const OrganizedCloud cloud = test::Yard().scan(sensor, test::yard_pose(0, 0, 0));
+  slam::Segmenter segmenter(sensor, {}, {});
+  const slam::Features features = slam::extract_features(cloud, segmenter.segment(cloud), {});
+  // A point of a map feature is the mean of the features in its voxel: the measured rows alone give
+  // the same map.
+  slam::Features of_measured_rows;
+  const auto copy = [&](const auto& from, auto& to) {
+    for (const slam::FeaturePoint& feature : from) {
+      if (feature.row % 4 == 3) to.push_back(feature);
+    }
+  };
+  copy(features.edges, of_measured_rows.edges);
+  copy(features.ground, of_measured_rows.ground);
+  copy(features.surfaces, of_measured_rows.surfaces);
+  REQUIRE(of_measured_rows.ground.size() < features.ground.size() / 2);
+  const slam::MapFeatures expected = slam::map_features(of_measured_rows, std::nullopt, {});
+  const slam::MapFeatures result = slam::map_features(features, RowSelection{3, 4}, {});
+  const auto same = [](const auto& a, const auto& b) {
+    return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                      [](const auto& p, const auto& q) { return p.point_m == q.point_m; });
+  };
+  CHECK(same(result.edges, expected.edges));
+  CHECK(same(result.ground, expected.ground));
+  CHECK(same(result.surfaces, expected.surfaces));
+  CHECK(same(result.ground_to_locate, expected.ground_to_locate));
+  CHECK(same(result.surfaces_to_locate, expected.surfaces_to_locate));
+}
+
+TEST_CASE("surfaces that lean to one side do not lift the sensor") {
+  // A floor and walls, and before one wall a bank whose slope the map has a little too high.
+  const MappedYard mapped;
+  const Pose T_yard_sensor = test::yard_pose(0.3, 0.0, 0.0);
+  const Pose truth = mapped.T_yard_map.inverse() * T_yard_sensor;
+  slam::MapFeatures features =
+      features_of(mapped.sensor, mapped.yard.scan(mapped.sensor, T_yard_sensor));
+  slam::Mapping mapping = mapped.mapping;
+  slam::MapFeatures bank_in_map;
+  for (int i = 0; i < 40; ++i) {
+    for (int k = 0; k < 8; ++k) {
+      const float x_m = -8.0F + 0.4F * static_cast<float>(i);
+      const float y_m = -9.0F + 0.4F * static_cast<float>(k);
+      const Eigen::Vector3f point_m(x_m, y_m, 3.0F - 0.5F * y_m);
+      features.surfaces_to_locate.push_back({point_m, 0.0F, 0});
+      bank_in_map.surfaces.push_back({point_m + Eigen::Vector3f(0, 0, 0.08F), 0.0F, 0});
+    }
+  }
+  mapping.insert(bank_in_map, truth, {});
+  const auto result = mapping.locate(features, believed(truth), truth);
+  CHECK(std::abs((result.state.T_map_sensor.translation() - truth.translation()).z()) < 0.005);
+}

@@ -1,0 +1,50 @@
+#include "map/recent_features.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+
+#include "hqslam/core/pose.h"
+
+using namespace hqslam;
+
+namespace {
+
+slam::MapFeatures one_edge_at(float x_m) {
+  slam::MapFeatures features;
+  features.edges = {{{x_m, 0.0F, 0.0F}, 0.0F, 0}};
+  return features;
+}
+
+Pose at_x(double x_m) { return pose_from_xyz_rpy({x_m, 0.0, 0.0}, 0.0, 0.0, 0.0); }
+
+std::vector<float> sorted_x_m(const slam::MapFeatures& features) {
+  std::vector<float> result;
+  for (const auto& edge : features.edges) result.push_back(edge.point_m.x());
+  std::sort(result.begin(), result.end());
+  return result;
+}
+
+}  // namespace
+
+TEST_CASE("features of the last scans come together in the frame of the last one") {
+  slam::RecentFeatures recent(2);
+  recent.add(one_edge_at(1.0F), at_x(0.0), {});  // forgotten
+  recent.add(one_edge_at(2.0F), at_x(10.0), {});
+  recent.add(one_edge_at(3.0F), at_x(14.0), {});
+  CHECK(sorted_x_m(recent.about_last(35.0, 100)) == std::vector<float>{-2.0F, 3.0F});
+  CHECK(sorted_x_m(recent.about_last(2.5, 100)) == std::vector<float>{-2.0F});
+  CHECK(recent.about_last(35.0, 1).edges.size() == 1);
+  // A correction of the map does not change what was seen.
+  recent.correct(pose_from_xyz_rpy({5.0, -3.0, 1.0}, 0.0, 0.0, 0.5));
+  CHECK(recent.about_last(35.0, 100).edges.size() == 2);
+  CHECK(sorted_x_m(recent.about_last(35.0, 100))[0] == doctest::Approx(-2.0));
+}
+
+TEST_CASE("features measured during the motion are put where they belong") {
+  slam::RecentFeatures recent(2);
+  slam::MapFeatures features;
+  features.surfaces_to_locate = {{{4.0F, 0.0F, 0.0F}, 0.05F, 0}};
+  recent.add(features, Pose::Identity(), {{10.0, 0.0, 0.0}, {0.0, 0.0, 0.0}});
+  CHECK(recent.about_last(35.0, 100).surfaces_to_locate[0].point_m.x() == doctest::Approx(4.5));
+}

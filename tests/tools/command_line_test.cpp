@@ -1,0 +1,185 @@
+#include "command_line.h"
+
+#include <doctest/doctest.h>
+
+#include <CLI/CLI.hpp>
+#include <initializer_list>
+#include <string>
+#include <vector>
+
+namespace hqslam::tools {
+namespace {
+
+/// What the arguments after "hqslam" make of the options. Throws CLI::ParseError.
+CommandLine parsed(std::vector<std::string> arguments) {
+  CLI::App app("", "hqslam");
+  CommandLine options;
+  declare_program(app, options);
+  std::vector<std::string> reversed(arguments.rbegin(), arguments.rend());
+  app.parse(reversed);
+  return options;
+}
+
+}  // namespace
+
+TEST_CASE("the options of run arrive where they belong") {
+  const RunOptions run =
+      parsed({"run", "/", "--sensor", "os1-64", "--rows", "16", "--out", "x", "--row-order",
+              "lowest-first", "--motion-corrected", "--threads", "2", "--upsample", "linear"})
+          .run;
+  CHECK(run.input == "/");
+  CHECK(run.sensor == "os1-64");
+  CHECK(run.rows == 16);
+  CHECK(run.out == "x");
+  CHECK(run.row_order == "lowest-first");
+  CHECK(run.motion_corrected);
+  CHECK(run.threads == 2);
+  CHECK(run.upsample == "linear");
+}
+
+TEST_CASE("the options of upsample arrive where they belong") {
+  const UpsampleOptions upsample =
+      parsed({"upsample", "/", "--method", "inverse", "--sensor", "os1-64", "--out", "x", "--bin",
+              "--png", "--threads", "2", "--row-order", "lowest-first"})
+          .upsample;
+  CHECK(upsample.input == "/");
+  CHECK(upsample.method == "inverse");
+  CHECK(upsample.weights.empty());
+  CHECK(upsample.sensor == "os1-64");
+  CHECK(upsample.out == "x");
+  CHECK(upsample.bin);
+  CHECK_FALSE(upsample.pcd);
+  CHECK(upsample.png);
+  CHECK(upsample.threads == 2);
+  CHECK(upsample.row_order == "lowest-first");
+}
+
+TEST_CASE("the options of live arrive where they belong, --view with a port and without") {
+  const LiveCommandOptions live = parsed({"live",     "--sensor",   "os1-16",
+                                          "--port",   "7000",       "--rows",
+                                          "16",       "--out",      "x",
+                                          "--return", "last",       "--threads",
+                                          "2",        "--upsample", "linear",
+                                          "--record", "a.pcap",     "--loop-closing",
+                                          "--view",   "8000",       "--view-address",
+                                          "0.0.0.0"})
+                                      .live;
+  CHECK(live.sensor == "os1-16");
+  CHECK(live.port == 7000);
+  CHECK(live.rows == 16);
+  CHECK(live.kept_return == "last");
+  CHECK(live.upsample == "linear");
+  CHECK(live.record == "a.pcap");
+  CHECK(live.threads == 2);
+  CHECK(live.loop_closing);
+  CHECK(live.view == 8000);
+  CHECK(live.view_address == "0.0.0.0");
+  const LiveCommandOptions plain = parsed({"live", "--sensor", "vlp-16", "--out", "x"}).live;
+  CHECK_FALSE(plain.view);
+  CHECK(plain.view_address == "127.0.0.1");
+  CHECK(parsed({"live", "--sensor", "vlp-16", "--out", "x", "--view"}).live.view == 8642);
+}
+
+TEST_CASE("every command that opens recordings reads them as run does") {
+  const std::vector<std::string> reading = {"--stream",    "7502",        "--return", "last",
+                                            "--capture",   "rolling",     "--stamps", "names",
+                                            "--row-order", "lowest-first"};
+  const auto with = [&](std::vector<std::string> arguments) {
+    arguments.insert(arguments.end(), reading.begin(), reading.end());
+    return parsed(arguments);
+  };
+  const CommandLine inspect = with({"inspect", "/", "--weights", "a", "--out", "x"});
+  const CommandLine upsample = with({"upsample", "/", "--method", "linear", "--out", "x"});
+  const CommandLine map = with({"map", "/", "--poses", "/proc/version", "--out", "x"});
+  for (const InputChoice& choice : std::vector<InputChoice>{
+           with({"run", "/", "--out", "x"}).run, map.map, inspect.inspect, upsample.upsample,
+           with({"compare", "/"}).compare, with({"table", "--out", "x"}).table.reading,
+           with({"bench", "--input", "/"}).bench.recording}) {
+    CHECK(choice.stream == "7502");
+    CHECK(choice.kept_return == "last");
+    CHECK(choice.capture == "rolling");
+    CHECK(choice.stamps == "names");
+    CHECK(choice.row_order == "lowest-first");
+  }
+}
+
+TEST_CASE("the options of table arrive where they belong, lists split at commas") {
+  const TableOptions table =
+      parsed({"table", "--drives", "town,/", "--methods", "rows-16,du-or", "--weights", "a,b",
+              "--sensor", "hdl-64e", "--reference", "/proc/version", "--scans", "7", "--out", "x",
+              "--threads", "2"})
+          .table;
+  CHECK(table.drives == std::vector<std::string>{"town", "/"});
+  CHECK(table.methods == std::vector<std::string>{"rows-16", "du-or"});
+  CHECK(table.weights == std::vector<std::string>{"a", "b"});
+  CHECK(table.sensor == "hdl-64e");
+  CHECK(table.reference == "/proc/version");
+  CHECK(table.scans == 7);
+  CHECK(table.out == "x");
+  CHECK(table.threads == 2);
+  CHECK(parsed({"table", "--out", "x"}).table.drives == std::vector<std::string>{"town", "hills"});
+}
+
+TEST_CASE("the options of simulate, demo, evaluate and bench arrive where they belong") {
+  const SimulateOptions simulate = parsed({"simulate", "--drive", "town", "--sensor", "vlp-16",
+                                           "--out", "x", "--scans", "7", "--seed", "9", "--bin"})
+                                       .simulate;
+  CHECK(simulate.drive == "town");
+  CHECK(simulate.scans == 7);
+  CHECK(simulate.seed == 9);
+  CHECK(simulate.bin);
+  CHECK_FALSE(simulate.pcd);
+  CHECK(parsed({"demo", "--out", "y"}).demo.out == "y");
+  CHECK(parsed({"bench", "--json", "--scans", "20"}).bench.json);
+  CHECK(parsed({"bench", "--drive", "hills"}).bench.drive == "hills");
+  CHECK(parsed({"bench", "--cpu"}).bench.cpu);
+  CHECK(
+      parsed({"bench", "--weights", "/dev/null", "--weights", "/dev/null"}).bench.weights.size() ==
+      2);
+}
+
+TEST_CASE("what makes no sense is refused") {
+  const std::vector<std::vector<std::string>> wrong = {
+      {},
+      {"fly"},
+      {"run"},
+      {"run", "/no/such/recording", "--out", "x"},
+      {"run", "/"},
+      {"run", "/", "--out", "x", "--rows", "0"},
+      {"run", "/", "--out", "x", "--rows", "many"},
+      {"run", "/", "--out", "x", "--row-order", "sideways"},
+      {"run", "/", "--out", "x", "--threads", "0"},
+      {"run", "/", "--out", "x", "--reference", "/no/such/file"},
+      {"run", "/", "--out", "x", "--upsample", "cubic"},
+      {"upsample", "/", "--out", "x"},
+      {"upsample", "/", "--method", "linear"},
+      {"upsample", "/", "--out", "x", "--method", "cubic"},
+      {"upsample", "/", "--out", "x", "--weights", "/no/such/file"},
+      {"simulate", "--drive", "moon", "--out", "x"},
+      {"simulate", "--drive", "town", "--out", "x", "--scans", "-3"},
+      {"evaluate", "/no/such/file", "/no/such/file"},
+      {"live", "--sensor", "vlp-16"},
+      {"live", "--sensor", "vlp-16", "--out", "x", "--port", "70000"},
+      {"bench", "--sensor", "os1-64"},
+  };
+  for (const std::vector<std::string>& arguments : wrong) {
+    CAPTURE(arguments.size());
+    CHECK_THROWS_AS(parsed(arguments), CLI::ParseError);
+  }
+}
+
+TEST_CASE("the program's help names every subcommand, and evaluate's defines its errors") {
+  CLI::App app("", "hqslam");
+  CommandLine options;
+  declare_program(app, options);
+  for (const char* name : {"run", "live", "demo", "simulate", "evaluate", "bench", "upsample"}) {
+    CHECK(app.help().find(name) != std::string::npos);
+  }
+  const std::string help = app.get_subcommand("evaluate")->help();
+  for (const char* part :
+       {"APE", "RPE", "MAE", "Chamfer", "IoU", "F1", "outlier", "TULIP", "evo"}) {
+    CHECK(help.find(part) != std::string::npos);
+  }
+}
+
+}  // namespace hqslam::tools

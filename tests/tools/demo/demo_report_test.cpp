@@ -1,0 +1,29 @@
+#include "demo/demo_report.h"
+
+#include <doctest/doctest.h>
+
+namespace hqslam::tools {
+
+TEST_CASE("the demo's page holds every cell, leads to every report and shows every image") {
+  DemoTable table;
+  table.columns = {"APE, m", "a < b"};
+  table.rows = {{"64 beams", "rows-64/report.html", {"0.010", "-"}},
+                {"16 -> 64", "linear/report.html", {"0.029", "9.43 %"}}};
+  table.notes = {"APE: what it is"};
+  RangeImage image(4, 8);
+  image.at(1, 1) = 10.0F;
+  const std::string html = demo_html(table, {{"64 beams", image}, {"16 -> 64", image}}, 120.0);
+  for (const char* part : {"APE, m", "a &lt; b", "0.010", "9.43 %", "rows-64/report.html",
+                           "linear/report.html", "16 -&gt; 64", "APE: what it is"}) {
+    CAPTURE(part);
+    CHECK(html.find(part) != std::string::npos);
+  }
+  std::size_t images = 0;
+  for (std::size_t at = html.find("data:image/png"); at != std::string::npos;
+       at = html.find("data:image/png", at + 1)) {
+    ++images;
+  }
+  CHECK(images == 2);
+}
+
+}  // namespace hqslam::tools

@@ -1,0 +1,48 @@
+#pragma once
+
+#include "recording/reference.h"
+#include "run/slam_run.h"
+
+namespace hqslam::tools::test {
+
+/// A run over `scans` scans straight ahead, 1 m per scan, 0.1 s apart, with 1 ms, 2 ms, 3 ms and
+/// 4 ms in the four stages.
+inline SlamRun example_run(int scans) {
+  SlamRun run;
+  run.input = "drive";
+  run.sensor_name = "os1-64";
+  run.rows = 64;
+  run.columns = 1024;
+  run.threads = 2;
+  run.scans_in_recording = scans;
+  run.wall_s = 0.02 * scans;
+  for (int i = 0; i < scans; ++i) {
+    StampedPose pose;
+    pose.stamp_s = 0.1 * i;
+    pose.T_map_sensor.translation() = Eigen::Vector3d(i, 0.0, 0.0);
+    run.trajectory.push_back(pose);
+    ScanRecord record;
+    record.report.stamp_s = pose.stamp_s;
+    record.report.times = {0.001, 0.002, 0.003, 0.004, 0.0, 0.010};
+    record.reading_s = 0.005;
+    run.scans.push_back(record);
+    run.map_points_m.emplace_back(static_cast<float>(i), 5.0F, 1.0F);
+  }
+  return run;
+}
+
+/// A curved reference for it in another frame: `offset_m` to the left at the middle scan.
+inline TrajectoryFile example_reference(const SlamRun& run, double offset_m) {
+  TrajectoryFile reference;
+  reference.path = "truth.tum";
+  reference.has_stamps = true;
+  reference.poses = run.trajectory;
+  reference.poses[run.trajectory.size() / 2].T_map_sensor.translation().y() += offset_m;
+  const Pose T_world_map = pose_from_xyz_rpy({100.0, -50.0, 3.0}, 0.0, 0.0, 1.0);
+  for (StampedPose& pose : reference.poses) {
+    pose.T_map_sensor = T_world_map * pose.T_map_sensor;
+  }
+  return reference;
+}
+
+}  // namespace hqslam::tools::test

@@ -1,0 +1,123 @@
+#include "lift/upsample_output.h"
+
+#include <doctest/doctest.h>
+
+#include <set>
+
+#include "error_message.h"
+#include "file_contents.h"
+#include "hqslam/core/pcd.h"
+#include "hqslam/core/projection.h"
+#include "temporary_directory.h"
+
+namespace hqslam::tools {
+namespace {
+
+namespace fs = std::filesystem;
+using hqslam::test::error_message;
+using hqslam::test::file_contents;
+using hqslam::test::one_line_with;
+using hqslam::test::TemporaryDirectory;
+using hqslam::test::write_file;
+
+std::set<std::string> names_in(const fs::path& folder) {
+  std::set<std::string> names;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    names.insert(entry.path().filename().string());
+  }
+  return names;
+}
+
+/// Writes `scans` scans into `folder`.
+void write_scans(const std::string& folder, int scans, UpsampledFormats formats = {}) {
+  const SensorModel sensor = sensor_preset("os1-16");
+  UpsampleOutput output(folder, "input", "linear", sensor, formats);
+  RangeImage image(16, 1024);
+  image.at(3, 7) = 10.0F;
+  for (int i = 0; i < scans; ++i) {
+    output.append(image, unproject(image, sensor, CaptureTime::kRolling));
+  }
+}
+
+}  // namespace
+
+TEST_CASE("an upsampled drive is a stack with its sensor, and one file per scan where asked for") {
+  const TemporaryDirectory folder;
+  write_scans(folder.file("plain"), 3);
+  CHECK(names_in(folder.file("plain")) ==
+        std::set<std::string>{"scans.npy", "sensor.json", "upsample.json"});
+  NpyStackReader stack(folder.file("plain/scans.npy"));
+  CHECK(stack.images() == 3);
+  CHECK(stack.read(2).at(3, 7) == 10.0F);
+  CHECK(read_sensor_json(folder.file("plain/sensor.json")).rows() == 16);
+
+  write_scans(folder.file("all"), 2, {true, true, true});
+  for (const char* kind : {"bin", "pcd", "png"}) {
+    CHECK(names_in(folder.path() / "all" / kind) ==
+          std::set<std::string>{std::string("000000.") + kind, std::string("000001.") + kind});
+  }
+  CHECK(read_pcd(folder.file("all/pcd/000001.pcd")).points_m.size() == 1);
+}
+
+TEST_CASE("an earlier upsampled drive is replaced whole; other files stay") {
+  const TemporaryDirectory folder;
+  const std::string out = folder.file("out");
+  write_scans(out, 3, {false, true, true});
+  write_file(out + "/notes.txt", "mine");
+  write_file(out + "/pcd/notes.txt", "mine");
+  write_file(out + "/pcd/mine.pcd", "mine");
+  write_scans(out, 1);
+  CHECK(NpyStackReader(out + "/scans.npy").images() == 1);
+  CHECK(names_in(out + "/pcd") == std::set<std::string>{"mine.pcd", "notes.txt"});
+  CHECK(names_in(out + "/png").empty());
+  CHECK(file_contents(out + "/notes.txt") == "mine");
+}
+
+TEST_CASE("the beginning of a drive whose disk was full is replaced") {
+  const TemporaryDirectory folder;
+  const std::string out = folder.file("out");
+  write_scans(out, 1);
+  write_file(out + "/scans.npy", "");
+  fs::remove(out + "/sensor.json");
+  write_scans(out, 2);
+  CHECK(NpyStackReader(out + "/scans.npy").images() == 2);
+}
+
+TEST_CASE("what hqslam upsample did not write is not overwritten") {
+  for (const char* name : {"scans.npy", "sensor.json", "upsample.json", "truth.tum", "pcd"}) {
+    CAPTURE(name);
+    const TemporaryDirectory folder;
+    write_file(folder.file(name), "mine");
+    CHECK(one_line_with(error_message([&] { write_scans(folder.path().string(), 1); }), name,
+                        "--out"));
+    CHECK(file_contents(folder.file(name)) == "mine");
+  }
+}
+
+TEST_CASE("the input is never overwritten, by whatever path it is named") {
+  const TemporaryDirectory folder;
+  const std::string out = folder.file("out");
+  write_scans(out, 2, {true, true, false});
+  const std::string before = file_contents(out + "/scans.npy");
+  fs::create_symlink(out, folder.file("link"));
+  const SensorModel sensor = sensor_preset("os1-16");
+  for (const std::string& input :
+       {out, out + "/", out + "/scans.npy", out + "/pcd", out + "/bin/000001.bin",
+        folder.file("link"), folder.file("link/scans.npy"), folder.file("out/../out")}) {
+    CAPTURE(input);
+    CHECK(one_line_with(error_message([&] { UpsampleOutput(out, input, "linear", sensor, {}); }),
+                        "overwritten", "--out"));
+  }
+  CHECK(file_contents(out + "/scans.npy") == before);
+}
+
+TEST_CASE("the truth of a simulated drive goes along") {
+  const TemporaryDirectory folder;
+  fs::create_directory(folder.file("drive"));
+  write_file(folder.file("drive/truth.tum"), "0.05 0 0 0 0 0 0 1\n");
+  const UpsampleOutput output(folder.file("out"), folder.file("drive"), "linear",
+                              sensor_preset("os1-16"), {});
+  CHECK(file_contents(folder.file("out/truth.tum")) == "0.05 0 0 0 0 0 0 1\n");
+}
+
+}  // namespace hqslam::tools

@@ -1,0 +1,129 @@
+#include "lift/upsampling_plan.h"
+
+#include <doctest/doctest.h>
+
+#include <string>
+
+#include "error_message.h"
+#include "hqslam/core/npy.h"
+#include "temporary_directory.h"
+#include "tools/program/untrained_weights.h"
+
+namespace hqslam::tools {
+namespace {
+
+using hqslam::test::error_message;
+using hqslam::test::one_line_with;
+using hqslam::test::TemporaryDirectory;
+
+void write_stack(const std::string& path, int rows, int columns = 1024) {
+  NpyStackWriter writer(path, rows, columns);
+  RangeImage image(rows, columns);
+  image.range_m.assign(image.range_m.size(), 10.0F);
+  writer.append(image);
+}
+
+struct Files {
+  TemporaryDirectory folder;
+  std::string weights = folder.file("weights.npz");
+  std::string stack_16 = folder.file("stack16.npy");
+  std::string stack_64 = folder.file("stack64.npy");
+  Files() {
+    test::write_untrained_weights(weights, sensor_preset("os1-64"));
+    write_stack(stack_16, 16);
+    write_stack(stack_64, 64);
+  }
+};
+
+}  // namespace
+
+TEST_CASE("a stack of the measured rows and one of all rows both find their sensor by themselves") {
+  const Files files;
+  const UpsamplingPlan measured = plan_upsampling({files.stack_16, "", files.weights});
+  CHECK(measured.recording_sensor.beam_elevation_rad == sensor_preset("os1-16").beam_elevation_rad);
+  CHECK_FALSE(measured.rows.has_value());
+  SensorModel lifted = sensor_preset("os1-64");
+  lifted.measured_rows = RowSelection{3, 4};
+  CHECK(measured.upsampler.sensor() == lifted);
+  CHECK(measured.upsampler.name() == "du-or");
+
+  const UpsamplingPlan all = plan_upsampling({files.stack_64, "", files.weights});
+  CHECK(all.recording_sensor == sensor_preset("os1-64"));
+  REQUIRE(all.rows.has_value());
+  CHECK(all.rows->offset == 3);
+  CHECK(all.rows->stride == 4);
+}
+
+TEST_CASE("the sensor of the measured rows may be named by its own name or by that of all rows") {
+  const Files files;
+  for (const char* name : {"os1-16", "os1-64"}) {
+    CAPTURE(name);
+    for (const std::string& method : {files.weights, std::string("linear")}) {
+      if (method == "linear" && std::string(name) == "os1-16") {
+        continue;  // interpolation has no other way to know all rows
+      }
+      const UpsamplingPlan plan = plan_upsampling({files.stack_16, name, method});
+      CHECK(plan.recording_sensor.rows() == 16);
+      CHECK_FALSE(plan.rows.has_value());
+      CHECK(plan.upsampler.sensor().rows() == 64);
+    }
+  }
+}
+
+TEST_CASE("a sensor like the weights' keeps its own beam table where it has all rows") {
+  const Files files;
+  SensorModel own = sensor_preset("os1-64");
+  for (double& elevation_rad : own.beam_elevation_rad) {
+    elevation_rad += 0.002;  // 0.11 degrees
+  }
+  own.name = "own";
+  write_sensor_json(own, files.folder.file("own.json"));
+  const UpsamplingPlan plan =
+      plan_upsampling({files.stack_64, files.folder.file("own.json"), files.weights});
+  CHECK(plan.upsampler.sensor().name == "own");
+}
+
+TEST_CASE("interpolation looks at every fourth row, or at as many as it is told") {
+  const Files files;
+  CHECK(plan_upsampling({files.stack_64, "os1-64", "nearest"}).rows->stride == 4);
+  CHECK(plan_upsampling({files.stack_64, "os1-64", "inverse", 32}).rows->stride == 2);
+}
+
+TEST_CASE("rows of a sensor that all were measured are not thinned and filled without a word") {
+  const Files files;
+  CHECK(one_line_with(error_message([&] {
+                        plan_upsampling({files.stack_16, "os1-16", "linear"});
+                      }),
+                      "all 16 rows", "nothing between them", "os1-64"));
+  CHECK(plan_upsampling({files.stack_16, "os1-16", "linear", 4}).rows->stride == 4);
+}
+
+TEST_CASE("a sensor that the weights were not made for is one line that says what they expect") {
+  const Files files;
+  CHECK(one_line_with(error_message([&] {
+                        plan_upsampling({files.stack_64, "hdl-64e", files.weights});
+                      }),
+                      "os1-64", "hdl-64e"));
+  CHECK(one_line_with(error_message([&] {
+                        plan_upsampling({files.stack_16, "vlp-16", files.weights});
+                      }),
+                      "16 x 1024", "vlp-16"));
+  CHECK(one_line_with(error_message([&] {
+                        plan_upsampling({files.stack_64, "", files.weights, 32});
+                      }),
+                      "16 measured rows", "32"));
+  CHECK(one_line_with(error_message([&] {
+                        plan_upsampling({files.stack_64, "", "linear"});
+                      }),
+                      "--sensor", "stack64"));
+  CHECK(one_line_with(error_message([&] {
+                        plan_upsampling({files.stack_16, "os1-64", "linear", 32});
+                      }),
+                      "16 rows", "32"));
+  CHECK(one_line_with(error_message([&] {
+                        plan_upsampling({files.stack_64, "", files.stack_64});
+                      }),
+                      "stack64"));
+}
+
+}  // namespace hqslam::tools

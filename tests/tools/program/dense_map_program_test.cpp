@@ -1,0 +1,178 @@
+#include <doctest/doctest.h>
+#include <fmt/format.h>
+
+#include <cmath>
+#include <filesystem>
+#include <sstream>
+#include <vector>
+
+#include "hqslam/core/pcd.h"
+#include "tools/program/program.h"
+
+namespace hqslam::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A drive of all 64 beams that is long enough for scans to vote.
+constexpr int kScans = 24;
+const std::string& drive_of_64() {
+  static const TemporaryDirectory folder;
+  static const std::string drive = [] {
+    std::string path = folder.file("drive");
+    run_hqslam(fmt::format("simulate --drive block --sensor os1-64 --seed 5 --scans {} --out '{}'",
+                           kScans, path));
+    return path;
+  }();
+  return drive;
+}
+
+/// A row of what evaluate-map prints.
+struct MapRow {
+  double points, accuracy_01, accuracy_02, far, complete_01, complete_02, f1_01, f1_02;
+  std::string rest;
+};
+
+std::vector<MapRow> rows_of(const std::string& text) {
+  std::vector<MapRow> rows;
+  std::istringstream lines(text);
+  std::string line;
+  for (int i = 0; std::getline(lines, line); ++i) {
+    if (i < 3) continue;
+    std::istringstream words(line);
+    MapRow row;
+    words >> row.points >> row.accuracy_01 >> row.accuracy_02 >> row.far >> row.complete_01 >>
+        row.complete_02 >> row.f1_01 >> row.f1_02;
+    std::getline(words, row.rest);
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+}  // namespace
+
+TEST_CASE("a lifted drive's dense map is more complete than a measured one's, and nearly as true") {
+  const TemporaryDirectory out;
+  const std::string folder = out.path().string();
+  const auto run = [&](const char* options, const char* name) {
+    const ProgramResult result = run_hqslam(
+        fmt::format("run '{}' {} --dense-map --out '{}/{}'", drive_of_64(), options, folder, name));
+    CAPTURE(result.error);
+    REQUIRE(result.status == 0);
+    CHECK(result.out.find("dense map: ") != std::string::npos);
+  };
+  run("--rows 16", "rows16");
+  run("--upsample inverse", "lifted");
+  run("", "rows64");
+  const ProgramResult map = run_hqslam(fmt::format(
+      "map '{0}' --rows 16 --poses '{0}/truth.tum' --out '{1}/true'", drive_of_64(), folder));
+  CAPTURE(map.error);
+  REQUIRE(map.status == 0);
+  const ProgramResult result = run_hqslam(fmt::format(
+      "evaluate-map '{0}/rows16' '{0}/lifted' '{0}/rows64' '{0}/true/dense_map.pcd' --drive '{1}'",
+      folder, drive_of_64()));
+  CAPTURE(result.error);
+  REQUIRE(result.status == 0);
+  const std::vector<MapRow> rows = rows_of(result.out);
+  REQUIRE(rows.size() == 4);
+  const MapRow& measured = rows[0];
+  const MapRow& lifted = rows[1];
+  const MapRow& full = rows[2];
+  CHECK(measured.accuracy_01 > 95.0);
+  CHECK(measured.far < 1.0);
+  CHECK(full.complete_01 > 75.0);  // 81 when this was written
+  CHECK(full.f1_01 > measured.f1_01 + 0.15);
+  CHECK(lifted.complete_01 > measured.complete_01 + 5.0);
+  // Interpolation from true poses: 86.4 and 9.2. Most of these scans were taken standing, where
+  // a wrong guess is made again and again.
+  CHECK(lifted.accuracy_02 > 80.0);
+  CHECK(lifted.far < 12.0);
+  CHECK(lifted.f1_02 > measured.f1_02 + 0.02);
+  // The same map from true poses: SLAM costs next to nothing here.
+  CHECK(std::abs(rows[3].f1_01 - measured.f1_01) < 0.05);
+  CHECK(measured.rest.find("aligned") != std::string::npos);
+  CHECK(rows[3].rest.find("aligned") == std::string::npos);
+}
+
+TEST_CASE("the files of a dense map are whole and the report shows its pictures") {
+  const TemporaryDirectory out;
+  REQUIRE(run_hqslam(fmt::format("run '{}' --upsample linear --rows 4 --dense-map --map-voxel 0.2 "
+                                 "--out '{}'",
+                                 simulated_drive(), out.path().string()))
+              .status == 0);
+  const std::size_t points = read_pcd(out.file("dense_map.pcd")).points_m.size();
+  CHECK(points > 1000);
+  CHECK(file_contents(out.file("dense_map.ply")).find(fmt::format("element vertex {}\n", points)) !=
+        std::string::npos);
+  CHECK(file_contents(out.file("dense_map_above.png")).starts_with("\x89PNG"));
+  CHECK(file_contents(out.file("dense_map_perspective.png")).starts_with("\x89PNG"));
+  CHECK(file_contents(out.file("report.html")).find("Dense map</h2>") != std::string::npos);
+  for (const fs::directory_entry& entry : fs::directory_iterator(out.path())) {
+    CHECK(entry.path().extension() != ".part");
+  }
+  // The next run, without one, leaves none of another trajectory behind.
+  REQUIRE(run_hqslam(fmt::format("run '{}' --out '{}'", simulated_drive(), out.path().string()))
+              .status == 0);
+  CHECK_FALSE(fs::exists(out.file("dense_map.ply")));
+  CHECK_FALSE(fs::exists(out.file("dense_map.pcd")));
+  CHECK(file_contents(out.file("report.html")).find("Dense map</h2>") == std::string::npos);
+}
+
+TEST_CASE("two dense maps of one drive are the same bytes, with one thread and with two") {
+  std::vector<std::string> maps;
+  for (const int threads : {1, 2}) {
+    const TemporaryDirectory out;
+    REQUIRE(run_hqslam(fmt::format("run '{}' --dense-map --threads {} --out '{}'",
+                                   simulated_drive(), threads, out.path().string()))
+                .status == 0);
+    maps.push_back(file_contents(out.file("dense_map.ply")));
+  }
+  CHECK(maps[0].size() > 10000);
+  CHECK(maps[0] == maps[1]);
+}
+
+TEST_CASE("scans whose poses a TUM file does not have are left out of the map, and that is said") {
+  const TemporaryDirectory out;
+  std::istringstream truth(file_contents(simulated_drive() + "/truth.tum"));
+  std::string some;
+  std::string line;
+  for (int i = 0; std::getline(truth, line); ++i) {
+    if (i % 3 == 0) some += line + "\n";
+  }
+  write_file(out.file("some.tum"), some);
+  const ProgramResult result =
+      run_hqslam(fmt::format("map '{}' --poses '{}' --out '{}'", simulated_drive(),
+                             out.file("some.tum"), out.file("map")));
+  CAPTURE(result.error);
+  CHECK(result.status == 0);
+  CHECK(result.out.find("of 4 scans") != std::string::npos);
+  CHECK(result.out.find("8 scans without a pose left out") != std::string::npos);
+}
+
+TEST_CASE("files of somebody else are not replaced by a dense map, and wrong input is one line") {
+  const TemporaryDirectory out;
+  write_file(out.file("dense_map.pcd"), "mine");
+  const auto fails = [&](const std::string& arguments, const char* with) {
+    const ProgramResult result = run_hqslam(arguments);
+    CAPTURE(result.error);
+    CHECK(result.status == 2);
+    CHECK(result.error.find(with) != std::string::npos);
+  };
+  fails(fmt::format("map '{0}' --poses '{0}/truth.tum' --out '{1}'", simulated_drive(),
+                    out.path().string()),
+        "dense_map.pcd");
+  fails(fmt::format("run '{}' --dense-map --out '{}'", simulated_drive(), out.path().string()),
+        "dense_map.pcd");
+  CHECK(file_contents(out.file("dense_map.pcd")) == "mine");
+  fails(fmt::format("run '{}' --dense-map --map-voxel 0 --out '{}'", simulated_drive(),
+                    out.file("x")),
+        "--map-voxel");
+  fails(fmt::format("evaluate-map '{0}' --drive '{1}'", out.file("dense_map.pcd"),
+                    out.path().string()),
+        "drive.json");
+  fails(
+      fmt::format("evaluate-map '{0}' --drive '{1}'", out.file("dense_map.pcd"), simulated_drive()),
+      "dense_map.pcd");
+}
+
+}  // namespace hqslam::test

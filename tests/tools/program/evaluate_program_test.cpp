@@ -1,0 +1,129 @@
+#include <doctest/doctest.h>
+#include <fmt/format.h>
+
+#include <string>
+
+#include "hqslam/core/npy.h"
+#include "hqslam/core/pcd.h"
+#include "hqslam/core/trajectory.h"
+#include "tools/program/program.h"
+
+namespace hqslam::test {
+namespace {
+
+bool holds(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+/// 300 poses, 1 m apart along x.
+Trajectory straight_line() {
+  Trajectory trajectory(300);
+  for (std::size_t i = 0; i < trajectory.size(); ++i) {
+    trajectory[i].stamp_s = 0.1 * static_cast<double>(i);
+    trajectory[i].T_map_sensor.translation().x() = static_cast<double>(i);
+  }
+  return trajectory;
+}
+
+ProgramResult evaluate(const std::string& estimate, const std::string& reference,
+                       const std::string& options = "") {
+  return run_hqslam(fmt::format("evaluate '{}' '{}' {}", estimate, reference, options));
+}
+
+}  // namespace
+
+TEST_CASE("evaluate names the alignment, and only an alignment takes a constant offset away") {
+  const TemporaryDirectory folder;
+  Trajectory estimate = straight_line();
+  for (StampedPose& pose : estimate) {
+    pose.T_map_sensor.translation().y() += 2.0;
+  }
+  write_tum(straight_line(), folder.file("truth.tum"));
+  write_tum(estimate, folder.file("estimate.tum"));
+  for (const auto& [alignment, rmse] :
+       {std::pair{"none", "2.0000"}, std::pair{"first", "0.0000"}, std::pair{"se3", "0.0000"}}) {
+    CAPTURE(alignment);
+    const ProgramResult result = evaluate(folder.file("estimate.tum"), folder.file("truth.tum"),
+                                          std::string("--align ") + alignment);
+    CHECK(result.status == 0);
+    const std::string label = fmt::format("APE m (align {})", alignment);
+    CHECK(holds(result.out, fmt::format("{:<26}{:>10}", label, rmse)));
+  }
+}
+
+TEST_CASE("a scale error of one percent is a relative error of one percent") {
+  const TemporaryDirectory folder;
+  Trajectory estimate = straight_line();
+  for (StampedPose& pose : estimate) {
+    pose.T_map_sensor.translation() *= 1.01;
+  }
+  write_tum(straight_line(), folder.file("truth.tum"));
+  write_kitti_poses(estimate, folder.file("estimate.kitti"));
+  const ProgramResult result = evaluate(folder.file("estimate.kitti"), folder.file("truth.tum"));
+  CAPTURE(result.out);
+  CHECK(result.status == 0);
+  CHECK(holds(result.out, fmt::format("{:<26}{:>10}", "RPE % over 10 m", "1.0000")));
+  CHECK(holds(result.out, fmt::format("{:<26}{:>10}", "RPE % over 100 m", "1.0000")));
+  CHECK_FALSE(holds(result.out, "over 800 m"));
+}
+
+TEST_CASE("a jump aside is one slip on the path that was compared") {
+  const TemporaryDirectory folder;
+  Trajectory estimate = straight_line();
+  for (std::size_t i = 150; i < estimate.size(); ++i) {
+    estimate[i].T_map_sensor.translation().y() += 0.5;
+  }
+  write_tum(straight_line(), folder.file("truth.tum"));
+  write_tum(estimate, folder.file("estimate.tum"));
+  const ProgramResult result = evaluate(folder.file("estimate.tum"), folder.file("truth.tum"));
+  CAPTURE(result.out);
+  CHECK(holds(result.out, fmt::format("{:<26}{:>10}{:>10} per 100 km", "slips", 1, "334.4")));
+}
+
+TEST_CASE("two stacks that differ by 0.5 m in every fourth pixel have the MAE that follows") {
+  const TemporaryDirectory folder;
+  // Half of the pixels have no return in either; of the others every second one is 0.5 m off.
+  RangeImage truth(16, 1024);
+  RangeImage image(16, 1024);
+  for (std::size_t i = 0; i < truth.range_m.size(); i += 2) {
+    truth.range_m[i] = 10.0F;
+    image.range_m[i] = i % 4 == 0 ? 10.5F : 10.0F;
+  }
+  NpyStackWriter(folder.file("truth.npy"), 16, 1024).append(truth);
+  NpyStackWriter(folder.file("image.npy"), 16, 1024).append(image);
+  const ProgramResult result =
+      evaluate(folder.file("image.npy"), folder.file("truth.npy"), "--sensor os1-16");
+  CAPTURE(result.out);
+  CAPTURE(result.error);
+  CHECK(result.status == 0);
+  CHECK(holds(result.out, "MAE, all pixels       0.1250 m"));
+  CHECK(holds(result.out, "MAE, valid pixels     0.2500 m (8192 pixels)"));
+  CHECK(holds(result.out, "voxel F1"));
+}
+
+TEST_CASE("two clouds 1 m apart are all outliers with a Chamfer distance of 2 m^2") {
+  const TemporaryDirectory folder;
+  write_pcd({{1.0F, 2.0F, 0.0F}, {50.0F, 0.0F, 0.0F}}, folder.file("truth.pcd"));
+  write_pcd({{1.0F, 2.0F, 1.0F}, {50.0F, 0.0F, 1.0F}}, folder.file("cloud.pcd"));
+  const ProgramResult result = evaluate(folder.file("cloud.pcd"), folder.file("truth.pcd"));
+  CAPTURE(result.error);
+  CHECK(result.status == 0);
+  CHECK(holds(result.out, "Chamfer distance      2.0000 m^2"));
+  CHECK(holds(result.out, "voxel IoU at 0.1 m    0.0000"));
+  CHECK(holds(result.out, "outlier points        100.00 %"));
+}
+
+TEST_CASE("stacks of different lengths are refused with both lengths") {
+  const TemporaryDirectory folder;
+  NpyStackWriter one(folder.file("one.npy"), 16, 64);
+  NpyStackWriter two(folder.file("two.npy"), 16, 64);
+  one.append(RangeImage(16, 64));
+  two.append(RangeImage(16, 64));
+  two.append(RangeImage(16, 64));
+  const ProgramResult result = evaluate(folder.file("one.npy"), folder.file("two.npy"));
+  CHECK(result.status == 2);
+  CHECK(holds(result.error, "1 images"));
+  CHECK(holds(result.error, "2; give"));
+}
+
+}  // namespace hqslam::test

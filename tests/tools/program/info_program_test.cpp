@@ -1,0 +1,50 @@
+#include <doctest/doctest.h>
+#include <fmt/format.h>
+
+#include <filesystem>
+
+#include "core/recordings/captures.h"
+#include "hqslam/core/trajectory.h"
+#include "tools/program/program.h"
+
+namespace hqslam::test {
+
+TEST_CASE("a capture is explained by info, and the command that it names runs") {
+  const TemporaryDirectory folder;
+  const std::string path = folder.file("a.pcap");
+  RoundRoom room;
+  room.rate_hz = 20.0;
+  room.duration_s = 0.31;
+  auto packets = velodyne_capture(room);
+  packets.erase(packets.begin() + 100);
+  packets.push_back({packets.back().time_ns, 8308, Payload(512)});
+  write_file(path, pcap_bytes(packets));
+  const ProgramResult info = run_hqslam(fmt::format("info '{}'", path));
+  CHECK(info.status == 0);
+  for (const char* part : {"pcap capture", "192.168.1.201:2368", "Velodyne packets, single return",
+                           "vlp-16: 16 rows x 900 columns, 20", "6 in 0.3", "1 lost",
+                           "each with its own time", "1 packet was lost", " --out results",
+                           "192.168.1.201:8308, 1 packets of positions, no scans"}) {
+    CAPTURE(part);
+    CHECK(info.out.find(part) != std::string::npos);
+  }
+  CHECK(info.out.find(fmt::format("hqslam run {}", path)) != std::string::npos);
+  const ProgramResult run =
+      run_hqslam(fmt::format("run '{}' --out '{}'", path, folder.file("results")));
+  CHECK(run.status == 0);
+  const auto poses = read_tum(folder.file("results/trajectory.tum"));
+  REQUIRE(poses.size() == 6);
+  CHECK(poses[3].stamp_s - poses[2].stamp_s == doctest::Approx(0.05).epsilon(0.02));
+  CHECK(poses[0].stamp_s > 1.5e9);  // the recording's own
+}
+
+TEST_CASE("info says in one line what a file is not") {
+  const TemporaryDirectory folder;
+  write_file(folder.file("a.pcap"), "no capture");
+  const ProgramResult info = run_hqslam(fmt::format("info '{}'", folder.file("a.pcap")));
+  CHECK(info.status == 2);
+  CHECK(info.error.find('\n') == info.error.size() - 1);
+  CHECK(info.error.find("a.pcap") != std::string::npos);
+}
+
+}  // namespace hqslam::test

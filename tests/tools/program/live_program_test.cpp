@@ -1,0 +1,207 @@
+#include <doctest/doctest.h>
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <regex>
+#include <thread>
+
+#include "core/recordings/loopback.h"
+#include "hqslam/core/pcd.h"
+#include "hqslam/core/sensor_model.h"
+#include "hqslam/core/trajectory.h"
+#include "http_get.h"
+#include "tools/program/ouster_drive.h"
+#include "tools/program/program.h"
+#include "tools/program/untrained_weights.h"
+#include "udp_socket.h"
+
+namespace hqslam::test {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace std::chrono_literals;
+
+constexpr std::array<std::uint8_t, 16> kLoopback = {0, 0, 0, 0, 0,   0, 0, 0,
+                                                    0, 0, 0, 0, 127, 0, 0, 1};
+
+/// `hqslam live` beside this program, with its output in files.
+class LiveProgram {
+ public:
+  LiveProgram(const std::string& metadata, const std::vector<std::string>& options)
+      : port_(free_udp_port()) {
+    write_file(folder_.file("sensor.json"), metadata);
+    std::vector<std::string> words = {"hqslam",   "live",
+                                      "--sensor", folder_.file("sensor.json"),
+                                      "--port",   std::to_string(port_),
+                                      "--out",    folder_.file("out")};
+    words.insert(words.end(), options.begin(), options.end());
+    child_ = fork();
+    if (child_ != 0) return;
+    dup2(open(folder_.file("stdout").c_str(), O_WRONLY | O_CREAT, 0644), STDOUT_FILENO);
+    dup2(open(folder_.file("stderr").c_str(), O_WRONLY | O_CREAT, 0644), STDERR_FILENO);
+    std::vector<char*> arguments;
+    for (std::string& word : words) arguments.push_back(word.data());
+    arguments.push_back(nullptr);
+    execv(HQSLAM_PROGRAM, arguments.data());
+    _exit(127);
+  }
+  ~LiveProgram() {
+    if (!ended_) end(SIGKILL);
+  }
+
+  std::uint16_t port() const { return port_; }
+  std::string out() const {
+    return fs::exists(path("stdout")) ? file_contents(path("stdout")) : "";
+  }
+  std::string error() const { return file_contents(path("stderr")); }
+  std::string path(const std::string& name) const { return folder_.file(name); }
+
+  /// Waits until the output has such a part; whether it came.
+  bool says(const std::string& part) const {
+    for (int i = 0; i < 2000; ++i) {
+      if (out().find(part) != std::string::npos) return true;
+      std::this_thread::sleep_for(10ms);
+    }
+    return false;
+  }
+  /// Its exit status.
+  int end(int signal_number) {
+    kill(child_, signal_number);
+    int status = 0;
+    waitpid(child_, &status, 0);
+    ended_ = true;
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  }
+
+ private:
+  TemporaryDirectory folder_;
+  std::uint16_t port_;
+  pid_t child_ = 0;
+  bool ended_ = false;
+};
+
+}  // namespace
+
+TEST_CASE("a drive that is sent live gives the trajectory that its capture gives") {
+  const OusterDrive drive = ouster_drive(simulated_drive());
+  const TemporaryDirectory folder;
+  LiveProgram live(drive.metadata, {"--record", folder.file("kept.pcap")});
+  REQUIRE(live.says("no packet yet"));
+  replay(drive.packets, live.port(), 1.0);
+  REQUIRE(live.says(fmt::format("{} scans  x", kDriveScans)));
+  CHECK(live.end(SIGINT) == 0);
+  CAPTURE(live.out());
+  CAPTURE(live.error());
+  CHECK(live.out().find("Ouster packets, LEGACY from 127.0.0.1") != std::string::npos);
+  CHECK(live.out().find(fmt::format("0 of {} scans dropped", kDriveScans)) != std::string::npos);
+  const Trajectory by_wire = read_tum(live.path("out/trajectory.tum"));
+  REQUIRE(by_wire.size() == kDriveScans);
+  CHECK(read_kitti_poses(live.path("out/trajectory.kitti")).size() == kDriveScans);
+  CHECK(read_pcd(live.path("out/map.pcd")).points_m.size() > 1000);
+  CHECK(file_contents(live.path("out/report.html")).find("hqslam live") != std::string::npos);
+  const auto timings = nlohmann::json::parse(file_contents(live.path("out/timings.json")));
+  CHECK(timings["written_by"] == "hqslam live");
+  CHECK(timings["end"] == "complete");
+  CHECK(timings["scans_in_recording"] == kDriveScans);
+  CHECK(timings["times_ms"]["latency"]["p95"] > timings["times_ms"]["slam_total"]["median"]);
+  CHECK(timings["per_scan"]["times_ms"]["latency"].size() == kDriveScans);
+
+  const ProgramResult run =
+      run_hqslam(fmt::format("run '{}' --out '{}'", folder.file("kept.pcap"), folder.file("out")));
+  CAPTURE(run.error);
+  REQUIRE(run.status == 0);
+  const Trajectory by_file = read_tum(folder.file("out/trajectory.tum"));
+  REQUIRE(by_file.size() == kDriveScans);
+  for (std::size_t i = 0; i < by_file.size(); ++i) {
+    CHECK(by_wire[i].T_map_sensor.isApprox(by_file[i].T_map_sensor, 1e-9));
+    CHECK(by_wire[i].stamp_s == doctest::Approx(by_file[i].stamp_s).epsilon(1e-12));
+  }
+}
+
+TEST_CASE("live lifts scans, serves the page, and ends with SIGTERM as with Ctrl-C") {
+  const OusterDrive drive = ouster_drive(simulated_drive());
+  LiveProgram live(drive.metadata, {"--rows", "8", "--upsample", "linear", "--view", "0"});
+  REQUIRE(live.says("page: http://127.0.0.1:"));
+  std::smatch url;
+  const std::string out = live.out();
+  REQUIRE(std::regex_search(out, url, std::regex("page: http://127.0.0.1:([0-9]+)/")));
+  const auto port = static_cast<std::uint16_t>(std::stoi(url[1]));
+  CHECK(recordings::http_get(kLoopback, port, "/").find("<canvas") != std::string::npos);
+  replay(drive.packets, live.port(), 1.0);
+  REQUIRE(live.says(fmt::format("{} scans  x", kDriveScans)));
+  const auto state = nlohmann::json::parse(recordings::http_get(kLoopback, port, "/state"));
+  CHECK(state["points"].size() > 3000);
+  CHECK(state["positions"].size() >= 3);
+  CHECK(state["scans"] >= 5);
+  CHECK(live.end(SIGTERM) == 0);
+  CHECK(live.out().find("upsampled to 16 rows by linear") != std::string::npos);
+  CHECK(read_tum(live.path("out/trajectory.tum")).size() > 5);
+}
+
+TEST_CASE("live that never got a packet says so, writes nothing and can be ended") {
+  const OusterDrive drive = ouster_drive(simulated_drive());
+  LiveProgram live(drive.metadata, {});
+  REQUIRE(live.says(fmt::format("no packet yet on UDP port {}", live.port())));
+  CHECK(live.end(SIGINT) == 0);
+  CHECK_FALSE(fs::exists(live.path("out")));
+}
+
+TEST_CASE("captures are opened by upsample, compare, inspect, bench and table as by run") {
+  const TemporaryDirectory folder;
+  run_hqslam(fmt::format("simulate --drive block --sensor os1-64 --scans 6 --out '{}'",
+                         folder.file("drive")));
+  OusterDrive drive = ouster_drive(folder.file("drive"));
+  for (Captured& packet : drive.packets) packet.time_ns += 1'600'000'000'000'000'000;
+  const std::string capture = folder.file("a.pcap");
+  write_file(capture, pcap_bytes(drive.packets));
+  write_file(folder.file("a.json"), drive.metadata);
+  const std::string weights = folder.file("weights.npz");
+  write_untrained_weights(weights, sensor_preset("os1-64"));
+  for (const std::string& arguments :
+       {fmt::format("upsample '{}' --method linear --return last --out '{}'", capture,
+                    folder.file("lifted")),
+        fmt::format("compare '{}' --return last", capture),
+        fmt::format("inspect '{}' --weights '{}' --scan 2 --out '{}'", capture, weights,
+                    folder.file("layers.html")),
+        fmt::format("bench --input '{}' --stream 7502 --weights '{}'", capture, weights),
+        fmt::format("table --drives '{}' --methods linear,rows-64 --stream 7502 --out '{}'",
+                    capture, folder.file("table"))}) {
+    CAPTURE(arguments);
+    const ProgramResult result = run_hqslam(arguments);
+    CAPTURE(result.error);
+    CHECK(result.status == 0);
+  }
+  CHECK(file_contents(folder.file("lifted/upsample.json")).find("a.pcap") != std::string::npos);
+  const ProgramResult none =
+      run_hqslam(fmt::format("inspect '{}' --weights '{}' --scan 6 --out '{}'", capture, weights,
+                             folder.file("none.html")));
+  CHECK(none.status == 2);
+  CHECK(none.error.find("has 6 scans") != std::string::npos);
+}
+
+TEST_CASE("a port in use and other wrong input of live are one line and status 2") {
+  const recordings::UdpSocket other(0);
+  const TemporaryDirectory folder;
+  write_file(folder.file("a.pcap"), "");
+  const std::string out = fmt::format(" --out '{}'", folder.file("out"));
+  for (const std::string& arguments :
+       {fmt::format("--sensor vlp-16 --port {}", other.port()), std::string("--sensor vlp-17"),
+        fmt::format("--sensor vlp-16 --port {} --record '{}'", free_udp_port(),
+                    folder.file("a.pcap")),
+        fmt::format("--sensor vlp-16 --port {} --view 0 --view-address nowhere", free_udp_port()),
+        std::string("--sensor vlp-16 --port 99999"), std::string("--port 2368")}) {
+    CAPTURE(arguments);
+    const ProgramResult result = run_hqslam("live " + arguments + out);
+    CAPTURE(result.error);
+    CHECK(result.status == 2);
+    CHECK(result.error.find('\n') == result.error.size() - 1);
+  }
+  CHECK_FALSE(fs::exists(folder.file("out")));
+}
+
+}  // namespace hqslam::test

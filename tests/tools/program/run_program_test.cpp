@@ -1,0 +1,326 @@
+#include <doctest/doctest.h>
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <thread>
+#include <vector>
+
+#include "hqslam/core/pcd.h"
+#include "hqslam/core/trajectory.h"
+#include "hqslam/core/trajectory_error.h"
+#include "hqslam/nn/instruction_set.h"
+#include "tools/program/program.h"
+#include "tools/program/untrained_weights.h"
+
+namespace hqslam::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool is_one_line(const std::string& text) {
+  return !text.empty() && text.find('\n') == text.size() - 1;
+}
+
+std::string last_line(const std::string& text) {
+  const std::size_t end = text.find_last_not_of('\n');
+  const std::size_t begin = text.find_last_of('\n', end);
+  return text.substr(begin + 1, end - begin);
+}
+
+nlohmann::json timings(const TemporaryDirectory& out) {
+  return nlohmann::json::parse(file_contents(out.file("timings.json")));
+}
+
+/// A folder of .bin files: `count` names for the drive's first file.
+void make_long_recording(const fs::path& folder, int count) {
+  const fs::path first = simulated_drive() + "/bin/000000.bin";
+  fs::create_directory(folder);
+  for (int i = 0; i < count; ++i) {
+    fs::create_symlink(first, folder / fmt::format("{:06}.bin", i));
+  }
+}
+
+}  // namespace
+
+TEST_CASE("a simulated drive needs no sensor and no reference: both are in its folder") {
+  const TemporaryDirectory out;
+  const ProgramResult result =
+      run_hqslam(fmt::format("run '{}' --out '{}'", simulated_drive(), out.path().string()));
+  CAPTURE(result.error);
+  REQUIRE(result.status == 0);
+  CHECK(result.out.find("APE RMSE") != std::string::npos);
+  CHECK(result.out.find("alignment: se3") != std::string::npos);
+  const auto located = timings(out)["mapping_status"]["ok"].get<int>();
+  CHECK(located > kDriveScans / 2);
+  CHECK(result.out.find(fmt::format("mapping: {} scans ok", located)) != std::string::npos);
+  const Trajectory estimate = read_tum(out.file("trajectory.tum"));
+  REQUIRE(estimate.size() == kDriveScans);
+  CHECK(read_kitti_poses(out.file("trajectory.kitti")).size() == kDriveScans);
+  CHECK(estimate.front().T_map_sensor.isApprox(Pose::Identity()));
+  CHECK(read_pcd(out.file("map.pcd")).points_m.size() > 1000);
+  CHECK(timings(out)["end"] == "complete");
+  const Trajectory truth = read_tum(simulated_drive() + "/truth.tum");
+  CHECK(absolute_pose_error(estimate, truth, Alignment::kFirstPose).translation_statistics.max <
+        0.2);
+}
+
+TEST_CASE("two runs give the same bytes, with one thread and with two") {
+  std::vector<std::string> trajectories;
+  std::vector<std::string> maps;
+  for (const int threads : {1, 1, 2}) {
+    const TemporaryDirectory out;
+    REQUIRE(run_hqslam(fmt::format("run '{}' --threads {} --out '{}'", simulated_drive(), threads,
+                                   out.path().string()))
+                .status == 0);
+    trajectories.push_back(file_contents(out.file("trajectory.tum")));
+    maps.push_back(file_contents(out.file("map.pcd")));
+  }
+  CHECK(trajectories[0].size() > 100);
+  CHECK(trajectories[0] == trajectories[1]);
+  CHECK(trajectories[0] == trajectories[2]);
+  CHECK(maps[0] == maps[1]);
+  CHECK(maps[0] == maps[2]);
+}
+
+TEST_CASE("the same drive is read from its stack, its .bin files and its .pcd files") {
+  for (const char* part : {"scans.npy", "bin", "pcd"}) {
+    CAPTURE(part);
+    const TemporaryDirectory out;
+    const ProgramResult result =
+        run_hqslam(fmt::format("run '{}/{}' --sensor os1-16 --rows 8 --out '{}'", simulated_drive(),
+                               part, out.path().string()));
+    CAPTURE(result.error);
+    CHECK(result.status == 0);
+    CHECK(timings(out)["rows"] == 8);
+    CHECK(timings(out)["scans"] == kDriveScans);
+  }
+}
+
+TEST_CASE("a bad file in mid-drive is left out and named, and the run goes on") {
+  const TemporaryDirectory folder;
+  fs::copy(simulated_drive() + "/bin", folder.file("bin"));
+  std::vector<fs::path> files(fs::directory_iterator(folder.file("bin")), {});
+  std::sort(files.begin(), files.end());
+  fs::resize_file(files[5], 1001);
+  const ProgramResult result = run_hqslam(
+      fmt::format("run '{0}/bin' --sensor os1-16 --out '{0}/out'", folder.path().string()));
+  CHECK(result.status == 0);
+  CHECK(last_line(result.error).find(files[5].filename().string()) != std::string::npos);
+  CHECK(last_line(result.error).find("1 scan was left out") != std::string::npos);
+  CHECK(read_tum(folder.file("out/trajectory.tum")).size() == kDriveScans - 1);
+  CHECK(read_pcd(folder.file("out/map.pcd")).points_m.size() > 1000);
+}
+
+TEST_CASE("a recording of which nothing can be used leaves the results of an earlier run") {
+  const TemporaryDirectory folder;
+  const std::string arguments =
+      fmt::format("run '{0}/bin' --sensor os1-16 --out '{0}/out'", folder.path().string());
+  fs::copy(simulated_drive() + "/bin", folder.file("bin"));
+  REQUIRE(run_hqslam(arguments).status == 0);
+  const std::string before = file_contents(folder.file("out/trajectory.tum"));
+  for (const fs::path& file : fs::directory_iterator(folder.file("bin"))) {
+    fs::resize_file(file, 1001);
+  }
+  const ProgramResult result = run_hqslam(arguments);
+  CHECK(result.status == 2);
+  CHECK(last_line(result.error).find(".bin") != std::string::npos);
+  CHECK(file_contents(folder.file("out/trajectory.tum")) == before);
+  CHECK(fs::exists(folder.file("out/report.html")));
+}
+
+TEST_CASE("Ctrl-C stops a run with status 130 and valid results") {
+  const TemporaryDirectory folder;
+  make_long_recording(folder.path() / "bin", 5000);
+  const std::string input = folder.file("bin");
+  const std::string out = folder.file("out");
+  const pid_t child = fork();
+  if (child == 0) {
+    dup2(open("/dev/null", O_WRONLY), STDOUT_FILENO);
+    dup2(open("/dev/null", O_WRONLY), STDERR_FILENO);
+    execl(HQSLAM_PROGRAM, "hqslam", "run", input.c_str(), "--sensor", "os1-16", "--out",
+          out.c_str(), nullptr);
+    _exit(127);
+  }
+  while (!fs::exists(out + "/trajectory.tum") && kill(child, 0) == 0) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  kill(child, SIGINT);
+  int status = 0;
+  waitpid(child, &status, 0);
+  REQUIRE(WIFEXITED(status));
+  CHECK(WEXITSTATUS(status) == 130);
+  const std::size_t poses = read_tum(out + "/trajectory.tum").size();
+  CHECK(poses >= 1);
+  CHECK(poses < 5000);
+  CHECK(read_kitti_poses(out + "/trajectory.kitti").size() == poses);
+  CHECK(fs::exists(out + "/report.html"));
+  CHECK(fs::exists(out + "/map.pcd"));
+}
+
+TEST_CASE("wrong input is one line on stderr and status 2, and writes nothing") {
+  const TemporaryDirectory folder;
+  const std::string out = folder.file("out");
+  write_file(folder.file("text.npy"), "these are not range images\n");
+  write_file(folder.file("poses.kitti"), "1 0 0 0 0 1 0 0 0 0 1 0\n");
+  fs::create_directory(folder.file("empty"));
+  const std::string drive = simulated_drive();
+  Trajectory by_the_clock = read_tum(drive + "/truth.tum");
+  for (StampedPose& pose : by_the_clock) pose.stamp_s += 1.6e9;
+  write_tum(by_the_clock, folder.file("clock.tum"));
+  const std::string bin = "run '" + drive + "/bin' --sensor os1-16 ";
+  const std::vector<std::string> wrong = {
+      "run /no/such/folder --sensor os1-16 --out '" + out + "'",
+      "run '" + drive + "/bin' --out '" + out + "'",
+      "run '" + drive + "' --sensor os1-17 --out '" + out + "'",
+      "run '" + drive + "' --rows 5 --out '" + out + "'",
+      "run '" + drive + "' --rows 32 --out '" + out + "'",
+      "run '" + drive + "/scans.npy' --sensor os1-64 --out '" + out + "'",
+      "run '" + drive + "' --reference '" + folder.file("poses.kitti") + "' --out '" + out + "'",
+      bin + "--reference '" + folder.file("clock.tum") + "' --out '" + out + "'",
+      bin + "--row-order lowest-first --out '" + out + "'",
+      bin + "--upsample linear --out '" + out + "'",
+      "run '" + folder.file("text.npy") + "' --sensor os1-16 --out '" + out + "'",
+      "run '" + folder.file("empty") + "' --sensor os1-16 --out '" + out + "'",
+      "simulate --drive moon --sensor os1-16 --out '" + out + "'",
+      "simulate --drive block --sensor nonsense --out '" + out + "'",
+      "evaluate '" + folder.file("text.npy") + "' '" + drive + "/scans.npy'",
+      "fly",
+      "",
+  };
+  for (const std::string& arguments : wrong) {
+    CAPTURE(arguments);
+    const ProgramResult result = run_hqslam(arguments);
+    CAPTURE(result.error);
+    CHECK(result.status == 2);
+    CHECK(is_one_line(result.error));
+    CHECK(result.out.empty());
+  }
+  CHECK_FALSE(fs::exists(out));
+}
+
+TEST_CASE("help and version are no errors") {
+  CHECK(run_hqslam("--version").out.rfind("hqslam ", 0) == 0);
+  for (const char* arguments : {"--help", "run --help", "evaluate --help", "--version"}) {
+    const ProgramResult result = run_hqslam(arguments);
+    CHECK(result.status == 0);
+    CHECK(result.error.empty());
+  }
+}
+
+TEST_CASE("bench measures every stage with 64, 16 and 16 lifted rows, with one thread and two") {
+  const TemporaryDirectory folder;
+  write_untrained_weights(folder.file("weights.npz"), sensor_preset("os1-64"));
+  const ProgramResult result =
+      run_hqslam(fmt::format("bench --scans 12 --json --weights '{}'", folder.file("weights.npz")));
+  CAPTURE(result.error);
+  REQUIRE(result.status == 0);
+  const nlohmann::json json = nlohmann::json::parse(result.out);
+  REQUIRE(json["slam"].size() == 6);
+  for (const nlohmann::json& timing : json["slam"]) {
+    CHECK(timing["scans"] == 12);
+    const bool is_lifted = timing["upsampled_by"] == "du-or";
+    CHECK(is_lifted == timing["upsampling_ms"].is_object());
+    if (is_lifted) {
+      CHECK(timing["rows"] == 16);
+      CHECK(timing["stages_ms"]["total"]["median"] > timing["upsampling_ms"]["median"]);
+    }
+    for (const char* stage : {"segmentation", "features", "odometry", "mapping", "total"}) {
+      CHECK(timing["stages_ms"][stage]["median"] > 0.0);
+    }
+    CHECK(timing["peak_memory_mb"] > 1.0);
+  }
+  for (const char* step : {"components", "components_textbook", "projection", "unprojection"}) {
+    CHECK(json["steps_ms"][step]["median"] > 0.0);
+  }
+  const std::size_t sets = nn::available_instruction_sets().size();
+  CHECK(json["peaks"].size() == 2 * sets);
+  REQUIRE(json["networks"].size() == 1);
+  const nlohmann::json& network = json["networks"][0];
+  CHECK(network["network"] == "du-or");
+  CHECK(network["gmac"] > 0.01);
+  REQUIRE(network["runs"].size() == 2 * sets);
+  for (const nlohmann::json& run : network["runs"]) {
+    CHECK(run["frames_per_second"] > 0.0);
+    CHECK(run["peak_share"] > 0.0);
+  }
+  REQUIRE(network["steps"].size() == 2);
+  double gmac = 0.0;
+  for (const nlohmann::json& step : network["steps"][0]["steps"]) {
+    CHECK(step["ms"] > 0.0);
+    gmac += step["gmac"].get<double>();
+  }
+  CHECK(gmac == doctest::Approx(network["gmac"].get<double>()));
+  CHECK(network["reference"]["reference_ms"] > network["reference"]["fast_ms"]);
+}
+
+TEST_CASE("bench --cpu says which instruction set is in use and lets the environment choose") {
+  const ProgramResult result = run_hqslam("bench --cpu --json");
+  REQUIRE(result.status == 0);
+  const nlohmann::json json = nlohmann::json::parse(result.out);
+  CHECK(json["instruction_set"] == nn::name(nn::chosen_instruction_set()));
+  CHECK(json["available"].size() == nn::available_instruction_sets().size());
+  setenv("HQSLAM_INSTRUCTION_SET", "portable", 1);
+  CHECK(run_hqslam("bench --cpu").out.find("in use:    portable") != std::string::npos);
+  setenv("HQSLAM_INSTRUCTION_SET", "mmx", 1);
+  const ProgramResult wrong = run_hqslam("bench --cpu");
+  CHECK(wrong.status == 2);
+  CHECK(is_one_line(wrong.error));
+  unsetenv("HQSLAM_INSTRUCTION_SET");
+}
+
+TEST_CASE("the demo ends with a table of every way through the drive and a report for each") {
+  const TemporaryDirectory folder;
+  const ProgramResult result = run_hqslam("demo --out '" + folder.path().string() + "'");
+  CAPTURE(result.error);
+  CAPTURE(result.out);
+  REQUIRE(result.status == 0);
+  std::vector<std::pair<std::string, std::string>> ways = {
+      {"64 beams", "rows-64"}, {"16 beams", "rows-16"}, {"16 -> 64, linear", "linear"}};
+  if (result.out.find("Without DU-Mix") == std::string::npos) {
+    ways.emplace_back("16 -> 64, DU-Mix", "du-mix");
+  }
+  for (const auto& [way, results] : ways) {
+    const std::string& name = way;
+    CAPTURE(name);
+    CHECK(result.out.find(fmt::format("\n{:<18}{:>14}", name, 200)) != std::string::npos);
+    const std::string report = results + "/report.html";
+    CHECK(result.out.find(report) != std::string::npos);
+    CHECK(fs::exists(folder.file(report)));
+    CHECK(file_contents(folder.file("demo.html")).find(report) != std::string::npos);
+  }
+}
+
+TEST_CASE("real KITTI files and poses are compared scan by scan") {
+  const char* data = std::getenv("HQSLAM_DATA");
+  if (data == nullptr) {
+    MESSAGE("SKIPPED: HQSLAM_DATA is not set");
+    return;
+  }
+  const std::string drive = std::string(data) + "/kitti_drive_0005";
+  const TemporaryDirectory folder;
+  fs::create_directory(folder.file("bin"));
+  Trajectory poses = read_kitti_poses(drive + "/poses_icp.txt");
+  poses.resize(10);
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    const std::string name = fmt::format("{:06}.bin", i);
+    fs::create_symlink(drive + "/velodyne/" + name, folder.file("bin/" + name));
+  }
+  write_kitti_poses(poses, folder.file("poses.txt"));
+  const ProgramResult result = run_hqslam(
+      fmt::format("run '{0}/bin' --sensor hdl-64e --reference '{0}/poses.txt' --out '{0}/out'",
+                  folder.path().string()));
+  CAPTURE(result.error);
+  REQUIRE(result.status == 0);
+  CHECK(result.out.find("over 10 poses") != std::string::npos);
+  const AbsolutePoseError error = absolute_pose_error(
+      read_kitti_poses(folder.file("out/trajectory.kitti")), poses, Alignment::kSe3);
+  CHECK(error.translation_statistics.max < 0.1);
+}
+
+}  // namespace hqslam::test

@@ -1,0 +1,260 @@
+#include <doctest/doctest.h>
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "golden_folder.h"
+#include "tools/program/program.h"
+
+namespace hqslam::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kMethods = "rows-16,linear,du-or,rows-64";
+
+ProgramResult make_table(const std::string& out) {
+  return run_hqslam(
+      fmt::format("table --drives block --scans 16 --methods {} --out '{}'", kMethods, out));
+}
+
+/// The folder of the only results in results/DRIVE with so many scans, "" if there is none yet.
+std::string results_folder(const std::string& out, const std::string& drive, int scans) {
+  const fs::path folder = fs::path(out) / "results" / drive;
+  if (!fs::is_directory(folder)) return "";
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    const std::string name = entry.path().filename().string();
+    if (name.rfind(std::to_string(scans) + "-scans-build-", 0) == 0) {
+      return entry.path().string() + "/";
+    }
+  }
+  return "";
+}
+
+/// Starts the same table and stops it with Ctrl-C once a method's result is there. Returns its exit
+/// status.
+int interrupted_table(const std::string& out, const std::string& method) {
+  const pid_t child = fork();
+  if (child == 0) {
+    dup2(open("/dev/null", O_WRONLY), STDOUT_FILENO);
+    dup2(open("/dev/null", O_WRONLY), STDERR_FILENO);
+    execl(HQSLAM_PROGRAM, "hqslam", "table", "--drives", "block", "--scans", "16", "--methods",
+          kMethods, "--out", out.c_str(), nullptr);
+    _exit(127);
+  }
+  int status = 0;
+  while (!fs::exists(results_folder(out, "block", 16) + method + ".json")) {
+    if (waitpid(child, &status, WNOHANG) == child) return -1;  // it ended by itself
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  kill(child, SIGINT);
+  waitpid(child, &status, 0);
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+nlohmann::json json_of(const std::string& path) {
+  return nlohmann::json::parse(file_contents(path));
+}
+
+/// The number after `label` in a program's output.
+double number_after(const std::string& text, const std::string& label) {
+  return std::stod(text.substr(text.find(label) + label.size()));
+}
+
+/// APE RMSE of `hqslam run` with these arguments, as `hqslam evaluate` prints it.
+double evaluated_ape_m(const std::string& arguments, const std::string& out,
+                       const std::string& reference) {
+  REQUIRE(run_hqslam(fmt::format("run {} --out '{}'", arguments, out)).status == 0);
+  return number_after(
+      run_hqslam(fmt::format("evaluate '{}/trajectory.tum' '{}'", out, reference)).out,
+      "APE m (align se3)");
+}
+
+}  // namespace
+
+TEST_CASE("a table is interrupted, finished, repeated and repaired, always with the same figures") {
+  const TemporaryDirectory folder;
+  const std::string out = folder.file("table");
+  CHECK(interrupted_table(out, "rows-64") == 130);
+  const std::string results = results_folder(out, "block", 16);
+  REQUIRE_FALSE(results.empty());
+  CHECK(file_contents(out + "/table.md").find("| LiDAR-64 |") != std::string::npos);
+  CHECK(file_contents(out + "/table.md").find("| DU-OR |") == std::string::npos);
+  const std::string first = file_contents(results + "rows-64.json");
+
+  const ProgramResult finished = make_table(out);
+  CAPTURE(finished.error);
+  REQUIRE(finished.status == 0);
+  CHECK(file_contents(results + "rows-64.json") == first);  // with its times: it was not run again
+  for (const char* row : {"| LiDAR-16 |", "| linear |", "| DU-OR |", "| LiDAR-64 |"}) {
+    CAPTURE(row);
+    CHECK(finished.out.find(row) != std::string::npos);
+    CHECK(file_contents(out + "/table.md").find(row) != std::string::npos);
+  }
+  for (const char* file :
+       {"table.html", "block-loop-closing-off.png", "block-loop-closing-on.png"}) {
+    CHECK(fs::file_size(out + "/" + file) > 1000);
+  }
+  const nlohmann::json table = json_of(out + "/table.json");
+  const nlohmann::json& methods = table["drives"][0]["methods"];
+  REQUIRE(methods.size() == 4);
+
+  // The figures are those of run and evaluate.
+  const std::string drive = out + "/drives/block";
+  const std::string weights = golden_folder() + "/../../weights/du-or_os1_16to64.npz";
+  const std::string arguments = fmt::format("'{}' --upsample '{}'", drive, weights);
+  const nlohmann::json& du_or = methods[2]["loop_closing_off"];
+  CHECK(evaluated_ape_m(arguments, folder.file("run"), drive + "/truth.tum") ==
+        doctest::Approx(du_or["against_truth"]["ape_rmse_m"].get<double>()).epsilon(0.01));
+  CHECK(file_contents(folder.file("run/trajectory.tum")) ==
+        file_contents(results + "du-or-loop-closing-off.tum"));
+
+  // Repeated: everything is there. Repaired: the damaged one is computed anew.
+  const std::string whole = file_contents(out + "/table.json");
+  const ProgramResult repeated = make_table(out);
+  CHECK(repeated.error.empty());
+  CHECK(file_contents(out + "/table.json") == whole);
+  write_file(results + "linear.json", "{\"written_by\": \"hqsl");
+  const ProgramResult repaired = make_table(out);
+  CHECK(repaired.status == 0);
+  CHECK(repaired.error.find("block, linear: 16/16 scans") != std::string::npos);
+  CHECK(json_of(out + "/table.json")["drives"] == table["drives"]);
+}
+
+TEST_CASE(
+    "methods that share a network's pass give what each gives alone, and length is a setting") {
+  const TemporaryDirectory folder;
+  const auto run_with = [&](const std::string& methods, const std::string& out) {
+    return run_hqslam(fmt::format("table --drives '{}' --scans 4 --methods {} --out '{}'",
+                                  folder.file("block"), methods, out));
+  };
+  run_hqslam("simulate --drive block --sensor os1-64 --scans 5 --out '" + folder.file("block") +
+             "'");
+  const ProgramResult shared =
+      run_with("du-or-no-filter,du-or,du-or+computed-rows", folder.file("shared"));
+  CAPTURE(shared.error);
+  REQUIRE(shared.status == 0);
+  REQUIRE(run_with("du-or-no-filter", folder.file("alone")).status == 0);
+  const nlohmann::json both = json_of(folder.file("shared/table.json"))["drives"][0];
+  CHECK(both["scans"] == 4);
+  CHECK(both["methods"][0] == json_of(folder.file("alone/table.json"))["drives"][0]["methods"][0]);
+  CHECK(both["methods"][1]["images"]["outlier_share"] <
+        both["methods"][0]["images"]["outlier_share"].get<double>());
+
+  // A variant of SLAM sees the same images, but goes another way.
+  CHECK(both["methods"][2]["images"] == both["methods"][1]["images"]);
+  const std::string results = results_folder(folder.file("shared"), "block", 4);
+  CHECK(file_contents(results + "du-or+computed-rows-loop-closing-off.tum") !=
+        file_contents(results + "du-or-loop-closing-off.tum"));
+}
+
+TEST_CASE("a drive that was simulated once serves shorter tables too") {
+  const TemporaryDirectory folder;
+  const auto rows_of = [&](int scans, const std::string& out) {
+    const ProgramResult result = run_hqslam(fmt::format(
+        "table --drives block --scans {} --methods rows-16 --out '{}'", scans, folder.file(out)));
+    CAPTURE(result.error);
+    REQUIRE(result.status == 0);
+    return json_of(folder.file(out) + "/table.json")["drives"];
+  };
+  rows_of(6, "long");
+  const nlohmann::json shortened = rows_of(4, "long");
+  CHECK(json_of(folder.file("long/drives/block/drive.json"))["scans"] == 6);  // not made anew
+  CHECK(shortened[0]["scans"] == 4);
+  CHECK(shortened == rows_of(4, "short"));
+
+  // The longer table's results are still there: nothing is left to do.
+  const ProgramResult again = run_hqslam(
+      "table --drives block --scans 6 --methods rows-16 --out '" + folder.file("long") + "'");
+  CHECK(again.error.empty());
+  CHECK(json_of(folder.file("long/table.json"))["drives"][0]["scans"] == 6);
+}
+
+TEST_CASE("other scans at the same place are not given the results of those before") {
+  const TemporaryDirectory folder;
+  const std::string drive = folder.file("drive");
+  const auto path_of = [&](const std::string& seed) {
+    fs::remove_all(drive);
+    // Long enough to set out: the drive begins standing.
+    run_hqslam("simulate --drive block --sensor os1-64 --scans 16 --seed " + seed + " --out '" +
+               drive + "'");
+    const ProgramResult result = run_hqslam(
+        "table --drives '" + drive + "' --methods rows-16 --out '" + folder.file("out") + "'");
+    CAPTURE(result.error);
+    REQUIRE(result.status == 0);
+    return json_of(folder.file(
+        "out/table.json"))["drives"][0]["methods"][0]["loop_closing_off"]["against_truth"]["path_m"]
+        .get<double>();
+  };
+  CHECK(path_of("1") != path_of("2"));
+}
+
+TEST_CASE("over seeds drives run side by side with the same figures as one by one, and go on") {
+  const TemporaryDirectory folder;
+  const auto table = [&](const std::string& seeds, int threads, const std::string& out) {
+    const ProgramResult result =
+        run_hqslam(fmt::format("table --drives block --seeds {} --scans 20 --methods "
+                               "rows-16,linear --threads {} --out '{}'",
+                               seeds, threads, folder.file(out)));
+    CAPTURE(result.error);
+    REQUIRE(result.status == 0);
+    nlohmann::json json = json_of(folder.file(out) + "/table.json");
+    for (nlohmann::json& method : json["methods"]) {
+      for (const char* part : {"all", "block"}) method[part].erase("slam_ms");
+    }
+    return json;
+  };
+  const nlohmann::json together = table("5,6", 2, "together");
+  REQUIRE(together["drives"].size() == 2);
+  CHECK(together == table("5,6", 1, "alone"));
+  CHECK(together["drives"][0]["path_m"] != together["drives"][1]["path_m"]);
+  CHECK(file_contents(folder.file("together/table.html")).find("seeds 5, 6") != std::string::npos);
+
+  // More seeds: what is there stays as it was, with its times.
+  const std::string before =
+      file_contents(results_folder(folder.file("together"), "block-seed-5", 20) + "linear.json");
+  const nlohmann::json more = table("5..7", 2, "together");
+  CHECK(more["drives"].size() == 3);
+  CHECK(more["drives"][0] == together["drives"][0]);
+  CHECK(file_contents(results_folder(folder.file("together"), "block-seed-5", 20) +
+                      "linear.json") == before);
+}
+
+TEST_CASE("a folder that takes no files is noticed before the work") {
+  const ProgramResult result =
+      run_hqslam("table --drives block --scans 100000 --methods rows-16 --out /proc");
+  CHECK(result.status == 2);
+  CHECK(result.error.find("/proc") != std::string::npos);
+  CHECK(result.error.find('\n') == result.error.size() - 1);
+}
+
+TEST_CASE("a wrong table is one line on stderr and status 2, and writes nothing") {
+  const TemporaryDirectory folder;
+  const std::string out = folder.file("out");
+  const std::string drive = simulated_drive();  // 16 rows
+  for (const std::string& arguments : {
+           std::string("--drives block --methods du-and"),
+           std::string("--drives moon"),
+           std::string("--drives block --weights none.npz"),
+           "--drives '" + drive + "'",
+           "--drives '" + drive + "/bin'",
+           std::string("--drives block --scans 0"),
+           std::string("--drives block --seeds 3..1"),
+           std::string("--drives block --seeds 1..2 --methods rows-16"),
+       }) {
+    CAPTURE(arguments);
+    const ProgramResult result = run_hqslam("table " + arguments + " --out '" + out + "'");
+    CAPTURE(result.error);
+    CHECK(result.status == 2);
+    CHECK(result.error.find('\n') == result.error.size() - 1);
+    CHECK_FALSE(fs::exists(out));
+  }
+}
+
+}  // namespace hqslam::test

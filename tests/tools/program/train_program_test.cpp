@@ -1,0 +1,265 @@
+#include <doctest/doctest.h>
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "hqslam/core/scan_source.h"
+#include "hqslam/nn/hqs/weights_file.h"
+#include "tools/program/program.h"
+#include "tools/program/untrained_weights.h"
+
+namespace hqslam::test {
+namespace {
+
+bool holds(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+/// A network that trains in a second; `change` replaces text in its configuration.
+std::string small_configuration(const std::string& from = "", const std::string& to = "") {
+  std::string text = R"({
+    "network": {"kind": "du-or", "layers": 2, "sensor": "os1-64", "measured_rows": 16,
+                "denoiser": {"channels": [8, 8], "memory": 2}},
+    "training": [{"drive": "block", "seeds": [5], "scans": 4, "every": 2}],
+    "validation": [{"drive": "block", "seeds": [6], "scans": 1}],
+    "steps": 4, "batch": 2, "augmentation": {"crop_columns": 64}, "validate_every": 2
+  })";
+  if (!from.empty()) text.replace(text.find(from), from.size(), to);
+  return text;
+}
+
+ProgramResult train(const TemporaryDirectory& folder, const std::string& configuration,
+                    const std::string& out) {
+  std::ofstream(folder.file("recipe.json")) << configuration;
+  return run_hqslam(
+      fmt::format("train --config '{}' --out '{}'", folder.file("recipe.json"), folder.file(out)));
+}
+
+}  // namespace
+
+TEST_CASE("training leaves weights that load, a checkpoint and a learning curve") {
+  const TemporaryDirectory folder;
+  const ProgramResult first = train(folder, small_configuration(), "a");
+  REQUIRE(first.status == 0);
+  CHECK(holds(first.out, "2 training scans, 1 validation scans, from step 0"));
+  CHECK(holds(first.out, "step       2/4"));
+  CHECK(holds(first.out, "step       4/4"));
+  const nn::Weights weights = nn::read_weights(folder.file("a/weights.npz"));
+  CHECK_NOTHROW(nn::check_self_test(weights, "a"));
+  CHECK(weights.description.layers == 2);
+  CHECK(nlohmann::json::parse(weights.training)["configuration"]["steps"] == 4);
+  CHECK(file_contents(folder.file("a/curve.svg")).starts_with("<svg"));
+  CHECK(std::filesystem::exists(folder.file("a/checkpoint.npz")));
+
+  // The same again gives the same bytes; a finished training has nothing left to do.
+  REQUIRE(train(folder, small_configuration(), "b").status == 0);
+  const std::string bytes = file_contents(folder.file("a/weights.npz"));
+  CHECK(file_contents(folder.file("b/weights.npz")) == bytes);
+  const ProgramResult again = train(folder, small_configuration(), "a");
+  CHECK(again.status == 0);
+  CHECK(holds(again.out, "from step 4"));
+  CHECK(file_contents(folder.file("a/weights.npz")) == bytes);
+
+  // Another recipe does not go on from this checkpoint.
+  const ProgramResult other =
+      train(folder, small_configuration("\"batch\": 2", "\"batch\": 3"), "a");
+  CHECK(other.status == 2);
+  CHECK(holds(other.error, "another training configuration"));
+}
+
+TEST_CASE("trainings share a folder of drives; one of varied conditions is simulated for itself") {
+  const TemporaryDirectory folder;
+  const auto train_with = [&](const std::string& configuration, const std::string& out) {
+    std::ofstream(folder.file("recipe.json")) << configuration;
+    return run_hqslam(fmt::format("train --config '{}' --out '{}' --drives '{}'",
+                                  folder.file("recipe.json"), folder.file(out),
+                                  folder.file("drives")));
+  };
+  const auto files = [&] {
+    const std::filesystem::directory_iterator begin(folder.file("drives"));
+    return std::distance(begin, std::filesystem::directory_iterator());
+  };
+  REQUIRE(train_with(small_configuration(), "a").status == 0);
+  CHECK(files() == 2);
+  const ProgramResult again = train_with(small_configuration(), "b");
+  REQUIRE(again.status == 0);
+  CHECK_FALSE(holds(again.error, "training scans"));  // nothing left to simulate
+  CHECK(file_contents(folder.file("b/weights.npz")) == file_contents(folder.file("a/weights.npz")));
+  CHECK(files() == 2);
+  REQUIRE(
+      train_with(small_configuration("\"every\": 2", R"("every": 2, "conditions": "varied")"), "c")
+          .status == 0);
+  CHECK(files() == 3);
+}
+
+TEST_CASE("a wrong recipe is one line on stderr and status 2") {
+  const TemporaryDirectory folder;
+  const ProgramResult unknown =
+      train(folder, small_configuration("\"steps\": 4", "\"stepz\": 4"), "a");
+  CHECK(unknown.status == 2);
+  CHECK(holds(unknown.error, "unknown field 'stepz'"));
+  const ProgramResult stack =
+      train(folder,
+            small_configuration(R"({"drive": "block", "seeds": [5], "scans": 4, "every": 2})",
+                                R"({"stack": "$HQSLAM_NO_SUCH_FOLDER/a.npy"})"),
+            "a");
+  CHECK(stack.status == 2);
+  CHECK(holds(stack.error, "HQSLAM_NO_SUCH_FOLDER is not set"));
+  for (const auto& [from, to] : std::vector<std::pair<std::string, std::string>>{
+           {R"("drive": "block", "seeds": [5])", R"("drive": "moon", "seeds": [5])"},
+           {R"("scans": 4)", R"("scans": 4000000000000)"},
+           {R"("crop_columns": 64)", R"("crop_columns": 63)"},
+           {R"("measured_rows": 16)", R"("measured_rows": 17)"}}) {
+    const ProgramResult wrong = train(folder, small_configuration(from, to), "a");
+    CAPTURE(wrong.error);
+    CHECK(wrong.status == 2);
+    CHECK(holds(wrong.error, "recipe.json: "));
+  }
+  CHECK(run_hqslam("train --config /nowhere.json --out '" + folder.file("a") + "'").status == 2);
+}
+
+TEST_CASE("compare puts interpolation and networks side by side, inspect shows the layers") {
+  const TemporaryDirectory folder;
+  REQUIRE(train(folder, small_configuration(), "a").status == 0);
+  const std::string weights = folder.file("a/weights.npz");
+  const std::string drive = folder.file("drive");
+  REQUIRE(
+      run_hqslam("simulate --drive block --sensor os1-64 --scans 2 --seed 9 --out '" + drive + "'")
+          .status == 0);
+  const ProgramResult compared = run_hqslam(fmt::format("compare '{}' --weights '{}' --json '{}'",
+                                                        drive, weights, folder.file("table.json")));
+  REQUIRE(compared.status == 0);
+  for (const char* row :
+       {"| nearest |", "| linear |", "| inverse |", "| du-or, unfiltered at the end |", "| du-or |",
+        "2 scans of", "chance in the data"}) {
+    CAPTURE(row);
+    CHECK(holds(compared.out, row));
+  }
+  const auto table = nlohmann::json::parse(file_contents(folder.file("table.json")));
+  REQUIRE(table["methods"].size() == 5);
+  CHECK(table["scans"] == 2);
+  CHECK(table["methods"][1]["mae_all_m"] > 0.0);
+  CHECK(table["methods"][4]["good_lost_share"] >= 0.0);
+
+  const ProgramResult filters =
+      run_hqslam(fmt::format("compare '{}' --weights '{}' --filters", drive, weights));
+  CHECK(filters.status == 0);
+  CHECK(holds(filters.out, "| 1 | 10 | 20 |"));
+
+  const ProgramResult inspected =
+      run_hqslam(fmt::format("inspect '{}' --weights '{}' --scan 1 --out '{}'", drive, weights,
+                             folder.file("layers.html")));
+  CHECK(inspected.status == 0);
+  const std::string page = file_contents(folder.file("layers.html"));
+  CHECK(holds(page, "Layer 2"));
+  CHECK_FALSE(holds(page, "Layer 3"));
+  CHECK(run_hqslam(fmt::format("inspect '{}' --weights '{}' --scan 2 --out '{}'", drive, weights,
+                               folder.file("none.html")))
+            .status == 2);
+  CHECK_FALSE(std::filesystem::exists(folder.file("none.html")));
+}
+
+TEST_CASE("no command replaces a file that is not its own, and every one replaces its own") {
+  const TemporaryDirectory folder;
+  const std::string weights = folder.file("weights.npz");
+  write_untrained_weights(weights, sensor_preset("os1-64"));
+  const std::string drive = folder.file("drive");
+  REQUIRE(
+      run_hqslam("simulate --drive block --sensor os1-64 --scans 1 --out '" + drive + "'").status ==
+      0);
+  const std::string input = fmt::format("'{}' --weights '{}' ", drive, weights);
+  std::filesystem::create_directory(folder.file("trained"));
+  std::filesystem::create_directory(folder.file("tables"));
+  write_file(folder.file("recipe.json"), small_configuration());
+  const std::string training = fmt::format("train --config '{}' --out '{}'",
+                                           folder.file("recipe.json"), folder.file("trained"));
+  const std::string table =
+      fmt::format("table --drives '{}' --methods rows-16 --out '{}'", drive, folder.file("tables"));
+  const std::vector<std::pair<std::string, std::string>> commands = {
+      {fmt::format("inspect {} --out '{}'", input, folder.file("layers.html")), "layers.html"},
+      {fmt::format("compare {} --json '{}'", input, folder.file("table.json")), "table.json"},
+      {training, "trained/weights.npz"},
+      {table, "tables/table.md"},
+      {table, "tables/table.json"},
+  };
+  for (const auto& [line, file] : commands) {
+    const std::string& command = line;
+    CAPTURE(command);
+    const std::string path = folder.file(file);
+    write_file(path, "mine");
+    const ProgramResult refused = run_hqslam(command);
+    CAPTURE(refused.error);
+    CHECK(refused.status == 2);
+    CHECK(holds(refused.error, path));
+    CHECK(file_contents(path) == "mine");
+    std::filesystem::remove(path);
+  }
+  for (const auto& [line, file] : commands) {
+    const std::string& command = line;
+    CAPTURE(command);
+    CHECK(run_hqslam(command).status == 0);
+    CHECK(run_hqslam(command).status == 0);
+    CHECK(file_contents(folder.file(file)) != "mine");
+  }
+}
+
+TEST_CASE("a network of two modes is trained, lifts with a confidence, and shows its curve") {
+  const TemporaryDirectory folder;
+  const std::string recipe = small_configuration(
+      R"("kind": "du-or", "layers": 2, "sensor": "os1-64", "measured_rows": 16,
+                "denoiser": {"channels": [8, 8], "memory": 2})",
+      R"("kind": "du-mix", "sensor": "os1-64", "measured_rows": 16, "denoiser":
+         {"layers": [{"channels": 8, "lower_channels": 8, "residual_blocks": 1}]})");
+  REQUIRE(train(folder, recipe, "a").status == 0);
+  const std::string weights = folder.file("a/weights.npz");
+  const nn::NetworkDescription description = nn::read_weights(weights).description;
+  CHECK(description.kind == nn::NetworkKind::kDuMix);
+  CHECK(description.confidence_exponent != 1.0F);
+  const std::string drive = folder.file("drive");
+  REQUIRE(
+      run_hqslam("simulate --drive block --sensor os1-64 --scans 2 --seed 9 --out '" + drive + "'")
+          .status == 0);
+
+  const auto lifted_returns = [&](const std::string& out, const std::string& option) {
+    REQUIRE(run_hqslam(fmt::format("upsample '{}' --weights '{}' --out '{}' --pcd {}", drive,
+                                   weights, folder.file(out), option))
+                .status == 0);
+    const auto scan = open_recording(folder.file(out), sensor_preset("os1-64"))->next();
+    REQUIRE(scan);
+    REQUIRE(scan->cloud.confidence.size() == 64 * 1024);
+    int computed = 0;
+    for (std::size_t i = 0; i < scan->cloud.confidence.size(); ++i) {
+      const bool measured = i / 1024 % 4 == 3;
+      const bool there = scan->cloud.range_m[i] > 0.0F;
+      REQUIRE(scan->cloud.confidence[i] <= 1.0F);
+      if (measured || !there) REQUIRE(scan->cloud.confidence[i] == (there ? 1.0F : 0.0F));
+      computed += !measured && there ? 1 : 0;
+    }
+    CHECK(holds(file_contents(folder.file(out + "/pcd/000000.pcd")), "FIELDS x y z confidence"));
+    return computed;
+  };
+  const int all = lifted_returns("all", "--confidence 0");
+  CHECK(all > 40'000);
+  CHECK(lifted_returns("none", "--confidence 1") < 100);
+
+  const ProgramResult compared = run_hqslam(fmt::format("compare '{}' --weights '{}' --curve '{}'",
+                                                        drive, weights, folder.file("curve.html")));
+  REQUIRE(compared.status == 0);
+  CHECK(holds(compared.out, "| du-mix |"));
+  CHECK(holds(file_contents(folder.file("curve.html")), "Can it be believed"));
+  const ProgramResult inspected = run_hqslam(fmt::format(
+      "inspect '{}' --weights '{}' --out '{}'", drive, weights, folder.file("layers.html")));
+  REQUIRE(inspected.status == 0);
+  CHECK(holds(file_contents(folder.file("layers.html")), "Probability of a return"));
+  const ProgramResult refused = run_hqslam(fmt::format(
+      "upsample '{}' --method linear --confidence 0.5 --out '{}'", drive, folder.file("linear")));
+  CHECK(refused.status == 2);
+  CHECK(holds(refused.error, "du-mix"));
+}
+
+}  // namespace hqslam::test

@@ -1,0 +1,229 @@
+#include <doctest/doctest.h>
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <thread>
+#include <vector>
+
+#include "hqslam/core/npy.h"
+#include "hqslam/core/pcd.h"
+#include "hqslam/core/trajectory.h"
+#include "tools/program/program.h"
+#include "tools/program/untrained_weights.h"
+
+namespace hqslam::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool is_one_line(const std::string& text) {
+  return !text.empty() && text.find('\n') == text.size() - 1;
+}
+
+constexpr int kScans = 4;
+
+/// A drive of an OS1-64, a stack of its measured rows alone, and weights for them.
+struct Material {
+  TemporaryDirectory folder;
+  std::string drive = folder.file("drive");
+  std::string measured = folder.file("measured.npy");
+  std::string weights = folder.file("weights.npz");
+  Material() {
+    run_hqslam(fmt::format(
+        "simulate --drive block --sensor os1-64 --scans {} --bin --pcd --out '{}'", kScans, drive));
+    NpyStackReader all(drive + "/scans.npy");
+    NpyStackWriter rows(measured, 16, 1024);
+    for (std::int64_t i = 0; i < all.images(); ++i) {
+      rows.append(select_rows(all.read(i), selection_for(64, 16)));
+    }
+    write_untrained_weights(weights, sensor_preset("os1-64"));
+  }
+};
+
+const Material& material() {
+  static const Material files;
+  return files;
+}
+
+}  // namespace
+
+TEST_CASE("a stack of 16 rows and one of 64 whose 16 rows are looked at give the same stack") {
+  const Material& files = material();
+  for (const std::string& method :
+       {"--weights '" + files.weights + "'", std::string("--method inverse --sensor os1-64")}) {
+    CAPTURE(method);
+    std::vector<std::string> stacks;
+    for (const std::string& input : {files.measured, files.drive + "/scans.npy", files.drive}) {
+      const TemporaryDirectory out;
+      const ProgramResult result = run_hqslam(
+          fmt::format("upsample '{}' {} --out '{}'", input, method, out.path().string()));
+      CAPTURE(result.error);
+      REQUIRE(result.status == 0);
+      CHECK(result.out.find("4 scans, 16 rows -> 64 rows of 1024 columns") != std::string::npos);
+      CHECK(result.out.find("scans/s") != std::string::npos);
+      stacks.push_back(file_contents(out.file("scans.npy")));
+    }
+    CHECK(stacks[0].size() == 128U + std::size_t{4} * kScans * 64 * 1024);
+    CHECK(stacks[0] == stacks[1]);
+    CHECK(stacks[0] == stacks[2]);
+  }
+}
+
+TEST_CASE("the measured rows of the result are those of the recording, the others are filled") {
+  const Material& files = material();
+  const TemporaryDirectory out;
+  REQUIRE(run_hqslam(fmt::format("upsample '{}' --method linear --out '{}' --bin --pcd --png",
+                                 files.drive, out.path().string()))
+              .status == 0);
+  const RangeImage truth = NpyStackReader(files.drive + "/scans.npy").read(2);
+  const RangeImage image = NpyStackReader(out.file("scans.npy")).read(2);
+  CHECK(select_rows(image, {3, 4}).range_m == select_rows(truth, {3, 4}).range_m);
+  CHECK(image.range_m != truth.range_m);
+  const auto returns = std::count_if(image.range_m.begin(), image.range_m.end(),
+                                     [](float range_m) { return range_m > 0.0F; });
+  CHECK(read_pcd(out.file("pcd/000002.pcd")).points_m.size() == static_cast<std::size_t>(returns));
+  CHECK(fs::file_size(out.file("bin/000002.bin")) == 16 * static_cast<std::uintmax_t>(returns));
+  CHECK(fs::file_size(out.file("png/000003.png")) > 1000);
+}
+
+TEST_CASE("upsampling and then running is running with --upsample") {
+  const Material& files = material();
+  for (const std::string& method : {files.weights, std::string("linear")}) {
+    CAPTURE(method);
+    const TemporaryDirectory folder;
+    const bool network = method == files.weights;
+    REQUIRE(
+        run_hqslam(fmt::format("upsample '{}' {} '{}' --out '{}'", files.drive,
+                               network ? "--weights" : "--method", method, folder.file("drive")))
+            .status == 0);
+    const ProgramResult two_steps = run_hqslam(
+        fmt::format("run '{}' --out '{}'", folder.file("drive"), folder.file("two_steps")));
+    REQUIRE(two_steps.status == 0);
+    CHECK(two_steps.out.find("APE RMSE") != std::string::npos);
+    const ProgramResult one_step = run_hqslam(fmt::format(
+        "run '{}' --upsample '{}' --out '{}'", files.drive, method, folder.file("one_step")));
+    CAPTURE(one_step.error);
+    REQUIRE(one_step.status == 0);
+    for (const char* result : {"trajectory.tum", "map.pcd"}) {
+      CHECK(file_contents(folder.file("one_step/") + result) ==
+            file_contents(folder.file("two_steps/") + result));
+    }
+    const nlohmann::json timings =
+        nlohmann::json::parse(file_contents(folder.file("one_step/timings.json")));
+    CHECK(timings["rows"] == 64);
+    CHECK(timings["upsampled_by"] == (network ? "du-or" : "linear"));
+    CHECK(timings["times_ms"]["upsampling"]["median"] > 0.0);
+    CHECK(timings["per_scan"]["times_ms"]["upsampling"].size() == kScans);
+    CHECK(file_contents(folder.file("one_step/report.html")).find("upsampling") !=
+          std::string::npos);
+  }
+}
+
+TEST_CASE("a lifted recording says whether it was corrected for motion, as its scans were") {
+  const Material& files = material();
+  for (const auto& [part, corrected] : {std::pair("scans.npy", false), std::pair("bin", true)}) {
+    CAPTURE(part);
+    const TemporaryDirectory out;
+    REQUIRE(run_hqslam(fmt::format("upsample '{}/{}' --sensor os1-64 --method linear --out '{}'",
+                                   files.drive, part, out.path().string()))
+                .status == 0);
+    CHECK(read_sensor_json(out.file("sensor.json")).motion_corrected == corrected);
+  }
+}
+
+TEST_CASE("the number of threads does not change an upsampled stack") {
+  const Material& files = material();
+  std::vector<std::string> stacks;
+  for (const int threads : {1, 2}) {
+    const TemporaryDirectory out;
+    REQUIRE(run_hqslam(fmt::format("upsample '{}' --weights '{}' --threads {} --out '{}'",
+                                   files.measured, files.weights, threads, out.path().string()))
+                .status == 0);
+    stacks.push_back(file_contents(out.file("scans.npy")));
+  }
+  CHECK(stacks[0] == stacks[1]);
+}
+
+TEST_CASE("wrong input of upsample is one line on stderr and status 2, and writes nothing") {
+  const Material& files = material();
+  const TemporaryDirectory folder;
+  const std::string out = folder.file("out");
+  write_file(folder.file("text.npz"), "these are no weights\n");
+  const std::string weights = "--weights '" + files.weights + "'";
+  const std::vector<std::string> wrong = {
+      "upsample /no/such/folder " + weights,
+      "upsample '" + files.drive + "'",
+      "upsample '" + files.drive + "' --method linear " + weights,
+      "upsample '" + files.drive + "' --method cubic",
+      "upsample '" + files.drive + "' --weights /no/such/file",
+      "upsample '" + files.drive + "' --weights '" + folder.file("text.npz") + "'",
+      "upsample '" + files.measured + "' --method linear",
+      "upsample '" + files.drive + "' --sensor hdl-64e " + weights,
+      "upsample '" + simulated_drive() + "' --sensor vlp-16 " + weights,
+      "run '" + files.drive + "' --upsample cubic",
+      "run '" + files.drive + "' --upsample '" + folder.file("text.npz") + "'",
+      "run '" + files.drive + "' --rows 32 --upsample '" + files.weights + "'",
+      "run '" + files.drive + "' --sensor hdl-64e --upsample '" + files.weights + "'",
+  };
+  for (const std::string& arguments : wrong) {
+    CAPTURE(arguments);
+    const ProgramResult result = run_hqslam(arguments + " --out '" + out + "'");
+    CAPTURE(result.error);
+    CHECK(result.status == 2);
+    CHECK(is_one_line(result.error));
+    CHECK(result.out.empty());
+  }
+  CHECK_FALSE(fs::exists(out));
+}
+
+TEST_CASE("a bad file in mid-drive is left out of the stack and named") {
+  const TemporaryDirectory folder;
+  fs::copy(material().drive + "/pcd", folder.file("pcd"));
+  const auto files = std::distance(fs::directory_iterator(folder.file("pcd")), {});
+  fs::resize_file(folder.file("pcd/000002.pcd"), 1001);
+  const ProgramResult result =
+      run_hqslam(fmt::format("upsample '{0}/pcd' --method linear --sensor os1-64 --out '{0}/out'",
+                             folder.path().string()));
+  CHECK(result.status == 0);
+  CHECK(result.error.find("000002.pcd") != std::string::npos);
+  CHECK(NpyStackReader(folder.file("out/scans.npy")).images() == files - 1);
+}
+
+TEST_CASE("Ctrl-C stops upsampling with status 130 and a valid stack") {
+  const TemporaryDirectory folder;
+  fs::create_directory(folder.file("pcd"));
+  for (int i = 0; i < 3000; ++i) {
+    fs::create_symlink(material().drive + "/pcd/000000.pcd",
+                       folder.file(fmt::format("pcd/{:06}.pcd", i)));
+  }
+  const std::string input = folder.file("pcd");
+  const std::string out = folder.file("out");
+  const pid_t child = fork();
+  if (child == 0) {
+    dup2(open("/dev/null", O_WRONLY), STDOUT_FILENO);
+    dup2(open("/dev/null", O_WRONLY), STDERR_FILENO);
+    execl(HQSLAM_PROGRAM, "hqslam", "upsample", input.c_str(), "--sensor", "os1-64", "--method",
+          "nearest", "--out", out.c_str(), nullptr);
+    _exit(127);
+  }
+  while (!(fs::exists(out + "/scans.npy") && fs::file_size(out + "/scans.npy") > 1000) &&
+         kill(child, 0) == 0) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  kill(child, SIGINT);
+  int status = 0;
+  waitpid(child, &status, 0);
+  REQUIRE(WIFEXITED(status));
+  CHECK(WEXITSTATUS(status) == 130);
+  const std::int64_t images = NpyStackReader(out + "/scans.npy").images();
+  CHECK(images >= 1);
+  CHECK(images < 3000);
+}
+
+}  // namespace hqslam::test

@@ -1,0 +1,103 @@
+#include <doctest/doctest.h>
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "hqslam/core/npz.h"
+#include "hqslam/nn/hqs/network_json.h"
+#include "hqslam/nn/hqs/weights_file.h"
+#include "tools/program/program.h"
+#include "tools/program/untrained_weights.h"
+
+namespace hqslam::test {
+namespace {
+
+bool holds(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+/// A small sensor, so that the network runs at once.
+SensorModel small_sensor() {
+  SensorModel sensor = sensor_preset("os1-64");
+  sensor.columns = 128;
+  return sensor;
+}
+
+/// What another program would have: the arrays of a network and its description.
+struct Foreign {
+  TemporaryDirectory folder;
+  nn::Weights weights = untrained_weights(small_sensor(), nn::NetworkKind::kDuMix);
+  std::string arrays = folder.file("arrays.npz");
+  std::string description = folder.file("network.json");
+  std::string packed = folder.file("packed.npz");
+
+  explicit Foreign(bool with_self_test, float range_error_m = 0.0F) {
+    write_weights(packed, weights);
+    NpzArrays all = read_npz(packed);
+    all.erase("description");
+    if (!with_self_test) {
+      all.erase("self_test.measured");
+      all.erase("self_test.expected");
+    } else if (range_error_m != 0.0F) {
+      for (float& range_m : weights.self_test.expected.range_m) range_m += range_error_m;
+      all["self_test.expected"] =
+          npz_array(weights.self_test.expected.range_m, all["self_test.expected"].shape);
+    }
+    write_npz(arrays, all);
+    std::ofstream(description) << nn::network_json(weights.description);
+    std::filesystem::remove(packed);
+  }
+
+  ProgramResult pack() const {
+    return run_hqslam(
+        fmt::format("weights pack '{}' '{}' --out '{}'", arrays, description, packed));
+  }
+};
+
+}  // namespace
+
+TEST_CASE("weights pack makes weights that load, with a self-test of its own") {
+  const Foreign foreign(false);
+  const ProgramResult result = foreign.pack();
+  REQUIRE(result.status == 0);
+  CHECK(holds(result.out, "du-mix"));
+  CHECK(holds(result.out, "no self-test beside them"));
+  const nn::Weights packed = nn::read_weights(foreign.packed);
+  CHECK(packed.parameters == foreign.weights.parameters);
+  CHECK_NOTHROW(nn::check_self_test(packed, "packed"));
+  const ProgramResult shown = run_hqslam(fmt::format("weights show '{}'", foreign.packed));
+  CHECK(shown.status == 0);
+  CHECK(holds(shown.out, fmt::format("{} parameters", packed.parameters.size())));
+  CHECK(holds(shown.out, "layers.0.encoder.0.weight"));
+  CHECK(holds(shown.out, "arrays.npz"));
+}
+
+TEST_CASE("weights pack takes a self-test that is there, and refuses arrays that fail it") {
+  const Foreign good(true);
+  const ProgramResult result = good.pack();
+  CHECK(result.status == 0);
+  CHECK(holds(result.out, "which give what the self-test beside them expects"));
+
+  const Foreign bad(true, 1.0F);
+  const ProgramResult refused = bad.pack();
+  CHECK(refused.status == 2);
+  CHECK(holds(refused.error, "self-test"));
+  CHECK_FALSE(std::filesystem::exists(bad.packed));
+}
+
+TEST_CASE("weights pack says which description or file does not fit") {
+  const Foreign foreign(false);
+  std::ofstream(foreign.description)
+      << R"({"kind": "du-or", "sensor": "os1-64", "measured_rows": 16})";
+  const ProgramResult other = foreign.pack();
+  CHECK(other.status == 2);
+  CHECK(holds(other.error, "expected"));
+  std::ofstream(foreign.description) << "no JSON";
+  const ProgramResult broken = foreign.pack();
+  CHECK(broken.status == 2);
+  CHECK(holds(broken.error, "network.json"));
+}
+
+}  // namespace hqslam::test

@@ -1,0 +1,68 @@
+#include "recording/reference.h"
+
+#include <doctest/doctest.h>
+
+#include "error_message.h"
+#include "file_contents.h"
+#include "temporary_directory.h"
+#include "tools/example_run.h"
+
+namespace hqslam::tools {
+namespace {
+
+using hqslam::test::TemporaryDirectory;
+
+}  // namespace
+
+TEST_CASE("a TUM file has stamps and a KITTI file has none") {
+  const TemporaryDirectory folder;
+  const Trajectory poses = test::example_run(5).trajectory;
+  write_tum(poses, folder.file("a.txt"));
+  write_kitti_poses(poses, folder.file("b.txt"));
+  CHECK(read_trajectory_file(folder.file("a.txt")).has_stamps);
+  CHECK_FALSE(read_trajectory_file(folder.file("b.txt")).has_stamps);
+}
+
+TEST_CASE("a comment behind a pose does not take a file's stamps away") {
+  const TemporaryDirectory folder;
+  const Trajectory poses = test::example_run(5).trajectory;
+  write_tum(poses, folder.file("plain.txt"));
+  std::string text = hqslam::test::file_contents(folder.file("plain.txt"));
+  text.insert(text.find('\n'), " # the start of the drive");
+  hqslam::test::write_file(folder.file("commented.txt"), "# stamp x y z\n" + text);
+  const TrajectoryFile file = read_trajectory_file(folder.file("commented.txt"));
+  CHECK(file.has_stamps);
+  CHECK(file.poses.size() == 5);
+}
+
+TEST_CASE("poses without stamps are those of the other file, one by one") {
+  TrajectoryFile file;
+  file.poses = test::example_run(5).trajectory;
+  Trajectory other = test::example_run(3).trajectory;
+  other[2].stamp_s = 77.0;
+  const Trajectory stamped = with_stamps_of(file, other);
+  REQUIRE(stamped.size() == 3);
+  CHECK(stamped[2].stamp_s == 77.0);
+  file.has_stamps = true;
+  CHECK(with_stamps_of(file, other).size() == 5);
+}
+
+TEST_CASE("an estimate in another frame than its reference has no error after alignment") {
+  const SlamRun run = test::example_run(30);
+  const auto comparison = compare_with_reference(run.trajectory, test::example_reference(run, 0.0));
+  REQUIRE(comparison);
+  CHECK(comparison->error.translation_statistics.max < 1e-9);
+  CHECK(comparison->reference.size() == 30);
+}
+
+TEST_CASE("two poses or other stamps are too little to compare") {
+  const SlamRun run = test::example_run(30);
+  TrajectoryFile reference = test::example_reference(run, 0.0);
+  CHECK_FALSE(compare_with_reference(test::example_run(2).trajectory, reference));
+  for (StampedPose& pose : reference.poses) {
+    pose.stamp_s += 1000.0;
+  }
+  CHECK_FALSE(compare_with_reference(run.trajectory, reference));
+}
+
+}  // namespace hqslam::tools

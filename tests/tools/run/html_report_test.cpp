@@ -1,0 +1,93 @@
+#include "run/html_report.h"
+
+#include <doctest/doctest.h>
+
+#include <regex>
+#include <string>
+
+#include "tools/example_run.h"
+
+namespace hqslam::tools {
+namespace {
+
+bool holds(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+/// Whether every opened element of `name` is closed.
+bool balanced(const std::string& html, const std::string& name) {
+  const std::regex opening("<" + name + "[ >]");
+  const std::regex closing("</" + name + ">");
+  const auto count = [&](const std::regex& tag) {
+    return std::distance(std::sregex_iterator(html.begin(), html.end(), tag),
+                         std::sregex_iterator());
+  };
+  return count(opening) == count(closing);
+}
+
+}  // namespace
+
+TEST_CASE("the report needs no other file and no network") {
+  const SlamRun run = test::example_run(30);
+  const std::string html =
+      html_report(run, compare_with_reference(run.trajectory, test::example_reference(run, 0.5)));
+  CHECK_FALSE(
+      std::regex_search(html, std::regex("(src|href|url)\\s*[=(]\\s*[\"']?(?!data:)[a-z./]")));
+  CHECK_FALSE(holds(html, "<script"));
+  CHECK_FALSE(holds(html, "@import"));
+}
+
+TEST_CASE("the headline says scans, path, error with its alignment, and speed") {
+  const SlamRun run = test::example_run(30);
+  const auto comparison = compare_with_reference(run.trajectory, test::example_reference(run, 0.5));
+  REQUIRE(comparison);
+  const std::string html = html_report(run, comparison);
+  CHECK(holds(html, "<dd>30</dd>"));
+  CHECK(holds(html, "29.0 <small>m</small>"));
+  CHECK(holds(html, "SE(3)-aligned"));
+  CHECK(holds(html, "<dd>50.0</dd>"));
+  CHECK(holds(html, "10.0 <small>ms</small>"));
+}
+
+TEST_CASE("every element of the report is closed, with and without a reference") {
+  const SlamRun run = test::example_run(30);
+  for (const bool with_reference : {true, false}) {
+    std::optional<ReferenceComparison> comparison;
+    if (with_reference) {
+      comparison = compare_with_reference(run.trajectory, test::example_reference(run, 0.5));
+    }
+    const std::string html = html_report(run, comparison);
+    for (const char* name : {"div", "svg", "span", "table", "tr", "td", "th", "p", "dl", "dd", "dt",
+                             "ul", "li", "h2", "b", "small", "i"}) {
+      CAPTURE(name);
+      CHECK(balanced(html, name));
+    }
+  }
+}
+
+TEST_CASE("a run that ended early says why, and a hostile file name stays text") {
+  SlamRun run = test::example_run(3);
+  run.input = "<img>alert";
+  run.end = RunEnd::kUnreadableScan;
+  run.end_message = "<000003.bin>: truncated";
+  const std::string html = html_report(run, std::nullopt);
+  CHECK(holds(html, "&lt;000003.bin&gt;: truncated"));
+  CHECK(holds(html, "&lt;img&gt;alert"));
+  CHECK_FALSE(holds(html, "<img>"));
+}
+
+TEST_CASE("a run without a single scan still makes a page without infinite numbers") {
+  SlamRun run = test::example_run(0);
+  run.end = RunEnd::kInterrupted;
+  const std::string html = html_report(run, std::nullopt);
+  CHECK(holds(html, "</html>"));
+  CHECK_FALSE(std::regex_search(html, std::regex("[ ,:\">-](nan|inf)[ ,<\"%]")));
+}
+
+TEST_CASE("a long run is binned: its chart of times does not grow with the drive") {
+  const std::string html = html_report(test::example_run(8000), std::nullopt);
+  CHECK(holds(html, "means of 20 scans"));
+  CHECK(html.size() < 600'000);
+}
+
+}  // namespace hqslam::tools

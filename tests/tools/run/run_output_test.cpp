@@ -1,0 +1,130 @@
+#include "run/run_output.h"
+
+#include <doctest/doctest.h>
+
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "error_message.h"
+#include "file_contents.h"
+#include "hqslam/core/pcd.h"
+#include "temporary_directory.h"
+#include "tools/example_run.h"
+
+namespace hqslam::tools {
+namespace {
+
+namespace fs = std::filesystem;
+using hqslam::test::error_message;
+using hqslam::test::file_contents;
+using hqslam::test::one_line_with;
+using hqslam::test::TemporaryDirectory;
+using hqslam::test::write_file;
+
+std::set<std::string> names_in(const fs::path& folder) {
+  std::set<std::string> names;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    names.insert(entry.path().filename().string());
+  }
+  return names;
+}
+
+const std::set<std::string> kAllResults = {"trajectory.tum", "trajectory.kitti", "covariances.csv",
+                                           "map.pcd",        "timings.json",     "report.html"};
+
+}  // namespace
+
+TEST_CASE("the results are six files that read back, and no other file is left") {
+  const TemporaryDirectory folder;
+  const SlamRun run = test::example_run(10);
+  RunOutput output(folder.file("a/b"));
+  output.write_results(run, std::nullopt);
+  CHECK(names_in(folder.file("a/b")) == kAllResults);
+  CHECK(read_tum(folder.file("a/b/trajectory.tum")).size() == 10);
+  CHECK(read_kitti_poses(folder.file("a/b/trajectory.kitti")).size() == 10);
+  CHECK(read_pcd(folder.file("a/b/map.pcd")).points_m.size() == 10);
+}
+
+TEST_CASE("the timings hold medians in milliseconds, counts of statuses and every scan") {
+  SlamRun run = test::example_run(10);
+  run.scans[4].report.odometry_status = slam::Status::kDegenerate;
+  run.input = "bad \xFF name";
+  const nlohmann::json json = nlohmann::json::parse(timings_json(run));
+  CHECK(json["times_ms"]["features"]["median"] == doctest::Approx(2.0));
+  CHECK(json["times_ms"]["slam_total"]["p95"] == doctest::Approx(10.0));
+  CHECK(json["odometry_status"]["degenerate"] == 1);
+  CHECK(json["odometry_status"]["ok"] == 9);
+  CHECK(json["scans_per_second"] == doctest::Approx(50.0));
+  CHECK(json["per_scan"]["times_ms"]["reading"].size() == 10);
+  CHECK(json["per_scan"]["odometry_status"][4] == "degenerate");
+}
+
+TEST_CASE("the timings list the loops that were found") {
+  SlamRun run = test::example_run(10);
+  CHECK(nlohmann::json::parse(timings_json(run))["loops"].empty());
+  run.scans[7].report.loop = {slam::LoopStatus::kClosed, 1, 2, 3.25};
+  run.scans[8].report.loop = {slam::LoopStatus::kAwaitsOthers, 1, 3, 0.0};
+  run.scans[9].report.loop = {slam::LoopStatus::kAgrees, 1, 4, 0.0};
+  const nlohmann::json loops = nlohmann::json::parse(timings_json(run))["loops"];
+  REQUIRE(loops.size() == 2);
+  CHECK(loops[0]["scan"] == 7);
+  CHECK(loops[0]["older_scan"] == 2);
+  CHECK(loops[0]["status"] == "closed");
+  CHECK(loops[0]["correction_m"] == doctest::Approx(3.25));
+  CHECK(loops[1]["scan"] == 9);
+  CHECK(loops[1]["status"] == "agrees");
+}
+
+TEST_CASE("upsampling is a stage of its own where there is any, and none where there is not") {
+  SlamRun run = test::example_run(3);
+  const nlohmann::json without = nlohmann::json::parse(timings_json(run));
+  CHECK(without["upsampled_by"].is_null());
+  CHECK_FALSE(without["times_ms"].contains("upsampling"));
+  run.upsampled_by = "du-or";
+  for (ScanRecord& scan : run.scans) {
+    scan.upsampling_s = 0.006;
+  }
+  const nlohmann::json with = nlohmann::json::parse(timings_json(run));
+  CHECK(with["upsampled_by"] == "du-or");
+  CHECK(with["times_ms"]["upsampling"]["median"] == doctest::Approx(6.0));
+  CHECK(with["times_ms"]["mapping"] == without["times_ms"]["mapping"]);
+  CHECK(with["times_ms"]["slam_total"] == without["times_ms"]["slam_total"]);
+}
+
+TEST_CASE("an earlier run's results are replaced, and a checkpoint leaves none of them behind") {
+  const TemporaryDirectory folder;
+  RunOutput(folder.path().string()).write_results(test::example_run(10), std::nullopt);
+  RunOutput output(folder.path().string());
+  CHECK(names_in(folder.path()) == kAllResults);
+  output.write_checkpoint(test::example_run(4));
+  CHECK(names_in(folder.path()) ==
+        std::set<std::string>{"trajectory.tum", "trajectory.kitti", "timings.json"});
+  CHECK(read_tum(folder.file("trajectory.tum")).size() == 4);
+}
+
+TEST_CASE("files of somebody else are neither replaced nor removed") {
+  const TemporaryDirectory folder;
+  write_file(folder.file("notes.txt"), "mine");
+  RunOutput(folder.path().string()).write_results(test::example_run(3), std::nullopt);
+  CHECK(file_contents(folder.file("notes.txt")) == "mine");
+
+  for (const std::string& name : kAllResults) {
+    CAPTURE(name);
+    const TemporaryDirectory other;
+    write_file(other.file(name), "mine");
+    CHECK(one_line_with(error_message([&] { RunOutput(other.path().string()); }), name, "--out"));
+    CHECK(file_contents(other.file(name)) == "mine");
+  }
+}
+
+TEST_CASE("a file in the place of the folder or above it is one clear line") {
+  const TemporaryDirectory folder;
+  write_file(folder.file("out"), "");
+  CHECK(one_line_with(error_message([&] { RunOutput(folder.file("out")); }), "out", "--out"));
+  CHECK(one_line_with(error_message([&] {
+                        RunOutput(folder.file("out/deeper")).write_checkpoint(test::example_run(1));
+                      }),
+                      "deeper", "--out"));
+}
+
+}  // namespace hqslam::tools

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "hqslam/core/range_image.h"
+#include "hqslam/core/scan.h"
+#include "hqslam/core/scan_source.h"
+#include "hqslam/core/sensor_model.h"
+#include "hqslam/nn/upsampler.h"
+#include "terminal/interrupt.h"
+#include "timing/timing_statistics.h"
+
+namespace hqslam::tools {
+
+/// SLAM over a drive, seen with some of the sensor's rows and some number of threads.
+struct SlamTiming {
+  int rows = 0;              ///< measured
+  std::string upsampled_by;  ///< to all rows; empty: the measured rows as they are
+  int threads = 0;
+  std::int64_t scans = 0;
+  std::optional<Distribution> upsampling_ms;  ///< a scan of points in, a scan of points out
+  std::vector<std::pair<std::string, Distribution>> stages_ms;  ///< and "total", with upsampling
+  double first_fifth_ms = 0.0;  ///< median total of the first fifth of the scans, first 10 left out
+  double last_fifth_ms = 0.0;
+  std::optional<double> peak_memory_mb;  ///< resident memory of the process during this run
+};
+
+/// Scans come from the source one at a time; only upsampling and SLAM are timed. upsampler: nullptr
+/// for the measured rows as they are.
+SlamTiming time_slam(ScanSource& source, int rows, nn::Upsampler* upsampler, int threads,
+                     const InterruptGuard& interrupt);
+
+/// Single steps on some scans of the drive, one thread, milliseconds per scan.
+struct StepTiming {
+  Distribution components_ms;           ///< ComponentLabeler, 10 degrees
+  Distribution components_textbook_ms;  ///< textbook_components on the same images
+  Distribution projection_ms;           ///< scan to range image
+  Distribution unprojection_ms;         ///< range image to points
+};
+StepTiming time_steps(const std::vector<RangeImage>& images, const SensorModel& sensor);
+
+}  // namespace hqslam::tools

@@ -1,0 +1,252 @@
+#include "demo/demo_command.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "compare/upsampling_comparison.h"
+#include "demo/demo_report.h"
+#include "files/installed_weights.h"
+#include "hqslam/core/error.h"
+#include "hqslam/core/npy.h"
+#include "hqslam/core/scan_source.h"
+#include "lift/upsampling_plan.h"
+#include "recording/recording_sensor.h"
+#include "run/run_command.h"
+#include "simulate/simulate_command.h"
+#include "terminal/exit_status.h"
+#include "terminal/interrupt.h"
+#include "terminal/progress.h"
+#include "terminal/terminal.h"
+#include "timing/timing_statistics.h"
+
+namespace hqslam::tools {
+namespace {
+
+constexpr const char* kWeights = "du-mix_os1_16to64.npz";
+constexpr int kFewRows = 16;
+/// Image errors are means over every so many scans.
+constexpr std::int64_t kComparedScans = 10;
+
+/// One way of coming from the drive to a trajectory.
+struct Way {
+  std::string name;
+  std::string folder;    ///< of its results
+  int rows = 0;          ///< of the recording that are looked at
+  std::string upsample;  ///< as RunOptions::upsample
+};
+
+struct DemoRow {
+  Way way;
+  RunResult result;
+  std::optional<UpsamplingScore> score;  ///< of the ways that upsample
+};
+
+std::vector<Way> ways(const std::optional<std::string>& weights) {
+  std::vector<Way> result = {{"64 beams", "rows-64", 64, ""},
+                             {"16 beams", "rows-16", kFewRows, ""},
+                             {"16 -> 64, linear", "linear", kFewRows, "linear"}};
+  if (weights) {
+    result.push_back({"16 -> 64, DU-Mix", "du-mix", kFewRows, *weights});
+  }
+  return result;
+}
+
+/// The slowest typical part of the whole: the median time that SLAM needs for a scan.
+double median_slam_ms(const SlamRun& run) {
+  std::vector<double> times_ms;
+  for (const ScanRecord& scan : run.scans) {
+    times_ms.push_back(1e3 * scan.report.times.total_s);
+  }
+  return distribution_of(std::move(times_ms)).median;
+}
+
+/// Scores the ways that upsample against the drive's own 64 rows.
+void score(const std::string& drive, std::vector<DemoRow>& rows, const InterruptGuard& interrupt) {
+  std::vector<ComparedMethod> methods;
+  for (const DemoRow& row : rows) {
+    if (!row.way.upsample.empty()) {
+      UpsamplingPlan plan = plan_upsampling({drive, "", row.way.upsample, row.way.rows});
+      methods.push_back({row.way.name, std::move(plan.upsampler), std::nullopt});
+    }
+  }
+  UpsamplingComparison comparison(std::move(methods));
+  const std::unique_ptr<ScanSource> source =
+      open_recording(drive, required_recording_sensor(drive, ""));
+  Progress progress("compare with 64 beams", source->size());
+  for (std::int64_t i = 0; !interrupt.stop_requested(); ++i) {
+    const std::optional<RecordedScan> scan = source->next();
+    if (!scan) {
+      break;
+    }
+    if (i % kComparedScans == 0) {
+      comparison.add(scan->cloud);
+    }
+    progress.update(i + 1);
+  }
+  progress.finish();
+  for (const UpsamplingScore& result : comparison.scores()) {
+    for (DemoRow& row : rows) {
+      if (row.way.name == result.method) {
+        row.score = result;
+      }
+    }
+  }
+}
+
+std::string ape_text(const RunResult& result) {
+  return result.comparison
+             ? fmt::format("{:.3f}", result.comparison->error.translation_statistics.rmse)
+             : "-";
+}
+
+/// The four columns about the images.
+std::vector<std::string> score_cells(const std::optional<UpsamplingScore>& score) {
+  if (!score) {
+    return {"-", "-", "-", "-"};
+  }
+  return {fmt::format("{:.3f}", score->mae_all_m), fmt::format("{:.3f}", score->mae_valid_m),
+          fmt::format("{:.2f} %", 100.0 * score->outlier_share),
+          fmt::format("{:.1f}", 1e3 / score->upsampling_ms)};
+}
+
+DemoTable table_of(const std::vector<DemoRow>& rows) {
+  DemoTable table;
+  table.columns = {"scans",    "APE, m",       "MAE all",  "MAE valid",
+                   "outliers", "upsampling/s", "SLAM, ms", "all, scans/s"};
+  for (const DemoRow& row : rows) {
+    const SlamRun& run = row.result.run;
+    std::vector<std::string> cells = {fmt::format("{}", run.scans.size()), ape_text(row.result)};
+    const std::vector<std::string> of_images = score_cells(row.score);
+    cells.insert(cells.end(), of_images.begin(), of_images.end());
+    cells.push_back(fmt::format("{:.1f}", median_slam_ms(run)));
+    cells.push_back(fmt::format("{:.1f}", scans_per_second(run)));
+    table.rows.push_back({row.way.name, row.way.folder + "/report.html", std::move(cells)});
+  }
+  table.notes = {
+      fmt::format("APE: absolute pose error (RMSE) against the true trajectory, SE(3)-aligned; the "
+                  "path is {:.0f} m",
+                  path_length_m(rows.front().result.run.trajectory)),
+      "MAE: mean |range - true range| in metres, over all pixels and over those where both have a "
+      "return",
+      "outliers: share of points farther than 0.5 m from the cloud of 64 beams",
+      "upsampling/s: scans per second of the upsampling alone; all: reading, upsampling and SLAM"};
+  return table;
+}
+
+void print_table(const DemoTable& table) {
+  constexpr const char* kCell = "{:>14}";
+  to_stdout("{:<18}", "");
+  for (const std::string& column : table.columns) {
+    to_stdout(fmt::runtime(kCell), column);
+  }
+  for (const DemoTable::Row& row : table.rows) {
+    to_stdout("\n{:<18}", row.name);
+    for (const std::string& cell : row.cells) {
+      to_stdout(fmt::runtime(kCell), cell);
+    }
+  }
+  to_stdout("\n");
+  for (const std::string& note : table.notes) {
+    to_stdout("{}\n", note);
+  }
+  to_stdout("\n");
+}
+
+/// The scan in the middle of the drive as every way sees it.
+std::vector<std::pair<std::string, RangeImage>> example_images(const std::string& drive,
+                                                               const std::vector<DemoRow>& rows) {
+  NpyStackReader stack(drive + "/scans.npy");
+  const RangeImage truth = stack.read(stack.images() / 2);
+  std::vector<std::pair<std::string, RangeImage>> images;
+  for (const DemoRow& row : rows) {
+    const RowSelection seen = selection_for(truth.rows, row.way.rows);
+    if (row.way.upsample.empty()) {
+      images.emplace_back(row.way.name, select_rows(truth, seen));
+      continue;
+    }
+    UpsamplingPlan plan = plan_upsampling({drive, "", row.way.upsample, row.way.rows});
+    images.emplace_back(row.way.name, plan.upsampler.run(select_rows(truth, seen)).image);
+  }
+  return images;
+}
+
+std::string write_page(const std::filesystem::path& out, const std::string& html) {
+  const std::string path = (out / "demo.html").string();
+  std::ofstream stream(path, std::ios::binary);
+  stream << html;
+  stream.close();
+  if (!stream) {
+    throw Error(fmt::format("{}: cannot be written; is the disk full?", path));
+  }
+  return path;
+}
+
+}  // namespace
+
+void declare_demo(CLI::App& app, DemoOptions& options) {
+  CLI::App* command = app.add_subcommand(
+      "demo",
+      "Simulate a short city drive and run SLAM on it: with 64 beams, with 16, and with 16 that "
+      "are upsampled to 64");
+  command->add_option("--out", options.out, "Folder for the drive and the results")
+      ->capture_default_str();
+}
+
+int demo_command(const DemoOptions& options) {
+  namespace fs = std::filesystem;
+  const InterruptGuard interrupt;
+  const auto interrupted = [] {
+    to_stderr("hqslam: interrupted\n");
+    return kInterrupted;
+  };
+  const fs::path out = fs::absolute(options.out).lexically_normal();
+  SimulateOptions simulate;
+  simulate.drive = "block";
+  simulate.sensor = "os1-64";
+  simulate.out = (out / "drive").string();
+  if (simulate_drive(simulate, interrupt) == kInterrupted) {
+    return interrupted();
+  }
+
+  const std::optional<std::string> weights = installed_weights(kWeights);
+  std::vector<DemoRow> rows;
+  for (const Way& way : ways(weights)) {
+    RunOptions run;
+    run.input = simulate.out;
+    run.rows = way.rows;
+    run.upsample = way.upsample;
+    run.out = (out / way.folder).string();
+    rows.push_back({way, run_and_write(run, interrupt), std::nullopt});
+    if (rows.back().result.run.end == RunEnd::kInterrupted) {
+      return interrupted();
+    }
+  }
+  score(simulate.out, rows, interrupt);
+  if (interrupt.stop_requested()) {
+    return interrupted();
+  }
+  to_stdout("A drive of {} scans through a simulated city, sensor {}.\n\n",
+            rows.front().result.run.scans_in_recording, simulate.sensor);
+  const DemoTable table = table_of(rows);
+  print_table(table);
+  if (!weights) {
+    to_stdout("Without DU-Mix: its weights, weights/{}, are not there.\n\n", kWeights);
+  }
+  const double max_range_m = required_recording_sensor(simulate.out, "").max_range_m;
+  const std::string page =
+      write_page(out, demo_html(table, example_images(simulate.out, rows), max_range_m));
+  to_stdout("To look at, in any browser:\n  {}\n", page);
+  for (const DemoTable::Row& row : table.rows) {
+    to_stdout("  {}\n", (out / row.report).string());
+  }
+  return kOk;
+}
+
+}  // namespace hqslam::tools

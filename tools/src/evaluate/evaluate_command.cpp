@@ -1,0 +1,235 @@
+#include "evaluate/evaluate_command.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <array>
+#include <filesystem>
+#include <optional>
+
+#include "hqslam/core/cloud_error.h"
+#include "hqslam/core/drift.h"
+#include "hqslam/core/error.h"
+#include "hqslam/core/image_error.h"
+#include "hqslam/core/npy.h"
+#include "hqslam/core/pcd.h"
+#include "hqslam/core/projection.h"
+#include "hqslam/core/trajectory_error.h"
+#include "recording/reference.h"
+#include "terminal/exit_status.h"
+#include "terminal/terminal.h"
+
+namespace hqslam::tools {
+namespace {
+
+constexpr double kDegreesPerRadian = 57.29577951308232;
+constexpr std::array<double, 3> kStretches_m = {10.0, 100.0, 800.0};
+
+void print_row(std::string_view label, const ErrorStatistics& statistics, double scale) {
+  to_stdout("{:<26}{:>10.4f}{:>10.4f}{:>10.4f}{:>10.4f}\n", label, scale * statistics.rmse,
+            scale * statistics.mean, scale * statistics.median, scale * statistics.max);
+}
+
+int evaluate_trajectories(const EvaluateOptions& options) {
+  const TrajectoryFile estimate_file = read_trajectory_file(options.estimate);
+  const TrajectoryFile reference_file = read_trajectory_file(options.reference);
+  const Trajectory estimate = with_stamps_of(estimate_file, reference_file.poses);
+  const Trajectory reference = with_stamps_of(reference_file, estimate_file.poses);
+  const Alignment alignment = alignment_from_name(options.alignment);
+  const AbsolutePoseError ape = absolute_pose_error(estimate, reference, alignment);
+  to_stdout("{} of {} poses paired with {}, {:.1f} m of path\n", ape.translation_m.size(),
+            estimate.size(), options.reference, path_length_m(reference));
+  to_stdout("{:<26}{:>10}{:>10}{:>10}{:>10}\n", "", "RMSE", "mean", "median", "max");
+  print_row(fmt::format("APE m (align {})", options.alignment), ape.translation_statistics, 1.0);
+  print_row(fmt::format("APE deg (align {})", options.alignment), ape.rotation_statistics,
+            kDegreesPerRadian);
+  for (const double stretch_m : kStretches_m) {
+    const RelativePoseError rpe = relative_pose_error(estimate, reference, stretch_m);
+    if (rpe.translation_m.empty()) {
+      continue;
+    }
+    print_row(fmt::format("RPE % over {:.0f} m", stretch_m), rpe.translation_statistics,
+              100.0 / stretch_m);
+    print_row(fmt::format("RPE deg/100 m over {:.0f} m", stretch_m), rpe.rotation_statistics,
+              kDegreesPerRadian * 100.0 / stretch_m);
+  }
+  const std::size_t slipped = slips(estimate, reference).size();
+  const Trajectory compared(
+      reference.begin() + static_cast<std::ptrdiff_t>(ape.pairs.reference.front()),
+      reference.begin() + static_cast<std::ptrdiff_t>(ape.pairs.reference.back()) + 1);
+  to_stdout("{:<26}{:>10}{:>10.1f} per 100 km\n", "slips", slipped,
+            slips_per_100_km(slipped, path_length_m(compared)));
+  return kOk;
+}
+
+void print_cloud_error(const CloudError& error) {
+  to_stdout("Chamfer distance      {:.4f} m^2\n", error.chamfer_m2);
+  to_stdout("voxel IoU at 0.1 m    {:.4f}\n", error.iou);
+  to_stdout("voxel precision       {:.4f}\n", error.precision);
+  to_stdout("voxel recall          {:.4f}\n", error.recall);
+  to_stdout("voxel F1 at 0.1 m     {:.4f}\n", error.f1);
+  to_stdout("outlier points        {:.2f} %\n", 100.0 * error.outlier_share);
+}
+
+int evaluate_clouds(const EvaluateOptions& options) {
+  const CloudError error =
+      cloud_error(read_pcd(options.estimate).points_m, read_pcd(options.reference).points_m);
+  print_cloud_error(error);
+  return kOk;
+}
+
+/// Points of the pixels that have a return.
+std::vector<Eigen::Vector3f> points_of(const RangeImage& image, const SensorModel& sensor) {
+  const OrganizedCloud cloud = unproject(image, sensor, CaptureTime::kMotionCorrected);
+  std::vector<Eigen::Vector3f> points_m;
+  for (std::size_t i = 0; i < cloud.points_m.size(); ++i) {
+    if (cloud.range_m[i] > 0.0F) {
+      points_m.push_back(cloud.points_m[i]);
+    }
+  }
+  return points_m;
+}
+
+/// Sums over the images of two stacks.
+struct StackErrors {
+  double mae_all_m = 0.0;
+  double valid_sum_m = 0.0;
+  std::int64_t valid_pixels = 0;
+  CloudError cloud;  ///< sums until divided
+  std::int64_t images_with_points = 0;
+};
+
+void add_cloud_error(StackErrors& sums, const CloudError& error) {
+  sums.cloud.chamfer_m2 += error.chamfer_m2;
+  sums.cloud.iou += error.iou;
+  sums.cloud.precision += error.precision;
+  sums.cloud.recall += error.recall;
+  sums.cloud.f1 += error.f1;
+  sums.cloud.outlier_share += error.outlier_share;
+  ++sums.images_with_points;
+}
+
+void add_image(StackErrors& sums, const RangeImage& image, const RangeImage& true_image,
+               const std::optional<SensorModel>& sensor) {
+  const ImageError error = image_error(image, true_image);
+  sums.mae_all_m += error.mae_all_m;
+  sums.valid_sum_m += error.mae_valid_m * static_cast<double>(error.valid_pixels);
+  sums.valid_pixels += error.valid_pixels;
+  if (!sensor) {
+    return;
+  }
+  const std::vector<Eigen::Vector3f> points_m = points_of(image, *sensor);
+  const std::vector<Eigen::Vector3f> true_points_m = points_of(true_image, *sensor);
+  if (!points_m.empty() && !true_points_m.empty()) {
+    add_cloud_error(sums, cloud_error(points_m, true_points_m));
+  }
+}
+
+CloudError divided(CloudError sum, std::int64_t images) {
+  const double scale = 1.0 / static_cast<double>(images);
+  return {sum.chamfer_m2 * scale, sum.iou * scale, sum.precision * scale,
+          sum.recall * scale,     sum.f1 * scale,  sum.outlier_share * scale};
+}
+
+int evaluate_stacks(const EvaluateOptions& options) {
+  NpyStackReader estimate(options.estimate);
+  NpyStackReader reference(options.reference);
+  if (estimate.images() != reference.images()) {
+    throw Error(fmt::format("{}: has {} images, but {} has {}; give two stacks of the same scans",
+                            options.estimate, estimate.images(), options.reference,
+                            reference.images()));
+  }
+  if (estimate.images() == 0) {
+    throw Error(fmt::format("{}: has no image; give a stack with at least one", options.estimate));
+  }
+  std::optional<SensorModel> sensor;
+  if (!options.sensor.empty()) {
+    sensor = load_sensor(options.sensor);
+  }
+  StackErrors sums;
+  for (std::int64_t i = 0; i < estimate.images(); ++i) {
+    add_image(sums, estimate.read(i), reference.read(i), sensor);
+  }
+  to_stdout("{} images of {} x {}, means over all images\n", estimate.images(), estimate.rows(),
+            estimate.columns());
+  to_stdout("MAE, all pixels       {:.4f} m\n",
+            sums.mae_all_m / static_cast<double>(estimate.images()));
+  to_stdout("MAE, valid pixels     {:.4f} m ({} pixels)\n",
+            sums.valid_pixels > 0 ? sums.valid_sum_m / static_cast<double>(sums.valid_pixels) : 0.0,
+            sums.valid_pixels);
+  if (sums.images_with_points > 0) {
+    print_cloud_error(divided(sums.cloud, sums.images_with_points));
+  } else if (!sensor) {
+    to_stdout("(--sensor adds Chamfer distance, IoU, F1 and outliers in 3-D)\n");
+  }
+  return kOk;
+}
+
+constexpr const char* kDefinitions =
+    "Definitions\n"
+    "  APE     absolute pose error: per pair of poses the distance and the angle of\n"
+    "          E = T_reference^-1 T_estimate, after the alignment that is named beside it: se3\n"
+    "          (least squares of all positions, Umeyama 1991, no scale), first (first poses made\n"
+    "          equal) or none. Pairs: nearest stamps, at most 0.02 s apart; a KITTI file has no\n"
+    "          stamps, its pose i is pose i of the other file. As in evo (evo_ape).\n"
+    "  RPE     relative pose error: the same for the motion over each stretch of 10, 100 and\n"
+    "          800 m of path along the reference. Needs no alignment. Position in percent of the\n"
+    "          stretch, rotation in degrees per 100 m (Geiger et al., KITTI, CVPR 2012). The mean\n"
+    "          over stretches of 100 m is the drift of hqslam table --seeds.\n"
+    "  slips   places where the motion over ten scans is wrong by more than 0.3 m or 0.3 degrees;\n"
+    "          scans that follow one another are one slip.\n"
+    "  MAE     mean |range - true range| in metres; over all pixels (no return counts as 0 m), "
+    "and\n"
+    "          over the pixels where both have a return.\n"
+    "  Chamfer mean squared distance to the nearest point, estimate to reference plus reference\n"
+    "          to estimate, m^2.\n"
+    "  IoU, F1 on the voxels of 0.1 m that hold a point: both / either; harmonic mean of "
+    "precision\n"
+    "          (both / estimate) and recall (both / reference).\n"
+    "  outlier points: share of the estimate's points farther than 0.5 m from the nearest true "
+    "one.\n"
+    "MAE over all pixels, Chamfer, IoU and F1 follow the evaluation code of TULIP (Yang et al.,\n"
+    "CVPR 2024) with two differences: MAE is in metres, not in units of the sensor's range, and\n"
+    "pixels without a return make no points there instead of points at the sensor. For two stacks\n"
+    "the 3-D errors are means over the images and need --sensor.";
+
+bool both_end_with(const EvaluateOptions& options, const char* extension) {
+  namespace fs = std::filesystem;
+  return fs::path(options.estimate).extension() == extension &&
+         fs::path(options.reference).extension() == extension;
+}
+
+}  // namespace
+
+void declare_evaluate(CLI::App& app, EvaluateOptions& options) {
+  CLI::App* command = app.add_subcommand(
+      "evaluate", "Errors of a trajectory, a point cloud or a stack of range images");
+  command
+      ->add_option("ESTIMATE", options.estimate,
+                   "Trajectory (TUM or KITTI), .pcd cloud or .npy stack of range images")
+      ->required()
+      ->check(CLI::ExistingFile);
+  command->add_option("REFERENCE", options.reference, "What it should be, in the same kind of file")
+      ->required()
+      ->check(CLI::ExistingFile);
+  command
+      ->add_option("--align", options.alignment,
+                   "Alignment of a trajectory before its APE is taken")
+      ->check(CLI::IsMember({"se3", "first", "none"}))
+      ->capture_default_str();
+  command->add_option("--sensor", options.sensor,
+                      "Sensor of two .npy stacks (name or .json file): adds the errors in 3-D");
+  command->footer(kDefinitions);
+}
+
+int evaluate_command(const EvaluateOptions& options) {
+  if (both_end_with(options, ".npy")) {
+    return evaluate_stacks(options);
+  }
+  if (both_end_with(options, ".pcd")) {
+    return evaluate_clouds(options);
+  }
+  return evaluate_trajectories(options);
+}
+
+}  // namespace hqslam::tools

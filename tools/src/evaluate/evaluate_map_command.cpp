@@ -1,0 +1,142 @@
+#include "evaluate/evaluate_map_command.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <Eigen/SVD>
+#include <filesystem>
+#include <optional>
+
+#include "evaluate/map_error.h"
+#include "hqslam/core/error.h"
+#include "hqslam/core/pcd.h"
+#include "hqslam/core/trajectory_error.h"
+#include "hqslam/sim/read_drive.h"
+#include "recording/recording_sensor.h"
+#include "recording/reference.h"
+#include "terminal/exit_status.h"
+#include "terminal/terminal.h"
+
+namespace hqslam::tools {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A map of a drive, in the frame of the drive's truth.
+struct PlacedMap {
+  std::string name;
+  std::vector<Eigen::Vector3f> points_m;
+  bool is_aligned = false;
+};
+
+/// T_truth_map that brings the poses beside a map as near to the truth as one motion can: the mean
+/// of T_truth_sensor T_map_sensor^-1 over the scans. Rotations count, so a straight drive, whose
+/// places alone say nothing of roll, is no harder than another.
+std::optional<Pose> alignment_of(const fs::path& map, const TrajectoryFile& truth) {
+  constexpr double kSameTime_s = 0.01;
+  const std::string path = file_of_drive(map.parent_path().string(), "trajectory.tum");
+  if (path.empty()) {
+    return std::nullopt;
+  }
+  const Trajectory trajectory = read_tum(path);
+  const PosePairs pairs = associate(trajectory, truth.poses, kSameTime_s);
+  if (pairs.estimate.empty()) {
+    throw Error(fmt::format("{}: no pose is of the time of a scan of the drive's", path));
+  }
+  Eigen::Matrix3d rotations = Eigen::Matrix3d::Zero();
+  for (std::size_t i = 0; i < pairs.estimate.size(); ++i) {
+    rotations += truth.poses[pairs.reference[i]].T_map_sensor.linear() *
+                 trajectory[pairs.estimate[i]].T_map_sensor.linear().transpose();
+  }
+  // The rotation nearest to the sum.
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(rotations, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  Pose T_truth_map = Pose::Identity();
+  T_truth_map.linear() = svd.matrixU() * svd.matrixV().transpose();
+  Eigen::Vector3d offset_m = Eigen::Vector3d::Zero();
+  for (std::size_t i = 0; i < pairs.estimate.size(); ++i) {
+    offset_m += truth.poses[pairs.reference[i]].T_map_sensor.translation() -
+                T_truth_map.linear() * trajectory[pairs.estimate[i]].T_map_sensor.translation();
+  }
+  T_truth_map.translation() = offset_m / static_cast<double>(pairs.estimate.size());
+  return T_truth_map;
+}
+
+PlacedMap placed_map(const std::string& path, const TrajectoryFile& truth) {
+  const fs::path file = fs::is_directory(path) ? fs::path(path) / "dense_map.pcd" : fs::path(path);
+  PlacedMap map{path, read_pcd(file.string()).points_m, false};
+  if (const std::optional<Pose> T_truth_map = alignment_of(file, truth)) {
+    for (Eigen::Vector3f& point_m : map.points_m) {
+      point_m = (*T_truth_map * point_m.cast<double>()).cast<float>();
+    }
+    map.is_aligned = true;
+  }
+  return map;
+}
+
+std::string file_of(const std::string& drive, const char* name) {
+  const std::string path = file_of_drive(drive, name);
+  if (path.empty()) {
+    throw Error(
+        fmt::format("{}: has no {}; give a folder written by hqslam simulate", drive, name));
+  }
+  return path;
+}
+
+void print_row(const PlacedMap& map, const MapError& error) {
+  const auto percent = [](double share) { return fmt::format("{:.2f}", 100.0 * share); };
+  to_stdout("{:>10}{:>9}{:>9}{:>9}{:>9}{:>9}{:>8.3f}{:>8.3f}  {}{}\n", error.points,
+            percent(error.accuracy.at_10_cm), percent(error.accuracy.at_20_cm),
+            percent(error.beyond_30_cm), percent(error.completeness.at_10_cm),
+            percent(error.completeness.at_20_cm), error.f1.at_10_cm, error.f1.at_20_cm, map.name,
+            map.is_aligned ? " (aligned)" : "");
+}
+
+constexpr const char* kDefinitions =
+    "Definitions\n"
+    "  true surface  what stands still in the simulated city, and what its windows show along a\n"
+    "                sensor's line of sight (curtains, rooms, seats). Whoever moves is none.\n"
+    "  visible       what the beams of the drive's sensor, all its rows, meet from where it is in\n"
+    "                all its scans: without noise, drop-outs and traffic, within range and bright\n"
+    "                enough, not behind glass; one sample per voxel of 0.1 m.\n"
+    "  accuracy      share of the map's points with a true surface within 0.1 and 0.2 m\n"
+    "  far           share of the map's points without one within 0.3 m\n"
+    "  complete      share of the visible samples with a point of the map within 0.1 and 0.2 m\n"
+    "  F1            harmonic mean of accuracy and completeness at the same distance\n"
+    "                (Knapitsch et al., Tanks and Temples, 2017)\n"
+    "A map beside which there is a trajectory.tum is moved with it first: by the least-squares\n"
+    "rotation and translation of all positions onto the truth's, as for APE.";
+
+}  // namespace
+
+void declare_evaluate_map(CLI::App& app, EvaluateMapOptions& options) {
+  CLI::App* command = app.add_subcommand(
+      "evaluate-map", "Maps of a simulated drive against the true surface of its city");
+  command
+      ->add_option("MAP", options.maps,
+                   "Folders with a dense_map.pcd (of hqslam run --dense-map), or .pcd files")
+      ->required()
+      ->check(CLI::ExistingPath);
+  command->add_option("--drive", options.drive, "The drive: folder written by hqslam simulate")
+      ->required()
+      ->check(CLI::ExistingDirectory);
+  command->footer(kDefinitions);
+}
+
+int evaluate_map_command(const EvaluateMapOptions& options) {
+  const sim::DriveSpec spec = sim::read_drive_json(file_of(options.drive, "drive.json"));
+  const SensorModel sensor = load_sensor(file_of(options.drive, "sensor.json"));
+  const TrajectoryFile truth = read_trajectory_file(file_of(options.drive, "truth.tum"));
+  const std::vector<Eigen::Vector3f> visible_m = visible_surface_m({spec, sensor});
+  sim::DriveSimulator surface(spec, sensor);
+  to_stdout("{} visible samples of the true surface; shares in percent\n", visible_m.size());
+  to_stdout("{:>10}{:>18}{:>9}{:>18}{:>16}\n", "points", "accuracy", "far", "complete", "F1");
+  to_stdout("{:>10}{:>9}{:>9}{:>9}{:>9}{:>9}{:>8}{:>8}\n", "", "0.1 m", "0.2 m", "0.3 m", "0.1 m",
+            "0.2 m", "0.1 m", "0.2 m");
+  for (const std::string& path : options.maps) {
+    const PlacedMap map = placed_map(path, truth);
+    print_row(map, map_error(map.points_m, visible_m, surface));
+  }
+  return kOk;
+}
+
+}  // namespace hqslam::tools

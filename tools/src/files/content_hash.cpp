@@ -1,0 +1,37 @@
+#include "files/content_hash.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <fstream>
+
+#include "hqslam/core/error.h"
+
+namespace hqslam::tools {
+
+void ContentHash::add(std::string_view bytes) {
+  constexpr std::uint64_t kPrime = 1099511628211ULL;
+  for (const char byte : bytes) hash_ = (hash_ ^ static_cast<std::uint8_t>(byte)) * kPrime;
+}
+
+std::string ContentHash::digits() const { return fmt::format("{:016x}", hash_); }
+
+std::string content_hash(const std::string& path) {
+  std::ifstream stream(path, std::ios::binary);
+  if (!stream) throw Error(fmt::format("{}: cannot be read", path));
+  ContentHash hash;
+  std::array<char, 65536> buffer{};
+  while (stream) {
+    stream.read(buffer.data(), buffer.size());
+    hash.add({buffer.data(), static_cast<std::size_t>(stream.gcount())});
+  }
+  return hash.digits();
+}
+
+std::string text_hash(std::string_view text) {
+  ContentHash hash;
+  hash.add(text);
+  return hash.digits();
+}
+
+}  // namespace hqslam::tools

@@ -1,0 +1,108 @@
+#include "info/info_command.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+
+#include "hqslam/recordings/recording.h"
+#include "terminal/exit_status.h"
+#include "terminal/terminal.h"
+
+namespace hqslam::tools {
+namespace {
+
+void print_line(const char* what, const std::string& text) { to_stdout("{:<12}{}\n", what, text); }
+
+std::string sensor_line(const recordings::RecordingInfo& info) {
+  const SensorModel& sensor = info.sensor;
+  return fmt::format("{}{}: {} rows x {} columns, {:.4g} turns a second", sensor.name,
+                     info.sensor_known ? "" : " (as you say)", sensor.rows(), sensor.columns,
+                     1.0 / sensor.scan_period_s);
+}
+
+std::string scans_line(const recordings::RecordingInfo& info) {
+  std::string text = fmt::format("{} in {:.2f} s", info.scans, info.duration_s);
+  if (info.partial_scans > 0) {
+    text += fmt::format(" (and {} cut short at the ends)", info.partial_scans);
+  }
+  return text;
+}
+
+std::string packets_line(const recordings::RecordingInfo& info) {
+  const recordings::PacketCounts& packets = info.packets;
+  return fmt::format("{} used, {} lost{}, {} late or doubled, {} of another kind", packets.used,
+                     packets.lost,
+                     info.lost_scans > 0 ? fmt::format(" and {} whole turns", info.lost_scans) : "",
+                     packets.late, packets.foreign);
+}
+
+std::string what_is_in(const recordings::Stream& stream) {
+  if (!stream.type.empty()) return "of " + stream.type;
+  return stream.kind == recordings::StreamKind::kVelodynePositions
+             ? "packets of positions, no scans"
+             : "packets";
+}
+
+/// In quotation marks if the shell would take it apart.
+std::string for_shell(const std::string& word) {
+  const bool plain = std::all_of(word.begin(), word.end(), [](unsigned char c) {
+    return std::isalnum(c) != 0 ||
+           std::string("/._-+:[]@%,=").find(static_cast<char>(c)) != std::string::npos;
+  });
+  if (plain && !word.empty()) return word;
+  std::string quoted = "'";
+  for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return quoted + "'";
+}
+
+std::string command_for(const InfoOptions& options) {
+  std::string command = fmt::format("hqslam run {}", for_shell(options.input));
+  if (!options.sensor.empty()) command += fmt::format(" --sensor {}", for_shell(options.sensor));
+  if (!options.stream.empty()) command += fmt::format(" --stream {}", for_shell(options.stream));
+  return command + " --out results";
+}
+
+}  // namespace
+
+void declare_info(CLI::App& app, InfoOptions& options) {
+  CLI::App* command =
+      app.add_subcommand("info", "Say what a recording is and which command to run on it");
+  command->add_option("INPUT", options.input, "Recording (as for hqslam run)")
+      ->required()
+      ->check(CLI::ExistingPath);
+  command->add_option("--sensor", options.sensor,
+                      fmt::format("{}, or a .json file; where the recording does not say",
+                                  fmt::join(sensor_preset_names(), ", ")));
+  command->add_option("--stream", options.stream,
+                      "Which stream, if there are several: a bag's topic, or a port or sender:port "
+                      "of a capture");
+  command->footer("The whole recording is read once.");
+}
+
+int info_command(const InfoOptions& options) {
+  recordings::OpenOptions open;
+  open.sensor = options.sensor;
+  open.stream = options.stream;
+  const recordings::RecordingInfo info = recordings::inspect(options.input, open);
+  print_line("file", fmt::format("{}: {}", options.input, info.kind));
+  for (const recordings::Stream& stream : info.streams) {
+    print_line(stream.name == info.stream ? "stream" : "  also",
+               fmt::format("{}, {} {}", stream.name, stream.messages, what_is_in(stream)));
+  }
+  print_line("holds", info.format);
+  print_line("sensor", sensor_line(info));
+  print_line("scans", scans_line(info));
+  print_line("stamps", info.has_stamps
+                           ? fmt::format("from the recording, first {:.6f} s", info.first_stamp_s)
+                           : "none: scan i is taken at i turns");
+  print_line("points", info.has_point_times ? "each with its own time: corrected for motion by SLAM"
+                                            : "without times: taken as corrected for motion");
+  if (info.packets.used > 0) print_line("packets", packets_line(info));
+  for (const std::string& warning : info.warnings) print_line("note", warning);
+  print_line("run", command_for(options));
+  return kOk;
+}
+
+}  // namespace hqslam::tools

@@ -1,0 +1,75 @@
+#include "lift/inspect_command.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+
+#include "files/text_file.h"
+#include "hqslam/core/error.h"
+#include "hqslam/core/scan_source.h"
+#include "lift/layers_report.h"
+#include "lift/upsampling_plan.h"
+#include "recording/recording_sensor.h"
+#include "terminal/exit_status.h"
+#include "terminal/terminal.h"
+
+namespace hqslam::tools {
+namespace {
+
+RangeImage scan_of(const InspectOptions& options, const SensorModel& sensor) {
+  const auto source = open_input(input_recording(options), sensor);
+  print_warnings(*source, options.input);
+  LeftOut left_out;
+  std::optional<RecordedScan> scan;
+  for (std::int64_t i = 0; i <= options.scan; ++i) {
+    scan = next_usable(*source, left_out);
+    if (!scan) {
+      throw Error(fmt::format("{}: has {} scans{}, expected one with index {}", options.input, i,
+                              left_out.scans > 0 ? " that can be used" : "", options.scan));
+    }
+  }
+  return range_image(scan->cloud);
+}
+
+}  // namespace
+
+void declare_inspect(CLI::App& app, InspectOptions& options) {
+  CLI::App* command =
+      app.add_subcommand("inspect", "Show what every layer of a network makes of one scan");
+  declare_input(*command, options, "Recording (as for hqslam upsample)");
+  command->add_option("--weights", options.weights, "Weights file")->required();
+  command->add_option("--scan", options.scan, "Which scan, counted from 0 (default: the first)")
+      ->check(CLI::NonNegativeNumber);
+  command->add_option("--out", options.out, "Page to write (.html)")->required();
+  command->footer(
+      "Writes one page with H, Z, the filter's mask and Y of every layer, the terms of the "
+      "objective\n"
+      "and, if the recording has all rows, the error of every layer.");
+}
+
+int inspect_command(const InspectOptions& options) {
+  refuse_to_replace_foreign(options.out, kLayersPageMarker);
+  const UpsamplingPlan plan = plan_upsampling({.input = options.input,
+                                               .sensor = options.sensor,
+                                               .method = options.weights,
+                                               .stream = options.stream});
+  nn::SuperResolver network = nn::SuperResolver::load(options.weights);
+  const RangeImage scan = scan_of(options, plan.recording_sensor);
+  LayersReport report;
+  report.recording = options.input;
+  report.weights = options.weights;
+  report.scan = options.scan;
+  report.min_range_m = network.sensor().min_range_m;
+  report.max_range_m = network.sensor().max_range_m;
+  report.network = network.description();
+  report.measured = plan.rows ? select_rows(scan, *plan.rows) : scan;
+  if (scan.rows == network.sensor().rows()) report.truth = scan;
+  nn::LiftedImage lifted = network.run(report.measured, &report.trace);
+  report.result = std::move(lifted.image);
+  report.confidence = std::move(lifted.confidence);
+  write_text_file(layers_html(report), options.out);
+  to_stdout("results: {}\n", options.out);
+  return kOk;
+}
+
+}  // namespace hqslam::tools

@@ -1,0 +1,174 @@
+#include "lift/upsample_command.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <omp.h>
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "hqslam/core/error.h"
+#include "hqslam/core/scan_source.h"
+#include "hqslam/nn/upsampled_cloud.h"
+#include "lift/upsample_output.h"
+#include "lift/upsampling_plan.h"
+#include "recording/recording_sensor.h"
+#include "terminal/exit_status.h"
+#include "terminal/interrupt.h"
+#include "terminal/progress.h"
+#include "terminal/terminal.h"
+#include "timing/timing_statistics.h"
+
+namespace hqslam::tools {
+namespace {
+
+struct UpsampleRun {
+  std::vector<double> times_s;  ///< of the upsampling alone, per scan
+  std::int64_t scans_in_recording = 0;
+  LeftOut left_out;
+  std::optional<std::string> unreadable;  ///< the reader's message for the scan that ended the run
+};
+
+UpsamplingPlan plan_of(const UpsampleOptions& options) {
+  UpsamplingRequest request;
+  request.input = options.input;
+  request.sensor = options.sensor;
+  request.stream = options.stream;
+  request.method = options.weights.empty() ? options.method : options.weights;
+  request.confidence = options;
+  return plan_upsampling(request);
+}
+
+std::unique_ptr<ScanSource> source_of(const UpsampleOptions& options, const UpsamplingPlan& plan) {
+  auto source = open_input(input_recording(options), plan.recording_sensor);
+  print_warnings(*source, options.input);
+  return source;
+}
+
+/// The next scan, or nothing at the end of the recording or at a scan that cannot be read, unless
+/// it is the first: then throws Error.
+std::optional<RecordedScan> read_next(ScanSource& source, UpsampleRun& run) {
+  try {
+    return next_usable(source, run.left_out);
+  } catch (const Error& error) {
+    if (run.times_s.empty()) {
+      throw;
+    }
+    run.unreadable = error.what();
+    return std::nullopt;
+  }
+}
+
+/// The ranges of the points that are written: those of the measured rows are the recording's.
+UpsampleRun upsample(ScanSource& source, UpsamplingPlan& plan, const UpsampleOptions& options,
+                     const InterruptGuard& interrupt) {
+  using Clock = std::chrono::steady_clock;
+  std::optional<UpsampleOutput> output;  // made when the first scan is there
+  UpsampleRun run;
+  run.scans_in_recording = source.size();
+  Progress progress(fmt::format("upsample to {}x{}", plan.upsampler.sensor().rows(),
+                                plan.upsampler.sensor().columns),
+                    source.size());
+  while (!interrupt.stop_requested()) {
+    const std::optional<RecordedScan> scan = read_next(source, run);
+    if (!scan) {
+      break;
+    }
+    const OrganizedCloud measured = plan.rows ? select_rows(scan->cloud, *plan.rows) : scan->cloud;
+    const RangeImage measured_image = range_image(measured);
+    const auto start = Clock::now();
+    const nn::LiftedImage lifted = plan.upsampler.run(measured_image);
+    run.times_s.push_back(std::chrono::duration<double>(Clock::now() - start).count());
+    const OrganizedCloud cloud = nn::upsampled_cloud(
+        lifted, measured, plan.upsampler.measured_rows(), plan.upsampler.sensor());
+    if (!output) {
+      SensorModel sensor = plan.upsampler.sensor();
+      sensor.motion_corrected = cloud.time_offset_s.empty();
+      output.emplace(options.out, options.input,
+                     options.weights.empty() ? options.method : options.weights, sensor,
+                     UpsampledFormats{options.bin, options.pcd, options.png});
+    }
+    output->append(range_image(cloud), cloud);
+    progress.update(static_cast<std::int64_t>(run.times_s.size()));
+  }
+  progress.finish();
+  return run;
+}
+
+void print_summary(const UpsampleRun& run, const UpsamplingPlan& plan,
+                   const UpsampleOptions& options) {
+  const nn::Upsampler& upsampler = plan.upsampler;
+  to_stdout("{} scans, {} rows -> {} rows of {} columns, by {}", run.times_s.size(),
+            select_rows(upsampler.sensor(), upsampler.measured_rows()).rows(),
+            upsampler.sensor().rows(), upsampler.sensor().columns, upsampler.name());
+  if (const nn::SuperResolver* network = upsampler.network()) {
+    to_stdout(" ({} layers, {} parameters, {:.3f} GMAC a scan)", network->description().layers,
+              network->parameters(), 1e-9 * static_cast<double>(network->multiply_adds()));
+  }
+  const double median_s = distribution_of(run.times_s).median;
+  to_stdout("\nupsampling alone: {:.2f} ms a scan, {:.1f} scans/s (median, {} thread{})\n",
+            1e3 * median_s, 1.0 / median_s, omp_get_max_threads(),
+            omp_get_max_threads() == 1 ? "" : "s");
+  to_stdout("results: {0}/scans.npy, sensor.json{1}{2}{3}\n", options.out,
+            options.bin ? ", bin" : "", options.pcd ? ", pcd" : "", options.png ? ", png" : "");
+}
+
+}  // namespace
+
+void declare_upsample(CLI::App& app, UpsampleOptions& options) {
+  CLI::App* command =
+      app.add_subcommand("upsample", "Fill the rows between those of a LiDAR with few beams");
+  declare_input(*command, options,
+                "Recording as for hqslam run: the measured rows alone, or all rows of the sensor, "
+                "of which the measured ones are looked at",
+                "Sensor of the recording (name or .json file); default: what the recording says, "
+                "or the one that the weights were made for. For interpolation: with all rows");
+  CLI::Option_group* method = command->add_option_group("How", "One of");
+  method->add_option("--weights", options.weights, "Trained network (.npz)")
+      ->check(CLI::ExistingFile);
+  method->add_option("--method", options.method, "Interpolation, of every fourth row")
+      ->check(CLI::IsMember(nn::interpolation_names()));
+  method->require_option(1);
+  command->add_option("--out", options.out, "Folder for the results; made if it is not there")
+      ->required();
+  declare_confidence(*command, options);
+  declare_threads(*command, options.threads);
+  command->add_flag("--bin", options.bin, "Also write KITTI .bin files");
+  command->add_flag("--pcd", options.pcd, "Also write .pcd files");
+  command->add_flag("--png", options.png, "Also write pictures of the range images");
+  command->footer(
+      "Writes into --out: scans.npy (N x rows x columns, float32 metres), confidence.npy (of a\n"
+      "network that says how sure it is, 0 to 1 per pixel), sensor.json,\n"
+      "upsample.json (where it came from), and the truth of a simulated drive. hqslam run takes "
+      "the\n"
+      "folder as it is. Ctrl-C stops; what is written up to then is valid.");
+}
+
+int upsample_command(const UpsampleOptions& options) {
+  const InterruptGuard interrupt;
+  use_threads(options.threads);
+  UpsamplingPlan plan = plan_of(options);
+  const std::unique_ptr<ScanSource> source = source_of(options, plan);
+  const UpsampleRun run = upsample(*source, plan, options, interrupt);
+  const auto scans = static_cast<std::int64_t>(run.times_s.size());
+  if (scans > 0) {
+    print_summary(run, plan, options);
+  }
+  if (run.left_out.scans > 0) to_stderr("hqslam: {}\n", run.left_out.text());
+  if (run.unreadable) {
+    to_stderr("hqslam: {}; stopped after {} of {} scans, the results up to there are valid\n",
+              *run.unreadable, scans, run.scans_in_recording);
+    return kWrongInput;
+  }
+  if (scans + run.left_out.scans < run.scans_in_recording) {
+    to_stderr("hqslam: interrupted after {} of {} scans; the results up to there are valid\n",
+              scans, run.scans_in_recording);
+    return kInterrupted;
+  }
+  return kOk;
+}
+
+}  // namespace hqslam::tools

@@ -1,0 +1,143 @@
+#include "lift/weights_command.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "files/text_file.h"
+#include "hqslam/core/error.h"
+#include "hqslam/nn/hqs/network.h"
+#include "hqslam/nn/hqs/network_json.h"
+#include "hqslam/nn/hqs/weights_file.h"
+#include "hqslam/sim/drive.h"
+#include "terminal/exit_status.h"
+#include "terminal/terminal.h"
+
+namespace hqslam::tools {
+namespace {
+
+/// The network that a description file names: a network alone, or a recipe of hqslam train.
+nn::NetworkDescription described_network(const std::string& path) {
+  const std::string text = read_small_text_file(path, "a network's description (.json)");
+  const auto json = nlohmann::ordered_json::parse(text, nullptr, false);
+  if (json.is_object() && json.contains("network")) {
+    return nn::network_from_json(json["network"].dump(), path + ": network");
+  }
+  return nn::network_from_json(text, path);
+}
+
+/// Measured rows to try the network on: a scan of the simulated city, the same everywhere.
+RangeImage sample_scan(const nn::NetworkDescription& network) {
+  sim::DriveSpec spec = sim::drive_preset("block");
+  spec.scans = 1;
+  return select_rows(sim::DriveSimulator(spec, network.sensor).next()->image,
+                     network.measured_rows);
+}
+
+int pack(const PackOptions& options) {
+  nn::Weights weights;
+  weights.description = described_network(options.description);
+  nn::ForeignArrays foreign = nn::read_foreign_arrays(options.arrays, weights.description);
+  weights.parameters = std::move(foreign.parameters);
+  const std::string arrays_name = std::filesystem::path(options.arrays).filename().string();
+  weights.training = nlohmann::ordered_json{{"packed_from", arrays_name}}.dump();
+  const bool checked = foreign.self_test.has_value();
+  weights.self_test = checked ? std::move(*foreign.self_test)
+                              : nn::make_self_test(weights.description, weights.parameters,
+                                                   sample_scan(weights.description));
+  nn::check_self_test(weights, options.arrays);
+  nn::write_weights(options.out, weights);
+  to_stdout("{}: {}, {} parameters, {}\n", options.out, nn::name(weights.description.kind),
+            weights.parameters.size(),
+            checked ? "which give what the self-test beside them expects"
+                    : "no self-test beside them: one was made of what they give");
+  return kOk;
+}
+
+std::string shape_text(const nn::ParameterShape& array) {
+  std::string text;
+  for (const std::int64_t extent : array.shape) {
+    text += fmt::format("{}{}", text.empty() ? "" : " x ", extent);
+  }
+  return text;
+}
+
+void print_arrays(const nn::Weights& weights) {
+  const std::vector<nn::ParameterShape> arrays = nn::parameter_shapes(weights.description);
+  std::size_t width = 5;
+  for (const nn::ParameterShape& array : arrays) width = std::max(width, array.name.size());
+  to_stdout("{:<{}}  {:<18} {:>10} {:>10}\n", "array", width, "shape", "mean", "deviation");
+  auto next = weights.parameters.begin();
+  for (const nn::ParameterShape& array : arrays) {
+    const auto end = next + array.elements();
+    double sum = 0.0;
+    double squares = 0.0;
+    for (auto value = next; value != end; ++value) {
+      sum += *value;
+      squares += static_cast<double>(*value) * *value;
+    }
+    const auto count = static_cast<double>(array.elements());
+    const double mean = sum / count;
+    to_stdout("{:<{}}  {:<18} {:>10.4f} {:>10.4f}\n", array.name, width, shape_text(array), mean,
+              std::sqrt(std::max(0.0, squares / count - mean * mean)));
+    next = end;
+  }
+}
+
+int show(const std::string& path) {
+  const nn::Weights weights = nn::read_weights(path);
+  nn::check_self_test(weights, path);
+  const nn::NetworkDescription& d = weights.description;
+  const auto network = nn::make_network(d, d.sensor.columns, nn::chosen_instruction_set(), 1);
+  to_stdout(
+      "{}: {}, K = {}, {}: rows {}, {}, ... of {} x {} measured\n"
+      "{} parameters, {:.3f} GMAC a scan; self-test passed\n\n",
+      path, nn::name(d.kind), d.layers, d.sensor.name, d.measured_rows.offset,
+      d.measured_rows.offset + d.measured_rows.stride, d.sensor.rows(), d.sensor.columns,
+      weights.parameters.size(), static_cast<double>(network->multiply_adds()) * 1e-9);
+  print_arrays(weights);
+  to_stdout("\ndescription\n{}\ntraining\n{}\n", nn::network_json(d),
+            nlohmann::ordered_json::parse(weights.training).dump(1));
+  std::filesystem::path card = path;
+  card.replace_extension(".md");
+  if (std::filesystem::exists(card)) to_stdout("\nits card: {}\n", card.string());
+  return kOk;
+}
+
+}  // namespace
+
+void declare_weights(CLI::App& app, WeightsOptions& options) {
+  CLI::App* command =
+      app.add_subcommand("weights", "Look into a weights file, or make one of other programs'");
+  command->require_subcommand(1);
+  CLI::App* shown = command->add_subcommand("show", "What a weights file holds");
+  shown->add_option("weights", options.show, "Weights file")->required()->check(CLI::ExistingFile);
+  CLI::App* packed = command->add_subcommand(
+      "pack", "Make a weights file of arrays that another program has trained");
+  packed
+      ->add_option("arrays", options.pack.arrays,
+                   "The network's arrays (.npz), as numpy.savez writes a PyTorch state dict")
+      ->required()
+      ->check(CLI::ExistingFile);
+  packed
+      ->add_option("description", options.pack.description,
+                   "The network (.json): what \"network\" is in a recipe, or the recipe")
+      ->required()
+      ->check(CLI::ExistingFile);
+  packed->add_option("--out", options.pack.out, "Weights file to write")->required();
+  packed->footer(
+      "Names and shapes of the arrays: nn/README.md, or hqslam weights show. If the arrays\n"
+      "self_test.measured (measured rows) and self_test.expected (all rows; metres, 0 = no "
+      "return)\n"
+      "are there, the network must give the one for the other; otherwise they are made.");
+}
+
+int weights_command(const std::string& name, const WeightsOptions& options) {
+  return name == "pack" ? pack(options.pack) : show(options.show);
+}
+
+}  // namespace hqslam::tools

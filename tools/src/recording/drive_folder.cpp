@@ -1,0 +1,84 @@
+#include "recording/drive_folder.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <filesystem>
+#include <string_view>
+#include <system_error>
+#include <vector>
+
+#include "hqslam/core/error.h"
+#include "hqslam/sim/read_drive.h"
+
+namespace hqslam::tools {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::array<const char*, 6> kDriveFiles = {
+    "scans.npy", "sensor.json", "drive.json", "truth.tum", "truth.kitti", "truth_columns.npy"};
+constexpr std::string_view kMarkerFile = "drive.json";  // is replaced, not removed
+constexpr std::array<const char*, 2> kScanFolders = {"bin", "pcd"};
+
+/// The file that says what the drive is comes first: it marks the folder however little else is
+/// there, because a disk was full or the program was killed.
+bool written_by_simulate(const fs::path& folder) {
+  try {
+    sim::read_drive_json((folder / "drive.json").string());
+    return true;
+  } catch (const Error&) {
+    return false;
+  }
+}
+
+/// bin/000123.bin, pcd/000123.pcd
+bool is_numbered_scan(const fs::path& file, const std::string& extension) {
+  const std::string stem = file.stem().string();
+  return file.extension() == "." + extension && stem.size() >= 6 &&
+         std::all_of(stem.begin(), stem.end(),
+                     [](unsigned char c) { return std::isdigit(c) != 0; });
+}
+
+}  // namespace
+
+void remove_numbered_scans(const fs::path& folder, const std::string& extension) {
+  if (!fs::is_directory(folder)) {
+    return;
+  }
+  std::vector<fs::path> scans;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    if (is_numbered_scan(entry.path(), extension)) {
+      scans.push_back(entry.path());
+    }
+  }
+  for (const fs::path& scan : scans) {
+    fs::remove(scan);
+  }
+}
+
+void clear_drive_folder(const std::string& folder) {
+  const fs::path path(folder);
+  if (written_by_simulate(path)) {
+    for (const char* scans : kScanFolders) {
+      remove_numbered_scans(path / scans, scans);
+    }
+    for (const char* file : kDriveFiles) {
+      if (file != kMarkerFile) fs::remove(path / file);
+    }
+    return;
+  }
+  std::vector<const char*> names(kDriveFiles.begin(), kDriveFiles.end());
+  names.insert(names.end(), kScanFolders.begin(), kScanFolders.end());
+  for (const char* name : names) {
+    if (fs::exists(path / name)) {
+      throw Error(fmt::format(
+          "{}: is there already and not part of a simulated drive; give another --out or move it",
+          (path / name).string()));
+    }
+  }
+}
+
+}  // namespace hqslam::tools

@@ -1,0 +1,101 @@
+#include "recording/recording_sensor.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+
+#include "hqslam/core/error.h"
+#include "hqslam/recordings/recording.h"
+#include "hqslam/sim/read_drive.h"
+#include "terminal/terminal.h"
+
+namespace hqslam::tools {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+recordings::OpenOptions open_options(const InputRecording& recording) {
+  recordings::OpenOptions options;
+  options.sensor = recording.sensor;
+  options.stream = recording.stream;
+  options.kept_return =
+      recording.last_return ? recordings::KeptReturn::kLast : recordings::KeptReturn::kStrongest;
+  options.files = recording.files;
+  return options;
+}
+
+/// Of a simulated drive; 0 where a folder is none.
+std::int64_t planned_scans(const std::string& input) {
+  const std::string drive = file_of_drive(input, "drive.json");
+  if (drive.empty() || file_of_drive(input, "scans.npy").empty()) return 0;
+  try {
+    return sim::read_drive_json(drive).scans;
+  } catch (const Error&) {
+    return 0;  // of another version: its scans can be read all the same
+  }
+}
+
+}  // namespace
+
+std::string file_of_drive(const std::string& input, const char* name) {
+  const fs::path path = fs::path(input) / name;
+  return fs::is_directory(input) && fs::is_regular_file(path) ? path.string() : "";
+}
+
+std::optional<SensorModel> recording_sensor(const std::string& input, const std::string& sensor,
+                                            const std::string& stream) {
+  if (recordings::is_capture_or_bag(input)) {
+    return recordings::recording_sensor(input, open_options({input, sensor, stream, false, {}}));
+  }
+  const std::string& path = sensor.empty() ? file_of_drive(input, "sensor.json") : sensor;
+  return path.empty() ? std::nullopt : std::optional(load_sensor(path));
+}
+
+SensorModel required_recording_sensor(const std::string& input, const std::string& sensor,
+                                      const std::string& stream) {
+  std::optional<SensorModel> known = recording_sensor(input, sensor, stream);
+  if (!known) {
+    throw Error(
+        fmt::format("{}: does not say which sensor it was recorded with; give --sensor NAME or "
+                    "--sensor FILE.json",
+                    input));
+  }
+  return *known;
+}
+
+std::unique_ptr<ScanSource> open_input(const InputRecording& recording, const SensorModel& sensor) {
+  if (!recordings::is_capture_or_bag(recording.input)) {
+    return open_recording(recording.input, sensor, recording.files);
+  }
+  recordings::OpenOptions options = open_options(recording);
+  options.columns = sensor.columns;
+  return recordings::open_recording(recording.input, options);
+}
+
+std::string LeftOut::text() const {
+  return fmt::format("{} scan{} left out{}: {}", scans, scans == 1 ? " was" : "s were",
+                     scans == 1 ? "" : ", the first of them", first);
+}
+
+std::optional<RecordedScan> next_usable(ScanSource& source, LeftOut& left_out) {
+  while (true) {
+    try {
+      return source.next();
+    } catch (const ScanError& error) {
+      if (left_out.scans++ == 0) left_out.first = error.what();
+    }
+  }
+}
+
+void print_warnings(const ScanSource& source, const std::string& input) {
+  if (const std::int64_t planned = planned_scans(input); source.size() < planned) {
+    to_stderr(
+        "hqslam: {}: the simulation was stopped after {} of {} scans; the same hqslam simulate "
+        "makes them all\n",
+        input, source.size(), planned);
+  }
+  for (const std::string& line : source.warnings()) to_stderr("hqslam: {}\n", line);
+}
+
+}  // namespace hqslam::tools

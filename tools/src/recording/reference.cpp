@@ -1,0 +1,49 @@
+#include "recording/reference.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "hqslam/core/error.h"
+
+namespace hqslam::tools {
+namespace {
+
+constexpr std::size_t kFewestPairs = 3;
+
+}  // namespace
+
+TrajectoryFile read_trajectory_file(const std::string& path) {
+  ParsedTrajectory parsed = parse_trajectory(path);
+  return {path, std::move(parsed.poses), parsed.form == TrajectoryForm::kTum};
+}
+
+Trajectory with_stamps_of(const TrajectoryFile& file, const Trajectory& other) {
+  if (file.has_stamps) {
+    return file.poses;
+  }
+  Trajectory stamped(
+      file.poses.begin(),
+      file.poses.begin() + static_cast<std::ptrdiff_t>(std::min(file.poses.size(), other.size())));
+  for (std::size_t i = 0; i < stamped.size(); ++i) {
+    stamped[i].stamp_s = other[i].stamp_s;
+  }
+  return stamped;
+}
+
+std::optional<ReferenceComparison> compare_with_reference(const Trajectory& estimate,
+                                                          const TrajectoryFile& reference) {
+  constexpr double kMaxStampDifference_s = 0.02;
+  ReferenceComparison comparison;
+  comparison.reference_path = reference.path;
+  const Trajectory stamped = with_stamps_of(reference, estimate);
+  if (associate(estimate, stamped, kMaxStampDifference_s).estimate.size() < kFewestPairs) {
+    return std::nullopt;
+  }
+  comparison.error = absolute_pose_error(estimate, stamped, Alignment::kSe3, kMaxStampDifference_s);
+  for (const std::size_t index : comparison.error.pairs.reference) {
+    comparison.reference.push_back(stamped[index]);
+  }
+  return comparison;
+}
+
+}  // namespace hqslam::tools

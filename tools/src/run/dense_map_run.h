@@ -1,0 +1,55 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "hqslam/core/trajectory.h"
+#include "hqslam/slam/dense_map.h"
+#include "terminal/interrupt.h"
+
+namespace CLI {
+class App;
+}
+
+namespace hqslam::tools {
+
+struct RecordingChoice;
+
+/// What a user may say about a dense map.
+struct DenseMapChoice {
+  double voxel_m = slam::DenseMapOptions().voxel_m;
+  double least_confidence = slam::DenseMapOptions().least_confidence;
+};
+/// --map-voxel and --map-confidence.
+void declare_dense_map(CLI::App& command, DenseMapChoice& choice);
+
+/// Where the scans of a recording were taken.
+struct ScanPoses {
+  Trajectory trajectory;
+  /// Per pose, whether it is known well enough; empty: all are.
+  std::vector<bool> is_located;
+  /// Whether pose i is that of scan i; otherwise stamps tell.
+  bool in_order = true;
+};
+
+/// A dense map, finished or not.
+struct DenseMapRun {
+  std::vector<slam::DenseMapPoint> points;  ///< in the frame of the poses
+  double voxel_m = 0.0;
+  std::int64_t scans = 0;           ///< that are in it
+  std::int64_t scans_left_out = 0;  ///< without a pose that is known
+  bool is_full = false;             ///< points were left out because memory is bounded
+  std::string end_message;          ///< of a scan that could not be read; empty: all could
+  double wall_s = 0.0;
+};
+
+/// Reads the recording twice, with the poses that are known when it is over: first all scans are
+/// put into the map, then they vote about what they saw through. Between the two no scan is kept.
+/// Shows progress on stderr. A scan that cannot be read ends each reading at the same place.
+/// A network is asked for all points that it believes in at all, and how sure it is that they lie
+/// within a voxel of the truth: the map decides, not its operating point.
+DenseMapRun build_dense_map(const RecordingChoice& recording, const ScanPoses& poses,
+                            const DenseMapChoice& choice, const InterruptGuard& interrupt);
+
+}  // namespace hqslam::tools

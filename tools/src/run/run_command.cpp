@@ -1,0 +1,214 @@
+#include "run/run_command.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <system_error>
+
+#include "hqslam/core/error.h"
+#include "hqslam/recordings/recording.h"
+#include "recording/recording_sensor.h"
+#include "run/map_command.h"
+#include "run/run_output.h"
+#include "run/run_plan.h"
+#include "run/run_summary.h"
+#include "terminal/exit_status.h"
+#include "terminal/terminal.h"
+
+namespace hqslam::tools {
+namespace {
+
+/// A scan's stamp is its index times the sensor's period: that of a reference recorded with a clock
+/// is another time, and none of its poses would be compared.
+void require_stamps_of_scans(const TrajectoryFile& reference, std::int64_t scans,
+                             double scan_period_s) {
+  const double first_s = reference.poses.front().stamp_s;
+  const double last_s = reference.poses.back().stamp_s;
+  const double end_s = static_cast<double>(scans) * scan_period_s;
+  if (first_s <= end_s && last_s >= 0.0) return;
+  throw Error(fmt::format(
+      "{}: has stamps from {:.3f} to {:.3f} s, expected some between 0 and {:.3f} s (the "
+      "stamp of scan i is i times {} s); shift them, or give one pose per scan in "
+      "KITTI's form",
+      reference.path, first_s, last_s, end_s, scan_period_s));
+}
+
+std::optional<TrajectoryFile> reference_of(const RunOptions& options, const ScanSource& source) {
+  const std::int64_t scans = source.size();
+  const std::string path =
+      options.reference.empty() ? file_of_drive(options.input, "truth.tum") : options.reference;
+  if (path.empty()) {
+    return std::nullopt;
+  }
+  TrajectoryFile reference = read_trajectory_file(path);
+  if (!reference.has_stamps && static_cast<std::int64_t>(reference.poses.size()) != scans) {
+    throw Error(
+        fmt::format("{}: has {} poses without stamps, but {} has {} scans; give one pose per scan "
+                    "or a TUM file",
+                    path, reference.poses.size(), options.input, scans));
+  }
+  // A simulated drive's scans have the stamps of its truth.
+  // Those of a capture or a bag have the recording's own.
+  if (reference.has_stamps && file_of_drive(options.input, "truth.tum").empty() &&
+      options.stamps.empty() && !recordings::is_capture_or_bag(options.input)) {
+    require_stamps_of_scans(reference, scans, source.sensor().scan_period_s);
+  }
+  return reference;
+}
+
+void print_summary(const RunResult& result, const RunOptions& options) {
+  const SlamRun& run = result.run;
+  to_stdout("{}", run_summary(run));
+  if (result.comparison) {
+    const AbsolutePoseError& error = result.comparison->error;
+    to_stdout("APE RMSE {:.3f} m over {} poses against {} (alignment: {})\n",
+              error.translation_statistics.rmse, error.translation_m.size(),
+              result.comparison->reference_path, name(error.alignment));
+  }
+  if (!result.dense_map_summary.empty()) {
+    to_stdout("{}\n", result.dense_map_summary);
+  }
+  to_stdout(
+      "results: {}/trajectory.tum, trajectory.kitti, covariances.csv, map.pcd, timings.json, "
+      "report.html{}\n",
+      options.out,
+      result.dense_map_summary.empty() ? "" : ", dense_map.pcd, dense_map.ply and pictures");
+}
+
+/// What to tell the shell, with the one line on stderr that explains it.
+int exit_status_of(const RunResult& result, const RunOptions& options) {
+  const SlamRun& run = result.run;
+  if (run.left_out.scans > 0 && !run.scans.empty()) {
+    to_stderr("hqslam: {}\n", run.left_out.text());
+  }
+  if (run.end == RunEnd::kComplete && options.dense_map && result.dense_map_summary.empty()) {
+    to_stderr("hqslam: interrupted; the results are valid, but there is no dense map\n");
+    return kInterrupted;
+  }
+  switch (run.end) {
+    case RunEnd::kInterrupted:
+      to_stderr("hqslam: interrupted after {} of {} scans; the results up to there are valid\n",
+                run.scans.size(), run.scans_in_recording);
+      return kInterrupted;
+    case RunEnd::kUnreadableScan:
+      to_stderr("hqslam: {}; stopped after {} of {} scans, the results up to there are valid\n",
+                run.end_message, run.scans.size(), run.scans_in_recording);
+      return kWrongInput;
+    case RunEnd::kComplete:
+      break;
+  }
+  return kOk;
+}
+
+/// The map among the scans would be read as one of them by the next run.
+void refuse_to_write_into_recording(const RunOptions& options) {
+  std::error_code error;
+  if (!std::filesystem::equivalent(options.input, options.out, error) || error) return;
+  throw Error(
+      fmt::format("{}: holds the recording; give another --out for the results", options.out));
+}
+
+/// The poses of a run, but for scans that were not located.
+ScanPoses poses_of(const SlamRun& run) {
+  ScanPoses poses;
+  poses.trajectory = run.trajectory;
+  for (const ScanRecord& scan : run.scans) {
+    poses.is_located.push_back(scan.report.mapping_status != slam::Status::kTooFewFeatures);
+  }
+  return poses;
+}
+
+/// All other results are written by now: what goes wrong here costs the dense map alone.
+void add_dense_map(const RunOptions& options, const InterruptGuard& interrupt, RunOutput& output,
+                   RunResult& result) {
+  DenseMapRun dense_map = build_dense_map(options, poses_of(result.run), options.map, interrupt);
+  if (interrupt.stop_requested()) return;
+  output.write_dense_map(result.run, result.comparison, dense_map);
+  result.dense_map_summary = dense_map_summary(dense_map);
+}
+
+}  // namespace
+
+void declare_run(CLI::App& app, RunOptions& options) {
+  CLI::App* command = app.add_subcommand("run", "From a recorded drive to a trajectory and a map");
+  declare_recording(*command, options);
+  command->add_option("--out", options.out, "Folder for the results; made if it is not there")
+      ->required();
+  command
+      ->add_option("--reference", options.reference,
+                   "Trajectory to compare with (TUM, or KITTI with one pose per scan); by default "
+                   "the truth of a simulated drive")
+      ->check(CLI::ExistingFile);
+  declare_threads(*command, options.threads);
+  command->add_flag("--loop-closing", options.loop_closing,
+                    "Recognise places passed before and correct the path and the map");
+  command->add_flag("--dense-map", options.dense_map,
+                    "Also make a dense map of all scans' points, measured and upsampled; reads the "
+                    "recording twice more");
+  declare_dense_map(*command, options.map);
+  command->footer(
+      "Writes into --out:\n"
+      "  trajectory.tum    stamp x y z qx qy qz qw per scan\n"
+      "  trajectory.kitti  3x4 matrix per scan, row-major; both in the first scan's sensor frame\n"
+      "  covariances.csv   how well each pose is known: 6x6 per scan, x y z and rotations about "
+      "them\n"
+      "  map.pcd           the features of all key frames, in that frame\n"
+      "  timings.json      time per stage and status of every scan\n"
+      "  report.html       trajectory, error and times on one page\n"
+      "and with --dense-map, in the same frame:\n"
+      "  dense_map.pcd, dense_map.ply   x y z confidence times_seen per voxel, binary\n"
+      "  dense_map_above.png, dense_map_perspective.png\n"
+      "An earlier run's results in it are replaced from the first scan on. Ctrl-C stops the run;\n"
+      "what is written up to then is valid. Mapping says of every scan whether it was located:\n"
+      "ok, degenerate (some direction of motion could not be seen), too few features, or not\n"
+      "converged.");
+}
+
+RunResult run_and_write(const RunOptions& options, const InterruptGuard& interrupt) {
+  use_threads(options.threads);
+  refuse_to_write_into_recording(options);
+  RunPlan plan = plan_of(options);
+  const std::unique_ptr<ScanSource> source = plan.open();
+  print_warnings(*source, options.input);
+  const std::optional<TrajectoryFile> reference = reference_of(options, *source);
+  RunOutput output(options.out);
+
+  RunResult result;
+  SlamRunSpec spec = plan.spec();
+  spec.loop_closing = options.loop_closing;
+  result.run = run_slam(*source, spec, output, interrupt);
+  if (result.run.scans.empty()) {
+    if (result.run.end == RunEnd::kUnreadableScan) {
+      throw Error(result.run.end_message);
+    }
+    return result;  // interrupted at once: an earlier run's results stay
+  }
+  if (reference) {
+    result.comparison = compare_with_reference(result.run.trajectory, *reference);
+    if (!result.comparison) {
+      to_stderr(
+          "hqslam: {}: fewer than 3 of its poses are within 0.02 s of a scan: not compared "
+          "with it\n",
+          reference->path);
+    }
+  }
+  output.write_results(result.run, result.comparison);
+  if (options.dense_map && !interrupt.stop_requested()) {
+    add_dense_map(options, interrupt, output, result);
+  }
+  return result;
+}
+
+int run_command(const RunOptions& options) {
+  const InterruptGuard interrupt;
+  const RunResult result = run_and_write(options, interrupt);
+  if (!result.run.scans.empty()) {
+    print_summary(result, options);
+  }
+  return exit_status_of(result, options);
+}
+
+}  // namespace hqslam::tools

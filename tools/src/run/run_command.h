@@ -1,0 +1,42 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "recording/reference.h"
+#include "run/dense_map_run.h"
+#include "run/run_plan.h"
+#include "run/slam_run.h"
+#include "terminal/interrupt.h"
+
+namespace CLI {
+class App;
+}
+
+namespace hqslam::tools {
+
+struct RunOptions : RecordingChoice {
+  std::string out;
+  std::string reference;  ///< empty: truth.tum in a folder written by `hqslam simulate`, or none
+  int threads = 0;        ///< 0: what OpenMP chooses
+  bool loop_closing = false;
+  bool dense_map = false;
+  DenseMapChoice map;
+};
+
+void declare_run(CLI::App& app, RunOptions& options);
+
+/// A run and how it compares with its reference.
+struct RunResult {
+  SlamRun run;
+  std::optional<ReferenceComparison> comparison;
+  std::string dense_map_summary;  ///< empty: there is none
+};
+/// Runs and writes the results, printing nothing but progress. Without a single scan nothing is
+/// written. Throws Error, also if the first scan cannot be read.
+RunResult run_and_write(const RunOptions& options, const InterruptGuard& interrupt);
+
+/// Returns an ExitStatus. Throws Error.
+int run_command(const RunOptions& options);
+
+}  // namespace hqslam::tools

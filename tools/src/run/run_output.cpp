@@ -1,0 +1,246 @@
+#include "run/run_output.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <system_error>
+
+#include "files/text_file.h"
+#include "hqslam/core/error.h"
+#include "hqslam/core/pcd.h"
+#include "hqslam/core/whole_file.h"
+#include "run/covariances_csv.h"
+#include "run/dense_map_output.h"
+#include "run/html_report.h"
+#include "timing/timing_statistics.h"
+
+namespace hqslam::tools {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr double kCheckpointInterval_s = 5.0;
+/// Of the time between checkpoints what one may take: a long drive's are large.
+constexpr double kCheckpointShare = 0.01;
+constexpr std::array<const char*, 2> kCommands = {"run", "live"};
+constexpr std::array<const char*, 6> kResultNames = {"trajectory.tum",  "trajectory.kitti",
+                                                     "covariances.csv", "map.pcd",
+                                                     "timings.json",    "report.html"};
+
+std::string written_by(const std::string& command) { return "hqslam " + command; }
+
+/// Whether the folder holds the results of an earlier run, which this one may replace.
+bool written_by_hqslam(const fs::path& folder) {
+  return std::any_of(kCommands.begin(), kCommands.end(), [&](const char* command) {
+    return has_marker((folder / "timings.json").string(),
+                      fmt::format("\"written_by\": \"{}\"", written_by(command)));
+  });
+}
+
+double milliseconds(double seconds) { return 1e3 * seconds; }
+
+/// To microseconds: more digits are noise and make the file long.
+double rounded(double value) { return std::round(value * 1e3) / 1e3; }
+
+Json distribution_json(const std::vector<double>& values_ms) {
+  const Distribution distribution = distribution_of(values_ms);
+  return Json{{"median", rounded(distribution.median)},
+              {"p95", rounded(distribution.p95)},
+              {"max", rounded(distribution.max)},
+              {"mean", rounded(distribution.mean)}};
+}
+
+using Durations_ms = std::vector<std::pair<std::string, std::vector<double>>>;
+
+/// Per stage one duration per scan.
+Durations_ms durations_of(const SlamRun& run) {
+  const std::size_t before_slam = run.upsampled_by.empty() ? 1 : 2;
+  Durations_ms durations = {{"reading", {}}};
+  if (!run.upsampled_by.empty()) {
+    durations.emplace_back("upsampling", std::vector<double>());
+  }
+  for (const Stage& stage : kStages) {
+    durations.emplace_back(stage.name, std::vector<double>());
+  }
+  durations.emplace_back("slam_total", std::vector<double>());
+  const bool live = !run.scans.empty() && run.scans.front().latency_s;
+  std::vector<double> latencies_ms;
+  for (const ScanRecord& scan : run.scans) {
+    durations.front().second.push_back(rounded(milliseconds(scan.reading_s)));
+    if (!run.upsampled_by.empty()) {
+      durations[1].second.push_back(rounded(milliseconds(scan.upsampling_s)));
+    }
+    for (std::size_t i = 0; i < kStages.size(); ++i) {
+      durations[i + before_slam].second.push_back(
+          rounded(milliseconds(scan.report.times.*kStages[i].seconds)));
+    }
+    durations.back().second.push_back(rounded(milliseconds(scan.report.times.total_s)));
+    if (live) latencies_ms.push_back(rounded(milliseconds(scan.latency_s.value_or(0.0))));
+  }
+  if (live) durations.emplace_back("latency", std::move(latencies_ms));
+  return durations;
+}
+
+Json statuses_json(const SlamRun& run, slam::Status slam::ScanReport::*status) {
+  Json json;
+  for (const auto& [kind, scans] : status_counts(run, status)) {
+    json[std::string(slam::name(kind))] = scans;
+  }
+  return json;
+}
+
+/// Places that were recognised, and by how much the pose moved.
+Json loops_json(const SlamRun& run) {
+  Json loops = Json::array();
+  for (std::size_t scan = 0; scan < run.scans.size(); ++scan) {
+    const slam::LoopReport& loop = run.scans[scan].report.loop;
+    if (loop.status != slam::LoopStatus::kAgrees && loop.status != slam::LoopStatus::kClosed) {
+      continue;
+    }
+    loops.push_back(Json{{"scan", scan},
+                         {"older_scan", loop.older_scan},
+                         {"status", slam::name(loop.status)},
+                         {"correction_m", rounded(loop.correction_m)}});
+  }
+  return loops;
+}
+
+Json per_scan(const SlamRun& run, const Durations_ms& durations) {
+  Json stamps = Json::array();
+  Json odometry = Json::array();
+  Json mapping = Json::array();
+  for (const ScanRecord& scan : run.scans) {
+    stamps.push_back(scan.report.stamp_s);
+    odometry.push_back(slam::name(scan.report.odometry_status));
+    mapping.push_back(slam::name(scan.report.mapping_status));
+  }
+  Json times;
+  for (const auto& [stage, values_ms] : durations) {
+    times[stage] = values_ms;
+  }
+  return Json{{"stamp_s", std::move(stamps)},
+              {"odometry_status", std::move(odometry)},
+              {"mapping_status", std::move(mapping)},
+              {"times_ms", std::move(times)}};
+}
+
+}  // namespace
+
+std::string timings_json(const SlamRun& run) {
+  const Durations_ms durations = durations_of(run);
+  Json statistics;
+  for (const auto& [stage, values_ms] : durations) {
+    statistics[stage] = distribution_json(values_ms);
+  }
+  std::int64_t invalid_points = 0;
+  std::int64_t key_frames = 0;
+  for (const ScanRecord& scan : run.scans) {
+    invalid_points += scan.invalid_points;
+    key_frames += scan.report.key_frame ? 1 : 0;
+  }
+  const Json json = {
+      {"written_by", written_by(run.command)},
+      {"input", run.input},
+      {"sensor", run.sensor_name},
+      {"rows", run.rows},
+      {"columns", run.columns},
+      {"upsampled_by", run.upsampled_by.empty() ? Json() : Json(run.upsampled_by)},
+      {"threads", run.threads},
+      {"end", name(run.end)},
+      {"scans", run.scans.size()},
+      {"scans_in_recording", run.scans_in_recording},
+      {"wall_s", rounded(run.wall_s)},
+      {"scans_per_second", rounded(scans_per_second(run))},
+      {"key_frames", key_frames},
+      {"invalid_points_dropped", invalid_points},
+      {"scans_left_out", run.left_out.scans},
+      {"odometry_status", statuses_json(run, &slam::ScanReport::odometry_status)},
+      {"mapping_status", statuses_json(run, &slam::ScanReport::mapping_status)},
+      {"loops", loops_json(run)},
+      {"times_ms", std::move(statistics)},
+  };
+  // File names need not be UTF-8: what is not is replaced instead of ending the run.
+  std::string text = json.dump(2, ' ', false, Json::error_handler_t::replace);
+  // The summary for people, the scans on one line for programs.
+  text.resize(text.rfind("\n}"));
+  return text + ",\n  \"per_scan\": " + per_scan(run, durations).dump() + "\n}\n";
+}
+
+RunOutput::RunOutput(const std::string& folder)
+    : folder_(folder), last_checkpoint_(std::chrono::steady_clock::now()) {
+  if (fs::exists(folder_) && !fs::is_directory(folder_)) {
+    throw Error(fmt::format(
+        "{}: expected a folder for the results, found a file; give another --out", folder));
+  }
+  if (written_by_hqslam(folder_)) return;
+  refuse_foreign_dense_map(folder_);
+  for (const char* result : kResultNames) {
+    if (fs::exists(folder_ / result)) {
+      throw Error(fmt::format(
+          "{}: is there already and was not written by hqslam; give another --out or move it",
+          (folder_ / result).string()));
+    }
+  }
+}
+
+bool RunOutput::checkpoint_due() const {
+  const auto since = std::chrono::steady_clock::now() - last_checkpoint_;
+  const double wanted_s = std::max(kCheckpointInterval_s, last_duration_s_ / kCheckpointShare);
+  return first_ || std::chrono::duration<double>(since).count() >= wanted_s;
+}
+
+void RunOutput::write_file(const std::string& name,
+                           const std::function<void(const std::string&)>& write) {
+  replace_file((folder_ / name).string(), write);
+}
+
+void RunOutput::write_checkpoint(const SlamRun& run) {
+  const auto start = std::chrono::steady_clock::now();
+  if (first_) {
+    make_result_folder(folder_);
+    lock_.emplace(folder_);
+  }
+  // The timings first: they mark the folder as ours.
+  write_file("timings.json",
+             [&](const std::string& path) { write_whole_file(path, timings_json(run)); });
+  if (first_) {
+    std::error_code ignored;
+    fs::remove(folder_ / "covariances.csv", ignored);
+    fs::remove(folder_ / "map.pcd", ignored);
+    fs::remove(folder_ / "report.html", ignored);
+    remove_dense_map(folder_);
+    first_ = false;
+  }
+  write_file("trajectory.tum", [&](const std::string& path) { write_tum(run.trajectory, path); });
+  write_file("trajectory.kitti",
+             [&](const std::string& path) { write_kitti_poses(run.trajectory, path); });
+  last_checkpoint_ = std::chrono::steady_clock::now();
+  last_duration_s_ = std::chrono::duration<double>(last_checkpoint_ - start).count();
+}
+
+void RunOutput::write_results(const SlamRun& run,
+                              const std::optional<ReferenceComparison>& comparison) {
+  write_checkpoint(run);
+  write_file("covariances.csv",
+             [&](const std::string& path) { write_whole_file(path, covariances_csv(run)); });
+  write_file("map.pcd", [&](const std::string& path) { write_pcd(run.map_points_m, path); });
+  write_file("report.html", [&](const std::string& path) {
+    write_whole_file(path, html_report(run, comparison));
+  });
+}
+
+void RunOutput::write_dense_map(const SlamRun& run,
+                                const std::optional<ReferenceComparison>& comparison,
+                                const DenseMapRun& dense_map) {
+  const DenseMapPictures pictures = pictures_of(dense_map, run.trajectory);
+  tools::write_dense_map(dense_map, pictures, folder_);
+  write_file("report.html", [&](const std::string& path) {
+    write_whole_file(path, html_report(run, comparison, {&dense_map, &pictures}));
+  });
+}
+
+}  // namespace hqslam::tools

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <chrono>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "files/result_folder.h"
+#include "recording/reference.h"
+#include "run/dense_map_run.h"
+#include "run/slam_run.h"
+
+namespace hqslam::tools {
+
+/// The folder that a run writes into: trajectory.tum, trajectory.kitti, covariances.csv,
+/// map.pcd, timings.json and report.html, and those of a dense map if there is one. Every file is
+/// written under another name first and then renamed, so that each is valid whenever the program
+/// stops. No other file in the folder is touched.
+class RunOutput {
+ public:
+  /// Touches nothing yet. Throws Error if one of the six files is there and was not written by
+  /// hqslam.
+  explicit RunOutput(const std::string& folder);
+
+  const std::filesystem::path& folder() const { return folder_; }
+  /// Whether so much time has passed since the last checkpoint that another is worth writing.
+  bool checkpoint_due() const;
+  /// The trajectory and the timings so far. The first call makes the folder, locks it and removes
+  /// the covariances, the map and the report of an earlier run, which would belong to another
+  /// trajectory. Throws
+  /// Error, also if another program writes into the folder.
+  void write_checkpoint(const SlamRun& run);
+  /// Everything.
+  void write_results(const SlamRun& run, const std::optional<ReferenceComparison>& comparison);
+  /// After write_results: the dense map's four files (dense_map_output.h), and the report again,
+  /// with its pictures.
+  void write_dense_map(const SlamRun& run, const std::optional<ReferenceComparison>& comparison,
+                       const DenseMapRun& dense_map);
+
+ private:
+  void write_file(const std::string& name, const std::function<void(const std::string&)>& write);
+  std::filesystem::path folder_;
+  std::chrono::steady_clock::time_point last_checkpoint_;
+  double last_duration_s_ = 0.0;  ///< what the last checkpoint took
+  bool first_ = true;
+  std::optional<FolderLock> lock_;  ///< from the first checkpoint on
+};
+
+/// timings.json: medians, 95th percentiles and maxima per stage in milliseconds, counts of
+/// statuses, scans per second, and the same per scan.
+std::string timings_json(const SlamRun& run);
+
+}  // namespace hqslam::tools

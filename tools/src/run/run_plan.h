@@ -1,0 +1,41 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "hqslam/core/scan_source.h"
+#include "hqslam/core/sensor_model.h"
+#include "hqslam/nn/upsampler.h"
+#include "recording/recording_choice.h"
+#include "recording/recording_sensor.h"
+#include "run/slam_run.h"
+
+namespace CLI {
+class App;
+}
+
+namespace hqslam::tools {
+
+/// A recording and what is made of its scans before they are used.
+struct RecordingChoice : InputChoice, LiftingChoice {};
+void declare_recording(CLI::App& command, RecordingChoice& choice);
+
+/// The same, found to be possible.
+struct RunPlan {
+  InputRecording recording;
+  SensorModel recording_sensor;
+  std::optional<RowSelection> rows;
+  std::optional<nn::Upsampler> upsampler;
+
+  SlamRunSpec spec() { return {recording.input, rows, upsampler ? &*upsampler : nullptr}; }
+  /// The recording from its beginning. Throws Error.
+  std::unique_ptr<ScanSource> open() const;
+};
+/// network: how its network is loaded; the choice's least_confidence comes first. Throws Error.
+RunPlan plan_of(const RecordingChoice& choice, const nn::SuperResolverOptions& network = {});
+/// The same for a sensor that sends now and can be read with any number of columns; it is called
+/// `name` in messages. There is nothing to open. Throws Error.
+RunPlan plan_of(const LiftingChoice& choice, const SensorModel& sensor, const std::string& name);
+
+}  // namespace hqslam::tools

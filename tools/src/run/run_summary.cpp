@@ -1,0 +1,52 @@
+#include "run/run_summary.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <vector>
+
+#include "hqslam/core/trajectory_error.h"
+#include "timing/timing_statistics.h"
+
+namespace hqslam::tools {
+namespace {
+
+double median_upsampling_ms(const SlamRun& run) {
+  std::vector<double> times_ms;
+  for (const ScanRecord& scan : run.scans) {
+    times_ms.push_back(1e3 * scan.upsampling_s);
+  }
+  return distribution_of(std::move(times_ms)).median;
+}
+
+/// "mapping: 198 scans ok, 2 degenerate; 1 loop closed"
+std::string mapping_summary(const SlamRun& run) {
+  std::vector<std::string> counts;
+  for (const auto& [status, scans] : status_counts(run, &slam::ScanReport::mapping_status)) {
+    if (scans > 0) {
+      counts.push_back(
+          fmt::format("{}{} {}", scans, counts.empty() ? " scans" : "", slam::name(status)));
+    }
+  }
+  std::string summary = fmt::format("mapping: {}", fmt::join(counts, ", "));
+  if (run.loop_closing) {
+    const std::int64_t closed = loops_closed(run);
+    summary += fmt::format("; {} loop{} closed", closed, closed == 1 ? "" : "s");
+  }
+  return summary;
+}
+
+}  // namespace
+
+std::string run_summary(const SlamRun& run) {
+  std::string summary =
+      fmt::format("{} scans, {:.1f} m of path, {:.1f} scans/s\n{}\n", run.scans.size(),
+                  path_length_m(run.trajectory), scans_per_second(run), mapping_summary(run));
+  if (!run.upsampled_by.empty()) {
+    summary += fmt::format("upsampled to {} rows by {}: {:.1f} ms a scan (median)\n", run.rows,
+                           run.upsampled_by, median_upsampling_ms(run));
+  }
+  return summary;
+}
+
+}  // namespace hqslam::tools

@@ -1,0 +1,12 @@
+#pragma once
+
+#include <string>
+
+#include "run/slam_run.h"
+
+namespace hqslam::tools {
+
+/// What a run came to, for people, a few lines: scans, path, statuses, what the upsampling took.
+std::string run_summary(const SlamRun& run);
+
+}  // namespace hqslam::tools

@@ -1,0 +1,168 @@
+#include "run/slam_run.h"
+
+#include <fmt/format.h>
+#include <omp.h>
+
+#include <algorithm>
+#include <chrono>
+#include <optional>
+#include <utility>
+
+#include "hqslam/core/error.h"
+#include "hqslam/nn/upsampled_cloud.h"
+#include "hqslam/slam/options.h"
+#include "run/run_output.h"
+#include "terminal/progress.h"
+
+namespace hqslam::tools {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+/// The next scan, or nothing at the end of the recording or at a scan that cannot be read.
+std::optional<RecordedScan> read_next(ScanSource& source, SlamRun& run) {
+  try {
+    return next_usable(source, run.left_out);
+  } catch (const Error& error) {
+    run.end = RunEnd::kUnreadableScan;
+    run.end_message = error.what();
+    return std::nullopt;
+  }
+}
+
+/// Of the scans that SLAM gets to see.
+SensorModel sensor_of(const SensorModel& recorded, const SlamRunSpec& spec) {
+  if (spec.upsampler != nullptr) {
+    return spec.upsampler->sensor();
+  }
+  return spec.rows ? select_rows(recorded, *spec.rows) : recorded;
+}
+
+}  // namespace
+
+OrganizedCloud measured_cloud(const OrganizedCloud& cloud, const SlamRunSpec& spec) {
+  return spec.rows ? select_rows(cloud, *spec.rows) : cloud;
+}
+
+OrganizedCloud prepared_cloud(const OrganizedCloud& measured, const SlamRunSpec& spec) {
+  return spec.upsampler != nullptr ? nn::upsampled_cloud(*spec.upsampler, measured) : measured;
+}
+
+std::string_view name(RunEnd end) {
+  switch (end) {
+    case RunEnd::kInterrupted:
+      return "interrupted";
+    case RunEnd::kUnreadableScan:
+      return "unreadable scan";
+    case RunEnd::kComplete:
+      break;
+  }
+  return "complete";
+}
+
+double scans_per_second(const SlamRun& run) {
+  return run.wall_s > 0.0 ? static_cast<double>(run.scans.size()) / run.wall_s : 0.0;
+}
+
+std::vector<std::pair<slam::Status, std::int64_t>> status_counts(
+    const SlamRun& run, slam::Status slam::ScanReport::*status) {
+  std::vector<std::pair<slam::Status, std::int64_t>> counts;
+  for (const slam::Status kind :
+       {slam::Status::kOk, slam::Status::kTooFewFeatures, slam::Status::kDegenerate,
+        slam::Status::kNotConverged, slam::Status::kAfterGap}) {
+    counts.emplace_back(
+        kind, std::count_if(run.scans.begin(), run.scans.end(),
+                            [&](const ScanRecord& scan) { return scan.report.*status == kind; }));
+  }
+  return counts;
+}
+
+std::int64_t loops_closed(const SlamRun& run) {
+  return std::count_if(run.scans.begin(), run.scans.end(), [](const ScanRecord& scan) {
+    return scan.report.loop.status == slam::LoopStatus::kClosed;
+  });
+}
+
+slam::SlamOptions slam_options(bool loop_closing) {
+  slam::SlamOptions options;
+  options.loop_closing.enabled = loop_closing;
+  return options;
+}
+
+SlamSession::SlamSession(const SensorModel& sensor, const SlamRunSpec& spec)
+    : spec_(spec), slam_(sensor_of(sensor, spec), slam_options(spec.loop_closing)) {
+  const SensorModel seen = sensor_of(sensor, spec);
+  run_.input = spec.input;
+  run_.sensor_name = seen.name;
+  run_.rows = seen.rows();
+  run_.columns = seen.columns;
+  run_.upsampled_by = spec.upsampler != nullptr ? spec.upsampler->name() : "";
+  run_.loop_closing = spec.loop_closing;
+  run_.threads = omp_get_max_threads();
+}
+
+void SlamSession::process(const RecordedScan& scan, ScanRecord record, RunOutput& output,
+                          const std::function<void(ScanRecord&)>& located) {
+  record.invalid_points = scan.invalid_points;
+  const OrganizedCloud measured = measured_cloud(scan.cloud, spec_);
+  const auto upsampling_start = Clock::now();
+  cloud_ = prepared_cloud(measured, spec_);
+  if (spec_.upsampler != nullptr) record.upsampling_s = seconds_since(upsampling_start);
+  try {
+    record.report = slam_.process(cloud_, scan.stamp_s);
+  } catch (const ScanError& error) {
+    if (run_.left_out.scans++ == 0) {
+      run_.left_out.first = fmt::format("{}: {}", scan.name, error.what());
+    }
+    return;
+  }
+  if (located) located(record);
+  run_.scans.push_back(record);
+  run_.wall_s = seconds_since(start_);
+  if (output.checkpoint_due()) {
+    run_.trajectory = slam_.trajectory();
+    output.write_checkpoint(run_);
+  }
+}
+
+SlamRun SlamSession::finished() {
+  run_.wall_s = seconds_since(start_);
+  run_.trajectory = slam_.trajectory();
+  run_.map_points_m = slam_.map_points_m();
+  return std::move(run_);
+}
+
+SlamRun run_slam(ScanSource& source, const SlamRunSpec& spec, RunOutput& output,
+                 const InterruptGuard& interrupt) {
+  SlamSession session(source.sensor(), spec);
+  SlamRun& run = session.run();
+  run.scans_in_recording = source.size();
+  Progress progress(fmt::format("slam {}x{}", run.rows, run.columns), source.size());
+  while (true) {
+    if (interrupt.stop_requested()) {
+      run.end = RunEnd::kInterrupted;
+      break;
+    }
+    const auto reading_start = Clock::now();
+    const std::optional<RecordedScan> scan = read_next(source, run);
+    if (!scan) {
+      break;
+    }
+    ScanRecord record;
+    record.reading_s = seconds_since(reading_start);
+    session.process(*scan, record, output);
+    progress.update(static_cast<std::int64_t>(run.scans.size()));
+  }
+  progress.finish();
+  if (run.scans.empty() && run.left_out.scans > 0 && run.end == RunEnd::kComplete) {
+    run.end = RunEnd::kUnreadableScan;
+    run.end_message = run.left_out.text();
+  }
+  return session.finished();
+}
+
+}  // namespace hqslam::tools

@@ -1,0 +1,120 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "hqslam/core/scan_source.h"
+#include "hqslam/core/sensor_model.h"
+#include "hqslam/nn/upsampler.h"
+#include "hqslam/slam/options.h"
+#include "hqslam/slam/slam.h"
+#include "recording/recording_sensor.h"
+#include "terminal/interrupt.h"
+
+namespace hqslam::tools {
+
+class RunOutput;
+
+/// One processed scan.
+struct ScanRecord {
+  slam::ScanReport report;
+  double reading_s = 0.0;     ///< reading and projecting the file
+  double upsampling_s = 0.0;  ///< filling the missing rows and making points of them
+  std::int64_t invalid_points = 0;
+  /// Of a sensor that sends now: from the packet that completed the scan to its pose.
+  std::optional<double> latency_s;
+};
+
+/// Why a run came to its end.
+enum class RunEnd { kComplete, kInterrupted, kUnreadableScan };
+
+/// A run of SLAM over a recording, finished or not.
+struct SlamRun {
+  std::string command = "run";  ///< the subcommand that made it
+  std::string input;
+  std::string sensor_name;
+  int rows = 0;
+  int columns = 0;
+  std::string upsampled_by;  ///< nn::Upsampler::name(); empty: the recording as it is
+  bool loop_closing = false;
+  int threads = 1;
+  std::int64_t scans_in_recording = 0;  ///< or that have come from a sensor
+  std::vector<ScanRecord> scans;
+  Trajectory trajectory;  ///< T_map_sensor, the map's frame is the first scan's sensor frame
+  std::vector<Eigen::Vector3f> map_points_m;  ///< map frame; filled when the run ends
+  double wall_s = 0.0;
+  RunEnd end = RunEnd::kComplete;
+  LeftOut left_out;
+  std::string end_message;  ///< the reader's message for kUnreadableScan
+};
+
+/// "complete", "interrupted", "unreadable scan"
+std::string_view name(RunEnd end);
+
+/// Scans per second over the whole run: reading, upsampling, SLAM and writing.
+double scans_per_second(const SlamRun& run);
+
+/// How many scans a stage ended with each status: all statuses, kOk first.
+std::vector<std::pair<slam::Status, std::int64_t>> status_counts(
+    const SlamRun& run, slam::Status slam::ScanReport::*status);
+
+/// Scans at which the path and the map were corrected.
+std::int64_t loops_closed(const SlamRun& run);
+
+/// How a recording is processed.
+struct SlamRunSpec {
+  std::string input;
+  std::optional<RowSelection> rows;    ///< of the recording that are looked at; nothing: every row
+  nn::Upsampler* upsampler = nullptr;  ///< what fills the rows between them; nullptr: nothing
+  bool loop_closing = false;
+};
+
+/// The rows of a recorded scan that are looked at.
+OrganizedCloud measured_cloud(const OrganizedCloud& cloud, const SlamRunSpec& spec);
+/// What SLAM gets to see of them: with the rows between them filled, if there is an upsampler.
+OrganizedCloud prepared_cloud(const OrganizedCloud& measured, const SlamRunSpec& spec);
+
+/// What SLAM runs with.
+slam::SlamOptions slam_options(bool loop_closing);
+
+/// SLAM over scans that come one by one, and what is to be told of it.
+class SlamSession {
+ public:
+  /// sensor: of the scans, before anything is made of them.
+  SlamSession(const SensorModel& sensor, const SlamRunSpec& spec);
+
+  /// Locates the next scan; hands intermediate results to `output` now and then. `record` says
+  /// what is known of it already; `located` is called as soon as its pose is there. A scan that
+  /// cannot be understood is counted and left out. Throws Error.
+  void process(const RecordedScan& scan, ScanRecord record, RunOutput& output,
+               const std::function<void(ScanRecord&)>& located = {});
+  /// Everything but how it ended.
+  SlamRun& run() { return run_; }
+  /// The trajectory and the map as they are now.
+  const Trajectory& trajectory() const { return slam_.trajectory(); }
+  std::vector<Eigen::Vector3f> map_points_m() const { return slam_.map_points_m(); }
+  /// What SLAM saw of the last scan.
+  const OrganizedCloud& cloud() const { return cloud_; }
+  /// The run with its trajectory and map.
+  SlamRun finished();
+
+ private:
+  SlamRunSpec spec_;
+  slam::Slam slam_;
+  SlamRun run_;
+  OrganizedCloud cloud_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+/// Processes a recording scan by scan, showing progress on stderr and handing intermediate results
+/// to `output` now and then. A scan that cannot be read ends the run, it does not throw.
+SlamRun run_slam(ScanSource& source, const SlamRunSpec& spec, RunOutput& output,
+                 const InterruptGuard& interrupt);
+
+}  // namespace hqslam::tools

@@ -1,0 +1,95 @@
+#include "simulate/simulate_command.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+
+#include "files/result_folder.h"
+#include "hqslam/core/sensor_model.h"
+#include "hqslam/sim/drive.h"
+#include "hqslam/sim/write_drive.h"
+#include "recording/drive_folder.h"
+#include "terminal/exit_status.h"
+#include "terminal/progress.h"
+#include "terminal/terminal.h"
+
+namespace hqslam::tools {
+namespace {
+
+sim::DriveSpec drive_of(const SimulateOptions& options) {
+  sim::DriveSpec spec = sim::drive_preset(options.drive);
+  spec.scans = options.scans.value_or(spec.scans);
+  spec.seed = options.seed.value_or(spec.seed);
+  return spec;
+}
+
+}  // namespace
+
+void declare_simulate(CLI::App& app, SimulateOptions& options) {
+  CLI::App* command =
+      app.add_subcommand("simulate", "Drive a LiDAR through a simulated city, with the truth");
+  command
+      ->add_option(
+          "--drive", options.drive,
+          "block: 200 scans of quiet streets; town: 4,000 with three loops; hills: 8,000, harder; "
+          "meadow: 4,000 of open land; narrow: 3,000 between walls; yard: 2,000 of a low "
+          "robot; handheld: 2,000 on foot; car-park: 2,000, both ways round; "
+          "indoors: 2,000 through rooms and up stairs")
+      ->required()
+      ->check(CLI::IsMember(sim::drive_preset_names()));
+  command->add_option("--sensor", options.sensor, "Sensor (name or .json file, as for hqslam run)")
+      ->required();
+  command->add_option("--out", options.out, "Folder to write; made if it is not there")->required();
+  command->add_option("--scans", options.scans, "Length (default: the drive's own)")
+      ->check(CLI::Range(1, 1000000000));
+  command->add_option("--seed", options.seed,
+                      "Seed of city, traffic, driver and noise (default: 1)");
+  command->add_flag("--bin", options.bin, "Also write KITTI .bin files");
+  command->add_flag("--pcd", options.pcd, "Also write .pcd files");
+  command->footer(
+      "Writes into --out: scans.npy (N x rows x columns, float32 metres), sensor.json, "
+      "drive.json,\n"
+      "truth.tum and truth.kitti (true pose per scan), truth_columns.npy (true pose per column).\n"
+      "hqslam run takes the folder as it is.");
+}
+
+int simulate_drive(const SimulateOptions& options, const InterruptGuard& interrupt,
+                   const std::function<void()>& on_scan) {
+  const sim::DriveSpec spec = drive_of(options);
+  sim::DriveSimulator simulator(spec, load_sensor(options.sensor));
+  make_result_folder(options.out);
+  const FolderLock lock(options.out);
+  clear_drive_folder(options.out);
+  sim::DriveWriter writer(options.out, spec, simulator.sensor(), {options.bin, options.pcd});
+  std::int64_t done = 0;
+  while (!interrupt.stop_requested()) {
+    const std::optional<sim::SimulatedScan> scan = simulator.next();
+    if (!scan) {
+      break;
+    }
+    writer.append(*scan);
+    ++done;
+    on_scan();
+  }
+  return done < simulator.scans() ? kInterrupted : kOk;
+}
+
+int simulate_drive(const SimulateOptions& options, const InterruptGuard& interrupt) {
+  Progress progress(fmt::format("simulate {}", options.drive), drive_of(options).scans);
+  std::int64_t done = 0;
+  const int status = simulate_drive(options, interrupt, [&] { progress.update(++done); });
+  progress.finish();
+  return status;
+}
+
+int simulate_command(const SimulateOptions& options) {
+  const InterruptGuard interrupt;
+  const int status = simulate_drive(options, interrupt);
+  if (status == kInterrupted) {
+    to_stderr("hqslam: interrupted; the scans written up to there are valid\n");
+  }
+  to_stdout("results: {}\n", options.out);
+  return status;
+}
+
+}  // namespace hqslam::tools

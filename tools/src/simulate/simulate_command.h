@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "terminal/interrupt.h"
+
+namespace CLI {
+class App;
+}
+
+namespace hqslam::tools {
+
+struct SimulateOptions {
+  std::string drive;
+  std::string sensor;
+  std::string out;
+  std::optional<std::int64_t> scans;  ///< default: the drive's own length
+  std::optional<std::uint64_t> seed;
+  bool bin = false;
+  bool pcd = false;
+};
+
+void declare_simulate(CLI::App& app, SimulateOptions& options);
+/// Simulates and writes, printing nothing but progress. Returns kOk or kInterrupted. Throws Error.
+int simulate_drive(const SimulateOptions& options, const InterruptGuard& interrupt);
+/// The same without progress, calling `on_scan` after each scan.
+int simulate_drive(const SimulateOptions& options, const InterruptGuard& interrupt,
+                   const std::function<void()>& on_scan);
+/// Returns an ExitStatus. Throws Error.
+int simulate_command(const SimulateOptions& options);
+
+}  // namespace hqslam::tools

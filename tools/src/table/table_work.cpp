@@ -1,0 +1,215 @@
+#include "table/table_work.h"
+
+#include <fmt/format.h>
+#include <omp.h>
+
+#include <algorithm>
+#include <atomic>
+#include <exception>
+#include <filesystem>
+#include <mutex>
+#include <thread>
+#include <utility>
+
+#include "files/build_hash.h"
+#include "files/content_hash.h"
+#include "hqslam/core/error.h"
+#include "hqslam/core/scan_source.h"
+#include "recording/recording_sensor.h"
+#include "table/table_drive.h"
+#include "table/table_progress.h"
+
+namespace hqslam::tools {
+namespace {
+
+namespace fs = std::filesystem;
+
+SensorModel sensor_of(const TableDrive& drive) {
+  SensorModel sensor =
+      required_recording_sensor(drive.recording, drive.sensor, drive.reading.stream);
+  if (sensor.rows() == kTableAllRows) return sensor;
+  throw Error(fmt::format("{}: expected a recording with {} rows, found '{}' with {}",
+                          drive.recording, kTableAllRows, sensor.name, sensor.rows()));
+}
+
+/// Results of another number of scans, or of another build, lie beside each other.
+std::string result_folder(const TableDrive& drive, std::int64_t scans, const std::string& out) {
+  constexpr std::size_t kDigits = 8;
+  return (fs::path(out) / "results" / drive.name /
+          fmt::format("{}-scans-build-{}", scans, result_sources_hash().substr(0, kDigits)))
+      .string();
+}
+
+PreparedDrive prepared(const TableDrive& drive, const TableOptions& options) {
+  PreparedDrive prepared;
+  prepared.drive = drive;
+  prepared.sensor = sensor_of(drive);
+  const std::int64_t size = open_input(input_of(drive), prepared.sensor)->size();
+  prepared.scans = std::min(size, options.scans.value_or(size));
+  prepared.identity = identity_of(drive, prepared.scans);
+  prepared.results = result_folder(drive, prepared.scans, options.out);
+  return prepared;
+}
+
+TableSettings settings_of(const PreparedDrive& drive, const TableMethod& method,
+                          bool loop_closing) {
+  TableSettings settings;
+  settings.build = result_sources_hash();
+  settings.recording = drive.identity;
+  settings.sensor = fmt::format("{} {}", drive.sensor.name, text_hash(sensor_json(drive.sensor)));
+  settings.scans = drive.scans;
+  settings.loop_closing = loop_closing;
+  settings.method = method.name;
+  const std::string weights = weights_of(method, drive.sensor.name);
+  if (!weights.empty()) {
+    settings.weights = fs::path(weights).filename().string();
+    settings.weights_hash = content_hash(weights);
+  }
+  return settings;
+}
+
+/// What is left to do on a drive.
+std::vector<TablePass> passes_on(const PreparedDrive& drive, const TablePlan& plan) {
+  std::vector<TableMethod> missing;
+  for (const TableMethod& method : plan.methods) {
+    if (!load_result(settings_of(drive, method, plan.loop_closing), drive.results)) {
+      missing.push_back(method);
+    }
+  }
+  std::vector<TablePass> passes;
+  for (const std::vector<TableMethod>& shared : passes_of(missing)) {
+    TablePass pass{drive.drive,
+                   drive.sensor,
+                   shared,
+                   {},
+                   drive.scans,
+                   plan.loop_closing,
+                   plan.over_seeds ? kScoredPerSeed : kMostScoredScans};
+    for (const TableMethod& method : shared) {
+      pass.settings.push_back(settings_of(drive, method, plan.loop_closing));
+    }
+    passes.push_back(std::move(pass));
+  }
+  return passes;
+}
+
+/// Scans to be simulated and to be processed.
+std::int64_t scans_left(const std::vector<DriveWork>& works, const TablePlan& plan) {
+  std::int64_t scans = 0;
+  for (const DriveWork& work : works) {
+    if (work.prepared) {
+      scans += static_cast<std::int64_t>(work.passes.size()) * work.prepared->scans;
+    } else {
+      scans += static_cast<std::int64_t>(1 + passes_of(plan.methods).size()) *
+               work.drive.simulated->scans;
+    }
+  }
+  return scans;
+}
+
+std::string title_of(const TablePass& pass) {
+  std::string title = pass.drive.name;
+  for (std::size_t i = 0; i < pass.methods.size(); ++i) {
+    title += fmt::format("{} {}", i == 0 ? "," : " and", pass.methods[i].title);
+  }
+  return title;
+}
+
+/// What a table's steps share.
+struct TableRun {
+  const TablePlan& plan;
+  const TableOptions& options;
+  const InterruptGuard& interrupt;
+  TableProgress& progress;
+};
+
+/// Runs what is missing on a drive. Returns false if it was interrupted.
+bool run_drive(DriveWork& work, const TableRun& run) {
+  const auto on_scan = [&] { run.progress.advance(); };
+  if (!work.prepared) {
+    run.progress.step(fmt::format("{}, simulated", work.drive.name));
+    if (!prepare_drive(work.drive, run.interrupt, on_scan)) return false;
+    work.prepared = prepared(work.drive, run.options);
+    work.passes = passes_on(*work.prepared, run.plan);
+  }
+  for (const TablePass& pass : work.passes) {
+    run.progress.step(title_of(pass));
+    const std::vector<TableResult> results = run_pass(pass, run.interrupt, on_scan);
+    if (results.empty()) return false;
+    for (const TableResult& result : results) save_result(result, work.prepared->results);
+  }
+  return true;
+}
+
+/// Runs all drives, `workers` of them side by side, each with one thread if they are several.
+/// Returns false if it was interrupted. Throws what a drive throws, once the others have stopped.
+bool run_drives(std::vector<DriveWork>& works, int workers, const TableRun& run) {
+  std::atomic<std::size_t> next = 0;
+  std::atomic<bool> stopped = false;
+  std::exception_ptr failure;
+  std::mutex failure_mutex;
+  const auto work_on_drives = [&] {
+    if (run.plan.over_seeds) omp_set_num_threads(1);
+    try {
+      for (std::size_t i = next++; i < works.size() && !stopped; i = next++) {
+        if (!run_drive(works[i], run)) stopped = true;
+      }
+    } catch (...) {
+      const std::lock_guard lock(failure_mutex);
+      if (!failure) failure = std::current_exception();
+      stopped = true;
+    }
+  };
+  std::vector<std::jthread> threads;
+  for (int i = 0; i < workers; ++i) threads.emplace_back(work_on_drives);
+  threads.clear();  // joins
+  if (failure) std::rethrow_exception(failure);
+  return !stopped;
+}
+
+}  // namespace
+
+std::vector<DriveWork> work_of(const TablePlan& plan, const TableOptions& options) {
+  std::vector<DriveWork> works;
+  for (const TableDrive& drive : plan.drives) {
+    if (!drive.simulated) sensor_of(drive);  // before anything is written
+  }
+  for (const TableDrive& drive : plan.drives) {
+    DriveWork work{drive, std::nullopt, {}};
+    if (is_there(drive)) {
+      work.prepared = prepared(drive, options);
+      work.passes = passes_on(*work.prepared, plan);
+    }
+    works.push_back(std::move(work));
+  }
+  return works;
+}
+
+bool run_missing(std::vector<DriveWork>& works, const TablePlan& plan, const TableOptions& options,
+                 const InterruptGuard& interrupt) {
+  const std::int64_t scans = scans_left(works, plan);
+  if (scans == 0) return true;
+  TableProgress progress(scans);
+  const int workers = plan.over_seeds ? omp_get_max_threads() : 1;
+  const bool complete = run_drives(works, workers, {plan, options, interrupt, progress});
+  progress.finish();
+  return complete;
+}
+
+FoundResults results_of(const PreparedDrive& drive, const std::vector<TableMethod>& methods,
+                        bool loop_closing) {
+  FoundResults found;
+  for (const TableMethod& method : methods) {
+    try {
+      if (auto result = load_result(settings_of(drive, method, loop_closing), drive.results)) {
+        found.methods.push_back(method);
+        found.results.push_back(std::move(*result));
+      }
+    } catch (const Error&) {
+      continue;  // no weights for this sensor: nothing can be there
+    }
+  }
+  return found;
+}
+
+}  // namespace hqslam::tools
