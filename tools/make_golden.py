@@ -201,6 +201,138 @@ def make_layers():
     save("layers", arrays)
 
 
+def dropout_factor(seed, share, shape):
+    """What hqslam's dropout multiplies with: 0 or 1 / (1 - share), from seed and place alone."""
+    place = numpy.arange(1, numpy.prod(shape) + 1, dtype=numpy.uint64)
+    with numpy.errstate(over="ignore"):
+        v = numpy.uint64(seed) + numpy.uint64(0x9E3779B97F4A7C15) * place
+        v = (v ^ (v >> numpy.uint64(30))) * numpy.uint64(0xBF58476D1CE4E5B9)
+        v = (v ^ (v >> numpy.uint64(27))) * numpy.uint64(0x94D049BB133111EB)
+    unit = ((v ^ (v >> numpy.uint64(31))) >> numpy.uint64(40)).astype("<f4") / numpy.float32(2**24)
+    return numpy.where(unit < numpy.float32(share), 0.0, 1.0 / (1.0 - share)).reshape(shape)
+
+
+class GoldenLayer:
+    """One case of the section network_layers: inputs and parameters are made by tensor(), in the
+    order in which hqslam has them."""
+
+    def __init__(self, arrays, generator, name):
+        self.arrays, self.generator, self.name = arrays, generator, name
+        self.inputs, self.parameters = [], []
+
+    def input(self, *shape, scale=1.0):
+        import torch
+
+        values = rounded(scale * random_array(self.generator, *shape))
+        self.inputs.append(torch.tensor(values, requires_grad=True))
+        return self.inputs[-1]
+
+    def parameter(self, *shape, middle=0.0):
+        import torch
+
+        values = rounded(middle + random_array(self.generator, *shape) / 2.0)
+        self.parameters.append(torch.tensor(values, requires_grad=True))
+        return self.parameters[-1]
+
+    def finish(self, y):
+        import torch
+
+        d_y = torch.tensor(random_array(self.generator, *y.shape))
+        y.backward(d_y)
+        self.arrays.update({f"{self.name}.output": y, f"{self.name}.d_output": d_y})
+        for i, x in enumerate(self.inputs):
+            self.arrays.update({f"{self.name}.input.{i}": x, f"{self.name}.d_input.{i}": x.grad})
+        if self.parameters:
+            self.arrays[f"{self.name}.parameters"] = torch.cat(
+                [p.detach().flatten() for p in self.parameters])
+            self.arrays[f"{self.name}.d_parameters"] = torch.cat(
+                [p.detach().flatten() * 0.0 if p.grad is None else p.grad.flatten()
+                 for p in self.parameters])
+
+
+def make_network_layers():
+    """Scans x channels x rows x columns."""
+    import torch
+    from torch.nn import functional
+
+    tools_pytorch()
+    from tulip import WindowAttention, merged
+
+    generator = numpy.random.RandomState(4)
+    arrays = {}
+
+    def case(name):
+        return GoldenLayer(arrays, generator, name)
+
+    c = case("transposed")  # strides 2 x 1
+    x, weight, bias = c.input(1, 3, 4, 20), c.parameter(3, 5, 3, 3), c.parameter(5)
+    c.finish(torch.relu(functional.conv_transpose2d(x, weight, bias, (2, 1), 1, (1, 0))))
+
+    c = case("linear")  # with a skip
+    x, skip, weight, bias = (c.input(1, 5, 3, 20), c.input(1, 7, 3, 20), c.parameter(7, 5),
+                             c.parameter(7))
+    c.finish(functional.linear(x.permute(0, 2, 3, 1), weight, bias).permute(0, 3, 1, 2) + skip)
+
+    c = case("patch_embedding")
+    x, weight, bias = c.input(1, 1, 3, 64), c.parameter(6, 1, 1, 8), c.parameter(6)
+    c.finish(functional.conv2d(functional.pad(x, (2, 2, 0, 0), mode="circular"), weight, bias,
+                               (1, 4)))
+
+    c = case("batch_norm")
+    x = c.input(3, 4, 3, 20)
+    weight, bias, mean = c.parameter(4, middle=1.0), c.parameter(4), c.parameter(4)
+    variance = c.parameter(4, middle=1.0)
+    running = mean.detach().clone(), variance.detach().clone()
+    c.finish(functional.leaky_relu(
+        functional.batch_norm(x, *running, weight, bias, True, 1.0, 1e-3), 0.125))
+    # Three scans' distance to the batch's statistics, which a momentum of 1 leaves in `running`.
+    mean.grad, variance.grad = 3.0 * (mean - running[0]), 3.0 * (variance - running[1])
+    arrays["batch_norm.d_parameters"][8:] = torch.cat([mean.grad, variance.grad])
+    arrays["batch_norm.lifted"] = functional.leaky_relu(
+        functional.batch_norm(x, mean.detach(), variance.detach(), weight, bias, False, 0.0, 1e-3),
+        0.125)
+
+    for transposed in (0, 1):  # convolution and batch norm in one
+        c = case(f"normalised.{transposed}")
+        x, weight, bias = c.input(1, 3, 4, 20), c.parameter(3, 3, 3, 3), c.parameter(3)
+        scale, shift, mean, variance = (c.parameter(3, middle=m) for m in (1.0, 0.0, 0.0, 1.0))
+        y = (functional.conv_transpose2d(x, weight, bias, 2, 1, 1) if transposed
+             else functional.conv2d(x, weight, bias, 1, 1))
+        c.finish(torch.relu(functional.batch_norm(y, mean.detach(), variance.detach(), scale, shift,
+                                                  False, 0.0, 1e-3)))
+
+    c = case("average_pool")
+    c.finish(functional.avg_pool2d(c.input(1, 3, 4, 20), 2))
+
+    c = case("concatenation")
+    c.finish(torch.cat([c.input(1, 2, 3, 20), c.input(1, 3, 3, 20)], 1))
+
+    c = case("dropout")
+    x = c.input(1, 3, 4, 20)
+    c.finish(x * torch.tensor(dropout_factor(77, 0.25, x.shape)))
+
+    c = case("layer_norm")
+    x, weight, bias = c.input(2, 6, 3, 20), c.parameter(6, middle=1.0), c.parameter(6)
+    y = functional.layer_norm(x.permute(0, 2, 3, 1), (6,), weight, bias, 1e-6)
+    c.finish(y.permute(0, 3, 1, 2))
+
+    c = case("gelu")
+    c.finish(functional.gelu(c.input(1, 2, 3, 20, scale=5.0)))
+
+    for name, shifted, circular in (("", False, False), (".shifted", True, False),
+                                    (".circular", True, True)):
+        c = case("attention" + name)
+        x, table = c.input(1, 3 * 8, 4, 24), c.parameter(45, 2)
+        c.finish(WindowAttention.of_projections(x, table, 2, shifted, circular))
+
+    c = case("patch_merging")
+    c.finish(merged(c.input(1, 3, 4, 20)))
+
+    c = case("pixel_shuffle")
+    c.finish(functional.pixel_shuffle(c.input(1, 9, 2, 8), 3))
+    save("network_layers", arrays)
+
+
 def make_adamw():
     """torch.optim.AdamW with its defaults but for a learning rate that changes."""
     import torch
@@ -381,8 +513,87 @@ def du_mix(name, seed, shapes, memory, slope, layer_share):
     save_network(name, module, measured_m, stored, total, loss, extra)
 
 
-def make_networks():
+def tools_pytorch():
+    """Makes the modules of tools/pytorch importable."""
     sys.path.insert(0, str(pathlib.Path(__file__).parent / "pytorch"))
+
+
+def passes_of(module, measured_m):
+    """The ranges that Monte Carlo passes agree on, with hqslam's seeds: 64 from one pass to the next."""
+    import torch
+
+    calls = []
+
+    def dropout(x, place):
+        seed = 64 * (len(calls) // 8) + place
+        calls.append(seed)
+        return x * torch.tensor(dropout_factor(seed, 0.25, x.shape))
+
+    module.dropout = dropout
+    with torch.no_grad():
+        range_m = module(measured_m)["range_m"]
+    range_m[(range_m < MIN_RANGE_M) | (range_m > 120.0)] = 0.0
+    empty = (range_m == 0.0).double().mean()
+    assert 0.1 < empty < 0.9, f"a dull mask: {empty}"
+    return {"passes.range_m": range_m}
+
+
+def direct(name, module, seed):
+    """Networks that say all ranges in one go: the state dict as users export it, and what training two
+    scans together gives."""
+    import layers
+    import torch
+
+    generator = numpy.random.RandomState(seed)
+    state = module.state_dict()
+    for key, value in state.items():
+        unit = generator.randint(-64, 65, value.shape) / 64.0
+        if value.dim() > 1:
+            unit *= (6.0 / value[0].numel()) ** 0.5  # so that values neither die nor explode
+        elif "norm" in key and key.endswith((".weight", ".running_var")):
+            unit = 1.0 + unit / 4.0
+        else:
+            unit = 0.25 + unit / 4.0
+        value.copy_(torch.tensor(numpy.round(256.0 * unit) / 256.0))
+    truth_m = torch.tensor(numpy.stack([scene_m(), numpy.roll(0.5 * scene_m(), 9, 1)]))
+    measured_m = truth_m[:, FIRST_ROW::ROW_STRIDE]
+    layers.save_arrays(GOLDEN / f"exported_{name}.npz", module.eval(), measured_m[0])
+    assert module.self_test(measured_m[0]).std() > 1.0, "a dull result"
+    lifted = passes_of(module, measured_m[0]) if hasattr(module, "passes") else {}
+    before = {key: value.clone() for key, value in state.items()}
+    seeds = (5, 7000)
+
+    def dropout(x, place):
+        factors = [dropout_factor(s + place, 0.25, x.shape[1:]) for s in seeds]
+        return x * torch.tensor(numpy.stack(factors))
+
+    module.train().dropout = dropout
+    loss = module.loss(measured_m, truth_m).sum()
+    loss.backward()
+    arrays = {"truth_m": truth_m.reshape(-1, COLUMNS), "seeds": numpy.array(seeds, "<i8"),
+              "loss": loss.reshape(1), **lifted}
+    for key, value in module.named_parameters():
+        arrays["d." + key] = value.grad
+    for key, value in module.named_buffers():
+        # Two scans' distance to the batch's statistics, by what the running ones have moved.
+        arrays["d." + key] = 2.0 * (before[key] - value) / 0.01
+    save(name, arrays)
+
+
+def make_direct_networks():
+    tools_pytorch()
+    from srae import Srae
+    from tulip import Tulip
+
+    network = {key: value for key, value in small_network("", {}).items()
+               if key in ("sensor", "measured_rows", "range_scale_m")}
+    direct("srae", Srae({**network, "filters": 1, "dropout": 0.25, "passes": 4,
+                         "largest_deviation": 0.1875}), 21)
+    direct("tulip", Tulip({**network, "channels": 8, "heads": [2, 2], "circular_attention": False}), 16)
+
+
+def make_networks():
+    tools_pytorch()
     du_or("du_or", 10, (6, 8), 3, 0.0, shared=False, min_pixels=0)
     du_or("du_or_filtered", 11, (6, 8), 3, 0.125, shared=True, min_pixels=30)
     simple_du("simple_du", 12, 8, 5)
@@ -394,8 +605,10 @@ SECTIONS = {
     "npz": make_npz,
     "convolutions": make_convolutions,
     "layers": make_layers,
+    "network_layers": make_network_layers,
     "adamw": make_adamw,
     "networks": make_networks,
+    "direct_networks": make_direct_networks,
 }
 
 

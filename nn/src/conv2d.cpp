@@ -1,4 +1,4 @@
-#include "hqslam/nn/conv2d.h"
+#include "conv2d.h"
 
 #include <fmt/format.h>
 
@@ -44,8 +44,9 @@ void Conv2d::forward(const Tensor& input, const LayerEnd& end, Tensor& output) {
 void Conv2d::forward_row(const Tensor& input, int row, float* output,
                          std::int64_t channel_stride) const {
   const Implementation& self = *implementation_;
-  if (self.shape.stride != 1) {
-    throw Error(fmt::format("conv2d: single rows with stride {}, expected 1", self.shape.stride));
+  if (self.shape.column_stride() != 1) {
+    throw Error(
+        fmt::format("conv2d: single rows with stride {}, expected 1", self.shape.column_stride()));
   }
   self.convolution.gather_row(input, self.bias.data(), row, output, channel_stride, self.scratch);
 }

@@ -1,4 +1,4 @@
-#include "hqslam/nn/conv2d.h"
+#include "conv2d.h"
 #include "reference_index.h"
 
 // The definition, loop by loop: what the fast kernels are tested against.

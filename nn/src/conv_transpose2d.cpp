@@ -1,4 +1,4 @@
-#include "hqslam/nn/conv_transpose2d.h"
+#include "conv_transpose2d.h"
 
 #include <utility>
 

@@ -1,4 +1,4 @@
-#include "hqslam/nn/conv_transpose2d.h"
+#include "conv_transpose2d.h"
 #include "reference_index.h"
 
 // The definition, loop by loop: what the fast kernels are tested against. `for_each_tap` of the

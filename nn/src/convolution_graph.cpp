@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "hqs/denoiser_layers.h"
+#include "activation.h"
+#include "convolution_step.h"
 #include "hqslam/core/error.h"
-#include "hqslam/nn/activation.h"
+#include "layers/dropout.h"
+#include "parameters.h"
 
 namespace hqslam::nn {
 namespace {
@@ -22,18 +24,48 @@ int size_after(const ConvolutionStep& step, int size) {
   return size / step.stride;
 }
 
+/// Of what is not dropped, so that the mean stays.
+float kept_scale(float dropout) { return 1.0F / (1.0F - dropout); }
+
+void drop_out(std::uint64_t seed, float share, Tensor& values) {
+  if (share == 0.0F) return;
+#pragma omp for schedule(static)
+  for (int channel = 0; channel < values.channels(); ++channel) {
+    for (int y = 0; y < values.rows(); ++y) {
+      float* row = values.row(channel, y);
+      const auto first = static_cast<std::uint64_t>(channel * values.rows() + y) * values.columns();
+      for (int x = 0; x < values.columns(); ++x) {
+        row[x] = unit_random(seed, first + x) < share ? 0.0F : kept_scale(share) * row[x];
+      }
+      values.fill_border(channel, y);
+    }
+  }
+}
+
+void scale(float factor, Tensor& values) {
+  if (factor == 1.0F) return;
+  for (int channel = 0; channel < values.channels(); ++channel) {
+    for (int y = 0; y < values.rows(); ++y) {
+      float* row = values.row(channel, y);
+      for (int x = 0; x < values.columns(); ++x) row[x] *= factor;
+      values.fill_border(channel, y);
+    }
+  }
+}
+
 }  // namespace
 
 ConvolutionGraph::ConvolutionGraph(std::vector<ConvolutionStep> steps,
                                    const std::vector<int>& channels, int rows, int columns,
-                                   InstructionSet instruction_set, int threads)
+                                   InstructionSet instruction_set, int threads,
+                                   ColumnPadding column_padding)
     : steps_(std::move(steps)), shapes_(channels.size()), row_biases_(steps_.size()) {
-  shapes_[0] = Tensor(channels[0], rows, columns, ColumnPadding::kCircular);
+  shapes_[0] = Tensor(channels[0], rows, columns, column_padding);
   for (std::size_t i = 0; i < steps_.size(); ++i) {
     const ConvolutionStep& step = steps_[i];
     const Tensor& from = shapes_[step.from];
     shapes_[step.to] = Tensor(channels[step.to], size_after(step, from.rows()),
-                              size_after(step, from.columns()), ColumnPadding::kCircular);
+                              size_after(step, from.columns()), column_padding);
     const Tensor& to = shapes_[step.to];
     const int padding = step.transposed ? 0 : step.kernel / 2;
     const ConvolutionShape shape{from.channels(), to.channels(), step.kernel, step.kernel,
@@ -59,8 +91,8 @@ std::vector<ParameterShape> ConvolutionGraph::parameter_shapes() const {
     const int in = shape(i).input_channels;
     const int out = shape(i).output_channels;
     const int first = step.transposed ? in : out;
-    add_convolution(step.name, {first, step.transposed ? out : in, step.kernel, step.kernel}, out,
-                    shapes);
+    add_convolution(step.name, {first, step.transposed ? out : in, step.kernel, step.kernel},
+                    step.bias ? out : 0, shapes);
     if (step.row_bias) {
       shapes.push_back({step.name + ".row_bias", {out, shapes_[step.to].rows()}});
     }
@@ -77,7 +109,7 @@ std::vector<float> ConvolutionGraph::initial_parameters(std::uint64_t seed) cons
     const int second = step.transposed ? shape(i).output_channels : shape(i).input_channels;
     const auto fan_in = static_cast<float>(second * step.kernel * step.kernel);
     start.add(shape(i).weights(), step.start_scale / std::sqrt(fan_in), parameters);
-    start.add(shape(i).output_channels, 0.1F * step.start_scale, parameters);
+    if (step.bias) start.add(shape(i).output_channels, 0.1F * step.start_scale, parameters);
     if (step.row_bias) {
       const std::size_t rows = shapes_[step.to].rows();
       parameters.insert(parameters.end(), rows * shape(i).output_channels, 0.0F);
@@ -99,7 +131,8 @@ void ConvolutionGraph::set_parameters(std::span<const float> parameters) {
   check_parameters(parameters, parameter_shapes());
   for (std::size_t i = 0; i < steps_.size(); ++i) {
     const std::span<const float> weight = take(parameters, shape(i).weights());
-    const std::span<const float> bias = take(parameters, shape(i).output_channels);
+    const std::span<const float> bias =
+        take(parameters, steps_[i].bias ? shape(i).output_channels : 0);
     std::visit([&](auto& layer) { layer.set_parameters(weight, bias); }, layers_[i]);
     if (!steps_[i].row_bias) continue;
     Tensor& rows = row_biases_[i];
@@ -112,17 +145,35 @@ void ConvolutionGraph::set_parameters(std::span<const float> parameters) {
   }
 }
 
-void ConvolutionGraph::forward(std::vector<Tensor>& values, int left_out) {
+LayerEnd ConvolutionGraph::end_of(std::size_t i, const std::vector<Tensor>& values) const {
+  const ConvolutionStep& step = steps_[i];
+  const Tensor* skip = step.skip ? &values[*step.skip] : nullptr;
+  return {step.negative_slope, step.row_bias ? &row_biases_[i] : skip};
+}
+
+void ConvolutionGraph::forward(std::vector<Tensor>& values, int left_out,
+                               std::optional<std::uint64_t> dropout_seed) {
   for (std::size_t i = 0; i + left_out < steps_.size(); ++i) {
     const ConvolutionStep& step = steps_[i];
-    const Tensor* skip = step.skip ? &values[*step.skip] : nullptr;
-    if (step.row_bias) skip = &row_biases_[i];
+    const LayerEnd end = end_of(i, values);
+    std::visit([&](auto& layer) { layer.forward(values[step.from], end, values[step.to]); },
+               layers_[i]);
+    if (dropout_seed) drop_out(*dropout_seed + i, step.dropout, values[step.to]);
+  }
+}
+
+std::vector<NetworkStep> ConvolutionGraph::steps(std::vector<Tensor>& values) {
+  std::vector<NetworkStep> steps;
+  for (std::size_t i = 0; i < steps_.size(); ++i) {
+    const ConvolutionStep& step = steps_[i];
     std::visit(
         [&](auto& layer) {
-          layer.forward(values[step.from], {step.negative_slope, skip}, values[step.to]);
+          steps.push_back(convolution_step(step.name, layer, values[step.from], end_of(i, values),
+                                           values[step.to]));
         },
         layers_[i]);
   }
+  return steps;
 }
 
 void ConvolutionGraph::last_step_row(const std::vector<Tensor>& values, int row, float* output,
@@ -138,15 +189,15 @@ std::optional<int> ConvolutionGraph::used_as_skip_for(int index) const {
   return std::nullopt;
 }
 
-std::optional<float> ConvolutionGraph::slope_before(int index) const {
+const ConvolutionStep* ConvolutionGraph::step_before(int index) const {
   for (const ConvolutionStep& step : steps_) {
-    if (step.to == index && step.negative_slope != 1.0F) return step.negative_slope;
+    if (step.to == index) return &step;
   }
-  return std::nullopt;
+  return nullptr;
 }
 
 void ConvolutionGraph::backward(const std::vector<Tensor>& values, std::vector<Tensor>& gradients,
-                                std::span<float> d_parameters) {
+                                std::span<float> d_parameters, bool dropped) {
   std::vector<std::span<float>> d_arrays;
   for (const ParameterShape& array : parameter_shapes()) {
     d_arrays.push_back(take(d_parameters, array.elements()));
@@ -169,15 +220,19 @@ void ConvolutionGraph::backward(const std::vector<Tensor>& values, std::vector<T
         }
       }
     }
-    const std::span<float> d_bias = d_arrays.back();
-    d_arrays.pop_back();
+    std::span<float> d_bias;
+    if (step.bias) {
+      d_bias = d_arrays.back();
+      d_arrays.pop_back();
+    }
     const std::span<float> d_weight = d_arrays.back();
     d_arrays.pop_back();
     InputGradientEnd end;
     if (const std::optional<int> skip = used_as_skip_for(step.from)) end.skip = &gradients[*skip];
-    if (const std::optional<float> slope = slope_before(step.from)) {
+    const ConvolutionStep* const before = step_before(step.from);
+    if (before != nullptr && before->negative_slope != 1.0F) {
       end.activated = &values[step.from];
-      end.negative_slope = *slope;
+      end.negative_slope = before->negative_slope;
     }
     std::visit(
         [&](auto& layer) {
@@ -185,6 +240,7 @@ void ConvolutionGraph::backward(const std::vector<Tensor>& values, std::vector<T
           layer.backward_input(d_to, end, gradients[step.from]);
         },
         layers_[i]);
+    if (dropped && before != nullptr) scale(kept_scale(before->dropout), gradients[step.from]);
   }
 }
 

@@ -7,12 +7,13 @@
 #include <variant>
 #include <vector>
 
-#include "hqslam/nn/conv2d.h"
-#include "hqslam/nn/conv_transpose2d.h"
-#include "hqslam/nn/convolution_shape.h"
-#include "hqslam/nn/hqs/denoiser.h"
+#include "conv2d.h"
+#include "conv_transpose2d.h"
+#include "convolution_shape.h"
+#include "hqslam/nn/hqs/network.h"
 #include "hqslam/nn/instruction_set.h"
-#include "hqslam/nn/tensor.h"
+#include "hqslam/nn/parameter_shape.h"
+#include "tensor.h"
 
 namespace hqslam::nn {
 
@@ -29,6 +30,8 @@ struct ConvolutionStep {
   float negative_slope = 1.0F;
   bool row_bias = false;  ///< a learned bias per output channel and row beside the one per channel;
                           ///< not together with a skip
+  bool bias = true;       ///< a learned bias per output channel
+  float dropout = 0.0F;   ///< the share of its result that training drops
   float start_scale = 1.0F;  ///< of its first weights, in PyTorch's uniform start
 };
 
@@ -41,7 +44,8 @@ class ConvolutionGraph {
   /// channels: of every tensor; tensor 0 has rows x columns pixels, the others follow. Throws
   /// Error if a shape does not fit.
   ConvolutionGraph(std::vector<ConvolutionStep> steps, const std::vector<int>& channels, int rows,
-                   int columns, InstructionSet instruction_set, int threads);
+                   int columns, InstructionSet instruction_set, int threads,
+                   ColumnPadding padding = ColumnPadding::kCircular);
 
   std::vector<ParameterShape> parameter_shapes() const;
   /// PyTorch's start: uniform in +-1 / sqrt(fan in); biases in +-0.1, those of rows 0.
@@ -54,24 +58,29 @@ class ConvolutionGraph {
   void set_parameters(std::span<const float> parameters);
 
   /// values[0] -> the other values, but for the last `left_out` steps. Called by all threads of a
-  /// parallel region, they share the work.
-  void forward(std::vector<Tensor>& values, int left_out = 0);
+  /// parallel region, they share the work. With a seed the steps that have dropout drop.
+  void forward(std::vector<Tensor>& values, int left_out = 0,
+               std::optional<std::uint64_t> dropout_seed = std::nullopt);
+  /// The steps of `forward`, for measurements; `values` must outlive them.
+  std::vector<NetworkStep> steps(std::vector<Tensor>& values);
   /// One row of the last step's result, by the calling thread alone (Conv2d::forward_row).
   void last_step_row(const std::vector<Tensor>& values, int row, float* output,
                      std::int64_t channel_stride) const;
   /// In: gradients.back(), borders filled. Out: gradients.front(); d_parameters is added to. The
   /// others are overwritten: the gradients of what went into their activations. One thread.
+  /// `dropped`: forward did; what it dropped is 0, as what a ReLU cut off is.
   void backward(const std::vector<Tensor>& values, std::vector<Tensor>& gradients,
-                std::span<float> d_parameters);
+                std::span<float> d_parameters, bool dropped = false);
 
  private:
   using Layer = std::variant<Conv2d, ConvTranspose2d>;
 
   const ConvolutionShape& shape(std::size_t step) const;
+  LayerEnd end_of(std::size_t step, const std::vector<Tensor>& values) const;
   /// The tensor whose gradient tensor `index` gets as a skip.
   std::optional<int> used_as_skip_for(int index) const;
-  /// Of the activation that made tensor `index`; nothing if none did.
-  std::optional<float> slope_before(int index) const;
+  /// The step that made tensor `index`; null for the input.
+  const ConvolutionStep* step_before(int index) const;
 
   std::vector<ConvolutionStep> steps_;
   std::vector<Tensor> shapes_;

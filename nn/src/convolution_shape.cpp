@@ -1,4 +1,4 @@
-#include "hqslam/nn/convolution_shape.h"
+#include "convolution_shape.h"
 
 #include <fmt/format.h>
 
@@ -24,6 +24,7 @@ void validate(const ConvolutionShape& shape) {
   check("kernel_rows", shape.kernel_rows, 1, kMostKernel);
   check("kernel_columns", shape.kernel_columns, 1, kMostKernel);
   check("stride", shape.stride, 1, kMostStride);
+  check("stride_columns", shape.column_stride(), 1, kMostStride);
   check("padding_rows", shape.padding_rows, 0, kMostKernel);
   check("padding_columns", shape.padding_columns, 0, kMostKernel);
 }

@@ -2,8 +2,8 @@
 
 #include <cstdint>
 
-#include "hqslam/nn/convolution_shape.h"
-#include "hqslam/nn/tensor.h"
+#include "convolution_shape.h"
+#include "tensor.h"
 
 // How the reference convolutions count; the fast ones have their own way, on purpose.
 namespace hqslam::nn {
@@ -28,7 +28,7 @@ void for_each_tap(const ConvolutionShape& shape, const Tensor& wide, int y, int 
       const int row = y * shape.stride + r - shape.padding_rows;
       if (row < 0 || row >= wide.rows()) continue;
       for (int c = 0; c < shape.kernel_columns; ++c) {
-        int column = x * shape.stride + c - shape.padding_columns;
+        int column = x * shape.column_stride() + c - shape.padding_columns;
         if (wide.padding() == ColumnPadding::kCircular) {
           column = (column % wide.columns() + wide.columns()) % wide.columns();
         }

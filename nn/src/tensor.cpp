@@ -1,4 +1,4 @@
-#include "hqslam/nn/tensor.h"
+#include "tensor.h"
 
 #include <fmt/format.h>
 

@@ -62,7 +62,7 @@ Upsampler::Upsampler(Interpolation interpolation, SensorModel sensor, RowSelecti
 
 std::string Upsampler::name() const {
   if (network() != nullptr) {
-    return std::string(nn::name(network()->description().kind));
+    return std::string(nn::name(network()->description()));
   }
   for (const NamedInterpolation& named : kInterpolations) {
     if (named.interpolation == std::get<Interpolation>(method_)) {

@@ -53,7 +53,7 @@ constexpr double kSteady_periods = 10.0;
 
 /// A state known better than this is where the scan is looked for, unless the odometry saw it
 /// farther away than a search in the map reaches. Otherwise it is looked for where the odometry saw
-/// it too, and found there if so many times as much of it fits.
+/// it too, and found there if so many times as much of what stands on the ground fits.
 constexpr double kPrecise_m = 0.5;
 constexpr double kPrecise_rad = 0.05;
 constexpr double kElsewhere_m = 0.3;
@@ -70,10 +70,10 @@ bool is_elsewhere(const Twist& surprise) {
   return surprise.linear.norm() > kElsewhere_m || surprise.angular.norm() > kElsewhere_rad;
 }
 
-int matched(const MappingResult& located) {
-  return located.status == Status::kTooFewFeatures
-             ? 0
-             : located.edge_correspondences + located.planar_correspondences;
+bool fits_better(const MappingResult& a, const MappingResult& b) {
+  if (a.status == Status::kTooFewFeatures) return false;
+  if (b.status == Status::kTooFewFeatures) return true;
+  return a.standing_correspondences > kFitsBetter * b.standing_correspondences;
 }
 
 /// Whether a scan can serve as the one that the next are matched with: edges alone will do
@@ -241,7 +241,7 @@ Slam::Implementation::Followed Slam::Implementation::locate(const Features& feat
   if (!is_precise(expected) || is_elsewhere(surprise)) {
     const MappingResult from_odometry =
         mapping.locate(thinned, surprised(expected, surprise, duration_s), T_map_moved);
-    if (matched(from_odometry) > kFitsBetter * matched(located)) located = from_odometry;
+    if (fits_better(from_odometry, located)) located = from_odometry;
   }
   if (located.status != Status::kTooFewFeatures &&
       duration_s > kSteady_periods * sensor.scan_period_s) {

@@ -5,6 +5,7 @@
 
 #include "hqslam/core/error.h"
 #include "hqslam/core/npz.h"
+#include "hqslam/nn/hqs/network_json.h"
 #include "hqslam/nn/hqs/weights_file.h"
 #include "hqslam/nn/training/checkpoint.h"
 #include "hqslam/nn/training/training_configuration.h"
@@ -20,14 +21,13 @@ namespace {
 /// A network of a few hundred parameters.
 const nn::NetworkDescription& small_network() {
   static const nn::NetworkDescription network = [] {
-    nn::NetworkDescription small;
-    small.layers = 1;
-    small.u_shaped = {.tile = {4, 4}, .channels = {2, 2}, .memory = 1, .negative_slope = 0.0F};
-    small.sensor = sensor_preset("vlp-16");
-    small.sensor.columns = 32;
-    small.measured_rows = {3, 4};
-    small.filter.min_pixels = 0;
-    return small;
+    SensorModel sensor = sensor_preset("vlp-16");
+    sensor.columns = 32;
+    return nn::network_from_json(
+        R"({"kind": "du-or", "layers": 1, "denoiser": {"channels": [2, 2], "memory": 1},
+            "filter": {"min_pixels": 0}, "measured_rows": {"offset": 3, "stride": 4}, "sensor": )" +
+            sensor_json(sensor) + "}",
+        "small network");
   }();
   return network;
 }

@@ -1,4 +1,4 @@
-#include "hqslam/nn/activation.h"
+#include "activation.h"
 
 #include "golden.h"
 

@@ -2,8 +2,8 @@
 
 #include <doctest/doctest.h>
 
-#include "error_message.h"
 #include "../temporary_directory.h"
+#include "error_message.h"
 #include "hqslam/core/npz.h"
 #include "small_network.h"
 

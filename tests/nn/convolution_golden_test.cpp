@@ -1,8 +1,8 @@
 #include <vector>
 
+#include "conv2d.h"
+#include "conv_transpose2d.h"
 #include "golden.h"
-#include "hqslam/nn/conv2d.h"
-#include "hqslam/nn/conv_transpose2d.h"
 #include "hqslam/nn/instruction_set.h"
 
 namespace hqslam::nn {

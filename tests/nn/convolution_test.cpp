@@ -3,9 +3,9 @@
 
 #include <vector>
 
+#include "conv2d.h"
+#include "conv_transpose2d.h"
 #include "hqslam/core/error.h"
-#include "hqslam/nn/conv2d.h"
-#include "hqslam/nn/conv_transpose2d.h"
 #include "random_values.h"
 
 namespace hqslam::nn {
@@ -28,9 +28,11 @@ std::vector<Case> cases() {
       all.push_back({{2, 17, 2, 2, 2, 0, 0}, 4, columns, padding});
       all.push_back({{3, 5, 4, 4, 2, 1, 1}, 8, columns, padding});
       all.push_back({{2, 3, 3, 5, 1, 1, 2}, 3, columns, padding});
+      all.push_back({{3, 9, 3, 3, 2, 1, 1, 1}, 6, columns, padding});  // strides 2 x 1
     }
     all.push_back({{1, 2, 5, 3, 3, 2, 0}, 9, 12, padding});
-    all.push_back({{2, 3, 3, 4, 1, 1, 2}, 3, 20, padding});  // zero: one column more than before
+    all.push_back({{1, 9, 1, 8, 1, 0, 2, 4}, 3, 64, padding});  // strides 1 x 4
+    all.push_back({{2, 3, 3, 4, 1, 1, 2}, 3, 20, padding});     // zero: one column more than before
     all.push_back({{2, 3, 3, 5, 2, 1, 2}, 4, 15, padding});
     all.push_back({{2, 3, 3, 2, 2, 1, 0}, 4, 17, padding});  // zero: the last column has no tap
   }
@@ -40,8 +42,8 @@ std::vector<Case> cases() {
 Tensor narrow_tensor(const ConvolutionShape& s, const Case& c, int channels) {
   const int columns =
       c.padding == ColumnPadding::kCircular
-          ? c.columns / s.stride
-          : convolved_size(c.columns, s.kernel_columns, s.stride, s.padding_columns);
+          ? c.columns / s.column_stride()
+          : convolved_size(c.columns, s.kernel_columns, s.column_stride(), s.padding_columns);
   return {channels, convolved_size(c.rows, s.kernel_rows, s.stride, s.padding_rows), columns,
           c.padding, 4};
 }
@@ -130,7 +132,8 @@ Outcome with_reference(const Problem& p, bool transposed) {
 template <typename Layer>
 void check_against_reference(bool transposed) {
   for (const Case& c : cases()) {
-    const bool uneven = c.padding == ColumnPadding::kCircular && c.columns % c.shape.stride != 0;
+    const bool uneven =
+        c.padding == ColumnPadding::kCircular && c.columns % c.shape.column_stride() != 0;
     if (uneven) continue;
     const Problem p = problem(c, transposed);
     const Outcome expected = with_reference(p, transposed);

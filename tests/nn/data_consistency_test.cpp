@@ -1,4 +1,4 @@
-#include "hqslam/nn/hqs/data_consistency.h"
+#include "hqs/data_consistency.h"
 
 #include <omp.h>
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "hqslam/core/range_image.h"
-#include "hqslam/nn/hqs/network_description.h"
+#include "small_network.h"
 
 // The networks once more, in double precision and as plainly as their formulas: no tiles in memory,
 // no borders, no vectors. The filter's decisions are given; without dropout.
@@ -100,7 +100,7 @@ struct Start {
   Image linear;
 };
 
-inline Start start(const NetworkDescription& d, const RangeImage& measured, bool circular) {
+inline Start start(const UnrolledPlan& d, const RangeImage& measured, bool circular) {
   const Image empty(1, d.sensor.rows(), measured.columns, circular);
   Start s{empty, empty, empty};
   for (int y = 0; y < empty.rows; ++y) {
@@ -175,23 +175,24 @@ inline Image u_shaped(const UShapedDenoiserShape& shape, const Start& s, const I
 using Masks = std::vector<std::vector<std::uint8_t>>;
 
 /// Each layer's Z, rows x columns, in units of range_scale_m. `rejected`: the filter's decisions.
-inline std::vector<std::vector<double>> layers_z(const NetworkDescription& d,
+inline std::vector<std::vector<double>> layers_z(const UnrolledPlan& d,
                                                  std::span<const double> parameters,
                                                  const RangeImage& measured,
                                                  const Masks& rejected) {
   std::vector<std::vector<double>> all;
-  const bool simple = d.kind == NetworkKind::kSimpleDu;
+  const bool simple = d.simple();
+  const bool z_alone = d.auxiliaries == Auxiliaries::kZ;
   const Start s = start(d, measured, !simple);
   const TileSize tile = d.u_shaped.tile;
   Image memory(std::max(1, d.u_shaped.memory), s.linear.rows / tile.rows,
                s.linear.columns / tile.columns, true);
   Image z = s.linear;
-  if (simple) std::fill(z.values.begin(), z.values.end(), 0.0);
+  if (d.start == nn::Start::kZero) std::fill(z.values.begin(), z.values.end(), 0.0);
   Image y = z;
-  const std::span<const double> penalties = parameters.last(simple ? 1 : d.layers);
+  const std::span<const double> penalties = parameters.last(d.penalties());
   std::span<const double> next = parameters;
   for (int layer = 0; layer < d.layers; ++layer) {
-    const double b = simple ? 0.5 / penalties[0] : std::exp(penalties[layer]);
+    const double b = d.penalty == Penalty::kAlpha ? 0.5 / penalties[0] : std::exp(penalties[layer]);
     Image h = z;
     for (int row = 0; row < h.rows; ++row) {
       const int beyond = row - d.measured_rows.offset;
@@ -210,9 +211,11 @@ inline std::vector<std::vector<double>> layers_z(const NetworkDescription& d,
         z = convolved(z, last ? 1 : d.plain.features, 3, 1, false, next);
         if (!last) z = activated(z, 0.0);
       }
-      y = z;
     } else {
       z = u_shaped(d.u_shaped, s, h, memory, next);
+    }
+    y = z;
+    if (!z_alone) {
       y = d.filtered == FilteredIterate::kH ? h : z;
       for (std::size_t i = 0; i < y.values.size(); ++i) {
         if (rejected[layer][i] == 0) continue;

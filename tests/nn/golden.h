@@ -12,7 +12,7 @@
 #include "golden_folder.h"
 #include "hqslam/core/npz.h"
 #include "hqslam/core/range_image.h"
-#include "hqslam/nn/tensor.h"
+#include "tensor.h"
 
 // Files of tests/golden, made with PyTorch in float64 by tools/make_golden.py.
 namespace hqslam::nn {

@@ -1,4 +1,4 @@
-#include "hqslam/nn/training/l1_loss.h"
+#include "training/l1_loss.h"
 
 #include "golden.h"
 

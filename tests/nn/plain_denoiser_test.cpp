@@ -1,10 +1,11 @@
+#include "hqs/plain_denoiser.h"
+
 #include <doctest/doctest.h>
 
 #include <algorithm>
 #include <cmath>
 
 #include "error_message.h"
-#include "hqslam/nn/hqs/denoiser.h"
 #include "random_values.h"
 
 namespace hqslam::nn {
@@ -19,7 +20,7 @@ struct Run {
 Run run(const PlainDenoiserShape& shape, std::optional<std::uint64_t> dropout_seed,
         int threads = 1) {
   Run r;
-  r.denoiser = make_plain_denoiser(shape, 8, 40, chosen_instruction_set(), threads);
+  r.denoiser = make_denoiser(plain_denoiser(shape), 8, 40, chosen_instruction_set(), threads);
   r.denoiser->set_parameters(r.denoiser->initial_parameters(7));
   r.state = r.denoiser->make_state();
   fill_random(1, r.state.input());
@@ -51,7 +52,7 @@ double sum_of(const Tensor& z) {
 }  // namespace
 
 TEST_CASE("Simple DU's denoiser has the 111,744 weights of the authors' code and no bias") {
-  const auto denoiser = make_plain_denoiser({}, 1, 1, InstructionSet::kPortable, 1);
+  const auto denoiser = make_denoiser(plain_denoiser({}), 1, 1, InstructionSet::kPortable, 1);
   std::int64_t sum = 0;
   for (const ParameterShape& shape : denoiser->parameter_shapes()) {
     CHECK(shape.name.ends_with(".weight"));
@@ -112,7 +113,7 @@ TEST_CASE("with dropout the gradient is that of the activations that were left")
 TEST_CASE("plain denoisers of senseless shapes are refused") {
   const auto message = [](const PlainDenoiserShape& shape) {
     return test::error_message(
-        [&] { make_plain_denoiser(shape, 4, 16, InstructionSet::kPortable, 1); });
+        [&] { make_denoiser(plain_denoiser(shape), 4, 16, InstructionSet::kPortable, 1); });
   };
   CHECK(message({.features = 0}) != "no Error");
   CHECK(message({.features = 4, .convolutions = 1}) != "no Error");

@@ -5,7 +5,7 @@
 #include <random>
 #include <vector>
 
-#include "hqslam/nn/tensor.h"
+#include "tensor.h"
 
 namespace hqslam::nn {
 

@@ -1,4 +1,4 @@
-#include "hqslam/nn/hqs/result.h"
+#include "hqs/result.h"
 
 #include <doctest/doctest.h>
 
@@ -9,7 +9,7 @@
 namespace hqslam::nn {
 
 TEST_CASE("the result is in metres, within the sensor's limits, with the measured rows put back") {
-  const NetworkDescription description = small_du_or();
+  const UnrolledPlan description = small_du_or();
   std::vector<float> image(16 * 64, 0.25F);  // 20 m
   image[0] = 0.001F;                         // 0.08 m: too near
   image[1] = 1.6F;                           // 128 m: too far
@@ -35,7 +35,7 @@ TEST_CASE("the result is in metres, within the sensor's limits, with the measure
 }
 
 TEST_CASE("the result of a cut-out has the cut-out's columns") {
-  const NetworkDescription description = small_simple_du();
+  const UnrolledPlan description = small_simple_du();
   const Tensor z(1, 16, 32, ColumnPadding::kZero);
   const RangeImage result = restored_image(description, {}, z, RangeImage(4, 32));
   CHECK(result.columns == 32);

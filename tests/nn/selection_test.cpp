@@ -1,4 +1,4 @@
-#include "hqslam/nn/hqs/selection.h"
+#include "hqs/selection.h"
 
 #include <omp.h>
 

@@ -4,9 +4,13 @@
 #include <numbers>
 #include <vector>
 
+#include "hqs/du_mix.h"
+#include "hqs/plain_denoiser.h"
+#include "hqs/tiles.h"
+#include "hqs/u_shaped_denoiser.h"
+#include "hqs/unrolled_hqs.h"
+#include "hqs/unrolled_network.h"
 #include "hqslam/core/range_image.h"
-#include "hqslam/nn/hqs/tiles.h"
-#include "hqslam/nn/hqs/unrolled_network.h"
 
 // Networks of a few thousand parameters on images of 16 x 64 pixels; tools/make_golden.py has the
 // same sensor and scene.
@@ -39,38 +43,68 @@ inline RangeImage small_scene() {
   return image;
 }
 
+/// An unrolled network as a test likes it: the options, and the sizes of its denoiser.
+struct UnrolledPlan : HqsOptions {
+  std::string kind = "du-or";
+  UShapedDenoiserShape u_shaped;  ///< of "du-or"
+  PlainDenoiserShape plain;       ///< of "simple-du"
+  SensorModel sensor = small_sensor();
+  RowSelection measured_rows{3, 4};
+  float range_scale_m = 80.0F;
+
+  bool simple() const { return kind == "simple-du"; }
+  int penalties() const { return penalty == Penalty::kAlpha ? 1 : layers; }
+  TileSize tile() const { return simple() ? TileSize{} : u_shaped.tile; }
+  operator NetworkDescription() const {  // NOLINT: what a plan is for
+    NetworkDescription d;
+    d.architecture = std::make_shared<UnrolledHqs>(
+        kind, *this, simple() ? plain_denoiser(plain) : u_shaped_denoiser(u_shaped));
+    d.sensor = sensor;
+    d.measured_rows = measured_rows;
+    d.range_scale_m = range_scale_m;
+    return d;
+  }
+};
+
 /// No filter inside.
-inline NetworkDescription small_du_or() {
-  NetworkDescription description;
-  description.layers = 3;
-  description.u_shaped = {.tile = {4, 4}, .channels = {6, 8}, .memory = 3, .negative_slope = 0.0F};
-  description.sensor = small_sensor();
-  description.measured_rows = {3, 4};
-  description.filter.min_pixels = 0;
+inline UnrolledPlan small_du_or() {
+  UnrolledPlan plan;
+  plan.layers = 3;
+  plan.u_shaped = {.tile = {4, 4}, .channels = {6, 8}, .memory = 3, .negative_slope = 0.0F};
+  plan.filter.min_pixels = 0;
+  return plan;
+}
+
+inline UnrolledPlan small_simple_du() {
+  UnrolledPlan plan;
+  static_cast<HqsOptions&>(plan) = simple_du_options();
+  plan.kind = "simple-du";
+  plan.layers = 3;
+  plan.plain = {.features = 8, .convolutions = 5, .dropout = 0.0F};
+  plan.filter.min_pixels = 0;
+  return plan;
+}
+
+inline NetworkDescription small_du_mix(const TwoModesShape& shape) {
+  NetworkDescription description = small_du_or();
+  description.architecture = std::make_shared<DuMix>(shape);
   return description;
+}
+
+inline TwoModesShape small_two_modes(const std::vector<TwoModesLayerShape>& layers) {
+  return {.tile = {4, 4},
+          .layers = layers,
+          .memory = layers.size() > 1 ? 3 : 0,
+          .negative_slope = 0.125F};
 }
 
 inline NetworkDescription small_du_mix(const std::vector<TwoModesLayerShape>& layers) {
-  NetworkDescription description = small_du_or();
-  description.kind = NetworkKind::kDuMix;
-  description.layers = static_cast<int>(layers.size());
-  description.two_modes.layers = layers;
-  description.two_modes.memory = layers.size() > 1 ? 3 : 0;
-  description.two_modes.negative_slope = 0.125F;
-  return description;
-}
-
-inline NetworkDescription small_simple_du() {
-  NetworkDescription description = small_du_or();
-  description.kind = NetworkKind::kSimpleDu;
-  description.shared_weights = true;
-  description.plain = {.features = 8, .convolutions = 5, .dropout = 0.0F};
-  return description;
+  return small_du_mix(small_two_modes(layers));
 }
 
 /// An image in units of range_scale_m.
-inline std::vector<float> image_of(const NetworkDescription& description, const Tensor& tiles) {
-  const TileSize tile = tile_of(description);
+inline std::vector<float> image_of(const UnrolledPlan& plan, const Tensor& tiles) {
+  const TileSize tile = plan.tile();
   std::vector<float> image(static_cast<std::size_t>(tile.pixels()) * tiles.rows() *
                            tiles.columns());
   from_tiles(tiles, tile, image.data());

@@ -4,15 +4,14 @@
 
 #include <array>
 
-#include "error_message.h"
 #include "../temporary_directory.h"
+#include "error_message.h"
 #include "small_network.h"
 
 namespace hqslam::nn {
 namespace {
 
-Weights weights_of(NetworkDescription description) {
-  description.filter.min_pixels = 4;
+Weights weights_of(const NetworkDescription& description) {
   Weights weights;
   weights.description = description;
   weights.parameters = initial_parameters(description, 3);
@@ -20,6 +19,11 @@ Weights weights_of(NetworkDescription description) {
   weights.self_test = make_self_test(description, weights.parameters,
                                      select_rows(small_scene(), description.measured_rows));
   return weights;
+}
+
+Weights weights_of(UnrolledPlan plan) {
+  plan.filter.min_pixels = 4;
+  return weights_of(NetworkDescription(plan));
 }
 
 /// eq. 3's first term, summed here from the images that the trace shows.
@@ -44,7 +48,7 @@ TEST_CASE("the measured rows alone and all rows give the same image") {
 }
 
 TEST_CASE("measured rows come back as they were, computed ranges keep the sensor's limits") {
-  for (const NetworkDescription& description : {small_du_or(), small_simple_du()}) {
+  for (const UnrolledPlan& description : {small_du_or(), small_simple_du()}) {
     SuperResolver resolver(weights_of(description), {});
     const RangeImage scene = small_scene();
     const RangeImage image = resolver.run(scene).image;
@@ -60,10 +64,10 @@ TEST_CASE("measured rows come back as they were, computed ranges keep the sensor
 
 TEST_CASE("inside a parallel region of the caller's each object works as it does outside") {
   const test::TemporaryDirectory directory;
-  for (const NetworkDescription& description :
-       {small_du_or(), small_simple_du(), small_du_mix({{6, 8, 1}, {5, 7, 0}})}) {
+  for (const Weights& weights : {weights_of(small_du_or()), weights_of(small_simple_du()),
+                                 weights_of(small_du_mix({{6, 8, 1}, {5, 7, 0}}))}) {
     const std::string path = directory.file("weights.npz");
-    write_weights(path, weights_of(description));
+    write_weights(path, weights);
     const RangeImage scene = small_scene();
     SuperResolver alone = SuperResolver::load(path, {.threads = 2});
     Trace expected_trace;
@@ -101,7 +105,7 @@ TEST_CASE("an image of another shape is refused with both shapes that would do")
 }
 
 TEST_CASE("weights with another number of parameters are refused") {
-  for (const NetworkDescription& description : {small_du_or(), small_simple_du()}) {
+  for (const UnrolledPlan& description : {small_du_or(), small_simple_du()}) {
     Weights weights = weights_of(description);
     weights.parameters.clear();
     CHECK(test::one_line_with(test::error_message([&] { SuperResolver(weights, {}); }),
@@ -110,8 +114,8 @@ TEST_CASE("weights with another number of parameters are refused") {
 }
 
 TEST_CASE("the trace of both networks shows every layer and does not change the result") {
-  for (const NetworkDescription& description : {small_du_or(), small_simple_du()}) {
-    const bool simple = description.kind == NetworkKind::kSimpleDu;
+  for (const UnrolledPlan& description : {small_du_or(), small_simple_du()}) {
+    const bool simple = description.simple();
     SuperResolver resolver(weights_of(description), {});
     const RangeImage scene = small_scene();
     Trace trace;
@@ -147,21 +151,21 @@ TEST_CASE("Simple DU's Y is its Z; it has no filter inside, nor a term of one") 
   resolver.run(small_scene(), &trace);
   for (const LayerTrace& layer : trace.layers) {
     CHECK(layer.y.range_m == layer.z.range_m);
-    CHECK(layer.rejected == std::vector<std::uint8_t>(16 * 64, 0));
+    CHECK(layer.rejected.empty());
     CHECK(layer.objective.rejected == 0);
     CHECK(layer.objective.filter_gap_m2 == 0.0);
     CHECK(layer.objective.denoiser_gap_m2 > 0.0);
   }
 }
 
-TEST_CASE("the filter's settings can be replaced and its last pass left out") {
+TEST_CASE("the filter at the end can be left out") {
   const Weights weights = weights_of(small_du_or());
   const RangeImage scene = small_scene();
   SuperResolver filtered(weights, {});
   SuperResolver inside_only(weights, {.filter_result = false});
-  OutlierRemovalOptions everything;
-  everything.min_pixels = 1'000'000;
-  SuperResolver strict(weights, {.filter = everything});
+  UnrolledPlan everything = small_du_or();
+  everything.last_filter.min_pixels = 1'000'000;
+  SuperResolver strict(weights_of(everything), {});
   const RangeImage image = inside_only.run(scene).image;
   Trace trace;
   const RangeImage without = filtered.run(scene, &trace).image;

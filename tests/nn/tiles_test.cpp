@@ -1,4 +1,4 @@
-#include "hqslam/nn/hqs/tiles.h"
+#include "hqs/tiles.h"
 
 #include "golden.h"
 #include "random_values.h"

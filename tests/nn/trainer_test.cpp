@@ -5,6 +5,8 @@
 #include <cmath>
 #include <set>
 
+#include "direct/srae.h"
+#include "direct/tulip.h"
 #include "error_message.h"
 #include "small_network.h"
 
@@ -41,14 +43,14 @@ TrainingState fresh_state(const NetworkDescription& description) {
   return {std::move(parameters), AdamW({}, count), std::move(average)};
 }
 
-NetworkDescription filtered_du_or() {
-  NetworkDescription description = small_du_or();
+UnrolledPlan filtered_du_or() {
+  UnrolledPlan description = small_du_or();
   description.filter.min_pixels = 12;
   return description;
 }
 
-NetworkDescription simple_du_with_dropout() {
-  NetworkDescription description = small_simple_du();
+UnrolledPlan simple_du_with_dropout() {
+  UnrolledPlan description = small_simple_du();
   description.plain.dropout = 0.1F;
   return description;
 }
@@ -78,7 +80,7 @@ std::string plan_message(const TrainingPlan& plan) {
 }  // namespace
 
 TEST_CASE("training makes DU-OR better than it was and better than interpolation") {
-  const NetworkDescription description = filtered_du_or();
+  const UnrolledPlan description = filtered_du_or();
   Trainer trainer(description, small_plan(), in_memory(scans()), fresh_state(description), 2);
   const Validation before = trainer.validate(scans());
   TrainingStep step;
@@ -99,15 +101,55 @@ TEST_CASE("training makes DU-OR better than it was and better than interpolation
 }
 
 TEST_CASE("training makes Simple DU better than it was") {
-  const NetworkDescription description = simple_du_with_dropout();
+  const UnrolledPlan description = simple_du_with_dropout();
   Trainer trainer(description, small_plan(), in_memory(scans()), fresh_state(description), 2);
   const Validation before = trainer.validate(scans());
   train(trainer, 60);
   CHECK(trainer.validate(scans()).network.mae_all_m < 0.7 * before.network.mae_all_m);
 }
 
+TEST_CASE(
+    "training makes SRAE and TULIP better than they were, the same by any number of threads") {
+  NetworkDescription srae = small_du_or();
+  srae.architecture = std::make_shared<Srae>(SraeShape{.filters = 2, .passes = 1});
+  NetworkDescription tulip = srae;
+  tulip.architecture = std::make_shared<Tulip>(TulipShape{.channels = 8, .heads = {2, 2}});
+  TrainingPlan plan = small_plan();
+  plan.augmentation.crop_columns = 0;
+  for (const NetworkDescription& description : {srae, tulip}) {
+    CAPTURE(name(description));
+    Trainer one(description, plan, in_memory(scans()), fresh_state(description), 1);
+    Trainer three(description, plan, in_memory(scans()), fresh_state(description), 3);
+    double first = 0.0;
+    double last = 0.0;
+    for (int step = 0; step < 40; ++step) {
+      const double loss = one.step().loss;
+      three.step();
+      if (step < 5) first += loss;
+      if (step >= 35) last += loss;
+    }
+    CHECK(last < 0.7 * first);
+    check_same(one.state(), three.state());
+  }
+}
+
+TEST_CASE("batch norm's statistics follow the scans and no optimiser moves them") {
+  NetworkDescription srae = small_du_or();
+  srae.architecture = std::make_shared<Srae>(SraeShape{.filters = 1, .passes = 1});
+  const TrainingState state = trained(srae, 3, 1);
+  std::size_t begin = 0;
+  for (const ParameterShape& shape : parameter_shapes(srae)) {
+    for (std::int64_t i = 0; i < shape.elements(); ++i) {
+      if (!shape.statistic) continue;
+      CHECK(state.optimiser.second_moment[begin + i] == 0.0F);
+      if (shape.name == "up.0.norm.running_var") CHECK(state.parameters[begin + i] != 1.0F);
+    }
+    begin += shape.elements();
+  }
+}
+
 TEST_CASE("one, two and three threads train the same bytes") {
-  for (const NetworkDescription& description : {filtered_du_or(), simple_du_with_dropout()}) {
+  for (const UnrolledPlan& description : {filtered_du_or(), simple_du_with_dropout()}) {
     const TrainingState one = trained(description, 6, 1);
     check_same(one, trained(description, 6, 2));
     check_same(one, trained(description, 6, 3));
@@ -116,7 +158,7 @@ TEST_CASE("one, two and three threads train the same bytes") {
 }
 
 TEST_CASE("a training that stopped and went on gives the same bytes as one that never stopped") {
-  for (const NetworkDescription& description : {filtered_du_or(), simple_du_with_dropout()}) {
+  for (const UnrolledPlan& description : {filtered_du_or(), simple_du_with_dropout()}) {
     const TrainingState whole = trained(description, 8, 1);
     const TrainingState half = trained(description, 3, 2);
     Trainer second(description, small_plan(), in_memory(scans()), half, 2);
@@ -126,7 +168,7 @@ TEST_CASE("a training that stopped and went on gives the same bytes as one that 
 }
 
 TEST_CASE("another seed trains other bytes") {
-  const NetworkDescription description = small_du_or();
+  const UnrolledPlan description = small_du_or();
   TrainingPlan plan = small_plan();
   plan.seed = 2;
   Trainer trainer(description, plan, in_memory(scans()), fresh_state(description), 1);
@@ -135,7 +177,7 @@ TEST_CASE("another seed trains other bytes") {
 }
 
 TEST_CASE("the gradient and the loss of a batch are means: equal samples give those of one") {
-  const NetworkDescription description = small_du_or();
+  const UnrolledPlan description = small_du_or();
   RangeImage rings(16, 64);  // the same from every side, so that turning it changes nothing
   for (int i = 0; i < 16 * 64; ++i) rings.range_m[i] = 30.0F - static_cast<float>(i / 64);
   TrainingPlan plan = small_plan();
@@ -151,7 +193,7 @@ TEST_CASE("the gradient and the loss of a batch are means: equal samples give th
 }
 
 TEST_CASE("every step draws samples of its own") {
-  const NetworkDescription description = small_du_or();
+  const UnrolledPlan description = small_du_or();
   TrainingPlan plan = small_plan();
   plan.learning_rate = 1e-30F;  // the network stays as it is
   Trainer trainer(description, plan, in_memory(scans()), fresh_state(description), 1);
@@ -165,7 +207,7 @@ TEST_CASE("every step draws samples of its own") {
 }
 
 TEST_CASE("without a share in the loss inner layers only serve the last one") {
-  const NetworkDescription description = small_du_or();
+  const UnrolledPlan description = small_du_or();
   TrainingPlan plan = small_plan();
   std::vector<TrainingStep> steps;
   for (const float share : {0.0F, 1.0F}) {
@@ -180,7 +222,7 @@ TEST_CASE("without a share in the loss inner layers only serve the last one") {
 TEST_CASE(
     "a step reports the loss before it, the unclipped norm, and moves no parameter by more "
     "than the learning rate allows") {
-  const NetworkDescription description = small_du_or();
+  const UnrolledPlan description = small_du_or();
   TrainingPlan plan = small_plan();
   plan.largest_gradient_norm = 1e-9;
   Trainer trainer(description, plan, in_memory(scans()), fresh_state(description), 1);
@@ -196,7 +238,7 @@ TEST_CASE(
 }
 
 TEST_CASE("validation does not depend on the threads or on dropout, and of nothing is zero") {
-  const NetworkDescription description = simple_du_with_dropout();
+  const UnrolledPlan description = simple_du_with_dropout();
   Trainer one(description, small_plan(), in_memory(scans()), fresh_state(description), 1);
   Trainer two(description, small_plan(), in_memory(scans()), fresh_state(description), 2);
   const Validation a = one.validate(scans());
@@ -234,7 +276,7 @@ TEST_CASE("plans that cannot be followed are refused with the field and the valu
 }
 
 TEST_CASE("scans and states that do not fit the network are refused, by any number of threads") {
-  const NetworkDescription description = small_du_or();
+  const UnrolledPlan description = small_du_or();
   const auto message = [&](std::vector<RangeImage> with, const TrainingState& state) {
     return test::error_message(
         [&] { Trainer(description, small_plan(), in_memory(std::move(with)), state, 2); });
@@ -268,7 +310,7 @@ TEST_CASE("scans in memory are of one shape and numbered from 0") {
 }
 
 TEST_CASE("a training whose loss is not finite stops with an Error, by any number of threads") {
-  const NetworkDescription description = small_du_or();
+  const UnrolledPlan description = small_du_or();
   for (const int threads : {1, 2}) {
     TrainingState state = fresh_state(description);
     state.parameters[0] = std::nanf("");

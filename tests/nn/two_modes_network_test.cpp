@@ -160,15 +160,14 @@ TEST_CASE("a DU-Mix that cannot be is refused with the field") {
   };
   CHECK(message(one_layer(), 64) == "no Error");
   CHECK(test::one_line_with(message(one_layer(), 36), "36 columns", "multiple of 8"));
-  NetworkDescription bad = one_layer();
-  bad.two_modes.tile.rows = 2;
-  CHECK(test::one_line_with(message(bad, 64), "tiles of 2 rows", "one measured row"));
-  bad = one_layer();
-  bad.layers = 3;
-  CHECK(test::one_line_with(message(bad, 64), "layers is 1"));
-  bad = one_layer();
-  bad.two_modes.layers.front().channels = 0;
-  CHECK(test::one_line_with(message(bad, 64), "channels is 0"));
+  TwoModesShape bad = small_two_modes({{6, 8, 1}});
+  bad.tile.rows = 2;
+  CHECK(test::one_line_with(message(small_du_mix(bad), 64), "tiles of 2 rows", "one measured row"));
+  const auto senseless = [](const std::vector<TwoModesLayerShape>& layers) {
+    return test::error_message([&] { small_du_mix(layers); });
+  };
+  CHECK(test::one_line_with(senseless({}), "layers is 0"));
+  CHECK(test::one_line_with(senseless({{0, 8, 1}}), "channels is 0"));
   const auto network = make_network(one_layer(), 64, InstructionSet::kPortable, 1);
   CHECK(test::one_line_with(
       test::error_message([&] { network->set_parameters(std::vector<float>(7)); }),

@@ -1,7 +1,8 @@
+#include "hqs/u_shaped_denoiser.h"
+
 #include <doctest/doctest.h>
 
 #include "error_message.h"
-#include "hqslam/nn/hqs/denoiser.h"
 #include "random_values.h"
 
 namespace hqslam::nn {
@@ -17,14 +18,16 @@ std::int64_t parameters_of(const Denoiser& denoiser) {
 }
 
 std::string message(const UShapedDenoiserShape& shape, int rows, int columns) {
-  return test::error_message(
-      [&] { make_u_shaped_denoiser(shape, rows, columns, InstructionSet::kPortable, 1); });
+  return test::error_message([&] {
+    make_denoiser(u_shaped_denoiser(shape), rows, columns, InstructionSet::kPortable, 1);
+  });
 }
 
 }  // namespace
 
 TEST_CASE("the U-shaped denoiser's arrays have the names and shapes of its description") {
-  const auto denoiser = make_u_shaped_denoiser(kSmall, 8, 32, InstructionSet::kPortable, 1);
+  const auto denoiser =
+      make_denoiser(u_shaped_denoiser(kSmall), 8, 32, InstructionSet::kPortable, 1);
   const std::vector<ParameterShape> shapes = denoiser->parameter_shapes();
   const std::vector<std::pair<std::string, std::vector<std::int64_t>>> expected{
       {"encoder.0.weight", {5, 11, 3, 3}}, {"encoder.0.bias", {5}},
@@ -46,7 +49,8 @@ TEST_CASE("the U-shaped denoiser's arrays have the names and shapes of its descr
 }
 
 TEST_CASE("multiply_adds counts what a hand counts") {
-  const auto denoiser = make_u_shaped_denoiser(kSmall, 8, 32, InstructionSet::kPortable, 1);
+  const auto denoiser =
+      make_denoiser(u_shaped_denoiser(kSmall), 8, 32, InstructionSet::kPortable, 1);
   // Levels of 4 x 8, 2 x 4 and 1 x 2 tiles; a 2 x 2 deconvolution works once per input pixel.
   CHECK(denoiser->multiply_adds() == 5 * 11 * 9 * 32 + 7 * 5 * 9 * 8 + 6 * 7 * 9 * 2 +
                                          6 * 6 * 9 * 2 + 6 * 7 * 4 * 2 + 7 * 5 * 4 * 8 +
@@ -55,7 +59,7 @@ TEST_CASE("multiply_adds counts what a hand counts") {
 
 TEST_CASE("with a head of zeros Z is the mean of the candidates and nothing") {
   for (const InstructionSet any : available_instruction_sets()) {
-    const auto denoiser = make_u_shaped_denoiser(kSmall, 8, 32, any, 1);
+    const auto denoiser = make_denoiser(u_shaped_denoiser(kSmall), 8, 32, any, 1);
     std::vector<float> parameters = denoiser->initial_parameters(1);
     std::fill(parameters.end() - 43 * 6, parameters.end(), 0.0F);
     denoiser->set_parameters(parameters);
@@ -75,7 +79,8 @@ TEST_CASE("with a head of zeros Z is the mean of the candidates and nothing") {
 }
 
 TEST_CASE("Z turns with the scan: columns are a circle without a seam") {
-  const auto denoiser = make_u_shaped_denoiser(kSmall, 8, 32, chosen_instruction_set(), 1);
+  const auto denoiser =
+      make_denoiser(u_shaped_denoiser(kSmall), 8, 32, chosen_instruction_set(), 1);
   denoiser->set_parameters(denoiser->initial_parameters(4));
   DenoiserState state = denoiser->make_state();
   DenoiserState turned = denoiser->make_state();
@@ -129,7 +134,8 @@ TEST_CASE("images that cannot be halved often enough and senseless shapes are re
 }
 
 TEST_CASE("the U-shaped denoiser refuses another number of parameters") {
-  const auto denoiser = make_u_shaped_denoiser(kSmall, 8, 32, InstructionSet::kPortable, 1);
+  const auto denoiser =
+      make_denoiser(u_shaped_denoiser(kSmall), 8, 32, InstructionSet::kPortable, 1);
   std::vector<float> parameters = denoiser->initial_parameters(1);
   parameters.pop_back();
   CHECK_THROWS_AS(denoiser->set_parameters(parameters), Error);

@@ -11,14 +11,14 @@ namespace hqslam::nn {
 namespace {
 
 struct Problem {
-  NetworkDescription description;
+  UnrolledPlan description;
   RangeImage measured;
   std::vector<float> parameters;
   /// loss = sum of direction times Z over the last layers, rows x columns each.
   std::vector<std::vector<float>> directions;
 };
 
-Problem problem(const NetworkDescription& description, int columns, std::uint32_t seed,
+Problem problem(const UnrolledPlan& description, int columns, std::uint32_t seed,
                 int layers_in_loss = 1) {
   Problem p{description, RangeImage(4, columns), initial_parameters(description, seed), {}};
   for (int i = 0; i < layers_in_loss; ++i) {
@@ -31,7 +31,7 @@ Problem problem(const NetworkDescription& description, int columns, std::uint32_
     }
   }
   const auto random = random_values(seed, static_cast<std::int64_t>(p.parameters.size()));
-  const int penalties = description.kind == NetworkKind::kDuOr ? description.layers : 1;
+  const int penalties = description.penalties();
   for (std::size_t i = 0; i + penalties < p.parameters.size(); ++i) {
     p.parameters[i] = 0.3F * random[i];
   }
@@ -54,7 +54,7 @@ EngineResult engine(const Problem& p, InstructionSet instruction_set) {
   network.finish_last_layer(state);
   std::vector<Tensor> d_z(p.directions.size(), state.z0);
   for (std::size_t i = 0; i < d_z.size(); ++i) {
-    to_tiles(p.directions[i].data(), tile_of(p.description), d_z[i]);
+    to_tiles(p.directions[i].data(), p.description.tile(), d_z[i]);
   }
   EngineResult result{{}, std::vector<float>(p.parameters.size()), {}};
   network.backward(state, d_z, result.gradient);
@@ -137,14 +137,14 @@ TEST_CASE("DU-OR and its gradients equal a naive network in double precision") {
 }
 
 TEST_CASE("the same holds for a loss on both layers, cut-outs, three levels and other tiles") {
-  NetworkDescription d = small_du_or();
+  UnrolledPlan d = small_du_or();
   d.layers = 2;
   d.u_shaped = {.tile = {2, 4}, .channels = {5, 3, 4}, .memory = 2, .negative_slope = 0.2F};
   check_network(problem(d, 32, 22, 2), 4);
 }
 
 TEST_CASE("the same holds for a loss on all layers without memory and with shared weights") {
-  NetworkDescription d = small_du_or();
+  UnrolledPlan d = small_du_or();
   d.shared_weights = true;
   d.u_shaped.memory = 0;
   check_network(problem(d, 32, 23, 3), 4);
@@ -153,7 +153,7 @@ TEST_CASE("the same holds for a loss on all layers without memory and with share
 TEST_CASE("the same holds for every way to use what the filter rejects") {
   for (const FilteredIterate iterate : {FilteredIterate::kH, FilteredIterate::kZ}) {
     for (const RejectedPixel pixel : {RejectedPixel::kTakesZ, RejectedPixel::kZero}) {
-      NetworkDescription d = small_du_or();
+      UnrolledPlan d = small_du_or();
       d.filter.min_pixels = 12;
       d.filtered = iterate;
       d.rejected = pixel;
@@ -168,8 +168,24 @@ TEST_CASE("Simple DU and its gradients equal a naive network in double precision
   check_network(problem(small_simple_du(), 32, 25), 6);
 }
 
+TEST_CASE("the same holds for every mixture of what DU-OR and Simple DU are") {
+  for (const Auxiliaries auxiliaries : {Auxiliaries::kZAndY, Auxiliaries::kZ}) {
+    for (const Start start : {Start::kLinear, Start::kZero}) {
+      for (const Penalty penalty : {Penalty::kLogOfEach, Penalty::kAlpha}) {
+        for (UnrolledPlan d : {small_du_or(), small_simple_du()}) {
+          d.layers = 2;
+          d.auxiliaries = auxiliaries;
+          d.start = start;
+          d.penalty = penalty;
+          check_network(problem(d, 32, 27, 2), 1);
+        }
+      }
+    }
+  }
+}
+
 TEST_CASE("Simple DU with weights of its own and a loss in each layer too") {
-  NetworkDescription d = small_simple_du();
+  UnrolledPlan d = small_simple_du();
   d.shared_weights = false;
   check_network(problem(d, 32, 26, 3), 3);
 }

@@ -1,39 +1,39 @@
-#include "hqslam/nn/hqs/unrolled_network.h"
+#include "hqs/unrolled_network.h"
 
 #include "error_message.h"
 #include "golden.h"
-#include "hqslam/nn/training/l1_loss.h"
 #include "random_values.h"
 #include "small_network.h"
+#include "training/l1_loss.h"
 
 namespace hqslam::nn {
 namespace {
 
 constexpr double kTolerance = 1e-4;
 
-NetworkDescription filtered(NetworkDescription description) {
+UnrolledPlan filtered(UnrolledPlan description) {
   description.filter.min_pixels = 30;
   return description;
 }
 
 /// Larger than the starting values, so that every part of the network matters.
-std::vector<float> parameters_for(const NetworkDescription& description, std::uint32_t seed) {
+std::vector<float> parameters_for(const UnrolledPlan& description, std::uint32_t seed) {
   std::vector<float> parameters = initial_parameters(description, seed);
   const std::vector<float> random =
       random_values(seed, static_cast<std::int64_t>(parameters.size()));
-  const int penalties = description.kind == NetworkKind::kDuOr ? description.layers : 1;
+  const int penalties = description.penalties();
   for (std::size_t i = 0; i + penalties < parameters.size(); ++i) parameters[i] = 0.3F * random[i];
   return parameters;
 }
 
-RangeImage measured_scene(const NetworkDescription& description) {
+RangeImage measured_scene(const UnrolledPlan& description) {
   return select_rows(small_scene(), description.measured_rows);
 }
 
-Tensor tiles_of(const NetworkDescription& description, RangeImage image, const Tensor& like) {
+Tensor tiles_of(const UnrolledPlan& description, RangeImage image, const Tensor& like) {
   for (float& range : image.range_m) range /= description.range_scale_m;
   Tensor tiles = like;
-  to_tiles(image.range_m.data(), tile_of(description), tiles);
+  to_tiles(image.range_m.data(), description.tile(), tiles);
   return tiles;
 }
 
@@ -48,7 +48,7 @@ bool same_bits(const UnrolledState& a, const UnrolledState& b) {
 }
 
 /// Every layer's Z, the masks, the loss and the gradients of all parameters.
-void check_against_pytorch(const NetworkDescription& description, const std::string& file) {
+void check_against_pytorch(const UnrolledPlan& description, const std::string& file) {
   const Golden golden(file);
   const RangeImage measured = golden.image("measured_m");
   const std::vector<float> parameters = golden.fractions("parameters");
@@ -75,7 +75,7 @@ void check_against_pytorch(const NetworkDescription& description, const std::str
     }
     const Tensor truth = tiles_of(description, small_scene(), state.z0);
     Tensor d_z = state.z0;
-    const double loss = l1_loss(state.slots.back().denoiser.z, truth, tile_of(description),
+    const double loss = l1_loss(state.slots.back().denoiser.z, truth, description.tile(),
                                 description.measured_rows, 1.0F, d_z);
     CHECK(loss == doctest::Approx(golden.value("loss")).epsilon(kTolerance));
     std::vector<float> d_parameters(parameters.size());
@@ -100,7 +100,7 @@ TEST_CASE("DU-OR with its own weights in each layer equals PyTorch, gradients in
 }
 
 TEST_CASE("DU-OR with shared weights and the filter inside equals PyTorch with its own search") {
-  NetworkDescription description = filtered(small_du_or());
+  UnrolledPlan description = filtered(small_du_or());
   description.shared_weights = true;
   description.u_shaped.negative_slope = 0.125F;
   check_against_pytorch(description, "du_or_filtered");
@@ -111,7 +111,7 @@ TEST_CASE("Simple DU equals PyTorch, gradients included") {
 }
 
 TEST_CASE("one and two threads give the same bits") {
-  for (const NetworkDescription& description : {filtered(small_du_or()), small_simple_du()}) {
+  for (const UnrolledPlan& description : {filtered(small_du_or()), small_simple_du()}) {
     for (const InstructionSet any : available_instruction_sets()) {
       const std::vector<float> parameters = parameters_for(description, 1);
       const RangeImage measured = measured_scene(description);
@@ -122,7 +122,7 @@ TEST_CASE("one and two threads give the same bits") {
 }
 
 TEST_CASE("what was in the state before does not matter, backwards neither") {
-  for (const NetworkDescription& description : {filtered(small_du_or()), small_simple_du()}) {
+  for (const UnrolledPlan& description : {filtered(small_du_or()), small_simple_du()}) {
     const std::vector<float> parameters = parameters_for(description, 2);
     const RangeImage measured = measured_scene(description);
     RangeImage other = measured;
@@ -149,7 +149,7 @@ TEST_CASE("what was in the state before does not matter, backwards neither") {
 }
 
 TEST_CASE("what stands in the borders of d loss / d Z does not matter") {
-  for (const NetworkDescription& description : {filtered(small_du_or()), small_simple_du()}) {
+  for (const UnrolledPlan& description : {filtered(small_du_or()), small_simple_du()}) {
     const std::vector<float> parameters = parameters_for(description, 8);
     UnrolledNetwork network(description, 40, chosen_instruction_set(), 1);
     network.set_parameters(parameters);
@@ -179,7 +179,7 @@ TEST_CASE("what stands in the borders of d loss / d Z does not matter") {
 }
 
 TEST_CASE("the first layers do not depend on how many come after them") {
-  NetworkDescription description = filtered(small_du_or());
+  UnrolledPlan description = filtered(small_du_or());
   const std::vector<float> parameters = parameters_for(description, 3);
   const RangeImage measured = measured_scene(description);
   const UnrolledState three = state_after(description, parameters, measured);
@@ -198,7 +198,7 @@ TEST_CASE("the first layers do not depend on how many come after them") {
 }
 
 TEST_CASE("a state that keeps two layers has the same result; backward refuses it") {
-  for (const NetworkDescription& description : {filtered(small_du_or()), small_simple_du()}) {
+  for (const UnrolledPlan& description : {filtered(small_du_or()), small_simple_du()}) {
     const std::vector<float> parameters = parameters_for(description, 7);
     UnrolledNetwork network(description, 64, chosen_instruction_set(), 1);
     network.set_parameters(parameters);
@@ -217,7 +217,7 @@ TEST_CASE("a state that keeps two layers has the same result; backward refuses i
 }
 
 TEST_CASE("a small penalty keeps measured rows at L, a large one lets them go") {
-  const NetworkDescription description = small_du_or();
+  const UnrolledPlan description = small_du_or();
   const RangeImage measured = measured_scene(description);
   const auto distance_m = [&](float penalty) {
     std::vector<float> parameters = parameters_for(description, 4);
@@ -238,7 +238,7 @@ TEST_CASE("a small penalty keeps measured rows at L, a large one lets them go") 
 }
 
 TEST_CASE("the start is L, its measured neighbours and their interpolation; zero for Simple DU") {
-  const NetworkDescription description = small_du_or();
+  const UnrolledPlan description = small_du_or();
   UnrolledNetwork network(description, 64, chosen_instruction_set(), 1);
   UnrolledState state = network.make_state();
   const RangeImage measured = measured_scene(description);
@@ -261,7 +261,7 @@ TEST_CASE("the start is L, its measured neighbours and their interpolation; zero
 TEST_CASE("Y is H or Z, and Z or 0 where the filter rejects, as the description says") {
   for (const FilteredIterate iterate : {FilteredIterate::kH, FilteredIterate::kZ}) {
     for (const RejectedPixel pixel : {RejectedPixel::kTakesZ, RejectedPixel::kZero}) {
-      NetworkDescription d = filtered(small_du_or());
+      UnrolledPlan d = filtered(small_du_or());
       d.filtered = iterate;
       d.rejected = pixel;
       const UnrolledState state = state_after(d, parameters_for(d, 5), measured_scene(d));
@@ -291,7 +291,7 @@ TEST_CASE("Y is H or Z, and Z or 0 where the filter rejects, as the description 
 
 TEST_CASE(
     "the result does not change when min_pixels 0 switches a filter off that rejects nothing") {
-  NetworkDescription description = small_du_or();
+  UnrolledPlan description = small_du_or();
   const std::vector<float> parameters = parameters_for(description, 6);
   const UnrolledState off = state_after(description, parameters, measured_scene(description));
   description.filter.min_pixels = 1;
@@ -300,15 +300,15 @@ TEST_CASE(
 }
 
 TEST_CASE("scans, columns and parameters that do not fit are refused") {
-  const NetworkDescription description = small_du_or();
+  const UnrolledPlan description = small_du_or();
   const InstructionSet any = chosen_instruction_set();
   const auto message = [&](int columns) {
-    return test::error_message([&] { UnrolledNetwork(description, columns, any, 1); });
+    return test::error_message([&] { make_network(description, columns, any, 1); });
   };
   CHECK(message(32) == "no Error");
   CHECK(test::one_line_with(message(0), "0 columns", "1 to 64"));
   CHECK(test::one_line_with(message(128), "128 columns", "1 to 64"));
-  CHECK(test::one_line_with(message(60), "16 x 60", "8 x 8"));
+  CHECK(test::one_line_with(message(60), "60 columns", "multiple of 8"));
   UnrolledNetwork network(description, 64, any, 1);
   std::vector<float> parameters = initial_parameters(description, 1);
   parameters.pop_back();
@@ -323,9 +323,9 @@ TEST_CASE("scans, columns and parameters that do not fit are refused") {
 }
 
 TEST_CASE("a loss on an inner layer has the gradient of the network that ends there") {
-  NetworkDescription two = small_du_or();
+  UnrolledPlan two = small_du_or();
   two.layers = 2;
-  const NetworkDescription three = small_du_or();
+  const UnrolledPlan three = small_du_or();
   const std::vector<float> parameters = initial_parameters(three, 4);
   const std::size_t of_layer = (parameters.size() - 3) / 3;
   std::vector<float> fewer(parameters.begin(), parameters.begin() + 2 * of_layer);

@@ -1,4 +1,4 @@
-#include "../../nn/src/training/validation.h"
+#include "training/validation.h"
 
 #include <doctest/doctest.h>
 

@@ -3,10 +3,10 @@
 #include <cmath>
 #include <numbers>
 
+#include "hqs/data_consistency.h"
+#include "hqs/selection.h"
 #include "hqslam/core/connected_components.h"
-#include "hqslam/nn/hqs/data_consistency.h"
 #include "hqslam/nn/hqs/interpolation.h"
-#include "hqslam/nn/hqs/selection.h"
 
 // The numbers of the worked example in nn/hqs/README.md.
 namespace hqslam::nn {

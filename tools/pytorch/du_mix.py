@@ -1,4 +1,4 @@
-"""DU-Mix (nn/include/hqslam/nn/hqs/two_modes.h, TwoModesLayerShape) as a PyTorch module."""
+"""DU-Mix (nn/src/hqs/two_modes_graph.h, TwoModesLayerShape) as a PyTorch module."""
 
 import math
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "hqslam/nn/tensor.h"
+#include "../tensor.h"
 
 // Groups of channels of tensors that hold tiles and memory side by side. copy and clear: called by
 // all threads of a parallel region, they share the work.

@@ -1,4 +1,4 @@
-#include "hqslam/nn/hqs/data_consistency.h"
+#include "data_consistency.h"
 
 namespace hqslam::nn {
 

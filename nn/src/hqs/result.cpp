@@ -1,4 +1,4 @@
-#include "hqslam/nn/hqs/result.h"
+#include "result.h"
 
 #include <algorithm>
 

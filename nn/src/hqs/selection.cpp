@@ -1,4 +1,4 @@
-#include "hqslam/nn/hqs/selection.h"
+#include "selection.h"
 
 #include "../kernels/row_kernels.h"
 

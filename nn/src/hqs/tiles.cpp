@@ -1,4 +1,4 @@
-#include "hqslam/nn/hqs/tiles.h"
+#include "tiles.h"
 
 namespace hqslam::nn {
 

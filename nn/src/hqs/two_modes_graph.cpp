@@ -2,8 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "hqslam/nn/hqs/two_modes.h"
-#include "two_modes_network.h"
+#include "two_modes.h"
 
 namespace hqslam::nn {
 namespace {
@@ -31,9 +30,8 @@ int two_modes_outputs(const TwoModesShape& shape, int layer) {
          (is_last_layer(shape, layer) ? 0 : shape.memory);
 }
 
-ConvolutionGraph two_modes_graph(const NetworkDescription& d, int layer, int rows, int columns,
+ConvolutionGraph two_modes_graph(const TwoModesShape& shape, int layer, int rows, int columns,
                                  InstructionSet instruction_set, int threads) {
-  const TwoModesShape& shape = d.two_modes;
   const TwoModesLayerShape& of_layer = shape.layers[layer];
   const float slope = shape.negative_slope;
   std::vector<int> channels{input_channels(shape, layer), of_layer.channels,
@@ -71,23 +69,6 @@ ConvolutionGraph two_modes_graph(const NetworkDescription& d, int layer, int row
       {.name = "head", .kernel = 1, .from = from + 1, .to = from + 2, .start_scale = 0.1F});
   channels.push_back(two_modes_outputs(shape, layer));
   return {std::move(steps), channels, rows, columns, instruction_set, threads};
-}
-
-/// A graph for asking about parameters only.
-static ConvolutionGraph smallest_graph(const NetworkDescription& d, int layer) {
-  // Biases of rows are learned: as many rows as the sensor's images have.
-  return two_modes_graph(d, layer, d.sensor.rows() / d.two_modes.tile.rows, 2,
-                         InstructionSet::kPortable, 1);
-}
-
-std::vector<ParameterShape> two_modes_parameter_shapes(const NetworkDescription& description,
-                                                       int layer) {
-  return smallest_graph(description, layer).parameter_shapes();
-}
-
-std::vector<float> initial_two_modes_parameters(const NetworkDescription& description, int layer,
-                                                std::uint64_t seed) {
-  return smallest_graph(description, layer).initial_parameters(seed);
 }
 
 }  // namespace hqslam::nn

@@ -7,10 +7,10 @@
 #include <cmath>
 
 #include "../kernels/row_kernels.h"
-#include "denoiser_layers.h"
+#include "../parameters.h"
 #include "hqslam/core/error.h"
 #include "hqslam/nn/hqs/interpolation.h"
-#include "hqslam/nn/hqs/two_modes.h"
+#include "two_modes.h"
 #include "two_modes_graph.h"
 
 namespace hqslam::nn {
@@ -21,10 +21,11 @@ const float kTypicalLogRange = std::log(kTypicalRange_m);
 
 }  // namespace
 
-TwoModesNetwork::TwoModesNetwork(const NetworkDescription& description, int columns,
-                                 InstructionSet instruction_set, int threads)
+TwoModesNetwork::TwoModesNetwork(const TwoModesShape& shape, const NetworkDescription& description,
+                                 int columns, InstructionSet instruction_set, int threads)
     : description_(description),
-      tile_(description.two_modes.tile),
+      shape_(shape),
+      tile_(shape.tile),
       rows_(description.sensor.rows() / tile_.rows),
       columns_(columns / tile_.columns),
       threads_(threads),
@@ -32,10 +33,6 @@ TwoModesNetwork::TwoModesNetwork(const NetworkDescription& description, int colu
       measured_log_(tile_.columns, rows_, columns_, ColumnPadding::kCircular),
       measured_inverse_(measured_log_),
       measured_valid_(measured_log_) {
-  if (columns < 1 || columns % (2 * tile_.columns) != 0) {
-    throw Error(fmt::format("network: images of {} columns, expected a multiple of {}", columns,
-                            2 * tile_.columns));
-  }
   const int measured_row = description_.measured_rows.offset;
   for (int channel = 0; channel < tile_.pixels(); ++channel) {
     const int row = channel / tile_.columns;
@@ -47,10 +44,9 @@ TwoModesNetwork::TwoModesNetwork(const NetworkDescription& description, int colu
         rows_between(row, description_.measured_rows, description_.sensor.beam_elevation_rad);
     weight_above_.push_back(1.0F - between.part_down);
   }
-  const TwoModesShape& shape = description_.two_modes;
   for (int layer = 0; layer < static_cast<int>(shape.layers.size()); ++layer) {
     ConvolutionGraph graph =
-        two_modes_graph(description_, layer, rows_, columns_, instruction_set, threads);
+        two_modes_graph(shape, layer, rows_, columns_, instruction_set, threads);
     std::vector<Tensor> values = graph.make_values();
     const auto tiles = [&](int channels) {
       return Tensor(channels, rows_, columns_, ColumnPadding::kCircular);
@@ -209,27 +205,21 @@ void TwoModesNetwork::next_h_row(int layer, int row, const float* memory,
                 next.h.row(computed_[pixel].channel, row));
   }
   Tensor& input = next.values.front();
-  const int first = input.channels() - description_.two_modes.memory;
+  const int first = input.channels() - shape_.memory;
   for (int channel = first; channel < input.channels(); ++channel) {
     std::copy_n(memory + (channel - first) * channel_stride, columns_, input.row(channel, row));
     input.fill_border(channel, row);
   }
 }
 
-/// The layer's convolutions, and what they say of each pixel; of the last one, the result.
-void TwoModesNetwork::run_layer(int layer, const RangeImage& measured, float tolerance_m) {
+/// A layer's head and what it says of each pixel; of the last one, the result.
+void TwoModesNetwork::say_modes(int layer, const RangeImage& measured, float tolerance_m) {
   const kernels::RowKernels& kernels = kernels::row_kernels(instruction_set_);
   Layer& self = layers_[layer];
-  const bool last = is_last_layer(description_.two_modes, layer);
+  const bool last = is_last_layer(shape_, layer);
   const std::int64_t stride = measured_log_.padded_columns();
-  const int outputs = two_modes_outputs(description_.two_modes, layer);
+  const int outputs = two_modes_outputs(shape_, layer);
   const auto pixels = static_cast<std::int64_t>(computed_.size());
-#pragma omp for schedule(static)
-  for (int row = 0; row < rows_; ++row) {
-    if (layer == 0) start_row(row);
-    make_input_row(layer, row);
-  }
-  self.graph.forward(self.values, 1);
 #pragma omp for schedule(static)
   for (int row = 0; row < rows_; ++row) {
     float* of_head = scratch_[omp_get_thread_num()].data();
@@ -251,6 +241,17 @@ void TwoModesNetwork::run_layer(int layer, const RangeImage& measured, float tol
       next_h_row(layer, row, of_head + kTwoModesOutputs * pixels * stride, stride);
     }
   }
+}
+
+/// One layer, all of it.
+void TwoModesNetwork::run_layer(int layer, const RangeImage& measured, float tolerance_m) {
+#pragma omp for schedule(static)
+  for (int row = 0; row < rows_; ++row) {
+    if (layer == 0) start_row(row);
+    make_input_row(layer, row);
+  }
+  layers_[layer].graph.forward(layers_[layer].values, 1);
+  say_modes(layer, measured, tolerance_m);
 }
 
 /// One row of tiles of the result: measured pixels as they were, computed ones within the sensor's

@@ -3,18 +3,11 @@
 #include <memory>
 #include <vector>
 
-#include "../convolution_graph.h"
 #include "../kernels/row_kernels.h"
 #include "hqslam/nn/hqs/network.h"
-#include "hqslam/nn/hqs/tiles.h"
+#include "two_modes_graph.h"
 
 namespace hqslam::nn {
-
-/// The arrays and first values of the parameters of one layer (0, 1, ...).
-std::vector<ParameterShape> two_modes_parameter_shapes(const NetworkDescription& description,
-                                                       int layer);
-std::vector<float> initial_two_modes_parameters(const NetworkDescription& description, int layer,
-                                                std::uint64_t seed);
 
 /// The unrolled network whose layers say two modes and the probability of a return for each pixel
 /// (two_modes.h). For layers k = 1, 2, ...
@@ -26,13 +19,15 @@ std::vector<float> initial_two_modes_parameters(const NetworkDescription& descri
 /// is filled from above (at the top: 20 m) and marked as empty.
 class TwoModesNetwork final : public Network {
  public:
-  TwoModesNetwork(const NetworkDescription& description, int columns,
+  /// columns: a multiple of two tiles'.
+  TwoModesNetwork(const TwoModesShape& shape, const NetworkDescription& description, int columns,
                   InstructionSet instruction_set, int threads);
 
   std::int64_t multiply_adds() const override;
   void set_parameters(std::span<const float> parameters) override;
   const LiftedImage& lift(const RangeImage& measured, float tolerance_m) override;
   Trace trace(const RangeImage& measured) override;
+  std::vector<NetworkStep> steps(const RangeImage& measured) override;
   double add_gradient(const RangeImage& measured, const RangeImage& truth,
                       const LossOptions& options, std::uint64_t seed,
                       std::span<float> d_parameters) override;
@@ -68,6 +63,7 @@ class TwoModesNetwork final : public Network {
   kernels::TwoModesInput modes_input(int layer, std::size_t pixel, int row, const float* outputs,
                                      std::int64_t channel_stride) const;
   void next_h_row(int layer, int row, const float* memory, std::int64_t channel_stride);
+  void say_modes(int layer, const RangeImage& measured, float tolerance_m);
   void run_layer(int layer, const RangeImage& measured, float tolerance_m);
   void finish_image_row(const RangeImage& measured, int row, const float* ranges,
                         const float* confidences);
@@ -76,6 +72,7 @@ class TwoModesNetwork final : public Network {
                         std::span<float> d_parameters);
 
   NetworkDescription description_;
+  TwoModesShape shape_;
   TileSize tile_;
   int rows_;     ///< of the tiles
   int columns_;  ///< of the tiles

@@ -31,8 +31,9 @@ LayerTrace TwoModesNetwork::layer_trace(int layer) const {
                   probability.row(computed_[pixel].channel, row));
     }
   }
-  LayerTrace trace{in_metres(self.h), in_metres(z), in_metres(z), {}, {}, 0.0F, {}};
-  trace.rejected.assign(trace.z.range_m.size(), 0);
+  LayerTrace trace;
+  trace.h = in_metres(self.h);
+  trace.z = trace.y = in_metres(z);
   trace.probability.resize(trace.z.range_m.size());
   from_tiles(probability, tile_, trace.probability.data());
   for (std::size_t i = 0; i < trace.y.range_m.size(); ++i) {

@@ -1,7 +1,7 @@
 #include <algorithm>
 
 #include "../kernels/row_kernels.h"
-#include "hqslam/nn/hqs/two_modes.h"
+#include "two_modes.h"
 #include "two_modes_network.h"
 
 // The loss of the two-mode network and its gradients, from the last layer to the first.
@@ -79,7 +79,7 @@ double TwoModesNetwork::backward_layer(int layer, const Tensor& truth, const Los
     }
     if (next != nullptr) {
       const Tensor& d_input = next->gradients.front();
-      const int memory = description_.two_modes.memory;
+      const int memory = shape_.memory;
       for (int channel = 0; channel < memory; ++channel) {
         std::copy_n(d_input.row(d_input.channels() - memory + channel, row), columns_,
                     d_output.row(kTwoModesOutputs * pixels + channel, row));

@@ -1,13 +1,14 @@
+#include "u_shaped_denoiser.h"
+
 #include <fmt/format.h>
 #include <omp.h>
 
 #include <algorithm>
 
 #include "../convolution_graph.h"
+#include "../parameters.h"
 #include "channels.h"
-#include "denoiser_layers.h"
 #include "hqslam/core/error.h"
-#include "hqslam/nn/hqs/denoiser.h"
 
 namespace hqslam::nn {
 namespace {
@@ -16,20 +17,10 @@ int score_channels(const UShapedDenoiserShape& shape) {
   return kSelectionGroups * shape.tile.pixels();
 }
 
-void check_image(const UShapedDenoiserShape& shape, int rows, int columns) {
-  const int halvings = 1 << (shape.channels.size() - 1);
-  if (rows % (shape.tile.rows * halvings) != 0 || columns % (shape.tile.columns * halvings) != 0) {
-    throw Error(fmt::format("denoiser: an image of {} x {}, expected multiples of {} x {}", rows,
-                            columns, shape.tile.rows * halvings, shape.tile.columns * halvings));
-  }
-}
-
 /// Tensor 0 is the input, tensor 1 + i encoder i's result; then the bottleneck's, those of the
 /// decoders from the lowest up, the head's.
 ConvolutionGraph u_shaped_graph(const UShapedDenoiserShape& shape, int rows, int columns,
                                 InstructionSet instruction_set, int threads) {
-  validate(shape);
-  check_image(shape, rows, columns);
   const float slope = shape.negative_slope;
   const auto levels = static_cast<int>(shape.channels.size());
   std::vector<ConvolutionStep> steps;
@@ -89,6 +80,7 @@ class UShapedDenoiser final : public Denoiser {
                std::optional<std::uint64_t> dropout_seed) override;
   void backward(const Candidates& candidates, const DenoiserState& state, DenoiserState& gradient,
                 std::span<float> d_parameters) override;
+  std::vector<NetworkStep> steps(const Candidates& candidates, DenoiserState& state) override;
 
  private:
   /// Head and selection one row after the other: the scores of a row never leave the cache. Leaves
@@ -149,6 +141,14 @@ void UShapedDenoiser::select_by_row(const Candidates& candidates, DenoiserState&
   }
 }
 
+std::vector<NetworkStep> UShapedDenoiser::steps(const Candidates& candidates,
+                                                DenoiserState& state) {
+  std::vector<NetworkStep> steps = graph_.steps(state.values);
+  steps.back().name = "head, selection";
+  steps.back().run = [this, &candidates, &state] { select_by_row(candidates, state); };
+  return steps;
+}
+
 void UShapedDenoiser::backward(const Candidates& candidates, const DenoiserState& state,
                                DenoiserState& gradient, std::span<float> d_parameters) {
   // gradient.z holds d_z; the direct way to H is kept there once the scores have theirs.
@@ -158,8 +158,6 @@ void UShapedDenoiser::backward(const Candidates& candidates, const DenoiserState
   graph_.backward(state.values, gradient.values, d_parameters);
   add_channels(d_direct, shape_.tile.pixels(), gradient.input());
 }
-
-}  // namespace
 
 void validate(const UShapedDenoiserShape& shape) {
   constexpr int kMostChannels = 512;
@@ -172,16 +170,35 @@ void validate(const UShapedDenoiserShape& shape) {
   check_field("tile.rows", shape.tile.rows, 1, kLargestTile);
   check_field("tile.columns", shape.tile.columns, 1, kLargestTile);
   check_field("memory", shape.memory, 0, kMostChannels);
-  if (!(shape.negative_slope >= 0.0F && shape.negative_slope <= 1.0F)) {
-    throw Error(
-        fmt::format("denoiser: negative_slope is {}, expected 0 to 1", shape.negative_slope));
-  }
+  check_slope(shape.negative_slope);
 }
 
-std::unique_ptr<Denoiser> make_u_shaped_denoiser(const UShapedDenoiserShape& shape, int rows,
-                                                 int columns, InstructionSet instruction_set,
-                                                 int threads) {
-  return std::make_unique<UShapedDenoiser>(shape, rows, columns, instruction_set, threads);
+}  // namespace
+
+DenoiserDescription u_shaped_denoiser(const UShapedDenoiserShape& shape) {
+  validate(shape);
+  const int halvings = 1 << (shape.channels.size() - 1);
+  return {"u-shaped",
+          {{"tile_rows", shape.tile.rows},
+           {"tile_columns", shape.tile.columns},
+           {"channels", shape.channels},
+           {"memory", shape.memory},
+           {"negative_slope", shape.negative_slope}},
+          {shape.tile.rows * halvings, shape.tile.columns * halvings},
+          [shape](int rows, int columns, InstructionSet instruction_set, int threads) {
+            return std::make_unique<UShapedDenoiser>(shape, rows, columns, instruction_set,
+                                                     threads);
+          }};
+}
+
+DenoiserDescription read_u_shaped_denoiser(JsonFields& sizes) {
+  UShapedDenoiserShape shape;
+  sizes.optional("tile_rows", shape.tile.rows);
+  sizes.optional("tile_columns", shape.tile.columns);
+  if (sizes.has("channels")) shape.channels = sizes.integers("channels");
+  sizes.optional("memory", shape.memory);
+  sizes.optional("negative_slope", shape.negative_slope);
+  return u_shaped_denoiser(shape);
 }
 
 }  // namespace hqslam::nn

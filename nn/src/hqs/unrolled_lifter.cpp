@@ -1,7 +1,7 @@
 #include "unrolled_lifter.h"
 
-#include "hqslam/nn/hqs/result.h"
-#include "hqslam/nn/training/l1_loss.h"
+#include "../training/l1_loss.h"
+#include "result.h"
 
 namespace hqslam::nn {
 
@@ -19,13 +19,13 @@ const LiftedImage& UnrolledLifter::lift(const RangeImage& measured, float /*tole
   network_.start(measured, state_);
   network_.forward(state_);
   const NetworkDescription& d = network_.description();
-  lifted_.image = restored_image(d, tile_of(d), network_.result(state_), measured, threads_);
+  lifted_.image = restored_image(d, network_.tile(), network_.result(state_), measured, threads_);
   return lifted_;
 }
 
 RangeImage UnrolledLifter::in_metres(const Tensor& tiles) const {
   RangeImage image(network_.rows(), network_.columns());
-  from_tiles(tiles, tile_of(network_.description()), image.range_m.data());
+  from_tiles(tiles, network_.tile(), image.range_m.data());
   for (float& range_m : image.range_m) range_m *= network_.description().range_scale_m;
   return image;
 }
@@ -34,14 +34,15 @@ LayerTrace UnrolledLifter::layer_trace(const UnrolledState& all, int layer,
                                        const RangeImage& measured) const {
   const LayerState& from = all.layer(layer);
   const NetworkDescription& d = network_.description();
-  const bool has_filter = d.kind == NetworkKind::kDuOr;
-  LayerTrace trace{in_metres(from.denoiser.input()),
-                   in_metres(from.denoiser.z),
-                   in_metres(has_filter ? from.y : from.denoiser.z),
-                   from.rejected,
-                   {},
-                   network_.penalty(layer),
-                   {}};
+  const bool has_filter = network_.options().auxiliaries == Auxiliaries::kZAndY;
+  LayerTrace trace;
+  trace.h = in_metres(from.denoiser.input());
+  trace.z = in_metres(from.denoiser.z);
+  trace.y = in_metres(has_filter ? from.y : from.denoiser.z);
+  if (has_filter) trace.rejected = from.rejected;
+  trace.filtered = network_.options().filtered;
+  trace.rejected_pixel = network_.options().rejected;
+  trace.penalty = network_.penalty(layer);
   const RowSelection rows = d.measured_rows;
   ObjectiveTerms& terms = trace.objective;
   for (int row = 0; row < measured.rows; ++row) {
@@ -55,19 +56,31 @@ LayerTrace UnrolledLifter::layer_trace(const UnrolledState& all, int layer,
     const double z_gap_m = trace.z.range_m[i] - trace.h.range_m[i];
     const double y_gap_m = trace.y.range_m[i] - trace.h.range_m[i];
     terms.denoiser_gap_m2 += 0.5 * trace.penalty * z_gap_m * z_gap_m;
-    if (has_filter) terms.filter_gap_m2 += 0.5 * trace.penalty * y_gap_m * y_gap_m;
+    if (!has_filter) continue;
+    terms.filter_gap_m2 += 0.5 * trace.penalty * y_gap_m * y_gap_m;
     terms.rejected += trace.rejected[i];
   }
   return trace;
+}
+
+RangeImage UnrolledLifter::estimate(const RangeImage& measured) {
+  network_.start(measured, state_);
+  network_.forward(state_);
+  return in_metres(network_.result(state_));
+}
+
+std::vector<NetworkStep> UnrolledLifter::steps(const RangeImage& measured) {
+  lift(measured, 0.0F);
+  return network_.steps(state_);
 }
 
 Trace UnrolledLifter::trace(const RangeImage& measured) {
   UnrolledState all = network_.make_state();
   network_.start(measured, all);
   network_.forward(all);
-  if (network_.description().kind == NetworkKind::kDuOr) network_.finish_last_layer(all);
+  if (network_.options().auxiliaries == Auxiliaries::kZAndY) network_.finish_last_layer(all);
   Trace trace{in_metres(all.z0), {}, {}};
-  for (int layer = 0; layer < network_.description().layers; ++layer) {
+  for (int layer = 0; layer < network_.options().layers; ++layer) {
     trace.layers.push_back(layer_trace(all, layer, measured));
   }
   return trace;
@@ -81,17 +94,17 @@ double UnrolledLifter::add_gradient(const RangeImage& measured, const RangeImage
     UnrolledState state = network_.make_state();
     const Tensor image = state.z0;
     training_ = Training{std::move(state), image, {}};
-    training_->d_z.assign(d.layers, image);
+    training_->d_z.assign(network_.options().layers, image);
   }
-  const TileSize tile = tile_of(d);
+  const TileSize tile = network_.tile();
   RangeImage scaled = truth;
   for (float& range : scaled.range_m) range /= d.range_scale_m;
   to_tiles(scaled.range_m.data(), tile, training_->truth);
   network_.start(measured, training_->state);
   network_.forward(training_->state, seed);
   double loss = 0.0;
-  for (int layer = 0; layer < d.layers; ++layer) {
-    const bool last = layer + 1 == d.layers;
+  for (int layer = 0; layer < network_.options().layers; ++layer) {
+    const bool last = layer + 1 == network_.options().layers;
     loss = l1_loss(training_->state.layer(layer).denoiser.z, training_->truth, tile,
                    last ? std::optional(d.measured_rows) : std::nullopt,
                    last ? 1.0F : options.layer_share, training_->d_z[layer]);

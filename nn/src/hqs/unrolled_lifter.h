@@ -4,11 +4,11 @@
 #include <vector>
 
 #include "hqslam/nn/hqs/network.h"
-#include "hqslam/nn/hqs/unrolled_network.h"
+#include "unrolled_network.h"
 
 namespace hqslam::nn {
 
-/// DU-OR and Simple DU as what lifts scans and is trained: their image is the last Z, their loss is
+/// The unrolled loop as what lifts scans and is trained: their image is the last Z, their loss is
 /// L1. They do not say how sure they are.
 class UnrolledLifter final : public Network {
  public:
@@ -18,7 +18,9 @@ class UnrolledLifter final : public Network {
   std::int64_t multiply_adds() const override { return network_.multiply_adds(); }
   void set_parameters(std::span<const float> parameters) override;
   const LiftedImage& lift(const RangeImage& measured, float tolerance_m) override;
+  RangeImage estimate(const RangeImage& measured) override;
   Trace trace(const RangeImage& measured) override;
+  std::vector<NetworkStep> steps(const RangeImage& measured) override;
   double add_gradient(const RangeImage& measured, const RangeImage& truth,
                       const LossOptions& options, std::uint64_t seed,
                       std::span<float> d_parameters) override;

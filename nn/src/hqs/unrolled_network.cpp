@@ -1,4 +1,4 @@
-#include "hqslam/nn/hqs/unrolled_network.h"
+#include "unrolled_network.h"
 
 #include <fmt/format.h>
 
@@ -9,47 +9,31 @@
 #include "channels.h"
 #include "hqslam/core/error.h"
 #include "hqslam/nn/hqs/interpolation.h"
+#include "unrolled_hqs.h"
 
 namespace hqslam::nn {
-namespace {
-
-int checked_columns(const NetworkDescription& description, int columns) {
-  validate(description);
-  if (columns < 1 || columns > description.sensor.columns) {
-    throw Error(fmt::format("network: images of {} columns, expected 1 to {}", columns,
-                            description.sensor.columns));
-  }
-  return columns;
-}
-
-}  // namespace
-
 UnrolledNetwork::UnrolledNetwork(const NetworkDescription& description, int columns,
                                  InstructionSet instruction_set, int threads)
     : description_(description),
+      options_(unrolled_hqs_of(description).options()),
       rows_(description.sensor.rows()),
-      columns_(checked_columns(description, columns)),
+      columns_(columns),
       threads_(threads),
-      filter_(description.sensor, description.measured_rows, description.filter, columns) {
-  for (int layer = 0; layer < (description_.shared_weights ? 1 : description_.layers); ++layer) {
-    denoisers_.push_back(
-        description_.kind == NetworkKind::kDuOr
-            ? make_u_shaped_denoiser(description_.u_shaped, rows_, columns_, instruction_set,
-                                     threads)
-            : make_plain_denoiser(description_.plain, rows_, columns_, instruction_set, threads));
+      filter_(description.sensor, description.measured_rows, options_.filter, columns) {
+  const UnrolledHqs& hqs = unrolled_hqs_of(description);
+  for (int layer = 0; layer < hqs.denoiser_count(); ++layer) {
+    denoisers_.push_back(make_denoiser(hqs.denoiser(), rows_, columns_, instruction_set, threads));
   }
-  for (const ParameterShape& shape : denoisers_.front()->parameter_shapes()) {
-    denoiser_parameters_ += shape.elements();
-  }
+  denoiser_parameters_ = elements(denoisers_.front()->parameter_shapes());
 }
 
 std::int64_t UnrolledNetwork::multiply_adds() const {
-  return denoisers_.front()->multiply_adds() * description_.layers;
+  return denoisers_.front()->multiply_adds() * options_.layers;
 }
 
 void UnrolledNetwork::set_parameters(std::span<const float> parameters) {
-  const bool simple = description_.kind == NetworkKind::kSimpleDu;
-  const std::size_t penalties = simple ? 1 : description_.layers;
+  const bool alpha = options_.penalty == Penalty::kAlpha;
+  const std::size_t penalties = alpha ? 1 : options_.layers;
   const std::size_t expected = denoisers_.size() * denoiser_parameters_ + penalties;
   if (parameters.size() != expected) {
     throw Error(fmt::format("network: {} parameters, expected {}", parameters.size(), expected));
@@ -59,10 +43,10 @@ void UnrolledNetwork::set_parameters(std::span<const float> parameters) {
         parameters.subspan(i * denoiser_parameters_, denoiser_parameters_));
   }
   penalty_.clear();
-  for (int layer = 0; layer < description_.layers; ++layer) {
-    const float last = parameters[expected - penalties + (simple ? 0 : layer)];
-    penalty_.push_back(simple ? 0.5F / last : std::exp(last));
-    if (simple) alpha_ = last;
+  for (int layer = 0; layer < options_.layers; ++layer) {
+    const float last = parameters[expected - penalties + (alpha ? 0 : layer)];
+    penalty_.push_back(alpha ? 0.5F / last : std::exp(last));
+    if (alpha) alpha_ = last;
   }
 }
 
@@ -72,8 +56,7 @@ UnrolledState UnrolledNetwork::make_state(Kept kept) const {
   const Tensor image(tile.pixels(), rows_ / tile.rows, columns_ / tile.columns, denoiser.padding());
   UnrolledState state{image, {image, image}, image, {}, {}};
   const std::size_t pixels = static_cast<std::size_t>(rows_) * columns_;
-  const int slots =
-      kept == Kept::kAllLayers ? description_.layers : std::min(2, description_.layers);
+  const int slots = kept == Kept::kAllLayers ? options_.layers : std::min(2, options_.layers);
   for (int slot = 0; slot < slots; ++slot) {
     state.slots.push_back(
         {denoiser.make_state(kept == Kept::kAllLayers), image, std::vector<std::uint8_t>(pixels)});
@@ -105,7 +88,7 @@ void UnrolledNetwork::start_row(const RangeImage& measured, int row, UnrolledSta
   put(between.below, state.candidates.below);
   // In a measured row both neighbours are the row itself; the other rows of L are never looked at.
   put_image_row(scaled, tile, row, state.l);
-  if (description_.kind == NetworkKind::kSimpleDu) {
+  if (options_.start == Start::kZero) {
     std::fill_n(scaled, columns_, 0.0F);
   } else if (between.above != between.below) {
     interpolate_row(&measured.range_m[measured.index(between.above, 0)],
@@ -125,7 +108,7 @@ const Tensor& UnrolledNetwork::previous_z(const UnrolledState& state, int layer)
 }
 
 const Tensor& UnrolledNetwork::previous_y(const UnrolledState& state, int layer) const {
-  if (description_.kind == NetworkKind::kSimpleDu) return previous_z(state, layer);
+  if (options_.auxiliaries == Auxiliaries::kZ) return previous_z(state, layer);
   return layer == 0 ? state.z0 : state.layer(layer - 1).y;
 }
 
@@ -152,7 +135,7 @@ void UnrolledNetwork::run_layer(UnrolledState& state, int layer,
 
 void UnrolledNetwork::fill_raster(UnrolledState& state, int layer) const {
   const DenoiserState& current = state.layer(layer).denoiser;
-  const bool of_h = description_.filtered == FilteredIterate::kH;
+  const bool of_h = options_.filtered == FilteredIterate::kH;
   const TileSize tile = denoisers_.front()->tile();
   // What is nearer than the sensor can see is no return.
   const auto nearest =
@@ -173,7 +156,7 @@ void UnrolledNetwork::remove_outliers(UnrolledState& state, int layer) {
 }
 
 void UnrolledNetwork::finish_last_layer(UnrolledState& state) {
-  const int last = description_.layers - 1;
+  const int last = options_.layers - 1;
 #pragma omp parallel num_threads(threads_)
   fill_raster(state, last);
   remove_outliers(state, last);
@@ -181,9 +164,9 @@ void UnrolledNetwork::finish_last_layer(UnrolledState& state) {
 
 void UnrolledNetwork::set_y(LayerState& layer) const {
   const TileSize tile = denoisers_.front()->tile();
-  const bool of_h = description_.filtered == FilteredIterate::kH;
+  const bool of_h = options_.filtered == FilteredIterate::kH;
   const Tensor& filtered = of_h ? layer.denoiser.input() : layer.denoiser.z;
-  const bool zero = description_.rejected == RejectedPixel::kZero;
+  const bool zero = options_.rejected == RejectedPixel::kZero;
 #pragma omp for schedule(static)
   for (int row = 0; row < layer.y.rows(); ++row) {
     for (int channel = 0; channel < tile.pixels(); ++channel) {
@@ -208,11 +191,31 @@ void UnrolledNetwork::set_y(LayerState& layer) const {
 }
 
 void UnrolledNetwork::forward(UnrolledState& state, std::optional<std::uint64_t> dropout_seed) {
-  for (int layer = 0; layer < description_.layers; ++layer) {
+  for (int layer = 0; layer < options_.layers; ++layer) {
     const std::uint64_t seed = dropout_seed.value_or(0) * 1000 + layer * 10;
     run_layer(state, layer, dropout_seed ? std::optional(seed) : std::nullopt);
     if (has_filter_after(layer)) remove_outliers(state, layer);
   }
+}
+
+std::vector<NetworkStep> UnrolledNetwork::steps(UnrolledState& state) {
+  const int last = options_.layers - 1;
+  const Tensor& z = previous_z(state, last);
+  const Tensor& y = previous_y(state, last);
+  DenoiserState& current = state.layer(last).denoiser;
+  std::vector<NetworkStep> steps;
+  steps.push_back({"data consistency", options_.layers, 0, [this, last, &state, &z, &y, &current] {
+                     data_consistency(last).forward(state.l, z, y, current.input());
+                   }});
+  for (NetworkStep& step : denoiser(last).steps(state.candidates, current)) {
+    step.calls = options_.layers;
+    steps.push_back(std::move(step));
+  }
+  if (last > 0 && has_filter_after(last - 1)) {
+    steps.push_back({"outlier filter", last, 0,
+                     [this, last, &state] { remove_outliers(state, last - 1); }, false});
+  }
+  return steps;
 }
 
 }  // namespace hqslam::nn

@@ -3,7 +3,7 @@
 #include <span>
 #include <vector>
 
-#include "hqslam/nn/tensor.h"
+#include "../tensor.h"
 
 namespace hqslam::nn::kernels {
 

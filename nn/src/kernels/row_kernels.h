@@ -130,6 +130,38 @@ struct TwoModesLossRow {
   float* d_middle = nullptr;
 };
 
+/// output = input P(X < input) for a standard normal X; with d_output, its derivative times
+/// d_output is added to output.
+struct GeluRow {
+  const float* input = nullptr;
+  float* output = nullptr;
+  const float* d_output = nullptr;
+  int columns = 0;  ///< rounded up to whole vectors of 16
+};
+
+/// Attention of one head within one window. Queries, keys, values and output: depth x 16 pixels;
+/// queries times 1 / sqrt(depth); depth a multiple of 4. bias, probabilities (a result): 16 keys x
+/// 16 queries.
+inline constexpr int kWindowPixels = 16;
+struct AttentionWindow {
+  int depth = 0;
+  const float* queries = nullptr;
+  const float* keys = nullptr;
+  const float* values = nullptr;
+  const float* bias = nullptr;
+  float* probabilities = nullptr;
+  float* output = nullptr;
+};
+/// Its gradients, after attend(forward).
+struct AttentionGradient {
+  AttentionWindow forward;
+  const float* d_output = nullptr;
+  float* d_queries = nullptr;
+  float* d_keys = nullptr;
+  float* d_values = nullptr;
+  float* d_bias = nullptr;  ///< added to
+};
+
 struct RowKernels {
   void (*accumulate)(const AccumulateRow&);
   void (*correlate)(const CorrelateRows&);
@@ -139,6 +171,9 @@ struct RowKernels {
   void (*two_modes)(const TwoModesRow&);
   /// Returns the row's share of the loss; columns must be whole vectors of 16.
   double (*two_modes_loss)(const TwoModesLossRow&);
+  void (*gelu)(const GeluRow&);
+  void (*attend)(const AttentionWindow&);
+  void (*attend_backward)(const AttentionGradient&);
   /// For measuring the processor's peak: `rounds` times one multiply-add in every lane of so many
   /// independent chains that their latency hides. Returns something that depends on all of them.
   float (*multiply_add_chains)(std::int64_t rounds, float start);

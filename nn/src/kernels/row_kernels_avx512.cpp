@@ -8,11 +8,12 @@ constexpr int kGradientTaps = 3;
 }  // namespace
 }  // namespace hqslam::nn::kernels
 
+#include "attention_inl.h"
 #include "row_kernels_inl.h"
 #include "two_modes_inl.h"
 
 namespace hqslam::nn::kernels {
-const RowKernels kAvx512Kernels{accumulate,     correlate,           select,
-                                fill_measured,  interpolate,         two_modes,
-                                two_modes_loss, multiply_add_chains, kChainMultiplyAdds};
+const RowKernels kAvx512Kernels{
+    accumulate,     correlate, select, fill_measured,   interpolate,         two_modes,
+    two_modes_loss, gelu,      attend, attend_backward, multiply_add_chains, kChainMultiplyAdds};
 }  // namespace hqslam::nn::kernels

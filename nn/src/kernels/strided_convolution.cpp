@@ -98,14 +98,15 @@ void StridedConvolution::check(const Tensor& narrow, const Tensor& wide) const {
     throw Error(fmt::format("convolution: {} rows do not become {} with stride {}", wide.rows(),
                             narrow.rows(), s.stride));
   }
+  const int stride = s.column_stride();
   const bool circular = wide.padding() == ColumnPadding::kCircular;
   const int columns =
-      circular ? wide.columns() / s.stride
-               : convolved_size(wide.columns(), s.kernel_columns, s.stride, s.padding_columns);
-  if (narrow.columns() != columns || (circular && wide.columns() % s.stride != 0) ||
-      narrow.padding() != wide.padding() || wide.columns() > narrow.padded_columns() * s.stride) {
+      circular ? wide.columns() / stride
+               : convolved_size(wide.columns(), s.kernel_columns, stride, s.padding_columns);
+  if (narrow.columns() != columns || (circular && wide.columns() % stride != 0) ||
+      narrow.padding() != wide.padding() || wide.columns() > narrow.padded_columns() * stride) {
     throw Error(fmt::format("convolution: {} columns do not become {} with stride {}",
-                            wide.columns(), narrow.columns(), s.stride));
+                            wide.columns(), narrow.columns(), stride));
   }
   check_columns_read(narrow, wide);
   const int below = (narrow.rows() - 1) * s.stride + s.kernel_rows - s.padding_rows - wide.rows();
@@ -121,38 +122,39 @@ void StridedConvolution::check(const Tensor& narrow, const Tensor& wide) const {
 
 void StridedConvolution::check_columns_read(const Tensor& narrow, const Tensor& wide) const {
   const ConvolutionShape& s = shape_;
+  const int stride = s.column_stride();
   const int last = s.kernel_columns - 1 - s.padding_columns;  // the last tap's column
   // Without a stride the rows are read in whole vectors: as many as the narrow row takes.
-  const bool beyond_border = s.stride == 1 && narrow.padded_columns() + std::max(0, last) >
-                                                  wide.padded_columns() + Tensor::kBorderColumns;
+  const bool beyond_border = stride == 1 && narrow.padded_columns() + std::max(0, last) >
+                                                wide.padded_columns() + Tensor::kBorderColumns;
   // With one, a phase plane is as wide as the narrow row, and zero beyond: a tap that reads there
   // must have nothing left to read in the wide row.
   bool beyond_plane = false;
-  for (int column = s.stride; s.stride > 1 && column <= last; ++column) {
-    const int phase = column % s.stride;
-    beyond_plane |= narrow.columns() * s.stride + phase < wide.columns();
+  for (int column = stride; stride > 1 && column <= last; ++column) {
+    const int phase = column % stride;
+    beyond_plane |= narrow.columns() * stride + phase < wide.columns();
   }
   if (wide.padding() == ColumnPadding::kZero && (beyond_border || beyond_plane)) {
     throw Error(fmt::format(
         "convolution: kernel of {} columns, stride {} and padding {} on {} columns with zeros "
         "beyond the edge, expected a padding that makes {} columns of them",
-        s.kernel_columns, s.stride, s.padding_columns, wide.columns(),
-        (wide.columns() + s.stride - 1) / s.stride));
+        s.kernel_columns, stride, s.padding_columns, wide.columns(),
+        (wide.columns() + stride - 1) / stride));
   }
 }
 
 void StridedConvolution::plan_gather(const Tensor& wide) {
   const ConvolutionShape& s = shape_;
+  const int stride = s.column_stride();
   // With a stride the taps read the phase planes: wide columns of one phase side by side.
-  const Tensor planes(s.stride == 1 ? 1 : s.input_channels * s.stride, wide.rows(),
-                      s.stride == 1 ? wide.columns() : narrow_columns_, padding_,
-                      wide.border_rows());
+  const Tensor planes(stride == 1 ? 1 : s.input_channels * stride, wide.rows(),
+                      stride == 1 ? wide.columns() : narrow_columns_, padding_, wide.border_rows());
   for (int b = 0; b < s.input_channels; ++b) {
     for (int i = 0; i < s.kernel_rows; ++i) {
       for (int j = 0; j < s.kernel_columns; ++j) {
         const int column = j - s.padding_columns;
-        const int shift = floor_divided(column, s.stride);
-        const int plane = b * s.stride + (column - shift * s.stride);
+        const int shift = floor_divided(column, stride);
+        const int plane = b * stride + (column - shift * stride);
         gather_offset_.push_back(plane * planes.channel_stride() + i * planes.row_stride() + shift);
       }
     }
@@ -163,7 +165,7 @@ void StridedConvolution::plan_scatter(const Tensor& narrow) {
   const ConvolutionShape& s = shape_;
   const int kernel = s.kernel_rows * s.kernel_columns;
   for (int row_phase = 0; row_phase < s.stride; ++row_phase) {
-    for (int column_phase = 0; column_phase < s.stride; ++column_phase) {
+    for (int column_phase = 0; column_phase < s.column_stride(); ++column_phase) {
       ScatterPhase phase;
       for (int a = 0; a < s.output_channels; ++a) {
         for (int i = 0; i < s.kernel_rows; ++i) {
@@ -171,9 +173,10 @@ void StridedConvolution::plan_scatter(const Tensor& narrow) {
           if (row % s.stride != 0) continue;
           for (int j = 0; j < s.kernel_columns; ++j) {
             const int column = column_phase + s.padding_columns - j;
-            if (column % s.stride != 0) continue;
+            if (column % s.column_stride() != 0) continue;
             phase.tap_offset.push_back(a * narrow.channel_stride() +
-                                       row / s.stride * narrow.row_stride() + column / s.stride);
+                                       row / s.stride * narrow.row_stride() +
+                                       column / s.column_stride());
             phase.weight_index.push_back(static_cast<std::int64_t>(a) * s.input_channels * kernel +
                                          i * s.kernel_columns + j);
           }
@@ -212,15 +215,15 @@ void StridedConvolution::set_weights(std::span<const float> weights) {
 
 ConvolutionScratch StridedConvolution::make_scratch(int threads) const {
   ConvolutionScratch scratch;
-  if (shape_.stride > 1) {
-    scratch.phases = Tensor(shape_.input_channels * shape_.stride, wide_rows_, narrow_columns_,
-                            padding_, wide_border_rows_);
+  if (shape_.column_stride() > 1) {
+    scratch.phases = Tensor(shape_.input_channels * shape_.column_stride(), wide_rows_,
+                            narrow_columns_, padding_, wide_border_rows_);
   }
   // A row of every wide channel and column phase (scatter), or the gradient of every weight
   // (add_weight_gradient).
   const Tensor row(1, 1, narrow_columns_, padding_, 0);
   const std::size_t scatter_floats =
-      static_cast<std::size_t>(shape_.input_channels) * shape_.stride * row.row_stride();
+      static_cast<std::size_t>(shape_.input_channels) * shape_.column_stride() * row.row_stride();
   const std::size_t channels = padded_gradient_channels(shape_.output_channels);
   const std::size_t gradient_floats = channels * gather_offset_.size();
   scratch.rows.assign(threads, std::vector<float>(std::max(scatter_floats, gradient_floats)));
@@ -228,7 +231,7 @@ ConvolutionScratch StridedConvolution::make_scratch(int threads) const {
 }
 
 void StridedConvolution::sort_phases(const Tensor& wide, ConvolutionScratch& scratch) const {
-  const int stride = shape_.stride;
+  const int stride = shape_.column_stride();
   const int tasks = wide_rows_ * shape_.input_channels;
   // The border of the wide row holds what lies beyond its last column, as far as it is needed.
   const int columns = std::min(narrow_columns_, (wide_columns_ + Tensor::kBorderColumns) / stride);
@@ -246,7 +249,7 @@ void StridedConvolution::sort_phases(const Tensor& wide, ConvolutionScratch& scr
 
 const float* StridedConvolution::gather_base(const Tensor& wide, const ConvolutionScratch& scratch,
                                              int y) const {
-  const Tensor& planes = shape_.stride == 1 ? wide : scratch.phases;
+  const Tensor& planes = shape_.column_stride() == 1 ? wide : scratch.phases;
   return planes.row(0, y * shape_.stride - shape_.padding_rows);
 }
 
@@ -280,7 +283,7 @@ void StridedConvolution::end_in(Tensor& result, const Epilogue& epilogue, int y,
 
 void StridedConvolution::gather(const Tensor& wide, const Epilogue& epilogue, Tensor& narrow,
                                 ConvolutionScratch& scratch) const {
-  if (shape_.stride > 1) sort_phases(wide, scratch);
+  if (shape_.column_stride() > 1) sort_phases(wide, scratch);
 #pragma omp for schedule(static)
   for (int y = 0; y < narrow_rows_; ++y) {
     AccumulateRow row = gather_task(wide, epilogue.bias, y, scratch);
@@ -303,19 +306,20 @@ void StridedConvolution::gather_row(const Tensor& wide, const float* bias, int y
 
 void StridedConvolution::scatter_row(const Tensor& narrow, const Epilogue& epilogue, int wide_row,
                                      Tensor& wide, std::vector<float>& rows) const {
-  const int stride = shape_.stride;
-  const int row_phase = wide_row % stride;
+  const int stride = shape_.column_stride();
+  const int row_phase = wide_row % shape_.stride;
   const std::int64_t row_stride = narrow.row_stride();
   AccumulateRow row;
-  row.input = narrow.row(0, wide_row / stride);
+  row.input = narrow.row(0, wide_row / shape_.stride);
   row.bias = epilogue.bias;
   row.output_channels = shape_.input_channels;
   row.output_channel_stride = stride * row_stride;
   row.end = (wide_columns_ + stride - 1) / stride;
   if (stride == 1) {
-    row.tap_offset = scatter_phases_.front().tap_offset.data();
-    row.taps = static_cast<int>(scatter_phases_.front().tap_offset.size());
-    row.weights = scatter_phases_.front().weights.data();
+    const ScatterPhase& taps = scatter_phases_[row_phase];
+    row.tap_offset = taps.tap_offset.data();
+    row.taps = static_cast<int>(taps.tap_offset.size());
+    row.weights = taps.weights.data();
     end_in(wide, epilogue, wide_row, row);
     kernels_->accumulate(row);
     for (int channel = 0; channel < shape_.input_channels; ++channel) {
@@ -354,7 +358,7 @@ void StridedConvolution::scatter(const Tensor& narrow, const Epilogue& epilogue,
 void StridedConvolution::add_weight_gradient(const Tensor& narrow, const Tensor& wide,
                                              std::span<float> gradient,
                                              ConvolutionScratch& scratch) const {
-  if (shape_.stride > 1) sort_phases(wide, scratch);
+  if (shape_.column_stride() > 1) sort_phases(wide, scratch);
   const int channels = padded_gradient_channels(shape_.output_channels);
   const int taps = static_cast<int>(gather_offset_.size());
   float* sums = scratch.rows.front().data();
@@ -373,7 +377,7 @@ void StridedConvolution::add_weight_gradient(const Tensor& narrow, const Tensor&
          .narrow_channels = shape_.output_channels,
          .wide = gather_base(wide, scratch, begin),
          .wide_row_stride =
-             shape_.stride * (shape_.stride == 1 ? wide : scratch.phases).row_stride(),
+             shape_.stride * (shape_.column_stride() == 1 ? wide : scratch.phases).row_stride(),
          .tap_offset = gather_offset_.data(),
          .taps = taps,
          .rows = end - begin,

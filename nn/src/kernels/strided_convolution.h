@@ -4,9 +4,9 @@
 #include <span>
 #include <vector>
 
-#include "hqslam/nn/convolution_shape.h"
+#include "../convolution_shape.h"
+#include "../tensor.h"
 #include "hqslam/nn/instruction_set.h"
-#include "hqslam/nn/tensor.h"
 #include "row_kernels.h"
 
 namespace hqslam::nn::kernels {

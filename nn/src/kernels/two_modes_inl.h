@@ -1,7 +1,7 @@
 // The element-wise part of the two-mode network for one row of pixels; included as
 // row_kernels_inl.h is. hqslam/nn/hqs/two_modes.h has the formulas.
 
-#include "hqslam/nn/hqs/two_modes.h"
+#include "../hqs/two_modes.h"
 #include "row_kernels.h"
 #include "vector_math_inl.h"
 

@@ -87,8 +87,7 @@ Checkpoint read_checkpoint(const std::string& path, const std::string& configura
         "delete the checkpoint to begin anew",
         path));
   }
-  std::size_t parameters = 0;
-  for (const ParameterShape& shape : parameter_shapes(description)) parameters += shape.elements();
+  const auto parameters = static_cast<std::size_t>(elements(parameter_shapes(description)));
   const std::vector<std::int64_t> steps =
       int64_values(member(arrays, path, "steps"), path + ": steps");
   constexpr std::int64_t kMostSteps = 1'000'000'000'000;  // times the batch this still fits

@@ -1,4 +1,4 @@
-#include "hqslam/nn/training/l1_loss.h"
+#include "l1_loss.h"
 
 #include <cmath>
 

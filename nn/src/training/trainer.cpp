@@ -48,8 +48,7 @@ void check_scans(const std::vector<RangeImage>& scans, const SensorModel& sensor
 }
 
 void check_state(const TrainingState& state, const NetworkDescription& description) {
-  std::int64_t expected = 0;
-  for (const ParameterShape& shape : parameter_shapes(description)) expected += shape.elements();
+  const std::int64_t expected = elements(parameter_shapes(description));
   for (const std::vector<float>* values :
        {&state.parameters, &state.average, &state.optimiser.first_moment,
         &state.optimiser.second_moment}) {
@@ -62,15 +61,40 @@ void check_state(const TrainingState& state, const NetworkDescription& descripti
   }
 }
 
-/// Weight decay pulls at the convolutions' weights alone: a penalty or a bias that it pulled at
-/// would end where the decay wants it.
+/// Weight decay pulls at the weights of convolutions and linear layers alone: a penalty or a bias
+/// that it pulled at would end where the decay wants it.
 std::vector<std::uint8_t> decays_of(const NetworkDescription& description) {
   std::vector<std::uint8_t> decays;
   for (const ParameterShape& shape : parameter_shapes(description)) {
-    decays.insert(decays.end(), shape.elements(), shape.shape.size() == 4 ? 1 : 0);
+    const bool is_weight = shape.shape.size() > 1 && shape.name.ends_with("weight");
+    decays.insert(decays.end(), shape.elements(), is_weight ? 1 : 0);
   }
   return decays;
 }
+
+/// Where the statistics begin and end among the parameters.
+std::vector<std::pair<std::size_t, std::size_t>> statistics_of(
+    const NetworkDescription& description) {
+  std::vector<std::pair<std::size_t, std::size_t>> ranges;
+  std::size_t begin = 0;
+  for (const ParameterShape& shape : parameter_shapes(description)) {
+    const std::size_t end = begin + static_cast<std::size_t>(shape.elements());
+    if (shape.statistic) ranges.emplace_back(begin, end);
+    begin = end;
+  }
+  return ranges;
+}
+
+/// The share by which a mean over about `steps` steps follows at step 1, 2, ...: at once in the
+/// first ones and ever more slowly later.
+float follow_share(std::int64_t step, std::int64_t steps) {
+  const double share =
+      std::max(1.0 / static_cast<double>(steps), 10.0 / (9.0 + static_cast<double>(step)));
+  return static_cast<float>(std::min(share, 1.0));
+}
+
+/// Of batch norm's statistics; a momentum of 0.99.
+constexpr std::int64_t kStatisticsSteps = 100;
 
 }  // namespace
 
@@ -80,11 +104,19 @@ struct Trainer::Implementation {
   std::unique_ptr<const TrainingScans> scans;
   TrainingState state;
   std::vector<std::uint8_t> decays;
+  std::vector<std::pair<std::size_t, std::size_t>> statistics;
   std::vector<std::unique_ptr<Network>> workers;
-  std::vector<std::vector<float>> gradients;  ///< one per sample of the batch
+  std::vector<std::vector<float>> gradients;  ///< one per sample of the batch, or of all together
   std::vector<double> losses;
 
+  struct Drawn {
+    TrainingSample sample;
+    std::uint64_t seed = 0;  ///< of what is random in the network
+  };
+  Drawn draw(int place) const;
   void run_sample(Network& network, int place);
+  void run_batch(Network& network);
+  void follow_statistics(std::span<float> gradient);
   void average();
 };
 
@@ -118,40 +150,78 @@ Trainer::Trainer(const NetworkDescription& description, const TrainingPlan& plan
   if (scans == nullptr || scans->size() == 0) throw Error("training: no scans to train on");
   check_shape(scans->rows(), scans->columns(), description.sensor);
   check_state(state, description);
-  implementation_ = std::make_unique<Implementation>(Implementation{
-      description, plan, std::move(scans), std::move(state), decays_of(description), {}, {}, {}});
+  implementation_ = std::make_unique<Implementation>(Implementation{description,
+                                                                    plan,
+                                                                    std::move(scans),
+                                                                    std::move(state),
+                                                                    decays_of(description),
+                                                                    statistics_of(description),
+                                                                    {},
+                                                                    {},
+                                                                    {}});
   Implementation& self = *implementation_;
   const int columns = plan.augmentation.crop_columns > 0 ? plan.augmentation.crop_columns
                                                          : description.sensor.columns;
-  for (int i = 0; i < std::clamp(threads, 1, plan.batch); ++i) {
+  const auto add_worker = [&] {
     self.workers.push_back(make_network(description, columns, chosen_instruction_set(), 1));
-  }
-  self.gradients.assign(plan.batch, std::vector<float>(self.state.parameters.size()));
-  self.losses.resize(plan.batch);
+  };
+  add_worker();
+  const int calls = self.workers.front()->joins_batch() ? 1 : plan.batch;
+  while (static_cast<int>(self.workers.size()) < std::clamp(threads, 1, calls)) add_worker();
+  self.gradients.assign(calls, std::vector<float>(self.state.parameters.size()));
+  self.losses.resize(calls);
 }
 Trainer::~Trainer() = default;
 
 const TrainingState& Trainer::state() const { return implementation_->state; }
 
-void Trainer::Implementation::run_sample(Network& network, int place) {
+Trainer::Implementation::Drawn Trainer::Implementation::draw(int place) const {
   const auto number = static_cast<std::uint64_t>(state.optimiser.steps * plan.batch + place);
   Random random(plan.seed * 0x9E3779B97F4A7C15ULL + number);
   const RangeImage scan = scans->read(random.below(scans->size()));
-  const TrainingSample sample = augmented_sample(
-      scan, description.sensor, description.measured_rows, plan.augmentation, random.bits());
-  std::fill(gradients[place].begin(), gradients[place].end(), 0.0F);
-  losses[place] =
-      network.add_gradient(sample.measured, sample.truth, {.layer_share = plan.layer_loss_share},
-                           random.bits() >> 20, gradients[place]);
+  Drawn drawn{augmented_sample(scan, description.sensor, description.measured_rows,
+                               plan.augmentation, random.bits()),
+              0};
+  drawn.seed = random.bits() >> 20;
+  return drawn;
 }
 
-/// The mean follows at once in the first steps and ever more slowly later.
+void Trainer::Implementation::run_sample(Network& network, int place) {
+  const Drawn drawn = draw(place);
+  std::fill(gradients[place].begin(), gradients[place].end(), 0.0F);
+  losses[place] =
+      network.add_gradient(drawn.sample.measured, drawn.sample.truth,
+                           {.layer_share = plan.layer_loss_share}, drawn.seed, gradients[place]);
+}
+
+void Trainer::Implementation::run_batch(Network& network) {
+  std::vector<TrainingSample> samples;
+  std::vector<std::uint64_t> seeds;
+  for (int place = 0; place < plan.batch; ++place) {
+    Drawn drawn = draw(place);
+    samples.push_back(std::move(drawn.sample));
+    seeds.push_back(drawn.seed);
+  }
+  std::fill(gradients.front().begin(), gradients.front().end(), 0.0F);
+  losses.front() = network.add_gradients(samples, {.layer_share = plan.layer_loss_share}, seeds,
+                                         gradients.front());
+}
+
+/// Statistics move by a share of their gradient, which the optimiser then does not see.
+void Trainer::Implementation::follow_statistics(std::span<float> gradient) {
+  const float share = follow_share(state.optimiser.steps + 1, kStatisticsSteps);
+  for (const auto& [begin, end] : statistics) {
+    for (std::size_t i = begin; i < end; ++i) {
+      state.parameters[i] -= share * gradient[i];
+      gradient[i] = 0.0F;
+    }
+  }
+}
+
 void Trainer::Implementation::average() {
-  const auto steps = static_cast<double>(state.optimiser.steps);
-  const auto follow = static_cast<float>(
-      std::max(1.0 / static_cast<double>(plan.average_steps), 10.0 / (9.0 + steps)));
+  const float follow = follow_share(state.optimiser.steps, plan.average_steps);
   for (std::size_t i = 0; i < state.parameters.size(); ++i) {
-    state.average[i] += std::min(follow, 1.0F) * (state.parameters[i] - state.average[i]);
+    state.average[i] += follow * (state.parameters[i] - state.average[i]);
   }
 }
 
@@ -161,16 +231,21 @@ TrainingStep Trainer::step() {
   in_parallel(workers, workers, [&](int worker, int) {
     self.workers[worker]->set_parameters(self.state.parameters);
   });
-  in_parallel(workers, self.plan.batch,
-              [&](int worker, int place) { self.run_sample(*self.workers[worker], place); });
+  if (self.workers.front()->joins_batch()) {
+    self.run_batch(*self.workers.front());
+  } else {
+    in_parallel(workers, self.plan.batch,
+                [&](int worker, int place) { self.run_sample(*self.workers[worker], place); });
+  }
   std::vector<float>& sum = self.gradients.front();
   double loss = self.losses.front();
-  for (int place = 1; place < self.plan.batch; ++place) {
+  for (std::size_t place = 1; place < self.gradients.size(); ++place) {
     loss += self.losses[place];
     for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += self.gradients[place][i];
   }
   const float share = 1.0F / static_cast<float>(self.plan.batch);
   for (float& g : sum) g *= share;
+  self.follow_statistics(sum);
   TrainingStep result;
   result.loss = loss * share;
   result.gradient_norm = clip_norm(self.plan.largest_gradient_norm, sum);

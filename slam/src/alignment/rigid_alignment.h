@@ -33,6 +33,7 @@ struct ConstraintList {
   std::vector<PlaneConstraint> all;
   int edges = 0;
   int planes = 0;
+  int ground = 0;  ///< of the planes; only in the map
 
   void add(const std::vector<std::optional<EdgeConstraints>>& found);
   void add(const std::vector<std::optional<PlaneConstraint>>& found);

@@ -192,7 +192,8 @@ ConstraintList map_constraints(LocatedScan& scan, const MapSearch& search, const
     list.add(found);
   };
   add(ground_constraints(scan.ground, search, map.planes, options));
-  const bool ground_tells_height = list.planes >= kMinGroundConstraints;
+  list.ground = list.planes;
+  const bool ground_tells_height = list.ground >= kMinGroundConstraints;
   add(surface_constraints(scan.surfaces, search, map.planes, options, ground_tells_height));
   add(edge_constraints_of(scan.edges, search, map.edges));
   add(post_constraints(scan.posts, search, map.posts));

@@ -79,6 +79,7 @@ MappingResult Mapping::locate(const MapFeatures& features, const MotionState& ex
     }
     result.edge_correspondences = constraints.edges;
     result.planar_correspondences = constraints.planes;
+    if (!narrow) result.standing_correspondences = matched - constraints.ground;
     if (!enough) {
       result.state = expected;
       result.status = Status::kTooFewFeatures;

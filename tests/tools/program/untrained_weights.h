@@ -1,20 +1,23 @@
 #pragma once
 
+#include <fmt/format.h>
+
 #include <string>
 
 #include "hqslam/core/sensor_model.h"
+#include "hqslam/nn/hqs/network_json.h"
 #include "hqslam/nn/hqs/weights_file.h"
 
 namespace hqslam::test {
 
 /// A network that nobody has trained, for scans of `sensor` of which every fourth row is measured:
 /// its ranges are poor, but it runs.
-inline nn::Weights untrained_weights(const SensorModel& sensor, nn::NetworkKind kind) {
+inline nn::Weights untrained_weights(const SensorModel& sensor, const std::string& kind) {
   nn::Weights weights;
-  weights.description.kind = kind;
-  if (kind == nn::NetworkKind::kDuMix) weights.description.layers = 1;
-  weights.description.sensor = sensor;
-  weights.description.measured_rows = selection_for(sensor.rows(), sensor.rows() / 4);
+  weights.description =
+      nn::network_from_json(fmt::format(R"({{"kind": "{}", "sensor": {}, "measured_rows": {}}})",
+                                        kind, sensor_json(sensor), sensor.rows() / 4),
+                            "untrained");
   weights.parameters = initial_parameters(weights.description, 1);
   weights.training = "{}";
   RangeImage measured(sensor.rows() / 4, sensor.columns);
@@ -29,7 +32,7 @@ inline nn::Weights untrained_weights(const SensorModel& sensor, nn::NetworkKind 
 }
 
 inline void write_untrained_weights(const std::string& path, const SensorModel& sensor,
-                                    nn::NetworkKind kind = nn::NetworkKind::kDuOr) {
+                                    const std::string& kind = "du-or") {
   write_weights(path, untrained_weights(sensor, kind));
 }
 

@@ -28,7 +28,7 @@ SensorModel small_sensor() {
 /// What another program would have: the arrays of a network and its description.
 struct Foreign {
   TemporaryDirectory folder;
-  nn::Weights weights = untrained_weights(small_sensor(), nn::NetworkKind::kDuMix);
+  nn::Weights weights = untrained_weights(small_sensor(), "du-mix");
   std::string arrays = folder.file("arrays.npz");
   std::string description = folder.file("network.json");
   std::string packed = folder.file("packed.npz");

@@ -113,7 +113,7 @@ void measure_networks(const std::vector<std::string>& paths, const std::vector<R
     if (measurements.peaks.empty()) {
       measurements.peaks = measure_peaks(kMostThreads);
     }
-    to_stderr("network {} ...\n", nn::name(weights.description.kind));
+    to_stderr("network {} ...\n", nn::name(weights.description));
     measurements.networks.push_back(
         time_network(path, weights, images, measurements.peaks, kMostThreads, interrupt));
   }
@@ -122,12 +122,12 @@ void measure_networks(const std::vector<std::string>& paths, const std::vector<R
 /// The networks of this sensor that are quick enough to stand before SLAM.
 std::vector<nn::Upsampler> quick_upsamplers(const std::vector<std::string>& paths,
                                             const SensorModel& sensor) {
+  constexpr std::int64_t kMostMultiplyAdds = 5'000'000'000;
   std::vector<nn::Upsampler> upsamplers;
   for (const std::string& path : paths) {
     nn::SuperResolver network = nn::SuperResolver::load(path);
     const nn::NetworkDescription& description = network.description();
-    if (description.kind != nn::NetworkKind::kSimpleDu &&
-        description.sensor.rows() == sensor.rows() &&
+    if (network.multiply_adds() < kMostMultiplyAdds && description.sensor.rows() == sensor.rows() &&
         description.sensor.columns == sensor.columns) {
       upsamplers.emplace_back(std::move(network), sensor);
     }

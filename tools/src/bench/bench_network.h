@@ -32,7 +32,7 @@ struct NetworkRun {
   double peak_share = 0.0;  ///< of the peak of the same instruction set and threads
 };
 
-/// One kind of step, measured by itself; of all HQS layers together, per frame.
+/// One kind of step, measured by itself; all calls for a frame together.
 struct NetworkStepTiming {
   std::string name;
   double gmac = 0.0;  ///< 0: not a convolution
@@ -43,7 +43,7 @@ struct NetworkSteps {
   std::vector<NetworkStepTiming> steps;
 };
 
-/// The fast convolution against the one written as its formula, on one layer, one thread.
+/// A convolution as it is used against the one written as its formula, one thread.
 struct ReferenceRatio {
   std::string layer;
   double fast_ms = 0.0;
@@ -53,13 +53,12 @@ struct ReferenceRatio {
 struct NetworkTiming {
   std::string path;
   std::string name;  ///< "du-or"
-  int layers = 0;
   std::int64_t parameters = 0;
   double gmac = 0.0;  ///< per frame
   std::vector<NetworkRun> runs;
   nn::InstructionSet steps_instruction_set = nn::InstructionSet::kPortable;
   std::vector<NetworkSteps> steps;
-  ReferenceRatio reference;
+  std::optional<ReferenceRatio> reference;
 };
 
 /// Whether these images are of the shape that the network takes.

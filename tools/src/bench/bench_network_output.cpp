@@ -63,8 +63,8 @@ double whole_ms(const NetworkTiming& network, int threads) {
 }
 
 void print_steps(const NetworkTiming& network) {
-  to_stdout("\n  its steps, each by itself, all {} layers of a frame, {}, median ms\n",
-            network.layers, nn::name(network.steps_instruction_set));
+  to_stdout("\n  its steps, each by itself, all calls for a frame, {}, median ms\n",
+            nn::name(network.steps_instruction_set));
   to_stdout("  {:<18}{:>8}", "", "GMAC");
   for (const NetworkSteps& steps : network.steps) {
     to_stdout("{:>22}",
@@ -87,11 +87,12 @@ void print_steps(const NetworkTiming& network) {
     to_stdout("{:>22}", fmt::format("{:.3f} {:>8}", whole_ms(network, steps.threads), ""));
   }
   to_stdout("\n");
+  if (!network.reference) return;
   to_stdout(
       "  {} written as its formula: {:.1f} ms, as it is used: {:.3f} ms ({:.0f} times as "
       "fast, one thread)\n",
-      network.reference.layer, network.reference.reference_ms, network.reference.fast_ms,
-      network.reference.reference_ms / network.reference.fast_ms);
+      network.reference->layer, network.reference->reference_ms, network.reference->fast_ms,
+      network.reference->reference_ms / network.reference->fast_ms);
 }
 
 }  // namespace
@@ -119,16 +120,16 @@ Json networks_json(const std::vector<NetworkTiming>& networks) {
     }
     json.push_back({{"network", network.name},
                     {"weights", network.path},
-                    {"layers", network.layers},
                     {"parameters", network.parameters},
                     {"gmac", network.gmac},
                     {"runs", std::move(runs)},
                     {"steps_instruction_set", nn::name(network.steps_instruction_set)},
-                    {"steps", std::move(steps)},
-                    {"reference",
-                     {{"layer", network.reference.layer},
-                      {"fast_ms", network.reference.fast_ms},
-                      {"reference_ms", network.reference.reference_ms}}}});
+                    {"steps", std::move(steps)}});
+    if (network.reference) {
+      json.back()["reference"] = {{"layer", network.reference->layer},
+                                  {"fast_ms", network.reference->fast_ms},
+                                  {"reference_ms", network.reference->reference_ms}};
+    }
   }
   return json;
 }
@@ -144,9 +145,9 @@ void print_networks(const std::vector<MultiplyAddPeak>& peaks,
   }
   for (const NetworkTiming& network : networks) {
     to_stdout(
-        "\n{}: whole network, filter included; {} layers, {} parameters, {:.3f} GMAC a "
+        "\n{}: whole network, filter included; {} parameters, {:.3f} GMAC a "
         "frame\n",
-        network.name, network.layers, network.parameters, network.gmac);
+        network.name, network.parameters, network.gmac);
     print_runs(network);
     print_steps(network);
   }

@@ -40,7 +40,7 @@ std::vector<ComparedMethod> methods_of(const CompareOptions& options, const Sens
   for (const std::string& weights : options.weights) {
     nn::Upsampler network(nn::SuperResolver::load(weights), sensor);
     const std::string name = network.name();
-    if (network.network()->description().last_filter.min_pixels > 0) {
+    if (last_filter(network.network()->description())) {
       methods.push_back(
           {name + ", unfiltered at the end", without_last_filter(weights, sensor), std::nullopt});
       methods.push_back({name, std::move(network), without_last_filter(weights, sensor)});

@@ -86,8 +86,7 @@ ConfidenceCurve::ConfidenceCurve(nn::Upsampler network, float tolerance_m)
       tolerance_m_(tolerance_m),
       sums_(operating_points()),
       bin_sums_(kBins) {
-  if (network_.network() == nullptr ||
-      network_.network()->description().kind != nn::NetworkKind::kDuMix) {
+  if (network_.network() == nullptr || !has_confidence(network_.network()->description())) {
     throw Error("compare: a confidence curve of " + network_.name() +
                 ", which has no confidence; name weights of kind du-mix");
   }

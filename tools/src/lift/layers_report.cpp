@@ -71,9 +71,9 @@ RgbImage share_image(const std::vector<float>& shares, int rows, int columns) {
 
 /// What the filter looks at, what it rejects, and what becomes of it.
 std::string filter_html(const LayersReport& report, const nn::LayerTrace& layer) {
-  const bool of_h = report.network.filtered == nn::FilteredIterate::kH;
+  const bool of_h = layer.filtered == nn::FilteredIterate::kH;
   const char* const filtered = of_h ? "H" : "Z";
-  const char* const taken = report.network.rejected == nn::RejectedPixel::kTakesZ ? "Z" : "0";
+  const char* const taken = layer.rejected_pixel == nn::RejectedPixel::kTakesZ ? "Z" : "0";
   return image_html(mask_image(of_h ? layer.h : layer.z, report.min_range_m, layer.rejected),
                     fmt::format("Q of {}: rejected pixels in red", filtered)) +
          range_html(layer.y, report,
@@ -89,9 +89,18 @@ std::string mixture_html(const LayersReport& report, const nn::LayerTrace& layer
          range_html(layer.y, report, "Z where a return is likely");
 }
 
+/// A network that says all ranges in one go.
+std::string direct_html(const LayersReport& report, const nn::LayerTrace& layer) {
+  return "<h2>The network</h2>\n" + range_html(layer.z, report, "What it says of every pixel") +
+         image_html(mask_image(layer.z, report.min_range_m, layer.rejected),
+                    "Pixels on which its passes with dropout disagree, in red") +
+         range_html(layer.y, report, "What remains");
+}
+
 std::string layer_html(const LayersReport& report, std::size_t index) {
   const nn::LayerTrace& layer = report.trace.layers[index];
-  if (report.network.kind == nn::NetworkKind::kDuMix) {
+  if (layer.h.range_m.empty()) return direct_html(report, layer);
+  if (!layer.probability.empty()) {
     return fmt::format("<h2>Layer {}</h2>\n", index + 1) + mixture_html(report, layer);
   }
   std::string html = fmt::format(
@@ -101,7 +110,7 @@ std::string layer_html(const LayersReport& report, std::size_t index) {
       layer.objective.filter_gap_m2, layer.objective.rejected);
   html += range_html(layer.h, report, "H: data consistency (eq. 10a)");
   html += range_html(layer.z, report, "Z: denoiser (eq. 10b)");
-  if (report.network.kind == nn::NetworkKind::kDuOr) html += filter_html(report, layer);
+  if (!layer.rejected.empty()) html += filter_html(report, layer);
   if (report.truth) {
     html +=
         image_html(error_image(layer.z, *report.truth),
@@ -114,7 +123,7 @@ std::string layer_html(const LayersReport& report, std::size_t index) {
 
 std::string result_html(const LayersReport& report) {
   std::string html = "<h2>Result</h2>\n";
-  if (report.network.kind == nn::NetworkKind::kDuMix) {
+  if (!report.confidence.empty()) {
     const std::string caption = fmt::format(
         "Confidence: a return, and within {} m of its range. White certain; emptied "
         "below {:.2f}",
@@ -130,9 +139,11 @@ std::string result_html(const LayersReport& report) {
                                  image_error(report.result, *report.truth).mae_valid_m));
     }
   } else {
-    html += image_html(
-        mask_image(report.trace.layers.back().z, report.min_range_m, report.trace.rejected),
-        "Q of the last Z: rejected pixels in red");
+    if (last_filter(report.network)) {
+      html += image_html(
+          mask_image(report.trace.layers.back().z, report.min_range_m, report.trace.rejected),
+          "Q of the last Z: rejected pixels in red");
+    }
     html +=
         range_html(report.result, report, "Result: measured rows restored, rejected pixels empty");
   }

@@ -105,8 +105,8 @@ void print_summary(const UpsampleRun& run, const UpsamplingPlan& plan,
             select_rows(upsampler.sensor(), upsampler.measured_rows()).rows(),
             upsampler.sensor().rows(), upsampler.sensor().columns, upsampler.name());
   if (const nn::SuperResolver* network = upsampler.network()) {
-    to_stdout(" ({} layers, {} parameters, {:.3f} GMAC a scan)", network->description().layers,
-              network->parameters(), 1e-9 * static_cast<double>(network->multiply_adds()));
+    to_stdout(" ({} parameters, {:.3f} GMAC a scan)", network->parameters(),
+              1e-9 * static_cast<double>(network->multiply_adds()));
   }
   const double median_s = distribution_of(run.times_s).median;
   to_stdout("\nupsampling alone: {:.2f} ms a scan, {:.1f} scans/s (median, {} thread{})\n",

@@ -84,7 +84,7 @@ UpsamplingPlan plan_for_network(const UpsamplingRequest& request) {
   if (choice.least_confidence) options.least_confidence = choice.least_confidence;
   if (choice.tolerance_m) options.tolerance_m = *choice.tolerance_m;
   nn::SuperResolver network = nn::SuperResolver::load(request.method, options);
-  if (is_given(choice) && network.description().kind != nn::NetworkKind::kDuMix) {
+  if (is_given(choice) && !has_confidence(network.description())) {
     fail_for_confidence(request);
   }
   const SensorModel full = network.sensor();

@@ -51,7 +51,7 @@ int pack(const PackOptions& options) {
                                                    sample_scan(weights.description));
   nn::check_self_test(weights, options.arrays);
   nn::write_weights(options.out, weights);
-  to_stdout("{}: {}, {} parameters, {}\n", options.out, nn::name(weights.description.kind),
+  to_stdout("{}: {}, {} parameters, {}\n", options.out, nn::name(weights.description),
             weights.parameters.size(),
             checked ? "which give what the self-test beside them expects"
                     : "no self-test beside them: one was made of what they give");
@@ -94,9 +94,9 @@ int show(const std::string& path) {
   const nn::NetworkDescription& d = weights.description;
   const auto network = nn::make_network(d, d.sensor.columns, nn::chosen_instruction_set(), 1);
   to_stdout(
-      "{}: {}, K = {}, {}: rows {}, {}, ... of {} x {} measured\n"
+      "{}: {}, {}: rows {}, {}, ... of {} x {} measured\n"
       "{} parameters, {:.3f} GMAC a scan; self-test passed\n\n",
-      path, nn::name(d.kind), d.layers, d.sensor.name, d.measured_rows.offset,
+      path, nn::name(d), d.sensor.name, d.measured_rows.offset,
       d.measured_rows.offset + d.measured_rows.stride, d.sensor.rows(), d.sensor.columns,
       weights.parameters.size(), static_cast<double>(network->multiply_adds()) * 1e-9);
   print_arrays(weights);

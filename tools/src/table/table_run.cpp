@@ -51,9 +51,9 @@ std::optional<nn::OutlierRemoval> filter_of(const TableMethod& method,
                                             const nn::Upsampler* upsampler) {
   if (!method.filtered) return std::nullopt;
   const nn::NetworkDescription& network = upsampler->network()->description();
-  if (network.last_filter.min_pixels == 0) return std::nullopt;  // it was made without one
-  return nn::OutlierRemoval(network.sensor, network.measured_rows, network.last_filter,
-                            network.sensor.columns);
+  const std::optional<nn::OutlierRemovalOptions> filter = last_filter(network);
+  if (!filter) return std::nullopt;  // it was made without one
+  return nn::OutlierRemoval(network.sensor, network.measured_rows, *filter, network.sensor.columns);
 }
 
 using SlamSystem = std::variant<slam::Slam, slam::LegoLoamAsPublished>;

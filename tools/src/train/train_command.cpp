@@ -105,7 +105,7 @@ void write_results(const Training& training, const nn::TrainingState& state) {
   nn::NetworkDescription network = training.configuration.network;
   nn::write_checkpoint(training.checkpoint_path(),
                        {training.configuration_text, state, training.curve});
-  if (network.kind == nn::NetworkKind::kDuMix) {
+  if (has_confidence(network)) {
     const nn::Validation& v = training.curve.back().validation;
     network.least_confidence =
         static_cast<float>(std::pow(v.least_confidence, v.confidence_exponent));
@@ -231,7 +231,7 @@ int train_command(const TrainOptions& options) {
   }
   nn::Trainer& trainer = *prepared;
   to_stdout("{}: {} parameters, {} training scans, {} validation scans, from step {}\n",
-            nn::name(c.network.kind), trainer.state().parameters.size(), training.training_scans,
+            nn::name(c.network), trainer.state().parameters.size(), training.training_scans,
             training.validation.size(), trainer.state().optimiser.steps);
   const int status = train(training, trainer, interrupt);
   if (status == kInterrupted) {

@@ -1,14 +1,18 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
+#include <string>
+#include <vector>
 
 #include "hqslam/core/range_image.h"
 #include "hqslam/nn/hqs/network_description.h"
 #include "hqslam/nn/hqs/trace.h"
 #include "hqslam/nn/instruction_set.h"
 #include "hqslam/nn/lifted_image.h"
+#include "hqslam/nn/training/augmentation.h"
 
 namespace hqslam::nn {
 
@@ -16,6 +20,18 @@ namespace hqslam::nn {
 struct LossOptions {
   /// Share of each layer before the last: with 0 only the last one has to say what is there.
   float layer_share = 0.1F;
+};
+
+/// A part of a network that can be run by itself, to be measured.
+struct NetworkStep {
+  std::string name;                ///< "encoder.0"
+  int calls = 1;                   ///< for one scan
+  std::int64_t multiply_adds = 0;  ///< of one call
+  /// On what the last scan left, as often as one likes.
+  std::function<void()> run;
+  bool by_team = true;  ///< called by all threads of a parallel region, which share the work
+  /// The same, written as its formula, by one thread; empty if there is no such thing.
+  std::function<void()> reference = {};
 };
 
 /// A network with its weights packed for one image size, and memory for one scan at a time: what
@@ -36,6 +52,10 @@ class Network {
   /// Throws Error for another shape.
   virtual const LiftedImage& lift(const RangeImage& measured, float tolerance_m) = 0;
 
+  /// What it says of every pixel before anything is emptied or put back, metres: the self-test of a
+  /// weights file.
+  virtual RangeImage estimate(const RangeImage& measured) { return lift(measured, 0.5F).image; }
+
   /// What every layer makes of a scan; `rejected` of the whole is left empty. Throws Error for
   /// another shape.
   virtual Trace trace(const RangeImage& measured) = 0;
@@ -45,6 +65,17 @@ class Network {
   virtual double add_gradient(const RangeImage& measured, const RangeImage& truth,
                               const LossOptions& options, std::uint64_t seed,
                               std::span<float> d_parameters) = 0;
+
+  /// Whether the scans of a batch see each other (batch norm): add_gradients then gets all of them
+  /// in one call.
+  virtual bool joins_batch() const { return false; }
+  /// The sum over the scans of a batch, a seed each.
+  virtual double add_gradients(std::span<const TrainingSample> batch, const LossOptions& options,
+                               std::span<const std::uint64_t> seeds, std::span<float> d_parameters);
+
+  /// Lifts a scan and says of what parts that took so much time, in their order; `measured` and the
+  /// network must outlive them. Empty: nobody has measured them yet.
+  virtual std::vector<NetworkStep> steps(const RangeImage& /*measured*/) { return {}; }
 };
 
 /// `columns` may be fewer than the sensor's: cut-outs for training. Throws Error if the description

@@ -17,14 +17,12 @@
 namespace hqslam::nn {
 
 struct SuperResolverOptions {
-  int threads = 0;  ///< 0: as many as OpenMP would use
-  /// Instead of the weights file's; min_pixels 0 switches the filter off everywhere.
-  std::optional<OutlierRemovalOptions> filter = std::nullopt;
-  bool filter_result = true;  ///< Q on the last layer's Z
+  int threads = 0;            ///< 0: as many as OpenMP would use
+  bool filter_result = true;  ///< the weights file's filter at the end, if it has one
   /// How near to the truth a range must be to count as right in the confidence.
   float tolerance_m = 0.5F;
   /// Computed pixels with a smaller confidence come out empty; nothing: the weights file's. Throws
-  /// Error unless 0 to 1. DU-OR and Simple DU have no confidence and ignore both.
+  /// Error unless 0 to 1. Networks without a confidence ignore both.
   std::optional<float> least_confidence = std::nullopt;
   std::optional<InstructionSet> instruction_set =
       std::nullopt;  ///< nothing: chosen_instruction_set()

@@ -12,7 +12,7 @@ namespace hqslam::nn {
 /// A sample that comes with the weights: what the network made of it where it was trained.
 struct SelfTest {
   RangeImage measured;  ///< the measured rows, metres
-  RangeImage expected;  ///< the last layer's Z, all rows, metres, before the filter at the end
+  RangeImage expected;  ///< Network::estimate of them
 };
 
 /// Everything a weights file holds. `parameters` are the arrays of parameter_shapes(description),

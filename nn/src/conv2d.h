@@ -1,0 +1,78 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+
+#include "convolution_shape.h"
+#include "hqslam/nn/instruction_set.h"
+#include "tensor.h"
+
+namespace hqslam::nn {
+
+/// What a layer does with the sums it has computed: output = a(sum + skip), a(v) = max(v, slope v).
+struct LayerEnd {
+  float negative_slope = 1.0F;   ///< 1 linear, 0 ReLU
+  const Tensor* skip = nullptr;  ///< of the output's shape
+};
+
+/// What backward_input does with its sums: d_input = (sum + skip) a'. With `activated`, what the
+/// activation max(v, negative_slope v) before the layer gave, a' is its derivative, so that d_input
+/// is the gradient of what went into the activation; without, 1.
+struct InputGradientEnd {
+  const Tensor* skip = nullptr;  ///< another gradient of the same input
+  const Tensor* activated = nullptr;
+  float negative_slope = 1.0F;
+};
+
+/// 2-D convolution (cross-correlation, as everywhere in deep learning):
+///   output[o][y][x] = bias[o] + sum_{i, r, c} weight[o][i][r][c]
+///                                input[i][y stride + r - padding][x stride + c - padding]
+/// Rows beyond the edge are zero, columns continue as the input's ColumnPadding says.
+///
+/// One object serves one pair of shapes and one thread team at a time. Called by all threads of an
+/// OpenMP parallel region, the team shares the work; the result does not depend on its size.
+/// No call allocates.
+class Conv2d {
+ public:
+  /// Throws Error if the shapes do not fit.
+  Conv2d(const ConvolutionShape& shape, const Tensor& input, const Tensor& output,
+         InstructionSet instruction_set, int threads = 1);
+  ~Conv2d();
+  Conv2d(Conv2d&&) noexcept;  ///< moved from: only assign or destroy
+  Conv2d& operator=(Conv2d&&) noexcept;
+
+  /// weight: output x input x kernel rows x kernel columns; bias: output channels, or empty for
+  /// none. Throws Error if a size differs.
+  void set_parameters(std::span<const float> weight, std::span<const float> bias);
+
+  /// Borders of the input must be filled; those of the output will be.
+  void forward(const Tensor& input, const LayerEnd& end, Tensor& output);
+  /// One row of the linear result, into memory of the caller's, so that what follows can use it
+  /// while it is in the cache: output channels are channel_stride floats apart, each with room for
+  /// the columns rounded up to 16. By the calling thread alone. Throws Error unless the stride
+  /// is 1.
+  void forward_row(const Tensor& input, int row, float* output, std::int64_t channel_stride) const;
+  /// d_input = the gradient with respect to the input; borders of d_output (before the layer's
+  /// activation) must be filled.
+  void backward_input(const Tensor& d_output, const InputGradientEnd& end, Tensor& d_input);
+  /// Adds to d_weight and d_bias (empty: none). One thread.
+  void backward_parameters(const Tensor& input, const Tensor& d_output, std::span<float> d_weight,
+                           std::span<float> d_bias);
+
+  const ConvolutionShape& shape() const;
+
+ private:
+  struct Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+/// The same, written as the formula above.
+void conv2d_reference(const ConvolutionShape& shape, std::span<const float> weight,
+                      std::span<const float> bias, const Tensor& input, Tensor& output);
+/// The gradients, written as its derivatives. d_input is overwritten, the others are added to.
+void conv2d_backward_reference(const ConvolutionShape& shape, std::span<const float> weight,
+                               const Tensor& input, const Tensor& d_output, Tensor& d_input,
+                               std::span<float> d_weight, std::span<float> d_bias);
+
+}  // namespace hqslam::nn

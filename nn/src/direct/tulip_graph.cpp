@@ -1,0 +1,123 @@
+#include "tulip_graph.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "../layers/layers.h"
+
+namespace hqslam::nn {
+namespace {
+
+constexpr float kEpsilon = 1e-6F;
+constexpr float kHeadSlope = 0.01F;
+
+/// Of PyTorch's start of a convolution.
+float deviation_of(int taps) { return std::sqrt(1.0F / (3.0F * static_cast<float>(taps))); }
+
+/// Adds layers to a graph; every function returns the number of its result.
+struct Builder {
+  const TulipShape& shape;
+  LayerGraph graph;
+  Engine engine;
+
+  int channels(int from) const { return graph.shape(from).channels; }
+
+  int norm(const std::string& name, int from) {
+    return graph.add(name, make_layer_norm(kEpsilon, graph.shape(from)), {from});
+  }
+
+  /// inputs: one, and what is added.
+  int linear(const std::string& name, int outputs, std::vector<int> inputs, bool bias = true) {
+    return graph.add(name,
+                     make_convolution({.channels = outputs, .bias = bias, .linear = true},
+                                      graph.shape(inputs.front()), engine),
+                     inputs);
+  }
+
+  int block(const std::string& name, int heads, bool shifted, int x) {
+    const int c = channels(x);
+    const int qkv = linear(name + ".attn.qkv", 3 * c, {norm(name + ".norm1", x)});
+    const int attended = graph.add(name + ".attn",
+                                   make_window_attention({.heads = heads,
+                                                          .window_rows = kTulipWindowRows,
+                                                          .window_columns = kTulipWindowColumns,
+                                                          .shifted = shifted,
+                                                          .circular = shape.circular_attention},
+                                                         graph.shape(qkv), engine),
+                                   {qkv});
+    x = linear(name + ".attn.proj", c, {attended, x});
+    const int hidden = linear(name + ".mlp.fc1", 4 * c, {norm(name + ".norm2", x)});
+    const int activated = graph.add("gelu", make_gelu(graph.shape(hidden), engine), {hidden});
+    return linear(name + ".mlp.fc2", c, {activated, x});
+  }
+
+  int two_blocks(const std::string& name, int heads, int x) {
+    x = block(name + ".blocks.0", heads, false, x);
+    return block(name + ".blocks.1", heads, true, x);
+  }
+
+  int downsample(const std::string& name, int x) {
+    const int merged = graph.add("merging", make_patch_merging(graph.shape(x)), {x});
+    return linear(name + ".reduction", 2 * channels(x), {norm(name + ".norm", merged)}, false);
+  }
+
+  int shuffled(const std::string& name, int outputs, float slope, int factor, int x) {
+    const int expanded = graph.add(name,
+                                   make_convolution({.channels = outputs,
+                                                     .negative_slope = slope,
+                                                     .start_deviation = deviation_of(channels(x))},
+                                                    graph.shape(x), engine),
+                                   {x});
+    return graph.add("shuffle", make_pixel_shuffle(factor, graph.shape(expanded)), {expanded});
+  }
+
+  int upsample(const std::string& name, int x) {
+    return shuffled(name + ".expand", 2 * channels(x), 1.0F, 2, x);
+  }
+};
+
+}  // namespace
+
+LayerGraph tulip_graph(const TulipShape& shape, const TensorShape& input, const Engine& engine) {
+  Builder build{shape, LayerGraph(input), engine};
+  LayerGraph& graph = build.graph;
+  const int stages = static_cast<int>(shape.heads.size());
+  int x = graph.add("patch_embed.proj",
+                    make_convolution({.channels = shape.channels,
+                                      .kernel_columns = 8,
+                                      .stride_columns = kTulipUpscaling,
+                                      .padding_columns = 2,
+                                      .start_deviation = deviation_of(8)},
+                                     input, engine),
+                    {0});
+  x = build.norm("patch_embed.norm", x);
+  std::vector<int> sides;
+  for (int stage = 0; stage < stages; ++stage) {
+    sides.push_back(x);
+    const std::string name = fmt::format("layers.{}", stage);
+    x = build.two_blocks(name, shape.heads[stage], x);
+    if (stage + 1 < stages) x = build.downsample(name + ".downsample", x);
+  }
+  x = build.upsample("first_patch_expanding", x);
+  for (int i = 0; i + 1 < stages; ++i) {
+    const int stage = stages - 2 - i;
+    const int both = graph.add(
+        "side", make_concatenation(graph.shape(x), graph.shape(sides[stage])), {x, sides[stage]});
+    x = build.linear(fmt::format("skip_connection_layers.{}", i), build.channels(x), {both});
+    const std::string name = fmt::format("layers_up.{}", i);
+    x = build.two_blocks(name, shape.heads[stage], x);
+    if (stage > 0) x = build.upsample(name + ".upsample", x);
+  }
+  x = build.norm("norm_up", x);
+  x = build.shuffled("ps_head.conv_expand.0", kTulipUpscaling * kTulipUpscaling * shape.channels,
+                     kHeadSlope, kTulipUpscaling, x);
+  graph.add("decoder_pred",
+            make_convolution(
+                {.channels = 1, .bias = false, .start_deviation = deviation_of(shape.channels)},
+                graph.shape(x), engine),
+            {x});
+  return std::move(graph);
+}
+
+}  // namespace hqslam::nn

@@ -1,0 +1,16 @@
+#pragma once
+
+#include "../tensor.h"
+#include "hqslam/core/range_image.h"
+#include "hqslam/nn/hqs/network_description.h"
+#include "tiles.h"
+
+namespace hqslam::nn {
+
+/// The last layer's Z as an image in metres: ranges outside the sensor's limits become "no return",
+/// the measured rows are put back. z: tiles. measured: one row per measured row. Uses up to
+/// `threads` OpenMP threads.
+RangeImage restored_image(const NetworkDescription& description, TileSize tile, const Tensor& z,
+                          const RangeImage& measured, int threads = 1);
+
+}  // namespace hqslam::nn

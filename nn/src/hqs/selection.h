@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstdint>
+
+#include "../tensor.h"
+#include "hqslam/nn/instruction_set.h"
+#include "tiles.h"
+
+namespace hqslam::nn {
+
+/// What a pixel may be, next to what it is now: the nearest measured range above it, the nearest
+/// measured range below it. Tiles, as H.
+struct Candidates {
+  Tensor above;
+  Tensor below;
+};
+
+/// The end of the U-shaped denoiser. The network scores four candidates for each pixel and adds a
+/// correction:
+///   Z = w_a above + w_b below + w_h H + r,   (w_a, w_b, w_h, w_0) = softmax(gain scores)
+/// w_0 is the weight of "no return". At a depth jump a sum of features and ranges would have to
+/// hit the one range or the other exactly, or leave a point hovering between them; a choice only
+/// has to be clear.
+///
+/// scores holds 5 groups of tile.pixels() channels: above, below, here, nothing, r.
+inline constexpr int kSelectionGroups = 5;
+/// An optimiser of AdamW's kind moves every weight by the same step; scores must become large
+/// before a choice is clear, ranges (in units of 80 m) stay below 1.
+inline constexpr float kSelectionGain = 4.0F;
+
+/// In: scores. Out: the softmax in their place, and Z. Called by all threads of a parallel region,
+/// they share the work.
+void select(const Candidates& candidates, const Tensor& h, TileSize tile,
+            InstructionSet instruction_set, Tensor& scores, Tensor& z);
+
+/// One row of the same by the calling thread alone. scores: groups of channels as above,
+/// channel_stride floats apart; in the scores, out the softmax.
+void select_row(const Candidates& candidates, const Tensor& h, TileSize tile,
+                InstructionSet instruction_set, int row, float* scores, std::int64_t channel_stride,
+                Tensor& z);
+
+/// weights: what `select` left. d_z: d loss / d Z. Writes d loss / d scores (groups as above,
+/// borders filled) and d loss / d H along the direct way through w_h. One thread.
+void select_backward(const Candidates& candidates, const Tensor& h, TileSize tile,
+                     const Tensor& weights, const Tensor& d_z, Tensor& d_scores, Tensor& d_h);
+
+}  // namespace hqslam::nn

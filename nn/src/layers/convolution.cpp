@@ -1,0 +1,194 @@
+#include <cmath>
+#include <numbers>
+#include <utility>
+#include <variant>
+
+#include "../activation.h"
+#include "../conv2d.h"
+#include "../conv_transpose2d.h"
+#include "layers.h"
+#include "tensor_sums.h"
+
+namespace hqslam::nn {
+namespace {
+
+ConvolutionShape shape_of(const ConvolutionOptions& o, const TensorShape& input) {
+  return {input.channels, o.channels,     o.kernel_rows,     o.kernel_columns,
+          o.stride_rows,  o.padding_rows, o.padding_columns, o.stride_columns};
+}
+
+TensorShape output_of(const ConvolutionOptions& o, const TensorShape& input) {
+  if (o.transposed) {
+    return {o.channels, input.rows * o.stride_rows, input.columns * o.stride_columns,
+            input.padding};
+  }
+  const int columns =
+      input.padding == ColumnPadding::kCircular
+          ? input.columns / o.stride_columns
+          : convolved_size(input.columns, o.kernel_columns, o.stride_columns, o.padding_columns);
+  return {o.channels, convolved_size(input.rows, o.kernel_rows, o.stride_rows, o.padding_rows),
+          columns, input.padding};
+}
+
+class Convolution final : public Layer {
+ public:
+  Convolution(const ConvolutionOptions& options, const TensorShape& input, const Engine& engine)
+      : options_(options),
+        shape_(shape_of(options, input)),
+        input_(input),
+        output_(output_of(options, input)),
+        computed_pixels_((options.transposed ? input.rows : output_.rows) *
+                         (options.transposed ? input.columns : output_.columns)),
+        layer_(made_layer(input, engine)) {}
+
+  TensorShape output_shape() const override { return output_; }
+  std::int64_t multiply_adds() const override { return shape_.weights() * computed_pixels_; }
+
+  std::vector<ParameterShape> parameter_shapes() const override {
+    int first = shape_.output_channels;
+    int second = shape_.input_channels;
+    if (options_.transposed) std::swap(first, second);
+    std::vector<ParameterShape> shapes{
+        {"weight", {first, second, shape_.kernel_rows, shape_.kernel_columns}}};
+    if (options_.linear) shapes.front().shape.resize(2);
+    if (options_.bias) shapes.push_back({"bias", {shape_.output_channels}});
+    return shapes;
+  }
+
+  void add_initial_parameters(UniformStart& start, std::vector<float>& parameters) const override {
+    start.add(shape_.weights(), std::numbers::sqrt3_v<float> * options_.start_deviation,
+              parameters);
+    if (options_.bias)
+      parameters.insert(parameters.end(), shape_.output_channels, options_.start_bias);
+  }
+
+  void set_parameters(std::span<const float> parameters) override {
+    const std::span<const float> weight = take(parameters, shape_.weights());
+    std::visit([&](auto& layer) { layer.set_parameters(weight, parameters); }, layer_);
+  }
+
+  void forward(const LayerPass& pass) override {
+    const Tensor* skip = pass.inputs.size() > 1 ? pass.inputs[1] : nullptr;
+    std::visit(
+        [&](auto& layer) {
+          layer.forward(*pass.inputs[0], {options_.negative_slope, skip}, *pass.output);
+        },
+        layer_);
+  }
+
+  void backward(std::span<const LayerPass> batch, std::span<float> d_parameters) override {
+    const std::span<float> d_weight = take(d_parameters, shape_.weights());
+    for (const LayerPass& pass : batch) {
+      const Tensor* d_sum = pass.d_output;
+      if (options_.negative_slope != 1.0F) {
+        d_sum_ = *pass.d_output;
+        leaky_relu_backward(options_.negative_slope, *pass.output, d_sum_);
+        d_sum = &d_sum_;
+      }
+      if (d_input_.channels() == 0) d_input_ = input_.make();
+      std::visit(
+          [&](auto& layer) {
+            layer.backward_parameters(*pass.inputs[0], *d_sum, d_weight, d_parameters);
+            layer.backward_input(*d_sum, {}, d_input_);
+          },
+          layer_);
+      add(d_input_, *pass.d_inputs[0]);
+      if (pass.inputs.size() > 1) add(*d_sum, *pass.d_inputs[1]);
+    }
+  }
+
+ private:
+  using Either = std::variant<Conv2d, ConvTranspose2d>;
+
+  Either made_layer(const TensorShape& input, const Engine& engine) const {
+    const Tensor from = input.make();
+    const Tensor to = output_.make();
+    if (options_.transposed) {
+      return ConvTranspose2d(shape_, from, to, engine.instruction_set, engine.threads);
+    }
+    return Conv2d(shape_, from, to, engine.instruction_set, engine.threads);
+  }
+
+  ConvolutionOptions options_;
+  ConvolutionShape shape_;
+  TensorShape input_;
+  TensorShape output_;
+  std::int64_t computed_pixels_;  ///< of the side with fewer
+  Either layer_;
+  Tensor d_sum_;
+  Tensor d_input_;
+};
+
+/// Lifting alone: it has no gradients.
+class NormalisedConvolution final : public Layer {
+ public:
+  NormalisedConvolution(const ConvolutionOptions& options, float epsilon, const TensorShape& input,
+                        const Engine& engine)
+      : channels_(options.channels),
+        // conv_transpose2d's weights have the input channels first.
+        outer_(options.transposed ? input.channels : 1),
+        epsilon_(epsilon),
+        convolution_(make_convolution(options, input, engine)),
+        norm_(make_batch_norm(epsilon, options.negative_slope, convolution_->output_shape())) {}
+
+  TensorShape output_shape() const override { return convolution_->output_shape(); }
+  std::int64_t multiply_adds() const override { return convolution_->multiply_adds(); }
+  void forward(const LayerPass& pass) override { convolution_->forward(pass); }
+  void backward(std::span<const LayerPass> /*batch*/, std::span<float> /*d*/) override {}
+
+  std::vector<ParameterShape> parameter_shapes() const override {
+    std::vector<ParameterShape> shapes;
+    for (const auto& [name, layer] :
+         {std::pair("convolution.", convolution_.get()), std::pair("norm.", norm_.get())}) {
+      for (ParameterShape shape : layer->parameter_shapes()) {
+        shape.name.insert(0, name);
+        shapes.push_back(std::move(shape));
+      }
+    }
+    return shapes;
+  }
+
+  /// weight' = weight s, bias' = (bias - mean) s + shift with s = scale / sqrt(variance + epsilon)
+  void set_parameters(std::span<const float> parameters) override {
+    const std::int64_t own = elements(convolution_->parameter_shapes());
+    const std::span<const float> convolution = take(parameters, own);
+    std::vector<float> folded(convolution.begin(), convolution.end());
+    const std::span<const float> scale = take(parameters, channels_);
+    const std::span<const float> shift = take(parameters, channels_);
+    const std::span<const float> mean = take(parameters, channels_);
+    const std::span<const float> variance = take(parameters, channels_);
+    const std::int64_t weights = own - channels_;
+    const std::int64_t inner = weights / (static_cast<std::int64_t>(outer_) * channels_);
+    for (int channel = 0; channel < channels_; ++channel) {
+      const float s = scale[channel] / std::sqrt(variance[channel] + epsilon_);
+      for (std::int64_t outer = 0; outer < outer_; ++outer) {
+        float* weight = &folded[(outer * channels_ + channel) * inner];
+        for (std::int64_t i = 0; i < inner; ++i) weight[i] *= s;
+      }
+      float& bias = folded[weights + channel];
+      bias = (bias - mean[channel]) * s + shift[channel];
+    }
+    convolution_->set_parameters(folded);
+  }
+
+ private:
+  int channels_;
+  int outer_;
+  float epsilon_;
+  std::unique_ptr<Layer> convolution_;
+  std::unique_ptr<Layer> norm_;
+};
+
+}  // namespace
+
+std::unique_ptr<Layer> make_convolution(const ConvolutionOptions& options, const TensorShape& input,
+                                        const Engine& engine) {
+  return std::make_unique<Convolution>(options, input, engine);
+}
+
+std::unique_ptr<Layer> make_normalised_convolution(const ConvolutionOptions& options, float epsilon,
+                                                   const TensorShape& input, const Engine& engine) {
+  return std::make_unique<NormalisedConvolution>(options, epsilon, input, engine);
+}
+
+}  // namespace hqslam::nn

@@ -1,0 +1,50 @@
+#include "../kernels/row_kernels.h"
+#include "layers.h"
+
+namespace hqslam::nn {
+namespace {
+
+class Gelu final : public Layer {
+ public:
+  Gelu(const TensorShape& input, const Engine& engine)
+      : output_(input), kernels_(&kernels::row_kernels(engine.instruction_set)) {}
+
+  TensorShape output_shape() const override { return output_; }
+
+  void forward(const LayerPass& pass) override {
+#pragma omp for schedule(static)
+    for (int channel = 0; channel < output_.channels; ++channel) {
+      for (int y = 0; y < output_.rows; ++y) {
+        kernels_->gelu({.input = pass.inputs[0]->row(channel, y),
+                        .output = pass.output->row(channel, y),
+                        .columns = output_.columns});
+        pass.output->fill_border(channel, y);
+      }
+    }
+  }
+
+  void backward(std::span<const LayerPass> batch, std::span<float> /*d_parameters*/) override {
+    for (const LayerPass& pass : batch) {
+      for (int channel = 0; channel < output_.channels; ++channel) {
+        for (int y = 0; y < output_.rows; ++y) {
+          kernels_->gelu({.input = pass.inputs[0]->row(channel, y),
+                          .output = pass.d_inputs[0]->row(channel, y),
+                          .d_output = pass.d_output->row(channel, y),
+                          .columns = output_.columns});
+        }
+      }
+    }
+  }
+
+ private:
+  TensorShape output_;
+  const kernels::RowKernels* kernels_;
+};
+
+}  // namespace
+
+std::unique_ptr<Layer> make_gelu(const TensorShape& input, const Engine& engine) {
+  return std::make_unique<Gelu>(input, engine);
+}
+
+}  // namespace hqslam::nn

@@ -1,0 +1,87 @@
+#include "hqslam/nn/hqs/network_description.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "architecture.h"
+#include "hqslam/core/error.h"
+
+namespace hqslam::nn {
+namespace {
+
+const Architecture& architecture_of(const NetworkDescription& d) {
+  if (d.architecture == nullptr) {
+    throw Error("network: a description without an architecture, expected one");
+  }
+  return *d.architecture;
+}
+
+void validate_rows(const NetworkDescription& d) {
+  if (d.measured_rows.stride < 1 || d.measured_rows.stride > d.sensor.rows() ||
+      d.measured_rows.offset < 0 || d.measured_rows.offset >= d.sensor.rows()) {
+    throw Error(fmt::format("network: rows {} + n {} of {} are no selection",
+                            d.measured_rows.offset, d.measured_rows.stride, d.sensor.rows()));
+  }
+  if (d.measured_rows == RowSelection{0, 1}) {
+    throw Error(fmt::format(
+        "network: all {} rows of sensor '{}' are measured, expected some to be computed; name the "
+        "sensor with all rows, such as os1-64 for 16 measured ones",
+        d.sensor.rows(), d.sensor.name));
+  }
+}
+
+}  // namespace
+
+std::string_view name(const NetworkDescription& d) { return architecture_of(d).name(); }
+bool has_confidence(const NetworkDescription& d) { return architecture_of(d).has_confidence(); }
+std::optional<OutlierRemovalOptions> last_filter(const NetworkDescription& d) {
+  return architecture_of(d).last_filter();
+}
+
+void validate(const NetworkDescription& d) {
+  const Architecture& architecture = architecture_of(d);
+  if (!(d.range_scale_m > 0.0F) || !std::isfinite(d.range_scale_m)) {
+    throw Error(fmt::format("network: range_scale_m is {}, expected above 0", d.range_scale_m));
+  }
+  if (!(d.least_confidence >= 0.0F && d.least_confidence <= 1.0F)) {
+    throw Error(
+        fmt::format("network: least_confidence is {}, expected 0 to 1", d.least_confidence));
+  }
+  if (!(d.confidence_exponent > 0.0F && d.confidence_exponent <= 10.0F)) {
+    throw Error(fmt::format("network: confidence_exponent is {}, expected above 0, at most 10",
+                            d.confidence_exponent));
+  }
+  validate(d.sensor);
+  validate_rows(d);
+  architecture.validate(d);
+  check_columns(d, d.sensor.columns);
+}
+
+void check_memory(std::int64_t values, const NetworkDescription& d) {
+  constexpr std::int64_t kMostValues = std::int64_t{1} << 29U;  // 2 GiB
+  if (values > kMostValues) {
+    throw Error(
+        fmt::format("network: on images of {} x {} it holds {} values, expected at most {}; take "
+                    "fewer channels or layers or a sensor with fewer columns",
+                    d.sensor.rows(), d.sensor.columns, values, kMostValues));
+  }
+}
+
+void check_columns(const NetworkDescription& d, int columns) {
+  const int multiple = d.architecture->column_multiple();
+  if (columns < 1 || columns > d.sensor.columns || columns % multiple != 0) {
+    throw Error(fmt::format("network: images of {} columns, expected 1 to {} and a multiple of {}",
+                            columns, d.sensor.columns, multiple));
+  }
+}
+
+std::vector<ParameterShape> parameter_shapes(const NetworkDescription& d) {
+  return architecture_of(d).parameter_shapes(d);
+}
+
+std::vector<float> initial_parameters(const NetworkDescription& d, std::uint64_t seed) {
+  return architecture_of(d).initial_parameters(d, seed);
+}
+
+}  // namespace hqslam::nn

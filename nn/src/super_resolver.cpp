@@ -1,0 +1,139 @@
+#include "hqslam/nn/hqs/super_resolver.h"
+
+#include <fmt/format.h>
+#include <omp.h>
+
+#include <cmath>
+
+#include "hqslam/core/error.h"
+#include "hqslam/nn/hqs/network.h"
+#include "hqslam/nn/hqs/outlier_removal.h"
+
+namespace hqslam::nn {
+namespace {
+
+NetworkDescription with_options(NetworkDescription description,
+                                const SuperResolverOptions& options) {
+  if (options.least_confidence) description.least_confidence = *options.least_confidence;
+  validate(description);
+  return description;
+}
+
+std::optional<OutlierRemoval> filter_of(const NetworkDescription& d) {
+  const std::optional<OutlierRemovalOptions> options = last_filter(d);
+  if (!options) return std::nullopt;
+  return OutlierRemoval(d.sensor, d.measured_rows, *options, d.sensor.columns);
+}
+
+int threads_of(const SuperResolverOptions& options) {
+  return options.threads > 0 ? options.threads : omp_get_max_threads();
+}
+
+float checked_tolerance_m(float tolerance_m) {
+  if (!(tolerance_m > 0.0F && tolerance_m < 1e3F)) {
+    throw Error(
+        fmt::format("upsampling: tolerance_m is {}, expected above 0 and below 1000", tolerance_m));
+  }
+  return tolerance_m;
+}
+
+}  // namespace
+
+struct SuperResolver::Implementation {
+  Implementation(const Weights& weights, const SuperResolverOptions& options)
+      : description(with_options(weights.description, options)),
+        threads(threads_of(options)),
+        tolerance_m(checked_tolerance_m(options.tolerance_m)),
+        network(make_network(description, description.sensor.columns,
+                             options.instruction_set.value_or(chosen_instruction_set()), threads)),
+        filter(options.filter_result ? filter_of(description) : std::nullopt),
+        rejected(static_cast<std::size_t>(description.sensor.rows()) * description.sensor.columns),
+        parameters(static_cast<std::int64_t>(weights.parameters.size())) {
+    network->set_parameters(weights.parameters);  // checks how many there are
+  }
+
+  RangeImage measured_rows(const RangeImage& image) const;
+  void empty_doubtful(LiftedImage& lifted) const;
+  void empty_rejected(LiftedImage& lifted);
+
+  NetworkDescription description;
+  int threads;
+  float tolerance_m;
+  std::unique_ptr<Network> network;
+  std::optional<OutlierRemoval> filter;  ///< at the end
+  std::vector<std::uint8_t> rejected;    ///< by the filter at the end
+  std::int64_t parameters;
+};
+
+RangeImage SuperResolver::Implementation::measured_rows(const RangeImage& image) const {
+  const int all = description.sensor.rows();
+  const RowSelection rows = description.measured_rows;
+  const int measured = (all - rows.offset + rows.stride - 1) / rows.stride;
+  const bool fits =
+      image.columns == description.sensor.columns && (image.rows == all || image.rows == measured);
+  if (!fits || image.range_m.size() != static_cast<std::size_t>(image.rows) * image.columns) {
+    throw Error(
+        fmt::format("upsampling: an image of {} x {} with {} ranges, expected {} or {} x "
+                    "{} ({})",
+                    image.rows, image.columns, image.range_m.size(), measured, all,
+                    description.sensor.columns, description.sensor.name));
+  }
+  RangeImage result = image.rows == measured ? image : select_rows(image, rows);
+  for (float& range_m : result.range_m) {
+    if (!(range_m > 0.0F && std::isfinite(range_m))) range_m = 0.0F;
+  }
+  return result;
+}
+
+void SuperResolver::Implementation::empty_doubtful(LiftedImage& lifted) const {
+  for (std::size_t i = 0; i < lifted.confidence.size(); ++i) {
+    if (lifted.confidence[i] < description.least_confidence) {
+      lifted.image.range_m[i] = lifted.confidence[i] = 0.0F;
+    }
+  }
+}
+
+void SuperResolver::Implementation::empty_rejected(LiftedImage& lifted) {
+  if (!filter) return;
+  filter->find(lifted.image.range_m.data(), rejected.data(), threads);
+  for (std::size_t i = 0; i < rejected.size(); ++i) {
+    if (rejected[i] == 0) continue;
+    lifted.image.range_m[i] = 0.0F;
+    if (!lifted.confidence.empty()) lifted.confidence[i] = 0.0F;
+  }
+}
+
+SuperResolver SuperResolver::load(const std::string& path, const SuperResolverOptions& options) {
+  const Weights weights = read_weights(path);
+  check_self_test(weights, path);
+  return {weights, options};
+}
+
+SuperResolver::SuperResolver(const Weights& weights, const SuperResolverOptions& options)
+    : implementation_(std::make_unique<Implementation>(weights, options)) {}
+SuperResolver::~SuperResolver() = default;
+SuperResolver::SuperResolver(SuperResolver&&) noexcept = default;
+SuperResolver& SuperResolver::operator=(SuperResolver&&) noexcept = default;
+
+const NetworkDescription& SuperResolver::description() const {
+  return implementation_->description;
+}
+std::int64_t SuperResolver::parameters() const { return implementation_->parameters; }
+std::int64_t SuperResolver::multiply_adds() const {
+  return implementation_->network->multiply_adds();
+}
+
+LiftedImage SuperResolver::run(const RangeImage& image, Trace* trace) {
+  Implementation& self = *implementation_;
+  const RangeImage measured = self.measured_rows(image);
+  LiftedImage lifted = self.network->lift(measured, self.tolerance_m);
+  self.empty_doubtful(lifted);
+  self.empty_rejected(lifted);
+  if (trace != nullptr) {
+    *trace = self.network->trace(measured);
+    trace->rejected = self.rejected;
+  }
+  return lifted;
+}
+
+}  // namespace hqslam::nn

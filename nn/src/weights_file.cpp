@@ -1,0 +1,206 @@
+#include "hqslam/nn/hqs/weights_file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "hqslam/core/error.h"
+#include "hqslam/core/excerpt.h"
+#include "hqslam/core/npz.h"
+#include "hqslam/nn/hqs/network.h"
+#include "hqslam/nn/hqs/network_json.h"
+#include "json_fields.h"
+
+namespace hqslam::nn {
+namespace {
+
+constexpr std::int64_t kLargestBytes = 256LL << 20;
+constexpr const char* kFormat = "hqslam-weights-1";
+constexpr const char* kDescription = "description";
+constexpr const char* kMeasured = "self_test.measured";
+constexpr const char* kExpected = "self_test.expected";
+
+std::string shape_text(const std::vector<std::int64_t>& shape) {
+  std::string text;
+  for (const std::int64_t extent : shape)
+    text += fmt::format("{}{}", text.empty() ? "" : "x", extent);
+  return text;
+}
+
+/// The array of that name, which must have that shape; taken out of `arrays`.
+NpzArray take_array(const std::string& path, const std::string& name,
+                    const std::vector<std::int64_t>& shape, NpzArrays& arrays) {
+  const auto found = arrays.find(name);
+  if (found == arrays.end()) {
+    throw Error(
+        fmt::format("{}: expected an array '{}' of {}, found none", path, name, shape_text(shape)));
+  }
+  if (found->second.shape != shape) {
+    throw Error(fmt::format("{}: array '{}': expected shape {}, found {}", path, name,
+                            shape_text(shape), shape_text(found->second.shape)));
+  }
+  NpzArray array = std::move(found->second);
+  arrays.erase(found);
+  return array;
+}
+
+std::vector<float> take_floats(const std::string& path, const std::string& name,
+                               const std::vector<std::int64_t>& shape, NpzArrays& arrays) {
+  const NpzArray array = take_array(path, name, shape, arrays);
+  const std::string source = fmt::format("{}: {}", path, name);
+  std::vector<float> values;
+  if (array.dtype == "<f8") {  // PyTorch in double precision
+    const std::vector<double> wide = double_values(array, source);
+    values.assign(wide.begin(), wide.end());
+  } else {
+    values = float_values(array, source);
+  }
+  for (const float value : values) {
+    if (!std::isfinite(value)) {
+      throw Error(
+          fmt::format("{}: array '{}': expected finite values, found {}", path, name, value));
+    }
+  }
+  return values;
+}
+
+RangeImage take_image(const std::string& path, const std::string& name, int rows, int columns,
+                      NpzArrays& arrays) {
+  RangeImage image(rows, columns);
+  image.range_m = take_floats(path, name, {rows, columns}, arrays);
+  return image;
+}
+
+std::vector<float> take_parameters(const std::string& path, const NetworkDescription& description,
+                                   NpzArrays& arrays) {
+  std::vector<float> parameters;
+  for (const ParameterShape& shape : parameter_shapes(description)) {
+    const std::vector<float> values = take_floats(path, shape.name, shape.shape, arrays);
+    parameters.insert(parameters.end(), values.begin(), values.end());
+  }
+  return parameters;
+}
+
+int measured_row_count(const NetworkDescription& d) {
+  return (d.sensor.rows() - d.measured_rows.offset + d.measured_rows.stride - 1) /
+         d.measured_rows.stride;
+}
+
+SelfTest take_self_test(const std::string& path, const NetworkDescription& d, NpzArrays& arrays) {
+  const int columns = d.sensor.columns;
+  return {take_image(path, kMeasured, measured_row_count(d), columns, arrays),
+          take_image(path, kExpected, d.sensor.rows(), columns, arrays)};
+}
+
+void check_nothing_left(const std::string& path, const NetworkDescription& description,
+                        const NpzArrays& arrays) {
+  if (arrays.empty()) return;
+  throw Error(fmt::format("{}: unknown array '{}' for a network of kind {}", path,
+                          excerpt(arrays.begin()->first), name(description)));
+}
+
+RangeImage estimate(const NetworkDescription& description, const std::vector<float>& parameters,
+                    const RangeImage& measured) {
+  const auto network =
+      make_network(description, description.sensor.columns, chosen_instruction_set(), 1);
+  network->set_parameters(parameters);
+  return network->estimate(measured);
+}
+
+/// Throws Error unless there are as many parameters as the network has.
+void check_parameter_count(const std::string& path, const Weights& weights) {
+  const std::int64_t expected = elements(parameter_shapes(weights.description));
+  if (static_cast<std::int64_t>(weights.parameters.size()) != expected) {
+    throw Error(
+        fmt::format("{}: expected {} parameters for a network of kind {}, found {}; write "
+                    "the weights with the description that they were trained with",
+                    path, expected, name(weights.description), weights.parameters.size()));
+  }
+}
+
+}  // namespace
+
+SelfTest make_self_test(const NetworkDescription& description, const std::vector<float>& parameters,
+                        const RangeImage& measured) {
+  return {measured, estimate(description, parameters, measured)};
+}
+
+Weights read_weights(const std::string& path) {
+  NpzArrays arrays = read_npz(path, kLargestBytes);
+  const auto description = arrays.find(kDescription);
+  if (description == arrays.end()) {
+    throw Error(fmt::format(
+        "{}: expected weights with a member 'description', found none; weights are made by "
+        "hqslam train, or of other programs' arrays by hqslam weights pack",
+        path));
+  }
+  JsonFields fields(text_value(description->second, fmt::format("{}: description", path)),
+                    path + ": description");
+  arrays.erase(description);
+  fields.choice("format", {kFormat});
+  Weights weights;
+  weights.description = network_from_json(fields.dumped("network"), path + ": network");
+  weights.training = fields.dumped("training");
+  fields.finish();
+  weights.parameters = take_parameters(path, weights.description, arrays);
+  weights.self_test = take_self_test(path, weights.description, arrays);
+  check_nothing_left(path, weights.description, arrays);
+  return weights;
+}
+
+ForeignArrays read_foreign_arrays(const std::string& path, const NetworkDescription& description) {
+  NpzArrays arrays = read_npz(path, kLargestBytes);
+  ForeignArrays foreign{take_parameters(path, description, arrays), std::nullopt};
+  if (arrays.count(kMeasured) > 0 || arrays.count(kExpected) > 0) {
+    foreign.self_test = take_self_test(path, description, arrays);
+  }
+  check_nothing_left(path, description, arrays);
+  return foreign;
+}
+
+void write_weights(const std::string& path, const Weights& weights) {
+  const NetworkDescription& d = weights.description;
+  check_parameter_count(path, weights);
+  nlohmann::ordered_json json;
+  json["format"] = kFormat;
+  json["network"] = nlohmann::ordered_json::parse(network_json(d));
+  json["training"] = parsed_json(weights.training, path + ": training");
+  NpzArrays arrays;
+  arrays[kDescription] = npz_text(json.dump(1) + "\n");
+  auto next = weights.parameters.begin();
+  for (const ParameterShape& shape : parameter_shapes(d)) {
+    const auto end = next + shape.elements();
+    arrays[shape.name] = npz_array(std::vector<float>(next, end), shape.shape);
+    next = end;
+  }
+  const auto image = [](const RangeImage& i) { return npz_array(i.range_m, {i.rows, i.columns}); };
+  arrays[kMeasured] = image(weights.self_test.measured);
+  arrays[kExpected] = image(weights.self_test.expected);
+  write_npz(path, arrays);
+}
+
+void check_self_test(const Weights& weights, const std::string& path) {
+  const NetworkDescription& d = weights.description;
+  const RangeImage z = estimate(d, weights.parameters, weights.self_test.measured);
+  // The filter inside decides at thresholds: a rounding error may tip a single component, so a few
+  // pixels may differ; the rest must agree.
+  const float tolerance_m = 1e-3F * d.range_scale_m;
+  constexpr double kLargestShare = 0.001;
+  std::int64_t differing = 0;
+  for (std::size_t i = 0; i < z.range_m.size(); ++i) {
+    if (!(std::abs(z.range_m[i] - weights.self_test.expected.range_m[i]) <= tolerance_m))
+      ++differing;
+  }
+  const auto allowed =
+      static_cast<std::int64_t>(kLargestShare * static_cast<double>(z.range_m.size()));
+  if (differing > allowed) {
+    throw Error(fmt::format(
+        "{}: self-test: {} of {} pixels differ from what the network gave where it was trained, "
+        "expected at most {}; the file was changed or is damaged",
+        path, differing, z.range_m.size(), allowed));
+  }
+}
+
+}  // namespace hqslam::nn

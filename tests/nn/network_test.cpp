@@ -1,0 +1,116 @@
+#include "hqslam/nn/hqs/network.h"
+
+#include <doctest/doctest.h>
+#include <omp.h>
+
+#include <set>
+
+#include "architecture.h"
+#include "error_message.h"
+#include "hqslam/nn/hqs/network_json.h"
+#include "small_network.h"
+
+// What holds for every network, whatever it is.
+namespace hqslam::nn {
+namespace {
+
+std::vector<NetworkDescription> every_kind() {
+  return {small_du_or(), small_simple_du(), small_du_mix({{6, 8, 1}, {5, 7, 0}})};
+}
+
+/// A scan of `columns` columns, `times` side by side.
+RangeImage repeated_scan(int columns, int times) {
+  RangeImage image(4, columns * times);
+  for (int row = 0; row < image.rows; ++row) {
+    for (int column = 0; column < image.columns; ++column) {
+      image.at(row, column) = 5.0F + static_cast<float>((row * 37 + column % columns * 11) % 23);
+    }
+  }
+  return image;
+}
+
+LiftedImage lifted(NetworkDescription description, const RangeImage& measured) {
+  description.sensor.columns = 26 * 8;  // of which these are some, or all
+  const auto network = make_network(description, measured.columns, chosen_instruction_set(), 1);
+  network->set_parameters(initial_parameters(description, 5));
+  return network->lift(measured, 0.5F);
+}
+
+}  // namespace
+
+TEST_CASE("every kind in the registry is read by its name alone and writes what it reads") {
+  std::set<std::string> names;
+  for (const NamedArchitecture& named : architectures()) {
+    const std::string text = std::string(R"({"kind": ")") + named.name +
+                             R"(", "sensor": "os1-64", "measured_rows": 16})";
+    const NetworkDescription description = network_from_json(text, "test");
+    CHECK(name(description) == named.name);
+    CHECK(network_json(network_from_json(network_json(description), "again")) ==
+          network_json(description));
+    CHECK(static_cast<std::int64_t>(initial_parameters(description, 1).size()) ==
+          elements(parameter_shapes(description)));
+    names.insert(named.name);
+  }
+  CHECK(names.size() == architectures().size());
+}
+
+TEST_CASE("images may have any number of columns that the strides divide, down to one of them") {
+  for (const NetworkDescription& description : every_kind()) {
+    const int multiple = description.architecture->column_multiple();
+    CHECK(multiple == (name(description) == "simple-du" ? 1 : 8));
+    for (const int columns : {multiple, 3 * multiple, 5 * multiple, 13 * multiple}) {
+      CAPTURE(name(description));
+      CAPTURE(columns);
+      const LiftedImage once = lifted(description, repeated_scan(columns, 1));
+      REQUIRE(once.image.columns == columns);
+      for (const float range_m : once.image.range_m) REQUIRE(std::isfinite(range_m));
+      if (multiple == 1) continue;  // it does not go round
+      // A scan that stands twice on a circle is lifted to what stands there twice.
+      const LiftedImage twice = lifted(description, repeated_scan(columns, 2));
+      for (int row = 0; row < 16; ++row) {
+        for (int column = 0; column < 2 * columns; ++column) {
+          REQUIRE(twice.image.at(row, column) ==
+                  doctest::Approx(once.image.at(row, column % columns)).epsilon(1e-5));
+        }
+      }
+    }
+    if (multiple == 1) continue;
+    NetworkDescription other = description;
+    other.sensor.columns = 60;
+    CHECK(test::one_line_with(test::error_message([&] { validate(other); }), "60", "multiple"));
+    for (const int columns : {multiple - 1, multiple + 1, 3 * multiple + multiple / 2}) {
+      const std::string message =
+          test::error_message([&] { lifted(description, RangeImage(4, columns)); });
+      CHECK(test::one_line_with(message, std::to_string(columns), "multiple"));
+    }
+  }
+}
+
+TEST_CASE("the steps of a network are all that it multiplies, and running them changes nothing") {
+  for (const NetworkDescription& description : every_kind()) {
+    CAPTURE(name(description));
+    constexpr int kThreads = 2;
+    const auto network = make_network(description, 64, chosen_instruction_set(), kThreads);
+    network->set_parameters(initial_parameters(description, 5));
+    const RangeImage measured = select_rows(small_scene(), description.measured_rows);
+    const LiftedImage expected = network->lift(measured, 0.5F);
+    std::int64_t multiply_adds = 0;
+    int references = 0;
+    for (const NetworkStep& step : network->steps(measured)) {
+      multiply_adds += step.calls * step.multiply_adds;
+#pragma omp parallel num_threads(step.by_team ? kThreads : 1)
+      step.run();
+      if (step.reference) {
+        step.reference();
+        ++references;
+      }
+    }
+    CHECK(multiply_adds == network->multiply_adds());
+    CHECK(references > 0);
+    const LiftedImage& again = network->lift(measured, 0.5F);
+    CHECK(again.image.range_m == expected.image.range_m);
+    CHECK(again.confidence == expected.confidence);
+  }
+}
+
+}  // namespace hqslam::nn
