@@ -15,7 +15,7 @@ cmake --preset fuzz -Wno-dev >/dev/null
 cmake --build --preset fuzz -j "${HQSLAM_FUZZ_JOBS:-$(nproc)}"
 
 fuzz=build/fuzz/tests/fuzz
-"$fuzz/hqslam_fuzz_seeds" build/fuzz/seeds
+"$fuzz/hqslam_fuzz_seeds" build/fuzz/seeds tests/golden
 mkdir -p build/fuzz/findings
 if ((${#readers[@]} == 0)); then
   for program in "$fuzz"/hqslam_fuzz_*; do

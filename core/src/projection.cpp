@@ -13,6 +13,13 @@ namespace hqslam {
 
 namespace {
 
+/// The distance of a point from the origin, summed in the same order on every machine: Eigen's
+/// norm() sums as the processor's vectors suggest.
+float range_of(const Eigen::Vector3f& point_m) {
+  const Eigen::Array3f squares = point_m.array().square();
+  return std::sqrt(squares.x() + (squares.y() + squares.z()));
+}
+
 /// The beam nearest in elevation, or nothing if the direction lies more than half a beam spacing
 /// above the highest or below the lowest beam.
 std::optional<int> nearest_row(double elevation_rad, const std::vector<double>& beams_rad) {
@@ -76,7 +83,7 @@ ProjectedScan project(const Scan& scan, const SensorModel& sensor) {
   }
   for (std::size_t i = 0; i < scan.points_m.size(); ++i) {
     const Eigen::Vector3f& point_m = scan.points_m[i];
-    const float range_m = point_m.norm();
+    const float range_m = range_of(point_m);
     if (!(range_m >= sensor.min_range_m && range_m <= sensor.max_range_m) || range_m <= 0.0F) {
       ++result.counts.out_of_range;
       continue;

@@ -11,6 +11,7 @@
 #include "damaged.h"
 #include "error_message.h"
 #include "file_contents.h"
+#include "golden_folder.h"
 #include "hqslam/core/error.h"
 #include "seeds.h"
 #include "temporary_directory.h"
@@ -74,7 +75,7 @@ bool reads(Reader reader, const std::string& bytes) {
 TEST_CASE("damaged copies of every reader's seeds are read or refused, nothing else") {
   constexpr int kCopies = 500;
   const test::TemporaryDirectory directory;
-  fuzz::write_seeds(directory.file("seeds"));
+  fuzz::write_seeds(directory.file("seeds"), golden_folder());
   for (const NamedReader& reader : kReaders) {
     CAPTURE(reader.name);
     std::vector<std::filesystem::path> seeds;

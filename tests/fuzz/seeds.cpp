@@ -73,14 +73,14 @@ void put_points() {
   put("stamps", "dates", "2011-09-26 13:02:25.594360375\n2011-09-26 13:02:25.694360375\n");
 }
 
-void put_arrays() {
+void put_arrays(const std::string& golden_folder) {
   NpyStackWriter(place("npy", "stack"), 16, 32).append(an_image());
   NpzArrays arrays;
   arrays["weights"] = npz_array(std::vector<float>(12, 0.5F), {3, 4});
   arrays["note"] = npz_text("a note");
   write_npz(place("npz", "own"), arrays);
   for (const char* golden : {"numpy_stored.npz", "numpy_deflated.npz"}) {
-    put("npz", golden, contents(std::string(HQSLAM_GOLDEN_DIR "/") + golden));
+    put("npz", golden, contents(golden_folder + "/" + golden));
   }
 }
 
@@ -166,11 +166,11 @@ void put_recordings() {
 
 }  // namespace
 
-void write_seeds(const std::string& folder) {
+void write_seeds(const std::string& folder, const std::string& golden_folder) {
   g_folder = folder;
   fs::remove_all(g_folder);
   put_points();
-  put_arrays();
+  put_arrays(golden_folder);
   put_texts();
 #ifdef HQSLAM_FUZZ_RECORDINGS
   put_recordings();
