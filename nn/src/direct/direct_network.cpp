@@ -146,8 +146,6 @@ RangeImage DirectNetwork::estimate(const RangeImage& measured) {
 Trace DirectNetwork::trace(const RangeImage& measured) {
   const RangeImage lifted = lift(measured, 0.5F).image;
   Trace trace;
-  trace.start = RangeImage(lifted.rows, lifted.columns);
-  restore(measured, trace.start);
   LayerTrace& layer = trace.layers.emplace_back();
   layer.z = layer.y = lifted;
   layer.rejected.resize(sum_.size());

@@ -35,6 +35,7 @@ MapFeatures map_features(const Features& features, const std::optional<RowSelect
   result.posts = measured(features.posts, measured_rows);
   result.ground = thin(measured(features.ground, measured_rows), options.planar_leaf_m);
   result.surfaces = thin(measured(features.surfaces, measured_rows), options.planar_leaf_m);
+  result.posts_to_locate = thin(result.posts, options.located_planar_leaf_m);
   result.ground_to_locate = thin(result.ground, options.located_planar_leaf_m);
   result.surfaces_to_locate = thin(result.surfaces, options.located_planar_leaf_m);
   return result;
@@ -49,7 +50,7 @@ Mapping::Mapping(const MappingOptions& options)
 MappingResult Mapping::locate(const MapFeatures& features, const MotionState& expected,
                               const Pose& T_map_sensor_start) const {
   const auto feature_count =
-      static_cast<double>(features.edges.size() + features.posts.size() +
+      static_cast<double>(features.edges.size() + features.posts_to_locate.size() +
                           features.ground_to_locate.size() + features.surfaces_to_locate.size());
   MappingResult result;
   const ExpectedState prior(expected);
@@ -57,7 +58,7 @@ MappingResult Mapping::locate(const MapFeatures& features, const MotionState& ex
   LocatedScan scan{SearchedFeatures<MapSurface>(features.ground_to_locate),
                    SearchedFeatures<MapSurface>(features.surfaces_to_locate),
                    SearchedFeatures<MapLine>(features.edges),
-                   SearchedFeatures<Eigen::Vector3d, 1>(features.posts)};
+                   SearchedFeatures<Eigen::Vector3d, 1>(features.posts_to_locate)};
   bool narrow_suffices = true;
   for (int iteration = 0; iteration < options_.max_iterations; ++iteration) {
     const bool narrow = iteration >= kWideSearches && narrow_suffices;

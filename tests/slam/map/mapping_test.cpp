@@ -224,6 +224,7 @@ TEST_CASE("posts in open land tell where the sensor is and where it looks") {
             {{static_cast<float>(x), static_cast<float>(y), static_cast<float>(z)}, 0.0F, i});
       }
     }
+    scan.posts_to_locate = scan.posts;
     return scan;
   };
   slam::Mapping mapping{slam::MappingOptions{}};
@@ -237,7 +238,7 @@ TEST_CASE("posts in open land tell where the sensor is and where it looks") {
   CHECK(rotation_angle_rad(located.state.T_map_sensor) < 0.001);
 
   slam::MapFeatures without = scan;
-  without.posts.clear();
+  without.posts_to_locate.clear();
   CHECK(mapping.locate(without, believed(wrong), wrong).status == Status::kDegenerate);
 }
 

@@ -167,7 +167,9 @@ std::string layers_html(const LayersReport& report) {
       report.scan, kReportStyle, escape_html(report.recording), escape_html(report.weights),
       kLayersPageMarker);
   html += range_html(report.measured, report, "Measured rows (L)");
-  html += range_html(report.trace.start, report, "Start (Z and Y before layer 1)");
+  if (!report.trace.start.range_m.empty()) {
+    html += range_html(report.trace.start, report, "Start (Z and Y before layer 1)");
+  }
   for (std::size_t layer = 0; layer < report.trace.layers.size(); ++layer) {
     html += layer_html(report, layer);
   }

@@ -18,9 +18,10 @@ namespace hqslam::slam {
 /// Features of a scan's measured rows, not corrected for motion, thinned to one per voxel.
 struct MapFeatures {
   std::vector<FeaturePoint> edges;
-  std::vector<FeaturePoint> posts;
+  std::vector<FeaturePoint> posts;               ///< as they were found
   std::vector<FeaturePoint> ground;              ///< as dense as the map
   std::vector<FeaturePoint> surfaces;            ///< the same
+  std::vector<FeaturePoint> posts_to_locate;     ///< one of a few neighbouring rows
   std::vector<FeaturePoint> ground_to_locate;    ///< fewer: enough to locate the scan
   std::vector<FeaturePoint> surfaces_to_locate;  ///< the same
 };

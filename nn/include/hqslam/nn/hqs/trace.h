@@ -38,7 +38,7 @@ struct LayerTrace {
 };
 
 struct Trace {
-  RangeImage start;  ///< Z0 = Y0
+  RangeImage start;  ///< Z0 = Y0; empty where there are none
   std::vector<LayerTrace> layers;
   std::vector<std::uint8_t> rejected;  ///< by the filter at the end
 };
