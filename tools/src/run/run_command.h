@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "recording/reference.h"
 #include "run/dense_map_run.h"
@@ -20,6 +21,9 @@ struct RunOptions : RecordingChoice {
   std::string reference;  ///< empty: truth.tum in a folder written by `hqslam simulate`, or none
   int threads = 0;        ///< 0: what OpenMP chooses
   bool loop_closing = false;
+  bool save_map = false;
+  std::string map_file;       ///< to be located in; empty: a map of its own is made
+  std::vector<double> start;  ///< x and y in metres, yaw in degrees; empty: anywhere
   bool dense_map = false;
   DenseMapChoice map;
 };

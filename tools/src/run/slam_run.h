@@ -13,6 +13,7 @@
 #include "hqslam/core/sensor_model.h"
 #include "hqslam/nn/upsampler.h"
 #include "hqslam/slam/options.h"
+#include "hqslam/slam/saved_map.h"
 #include "hqslam/slam/slam.h"
 #include "recording/recording_sensor.h"
 #include "terminal/interrupt.h"
@@ -48,6 +49,8 @@ struct SlamRun {
   std::vector<ScanRecord> scans;
   Trajectory trajectory;  ///< T_map_sensor, the map's frame is the first scan's sensor frame
   std::vector<Eigen::Vector3f> map_points_m;  ///< map frame; filled when the run ends
+  std::string located_in;  ///< the file of the map that it was located in; empty: it made its own
+  std::optional<slam::SavedMap> saved_map;  ///< filled when the run ends, if it was asked for
   double wall_s = 0.0;
   RunEnd end = RunEnd::kComplete;
   LeftOut left_out;
@@ -67,12 +70,21 @@ std::vector<std::pair<slam::Status, std::int64_t>> status_counts(
 /// Scans at which the path and the map were corrected.
 std::int64_t loops_closed(const SlamRun& run);
 
+/// A map that an earlier run left behind, and where in it the sensor is believed to begin.
+struct GivenMap {
+  std::string path;
+  slam::SavedMap map;
+  std::optional<Pose> T_map_sensor_start;
+};
+
 /// How a recording is processed.
 struct SlamRunSpec {
   std::string input;
   std::optional<RowSelection> rows;    ///< of the recording that are looked at; nothing: every row
   nn::Upsampler* upsampler = nullptr;  ///< what fills the rows between them; nullptr: nothing
   bool loop_closing = false;
+  bool save_map = false;  ///< needs loop closing
+  std::optional<GivenMap> map;
 };
 
 /// The rows of a recorded scan that are looked at.
