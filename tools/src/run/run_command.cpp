@@ -168,9 +168,7 @@ void declare_run(CLI::App& app, RunOptions& options) {
                    "the truth of a simulated drive")
       ->check(CLI::ExistingFile);
   declare_threads(*command, options.threads);
-  CLI::Option* loop_closing =
-      command->add_flag("--loop-closing", options.loop_closing,
-                        "Recognise places passed before and correct the path and the map");
+  declare_slam_settings(*command, options.slam);
   CLI::Option* save_map = command->add_flag(
       "--save-map", options.save_map,
       "Also write saved_map.npz, in which later drives can be located; switches loop closing on");
@@ -181,7 +179,7 @@ void declare_run(CLI::App& app, RunOptions& options) {
                        "making a map")
           ->check(CLI::ExistingFile)
           ->excludes(save_map);
-  loop_closing->excludes(map);
+  map->excludes("--loop-closing");
   command
       ->add_option(
           "--start", options.start,
@@ -224,7 +222,8 @@ RunResult run_and_write(const RunOptions& options, const InterruptGuard& interru
 
   RunResult result;
   SlamRunSpec spec = plan.spec();
-  spec.loop_closing = options.loop_closing || options.save_map;
+  spec.slam = slam_options(options.slam);
+  if (options.save_map) spec.slam.loop_closing.enabled = true;
   spec.save_map = options.save_map;
   spec.map = given_map(options);
   result.run = run_slam(*source, spec, output, interrupt);

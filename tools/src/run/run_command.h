@@ -8,6 +8,7 @@
 #include "run/dense_map_run.h"
 #include "run/run_plan.h"
 #include "run/slam_run.h"
+#include "run/slam_settings.h"
 #include "terminal/interrupt.h"
 
 namespace CLI {
@@ -20,7 +21,7 @@ struct RunOptions : RecordingChoice {
   std::string out;
   std::string reference;  ///< empty: truth.tum in a folder written by `hqslam simulate`, or none
   int threads = 0;        ///< 0: what OpenMP chooses
-  bool loop_closing = false;
+  SlamSettings slam;
   bool save_map = false;
   std::string map_file;       ///< to be located in; empty: a map of its own is made
   std::vector<double> start;  ///< x and y in metres, yaw in degrees; empty: anywhere

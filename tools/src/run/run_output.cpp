@@ -15,6 +15,7 @@
 #include "run/covariances_csv.h"
 #include "run/dense_map_output.h"
 #include "run/html_report.h"
+#include "run/slam_settings.h"
 #include "timing/timing_statistics.h"
 
 namespace hqslam::tools {
@@ -143,6 +144,8 @@ std::string timings_json(const SlamRun& run) {
     invalid_points += scan.invalid_points;
     key_frames += scan.report.key_frame ? 1 : 0;
   }
+  Json slam_options = Json::object();
+  for (const auto& [option, value] : changed_options(run.slam)) slam_options[option] = value;
   const Json json = {
       {"written_by", written_by(run.command)},
       {"input", run.input},
@@ -151,6 +154,7 @@ std::string timings_json(const SlamRun& run) {
       {"columns", run.columns},
       {"upsampled_by", run.upsampled_by.empty() ? Json() : Json(run.upsampled_by)},
       {"located_in", run.located_in.empty() ? Json() : Json(run.located_in)},
+      {"slam_options", std::move(slam_options)},
       {"threads", run.threads},
       {"end", name(run.end)},
       {"scans", run.scans.size()},

@@ -29,7 +29,7 @@ std::string mapping_summary(const SlamRun& run) {
     }
   }
   std::string summary = fmt::format("mapping: {}", fmt::join(counts, ", "));
-  if (run.loop_closing) {
+  if (run.slam.loop_closing.enabled) {
     const std::int64_t closed = loops_closed(run);
     summary += fmt::format("; {} loop{} closed", closed, closed == 1 ? "" : "s");
   }

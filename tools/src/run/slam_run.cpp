@@ -43,9 +43,8 @@ SensorModel sensor_of(const SensorModel& recorded, const SlamRunSpec& spec) {
 }
 
 slam::Slam slam_of(const SensorModel& sensor, const SlamRunSpec& spec) {
-  const slam::SlamOptions options = slam_options(spec.loop_closing);
-  if (!spec.map) return {sensor, options};
-  return {sensor, options, spec.map->map, spec.map->T_map_sensor_start};
+  if (!spec.map) return {sensor, spec.slam};
+  return {sensor, spec.slam, spec.map->map, spec.map->T_map_sensor_start};
 }
 
 }  // namespace
@@ -93,12 +92,6 @@ std::int64_t loops_closed(const SlamRun& run) {
   });
 }
 
-slam::SlamOptions slam_options(bool loop_closing) {
-  slam::SlamOptions options;
-  options.loop_closing.enabled = loop_closing;
-  return options;
-}
-
 SlamSession::SlamSession(const SensorModel& sensor, const SlamRunSpec& spec)
     : spec_(spec), slam_(slam_of(sensor_of(sensor, spec), spec)) {
   const SensorModel seen = sensor_of(sensor, spec);
@@ -107,7 +100,7 @@ SlamSession::SlamSession(const SensorModel& sensor, const SlamRunSpec& spec)
   run_.rows = seen.rows();
   run_.columns = seen.columns;
   run_.upsampled_by = spec.upsampler != nullptr ? spec.upsampler->name() : "";
-  run_.loop_closing = spec.loop_closing;
+  run_.slam = spec.slam;
   run_.threads = omp_get_max_threads();
   if (spec.map) run_.located_in = spec.map->path;
 }

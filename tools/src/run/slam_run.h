@@ -43,7 +43,7 @@ struct SlamRun {
   int rows = 0;
   int columns = 0;
   std::string upsampled_by;  ///< nn::Upsampler::name(); empty: the recording as it is
-  bool loop_closing = false;
+  slam::SlamOptions slam;
   int threads = 1;
   std::int64_t scans_in_recording = 0;  ///< or that have come from a sensor
   std::vector<ScanRecord> scans;
@@ -82,7 +82,7 @@ struct SlamRunSpec {
   std::string input;
   std::optional<RowSelection> rows;    ///< of the recording that are looked at; nothing: every row
   nn::Upsampler* upsampler = nullptr;  ///< what fills the rows between them; nullptr: nothing
-  bool loop_closing = false;
+  slam::SlamOptions slam;
   bool save_map = false;  ///< needs loop closing
   std::optional<GivenMap> map;
 };
@@ -91,9 +91,6 @@ struct SlamRunSpec {
 OrganizedCloud measured_cloud(const OrganizedCloud& cloud, const SlamRunSpec& spec);
 /// What SLAM gets to see of them: with the rows between them filled, if there is an upsampler.
 OrganizedCloud prepared_cloud(const OrganizedCloud& measured, const SlamRunSpec& spec);
-
-/// What SLAM runs with.
-slam::SlamOptions slam_options(bool loop_closing);
 
 /// SLAM over scans that come one by one, and what is to be told of it.
 class SlamSession {
