@@ -241,8 +241,9 @@ void VelodyneDecoder::Impl::read_firings(Bytes payload) {
   firings_.clear();
   const int step = stream_.dual_return ? 2 : 1;
   const bool banks = timing_.lasers > kChannels;
+  const int blocks = used_blocks(payload);
   int sequence = 0;
-  for (int i = 0; i < kBlocks; i += step) {
+  for (int i = 0; i < blocks; i += step) {
     Firing firing;
     firing.block = i;
     firing.bank = banks ? bank_of(block_flag(payload, i)) : 0;
