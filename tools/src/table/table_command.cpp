@@ -99,6 +99,9 @@ void write_drives_tables(const std::vector<DriveWork>& works, const TablePlan& p
   for (std::size_t i = 0; i < kLoopClosingNames.size(); ++i) print_table(paper_table(drives, i));
   for (const DriveFigures& drive : drives) write_pictures(drive, out);
   write_pages(table_markdown(drives), table_json(drives), table_html(drives), out);
+  for (const DriveFigures& drive : drives) {
+    if (drive.left_out.scans > 0) to_stderr("hqslam: {}: {}\n", drive.name, drive.left_out.text());
+  }
 }
 
 /// Of the drives that every method has finished.
