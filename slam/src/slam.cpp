@@ -2,18 +2,23 @@
 
 #include <algorithm>
 #include <chrono>
+#include <limits>
 #include <optional>
 
 #include "alignment/drift.h"
 #include "front_end/scan_check.h"
 #include "front_end/scan_clock.h"
+#include "hqslam/core/error.h"
 #include "hqslam/slam/features.h"
 #include "hqslam/slam/mapping.h"
 #include "hqslam/slam/odometry.h"
 #include "hqslam/slam/options.h"
+#include "hqslam/slam/saved_map.h"
 #include "hqslam/slam/segmentation.h"
 #include "loops/loop_closing.h"
 #include "loops/loop_search.h"
+#include "loops/loop_verification.h"
+#include "loops/place_recognition.h"
 #include "thread_limit.h"
 
 namespace hqslam::slam {
@@ -59,6 +64,10 @@ constexpr double kPrecise_rad = 0.05;
 constexpr double kElsewhere_m = 0.3;
 constexpr double kElsewhere_rad = 0.03;
 constexpr double kFitsBetter = 1.1;
+
+/// In a given map a scan of which less stands where the map has something stands elsewhere: 0.15
+/// and more at the edge of the map, 0.06 at a wrong place, measured. The ground fits everywhere.
+constexpr double kMinOverlapInGivenMap = 0.1;
 
 bool is_precise(const MotionState& state) {
   const Vector6 variance = state.covariance.diagonal().head<6>();
@@ -115,6 +124,12 @@ struct Slam::Implementation {
     if (options.loop_closing.enabled) loop_closing.emplace();
   }
 
+  /// In a map that another drive left behind: how its places are recognized.
+  std::optional<PlaceRecognition> place_recognition;
+  bool is_recognized = true;  ///< where the sensor is
+
+  void locate_in(const SavedMap& map, const std::optional<Pose>& T_map_sensor_start);
+
   /// The first key frame, until its motion is known.
   struct FirstScan {
     double time_s = 0.0;
@@ -133,6 +148,8 @@ struct Slam::Implementation {
   ScanReport process(const OrganizedCloud& cloud, double stamp_s);
   void begin(const OrganizedCloud& cloud, const Features& features, Stopwatch& stopwatch,
              ScanReport& report);
+  void recognize_place(const OrganizedCloud& cloud, const Features& features, Stopwatch& stopwatch,
+                       ScanReport& report);
   void follow(const OrganizedCloud& cloud, const Features& features, Stopwatch& stopwatch,
               ScanReport& report);
   Followed locate(const Features& features, const MapFeatures& thinned, Stopwatch& stopwatch,
@@ -143,6 +160,17 @@ struct Slam::Implementation {
                      ScanReport& report);
   void correct(const std::vector<Pose>& corrections, ScanReport& report);
 };
+
+void Slam::Implementation::locate_in(const SavedMap& map,
+                                     const std::optional<Pose>& T_map_sensor_start) {
+  if (loop_closing)
+    throw Error("loop closing moves a map, expected a given one to stay; leave it out");
+  if (map.places.empty())
+    throw Error("the map has no place to be recognized; save it after a drive");
+  mapping = Mapping(options.mapping, map);
+  place_recognition.emplace(map.places, T_map_sensor_start);
+  is_recognized = false;
+}
 
 ScanReport Slam::Implementation::process(const OrganizedCloud& cloud, double stamp_s) {
   Stopwatch stopwatch;
@@ -160,7 +188,9 @@ ScanReport Slam::Implementation::process(const OrganizedCloud& cloud, double sta
   report.planar_features = static_cast<int>(features.ground.size() + features.surfaces.size());
   report.times.features_s = stopwatch.lap_s();
 
-  if (odometry.has_reference()) {
+  if (!is_recognized) {
+    recognize_place(cloud, features, stopwatch, report);
+  } else if (odometry.has_reference()) {
     follow(cloud, features, stopwatch, report);
   } else {
     begin(cloud, features, stopwatch, report);
@@ -186,6 +216,38 @@ void Slam::Implementation::begin(const OrganizedCloud& cloud, const Features& fe
   add_key_frame(cloud, first_scan->thinned, stopwatch, report);
 }
 
+/// Looks for the place of a scan in the given map. Until it is found the last known pose stands,
+/// and the odometry goes on, so that scans can be corrected for motion and moved together.
+void Slam::Implementation::recognize_place(const OrganizedCloud& cloud, const Features& features,
+                                           Stopwatch& stopwatch, ScanReport& report) {
+  MotionState state = unknown_motion(reference.T_map_sensor);
+  const MapFeatures thinned = map_features(features, sensor.measured_rows, options.mapping);
+  UnlocatedScan scan{cloud, thinned, {}, {}};
+  if (odometry.has_reference()) {
+    const double duration_s = time_s - reference_time_s;
+    const OdometryResult moved =
+        odometry.estimate(features, exponential(duration_s * reference.velocity), duration_s);
+    report.odometry_status = moved.status;
+    if (moved.status != Status::kTooFewFeatures) {
+      scan.T_previous_sensor = moved.T_reference_sensor;
+      scan.velocity = (1.0 / duration_s) * logarithm(moved.T_reference_sensor);
+    }
+    report.T_odom_sensor = orthonormalized(T_odom_reference * moved.T_reference_sensor);
+  }
+  report.times.odometry_s = stopwatch.lap_s();
+  const std::optional<Pose> T_map_sensor = place_recognition->find(scan, mapping);
+  is_recognized = T_map_sensor.has_value();
+  state.T_map_sensor = T_map_sensor.value_or(reference.T_map_sensor);
+  state.velocity = scan.velocity;
+  report.T_map_sensor = state.T_map_sensor;
+  if (!is_recognized) {
+    report.mapping_status = Status::kNotRecognized;
+    report.covariance.diagonal().setConstant(std::numeric_limits<double>::infinity());
+  }
+  if (can_be_reference(features, options.odometry)) make_reference(features, state, report);
+  report.times.mapping_s = stopwatch.lap_s();
+}
+
 void Slam::Implementation::follow(const OrganizedCloud& cloud, const Features& features,
                                   Stopwatch& stopwatch, ScanReport& report) {
   const MapFeatures thinned = map_features(features, sensor.measured_rows, options.mapping);
@@ -195,8 +257,15 @@ void Slam::Implementation::follow(const OrganizedCloud& cloud, const Features& f
     followed = locate(features, thinned, stopwatch, report);
   }
   unlocated_scans = followed.is_located ? 0 : unlocated_scans + 1;
-  const bool goes_on =
-      unlocated_scans > kMaxUnlocatedScans && can_be_reference(features, options.odometry);
+  const bool lost = unlocated_scans > kMaxUnlocatedScans;
+  if (place_recognition && lost) {
+    is_recognized = false;  // the next scan is looked for in all of the map
+    place_recognition->forget();
+    odometry = Odometry(options.odometry);
+    unlocated_scans = 0;
+    return;
+  }
+  const bool goes_on = lost && can_be_reference(features, options.odometry);
   if (followed.by_odometry || followed.is_located || goes_on) {
     if (!followed.by_odometry && !followed.is_located) {
       // Nothing measured this motion: a wrong velocity would be predicted again, and kept for good.
@@ -208,12 +277,15 @@ void Slam::Implementation::follow(const OrganizedCloud& cloud, const Features& f
     const Pose motion = reference.T_map_sensor.inverse() * followed.state.T_map_sensor;
     if (followed.is_located) {
       accelerations.learn(reference.velocity, followed.state.velocity, time_s - reference_time_s);
+    }
+    if (followed.is_located && !place_recognition) {
       drift.locate(motion, followed.state);
     } else {
       drift.move(motion);
     }
     make_reference(features, followed.state, report);
-    if ((followed.is_located || goes_on) && mapping.is_key_frame(report.T_map_sensor)) {
+    if (!place_recognition && (followed.is_located || goes_on) &&
+        mapping.is_key_frame(report.T_map_sensor)) {
       add_key_frame(cloud, thinned, stopwatch, report);
     }
   }
@@ -242,6 +314,10 @@ Slam::Implementation::Followed Slam::Implementation::locate(const Features& feat
     const MappingResult from_odometry =
         mapping.locate(thinned, surprised(expected, surprise, duration_s), T_map_moved);
     if (fits_better(from_odometry, located)) located = from_odometry;
+  }
+  if (place_recognition &&
+      fit_of(thinned, mapping, located.state.T_map_sensor).overlap < kMinOverlapInGivenMap) {
+    located.status = Status::kTooFewFeatures;
   }
   if (located.status != Status::kTooFewFeatures &&
       duration_s > kSteady_periods * sensor.scan_period_s) {
@@ -318,6 +394,11 @@ void Slam::Implementation::correct(const std::vector<Pose>& corrections, ScanRep
 Slam::Slam(const SensorModel& sensor) : Slam(sensor, SlamOptions{}) {}
 Slam::Slam(const SensorModel& sensor, const SlamOptions& options)
     : implementation_(std::make_unique<Implementation>(sensor, options)) {}
+Slam::Slam(const SensorModel& sensor, const SlamOptions& options, const SavedMap& map,
+           const std::optional<Pose>& T_map_sensor_start)
+    : Slam(sensor, options) {
+  implementation_->locate_in(map, T_map_sensor_start);
+}
 Slam::~Slam() = default;
 Slam::Slam(Slam&&) noexcept = default;
 Slam& Slam::operator=(Slam&&) noexcept = default;
@@ -336,6 +417,15 @@ std::vector<Eigen::Vector3f> Slam::map_points_m() const {
   const std::vector<Eigen::Vector3f> edges_m = implementation_->mapping.edges().points_m();
   points_m.insert(points_m.end(), edges_m.begin(), edges_m.end());
   return points_m;
+}
+
+SavedMap Slam::saved_map() const {
+  if (!implementation_->loop_closing) {
+    throw Error("expected loop closing, which knows the places of a map; switch it on");
+  }
+  const Mapping& mapping = implementation_->mapping;
+  return {mapping.edges().points_m(), mapping.posts().points_m(), mapping.planes().points_m(),
+          implementation_->loop_closing->places()};
 }
 
 }  // namespace hqslam::slam

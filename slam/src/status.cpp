@@ -14,8 +14,14 @@ std::string_view name(Status status) {
       return "not converged";
     case Status::kAfterGap:
       return "after a gap";
+    case Status::kNotRecognized:
+      return "not recognized";
   }
   return "unknown";
+}
+
+bool is_located(Status status) {
+  return status != Status::kTooFewFeatures && status != Status::kNotRecognized;
 }
 
 }  // namespace hqslam::slam

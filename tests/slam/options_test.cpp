@@ -1,68 +1,22 @@
 #include "hqslam/slam/options.h"
 
 #include <doctest/doctest.h>
+#include <fmt/format.h>
 
 #include <cmath>
 #include <limits>
+#include <map>
+#include <set>
 #include <string>
-#include <vector>
+#include <string_view>
 
 #include "hqslam/core/error.h"
 
+using hqslam::slam::NamedOption;
+using hqslam::slam::option_table;
 using hqslam::slam::SlamOptions;
 
 namespace {
-
-/// An option with its name. For every one there is in SlamOptions, flags aside.
-template <typename Value>
-struct Option {
-  const char* name;
-  Value& (*of)(SlamOptions& options);
-};
-
-#define OPTION(field)                                                    \
-  {                                                                      \
-#field, [](SlamOptions & options) -> auto& { return options.field; } \
-  }
-
-const std::vector<Option<double>> kNumbers = {OPTION(ground.max_slope_rad),
-                                              OPTION(segmentation.min_angle_rad),
-                                              OPTION(features.min_edge_smoothness_m),
-                                              OPTION(features.min_edge_smoothness_per_range),
-                                              OPTION(features.planar_leaf_m),
-                                              OPTION(odometry.max_distance_m),
-                                              OPTION(odometry.converged_rotation_rad),
-                                              OPTION(odometry.converged_translation_m),
-                                              OPTION(mapping.min_matched_share),
-                                              OPTION(mapping.edge_leaf_m),
-                                              OPTION(mapping.planar_leaf_m),
-                                              OPTION(mapping.located_planar_leaf_m),
-                                              OPTION(mapping.max_neighbour_distance_m),
-                                              OPTION(mapping.close_neighbour_distance_m),
-                                              OPTION(mapping.trusted_residual_m),
-                                              OPTION(mapping.max_plane_residual_m),
-                                              OPTION(mapping.max_ground_residual_m),
-                                              OPTION(mapping.recent_path_m),
-                                              OPTION(mapping.key_frame_translation_m),
-                                              OPTION(mapping.key_frame_rotation_rad),
-                                              OPTION(mapping.converged_rotation_rad),
-                                              OPTION(mapping.converged_translation_m)};
-
-const std::vector<Option<int>> kCounts = {OPTION(segmentation.min_pixels),
-                                          OPTION(segmentation.min_pixels_tall),
-                                          OPTION(segmentation.min_rows_tall),
-                                          OPTION(features.sections),
-                                          OPTION(features.sharp_edges_per_section),
-                                          OPTION(features.edges_per_section),
-                                          OPTION(features.flat_points_per_section),
-                                          OPTION(odometry.max_iterations),
-                                          OPTION(odometry.min_edges),
-                                          OPTION(odometry.min_planar),
-                                          OPTION(odometry.min_correspondences),
-                                          OPTION(mapping.max_iterations),
-                                          OPTION(mapping.min_correspondences)};
-
-#undef OPTION
 
 /// What validate() says about options; nothing if they are valid.
 std::string complaint(const SlamOptions& options) {
@@ -74,12 +28,15 @@ std::string complaint(const SlamOptions& options) {
   return "";
 }
 
-/// Whether a value of one option is refused, by its name.
-template <typename Value>
-bool is_refused(const Option<Value>& option, Value value) {
+/// What set_option() says; nothing if it took the value.
+std::string complaint_about(std::string_view name, double value) {
   SlamOptions options;
-  option.of(options) = value;
-  return complaint(options).find(std::string("SLAM option ") + option.name + " is ") == 0;
+  try {
+    hqslam::slam::set_option(options, name, value);
+  } catch (const hqslam::Error& error) {
+    return error.what();
+  }
+  return "";
 }
 
 }  // namespace
@@ -93,18 +50,59 @@ TEST_CASE("an invalid option is named with its value and the constraint") {
         "SLAM option segmentation.min_angle_rad is 2, expected an angle between 0 and pi/2");
 }
 
-TEST_CASE("of every option what is below its bounds, infinite or no number is refused") {
-  for (const Option<double>& number : kNumbers) {
-    CAPTURE(number.name);
-    CHECK(is_refused(number, -1.0));
-    CHECK(is_refused(number, std::nan("")));
-    CHECK(is_refused(number, std::numeric_limits<double>::infinity()));
+TEST_CASE(
+    "of every option what is below its bounds, infinite or no number is refused by its name") {
+  for (const NamedOption& option : option_table()) {
+    CAPTURE(option.name);
+    SlamOptions options;
+    const double usual = option.get(options);
+    for (const double value : {-1.0, std::nan(""), std::numeric_limits<double>::infinity()}) {
+      CHECK(complaint_about(option.name, value)
+                .find(fmt::format("SLAM option {} is ", option.name)) == 0);
+      if (option.is_whole && value != -1.0) continue;
+      option.set(options, value);
+      CHECK(complaint(options).find(fmt::format("SLAM option {} is ", option.name)) == 0);
+      option.set(options, usual);
+    }
+    if (option.is_whole) CHECK(!complaint_about(option.name, 0.0).empty());
   }
-  for (const Option<int>& count : kCounts) {
-    CAPTURE(count.name);
-    CHECK(is_refused(count, -1));
-    CHECK(is_refused(count, 0));
+}
+
+TEST_CASE("every option is set by its name, and no other with it") {
+  std::set<std::string_view> names;
+  for (const NamedOption& option : option_table()) {
+    CAPTURE(option.name);
+    CHECK(names.insert(option.name).second);
+    CHECK(!option.meaning.empty());
+    SlamOptions options;
+    const double other = option.get(options) == 1.0 ? 2.0 : option.is_whole ? 1.0 : 0.75;
+    hqslam::slam::set_option(options, option.name, other);
+    for (const NamedOption& read : option_table()) {
+      CHECK(read.get(options) == (read.name == option.name ? other : read.get(SlamOptions())));
+    }
   }
+}
+
+TEST_CASE("the table leaves no number of a stage out") {
+  std::map<std::string, std::size_t> bytes;
+  for (const NamedOption& option : option_table()) {
+    const std::string part(option.name.substr(0, option.name.find('.')));
+    bytes[part] += option.is_whole ? sizeof(int) : sizeof(double);
+  }
+  const auto whole_doubles = [&](const char* part) { return (bytes[part] + 7) / 8 * 8; };
+  CHECK(whole_doubles("ground") == sizeof(SlamOptions::ground));
+  CHECK(whole_doubles("segmentation") == sizeof(SlamOptions::segmentation));
+  CHECK(whole_doubles("features") == sizeof(SlamOptions::features));
+  CHECK(whole_doubles("odometry") == sizeof(SlamOptions::odometry));
+  CHECK(whole_doubles("mapping") == sizeof(SlamOptions::mapping));
+}
+
+TEST_CASE("an option that is not there, or not whole where it must be, is refused") {
+  CHECK(complaint_about("mapping.no_such", 1.0).find("no SLAM option mapping.no_such") !=
+        std::string::npos);
+  CHECK(complaint_about("mapping.max_iterations", 2.5).find("a whole number") != std::string::npos);
+  CHECK(complaint_about("mapping.max_iterations", 1e12).find("a whole number") !=
+        std::string::npos);
 }
 
 TEST_CASE("options that do not go together, or ask for too much, are refused") {

@@ -71,7 +71,7 @@ TEST_CASE("the options of live arrive where they belong, --view with a port and 
   CHECK(live.upsample == "linear");
   CHECK(live.record == "a.pcap");
   CHECK(live.threads == 2);
-  CHECK(live.loop_closing);
+  CHECK(live.slam.loop_closing);
   CHECK(live.view == 8000);
   CHECK(live.view_address == "0.0.0.0");
   const LiveCommandOptions plain = parsed({"live", "--sensor", "vlp-16", "--out", "x"}).live;

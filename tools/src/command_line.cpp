@@ -67,6 +67,9 @@ int run_subcommand(const std::string& name, const std::string& subcommand,
   if (name == "inspect") {
     return inspect_command(options.inspect);
   }
+  if (name == "slam-options") {
+    return slam_options_command(options.slam_options);
+  }
   if (name == "table") {
     return table_command(options.table);
   }
@@ -108,6 +111,7 @@ void declare_program(CLI::App& app, CommandLine& options) {
   declare_train(app, options.train);
   declare_upsample(app, options.upsample);
   declare_weights(app, options.weights);
+  declare_slam_options(app, options.slam_options);
 }
 
 namespace {

@@ -12,6 +12,7 @@
 #include "live/live_command.h"
 #include "run/map_command.h"
 #include "run/run_command.h"
+#include "run/slam_options_command.h"
 #include "simulate/simulate_command.h"
 #include "table/table_command.h"
 #include "train/train_command.h"
@@ -40,6 +41,7 @@ struct CommandLine {
   TrainOptions train;
   UpsampleOptions upsample;
   WeightsOptions weights;
+  SlamOptionsCommand slam_options;
 };
 
 /// Declares the program: parsing fills `options`.

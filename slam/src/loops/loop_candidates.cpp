@@ -68,6 +68,7 @@ std::vector<PlausibleDrift> plausible_drift(const PoseGraph& graph,
 
 std::vector<LoopCandidate> loop_candidates(const PoseGraph& graph,
                                            const std::vector<ScanContext>& contexts,
+                                           const std::vector<ScanContext>& last_contexts,
                                            const std::vector<PlausibleDrift>& drift,
                                            std::size_t old_nodes, std::size_t max_candidates) {
   const Pose& T_map_last = graph.T_map_node.back();
@@ -75,8 +76,12 @@ std::vector<LoopCandidate> loop_candidates(const PoseGraph& graph,
   for (std::size_t node = 0; node < old_nodes; ++node) {
     const Pose T_node_last = graph.T_map_node[node].inverse() * T_map_last;
     if (T_node_last.translation().norm() > drift[node].translation_m + kPassingDistance_m) continue;
-    const ScanContextMatch match =
-        compare(contexts[node], contexts.back(), yaw_rad(T_node_last), drift[node].rotation_rad);
+    ScanContextMatch match;
+    for (const ScanContext& last : last_contexts) {
+      const ScanContextMatch from_lane =
+          compare(contexts[node], last, yaw_rad(T_node_last), drift[node].rotation_rad);
+      if (from_lane.distance < match.distance) match = from_lane;
+    }
     if (match.distance <= kMaxContextDistance) within_reach.push_back({node, match});
   }
   std::stable_sort(within_reach.begin(), within_reach.end(),

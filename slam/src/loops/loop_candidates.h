@@ -3,8 +3,8 @@
 #include <cstddef>
 #include <vector>
 
+#include "hqslam/slam/scan_context.h"
 #include "loops/pose_graph.h"
-#include "loops/scan_context.h"
 
 namespace hqslam::slam {
 
@@ -30,10 +30,12 @@ struct LoopCandidate {
 
 /// The older nodes within reach of plausible drift that look most like the last one.
 ///
-/// In: graph, one scan context per node, the drift, how many nodes are old enough (the first
+/// In: graph, one scan context per older node, those of the last one (from where it stands and from
+/// the lanes beside), the drift, how many nodes are old enough (the first
 /// ones). Out: at most `max_candidates`, best first, no two within 12 m of each other.
 std::vector<LoopCandidate> loop_candidates(const PoseGraph& graph,
                                            const std::vector<ScanContext>& contexts,
+                                           const std::vector<ScanContext>& last_contexts,
                                            const std::vector<PlausibleDrift>& drift,
                                            std::size_t old_nodes, std::size_t max_candidates);
 

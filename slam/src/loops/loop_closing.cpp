@@ -60,6 +60,14 @@ LoopResult LoopClosing::process(const LoopKeyFrame& key_frame, const Mapping& ma
   return search(mapping);
 }
 
+std::vector<SavedPlace> LoopClosing::places() const {
+  std::vector<SavedPlace> result;
+  for (std::size_t i = 0; i < nodes_.size(); ++i) {
+    result.push_back({graph_.T_map_node[i], contexts_[i]});
+  }
+  return result;
+}
+
 void LoopClosing::add_key_frame(const LoopKeyFrame& key_frame) {
   if (!T_map_key_frame_.empty()) {
     const double step_m =
@@ -85,7 +93,8 @@ void LoopClosing::add_node(const LoopKeyFrame& key_frame) {
   graph_.T_map_node.push_back(key_frame.T_map_sensor);
   nodes_.push_back(
       {static_cast<std::uint32_t>(T_map_key_frame_.size() - 1), key_frame.scan, path_m_});
-  contexts_.push_back(scan_context(key_frame.cloud));
+  last_contexts_ = scan_contexts_from_lanes(key_frame.cloud);
+  contexts_.push_back(last_contexts_.front());
   recent_.add(key_frame.features, key_frame.T_map_sensor, key_frame.velocity);
 }
 
@@ -99,6 +108,7 @@ LoopResult LoopClosing::search(const Mapping& mapping) {
   const LoopSearchSpace space{mapping,
                               graph_,
                               contexts_,
+                              last_contexts_,
                               drift,
                               features,
                               static_cast<std::size_t>(first_new - nodes_.begin()),

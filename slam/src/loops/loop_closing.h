@@ -7,9 +7,9 @@
 #include "hqslam/core/organized_cloud.h"
 #include "hqslam/slam/loop_report.h"
 #include "hqslam/slam/mapping.h"
+#include "hqslam/slam/saved_map.h"
 #include "loops/loop_search.h"
 #include "loops/pose_graph.h"
-#include "loops/scan_context.h"
 #include "map/recent_features.h"
 
 namespace hqslam::slam {
@@ -43,6 +43,9 @@ class LoopClosing {
   /// Call for every key frame, in order, after it was put into the map.
   LoopResult process(const LoopKeyFrame& key_frame, const Mapping& mapping);
 
+  /// Where the nodes are now, to be recognised by later drives.
+  std::vector<SavedPlace> places() const;
+
  private:
   struct Node {
     std::uint32_t key_frame = 0;
@@ -67,7 +70,8 @@ class LoopClosing {
   double path_m_ = 0.0;   ///< up to the last key frame
   double drift_m_ = 0.0;  ///< plausible since the last node
   std::vector<Node> nodes_;
-  std::vector<ScanContext> contexts_;  ///< one per node
+  std::vector<ScanContext> contexts_;       ///< one per node
+  std::vector<ScanContext> last_contexts_;  ///< of the last node, from its lane and those beside
   PoseGraph graph_;
   std::vector<double> edge_drift_m_;  ///< one per odometry edge
   RecentFeatures recent_{kRecentNodes};

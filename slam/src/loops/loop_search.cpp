@@ -106,15 +106,17 @@ std::optional<FoundLoop> loop_at(const LoopSearchSpace& space, const Pose& T_map
 }
 
 LoopSearchResult search_loop(const LoopSearchSpace& space) {
-  LoopSearchResult result;
-  result.loop = loop_at(space, space.graph.T_map_node.back());
-  if (result.loop) {
-    result.status = LoopStatus::kAwaitsOthers;
-    result.candidates = 1;
-    return result;
+  if (const auto loop = loop_at(space, space.graph.T_map_node.back())) {
+    return {LoopStatus::kAwaitsOthers, 1, loop};
   }
+  return search_similar_places(space);
+}
+
+LoopSearchResult search_similar_places(const LoopSearchSpace& space) {
+  LoopSearchResult result;
   const std::vector<LoopCandidate> candidates =
-      loop_candidates(space.graph, space.contexts, space.drift, space.old_nodes, kMaxCandidates);
+      loop_candidates(space.graph, space.contexts, space.last_contexts, space.drift,
+                      space.old_nodes, kMaxCandidates);
   result.candidates = static_cast<int>(candidates.size());
   if (candidates.empty()) return result;
   std::vector<FoundLoop> loops;

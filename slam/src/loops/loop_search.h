@@ -6,10 +6,10 @@
 
 #include "hqslam/slam/loop_report.h"
 #include "hqslam/slam/mapping.h"
+#include "hqslam/slam/scan_context.h"
 #include "loops/loop_candidates.h"
 #include "loops/loop_verification.h"
 #include "loops/pose_graph.h"
-#include "loops/scan_context.h"
 
 namespace hqslam::slam {
 
@@ -17,11 +17,12 @@ namespace hqslam::slam {
 struct LoopSearchSpace {
   const Mapping& mapping;
   const PoseGraph& graph;
-  const std::vector<ScanContext>& contexts;  ///< one per node
-  const std::vector<PlausibleDrift>& drift;  ///< one per node
-  const MapFeatures& features;               ///< about the last node, in its frame
-  std::size_t old_nodes = 0;                 ///< the first nodes, which are old enough
-  std::uint32_t old_key_frames = 0;          ///< the key frames up to the last of them
+  const std::vector<ScanContext>& contexts;       ///< one per node that is old enough
+  const std::vector<ScanContext>& last_contexts;  ///< of the last node, scan_contexts_from_lanes()
+  const std::vector<PlausibleDrift>& drift;       ///< one per node
+  const MapFeatures& features;                    ///< about the last node, in its frame
+  std::size_t old_nodes = 0;                      ///< the first nodes, which are old enough
+  std::uint32_t old_key_frames = 0;               ///< the key frames up to the last of them
 };
 
 /// The last node, recognised at an older place.
@@ -49,5 +50,8 @@ std::optional<FoundLoop> loop_at(const LoopSearchSpace& space, const Pose& T_map
 /// (verify_loop) and moves the node no farther than plausible. Of several places that fit, none
 /// is taken unless one fits much better than all others.
 LoopSearchResult search_loop(const LoopSearchSpace& space);
+
+/// The same without looking where the last node is believed to be.
+LoopSearchResult search_similar_places(const LoopSearchSpace& space);
 
 }  // namespace hqslam::slam

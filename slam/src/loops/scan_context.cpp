@@ -1,4 +1,4 @@
-#include "loops/scan_context.h"
+#include "hqslam/slam/scan_context.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,6 +12,8 @@ constexpr double kSector_rad = 2.0 * std::numbers::pi / ScanContext::kSectors;
 
 /// Heights are taken from here, so that the ground of a car counts as about zero.
 constexpr float kLowest_m = -2.0F;
+
+constexpr float kLane_m = 4.0F;
 
 int wrapped(int sector) {
   return (sector % ScanContext::kSectors + ScanContext::kSectors) % ScanContext::kSectors;
@@ -29,14 +31,13 @@ double distance_at(const ScanContext& first, const ScanContext& other, int shift
   return compared > 0 ? 1.0 - static_cast<double>(similarity) / compared : 1.0;
 }
 
-}  // namespace
-
-ScanContext scan_context(const OrganizedCloud& cloud) {
+/// As seen from offset_m, in the sensor's frame.
+ScanContext scan_context_from(const OrganizedCloud& cloud, const Eigen::Vector3f& offset_m) {
   ScanContext result;
   result.unit_sectors.setZero();
   for (std::size_t pixel = 0; pixel < cloud.range_m.size(); ++pixel) {
     if (!(cloud.range_m[pixel] > 0.0F)) continue;
-    const Eigen::Vector3f& p = cloud.points_m[pixel];
+    const Eigen::Vector3f p = cloud.points_m[pixel] - offset_m;
     const float ring =
         p.head<2>().norm() * ScanContext::kRings / static_cast<float>(ScanContext::kMaxRange_m);
     if (!(ring < ScanContext::kRings)) continue;  // before the cast: a far point's is no int
@@ -49,6 +50,20 @@ ScanContext scan_context(const OrganizedCloud& cloud) {
     const float length = result.unit_sectors.col(sector).norm();
     result.seen[sector] = length > 0.0F;
     if (result.seen[sector]) result.unit_sectors.col(sector) /= length;
+  }
+  return result;
+}
+
+}  // namespace
+
+ScanContext scan_context(const OrganizedCloud& cloud) {
+  return scan_context_from(cloud, Eigen::Vector3f::Zero());
+}
+
+std::vector<ScanContext> scan_contexts_from_lanes(const OrganizedCloud& cloud) {
+  std::vector<ScanContext> result;
+  for (const float left_m : {0.0F, kLane_m, -kLane_m}) {
+    result.push_back(scan_context_from(cloud, {0.0F, left_m, 0.0F}));
   }
   return result;
 }

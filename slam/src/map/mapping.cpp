@@ -47,6 +47,13 @@ Mapping::Mapping(const MappingOptions& options)
       posts_(options.edge_leaf_m, options.max_neighbour_distance_m),
       planes_(options.planar_leaf_m, options.max_neighbour_distance_m) {}
 
+Mapping::Mapping(const MappingOptions& options, const SavedMap& map) : Mapping(options) {
+  edges_.insert(map.edges_m);
+  posts_.insert(map.posts_m);
+  planes_.insert(map.planes_m);
+  key_frames_ = 1;
+}
+
 MappingResult Mapping::locate(const MapFeatures& features, const MotionState& expected,
                               const Pose& T_map_sensor_start) const {
   const auto feature_count =

@@ -31,8 +31,14 @@ struct DrivenStreet {
   slam::LoopSearchResult search(double drift_m) const {
     const std::size_t old = graph.T_map_node.size() - 1;
     const std::vector<slam::PlausibleDrift> drift(old + 1, {drift_m, 0.3});
-    return slam::search_loop(
-        {mapping, graph, contexts, drift, features, old, static_cast<std::uint32_t>(old)});
+    return slam::search_loop({mapping,
+                              graph,
+                              contexts,
+                              {contexts.back()},
+                              drift,
+                              features,
+                              old,
+                              static_cast<std::uint32_t>(old)});
   }
 };
 

@@ -1,4 +1,4 @@
-#include "loops/scan_context.h"
+#include "hqslam/slam/scan_context.h"
 
 #include <doctest/doctest.h>
 

@@ -109,8 +109,7 @@ void declare_live(CLI::App& app, LiveCommandOptions& options) {
                    "Address at which the page is served; by default to this computer alone")
       ->capture_default_str();
   declare_threads(*command, options.threads);
-  command->add_flag("--loop-closing", options.loop_closing,
-                    "Recognise places passed before and correct the path and the map");
+  declare_slam_settings(*command, options.slam);
   command->footer(
       "The sensor must send to this computer already. A line each second says where it is, how\n"
       "many scans a second were located, the longest time from the packet that completes a scan\n"
@@ -122,6 +121,7 @@ void declare_live(CLI::App& app, LiveCommandOptions& options) {
 int live_command(const LiveCommandOptions& options) {
   const InterruptGuard interrupt;
   use_threads(options.threads);
+  const slam::SlamOptions slam = slam_options(options.slam);
   RunOutput output(options.out);
   recordings::LiveSensor sensor(sensor_options(options));
   LiveView view(fmt::format("hqslam live, {}", options.sensor));
@@ -135,7 +135,7 @@ int live_command(const LiveCommandOptions& options) {
   RunPlan plan = plan_of(options, sensor.sensor(), fmt::format("UDP port {}", sensor.port()));
   print_sensor(sensor, plan);
   SlamRunSpec spec = plan.spec();
-  spec.loop_closing = options.loop_closing;
+  spec.slam = slam;
   sensor.start(plan.recording_sensor.columns);
   const SlamRun run = run_live(sensor, spec, output, interrupt, server ? &view : nullptr);
   const recordings::LiveCounts counts = sensor.counts();

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "recording/recording_choice.h"
+#include "run/slam_settings.h"
 
 namespace CLI {
 class App;
@@ -19,7 +20,7 @@ struct LiveCommandOptions : LiftingChoice {
   std::string out;
   std::string record;  ///< a .pcap file; empty: none
   int threads = 0;     ///< 0: what OpenMP chooses
-  bool loop_closing = false;
+  SlamSettings slam;
   std::optional<std::uint16_t> view;  ///< port of the page; nothing: no page
   std::string view_address = "127.0.0.1";
 };

@@ -56,7 +56,7 @@ std::string numbers_html(const SlamRun& run, const std::optional<ReferenceCompar
       "SLAM per scan",
       fmt::format("{:.1f} <small>ms</small>", distribution_of(slam_times_ms(run)).median),
       "median");
-  if (run.loop_closing) {
+  if (run.slam.loop_closing.enabled) {
     html += number_html("Loops closed", fmt::format("{}", loops_closed(run)), "");
   }
   html += number_html("Map points", fmt::format("{}", run.map_points_m.size()), "");

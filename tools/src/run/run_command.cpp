@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <numbers>
 #include <system_error>
 
 #include "hqslam/core/error.h"
@@ -73,8 +75,8 @@ void print_summary(const RunResult& result, const RunOptions& options) {
   }
   to_stdout(
       "results: {}/trajectory.tum, trajectory.kitti, covariances.csv, map.pcd, timings.json, "
-      "report.html{}\n",
-      options.out,
+      "report.html{}{}\n",
+      options.out, run.saved_map ? ", saved_map.npz" : "",
       result.dense_map_summary.empty() ? "" : ", dense_map.pcd, dense_map.ply and pictures");
 }
 
@@ -116,9 +118,32 @@ ScanPoses poses_of(const SlamRun& run) {
   ScanPoses poses;
   poses.trajectory = run.trajectory;
   for (const ScanRecord& scan : run.scans) {
-    poses.is_located.push_back(scan.report.mapping_status != slam::Status::kTooFewFeatures);
+    poses.is_located.push_back(slam::is_located(scan.report.mapping_status));
   }
   return poses;
+}
+
+/// x, y and yaw as the user says, the rest as at the nearest place of the map: streets have slopes.
+Pose start_on_path(const std::vector<slam::SavedPlace>& places, const std::vector<double>& start) {
+  const Eigen::Vector2d start_m(start[0], start[1]);
+  const auto distance_m = [&](const slam::SavedPlace& place) {
+    return (place.T_map_sensor.translation().head<2>() - start_m).norm();
+  };
+  const auto nearest =
+      std::min_element(places.begin(), places.end(),
+                       [&](const auto& a, const auto& b) { return distance_m(a) < distance_m(b); });
+  const Eigen::Vector3d rpy_rad = roll_pitch_yaw_rad(nearest->T_map_sensor);
+  return pose_from_xyz_rpy({start[0], start[1], nearest->T_map_sensor.translation().z()},
+                           rpy_rad.x(), rpy_rad.y(), start[2] * std::numbers::pi / 180.0);
+}
+
+std::optional<GivenMap> given_map(const RunOptions& options) {
+  if (options.map_file.empty()) return std::nullopt;
+  GivenMap given{options.map_file, slam::read_saved_map(options.map_file), std::nullopt};
+  if (!options.start.empty() && !given.map.places.empty()) {
+    given.T_map_sensor_start = start_on_path(given.map.places, options.start);
+  }
+  return given;
 }
 
 /// All other results are written by now: what goes wrong here costs the dense map alone.
@@ -143,8 +168,26 @@ void declare_run(CLI::App& app, RunOptions& options) {
                    "the truth of a simulated drive")
       ->check(CLI::ExistingFile);
   declare_threads(*command, options.threads);
-  command->add_flag("--loop-closing", options.loop_closing,
-                    "Recognise places passed before and correct the path and the map");
+  declare_slam_settings(*command, options.slam);
+  CLI::Option* save_map = command->add_flag(
+      "--save-map", options.save_map,
+      "Also write saved_map.npz, in which later drives can be located; switches loop closing on");
+  CLI::Option* map =
+      command
+          ->add_option("--map", options.map_file,
+                       "Locate the drive in a saved_map.npz, which stays as it is, instead of "
+                       "making a map")
+          ->check(CLI::ExistingFile)
+          ->excludes(save_map);
+  map->excludes("--loop-closing");
+  command
+      ->add_option(
+          "--start", options.start,
+          "X,Y,YAW: about where the drive begins in the map, in metres and degrees, within "
+          "10 m and 25 degrees; by default it is looked for in all of the map")
+      ->delimiter(',')
+      ->expected(3)
+      ->needs(map);
   command->add_flag("--dense-map", options.dense_map,
                     "Also make a dense map of all scans' points, measured and upsampled; reads the "
                     "recording twice more");
@@ -156,6 +199,7 @@ void declare_run(CLI::App& app, RunOptions& options) {
       "  covariances.csv   how well each pose is known: 6x6 per scan, x y z and rotations about "
       "them\n"
       "  map.pcd           the features of all key frames, in that frame\n"
+      "  saved_map.npz     with --save-map: map and places for later drives\n"
       "  timings.json      time per stage and status of every scan\n"
       "  report.html       trajectory, error and times on one page\n"
       "and with --dense-map, in the same frame:\n"
@@ -163,8 +207,8 @@ void declare_run(CLI::App& app, RunOptions& options) {
       "  dense_map_above.png, dense_map_perspective.png\n"
       "An earlier run's results in it are replaced from the first scan on. Ctrl-C stops the run;\n"
       "what is written up to then is valid. Mapping says of every scan whether it was located:\n"
-      "ok, degenerate (some direction of motion could not be seen), too few features, or not\n"
-      "converged.");
+      "ok, degenerate (some direction of motion could not be seen), too few features, not\n"
+      "converged, after a gap, or, with --map, not recognized: its pose is the last one known.");
 }
 
 RunResult run_and_write(const RunOptions& options, const InterruptGuard& interrupt) {
@@ -178,7 +222,10 @@ RunResult run_and_write(const RunOptions& options, const InterruptGuard& interru
 
   RunResult result;
   SlamRunSpec spec = plan.spec();
-  spec.loop_closing = options.loop_closing;
+  spec.slam = slam_options(options.slam);
+  if (options.save_map) spec.slam.loop_closing.enabled = true;
+  spec.save_map = options.save_map;
+  spec.map = given_map(options);
   result.run = run_slam(*source, spec, output, interrupt);
   if (result.run.scans.empty()) {
     if (result.run.end == RunEnd::kUnreadableScan) {

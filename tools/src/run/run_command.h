@@ -2,11 +2,13 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "recording/reference.h"
 #include "run/dense_map_run.h"
 #include "run/run_plan.h"
 #include "run/slam_run.h"
+#include "run/slam_settings.h"
 #include "terminal/interrupt.h"
 
 namespace CLI {
@@ -19,7 +21,10 @@ struct RunOptions : RecordingChoice {
   std::string out;
   std::string reference;  ///< empty: truth.tum in a folder written by `hqslam simulate`, or none
   int threads = 0;        ///< 0: what OpenMP chooses
-  bool loop_closing = false;
+  SlamSettings slam;
+  bool save_map = false;
+  std::string map_file;       ///< to be located in; empty: a map of its own is made
+  std::vector<double> start;  ///< x and y in metres, yaw in degrees; empty: anywhere
   bool dense_map = false;
   DenseMapChoice map;
 };

@@ -15,6 +15,7 @@
 #include "run/covariances_csv.h"
 #include "run/dense_map_output.h"
 #include "run/html_report.h"
+#include "run/slam_settings.h"
 #include "timing/timing_statistics.h"
 
 namespace hqslam::tools {
@@ -27,9 +28,10 @@ constexpr double kCheckpointInterval_s = 5.0;
 /// Of the time between checkpoints what one may take: a long drive's are large.
 constexpr double kCheckpointShare = 0.01;
 constexpr std::array<const char*, 2> kCommands = {"run", "live"};
-constexpr std::array<const char*, 6> kResultNames = {"trajectory.tum",  "trajectory.kitti",
-                                                     "covariances.csv", "map.pcd",
-                                                     "timings.json",    "report.html"};
+constexpr std::array<const char*, 3> kResultsSoFar = {"trajectory.tum", "trajectory.kitti",
+                                                      "timings.json"};
+constexpr std::array<const char*, 4> kResultsAtTheEnd = {"covariances.csv", "map.pcd",
+                                                         "saved_map.npz", "report.html"};
 
 std::string written_by(const std::string& command) { return "hqslam " + command; }
 
@@ -142,6 +144,8 @@ std::string timings_json(const SlamRun& run) {
     invalid_points += scan.invalid_points;
     key_frames += scan.report.key_frame ? 1 : 0;
   }
+  Json slam_options = Json::object();
+  for (const auto& [option, value] : changed_options(run.slam)) slam_options[option] = value;
   const Json json = {
       {"written_by", written_by(run.command)},
       {"input", run.input},
@@ -149,6 +153,8 @@ std::string timings_json(const SlamRun& run) {
       {"rows", run.rows},
       {"columns", run.columns},
       {"upsampled_by", run.upsampled_by.empty() ? Json() : Json(run.upsampled_by)},
+      {"located_in", run.located_in.empty() ? Json() : Json(run.located_in)},
+      {"slam_options", std::move(slam_options)},
       {"threads", run.threads},
       {"end", name(run.end)},
       {"scans", run.scans.size()},
@@ -178,13 +184,14 @@ RunOutput::RunOutput(const std::string& folder)
   }
   if (written_by_hqslam(folder_)) return;
   refuse_foreign_dense_map(folder_);
-  for (const char* result : kResultNames) {
-    if (fs::exists(folder_ / result)) {
-      throw Error(fmt::format(
-          "{}: is there already and was not written by hqslam; give another --out or move it",
-          (folder_ / result).string()));
-    }
-  }
+  const auto refuse_foreign = [&](const char* result) {
+    if (!fs::exists(folder_ / result)) return;
+    throw Error(fmt::format(
+        "{}: is there already and was not written by hqslam; give another --out or move it",
+        (folder_ / result).string()));
+  };
+  std::for_each(kResultsSoFar.begin(), kResultsSoFar.end(), refuse_foreign);
+  std::for_each(kResultsAtTheEnd.begin(), kResultsAtTheEnd.end(), refuse_foreign);
 }
 
 bool RunOutput::checkpoint_due() const {
@@ -209,9 +216,7 @@ void RunOutput::write_checkpoint(const SlamRun& run) {
              [&](const std::string& path) { write_whole_file(path, timings_json(run)); });
   if (first_) {
     std::error_code ignored;
-    fs::remove(folder_ / "covariances.csv", ignored);
-    fs::remove(folder_ / "map.pcd", ignored);
-    fs::remove(folder_ / "report.html", ignored);
+    for (const char* result : kResultsAtTheEnd) fs::remove(folder_ / result, ignored);
     remove_dense_map(folder_);
     first_ = false;
   }
@@ -228,6 +233,10 @@ void RunOutput::write_results(const SlamRun& run,
   write_file("covariances.csv",
              [&](const std::string& path) { write_whole_file(path, covariances_csv(run)); });
   write_file("map.pcd", [&](const std::string& path) { write_pcd(run.map_points_m, path); });
+  if (run.saved_map) {
+    write_file("saved_map.npz",
+               [&](const std::string& path) { slam::write_saved_map(path, *run.saved_map); });
+  }
   write_file("report.html", [&](const std::string& path) {
     write_whole_file(path, html_report(run, comparison));
   });

@@ -14,12 +14,13 @@
 namespace hqslam::tools {
 
 /// The folder that a run writes into: trajectory.tum, trajectory.kitti, covariances.csv,
-/// map.pcd, timings.json and report.html, and those of a dense map if there is one. Every file is
+/// map.pcd, timings.json and report.html, saved_map.npz if it was asked for, and those of a dense
+/// map if there is one. Every file is
 /// written under another name first and then renamed, so that each is valid whenever the program
 /// stops. No other file in the folder is touched.
 class RunOutput {
  public:
-  /// Touches nothing yet. Throws Error if one of the six files is there and was not written by
+  /// Touches nothing yet. Throws Error if one of the files is there and was not written by
   /// hqslam.
   explicit RunOutput(const std::string& folder);
 
@@ -27,7 +28,7 @@ class RunOutput {
   /// Whether so much time has passed since the last checkpoint that another is worth writing.
   bool checkpoint_due() const;
   /// The trajectory and the timings so far. The first call makes the folder, locks it and removes
-  /// the covariances, the map and the report of an earlier run, which would belong to another
+  /// the covariances, the maps and the report of an earlier run, which would belong to another
   /// trajectory. Throws
   /// Error, also if another program writes into the folder.
   void write_checkpoint(const SlamRun& run);

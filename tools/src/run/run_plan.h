@@ -28,7 +28,13 @@ struct RunPlan {
   std::optional<RowSelection> rows;
   std::optional<nn::Upsampler> upsampler;
 
-  SlamRunSpec spec() { return {recording.input, rows, upsampler ? &*upsampler : nullptr}; }
+  SlamRunSpec spec() {
+    SlamRunSpec result;
+    result.input = recording.input;
+    result.rows = rows;
+    result.upsampler = upsampler ? &*upsampler : nullptr;
+    return result;
+  }
   /// The recording from its beginning. Throws Error.
   std::unique_ptr<ScanSource> open() const;
 };

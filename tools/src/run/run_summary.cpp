@@ -29,7 +29,7 @@ std::string mapping_summary(const SlamRun& run) {
     }
   }
   std::string summary = fmt::format("mapping: {}", fmt::join(counts, ", "));
-  if (run.loop_closing) {
+  if (run.slam.loop_closing.enabled) {
     const std::int64_t closed = loops_closed(run);
     summary += fmt::format("; {} loop{} closed", closed, closed == 1 ? "" : "s");
   }
@@ -42,6 +42,9 @@ std::string run_summary(const SlamRun& run) {
   std::string summary =
       fmt::format("{} scans, {:.1f} m of path, {:.1f} scans/s\n{}\n", run.scans.size(),
                   path_length_m(run.trajectory), scans_per_second(run), mapping_summary(run));
+  if (!run.located_in.empty()) {
+    summary += fmt::format("located in the map of {}\n", run.located_in);
+  }
   if (!run.upsampled_by.empty()) {
     summary += fmt::format("upsampled to {} rows by {}: {:.1f} ms a scan (median)\n", run.rows,
                            run.upsampled_by, median_upsampling_ms(run));

@@ -42,6 +42,11 @@ SensorModel sensor_of(const SensorModel& recorded, const SlamRunSpec& spec) {
   return spec.rows ? select_rows(recorded, *spec.rows) : recorded;
 }
 
+slam::Slam slam_of(const SensorModel& sensor, const SlamRunSpec& spec) {
+  if (!spec.map) return {sensor, spec.slam};
+  return {sensor, spec.slam, spec.map->map, spec.map->T_map_sensor_start};
+}
+
 }  // namespace
 
 OrganizedCloud measured_cloud(const OrganizedCloud& cloud, const SlamRunSpec& spec) {
@@ -73,7 +78,7 @@ std::vector<std::pair<slam::Status, std::int64_t>> status_counts(
   std::vector<std::pair<slam::Status, std::int64_t>> counts;
   for (const slam::Status kind :
        {slam::Status::kOk, slam::Status::kTooFewFeatures, slam::Status::kDegenerate,
-        slam::Status::kNotConverged, slam::Status::kAfterGap}) {
+        slam::Status::kNotConverged, slam::Status::kAfterGap, slam::Status::kNotRecognized}) {
     counts.emplace_back(
         kind, std::count_if(run.scans.begin(), run.scans.end(),
                             [&](const ScanRecord& scan) { return scan.report.*status == kind; }));
@@ -87,22 +92,17 @@ std::int64_t loops_closed(const SlamRun& run) {
   });
 }
 
-slam::SlamOptions slam_options(bool loop_closing) {
-  slam::SlamOptions options;
-  options.loop_closing.enabled = loop_closing;
-  return options;
-}
-
 SlamSession::SlamSession(const SensorModel& sensor, const SlamRunSpec& spec)
-    : spec_(spec), slam_(sensor_of(sensor, spec), slam_options(spec.loop_closing)) {
+    : spec_(spec), slam_(slam_of(sensor_of(sensor, spec), spec)) {
   const SensorModel seen = sensor_of(sensor, spec);
   run_.input = spec.input;
   run_.sensor_name = seen.name;
   run_.rows = seen.rows();
   run_.columns = seen.columns;
   run_.upsampled_by = spec.upsampler != nullptr ? spec.upsampler->name() : "";
-  run_.loop_closing = spec.loop_closing;
+  run_.slam = spec.slam;
   run_.threads = omp_get_max_threads();
+  if (spec.map) run_.located_in = spec.map->path;
 }
 
 void SlamSession::process(const RecordedScan& scan, ScanRecord record, RunOutput& output,
@@ -133,6 +133,7 @@ SlamRun SlamSession::finished() {
   run_.wall_s = seconds_since(start_);
   run_.trajectory = slam_.trajectory();
   run_.map_points_m = slam_.map_points_m();
+  if (spec_.save_map) run_.saved_map = slam_.saved_map();
   return std::move(run_);
 }
 

@@ -13,6 +13,7 @@
 #include "hqslam/core/sensor_model.h"
 #include "hqslam/nn/upsampler.h"
 #include "hqslam/slam/options.h"
+#include "hqslam/slam/saved_map.h"
 #include "hqslam/slam/slam.h"
 #include "recording/recording_sensor.h"
 #include "terminal/interrupt.h"
@@ -42,12 +43,14 @@ struct SlamRun {
   int rows = 0;
   int columns = 0;
   std::string upsampled_by;  ///< nn::Upsampler::name(); empty: the recording as it is
-  bool loop_closing = false;
+  slam::SlamOptions slam;
   int threads = 1;
   std::int64_t scans_in_recording = 0;  ///< or that have come from a sensor
   std::vector<ScanRecord> scans;
   Trajectory trajectory;  ///< T_map_sensor, the map's frame is the first scan's sensor frame
   std::vector<Eigen::Vector3f> map_points_m;  ///< map frame; filled when the run ends
+  std::string located_in;  ///< the file of the map that it was located in; empty: it made its own
+  std::optional<slam::SavedMap> saved_map;  ///< filled when the run ends, if it was asked for
   double wall_s = 0.0;
   RunEnd end = RunEnd::kComplete;
   LeftOut left_out;
@@ -67,21 +70,27 @@ std::vector<std::pair<slam::Status, std::int64_t>> status_counts(
 /// Scans at which the path and the map were corrected.
 std::int64_t loops_closed(const SlamRun& run);
 
+/// A map that an earlier run left behind, and where in it the sensor is believed to begin.
+struct GivenMap {
+  std::string path;
+  slam::SavedMap map;
+  std::optional<Pose> T_map_sensor_start;
+};
+
 /// How a recording is processed.
 struct SlamRunSpec {
   std::string input;
   std::optional<RowSelection> rows;    ///< of the recording that are looked at; nothing: every row
   nn::Upsampler* upsampler = nullptr;  ///< what fills the rows between them; nullptr: nothing
-  bool loop_closing = false;
+  slam::SlamOptions slam;
+  bool save_map = false;  ///< needs loop closing
+  std::optional<GivenMap> map;
 };
 
 /// The rows of a recorded scan that are looked at.
 OrganizedCloud measured_cloud(const OrganizedCloud& cloud, const SlamRunSpec& spec);
 /// What SLAM gets to see of them: with the rows between them filled, if there is an upsampler.
 OrganizedCloud prepared_cloud(const OrganizedCloud& measured, const SlamRunSpec& spec);
-
-/// What SLAM runs with.
-slam::SlamOptions slam_options(bool loop_closing);
 
 /// SLAM over scans that come one by one, and what is to be told of it.
 class SlamSession {

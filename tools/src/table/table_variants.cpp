@@ -57,7 +57,8 @@ std::vector<std::string> slam_variant_names() {
 }
 
 SlamSetup slam_setup(const TableMethod& method, const SensorModel& sensor, bool loop_closing) {
-  SlamSetup setup{sensor, slam_options(loop_closing)};
+  SlamSetup setup{sensor, {}};
+  setup.options.loop_closing.enabled = loop_closing;
   if (method.variant != nullptr) method.variant->change(setup);
   return setup;
 }

@@ -11,6 +11,7 @@
 #include "hqslam/slam/features.h"
 #include "hqslam/slam/motion_state.h"
 #include "hqslam/slam/options.h"
+#include "hqslam/slam/saved_map.h"
 #include "hqslam/slam/status.h"
 
 namespace hqslam::slam {
@@ -62,6 +63,8 @@ struct MappingResult {
 class Mapping {
  public:
   explicit Mapping(const MappingOptions& options);
+  /// A map to locate in, as if one key frame had seen all of it.
+  Mapping(const MappingOptions& options, const SavedMap& map);
 
   /// In: what is expected without the scan, and how well; a pose to begin the search from.
   MappingResult locate(const MapFeatures& features, const MotionState& expected,
@@ -80,6 +83,7 @@ class Mapping {
   void correct(const std::vector<Pose>& corrections);
 
   const FeatureMap& edges() const { return edges_; }
+  const FeatureMap& posts() const { return posts_; }
   const FeatureMap& planes() const { return planes_; }
 
  private:

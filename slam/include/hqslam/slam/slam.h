@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "hqslam/core/organized_cloud.h"
@@ -13,6 +14,7 @@
 
 namespace hqslam::slam {
 
+struct SavedMap;
 struct SlamOptions;
 
 /// Seconds spent in each stage of one scan.
@@ -33,7 +35,7 @@ struct ScanReport {
   /// Of T_map_sensor against the truth, the first scan's pose being exact: the covariance of e in
   /// T_true = T_map_sensor exp(e), (linear, angular) in the sensor's frame, m^2, m rad, rad^2.
   /// What is in it, and what it was calibrated on: src/alignment/drift.h. Zero up to the first scan
-  /// of the map.
+  /// of the map, infinite variances where the place was not recognized.
   Matrix6 covariance = Matrix6::Zero();
   Status odometry_status = Status::kOk;
   Status mapping_status = Status::kOk;
@@ -66,6 +68,14 @@ class Slam {
   /// Throws Error if the sensor or an option is invalid.
   explicit Slam(const SensorModel& sensor);
   Slam(const SensorModel& sensor, const SlamOptions& options);
+  /// Locates scans in a map that another drive left behind (saved_map()), which stays as it is. The
+  /// first scan is looked for about T_map_sensor_start, within a few metres and half a radian, or
+  /// in all of the map; so is the next one where it is not found, and wherever the way is lost:
+  /// then the mapping's status is kNotRecognized. Poses are in the map's frame, and their
+  /// covariances against it. Throws Error, also if loop closing is switched on, or there is no
+  /// place in the map.
+  Slam(const SensorModel& sensor, const SlamOptions& options, const SavedMap& map,
+       const std::optional<Pose>& T_map_sensor_start = std::nullopt);
   ~Slam();
   Slam(Slam&&) noexcept;  ///< moved from: only assign or destroy
   Slam& operator=(Slam&&) noexcept;
@@ -86,6 +96,10 @@ class Slam {
   /// 0.2 m voxel (MappingOptions), in the frame of the first scan. A place that was passed again,
   /// and not verified to be the same, is there once for each visit.
   std::vector<Eigen::Vector3f> map_points_m() const;
+
+  /// What later drives are located in. Throws Error unless loop closing is switched on, which knows
+  /// the places.
+  SavedMap saved_map() const;
 
  private:
   struct Implementation;

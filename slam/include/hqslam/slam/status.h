@@ -15,9 +15,14 @@ enum class Status {
   /// Mapping: located, but scans are missing before this one (more than ten periods): where it was
   /// looked for was a guess, and a place that looks alike would not be noticed.
   kAfterGap,
+  /// Mapping in a saved map: the place is not known, or not any more; nothing is known of the pose.
+  kNotRecognized,
 };
 
 std::string_view name(Status status);  ///< "ok", "too few features", "degenerate", "not converged",
-                                       ///< "after a gap"
+                                       ///< "after a gap", "not recognized"
+
+/// Of a mapping status: whether the pose was measured against the map.
+bool is_located(Status status);
 
 }  // namespace hqslam::slam

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <vector>
 
 #include "hqslam/core/organized_cloud.h"
 
@@ -22,6 +23,11 @@ struct ScanContext {
   std::array<bool, kSectors> seen{};
 };
 ScanContext scan_context(const OrganizedCloud& cloud);
+
+/// Contexts of a scan that is looked for at other places: from where it was taken, and as if from
+/// the lanes beside, 4 m to its left and right: who comes back the other way seldom passes a place
+/// less than a lane away. Source: the root shifts of the paper's section III-D.
+std::vector<ScanContext> scan_contexts_from_lanes(const OrganizedCloud& cloud);
 
 /// How well two scans look alike, and by how much the sensor had turned between them.
 struct ScanContextMatch {

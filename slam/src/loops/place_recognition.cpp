@@ -1,0 +1,49 @@
+#include "loops/place_recognition.h"
+
+#include <limits>
+#include <numbers>
+
+namespace hqslam::slam {
+
+namespace {
+
+constexpr double kRecentRadius_m = 35.0;
+constexpr std::size_t kRecentPoints = 800;  // of each kind
+constexpr PlausibleDrift kAnywhere{std::numeric_limits<double>::infinity(), std::numbers::pi};
+constexpr PlausibleDrift kAboutThere{10.0, 0.5};
+
+}  // namespace
+
+PlaceRecognition::PlaceRecognition(const std::vector<SavedPlace>& places,
+                                   const std::optional<Pose>& T_map_sensor_believed)
+    : is_believed_(T_map_sensor_believed.has_value()) {
+  for (const SavedPlace& place : places) {
+    graph_.T_map_node.push_back(place.T_map_sensor);
+    contexts_.push_back(place.context);
+  }
+  graph_.T_map_node.push_back(T_map_sensor_believed.value_or(Pose::Identity()));
+}
+
+std::optional<Pose> PlaceRecognition::find(const UnlocatedScan& scan, const Mapping& map) {
+  if (!scan.T_previous_sensor) recent_ = RecentFeatures(kRecentScans);
+  const Pose motion = scan.T_previous_sensor.value_or(Pose::Identity());
+  T_begin_sensor_ = T_begin_sensor_ * motion;
+  graph_.T_map_node.back() = graph_.T_map_node.back() * motion;
+  recent_.add(scan.features, T_begin_sensor_, scan.velocity);
+  const MapFeatures features = recent_.about_last(kRecentRadius_m, kRecentPoints);
+  const std::vector<ScanContext> last_contexts = scan_contexts_from_lanes(scan.cloud);
+  const std::vector<PlausibleDrift> drift(graph_.T_map_node.size(),
+                                          is_believed_ ? kAboutThere : kAnywhere);
+  const LoopSearchSpace space{map,   graph_,   contexts_,        last_contexts,
+                              drift, features, contexts_.size(), map.key_frames()};
+  const std::optional<FoundLoop> found =
+      is_believed_ ? search_loop(space).loop : search_similar_places(space).loop;
+  return found ? std::optional(found->T_map_last) : std::nullopt;
+}
+
+void PlaceRecognition::forget() {
+  is_believed_ = false;
+  recent_ = RecentFeatures(kRecentScans);
+}
+
+}  // namespace hqslam::slam

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "hqslam/core/organized_cloud.h"
+#include "hqslam/slam/mapping.h"
+#include "hqslam/slam/saved_map.h"
+#include "loops/loop_search.h"
+#include "map/recent_features.h"
+
+namespace hqslam::slam {
+
+/// A scan that is looked for in a map.
+struct UnlocatedScan {
+  const OrganizedCloud& cloud;
+  const MapFeatures& features;
+  /// From the scan before, which was not found either; nothing: not known.
+  std::optional<Pose> T_previous_sensor;
+  Twist velocity;  ///< a second
+};
+
+/// Finds a sensor among the places of a saved map that knows nothing, or nearly nothing, about
+/// where it is.
+///
+/// What it saw over its last scans, moved together by the odometry, is compared with the places as
+/// loops are (search_similar_places), among all places and turns; or, about where the sensor is
+/// believed to be, within 10 m and half a radian (search_loop). One scan will do for a sensor that
+/// stands. One that drives sees its surroundings bent until its velocity is known.
+class PlaceRecognition {
+ public:
+  PlaceRecognition(const std::vector<SavedPlace>& places,
+                   const std::optional<Pose>& T_map_sensor_believed);
+
+  /// Where the scan was taken; nothing if no place fits well, or two do.
+  std::optional<Pose> find(const UnlocatedScan& scan, const Mapping& map);
+
+  /// The next scan may be anywhere.
+  void forget();
+
+ private:
+  static constexpr std::size_t kRecentScans = 5;
+
+  PoseGraph graph_;  ///< the places, then the sensor
+  std::vector<ScanContext> contexts_;
+  bool is_believed_;
+  RecentFeatures recent_{kRecentScans};
+  Pose T_begin_sensor_ = Pose::Identity();
+};
+
+}  // namespace hqslam::slam

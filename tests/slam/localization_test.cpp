@@ -1,0 +1,129 @@
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "hqslam/core/error.h"
+#include "hqslam/slam/options.h"
+#include "hqslam/slam/saved_map.h"
+#include "hqslam/slam/slam.h"
+#include "slam/village.h"
+#include "slam/yard.h"
+
+using namespace hqslam;
+using slam::Status;
+
+namespace {
+
+constexpr double kStep_m = 1.0;
+
+SensorModel sensor() { return test::small_sensor(16, 360); }
+
+slam::SlamOptions closing_loops() {
+  slam::SlamOptions options;
+  options.loop_closing.enabled = true;
+  return options;
+}
+
+Pose street_pose(double x_m, double y_m = 0.0, double yaw_rad = 0.0) {
+  return test::yard_pose(x_m, y_m, yaw_rad);
+}
+
+test::Village street(unsigned seed) {
+  test::Village village;
+  village.add_street(-40.0, 0.0, 160.0, seed);
+  return village;
+}
+
+/// What a drive along a street, from x = 0 to 80 m, leaves behind.
+slam::SavedMap driven(const test::Village& village) {
+  slam::Slam slam(sensor(), closing_loops());
+  for (int i = 0; i <= 80; ++i) {
+    slam.process(village.scan(sensor(), street_pose(kStep_m * i)), 0.1 * i);
+  }
+  return slam.saved_map();
+}
+
+/// Where a scan of the street is in that map: its first scan is the origin.
+Pose in_map(const Pose& T_street_sensor) { return street_pose(0.0).inverse() * T_street_sensor; }
+
+double error_m(const Pose& T_map_sensor, const Pose& T_street_sensor) {
+  return (T_map_sensor.translation() - in_map(T_street_sensor).translation()).norm();
+}
+
+}  // namespace
+
+TEST_CASE(
+    "a drive is located in an earlier one's map wherever it begins, and leaves it as it was") {
+  const test::Village village = street(31);
+  const slam::SavedMap map = driven(village);
+  CHECK(map.places.size() >= 18);
+  for (const double yaw_rad : {0.3, std::numbers::pi}) {
+    CAPTURE(yaw_rad);
+    slam::Slam slam(sensor(), slam::SlamOptions(), map);
+    const std::size_t points = slam.map_points_m().size();
+    for (int i = 0; i < 10; ++i) {
+      const Pose T_street_sensor = street_pose(43.0, 1.0 - 0.2 * i, yaw_rad);
+      const auto report = slam.process(village.scan(sensor(), T_street_sensor), 0.1 * i);
+      CAPTURE(i);
+      CHECK(report.mapping_status == Status::kOk);
+      CHECK(error_m(report.T_map_sensor, T_street_sensor) < 0.05);
+      CHECK(rotation_angle_rad(report.T_map_sensor.inverse() * in_map(T_street_sensor)) < 0.005);
+      CHECK(report.covariance.trace() < 1.0);
+      CHECK_FALSE(report.key_frame);
+    }
+    CHECK(slam.map_points_m().size() == points);
+  }
+}
+
+TEST_CASE("a place that the map does not know is not recognized, until one is that it knows") {
+  const slam::SavedMap map = driven(street(31));
+  slam::Slam slam(sensor(), slam::SlamOptions(), map);
+  for (int i = 0; i < 5; ++i) {
+    const auto report = slam.process(street(77).scan(sensor(), street_pose(30.0 + i)), 0.1 * i);
+    CHECK(report.mapping_status == Status::kNotRecognized);
+    CHECK_FALSE(is_located(report.mapping_status));
+    CHECK(std::isinf(report.covariance(0, 0)));
+  }
+  const auto report = slam.process(street(31).scan(sensor(), street_pose(30.0)), 0.5);
+  CHECK(report.mapping_status != Status::kNotRecognized);
+  CHECK(error_m(report.T_map_sensor, street_pose(30.0)) < 0.05);
+}
+
+TEST_CASE("of two halves that are alike the start that is given tells which it is") {
+  test::Village village;
+  village.add_street(-20.0, 0.0, 60.0, 31);
+  village.add_street(40.0, 0.0, 60.0, 31);
+  const slam::SavedMap map = driven(village);
+  const Pose truth = street_pose(68.0, 0.5, 0.1);
+  const OrganizedCloud scan = village.scan(sensor(), truth);
+  slam::Slam anywhere(sensor(), slam::SlamOptions(), map);
+  slam::Slam about(sensor(), slam::SlamOptions(), map, in_map(street_pose(64.0, 0.0, 0.3)));
+  CHECK(anywhere.process(scan, 0.0).mapping_status == Status::kNotRecognized);
+  const auto report = about.process(scan, 0.0);
+  CHECK(report.mapping_status == Status::kOk);
+  CHECK(error_m(report.T_map_sensor, truth) < 0.1);
+}
+
+TEST_CASE("a sensor that is carried along the street is found there after a few scans") {
+  const test::Village village = street(31);
+  slam::Slam slam(sensor(), slam::SlamOptions(), driven(village));
+  int located = 0;
+  for (int i = 0; i < 20; ++i) {
+    const Pose T_street_sensor = street_pose(i < 8 ? 20.0 : 65.0, 0.0, i < 8 ? 0.0 : 2.0);
+    const auto report = slam.process(village.scan(sensor(), T_street_sensor), 0.1 * i);
+    if (!is_located(report.mapping_status)) continue;
+    ++located;
+    CHECK(error_m(report.T_map_sensor, T_street_sensor) < 0.05);
+  }
+  CHECK(located >= 13);
+}
+
+TEST_CASE("a map that cannot be located in is refused, and one that has no places is not saved") {
+  const slam::SavedMap empty;
+  CHECK_THROWS_WITH_AS(slam::Slam(sensor(), slam::SlamOptions(), empty),
+                       doctest::Contains("no place"), Error);
+  CHECK_THROWS_WITH_AS(slam::Slam(sensor(), closing_loops(), driven(street(31))),
+                       doctest::Contains("leave it out"), Error);
+  CHECK_THROWS_WITH_AS(slam::Slam(sensor()).saved_map(), doctest::Contains("loop closing"), Error);
+}

@@ -1,0 +1,100 @@
+#include "hqslam/slam/saved_map.h"
+
+#include <doctest/doctest.h>
+
+#include <functional>
+#include <limits>
+#include <string>
+
+#include "hqslam/core/error.h"
+#include "hqslam/core/npz.h"
+#include "temporary_directory.h"
+
+using namespace hqslam;
+
+namespace {
+
+slam::SavedMap small_map() {
+  slam::SavedMap map;
+  map.edges_m = {{1.0F, 2.0F, 3.0F}, {-4.0F, 5.5F, 0.25F}};
+  map.planes_m = {{7.0F, 8.0F, 9.0F}};
+  for (const double x_m : {0.0, 4.0}) {
+    slam::SavedPlace place;
+    place.T_map_sensor = pose_from_xyz_rpy({x_m, 1.0, 2.0}, 0.1, -0.2, 3.0);
+    place.context.unit_sectors.setZero();
+    place.context.unit_sectors(3, 17) = 1.0F;
+    place.context.seen[17] = true;
+    map.places.push_back(place);
+  }
+  return map;
+}
+
+using Change = std::function<void(NpzArrays&)>;
+
+/// A saved map with something else in it.
+std::string changed(const test::TemporaryDirectory& folder, const Change& change) {
+  const std::string path = folder.file("map.npz");
+  slam::write_saved_map(path, small_map());
+  NpzArrays arrays = read_npz(path);
+  change(arrays);
+  write_npz(path, arrays);
+  return path;
+}
+
+}  // namespace
+
+TEST_CASE("a map that was saved is read as it was") {
+  const test::TemporaryDirectory folder;
+  const slam::SavedMap map = small_map();
+  slam::write_saved_map(folder.file("map.npz"), map);
+  const slam::SavedMap read = slam::read_saved_map(folder.file("map.npz"));
+  CHECK(read.edges_m == map.edges_m);
+  CHECK(read.posts_m.empty());
+  CHECK(read.planes_m == map.planes_m);
+  REQUIRE(read.places.size() == map.places.size());
+  for (std::size_t i = 0; i < map.places.size(); ++i) {
+    CHECK(read.places[i].T_map_sensor.matrix() == map.places[i].T_map_sensor.matrix());
+    CHECK(read.places[i].context.unit_sectors == map.places[i].context.unit_sectors);
+    CHECK(read.places[i].context.seen == map.places[i].context.seen);
+  }
+}
+
+TEST_CASE("a file that is no saved map is refused in one line") {
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  struct Case {
+    Change change;
+    const char* says;
+  };
+  const Case cases[] = {
+      {[](NpzArrays& a) { a.erase("format"); }, "no map saved by"},
+      {[](NpzArrays& a) { a["format"] = npz_text("hqslam map 2"); }, "no map saved by"},
+      {[](NpzArrays& a) { a.erase("posts_m"); }, "has no array posts_m"},
+      {[](NpzArrays& a) {
+         a["edges_m"] = npz_array(std::vector<float>(6), {3, 2});
+       },
+       "edges_m has another shape"},
+      {[](NpzArrays& a) {
+         a["edges_m"] = npz_array(std::vector<double>(6), {2, 3});
+       },
+       "edges_m"},
+      {[](NpzArrays& a) {
+         a["planes_m"] = npz_array(std::vector<float>{0, kNan, 0}, {1, 3});
+       },
+       "planes_m has numbers not finite"},
+      {[](NpzArrays& a) {
+         a["T_map_place"] = npz_array(std::vector<double>(24), {2, 3, 4});
+       },
+       "no rigid motion"},
+      {[](NpzArrays& a) {
+         a["T_map_place"] = npz_array(std::vector<double>(12), {1, 3, 4});
+       },
+       "other places"},
+  };
+  for (const Case& c : cases) {
+    CAPTURE(c.says);
+    const test::TemporaryDirectory folder;
+    const std::string path = changed(folder, c.change);
+    CHECK_THROWS_WITH_AS(slam::read_saved_map(path), doctest::Contains(c.says), Error);
+  }
+  CHECK_THROWS_AS(slam::read_saved_map("/no/such/file.npz"), Error);
+}

@@ -1,0 +1,64 @@
+#include "run/slam_settings.h"
+
+#include <doctest/doctest.h>
+
+#include <string>
+
+#include "hqslam/core/error.h"
+#include "hqslam/core/whole_file.h"
+#include "temporary_directory.h"
+
+using namespace hqslam;
+using namespace hqslam::tools;
+
+namespace {
+
+/// The options that a file with this text and these --set give.
+slam::SlamOptions options_of(const std::string& json, std::vector<std::string> set = {}) {
+  const test::TemporaryDirectory folder;
+  const std::string path = folder.file("slam.json");
+  write_whole_file(path, json);
+  return slam_options({path, std::move(set), false});
+}
+
+}  // namespace
+
+TEST_CASE("a file sets options of SLAM by stage and name, and --set comes after it") {
+  const auto options =
+      options_of(R"({"mapping": {"max_iterations": 12, "planar_leaf_m": 0.5}, "features": {}})",
+                 {"mapping.planar_leaf_m=0.3", "odometry.min_edges=7"});
+  CHECK(options.mapping.max_iterations == 12);
+  CHECK(options.mapping.planar_leaf_m == 0.3);
+  CHECK(options.odometry.min_edges == 7);
+  const std::vector<std::pair<std::string, double>> changed = {{"odometry.min_edges", 7.0},
+                                                               {"mapping.max_iterations", 12.0},
+                                                               {"mapping.planar_leaf_m", 0.3}};
+  CHECK(changed_options(options) == changed);
+  CHECK(changed_options(slam_options({})).empty());
+  CHECK(slam_options({"", {}, true}).loop_closing.enabled);
+}
+
+TEST_CASE("settings of SLAM that cannot be meant are refused with their name") {
+  struct Case {
+    const char* json;
+    std::vector<std::string> set;
+    const char* says;
+  };
+  const Case cases[] = {
+      {"[1]", {}, "expected a JSON object"},
+      {"{", {}, "expected a JSON object"},
+      {R"({"mapping": 3})", {}, "expected an object in \"mapping\""},
+      {R"({"mapping": {"max_iterations": "12"}})", {}, "a number in mapping.max_iterations"},
+      {R"({"mapping": {"max_iterations": 2.5}})", {}, "expected a whole number"},
+      {R"({"mapping": {"no_such": 1}})", {}, "no SLAM option mapping.no_such"},
+      {"{}", {"mapping.max_iterations"}, "expected NAME=NUMBER"},
+      {"{}", {"mapping.max_iterations=12x"}, "expected NAME=NUMBER"},
+      {"{}", {"=1"}, "no SLAM option"},
+      {"{}", {"ground.max_slope_rad=2"}, "an angle between 0 and pi/2"},
+      {"{}", {"mapping.close_neighbour_distance_m=3"}, "at most mapping.max_neighbour_distance_m"},
+  };
+  for (const Case& c : cases) {
+    CAPTURE(c.says);
+    CHECK_THROWS_WITH_AS(options_of(c.json, c.set), doctest::Contains(c.says), Error);
+  }
+}

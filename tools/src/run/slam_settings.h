@@ -1,0 +1,30 @@
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "hqslam/slam/options.h"
+
+namespace CLI {
+class App;
+}
+
+namespace hqslam::tools {
+
+/// What a user says about SLAM.
+struct SlamSettings {
+  std::string file;              ///< JSON: {"mapping": {"max_iterations": 12}}; empty: none
+  std::vector<std::string> set;  ///< "mapping.max_iterations=12", after the file
+  bool loop_closing = false;
+};
+/// --slam-options, --set and --loop-closing.
+void declare_slam_settings(CLI::App& command, SlamSettings& settings);
+
+/// The options of SLAM. Throws Error: no such option, no number, out of bounds.
+slam::SlamOptions slam_options(const SlamSettings& settings);
+
+/// The options that are not their defaults: name and value.
+std::vector<std::pair<std::string, double>> changed_options(const slam::SlamOptions& options);
+
+}  // namespace hqslam::tools
