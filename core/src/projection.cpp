@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "column_finder.h"
 #include "hqslam/core/error.h"
 
 namespace hqslam {
@@ -77,10 +78,7 @@ ProjectedScan project(const Scan& scan, const SensorModel& sensor) {
   if (!scan.time_offset_s.empty()) {
     result.cloud.time_offset_s.assign(result.cloud.range_m.size(), 0.0F);
   }
-  std::vector<double> residual_azimuth_rad(sensor.rows());
-  for (int row = 0; row < sensor.rows(); ++row) {
-    residual_azimuth_rad[row] = sensor.residual_azimuth_rad(row);
-  }
+  const ColumnFinder columns(sensor);
   for (std::size_t i = 0; i < scan.points_m.size(); ++i) {
     const Eigen::Vector3f& point_m = scan.points_m[i];
     const float range_m = range_of(point_m);
@@ -95,9 +93,7 @@ ProjectedScan project(const Scan& scan, const SensorModel& sensor) {
       ++result.counts.outside_rows;
       continue;
     }
-    const int column =
-        sensor.column_of_azimuth(std::atan2(point_m.y(), point_m.x()) - residual_azimuth_rad[*row]);
-    const std::size_t pixel = result.cloud.index(*row, column);
+    const std::size_t pixel = result.cloud.index(*row, columns.column(*row, point_m));
     float& nearest_m = result.cloud.range_m[pixel];
     if (nearest_m > 0.0F) ++result.counts.hidden_by_nearer;
     if (nearest_m > 0.0F && nearest_m <= range_m) continue;

@@ -50,6 +50,11 @@ Interpolation interpolation_from_name(std::string_view name) {
                           fmt::join(interpolation_names(), ", ")));
 }
 
+Upsampler::Upsampler(SuperResolver network) : method_(std::move(network)) {
+  sensor_ = this->network()->sensor();
+  sensor_.measured_rows = this->network()->description().measured_rows;
+}
+
 Upsampler::Upsampler(SuperResolver network, SensorModel sensor)
     : method_(std::move(network)), sensor_(std::move(sensor)) {
   sensor_.measured_rows = this->network()->description().measured_rows;

@@ -99,6 +99,17 @@ TEST_CASE("points outside the ranges or the beams are left out and counted") {
   CHECK(projected.counts.kept == 0);
 }
 
+TEST_CASE("a point at the origin is no return, even of a sensor that measures from 0 m on") {
+  SensorModel sensor = hqslam::sensor_preset("vlp-16");
+  sensor.min_range_m = 0.0;
+  Scan scan;
+  scan.points_m = {{0, 0, 0}, {0.001F, 0, 0}};
+  scan.row = {7, 7};
+  const auto projected = hqslam::project(scan, sensor);
+  CHECK(projected.counts.out_of_range == 1);
+  CHECK(projected.counts.kept == 1);
+}
+
 TEST_CASE("a row that the sensor does not have and a shape that is not its own are refused") {
   const SensorModel sensor = hqslam::sensor_preset("vlp-16");
   Scan scan;

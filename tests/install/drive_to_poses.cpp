@@ -8,9 +8,7 @@
 int main(int argc, char** argv) {
   if (argc != 3) return 2;
   const auto recording = hqslam::recordings::open_recording(argv[1]);
-  auto network = hqslam::nn::SuperResolver::load(argv[2]);
-  const hqslam::SensorModel sensor = network.sensor();
-  hqslam::nn::Upsampler upsampler(std::move(network), sensor);
+  hqslam::nn::Upsampler upsampler(hqslam::nn::SuperResolver::load(argv[2]));
   hqslam::slam::Slam slam(upsampler.sensor());
   while (const auto scan = recording->next()) {
     const auto lifted = hqslam::nn::upsampled_cloud(upsampler, scan->cloud);

@@ -11,7 +11,8 @@
 int main(int argc, char** argv) {
   if (argc != 3) return 2;
   const auto recording = hqslam::recordings::open_recording(argv[1]);
-  DriverCallback callback(argv[2]);
+  DriverCallback callback{
+      hqslam::nn::Upsampler(hqslam::nn::SuperResolver::load(argv[2], {.threads = 2}))};
   while (const auto scan = recording->next()) {
     const hqslam::OrganizedCloud& cloud = scan->cloud;
     std::vector<DriverPoint> turn;

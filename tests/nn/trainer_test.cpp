@@ -3,12 +3,14 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <mutex>
 #include <set>
 
 #include "direct/srae.h"
 #include "direct/tulip.h"
 #include "error_message.h"
 #include "small_network.h"
+#include "thread_ranks.h"
 
 namespace hqslam::nn {
 namespace {
@@ -155,6 +157,51 @@ TEST_CASE("one, two and three threads train the same bytes") {
     check_same(one, trained(description, 6, 3));
     CHECK(one.parameters != fresh_state(description).parameters);
   }
+}
+
+TEST_CASE("one, two and four processes train the same bytes and see the same losses") {
+  TrainingPlan plan = small_plan();
+  plan.batch = 4;
+  for (const UnrolledPlan& description : {filtered_du_or(), simple_du_with_dropout()}) {
+    std::vector<std::pair<TrainingState, double>> ends;
+    std::mutex mutex;
+    for (const int count : {1, 2, 4}) {
+      test::on_ranks(count, [&](Ranks& ranks) {
+        Trainer trainer(description, plan, in_memory(scans()), fresh_state(description), 2, ranks);
+        double losses = 0.0;
+        for (int i = 0; i < 6; ++i) losses += trainer.step().loss;
+        const std::lock_guard lock(mutex);
+        ends.emplace_back(trainer.state(), losses);
+      });
+    }
+    REQUIRE(ends.size() == 7);
+    for (const auto& [state, losses] : ends) {
+      check_same(state, ends.front().first);
+      CHECK(losses == ends.front().second);
+    }
+    Trainer usual(description, plan, in_memory(scans()), fresh_state(description), 1);
+    train(usual, 6);
+    check_same(usual.state(), ends.front().first);
+  }
+}
+
+TEST_CASE("a batch that processes cannot share is refused with the reason") {
+  const UnrolledPlan du_or = small_du_or();
+  NetworkDescription srae = small_du_or();
+  srae.architecture = std::make_shared<Srae>(SraeShape{.filters = 2, .passes = 1});
+  TrainingPlan plan = small_plan();
+  plan.augmentation.crop_columns = 0;
+  const auto message = [&](const NetworkDescription& description, int batch) {
+    plan.batch = batch;
+    return test::error_message([&] {
+      test::on_ranks(2, [&](Ranks& ranks) {
+        Trainer(description, plan, in_memory(scans()), fresh_state(description), 1, ranks);
+      });
+    });
+  };
+  CHECK(message(du_or, 4) == "no Error");
+  CHECK(test::one_line_with(message(du_or, 3), "batch is 3", "2 processes"));
+  CHECK(test::one_line_with(message(srae, 4), "batch norm", "2 processes"));
 }
 
 TEST_CASE("a training that stopped and went on gives the same bytes as one that never stopped") {

@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include "error_message.h"
+#include "small_network.h"
 
 namespace hqslam::nn {
 
@@ -19,6 +20,28 @@ TEST_CASE("every interpolation has a name that leads back to it") {
   CHECK_FALSE(is_interpolation("cubic"));
   CHECK(one_line_with(error_message([] { interpolation_from_name("cubic"); }), "cubic",
                       "nearest, linear, inverse"));
+}
+
+TEST_CASE("an upsampler of a network alone is one for the network's own sensor") {
+  const NetworkDescription description = small_du_or();
+  const RangeImage measured = select_rows(small_scene(), description.measured_rows);
+  Weights weights;
+  weights.description = description;
+  weights.parameters = initial_parameters(description, 3);
+  weights.training = "{}";
+  weights.self_test = make_self_test(description, weights.parameters, measured);
+  Upsampler upsampler(SuperResolver(weights, {}));
+  Upsampler same(SuperResolver(weights, {}), small_sensor());
+  CHECK(upsampler.sensor() == same.sensor());
+  CHECK(upsampler.measured_rows() == RowSelection{3, 4});
+  CHECK(upsampler.run(measured).image.range_m == same.run(measured).image.range_m);
+
+  // What it lifts: rows 3, 7, 11, 15 of 16, all of them measured.
+  const SensorModel four = upsampler.measured_sensor();
+  CHECK(four.rows() == 4);
+  CHECK(four.columns == 64);
+  CHECK(four.beam_elevation_rad[1] == small_sensor().beam_elevation_rad[7]);
+  CHECK_FALSE(four.measured_rows);
 }
 
 TEST_CASE("an interpolating upsampler puts rows between the measured ones and leaves those alone") {

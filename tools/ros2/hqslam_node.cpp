@@ -126,10 +126,8 @@ class HqslamNode : public rclcpp::Node {
     if (weights.empty()) {
       sensor_ = hqslam::load_sensor(sensor);
     } else {
-      auto network = hqslam::nn::SuperResolver::load(weights, {.threads = options.threads});
-      const hqslam::SensorModel all_rows = network.sensor();
-      upsampler_.emplace(std::move(network), all_rows);
-      sensor_ = select_rows(all_rows, upsampler_->measured_rows());
+      upsampler_.emplace(hqslam::nn::SuperResolver::load(weights, {.threads = options.threads}));
+      sensor_ = upsampler_->measured_sensor();
     }
     slam_.emplace(upsampler_ ? upsampler_->sensor() : sensor_, options);
     odometry_ = create_publisher<nav_msgs::msg::Odometry>("odometry", 10);

@@ -51,7 +51,7 @@ class VelodyneAssembler : public ScanAssembler {
   std::int64_t lost_scans() const override { return 0; }  // their packets are counted
 
   std::optional<RecordedScan> next() override {
-    const std::optional<Scan> scan = ready_.take();
+    std::optional<Scan> scan = ready_.take();
     if (!scan) return std::nullopt;
     ProjectedScan projected = project(*scan, sensor_);
     RecordedScan result;
@@ -59,6 +59,7 @@ class VelodyneAssembler : public ScanAssembler {
     result.stamp_s = scan->stamp_s;
     result.cloud = std::move(projected.cloud);
     result.counts = projected.counts;
+    decoder_.reuse(std::move(*scan));
     return result;
   }
 

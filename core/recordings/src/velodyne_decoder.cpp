@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "hqslam/core/error.h"
 #include "sensor_clock.h"
@@ -117,6 +118,7 @@ class VelodyneDecoder::Impl {
   Impl(const VelodyneStream& stream, const SensorModel& sensor, const VelodyneOptions& options);
   void add(const Packet& packet, std::vector<Scan>& completed);
   void finish(std::vector<Scan>& completed);
+  void reuse(Scan scan);
 
   PacketCounts counts;
   std::int64_t partial_scans = 0;
@@ -146,6 +148,7 @@ class VelodyneDecoder::Impl {
   std::vector<Firing> firings_;
 
   Scan scan_;
+  Scan spare_;  ///< empty, with memory
   bool began_with_cut_ = false;
   bool empty_ = true;
   int first_turned_ = 0;
@@ -241,8 +244,9 @@ void VelodyneDecoder::Impl::read_firings(Bytes payload) {
   firings_.clear();
   const int step = stream_.dual_return ? 2 : 1;
   const bool banks = timing_.lasers > kChannels;
+  const int blocks = used_blocks(payload);
   int sequence = 0;
-  for (int i = 0; i < kBlocks; i += step) {
+  for (int i = 0; i < blocks; i += step) {
     Firing firing;
     firing.block = i;
     firing.bank = banks ? bank_of(block_flag(payload, i)) : 0;
@@ -367,9 +371,19 @@ void VelodyneDecoder::Impl::complete(std::vector<Scan>& completed) {
     completed.push_back(std::move(scan_));
   }
   const std::size_t points = scan_.points_m.capacity();
-  scan_ = {};
+  scan_ = std::exchange(spare_, {});
   scan_.points_m.reserve(points);
+  scan_.row.reserve(points);
+  scan_.time_offset_s.reserve(points);
   empty_ = true;
+}
+
+void VelodyneDecoder::Impl::reuse(Scan scan) {
+  scan.stamp_s = 0.0;
+  scan.points_m.clear();
+  scan.row.clear();
+  scan.time_offset_s.clear();
+  spare_ = std::move(scan);
 }
 
 void VelodyneDecoder::Impl::finish(std::vector<Scan>& completed) {
@@ -387,6 +401,7 @@ void VelodyneDecoder::add(const Packet& packet, std::vector<Scan>& completed) {
   impl_->add(packet, completed);
 }
 void VelodyneDecoder::finish(std::vector<Scan>& completed) { impl_->finish(completed); }
+void VelodyneDecoder::reuse(Scan scan) { impl_->reuse(std::move(scan)); }
 const PacketCounts& VelodyneDecoder::counts() const { return impl_->counts; }
 std::int64_t VelodyneDecoder::partial_scans() const { return impl_->partial_scans; }
 

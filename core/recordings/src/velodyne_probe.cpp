@@ -23,7 +23,8 @@ constexpr int kTremble = 200;
 constexpr int kSmallestBlindAngle_deg = 10;
 
 bool has_pairs(Bytes payload) {
-  for (int i = 0; i < kBlocks; i += 2) {
+  const int blocks = used_blocks(payload);
+  for (int i = 0; i < blocks; i += 2) {
     if (block_flag(payload, i) != block_flag(payload, i + 1) ||
         block_azimuth(payload, i) != block_azimuth(payload, i + 1)) {
       return false;
@@ -75,7 +76,8 @@ void VelodyneProbe::add(const Packet& packet) {
     ++state.with_double_pairs;
   }
   ++state.products[payload[kProductAt]];
-  for (int i = 0; i < kBlocks; ++i) {
+  const int blocks = used_blocks(payload);
+  for (int i = 0; i < blocks; ++i) {
     ++state.banks[bank_of(block_flag(payload, i))];
     const int azimuth = block_azimuth(payload, i);
     state.seen[azimuth * kBins / 36000] = true;

@@ -11,13 +11,13 @@ constexpr int kFullTurn = 36000;
 
 /// Firing sequences: VLP-16 16 lasers 2.304 us apart, two sequences a block; HDL-32E 32 lasers
 /// 1.152 us apart; VLP-32C 16 pairs 2.304 us apart; VLS-128 16 groups of eight 2.665 us apart, one
-/// such pause after the eighth group and three after the last, four blocks a sequence; HDL-64E 64
-/// lasers in 48 us, two blocks a sequence.
+/// such pause after the eighth group and three after the last, four blocks a sequence (of two
+/// returns eight, one sequence a packet); HDL-64E 64 lasers in 48 us, two blocks a sequence.
 constexpr VelodyneTiming kVlp16Timing = {0.002, 55.296, 2.0, 1327.104, 663.552, 16, 0x22};
 constexpr VelodyneTiming kHdl32eTiming = {0.002, 46.080, 1.0, 552.960, 276.480, 32, 0x21};
 constexpr VelodyneTiming kVlp32cTiming = {0.004, 55.296, 1.0, 663.552, 331.776, 32, 0x28};
 constexpr VelodyneTiming kHdl64eTiming = {0.002, 48.0, 0.5, 288.0, 144.0, 64, 0x00};
-constexpr VelodyneTiming kVls128Timing = {0.004, 53.300, 0.25, 159.900, 79.950, 128, 0xA1};
+constexpr VelodyneTiming kVls128Timing = {0.004, 53.300, 0.25, 159.900, 53.300, 128, 0xA1};
 
 const std::vector<double> kVlp32cElevations_deg = {
     -25.0,  -1.0,   -1.667, -15.639, -11.31, 0.0,    -0.667, -8.843, -7.254, 0.333,  -0.333,
@@ -140,9 +140,21 @@ int bank_of(std::uint16_t flag) {
   return found == kBankFlags.end() ? -1 : static_cast<int>(found - kBankFlags.begin());
 }
 
+int used_blocks(Bytes payload) {
+  constexpr int kReturns = 2;
+  constexpr int kBanks = 4;
+  for (int i = 0; i < kReturns * kBanks; ++i) {
+    if (block_flag(payload, i) != kBankFlags[static_cast<std::size_t>(i / kReturns)]) {
+      return kBlocks;
+    }
+  }
+  return kReturns * kBanks;
+}
+
 bool is_velodyne_packet(Bytes payload) {
   if (payload.size() != kVelodynePacketBytes) return false;
-  for (int i = 0; i < kBlocks; ++i) {
+  const int blocks = used_blocks(payload);
+  for (int i = 0; i < blocks; ++i) {
     if (bank_of(block_flag(payload, i)) < 0 || raw_azimuth(payload, i) > kFullTurn) return false;
   }
   return little_endian<std::uint32_t>(payload, kTimeAt) < kHour_us;

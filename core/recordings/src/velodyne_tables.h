@@ -72,6 +72,10 @@ inline constexpr std::array<std::uint16_t, 4> kBankFlags = {0xEEFF, 0xDDFF, 0xCC
 /// Which 32 lasers a block is of, 0 to 3; -1 if it is none.
 int bank_of(std::uint16_t flag);
 
+/// How many blocks of a packet hold measurements: all, but of a VLS-128's with two returns the
+/// first eight, two of each bank; the others are there to fill it.
+int used_blocks(Bytes payload);
+
 /// Whether these are the bytes of a Velodyne's data packet: its size, flags and azimuths.
 bool is_velodyne_packet(Bytes payload);
 

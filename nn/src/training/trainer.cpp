@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <exception>
+#include <span>
 #include <thread>
 
 #include "hqslam/core/error.h"
@@ -61,6 +62,12 @@ void check_state(const TrainingState& state, const NetworkDescription& descripti
   }
 }
 
+/// Of who trains by himself.
+Ranks& alone() {
+  static Ranks ranks;
+  return ranks;
+}
+
 /// Weight decay pulls at the weights of convolutions and linear layers alone: a penalty or a bias
 /// that it pulled at would end where the decay wants it.
 std::vector<std::uint8_t> decays_of(const NetworkDescription& description) {
@@ -105,15 +112,23 @@ struct Trainer::Implementation {
   TrainingState state;
   std::vector<std::uint8_t> decays;
   std::vector<std::pair<std::size_t, std::size_t>> statistics;
-  std::vector<std::unique_ptr<Network>> workers;
-  std::vector<std::vector<float>> gradients;  ///< one per sample of the batch, or of all together
-  std::vector<double> losses;
+  Ranks& ranks;
+  int validation_threads = 1;
+  std::vector<std::unique_ptr<Network>> workers = {};
+  /// One per sample of the batch, or of all together; the ranks' parts one behind the other.
+  std::vector<double> losses = {};
+  std::vector<float> gradients = {};
 
   struct Drawn {
     TrainingSample sample;
     std::uint64_t seed = 0;  ///< of what is random in the network
   };
   Drawn draw(int place) const;
+  std::span<float> gradient(int place) {
+    const std::size_t parameters = state.parameters.size();
+    return std::span(gradients).subspan(parameters * static_cast<std::size_t>(place), parameters);
+  }
+  void run_own_samples();
   void run_sample(Network& network, int place);
   void run_batch(Network& network);
   void follow_statistics(std::span<float> gradient);
@@ -144,21 +159,39 @@ void validate(const TrainingPlan& plan, const SensorModel& sensor) {
         a.largest_dropout_share, "0 to below 1");
 }
 
+void require_shares(const NetworkDescription& description, const TrainingPlan& plan,
+                    const Ranks& ranks) {
+  if (ranks.count() == 1) return;
+  if (plan.batch % ranks.count() != 0) {
+    throw Error(
+        fmt::format("training: batch is {}, which {} processes cannot share evenly; start as many "
+                    "as divide it",
+                    plan.batch, ranks.count()));
+  }
+  const int columns = description.sensor.columns;
+  if (make_network(description, columns, chosen_instruction_set(), 1)->joins_batch()) {
+    throw Error(
+        fmt::format("training: the samples of a batch see each other in this network (batch norm), "
+                    "and {} processes cannot share them; train it in one",
+                    ranks.count()));
+  }
+}
+
 Trainer::Trainer(const NetworkDescription& description, const TrainingPlan& plan,
-                 std::unique_ptr<const TrainingScans> scans, TrainingState state, int threads) {
+                 std::unique_ptr<const TrainingScans> scans, TrainingState state, int threads)
+    : Trainer(description, plan, std::move(scans), std::move(state), threads, alone()) {}
+
+Trainer::Trainer(const NetworkDescription& description, const TrainingPlan& plan,
+                 std::unique_ptr<const TrainingScans> scans, TrainingState state, int threads,
+                 Ranks& ranks) {
   nn::validate(plan, description.sensor);
   if (scans == nullptr || scans->size() == 0) throw Error("training: no scans to train on");
   check_shape(scans->rows(), scans->columns(), description.sensor);
   check_state(state, description);
-  implementation_ = std::make_unique<Implementation>(Implementation{description,
-                                                                    plan,
-                                                                    std::move(scans),
-                                                                    std::move(state),
-                                                                    decays_of(description),
-                                                                    statistics_of(description),
-                                                                    {},
-                                                                    {},
-                                                                    {}});
+  require_shares(description, plan, ranks);
+  implementation_ = std::make_unique<Implementation>(
+      Implementation{description, plan, std::move(scans), std::move(state), decays_of(description),
+                     statistics_of(description), ranks});
   Implementation& self = *implementation_;
   const int columns = plan.augmentation.crop_columns > 0 ? plan.augmentation.crop_columns
                                                          : description.sensor.columns;
@@ -167,8 +200,10 @@ Trainer::Trainer(const NetworkDescription& description, const TrainingPlan& plan
   };
   add_worker();
   const int calls = self.workers.front()->joins_batch() ? 1 : plan.batch;
-  while (static_cast<int>(self.workers.size()) < std::clamp(threads, 1, calls)) add_worker();
-  self.gradients.assign(calls, std::vector<float>(self.state.parameters.size()));
+  const int own = calls / ranks.count();
+  while (static_cast<int>(self.workers.size()) < std::clamp(threads, 1, own)) add_worker();
+  self.validation_threads = std::clamp(threads, 1, calls);
+  self.gradients.resize(calls * self.state.parameters.size());
   self.losses.resize(calls);
 }
 Trainer::~Trainer() = default;
@@ -188,10 +223,10 @@ Trainer::Implementation::Drawn Trainer::Implementation::draw(int place) const {
 
 void Trainer::Implementation::run_sample(Network& network, int place) {
   const Drawn drawn = draw(place);
-  std::fill(gradients[place].begin(), gradients[place].end(), 0.0F);
+  std::ranges::fill(gradient(place), 0.0F);
   losses[place] =
       network.add_gradient(drawn.sample.measured, drawn.sample.truth,
-                           {.layer_share = plan.layer_loss_share}, drawn.seed, gradients[place]);
+                           {.layer_share = plan.layer_loss_share}, drawn.seed, gradient(place));
 }
 
 void Trainer::Implementation::run_batch(Network& network) {
@@ -202,9 +237,24 @@ void Trainer::Implementation::run_batch(Network& network) {
     samples.push_back(std::move(drawn.sample));
     seeds.push_back(drawn.seed);
   }
-  std::fill(gradients.front().begin(), gradients.front().end(), 0.0F);
-  losses.front() = network.add_gradients(samples, {.layer_share = plan.layer_loss_share}, seeds,
-                                         gradients.front());
+  std::ranges::fill(gradients, 0.0F);
+  losses.front() =
+      network.add_gradients(samples, {.layer_share = plan.layer_loss_share}, seeds, gradients);
+}
+
+/// Gradients and losses of this rank's part of the batch.
+void Trainer::Implementation::run_own_samples() {
+  const int threads = static_cast<int>(workers.size());
+  in_parallel(threads, threads,
+              [&](int worker, int) { workers[worker]->set_parameters(state.parameters); });
+  if (workers.front()->joins_batch()) {
+    run_batch(*workers.front());
+    return;
+  }
+  const int own = plan.batch / ranks.count();
+  const int first = own * ranks.rank();
+  in_parallel(threads, own,
+              [&](int worker, int item) { run_sample(*workers[worker], first + item); });
 }
 
 /// Statistics move by a share of their gradient, which the optimiser then does not see.
@@ -227,21 +277,16 @@ void Trainer::Implementation::average() {
 
 TrainingStep Trainer::step() {
   Implementation& self = *implementation_;
-  const int workers = static_cast<int>(self.workers.size());
-  in_parallel(workers, workers, [&](int worker, int) {
-    self.workers[worker]->set_parameters(self.state.parameters);
-  });
-  if (self.workers.front()->joins_batch()) {
-    self.run_batch(*self.workers.front());
-  } else {
-    in_parallel(workers, self.plan.batch,
-                [&](int worker, int place) { self.run_sample(*self.workers[worker], place); });
-  }
-  std::vector<float>& sum = self.gradients.front();
+  self.run_own_samples();
+  self.ranks.gather(std::span(self.losses));
+  self.ranks.gather(std::span(self.gradients));
+  // In the order of the batch, whoever computed which part of it.
+  const std::span<float> sum = self.gradient(0);
   double loss = self.losses.front();
-  for (std::size_t place = 1; place < self.gradients.size(); ++place) {
+  for (int place = 1; place < static_cast<int>(self.losses.size()); ++place) {
     loss += self.losses[place];
-    for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += self.gradients[place][i];
+    const std::span<const float> gradient = self.gradient(place);
+    for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += gradient[i];
   }
   const float share = 1.0F / static_cast<float>(self.plan.batch);
   for (float& g : sum) g *= share;
@@ -266,7 +311,7 @@ Validation Trainer::validate(const std::vector<RangeImage>& scans) {
   Implementation& self = *implementation_;
   const NetworkDescription& description = self.description;
   check_scans(scans, description.sensor);
-  const int workers = static_cast<int>(self.workers.size());
+  const int workers = self.validation_threads;
   std::vector<std::unique_ptr<Network>> whole;
   for (int i = 0; i < workers; ++i) {
     whole.push_back(

@@ -35,6 +35,13 @@ class LiveProgram {
   LiveProgram(const std::string& metadata, const std::vector<std::string>& options)
       : port_(free_udp_port()) {
     write_file(folder_.file("sensor.json"), metadata);
+    start(options);
+  }
+  /// Once more, into the same folder, after it has ended.
+  void start(const std::vector<std::string>& options) {
+    fs::remove(path("stdout"));
+    fs::remove(path("stderr"));
+    ended_ = false;
     std::vector<std::string> words = {"hqslam",   "live",
                                       "--sensor", folder_.file("sensor.json"),
                                       "--port",   std::to_string(port_),
@@ -72,6 +79,10 @@ class LiveProgram {
   /// Its exit status.
   int end(int signal_number) {
     kill(child_, signal_number);
+    return wait();
+  }
+  /// The same, once it has ended by itself.
+  int wait() {
     int status = 0;
     waitpid(child_, &status, 0);
     ended_ = true;
@@ -121,6 +132,40 @@ TEST_CASE("a drive that is sent live gives the trajectory that its capture gives
     CHECK(by_wire[i].T_map_sensor.isApprox(by_file[i].T_map_sensor, 1e-9));
     CHECK(by_wire[i].stamp_s == doctest::Approx(by_file[i].stamp_s).epsilon(1e-12));
   }
+}
+
+TEST_CASE(
+    "killed while it records, live leaves a capture to run on, which it does not write over") {
+  const OusterDrive drive = ouster_drive(simulated_drive());
+  const TemporaryDirectory folder;
+  const std::string kept = folder.file("kept.pcap");
+  LiveProgram live(drive.metadata, {"--record", kept});
+  REQUIRE(live.says("no packet yet"));
+  replay(drive.packets, live.port(), 1.0);
+  REQUIRE(live.says(fmt::format("{} scans  x", kDriveScans)));
+  CHECK(live.end(SIGKILL) == -1);
+
+  // At most the last packets, which were not written yet, are missing.
+  const std::string recorded = file_contents(kept);
+  const ProgramResult run =
+      run_hqslam(fmt::format("run '{}' --out '{}'", kept, folder.file("run")));
+  CAPTURE(run.error);
+  REQUIRE(run.status == 0);
+  CHECK(read_tum(folder.file("run/trajectory.tum")).size() >= kDriveScans - 1);
+
+  live.start({"--record", kept});
+  CHECK(live.wait() == 2);
+  CHECK(live.error().find(kept.substr(0, kept.size() - 5)) != std::string::npos);
+  CHECK(live.error().find("name another file") != std::string::npos);
+  CHECK(live.error().find('\n') == live.error().size() - 1);
+  CHECK(file_contents(kept) == recorded);
+
+  live.start({"--record", folder.file("more.pcap")});
+  REQUIRE(live.says("no packet yet"));
+  replay(drive.packets, live.port(), 1.0);
+  REQUIRE(live.says(fmt::format("{} scans  x", kDriveScans)));
+  CHECK(live.end(SIGTERM) == 0);
+  CHECK(read_tum(live.path("out/trajectory.tum")).size() == kDriveScans);
 }
 
 TEST_CASE("live lifts scans, serves the page, and ends with SIGTERM as with Ctrl-C") {

@@ -4,12 +4,15 @@
 #include <signal.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <thread>
+#include <vector>
 
 #include "golden_folder.h"
+#include "hqslam/core/trajectory.h"
 #include "tools/program/program.h"
 
 namespace hqslam::test {
@@ -224,6 +227,42 @@ TEST_CASE("over seeds drives run side by side with the same figures as one by on
   CHECK(more["drives"][0] == together["drives"][0]);
   CHECK(file_contents(results_folder(folder.file("together"), "block-seed-5", 20) +
                       "linear.json") == before);
+}
+
+TEST_CASE(
+    "scans that cannot be understood are left out of a table, which says how many they were") {
+  const TemporaryDirectory folder;
+  REQUIRE(run_hqslam("simulate --drive block --sensor os1-64 --scans 6 --bin --out '" +
+                     folder.file("drive") + "'")
+              .status == 0);
+  const std::string bins = folder.file("drive/bin");
+  std::vector<fs::path> files(fs::directory_iterator(bins), {});
+  std::sort(files.begin(), files.end());
+  const std::string arguments =
+      fmt::format("table --drives '{}' --sensor os1-64 --methods rows-16,linear --out '{}'", bins,
+                  folder.file("out"));
+  for (const std::size_t damaged : {2, 4}) fs::resize_file(files[damaged], 1001);
+  for (const char* time : {"computed", "there already"}) {
+    CAPTURE(time);
+    const ProgramResult result = run_hqslam(arguments);
+    CAPTURE(result.error);
+    CHECK(result.status == 0);
+    CHECK(result.error.find("hqslam: bin: 2 scans were left out, the first of them: ") !=
+          std::string::npos);
+    CHECK(result.error.find(files[2].filename().string()) != std::string::npos);
+  }
+  for (const char* page : {"table.md", "table.html"}) {
+    CHECK(file_contents(folder.file("out/") + page).find("2 scans were left out") !=
+          std::string::npos);
+  }
+  CHECK(json_of(folder.file("out/table.json"))["drives"][0]["scans_left_out"] == 2);
+  const std::string results = results_folder(folder.file("out"), "bin", 6);
+  CHECK(read_tum(results + "linear-loop-closing-off.tum").size() == 4);
+
+  for (const fs::path& file : files) fs::resize_file(file, 1001);
+  const ProgramResult nothing = run_hqslam(arguments);
+  CHECK(nothing.status == 2);
+  CHECK(nothing.error.find(".bin: expected a KITTI scan") != std::string::npos);
 }
 
 TEST_CASE("a folder that takes no files is noticed before the work") {

@@ -20,7 +20,13 @@ struct SavedResult {
     return load_result(result.settings, folder.path().string());
   }
   test::TemporaryDirectory folder;
-  TableResult result = test::example_result(table_methods()[7], 0.5);
+  TableResult result = with_left_out(test::example_result(table_methods()[7], 0.5));
+
+ private:
+  static TableResult with_left_out(TableResult result) {
+    result.left_out = {2, "scan 7: expected something else"};
+    return result;
+  }
 };
 
 }  // namespace
@@ -37,6 +43,8 @@ TEST_CASE("a result that was written is read back, figures, times and trajectori
   CHECK(read->network->parameters == 175000);
   CHECK(read->network->multiply_adds == 367000000);
   CHECK(read->loops_closed == 3);
+  CHECK(read->left_out.scans == 2);
+  CHECK(read->left_out.first == "scan 7: expected something else");
   CHECK(read->timings.upsampling_s == 0.2);
   CHECK(read->timings.upsampling_ms == 4.0);
   CHECK(read->timings.points_s == 0.2);

@@ -10,6 +10,7 @@
 #include "files/result_folder.h"
 #include "hqslam/core/npy.h"
 #include "temporary_directory.h"
+#include "thread_ranks.h"
 
 namespace hqslam::tools {
 namespace {
@@ -36,7 +37,8 @@ SensorModel coarse_sensor() {
 
 bool store(const TemporaryDirectory& folder, const std::vector<StoredDrive>& drives, int threads) {
   const InterruptGuard interrupt;
-  return store_drives(folder.path(), drives, coarse_sensor(), threads, "drives", interrupt);
+  Ranks alone;
+  return store_drives(folder.path(), drives, coarse_sensor(), threads, "drives", interrupt, alone);
 }
 
 std::string path_of(const TemporaryDirectory& folder, const StoredDrive& drive) {
@@ -104,9 +106,10 @@ TEST_CASE("whatever decides the bytes decides the name") {
 TEST_CASE("asked to stop, it leaves whole drives only and says so") {
   const TemporaryDirectory folder;
   const InterruptGuard interrupt;
+  Ranks alone;
   std::raise(SIGTERM);
   CHECK_FALSE(store_drives(folder.path(), {block(1, 2, 1), block(2, 2, 1)}, coarse_sensor(), 2,
-                           "drives", interrupt));
+                           "drives", interrupt, alone));
   CHECK(files_in(folder) == 0);
 }
 
@@ -121,14 +124,35 @@ TEST_CASE("what a killed program left is removed, what another program is at sta
   CHECK(files_in(folder) == 2);
 }
 
+TEST_CASE("several ranks make each drive once, and stop together") {
+  const TemporaryDirectory folder;
+  const std::vector<StoredDrive> drives = {block(1, 2, 1), block(2, 2, 1), block(3, 2, 1)};
+  REQUIRE(store(folder, {drives[1]}, 1));
+  const std::string there = path_of(folder, drives[1]);
+  const auto before = fs::last_write_time(there);
+  const InterruptGuard interrupt;
+  test::on_ranks(2, [&](Ranks& ranks) {
+    CHECK(store_drives(folder.path(), drives, coarse_sensor(), 1, "drives", interrupt, ranks));
+    for (const StoredDrive& drive : drives) CHECK(fs::exists(path_of(folder, drive)));
+  });
+  CHECK(files_in(folder) == 3);
+  CHECK(fs::last_write_time(there) == before);
+  const TemporaryDirectory alone;
+  REQUIRE(store(alone, drives, 1));
+  for (const StoredDrive& drive : drives) {
+    CHECK(file_contents(path_of(folder, drive)) == file_contents(path_of(alone, drive)));
+  }
+}
+
 TEST_CASE("a drive that cannot be, and a folder that cannot be, are one line") {
   const TemporaryDirectory folder;
   CHECK(one_line_with(error_message([&] { store(folder, {block(1, 0, 1)}, 1); }), "scans is 0"));
   write_file(folder.file("file"), "x");
   const InterruptGuard interrupt;
+  Ranks alone;
   CHECK(one_line_with(error_message([&] {
                         store_drives(folder.path() / "file", {block(1, 1, 1)}, coarse_sensor(), 1,
-                                     "drives", interrupt);
+                                     "drives", interrupt, alone);
                       }),
                       "file"));
 }

@@ -93,8 +93,9 @@ TEST_CASE("a set is its stacks, then its drives, usual or of varied conditions")
       {.drive = "block", .seeds = {5}, .scans = 1},
       {.drive = "block", .seeds = {6}, .scans = 1, .conditions = nn::DriveConditions::kVaried}};
   const InterruptGuard interrupt;
+  Ranks alone;
   const auto scans =
-      stored_scans(set, tiny_sensor(), {folder.path() / "drives", 2}, "scans", interrupt);
+      stored_scans(set, tiny_sensor(), {folder.path() / "drives", 2, alone}, "scans", interrupt);
   REQUIRE(scans != nullptr);
   REQUIRE(scans->size() == 3);
   CHECK(scans->read(0).range_m.front() == 10.0F);
@@ -107,10 +108,11 @@ TEST_CASE("a set is its stacks, then its drives, usual or of varied conditions")
       scans->read(2).range_m ==
       sim::DriveSimulator(sim::with_varied_conditions(spec), tiny_sensor()).next()->image.range_m);
   set.stacks = {"$HQSLAM_NO_SUCH_FOLDER/a.npy"};
-  CHECK(one_line_with(error_message([&] {
-                        stored_scans(set, tiny_sensor(), {folder.path(), 1}, "scans", interrupt);
-                      }),
-                      "HQSLAM_NO_SUCH_FOLDER is not set"));
+  CHECK(one_line_with(
+      error_message([&] {
+        stored_scans(set, tiny_sensor(), {folder.path(), 1, alone}, "scans", interrupt);
+      }),
+      "HQSLAM_NO_SUCH_FOLDER is not set"));
 }
 
 }  // namespace hqslam::tools

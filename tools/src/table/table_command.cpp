@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -14,6 +15,7 @@
 #include "files/text_file.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/png.h"
+#include "ranks/launched_ranks.h"
 #include "table/seeds_figures.h"
 #include "table/seeds_json.h"
 #include "table/seeds_report.h"
@@ -99,6 +101,9 @@ void write_drives_tables(const std::vector<DriveWork>& works, const TablePlan& p
   for (std::size_t i = 0; i < kLoopClosingNames.size(); ++i) print_table(paper_table(drives, i));
   for (const DriveFigures& drive : drives) write_pictures(drive, out);
   write_pages(table_markdown(drives), table_json(drives), table_html(drives), out);
+  for (const DriveFigures& drive : drives) {
+    if (drive.left_out.scans > 0) to_stderr("hqslam: {}: {}\n", drive.name, drive.left_out.text());
+  }
 }
 
 /// Of the drives that every method has finished.
@@ -185,18 +190,28 @@ void declare_table(CLI::App& app, TableOptions& options) {
       "1,000 scans takes 320 MB.\n"
       "A result is computed anew if it is damaged or was made from a recording with other scans,\n"
       "with other weights or by another build of the program; results of other lengths and builds\n"
-      "are kept beside it.");
+      "are kept beside it.\n"
+      "mpirun -n N shares drives and methods among N processes, which must all see the same "
+      "folders.");
 }
 
 int table_command(const TableOptions& options) {
   use_threads(options.threads);
   const InterruptGuard interrupt;
+  const std::unique_ptr<Ranks> ranks = launched_ranks();
   const TablePlan plan = plan_table(options);
-  refuse_foreign_tables(options.out);
-  std::vector<DriveWork> works = work_of(plan, options);
-  make_result_folder(options.out);
-  const FolderLock lock(options.out);
-  const bool complete = run_missing(works, plan, options, interrupt);
+  std::vector<DriveWork> works;
+  std::optional<FolderLock> lock;
+  ranks->rank_0_first([&] {
+    if (ranks->rank() == 0) refuse_foreign_tables(options.out);
+    works = work_of(plan, options);
+    if (ranks->rank() > 0) return;
+    make_result_folder(options.out);
+    lock.emplace(options.out);
+  });
+  const bool complete = run_missing(works, plan, options, interrupt, *ranks);
+  if (ranks->rank() > 0) return complete ? kOk : kInterrupted;
+  if (ranks->count() > 1) works = work_of(plan, options);  // with what the others have done
   if (plan.over_seeds) {
     write_seeds_tables(works, plan, options);
   } else {

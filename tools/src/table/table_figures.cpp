@@ -63,7 +63,7 @@ std::optional<double> MethodFigures::upsampling_fps() const {
 
 double MethodFigures::chain_fps(std::size_t loop_closing) const {
   const TableTimings& timings = result.timings;
-  return static_cast<double>(result.settings.scans) /
+  return static_cast<double>(result.trajectory[kLoopClosingOff].size()) /
          (timings.upsampling_s + timings.points_s + timings.slam[loop_closing].total_s);
 }
 
@@ -79,6 +79,7 @@ DriveFigures drive_figures(const TableDrive& drive, const std::string& sensor,
   const TableResult* all_rows = nullptr;
   for (std::size_t i = 0; i < methods.size(); ++i) {
     figures.scans = results[i].settings.scans;
+    if (results[i].left_out.scans > figures.left_out.scans) figures.left_out = results[i].left_out;
     if (is_reference(methods[i])) all_rows = &results[i];
   }
   for (std::size_t i = 0; i < methods.size(); ++i) {

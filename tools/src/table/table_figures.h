@@ -47,6 +47,7 @@ struct DriveFigures {
   std::string sensor;
   std::string truth;  ///< path; empty: none
   std::int64_t scans = 0;
+  LeftOut left_out;                    ///< of these scans
   std::vector<MethodFigures> methods;  ///< those whose results are there
 };
 

@@ -75,6 +75,7 @@ std::string table_json(const std::vector<DriveFigures>& drives) {
     json["drives"].push_back({{"name", drive.name},
                               {"sensor", drive.sensor},
                               {"scans", drive.scans},
+                              {"scans_left_out", drive.left_out.scans},
                               {"methods", std::move(methods)}});
     timings.push_back({{"name", drive.name}, {"methods", std::move(method_timings)}});
   }

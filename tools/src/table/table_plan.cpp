@@ -193,11 +193,15 @@ std::string weights_of(const TableMethod& method, const std::string& sensor_name
                   method.name, sensor_name));
 }
 
+bool shares_pass(const TableMethod& method, const TableMethod& other) {
+  return method.rows == other.rows && method.source == other.source;
+}
+
 std::vector<std::vector<TableMethod>> passes_of(const std::vector<TableMethod>& methods) {
   std::vector<std::vector<TableMethod>> passes;
   for (const TableMethod& method : methods) {
     const auto same = std::find_if(passes.begin(), passes.end(), [&](const auto& pass) {
-      return pass.front().rows == method.rows && pass.front().source == method.source;
+      return shares_pass(pass.front(), method);
     });
     if (same != passes.end()) {
       same->push_back(method);

@@ -57,6 +57,8 @@ std::string weights_of(const TableMethod& method, const std::string& sensor_name
 /// only in what follows. All rows come first: their trajectory is what the others are compared
 /// with.
 std::vector<std::vector<TableMethod>> passes_of(const std::vector<TableMethod>& methods);
+/// Whether two methods do.
+bool shares_pass(const TableMethod& method, const TableMethod& other);
 
 /// A drive of the table.
 struct TableDrive {

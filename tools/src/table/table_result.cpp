@@ -117,6 +117,7 @@ std::optional<TableResult> read_result(const TableSettings& settings, const std:
   result.images = images_from(figures.at("images"));
   result.network = network_from(figures.at("network"));
   result.loops_closed = figures.at("loops_closed");
+  result.left_out = {figures.at("scans_left_out"), figures.at("first_left_out")};
   result.timings = timings_from(json.at("timings"));
   for (std::size_t i = 0; i < trajectories_of(settings); ++i) {
     const std::string path = trajectory_path(settings.method, i, folder);
@@ -144,6 +145,8 @@ void save_result(const TableResult& result, const std::string& folder) {
                       {{"images", images_json(result.images)},
                        {"network", network_json(result.network)},
                        {"loops_closed", result.loops_closed},
+                       {"scans_left_out", result.left_out.scans},
+                       {"first_left_out", result.left_out.first},
                        {"trajectory_hash", hashes}}},
                      {"timings", timings_json(result.timings)}};
   // The trajectories first: a result counts as there when this file and their hashes agree.

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "hqslam/core/trajectory.h"
+#include "recording/recording_sensor.h"
 #include "table/table_plan.h"
 
 namespace hqslam::tools {
@@ -69,6 +70,7 @@ struct TableResult {
   /// Mapped pose of every scan, loop closing off and on; empty where SLAM did not run with it.
   std::array<Trajectory, 2> trajectory;
   std::int64_t loops_closed = 0;  ///< with loop closing
+  LeftOut left_out;               ///< scans of the recording that no method got to see
   TableTimings timings;
 };
 

@@ -205,11 +205,12 @@ class Pass {
     }
   }
 
-  std::vector<TableResult> results(const TablePass& pass) const {
+  std::vector<TableResult> results(const TablePass& pass, const LeftOut& left_out) const {
     const TableTimings about = circumstances();
     std::vector<TableResult> results;
     for (std::size_t i = 0; i < runs_.size(); ++i) {
       TableResult result = runs_[i].result(pass.settings[i]);
+      result.left_out = left_out;
       result.timings.threads = about.threads;
       result.timings.processor = about.processor;
       result.timings.instruction_set = about.instruction_set;
@@ -236,14 +237,22 @@ std::vector<TableResult> run_pass(const TablePass& pass, const InterruptGuard& i
   Pass state(pass);
   const std::unique_ptr<ScanSource> source = open_input(input_of(pass.drive), pass.sensor);
   LeftOut left_out;
-  for (std::int64_t i = 0; i < pass.scans; ++i) {
+  std::int64_t used = 0;
+  while (used < pass.scans) {
     if (interrupt.stop_requested()) return {};
     const std::optional<RecordedScan> scan = next_usable(*source, left_out);
     if (!scan) break;
-    state.add(*scan, i);
+    try {
+      state.add(*scan, used);
+    } catch (const ScanError& error) {  // SLAM looks at the times before anything else
+      if (left_out.scans++ == 0) left_out.first = fmt::format("{}: {}", scan->name, error.what());
+      continue;
+    }
+    ++used;
     on_scan();
   }
-  return state.results(pass);
+  if (used == 0 && left_out.scans > 0) throw Error(left_out.text());
+  return state.results(pass, left_out);
 }
 
 }  // namespace hqslam::tools

@@ -27,7 +27,8 @@ struct TablePass {
 /// without and, if the pass asks for it, with loop closing. Calls `on_scan` after each scan. Times
 /// are taken around upsampling, around making points of its result and around each SLAM alone;
 /// reading, scoring and writing are in none of them. At most `scored_scans` scans, evenly spread,
-/// are compared with the recording's own rows. Returns nothing if it was interrupted. Throws Error.
+/// are compared with the recording's own rows. What cannot be understood is left out and counted.
+/// Returns nothing if it was interrupted. Throws Error, also if nothing could be used.
 std::vector<TableResult> run_pass(const TablePass& pass, const InterruptGuard& interrupt,
                                   const std::function<void()>& on_scan);
 inline constexpr std::int64_t kMostScoredScans = 200;

@@ -201,6 +201,7 @@ std::string drive_text(const DriveFigures& drive) {
     text +=
         fmt::format(", {:.0f} m of path", path_length_m(all->result.trajectory[kLoopClosingOff]));
   }
+  if (drive.left_out.scans > 0) text += fmt::format("; {}", drive.left_out.text());
   return text + (drive.truth.empty() ? "; no true trajectory" : "");
 }
 

@@ -7,6 +7,7 @@
 #include <atomic>
 #include <exception>
 #include <filesystem>
+#include <functional>
 #include <mutex>
 #include <thread>
 #include <utility>
@@ -141,18 +142,20 @@ bool run_drive(DriveWork& work, const TableRun& run) {
   return true;
 }
 
-/// Runs all drives, `workers` of them side by side, each with one thread if they are several.
-/// Returns false if it was interrupted. Throws what a drive throws, once the others have stopped.
-bool run_drives(std::vector<DriveWork>& works, int workers, const TableRun& run) {
+/// Does the job on all drives, `workers` of them side by side, each with one thread if they are
+/// several. Returns false if a job did, being interrupted. Throws what a job throws, once the
+/// others have stopped.
+bool on_drives(std::vector<DriveWork>& works, int workers, bool one_thread_each,
+               const std::function<bool(DriveWork&)>& job) {
   std::atomic<std::size_t> next = 0;
   std::atomic<bool> stopped = false;
   std::exception_ptr failure;
   std::mutex failure_mutex;
   const auto work_on_drives = [&] {
-    if (run.plan.over_seeds) omp_set_num_threads(1);
+    if (one_thread_each) omp_set_num_threads(1);
     try {
       for (std::size_t i = next++; i < works.size() && !stopped; i = next++) {
-        if (!run_drive(works[i], run)) stopped = true;
+        if (!job(works[i])) stopped = true;
       }
     } catch (...) {
       const std::lock_guard lock(failure_mutex);
@@ -165,6 +168,64 @@ bool run_drives(std::vector<DriveWork>& works, int workers, const TableRun& run)
   threads.clear();  // joins
   if (failure) std::rethrow_exception(failure);
   return !stopped;
+}
+
+bool run_drives(std::vector<DriveWork>& works, const TablePlan& plan, const TableOptions& options,
+                const InterruptGuard& interrupt) {
+  const std::int64_t scans = scans_left(works, plan);
+  if (scans == 0) return true;
+  TableProgress progress(scans);
+  const TableRun run{plan, options, interrupt, progress};
+  const int workers = plan.over_seeds ? omp_get_max_threads() : 1;
+  const bool complete = on_drives(works, workers, plan.over_seeds,
+                                  [&](DriveWork& work) { return run_drive(work, run); });
+  progress.finish();
+  return complete;
+}
+
+bool is_own(std::size_t place, const Ranks& ranks) {
+  return place % static_cast<std::size_t>(ranks.count()) == static_cast<std::size_t>(ranks.rank());
+}
+
+/// This rank's share of the drives that are to be simulated; nothing is left to run on them yet.
+std::vector<DriveWork> own_simulations(const std::vector<DriveWork>& works, const Ranks& ranks) {
+  std::vector<DriveWork> own;
+  for (std::size_t i = 0; i < works.size(); ++i) {
+    if (is_own(i, ranks) && !works[i].prepared) own.push_back(works[i]);
+  }
+  return own;
+}
+
+/// Leaves each work the passes that are this rank's. A pass goes by its place in the whole plan,
+/// all drives of one kind of pass after the other: every rank gets as many of the slow ones, and
+/// what others have finished meanwhile moves none.
+void keep_own_passes(std::vector<DriveWork>& works, const TablePlan& plan, const Ranks& ranks) {
+  const std::vector<std::vector<TableMethod>> kinds = passes_of(plan.methods);
+  for (std::size_t drive = 0; drive < works.size(); ++drive) {
+    std::erase_if(works[drive].passes, [&](const TablePass& pass) {
+      const auto kind = std::find_if(kinds.begin(), kinds.end(), [&](const auto& methods) {
+        return shares_pass(methods.front(), pass.methods.front());
+      });
+      const auto place = static_cast<std::size_t>(kind - kinds.begin());
+      return !is_own(place * works.size() + drive, ranks);
+    });
+  }
+}
+
+/// Simulates drives; returns false if it was interrupted.
+bool simulate_drives(std::vector<DriveWork>& works, const TablePlan& plan,
+                     const InterruptGuard& interrupt) {
+  std::int64_t scans = 0;
+  for (const DriveWork& work : works) scans += work.drive.simulated->scans;
+  if (scans == 0) return true;
+  TableProgress progress(scans);
+  const int workers = plan.over_seeds ? omp_get_max_threads() : 1;
+  const bool complete = on_drives(works, workers, plan.over_seeds, [&](DriveWork& work) {
+    progress.step(fmt::format("{}, simulated", work.drive.name));
+    return prepare_drive(work.drive, interrupt, [&] { progress.advance(); });
+  });
+  progress.finish();
+  return complete;
 }
 
 }  // namespace
@@ -186,14 +247,13 @@ std::vector<DriveWork> work_of(const TablePlan& plan, const TableOptions& option
 }
 
 bool run_missing(std::vector<DriveWork>& works, const TablePlan& plan, const TableOptions& options,
-                 const InterruptGuard& interrupt) {
-  const std::int64_t scans = scans_left(works, plan);
-  if (scans == 0) return true;
-  TableProgress progress(scans);
-  const int workers = plan.over_seeds ? omp_get_max_threads() : 1;
-  const bool complete = run_drives(works, workers, {plan, options, interrupt, progress});
-  progress.finish();
-  return complete;
+                 const InterruptGuard& interrupt, Ranks& ranks) {
+  if (ranks.count() == 1) return run_drives(works, plan, options, interrupt);
+  std::vector<DriveWork> simulations = own_simulations(works, ranks);
+  if (ranks.any(!simulate_drives(simulations, plan, interrupt))) return false;
+  works = work_of(plan, options);
+  keep_own_passes(works, plan, ranks);
+  return !ranks.any(!run_drives(works, plan, options, interrupt));
 }
 
 FoundResults results_of(const PreparedDrive& drive, const std::vector<TableMethod>& methods,

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "hqslam/core/ranks.h"
 #include "hqslam/core/sensor_model.h"
 #include "table/table_plan.h"
 #include "table/table_result.h"
@@ -34,10 +35,12 @@ struct DriveWork {
 std::vector<DriveWork> work_of(const TablePlan& plan, const TableOptions& options);
 
 /// Simulates and runs what is missing, and saves every result: drive by drive, or, over seeds, as
-/// many drives side by side as OpenMP has threads, with one thread each. Returns false if it was
-/// interrupted. Throws Error, once all drives have stopped.
+/// many drives side by side as OpenMP has threads, with one thread each. Several ranks share drives
+/// to be simulated, then drives and methods to be run, and save into the same folder. Returns, on
+/// all ranks, false if any was interrupted. Throws Error, once all drives of this rank have
+/// stopped.
 bool run_missing(std::vector<DriveWork>& works, const TablePlan& plan, const TableOptions& options,
-                 const InterruptGuard& interrupt);
+                 const InterruptGuard& interrupt, Ranks& ranks);
 
 /// The results of these methods that are there, whoever computed them, and their methods.
 struct FoundResults {

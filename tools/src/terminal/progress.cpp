@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "hqslam/core/excerpt.h"
+#include "terminal/terminal.h"
 
 namespace hqslam::tools {
 namespace {
@@ -76,6 +77,7 @@ void Progress::update(std::int64_t done) {
 }
 
 void Progress::print(const std::string& text) const {
+  if (prints_messages_alone()) return;
   std::fwrite(text.data(), 1, text.size(), stream_);
   std::fflush(stream_);
 }

@@ -16,6 +16,7 @@ namespace hqslam::tools {
 namespace {
 
 int g_stdout_errno = 0;  ///< of the first write that failed
+bool g_messages_alone = false;
 
 void note_stdout(bool written) {
   if (!written && g_stdout_errno == 0) g_stdout_errno = errno;
@@ -29,6 +30,7 @@ bool write_line(std::FILE* stream, std::string line) {
 }  // namespace
 
 void print_lines(std::string_view lines) {
+  if (g_messages_alone) return;
   while (!lines.empty()) {
     const std::size_t end = std::min(lines.find('\n'), lines.size());
     const std::string line = excerpt(lines.substr(0, end), end);
@@ -60,6 +62,9 @@ void prepare_standard_streams() {
   }
   std::signal(SIGPIPE, SIG_IGN);
 }
+
+void print_messages_alone() { g_messages_alone = true; }
+bool prints_messages_alone() { return g_messages_alone; }
 
 bool all_printed() {
   note_stdout(std::fflush(stdout) == 0);  // --help is not printed here

@@ -172,16 +172,26 @@ std::string path_in_store(const fs::path& folder, const StoredDrive& drive,
 
 bool store_drives(const fs::path& folder, const std::vector<StoredDrive>& drives,
                   const SensorModel& sensor, int threads, const char* label,
-                  const InterruptGuard& interrupt) {
-  remove_abandoned_parts(folder);
+                  const InterruptGuard& interrupt, Ranks& ranks) {
+  ranks.rank_0_first([&] {
+    if (ranks.rank() == 0) remove_abandoned_parts(folder);  // while nobody writes any
+  });
+  // By place among all: what is missing changes while others are at work.
   std::vector<StoredDrive> missing;
-  for (const StoredDrive& drive : drives) {
-    sim::validate(drive.spec);
-    if (!is_stored(path_in_store(folder, drive, sensor), drive)) missing.push_back(drive);
+  for (std::size_t i = 0; i < drives.size(); ++i) {
+    sim::validate(drives[i].spec);
+    const bool own =
+        i % static_cast<std::size_t>(ranks.count()) == static_cast<std::size_t>(ranks.rank());
+    if (own && !is_stored(path_in_store(folder, drives[i], sensor), drives[i])) {
+      missing.push_back(drives[i]);
+    }
   }
-  if (missing.empty()) return true;
-  make_result_folder(folder);
-  return Crew(std::move(missing), folder, sensor, label, interrupt).work(threads);
+  bool stopped = false;
+  if (!missing.empty()) {
+    make_result_folder(folder);
+    stopped = !Crew(std::move(missing), folder, sensor, label, interrupt).work(threads);
+  }
+  return !ranks.any(stopped);
 }
 
 }  // namespace hqslam::tools

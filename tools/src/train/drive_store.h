@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "hqslam/core/ranks.h"
 #include "hqslam/core/sensor_model.h"
 #include "hqslam/sim/drive.h"
 #include "terminal/interrupt.h"
@@ -23,12 +24,13 @@ struct StoredDrive {
 std::string path_in_store(const std::filesystem::path& folder, const StoredDrive& drive,
                           const SensorModel& sensor);
 
-/// Simulates the drives that are not in the folder yet, `threads` drives at a time. A file appears
-/// under its name when it is whole, so that whatever stops the program, the next call goes on with
-/// the drives that are missing; several programs may share a folder. Shows progress on stderr.
-/// Returns false if it was asked to stop before it was done. Throws Error.
+/// Simulates the drives that are not in the folder yet, each rank its share of them, `threads`
+/// drives at a time; returns when all are done. A file appears under its name when it is whole, so
+/// that whatever stops the program, the next call goes on with the drives that are missing; several
+/// programs may share a folder. Shows progress on stderr. Returns false if it was asked to stop
+/// before it was done. Throws Error.
 bool store_drives(const std::filesystem::path& folder, const std::vector<StoredDrive>& drives,
                   const SensorModel& sensor, int threads, const char* label,
-                  const InterruptGuard& interrupt);
+                  const InterruptGuard& interrupt, Ranks& ranks);
 
 }  // namespace hqslam::tools

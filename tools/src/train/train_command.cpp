@@ -7,6 +7,7 @@
 #include <chrono>
 #include <cmath>
 #include <filesystem>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 
@@ -16,6 +17,7 @@
 #include "hqslam/nn/hqs/weights_file.h"
 #include "hqslam/nn/training/checkpoint.h"
 #include "hqslam/nn/training/training_configuration.h"
+#include "ranks/launched_ranks.h"
 #include "terminal/exit_status.h"
 #include "terminal/interrupt.h"
 #include "terminal/progress.h"
@@ -30,6 +32,7 @@ using Clock = std::chrono::steady_clock;
 
 /// A training on its way: what is written and how it goes on.
 struct Training {
+  std::string configuration_path;
   std::string configuration_text;
   nn::TrainingConfiguration configuration;
   std::filesystem::path out;
@@ -50,6 +53,15 @@ void refuse_foreign_results(const Training& training) {
                       "--out or move it",
                       (training.out / name).string()));
     }
+  }
+}
+
+/// Throws Error, before hours of simulation, if the processes cannot share the batches.
+void require_shares(const Training& training, const Ranks& ranks) {
+  try {
+    nn::require_shares(training.configuration.network, training.configuration.plan, ranks);
+  } catch (const Error& error) {
+    throw Error(fmt::format("{}: {}", training.configuration_path, error.what()));
   }
 }
 
@@ -118,9 +130,9 @@ void write_results(const Training& training, const nn::TrainingState& state) {
   write_learning_curve(training.curve, (training.out / "curve.svg").string());
 }
 
-DriveStore drive_store(const TrainOptions& options, int threads) {
-  if (!options.drives.empty()) return {options.drives, threads};
-  return {std::filesystem::path(options.out) / "drives", threads};
+DriveStore drive_store(const TrainOptions& options, int threads, Ranks& ranks) {
+  if (!options.drives.empty()) return {options.drives, threads, ranks};
+  return {std::filesystem::path(options.out) / "drives", threads, ranks};
 }
 
 /// Reads the validation scans; returns those to train on, null if asked to stop.
@@ -151,20 +163,22 @@ void print_point(const nn::CurvePoint& point, std::int64_t steps, double steps_p
       network.missing_share, linear.missing_share, point.validation.least_confidence, left_min);
 }
 
-/// Trains until the last step or until asked to stop. Returns an ExitStatus.
-int train(Training& training, nn::Trainer& trainer, const InterruptGuard& interrupt) {
+/// Trains until the last step or until any rank is asked to stop; rank 0 validates and writes.
+/// Returns an ExitStatus.
+int train(Training& training, nn::Trainer& trainer, const InterruptGuard& interrupt, Ranks& ranks) {
   const std::int64_t steps = training.configuration.plan.steps;
   const std::int64_t first = trainer.state().optimiser.steps;
   Progress progress("train", steps, stderr, "steps");
   const Clock::time_point start = Clock::now();
   double loss_sum = 0.0;
   std::int64_t losses = 0;
-  for (std::int64_t step = first; step < steps && !interrupt.stop_requested();) {
+  for (std::int64_t step = first; step < steps && !ranks.any(interrupt.stop_requested());) {
     loss_sum += trainer.step().loss;
     ++losses;
     ++step;
     progress.update(step);
     if (step % training.configuration.validate_every != 0 && step != steps) continue;
+    if (ranks.rank() > 0) continue;
     const double elapsed_s = std::chrono::duration<double>(Clock::now() - start).count();
     training.curve.push_back(
         {step, loss_sum / static_cast<double>(losses), trainer.validate(training.validation)});
@@ -173,6 +187,8 @@ int train(Training& training, nn::Trainer& trainer, const InterruptGuard& interr
     print_point(training.curve.back(), steps, static_cast<double>(step - first) / elapsed_s);
     write_results(training, trainer.state());
   }
+  const int status = trainer.state().optimiser.steps < steps ? kInterrupted : kOk;
+  if (ranks.rank() > 0) return status;
   if (first >= steps && !training.curve.empty()) {  // it had ended: only the results anew
     training.curve.back().validation = trainer.validate(training.validation);
     write_results(training, trainer.state());
@@ -182,7 +198,7 @@ int train(Training& training, nn::Trainer& trainer, const InterruptGuard& interr
   // anew.
   nn::write_checkpoint(training.checkpoint_path(),
                        {training.configuration_text, trainer.state(), training.curve});
-  return trainer.state().optimiser.steps < steps ? kInterrupted : kOk;
+  return status;
 }
 
 }  // namespace
@@ -205,27 +221,39 @@ void declare_train(CLI::App& app, TrainOptions& options) {
       "from --drives scan by scan.\n"
       "Ctrl-C stops after the step; the same command goes on exactly where it stopped. The "
       "recipes\n"
-      "of the weights that come with hqslam are beside them, weights/*.json.");
+      "of the weights that come with hqslam are beside them, weights/*.json.\n"
+      "mpirun -n N shares each batch among N processes, with the same bytes as a result; N must\n"
+      "divide the batch, and all must see the same folders.");
 }
 
 int train_command(const TrainOptions& options) {
   const InterruptGuard interrupt;
+  const std::unique_ptr<Ranks> ranks = launched_ranks();
   Training training;
-  training.configuration_text =
-      read_small_text_file(options.config, "a training configuration (.json)");
-  training.configuration = nn::training_configuration(training.configuration_text, options.config);
-  training.out = options.out;
-  refuse_foreign_results(training);
-  make_result_folder(training.out);
-  const FolderLock lock(training.out);
-  nn::TrainingState state = starting_state(training);
+  training.configuration_path = options.config;
+  std::optional<FolderLock> lock;
+  std::optional<nn::TrainingState> state;
+  ranks->rank_0_first([&] {
+    training.configuration_text =
+        read_small_text_file(options.config, "a training configuration (.json)");
+    training.configuration =
+        nn::training_configuration(training.configuration_text, options.config);
+    training.out = options.out;
+    if (ranks->rank() == 0) {
+      refuse_foreign_results(training);
+      require_shares(training, *ranks);
+      make_result_folder(training.out);
+      lock.emplace(training.out);
+    }
+    state = starting_state(training);
+  });
   const nn::TrainingConfiguration& c = training.configuration;
   const int threads = options.threads > 0 ? options.threads : omp_get_max_threads();
   std::optional<nn::Trainer> prepared;
   try {
-    auto scans = load_scans(training, drive_store(options, threads), interrupt);
+    auto scans = load_scans(training, drive_store(options, threads, *ranks), interrupt);
     if (scans == nullptr) return kInterrupted;
-    prepared.emplace(c.network, c.plan, std::move(scans), std::move(state), threads);
+    prepared.emplace(c.network, c.plan, std::move(scans), std::move(*state), threads, *ranks);
   } catch (const Error& error) {
     throw Error(fmt::format("{}: {}", options.config, error.what()));
   }
@@ -233,8 +261,8 @@ int train_command(const TrainOptions& options) {
   to_stdout("{}: {} parameters, {} training scans, {} validation scans, from step {}\n",
             nn::name(c.network), trainer.state().parameters.size(), training.training_scans,
             training.validation.size(), trainer.state().optimiser.steps);
-  const int status = train(training, trainer, interrupt);
-  if (status == kInterrupted) {
+  const int status = train(training, trainer, interrupt, *ranks);
+  if (status == kInterrupted && ranks->rank() == 0) {
     to_stderr("hqslam: interrupted at step {}; the same command goes on from there\n",
               trainer.state().optimiser.steps);
   }

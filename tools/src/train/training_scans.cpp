@@ -116,15 +116,19 @@ std::unique_ptr<const StoredScans> stored_scans(const nn::ScanSet& set, const Se
                                                 const DriveStore& store, const char* label,
                                                 const InterruptGuard& interrupt) {
   std::vector<std::string> paths;
-  for (const std::string& stack : set.stacks) {
-    const std::string path = expanded(stack);
-    paths.push_back(std::filesystem::is_directory(path) ? stack_of_recording(path, sensor, store)
-                                                        : path);
-  }
+  store.ranks.rank_0_first([&] {
+    for (const std::string& stack : set.stacks) {
+      const std::string path = expanded(stack);
+      paths.push_back(std::filesystem::is_directory(path) ? stack_of_recording(path, sensor, store)
+                                                          : path);
+    }
+  });
   // What is wrong with a stack should be said before hours of simulation.
   StoredScans(paths, sensor);
   const std::vector<StoredDrive> drives = drives_of(set);
-  if (!store_drives(store.path, drives, sensor, store.threads, label, interrupt)) return nullptr;
+  if (!store_drives(store.path, drives, sensor, store.threads, label, interrupt, store.ranks)) {
+    return nullptr;
+  }
   for (const StoredDrive& drive : drives) {
     paths.push_back(path_in_store(store.path, drive, sensor));
   }

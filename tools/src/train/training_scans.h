@@ -35,10 +35,11 @@ class StoredScans final : public nn::TrainingScans {
   int columns_;
 };
 
-/// Where simulated drives are kept and by how many threads they are made.
+/// Where simulated drives are kept, and by whom and by how many threads of each they are made.
 struct DriveStore {
   std::filesystem::path path;
-  int threads = 1;
+  int threads;
+  Ranks& ranks;
 };
 
 /// All scans of a set in its order, stacks first, then drives; those that are not in the folder

@@ -23,13 +23,18 @@ bool is_interpolation(std::string_view name);
 /// SuperResolver.
 class Upsampler {
  public:
-  /// sensor: of the result, all rows, as if all were measured.
+  /// For the sensor that the network was made for.
+  explicit Upsampler(SuperResolver network);
+  /// sensor: of the result, all rows, as if all were measured; where the beams of one unit are
+  /// known better than the network's description has them.
   Upsampler(SuperResolver network, SensorModel sensor);
   Upsampler(Interpolation interpolation, SensorModel sensor, RowSelection measured_rows);
 
   /// Of the result; names the measured rows.
   const SensorModel& sensor() const { return sensor_; }
   RowSelection measured_rows() const { return *sensor_.measured_rows; }
+  /// Of what is lifted: the measured rows alone.
+  SensorModel measured_sensor() const { return select_rows(sensor_, measured_rows()); }
   /// "du-or", "simple-du", "linear", ...
   std::string name() const;
   /// Nothing for interpolation.

@@ -119,6 +119,8 @@ class VelodyneDecoder {
   void add(const Packet& packet, std::vector<Scan>& completed);
   /// The recording has ended: appends what is left, if it is nearly a scan.
   void finish(std::vector<Scan>& completed);
+  /// Takes a scan back that is not needed any more: its memory serves the next one.
+  void reuse(Scan scan);
 
   const PacketCounts& counts() const;
   /// Turns that were cut short by the beginning or the end of the recording.

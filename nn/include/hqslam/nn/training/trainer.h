@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "hqslam/core/range_image.h"
+#include "hqslam/core/ranks.h"
 #include "hqslam/nn/hqs/network_description.h"
 #include "hqslam/nn/training/adamw.h"
 #include "hqslam/nn/training/augmentation.h"
@@ -30,6 +31,10 @@ struct TrainingPlan {
 };
 /// Throws Error with field, value and constraint.
 void validate(const TrainingPlan& plan, const SensorModel& sensor);
+
+/// Throws Error if these processes cannot share the plan's batches.
+void require_shares(const NetworkDescription& description, const TrainingPlan& plan,
+                    const Ranks& ranks);
 
 struct TrainingStep {
   double loss = 0.0;           ///< of the last layer, mean over the batch, before the step
@@ -69,18 +74,25 @@ struct TrainingState {
 
 /// Trains on scans with all of the sensor's rows. Each step draws its samples from seed, step and
 /// place in the batch alone, and sums gradients in that order: the result depends neither on the
-/// number of threads nor on interruptions.
+/// number of threads nor on interruptions, nor on the number of processes that share the batch.
 class Trainer {
  public:
-  /// Throws Error, also if the scans do not have the sensor's shape or the state not the network's
-  /// number of parameters.
+  /// ranks: who share each batch, a part of equal size each; they must outlive the trainer. All
+  /// have the same plan, scans and state, call the same functions and get the same state. Throws
+  /// Error, also if the scans do not have the sensor's shape, the state not the network's number of
+  /// parameters, or if the batch cannot be shared.
+  Trainer(const NetworkDescription& description, const TrainingPlan& plan,
+          std::unique_ptr<const TrainingScans> scans, TrainingState state, int threads,
+          Ranks& ranks);
+  /// For one process.
   Trainer(const NetworkDescription& description, const TrainingPlan& plan,
           std::unique_ptr<const TrainingScans> scans, TrainingState state, int threads);
   ~Trainer();
 
   /// Throws Error if a scan cannot be read or the loss is not finite.
   TrainingStep step();
-  /// Throws Error if a scan does not have the sensor's shape.
+  /// By this process alone: no other need call it. Throws Error if a scan does not have the
+  /// sensor's shape.
   Validation validate(const std::vector<RangeImage>& scans);
   const TrainingState& state() const;
 

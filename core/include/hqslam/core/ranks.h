@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+
+namespace hqslam {
+
+/// The processes that do one job together, each with its number; by itself: one alone.
+///
+/// All of them call the same functions in the same order, and each call waits for all. A job that
+/// is done by many must give what one gives: whoever adds up what `gather` brought together adds in
+/// the order of the whole, not of the ranks' own sums.
+class Ranks {
+ public:
+  virtual ~Ranks() = default;
+  virtual int rank() const { return 0; }  ///< 0 to count() - 1
+  virtual int count() const { return 1; }
+
+  /// all: one share for each rank, in their order, all of the same size; this rank has filled its
+  /// own. Afterwards every rank has all of them.
+  template <typename Value>
+  void gather(std::span<Value> all) {
+    gather_bytes(std::as_writable_bytes(all));
+  }
+
+  /// Whether any rank says so.
+  bool any(bool own);
+  /// Until all are here.
+  void wait() { any(false); }
+
+  /// Does something on rank 0 and then on the others: they find what it wrote, and do not begin
+  /// where it threw.
+  template <typename Work>
+  void rank_0_first(const Work& work) {
+    if (rank() > 0) wait();
+    work();
+    if (rank() == 0) wait();
+  }
+
+ protected:
+  virtual void gather_bytes(std::span<std::byte> /*all*/) {}
+};
+
+}  // namespace hqslam
