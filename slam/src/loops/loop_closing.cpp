@@ -43,8 +43,8 @@ constexpr double kDriftShare = 0.03;
 constexpr double kDriftShareUnobserved = 0.3;
 
 // Sigmas of edges.
-constexpr double kLoopSigma_m = 0.1;
-constexpr double kLoopSigma_rad = 0.005;
+constexpr double kLoopSigma_m = 0.03;
+constexpr double kLoopSigma_rad = 0.002;
 constexpr double kLeastSigma_m = 0.01;
 constexpr double kLeastSigma_rad = 0.001;
 constexpr double kSigmaPerDrift = 1.0 / 3.0;
