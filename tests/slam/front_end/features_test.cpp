@@ -117,6 +117,19 @@ TEST_CASE("the last point of a section takes part in the choice") {
   CHECK(found);
 }
 
+TEST_CASE("of the edges of a section as many are sharp as the options say") {
+  std::vector<float> range_m(360, 10.0F);
+  for (const int tip : {70, 90, 110}) {
+    for (int i = -6; i <= 6; ++i) {
+      range_m[tip + i] = 10.0F - 0.08F * static_cast<float>(6 - std::abs(i));
+    }
+  }
+  const auto features = OneRow(range_m).features();
+  const slam::FeatureOptions options;
+  CHECK(features.sharp_edges.size() == options.sharp_edges_per_section);
+  CHECK(features.edges.size() > options.sharp_edges_per_section);
+}
+
 TEST_CASE("a row of fewer than eleven points has no edges and does not crash") {
   for (const int count : {0, 1, 5, 10}) {
     std::vector<float> range_m(360, 0.0F);
