@@ -1,7 +1,6 @@
 #include "hqslam/slam/slam.h"
 
 #include <algorithm>
-#include <chrono>
 #include <limits>
 #include <optional>
 
@@ -19,25 +18,13 @@
 #include "loops/loop_search.h"
 #include "loops/loop_verification.h"
 #include "loops/place_recognition.h"
+#include "map/choice_of_start.h"
+#include "stopwatch.h"
 #include "thread_limit.h"
 
 namespace hqslam::slam {
 
 namespace {
-
-/// Seconds since construction or since the last call of lap().
-class Stopwatch {
- public:
-  double lap_s() {
-    const auto now = std::chrono::steady_clock::now();
-    const double elapsed_s = std::chrono::duration<double>(now - last_).count();
-    last_ = now;
-    return elapsed_s;
-  }
-
- private:
-  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
-};
 
 SensorModel validated(const SensorModel& sensor) {
   hqslam::validate(sensor);
@@ -56,34 +43,9 @@ constexpr int kMaxUnlocatedScans = 5;
 /// A sensor that is followed no longer is believed to keep its velocity for so long.
 constexpr double kSteady_periods = 10.0;
 
-/// A state known better than this is where the scan is looked for, unless the odometry saw it
-/// farther away than a search in the map reaches. Otherwise it is looked for where the odometry saw
-/// it too, and found there if so many times as much of what stands on the ground fits.
-constexpr double kPrecise_m = 0.5;
-constexpr double kPrecise_rad = 0.05;
-constexpr double kElsewhere_m = 0.3;
-constexpr double kElsewhere_rad = 0.03;
-constexpr double kFitsBetter = 1.1;
-
 /// In a given map a scan of which less stands where the map has something stands elsewhere: 0.15
 /// and more at the edge of the map, 0.06 at a wrong place, measured. The ground fits everywhere.
 constexpr double kMinOverlapInGivenMap = 0.1;
-
-bool is_precise(const MotionState& state) {
-  const Vector6 variance = state.covariance.diagonal().head<6>();
-  return variance.head<3>().maxCoeff() < kPrecise_m * kPrecise_m &&
-         variance.tail<3>().maxCoeff() < kPrecise_rad * kPrecise_rad;
-}
-
-bool is_elsewhere(const Twist& surprise) {
-  return surprise.linear.norm() > kElsewhere_m || surprise.angular.norm() > kElsewhere_rad;
-}
-
-bool fits_better(const MappingResult& a, const MappingResult& b) {
-  if (a.status == Status::kTooFewFeatures) return false;
-  if (b.status == Status::kTooFewFeatures) return true;
-  return a.standing_correspondences > kFitsBetter * b.standing_correspondences;
-}
 
 /// Whether a scan can serve as the one that the next are matched with: edges alone will do
 /// (indoors), and so will ground and surfaces alone (in open land).
@@ -308,13 +270,7 @@ Slam::Implementation::Followed Slam::Implementation::locate(const Features& feat
   report.T_odom_sensor = orthonormalized(T_odom_reference * moved.T_reference_sensor);
   report.times.odometry_s += stopwatch.lap_s();
 
-  MappingResult located = mapping.locate(thinned, expected, expected.T_map_sensor);
-  const Twist surprise = logarithm(expected.T_map_sensor.inverse() * T_map_moved);
-  if (!is_precise(expected) || is_elsewhere(surprise)) {
-    const MappingResult from_odometry =
-        mapping.locate(thinned, surprised(expected, surprise, duration_s), T_map_moved);
-    if (fits_better(from_odometry, located)) located = from_odometry;
-  }
+  MappingResult located = locate_from_both(mapping, thinned, {expected, T_map_moved, duration_s});
   if (place_recognition &&
       fit_of(thinned, mapping, located.state.T_map_sensor).overlap < kMinOverlapInGivenMap) {
     located.status = Status::kTooFewFeatures;

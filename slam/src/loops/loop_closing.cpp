@@ -24,6 +24,10 @@ constexpr double kSearchAfterImplausible_m = 50.0;
 constexpr double kAgreeing_m = 0.15;
 constexpr double kAgreeing_rad = 0.01;
 
+/// Scans are matched with the map to so much.
+constexpr double kAligned_m = 0.02;
+constexpr double kAligned_rad = 0.001;
+
 // When loops agree with each other, and how many are wanted over which stretch. The stretch is so
 // much longer than the correction: two places that look alike over a stretch of L are at least L
 // apart, or they would overlap, so a false loop between them would move the path by more than the
@@ -39,8 +43,8 @@ constexpr double kDriftShare = 0.03;
 constexpr double kDriftShareUnobserved = 0.3;
 
 // Sigmas of edges.
-constexpr double kLoopSigma_m = 0.1;
-constexpr double kLoopSigma_rad = 0.005;
+constexpr double kLoopSigma_m = 0.03;
+constexpr double kLoopSigma_rad = 0.002;
 constexpr double kLeastSigma_m = 0.01;
 constexpr double kLeastSigma_rad = 0.001;
 constexpr double kSigmaPerDrift = 1.0 / 3.0;
@@ -114,7 +118,11 @@ LoopResult LoopClosing::search(const Mapping& mapping) {
                               static_cast<std::size_t>(first_new - nodes_.begin()),
                               std::prev(first_new)->key_frame + 1};
   result.report = waiting_.empty() ? look_around(space) : look_where_predicted(space);
-  if (enough_agree()) result.corrections = close(result.report);
+  if (enough_agree()) {
+    result.corrections = close(result.report);
+  } else if (result.report.status == LoopStatus::kAgrees) {
+    result.corrections = align(result.report);
+  }
   return result;
 }
 
@@ -178,6 +186,19 @@ bool LoopClosing::enough_agree() const {
   const double correction_m = (T_corrected_map_ * believed_m - believed_m).norm();
   const double stretch_m = nodes_[waiting_.back().to].path_m - nodes_[waiting_.front().to].path_m;
   return stretch_m >= kStretchBeyondCorrection_m + correction_m;
+}
+
+/// The place is where it is believed to be, but for the accuracy of a registration. Where that is
+/// more than what scans are matched to, the path is bent onto it: two copies of a street side by
+/// side would pull the sensor to and fro.
+std::vector<Pose> LoopClosing::align(LoopReport& report) {
+  const Pose off = disagreement(graph_.loops.back(), graph_.T_map_node);
+  if (is_within(off, kAligned_m, kAligned_rad)) return {};
+  const std::vector<Pose> T_map_node = optimized(graph_);
+  if (T_map_node.empty() || !is_plausible(graph_, edge_drift_m_, T_map_node)) return {};
+  report.correction_m =
+      (T_map_node.back().translation() - graph_.T_map_node.back().translation()).norm();
+  return move_key_frames(T_map_node);
 }
 
 std::vector<Pose> LoopClosing::close(LoopReport& report) {

@@ -63,6 +63,7 @@ class LoopClosing {
   void await_others(const FoundLoop& loop);
   bool enough_agree() const;
   void forget_waiting();
+  std::vector<Pose> align(LoopReport& report);
   std::vector<Pose> close(LoopReport& report);
   std::vector<Pose> move_key_frames(const std::vector<Pose>& T_map_node);
 

@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "slam/village.h"
 #include "slam/yard.h"
@@ -18,11 +19,13 @@ struct DrivenStreet {
   slam::Mapping mapping{slam::MappingOptions{}};
   slam::PoseGraph graph;
   std::vector<slam::ScanContext> contexts;
+  std::vector<slam::ScanContext> last_contexts;
   slam::MapFeatures features;
 
   void add_node(const OrganizedCloud& cloud, const Pose& T_map_sensor) {
     graph.T_map_node.push_back(T_map_sensor);
-    contexts.push_back(slam::scan_context(cloud));
+    last_contexts = slam::scan_contexts_from_lanes(cloud);
+    contexts.push_back(last_contexts.front());
     features = test::features_of(cloud, sensor);
     mapping.insert(features, T_map_sensor, {});
   }
@@ -31,25 +34,21 @@ struct DrivenStreet {
   slam::LoopSearchResult search(double drift_m) const {
     const std::size_t old = graph.T_map_node.size() - 1;
     const std::vector<slam::PlausibleDrift> drift(old + 1, {drift_m, 0.3});
-    return slam::search_loop({mapping,
-                              graph,
-                              contexts,
-                              {contexts.back()},
-                              drift,
-                              features,
-                              old,
+    return slam::search_loop({mapping, graph, contexts, last_contexts, drift, features, old,
                               static_cast<std::uint32_t>(old)});
   }
 };
 
-/// Nodes from x = -20 to 100 m of a street, then one at x = 20 m that is believed to be elsewhere.
-DrivenStreet drive(const test::Village& village, const Pose& T_map_believed) {
+/// Nodes from x = -20 to 100 m of a street, then one, at x = 20 m if nothing else is said, that is
+/// believed to be elsewhere.
+DrivenStreet drive(const test::Village& village, const Pose& T_map_believed,
+                   const Pose& T_map_last = test::yard_pose(20.0, 1.0, 0.1)) {
   DrivenStreet street;
   for (double x_m = -20.0; x_m <= 100.0; x_m += 4.0) {
     const Pose pose = test::yard_pose(x_m, 0.0, 0.0);
     street.add_node(village.scan(street.sensor, pose), pose);
   }
-  street.add_node(village.scan(street.sensor, test::yard_pose(20.0, 1.0, 0.1)), T_map_believed);
+  street.add_node(village.scan(street.sensor, T_map_last), T_map_believed);
   return street;
 }
 
@@ -80,6 +79,18 @@ TEST_CASE("a place is found from far away, and the pose with it") {
   CHECK(std::abs(street.graph.T_map_node[result.loop->node].translation().x() - 20.0) <= 8.0);
   // Not if it would have had to drift farther than is plausible.
   CHECK(!street.search(50.0).loop);
+}
+
+TEST_CASE("who comes back the other way in the other lane is recognized, by that lane alone") {
+  const Pose truth = test::yard_pose(21.0, 3.8, std::numbers::pi);
+  auto street = drive(street_of_one_kind(), test::yard_pose(35.0, 40.0, 3.0), truth);
+  const auto result = street.search(100.0);
+  REQUIRE(result.loop);
+  CHECK((result.loop->T_map_last.translation() - truth.translation()).norm() < 0.1);
+  CHECK(rotation_angle_rad(truth.inverse() * result.loop->T_map_last) < 0.01);
+  street.last_contexts.resize(1);
+  const auto own_lane = street.search(100.0);
+  CHECK(own_lane.candidates < result.candidates);
 }
 
 TEST_CASE("of two places that look the same none is taken") {

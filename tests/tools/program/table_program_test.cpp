@@ -101,7 +101,7 @@ TEST_CASE("a table is interrupted, finished, repeated and repaired, always with 
     CHECK(file_contents(out + "/table.md").find(row) != std::string::npos);
   }
   for (const char* file :
-       {"table.html", "block-loop-closing-off.png", "block-loop-closing-on.png"}) {
+       {"table.html", "block-loop-closing-off.svg", "block-loop-closing-on.svg"}) {
     CHECK(fs::file_size(out + "/" + file) > 1000);
   }
   const nlohmann::json table = json_of(out + "/table.json");

@@ -10,13 +10,6 @@
 
 namespace hqslam::tools {
 
-TEST_CASE("the largest error has the last colour of the scale and no error the first") {
-  CHECK(error_color(0.0) == "#2c5cd4");
-  CHECK(error_color(1.0) == "#fa9628");
-  CHECK(error_color(7.0) == error_color(1.0));
-  CHECK(error_color(1.0 / 3.0) == "#9242c4");
-}
-
 TEST_CASE("the estimate is coloured by its error where there is a reference") {
   const SlamRun run = test::example_run(30);
   const auto comparison = compare_with_reference(run.trajectory, test::example_reference(run, 2.0));

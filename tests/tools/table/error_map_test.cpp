@@ -2,10 +2,10 @@
 
 #include <doctest/doctest.h>
 
-#include <algorithm>
+#include <string>
 
 #include "error_message.h"
-#include "run/trajectory_plot.h"
+#include "report/error_color.h"
 
 namespace hqslam::tools {
 namespace {
@@ -23,8 +23,16 @@ ErrorMap example_map(const std::vector<double>& largest_errors_m) {
   return map;
 }
 
-std::int64_t pixels_of(const RgbImage& image, const std::array<std::uint8_t, 3>& color) {
-  return std::count(image.pixels.begin(), image.pixels.end(), color);
+bool has_color(const std::string& svg, double share) {
+  return svg.find(error_color_of_class(error_color_class(share))) != std::string::npos;
+}
+
+int count(const std::string& text, const std::string& part) {
+  int found = 0;
+  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) {
+    ++found;
+  }
+  return found;
 }
 
 }  // namespace
@@ -46,7 +54,7 @@ TEST_CASE("one trajectory that leaves the map does not take the colours from the
 TEST_CASE("without an error there is still a scale and a picture") {
   CHECK(error_scale({}).top_m > 0.0);
   const ErrorMap exact = example_map({0.0});
-  CHECK(pixels_of(panel_image(exact, 0, error_scale(exact)), error_rgb(0.0)) > 100);
+  CHECK(has_color(panel_svg(exact, 0, error_scale(exact)), 0.0));
 }
 
 TEST_CASE("a pose has the colour of its error: the last one of the scale, in every panel") {
@@ -54,27 +62,39 @@ TEST_CASE("a pose has the colour of its error: the last one of the scale, in eve
   map.panels[0].error_m.assign(101, 1.0);
   map.panels[1].error_m.assign(101, 0.5);
   const ErrorScale scale = error_scale(map);
-  CHECK(pixels_of(panel_image(map, 0, scale), error_rgb(1.0)) > 100);
-  CHECK(pixels_of(panel_image(map, 1, scale), error_rgb(0.5)) > 100);
-  CHECK(pixels_of(panel_image(map, 1, scale), error_rgb(1.0)) == 0);
+  CHECK(has_color(panel_svg(map, 0, scale), 1.0));
+  CHECK(has_color(panel_svg(map, 1, scale), 0.5));
+  CHECK_FALSE(has_color(panel_svg(map, 1, scale), 1.0));
 }
 
-TEST_CASE("a trajectory far off is cut at its panel's edge") {
-  ErrorMap map = example_map({1.0, 1.0});
-  const ErrorScale scale = error_scale(map);
-  const RgbImage before = panel_image(map, 1, scale);
-  for (Eigen::Vector2d& point_m : map.panels[0].path_m) point_m += Eigen::Vector2d(1e5, 1e5);
-  CHECK(pixels_of(panel_image(map, 0, scale), error_rgb(0.0)) == 0);
-  CHECK(panel_image(map, 1, scale).pixels == before.pixels);
+TEST_CASE("a trajectory is drawn to scale, in steps that can be seen, with a ring at its start") {
+  // 100 m with margins of 12 m: 480 pixels for 124 m, the start at 46.5.
+  ErrorMap map = example_map({1.0});
+  const std::string svg = panel_svg(map, 0, error_scale(map));
+  CHECK(svg.find("<circle cx=\"46.5\"") != std::string::npos);
+  CHECK(svg.find("M46.5 ") != std::string::npos);
+  CHECK(svg.find("L433.5 ") != std::string::npos);
+  for (ErrorPanel& panel : map.panels) {
+    panel.path_m.clear();
+    for (int i = 0; i <= 10000; ++i) panel.path_m.emplace_back(0.01 * i, 0.0);
+    panel.error_m.assign(panel.path_m.size(), 0.0);
+  }
+  CHECK(panel_svg(map, 0, error_scale(map)).size() < 2 * svg.size());
 }
 
-TEST_CASE("the picture holds all panels and grows with their number") {
-  const RgbImage two = error_map_image(example_map({1.0, 0.5}), "drive");
-  const RgbImage seven = error_map_image(example_map({1.0, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5}), "drive");
-  CHECK(two.pixels.size() == static_cast<std::size_t>(two.rows) * two.columns);
-  CHECK(seven.columns > two.columns);
-  CHECK(seven.rows > two.rows);
-  CHECK(test::one_line_with(test::error_message([] { error_map_image({}, "drive"); }),
+TEST_CASE("the picture holds all panels with their names and grows with their number") {
+  ErrorMap map = example_map({1.0, 0.5});
+  map.panels[1].title = "a < b";
+  const std::string two = error_map_svg(map, "drive & drive");
+  CHECK(count(two, "<svg") == 3);
+  CHECK(two.find("a &lt; b") != std::string::npos);
+  CHECK(two.find("drive &amp; drive") != std::string::npos);
+  CHECK(two.find("width=\"1020\"") != std::string::npos);
+  const std::string seven =
+      error_map_svg(example_map({1.0, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5}), "drive");
+  CHECK(count(seven, "<svg") == 8);
+  CHECK(seven.find("width=\"2020\"") != std::string::npos);
+  CHECK(test::one_line_with(test::error_message([] { error_map_svg({}, "drive"); }),
                             "expected at least one"));
 }
 

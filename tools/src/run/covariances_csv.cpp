@@ -11,13 +11,13 @@ std::string covariances_csv(const SlamRun& run) {
   std::string text =
       "# covariance of e = (x y z rx ry rz) in T_true = T_map_sensor exp(e), in the sensor's "
       "frame, "
-      "the first scan's pose being exact; m^2, m rad, rad^2\nstamp_s";
+      "the first scan's pose being exact; m^2, m rad, rad^2; mapping: whether it was located\nstamp_s,mapping";
   for (const char* row : kAxes) {
     for (const char* column : kAxes) text += fmt::format(",{}_{}", row, column);
   }
   text += '\n';
   for (const ScanRecord& scan : run.scans) {
-    text += fmt::format("{:.9f}", scan.report.stamp_s);
+    text += fmt::format("{:.9f},{}", scan.report.stamp_s, slam::name(scan.report.mapping_status));
     for (int row = 0; row < 6; ++row) {
       for (int column = 0; column < 6; ++column) {
         fmt::format_to(std::back_inserter(text), ",{:.6g}", scan.report.covariance(row, column));

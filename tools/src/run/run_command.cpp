@@ -196,7 +196,7 @@ void declare_run(CLI::App& app, RunOptions& options) {
       "Writes into --out:\n"
       "  trajectory.tum    stamp x y z qx qy qz qw per scan\n"
       "  trajectory.kitti  3x4 matrix per scan, row-major; both in the first scan's sensor frame\n"
-      "  covariances.csv   how well each pose is known: 6x6 per scan, x y z and rotations about "
+      "  covariances.csv   whether each scan was located and how well: 6x6, x y z and rotations about "
       "them\n"
       "  map.pcd           the features of all key frames, in that frame\n"
       "  saved_map.npz     with --save-map: map and places for later drives\n"

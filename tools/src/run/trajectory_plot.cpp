@@ -3,12 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "hqslam/core/png.h"
 #include "report/chart.h"
 #include "report/density_image.h"
+#include "report/error_color.h"
 
 namespace hqslam::tools {
 namespace {
@@ -20,7 +20,6 @@ constexpr double kTallestAspect = 1.3;
 constexpr double kFewestImageColumns = 200.0;
 constexpr double kMostImageColumns = 900.0;
 constexpr double kImagePixel_m = 0.2;  // the map is thinned to this: smaller pixels show gaps
-constexpr int kColors = 20;
 
 /// Everything drawn, in the map frame.
 struct Drawing {
@@ -100,8 +99,7 @@ std::optional<int> color_of(const Drawing& drawing, std::size_t from) {
   if (!a || !b || drawing.largest_error_m <= 0.0) {
     return std::nullopt;
   }
-  const double share = 0.5 * (*a + *b) / drawing.largest_error_m;
-  return std::min(kColors - 1, static_cast<int>(share * kColors));
+  return error_color_class(0.5 * (*a + *b) / drawing.largest_error_m);
 }
 
 /// One path per run of stretches of the same colour.
@@ -118,7 +116,7 @@ std::string estimate_svg(const PlotBox& box, const Drawing& drawing) {
       path += point_text(box, drawing.estimate_m[end]);
     }
     const std::string style =
-        color ? fmt::format(" style=\"stroke:{}\"", error_color((*color + 0.5) / kColors)) : "";
+        color ? fmt::format(" style=\"stroke:{}\"", error_color_of_class(*color)) : "";
     svg += fmt::format("<path class=\"line estimate\"{} d=\"{}\"/>\n", style, path);
     i = end;
   }
@@ -157,39 +155,14 @@ std::string legend_html(const Drawing& drawing) {
   if (drawing.reference_m.empty()) {
     return "";
   }
-  std::string gradient;
-  for (int i = 0; i <= 4; ++i) {
-    gradient += fmt::format(", {}", error_color(0.25 * i));
-  }
   return fmt::format(
       "<ul class=\"legend\"><li><i class=\"reference-sample\"></i>reference</li>"
-      "<li>estimate, error 0<i class=\"scale\" style=\"background:linear-gradient(90deg{})\"></i>"
+      "<li>estimate, error 0<i class=\"scale\" style=\"background:linear-gradient(90deg, {})\"></i>"
       "{:.3f} m</li></ul>\n",
-      gradient, drawing.largest_error_m);
+      error_gradient(), drawing.largest_error_m);
 }
 
 }  // namespace
-
-std::array<std::uint8_t, 3> error_rgb(double share) {
-  // Blue, violet, pink, orange: told apart on white and on black, and by the colour-blind by
-  // lightness.
-  constexpr std::array<std::array<double, 3>, 4> kStops = {
-      {{44, 92, 212}, {146, 66, 196}, {222, 60, 116}, {250, 150, 40}}};
-  const double position = std::clamp(share, 0.0, 1.0) * (kStops.size() - 1);
-  const auto stop = std::min(kStops.size() - 2, static_cast<std::size_t>(position));
-  const double fraction = position - static_cast<double>(stop);
-  std::array<std::uint8_t, 3> color{};
-  for (std::size_t i = 0; i < 3; ++i) {
-    color[i] = static_cast<std::uint8_t>(
-        std::lround((1.0 - fraction) * kStops[stop][i] + fraction * kStops[stop + 1][i]));
-  }
-  return color;
-}
-
-std::string error_color(double share) {
-  const std::array<std::uint8_t, 3> color = error_rgb(share);
-  return fmt::format("#{:02x}{:02x}{:02x}", color[0], color[1], color[2]);
-}
 
 std::string trajectory_plot_html(const SlamRun& run,
                                  const std::optional<ReferenceComparison>& comparison) {

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <array>
-#include <cstdint>
 #include <optional>
 #include <string>
 
@@ -15,10 +13,5 @@ namespace hqslam::tools {
 /// coloured by its error where there is a reference. HTML with inline SVG.
 std::string trajectory_plot_html(const SlamRun& run,
                                  const std::optional<ReferenceComparison>& comparison);
-
-/// Colour of an error, `share` 0 (none) to 1 (the largest).
-std::array<std::uint8_t, 3> error_rgb(double share);
-/// The same as "#rrggbb".
-std::string error_color(double share);
 
 }  // namespace hqslam::tools

@@ -5,30 +5,26 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "hqslam/core/error.h"
-#include "report/canvas.h"
 #include "report/chart.h"
-#include "run/trajectory_plot.h"
+#include "report/error_color.h"
 
 namespace hqslam::tools {
 namespace {
 
-constexpr int kPanelColumns = 480;
+constexpr double kPanelWidth = 480.0;
 constexpr double kNarrowestAspect = 0.8;  ///< width over height
 constexpr double kWidestAspect = 2.0;
 constexpr double kMarginShare = 0.12;
 constexpr double kLeastMargin_m = 3.0;
 constexpr double kMostOverMedian = 3.0;
-constexpr int kGap = 20;
-constexpr int kTitleRows = 40;
-constexpr int kPanelTitleRows = 56;
-constexpr int kScaleRows = 74;
-constexpr Rgb kText = {28, 31, 36};
-constexpr Rgb kQuiet = {102, 109, 120};
-constexpr Rgb kReference = {196, 201, 208};
-constexpr Rgb kPanel = {246, 247, 249};
+constexpr double kGap = 20.0;
+constexpr double kTitleHeight = 40.0;
+constexpr double kPanelTitleHeight = 56.0;
+constexpr double kScaleHeight = 74.0;
+constexpr const char* kQuiet = "#666d78";
+constexpr const char* kReference = "#c4c9d0";
 
 /// What every panel shows: the reference with a margin, metres.
 PlotBox box_of(const ErrorMap& map) {
@@ -43,94 +39,123 @@ PlotBox box_of(const ErrorMap& map) {
           center_m.y() - 0.5 * size_m.y(), center_m.y() + 0.5 * size_m.y()};
 }
 
-int panel_rows(const PlotBox& box) {
-  return static_cast<int>(
-      std::lround(kPanelColumns * (box.y_max - box.y_min) / (box.x_max - box.x_min)));
-}
-
-Rgb color_of(double error_m, const ErrorScale& scale) {
-  return error_rgb(scale.top_m > 0.0 ? error_m / scale.top_m : 0.0);
-}
-
 /// Where a point of the drive lies in a panel.
 struct View {
   PlotBox box;
-  PixelBox pixels;
+
+  double height() const { return kPanelWidth * (box.y_max - box.y_min) / (box.x_max - box.x_min); }
   Eigen::Vector2d operator()(const Eigen::Vector2d& point_m) const {
-    return {pixels.left + pixels.columns * to_plot_x(box, point_m.x()) / kPlotUnits,
-            pixels.top + pixels.rows * to_plot_y(box, point_m.y()) / kPlotUnits};
+    return {kPanelWidth * to_plot_x(box, point_m.x()) / kPlotUnits,
+            height() * to_plot_y(box, point_m.y()) / kPlotUnits};
   }
 };
 
-void draw_scale_bar(Canvas& canvas, const View& view) {
-  const double width_m = view.box.x_max - view.box.x_min;
-  const double length_m = tick_step(width_m, 5);
-  const double length = view.pixels.columns * length_m / width_m;
-  const Eigen::Vector2d start(view.pixels.left + 14.0, view.pixels.top + view.pixels.rows - 14.0);
-  const Eigen::Vector2d end = start + Eigen::Vector2d(length, 0.0);
-  canvas.draw_line({start, end}, 2.0, kQuiet, view.pixels);
-  canvas.draw_text(tick_text(length_m) + " m", start - Eigen::Vector2d(0.0, 7.0), 11.0, kQuiet);
+std::string path_svg(const std::vector<Eigen::Vector2d>& points, const std::string& color,
+                     double width) {
+  std::string text;
+  for (const Eigen::Vector2d& point : points) {
+    text += fmt::format("{}{:.1f} {:.1f}", text.empty() ? 'M' : 'L', point.x(), point.y());
+  }
+  return fmt::format(
+      "<path d=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{}\" "
+      "stroke-linecap=\"round\" stroke-linejoin=\"round\"/>\n",
+      text, color, width);
 }
 
-/// In steps of some pixels: where poses lie closer, edges drawn many times would lose their
-/// smoothness. Each step has the colour of its mean error.
-void draw_path(Canvas& canvas, const ErrorPanel& panel, const ErrorScale& scale, const View& view) {
+/// A point of a path as it is drawn, and the mean error on the way to it.
+struct Step {
+  Eigen::Vector2d at;
+  double error_m;
+};
+
+/// In steps of some pixels: nobody sees more, and a long drive has thousands of poses.
+std::vector<Step> steps_of(const std::vector<Eigen::Vector2d>& path_m,
+                           const std::vector<double>& error_m, const View& view) {
   constexpr double kStep = 3.0;
-  std::size_t from = 0;
+  std::vector<Step> steps;
   double sum_m = 0.0;
-  for (std::size_t i = 1; i < panel.path_m.size(); ++i) {
-    sum_m += panel.error_m[i];
-    const Eigen::Vector2d start = view(panel.path_m[from]);
-    const Eigen::Vector2d end = view(panel.path_m[i]);
-    if ((end - start).norm() < kStep && i + 1 < panel.path_m.size()) continue;
-    canvas.draw_line({start, end}, 3.5, color_of(sum_m / static_cast<double>(i - from), scale),
-                     view.pixels);
+  std::size_t from = 0;
+  for (std::size_t i = 0; i < path_m.size(); ++i) {
+    const Eigen::Vector2d at = view(path_m[i]);
+    if (i > 0 && !error_m.empty()) sum_m += error_m[i];
+    const bool moved = steps.empty() || (at - steps.back().at).norm() >= kStep;
+    if (!moved && i + 1 < path_m.size()) continue;
+    steps.push_back({at, i > from ? sum_m / static_cast<double>(i - from) : 0.0});
     from = i;
     sum_m = 0.0;
   }
+  return steps;
 }
 
-/// A ring around the first pose.
-void draw_start(Canvas& canvas, const ErrorPanel& panel, const View& view) {
-  constexpr double kRadius = 6.0;
-  constexpr int kCorners = 24;
-  if (panel.path_m.empty()) return;
-  std::vector<Eigen::Vector2d> ring;
-  for (int i = 0; i <= kCorners; ++i) {
-    const double angle_rad = 2.0 * std::numbers::pi * i / kCorners;
-    ring.push_back(view(panel.path_m.front()) +
-                   kRadius * Eigen::Vector2d(std::cos(angle_rad), std::sin(angle_rad)));
+/// One path per run of steps of the same colour.
+std::string trajectory_svg(const ErrorPanel& panel, const ErrorScale& scale, const View& view) {
+  const std::vector<Step> steps = steps_of(panel.path_m, panel.error_m, view);
+  const auto class_of = [&](const Step& step) {
+    return error_color_class(scale.top_m > 0.0 ? step.error_m / scale.top_m : 0.0);
+  };
+  std::string svg;
+  for (std::size_t i = 1; i < steps.size();) {
+    const int color = class_of(steps[i]);
+    std::vector<Eigen::Vector2d> run = {steps[i - 1].at};
+    for (; i < steps.size() && class_of(steps[i]) == color; ++i) run.push_back(steps[i].at);
+    svg += path_svg(run, error_color_of_class(color), 3.5);
   }
-  canvas.draw_line(ring, 1.5, kText, view.pixels);
+  return svg;
 }
 
-void draw_panel(Canvas& canvas, const ErrorMap& map, const ErrorPanel& panel,
-                const ErrorScale& scale, const View& view) {
-  canvas.fill(view.pixels, kPanel);
+std::string text_svg(const std::string& text, double x, double y, double size,
+                     const std::string& more = "") {
+  return fmt::format("<text x=\"{:.0f}\" y=\"{:.0f}\" font-size=\"{}\"{}>{}</text>\n", x, y, size,
+                     more, escape_html(text));
+}
+
+std::string scale_bar_svg(const View& view) {
+  const double width_m = view.box.x_max - view.box.x_min;
+  const double length_m = tick_step(width_m, 5);
+  const double y = view.height() - 14.0;
+  return path_svg({{14.0, y}, {14.0 + kPanelWidth * length_m / width_m, y}}, kQuiet, 2.0) +
+         text_svg(tick_text(length_m) + " m", 14.0, y - 7.0, 11.0,
+                  fmt::format(" fill=\"{}\"", kQuiet));
+}
+
+/// `place`: where it stands in another SVG, as attributes.
+std::string panel_at(const ErrorMap& map, const ErrorPanel& panel, const ErrorScale& scale,
+                     const std::string& place) {
+  const View view{box_of(map)};
   std::vector<Eigen::Vector2d> reference;
-  for (const Eigen::Vector2d& point_m : map.reference_m) reference.push_back(view(point_m));
-  canvas.draw_line(reference, 2.0, kReference, view.pixels);
-  draw_path(canvas, panel, scale, view);
-  draw_start(canvas, panel, view);
-  draw_scale_bar(canvas, view);
+  for (const Step& step : steps_of(map.reference_m, {}, view)) reference.push_back(step.at);
+  std::string svg = fmt::format(
+      "<svg{} viewBox=\"0 0 {:.0f} {:.0f}\" font-family=\"sans-serif\">\n"
+      "<rect width=\"100%\" height=\"100%\" fill=\"#f6f7f9\"/>\n",
+      place, kPanelWidth, view.height());
+  svg += path_svg(reference, kReference, 2.0) + trajectory_svg(panel, scale, view);
+  if (!panel.path_m.empty()) {
+    const Eigen::Vector2d start = view(panel.path_m.front());
+    svg += fmt::format(
+        "<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"6\" fill=\"none\" stroke=\"#1c1f24\" "
+        "stroke-width=\"1.5\"/>\n",
+        start.x(), start.y());
+  }
+  return svg + scale_bar_svg(view) + "</svg>\n";
 }
 
 /// Colours from 0 to the scale's top with both ends written below.
-void draw_color_bar(Canvas& canvas, const ErrorScale& scale, int left, int top) {
-  constexpr int kColumns = 320;
-  constexpr int kRows = 14;
-  canvas.draw_text("distance from LiDAR-64, aligned", {static_cast<double>(left), top - 8.0}, 12.0,
-                   kText);
-  for (int column = 0; column < kColumns; ++column) {
-    canvas.fill({left + column, top, 1, kRows}, error_rgb((column + 0.5) / kColumns));
+std::string color_bar_svg(const ErrorScale& scale, double left, double top) {
+  constexpr double kWidth = 320.0;
+  constexpr double kHeight = 14.0;
+  std::string svg = text_svg("distance from LiDAR-64, aligned", left, top - 8.0, 12.0);
+  for (int i = 0; i < kErrorColors; ++i) {
+    svg += fmt::format("<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" fill=\"{}\"/>\n",
+                       left + kWidth * i / kErrorColors, top, kWidth / kErrorColors, kHeight,
+                       error_color_of_class(i));
   }
-  const double below = top + kRows + 20.0;
-  canvas.draw_text("0", {static_cast<double>(left), below}, 12.0, kText);
-  canvas.draw_text(top_text(scale), {left + kColumns - 40.0, below}, 12.0, kText);
-  const double line_left = left + kColumns + 190.0;
-  const double line = top + 0.5 * kRows;
-  canvas.draw_line({{line_left, line}, {line_left + 50.0, line}}, 2.0, kReference, canvas.whole());
-  canvas.draw_text("LiDAR-64, ring: the start", {line_left + 62.0, line + 6.0}, 12.0, kText);
+  const double below = top + kHeight + 20.0;
+  svg += text_svg("0", left, below, 12.0) +
+         text_svg(top_text(scale), left + kWidth - 40.0, below, 12.0);
+  const double line_left = left + kWidth + 190.0;
+  const double line = top + 0.5 * kHeight;
+  return svg + path_svg({{line_left, line}, {line_left + 50.0, line}}, kReference, 2.0) +
+         text_svg("LiDAR-64, ring: the start", line_left + 62.0, line + 6.0, 12.0);
 }
 
 /// As many columns as make neither a strip nor a tower.
@@ -164,35 +189,36 @@ std::string error_text(const ErrorPanel& panel) {
   return fmt::format("RMSE {:.3f}, largest {:.2f} m", panel.rmse_m, largest_m);
 }
 
-RgbImage panel_image(const ErrorMap& map, std::size_t panel, const ErrorScale& scale) {
-  const PlotBox box = box_of(map);
-  Canvas canvas(panel_rows(box), kPanelColumns);
-  draw_panel(canvas, map, map.panels[panel], scale, {box, canvas.whole()});
-  return canvas.image();
+std::string panel_svg(const ErrorMap& map, std::size_t panel, const ErrorScale& scale) {
+  return panel_at(map, map.panels[panel], scale, "");
 }
 
-RgbImage error_map_image(const ErrorMap& map, const std::string& title) {
+std::string error_map_svg(const ErrorMap& map, const std::string& title) {
   if (map.panels.empty()) throw Error("error map: expected at least one trajectory, found none");
   const ErrorScale scale = error_scale(map);
-  const PlotBox box = box_of(map);
+  const double panel_height = View{box_of(map)}.height();
   const int columns = grid_columns(map.panels.size());
   const int rows = (static_cast<int>(map.panels.size()) + columns - 1) / columns;
-  const int cell_rows = kPanelTitleRows + panel_rows(box);
-  Canvas canvas(kTitleRows + rows * cell_rows + kScaleRows + kGap,
-                std::max(kGap + columns * (kPanelColumns + kGap), 800));
-  canvas.draw_text(title, {kGap, 34.0}, 15.0, kText);
+  const double cell_height = kPanelTitleHeight + panel_height;
+  const double width = std::max(kGap + columns * (kPanelWidth + kGap), 800.0);
+  const double height = kTitleHeight + rows * cell_height + kScaleHeight + kGap;
+  std::string svg = fmt::format(
+      "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0:.0f}\" height=\"{1:.0f}\" "
+      "viewBox=\"0 0 {0:.0f} {1:.0f}\" font-family=\"sans-serif\" fill=\"#1c1f24\">\n"
+      "<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n",
+      width, height);
+  svg += text_svg(title, kGap, 34.0, 15.0);
   for (std::size_t i = 0; i < map.panels.size(); ++i) {
-    const int left = kGap + static_cast<int>(i) % columns * (kPanelColumns + kGap);
-    const int top = kTitleRows + static_cast<int>(i) / columns * cell_rows;
-    canvas.draw_text(map.panels[i].title, {static_cast<double>(left), top + 46.0}, 14.0, kText);
-    const std::string errors = error_text(map.panels[i]);
-    canvas.draw_text(errors, {left + kPanelColumns - text_width(errors, 12.0), top + 46.0}, 12.0,
-                     kQuiet);
-    draw_panel(canvas, map, map.panels[i], scale,
-               {box, {left, top + kPanelTitleRows, kPanelColumns, panel_rows(box)}});
+    const double left = kGap + static_cast<int>(i) % columns * (kPanelWidth + kGap);
+    const double top = kTitleHeight + static_cast<int>(i) / columns * cell_height;
+    svg += text_svg(map.panels[i].title, left, top + 46.0, 14.0);
+    svg += text_svg(error_text(map.panels[i]), left + kPanelWidth, top + 46.0, 12.0,
+                    fmt::format(" text-anchor=\"end\" fill=\"{}\"", kQuiet));
+    svg += panel_at(map, map.panels[i], scale,
+                    fmt::format(" x=\"{:.0f}\" y=\"{:.0f}\" width=\"{:.0f}\" height=\"{:.0f}\"",
+                                left, top + kPanelTitleHeight, kPanelWidth, panel_height));
   }
-  draw_color_bar(canvas, scale, kGap, kTitleRows + rows * cell_rows + 36);
-  return canvas.image();
+  return svg + color_bar_svg(scale, kGap, kTitleHeight + rows * cell_height + 36.0) + "</svg>\n";
 }
 
 }  // namespace hqslam::tools

@@ -4,8 +4,6 @@
 #include <string>
 #include <vector>
 
-#include "hqslam/core/png.h"
-
 namespace hqslam::tools {
 
 /// A trajectory from above in the reference's frame, with its error at every pose.
@@ -37,12 +35,12 @@ std::string top_text(const ErrorScale& scale);
 /// "RMSE 0.109, largest 0.31 m"
 std::string error_text(const ErrorPanel& panel);
 
-/// One panel, without its title: the reference in grey, the trajectory in colours with a ring at
-/// its start, a scale bar.
-RgbImage panel_image(const ErrorMap& map, std::size_t panel, const ErrorScale& scale);
+/// One panel, without its title, as an SVG element: the reference in grey, the trajectory in
+/// colours with a ring at its start, a scale bar.
+std::string panel_svg(const ErrorMap& map, std::size_t panel, const ErrorScale& scale);
 
-/// All panels with their titles and a colour bar. `title` stands above. Throws Error if there is no
-/// panel.
-RgbImage error_map_image(const ErrorMap& map, const std::string& title);
+/// All panels with their titles and a colour bar, as an .svg file. `title` stands above. Throws
+/// Error if there is no panel.
+std::string error_map_svg(const ErrorMap& map, const std::string& title);
 
 }  // namespace hqslam::tools

@@ -14,7 +14,7 @@
 #include "files/result_folder.h"
 #include "files/text_file.h"
 #include "hqslam/core/error.h"
-#include "hqslam/core/png.h"
+#include "hqslam/core/whole_file.h"
 #include "ranks/launched_ranks.h"
 #include "table/seeds_figures.h"
 #include "table/seeds_json.h"
@@ -52,9 +52,9 @@ void write_pictures(const DriveFigures& drive, const fs::path& out) {
     if (map.panels.empty()) continue;
     const std::string title =
         fmt::format("{}: {} scans, loop closing {}", drive.name, drive.scans, kLoopClosingNames[i]);
-    write_png(
-        error_map_image(map, title),
-        (out / fmt::format("{}-loop-closing-{}.png", drive.name, kLoopClosingNames[i])).string());
+    write_whole_file(
+        (out / fmt::format("{}-loop-closing-{}.svg", drive.name, kLoopClosingNames[i])).string(),
+        error_map_svg(map, title));
   }
 }
 
@@ -179,7 +179,7 @@ void declare_table(CLI::App& app, TableOptions& options) {
       variants_help() +
       "Writes into --out:\n"
       "  table.md, table.json, table.html   the tables; the page also shows where the error is\n"
-      "  DRIVE-loop-closing-off.png, -on.png   trajectories coloured by error\n"
+      "  DRIVE-loop-closing-off.svg, -on.svg   trajectories coloured by error\n"
       "  results/DRIVE/.../METHOD.json, .tum   each finished run; drives/NAME: simulated drives\n"
       "Without a choice it takes hours and 3 GB: the drives have 12,000 scans, and Simple DU "
       "needs\n"

@@ -6,10 +6,9 @@
 #include <array>
 #include <string_view>
 
-#include "hqslam/core/png.h"
 #include "report/chart.h"
 #include "report/density_image.h"
-#include "run/trajectory_plot.h"
+#include "report/error_color.h"
 #include "table/table_page.h"
 #include "table/table_text.h"
 
@@ -21,7 +20,7 @@ constexpr std::string_view kTableStyle = R"css(
 .tables { display: grid; gap: 0 3rem; grid-template-columns: repeat(auto-fit, minmax(min(36rem, 100%), 1fr)); }
 .maps { display: grid; gap: 1rem; grid-template-columns: repeat(auto-fill, minmax(min(17rem, 100%), 1fr)); }
 .maps figure { margin: 0; }
-.maps img { width: 100%; height: auto; display: block; border-radius: 6px; }
+.maps svg { width: 100%; height: auto; display: block; border-radius: 6px; }
 .maps figcaption { display: flex; justify-content: space-between; gap: .5rem; font-size: .85rem; margin-bottom: .25rem; }
 .maps figcaption span { color: var(--quiet); }
 .legend .reference-line { width: 1.6rem; height: 0; border-radius: 0; background: none; border-top: 2px solid #c4c9d0; }
@@ -44,13 +43,11 @@ std::string color_style() {
 }
 
 std::string scale_html(const ErrorScale& scale) {
-  std::string gradient;
-  for (int i = 0; i <= 6; ++i) gradient += fmt::format(", {}", error_color(i / 6.0));
   return fmt::format(
       "<ul class=\"legend\"><li>distance 0<i class=\"scale\" "
-      "style=\"background:linear-gradient(90deg{})\"></i>{}</li>"
+      "style=\"background:linear-gradient(90deg, {})\"></i>{}</li>"
       "<li><i class=\"reference-line\"></i>LiDAR-64, ring: the start</li></ul>\n",
-      gradient, top_text(scale));
+      error_gradient(), top_text(scale));
 }
 
 std::string maps_html(const DriveFigures& drive, std::size_t loop_closing) {
@@ -63,11 +60,9 @@ std::string maps_html(const DriveFigures& drive, std::size_t loop_closing) {
       "<div class=\"maps\">\n",
       kLoopClosingNames[loop_closing], scale_html(scale));
   for (std::size_t i = 0; i < map.panels.size(); ++i) {
-    html += fmt::format(
-        "<figure><figcaption>{0}<span>{1}</span></figcaption><img alt=\"{0}\" "
-        "src=\"data:image/png;base64,{2}\"></figure>\n",
-        escape_html(map.panels[i].title), error_text(map.panels[i]),
-        base64(encode_png(panel_image(map, i, scale))));
+    html += fmt::format("<figure><figcaption>{}<span>{}</span></figcaption>{}</figure>\n",
+                        escape_html(map.panels[i].title), error_text(map.panels[i]),
+                        panel_svg(map, i, scale));
   }
   return html + "</div>\n";
 }

@@ -1,0 +1,20 @@
+#pragma once
+
+#include "hqslam/slam/mapping.h"
+
+namespace hqslam::slam {
+
+/// What is known of a scan before it is looked for in the map.
+struct ExpectedScan {
+  MotionState state;  ///< from the scan before, if it goes on as it did
+  Pose T_map_moved;   ///< where the odometry saw it
+  double duration_s;  ///< since the scan before
+};
+
+/// Locates a scan from where it is expected; and if little is known about that, or the odometry saw
+/// it elsewhere, from there too. Of the two places the one is taken that more of what stands on the
+/// ground fits.
+MappingResult locate_from_both(const Mapping& mapping, const MapFeatures& features,
+                               const ExpectedScan& expected);
+
+}  // namespace hqslam::slam
