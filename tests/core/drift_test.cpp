@@ -54,6 +54,23 @@ TEST_CASE("a jump is one slip, over the scans of all windows that hold it") {
   CHECK(found[0].rotation_rad == doctest::Approx(0.0));
 }
 
+TEST_CASE("a slip is as large as its worst window, whichever that is") {
+  // 0.9 m in the windows that hold the first jump alone, 0.4 m in those of both, then 0.5 m.
+  const std::vector<Slip> found =
+      slips(with_jump(with_jump(straight_drive(), 100, aside_m(0.9)), 105, aside_m(-0.5)),
+            straight_drive());
+  REQUIRE(found.size() == 1);
+  CHECK(found[0].translation_m == doctest::Approx(0.9));
+  const auto turned = [](double degrees) {
+    return pose_from_xyz_rpy({0, 0, 0}, 0.0, 0.0, degrees * kDegree_rad);
+  };
+  const std::vector<Slip> turns =
+      slips(with_jump(with_jump(straight_drive(), 100, turned(0.9)), 105, turned(-0.5)),
+            straight_drive());
+  REQUIRE(turns.size() == 1);
+  CHECK(turns[0].rotation_rad == doctest::Approx(0.9 * kDegree_rad));
+}
+
 TEST_CASE("0.3 m and 0.3 degrees are the limits, the frame of the estimate is none of them") {
   const Pose T_elsewhere = pose_from_xyz_rpy({100.0, -50.0, 7.0}, 0.4, -1.0, 2.5);
   const auto count = [&](const Pose& jump) {

@@ -99,6 +99,27 @@ TEST_CASE("points outside the ranges or the beams are left out and counted") {
   CHECK(projected.counts.kept == 0);
 }
 
+TEST_CASE("a sensor sees half a beam spacing beyond its outermost beams") {
+  const SensorModel sensor = hqslam::sensor_preset("vlp-16");  // 15 to -15 degrees, 2 apart
+  const auto row_at = [&](double elevation_deg) {
+    Scan scan;
+    scan.points_m = {
+        {10.0F, 0.01F, 10.0F * static_cast<float>(std::tan(elevation_deg * 0.0174533))}};
+    const auto projected = hqslam::project(scan, sensor);
+    for (int row = 0; row < 16; ++row) {
+      if (projected.cloud.range_m[projected.cloud.index(row, 899)] > 0.0F) return row;
+    }
+    CHECK(projected.counts.outside_rows == 1);
+    return -1;
+  };
+  CHECK(row_at(15.9) == 0);
+  CHECK(row_at(16.1) == -1);
+  CHECK(row_at(-15.9) == 15);
+  CHECK(row_at(-16.1) == -1);
+  CHECK(row_at(2.1) == 6);  // nearer to 3 degrees than to 1
+  CHECK(row_at(1.9) == 7);
+}
+
 TEST_CASE("a point at the origin is no return, even of a sensor that measures from 0 m on") {
   SensorModel sensor = hqslam::sensor_preset("vlp-16");
   sensor.min_range_m = 0.0;

@@ -154,6 +154,12 @@ TEST_CASE("validation names the field, the value and the constraint") {
   sensor.columns = 3;
   CHECK_THROWS_WITH_AS(hqslam::validate(sensor),
                        "sensor 'vlp-16': columns is 3, expected 16 to 16384", Error);
+  sensor.columns = 16385;
+  CHECK_THROWS_AS(hqslam::validate(sensor), Error);
+  for (const int columns : {16, 16384}) {
+    sensor.columns = columns;
+    CHECK_NOTHROW(hqslam::validate(sensor));
+  }
   sensor = hqslam::sensor_preset("vlp-16");
   std::swap(sensor.beam_elevation_rad[3], sensor.beam_elevation_rad[4]);
   CHECK_THROWS_AS(hqslam::validate(sensor), Error);

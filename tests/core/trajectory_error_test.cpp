@@ -79,6 +79,13 @@ TEST_CASE("stamps are paired with the nearest, each reference once, none too far
   CHECK(associate(with_stamps({0.0}), {}, 1.0).estimate.empty());
 }
 
+TEST_CASE("a stamp that the reference has twice does not end the pairing") {
+  const PosePairs pairs =
+      associate(with_stamps({0.0, 1.0, 2.0, 3.0}), with_stamps({0.0, 1.0, 1.0, 2.0, 3.0}), 0.05);
+  CHECK(pairs.estimate == std::vector<std::size_t>{0, 1, 2, 3});
+  CHECK(pairs.reference == std::vector<std::size_t>{0, 2, 3, 4});
+}
+
 TEST_CASE("absolute errors after each alignment agree with evo") {
   const Trajectory estimate = an_estimate();
   const Trajectory reference = a_drive();

@@ -55,6 +55,9 @@ TEST_CASE("clip_norm shortens long gradients only and returns the norm before") 
   CHECK(clip_norm(1.0, gradient) == 5.0);
   CHECK(gradient[0] == doctest::Approx(0.6));
   CHECK(gradient[1] == doctest::Approx(-0.8));
+  std::vector<float> hardly_too_long{3.0F, -4.0F};
+  CHECK(clip_norm(4.9, hardly_too_long) == 5.0);
+  CHECK(hardly_too_long[0] == doctest::Approx(3.0 * 0.98));
   std::vector<float> zero(3);
   CHECK(clip_norm(1.0, zero) == 0.0);
 }

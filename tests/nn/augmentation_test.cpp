@@ -88,6 +88,24 @@ TEST_CASE("a cut-out has the columns that were asked for, next to each other") {
   }
 }
 
+TEST_CASE("a mirrored cut-out is the same one, seen from its other end") {
+  Augmentation crop = kNothing;
+  crop.crop_columns = 24;
+  Augmentation mirror = crop;
+  mirror.mirror = true;
+  int mirrored = 0;
+  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+    const RangeImage usual = sample(crop, seed).truth;
+    const RangeImage either = sample(mirror, seed).truth;
+    if (either.range_m == usual.range_m) continue;
+    ++mirrored;
+    for (int column = 0; column < 24; ++column) {
+      REQUIRE(either.at(5, column) == usual.at(5, 23 - column));
+    }
+  }
+  CHECK(mirrored > 3);
+}
+
 TEST_CASE("without disturbance the measured rows are rows of the truth") {
   Augmentation scaled = kNothing;
   scaled.largest_scale = 1.2F;

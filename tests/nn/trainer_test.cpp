@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <mutex>
 #include <set>
@@ -148,6 +149,52 @@ TEST_CASE("batch norm's statistics follow the scans and no optimiser moves them"
     }
     begin += shape.elements();
   }
+}
+
+TEST_CASE(
+    "the mean that is kept begins with the first step and follows by 10 of 11 in the second") {
+  const UnrolledPlan description = small_du_or();
+  Trainer trainer(description, small_plan(), in_memory(scans()), fresh_state(description), 1);
+  trainer.step();
+  const std::vector<float> first = trainer.state().parameters;
+  for (std::size_t i = 0; i < first.size(); ++i) {
+    REQUIRE(trainer.state().average[i] == doctest::Approx(first[i]).epsilon(1e-6));
+  }
+  trainer.step();
+  for (std::size_t i = 0; i < first.size(); ++i) {
+    const double second = trainer.state().parameters[i];
+    REQUIRE(trainer.state().average[i] ==
+            doctest::Approx(first[i] + 10.0 / 11.0 * (second - first[i])).epsilon(1e-5));
+  }
+}
+
+TEST_CASE("weight decay pulls at the weights of convolutions and linear layers alone") {
+  NetworkDescription tulip = small_du_or();
+  tulip.architecture = std::make_shared<Tulip>(TulipShape{.channels = 8, .heads = {2, 2}});
+  TrainingPlan plan = small_plan();
+  plan.augmentation.crop_columns = 0;
+  const auto after_a_step = [&](float weight_decay) {
+    TrainingState state = fresh_state(tulip);
+    state.optimiser.options.weight_decay = weight_decay;
+    Trainer trainer(tulip, plan, in_memory(scans()), std::move(state), 1);
+    trainer.step();
+    return trainer.state().parameters;
+  };
+  const std::vector<float> usual = after_a_step(0.0F);
+  const std::vector<float> decayed = after_a_step(10.0F);
+  std::size_t begin = 0;
+  int decaying = 0;
+  for (const ParameterShape& shape : parameter_shapes(tulip)) {
+    const auto count = static_cast<std::size_t>(shape.elements());
+    const bool same = std::equal(usual.begin() + static_cast<std::ptrdiff_t>(begin),
+                                 usual.begin() + static_cast<std::ptrdiff_t>(begin + count),
+                                 decayed.begin() + static_cast<std::ptrdiff_t>(begin));
+    CAPTURE(shape.name);
+    CHECK(same == !(shape.shape.size() > 1 && shape.name.ends_with("weight")));
+    decaying += same ? 0 : 1;
+    begin += count;
+  }
+  CHECK(decaying > 5);
 }
 
 TEST_CASE("one, two and three threads train the same bytes") {

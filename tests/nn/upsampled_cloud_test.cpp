@@ -139,6 +139,25 @@ TEST_CASE("a computed point is as late as the measured ones near it, and stays i
   }
 }
 
+TEST_CASE("a computed point is as late as the nearer one of the rows above and below") {
+  const SensorModel sensor = small_sensor();
+  constexpr RowSelection kEveryThird = {1, 3};  // rows 1 and 4
+  RangeImage image(6, 16);
+  image.range_m.assign(image.range_m.size(), 10.0F);
+  const OrganizedCloud model = unproject(image, sensor, CaptureTime::kRolling);
+  OrganizedCloud measured = select_rows(model, kEveryThird);
+  constexpr std::size_t kColumn = 8;
+  measured.time_offset_s[kColumn] += 0.01F;
+  measured.time_offset_s[16 + kColumn] += 0.02F;
+  const OrganizedCloud cloud = upsampled_cloud({image, {}}, measured, kEveryThird, sensor);
+  const auto late_s = [&](int row) {
+    const std::size_t pixel = cloud.index(row, kColumn);
+    return cloud.time_offset_s[pixel] - model.time_offset_s[pixel];
+  };
+  CHECK(late_s(2) == doctest::Approx(0.01).epsilon(1e-4));
+  CHECK(late_s(3) == doctest::Approx(0.02).epsilon(1e-4));
+}
+
 TEST_CASE("images that are not of the sensor are refused in one line") {
   const SensorModel sensor = small_sensor();
   CHECK(one_line_with(

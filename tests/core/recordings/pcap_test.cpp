@@ -93,6 +93,33 @@ TEST_CASE("a datagram of which a fragment is missing is counted and its memory g
   CHECK(datagrams.incomplete() == 200);
 }
 
+TEST_CASE("of unfinished datagrams the latest 64 are kept") {
+  const auto frames_of = [](int number) {
+    return ethernet_frames({number * 1000, 7502, Payload(2000), 201}, 1480);
+  };
+  const auto add = [](IpDatagrams& datagrams, const Payload& frame) {
+    return datagrams.add(Bytes(frame).subspan(14)).has_value();
+  };
+  for (const int begun : {64, 65}) {
+    IpDatagrams datagrams;
+    for (int i = 0; i < begun; ++i) CHECK_FALSE(add(datagrams, frames_of(i)[0]));
+    CHECK(add(datagrams, frames_of(begun - 1)[1]));
+    CHECK(add(datagrams, frames_of(0)[1]) == (begun == 64));
+  }
+}
+
+TEST_CASE("a fragment that reaches beyond the largest datagram is damage") {
+  for (const bool beyond : {false, true}) {
+    Payload frame = ethernet_frames({0, 7502, Payload(16), 201}).front();  // with UDP 24 bytes
+    const int units = beyond ? 8190 : 8188;                                // 65520 or 65504
+    frame[20] = static_cast<std::uint8_t>(units >> 8);
+    frame[21] = static_cast<std::uint8_t>(units);
+    IpDatagrams datagrams;
+    CHECK_FALSE(datagrams.add(Bytes(frame).subspan(14)));
+    CHECK(datagrams.damaged() == (beyond ? 1 : 0));
+  }
+}
+
 TEST_CASE(
     "a length in the IP header beyond the frame is no damage where UDP's own length is whole") {
   Captured positions{1'600'000'000'000'000'000, 8308, Payload(512, 3)};

@@ -70,6 +70,16 @@ TEST_CASE("the tip of a wedge is the sharpest edge") {
   CHECK(features.sharp_edges[0].point_m == row.cloud.points_m[100]);
 }
 
+TEST_CASE("the tip of a wedge in the ground is no edge") {
+  std::vector<float> range_m(360, 10.0F);
+  for (int i = -12; i <= 12; ++i) range_m[100 + i] = 9.0F + 0.08F * static_cast<float>(std::abs(i));
+  OneRow row(range_m);
+  std::fill(row.segmentation.pixel_class.begin(), row.segmentation.pixel_class.end(),
+            slam::PixelClass::kGround);
+  CHECK(row.features().edges.empty());
+  CHECK_FALSE(row.features().flat_points.empty());
+}
+
 TEST_CASE("the far side of a depth jump is never an edge, the near side may be one") {
   std::vector<float> range_m(360, 10.0F);
   for (int i = 100; i < 140; ++i) range_m[i] = 5.0F;
@@ -105,6 +115,19 @@ TEST_CASE("the last point of a section takes part in the choice") {
     found = found || edge.point_m == row.cloud.points_m[119];
   }
   CHECK(found);
+}
+
+TEST_CASE("of the edges of a section as many are sharp as the options say") {
+  std::vector<float> range_m(360, 10.0F);
+  for (const int tip : {70, 90, 110}) {
+    for (int i = -6; i <= 6; ++i) {
+      range_m[tip + i] = 10.0F - 0.08F * static_cast<float>(6 - std::abs(i));
+    }
+  }
+  const auto features = OneRow(range_m).features();
+  const slam::FeatureOptions options;
+  CHECK(features.sharp_edges.size() == options.sharp_edges_per_section);
+  CHECK(features.edges.size() > options.sharp_edges_per_section);
 }
 
 TEST_CASE("a row of fewer than eleven points has no edges and does not crash") {

@@ -62,6 +62,27 @@ TEST_CASE("a beam without a return does not end the ground") {
         std::vector<int>{0, 1, 3});
 }
 
+TEST_CASE("two beams without a return do not end the ground either, three do") {
+  CHECK(marked_rows({{12, 0, -1.7F}, {0, 0, 0}, {0, 0, 0}, {5, 0, -1.7F}}) ==
+        std::vector<int>{0, 3});
+  SensorModel five = downward_sensor();
+  five.beam_elevation_rad.push_back(-0.25);
+  five.beam_azimuth_offset_rad.push_back(0.0);
+  OrganizedCloud cloud = column_cloud(five, {{12, 0, -1.7F}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}});
+  cloud.points_m[cloud.index(4, 5)] = {5.0F, 0.0F, -1.7F};
+  cloud.range_m[cloud.index(4, 5)] = 5.3F;
+  CHECK(slam::mark_ground(cloud, five, {}) == std::vector<std::uint8_t>(5 * 16, 0));
+}
+
+TEST_CASE("what beams above the horizon see is no ground, however level it is") {
+  SensorModel sensor = downward_sensor();
+  sensor.beam_elevation_rad = {0.04, 0.03, 0.02, -0.05};
+  // A ceiling 1 m above the sensor.
+  const OrganizedCloud cloud =
+      column_cloud(sensor, {{25, 0, 1.0F}, {33, 0, 1.0F}, {50, 0, 1.0F}, {0, 0, 0}});
+  CHECK(slam::mark_ground(cloud, sensor, {}) == std::vector<std::uint8_t>(4 * 16, 0));
+}
+
 TEST_CASE("the floor of a yard is ground and its walls are not, for 16, 32, 64 and 128 rows") {
   for (const char* name : {"vlp-16", "hdl-32e", "os1-64", "vls-128"}) {
     SensorModel sensor = sensor_preset(name);
