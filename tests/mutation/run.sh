@@ -17,7 +17,7 @@ jobs=${HQSLAM_MUTATION_JOBS:-$(nproc)}
 most_seconds=600
 
 mkdir -p "$source"
-(cd "$root" && git ls-files -z | xargs -0 cp -u --parents -t "$source")
+(cd "$root" && git ls-files -z | xargs -0 cp -u --remove-destination --parents -t "$source")
 cp "$here/mutations.txt" "$folder" # it may be edited meanwhile
 cmake -S "$source" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release -Wno-dev \
   -DHQSLAM_WARNINGS_AS_ERRORS=ON -DHQSLAM_BUILD_TOOLS=OFF >/dev/null

@@ -139,6 +139,19 @@ TEST_CASE("a computed point is as late as the measured ones near it, and stays i
   }
 }
 
+TEST_CASE("a computed point whose head began anew is not a turn too early") {
+  SensorModel sensor = small_sensor();
+  sensor.beam_azimuth_offset_rad[2] = sensor.column_step_rad();  // a column ahead of its neighbours
+  RangeImage image(6, 16);
+  image.range_m.assign(image.range_m.size(), 10.0F);
+  OrganizedCloud measured =
+      select_rows(unproject(image, sensor, CaptureTime::kRolling), kMeasuredRows);
+  for (float& time_s : measured.time_offset_s) time_s = std::remainder(time_s + 0.03F, 0.1F);
+  const OrganizedCloud cloud = upsampled_cloud({image, {}}, measured, kMeasuredRows, sensor);
+  // Its neighbours fire last, at 46.9 ms, and 30 ms later is -23.1; row 2 is at the first column.
+  CHECK(cloud.time_offset_s[cloud.index(2, 15)] == doctest::Approx(-0.046875 + 0.03));
+}
+
 TEST_CASE("a computed point is as late as the nearer one of the rows above and below") {
   const SensorModel sensor = small_sensor();
   constexpr RowSelection kEveryThird = {1, 3};  // rows 1 and 4
