@@ -74,4 +74,34 @@ TEST_CASE("DU-Mix for the HDL-64E is better than interpolation on simulated scan
   CHECK(c.network.f1 > 1.2 * c.linear.f1);
 }
 
+TEST_CASE(
+    "DU-OR for the HDL-64E has a third of linear interpolation's outliers on simulated scans") {
+  const Compared c = compared("du-or_hdl64e_16to64.npz", "hdl-64e");
+  MESSAGE("outliers " << c.network.outliers_per_scan / c.linear.outliers_per_scan << ", F1 "
+                      << c.network.f1 / c.linear.f1 << " of linear's");
+  CHECK(c.network.outliers_per_scan < 0.5 * c.linear.outliers_per_scan);
+  CHECK(c.network.f1 > c.linear.f1);
+}
+
+TEST_CASE("the networks to compare with are trained: not far from interpolation, or better") {
+  const Compared srae = compared("srae_4_os1_16to64.npz", "os1-64");
+  MESSAGE("SRAE: outliers " << srae.network.outliers_per_scan / srae.linear.outliers_per_scan
+                            << ", F1 " << srae.network.f1 / srae.linear.f1 << " of linear's");
+  CHECK(srae.network.outliers_per_scan < 1.5 * srae.linear.outliers_per_scan);
+  CHECK(srae.network.f1 > 0.55 * srae.linear.f1);
+  const Compared tulip = compared("tulip_16_os1_16to64.npz", "os1-64");
+  MESSAGE("TULIP: MAE all " << tulip.network.mae_all_m / tulip.linear.mae_all_m << ", F1 "
+                            << tulip.network.f1 / tulip.linear.f1 << " of linear's");
+  CHECK(tulip.network.mae_all_m < tulip.linear.mae_all_m);
+  CHECK(tulip.network.f1 > 0.7 * tulip.linear.f1);
+  const Compared simple_du = compared("simple-du_os1_16to64.npz", "os1-64");
+  MESSAGE("Simple DU: MAE valid " << simple_du.network.mae_valid_m / simple_du.linear.mae_valid_m
+                                  << ", outliers "
+                                  << simple_du.network.outliers_per_scan /
+                                         simple_du.linear.outliers_per_scan
+                                  << " of linear's");
+  CHECK(simple_du.network.mae_valid_m < 0.8 * simple_du.linear.mae_valid_m);
+  CHECK(simple_du.network.outliers_per_scan < simple_du.linear.outliers_per_scan);
+}
+
 }  // namespace hqslam::tools
