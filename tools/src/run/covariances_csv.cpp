@@ -11,7 +11,8 @@ std::string covariances_csv(const SlamRun& run) {
   std::string text =
       "# covariance of e = (x y z rx ry rz) in T_true = T_map_sensor exp(e), in the sensor's "
       "frame, "
-      "the first scan's pose being exact; m^2, m rad, rad^2; mapping: whether it was located\nstamp_s,mapping";
+      "the first scan's pose being exact; m^2, m rad, rad^2; mapping: whether it was "
+      "located\nstamp_s,mapping";
   for (const char* row : kAxes) {
     for (const char* column : kAxes) text += fmt::format(",{}_{}", row, column);
   }
