@@ -125,10 +125,12 @@ struct Slam::Implementation {
 
 void Slam::Implementation::locate_in(const SavedMap& map,
                                      const std::optional<Pose>& T_map_sensor_start) {
-  if (loop_closing)
+  if (loop_closing) {
     throw Error("loop closing moves a map, expected a given one to stay; leave it out");
-  if (map.places.empty())
+  }
+  if (map.places.empty()) {
     throw Error("the map has no place to be recognized; save it after a drive");
+  }
   mapping = Mapping(options.mapping, map);
   place_recognition.emplace(map.places, T_map_sensor_start);
   is_recognized = false;
@@ -197,7 +199,9 @@ void Slam::Implementation::recognize_place(const OrganizedCloud& cloud, const Fe
     report.T_odom_sensor = orthonormalized(T_odom_reference * moved.T_reference_sensor);
   }
   report.times.odometry_s = stopwatch.lap_s();
-  const std::optional<Pose> T_map_sensor = place_recognition->find(scan, mapping);
+  const bool is_seen_enough = can_be_reference(features, options.odometry);
+  std::optional<Pose> T_map_sensor;
+  if (is_seen_enough) T_map_sensor = place_recognition->find(scan, mapping);
   is_recognized = T_map_sensor.has_value();
   state.T_map_sensor = T_map_sensor.value_or(reference.T_map_sensor);
   state.velocity = scan.velocity;
@@ -206,7 +210,7 @@ void Slam::Implementation::recognize_place(const OrganizedCloud& cloud, const Fe
     report.mapping_status = Status::kNotRecognized;
     report.covariance.diagonal().setConstant(std::numeric_limits<double>::infinity());
   }
-  if (can_be_reference(features, options.odometry)) make_reference(features, state, report);
+  if (is_seen_enough) make_reference(features, state, report);
   report.times.mapping_s = stopwatch.lap_s();
 }
 

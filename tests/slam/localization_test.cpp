@@ -1,5 +1,6 @@
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -88,6 +89,27 @@ TEST_CASE("a place that the map does not know is not recognized, until one is th
   const auto report = slam.process(street(31).scan(sensor(), street_pose(30.0)), 0.5);
   CHECK(report.mapping_status != Status::kNotRecognized);
   CHECK(error_m(report.T_map_sensor, street_pose(30.0)) < 0.05);
+}
+
+TEST_CASE("a sensor that is covered at first, or later, is recognized when it sees again") {
+  const test::Village village = street(31);
+  slam::Slam slam(sensor(), slam::SlamOptions(), driven(village));
+  OrganizedCloud nothing = village.scan(sensor(), street_pose(30.0));
+  std::fill(nothing.range_m.begin(), nothing.range_m.end(), 0.0F);
+  int scan = 0;
+  for (const int covered : {3, 20}) {
+    CAPTURE(covered);
+    Status last = Status::kOk;
+    for (int i = 0; i < covered; ++i) last = slam.process(nothing, 0.1 * scan++).mapping_status;
+    CHECK(last == Status::kNotRecognized);
+    for (int i = 0; i < 5; ++i) {
+      const Pose T_street_sensor = street_pose(30.0 + covered + 0.2 * i);
+      const auto report = slam.process(village.scan(sensor(), T_street_sensor), 0.1 * scan++);
+      CAPTURE(i);
+      CHECK(is_located(report.mapping_status));
+      CHECK(error_m(report.T_map_sensor, T_street_sensor) < 0.1);
+    }
+  }
 }
 
 TEST_CASE("of two halves that are alike the start that is given tells which it is") {
