@@ -360,6 +360,7 @@ void VelodyneDecoder::Impl::add_points(const Firing& firing, Bytes payload, doub
 /// Ends the scan. What began in the middle of a turn is one only if little of it is missing.
 void VelodyneDecoder::Impl::complete(std::vector<Scan>& completed) {
   if (empty_) return;
+  const std::size_t points = scan_.points_m.size();  // the next scan will have about as many
   const double seen_deg = 0.01 * (last_turned_ - first_turned_);
   if (!began_with_cut_ && seen_deg < kMostOfAScan * stream_.field_of_view_deg) {
     ++partial_scans;
@@ -370,7 +371,6 @@ void VelodyneDecoder::Impl::complete(std::vector<Scan>& completed) {
     scan_.stamp_s = 1e-9 * static_cast<double>(first_ns_ + middle_ns);
     completed.push_back(std::move(scan_));
   }
-  const std::size_t points = scan_.points_m.capacity();
   scan_ = std::exchange(spare_, {});
   scan_.points_m.reserve(points);
   scan_.row.reserve(points);

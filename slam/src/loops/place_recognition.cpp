@@ -27,9 +27,9 @@ PlaceRecognition::PlaceRecognition(const std::vector<SavedPlace>& places,
 std::optional<Pose> PlaceRecognition::find(const UnlocatedScan& scan, const Mapping& map) {
   if (!scan.T_previous_sensor) recent_ = RecentFeatures(kRecentScans);
   const Pose motion = scan.T_previous_sensor.value_or(Pose::Identity());
-  T_begin_sensor_ = T_begin_sensor_ * motion;
-  graph_.T_map_node.back() = graph_.T_map_node.back() * motion;
-  recent_.add(scan.features, T_begin_sensor_, scan.velocity);
+  Pose& T_map_believed = graph_.T_map_node.back();
+  T_map_believed = orthonormalized(T_map_believed * motion);
+  recent_.add(scan.features, T_map_believed, scan.velocity);
   const MapFeatures features = recent_.about_last(kRecentRadius_m, kRecentPoints);
   const std::vector<ScanContext> last_contexts = scan_contexts_from_lanes(scan.cloud);
   const std::vector<PlausibleDrift> drift(graph_.T_map_node.size(),

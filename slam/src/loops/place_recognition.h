@@ -41,11 +41,12 @@ class PlaceRecognition {
  private:
   static constexpr std::size_t kRecentScans = 5;
 
-  PoseGraph graph_;  ///< the places, then the sensor
+  /// The places, then the sensor where it is believed to be; where nothing is believed, in a frame
+  /// of its own.
+  PoseGraph graph_;
   std::vector<ScanContext> contexts_;
   bool is_believed_;
   RecentFeatures recent_{kRecentScans};
-  Pose T_begin_sensor_ = Pose::Identity();
 };
 
 }  // namespace hqslam::slam

@@ -125,9 +125,10 @@ std::string panel_at(const ErrorMap& map, const ErrorPanel& panel, const ErrorSc
   std::vector<Eigen::Vector2d> reference;
   for (const Step& step : steps_of(map.reference_m, {}, view)) reference.push_back(step.at);
   std::string svg = fmt::format(
-      "<svg{} viewBox=\"0 0 {:.0f} {:.0f}\" font-family=\"sans-serif\">\n"
+      "<svg{} role=\"img\" aria-label=\"{}\" viewBox=\"0 0 {:.0f} {:.0f}\" "
+      "font-family=\"sans-serif\">\n"
       "<rect width=\"100%\" height=\"100%\" fill=\"#f6f7f9\"/>\n",
-      place, kPanelWidth, view.height());
+      place, escape_html(panel.title), kPanelWidth, view.height());
   svg += path_svg(reference, kReference, 2.0) + trajectory_svg(panel, scale, view);
   if (!panel.path_m.empty()) {
     const Eigen::Vector2d start = view(panel.path_m.front());
