@@ -49,6 +49,19 @@ TEST_CASE("a drive is located in the map that another run saved, where it begins
   }
 }
 
+TEST_CASE("what was not recognized is in no error against the reference") {
+  const TemporaryDirectory folder;
+  const std::string other = folder.file("elsewhere");
+  run_hqslam(
+      fmt::format("simulate --drive town --seed 3 --sensor os1-16 --scans 6 --out '{}'", other));
+  const ProgramResult lost = run_hqslam(
+      fmt::format("run '{}' --map '{}' --out '{}'", other, saved_map(), folder.file("lost")));
+  CAPTURE(lost.error);
+  CHECK(lost.status == 0);
+  CHECK(lost.out.find("6 scans not recognized") != std::string::npos);
+  CHECK(lost.out.find("APE RMSE") == std::string::npos);
+}
+
 TEST_CASE("a map belongs to the run that saved it, and is not located in and made at once") {
   const TemporaryDirectory out;
   const std::string folder = out.path().string();

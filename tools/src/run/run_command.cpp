@@ -113,6 +113,33 @@ void refuse_to_write_into_recording(const RunOptions& options) {
       fmt::format("{}: holds the recording; give another --out for the results", options.out));
 }
 
+/// Compares the poses of which something is known: where a place was not recognized, the pose is
+/// that of an earlier scan.
+std::optional<ReferenceComparison> comparison_of(const SlamRun& run,
+                                                 const TrajectoryFile& reference) {
+  const Trajectory& all = run.trajectory;
+  Trajectory known;
+  std::vector<std::size_t> scan_of_known;
+  for (std::size_t scan = 0; scan < all.size(); ++scan) {
+    if (run.scans[scan].report.mapping_status == slam::Status::kNotRecognized) continue;
+    known.push_back(all[scan]);
+    scan_of_known.push_back(scan);
+  }
+  if (known.size() == all.size()) return compare_with_reference(all, reference);
+  const TrajectoryFile stamped{reference.path, with_stamps_of(reference, all), true};
+  std::optional<ReferenceComparison> comparison = compare_with_reference(known, stamped);
+  if (!comparison) return std::nullopt;
+  AbsolutePoseError& error = comparison->error;
+  for (std::size_t& pose : error.pairs.estimate) pose = scan_of_known[pose];
+  const Pose T_reference_map =
+      error.aligned_estimate.front().T_map_sensor * known.front().T_map_sensor.inverse();
+  error.aligned_estimate = all;
+  for (StampedPose& pose : error.aligned_estimate) {
+    pose.T_map_sensor = T_reference_map * pose.T_map_sensor;
+  }
+  return comparison;
+}
+
 /// The poses of a run, but for scans that were not located.
 ScanPoses poses_of(const SlamRun& run) {
   ScanPoses poses;
@@ -235,7 +262,7 @@ RunResult run_and_write(const RunOptions& options, const InterruptGuard& interru
     return result;  // interrupted at once: an earlier run's results stay
   }
   if (reference) {
-    result.comparison = compare_with_reference(result.run.trajectory, *reference);
+    result.comparison = comparison_of(result.run, *reference);
     if (!result.comparison) {
       to_stderr(
           "hqslam: {}: fewer than 3 of its poses are within 0.02 s of a scan: not compared "
