@@ -14,8 +14,7 @@
 #include "hqslam/slam/options.h"
 #include "hqslam/slam/saved_map.h"
 #include "hqslam/slam/segmentation.h"
-#include "loops/loop_closing.h"
-#include "loops/loop_search.h"
+#include "loops/background_loop_closing.h"
 #include "loops/loop_verification.h"
 #include "loops/place_recognition.h"
 #include "map/choice_of_start.h"
@@ -47,6 +46,15 @@ constexpr double kSteady_periods = 10.0;
 /// and more at the edge of the map, 0.06 at a wrong place, measured. The ground fits everywhere.
 constexpr double kMinOverlapInGivenMap = 0.1;
 
+/// Whether a sensor that is not carried can have moved so much otherwise than it was expected to.
+bool is_plausible(const Twist& surprise, double duration_s) {
+  constexpr double kAccelerated_m_s2 = 10.0;
+  constexpr double kTurned_rad_s2 = 5.0;
+  const double half_square_s2 = 0.5 * duration_s * duration_s;
+  return surprise.linear.norm() <= 0.5 + kAccelerated_m_s2 * half_square_s2 &&
+         surprise.angular.norm() <= 0.2 + kTurned_rad_s2 * half_square_s2;
+}
+
 /// Whether a scan can serve as the one that the next are matched with: edges alone will do
 /// (indoors), and so will ground and surfaces alone (in open land).
 bool can_be_reference(const Features& features, const OdometryOptions& options) {
@@ -63,9 +71,12 @@ struct Slam::Implementation {
   Segmenter segmenter;
   Odometry odometry;
   Mapping mapping;
-  std::optional<LoopClosing> loop_closing;
+  std::optional<BackgroundLoopClosing> loop_closing;  ///< not in a given map
   Trajectory trajectory;
   std::vector<std::uint32_t> key_frame_of_scan;  ///< the last up to each scan
+  std::vector<std::uint32_t> stretch_of_scan;    ///< of path without a gap
+  std::uint32_t stretches_begun = 0;
+  std::vector<std::size_t> part_of_stretch;  ///< as far as it is known
   ScanClock clock;
   double time_s = 0.0;  ///< of the scan at hand
   double reference_time_s = 0.0;
@@ -74,6 +85,7 @@ struct Slam::Implementation {
   AccelerationNoise accelerations;
   Drift drift;
   int unlocated_scans = 0;
+  bool is_way_known = true;  ///< since the last scan that was located
 
   Implementation(const SensorModel& sensor_, const SlamOptions& options_)
       : sensor(validated(sensor_)),
@@ -83,7 +95,7 @@ struct Slam::Implementation {
         mapping(options.mapping),
         clock(sensor.scan_period_s),
         drift(sensor) {
-    if (options.loop_closing.enabled) loop_closing.emplace();
+    loop_closing.emplace(options.mapping, options.loop_closing.enabled);
   }
 
   /// In a map that another drive left behind: how its places are recognized.
@@ -105,6 +117,7 @@ struct Slam::Implementation {
     MotionState state;
     bool is_located = false;   ///< in the map
     bool by_odometry = false;  ///< from the reference
+    bool is_motion_plausible = false;  ///< what the odometry saw
   };
 
   ScanReport process(const OrganizedCloud& cloud, double stamp_s);
@@ -119,20 +132,20 @@ struct Slam::Implementation {
   void correct_first_key_frame(const Twist& velocity);
   void make_reference(const Features& features, const MotionState& state, const ScanReport& report);
   void add_key_frame(const OrganizedCloud& cloud, const MapFeatures& features, Stopwatch& stopwatch,
-                     ScanReport& report);
-  void correct(const std::vector<Pose>& corrections, ScanReport& report);
+                     ScanReport& report, bool begins_stretch);
+  void take_in(const LoopResult& found);
+  FeatureMaps whole_map(std::size_t part) const;
+  std::size_t part_of(std::uint32_t stretch) const;
 };
 
 void Slam::Implementation::locate_in(const SavedMap& map,
                                      const std::optional<Pose>& T_map_sensor_start) {
-  if (loop_closing) {
-    throw Error("loop closing moves a map, expected a given one to stay; leave it out");
-  }
+  loop_closing.reset();  // a given map stays as it is
   if (map.places.empty()) {
     throw Error("the map has no place to be recognized; save it after a drive");
   }
-  mapping = Mapping(options.mapping, map);
-  place_recognition.emplace(map.places, T_map_sensor_start);
+  mapping = Mapping(options.mapping, FeatureMaps(options.mapping, map));
+  place_recognition.emplace(options.mapping, map.places, T_map_sensor_start);
   is_recognized = false;
 }
 
@@ -141,6 +154,13 @@ ScanReport Slam::Implementation::process(const OrganizedCloud& cloud, double sta
   ScanReport report;
   report.stamp_s = stamp_s;
   time_s = clock.time_s(stamp_s);
+  if (loop_closing) {
+    if (const std::optional<LoopResult> found = loop_closing->collect()) {
+      take_in(*found);
+      report.loop = found->report;
+    }
+    report.times.loop_closing_s = stopwatch.lap_s();
+  }
   const Segmentation segmentation = segmenter.segment(cloud);
   report.returns = segmentation.returns;
   report.ground_points = segmentation.ground_points;
@@ -164,6 +184,7 @@ ScanReport Slam::Implementation::process(const OrganizedCloud& cloud, double sta
                          report.times.loop_closing_s;
   trajectory.push_back({stamp_s, report.T_map_sensor});
   key_frame_of_scan.push_back(mapping.key_frames() > 0 ? mapping.key_frames() - 1 : 0);
+  stretch_of_scan.push_back(stretches_begun > 0 ? stretches_begun - 1 : 0);
   return report;
 }
 
@@ -177,7 +198,7 @@ void Slam::Implementation::begin(const OrganizedCloud& cloud, const Features& fe
   }
   make_reference(features, unknown_motion(Pose::Identity()), report);
   first_scan = {time_s, features, map_features(features, sensor.measured_rows, options.mapping)};
-  add_key_frame(cloud, first_scan->thinned, stopwatch, report);
+  add_key_frame(cloud, first_scan->thinned, stopwatch, report, true);
 }
 
 /// Looks for the place of a scan in the given map. Until it is found the last known pose stands,
@@ -201,7 +222,7 @@ void Slam::Implementation::recognize_place(const OrganizedCloud& cloud, const Fe
   report.times.odometry_s = stopwatch.lap_s();
   const bool is_seen_enough = can_be_reference(features, options.odometry);
   std::optional<Pose> T_map_sensor;
-  if (is_seen_enough) T_map_sensor = place_recognition->find(scan, mapping);
+  if (is_seen_enough) T_map_sensor = place_recognition->find(scan, mapping.map());
   is_recognized = T_map_sensor.has_value();
   state.T_map_sensor = T_map_sensor.value_or(reference.T_map_sensor);
   state.velocity = scan.velocity;
@@ -223,6 +244,7 @@ void Slam::Implementation::follow(const OrganizedCloud& cloud, const Features& f
     followed = locate(features, thinned, stopwatch, report);
   }
   unlocated_scans = followed.is_located ? 0 : unlocated_scans + 1;
+  is_way_known = followed.is_located || (is_way_known && followed.is_motion_plausible);
   const bool lost = unlocated_scans > kMaxUnlocatedScans;
   if (place_recognition && lost) {
     is_recognized = false;  // the next scan is looked for in all of the map
@@ -233,12 +255,16 @@ void Slam::Implementation::follow(const OrganizedCloud& cloud, const Features& f
   }
   const bool goes_on = lost && can_be_reference(features, options.odometry);
   if (followed.by_odometry || followed.is_located || goes_on) {
+    const bool begins_stretch = goes_on && !is_way_known && !place_recognition;
     if (!followed.by_odometry && !followed.is_located) {
       // Nothing measured this motion: a wrong velocity would be predicted again, and kept for good.
-      drift.lose(followed.state);
       followed.state = unknown_motion(followed.state.T_map_sensor);
+    }
+    if (begins_stretch) {
+      drift.lose(followed.state);
       first_scan.reset();
       unlocated_scans = 0;
+      is_way_known = true;
     }
     const Pose motion = reference.T_map_sensor.inverse() * followed.state.T_map_sensor;
     if (followed.is_located) {
@@ -252,7 +278,7 @@ void Slam::Implementation::follow(const OrganizedCloud& cloud, const Features& f
     make_reference(features, followed.state, report);
     if (!place_recognition && (followed.is_located || goes_on) &&
         mapping.is_key_frame(report.T_map_sensor)) {
-      add_key_frame(cloud, thinned, stopwatch, report);
+      add_key_frame(cloud, thinned, stopwatch, report, begins_stretch);
     }
   }
   report.times.mapping_s += stopwatch.lap_s();
@@ -276,7 +302,7 @@ Slam::Implementation::Followed Slam::Implementation::locate(const Features& feat
 
   MappingResult located = locate_from_both(mapping, thinned, {expected, T_map_moved, duration_s});
   if (place_recognition &&
-      fit_of(thinned, mapping, located.state.T_map_sensor).overlap < kMinOverlapInGivenMap) {
+      fit_of(thinned, mapping.map(), located.state.T_map_sensor).overlap < kMinOverlapInGivenMap) {
     located.status = Status::kTooFewFeatures;
   }
   if (located.status != Status::kTooFewFeatures &&
@@ -284,7 +310,10 @@ Slam::Implementation::Followed Slam::Implementation::locate(const Features& feat
     located.status = Status::kAfterGap;
   }
   Followed result{located.state, located.status != Status::kTooFewFeatures,
-                  moved.status != Status::kTooFewFeatures};
+                  moved.status != Status::kTooFewFeatures,
+                  moved.status != Status::kTooFewFeatures &&
+                      is_plausible(logarithm(expected.T_map_sensor.inverse() * T_map_moved),
+                                   duration_s)};
   if (!result.is_located) {
     result.state.T_map_sensor = T_map_moved;
     result.state.velocity = (1.0 / duration_s) * logarithm(moved.T_reference_sensor);
@@ -318,37 +347,58 @@ void Slam::Implementation::make_reference(const Features& features, const Motion
   T_odom_reference = report.T_odom_sensor;
 }
 
-/// Puts the scan, of which velocity and T_map_sensor are known, into the map.
+/// Puts the scan, of which velocity and T_map_sensor are known, into the map, or into one of its own
+/// if nothing measured the way here.
 void Slam::Implementation::add_key_frame(const OrganizedCloud& cloud, const MapFeatures& features,
-                                         Stopwatch& stopwatch, ScanReport& report) {
+                                         Stopwatch& stopwatch, ScanReport& report,
+                                         bool begins_stretch) {
+  LoopKeyFrame key_frame{report.T_map_sensor, report.mapping_status, trajectory.size(),
+                         begins_stretch, std::nullopt};
+  if (begins_stretch || loop_closing->wants_view(report.T_map_sensor)) {
+    key_frame.view = {cloud, features, reference.velocity,
+                      begins_stretch ? mapping.lay_aside_all() : mapping.lay_aside()};
+  }
+  if (begins_stretch) ++stretches_begun;
   mapping.insert(features, report.T_map_sensor, reference.velocity);
   report.key_frame = true;
   report.times.mapping_s += stopwatch.lap_s();
-  if (!loop_closing) return;
-  const LoopResult result =
-      loop_closing->process({cloud, features, reference.velocity, report.T_map_sensor,
-                             report.mapping_status, trajectory.size()},
-                            mapping);
-  report.loop = result.report;
-  if (!result.corrections.empty()) correct(result.corrections, report);
-  if (result.report.status == LoopStatus::kAgrees || result.report.status == LoopStatus::kClosed) {
-    mapping.recall(loop_surroundings(report.T_map_sensor));
-  }
-  report.times.loop_closing_s = stopwatch.lap_s();
+  loop_closing->add(std::move(key_frame));
+  report.times.loop_closing_s += stopwatch.lap_s();
 }
 
 /// Moves map and path with their key frames. The odometry's frame and the last motion stay as they
 /// are, so the next scan is followed as if nothing had happened, in the corrected map.
-void Slam::Implementation::correct(const std::vector<Pose>& corrections, ScanReport& report) {
-  mapping.correct(corrections);
-  for (std::size_t scan = 0; scan < trajectory.size(); ++scan) {
-    const Pose& correction = corrections[key_frame_of_scan[scan]];
-    if (correction.matrix().isIdentity(0.0)) continue;
-    Pose& T_map_sensor = trajectory[scan].T_map_sensor;
-    T_map_sensor = orthonormalized(correction * T_map_sensor);
+void Slam::Implementation::take_in(const LoopResult& found) {
+  part_of_stretch = found.part_of_stretch;
+  if (!found.corrections.empty()) {
+    mapping.correct(found.corrections);
+    for (std::size_t scan = 0; scan < trajectory.size(); ++scan) {
+      const Pose& correction = found.corrections[key_frame_of_scan[scan]];
+      if (correction.matrix().isIdentity(0.0)) continue;
+      Pose& T_map_sensor = trajectory[scan].T_map_sensor;
+      T_map_sensor = orthonormalized(correction * T_map_sensor);
+    }
+    reference.T_map_sensor = orthonormalized(found.corrections.back() * reference.T_map_sensor);
   }
-  report.T_map_sensor = orthonormalized(corrections.back() * report.T_map_sensor);
-  reference.T_map_sensor = report.T_map_sensor;
+  mapping.take_up(found.recalled);
+}
+
+/// What is laid aside of a part, and of the last one what scans are matched with, as it will be when
+/// what is known about it is taken in.
+FeatureMaps Slam::Implementation::whole_map(std::size_t part) const {
+  FeatureMaps result = loop_closing->finished().parts()[part];
+  if (part != part_of(stretches_begun - 1)) return result;
+  FeatureMaps in_use = mapping.map();
+  if (const std::optional<LoopResult> found = loop_closing->pending()) {
+    if (!found->corrections.empty()) in_use.correct(found->corrections);
+    result.insert(found->recalled);
+  }
+  result.insert(in_use.take_all());
+  return result;
+}
+
+std::size_t Slam::Implementation::part_of(std::uint32_t stretch) const {
+  return stretch < part_of_stretch.size() ? part_of_stretch[stretch] : stretch;
 }
 
 Slam::Slam(const SensorModel& sensor) : Slam(sensor, SlamOptions{}) {}
@@ -370,22 +420,57 @@ ScanReport Slam::process(const OrganizedCloud& cloud, double stamp_s) {
                           : implementation_->process(without_unsound(cloud), stamp_s);
 }
 
+std::vector<LoopReport> Slam::finish() {
+  std::vector<LoopReport> reports;
+  if (!implementation_->loop_closing) return reports;
+  while (const auto found = implementation_->loop_closing->finish()) {
+    implementation_->take_in(*found);
+    reports.push_back(found->report);
+  }
+  return reports;
+}
+
 const Trajectory& Slam::trajectory() const { return implementation_->trajectory; }
 
+std::vector<std::size_t> Slam::part_of_scan() const {
+  std::vector<std::size_t> result;
+  for (const std::uint32_t stretch : implementation_->stretch_of_scan) {
+    result.push_back(implementation_->part_of(stretch));
+  }
+  return result;
+}
+
 std::vector<Eigen::Vector3f> Slam::map_points_m() const {
-  std::vector<Eigen::Vector3f> points_m = implementation_->mapping.planes().points_m();
-  const std::vector<Eigen::Vector3f> edges_m = implementation_->mapping.edges().points_m();
-  points_m.insert(points_m.end(), edges_m.begin(), edges_m.end());
-  return points_m;
+  std::vector<Eigen::Vector3f> result;
+  const auto add = [&](const FeatureMaps& map) {
+    for (const FeatureMap* kind : {&map.planes, &map.edges}) {
+      const std::vector<Eigen::Vector3f> points_m = kind->points_m();
+      result.insert(result.end(), points_m.begin(), points_m.end());
+    }
+  };
+  if (!implementation_->loop_closing) {
+    add(implementation_->mapping.map());
+    return result;
+  }
+  for (std::size_t part = 0; part < implementation_->loop_closing->finished().parts().size(); ++part) {
+    add(implementation_->whole_map(part));
+  }
+  return result;
 }
 
 SavedMap Slam::saved_map() const {
-  if (!implementation_->loop_closing) {
+  if (!implementation_->loop_closing || !implementation_->options.loop_closing.enabled) {
     throw Error("expected loop closing, which knows the places of a map; switch it on");
   }
-  const Mapping& mapping = implementation_->mapping;
-  return {mapping.edges().points_m(), mapping.posts().points_m(), mapping.planes().points_m(),
-          implementation_->loop_closing->places()};
+  const LoopClosing& finished = implementation_->loop_closing->finished();
+  SavedMap result;
+  for (std::size_t part = 0; part < finished.parts().size(); ++part) {
+    std::vector<SavedPlace> places = finished.places(part);
+    if (places.size() <= result.places.size()) continue;
+    const FeatureMaps map = implementation_->whole_map(part);
+    result = {map.edges.points_m(), map.posts.points_m(), map.planes.points_m(), std::move(places)};
+  }
+  return result;
 }
 
 }  // namespace hqslam::slam

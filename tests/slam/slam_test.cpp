@@ -67,13 +67,14 @@ struct ClosedDrive {
 
 ClosedDrive drive_around(const SensorModel& sensor, const std::vector<OrganizedCloud>& scans) {
   slam::SlamOptions options;
-  options.loop_closing.enabled = true;
+  options.mapping.recent_path_m = 50.0;
   slam::Slam slam(sensor, options);
   ClosedDrive result;
   for (const OrganizedCloud& scan : scans) {
     result.reports.push_back(
         slam.process(scan, kPeriod_s * static_cast<double>(result.reports.size())));
   }
+  slam.finish();
   result.trajectory = slam.trajectory();
   result.map_points_m = slam.map_points_m();
   return result;

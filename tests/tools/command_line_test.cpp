@@ -60,7 +60,7 @@ TEST_CASE("the options of live arrive where they belong, --view with a port and 
                                           "16",       "--out",      "x",
                                           "--return", "last",       "--threads",
                                           "2",        "--upsample", "linear",
-                                          "--record", "a.pcap",     "--loop-closing",
+                                          "--record", "a.pcap",     "--no-loop-closing",
                                           "--view",   "8000",       "--view-address",
                                           "0.0.0.0"})
                                       .live;
@@ -71,7 +71,7 @@ TEST_CASE("the options of live arrive where they belong, --view with a port and 
   CHECK(live.upsample == "linear");
   CHECK(live.record == "a.pcap");
   CHECK(live.threads == 2);
-  CHECK(live.slam.loop_closing);
+  CHECK_FALSE(live.slam.loop_closing);
   CHECK(live.view == 8000);
   CHECK(live.view_address == "0.0.0.0");
   const LiveCommandOptions plain = parsed({"live", "--sensor", "vlp-16", "--out", "x"}).live;

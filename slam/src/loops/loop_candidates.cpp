@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <functional>
 #include <limits>
+#include <numbers>
 #include <queue>
 #include <utility>
 
@@ -29,7 +30,9 @@ std::vector<std::vector<Neighbour>> neighbours_of(const PoseGraph& graph,
     result[a].emplace_back(b, drift_m);
     result[b].emplace_back(a, drift_m);
   };
-  for (std::size_t i = 0; i < edge_drift_m.size(); ++i) connect(i, i + 1, edge_drift_m[i]);
+  for (std::size_t i = 0; i < edge_drift_m.size(); ++i) {
+    connect(graph.odometry[i].from, graph.odometry[i].to, edge_drift_m[i]);
+  }
   for (const PoseGraphEdge& loop : graph.loops) connect(loop.from, loop.to, kLoopDrift_m);
   return result;
 }
@@ -61,7 +64,8 @@ std::vector<PlausibleDrift> plausible_drift(const PoseGraph& graph,
   std::vector<PlausibleDrift> result;
   result.reserve(drift_m.size());
   for (const double sum_m : drift_m) {
-    result.push_back({kBaseDrift_m + sum_m, kBaseDrift_rad + kDrift_rad_per_m * sum_m});
+    result.push_back({kBaseDrift_m + sum_m,
+                      std::min(kBaseDrift_rad + kDrift_rad_per_m * sum_m, std::numbers::pi)});
   }
   return result;
 }
@@ -70,10 +74,11 @@ std::vector<LoopCandidate> loop_candidates(const PoseGraph& graph,
                                            const std::vector<ScanContext>& contexts,
                                            const std::vector<ScanContext>& last_contexts,
                                            const std::vector<PlausibleDrift>& drift,
-                                           std::size_t old_nodes, std::size_t max_candidates) {
+                                           const std::vector<std::size_t>& nodes,
+                                           std::size_t max_candidates) {
   const Pose& T_map_last = graph.T_map_node.back();
   std::vector<LoopCandidate> within_reach;
-  for (std::size_t node = 0; node < old_nodes; ++node) {
+  for (const std::size_t node : nodes) {
     const Pose T_node_last = graph.T_map_node[node].inverse() * T_map_last;
     if (T_node_last.translation().norm() > drift[node].translation_m + kPassingDistance_m) continue;
     ScanContextMatch match;

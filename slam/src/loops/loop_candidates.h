@@ -16,9 +16,9 @@ struct PlausibleDrift {
 
 /// How far off each node can be from where it is believed to be, seen from the last node.
 ///
-/// Drift comes up along the path, `edge_drift_m[i]` on the way from node i to node i + 1, and ends
+/// Drift comes up along the path, `edge_drift_m[i]` on the odometry's edge i, and ends
 /// where a place is recognised: the least sum over all ways through the graph (Dijkstra), plus what
-/// two passes of a place differ in anyway.
+/// two passes of a place differ in anyway. Where no way leads, anything is plausible.
 std::vector<PlausibleDrift> plausible_drift(const PoseGraph& graph,
                                             const std::vector<double>& edge_drift_m);
 
@@ -30,13 +30,14 @@ struct LoopCandidate {
 
 /// The older nodes within reach of plausible drift that look most like the last one.
 ///
-/// In: graph, one scan context per older node, those of the last one (from where it stands and from
-/// the lanes beside), the drift, how many nodes are old enough (the first
-/// ones). Out: at most `max_candidates`, best first, no two within 12 m of each other.
+/// In: graph, one scan context per node, those of the last one (from where it stands and from the
+/// lanes beside), the drift, the nodes that are asked. Out: at most `max_candidates`, best first, no
+/// two within 12 m of each other.
 std::vector<LoopCandidate> loop_candidates(const PoseGraph& graph,
                                            const std::vector<ScanContext>& contexts,
                                            const std::vector<ScanContext>& last_contexts,
                                            const std::vector<PlausibleDrift>& drift,
-                                           std::size_t old_nodes, std::size_t max_candidates);
+                                           const std::vector<std::size_t>& nodes,
+                                           std::size_t max_candidates);
 
 }  // namespace hqslam::slam

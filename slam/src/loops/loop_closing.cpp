@@ -1,6 +1,8 @@
 #include "loops/loop_closing.h"
 
 #include <algorithm>
+#include <iterator>
+#include <utility>
 
 #include "loops/loop_correction.h"
 
@@ -8,9 +10,6 @@ namespace hqslam::slam {
 
 namespace {
 
-constexpr double kNodeSpacing_m = 4.0;
-/// Path after which a place counts as passed before.
-constexpr double kMinPath_m = 50.0;
 constexpr double kRecentRadius_m = 35.0;
 constexpr std::size_t kRecentPoints = 800;  // of each kind
 
@@ -56,24 +55,42 @@ bool is_within(const Pose& change, double max_m, double max_rad) {
 
 }  // namespace
 
-LoopResult LoopClosing::process(const LoopKeyFrame& key_frame, const Mapping& mapping) {
-  add_key_frame(key_frame);
-  if (!nodes_.empty() && path_m_ - nodes_.back().path_m < kNodeSpacing_m) return {};
-  add_node(key_frame);
-  if (path_m_ < next_search_m_) return {};
-  return search(mapping);
+LoopClosing::LoopClosing(const MappingOptions& mapping, bool searches)
+    : mapping_(mapping), searches_(searches) {}
+
+LoopResult LoopClosing::process(std::vector<LoopKeyFrame> key_frames) {
+  for (LoopKeyFrame& key_frame : key_frames) {
+    // What was laid aside belongs to the stretch before this key frame.
+    if (key_frame.view && !parts_.empty()) {
+      parts_[stretches_.back().part].insert(key_frame.view->laid_aside);
+    }
+    add_key_frame(key_frame);
+    if (key_frame.view && searches_) add_node(key_frame);
+  }
+  LoopResult result;
+  if (searches_ && !nodes_.empty() && path_m_ >= next_search_m_) result = search();
+  for (const Stretch& stretch : stretches_) result.part_of_stretch.push_back(stretch.part);
+  return result;
 }
 
-std::vector<SavedPlace> LoopClosing::places() const {
+std::vector<SavedPlace> LoopClosing::places(std::size_t part) const {
   std::vector<SavedPlace> result;
   for (std::size_t i = 0; i < nodes_.size(); ++i) {
-    result.push_back({graph_.T_map_node[i], contexts_[i]});
+    if (part_of(i) == part) result.push_back({graph_.T_map_node[i], contexts_[i]});
   }
   return result;
 }
 
 void LoopClosing::add_key_frame(const LoopKeyFrame& key_frame) {
-  if (!T_map_key_frame_.empty()) {
+  if (T_map_key_frame_.empty() || key_frame.begins_stretch) {
+    stretches_.push_back({static_cast<std::uint32_t>(T_map_key_frame_.size()), nodes_.size(),
+                          parts_.size()});
+    parts_.emplace_back(mapping_);
+    recent_ = RecentFeatures(kRecentNodes);
+    forget_waiting();
+    next_search_m_ = path_m_;
+    drift_m_ = 0.0;
+  } else {
     const double step_m =
         (key_frame.T_map_sensor.translation() - T_map_key_frame_.back().translation()).norm();
     const bool observed = key_frame.mapping_status == Status::kOk ||
@@ -85,7 +102,7 @@ void LoopClosing::add_key_frame(const LoopKeyFrame& key_frame) {
 }
 
 void LoopClosing::add_node(const LoopKeyFrame& key_frame) {
-  if (!nodes_.empty()) {
+  if (nodes_.size() > stretches_.back().first_node) {
     const double sigma_m = kSigmaPerDrift * drift_m_;
     graph_.odometry.push_back({nodes_.size() - 1, nodes_.size(),
                                graph_.T_map_node.back().inverse() * key_frame.T_map_sensor,
@@ -97,37 +114,63 @@ void LoopClosing::add_node(const LoopKeyFrame& key_frame) {
   graph_.T_map_node.push_back(key_frame.T_map_sensor);
   nodes_.push_back(
       {static_cast<std::uint32_t>(T_map_key_frame_.size() - 1), key_frame.scan, path_m_});
-  last_contexts_ = scan_contexts_from_lanes(key_frame.cloud);
+  last_contexts_ = scan_contexts_from_lanes(key_frame.view->cloud);
   contexts_.push_back(last_contexts_.front());
-  recent_.add(key_frame.features, key_frame.T_map_sensor, key_frame.velocity);
+  recent_.add(key_frame.view->features, key_frame.T_map_sensor, key_frame.view->velocity);
 }
 
-LoopResult LoopClosing::search(const Mapping& mapping) {
-  const auto is_old = [&](const Node& node) { return path_m_ - node.path_m >= kMinPath_m; };
-  const auto first_new = std::partition_point(nodes_.begin(), nodes_.end(), is_old);
-  LoopResult result;
-  if (first_new == nodes_.begin()) return result;
+std::size_t LoopClosing::part_of(std::size_t node) const {
+  const auto begins_after = [](std::size_t i, const Stretch& stretch) {
+    return i < stretch.first_node;
+  };
+  return std::prev(std::upper_bound(stretches_.begin(), stretches_.end(), node, begins_after))
+      ->part;
+}
+
+/// The nodes of a part; of the last stretch those about which the map was laid aside.
+std::vector<std::size_t> LoopClosing::nodes_to_ask(std::size_t part) const {
+  std::vector<std::size_t> result;
+  for (std::size_t i = 0; i < nodes_.size(); ++i) {
+    const bool is_old = i < stretches_.back().first_node || path_m_ - nodes_[i].path_m >= mapping_.recent_path_m;
+    if (is_old && part_of(i) == part) result.push_back(i);
+  }
+  return result;
+}
+
+/// What is found of the last node in a part of the map.
+template <typename Look>
+auto LoopClosing::look_in(std::size_t part, const Look& look) const {
+  const std::vector<std::size_t> nodes = nodes_to_ask(part);
   const std::vector<PlausibleDrift> drift = plausible_drift(graph_, edge_drift_m_);
   const MapFeatures features = recent_.about_last(kRecentRadius_m, kRecentPoints);
-  const LoopSearchSpace space{mapping,
-                              graph_,
-                              contexts_,
-                              last_contexts_,
-                              drift,
-                              features,
-                              static_cast<std::size_t>(first_new - nodes_.begin()),
-                              std::prev(first_new)->key_frame + 1};
-  result.report = waiting_.empty() ? look_around(space) : look_where_predicted(space);
+  return look(LoopSearchSpace{mapping_, parts_[part], graph_, contexts_, last_contexts_, drift,
+                              features, nodes});
+}
+
+LoopResult LoopClosing::search() {
+  LoopResult result;
+  result.report = waiting_.empty() ? look_around() : look_where_predicted();
+  result.report.scan = nodes_.back().scan;
   if (enough_agree()) {
     result.corrections = close(result.report);
   } else if (result.report.status == LoopStatus::kAgrees) {
     result.corrections = align(result.report);
   }
+  if (result.report.status == LoopStatus::kAgrees || result.report.status == LoopStatus::kClosed) {
+    result.recalled = parts_[stretches_.back().part].take_near(
+        loop_surroundings(graph_.T_map_node.back()));
+  }
   return result;
 }
 
-LoopReport LoopClosing::look_around(const LoopSearchSpace& space) {
-  const LoopSearchResult found = search_loop(space);
+/// In the other parts first: that is where most is to be won.
+LoopReport LoopClosing::look_around() {
+  LoopSearchResult found;
+  const std::size_t own = stretches_.back().part;
+  for (std::size_t part = 0; part < parts_.size() && !found.loop; ++part) {
+    if (part != own) found = look_in(part, search_similar_places);
+  }
+  if (!found.loop) found = look_in(own, search_loop);
   const bool failed = found.candidates > 0 && !found.loop;
   next_search_m_ = path_m_ + (failed ? kSearchAfterFailing_m : kSearchEvery_m);
   LoopReport report;
@@ -136,7 +179,7 @@ LoopReport LoopClosing::look_around(const LoopSearchSpace& space) {
   if (!found.loop) return report;
   report.older_scan = nodes_[found.loop->node].scan;
   const Pose change = graph_.T_map_node.back().inverse() * found.loop->T_map_last;
-  if (is_within(change, kAgreeing_m, kAgreeing_rad)) {
+  if (part_of(found.loop->node) == own && is_within(change, kAgreeing_m, kAgreeing_rad)) {
     graph_.loops.push_back(edge_of(*found.loop));
     next_search_m_ = path_m_ + kSearchAfterAgreeing_m;
     report.status = LoopStatus::kAgrees;
@@ -146,9 +189,11 @@ LoopReport LoopClosing::look_around(const LoopSearchSpace& space) {
   return report;
 }
 
-LoopReport LoopClosing::look_where_predicted(const LoopSearchSpace& space) {
+LoopReport LoopClosing::look_where_predicted() {
   const Pose T_map_predicted = T_corrected_map_ * graph_.T_map_node.back();
-  const std::optional<FoundLoop> loop = loop_at(space, T_map_predicted);
+  const std::optional<FoundLoop> loop =
+      look_in(part_of(waiting_.back().from),
+              [&](const LoopSearchSpace& space) { return loop_at(space, T_map_predicted); });
   LoopReport report;
   report.candidates = 1;
   report.status = LoopStatus::kNotVerified;
@@ -182,9 +227,11 @@ void LoopClosing::forget_waiting() {
 
 bool LoopClosing::enough_agree() const {
   if (waiting_.size() < kLoopsWanted) return false;
+  const double stretch_m = nodes_[waiting_.back().to].path_m - nodes_[waiting_.front().to].path_m;
+  const bool joins = part_of(waiting_.back().from) != part_of(waiting_.back().to);
+  if (joins) return stretch_m >= kStretchBeyondCorrection_m;
   const Eigen::Vector3d believed_m = graph_.T_map_node[waiting_.back().to].translation();
   const double correction_m = (T_corrected_map_ * believed_m - believed_m).norm();
-  const double stretch_m = nodes_[waiting_.back().to].path_m - nodes_[waiting_.front().to].path_m;
   return stretch_m >= kStretchBeyondCorrection_m + correction_m;
 }
 
@@ -204,6 +251,9 @@ std::vector<Pose> LoopClosing::align(LoopReport& report) {
 std::vector<Pose> LoopClosing::close(LoopReport& report) {
   PoseGraph with_loops = graph_;
   with_loops.loops.insert(with_loops.loops.end(), waiting_.begin(), waiting_.end());
+  bring_together(with_loops);
+  const std::size_t part = part_of(waiting_.back().to);
+  const std::size_t other = part_of(waiting_.back().from);
   forget_waiting();
   const std::vector<Pose> T_map_node = optimized(with_loops);
   if (T_map_node.empty() || !is_plausible(with_loops, edge_drift_m_, T_map_node)) {
@@ -216,14 +266,51 @@ std::vector<Pose> LoopClosing::close(LoopReport& report) {
   report.correction_m =
       (T_map_node.back().translation() - graph_.T_map_node.back().translation()).norm();
   next_search_m_ = path_m_ + kSearchAfterAgreeing_m;
-  return move_key_frames(T_map_node);
+  std::vector<Pose> corrections = move_key_frames(T_map_node);
+  if (part != other) join(part, other);
+  return corrections;
 }
 
+/// Puts the younger of two parts where the loops see it, as a whole: the optimisation begins there.
+void LoopClosing::bring_together(PoseGraph& graph) const {
+  const std::size_t part = part_of(waiting_.back().to);
+  const std::size_t other = part_of(waiting_.back().from);
+  const Pose move = part > other ? T_corrected_map_ : Pose(T_corrected_map_.inverse());
+  for (std::size_t i = 0; i < nodes_.size() && part != other; ++i) {
+    if (part_of(i) != std::max(part, other)) continue;
+    graph.T_map_node[i] = orthonormalized(move * graph.T_map_node[i]);
+  }
+}
+
+/// Of two parts that are in one frame now the younger becomes one with the older.
+void LoopClosing::join(std::size_t part, std::size_t other) {
+  const auto [older, younger] = std::minmax(part, other);
+  parts_[older].insert(parts_[younger].take_all());
+  for (Stretch& stretch : stretches_) {
+    if (stretch.part == younger) stretch.part = older;
+  }
+}
+
+/// Every stretch of path, and what was laid aside of it, moves with its nodes.
 std::vector<Pose> LoopClosing::move_key_frames(const std::vector<Pose>& T_map_node) {
-  std::vector<std::uint32_t> key_frame_of_node;
-  for (const Node& node : nodes_) key_frame_of_node.push_back(node.key_frame);
-  const std::vector<Pose> moved =
-      corrected_key_frames(T_map_key_frame_, key_frame_of_node, T_map_node);
+  std::vector<Pose> moved;
+  for (std::size_t s = 0; s < stretches_.size(); ++s) {
+    const bool last = s + 1 == stretches_.size();
+    const std::uint32_t begin = stretches_[s].first_key_frame;
+    const std::size_t end = last ? T_map_key_frame_.size() : stretches_[s + 1].first_key_frame;
+    const std::size_t end_node = last ? nodes_.size() : stretches_[s + 1].first_node;
+    std::vector<std::uint32_t> key_frame_of_node;
+    for (std::size_t i = stretches_[s].first_node; i < end_node; ++i) {
+      key_frame_of_node.push_back(nodes_[i].key_frame - begin);
+    }
+    const auto at = [](const std::vector<Pose>& poses, std::size_t i) {
+      return poses.begin() + static_cast<std::ptrdiff_t>(i);
+    };
+    const std::vector<Pose> of_stretch = corrected_key_frames(
+        {at(T_map_key_frame_, begin), at(T_map_key_frame_, end)}, key_frame_of_node,
+        {at(T_map_node, stretches_[s].first_node), at(T_map_node, end_node)});
+    moved.insert(moved.end(), of_stretch.begin(), of_stretch.end());
+  }
   std::vector<Pose> corrections;
   for (std::size_t k = 0; k < moved.size(); ++k) {
     const bool stays = moved[k].matrix() == T_map_key_frame_[k].matrix();
@@ -235,6 +322,7 @@ std::vector<Pose> LoopClosing::move_key_frames(const std::vector<Pose>& T_map_no
     graph_.T_map_node[i] = moved[nodes_[i].key_frame];
   }
   recent_.correct(corrections.back());
+  for (FeatureMaps& part : parts_) part.correct(corrections);
   return corrections;
 }
 

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "hqslam/core/organized_cloud.h"
@@ -14,14 +15,22 @@
 
 namespace hqslam::slam {
 
+/// What a key frame saw.
+struct LoopView {
+  OrganizedCloud cloud;
+  MapFeatures features;
+  Twist velocity;        ///< a second
+  MapPoints laid_aside;  ///< taken out of the map before it was put there
+};
+
 /// A key frame as it was put into the map.
 struct LoopKeyFrame {
-  const OrganizedCloud& cloud;
-  const MapFeatures& features;
-  Twist velocity;  ///< a second
   Pose T_map_sensor = Pose::Identity();
   Status mapping_status = Status::kOk;
   std::size_t scan = 0;  ///< its number in the trajectory
+  /// Nothing measured the way from the key frame before: a stretch of path begins.
+  bool begins_stretch = false;
+  std::optional<LoopView> view;  ///< of one every few metres, and of the first of a stretch
 };
 
 struct LoopResult {
@@ -29,22 +38,33 @@ struct LoopResult {
   /// Per key frame T_corrected_map, which takes its points to where they belong; empty if nothing
   /// moved.
   std::vector<Pose> corrections;
+  MapPoints recalled;  ///< to be matched with again, where they belong
+  /// The stretches of path by their part: those that were joined have the number of the first.
+  std::vector<std::size_t> part_of_stretch;
 };
 
 /// Recognises places passed before and finds where the path really went.
 ///
 /// Every few metres a key frame becomes a node of the pose graph. From time to time the last
-/// node is looked for at older places (search_loop). A loop counts only when further nodes, over a
-/// stretch of path, are found where it predicts them; then all of them are put into the pose graph,
-/// and the poses are corrected if that bends the path no more than plausible. Otherwise the loops
-/// are taken out again.
+/// node is looked for at older places (search_loop), in what was laid aside of the map. A loop
+/// counts only when further nodes, over a stretch of path, are found where it predicts them; then
+/// all of them are put into the pose graph, and the poses are corrected if that bends the path no
+/// more than plausible. Otherwise the loops are taken out again.
+///
+/// Where the way was lost the path begins anew, with a map and a frame of its own. Its nodes are
+/// looked for in all other parts, wherever they may be; loops that agree join the parts.
 class LoopClosing {
  public:
-  /// Call for every key frame, in order, after it was put into the map.
-  LoopResult process(const LoopKeyFrame& key_frame, const Mapping& mapping);
+  /// If it does not search it keeps what is laid aside, no more.
+  LoopClosing(const MappingOptions& mapping, bool searches);
 
-  /// Where the nodes are now, to be recognised by later drives.
-  std::vector<SavedPlace> places() const;
+  /// In: the key frames since the last call.
+  LoopResult process(std::vector<LoopKeyFrame> key_frames);
+
+  /// What was laid aside, by part.
+  const std::vector<FeatureMaps>& parts() const { return parts_; }
+  /// Where the nodes of a part are now, to be recognised by later drives.
+  std::vector<SavedPlace> places(std::size_t part) const;
 
  private:
   struct Node {
@@ -52,21 +72,36 @@ class LoopClosing {
     std::size_t scan = 0;
     double path_m = 0.0;
   };
+  struct Stretch {
+    std::uint32_t first_key_frame = 0;
+    std::size_t first_node = 0;
+    std::size_t part = 0;
+  };
   static constexpr std::size_t kRecentNodes = 5;
 
   void add_key_frame(const LoopKeyFrame& key_frame);
   void add_node(const LoopKeyFrame& key_frame);
-  LoopResult search(const Mapping& mapping);
-  LoopReport look_around(const LoopSearchSpace& space);
-  LoopReport look_where_predicted(const LoopSearchSpace& space);
+  LoopResult search();
+  LoopReport look_around();
+  LoopReport look_where_predicted();
+  std::vector<std::size_t> nodes_to_ask(std::size_t part) const;
+  template <typename Look>
+  auto look_in(std::size_t part, const Look& look) const;
+  std::size_t part_of(std::size_t node) const;
   PoseGraphEdge edge_of(const FoundLoop& loop) const;
   void await_others(const FoundLoop& loop);
   bool enough_agree() const;
   void forget_waiting();
   std::vector<Pose> align(LoopReport& report);
   std::vector<Pose> close(LoopReport& report);
+  void bring_together(PoseGraph& graph) const;
+  void join(std::size_t part, std::size_t other);
   std::vector<Pose> move_key_frames(const std::vector<Pose>& T_map_node);
 
+  MappingOptions mapping_;
+  bool searches_;
+  std::vector<FeatureMaps> parts_;
+  std::vector<Stretch> stretches_;
   std::vector<Pose> T_map_key_frame_;
   double path_m_ = 0.0;   ///< up to the last key frame
   double drift_m_ = 0.0;  ///< plausible since the last node

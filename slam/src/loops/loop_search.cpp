@@ -20,7 +20,7 @@ constexpr double kWorthVerifying = 0.9;
 constexpr double kAmbiguousShare = 0.8;
 
 Mapping part_about(const LoopSearchSpace& space, const Pose& T_map_place) {
-  return space.mapping.older_part(loop_surroundings(T_map_place), space.old_key_frames);
+  return {space.options, space.map.about(space.options, loop_surroundings(T_map_place))};
 }
 
 bool is_plausible(const Pose& change, const PlausibleDrift& drift) {
@@ -49,8 +49,8 @@ std::vector<Eigen::Vector3f> in_frame(const std::vector<Eigen::Vector3f>& points
 
 /// Edges and walls of a part of the map, in the frame of a place.
 std::vector<Eigen::Vector3f> structure_of(const Mapping& part, const Pose& T_map_place) {
-  std::vector<Eigen::Vector3f> points_m = part.planes().points_m();
-  const std::vector<Eigen::Vector3f> edges_m = part.edges().points_m();
+  std::vector<Eigen::Vector3f> points_m = part.map().planes.points_m();
+  const std::vector<Eigen::Vector3f> edges_m = part.map().edges.points_m();
   points_m.insert(points_m.end(), edges_m.begin(), edges_m.end());
   return upright_structure_m(in_frame(points_m, T_map_place));
 }
@@ -94,7 +94,7 @@ Surroundings loop_surroundings(const Pose& T_map_place) {
 std::optional<FoundLoop> loop_at(const LoopSearchSpace& space, const Pose& T_map_last_believed) {
   std::optional<std::size_t> nearest;
   double nearest_m = kNearNode_m;
-  for (std::size_t node = 0; node < space.old_nodes; ++node) {
+  for (const std::size_t node : space.nodes) {
     const double distance_m =
         (space.graph.T_map_node[node].translation() - T_map_last_believed.translation()).norm();
     if (distance_m >= nearest_m) continue;
@@ -116,7 +116,7 @@ LoopSearchResult search_similar_places(const LoopSearchSpace& space) {
   LoopSearchResult result;
   const std::vector<LoopCandidate> candidates =
       loop_candidates(space.graph, space.contexts, space.last_contexts, space.drift,
-                      space.old_nodes, kMaxCandidates);
+                      space.nodes, kMaxCandidates);
   result.candidates = static_cast<int>(candidates.size());
   if (candidates.empty()) return result;
   std::vector<FoundLoop> loops;

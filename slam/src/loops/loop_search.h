@@ -15,14 +15,14 @@ namespace hqslam::slam {
 
 /// What a search for loops of the last node is made in.
 struct LoopSearchSpace {
-  const Mapping& mapping;
+  const MappingOptions& options;
+  const FeatureMaps& map;  ///< in which the nodes are that are asked
   const PoseGraph& graph;
-  const std::vector<ScanContext>& contexts;       ///< one per node that is old enough
+  const std::vector<ScanContext>& contexts;       ///< one per node
   const std::vector<ScanContext>& last_contexts;  ///< of the last node, scan_contexts_from_lanes()
   const std::vector<PlausibleDrift>& drift;       ///< one per node
   const MapFeatures& features;                    ///< about the last node, in its frame
-  std::size_t old_nodes = 0;                      ///< the first nodes, which are old enough
-  std::uint32_t old_key_frames = 0;               ///< the key frames up to the last of them
+  const std::vector<std::size_t>& nodes;          ///< that are asked
 };
 
 /// The last node, recognised at an older place.

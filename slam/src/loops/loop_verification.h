@@ -10,7 +10,7 @@ struct Fit {
   double residual_m = 0.0;  ///< root mean square of their distances
 };
 /// The ground takes no part: it fits everywhere.
-Fit fit_of(const MapFeatures& features, const Mapping& map, const Pose& T_map_sensor);
+Fit fit_of(const MapFeatures& features, const FeatureMaps& map, const Pose& T_map_sensor);
 
 enum class LoopVerdict {
   kAccepted,
@@ -28,8 +28,8 @@ struct VerifiedLoop {
 
 /// Whether a place is the one that the sensor is at.
 ///
-/// In: what the sensor saw lately (RecentFeatures), the map of the place as it was before
-/// (Mapping::older_part), a pose to start from. Out: the registered pose, and a verdict. Registered
+/// In: what the sensor saw lately (RecentFeatures), the map of the place as it was before, a
+/// pose to start from. Out: the registered pose, and a verdict. Registered
 /// as any scan is (Mapping::locate); judged more strictly, by distances from lines and planes.
 VerifiedLoop verify_loop(const MapFeatures& features, const Mapping& older_part,
                          const Pose& T_map_sensor_start);

@@ -1,6 +1,7 @@
 #include "loops/place_recognition.h"
 
 #include <limits>
+#include <numeric>
 #include <numbers>
 
 namespace hqslam::slam {
@@ -14,9 +15,11 @@ constexpr PlausibleDrift kAboutThere{10.0, 0.5};
 
 }  // namespace
 
-PlaceRecognition::PlaceRecognition(const std::vector<SavedPlace>& places,
+PlaceRecognition::PlaceRecognition(const MappingOptions& options,
+                                   const std::vector<SavedPlace>& places,
                                    const std::optional<Pose>& T_map_sensor_believed)
-    : is_believed_(T_map_sensor_believed.has_value()) {
+    : options_(options), places_(places.size()), is_believed_(T_map_sensor_believed.has_value()) {
+  std::iota(places_.begin(), places_.end(), std::size_t{0});
   for (const SavedPlace& place : places) {
     graph_.T_map_node.push_back(place.T_map_sensor);
     contexts_.push_back(place.context);
@@ -24,7 +27,7 @@ PlaceRecognition::PlaceRecognition(const std::vector<SavedPlace>& places,
   graph_.T_map_node.push_back(T_map_sensor_believed.value_or(Pose::Identity()));
 }
 
-std::optional<Pose> PlaceRecognition::find(const UnlocatedScan& scan, const Mapping& map) {
+std::optional<Pose> PlaceRecognition::find(const UnlocatedScan& scan, const FeatureMaps& map) {
   if (!scan.T_previous_sensor) recent_ = RecentFeatures(kRecentScans);
   const Pose motion = scan.T_previous_sensor.value_or(Pose::Identity());
   Pose& T_map_believed = graph_.T_map_node.back();
@@ -34,8 +37,8 @@ std::optional<Pose> PlaceRecognition::find(const UnlocatedScan& scan, const Mapp
   const std::vector<ScanContext> last_contexts = scan_contexts_from_lanes(scan.cloud);
   const std::vector<PlausibleDrift> drift(graph_.T_map_node.size(),
                                           is_believed_ ? kAboutThere : kAnywhere);
-  const LoopSearchSpace space{map,   graph_,   contexts_,        last_contexts,
-                              drift, features, contexts_.size(), map.key_frames()};
+  const LoopSearchSpace space{options_, map, graph_, contexts_, last_contexts, drift, features,
+                              places_};
   const std::optional<FoundLoop> found =
       is_believed_ ? search_loop(space).loop : search_similar_places(space).loop;
   return found ? std::optional(found->T_map_last) : std::nullopt;

@@ -29,11 +29,11 @@ struct UnlocatedScan {
 /// stands. One that drives sees its surroundings bent until its velocity is known.
 class PlaceRecognition {
  public:
-  PlaceRecognition(const std::vector<SavedPlace>& places,
+  PlaceRecognition(const MappingOptions& options, const std::vector<SavedPlace>& places,
                    const std::optional<Pose>& T_map_sensor_believed);
 
   /// Where the scan was taken; nothing if no place fits well, or two do.
-  std::optional<Pose> find(const UnlocatedScan& scan, const Mapping& map);
+  std::optional<Pose> find(const UnlocatedScan& scan, const FeatureMaps& map);
 
   /// The next scan may be anywhere.
   void forget();
@@ -41,10 +41,12 @@ class PlaceRecognition {
  private:
   static constexpr std::size_t kRecentScans = 5;
 
+  MappingOptions options_;
   /// The places, then the sensor where it is believed to be; where nothing is believed, in a frame
   /// of its own.
   PoseGraph graph_;
   std::vector<ScanContext> contexts_;
+  std::vector<std::size_t> places_;  ///< their nodes
   bool is_believed_;
   RecentFeatures recent_{kRecentScans};
 };

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <numeric>
 
 namespace hqslam::slam {
 
@@ -66,6 +67,27 @@ void add_edge(const PoseGraphEdge& edge, ceres::LossFunction* loss,
       to.rotation.coeffs().data());
 }
 
+/// The first node of each part of the graph that no edge joins with another.
+std::vector<std::size_t> first_of_parts(const PoseGraph& graph) {
+  std::vector<std::size_t> first(graph.T_map_node.size());  // known so far of each node's part
+  std::iota(first.begin(), first.end(), std::size_t{0});
+  for (bool changed = true; changed;) {
+    changed = false;
+    for (const auto* edges : {&graph.odometry, &graph.loops}) {
+      for (const PoseGraphEdge& edge : *edges) {
+        const std::size_t earlier = std::min(first[edge.from], first[edge.to]);
+        changed = changed || first[edge.from] != earlier || first[edge.to] != earlier;
+        first[edge.from] = first[edge.to] = earlier;
+      }
+    }
+  }
+  std::vector<std::size_t> result;
+  for (std::size_t node = 0; node < first.size(); ++node) {
+    if (first[node] == node) result.push_back(node);
+  }
+  return result;
+}
+
 /// Moves the nodes to the minimum. False if Ceres found none.
 bool solve(const PoseGraph& graph, ceres::LossFunction* loop_loss,
            std::vector<NodeParameters>& nodes) {
@@ -78,8 +100,10 @@ bool solve(const PoseGraph& graph, ceres::LossFunction* loop_loss,
     problem.AddParameterBlock(node.translation_m.data(), 3);
     problem.AddParameterBlock(node.rotation.coeffs().data(), 4, &unit_quaternion);
   }
-  problem.SetParameterBlockConstant(nodes.front().translation_m.data());
-  problem.SetParameterBlockConstant(nodes.front().rotation.coeffs().data());
+  for (const std::size_t node : first_of_parts(graph)) {
+    problem.SetParameterBlockConstant(nodes[node].translation_m.data());
+    problem.SetParameterBlockConstant(nodes[node].rotation.coeffs().data());
+  }
   for (const PoseGraphEdge& edge : graph.odometry) add_edge(edge, nullptr, nodes, problem);
   for (const PoseGraphEdge& edge : graph.loops) add_edge(edge, loop_loss, nodes, problem);
   ceres::Solver::Options options;

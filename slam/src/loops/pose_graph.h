@@ -19,7 +19,7 @@ struct PoseGraphEdge {
 /// Poses along a path, and what was measured between them.
 struct PoseGraph {
   std::vector<Pose> T_map_node;
-  std::vector<PoseGraphEdge> odometry;  ///< edge i from node i to node i + 1
+  std::vector<PoseGraphEdge> odometry;  ///< from a node to the next; none where the way was lost
   std::vector<PoseGraphEdge> loops;     ///< between places that were recognised
 };
 
@@ -30,7 +30,8 @@ Pose disagreement(const PoseGraphEdge& edge, const std::vector<Pose>& T_map_node
 ///
 ///   minimise  sum over odometry |r|^2 + sum over loops rho(|r|^2),
 ///   r = (translation of E / translation sigma, 2 vec(q of E) / rotation sigma),
-/// with rho the Cauchy loss, node 0 held. A far correction lies beyond the reach of a robust loss,
+/// with rho the Cauchy loss; the first node is held, and so is that of every other part that no edge
+/// joins. A far correction lies beyond the reach of a robust loss,
 /// so the problem is solved without it first. If some loop is then off by more than the loss
 /// forgives, it is solved with it from there: a loop that the others contradict is let go (the
 /// first and last step of graduated non-convexity, Yang et al., RA-L 2020). If none is, that step

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace hqslam::slam {
 
@@ -38,15 +39,6 @@ void insert_sorted(Neighbours& found, const Eigen::Vector3f& point_m, float dist
   }
   found.squared_distance_m2[place] = distance_m2;
   found.points_m[place] = point_m;
-}
-
-/// Moves the cells that are wanted to the end of another list; both keep their order.
-template <typename Cell, typename Wanted>
-void take_out(std::vector<Cell>& cells, std::vector<Cell>& taken, const Wanted& wanted) {
-  const auto first_taken = std::stable_partition(cells.begin(), cells.end(),
-                                                 [&](const Cell& cell) { return !wanted(cell); });
-  taken.insert(taken.end(), first_taken, cells.end());
-  cells.erase(first_taken, cells.end());
 }
 
 }  // namespace
@@ -89,12 +81,12 @@ FeatureMap::Cube& FeatureMap::find_or_add(std::uint64_t key) {
   }
   cubes_.push_back({key, {}});
   table_[slot] = static_cast<std::uint32_t>(cubes_.size());
-  if (2 * cubes_.size() > table_.size()) grow_table();
+  if (2 * cubes_.size() > table_.size()) fill_table(2 * table_.size());
   return cubes_.back();
 }
 
-void FeatureMap::grow_table() {
-  table_.assign(2 * table_.size(), 0);
+void FeatureMap::fill_table(std::size_t slots) {
+  table_.assign(slots, 0);
   const std::size_t mask = table_.size() - 1;
   for (std::size_t i = 0; i < cubes_.size(); ++i) {
     std::size_t slot = mixed(cubes_[i].key) & mask;
@@ -104,11 +96,14 @@ void FeatureMap::grow_table() {
 }
 
 void FeatureMap::insert(const std::vector<Eigen::Vector3f>& points_m, std::uint32_t key_frame) {
-  for (const Eigen::Vector3f& point_m : points_m)
-    insert_cell({point_m, key_frame, key_frame, 0, 1});
+  for (const Eigen::Vector3f& point_m : points_m) insert_point({point_m, key_frame, key_frame});
 }
 
-void FeatureMap::insert_cell(Cell inserted) {
+void FeatureMap::insert(const std::vector<MapPoint>& points) {
+  for (const MapPoint& point : points) insert_point(point);
+}
+
+void FeatureMap::insert_point(const MapPoint& inserted) {
   const Eigen::Vector3f& point_m = inserted.mean_m;
   const Eigen::Vector3f scaled = point_m / cube_m_;
   if (!(scaled.array().abs() < static_cast<float>(kCubeRange - 1)).all()) return;
@@ -116,13 +111,13 @@ void FeatureMap::insert_cell(Cell inserted) {
   std::uint64_t key = 0;
   if (!key_of(cube_index, key)) return;
   Cube& cube = find_or_add(key);
-  const Eigen::Vector3i voxel = floored((point_m - cube_index.cast<float>() * cube_m_) / leaf_m_)
-                                    .cwiseMax(0)
-                                    .cwiseMin(voxels_per_side_ - 1);
-  inserted.voxel = static_cast<std::uint16_t>(
-      (voxel.x() * voxels_per_side_ + voxel.y()) * voxels_per_side_ + voxel.z());
+  const Eigen::Vector3i at = floored((point_m - cube_index.cast<float>() * cube_m_) / leaf_m_)
+                                 .cwiseMax(0)
+                                 .cwiseMin(voxels_per_side_ - 1);
+  const auto voxel = static_cast<std::uint16_t>(
+      (at.x() * voxels_per_side_ + at.y()) * voxels_per_side_ + at.z());
   for (Cell& cell : cube.cells) {
-    if (cell.voxel != inserted.voxel || in_use(cell) != in_use(inserted)) continue;
+    if (cell.voxel != voxel) continue;
     cell.key_frame = std::min(cell.key_frame, inserted.key_frame);
     cell.last_seen = std::max(cell.last_seen, inserted.last_seen);
     if (cell.count < kMaxMeanCount) {
@@ -132,8 +127,44 @@ void FeatureMap::insert_cell(Cell inserted) {
     }
     return;
   }
-  cube.cells.push_back(inserted);
+  cube.cells.push_back({inserted, voxel});
   ++size_;
+}
+
+template <typename Wanted>
+std::vector<MapPoint> FeatureMap::take(const std::vector<std::size_t>& cubes,
+                                       const Wanted& wanted) {
+  std::vector<MapPoint> taken;
+  for (const std::size_t cube : cubes) {
+    std::vector<Cell>& cells = cubes_[cube].cells;
+    const auto first_taken = std::stable_partition(
+        cells.begin(), cells.end(), [&](const Cell& cell) { return !wanted(cell); });
+    for (auto cell = first_taken; cell != cells.end(); ++cell) taken.push_back(*cell);
+    cells.erase(first_taken, cells.end());
+  }
+  size_ -= taken.size();
+  return taken;
+}
+
+std::vector<MapPoint> FeatureMap::take_not_seen_since(std::uint32_t key_frame) {
+  std::vector<MapPoint> taken =
+      take(all_cubes(), [&](const MapPoint& point) { return point.last_seen < key_frame; });
+  drop_empty_cubes();
+  return taken;
+}
+
+std::vector<MapPoint> FeatureMap::take_near(const Surroundings& place) {
+  return take(cubes_touching(place),
+              [&](const MapPoint& point) { return place.contains(point.mean_m); });
+}
+
+/// A map that moves along with a sensor would otherwise remember for good where it was.
+void FeatureMap::drop_empty_cubes() {
+  const auto is_empty = [](const Cube& cube) { return cube.cells.empty(); };
+  const auto empty = static_cast<std::size_t>(std::count_if(cubes_.begin(), cubes_.end(), is_empty));
+  if (2 * empty <= cubes_.size()) return;
+  std::erase_if(cubes_, is_empty);
+  fill_table(table_.size());
 }
 
 Neighbours FeatureMap::nearest(const Eigen::Vector3f& query_m) const {
@@ -156,9 +187,9 @@ Neighbours FeatureMap::nearest(const Eigen::Vector3f& query_m) const {
     const Cube* cube = find(key);
     if (cube == nullptr) continue;
     for (const Cell& cell : cube->cells) {
-      if (!in_use(cell)) continue;
-      const float distance_m2 = (cell.mean_m - query_m).squaredNorm();
-      if (distance_m2 < found.sixth_squared_m2) insert_sorted(found, cell.mean_m, distance_m2);
+      const Eigen::Vector3f& mean_m = cell.mean_m;
+      const float distance_m2 = (mean_m - query_m).squaredNorm();
+      if (distance_m2 < found.sixth_squared_m2) insert_sorted(found, mean_m, distance_m2);
     }
   }
   return found;
@@ -182,44 +213,31 @@ std::vector<std::size_t> FeatureMap::cubes_touching(const Surroundings& place) c
   return result;
 }
 
-std::vector<Eigen::Vector3f> FeatureMap::points_near_m(const Surroundings& place,
-                                                       std::uint32_t newest_key_frame) const {
+std::vector<std::size_t> FeatureMap::all_cubes() const {
+  std::vector<std::size_t> result(cubes_.size());
+  std::iota(result.begin(), result.end(), std::size_t{0});
+  return result;
+}
+
+std::vector<Eigen::Vector3f> FeatureMap::points_near_m(const Surroundings& place) const {
   std::vector<Eigen::Vector3f> result;
   for (const std::size_t cube : cubes_touching(place)) {
     for (const Cell& cell : cubes_[cube].cells) {
-      if (cell.key_frame <= newest_key_frame && place.contains(cell.mean_m)) {
-        result.push_back(cell.mean_m);
-      }
+      if (place.contains(cell.mean_m)) result.push_back(cell.mean_m);
     }
   }
   return result;
 }
 
-void FeatureMap::recall(const Surroundings& place, std::uint32_t key_frame) {
-  std::vector<Cell> recalled;
-  for (const std::size_t cube : cubes_touching(place)) {
-    take_out(cubes_[cube].cells, recalled,
-             [&](const Cell& cell) { return !in_use(cell) && place.contains(cell.mean_m); });
-  }
-  size_ -= recalled.size();
-  for (Cell& cell : recalled) {
-    cell.last_seen = key_frame;
-    insert_cell(cell);
-  }
-}
-
 void FeatureMap::correct(const std::vector<Pose>& corrections) {
   std::vector<bool> moves;
   for (const Pose& correction : corrections) moves.push_back(!correction.matrix().isIdentity(0.0));
-  std::vector<Cell> moved;
-  for (Cube& cube : cubes_) {
-    take_out(cube.cells, moved, [&](const Cell& cell) { return moves[cell.key_frame]; });
+  std::vector<MapPoint> moved =
+      take(all_cubes(), [&](const MapPoint& point) { return moves[point.key_frame]; });
+  for (MapPoint& point : moved) {
+    point.mean_m = (corrections[point.key_frame] * point.mean_m.cast<double>()).cast<float>();
   }
-  size_ -= moved.size();
-  for (Cell& cell : moved) {
-    cell.mean_m = (corrections[cell.key_frame] * cell.mean_m.cast<double>()).cast<float>();
-    insert_cell(cell);
-  }
+  insert(moved);
 }
 
 std::vector<Eigen::Vector3f> FeatureMap::points_m() const {

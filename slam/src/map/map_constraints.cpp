@@ -184,7 +184,7 @@ std::vector<std::optional<EdgeConstraints>> post_constraints(
 
 }  // namespace
 
-ConstraintList map_constraints(LocatedScan& scan, const MapSearch& search, const MapParts& map,
+ConstraintList map_constraints(LocatedScan& scan, const MapSearch& search, const FeatureMaps& map,
                                const MappingOptions& options) {
   ConstraintList list;
   const auto add = [&](auto found) {

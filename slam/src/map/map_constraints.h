@@ -27,13 +27,6 @@ struct LocatedScan {
   SearchedFeatures<Eigen::Vector3d, 1> posts;  ///< with the nearest post of the map
 };
 
-/// What it is located in.
-struct MapParts {
-  const FeatureMap& edges;
-  const FeatureMap& posts;
-  const FeatureMap& planes;
-};
-
 /// Where a scan is believed to be, and how far about its features the map is searched: five
 /// neighbours that are farther apart are seldom of one surface.
 struct MapSearch {
@@ -46,7 +39,7 @@ struct MapSearch {
 /// What the map says about where a scan is: per feature that finds its line or plane, constraints
 /// of the motion that remains, in axes of the map with search.T_map_sensor's position as origin
 /// (points are R p, planes are moved by -t). Features are searched in parallel.
-ConstraintList map_constraints(LocatedScan& scan, const MapSearch& search, const MapParts& map,
+ConstraintList map_constraints(LocatedScan& scan, const MapSearch& search, const FeatureMaps& map,
                                const MappingOptions& options);
 
 }  // namespace hqslam::slam

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <iterator>
 #include <optional>
+#include <utility>
 
 #include "alignment/rigid_alignment.h"
 #include "alignment/scan_information.h"
@@ -41,18 +42,10 @@ MapFeatures map_features(const Features& features, const std::optional<RowSelect
   return result;
 }
 
-Mapping::Mapping(const MappingOptions& options)
-    : options_(options),
-      edges_(options.edge_leaf_m, options.max_neighbour_distance_m),
-      posts_(options.edge_leaf_m, options.max_neighbour_distance_m),
-      planes_(options.planar_leaf_m, options.max_neighbour_distance_m) {}
+Mapping::Mapping(const MappingOptions& options) : options_(options), map_(options) {}
 
-Mapping::Mapping(const MappingOptions& options, const SavedMap& map) : Mapping(options) {
-  edges_.insert(map.edges_m);
-  posts_.insert(map.posts_m);
-  planes_.insert(map.planes_m);
-  key_frames_ = 1;
-}
+Mapping::Mapping(const MappingOptions& options, FeatureMaps map)
+    : options_(options), map_(std::move(map)) {}
 
 MappingResult Mapping::locate(const MapFeatures& features, const MotionState& expected,
                               const Pose& T_map_sensor_start) const {
@@ -73,7 +66,7 @@ MappingResult Mapping::locate(const MapFeatures& features, const MotionState& ex
         narrow ? options_.close_neighbour_distance_m : options_.max_neighbour_distance_m;
     const ConstraintList constraints =
         map_constraints(scan, {result.state.T_map_sensor, result.state.velocity, reach_m, narrow},
-                        {edges_, posts_, planes_}, options_);
+                        map_, options_);
     const int matched = constraints.edges + constraints.planes;
     const bool enough = matched >= options_.min_correspondences &&
                         matched >= options_.min_matched_share * feature_count;
@@ -121,47 +114,37 @@ void Mapping::insert(const MapFeatures& features, const Pose& T_map_sensor, cons
     }
     return result;
   };
-  edges_.insert(in_map(features.edges), key_frames_);
-  posts_.insert(in_map(features.posts), key_frames_);
-  planes_.insert(in_map(features.ground), key_frames_);
-  planes_.insert(in_map(features.surfaces), key_frames_);
+  map_.edges.insert(in_map(features.edges), key_frames_);
+  map_.posts.insert(in_map(features.posts), key_frames_);
+  map_.planes.insert(in_map(features.ground), key_frames_);
+  map_.planes.insert(in_map(features.surfaces), key_frames_);
   if (key_frames_ > 0) {
     path_m_ += (T_map_sensor.translation() - T_map_last_key_frame_.translation()).norm();
   }
   T_map_last_key_frame_ = T_map_sensor;
   ++key_frames_;
-  lay_aside_old_map();
-}
-
-void Mapping::lay_aside_old_map() {
   recent_path_m_.push_back(path_m_);
   while (recent_path_m_.front() < path_m_ - options_.recent_path_m) recent_path_m_.pop_front();
-  const auto oldest_recent = key_frames_ - static_cast<std::uint32_t>(recent_path_m_.size());
-  edges_.lay_aside_before(oldest_recent);
-  posts_.lay_aside_before(oldest_recent);
-  planes_.lay_aside_before(oldest_recent);
 }
 
-Mapping Mapping::older_part(const Surroundings& place, std::uint32_t key_frames) const {
-  Mapping result(options_);
-  if (key_frames == 0) return result;
-  result.edges_.insert(edges_.points_near_m(place, key_frames - 1));
-  result.posts_.insert(posts_.points_near_m(place, key_frames - 1));
-  result.planes_.insert(planes_.points_near_m(place, key_frames - 1));
-  return result;
+MapPoints Mapping::lay_aside() {
+  return map_.take_not_seen_since(key_frames_ - static_cast<std::uint32_t>(recent_path_m_.size()));
 }
 
-void Mapping::recall(const Surroundings& place) {
-  if (key_frames_ == 0) return;
-  edges_.recall(place, key_frames_ - 1);
-  posts_.recall(place, key_frames_ - 1);
-  planes_.recall(place, key_frames_ - 1);
+MapPoints Mapping::lay_aside_all() {
+  recent_path_m_.clear();
+  return map_.take_all();
+}
+
+void Mapping::take_up(MapPoints points) {
+  for (auto* kind : {&points.edges, &points.posts, &points.planes}) {
+    for (MapPoint& point : *kind) point.last_seen = key_frames_ - 1;
+  }
+  map_.insert(points);
 }
 
 void Mapping::correct(const std::vector<Pose>& corrections) {
-  edges_.correct(corrections);
-  posts_.correct(corrections);
-  planes_.correct(corrections);
+  map_.correct(corrections);
   T_map_last_key_frame_ = orthonormalized(corrections.back() * T_map_last_key_frame_);
 }
 

@@ -3,6 +3,8 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <numbers>
+#include <numeric>
 
 #include "slam/village.h"
 #include "slam/yard.h"
@@ -17,6 +19,7 @@ PoseGraph straight(int nodes) {
   PoseGraph graph;
   for (int i = 0; i < nodes; ++i) {
     graph.T_map_node.push_back(pose_from_xyz_rpy({4.0 * i, 0.0, 0.0}, 0.0, 0.0, 0.0));
+    if (i > 0) graph.odometry.push_back({graph.T_map_node.size() - 2, graph.T_map_node.size() - 1});
   }
   return graph;
 }
@@ -40,6 +43,15 @@ TEST_CASE("plausible drift grows along the path and is cut short by loops") {
   CHECK(tied[4].translation_m - tied[10].translation_m == doctest::Approx(0.5 + 0.2 + 1.5));
 }
 
+TEST_CASE("of a part that no way leads to anything is plausible") {
+  PoseGraph graph = straight(4);
+  graph.odometry.erase(graph.odometry.begin() + 1);  // the way was lost after node 1
+  const auto drift = slam::plausible_drift(graph, {0.5, 0.5});
+  CHECK(std::isinf(drift[1].translation_m));
+  CHECK(drift[1].rotation_rad == std::numbers::pi);
+  CHECK(std::isfinite(drift[2].translation_m));
+}
+
 TEST_CASE("a place is a candidate if it looks alike and is within reach of plausible drift") {
   test::Village village;
   village.add_street(-40.0, 0.0, 200.0, 1);
@@ -55,7 +67,9 @@ TEST_CASE("a place is a candidate if it looks alike and is within reach of plaus
   contexts.push_back(slam::scan_context(village.scan(sensor, test::yard_pose(40.5, 0.3, 0.0))));
   const auto candidates_with = [&](double drift_m, std::size_t old_nodes) {
     const std::vector<slam::PlausibleDrift> drift(31, {drift_m, 0.3});
-    return slam::loop_candidates(graph, contexts, {contexts.back()}, drift, old_nodes, 3);
+    std::vector<std::size_t> nodes(old_nodes);
+    std::iota(nodes.begin(), nodes.end(), std::size_t{0});
+    return slam::loop_candidates(graph, contexts, {contexts.back()}, drift, nodes, 3);
   };
   const auto found = candidates_with(30.0, 20);
   REQUIRE(!found.empty());

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 #include "slam/village.h"
 #include "slam/yard.h"
@@ -22,20 +23,23 @@ struct DrivenStreet {
   std::vector<slam::ScanContext> last_contexts;
   slam::MapFeatures features;
 
+  /// What the last node saw is not in the map yet.
   void add_node(const OrganizedCloud& cloud, const Pose& T_map_sensor) {
+    if (!contexts.empty()) mapping.insert(features, graph.T_map_node.back(), {});
     graph.T_map_node.push_back(T_map_sensor);
     last_contexts = slam::scan_contexts_from_lanes(cloud);
     contexts.push_back(last_contexts.front());
     features = test::features_of(cloud, sensor);
-    mapping.insert(features, T_map_sensor, {});
   }
 
   /// What is found for the last node if it could have drifted by `drift_m`.
   slam::LoopSearchResult search(double drift_m) const {
-    const std::size_t old = graph.T_map_node.size() - 1;
-    const std::vector<slam::PlausibleDrift> drift(old + 1, {drift_m, 0.3});
-    return slam::search_loop({mapping, graph, contexts, last_contexts, drift, features, old,
-                              static_cast<std::uint32_t>(old)});
+    std::vector<std::size_t> older(graph.T_map_node.size() - 1);
+    std::iota(older.begin(), older.end(), std::size_t{0});
+    const std::vector<slam::PlausibleDrift> drift(graph.T_map_node.size(), {drift_m, 0.3});
+    const slam::MappingOptions options;
+    return slam::search_loop(
+        {options, mapping.map(), graph, contexts, last_contexts, drift, features, older});
   }
 };
 

@@ -8,7 +8,9 @@
 
 using hqslam::Pose;
 using hqslam::slam::FeatureMap;
+using hqslam::slam::MapPoint;
 using hqslam::slam::Neighbours;
+using hqslam::slam::Surroundings;
 
 namespace {
 
@@ -83,22 +85,22 @@ TEST_CASE("points that are not finite or beyond every map are left out, and quer
   CHECK(map.nearest({1, 1, 1}).count == 1);
 }
 
-TEST_CASE("points near a place are those of the key frames asked for, within the radius") {
+TEST_CASE("points near a place are those within the radius, and can be taken out") {
   FeatureMap map(0.4, 1.0);
-  const auto points = random_points(3000, 30.0F, 3);
-  for (std::uint32_t k = 0; k < 3; ++k) {
-    map.insert({points.begin() + 1000 * k, points.begin() + 1000 * (k + 1)}, k);
-  }
+  map.insert(random_points(3000, 30.0F, 3));
   const Eigen::Vector3d centre_m(-4.0, 7.0, 0.5);
-  FeatureMap first_two(0.4, 1.0);
-  first_two.insert({points.begin(), points.begin() + 2000});
   std::size_t expected = 0;
-  for (const auto& p : first_two.points_m()) {
+  for (const auto& p : map.points_m()) {
     const Eigen::Vector3d offset_m = p.cast<double>() - centre_m;
     expected += offset_m.head<2>().norm() <= 9.0 && std::abs(offset_m.z()) <= 4.5;
   }
   CHECK(expected > 50);
-  CHECK(map.points_near_m({centre_m.cast<float>(), 9.0F}, 1).size() == expected);
+  const Surroundings place{centre_m.cast<float>(), 9.0F};
+  CHECK(map.points_near_m(place).size() == expected);
+  const std::size_t all = map.size();
+  CHECK(map.take_near(place).size() == expected);
+  CHECK(map.size() == all - expected);
+  CHECK(map.points_near_m(place).empty());
 }
 
 TEST_CASE("a corrected map holds every point where its key frame belongs") {
@@ -114,10 +116,10 @@ TEST_CASE("a corrected map holds every point where its key frame belongs") {
   CHECK((points[1] - Eigen::Vector3f(1.1F, 0.1F, 0.1F)).norm() < 1e-5F);
   CHECK((points[0] - Eigen::Vector3f(0.2F, 0.1F, 0.1F)).norm() < 1e-5F);
   CHECK((points[2] - Eigen::Vector3f(2.1F, 0.1F, 0.1F)).norm() < 1e-5F);
-  // Where two met, the older key frame is remembered; a search finds what moved, nothing is left.
-  CHECK(map.points_near_m({{0, 0, 0}, 1.5F}, 0).size() == 2);
+  // A search finds what moved, nothing is left; where two met, the older key frame is remembered.
   CHECK(map.nearest({2.1F, 0.1F, 0.1F}).squared_distance_m2[0] < 1e-6F);
   CHECK(map.nearest({7.1F, 0.1F, 0.1F}).count == 0);
+  CHECK(map.take_near({{0, 0, 0}, 0.5F}).front().key_frame == 0);
 }
 
 TEST_CASE("a correction that moves nothing leaves the same bytes") {
@@ -129,50 +131,32 @@ TEST_CASE("a correction that moves nothing leaves the same bytes") {
   CHECK(map.points_m() == before);
 }
 
-TEST_CASE("what was laid aside is not found, and what is seen there becomes points of its own") {
+TEST_CASE("what was not seen lately is taken out, and what is seen there becomes points of its own") {
   FeatureMap map(0.4, 1.0);
   map.insert({{0.1F, 0.1F, 0.1F}, {1.1F, 0.1F, 0.1F}}, 0);
   map.insert({{1.15F, 0.1F, 0.1F}}, 5);
-  map.lay_aside_before(5);
-  // Key frame 5 saw the second point again: it stays in use.
+  const std::vector<MapPoint> taken = map.take_not_seen_since(5);
+  REQUIRE(taken.size() == 1);
+  CHECK(taken[0].mean_m == Eigen::Vector3f(0.1F, 0.1F, 0.1F));
+  // Key frame 5 saw the second point again: it stays.
   CHECK(map.nearest({0.1F, 0.1F, 0.1F}).count == 0);
   CHECK(map.nearest({1.1F, 0.1F, 0.1F}).count == 1);
   map.insert({{0.3F, 0.1F, 0.1F}}, 6);
-  REQUIRE(map.size() == 3);
-  const Neighbours found = map.nearest({0.1F, 0.1F, 0.1F});
-  REQUIRE(found.count == 1);
-  CHECK(found.points_m[0] == Eigen::Vector3f(0.3F, 0.1F, 0.1F));
-  // The older part of the map is as it was.
-  const auto older = map.points_near_m({{0, 0, 0}, 1.0F}, 4);
-  REQUIRE(older.size() == 1);
-  CHECK(older[0] == Eigen::Vector3f(0.1F, 0.1F, 0.1F));
-}
-
-TEST_CASE("what is recalled is found again and merged, and only within the radius") {
-  FeatureMap map(0.4, 1.0);
-  map.insert({{0.1F, 0.1F, 0.1F}, {9.1F, 0.1F, 0.1F}}, 0);
-  map.lay_aside_before(5);
-  map.insert({{0.3F, 0.1F, 0.1F}}, 6);
-  map.recall({{0, 0, 0}, 5.0F}, 6);
+  CHECK(map.nearest({0.1F, 0.1F, 0.1F}).points_m[0] == Eigen::Vector3f(0.3F, 0.1F, 0.1F));
+  // Put in again it is merged, and still of the key frame of old.
+  map.insert(taken);
   REQUIRE(map.size() == 2);
-  const Neighbours found = map.nearest({0.1F, 0.1F, 0.1F});
-  REQUIRE(found.count == 1);
-  CHECK((found.points_m[0] - Eigen::Vector3f(0.2F, 0.1F, 0.1F)).norm() < 1e-6F);
-  CHECK(map.points_near_m({{0, 0, 0}, 1.0F}, 0).size() == 1);  // still of the key frame of old
-  CHECK(map.nearest({9.1F, 0.1F, 0.1F}).count == 0);
-  // What was recalled is laid aside again when it is not seen for long.
-  map.lay_aside_before(7);
-  CHECK(map.nearest({0.1F, 0.1F, 0.1F}).count == 0);
+  const Eigen::Vector3f merged_m = map.nearest({0.1F, 0.1F, 0.1F}).points_m[0];
+  CHECK((merged_m - Eigen::Vector3f(0.2F, 0.1F, 0.1F)).norm() < 1e-6F);
+  CHECK(map.take_near({{0, 0, 0}, 0.5F}).front().key_frame == 0);
 }
 
-TEST_CASE(
-    "a map of which parts were laid aside and recalled finds what a search through all does") {
+TEST_CASE("a map out of which most was taken finds what a search through all does") {
   FeatureMap map(0.4, 1.0);
-  map.insert(random_points(4000, 12.0F, 6), 0);
-  map.insert(random_points(4000, 12.0F, 7), 1);
-  map.lay_aside_before(1);
-  map.recall({{4.0F, -3.0F, 0.0F}, 6.0F}, 1);
-  map.lay_aside_before(0);
+  map.insert(random_points(8000, 12.0F, 6), 0);
+  map.insert(random_points(1500, 4.0F, 7), 1);
+  CHECK(map.take_not_seen_since(1).size() > 1000);
+  map.insert(random_points(500, 12.0F, 9), 2);
   const auto all = map.points_m();
   CHECK(all.size() == map.size());
   for (const auto& query : random_points(200, 13.0F, 8)) {

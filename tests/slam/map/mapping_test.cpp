@@ -124,7 +124,7 @@ TEST_CASE("ground that fits badly on one side hardly tilts the scan") {
   CHECK(std::abs(roll_rad(slam::MappingOptions{}.trusted_residual_m)) < 0.1 * std::abs(plain_rad));
 }
 
-TEST_CASE("a place met again with drift is matched with only when it was recalled") {
+TEST_CASE("a place met again with drift is matched with only when it was taken up again") {
   // The yard, then 250 m of path elsewhere, then the yard again, where it has drifted by 0.4 m.
   MappedYard mapped;
   for (int i = 1; i <= 5; ++i) {
@@ -135,10 +135,11 @@ TEST_CASE("a place met again with drift is matched with only when it was recalle
   const Pose truth = mapped.T_yard_map.inverse() * T_yard_sensor;
   const Pose drifted = truth * pose_from_xyz_rpy({0.4, 0.0, 0.0}, 0, 0, 0);
   const auto features = features_of(mapped.sensor, mapped.yard.scan(mapped.sensor, T_yard_sensor));
+  slam::MapPoints laid_aside = mapped.mapping.lay_aside();
   const auto before = mapped.mapping.locate(features, believed(drifted), drifted);
   CHECK(before.status == Status::kTooFewFeatures);
   CHECK(before.state.T_map_sensor.isApprox(drifted));
-  mapped.mapping.recall({truth.translation().cast<float>(), 45.0F});
+  mapped.mapping.take_up(std::move(laid_aside));
   const auto after = mapped.mapping.locate(features, believed(drifted), drifted);
   CHECK(after.status == Status::kOk);
   CHECK((after.state.T_map_sensor.translation() - truth.translation()).norm() < 0.03);

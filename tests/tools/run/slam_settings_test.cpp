@@ -35,7 +35,8 @@ TEST_CASE("a file sets options of SLAM by stage and name, and --set comes after 
                                                                {"mapping.planar_leaf_m", 0.3}};
   CHECK(changed_options(options) == changed);
   CHECK(changed_options(slam_options({})).empty());
-  CHECK(slam_options({"", {}, true}).loop_closing.enabled);
+  CHECK(slam_options({}).loop_closing.enabled);
+  CHECK_FALSE(slam_options({"", {}, false}).loop_closing.enabled);
 }
 
 TEST_CASE("settings of SLAM that cannot be meant are refused with their name") {

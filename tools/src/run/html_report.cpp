@@ -57,7 +57,9 @@ std::string numbers_html(const SlamRun& run, const std::optional<ReferenceCompar
       fmt::format("{:.1f} <small>ms</small>", distribution_of(slam_times_ms(run)).median),
       "median");
   if (run.slam.loop_closing.enabled) {
-    html += number_html("Loops closed", fmt::format("{}", loops_closed(run)), "");
+    const std::size_t parts = scans_of_parts(run).size();
+    html += number_html("Loops closed", fmt::format("{}", loops_closed(run)),
+                        parts > 1 ? fmt::format("{} parts not joined", parts) : "");
   }
   html += number_html("Map points", fmt::format("{}", run.map_points_m.size()), "");
   return html + "</dl>\n";

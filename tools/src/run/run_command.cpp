@@ -113,15 +113,25 @@ void refuse_to_write_into_recording(const RunOptions& options) {
       fmt::format("{}: holds the recording; give another --out for the results", options.out));
 }
 
-/// Compares the poses of which something is known: where a place was not recognized, the pose is
-/// that of an earlier scan.
+/// The part of the map with most scans.
+std::size_t largest_part(const SlamRun& run) {
+  const std::map<std::size_t, std::int64_t> parts = scans_of_parts(run);
+  return std::max_element(parts.begin(), parts.end(), [](const auto& a, const auto& b) {
+           return a.second < b.second;
+         })->first;
+}
+
+/// Compares the poses of which something is known in one frame: where a place was not recognized,
+/// the pose is that of an earlier scan, and how other parts of the map lie is not known.
 std::optional<ReferenceComparison> comparison_of(const SlamRun& run,
                                                  const TrajectoryFile& reference) {
   const Trajectory& all = run.trajectory;
   Trajectory known;
   std::vector<std::size_t> scan_of_known;
+  const std::size_t part = largest_part(run);
   for (std::size_t scan = 0; scan < all.size(); ++scan) {
     if (run.scans[scan].report.mapping_status == slam::Status::kNotRecognized) continue;
+    if (run.part_of_scan[scan] != part) continue;
     known.push_back(all[scan]);
     scan_of_known.push_back(scan);
   }
@@ -198,7 +208,8 @@ void declare_run(CLI::App& app, RunOptions& options) {
   declare_slam_settings(*command, options.slam);
   CLI::Option* save_map = command->add_flag(
       "--save-map", options.save_map,
-      "Also write saved_map.npz, in which later drives can be located; switches loop closing on");
+      "Also write saved_map.npz, in which later drives can be located");
+  save_map->excludes("--no-loop-closing");
   CLI::Option* map =
       command
           ->add_option("--map", options.map_file,
@@ -206,7 +217,6 @@ void declare_run(CLI::App& app, RunOptions& options) {
                        "making a map")
           ->check(CLI::ExistingFile)
           ->excludes(save_map);
-  map->excludes("--loop-closing");
   command
       ->add_option(
           "--start", options.start,
@@ -251,7 +261,7 @@ RunResult run_and_write(const RunOptions& options, const InterruptGuard& interru
   RunResult result;
   SlamRunSpec spec = plan.spec();
   spec.slam = slam_options(options.slam);
-  if (options.save_map) spec.slam.loop_closing.enabled = true;
+  if (!options.map_file.empty()) spec.slam.loop_closing.enabled = false;
   spec.save_map = options.save_map;
   spec.map = given_map(options);
   result.run = run_slam(*source, spec, output, interrupt);

@@ -98,12 +98,8 @@ Json statuses_json(const SlamRun& run, slam::Status slam::ScanReport::*status) {
 /// Places that were recognised, and by how much the pose moved.
 Json loops_json(const SlamRun& run) {
   Json loops = Json::array();
-  for (std::size_t scan = 0; scan < run.scans.size(); ++scan) {
-    const slam::LoopReport& loop = run.scans[scan].report.loop;
-    if (loop.status != slam::LoopStatus::kAgrees && loop.status != slam::LoopStatus::kClosed) {
-      continue;
-    }
-    loops.push_back(Json{{"scan", scan},
+  for (const slam::LoopReport& loop : run.loops) {
+    loops.push_back(Json{{"scan", loop.scan},
                          {"older_scan", loop.older_scan},
                          {"status", slam::name(loop.status)},
                          {"correction_m", rounded(loop.correction_m)}});

@@ -33,6 +33,8 @@ std::string mapping_summary(const SlamRun& run) {
     const std::int64_t closed = loops_closed(run);
     summary += fmt::format("; {} loop{} closed", closed, closed == 1 ? "" : "s");
   }
+  const std::size_t parts = scans_of_parts(run).size();
+  if (parts > 1) summary += fmt::format("; {} parts of the path, not joined", parts);
   return summary;
 }
 

@@ -87,9 +87,15 @@ std::vector<std::pair<slam::Status, std::int64_t>> status_counts(
 }
 
 std::int64_t loops_closed(const SlamRun& run) {
-  return std::count_if(run.scans.begin(), run.scans.end(), [](const ScanRecord& scan) {
-    return scan.report.loop.status == slam::LoopStatus::kClosed;
+  return std::count_if(run.loops.begin(), run.loops.end(), [](const slam::LoopReport& loop) {
+    return loop.status == slam::LoopStatus::kClosed;
   });
+}
+
+std::map<std::size_t, std::int64_t> scans_of_parts(const SlamRun& run) {
+  std::map<std::size_t, std::int64_t> result;
+  for (const std::size_t part : run.part_of_scan) ++result[part];
+  return result;
 }
 
 SlamSession::SlamSession(const SensorModel& sensor, const SlamRunSpec& spec)
@@ -120,6 +126,7 @@ void SlamSession::process(const RecordedScan& scan, ScanRecord record, RunOutput
     }
     return;
   }
+  remember(record.report.loop);
   if (located) located(record);
   run_.scans.push_back(record);
   run_.wall_s = seconds_since(start_);
@@ -129,7 +136,15 @@ void SlamSession::process(const RecordedScan& scan, ScanRecord record, RunOutput
   }
 }
 
+void SlamSession::remember(const slam::LoopReport& loop) {
+  if (loop.status == slam::LoopStatus::kAgrees || loop.status == slam::LoopStatus::kClosed) {
+    run_.loops.push_back(loop);
+  }
+}
+
 SlamRun SlamSession::finished() {
+  for (const slam::LoopReport& loop : slam_.finish()) remember(loop);
+  run_.part_of_scan = slam_.part_of_scan();
   run_.wall_s = seconds_since(start_);
   run_.trajectory = slam_.trajectory();
   run_.map_points_m = slam_.map_points_m();

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <utility>
@@ -47,6 +48,8 @@ struct SlamRun {
   int threads = 1;
   std::int64_t scans_in_recording = 0;  ///< or that have come from a sensor
   std::vector<ScanRecord> scans;
+  std::vector<slam::LoopReport> loops;  ///< places that were recognised, and are right now
+  std::vector<std::size_t> part_of_scan;  ///< slam::Slam::part_of_scan(); filled when the run ends
   Trajectory trajectory;  ///< T_map_sensor, the map's frame is the first scan's sensor frame
   std::vector<Eigen::Vector3f> map_points_m;  ///< map frame; filled when the run ends
   std::string located_in;  ///< the file of the map that it was located in; empty: it made its own
@@ -67,8 +70,11 @@ double scans_per_second(const SlamRun& run);
 std::vector<std::pair<slam::Status, std::int64_t>> status_counts(
     const SlamRun& run, slam::Status slam::ScanReport::*status);
 
-/// Scans at which the path and the map were corrected.
+/// How often the path and the map were corrected.
 std::int64_t loops_closed(const SlamRun& run);
+
+/// The scans of each part of the map (slam::Slam::part_of_scan), by its number.
+std::map<std::size_t, std::int64_t> scans_of_parts(const SlamRun& run);
 
 /// A map that an earlier run left behind, and where in it the sensor is believed to begin.
 struct GivenMap {
@@ -114,6 +120,8 @@ class SlamSession {
   SlamRun finished();
 
  private:
+  void remember(const slam::LoopReport& loop);
+
   SlamRunSpec spec_;
   slam::Slam slam_;
   SlamRun run_;

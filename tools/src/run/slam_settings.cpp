@@ -69,8 +69,8 @@ void declare_slam_settings(CLI::App& command, SlamSettings& settings) {
       .add_option("--set", settings.set,
                   "One option of SLAM, NAME=NUMBER, after the file; may be given several times")
       ->allow_extra_args(false);
-  command.add_flag("--loop-closing", settings.loop_closing,
-                   "Recognise places passed before and correct the path and the map");
+  command.add_flag("!--no-loop-closing", settings.loop_closing,
+                   "Do not recognise places passed before, nor correct the path and the map");
 }
 
 slam::SlamOptions slam_options(const SlamSettings& settings) {

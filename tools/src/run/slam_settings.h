@@ -16,7 +16,7 @@ namespace hqslam::tools {
 struct SlamSettings {
   std::string file;              ///< JSON: {"mapping": {"max_iterations": 12}}; empty: none
   std::vector<std::string> set;  ///< "mapping.max_iterations=12", after the file
-  bool loop_closing = false;
+  bool loop_closing = true;
 };
 /// --slam-options, --set and --loop-closing.
 void declare_slam_settings(CLI::App& command, SlamSettings& settings);

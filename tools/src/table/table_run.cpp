@@ -75,7 +75,13 @@ struct TimedSlam {
     slam::ScanReport report;
     times_ms.push_back(
         1e3 * seconds_of([&] { report = std::get<slam::Slam>(system).process(cloud, stamp_s); }));
-    loops_closed += report.loop.status == slam::LoopStatus::kClosed ? 1 : 0;
+    count(report.loop);
+  }
+
+  void finish() {
+    auto* slam = std::get_if<slam::Slam>(&system);
+    if (slam == nullptr) return;
+    for (const slam::LoopReport& loop : slam->finish()) count(loop);
   }
 
   Trajectory trajectory() const {
@@ -91,6 +97,10 @@ struct TimedSlam {
       timings.last_ms = distribution_of({times_ms.end() - kEnd, times_ms.end()}).median;
     }
     return timings;
+  }
+
+  void count(const slam::LoopReport& loop) {
+    loops_closed += loop.status == slam::LoopStatus::kClosed ? 1 : 0;
   }
 
   SlamSystem system;
@@ -127,7 +137,8 @@ class MethodRun {
     if (scored) score(lifted.image, cloud, truth.cloud);
   }
 
-  TableResult result(const TableSettings& settings) const {
+  TableResult result(const TableSettings& settings) {
+    for (TimedSlam& slam : slam_) slam.finish();
     TableResult result = result_;
     result.settings = settings;
     if (result.images) {
@@ -205,7 +216,7 @@ class Pass {
     }
   }
 
-  std::vector<TableResult> results(const TablePass& pass, const LeftOut& left_out) const {
+  std::vector<TableResult> results(const TablePass& pass, const LeftOut& left_out) {
     const TableTimings about = circumstances();
     std::vector<TableResult> results;
     for (std::size_t i = 0; i < runs_.size(); ++i) {

@@ -28,6 +28,14 @@ struct Surroundings {
   bool contains(const Eigen::Vector3f& point_m) const;
 };
 
+/// A point of a map: the running mean of the first points that fell into its voxel.
+struct MapPoint {
+  Eigen::Vector3f mean_m;
+  std::uint32_t key_frame = 0;  ///< the first that saw it
+  std::uint32_t last_seen = 0;  ///< the last key frame that did
+  std::uint16_t count = 1;      ///< points averaged
+};
+
 /// A map of points, thinned to one per voxel, that grows point by point and finds nearest points.
 ///
 /// Space is cut into cubes of `2 * max_distance_m`, found by a hash; a cube keeps one point per
@@ -37,11 +45,8 @@ struct Surroundings {
 /// Exact: the neighbours are those of a search through all points.
 ///
 /// Every point remembers the key frame that first put it there, so that it can be moved when that
-/// key frame turns out to have been elsewhere, and old parts of the map can be told from new ones;
-/// and the last that saw it. Points not seen lately can be laid aside: searches pass them over, and
-/// what is seen at their place becomes points of its own, until they are recalled. They stay in
-/// their cubes: where a place is passed many times and never recalled, its cubes grow with every
-/// pass, and so do the memory and the time to insert and search there.
+/// key frame turns out to have been elsewhere, and the last that saw it, so that what was not seen
+/// lately can be taken out. However often a place is passed, its voxels are no more.
 ///
 /// Points farther than a million cubes from the origin are left out.
 class FeatureMap {
@@ -49,56 +54,51 @@ class FeatureMap {
   FeatureMap(double leaf_m, double max_distance_m);
 
   void insert(const std::vector<Eigen::Vector3f>& points_m, std::uint32_t key_frame = 0);
+  /// Points of another map; those that meet in one voxel are merged, and the oldest key frame kept.
+  void insert(const std::vector<MapPoint>& points);
 
-  /// Lays aside all points that no key frame from this one on has seen.
-  void lay_aside_before(std::uint32_t key_frame) { oldest_in_use_ = key_frame; }
+  /// Takes out all points that no key frame from this one on has seen.
+  std::vector<MapPoint> take_not_seen_since(std::uint32_t key_frame);
+  /// Takes out the points about a place.
+  std::vector<MapPoint> take_near(const Surroundings& place);
 
-  /// Takes up again what is laid aside about a place, as if `key_frame` saw it. It is merged with
-  /// the points in use of the same voxels.
-  void recall(const Surroundings& place, std::uint32_t key_frame);
-
-  /// Up to five nearest points in use within max_distance_m.
+  /// Up to five nearest points within max_distance_m.
   Neighbours nearest(const Eigen::Vector3f& query_m) const;
 
   std::size_t size() const { return size_; }
   /// All points, in the order in which their cubes and voxels were first met.
   std::vector<Eigen::Vector3f> points_m() const;
-
-  /// The points about a place, laid aside or not, that key frames up to `newest_key_frame` put
-  /// there.
-  std::vector<Eigen::Vector3f> points_near_m(const Surroundings& place,
-                                             std::uint32_t newest_key_frame) const;
+  /// The points about a place.
+  std::vector<Eigen::Vector3f> points_near_m(const Surroundings& place) const;
 
   /// Moves every point with its key frame: in, per key frame, T_corrected_map that takes its points
-  /// to where they belong. Points that meet in one voxel are merged; the oldest key frame is kept.
+  /// to where they belong. Points that meet in one voxel are merged.
   void correct(const std::vector<Pose>& corrections);
 
  private:
-  struct Cell {
-    Eigen::Vector3f mean_m;
-    std::uint32_t key_frame = 0;  ///< the first that saw it
-    std::uint32_t last_seen = 0;  ///< the last key frame that did
-    std::uint16_t voxel = 0;      ///< within the cube
-    std::uint16_t count = 0;      ///< points averaged
+  struct Cell : MapPoint {
+    std::uint16_t voxel = 0;  ///< within the cube
   };
   struct Cube {
     std::uint64_t key = 0;
     std::vector<Cell> cells;
   };
 
-  bool in_use(const Cell& cell) const { return cell.last_seen >= oldest_in_use_; }
   bool key_of(const Eigen::Vector3i& cube, std::uint64_t& key) const;
   const Cube* find(std::uint64_t key) const;
   Cube& find_or_add(std::uint64_t key);
-  void grow_table();
-  void insert_cell(Cell cell);
+  void fill_table(std::size_t slots);
+  void insert_point(const MapPoint& point);
+  template <typename Wanted>
+  std::vector<MapPoint> take(const std::vector<std::size_t>& cubes, const Wanted& wanted);
+  void drop_empty_cubes();
   std::vector<std::size_t> cubes_touching(const Surroundings& place) const;
+  std::vector<std::size_t> all_cubes() const;
 
   float leaf_m_;
   float max_distance_m_;
   float cube_m_;
   int voxels_per_side_;
-  std::uint32_t oldest_in_use_ = 0;
   std::size_t size_ = 0;
   std::vector<Cube> cubes_;
   std::vector<std::uint32_t> table_;  ///< open addressing: index of a cube plus one, 0 empty

@@ -5,7 +5,7 @@
 
 namespace hqslam::slam {
 
-/// What loop closing did with a scan.
+/// What loop closing found out about a scan.
 enum class LoopStatus {
   kNotSearched,   ///< switched off, or too little path since the last search
   kNoCandidate,   ///< no older place within reach of plausible drift looks like this one
@@ -21,8 +21,9 @@ std::string_view name(LoopStatus status);  ///< "not searched", "no candidate", 
 struct LoopReport {
   LoopStatus status = LoopStatus::kNotSearched;
   int candidates = 0;          ///< places that were looked at
-  std::size_t older_scan = 0;  ///< kAwaitsOthers, kAgrees, kClosed: the scan that this one met
-  double correction_m = 0.0;   ///< kClosed: by how much this scan's pose moved
+  std::size_t scan = 0;        ///< the one that was looked for: some scans before the report's own
+  std::size_t older_scan = 0;  ///< kAwaitsOthers, kAgrees, kClosed: the scan that it met
+  double correction_m = 0.0;   ///< kAgrees, kClosed: by how much its pose moved
 };
 
 }  // namespace hqslam::slam

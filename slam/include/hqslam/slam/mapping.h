@@ -7,11 +7,10 @@
 
 #include "hqslam/core/pose.h"
 #include "hqslam/core/sensor_model.h"
-#include "hqslam/slam/feature_map.h"
+#include "hqslam/slam/feature_maps.h"
 #include "hqslam/slam/features.h"
 #include "hqslam/slam/motion_state.h"
 #include "hqslam/slam/options.h"
-#include "hqslam/slam/saved_map.h"
 #include "hqslam/slam/status.h"
 
 namespace hqslam::slam {
@@ -57,14 +56,14 @@ struct MappingResult {
 /// odometry's first step, because the rings that a sensor draws on it would hold the sensor back,
 /// and only where it is flat; surfaces tell nothing about height where a hundred points of the
 /// ground match; a turn makes a key frame too; the scan is corrected for motion anew with every
-/// improved pose; features far from their line or plane lose weight; and only the recent part of
-/// the map is matched with, and older parts that were recalled. A place that is met again with
+/// improved pose; features far from their line or plane lose weight; and what was not seen over the
+/// last stretch of path is laid aside, until it is taken up again. A place that is met again with
 /// decimetres of drift would fit half, and tilt or turn the sensor by degrees.
 class Mapping {
  public:
   explicit Mapping(const MappingOptions& options);
-  /// A map to locate in, as if one key frame had seen all of it.
-  Mapping(const MappingOptions& options, const SavedMap& map);
+  /// A map to locate in.
+  Mapping(const MappingOptions& options, FeatureMaps map);
 
   /// In: what is expected without the scan, and how well; a pose to begin the search from.
   MappingResult locate(const MapFeatures& features, const MotionState& expected,
@@ -75,24 +74,20 @@ class Mapping {
   void insert(const MapFeatures& features, const Pose& T_map_sensor, const Twist& velocity);
   std::uint32_t key_frames() const { return key_frames_; }
 
-  /// The map about a place as it was when it had `key_frames` key frames, to locate in.
-  Mapping older_part(const Surroundings& place, std::uint32_t key_frames) const;
-  /// Matches scans with all of the map about a place again: it was verified that it fits there.
-  void recall(const Surroundings& place);
+  /// Takes out of the map what was not seen over the last MappingOptions::recent_path_m.
+  MapPoints lay_aside();
+  /// Takes everything out: the next key frame is the first of a map of its own.
+  MapPoints lay_aside_all();
+  /// Scans are matched with these points again, as if the last key frame had seen them.
+  void take_up(MapPoints points);
   /// Moves every key frame with its points; in, per key frame, T_corrected_map.
   void correct(const std::vector<Pose>& corrections);
 
-  const FeatureMap& edges() const { return edges_; }
-  const FeatureMap& posts() const { return posts_; }
-  const FeatureMap& planes() const { return planes_; }
+  const FeatureMaps& map() const { return map_; }
 
  private:
-  void lay_aside_old_map();
-
   MappingOptions options_;
-  FeatureMap edges_;
-  FeatureMap posts_;
-  FeatureMap planes_;
+  FeatureMaps map_;
   std::uint32_t key_frames_ = 0;
   std::deque<double> recent_path_m_;  ///< along the path, of the key frames matched with
   double path_m_ = 0.0;               ///< up to the last key frame

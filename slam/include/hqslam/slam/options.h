@@ -60,7 +60,7 @@ struct MappingOptions {
 };
 
 struct LoopClosingOptions {
-  bool enabled = false;
+  bool enabled = true;
 };
 
 struct SlamOptions {

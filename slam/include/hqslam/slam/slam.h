@@ -57,7 +57,11 @@ struct ScanReport {
 ///   -> de-skewed features -> scan-to-map optimisation -> loop closing -> pose, map
 ///
 /// Deterministic: the same scans give the same bytes, whatever the number of threads. Every scan
-/// is processed in the call that brings it.
+/// is processed in the call that brings it; loop closing works beside the calls, in a thread of its
+/// own, and what it finds out is taken in ten scans later.
+///
+/// A sensor that was carried away or blinded for long goes on in a part of the map of its own, as if
+/// it stood where it was believed to be. Loop closing joins the parts when it recognizes a place.
 ///
 /// Threads: one object serves one thread at a time, reading included; objects are independent of
 /// one another. process() works with options.threads OpenMP threads, or, inside a parallel region
@@ -72,8 +76,7 @@ class Slam {
   /// first scan is looked for about T_map_sensor_start, within a few metres and half a radian, or
   /// in all of the map; so is the next one where it is not found, and wherever the way is lost:
   /// then the mapping's status is kNotRecognized. Poses are in the map's frame, and their
-  /// covariances against it. Throws Error, also if loop closing is switched on, or there is no
-  /// place in the map.
+  /// covariances against it; loops are not closed. Throws Error, also if there is no place in the map.
   Slam(const SensorModel& sensor, const SlamOptions& options, const SavedMap& map,
        const std::optional<Pose>& T_map_sensor_start = std::nullopt);
   ~Slam();
@@ -87,18 +90,24 @@ class Slam {
   /// no return. Stamps need not rise: see src/front_end/scan_clock.h.
   ScanReport process(const OrganizedCloud& cloud, double stamp_s);
 
+  /// After the last scan: takes in what loop closing was still finding out, and reports it.
+  std::vector<LoopReport> finish();
+
   /// T_map_sensor of every scan so far, in the frame of the first scan; not to be read while
   /// process() runs. Where a loop was closed,
   /// past poses are corrected: they differ then from those that were reported.
   const Trajectory& trajectory() const;
 
+  /// Per scan the part of the map it is in; parts that were joined have one number. Between parts
+  /// nothing is known about how poses lie to each other.
+  std::vector<std::size_t> part_of_scan() const;
+
   /// The map: planar features of all key frames, one per 0.4 m voxel, then edge features, one per
-  /// 0.2 m voxel (MappingOptions), in the frame of the first scan. A place that was passed again,
-  /// and not verified to be the same, is there once for each visit.
+  /// 0.2 m voxel (MappingOptions), in the frame of the first scan; part after part.
   std::vector<Eigen::Vector3f> map_points_m() const;
 
-  /// What later drives are located in. Throws Error unless loop closing is switched on, which knows
-  /// the places.
+  /// What later drives are located in: of several parts the one with most places. Throws Error
+  /// unless loop closing is switched on, which knows the places.
   SavedMap saved_map() const;
 
  private:

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "hqslam/core/pose.h"
+#include "hqslam/slam/feature_map.h"
+#include "hqslam/slam/options.h"
+#include "hqslam/slam/saved_map.h"
+
+namespace hqslam::slam {
+
+/// Points of the three kinds that a map is made of.
+struct MapPoints {
+  std::vector<MapPoint> edges;
+  std::vector<MapPoint> posts;
+  std::vector<MapPoint> planes;
+};
+
+/// The three kinds of features, each in a map of its own.
+struct FeatureMaps {
+  explicit FeatureMaps(const MappingOptions& options);
+  FeatureMaps(const MappingOptions& options, const SavedMap& map);
+
+  /// The part of a map about a place.
+  FeatureMaps about(const MappingOptions& options, const Surroundings& place) const;
+
+  void insert(const MapPoints& points);
+  MapPoints take_not_seen_since(std::uint32_t key_frame);
+  MapPoints take_all();
+  MapPoints take_near(const Surroundings& place);
+  void correct(const std::vector<Pose>& corrections);
+
+  FeatureMap edges;
+  FeatureMap posts;
+  FeatureMap planes;
+};
+
+void append(MapPoints& points, const MapPoints& others);
+
+/// Moves points with the key frames that put them there: in, per key frame, T_corrected_map.
+void correct(MapPoints& points, const std::vector<Pose>& corrections);
+
+}  // namespace hqslam::slam

@@ -1,0 +1,84 @@
+#include "hqslam/slam/feature_maps.h"
+
+#include <limits>
+
+namespace hqslam::slam {
+
+namespace {
+
+/// One of the kinds of features, on its own and in a map.
+struct Kind {
+  std::vector<MapPoint> MapPoints::*points;
+  FeatureMap FeatureMaps::*map;
+};
+constexpr Kind kKinds[] = {{&MapPoints::edges, &FeatureMaps::edges},
+                           {&MapPoints::posts, &FeatureMaps::posts},
+                           {&MapPoints::planes, &FeatureMaps::planes}};
+
+}  // namespace
+
+FeatureMaps::FeatureMaps(const MappingOptions& options)
+    : edges(options.edge_leaf_m, options.max_neighbour_distance_m),
+      posts(options.edge_leaf_m, options.max_neighbour_distance_m),
+      planes(options.planar_leaf_m, options.max_neighbour_distance_m) {}
+
+FeatureMaps::FeatureMaps(const MappingOptions& options, const SavedMap& map)
+    : FeatureMaps(options) {
+  edges.insert(map.edges_m);
+  posts.insert(map.posts_m);
+  planes.insert(map.planes_m);
+}
+
+FeatureMaps FeatureMaps::about(const MappingOptions& options, const Surroundings& place) const {
+  FeatureMaps result(options);
+  for (const Kind& kind : kKinds) {
+    (result.*kind.map).insert((this->*kind.map).points_near_m(place));
+  }
+  return result;
+}
+
+void FeatureMaps::insert(const MapPoints& points) {
+  for (const Kind& kind : kKinds) (this->*kind.map).insert(points.*kind.points);
+}
+
+MapPoints FeatureMaps::take_not_seen_since(std::uint32_t key_frame) {
+  MapPoints result;
+  for (const Kind& kind : kKinds) {
+    result.*kind.points = (this->*kind.map).take_not_seen_since(key_frame);
+  }
+  return result;
+}
+
+/// No key frame is so late that it has not been.
+MapPoints FeatureMaps::take_all() {
+  return take_not_seen_since(std::numeric_limits<std::uint32_t>::max());
+}
+
+MapPoints FeatureMaps::take_near(const Surroundings& place) {
+  MapPoints result;
+  for (const Kind& kind : kKinds) result.*kind.points = (this->*kind.map).take_near(place);
+  return result;
+}
+
+void FeatureMaps::correct(const std::vector<Pose>& corrections) {
+  for (const Kind& kind : kKinds) (this->*kind.map).correct(corrections);
+}
+
+void append(MapPoints& points, const MapPoints& others) {
+  for (const Kind& kind : kKinds) {
+    std::vector<MapPoint>& of_kind = points.*kind.points;
+    of_kind.insert(of_kind.end(), (others.*kind.points).begin(), (others.*kind.points).end());
+  }
+}
+
+void correct(MapPoints& points, const std::vector<Pose>& corrections) {
+  for (const Kind& kind : kKinds) {
+    for (MapPoint& point : points.*kind.points) {
+      const Pose& correction = corrections[point.key_frame];
+      if (correction.matrix().isIdentity(0.0)) continue;
+      point.mean_m = (correction * point.mean_m.cast<double>()).cast<float>();
+    }
+  }
+}
+
+}  // namespace hqslam::slam
