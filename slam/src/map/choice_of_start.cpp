@@ -26,7 +26,7 @@ bool is_elsewhere(const Twist& surprise) {
 bool fits_better(const MappingResult& a, const MappingResult& b) {
   if (a.status == Status::kTooFewFeatures) return false;
   if (b.status == Status::kTooFewFeatures) return true;
-  return a.standing_correspondences > kFitsBetter * b.standing_correspondences;
+  return a.standing_share > kFitsBetter * b.standing_share;
 }
 
 }  // namespace

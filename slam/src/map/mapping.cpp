@@ -49,9 +49,9 @@ Mapping::Mapping(const MappingOptions& options, FeatureMaps map)
 
 MappingResult Mapping::locate(const MapFeatures& features, const MotionState& expected,
                               const Pose& T_map_sensor_start) const {
-  const auto feature_count =
-      static_cast<double>(features.edges.size() + features.posts_to_locate.size() +
-                          features.ground_to_locate.size() + features.surfaces_to_locate.size());
+  const auto standing = static_cast<double>(
+      features.edges.size() + features.posts_to_locate.size() + features.surfaces_to_locate.size());
+  const double feature_count = standing + static_cast<double>(features.ground_to_locate.size());
   MappingResult result;
   const ExpectedState prior(expected);
   result.state = prior.given(T_map_sensor_start);
@@ -80,7 +80,7 @@ MappingResult Mapping::locate(const MapFeatures& features, const MotionState& ex
     }
     result.edge_correspondences = constraints.edges;
     result.planar_correspondences = constraints.planes;
-    if (!narrow) result.standing_correspondences = matched - constraints.ground;
+    if (!narrow) result.standing_share = (matched - constraints.ground) / std::max(standing, 1.0);
     if (!enough) {
       result.state = expected;
       result.status = Status::kTooFewFeatures;

@@ -1,0 +1,110 @@
+// What becomes of a path when the way is lost: it goes on in a part of its own, and the parts are
+// joined where a place is recognized.
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <numbers>
+#include <vector>
+
+#include "hqslam/slam/options.h"
+#include "hqslam/slam/slam.h"
+#include "slam/village.h"
+#include "slam/yard.h"
+
+using namespace hqslam;
+using slam::Status;
+
+namespace {
+
+constexpr double kStep_m = 1.0;
+
+struct Driven {
+  std::vector<Pose> T_street_sensor;
+  std::vector<slam::ScanReport> reports;
+  std::vector<slam::LoopReport> last_reports;
+  Trajectory trajectory;
+  std::vector<std::size_t> part_of_scan;
+
+  /// Farthest from where it belongs, scans from `first` on.
+  double worst_error_m(std::size_t first) const {
+    double worst_m = 0.0;
+    for (std::size_t i = first; i < trajectory.size(); ++i) {
+      const Pose truth = T_street_sensor.front().inverse() * T_street_sensor[i];
+      worst_m = std::max(
+          worst_m, (trajectory[i].T_map_sensor.translation() - truth.translation()).norm());
+    }
+    return worst_m;
+  }
+};
+
+test::Village street(unsigned seed) {
+  test::Village village;
+  village.add_street(-40.0, 0.0, 160.0, seed);
+  return village;
+}
+
+/// Steps of a metre along the street from x_m on, up or down.
+std::vector<Pose> steps(double x_m, double y_m, int count, bool up) {
+  std::vector<Pose> result;
+  for (int i = 0; i < count; ++i) {
+    result.push_back(
+        test::yard_pose(x_m + (up ? i : -i) * kStep_m, y_m, up ? 0.0 : std::numbers::pi));
+  }
+  return result;
+}
+
+/// Drives through one village, and is then carried to where the second way begins.
+Driven drive(const test::Village& village, const std::vector<Pose>& way,
+             const test::Village& other_village, const std::vector<Pose>& other_way) {
+  const SensorModel sensor = test::small_sensor(16, 360);
+  slam::Slam slam(sensor);
+  Driven driven;
+  const auto process = [&](const test::Village& where, const Pose& T_street_sensor) {
+    driven.T_street_sensor.push_back(T_street_sensor);
+    driven.reports.push_back(slam.process(where.scan(sensor, T_street_sensor),
+                                          0.1 * static_cast<double>(driven.reports.size())));
+  };
+  for (const Pose& T_street_sensor : way) process(village, T_street_sensor);
+  for (const Pose& T_street_sensor : other_way) process(other_village, T_street_sensor);
+  driven.last_reports = slam.finish();
+  driven.trajectory = slam.trajectory();
+  driven.part_of_scan = slam.part_of_scan();
+  return driven;
+}
+
+}  // namespace
+
+TEST_CASE("who is carried to a place passed before, either way, is joined with the path there") {
+  const test::Village village = street(31);
+  for (const bool up : {true, false}) {
+    CAPTURE(up);
+    const std::vector<Pose> other_way = steps(up ? 15.0 : 65.0, 1.0, 50, up);
+    const Driven driven = drive(village, steps(0.0, 0.0, 80, true), village, other_way);
+    CHECK(std::all_of(driven.part_of_scan.begin(), driven.part_of_scan.end() - 40,
+                      [](std::size_t part) { return part == 0; }));
+    CHECK(driven.part_of_scan.back() == 0);
+    // The first scans after it was carried were not located: nothing is known about them.
+    CHECK(driven.worst_error_m(90) < 0.15);
+    CHECK(std::count_if(driven.reports.begin(), driven.reports.end(),
+                        [](const slam::ScanReport& report) {
+                          return report.loop.status == slam::LoopStatus::kClosed;
+                        }) +
+              std::count_if(driven.last_reports.begin(), driven.last_reports.end(),
+                            [](const slam::LoopReport& loop) {
+                              return loop.status == slam::LoopStatus::kClosed;
+                            }) ==
+          1);
+  }
+}
+
+TEST_CASE("who is carried to a place never passed is followed there, in a part of its own") {
+  const Driven driven =
+      drive(street(31), steps(0.0, 0.0, 80, true), street(77), steps(0.0, 0.0, 50, true));
+  CHECK(driven.part_of_scan[79] == 0);
+  CHECK(driven.part_of_scan.back() == 1);
+  const Pose step = driven.trajectory[100].T_map_sensor.inverse() *
+                    driven.trajectory[129].T_map_sensor;
+  CHECK(step.translation().norm() == doctest::Approx(29.0).epsilon(0.01));
+  CHECK(driven.reports.back().mapping_status == Status::kOk);
+}
