@@ -2,11 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <optional>
 #include <utility>
 
 #include "hqslam/core/error.h"
 #include "kernels/bias.h"
 #include "kernels/strided_convolution.h"
+#include "kernels/winograd_convolution.h"
 
 namespace hqslam::nn {
 
@@ -15,6 +17,7 @@ struct Conv2d::Implementation {
   kernels::StridedConvolution convolution;  // input: wide side, output: narrow side
   kernels::ConvolutionScratch scratch;
   std::vector<float> bias;
+  std::optional<kernels::WinogradConvolution> winograd;  // forward, where it is faster
 };
 
 Conv2d::Conv2d(const ConvolutionShape& shape, const Tensor& input, const Tensor& output,
@@ -22,7 +25,10 @@ Conv2d::Conv2d(const ConvolutionShape& shape, const Tensor& input, const Tensor&
   kernels::StridedConvolution convolution(shape, output, input, instruction_set);
   kernels::ConvolutionScratch scratch = convolution.make_scratch(threads);
   implementation_ = std::make_unique<Implementation>(
-      Implementation{shape, std::move(convolution), std::move(scratch), {}});
+      Implementation{shape, std::move(convolution), std::move(scratch), {}, {}});
+  if (kernels::WinogradConvolution::suits(shape, input)) {
+    implementation_->winograd.emplace(shape, input, instruction_set, threads);
+  }
 }
 Conv2d::~Conv2d() = default;
 Conv2d::Conv2d(Conv2d&&) noexcept = default;
@@ -32,13 +38,19 @@ const ConvolutionShape& Conv2d::shape() const { return implementation_->shape; }
 
 void Conv2d::set_parameters(std::span<const float> weight, std::span<const float> bias) {
   implementation_->convolution.set_weights(weight);
+  if (implementation_->winograd) implementation_->winograd->set_weights(weight);
   implementation_->bias = kernels::padded_bias(bias, shape().output_channels);
 }
 
 void Conv2d::forward(const Tensor& input, const LayerEnd& end, Tensor& output) {
   Implementation& self = *implementation_;
-  self.convolution.gather(input, {self.bias.data(), end.skip, end.negative_slope}, output,
-                          self.scratch);
+  const kernels::StridedConvolution::Epilogue epilogue{self.bias.data(), end.skip,
+                                                       end.negative_slope};
+  if (self.winograd) {
+    self.winograd->forward(input, epilogue, output);
+  } else {
+    self.convolution.gather(input, epilogue, output, self.scratch);
+  }
 }
 
 void Conv2d::forward_row(const Tensor& input, int row, float* output,

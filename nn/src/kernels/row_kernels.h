@@ -162,9 +162,31 @@ struct AttentionGradient {
   float* d_bias = nullptr;  ///< added to
 };
 
+/// Winograd's transform of one channel of a row of tiles (winograd_convolution.h has the formulas).
+/// Value (i, j) of tile t goes to transformed[(4 i + j) place_stride + t].
+struct WinogradInputRow {
+  const float* input[4] = {};  ///< rows, each from the first tile's first column on
+  int tiles = 0;               ///< whole vectors of 16; 32 columns and two more are read for each
+  float* transformed = nullptr;
+  std::int64_t place_stride = 0;
+};
+/// And back: one channel of the two rows that a row of tiles makes, ended as AccumulateRow ends.
+struct WinogradOutputRow {
+  const float* products = nullptr;  ///< as `transformed`
+  std::int64_t place_stride = 0;
+  int tiles = 0;  ///< whole vectors of 16
+  float bias = 0.0F;
+  const float* skip[2] = {};       ///< nullptr: none
+  const float* activated[2] = {};  ///< nullptr: none
+  float negative_slope = 1.0F;
+  float* output[2] = {};  ///< the second may be nullptr: not wanted
+};
+
 struct RowKernels {
   void (*accumulate)(const AccumulateRow&);
   void (*correlate)(const CorrelateRows&);
+  void (*winograd_input)(const WinogradInputRow&);
+  void (*winograd_output)(const WinogradOutputRow&);
   void (*select)(const SelectRow&);
   void (*fill_measured)(const MeasuredRow&);
   void (*interpolate)(const InterpolateRow&);

@@ -11,9 +11,11 @@ constexpr int kGradientTaps = 3;
 #include "attention_inl.h"
 #include "row_kernels_inl.h"
 #include "two_modes_inl.h"
+#include "winograd_inl.h"
 
 namespace hqslam::nn::kernels {
 const RowKernels kAvx2Kernels{
-    accumulate,     correlate, select, fill_measured,   interpolate,         two_modes,
-    two_modes_loss, gelu,      attend, attend_backward, multiply_add_chains, kChainMultiplyAdds};
+    accumulate,    correlate,       winograd_input,      winograd_output,   select,
+    fill_measured, interpolate,     two_modes,           two_modes_loss,    gelu,
+    attend,        attend_backward, multiply_add_chains, kChainMultiplyAdds};
 }  // namespace hqslam::nn::kernels
