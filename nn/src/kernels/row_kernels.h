@@ -182,11 +182,40 @@ struct WinogradOutputRow {
   float* output[2] = {};  ///< the second may be nullptr: not wanted
 };
 
+/// One channel of the gradient of those two rows to the 16 values of each tile.
+struct WinogradGradientRow {
+  const float* d_output[2] = {};  ///< the second may be nullptr: zero
+  int tiles = 0;                  ///< whole vectors of 16
+  float* transformed = nullptr;
+  std::int64_t place_stride = 0;
+};
+
+/// A row of every second column, and of those between them, from or into one with all columns.
+struct SplitRow {
+  const float* input = nullptr;  ///< 2 columns, in whole vectors of 16
+  float* even = nullptr;
+  float* odd = nullptr;
+  int columns = 0;  ///< of each half, rounded up to whole vectors of 16
+};
+/// output = a(all columns + skip), a as in AccumulateRow.
+struct MergeRow {
+  const float* even = nullptr;
+  const float* odd = nullptr;
+  const float* skip = nullptr;       ///< nullptr: none
+  const float* activated = nullptr;  ///< nullptr: none
+  float negative_slope = 1.0F;
+  float* output = nullptr;
+  int columns = 0;  ///< of each half, rounded up to whole vectors of 16
+};
+
 struct RowKernels {
   void (*accumulate)(const AccumulateRow&);
   void (*correlate)(const CorrelateRows&);
   void (*winograd_input)(const WinogradInputRow&);
   void (*winograd_output)(const WinogradOutputRow&);
+  void (*winograd_gradient)(const WinogradGradientRow&);
+  void (*split)(const SplitRow&);
+  void (*merge)(const MergeRow&);
   void (*select)(const SelectRow&);
   void (*fill_measured)(const MeasuredRow&);
   void (*interpolate)(const InterpolateRow&);

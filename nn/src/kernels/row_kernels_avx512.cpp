@@ -15,7 +15,7 @@ constexpr int kGradientTaps = 3;
 
 namespace hqslam::nn::kernels {
 const RowKernels kAvx512Kernels{
-    accumulate,    correlate,       winograd_input,      winograd_output,   select,
-    fill_measured, interpolate,     two_modes,           two_modes_loss,    gelu,
-    attend,        attend_backward, multiply_add_chains, kChainMultiplyAdds};
+    accumulate, correlate, winograd_input,  winograd_output,     winograd_gradient, split,
+    merge,      select,    fill_measured,   interpolate,         two_modes,         two_modes_loss,
+    gelu,       attend,    attend_backward, multiply_add_chains, kChainMultiplyAdds};
 }  // namespace hqslam::nn::kernels

@@ -16,10 +16,14 @@ constexpr int kVectorColumns = 2 * kVectorTiles;
 /// A vector of tiles reads its own columns and one more on either side.
 constexpr int kEdgeColumns = kVectorColumns + 2;
 
-int blocks_of(int channels) { return (channels + kOutputBlock - 1) / kOutputBlock; }
+/// Whole blocks, of outputs and of gradients.
+std::int64_t padded_channels(int channels) {
+  static_assert(kOutputBlock == kGradientBlock);
+  return (channels + kOutputBlock - 1) / kOutputBlock * kOutputBlock;
+}
 
 /// G g G^T
-std::array<float, kPlaces> transformed_filter(const float* g) {
+std::array<float, kPlaces> transformed_filter(const std::array<float, 9>& g) {
   std::array<std::array<float, 3>, 4> half{};
   for (int column = 0; column < 3; ++column) {
     const float sum = 0.5F * (g[column] + g[6 + column]);
@@ -39,6 +43,23 @@ std::array<float, kPlaces> transformed_filter(const float* g) {
     whole[4 * row + 3] = half[row][2];
   }
   return whole;
+}
+
+/// Adds G^T u G.
+void add_filter_gradient(const std::array<float, kPlaces>& u, float* d_filter) {
+  std::array<std::array<float, 4>, 3> half{};
+  for (int column = 0; column < 4; ++column) {
+    const float sum = 0.5F * (u[4 + column] + u[8 + column]);
+    half[0][column] = u[column] + sum;
+    half[1][column] = 0.5F * (u[4 + column] - u[8 + column]);
+    half[2][column] = sum + u[12 + column];
+  }
+  for (int row = 0; row < 3; ++row) {
+    const float sum = 0.5F * (half[row][1] + half[row][2]);
+    d_filter[3 * row] += half[row][0] + sum;
+    d_filter[3 * row + 1] += 0.5F * (half[row][1] - half[row][2]);
+    d_filter[3 * row + 2] += sum + half[row][3];
+  }
 }
 
 bool is_3x3_without_stride(const ConvolutionShape& shape) {
@@ -69,69 +90,104 @@ WinogradConvolution::WinogradConvolution(const ConvolutionShape& shape, const Te
         shape.kernel_rows, shape.kernel_columns, shape.stride, shape.column_stride(),
         shape.padding_rows, shape.padding_columns));
   }
-  // So many that the transformed weights are not fetched too often, and the transformed images stay
-  // in the second-level cache.
-  constexpr int kMostPanelVectors = 8;
-  rows_per_task_ =
-      std::clamp(kMostPanelVectors / row_vectors_, 1, (tile_rows_ + threads - 1) / threads);
-  panel_vectors_ = std::min(kMostPanelVectors, row_vectors_ * rows_per_task_);
-  const std::int64_t width = panel_vectors_ * kVectorTiles;
-  // A cache line more: places would otherwise lie a multiple of 4 KB apart, all in one set.
-  input_place_stride_ = shape.input_channels * width + kVectorTiles;
-  output_place_stride_ = blocks_of(shape.output_channels) * kOutputBlock * width + kVectorTiles;
-  for (int channel = 0; channel < shape.input_channels; ++channel) {
-    channel_offset_.push_back(channel * width);
-  }
+  // So many vectors that the transformed weights are not fetched too often, and the transformed
+  // images stay in the second-level cache.
+  constexpr int kMostVectors = 8;
+  rows_per_task_ = std::clamp(kMostVectors / row_vectors_, 1, (tile_rows_ + threads - 1) / threads);
+  forward_panel_ = panel_shape(std::min(kMostVectors, row_vectors_ * rows_per_task_));
+  // The gradient adds the lanes of its sums once for every panel.
+  constexpr int kCachedFloats = 1 << 18;
+  const int channels = shape.input_channels + shape.output_channels;
+  const int cached = kCachedFloats / (kPlaces * kVectorTiles * channels);
+  gradient_panel_ = panel_shape(std::min(std::max(4, cached), row_vectors_ * tile_rows_));
 }
 
-void WinogradConvolution::set_weights(std::span<const float> weights) {
+WinogradConvolution::PanelShape WinogradConvolution::panel_shape(int vectors) const {
+  const std::int64_t width = vectors * kVectorTiles;
+  // A cache line more: places would otherwise lie a multiple of 4 KB apart, all in one set.
+  PanelShape panel{
+      .vectors = vectors,
+      .input_place_stride = shape_.input_channels * width + kVectorTiles,
+      .output_place_stride = padded_channels(shape_.output_channels) * width + kVectorTiles};
+  for (int channel = 0; channel < shape_.input_channels; ++channel) {
+    panel.channel_offset.push_back(channel * width);
+  }
+  return panel;
+}
+
+void WinogradConvolution::set_weights(std::span<const float> weights) { pack(weights, false); }
+
+void WinogradConvolution::set_adjoint_weights(std::span<const float> weights) {
+  pack(weights, true);
+}
+
+void WinogradConvolution::pack(std::span<const float> weights, bool adjoint) {
   if (static_cast<std::int64_t>(weights.size()) != shape_.weights()) {
     throw Error(
         fmt::format("convolution: {} weights, expected {}", weights.size(), shape_.weights()));
   }
-  const int inputs = shape_.input_channels;
-  const std::size_t blocks = blocks_of(shape_.output_channels);
+  const std::size_t inputs = shape_.input_channels;
+  const std::size_t outputs = shape_.output_channels;
+  const std::size_t blocks = padded_channels(shape_.output_channels) / kOutputBlock;
   weights_.assign(kPlaces * blocks * inputs * kOutputBlock, 0.0F);
-  for (int output = 0; output < shape_.output_channels; ++output) {
+  for (std::size_t output = 0; output < outputs; ++output) {
     const std::size_t block = output / kOutputBlock;
-    for (int input = 0; input < inputs; ++input) {
-      const std::array<float, kPlaces> filter =
-          transformed_filter(&weights[(static_cast<std::size_t>(output) * inputs + input) * 9]);
+    for (std::size_t input = 0; input < inputs; ++input) {
+      std::array<float, 9> filter;
+      if (adjoint) {  // turned by 180 degrees
+        std::reverse_copy(&weights[(input * outputs + output) * 9],
+                          &weights[(input * outputs + output) * 9] + 9, filter.begin());
+      } else {
+        std::copy_n(&weights[(output * inputs + input) * 9], 9, filter.begin());
+      }
+      const std::array<float, kPlaces> transformed = transformed_filter(filter);
       for (std::size_t place = 0; place < kPlaces; ++place) {
         weights_[((place * blocks + block) * inputs + input) * kOutputBlock +
-                 output % kOutputBlock] = filter[place];
+                 output % kOutputBlock] = transformed[place];
       }
     }
   }
 }
 
 /// One for all layers: what one leaves in the cache is overwritten by the next.
-WinogradConvolution::Scratch& WinogradConvolution::scratch_of_thread() const {
+WinogradConvolution::Scratch& WinogradConvolution::scratch_of_thread(
+    const PanelShape& shape) const {
   thread_local Scratch scratch;
   const auto grow = [](std::size_t size, CacheLineFloats& values) {
     if (values.size() < size) values.resize(size);
   };
-  grow(kPlaces * input_place_stride_, scratch.transformed);
-  grow(kPlaces * output_place_stride_, scratch.products);
+  grow(kPlaces * shape.input_place_stride, scratch.transformed);
+  grow(kPlaces * shape.output_place_stride, scratch.products);
   grow(4 * kEdgeColumns, scratch.edge);
   return scratch;
 }
 
-void WinogradConvolution::transform_run(const Tensor& input, int channel, int tile_row, int vector,
-                                        int vectors, float* transformed, Scratch& scratch) const {
-  WinogradInputRow row;
-  row.transformed = transformed;
-  row.place_stride = input_place_stride_;
+/// Calls visit for each row of tiles that the panel has a part of.
+template <typename Visit>
+void WinogradConvolution::for_each_run(const Panel& panel, const Visit& visit) const {
+  for (int first = panel.first; first < panel.last;) {
+    const int tile_row = first / row_vectors_;
+    const int last = std::min(panel.last, (tile_row + 1) * row_vectors_);
+    visit(Run{.tile_row = tile_row,
+              .vector = first % row_vectors_,
+              .vectors = last - first,
+              .tile = (first - panel.first) * kVectorTiles});
+    first = last;
+  }
+}
+
+void WinogradConvolution::transform_run(const Tensor& input, int channel, const Run& run,
+                                        WinogradInputRow row, Scratch& scratch) const {
+  const int end = run.vector + run.vectors;
   // The last vector of tiles may end one column behind the border.
-  const bool beyond = (vector + vectors) * kVectorColumns == input.padded_columns() + kVectorTiles;
-  row.tiles = (vectors - (beyond ? 1 : 0)) * kVectorTiles;
-  const int last = vector + vectors - 1;
+  const bool beyond = end * kVectorColumns == input.padded_columns() + kVectorTiles;
+  row.tiles = (run.vectors - (beyond ? 1 : 0)) * kVectorTiles;
   for (int i = 0; i < 4; ++i) {
     // With an odd number of rows there is one row too few for a second row of results: any will do.
-    const float* values = input.row(channel, std::min(2 * tile_row + i - 1, rows_)) - 1;
-    row.input[i] = values + vector * kVectorColumns;
+    const float* values = input.row(channel, std::min(2 * run.tile_row + i - 1, rows_)) - 1;
+    row.input[i] = values + run.vector * kVectorColumns;
     if (beyond) {
-      std::copy_n(values + last * kVectorColumns, kEdgeColumns - 1,
+      std::copy_n(values + (end - 1) * kVectorColumns, kEdgeColumns - 1,
                   scratch.edge.data() + i * kEdgeColumns);
     }
   }
@@ -143,56 +199,50 @@ void WinogradConvolution::transform_run(const Tensor& input, int channel, int ti
   kernels_->winograd_input(row);
 }
 
-void WinogradConvolution::transform_input(const Tensor& input, Panel panel,
+void WinogradConvolution::transform_input(const Tensor& input, const Panel& panel,
                                           Scratch& scratch) const {
   for (int channel = 0; channel < shape_.input_channels; ++channel) {
-    float* transformed = scratch.transformed.data() + channel_offset_[channel];
-    for (int first = panel.first; first < panel.last;) {
-      const int tile_row = first / row_vectors_;
-      const int last = std::min(panel.last, (tile_row + 1) * row_vectors_);
-      transform_run(input, channel, tile_row, first % row_vectors_, last - first,
-                    transformed + (first - panel.first) * kVectorTiles, scratch);
-      first = last;
-    }
+    for_each_run(panel, [&](const Run& run) {
+      WinogradInputRow row;
+      row.transformed = scratch.transformed.data() + panel.shape.channel_offset[channel] + run.tile;
+      row.place_stride = panel.shape.input_place_stride;
+      transform_run(input, channel, run, row, scratch);
+    });
   }
 }
 
-void WinogradConvolution::multiply(Panel panel, Scratch& scratch) const {
+void WinogradConvolution::multiply(const Panel& panel, Scratch& scratch) const {
   const std::int64_t weights_of_place =
-      static_cast<std::int64_t>(blocks_of(shape_.output_channels)) * kOutputBlock *
-      shape_.input_channels;
+      padded_channels(shape_.output_channels) * shape_.input_channels;
   AccumulateRow row;
-  row.tap_offset = channel_offset_.data();
+  row.tap_offset = panel.shape.channel_offset.data();
   row.taps = shape_.input_channels;
   row.output_channels = shape_.output_channels;
-  row.output_channel_stride = panel_vectors_ * kVectorTiles;
+  row.output_channel_stride = panel.shape.vectors * kVectorTiles;
   row.end = (panel.last - panel.first) * kVectorTiles;
   for (int place = 0; place < kPlaces; ++place) {
-    row.input = scratch.transformed.data() + place * input_place_stride_;
+    row.input = scratch.transformed.data() + place * panel.shape.input_place_stride;
     row.weights = weights_.data() + place * weights_of_place;
-    row.output = scratch.products.data() + place * output_place_stride_;
+    row.output = scratch.products.data() + place * panel.shape.output_place_stride;
     kernels_->accumulate(row);
   }
 }
 
 void WinogradConvolution::transform_output(const StridedConvolution::Epilogue& epilogue,
-                                           Panel panel, const Scratch& scratch,
+                                           const Panel& panel, const Scratch& scratch,
                                            Tensor& output) const {
+  const std::int64_t width = panel.shape.vectors * kVectorTiles;
   for (int channel = 0; channel < shape_.output_channels; ++channel) {
-    const float* products = scratch.products.data() +
-                            static_cast<std::int64_t>(channel) * panel_vectors_ * kVectorTiles;
-    for (int first = panel.first; first < panel.last;) {
-      const int tile_row = first / row_vectors_;
-      const int last = std::min(panel.last, (tile_row + 1) * row_vectors_);
+    for_each_run(panel, [&](const Run& run) {
       WinogradOutputRow row;
-      row.products = products + (first - panel.first) * kVectorTiles;
-      row.place_stride = output_place_stride_;
-      row.tiles = (last - first) * kVectorTiles;
+      row.products = scratch.products.data() + channel * width + run.tile;
+      row.place_stride = panel.shape.output_place_stride;
+      row.tiles = run.vectors * kVectorTiles;
       row.bias = epilogue.bias == nullptr ? 0.0F : epilogue.bias[channel];
       row.negative_slope = epilogue.negative_slope;
-      const int column = first % row_vectors_ * kVectorColumns;
+      const int column = run.vector * kVectorColumns;
       for (int part = 0; part < 2; ++part) {
-        const int y = 2 * tile_row + part;
+        const int y = 2 * run.tile_row + part;
         if (y >= rows_) break;
         row.output[part] = output.row(channel, y) + column;
         if (epilogue.skip != nullptr) row.skip[part] = epilogue.skip->row(channel, y) + column;
@@ -201,8 +251,7 @@ void WinogradConvolution::transform_output(const StridedConvolution::Epilogue& e
         }
       }
       kernels_->winograd_output(row);
-      first = last;
-    }
+    });
   }
 }
 
@@ -211,12 +260,12 @@ void WinogradConvolution::forward(const Tensor& input, const StridedConvolution:
   const int tasks = (tile_rows_ + rows_per_task_ - 1) / rows_per_task_;
 #pragma omp for schedule(static)
   for (int task = 0; task < tasks; ++task) {
-    Scratch& scratch = scratch_of_thread();
+    Scratch& scratch = scratch_of_thread(forward_panel_);
     const int first_row = task * rows_per_task_;
     const int last_row = std::min(tile_rows_, first_row + rows_per_task_);
-    for (int first = first_row * row_vectors_; first < last_row * row_vectors_;
-         first += panel_vectors_) {
-      const Panel panel{first, std::min(first + panel_vectors_, last_row * row_vectors_)};
+    const int last = last_row * row_vectors_;
+    for (int first = first_row * row_vectors_; first < last; first += forward_panel_.vectors) {
+      const Panel panel{forward_panel_, first, std::min(first + forward_panel_.vectors, last)};
       transform_input(input, panel, scratch);
       multiply(panel, scratch);
       transform_output(epilogue, panel, scratch, output);
@@ -225,6 +274,88 @@ void WinogradConvolution::forward(const Tensor& input, const StridedConvolution:
       for (int channel = 0; channel < shape_.output_channels; ++channel) {
         output.fill_border(channel, y);
       }
+    }
+  }
+}
+
+void WinogradConvolution::transform_gradient_run(const Tensor& d_output, int channel,
+                                                 const Run& run, WinogradGradientRow row,
+                                                 Scratch& scratch) const {
+  const int end = run.vector + run.vectors;
+  const bool beyond = end * kVectorColumns > columns_;  // where there are no results
+  row.tiles = (run.vectors - (beyond ? 1 : 0)) * kVectorTiles;
+  float* const edge[2] = {scratch.edge.data(), scratch.edge.data() + kEdgeColumns};
+  for (int part = 0; part < 2; ++part) {
+    const int y = 2 * run.tile_row + part;
+    if (y >= rows_) break;
+    const float* values = d_output.row(channel, y);
+    row.d_output[part] = values + run.vector * kVectorColumns;
+    if (beyond) {
+      const int column = (end - 1) * kVectorColumns;
+      std::fill_n(edge[part], kVectorColumns, 0.0F);
+      std::copy(values + column, values + columns_, edge[part]);
+    }
+  }
+  kernels_->winograd_gradient(row);
+  if (!beyond) return;
+  for (int part = 0; part < 2; ++part) {
+    if (row.d_output[part] != nullptr) row.d_output[part] = edge[part];
+  }
+  row.transformed += row.tiles;
+  row.tiles = kVectorTiles;
+  kernels_->winograd_gradient(row);
+}
+
+void WinogradConvolution::transform_gradient(const Tensor& d_output, const Panel& panel,
+                                             Scratch& scratch) const {
+  const std::int64_t width = panel.shape.vectors * kVectorTiles;
+  for (int channel = 0; channel < shape_.output_channels; ++channel) {
+    for_each_run(panel, [&](const Run& run) {
+      WinogradGradientRow row;
+      row.transformed = scratch.products.data() + channel * width + run.tile;
+      row.place_stride = panel.shape.output_place_stride;
+      transform_gradient_run(d_output, channel, run, row, scratch);
+    });
+  }
+}
+
+void WinogradConvolution::correlate(const Panel& panel, Scratch& scratch) const {
+  CorrelateRows rows;
+  rows.narrow_channel_stride = panel.shape.vectors * kVectorTiles;
+  rows.narrow_channels = shape_.output_channels;
+  rows.tap_offset = panel.shape.channel_offset.data();
+  rows.taps = shape_.input_channels;
+  rows.rows = 1;
+  rows.columns = (panel.last - panel.first) * kVectorTiles;
+  const std::int64_t sums = shape_.input_channels * padded_channels(shape_.output_channels);
+  for (int place = 0; place < kPlaces; ++place) {
+    rows.narrow = scratch.products.data() + place * panel.shape.output_place_stride;
+    rows.wide = scratch.transformed.data() + place * panel.shape.input_place_stride;
+    rows.gradient = scratch.gradient.data() + place * sums;
+    kernels_->correlate(rows);
+  }
+}
+
+void WinogradConvolution::add_weight_gradient(const Tensor& input, const Tensor& d_output,
+                                              std::span<float> d_weights) const {
+  Scratch& scratch = scratch_of_thread(gradient_panel_);
+  const std::int64_t padded = padded_channels(shape_.output_channels);
+  const std::int64_t sums = shape_.input_channels * padded;
+  scratch.gradient.assign(kPlaces * sums, 0.0F);
+  const int vectors = tile_rows_ * row_vectors_;
+  for (int first = 0; first < vectors; first += gradient_panel_.vectors) {
+    const Panel panel{gradient_panel_, first, std::min(first + gradient_panel_.vectors, vectors)};
+    transform_input(input, panel, scratch);
+    transform_gradient(d_output, panel, scratch);
+    correlate(panel, scratch);
+  }
+  for (int output = 0; output < shape_.output_channels; ++output) {
+    for (int channel = 0; channel < shape_.input_channels; ++channel) {
+      std::array<float, kPlaces> places;
+      for (int place = 0; place < kPlaces; ++place) {
+        places[place] = scratch.gradient[place * sums + channel * padded + output];
+      }
+      add_filter_gradient(places, &d_weights[(output * shape_.input_channels + channel) * 9]);
     }
   }
 }

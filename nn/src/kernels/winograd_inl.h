@@ -1,35 +1,11 @@
 // The transforms of Winograd's convolution; included as row_kernels_inl.h is.
 // winograd_convolution.h has the formulas.
 
-#include <utility>
-
 #include "row_kernels.h"
 #include "vector_math_inl.h"
 
 namespace hqslam::nn::kernels {
 namespace {
-
-template <int kFirst, int... kLanes>
-inline Vector every_second(Vector a, Vector b, std::integer_sequence<int, kLanes...>) {
-  return __builtin_shufflevector(a, b, (kFirst + 2 * kLanes)...);
-}
-
-/// Lanes kFirst, kFirst + 2, ... of a, then of b.
-template <int kFirst>
-inline Vector every_second(Vector a, Vector b) {
-  return every_second<kFirst>(a, b, std::make_integer_sequence<int, kVectorFloats>{});
-}
-
-template <int kFirst, int... kLanes>
-inline Vector alternating(Vector a, Vector b, std::integer_sequence<int, kLanes...>) {
-  return __builtin_shufflevector(a, b, (kFirst + kLanes / 2 + kLanes % 2 * kVectorFloats)...);
-}
-
-/// a[kFirst], b[kFirst], a[kFirst + 1], b[kFirst + 1], ...
-template <int kFirst>
-inline Vector alternating(Vector a, Vector b) {
-  return alternating<kFirst>(a, b, std::make_integer_sequence<int, kVectorFloats>{});
-}
 
 /// B^T x
 inline void winograd_differences(const Vector (&x)[4], Vector (&y)[4]) {
@@ -68,14 +44,11 @@ void winograd_input(const WinogradInputRow& row) {
 
 /// One of the two rows that a row of tiles makes.
 inline void winograd_end(const WinogradOutputRow& row, int part, int column, Vector y) {
-  if (row.skip[part] != nullptr) y += load(row.skip[part] + column);
-  const Vector negative = row.negative_slope * y;
-  if (row.activated[part] != nullptr) {
-    y = load(row.activated[part] + column) > 0.0F ? y : negative;
-  } else {
-    y = y > negative ? y : negative;
-  }
-  store(row.output[part] + column, y);
+  const auto at = [column](const float* values) {
+    return values == nullptr ? nullptr : values + column;
+  };
+  store(row.output[part] + column,
+        ended(y, at(row.skip[part]), at(row.activated[part]), row.negative_slope));
 }
 
 void winograd_output(const WinogradOutputRow& row) {
@@ -100,6 +73,39 @@ void winograd_output(const WinogradOutputRow& row) {
       const Vector odd = h[1] - h[2] - h[3] + row.bias;
       winograd_end(row, part, 2 * tile, alternating<0>(even, odd));
       winograd_end(row, part, 2 * tile + kVectorFloats, alternating<kVectorFloats / 2>(even, odd));
+    }
+  }
+}
+
+/// A x
+inline void winograd_spread(Vector x0, Vector x1, Vector (&y)[4]) {
+  y[0] = x0;
+  y[1] = x0 + x1;
+  y[2] = x0 - x1;
+  y[3] = -x1;
+}
+
+void winograd_gradient(const WinogradGradientRow& row) {
+  for (int tile = 0; tile < row.tiles; tile += kVectorFloats) {
+    Vector half[2][4];  // d Y A^T, one row of d Y after the other
+#pragma GCC unroll 2
+    for (int part = 0; part < 2; ++part) {
+      if (row.d_output[part] == nullptr) {
+        winograd_spread(Vector{}, Vector{}, half[part]);
+        continue;
+      }
+      const Vector first = load(row.d_output[part] + 2 * tile);
+      const Vector second = load(row.d_output[part] + 2 * tile + kVectorFloats);
+      winograd_spread(every_second<0>(first, second), every_second<1>(first, second), half[part]);
+    }
+#pragma GCC unroll 4
+    for (int j = 0; j < 4; ++j) {
+      Vector whole[4];
+      winograd_spread(half[0][j], half[1][j], whole);
+#pragma GCC unroll 4
+      for (int i = 0; i < 4; ++i) {
+        store(row.transformed + (4 * i + j) * row.place_stride + tile, whole[i]);
+      }
     }
   }
 }
