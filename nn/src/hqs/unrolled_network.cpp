@@ -9,6 +9,7 @@
 #include "channels.h"
 #include "hqslam/core/error.h"
 #include "hqslam/nn/hqs/interpolation.h"
+#include "rejected_pixels.h"
 #include "unrolled_hqs.h"
 
 namespace hqslam::nn {
@@ -172,21 +173,9 @@ void UnrolledNetwork::set_y(LayerState& layer) const {
     for (int channel = 0; channel < tile.pixels(); ++channel) {
       std::copy_n(filtered.row(channel, row), layer.y.columns(), layer.y.row(channel, row));
     }
-    // Few pixels are rejected: look for them eight at a time.
-    const std::uint8_t* mask = layer.rejected.data() + row * tile.rows * columns_;
-    for (int begin = 0; begin < tile.rows * columns_; begin += 8) {
-      const int end = std::min(begin + 8, tile.rows * columns_);
-      std::uint64_t any = 0;
-      std::memcpy(&any, mask + begin, static_cast<std::size_t>(end - begin));
-      if (any == 0) continue;
-      for (int pixel = begin; pixel < end; ++pixel) {
-        if (mask[pixel] == 0) continue;
-        const int x = pixel % columns_;
-        const int channel = pixel / columns_ * tile.columns + x % tile.columns;
-        layer.y.row(channel, row)[x / tile.columns] =
-            zero ? 0.0F : layer.denoiser.z.row(channel, row)[x / tile.columns];
-      }
-    }
+    for_each_rejected(layer.rejected, tile, columns_, row, [&](int channel, int x) {
+      layer.y.row(channel, row)[x] = zero ? 0.0F : layer.denoiser.z.row(channel, row)[x];
+    });
   }
 }
 

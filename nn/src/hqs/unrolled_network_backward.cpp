@@ -1,9 +1,8 @@
 #include <fmt/format.h>
 
-#include <cstdint>
-
 #include "channels.h"
 #include "hqslam/core/error.h"
+#include "rejected_pixels.h"
 #include "unrolled_network.h"
 
 // The gradients of the unrolled loop, layer by layer from the last to the first.
@@ -17,32 +16,25 @@ struct UnrolledNetwork::BackwardScratch {
   Tensor d_a;
 };
 
-/// Calls visit(channel, x, rejected) for every pixel of the tiles.
-template <typename Visit>
-static void for_each_pixel(TileSize tile, const Tensor& tiles,
-                           const std::vector<std::uint8_t>& rejected, int row, const Visit& visit) {
-  const int columns = tiles.columns() * tile.columns;
-  for (int channel = 0; channel < tile.pixels(); ++channel) {
-    const std::uint8_t* mask = rejected.data() +
-                               (row * tile.rows + channel / tile.columns) * columns +
-                               channel % tile.columns;
-    for (int x = 0; x < tiles.columns(); ++x) visit(channel, x, mask[x * tile.columns] != 0);
-  }
-}
-
 void UnrolledNetwork::backward_y(const LayerState& layer, const Tensor& d_y, Tensor& d_h,
                                  Tensor& d_z) const {
+  const TileSize tile = denoisers_.front()->tile();
   const bool of_h = options_.filtered == FilteredIterate::kH;
   const bool zero = options_.rejected == RejectedPixel::kZero;
+  // As if nothing were rejected, then what is.
+  if (of_h) {
+    d_h = d_y;
+  } else {
+    d_h.set_zero();
+    add_channels(d_y, tile.pixels(), d_z);
+  }
   for (int row = 0; row < d_y.rows(); ++row) {
-    for_each_pixel(denoisers_.front()->tile(), d_y, layer.rejected, row,
-                   [&](int channel, int x, bool rejected) {
-                     const float gradient = d_y.row(channel, row)[x];
-                     float& to_h = d_h.row(channel, row)[x];
-                     float& to_z = d_z.row(channel, row)[x];
-                     to_h = !rejected && of_h ? gradient : 0.0F;
-                     if (rejected ? !zero : !of_h) to_z += gradient;
-                   });
+    for_each_rejected(layer.rejected, tile, columns_, row, [&](int channel, int x) {
+      const float gradient = d_y.row(channel, row)[x];
+      d_h.row(channel, row)[x] = 0.0F;
+      if (of_h && !zero) d_z.row(channel, row)[x] += gradient;
+      if (!of_h && zero) d_z.row(channel, row)[x] -= gradient;
+    });
   }
 }
 

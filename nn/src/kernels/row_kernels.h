@@ -71,6 +71,26 @@ struct SelectRow {
   int columns = 0;  ///< rounded up to whole vectors of 16
 };
 
+/// Its gradient.
+struct SelectGradientRow {
+  float gain = 1.0F;
+  const float* weight_above = nullptr;  ///< the softmax
+  const float* weight_below = nullptr;
+  const float* weight_here = nullptr;
+  const float* weight_nothing = nullptr;
+  const float* above = nullptr;
+  const float* below = nullptr;
+  const float* here = nullptr;
+  const float* d_z = nullptr;
+  float* d_score_above = nullptr;
+  float* d_score_below = nullptr;
+  float* d_score_here = nullptr;
+  float* d_score_nothing = nullptr;
+  float* d_residual = nullptr;
+  float* d_here = nullptr;  ///< may be d_z
+  int columns = 0;          ///< rounded up to whole vectors of 16
+};
+
 /// The start of the two-mode network, a row of interpolated logarithms of ranges:
 ///   y = -ln(weight_above / r_above + weight_below / r_below)
 struct InterpolateRow {
@@ -217,6 +237,7 @@ struct RowKernels {
   void (*split)(const SplitRow&);
   void (*merge)(const MergeRow&);
   void (*select)(const SelectRow&);
+  void (*select_gradient)(const SelectGradientRow&);
   void (*fill_measured)(const MeasuredRow&);
   void (*interpolate)(const InterpolateRow&);
   void (*two_modes)(const TwoModesRow&);

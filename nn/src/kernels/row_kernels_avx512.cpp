@@ -14,8 +14,22 @@ constexpr int kGradientTaps = 3;
 #include "winograd_inl.h"
 
 namespace hqslam::nn::kernels {
-const RowKernels kAvx512Kernels{
-    accumulate, correlate, winograd_input,  winograd_output,     winograd_gradient, split,
-    merge,      select,    fill_measured,   interpolate,         two_modes,         two_modes_loss,
-    gelu,       attend,    attend_backward, multiply_add_chains, kChainMultiplyAdds};
+const RowKernels kAvx512Kernels{accumulate,
+                                correlate,
+                                winograd_input,
+                                winograd_output,
+                                winograd_gradient,
+                                split,
+                                merge,
+                                select,
+                                select_gradient,
+                                fill_measured,
+                                interpolate,
+                                two_modes,
+                                two_modes_loss,
+                                gelu,
+                                attend,
+                                attend_backward,
+                                multiply_add_chains,
+                                kChainMultiplyAdds};
 }  // namespace hqslam::nn::kernels

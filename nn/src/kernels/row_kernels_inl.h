@@ -196,6 +196,11 @@ void correlate(const CorrelateRows& rows) {
       correlate_block<kGradientTaps>(rows, narrow, rows.tap_offset + tap, padded,
                                      gradient + static_cast<std::int64_t>(tap) * padded);
     }
+    if (kGradientTaps > 2 && tap + 2 <= rows.taps) {
+      correlate_block<2>(rows, narrow, rows.tap_offset + tap, padded,
+                         gradient + static_cast<std::int64_t>(tap) * padded);
+      tap += 2;
+    }
     for (; tap < rows.taps; ++tap) {
       correlate_block<1>(rows, narrow, rows.tap_offset + tap, padded,
                          gradient + static_cast<std::int64_t>(tap) * padded);
@@ -247,6 +252,27 @@ void select(const SelectRow& row) {
     store(row.score_nothing + x, nothing * scale);
     store(row.z + x, above * load(row.above + x) + below * load(row.below + x) +
                          here * load(row.here + x) + load(row.residual + x));
+  }
+}
+
+void select_gradient(const SelectGradientRow& row) {
+  for (int x = 0; x < row.columns; x += kVectorFloats) {
+    const Vector d_z = load(row.d_z + x);
+    const Vector above = load(row.above + x);
+    const Vector below = load(row.below + x);
+    const Vector here = load(row.here + x);
+    const Vector weight_above = load(row.weight_above + x);
+    const Vector weight_below = load(row.weight_below + x);
+    const Vector weight_here = load(row.weight_here + x);
+    const Vector mean = weight_above * above + weight_below * below + weight_here * here;
+    // d softmax_i / d score_j = gain w_i (delta_ij - w_j)
+    const Vector scaled = row.gain * d_z;
+    store(row.d_score_above + x, scaled * weight_above * (above - mean));
+    store(row.d_score_below + x, scaled * weight_below * (below - mean));
+    store(row.d_score_here + x, scaled * weight_here * (here - mean));
+    store(row.d_score_nothing + x, -scaled * load(row.weight_nothing + x) * mean);
+    store(row.d_residual + x, d_z);
+    store(row.d_here + x, d_z * weight_here);
   }
 }
 

@@ -22,26 +22,27 @@ std::int64_t padded_channels(int channels) {
   return (channels + kOutputBlock - 1) / kOutputBlock * kOutputBlock;
 }
 
+/// A value for each output channel of a block.
+using Block = std::array<float, kOutputBlock>;
+
+/// G x, of every channel
+void transform_filter(const Block* x, std::ptrdiff_t x_stride, Block* y, std::ptrdiff_t y_stride) {
+  for (int o = 0; o < kOutputBlock; ++o) {
+    const float sum = 0.5F * (x[0][o] + x[2 * x_stride][o]);
+    const float middle = 0.5F * x[x_stride][o];
+    y[0][o] = x[0][o];
+    y[y_stride][o] = sum + middle;
+    y[2 * y_stride][o] = sum - middle;
+    y[3 * y_stride][o] = x[2 * x_stride][o];
+  }
+}
+
 /// G g G^T
-std::array<float, kPlaces> transformed_filter(const std::array<float, 9>& g) {
-  std::array<std::array<float, 3>, 4> half{};
-  for (int column = 0; column < 3; ++column) {
-    const float sum = 0.5F * (g[column] + g[6 + column]);
-    const float middle = 0.5F * g[3 + column];
-    half[0][column] = g[column];
-    half[1][column] = sum + middle;
-    half[2][column] = sum - middle;
-    half[3][column] = g[6 + column];
-  }
-  std::array<float, kPlaces> whole{};
-  for (int row = 0; row < 4; ++row) {
-    const float sum = 0.5F * (half[row][0] + half[row][2]);
-    const float middle = 0.5F * half[row][1];
-    whole[4 * row] = half[row][0];
-    whole[4 * row + 1] = sum + middle;
-    whole[4 * row + 2] = sum - middle;
-    whole[4 * row + 3] = half[row][2];
-  }
+std::array<Block, kPlaces> transformed_filters(const std::array<Block, 9>& g) {
+  std::array<Block, 12> half;
+  for (int column = 0; column < 3; ++column) transform_filter(&g[column], 3, &half[column], 3);
+  std::array<Block, kPlaces> whole;
+  for (std::size_t row = 0; row < 4; ++row) transform_filter(&half[3 * row], 1, &whole[4 * row], 1);
   return whole;
 }
 
@@ -126,24 +127,25 @@ void WinogradConvolution::pack(std::span<const float> weights, bool adjoint) {
     throw Error(
         fmt::format("convolution: {} weights, expected {}", weights.size(), shape_.weights()));
   }
-  const std::size_t inputs = shape_.input_channels;
-  const std::size_t outputs = shape_.output_channels;
-  const std::size_t blocks = padded_channels(shape_.output_channels) / kOutputBlock;
-  weights_.assign(kPlaces * blocks * inputs * kOutputBlock, 0.0F);
-  for (std::size_t output = 0; output < outputs; ++output) {
-    const std::size_t block = output / kOutputBlock;
-    for (std::size_t input = 0; input < inputs; ++input) {
-      std::array<float, 9> filter;
-      if (adjoint) {  // turned by 180 degrees
-        std::reverse_copy(&weights[(input * outputs + output) * 9],
-                          &weights[(input * outputs + output) * 9] + 9, filter.begin());
-      } else {
-        std::copy_n(&weights[(output * inputs + input) * 9], 9, filter.begin());
+  const std::int64_t inputs = shape_.input_channels;
+  const std::int64_t outputs = shape_.output_channels;
+  const std::int64_t padded = padded_channels(shape_.output_channels);
+  weights_.resize(kPlaces * padded * inputs);
+  std::array<Block, 9> filters{};
+  for (std::int64_t first = 0; first < outputs; first += kOutputBlock) {
+    const auto channels = static_cast<int>(std::min<std::int64_t>(kOutputBlock, outputs - first));
+    for (std::int64_t input = 0; input < inputs; ++input) {
+      for (int o = 0; o < kOutputBlock; ++o) {
+        const std::int64_t filter =
+            adjoint ? input * outputs + first + o : (first + o) * inputs + input;
+        for (int tap = 0; tap < 9; ++tap) {  // the adjoint's are turned by 180 degrees
+          filters[tap][o] = o < channels ? weights[filter * 9 + (adjoint ? 8 - tap : tap)] : 0.0F;
+        }
       }
-      const std::array<float, kPlaces> transformed = transformed_filter(filter);
+      const std::array<Block, kPlaces> transformed = transformed_filters(filters);
       for (std::size_t place = 0; place < kPlaces; ++place) {
-        weights_[((place * blocks + block) * inputs + input) * kOutputBlock +
-                 output % kOutputBlock] = transformed[place];
+        std::ranges::copy(transformed[place],
+                          &weights_[(place * padded + first) * inputs + input * kOutputBlock]);
       }
     }
   }
