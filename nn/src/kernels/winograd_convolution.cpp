@@ -260,7 +260,8 @@ void WinogradConvolution::transform_output(const StridedConvolution::Epilogue& e
 void WinogradConvolution::forward(const Tensor& input, const StridedConvolution::Epilogue& epilogue,
                                   Tensor& output) const {
   const int tasks = (tile_rows_ + rows_per_task_ - 1) / rows_per_task_;
-#pragma omp for schedule(static)
+  // Not all threads of a team may come at the same time (UnrolledNetwork::run_layer).
+#pragma omp for schedule(dynamic)
   for (int task = 0; task < tasks; ++task) {
     Scratch& scratch = scratch_of_thread(forward_panel_);
     const int first_row = task * rows_per_task_;
