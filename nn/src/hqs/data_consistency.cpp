@@ -43,6 +43,7 @@ double DataConsistency::backward(const Tensor& l, const Tensor& z, const Tensor&
       const float* z_row = z.row(channel, row);
       const float* y_row = y.row(channel, row);
       float sum = 0.0F;
+#pragma omp simd reduction(+ : sum)
       for (int x = 0; x < d_h.columns(); ++x) {
         // d H / d b = 2 (A - L) / (1 + 2 b)^2
         sum += gradient[x] * (z_row[x] + y_row[x] - 2.0F * l_row[x]);

@@ -105,8 +105,10 @@ class UnrolledNetwork {
   void run_layer(UnrolledState& state, int layer, std::optional<std::uint64_t> dropout_seed);
   const Tensor& previous_z(const UnrolledState& state, int layer) const;
   const Tensor& previous_y(const UnrolledState& state, int layer) const;
-  /// Splits d loss / d Y of a layer into what belongs to its H and to its Z.
-  void backward_y(const LayerState& layer, const Tensor& d_y, Tensor& d_h, Tensor& d_z) const;
+  void gather_d_z(int layer, const LayerState& current, const Tensor* d_loss, const Tensor& d_a,
+                  Tensor& d_z) const;
+  void gather_d_h(int layer, const LayerState& current, const Tensor& d_input, const Tensor& d_a,
+                  Tensor& d_h) const;
   void add_penalty_gradient(int layer, double d_penalty, std::span<float> d_parameters) const;
 
   NetworkDescription description_;

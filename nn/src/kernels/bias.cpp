@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Core>
-
 #include "hqslam/core/error.h"
 #include "row_kernels.h"
 
@@ -23,8 +21,11 @@ void add_bias_gradient(const Tensor& d_output, std::span<float> d_bias) {
   if (d_bias.empty()) return;
   for (int channel = 0; channel < d_output.channels(); ++channel) {
     for (int y = 0; y < d_output.rows(); ++y) {
-      d_bias[channel] +=
-          Eigen::Map<const Eigen::ArrayXf>(d_output.row(channel, y), d_output.columns()).sum();
+      const float* values = d_output.row(channel, y);
+      float sum = 0.0F;
+#pragma omp simd reduction(+ : sum)
+      for (int x = 0; x < d_output.columns(); ++x) sum += values[x];
+      d_bias[channel] += sum;
     }
   }
 }
