@@ -7,6 +7,25 @@
 
 namespace hqslam::nn::kernels {
 
+namespace {
+
+/// In 16 sums side by side: one alone would wait for each addition.
+float sum_of(const float* values, int count) {
+  constexpr int kSums = 16;
+  float sums[kSums] = {};
+  int first = 0;
+  for (; first + kSums <= count; first += kSums) {
+#pragma omp simd
+    for (int i = 0; i < kSums; ++i) sums[i] += values[first + i];
+  }
+  for (; first < count; ++first) sums[0] += values[first];
+  float sum = 0.0F;
+  for (const float part : sums) sum += part;
+  return sum;
+}
+
+}  // namespace
+
 std::vector<float> padded_bias(std::span<const float> bias, int channels) {
   if (!bias.empty() && static_cast<int>(bias.size()) != channels) {
     throw Error(
@@ -22,10 +41,7 @@ void add_bias_gradient(const Tensor& d_output, std::span<float> d_bias) {
   for (int channel = 0; channel < d_output.channels(); ++channel) {
     for (int y = 0; y < d_output.rows(); ++y) {
       const float* values = d_output.row(channel, y);
-      float sum = 0.0F;
-#pragma omp simd reduction(+ : sum)
-      for (int x = 0; x < d_output.columns(); ++x) sum += values[x];
-      d_bias[channel] += sum;
+      d_bias[channel] += sum_of(values, d_output.columns());
     }
   }
 }
