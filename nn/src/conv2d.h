@@ -50,8 +50,8 @@ class Conv2d {
   void forward(const Tensor& input, const LayerEnd& end, Tensor& output);
   /// One row of the linear result, into memory of the caller's, so that what follows can use it
   /// while it is in the cache: output channels are channel_stride floats apart, each with room for
-  /// the columns rounded up to 16. By the calling thread alone. Throws Error unless the stride
-  /// is 1.
+  /// the columns rounded up to 16. By the calling thread alone. Throws Error unless stride
+  /// and kernel rows are 1.
   void forward_row(const Tensor& input, int row, float* output, std::int64_t channel_stride) const;
   /// d_input = the gradient with respect to the input; borders of d_output (before the layer's
   /// activation) must be filled.

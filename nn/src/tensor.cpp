@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstring>
 
 #include "hqslam/core/error.h"
 
@@ -26,17 +25,11 @@ Tensor::Tensor(int channels, int rows, int columns, ColumnPadding padding, int b
   values_.assign(static_cast<std::size_t>(channels) * channel_stride(), 0.0F);
 }
 
-void Tensor::fill_border(int channel, int row_index) {
+void Tensor::fill_other_border(int channel, int row_index) {
   float* values = row(channel, row_index);
   if (padding_ == ColumnPadding::kZero) {
     std::fill_n(values - kBorderColumns, kBorderColumns, 0.0F);
     std::fill(values + columns_, values + padded_columns_ + kBorderColumns, 0.0F);
-    return;
-  }
-  if (columns_ == padded_columns_) {  // at least as wide as the border
-    constexpr std::size_t kBytes = kBorderColumns * sizeof(float);
-    std::memcpy(values - kBorderColumns, values + columns_ - kBorderColumns, kBytes);
-    std::memcpy(values + columns_, values, kBytes);
     return;
   }
   // A row shorter than the border goes round more than once.

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <new>
 #include <vector>
 
@@ -64,12 +65,23 @@ class Tensor {
   float at(int channel, int row_, int column) const { return row(channel, row_)[column]; }
 
   /// Makes the border columns of one row continue the row as padding() says.
-  void fill_border(int channel, int row);
+  void fill_border(int channel, int row) {
+    if (padding_ == ColumnPadding::kCircular && columns_ == padded_columns_) {
+      // At least as wide as the border, and what is called for every row of every layer.
+      constexpr std::size_t kBytes = kBorderColumns * sizeof(float);
+      float* values = this->row(channel, row);
+      std::memcpy(values - kBorderColumns, values + columns_ - kBorderColumns, kBytes);
+      std::memcpy(values + columns_, values, kBytes);
+    } else {
+      fill_other_border(channel, row);
+    }
+  }
   /// The same for every row of every channel.
   void fill_borders();
   void set_zero();
 
  private:
+  void fill_other_border(int channel, int row);
   std::int64_t offset(int channel, int row) const {
     return channel * channel_stride() + (row + border_rows_) * row_stride() + kBorderColumns;
   }

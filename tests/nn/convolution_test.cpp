@@ -30,6 +30,7 @@ std::vector<Case> cases() {
       all.push_back({{2, 3, 3, 5, 1, 1, 2}, 3, columns, padding});
       all.push_back({{3, 9, 3, 3, 2, 1, 1, 1}, 6, columns, padding});  // strides 2 x 1
     }
+    all.push_back({{17, 18, 3, 3, 1, 1, 1}, 5, 48, padding});  // Winograd's way
     all.push_back({{1, 2, 5, 3, 3, 2, 0}, 9, 12, padding});
     all.push_back({{1, 9, 1, 8, 1, 0, 2, 4}, 3, 64, padding});  // strides 1 x 4
     all.push_back({{2, 3, 3, 4, 1, 1, 2}, 3, 20, padding});     // zero: one column more than before

@@ -60,12 +60,12 @@ TEST_CASE("selection and its gradients equal PyTorch's with every instruction se
     CHECK(relative_error(weights, golden.values("selection.weights")) < 1e-5);
     Tensor d_scores = scores;
     Tensor d_here = here;
-    select_backward(candidates, here, kTile, scores, d_z, d_scores, d_here);
+    select_backward(candidates, here, kTile, instruction_set, scores, d_z, d_scores, d_here);
     CHECK(relative_error(d_scores, golden.values("selection.d_scores")) < 1e-5);
     CHECK(relative_error(d_here, golden.values("selection.d_here")) < 1e-5);
     CHECK(d_scores.at(19, 1, -1) == d_scores.at(19, 1, 19));
     Tensor in_place = d_z;  // the denoiser lets d loss / d H take the place of d loss / d Z
-    select_backward(candidates, here, kTile, scores, in_place, d_scores, in_place);
+    select_backward(candidates, here, kTile, instruction_set, scores, in_place, d_scores, in_place);
     CHECK(same_bits(in_place, d_here));
     CHECK(relative_error(d_scores, golden.values("selection.d_scores")) < 1e-5);
   }

@@ -3,24 +3,27 @@
 namespace hqslam::nn {
 
 void DataConsistency::forward(const Tensor& l, const Tensor& z, const Tensor& y, Tensor& h) const {
+#pragma omp for schedule(static)
+  for (int row = 0; row < h.rows(); ++row) forward_row(l, z, y, row, h);
+}
+
+void DataConsistency::forward_row(const Tensor& l, const Tensor& z, const Tensor& y, int row,
+                                  Tensor& h) const {
   const float weight_l = 1.0F / (1.0F + 2.0F * penalty);
   const float weight_a = penalty / (1.0F + 2.0F * penalty);  // of Z + Y, not of their mean
-#pragma omp for schedule(static)
-  for (int row = 0; row < h.rows(); ++row) {
-    for (int channel = 0; channel < tile.pixels(); ++channel) {
-      const float* z_row = z.row(channel, row);
-      const float* y_row = y.row(channel, row);
-      const float* l_row = l.row(channel, row);
-      float* h_row = h.row(channel, row);
-      if (measured(tile, measured_rows, channel, row)) {
-        for (int x = 0; x < h.columns(); ++x) {
-          h_row[x] = weight_l * l_row[x] + weight_a * (z_row[x] + y_row[x]);  // eq. 10a
-        }
-      } else {
-        for (int x = 0; x < h.columns(); ++x) h_row[x] = 0.5F * (z_row[x] + y_row[x]);
+  for (int channel = 0; channel < tile.pixels(); ++channel) {
+    const float* z_row = z.row(channel, row);
+    const float* y_row = y.row(channel, row);
+    const float* l_row = l.row(channel, row);
+    float* h_row = h.row(channel, row);
+    if (measured(tile, measured_rows, channel, row)) {
+      for (int x = 0; x < h.columns(); ++x) {
+        h_row[x] = weight_l * l_row[x] + weight_a * (z_row[x] + y_row[x]);  // eq. 10a
       }
-      h.fill_border(channel, row);
+    } else {
+      for (int x = 0; x < h.columns(); ++x) h_row[x] = 0.5F * (z_row[x] + y_row[x]);
     }
+    h.fill_border(channel, row);
   }
 }
 
@@ -40,6 +43,7 @@ double DataConsistency::backward(const Tensor& l, const Tensor& z, const Tensor&
       const float* z_row = z.row(channel, row);
       const float* y_row = y.row(channel, row);
       float sum = 0.0F;
+#pragma omp simd reduction(+ : sum)
       for (int x = 0; x < d_h.columns(); ++x) {
         // d H / d b = 2 (A - L) / (1 + 2 b)^2
         sum += gradient[x] * (z_row[x] + y_row[x] - 2.0F * l_row[x]);

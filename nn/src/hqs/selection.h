@@ -42,6 +42,7 @@ void select_row(const Candidates& candidates, const Tensor& h, TileSize tile,
 /// weights: what `select` left. d_z: d loss / d Z. Writes d loss / d scores (groups as above,
 /// borders filled) and d loss / d H along the direct way through w_h. One thread.
 void select_backward(const Candidates& candidates, const Tensor& h, TileSize tile,
-                     const Tensor& weights, const Tensor& d_z, Tensor& d_scores, Tensor& d_h);
+                     InstructionSet instruction_set, const Tensor& weights, const Tensor& d_z,
+                     Tensor& d_scores, Tensor& d_h);
 
 }  // namespace hqslam::nn

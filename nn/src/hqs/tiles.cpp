@@ -2,19 +2,58 @@
 
 namespace hqslam::nn {
 
+namespace {
+
+typedef float Four __attribute__((vector_size(16), aligned(4), may_alias));
+
+/// A square of 4 x 4 values, rows for columns.
+void transpose(Four (&square)[4]) {
+  const Four a = __builtin_shufflevector(square[0], square[1], 0, 4, 1, 5);
+  const Four b = __builtin_shufflevector(square[0], square[1], 2, 6, 3, 7);
+  const Four c = __builtin_shufflevector(square[2], square[3], 0, 4, 1, 5);
+  const Four d = __builtin_shufflevector(square[2], square[3], 2, 6, 3, 7);
+  square[0] = __builtin_shufflevector(a, c, 0, 1, 4, 5);
+  square[1] = __builtin_shufflevector(a, c, 2, 3, 6, 7);
+  square[2] = __builtin_shufflevector(b, d, 0, 1, 4, 5);
+  square[3] = __builtin_shufflevector(b, d, 2, 3, 6, 7);
+}
+
+Four& four_at(float* values) { return *reinterpret_cast<Four*>(values); }
+const Four& four_at(const float* values) { return *reinterpret_cast<const Four*>(values); }
+
+}  // namespace
+
 void put_image_row(const float* image_row, TileSize tile, int row, Tensor& tiles) {
+  const int first = row % tile.rows * tile.columns;
+  int x = 0;
+  if (tile.columns == 4) {  // the usual size
+    for (; x + 4 <= tiles.columns(); x += 4) {
+      Four square[4];
+      for (int i = 0; i < 4; ++i) square[i] = four_at(image_row + 4 * (x + i));
+      transpose(square);
+      for (int i = 0; i < 4; ++i) four_at(tiles.row(first + i, row / tile.rows) + x) = square[i];
+    }
+  }
   for (int column = 0; column < tile.columns; ++column) {
-    float* to = tiles.row(row % tile.rows * tile.columns + column, row / tile.rows);
-    const float* from = image_row + column;
-    for (int x = 0; x < tiles.columns(); ++x) to[x] = from[x * tile.columns];
+    float* to = tiles.row(first + column, row / tile.rows);
+    for (int i = x; i < tiles.columns(); ++i) to[i] = image_row[i * tile.columns + column];
   }
 }
 
 void take_image_row(const Tensor& tiles, TileSize tile, int row, float* image_row) {
+  const int first = row % tile.rows * tile.columns;
+  int x = 0;
+  if (tile.columns == 4) {
+    for (; x + 4 <= tiles.columns(); x += 4) {
+      Four square[4];
+      for (int i = 0; i < 4; ++i) square[i] = four_at(tiles.row(first + i, row / tile.rows) + x);
+      transpose(square);
+      for (int i = 0; i < 4; ++i) four_at(image_row + 4 * (x + i)) = square[i];
+    }
+  }
   for (int column = 0; column < tile.columns; ++column) {
-    const float* from = tiles.row(row % tile.rows * tile.columns + column, row / tile.rows);
-    float* to = image_row + column;
-    for (int x = 0; x < tiles.columns(); ++x) to[x * tile.columns] = from[x];
+    const float* from = tiles.row(first + column, row / tile.rows);
+    for (int i = x; i < tiles.columns(); ++i) image_row[i * tile.columns + column] = from[i];
   }
 }
 

@@ -153,8 +153,8 @@ void UShapedDenoiser::backward(const Candidates& candidates, const DenoiserState
                                DenoiserState& gradient, std::span<float> d_parameters) {
   // gradient.z holds d_z; the direct way to H is kept there once the scores have theirs.
   Tensor& d_direct = gradient.z;
-  select_backward(candidates, state.input(), shape_.tile, state.output(), gradient.z,
-                  gradient.output(), d_direct);
+  select_backward(candidates, state.input(), shape_.tile, instruction_set_, state.output(),
+                  gradient.z, gradient.output(), d_direct);
   graph_.backward(state.values, gradient.values, d_parameters);
   add_channels(d_direct, shape_.tile.pixels(), gradient.input());
 }

@@ -4,11 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 
 #include "channels.h"
 #include "hqslam/core/error.h"
 #include "hqslam/nn/hqs/interpolation.h"
+#include "rejected_pixels.h"
 #include "unrolled_hqs.h"
 
 namespace hqslam::nn {
@@ -112,108 +112,107 @@ const Tensor& UnrolledNetwork::previous_y(const UnrolledState& state, int layer)
   return layer == 0 ? state.z0 : state.layer(layer - 1).y;
 }
 
-void UnrolledNetwork::run_layer(UnrolledState& state, int layer,
-                                std::optional<std::uint64_t> dropout_seed) {
-  Denoiser& prior = denoiser(layer);
-  const TileSize tile = prior.tile();
-  DenoiserState& current = state.layer(layer).denoiser;
-#pragma omp parallel num_threads(threads_)
-  {
-    data_consistency(layer).forward(state.l, previous_z(state, layer), previous_y(state, layer),
-                                    current.input());  // eq. 10a
+bool UnrolledNetwork::filters_h() const { return options_.filtered == FilteredIterate::kH; }
+
+void UnrolledNetwork::make_input(UnrolledState& state, int layer) const {
+  const TileSize tile = denoisers_.front()->tile();
+  const int memory = denoisers_.front()->memory_channels();
+  Tensor& input = state.layer(layer).denoiser.input();
+  const DataConsistency consistency = data_consistency(layer);
+#pragma omp for schedule(static)
+  for (int row = 0; row < input.rows(); ++row) {
+    if (layer > 0 && has_filter_after(layer - 1)) set_y_row(row, state.layer(layer - 1));
+    consistency.forward_row(state.l, previous_z(state, layer), previous_y(state, layer), row,
+                            input);  // eq. 10a
     if (layer == 0) {
-      clear_channels(tile.pixels(), current.input());  // no memory yet
-    } else if (prior.memory_channels() > 0) {
+      clear_channels_row(tile.pixels(), row, input);  // no memory yet
+    } else if (memory > 0) {
       const Tensor& before = state.layer(layer - 1).denoiser.output();
-      copy_channels(before, before.channels() - prior.memory_channels(), prior.memory_channels(),
-                    current.input(), tile.pixels());
+      copy_channels_row(before, before.channels() - memory, memory, row, input, tile.pixels());
     }
-    prior.forward(state.candidates, current, dropout_seed);  // eq. 10b
-    if (has_filter_after(layer)) fill_raster(state, layer);
+    if (has_filter_after(layer) && filters_h()) fill_raster_row(layer, row, state);
   }
 }
 
-void UnrolledNetwork::fill_raster(UnrolledState& state, int layer) const {
+/// Called by all threads of a parallel region. The fewer points at which they wait for each other,
+/// the better: one thread looks for outliers while the others begin with the denoiser, whose first
+/// results they all wait for.
+void UnrolledNetwork::run_layer(UnrolledState& state, int layer,
+                                std::optional<std::uint64_t> dropout_seed) {
+  LayerState& current = state.layer(layer);
+  const bool filter = has_filter_after(layer);
+  make_input(state, layer);
+  if (filter && filters_h()) {
+#pragma omp single nowait
+    filter_.find(state.raster.data(), current.rejected.data());  // eq. 10c
+  }
+  denoiser(layer).forward(state.candidates, current.denoiser, dropout_seed);  // eq. 10b
+  if (filter && !filters_h()) {
+#pragma omp for schedule(static)
+    for (int row = 0; row < current.y.rows(); ++row) fill_raster_row(layer, row, state);
+#pragma omp single
+    filter_.find(state.raster.data(), current.rejected.data());
+  }
+}
+
+/// The rows of the image that the filter of a layer looks at and that a row of tiles holds.
+void UnrolledNetwork::fill_raster_row(int layer, int tile_row, UnrolledState& state) const {
   const DenoiserState& current = state.layer(layer).denoiser;
-  const bool of_h = options_.filtered == FilteredIterate::kH;
   const TileSize tile = denoisers_.front()->tile();
   // What is nearer than the sensor can see is no return.
   const auto nearest =
       static_cast<float>(description_.sensor.min_range_m) / description_.range_scale_m;
-#pragma omp for schedule(static)
-  for (int row = 0; row < rows_; ++row) {
+  for (int row = tile_row * tile.rows; row < (tile_row + 1) * tile.rows; ++row) {
     float* ranges = &state.raster[static_cast<std::size_t>(row) * columns_];
-    take_image_row(of_h ? current.input() : current.z, tile, row, ranges);
+    take_image_row(filters_h() ? current.input() : current.z, tile, row, ranges);
     for (int x = 0; x < columns_; ++x) ranges[x] = ranges[x] >= nearest ? ranges[x] : 0.0F;
   }
 }
 
-void UnrolledNetwork::remove_outliers(UnrolledState& state, int layer) {
-  LayerState& current = state.layer(layer);
-  filter_.find(state.raster.data(), current.rejected.data(), threads_);  // eq. 10c
-#pragma omp parallel num_threads(threads_)
-  set_y(current);
-}
-
 void UnrolledNetwork::finish_last_layer(UnrolledState& state) {
   const int last = options_.layers - 1;
-#pragma omp parallel num_threads(threads_)
-  fill_raster(state, last);
-  remove_outliers(state, last);
+  LayerState& current = state.layer(last);
+  for (int row = 0; row < current.y.rows(); ++row) fill_raster_row(last, row, state);
+  filter_.find(state.raster.data(), current.rejected.data(), threads_);
+  for (int row = 0; row < current.y.rows(); ++row) set_y_row(row, current);
 }
 
-void UnrolledNetwork::set_y(LayerState& layer) const {
+void UnrolledNetwork::set_y_row(int row, LayerState& layer) const {
   const TileSize tile = denoisers_.front()->tile();
-  const bool of_h = options_.filtered == FilteredIterate::kH;
-  const Tensor& filtered = of_h ? layer.denoiser.input() : layer.denoiser.z;
   const bool zero = options_.rejected == RejectedPixel::kZero;
-#pragma omp for schedule(static)
-  for (int row = 0; row < layer.y.rows(); ++row) {
-    for (int channel = 0; channel < tile.pixels(); ++channel) {
-      std::copy_n(filtered.row(channel, row), layer.y.columns(), layer.y.row(channel, row));
-    }
-    // Few pixels are rejected: look for them eight at a time.
-    const std::uint8_t* mask = layer.rejected.data() + row * tile.rows * columns_;
-    for (int begin = 0; begin < tile.rows * columns_; begin += 8) {
-      const int end = std::min(begin + 8, tile.rows * columns_);
-      std::uint64_t any = 0;
-      std::memcpy(&any, mask + begin, static_cast<std::size_t>(end - begin));
-      if (any == 0) continue;
-      for (int pixel = begin; pixel < end; ++pixel) {
-        if (mask[pixel] == 0) continue;
-        const int x = pixel % columns_;
-        const int channel = pixel / columns_ * tile.columns + x % tile.columns;
-        layer.y.row(channel, row)[x / tile.columns] =
-            zero ? 0.0F : layer.denoiser.z.row(channel, row)[x / tile.columns];
-      }
-    }
+  const Tensor& filtered = filters_h() ? layer.denoiser.input() : layer.denoiser.z;
+  for (int channel = 0; channel < tile.pixels(); ++channel) {
+    std::copy_n(filtered.row(channel, row), layer.y.columns(), layer.y.row(channel, row));
   }
+  for_each_rejected(layer.rejected, tile, columns_, row, [&](int channel, int x) {
+    layer.y.row(channel, row)[x] = zero ? 0.0F : layer.denoiser.z.row(channel, row)[x];
+  });
 }
 
 void UnrolledNetwork::forward(UnrolledState& state, std::optional<std::uint64_t> dropout_seed) {
+#pragma omp parallel num_threads(threads_)
   for (int layer = 0; layer < options_.layers; ++layer) {
     const std::uint64_t seed = dropout_seed.value_or(0) * 1000 + layer * 10;
     run_layer(state, layer, dropout_seed ? std::optional(seed) : std::nullopt);
-    if (has_filter_after(layer)) remove_outliers(state, layer);
   }
 }
 
 std::vector<NetworkStep> UnrolledNetwork::steps(UnrolledState& state) {
   const int last = options_.layers - 1;
-  const Tensor& z = previous_z(state, last);
-  const Tensor& y = previous_y(state, last);
   DenoiserState& current = state.layer(last).denoiser;
   std::vector<NetworkStep> steps;
-  steps.push_back({"data consistency", options_.layers, 0, [this, last, &state, &z, &y, &current] {
-                     data_consistency(last).forward(state.l, z, y, current.input());
-                   }});
+  steps.push_back(
+      {"data consistency", options_.layers, 0, [this, last, &state] { make_input(state, last); }});
   for (NetworkStep& step : denoiser(last).steps(state.candidates, current)) {
     step.calls = options_.layers;
     steps.push_back(std::move(step));
   }
   if (last > 0 && has_filter_after(last - 1)) {
     steps.push_back({"outlier filter", last, 0,
-                     [this, last, &state] { remove_outliers(state, last - 1); }, false});
+                     [this, last, &state] {
+                       filter_.find(state.raster.data(), state.layer(last - 1).rejected.data());
+                     },
+                     false});
   }
   return steps;
 }

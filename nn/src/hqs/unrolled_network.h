@@ -95,16 +95,20 @@ class UnrolledNetwork {
   bool has_filter_after(int layer) const {
     return options_.auxiliaries == Auxiliaries::kZAndY && layer + 1 < options_.layers;
   }
-  /// The image that the filter of a layer looks at, into state.raster.
-  void fill_raster(UnrolledState& state, int layer) const;
-  void remove_outliers(UnrolledState& state, int layer);
+  bool filters_h() const;
+  /// Y of the layer before, and with it what the denoiser of a layer takes and the image that its
+  /// filter looks at, as far as it is known by then. The threads share the rows.
+  void make_input(UnrolledState& state, int layer) const;
+  void fill_raster_row(int layer, int tile_row, UnrolledState& state) const;
   void start_row(const RangeImage& measured, int row, UnrolledState& state) const;
-  void set_y(LayerState& layer) const;
+  void set_y_row(int row, LayerState& layer) const;
   void run_layer(UnrolledState& state, int layer, std::optional<std::uint64_t> dropout_seed);
   const Tensor& previous_z(const UnrolledState& state, int layer) const;
   const Tensor& previous_y(const UnrolledState& state, int layer) const;
-  /// Splits d loss / d Y of a layer into what belongs to its H and to its Z.
-  void backward_y(const LayerState& layer, const Tensor& d_y, Tensor& d_h, Tensor& d_z) const;
+  void gather_d_z(int layer, const LayerState& current, const Tensor* d_loss, const Tensor& d_a,
+                  Tensor& d_z) const;
+  void gather_d_h(int layer, const LayerState& current, const Tensor& d_input, const Tensor& d_a,
+                  Tensor& d_h) const;
   void add_penalty_gradient(int layer, double d_penalty, std::span<float> d_parameters) const;
 
   NetworkDescription description_;

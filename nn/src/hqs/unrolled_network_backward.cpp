@@ -1,9 +1,8 @@
 #include <fmt/format.h>
 
-#include <cstdint>
-
 #include "channels.h"
 #include "hqslam/core/error.h"
+#include "rejected_pixels.h"
 #include "unrolled_network.h"
 
 // The gradients of the unrolled loop, layer by layer from the last to the first.
@@ -11,38 +10,55 @@ namespace hqslam::nn {
 
 struct UnrolledNetwork::BackwardScratch {
   DenoiserState gradient;
-  Tensor d_z;
-  Tensor d_y;
   Tensor d_h;
-  Tensor d_a;
+  Tensor d_a;  ///< of the layer above: A is the mean of its Z and Y; without Y it is Z
 };
 
-/// Calls visit(channel, x, rejected) for every pixel of the tiles.
-template <typename Visit>
-static void for_each_pixel(TileSize tile, const Tensor& tiles,
-                           const std::vector<std::uint8_t>& rejected, int row, const Visit& visit) {
-  const int columns = tiles.columns() * tile.columns;
-  for (int channel = 0; channel < tile.pixels(); ++channel) {
-    const std::uint8_t* mask = rejected.data() +
-                               (row * tile.rows + channel / tile.columns) * columns +
-                               channel % tile.columns;
-    for (int x = 0; x < tiles.columns(); ++x) visit(channel, x, mask[x * tile.columns] != 0);
+/// to = a + share b
+static void add_scaled(const float* a, float share, const float* b, int columns, float* to) {
+  for (int x = 0; x < columns; ++x) to[x] = a[x] + share * b[x];
+}
+
+/// d loss / d Z: what the loss says (null: nothing), and what the layer above passes on through its
+/// A; where this layer's Y is Z, twice.
+void UnrolledNetwork::gather_d_z(int layer, const LayerState& current, const Tensor* d_loss,
+                                 const Tensor& d_a, Tensor& d_z) const {
+  const TileSize tile = denoisers_.front()->tile();
+  const bool has_y = has_filter_after(layer);
+  const bool z_alone = options_.auxiliaries == Auxiliaries::kZ;
+  const float share = z_alone || (has_y && !filters_h()) ? 1.0F : 0.5F;
+  const bool zero = options_.rejected == RejectedPixel::kZero;
+  for (int row = 0; row < d_z.rows(); ++row) {
+    for (int channel = 0; channel < tile.pixels(); ++channel) {
+      const float* passed = d_a.row(channel, row);
+      float* to = d_z.row(channel, row);
+      if (d_loss != nullptr) {
+        add_scaled(d_loss->row(channel, row), share, passed, d_z.columns(), to);
+      } else {
+        for (int x = 0; x < d_z.columns(); ++x) to[x] = share * passed[x];
+      }
+    }
+    if (!has_y || filters_h() == zero) continue;
+    for_each_rejected(current.rejected, tile, columns_, row, [&](int channel, int x) {
+      d_z.row(channel, row)[x] += (zero ? -0.5F : 0.5F) * d_a.row(channel, row)[x];
+    });
   }
 }
 
-void UnrolledNetwork::backward_y(const LayerState& layer, const Tensor& d_y, Tensor& d_h,
-                                 Tensor& d_z) const {
-  const bool of_h = options_.filtered == FilteredIterate::kH;
-  const bool zero = options_.rejected == RejectedPixel::kZero;
-  for (int row = 0; row < d_y.rows(); ++row) {
-    for_each_pixel(denoisers_.front()->tile(), d_y, layer.rejected, row,
-                   [&](int channel, int x, bool rejected) {
-                     const float gradient = d_y.row(channel, row)[x];
-                     float& to_h = d_h.row(channel, row)[x];
-                     float& to_z = d_z.row(channel, row)[x];
-                     to_h = !rejected && of_h ? gradient : 0.0F;
-                     if (rejected ? !zero : !of_h) to_z += gradient;
-                   });
+/// d loss / d H: through the denoiser, and where this layer's Y is H.
+void UnrolledNetwork::gather_d_h(int layer, const LayerState& current, const Tensor& d_input,
+                                 const Tensor& d_a, Tensor& d_h) const {
+  const TileSize tile = denoisers_.front()->tile();
+  const bool through_y = has_filter_after(layer) && filters_h();
+  for (int row = 0; row < d_h.rows(); ++row) {
+    for (int channel = 0; channel < tile.pixels(); ++channel) {
+      add_scaled(d_input.row(channel, row), through_y ? 0.5F : 0.0F, d_a.row(channel, row),
+                 d_h.columns(), d_h.row(channel, row));
+    }
+    if (!through_y) continue;
+    for_each_rejected(current.rejected, tile, columns_, row, [&](int channel, int x) {
+      d_h.row(channel, row)[x] = d_input.row(channel, row)[x];
+    });
   }
 }
 
@@ -67,54 +83,31 @@ void UnrolledNetwork::backward(const UnrolledState& state, std::span<const Tenso
     throw Error(fmt::format("network: gradients of {} layers, expected of 1 to {}", d_z.size(),
                             options_.layers));
   }
-  const bool z_alone = options_.auxiliaries == Auxiliaries::kZ;
   const Denoiser& any = *denoisers_.front();
   const int pixels = any.tile().pixels();
   const int memory = any.memory_channels();
   if (backward_ == nullptr) {
-    backward_ = std::make_shared<BackwardScratch>(
-        BackwardScratch{any.make_state(), state.z0, state.z0, state.z0, state.z0});
+    backward_ =
+        std::make_shared<BackwardScratch>(BackwardScratch{any.make_state(), state.z0, state.z0});
   }
   BackwardScratch& scratch = *backward_;
   DenoiserState& gradient = scratch.gradient;
-  scratch.d_z.set_zero();
-  scratch.d_y.set_zero();
+  scratch.d_a.set_zero();
   const int first_memory = gradient.output().channels() - memory;
   if (memory > 0) clear_channels(first_memory, gradient.output());
   for (int layer = options_.layers - 1; layer >= 0; --layer) {
     const LayerState& current = state.layer(layer);
-    const bool last = layer + 1 == options_.layers;
-    if (last || z_alone) {
-      scratch.d_h.set_zero();
-    } else {
-      backward_y(current, scratch.d_y, scratch.d_h, scratch.d_z);
-    }
-    const int from_end = options_.layers - 1 - layer;
-    if (from_end < static_cast<int>(d_z.size())) {
-      add_channels(d_z[d_z.size() - 1 - from_end], pixels, scratch.d_z);
-    }
-    gradient.z = scratch.d_z;
+    const int of_loss = static_cast<int>(d_z.size()) - (options_.layers - layer);
+    gather_d_z(layer, current, of_loss < 0 ? nullptr : &d_z[of_loss], scratch.d_a, gradient.z);
     const std::size_t begin = options_.shared_weights ? 0 : layer * denoiser_parameters_;
     denoiser(layer).backward(state.candidates, current.denoiser, gradient,
                              d_parameters.subspan(begin, denoiser_parameters_));
-    add_channels(gradient.input(), pixels, scratch.d_h);
+    gather_d_h(layer, current, gradient.input(), scratch.d_a, scratch.d_h);
     const double d_penalty = data_consistency(layer).backward(
         state.l, previous_z(state, layer), previous_y(state, layer), scratch.d_h, scratch.d_a);
     add_penalty_gradient(layer, d_penalty, d_parameters);
     if (memory > 0)
       copy_channels(gradient.input(), pixels, memory, gradient.output(), first_memory);
-    // A is the mean of Z and Y; without Y it is Z.
-    for (int channel = 0; channel < pixels; ++channel) {
-      for (int row = 0; row < scratch.d_a.rows(); ++row) {
-        const float* from = scratch.d_a.row(channel, row);
-        float* to_z = scratch.d_z.row(channel, row);
-        float* to_y = scratch.d_y.row(channel, row);
-        for (int x = 0; x < scratch.d_a.columns(); ++x) {
-          to_z[x] = z_alone ? from[x] : 0.5F * from[x];
-          to_y[x] = z_alone ? 0.0F : 0.5F * from[x];
-        }
-      }
-    }
   }
 }
 

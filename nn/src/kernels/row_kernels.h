@@ -71,6 +71,26 @@ struct SelectRow {
   int columns = 0;  ///< rounded up to whole vectors of 16
 };
 
+/// Its gradient.
+struct SelectGradientRow {
+  float gain = 1.0F;
+  const float* weight_above = nullptr;  ///< the softmax
+  const float* weight_below = nullptr;
+  const float* weight_here = nullptr;
+  const float* weight_nothing = nullptr;
+  const float* above = nullptr;
+  const float* below = nullptr;
+  const float* here = nullptr;
+  const float* d_z = nullptr;
+  float* d_score_above = nullptr;
+  float* d_score_below = nullptr;
+  float* d_score_here = nullptr;
+  float* d_score_nothing = nullptr;
+  float* d_residual = nullptr;
+  float* d_here = nullptr;  ///< may be d_z
+  int columns = 0;          ///< rounded up to whole vectors of 16
+};
+
 /// The start of the two-mode network, a row of interpolated logarithms of ranges:
 ///   y = -ln(weight_above / r_above + weight_below / r_below)
 struct InterpolateRow {
@@ -162,10 +182,62 @@ struct AttentionGradient {
   float* d_bias = nullptr;  ///< added to
 };
 
+/// Winograd's transform of one channel of a row of tiles (winograd_convolution.h has the formulas).
+/// Value (i, j) of tile t goes to transformed[(4 i + j) place_stride + t].
+struct WinogradInputRow {
+  const float* input[4] = {};  ///< rows, each from the first tile's first column on
+  int tiles = 0;               ///< whole vectors of 16; 32 columns and two more are read for each
+  float* transformed = nullptr;
+  std::int64_t place_stride = 0;
+};
+/// And back: one channel of the two rows that a row of tiles makes, ended as AccumulateRow ends.
+struct WinogradOutputRow {
+  const float* products = nullptr;  ///< as `transformed`
+  std::int64_t place_stride = 0;
+  int tiles = 0;  ///< whole vectors of 16
+  float bias = 0.0F;
+  const float* skip[2] = {};       ///< nullptr: none
+  const float* activated[2] = {};  ///< nullptr: none
+  float negative_slope = 1.0F;
+  float* output[2] = {};  ///< the second may be nullptr: not wanted
+};
+
+/// One channel of the gradient of those two rows to the 16 values of each tile.
+struct WinogradGradientRow {
+  const float* d_output[2] = {};  ///< the second may be nullptr: zero
+  int tiles = 0;                  ///< whole vectors of 16
+  float* transformed = nullptr;
+  std::int64_t place_stride = 0;
+};
+
+/// A row of every second column, and of those between them, from or into one with all columns.
+struct SplitRow {
+  const float* input = nullptr;  ///< 2 columns, in whole vectors of 16
+  float* even = nullptr;
+  float* odd = nullptr;
+  int columns = 0;  ///< of each half, rounded up to whole vectors of 16
+};
+/// output = a(all columns + skip), a as in AccumulateRow.
+struct MergeRow {
+  const float* even = nullptr;
+  const float* odd = nullptr;
+  const float* skip = nullptr;       ///< nullptr: none
+  const float* activated = nullptr;  ///< nullptr: none
+  float negative_slope = 1.0F;
+  float* output = nullptr;
+  int columns = 0;  ///< of each half, rounded up to whole vectors of 16
+};
+
 struct RowKernels {
   void (*accumulate)(const AccumulateRow&);
   void (*correlate)(const CorrelateRows&);
+  void (*winograd_input)(const WinogradInputRow&);
+  void (*winograd_output)(const WinogradOutputRow&);
+  void (*winograd_gradient)(const WinogradGradientRow&);
+  void (*split)(const SplitRow&);
+  void (*merge)(const MergeRow&);
   void (*select)(const SelectRow&);
+  void (*select_gradient)(const SelectGradientRow&);
   void (*fill_measured)(const MeasuredRow&);
   void (*interpolate)(const InterpolateRow&);
   void (*two_modes)(const TwoModesRow&);

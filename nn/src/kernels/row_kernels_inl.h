@@ -12,6 +12,14 @@
 namespace hqslam::nn::kernels {
 namespace {
 
+/// a(y + skip) as AccumulateRow has it.
+inline Vector ended(Vector y, const float* skip, const float* activated, float negative_slope) {
+  if (skip != nullptr) y += load(skip);
+  const Vector negative = negative_slope * y;
+  if (activated != nullptr) return load(activated) > 0.0F ? y : negative;
+  return y > negative ? y : negative;
+}
+
 /// kChannelBlock channels from `channel` on, `kVectors` vectors from column x on.
 template <int kVectors>
 inline void accumulate_block(const AccumulateRow& row, int channel, int x) {
@@ -52,15 +60,10 @@ inline void accumulate_block(const AccumulateRow& row, int channel, int x) {
                                  : row.activated + (channel + o) * row.activated_channel_stride + x;
 #pragma GCC unroll 16
     for (int v = 0; v < kVectors; ++v) {
-      Vector y = sum[o][v];
-      if (skip != nullptr) y += load(skip + v * kVectorFloats);
-      const Vector negative = row.negative_slope * y;
-      if (activated != nullptr) {
-        y = load(activated + v * kVectorFloats) > 0.0F ? y : negative;
-      } else {
-        y = y > negative ? y : negative;
-      }
-      store(output + v * kVectorFloats, y);
+      const int at = v * kVectorFloats;
+      store(output + at,
+            ended(sum[o][v], skip == nullptr ? nullptr : skip + at,
+                  activated == nullptr ? nullptr : activated + at, row.negative_slope));
     }
   }
 }
@@ -193,10 +196,38 @@ void correlate(const CorrelateRows& rows) {
       correlate_block<kGradientTaps>(rows, narrow, rows.tap_offset + tap, padded,
                                      gradient + static_cast<std::int64_t>(tap) * padded);
     }
+    if (kGradientTaps > 2 && tap + 2 <= rows.taps) {
+      correlate_block<2>(rows, narrow, rows.tap_offset + tap, padded,
+                         gradient + static_cast<std::int64_t>(tap) * padded);
+      tap += 2;
+    }
     for (; tap < rows.taps; ++tap) {
       correlate_block<1>(rows, narrow, rows.tap_offset + tap, padded,
                          gradient + static_cast<std::int64_t>(tap) * padded);
     }
+  }
+}
+
+void split(const SplitRow& row) {
+  for (int x = 0; x < row.columns; x += kVectorFloats) {
+    const Vector first = load(row.input + 2 * x);
+    const Vector second = load(row.input + 2 * x + kVectorFloats);
+    store(row.even + x, every_second<0>(first, second));
+    store(row.odd + x, every_second<1>(first, second));
+  }
+}
+
+void merge(const MergeRow& row) {
+  const auto put = [&](int column, Vector y) {
+    store(row.output + column,
+          ended(y, row.skip == nullptr ? nullptr : row.skip + column,
+                row.activated == nullptr ? nullptr : row.activated + column, row.negative_slope));
+  };
+  for (int x = 0; x < row.columns; x += kVectorFloats) {
+    const Vector even = load(row.even + x);
+    const Vector odd = load(row.odd + x);
+    put(2 * x, alternating<0>(even, odd));
+    put(2 * x + kVectorFloats, alternating<kVectorFloats / 2>(even, odd));
   }
 }
 
@@ -221,6 +252,27 @@ void select(const SelectRow& row) {
     store(row.score_nothing + x, nothing * scale);
     store(row.z + x, above * load(row.above + x) + below * load(row.below + x) +
                          here * load(row.here + x) + load(row.residual + x));
+  }
+}
+
+void select_gradient(const SelectGradientRow& row) {
+  for (int x = 0; x < row.columns; x += kVectorFloats) {
+    const Vector d_z = load(row.d_z + x);
+    const Vector above = load(row.above + x);
+    const Vector below = load(row.below + x);
+    const Vector here = load(row.here + x);
+    const Vector weight_above = load(row.weight_above + x);
+    const Vector weight_below = load(row.weight_below + x);
+    const Vector weight_here = load(row.weight_here + x);
+    const Vector mean = weight_above * above + weight_below * below + weight_here * here;
+    // d softmax_i / d score_j = gain w_i (delta_ij - w_j)
+    const Vector scaled = row.gain * d_z;
+    store(row.d_score_above + x, scaled * weight_above * (above - mean));
+    store(row.d_score_below + x, scaled * weight_below * (below - mean));
+    store(row.d_score_here + x, scaled * weight_here * (here - mean));
+    store(row.d_score_nothing + x, -scaled * load(row.weight_nothing + x) * mean);
+    store(row.d_residual + x, d_z);
+    store(row.d_here + x, d_z * weight_here);
   }
 }
 

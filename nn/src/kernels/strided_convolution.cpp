@@ -19,30 +19,17 @@ int padded_gradient_channels(int channels) {
 /// floor(a / b) for b > 0, also where a is negative.
 int floor_divided(int a, int b) { return a >= 0 ? a / b : -((-a + b - 1) / b); }
 
-/// to[x] = from[x stride]; stride 2, the usual one, is spelled out for the vectoriser.
+/// to[x] = from[x stride]
 void take_every(const float* from, int stride, int count, float* to) {
-  if (stride == 2) {
-    for (int x = 0; x < count; ++x) to[x] = from[2 * x];
-    return;
-  }
   for (int x = 0; x < count; ++x) to[x] = from[x * stride];
 }
 
 /// The phases of a row, `phase_stride` apart, put together: to[x stride + phase] =
-/// phases[phase][x]. Strides 1 and 2, the usual ones, are spelled out for the vectoriser.
+/// phases[phase][x].
 void merge_phases(const float* phases, std::int64_t phase_stride, int stride, int columns,
                   float* to) {
   if (stride == 1) {
     std::copy_n(phases, columns, to);
-    return;
-  }
-  if (stride == 2 && columns % 2 == 0) {
-    const float* odd = phases + phase_stride;
-#pragma omp simd
-    for (int x = 0; x < columns / 2; ++x) {
-      to[2 * x] = phases[x];
-      to[2 * x + 1] = odd[x];
-    }
     return;
   }
   for (int x = 0; x < columns; ++x) to[x] = phases[x % stride * phase_stride + x / stride];
@@ -239,11 +226,19 @@ void StridedConvolution::sort_phases(const Tensor& wide, ConvolutionScratch& scr
   for (int task = 0; task < tasks; ++task) {
     const int channel = task / wide_rows_;
     const int y = task % wide_rows_;
-    for (int phase = 0; phase < stride; ++phase) {
-      float* to = scratch.phases.row(channel * stride + phase, y);
-      take_every(wide.row(channel, y) + phase, stride, columns, to);
-      scratch.phases.fill_border(channel * stride + phase, y);
+    Tensor& phases = scratch.phases;
+    const int first = channel * stride;
+    if (stride == 2 && columns == narrow_columns_) {
+      kernels_->split({.input = wide.row(channel, y),
+                       .even = phases.row(first, y),
+                       .odd = phases.row(first + 1, y),
+                       .columns = columns});
+    } else {
+      for (int phase = 0; phase < stride; ++phase) {
+        take_every(wide.row(channel, y) + phase, stride, columns, phases.row(first + phase, y));
+      }
     }
+    for (int phase = 0; phase < stride; ++phase) phases.fill_border(first + phase, y);
   }
 }
 
@@ -339,10 +334,20 @@ void StridedConvolution::scatter_row(const Tensor& narrow, const Epilogue& epilo
     float* to = wide.row(channel, wide_row);
     const float* skip = epilogue.skip == nullptr ? nullptr : epilogue.skip->row(channel, wide_row);
     const float* from = rows.data() + channel * stride * row_stride;
-    merge_phases(from, row_stride, stride, wide_columns_, to);
     const float* activated =
         epilogue.activated == nullptr ? nullptr : epilogue.activated->row(channel, wide_row);
-    end_row(skip, activated, epilogue.negative_slope, wide_columns_, to);
+    if (stride == 2) {
+      kernels_->merge({.even = from,
+                       .odd = from + row_stride,
+                       .skip = skip,
+                       .activated = activated,
+                       .negative_slope = epilogue.negative_slope,
+                       .output = to,
+                       .columns = row.end});
+    } else {
+      merge_phases(from, row_stride, stride, wide_columns_, to);
+      end_row(skip, activated, epilogue.negative_slope, wide_columns_, to);
+    }
     wide.fill_border(channel, wide_row);
   }
 }

@@ -4,6 +4,7 @@
 // translation unit of each instruction set, all in an unnamed namespace (row_kernels_inl.h).
 
 #include <cstdint>
+#include <utility>
 
 namespace hqslam::nn::kernels {
 namespace {
@@ -64,6 +65,28 @@ inline Vector logistic(Vector v) {
   const Vector e = exponential(-magnitude(v));
   const Vector small = e / (1.0F + e);
   return v > 0.0F ? 1.0F - small : small;
+}
+
+template <int kFirst, int... kLanes>
+inline Vector every_second(Vector a, Vector b, std::integer_sequence<int, kLanes...>) {
+  return __builtin_shufflevector(a, b, (kFirst + 2 * kLanes)...);
+}
+
+/// Lanes kFirst, kFirst + 2, ... of a, then of b.
+template <int kFirst>
+inline Vector every_second(Vector a, Vector b) {
+  return every_second<kFirst>(a, b, std::make_integer_sequence<int, kVectorFloats>{});
+}
+
+template <int kFirst, int... kLanes>
+inline Vector alternating(Vector a, Vector b, std::integer_sequence<int, kLanes...>) {
+  return __builtin_shufflevector(a, b, (kFirst + kLanes / 2 + kLanes % 2 * kVectorFloats)...);
+}
+
+/// a[kFirst], b[kFirst], a[kFirst + 1], b[kFirst + 1], ...
+template <int kFirst>
+inline Vector alternating(Vector a, Vector b) {
+  return alternating<kFirst>(a, b, std::make_integer_sequence<int, kVectorFloats>{});
 }
 
 inline float sum_of(Vector v) {

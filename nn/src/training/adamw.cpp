@@ -30,7 +30,10 @@ void AdamW::step(std::span<const float> gradient, float learning_rate,
 
 double clip_norm(double largest_norm, std::span<float> gradient) {
   double sum = 0.0;
-  for (const float g : gradient) sum += static_cast<double>(g) * g;
+#pragma omp simd reduction(+ : sum)
+  for (std::size_t i = 0; i < gradient.size(); ++i) {
+    sum += static_cast<double>(gradient[i]) * gradient[i];
+  }
   const double norm = std::sqrt(sum);
   if (norm > largest_norm) {
     const auto scale = static_cast<float>(largest_norm / norm);

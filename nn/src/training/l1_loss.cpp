@@ -19,6 +19,7 @@ double l1_loss(const Tensor& z, const Tensor& truth, TileSize tile,
       const float* z_row = z.row(channel, row);
       const float* truth_row = truth.row(channel, row);
       float row_sum = 0.0F;
+#pragma omp simd reduction(+ : row_sum)
       for (int x = 0; x < z.columns(); ++x) {
         const float difference = z_row[x] - truth_row[x];
         row_sum += std::fabs(difference);

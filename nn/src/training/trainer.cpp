@@ -244,17 +244,19 @@ void Trainer::Implementation::run_batch(Network& network) {
 
 /// Gradients and losses of this rank's part of the batch.
 void Trainer::Implementation::run_own_samples() {
-  const int threads = static_cast<int>(workers.size());
-  in_parallel(threads, threads,
-              [&](int worker, int) { workers[worker]->set_parameters(state.parameters); });
   if (workers.front()->joins_batch()) {
+    workers.front()->set_parameters(state.parameters);
     run_batch(*workers.front());
     return;
   }
+  const int threads = static_cast<int>(workers.size());
   const int own = plan.batch / ranks.count();
   const int first = own * ranks.rank();
-  in_parallel(threads, own,
-              [&](int worker, int item) { run_sample(*workers[worker], first + item); });
+  in_parallel(threads, own, [&](int worker, int item) {
+    const bool is_first = item == worker;
+    if (is_first) workers[worker]->set_parameters(state.parameters);
+    run_sample(*workers[worker], first + item);
+  });
 }
 
 /// Statistics move by a share of their gradient, which the optimiser then does not see.

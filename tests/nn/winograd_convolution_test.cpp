@@ -1,0 +1,192 @@
+#include "kernels/winograd_convolution.h"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "conv2d.h"
+#include "hqslam/core/error.h"
+#include "kernels/bias.h"
+#include "random_values.h"
+
+namespace hqslam::nn::kernels {
+namespace {
+
+struct Problem {
+  ConvolutionShape shape;
+  Tensor input;
+  Tensor output;  ///< only its shape
+  std::vector<float> weight;
+  std::vector<float> bias;
+};
+
+Problem random_problem(int inputs, int outputs, int rows, int columns, ColumnPadding padding) {
+  Problem p{{inputs, outputs, 3, 3, 1, 1, 1},
+            Tensor(inputs, rows, columns, padding),
+            Tensor(outputs, rows, columns, padding),
+            {},
+            {}};
+  fill_random(1, p.input);
+  p.weight = random_values(2, p.shape.weights());
+  p.bias = random_values(3, outputs);
+  return p;
+}
+
+Tensor convolved(const Problem& p, InstructionSet instruction_set, int threads,
+                 StridedConvolution::Epilogue end = {}) {
+  WinogradConvolution convolution(p.shape, p.input, instruction_set, threads);
+  convolution.set_weights(p.weight);
+  const std::vector<float> bias = padded_bias(p.bias, p.shape.output_channels);
+  end.bias = bias.data();
+  Tensor output = p.output;
+#pragma omp parallel num_threads(threads)
+  convolution.forward(p.input, end, output);
+  return output;
+}
+
+Tensor convolved_by_reference(const Problem& p) {
+  Tensor output = p.output;
+  conv2d_reference(p.shape, p.weight, p.bias, p.input, output);
+  return output;
+}
+
+/// The borders too.
+template <typename Check>
+void for_each_value(const Tensor& tensor, const Check& check) {
+  for (int c = 0; c < tensor.channels(); ++c) {
+    for (int y = 0; y < tensor.rows(); ++y) {
+      for (int x = -Tensor::kBorderColumns; x < tensor.columns() + Tensor::kBorderColumns; ++x) {
+        check(c, y, x);
+      }
+    }
+  }
+}
+
+}  // namespace
+
+TEST_CASE("Winograd's convolution equals the reference at every size, on every instruction set") {
+  for (const ColumnPadding padding : {ColumnPadding::kCircular, ColumnPadding::kZero}) {
+    for (const int rows : {1, 2, 3, 8, 13}) {
+      for (const int columns : {1, 6, 16, 31, 32, 33, 48, 64, 100, 225, 288}) {
+        const Problem p = random_problem(5, 9, rows, columns, padding);
+        const Tensor expected = convolved_by_reference(p);
+        for (const InstructionSet instruction_set : available_instruction_sets()) {
+          CAPTURE(name(instruction_set));
+          CAPTURE(rows);
+          CAPTURE(columns);
+          const Tensor actual = convolved(p, instruction_set, 1);
+          for_each_value(expected, [&](int c, int y, int x) {
+            REQUIRE(actual.at(c, y, x) ==
+                    doctest::Approx(expected.at(c, y, x)).epsilon(1e-5).scale(1));
+          });
+        }
+      }
+    }
+  }
+}
+
+TEST_CASE("Winograd's convolution of whole numbers with multiples of four is exact") {
+  Problem p = random_problem(24, 16, 7, 80, ColumnPadding::kCircular);
+  for (float& weight : p.weight) weight = 4.0F * std::round(8.0F * weight);
+  for (float& bias : p.bias) bias = std::round(100.0F * bias);
+  for_each_value(p.input, [&](int c, int y, int x) {
+    p.input.at(c, y, x) = std::round(10.0F * p.input.at(c, y, x));
+  });
+  const Tensor expected = convolved_by_reference(p);
+  for (const InstructionSet instruction_set : available_instruction_sets()) {
+    CHECK(same_bits(convolved(p, instruction_set, 1), expected));
+  }
+}
+
+TEST_CASE("Winograd's convolution counts the neighbours in a field of ones") {
+  Problem p = random_problem(1, 1, 3, 5, ColumnPadding::kZero);
+  p.weight.assign(9, 1.0F);
+  p.bias.assign(1, 0.5F);
+  for (int y = 0; y < 3; ++y) {
+    for (int x = 0; x < 5; ++x) p.input.at(0, y, x) = 1.0F;
+  }
+  const float expected[3][5] = {{4, 6, 6, 6, 4}, {6, 9, 9, 9, 6}, {4, 6, 6, 6, 4}};
+  const Tensor actual = convolved(p, chosen_instruction_set(), 1);
+  for (int y = 0; y < 3; ++y) {
+    for (int x = 0; x < 5; ++x) CHECK(actual.at(0, y, x) == expected[y][x] + 0.5F);
+  }
+}
+
+// The direct kernels add 576 products one after the other and round up to 2.0e-7 of that sum; 64 at
+// each of 16 places round up to 0.9e-7.
+TEST_CASE("Winograd's convolution rounds less than 2e-7 of the sum of what is added") {
+  const Problem p = random_problem(64, 16, 8, 64, ColumnPadding::kCircular);
+  Problem magnitudes = p;
+  for (float& weight : magnitudes.weight) weight = std::fabs(weight);
+  for (float& bias : magnitudes.bias) bias = std::fabs(bias);
+  for_each_value(p.input, [&](int c, int y, int x) {
+    magnitudes.input.at(c, y, x) = std::fabs(p.input.at(c, y, x));
+  });
+  const Tensor scale = convolved_by_reference(magnitudes);
+  for (const InstructionSet instruction_set : available_instruction_sets()) {
+    const Tensor actual = convolved(p, instruction_set, 1);
+    double largest = 0.0;
+    for (int o = 0; o < 16; ++o) {
+      for (int y = 0; y < 8; ++y) {
+        for (int x = 0; x < 64; ++x) {
+          double exact = p.bias[o];
+          for (int i = 0; i < 64; ++i) {
+            for (int tap = 0; tap < 9; ++tap) {
+              exact += static_cast<double>(p.weight[(o * 64 + i) * 9 + tap]) *
+                       p.input.at(i, y + tap / 3 - 1, x + tap % 3 - 1);
+            }
+          }
+          largest = std::max(largest, std::fabs(actual.at(o, y, x) - exact) / scale.at(o, y, x));
+        }
+      }
+    }
+    CAPTURE(name(instruction_set));
+    CHECK(largest < 2e-7);
+  }
+}
+
+TEST_CASE("one, two and three threads give Winograd's convolution the same bits") {
+  for (const int rows : {4, 16}) {
+    const Problem p = random_problem(16, 24, rows, 96, ColumnPadding::kCircular);
+    for (const InstructionSet instruction_set : available_instruction_sets()) {
+      const Tensor one = convolved(p, instruction_set, 1);
+      CHECK(same_bits(one, convolved(p, instruction_set, 2)));
+      CHECK(same_bits(one, convolved(p, instruction_set, 3)));
+    }
+  }
+}
+
+TEST_CASE("Winograd's convolution ends as the others do: skip, then activation or its gradient") {
+  const Problem p = random_problem(16, 16, 5, 70, ColumnPadding::kCircular);
+  const Tensor sum = convolved_by_reference(p);
+  Tensor skip = p.output;
+  Tensor activated = p.output;
+  fill_random(4, skip);
+  fill_random(5, activated);
+  for (const InstructionSet instruction_set : available_instruction_sets()) {
+    CAPTURE(name(instruction_set));
+    const Tensor ended = convolved(p, instruction_set, 1, {nullptr, &skip, 0.1F});
+    const Tensor gradient = convolved(p, instruction_set, 1, {nullptr, &skip, 0.1F, &activated});
+    for_each_value(sum, [&](int c, int y, int x) {
+      const float value = sum.at(c, y, x) + skip.at(c, y, x);
+      const float slope = activated.at(c, y, x) > 0.0F ? 1.0F : 0.1F;
+      REQUIRE(ended.at(c, y, x) ==
+              doctest::Approx(std::max(value, 0.1F * value)).epsilon(1e-5).scale(1));
+      REQUIRE(gradient.at(c, y, x) == doctest::Approx(slope * value).epsilon(1e-5).scale(1));
+    });
+  }
+}
+
+TEST_CASE("Winograd's convolution refuses other kernels and another number of weights") {
+  const Tensor image(4, 8, 32, ColumnPadding::kCircular);
+  const InstructionSet any = chosen_instruction_set();
+  CHECK_NOTHROW(WinogradConvolution({4, 4, 3, 3, 1, 1, 1}, image, any, 1));
+  CHECK_THROWS_AS(WinogradConvolution({4, 4, 5, 5, 1, 2, 2}, image, any, 1), Error);
+  CHECK_THROWS_AS(WinogradConvolution({4, 4, 3, 3, 2, 1, 1}, image, any, 1), Error);
+  CHECK_THROWS_AS(WinogradConvolution({4, 4, 3, 3, 1, 1, 0}, image, any, 1), Error);
+  WinogradConvolution convolution({4, 4, 3, 3, 1, 1, 1}, image, any, 1);
+  CHECK_THROWS_AS(convolution.set_weights(std::vector<float>(143)), Error);
+}
+
+}  // namespace hqslam::nn::kernels
