@@ -56,7 +56,7 @@ if command -v clang-tidy >/dev/null; then
   if [[ "$(cat build/release/clang-tidy-passed 2>/dev/null)" == "$state" ]]; then
     echo "clang-tidy: no file changed since it last passed"
   else
-    sources '*.cpp' | grep -E '^(\./)?(core|nn|slam)/src/' |
+    sources '*.cpp' | grep -E '^(\./)?(core|nn|slam|tools)/(.*/)?src/' |
       xargs grep -L -E '#include [<"](pcl|ceres|omp\.h)' |
       xargs -P "$jobs" -n 3 clang-tidy --quiet -p build/release --extra-arg=-fno-openmp \
         --extra-arg=-Wno-unused-private-field 2>/dev/null
