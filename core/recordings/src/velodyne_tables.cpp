@@ -1,6 +1,7 @@
 #include "velodyne_tables.h"
 
 #include <algorithm>
+#include <array>
 #include <numeric>
 
 namespace hqslam::recordings {
