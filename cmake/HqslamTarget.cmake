@@ -15,9 +15,13 @@ function(hqslam_compile_settings target)
   endif()
 endfunction()
 
-# hqslam_library(<component> SOURCES <file>...): target hqslam_<component>, alias hqslam::<component>.
+# hqslam_library(<component> [SOURCES <file>...]): target hqslam_<component>, alias
+# hqslam::<component>; without sources all that are in src.
 function(hqslam_library component)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES")
+  if(NOT arg_SOURCES)
+    file(GLOB_RECURSE arg_SOURCES CONFIGURE_DEPENDS src/*.cpp)
+  endif()
   set(target hqslam_${component})
   add_library(${target} STATIC ${arg_SOURCES})
   add_library(hqslam::${component} ALIAS ${target})

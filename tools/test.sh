@@ -52,17 +52,18 @@ step "clang-tidy"
 if command -v clang-tidy >/dev/null; then
   # Sources that include PCL or Ceres would take minutes to parse. Clang does not find GCC's omp.h,
   # so it reads the sources as without OpenMP: a field that only num_threads() uses looks unused.
-  state=$( (cat .clang-tidy && sources '*.cpp' '*.h' | sort | xargs sha256sum) | sha256sum)
-  if [[ "$(cat build/release/clang-tidy-passed 2>/dev/null)" == "$state" ]]; then
-    echo "clang-tidy: no file changed since it last passed"
-  else
-    sources '*.cpp' | grep -E '^(\./)?(core|nn|slam)/src/' |
-      xargs grep -L -E '#include [<"](pcl|ceres|omp\.h)' |
-      xargs -P "$jobs" -n 3 clang-tidy --quiet -p build/release --extra-arg=-fno-openmp \
-        --extra-arg=-Wno-unused-private-field 2>/dev/null
-    echo "$state" >build/release/clang-tidy-passed
-    echo "clang-tidy: no finding"
-  fi
+  # A file is read again when it, a header or the list of checks has changed.
+  passed=build/release/clang-tidy-passed
+  around=$( (cat .clang-tidy && sources '*.h' | sort | xargs sha256sum) | sha256sum | cut -d' ' -f1)
+  sources '*.cpp' | grep -E '^(\./)?(core|nn|slam|tools)/(.*/)?src/' |
+    xargs grep -L -E '#include [<"](pcl|ceres|omp\.h)' | xargs sha256sum |
+    sed "s/^/$around /" | sort >"$passed.new"
+  touch "$passed"
+  comm -23 "$passed.new" "$passed" | cut -d' ' -f4 |
+    xargs -r -P "$jobs" -n 3 clang-tidy --quiet -p build/release --extra-arg=-fno-openmp \
+      --extra-arg=-Wno-unused-private-field 2>/dev/null
+  mv "$passed.new" "$passed"
+  echo "clang-tidy: no finding"
 else
   echo "clang-tidy is not there: SKIPPED"
 fi

@@ -90,18 +90,29 @@ std::size_t common_count(const std::vector<Voxel>& a, const std::vector<Voxel>& 
 }  // namespace
 
 CloudError cloud_error(const Points& cloud_m, const Points& true_cloud_m) {
-  require_points(cloud_m, "cloud");
-  require_points(true_cloud_m, "true cloud");
-  CloudError error;
+  CloudError error{voxel_overlap(cloud_m, true_cloud_m)};
   const Distances to_true = distances(cloud_m, true_cloud_m);
   error.chamfer_m2 = to_true.mean_squared_m2 + distances(true_cloud_m, cloud_m).mean_squared_m2;
   error.outlier_share = to_true.outlier_share;
-  const VoxelOverlap overlap = voxel_overlap(cloud_m, true_cloud_m);
-  error.iou = overlap.iou;
-  error.precision = overlap.precision;
-  error.recall = overlap.recall;
-  error.f1 = overlap.f1;
   return error;
+}
+
+CloudError& operator+=(CloudError& sum, const CloudError& error) {
+  sum.iou += error.iou;
+  sum.precision += error.precision;
+  sum.recall += error.recall;
+  sum.f1 += error.f1;
+  sum.chamfer_m2 += error.chamfer_m2;
+  sum.outlier_share += error.outlier_share;
+  return sum;
+}
+
+CloudError& operator/=(CloudError& sum, double clouds) {
+  for (double* figure :
+       {&sum.iou, &sum.precision, &sum.recall, &sum.f1, &sum.chamfer_m2, &sum.outlier_share}) {
+    *figure /= clouds;
+  }
+  return sum;
 }
 
 VoxelOverlap voxel_overlap(const Points& cloud_m, const Points& true_cloud_m) {

@@ -11,10 +11,10 @@ namespace {
 constexpr int kSteps = 256;
 constexpr double kNearEdge = 1.0 / 64.0;  // columns
 
-/// atan of 0, 1/256, ..., 1; and once more, for what lies on the last one.
+/// atan of 0, 1/256, ..., 1.
 std::vector<float> arc_tangents_rad() {
   std::vector<float> values_rad;
-  for (int i = 0; i <= kSteps + 1; ++i) {
+  for (int i = 0; i <= kSteps; ++i) {
     values_rad.push_back(static_cast<float>(std::atan(static_cast<double>(i) / kSteps)));
   }
   return values_rad;
@@ -27,7 +27,7 @@ float approximate_azimuth_rad(float x, float y, const std::vector<float>& arc_ta
   const float along = std::abs(x);
   const float at = static_cast<float>(kSteps) * std::min(across, along) / std::max(across, along);
   if (!(at <= static_cast<float>(kSteps))) return at;
-  const int step = static_cast<int>(at);
+  const int step = std::min(static_cast<int>(at), kSteps - 1);
   const float below_rad = arc_tangent_rad[step];
   float azimuth_rad =
       below_rad + (at - static_cast<float>(step)) * (arc_tangent_rad[step + 1] - below_rad);

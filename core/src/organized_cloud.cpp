@@ -56,4 +56,12 @@ RangeImage range_image(const OrganizedCloud& cloud) {
   return image;
 }
 
+std::vector<Eigen::Vector3f> points_of(const OrganizedCloud& cloud) {
+  std::vector<Eigen::Vector3f> points_m;
+  for (std::size_t i = 0; i < cloud.points_m.size(); ++i) {
+    if (cloud.range_m[i] > 0.0F) points_m.push_back(cloud.points_m[i]);
+  }
+  return points_m;
+}
+
 }  // namespace hqslam

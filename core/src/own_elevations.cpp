@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "ring_segments.h"
+
 namespace hqslam {
 
 namespace {
@@ -12,12 +14,6 @@ constexpr double kDegree_rad = std::numbers::pi / 180.0;
 constexpr double kFits_rad = 0.1 * kDegree_rad;
 constexpr double kFarthest_rad = 1.5 * kDegree_rad;
 constexpr std::size_t kFewestPoints = 100;
-
-double median(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 /// How far each row is from the table, where it has points enough.
 std::vector<std::optional<double>> deviations_rad(const SensorModel& sensor,

@@ -11,6 +11,7 @@
 #include "hqslam/core/error.h"
 #include "hqslam/core/excerpt.h"
 #include "lzf.h"
+#include "stored_number.h"
 
 namespace hqslam {
 
@@ -20,13 +21,6 @@ namespace {
 
 /// As much as the most points that a header may announce take with 32 bytes each.
 constexpr std::size_t kMaxDecompressedBytes = std::size_t{1} << 30U;
-
-template <typename T>
-double number_at(const char* bytes) {
-  T value{};
-  std::memcpy(&value, bytes, sizeof(T));
-  return static_cast<double>(value);
-}
 
 /// Whether a number that no double holds is too large rather than too small: the decimal place of
 /// its first digit that is not 0, moved by its exponent, is left of the point.
@@ -60,19 +54,7 @@ std::optional<double> number_in(std::string_view word) {
 }  // namespace
 
 double PcdColumn::at(std::size_t point) const {
-  const char* const bytes = first + point * stride_bytes;
-  if (type == 'F') return size_bytes == 4 ? number_at<float>(bytes) : number_at<double>(bytes);
-  const bool is_signed = type == 'I';
-  switch (size_bytes) {
-    case 1:
-      return is_signed ? number_at<std::int8_t>(bytes) : number_at<std::uint8_t>(bytes);
-    case 2:
-      return is_signed ? number_at<std::int16_t>(bytes) : number_at<std::uint16_t>(bytes);
-    case 4:
-      return is_signed ? number_at<std::int32_t>(bytes) : number_at<std::uint32_t>(bytes);
-    default:
-      return is_signed ? number_at<std::int64_t>(bytes) : number_at<std::uint64_t>(bytes);
-  }
+  return number_at(first + point * stride_bytes, {type, size_bytes});
 }
 
 PcdColumns::PcdColumns(std::string_view file, const PcdHeader& header, const std::string& path)

@@ -3,12 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <limits>
 #include <map>
 
 #include "hqslam/core/error.h"
 #include "hqslam/core/excerpt.h"
+#include "words.h"
 
 namespace hqslam {
 
@@ -25,26 +25,14 @@ using Words = std::vector<std::string_view>;
   throw Error(fmt::format("{}: {}; give a .pcd file of version 0.7", path, complaint));
 }
 
-Words words_of(std::string_view line) {
-  constexpr std::string_view kSpace = " \t\r";
-  Words words;
-  for (std::size_t begin = line.find_first_not_of(kSpace); begin != std::string_view::npos;) {
-    const std::size_t end = std::min(line.find_first_of(kSpace, begin), line.size());
-    words.push_back(line.substr(begin, end - begin));
-    begin = line.find_first_not_of(kSpace, end);
-  }
-  return words;
-}
-
-std::size_t number_from(std::string_view word, const std::string& key, std::size_t max,
-                        const std::string& path) {
-  std::size_t value = 0;
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (error != std::errc() || end != word.data() + word.size() || value > max) {
+std::size_t size_from(std::string_view word, const std::string& key, std::size_t max,
+                      const std::string& path) {
+  const auto value = hqslam::number_from<std::size_t>(word);
+  if (!value || *value > max) {
     fail(path, fmt::format("{} in the header: expected a whole number up to {}, found '{}'", key,
                            max, excerpt(word)));
   }
-  return value;
+  return *value;
 }
 
 /// The lines of the header by their first word, up to and with DATA.
@@ -105,12 +93,12 @@ void add_fields(const std::map<std::string, Words>& lines, const std::string& pa
   for (std::size_t i = 0; i < names.size(); ++i) {
     PcdField field;
     field.name = std::string(names[i]);
-    field.size_bytes = number_from(sizes[i], "SIZE", 8, path);
+    field.size_bytes = size_from(sizes[i], "SIZE", 8, path);
     require_type(field, types[i], path);
     field.type = types[i][0];
     if (has_counts) {
       const Words& counts = line_of(lines, "COUNT", names.size(), path);
-      field.count = number_from(counts[i], "COUNT", kMaxCount, path);
+      field.count = size_from(counts[i], "COUNT", kMaxCount, path);
     }
     field.offset_bytes = header.point_bytes;
     field.first_number = header.point_numbers;
@@ -122,7 +110,7 @@ void add_fields(const std::map<std::string, Words>& lines, const std::string& pa
 
 std::size_t points_of(const std::map<std::string, Words>& lines, const std::string& path) {
   const auto number = [&](const std::string& key) {
-    return number_from(line_of(lines, key, 1, path)[0], key, kMaxPoints, path);
+    return size_from(line_of(lines, key, 1, path)[0], key, kMaxPoints, path);
   };
   const std::size_t width = number("WIDTH");
   const std::size_t height = number("HEIGHT");

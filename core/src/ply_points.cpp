@@ -4,13 +4,14 @@
 #include <array>
 #include <charconv>
 #include <cstdint>
-#include <cstring>
 #include <string_view>
 
 #include "hqslam/core/error.h"
 #include "hqslam/core/excerpt.h"
 #include "hqslam/core/whole_file.h"
+#include "stored_number.h"
 #include "text_points.h"
+#include "words.h"
 
 namespace hqslam {
 
@@ -20,33 +21,30 @@ constexpr std::size_t kMaxFileBytes = std::size_t{1} << 31U;
 constexpr std::size_t kMaxPoints = 33'000'000;
 constexpr std::size_t kMaxProperties = 200;
 
-enum class NumberType { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kFloat32, kFloat64 };
-
 struct TypeName {
   std::string_view name;
-  NumberType type;
-  std::size_t bytes;
+  StoredNumber stored;
 };
-constexpr std::array<TypeName, 16> kTypes = {{{"char", NumberType::kInt8, 1},
-                                              {"int8", NumberType::kInt8, 1},
-                                              {"uchar", NumberType::kUint8, 1},
-                                              {"uint8", NumberType::kUint8, 1},
-                                              {"short", NumberType::kInt16, 2},
-                                              {"int16", NumberType::kInt16, 2},
-                                              {"ushort", NumberType::kUint16, 2},
-                                              {"uint16", NumberType::kUint16, 2},
-                                              {"int", NumberType::kInt32, 4},
-                                              {"int32", NumberType::kInt32, 4},
-                                              {"uint", NumberType::kUint32, 4},
-                                              {"uint32", NumberType::kUint32, 4},
-                                              {"float", NumberType::kFloat32, 4},
-                                              {"float32", NumberType::kFloat32, 4},
-                                              {"double", NumberType::kFloat64, 8},
-                                              {"float64", NumberType::kFloat64, 8}}};
+constexpr std::array<TypeName, 16> kTypes = {{{"char", {'I', 1}},
+                                              {"int8", {'I', 1}},
+                                              {"uchar", {'U', 1}},
+                                              {"uint8", {'U', 1}},
+                                              {"short", {'I', 2}},
+                                              {"int16", {'I', 2}},
+                                              {"ushort", {'U', 2}},
+                                              {"uint16", {'U', 2}},
+                                              {"int", {'I', 4}},
+                                              {"int32", {'I', 4}},
+                                              {"uint", {'U', 4}},
+                                              {"uint32", {'U', 4}},
+                                              {"float", {'F', 4}},
+                                              {"float32", {'F', 4}},
+                                              {"double", {'F', 8}},
+                                              {"float64", {'F', 8}}}};
 
 struct Property {
   std::string name;
-  NumberType type = NumberType::kFloat32;
+  StoredNumber stored;
   std::size_t offset = 0;
 };
 
@@ -77,27 +75,16 @@ struct Header {
                           excerpt(found)));
 }
 
-std::vector<std::string> words_of(std::string_view line) {
-  std::vector<std::string> words;
-  while (true) {
-    const std::size_t begin = line.find_first_not_of(" \t\r");
-    if (begin == std::string_view::npos) return words;
-    const std::size_t end = std::min(line.find_first_of(" \t\r", begin), line.size());
-    words.emplace_back(line.substr(begin, end - begin));
-    line.remove_prefix(end);
-  }
-}
-
-void add_property(Header& header, const std::vector<std::string>& words, const std::string& path,
-                  std::string_view line) {
+void add_property(Header& header, const std::vector<std::string_view>& words,
+                  const std::string& path, std::string_view line) {
   const auto type = std::find_if(kTypes.begin(), kTypes.end(), [&](const TypeName& known) {
     return words.size() == 3 && known.name == words[1];
   });
   if (type == kTypes.end() || header.properties.size() >= kMaxProperties) {
     fail(path, "a property TYPE NAME of a point", line);
   }
-  header.properties.push_back({words[2], type->type, header.point_bytes});
-  header.point_bytes += type->bytes;
+  header.properties.push_back({std::string(words[2]), type->stored, header.point_bytes});
+  header.point_bytes += type->stored.bytes;
 }
 
 Header read_header(std::string_view file, const std::string& path) {
@@ -110,7 +97,7 @@ Header read_header(std::string_view file, const std::string& path) {
     if (end == std::string_view::npos) break;
     const std::string_view line = file.substr(at, end - at);
     at = end + 1;
-    const std::vector<std::string> words = words_of(line);
+    const std::vector<std::string_view> words = words_of(line);
     if (line_number == 0) {
       if (words.size() != 1 || words[0] != "ply") fail(path, "a file that begins with 'ply'", line);
     } else if (words.empty() || words[0] == "comment" || words[0] == "obj_info") {
@@ -124,11 +111,11 @@ Header read_header(std::string_view file, const std::string& path) {
       in_vertex = words.size() == 3 && words[1] == "vertex" && !behind_vertex;
       if (!in_vertex && !behind_vertex) fail(path, "the points as the first element", line);
       if (!in_vertex) continue;
-      const char* const last = words[2].data() + words[2].size();
-      const auto parsed = std::from_chars(words[2].data(), last, header.points);
-      if (parsed.ec != std::errc() || parsed.ptr != last || header.points > kMaxPoints) {
+      const auto points = number_from<std::size_t>(words[2]);
+      if (!points || *points > kMaxPoints) {
         fail(path, fmt::format("a number of points up to {}", kMaxPoints), line);
       }
+      header.points = *points;
     } else if (words[0] == "property") {
       if (in_vertex && !behind_vertex) add_property(header, words, path, line);
     } else if (words[0] == "end_header") {
@@ -140,36 +127,6 @@ Header read_header(std::string_view file, const std::string& path) {
     }
   }
   fail(path, "a header that ends with 'end_header'", "its end");
-}
-
-template <typename T>
-double loaded(const char* at) {
-  T value;
-  std::memcpy(&value, at, sizeof(T));
-  return static_cast<double>(value);
-}
-
-double value_at(const char* point, const Property& property) {
-  const char* const at = point + property.offset;
-  switch (property.type) {
-    case NumberType::kInt8:
-      return loaded<std::int8_t>(at);
-    case NumberType::kUint8:
-      return loaded<std::uint8_t>(at);
-    case NumberType::kInt16:
-      return loaded<std::int16_t>(at);
-    case NumberType::kUint16:
-      return loaded<std::uint16_t>(at);
-    case NumberType::kInt32:
-      return loaded<std::int32_t>(at);
-    case NumberType::kUint32:
-      return loaded<std::uint32_t>(at);
-    case NumberType::kFloat32:
-      return loaded<float>(at);
-    case NumberType::kFloat64:
-      break;
-  }
-  return loaded<double>(at);
 }
 
 /// The numbers of all points, one after the other, of a file of text.
@@ -218,13 +175,14 @@ RawPoints read_ply_points(const std::string& path) {
   if (ring != nullptr) points.ring_name = ring->name;
   if (time != nullptr) {
     points.time.name = time->name;
-    points.time.whole_numbers =
-        time->type != NumberType::kFloat32 && time->type != NumberType::kFloat64;
+    points.time.whole_numbers = time->stored.type != 'F';
   }
   points.scan.points_m.reserve(header.points);
   for (std::size_t i = 0; i < header.points; ++i) {
     const auto value = [&](const Property& property) {
-      if (!header.ascii) return value_at(data.data() + i * header.point_bytes, property);
+      if (!header.ascii) {
+        return number_at(data.data() + i * header.point_bytes + property.offset, property.stored);
+      }
       return numbers[i * header.properties.size() +
                      static_cast<std::size_t>(&property - header.properties.data())];
     };

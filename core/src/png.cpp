@@ -13,27 +13,24 @@ namespace hqslam {
 
 namespace {
 
-using Color = std::array<std::uint8_t, 3>;
-
 /// From near to far.
-constexpr std::array<Color, 5> kColors = {
+constexpr std::array<Rgb, 5> kColors = {
     {{255, 250, 205}, {250, 190, 90}, {95, 185, 150}, {45, 100, 170}, {15, 25, 90}}};
 constexpr double kNearest_m = 1.0;
 
-/// `fraction` 0 (near) to 1 (far).
-Color color_at(double fraction) {
-  const double position = std::clamp(fraction, 0.0, 1.0) * (kColors.size() - 1);
-  const auto below = std::min(static_cast<std::size_t>(position), kColors.size() - 2);
+}  // namespace
+
+Rgb color_between(std::span<const Rgb> stops, double share) {
+  const double position = std::clamp(share, 0.0, 1.0) * static_cast<double>(stops.size() - 1);
+  const auto below = std::min(static_cast<std::size_t>(position), stops.size() - 2);
   const double weight = position - static_cast<double>(below);
-  Color color{};
-  for (std::size_t channel = 0; channel < color.size(); ++channel) {
-    color[channel] = static_cast<std::uint8_t>(std::lround(
-        (1.0 - weight) * kColors[below][channel] + weight * kColors[below + 1][channel]));
+  Rgb color{};
+  for (std::size_t i = 0; i < color.size(); ++i) {
+    color[i] = static_cast<std::uint8_t>(
+        std::lround((1.0 - weight) * stops[below][i] + weight * stops[below + 1][i]));
   }
   return color;
 }
-
-}  // namespace
 
 std::vector<std::uint8_t> encode_png(const RgbImage& image) {
   constexpr int kMaxSide = 65536;
@@ -78,9 +75,10 @@ RgbImage color_by_range(const RangeImage& image, double max_range_m) {
   result.pixels.reserve(image.range_m.size());
   for (const float range_m : image.range_m) {
     const bool has_return = range_m > 0.0F;
-    result.pixels.push_back(
-        has_return ? color_at(std::log(range_m / kNearest_m) / std::log(max_range_m / kNearest_m))
-                   : Color{0, 0, 0});
+    result.pixels.push_back(has_return
+                                ? color_between(kColors, std::log(range_m / kNearest_m) /
+                                                             std::log(max_range_m / kNearest_m))
+                                : Rgb{0, 0, 0});
   }
   return result;
 }

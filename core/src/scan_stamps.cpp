@@ -13,6 +13,7 @@
 #include "hqslam/core/error.h"
 #include "hqslam/core/excerpt.h"
 #include "hqslam/core/whole_file.h"
+#include "words.h"
 
 namespace hqslam {
 
@@ -21,10 +22,8 @@ namespace {
 constexpr std::size_t kMaxFileBytes = 256U << 20U;
 
 std::optional<double> number(std::string_view text) {
-  double value = 0.0;
-  const auto parsed = std::from_chars(text.data(), text.data() + text.size(), value);
-  const bool whole = parsed.ec == std::errc() && parsed.ptr == text.data() + text.size();
-  return whole && std::isfinite(value) ? std::optional(value) : std::nullopt;
+  const auto value = number_from<double>(text);
+  return value && std::isfinite(*value) ? value : std::nullopt;
 }
 
 /// "2011-09-26 13:02:25.594360375" as seconds since 1970.
@@ -67,9 +66,7 @@ std::vector<double> read_stamps_s(const std::string& path) {
   std::vector<double> stamps_s;
   std::size_t line_number = 0;
   for (std::string_view rest = file; !rest.empty();) {
-    const std::size_t end = std::min(rest.find('\n'), rest.size());
-    std::string_view line = rest.substr(0, end);
-    rest.remove_prefix(std::min(end + 1, rest.size()));
+    std::string_view line = next_line(rest);
     ++line_number;
     while (!line.empty() && (line.back() == '\r' || line.back() == ' ')) line.remove_suffix(1);
     if (line.empty() || line.starts_with('#')) continue;

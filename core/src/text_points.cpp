@@ -12,6 +12,7 @@
 #include "hqslam/core/error.h"
 #include "hqslam/core/excerpt.h"
 #include "hqslam/core/whole_file.h"
+#include "words.h"
 
 namespace hqslam {
 
@@ -20,18 +21,6 @@ namespace {
 constexpr std::size_t kMaxFileBytes = std::size_t{1} << 29U;
 constexpr std::size_t kMaxColumns = 100;
 constexpr std::string_view kSeparators = " \t\r,;";
-
-std::vector<std::string_view> words_of(std::string_view line) {
-  std::vector<std::string_view> words;
-  while (words.size() < kMaxColumns) {
-    const std::size_t begin = line.find_first_not_of(kSeparators);
-    if (begin == std::string_view::npos) break;
-    const std::size_t end = std::min(line.find_first_of(kSeparators, begin), line.size());
-    words.push_back(line.substr(begin, end - begin));
-    line.remove_prefix(end);
-  }
-  return words;
-}
 
 std::optional<double> number(std::string_view word) {
   if (word.starts_with('+')) word.remove_prefix(1);
@@ -99,12 +88,10 @@ RawPoints read_text_points(const std::string& path) {
   bool whole_times = true;
   std::array<double, kMaxColumns> values{};
   for (std::string_view rest = file; !rest.empty();) {
-    const std::size_t end = std::min(rest.find('\n'), rest.size());
-    const std::string_view line = rest.substr(0, end);
-    rest.remove_prefix(std::min(end + 1, rest.size()));
+    const std::string_view line = next_line(rest);
     ++line_number;
     if (line.starts_with('#') || line.starts_with("//")) continue;
-    const std::vector<std::string_view> words = words_of(line);
+    const std::vector<std::string_view> words = words_of(line, kSeparators, kMaxColumns);
     if (words.empty()) continue;
     if (!columns) {
       const bool names = !number(words.front());

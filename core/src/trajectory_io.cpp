@@ -1,8 +1,6 @@
 #include <fmt/format.h>
 
-#include <charconv>
 #include <cmath>
-#include <fstream>
 #include <functional>
 #include <optional>
 #include <string_view>
@@ -12,6 +10,7 @@
 #include "hqslam/core/excerpt.h"
 #include "hqslam/core/trajectory.h"
 #include "hqslam/core/whole_file.h"
+#include "words.h"
 
 namespace hqslam {
 
@@ -32,25 +31,17 @@ struct Row {
   throw Error(fmt::format("{}:{}: {}", path, line, complaint));
 }
 
-double number_from(std::string_view word, const std::string& path, int line) {
-  double value = 0.0;
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (error != std::errc() || end != word.data() + word.size() || !std::isfinite(value)) {
-    fail(path, line,
-         fmt::format("expected a finite number, found '{}'; give a trajectory in TUM or KITTI form",
-                     excerpt(word)));
-  }
-  return value;
-}
-
 std::vector<double> numbers_of(std::string_view text, const std::string& path, int line) {
-  constexpr std::string_view kSpace = " \t\r";
   std::vector<double> numbers;
-  for (std::size_t begin = text.find_first_not_of(kSpace); begin != std::string_view::npos;) {
-    const std::size_t end = std::min(text.find_first_of(kSpace, begin), text.size());
-    if (numbers.size() > kKittiColumns) break;
-    numbers.push_back(number_from(text.substr(begin, end - begin), path, line));
-    begin = text.find_first_not_of(kSpace, end);
+  for (const std::string_view word : words_of(text, kSpace, kKittiColumns + 1)) {
+    const auto number = number_from<double>(word);
+    if (!number || !std::isfinite(*number)) {
+      fail(path, line,
+           fmt::format("expected a finite number, found '{}'; give a trajectory in TUM or KITTI "
+                       "form",
+                       excerpt(word)));
+    }
+    numbers.push_back(*number);
   }
   return numbers;
 }
@@ -123,8 +114,7 @@ ParsedTrajectory parsed(const std::string& path, std::optional<TrajectoryForm> f
   Trajectory trajectory;
   std::string_view rest = file;
   for (int line = 1; !rest.empty(); ++line) {
-    const std::string_view text = rest.substr(0, rest.find('\n'));
-    rest.remove_prefix(std::min(text.size() + 1, rest.size()));
+    const std::string_view text = next_line(rest);
     const Row row{line, numbers_of(text.substr(0, text.find('#')), path, line)};
     if (row.numbers.empty()) continue;
     if (!form) form = form_of(row, path);
@@ -141,6 +131,15 @@ ParsedTrajectory parsed(const std::string& path, std::optional<TrajectoryForm> f
   }
   return {std::move(trajectory), *form};
 }
+
+void write_lines(const Trajectory& trajectory, const std::string& path,
+                 const std::function<std::string(const StampedPose&)>& line_of) {
+  std::string lines;
+  for (const StampedPose& pose : trajectory) lines += line_of(pose);
+  write_whole_file(path, lines);
+}
+
+}  // namespace
 
 std::string tum_line(const StampedPose& pose) {
   const Eigen::Vector3d& t = pose.T_map_sensor.translation();
@@ -160,21 +159,6 @@ std::string kitti_line(const StampedPose& pose) {
   }
   return line;
 }
-
-void write_lines(const Trajectory& trajectory, const std::string& path,
-                 const std::function<std::string(const StampedPose&)>& line_of) {
-  std::ofstream stream(path, std::ios::binary);
-  for (const StampedPose& pose : trajectory) stream << line_of(pose);
-  stream.flush();
-  if (!stream) {
-    throw Error(
-        fmt::format("{}: cannot be written; check that the folder exists, is writable and "
-                    "has free space",
-                    path));
-  }
-}
-
-}  // namespace
 
 Trajectory read_tum(const std::string& path) {
   return parsed(path, TrajectoryForm::kTum, 0.0).poses;

@@ -77,3 +77,15 @@ TEST_CASE("empty clouds and coordinates that are none are refused") {
                         "cloud", "finite"));
   }
 }
+
+TEST_CASE("errors sum up to means, figure by figure") {
+  CloudError sum{{0.5, 0.25, 1.0, 0.75}, 3.0, 0.125};
+  sum += CloudError{{0.25, 0.75, 0.5, 0.25}, 1.0, 0.375};
+  sum /= 2.0;
+  CHECK(sum.iou == 0.375);
+  CHECK(sum.precision == 0.5);
+  CHECK(sum.recall == 0.75);
+  CHECK(sum.f1 == 0.5);
+  CHECK(sum.chamfer_m2 == 2.0);
+  CHECK(sum.outlier_share == 0.25);
+}

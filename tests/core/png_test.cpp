@@ -74,3 +74,14 @@ TEST_CASE("images without pixels, unwritable files and ranges that span nothing 
   CHECK(one_line_with(error_message([] { color_by_range(RangeImage(1, 1), 0.5); }), "max_range_m",
                       "found 0.5"));
 }
+
+TEST_CASE("between two colours lies their mixture, and beyond the last one is the last one") {
+  constexpr std::array<Rgb, 3> kStops = {{{0, 0, 0}, {100, 50, 20}, {200, 50, 255}}};
+  CHECK(color_between(kStops, 0.0) == kStops[0]);
+  CHECK(color_between(kStops, 0.25) == Rgb{50, 25, 10});
+  CHECK(color_between(kStops, 0.5) == kStops[1]);
+  CHECK(color_between(kStops, 0.75) == Rgb{150, 50, 138});  // 137.5
+  CHECK(color_between(kStops, 1.0) == kStops[2]);
+  CHECK(color_between(kStops, 7.0) == kStops[2]);
+  CHECK(color_between(kStops, -1.0) == kStops[0]);
+}

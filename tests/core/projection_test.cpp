@@ -156,3 +156,13 @@ TEST_CASE("rows selected from a cloud are those selected from its image") {
   CHECK(selected.time_offset_s == direct.time_offset_s);
   CHECK(hqslam::range_image(selected).range_m == direct.range_m);
 }
+
+TEST_CASE("the points of a cloud are those of the pixels with a return, row by row") {
+  OrganizedCloud cloud(2, 2);
+  cloud.points_m[1] = {1.0F, 2.0F, 2.0F};
+  cloud.range_m[1] = 3.0F;
+  cloud.points_m[2] = {0.0F, 4.0F, 0.0F};
+  cloud.range_m[2] = 4.0F;
+  CHECK(hqslam::points_of(cloud) ==
+        std::vector<Eigen::Vector3f>{{1.0F, 2.0F, 2.0F}, {0.0F, 4.0F, 0.0F}});
+}

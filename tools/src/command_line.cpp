@@ -14,17 +14,12 @@
 namespace hqslam::tools {
 namespace {
 
-/// The subcommand that was asked for, "" before one was recognised.
-std::string chosen_subcommand(const CLI::App& app) {
-  const auto chosen = app.get_subcommands();
-  return chosen.empty() ? "" : chosen.front()->get_name();
-}
-
 int report_parse_error(const CLI::App& app, const CLI::ParseError& error) {
   if (error.get_exit_code() == 0) {
     return app.exit(error);  // --help and --version
   }
-  const std::string name = chosen_subcommand(app);
+  const auto subcommands = app.get_subcommands();
+  const std::string name = subcommands.empty() ? "" : subcommands.front()->get_name();
   if (name.empty() && !app.remaining().empty()) {
     to_stderr("hqslam: '{}' is no subcommand; hqslam --help lists them\n", app.remaining().front());
     return kWrongInput;
@@ -34,55 +29,13 @@ int report_parse_error(const CLI::App& app, const CLI::ParseError& error) {
   return kWrongInput;
 }
 
-/// subcommand: of the one called `name`, if that has any.
-int run_subcommand(const std::string& name, const std::string& subcommand,
-                   const CommandLine& options) {
-  if (name == "run") {
-    return run_command(options.run);
-  }
-  if (name == "demo") {
-    return demo_command(options.demo);
-  }
-  if (name == "simulate") {
-    return simulate_command(options.simulate);
-  }
-  if (name == "evaluate") {
-    return evaluate_command(options.evaluate);
-  }
-  if (name == "live") {
-    return live_command(options.live);
-  }
-  if (name == "map") {
-    return map_command(options.map);
-  }
-  if (name == "evaluate-map") {
-    return evaluate_map_command(options.evaluate_map);
-  }
-  if (name == "compare") {
-    return compare_command(options.compare);
-  }
-  if (name == "info") {
-    return info_command(options.info);
-  }
-  if (name == "inspect") {
-    return inspect_command(options.inspect);
-  }
-  if (name == "slam-options") {
-    return slam_options_command(options.slam_options);
-  }
-  if (name == "table") {
-    return table_command(options.table);
-  }
-  if (name == "train") {
-    return train_command(options.train);
-  }
-  if (name == "upsample") {
-    return upsample_command(options.upsample);
-  }
-  if (name == "weights") {
-    return weights_command(subcommand, options.weights);
-  }
-  return bench_command(options.bench);
+/// Declares a subcommand; parsing it makes it the one to be run.
+template <typename Options>
+void add(CLI::App& app, CommandLine& line, Options& options, void (*declare)(CLI::App&, Options&),
+         int (*run)(const Options&)) {
+  declare(app, options);
+  app.get_subcommands({}).back()->callback(
+      [&, run] { line.chosen = [&options, run] { return run(options); }; });
 }
 
 }  // namespace
@@ -96,22 +49,22 @@ void declare_program(CLI::App& app, CommandLine& options) {
   app.footer(
       "Exit status: 0 done, 2 wrong input (one line on stderr says what and how to mend it),\n"
       "130 interrupted, 1 anything else.");
-  declare_run(app, options.run);
-  declare_live(app, options.live);
-  declare_info(app, options.info);
-  declare_demo(app, options.demo);
-  declare_simulate(app, options.simulate);
-  declare_map(app, options.map);
-  declare_evaluate(app, options.evaluate);
-  declare_evaluate_map(app, options.evaluate_map);
-  declare_compare(app, options.compare);
-  declare_inspect(app, options.inspect);
-  declare_bench(app, options.bench);
-  declare_table(app, options.table);
-  declare_train(app, options.train);
-  declare_upsample(app, options.upsample);
-  declare_weights(app, options.weights);
-  declare_slam_options(app, options.slam_options);
+  add(app, options, options.run, declare_run, run_command);
+  add(app, options, options.live, declare_live, live_command);
+  add(app, options, options.info, declare_info, info_command);
+  add(app, options, options.demo, declare_demo, demo_command);
+  add(app, options, options.simulate, declare_simulate, simulate_command);
+  add(app, options, options.map, declare_map, map_command);
+  add(app, options, options.evaluate, declare_evaluate, evaluate_command);
+  add(app, options, options.evaluate_map, declare_evaluate_map, evaluate_map_command);
+  add(app, options, options.compare, declare_compare, compare_command);
+  add(app, options, options.inspect, declare_inspect, inspect_command);
+  add(app, options, options.bench, declare_bench, bench_command);
+  add(app, options, options.table, declare_table, table_command);
+  add(app, options, options.train, declare_train, train_command);
+  add(app, options, options.upsample, declare_upsample, upsample_command);
+  add(app, options, options.weights, declare_weights, weights_command);
+  add(app, options, options.slam_options, declare_slam_options, slam_options_command);
 }
 
 namespace {
@@ -128,8 +81,7 @@ int exit_status_of(int argc, const char* const* argv) {
   declare_program(app, options);
   try {
     app.parse(argc, argv);
-    const std::string name = chosen_subcommand(app);
-    return run_subcommand(name, chosen_subcommand(*app.get_subcommand(name)), options);
+    return options.chosen();
   } catch (const CLI::ParseError& error) {
     return report_parse_error(app, error);
   } catch (const Error& error) {

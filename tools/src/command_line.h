@@ -1,5 +1,7 @@
 #pragma once
 
+#include <functional>
+
 #include "bench/bench_command.h"
 #include "compare/compare_command.h"
 #include "demo/demo_command.h"
@@ -42,6 +44,7 @@ struct CommandLine {
   UpsampleOptions upsample;
   WeightsOptions weights;
   SlamOptionsCommand slam_options;
+  std::function<int()> chosen;  ///< runs the subcommand that was asked for, with its options
 };
 
 /// Declares the program: parsing fills `options`.

@@ -1,48 +1,31 @@
 #include "ouster_layout.h"
 
+#include <array>
+#include <string_view>
+
 namespace hqslam::recordings {
 
 namespace {
 
-constexpr OusterLayout kLegacy = {0, 0, 16, 4, 12, 4, 0x000FFFFF, 0, 0};
-constexpr OusterLayout kRng19 = {32, 32, 12, 0, 12, 4, 0x0007FFFF, 0, 0};
-constexpr OusterLayout kRng19Dual = {32, 32, 12, 0, 16, 4, 0x0007FFFF, 0, 4};
-constexpr OusterLayout kRng15 = {32, 32, 12, 0, 4, 2, 0x7FFF, 3, 0};
-constexpr OusterLayout kFusaDual = {32, 32, 12, 0, 8, 2, 0x7FFF, 3, 4};
+struct Profile {
+  std::string_view name;
+  OusterLayout layout;
+};
+/// In the order of OusterProfile.
+constexpr std::array<Profile, 5> kProfiles = {
+    {{"LEGACY", {0, 0, 16, 4, 12, 4, 0x000FFFFF, 0, 0}},
+     {"RNG19_RFL8_SIG16_NIR16", {32, 32, 12, 0, 12, 4, 0x0007FFFF, 0, 0}},
+     {"RNG19_RFL8_SIG16_NIR16_DUAL", {32, 32, 12, 0, 16, 4, 0x0007FFFF, 0, 4}},
+     {"RNG15_RFL8_NIR8", {32, 32, 12, 0, 4, 2, 0x7FFF, 3, 0}},
+     {"FUSA_RNG15_RFL8_NIR8_DUAL", {32, 32, 12, 0, 8, 2, 0x7FFF, 3, 4}}}};
+
+const Profile& facts(OusterProfile profile) { return kProfiles[static_cast<std::size_t>(profile)]; }
 
 }  // namespace
 
-std::string_view name(OusterProfile profile) {
-  switch (profile) {
-    case OusterProfile::kLegacy:
-      return "LEGACY";
-    case OusterProfile::kRng19:
-      return "RNG19_RFL8_SIG16_NIR16";
-    case OusterProfile::kRng19Dual:
-      return "RNG19_RFL8_SIG16_NIR16_DUAL";
-    case OusterProfile::kRng15:
-      return "RNG15_RFL8_NIR8";
-    case OusterProfile::kFusaDual:
-      break;
-  }
-  return "FUSA_RNG15_RFL8_NIR8_DUAL";
-}
+std::string_view name(OusterProfile profile) { return facts(profile).name; }
 
-const OusterLayout& layout(OusterProfile profile) {
-  switch (profile) {
-    case OusterProfile::kLegacy:
-      return kLegacy;
-    case OusterProfile::kRng19:
-      return kRng19;
-    case OusterProfile::kRng19Dual:
-      return kRng19Dual;
-    case OusterProfile::kRng15:
-      return kRng15;
-    case OusterProfile::kFusaDual:
-      break;
-  }
-  return kFusaDual;
-}
+const OusterLayout& layout(OusterProfile profile) { return facts(profile).layout; }
 
 std::uint32_t frame_id(Bytes packet, OusterProfile profile) {
   switch (profile) {

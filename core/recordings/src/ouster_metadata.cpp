@@ -7,9 +7,9 @@
 
 #include "hqslam/core/error.h"
 #include "hqslam/core/json_limits.h"
+#include "hqslam/core/whole_file.h"
 #include "ouster_layout.h"
 #include "ouster_metadata_text.h"
-#include "small_file.h"
 
 namespace hqslam::recordings {
 
@@ -17,7 +17,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr std::uintmax_t kMaxFileBytes = 16U << 20U;
+constexpr std::size_t kMaxFileBytes = 16U << 20U;
 constexpr std::array<OusterProfile, 5> kProfiles = {
     OusterProfile::kLegacy, OusterProfile::kRng19, OusterProfile::kRng19Dual, OusterProfile::kRng15,
     OusterProfile::kFusaDual};
@@ -155,7 +155,7 @@ OusterMetadata ouster_metadata_from_json(const std::string& text, const std::str
 }
 
 std::string ouster_metadata_text(const std::string& path) {
-  return small_file(path, kMaxFileBytes, "an Ouster's metadata (.json)");
+  return whole_file(path, "an Ouster's metadata (.json)", kMaxFileBytes);
 }
 
 OusterMetadata read_ouster_metadata(const std::string& path) {

@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "hqslam/core/error.h"
-#include "small_file.h"
+#include "hqslam/core/whole_file.h"
 #include "velodyne_tables.h"
 
 // db.xml is what boost::serialization writes of the corrections:
@@ -19,7 +19,7 @@ namespace hqslam::recordings {
 
 namespace {
 
-constexpr std::uintmax_t kMaxBytes = 1U << 20U;
+constexpr std::size_t kMaxBytes = 1U << 20U;
 constexpr int kLasers = 64;
 constexpr double kRadians = std::numbers::pi / 180.0;
 /// Rows must fall strictly; two lasers of one elevation are this far apart.
@@ -57,7 +57,7 @@ class LaserReader {
 }  // namespace
 
 VelodyneCalibration read_velodyne_calibration(const std::string& path) {
-  const std::string contents = small_file(path, kMaxBytes, "the db.xml of an HDL-64E");
+  const std::string contents = whole_file(path, "the db.xml of an HDL-64E", kMaxBytes);
   std::array<std::optional<VelodyneCalibration::Laser>, kLasers> found;
   int lasers = 0;
   for (std::size_t at = contents.find("<px"); at != std::string::npos;

@@ -1,13 +1,10 @@
-#include <fmt/format.h>
-
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
 #include <utility>
 
-#include "hqslam/core/error.h"
 #include "sensor_clock.h"
+#include "velodyne_channels.h"
 #include "velodyne_tables.h"
 
 // A point of a Velodyne packet.
@@ -27,6 +24,7 @@ namespace hqslam::recordings {
 namespace {
 
 constexpr int kTurn = 36000;
+constexpr double kHalfTurn = kTurn / 2.0;
 /// A head's azimuth may tremble by some hundredths of a degree; more is a new turn.
 constexpr int kSmallestFall = 200;
 constexpr double kMostOfAScan = 0.75;
@@ -39,8 +37,8 @@ struct Directions {
   std::vector<float> cosine, sine;
   Directions() {
     for (int i = 0; i < kTurn; ++i) {
-      cosine.push_back(static_cast<float>(std::cos(i * std::numbers::pi / (kTurn / 2))));
-      sine.push_back(static_cast<float>(std::sin(i * std::numbers::pi / (kTurn / 2))));
+      cosine.push_back(static_cast<float>(std::cos(i * std::numbers::pi / kHalfTurn)));
+      sine.push_back(static_cast<float>(std::sin(i * std::numbers::pi / kHalfTurn)));
     }
   }
 };
@@ -49,19 +47,6 @@ const Directions& directions() {
   static const Directions table;
   return table;
 }
-
-/// A laser as one channel of a block.
-struct Channel {
-  std::uint16_t row = 0;
-  float cos_elevation = 1.0F;
-  float sin_elevation = 0.0F;
-  double clockwise = 0.0;   ///< hundredths of a degree
-  double time_us = 0.0;     ///< after the first firing of the block
-  double azimuth_us = 0.0;  ///< the same, for the interpolation of the azimuth
-  float distance_m = 0.0F;  ///< VelodyneCalibration::Laser's; 0 without a calibration
-  float up_m = 0.0F;
-  float left_m = 0.0F;
-};
 
 /// One firing of 32 channels (or the 16 of a VLP-16, twice).
 struct Firing {
@@ -92,25 +77,6 @@ Measurement kept(Measurement last, Measurement other, KeptReturn which) {
   return last.intensity > other.intensity ? last : other;
 }
 
-/// The row of each laser.
-std::vector<int> rows_of(const VelodyneStream& stream) {
-  if (stream.model != VelodyneModel::kHdl64e) return laser_rows(stream.model);
-  std::vector<double> elevations_rad;
-  for (const auto& laser : stream.calibration->lasers)
-    elevations_rad.push_back(laser.elevation_rad);
-  return rows_by_elevation(elevations_rad);
-}
-
-/// An HDL-64E's packets come as fast as its version sends them.
-VelodyneTiming timing_of(const VelodyneStream& stream) {
-  VelodyneTiming result = timing(stream.model);
-  if (stream.model == VelodyneModel::kHdl64e && stream.packet_spacing_us > 0.0) {
-    result.packet_us_single = stream.packet_spacing_us;
-    result.firing_us = stream.packet_spacing_us / (kBlocks / 2);
-  }
-  return result;
-}
-
 }  // namespace
 
 class VelodyneDecoder::Impl {
@@ -137,7 +103,7 @@ class VelodyneDecoder::Impl {
   VelodyneStream stream_;
   VelodyneTiming timing_;
   VelodyneOptions options_;
-  std::array<std::vector<Channel>, 4> channels_;
+  VelodyneChannels channels_;
   int cut_ = 0;
 
   SensorClock clock_;
@@ -162,41 +128,8 @@ VelodyneDecoder::Impl::Impl(const VelodyneStream& stream, const SensorModel& sen
     : stream_(stream),
       timing_(timing_of(stream)),
       options_(options),
+      channels_(channels_of(stream, sensor)),
       cut_(modulo_turn(static_cast<int>(std::lround(100.0 * stream.cut_azimuth_deg)))) {
-  if (sensor.rows() != timing_.lasers) {
-    throw Error(
-        fmt::format("sensor '{}' has {} rows, expected the {} lasers of a {}; name the "
-                    "sensor that recorded the packets",
-                    sensor.name, sensor.rows(), timing_.lasers, name(stream.model)));
-  }
-  if (stream.model == VelodyneModel::kHdl64e &&
-      (!stream.calibration || stream.calibration->lasers.size() != 64)) {
-    throw Error("packets of an HDL-64E need the calibration of that unit: name its db.xml");
-  }
-  const std::vector<int> rows = rows_of(stream);
-  for (int bank = 0; bank < 4; ++bank) {
-    for (int c = 0; c < kChannels; ++c) {
-      const int sequence = timing_.lasers < kChannels ? c / timing_.lasers : 0;
-      const int laser = timing_.lasers <= kChannels ? c % timing_.lasers : bank * kChannels + c;
-      if (laser >= timing_.lasers) continue;  // a bank that the model has not
-      const int row = rows[laser];
-      Channel channel;
-      channel.row = static_cast<std::uint16_t>(row);
-      channel.cos_elevation = static_cast<float>(std::cos(sensor.beam_elevation_rad[row]));
-      channel.sin_elevation = static_cast<float>(std::sin(sensor.beam_elevation_rad[row]));
-      channel.clockwise = -sensor.beam_azimuth_offset_rad[row] * (kTurn / 2) / std::numbers::pi;
-      if (stream.calibration) {
-        const VelodyneCalibration::Laser& own = stream.calibration->lasers[laser];
-        channel.distance_m = static_cast<float>(own.distance_m);
-        channel.up_m = static_cast<float>(own.up_m);
-        channel.left_m = static_cast<float>(own.left_m);
-      }
-      channel.time_us = sequence * timing_.firing_us + laser_time_us(stream.model, laser);
-      channel.azimuth_us =
-          sequence * timing_.firing_us + laser_azimuth_time_us(stream.model, laser);
-      channels_[bank].push_back(channel);
-    }
-  }
   rate_ = expected_rate();
 }
 
@@ -247,6 +180,7 @@ void VelodyneDecoder::Impl::read_firings(Bytes payload) {
   const int blocks = used_blocks(payload);
   int sequence = 0;
   for (int i = 0; i < blocks; i += step) {
+    const int pulse = i / step;
     Firing firing;
     firing.block = i;
     firing.bank = banks ? bank_of(block_flag(payload, i)) : 0;
@@ -255,12 +189,12 @@ void VelodyneDecoder::Impl::read_firings(Bytes payload) {
       if (!firings_.empty() && firing.bank <= firings_.back().bank) ++sequence;
       firing.time_us = sequence * timing_.firing_us;
     } else {
-      firing.time_us = (i / step) * timing_.block_firings * timing_.firing_us;
+      firing.time_us = pulse * timing_.block_firings * timing_.firing_us;
     }
     firings_.push_back(firing);
   }
   if (banks) {  // the packet's time is that of its first firing, whichever laser's that is
-    const std::vector<Channel>& first = channels_[firings_.front().bank];
+    const std::vector<VelodyneChannel>& first = channels_[firings_.front().bank];
     const double first_us = first.empty() ? 0.0 : first.front().time_us;
     for (Firing& firing : firings_) firing.time_us -= first_us;
   }
@@ -338,11 +272,11 @@ void VelodyneDecoder::Impl::add_points(const Firing& firing, Bytes payload, doub
       measured = kept(measured, measurement(payload, firing.block + 1, c), options_.kept_return);
     }
     if (measured.distance == 0) continue;
-    const Channel& channel = channels_[firing.bank][c];
+    const VelodyneChannel& channel = channels_[firing.bank][c];
     const double azimuth = firing.azimuth + firing.rate * channel.azimuth_us + channel.clockwise;
     const double whole = std::floor(azimuth);
     const int entry = modulo_turn(static_cast<int>(whole));
-    const auto rest = static_cast<float>((azimuth - whole) * (std::numbers::pi / (kTurn / 2)));
+    const auto rest = static_cast<float>((azimuth - whole) * (std::numbers::pi / kHalfTurn));
     const float cosine = table.cosine[entry] - rest * table.sine[entry];
     const float sine = table.sine[entry] + rest * table.cosine[entry];
     const float distance_m = unit_m * static_cast<float>(measured.distance) + channel.distance_m;

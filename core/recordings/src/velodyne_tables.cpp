@@ -1,6 +1,7 @@
 #include "velodyne_tables.h"
 
 #include <algorithm>
+#include <array>
 #include <numeric>
 
 namespace hqslam::recordings {
@@ -13,11 +14,19 @@ constexpr int kFullTurn = 36000;
 /// 1.152 us apart; VLP-32C 16 pairs 2.304 us apart; VLS-128 16 groups of eight 2.665 us apart, one
 /// such pause after the eighth group and three after the last, four blocks a sequence (of two
 /// returns eight, one sequence a packet); HDL-64E 64 lasers in 48 us, two blocks a sequence.
-constexpr VelodyneTiming kVlp16Timing = {0.002, 55.296, 2.0, 1327.104, 663.552, 16, 0x22};
-constexpr VelodyneTiming kHdl32eTiming = {0.002, 46.080, 1.0, 552.960, 276.480, 32, 0x21};
-constexpr VelodyneTiming kVlp32cTiming = {0.004, 55.296, 1.0, 663.552, 331.776, 32, 0x28};
-constexpr VelodyneTiming kHdl64eTiming = {0.002, 48.0, 0.5, 288.0, 144.0, 64, 0x00};
-constexpr VelodyneTiming kVls128Timing = {0.004, 53.300, 0.25, 159.900, 53.300, 128, 0xA1};
+struct Model {
+  std::string_view name;
+  VelodyneTiming timing;
+};
+/// In the order of VelodyneModel.
+constexpr std::array<Model, 5> kModels = {
+    {{"vlp-16", {0.002, 55.296, 2.0, 1327.104, 663.552, 16, 0x22}},
+     {"hdl-32e", {0.002, 46.080, 1.0, 552.960, 276.480, 32, 0x21}},
+     {"vlp-32c", {0.004, 55.296, 1.0, 663.552, 331.776, 32, 0x28}},
+     {"vls-128", {0.004, 53.300, 0.25, 159.900, 53.300, 128, 0xA1}},
+     {"hdl-64e", {0.002, 48.0, 0.5, 288.0, 144.0, 64, 0x00}}}};
+
+const Model& facts(VelodyneModel model) { return kModels[static_cast<std::size_t>(model)]; }
 
 const std::vector<double> kVlp32cElevations_deg = {
     -25.0,  -1.0,   -1.667, -15.639, -11.31, 0.0,    -0.667, -8.843, -7.254, 0.333,  -0.333,
@@ -39,60 +48,33 @@ const std::vector<double> kVls128Elevations_deg = {
 
 }  // namespace
 
-std::string_view name(VelodyneModel model) {
-  switch (model) {
-    case VelodyneModel::kVlp16:
-      return "vlp-16";
-    case VelodyneModel::kHdl32e:
-      return "hdl-32e";
-    case VelodyneModel::kVlp32c:
-      return "vlp-32c";
-    case VelodyneModel::kHdl64e:
-      return "hdl-64e";
-    case VelodyneModel::kVls128:
-      break;
-  }
-  return "vls-128";
-}
+std::string_view name(VelodyneModel model) { return facts(model).name; }
 
 std::optional<VelodyneModel> velodyne_model(std::string_view wanted) {
-  if (wanted == name(VelodyneModel::kHdl64e)) return VelodyneModel::kHdl64e;
-  for (const VelodyneModel model : kVelodyneModels) {
-    if (name(model) == wanted) return model;
+  for (std::size_t i = 0; i < kModels.size(); ++i) {
+    if (kModels[i].name == wanted) return static_cast<VelodyneModel>(i);
   }
   return std::nullopt;
 }
 
-const VelodyneTiming& timing(VelodyneModel model) {
-  switch (model) {
-    case VelodyneModel::kVlp16:
-      return kVlp16Timing;
-    case VelodyneModel::kHdl32e:
-      return kHdl32eTiming;
-    case VelodyneModel::kVlp32c:
-      return kVlp32cTiming;
-    case VelodyneModel::kHdl64e:
-      return kHdl64eTiming;
-    case VelodyneModel::kVls128:
-      break;
-  }
-  return kVls128Timing;
-}
+const VelodyneTiming& timing(VelodyneModel model) { return facts(model).timing; }
 
 double laser_time_us(VelodyneModel model, int laser) {
+  const int pair = laser / 2;
+  const int group = laser / 8 + laser / 64;
   switch (model) {
     case VelodyneModel::kVlp16:
       return 2.304 * laser;
     case VelodyneModel::kHdl32e:
       return 1.152 * laser;
     case VelodyneModel::kVlp32c:
-      return 2.304 * (laser / 2);
+      return 2.304 * pair;
     case VelodyneModel::kHdl64e:
       return 0.0;
     case VelodyneModel::kVls128:
       break;
   }
-  return 2.665 * (laser / 8 + laser / 64);
+  return 2.665 * group;
 }
 
 double laser_azimuth_time_us(VelodyneModel model, int laser) {
@@ -109,7 +91,8 @@ std::vector<double> laser_elevations_deg(VelodyneModel model) {
       return result;
     case VelodyneModel::kHdl32e:  // -30.67, -9.33, -29.33, -8.00, ..., -10.67, 10.67
       for (int laser = 0; laser < 32; ++laser) {
-        result.push_back((laser % 2 == 0 ? -92.0 : -28.0) / 3.0 + (laser / 2) * 4.0 / 3.0);
+        const int pair = laser / 2;
+        result.push_back((laser % 2 == 0 ? -92.0 : -28.0) / 3.0 + pair * 4.0 / 3.0);
       }
       return result;
     case VelodyneModel::kVlp32c:

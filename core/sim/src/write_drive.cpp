@@ -11,6 +11,7 @@
 #include "hqslam/core/kitti_bin.h"
 #include "hqslam/core/pcd.h"
 #include "hqslam/core/projection.h"
+#include "hqslam/core/trajectory.h"
 #include "hqslam/core/whole_file.h"
 
 namespace hqslam::sim {
@@ -103,15 +104,6 @@ std::vector<double> column_truth(const std::vector<Pose>& poses) {
   return values;
 }
 
-std::vector<Eigen::Vector3f> returns_of(const RangeImage& image, const SensorModel& sensor) {
-  const OrganizedCloud cloud = unproject(image, sensor, CaptureTime::kRolling);
-  std::vector<Eigen::Vector3f> points_m;
-  for (std::size_t pixel = 0; pixel < cloud.points_m.size(); ++pixel) {
-    if (cloud.range_m[pixel] > 0.0F) points_m.push_back(cloud.points_m[pixel]);
-  }
-  return points_m;
-}
-
 }  // namespace
 
 DriveWriter::DriveWriter(const std::string& directory, const DriveSpec& spec,
@@ -139,18 +131,9 @@ void DriveWriter::append(const SimulatedScan& scan) {
 }
 
 void DriveWriter::append_truth(const SimulatedScan& scan) {
-  const Eigen::Vector3d t = scan.T_map_sensor.translation();
-  const Eigen::Quaterniond q = rotation_of(scan.T_map_sensor);
-  tum_ << fmt::format("{:.9f} {:.9f} {:.9f} {:.9f} {:.12f} {:.12f} {:.12f} {:.12f}\n", scan.stamp_s,
-                      t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w());
-  std::string line;
-  for (int row = 0; row < 3; ++row) {
-    for (int column = 0; column < 4; ++column) {
-      line += fmt::format("{:.12e}{}", scan.T_map_sensor.matrix()(row, column),
-                          row == 2 && column == 3 ? '\n' : ' ');
-    }
-  }
-  kitti_ << line;
+  const StampedPose pose{scan.stamp_s, scan.T_map_sensor};
+  tum_ << tum_line(pose);
+  kitti_ << kitti_line(pose);
   tum_.flush();
   kitti_.flush();
   require_written(tum_, in(directory_, "truth.tum"));
@@ -159,7 +142,7 @@ void DriveWriter::append_truth(const SimulatedScan& scan) {
 
 void DriveWriter::write_extra(const RangeImage& image) const {
   Scan scan;
-  scan.points_m = returns_of(image, sensor_);
+  scan.points_m = points_of(unproject(image, sensor_, CaptureTime::kRolling));
   const fs::path directory(directory_);
   if (extra_.kitti_bin) {
     write_kitti_bin(scan, (directory / "bin" / fmt::format("{:06}.bin", scans_)).string());

@@ -47,7 +47,8 @@ void add_drums(City& city, const Eigen::Vector2d& at, Random& random) {
   const Eigen::Isometry3d frame = drawn_frame(city, at, random);
   const int drums = 1 + random.below(5);
   for (int drum = 0; drum < drums; ++drum) {
-    const Eigen::Vector3d foot(0.66 * (drum % 3), 0.66 * (drum / 3), -0.1);
+    const int row = drum / 3;
+    const Eigen::Vector3d foot(0.66 * (drum % 3), 0.66 * row, -0.1);
     add_column(city.fixed, frame * foot, frame * (foot + Eigen::Vector3d(0.0, 0.0, 1.0)), 0.3, 0.3,
                12, {Material::kMetal, random.shade()});
   }

@@ -11,10 +11,6 @@
 namespace hqslam::test {
 namespace {
 
-bool holds(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
-
 /// 300 poses, 1 m apart along x.
 Trajectory straight_line() {
   Trajectory trajectory(300);

@@ -34,6 +34,14 @@ inline ProgramResult run_hqslam(const std::string& arguments) {
   return run_shell(std::string("'") + HQSLAM_PROGRAM + "' " + arguments);
 }
 
+inline bool holds(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+inline bool is_one_line(const std::string& text) {
+  return !text.empty() && text.find('\n') == text.size() - 1;
+}
+
 /// A drive of `kDriveScans` scans of an OS1-16 through the simulated city, made once per test
 /// program, as a stack with its truth, as .bin and as .pcd files.
 inline constexpr int kDriveScans = 12;

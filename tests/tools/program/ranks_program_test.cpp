@@ -34,10 +34,6 @@ ProgramResult run_on_ranks(int count, const std::string& arguments) {
   return run_shell(on_ranks(count) + " " + arguments);
 }
 
-bool holds(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
-
 std::size_t count(const std::string& text, const std::string& part) {
   std::size_t found = 0;
   for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) {

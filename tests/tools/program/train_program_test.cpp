@@ -17,10 +17,6 @@
 namespace hqslam::test {
 namespace {
 
-bool holds(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
-
 /// A network that trains in a second; `change` replaces text in its configuration.
 std::string small_configuration(const std::string& from = "", const std::string& to = "") {
   std::string text = R"({

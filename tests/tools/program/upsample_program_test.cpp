@@ -22,10 +22,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-bool is_one_line(const std::string& text) {
-  return !text.empty() && text.find('\n') == text.size() - 1;
-}
-
 constexpr int kScans = 4;
 
 /// A drive of an OS1-64, a stack of its measured rows alone, and weights for them.

@@ -14,10 +14,6 @@
 namespace hqslam::test {
 namespace {
 
-bool holds(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
-
 /// A small sensor, so that the network runs at once.
 SensorModel small_sensor() {
   SensorModel sensor = sensor_preset("os1-64");

@@ -173,13 +173,6 @@ Measurements measure(const InputRecording& input, const SensorModel& sensor,
   return measurements;
 }
 
-Json distribution_json(const Distribution& distribution) {
-  return {{"median", distribution.median},
-          {"p95", distribution.p95},
-          {"max", distribution.max},
-          {"mean", distribution.mean}};
-}
-
 void print_json(const Measurements& measurements) {
   Json slam = Json::array();
   for (const SlamTiming& timing : measurements.slam) {

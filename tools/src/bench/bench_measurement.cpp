@@ -4,7 +4,6 @@
 #include <omp.h>
 
 #include <algorithm>
-#include <chrono>
 #include <fstream>
 #include <optional>
 
@@ -13,6 +12,7 @@
 #include "hqslam/core/projection.h"
 #include "hqslam/nn/upsampled_cloud.h"
 #include "hqslam/slam/slam.h"
+#include "timing/stopwatch.h"
 
 namespace hqslam::tools {
 namespace {
@@ -22,10 +22,7 @@ constexpr double kOutlierAngle_rad = 0.17453292519943295;  // 10 degrees
 
 template <typename Step>
 double milliseconds_of(const Step& step) {
-  const auto start = std::chrono::steady_clock::now();
-  step();
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
-      .count();
+  return 1e3 * seconds_of(step);
 }
 
 Distribution stage_distribution(const std::vector<slam::StageTimes>& times,

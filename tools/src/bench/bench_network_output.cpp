@@ -21,11 +21,7 @@ Json run_json(const NetworkRun& run) {
           {"threads", run.threads},
           {"frames", run.frames},
           {"frames_per_second", frames_per_second(run)},
-          {"frame_ms",
-           {{"median", run.frame_ms.median},
-            {"p95", run.frame_ms.p95},
-            {"max", run.frame_ms.max},
-            {"mean", run.frame_ms.mean}}},
+          {"frame_ms", distribution_json(run.frame_ms)},
           {"gflops", run.gflops},
           {"peak_share", run.peak_share}};
 }
@@ -96,6 +92,13 @@ void print_steps(const NetworkTiming& network) {
 }
 
 }  // namespace
+
+Json distribution_json(const Distribution& distribution) {
+  return {{"median", distribution.median},
+          {"p95", distribution.p95},
+          {"max", distribution.max},
+          {"mean", distribution.mean}};
+}
 
 Json peaks_json(const std::vector<MultiplyAddPeak>& peaks) {
   Json json = Json::array();

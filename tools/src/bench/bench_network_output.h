@@ -7,6 +7,7 @@
 
 namespace hqslam::tools {
 
+nlohmann::ordered_json distribution_json(const Distribution& distribution);
 nlohmann::ordered_json peaks_json(const std::vector<MultiplyAddPeak>& peaks);
 nlohmann::ordered_json networks_json(const std::vector<NetworkTiming>& networks);
 

@@ -84,17 +84,14 @@ void add(const RangeImage& truth, TulipMethod& method) {
   const TulipScore score = tulip_score(method.upsampler.run(measured).image, truth);
   method.sum.mae_m += score.mae_m;
   method.sum.mae_computed_m += score.mae_computed_m;
-  method.sum.chamfer_m2 += score.chamfer_m2;
-  method.sum.iou += score.iou;
-  method.sum.precision += score.precision;
-  method.sum.recall += score.recall;
-  method.sum.f1 += score.f1;
+  method.sum += score;
 }
 
-TulipScore mean_of(const TulipScore& sum, double scans) {
-  return {sum.mae_m / scans, sum.mae_computed_m / scans, sum.chamfer_m2 / scans,
-          sum.iou / scans,   sum.precision / scans,      sum.recall / scans,
-          sum.f1 / scans};
+TulipScore mean_of(TulipScore sum, double scans) {
+  sum.mae_m /= scans;
+  sum.mae_computed_m /= scans;
+  sum /= scans;
+  return sum;
 }
 
 Json json_of(const std::string& name, const TulipScore& s) {

@@ -23,10 +23,7 @@ constexpr float kMaxPrediction_m = 80.0F;
 /// TULIP's column of ours and ours of TULIP's: the circle turned over, forward stays at 512.
 int mirrored(int column) { return (kColumns - column) % kColumns; }
 
-bool is_measured(int row) {
-  const RowSelection rows = selection_for(kRows, kMeasuredRows);
-  return row >= rows.offset && (row - rows.offset) % rows.stride == 0;
-}
+bool is_measured(int row) { return selection_for(kRows, kMeasuredRows).contains(row); }
 
 double mae_of_computed_rows_m(const RangeImage& image, const RangeImage& truth) {
   double sum_m = 0.0;
@@ -101,12 +98,7 @@ TulipScore tulip_score(RangeImage lifted, const RangeImage& truth) {
       lifted.at(row, column) = truth.at(row, column);
     }
   }
-  const CloudError cloud = cloud_error(tulip_points_m(lifted), tulip_points_m(truth));
-  score.chamfer_m2 = cloud.chamfer_m2;
-  score.iou = cloud.iou;
-  score.precision = cloud.precision;
-  score.recall = cloud.recall;
-  score.f1 = cloud.f1;
+  static_cast<CloudError&>(score) = cloud_error(tulip_points_m(lifted), tulip_points_m(truth));
   return score;
 }
 

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "hqslam/core/cloud_error.h"
 #include "hqslam/core/range_image.h"
 #include "hqslam/core/sensor_model.h"
 
@@ -28,19 +29,13 @@ RangeImage tulip_image(const std::vector<Eigen::Vector3f>& points_m);
 /// return.
 std::vector<Eigen::Vector3f> tulip_points_m(const RangeImage& image);
 
-/// Errors of one scan.
-struct TulipScore {
+/// Errors of one scan, or sums over several.
+struct TulipScore : CloudError {
   /// Over all pixels, the measured rows as the method gives them. Methods here give them as they
   /// were measured, TULIP computes them too.
   double mae_m = 0.0;
   double mae_computed_m = 0.0;  ///< over the 48 rows between them alone
-  double chamfer_m2 = 0.0;      ///< mean squared nearest distance, both ways summed
-  double iou = 0.0;             ///< of voxels of 0.1 m; so are the following
-  double precision = 0.0;
-  double recall = 0.0;
-  double f1 = 0.0;
 };
-
 /// lifted: the prediction, measured rows included, metres; truth: tulip_image of the scan. Throws
 /// Error if a shape differs.
 TulipScore tulip_score(RangeImage lifted, const RangeImage& truth);

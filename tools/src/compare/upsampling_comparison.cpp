@@ -1,32 +1,20 @@
 #include "compare/upsampling_comparison.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <numbers>
 
 #include "hqslam/nn/hqs/outlier_removal.h"
 #include "hqslam/nn/upsampled_cloud.h"
+#include "timing/stopwatch.h"
 #include "timing/timing_statistics.h"
 
 namespace hqslam::tools {
 namespace {
 
-std::vector<Eigen::Vector3f> points_of(const OrganizedCloud& cloud) {
-  std::vector<Eigen::Vector3f> points_m;
-  for (std::size_t i = 0; i < cloud.points_m.size(); ++i) {
-    if (cloud.range_m[i] > 0.0F) points_m.push_back(cloud.points_m[i]);
-  }
-  return points_m;
-}
-
 /// Distance to the nearest true point, one value for each pixel that has a return.
 std::vector<float> pixel_distances_m(const OrganizedCloud& cloud, const OrganizedCloud& truth) {
   return nearest_distances_m(points_of(cloud), points_of(truth));
-}
-
-bool is_measured(int row, RowSelection measured) {
-  return row >= measured.offset && (row - measured.offset) % measured.stride == 0;
 }
 
 /// Calls visit(pixel, distance_m) for the computed pixels that have a return.
@@ -38,14 +26,14 @@ void for_each_computed(const OrganizedCloud& cloud, RowSelection measured,
     if (cloud.range_m[pixel] <= 0.0F) continue;
     const float distance_m = distances_m[next++];
     const int row = static_cast<int>(pixel) / cloud.columns;
-    if (!is_measured(row, measured)) visit(pixel, distance_m);
+    if (!measured.contains(row)) visit(pixel, distance_m);
   }
 }
 
 /// The image with its measured rows emptied.
 RangeImage computed_rows(RangeImage image, RowSelection measured) {
   for (int row = 0; row < image.rows; ++row) {
-    if (!is_measured(row, measured)) continue;
+    if (!measured.contains(row)) continue;
     for (int column = 0; column < image.columns; ++column) image.at(row, column) = 0.0F;
   }
   return image;
@@ -56,7 +44,7 @@ RangeImage computed_rows(RangeImage image, RowSelection measured) {
 RangeImage median_of_true_neighbours(const RangeImage& truth, RowSelection measured) {
   RangeImage image = truth;
   for (int row = 0; row < truth.rows; ++row) {
-    if (is_measured(row, measured)) continue;
+    if (measured.contains(row)) continue;
     for (int column = 0; column < truth.columns; ++column) {
       std::vector<float> around;
       for (int r = std::max(row - 1, 0); r <= std::min(row + 1, truth.rows - 1); ++r) {
@@ -105,29 +93,21 @@ void UpsamplingComparison::add(ComparedMethod& method, const OrganizedCloud& tru
   const RowSelection rows = method.upsampler.measured_rows();
   const OrganizedCloud measured = select_rows(truth, rows);
   const RangeImage measured_image = range_image(measured);
-  const auto start = std::chrono::steady_clock::now();
-  const nn::LiftedImage lifted = method.upsampler.run(measured_image);
+  nn::LiftedImage lifted;
+  sums.times_ms.push_back(1e3 * seconds_of([&] { lifted = method.upsampler.run(measured_image); }));
   const RangeImage& image = lifted.image;
-  sums.times_ms.push_back(
-      std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
   const OrganizedCloud cloud =
       nn::upsampled_cloud(lifted, measured, rows, method.upsampler.sensor());
   const ScanErrors errors = scan_errors(image, cloud, truth);
-  const CloudError& error = errors.cloud;
   UpsamplingScore& sum = sums.sum;
+  sum += errors.cloud;
   sum.mae_all_m += errors.image.mae_all_m;
   sum.mae_valid_m += errors.image.mae_valid_m;
-  sum.chamfer_m2 += error.chamfer_m2;
-  sum.iou += error.iou;
-  sum.precision += error.precision;
-  sum.recall += error.recall;
-  sum.f1 += error.f1;
   const ImageError computed =
       image_error(computed_rows(image, rows), computed_rows(range_image(truth), rows));
   sum.missing_share += computed.missing_share;
   sum.invented_share += computed.invented_share;
-  sum.outlier_share += error.outlier_share;
-  sum.outliers_per_scan += error.outlier_share * static_cast<double>(errors.points);
+  sum.outliers_per_scan += errors.cloud.outlier_share * static_cast<double>(errors.points);
   if (!method.unfiltered) return;
   const OrganizedCloud unfiltered = nn::upsampled_cloud(method.unfiltered->run(measured_image),
                                                         measured, rows, method.upsampler.sensor());
@@ -146,9 +126,9 @@ std::vector<UpsamplingScore> UpsamplingComparison::scores() const {
     const Sums& sums = sums_[i];
     UpsamplingScore score = sums.sum;
     score.method = methods_[i].name;
-    for (double* mean : {&score.mae_all_m, &score.mae_valid_m, &score.chamfer_m2, &score.iou,
-                         &score.precision, &score.recall, &score.f1, &score.missing_share,
-                         &score.invented_share, &score.outlier_share, &score.outliers_per_scan}) {
+    score /= n;
+    for (double* mean : {&score.mae_all_m, &score.mae_valid_m, &score.missing_share,
+                         &score.invented_share, &score.outliers_per_scan}) {
       *mean /= n;
     }
     score.upsampling_ms = distribution_of(sums.times_ms).median;

@@ -18,18 +18,12 @@ namespace hqslam::tools {
 inline constexpr float kGoodDistance_m = 0.2F;
 
 /// How well one way of upsampling does; means over the scans.
-struct UpsamplingScore {
+struct UpsamplingScore : CloudError {
   std::string method;
   double mae_all_m = 0.0;
   double mae_valid_m = 0.0;
-  double chamfer_m2 = 0.0;
-  double iou = 0.0;
-  double precision = 0.0;
-  double recall = 0.0;
-  double f1 = 0.0;
   double missing_share = 0.0;      ///< of the computed pixels' true returns, left empty
   double invented_share = 0.0;     ///< of the computed points, where the truth has no return
-  double outlier_share = 0.0;      ///< of all points, farther than 0.5 m from the true cloud
   double outliers_per_scan = 0.0;  ///< as many points
   double upsampling_ms = 0.0;      ///< median
   /// Of the good computed points that the same method gives without the filter at its end, the

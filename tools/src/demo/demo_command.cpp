@@ -4,7 +4,6 @@
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <optional>
 #include <string>
@@ -13,7 +12,7 @@
 #include "compare/upsampling_comparison.h"
 #include "demo/demo_report.h"
 #include "files/installed_weights.h"
-#include "hqslam/core/error.h"
+#include "files/text_file.h"
 #include "hqslam/core/npy.h"
 #include "hqslam/core/scan_source.h"
 #include "lift/upsampling_plan.h"
@@ -177,17 +176,6 @@ std::vector<std::pair<std::string, RangeImage>> example_images(const std::string
   return images;
 }
 
-std::string write_page(const std::filesystem::path& out, const std::string& html) {
-  const std::string path = (out / "demo.html").string();
-  std::ofstream stream(path, std::ios::binary);
-  stream << html;
-  stream.close();
-  if (!stream) {
-    throw Error(fmt::format("{}: cannot be written; is the disk full?", path));
-  }
-  return path;
-}
-
 }  // namespace
 
 void declare_demo(CLI::App& app, DemoOptions& options) {
@@ -240,8 +228,8 @@ int demo_command(const DemoOptions& options) {
     to_stdout("Without DU-Mix: its weights, weights/{}, are not there.\n\n", kWeights);
   }
   const double max_range_m = required_recording_sensor(simulate.out, "").max_range_m;
-  const std::string page =
-      write_page(out, demo_html(table, example_images(simulate.out, rows), max_range_m));
+  const std::string page = (out / "demo.html").string();
+  write_text_file(demo_html(table, example_images(simulate.out, rows), max_range_m), page);
   to_stdout("To look at, in any browser:\n  {}\n", page);
   for (const DemoTable::Row& row : table.rows) {
     to_stdout("  {}\n", (out / row.report).string());

@@ -78,18 +78,6 @@ int evaluate_clouds(const EvaluateOptions& options) {
   return kOk;
 }
 
-/// Points of the pixels that have a return.
-std::vector<Eigen::Vector3f> points_of(const RangeImage& image, const SensorModel& sensor) {
-  const OrganizedCloud cloud = unproject(image, sensor, CaptureTime::kMotionCorrected);
-  std::vector<Eigen::Vector3f> points_m;
-  for (std::size_t i = 0; i < cloud.points_m.size(); ++i) {
-    if (cloud.range_m[i] > 0.0F) {
-      points_m.push_back(cloud.points_m[i]);
-    }
-  }
-  return points_m;
-}
-
 /// Sums over the images of two stacks.
 struct StackErrors {
   double mae_all_m = 0.0;
@@ -98,16 +86,6 @@ struct StackErrors {
   CloudError cloud;  ///< sums until divided
   std::int64_t images_with_points = 0;
 };
-
-void add_cloud_error(StackErrors& sums, const CloudError& error) {
-  sums.cloud.chamfer_m2 += error.chamfer_m2;
-  sums.cloud.iou += error.iou;
-  sums.cloud.precision += error.precision;
-  sums.cloud.recall += error.recall;
-  sums.cloud.f1 += error.f1;
-  sums.cloud.outlier_share += error.outlier_share;
-  ++sums.images_with_points;
-}
 
 void add_image(StackErrors& sums, const RangeImage& image, const RangeImage& true_image,
                const std::optional<SensorModel>& sensor) {
@@ -118,17 +96,14 @@ void add_image(StackErrors& sums, const RangeImage& image, const RangeImage& tru
   if (!sensor) {
     return;
   }
-  const std::vector<Eigen::Vector3f> points_m = points_of(image, *sensor);
-  const std::vector<Eigen::Vector3f> true_points_m = points_of(true_image, *sensor);
+  const std::vector<Eigen::Vector3f> points_m =
+      points_of(unproject(image, *sensor, CaptureTime::kMotionCorrected));
+  const std::vector<Eigen::Vector3f> true_points_m =
+      points_of(unproject(true_image, *sensor, CaptureTime::kMotionCorrected));
   if (!points_m.empty() && !true_points_m.empty()) {
-    add_cloud_error(sums, cloud_error(points_m, true_points_m));
+    sums.cloud += cloud_error(points_m, true_points_m);
+    ++sums.images_with_points;
   }
-}
-
-CloudError divided(CloudError sum, std::int64_t images) {
-  const double scale = 1.0 / static_cast<double>(images);
-  return {sum.chamfer_m2 * scale, sum.iou * scale, sum.precision * scale,
-          sum.recall * scale,     sum.f1 * scale,  sum.outlier_share * scale};
 }
 
 int evaluate_stacks(const EvaluateOptions& options) {
@@ -158,7 +133,8 @@ int evaluate_stacks(const EvaluateOptions& options) {
             sums.valid_pixels > 0 ? sums.valid_sum_m / static_cast<double>(sums.valid_pixels) : 0.0,
             sums.valid_pixels);
   if (sums.images_with_points > 0) {
-    print_cloud_error(divided(sums.cloud, sums.images_with_points));
+    sums.cloud /= static_cast<double>(sums.images_with_points);
+    print_cloud_error(sums.cloud);
   } else if (!sensor) {
     to_stdout("(--sensor adds Chamfer distance, IoU, F1 and outliers in 3-D)\n");
   }

@@ -15,19 +15,6 @@ void write_text_file(const std::string& text, const std::string& path) {
   replace_file(path, [&](const std::string& part) { write_whole_file(part, text); });
 }
 
-std::string read_small_text_file(const std::string& path, const std::string& expected) {
-  constexpr std::size_t kLargestBytes = 1 << 20;
-  std::string text(kLargestBytes + 1, '\0');
-  std::ifstream stream(path, std::ios::binary);
-  stream.read(text.data(), static_cast<std::streamsize>(text.size()));
-  const auto bytes = static_cast<std::size_t>(stream.gcount());
-  if (!stream.eof() || bytes > kLargestBytes) {
-    throw Error(fmt::format("{}: expected {} of at most 1 MB, cannot read it", path, expected));
-  }
-  text.resize(bytes);
-  return text;
-}
-
 bool has_marker(const std::string& path, const std::string& marker) {
   constexpr std::streamsize kMarkerWithin = 4096;
   std::string beginning(kMarkerWithin, '\0');

@@ -8,10 +8,6 @@ namespace hqslam::tools {
 /// is either what it was or whole. Throws Error.
 void write_text_file(const std::string& text, const std::string& path);
 
-/// The text of a file of at most 1 MB that people write. Throws Error with `expected`, what it
-/// should be.
-std::string read_small_text_file(const std::string& path, const std::string& expected);
-
 /// Whether there is a file at `path` that holds `marker` among its first 4096 bytes: the command
 /// that puts the marker there wrote it.
 bool has_marker(const std::string& path, const std::string& marker);

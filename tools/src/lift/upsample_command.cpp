@@ -5,7 +5,6 @@
 #include <omp.h>
 
 #include <CLI/CLI.hpp>
-#include <chrono>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -20,6 +19,7 @@
 #include "terminal/interrupt.h"
 #include "terminal/progress.h"
 #include "terminal/terminal.h"
+#include "timing/stopwatch.h"
 #include "timing/timing_statistics.h"
 
 namespace hqslam::tools {
@@ -65,7 +65,6 @@ std::optional<RecordedScan> read_next(ScanSource& source, UpsampleRun& run) {
 /// The ranges of the points that are written: those of the measured rows are the recording's.
 UpsampleRun upsample(ScanSource& source, UpsamplingPlan& plan, const UpsampleOptions& options,
                      const InterruptGuard& interrupt) {
-  using Clock = std::chrono::steady_clock;
   std::optional<UpsampleOutput> output;  // made when the first scan is there
   UpsampleRun run;
   run.scans_in_recording = source.size();
@@ -79,9 +78,8 @@ UpsampleRun upsample(ScanSource& source, UpsamplingPlan& plan, const UpsampleOpt
     }
     const OrganizedCloud measured = plan.rows ? select_rows(scan->cloud, *plan.rows) : scan->cloud;
     const RangeImage measured_image = range_image(measured);
-    const auto start = Clock::now();
-    const nn::LiftedImage lifted = plan.upsampler.run(measured_image);
-    run.times_s.push_back(std::chrono::duration<double>(Clock::now() - start).count());
+    nn::LiftedImage lifted;
+    run.times_s.push_back(seconds_of([&] { lifted = plan.upsampler.run(measured_image); }));
     const OrganizedCloud cloud = nn::upsampled_cloud(
         lifted, measured, plan.upsampler.measured_rows(), plan.upsampler.sensor());
     if (!output) {

@@ -93,16 +93,6 @@ fs::path prepared(const fs::path& folder, const std::string& input, const std::s
   return folder;
 }
 
-Scan scan_of(const OrganizedCloud& cloud) {
-  Scan scan;
-  for (std::size_t pixel = 0; pixel < cloud.points_m.size(); ++pixel) {
-    if (cloud.range_m[pixel] > 0.0F) {
-      scan.points_m.push_back(cloud.points_m[pixel]);
-    }
-  }
-  return scan;
-}
-
 }  // namespace
 
 UpsampleOutput::UpsampleOutput(const std::string& folder, const std::string& input,
@@ -152,7 +142,8 @@ void UpsampleOutput::write_formats(const RangeImage& image, const OrganizedCloud
   if (!formats_.kitti_bin && !formats_.pcd) {
     return;
   }
-  const Scan scan = scan_of(cloud);
+  Scan scan;
+  scan.points_m = points_of(cloud);
   if (formats_.kitti_bin) {
     write_kitti_bin(scan, path("bin"));
   }

@@ -8,8 +8,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "files/text_file.h"
-#include "hqslam/core/error.h"
+#include "hqslam/core/whole_file.h"
 #include "hqslam/nn/hqs/network.h"
 #include "hqslam/nn/hqs/network_json.h"
 #include "hqslam/nn/hqs/weights_file.h"
@@ -22,7 +21,7 @@ namespace {
 
 /// The network that a description file names: a network alone, or a recipe of hqslam train.
 nn::NetworkDescription described_network(const std::string& path) {
-  const std::string text = read_small_text_file(path, "a network's description (.json)");
+  const std::string text = whole_file(path, "a network's description (.json)", 1U << 20U);
   const auto json = nlohmann::ordered_json::parse(text, nullptr, false);
   if (json.is_object() && json.contains("network")) {
     return nn::network_from_json(json["network"].dump(), path + ": network");
@@ -136,8 +135,8 @@ void declare_weights(CLI::App& app, WeightsOptions& options) {
       "are there, the network must give the one for the other; otherwise they are made.");
 }
 
-int weights_command(const std::string& name, const WeightsOptions& options) {
-  return name == "pack" ? pack(options.pack) : show(options.show);
+int weights_command(const WeightsOptions& options) {
+  return options.show.empty() ? pack(options.pack) : show(options.show);
 }
 
 }  // namespace hqslam::tools

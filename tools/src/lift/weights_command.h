@@ -21,7 +21,7 @@ struct WeightsOptions {
 
 void declare_weights(CLI::App& app, WeightsOptions& options);
 
-/// `name`: the subcommand of `weights` that was asked for. Returns an ExitStatus. Throws Error.
-int weights_command(const std::string& name, const WeightsOptions& options);
+/// Returns an ExitStatus. Throws Error.
+int weights_command(const WeightsOptions& options);
 
 }  // namespace hqslam::tools

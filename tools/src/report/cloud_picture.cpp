@@ -8,25 +8,11 @@
 namespace hqslam::tools {
 namespace {
 
-using Rgb = std::array<std::uint8_t, 3>;
-
 constexpr Rgb kBackground = {17, 20, 28};
 /// From low to high: told apart by lightness too.
 constexpr std::array<Rgb, 5> kHeights = {
     {{58, 76, 150}, {42, 132, 152}, {86, 178, 118}, {214, 200, 92}, {246, 236, 206}}};
 constexpr float kNothing = std::numeric_limits<float>::infinity();
-
-Rgb color_of_height(double share) {
-  const double position = std::clamp(share, 0.0, 1.0) * (kHeights.size() - 1);
-  const auto below = std::min(static_cast<std::size_t>(position), kHeights.size() - 2);
-  const double weight = position - static_cast<double>(below);
-  Rgb color{};
-  for (std::size_t i = 0; i < color.size(); ++i) {
-    color[i] = static_cast<std::uint8_t>(
-        std::lround((1.0 - weight) * kHeights[below][i] + weight * kHeights[below + 1][i]));
-  }
-  return color;
-}
 
 /// A point as the picture has it: pixels from the left and the top, and how far away it is.
 struct Spot {
@@ -164,7 +150,7 @@ RgbImage cloud_from_above(const CloudScene& scene, int rows, int columns) {
     spot.side = std::max(1.0, pixels_per_m * scene.point_m);
     // Seen from so high that depths hardly differ in ratio.
     spot.depth_m = static_cast<float>(high_m + 60.0 - point_m.z());
-    spot.color = color_of_height((point_m.z() - low_m) / (high_m - low_m));
+    spot.color = color_between(kHeights, (point_m.z() - low_m) / (high_m - low_m));
     image.draw(spot);
   }
   return image.shaded();
@@ -190,7 +176,7 @@ RgbImage cloud_in_perspective(const CloudScene& scene, int rows, int columns) {
     spot.row = rows / 2.0 + focal * seen_m.y() / seen_m.z();
     spot.side = std::clamp(focal * scene.point_m / seen_m.z(), 1.0, 12.0);
     spot.depth_m = static_cast<float>(seen_m.z());
-    spot.color = color_of_height((height_m - kLowest_m) / (kHighest_m - kLowest_m));
+    spot.color = color_between(kHeights, (height_m - kLowest_m) / (kHighest_m - kLowest_m));
     image.draw(spot);
   }
   return image.shaded();

@@ -1,10 +1,13 @@
 #include "report/error_color.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+
+#include "hqslam/core/png.h"
 
 namespace hqslam::tools {
 
@@ -13,17 +16,9 @@ int error_color_class(double share) {
 }
 
 std::string error_color(double share) {
-  constexpr std::array<std::array<double, 3>, 4> kStops = {
+  constexpr std::array<Rgb, 4> kStops = {
       {{44, 92, 212}, {146, 66, 196}, {222, 60, 116}, {250, 150, 40}}};
-  const double position = std::clamp(share, 0.0, 1.0) * (kStops.size() - 1);
-  const auto stop = std::min(kStops.size() - 2, static_cast<std::size_t>(position));
-  const double fraction = position - static_cast<double>(stop);
-  std::string color = "#";
-  for (std::size_t i = 0; i < 3; ++i) {
-    const double value = (1.0 - fraction) * kStops[stop][i] + fraction * kStops[stop + 1][i];
-    color += fmt::format("{:02x}", std::lround(value));
-  }
-  return color;
+  return fmt::format("#{:02x}", fmt::join(color_between(kStops, share), ""));
 }
 
 std::string error_color_of_class(int color_class) {

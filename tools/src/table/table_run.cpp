@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <omp.h>
 
-#include <chrono>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -19,18 +18,11 @@
 #include "hqslam/slam/slam.h"
 #include "lift/upsampling_plan.h"
 #include "timing/processor.h"
+#include "timing/stopwatch.h"
 #include "timing/timing_statistics.h"
 
 namespace hqslam::tools {
 namespace {
-
-/// Seconds that `work` takes.
-template <typename Work>
-double seconds_of(Work&& work) {
-  const auto start = std::chrono::steady_clock::now();
-  work();
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
 
 /// What the pass's methods have in common: nothing where they see the rows as recorded.
 std::optional<nn::Upsampler> shared_upsampler(const TablePass& pass) {

@@ -4,21 +4,18 @@
 #include <omp.h>
 
 #include <algorithm>
-#include <atomic>
-#include <exception>
 #include <filesystem>
 #include <functional>
-#include <mutex>
-#include <thread>
 #include <utility>
 
 #include "files/build_hash.h"
 #include "files/content_hash.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/scan_source.h"
+#include "ranks/side_by_side.h"
 #include "recording/recording_sensor.h"
 #include "table/table_drive.h"
-#include "table/table_progress.h"
+#include "terminal/progress.h"
 
 namespace hqslam::tools {
 namespace {
@@ -121,20 +118,20 @@ struct TableRun {
   const TablePlan& plan;
   const TableOptions& options;
   const InterruptGuard& interrupt;
-  TableProgress& progress;
+  Progress& progress;
 };
 
 /// Runs what is missing on a drive. Returns false if it was interrupted.
 bool run_drive(DriveWork& work, const TableRun& run) {
   const auto on_scan = [&] { run.progress.advance(); };
   if (!work.prepared) {
-    run.progress.step(fmt::format("{}, simulated", work.drive.name));
+    run.progress.relabel(fmt::format("{}, simulated", work.drive.name));
     if (!prepare_drive(work.drive, run.interrupt, on_scan)) return false;
     work.prepared = prepared(work.drive, run.options);
     work.passes = passes_on(*work.prepared, run.plan);
   }
   for (const TablePass& pass : work.passes) {
-    run.progress.step(title_of(pass));
+    run.progress.relabel(title_of(pass));
     const std::vector<TableResult> results = run_pass(pass, run.interrupt, on_scan);
     if (results.empty()) return false;
     for (const TableResult& result : results) save_result(result, work.prepared->results);
@@ -142,45 +139,26 @@ bool run_drive(DriveWork& work, const TableRun& run) {
   return true;
 }
 
-/// Does the job on all drives, `workers` of them side by side, each with one thread if they are
-/// several. Returns false if a job did, being interrupted. Throws what a job throws, once the
-/// others have stopped.
-bool on_drives(std::vector<DriveWork>& works, int workers, bool one_thread_each,
-               const std::function<bool(DriveWork&)>& job) {
-  std::atomic<std::size_t> next = 0;
-  std::atomic<bool> stopped = false;
-  std::exception_ptr failure;
-  std::mutex failure_mutex;
-  const auto work_on_drives = [&] {
-    if (one_thread_each) omp_set_num_threads(1);
-    try {
-      for (std::size_t i = next++; i < works.size() && !stopped; i = next++) {
-        if (!job(works[i])) stopped = true;
-      }
-    } catch (...) {
-      const std::lock_guard lock(failure_mutex);
-      if (!failure) failure = std::current_exception();
-      stopped = true;
-    }
-  };
-  std::vector<std::jthread> threads;
-  for (int i = 0; i < workers; ++i) threads.emplace_back(work_on_drives);
-  threads.clear();  // joins
-  if (failure) std::rethrow_exception(failure);
-  return !stopped;
+/// Does the job on all drives: one after the other or, over seeds, as many side by side as OpenMP
+/// has threads, with one thread each. `scans`: of all drives together. Returns false if it was
+/// interrupted.
+bool on_drives(std::vector<DriveWork>& works, const TablePlan& plan, std::int64_t scans,
+               const std::function<bool(DriveWork&, Progress&)>& job) {
+  if (scans == 0) return true;
+  Progress progress("table", scans);
+  const int threads = omp_get_max_threads();
+  const bool complete = side_by_side(
+      works.size(), plan.over_seeds ? threads : 1, plan.over_seeds ? 1 : threads,
+      [&](std::size_t i, const std::atomic<bool>&) { return job(works[i], progress); });
+  progress.finish();
+  return complete;
 }
 
 bool run_drives(std::vector<DriveWork>& works, const TablePlan& plan, const TableOptions& options,
                 const InterruptGuard& interrupt) {
-  const std::int64_t scans = scans_left(works, plan);
-  if (scans == 0) return true;
-  TableProgress progress(scans);
-  const TableRun run{plan, options, interrupt, progress};
-  const int workers = plan.over_seeds ? omp_get_max_threads() : 1;
-  const bool complete = on_drives(works, workers, plan.over_seeds,
-                                  [&](DriveWork& work) { return run_drive(work, run); });
-  progress.finish();
-  return complete;
+  return on_drives(works, plan, scans_left(works, plan), [&](DriveWork& work, Progress& progress) {
+    return run_drive(work, {plan, options, interrupt, progress});
+  });
 }
 
 bool is_own(std::size_t place, const Ranks& ranks) {
@@ -217,15 +195,10 @@ bool simulate_drives(std::vector<DriveWork>& works, const TablePlan& plan,
                      const InterruptGuard& interrupt) {
   std::int64_t scans = 0;
   for (const DriveWork& work : works) scans += work.drive.simulated->scans;
-  if (scans == 0) return true;
-  TableProgress progress(scans);
-  const int workers = plan.over_seeds ? omp_get_max_threads() : 1;
-  const bool complete = on_drives(works, workers, plan.over_seeds, [&](DriveWork& work) {
-    progress.step(fmt::format("{}, simulated", work.drive.name));
+  return on_drives(works, plan, scans, [&](DriveWork& work, Progress& progress) {
+    progress.relabel(fmt::format("{}, simulated", work.drive.name));
     return prepare_drive(work.drive, interrupt, [&] { progress.advance(); });
   });
-  progress.finish();
-  return complete;
 }
 
 }  // namespace

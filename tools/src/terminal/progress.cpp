@@ -68,7 +68,22 @@ Progress::Progress(std::string label, std::int64_t total, std::FILE* stream, std
   state_.unit = std::move(unit);
 }
 
+void Progress::relabel(std::string label) {
+  const std::lock_guard lock(mutex_);
+  state_.label = std::move(label);
+}
+
 void Progress::update(std::int64_t done) {
+  const std::lock_guard lock(mutex_);
+  set_done(done);
+}
+
+void Progress::advance() {
+  const std::lock_guard lock(mutex_);
+  set_done(state_.done + 1);
+}
+
+void Progress::set_done(std::int64_t done) {
   state_.done = done;
   const double since_last_s = std::chrono::duration<double>(Clock::now() - last_drawn_).count();
   if (since_last_s >= (terminal_ ? kTerminalInterval_s : kPlainInterval_s)) {
@@ -93,6 +108,7 @@ void Progress::draw() {
 }
 
 void Progress::finish() {
+  const std::lock_guard lock(mutex_);
   draw();
   if (terminal_) {
     print("\n");

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstdint>
 #include <cstdio>
+#include <mutex>
 #include <string>
 #include <utility>
 
@@ -23,15 +24,17 @@ std::string progress_bar(const ProgressState& state);
 std::string progress_line(const ProgressState& state);
 
 /// Shows progress on a stream: a bar that is drawn over on a terminal, otherwise a plain line now
-/// and then, so that logs stay short.
+/// and then, so that logs stay short. Safe to call from several threads.
 class Progress {
  public:
   Progress(std::string label, std::int64_t total, std::FILE* stream = stderr,
            std::string unit = "scans");
   /// What is being done now.
-  void relabel(std::string label) { state_.label = std::move(label); }
+  void relabel(std::string label);
   /// Call after each scan; draws only when it is time to.
   void update(std::int64_t done);
+  /// One more is done.
+  void advance();
   /// Draws the last state and ends the line.
   void finish();
 
@@ -40,6 +43,9 @@ class Progress {
   void draw();
   /// A stream that takes nothing costs no work.
   void print(const std::string& text) const;
+  void set_done(std::int64_t done);
+
+  std::mutex mutex_;
   std::FILE* stream_;
   bool terminal_;
   ProgressState state_;

@@ -1,20 +1,18 @@
 #include "train/drive_store.h"
 
 #include <fmt/format.h>
-#include <omp.h>
 #include <unistd.h>
 
-#include <atomic>
-#include <exception>
+#include <algorithm>
 #include <fstream>
-#include <mutex>
+#include <functional>
 #include <nlohmann/json.hpp>
-#include <thread>
 
 #include "files/content_hash.h"
 #include "files/result_folder.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/npy.h"
+#include "ranks/side_by_side.h"
 #include "terminal/progress.h"
 
 namespace hqslam::tools {
@@ -79,87 +77,49 @@ void remove_abandoned_parts(const fs::path& folder) {
   for (const fs::path& path : abandoned) fs::remove(path, error);
 }
 
-/// Threads that take one drive after the other.
-class Crew {
- public:
-  Crew(std::vector<StoredDrive> drives, const fs::path& folder, const SensorModel& sensor,
-       const char* label, const InterruptGuard& interrupt)
-      : drives_(std::move(drives)),
-        folder_(folder),
-        sensor_(sensor),
-        interrupt_(interrupt),
-        progress_(label, total_scans()) {}
-
-  bool work(int threads) {
-    const int drives = static_cast<int>(drives_.size());
-    const int crew = std::clamp(threads, 1, drives);
-    std::vector<std::thread> others;
-    for (int k = 1; k < crew; ++k) others.emplace_back([&] { take_drives(threads / crew); });
-    // Not on this thread: how many threads OpenMP starts inside a drive is set for each thread.
-    others.emplace_back([&] { take_drives(threads / crew); });
-    for (std::thread& other : others) other.join();
-    if (thrown_ != nullptr) std::rethrow_exception(thrown_);
-    progress_.finish();
-    return !interrupt_.stop_requested();
+/// Returns false if it stopped before the end.
+bool simulate(const StoredDrive& drive, const SensorModel& sensor, const std::string& path,
+              const std::function<bool()>& stopping, Progress& progress) {
+  sim::DriveSimulator simulator(drive.spec, sensor);
+  NpyStackWriter writer(path, sensor.rows(), sensor.columns);
+  while (const auto scan = simulator.next()) {
+    if (stopping()) return false;
+    writer.append(scan->image);
+    simulator.skip(drive.every - 1);
+    progress.advance();
   }
+  return true;
+}
 
- private:
-  std::int64_t total_scans() const {
-    std::int64_t total = 0;
-    for (const StoredDrive& drive : drives_) total += drive.scans();
-    return total;
-  }
+/// The same, under its name once it is whole. Two programs may be at the same drive.
+bool store(const StoredDrive& drive, const SensorModel& sensor, const std::string& path,
+           const std::function<bool()>& stopping, Progress& progress) {
+  const std::string part = fmt::format("{}.{}.part", path, getpid());
+  const RemovedAtEnd part_removed{part};
+  std::ofstream(part).close();
+  const FileLock lock(part);
+  const bool whole = simulate(drive, sensor, part, stopping, progress);
+  if (whole) rename_to(part, path);
+  return whole;
+}
 
-  bool stopping() const { return failed_ || interrupt_.stop_requested(); }
-
-  void take_drives(int threads_inside) {
-    omp_set_num_threads(std::max(1, threads_inside));
-    try {
-      for (std::size_t k = next_++; k < drives_.size() && !stopping(); k = next_++) {
-        store(drives_[k]);
-      }
-    } catch (...) {
-      const std::lock_guard lock(mutex_);
-      if (thrown_ == nullptr) thrown_ = std::current_exception();
-      failed_ = true;
-    }
-  }
-
-  void store(const StoredDrive& drive) {
-    const std::string path = path_in_store(folder_, drive, sensor_);
-    // Two programs may be at the same drive.
-    const std::string part = fmt::format("{}.{}.part", path, getpid());
-    const RemovedAtEnd part_removed{part};
-    std::ofstream(part).close();
-    const FileLock lock(part);
-    if (simulate(drive, part)) rename_to(part, path);
-  }
-
-  /// Returns false if it stopped before the end.
-  bool simulate(const StoredDrive& drive, const std::string& path) {
-    sim::DriveSimulator simulator(drive.spec, sensor_);
-    NpyStackWriter writer(path, sensor_.rows(), sensor_.columns);
-    while (const auto scan = simulator.next()) {
-      if (stopping()) return false;
-      writer.append(scan->image);
-      simulator.skip(drive.every - 1);
-      const std::lock_guard lock(mutex_);
-      progress_.update(++scans_done_);
-    }
-    return true;
-  }
-
-  const std::vector<StoredDrive> drives_;
-  const fs::path& folder_;
-  const SensorModel& sensor_;
-  const InterruptGuard& interrupt_;
-  std::atomic<std::size_t> next_ = 0;
-  std::atomic<bool> failed_ = false;
-  std::mutex mutex_;  ///< of the three below
-  Progress progress_;
-  std::int64_t scans_done_ = 0;
-  std::exception_ptr thrown_;
-};
+bool store_all(const std::vector<StoredDrive>& drives, const fs::path& folder,
+               const SensorModel& sensor, int threads, const char* label,
+               const InterruptGuard& interrupt) {
+  std::int64_t scans = 0;
+  for (const StoredDrive& drive : drives) scans += drive.scans();
+  Progress progress(label, scans);
+  const int workers = std::clamp(threads, 1, static_cast<int>(drives.size()));
+  const bool whole =
+      side_by_side(drives.size(), workers, std::max(1, threads / workers),
+                   [&](std::size_t i, const std::atomic<bool>& stopped) {
+                     return store(
+                         drives[i], sensor, path_in_store(folder, drives[i], sensor),
+                         [&] { return stopped || interrupt.stop_requested(); }, progress);
+                   });
+  progress.finish();
+  return whole;
+}
 
 }  // namespace
 
@@ -189,7 +149,7 @@ bool store_drives(const fs::path& folder, const std::vector<StoredDrive>& drives
   bool stopped = false;
   if (!missing.empty()) {
     make_result_folder(folder);
-    stopped = !Crew(std::move(missing), folder, sensor, label, interrupt).work(threads);
+    stopped = !store_all(missing, folder, sensor, threads, label, interrupt);
   }
   return !ranks.any(stopped);
 }

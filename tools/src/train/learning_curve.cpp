@@ -3,9 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
 
-#include "hqslam/core/error.h"
 #include "report/chart.h"
 
 namespace hqslam::tools {
@@ -99,12 +97,6 @@ std::string learning_curve_svg(const std::vector<nn::CurvePoint>& curve) {
       "fill=\"#2ca02c\">wrong points</tspan></text>\n<text x=\"420\" y=\"440\" "
       "text-anchor=\"middle\">step</text>\n</svg>\n";
   return svg;
-}
-
-void write_learning_curve(const std::vector<nn::CurvePoint>& curve, const std::string& path) {
-  std::ofstream file(path, std::ios::binary);
-  file << learning_curve_svg(curve);
-  if (!file.flush()) throw Error(fmt::format("{}: cannot write", path));
 }
 
 }  // namespace hqslam::tools

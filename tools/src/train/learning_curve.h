@@ -7,11 +7,8 @@
 
 namespace hqslam::tools {
 
-/// Loss and validation error over the steps as one SVG file, with linear interpolation's error as a
-/// line to compare with. Throws Error.
-void write_learning_curve(const std::vector<nn::CurvePoint>& curve, const std::string& path);
-
-/// The file's text.
+/// Loss and validation error over the steps as an SVG file's text, with linear interpolation's
+/// error as a line to compare with.
 std::string learning_curve_svg(const std::vector<nn::CurvePoint>& curve);
 
 }  // namespace hqslam::tools

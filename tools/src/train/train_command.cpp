@@ -14,6 +14,7 @@
 #include "files/result_folder.h"
 #include "files/text_file.h"
 #include "hqslam/core/error.h"
+#include "hqslam/core/whole_file.h"
 #include "hqslam/nn/hqs/weights_file.h"
 #include "hqslam/nn/training/checkpoint.h"
 #include "hqslam/nn/training/training_configuration.h"
@@ -127,7 +128,7 @@ void write_results(const Training& training, const nn::TrainingState& state) {
   nn::write_weights((training.out / "weights.npz").string(),
                     {network, state.average, training_json(training, state),
                      nn::make_self_test(network, state.average, sample)});
-  write_learning_curve(training.curve, (training.out / "curve.svg").string());
+  write_text_file(learning_curve_svg(training.curve), (training.out / "curve.svg").string());
 }
 
 DriveStore drive_store(const TrainOptions& options, int threads, Ranks& ranks) {
@@ -235,7 +236,7 @@ int train_command(const TrainOptions& options) {
   std::optional<nn::TrainingState> state;
   ranks->rank_0_first([&] {
     training.configuration_text =
-        read_small_text_file(options.config, "a training configuration (.json)");
+        whole_file(options.config, "a training configuration (.json)", 1U << 20U);
     training.configuration =
         nn::training_configuration(training.configuration_text, options.config);
     training.out = options.out;

@@ -36,4 +36,7 @@ OrganizedCloud select_rows(const OrganizedCloud& cloud, RowSelection rows);
 /// The ranges alone.
 RangeImage range_image(const OrganizedCloud& cloud);
 
+/// The points of the pixels that have a return.
+std::vector<Eigen::Vector3f> points_of(const OrganizedCloud& cloud);
+
 }  // namespace hqslam

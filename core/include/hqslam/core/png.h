@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -9,10 +10,15 @@
 
 namespace hqslam {
 
+using Rgb = std::array<std::uint8_t, 3>;
+
+/// The colour at `share` of the way through these, 0 the first and 1 the last.
+Rgb color_between(std::span<const Rgb> stops, double share);
+
 struct RgbImage {
   int rows = 0;
   int columns = 0;
-  std::vector<std::array<std::uint8_t, 3>> pixels;  ///< row-major
+  std::vector<Rgb> pixels;  ///< row-major
 };
 
 /// Throws Error if the image is empty or the file cannot be written.

@@ -29,6 +29,9 @@ Trajectory read_tum(const std::string& path);
 Trajectory read_kitti_poses(const std::string& path, double period_s = 0.1);
 void write_tum(const Trajectory& trajectory, const std::string& path);
 void write_kitti_poses(const Trajectory& trajectory, const std::string& path);
+/// A pose as these files have it, a line of its own.
+std::string tum_line(const StampedPose& pose);
+std::string kitti_line(const StampedPose& pose);
 /// Tells the two apart by the number of columns (8 or 12).
 Trajectory read_trajectory(const std::string& path, double period_s = 0.1);
 

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <fmt/format.h>
+
+#include <string>
+
+#include "tools/program/program.h"
+
+// Short runs of every command that writes, for tests of what goes wrong with them.
+
+namespace hqslam::test {
+
+inline const std::string kProgram = std::string("'") + HQSLAM_PROGRAM + "'";
+
+inline std::string evaluate_arguments() {
+  return fmt::format("evaluate '{0}/truth.tum' '{0}/truth.tum'", simulated_drive());
+}
+
+inline std::string simulate_arguments(const std::string& out, int scans = 3) {
+  return fmt::format("simulate --drive block --sensor os1-16 --scans {} --out '{}'", scans, out);
+}
+
+inline std::string upsample_arguments(const std::string& out) {
+  return fmt::format("upsample '{}' --method linear --sensor os1-64 --bin --out '{}'",
+                     simulated_drive() + "/pcd", out);
+}
+
+inline std::string run_arguments(const std::string& out) {
+  return fmt::format("run '{}' --out '{}'", simulated_drive(), out);
+}
+
+/// Trains for so many steps; the recipe and the drives lie in `folder`.
+inline std::string train_arguments(const TemporaryDirectory& folder, const std::string& out,
+                                   int steps = 3) {
+  write_file(folder.file("recipe.json"), fmt::format(R"({{
+    "network": {{"kind": "du-or", "layers": 1, "sensor": "os1-64", "measured_rows": 16,
+                 "denoiser": {{"channels": [4, 4], "memory": 1}}}},
+    "training": [{{"drive": "block", "seeds": [5], "scans": 2}}],
+    "validation": [{{"drive": "block", "seeds": [6], "scans": 1}}],
+    "steps": {}, "batch": 1, "augmentation": {{"crop_columns": 64}}, "validate_every": 2
+  }})",
+                                                     steps));
+  return fmt::format("train --config '{0}/recipe.json' --out '{1}' --drives '{0}/drives'",
+                     folder.path().string(), out);
+}
+
+inline std::string table_arguments(const std::string& out) {
+  return fmt::format("table --drives block --methods rows-16 --scans 3 --out '{}'", out);
+}
+
+}  // namespace hqslam::test

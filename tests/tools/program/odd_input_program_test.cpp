@@ -1,0 +1,142 @@
+#include <doctest/doctest.h>
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <limits>
+
+#include "hqslam/core/npy.h"
+#include "tools/program/arguments.h"
+#include "tools/program/program.h"
+
+// What users hand over that nobody thought of: results among the input, contents that steer a
+// terminal, paths that cannot be, recipes that are none, names, numbers and locales of all kinds.
+
+namespace hqslam::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+}  // namespace
+
+TEST_CASE("results are not written among the scans that they are made from") {
+  const TemporaryDirectory folder;
+  fs::copy(simulated_drive() + "/pcd", folder.file("pcd"));
+  fs::create_directory_symlink(folder.file("pcd"), folder.file("link"));
+  for (const char* out : {"pcd", "link", "pcd/../pcd"}) {
+    const ProgramResult result = run_hqslam(
+        fmt::format("run '{0}/pcd' --sensor os1-16 --out '{0}/{1}'", folder.path().string(), out));
+    CHECK(result.status == 2);
+    CHECK(is_one_line(result.error));
+    CHECK(holds(result.error, "holds the recording"));
+  }
+  CHECK_FALSE(fs::exists(folder.file("pcd/map.pcd")));
+}
+
+TEST_CASE("names and contents of files do not steer the terminal, and stay in one line") {
+  const TemporaryDirectory folder;
+  const std::string pcd =
+      "# .PCD v0.7\nVERSION 0.7\nFIELDS \x1b[31mred " + std::string(100000, 'a') +
+      " z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 1\nHEIGHT 1\nPOINTS 1\nDATA ascii\n1 2 3\n";
+  const std::string name = folder.file("a\n\x1b[2Jb.pcd");
+  write_file(name, pcd);
+  const ProgramResult result =
+      run_hqslam(fmt::format("run '{}' --sensor os1-16 --out '{}' 2>&1 >/dev/null | tail -1 >&2",
+                             name, folder.file("out")));
+  CHECK(is_one_line(result.error));
+  CHECK(result.error.size() < 6000);
+  CHECK(result.error.find('\x1b') == std::string::npos);
+  CHECK(holds(result.error, "\\x1b[31mred"));
+  CHECK(holds(result.error, "a\\n\\x1b[2Jb.pcd"));
+}
+
+TEST_CASE("a path that cannot be is wrong input") {
+  const std::string long_name(300, 'a');
+  const TemporaryDirectory folder;
+  for (const std::string& out : {long_name, std::string("/dev/null/x"), std::string("/proc/x/y")}) {
+    for (const std::string& arguments :
+         {simulate_arguments(out), upsample_arguments(out), run_arguments(out),
+          table_arguments(out), train_arguments(folder, out), "demo --out '" + out + "'"}) {
+      CAPTURE(arguments);
+      const ProgramResult result = run_hqslam(arguments + " 2>&1 >/dev/null | tail -1 >&2");
+      CHECK(is_one_line(result.error));
+      CHECK(holds(result.error, out));
+      CHECK(run_hqslam(arguments).status == 2);
+    }
+  }
+}
+
+TEST_CASE("a recipe that is no file, or no text, is refused without being read") {
+  const TemporaryDirectory folder;
+  write_file(folder.file("large.json"), "{");
+  fs::resize_file(folder.file("large.json"), std::uintmax_t{3} << 30U);
+  for (const std::string& recipe :
+       {std::string("/dev/zero"), folder.file("large.json"), folder.path().string()}) {
+    const ProgramResult result =
+        run_shell(fmt::format("ulimit -v 1000000; exec {} train --config '{}' --out '{}'", kProgram,
+                              recipe, folder.file("out")));
+    CHECK(result.status == 2);
+    CHECK(holds(result.error, recipe + ": expected a training configuration (.json)"));
+  }
+}
+
+TEST_CASE("stacks without a single range that the sensor can measure are not trained on") {
+  constexpr float kInfinite = std::numeric_limits<float>::infinity();
+  for (const float range_m : {0.0F, 1e30F, kInfinite, -1.0F}) {
+    const TemporaryDirectory folder;
+    {
+      NpyStackWriter writer(folder.file("stack.npy"), 64, 1024);
+      RangeImage image(64, 1024);
+      image.range_m.assign(image.range_m.size(), range_m);
+      for (int i = 0; i < 2; ++i) writer.append(image);
+    }
+    const std::string arguments = train_arguments(folder, folder.file("out"));
+    std::string recipe = file_contents(folder.file("recipe.json"));
+    const std::string drive = R"({"drive": "block", "seeds": [5], "scans": 2})";
+    recipe.replace(recipe.find(drive), drive.size(),
+                   fmt::format(R"({{"stack": "{}"}})", folder.file("stack.npy")));
+    write_file(folder.file("recipe.json"), recipe);
+    const ProgramResult result = run_hqslam(arguments);
+    CHECK(result.status == 2);
+    CHECK(holds(result.error, "stack.npy: expected images with ranges"));
+  }
+}
+
+TEST_CASE("more threads than any machine has are not started") {
+  const TemporaryDirectory folder;
+  const ProgramResult result = run_shell(
+      fmt::format("OMP_NUM_THREADS=100000 {} {}", kProgram, run_arguments(folder.file("out"))));
+  CHECK(result.status == 0);
+  const ProgramResult usual = run_hqslam(run_arguments(folder.file("usual")));
+  CHECK(file_contents(folder.file("out/trajectory.tum")) ==
+        file_contents(folder.file("usual/trajectory.tum")));
+}
+
+TEST_CASE("paths with blanks, quotes and letters of all kinds do, and a comma locale") {
+  const TemporaryDirectory folder;
+  const fs::path place = folder.path() / "Meine Fahrten über Größe \"eins\" 東京";
+  fs::create_directory(place);
+  fs::copy(simulated_drive(), place / "die Fahrt", fs::copy_options::recursive);
+  const std::string locales = folder.file("locales");
+  fs::create_directory(locales);
+  const bool comma =
+      run_shell("localedef -i de_DE -f UTF-8 '" + locales + "/de_DE.UTF-8'").status == 0;
+  if (!comma) MESSAGE("SKIPPED: a comma locale (there is no localedef)");
+  const std::string environment =
+      comma ? fmt::format("LOCPATH='{}' LC_ALL=de_DE.UTF-8 LANG=de_DE.UTF-8 ", locales) : "";
+  const auto in_place = [&](const std::string& arguments) {
+    return run_shell("cd '" + place.string() + "'; " + environment + kProgram + " " + arguments);
+  };
+  REQUIRE(in_place("run 'die Fahrt' --out 'das Ergebnis: ä'").status == 0);
+  REQUIRE(run_hqslam(run_arguments(folder.file("usual"))).status == 0);
+  for (const char* name : {"trajectory.tum", "trajectory.kitti", "map.pcd"}) {
+    CHECK(file_contents((place / "das Ergebnis: ä" / name).string()) ==
+          file_contents(folder.file(std::string("usual/") + name)));
+  }
+  CHECK(in_place("upsample 'die Fahrt/pcd' --method linear --sensor os1-64 --out 'höher'").status ==
+        0);
+  CHECK(in_place("run höher --out 'noch ein Ergebnis'").status == 0);
+  CHECK(in_place("run 'kein Ördner' --sensor os1-16 --out x").error.find("kein Ördner") !=
+        std::string::npos);
+}
+
+}  // namespace hqslam::test
