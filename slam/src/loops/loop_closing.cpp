@@ -10,8 +10,6 @@ namespace hqslam::slam {
 
 namespace {
 
-constexpr double kRecentRadius_m = 35.0;
-constexpr std::size_t kRecentPoints = 800;  // of each kind
 
 // How often is looked for loops, in metres of path.
 constexpr double kSearchEvery_m = 8.0;
@@ -44,9 +42,9 @@ constexpr double kDriftShareUnobserved = 0.3;
 // Sigmas of edges.
 constexpr double kLoopSigma_m = 0.03;
 constexpr double kLoopSigma_rad = 0.002;
-constexpr double kLeastSigma_m = 0.01;
-constexpr double kLeastSigma_rad = 0.001;
-constexpr double kSigmaPerDrift = 1.0 / 3.0;
+constexpr double kLeastSigma_m = 0.005;
+constexpr double kLeastSigma_rad = 0.0003;
+constexpr double kSigmaPerDrift = 1.0 / 12.0;
 constexpr double kSigma_rad_per_m = 0.005;
 
 bool is_within(const Pose& change, double max_m, double max_rad) {
@@ -142,7 +140,7 @@ template <typename Look>
 auto LoopClosing::look_in(std::size_t part, const Look& look) const {
   const std::vector<std::size_t> nodes = nodes_to_ask(part);
   const std::vector<PlausibleDrift> drift = plausible_drift(graph_, edge_drift_m_);
-  const MapFeatures features = recent_.about_last(kRecentRadius_m, kRecentPoints);
+  const MapFeatures features = recent_.about_last();
   return look(LoopSearchSpace{mapping_, parts_[part], graph_, contexts_, last_contexts_, drift,
                               features, nodes});
 }

@@ -8,8 +8,6 @@ namespace hqslam::slam {
 
 namespace {
 
-constexpr double kRecentRadius_m = 35.0;
-constexpr std::size_t kRecentPoints = 800;  // of each kind
 constexpr PlausibleDrift kAnywhere{std::numeric_limits<double>::infinity(), std::numbers::pi};
 constexpr PlausibleDrift kAboutThere{10.0, 0.5};
 
@@ -33,7 +31,7 @@ std::optional<Pose> PlaceRecognition::find(const UnlocatedScan& scan, const Feat
   Pose& T_map_believed = graph_.T_map_node.back();
   T_map_believed = orthonormalized(T_map_believed * motion);
   recent_.add(scan.features, T_map_believed, scan.velocity);
-  const MapFeatures features = recent_.about_last(kRecentRadius_m, kRecentPoints);
+  const MapFeatures features = recent_.about_last();
   const std::vector<ScanContext> last_contexts = scan_contexts_from_lanes(scan.cloud);
   const std::vector<PlausibleDrift> drift(graph_.T_map_node.size(),
                                           is_believed_ ? kAboutThere : kAnywhere);

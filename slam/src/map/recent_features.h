@@ -21,9 +21,9 @@ class RecentFeatures {
   /// The map was corrected: so are the poses of the scans, which all moved with the last of them.
   void correct(const Pose& T_corrected_map);
 
-  /// All features within radius_m of the last scan's sensor, in its frame, thinned, at most
-  /// max_points of each kind. Edges and what is for locating are filled.
-  MapFeatures about_last(double radius_m, std::size_t max_points) const;
+  /// All features within 35 m of the last scan's sensor, in its frame, thinned, at most 800 of each
+  /// kind. Edges and what is for locating are filled.
+  MapFeatures about_last() const;
 
  private:
   struct Scan {
@@ -32,8 +32,7 @@ class RecentFeatures {
     std::vector<Eigen::Vector3f> ground_m;
     std::vector<Eigen::Vector3f> surfaces_m;
   };
-  std::vector<FeaturePoint> gathered(std::vector<Eigen::Vector3f> Scan::*kind, double radius_m,
-                                     double leaf_m, std::size_t max_points) const;
+  std::vector<FeaturePoint> gathered(std::vector<Eigen::Vector3f> Scan::*kind, double leaf_m) const;
 
   std::size_t max_scans_;
   std::deque<Scan> scans_;

@@ -32,13 +32,26 @@ TEST_CASE("features of the last scans come together in the frame of the last one
   recent.add(one_edge_at(1.0F), at_x(0.0), {});  // forgotten
   recent.add(one_edge_at(2.0F), at_x(10.0), {});
   recent.add(one_edge_at(3.0F), at_x(14.0), {});
-  CHECK(sorted_x_m(recent.about_last(35.0, 100)) == std::vector<float>{-2.0F, 3.0F});
-  CHECK(sorted_x_m(recent.about_last(2.5, 100)) == std::vector<float>{-2.0F});
-  CHECK(recent.about_last(35.0, 1).edges.size() == 1);
+  CHECK(sorted_x_m(recent.about_last()) == std::vector<float>{-2.0F, 3.0F});
   // A correction of the map does not change what was seen.
   recent.correct(pose_from_xyz_rpy({5.0, -3.0, 1.0}, 0.0, 0.0, 0.5));
-  CHECK(recent.about_last(35.0, 100).edges.size() == 2);
-  CHECK(sorted_x_m(recent.about_last(35.0, 100))[0] == doctest::Approx(-2.0));
+  CHECK(recent.about_last().edges.size() == 2);
+  CHECK(sorted_x_m(recent.about_last())[0] == doctest::Approx(-2.0));
+}
+
+TEST_CASE("what is far from the last scan is left out, and of many points some are taken") {
+  slam::RecentFeatures recent(2);
+  slam::MapFeatures features = one_edge_at(36.0F);
+  recent.add(features, at_x(0.0), {});
+  CHECK(recent.about_last().edges.empty());
+  for (int i = 0; i < 1000; ++i) {
+    features.edges.push_back({{0.02F * static_cast<float>(i % 40), 0.5F * static_cast<float>(i / 40),
+                               0.4F * static_cast<float>(i % 40)},
+                              0.0F,
+                              0});
+  }
+  recent.add(features, at_x(0.0), {});
+  CHECK(recent.about_last().edges.size() == 800);
 }
 
 TEST_CASE("features measured during the motion are put where they belong") {
@@ -46,5 +59,5 @@ TEST_CASE("features measured during the motion are put where they belong") {
   slam::MapFeatures features;
   features.surfaces_to_locate = {{{4.0F, 0.0F, 0.0F}, 0.05F, 0}};
   recent.add(features, Pose::Identity(), {{10.0, 0.0, 0.0}, {0.0, 0.0, 0.0}});
-  CHECK(recent.about_last(35.0, 100).surfaces_to_locate[0].point_m.x() == doctest::Approx(4.5));
+  CHECK(recent.about_last().surfaces_to_locate[0].point_m.x() == doctest::Approx(4.5));
 }

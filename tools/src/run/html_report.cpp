@@ -43,7 +43,7 @@ std::string numbers_html(const SlamRun& run, const std::optional<ReferenceCompar
   html += number_html("Scans", fmt::format("{}", run.scans.size()),
                       fmt::format("of {} {}", run.scans_in_recording,
                                   run.command == "live" ? "that came" : "in the recording"));
-  html += number_html("Path length", distance_html(path_length_m(run.trajectory)), "");
+  html += number_html("Path length", distance_html(known_path_m(run)), "");
   if (comparison) {
     const double rmse_m = comparison->error.translation_statistics.rmse;
     html +=

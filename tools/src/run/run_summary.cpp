@@ -43,7 +43,7 @@ std::string mapping_summary(const SlamRun& run) {
 std::string run_summary(const SlamRun& run) {
   std::string summary =
       fmt::format("{} scans, {:.1f} m of path, {:.1f} scans/s\n{}\n", run.scans.size(),
-                  path_length_m(run.trajectory), scans_per_second(run), mapping_summary(run));
+                  known_path_m(run), scans_per_second(run), mapping_summary(run));
   if (!run.located_in.empty()) {
     summary += fmt::format("located in the map of {}\n", run.located_in);
   }

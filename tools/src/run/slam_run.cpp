@@ -92,6 +92,25 @@ std::int64_t loops_closed(const SlamRun& run) {
   });
 }
 
+bool is_way_known(const SlamRun& run, std::size_t scan) {
+  const auto is_recognized = [&](std::size_t i) {
+    return run.scans[i].report.mapping_status != slam::Status::kNotRecognized;
+  };
+  return is_recognized(scan) && is_recognized(scan + 1) &&
+         run.part_of_scan[scan] == run.part_of_scan[scan + 1];
+}
+
+double known_path_m(const SlamRun& run) {
+  double path_m = 0.0;
+  for (std::size_t i = 0; i + 1 < run.trajectory.size(); ++i) {
+    if (!is_way_known(run, i)) continue;
+    path_m += (run.trajectory[i + 1].T_map_sensor.translation() -
+               run.trajectory[i].T_map_sensor.translation())
+                  .norm();
+  }
+  return path_m;
+}
+
 std::map<std::size_t, std::int64_t> scans_of_parts(const SlamRun& run) {
   std::map<std::size_t, std::int64_t> result;
   for (const std::size_t part : run.part_of_scan) ++result[part];

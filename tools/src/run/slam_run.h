@@ -73,6 +73,13 @@ std::vector<std::pair<slam::Status, std::int64_t>> status_counts(
 /// How often the path and the map were corrected.
 std::int64_t loops_closed(const SlamRun& run);
 
+/// Whether something is known about the way from a scan to the next: both places were recognized,
+/// and they are in one part of the map.
+bool is_way_known(const SlamRun& run, std::size_t scan);
+
+/// The path as far as it is known, in metres.
+double known_path_m(const SlamRun& run);
+
 /// The scans of each part of the map (slam::Slam::part_of_scan), by its number.
 std::map<std::size_t, std::int64_t> scans_of_parts(const SlamRun& run);
 

@@ -25,6 +25,7 @@ constexpr double kImagePixel_m = 0.2;  // the map is thinned to this: smaller pi
 struct Drawing {
   std::vector<Eigen::Vector2d> estimate_m;
   std::vector<std::optional<double>> error_m;  ///< per pose of the estimate
+  std::vector<bool> is_way_known;              ///< from each pose to the next
   double largest_error_m = 0.0;
   std::vector<Eigen::Vector2d> reference_m;
 };
@@ -33,6 +34,9 @@ Drawing drawing_of(const SlamRun& run, const std::optional<ReferenceComparison>&
   Drawing drawing;
   for (const StampedPose& pose : run.trajectory) {
     drawing.estimate_m.push_back(pose.T_map_sensor.translation().head<2>());
+  }
+  for (std::size_t i = 0; i + 1 < run.trajectory.size(); ++i) {
+    drawing.is_way_known.push_back(is_way_known(run, i));
   }
   drawing.error_m.resize(run.trajectory.size());
   if (!comparison || run.trajectory.empty()) {
@@ -102,15 +106,19 @@ std::optional<int> color_of(const Drawing& drawing, std::size_t from) {
   return error_color_class(0.5 * (*a + *b) / drawing.largest_error_m);
 }
 
-/// One path per run of stretches of the same colour.
+/// One path per run of stretches of the same colour; none where nothing is known about the way.
 std::string estimate_svg(const PlotBox& box, const Drawing& drawing) {
   std::string svg;
   const std::size_t poses = drawing.estimate_m.size();
   for (std::size_t i = 0; i + 1 < poses;) {
+    if (!drawing.is_way_known[i]) {
+      ++i;
+      continue;
+    }
     const std::optional<int> color = color_of(drawing, i);
     std::string path = fmt::format("M{}", point_text(box, drawing.estimate_m[i]));
     std::size_t end = i;
-    while (end + 1 < poses && color_of(drawing, end) == color) {
+    while (end + 1 < poses && drawing.is_way_known[end] && color_of(drawing, end) == color) {
       ++end;
       path += 'L';
       path += point_text(box, drawing.estimate_m[end]);

@@ -23,11 +23,12 @@ struct Stage {
   double slam::StageTimes::*seconds;
 };
 /// In the order in which they run; `total` is not among them.
-inline constexpr std::array<Stage, 4> kStages = {{
+inline constexpr std::array<Stage, 5> kStages = {{
     {"segmentation", &slam::StageTimes::segmentation_s},
     {"features", &slam::StageTimes::features_s},
     {"odometry", &slam::StageTimes::odometry_s},
     {"mapping", &slam::StageTimes::mapping_s},
+    {"loops", &slam::StageTimes::loop_closing_s},
 }};
 
 }  // namespace hqslam::tools
