@@ -32,7 +32,7 @@ struct InputGradientEnd {
 ///
 /// One object serves one pair of shapes and one thread team at a time. Called by all threads of an
 /// OpenMP parallel region, the team shares the work; the result does not depend on its size.
-/// No call allocates.
+/// No call allocates but the first of a thread, and backward_input after new parameters.
 class Conv2d {
  public:
   /// Throws Error if the shapes do not fit.

@@ -187,6 +187,31 @@ TEST_CASE("one and two threads give the same bits") {
   }
 }
 
+TEST_CASE("new parameters count forward and backward, whichever way the convolution goes") {
+  for (const int channels : {5, 16}) {
+    Problem p = problem({{channels, channels, 3, 3, 1, 1, 1}, 4, 32, ColumnPadding::kZero}, false);
+    Outcome outcome = p.empty_outcome();
+    Conv2d layer(p.shape, p.input, p.output, chosen_instruction_set());
+    for (const std::uint32_t seed : {11U, 12U}) {
+      p.weight = random_values(seed, p.shape.weights());
+      layer.set_parameters(p.weight, p.bias);
+      layer.forward(p.input, {}, outcome.output);
+      layer.backward_input(p.d_output, {}, outcome.d_input);
+      const Outcome expected = with_reference(p, false);
+      check_close(outcome.output, expected.output);
+      check_close(outcome.d_input, expected.d_input);
+    }
+  }
+}
+
+TEST_CASE("a single row is refused where the kernel has more") {
+  const Problem p = problem({{3, 8, 3, 3, 1, 1, 1}, 4, 32, ColumnPadding::kCircular}, false);
+  Conv2d layer(p.shape, p.input, p.output, chosen_instruction_set());
+  layer.set_parameters(p.weight, p.bias);
+  std::vector<float> row(static_cast<std::size_t>(8) * 32);
+  CHECK_THROWS_AS(layer.forward_row(p.input, 0, row.data(), 32), Error);
+}
+
 TEST_CASE("skip and activation are applied to the sum") {
   const Problem p = problem({{3, 8, 3, 3, 1, 1, 1}, 4, 32, ColumnPadding::kCircular}, false);
   Tensor skip = p.output;

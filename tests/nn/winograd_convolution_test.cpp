@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "conv2d.h"
@@ -80,6 +81,48 @@ TEST_CASE("Winograd's convolution equals the reference at every size, on every i
             REQUIRE(actual.at(c, y, x) ==
                     doctest::Approx(expected.at(c, y, x)).epsilon(1e-5).scale(1));
           });
+        }
+      }
+    }
+  }
+}
+
+TEST_CASE("Winograd's gradients equal the reference at every size, on every instruction set") {
+  for (const ColumnPadding padding : {ColumnPadding::kCircular, ColumnPadding::kZero}) {
+    for (const int rows : {1, 2, 3, 13}) {
+      for (const int columns : {1, 16, 31, 33, 48, 225, 288}) {
+        // More channels: several panels.
+        const Problem p = random_problem(columns == 288 ? 24 : 5, 9, rows, columns, padding);
+        Tensor d_output = p.output;
+        fill_random(6, d_output);
+        Tensor d_input = p.input;
+        std::vector<float> d_weight(p.weight.size(), 0.25F);
+        std::vector<float> d_bias(p.bias.size());
+        conv2d_backward_reference(p.shape, p.weight, p.input, d_output, d_input, d_weight, d_bias);
+        for (const InstructionSet instruction_set : available_instruction_sets()) {
+          CAPTURE(name(instruction_set));
+          CAPTURE(rows);
+          CAPTURE(columns);
+          const WinogradConvolution forward(p.shape, p.input, instruction_set, 1);
+          std::vector<float> gradient(p.weight.size(), 0.25F);
+          forward.add_weight_gradient(p.input, d_output, gradient);
+          for (std::size_t i = 0; i < gradient.size(); ++i) {
+            REQUIRE(gradient[i] == doctest::Approx(d_weight[i]).epsilon(1e-5).scale(20));
+          }
+          ConvolutionShape swapped = p.shape;
+          std::swap(swapped.input_channels, swapped.output_channels);
+          WinogradConvolution adjoint(swapped, d_output, instruction_set, 1);
+          adjoint.set_adjoint_weights(p.weight);
+          Tensor actual = p.input;
+          adjoint.forward(d_output, {}, actual);
+          for (int c = 0; c < actual.channels(); ++c) {
+            for (int y = 0; y < rows; ++y) {
+              for (int x = 0; x < columns; ++x) {
+                REQUIRE(actual.at(c, y, x) ==
+                        doctest::Approx(d_input.at(c, y, x)).epsilon(1e-5).scale(1));
+              }
+            }
+          }
         }
       }
     }

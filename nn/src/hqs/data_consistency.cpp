@@ -31,8 +31,8 @@ double DataConsistency::backward(const Tensor& l, const Tensor& z, const Tensor&
                                  const Tensor& d_h, Tensor& d_a) const {
   const float scale = 1.0F + 2.0F * penalty;
   double d_penalty = 0.0;
-  for (int row = 0; row < d_h.rows(); ++row) {
-    for (int channel = 0; channel < tile.pixels(); ++channel) {
+  for (int channel = 0; channel < tile.pixels(); ++channel) {
+    for (int row = 0; row < d_h.rows(); ++row) {
       const float* gradient = d_h.row(channel, row);
       float* d_a_row = d_a.row(channel, row);
       if (!measured(tile, measured_rows, channel, row)) {

@@ -55,9 +55,9 @@ class Denoiser {
   /// All arrays of parameter_shapes(), one after the other. Throws Error for another number.
   virtual void set_parameters(std::span<const float> parameters) = 0;
 
-  /// state.input() -> state.z and the memory. Called by all threads of a parallel region, they
-  /// share the work. `dropout_seed` (training only) drops activations where the denoiser has
-  /// dropout.
+  /// state.input() -> state.z and the memory. Called by all threads of a parallel region, maybe not
+  /// at the same time; they share the work and wait for each other at the end. `dropout_seed`
+  /// (training only) drops activations where the denoiser has dropout.
   virtual void forward(const Candidates& candidates, DenoiserState& state,
                        std::optional<std::uint64_t> dropout_seed = std::nullopt) = 0;
   /// In: gradient.z and the memory channels of gradient.output(). Out: gradient.input();

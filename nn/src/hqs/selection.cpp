@@ -39,8 +39,8 @@ void select_backward(const Candidates& candidates, const Tensor& h, TileSize til
                      Tensor& d_scores, Tensor& d_h) {
   const kernels::RowKernels& kernels = kernels::row_kernels(instruction_set);
   const int pixels = tile.pixels();
-  for (int row = 0; row < d_z.rows(); ++row) {
-    for (int channel = 0; channel < pixels; ++channel) {
+  for (int channel = 0; channel < pixels; ++channel) {
+    for (int row = 0; row < d_z.rows(); ++row) {
       kernels.select_gradient({.gain = kSelectionGain,
                                .weight_above = weights.row(channel, row),
                                .weight_below = weights.row(channel + pixels, row),

@@ -28,8 +28,8 @@ void UnrolledNetwork::gather_d_z(int layer, const LayerState& current, const Ten
   const bool z_alone = options_.auxiliaries == Auxiliaries::kZ;
   const float share = z_alone || (has_y && !filters_h()) ? 1.0F : 0.5F;
   const bool zero = options_.rejected == RejectedPixel::kZero;
-  for (int row = 0; row < d_z.rows(); ++row) {
-    for (int channel = 0; channel < tile.pixels(); ++channel) {
+  for (int channel = 0; channel < tile.pixels(); ++channel) {
+    for (int row = 0; row < d_z.rows(); ++row) {
       const float* passed = d_a.row(channel, row);
       float* to = d_z.row(channel, row);
       if (d_loss != nullptr) {
@@ -38,7 +38,9 @@ void UnrolledNetwork::gather_d_z(int layer, const LayerState& current, const Ten
         for (int x = 0; x < d_z.columns(); ++x) to[x] = share * passed[x];
       }
     }
-    if (!has_y || filters_h() == zero) continue;
+  }
+  if (!has_y || filters_h() == zero) return;
+  for (int row = 0; row < d_z.rows(); ++row) {
     for_each_rejected(current.rejected, tile, columns_, row, [&](int channel, int x) {
       d_z.row(channel, row)[x] += (zero ? -0.5F : 0.5F) * d_a.row(channel, row)[x];
     });
@@ -50,12 +52,14 @@ void UnrolledNetwork::gather_d_h(int layer, const LayerState& current, const Ten
                                  const Tensor& d_a, Tensor& d_h) const {
   const TileSize tile = denoisers_.front()->tile();
   const bool through_y = has_filter_after(layer) && filters_h();
-  for (int row = 0; row < d_h.rows(); ++row) {
-    for (int channel = 0; channel < tile.pixels(); ++channel) {
+  for (int channel = 0; channel < tile.pixels(); ++channel) {
+    for (int row = 0; row < d_h.rows(); ++row) {
       add_scaled(d_input.row(channel, row), through_y ? 0.5F : 0.0F, d_a.row(channel, row),
                  d_h.columns(), d_h.row(channel, row));
     }
-    if (!through_y) continue;
+  }
+  if (!through_y) return;
+  for (int row = 0; row < d_h.rows(); ++row) {
     for_each_rejected(current.rejected, tile, columns_, row, [&](int channel, int x) {
       d_h.row(channel, row)[x] = d_input.row(channel, row)[x];
     });

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -63,6 +64,12 @@ class WinogradConvolution {
                            std::span<float> d_weights) const;
 
  private:
+  static constexpr int kPlaces = 16;  ///< of a tile
+  static constexpr int kVectorTiles = 16;
+  static constexpr int kVectorColumns = 2 * kVectorTiles;
+  /// A vector of tiles reads its own columns and one more on either side.
+  static constexpr int kEdgeColumns = kVectorColumns + 2;
+
   using CacheLineFloats = std::vector<float, CacheLineAllocator<float>>;
 
   /// What a thread works in.
@@ -95,8 +102,24 @@ class WinogradConvolution {
 
   void pack(std::span<const float> weights, bool adjoint);
   PanelShape panel_shape(int vectors) const;
+  /// Calls visit for each row of tiles that the panel has a part of.
   template <typename Visit>
-  void for_each_run(const Panel& panel, const Visit& visit) const;
+  void for_each_run(const Panel& panel, const Visit& visit) const {
+    for (int first = panel.first; first < panel.last;) {
+      const int tile_row = first / row_vectors_;
+      const int last = std::min(panel.last, (tile_row + 1) * row_vectors_);
+      visit(Run{.tile_row = tile_row,
+                .vector = first % row_vectors_,
+                .vectors = last - first,
+                .tile = (first - panel.first) * kVectorTiles});
+      first = last;
+    }
+  }
+  /// Whole blocks, of outputs and of gradients.
+  static std::int64_t padded_channels(int channels) {
+    static_assert(kOutputBlock == kGradientBlock);
+    return (channels + kOutputBlock - 1) / kOutputBlock * kOutputBlock;
+  }
   Scratch& scratch_of_thread(const PanelShape& shape) const;
   void transform_input(const Tensor& input, const Panel& panel, Scratch& scratch) const;
   void transform_run(const Tensor& input, int channel, const Run& run, WinogradInputRow row,
