@@ -151,6 +151,7 @@ void SlamSession::process(const RecordedScan& scan, ScanRecord record, RunOutput
   run_.wall_s = seconds_since(start_);
   if (output.checkpoint_due()) {
     run_.trajectory = slam_.trajectory();
+    run_.part_of_scan = slam_.part_of_scan();
     output.write_checkpoint(run_);
   }
 }
