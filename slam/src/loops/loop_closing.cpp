@@ -42,9 +42,9 @@ constexpr double kDriftShareUnobserved = 0.3;
 // Sigmas of edges.
 constexpr double kLoopSigma_m = 0.03;
 constexpr double kLoopSigma_rad = 0.002;
-constexpr double kLeastSigma_m = 0.005;
-constexpr double kLeastSigma_rad = 0.0003;
-constexpr double kSigmaPerDrift = 1.0 / 12.0;
+constexpr double kLeastSigma_m = 0.01;
+constexpr double kLeastSigma_rad = 0.001;
+constexpr double kSigmaPerDrift = 1.0 / 3.0;
 constexpr double kSigma_rad_per_m = 0.005;
 
 bool is_within(const Pose& change, double max_m, double max_rad) {
