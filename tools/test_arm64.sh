@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Cross-compiles core, recordings, nn and slam for 64-bit ARM on a Debian of another architecture and
-# runs their tests under qemu. So far core and nn have passed; recordings and slam were never linked.
+# runs their tests under qemu. So far core, recordings and nn have passed; slam was built, its tests were
+# not run to their end.
 #   tools/test_arm64.sh                 builds and tests
 #   tools/test_arm64.sh CTEST_OPTION... only some, say -R test_nn
 # The arm64 libraries are unpacked into build/arm64-root, by an apt with a state of its own:

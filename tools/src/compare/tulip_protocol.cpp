@@ -73,8 +73,8 @@ std::vector<Eigen::Vector3f> tulip_points_m(const RangeImage& image) {
   for (int row = 0; row < image.rows; ++row) {
     const double elevation_rad = (kLowest_deg + kRowStep_deg * (kRows - 1 - row)) * kDegree_rad;
     for (int column = 0; column < image.columns; ++column) {
-      const double azimuth_rad =
-          (90.0 + (kColumns / 2 - (mirrored(column) + 1)) * kColumnStep_deg) * kDegree_rad;
+      const int from_ahead = kColumns / 2 - (mirrored(column) + 1);
+      const double azimuth_rad = (90.0 + from_ahead * kColumnStep_deg) * kDegree_rad;
       const double range_m = image.at(row, column);
       points_m.emplace_back(
           static_cast<float>(range_m * std::cos(elevation_rad) * std::sin(azimuth_rad)),

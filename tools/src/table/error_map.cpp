@@ -210,8 +210,9 @@ std::string error_map_svg(const ErrorMap& map, const std::string& title) {
       width, height);
   svg += text_svg(title, kGap, 34.0, 15.0);
   for (std::size_t i = 0; i < map.panels.size(); ++i) {
+    const int row = static_cast<int>(i) / columns;
     const double left = kGap + static_cast<int>(i) % columns * (kPanelWidth + kGap);
-    const double top = kTitleHeight + static_cast<int>(i) / columns * cell_height;
+    const double top = kTitleHeight + row * cell_height;
     svg += text_svg(map.panels[i].title, left, top + 46.0, 14.0);
     svg += text_svg(error_text(map.panels[i]), left + kPanelWidth, top + 46.0, 12.0,
                     fmt::format(" text-anchor=\"end\" fill=\"{}\"", kQuiet));

@@ -124,7 +124,7 @@ std::unique_ptr<const StoredScans> stored_scans(const nn::ScanSet& set, const Se
     }
   });
   // What is wrong with a stack should be said before hours of simulation.
-  StoredScans(paths, sensor);
+  static_cast<void>(StoredScans(paths, sensor));
   const std::vector<StoredDrive> drives = drives_of(set);
   if (!store_drives(store.path, drives, sensor, store.threads, label, interrupt, store.ranks)) {
     return nullptr;
