@@ -120,8 +120,8 @@ struct Slam::Implementation {
   /// What is known of a scan after it was looked for.
   struct Followed {
     MotionState state;
-    bool is_located = false;   ///< in the map
-    bool by_odometry = false;  ///< from the reference
+    bool is_located = false;    ///< in the map
+    bool by_odometry = false;   ///< from the reference
     bool is_way_known = false;  ///< from the reference
     double standing_share = 0.0;
   };
@@ -370,8 +370,8 @@ void Slam::Implementation::begin_stretch() {
   standing_share = 0.0;
 }
 
-/// Puts the scan, of which velocity and T_map_sensor are known, into the map, or into one of its own
-/// if nothing measured the way here.
+/// Puts the scan, of which velocity and T_map_sensor are known, into the map, or into one of its
+/// own if nothing measured the way here.
 void Slam::Implementation::add_key_frame(const OrganizedCloud& cloud, const MapFeatures& features,
                                          Stopwatch& stopwatch, ScanReport& report,
                                          bool begins_stretch) {
@@ -405,8 +405,8 @@ void Slam::Implementation::take_in(const LoopResult& found) {
   mapping.take_up(found.recalled);
 }
 
-/// What is laid aside of a part, and of the last one what scans are matched with, as it will be when
-/// what is known about it is taken in.
+/// What is laid aside of a part, and of the last one what scans are matched with, as it will be
+/// when what is known about it is taken in.
 FeatureMaps Slam::Implementation::whole_map(std::size_t part) const {
   FeatureMaps result = loop_closing->finished().parts()[part];
   if (part != part_of(stretches_begun - 1)) return result;
@@ -474,7 +474,8 @@ std::vector<Eigen::Vector3f> Slam::map_points_m() const {
     add(implementation_->mapping.map());
     return result;
   }
-  for (std::size_t part = 0; part < implementation_->loop_closing->finished().parts().size(); ++part) {
+  for (std::size_t part = 0; part < implementation_->loop_closing->finished().parts().size();
+       ++part) {
     add(implementation_->whole_map(part));
   }
   return result;

@@ -32,8 +32,8 @@ struct Driven {
     double worst_m = 0.0;
     for (std::size_t i = first; i < trajectory.size(); ++i) {
       const Pose truth = T_street_sensor.front().inverse() * T_street_sensor[i];
-      worst_m = std::max(
-          worst_m, (trajectory[i].T_map_sensor.translation() - truth.translation()).norm());
+      worst_m = std::max(worst_m,
+                         (trajectory[i].T_map_sensor.translation() - truth.translation()).norm());
     }
     return worst_m;
   }
@@ -113,9 +113,8 @@ TEST_CASE("laps without loop closing let the map grow no further") {
   std::vector<double> points_after_lap;
   for (int i = 0; i < 6 * kStepsOfLap; ++i) {
     const double angle_rad = 2.0 * std::numbers::pi * i / kStepsOfLap;
-    const Pose T_village_sensor =
-        test::yard_pose(10.0 * std::cos(angle_rad), 10.0 * std::sin(angle_rad),
-                        angle_rad + std::numbers::pi / 2.0);
+    const Pose T_village_sensor = test::yard_pose(
+        10.0 * std::cos(angle_rad), 10.0 * std::sin(angle_rad), angle_rad + std::numbers::pi / 2.0);
     slam.process(village.scan(sensor, T_village_sensor), 0.1 * i);
     if ((i + 1) % kStepsOfLap == 0) {
       points_after_lap.push_back(static_cast<double>(slam.map_points_m().size()));
@@ -131,8 +130,8 @@ TEST_CASE("who is carried to a place never passed is followed there, in a part o
       drive(street(31), steps(0.0, 0.0, 80, true), street(77), steps(0.0, 0.0, 50, true));
   CHECK(driven.part_of_scan[79] == 0);
   CHECK(driven.part_of_scan.back() == 1);
-  const Pose step = driven.trajectory[100].T_map_sensor.inverse() *
-                    driven.trajectory[129].T_map_sensor;
+  const Pose step =
+      driven.trajectory[100].T_map_sensor.inverse() * driven.trajectory[129].T_map_sensor;
   CHECK(step.translation().norm() == doctest::Approx(29.0).epsilon(0.01));
   CHECK(driven.reports.back().mapping_status == Status::kOk);
 }

@@ -56,13 +56,11 @@ void BackgroundLoopClosing::begin() {
   view_waits_ = false;
   key_frames_begun_ += waiting_.size();
   scans_until_due_ = kScansUntilDue;
-  work_ = std::async(std::launch::async,
-                     [loop_closing = loop_closing_.get(),
-                      key_frames = std::exchange(waiting_, {})]() mutable {
-                       const ThreadLimit one_thread(1);
-                       return loop_closing->process(std::move(key_frames));
-                     })
-              .share();
+  work_ = std::async(std::launch::async, [loop_closing = loop_closing_.get(),
+                                          key_frames = std::exchange(waiting_, {})]() mutable {
+            const ThreadLimit one_thread(1);
+            return loop_closing->process(std::move(key_frames));
+          }).share();
 }
 
 /// Key frames since the work was begun move with the last one of it, up to where the way was lost.

@@ -19,8 +19,8 @@ class BackgroundLoopClosing {
  public:
   BackgroundLoopClosing(const MappingOptions& mapping, bool searches);
 
-  /// Call with every scan, before it is looked for: what was found out, if this scan is the one that
-  /// it was waited for. Corrections are given for all key frames up to now.
+  /// Call with every scan, before it is looked for: what was found out, if this scan is the one
+  /// that it was waited for. Corrections are given for all key frames up to now.
   std::optional<LoopResult> collect();
   /// When no more scans are to come: the next of what is still to be found out; nothing: no more.
   std::optional<LoopResult> finish();

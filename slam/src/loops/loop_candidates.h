@@ -31,8 +31,8 @@ struct LoopCandidate {
 /// The older nodes within reach of plausible drift that look most like the last one.
 ///
 /// In: graph, one scan context per node, those of the last one (from where it stands and from the
-/// lanes beside), the drift, the nodes that are asked. Out: at most `max_candidates`, best first, no
-/// two within 12 m of each other.
+/// lanes beside), the drift, the nodes that are asked. Out: at most `max_candidates`, best first,
+/// no two within 12 m of each other.
 std::vector<LoopCandidate> loop_candidates(const PoseGraph& graph,
                                            const std::vector<ScanContext>& contexts,
                                            const std::vector<ScanContext>& last_contexts,

@@ -10,7 +10,6 @@ namespace hqslam::slam {
 
 namespace {
 
-
 // How often is looked for loops, in metres of path.
 constexpr double kSearchEvery_m = 8.0;
 constexpr double kSearchAfterFailing_m = 16.0;
@@ -81,8 +80,8 @@ std::vector<SavedPlace> LoopClosing::places(std::size_t part) const {
 
 void LoopClosing::add_key_frame(const LoopKeyFrame& key_frame) {
   if (T_map_key_frame_.empty() || key_frame.begins_stretch) {
-    stretches_.push_back({static_cast<std::uint32_t>(T_map_key_frame_.size()), nodes_.size(),
-                          parts_.size()});
+    stretches_.push_back(
+        {static_cast<std::uint32_t>(T_map_key_frame_.size()), nodes_.size(), parts_.size()});
     parts_.emplace_back(mapping_);
     recent_ = RecentFeatures(kRecentNodes);
     forget_waiting();
@@ -129,7 +128,8 @@ std::size_t LoopClosing::part_of(std::size_t node) const {
 std::vector<std::size_t> LoopClosing::nodes_to_ask(std::size_t part) const {
   std::vector<std::size_t> result;
   for (std::size_t i = 0; i < nodes_.size(); ++i) {
-    const bool is_old = i < stretches_.back().first_node || path_m_ - nodes_[i].path_m >= mapping_.recent_path_m;
+    const bool is_old =
+        i < stretches_.back().first_node || path_m_ - nodes_[i].path_m >= mapping_.recent_path_m;
     if (is_old && part_of(i) == part) result.push_back(i);
   }
   return result;
@@ -155,8 +155,8 @@ LoopResult LoopClosing::search() {
     result.corrections = align(result.report);
   }
   if (result.report.status == LoopStatus::kAgrees || result.report.status == LoopStatus::kClosed) {
-    result.recalled = parts_[stretches_.back().part].take_near(
-        loop_surroundings(graph_.T_map_node.back()));
+    result.recalled =
+        parts_[stretches_.back().part].take_near(loop_surroundings(graph_.T_map_node.back()));
   }
   return result;
 }

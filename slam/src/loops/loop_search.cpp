@@ -114,9 +114,8 @@ LoopSearchResult search_loop(const LoopSearchSpace& space) {
 
 LoopSearchResult search_similar_places(const LoopSearchSpace& space) {
   LoopSearchResult result;
-  const std::vector<LoopCandidate> candidates =
-      loop_candidates(space.graph, space.contexts, space.last_contexts, space.drift,
-                      space.nodes, kMaxCandidates);
+  const std::vector<LoopCandidate> candidates = loop_candidates(
+      space.graph, space.contexts, space.last_contexts, space.drift, space.nodes, kMaxCandidates);
   result.candidates = static_cast<int>(candidates.size());
   if (candidates.empty()) return result;
   std::vector<FoundLoop> loops;

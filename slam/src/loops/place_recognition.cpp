@@ -1,8 +1,8 @@
 #include "loops/place_recognition.h"
 
 #include <limits>
-#include <numeric>
 #include <numbers>
+#include <numeric>
 
 namespace hqslam::slam {
 
@@ -35,8 +35,8 @@ std::optional<Pose> PlaceRecognition::find(const UnlocatedScan& scan, const Feat
   const std::vector<ScanContext> last_contexts = scan_contexts_from_lanes(scan.cloud);
   const std::vector<PlausibleDrift> drift(graph_.T_map_node.size(),
                                           is_believed_ ? kAboutThere : kAnywhere);
-  const LoopSearchSpace space{options_, map, graph_, contexts_, last_contexts, drift, features,
-                              places_};
+  const LoopSearchSpace space{options_,      map,   graph_,   contexts_,
+                              last_contexts, drift, features, places_};
   const std::optional<FoundLoop> found =
       is_believed_ ? search_loop(space).loop : search_similar_places(space).loop;
   return found ? std::optional(found->T_map_last) : std::nullopt;

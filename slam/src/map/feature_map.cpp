@@ -114,8 +114,8 @@ void FeatureMap::insert_point(const MapPoint& inserted) {
   const Eigen::Vector3i at = floored((point_m - cube_index.cast<float>() * cube_m_) / leaf_m_)
                                  .cwiseMax(0)
                                  .cwiseMin(voxels_per_side_ - 1);
-  const auto voxel = static_cast<std::uint16_t>(
-      (at.x() * voxels_per_side_ + at.y()) * voxels_per_side_ + at.z());
+  const auto voxel =
+      static_cast<std::uint16_t>((at.x() * voxels_per_side_ + at.y()) * voxels_per_side_ + at.z());
   for (Cell& cell : cube.cells) {
     if (cell.voxel != voxel) continue;
     cell.key_frame = std::min(cell.key_frame, inserted.key_frame);
@@ -137,8 +137,8 @@ std::vector<MapPoint> FeatureMap::take(const std::vector<std::size_t>& cubes,
   std::vector<MapPoint> taken;
   for (const std::size_t cube : cubes) {
     std::vector<Cell>& cells = cubes_[cube].cells;
-    const auto first_taken = std::stable_partition(
-        cells.begin(), cells.end(), [&](const Cell& cell) { return !wanted(cell); });
+    const auto first_taken = std::stable_partition(cells.begin(), cells.end(),
+                                                   [&](const Cell& cell) { return !wanted(cell); });
     for (auto cell = first_taken; cell != cells.end(); ++cell) taken.push_back(*cell);
     cells.erase(first_taken, cells.end());
   }
@@ -161,7 +161,8 @@ std::vector<MapPoint> FeatureMap::take_near(const Surroundings& place) {
 /// A map that moves along with a sensor would otherwise remember for good where it was.
 void FeatureMap::drop_empty_cubes() {
   const auto is_empty = [](const Cube& cube) { return cube.cells.empty(); };
-  const auto empty = static_cast<std::size_t>(std::count_if(cubes_.begin(), cubes_.end(), is_empty));
+  const auto empty =
+      static_cast<std::size_t>(std::count_if(cubes_.begin(), cubes_.end(), is_empty));
   if (2 * empty <= cubes_.size()) return;
   std::erase_if(cubes_, is_empty);
   fill_table(table_.size());

@@ -64,9 +64,8 @@ MappingResult Mapping::locate(const MapFeatures& features, const MotionState& ex
     const bool narrow = iteration >= kWideSearches && narrow_suffices;
     const double reach_m =
         narrow ? options_.close_neighbour_distance_m : options_.max_neighbour_distance_m;
-    const ConstraintList constraints =
-        map_constraints(scan, {result.state.T_map_sensor, result.state.velocity, reach_m, narrow},
-                        map_, options_);
+    const ConstraintList constraints = map_constraints(
+        scan, {result.state.T_map_sensor, result.state.velocity, reach_m, narrow}, map_, options_);
     const int matched = constraints.edges + constraints.planes;
     const bool enough = matched >= options_.min_correspondences &&
                         matched >= options_.min_matched_share * feature_count;

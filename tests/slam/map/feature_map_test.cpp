@@ -131,7 +131,8 @@ TEST_CASE("a correction that moves nothing leaves the same bytes") {
   CHECK(map.points_m() == before);
 }
 
-TEST_CASE("what was not seen lately is taken out, and what is seen there becomes points of its own") {
+TEST_CASE(
+    "what was not seen lately is taken out, and what is seen there becomes points of its own") {
   FeatureMap map(0.4, 1.0);
   map.insert({{0.1F, 0.1F, 0.1F}, {1.1F, 0.1F, 0.1F}}, 0);
   map.insert({{1.15F, 0.1F, 0.1F}}, 5);

@@ -45,10 +45,11 @@ TEST_CASE("what is far from the last scan is left out, and of many points some a
   recent.add(features, at_x(0.0), {});
   CHECK(recent.about_last().edges.empty());
   for (int i = 0; i < 1000; ++i) {
-    features.edges.push_back({{0.02F * static_cast<float>(i % 40), 0.5F * static_cast<float>(i / 40),
-                               0.4F * static_cast<float>(i % 40)},
-                              0.0F,
-                              0});
+    features.edges.push_back(
+        {{0.02F * static_cast<float>(i % 40), 0.5F * static_cast<float>(i / 40),
+          0.4F * static_cast<float>(i % 40)},
+         0.0F,
+         0});
   }
   recent.add(features, at_x(0.0), {});
   CHECK(recent.about_last().edges.size() == 800);

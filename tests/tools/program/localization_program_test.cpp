@@ -71,10 +71,10 @@ TEST_CASE("a map belongs to the run that saved it, and is not located in and mad
   CHECK(std::filesystem::exists(out.file("saved_map.npz")));
   REQUIRE(run_hqslam(fmt::format("run '{}' --out '{}'", simulated_drive(), folder)).status == 0);
   CHECK_FALSE(std::filesystem::exists(out.file("saved_map.npz")));
-  for (const std::string& other : {fmt::format("--map '{}'", saved_map()),
-                                   std::string("--no-loop-closing")}) {
-    const ProgramResult result =
-        run_hqslam(fmt::format("run '{}' {} --save-map --out '{}'", simulated_drive(), other, folder));
+  for (const std::string& other :
+       {fmt::format("--map '{}'", saved_map()), std::string("--no-loop-closing")}) {
+    const ProgramResult result = run_hqslam(
+        fmt::format("run '{}' {} --save-map --out '{}'", simulated_drive(), other, folder));
     CHECK(result.status == 2);
     CHECK(result.error.find("--save-map") != std::string::npos);
   }

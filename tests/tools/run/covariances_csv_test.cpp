@@ -21,7 +21,8 @@ std::vector<std::string> split(const std::string& text, char separator) {
 }  // namespace
 
 TEST_CASE(
-    "the covariances are a line per scan: stamp, status, part and six rows of six, named above them") {
+    "the covariances are a line per scan: stamp, status, part and six rows of six, named above "
+    "them") {
   SlamRun run = test::example_run(3);
   for (int i = 0; i < 36; ++i) run.scans[1].report.covariance(i / 6, i % 6) = 0.25 * i;
   run.scans[1].report.mapping_status = slam::Status::kTooFewFeatures;

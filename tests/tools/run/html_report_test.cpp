@@ -64,6 +64,7 @@ TEST_CASE("where nothing is known about the way there is no line and no path") {
   CHECK(lines(html) == 3);
   CHECK(holds(html, "26.0 <small>m</small>"));  // of 29, one to part 1, two about scan 20
   CHECK(holds(html, "2 parts not joined"));
+  CHECK(holds(html, "<th>not recognized</th>"));
 }
 
 TEST_CASE("every element of the report is closed, with and without a reference") {

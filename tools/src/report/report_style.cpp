@@ -8,14 +8,14 @@ const std::string_view kReportStyle = R"css(
   --page: #ffffff; --text: #1c1f24; --quiet: #666d78; --rule: #e3e6ea; --panel: #f6f7f9;
   --reference: #1c1f24; --estimate: #2c5cd4; --notice: #fff3dc; --notice-text: #6b4700;
   --reading: #aeb4bd; --upsampling: #c9564a; --segmentation: #4a78c8; --features: #3f9e8c;
-  --odometry: #e2a33c; --mapping: #b4588f;
+  --odometry: #e2a33c; --mapping: #b4588f; --loops: #6f5bb5;
 }
 @media (prefers-color-scheme: dark) {
   :root {
     --page: #14171b; --text: #e4e7eb; --quiet: #99a1ad; --rule: #2c3138; --panel: #1c2026;
     --reference: #e4e7eb; --estimate: #7ea2ff; --notice: #3a2d12; --notice-text: #f3d9a4;
     --reading: #6d7480; --upsampling: #dd7264; --segmentation: #5f8bd6; --features: #4fb09d;
-    --odometry: #d9a04a; --mapping: #c270a2;
+    --odometry: #d9a04a; --mapping: #c270a2; --loops: #8d7bd0;
   }
   .plot .map { filter: invert(1); mix-blend-mode: screen; }
 }
@@ -80,12 +80,14 @@ p { margin: .25rem 0 .75rem; }
 .plot .layer.features { fill: var(--features); }
 .plot .layer.odometry { fill: var(--odometry); }
 .plot .layer.mapping { fill: var(--mapping); }
+.plot .layer.loops { fill: var(--loops); }
 i.reading { color: var(--reading); }
 i.upsampling { color: var(--upsampling); }
 i.segmentation { color: var(--segmentation); }
 i.features { color: var(--features); }
 i.odometry { color: var(--odometry); }
 i.mapping { color: var(--mapping); }
+i.loops { color: var(--loops); }
 .tick { position: absolute; font-size: .75rem; color: var(--quiet); white-space: nowrap; }
 .x.tick { top: 100%; transform: translateX(-50%); padding-top: .2rem; }
 .y.tick { right: 100%; transform: translateY(-50%); padding-right: .4rem; }

@@ -204,10 +204,12 @@ std::string status_row(const SlamRun& run, std::string_view stage,
 }
 
 std::string statuses_html(const SlamRun& run) {
-  return "<h2>How the scans ended</h2>\n<div class=\"scroll\"><table><tr><th>scans</th><th>ok</th>"
-         "<th>too few features</th><th>degenerate</th><th>not converged</th><th>after a "
-         "gap</th></tr>\n" +
-         status_row(run, "odometry", &slam::ScanReport::odometry_status) +
+  std::string names;
+  for (const auto& [kind, scans] : status_counts(run, &slam::ScanReport::mapping_status)) {
+    names += fmt::format("<th>{}</th>", slam::name(kind));
+  }
+  return "<h2>How the scans ended</h2>\n<div class=\"scroll\"><table><tr><th>scans</th>" + names +
+         "</tr>\n" + status_row(run, "odometry", &slam::ScanReport::odometry_status) +
          status_row(run, "mapping", &slam::ScanReport::mapping_status) + "</table></div>\n";
 }
 

@@ -116,9 +116,9 @@ void refuse_to_write_into_recording(const RunOptions& options) {
 /// The part of the map with most scans.
 std::size_t largest_part(const SlamRun& run) {
   const std::map<std::size_t, std::int64_t> parts = scans_of_parts(run);
-  return std::max_element(parts.begin(), parts.end(), [](const auto& a, const auto& b) {
-           return a.second < b.second;
-         })->first;
+  return std::max_element(parts.begin(), parts.end(),
+                          [](const auto& a, const auto& b) { return a.second < b.second; })
+      ->first;
 }
 
 /// Compares the poses of which something is known in one frame: where a place was not recognized,
@@ -206,9 +206,9 @@ void declare_run(CLI::App& app, RunOptions& options) {
       ->check(CLI::ExistingFile);
   declare_threads(*command, options.threads);
   declare_slam_settings(*command, options.slam);
-  CLI::Option* save_map = command->add_flag(
-      "--save-map", options.save_map,
-      "Also write saved_map.npz, in which later drives can be located");
+  CLI::Option* save_map =
+      command->add_flag("--save-map", options.save_map,
+                        "Also write saved_map.npz, in which later drives can be located");
   save_map->excludes("--no-loop-closing");
   CLI::Option* map =
       command

@@ -48,7 +48,7 @@ struct SlamRun {
   int threads = 1;
   std::int64_t scans_in_recording = 0;  ///< or that have come from a sensor
   std::vector<ScanRecord> scans;
-  std::vector<slam::LoopReport> loops;  ///< places that were recognised, and are right now
+  std::vector<slam::LoopReport> loops;    ///< places that were recognised, and are right now
   std::vector<std::size_t> part_of_scan;  ///< slam::Slam::part_of_scan()
   Trajectory trajectory;  ///< T_map_sensor, the map's frame is the first scan's sensor frame
   std::vector<Eigen::Vector3f> map_points_m;  ///< map frame; filled when the run ends

@@ -35,8 +35,8 @@ struct MappingResult {
   int edge_correspondences = 0;
   int planar_correspondences = 0;
   /// Of features that are not ground the share that found its line or plane in the last search of
-  /// wide reach: how well a place fits. The ground fits everywhere, and more is found within 1 m than
-  /// within 0.6 m.
+  /// wide reach: how well a place fits. The ground fits everywhere, and more is found within 1 m
+  /// than within 0.6 m.
   double standing_share = 0.0;
 };
 

@@ -60,8 +60,9 @@ struct ScanReport {
 /// is processed in the call that brings it; loop closing works beside the calls, in a thread of its
 /// own, and what it finds out is taken in ten scans later.
 ///
-/// A sensor that was carried away or blinded for long goes on in a part of the map of its own, as if
-/// it stood where it was believed to be. Loop closing joins the parts when it recognizes a place.
+/// A sensor that was carried away or blinded for long goes on in a part of the map of its own, as
+/// if it stood where it was believed to be. Loop closing joins the parts when it recognizes a
+/// place.
 ///
 /// Threads: one object serves one thread at a time, reading included; objects are independent of
 /// one another. process() works with options.threads OpenMP threads, or, inside a parallel region
@@ -76,7 +77,8 @@ class Slam {
   /// first scan is looked for about T_map_sensor_start, within a few metres and half a radian, or
   /// in all of the map; so is the next one where it is not found, and wherever the way is lost:
   /// then the mapping's status is kNotRecognized. Poses are in the map's frame, and their
-  /// covariances against it; loops are not closed. Throws Error, also if there is no place in the map.
+  /// covariances against it; loops are not closed. Throws Error, also if there is no place in the
+  /// map.
   Slam(const SensorModel& sensor, const SlamOptions& options, const SavedMap& map,
        const std::optional<Pose>& T_map_sensor_start = std::nullopt);
   ~Slam();
