@@ -217,7 +217,7 @@ void print_slam_table(const std::vector<SlamTiming>& timings) {
             "threads", "scans", "upsampling", "segmentation", "features", "odometry", "mapping",
             "total", "95 %", "scans/s", "first->last", "peak MB");
   for (const SlamTiming& timing : timings) {
-    const Distribution& total_ms = timing.stages_ms[4].second;
+    const Distribution& total_ms = timing.stages_ms.back().second;
     to_stdout(
         "{:<14}{:>8}{:>7}{:>12}{:>14.2f}{:>10.2f}{:>10.2f}{:>9.2f}{:>8.2f}{:>8.2f}{:>9.1f}{:>14}"
         "{:>9}\n",
