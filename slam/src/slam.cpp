@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "alignment/drift.h"
+#include "driven_path.h"
 #include "front_end/scan_check.h"
 #include "front_end/scan_clock.h"
 #include "hqslam/core/error.h"
@@ -76,11 +77,7 @@ struct Slam::Implementation {
   Odometry odometry;
   Mapping mapping;
   std::optional<BackgroundLoopClosing> loop_closing;  ///< not in a given map
-  Trajectory trajectory;
-  std::vector<std::uint32_t> key_frame_of_scan;  ///< the last up to each scan
-  std::vector<std::uint32_t> stretch_of_scan;    ///< of path without a gap
-  std::uint32_t stretches_begun = 1;
-  std::vector<std::size_t> part_of_stretch;  ///< as far as it is known
+  DrivenPath path;
   ScanClock clock;
   double time_s = 0.0;  ///< of the scan at hand
   double reference_time_s = 0.0;
@@ -139,10 +136,7 @@ struct Slam::Implementation {
   void make_reference(const Features& features, const MotionState& state, const ScanReport& report);
   void add_key_frame(const OrganizedCloud& cloud, const MapFeatures& features, Stopwatch& stopwatch,
                      ScanReport& report, bool begins_stretch);
-  void begin_stretch();
   void take_in(const LoopResult& found);
-  FeatureMaps whole_map(std::size_t part) const;
-  std::size_t part_of(std::uint32_t stretch) const;
 };
 
 void Slam::Implementation::locate_in(const SavedMap& map,
@@ -189,9 +183,7 @@ ScanReport Slam::Implementation::process(const OrganizedCloud& cloud, double sta
   report.times.total_s = report.times.segmentation_s + report.times.features_s +
                          report.times.odometry_s + report.times.mapping_s +
                          report.times.loop_closing_s;
-  trajectory.push_back({stamp_s, report.T_map_sensor});
-  key_frame_of_scan.push_back(mapping.key_frames() > 0 ? mapping.key_frames() - 1 : 0);
-  stretch_of_scan.push_back(stretches_begun - 1);
+  path.add({stamp_s, report.T_map_sensor}, mapping.key_frames());
   return report;
 }
 
@@ -272,7 +264,10 @@ void Slam::Implementation::follow(const OrganizedCloud& cloud, const Features& f
     if (begins_stretch) {
       drift.lose(followed.state);
       first_scan.reset();
-      begin_stretch();
+      path.begin_stretch(static_cast<std::size_t>(unlocated_scans) - 1, mapping.key_frames());
+      unlocated_scans = 0;
+      is_way_known = true;
+      standing_share = 0.0;
     }
     const Pose motion = reference.T_map_sensor.inverse() * followed.state.T_map_sensor;
     if (followed.is_located) {
@@ -356,26 +351,12 @@ void Slam::Implementation::make_reference(const Features& features, const Motion
   T_odom_reference = report.T_odom_sensor;
 }
 
-/// From here on, and from the first scan on that was not located, the path has nothing to do with
-/// what was before.
-void Slam::Implementation::begin_stretch() {
-  const std::size_t first = trajectory.size() + 1 - static_cast<std::size_t>(unlocated_scans);
-  for (std::size_t scan = first; scan < trajectory.size(); ++scan) {
-    key_frame_of_scan[scan] = mapping.key_frames();
-    stretch_of_scan[scan] = stretches_begun;
-  }
-  ++stretches_begun;
-  unlocated_scans = 0;
-  is_way_known = true;
-  standing_share = 0.0;
-}
-
 /// Puts the scan, of which velocity and T_map_sensor are known, into the map, or into one of its
 /// own if nothing measured the way here.
 void Slam::Implementation::add_key_frame(const OrganizedCloud& cloud, const MapFeatures& features,
                                          Stopwatch& stopwatch, ScanReport& report,
                                          bool begins_stretch) {
-  LoopKeyFrame key_frame{report.T_map_sensor, report.mapping_status, trajectory.size(),
+  LoopKeyFrame key_frame{report.T_map_sensor, report.mapping_status, path.trajectory().size(),
                          begins_stretch, std::nullopt};
   if (begins_stretch || loop_closing->wants_view(report.T_map_sensor)) {
     key_frame.view = {cloud, features, reference.velocity,
@@ -391,36 +372,13 @@ void Slam::Implementation::add_key_frame(const OrganizedCloud& cloud, const MapF
 /// Moves map and path with their key frames. The odometry's frame and the last motion stay as they
 /// are, so the next scan is followed as if nothing had happened, in the corrected map.
 void Slam::Implementation::take_in(const LoopResult& found) {
-  part_of_stretch = found.part_of_stretch;
+  path.join(found.part_of_stretch);
   if (!found.corrections.empty()) {
     mapping.correct(found.corrections);
-    for (std::size_t scan = 0; scan < trajectory.size(); ++scan) {
-      const Pose& correction = found.corrections[key_frame_of_scan[scan]];
-      if (correction.matrix().isIdentity(0.0)) continue;
-      Pose& T_map_sensor = trajectory[scan].T_map_sensor;
-      T_map_sensor = orthonormalized(correction * T_map_sensor);
-    }
+    path.correct(found.corrections);
     reference.T_map_sensor = orthonormalized(found.corrections.back() * reference.T_map_sensor);
   }
   mapping.take_up(found.recalled);
-}
-
-/// What is laid aside of a part, and of the last one what scans are matched with, as it will be
-/// when what is known about it is taken in.
-FeatureMaps Slam::Implementation::whole_map(std::size_t part) const {
-  FeatureMaps result = loop_closing->finished().parts()[part];
-  if (part != part_of(stretches_begun - 1)) return result;
-  FeatureMaps in_use = mapping.map();
-  if (const std::optional<LoopResult> found = loop_closing->pending()) {
-    if (!found->corrections.empty()) in_use.correct(found->corrections);
-    result.insert(found->recalled);
-  }
-  result.insert(in_use.take_all());
-  return result;
-}
-
-std::size_t Slam::Implementation::part_of(std::uint32_t stretch) const {
-  return stretch < part_of_stretch.size() ? part_of_stretch[stretch] : stretch;
 }
 
 Slam::Slam(const SensorModel& sensor) : Slam(sensor, SlamOptions{}) {}
@@ -452,46 +410,36 @@ std::vector<LoopReport> Slam::finish() {
   return reports;
 }
 
-const Trajectory& Slam::trajectory() const { return implementation_->trajectory; }
+const Trajectory& Slam::trajectory() const { return implementation_->path.trajectory(); }
 
-std::vector<std::size_t> Slam::part_of_scan() const {
-  std::vector<std::size_t> result;
-  for (const std::uint32_t stretch : implementation_->stretch_of_scan) {
-    result.push_back(implementation_->part_of(stretch));
-  }
-  return result;
-}
+std::vector<std::size_t> Slam::part_of_scan() const { return implementation_->path.part_of_scan(); }
 
 std::vector<Eigen::Vector3f> Slam::map_points_m() const {
+  const FeatureMaps& matched_with = implementation_->mapping.map();
+  const auto& loop_closing = implementation_->loop_closing;
   std::vector<Eigen::Vector3f> result;
-  const auto add = [&](const FeatureMaps& map) {
-    for (const FeatureMap* kind : {&map.planes, &map.edges}) {
+  for (const FeatureMaps& part : loop_closing ? loop_closing->whole_map(matched_with)
+                                              : std::vector<FeatureMaps>{matched_with}) {
+    for (const FeatureMap* kind : {&part.planes, &part.edges}) {
       const std::vector<Eigen::Vector3f> points_m = kind->points_m();
       result.insert(result.end(), points_m.begin(), points_m.end());
     }
-  };
-  if (!implementation_->loop_closing) {
-    add(implementation_->mapping.map());
-    return result;
-  }
-  for (std::size_t part = 0; part < implementation_->loop_closing->finished().parts().size();
-       ++part) {
-    add(implementation_->whole_map(part));
   }
   return result;
 }
 
 SavedMap Slam::saved_map() const {
-  if (!implementation_->loop_closing || !implementation_->options.loop_closing.enabled) {
+  const auto& loop_closing = implementation_->loop_closing;
+  if (!loop_closing || !implementation_->options.loop_closing.enabled) {
     throw Error("expected loop closing, which knows the places of a map; switch it on");
   }
-  const LoopClosing& finished = implementation_->loop_closing->finished();
+  const std::vector<FeatureMaps> parts = loop_closing->whole_map(implementation_->mapping.map());
   SavedMap result;
-  for (std::size_t part = 0; part < finished.parts().size(); ++part) {
-    std::vector<SavedPlace> places = finished.places(part);
+  for (std::size_t part = 0; part < parts.size(); ++part) {
+    std::vector<SavedPlace> places = loop_closing->finished().places(part);
     if (places.size() <= result.places.size()) continue;
-    const FeatureMaps map = implementation_->whole_map(part);
-    result = {map.edges.points_m(), map.posts.points_m(), map.planes.points_m(), std::move(places)};
+    result = {parts[part].edges.points_m(), parts[part].posts.points_m(),
+              parts[part].planes.points_m(), std::move(places)};
   }
   return result;
 }

@@ -99,6 +99,27 @@ TEST_CASE("who is carried to a place passed before, either way, is joined with t
   }
 }
 
+TEST_CASE(
+    "whenever the map is asked for all of it is there, also when the sensor was just carried") {
+  const SensorModel sensor = test::small_sensor(16, 360);
+  slam::SlamOptions options;
+  options.mapping.recent_path_m = 20.0;
+  slam::Slam slam(sensor, options);
+  std::size_t before = 0;
+  int scan = 0;
+  for (const unsigned seed : {31U, 77U}) {
+    const test::Village village = street(seed);
+    for (const Pose& T_street_sensor : steps(0.0, 0.0, 40, true)) {
+      slam.process(village.scan(sensor, T_street_sensor), 0.1 * scan);
+      const std::size_t points = slam.map_points_m().size();
+      CAPTURE(scan++);
+      CHECK(points > 0.99 * static_cast<double>(before));
+      before = points;
+    }
+  }
+  CHECK(slam.part_of_scan().back() == 1);
+}
+
 TEST_CASE("laps without loop closing let the map grow no further") {
   // What was seen 20 m of path ago is laid aside, and met again with every lap of 63 m.
   test::Village village;

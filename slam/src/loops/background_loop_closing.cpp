@@ -17,7 +17,7 @@ constexpr double kViewSpacing_m = 4.0;
 }  // namespace
 
 BackgroundLoopClosing::BackgroundLoopClosing(const MappingOptions& mapping, bool searches)
-    : loop_closing_(std::make_unique<LoopClosing>(mapping, searches)) {}
+    : mapping_(mapping), loop_closing_(std::make_unique<LoopClosing>(mapping, searches)) {}
 
 std::optional<LoopResult> BackgroundLoopClosing::collect() {
   if (!work_.valid() || --scans_until_due_ > 0) return std::nullopt;
@@ -63,33 +63,36 @@ void BackgroundLoopClosing::begin() {
           }).share();
 }
 
-/// Key frames since the work was begun move with the last one of it, up to where the way was lost.
-std::vector<Pose> BackgroundLoopClosing::for_all(std::vector<Pose> corrections) const {
-  if (corrections.empty()) return corrections;
+/// What was found out, with corrections for all key frames: those since the work was begun move
+/// with the last one of it, up to where the way was lost.
+LoopResult BackgroundLoopClosing::awaited() const {
+  LoopResult result = work_.get();
+  if (result.corrections.empty()) return result;
   for (const LoopKeyFrame& key_frame : waiting_) {
-    corrections.push_back(key_frame.begins_stretch ? Pose::Identity() : corrections.back());
+    result.corrections.push_back(key_frame.begins_stretch ? Pose(Pose::Identity())
+                                                          : Pose(result.corrections.back()));
   }
-  return corrections;
+  return result;
 }
 
 LoopResult BackgroundLoopClosing::collected() {
-  LoopResult result = work_.get();
+  LoopResult result = awaited();
   work_ = {};
   const auto lost = std::find_if(waiting_.begin(), waiting_.end(),
                                  [](const LoopKeyFrame& frame) { return frame.begins_stretch; });
-  if (lost != waiting_.end()) {
-    // The map that they were to be matched in was laid aside meanwhile.
-    append(lost->view->laid_aside, std::exchange(result.recalled, {}));
+  std::optional<MapPoints> back;
+  if (lost != waiting_.end()) back = std::exchange(result.recalled, {});
+  if (!result.corrections.empty()) {
+    for (std::size_t i = 0; i < waiting_.size(); ++i) {
+      LoopKeyFrame& key_frame = waiting_[i];
+      const Pose& correction = result.corrections[key_frames_begun_ + i];
+      key_frame.T_map_sensor = orthonormalized(correction * key_frame.T_map_sensor);
+      if (key_frame.view) correct(key_frame.view->laid_aside, result.corrections);
+    }
+    T_map_last_ = orthonormalized(result.corrections.back() * *T_map_last_);
   }
-  result.corrections = for_all(std::move(result.corrections));
-  if (result.corrections.empty()) return result;
-  for (std::size_t i = 0; i < waiting_.size(); ++i) {
-    LoopKeyFrame& key_frame = waiting_[i];
-    const Pose& correction = result.corrections[key_frames_begun_ + i];
-    key_frame.T_map_sensor = orthonormalized(correction * key_frame.T_map_sensor);
-    if (key_frame.view) correct(key_frame.view->laid_aside, result.corrections);
-  }
-  T_map_last_ = orthonormalized(result.corrections.back() * *T_map_last_);
+  // The map that they were to be matched in was laid aside meanwhile.
+  if (back) append(lost->view->laid_aside, *back);
   return result;
 }
 
@@ -98,11 +101,24 @@ const LoopClosing& BackgroundLoopClosing::finished() const {
   return *loop_closing_;
 }
 
-std::optional<LoopResult> BackgroundLoopClosing::pending() const {
-  if (!work_.valid()) return std::nullopt;
-  LoopResult result = work_.get();
-  result.corrections = for_all(std::move(result.corrections));
-  return result;
+std::vector<FeatureMaps> BackgroundLoopClosing::whole_map(const FeatureMaps& matched_with) const {
+  const LoopResult found = work_.valid() ? awaited() : LoopResult{};
+  std::vector<FeatureMaps> parts = loop_closing_->parts();
+  const std::vector<std::size_t> part_of_stretch = loop_closing_->part_of_stretch();
+  std::size_t part = part_of_stretch.empty() ? 0 : part_of_stretch.back();
+  if (part < parts.size()) parts[part].insert(found.recalled);
+  const auto add = [&](MapPoints points) {
+    if (!found.corrections.empty()) correct(points, found.corrections);
+    if (part < parts.size()) parts[part].insert(points);
+  };
+  for (const LoopKeyFrame& key_frame : waiting_) {
+    if (key_frame.view) add(key_frame.view->laid_aside);
+    if (!key_frame.begins_stretch) continue;
+    part = parts.size();
+    parts.emplace_back(mapping_);
+  }
+  add(FeatureMaps(matched_with).take_all());
+  return parts;
 }
 
 }  // namespace hqslam::slam

@@ -29,16 +29,18 @@ class BackgroundLoopClosing {
   bool wants_view(const Pose& T_map_sensor) const;
   void add(LoopKeyFrame key_frame);
 
-  /// What was laid aside, up to the last result that was collected or is waited for; waits for it.
+  /// What is known when all that was begun is done; waits for that.
   const LoopClosing& finished() const;
-  /// A result that was not collected yet; waits for it.
-  std::optional<LoopResult> pending() const;
+  /// All of the map, by part: what was laid aside, and what scans are matched with, as it will be
+  /// when all that was begun is taken in. Waits for that.
+  std::vector<FeatureMaps> whole_map(const FeatureMaps& matched_with) const;
 
  private:
   void begin();
-  std::vector<Pose> for_all(std::vector<Pose> corrections) const;
+  LoopResult awaited() const;
   LoopResult collected();
 
+  MappingOptions mapping_;
   std::unique_ptr<LoopClosing> loop_closing_;  ///< belongs to the thread while there is one
   std::shared_future<LoopResult> work_;
   int scans_until_due_ = 0;

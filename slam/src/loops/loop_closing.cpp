@@ -66,7 +66,13 @@ LoopResult LoopClosing::process(std::vector<LoopKeyFrame> key_frames) {
   }
   LoopResult result;
   if (searches_ && !nodes_.empty() && path_m_ >= next_search_m_) result = search();
-  for (const Stretch& stretch : stretches_) result.part_of_stretch.push_back(stretch.part);
+  result.part_of_stretch = part_of_stretch();
+  return result;
+}
+
+std::vector<std::size_t> LoopClosing::part_of_stretch() const {
+  std::vector<std::size_t> result;
+  for (const Stretch& stretch : stretches_) result.push_back(stretch.part);
   return result;
 }
 

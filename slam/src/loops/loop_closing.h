@@ -38,9 +38,8 @@ struct LoopResult {
   /// Per key frame T_corrected_map, which takes its points to where they belong; empty if nothing
   /// moved.
   std::vector<Pose> corrections;
-  MapPoints recalled;  ///< to be matched with again, where they belong
-  /// The stretches of path by their part: those that were joined have the number of the first.
-  std::vector<std::size_t> part_of_stretch;
+  MapPoints recalled;                        ///< to be matched with again, where they belong
+  std::vector<std::size_t> part_of_stretch;  ///< LoopClosing::part_of_stretch()
 };
 
 /// Recognises places passed before and finds where the path really went.
@@ -63,6 +62,8 @@ class LoopClosing {
 
   /// What was laid aside, by part.
   const std::vector<FeatureMaps>& parts() const { return parts_; }
+  /// The stretches of path by their part: those that were joined have the number of the first.
+  std::vector<std::size_t> part_of_stretch() const;
   /// Where the nodes of a part are now, to be recognised by later drives.
   std::vector<SavedPlace> places(std::size_t part) const;
 
