@@ -73,7 +73,7 @@ void Conv2d::forward_row(const Tensor& input, int row, float* output,
     throw Error(fmt::format("conv2d: single rows with stride {} and {} kernel rows, expected 1, 1",
                             self.shape.column_stride(), self.shape.kernel_rows));
   }
-  self.convolution.gather_row(input, self.bias.data(), row, output, channel_stride, self.scratch);
+  self.convolution.gather_row(input, self.bias.data(), row, output, channel_stride);
 }
 
 void Conv2d::backward_input(const Tensor& d_output, const InputGradientEnd& end, Tensor& d_input) {
