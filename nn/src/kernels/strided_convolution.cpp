@@ -224,9 +224,9 @@ void StridedConvolution::sort_phases(const Tensor& wide, int first_row, int rows
   const int stride = shape_.column_stride();
   // The border of the wide row holds what lies beyond its last column, as far as it is needed.
   const int columns = std::min(narrow_columns_, (wide_columns_ + Tensor::kBorderColumns) / stride);
-  for (int channel = 0; channel < shape_.input_channels; ++channel) {
-    const int first = channel * stride;
-    for (int y = 0; y < rows; ++y) {
+  for (int y = 0; y < rows; ++y) {
+    for (int channel = 0; channel < shape_.input_channels; ++channel) {
+      const int first = channel * stride;
       const float* from = wide.row(channel, first_row + y);
       if (stride == 2 && columns == narrow_columns_) {
         kernels_->split({.input = from,
@@ -317,7 +317,7 @@ void StridedConvolution::scatter_row(const Tensor& narrow, const Epilogue& epilo
                                      Tensor& wide, std::vector<float>& rows) const {
   const int stride = shape_.column_stride();
   const int row_phase = wide_row % shape_.stride;
-  const std::int64_t row_stride = narrow.row_stride();
+  const std::int64_t row_stride = narrow.channel_stride();
   AccumulateRow row;
   row.input = narrow.row(0, wide_row / shape_.stride);
   row.bias = epilogue.bias;
