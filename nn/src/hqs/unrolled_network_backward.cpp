@@ -99,7 +99,7 @@ void UnrolledNetwork::backward(const UnrolledState& state, std::span<const Tenso
   const int memory = any.memory_channels();
   if (backward_ == nullptr) {
     backward_ =
-        std::make_shared<BackwardScratch>(BackwardScratch{any.make_state(), state.z0, state.z0});
+        std::make_shared<BackwardScratch>(BackwardScratch{any.make_gradient(), state.z0, state.z0});
   }
   BackwardScratch& scratch = *backward_;
   DenoiserState& gradient = scratch.gradient;

@@ -313,6 +313,31 @@ void StridedConvolution::gather_row(const Tensor& wide, const float* bias, int y
   kernels_->accumulate(row);
 }
 
+void StridedConvolution::scatter_whole_row(AccumulateRow row, const Epilogue& epilogue,
+                                           int wide_row, Tensor& wide) const {
+  const ScatterPhase& taps = scatter_phases_[wide_row % shape_.stride];
+  row.tap_offset = taps.tap_offset.data();
+  row.taps = static_cast<int>(taps.tap_offset.size());
+  row.weights = taps.weights.data();
+  row.bias = epilogue.bias;
+  row.output_channels = shape_.input_channels;
+  row.end = wide_columns_;
+  end_in(wide, epilogue, wide_row, row);
+  kernels_->accumulate(row);
+  for (int channel = 0; channel < shape_.input_channels; ++channel) {
+    wide.fill_border(channel, wide_row);
+  }
+}
+
+void StridedConvolution::scatter_rows(const Tensor& narrow, int first_row, const Epilogue& epilogue,
+                                      Tensor& wide) const {
+  AccumulateRow row;
+  for (int y = 0; y < narrow.rows(); ++y) {
+    row.input = narrow.row(0, y);
+    scatter_whole_row(row, epilogue, first_row + y, wide);
+  }
+}
+
 void StridedConvolution::scatter_row(const Tensor& narrow, const Epilogue& epilogue, int wide_row,
                                      Tensor& wide, std::vector<float>& rows) const {
   const int stride = shape_.column_stride();
@@ -325,15 +350,7 @@ void StridedConvolution::scatter_row(const Tensor& narrow, const Epilogue& epilo
   row.output_channel_stride = stride * row_stride;
   row.end = (wide_columns_ + stride - 1) / stride;
   if (stride == 1) {
-    const ScatterPhase& taps = scatter_phases_[row_phase];
-    row.tap_offset = taps.tap_offset.data();
-    row.taps = static_cast<int>(taps.tap_offset.size());
-    row.weights = taps.weights.data();
-    end_in(wide, epilogue, wide_row, row);
-    kernels_->accumulate(row);
-    for (int channel = 0; channel < shape_.input_channels; ++channel) {
-      wide.fill_border(channel, wide_row);
-    }
+    scatter_whole_row(row, epilogue, wide_row, wide);
     return;
   }
   for (int phase = 0; phase < stride; ++phase) {
@@ -374,7 +391,7 @@ void StridedConvolution::scatter(const Tensor& narrow, const Epilogue& epilogue,
   }
 }
 
-void StridedConvolution::add_weight_gradient(const Tensor& narrow, const Tensor& wide,
+void StridedConvolution::add_weight_gradient(const Tensor& narrow, int first_row, const Tensor& wide,
                                              std::span<float> gradient,
                                              ConvolutionScratch& scratch) const {
   const int channels = padded_gradient_channels(shape_.output_channels);
@@ -385,11 +402,11 @@ void StridedConvolution::add_weight_gradient(const Tensor& narrow, const Tensor&
   constexpr int kCachedFloats = 6144;
   const int cached = std::max(1, kCachedFloats / (kGradientBlock * narrow_columns_));
   const int most = shape_.column_stride() == 1 ? cached : std::min(cached, kBlockRows);
-  const int parts = (narrow_rows_ + most - 1) / most;
+  const int parts = (narrow.rows() + most - 1) / most;
   for (int part = 0; part < parts; ++part) {
-    const int begin = part * narrow_rows_ / parts;
-    const int end = (part + 1) * narrow_rows_ / parts;
-    const GatherRows rows = gather_rows(wide, begin, end, scratch);
+    const int begin = part * narrow.rows() / parts;
+    const int end = (part + 1) * narrow.rows() / parts;
+    const GatherRows rows = gather_rows(wide, first_row + begin, first_row + end, scratch);
     kernels_->correlate(
         {.narrow = narrow.row(0, begin),
          .narrow_channel_stride = narrow.channel_stride(),

@@ -62,10 +62,13 @@ class StridedConvolution {
                   std::int64_t channel_stride) const;
   void scatter(const Tensor& narrow, const Epilogue& epilogue, Tensor& wide,
                ConvolutionScratch& scratch) const;
+  /// The same with stride 1 and one kernel row for some rows, `first_row` and what follows it, alone:
+  /// all that `narrow` has. By the calling thread alone.
+  void scatter_rows(const Tensor& narrow, int first_row, const Epilogue& epilogue, Tensor& wide) const;
   /// Adds to gradient (the weights' layout): sum narrow[a][y][x] wide[b][y s + i - p][x s + j - p].
-  /// One thread.
-  void add_weight_gradient(const Tensor& narrow, const Tensor& wide, std::span<float> gradient,
-                           ConvolutionScratch& scratch) const;
+  /// `narrow` may have some rows only, `first_row` and what follows it. One thread.
+  void add_weight_gradient(const Tensor& narrow, int first_row, const Tensor& wide,
+                           std::span<float> gradient, ConvolutionScratch& scratch) const;
 
  private:
   /// The taps that end in the wide pixels whose row and column have one phase (mod stride).
@@ -94,6 +97,9 @@ class StridedConvolution {
   void sort_phases(const Tensor& wide, int first_row, int rows, Tensor& phases) const;
   /// Row `y` of the result, and what the epilogue does with it.
   static void end_in(Tensor& result, const Epilogue& epilogue, int y, AccumulateRow& row);
+  /// With stride 1; `row` has the input.
+  void scatter_whole_row(AccumulateRow row, const Epilogue& epilogue, int wide_row,
+                         Tensor& wide) const;
   void scatter_row(const Tensor& narrow, const Epilogue& epilogue, int wide_row, Tensor& wide,
                    std::vector<float>& rows) const;
 
