@@ -84,7 +84,8 @@ class ConvolutionGraph {
   const ConvolutionShape& shape(std::size_t step) const;
   LayerEnd end_of(std::size_t step, const std::vector<Tensor>& values) const;
   /// How the gradient of a step's input ends.
-  InputGradientEnd input_gradient_end(const ConvolutionStep& step, const std::vector<Tensor>& values,
+  InputGradientEnd input_gradient_end(const ConvolutionStep& step,
+                                      const std::vector<Tensor>& values,
                                       const std::vector<Tensor>& gradients) const;
   /// The tensor whose gradient tensor `index` gets as a skip.
   std::optional<int> used_as_skip_for(int index) const;

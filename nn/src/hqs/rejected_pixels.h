@@ -10,9 +10,9 @@
 
 namespace hqslam::nn {
 
-/// Calls visit(channel, first, count, mask) for all pixels of a row of tiles, a part of a channel at
-/// a time: mask[i] is not 0 where the filter rejected the pixel in column first + i. rejected: of
-/// the image, its rows `columns` long, not 0 where a pixel is rejected.
+/// Calls visit(channel, first, count, mask) for all pixels of a row of tiles, a part of a channel
+/// at a time: mask[i] is not 0 where the filter rejected the pixel in column first + i. rejected:
+/// of the image, its rows `columns` long, not 0 where a pixel is rejected.
 template <typename Visit>
 void for_each_mask(const std::vector<std::uint8_t>& rejected, TileSize tile, int columns, int row,
                    const Visit& visit) {

@@ -120,8 +120,8 @@ DenoiserState UShapedDenoiser::make_gradient() const {
   DenoiserState gradient = make_state(false);
   // Two rows in one go cost fewer sums of lanes, more would leave the second-level cache.
   const int rows = gradient.z.rows() % 2 == 0 ? 2 : 1;
-  gradient.part = Tensor(score_channels(shape_) + shape_.memory, rows, gradient.z.columns(),
-                         padding(), 0);
+  gradient.part =
+      Tensor(score_channels(shape_) + shape_.memory, rows, gradient.z.columns(), padding(), 0);
   return gradient;
 }
 
@@ -143,8 +143,8 @@ void UShapedDenoiser::select_by_row(const Candidates& candidates, DenoiserState&
                state.z);
     if (kept) continue;
     for (int channel = 0; channel < shape_.memory; ++channel) {
-      std::copy_n(scores_of_row + (score_channels(shape_) + channel) * stride,
-                  output.columns(), output.row(channel, row));
+      std::copy_n(scores_of_row + (score_channels(shape_) + channel) * stride, output.columns(),
+                  output.row(channel, row));
     }
   }
 }

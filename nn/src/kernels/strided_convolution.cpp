@@ -391,8 +391,8 @@ void StridedConvolution::scatter(const Tensor& narrow, const Epilogue& epilogue,
   }
 }
 
-void StridedConvolution::add_weight_gradient(const Tensor& narrow, int first_row, const Tensor& wide,
-                                             std::span<float> gradient,
+void StridedConvolution::add_weight_gradient(const Tensor& narrow, int first_row,
+                                             const Tensor& wide, std::span<float> gradient,
                                              ConvolutionScratch& scratch) const {
   const int channels = padded_gradient_channels(shape_.output_channels);
   const int taps = static_cast<int>(gather_offset_.size());
@@ -407,18 +407,17 @@ void StridedConvolution::add_weight_gradient(const Tensor& narrow, int first_row
     const int begin = part * narrow.rows() / parts;
     const int end = (part + 1) * narrow.rows() / parts;
     const GatherRows rows = gather_rows(wide, first_row + begin, first_row + end, scratch);
-    kernels_->correlate(
-        {.narrow = narrow.row(0, begin),
-         .narrow_channel_stride = narrow.channel_stride(),
-         .narrow_row_stride = narrow.row_stride(),
-         .narrow_channels = shape_.output_channels,
-         .wide = rows.first,
-         .wide_row_stride = rows.row_stride,
-         .tap_offset = gather_offset_.data(),
-         .taps = taps,
-         .rows = end - begin,
-         .columns = narrow_columns_,
-         .gradient = sums});
+    kernels_->correlate({.narrow = narrow.row(0, begin),
+                         .narrow_channel_stride = narrow.channel_stride(),
+                         .narrow_row_stride = narrow.row_stride(),
+                         .narrow_channels = shape_.output_channels,
+                         .wide = rows.first,
+                         .wide_row_stride = rows.row_stride,
+                         .tap_offset = gather_offset_.data(),
+                         .taps = taps,
+                         .rows = end - begin,
+                         .columns = narrow_columns_,
+                         .gradient = sums});
   }
   for (int a = 0; a < shape_.output_channels; ++a) {
     for (int t = 0; t < taps; ++t) gradient[a * taps + t] += sums[t * channels + a];

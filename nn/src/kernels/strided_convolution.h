@@ -62,9 +62,10 @@ class StridedConvolution {
                   std::int64_t channel_stride) const;
   void scatter(const Tensor& narrow, const Epilogue& epilogue, Tensor& wide,
                ConvolutionScratch& scratch) const;
-  /// The same with stride 1 and one kernel row for some rows, `first_row` and what follows it, alone:
-  /// all that `narrow` has. By the calling thread alone.
-  void scatter_rows(const Tensor& narrow, int first_row, const Epilogue& epilogue, Tensor& wide) const;
+  /// The same with stride 1 and one kernel row for some rows, `first_row` and what follows it,
+  /// alone: all that `narrow` has. By the calling thread alone.
+  void scatter_rows(const Tensor& narrow, int first_row, const Epilogue& epilogue,
+                    Tensor& wide) const;
   /// Adds to gradient (the weights' layout): sum narrow[a][y][x] wide[b][y s + i - p][x s + j - p].
   /// `narrow` may have some rows only, `first_row` and what follows it. One thread.
   void add_weight_gradient(const Tensor& narrow, int first_row, const Tensor& wide,
