@@ -96,10 +96,10 @@ void SuperResolver::Implementation::empty_doubtful(LiftedImage& lifted) const {
 void SuperResolver::Implementation::empty_rejected(LiftedImage& lifted) {
   if (!filter) return;
   filter->find(lifted.image.range_m.data(), rejected.data(), threads);
-  for (std::size_t i = 0; i < rejected.size(); ++i) {
-    if (rejected[i] == 0) continue;
-    lifted.image.range_m[i] = 0.0F;
-    if (!lifted.confidence.empty()) lifted.confidence[i] = 0.0F;
+  for (std::vector<float>* values : {&lifted.image.range_m, &lifted.confidence}) {
+    float* value = values->data();
+#pragma omp simd
+    for (std::size_t i = 0; i < values->size(); ++i) value[i] = rejected[i] == 0 ? value[i] : 0.0F;
   }
 }
 

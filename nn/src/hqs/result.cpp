@@ -19,9 +19,11 @@ RangeImage restored_image(const NetworkDescription& description, TileSize tile, 
       continue;
     }
     take_image_row(z, tile, row, to);
+#pragma omp simd
     for (int column = 0; column < image.columns; ++column) {
       const float range_m = to[column] * description.range_scale_m;
-      to[column] = range_m >= nearest_m && range_m <= farthest_m ? range_m : 0.0F;
+      const float not_too_far_m = range_m <= farthest_m ? range_m : 0.0F;
+      to[column] = not_too_far_m >= nearest_m ? not_too_far_m : 0.0F;
     }
   }
   return image;

@@ -27,11 +27,13 @@ void put_image_row(const float* image_row, TileSize tile, int row, Tensor& tiles
   const int first = row % tile.rows * tile.columns;
   int x = 0;
   if (tile.columns == 4) {  // the usual size
+    float* to[4];
+    for (int i = 0; i < 4; ++i) to[i] = tiles.row(first + i, row / tile.rows);
     for (; x + 4 <= tiles.columns(); x += 4) {
       Four square[4];
       for (int i = 0; i < 4; ++i) square[i] = four_at(image_row + 4 * (x + i));
       transpose(square);
-      for (int i = 0; i < 4; ++i) four_at(tiles.row(first + i, row / tile.rows) + x) = square[i];
+      for (int i = 0; i < 4; ++i) four_at(to[i] + x) = square[i];
     }
   }
   for (int column = 0; column < tile.columns; ++column) {
@@ -44,9 +46,11 @@ void take_image_row(const Tensor& tiles, TileSize tile, int row, float* image_ro
   const int first = row % tile.rows * tile.columns;
   int x = 0;
   if (tile.columns == 4) {
+    const float* from[4];
+    for (int i = 0; i < 4; ++i) from[i] = tiles.row(first + i, row / tile.rows);
     for (; x + 4 <= tiles.columns(); x += 4) {
       Four square[4];
-      for (int i = 0; i < 4; ++i) square[i] = four_at(tiles.row(first + i, row / tile.rows) + x);
+      for (int i = 0; i < 4; ++i) square[i] = four_at(from[i] + x);
       transpose(square);
       for (int i = 0; i < 4; ++i) four_at(image_row + 4 * (x + i)) = square[i];
     }
