@@ -21,7 +21,7 @@ constexpr double kAgreeing_m = 0.15;
 constexpr double kAgreeing_rad = 0.01;
 
 /// Scans are matched with the map to so much.
-constexpr double kAligned_m = 0.02;
+constexpr double kAligned_m = 0.01;
 constexpr double kAligned_rad = 0.001;
 
 // When loops agree with each other, and how many are wanted over which stretch. The stretch is so
