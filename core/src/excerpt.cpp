@@ -10,18 +10,14 @@ namespace {
 
 bool is_continuation(char c) { return (static_cast<unsigned char>(c) & 0xC0U) == 0x80U; }
 
-/// Bytes of the UTF-8 character that `text` begins with; 0 if it begins with none, or with one that
-/// steers a terminal.
+/// The same as utf8_bytes, but 0 for characters that steer a terminal.
 std::size_t shown_bytes(std::string_view text) {
   const auto first = static_cast<unsigned char>(text[0]);
-  if (first < 0x80U) return first >= 0x20U && first != 0x7FU ? 1 : 0;
-  const std::size_t bytes = first >= 0xF0U ? 4 : first >= 0xE0U ? 3 : 2;
-  const bool begins = first >= 0xC2U && first <= 0xF4U;
-  if (!begins || text.size() < bytes) return 0;
-  const std::string_view rest = text.substr(1, bytes - 1);
-  if (!std::all_of(rest.begin(), rest.end(), is_continuation)) return 0;
-  const bool is_control = first == 0xC2U && static_cast<unsigned char>(text[1]) < 0xA0U;
-  return is_control ? 0 : bytes;
+  const std::size_t bytes = utf8_bytes(text);
+  const bool steers =
+      bytes == 1 ? first < 0x20U || first == 0x7FU
+                 : bytes == 2 && first == 0xC2U && static_cast<unsigned char>(text[1]) < 0xA0U;
+  return steers ? 0 : bytes;
 }
 
 std::string escaped(char c) {
@@ -38,6 +34,15 @@ std::string escaped(char c) {
 }
 
 }  // namespace
+
+std::size_t utf8_bytes(std::string_view text) {
+  const auto first = static_cast<unsigned char>(text[0]);
+  if (first < 0x80U) return 1;
+  const std::size_t bytes = first >= 0xF0U ? 4 : first >= 0xE0U ? 3 : 2;
+  if (first < 0xC2U || first > 0xF4U || text.size() < bytes) return 0;
+  const std::string_view rest = text.substr(1, bytes - 1);
+  return std::all_of(rest.begin(), rest.end(), is_continuation) ? bytes : 0;
+}
 
 std::string excerpt(std::string_view text, std::size_t max_characters) {
   std::string result;

@@ -3,14 +3,11 @@
 #include <fmt/format.h>
 
 #include <cstring>
-#include <optional>
+#include <utility>
 
 #include "hqslam/core/error.h"
-#include "hqslam/core/excerpt.h"
 #include "hqslam/core/whole_file.h"
-#include "pcd_columns.h"
-#include "pcd_header.h"
-#include "raw_points.h"
+#include "pcd_points.h"
 
 namespace hqslam {
 
@@ -18,82 +15,24 @@ namespace {
 
 constexpr std::size_t kMaxFileBytes = std::size_t{1} << 31U;  // maps are larger than scans
 
-/// The columns of a file that matter here.
-struct PointColumns {
-  PcdColumn x, y, z;
-  std::optional<PcdColumn> time;
-  bool whole_times = false;
-  std::string time_name;
-  std::optional<PcdColumn> ring;
-  std::string ring_name;
-};
-
-const PcdField* field_named(const PcdHeader& header, std::string_view name) {
-  for (const PcdField& field : header.fields) {
-    if (field.name == name) return &field;
-  }
-  return nullptr;
-}
-
-PcdColumn coordinate(const PcdHeader& header, const PcdColumns& columns, std::string_view name,
-                     const std::string& path) {
-  const PcdField* const field = field_named(header, name);
-  if (field == nullptr) {
-    std::string found;
-    for (const PcdField& other : header.fields) found += (found.empty() ? "" : " ") + other.name;
-    throw Error(
-        fmt::format("{}: expected fields x y z, found {}; give a point cloud with "
-                    "coordinates",
-                    path, excerpt(found, 200)));
-  }
-  return columns.column(*field);
-}
-
-PointColumns point_columns(const PcdHeader& header, const PcdColumns& columns,
-                           const std::string& path) {
-  PointColumns result;
-  result.x = coordinate(header, columns, "x", path);
-  result.y = coordinate(header, columns, "y", path);
-  result.z = coordinate(header, columns, "z", path);
-  for (const char* name : kTimeNames) {
-    const PcdField* const field = field_named(header, name);
-    if (field == nullptr) continue;
-    result.time = columns.column(*field);
-    result.whole_times = field->type != 'F';
-    result.time_name = name;
-    break;
-  }
-  for (const char* name : kRingNames) {
-    const PcdField* const field = field_named(header, name);
-    if (field == nullptr) continue;
-    result.ring = columns.column(*field);
-    result.ring_name = name;
-    break;
-  }
-  return result;
-}
-
-RawPoints raw_points(const PointColumns& columns, PcdColumns& data, std::size_t points) {
-  RawPoints raw;
-  raw.ring_name = columns.ring_name;
-  raw.time.name = columns.time_name;
-  raw.time.whole_numbers = columns.whole_times;
-  raw.scan.points_m.reserve(points);
-  for (std::size_t i = 0; i < points; ++i) {
-    data.read_point(i);
-    if (!raw.add(columns.x.at(i), columns.y.at(i), columns.z.at(i))) continue;
-    if (columns.time) raw.time.values.push_back(columns.time->at(i));
-    if (columns.ring) raw.ring.push_back(columns.ring->at(i));
-  }
-  return raw;
-}
-
 Scan scan_from(const std::string& path, const SensorModel* sensor) {
   const std::string file = whole_file(path, "a .pcd file", kMaxFileBytes);
   const PcdHeader header = parse_pcd_header(file, path);
-  PcdColumns data(file, header, path);
-  const PointColumns columns = point_columns(header, data, path);
-  return scan_of(raw_points(columns, data, header.points), sensor, path);
+  PcdPoints data(file, header, path);
+  const PointFields fields = point_fields(header.fields, path);
+  for (const PointField* field : {fields.x, fields.y, fields.z, fields.ring, fields.time}) {
+    if (field == nullptr || field->count > 0) continue;
+    throw Error(
+        fmt::format("{}: field '{}': expected one number per point, found none; give a "
+                    ".pcd file with COUNT 1 for it",
+                    path, field->name));
+  }
+  RawPoints points(fields, header.points);
+  for (std::size_t i = 0; i < header.points; ++i) {
+    data.go_to(i);
+    points.add(fields, [&](const PointField& field) { return data.value(field); });
+  }
+  return scan_of(std::move(points), sensor, path);
 }
 
 }  // namespace

@@ -69,8 +69,8 @@ const Words& line_of(const std::map<std::string, Words>& lines, const std::strin
   return found->second;
 }
 
-void require_type(const PcdField& field, std::string_view type, const std::string& path) {
-  const std::size_t size = field.size_bytes;
+void require_type(const PointField& field, std::string_view type, const std::string& path) {
+  const std::size_t size = field.stored.bytes;
   const bool power_of_two = size == 1 || size == 2 || size == 4 || size == 8;
   const bool known = type == "F" ? size == 4 || size == 8 : (type == "I" || type == "U");
   if (!known || !power_of_two) {
@@ -91,18 +91,17 @@ void add_fields(const std::map<std::string, Words>& lines, const std::string& pa
   const Words& types = line_of(lines, "TYPE", names.size(), path);
   const bool has_counts = lines.contains("COUNT");
   for (std::size_t i = 0; i < names.size(); ++i) {
-    PcdField field;
+    PointField field;
     field.name = std::string(names[i]);
-    field.size_bytes = size_from(sizes[i], "SIZE", 8, path);
+    field.stored.bytes = size_from(sizes[i], "SIZE", 8, path);
     require_type(field, types[i], path);
-    field.type = types[i][0];
+    field.stored.type = types[i][0];
     if (has_counts) {
       const Words& counts = line_of(lines, "COUNT", names.size(), path);
       field.count = size_from(counts[i], "COUNT", kMaxCount, path);
     }
-    field.offset_bytes = header.point_bytes;
-    field.first_number = header.point_numbers;
-    header.point_bytes += field.size_bytes * field.count;
+    field.offset = header.data == PcdData::kAscii ? header.point_numbers : header.point_bytes;
+    header.point_bytes += field.stored.bytes * field.count;
     header.point_numbers += field.count;
     header.fields.push_back(std::move(field));
   }
@@ -123,25 +122,24 @@ std::size_t points_of(const std::map<std::string, Words>& lines, const std::stri
   return points;
 }
 
+PcdData data_of(const std::map<std::string, Words>& lines, const std::string& path) {
+  const std::string_view data = line_of(lines, "DATA", 1, path)[0];
+  if (data == "ascii") return PcdData::kAscii;
+  if (data == "binary") return PcdData::kBinary;
+  if (data == "binary_compressed") return PcdData::kBinaryCompressed;
+  fail(path, fmt::format("DATA in the header: expected ascii, binary or binary_compressed, found "
+                         "'{}'",
+                         excerpt(data)));
+}
+
 }  // namespace
 
 PcdHeader parse_pcd_header(std::string_view file, const std::string& path) {
   PcdHeader header;
   const auto lines = header_lines(file, path, header.data_offset_bytes);
+  header.data = data_of(lines, path);
   add_fields(lines, path, header);
   header.points = points_of(lines, path);
-  const std::string_view data = line_of(lines, "DATA", 1, path)[0];
-  if (data == "ascii") {
-    header.data = PcdData::kAscii;
-  } else if (data == "binary") {
-    header.data = PcdData::kBinary;
-  } else if (data == "binary_compressed") {
-    header.data = PcdData::kBinaryCompressed;
-  } else {
-    fail(path, fmt::format("DATA in the header: expected ascii, binary or binary_compressed, found "
-                           "'{}'",
-                           excerpt(data)));
-  }
   return header;
 }
 

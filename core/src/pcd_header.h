@@ -5,22 +5,14 @@
 #include <string_view>
 #include <vector>
 
-namespace hqslam {
+#include "hqslam/core/point_fields.h"
 
-/// One field of a .pcd file: `count` numbers of `size` bytes per point.
-struct PcdField {
-  std::string name;
-  char type = 'F';  ///< F float, I signed, U unsigned
-  std::size_t size_bytes = 4;
-  std::size_t count = 1;
-  std::size_t offset_bytes = 0;  ///< within a point of a binary file
-  std::size_t first_number = 0;  ///< within a line of an ascii file
-};
+namespace hqslam {
 
 enum class PcdData { kAscii, kBinary, kBinaryCompressed };
 
 struct PcdHeader {
-  std::vector<PcdField> fields;
+  std::vector<PointField> fields;
   std::size_t points = 0;
   std::size_t point_bytes = 0;
   std::size_t point_numbers = 0;

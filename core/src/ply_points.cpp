@@ -2,14 +2,11 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
-#include <cstdint>
 #include <string_view>
 
 #include "hqslam/core/error.h"
 #include "hqslam/core/excerpt.h"
 #include "hqslam/core/whole_file.h"
-#include "stored_number.h"
 #include "text_points.h"
 #include "words.h"
 
@@ -42,31 +39,12 @@ constexpr std::array<TypeName, 16> kTypes = {{{"char", {'I', 1}},
                                               {"double", {'F', 8}},
                                               {"float64", {'F', 8}}}};
 
-struct Property {
-  std::string name;
-  StoredNumber stored;
-  std::size_t offset = 0;
-};
-
 struct Header {
   bool ascii = false;
   std::size_t points = 0;
   std::size_t point_bytes = 0;
-  std::vector<Property> properties;
+  std::vector<PointField> properties;
   std::size_t data_at = 0;
-
-  const Property* find(std::string_view name) const {
-    const auto found = std::find_if(properties.begin(), properties.end(),
-                                    [&](const Property& p) { return p.name == name; });
-    return found == properties.end() ? nullptr : &*found;
-  }
-  template <typename Names>
-  const Property* find_any(const Names& names) const {
-    for (const char* name : names) {
-      if (const Property* property = find(name)) return property;
-    }
-    return nullptr;
-  }
 };
 
 [[noreturn]] void fail(const std::string& path, const std::string& expected,
@@ -121,6 +99,9 @@ Header read_header(std::string_view file, const std::string& path) {
     } else if (words[0] == "end_header") {
       if (!known_format) fail(path, "a line 'format'", "none");
       header.data_at = at;
+      for (std::size_t i = 0; header.ascii && i < header.properties.size(); ++i) {
+        header.properties[i].offset = i;
+      }
       return header;
     } else {
       fail(path, "a line of a .ply header", line);
@@ -129,66 +110,32 @@ Header read_header(std::string_view file, const std::string& path) {
   fail(path, "a header that ends with 'end_header'", "its end");
 }
 
-/// The numbers of all points, one after the other, of a file of text.
-std::vector<double> ascii_numbers(std::string_view data, const Header& header,
-                                  const std::string& path) {
-  const std::size_t wanted = header.points * header.properties.size();
-  if (wanted > data.size()) fail(path, fmt::format("{} numbers", wanted), "too little text");
-  std::vector<double> numbers;
-  numbers.reserve(wanted);
-  while (numbers.size() < wanted) {
-    const std::size_t begin = data.find_first_not_of(" \t\r\n");
-    if (begin == std::string_view::npos) break;
-    data.remove_prefix(begin);
-    double value = 0.0;
-    const auto parsed = std::from_chars(data.data(), data.data() + data.size(), value);
-    if (parsed.ptr == data.data()) fail(path, "a number", data.substr(0, 20));
-    numbers.push_back(value);
-    data.remove_prefix(static_cast<std::size_t>(parsed.ptr - data.data()));
-  }
-  if (numbers.size() < wanted) {
-    fail(path, fmt::format("{} numbers", wanted), fmt::format("{}", numbers.size()));
-  }
-  return numbers;
-}
-
 }  // namespace
 
 RawPoints read_ply_points(const std::string& path) {
   const std::string file = whole_file(path, "a .ply file", kMaxFileBytes);
   const Header header = read_header(file, path);
   const std::string_view data = std::string_view(file).substr(header.data_at);
-  const Property* const x = header.find("x");
-  const Property* const y = header.find("y");
-  const Property* const z = header.find("z");
-  if (x == nullptr || y == nullptr || z == nullptr) fail(path, "properties x y z", "others");
-  const Property* const ring = header.find_any(kRingNames);
-  const Property* const time = header.find_any(kTimeNames);
-  std::vector<double> numbers;
+  const PointFields fields = point_fields(header.properties, path, "properties");
   if (header.ascii) {
-    numbers = ascii_numbers(data, header, path);
-  } else if (header.points > data.size() / header.point_bytes) {
+    AsciiPoints text(data, header.points, header.properties.size(), path);
+    RawPoints points(fields, header.points);
+    for (std::size_t i = 0; i < header.points; ++i) {
+      const std::vector<double>& numbers = text.next();
+      points.add(fields, [&](const PointField& field) { return numbers[field.offset]; });
+    }
+    return points;
+  }
+  if (header.points > data.size() / header.point_bytes) {
     fail(path, fmt::format("{} points of {} bytes", header.points, header.point_bytes),
          fmt::format("{} bytes", data.size()));
   }
-  RawPoints points;
-  if (ring != nullptr) points.ring_name = ring->name;
-  if (time != nullptr) {
-    points.time.name = time->name;
-    points.time.whole_numbers = time->stored.type != 'F';
-  }
-  points.scan.points_m.reserve(header.points);
+  RawPoints points(fields, header.points);
   for (std::size_t i = 0; i < header.points; ++i) {
-    const auto value = [&](const Property& property) {
-      if (!header.ascii) {
-        return number_at(data.data() + i * header.point_bytes + property.offset, property.stored);
-      }
-      return numbers[i * header.properties.size() +
-                     static_cast<std::size_t>(&property - header.properties.data())];
-    };
-    if (!points.add(value(*x), value(*y), value(*z))) continue;
-    if (ring != nullptr) points.ring.push_back(value(*ring));
-    if (time != nullptr) points.time.values.push_back(value(*time));
+    const char* const point = data.data() + i * header.point_bytes;
+    points.add(fields, [&](const PointField& field) {
+      return number_at(point + field.offset, field.stored);
+    });
   }
   return points;
 }

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "raw_points.h"
+#include "hqslam/core/point_fields.h"
 
 namespace hqslam {
 

@@ -22,6 +22,8 @@ constexpr std::size_t kKittiColumns = 12;
 /// How far a rotation read from rounded numbers may be from a rotation.
 constexpr double kRotationTolerance = 1e-2;
 
+enum class Form { kTum, kKitti };
+
 struct Row {
   int line = 0;
   std::vector<double> numbers;
@@ -46,10 +48,10 @@ std::vector<double> numbers_of(std::string_view text, const std::string& path, i
   return numbers;
 }
 
-TrajectoryForm form_of(const Row& row, const std::string& path) {
+Form form_of(const Row& row, const std::string& path) {
   const std::size_t columns = row.numbers.size();
-  if (columns == kTumColumns) return TrajectoryForm::kTum;
-  if (columns == kKittiColumns) return TrajectoryForm::kKitti;
+  if (columns == kTumColumns) return Form::kTum;
+  if (columns == kKittiColumns) return Form::kKitti;
   fail(path, row.line,
        fmt::format("expected 8 numbers (TUM) or 12 (KITTI), found {}; give a trajectory in one of "
                    "the two forms",
@@ -108,8 +110,7 @@ StampedPose kitti_pose(const Row& row, double stamp_s, const std::string& path) 
 
 /// The poses of a file, each made from its line as it is met: '#' comments and empty lines are left
 /// out. Without a form the first line of numbers tells it.
-ParsedTrajectory parsed(const std::string& path, std::optional<TrajectoryForm> form,
-                        double period_s) {
+TrajectoryFile parsed(const std::string& path, std::optional<Form> form, double period_s) {
   const std::string file = whole_file(path, "a trajectory", kMaxFileBytes);
   Trajectory trajectory;
   std::string_view rest = file;
@@ -119,7 +120,7 @@ ParsedTrajectory parsed(const std::string& path, std::optional<TrajectoryForm> f
     if (row.numbers.empty()) continue;
     if (!form) form = form_of(row, path);
     trajectory.push_back(
-        form == TrajectoryForm::kTum
+        form == Form::kTum
             ? tum_pose(row, trajectory, path)
             : kitti_pose(row, static_cast<double>(trajectory.size()) * period_s, path));
   }
@@ -129,7 +130,7 @@ ParsedTrajectory parsed(const std::string& path, std::optional<TrajectoryForm> f
                     "or KITTI form",
                     path));
   }
-  return {std::move(trajectory), *form};
+  return {path, std::move(trajectory), form == Form::kTum};
 }
 
 void write_lines(const Trajectory& trajectory, const std::string& path,
@@ -160,19 +161,13 @@ std::string kitti_line(const StampedPose& pose) {
   return line;
 }
 
-Trajectory read_tum(const std::string& path) {
-  return parsed(path, TrajectoryForm::kTum, 0.0).poses;
-}
+Trajectory read_tum(const std::string& path) { return parsed(path, Form::kTum, 0.0).poses; }
 
 Trajectory read_kitti_poses(const std::string& path, double period_s) {
-  return parsed(path, TrajectoryForm::kKitti, period_s).poses;
+  return parsed(path, Form::kKitti, period_s).poses;
 }
 
-Trajectory read_trajectory(const std::string& path, double period_s) {
-  return parsed(path, std::nullopt, period_s).poses;
-}
-
-ParsedTrajectory parse_trajectory(const std::string& path, double period_s) {
+TrajectoryFile read_trajectory_file(const std::string& path, double period_s) {
   return parsed(path, std::nullopt, period_s);
 }
 

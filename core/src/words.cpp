@@ -1,8 +1,35 @@
 #include "words.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cstdint>
+
+#include "hqslam/core/error.h"
+#include "hqslam/core/excerpt.h"
 
 namespace hqslam {
+
+namespace {
+
+/// Whether a number that no double holds is too large rather than too small: the decimal place of
+/// its first digit that is not 0, moved by its exponent, is left of the point.
+bool is_too_large(std::string_view word) {
+  const std::size_t e = std::min(word.find_first_of("eE"), word.size());
+  std::int64_t exponent = 0;
+  if (e < word.size()) {
+    const std::string_view text = word.substr(word[e + 1] == '+' ? e + 2 : e + 1);
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), exponent);
+    if (error == std::errc::result_out_of_range) return text[0] != '-';
+  }
+  const std::string_view mantissa = word.substr(0, e);
+  const std::size_t point = std::min(mantissa.find('.'), mantissa.size());
+  const auto first = mantissa.find_first_of("123456789");
+  if (first == std::string_view::npos) return false;
+  return exponent > static_cast<std::int64_t>(first) - static_cast<std::int64_t>(point);
+}
+
+}  // namespace
 
 std::vector<std::string_view> words_of(std::string_view line, std::string_view separators,
                                        std::size_t most) {
@@ -21,6 +48,52 @@ std::string_view next_line(std::string_view& rest) {
   const std::string_view line = rest.substr(0, rest.find('\n'));
   rest.remove_prefix(std::min(line.size() + 1, rest.size()));
   return line;
+}
+
+std::optional<double> decimal_from(std::string_view word) {
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+  if (error == std::errc::invalid_argument || end != word.data() + word.size()) return std::nullopt;
+  if (error == std::errc()) return value;
+  if (!is_too_large(word)) return 0.0;
+  return word[0] == '-' ? -std::numeric_limits<double>::infinity()
+                        : std::numeric_limits<double>::infinity();
+}
+
+AsciiPoints::AsciiPoints(std::string_view text, std::size_t points, std::size_t numbers_per_point,
+                         const std::string& path)
+    : rest_(text), points_(points), path_(path) {
+  // Each number takes a character and a separator.
+  if (points > text.size() || points * numbers_per_point > (text.size() + 1) / 2) {
+    throw Error(
+        fmt::format("{}: truncated: expected {} points of {} numbers, found {} bytes; copy "
+                    "the file again",
+                    path, points, numbers_per_point, text.size()));
+  }
+  numbers_.resize(numbers_per_point);
+}
+
+const std::vector<double>& AsciiPoints::next() {
+  constexpr std::string_view kAnySpace = " \t\r\n";
+  for (std::size_t i = 0; i < numbers_.size(); ++i) {
+    rest_.remove_prefix(std::min(rest_.find_first_not_of(kAnySpace), rest_.size()));
+    if (rest_.empty()) {
+      throw Error(
+          fmt::format("{}: truncated: expected {} points of {} numbers, found {} numbers; "
+                      "copy the file again",
+                      path_, points_, numbers_.size(), point_ * numbers_.size() + i));
+    }
+    const std::string_view word = rest_.substr(0, rest_.find_first_of(kAnySpace));
+    const std::optional<double> value = decimal_from(word);
+    if (!value) {
+      throw Error(fmt::format("{}: point {}: expected a number, found '{}'; correct the line",
+                              path_, point_, excerpt(word)));
+    }
+    numbers_[i] = *value;
+    rest_.remove_prefix(word.size());
+  }
+  ++point_;
+  return numbers_;
 }
 
 }  // namespace hqslam

@@ -3,6 +3,7 @@
 #include <charconv>
 #include <limits>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <system_error>
 #include <vector>
@@ -26,5 +27,27 @@ std::optional<Number> number_from(std::string_view word) {
   const bool whole = parsed.ec == std::errc() && parsed.ptr == word.data() + word.size();
   return whole ? std::optional(value) : std::nullopt;
 }
+
+/// A decimal number, infinite where it is too large for a double, 0 where it is too small; nothing
+/// if the word is no number.
+std::optional<double> decimal_from(std::string_view word);
+
+/// Points as text: so many numbers each, with any space between them.
+class AsciiPoints {
+ public:
+  /// `text` and `path` must outlive the object. Throws Error if the text is too short.
+  AsciiPoints(std::string_view text, std::size_t points, std::size_t numbers_per_point,
+              const std::string& path);
+  /// The numbers of the next point: all of a file's would take many times its size. Throws Error if
+  /// a word is no number.
+  const std::vector<double>& next();
+
+ private:
+  std::string_view rest_;
+  std::size_t points_;
+  const std::string& path_;
+  std::size_t point_ = 0;
+  std::vector<double> numbers_;
+};
 
 }  // namespace hqslam

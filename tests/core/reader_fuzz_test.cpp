@@ -174,7 +174,9 @@ TEST_CASE("damaged trajectories are read or refused, nothing else") {
   for (int i = 0; i < 20; ++i) {
     trajectory.push_back({0.1 * i, pose_from_xyz_rpy({1.0 * i, 2, 3}, 0.1 * i, 0.2, -0.3)});
   }
-  const Read read = [](const std::string& path) { path_length_m(read_trajectory(path)); };
+  const Read read = [](const std::string& path) {
+    path_length_m(read_trajectory_file(path).poses);
+  };
   feed(written([&](const std::string& path) { write_tum(trajectory, path); }), "t.tum", 5000, read);
   feed(written([&](const std::string& path) { write_kitti_poses(trajectory, path); }), "t.kitti",
        5000, read);

@@ -40,7 +40,7 @@ std::string complaint_about(const std::string& contents,
   return error_message([&] { read(directory.file("poses.txt")); });
 }
 
-Trajectory read_any(const std::string& path) { return read_trajectory(path); }
+Trajectory read_any(const std::string& path) { return read_trajectory_file(path).poses; }
 
 }  // namespace
 
@@ -76,7 +76,7 @@ TEST_CASE("comments, empty lines, tabs and carriage returns are accepted") {
   const TemporaryDirectory directory;
   write_file(directory.file("t"),
              "# stamp x y z qx qy qz qw\r\n\n1 1 2 3 0 0 0 1\r\n\t2e0\t4 5 6 0 0 1.0 0 # half\n");
-  const Trajectory trajectory = read_trajectory(directory.file("t"));
+  const Trajectory trajectory = read_trajectory_file(directory.file("t")).poses;
   REQUIRE(trajectory.size() == 2);
   CHECK(trajectory[1].stamp_s == 2.0);
   CHECK(trajectory[1].T_map_sensor.translation() == Eigen::Vector3d(4, 5, 6));
@@ -86,7 +86,7 @@ TEST_CASE("comments, empty lines, tabs and carriage returns are accepted") {
 TEST_CASE("the number of columns tells TUM from KITTI") {
   const TemporaryDirectory directory;
   write_file(directory.file("t"), "1 0 0 7 0 1 0 8 0 0 1 9\n1 0 0 7 0 1 0 8 0 0 1 10\n");
-  const Trajectory trajectory = read_trajectory(directory.file("t"), 0.5);
+  const Trajectory trajectory = read_trajectory_file(directory.file("t"), 0.5).poses;
   REQUIRE(trajectory.size() == 2);
   CHECK(trajectory[1].stamp_s == 0.5);
   CHECK(trajectory[1].T_map_sensor.translation() == Eigen::Vector3d(7, 8, 10));
@@ -122,7 +122,7 @@ TEST_CASE("a trajectory is a regular file that is not far larger than any drive"
   const TemporaryDirectory directory;
   const std::string path = directory.file("t.tum");
   const auto complaint = [](const std::string& file) {
-    return error_message([&] { read_trajectory(file); });
+    return error_message([&] { read_trajectory_file(file); });
   };
   CHECK(one_line_with(complaint(directory.path().string()), "a trajectory", "found a folder"));
   CHECK(one_line_with(complaint("/dev/null"), "/dev/null", "a trajectory", "found no file"));
@@ -140,8 +140,8 @@ TEST_CASE("the first wrong line is refused, whatever comes after it") {
 TEST_CASE("the form of a trajectory is the parser's finding, whatever stands in comments") {
   const TemporaryDirectory directory;
   write_file(directory.file("t"), "0 1 2 3 0 0 0 1 # the first pose\n1 1 2 3 0 0 0 1\n");
-  CHECK(parse_trajectory(directory.file("t")).form == TrajectoryForm::kTum);
-  CHECK(parse_trajectory(directory.file("t")).poses.size() == 2);
+  CHECK(read_trajectory_file(directory.file("t")).has_stamps);
+  CHECK(read_trajectory_file(directory.file("t")).poses.size() == 2);
   write_file(directory.file("k"), "#0 1 2 3 0 0 0 1\n1 0 0 4 0 1 0 5 0 0 1 6 # 1 2 3\n");
-  CHECK(parse_trajectory(directory.file("k"), 0.5).form == TrajectoryForm::kKitti);
+  CHECK_FALSE(read_trajectory_file(directory.file("k"), 0.5).has_stamps);
 }

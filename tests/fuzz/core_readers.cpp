@@ -30,9 +30,9 @@ void read_scans(const std::string& path) {
   }
 }
 
-void read_poses(const std::string& path, TrajectoryForm form) {
-  const ParsedTrajectory parsed = parse_trajectory(path, 0.1);
-  if (parsed.form == form) path_length_m(parsed.poses);
+void read_poses(const std::string& path, bool with_stamps) {
+  const TrajectoryFile file = read_trajectory_file(path);
+  if (file.has_stamps == with_stamps) path_length_m(file.poses);
 }
 
 }  // namespace
@@ -56,8 +56,8 @@ void stamps(Bytes input) { read_stamps_s(as_file(input, ".txt")); }
 
 void sensor_json(Bytes input) { validate(read_sensor_json(as_file(input, ".json"))); }
 
-void tum(Bytes input) { read_poses(as_file(input, ".tum"), TrajectoryForm::kTum); }
+void tum(Bytes input) { read_poses(as_file(input, ".tum"), true); }
 
-void kitti(Bytes input) { read_poses(as_file(input, ".kitti"), TrajectoryForm::kKitti); }
+void kitti(Bytes input) { read_poses(as_file(input, ".kitti"), false); }
 
 }  // namespace hqslam::fuzz

@@ -25,6 +25,9 @@ class Bag {
   virtual std::unique_ptr<MessageSource> messages(const std::string& topic) const = 0;
 };
 
+/// Adds a topic to a list, or its messages to those of the same name.
+void add_topic(std::vector<Topic>& topics, const Topic& topic);
+
 /// Bytes that no single message or chunk of a sensor's recording reaches; a file that claims more
 /// is damaged.
 inline constexpr std::size_t kMaxChunkBytes = std::size_t{1} << 29U;

@@ -186,16 +186,7 @@ class ChainedBag : public Bag {
  public:
   explicit ChainedBag(std::vector<std::unique_ptr<Bag>> bags) : bags_(std::move(bags)) {
     for (const auto& bag : bags_) {
-      for (const Topic& topic : bag->topics()) {
-        const auto known = std::find_if(topics_.begin(), topics_.end(), [&](const Topic& other) {
-          return other.name == topic.name;
-        });
-        if (known == topics_.end()) {
-          topics_.push_back(topic);
-        } else {
-          known->messages += topic.messages;
-        }
-      }
+      for (const Topic& topic : bag->topics()) add_topic(topics_, topic);
     }
   }
   std::string kind() const override { return bags_.front()->kind(); }
@@ -212,6 +203,16 @@ class ChainedBag : public Bag {
 };
 
 }  // namespace
+
+void add_topic(std::vector<Topic>& topics, const Topic& topic) {
+  const auto known = std::find_if(topics.begin(), topics.end(),
+                                  [&](const Topic& other) { return other.name == topic.name; });
+  if (known == topics.end()) {
+    topics.push_back(topic);
+  } else {
+    known->messages += topic.messages;
+  }
+}
 
 std::unique_ptr<Bag> chained(std::vector<std::unique_ptr<Bag>> bags) {
   if (bags.size() == 1) return std::move(bags.front());

@@ -47,12 +47,13 @@ class CloudScans : public ScanSource {
 
  private:
   RecordedScan scan_of(const Message& message, const std::string& name) const {
-    PointCloudMessage cloud = read_point_cloud(message);
+    PointCloudMessage cloud = read_point_cloud(message, name);
+    Scan& scan = cloud.points.scan;
     RecordedScan result;
     result.name = name;
     result.stamp_s = 1e-9 * static_cast<double>(cloud.stamp_ns);
-    if (auto times = point_times(cloud.time, sensor_.scan_period_s, name)) {
-      cloud.scan.time_offset_s = std::move(times->offset_s);
+    if (auto times = point_times(cloud.points.time, sensor_.scan_period_s, name)) {
+      scan.time_offset_s = std::move(times->offset_s);
       // A scan's stamp is the middle of its times, whatever the driver stamps. Times of a clock
       // other than the stamp's count from the scan's beginning.
       const bool same_clock = std::abs(times->middle_s - result.stamp_s) < 2.0;
@@ -60,25 +61,26 @@ class CloudScans : public ScanSource {
         result.stamp_s = times->middle_s;
       } else if (times->absolute) {
         result.stamp_s -= static_cast<double>(
-            *std::min_element(cloud.scan.time_offset_s.begin(), cloud.scan.time_offset_s.end()));
+            *std::min_element(scan.time_offset_s.begin(), scan.time_offset_s.end()));
       } else {
         result.stamp_s += times->middle_s;
       }
     }
-    set_rows(cloud, name);
-    ProjectedScan projected = project(cloud.scan, sensor_);
-    require_scan_of_sensor(projected.counts, cloud.scan.points_m.size(), name);
+    set_rows(cloud.points, name);
+    ProjectedScan projected = project(scan, sensor_);
+    require_scan_of_sensor(projected.counts, scan.points_m.size(), name);
     result.cloud = std::move(projected.cloud);
     result.counts = projected.counts;
-    result.invalid_points = cloud.scan.invalid_points;
+    result.invalid_points = scan.invalid_points;
     return result;
   }
 
-  void set_rows(PointCloudMessage& cloud, const std::string& name) const {
-    if (!cloud.ring.empty()) {
-      cloud.scan.row = rows_from_rings(cloud.ring, cloud.scan, sensor_, name, cloud.ring_name);
-    } else if (!cloud.scan.points_m.empty() && stored_ring_after_ring(cloud.scan, sensor_)) {
-      cloud.scan.row = recover_rings(cloud.scan, sensor_).row;
+  void set_rows(RawPoints& points, const std::string& name) const {
+    Scan& scan = points.scan;
+    if (!points.ring.empty()) {
+      scan.row = rows_from_rings(points.ring, scan, sensor_, name, points.ring_name);
+    } else if (!scan.points_m.empty() && stored_ring_after_ring(scan, sensor_)) {
+      scan.row = recover_rings(scan, sensor_).row;
     }
   }
 
@@ -165,7 +167,7 @@ Opened open_clouds(std::shared_ptr<const RecordingFile> file, const Stream& stre
   const auto messages = file->messages(stream);
   const auto first = messages->next();
   try {
-    if (first) info.has_point_times = !read_point_cloud(*first).time.name.empty();
+    if (first) info.has_point_times = !read_point_cloud(*first, "PointCloud2").points.time.name.empty();
   } catch (const Error& error) {
     info.warnings.push_back(fmt::format("{}: its first scan: {}", path, error.what()));
   }

@@ -128,37 +128,6 @@ std::uint64_t serial_to_read(const RecordingFile& file, const Stream& stream, co
   return found.begin()->first;
 }
 
-void count_scans(const RecordingFile& file, const Stream& stream, const OusterMetadata& metadata,
-                 OusterOptions options, RecordingInfo& info) {
-  options.with_ranges = false;
-  OusterDecoder decoder(metadata, options);
-  const auto packets = file.packets(stream);
-  std::vector<OusterFrame> frames;
-  std::int64_t first_ns = 0;
-  std::int64_t last_ns = 0;
-  const auto take = [&] {
-    for (const OusterFrame& frame : frames) {
-      if (info.scans == 0) first_ns = frame.first_capture_ns;
-      last_ns = frame.first_capture_ns;
-      ++info.scans;
-    }
-    frames.clear();
-  };
-  while (const auto packet = packets->next()) {
-    decoder.add(*packet, frames);
-    take();
-  }
-  decoder.finish(frames);
-  take();
-  info.first_stamp_s = 1e-9 * static_cast<double>(first_ns);
-  info.duration_s = 1e-9 * (static_cast<double>(last_ns) - static_cast<double>(first_ns)) +
-                    info.sensor.scan_period_s;
-  info.packets = decoder.counts();
-  info.lost_scans = decoder.lost_frames();
-  info.partial_scans = decoder.partial_frames();
-  if (const std::string text = packets->complaint(); !text.empty()) info.warnings.push_back(text);
-}
-
 void require_packets_of(const Candidate& of, const Stream& stream, const std::string& path) {
   if (of.metadata.packet_bytes() == stream.packet_bytes) return;
   throw Error(fmt::format(
@@ -196,15 +165,16 @@ Opened open_ouster(std::shared_ptr<const RecordingFile> file, const Stream& stre
   OusterOptions decoding;
   decoding.kept_return = options.kept_return;
   decoding.serial_number = serial_to_read(*file, stream, of, path, info.warnings);
-  count_scans(*file, stream, of.metadata, decoding, info);
-  if (info.scans == 0) {
-    throw Error(
-        fmt::format("{}: expected at least one turn of the sensor, found none in {} packets; "
-                    "record longer",
-                    path, stream.messages));
-  }
-  const std::string complaint = packet_complaint(info.packets, info.lost_scans);
-  if (!complaint.empty()) info.warnings.push_back(fmt::format("{}: {}", path, complaint));
+  OusterOptions counting = decoding;
+  counting.with_ranges = false;
+  OusterDecoder decoder(of.metadata, counting);
+  count_scans<OusterFrame>(
+      *file, stream, decoder,
+      [](const OusterFrame& frame) { return 1e-9 * static_cast<double>(frame.first_capture_ns); },
+      info);
+  info.lost_scans = decoder.lost_frames();
+  info.partial_scans = decoder.partial_frames();
+  judge_counts(stream, path, info);
   opened.source = packet_scan_source(std::move(file), stream, info,
                                      ouster_assembler(of.metadata, path, decoding));
   return opened;

@@ -4,6 +4,8 @@
 
 #include <utility>
 
+#include "hqslam/core/error.h"
+
 namespace hqslam::recordings {
 
 namespace {
@@ -53,15 +55,22 @@ std::unique_ptr<ScanSource> packet_scan_source(std::shared_ptr<const RecordingFi
   return std::make_unique<PacketScanSource>(std::move(file), stream, info, std::move(assembler));
 }
 
-std::string packet_complaint(const PacketCounts& counts, std::int64_t lost_scans) {
+void judge_counts(const Stream& stream, const std::string& path, RecordingInfo& info) {
+  if (info.scans == 0) {
+    throw Error(
+        fmt::format("{}: expected at least one turn of the sensor, found less than that in "
+                    "{} packets; record longer",
+                    path, stream.messages));
+  }
   std::string text;
   const auto say = [&](std::int64_t count, const char* what) {
     if (count > 0) text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, what);
   };
-  say(counts.lost, counts.lost == 1 ? "packet was lost" : "packets were lost");
-  say(lost_scans, lost_scans == 1 ? "whole turn was lost" : "whole turns were lost");
-  say(counts.late, "came late or twice and were left out");
-  return text;
+  const std::int64_t lost = info.packets.lost;
+  say(lost, lost == 1 ? "packet was lost" : "packets were lost");
+  say(info.lost_scans, info.lost_scans == 1 ? "whole turn was lost" : "whole turns were lost");
+  say(info.packets.late, "came late or twice and were left out");
+  if (!text.empty()) info.warnings.push_back(fmt::format("{}: {}", path, text));
 }
 
 }  // namespace hqslam::recordings

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <filesystem>
 
 #include "hqslam/core/error.h"
@@ -36,14 +35,7 @@ class ScannedBag : public Bag {
     std::map<std::uint32_t, std::int64_t> messages;
     while (const auto found = file->next()) ++messages[found->connection];
     for (const auto& [id, connection] : file->connections()) {
-      const auto known = std::find_if(
-          topics_.begin(), topics_.end(),
-          [&name = connection.topic](const Topic& topic) { return topic.name == name; });
-      if (known == topics_.end()) {
-        topics_.push_back({connection.topic, connection.type, messages[id]});
-      } else {
-        known->messages += messages[id];
-      }
+      add_topic(topics_, {connection.topic, connection.type, messages[id]});
     }
   }
 

@@ -39,37 +39,6 @@ VelodyneStream probe(const RecordingFile& file, const Stream& stream, const std:
   return *found;
 }
 
-/// Goes through the whole stream once without computing points.
-void count_scans(const RecordingFile& file, const Stream& stream, const VelodyneStream& velodyne,
-                 RecordingInfo& info) {
-  VelodyneOptions options;
-  options.with_points = false;
-  VelodyneDecoder decoder(velodyne, info.sensor, options);
-  const auto packets = file.packets(stream);
-  std::vector<Scan> scans;
-  double last_stamp_s = 0.0;
-  const auto take = [&] {
-    for (const Scan& scan : scans) {
-      if (info.scans == 0) info.first_stamp_s = scan.stamp_s;
-      last_stamp_s = scan.stamp_s;
-      ++info.scans;
-    }
-    scans.clear();
-  };
-  while (const auto packet = packets->next()) {
-    decoder.add(*packet, scans);
-    take();
-  }
-  decoder.finish(scans);
-  take();
-  if (info.scans > 0) {
-    info.duration_s = last_stamp_s - info.first_stamp_s + info.sensor.scan_period_s;
-  }
-  info.packets = decoder.counts();
-  info.partial_scans = decoder.partial_scans();
-  if (const std::string text = packets->complaint(); !text.empty()) info.warnings.push_back(text);
-}
-
 }  // namespace
 
 Opened open_velodyne(std::shared_ptr<const RecordingFile> file, const Stream& stream,
@@ -83,18 +52,15 @@ Opened open_velodyne(std::shared_ptr<const RecordingFile> file, const Stream& st
       fmt::format("Velodyne packets, {} return", velodyne.dual_return ? "dual" : "single");
   info.has_stamps = true;
   info.has_point_times = true;
-  count_scans(*file, stream, velodyne, info);
-  if (info.scans == 0) {
-    throw Error(
-        fmt::format("{}: expected at least one turn of the sensor, found less than that in "
-                    "{} packets; record longer",
-                    path, stream.messages));
-  }
-  if (const std::string text = packet_complaint(info.packets, 0); !text.empty()) {
-    info.warnings.push_back(fmt::format("{}: {}", path, text));
-  }
   VelodyneOptions decoding;
   decoding.kept_return = options.kept_return;
+  VelodyneOptions counting = decoding;
+  counting.with_points = false;
+  VelodyneDecoder decoder(velodyne, info.sensor, counting);
+  count_scans<Scan>(
+      *file, stream, decoder, [](const Scan& scan) { return scan.stamp_s; }, info);
+  info.partial_scans = decoder.partial_scans();
+  judge_counts(stream, path, info);
   opened.source = packet_scan_source(std::move(file), stream, info,
                                      velodyne_assembler(velodyne, info.sensor, path, decoding));
   return opened;

@@ -34,4 +34,17 @@ SplineValue<Vector> spline_at(const std::vector<Vector>& control, double paramet
   return value;
 }
 
+/// Rounds the corners of a row of points; the first and the last stay.
+template <typename Vector>
+void smooth(std::vector<Vector>& points, int passes) {
+  for (int pass = 0; pass < passes; ++pass) {
+    Vector previous = points.front();
+    for (std::size_t k = 1; k + 1 < points.size(); ++k) {
+      const Vector here = points[k];
+      points[k] = 0.25 * previous + 0.5 * here + 0.25 * points[k + 1];
+      previous = here;
+    }
+  }
+}
+
 }  // namespace hqslam::sim

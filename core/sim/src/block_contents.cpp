@@ -16,13 +16,6 @@ Eigen::AlignedBox2d box_of(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
   return {a.cwiseMin(b), a.cwiseMax(b)};
 }
 
-/// Upright things on the lot look from the sidewalk inwards.
-Eigen::Isometry3d frame_at(const City& city, const Eigen::Vector2d& sheet_m,
-                           const Eigen::Vector2d& along) {
-  return upright_frame(city.layout.ground(sheet_m, kKerbHeight_m),
-                       city.layout.heading_rad(sheet_m, along));
-}
-
 /// Tubs, shrubs and boxes along the foot of a house.
 void plant_tubs(City& city, const BlockSide& side, double from_m, double to_m, Random& random) {
   const int count = random.below(5);
@@ -36,7 +29,7 @@ void plant_tubs(City& city, const BlockSide& side, double from_m, double to_m, R
       const double height_m = random.uniform(0.4, 1.3);
       const Surface metal{Material::kMetal, random.shade()};
       const double end_m = random.uniform(0.2, 0.8);
-      add_box(city.fixed, frame_at(city, at, side.along), {-0.3, -0.25, -0.3},
+      add_box(city.fixed, frame_at(city, at, side.along, kKerbHeight_m), {-0.3, -0.25, -0.3},
               {end_m, 0.3, height_m}, metal);
     }
   }
@@ -140,7 +133,8 @@ void add_detached_houses(City& city, const Block& block, Random& random) {
 
 /// A paved square: a monument, benches, a few trees, much room.
 void add_square(City& city, const Block& block, Random& random) {
-  const Eigen::Isometry3d middle = frame_at(city, block.sheet_m.center(), {1.0, 0.0});
+  const Eigen::Isometry3d middle =
+      frame_at(city, block.sheet_m.center(), {1.0, 0.0}, kKerbHeight_m);
   const Surface stone{Material::kConcrete, 190};
   add_box(city.fixed, middle, {-2.2, -2.2, -0.5}, {2.2, 2.2, 0.4}, stone);
   add_box(city.fixed, middle, {-0.9, -0.9, 0.4}, {0.9, 0.9, 2.2}, stone);
@@ -154,7 +148,8 @@ void add_square(City& city, const Block& block, Random& random) {
     const Eigen::Vector2d at = draw_inside(block.sheet_m, 6.0, random);
     add_bench(city.fixed,
               frame_at(city, at,
-                       random.chance(0.5) ? Eigen::Vector2d(1.0, 0.0) : Eigen::Vector2d(0.0, 1.0)));
+                       random.chance(0.5) ? Eigen::Vector2d(1.0, 0.0) : Eigen::Vector2d(0.0, 1.0),
+                       kKerbHeight_m));
   }
 }
 
@@ -174,7 +169,8 @@ void add_park(City& city, const Block& block, Random& random) {
       add_hedge(city.fixed, city.layout, side.at(8.0, kLotLine_m + 0.5),
                 side.at(side.length_m - 8.0, kLotLine_m + 0.5), random.uniform(0.8, 1.2), random);
     }
-    add_bench(city.fixed, frame_at(city, side.at(0.5 * side.length_m, 5.5), side.along));
+    add_bench(city.fixed,
+              frame_at(city, side.at(0.5 * side.length_m, 5.5), side.along, kKerbHeight_m));
   }
 }
 

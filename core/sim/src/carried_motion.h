@@ -21,8 +21,6 @@ class CarriedMotion final : public SensorMotion {
  private:
   const DriverPath& path_;
   const Terrain& terrain_;
-  Pose T_walker_hand_;
-  Pose T_hand_mount_;
   HandSway sway_;
 };
 

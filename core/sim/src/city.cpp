@@ -63,6 +63,12 @@ BlockSide side_of(const Eigen::AlignedBox2d& sheet_m, int side) {
   }
 }
 
+Eigen::Isometry3d frame_at(const City& city, const Eigen::Vector2d& sheet_m,
+                           const Eigen::Vector2d& along, double lift_m) {
+  return upright_frame(city.layout.ground(sheet_m, lift_m),
+                       city.layout.heading_rad(sheet_m, along));
+}
+
 Eigen::Vector2d draw_inside(const Eigen::AlignedBox2d& sheet_m, double margin_m, Random& random) {
   Eigen::Vector2d fraction;
   fraction.y() = random.uniform();

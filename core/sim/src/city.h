@@ -51,6 +51,10 @@ struct BlockSide {
 };
 BlockSide side_of(const Eigen::AlignedBox2d& sheet_m, int side);
 
+/// Upright on the ground, lifted by `lift_m`; x looks where `along` of the sheet does.
+Eigen::Isometry3d frame_at(const City& city, const Eigen::Vector2d& sheet_m,
+                           const Eigen::Vector2d& along, double lift_m);
+
 /// What a block is filled with, by its kind.
 void fill_block(City& city, const Block& block, double parked_car_share);
 

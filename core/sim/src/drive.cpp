@@ -9,6 +9,7 @@
 #include "path_plan.h"
 #include "ray_scene.h"
 #include "scenario.h"
+#include "spec_numbers.h"
 #include "surface_distance.h"
 
 namespace hqslam::sim {
@@ -25,19 +26,12 @@ void validate(const DriveSpec& spec) {
     throw Error(fmt::format("drive '{}': scans is {}, expected 1 to {}", spec.name, spec.scans,
                             kMostScans));
   }
-  const auto check = [&](const char* field, double value, double low, double high) {
-    if (value >= low && value <= high) return;
-    throw Error(
-        fmt::format("drive '{}': {} is {}, expected {} to {}", spec.name, field, value, low, high));
-  };
-  constexpr double kSteepest_rad = 0.7854;
-  check("sensor_height_m", spec.mount.sensor_height_m, 0.1, 10.0);
-  check("mount_roll_rad", spec.mount.mount_roll_rad, -kSteepest_rad, kSteepest_rad);
-  check("mount_pitch_rad", spec.mount.mount_pitch_rad, -kSteepest_rad, kSteepest_rad);
-  check("extra_range_noise_m", spec.conditions.extra_range_noise_m, 0.0, 1.0);
-  check("dropout_share", spec.conditions.dropout_share, 0.0, 0.999);
-  check("extinction_per_m", spec.conditions.extinction_per_m, 0.0, 1.0);
-  check("airborne_share", spec.conditions.airborne_share, 0.0, 1.0);
+  for_each_number(
+      spec, [&](const char* /*part*/, const char* name, double value, double low, double high) {
+        if (value >= low && value <= high) return;
+        throw Error(fmt::format("drive '{}': {} is {}, expected {} to {}", spec.name, name, value,
+                                low, high));
+      });
 }
 
 struct DriveSimulator::Implementation {

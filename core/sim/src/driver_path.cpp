@@ -39,17 +39,6 @@ Resampled resample(const std::vector<LanePoint>& lane) {
   return result;
 }
 
-void smooth(std::vector<Eigen::Vector2d>& control_m) {
-  for (int pass = 0; pass < kSmoothingPasses; ++pass) {
-    Eigen::Vector2d previous = control_m.front();
-    for (std::size_t k = 1; k + 1 < control_m.size(); ++k) {
-      const Eigen::Vector2d here = control_m[k];
-      control_m[k] = 0.25 * previous + 0.5 * here + 0.25 * control_m[k + 1];
-      previous = here;
-    }
-  }
-}
-
 double curvature_per_m(const std::vector<Eigen::Vector2d>& control_m, std::size_t k) {
   const Eigen::Vector2d first = 0.5 * (control_m[k + 1] - control_m[k - 1]) / kSpacing_m;
   const Eigen::Vector2d second =
@@ -86,7 +75,7 @@ std::vector<double> plan_speed(const Resampled& way, const DriverStyle& style) {
 DriverPath::DriverPath(const std::vector<LanePoint>& lane, const DriverStyle& style) {
   constexpr double kStartStop_s = 0.5;
   Resampled way = resample(lane);
-  smooth(way.control_m);
+  smooth(way.control_m, kSmoothingPasses);
   const std::vector<double> speed_mps = plan_speed(way, style);
   control_m_ = std::move(way.control_m);
   double time_s = kStartStop_s;

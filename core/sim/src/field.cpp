@@ -49,9 +49,7 @@ void add_marker_posts(City& city, const BlockSide& side, Random& random) {
   const double spacing_m = random.uniform(24.0, 50.0);
   for (double along_m = random.uniform(5.0, 20.0); along_m < side.length_m - 5.0;
        along_m += spacing_m) {
-    const Eigen::Vector2d at = side.at(along_m, 0.6);
-    const Eigen::Isometry3d frame =
-        upright_frame(city.layout.ground(at, 0.0), city.layout.heading_rad(at, side.along));
+    const Eigen::Isometry3d frame = frame_at(city, side.at(along_m, 0.6), side.along, 0.0);
     add_box(city.fixed, frame, {-0.06, -0.06, -0.2}, {0.06, 0.06, 1.0}, {Material::kPlaster, 240});
     add_box(city.fixed, frame, {-0.03, -0.065, 0.7}, {0.03, 0.065, 0.85},
             {Material::kRetroreflector, 60});

@@ -9,10 +9,6 @@ namespace {
 
 constexpr Surface kPoleMetal{Material::kMetal, 110};
 
-int steps(double length_m, double step_m) {
-  return std::max(1, static_cast<int>(std::ceil(length_m / step_m)));
-}
-
 }  // namespace
 
 void add_lamp(TriangleMesh& mesh, const Eigen::Isometry3d& frame) {

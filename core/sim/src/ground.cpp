@@ -15,10 +15,6 @@ constexpr double kOpenLandCell_m = 10.0;
 /// Streets reach under the blocks, which end in rounded corners.
 constexpr double kStreetOverlap_m = 1.5;
 
-int steps(double length_m, double step_m) {
-  return std::max(1, static_cast<int>(std::ceil(length_m / step_m)));
-}
-
 /// A rectangle of the sheet as a grid on the terrain, lifted by `lift_m(u, v)`.
 template <typename Lift>
 void add_patch(TriangleMesh& mesh, const Layout& layout, const Eigen::AlignedBox2d& sheet_m,

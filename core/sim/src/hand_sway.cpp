@@ -16,7 +16,10 @@ struct Size {
 
 }  // namespace
 
-HandSway::HandSway(std::uint64_t seed, double largest_rad) {
+HandSway::HandSway(std::uint64_t seed, double largest_rad, const SensorMount& mount)
+    : T_walker_hand_(pose_from_xyz_rpy({0.0, 0.0, mount.sensor_height_m}, 0.0, 0.0, 0.0)),
+      T_hand_mount_(pose_from_xyz_rpy(Eigen::Vector3d::Zero(), mount.mount_roll_rad,
+                                      mount.mount_pitch_rad, 0.0)) {
   const std::array<Size, 5> sizes = {{{largest_rad, 1.0},
                                       {largest_rad, 1.0},
                                       {0.3 * largest_rad, 0.5},
@@ -38,9 +41,11 @@ double HandSway::Swing::at(double time_s) const {
   return amplitude * size * std::sin(frequency_rad_per_s * time_s + phase_rad);
 }
 
-Pose HandSway::T_hand_sensor(double time_s) const {
-  return pose_from_xyz_rpy({0.0, swings_[3].at(time_s), swings_[4].at(time_s)},
-                           swings_[0].at(time_s), swings_[1].at(time_s), swings_[2].at(time_s));
+Pose HandSway::T_world_sensor(const Pose& T_world_walker, double time_s) const {
+  const Pose T_hand_swung =
+      pose_from_xyz_rpy({0.0, swings_[3].at(time_s), swings_[4].at(time_s)}, swings_[0].at(time_s),
+                        swings_[1].at(time_s), swings_[2].at(time_s));
+  return T_world_walker * T_walker_hand_ * T_hand_swung * T_hand_mount_;
 }
 
 }  // namespace hqslam::sim

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "hqslam/core/pose.h"
+#include "hqslam/sim/drive.h"
 
 namespace hqslam::sim {
 
@@ -12,9 +13,9 @@ namespace hqslam::sim {
 ///   angle(t) = A (0.85 + 0.15 sin(w_slow t + p_slow)) sin(w t + p),  2 pi / w = 0.95 to 1.05 s
 class HandSway {
  public:
-  HandSway(std::uint64_t seed, double largest_rad);
-  /// Relative to where a hand that keeps still would hold it.
-  Pose T_hand_sensor(double time_s) const;
+  HandSway(std::uint64_t seed, double largest_rad, const SensorMount& mount);
+  /// T_world_walker: the feet of who carries it, upright, x forward.
+  Pose T_world_sensor(const Pose& T_world_walker, double time_s) const;
 
  private:
   struct Swing {
@@ -24,6 +25,8 @@ class HandSway {
     double slow_phase_rad;
     double at(double time_s) const;
   };
+  Pose T_walker_hand_;
+  Pose T_hand_mount_;
   std::array<Swing, 5> swings_;  ///< roll, pitch, yaw, aside, up
 };
 

@@ -19,10 +19,7 @@ class IndoorScenario final : public Scenario {
         path_(indoor_route(plan_, seed_of_part(spec.seed, DrivePart::kPath),
                            kPace_mps * duration_s + kSpare_m),
               kPace_mps),
-        sway_(seed_of_part(spec.seed, DrivePart::kSway), kSway_rad),
-        T_walker_hand_(pose_from_xyz_rpy({0.0, 0.0, spec.mount.sensor_height_m}, 0.0, 0.0, 0.0)),
-        T_hand_mount_(pose_from_xyz_rpy(Eigen::Vector3d::Zero(), spec.mount.mount_roll_rad,
-                                        spec.mount.mount_pitch_rad, 0.0)) {
+        sway_(seed_of_part(spec.seed, DrivePart::kSway), kSway_rad, spec.mount) {
     scenery_.fixed = make_indoor_mesh(plan_);
   }
 
@@ -30,7 +27,7 @@ class IndoorScenario final : public Scenario {
   Pose T_world_sensor(double time_s) const override {
     const WalkingPath::State state = path_.at_time(time_s);
     const Pose T_world_walker = upright_frame(state.feet_m, state.heading_rad);
-    return T_world_walker * T_walker_hand_ * sway_.T_hand_sensor(time_s) * T_hand_mount_;
+    return sway_.T_world_sensor(T_world_walker, time_s);
   }
   std::vector<ActorMotion> actors(double /*from_s*/, double /*to_s*/,
                                   const Eigen::Vector2d& /*plane_m*/) const override {
@@ -43,8 +40,6 @@ class IndoorScenario final : public Scenario {
   IndoorPlan plan_;
   WalkingPath path_;
   HandSway sway_;
-  Pose T_walker_hand_;
-  Pose T_hand_mount_;
   Scenery scenery_;
 };
 

@@ -1,5 +1,6 @@
 #include "mesh.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -91,6 +92,10 @@ void add_grid(TriangleMesh& mesh, const std::vector<Eigen::Vector3d>& points, in
       connect(mesh, a, below + 1, below, surface);
     }
   }
+}
+
+int steps(double length_m, double step_m) {
+  return std::max(1, static_cast<int>(std::ceil(length_m / step_m)));
 }
 
 Eigen::Isometry3d upright_frame(const Eigen::Vector3d& origin, double heading_rad) {

@@ -35,6 +35,9 @@ void add_column(TriangleMesh& mesh, const Eigen::Vector3d& from, const Eigen::Ve
 void add_grid(TriangleMesh& mesh, const std::vector<Eigen::Vector3d>& points, int rows, int columns,
               Surface surface);
 
+/// Into how many equal steps of at most `step_m` a length is divided; at least one.
+int steps(double length_m, double step_m);
+
 /// Upright frame at `origin` whose x axis looks along `heading_rad`.
 Eigen::Isometry3d upright_frame(const Eigen::Vector3d& origin, double heading_rad);
 

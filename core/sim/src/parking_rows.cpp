@@ -34,8 +34,7 @@ void add_parking_rows(City& city, const Block& block, double parked_car_share, R
        along_m += random.uniform(14.0, 26.0)) {
     const Eigen::Vector2d at = low.at(along_m, middle_m);
     if (random.chance(0.5)) {
-      add_lamp(city.fixed,
-               upright_frame(city.layout.ground(at, 0.0), city.layout.heading_rad(at, low.along)));
+      add_lamp(city.fixed, frame_at(city, at, low.along, 0.0));
     } else if (random.chance(0.6)) {
       place_tree(city, at, 0.0, random);
     }

@@ -7,6 +7,7 @@
 #include "hqslam/core/error.h"
 #include "hqslam/core/json_limits.h"
 #include "hqslam/core/whole_file.h"
+#include "spec_numbers.h"
 
 namespace hqslam::sim {
 
@@ -33,34 +34,6 @@ Value field(const Json& json, const char* name, const std::string& path) {
   return found->get<Value>();
 }
 
-/// The fields of an object, of which none is missing.
-class Part {
- public:
-  Part(const Json& json, const char* name, const std::string& path) : json_(json), path_(path) {
-    if (!json.is_object()) complain(path, fmt::format("expected '{}' to be an object", name));
-  }
-  void read(const char* name, double& value) const { value = field<double>(json_, name, path_); }
-
- private:
-  const Json& json_;
-  const std::string& path_;
-};
-
-void read_mount(const Json& json, const std::string& path, SensorMount& mount) {
-  const Part part(json, "mount", path);
-  part.read("sensor_height_m", mount.sensor_height_m);
-  part.read("mount_roll_rad", mount.mount_roll_rad);
-  part.read("mount_pitch_rad", mount.mount_pitch_rad);
-}
-
-void read_conditions(const Json& json, const std::string& path, SensingConditions& conditions) {
-  const Part part(json, "conditions", path);
-  part.read("extra_range_noise_m", conditions.extra_range_noise_m);
-  part.read("dropout_share", conditions.dropout_share);
-  part.read("extinction_per_m", conditions.extinction_per_m);
-  part.read("airborne_share", conditions.airborne_share);
-}
-
 }  // namespace
 
 DriveSpec read_drive_json(const std::string& path) {
@@ -72,8 +45,14 @@ DriveSpec read_drive_json(const std::string& path) {
   spec.name = field<std::string>(json, "name", path);
   spec.seed = field<std::uint64_t>(json, "seed", path);
   spec.scans = field<std::int64_t>(json, "scans", path);
-  if (json.contains("mount")) read_mount(json["mount"], path, spec.mount);
-  if (json.contains("conditions")) read_conditions(json["conditions"], path, spec.conditions);
+  for_each_number(spec, [&](const char* part, const char* name, double& value, double /*low*/,
+                            double /*high*/) {
+    if (!json.contains(part)) return;
+    if (!json[part].is_object()) {
+      complain(path, fmt::format("expected '{}' to be an object", part));
+    }
+    value = field<double>(json[part], name, path);
+  });
   validate(spec);
   return spec;
 }

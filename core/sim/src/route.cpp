@@ -1,9 +1,7 @@
 #include "route.h"
 
 #include <array>
-#include <map>
-#include <optional>
-#include <utility>
+#include <set>
 
 #include "random.h"
 
@@ -15,15 +13,19 @@ using Direction = Eigen::Vector2i;
 
 Direction left_of(const Direction& direction) { return {-direction.y(), direction.x()}; }
 
-struct CrossingOrder {
-  bool operator()(const std::pair<Crossing, Crossing>& a,
-                  const std::pair<Crossing, Crossing>& b) const {
-    const auto key = [](const std::pair<Crossing, Crossing>& way) {
-      return std::array<int, 4>{way.first.x(), way.first.y(), way.second.x(), way.second.y()};
-    };
-    return key(a) < key(b);
+using Way = std::array<int, 4>;  ///< from one crossing to another
+Way way_between(const Crossing& from, const Crossing& to) {
+  return {from.x(), from.y(), to.x(), to.y()};
+}
+
+double length_between_m(const Layout& layout, const Crossing& from, const Crossing& to) {
+  double length_m = 0.0;
+  for (int axis = 0; axis < 2; ++axis) {
+    length_m += std::abs(layout.streets[axis][to[axis]].position_m -
+                         layout.streets[axis][from[axis]].position_m);
   }
-};
+  return length_m;
+}
 
 class Planner {
  public:
@@ -62,11 +64,8 @@ class Planner {
   void step(const Direction& direction) {
     const Crossing from = route_.back();
     const Crossing to = from + direction;
-    driven_[{from, to}] = true;
-    for (int axis = 0; axis < 2; ++axis) {
-      length_m_ += std::abs(layout_.streets[axis][to[axis]].position_m -
-                            layout_.streets[axis][from[axis]].position_m);
-    }
+    driven_.insert(way_between(from, to));
+    length_m_ += length_between_m(layout_, from, to);
     route_.push_back(to);
     direction_ = direction;
   }
@@ -111,7 +110,8 @@ class Planner {
          {direction_, left_of(direction_), Direction(-left_of(direction_))}) {
       if (!open(route_.back(), way)) continue;
       possible.push_back(way);
-      if (driven_.contains({route_.back() + way, route_.back()})) driven_backwards.push_back(way);
+      if (driven_.contains(way_between(route_.back() + way, route_.back())))
+        driven_backwards.push_back(way);
     }
     const auto& choice =
         !driven_backwards.empty() && random_.chance(0.6) ? driven_backwards : possible;
@@ -124,7 +124,7 @@ class Planner {
   std::vector<Crossing> route_;
   Direction direction_;
   double length_m_ = 0.0;
-  std::map<std::pair<Crossing, Crossing>, bool, CrossingOrder> driven_;
+  std::set<Way> driven_;
 };
 
 /// The outermost streets, then the same the other way round, and so on. A street across the middle
@@ -169,10 +169,7 @@ class LoopBothWays {
     while (route_.back() != to) {
       const Crossing from = route_.back();
       route_.push_back(from + step);
-      for (int axis = 0; axis < 2; ++axis) {
-        length_m_ += std::abs(layout_.streets[axis][route_.back()[axis]].position_m -
-                              layout_.streets[axis][from[axis]].position_m);
-      }
+      length_m_ += length_between_m(layout_, from, route_.back());
     }
   }
 

@@ -22,9 +22,7 @@ const Street* street_along(const Layout& layout, const Block& block, int side) {
 
 Eigen::Isometry3d kerb_frame(const City& city, const BlockSide& side, double along_m,
                              double inwards_m) {
-  const Eigen::Vector2d at = side.at(along_m, inwards_m);
-  return upright_frame(city.layout.ground(at, kKerbHeight_m),
-                       city.layout.heading_rad(at, side.along));
+  return frame_at(city, side.at(along_m, inwards_m), side.along, kKerbHeight_m);
 }
 
 void add_lamps(City& city, const BlockSide& side, Random& random) {

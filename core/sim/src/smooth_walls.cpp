@@ -17,9 +17,7 @@ void add_gate(City& city, const BlockSide& side, double along_m, double setback_
   const double width_m = random.uniform(1.4, 3.2);
   const Surface stone{Material::kConcrete, random.shade()};
   for (const double pier_m : {along_m, along_m + width_m}) {
-    const Eigen::Vector2d at = side.at(pier_m, setback_m);
-    const Eigen::Isometry3d frame =
-        upright_frame(city.layout.ground(at, 0.0), city.layout.heading_rad(at, side.along));
+    const Eigen::Isometry3d frame = frame_at(city, side.at(pier_m, setback_m), side.along, 0.0);
     add_box(city.fixed, frame, {-0.2, -kProud_m, -0.2}, {0.2, kProud_m, height_m + 0.2}, stone);
   }
 }

@@ -32,14 +32,7 @@ std::vector<Eigen::Vector3d> resampled(const std::vector<Eigen::Vector3d>& waypo
 
 WalkingPath::WalkingPath(const std::vector<Eigen::Vector3d>& waypoints_m, double pace_mps)
     : pace_mps_(pace_mps), control_m_(resampled(waypoints_m)) {
-  for (int pass = 0; pass < kSmoothingPasses; ++pass) {
-    Eigen::Vector3d previous_m = control_m_.front();
-    for (std::size_t k = 1; k + 1 < control_m_.size(); ++k) {
-      const Eigen::Vector3d here_m = control_m_[k];
-      control_m_[k] = 0.25 * previous_m + 0.5 * here_m + 0.25 * control_m_[k + 1];
-      previous_m = here_m;
-    }
-  }
+  smooth(control_m_, kSmoothingPasses);
 }
 
 WalkingPath::State WalkingPath::at_time(double time_s) const {

@@ -13,6 +13,7 @@
 #include "hqslam/core/projection.h"
 #include "hqslam/core/trajectory.h"
 #include "hqslam/core/whole_file.h"
+#include "spec_numbers.h"
 
 namespace hqslam::sim {
 
@@ -61,17 +62,12 @@ void write_drive_json(const std::string& path, const DriveSpec& spec, const Sens
                                  {"revision", kDriveRevision},
                                  {"scans", spec.scans},
                                  {"sensor", sensor.name}};
-  if (spec.mount != SensorMount{}) {
-    json["mount"] = {{"sensor_height_m", spec.mount.sensor_height_m},
-                     {"mount_roll_rad", spec.mount.mount_roll_rad},
-                     {"mount_pitch_rad", spec.mount.mount_pitch_rad}};
-  }
-  if (spec.conditions != SensingConditions{}) {
-    json["conditions"] = {{"extra_range_noise_m", spec.conditions.extra_range_noise_m},
-                          {"dropout_share", spec.conditions.dropout_share},
-                          {"extinction_per_m", spec.conditions.extinction_per_m},
-                          {"airborne_share", spec.conditions.airborne_share}};
-  }
+  for_each_number(spec, [&](const std::string& part, const char* name, double value, double /*low*/,
+                            double /*high*/) {
+    const bool unusual =
+        part == "mount" ? spec.mount != SensorMount{} : spec.conditions != SensingConditions{};
+    if (unusual) json[part][name] = value;
+  });
   replace_file(path, [&](const std::string& part) { write_whole_file(part, json.dump(2) + "\n"); });
 }
 

@@ -96,7 +96,10 @@ TEST_CASE("the page is told what has come since it asked last, and everything an
   Pose moved = Pose::Identity();
   moved.translation().x() = 2.0;
   view.add(ring(10.0F, 64), moved);
-  view.set({9.5, 31.0, 2, 7, 1, 2.0, "ok"});
+  LiveStatus status{10.0, 2, 9.5, 0.031, ScanRecord{}, 2.0, {}};
+  status.counts.packets.lost = 7;
+  status.counts.dropped_scans = 1;
+  view.set(status);
   const std::string query =
       fmt::format("?generation={}&positions=1&points=16", first["generation"].get<int>());
   const auto second = state(view, query);

@@ -15,6 +15,7 @@
 #include "hqslam/core/trajectory.h"
 #include "hqslam/nn/hqs/weights_file.h"
 #include "tools/program/arguments.h"
+#include "tools/program/child.h"
 #include "tools/program/program.h"
 
 // What goes wrong around the program: streams that are closed or full, disks that are full, signals
@@ -24,42 +25,6 @@ namespace hqslam::test {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// The program in the background.
-class Child {
- public:
-  explicit Child(const std::string& arguments) : pid_(fork()) {
-    if (pid_ == 0) {
-      const std::string command = "exec " + kProgram + " " + arguments + " >/dev/null 2>&1";
-      execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);
-      _exit(127);
-    }
-  }
-  ~Child() {
-    if (pid_ > 0) end(SIGKILL);
-  }
-  Child(const Child&) = delete;
-  Child& operator=(const Child&) = delete;
-
-  /// Until something is at `path` or the program has ended.
-  void wait_for(const std::string& path) const {
-    while (!fs::exists(path) && kill(pid_, 0) == 0 && waitpid(pid_, nullptr, WNOHANG) == 0) {
-      std::this_thread::sleep_for(std::chrono::milliseconds(2));
-    }
-  }
-
-  /// Sends a signal and waits; returns the exit status, -1 if it was killed.
-  int end(int signal_number) {
-    int status = 0;
-    kill(pid_, signal_number);
-    waitpid(pid_, &status, 0);
-    pid_ = 0;
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-  }
-
- private:
-  pid_t pid_;
-};
 
 std::vector<std::string> parts_below(const fs::path& folder) {
   std::vector<std::string> parts;

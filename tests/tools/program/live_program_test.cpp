@@ -1,8 +1,6 @@
 #include <doctest/doctest.h>
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <signal.h>
-#include <unistd.h>
 
 #include <chrono>
 #include <filesystem>
@@ -15,6 +13,7 @@
 #include "hqslam/core/sensor_model.h"
 #include "hqslam/core/trajectory.h"
 #include "http_get.h"
+#include "tools/program/child.h"
 #include "tools/program/ouster_drive.h"
 #include "tools/program/program.h"
 #include "tools/program/untrained_weights.h"
@@ -32,33 +31,17 @@ constexpr std::array<std::uint8_t, 16> kLoopback = {0, 0, 0, 0, 0,   0, 0, 0,
 /// `hqslam live` beside this program, with its output in files.
 class LiveProgram {
  public:
-  LiveProgram(const std::string& metadata, const std::vector<std::string>& options)
-      : port_(free_udp_port()) {
+  LiveProgram(const std::string& metadata, const std::string& options) : port_(free_udp_port()) {
     write_file(folder_.file("sensor.json"), metadata);
     start(options);
   }
   /// Once more, into the same folder, after it has ended.
-  void start(const std::vector<std::string>& options) {
+  void start(const std::string& options) {
     fs::remove(path("stdout"));
     fs::remove(path("stderr"));
-    ended_ = false;
-    std::vector<std::string> words = {"hqslam",   "live",
-                                      "--sensor", folder_.file("sensor.json"),
-                                      "--port",   std::to_string(port_),
-                                      "--out",    folder_.file("out")};
-    words.insert(words.end(), options.begin(), options.end());
-    child_ = fork();
-    if (child_ != 0) return;
-    dup2(open(folder_.file("stdout").c_str(), O_WRONLY | O_CREAT, 0644), STDOUT_FILENO);
-    dup2(open(folder_.file("stderr").c_str(), O_WRONLY | O_CREAT, 0644), STDERR_FILENO);
-    std::vector<char*> arguments;
-    for (std::string& word : words) arguments.push_back(word.data());
-    arguments.push_back(nullptr);
-    execv(HQSLAM_PROGRAM, arguments.data());
-    _exit(127);
-  }
-  ~LiveProgram() {
-    if (!ended_) end(SIGKILL);
+    child_.emplace(fmt::format("live --sensor '{}' --port {} --out '{}' {}",
+                               folder_.file("sensor.json"), port_, folder_.file("out"), options),
+                   fmt::format(">'{}' 2>'{}'", path("stdout"), path("stderr")));
   }
 
   std::uint16_t port() const { return port_; }
@@ -77,23 +60,14 @@ class LiveProgram {
     return false;
   }
   /// Its exit status.
-  int end(int signal_number) {
-    kill(child_, signal_number);
-    return wait();
-  }
+  int end(int signal_number) { return child_->end(signal_number); }
   /// The same, once it has ended by itself.
-  int wait() {
-    int status = 0;
-    waitpid(child_, &status, 0);
-    ended_ = true;
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-  }
+  int wait() { return child_->wait(); }
 
  private:
   TemporaryDirectory folder_;
   std::uint16_t port_;
-  pid_t child_ = 0;
-  bool ended_ = false;
+  std::optional<Child> child_;
 };
 
 }  // namespace
@@ -101,7 +75,7 @@ class LiveProgram {
 TEST_CASE("a drive that is sent live gives the trajectory that its capture gives") {
   const OusterDrive drive = ouster_drive(simulated_drive());
   const TemporaryDirectory folder;
-  LiveProgram live(drive.metadata, {"--record", folder.file("kept.pcap")});
+  LiveProgram live(drive.metadata, "--record '" + folder.file("kept.pcap") + "'");
   REQUIRE(live.says("no packet yet"));
   replay(drive.packets, live.port(), 1.0);
   REQUIRE(live.says(fmt::format("{} scans  x", kDriveScans)));
@@ -139,7 +113,7 @@ TEST_CASE(
   const OusterDrive drive = ouster_drive(simulated_drive());
   const TemporaryDirectory folder;
   const std::string kept = folder.file("kept.pcap");
-  LiveProgram live(drive.metadata, {"--record", kept});
+  LiveProgram live(drive.metadata, "--record '" + kept + "'");
   REQUIRE(live.says("no packet yet"));
   replay(drive.packets, live.port(), 1.0);
   REQUIRE(live.says(fmt::format("{} scans  x", kDriveScans)));
@@ -153,14 +127,14 @@ TEST_CASE(
   REQUIRE(run.status == 0);
   CHECK(read_tum(folder.file("run/trajectory.tum")).size() >= kDriveScans - 1);
 
-  live.start({"--record", kept});
+  live.start("--record '" + kept + "'");
   CHECK(live.wait() == 2);
   CHECK(live.error().find(kept.substr(0, kept.size() - 5)) != std::string::npos);
   CHECK(live.error().find("name another file") != std::string::npos);
   CHECK(live.error().find('\n') == live.error().size() - 1);
   CHECK(file_contents(kept) == recorded);
 
-  live.start({"--record", folder.file("more.pcap")});
+  live.start("--record '" + folder.file("more.pcap") + "'");
   REQUIRE(live.says("no packet yet"));
   replay(drive.packets, live.port(), 1.0);
   REQUIRE(live.says(fmt::format("{} scans  x", kDriveScans)));
@@ -170,7 +144,7 @@ TEST_CASE(
 
 TEST_CASE("live lifts scans, serves the page, and ends with SIGTERM as with Ctrl-C") {
   const OusterDrive drive = ouster_drive(simulated_drive());
-  LiveProgram live(drive.metadata, {"--rows", "8", "--upsample", "linear", "--view", "0"});
+  LiveProgram live(drive.metadata, "--rows 8 --upsample linear --view 0");
   REQUIRE(live.says("page: http://127.0.0.1:"));
   std::smatch url;
   const std::string out = live.out();
@@ -190,7 +164,7 @@ TEST_CASE("live lifts scans, serves the page, and ends with SIGTERM as with Ctrl
 
 TEST_CASE("live that never got a packet says so, writes nothing and can be ended") {
   const OusterDrive drive = ouster_drive(simulated_drive());
-  LiveProgram live(drive.metadata, {});
+  LiveProgram live(drive.metadata, "");
   REQUIRE(live.says(fmt::format("no packet yet on UDP port {}", live.port())));
   CHECK(live.end(SIGINT) == 0);
   CHECK_FALSE(fs::exists(live.path("out")));

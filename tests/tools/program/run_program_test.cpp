@@ -1,20 +1,17 @@
 #include <doctest/doctest.h>
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <signal.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <chrono>
 #include <filesystem>
 #include <nlohmann/json.hpp>
-#include <thread>
 #include <vector>
 
 #include "hqslam/core/pcd.h"
 #include "hqslam/core/trajectory.h"
 #include "hqslam/core/trajectory_error.h"
 #include "hqslam/nn/instruction_set.h"
+#include "tools/program/child.h"
 #include "tools/program/program.h"
 #include "tools/program/untrained_weights.h"
 
@@ -135,22 +132,9 @@ TEST_CASE("Ctrl-C stops a run with status 130 and valid results") {
   make_long_recording(folder.path() / "bin", 5000);
   const std::string input = folder.file("bin");
   const std::string out = folder.file("out");
-  const pid_t child = fork();
-  if (child == 0) {
-    dup2(open("/dev/null", O_WRONLY), STDOUT_FILENO);
-    dup2(open("/dev/null", O_WRONLY), STDERR_FILENO);
-    execl(HQSLAM_PROGRAM, "hqslam", "run", input.c_str(), "--sensor", "os1-16", "--out",
-          out.c_str(), nullptr);
-    _exit(127);
-  }
-  while (!fs::exists(out + "/trajectory.tum") && kill(child, 0) == 0) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));
-  }
-  kill(child, SIGINT);
-  int status = 0;
-  waitpid(child, &status, 0);
-  REQUIRE(WIFEXITED(status));
-  CHECK(WEXITSTATUS(status) == 130);
+  Child child(fmt::format("run '{}' --sensor os1-16 --out '{}'", input, out));
+  CHECK(child.wait_for(out + "/trajectory.tum"));
+  CHECK(child.end(SIGINT) == 130);
   const std::size_t poses = read_tum(out + "/trajectory.tum").size();
   CHECK(poses >= 1);
   CHECK(poses < 5000);

@@ -1,18 +1,15 @@
 #include <doctest/doctest.h>
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <signal.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <chrono>
 #include <filesystem>
 #include <nlohmann/json.hpp>
-#include <thread>
 #include <vector>
 
 #include "golden_folder.h"
 #include "hqslam/core/trajectory.h"
+#include "tools/program/child.h"
 #include "tools/program/program.h"
 
 namespace hqslam::test {
@@ -43,22 +40,11 @@ std::string results_folder(const std::string& out, const std::string& drive, int
 /// Starts the same table and stops it with Ctrl-C once a method's result is there. Returns its exit
 /// status.
 int interrupted_table(const std::string& out, const std::string& method) {
-  const pid_t child = fork();
-  if (child == 0) {
-    dup2(open("/dev/null", O_WRONLY), STDOUT_FILENO);
-    dup2(open("/dev/null", O_WRONLY), STDERR_FILENO);
-    execl(HQSLAM_PROGRAM, "hqslam", "table", "--drives", "block", "--scans", "16", "--methods",
-          kMethods, "--out", out.c_str(), nullptr);
-    _exit(127);
-  }
-  int status = 0;
-  while (!fs::exists(results_folder(out, "block", 16) + method + ".json")) {
-    if (waitpid(child, &status, WNOHANG) == child) return -1;  // it ended by itself
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));
-  }
-  kill(child, SIGINT);
-  waitpid(child, &status, 0);
-  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  Child child(
+      fmt::format("table --drives block --scans 16 --methods {} --out '{}'", kMethods, out));
+  // It may end by itself.
+  return child.wait_for(results_folder(out, "block", 16) + method + ".json") ? child.end(SIGINT)
+                                                                             : -1;
 }
 
 nlohmann::json json_of(const std::string& path) {

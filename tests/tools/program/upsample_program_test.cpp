@@ -1,19 +1,16 @@
 #include <doctest/doctest.h>
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <signal.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <chrono>
 #include <filesystem>
 #include <nlohmann/json.hpp>
-#include <thread>
 #include <vector>
 
 #include "hqslam/core/npy.h"
 #include "hqslam/core/pcd.h"
 #include "hqslam/core/trajectory.h"
+#include "tools/program/child.h"
 #include "tools/program/program.h"
 #include "tools/program/untrained_weights.h"
 
@@ -200,23 +197,10 @@ TEST_CASE("Ctrl-C stops upsampling with status 130 and a valid stack") {
   }
   const std::string input = folder.file("pcd");
   const std::string out = folder.file("out");
-  const pid_t child = fork();
-  if (child == 0) {
-    dup2(open("/dev/null", O_WRONLY), STDOUT_FILENO);
-    dup2(open("/dev/null", O_WRONLY), STDERR_FILENO);
-    execl(HQSLAM_PROGRAM, "hqslam", "upsample", input.c_str(), "--sensor", "os1-64", "--method",
-          "nearest", "--out", out.c_str(), nullptr);
-    _exit(127);
-  }
-  while (!(fs::exists(out + "/scans.npy") && fs::file_size(out + "/scans.npy") > 1000) &&
-         kill(child, 0) == 0) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));
-  }
-  kill(child, SIGINT);
-  int status = 0;
-  waitpid(child, &status, 0);
-  REQUIRE(WIFEXITED(status));
-  CHECK(WEXITSTATUS(status) == 130);
+  Child child(fmt::format("upsample '{}' --sensor os1-64 --method nearest --out '{}'", input, out));
+  CHECK(child.wait_until(
+      [&] { return fs::exists(out + "/scans.npy") && fs::file_size(out + "/scans.npy") > 1000; }));
+  CHECK(child.end(SIGINT) == 130);
   const std::int64_t images = NpyStackReader(out + "/scans.npy").images();
   CHECK(images >= 1);
   CHECK(images < 3000);

@@ -103,8 +103,8 @@ constexpr const char* kDefinitions =
     "  complete      share of the visible samples with a point of the map within 0.1 and 0.2 m\n"
     "  F1            harmonic mean of accuracy and completeness at the same distance\n"
     "                (Knapitsch et al., Tanks and Temples, 2017)\n"
-    "A map beside which there is a trajectory.tum is moved with it first: by the least-squares\n"
-    "rotation and translation of all positions onto the truth's, as for APE.";
+    "A map beside which there is a trajectory.tum is moved with it first: by the rotation and the\n"
+    "translation that on average bring its poses onto the truth's.";
 
 }  // namespace
 

@@ -3,7 +3,6 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/file.h>
-#include <unistd.h>
 
 #include <cerrno>
 #include <fstream>
@@ -31,16 +30,12 @@ void make_result_folder(const std::filesystem::path& folder) {
 
 FileLock::FileLock(const std::filesystem::path& path)
     : descriptor_(open(path.c_str(), O_RDONLY | O_CLOEXEC)) {
-  if (descriptor_ < 0) return;
-  if (flock(descriptor_, LOCK_EX | LOCK_NB) == 0) {
+  if (!descriptor_) return;
+  if (flock(descriptor_.get(), LOCK_EX | LOCK_NB) == 0) {
     state_ = State::kHeld;
   } else if (errno == EWOULDBLOCK) {
     state_ = State::kTakenByAnother;
   }
-}
-
-FileLock::~FileLock() {
-  if (descriptor_ >= 0) close(descriptor_);
 }
 
 FolderLock::FolderLock(const std::filesystem::path& folder) : FileLock(folder) {

@@ -2,6 +2,8 @@
 
 #include <filesystem>
 
+#include "hqslam/core/file_descriptor.h"
+
 namespace hqslam::tools {
 
 /// Makes the folder for a command's results, with all above it. Throws Error if it cannot be made
@@ -14,14 +16,11 @@ class FileLock {
  public:
   enum class State { kHeld, kTakenByAnother, kUnknown /* the file system knows no locks */ };
   explicit FileLock(const std::filesystem::path& path);
-  ~FileLock();
-  FileLock(const FileLock&) = delete;
-  FileLock& operator=(const FileLock&) = delete;
 
   State state() const { return state_; }
 
  private:
-  int descriptor_;
+  FileDescriptor descriptor_;
   State state_ = State::kUnknown;
 };
 

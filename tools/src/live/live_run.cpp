@@ -30,63 +30,47 @@ std::int64_t now_ns() {
       .count();
 }
 
-/// What happened since the last line.
-struct LastSecond {
-  SteadyClock::time_point start = SteadyClock::now();
-  std::int64_t scans = 0;
-  std::optional<double> latency_s;
-};
-
 /// Follows a run: what its lines and its page are made of.
 class LiveProgress {
  public:
   explicit LiveProgress(LiveView* view) : view_(view) {}
 
   void located(const SlamSession& session, const ScanRecord& record) {
-    if (previous_) path_m_ += (record.report.T_map_sensor.translation() - *previous_).norm();
-    previous_ = record.report.T_map_sensor.translation();
-    latest_ = record;
-    ++scans_;
-    ++second_.scans;
-    second_.latency_s = std::max(second_.latency_s.value_or(0.0), *record.latency_s);
+    const Pose& T_map_sensor = record.report.T_map_sensor;
+    if (status_.latest) {
+      const Pose& before = status_.latest->report.T_map_sensor;
+      status_.path_m += (T_map_sensor.translation() - before.translation()).norm();
+    }
+    status_.latest = record;
+    status_.latency_s = std::max(status_.latency_s.value_or(0.0), *record.latency_s);
+    ++status_.scans;
+    ++scans_of_second_;
     if (view_ == nullptr) return;
     if (record.report.loop.status == slam::LoopStatus::kClosed) {
       view_->replace(session.trajectory(), session.map_points_m());
     }
-    view_->add(session.cloud(), record.report.T_map_sensor);
+    view_->add(session.cloud(), T_map_sensor);
   }
 
   void tell_if_due(const recordings::LiveCounts& counts) {
-    const double passed_s = seconds_since(second_.start);
+    const double passed_s = seconds_since(second_start_);
     if (passed_s < kStatusInterval_s) return;
-    const LiveStatus status{
-        seconds_since(start_), scans_,  static_cast<double>(second_.scans) / passed_s,
-        second_.latency_s,     latest_, counts};
-    to_stdout("{}\n", status_line(status));
-    if (view_ != nullptr) view_->set(numbers(status));
-    second_ = {};
+    status_.elapsed_s = seconds_since(start_);
+    status_.rate_hz = static_cast<double>(scans_of_second_) / passed_s;
+    status_.counts = counts;
+    to_stdout("{}\n", status_line(status_));
+    if (view_ != nullptr) view_->set(status_);
+    second_start_ = SteadyClock::now();
+    scans_of_second_ = 0;
+    status_.latency_s.reset();
   }
 
  private:
-  LiveNumbers numbers(const LiveStatus& status) const {
-    LiveNumbers numbers;
-    numbers.rate_hz = status.rate_hz;
-    numbers.latency_ms = 1e3 * status.latency_s.value_or(0.0);
-    numbers.scans = scans_;
-    numbers.lost_packets = status.counts.packets.lost;
-    numbers.dropped_scans = status.counts.dropped_scans;
-    numbers.path_m = path_m_;
-    numbers.mapping = latest_ ? slam::name(latest_->report.mapping_status) : "no scan yet";
-    return numbers;
-  }
-
   LiveView* view_;
   SteadyClock::time_point start_ = SteadyClock::now();
-  LastSecond second_;
-  std::optional<ScanRecord> latest_;
-  std::optional<Eigen::Vector3d> previous_;
-  std::int64_t scans_ = 0;
-  double path_m_ = 0.0;
+  SteadyClock::time_point second_start_ = start_;
+  std::int64_t scans_of_second_ = 0;
+  LiveStatus status_;
 };
 
 /// The next scan, or nothing within a while or when the port fails, which ends the run.

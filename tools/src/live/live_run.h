@@ -12,15 +12,6 @@
 
 namespace hqslam::tools {
 
-/// What is said once a second.
-struct LiveStatus {
-  double elapsed_s = 0.0;
-  std::int64_t scans = 0;            ///< so far
-  double rate_hz = 0.0;              ///< scans located in the last second
-  std::optional<double> latency_s;   ///< the longest of them
-  std::optional<ScanRecord> latest;  ///< the last scan of all
-  recordings::LiveCounts counts;
-};
 /// "12 s  120 scans  x 3.21 y -0.40 z 0.02 m  10.0 scans/s  latency 23 ms  0 packets lost  0 scans
 /// dropped"
 std::string status_line(const LiveStatus& status);

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <string_view>
 
+#include "hqslam/slam/status.h"
 #include "live/live_page.h"
 
 namespace hqslam::tools {
@@ -80,9 +81,9 @@ void LiveView::replace(const Trajectory& trajectory,
   for (const Eigen::Vector3f& point_m : map_points_m) map_.add(point_m);
 }
 
-void LiveView::set(const LiveNumbers& numbers) {
+void LiveView::set(const LiveStatus& status) {
   const std::lock_guard lock(mutex_);
-  numbers_ = numbers;
+  status_ = status;
 }
 
 std::string LiveView::state(const std::string& query) const {
@@ -101,13 +102,14 @@ std::string LiveView::state(const std::string& query) const {
       {"points", centimetres(map_.points_m(), points)},
       {"position_m", {position_m.x(), position_m.y(), position_m.z()}},
       {"heading_rad", std::atan2(ahead.y(), ahead.x())},
-      {"rate_hz", numbers_.rate_hz},
-      {"latency_ms", numbers_.latency_ms},
-      {"scans", numbers_.scans},
-      {"lost_packets", numbers_.lost_packets},
-      {"dropped_scans", numbers_.dropped_scans},
-      {"path_m", numbers_.path_m},
-      {"mapping", numbers_.mapping},
+      {"rate_hz", status_.rate_hz},
+      {"latency_ms", 1e3 * status_.latency_s.value_or(0.0)},
+      {"scans", status_.scans},
+      {"lost_packets", status_.counts.packets.lost},
+      {"dropped_scans", status_.counts.dropped_scans},
+      {"path_m", status_.path_m},
+      {"mapping",
+       status_.latest ? slam::name(status_.latest->report.mapping_status) : "no scan yet"},
   };
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }

@@ -2,26 +2,29 @@
 
 #include <cstdint>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "hqslam/core/organized_cloud.h"
 #include "hqslam/core/pose.h"
 #include "hqslam/core/trajectory.h"
+#include "hqslam/recordings/live.h"
 #include "live/live_map.h"
 #include "live/view_server.h"
+#include "run/slam_run.h"
 
 namespace hqslam::tools {
 
-/// The numbers beside the picture.
-struct LiveNumbers {
-  double rate_hz = 0.0;  ///< scans located in the last second
-  double latency_ms = 0.0;
-  std::int64_t scans = 0;
-  std::int64_t lost_packets = 0;
-  std::int64_t dropped_scans = 0;
+/// What is known of a run once a second.
+struct LiveStatus {
+  double elapsed_s = 0.0;
+  std::int64_t scans = 0;            ///< so far
+  double rate_hz = 0.0;              ///< scans located in the last second
+  std::optional<double> latency_s;   ///< the longest of them
+  std::optional<ScanRecord> latest;  ///< the last scan of all
   double path_m = 0.0;
-  std::string mapping;  ///< of the last scan: "ok", ...
+  recordings::LiveCounts counts;
 };
 
 /// What the page of a sensor that sends now shows: the path, the map and numbers, all of bounded
@@ -36,7 +39,7 @@ class LiveView {
   void add(const OrganizedCloud& cloud, const Pose& T_map_sensor);
   /// A loop was closed: the path and the map are others now.
   void replace(const Trajectory& trajectory, const std::vector<Eigen::Vector3f>& map_points_m);
-  void set(const LiveNumbers& numbers);
+  void set(const LiveStatus& status);
 
   /// "/": the page. "/state?generation=G&positions=N&points=M": what has come since, as JSON, at
   /// most 20,000 points at once; everything from the beginning where G is another one.
@@ -53,7 +56,7 @@ class LiveView {
   std::int64_t position_generation_ = 0;
   float step_m_ = 0.1F;  ///< between positions
   Pose T_map_sensor_ = Pose::Identity();
-  LiveNumbers numbers_;
+  LiveStatus status_;
 };
 
 }  // namespace hqslam::tools

@@ -1,9 +1,6 @@
 #include "recording/reference.h"
 
 #include <algorithm>
-#include <utility>
-
-#include "hqslam/core/error.h"
 
 namespace hqslam::tools {
 namespace {
@@ -11,11 +8,6 @@ namespace {
 constexpr std::size_t kFewestPairs = 3;
 
 }  // namespace
-
-TrajectoryFile read_trajectory_file(const std::string& path) {
-  ParsedTrajectory parsed = parse_trajectory(path);
-  return {path, std::move(parsed.poses), parsed.form == TrajectoryForm::kTum};
-}
 
 Trajectory with_stamps_of(const TrajectoryFile& file, const Trajectory& other) {
   if (file.has_stamps) {

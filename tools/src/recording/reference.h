@@ -9,15 +9,6 @@
 
 namespace hqslam::tools {
 
-/// A trajectory file: TUM lines carry stamps, KITTI lines do not.
-struct TrajectoryFile {
-  std::string path;
-  Trajectory poses;
-  bool has_stamps = false;
-};
-/// Throws Error.
-TrajectoryFile read_trajectory_file(const std::string& path);
-
 /// The poses of `file` with stamps that can be compared with those of `other`: where `file` has
 /// none, pose i gets the stamp of pose i of `other`. Poses beyond the length of `other` are left
 /// out.

@@ -5,30 +5,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <functional>
+
+#include "hqslam/core/excerpt.h"
 
 namespace hqslam::tools {
 namespace {
-
-/// Length of the UTF-8 sequence that starts at `position`, 0 if there is none. Overlong forms and
-/// surrogates pass: browsers replace them themselves.
-std::size_t utf8_length(std::string_view text, std::size_t position) {
-  const auto first = static_cast<std::uint8_t>(text[position]);
-  const std::size_t length = first < 0x80   ? 1
-                             : first < 0xC2 ? 0
-                             : first < 0xE0 ? 2
-                             : first < 0xF0 ? 3
-                             : first < 0xF5 ? 4
-                                            : 0;
-  if (position + length > text.size()) {
-    return 0;
-  }
-  for (std::size_t i = 1; i < length; ++i) {
-    if ((static_cast<std::uint8_t>(text[position + i]) & 0xC0) != 0x80) {
-      return 0;
-    }
-  }
-  return length;
-}
 
 std::string_view escaped_character(char character) {
   switch (character) {
@@ -118,7 +100,7 @@ std::string legend_html(const Chart& chart) {
 std::string escape_html(std::string_view text) {
   std::string escaped;
   for (std::size_t i = 0; i < text.size();) {
-    const std::size_t length = utf8_length(text, i);
+    const std::size_t length = utf8_bytes(text.substr(i));
     if (length == 0) {
       escaped += "\xEF\xBF\xBD";
     } else if (const std::string_view entity = escaped_character(text[i]); !entity.empty()) {

@@ -32,17 +32,12 @@ void write_kitti_poses(const Trajectory& trajectory, const std::string& path);
 /// A pose as these files have it, a line of its own.
 std::string tum_line(const StampedPose& pose);
 std::string kitti_line(const StampedPose& pose);
-/// Tells the two apart by the number of columns (8 or 12).
-Trajectory read_trajectory(const std::string& path, double period_s = 0.1);
-
-enum class TrajectoryForm { kTum, kKitti };
-/// A trajectory with the form that its file was found to have: TUM's stamps were recorded, KITTI's
-/// are counted.
-struct ParsedTrajectory {
+/// A trajectory with what its file was found to be by the number of columns, 8 or 12.
+struct TrajectoryFile {
+  std::string path;
   Trajectory poses;
-  TrajectoryForm form = TrajectoryForm::kTum;
+  bool has_stamps = false;  ///< TUM's; KITTI's are counted
 };
-/// read_trajectory, and which of the two it was.
-ParsedTrajectory parse_trajectory(const std::string& path, double period_s = 0.1);
+TrajectoryFile read_trajectory_file(const std::string& path, double period_s = 0.1);
 
 }  // namespace hqslam
