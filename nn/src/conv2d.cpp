@@ -66,14 +66,18 @@ void Conv2d::forward(const Tensor& input, const LayerEnd& end, Tensor& output) {
   }
 }
 
+/// Throws Error unless single rows can be computed by themselves.
+static void require_single_rows(const ConvolutionShape& shape) {
+  if (shape.column_stride() == 1 && shape.kernel_rows == 1) return;
+  throw Error(fmt::format("conv2d: single rows with stride {} and {} kernel rows, expected 1, 1",
+                          shape.column_stride(), shape.kernel_rows));
+}
+
 void Conv2d::forward_row(const Tensor& input, int row, float* output,
                          std::int64_t channel_stride) const {
   const Implementation& self = *implementation_;
-  if (self.shape.column_stride() != 1 || self.shape.kernel_rows != 1) {
-    throw Error(fmt::format("conv2d: single rows with stride {} and {} kernel rows, expected 1, 1",
-                            self.shape.column_stride(), self.shape.kernel_rows));
-  }
-  self.convolution.gather_row(input, self.bias.data(), row, output, channel_stride, self.scratch);
+  require_single_rows(self.shape);
+  self.convolution.gather_row(input, self.bias.data(), row, output, channel_stride);
 }
 
 void Conv2d::backward_input(const Tensor& d_output, const InputGradientEnd& end, Tensor& d_input) {
@@ -99,9 +103,20 @@ void Conv2d::backward_parameters(const Tensor& input, const Tensor& d_output,
   if (self.winograd) {
     self.winograd->add_weight_gradient(input, d_output, d_weight);
   } else {
-    self.convolution.add_weight_gradient(d_output, input, d_weight, self.scratch);
+    self.convolution.add_weight_gradient(d_output, 0, input, d_weight, self.scratch);
   }
   kernels::add_bias_gradient(d_output, d_bias);
+}
+
+void Conv2d::backward_rows(const Tensor& input, int first_row, const Tensor& d_output,
+                           const InputGradientEnd& end, Tensor& d_input, std::span<float> d_weight,
+                           std::span<float> d_bias) {
+  Implementation& self = *implementation_;
+  require_single_rows(self.shape);
+  self.convolution.add_weight_gradient(d_output, first_row, input, d_weight, self.scratch);
+  kernels::add_bias_gradient(d_output, d_bias);
+  self.convolution.scatter_rows(d_output, first_row,
+                                {nullptr, end.skip, end.negative_slope, end.activated}, d_input);
 }
 
 }  // namespace hqslam::nn

@@ -60,6 +60,13 @@ class Conv2d {
   void backward_parameters(const Tensor& input, const Tensor& d_output, std::span<float> d_weight,
                            std::span<float> d_bias);
 
+  /// Both gradients from some rows of the result alone, `first_row` and what follows it, which is
+  /// all that d_output has, while they are in the cache. One thread. Throws Error unless stride and
+  /// kernel rows are 1.
+  void backward_rows(const Tensor& input, int first_row, const Tensor& d_output,
+                     const InputGradientEnd& end, Tensor& d_input, std::span<float> d_weight,
+                     std::span<float> d_bias);
+
   const ConvolutionShape& shape() const;
 
  private:

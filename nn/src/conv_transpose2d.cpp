@@ -51,7 +51,7 @@ void ConvTranspose2d::backward_input(const Tensor& d_output, const InputGradient
 void ConvTranspose2d::backward_parameters(const Tensor& input, const Tensor& d_output,
                                           std::span<float> d_weight, std::span<float> d_bias) {
   Implementation& self = *implementation_;
-  self.convolution.add_weight_gradient(input, d_output, d_weight, self.scratch);
+  self.convolution.add_weight_gradient(input, 0, d_output, d_weight, self.scratch);
   kernels::add_bias_gradient(d_output, d_bias);
 }
 

@@ -196,16 +196,49 @@ const ConvolutionStep* ConvolutionGraph::step_before(int index) const {
   return nullptr;
 }
 
+InputGradientEnd ConvolutionGraph::input_gradient_end(const ConvolutionStep& step,
+                                                      const std::vector<Tensor>& values,
+                                                      const std::vector<Tensor>& gradients) const {
+  InputGradientEnd end;
+  if (const std::optional<int> skip = used_as_skip_for(step.from)) end.skip = &gradients[*skip];
+  const ConvolutionStep* const before = step_before(step.from);
+  if (before != nullptr && before->negative_slope != 1.0F) {
+    end.activated = &values[step.from];
+    end.negative_slope = before->negative_slope;
+  }
+  return end;
+}
+
+void ConvolutionGraph::last_step_backward_rows(const std::vector<Tensor>& values, int first_row,
+                                               const Tensor& d_output,
+                                               std::vector<Tensor>& gradients,
+                                               std::span<float> d_parameters) {
+  const ConvolutionStep& step = steps_.back();
+  const ConvolutionShape& convolution = shape(steps_.size() - 1);
+  const std::size_t biases = step.bias ? convolution.output_channels : 0;
+  const std::span<float> d_bias = d_parameters.last(biases);
+  const std::span<float> d_weight =
+      d_parameters.first(d_parameters.size() - biases).last(convolution.weights());
+  std::get<Conv2d>(layers_.back())
+      .backward_rows(values[step.from], first_row, d_output,
+                     input_gradient_end(step, values, gradients), gradients[step.from], d_weight,
+                     d_bias);
+}
+
 void ConvolutionGraph::backward(const std::vector<Tensor>& values, std::vector<Tensor>& gradients,
-                                std::span<float> d_parameters, bool dropped) {
+                                std::span<float> d_parameters, bool dropped, int left_out) {
+  const std::size_t steps = steps_.size() - left_out;
   std::vector<std::span<float>> d_arrays;
   for (const ParameterShape& array : parameter_shapes()) {
     d_arrays.push_back(take(d_parameters, array.elements()));
   }
-  if (steps_.back().negative_slope != 1.0F) {
+  for (std::size_t i = steps; i < steps_.size(); ++i) {
+    d_arrays.resize(d_arrays.size() - 1 - steps_[i].bias - steps_[i].row_bias);
+  }
+  if (left_out == 0 && steps_.back().negative_slope != 1.0F) {
     leaky_relu_backward(steps_.back().negative_slope, values.back(), gradients.back());
   }
-  for (std::size_t i = steps_.size(); i-- > 0;) {
+  for (std::size_t i = steps; i-- > 0;) {
     const ConvolutionStep& step = steps_[i];
     const Tensor& d_to = gradients[step.to];
     if (step.row_bias) {
@@ -227,19 +260,14 @@ void ConvolutionGraph::backward(const std::vector<Tensor>& values, std::vector<T
     }
     const std::span<float> d_weight = d_arrays.back();
     d_arrays.pop_back();
-    InputGradientEnd end;
-    if (const std::optional<int> skip = used_as_skip_for(step.from)) end.skip = &gradients[*skip];
-    const ConvolutionStep* const before = step_before(step.from);
-    if (before != nullptr && before->negative_slope != 1.0F) {
-      end.activated = &values[step.from];
-      end.negative_slope = before->negative_slope;
-    }
+    const InputGradientEnd end = input_gradient_end(step, values, gradients);
     std::visit(
         [&](auto& layer) {
           layer.backward_parameters(values[step.from], d_to, d_weight, d_bias);
           layer.backward_input(d_to, end, gradients[step.from]);
         },
         layers_[i]);
+    const ConvolutionStep* const before = step_before(step.from);
     if (dropped && before != nullptr) scale(kept_scale(before->dropout), gradients[step.from]);
   }
 }

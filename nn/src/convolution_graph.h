@@ -68,15 +68,25 @@ class ConvolutionGraph {
                      std::int64_t channel_stride) const;
   /// In: gradients.back(), borders filled. Out: gradients.front(); d_parameters is added to. The
   /// others are overwritten: the gradients of what went into their activations. One thread.
-  /// `dropped`: forward did; what it dropped is 0, as what a ReLU cut off is.
+  /// `dropped`: forward did; what it dropped is 0, as what a ReLU cut off is. `left_out`: so many
+  /// of the last steps have been done already; gradients of their results are not looked at.
   void backward(const std::vector<Tensor>& values, std::vector<Tensor>& gradients,
-                std::span<float> d_parameters, bool dropped = false);
+                std::span<float> d_parameters, bool dropped = false, int left_out = 0);
+  /// The last step's part of `backward` for some rows, `first_row` and what follows it
+  /// (Conv2d::backward_rows); the step has no activation.
+  void last_step_backward_rows(const std::vector<Tensor>& values, int first_row,
+                               const Tensor& d_output, std::vector<Tensor>& gradients,
+                               std::span<float> d_parameters);
 
  private:
   using Layer = std::variant<Conv2d, ConvTranspose2d>;
 
   const ConvolutionShape& shape(std::size_t step) const;
   LayerEnd end_of(std::size_t step, const std::vector<Tensor>& values) const;
+  /// How the gradient of a step's input ends.
+  InputGradientEnd input_gradient_end(const ConvolutionStep& step,
+                                      const std::vector<Tensor>& values,
+                                      const std::vector<Tensor>& gradients) const;
   /// The tensor whose gradient tensor `index` gets as a skip.
   std::optional<int> used_as_skip_for(int index) const;
   /// The step that made tensor `index`; null for the input.

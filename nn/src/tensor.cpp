@@ -22,7 +22,7 @@ Tensor::Tensor(int channels, int rows, int columns, ColumnPadding padding, int b
         "and a border of 0 to {} rows",
         channels, rows, columns, border_rows, kMostBorderRows));
   }
-  values_.assign(static_cast<std::size_t>(channels) * channel_stride(), 0.0F);
+  values_.assign(static_cast<std::size_t>(rows + 2 * border_rows) * row_stride(), 0.0F);
 }
 
 void Tensor::fill_other_border(int channel, int row_index) {

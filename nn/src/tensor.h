@@ -56,8 +56,8 @@ class Tensor {
   int padded_columns() const { return padded_columns_; }
   int border_rows() const { return border_rows_; }
   ColumnPadding padding() const { return padding_; }
-  std::int64_t row_stride() const { return padded_columns_ + 2 * kBorderColumns; }
-  std::int64_t channel_stride() const { return row_stride() * (rows_ + 2 * border_rows_); }
+  std::int64_t channel_stride() const { return padded_columns_ + 2 * kBorderColumns; }
+  std::int64_t row_stride() const { return channel_stride() * channels_; }
 
   float* row(int channel, int row) { return values_.data() + offset(channel, row); }
   const float* row(int channel, int row) const { return values_.data() + offset(channel, row); }

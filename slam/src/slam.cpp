@@ -15,6 +15,7 @@
 #include "hqslam/slam/options.h"
 #include "hqslam/slam/saved_map.h"
 #include "hqslam/slam/segmentation.h"
+#include "known_way.h"
 #include "loops/background_loop_closing.h"
 #include "loops/loop_verification.h"
 #include "loops/place_recognition.h"
@@ -36,20 +37,12 @@ SlamOptions validated(const SlamOptions& options) {
   return options;
 }
 
-/// After so many scans in a row that did not fit the map, it goes on from where the sensor is
-/// believed to be: the sensor was carried away, or has drifted too far.
-constexpr int kMaxUnlocatedScans = 5;
-
 /// A sensor that is followed no longer is believed to keep its velocity for so long.
 constexpr double kSteady_periods = 10.0;
 
 /// In a given map a scan of which less stands where the map has something stands elsewhere: 0.15
 /// and more at the edge of the map, 0.06 at a wrong place, measured. The ground fits everywhere.
 constexpr double kMinOverlapInGivenMap = 0.1;
-
-/// A scan of which so much less fits than of the last one stands elsewhere: from scan to scan the
-/// share falls to 0.83 at the most on simulated drives of all kinds, and to 0.44 in another street.
-constexpr double kLeastShareOfLast = 0.6;
 
 /// Whether a sensor that is not carried can have moved so much otherwise than it was expected to.
 bool is_plausible(const Twist& surprise, double duration_s) {
@@ -85,9 +78,7 @@ struct Slam::Implementation {
   Pose T_odom_reference = Pose::Identity();
   AccelerationNoise accelerations;
   Drift drift;
-  int unlocated_scans = 0;
-  bool is_way_known = true;     ///< since the last scan that was located
-  double standing_share = 0.0;  ///< of that scan, see MappingResult
+  KnownWay way;
 
   Implementation(const SensorModel& sensor_, const SlamOptions& options_)
       : sensor(validated(sensor_)),
@@ -117,10 +108,10 @@ struct Slam::Implementation {
   /// What is known of a scan after it was looked for.
   struct Followed {
     MotionState state;
-    bool is_located = false;    ///< in the map
-    bool by_odometry = false;   ///< from the reference
-    bool is_way_known = false;  ///< from the reference
-    double standing_share = 0.0;
+    bool is_located = false;       ///< in the map
+    bool by_odometry = false;      ///< from the reference
+    bool is_way_measured = false;  ///< from the reference
+    double standing_share = 0.0;   ///< see MappingResult
   };
 
   ScanReport process(const OrganizedCloud& cloud, double stamp_s);
@@ -242,21 +233,21 @@ void Slam::Implementation::follow(const OrganizedCloud& cloud, const Features& f
     correct_first_key_frame(followed.state.velocity);
     followed = locate(features, thinned, stopwatch, report);
   }
-  unlocated_scans = followed.is_located ? 0 : unlocated_scans + 1;
-  is_way_known = followed.is_located || (is_way_known && followed.is_way_known);
-  if (followed.is_located) standing_share = followed.standing_share;
-  const bool lost = unlocated_scans > kMaxUnlocatedScans;
-  if (place_recognition && lost) {
+  if (followed.is_located) {
+    way.located(followed.standing_share);
+  } else {
+    way.not_located(followed.is_way_measured);
+  }
+  if (place_recognition && way.is_lost()) {
     is_recognized = false;  // the next scan is looked for in all of the map
     place_recognition->forget();
     odometry = Odometry(options.odometry);
-    unlocated_scans = 0;
-    standing_share = 0.0;
+    way = {};
     return;
   }
-  const bool goes_on = lost && can_be_reference(features, options.odometry);
+  const bool goes_on = way.is_lost() && can_be_reference(features, options.odometry);
   if (followed.by_odometry || followed.is_located || goes_on) {
-    const bool begins_stretch = goes_on && !is_way_known && !place_recognition;
+    const bool begins_stretch = goes_on && !way.is_measured() && !place_recognition;
     if (!followed.by_odometry && !followed.is_located) {
       // Nothing measured this motion: a wrong velocity would be predicted again, and kept for good.
       followed.state = unknown_motion(followed.state.T_map_sensor);
@@ -264,10 +255,8 @@ void Slam::Implementation::follow(const OrganizedCloud& cloud, const Features& f
     if (begins_stretch) {
       drift.lose(followed.state);
       first_scan.reset();
-      path.begin_stretch(static_cast<std::size_t>(unlocated_scans) - 1, mapping.key_frames());
-      unlocated_scans = 0;
-      is_way_known = true;
-      standing_share = 0.0;
+      path.begin_stretch(way.unlocated_scans() - 1, mapping.key_frames());
+      way = {};
     }
     const Pose motion = reference.T_map_sensor.inverse() * followed.state.T_map_sensor;
     if (followed.is_located) {
@@ -308,7 +297,7 @@ Slam::Implementation::Followed Slam::Implementation::locate(const Features& feat
       fit_of(thinned, mapping.map(), located.state.T_map_sensor).overlap < kMinOverlapInGivenMap) {
     located.status = Status::kTooFewFeatures;
   }
-  const bool is_elsewhere = located.standing_share < kLeastShareOfLast * standing_share;
+  const bool is_elsewhere = way.leads_elsewhere(located.standing_share);
   if (is_elsewhere) located.status = Status::kTooFewFeatures;
   if (located.status != Status::kTooFewFeatures &&
       duration_s > kSteady_periods * sensor.scan_period_s) {
@@ -317,7 +306,8 @@ Slam::Implementation::Followed Slam::Implementation::locate(const Features& feat
   Followed result{located.state, located.status != Status::kTooFewFeatures,
                   moved.status != Status::kTooFewFeatures, false, located.standing_share};
   const Twist surprise = logarithm(expected.T_map_sensor.inverse() * T_map_moved);
-  result.is_way_known = result.by_odometry && !is_elsewhere && is_plausible(surprise, duration_s);
+  result.is_way_measured =
+      result.by_odometry && !is_elsewhere && is_plausible(surprise, duration_s);
   if (!result.is_located) {
     result.state.T_map_sensor = T_map_moved;
     result.state.velocity = (1.0 / duration_s) * logarithm(moved.T_reference_sensor);

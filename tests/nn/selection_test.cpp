@@ -36,9 +36,17 @@ Selection with_scores(float above, float below, float here, float nothing, float
   return s;
 }
 
+void select_all(const Candidates& candidates, const Tensor& h, TileSize tile,
+                InstructionSet instruction_set, Tensor& scores, Tensor& z) {
+  for (int row = 0; row < z.rows(); ++row) {
+    select_row(candidates, h, tile, instruction_set, row, scores.row(0, row),
+               scores.channel_stride(), z);
+  }
+}
+
 float selected(Selection s, InstructionSet instruction_set) {
   Tensor z = s.here;
-  select(s.candidates, s.here, {}, instruction_set, s.scores, z);
+  select_all(s.candidates, s.here, {}, instruction_set, s.scores, z);
   return z.at(0, 0, 19);
 }
 
@@ -53,19 +61,20 @@ TEST_CASE("selection and its gradients equal PyTorch's with every instruction se
     CAPTURE(name(instruction_set));
     Tensor scores = of(golden, "scores", 20);
     Tensor z = here;
-    select(candidates, here, kTile, instruction_set, scores, z);
+    select_all(candidates, here, kTile, instruction_set, scores, z);
     CHECK(relative_error(z, golden.values("selection.output")) < 1e-5);
     std::vector<float> weights = values_of(scores);
     weights.resize(weights.size() / 5 * 4);
     CHECK(relative_error(weights, golden.values("selection.weights")) < 1e-5);
     Tensor d_scores = scores;
     Tensor d_here = here;
-    select_backward(candidates, here, kTile, instruction_set, scores, d_z, d_scores, d_here);
+    select_backward(candidates, here, kTile, instruction_set, 0, scores, d_z, d_scores, d_here);
     CHECK(relative_error(d_scores, golden.values("selection.d_scores")) < 1e-5);
     CHECK(relative_error(d_here, golden.values("selection.d_here")) < 1e-5);
     CHECK(d_scores.at(19, 1, -1) == d_scores.at(19, 1, 19));
     Tensor in_place = d_z;  // the denoiser lets d loss / d H take the place of d loss / d Z
-    select_backward(candidates, here, kTile, instruction_set, scores, in_place, d_scores, in_place);
+    select_backward(candidates, here, kTile, instruction_set, 0, scores, in_place, d_scores,
+                    in_place);
     CHECK(same_bits(in_place, d_here));
     CHECK(relative_error(d_scores, golden.values("selection.d_scores")) < 1e-5);
   }
@@ -91,25 +100,36 @@ TEST_CASE("the softmax is exact to 1e-6 over the whole range of scores") {
       const double score = step * 0.05;
       Selection s = with_scores(static_cast<float>(score), 0.0F, -1e4F, -1e4F, 0.0F);
       Tensor z = s.here;
-      select(s.candidates, s.here, {}, any, s.scores, z);
+      select_all(s.candidates, s.here, {}, any, s.scores, z);
       const double expected = 1.0 / (1.0 + std::exp(-4.0 * static_cast<float>(score)));
       REQUIRE(s.scores.at(0, 0, 3) == doctest::Approx(expected).epsilon(1e-6));
     }
   }
 }
 
-TEST_CASE("selection is the same on two threads") {
+TEST_CASE("the gradient of a few rows is that of all rows, there") {
   const Golden golden("layers");
   const Candidates candidates{of(golden, "above", 4), of(golden, "below", 4)};
   const Tensor here = of(golden, "here", 4);
-  Tensor scores[2] = {of(golden, "scores", 20), of(golden, "scores", 20)};
-  Tensor z[2] = {here, here};
-  for (const int threads : {1, 2}) {
-#pragma omp parallel num_threads(threads)
-    select(candidates, here, kTile, chosen_instruction_set(), scores[threads - 1], z[threads - 1]);
+  const Tensor d_z = of(golden, "d_output", 4);
+  const InstructionSet any = chosen_instruction_set();
+  Tensor weights = of(golden, "scores", 20);
+  Tensor z = here;
+  select_all(candidates, here, kTile, any, weights, z);
+  Tensor whole = weights;
+  Tensor d_here = here;
+  select_backward(candidates, here, kTile, any, 0, weights, d_z, whole, d_here);
+  REQUIRE(z.rows() > 1);
+  Tensor second(20, 1, z.columns(), z.padding(), 0);
+  Tensor d_here_again = d_z;
+  select_backward(candidates, here, kTile, any, 1, weights, d_z, second, d_here_again);
+  for (int x = 0; x < z.columns(); ++x) {
+    for (int channel = 0; channel < 20; ++channel) {
+      REQUIRE(second.at(channel, 0, x) == whole.at(channel, 1, x));
+    }
+    REQUIRE(d_here_again.at(3, 1, x) == d_here.at(3, 1, x));
+    REQUIRE(d_here_again.at(3, 0, x) == d_z.at(3, 0, x));  // untouched
   }
-  CHECK(same_bits(z[0], z[1]));
-  CHECK(same_bits(scores[0], scores[1]));
 }
 
 }  // namespace hqslam::nn

@@ -4,83 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <mutex>
-#include <set>
 
 #include "direct/srae.h"
 #include "direct/tulip.h"
-#include "error_message.h"
-#include "small_network.h"
-#include "thread_ranks.h"
+#include "small_training.h"
 
 namespace hqslam::nn {
-namespace {
-
-std::vector<RangeImage> scans() {
-  std::vector<RangeImage> scans;
-  for (int i = 0; i < 3; ++i) {
-    scans.push_back(small_scene());
-    for (float& range_m : scans.back().range_m) range_m *= 1.0F + 0.2F * static_cast<float>(i);
-  }
-  return scans;
-}
-
-std::unique_ptr<const TrainingScans> in_memory(std::vector<RangeImage> scans) {
-  return std::make_unique<ScansInMemory>(std::move(scans));
-}
-
-TrainingPlan small_plan() {
-  TrainingPlan plan;
-  plan.steps = 150;
-  plan.batch = 3;
-  plan.learning_rate = 3e-3F;
-  plan.warm_up_steps = 5;
-  plan.augmentation = {.crop_columns = 32, .range_noise_m = 0.02F, .largest_dropout_share = 0.05F};
-  return plan;
-}
-
-TrainingState fresh_state(const NetworkDescription& description) {
-  std::vector<float> parameters = initial_parameters(description, 1);
-  const std::size_t count = parameters.size();
-  std::vector<float> average = parameters;
-  return {std::move(parameters), AdamW({}, count), std::move(average)};
-}
-
-UnrolledPlan filtered_du_or() {
-  UnrolledPlan description = small_du_or();
-  description.filter.min_pixels = 12;
-  return description;
-}
-
-UnrolledPlan simple_du_with_dropout() {
-  UnrolledPlan description = small_simple_du();
-  description.plain.dropout = 0.1F;
-  return description;
-}
-
-void train(Trainer& trainer, int steps) {
-  for (int i = 0; i < steps; ++i) trainer.step();
-}
-
-TrainingState trained(const NetworkDescription& description, int steps, int threads) {
-  Trainer trainer(description, small_plan(), in_memory(scans()), fresh_state(description), threads);
-  train(trainer, steps);
-  return trainer.state();
-}
-
-void check_same(const TrainingState& a, const TrainingState& b) {
-  CHECK(a.parameters == b.parameters);
-  CHECK(a.average == b.average);
-  CHECK(a.optimiser.first_moment == b.optimiser.first_moment);
-  CHECK(a.optimiser.second_moment == b.optimiser.second_moment);
-  CHECK(a.optimiser.steps == b.optimiser.steps);
-}
-
-std::string plan_message(const TrainingPlan& plan) {
-  return test::error_message([&] { validate(plan, small_sensor()); });
-}
-
-}  // namespace
 
 TEST_CASE("training makes DU-OR better than it was and better than interpolation") {
   const UnrolledPlan description = filtered_du_or();
@@ -197,79 +126,6 @@ TEST_CASE("weight decay pulls at the weights of convolutions and linear layers a
   CHECK(decaying > 5);
 }
 
-TEST_CASE("one, two and three threads train the same bytes") {
-  for (const UnrolledPlan& description : {filtered_du_or(), simple_du_with_dropout()}) {
-    const TrainingState one = trained(description, 6, 1);
-    check_same(one, trained(description, 6, 2));
-    check_same(one, trained(description, 6, 3));
-    CHECK(one.parameters != fresh_state(description).parameters);
-  }
-}
-
-TEST_CASE("one, two and four processes train the same bytes and see the same losses") {
-  TrainingPlan plan = small_plan();
-  plan.batch = 4;
-  for (const UnrolledPlan& description : {filtered_du_or(), simple_du_with_dropout()}) {
-    std::vector<std::pair<TrainingState, double>> ends;
-    std::mutex mutex;
-    for (const int count : {1, 2, 4}) {
-      test::on_ranks(count, [&](Ranks& ranks) {
-        Trainer trainer(description, plan, in_memory(scans()), fresh_state(description), 2, ranks);
-        double losses = 0.0;
-        for (int i = 0; i < 6; ++i) losses += trainer.step().loss;
-        const std::lock_guard lock(mutex);
-        ends.emplace_back(trainer.state(), losses);
-      });
-    }
-    REQUIRE(ends.size() == 7);
-    for (const auto& [state, losses] : ends) {
-      check_same(state, ends.front().first);
-      CHECK(losses == ends.front().second);
-    }
-    Trainer usual(description, plan, in_memory(scans()), fresh_state(description), 1);
-    train(usual, 6);
-    check_same(usual.state(), ends.front().first);
-  }
-}
-
-TEST_CASE("a batch that processes cannot share is refused with the reason") {
-  const UnrolledPlan du_or = small_du_or();
-  NetworkDescription srae = small_du_or();
-  srae.architecture = std::make_shared<Srae>(SraeShape{.filters = 2, .passes = 1});
-  TrainingPlan plan = small_plan();
-  plan.augmentation.crop_columns = 0;
-  const auto message = [&](const NetworkDescription& description, int batch) {
-    plan.batch = batch;
-    return test::error_message([&] {
-      test::on_ranks(2, [&](Ranks& ranks) {
-        Trainer(description, plan, in_memory(scans()), fresh_state(description), 1, ranks);
-      });
-    });
-  };
-  CHECK(message(du_or, 4) == "no Error");
-  CHECK(test::one_line_with(message(du_or, 3), "batch is 3", "2 processes"));
-  CHECK(test::one_line_with(message(srae, 4), "batch norm", "2 processes"));
-}
-
-TEST_CASE("a training that stopped and went on gives the same bytes as one that never stopped") {
-  for (const UnrolledPlan& description : {filtered_du_or(), simple_du_with_dropout()}) {
-    const TrainingState whole = trained(description, 8, 1);
-    const TrainingState half = trained(description, 3, 2);
-    Trainer second(description, small_plan(), in_memory(scans()), half, 2);
-    train(second, 5);
-    check_same(second.state(), whole);
-  }
-}
-
-TEST_CASE("another seed trains other bytes") {
-  const UnrolledPlan description = small_du_or();
-  TrainingPlan plan = small_plan();
-  plan.seed = 2;
-  Trainer trainer(description, plan, in_memory(scans()), fresh_state(description), 1);
-  train(trainer, 2);
-  CHECK(trainer.state().parameters != trained(description, 2, 1).parameters);
-}
-
 TEST_CASE("the gradient and the loss of a batch are means: equal samples give those of one") {
   const UnrolledPlan description = small_du_or();
   RangeImage rings(16, 64);  // the same from every side, so that turning it changes nothing
@@ -284,20 +140,6 @@ TEST_CASE("the gradient and the loss of a batch are means: equal samples give th
   }
   CHECK(steps[1].loss == doctest::Approx(steps[0].loss).epsilon(1e-6));
   CHECK(steps[1].gradient_norm == doctest::Approx(steps[0].gradient_norm).epsilon(1e-5));
-}
-
-TEST_CASE("every step draws samples of its own") {
-  const UnrolledPlan description = small_du_or();
-  TrainingPlan plan = small_plan();
-  plan.learning_rate = 1e-30F;  // the network stays as it is
-  Trainer trainer(description, plan, in_memory(scans()), fresh_state(description), 1);
-  std::set<double> losses;
-  for (int i = 0; i < 8; ++i) losses.insert(trainer.step().loss);
-  const std::vector<float> before = fresh_state(description).parameters;
-  for (std::size_t i = 0; i < before.size(); ++i) {
-    REQUIRE(std::fabs(trainer.state().parameters[i] - before[i]) < 1e-20);
-  }
-  CHECK(losses.size() == 8);
 }
 
 TEST_CASE("without a share in the loss inner layers only serve the last one") {
@@ -328,88 +170,6 @@ TEST_CASE(
   for (std::size_t i = 0; i < before.size(); ++i) {
     REQUIRE(std::fabs(trainer.state().parameters[i] - before[i]) <
             1.1 * step.learning_rate * (1.0 + 0.01 * std::fabs(before[i])));
-  }
-}
-
-TEST_CASE("validation does not depend on the threads or on dropout, and of nothing is zero") {
-  const UnrolledPlan description = simple_du_with_dropout();
-  Trainer one(description, small_plan(), in_memory(scans()), fresh_state(description), 1);
-  Trainer two(description, small_plan(), in_memory(scans()), fresh_state(description), 2);
-  const Validation a = one.validate(scans());
-  CHECK(a.network.mae_all_m == two.validate(scans()).network.mae_all_m);
-  CHECK(a.network.mae_all_m == one.validate(scans()).network.mae_all_m);
-  CHECK(one.validate({}).network.mae_all_m == 0.0);
-}
-
-TEST_CASE("plans that cannot be followed are refused with the field and the value") {
-  CHECK(plan_message(small_plan()) == "no Error");
-  TrainingPlan plan = small_plan();
-  plan.steps = 0;
-  CHECK(test::one_line_with(plan_message(plan), "steps is 0"));
-  plan = small_plan();
-  plan.batch = 0;
-  CHECK(test::one_line_with(plan_message(plan), "batch is 0"));
-  plan = small_plan();
-  plan.learning_rate = -1.0F;
-  CHECK(test::one_line_with(plan_message(plan), "learning_rate is -1"));
-  plan = small_plan();
-  plan.learning_rate = std::nanf("");
-  CHECK(test::one_line_with(plan_message(plan), "learning_rate"));
-  plan = small_plan();
-  plan.layer_loss_share = -0.1F;
-  CHECK(test::one_line_with(plan_message(plan), "layer_loss_share is -0.1"));
-  plan = small_plan();
-  plan.augmentation.crop_columns = 65;
-  CHECK(test::one_line_with(plan_message(plan), "crop_columns is 65"));
-  plan = small_plan();
-  plan.augmentation.smallest_scale = 2.0F;
-  CHECK(test::one_line_with(plan_message(plan), "smallest_scale is 2"));
-  plan = small_plan();
-  plan.augmentation.largest_dropout_share = 1.0F;
-  CHECK(test::one_line_with(plan_message(plan), "largest_dropout_share is 1"));
-}
-
-TEST_CASE("scans and states that do not fit the network are refused, by any number of threads") {
-  const UnrolledPlan description = small_du_or();
-  const auto message = [&](std::vector<RangeImage> with, const TrainingState& state) {
-    return test::error_message(
-        [&] { Trainer(description, small_plan(), in_memory(std::move(with)), state, 2); });
-  };
-  const TrainingState good = fresh_state(description);
-  CHECK(message(scans(), good) == "no Error");
-  CHECK(test::one_line_with(message({}, good), "no scans"));
-  CHECK(test::one_line_with(message({RangeImage(16, 32)}, good), "16 x 32", "16 x 64"));
-  TrainingState bad = good;
-  bad.parameters.pop_back();
-  CHECK(test::one_line_with(message(scans(), bad), std::to_string(bad.parameters.size())));
-  bad = good;
-  bad.optimiser.second_moment.pop_back();
-  CHECK(test::one_line_with(message(scans(), bad), std::to_string(good.parameters.size())));
-  Trainer trainer(description, small_plan(), in_memory(scans()), good, 2);
-  CHECK(test::one_line_with(test::error_message([&] {
-                              trainer.validate({small_scene(), RangeImage(16, 32)});
-                            }),
-                            "16 x 32"));
-}
-
-TEST_CASE("scans in memory are of one shape and numbered from 0") {
-  const auto message = [](std::vector<RangeImage> with, std::int64_t scan) {
-    return test::error_message([&] { return ScansInMemory(std::move(with)).read(scan); });
-  };
-  CHECK(ScansInMemory(scans()).read(2).range_m == scans()[2].range_m);
-  CHECK(test::one_line_with(message({RangeImage(16, 32), RangeImage(8, 32)}, 0), "8 x 32",
-                            "16 x 32"));
-  CHECK(test::one_line_with(message(scans(), 3), "scan 3", "0 to 2"));
-  CHECK(test::one_line_with(message(scans(), -1), "scan -1", "0 to 2"));
-}
-
-TEST_CASE("a training whose loss is not finite stops with an Error, by any number of threads") {
-  const UnrolledPlan description = small_du_or();
-  for (const int threads : {1, 2}) {
-    TrainingState state = fresh_state(description);
-    state.parameters[0] = std::nanf("");
-    Trainer trainer(description, small_plan(), in_memory(scans()), state, threads);
-    CHECK(test::one_line_with(test::error_message([&] { trainer.step(); }), "not finite"));
   }
 }
 

@@ -54,7 +54,8 @@ TEST_CASE("worked example, selection: above 10 m, below 14 m, here 11.5 m") {
   scores.at(3, 0, 0) = -0.5F;  // nothing
   scores.at(4, 0, 0) = 0.02F;  // correction
   Tensor z = shape;
-  select(candidates, h, {1, 1}, InstructionSet::kPortable, scores, z);
+  select_row(candidates, h, {1, 1}, InstructionSet::kPortable, 0, scores.row(0, 0),
+             scores.channel_stride(), z);
   CHECK(scores.at(0, 0, 0) == doctest::Approx(0.962).epsilon(1e-3));
   CHECK(scores.at(1, 0, 0) == doctest::Approx(0.0176).epsilon(1e-2));
   CHECK(scores.at(2, 0, 0) == doctest::Approx(0.0176).epsilon(1e-2));

@@ -3,120 +3,23 @@
 #include <doctest/doctest.h>
 #include <omp.h>
 
-#include <algorithm>
 #include <cmath>
 #include <random>
 
-#include "error_message.h"
-#include "hqslam/core/error.h"
 #include "hqslam/slam/options.h"
 #include "slam/steady_drive.h"
 #include "slam/village.h"
-#include "slam/yard.h"
+#include "slam/yard_drive.h"
 
 using namespace hqslam;
 using slam::Status;
+using test::drive_pose;
+using test::drive_scan;
+using test::worst_error_m;
 
 namespace {
 
-constexpr double kPeriod_s = 0.1;
-
-/// Around the yard at 5 m/s, with turns: the true pose at a time.
-Pose drive_pose(double time_s) {
-  const double phase = 0.25 * time_s;
-  const Eigen::Vector2d p(14.0 * std::sin(phase), 3.0 * std::sin(2.0 * phase));
-  const Eigen::Vector2d v(14.0 * std::cos(phase), 6.0 * std::cos(2.0 * phase));
-  return test::yard_pose(p.x(), p.y(), std::atan2(v.y(), v.x()));
-}
-
-/// Scan `i` of the drive, captured rolling.
-OrganizedCloud drive_scan(const SensorModel& sensor, int i) {
-  return test::Yard().rolling_scan(
-      sensor, [&](double time_s) { return drive_pose(i * kPeriod_s + time_s); });
-}
-
-double worst_error_m(const Trajectory& trajectory) {
-  double worst_m = 0.0;
-  for (std::size_t i = 0; i < trajectory.size(); ++i) {
-    const Pose truth = drive_pose(0).inverse() * drive_pose(static_cast<double>(i) * kPeriod_s);
-    worst_m =
-        std::max(worst_m, (trajectory[i].T_map_sensor.translation() - truth.translation()).norm());
-  }
-  return worst_m;
-}
-
-/// A scan of a sensor whose calibration is off so that straight walls look bent: every metre driven
-/// then turns the estimate a little.
-OrganizedCloud bent(OrganizedCloud cloud) {
-  constexpr float kBend_per_m = 0.0002F;
-  for (std::size_t i = 0; i < cloud.range_m.size(); ++i) {
-    if (cloud.range_m[i] == 0.0F) continue;
-    Eigen::Vector3f& point_m = cloud.points_m[i];
-    point_m.y() += kBend_per_m * point_m.x() * point_m.x();
-    cloud.range_m[i] = point_m.norm();
-  }
-  return cloud;
-}
-
-/// What became of a drive once around a block and on.
-struct ClosedDrive {
-  Trajectory trajectory;
-  std::vector<slam::ScanReport> reports;
-  std::vector<Eigen::Vector3f> map_points_m;
-};
-
-ClosedDrive drive_around(const SensorModel& sensor, const std::vector<OrganizedCloud>& scans) {
-  slam::SlamOptions options;
-  options.mapping.recent_path_m = 50.0;
-  slam::Slam slam(sensor, options);
-  ClosedDrive result;
-  for (const OrganizedCloud& scan : scans) {
-    result.reports.push_back(
-        slam.process(scan, kPeriod_s * static_cast<double>(result.reports.size())));
-  }
-  slam.finish();
-  result.trajectory = slam.trajectory();
-  result.map_points_m = slam.map_points_m();
-  return result;
-}
-
-/// How far the end of the way is from where it was passed first, beyond what is true.
-double closing_error_m(const ClosedDrive& drive, const test::Circuit& circuit) {
-  const std::size_t last = drive.trajectory.size() - 1;
-  const Eigen::Vector3d end_m = circuit.T_village_sensor[last].translation();
-  std::size_t nearest = 0;
-  for (std::size_t i = 0; i < last / 2; ++i) {
-    const auto distance_m = [&](std::size_t k) {
-      return (circuit.T_village_sensor[k].translation() - end_m).norm();
-    };
-    if (distance_m(i) < distance_m(nearest)) nearest = i;
-  }
-  const Pose T_true = circuit.T_village_sensor[nearest].inverse() * circuit.T_village_sensor[last];
-  const Pose T_estimated =
-      drive.trajectory[nearest].T_map_sensor.inverse() * drive.trajectory[last].T_map_sensor;
-  return (T_estimated.translation() - T_true.translation()).norm();
-}
-
-/// The drive around the yard with stamps of another clock: its worst error, and how often the map
-/// did not tell the pose.
-struct ClockedDrive {
-  double worst_error_m = 0.0;
-  int not_ok = 0;
-};
-
-template <typename StampOf>
-ClockedDrive drive_with_clock(const StampOf& stamp_s) {
-  const SensorModel sensor = test::small_sensor(16, 512);
-  slam::Slam slam(sensor);
-  ClockedDrive result;
-  for (int i = 0; i < 30; ++i) {
-    const auto report = slam.process(drive_scan(sensor, i), stamp_s(i));
-    CHECK(report.stamp_s == stamp_s(i));
-    result.not_ok += report.mapping_status != Status::kOk;
-  }
-  result.worst_error_m = worst_error_m(slam.trajectory());
-  return result;
-}
+constexpr double kPeriod_s = test::kDrivePeriod_s;
 
 OrganizedCloud garbage(const SensorModel& sensor, unsigned seed) {
   std::mt19937 generator(seed);
@@ -251,36 +154,6 @@ TEST_CASE("a sensor that is carried to another place starts the map anew there")
   CHECK(step.translation().norm() == doctest::Approx(0.5).epsilon(0.1));
 }
 
-TEST_CASE("a drive is tracked to centimetres whatever the clock does") {
-  const ClockedDrive equal_or_falling = drive_with_clock([](int i) { return i < 15 ? 1.0 : 0.5; });
-  CHECK(equal_or_falling.worst_error_m < 0.15);
-  CHECK(equal_or_falling.not_ok <= 4);
-  // Every fifth scan is stamped right after the one before.
-  const ClockedDrive late =
-      drive_with_clock([](int i) { return kPeriod_s * i - (i % 5 == 4 ? 0.0999 : 0.0); });
-  CHECK(late.worst_error_m < 0.15);
-  CHECK(late.not_ok <= 4);
-  // From the time since the start to that of day, and back.
-  const ClockedDrive set_twice =
-      drive_with_clock([](int i) { return kPeriod_s * i + (i >= 10 && i < 20 ? 1.7e9 : 0.0); });
-  CHECK(set_twice.worst_error_m < 0.15);
-  CHECK(set_twice.not_ok <= 4);
-}
-
-TEST_CASE("a stamp that is no time in seconds is refused, and nothing has changed") {
-  const SensorModel sensor = test::small_sensor(16, 512);
-  slam::Slam slam(sensor);
-  for (int i = 0; i < 6; ++i) {
-    const OrganizedCloud scan = drive_scan(sensor, i);
-    for (const double stamp : {std::nan(""), HUGE_VAL, -HUGE_VAL, 1.7e18}) {
-      CHECK_THROWS_AS(slam.process(scan, stamp), Error);
-    }
-    slam.process(scan, i * kPeriod_s);
-  }
-  CHECK(slam.trajectory().size() == 6);
-  CHECK(worst_error_m(slam.trajectory()) < 0.15);
-}
-
 TEST_CASE("a sensor that is covered is believed to go on for a second, then less and less") {
   const SensorModel sensor = test::small_sensor(16, 512);
   slam::Slam slam(sensor);
@@ -375,91 +248,6 @@ TEST_CASE("a fast sensor that was covered and stands elsewhere then is followed 
   }
 }
 
-TEST_CASE("points and ranges that are not finite do no harm") {
-  const SensorModel sensor = test::small_sensor(16, 512);
-  slam::Slam slam(sensor);
-  for (int i = 0; i < 10; ++i) {
-    OrganizedCloud cloud = drive_scan(sensor, i);
-    for (std::size_t k = 0; k < cloud.range_m.size(); k += 97) {
-      cloud.range_m[k] = k % 2 == 0 ? std::nanf("") : HUGE_VALF;
-      cloud.points_m[k].setConstant(std::nanf(""));
-    }
-    const auto report = slam.process(cloud, i * kPeriod_s);
-    CHECK(report.T_map_sensor.matrix().allFinite());
-  }
-  CHECK(worst_error_m(slam.trajectory()) < 0.15);
-}
-
-TEST_CASE("a pixel with a capture time that is not finite is no return") {
-  const SensorModel sensor = test::small_sensor(16, 512);
-  slam::Slam slam(sensor);
-  slam::Slam slam_without(sensor);
-  for (int i = 0; i < 10; ++i) {
-    OrganizedCloud cloud = drive_scan(sensor, i);
-    OrganizedCloud without = cloud;
-    for (std::size_t k = 0; k < cloud.range_m.size(); k += 97) {
-      cloud.time_offset_s[k] = k % 2 == 0 ? std::nanf("") : HUGE_VALF;
-      without.range_m[k] = 0.0F;
-    }
-    const auto report = slam.process(cloud, i * kPeriod_s);
-    const auto expected = slam_without.process(without, i * kPeriod_s);
-    CHECK(report.returns == expected.returns);
-    CHECK(report.T_map_sensor.matrix() == expected.T_map_sensor.matrix());
-  }
-}
-
-TEST_CASE("a scan with a pixel without its own point, range or capture time is refused") {
-  const SensorModel sensor = test::small_sensor(16, 512);
-  slam::Slam slam(sensor);
-  const OrganizedCloud sound = drive_scan(sensor, 0);
-  OrganizedCloud cloud = sound;
-  cloud.points_m.pop_back();
-  CHECK_THROWS_AS(slam.process(cloud, 0.0), Error);
-  cloud = sound;
-  cloud.range_m.push_back(1.0F);
-  CHECK_THROWS_AS(slam.process(cloud, 0.0), Error);
-  cloud = sound;
-  cloud.time_offset_s.resize(1);
-  CHECK_THROWS_AS(slam.process(cloud, 0.0), Error);
-  cloud.time_offset_s.clear();
-  CHECK_NOTHROW(slam.process(cloud, 0.0));
-  CHECK(slam.trajectory().size() == 1);
-}
-
-TEST_CASE("capture times that are no offsets from the middle of the scan in seconds are refused") {
-  const SensorModel sensor = test::small_sensor(16, 512);
-  slam::Slam slam(sensor);
-  const OrganizedCloud sound = drive_scan(sensor, 0);
-  const auto changed = [&](float factor, float shift_s) {
-    OrganizedCloud cloud = sound;
-    for (float& offset_s : cloud.time_offset_s) offset_s = factor * offset_s + shift_s;
-    return cloud;
-  };
-  const auto period_s = static_cast<float>(sensor.scan_period_s);
-  const auto refused = [&](const OrganizedCloud& cloud) {
-    return test::one_line_with(test::error_message([&] { slam.process(cloud, 0.0); }),
-                               "capture times", "middle of the scan");
-  };
-  CHECK(refused(changed(1.0F, period_s / 2.0F)));   // from its beginning
-  CHECK(refused(changed(1.0F, -period_s / 2.0F)));  // from its end
-  CHECK(refused(changed(1.0F, 1.6e9F)));            // no offsets at all
-  CHECK(refused(changed(1000.0F, 0.0F)));           // milliseconds
-  CHECK_THROWS_AS(slam.process(changed(1e6F, 0.0F), 0.0), ScanError);
-  CHECK(slam.trajectory().empty());
-  CHECK_NOTHROW(slam.process(changed(1.0F, period_s / 10.0F), 0.0));
-  CHECK_NOTHROW(slam.process(changed(1.5F, 0.0F), 0.1));  // a head that is slower than its model
-  OrganizedCloud half = changed(1.0F, 0.0F);              // returns of one half of the turn alone
-  for (std::size_t k = 0; k < half.range_m.size(); ++k) {
-    if (half.time_offset_s[k] < 0.0F) half.range_m[k] = 0.0F;
-  }
-  CHECK_NOTHROW(slam.process(half, 0.2));
-  // Of pixels without a return the times mean nothing.
-  OrganizedCloud cloud = sound;
-  cloud.range_m[5] = 0.0F;
-  cloud.time_offset_s[5] = 1e9F;
-  CHECK_NOTHROW(slam.process(cloud, 0.3));
-}
-
 TEST_CASE("the number of threads is an option, and the caller's own stays as it was") {
   const SensorModel sensor = test::small_sensor(16, 512);
   const int before = omp_get_max_threads();
@@ -473,53 +261,4 @@ TEST_CASE("the number of threads is an option, and the caller's own stays as it 
     CHECK(omp_get_max_threads() == before);
   }
   CHECK(last[0].matrix() == last[1].matrix());
-}
-
-TEST_CASE("a scan of another shape is refused") {
-  slam::Slam slam(test::small_sensor(16, 512));
-  CHECK_THROWS_AS(slam.process(OrganizedCloud(64, 1024), 0.0), Error);
-  SensorModel broken = test::small_sensor(16, 512);
-  broken.columns = 0;
-  CHECK_THROWS_AS(slam::Slam{broken}, Error);
-}
-
-TEST_CASE("a drive that drifts by metres is closed, smoothly, the same whatever the threads") {
-  const test::Circuit circuit = test::circuit();
-  const SensorModel sensor = test::small_sensor(16, 360);
-  std::vector<OrganizedCloud> scans;
-  for (const Pose& T_village_sensor : circuit.T_village_sensor) {
-    scans.push_back(bent(circuit.village.scan(sensor, T_village_sensor)));
-  }
-  std::vector<ClosedDrive> closed;
-  const int threads_before = omp_get_max_threads();
-  for (const int threads : {1, 2}) {
-    omp_set_num_threads(threads);
-    closed.push_back(drive_around(sensor, scans));
-  }
-  omp_set_num_threads(threads_before);
-
-  const std::vector<slam::ScanReport>& reports = closed[0].reports;
-  const auto is_closed = [](const slam::ScanReport& report) {
-    return report.loop.status == slam::LoopStatus::kClosed;
-  };
-  const auto first_closed = std::find_if(reports.begin(), reports.end(), is_closed);
-  REQUIRE(first_closed < reports.end() - 1);
-  const auto at = static_cast<std::size_t>(first_closed - reports.begin());
-  CHECK(reports[at].loop.correction_m > 2.0);
-  CHECK(reports[at].loop.older_scan < at / 2);
-  CHECK(closing_error_m(closed[0], circuit) < 0.3);
-
-  // The next scan is followed as if nothing had happened, and the odometry knows nothing of it.
-  const auto step_m = [&](Pose slam::ScanReport::*T_sensor, std::size_t i) {
-    return ((reports[i - 1].*T_sensor).inverse() * (reports[i].*T_sensor)).translation().norm();
-  };
-  CHECK(step_m(&slam::ScanReport::T_map_sensor, at + 1) == doctest::Approx(1.5).epsilon(0.1));
-  CHECK(step_m(&slam::ScanReport::T_odom_sensor, at) == doctest::Approx(1.5).epsilon(0.1));
-  CHECK(step_m(&slam::ScanReport::T_odom_sensor, at + 1) == doctest::Approx(1.5).epsilon(0.1));
-
-  CHECK(closed[1].map_points_m == closed[0].map_points_m);
-  for (std::size_t i = 0; i < reports.size(); ++i) {
-    CHECK(closed[1].trajectory[i].T_map_sensor.matrix() ==
-          closed[0].trajectory[i].T_map_sensor.matrix());
-  }
 }

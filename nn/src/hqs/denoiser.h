@@ -23,7 +23,8 @@ namespace hqslam::nn {
 struct DenoiserState {
   /// From the input to the output, what is between them after its activation.
   std::vector<Tensor> values;
-  Tensor z;  ///< tiles of Z
+  Tensor z;       ///< tiles of Z
+  Tensor part{};  ///< gradients: room for some rows of the last convolution's
 
   /// First the tiles of H, then the memory of the layer before.
   Tensor& input() { return values.front(); }
@@ -51,6 +52,8 @@ class Denoiser {
   virtual std::int64_t multiply_adds() const = 0;
   /// for_backward: with room for what `backward` needs.
   virtual DenoiserState make_state(bool for_backward = true) const = 0;
+  /// For `backward` to work in; output() has the memory channels at least.
+  virtual DenoiserState make_gradient() const { return make_state(); }
 
   /// All arrays of parameter_shapes(), one after the other. Throws Error for another number.
   virtual void set_parameters(std::span<const float> parameters) = 0;

@@ -14,9 +14,6 @@ float interpolated(float above_m, float below_m, float part_down, Interpolation 
   if (interpolation == Interpolation::kNearest || above_m <= 0.0F || below_m <= 0.0F) {
     return nearest_m;
   }
-  if (interpolation == Interpolation::kLinear) {
-    return (1.0F - part_down) * above_m + part_down * below_m;
-  }
   return above_m * below_m / ((1.0F - part_down) * below_m + part_down * above_m);
 }
 
@@ -63,6 +60,15 @@ void check_measured_rows(const RangeImage& measured, RowSelection measured_rows,
 
 void interpolate_row(const float* above, const float* below, float part_down,
                      Interpolation interpolation, int columns, float* row) {
+  if (interpolation == Interpolation::kLinear) {  // what every lifting begins with
+    const float* nearest = part_down < 0.5F ? above : below;
+#pragma omp simd
+    for (int x = 0; x < columns; ++x) {
+      const float between = (1.0F - part_down) * above[x] + part_down * below[x];
+      row[x] = std::min(above[x], below[x]) <= 0.0F ? nearest[x] : between;
+    }
+    return;
+  }
   for (int column = 0; column < columns; ++column) {
     row[column] = interpolated(above[column], below[column], part_down, interpolation);
   }

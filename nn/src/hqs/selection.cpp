@@ -25,22 +25,14 @@ void select_row(const Candidates& candidates, const Tensor& h, TileSize tile,
   }
 }
 
-void select(const Candidates& candidates, const Tensor& h, TileSize tile,
-            InstructionSet instruction_set, Tensor& scores, Tensor& z) {
-#pragma omp for schedule(static)
-  for (int row = 0; row < z.rows(); ++row) {
-    select_row(candidates, h, tile, instruction_set, row, scores.row(0, row),
-               scores.channel_stride(), z);
-  }
-}
-
 void select_backward(const Candidates& candidates, const Tensor& h, TileSize tile,
-                     InstructionSet instruction_set, const Tensor& weights, const Tensor& d_z,
-                     Tensor& d_scores, Tensor& d_h) {
+                     InstructionSet instruction_set, int first_row, const Tensor& weights,
+                     const Tensor& d_z, Tensor& d_scores, Tensor& d_h) {
   const kernels::RowKernels& kernels = kernels::row_kernels(instruction_set);
   const int pixels = tile.pixels();
-  for (int channel = 0; channel < pixels; ++channel) {
-    for (int row = 0; row < d_z.rows(); ++row) {
+  for (int y = 0; y < d_scores.rows(); ++y) {
+    const int row = first_row + y;
+    for (int channel = 0; channel < pixels; ++channel) {
       kernels.select_gradient({.gain = kSelectionGain,
                                .weight_above = weights.row(channel, row),
                                .weight_below = weights.row(channel + pixels, row),
@@ -50,15 +42,15 @@ void select_backward(const Candidates& candidates, const Tensor& h, TileSize til
                                .below = candidates.below.row(channel, row),
                                .here = h.row(channel, row),
                                .d_z = d_z.row(channel, row),
-                               .d_score_above = d_scores.row(channel, row),
-                               .d_score_below = d_scores.row(channel + pixels, row),
-                               .d_score_here = d_scores.row(channel + 2 * pixels, row),
-                               .d_score_nothing = d_scores.row(channel + 3 * pixels, row),
-                               .d_residual = d_scores.row(channel + 4 * pixels, row),
+                               .d_score_above = d_scores.row(channel, y),
+                               .d_score_below = d_scores.row(channel + pixels, y),
+                               .d_score_here = d_scores.row(channel + 2 * pixels, y),
+                               .d_score_nothing = d_scores.row(channel + 3 * pixels, y),
+                               .d_residual = d_scores.row(channel + 4 * pixels, y),
                                .d_here = d_h.row(channel, row),
                                .columns = d_z.columns()});
       for (int group = 0; group < kSelectionGroups; ++group) {
-        d_scores.fill_border(channel + group * pixels, row);
+        d_scores.fill_border(channel + group * pixels, y);
       }
     }
   }

@@ -28,21 +28,17 @@ inline constexpr int kSelectionGroups = 5;
 /// before a choice is clear, ranges (in units of 80 m) stay below 1.
 inline constexpr float kSelectionGain = 4.0F;
 
-/// In: scores. Out: the softmax in their place, and Z. Called by all threads of a parallel region,
-/// they share the work.
-void select(const Candidates& candidates, const Tensor& h, TileSize tile,
-            InstructionSet instruction_set, Tensor& scores, Tensor& z);
-
-/// One row of the same by the calling thread alone. scores: groups of channels as above,
-/// channel_stride floats apart; in the scores, out the softmax.
+/// One row, by the calling thread alone. scores: groups of channels as above, channel_stride floats
+/// apart; in the scores, out the softmax. And Z.
 void select_row(const Candidates& candidates, const Tensor& h, TileSize tile,
                 InstructionSet instruction_set, int row, float* scores, std::int64_t channel_stride,
                 Tensor& z);
 
-/// weights: what `select` left. d_z: d loss / d Z. Writes d loss / d scores (groups as above,
-/// borders filled) and d loss / d H along the direct way through w_h. One thread.
+/// Some rows, `first_row` and what follows it: as many as d_scores has. weights: what select_row
+/// left. d_z: d loss / d Z. Writes d loss / d scores (groups as above, borders filled) and d loss /
+/// d H along the direct way through w_h. One thread.
 void select_backward(const Candidates& candidates, const Tensor& h, TileSize tile,
-                     InstructionSet instruction_set, const Tensor& weights, const Tensor& d_z,
-                     Tensor& d_scores, Tensor& d_h);
+                     InstructionSet instruction_set, int first_row, const Tensor& weights,
+                     const Tensor& d_z, Tensor& d_scores, Tensor& d_h);
 
 }  // namespace hqslam::nn

@@ -73,6 +73,7 @@ class UShapedDenoiser final : public Denoiser {
   std::vector<float> initial_parameters(std::uint64_t seed) const override;
   std::int64_t multiply_adds() const override { return graph_.multiply_adds(); }
   DenoiserState make_state(bool for_backward) const override;
+  DenoiserState make_gradient() const override;
   void set_parameters(std::span<const float> parameters) override {
     graph_.set_parameters(parameters);
   }
@@ -83,8 +84,8 @@ class UShapedDenoiser final : public Denoiser {
   std::vector<NetworkStep> steps(const Candidates& candidates, DenoiserState& state) override;
 
  private:
-  /// Head and selection one row after the other: the scores of a row never leave the cache. Leaves
-  /// the memory and no weights.
+  /// Head and selection one row after the other: a row of scores never leaves the cache. Leaves the
+  /// weights, too, where the state has room for them.
   void select_by_row(const Candidates& candidates, DenoiserState& state);
 
   UShapedDenoiserShape shape_;
@@ -115,28 +116,35 @@ DenoiserState UShapedDenoiser::make_state(bool for_backward) const {
   return state;
 }
 
+DenoiserState UShapedDenoiser::make_gradient() const {
+  DenoiserState gradient = make_state(false);
+  // Two rows in one go cost fewer sums of lanes, more would leave the second-level cache.
+  const int rows = gradient.z.rows() % 2 == 0 ? 2 : 1;
+  gradient.part =
+      Tensor(score_channels(shape_) + shape_.memory, rows, gradient.z.columns(), padding(), 0);
+  return gradient;
+}
+
 void UShapedDenoiser::forward(const Candidates& candidates, DenoiserState& state,
                               std::optional<std::uint64_t> /*dropout_seed*/) {
-  if (state.output().channels() < score_channels(shape_) + shape_.memory) {
-    graph_.forward(state.values, 1);
-    select_by_row(candidates, state);
-    return;
-  }
-  graph_.forward(state.values);
-  select(candidates, state.input(), shape_.tile, instruction_set_, state.output(), state.z);
+  graph_.forward(state.values, 1);
+  select_by_row(candidates, state);
 }
 
 void UShapedDenoiser::select_by_row(const Candidates& candidates, DenoiserState& state) {
-  const std::int64_t stride = state.output().padded_columns();
+  Tensor& output = state.output();
+  const bool kept = output.channels() == score_channels(shape_) + shape_.memory;
+  const std::int64_t stride = kept ? output.channel_stride() : output.padded_columns();
 #pragma omp for schedule(static)
   for (int row = 0; row < state.z.rows(); ++row) {
-    float* scores_of_row = head_rows_[omp_get_thread_num()].data();
+    float* scores_of_row = kept ? output.row(0, row) : head_rows_[omp_get_thread_num()].data();
     graph_.last_step_row(state.values, row, scores_of_row, stride);
     select_row(candidates, state.input(), shape_.tile, instruction_set_, row, scores_of_row, stride,
                state.z);
+    if (kept) continue;
     for (int channel = 0; channel < shape_.memory; ++channel) {
-      std::copy_n(scores_of_row + (score_channels(shape_) + channel) * stride,
-                  state.output().columns(), state.output().row(channel, row));
+      std::copy_n(scores_of_row + (score_channels(shape_) + channel) * stride, output.columns(),
+                  output.row(channel, row));
     }
   }
 }
@@ -153,9 +161,20 @@ void UShapedDenoiser::backward(const Candidates& candidates, const DenoiserState
                                DenoiserState& gradient, std::span<float> d_parameters) {
   // gradient.z holds d_z; the direct way to H is kept there once the scores have theirs.
   Tensor& d_direct = gradient.z;
-  select_backward(candidates, state.input(), shape_.tile, instruction_set_, state.output(),
-                  gradient.z, gradient.output(), d_direct);
-  graph_.backward(state.values, gradient.values, d_parameters);
+  Tensor& d_output = gradient.part;
+  const int scores = score_channels(shape_);
+  for (int first = 0; first < gradient.z.rows(); first += d_output.rows()) {
+    select_backward(candidates, state.input(), shape_.tile, instruction_set_, first, state.output(),
+                    gradient.z, d_output, d_direct);
+    for (int y = 0; y < d_output.rows(); ++y) {
+      for (int channel = 0; channel < shape_.memory; ++channel) {
+        std::copy_n(gradient.output().row(channel, first + y), d_output.columns(),
+                    d_output.row(scores + channel, y));
+      }
+    }
+    graph_.last_step_backward_rows(state.values, first, d_output, gradient.values, d_parameters);
+  }
+  graph_.backward(state.values, gradient.values, d_parameters, false, 1);
   add_channels(d_direct, shape_.tile.pixels(), gradient.input());
 }
 

@@ -54,7 +54,7 @@ UnrolledState UnrolledNetwork::make_state(Kept kept) const {
   const Denoiser& denoiser = *denoisers_.front();
   const TileSize tile = denoiser.tile();
   const Tensor image(tile.pixels(), rows_ / tile.rows, columns_ / tile.columns, denoiser.padding());
-  UnrolledState state{image, {image, image}, image, {}, {}};
+  UnrolledState state{{}, image, {image, image}, image, {}, {}};
   const std::size_t pixels = static_cast<std::size_t>(rows_) * columns_;
   const int slots = kept == Kept::kAllLayers ? options_.layers : std::min(2, options_.layers);
   for (int slot = 0; slot < slots; ++slot) {
@@ -71,32 +71,43 @@ void UnrolledNetwork::start(const RangeImage& measured, UnrolledState& state) co
                             measured.columns, columns_));
   }
   check_measured_rows(measured, description_.measured_rows, rows_);
-#pragma omp parallel for schedule(static) num_threads(threads_)
-  for (int row = 0; row < rows_; ++row) start_row(measured, row, state);
+  if (state.measured.rows != measured.rows) state.measured = RangeImage(measured.rows, columns_);
+#pragma omp parallel num_threads(threads_)
+  {
+#pragma omp for schedule(static)
+    for (int row = 0; row < measured.rows; ++row) {
+      const float* from = &measured.range_m[measured.index(row, 0)];
+      float* to = &state.measured.range_m[measured.index(row, 0)];
+      for (int x = 0; x < columns_; ++x) to[x] = from[x] / description_.range_scale_m;
+    }
+#pragma omp for schedule(static)
+    for (int row = 0; row < rows_; ++row) start_row(measured, row, state);
+  }
 }
 
 void UnrolledNetwork::start_row(const RangeImage& measured, int row, UnrolledState& state) const {
   const TileSize tile = denoisers_.front()->tile();
   const RowsBetween between = rows_between(row, description_.measured_rows, measured.rows);
-  float* scaled = &state.raster[static_cast<std::size_t>(row) * columns_];
-  const auto put = [&](int from_row, Tensor& tiles) {
-    const float* from = &measured.range_m[measured.index(from_row, 0)];
-    for (int x = 0; x < columns_; ++x) scaled[x] = from[x] / description_.range_scale_m;
-    put_image_row(scaled, tile, row, tiles);
+  const auto scaled_row = [&](int of) {
+    return &state.measured.range_m[state.measured.index(of, 0)];
   };
-  put(between.above, state.candidates.above);
-  put(between.below, state.candidates.below);
-  // In a measured row both neighbours are the row itself; the other rows of L are never looked at.
-  put_image_row(scaled, tile, row, state.l);
+  put_image_row(scaled_row(between.above), tile, row, state.candidates.above);
+  put_image_row(scaled_row(between.below), tile, row, state.candidates.below);
+  if (between.above == between.below) {  // a measured row; others of L are never looked at
+    put_image_row(scaled_row(between.below), tile, row, state.l);
+  }
+  float* first = &state.raster[static_cast<std::size_t>(row) * columns_];
   if (options_.start == Start::kZero) {
-    std::fill_n(scaled, columns_, 0.0F);
-  } else if (between.above != between.below) {
+    std::fill_n(first, columns_, 0.0F);
+  } else if (between.above == between.below) {
+    first = scaled_row(between.below);
+  } else {
     interpolate_row(&measured.range_m[measured.index(between.above, 0)],
                     &measured.range_m[measured.index(between.below, 0)], between.part_down,
-                    Interpolation::kLinear, columns_, scaled);
-    for (int x = 0; x < columns_; ++x) scaled[x] /= description_.range_scale_m;
+                    Interpolation::kLinear, columns_, first);
+    for (int x = 0; x < columns_; ++x) first[x] /= description_.range_scale_m;
   }
-  put_image_row(scaled, tile, row, state.z0);
+  put_image_row(first, tile, row, state.z0);
 }
 
 DataConsistency UnrolledNetwork::data_consistency(int layer) const {
@@ -181,12 +192,15 @@ void UnrolledNetwork::set_y_row(int row, LayerState& layer) const {
   const TileSize tile = denoisers_.front()->tile();
   const bool zero = options_.rejected == RejectedPixel::kZero;
   const Tensor& filtered = filters_h() ? layer.denoiser.input() : layer.denoiser.z;
-  for (int channel = 0; channel < tile.pixels(); ++channel) {
-    std::copy_n(filtered.row(channel, row), layer.y.columns(), layer.y.row(channel, row));
-  }
-  for_each_rejected(layer.rejected, tile, columns_, row, [&](int channel, int x) {
-    layer.y.row(channel, row)[x] = zero ? 0.0F : layer.denoiser.z.row(channel, row)[x];
-  });
+  const float share_of_z = zero ? 0.0F : 1.0F;
+  for_each_mask(layer.rejected, tile, columns_, row,
+                [&](int channel, int first, int count, const std::uint32_t* mask) {
+                  const float* kept = filtered.row(channel, row) + first;
+                  const float* z = layer.denoiser.z.row(channel, row) + first;
+                  float* y = layer.y.row(channel, row) + first;
+#pragma omp simd
+                  for (int i = 0; i < count; ++i) y[i] = mask[i] != 0 ? share_of_z * z[i] : kept[i];
+                });
 }
 
 void UnrolledNetwork::forward(UnrolledState& state, std::optional<std::uint64_t> dropout_seed) {

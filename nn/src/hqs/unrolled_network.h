@@ -28,6 +28,7 @@ struct UnrolledState {
   LayerState& layer(int index) { return slots[index % slots.size()]; }
   const LayerState& layer(int index) const { return slots[index % slots.size()]; }
 
+  RangeImage measured;    ///< the scan, in units of range_scale_m
   Tensor l;               ///< measured ranges; its other rows are never looked at
   Candidates candidates;  ///< measured neighbours above and below
   Tensor z0;              ///< start: Z and Y of layer 0

@@ -40,10 +40,17 @@ void UnrolledNetwork::gather_d_z(int layer, const LayerState& current, const Ten
     }
   }
   if (!has_y || filters_h() == zero) return;
+  const float more = zero ? -0.5F : 0.5F;
   for (int row = 0; row < d_z.rows(); ++row) {
-    for_each_rejected(current.rejected, tile, columns_, row, [&](int channel, int x) {
-      d_z.row(channel, row)[x] += (zero ? -0.5F : 0.5F) * d_a.row(channel, row)[x];
-    });
+    for_each_mask(current.rejected, tile, columns_, row,
+                  [&](int channel, int first, int count, const std::uint32_t* mask) {
+                    const float* passed = d_a.row(channel, row) + first;
+                    float* to = d_z.row(channel, row) + first;
+#pragma omp simd
+                    for (int i = 0; i < count; ++i) {
+                      to[i] += (mask[i] != 0 ? more : 0.0F) * passed[i];
+                    }
+                  });
   }
 }
 
@@ -51,18 +58,18 @@ void UnrolledNetwork::gather_d_z(int layer, const LayerState& current, const Ten
 void UnrolledNetwork::gather_d_h(int layer, const LayerState& current, const Tensor& d_input,
                                  const Tensor& d_a, Tensor& d_h) const {
   const TileSize tile = denoisers_.front()->tile();
-  const bool through_y = has_filter_after(layer) && filters_h();
-  for (int channel = 0; channel < tile.pixels(); ++channel) {
-    for (int row = 0; row < d_h.rows(); ++row) {
-      add_scaled(d_input.row(channel, row), through_y ? 0.5F : 0.0F, d_a.row(channel, row),
-                 d_h.columns(), d_h.row(channel, row));
-    }
-  }
-  if (!through_y) return;
+  const float share = has_filter_after(layer) && filters_h() ? 0.5F : 0.0F;
   for (int row = 0; row < d_h.rows(); ++row) {
-    for_each_rejected(current.rejected, tile, columns_, row, [&](int channel, int x) {
-      d_h.row(channel, row)[x] = d_input.row(channel, row)[x];
-    });
+    for_each_mask(current.rejected, tile, columns_, row,
+                  [&](int channel, int first, int count, const std::uint32_t* mask) {
+                    const float* of_input = d_input.row(channel, row) + first;
+                    const float* passed = d_a.row(channel, row) + first;
+                    float* to = d_h.row(channel, row) + first;
+#pragma omp simd
+                    for (int i = 0; i < count; ++i) {
+                      to[i] = of_input[i] + (mask[i] != 0 ? 0.0F : share) * passed[i];
+                    }
+                  });
   }
 }
 
@@ -92,7 +99,7 @@ void UnrolledNetwork::backward(const UnrolledState& state, std::span<const Tenso
   const int memory = any.memory_channels();
   if (backward_ == nullptr) {
     backward_ =
-        std::make_shared<BackwardScratch>(BackwardScratch{any.make_state(), state.z0, state.z0});
+        std::make_shared<BackwardScratch>(BackwardScratch{any.make_gradient(), state.z0, state.z0});
   }
   BackwardScratch& scratch = *backward_;
   DenoiserState& gradient = scratch.gradient;

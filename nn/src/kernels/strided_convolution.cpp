@@ -64,7 +64,6 @@ StridedConvolution::StridedConvolution(const ConvolutionShape& shape, const Tens
       narrow_columns_(narrow.columns()),
       wide_rows_(wide.rows()),
       wide_columns_(wide.columns()),
-      wide_border_rows_(wide.border_rows()),
       kernels_(&row_kernels(instruction_set)) {
   validate(shape_);
   check(narrow, wide);
@@ -134,8 +133,8 @@ void StridedConvolution::plan_gather(const Tensor& wide) {
   const ConvolutionShape& s = shape_;
   const int stride = s.column_stride();
   // With a stride the taps read the phase planes: wide columns of one phase side by side.
-  const Tensor planes(stride == 1 ? 1 : s.input_channels * stride, wide.rows(),
-                      stride == 1 ? wide.columns() : narrow_columns_, padding_, wide.border_rows());
+  const Tensor phases = stride == 1 ? Tensor() : make_phases();
+  const Tensor& planes = stride == 1 ? wide : phases;
   for (int b = 0; b < s.input_channels; ++b) {
     for (int i = 0; i < s.kernel_rows; ++i) {
       for (int j = 0; j < s.kernel_columns; ++j) {
@@ -200,12 +199,15 @@ void StridedConvolution::set_weights(std::span<const float> weights) {
   }
 }
 
+Tensor StridedConvolution::make_phases() const {
+  const int stride = shape_.column_stride();
+  const int rows = (std::min(kBlockRows, narrow_rows_) - 1) * shape_.stride + shape_.kernel_rows;
+  return {shape_.input_channels * stride, rows, narrow_columns_, padding_, 0};
+}
+
 ConvolutionScratch StridedConvolution::make_scratch(int threads) const {
   ConvolutionScratch scratch;
-  if (shape_.column_stride() > 1) {
-    scratch.phases = Tensor(shape_.input_channels * shape_.column_stride(), wide_rows_,
-                            narrow_columns_, padding_, wide_border_rows_);
-  }
+  if (shape_.column_stride() > 1) scratch.phases.assign(threads, make_phases());
   // A row of every wide channel and column phase (scatter), or the gradient of every weight
   // (add_weight_gradient).
   const Tensor row(1, 1, narrow_columns_, padding_, 0);
@@ -217,41 +219,46 @@ ConvolutionScratch StridedConvolution::make_scratch(int threads) const {
   return scratch;
 }
 
-void StridedConvolution::sort_phases(const Tensor& wide, ConvolutionScratch& scratch) const {
+void StridedConvolution::sort_phases(const Tensor& wide, int first_row, int rows,
+                                     Tensor& phases) const {
   const int stride = shape_.column_stride();
-  const int tasks = wide_rows_ * shape_.input_channels;
   // The border of the wide row holds what lies beyond its last column, as far as it is needed.
   const int columns = std::min(narrow_columns_, (wide_columns_ + Tensor::kBorderColumns) / stride);
-#pragma omp for schedule(static)
-  for (int task = 0; task < tasks; ++task) {
-    const int channel = task / wide_rows_;
-    const int y = task % wide_rows_;
-    Tensor& phases = scratch.phases;
-    const int first = channel * stride;
-    if (stride == 2 && columns == narrow_columns_) {
-      kernels_->split({.input = wide.row(channel, y),
-                       .even = phases.row(first, y),
-                       .odd = phases.row(first + 1, y),
-                       .columns = columns});
-    } else {
-      for (int phase = 0; phase < stride; ++phase) {
-        take_every(wide.row(channel, y) + phase, stride, columns, phases.row(first + phase, y));
+  for (int y = 0; y < rows; ++y) {
+    for (int channel = 0; channel < shape_.input_channels; ++channel) {
+      const int first = channel * stride;
+      const float* from = wide.row(channel, first_row + y);
+      if (stride == 2 && columns == narrow_columns_) {
+        kernels_->split({.input = from,
+                         .even = phases.row(first, y),
+                         .odd = phases.row(first + 1, y),
+                         .columns = columns});
+      } else {
+        for (int phase = 0; phase < stride; ++phase) {
+          take_every(from + phase, stride, columns, phases.row(first + phase, y));
+        }
       }
+      for (int phase = 0; phase < stride; ++phase) phases.fill_border(first + phase, y);
     }
-    for (int phase = 0; phase < stride; ++phase) phases.fill_border(first + phase, y);
   }
 }
 
-const float* StridedConvolution::gather_base(const Tensor& wide, const ConvolutionScratch& scratch,
-                                             int y) const {
-  const Tensor& planes = shape_.column_stride() == 1 ? wide : scratch.phases;
-  return planes.row(0, y * shape_.stride - shape_.padding_rows);
+StridedConvolution::GatherRows StridedConvolution::gather_rows(const Tensor& wide, int begin,
+                                                               int end,
+                                                               ConvolutionScratch& scratch) const {
+  const int first_row = begin * shape_.stride - shape_.padding_rows;
+  if (shape_.column_stride() == 1) {
+    return {wide.row(0, first_row), shape_.stride * wide.row_stride()};
+  }
+  Tensor& phases = scratch.phases[omp_get_thread_num()];
+  const int rows = (end - begin - 1) * shape_.stride + shape_.kernel_rows;
+  sort_phases(wide, first_row, rows, phases);
+  return {phases.row(0, 0), shape_.stride * phases.row_stride()};
 }
 
-AccumulateRow StridedConvolution::gather_task(const Tensor& wide, const float* bias, int y,
-                                              const ConvolutionScratch& scratch) const {
+AccumulateRow StridedConvolution::gather_task(const float* input, const float* bias) const {
   AccumulateRow row;
-  row.input = gather_base(wide, scratch, y);
+  row.input = input;
   row.tap_offset = gather_offset_.data();
   row.taps = static_cast<int>(gather_offset_.size());
   row.weights = gather_weights_.data();
@@ -278,32 +285,64 @@ void StridedConvolution::end_in(Tensor& result, const Epilogue& epilogue, int y,
 
 void StridedConvolution::gather(const Tensor& wide, const Epilogue& epilogue, Tensor& narrow,
                                 ConvolutionScratch& scratch) const {
-  if (shape_.column_stride() > 1) sort_phases(wide, scratch);
+  // Without a stride a block would save nothing.
+  const int of_a_thread = (narrow_rows_ + omp_get_num_threads() - 1) / omp_get_num_threads();
+  const int most = shape_.column_stride() == 1 ? 1 : std::min(kBlockRows, of_a_thread);
+  const int blocks = (narrow_rows_ + most - 1) / most;
 #pragma omp for schedule(static)
-  for (int y = 0; y < narrow_rows_; ++y) {
-    AccumulateRow row = gather_task(wide, epilogue.bias, y, scratch);
-    end_in(narrow, epilogue, y, row);
-    kernels_->accumulate(row);
-    for (int channel = 0; channel < shape_.output_channels; ++channel) {
-      narrow.fill_border(channel, y);
+  for (int block = 0; block < blocks; ++block) {
+    const int begin = block * most;
+    const int end = std::min(begin + most, narrow_rows_);
+    const GatherRows rows = gather_rows(wide, begin, end, scratch);
+    for (int y = begin; y < end; ++y) {
+      AccumulateRow row = gather_task(rows.first + (y - begin) * rows.row_stride, epilogue.bias);
+      end_in(narrow, epilogue, y, row);
+      kernels_->accumulate(row);
+      for (int channel = 0; channel < shape_.output_channels; ++channel) {
+        narrow.fill_border(channel, y);
+      }
     }
   }
 }
 
 void StridedConvolution::gather_row(const Tensor& wide, const float* bias, int y, float* output,
-                                    std::int64_t channel_stride,
-                                    const ConvolutionScratch& scratch) const {
-  AccumulateRow row = gather_task(wide, bias, y, scratch);
+                                    std::int64_t channel_stride) const {
+  AccumulateRow row = gather_task(wide.row(0, y * shape_.stride - shape_.padding_rows), bias);
   row.output = output;
   row.output_channel_stride = channel_stride;
   kernels_->accumulate(row);
+}
+
+void StridedConvolution::scatter_whole_row(AccumulateRow row, const Epilogue& epilogue,
+                                           int wide_row, Tensor& wide) const {
+  const ScatterPhase& taps = scatter_phases_[wide_row % shape_.stride];
+  row.tap_offset = taps.tap_offset.data();
+  row.taps = static_cast<int>(taps.tap_offset.size());
+  row.weights = taps.weights.data();
+  row.bias = epilogue.bias;
+  row.output_channels = shape_.input_channels;
+  row.end = wide_columns_;
+  end_in(wide, epilogue, wide_row, row);
+  kernels_->accumulate(row);
+  for (int channel = 0; channel < shape_.input_channels; ++channel) {
+    wide.fill_border(channel, wide_row);
+  }
+}
+
+void StridedConvolution::scatter_rows(const Tensor& narrow, int first_row, const Epilogue& epilogue,
+                                      Tensor& wide) const {
+  AccumulateRow row;
+  for (int y = 0; y < narrow.rows(); ++y) {
+    row.input = narrow.row(0, y);
+    scatter_whole_row(row, epilogue, first_row + y, wide);
+  }
 }
 
 void StridedConvolution::scatter_row(const Tensor& narrow, const Epilogue& epilogue, int wide_row,
                                      Tensor& wide, std::vector<float>& rows) const {
   const int stride = shape_.column_stride();
   const int row_phase = wide_row % shape_.stride;
-  const std::int64_t row_stride = narrow.row_stride();
+  const std::int64_t row_stride = narrow.channel_stride();
   AccumulateRow row;
   row.input = narrow.row(0, wide_row / shape_.stride);
   row.bias = epilogue.bias;
@@ -311,15 +350,7 @@ void StridedConvolution::scatter_row(const Tensor& narrow, const Epilogue& epilo
   row.output_channel_stride = stride * row_stride;
   row.end = (wide_columns_ + stride - 1) / stride;
   if (stride == 1) {
-    const ScatterPhase& taps = scatter_phases_[row_phase];
-    row.tap_offset = taps.tap_offset.data();
-    row.taps = static_cast<int>(taps.tap_offset.size());
-    row.weights = taps.weights.data();
-    end_in(wide, epilogue, wide_row, row);
-    kernels_->accumulate(row);
-    for (int channel = 0; channel < shape_.input_channels; ++channel) {
-      wide.fill_border(channel, wide_row);
-    }
+    scatter_whole_row(row, epilogue, wide_row, wide);
     return;
   }
   for (int phase = 0; phase < stride; ++phase) {
@@ -360,34 +391,33 @@ void StridedConvolution::scatter(const Tensor& narrow, const Epilogue& epilogue,
   }
 }
 
-void StridedConvolution::add_weight_gradient(const Tensor& narrow, const Tensor& wide,
-                                             std::span<float> gradient,
+void StridedConvolution::add_weight_gradient(const Tensor& narrow, int first_row,
+                                             const Tensor& wide, std::span<float> gradient,
                                              ConvolutionScratch& scratch) const {
-  if (shape_.column_stride() > 1) sort_phases(wide, scratch);
   const int channels = padded_gradient_channels(shape_.output_channels);
   const int taps = static_cast<int>(gather_offset_.size());
   float* sums = scratch.rows.front().data();
   std::fill_n(sums, static_cast<std::size_t>(channels) * taps, 0.0F);
   // As many rows at a time as a block of channels may have in the first-level cache.
   constexpr int kCachedFloats = 6144;
-  const int most = std::max(1, kCachedFloats / (kGradientBlock * narrow_columns_));
-  const int parts = (narrow_rows_ + most - 1) / most;
+  const int cached = std::max(1, kCachedFloats / (kGradientBlock * narrow_columns_));
+  const int most = shape_.column_stride() == 1 ? cached : std::min(cached, kBlockRows);
+  const int parts = (narrow.rows() + most - 1) / most;
   for (int part = 0; part < parts; ++part) {
-    const int begin = part * narrow_rows_ / parts;
-    const int end = (part + 1) * narrow_rows_ / parts;
-    kernels_->correlate(
-        {.narrow = narrow.row(0, begin),
-         .narrow_channel_stride = narrow.channel_stride(),
-         .narrow_row_stride = narrow.row_stride(),
-         .narrow_channels = shape_.output_channels,
-         .wide = gather_base(wide, scratch, begin),
-         .wide_row_stride =
-             shape_.stride * (shape_.column_stride() == 1 ? wide : scratch.phases).row_stride(),
-         .tap_offset = gather_offset_.data(),
-         .taps = taps,
-         .rows = end - begin,
-         .columns = narrow_columns_,
-         .gradient = sums});
+    const int begin = part * narrow.rows() / parts;
+    const int end = (part + 1) * narrow.rows() / parts;
+    const GatherRows rows = gather_rows(wide, first_row + begin, first_row + end, scratch);
+    kernels_->correlate({.narrow = narrow.row(0, begin),
+                         .narrow_channel_stride = narrow.channel_stride(),
+                         .narrow_row_stride = narrow.row_stride(),
+                         .narrow_channels = shape_.output_channels,
+                         .wide = rows.first,
+                         .wide_row_stride = rows.row_stride,
+                         .tap_offset = gather_offset_.data(),
+                         .taps = taps,
+                         .rows = end - begin,
+                         .columns = narrow_columns_,
+                         .gradient = sums});
   }
   for (int a = 0; a < shape_.output_channels; ++a) {
     for (int t = 0; t < taps; ++t) gradient[a * taps + t] += sums[t * channels + a];

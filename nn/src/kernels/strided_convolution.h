@@ -13,7 +13,9 @@ namespace hqslam::nn::kernels {
 
 /// Memory that the methods of StridedConvolution work in; one per thread team.
 struct ConvolutionScratch {
-  Tensor phases;  ///< the wide tensor, its columns sorted by column mod stride
+  /// One per thread: some rows of the wide tensor, their columns sorted by column mod stride. None
+  /// without a stride.
+  std::vector<Tensor> phases;
   std::vector<std::vector<float>> rows;  ///< one per thread
 };
 
@@ -57,13 +59,17 @@ class StridedConvolution {
   /// One row of gather with stride 1, into memory of the caller's: output channels channel_stride
   /// floats apart, each with room for whole vectors of 16. By the calling thread alone.
   void gather_row(const Tensor& wide, const float* bias, int y, float* output,
-                  std::int64_t channel_stride, const ConvolutionScratch& scratch) const;
+                  std::int64_t channel_stride) const;
   void scatter(const Tensor& narrow, const Epilogue& epilogue, Tensor& wide,
                ConvolutionScratch& scratch) const;
+  /// The same with stride 1 and one kernel row for some rows, `first_row` and what follows it,
+  /// alone: all that `narrow` has. By the calling thread alone.
+  void scatter_rows(const Tensor& narrow, int first_row, const Epilogue& epilogue,
+                    Tensor& wide) const;
   /// Adds to gradient (the weights' layout): sum narrow[a][y][x] wide[b][y s + i - p][x s + j - p].
-  /// One thread.
-  void add_weight_gradient(const Tensor& narrow, const Tensor& wide, std::span<float> gradient,
-                           ConvolutionScratch& scratch) const;
+  /// `narrow` may have some rows only, `first_row` and what follows it. One thread.
+  void add_weight_gradient(const Tensor& narrow, int first_row, const Tensor& wide,
+                           std::span<float> gradient, ConvolutionScratch& scratch) const;
 
  private:
   /// The taps that end in the wide pixels whose row and column have one phase (mod stride).
@@ -76,16 +82,30 @@ class StridedConvolution {
   void check(const Tensor& narrow, const Tensor& wide) const;
   void check_columns_read(const Tensor& narrow, const Tensor& wide) const;
   void plan_gather(const Tensor& wide);
+  /// For the wide rows that a block of narrow rows takes.
+  Tensor make_phases() const;
   void plan_scatter(const Tensor& narrow);
-  AccumulateRow gather_task(const Tensor& wide, const float* bias, int y,
-                            const ConvolutionScratch& scratch) const;
-  /// Where the taps of narrow row y are counted from.
-  const float* gather_base(const Tensor& wide, const ConvolutionScratch& scratch, int y) const;
-  void sort_phases(const Tensor& wide, ConvolutionScratch& scratch) const;
+  /// input: where the taps of a narrow row are counted from.
+  AccumulateRow gather_task(const float* input, const float* bias) const;
+  /// Wide rows as `gather` reads them, `row_stride` from one narrow row to the next.
+  struct GatherRows {
+    const float* first = nullptr;
+    std::int64_t row_stride = 0;
+  };
+  /// Those of narrow rows `begin` to `end` - 1, at most kBlockRows with a stride: the wide tensor's
+  /// or, sorted, the thread's own.
+  GatherRows gather_rows(const Tensor& wide, int begin, int end, ConvolutionScratch& scratch) const;
+  void sort_phases(const Tensor& wide, int first_row, int rows, Tensor& phases) const;
   /// Row `y` of the result, and what the epilogue does with it.
   static void end_in(Tensor& result, const Epilogue& epilogue, int y, AccumulateRow& row);
+  /// With stride 1; `row` has the input.
+  void scatter_whole_row(AccumulateRow row, const Epilogue& epilogue, int wide_row,
+                         Tensor& wide) const;
   void scatter_row(const Tensor& narrow, const Epilogue& epilogue, int wide_row, Tensor& wide,
                    std::vector<float>& rows) const;
+
+  /// With a stride so many narrow rows go through all stages while they are in the cache.
+  static constexpr int kBlockRows = 4;
 
   ConvolutionShape shape_;
   ColumnPadding padding_;
@@ -93,7 +113,6 @@ class StridedConvolution {
   int narrow_columns_ = 0;
   int wide_rows_ = 0;
   int wide_columns_ = 0;
-  int wide_border_rows_ = 0;
   const RowKernels* kernels_;
   std::vector<std::int64_t> gather_offset_;   ///< wide channel, kernel row, kernel column
   std::vector<float> gather_weights_;         ///< blocks of 8 narrow channels x taps x 8

@@ -21,7 +21,7 @@ constexpr double kAgreeing_m = 0.15;
 constexpr double kAgreeing_rad = 0.01;
 
 /// Scans are matched with the map to so much.
-constexpr double kAligned_m = 0.02;
+constexpr double kAligned_m = 0.01;
 constexpr double kAligned_rad = 0.001;
 
 // When loops agree with each other, and how many are wanted over which stretch. The stretch is so
@@ -295,24 +295,31 @@ void LoopClosing::join(std::size_t part, std::size_t other) {
   }
 }
 
+/// The poses that the key frames of a stretch get from those of its nodes.
+std::vector<Pose> LoopClosing::corrected(std::size_t stretch,
+                                         const std::vector<Pose>& T_map_node) const {
+  const bool last = stretch + 1 == stretches_.size();
+  const std::size_t begin = stretches_[stretch].first_key_frame;
+  const std::size_t end = last ? T_map_key_frame_.size() : stretches_[stretch + 1].first_key_frame;
+  const std::size_t begin_node = stretches_[stretch].first_node;
+  const std::size_t end_node = last ? nodes_.size() : stretches_[stretch + 1].first_node;
+  std::vector<std::uint32_t> key_frame_of_node;
+  for (std::size_t i = begin_node; i < end_node; ++i) {
+    key_frame_of_node.push_back(nodes_[i].key_frame - stretches_[stretch].first_key_frame);
+  }
+  const auto piece = [](const std::vector<Pose>& poses, std::size_t from, std::size_t to) {
+    return std::vector<Pose>(poses.begin() + static_cast<std::ptrdiff_t>(from),
+                             poses.begin() + static_cast<std::ptrdiff_t>(to));
+  };
+  return corrected_key_frames(piece(T_map_key_frame_, begin, end), key_frame_of_node,
+                              piece(T_map_node, begin_node, end_node));
+}
+
 /// Every stretch of path, and what was laid aside of it, moves with its nodes.
 std::vector<Pose> LoopClosing::move_key_frames(const std::vector<Pose>& T_map_node) {
   std::vector<Pose> moved;
-  for (std::size_t s = 0; s < stretches_.size(); ++s) {
-    const bool last = s + 1 == stretches_.size();
-    const std::uint32_t begin = stretches_[s].first_key_frame;
-    const std::size_t end = last ? T_map_key_frame_.size() : stretches_[s + 1].first_key_frame;
-    const std::size_t end_node = last ? nodes_.size() : stretches_[s + 1].first_node;
-    std::vector<std::uint32_t> key_frame_of_node;
-    for (std::size_t i = stretches_[s].first_node; i < end_node; ++i) {
-      key_frame_of_node.push_back(nodes_[i].key_frame - begin);
-    }
-    const auto at = [](const std::vector<Pose>& poses, std::size_t i) {
-      return poses.begin() + static_cast<std::ptrdiff_t>(i);
-    };
-    const std::vector<Pose> of_stretch = corrected_key_frames(
-        {at(T_map_key_frame_, begin), at(T_map_key_frame_, end)}, key_frame_of_node,
-        {at(T_map_node, stretches_[s].first_node), at(T_map_node, end_node)});
+  for (std::size_t stretch = 0; stretch < stretches_.size(); ++stretch) {
+    const std::vector<Pose> of_stretch = corrected(stretch, T_map_node);
     moved.insert(moved.end(), of_stretch.begin(), of_stretch.end());
   }
   std::vector<Pose> corrections;
@@ -321,9 +328,9 @@ std::vector<Pose> LoopClosing::move_key_frames(const std::vector<Pose>& T_map_no
     corrections.push_back(stays ? Pose::Identity()
                                 : Pose(moved[k] * T_map_key_frame_[k].inverse()));
   }
-  T_map_key_frame_ = moved;
+  T_map_key_frame_ = std::move(moved);
   for (std::size_t i = 0; i < nodes_.size(); ++i) {
-    graph_.T_map_node[i] = moved[nodes_[i].key_frame];
+    graph_.T_map_node[i] = T_map_key_frame_[nodes_[i].key_frame];
   }
   recent_.correct(corrections.back());
   for (FeatureMaps& part : parts_) part.correct(corrections);

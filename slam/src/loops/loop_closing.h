@@ -97,6 +97,7 @@ class LoopClosing {
   std::vector<Pose> close(LoopReport& report);
   void bring_together(PoseGraph& graph) const;
   void join(std::size_t part, std::size_t other);
+  std::vector<Pose> corrected(std::size_t stretch, const std::vector<Pose>& T_map_node) const;
   std::vector<Pose> move_key_frames(const std::vector<Pose>& T_map_node);
 
   MappingOptions mapping_;

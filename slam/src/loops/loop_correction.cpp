@@ -14,8 +14,9 @@ constexpr double kMaxOdometryStrain_m = 0.05;
 constexpr double kMaxOdometryStrain_rad = 0.02;
 constexpr double kStrainPerDrift = 2.0;
 
-constexpr double kLeastMove_m = 0.01;
-constexpr double kLeastTurn_rad = 0.0003;  // 1.5 cm in 50 m
+// A key frame that should move by less stays: so long a step is left where it borders on others.
+constexpr double kLeastMove_m = 0.001;
+constexpr double kLeastTurn_rad = 0.00003;
 
 bool bears(const PoseGraphEdge& edge, const std::vector<Pose>& T_map_node, double max_m,
            double max_rad) {

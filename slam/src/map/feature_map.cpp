@@ -20,7 +20,11 @@ std::uint64_t mixed(std::uint64_t key) {
   return key ^ (key >> 29);
 }
 
-Eigen::Vector3i floored(const Eigen::Vector3f& v) { return v.array().floor().cast<int>(); }
+/// Of values that an int can hold; std::floor is a call on processors without SSE4.1.
+Eigen::Vector3i floored(const Eigen::Vector3f& v) {
+  const Eigen::Array3i truncated = v.array().cast<int>();
+  return truncated - (v.array() < truncated.cast<float>()).cast<int>();
+}
 
 /// distance_m2: less than that of the sixth so far.
 void insert_sorted(Neighbours& found, const Eigen::Vector3f& point_m, float distance_m2) {
@@ -103,31 +107,36 @@ void FeatureMap::insert(const std::vector<MapPoint>& points) {
   for (const MapPoint& point : points) insert_point(point);
 }
 
-void FeatureMap::insert_point(const MapPoint& inserted) {
-  const Eigen::Vector3f& point_m = inserted.mean_m;
+std::optional<FeatureMap::Voxel> FeatureMap::voxel_of(const Eigen::Vector3f& point_m) const {
   const Eigen::Vector3f scaled = point_m / cube_m_;
-  if (!(scaled.array().abs() < static_cast<float>(kCubeRange - 1)).all()) return;
-  const Eigen::Vector3i cube_index = floored(scaled);
-  std::uint64_t key = 0;
-  if (!key_of(cube_index, key)) return;
-  Cube& cube = find_or_add(key);
-  const Eigen::Vector3i at = floored((point_m - cube_index.cast<float>() * cube_m_) / leaf_m_)
+  if (!(scaled.array().abs() < static_cast<float>(kCubeRange - 1)).all()) return std::nullopt;
+  const Eigen::Vector3i cube = floored(scaled);
+  Voxel result;
+  if (!key_of(cube, result.cube_key)) return std::nullopt;
+  const Eigen::Vector3i at = floored((point_m - cube.cast<float>() * cube_m_) / leaf_m_)
                                  .cwiseMax(0)
                                  .cwiseMin(voxels_per_side_ - 1);
-  const auto voxel =
+  result.in_cube =
       static_cast<std::uint16_t>((at.x() * voxels_per_side_ + at.y()) * voxels_per_side_ + at.z());
+  return result;
+}
+
+void FeatureMap::insert_point(const MapPoint& inserted) {
+  const std::optional<Voxel> voxel = voxel_of(inserted.mean_m);
+  if (!voxel) return;
+  Cube& cube = find_or_add(voxel->cube_key);
   for (Cell& cell : cube.cells) {
-    if (cell.voxel != voxel) continue;
+    if (cell.voxel != voxel->in_cube) continue;
     cell.key_frame = std::min(cell.key_frame, inserted.key_frame);
     cell.last_seen = std::max(cell.last_seen, inserted.last_seen);
     if (cell.count < kMaxMeanCount) {
       cell.count = static_cast<std::uint16_t>(cell.count + inserted.count);
-      cell.mean_m += static_cast<float>(inserted.count) * (point_m - cell.mean_m) /
+      cell.mean_m += static_cast<float>(inserted.count) * (inserted.mean_m - cell.mean_m) /
                      static_cast<float>(cell.count);
     }
     return;
   }
-  cube.cells.push_back({inserted, voxel});
+  cube.cells.push_back({inserted, voxel->in_cube});
   ++size_;
 }
 
@@ -138,7 +147,9 @@ std::vector<MapPoint> FeatureMap::take(const std::vector<std::size_t>& cubes,
   for (const std::size_t cube : cubes) {
     std::vector<Cell>& cells = cubes_[cube].cells;
     const auto first_taken = std::stable_partition(cells.begin(), cells.end(),
-                                                   [&](const Cell& cell) { return !wanted(cell); });
+                                                   [&, key = cubes_[cube].key](const Cell& cell) {
+                                                     return !wanted(cell, Voxel{key, cell.voxel});
+                                                   });
     for (auto cell = first_taken; cell != cells.end(); ++cell) taken.push_back(*cell);
     cells.erase(first_taken, cells.end());
   }
@@ -148,14 +159,14 @@ std::vector<MapPoint> FeatureMap::take(const std::vector<std::size_t>& cubes,
 
 std::vector<MapPoint> FeatureMap::take_not_seen_since(std::uint32_t key_frame) {
   std::vector<MapPoint> taken =
-      take(all_cubes(), [&](const MapPoint& point) { return point.last_seen < key_frame; });
+      take(all_cubes(), [&](const MapPoint& point, Voxel) { return point.last_seen < key_frame; });
   drop_empty_cubes();
   return taken;
 }
 
 std::vector<MapPoint> FeatureMap::take_near(const Surroundings& place) {
   return take(cubes_touching(place),
-              [&](const MapPoint& point) { return place.contains(point.mean_m); });
+              [&](const MapPoint& point, Voxel) { return place.contains(point.mean_m); });
 }
 
 /// A map that moves along with a sensor would otherwise remember for good where it was.
@@ -230,15 +241,21 @@ std::vector<Eigen::Vector3f> FeatureMap::points_near_m(const Surroundings& place
   return result;
 }
 
+/// Most corrections are small, and most points stay in their voxels: only the others are taken out
+/// and put in again.
 void FeatureMap::correct(const std::vector<Pose>& corrections) {
-  std::vector<bool> moves;
+  std::vector<std::uint8_t> moves;
   for (const Pose& correction : corrections) moves.push_back(!correction.matrix().isIdentity(0.0));
-  std::vector<MapPoint> moved =
-      take(all_cubes(), [&](const MapPoint& point) { return moves[point.key_frame]; });
-  for (MapPoint& point : moved) {
-    point.mean_m = (corrections[point.key_frame] * point.mean_m.cast<double>()).cast<float>();
+#pragma omp parallel for schedule(static)
+  for (std::size_t i = 0; i < cubes_.size(); ++i) {
+    for (Cell& cell : cubes_[i].cells) {
+      if (moves[cell.key_frame] == 0) continue;
+      cell.mean_m = (corrections[cell.key_frame] * cell.mean_m.cast<double>()).cast<float>();
+    }
   }
-  insert(moved);
+  insert(take(all_cubes(), [&](const MapPoint& point, const Voxel& voxel) {
+    return moves[point.key_frame] != 0 && voxel_of(point.mean_m) != voxel;
+  }));
 }
 
 std::vector<Eigen::Vector3f> FeatureMap::points_m() const {

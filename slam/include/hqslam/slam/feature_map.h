@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "hqslam/core/pose.h"
@@ -83,11 +84,18 @@ class FeatureMap {
     std::uint64_t key = 0;
     std::vector<Cell> cells;
   };
+  struct Voxel {
+    std::uint64_t cube_key = 0;
+    std::uint16_t in_cube = 0;
+    bool operator==(const Voxel&) const = default;
+  };
 
   bool key_of(const Eigen::Vector3i& cube, std::uint64_t& key) const;
   const Cube* find(std::uint64_t key) const;
   Cube& find_or_add(std::uint64_t key);
   void fill_table(std::size_t slots);
+  /// None beyond a million cubes.
+  std::optional<Voxel> voxel_of(const Eigen::Vector3f& point_m) const;
   void insert_point(const MapPoint& point);
   template <typename Wanted>
   std::vector<MapPoint> take(const std::vector<std::size_t>& cubes, const Wanted& wanted);

@@ -1,0 +1,169 @@
+#include <doctest/doctest.h>
+
+#include <string>
+
+#include "outlier_masks.h"
+
+// The filter against two independent searches for components.
+namespace hqslam::nn {
+namespace {
+
+/// The pixels of the component around a pixel of a cut-out closed to a circle, by flood fill.
+class FloodFill {
+ public:
+  FloodFill(const RangeImage& image, const SensorModel& sensor, double min_angle_rad)
+      : image_(image), sensor_(sensor), tan_(static_cast<float>(std::tan(min_angle_rad))) {}
+
+  std::vector<std::size_t> component(int row, int column, Mask& visited) const {
+    std::vector<std::size_t> pixels{image_.index(row, column)};
+    visited[pixels[0]] = 1;
+    for (std::size_t next = 0; next < pixels.size(); ++next) {
+      const int r = static_cast<int>(pixels[next]) / image_.columns;
+      const int c = static_cast<int>(pixels[next]) % image_.columns;
+      const auto visit = [&](int to_row, int to_column, double alpha_rad) {
+        const std::size_t to = image_.index(to_row, to_column);
+        if (visited[to] != 0 || !image_.has_return(to_row, to_column)) return;
+        if (!ComponentLabeler::connected(image_.at(r, c), image_.range_m[to],
+                                         static_cast<float>(std::sin(alpha_rad)),
+                                         static_cast<float>(std::cos(alpha_rad)), tan_)) {
+          return;
+        }
+        visited[to] = 1;
+        pixels.push_back(to);
+      };
+      const auto& elevation = sensor_.beam_elevation_rad;
+      if (r > 0) visit(r - 1, c, elevation[r - 1] - elevation[r]);
+      if (r + 1 < image_.rows) visit(r + 1, c, elevation[r] - elevation[r + 1]);
+      visit(r, (c + 1) % image_.columns, sensor_.column_step_rad());
+      visit(r, (c + image_.columns - 1) % image_.columns, sensor_.column_step_rad());
+    }
+    return pixels;
+  }
+
+ private:
+  const RangeImage& image_;
+  const SensorModel& sensor_;
+  float tan_;
+};
+
+Mask from_flood_fill(const RangeImage& image, const SensorModel& sensor, RowSelection rows,
+                     const OutlierRemovalOptions& options) {
+  const FloodFill flood(image, sensor, options.min_angle_rad);
+  Mask visited(image.range_m.size(), 0);
+  Mask rejected(image.range_m.size(), 0);
+  for (int row = 0; row < image.rows; ++row) {
+    for (int column = 0; column < image.columns; ++column) {
+      if (visited[image.index(row, column)] != 0 || !image.has_return(row, column)) continue;
+      const std::vector<std::size_t> pixels = flood.component(row, column, visited);
+      if (static_cast<int>(pixels.size()) >= options.min_pixels) continue;
+      for (const std::size_t pixel : pixels) {
+        rejected[pixel] = !is_measured(static_cast<int>(pixel) / image.columns, rows);
+      }
+    }
+  }
+  return rejected;
+}
+
+struct Counts {
+  int images = 0;
+  int wrong = 0;
+  std::int64_t rejected = 0;
+  std::int64_t kept = 0;
+};
+
+void compare(Counts& counts, const Mask& expected, const Mask& actual, const RangeImage& image) {
+  ++counts.images;
+  counts.wrong += expected != actual;
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    counts.rejected += expected[i];
+    counts.kept += expected[i] == 0 && image.range_m[i] > 0.0F;
+  }
+}
+
+}  // namespace
+
+TEST_CASE("whole scans give the same mask as the breadth-first search of core") {
+  std::mt19937 generator(20);
+  Counts counts;
+  for (const std::string name : {"os1-64", "hdl-64e", "vlp-16"}) {
+    SensorModel sensor = sensor_preset(name);
+    for (const int columns : {1024, 360, 37}) {
+      sensor.columns = columns;
+      const RowSelection rows{sensor.rows() == 64 ? 3 : 0, 4};
+      OutlierRemoval removal(sensor, rows, {}, columns);
+      for (int kind = 0; kind < static_cast<int>(Kind::kCount); ++kind) {
+        const RangeImage image =
+            random_image(static_cast<Kind>(kind), sensor.rows(), columns, generator);
+        compare(counts, from_component_labeler(image, sensor, rows, {}), found(removal, image),
+                image);
+      }
+    }
+  }
+  CHECK(counts.wrong == 0);
+  CHECK(counts.rejected > 10000);
+  CHECK(counts.kept > 10000);
+}
+
+TEST_CASE("the same mask for every size of component and every angle") {
+  std::mt19937 generator(21);
+  Counts counts;
+  for (const int min_pixels : {0, 1, 2, 3, 5, 20, 64, 65, 66, 129, 200, 500, 100000}) {
+    for (const double angle_deg : {1.0, 10.0, 60.0, 89.0}) {
+      const SensorModel sensor = small_sensor(9, 200);
+      const OutlierRemovalOptions options{angle_deg * kDegree, min_pixels};
+      OutlierRemoval removal(sensor, kNothingMeasured, options, 200);
+      for (int kind = 0; kind < static_cast<int>(Kind::kCount); ++kind) {
+        const RangeImage image = random_image(static_cast<Kind>(kind), 9, 200, generator);
+        compare(counts, from_component_labeler(image, sensor, kNothingMeasured, options),
+                found(removal, image), image);
+      }
+    }
+  }
+  CHECK(counts.wrong == 0);
+  CHECK(counts.rejected > 10000);
+  CHECK(counts.kept > 10000);
+}
+
+TEST_CASE("cut-outs give the same mask as a flood fill that closes them to a circle") {
+  std::mt19937 generator(22);
+  Counts counts;
+  const SensorModel sensor = sensor_preset("hdl-64e");
+  for (const int columns : {512, 65, 64, 63, 37, 3, 2, 1}) {
+    OutlierRemoval removal(sensor, {3, 4}, {}, columns);
+    for (int kind = 0; kind < static_cast<int>(Kind::kCount); ++kind) {
+      const RangeImage image =
+          random_image(static_cast<Kind>(kind), sensor.rows(), columns, generator);
+      compare(counts, from_flood_fill(image, sensor, {3, 4}, {}), found(removal, image), image);
+    }
+  }
+  CHECK(counts.wrong == 0);
+  CHECK(counts.rejected > 1000);
+  CHECK(counts.kept > 1000);
+}
+
+TEST_CASE("winding components, which no sweep over the rows fills at once, are whole") {
+  // A path of single pixels that goes up and down and ends in a run of `tail` pixels.
+  for (const int tail : {1, 30}) {
+    for (const int folds : {1, 4, 20}) {
+      const SensorModel sensor = small_sensor(12, 360);
+      RangeImage image(12, 360);
+      int column = 320;
+      for (int fold = 0; fold < folds; ++fold) {
+        for (int row = 0; row < 12; ++row) image.at(row, column) = 10.0F;
+        draw_run(image, fold % 2 == 0 ? 11 : 0, column, column + 2);
+        column = (column + 2) % 360;
+        if (column > 350) column = 2;
+      }
+      image.at(5, 200) = 10.0F;
+      draw_run(image, folds % 2 == 0 ? 0 : 11, column, column + tail - 1);
+      for (const int min_pixels : {13, 20, 30, 60, 250}) {
+        const OutlierRemovalOptions options{.min_pixels = min_pixels};
+        OutlierRemoval removal(sensor, kNothingMeasured, options, 360);
+        CHECK(found(removal, image) ==
+              from_component_labeler(image, sensor, kNothingMeasured, options));
+      }
+    }
+  }
+}
+
+}  // namespace hqslam::nn

@@ -1,0 +1,100 @@
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <string>
+
+#include "direct/srae.h"
+#include "error_message.h"
+#include "small_training.h"
+#include "thread_ranks.h"
+
+namespace hqslam::nn {
+namespace {
+
+std::string plan_message(const TrainingPlan& plan) {
+  return test::error_message([&] { validate(plan, small_sensor()); });
+}
+
+}  // namespace
+
+TEST_CASE("a batch that processes cannot share is refused with the reason") {
+  const UnrolledPlan du_or = small_du_or();
+  NetworkDescription srae = small_du_or();
+  srae.architecture = std::make_shared<Srae>(SraeShape{.filters = 2, .passes = 1});
+  TrainingPlan plan = small_plan();
+  plan.augmentation.crop_columns = 0;
+  const auto message = [&](const NetworkDescription& description, int batch) {
+    plan.batch = batch;
+    return test::error_message([&] {
+      test::on_ranks(2, [&](Ranks& ranks) {
+        Trainer(description, plan, in_memory(scans()), fresh_state(description), 1, ranks);
+      });
+    });
+  };
+  CHECK(message(du_or, 4) == "no Error");
+  CHECK(test::one_line_with(message(du_or, 3), "batch is 3", "2 processes"));
+  CHECK(test::one_line_with(message(srae, 4), "batch norm", "2 processes"));
+}
+
+TEST_CASE("plans that cannot be followed are refused with the field and the value") {
+  CHECK(plan_message(small_plan()) == "no Error");
+  TrainingPlan plan = small_plan();
+  plan.steps = 0;
+  CHECK(test::one_line_with(plan_message(plan), "steps is 0"));
+  plan = small_plan();
+  plan.batch = 0;
+  CHECK(test::one_line_with(plan_message(plan), "batch is 0"));
+  plan = small_plan();
+  plan.learning_rate = -1.0F;
+  CHECK(test::one_line_with(plan_message(plan), "learning_rate is -1"));
+  plan = small_plan();
+  plan.learning_rate = std::nanf("");
+  CHECK(test::one_line_with(plan_message(plan), "learning_rate"));
+  plan = small_plan();
+  plan.layer_loss_share = -0.1F;
+  CHECK(test::one_line_with(plan_message(plan), "layer_loss_share is -0.1"));
+  plan = small_plan();
+  plan.augmentation.crop_columns = 65;
+  CHECK(test::one_line_with(plan_message(plan), "crop_columns is 65"));
+  plan = small_plan();
+  plan.augmentation.smallest_scale = 2.0F;
+  CHECK(test::one_line_with(plan_message(plan), "smallest_scale is 2"));
+  plan = small_plan();
+  plan.augmentation.largest_dropout_share = 1.0F;
+  CHECK(test::one_line_with(plan_message(plan), "largest_dropout_share is 1"));
+}
+
+TEST_CASE("scans and states that do not fit the network are refused, by any number of threads") {
+  const UnrolledPlan description = small_du_or();
+  const auto message = [&](std::vector<RangeImage> with, const TrainingState& state) {
+    return test::error_message(
+        [&] { Trainer(description, small_plan(), in_memory(std::move(with)), state, 2); });
+  };
+  const TrainingState good = fresh_state(description);
+  CHECK(message(scans(), good) == "no Error");
+  CHECK(test::one_line_with(message({}, good), "no scans"));
+  CHECK(test::one_line_with(message({RangeImage(16, 32)}, good), "16 x 32", "16 x 64"));
+  TrainingState bad = good;
+  bad.parameters.pop_back();
+  CHECK(test::one_line_with(message(scans(), bad), std::to_string(bad.parameters.size())));
+  bad = good;
+  bad.optimiser.second_moment.pop_back();
+  CHECK(test::one_line_with(message(scans(), bad), std::to_string(good.parameters.size())));
+  Trainer trainer(description, small_plan(), in_memory(scans()), good, 2);
+  CHECK(test::one_line_with(test::error_message([&] {
+                              trainer.validate({small_scene(), RangeImage(16, 32)});
+                            }),
+                            "16 x 32"));
+}
+
+TEST_CASE("a training whose loss is not finite stops with an Error, by any number of threads") {
+  const UnrolledPlan description = small_du_or();
+  for (const int threads : {1, 2}) {
+    TrainingState state = fresh_state(description);
+    state.parameters[0] = std::nanf("");
+    Trainer trainer(description, small_plan(), in_memory(scans()), state, threads);
+    CHECK(test::one_line_with(test::error_message([&] { trainer.step(); }), "not finite"));
+  }
+}
+
+}  // namespace hqslam::nn

@@ -1,0 +1,162 @@
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+#include "error_message.h"
+#include "hqslam/core/error.h"
+#include "hqslam/slam/slam.h"
+#include "slam/yard_drive.h"
+
+using namespace hqslam;
+using slam::Status;
+using test::drive_scan;
+using test::worst_error_m;
+
+namespace {
+
+constexpr double kPeriod_s = test::kDrivePeriod_s;
+
+/// The drive around the yard with stamps of another clock: its worst error, and how often the map
+/// did not tell the pose.
+struct ClockedDrive {
+  double worst_error_m = 0.0;
+  int not_ok = 0;
+};
+
+template <typename StampOf>
+ClockedDrive drive_with_clock(const StampOf& stamp_s) {
+  const SensorModel sensor = test::small_sensor(16, 512);
+  slam::Slam slam(sensor);
+  ClockedDrive result;
+  for (int i = 0; i < 30; ++i) {
+    const auto report = slam.process(drive_scan(sensor, i), stamp_s(i));
+    CHECK(report.stamp_s == stamp_s(i));
+    result.not_ok += report.mapping_status != Status::kOk;
+  }
+  result.worst_error_m = worst_error_m(slam.trajectory());
+  return result;
+}
+}  // namespace
+
+TEST_CASE("a drive is tracked to centimetres whatever the clock does") {
+  const ClockedDrive equal_or_falling = drive_with_clock([](int i) { return i < 15 ? 1.0 : 0.5; });
+  CHECK(equal_or_falling.worst_error_m < 0.15);
+  CHECK(equal_or_falling.not_ok <= 4);
+  // Every fifth scan is stamped right after the one before.
+  const ClockedDrive late =
+      drive_with_clock([](int i) { return kPeriod_s * i - (i % 5 == 4 ? 0.0999 : 0.0); });
+  CHECK(late.worst_error_m < 0.15);
+  CHECK(late.not_ok <= 4);
+  // From the time since the start to that of day, and back.
+  const ClockedDrive set_twice =
+      drive_with_clock([](int i) { return kPeriod_s * i + (i >= 10 && i < 20 ? 1.7e9 : 0.0); });
+  CHECK(set_twice.worst_error_m < 0.15);
+  CHECK(set_twice.not_ok <= 4);
+}
+
+TEST_CASE("a stamp that is no time in seconds is refused, and nothing has changed") {
+  const SensorModel sensor = test::small_sensor(16, 512);
+  slam::Slam slam(sensor);
+  for (int i = 0; i < 6; ++i) {
+    const OrganizedCloud scan = drive_scan(sensor, i);
+    for (const double stamp : {std::nan(""), HUGE_VAL, -HUGE_VAL, 1.7e18}) {
+      CHECK_THROWS_AS(slam.process(scan, stamp), Error);
+    }
+    slam.process(scan, i * kPeriod_s);
+  }
+  CHECK(slam.trajectory().size() == 6);
+  CHECK(worst_error_m(slam.trajectory()) < 0.15);
+}
+
+TEST_CASE("points and ranges that are not finite do no harm") {
+  const SensorModel sensor = test::small_sensor(16, 512);
+  slam::Slam slam(sensor);
+  for (int i = 0; i < 10; ++i) {
+    OrganizedCloud cloud = drive_scan(sensor, i);
+    for (std::size_t k = 0; k < cloud.range_m.size(); k += 97) {
+      cloud.range_m[k] = k % 2 == 0 ? std::nanf("") : HUGE_VALF;
+      cloud.points_m[k].setConstant(std::nanf(""));
+    }
+    const auto report = slam.process(cloud, i * kPeriod_s);
+    CHECK(report.T_map_sensor.matrix().allFinite());
+  }
+  CHECK(worst_error_m(slam.trajectory()) < 0.15);
+}
+
+TEST_CASE("a pixel with a capture time that is not finite is no return") {
+  const SensorModel sensor = test::small_sensor(16, 512);
+  slam::Slam slam(sensor);
+  slam::Slam slam_without(sensor);
+  for (int i = 0; i < 10; ++i) {
+    OrganizedCloud cloud = drive_scan(sensor, i);
+    OrganizedCloud without = cloud;
+    for (std::size_t k = 0; k < cloud.range_m.size(); k += 97) {
+      cloud.time_offset_s[k] = k % 2 == 0 ? std::nanf("") : HUGE_VALF;
+      without.range_m[k] = 0.0F;
+    }
+    const auto report = slam.process(cloud, i * kPeriod_s);
+    const auto expected = slam_without.process(without, i * kPeriod_s);
+    CHECK(report.returns == expected.returns);
+    CHECK(report.T_map_sensor.matrix() == expected.T_map_sensor.matrix());
+  }
+}
+
+TEST_CASE("a scan with a pixel without its own point, range or capture time is refused") {
+  const SensorModel sensor = test::small_sensor(16, 512);
+  slam::Slam slam(sensor);
+  const OrganizedCloud sound = drive_scan(sensor, 0);
+  OrganizedCloud cloud = sound;
+  cloud.points_m.pop_back();
+  CHECK_THROWS_AS(slam.process(cloud, 0.0), Error);
+  cloud = sound;
+  cloud.range_m.push_back(1.0F);
+  CHECK_THROWS_AS(slam.process(cloud, 0.0), Error);
+  cloud = sound;
+  cloud.time_offset_s.resize(1);
+  CHECK_THROWS_AS(slam.process(cloud, 0.0), Error);
+  cloud.time_offset_s.clear();
+  CHECK_NOTHROW(slam.process(cloud, 0.0));
+  CHECK(slam.trajectory().size() == 1);
+}
+
+TEST_CASE("capture times that are no offsets from the middle of the scan in seconds are refused") {
+  const SensorModel sensor = test::small_sensor(16, 512);
+  slam::Slam slam(sensor);
+  const OrganizedCloud sound = drive_scan(sensor, 0);
+  const auto changed = [&](float factor, float shift_s) {
+    OrganizedCloud cloud = sound;
+    for (float& offset_s : cloud.time_offset_s) offset_s = factor * offset_s + shift_s;
+    return cloud;
+  };
+  const auto period_s = static_cast<float>(sensor.scan_period_s);
+  const auto refused = [&](const OrganizedCloud& cloud) {
+    return test::one_line_with(test::error_message([&] { slam.process(cloud, 0.0); }),
+                               "capture times", "middle of the scan");
+  };
+  CHECK(refused(changed(1.0F, period_s / 2.0F)));   // from its beginning
+  CHECK(refused(changed(1.0F, -period_s / 2.0F)));  // from its end
+  CHECK(refused(changed(1.0F, 1.6e9F)));            // no offsets at all
+  CHECK(refused(changed(1000.0F, 0.0F)));           // milliseconds
+  CHECK_THROWS_AS(slam.process(changed(1e6F, 0.0F), 0.0), ScanError);
+  CHECK(slam.trajectory().empty());
+  CHECK_NOTHROW(slam.process(changed(1.0F, period_s / 10.0F), 0.0));
+  CHECK_NOTHROW(slam.process(changed(1.5F, 0.0F), 0.1));  // a head that is slower than its model
+  OrganizedCloud half = changed(1.0F, 0.0F);              // returns of one half of the turn alone
+  for (std::size_t k = 0; k < half.range_m.size(); ++k) {
+    if (half.time_offset_s[k] < 0.0F) half.range_m[k] = 0.0F;
+  }
+  CHECK_NOTHROW(slam.process(half, 0.2));
+  // Of pixels without a return the times mean nothing.
+  OrganizedCloud cloud = sound;
+  cloud.range_m[5] = 0.0F;
+  cloud.time_offset_s[5] = 1e9F;
+  CHECK_NOTHROW(slam.process(cloud, 0.3));
+}
+
+TEST_CASE("a scan of another shape is refused") {
+  slam::Slam slam(test::small_sensor(16, 512));
+  CHECK_THROWS_AS(slam.process(OrganizedCloud(64, 1024), 0.0), Error);
+  SensorModel broken = test::small_sensor(16, 512);
+  broken.columns = 0;
+  CHECK_THROWS_AS(slam::Slam{broken}, Error);
+}
