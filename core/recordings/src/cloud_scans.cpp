@@ -8,6 +8,7 @@
 #include "hqslam/core/ring_recovery.h"
 #include "packet_scans.h"
 #include "point_cloud_message.h"
+#include "velodyne_sensor.h"
 
 namespace hqslam::recordings {
 
@@ -15,7 +16,6 @@ namespace {
 
 constexpr double kMostForeign = 0.5;
 constexpr std::size_t kFewestPointsToJudge = 1000;
-constexpr double kPresetPeriod_s = 0.1;
 
 /// Scans of a topic of point clouds.
 class CloudScans : public ScanSource {
@@ -131,15 +131,6 @@ std::optional<double> period_of(const std::vector<double>& stamps) {
   return std::round(1e4 * *middle) * 1e-4;
 }
 
-/// A preset's columns are for ten turns a second; a Velodyne's slower head fires more often in one.
-void set_rate(SensorModel& sensor, double period_s, bool preset) {
-  if (preset && velodyne_model(sensor.name)) {
-    const double columns = sensor.columns * period_s / kPresetPeriod_s;
-    sensor.columns = std::clamp(static_cast<int>(std::lround(columns / 100.0)) * 100, 100, 10000);
-  }
-  sensor.scan_period_s = period_s;
-}
-
 }  // namespace
 
 Opened open_clouds(std::shared_ptr<const RecordingFile> file, const Stream& stream,
@@ -155,7 +146,10 @@ Opened open_clouds(std::shared_ptr<const RecordingFile> file, const Stream& stre
   info.sensor = load_sensor(options.sensor);
   const std::vector<double> stamps = stamps_s(*file, stream);
   if (const auto period_s = period_of(stamps)) {
-    set_rate(info.sensor, *period_s, !options.sensor.ends_with(".json"));
+    if (velodyne_model(info.sensor.name) && !options.sensor.ends_with(".json")) {
+      info.sensor.columns = columns_at(info.sensor.columns, *period_s);
+    }
+    info.sensor.scan_period_s = *period_s;
   }
   if (options.columns > 0) info.sensor.columns = options.columns;
   info.scans = stream.messages;
@@ -167,7 +161,8 @@ Opened open_clouds(std::shared_ptr<const RecordingFile> file, const Stream& stre
   const auto messages = file->messages(stream);
   const auto first = messages->next();
   try {
-    if (first) info.has_point_times = !read_point_cloud(*first, "PointCloud2").points.time.name.empty();
+    if (first)
+      info.has_point_times = !read_point_cloud(*first, "PointCloud2").points.time.name.empty();
   } catch (const Error& error) {
     info.warnings.push_back(fmt::format("{}: its first scan: {}", path, error.what()));
   }

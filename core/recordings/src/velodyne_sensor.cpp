@@ -31,12 +31,6 @@ VelodyneModel model_for(const SensorModel& sensor, VelodyneModel found, const st
                   path, name(found), sensor.name, sensor.rows()));
 }
 
-/// Columns of a preset for 10 turns a second; a slower head fires more often in a turn.
-int columns_at(int preset_columns, double period_s) {
-  const double columns = preset_columns * period_s / kPresetPeriod_s;
-  return std::clamp(static_cast<int>(std::lround(columns / 100.0)) * 100, 100, 10000);
-}
-
 void require_calibration(const VelodyneStream& stream, const std::string& path) {
   if (stream.model != VelodyneModel::kHdl64e) return;
   throw Error(
@@ -63,6 +57,11 @@ std::optional<VelodyneModel> named_model(const std::string& wanted_sensor) {
   if (wanted_sensor.empty()) return std::nullopt;
   if (wanted_sensor.ends_with(kCalibrationExtension)) return VelodyneModel::kHdl64e;
   return velodyne_model(load_sensor(wanted_sensor).name);
+}
+
+int columns_at(int preset_columns, double period_s) {
+  const double columns = preset_columns * period_s / kPresetPeriod_s;
+  return std::clamp(static_cast<int>(std::lround(columns / 100.0)) * 100, 100, 10000);
 }
 
 SensorModel velodyne_sensor(VelodyneStream& stream, const std::string& wanted_sensor, int columns,

@@ -42,9 +42,10 @@ std::string results_folder(const std::string& out, const std::string& drive, int
 int interrupted_table(const std::string& out, const std::string& method) {
   Child child(
       fmt::format("table --drives block --scans 16 --methods {} --out '{}'", kMethods, out));
-  // It may end by itself.
-  return child.wait_for(results_folder(out, "block", 16) + method + ".json") ? child.end(SIGINT)
-                                                                             : -1;
+  // The folder's name is known once it is there; the table may end by itself.
+  const bool is_there = child.wait_until(
+      [&] { return fs::exists(results_folder(out, "block", 16) + method + ".json"); });
+  return is_there ? child.end(SIGINT) : -1;
 }
 
 nlohmann::json json_of(const std::string& path) {
