@@ -246,9 +246,8 @@ std::vector<Eigen::Vector3f> FeatureMap::points_near_m(const Surroundings& place
 void FeatureMap::correct(const std::vector<Pose>& corrections) {
   std::vector<std::uint8_t> moves;
   for (const Pose& correction : corrections) moves.push_back(!correction.matrix().isIdentity(0.0));
-#pragma omp parallel for schedule(static)
-  for (std::size_t i = 0; i < cubes_.size(); ++i) {
-    for (Cell& cell : cubes_[i].cells) {
+  for (Cube& cube : cubes_) {
+    for (Cell& cell : cube.cells) {
       if (moves[cell.key_frame] == 0) continue;
       cell.mean_m = (corrections[cell.key_frame] * cell.mean_m.cast<double>()).cast<float>();
     }

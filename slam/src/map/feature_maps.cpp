@@ -1,5 +1,6 @@
 #include "hqslam/slam/feature_maps.h"
 
+#include <array>
 #include <limits>
 
 namespace hqslam::slam {
@@ -11,9 +12,10 @@ struct Kind {
   std::vector<MapPoint> MapPoints::*points;
   FeatureMap FeatureMaps::*map;
 };
-constexpr Kind kKinds[] = {{&MapPoints::edges, &FeatureMaps::edges},
-                           {&MapPoints::posts, &FeatureMaps::posts},
-                           {&MapPoints::planes, &FeatureMaps::planes}};
+/// Those with the most points first: where kinds share the threads, the longest work begins first.
+constexpr std::array<Kind, 3> kKinds = {{{&MapPoints::planes, &FeatureMaps::planes},
+                                         {&MapPoints::posts, &FeatureMaps::posts},
+                                         {&MapPoints::edges, &FeatureMaps::edges}}};
 
 }  // namespace
 
@@ -38,6 +40,7 @@ FeatureMaps FeatureMaps::about(const MappingOptions& options, const Surroundings
 }
 
 void FeatureMaps::insert(const MapPoints& points) {
+#pragma omp parallel for schedule(dynamic, 1)
   for (const Kind& kind : kKinds) (this->*kind.map).insert(points.*kind.points);
 }
 
@@ -61,6 +64,7 @@ MapPoints FeatureMaps::take_near(const Surroundings& place) {
 }
 
 void FeatureMaps::correct(const std::vector<Pose>& corrections) {
+#pragma omp parallel for schedule(dynamic, 1)
   for (const Kind& kind : kKinds) (this->*kind.map).correct(corrections);
 }
 
