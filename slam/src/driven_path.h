@@ -27,6 +27,7 @@ class DrivenPath {
   void correct(const std::vector<Pose>& corrections);
 
   const Trajectory& trajectory() const { return trajectory_; }
+  const std::vector<std::size_t>& stretch_of_scan() const { return stretch_of_scan_; }
   std::vector<std::size_t> part_of_scan() const;
 
  private:

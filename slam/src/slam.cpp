@@ -402,6 +402,10 @@ std::vector<LoopReport> Slam::finish() {
 
 const Trajectory& Slam::trajectory() const { return implementation_->path.trajectory(); }
 
+const std::vector<std::size_t>& Slam::stretch_of_scan() const {
+  return implementation_->path.stretch_of_scan();
+}
+
 std::vector<std::size_t> Slam::part_of_scan() const { return implementation_->path.part_of_scan(); }
 
 std::vector<Eigen::Vector3f> Slam::map_points_m() const {

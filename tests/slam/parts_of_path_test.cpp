@@ -26,6 +26,7 @@ struct Driven {
   std::vector<slam::LoopReport> last_reports;
   Trajectory trajectory;
   std::vector<std::size_t> part_of_scan;
+  std::vector<std::size_t> stretch_of_scan;
 
   /// Farthest from where it belongs, scans from `first` on.
   double worst_error_m(std::size_t first) const {
@@ -71,6 +72,7 @@ Driven drive(const test::Village& village, const std::vector<Pose>& way,
   driven.last_reports = slam.finish();
   driven.trajectory = slam.trajectory();
   driven.part_of_scan = slam.part_of_scan();
+  driven.stretch_of_scan = slam.stretch_of_scan();
   return driven;
 }
 
@@ -85,6 +87,8 @@ TEST_CASE("who is carried to a place passed before, either way, is joined with t
     CHECK(std::all_of(driven.part_of_scan.begin(), driven.part_of_scan.end() - 40,
                       [](std::size_t part) { return part == 0; }));
     CHECK(driven.part_of_scan.back() == 0);
+    CHECK(driven.stretch_of_scan[79] == 0);
+    CHECK(driven.stretch_of_scan.back() == 1);
     // The first scans after it was carried were not located: nothing is known about them.
     CHECK(driven.worst_error_m(90) < 0.15);
     CHECK(std::count_if(driven.reports.begin(), driven.reports.end(),

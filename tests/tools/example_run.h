@@ -29,6 +29,7 @@ inline SlamRun example_run(int scans) {
     run.map_points_m.emplace_back(static_cast<float>(i), 5.0F, 1.0F);
   }
   run.part_of_scan.resize(run.scans.size());
+  run.stretch_of_scan.resize(run.scans.size());
   return run;
 }
 

@@ -51,19 +51,23 @@ TEST_CASE("the headline says scans, path, error with its alignment, and speed") 
   CHECK(holds(html, "10.0 <small>ms</small>"));
 }
 
-TEST_CASE("where nothing is known about the way there is no line and no path") {
+TEST_CASE(
+    "where nothing is known about the way there is no line and no path, parts joined or not") {
   SlamRun run = test::example_run(30);
   const auto lines = [](const std::string& html) {
     const std::regex line("class=\"line estimate\"");
     return std::distance(std::sregex_iterator(html.begin(), html.end(), line), {});
   };
   CHECK(lines(html_report(run, std::nullopt)) == 1);
-  std::fill(run.part_of_scan.begin() + 10, run.part_of_scan.end(), 1);
+  std::fill(run.stretch_of_scan.begin() + 10, run.stretch_of_scan.end(), 1);
   run.scans[20].report.mapping_status = slam::Status::kNotRecognized;
   const std::string html = html_report(run, std::nullopt);
   CHECK(lines(html) == 3);
-  CHECK(holds(html, "26.0 <small>m</small>"));  // of 29, one to part 1, two about scan 20
-  CHECK(holds(html, "2 parts not joined"));
+  CHECK(holds(html, "26.0 <small>m</small>"));  // of 29, one to stretch 1, two about scan 20
+  CHECK_FALSE(holds(html, "parts not joined"));
+  run.part_of_scan = run.stretch_of_scan;
+  CHECK(lines(html_report(run, std::nullopt)) == 3);
+  CHECK(holds(html_report(run, std::nullopt), "2 parts not joined"));
   CHECK(holds(html, "<th>not recognized</th>"));
 }
 

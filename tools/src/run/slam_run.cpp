@@ -97,7 +97,7 @@ bool is_way_known(const SlamRun& run, std::size_t scan) {
     return run.scans[i].report.mapping_status != slam::Status::kNotRecognized;
   };
   return is_recognized(scan) && is_recognized(scan + 1) &&
-         run.part_of_scan[scan] == run.part_of_scan[scan + 1];
+         run.stretch_of_scan[scan] == run.stretch_of_scan[scan + 1];
 }
 
 double known_path_m(const SlamRun& run) {
@@ -151,7 +151,6 @@ void SlamSession::process(const RecordedScan& scan, ScanRecord record, RunOutput
   run_.wall_s = seconds_since(start_);
   if (output.checkpoint_due()) {
     run_.trajectory = slam_.trajectory();
-    run_.part_of_scan = slam_.part_of_scan();
     output.write_checkpoint(run_);
   }
 }
@@ -165,6 +164,7 @@ void SlamSession::remember(const slam::LoopReport& loop) {
 SlamRun SlamSession::finished() {
   for (const slam::LoopReport& loop : slam_.finish()) remember(loop);
   run_.part_of_scan = slam_.part_of_scan();
+  run_.stretch_of_scan = slam_.stretch_of_scan();
   run_.wall_s = seconds_since(start_);
   run_.trajectory = slam_.trajectory();
   run_.map_points_m = slam_.map_points_m();

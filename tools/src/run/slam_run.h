@@ -48,8 +48,9 @@ struct SlamRun {
   int threads = 1;
   std::int64_t scans_in_recording = 0;  ///< or that have come from a sensor
   std::vector<ScanRecord> scans;
-  std::vector<slam::LoopReport> loops;    ///< places that were recognised, and are right now
-  std::vector<std::size_t> part_of_scan;  ///< slam::Slam::part_of_scan()
+  std::vector<slam::LoopReport> loops;       ///< places that were recognised, and are right now
+  std::vector<std::size_t> part_of_scan;     ///< slam::Slam::part_of_scan()
+  std::vector<std::size_t> stretch_of_scan;  ///< slam::Slam::stretch_of_scan()
   Trajectory trajectory;  ///< T_map_sensor, the map's frame is the first scan's sensor frame
   std::vector<Eigen::Vector3f> map_points_m;  ///< map frame; filled when the run ends
   std::string located_in;  ///< the file of the map that it was located in; empty: it made its own
@@ -74,7 +75,7 @@ std::vector<std::pair<slam::Status, std::int64_t>> status_counts(
 std::int64_t loops_closed(const SlamRun& run);
 
 /// Whether something is known about the way from a scan to the next: both places were recognized,
-/// and they are in one part of the map.
+/// and the sensor was not carried in between, also where its parts of the map were joined later.
 bool is_way_known(const SlamRun& run, std::size_t scan);
 
 /// The path as far as it is known, in metres.

@@ -104,6 +104,10 @@ class Slam {
   /// nothing is known about how poses lie to each other.
   std::vector<std::size_t> part_of_scan() const;
 
+  /// Per scan the stretch of path it is on: a new one begins where nothing measured the way, and
+  /// stays one of its own when its part is joined to another. Not to be read while process() runs.
+  const std::vector<std::size_t>& stretch_of_scan() const;
+
   /// The map: planar features of all key frames, one per 0.4 m voxel, then edge features, one per
   /// 0.2 m voxel (MappingOptions), in the frame of the first scan; part after part.
   std::vector<Eigen::Vector3f> map_points_m() const;
