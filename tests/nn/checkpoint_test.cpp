@@ -2,6 +2,8 @@
 
 #include <doctest/doctest.h>
 
+#include <cmath>
+
 #include "../temporary_directory.h"
 #include "error_message.h"
 #include "hqslam/core/npz.h"
@@ -18,7 +20,8 @@ Checkpoint some_checkpoint() {
   average.front() += 1.0F;
   return {"{\"a\": 1}",
           {parameters, optimiser, average},
-          {{1, 2.5, {{1.0, 1.5, 0.2, 0.1}, {2.0, 3.0, 0.4, 0.2}, 0.07}}}};
+          {{1, 2.5, {{1.0, 1.5, 0.2, 0.1}, {2.0, 3.0, 0.4, 0.2}, 0.07}}},
+          12.5};
 }
 
 }  // namespace
@@ -40,6 +43,7 @@ TEST_CASE("a checkpoint brings back parameters, moments, steps and curve exactly
   CHECK(read.curve[0].validation.network.mae_valid_m == 1.5);
   CHECK(read.curve[0].validation.linear.missing_share == 0.2);
   CHECK(read.curve[0].validation.least_confidence == 0.07);
+  CHECK(read.loss_sum == 12.5);
 }
 
 TEST_CASE("a checkpoint of another configuration or network, or a damaged one, is refused") {
@@ -58,6 +62,10 @@ TEST_CASE("a checkpoint of another configuration or network, or a damaged one, i
     write_npz(path, arrays);
     CHECK(test::one_line_with(message("{\"a\": 1}", small_du_or()), "steps"));
   }
+  arrays["steps"] = npz_array(std::vector<std::int64_t>{1}, {1});
+  arrays["loss_sum"] = npz_array(std::vector<double>{std::nan("")}, {1});
+  write_npz(path, arrays);
+  CHECK(test::one_line_with(message("{\"a\": 1}", small_du_or()), "loss_sum", "finite"));
   arrays.erase("steps");
   write_npz(path, arrays);
   CHECK(test::one_line_with(message("{\"a\": 1}", small_du_or()), "steps", "found none"));

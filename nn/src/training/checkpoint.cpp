@@ -37,6 +37,15 @@ std::vector<float> finite_values(const NpzArrays& arrays, const std::string& pat
   return values;
 }
 
+double loss_sum_of(const NpzArrays& arrays, const std::string& path) {
+  const std::vector<double> values =
+      double_values(member(arrays, path, "loss_sum"), path + ": loss_sum");
+  if (values.size() != 1 || !std::isfinite(values[0])) {
+    throw Error(fmt::format("{}: array 'loss_sum': expected one finite number", path));
+  }
+  return values[0];
+}
+
 std::vector<CurvePoint> curve_of(const NpzArrays& arrays, const std::string& path) {
   const std::vector<double> values = double_values(member(arrays, path, "curve"), path + ": curve");
   if (values.size() % kCurveColumns != 0) {
@@ -74,6 +83,7 @@ void write_checkpoint(const std::string& path, const Checkpoint& checkpoint) {
   arrays["second_moment"] = npz_array(checkpoint.state.optimiser.second_moment, {parameters});
   arrays["curve"] =
       npz_array(curve, {static_cast<std::int64_t>(checkpoint.curve.size()), kCurveColumns});
+  arrays["loss_sum"] = npz_array(std::vector<double>{checkpoint.loss_sum}, {1});
   write_npz(path, arrays);
 }
 
@@ -101,7 +111,8 @@ Checkpoint read_checkpoint(const std::string& path, const std::string& configura
   return {configuration,
           {finite_values(arrays, path, "parameters", parameters), std::move(optimiser),
            finite_values(arrays, path, "average", parameters)},
-          curve_of(arrays, path)};
+          curve_of(arrays, path),
+          loss_sum_of(arrays, path)};
 }
 
 }  // namespace hqslam::nn

@@ -38,6 +38,7 @@ struct Training {
   nn::TrainingConfiguration configuration;
   std::filesystem::path out;
   std::vector<nn::CurvePoint> curve;
+  double loss_sum = 0.0;  ///< over the steps since the last point of the curve
   std::int64_t training_scans = 0;
   std::vector<RangeImage> validation;
 
@@ -73,6 +74,7 @@ nn::TrainingState starting_state(Training& training) {
     nn::Checkpoint checkpoint = nn::read_checkpoint(
         training.checkpoint_path(), training.configuration_text, c.network, c.plan.adamw);
     training.curve = std::move(checkpoint.curve);
+    training.loss_sum = checkpoint.loss_sum;
     return std::move(checkpoint.state);
   }
   std::vector<float> parameters = nn::initial_parameters(c.network, c.plan.seed);
@@ -117,7 +119,7 @@ std::string training_json(const Training& training, const nn::TrainingState& sta
 void write_results(const Training& training, const nn::TrainingState& state) {
   nn::NetworkDescription network = training.configuration.network;
   nn::write_checkpoint(training.checkpoint_path(),
-                       {training.configuration_text, state, training.curve});
+                       {training.configuration_text, state, training.curve, training.loss_sum});
   if (has_confidence(network)) {
     const nn::Validation& v = training.curve.back().validation;
     network.least_confidence =
@@ -171,20 +173,18 @@ int train(Training& training, nn::Trainer& trainer, const InterruptGuard& interr
   const std::int64_t first = trainer.state().optimiser.steps;
   Progress progress("train", steps, stderr, "steps");
   const Clock::time_point start = Clock::now();
-  double loss_sum = 0.0;
-  std::int64_t losses = 0;
   for (std::int64_t step = first; step < steps && !ranks.any(interrupt.stop_requested());) {
-    loss_sum += trainer.step().loss;
-    ++losses;
+    training.loss_sum += trainer.step().loss;
     ++step;
     progress.update(step);
     if (step % training.configuration.validate_every != 0 && step != steps) continue;
     if (ranks.rank() > 0) continue;
     const double elapsed_s = std::chrono::duration<double>(Clock::now() - start).count();
-    training.curve.push_back(
-        {step, loss_sum / static_cast<double>(losses), trainer.validate(training.validation)});
-    loss_sum = 0.0;
-    losses = 0;
+    const std::int64_t steps_since_point =
+        step - (training.curve.empty() ? 0 : training.curve.back().step);
+    training.curve.push_back({step, training.loss_sum / static_cast<double>(steps_since_point),
+                              trainer.validate(training.validation)});
+    training.loss_sum = 0.0;
     print_point(training.curve.back(), steps, static_cast<double>(step - first) / elapsed_s);
     write_results(training, trainer.state());
   }
@@ -195,10 +195,9 @@ int train(Training& training, nn::Trainer& trainer, const InterruptGuard& interr
     write_results(training, trainer.state());
   }
   progress.finish();
-  // Between two points of the curve, only the checkpoint: the loss since the last point starts
-  // anew.
-  nn::write_checkpoint(training.checkpoint_path(),
-                       {training.configuration_text, trainer.state(), training.curve});
+  // Between two points of the curve, only the checkpoint.
+  nn::write_checkpoint(training.checkpoint_path(), {training.configuration_text, trainer.state(),
+                                                    training.curve, training.loss_sum});
   return status;
 }
 

@@ -21,6 +21,7 @@ struct Checkpoint {
   std::string configuration;  ///< the training configuration's text
   TrainingState state;
   std::vector<CurvePoint> curve;
+  double loss_sum = 0.0;  ///< over the steps since the last point of the curve
 };
 
 /// An .npz file. Throws Error.
