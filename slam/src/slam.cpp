@@ -261,6 +261,7 @@ void Slam::Implementation::follow(const OrganizedCloud& cloud, const Features& f
     const Pose motion = reference.T_map_sensor.inverse() * followed.state.T_map_sensor;
     if (followed.is_located) {
       accelerations.learn(reference.velocity, followed.state.velocity, time_s - reference_time_s);
+      drift.learn(followed.state.velocity);
     }
     if (followed.is_located && !place_recognition) {
       drift.locate(motion, followed.state);

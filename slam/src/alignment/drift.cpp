@@ -7,18 +7,27 @@ namespace hqslam::slam {
 
 namespace {
 
-/// Of variances, with rows as far apart as those of an OS1-16.
-constexpr double kAlongGround = 20.0;
-constexpr double kHeight = 7.3;
-constexpr double kTilt = 5.3;
-constexpr double kHeading = 9.2;
+/// Of variances.
+constexpr double kAlongGround = 23.0;
+constexpr double kHeight = 1.35;
+constexpr double kTilt = 5.9;
+constexpr double kHeading = 11.3;
+/// How those of x, y and yaw grow with the variance of x and y, where they are as above, and up to
+/// where: only a scan that was not located is less certain.
+constexpr double kPower = 0.6;
+constexpr double kUsual_m = 0.005;
+constexpr double kMost_m = 0.05;
+/// Of the mean squares of unforeseen motion, along and about the axes, and what a scan adds to
+/// them.
+constexpr double kShakeAlong = 0.3;
+constexpr double kShakeAbout = 0.0097;
+constexpr double kNewShare = 0.05;
+constexpr double kShare_per_m = 0.0135;
+/// Tilt at the start, of the spacing of the rows, and how long a start is.
+constexpr double kStartTilt = 0.019;
+constexpr double kStart_m = 2.6;
+/// Of a sensor with one row.
 constexpr double kSpacing_rad = 0.0368;
-/// How they grow with the spacing.
-constexpr double kSpacingPower = 0.75;
-constexpr double kShare_per_m = 0.055;
-/// Tilt at the start, of the spacing, and how long a start is.
-constexpr double kStartTilt = 0.0244;
-constexpr double kStart_m = 2.0;
 
 /// From a measured row to the next, on the average.
 double row_spacing_rad(const SensorModel& sensor) {
@@ -37,16 +46,31 @@ Matrix6 carried(const Matrix6& covariance, const Pose& motion) {
 
 }  // namespace
 
-Drift::Drift(const SensorModel& sensor) {
-  const double spacing_rad = row_spacing_rad(sensor);
-  Vector6 variance;
-  variance << kAlongGround, kAlongGround, kHeight, kTilt, kTilt, kHeading;
-  factor_ = (std::pow(spacing_rad / kSpacing_rad, kSpacingPower) * variance).cwiseSqrt();
-  start_variance_ = std::pow(kStartTilt * spacing_rad, 2);
+Drift::Drift(const SensorModel& sensor)
+    : start_variance_(std::pow(kStartTilt * row_spacing_rad(sensor), 2)),
+      scan_period_s_(sensor.scan_period_s) {}
+
+void Drift::learn(const Twist& velocity) {
+  if (velocity_) {
+    const Vector6 unforeseen = scan_period_s_ * (vector_of(velocity) - vector_of(*velocity_));
+    jolts_ += kNewShare * (unforeseen.cwiseAbs2() - jolts_);
+  }
+  velocity_ = velocity;
 }
 
 Matrix6 Drift::against_map(const MotionState& state) const {
-  return factor_.asDiagonal() * state.covariance.topLeftCorner<6, 6>() * factor_.asDiagonal();
+  const Matrix6 covariance = state.covariance.topLeftCorner<6, 6>();
+  const double variance_m2 =
+      std::min(0.5 * (covariance(0, 0) + covariance(1, 1)), kMost_m * kMost_m);
+  const double growth = std::pow(variance_m2 / (kUsual_m * kUsual_m), kPower);
+  Vector6 variance;
+  variance << kAlongGround * growth, kAlongGround * growth, kHeight, kTilt, kTilt,
+      kHeading * growth;
+  const Vector6 factor = variance.cwiseSqrt();
+  Matrix6 result = factor.asDiagonal() * covariance * factor.asDiagonal();
+  result.diagonal().head<3>() += kShakeAlong * jolts_.head<3>();
+  result.diagonal().tail<3>() += kShakeAbout * jolts_.tail<3>();
+  return result;
 }
 
 void Drift::move(const Pose& motion) { drift_ = carried(drift_, motion); }
@@ -62,6 +86,7 @@ void Drift::locate(const Pose& motion, const MotionState& state) {
 
 void Drift::lose(const MotionState& expected) {
   drift_ += expected.covariance.topLeftCorner<6, 6>();
+  velocity_.reset();
 }
 
 Matrix6 Drift::covariance(const Pose& motion, const MotionState& state) const {
