@@ -93,8 +93,8 @@ int info_command(const InfoOptions& options) {
     print_line(stream.name == info.stream ? "stream" : "  also",
                fmt::format("{}, {} {}", stream.name, stream.messages, what_is_in(stream)));
   }
-  std::string complaint;
-  if (info.format.empty() && !info.warnings.empty()) {  // no scan is the sensor's: the last warning says why
+  std::string complaint;  // the last warning, where no scan is the sensor's
+  if (info.format.empty() && !info.warnings.empty()) {
     complaint = std::move(info.warnings.back());
     info.warnings.pop_back();
   }
