@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include "hqslam/core/error.h"
 
@@ -27,24 +28,50 @@ constexpr double kSmallestClock_s = 1e6;
 /// Rings in the order of the beams correlate with the elevation by more than 0.95; in the order of
 /// firing by less than 0.6.
 constexpr double kMinRingCorrelation = 0.8;
+/// A unit's beams are off its data sheet by less than this.
+constexpr double kFarthestOff_rad = 2.0 * std::numbers::pi / 180.0;
+constexpr std::size_t kFewestPointsToJudge = 1000;
+
+double elevation_rad(const Eigen::Vector3f& point_m) {
+  return std::atan2(point_m.z(), point_m.head<2>().norm());
+}
 
 /// Pearson's correlation of ring number and elevation; 0 where one of them does not vary.
 double correlation_with_elevation(const std::vector<double>& ring, const Scan& scan) {
   double sum_r = 0.0, sum_e = 0.0, sum_rr = 0.0, sum_ee = 0.0, sum_re = 0.0;
   for (std::size_t i = 0; i < ring.size(); ++i) {
-    const double elevation_rad =
-        std::atan2(scan.points_m[i].z(), scan.points_m[i].head<2>().norm());
+    const double elevation = elevation_rad(scan.points_m[i]);
     sum_r += ring[i];
-    sum_e += elevation_rad;
+    sum_e += elevation;
     sum_rr += ring[i] * ring[i];
-    sum_ee += elevation_rad * elevation_rad;
-    sum_re += ring[i] * elevation_rad;
+    sum_ee += elevation * elevation;
+    sum_re += ring[i] * elevation;
   }
   const double n = static_cast<double>(ring.size());
   const double variance_r = sum_rr - sum_r * sum_r / n;
   const double variance_e = sum_ee - sum_e * sum_e / n;
   if (!(variance_r > 1e-9 * n) || !(variance_e > 1e-12 * n)) return 0.0;
   return (sum_re - sum_r * sum_e / n) / std::sqrt(variance_r * variance_e);
+}
+
+/// The rings of a sensor with fewer of them, counted as this one's, would all be in wrong rows.
+void require_rings_of(const SensorModel& sensor, const std::vector<std::uint16_t>& rows,
+                      const Scan& scan, const std::string& source, const std::string& field) {
+  std::vector<bool> used(sensor.rows());
+  for (const std::uint16_t row : rows) used[row] = true;
+  const auto rings = std::count(used.begin(), used.end(), true);
+  if (rows.size() < kFewestPointsToJudge || 2 * rings > sensor.rows()) return;
+  std::size_t off = 0;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const double beam_rad = sensor.beam_elevation_rad[rows[i]];
+    if (std::abs(elevation_rad(scan.points_m[i]) - beam_rad) > kFarthestOff_rad) ++off;
+  }
+  if (2 * off <= rows.size()) return;
+  throw Error(
+      fmt::format("{}: field '{}': expected the rings of sensor '{}' with {} rows, found {} rings, "
+                  "{:.0f} % of their points off its beams; name the sensor that recorded the scan",
+                  source, field, sensor.name, sensor.rows(), rings,
+                  100.0 * static_cast<double>(off) / static_cast<double>(rows.size())));
 }
 
 }  // namespace
@@ -103,6 +130,7 @@ std::vector<std::uint16_t> rows_from_rings(const std::vector<double>& ring, cons
   for (const double r : ring) {
     rows.push_back(static_cast<std::uint16_t>(correlation < 0.0 ? r : last_ring - r));
   }
+  require_rings_of(sensor, rows, scan, source, field);
   return rows;
 }
 

@@ -65,7 +65,7 @@ class Fields {
   int integer(const std::string& field) const {
     const double value = number(field);
     if (value != std::floor(value) || std::abs(value) > 1e6) {
-      complain(field, "a whole number", text_of(object_[field]));
+      complain(field, "a whole number of at most a million", text_of(object_[field]));
     }
     return static_cast<int>(value);
   }

@@ -59,15 +59,31 @@ std::string literals(const std::string& bytes) {
 
 const std::string kAscii = header("x y z", "4 4 4", "F F F", 2, "ascii") + "1 2 3\n-4 5.5 6e-1\n";
 
-/// One point on each beam, with its ring number as the driver counts.
-std::string one_point_per_beam(const SensorModel& sensor, bool ring_0_is_highest) {
-  std::string contents = header("x y z ring", "4 4 4 2", "F F F U", sensor.rows(), "ascii");
-  for (int row = 0; row < sensor.rows(); ++row) {
-    const int ring = ring_0_is_highest ? row : sensor.rows() - 1 - row;
-    contents += "10 0 " + std::to_string(10.0 * std::tan(sensor.beam_elevation_rad[row])) + " " +
-                std::to_string(ring) + "\n";
+struct Ring {
+  double elevation_rad;
+  int number;
+};
+
+/// A file with as many points of each ring.
+std::string points_of_rings(const std::vector<Ring>& rings, int of_each) {
+  const int points = of_each * static_cast<int>(rings.size());
+  std::string contents = header("x y z ring", "4 4 4 2", "F F F U", points, "ascii");
+  for (const Ring& ring : rings) {
+    const std::string point = "10 0 " + std::to_string(10.0 * std::tan(ring.elevation_rad)) + " " +
+                              std::to_string(ring.number) + "\n";
+    for (int i = 0; i < of_each; ++i) contents += point;
   }
   return contents;
+}
+
+/// Points on each beam, with its ring number as the driver counts.
+std::string points_on_beams(const SensorModel& sensor, bool ring_0_is_highest, int of_each = 1) {
+  std::vector<Ring> rings;
+  for (int row = 0; row < sensor.rows(); ++row) {
+    rings.push_back(
+        {sensor.beam_elevation_rad[row], ring_0_is_highest ? row : sensor.rows() - 1 - row});
+  }
+  return points_of_rings(rings, of_each);
 }
 
 }  // namespace
@@ -169,7 +185,7 @@ TEST_CASE("row 0 is the highest beam whether the driver counts rings from above 
     CAPTURE(name);
     const SensorModel sensor = sensor_preset(name);
     for (const bool ring_0_is_highest : {true, false}) {
-      const Scan scan = scan_of(one_point_per_beam(sensor, ring_0_is_highest), sensor);
+      const Scan scan = scan_of(points_on_beams(sensor, ring_0_is_highest), sensor);
       REQUIRE(static_cast<int>(scan.row.size()) == sensor.rows());
       CHECK(scan.row.front() == 0);
       CHECK(scan.row.back() == sensor.rows() - 1);
@@ -195,10 +211,34 @@ TEST_CASE("rings in the order of firing or all alike are left to the elevation")
 
 TEST_CASE("a ring that the sensor does not have is refused") {
   const TemporaryDirectory directory;
-  write_file(directory.file("0.pcd"), one_point_per_beam(sensor_preset("hdl-32e"), true));
+  write_file(directory.file("0.pcd"), points_on_beams(sensor_preset("hdl-32e"), true));
   const std::string complaint =
       error_message([&] { read_pcd(directory.file("0.pcd"), sensor_preset("vlp-16")); });
   CHECK(one_line_with(complaint, "0.pcd", "'ring'", "0 to 15", "vlp-16", "found 16"));
+}
+
+TEST_CASE("rings of a sensor with fewer beams are not taken for those of one with more") {
+  const SensorModel sensor = sensor_preset("vlp-16");
+  for (const bool ring_0_is_highest : {false, true}) {
+    const std::string contents = points_on_beams(sensor, ring_0_is_highest, 100);
+    CHECK(scan_of(contents, sensor).row.size() == 1600);
+    for (const char* other : {"os1-64", "hdl-64e", "hdl-32e", "vls-128"}) {
+      CAPTURE(other);
+      CHECK(one_line_with(error_message([&] { scan_of(contents, sensor_preset(other)); }), "'ring'",
+                          "16 rings", "name the sensor"));
+    }
+  }
+}
+
+TEST_CASE("some rings of a sensor, its own or a little off, are taken as they are") {
+  const SensorModel sensor = sensor_preset("os1-64");
+  std::vector<Ring> rings;
+  for (int row = 3; row < 64; row += 4)
+    rings.push_back({sensor.beam_elevation_rad[row] + 0.03, row});
+  const Scan scan = scan_of(points_of_rings(rings, 100), sensor);
+  REQUIRE(scan.row.size() == 1600);
+  CHECK(scan.row.front() == 3);
+  CHECK(scan.row.back() == 63);
 }
 
 TEST_CASE("points written as .pcd come back bit by bit") {

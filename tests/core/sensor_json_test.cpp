@@ -152,6 +152,7 @@ TEST_CASE("a sensor file with a wrong field is refused with file, field, expecte
                       "max_range_m"));
   CHECK(one_line_with(with("1024", "\"many\""), "'columns'", "number", "\"many\""));
   CHECK(one_line_with(with("1024", "1024.5"), "'columns'", "whole number", "1024.5"));
+  CHECK(one_line_with(with("1024", "1000001"), "'columns'", "at most a million", "1000001"));
   CHECK(one_line_with(with("[10, -10]", "[10, null]"), "'beam_elevation_deg[1]'", "null"));
   CHECK(one_line_with(with("[10, -10]", "10"), "'beam_elevation_deg'", "list", "found 10"));
   const auto with_measured_rows = [&](const std::string& value) {

@@ -26,7 +26,7 @@ Weights weights_of(UnrolledPlan plan) {
   return weights_of(NetworkDescription(plan));
 }
 
-/// eq. 3's first term, summed here from the images that the trace shows.
+/// eq. 5's first term, summed here from the images that the trace shows.
 void check_data_term(const LayerTrace& layer, const RangeImage& scene, RowSelection rows) {
   double data_m2 = 0.0;
   for (int row = rows.offset; row < scene.rows; row += rows.stride) {

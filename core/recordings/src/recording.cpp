@@ -7,6 +7,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <optional>
 
 #include "bag.h"
 #include "hqslam/core/error.h"
@@ -144,17 +145,48 @@ Opened open_file(const std::string& path, const OpenOptions& options) {
   return opened;
 }
 
-/// What only a scan itself tells.
+/// The first scan that can be understood; a warning says what was wrong with the one before all.
+std::optional<RecordedScan> first_usable(ScanSource& source, RecordingInfo& info) {
+  std::optional<std::string> complaint;
+  while (true) {
+    try {
+      auto scan = source.next();
+      if (complaint) info.warnings.push_back(*complaint);
+      return scan;
+    } catch (const ScanError& error) {
+      if (!complaint) complaint = error.what();
+    }
+  }
+}
+
+/// A folder of captures or bags was meant to be one of them.
+void refuse_folder_of_recordings(const std::string& folder) {
+  std::vector<std::string> paths;
+  std::error_code error;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
+       entry.increment(error)) {
+    if (is_capture_or_bag(entry->path().string())) paths.push_back(entry->path().string());
+  }
+  if (paths.empty()) return;
+  throw Error(
+      fmt::format("{}: expected a recording, found a folder with {} of them; give the path of one, "
+                  "such as {}, or the --sensor of scans that lie beside them",
+                  folder, paths.size(), *std::min_element(paths.begin(), paths.end())));
+}
+
+/// What only a scan itself tells; nothing if none of the first can be understood.
 void describe_first_scan(const std::string& path, const SensorModel& sensor,
                          const OpenOptions& options, RecordingInfo& info) {
   const auto source = hqslam::open_recording(path, sensor, options.files);
+  const std::size_t warnings = info.warnings.size();
   try {
-    const auto first = source->next();
+    const auto first = first_usable(*source, info);
     if (!first) return;
     info.first_stamp_s = first->stamp_s;
     info.has_stamps = first->stamp_s != 0.0;  // counted ones begin with 0
     info.has_point_times = !first->cloud.time_offset_s.empty();
-    info.format = fmt::format("{} returns in the first scan", first->counts.kept);
+    info.format = fmt::format("{} returns in the first scan{}", first->counts.kept,
+                              info.warnings.size() > warnings ? " that can be read" : "");
   } catch (const Error& error) {
     info.warnings.push_back(error.what());
   }
@@ -166,6 +198,7 @@ Opened open_files_of_scans(const std::string& path, const OpenOptions& options) 
   std::error_code error;
   const bool own = options.sensor.empty() && fs::is_regular_file(described, error);
   if (options.sensor.empty() && !own) {
+    refuse_folder_of_recordings(path);
     throw Error(
         fmt::format("{}: does not say which sensor it was recorded with; give --sensor NAME "
                     "or --sensor FILE.json",

@@ -5,7 +5,7 @@
 
 namespace hqslam::nn {
 
-/// The copies of H that the penalty pulls at it (eq. 3): Z of the learned prior and Y of the
+/// The copies of H that the penalty pulls at it (eq. 5): Z of the learned prior and Y of the
 /// outlier count, or Z alone. Without Y there is no filter inside.
 enum class Auxiliaries { kZAndY, kZ };
 /// What they are before the first layer: the measured ranges interpolated over rows, or 0.

@@ -1,5 +1,5 @@
 // The element-wise part of the two-mode network for one row of pixels; included as
-// row_kernels_inl.h is. hqslam/nn/hqs/two_modes.h has the formulas.
+// row_kernels_inl.h is. ../hqs/two_modes.h has the formulas.
 
 #include "../hqs/two_modes.h"
 #include "row_kernels.h"

@@ -109,6 +109,19 @@ TEST_CASE("two clouds 1 m apart are all outliers with a Chamfer distance of 2 m^
   CHECK(holds(result.out, "outlier points        100.00 %"));
 }
 
+TEST_CASE("files of two kinds are not taken for trajectories") {
+  const TemporaryDirectory folder;
+  write_pcd({{1.0F, 2.0F, 0.0F}}, folder.file("cloud.pcd"));
+  NpyStackWriter(folder.file("one.npy"), 16, 64).append(RangeImage(16, 64));
+  for (const char* other : {"one.npy", "truth.tum"}) {
+    const ProgramResult result = evaluate(folder.file("cloud.pcd"), folder.file(other));
+    CHECK(result.status == 2);
+    CHECK(is_one_line(result.error));
+  }
+  const ProgramResult result = evaluate(folder.file("cloud.pcd"), folder.file("one.npy"));
+  CHECK(holds(result.error, "two files of one kind"));
+}
+
 TEST_CASE("stacks of different lengths are refused with both lengths") {
   const TemporaryDirectory folder;
   NpyStackWriter one(folder.file("one.npy"), 16, 64);

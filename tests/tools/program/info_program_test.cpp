@@ -38,6 +38,35 @@ TEST_CASE("a capture is explained by info, and the command that it names runs") 
   CHECK(poses[0].stamp_s > 1.5e9);  // the recording's own
 }
 
+TEST_CASE("info names no command for a recording that cannot be read as that sensor's") {
+  const std::string bin = simulated_drive() + "/bin";
+  const ProgramResult right = run_hqslam(fmt::format("info '{}' --sensor os1-16", bin));
+  CHECK(right.status == 0);
+  CHECK(holds(right.out, "hqslam run"));
+  const ProgramResult wrong = run_hqslam(fmt::format("info '{}' --sensor hdl-64e", bin));
+  CHECK(wrong.status == 2);
+  CHECK(is_one_line(wrong.error));
+  CHECK(holds(wrong.error, "name the sensor"));
+  CHECK(holds(wrong.out, "no scan that can be read"));
+  CHECK_FALSE(holds(wrong.out, "hqslam run"));
+}
+
+TEST_CASE("a folder of captures is told from one of scans, by info and by run") {
+  const TemporaryDirectory folder;
+  RoundRoom room;
+  room.duration_s = 0.11;
+  for (const char* name : {"b.pcap", "a.pcap"}) {
+    write_file(folder.file(name), pcap_bytes(velodyne_capture(room)));
+  }
+  for (const char* command : {"info", "run --out /nowhere"}) {
+    const ProgramResult result =
+        run_hqslam(fmt::format("{} '{}'", command, folder.path().string()));
+    CHECK(result.status == 2);
+    CHECK(is_one_line(result.error));
+    CHECK(holds(result.error, folder.file("a.pcap")));
+  }
+}
+
 TEST_CASE("info says in one line what a file is not") {
   const TemporaryDirectory folder;
   write_file(folder.file("a.pcap"), "no capture");

@@ -60,6 +60,8 @@ TEST_CASE("what was not recognized is in no error against the reference") {
   CHECK(lost.status == 0);
   CHECK(lost.out.find("6 scans not recognized") != std::string::npos);
   CHECK(lost.out.find("APE RMSE") == std::string::npos);
+  CHECK(lost.out.find("not located: no place of the map of") != std::string::npos);
+  CHECK(lost.out.find("\nlocated in") == std::string::npos);
 }
 
 TEST_CASE("a map belongs to the run that saved it, and is not located in and made at once") {

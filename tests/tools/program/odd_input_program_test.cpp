@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <limits>
 
+#include "golden_folder.h"
 #include "hqslam/core/npy.h"
 #include "tools/program/arguments.h"
 #include "tools/program/program.h"
@@ -30,6 +31,71 @@ TEST_CASE("results are not written among the scans that they are made from") {
     CHECK(holds(result.error, "holds the recording"));
   }
   CHECK_FALSE(fs::exists(folder.file("pcd/map.pcd")));
+}
+
+TEST_CASE("no command writes among the scans, also where they lie in a folder below as KITTI's") {
+  const TemporaryDirectory folder;
+  fs::copy(simulated_drive() + "/bin", folder.file("velodyne"));
+  const std::string lifted = "upsample '{0}' --sensor os1-64 --method linear --out '{0}/{1}'";
+  const std::string mapped = "map '{0}' --sensor os1-16 --poses '{2}/truth.kitti' --out '{0}/{1}'";
+  for (const std::string& command :
+       {std::string("run '{0}' --sensor os1-16 --out '{0}/{1}'"), lifted, mapped}) {
+    for (const char* out : {".", "velodyne"}) {
+      const ProgramResult result = run_hqslam(
+          fmt::format(fmt::runtime(command), folder.path().string(), out, simulated_drive()));
+      CAPTURE(result.error);
+      CHECK(result.status == 2);
+      CHECK(holds(result.error, "holds the recording"));
+    }
+  }
+  CHECK(std::distance(fs::directory_iterator(folder.file("velodyne")), {}) == kDriveScans);
+  CHECK(std::distance(fs::directory_iterator(folder.path()), {}) == 1);
+}
+
+TEST_CASE("options that would do nothing are refused with what they need") {
+  const TemporaryDirectory out;
+  const std::string input = fmt::format("'{0}/pcd' --sensor os1-16 --out '{1}/x' ",
+                                        simulated_drive(), out.path().string());
+  struct Useless {
+    const char* options;
+    const char* needs;
+  };
+  for (const Useless& useless : {Useless{"--confidence 0.5", "--upsample"},
+                                 {"--tolerance 0.1", "--upsample"},
+                                 {"--map-voxel 0.2", "--dense-map"},
+                                 {"--stream /points", "leave --stream out"}}) {
+    CAPTURE(useless.options);
+    const ProgramResult result = run_hqslam("run " + input + useless.options);
+    CHECK(result.status == 2);
+    CHECK(is_one_line(result.error));
+    CHECK(holds(result.error, useless.needs));
+  }
+  CHECK_FALSE(fs::exists(out.file("x")));
+}
+
+TEST_CASE("compare refuses what cannot be compared or written before it begins") {
+  const TemporaryDirectory folder;
+  const std::string stack = folder.file("scans.npy");
+  NpyStackWriter(stack, 64, 1024).append(RangeImage(64, 1024));
+  struct Wrong {
+    std::string arguments;
+    const char* with;
+  };
+  for (const Wrong& wrong :
+       {Wrong{fmt::format("'{}'", simulated_drive()), "16 rows"},
+        {fmt::format("'{}' --sensor os1-64 --json '{}'", stack, folder.file("none/table.json")),
+         "make "},
+        {fmt::format("'{}' --sensor os1-64 --weights '{}/../../weights/du-mix_vlp16_16to64.npz'",
+                     stack, golden_folder()),
+         "64 x 1800"}}) {
+    CAPTURE(wrong.arguments);
+    const ProgramResult result = run_hqslam("compare " + wrong.arguments);
+    CAPTURE(result.error);
+    CHECK(result.status == 2);
+    CHECK(is_one_line(result.error));
+    CHECK(holds(result.error, wrong.with));
+    CHECK(result.out.empty());
+  }
 }
 
 TEST_CASE("names and contents of files do not steer the terminal, and stay in one line") {

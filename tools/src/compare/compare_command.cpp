@@ -25,9 +25,33 @@ using Json = nlohmann::ordered_json;
 
 constexpr int kMeasuredRows = 16;
 
+/// There must be rows between the measured ones.
+void require_rows_to_compute(const CompareOptions& options, const SensorModel& sensor) {
+  if (sensor.rows() > kMeasuredRows) return;
+  throw Error(fmt::format(
+      "{}: is of sensor '{}' with {} rows, expected more than the {} that are measured; "
+      "give a recording with all rows",
+      options.input, sensor.name, sensor.rows(), kMeasuredRows));
+}
+
+/// The network of a weights file, if it is for images such as the sensor's.
+nn::SuperResolver network_of(const std::string& weights, const SensorModel& sensor,
+                             const nn::SuperResolverOptions& options = {}) {
+  nn::SuperResolver network = nn::SuperResolver::load(weights, options);
+  const SensorModel& made_for = network.sensor();
+  if (made_for.rows() != sensor.rows() || made_for.columns != sensor.columns) {
+    throw Error(fmt::format(
+        "{}: lifts scans of '{}' ({} x {}), but the recording is of '{}' ({} x {}); give weights "
+        "made for that sensor",
+        weights, made_for.name, made_for.rows(), made_for.columns, sensor.name, sensor.rows(),
+        sensor.columns));
+  }
+  return network;
+}
+
 /// The network without the filter at its end.
 nn::Upsampler without_last_filter(const std::string& weights, const SensorModel& sensor) {
-  return {nn::SuperResolver::load(weights, {.filter_result = false}), sensor};
+  return {network_of(weights, sensor, {.filter_result = false}), sensor};
 }
 
 std::vector<ComparedMethod> methods_of(const CompareOptions& options, const SensorModel& sensor) {
@@ -38,7 +62,7 @@ std::vector<ComparedMethod> methods_of(const CompareOptions& options, const Sens
         {name, nn::Upsampler(nn::interpolation_from_name(name), sensor, rows), std::nullopt});
   }
   for (const std::string& weights : options.weights) {
-    nn::Upsampler network(nn::SuperResolver::load(weights), sensor);
+    nn::Upsampler network(network_of(weights, sensor), sensor);
     const std::string name = network.name();
     if (last_filter(network.network()->description())) {
       methods.push_back(
@@ -114,10 +138,11 @@ std::optional<ConfidenceCurve> curve_of(const CompareOptions& options, const Sen
   if (options.curve.empty()) return std::nullopt;
   if (options.weights.empty()) throw Error("compare: --curve needs --weights");
   refuse_to_replace_foreign(options.curve, kConfidencePageMarker);
-  return ConfidenceCurve(nn::Upsampler(nn::SuperResolver::load(options.weights.back(),
-                                                               {.filter_result = false,
-                                                                .tolerance_m = options.tolerance_m,
-                                                                .least_confidence = 0.0F}),
+  require_folder_of(options.curve);
+  return ConfidenceCurve(nn::Upsampler(network_of(options.weights.back(), sensor,
+                                                  {.filter_result = false,
+                                                   .tolerance_m = options.tolerance_m,
+                                                   .least_confidence = 0.0F}),
                                        sensor),
                          options.tolerance_m);
 }
@@ -224,11 +249,15 @@ void declare_compare(CLI::App& app, CompareOptions& options) {
 
 int compare_command(const CompareOptions& options) {
   use_threads(options.threads);
-  if (!options.json.empty()) refuse_to_replace_foreign(options.json, kCompareJsonMarker);
+  if (!options.json.empty()) {
+    refuse_to_replace_foreign(options.json, kCompareJsonMarker);
+    require_folder_of(options.json);
+  }
   if (options.protocol == "tulip") return compare_with_tulip(options);
   const InterruptGuard interrupt;
   const SensorModel sensor =
       required_recording_sensor(options.input, options.sensor, options.stream);
+  require_rows_to_compute(options, sensor);
   Json json;
   std::int64_t used = 0;
   if (options.filters) {

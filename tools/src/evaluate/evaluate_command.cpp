@@ -169,10 +169,15 @@ constexpr const char* kDefinitions =
     "pixels without a return make no points there instead of points at the sensor. For two stacks\n"
     "the 3-D errors are means over the images and need --sensor.";
 
+/// Throws Error if one of them alone does.
 bool both_end_with(const EvaluateOptions& options, const char* extension) {
-  namespace fs = std::filesystem;
-  return fs::path(options.estimate).extension() == extension &&
-         fs::path(options.reference).extension() == extension;
+  const bool estimate = std::filesystem::path(options.estimate).extension() == extension;
+  const bool reference = std::filesystem::path(options.reference).extension() == extension;
+  if (estimate == reference) return estimate;
+  throw Error(
+      fmt::format("{} and {}: expected two files of one kind, found one named {}; give two "
+                  "trajectories (TUM or KITTI), two .pcd clouds or two .npy stacks",
+                  options.estimate, options.reference, extension));
 }
 
 }  // namespace

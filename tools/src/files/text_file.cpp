@@ -23,6 +23,13 @@ bool has_marker(const std::string& path, const std::string& marker) {
   return beginning.find(marker) != std::string::npos;
 }
 
+void require_folder_of(const std::string& path) {
+  const std::filesystem::path folder = std::filesystem::absolute(path).parent_path();
+  if (std::error_code error; std::filesystem::is_directory(folder, error)) return;
+  throw Error(fmt::format("{}: expected an existing folder to write it into, found none; make {}",
+                          path, folder.string()));
+}
+
 void refuse_to_replace_foreign(const std::string& path, const std::string& marker) {
   std::error_code error;
   if (!std::filesystem::exists(path, error) || has_marker(path, marker)) return;

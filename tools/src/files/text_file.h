@@ -12,6 +12,10 @@ void write_text_file(const std::string& text, const std::string& path);
 /// that puts the marker there wrote it.
 bool has_marker(const std::string& path, const std::string& marker);
 
+/// Throws Error if the folder that `path` is to be in is not there: said before the work, not after
+/// it.
+void require_folder_of(const std::string& path);
+
 /// Throws Error if there is something at `path` without `marker`: it must not be replaced.
 void refuse_to_replace_foreign(const std::string& path, const std::string& marker);
 

@@ -5,7 +5,9 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <utility>
 
+#include "hqslam/core/error.h"
 #include "hqslam/recordings/recording.h"
 #include "terminal/exit_status.h"
 #include "terminal/terminal.h"
@@ -85,13 +87,18 @@ int info_command(const InfoOptions& options) {
   recordings::OpenOptions open;
   open.sensor = options.sensor;
   open.stream = options.stream;
-  const recordings::RecordingInfo info = recordings::inspect(options.input, open);
+  recordings::RecordingInfo info = recordings::inspect(options.input, open);
   print_line("file", fmt::format("{}: {}", options.input, info.kind));
   for (const recordings::Stream& stream : info.streams) {
     print_line(stream.name == info.stream ? "stream" : "  also",
                fmt::format("{}, {} {}", stream.name, stream.messages, what_is_in(stream)));
   }
-  print_line("holds", info.format);
+  std::string complaint;  // the last warning, where no scan is the sensor's
+  if (info.format.empty() && !info.warnings.empty()) {
+    complaint = std::move(info.warnings.back());
+    info.warnings.pop_back();
+  }
+  print_line("holds", complaint.empty() ? info.format : "no scan that can be read so");
   print_line("sensor", sensor_line(info));
   print_line("scans", scans_line(info));
   print_line("stamps", info.has_stamps
@@ -101,6 +108,7 @@ int info_command(const InfoOptions& options) {
                                             : "without times: taken as corrected for motion");
   if (info.packets.used > 0) print_line("packets", packets_line(info));
   for (const std::string& warning : info.warnings) print_line("note", warning);
+  if (!complaint.empty()) throw Error(complaint);
   print_line("run", command_for(options));
   return kOk;
 }

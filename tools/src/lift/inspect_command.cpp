@@ -49,6 +49,7 @@ void declare_inspect(CLI::App& app, InspectOptions& options) {
 
 int inspect_command(const InspectOptions& options) {
   refuse_to_replace_foreign(options.out, kLayersPageMarker);
+  require_folder_of(options.out);
   const UpsamplingPlan plan = plan_upsampling({.input = options.input,
                                                .sensor = options.sensor,
                                                .method = options.weights,

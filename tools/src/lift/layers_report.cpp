@@ -105,7 +105,7 @@ std::string layer_html(const LayersReport& report, std::size_t index) {
   }
   std::string html = fmt::format(
       "<h2>Layer {}, b = {:.3f}</h2>\n<p class=\"quiet\">data {:.2f} m², denoiser gap {:.0f} m², "
-      "filter gap {:.1f} m², {} pixels rejected (terms of eq. 3)</p>\n",
+      "filter gap {:.1f} m², {} pixels rejected (terms of eq. 5)</p>\n",
       index + 1, layer.penalty, layer.objective.data_m2, layer.objective.denoiser_gap_m2,
       layer.objective.filter_gap_m2, layer.objective.rejected);
   html += range_html(layer.h, report, "H: data consistency (eq. 10a)");

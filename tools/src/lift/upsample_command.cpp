@@ -110,8 +110,11 @@ void print_summary(const UpsampleRun& run, const UpsamplingPlan& plan,
   to_stdout("\nupsampling alone: {:.2f} ms a scan, {:.1f} scans/s (median, {} thread{})\n",
             1e3 * median_s, 1.0 / median_s, omp_get_max_threads(),
             omp_get_max_threads() == 1 ? "" : "s");
-  to_stdout("results: {0}/scans.npy, sensor.json{1}{2}{3}\n", options.out,
-            options.bin ? ", bin" : "", options.pcd ? ", pcd" : "", options.png ? ", png" : "");
+  const bool sure =
+      upsampler.network() != nullptr && has_confidence(upsampler.network()->description());
+  to_stdout("results: {}/scans.npy{}, sensor.json, upsample.json{}{}{}\n", options.out,
+            sure ? ", confidence.npy" : "", options.bin ? ", bin" : "", options.pcd ? ", pcd" : "",
+            options.png ? ", png" : "");
 }
 
 }  // namespace
@@ -148,6 +151,7 @@ void declare_upsample(CLI::App& app, UpsampleOptions& options) {
 int upsample_command(const UpsampleOptions& options) {
   const InterruptGuard interrupt;
   use_threads(options.threads);
+  refuse_to_write_into_recording(options.input, options.out);
   UpsamplingPlan plan = plan_of(options);
   const std::unique_ptr<ScanSource> source = source_of(options, plan);
   const UpsampleRun run = upsample(*source, plan, options, interrupt);

@@ -119,9 +119,9 @@ bool wait_for_sensor(recordings::LiveSensor& sensor, const InterruptGuard& inter
     if (seconds_since(told) < kStatusInterval_s) continue;
     told = SteadyClock::now();
     const std::int64_t seen = sensor.packets_seen();
-    to_stdout(
-        "{} on UDP port {}{}\n", seen == 0 ? "no packet yet" : "listening", sensor.port(),
-        seen == 0 ? "; does the sensor send to this computer?" : fmt::format(", {} packets", seen));
+    to_stdout("{} on UDP port {}{}\n", seen == 0 ? "no packet yet" : "listening", sensor.port(),
+              seen == 0 ? "; does the sensor send to this computer?"
+                        : fmt::format(", {} packets, not yet recognised as the sensor's", seen));
   }
   return false;
 }

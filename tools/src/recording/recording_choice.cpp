@@ -5,7 +5,10 @@
 #include <omp.h>
 
 #include <CLI/CLI.hpp>
+#include <filesystem>
+#include <system_error>
 
+#include "hqslam/core/error.h"
 #include "hqslam/nn/upsampler.h"
 
 namespace hqslam::tools {
@@ -74,17 +77,30 @@ InputRecording input_recording(const InputChoice& choice) {
   return {choice.input, choice.sensor, choice.stream, choice.kept_return == "last", files};
 }
 
+void refuse_to_write_into_recording(const std::string& input, const std::string& out) {
+  namespace fs = std::filesystem;
+  // KITTI's folders of scans are named by those above them.
+  for (const char* scans : {"", "velodyne", "velodyne_points/data"}) {
+    std::error_code error;
+    if (!fs::equivalent(fs::path(input) / scans, out, error) || error) continue;
+    throw Error(fmt::format("{}: holds the recording; give another --out for the results", out));
+  }
+}
+
 void declare_lifting(CLI::App& command, LiftingChoice& choice) {
   command
       .add_option("--rows", choice.rows, "Use only this many of the sensor's rows, evenly spread")
       ->check(CLI::Range(1, 1000000000));
-  command
-      .add_option("--upsample", choice.upsample,
-                  fmt::format("Fill the rows between the measured ones first: a trained network "
-                              "(.npz), or interpolation ({})",
-                              fmt::join(nn::interpolation_names(), ", ")))
-      ->check(CLI::ExistingFile | CLI::IsMember(nn::interpolation_names()));
+  CLI::Option* upsample = command.add_option(
+      "--upsample", choice.upsample,
+      fmt::format("Fill the rows between the measured ones first: a trained network "
+                  "(.npz), or interpolation ({})",
+                  fmt::join(nn::interpolation_names(), ", ")));
+  upsample->check(CLI::ExistingFile | CLI::IsMember(nn::interpolation_names()));
   declare_confidence(command, choice);
+  for (const char* of_upsampling : {"--confidence", "--tolerance"}) {
+    command.get_option(of_upsampling)->needs(upsample);
+  }
 }
 
 void declare_confidence(CLI::App& command, ConfidenceChoice& choice) {

@@ -41,6 +41,10 @@ struct ConfidenceChoice {
 /// --confidence and --tolerance.
 void declare_confidence(CLI::App& command, ConfidenceChoice& choice);
 
+/// Throws Error if `out` is where the scans of the recording lie: results among them would be read
+/// as scans by the next command.
+void refuse_to_write_into_recording(const std::string& input, const std::string& out);
+
 /// What is made of scans before they are used.
 struct LiftingChoice : ConfidenceChoice {
   int rows = 0;          ///< 0: all

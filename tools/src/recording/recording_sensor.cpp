@@ -55,17 +55,16 @@ std::optional<SensorModel> recording_sensor(const std::string& input, const std:
 SensorModel required_recording_sensor(const std::string& input, const std::string& sensor,
                                       const std::string& stream) {
   std::optional<SensorModel> known = recording_sensor(input, sensor, stream);
-  if (!known) {
-    throw Error(
-        fmt::format("{}: does not say which sensor it was recorded with; give --sensor NAME or "
-                    "--sensor FILE.json",
-                    input));
-  }
-  return *known;
+  if (known) return *known;
+  return recordings::recording_sensor(input, {});  // says what is missing
 }
 
 std::unique_ptr<ScanSource> open_input(const InputRecording& recording, const SensorModel& sensor) {
   if (!recordings::is_capture_or_bag(recording.input)) {
+    if (!recording.stream.empty()) {
+      throw Error(fmt::format(
+          "{}: is no capture and no bag, which have streams; leave --stream out", recording.input));
+    }
     return open_recording(recording.input, sensor, recording.files);
   }
   recordings::OpenOptions options = open_options(recording);

@@ -61,6 +61,7 @@ void declare_map(CLI::App& app, MapOptions& options) {
 int map_command(const MapOptions& options) {
   const InterruptGuard interrupt;
   use_threads(options.threads);
+  refuse_to_write_into_recording(options.input, options.out);
   const ScanPoses poses = poses_from(options.poses, plan_of(options).open()->size());
   refuse_foreign_dense_map(options.out);
   const DenseMapRun run = build_dense_map(options, poses, options.map, interrupt);

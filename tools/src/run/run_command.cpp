@@ -5,10 +5,8 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
-#include <filesystem>
 #include <memory>
 #include <numbers>
-#include <system_error>
 
 #include "hqslam/core/error.h"
 #include "hqslam/recordings/recording.h"
@@ -103,14 +101,6 @@ int exit_status_of(const RunResult& result, const RunOptions& options) {
       break;
   }
   return kOk;
-}
-
-/// The map among the scans would be read as one of them by the next run.
-void refuse_to_write_into_recording(const RunOptions& options) {
-  std::error_code error;
-  if (!std::filesystem::equivalent(options.input, options.out, error) || error) return;
-  throw Error(
-      fmt::format("{}: holds the recording; give another --out for the results", options.out));
 }
 
 /// The part of the map with most scans.
@@ -225,10 +215,14 @@ void declare_run(CLI::App& app, RunOptions& options) {
       ->delimiter(',')
       ->expected(3)
       ->needs(map);
-  command->add_flag("--dense-map", options.dense_map,
-                    "Also make a dense map of all scans' points, measured and upsampled; reads the "
-                    "recording twice more");
+  CLI::Option* dense_map = command->add_flag(
+      "--dense-map", options.dense_map,
+      "Also make a dense map of all scans' points, measured and upsampled; reads the "
+      "recording twice more");
   declare_dense_map(*command, options.map);
+  for (const char* of_map : {"--map-voxel", "--map-confidence"}) {
+    command->get_option(of_map)->needs(dense_map);
+  }
   command->footer(
       "Writes into --out:\n"
       "  trajectory.tum    stamp x y z qx qy qz qw per scan\n"
@@ -250,7 +244,7 @@ void declare_run(CLI::App& app, RunOptions& options) {
 
 RunResult run_and_write(const RunOptions& options, const InterruptGuard& interrupt) {
   use_threads(options.threads);
-  refuse_to_write_into_recording(options);
+  refuse_to_write_into_recording(options.input, options.out);
   RunPlan plan = plan_of(options);
   const std::unique_ptr<ScanSource> source = plan.open();
   print_warnings(*source, options.input);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <vector>
 
 #include "hqslam/core/trajectory_error.h"
@@ -45,7 +46,12 @@ std::string run_summary(const SlamRun& run) {
       fmt::format("{} scans, {:.1f} m of path, {:.1f} scans/s\n{}\n", run.scans.size(),
                   known_path_m(run), scans_per_second(run), mapping_summary(run));
   if (!run.located_in.empty()) {
-    summary += fmt::format("located in the map of {}\n", run.located_in);
+    const bool found = std::any_of(run.scans.begin(), run.scans.end(), [](const ScanRecord& scan) {
+      return scan.report.mapping_status != slam::Status::kNotRecognized;
+    });
+    summary += found ? fmt::format("located in the map of {}\n", run.located_in)
+                     : fmt::format("not located: no place of the map of {} was recognized\n",
+                                   run.located_in);
   }
   if (!run.upsampled_by.empty()) {
     summary += fmt::format("upsampled to {} rows by {}: {:.1f} ms a scan (median)\n", run.rows,

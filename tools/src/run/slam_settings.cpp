@@ -69,8 +69,9 @@ void declare_slam_settings(CLI::App& command, SlamSettings& settings) {
       .add_option("--set", settings.set,
                   "One option of SLAM, NAME=NUMBER, after the file; may be given several times")
       ->allow_extra_args(false);
-  command.add_flag("!--no-loop-closing", settings.loop_closing,
-                   "Do not recognise places passed before, nor correct the path and the map");
+  command.add_flag_callback(
+      "--no-loop-closing", [&settings] { settings.loop_closing = false; },
+      "Do not recognise places passed before, nor correct the path and the map");
 }
 
 slam::SlamOptions slam_options(const SlamSettings& settings) {

@@ -34,8 +34,9 @@ std::optional<PointTimes> point_times(const PointTimeField& field, double scan_p
 /// Rows from the numbers of rings, one per point. Some drivers number them from the highest beam
 /// (Ouster), some from the lowest (Velodyne): the correlation of ring and elevation tells, and rows
 /// count from the highest either way. Rings that follow the elevation in neither way give no rows,
-/// so that the elevation decides. Throws Error for a ring that the sensor does not have; `source`
-/// and `field` stand for it in messages.
+/// so that the elevation decides. Throws Error for a ring that the sensor does not have, and for at
+/// most half of its rings whose points are not where its beams look; `source` and `field` stand for
+/// it in messages.
 std::vector<std::uint16_t> rows_from_rings(const std::vector<double>& ring, const Scan& scan,
                                            const SensorModel& sensor, const std::string& source,
                                            const std::string& field);

@@ -13,7 +13,7 @@ enum class FilteredIterate { kH, kZ };
 /// range in the next layer's mean of Z and Y and makes a new ghost; kZero is there to show it.
 enum class RejectedPixel { kTakesZ, kZero };
 
-/// The terms of eq. 3 after one layer, in m^2 over all pixels (mu J has no value: it is learned).
+/// The terms of eq. 5 after one layer, in m^2 over all pixels (mu J has no value: it is learned).
 struct ObjectiveTerms {
   double data_m2 = 0.0;          ///< 1/2 |L - D H|^2
   double denoiser_gap_m2 = 0.0;  ///< b/2 |Z - H|^2
