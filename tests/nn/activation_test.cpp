@@ -17,9 +17,7 @@ void check_against_pytorch(float slope, const std::string& name) {
 
 }  // namespace
 
-TEST_CASE("ReLU's gradient equals PyTorch's") {
-  check_against_pytorch(0.0F, "leaky_relu.0.0");
-}
+TEST_CASE("ReLU's gradient equals PyTorch's") { check_against_pytorch(0.0F, "leaky_relu.0.0"); }
 
 TEST_CASE("leaky ReLU's gradient equals PyTorch's") {
   check_against_pytorch(0.125F, "leaky_relu.0.125");
