@@ -1,9 +1,9 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
-#include <cctype>
 #include <limits>
-#include <set>
+#include <nlohmann/json.hpp>
 #include <string_view>
 
 #include "hqslam/core/error.h"
@@ -22,119 +22,52 @@ constexpr std::size_t kMaxDimensions = 32;
   throw Error(fmt::format("{}: {}; save the array again with numpy.save", path, complaint));
 }
 
-/// The dictionary literal of a header, read strictly: three keys in any order.
-class DictionaryParser {
- public:
-  DictionaryParser(std::string_view text, const std::string& path) : text_(text), path_(path) {}
-
-  NpyHeader parse() {
-    NpyHeader header;
-    std::set<std::string> keys;
-    expect('{');
-    while (!accept('}')) {
-      const std::string key = quoted();
-      if (!keys.insert(key).second) complain(fmt::format("key '{}' once", excerpt(key)));
-      expect(':');
-      parse_value(key, header);
-      if (!accept(',')) {
-        expect('}');
-        break;
-      }
+/// The dictionary literal of a header, told in JSON.
+std::string as_json(const std::string& literal) {
+  constexpr std::string_view kPython = "'()";
+  constexpr std::string_view kJson = "\"[]";
+  std::string json;
+  for (const char c : literal) {
+    if (c == ')' || c == '}') {  // Python lets a comma come before them
+      json.erase(json.find_last_not_of(' ') + 1);
+      if (json.ends_with(',')) json.pop_back();
     }
-    if (peek() != '\0') complain("nothing after '}'");
-    if (keys.size() != 3) complain("the keys descr, fortran_order and shape");
-    return header;
+    const std::size_t found = kPython.find(c);
+    json += found == std::string_view::npos ? c : kJson[found];
   }
-
- private:
-  char peek() {
-    while (position_ < text_.size() && std::isspace(static_cast<unsigned char>(text_[position_]))) {
-      ++position_;
-    }
-    return position_ < text_.size() ? text_[position_] : '\0';
+  for (const char* word : {"True", "False"}) {
+    const std::size_t found = json.find(word);
+    if (found != std::string::npos) json[found] = *word == 'T' ? 't' : 'f';
   }
+  return json;
+}
 
-  bool accept(char c) {
-    if (peek() != c) return false;
-    ++position_;
-    return true;
+NpyHeader header_of(const std::string& literal, const std::string& path) {
+  const auto require = [&](bool fits, std::string_view expected) {
+    if (fits) return;
+    fail(path, fmt::format("damaged .npy header: expected {}, found {}", expected,
+                           excerpt(literal, 120)));
+  };
+  require(literal.find('[') == std::string::npos,
+          "one number per element, not an array of structures, and a shape in parentheses");
+  const auto json = nlohmann::json::parse(as_json(literal), nullptr, /*allow_exceptions=*/false);
+  require(json.is_object() && json.size() == 3 && std::ranges::count(literal, ':') == 3,
+          "a dictionary of descr, fortran_order and shape, each once");
+  const nlohmann::json dtype = json.value("descr", nlohmann::json());
+  require(dtype.is_string(), "a quoted word for 'descr'");
+  const nlohmann::json order = json.value("fortran_order", nlohmann::json());
+  require(order.is_boolean(), "True or False for 'fortran_order'");
+  const nlohmann::json shape = json.value("shape", nlohmann::json());
+  require(shape.is_array() && shape.size() <= kMaxDimensions, "at most 32 dimensions in 'shape'");
+  NpyHeader header{dtype, order, {}};
+  for (const nlohmann::json& size : shape) {
+    constexpr std::uint64_t kLargest = std::numeric_limits<std::int64_t>::max();
+    require(size.is_number_unsigned() && size.get<std::uint64_t>() <= kLargest,
+            "a size in 'shape' that is not negative and below 2^63");
+    header.shape.push_back(size);
   }
-
-  void expect(char c) {
-    if (!accept(c)) complain(fmt::format("'{}'", c));
-  }
-
-  std::string quoted() {
-    const char quote = peek();
-    if (quote != '\'' && quote != '"') complain("a quoted word");
-    const std::size_t end = text_.find(quote, position_ + 1);
-    if (end == std::string_view::npos) complain("a closing quote");
-    const std::string word(text_.substr(position_ + 1, end - position_ - 1));
-    position_ = end + 1;
-    for (const char c : word) {
-      if (!std::isprint(static_cast<unsigned char>(c))) complain("printable characters in quotes");
-    }
-    return word;
-  }
-
-  std::int64_t integer() {
-    if (!std::isdigit(static_cast<unsigned char>(peek()))) complain("a size in 'shape'");
-    std::int64_t value = 0;
-    while (position_ < text_.size() && std::isdigit(static_cast<unsigned char>(text_[position_]))) {
-      if (value > (std::numeric_limits<std::int64_t>::max() - 9) / 10) complain("smaller sizes");
-      value = value * 10 + (text_[position_++] - '0');
-    }
-    return value;
-  }
-
-  bool boolean() {
-    peek();
-    for (const bool value : {true, false}) {
-      const std::string_view word = value ? "True" : "False";
-      if (text_.substr(position_).starts_with(word)) {
-        position_ += word.size();
-        return value;
-      }
-    }
-    complain("True or False for 'fortran_order'");
-  }
-
-  std::vector<std::int64_t> tuple() {
-    std::vector<std::int64_t> shape;
-    expect('(');
-    while (!accept(')')) {
-      if (shape.size() == kMaxDimensions) complain("at most 32 dimensions");
-      shape.push_back(integer());
-      if (!accept(',')) {
-        expect(')');
-        break;
-      }
-    }
-    return shape;
-  }
-
-  void parse_value(const std::string& key, NpyHeader& header) {
-    if (key == "descr") {
-      if (peek() == '[') complain("one number per element, not an array of structures");
-      header.dtype = quoted();
-    } else if (key == "fortran_order") {
-      header.fortran_order = boolean();
-    } else if (key == "shape") {
-      header.shape = tuple();
-    } else {
-      complain("no key but descr, fortran_order and shape");
-    }
-  }
-
-  [[noreturn]] void complain(const std::string& expected) const {
-    fail(path_,
-         fmt::format("damaged .npy header: expected {} at its character {}", expected, position_));
-  }
-
-  std::string_view text_;
-  const std::string& path_;
-  std::size_t position_ = 0;
-};
+  return header;
+}
 
 std::size_t size_from_little_endian(const char* bytes, std::size_t count) {
   std::size_t value = 0;
@@ -171,7 +104,7 @@ NpyHeader read_npy_header(std::istream& stream, const std::string& path) {
     fail(path, fmt::format("truncated: expected an .npy header of {} bytes, found {} bytes", length,
                            stream.gcount()));
   }
-  NpyHeader header = DictionaryParser(text, path).parse();
+  NpyHeader header = header_of(text, path);
   header.data_offset_bytes = static_cast<std::int64_t>(8 + size_bytes + length);
   return header;
 }

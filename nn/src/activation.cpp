@@ -1,18 +1,6 @@
 #include "activation.h"
 
-#include <algorithm>
-
 namespace hqslam::nn {
-
-void leaky_relu(float slope, Tensor& values) {
-  for (int channel = 0; channel < values.channels(); ++channel) {
-    for (int y = 0; y < values.rows(); ++y) {
-      float* row = values.row(channel, y);
-      for (int x = 0; x < values.columns(); ++x) row[x] = std::max(row[x], slope * row[x]);
-      values.fill_border(channel, y);
-    }
-  }
-}
 
 void leaky_relu_backward(float slope, const Tensor& output, Tensor& d_values) {
   for (int channel = 0; channel < output.channels(); ++channel) {

@@ -5,10 +5,7 @@
 namespace hqslam::nn {
 
 // The activations are max(v, slope v): slope 0 is ReLU, 0 < slope < 1 leaky ReLU, 1 the identity.
-// The convolutions apply them to their own result; these are for everything else.
-
-/// values = max(v, slope v), borders included.
-void leaky_relu(float slope, Tensor& values);
+// Convolutions and batch norm apply them to their own result.
 
 /// d_values: d loss / d output in, d loss / d input out; borders filled. The sign of the input is
 /// that of the output for every slope > 0, and for slope 0 an output of 0 has derivative 0, as in

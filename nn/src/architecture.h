@@ -8,9 +8,9 @@
 #include <string_view>
 #include <vector>
 
+#include "hqslam/core/json_fields.h"
 #include "hqslam/nn/hqs/network.h"
 #include "hqslam/nn/hqs/network_description.h"
-#include "json_fields.h"
 
 namespace hqslam::nn {
 

@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "activation.h"
-#include "convolution_step.h"
 #include "hqslam/core/error.h"
 #include "layers/dropout.h"
 #include "parameters.h"
@@ -68,28 +67,25 @@ ConvolutionGraph::ConvolutionGraph(std::vector<ConvolutionStep> steps,
                               size_after(step, from.columns()), column_padding);
     const Tensor& to = shapes_[step.to];
     const int padding = step.transposed ? 0 : step.kernel / 2;
-    const ConvolutionShape shape{from.channels(), to.channels(), step.kernel, step.kernel,
-                                 step.stride,     padding,       padding};
-    if (step.transposed) {
-      layers_.emplace_back(ConvTranspose2d(shape, from, to, instruction_set, threads));
-    } else {
-      layers_.emplace_back(Conv2d(shape, from, to, instruction_set, threads));
-    }
+    layers_.emplace_back(ConvolutionShape{.input_channels = from.channels(),
+                                          .output_channels = to.channels(),
+                                          .kernel_rows = step.kernel,
+                                          .kernel_columns = step.kernel,
+                                          .stride = step.stride,
+                                          .padding_rows = padding,
+                                          .padding_columns = padding,
+                                          .transposed = step.transposed},
+                         from, to, instruction_set, threads);
     if (step.row_bias) row_biases_[i] = to;
   }
-}
-
-const ConvolutionShape& ConvolutionGraph::shape(std::size_t step) const {
-  return std::visit([](const auto& layer) -> const ConvolutionShape& { return layer.shape(); },
-                    layers_[step]);
 }
 
 std::vector<ParameterShape> ConvolutionGraph::parameter_shapes() const {
   std::vector<ParameterShape> shapes;
   for (std::size_t i = 0; i < steps_.size(); ++i) {
     const ConvolutionStep& step = steps_[i];
-    const int in = shape(i).input_channels;
-    const int out = shape(i).output_channels;
+    const int in = layers_[i].shape().input_channels;
+    const int out = layers_[i].shape().output_channels;
     const int first = step.transposed ? in : out;
     add_convolution(step.name, {first, step.transposed ? out : in, step.kernel, step.kernel},
                     step.bias ? out : 0, shapes);
@@ -106,13 +102,15 @@ std::vector<float> ConvolutionGraph::initial_parameters(std::uint64_t seed) cons
   for (std::size_t i = 0; i < steps_.size(); ++i) {
     const ConvolutionStep& step = steps_[i];
     // PyTorch counts the fan-in of both kinds of convolution in the second extent.
-    const int second = step.transposed ? shape(i).output_channels : shape(i).input_channels;
+    const int second =
+        step.transposed ? layers_[i].shape().output_channels : layers_[i].shape().input_channels;
     const auto fan_in = static_cast<float>(second * step.kernel * step.kernel);
-    start.add(shape(i).weights(), step.start_scale / std::sqrt(fan_in), parameters);
-    if (step.bias) start.add(shape(i).output_channels, 0.1F * step.start_scale, parameters);
+    start.add(layers_[i].shape().weights(), step.start_scale / std::sqrt(fan_in), parameters);
+    if (step.bias)
+      start.add(layers_[i].shape().output_channels, 0.1F * step.start_scale, parameters);
     if (step.row_bias) {
       const std::size_t rows = shapes_[step.to].rows();
-      parameters.insert(parameters.end(), rows * shape(i).output_channels, 0.0F);
+      parameters.insert(parameters.end(), rows * layers_[i].shape().output_channels, 0.0F);
     }
   }
   return parameters;
@@ -120,20 +118,22 @@ std::vector<float> ConvolutionGraph::initial_parameters(std::uint64_t seed) cons
 
 std::int64_t ConvolutionGraph::multiply_adds() const {
   std::int64_t sum = 0;
-  for (std::size_t i = 0; i < steps_.size(); ++i) {
-    const Tensor& pixels = shapes_[steps_[i].transposed ? steps_[i].from : steps_[i].to];
-    sum += shape(i).weights() * pixels.rows() * pixels.columns();
-  }
+  for (std::size_t i = 0; i < steps_.size(); ++i) sum += multiply_adds(i);
   return sum;
+}
+
+std::int64_t ConvolutionGraph::multiply_adds(std::size_t i) const {
+  const Tensor& pixels = shapes_[steps_[i].transposed ? steps_[i].from : steps_[i].to];
+  return layers_[i].shape().weights() * pixels.rows() * pixels.columns();
 }
 
 void ConvolutionGraph::set_parameters(std::span<const float> parameters) {
   check_parameters(parameters, parameter_shapes());
   for (std::size_t i = 0; i < steps_.size(); ++i) {
-    const std::span<const float> weight = take(parameters, shape(i).weights());
+    const std::span<const float> weight = take(parameters, layers_[i].shape().weights());
     const std::span<const float> bias =
-        take(parameters, steps_[i].bias ? shape(i).output_channels : 0);
-    std::visit([&](auto& layer) { layer.set_parameters(weight, bias); }, layers_[i]);
+        take(parameters, steps_[i].bias ? layers_[i].shape().output_channels : 0);
+    layers_[i].set_parameters(weight, bias);
     if (!steps_[i].row_bias) continue;
     Tensor& rows = row_biases_[i];
     for (int channel = 0; channel < rows.channels(); ++channel) {
@@ -155,9 +155,7 @@ void ConvolutionGraph::forward(std::vector<Tensor>& values, int left_out,
                                std::optional<std::uint64_t> dropout_seed) {
   for (std::size_t i = 0; i + left_out < steps_.size(); ++i) {
     const ConvolutionStep& step = steps_[i];
-    const LayerEnd end = end_of(i, values);
-    std::visit([&](auto& layer) { layer.forward(values[step.from], end, values[step.to]); },
-               layers_[i]);
+    layers_[i].forward(values[step.from], end_of(i, values), values[step.to]);
     if (dropout_seed) drop_out(*dropout_seed + i, step.dropout, values[step.to]);
   }
 }
@@ -165,21 +163,28 @@ void ConvolutionGraph::forward(std::vector<Tensor>& values, int left_out,
 std::vector<NetworkStep> ConvolutionGraph::steps(std::vector<Tensor>& values) {
   std::vector<NetworkStep> steps;
   for (std::size_t i = 0; i < steps_.size(); ++i) {
-    const ConvolutionStep& step = steps_[i];
-    std::visit(
-        [&](auto& layer) {
-          steps.push_back(convolution_step(step.name, layer, values[step.from], end_of(i, values),
-                                           values[step.to]));
-        },
-        layers_[i]);
+    Conv2d& layer = layers_[i];
+    const Tensor& input = values[steps_[i].from];
+    Tensor& output = values[steps_[i].to];
+    steps.push_back({.name = steps_[i].name,
+                     .multiply_adds = multiply_adds(i),
+                     .run = [&layer, &input, end = end_of(i, values), &output] {
+                       layer.forward(input, end, output);
+                     }});
+    if (steps_[i].transposed) continue;
+    const std::vector<float> weight(static_cast<std::size_t>(layer.shape().weights()), 0.5F);
+    steps.back().reference = [&layer, weight, &input, rows = output.rows(),
+                              columns = output.columns()] {
+      Tensor result(layer.shape().output_channels, rows, columns, input.padding());
+      conv2d_reference(layer.shape(), weight, {}, input, result);
+    };
   }
   return steps;
 }
 
 void ConvolutionGraph::last_step_row(const std::vector<Tensor>& values, int row, float* output,
                                      std::int64_t channel_stride) const {
-  std::get<Conv2d>(layers_.back())
-      .forward_row(values[steps_.back().from], row, output, channel_stride);
+  layers_.back().forward_row(values[steps_.back().from], row, output, channel_stride);
 }
 
 std::optional<int> ConvolutionGraph::used_as_skip_for(int index) const {
@@ -196,10 +201,10 @@ const ConvolutionStep* ConvolutionGraph::step_before(int index) const {
   return nullptr;
 }
 
-InputGradientEnd ConvolutionGraph::input_gradient_end(const ConvolutionStep& step,
-                                                      const std::vector<Tensor>& values,
-                                                      const std::vector<Tensor>& gradients) const {
-  InputGradientEnd end;
+LayerEnd ConvolutionGraph::input_gradient_end(const ConvolutionStep& step,
+                                              const std::vector<Tensor>& values,
+                                              const std::vector<Tensor>& gradients) const {
+  LayerEnd end;
   if (const std::optional<int> skip = used_as_skip_for(step.from)) end.skip = &gradients[*skip];
   const ConvolutionStep* const before = step_before(step.from);
   if (before != nullptr && before->negative_slope != 1.0F) {
@@ -214,15 +219,14 @@ void ConvolutionGraph::last_step_backward_rows(const std::vector<Tensor>& values
                                                std::vector<Tensor>& gradients,
                                                std::span<float> d_parameters) {
   const ConvolutionStep& step = steps_.back();
-  const ConvolutionShape& convolution = shape(steps_.size() - 1);
+  const ConvolutionShape& convolution = layers_.back().shape();
   const std::size_t biases = step.bias ? convolution.output_channels : 0;
   const std::span<float> d_bias = d_parameters.last(biases);
   const std::span<float> d_weight =
       d_parameters.first(d_parameters.size() - biases).last(convolution.weights());
-  std::get<Conv2d>(layers_.back())
-      .backward_rows(values[step.from], first_row, d_output,
-                     input_gradient_end(step, values, gradients), gradients[step.from], d_weight,
-                     d_bias);
+  layers_.back().backward_rows(values[step.from], first_row, d_output,
+                               input_gradient_end(step, values, gradients), gradients[step.from],
+                               d_weight, d_bias);
 }
 
 void ConvolutionGraph::backward(const std::vector<Tensor>& values, std::vector<Tensor>& gradients,
@@ -260,13 +264,9 @@ void ConvolutionGraph::backward(const std::vector<Tensor>& values, std::vector<T
     }
     const std::span<float> d_weight = d_arrays.back();
     d_arrays.pop_back();
-    const InputGradientEnd end = input_gradient_end(step, values, gradients);
-    std::visit(
-        [&](auto& layer) {
-          layer.backward_parameters(values[step.from], d_to, d_weight, d_bias);
-          layer.backward_input(d_to, end, gradients[step.from]);
-        },
-        layers_[i]);
+    layers_[i].backward_parameters(values[step.from], d_to, d_weight, d_bias);
+    layers_[i].backward_input(d_to, input_gradient_end(step, values, gradients),
+                              gradients[step.from]);
     const ConvolutionStep* const before = step_before(step.from);
     if (dropped && before != nullptr) scale(kept_scale(before->dropout), gradients[step.from]);
   }

@@ -4,11 +4,9 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <variant>
 #include <vector>
 
 #include "conv2d.h"
-#include "conv_transpose2d.h"
 #include "convolution_shape.h"
 #include "hqslam/nn/hqs/network.h"
 #include "hqslam/nn/instruction_set.h"
@@ -61,7 +59,8 @@ class ConvolutionGraph {
   /// parallel region, they share the work. With a seed the steps that have dropout drop.
   void forward(std::vector<Tensor>& values, int left_out = 0,
                std::optional<std::uint64_t> dropout_seed = std::nullopt);
-  /// The steps of `forward`, for measurements; `values` must outlive them.
+  /// The steps of `forward`, for measurements; `values` must outlive them. An output with fewer
+  /// channels than its step gives is one that is never kept: whoever asks replaces `run`.
   std::vector<NetworkStep> steps(std::vector<Tensor>& values);
   /// One row of the last step's result, by the calling thread alone (Conv2d::forward_row).
   void last_step_row(const std::vector<Tensor>& values, int row, float* output,
@@ -79,14 +78,11 @@ class ConvolutionGraph {
                                std::span<float> d_parameters);
 
  private:
-  using Layer = std::variant<Conv2d, ConvTranspose2d>;
-
-  const ConvolutionShape& shape(std::size_t step) const;
+  std::int64_t multiply_adds(std::size_t step) const;
   LayerEnd end_of(std::size_t step, const std::vector<Tensor>& values) const;
   /// How the gradient of a step's input ends.
-  InputGradientEnd input_gradient_end(const ConvolutionStep& step,
-                                      const std::vector<Tensor>& values,
-                                      const std::vector<Tensor>& gradients) const;
+  LayerEnd input_gradient_end(const ConvolutionStep& step, const std::vector<Tensor>& values,
+                              const std::vector<Tensor>& gradients) const;
   /// The tensor whose gradient tensor `index` gets as a skip.
   std::optional<int> used_as_skip_for(int index) const;
   /// The step that made tensor `index`; null for the input.
@@ -94,7 +90,7 @@ class ConvolutionGraph {
 
   std::vector<ConvolutionStep> steps_;
   std::vector<Tensor> shapes_;
-  std::vector<Layer> layers_;
+  std::vector<Conv2d> layers_;
   std::vector<Tensor> row_biases_;  ///< one per step, of the shape of its result; empty: none
 };
 

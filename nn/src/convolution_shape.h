@@ -17,6 +17,7 @@ struct ConvolutionShape {
   int padding_rows = 1;
   int padding_columns = 1;
   std::optional<int> stride_columns = std::nullopt;
+  bool transposed = false;
 
   int column_stride() const { return stride_columns.value_or(stride); }
   std::int64_t weights() const {

@@ -8,7 +8,7 @@
 
 #include "architecture.h"
 #include "hqslam/core/error.h"
-#include "json_fields.h"
+#include "hqslam/core/json_fields.h"
 
 namespace hqslam::nn {
 namespace {

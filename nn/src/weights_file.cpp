@@ -8,10 +8,10 @@
 
 #include "hqslam/core/error.h"
 #include "hqslam/core/excerpt.h"
+#include "hqslam/core/json_fields.h"
 #include "hqslam/core/npz.h"
 #include "hqslam/nn/hqs/network.h"
 #include "hqslam/nn/hqs/network_json.h"
-#include "json_fields.h"
 
 namespace hqslam::nn {
 namespace {

@@ -201,7 +201,7 @@ TEST_CASE("Ouster metadata that contradict themselves or lack a field are refuse
   const auto with = [](const std::string& from, const std::string& to) {
     return complaint_about(replaced(kGrouped, from, to));
   };
-  CHECK(one_line_with(with("512x20", "fast"), "s.json", "'lidar_mode'", "1024x10", "'fast'"));
+  CHECK(one_line_with(with("512x20", "fast"), "s.json", "'lidar_mode'", "1024x10", "\"fast\""));
   CHECK(one_line_with(with("512x20", "1024x10"), "'columns_per_frame'", "1024", "found 512"));
   CHECK(one_line_with(with("\"lidar_mode\": \"512x20\"", ""), "'lidar_mode'", "found nothing"));
   CHECK(one_line_with(with("beam_azimuth_angles", "other"), "'beam_azimuth_angles'", "nothing"));

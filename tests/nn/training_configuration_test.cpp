@@ -73,7 +73,7 @@ TEST_CASE("mistakes in a configuration are named with field, expected and found"
                       "none of", "os1-64", "vls-128"));
   CHECK(one_line_with(message_after("\"os1-64\"", "\"/dev/zero\""), "'/dev/zero'", "none of"));
   CHECK(one_line_with(message_after("\"measured_rows\": 16", "\"measured_rows\": 4294967312"),
-                      "measured_rows", "smaller number", "4294967312"));
+                      "measured_rows", "at most a million", "4294967312"));
   CHECK(one_line_with(message_after("\"seeds\": [3]", "\"seeds\": []"), "seeds", "at least one"));
   CHECK(one_line_with(message_after("[3]", R"({"first": 3, "count": 0})"), "seeds", "count",
                       "1 to 100000", "found 0"));

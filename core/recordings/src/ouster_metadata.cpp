@@ -1,12 +1,12 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <charconv>
-#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "hqslam/core/error.h"
-#include "hqslam/core/json_limits.h"
+#include "hqslam/core/json_fields.h"
 #include "hqslam/core/whole_file.h"
 #include "ouster_layout.h"
 #include "ouster_metadata_text.h"
@@ -15,49 +15,23 @@ namespace hqslam::recordings {
 
 namespace {
 
-using Json = nlohmann::json;
-
 constexpr std::size_t kMaxFileBytes = 16U << 20U;
 constexpr std::array<OusterProfile, 5> kProfiles = {
     OusterProfile::kLegacy, OusterProfile::kRng19, OusterProfile::kRng19Dual, OusterProfile::kRng15,
     OusterProfile::kFusaDual};
 
-/// The object of this name, or the whole file: newer firmware groups what older kept flat.
-const Json& section(const Json& json, const char* name) {
-  return json.contains(name) && json[name].is_object() ? json[name] : json;
+/// A text, "" where there is none.
+std::string words(JsonFields& fields, const std::string& field) {
+  return fields.has(field) && fields.dumped(field).starts_with('"') ? fields.text(field) : "";
 }
 
-[[noreturn]] void complain(const std::string& source, const char* field,
-                           const std::string& expected, const std::string& found) {
-  throw Error(
-      fmt::format("{}: field '{}': expected {}, found {}; give the metadata that the sensor "
-                  "wrote for this recording",
-                  source, field, expected, found));
-}
-
-double number(const Json& json, const char* field, double otherwise, const std::string& source) {
-  if (!json.contains(field)) return otherwise;
-  const Json& value = json[field];
-  if (!value.is_number() || !std::isfinite(value.get<double>())) {
-    complain(source, field, "a finite number", "something else");
-  }
-  return value.get<double>();
-}
-
-std::string words(const Json& json, const char* field) {
-  return json.contains(field) && json[field].is_string() ? json[field].get<std::string>() : "";
-}
-
-OusterProfile profile_of(const Json& format, const std::string& source) {
-  const std::string found = words(format, "udp_profile_lidar");
-  if (found.empty()) return OusterProfile::kLegacy;  // firmware before there were profiles
-  std::string known;
-  for (const OusterProfile profile : kProfiles) {
-    if (name(profile) == found) return profile;
-    known += fmt::format("{}{}", known.empty() ? "" : ", ", name(profile));
-  }
-  complain(source, "udp_profile_lidar", "one of " + known,
-           found.size() < 60 ? "'" + found + "'" : "another one");
+OusterProfile profile_of(JsonFields& format) {
+  constexpr const char* kField = "udp_profile_lidar";
+  // Firmware before there were profiles does not say it.
+  if (words(format, kField).empty()) return OusterProfile::kLegacy;
+  std::vector<std::string> names;
+  for (const OusterProfile profile : kProfiles) names.emplace_back(name(profile));
+  return kProfiles[format.choice(kField, names)];
 }
 
 /// Where the file does not say: the value of the product line.
@@ -68,46 +42,31 @@ double usual_beam_origin_mm(const std::string& product) {
   return 12.163;  // the first generation, whose files name no product
 }
 
-double beam_origin_mm(const Json& json, const std::string& product, const std::string& source) {
-  const Json& beams = section(json, "beam_intrinsics");
+double beam_origin_mm(JsonFields beams, const std::string& product) {
+  constexpr const char* kOrigin = "lidar_origin_to_beam_origin_mm";
   constexpr const char* kTransform = "beam_to_lidar_transform";
-  double result =
-      number(beams, "lidar_origin_to_beam_origin_mm", usual_beam_origin_mm(product), source);
-  if (beams.contains(kTransform)) {  // 4 x 4, row-major; the beams begin at its translation in x
-    const Json& transform = beams[kTransform];
-    if (!transform.is_array() || transform.size() != 16 || !transform[3].is_number()) {
-      complain(source, kTransform, "16 numbers", "something else");
-    }
-    result = transform[3].get<double>();
+  double result = usual_beam_origin_mm(product);
+  beams.optional(kOrigin, result);
+  if (beams.has(kTransform)) {  // 4 x 4, row-major; the beams begin at its translation in x
+    const std::vector<double> transform = beams.numbers(kTransform);
+    if (transform.size() != 16) beams.complain(kTransform, "16 numbers");
+    result = transform[3];
   }
-  if (!(result >= 0.0 && result < 1000.0)) {
-    complain(source, "lidar_origin_to_beam_origin_mm", "0 to 1000", fmt::format("{}", result));
-  }
+  if (!(result >= 0.0 && result < 1000.0)) beams.complain(kOrigin, "0 to 1000");
   return result;
 }
 
-void set_window(OusterMetadata& metadata, const Json& format, const std::string& source) {
-  metadata.first_column = 0;
-  metadata.last_column = metadata.sensor.columns - 1;
+void set_window(OusterMetadata& metadata, JsonFields& format) {
   constexpr const char* kWindow = "column_window";
-  if (!format.contains(kWindow)) return;
-  const Json& window = format[kWindow];
-  const auto is_column = [&](const Json& value) {
-    return value.is_number_integer() && value.get<double>() >= 0.0 &&
-           value.get<double>() < metadata.sensor.columns;
-  };
-  if (!window.is_array() || window.size() != 2 || !is_column(window[0]) || !is_column(window[1])) {
-    complain(source, kWindow, fmt::format("two columns, 0 to {}", metadata.sensor.columns - 1),
-             "something else");
-  }
-  metadata.first_column = window[0].get<int>();
-  metadata.last_column = window[1].get<int>();
-}
-
-/// What no other sensor's description has.
-bool has_beams_of_ouster(const Json& json) {
-  return json.is_object() &&
-         (json.contains("beam_altitude_angles") || json.contains("beam_intrinsics"));
+  const int last = metadata.sensor.columns - 1;
+  const std::vector<int> window =
+      format.has(kWindow) ? format.integers(kWindow) : std::vector<int>{0, last};
+  const bool fits = window.size() == 2 && std::ranges::all_of(window, [&](int column) {
+                      return column >= 0 && column <= last;
+                    });
+  if (!fits) format.complain(kWindow, fmt::format("two columns, 0 to {}", last));
+  metadata.first_column = window[0];
+  metadata.last_column = window[1];
 }
 
 std::uint64_t whole_number(const std::string& text) {
@@ -119,34 +78,37 @@ std::uint64_t whole_number(const std::string& text) {
 }  // namespace
 
 bool is_ouster_metadata(const std::string& text) {
-  return has_beams_of_ouster(Json::parse(text, nullptr, /*allow_exceptions=*/false));
+  const auto json = nlohmann::json::parse(text, nullptr, /*allow_exceptions=*/false);
+  // What no other sensor's description has.
+  return json.is_object() &&
+         (json.contains("beam_altitude_angles") || json.contains("beam_intrinsics"));
 }
 
 OusterMetadata ouster_metadata_from_json(const std::string& text, const std::string& source) {
   OusterMetadata metadata;
   metadata.sensor = sensor_from_json(text, source);
-  const Json json = Json::parse(text);  // sensor_from_json has checked that it can be
-  if (!has_beams_of_ouster(json)) {
+  if (!is_ouster_metadata(text)) {
     throw Error(
         fmt::format("{}: expected an Ouster's metadata, found the description of another "
                     "sensor; give the .json file that the sensor wrote",
                     source));
   }
-  const Json& format =
-      section(json, json.contains("lidar_data_format") ? "lidar_data_format" : "data_format");
-  const Json& info = section(json, "sensor_info");
-  const Json& config = section(json, "config_params");
-  metadata.profile = profile_of(format, source);
-  const double columns = number(format, "columns_per_packet", 16.0, source);
-  if (!(columns >= 1.0 && columns <= 64.0) || columns != std::floor(columns)) {
-    complain(source, "columns_per_packet", "1 to 64", fmt::format("{}", columns));
+  JsonFields fields(text, source, "give the metadata that the sensor wrote for this recording");
+  JsonFields format =
+      fields.section(fields.has("lidar_data_format") ? "lidar_data_format" : "data_format");
+  JsonFields info = fields.section("sensor_info");
+  metadata.profile = profile_of(format);
+  format.optional("columns_per_packet", metadata.columns_per_packet);
+  if (metadata.columns_per_packet < 1 || metadata.columns_per_packet > 64) {
+    format.complain("columns_per_packet", "1 to 64");
   }
-  metadata.columns_per_packet = static_cast<int>(columns);
-  set_window(metadata, format, source);
+  set_window(metadata, format);
   metadata.product = words(info, "prod_line").substr(0, 60);
   metadata.serial_number = whole_number(words(info, "prod_sn"));
-  metadata.beam_origin_m = 1e-3 * beam_origin_mm(json, metadata.product, source);
-  const double port = number(config, "udp_port_lidar", 0.0, source);
+  metadata.beam_origin_m =
+      1e-3 * beam_origin_mm(fields.section("beam_intrinsics"), metadata.product);
+  double port = 0.0;
+  fields.section("config_params").optional("udp_port_lidar", port);
   metadata.lidar_port = port >= 0.0 && port <= 65535.0 ? static_cast<std::uint16_t>(port) : 0;
   for (double& offset_rad : metadata.sensor.beam_azimuth_offset_rad) {
     offset_rad += metadata.sensor.column_step_rad() / 2.0;

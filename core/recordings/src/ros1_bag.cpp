@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "decompress.h"
 #include "hqslam/core/error.h"
 #include "scanned_bag.h"
 
@@ -12,7 +11,6 @@ namespace {
 
 constexpr std::uint64_t kVersionLine = 13;  // "#ROSBAG V2.0\n"
 constexpr std::size_t kMaxHeaderBytes = 1U << 20U;
-constexpr std::size_t kMaxConnections = 65536;
 enum Opcode : std::uint8_t { kMessage = 2, kChunk = 5, kConnection = 7 };
 
 /// The fields "name=value" of a record's header. Throws Error.
@@ -49,101 +47,39 @@ std::string words(const std::map<std::string, Bytes>& fields, const char* name) 
 
 class Ros1File : public BagFile {
  public:
-  explicit Ros1File(const std::string& path) : path_(path), file_(path) {
-    file_.skip(kVersionLine);
-  }
-
-  const std::map<std::uint32_t, Connection>& connections() const override { return connections_; }
-
-  std::optional<ConnectionMessage> next() override {
-    try {
-      while (true) {
-        if (!in_chunk_.empty()) {
-          if (auto message = message_in_chunk()) return message;
-          continue;
-        }
-        if (!read_record()) return std::nullopt;
-        if (auto message = take(header_, data_)) return message;
-      }
-    } catch (const Error& error) {
-      throw Error(fmt::format("{}: {}; the bag is damaged, repair it with 'rosbag reindex'", path_,
-                              error.what()));
-    }
-  }
+  explicit Ros1File(const std::string& path)
+      : BagFile(path, kVersionLine, "the bag is damaged, repair it with 'rosbag reindex'") {}
 
  private:
-  bool read_record() {
+  bool read_record(std::optional<ConnectionMessage>& message) override {
     Bytes bytes;
-    if (!file_.read(4, bytes)) return false;
+    if (!read(4, bytes)) return false;
     const std::uint64_t header_bytes = little_endian<std::uint32_t>(bytes, 0);
     if (header_bytes > kMaxHeaderBytes) {
       throw Error(fmt::format("expected a header of at most {} bytes, found {}", kMaxHeaderBytes,
                               header_bytes));
     }
-    if (!file_.read(header_bytes, bytes)) return false;
-    header_.assign(bytes.begin(), bytes.end());
-    if (!file_.read(4, bytes)) return false;
-    const std::uint64_t data_bytes = little_endian<std::uint32_t>(bytes, 0);
-    if (data_bytes > kMaxChunkBytes) {
-      throw Error(fmt::format("expected records of at most {} bytes, found one of {}",
-                              kMaxChunkBytes, data_bytes));
-    }
-    return file_.read(data_bytes, data_);
-  }
-
-  Bytes part_of_chunk() {
-    if (in_chunk_.size() < 4 || little_endian<std::uint32_t>(in_chunk_, 0) > in_chunk_.size() - 4) {
-      throw Error("expected a record in a chunk, found its end");
-    }
-    const Bytes part = in_chunk_.subspan(4, little_endian<std::uint32_t>(in_chunk_, 0));
-    in_chunk_ = in_chunk_.subspan(4 + part.size());
-    return part;
-  }
-
-  std::optional<ConnectionMessage> message_in_chunk() {
-    const Bytes header = part_of_chunk();
-    const Bytes data = part_of_chunk();
+    if (!read(header_bytes, bytes)) return false;
+    const std::vector<std::uint8_t> header(bytes.begin(), bytes.end());
+    if (!read(4, bytes) || !read(little_endian<std::uint32_t>(bytes, 0), bytes)) return false;
     const auto fields = fields_of(header);
-    return number<std::uint8_t>(fields, "op") == kChunk ? std::nullopt : take(header, data);
-  }
-
-  std::optional<ConnectionMessage> take(Bytes header, Bytes data) {
-    const auto fields = fields_of(header);
-    switch (number<std::uint8_t>(fields, "op")) {
-      case kConnection: {
-        const auto id = number<std::uint32_t>(fields, "conn");
-        if (connections_.size() >= kMaxConnections) return std::nullopt;
-        connections_[id] = {words(fields, "topic"), words(fields_of(data), "type")};
-        return std::nullopt;
-      }
-      case kMessage: {
-        ConnectionMessage result;
-        result.connection = number<std::uint32_t>(fields, "conn");
-        const auto time = number<std::uint64_t>(fields, "time");
-        result.message.time_ns = static_cast<std::int64_t>(time & 0xFFFFFFFFU) * 1'000'000'000 +
+    const auto opcode = number<std::uint8_t>(fields, "op");
+    if (opcode == kConnection) {
+      add_connection(number<std::uint32_t>(fields, "conn"),
+                     {words(fields, "topic"), words(fields_of(bytes), "type")});
+    } else if (opcode == kMessage) {
+      const auto time = number<std::uint64_t>(fields, "time");
+      message.emplace();
+      message->connection = number<std::uint32_t>(fields, "conn");
+      message->message.time_ns = static_cast<std::int64_t>(time & 0xFFFFFFFFU) * 1'000'000'000 +
                                  static_cast<std::int64_t>(time >> 32U);
-        result.message.bytes = data;
-        result.message.ros1 = true;
-        if (!connections_.contains(result.connection)) return std::nullopt;
-        return result;
-      }
-      case kChunk:
-        chunk_ =
-            decompressed(data, words(fields, "compression"), number<std::uint32_t>(fields, "size"));
-        in_chunk_ = chunk_;
-        return std::nullopt;
-      default:
-        return std::nullopt;
+      message->message.bytes = bytes;
+      message->message.ros1 = true;
+    } else if (opcode == kChunk) {
+      open_chunk(bytes, words(fields, "compression"), number<std::uint32_t>(fields, "size"));
     }
+    return true;
   }
-
-  std::string path_;
-  FileBytes file_;
-  std::vector<std::uint8_t> header_;
-  Bytes data_;
-  std::map<std::uint32_t, Connection> connections_;
-  std::vector<std::uint8_t> chunk_;
-  Bytes in_chunk_;
 };
 
 std::unique_ptr<BagFile> open_file(const std::string& path) {

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 
+#include "decompress.h"
 #include "hqslam/core/error.h"
 
 namespace hqslam::recordings {
@@ -59,32 +60,72 @@ std::unique_ptr<Bag> scanned_bag(const std::string& path, const std::string& kin
   return std::make_unique<ScannedBag>(path, kind, open);
 }
 
-FileBytes::FileBytes(const std::string& path) : stream_(path, std::ios::binary) {
+BagFile::BagFile(const std::string& path, std::uint64_t first_bytes, std::string repair)
+    : path_(path), repair_(std::move(repair)), stream_(path, std::ios::binary) {
   std::error_code error;
-  size_ = std::filesystem::file_size(path, error);
+  left_ = std::filesystem::file_size(path, error);
   if (error || !stream_) {
     throw Error(
         fmt::format("{}: expected a bag, found a file that cannot be read; check its "
                     "permissions",
                     path));
   }
+  skip(first_bytes);
 }
 
-bool FileBytes::read(std::uint64_t count, Bytes& bytes) {
-  if (count > left()) return false;
+std::optional<ConnectionMessage> BagFile::next() {
+  try {
+    while (true) {
+      in_chunk_ = !left_of_chunk_.empty();
+      std::optional<ConnectionMessage> message;
+      if (!read_record(message)) return std::nullopt;
+      if (message && connections_.contains(message->connection)) return message;
+    }
+  } catch (const Error& error) {
+    throw Error(fmt::format("{}: {}; {}", path_, error.what(), repair_));
+  }
+}
+
+bool BagFile::read(std::uint64_t count, Bytes& bytes) {
+  if (count > kMaxChunkBytes) {
+    throw Error(fmt::format("expected records of at most {} bytes, found one of {}", kMaxChunkBytes,
+                            count));
+  }
+  if (in_chunk_) {
+    if (count > left_of_chunk_.size()) {
+      throw Error(
+          fmt::format("expected {} more bytes of a chunk, found {}", count, left_of_chunk_.size()));
+    }
+    bytes = left_of_chunk_.first(count);
+    left_of_chunk_ = left_of_chunk_.subspan(count);
+    return true;
+  }
+  if (count > left_) return false;
   buffer_.resize(count);
   stream_.read(reinterpret_cast<char*>(buffer_.data()), static_cast<std::streamsize>(count));
-  if (static_cast<std::uint64_t>(stream_.gcount()) != count) return false;
-  at_ += count;
+  left_ -= count;
   bytes = buffer_;
-  return true;
+  return static_cast<bool>(stream_);
 }
 
-bool FileBytes::skip(std::uint64_t count) {
-  if (count > left()) return false;
+bool BagFile::skip(std::uint64_t count) {
+  Bytes skipped;
+  if (in_chunk_) return read(count, skipped);
+  if (count > left_) return false;
   stream_.seekg(static_cast<std::streamoff>(count), std::ios::cur);
-  at_ += count;
+  left_ -= count;
   return static_cast<bool>(stream_);
+}
+
+void BagFile::open_chunk(Bytes packed, const std::string& compression, std::uint64_t size) {
+  if (in_chunk_) return;
+  chunk_ = decompressed(packed, compression, size);
+  left_of_chunk_ = chunk_;
+}
+
+void BagFile::add_connection(std::uint32_t id, Connection connection) {
+  constexpr std::size_t kMaxConnections = 65536;
+  if (connections_.size() < kMaxConnections) connections_[id] = std::move(connection);
 }
 
 }  // namespace hqslam::recordings

@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "../json_fields.h"
 #include "../tensor.h"
+#include "hqslam/core/json_fields.h"
 #include "hqslam/nn/hqs/network.h"
 #include "hqslam/nn/instruction_set.h"
 #include "hqslam/nn/parameter_shape.h"

@@ -2,7 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "../json_fields.h"
+#include "hqslam/core/json_fields.h"
 #include "hqslam/nn/hqs/outlier_removal.h"
 
 namespace hqslam::nn {

@@ -79,6 +79,10 @@ class StridedConvolution {
     std::vector<float> weights;              ///< blocks of 8 wide channels x taps x 8
   };
 
+  /// Whole blocks of channels, as the kernel sums gradients.
+  static int padded_gradient_channels(int channels) {
+    return (channels + kGradientBlock - 1) / kGradientBlock * kGradientBlock;
+  }
   void check(const Tensor& narrow, const Tensor& wide) const;
   void check_columns_read(const Tensor& narrow, const Tensor& wide) const;
   void plan_gather(const Tensor& wide);

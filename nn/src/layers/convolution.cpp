@@ -1,11 +1,9 @@
 #include <cmath>
 #include <numbers>
 #include <utility>
-#include <variant>
 
 #include "../activation.h"
 #include "../conv2d.h"
-#include "../conv_transpose2d.h"
 #include "layers.h"
 #include "tensor_sums.h"
 
@@ -13,8 +11,8 @@ namespace hqslam::nn {
 namespace {
 
 ConvolutionShape shape_of(const ConvolutionOptions& o, const TensorShape& input) {
-  return {input.channels, o.channels,     o.kernel_rows,     o.kernel_columns,
-          o.stride_rows,  o.padding_rows, o.padding_columns, o.stride_columns};
+  return {input.channels, o.channels,        o.kernel_rows,    o.kernel_columns, o.stride_rows,
+          o.padding_rows, o.padding_columns, o.stride_columns, o.transposed};
 }
 
 TensorShape output_of(const ConvolutionOptions& o, const TensorShape& input) {
@@ -39,7 +37,7 @@ class Convolution final : public Layer {
         output_(output_of(options, input)),
         computed_pixels_((options.transposed ? input.rows : output_.rows) *
                          (options.transposed ? input.columns : output_.columns)),
-        layer_(made_layer(input, engine)) {}
+        layer_(shape_, input.make(), output_.make(), engine.instruction_set, engine.threads) {}
 
   TensorShape output_shape() const override { return output_; }
   std::int64_t multiply_adds() const override { return shape_.weights() * computed_pixels_; }
@@ -64,16 +62,12 @@ class Convolution final : public Layer {
 
   void set_parameters(std::span<const float> parameters) override {
     const std::span<const float> weight = take(parameters, shape_.weights());
-    std::visit([&](auto& layer) { layer.set_parameters(weight, parameters); }, layer_);
+    layer_.set_parameters(weight, parameters);
   }
 
   void forward(const LayerPass& pass) override {
     const Tensor* skip = pass.inputs.size() > 1 ? pass.inputs[1] : nullptr;
-    std::visit(
-        [&](auto& layer) {
-          layer.forward(*pass.inputs[0], {options_.negative_slope, skip}, *pass.output);
-        },
-        layer_);
+    layer_.forward(*pass.inputs[0], {options_.negative_slope, skip}, *pass.output);
   }
 
   void backward(std::span<const LayerPass> batch, std::span<float> d_parameters) override {
@@ -86,35 +80,20 @@ class Convolution final : public Layer {
         d_sum = &d_sum_;
       }
       if (d_input_.channels() == 0) d_input_ = input_.make();
-      std::visit(
-          [&](auto& layer) {
-            layer.backward_parameters(*pass.inputs[0], *d_sum, d_weight, d_parameters);
-            layer.backward_input(*d_sum, {}, d_input_);
-          },
-          layer_);
+      layer_.backward_parameters(*pass.inputs[0], *d_sum, d_weight, d_parameters);
+      layer_.backward_input(*d_sum, {}, d_input_);
       add(d_input_, *pass.d_inputs[0]);
       if (pass.inputs.size() > 1) add(*d_sum, *pass.d_inputs[1]);
     }
   }
 
  private:
-  using Either = std::variant<Conv2d, ConvTranspose2d>;
-
-  Either made_layer(const TensorShape& input, const Engine& engine) const {
-    const Tensor from = input.make();
-    const Tensor to = output_.make();
-    if (options_.transposed) {
-      return ConvTranspose2d(shape_, from, to, engine.instruction_set, engine.threads);
-    }
-    return Conv2d(shape_, from, to, engine.instruction_set, engine.threads);
-  }
-
   ConvolutionOptions options_;
   ConvolutionShape shape_;
   TensorShape input_;
   TensorShape output_;
   std::int64_t computed_pixels_;  ///< of the side with fewer
-  Either layer_;
+  Conv2d layer_;
   Tensor d_sum_;
   Tensor d_input_;
 };

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <numeric>
 
-#include "../json_fields.h"
 #include "hqslam/core/error.h"
+#include "hqslam/core/json_fields.h"
 #include "hqslam/nn/hqs/network_json.h"
 
 namespace hqslam::nn {

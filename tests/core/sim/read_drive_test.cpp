@@ -35,7 +35,7 @@ TEST_CASE("what is no drive.json is an error of one line that names the file") {
     return error_message([&] { read_drive_json(path); });
   };
   CHECK(one_line_with(error_message([&] { read_drive_json(path); }), path, "found no file"));
-  CHECK(one_line_with(message_for("not json"), path, "object"));
+  CHECK(one_line_with(message_for("not json"), path, "JSON"));
   CHECK(one_line_with(message_for("[]"), path, "object"));
   CHECK(one_line_with(message_for(R"({"name": "town", "seed": 1})"), path, "scans"));
   CHECK(one_line_with(message_for(R"({"name": "town", "seed": -1, "scans": 3})"), path, "seed"));

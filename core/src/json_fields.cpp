@@ -1,4 +1,4 @@
-#include "json_fields.h"
+#include "hqslam/core/json_fields.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -10,14 +10,14 @@
 #include "hqslam/core/excerpt.h"
 #include "hqslam/core/json_limits.h"
 
-namespace hqslam::nn {
+namespace hqslam {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
 /// The beginning of a value, fit for a message of one line.
-std::string excerpt(const Json& value) {
-  return hqslam::excerpt(value.dump(-1, ' ', true, Json::error_handler_t::replace));
+std::string shown(const Json& value) {
+  return excerpt(value.dump(-1, ' ', true, Json::error_handler_t::replace));
 }
 
 }  // namespace
@@ -26,21 +26,33 @@ Json parsed_json(const std::string& text, const std::string& source) {
   check_json_limits(text, source);
   try {
     return Json::parse(text);
+  } catch (const Json::parse_error& error) {
+    throw Error(fmt::format("{}: expected JSON, found something else at byte {}; correct the text",
+                            source, error.byte));
   } catch (const Json::exception&) {
-    throw Error(fmt::format("{}: expected JSON, found something else; correct the text", source));
+    throw Error(
+        fmt::format("{}: expected JSON with finite numbers, found a number out of range; correct "
+                    "the text",
+                    source));
   }
 }
 
-JsonFields::JsonFields(const std::string& text, std::string source) : source_(std::move(source)) {
+JsonFields::JsonFields(const std::string& text, std::string source, std::string mend)
+    : source_(std::move(source)), mend_(mend.empty() ? "" : "; " + mend) {
   object_ = parsed_json(text, source_);
   if (!object_.is_object()) {
-    throw Error(fmt::format("{}: expected a JSON object, found {}", source_, excerpt(object_)));
+    throw Error(fmt::format("{}: expected a JSON object, found {}", source_, shown(object_)));
   }
 }
 
 void JsonFields::complain(const std::string& field, const std::string& expected) const {
-  throw Error(fmt::format("{}: field '{}': expected {}, found {}", source_, field, expected,
-                          object_.contains(field) ? excerpt(object_[field]) : "nothing"));
+  complain(field, expected, has(field) ? shown(object_[field]) : "nothing");
+}
+
+void JsonFields::complain(const std::string& field, const std::string& expected,
+                          const std::string& found) const {
+  throw Error(fmt::format("{}: field '{}': expected {}, found {}{}", source_, field, expected,
+                          found, mend_));
 }
 
 const Json& JsonFields::get(const std::string& field, const std::string& expected) {
@@ -50,8 +62,11 @@ const Json& JsonFields::get(const std::string& field, const std::string& expecte
 }
 
 double JsonFields::number(const std::string& field) {
-  const Json& value = get(field, "a number");
-  if (!value.is_number() || !std::isfinite(value.get<double>())) complain(field, "a number");
+  return number(get(field, "a number"), field);
+}
+
+double JsonFields::number(const Json& value, const std::string& field) const {
+  if (!value.is_number()) complain(field, "a number", shown(value));
   return value.get<double>();
 }
 
@@ -60,6 +75,20 @@ std::int64_t JsonFields::integer(const std::string& field) {
   const double value = number(field);
   if (value != std::floor(value) || std::abs(value) > kLargest) complain(field, "a whole number");
   return static_cast<std::int64_t>(value);
+}
+
+std::uint64_t JsonFields::unsigned_integer(const std::string& field) {
+  const std::string expected = "a whole number of at least 0";
+  const Json& value = get(field, expected);
+  if (!value.is_number_unsigned()) complain(field, expected);
+  return value.get<std::uint64_t>();
+}
+
+int JsonFields::small_integer(const std::string& field) {
+  constexpr std::int64_t kLargest = 1'000'000;
+  const std::int64_t value = integer(field);
+  if (std::abs(value) > kLargest) complain(field, "a whole number of at most a million");
+  return static_cast<int>(value);
 }
 
 bool JsonFields::boolean(const std::string& field) {
@@ -87,6 +116,17 @@ std::vector<int> JsonFields::integers(const std::string& field) {
   return values;
 }
 
+std::vector<double> JsonFields::numbers(const std::string& field) {
+  const std::string expected = "a list of numbers";
+  const Json& list = get(field, expected);
+  if (!list.is_array()) complain(field, expected);
+  std::vector<double> values;
+  for (const Json& value : list) {
+    values.push_back(number(value, fmt::format("{}[{}]", field, values.size())));
+  }
+  return values;
+}
+
 std::size_t JsonFields::choice(const std::string& field, const std::vector<std::string>& names) {
   const std::string value = text(field);
   const auto found = std::find(names.begin(), names.end(), value);
@@ -97,7 +137,7 @@ std::size_t JsonFields::choice(const std::string& field, const std::vector<std::
 JsonFields JsonFields::object(const std::string& field) {
   const Json& value = get(field, "an object");
   if (!value.is_object()) complain(field, "an object");
-  return {value, fmt::format("{}: {}", source_, field)};
+  return {value, fmt::format("{}: {}", source_, field), mend_};
 }
 
 std::vector<JsonFields> JsonFields::objects(const std::string& field) {
@@ -107,7 +147,8 @@ std::vector<JsonFields> JsonFields::objects(const std::string& field) {
   std::vector<JsonFields> values;
   for (const Json& value : list) {
     if (!value.is_object()) complain(field, expected);
-    values.push_back(JsonFields(value, fmt::format("{}: {}[{}]", source_, field, values.size())));
+    values.push_back(
+        JsonFields(value, fmt::format("{}: {}[{}]", source_, field, values.size()), mend_));
   }
   return values;
 }
@@ -117,19 +158,13 @@ std::string JsonFields::dumped(const std::string& field) {
 }
 
 void JsonFields::optional(const std::string& field, int& value) {
-  constexpr std::int64_t kLargest = 1'000'000'000;
-  if (!has(field)) return;
-  const std::int64_t whole = integer(field);
-  if (std::abs(whole) > kLargest) complain(field, "a smaller number");
-  value = static_cast<int>(whole);
+  if (has(field)) value = small_integer(field);
 }
 void JsonFields::optional(const std::string& field, std::int64_t& value) {
   if (has(field)) value = integer(field);
 }
 void JsonFields::optional(const std::string& field, std::uint64_t& value) {
-  if (!has(field)) return;
-  if (integer(field) < 0) complain(field, "at least 0");
-  value = static_cast<std::uint64_t>(integer(field));
+  if (has(field)) value = unsigned_integer(field);
 }
 void JsonFields::optional(const std::string& field, float& value) {
   if (has(field)) value = static_cast<float>(number(field));
@@ -141,13 +176,21 @@ void JsonFields::optional(const std::string& field, bool& value) {
   if (has(field)) value = boolean(field);
 }
 
+void JsonFields::allow_only(const std::vector<std::string>& names) const {
+  for (const auto& item : object_.items()) {
+    if (std::find(names.begin(), names.end(), item.key()) != names.end()) continue;
+    complain(excerpt(item.key()), fmt::format("one of {}", fmt::join(names, ", ")),
+             "an unknown field");
+  }
+}
+
 void JsonFields::finish() const {
   for (const auto& item : object_.items()) {
     if (!read_.contains(item.key())) {
       throw Error(fmt::format("{}: unknown field '{}'; take it out or correct its name", source_,
-                              hqslam::excerpt(item.key())));
+                              excerpt(item.key())));
     }
   }
 }
 
-}  // namespace hqslam::nn
+}  // namespace hqslam

@@ -1,36 +1,43 @@
 #pragma once
 
+#include <cstdint>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <string>
 #include <vector>
 
-namespace hqslam::nn {
+namespace hqslam {
 
-/// Any JSON value. Throws Error for a text that is none or goes beyond check_json_limits; `source`
-/// stands for the file in messages.
+/// Any JSON value. Throws Error for a text that is none, has numbers that no double holds or goes
+/// beyond check_json_limits; `source` stands for the file in messages.
 nlohmann::ordered_json parsed_json(const std::string& text, const std::string& source);
 
 /// A JSON object read field by field. Every complaint is one Error naming source, field, expected
 /// and found; fields that nobody asked for are complained about by `finish`.
 class JsonFields {
  public:
-  /// Parses text that must be an object. `source` stands for the file in messages.
-  JsonFields(const std::string& text, std::string source);
+  /// Parses text that must be an object. `source` stands for the file in messages; `mend`, how to
+  /// mend it, ends those about fields.
+  JsonFields(const std::string& text, std::string source, std::string mend = "");
 
   bool has(const std::string& field) const { return object_.contains(field); }
   bool is_object(const std::string& field) const {
     return has(field) && object_[field].is_object();
   }
   std::int64_t integer(const std::string& field);
+  std::uint64_t unsigned_integer(const std::string& field);
+  int small_integer(const std::string& field);  ///< at most a million
   double number(const std::string& field);
   bool boolean(const std::string& field);
   std::string text(const std::string& field);
   std::vector<int> integers(const std::string& field);
+  std::vector<double> numbers(const std::string& field);
   /// One of `names`; returns which.
   std::size_t choice(const std::string& field, const std::vector<std::string>& names);
   JsonFields object(const std::string& field);
   std::vector<JsonFields> objects(const std::string& field);
+  /// The object of this name, or these fields: newer files may group what older ones keep flat.
+  JsonFields section(const std::string& field) { return is_object(field) ? object(field) : *this; }
   /// The field as JSON text.
   std::string dumped(const std::string& field);
 
@@ -42,19 +49,25 @@ class JsonFields {
   void optional(const std::string& field, double& value);
   void optional(const std::string& field, bool& value);
 
+  /// Throws Error, which lists `names`, if there is a field with another one.
+  void allow_only(const std::vector<std::string>& names) const;
   /// Throws Error if there is a field that was not read.
   void finish() const;
 
   [[noreturn]] void complain(const std::string& field, const std::string& expected) const;
 
  private:
-  JsonFields(nlohmann::ordered_json object, std::string source)
-      : object_(std::move(object)), source_(std::move(source)) {}
+  JsonFields(nlohmann::ordered_json object, std::string source, std::string mend)
+      : object_(std::move(object)), source_(std::move(source)), mend_(std::move(mend)) {}
   const nlohmann::ordered_json& get(const std::string& field, const std::string& expected);
+  double number(const nlohmann::ordered_json& value, const std::string& field) const;
+  [[noreturn]] void complain(const std::string& field, const std::string& expected,
+                             const std::string& found) const;
 
   nlohmann::ordered_json object_;
   std::string source_;
+  std::string mend_;
   std::set<std::string> read_;
 };
 
-}  // namespace hqslam::nn
+}  // namespace hqslam

@@ -1,0 +1,253 @@
+#include <omp.h>
+
+#include <algorithm>
+
+#include "strided_convolution.h"
+
+// What was planned, row by row.
+namespace hqslam::nn::kernels {
+namespace {
+
+/// to[x] = from[x stride]
+void take_every(const float* from, int stride, int count, float* to) {
+  for (int x = 0; x < count; ++x) to[x] = from[x * stride];
+}
+
+/// The phases of a row, `phase_stride` apart, put together: to[x stride + phase] =
+/// phases[phase][x].
+void merge_phases(const float* phases, std::int64_t phase_stride, int stride, int columns,
+                  float* to) {
+  if (stride == 1) {
+    std::copy_n(phases, columns, to);
+    return;
+  }
+  for (int x = 0; x < columns; ++x) to[x] = phases[x % stride * phase_stride + x / stride];
+}
+
+/// values = a(values + skip)
+void end_row(const float* skip, const float* activated, float negative_slope, int count,
+             float* values) {
+  if (skip != nullptr) {
+#pragma omp simd
+    for (int x = 0; x < count; ++x) values[x] += skip[x];
+  }
+  if (negative_slope == 1.0F) return;
+  if (activated != nullptr) {
+#pragma omp simd
+    for (int x = 0; x < count; ++x) {
+      const float scaled = negative_slope * values[x];
+      values[x] = activated[x] > 0.0F ? values[x] : scaled;
+    }
+    return;
+  }
+  for (int x = 0; x < count; ++x) values[x] = std::max(values[x], negative_slope * values[x]);
+}
+
+}  // namespace
+
+void StridedConvolution::sort_phases(const Tensor& wide, int first_row, int rows,
+                                     Tensor& phases) const {
+  const int stride = shape_.column_stride();
+  // The border of the wide row holds what lies beyond its last column, as far as it is needed.
+  const int columns = std::min(narrow_columns_, (wide_columns_ + Tensor::kBorderColumns) / stride);
+  for (int y = 0; y < rows; ++y) {
+    for (int channel = 0; channel < shape_.input_channels; ++channel) {
+      const int first = channel * stride;
+      const float* from = wide.row(channel, first_row + y);
+      if (stride == 2 && columns == narrow_columns_) {
+        kernels_->split({.input = from,
+                         .even = phases.row(first, y),
+                         .odd = phases.row(first + 1, y),
+                         .columns = columns});
+      } else {
+        for (int phase = 0; phase < stride; ++phase) {
+          take_every(from + phase, stride, columns, phases.row(first + phase, y));
+        }
+      }
+      for (int phase = 0; phase < stride; ++phase) phases.fill_border(first + phase, y);
+    }
+  }
+}
+
+StridedConvolution::GatherRows StridedConvolution::gather_rows(const Tensor& wide, int begin,
+                                                               int end,
+                                                               ConvolutionScratch& scratch) const {
+  const int first_row = begin * shape_.stride - shape_.padding_rows;
+  if (shape_.column_stride() == 1) {
+    return {wide.row(0, first_row), shape_.stride * wide.row_stride()};
+  }
+  Tensor& phases = scratch.phases[omp_get_thread_num()];
+  const int rows = (end - begin - 1) * shape_.stride + shape_.kernel_rows;
+  sort_phases(wide, first_row, rows, phases);
+  return {phases.row(0, 0), shape_.stride * phases.row_stride()};
+}
+
+AccumulateRow StridedConvolution::gather_task(const float* input, const float* bias) const {
+  AccumulateRow row;
+  row.input = input;
+  row.tap_offset = gather_offset_.data();
+  row.taps = static_cast<int>(gather_offset_.size());
+  row.weights = gather_weights_.data();
+  row.bias = bias;
+  row.output_channels = shape_.output_channels;
+  row.end = narrow_columns_;
+  return row;
+}
+
+void StridedConvolution::end_in(Tensor& result, const Epilogue& epilogue, int y,
+                                AccumulateRow& row) {
+  row.output = result.row(0, y);
+  row.output_channel_stride = result.channel_stride();
+  row.negative_slope = epilogue.negative_slope;
+  if (epilogue.skip != nullptr) {
+    row.skip = epilogue.skip->row(0, y);
+    row.skip_channel_stride = epilogue.skip->channel_stride();
+  }
+  if (epilogue.activated != nullptr) {
+    row.activated = epilogue.activated->row(0, y);
+    row.activated_channel_stride = epilogue.activated->channel_stride();
+  }
+}
+
+void StridedConvolution::gather(const Tensor& wide, const Epilogue& epilogue, Tensor& narrow,
+                                ConvolutionScratch& scratch) const {
+  // Without a stride a block would save nothing.
+  const int of_a_thread = (narrow_rows_ + omp_get_num_threads() - 1) / omp_get_num_threads();
+  const int most = shape_.column_stride() == 1 ? 1 : std::min(kBlockRows, of_a_thread);
+  const int blocks = (narrow_rows_ + most - 1) / most;
+#pragma omp for schedule(static)
+  for (int block = 0; block < blocks; ++block) {
+    const int begin = block * most;
+    const int end = std::min(begin + most, narrow_rows_);
+    const GatherRows rows = gather_rows(wide, begin, end, scratch);
+    for (int y = begin; y < end; ++y) {
+      AccumulateRow row = gather_task(rows.first + (y - begin) * rows.row_stride, epilogue.bias);
+      end_in(narrow, epilogue, y, row);
+      kernels_->accumulate(row);
+      for (int channel = 0; channel < shape_.output_channels; ++channel) {
+        narrow.fill_border(channel, y);
+      }
+    }
+  }
+}
+
+void StridedConvolution::gather_row(const Tensor& wide, const float* bias, int y, float* output,
+                                    std::int64_t channel_stride) const {
+  AccumulateRow row = gather_task(wide.row(0, y * shape_.stride - shape_.padding_rows), bias);
+  row.output = output;
+  row.output_channel_stride = channel_stride;
+  kernels_->accumulate(row);
+}
+
+void StridedConvolution::scatter_whole_row(AccumulateRow row, const Epilogue& epilogue,
+                                           int wide_row, Tensor& wide) const {
+  const ScatterPhase& taps = scatter_phases_[wide_row % shape_.stride];
+  row.tap_offset = taps.tap_offset.data();
+  row.taps = static_cast<int>(taps.tap_offset.size());
+  row.weights = taps.weights.data();
+  row.bias = epilogue.bias;
+  row.output_channels = shape_.input_channels;
+  row.end = wide_columns_;
+  end_in(wide, epilogue, wide_row, row);
+  kernels_->accumulate(row);
+  for (int channel = 0; channel < shape_.input_channels; ++channel) {
+    wide.fill_border(channel, wide_row);
+  }
+}
+
+void StridedConvolution::scatter_rows(const Tensor& narrow, int first_row, const Epilogue& epilogue,
+                                      Tensor& wide) const {
+  AccumulateRow row;
+  for (int y = 0; y < narrow.rows(); ++y) {
+    row.input = narrow.row(0, y);
+    scatter_whole_row(row, epilogue, first_row + y, wide);
+  }
+}
+
+void StridedConvolution::scatter_row(const Tensor& narrow, const Epilogue& epilogue, int wide_row,
+                                     Tensor& wide, std::vector<float>& rows) const {
+  const int stride = shape_.column_stride();
+  const int row_phase = wide_row % shape_.stride;
+  const std::int64_t row_stride = narrow.channel_stride();
+  AccumulateRow row;
+  row.input = narrow.row(0, wide_row / shape_.stride);
+  if (stride == 1) {
+    scatter_whole_row(row, epilogue, wide_row, wide);
+    return;
+  }
+  row.bias = epilogue.bias;
+  row.output_channels = shape_.input_channels;
+  row.output_channel_stride = stride * row_stride;
+  row.end = (wide_columns_ + stride - 1) / stride;
+  for (int phase = 0; phase < stride; ++phase) {
+    const ScatterPhase& taps = scatter_phases_[row_phase * stride + phase];
+    row.tap_offset = taps.tap_offset.data();
+    row.taps = static_cast<int>(taps.tap_offset.size());
+    row.weights = taps.weights.data();
+    row.output = rows.data() + phase * row_stride;
+    kernels_->accumulate(row);
+  }
+  for (int channel = 0; channel < shape_.input_channels; ++channel) {
+    float* to = wide.row(channel, wide_row);
+    const float* skip = epilogue.skip == nullptr ? nullptr : epilogue.skip->row(channel, wide_row);
+    const float* from = rows.data() + channel * stride * row_stride;
+    const float* activated =
+        epilogue.activated == nullptr ? nullptr : epilogue.activated->row(channel, wide_row);
+    if (stride == 2) {
+      kernels_->merge({.even = from,
+                       .odd = from + row_stride,
+                       .skip = skip,
+                       .activated = activated,
+                       .negative_slope = epilogue.negative_slope,
+                       .output = to,
+                       .columns = row.end});
+    } else {
+      merge_phases(from, row_stride, stride, wide_columns_, to);
+      end_row(skip, activated, epilogue.negative_slope, wide_columns_, to);
+    }
+    wide.fill_border(channel, wide_row);
+  }
+}
+
+void StridedConvolution::scatter(const Tensor& narrow, const Epilogue& epilogue, Tensor& wide,
+                                 ConvolutionScratch& scratch) const {
+#pragma omp for schedule(static)
+  for (int y = 0; y < wide_rows_; ++y) {
+    scatter_row(narrow, epilogue, y, wide, scratch.rows[omp_get_thread_num()]);
+  }
+}
+
+void StridedConvolution::add_weight_gradient(const Tensor& narrow, int first_row,
+                                             const Tensor& wide, std::span<float> gradient,
+                                             ConvolutionScratch& scratch) const {
+  const int channels = padded_gradient_channels(shape_.output_channels);
+  const int taps = static_cast<int>(gather_offset_.size());
+  float* sums = scratch.rows.front().data();
+  std::fill_n(sums, static_cast<std::size_t>(channels) * taps, 0.0F);
+  // As many rows at a time as a block of channels may have in the first-level cache.
+  constexpr int kCachedFloats = 6144;
+  const int cached = std::max(1, kCachedFloats / (kGradientBlock * narrow_columns_));
+  const int most = shape_.column_stride() == 1 ? cached : std::min(cached, kBlockRows);
+  const int parts = (narrow.rows() + most - 1) / most;
+  for (int part = 0; part < parts; ++part) {
+    const int begin = part * narrow.rows() / parts;
+    const int end = (part + 1) * narrow.rows() / parts;
+    const GatherRows rows = gather_rows(wide, first_row + begin, first_row + end, scratch);
+    kernels_->correlate({.narrow = narrow.row(0, begin),
+                         .narrow_channel_stride = narrow.channel_stride(),
+                         .narrow_row_stride = narrow.row_stride(),
+                         .narrow_channels = shape_.output_channels,
+                         .wide = rows.first,
+                         .wide_row_stride = rows.row_stride,
+                         .tap_offset = gather_offset_.data(),
+                         .taps = taps,
+                         .rows = end - begin,
+                         .columns = narrow_columns_,
+                         .gradient = sums});
+  }
+  for (int a = 0; a < shape_.output_channels; ++a) {
+    for (int t = 0; t < taps; ++t) gradient[a * taps + t] += sums[t * channels + a];
+  }
+}
+
+}  // namespace hqslam::nn::kernels
