@@ -53,6 +53,15 @@ bool is_plausible(const Twist& surprise, double duration_s) {
          surprise.angular.norm() <= 0.2 + kTurned_rad_s2 * half_square_s2;
 }
 
+/// A state whose place was recognized: what was not measured yet is how well it is known.
+MotionState found_about(MotionState state) {
+  constexpr double kAbout_m = 1.0;
+  constexpr double kAbout_rad = 0.1;
+  state.covariance.diagonal().head<3>().setConstant(kAbout_m * kAbout_m);
+  state.covariance.diagonal().segment<3>(3).setConstant(kAbout_rad * kAbout_rad);
+  return state;
+}
+
 /// Whether a scan can serve as the one that the next are matched with: edges alone will do
 /// (indoors), and so will ground and surfaces alone (in open land).
 bool can_be_reference(const Features& features, const OdometryOptions& options) {
@@ -196,6 +205,7 @@ void Slam::Implementation::begin(const OrganizedCloud& cloud, const Features& fe
 void Slam::Implementation::recognize_place(const OrganizedCloud& cloud, const Features& features,
                                            Stopwatch& stopwatch, ScanReport& report) {
   MotionState state = unknown_motion(reference.T_map_sensor);
+  report.T_odom_sensor = T_odom_reference;
   const MapFeatures thinned = map_features(features, sensor.measured_rows, options.mapping);
   UnlocatedScan scan{cloud, thinned, {}, {}};
   if (odometry.has_reference()) {
@@ -217,7 +227,11 @@ void Slam::Implementation::recognize_place(const OrganizedCloud& cloud, const Fe
   state.T_map_sensor = T_map_sensor.value_or(reference.T_map_sensor);
   state.velocity = scan.velocity;
   report.T_map_sensor = state.T_map_sensor;
-  if (!is_recognized) {
+  if (is_recognized) {
+    state.covariance =
+        mapping.locate(thinned, found_about(state), state.T_map_sensor).state.covariance;
+    report.covariance = drift.covariance(Pose::Identity(), state);
+  } else {
     report.mapping_status = Status::kNotRecognized;
     report.covariance.diagonal().setConstant(std::numeric_limits<double>::infinity());
   }

@@ -66,6 +66,7 @@ TEST_CASE(
       CHECK(error_m(report.T_map_sensor, T_street_sensor) < 0.05);
       CHECK(rotation_angle_rad(report.T_map_sensor.inverse() * in_map(T_street_sensor)) < 0.005);
       CHECK(report.covariance.trace() < 1.0);
+      CHECK(report.covariance.diagonal().minCoeff() > 0.0);
       CHECK_FALSE(report.key_frame);
     }
     CHECK(slam.map_points_m().size() == points);
@@ -84,6 +85,9 @@ TEST_CASE("a place that the map does not know is not recognized, until one is th
   const auto report = slam.process(street(31).scan(sensor(), street_pose(30.0)), 0.5);
   CHECK(report.mapping_status != Status::kNotRecognized);
   CHECK(error_m(report.T_map_sensor, street_pose(30.0)) < 0.05);
+  const double sigma_m = std::sqrt(report.covariance(0, 0));
+  CHECK(sigma_m > 0.001);  // of one scan against the map, not as far as it was carried
+  CHECK(sigma_m < 0.2);
 }
 
 TEST_CASE("a sensor that is covered at first, or later, is recognized when it sees again") {
@@ -92,18 +96,23 @@ TEST_CASE("a sensor that is covered at first, or later, is recognized when it se
   OrganizedCloud nothing = village.scan(sensor(), street_pose(30.0));
   std::fill(nothing.range_m.begin(), nothing.range_m.end(), 0.0F);
   int scan = 0;
+  Pose T_odom_covered = Pose::Identity();
   for (const int covered : {3, 20}) {
     CAPTURE(covered);
-    Status last = Status::kOk;
-    for (int i = 0; i < covered; ++i) last = slam.process(nothing, 0.1 * scan++).mapping_status;
-    CHECK(last == Status::kNotRecognized);
+    slam::ScanReport last;
+    for (int i = 0; i < covered; ++i) last = slam.process(nothing, 0.1 * scan++);
+    CHECK(last.mapping_status == Status::kNotRecognized);
+    // The odometry's path does not begin again: it goes on from where it was.
+    CHECK(last.T_odom_sensor.isApprox(T_odom_covered));
     for (int i = 0; i < 5; ++i) {
       const Pose T_street_sensor = street_pose(30.0 + covered + 0.2 * i);
       const auto report = slam.process(village.scan(sensor(), T_street_sensor), 0.1 * scan++);
       CAPTURE(i);
       CHECK(is_located(report.mapping_status));
       CHECK(error_m(report.T_map_sensor, T_street_sensor) < 0.1);
+      T_odom_covered = report.T_odom_sensor;
     }
+    CHECK(T_odom_covered.translation().norm() > 0.5);
   }
 }
 

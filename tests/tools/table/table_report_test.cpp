@@ -49,6 +49,12 @@ TEST_CASE("the page shows tables, maps and charts for loop closing off and on, a
   CHECK(html.find("http") == std::string::npos);
 }
 
+TEST_CASE("a table without LiDAR-64 says why nothing is compared with it") {
+  const std::string why = "rows-64 was not among the methods";
+  CHECK(count(table_html({example_drive(false)}), why) == 1);
+  CHECK(count(table_html({example_drive(true)}), why) == 0);
+}
+
 TEST_CASE("one trajectory that leaves the map is cut off in the chart instead of flattening all") {
   const std::vector<TableMethod> methods = {table_methods()[0], table_methods()[7],
                                             table_methods().back()};

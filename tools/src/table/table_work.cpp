@@ -26,8 +26,10 @@ SensorModel sensor_of(const TableDrive& drive) {
   SensorModel sensor =
       required_recording_sensor(drive.recording, drive.sensor, drive.reading.stream);
   if (sensor.rows() == kTableAllRows) return sensor;
-  throw Error(fmt::format("{}: expected a recording with {} rows, found '{}' with {}",
-                          drive.recording, kTableAllRows, sensor.name, sensor.rows()));
+  throw Error(
+      fmt::format("{}: expected a recording with {} rows, of which 16 are lifted, found "
+                  "'{}' with {}; give another of --drives, or --sensor",
+                  drive.recording, kTableAllRows, sensor.name, sensor.rows()));
 }
 
 /// Results of another number of scans, or of another build, lie beside each other.
