@@ -20,24 +20,17 @@ constexpr std::size_t kMaxProperties = 200;
 
 struct TypeName {
   std::string_view name;
+  std::string_view other_name;
   StoredNumber stored;
 };
-constexpr std::array<TypeName, 16> kTypes = {{{"char", {'I', 1}},
-                                              {"int8", {'I', 1}},
-                                              {"uchar", {'U', 1}},
-                                              {"uint8", {'U', 1}},
-                                              {"short", {'I', 2}},
-                                              {"int16", {'I', 2}},
-                                              {"ushort", {'U', 2}},
-                                              {"uint16", {'U', 2}},
-                                              {"int", {'I', 4}},
-                                              {"int32", {'I', 4}},
-                                              {"uint", {'U', 4}},
-                                              {"uint32", {'U', 4}},
-                                              {"float", {'F', 4}},
-                                              {"float32", {'F', 4}},
-                                              {"double", {'F', 8}},
-                                              {"float64", {'F', 8}}}};
+constexpr std::array<TypeName, 8> kTypes = {{{"char", "int8", {'I', 1}},
+                                             {"uchar", "uint8", {'U', 1}},
+                                             {"short", "int16", {'I', 2}},
+                                             {"ushort", "uint16", {'U', 2}},
+                                             {"int", "int32", {'I', 4}},
+                                             {"uint", "uint32", {'U', 4}},
+                                             {"float", "float32", {'F', 4}},
+                                             {"double", "float64", {'F', 8}}}};
 
 struct Header {
   bool ascii = false;
@@ -56,7 +49,7 @@ struct Header {
 void add_property(Header& header, const std::vector<std::string_view>& words,
                   const std::string& path, std::string_view line) {
   const auto type = std::find_if(kTypes.begin(), kTypes.end(), [&](const TypeName& known) {
-    return words.size() == 3 && known.name == words[1];
+    return words.size() == 3 && (known.name == words[1] || known.other_name == words[1]);
   });
   if (type == kTypes.end() || header.properties.size() >= kMaxProperties) {
     fail(path, "a property TYPE NAME of a point", line);

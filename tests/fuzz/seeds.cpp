@@ -2,7 +2,6 @@
 
 #include <filesystem>
 #include <fstream>
-#include <functional>
 #include <iterator>
 #include <string>
 #include <vector>
@@ -10,7 +9,6 @@
 #include "hqslam/core/kitti_bin.h"
 #include "hqslam/core/npy.h"
 #include "hqslam/core/npz.h"
-#include "hqslam/core/pcd.h"
 #include "hqslam/core/sensor_model.h"
 #include "hqslam/core/trajectory.h"
 #ifdef HQSLAM_FUZZ_RECORDINGS

@@ -7,15 +7,13 @@
 #include <string>
 
 #include "error_message.h"
-#include "hqslam/core/cloud_error.h"
 #include "hqslam/core/projection.h"
 #include "hqslam/core/scan_source.h"
 
 namespace hqslam::nn {
 namespace {
 
-using hqslam::test::error_message;
-using hqslam::test::one_line_with;
+using namespace hqslam::test;
 
 constexpr double kDegree = 0.017453292519943295;
 constexpr RowSelection kMeasuredRows = {1, 2};

@@ -7,8 +7,7 @@
 
 namespace hqslam::nn {
 
-using hqslam::test::error_message;
-using hqslam::test::one_line_with;
+using namespace hqslam::test;
 
 TEST_CASE("every interpolation has a name that leads back to it") {
   for (const std::string& name : interpolation_names()) {

@@ -1,7 +1,6 @@
 #include "indoor_mesh.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "random.h"
 
@@ -14,13 +13,9 @@ constexpr Surface kFloor{Material::kWood, 130};
 constexpr Surface kStone{Material::kConcrete, 140};
 constexpr Surface kRail{Material::kMetal, 120};
 
-struct Box {
-  Eigen::Vector3d low;
-  Eigen::Vector3d high;
-};
-
-void add(TriangleMesh& mesh, const Box& box, Surface surface) {
-  add_box(mesh, Eigen::Isometry3d::Identity(), box.low, box.high, surface);
+/// A box between any two opposite corners.
+void add(TriangleMesh& mesh, const Eigen::Vector3d& a, const Eigen::Vector3d& b, Surface surface) {
+  add_box(mesh, Eigen::Isometry3d::Identity(), a.cwiseMin(b), a.cwiseMax(b), surface);
 }
 
 /// A hole in a wall along x.
@@ -39,7 +34,7 @@ void add_wall(TriangleMesh& mesh, double from_x_m, double to_x_m, double low_y_m
   const double top_m = floor_m + kStorey_m;
   const auto piece = [&](double x0_m, double x1_m, double z0_m, double z1_m) {
     if (x1_m - x0_m > 1e-3 && z1_m - z0_m > 1e-3) {
-      add(mesh, {{x0_m, low_y_m, z0_m}, {x1_m, high_y_m, z1_m}}, kPlaster);
+      add(mesh, {x0_m, low_y_m, z0_m}, {x1_m, high_y_m, z1_m}, kPlaster);
     }
   };
   double x_m = from_x_m;
@@ -62,9 +57,7 @@ void add_wall(TriangleMesh& mesh, double from_x_m, double to_x_m, double low_y_m
 /// A wall along y from floor to ceiling.
 void add_cross_wall(TriangleMesh& mesh, double low_x_m, double from_y_m, double to_y_m,
                     double floor_m) {
-  add(mesh,
-      {{low_x_m, std::min(from_y_m, to_y_m), floor_m},
-       {low_x_m + kWall_m, std::max(from_y_m, to_y_m), floor_m + kStorey_m}},
+  add(mesh, {low_x_m, from_y_m, floor_m}, {low_x_m + kWall_m, to_y_m, floor_m + kStorey_m},
       kPlaster);
 }
 
@@ -74,9 +67,7 @@ void add_door_leaf(TriangleMesh& mesh, const Room& room, Random& random) {
   const double y0_m = room.side * (kCorridorHalfWidth_m + kWall_m);
   const double y1_m = y0_m + room.side * 0.95;
   const double floor_m = room.storey * kStorey_m;
-  add(mesh,
-      {{x_m, std::min(y0_m, y1_m), floor_m},
-       {x_m + 0.04, std::max(y0_m, y1_m), floor_m + kDoorHeight_m}},
+  add(mesh, {x_m, y0_m, floor_m}, {x_m + 0.04, y1_m, floor_m + kDoorHeight_m},
       {Material::kWood, random.shade()});
 }
 
@@ -127,24 +118,18 @@ class Stairwell {
   double x(double from_outer_wall_m) const {
     return at_low_end_ ? from_outer_wall_m : length_m_ - from_outer_wall_m;
   }
-  void box(const Box& b, Surface surface) {
-    const double x0_m = x(b.low.x());
-    const double x1_m = x(b.high.x());
-    add(mesh_,
-        {{std::min(x0_m, x1_m), b.low.y(), b.low.z()},
-         {std::max(x0_m, x1_m), b.high.y(), b.high.z()}},
-        surface);
+  void box(const Eigen::Vector3d& a, const Eigen::Vector3d& b, Surface surface) {
+    add(mesh_, {x(a.x()), a.y(), a.z()}, {x(b.x()), b.y(), b.z()}, surface);
   }
 
   void add_walls() {
     constexpr double kTop_m = kStoreys * kStorey_m;
     constexpr double kSide_m = kStairwellHalfWidth_m;
-    box({{-kWall_m, -kSide_m - kWall_m, 0.0}, {0.0, kSide_m + kWall_m, kTop_m}}, kPlaster);
-    box({{0.0, -kSide_m - kWall_m, 0.0}, {kStairwell_m, -kSide_m, kTop_m}}, kPlaster);
-    box({{0.0, kSide_m, 0.0}, {kStairwell_m, kSide_m + kWall_m, kTop_m}}, kPlaster);
+    box({-kWall_m, -kSide_m - kWall_m, 0.0}, {0.0, kSide_m + kWall_m, kTop_m}, kPlaster);
+    box({0.0, -kSide_m - kWall_m, 0.0}, {kStairwell_m, -kSide_m, kTop_m}, kPlaster);
+    box({0.0, kSide_m, 0.0}, {kStairwell_m, kSide_m + kWall_m, kTop_m}, kPlaster);
     // The floor at the head of the stairs.
-    box({{kFlightEnd_m, -kSide_m, kStorey_m - kSlab_m}, {kStairwell_m, kSide_m, kStorey_m}},
-        kStone);
+    box({kFlightEnd_m, -kSide_m, kStorey_m - kSlab_m}, {kStairwell_m, kSide_m, kStorey_m}, kStone);
   }
 
   void add_flights() {
@@ -153,13 +138,12 @@ class Stairwell {
     for (int step = 0; step < kStepsOfFlight; ++step) {
       const double top_m = kRise_m * (step + 1);
       const double first_x_m = kFlightEnd_m - kTread_m * (step + 1);
-      box({{first_x_m, -kSide_m, 0.0}, {first_x_m + kTread_m, -0.05, top_m}}, kStone);
+      box({first_x_m, -kSide_m, 0.0}, {first_x_m + kTread_m, -0.05, top_m}, kStone);
       const double second_x_m = kLanding_m + kTread_m * step;
-      box({{second_x_m, 0.05, kHalfway_m + top_m - 0.35},
-           {second_x_m + kTread_m, kSide_m, kHalfway_m + top_m}},
-          kStone);
+      box({second_x_m, 0.05, kHalfway_m + top_m - 0.35},
+          {second_x_m + kTread_m, kSide_m, kHalfway_m + top_m}, kStone);
     }
-    box({{0.0, -kSide_m, kHalfway_m - kSlab_m}, {kLanding_m, kSide_m, kHalfway_m}}, kStone);
+    box({0.0, -kSide_m, kHalfway_m - kSlab_m}, {kLanding_m, kSide_m, kHalfway_m}, kStone);
   }
 
   /// Bars between the flights, and before the drop at the head of the first one.
@@ -197,13 +181,11 @@ void add_slabs(TriangleMesh& mesh, const IndoorPlan& plan) {
            {plan.length_m, kHalfDepth_m, 0.0}, {0.0, kHalfDepth_m, 0.0}, kFloor);
   for (int storey = 1; storey < kStoreys; ++storey) {
     const double z_m = storey * kStorey_m;
-    add(mesh, {{kStairwell_m, -kHalfDepth_m, z_m - kSlab_m}, {end_m, kHalfDepth_m, z_m}}, kFloor);
+    add(mesh, {kStairwell_m, -kHalfDepth_m, z_m - kSlab_m}, {end_m, kHalfDepth_m, z_m}, kFloor);
   }
   constexpr double kRoof_m = kStoreys * kStorey_m;
-  add(mesh,
-      {{-kWall_m, -kHalfDepth_m, kRoof_m - kSlab_m},
-       {plan.length_m + kWall_m, kHalfDepth_m, kRoof_m}},
-      kPlaster);
+  add(mesh, {-kWall_m, -kHalfDepth_m, kRoof_m - kSlab_m},
+      {plan.length_m + kWall_m, kHalfDepth_m, kRoof_m}, kPlaster);
 }
 
 /// Cupboards and bins along a corridor, where there is no door.
@@ -223,10 +205,7 @@ void furnish_corridor(TriangleMesh& mesh, const IndoorPlan& plan, int storey, st
         });
     if (before_door) continue;
     const double wall_m = side * kCorridorHalfWidth_m;
-    const double front_m = wall_m - side * 0.35;
-    add(mesh,
-        {{x_m, std::min(wall_m, front_m), floor_m},
-         {x_m + length_m, std::max(wall_m, front_m), floor_m + height_m}},
+    add(mesh, {x_m, wall_m, floor_m}, {x_m + length_m, wall_m - side * 0.35, floor_m + height_m},
         surface);
   }
 }

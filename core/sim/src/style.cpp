@@ -17,20 +17,15 @@ DriveStyle block_style() {
   DriveStyle style;
   style.city = {.grid = {StreetGrid{3, 50.0, 62.0}, StreetGrid{3, 50.0, 62.0}},
                 .bend = 0.12,
-                .closed_street_share = 0.0,
-                .slope_bound = 0.05,
                 .block_weights = {3.5, 3.5, 0.7, 1.0, 0.0, 0.0},
-                .parked_car_share = 0.6,
-                .seconds_between_cars = 14.0,
-                .pedestrians_per_block = 3};
+                .seconds_between_cars = 14.0};
   style.driver = {.min_limit_mps = 8.0,
                   .max_limit_mps = 10.0,
                   .lateral_acceleration_mps2 = 3.0,
                   .acceleration_mps2 = 2.0,
                   .braking_mps2 = 2.5,
                   .stop_share = 0.0,
-                  .max_circuit_blocks = 1,
-                  .follows_car = false};
+                  .max_circuit_blocks = 1};
   return style;
 }
 
@@ -42,16 +37,8 @@ DriveStyle town_style() {
                 .slope_bound = 0.16,
                 .block_weights = {3.0, 3.6, 0.9, 1.3, 0.8, 0.4},
                 .parked_car_share = 0.55,
-                .seconds_between_cars = 14.0,
-                .pedestrians_per_block = 3};
-  style.driver = {.min_limit_mps = 8.5,
-                  .max_limit_mps = 14.5,
-                  .lateral_acceleration_mps2 = 2.5,
-                  .acceleration_mps2 = 1.8,
-                  .braking_mps2 = 2.2,
-                  .stop_share = 0.2,
-                  .max_circuit_blocks = 2,
-                  .follows_car = false};
+                .seconds_between_cars = 14.0};
+  style.driver = {.min_limit_mps = 8.5, .max_limit_mps = 14.5, .stop_share = 0.2};
   return style;
 }
 
@@ -63,8 +50,7 @@ DriveStyle hills_style() {
                 .slope_bound = 0.36,
                 .block_weights = {2.6, 3.2, 0.6, 1.2, 1.5, 1.7},
                 .parked_car_share = 0.5,
-                .seconds_between_cars = 8.0,
-                .pedestrians_per_block = 3};
+                .seconds_between_cars = 8.0};
   style.driver = {.min_limit_mps = 10.0,
                   .max_limit_mps = 19.0,
                   .lateral_acceleration_mps2 = 4.5,

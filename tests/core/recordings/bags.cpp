@@ -51,14 +51,11 @@ class Writer {
   bool ros1_;
 };
 
-template <typename T>
-void append(std::string& bytes, T value) {
-  bytes.append(reinterpret_cast<const char*>(&value), sizeof(T));
-}
-
-void append_words(std::string& bytes, const std::string& text) {
-  append(bytes, static_cast<std::uint32_t>(text.size()));
-  bytes += text;
+/// A text and before it its length.
+std::string words(const std::string& text) {
+  std::string bytes;
+  append(bytes, static_cast<std::uint32_t>(text.size()), text);
+  return bytes;
 }
 
 std::string compressed(const std::string& bytes, const std::string& compression) {
@@ -86,9 +83,7 @@ std::string compressed(const std::string& bytes, const std::string& compression)
 }
 
 void append_record(std::string& bytes, std::uint8_t opcode, const std::string& content) {
-  append(bytes, opcode);
-  append(bytes, std::uint64_t{content.size()});
-  bytes += content;
+  append(bytes, opcode, std::uint64_t{content.size()}, content);
 }
 
 /// A number per topic, in the order of their first messages.
@@ -104,9 +99,8 @@ using Fields = std::vector<std::pair<std::string, std::string>>;
 
 void append_ros1_record(std::string& bytes, const Fields& fields, const std::string& data) {
   std::string header;
-  for (const auto& [name, value] : fields) append_words(header, name + "=" + value);
-  append_words(bytes, header);
-  append_words(bytes, data);
+  for (const auto& [name, value] : fields) header += words(name + "=" + value);
+  bytes += words(header) + words(data);
 }
 
 template <typename T>
@@ -190,41 +184,22 @@ std::string mcap_bytes(const std::vector<BagMessage>& messages, const std::strin
     if (!written[message.topic]) {
       written[message.topic] = true;
       std::string schema;
-      append(schema, id);
-      append_words(schema, message.type);
-      append_words(schema, "ros2msg");
-      append_words(schema, "");
+      append(schema, id, words(message.type), words("ros2msg"), words(""));
       append_record(records, 3, schema);
       std::string channel;
-      append(channel, id);
-      append(channel, id);
-      append_words(channel, message.topic);
-      append_words(channel, "cdr");
-      append_words(channel, "");
+      append(channel, id, id, words(message.topic), words("cdr"), words(""));
       append_record(records, 4, channel);
     }
     std::string content;
-    append(content, id);
-    append(content, std::uint32_t{0});
-    append(content, static_cast<std::uint64_t>(message.time_ns));
-    append(content, static_cast<std::uint64_t>(message.time_ns));
-    content.append(message.bytes.begin(), message.bytes.end());
+    append(content, id, std::uint32_t{0}, message.time_ns, message.time_ns, message.bytes);
     append_record(records, 5, content);
   }
-  std::string chunk;
-  append(chunk, std::uint64_t{0});
-  append(chunk, std::uint64_t{0});
-  append(chunk, std::uint64_t{records.size()});
-  append(chunk, std::uint32_t{0});
-  append_words(chunk, compression);
   const std::string packed = compressed(records, compression);
-  append(chunk, std::uint64_t{packed.size()});
-  chunk += packed;
+  std::string chunk;
+  append(chunk, std::uint64_t{0}, std::uint64_t{0}, std::uint64_t{records.size()}, std::uint32_t{0},
+         words(compression), std::uint64_t{packed.size()}, packed);
   std::string bytes = magic;
-  std::string header;
-  append_words(header, "ros2");
-  append_words(header, "a test");
-  append_record(bytes, 1, header);
+  append_record(bytes, 1, words("ros2") + words("a test"));
   append_record(bytes, 6, chunk);
   append_record(bytes, 15, std::string(4, '\0'));
   append_record(bytes, 2, std::string(20, '\0'));
@@ -244,9 +219,7 @@ std::string ros1_bytes(const std::vector<BagMessage>& messages, const std::strin
       written[message.topic] = true;
       std::string type = message.type;
       if (const auto at = type.find("/msg/"); at != std::string::npos) type.erase(at, 4);
-      std::string connection;
-      append_words(connection, "topic=" + message.topic);
-      append_words(connection, "type=" + type);
+      const std::string connection = words("topic=" + message.topic) + words("type=" + type);
       append_ros1_record(
           records, {{"op", raw(std::uint8_t{7})}, {"conn", raw(id)}, {"topic", message.topic}},
           connection);

@@ -17,17 +17,6 @@ void put_big_endian(Payload& bytes, std::size_t at, std::size_t value) {
   bytes[at + 1] = static_cast<std::uint8_t>(value);
 }
 
-template <typename T>
-void append(std::string& bytes, T value) {
-  for (std::size_t i = 0; i < sizeof(T); ++i) {
-    bytes += static_cast<char>(static_cast<std::uint64_t>(value) >> (8 * i));
-  }
-}
-
-void append(std::string& bytes, const Payload& payload) {
-  bytes.append(payload.begin(), payload.end());
-}
-
 }  // namespace
 
 std::vector<Payload> ethernet_frames(const Captured& captured, std::size_t fragment_bytes) {
@@ -58,54 +47,33 @@ std::vector<Payload> ethernet_frames(const Captured& captured, std::size_t fragm
 
 std::string pcap_bytes(const std::vector<Captured>& packets, std::size_t fragment_bytes) {
   std::string bytes;
-  append(bytes, std::uint32_t{0xA1B2C3D4});
-  append(bytes, std::uint16_t{2});
-  append(bytes, std::uint16_t{4});
-  append(bytes, std::uint64_t{0});
-  append(bytes, std::uint32_t{65535});
-  append(bytes, std::uint32_t{1});
+  append(bytes, std::uint32_t{0xA1B2C3D4}, std::uint16_t{2}, std::uint16_t{4}, std::uint64_t{0},
+         std::uint32_t{65535}, std::uint32_t{1});
   for (const Captured& captured : packets) {
     for (const Payload& frame : ethernet_frames(captured, fragment_bytes)) {
-      append(bytes, static_cast<std::uint32_t>(captured.time_ns / 1'000'000'000));
-      append(bytes, static_cast<std::uint32_t>(captured.time_ns % 1'000'000'000 / 1000));
-      append(bytes, static_cast<std::uint32_t>(frame.size()));
-      append(bytes, static_cast<std::uint32_t>(frame.size()));
-      append(bytes, frame);
+      const auto length = static_cast<std::uint32_t>(frame.size());
+      append(bytes, static_cast<std::uint32_t>(captured.time_ns / 1'000'000'000),
+             static_cast<std::uint32_t>(captured.time_ns % 1'000'000'000 / 1000), length, length,
+             frame);
     }
   }
   return bytes;
 }
 
 std::string pcapng_bytes(const std::vector<Captured>& packets) {
+  using Word = std::uint32_t;
   std::string bytes;
-  append(bytes, std::uint32_t{0x0A0D0D0A});
-  append(bytes, std::uint32_t{28});
-  append(bytes, std::uint32_t{0x1A2B3C4D});
-  append(bytes, std::uint32_t{1});  // version 1.0
-  append(bytes, ~std::uint64_t{0});
-  append(bytes, std::uint32_t{28});
-  append(bytes, std::uint32_t{1});  // interface: Ethernet, if_tsresol 9
-  append(bytes, std::uint32_t{32});
-  append(bytes, std::uint32_t{1});
-  append(bytes, std::uint32_t{0});
-  append(bytes, std::uint16_t{9});
-  append(bytes, std::uint16_t{1});
-  append(bytes, std::uint32_t{9});
-  append(bytes, std::uint32_t{0});
-  append(bytes, std::uint32_t{32});
+  append(bytes, Word{0x0A0D0D0A}, Word{28}, Word{0x1A2B3C4D}, Word{1}, ~std::uint64_t{0}, Word{28});
+  // The interface: Ethernet, if_tsresol 9.
+  append(bytes, Word{1}, Word{32}, Word{1}, Word{0}, std::uint16_t{9}, std::uint16_t{1}, Word{9},
+         Word{0}, Word{32});
   for (const Captured& captured : packets) {
     const Payload frame = ethernet_frames(captured).front();
-    const std::size_t padded = (frame.size() + 3) / 4 * 4;
-    append(bytes, std::uint32_t{6});
-    append(bytes, static_cast<std::uint32_t>(32 + padded));
-    append(bytes, std::uint32_t{0});
-    append(bytes, static_cast<std::uint32_t>(captured.time_ns >> 32));
-    append(bytes, static_cast<std::uint32_t>(captured.time_ns));
-    append(bytes, static_cast<std::uint32_t>(frame.size()));
-    append(bytes, static_cast<std::uint32_t>(frame.size()));
-    append(bytes, frame);
-    bytes.append(padded - frame.size(), '\0');
-    append(bytes, static_cast<std::uint32_t>(32 + padded));
+    const auto length = static_cast<Word>(frame.size());
+    const Word padded = (length + 3) / 4 * 4;
+    append(bytes, Word{6}, 32 + padded, Word{0}, static_cast<Word>(captured.time_ns >> 32),
+           static_cast<Word>(captured.time_ns), length, length, frame,
+           std::string(padded - length, '\0'), 32 + padded);
   }
   return bytes;
 }

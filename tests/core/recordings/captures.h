@@ -26,6 +26,19 @@ void put(Payload& bytes, std::size_t at, T value) {
   }
 }
 
+/// Numbers, low byte first, and bytes as they are, one after the other.
+template <typename... Ts>
+void append(std::string& bytes, const Ts&... values) {
+  const auto append_one = [&](const auto& value) {
+    if constexpr (requires { value.begin(); }) {
+      bytes.append(value.begin(), value.end());
+    } else {
+      bytes.append(reinterpret_cast<const char*>(&value), sizeof(value));
+    }
+  };
+  (append_one(values), ...);
+}
+
 /// Ethernet, IPv4 and UDP headers around the payload; cut into fragments of at most
 /// `fragment_bytes` (a multiple of 8), 0: whole.
 std::vector<Payload> ethernet_frames(const Captured& captured, std::size_t fragment_bytes = 0);

@@ -1,6 +1,5 @@
 #include <arpa/inet.h>
 #include <doctest/doctest.h>
-#include <fmt/format.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
 

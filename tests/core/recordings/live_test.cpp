@@ -12,7 +12,6 @@
 #include "captures.h"
 #include "error_message.h"
 #include "file_contents.h"
-#include "hqslam/core/error.h"
 #include "hqslam/recordings/recording.h"
 #include "loopback.h"
 #include "pcap_writer.h"

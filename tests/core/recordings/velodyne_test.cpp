@@ -8,7 +8,6 @@
 #include <random>
 
 #include "captures.h"
-#include "error_message.h"
 #include "real_data.h"
 #include "velodyne_tables.h"
 

@@ -12,9 +12,7 @@
 namespace hqslam::tools {
 namespace {
 
-using hqslam::test::error_message;
-using hqslam::test::one_line_with;
-using hqslam::test::TemporaryDirectory;
+using namespace hqslam::test;
 
 void write_stack(const std::string& path, int rows, int columns = 1024) {
   NpyStackWriter writer(path, rows, columns);

@@ -12,10 +12,7 @@ namespace hqslam::tools {
 namespace {
 
 namespace fs = std::filesystem;
-using hqslam::test::error_message;
-using hqslam::test::one_line_with;
-using hqslam::test::TemporaryDirectory;
-using hqslam::test::write_file;
+using namespace hqslam::test;
 
 constexpr const char* kDriveJson = R"({"name": "block", "seed": 1, "scans": 5})";
 

@@ -7,9 +7,7 @@
 
 namespace hqslam::tools {
 
-using hqslam::test::error_message;
-using hqslam::test::one_line_with;
-using hqslam::test::TemporaryDirectory;
+using namespace hqslam::test;
 
 TEST_CASE("the sensor that is named comes before the one in the folder") {
   const TemporaryDirectory folder;

@@ -15,11 +15,7 @@ namespace hqslam::tools {
 namespace {
 
 namespace fs = std::filesystem;
-using hqslam::test::error_message;
-using hqslam::test::file_contents;
-using hqslam::test::one_line_with;
-using hqslam::test::TemporaryDirectory;
-using hqslam::test::write_file;
+using namespace hqslam::test;
 
 std::set<std::string> names_in(const fs::path& folder) {
   std::set<std::string> names;

@@ -68,26 +68,17 @@ p { margin: .25rem 0 .75rem; }
 .plot .line { stroke-width: 2px; stroke-linejoin: round; stroke-linecap: round; }
 .plot .line.estimate { stroke: var(--estimate); stroke-width: 3.5px; }
 .plot .line.reference { stroke: var(--reference); stroke-width: 1.5px; stroke-dasharray: 5 4; }
-.plot .line.error { stroke: var(--estimate); }
-.plot .line.reading { stroke: var(--reading); }
-.plot .line.upsampling { stroke: var(--upsampling); }
-.plot .line.segmentation { stroke: var(--segmentation); }
-.plot .line.features { stroke: var(--features); }
-.plot .line.odometry { stroke: var(--odometry); }
-.plot .layer.reading { fill: var(--reading); }
-.plot .layer.upsampling { fill: var(--upsampling); }
-.plot .layer.segmentation { fill: var(--segmentation); }
-.plot .layer.features { fill: var(--features); }
-.plot .layer.odometry { fill: var(--odometry); }
-.plot .layer.mapping { fill: var(--mapping); }
-.plot .layer.loops { fill: var(--loops); }
-i.reading { color: var(--reading); }
-i.upsampling { color: var(--upsampling); }
-i.segmentation { color: var(--segmentation); }
-i.features { color: var(--features); }
-i.odometry { color: var(--odometry); }
-i.mapping { color: var(--mapping); }
-i.loops { color: var(--loops); }
+.plot .line { stroke: var(--colour); }
+.plot .layer { fill: var(--colour); }
+i { color: var(--colour); }
+.error { --colour: var(--estimate); }
+.reading { --colour: var(--reading); }
+.upsampling { --colour: var(--upsampling); }
+.segmentation { --colour: var(--segmentation); }
+.features { --colour: var(--features); }
+.odometry { --colour: var(--odometry); }
+.mapping { --colour: var(--mapping); }
+.loops { --colour: var(--loops); }
 .tick { position: absolute; font-size: .75rem; color: var(--quiet); white-space: nowrap; }
 .x.tick { top: 100%; transform: translateX(-50%); padding-top: .2rem; }
 .y.tick { right: 100%; transform: translateY(-50%); padding-right: .4rem; }

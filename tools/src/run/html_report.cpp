@@ -25,14 +25,6 @@ std::string number_html(std::string_view label, const std::string& value, std::s
       note.empty() ? "" : fmt::format("<dd class=\"note\">{}</dd>", escape_html(note)));
 }
 
-std::vector<double> slam_times_ms(const SlamRun& run) {
-  std::vector<double> times_ms;
-  for (const ScanRecord& scan : run.scans) {
-    times_ms.push_back(1e3 * scan.report.times.total_s);
-  }
-  return times_ms;
-}
-
 std::string distance_html(double metres) {
   return metres < 10000.0 ? fmt::format("{:.1f} <small>m</small>", metres)
                           : fmt::format("{:.2f} <small>km</small>", 1e-3 * metres);
@@ -54,7 +46,7 @@ std::string numbers_html(const SlamRun& run, const std::optional<ReferenceCompar
       fmt::format("reading included, {} thread{}", run.threads, run.threads == 1 ? "" : "s"));
   html += number_html(
       "SLAM per scan",
-      fmt::format("{:.1f} <small>ms</small>", distribution_of(slam_times_ms(run)).median),
+      fmt::format("{:.1f} <small>ms</small>", distribution_of(slam_times(run).times_ms).median),
       "median");
   if (run.slam.loop_closing.enabled) {
     const std::size_t parts = scans_of_parts(run).size();
@@ -122,33 +114,6 @@ std::string error_html(const SlamRun& run, const std::optional<ReferenceComparis
       rotation.median * kDegreesPerRadian, rotation.max * kDegreesPerRadian);
 }
 
-/// A stage's time per scan in milliseconds.
-struct StageColumn {
-  std::string name;
-  std::vector<double> times_ms;
-};
-
-std::vector<StageColumn> stage_columns(const SlamRun& run) {
-  std::vector<StageColumn> columns = {{"reading", {}}};
-  for (const ScanRecord& scan : run.scans) {
-    columns.front().times_ms.push_back(1e3 * scan.reading_s);
-  }
-  if (!run.upsampled_by.empty()) {
-    columns.push_back({"upsampling", {}});
-    for (const ScanRecord& scan : run.scans) {
-      columns.back().times_ms.push_back(1e3 * scan.upsampling_s);
-    }
-  }
-  for (const Stage& stage : kStages) {
-    StageColumn column{std::string(stage.name), {}};
-    for (const ScanRecord& scan : run.scans) {
-      column.times_ms.push_back(1e3 * scan.report.times.*stage.seconds);
-    }
-    columns.push_back(std::move(column));
-  }
-  return columns;
-}
-
 /// Means of `per_bin` neighbours: a long drive has more scans than a chart has pixels.
 std::vector<double> binned(const std::vector<double>& values, std::size_t per_bin) {
   std::vector<double> means;
@@ -174,7 +139,7 @@ std::string times_html(const SlamRun& run) {
     return "";
   }
   constexpr std::size_t kMostBins = 400;
-  const std::vector<StageColumn> columns = stage_columns(run);
+  const std::vector<ScanTimes> columns = stage_times(run);
   const std::size_t per_bin = (run.scans.size() + kMostBins - 1) / kMostBins;
   Chart chart;
   chart.x_label = per_bin == 1 ? "scan" : fmt::format("scan (means of {} scans)", per_bin);
@@ -183,11 +148,11 @@ std::string times_html(const SlamRun& run) {
   std::string table =
       "<div class=\"scroll\"><table><tr><th>ms per scan</th><th>median</th><th>95 % below</th>"
       "<th>max</th></tr>\n";
-  for (const StageColumn& column : columns) {
+  for (const ScanTimes& column : columns) {
     chart.series.push_back({column.name, column.name, binned(column.times_ms, per_bin)});
     table += distribution_row(column.name, column.times_ms, "");
   }
-  table += distribution_row("SLAM, all stages", slam_times_ms(run), "total");
+  table += distribution_row("SLAM, all stages", slam_times(run).times_ms, "total");
   for (std::size_t i = 0; i < chart.series.front().y.size(); ++i) {
     chart.x.push_back(static_cast<double>(i * per_bin));
   }

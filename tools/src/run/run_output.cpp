@@ -43,8 +43,6 @@ bool written_by_hqslam(const fs::path& folder) {
   });
 }
 
-double milliseconds(double seconds) { return 1e3 * seconds; }
-
 /// To microseconds: more digits are noise and make the file long.
 double rounded(double value) { return std::round(value * 1e3) / 1e3; }
 
@@ -56,34 +54,17 @@ Json distribution_json(const std::vector<double>& values_ms) {
               {"mean", rounded(distribution.mean)}};
 }
 
-using Durations_ms = std::vector<std::pair<std::string, std::vector<double>>>;
-
 /// Per stage one duration per scan.
-Durations_ms durations_of(const SlamRun& run) {
-  const std::size_t before_slam = run.upsampled_by.empty() ? 1 : 2;
-  Durations_ms durations = {{"reading", {}}};
-  if (!run.upsampled_by.empty()) {
-    durations.emplace_back("upsampling", std::vector<double>());
+std::vector<ScanTimes> durations_of(const SlamRun& run) {
+  std::vector<ScanTimes> durations = stage_times(run);
+  durations.push_back(slam_times(run));
+  if (!run.scans.empty() && run.scans.front().latency_s) {
+    durations.push_back(scan_times(
+        run, "latency", [](const ScanRecord& scan) { return scan.latency_s.value_or(0.0); }));
   }
-  for (const Stage& stage : kStages) {
-    durations.emplace_back(stage.name, std::vector<double>());
+  for (ScanTimes& stage : durations) {
+    std::transform(stage.times_ms.begin(), stage.times_ms.end(), stage.times_ms.begin(), rounded);
   }
-  durations.emplace_back("slam_total", std::vector<double>());
-  const bool live = !run.scans.empty() && run.scans.front().latency_s;
-  std::vector<double> latencies_ms;
-  for (const ScanRecord& scan : run.scans) {
-    durations.front().second.push_back(rounded(milliseconds(scan.reading_s)));
-    if (!run.upsampled_by.empty()) {
-      durations[1].second.push_back(rounded(milliseconds(scan.upsampling_s)));
-    }
-    for (std::size_t i = 0; i < kStages.size(); ++i) {
-      durations[i + before_slam].second.push_back(
-          rounded(milliseconds(scan.report.times.*kStages[i].seconds)));
-    }
-    durations.back().second.push_back(rounded(milliseconds(scan.report.times.total_s)));
-    if (live) latencies_ms.push_back(rounded(milliseconds(scan.latency_s.value_or(0.0))));
-  }
-  if (live) durations.emplace_back("latency", std::move(latencies_ms));
   return durations;
 }
 
@@ -107,7 +88,7 @@ Json loops_json(const SlamRun& run) {
   return loops;
 }
 
-Json per_scan(const SlamRun& run, const Durations_ms& durations) {
+Json per_scan(const SlamRun& run, const std::vector<ScanTimes>& durations) {
   Json stamps = Json::array();
   Json odometry = Json::array();
   Json mapping = Json::array();
@@ -129,7 +110,7 @@ Json per_scan(const SlamRun& run, const Durations_ms& durations) {
 }  // namespace
 
 std::string timings_json(const SlamRun& run) {
-  const Durations_ms durations = durations_of(run);
+  const std::vector<ScanTimes> durations = durations_of(run);
   Json statistics;
   for (const auto& [stage, values_ms] : durations) {
     statistics[stage] = distribution_json(values_ms);

@@ -9,25 +9,24 @@ namespace hqslam::tools {
 
 namespace {
 
-/// What is to be made of scans of a sensor that request.sensor or its recording name.
-RunPlan lifted(UpsamplingRequest request, const LiftingChoice& choice) {
+/// What is to be made of scans of a sensor that the request or its recording names.
+RunPlan planned(UpsamplingRequest request, const LiftingChoice& choice) {
+  RunPlan plan;
+  if (choice.upsample.empty()) {
+    plan.recording_sensor =
+        request.sender ? *request.sender
+                       : required_recording_sensor(request.input, request.sensor, request.stream);
+    const int rows = plan.recording_sensor.rows();
+    if (choice.rows > 0 && choice.rows != rows) plan.rows = selection_for(rows, choice.rows);
+    return plan;
+  }
   request.method = choice.upsample;
   request.rows = choice.rows;
   request.confidence = choice;
   UpsamplingPlan upsampling = plan_upsampling(request);
-  RunPlan plan;
   plan.recording_sensor = upsampling.recording_sensor;
   plan.rows = upsampling.rows;
   plan.upsampler = std::move(upsampling.upsampler);
-  return plan;
-}
-
-RunPlan not_lifted(const SensorModel& sensor, const LiftingChoice& choice) {
-  RunPlan plan;
-  plan.recording_sensor = sensor;
-  if (choice.rows > 0 && choice.rows != sensor.rows()) {
-    plan.rows = selection_for(sensor.rows(), choice.rows);
-  }
   return plan;
 }
 
@@ -43,32 +42,21 @@ std::unique_ptr<ScanSource> RunPlan::open() const {
 }
 
 RunPlan plan_of(const RecordingChoice& choice, const nn::SuperResolverOptions& network) {
-  RunPlan plan;
-  if (choice.upsample.empty()) {
-    plan =
-        not_lifted(required_recording_sensor(choice.input, choice.sensor, choice.stream), choice);
-  } else {
-    UpsamplingRequest request;
-    request.input = choice.input;
-    request.sensor = choice.sensor;
-    request.stream = choice.stream;
-    request.network_options = network;
-    plan = lifted(request, choice);
-  }
+  UpsamplingRequest request;
+  request.input = choice.input;
+  request.sensor = choice.sensor;
+  request.stream = choice.stream;
+  request.network_options = network;
+  RunPlan plan = planned(std::move(request), choice);
   plan.recording = input_recording(choice);
   return plan;
 }
 
 RunPlan plan_of(const LiftingChoice& choice, const SensorModel& sensor, const std::string& name) {
-  RunPlan plan;
-  if (choice.upsample.empty()) {
-    plan = not_lifted(sensor, choice);
-  } else {
-    UpsamplingRequest request;
-    request.input = name;
-    request.sender = sensor;
-    plan = lifted(request, choice);
-  }
+  UpsamplingRequest request;
+  request.input = name;
+  request.sender = sensor;
+  RunPlan plan = planned(std::move(request), choice);
   plan.recording.input = name;
   return plan;
 }

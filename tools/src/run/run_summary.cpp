@@ -12,14 +12,6 @@
 namespace hqslam::tools {
 namespace {
 
-double median_upsampling_ms(const SlamRun& run) {
-  std::vector<double> times_ms;
-  for (const ScanRecord& scan : run.scans) {
-    times_ms.push_back(1e3 * scan.upsampling_s);
-  }
-  return distribution_of(std::move(times_ms)).median;
-}
-
 /// "mapping: 198 scans ok, 2 degenerate; 1 loop closed"
 std::string mapping_summary(const SlamRun& run) {
   std::vector<std::string> counts;
@@ -55,7 +47,7 @@ std::string run_summary(const SlamRun& run) {
   }
   if (!run.upsampled_by.empty()) {
     summary += fmt::format("upsampled to {} rows by {}: {:.1f} ms a scan (median)\n", run.rows,
-                           run.upsampled_by, median_upsampling_ms(run));
+                           run.upsampled_by, distribution_of(stage_times(run)[1].times_ms).median);
   }
   return summary;
 }

@@ -13,6 +13,7 @@
 #include "hqslam/slam/options.h"
 #include "run/run_output.h"
 #include "terminal/progress.h"
+#include "timing/timing_statistics.h"
 
 namespace hqslam::tools {
 namespace {
@@ -71,6 +72,32 @@ std::string_view name(RunEnd end) {
 
 double scans_per_second(const SlamRun& run) {
   return run.wall_s > 0.0 ? static_cast<double>(run.scans.size()) / run.wall_s : 0.0;
+}
+
+ScanTimes scan_times(const SlamRun& run, std::string_view name,
+                     const std::function<double(const ScanRecord&)>& seconds) {
+  ScanTimes times{std::string(name), {}};
+  for (const ScanRecord& scan : run.scans) times.times_ms.push_back(1e3 * seconds(scan));
+  return times;
+}
+
+std::vector<ScanTimes> stage_times(const SlamRun& run) {
+  std::vector<ScanTimes> times = {
+      scan_times(run, "reading", [](const ScanRecord& scan) { return scan.reading_s; })};
+  if (!run.upsampled_by.empty()) {
+    times.push_back(
+        scan_times(run, "upsampling", [](const ScanRecord& scan) { return scan.upsampling_s; }));
+  }
+  for (const Stage& stage : kStages) {
+    times.push_back(scan_times(
+        run, stage.name, [&](const ScanRecord& scan) { return scan.report.times.*stage.seconds; }));
+  }
+  return times;
+}
+
+ScanTimes slam_times(const SlamRun& run) {
+  return scan_times(run, "slam_total",
+                    [](const ScanRecord& scan) { return scan.report.times.total_s; });
 }
 
 std::vector<std::pair<slam::Status, std::int64_t>> status_counts(

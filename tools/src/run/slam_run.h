@@ -67,6 +67,19 @@ std::string_view name(RunEnd end);
 /// Scans per second over the whole run: reading, upsampling, SLAM and writing.
 double scans_per_second(const SlamRun& run);
 
+/// One time of every scan, in milliseconds.
+struct ScanTimes {
+  std::string name;
+  std::vector<double> times_ms;
+};
+ScanTimes scan_times(const SlamRun& run, std::string_view name,
+                     const std::function<double(const ScanRecord&)>& seconds);
+/// Of the stages in the order in which they run: "reading", "upsampling" if there was any, and
+/// SLAM's.
+std::vector<ScanTimes> stage_times(const SlamRun& run);
+/// Of all of SLAM.
+ScanTimes slam_times(const SlamRun& run);
+
 /// How many scans a stage ended with each status: all statuses, kOk first.
 std::vector<std::pair<slam::Status, std::int64_t>> status_counts(
     const SlamRun& run, slam::Status slam::ScanReport::*status);
