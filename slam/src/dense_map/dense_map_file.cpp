@@ -41,12 +41,11 @@ void write_dense_map_pcd(const std::vector<DenseMapPoint>& points, const std::st
 }
 
 void write_dense_map_ply(const std::vector<DenseMapPoint>& points, const std::string& path) {
-  write(fmt::format(
-            "ply\nformat binary_little_endian 1.0\n"
-            "comment written by hqslam\ncomment metres\n"
-            "element vertex {}\nproperty float x\nproperty float y\nproperty float z\n"
-            "property float confidence\nproperty uint times_seen\nend_header\n",
-            points.size()),
+  write(fmt::format("ply\nformat binary_little_endian 1.0\n"
+                    "comment written by hqslam\ncomment metres\n"
+                    "element vertex {}\nproperty float x\nproperty float y\nproperty float z\n"
+                    "property float confidence\nproperty uint times_seen\nend_header\n",
+                    points.size()),
         points, path);
 }
 

@@ -12,8 +12,8 @@ namespace hqslam::nn {
 /// - kNearest: u for t < 1/2, otherwise d;
 /// - kLinear: (1 - t) u + t d;
 /// - kInverse: linear in 1 / range, 1 / ((1 - t) / u + t / d), t by the elevations of the beams
-///   instead of by counting rows. On a plane 1 / range is a sine of the elevation, so between beams a step
-///   apart (rad) this errs by at most step^2 / 8 of the range.
+///   instead of by counting rows. On a plane 1 / range is a sine of the elevation, so between beams
+///   a step apart (rad) this errs by at most step^2 / 8 of the range.
 /// Where only one of the two has a return, the nearer one decides (as kNearest): a mean with "no
 /// return" would be a range that nothing has. Rows beyond the outermost measured ones repeat them.
 enum class Interpolation { kNearest, kLinear, kInverse };
