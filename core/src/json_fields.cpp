@@ -37,7 +37,7 @@ Json parsed_json(const std::string& text, const std::string& source) {
   }
 }
 
-JsonFields::JsonFields(const std::string& text, std::string source, std::string mend)
+JsonFields::JsonFields(const std::string& text, std::string source, const std::string& mend)
     : source_(std::move(source)), mend_(mend.empty() ? "" : "; " + mend) {
   object_ = parsed_json(text, source_);
   if (!object_.is_object()) {

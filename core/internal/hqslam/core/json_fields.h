@@ -18,7 +18,7 @@ class JsonFields {
  public:
   /// Parses text that must be an object. `source` stands for the file in messages; `mend`, how to
   /// mend it, ends those about fields.
-  JsonFields(const std::string& text, std::string source, std::string mend = "");
+  JsonFields(const std::string& text, std::string source, const std::string& mend = "");
 
   bool has(const std::string& field) const { return object_.contains(field); }
   bool is_object(const std::string& field) const {
