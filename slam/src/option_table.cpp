@@ -31,6 +31,11 @@ constexpr Bounds kShare{[](double value) { return value >= 0.0 && value < 1.0; }
 /// A row of 16384 pixels times its sections is still an int.
 constexpr Bounds kSections{[](double value) { return value >= 1.0 && value <= 1000.0; },
                            "1 to 1000"};
+constexpr Bounds kTurn{[](double value) { return std::abs(value) <= std::numbers::pi + 1e-3; },
+                       "an angle between -pi and pi"};
+constexpr Bounds kTilt{[](double value) { return std::abs(value) < std::numbers::pi / 2.0; },
+                       "an angle between -pi/2 and pi/2"};
+constexpr Bounds kSwitch{[](double value) { return value == 0.0 || value == 1.0; }, "0 or 1"};
 /// Thinning reaches a million voxels far: 1 km.
 constexpr Bounds kLeaf{[](double value) { return value >= 0.001 && std::isfinite(value); },
                        "0.001 or more"};
@@ -54,6 +59,12 @@ constexpr NamedOption option(std::string_view name, std::string_view meaning,
   option<&SlamOptions::part, &Struct::field>(#part "." #field, meaning, bounds)
 
 constexpr std::array kOptions = {
+    HQSLAM_OPTION(
+        mounting, MountingOptions, roll_rad,
+        "how the sensor leans: its left side is up by so much, at pi it hangs upside down", kTurn),
+    HQSLAM_OPTION(mounting, MountingOptions, pitch_rad, "and its front down by so much", kTilt),
+    HQSLAM_OPTION(mounting, MountingOptions, estimated,
+                  "1: corrected by up to 30 degrees from the ground of the first scan", kSwitch),
     HQSLAM_OPTION(ground, GroundOptions, max_slope_rad,
                   "steepest rise from row to row that is ground", kAcute),
     HQSLAM_OPTION(segmentation, SegmentationOptions, min_angle_rad,
@@ -164,6 +175,10 @@ void validate(const SlamOptions& options) {
     const double value = option.get(options);
     require(option.holds(value), option.name, value, option.expected);
   }
+  const MountingOptions& mounting = options.mounting;
+  require(std::abs(std::cos(mounting.roll_rad) * std::cos(mounting.pitch_rad)) >= 0.5,
+          "mounting.pitch_rad", mounting.pitch_rad,
+          "a sensor within 60 degrees of upright or of upside down");
   require(options.features.edges_per_section >= options.features.sharp_edges_per_section,
           "features.edges_per_section", options.features.edges_per_section,
           "at least features.sharp_edges_per_section");

@@ -6,6 +6,7 @@
 
 #include "alignment/drift.h"
 #include "driven_path.h"
+#include "front_end/mounting.h"
 #include "front_end/scan_check.h"
 #include "front_end/scan_clock.h"
 #include "hqslam/core/error.h"
@@ -73,8 +74,9 @@ bool can_be_reference(const Features& features, const OdometryOptions& options) 
 
 /// What is carried from scan to scan. The reference is the last scan that could be followed.
 struct Slam::Implementation {
-  SensorModel sensor;
   SlamOptions options;
+  Mounting mounting;
+  SensorModel sensor;  ///< the upright one
   Segmenter segmenter;
   Odometry odometry;
   Mapping mapping;
@@ -90,8 +92,9 @@ struct Slam::Implementation {
   KnownWay way;
 
   Implementation(const SensorModel& sensor_, const SlamOptions& options_)
-      : sensor(validated(sensor_)),
-        options(validated(options_)),
+      : options(validated(options_)),
+        mounting(options.mounting, validated(sensor_)),
+        sensor(mounting.upright_sensor()),
         segmenter(sensor, options.ground, options.segmentation),
         odometry(options.odometry),
         mapping(options.mapping),
@@ -104,7 +107,7 @@ struct Slam::Implementation {
   std::optional<PlaceRecognition> place_recognition;
   bool is_recognized = true;  ///< where the sensor is
 
-  void locate_in(const SavedMap& map, const std::optional<Pose>& T_map_sensor_start);
+  void locate_in(const SavedMap& map, const std::optional<Pose>& T_map_level_start);
 
   /// The first key frame, until its motion is known.
   struct FirstScan {
@@ -124,6 +127,7 @@ struct Slam::Implementation {
   };
 
   ScanReport process(const OrganizedCloud& cloud, double stamp_s);
+  ScanReport process_level(const OrganizedCloud& cloud, double stamp_s);
   void begin(const OrganizedCloud& cloud, const Features& features, Stopwatch& stopwatch,
              ScanReport& report);
   void recognize_place(const OrganizedCloud& cloud, const Features& features, Stopwatch& stopwatch,
@@ -140,17 +144,31 @@ struct Slam::Implementation {
 };
 
 void Slam::Implementation::locate_in(const SavedMap& map,
-                                     const std::optional<Pose>& T_map_sensor_start) {
+                                     const std::optional<Pose>& T_map_level_start) {
   loop_closing.reset();  // a given map stays as it is
   if (map.places.empty()) {
     throw Error("the map has no place to be recognized; save it after a drive");
   }
   mapping = Mapping(options.mapping, FeatureMaps(options.mapping, map));
-  place_recognition.emplace(options.mapping, map.places, T_map_sensor_start);
+  place_recognition.emplace(options.mapping, map.places, T_map_level_start);
   is_recognized = false;
 }
 
+/// All that process_level() knows of is the sensor turned level.
 ScanReport Slam::Implementation::process(const OrganizedCloud& cloud, double stamp_s) {
+  if (options.mounting.estimated && !mounting.mounted().estimated && !odometry.has_reference()) {
+    mounting.estimate(cloud);
+  }
+  const std::optional<OrganizedCloud> level = mounting.level(cloud);
+  ScanReport report = process_level(level ? *level : cloud, stamp_s);
+  report.T_map_sensor = mounting.of_sensor(report.T_map_sensor);
+  report.T_odom_sensor = mounting.of_sensor(report.T_odom_sensor);
+  report.covariance = mounting.of_sensor(report.covariance);
+  path.add({stamp_s, report.T_map_sensor}, mapping.key_frames());
+  return report;
+}
+
+ScanReport Slam::Implementation::process_level(const OrganizedCloud& cloud, double stamp_s) {
   Stopwatch stopwatch;
   ScanReport report;
   report.stamp_s = stamp_s;
@@ -162,7 +180,7 @@ ScanReport Slam::Implementation::process(const OrganizedCloud& cloud, double sta
     }
     report.times.loop_closing_s = stopwatch.lap_s();
   }
-  const Segmentation segmentation = segmenter.segment(cloud);
+  const Segmentation segmentation = segmenter.segment(cloud, mounting.up_of_upright_sensor());
   report.returns = segmentation.returns;
   report.ground_points = segmentation.ground_points;
   report.clusters = segmentation.clusters;
@@ -183,7 +201,6 @@ ScanReport Slam::Implementation::process(const OrganizedCloud& cloud, double sta
   report.times.total_s = report.times.segmentation_s + report.times.features_s +
                          report.times.odometry_s + report.times.mapping_s +
                          report.times.loop_closing_s;
-  path.add({stamp_s, report.T_map_sensor}, mapping.key_frames());
   return report;
 }
 
@@ -390,9 +407,9 @@ Slam::Slam(const SensorModel& sensor) : Slam(sensor, SlamOptions{}) {}
 Slam::Slam(const SensorModel& sensor, const SlamOptions& options)
     : implementation_(std::make_unique<Implementation>(sensor, options)) {}
 Slam::Slam(const SensorModel& sensor, const SlamOptions& options, const SavedMap& map,
-           const std::optional<Pose>& T_map_sensor_start)
+           const std::optional<Pose>& T_map_level_start)
     : Slam(sensor, options) {
-  implementation_->locate_in(map, T_map_sensor_start);
+  implementation_->locate_in(map, T_map_level_start);
 }
 Slam::~Slam() = default;
 Slam::Slam(Slam&&) noexcept = default;
@@ -414,6 +431,8 @@ std::vector<LoopReport> Slam::finish() {
   }
   return reports;
 }
+
+MountingOptions Slam::mounting() const { return implementation_->mounting.mounted(); }
 
 const Trajectory& Slam::trajectory() const { return implementation_->path.trajectory(); }
 

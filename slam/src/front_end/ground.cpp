@@ -12,6 +12,22 @@ constexpr double kHighestGroundBeam_rad = -0.5 * 3.14159265358979323846 / 180.0;
 /// How many beams without a return may lie between two compared ones.
 constexpr int kMaxMissingBeams = 2;
 
+/// The row from which all below look below the horizon in a column.
+int highest_ground_row(const SensorModel& sensor, int column, const Eigen::Vector3d& up_of_sensor) {
+  const double azimuth_rad = sensor.azimuth_rad(0, column) - sensor.residual_azimuth_rad(0);
+  const double up_ahead =
+      up_of_sensor.x() * std::cos(azimuth_rad) + up_of_sensor.y() * std::sin(azimuth_rad);
+  int row = sensor.rows();
+  while (row > 0) {
+    const double elevation_rad = sensor.beam_elevation_rad[row - 1];
+    const double up =
+        up_ahead * std::cos(elevation_rad) + up_of_sensor.z() * std::sin(elevation_rad);
+    if (up > std::sin(kHighestGroundBeam_rad)) break;
+    --row;
+  }
+  return row;
+}
+
 void mark_column(const OrganizedCloud& cloud, int highest_row, int column, float max_slope_squared,
                  std::vector<std::uint8_t>& ground) {
   int lower_row = -1;
@@ -33,17 +49,14 @@ void mark_column(const OrganizedCloud& cloud, int highest_row, int column, float
 }  // namespace
 
 std::vector<std::uint8_t> mark_ground(const OrganizedCloud& cloud, const SensorModel& sensor,
-                                      const GroundOptions& options) {
+                                      const GroundOptions& options,
+                                      const Eigen::Vector3d& up_of_sensor) {
   std::vector<std::uint8_t> ground(cloud.range_m.size(), 0);
-  int highest_row = 0;
-  while (highest_row < cloud.rows &&
-         sensor.beam_elevation_rad[highest_row] > kHighestGroundBeam_rad) {
-    ++highest_row;
-  }
   const auto max_slope = static_cast<float>(std::tan(options.max_slope_rad));
 #pragma omp parallel for schedule(static)
   for (int column = 0; column < cloud.columns; ++column) {
-    mark_column(cloud, highest_row, column, max_slope * max_slope, ground);
+    mark_column(cloud, highest_ground_row(sensor, column, up_of_sensor), column,
+                max_slope * max_slope, ground);
   }
   return ground;
 }

@@ -11,8 +11,8 @@ Segmenter::Segmenter(const SensorModel& sensor, const GroundOptions& ground,
       options_(options),
       labeler_(sensor, {options.min_angle_rad, true}) {}
 
-Segmentation Segmenter::segment(const OrganizedCloud& cloud) {
-  const std::vector<std::uint8_t> ground = mark_ground(cloud, sensor_, ground_);
+Segmentation Segmenter::segment(const OrganizedCloud& cloud, const Eigen::Vector3d& up_of_sensor) {
+  const std::vector<std::uint8_t> ground = mark_ground(cloud, sensor_, ground_, up_of_sensor);
   const ConnectedComponents& connected = labeler_.label(range_image(cloud), ground);
 
   const auto trusted = [&](const Component& component) {

@@ -168,7 +168,7 @@ std::optional<GivenMap> given_map(const RunOptions& options) {
   if (options.map_file.empty()) return std::nullopt;
   GivenMap given{options.map_file, slam::read_saved_map(options.map_file), std::nullopt};
   if (!options.start.empty() && !given.map.places.empty()) {
-    given.T_map_sensor_start = start_on_path(given.map.places, options.start);
+    given.T_map_level_start = start_on_path(given.map.places, options.start);
   }
   return given;
 }
@@ -226,7 +226,8 @@ void declare_run(CLI::App& app, RunOptions& options) {
   command->footer(
       "Writes into --out:\n"
       "  trajectory.tum    stamp x y z qx qy qz qw per scan\n"
-      "  trajectory.kitti  3x4 matrix per scan, row-major; both in the first scan's sensor frame\n"
+      "  trajectory.kitti  3x4 matrix per scan, row-major; both in the first scan's sensor frame,\n"
+      "                    turned level if it is mounted otherwise (hqslam slam-options)\n"
       "  covariances.csv   whether each scan was located, in which part of the map and how well: "
       "6x6, x y z and rotations about them\n"
       "  map.pcd           the features of all key frames, in that frame\n"

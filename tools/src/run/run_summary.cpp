@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <numbers>
 #include <vector>
 
 #include "hqslam/core/trajectory_error.h"
@@ -31,12 +32,26 @@ std::string mapping_summary(const SlamRun& run) {
   return summary;
 }
 
+/// "mounting: roll 0.1, pitch 12.0 degrees, estimated from the ground"; nothing of a level one
+std::string mounting_summary(const SlamRun& run) {
+  constexpr double kDegrees = 180.0 / std::numbers::pi;
+  const slam::MountingOptions& mounted = run.mounting;
+  const bool is_level = mounted.roll_rad == 0.0 && mounted.pitch_rad == 0.0;
+  if (is_level && !run.slam.mounting.estimated) return "";
+  const char* how = mounted.estimated             ? ", estimated from the ground"
+                    : run.slam.mounting.estimated ? "; not estimated, no ground was found"
+                                                  : "";
+  return fmt::format("mounting: roll {:.1f}, pitch {:.1f} degrees{}\n", kDegrees * mounted.roll_rad,
+                     kDegrees * mounted.pitch_rad, how);
+}
+
 }  // namespace
 
 std::string run_summary(const SlamRun& run) {
   std::string summary =
       fmt::format("{} scans, {:.1f} m of path, {:.1f} scans/s\n{}\n", run.scans.size(),
                   known_path_m(run), scans_per_second(run), mapping_summary(run));
+  summary += mounting_summary(run);
   if (!run.located_in.empty()) {
     const bool found = std::any_of(run.scans.begin(), run.scans.end(), [](const ScanRecord& scan) {
       return scan.report.mapping_status != slam::Status::kNotRecognized;

@@ -45,7 +45,7 @@ SensorModel sensor_of(const SensorModel& recorded, const SlamRunSpec& spec) {
 
 slam::Slam slam_of(const SensorModel& sensor, const SlamRunSpec& spec) {
   if (!spec.map) return {sensor, spec.slam};
-  return {sensor, spec.slam, spec.map->map, spec.map->T_map_sensor_start};
+  return {sensor, spec.slam, spec.map->map, spec.map->T_map_level_start};
 }
 
 }  // namespace
@@ -190,6 +190,7 @@ void SlamSession::remember(const slam::LoopReport& loop) {
 
 SlamRun SlamSession::finished() {
   for (const slam::LoopReport& loop : slam_.finish()) remember(loop);
+  run_.mounting = slam_.mounting();
   run_.part_of_scan = slam_.part_of_scan();
   run_.stretch_of_scan = slam_.stretch_of_scan();
   run_.wall_s = seconds_since(start_);

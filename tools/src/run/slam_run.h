@@ -45,13 +45,14 @@ struct SlamRun {
   int columns = 0;
   std::string upsampled_by;  ///< nn::Upsampler::name(); empty: the recording as it is
   slam::SlamOptions slam;
+  slam::MountingOptions mounting;  ///< slam::Slam::mounting()
   int threads = 1;
   std::int64_t scans_in_recording = 0;  ///< or that have come from a sensor
   std::vector<ScanRecord> scans;
   std::vector<slam::LoopReport> loops;       ///< places that were recognised, and are right now
   std::vector<std::size_t> part_of_scan;     ///< slam::Slam::part_of_scan()
   std::vector<std::size_t> stretch_of_scan;  ///< slam::Slam::stretch_of_scan()
-  Trajectory trajectory;  ///< T_map_sensor, the map's frame is the first scan's sensor frame
+  Trajectory trajectory;  ///< T_map_sensor, the map's frame is the first scan's, turned level
   std::vector<Eigen::Vector3f> map_points_m;  ///< map frame; filled when the run ends
   std::string located_in;  ///< the file of the map that it was located in; empty: it made its own
   std::optional<slam::SavedMap> saved_map;  ///< filled when the run ends, if it was asked for
@@ -101,7 +102,7 @@ std::map<std::size_t, std::int64_t> scans_of_parts(const SlamRun& run);
 struct GivenMap {
   std::string path;
   slam::SavedMap map;
-  std::optional<Pose> T_map_sensor_start;
+  std::optional<Pose> T_map_level_start;
 };
 
 /// How a recording is processed.

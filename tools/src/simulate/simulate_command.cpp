@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <numbers>
 
 #include "files/result_folder.h"
 #include "hqslam/core/sensor_model.h"
@@ -20,6 +21,11 @@ sim::DriveSpec drive_of(const SimulateOptions& options) {
   sim::DriveSpec spec = sim::drive_preset(options.drive);
   spec.scans = options.scans.value_or(spec.scans);
   spec.seed = options.seed.value_or(spec.seed);
+  if (!options.mount.empty()) {
+    constexpr double kDegree_rad = std::numbers::pi / 180.0;
+    spec.mount.mount_roll_rad = options.mount[0] * kDegree_rad;
+    spec.mount.mount_pitch_rad = options.mount[1] * kDegree_rad;
+  }
   return spec;
 }
 
@@ -44,6 +50,12 @@ void declare_simulate(CLI::App& app, SimulateOptions& options) {
       ->check(CLI::Range(1, 1000000000));
   command->add_option("--seed", options.seed,
                       "Seed of city, traffic, driver and noise (default: 1)");
+  command
+      ->add_option("--mount", options.mount,
+                   "ROLL,PITCH: how the sensor is mounted, in degrees; positive roll raises the "
+                   "left side, positive pitch lowers the front, 180,0 is upside down")
+      ->delimiter(',')
+      ->expected(2);
   command->add_flag("--bin", options.bin, "Also write KITTI .bin files");
   command->add_flag("--pcd", options.pcd, "Also write .pcd files");
   command->footer(

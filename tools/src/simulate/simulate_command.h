@@ -4,6 +4,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "terminal/interrupt.h"
 
@@ -19,6 +20,7 @@ struct SimulateOptions {
   std::string out;
   std::optional<std::int64_t> scans;  ///< default: the drive's own length
   std::optional<std::uint64_t> seed;
+  std::vector<double> mount;  ///< roll and pitch in degrees; empty: level
   bool bin = false;
   bool pcd = false;
 };

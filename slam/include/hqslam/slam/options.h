@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <span>
 #include <string_view>
 
@@ -7,6 +8,17 @@ namespace hqslam::slam {
 
 /// Angles in radians, lengths in metres. option_table() has for each what it means, its bounds and
 /// where it departs from LeGO-LOAM, whose value every other default is.
+
+/// How the sensor sits on what carries it: turned from level by roll about x, then pitch about y.
+/// Positive roll raises the left side, positive pitch lowers the front; a roll of pi is upside
+/// down.
+struct MountingOptions {
+  double roll_rad = 0.0;
+  double pitch_rad = 0.0;
+  bool estimated = false;
+};
+/// The turn from the sensor's frame to the level one, z up.
+Eigen::Matrix3d R_level_sensor(const MountingOptions& mounted);
 
 struct GroundOptions {
   double max_slope_rad = 0.17453292519943295;  ///< 10 degrees
@@ -65,6 +77,7 @@ struct LoopClosingOptions {
 
 struct SlamOptions {
   int threads = 0;  ///< 0: what OpenMP would take
+  MountingOptions mounting;
   GroundOptions ground;
   SegmentationOptions segmentation;
   FeatureOptions features;

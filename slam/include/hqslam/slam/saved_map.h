@@ -11,12 +11,12 @@ namespace hqslam::slam {
 
 /// A place that can be recognised.
 struct SavedPlace {
-  Pose T_map_sensor = Pose::Identity();
+  Pose T_map_sensor = Pose::Identity();  ///< of the sensor turned level (Slam::mounting)
   ScanContext context;
 };
 
 /// What a drive leaves behind for later ones to be located in. Everything is in the map's frame,
-/// that of the drive's first scan.
+/// that of the drive's first scan, turned level.
 struct SavedMap {
   std::vector<Eigen::Vector3f> edges_m;
   std::vector<Eigen::Vector3f> posts_m;

@@ -25,9 +25,10 @@ struct Segmentation {
 
 /// Splits the returns of a scan into ground, clusters and outliers.
 ///
-/// In: a cloud in the sensor frame. Out: a class per pixel. The ground is marked first
-/// (mark_ground); the rest falls into connected components by the angle criterion; a component is
-/// a cluster if it has min_pixels, or min_pixels_tall over min_rows_tall rows. Source: LeGO-LOAM.
+/// In: a cloud in the sensor's frame turned level, the vertical (see mark_ground). Out: a class per
+/// pixel. The ground is marked first (mark_ground); the rest falls into connected components by the
+/// angle criterion; a component is a cluster if it has min_pixels, or min_pixels_tall over
+/// min_rows_tall rows. Source: LeGO-LOAM.
 ///
 /// Differs from LeGO-LOAM: the rows of a component count the row of its first pixel; column
 /// indices are signed and wrap on both sides; the components are those of core, the same as the
@@ -37,7 +38,8 @@ class Segmenter {
   /// Throws Error if an option is invalid.
   Segmenter(const SensorModel& sensor, const GroundOptions& ground,
             const SegmentationOptions& options);
-  Segmentation segment(const OrganizedCloud& cloud);
+  Segmentation segment(const OrganizedCloud& cloud,
+                       const Eigen::Vector3d& up_of_sensor = Eigen::Vector3d::UnitZ());
 
  private:
   SensorModel sensor_;

@@ -14,6 +14,7 @@
 
 namespace hqslam::slam {
 
+struct MountingOptions;
 struct SavedMap;
 struct SlamOptions;
 
@@ -74,13 +75,13 @@ class Slam {
   explicit Slam(const SensorModel& sensor);
   Slam(const SensorModel& sensor, const SlamOptions& options);
   /// Locates scans in a map that another drive left behind (saved_map()), which stays as it is. The
-  /// first scan is looked for about T_map_sensor_start, within a few metres and half a radian, or
-  /// in all of the map; so is the next one where it is not found, and wherever the way is lost:
-  /// then the mapping's status is kNotRecognized. Poses are in the map's frame, and their
-  /// covariances against it; loops are not closed. Throws Error, also if there is no place in the
-  /// map.
+  /// first scan is looked for about T_map_level_start (where the sensor stands, turned level),
+  /// within a few metres and half a radian, or in all of the map; so is the next one where it is
+  /// not found, and wherever the way is lost: then the mapping's status is kNotRecognized. Poses
+  /// are in the map's frame, and their covariances against it; loops are not closed. Throws Error,
+  /// also if there is no place in the map.
   Slam(const SensorModel& sensor, const SlamOptions& options, const SavedMap& map,
-       const std::optional<Pose>& T_map_sensor_start = std::nullopt);
+       const std::optional<Pose>& T_map_level_start = std::nullopt);
   ~Slam();
   Slam(Slam&&) noexcept;  ///< moved from: only assign or destroy
   Slam& operator=(Slam&&) noexcept;
@@ -95,10 +96,14 @@ class Slam {
   /// After the last scan: takes in what loop closing was still finding out, and reports it.
   std::vector<LoopReport> finish();
 
-  /// T_map_sensor of every scan so far, in the frame of the first scan; not to be read while
-  /// process() runs. Where a loop was closed,
-  /// past poses are corrected: they differ then from those that were reported.
+  /// T_map_sensor of every scan so far; not to be read while process() runs. The map's frame is
+  /// that of the first scan, turned level (mounting()). Where a loop was closed, past poses
+  /// are corrected: they differ then from those that were reported.
   const Trajectory& trajectory() const;
+
+  /// How the sensor is mounted, as SlamOptions::mounting says or, where that asks for it, as the
+  /// first scan with ground shows it: then it is `estimated`.
+  MountingOptions mounting() const;
 
   /// Per scan the part of the map it is in; parts that were joined have one number. Between parts
   /// nothing is known about how poses lie to each other.
@@ -109,7 +114,7 @@ class Slam {
   const std::vector<std::size_t>& stretch_of_scan() const;
 
   /// The map: planar features of all key frames, one per 0.4 m voxel, then edge features, one per
-  /// 0.2 m voxel (MappingOptions), in the frame of the first scan; part after part.
+  /// 0.2 m voxel (MappingOptions), in the map's frame; part after part.
   std::vector<Eigen::Vector3f> map_points_m() const;
 
   /// What later drives are located in: of several parts the one with most places. Throws Error

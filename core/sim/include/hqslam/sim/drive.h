@@ -16,8 +16,8 @@ namespace hqslam::sim {
 /// How the sensor sits on what carries it.
 struct SensorMount {
   double sensor_height_m = 1.85;  ///< above the ground beneath it; 0.1 to 10
-  /// Added to the roll and pitch of what carries it; -45 to 45 degrees. Positive roll raises the
-  /// left side, positive pitch lowers the front.
+  /// Added to the roll and pitch of what carries it; -180 to 180 (upside down) and -45 to 45
+  /// degrees. Positive roll raises the left side, positive pitch lowers the front.
   double mount_roll_rad = 0.0;
   double mount_pitch_rad = 0.0;
 

@@ -1,0 +1,142 @@
+#include "front_end/mounting.h"
+
+#include <pcl/point_cloud.h>
+#include <pcl/point_types.h>
+#include <pcl/sample_consensus/ransac.h>
+#include <pcl/sample_consensus/sac_model_perpendicular_plane.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+#include <vector>
+
+#include "front_end/voxel_thinning.h"
+#include "hqslam/slam/ground.h"
+
+namespace hqslam::slam {
+
+namespace {
+
+using GroundModel = pcl::SampleConsensusModelPerpendicularPlane<pcl::PointXYZ>;
+
+constexpr double kMostCorrected_rad = std::numbers::pi / 6.0;
+constexpr double kSteepest_rad = kMostCorrected_rad + GroundOptions().max_slope_rad;
+constexpr float kReach_m = 25.0F;
+constexpr double kLeaf_m = 0.5;
+constexpr double kGroundThickness_m = 0.1;
+constexpr std::size_t kMinGroundPoints = 50;
+
+/// From a frame to the same one upside down, and back: half a turn about x.
+Eigen::Vector3d half_turned(const Eigen::Vector3d& p) { return {p.x(), -p.y(), -p.z()}; }
+
+SensorModel upside_down(const SensorModel& sensor) {
+  SensorModel result = sensor;
+  for (int row = 0; row < sensor.rows(); ++row) {
+    const int opposite = sensor.rows() - 1 - row;
+    result.beam_elevation_rad[row] = -sensor.beam_elevation_rad[opposite];
+    result.beam_azimuth_offset_rad[row] = -sensor.beam_azimuth_offset_rad[opposite];
+  }
+  if (sensor.measured_rows) {
+    int last = sensor.rows() - 1;
+    while (!sensor.measured_rows->contains(last)) --last;
+    result.measured_rows->offset = sensor.rows() - 1 - last;
+  }
+  return result;
+}
+
+/// What may be the ground, thinned: what a column rises along less steeply than kSteepest_rad.
+pcl::PointCloud<pcl::PointXYZ>::Ptr ground_of(const OrganizedCloud& level,
+                                              const SensorModel& upright_sensor,
+                                              const Eigen::Vector3d& up_of_sensor) {
+  const std::vector<std::uint8_t> is_ground =
+      mark_ground(level, upright_sensor, {kSteepest_rad}, up_of_sensor);
+  std::vector<FeaturePoint> points;
+  for (std::size_t pixel = 0; pixel < is_ground.size(); ++pixel) {
+    if (is_ground[pixel] != 0 && level.range_m[pixel] <= kReach_m) {
+      points.push_back({level.points_m[pixel]});
+    }
+  }
+  auto result = pcl::make_shared<pcl::PointCloud<pcl::PointXYZ>>();
+  for (const FeaturePoint& point : thin(points, kLeaf_m)) {
+    result->emplace_back(point.point_m.x(), point.point_m.y(), point.point_m.z());
+  }
+  return result;
+}
+
+/// The upward normal of the ground among points in a frame that is about level.
+std::optional<Eigen::Vector3d> ground_normal(
+    const pcl::PointCloud<pcl::PointXYZ>::ConstPtr& points) {
+  if (points->size() < kMinGroundPoints) return std::nullopt;
+  const auto model = pcl::make_shared<GroundModel>(points);
+  model->setAxis(Eigen::Vector3f::UnitZ());
+  model->setEpsAngle(kMostCorrected_rad);
+  pcl::RandomSampleConsensus<pcl::PointXYZ> search(model, kGroundThickness_m);
+  if (!search.computeModel()) return std::nullopt;
+  pcl::Indices inliers;
+  search.getInliers(inliers);
+  if (inliers.size() < kMinGroundPoints) return std::nullopt;
+  Eigen::VectorXf coarse;
+  Eigen::VectorXf plane;
+  search.getModelCoefficients(coarse);
+  model->optimizeModelCoefficients(inliers, coarse, plane);
+  const Eigen::Vector3d normal = plane.head<3>().cast<double>().normalized();
+  return normal.z() < 0.0 ? -normal : normal;
+}
+
+}  // namespace
+
+Eigen::Matrix3d R_level_sensor(const MountingOptions& mounted) {
+  return pose_from_xyz_rpy(Eigen::Vector3d::Zero(), mounted.roll_rad, mounted.pitch_rad, 0.0)
+      .linear();
+}
+
+Mounting::Mounting(const MountingOptions& options, const SensorModel& sensor)
+    : mounted_{options.roll_rad, options.pitch_rad, false},
+      R_level_sensor_(R_level_sensor(mounted_)),
+      is_upside_down_(R_level_sensor_(2, 2) < 0.0),
+      upright_sensor_(is_upside_down_ ? upside_down(sensor) : sensor) {}
+
+Eigen::Vector3d Mounting::up_of_upright_sensor() const {
+  const Eigen::Vector3d up_of_sensor = R_level_sensor_.row(2).transpose();
+  return is_upside_down_ ? half_turned(up_of_sensor) : up_of_sensor;
+}
+
+/// With the vertical u = (-sin p, cos p sin r, cos p cos r) in the sensor's frame, r and p are roll
+/// and pitch, as in pose_from_xyz_rpy.
+bool Mounting::estimate(const OrganizedCloud& cloud) {
+  const std::optional<OrganizedCloud> turned = level(cloud);
+  const std::optional<Eigen::Vector3d> normal =
+      ground_normal(ground_of(turned ? *turned : cloud, upright_sensor_, up_of_upright_sensor()));
+  if (!normal) return false;
+  const Eigen::Vector3d up = R_level_sensor_.transpose() * *normal;
+  mounted_ = {std::atan2(up.y(), up.z()), -std::asin(up.x()), true};
+  R_level_sensor_ = R_level_sensor(mounted_);
+  return true;
+}
+
+std::optional<OrganizedCloud> Mounting::level(const OrganizedCloud& cloud) const {
+  if (R_level_sensor_.isIdentity(0.0)) return std::nullopt;
+  const Eigen::Matrix3f R = R_level_sensor_.cast<float>();
+  OrganizedCloud result = cloud;
+  for (Eigen::Vector3f& point_m : result.points_m) point_m = R * point_m;
+  if (is_upside_down_) {
+    std::reverse(result.points_m.begin(), result.points_m.end());
+    std::reverse(result.range_m.begin(), result.range_m.end());
+    std::reverse(result.time_offset_s.begin(), result.time_offset_s.end());
+    std::reverse(result.confidence.begin(), result.confidence.end());
+  }
+  return result;
+}
+
+Pose Mounting::of_sensor(const Pose& T_map_level) const {
+  return T_map_level * Pose(R_level_sensor_);
+}
+
+Matrix6 Mounting::of_sensor(const Matrix6& covariance) const {
+  if (!covariance.allFinite()) return covariance;
+  const Matrix6 turn = adjoint(Pose(R_level_sensor_.transpose()));
+  return turn * covariance * turn.transpose();
+}
+
+}  // namespace hqslam::slam

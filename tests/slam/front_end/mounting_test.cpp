@@ -1,0 +1,142 @@
+#include "front_end/mounting.h"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "slam/yard.h"
+
+using namespace hqslam;
+using slam::R_level_sensor;
+
+namespace {
+
+constexpr double kDegree_rad = std::numbers::pi / 180.0;
+
+slam::MountingOptions mounted(double roll_rad, double pitch_rad) {
+  return {roll_rad, pitch_rad, false};
+}
+
+Pose level_from_sensor(double roll_rad, double pitch_rad) {
+  return pose_from_xyz_rpy(Eigen::Vector3d::Zero(), roll_rad, pitch_rad, 0.0);
+}
+
+/// What a sensor that leans so sees of the yard.
+OrganizedCloud leaning_scan(const SensorModel& sensor, double roll_rad, double pitch_rad) {
+  return test::Yard().scan(sensor,
+                           test::yard_pose(2.0, 1.0, 0.4) * level_from_sensor(roll_rad, pitch_rad));
+}
+
+double angle_between_rad(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b) {
+  return rotation_angle_rad(Pose(a.transpose() * b));
+}
+
+}  // namespace
+
+TEST_CASE("a level sensor's scan is left as it is, and so are its poses, bit for bit") {
+  const SensorModel sensor = test::small_sensor(4, 16);
+  const slam::Mounting mounting({}, sensor);
+  CHECK_FALSE(mounting.level(leaning_scan(sensor, 0.0, 0.0)).has_value());
+  CHECK(mounting.upright_sensor() == sensor);
+  CHECK(mounting.up_of_upright_sensor() == Eigen::Vector3d::UnitZ());
+  const Pose T = test::yard_pose(1.0, 2.0, 0.3);
+  CHECK(mounting.of_sensor(T).matrix() == T.matrix());
+}
+
+TEST_CASE("what a sensor sees that leans lies where it is, once it is level") {
+  const SensorModel sensor = test::small_sensor(8, 64);
+  const OrganizedCloud cloud = leaning_scan(sensor, 0.1, 0.3);
+  const auto level = slam::Mounting(mounted(0.1, 0.3), sensor).level(cloud);
+  REQUIRE(level.has_value());
+  int floor = 0;
+  for (std::size_t i = 0; i < cloud.range_m.size(); ++i) {
+    CHECK(level->range_m[i] == cloud.range_m[i]);
+    if (std::abs(level->points_m[i].z() + 1.7F) < 1e-4F) ++floor;
+    CHECK(level->points_m[i].z() > -1.7F - 1e-4F);
+  }
+  CHECK(floor > 100);
+}
+
+TEST_CASE("a scan upside down becomes one of an upright sensor: rows and columns from behind") {
+  SensorModel sensor = test::small_sensor(8, 64);
+  sensor.measured_rows = RowSelection{1, 3};  // rows 1, 4, 7
+  sensor.beam_azimuth_offset_rad[0] = 0.01;
+  const slam::Mounting mounting(mounted(std::numbers::pi, 0.0), sensor);
+  const SensorModel& upright = mounting.upright_sensor();
+  CHECK_NOTHROW(validate(upright));
+  CHECK(upright.beam_elevation_rad.front() == -sensor.beam_elevation_rad.back());
+  CHECK(upright.beam_azimuth_offset_rad.back() == -0.01);
+  CHECK(upright.measured_rows == RowSelection{0, 3});  // rows 0, 3, 6
+
+  const auto level = mounting.level(leaning_scan(sensor, std::numbers::pi, 0.0));
+  REQUIRE(level.has_value());
+  const OrganizedCloud seen = test::Yard().scan(upright, test::yard_pose(2.0, 1.0, 0.4));
+  for (std::size_t i = 0; i < seen.range_m.size(); ++i) {
+    CHECK((level->points_m[i] - seen.points_m[i]).norm() < 1e-3F * (1.0F + seen.range_m[i]));
+  }
+}
+
+TEST_CASE("the vertical of an upright sensor is up, though the real one hangs") {
+  const SensorModel sensor = test::small_sensor(4, 16);
+  const Eigen::Vector3d up =
+      slam::Mounting(mounted(std::numbers::pi, 0.2), sensor).up_of_upright_sensor();
+  CHECK(up.x() == doctest::Approx(-std::sin(0.2)));
+  CHECK(std::abs(up.y()) < 1e-9);
+  CHECK(up.z() == doctest::Approx(std::cos(0.2)));
+}
+
+TEST_CASE("a covariance turns with the sensor, and an infinite one stays") {
+  const slam::Mounting mounting(mounted(std::numbers::pi / 2.0 - 0.6, 0.0), test::small_sensor());
+  Eigen::Matrix<double, 6, 1> variance;
+  variance << 1.0, 4.0, 9.0, 0.1, 0.4, 0.9;
+  const Eigen::Matrix3d R = R_level_sensor(mounting.mounted());
+  const slam::Matrix6 turned = mounting.of_sensor(slam::Matrix6(variance.asDiagonal()));
+  const Eigen::Matrix3d expected = R.transpose() * variance.head<3>().asDiagonal() * R;
+  CHECK((turned.topLeftCorner<3, 3>() - expected).norm() < 1e-12);
+  const slam::Matrix6 unknown =
+      slam::Matrix6(slam::Vector6::Constant(std::numeric_limits<double>::infinity()).asDiagonal());
+  CHECK(mounting.of_sensor(unknown).diagonal() == unknown.diagonal());
+}
+
+TEST_CASE("the ground of one scan tells how a sensor leans, to 0.05 degrees") {
+  for (const char* name : {"vlp-16", "os1-16", "os1-64"}) {
+    const SensorModel sensor = sensor_preset(name);
+    for (const auto& [roll_deg, pitch_deg] :
+         {std::pair{0.0, 0.0}, {3.0, -2.0}, {0.0, 20.0}, {-14.0, 14.0}}) {
+      CAPTURE(name);
+      CAPTURE(roll_deg);
+      CAPTURE(pitch_deg);
+      const double roll_rad = roll_deg * kDegree_rad;
+      const double pitch_rad = pitch_deg * kDegree_rad;
+      slam::Mounting mounting({}, sensor);
+      REQUIRE(mounting.estimate(leaning_scan(sensor, roll_rad, pitch_rad)));
+      CHECK(angle_between_rad(R_level_sensor(mounting.mounted()),
+                              level_from_sensor(roll_rad, pitch_rad).linear()) <
+            0.05 * kDegree_rad);
+    }
+  }
+}
+
+TEST_CASE("upside down, too, if the user says so") {
+  const SensorModel sensor = sensor_preset("os1-16");
+  const double hanging_rad = std::numbers::pi + 5.0 * kDegree_rad;
+  slam::Mounting mounting(mounted(std::numbers::pi, 0.0), sensor);
+  REQUIRE(mounting.estimate(leaning_scan(sensor, hanging_rad, 0.0)));
+  CHECK(angle_between_rad(R_level_sensor(mounting.mounted()),
+                          level_from_sensor(hanging_rad, 0.0).linear()) < 0.05 * kDegree_rad);
+}
+
+TEST_CASE("without ground nothing is estimated") {
+  const SensorModel sensor = sensor_preset("os1-16");
+  slam::Mounting mounting(mounted(0.1, 0.0), sensor);
+  const Eigen::Matrix3d R = R_level_sensor(mounting.mounted());
+  CHECK_FALSE(mounting.estimate(OrganizedCloud(sensor.rows(), sensor.columns)));
+  // Walls alone.
+  OrganizedCloud walls = leaning_scan(sensor, 0.0, 0.0);
+  for (std::size_t i = 0; i < walls.range_m.size(); ++i) {
+    if (walls.points_m[i].z() < -1.0F) walls.range_m[i] = 0.0F;
+  }
+  CHECK_FALSE(mounting.estimate(walls));
+  CHECK(R_level_sensor(mounting.mounted()) == R);
+}

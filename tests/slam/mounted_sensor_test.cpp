@@ -1,0 +1,99 @@
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "hqslam/core/error.h"
+#include "hqslam/slam/options.h"
+#include "hqslam/slam/slam.h"
+#include "slam/yard_drive.h"
+
+using namespace hqslam;
+
+namespace {
+
+constexpr int kScans = 25;
+
+Pose level_from_sensor(const slam::MountingOptions& mounting) {
+  return pose_from_xyz_rpy(Eigen::Vector3d::Zero(), mounting.roll_rad, mounting.pitch_rad, 0.0);
+}
+
+/// Scan `i` of the yard's drive by a sensor that leans so.
+OrganizedCloud leaning_scan(const SensorModel& sensor, const slam::MountingOptions& leans, int i) {
+  const Pose T_level_sensor = level_from_sensor(leans);
+  return test::Yard().rolling_scan(sensor, [&](double time_s) {
+    return test::drive_pose(i * test::kDrivePeriod_s + time_s) * T_level_sensor;
+  });
+}
+
+struct Drive {
+  slam::Slam slam;
+  int located = 0;
+  int fewest_ground_points = 1 << 30;
+};
+
+Drive driven(const slam::MountingOptions& leans, const slam::MountingOptions& believed) {
+  const SensorModel sensor = test::small_sensor(16, 512);
+  slam::SlamOptions options;
+  options.mounting = believed;
+  Drive drive{slam::Slam(sensor, options)};
+  for (int i = 0; i < kScans; ++i) {
+    const slam::ScanReport report =
+        drive.slam.process(leaning_scan(sensor, leans, i), i * test::kDrivePeriod_s);
+    drive.located += is_located(report.mapping_status) ? 1 : 0;
+    drive.fewest_ground_points = std::min(drive.fewest_ground_points, report.ground_points);
+  }
+  return drive;
+}
+
+/// Of the sensor's poses in a map whose frame is that of the first scan, turned level.
+double worst_pose_error(const Trajectory& trajectory, const Pose& T_level_sensor) {
+  double worst = 0.0;
+  for (std::size_t i = 0; i < trajectory.size(); ++i) {
+    const Pose truth = test::drive_pose(0).inverse() *
+                       test::drive_pose(static_cast<double>(i) * test::kDrivePeriod_s) *
+                       T_level_sensor;
+    const Pose error = truth.inverse() * trajectory[i].T_map_sensor;
+    worst = std::max({worst, error.translation().norm(), rotation_angle_rad(error)});
+  }
+  return worst;
+}
+
+}  // namespace
+
+TEST_CASE("a sensor that leans is followed if it is known, in a map that is level") {
+  const slam::MountingOptions leans{-0.1, 0.2, false};
+  const Drive drive = driven(leans, leans);
+  CHECK(drive.located == kScans);
+  CHECK(drive.fewest_ground_points > 300);
+  CHECK(worst_pose_error(drive.slam.trajectory(), level_from_sensor(leans)) < 0.04);
+}
+
+TEST_CASE("so is one that hangs upside down") {
+  const slam::MountingOptions hangs{std::numbers::pi, 0.1, false};
+  const Drive drive = driven(hangs, hangs);
+  CHECK(drive.located == kScans);
+  CHECK(drive.fewest_ground_points > 300);
+  CHECK(worst_pose_error(drive.slam.trajectory(), level_from_sensor(hangs)) < 0.04);
+}
+
+TEST_CASE("how it leans is estimated from the first scan where that is asked for") {
+  const slam::MountingOptions leans{0.05, 0.15, false};
+  const Drive drive = driven(leans, {0.0, 0.0, true});
+  CHECK(drive.located == kScans);
+  const slam::MountingOptions seen = drive.slam.mounting();
+  CHECK(seen.estimated);
+  CHECK(std::abs(seen.roll_rad - leans.roll_rad) < 2e-3);
+  CHECK(std::abs(seen.pitch_rad - leans.pitch_rad) < 2e-3);
+  CHECK(worst_pose_error(drive.slam.trajectory(), level_from_sensor(seen)) < 0.04);
+}
+
+TEST_CASE("a sensor on its side is refused") {
+  slam::SlamOptions options;
+  options.mounting.pitch_rad = 1.3;
+  CHECK_THROWS_WITH_AS(
+      slam::Slam(test::small_sensor(), options),
+      "SLAM option mounting.pitch_rad is 1.3, expected a sensor within 60 degrees of upright or of "
+      "upside down",
+      Error);
+}
