@@ -5,6 +5,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -64,14 +65,8 @@ void refuse_foreign_tables(const std::string& out) {
   const std::string json = (folder / "table.json").string();
   refuse_to_replace_foreign(json, kTableJsonMarker);
   if (fs::exists(json)) return;
-  for (const char* name : {"table.md", "table.html"}) {
-    if (fs::exists(folder / name)) {
-      throw Error(
-          fmt::format("{}: is there already and was not written by hqslam table; give "
-                      "another --out or move it",
-                      (folder / name).string()));
-    }
-  }
+  refuse_existing(folder, std::array{"table.md", "table.html"},
+                  "and was not written by hqslam table");
 }
 
 void write_pages(const std::string& markdown, const std::string& json, const std::string& html,
