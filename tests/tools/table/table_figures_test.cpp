@@ -2,8 +2,7 @@
 
 #include <doctest/doctest.h>
 
-#include "table/table_json.h"
-#include "table/table_markdown.h"
+#include "table/table_output.h"
 #include "tools/example_table.h"
 
 namespace hqslam::tools {

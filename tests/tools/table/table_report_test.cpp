@@ -1,7 +1,6 @@
-#include "table/table_report.h"
-
 #include <doctest/doctest.h>
 
+#include "table/table_output.h"
 #include "tools/example_table.h"
 
 namespace hqslam::tools {

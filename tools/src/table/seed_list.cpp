@@ -1,5 +1,3 @@
-#include "table/seed_list.h"
-
 #include <fmt/format.h>
 
 #include <charconv>

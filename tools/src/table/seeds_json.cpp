@@ -1,10 +1,7 @@
-#include "table/seeds_json.h"
-
-#include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "files/build_hash.h"
-#include "table/table_json.h"
+#include "files/content_hash.h"
+#include "table/table_output.h"
 
 namespace hqslam::tools {
 namespace {

@@ -1,9 +1,8 @@
-#include "table/table_page.h"
-
 #include <fmt/format.h>
 
 #include "report/chart.h"
 #include "report/report_style.h"
+#include "table/table_output.h"
 
 namespace hqslam::tools {
 namespace {

@@ -11,7 +11,6 @@
 #include "files/installed_weights.h"
 #include "hqslam/core/error.h"
 #include "hqslam/nn/upsampler.h"
-#include "table/seed_list.h"
 
 namespace hqslam::tools {
 namespace {

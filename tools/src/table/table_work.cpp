@@ -8,7 +8,6 @@
 #include <functional>
 #include <utility>
 
-#include "files/build_hash.h"
 #include "files/content_hash.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/scan_source.h"
