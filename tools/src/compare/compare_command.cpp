@@ -185,7 +185,7 @@ void finish_curve(const ConfidenceCurve& curve, const CompareOptions& options, s
 template <typename Use>
 std::int64_t for_each_scan(const CompareOptions& options, const SensorModel& sensor,
                            const InterruptGuard& interrupt, const Use& use) {
-  const auto source = open_input(input_recording(options), sensor);
+  const auto source = open_input(options, sensor);
   print_warnings(*source, options.input);
   Progress progress("compare", source->size());
   std::int64_t used = 0;

@@ -17,7 +17,7 @@ namespace hqslam::tools {
 namespace {
 
 RangeImage scan_of(const InspectOptions& options, const SensorModel& sensor) {
-  const auto source = open_input(input_recording(options), sensor);
+  const auto source = open_input(options, sensor);
   print_warnings(*source, options.input);
   LeftOut left_out;
   std::optional<RecordedScan> scan;

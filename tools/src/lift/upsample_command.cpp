@@ -43,7 +43,7 @@ UpsamplingPlan plan_of(const UpsampleOptions& options) {
 }
 
 std::unique_ptr<ScanSource> source_of(const UpsampleOptions& options, const UpsamplingPlan& plan) {
-  auto source = open_input(input_recording(options), plan.recording_sensor);
+  auto source = open_input(options, plan.recording_sensor);
   print_warnings(*source, options.input);
   return source;
 }

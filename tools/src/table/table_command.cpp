@@ -141,7 +141,7 @@ void declare_table(CLI::App& app, TableOptions& options) {
       ->delimiter(',');
   command->add_option("--weights", options.weights, "Weights files that become rows of their own")
       ->delimiter(',');
-  command->add_option("--sensor", options.sensor,
+  command->add_option("--sensor", options.reading.sensor,
                       "Sensor of recordings that do not say theirs (name or .json file)");
   declare_reading(*command, options.reading);
   command

@@ -39,11 +39,11 @@ std::optional<nn::Upsampler> shared_upsampler(const TablePass& pass) {
   const TableMethod& method = pass.methods.front();
   if (method.source.empty()) return std::nullopt;
   const std::string weights = weights_of(method, pass.sensor.name);
-  UpsamplingPlan plan = plan_upsampling({.input = pass.drive.recording,
-                                         .sensor = pass.drive.sensor,
+  UpsamplingPlan plan = plan_upsampling({.input = pass.drive.recording.input,
+                                         .sensor = pass.drive.recording.sensor,
                                          .method = weights.empty() ? method.source : weights,
                                          .rows = kTableMeasuredRows,
-                                         .stream = pass.drive.reading.stream});
+                                         .stream = pass.drive.recording.stream});
   if (weights.empty()) return std::move(plan.upsampler);
   return nn::Upsampler(nn::SuperResolver::load(weights, {.filter_result = false}),
                        plan.upsampler.sensor());
@@ -239,7 +239,7 @@ class Pass {
 std::vector<TableResult> run_pass(const TablePass& pass, const InterruptGuard& interrupt,
                                   const std::function<void()>& on_scan) {
   Pass state(pass);
-  const std::unique_ptr<ScanSource> source = open_input(input_of(pass.drive), pass.sensor);
+  const std::unique_ptr<ScanSource> source = open_input(pass.drive.recording, pass.sensor);
   LeftOut left_out;
   std::int64_t used = 0;
   while (used < pass.scans) {
