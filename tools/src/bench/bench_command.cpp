@@ -1,5 +1,3 @@
-#include "bench/bench_command.h"
-
 #include <fmt/format.h>
 #include <omp.h>
 #include <stdlib.h>
@@ -15,6 +13,7 @@
 #include "bench/bench_measurement.h"
 #include "bench/bench_network.h"
 #include "bench/bench_network_output.h"
+#include "commands.h"
 #include "files/installed_weights.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/scan_source.h"

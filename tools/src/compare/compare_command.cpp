@@ -1,10 +1,9 @@
-#include "compare/compare_command.h"
-
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include "commands.h"
 #include "compare/confidence_curve.h"
 #include "compare/confidence_report.h"
 #include "compare/tulip_comparison.h"

@@ -1,5 +1,3 @@
-#include "evaluate/evaluate_map_command.h"
-
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -7,6 +5,7 @@
 #include <filesystem>
 #include <optional>
 
+#include "commands.h"
 #include "evaluate/map_error.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/pcd.h"

@@ -1,9 +1,8 @@
-#include "lift/inspect_command.h"
-
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
 
+#include "commands.h"
 #include "files/text_file.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/scan_source.h"

@@ -1,5 +1,3 @@
-#include "lift/upsample_command.h"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <omp.h>
@@ -9,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "commands.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/scan_source.h"
 #include "hqslam/nn/upsampled_cloud.h"

@@ -1,5 +1,3 @@
-#include "lift/weights_command.h"
-
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -8,6 +6,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "commands.h"
 #include "hqslam/core/whole_file.h"
 #include "hqslam/nn/hqs/network.h"
 #include "hqslam/nn/hqs/network_json.h"
@@ -37,7 +36,7 @@ RangeImage sample_scan(const nn::NetworkDescription& network) {
                      network.measured_rows);
 }
 
-int pack(const PackOptions& options) {
+int pack(const WeightsOptions& options) {
   nn::Weights weights;
   weights.description = described_network(options.description);
   nn::ForeignArrays foreign = nn::read_foreign_arrays(options.arrays, weights.description);
@@ -118,16 +117,16 @@ void declare_weights(CLI::App& app, WeightsOptions& options) {
   CLI::App* packed = command->add_subcommand(
       "pack", "Make a weights file of arrays that another program has trained");
   packed
-      ->add_option("arrays", options.pack.arrays,
+      ->add_option("arrays", options.arrays,
                    "The network's arrays (.npz), as numpy.savez writes a PyTorch state dict")
       ->required()
       ->check(CLI::ExistingFile);
   packed
-      ->add_option("description", options.pack.description,
+      ->add_option("description", options.description,
                    "The network (.json): what \"network\" is in a recipe, or the recipe")
       ->required()
       ->check(CLI::ExistingFile);
-  packed->add_option("--out", options.pack.out, "Weights file to write")->required();
+  packed->add_option("--out", options.out, "Weights file to write")->required();
   packed->footer(
       "Names and shapes of the arrays: nn/README.md, or hqslam weights show. If the arrays\n"
       "self_test.measured (measured rows) and self_test.expected (all rows; metres, 0 = no "
@@ -136,7 +135,7 @@ void declare_weights(CLI::App& app, WeightsOptions& options) {
 }
 
 int weights_command(const WeightsOptions& options) {
-  return options.show.empty() ? pack(options.pack) : show(options.show);
+  return options.show.empty() ? pack(options) : show(options.show);
 }
 
 }  // namespace hqslam::tools

@@ -1,5 +1,3 @@
-#include "table/table_command.h"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -12,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "commands.h"
 #include "files/result_folder.h"
 #include "files/text_file.h"
 #include "hqslam/core/error.h"

@@ -1,5 +1,3 @@
-#include "train/train_command.h"
-
 #include <fmt/format.h>
 #include <omp.h>
 
@@ -12,6 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "commands.h"
 #include "files/result_folder.h"
 #include "files/text_file.h"
 #include "hqslam/core/error.h"
