@@ -9,7 +9,6 @@
 #include <string_view>
 
 #include "hqslam/slam/status.h"
-#include "live/live_page.h"
 
 namespace hqslam::tools {
 namespace {
