@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -56,14 +57,6 @@ int pack(const WeightsOptions& options) {
   return kOk;
 }
 
-std::string shape_text(const nn::ParameterShape& array) {
-  std::string text;
-  for (const std::int64_t extent : array.shape) {
-    text += fmt::format("{}{}", text.empty() ? "" : " x ", extent);
-  }
-  return text;
-}
-
 void print_arrays(const nn::Weights& weights) {
   const std::vector<nn::ParameterShape> arrays = nn::parameter_shapes(weights.description);
   std::size_t width = 5;
@@ -80,7 +73,8 @@ void print_arrays(const nn::Weights& weights) {
     }
     const auto count = static_cast<double>(array.elements());
     const double mean = sum / count;
-    to_stdout("{:<{}}  {:<18} {:>10.4f} {:>10.4f}\n", array.name, width, shape_text(array), mean,
+    to_stdout("{:<{}}  {:<18} {:>10.4f} {:>10.4f}\n", array.name, width,
+              fmt::format("{}", fmt::join(array.shape, " x ")), mean,
               std::sqrt(std::max(0.0, squares / count - mean * mean)));
     next = end;
   }
