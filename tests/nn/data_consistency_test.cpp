@@ -1,7 +1,5 @@
 #include "hqs/data_consistency.h"
 
-#include <omp.h>
-
 #include "golden.h"
 #include "random_values.h"
 

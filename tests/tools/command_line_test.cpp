@@ -3,7 +3,6 @@
 #include <doctest/doctest.h>
 
 #include <CLI/CLI.hpp>
-#include <initializer_list>
 #include <string>
 #include <vector>
 

@@ -1,7 +1,6 @@
 #include "compare/upsampling_comparison.h"
 
 #include <algorithm>
-#include <cmath>
 #include <numbers>
 
 #include "hqslam/nn/hqs/outlier_removal.h"

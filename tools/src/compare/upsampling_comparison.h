@@ -9,7 +9,6 @@
 #include "hqslam/core/image_error.h"
 #include "hqslam/core/organized_cloud.h"
 #include "hqslam/core/range_image.h"
-#include "hqslam/core/sensor_model.h"
 #include "hqslam/nn/upsampler.h"
 
 namespace hqslam::tools {

@@ -12,7 +12,6 @@
 #include "hqslam/core/trajectory_error.h"
 #include "hqslam/sim/read_drive.h"
 #include "recording/recording_sensor.h"
-#include "recording/reference.h"
 #include "terminal/exit_status.h"
 #include "terminal/terminal.h"
 

@@ -1,7 +1,5 @@
 #include "live/live_view.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <charconv>
 #include <cmath>

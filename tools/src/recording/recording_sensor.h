@@ -4,7 +4,6 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "hqslam/core/scan_source.h"
 #include "hqslam/core/sensor_model.h"

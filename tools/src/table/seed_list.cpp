@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "hqslam/core/error.h"
+#include "table/table_plan.h"
 
 namespace hqslam::tools {
 namespace {

@@ -5,7 +5,6 @@
 #include <string_view>
 
 #include "report/chart.h"
-#include "report/density_image.h"
 #include "report/error_color.h"
 #include "table/table_output.h"
 
