@@ -81,8 +81,10 @@ class Convolution final : public Layer {
       if (d_input_.channels() == 0) d_input_ = input_.make();
       layer_.backward_parameters(*pass.inputs[0], *d_sum, d_weight, d_parameters);
       layer_.backward_input(*d_sum, {}, d_input_);
-      add(d_input_, *pass.d_inputs[0]);
-      if (pass.inputs.size() > 1) add(*d_sum, *pass.d_inputs[1]);
+      add_channels(d_input_, d_input_.channels(), *pass.d_inputs[0]);
+      if (pass.inputs.size() > 1) {
+        add_channels(*d_sum, d_sum->channels(), *pass.d_inputs[1]);
+      }
     }
   }
 
