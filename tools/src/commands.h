@@ -94,6 +94,7 @@ struct CompareOptions : InputChoice {
   std::string curve;  ///< page to write about the last weights' confidence; empty: none
   float tolerance_m = nn::SuperResolverOptions{}.tolerance_m;  ///< of that confidence
   bool filters = false;
+  bool layers = false;
   std::string protocol = "own";  ///< or "tulip"
   int threads = 0;               ///< 0: what OpenMP chooses
 };
