@@ -23,7 +23,9 @@ void write_stack(const std::vector<float>& ranges_m, const std::string& path) {
 }
 
 std::string identity(const std::string& recording, std::int64_t scans) {
-  return identity_of({"name", recording, "", "", std::nullopt}, scans);
+  TableDrive drive;
+  drive.recording.input = recording;
+  return identity_of(drive, scans);
 }
 
 }  // namespace

@@ -19,8 +19,9 @@ DriveFigures example_drive(bool with_truth) {
   }
   std::optional<TrajectoryFile> truth;
   if (with_truth) truth = TrajectoryFile{"truth.tum", test::example_trajectory(0.0), true};
-  return drive_figures({"town", {.input = "recording"}, "", std::nullopt}, "os1-64", methods,
-                       results, truth);
+  TableDrive drive;
+  drive.name = "town";
+  return drive_figures(drive, "os1-64", methods, results, truth);
 }
 
 }  // namespace
