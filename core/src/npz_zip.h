@@ -2,7 +2,6 @@
 
 #include <zip.h>
 
-#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <string>

@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <optional>
 #include <vector>
@@ -25,16 +27,9 @@ float range_of(const Eigen::Vector3f& point_m) {
 /// above the highest or below the lowest beam.
 std::optional<int> nearest_row(double elevation_rad, const std::vector<double>& beams_rad) {
   const int rows = static_cast<int>(beams_rad.size());
-  int above = 0;  // number of beams at or above the direction: a binary search, beams fall
-  for (int step = rows; step > 0;) {
-    const int half = step / 2;
-    if (beams_rad[above + half] >= elevation_rad) {
-      above += half + 1;
-      step -= half + 1;
-    } else {
-      step = half;
-    }
-  }
+  const auto below = std::lower_bound(beams_rad.begin(), beams_rad.end(), elevation_rad,
+                                      std::greater_equal<>());  // beams fall
+  const auto above = static_cast<int>(below - beams_rad.begin());
   int row = above;
   if (above == rows ||
       (above > 0 && beams_rad[above - 1] - elevation_rad < elevation_rad - beams_rad[above])) {

@@ -6,7 +6,6 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
-#include <vector>
 
 #include "file_scan_source.h"
 #include "hqslam/core/error.h"

@@ -2,7 +2,6 @@
 #include <fmt/ranges.h>
 
 #include <array>
-#include <cmath>
 #include <numbers>
 #include <vector>
 

@@ -14,12 +14,8 @@ namespace hqslam {
 
 namespace {
 
-struct NamedAlignment {
-  Alignment alignment;
-  std::string_view name;
-};
-constexpr std::array<NamedAlignment, 3> kAlignments = {
-    {{Alignment::kNone, "none"}, {Alignment::kFirstPose, "first"}, {Alignment::kSe3, "se3"}}};
+/// In the order of Alignment.
+constexpr std::array<std::string_view, 3> kAlignments = {"none", "first", "se3"};
 
 // The rotation R and translation t that move the estimate's positions e_i onto the reference's r_i.
 //
@@ -63,16 +59,10 @@ Pose umeyama(const Trajectory& estimate, const Trajectory& reference, const Pose
 
 Pose alignment_of(const Trajectory& estimate, const Trajectory& reference, const PosePairs& pairs,
                   Alignment alignment) {
-  switch (alignment) {
-    case Alignment::kNone:
-      break;
-    case Alignment::kFirstPose:
-      return reference[pairs.reference[0]].T_map_sensor *
-             estimate[pairs.estimate[0]].T_map_sensor.inverse();
-    case Alignment::kSe3:
-      return umeyama(estimate, reference, pairs);
-  }
-  return Pose::Identity();
+  if (alignment == Alignment::kNone) return Pose::Identity();
+  if (alignment == Alignment::kSe3) return umeyama(estimate, reference, pairs);
+  return reference[pairs.reference[0]].T_map_sensor *
+         estimate[pairs.estimate[0]].T_map_sensor.inverse();
 }
 
 }  // namespace
@@ -86,16 +76,12 @@ void require_pairs(const PosePairs& pairs, std::size_t expected, double max_diff
 }
 
 std::string_view name(Alignment alignment) {
-  for (const NamedAlignment& named : kAlignments) {
-    if (named.alignment == alignment) return named.name;
-  }
-  throw Error("expected an alignment, found a number that names none");
+  return kAlignments[static_cast<std::size_t>(alignment)];
 }
 
 Alignment alignment_from_name(std::string_view name) {
-  for (const NamedAlignment& named : kAlignments) {
-    if (named.name == name) return named.alignment;
-  }
+  const auto found = std::find(kAlignments.begin(), kAlignments.end(), name);
+  if (found != kAlignments.end()) return static_cast<Alignment>(found - kAlignments.begin());
   throw Error(fmt::format("alignment: expected none, first or se3, found '{}'", name));
 }
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <array>
 #include <cstdlib>
 
 #include "hqslam/core/error.h"
@@ -11,15 +12,8 @@
 namespace hqslam::nn {
 
 std::string_view name(InstructionSet instruction_set) {
-  switch (instruction_set) {
-    case InstructionSet::kAvx2:
-      return "avx2";
-    case InstructionSet::kAvx512:
-      return "avx512";
-    case InstructionSet::kPortable:
-      break;
-  }
-  return "portable";
+  constexpr std::array<std::string_view, 3> kNames = {"portable", "avx2", "avx512"};
+  return kNames[static_cast<std::size_t>(instruction_set)];
 }
 
 std::vector<InstructionSet> available_instruction_sets() {

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <vector>
 
 #include "hqslam/core/error.h"
@@ -88,11 +87,6 @@ Eigen::Vector3f turned_up(const Eigen::Vector3f& point_m, float angle_rad) {
   return {scale * point_m.x(), scale * point_m.y(), cosine * point_m.z() + sine * horizontal_m};
 }
 
-/// An offset that is off by a whole revolution, back into the scan.
-float within_scan(float time_offset_s, double scan_period_s) {
-  return static_cast<float>(std::remainder(time_offset_s, scan_period_s));
-}
-
 /// The rows between measured rows `above` and `below` (-1 or the number of rows: none there).
 void correct_row(OrganizedCloud& cloud, int row, int above, int below, float t,
                  const OrganizedCloud& measured, const std::vector<Deviation>& deviations,
@@ -108,9 +102,9 @@ void correct_row(OrganizedCloud& cloud, int row, int above, int below, float t,
     if (deviation.elevation_rad != 0.0F && cloud.range_m[pixel] > 0.0F) {
       cloud.points_m[pixel] = turned_up(cloud.points_m[pixel], deviation.elevation_rad);
     }
-    if (deviation.time_s != 0.0F) {
-      cloud.time_offset_s[pixel] =
-          within_scan(cloud.time_offset_s[pixel] + deviation.time_s, sensor.scan_period_s);
+    if (deviation.time_s != 0.0F) {  // what is off by a whole revolution comes back into the scan
+      cloud.time_offset_s[pixel] = static_cast<float>(
+          std::remainder(cloud.time_offset_s[pixel] + deviation.time_s, sensor.scan_period_s));
     }
   }
 }

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <array>
 #include <utility>
 
@@ -11,43 +12,22 @@
 namespace hqslam::nn {
 namespace {
 
-struct NamedInterpolation {
-  const char* name;
-  Interpolation interpolation;
-};
-constexpr std::array<NamedInterpolation, 3> kInterpolations = {{
-    {"nearest", Interpolation::kNearest},
-    {"linear", Interpolation::kLinear},
-    {"inverse", Interpolation::kInverse},
-}};
+/// In the order of Interpolation.
+constexpr std::array<std::string_view, 3> kNames = {"nearest", "linear", "inverse"};
 
 }  // namespace
 
-std::vector<std::string> interpolation_names() {
-  std::vector<std::string> names;
-  for (const NamedInterpolation& named : kInterpolations) {
-    names.emplace_back(named.name);
-  }
-  return names;
-}
+std::vector<std::string> interpolation_names() { return {kNames.begin(), kNames.end()}; }
 
 bool is_interpolation(std::string_view name) {
-  for (const NamedInterpolation& named : kInterpolations) {
-    if (named.name == name) {
-      return true;
-    }
-  }
-  return false;
+  return std::find(kNames.begin(), kNames.end(), name) != kNames.end();
 }
 
 Interpolation interpolation_from_name(std::string_view name) {
-  for (const NamedInterpolation& named : kInterpolations) {
-    if (named.name == name) {
-      return named.interpolation;
-    }
-  }
-  throw Error(fmt::format("'{}' is no interpolation; choose one of {}", name,
-                          fmt::join(interpolation_names(), ", ")));
+  const auto found = std::find(kNames.begin(), kNames.end(), name);
+  if (found != kNames.end()) return static_cast<Interpolation>(found - kNames.begin());
+  throw Error(
+      fmt::format("'{}' is no interpolation; choose one of {}", name, fmt::join(kNames, ", ")));
 }
 
 Upsampler::Upsampler(SuperResolver network) : method_(std::move(network)) {
@@ -66,15 +46,8 @@ Upsampler::Upsampler(Interpolation interpolation, SensorModel sensor, RowSelecti
 }
 
 std::string Upsampler::name() const {
-  if (network() != nullptr) {
-    return std::string(nn::name(network()->description()));
-  }
-  for (const NamedInterpolation& named : kInterpolations) {
-    if (named.interpolation == std::get<Interpolation>(method_)) {
-      return named.name;
-    }
-  }
-  return "";
+  if (network() != nullptr) return std::string(nn::name(network()->description()));
+  return std::string(kNames[static_cast<std::size_t>(std::get<Interpolation>(method_))]);
 }
 
 LiftedImage Upsampler::run(const RangeImage& measured) {

@@ -1,8 +1,8 @@
 #include "hqslam/nn/hqs/weights_file.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
-#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -23,24 +23,17 @@ constexpr const char* kDescription = "description";
 constexpr const char* kMeasured = "self_test.measured";
 constexpr const char* kExpected = "self_test.expected";
 
-std::string shape_text(const std::vector<std::int64_t>& shape) {
-  std::string text;
-  for (const std::int64_t extent : shape)
-    text += fmt::format("{}{}", text.empty() ? "" : "x", extent);
-  return text;
-}
-
 /// The array of that name, which must have that shape; taken out of `arrays`.
 NpzArray take_array(const std::string& path, const std::string& name,
                     const std::vector<std::int64_t>& shape, NpzArrays& arrays) {
   const auto found = arrays.find(name);
   if (found == arrays.end()) {
-    throw Error(
-        fmt::format("{}: expected an array '{}' of {}, found none", path, name, shape_text(shape)));
+    throw Error(fmt::format("{}: expected an array '{}' of {}, found none", path, name,
+                            fmt::join(shape, "x")));
   }
   if (found->second.shape != shape) {
     throw Error(fmt::format("{}: array '{}': expected shape {}, found {}", path, name,
-                            shape_text(shape), shape_text(found->second.shape)));
+                            fmt::join(shape, "x"), fmt::join(found->second.shape, "x")));
   }
   NpzArray array = std::move(found->second);
   arrays.erase(found);

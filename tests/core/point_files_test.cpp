@@ -2,17 +2,13 @@
 
 #include <cmath>
 #include <filesystem>
-#include <fstream>
-#include <functional>
 #include <numbers>
 #include <random>
 
 #include "error_message.h"
 #include "file_contents.h"
 #include "hqslam/core/error.h"
-#include "hqslam/core/kitti_bin.h"
 #include "hqslam/core/point_times.h"
-#include "hqslam/core/projection.h"
 #include "hqslam/core/scan_source.h"
 #include "temporary_directory.h"
 

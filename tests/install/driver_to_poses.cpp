@@ -1,7 +1,5 @@
 #include <hqslam/recordings/recording.h>
 
-#include <algorithm>
-#include <cmath>
 #include <iostream>
 #include <limits>
 

@@ -1,7 +1,5 @@
 #include "hqslam/nn/training/adamw.h"
 
-#include <cmath>
-
 #include "golden.h"
 
 namespace hqslam::nn {

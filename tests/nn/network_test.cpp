@@ -1,7 +1,6 @@
 #include "hqslam/nn/hqs/network.h"
 
 #include <doctest/doctest.h>
-#include <omp.h>
 
 #include <set>
 

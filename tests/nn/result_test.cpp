@@ -2,8 +2,6 @@
 
 #include <doctest/doctest.h>
 
-#include <cmath>
-
 #include "small_network.h"
 
 namespace hqslam::nn {

@@ -1,7 +1,5 @@
 #include "hqs/selection.h"
 
-#include <omp.h>
-
 #include <cmath>
 
 #include "golden.h"

@@ -37,7 +37,8 @@ TEST_CASE("worked example, data consistency: L = 10, Z = 12, Y = 11, b = 0.1") {
     z.at(0, row, 0) = 12.0F;
     y.at(0, row, 0) = 11.0F;
   }
-  DataConsistency{{1, 1}, {1, 2}, 0.1F}.forward(l, z, y, h);
+  const DataConsistency step{{1, 1}, {1, 2}, 0.1F};
+  for (int row = 0; row < 2; ++row) step.forward_row(l, z, y, row, h);
   CHECK(h.at(0, 1, 0) == doctest::Approx(10.25));  // measured row
   CHECK(h.at(0, 0, 0) == doctest::Approx(11.5));   // other row
 }

@@ -8,7 +8,6 @@
 #include <cstdint>
 #include <cstdlib>
 #include <new>
-#include <string>
 
 #include "golden_folder.h"
 #include "hqslam/core/projection.h"

@@ -3,7 +3,6 @@
 #include <doctest/doctest.h>
 
 #include <CLI/CLI.hpp>
-#include <initializer_list>
 #include <string>
 #include <vector>
 
@@ -112,7 +111,7 @@ TEST_CASE("the options of table arrive where they belong, lists split at commas"
   CHECK(table.drives == std::vector<std::string>{"town", "/"});
   CHECK(table.methods == std::vector<std::string>{"rows-16", "du-or"});
   CHECK(table.weights == std::vector<std::string>{"a", "b"});
-  CHECK(table.sensor == "hdl-64e");
+  CHECK(table.reading.sensor == "hdl-64e");
   CHECK(table.reference == "/proc/version");
   CHECK(table.scans == 7);
   CHECK(table.out == "x");

@@ -1,12 +1,14 @@
 // A ROS 2 node: points of a LiDAR with 16 beams in, pose and lifted points out.
 //
 //   subscribes  points             sensor_msgs/PointCloud2, fields x y z and t or time
-//   publishes   odometry           nav_msgs/Odometry, sensor in the frame of the first scan
+//   publishes   odometry           nav_msgs/Odometry, sensor in the frame of the first scan, turned
+//                                  level
 //               lifted             sensor_msgs/PointCloud2, x y z of all rows
 //               map -> sensor      by tf2
 //   parameters  weights            a network of weights/, "" for none
 //               sensor             a preset or .json file, without weights
-//               map_frame, loop_closing, threads
+//               map_frame, loop_closing, threads, and every name of `hqslam slam-options`, as
+//               mounting.roll_rad
 //
 // Written against the documented interfaces of rclcpp and tf2_ros (Humble and later). It is not
 // built or tested here, where there is no ROS.
@@ -123,6 +125,10 @@ class HqslamNode : public rclcpp::Node {
     hqslam::slam::SlamOptions options;
     options.loop_closing.enabled = declare_parameter("loop_closing", false);
     options.threads = static_cast<int>(declare_parameter("threads", 0));
+    for (const hqslam::slam::NamedOption& option : hqslam::slam::option_table()) {
+      const std::string name(option.name);
+      hqslam::slam::set_option(options, name, declare_parameter(name, option.get(options)));
+    }
     if (weights.empty()) {
       sensor_ = hqslam::load_sensor(sensor);
     } else {

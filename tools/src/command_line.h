@@ -2,22 +2,12 @@
 
 #include <functional>
 
-#include "bench/bench_command.h"
-#include "compare/compare_command.h"
-#include "demo/demo_command.h"
-#include "evaluate/evaluate_command.h"
-#include "evaluate/evaluate_map_command.h"
-#include "info/info_command.h"
-#include "lift/inspect_command.h"
-#include "lift/upsample_command.h"
-#include "lift/weights_command.h"
-#include "live/live_command.h"
+#include "commands.h"
 #include "run/map_command.h"
 #include "run/run_command.h"
 #include "run/slam_options_command.h"
 #include "simulate/simulate_command.h"
-#include "table/table_command.h"
-#include "train/train_command.h"
+#include "table/table_plan.h"
 
 namespace CLI {
 class App;

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cstdlib>
 
 #include "ouster_layout.h"
 

@@ -1,8 +1,5 @@
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
-
 #include "hqslam/core/error.h"
 #include "hqslam/recordings/scan_assembler.h"
 #include "packet_scans.h"

@@ -1,7 +1,6 @@
 #include "velodyne_tables.h"
 
 #include <algorithm>
-#include <array>
 #include <numeric>
 
 namespace hqslam::recordings {

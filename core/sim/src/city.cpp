@@ -2,7 +2,6 @@
 
 #include <numbers>
 
-#include "furniture.h"
 #include "ground.h"
 #include "on_ground.h"
 #include "tree.h"

@@ -1,7 +1,6 @@
 #include "furniture.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace hqslam::sim {
 

@@ -1,6 +1,5 @@
 #include "ground.h"
 
-#include <algorithm>
 #include <cmath>
 #include <numbers>
 

@@ -1,7 +1,6 @@
 #include "hand_sway.h"
 #include "indoor_mesh.h"
 #include "path_plan.h"
-#include "random.h"
 #include "scenario.h"
 #include "walking_path.h"
 

@@ -20,16 +20,6 @@ void copy_channels_row(const Tensor& from, int from_channel, int channels, int r
   }
 }
 
-void add_channels(const Tensor& from, int channels, Tensor& to) {
-  for (int channel = 0; channel < channels; ++channel) {
-    for (int row = 0; row < to.rows(); ++row) {
-      const float* from_row = from.row(channel, row);
-      float* to_row = to.row(channel, row);
-      for (int x = 0; x < to.columns(); ++x) to_row[x] += from_row[x];
-    }
-  }
-}
-
 void clear_channels(int from_channel, Tensor& tensor) {
 #pragma omp for schedule(static)
   for (int row = 0; row < tensor.rows(); ++row) clear_channels_row(from_channel, row, tensor);

@@ -13,9 +13,6 @@ void copy_channels(const Tensor& from, int from_channel, int channels, Tensor& t
 void copy_channels_row(const Tensor& from, int from_channel, int channels, int row, Tensor& to,
                        int to_channel);
 
-/// The first `channels` channels of `from` are added to those of `to`.
-void add_channels(const Tensor& from, int channels, Tensor& to);
-
 /// Zero from channel `from_channel` on, borders too.
 void clear_channels(int from_channel, Tensor& tensor);
 /// One row, by the calling thread alone.

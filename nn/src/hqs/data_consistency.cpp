@@ -2,11 +2,6 @@
 
 namespace hqslam::nn {
 
-void DataConsistency::forward(const Tensor& l, const Tensor& z, const Tensor& y, Tensor& h) const {
-#pragma omp for schedule(static)
-  for (int row = 0; row < h.rows(); ++row) forward_row(l, z, y, row, h);
-}
-
 void DataConsistency::forward_row(const Tensor& l, const Tensor& z, const Tensor& y, int row,
                                   Tensor& h) const {
   const float weight_l = 1.0F / (1.0F + 2.0F * penalty);

@@ -19,10 +19,7 @@ struct DataConsistency {
   RowSelection measured_rows;
   float penalty = 0.1F;  ///< b
 
-  /// l: measured ranges, anything in the other rows. h: result, borders filled. Called by all
-  /// threads of a parallel region, they share the work.
-  void forward(const Tensor& l, const Tensor& z, const Tensor& y, Tensor& h) const;
-  /// One row of tiles, by the calling thread alone.
+  /// One row of tiles. l: measured ranges, anything in the other rows. h: result, borders filled.
   void forward_row(const Tensor& l, const Tensor& z, const Tensor& y, int row, Tensor& h) const;
 
   /// d_h: d loss / d H. Writes d loss / d A to d_a and returns d loss / d b. One thread.

@@ -6,12 +6,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "../kernels/row_kernels.h"
 #include "../parameters.h"
 #include "hqslam/core/error.h"
 #include "hqslam/nn/hqs/interpolation.h"
 #include "two_modes.h"
-#include "two_modes_graph.h"
 
 namespace hqslam::nn {
 namespace {

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "../convolution_graph.h"
+#include "../layers/tensor_sums.h"
 #include "../parameters.h"
 #include "channels.h"
 #include "hqslam/core/error.h"

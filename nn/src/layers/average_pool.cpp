@@ -6,9 +6,7 @@ namespace {
 class AveragePool final : public Layer {
  public:
   explicit AveragePool(const TensorShape& input)
-      : output_{input.channels, input.rows / 2, input.columns / 2, input.padding} {}
-
-  TensorShape output_shape() const override { return output_; }
+      : Layer({input.channels, input.rows / 2, input.columns / 2, input.padding}) {}
 
   void forward(const LayerPass& pass) override {
 #pragma omp for schedule(static)
@@ -37,9 +35,6 @@ class AveragePool final : public Layer {
       }
     }
   }
-
- private:
-  TensorShape output_;
 };
 
 }  // namespace

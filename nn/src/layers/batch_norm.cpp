@@ -9,9 +9,7 @@ namespace {
 class BatchNorm final : public Layer {
  public:
   BatchNorm(float epsilon, float negative_slope, const TensorShape& input)
-      : epsilon_(epsilon), negative_slope_(negative_slope), output_(input) {}
-
-  TensorShape output_shape() const override { return output_; }
+      : Layer(input), epsilon_(epsilon), negative_slope_(negative_slope) {}
 
   std::vector<ParameterShape> parameter_shapes() const override {
     const std::int64_t channels = output_.channels;
@@ -158,7 +156,6 @@ class BatchNorm final : public Layer {
 
   float epsilon_;
   float negative_slope_;
-  TensorShape output_;
   std::vector<float> weight_;
   std::vector<float> bias_;
   std::vector<float> running_mean_;

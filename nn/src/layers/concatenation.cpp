@@ -8,9 +8,7 @@ namespace {
 class Concatenation final : public Layer {
  public:
   Concatenation(const TensorShape& first, const TensorShape& second)
-      : output_{first.channels + second.channels, first.rows, first.columns, first.padding} {}
-
-  TensorShape output_shape() const override { return output_; }
+      : Layer({first.channels + second.channels, first.rows, first.columns, first.padding}) {}
 
   void forward(const LayerPass& pass) override {
     const int of_first = pass.inputs[0]->channels();
@@ -40,9 +38,6 @@ class Concatenation final : public Layer {
       }
     }
   }
-
- private:
-  TensorShape output_;
 };
 
 }  // namespace

@@ -31,15 +31,14 @@ TensorShape output_of(const ConvolutionOptions& o, const TensorShape& input) {
 class Convolution final : public Layer {
  public:
   Convolution(const ConvolutionOptions& options, const TensorShape& input, const Engine& engine)
-      : options_(options),
+      : Layer(output_of(options, input)),
+        options_(options),
         shape_(shape_of(options, input)),
         input_(input),
-        output_(output_of(options, input)),
         computed_pixels_((options.transposed ? input.rows : output_.rows) *
                          (options.transposed ? input.columns : output_.columns)),
         layer_(shape_, input.make(), output_.make(), engine.instruction_set, engine.threads) {}
 
-  TensorShape output_shape() const override { return output_; }
   std::int64_t multiply_adds() const override { return shape_.weights() * computed_pixels_; }
 
   std::vector<ParameterShape> parameter_shapes() const override {
@@ -82,8 +81,10 @@ class Convolution final : public Layer {
       if (d_input_.channels() == 0) d_input_ = input_.make();
       layer_.backward_parameters(*pass.inputs[0], *d_sum, d_weight, d_parameters);
       layer_.backward_input(*d_sum, {}, d_input_);
-      add(d_input_, *pass.d_inputs[0]);
-      if (pass.inputs.size() > 1) add(*d_sum, *pass.d_inputs[1]);
+      add_channels(d_input_, d_input_.channels(), *pass.d_inputs[0]);
+      if (pass.inputs.size() > 1) {
+        add_channels(*d_sum, d_sum->channels(), *pass.d_inputs[1]);
+      }
     }
   }
 
@@ -91,7 +92,6 @@ class Convolution final : public Layer {
   ConvolutionOptions options_;
   ConvolutionShape shape_;
   TensorShape input_;
-  TensorShape output_;
   std::int64_t computed_pixels_;  ///< of the side with fewer
   Conv2d layer_;
   Tensor d_sum_;
@@ -103,14 +103,13 @@ class NormalisedConvolution final : public Layer {
  public:
   NormalisedConvolution(const ConvolutionOptions& options, float epsilon, const TensorShape& input,
                         const Engine& engine)
-      : channels_(options.channels),
+      : Layer(output_of(options, input)),
         // conv_transpose2d's weights have the input channels first.
         outer_(options.transposed ? input.channels : 1),
         epsilon_(epsilon),
         convolution_(make_convolution(options, input, engine)),
-        norm_(make_batch_norm(epsilon, options.negative_slope, convolution_->output_shape())) {}
+        norm_(make_batch_norm(epsilon, options.negative_slope, output_)) {}
 
-  TensorShape output_shape() const override { return convolution_->output_shape(); }
   std::int64_t multiply_adds() const override { return convolution_->multiply_adds(); }
   void forward(const LayerPass& pass) override { convolution_->forward(pass); }
   void backward(std::span<const LayerPass> /*batch*/, std::span<float> /*d*/) override {}
@@ -132,16 +131,16 @@ class NormalisedConvolution final : public Layer {
     const std::int64_t own = elements(convolution_->parameter_shapes());
     const std::span<const float> convolution = take(parameters, own);
     std::vector<float> folded(convolution.begin(), convolution.end());
-    const std::span<const float> scale = take(parameters, channels_);
-    const std::span<const float> shift = take(parameters, channels_);
-    const std::span<const float> mean = take(parameters, channels_);
-    const std::span<const float> variance = take(parameters, channels_);
-    const std::int64_t weights = own - channels_;
-    const std::int64_t inner = weights / (static_cast<std::int64_t>(outer_) * channels_);
-    for (int channel = 0; channel < channels_; ++channel) {
+    const std::span<const float> scale = take(parameters, output_.channels);
+    const std::span<const float> shift = take(parameters, output_.channels);
+    const std::span<const float> mean = take(parameters, output_.channels);
+    const std::span<const float> variance = take(parameters, output_.channels);
+    const std::int64_t weights = own - output_.channels;
+    const std::int64_t inner = weights / (static_cast<std::int64_t>(outer_) * output_.channels);
+    for (int channel = 0; channel < output_.channels; ++channel) {
       const float s = scale[channel] / std::sqrt(variance[channel] + epsilon_);
       for (std::int64_t outer = 0; outer < outer_; ++outer) {
-        float* weight = &folded[(outer * channels_ + channel) * inner];
+        float* weight = &folded[(outer * output_.channels + channel) * inner];
         for (std::int64_t i = 0; i < inner; ++i) weight[i] *= s;
       }
       float& bias = folded[weights + channel];
@@ -151,7 +150,6 @@ class NormalisedConvolution final : public Layer {
   }
 
  private:
-  int channels_;
   int outer_;
   float epsilon_;
   std::unique_ptr<Layer> convolution_;

@@ -9,9 +9,8 @@ namespace {
 
 class Dropout final : public Layer {
  public:
-  Dropout(float share, const TensorShape& input) : share_(share), output_(input) {}
+  Dropout(float share, const TensorShape& input) : Layer(input), share_(share) {}
 
-  TensorShape output_shape() const override { return output_; }
   bool is_random() const override { return share_ > 0.0F; }
 
   void forward(const LayerPass& pass) override {
@@ -53,7 +52,6 @@ class Dropout final : public Layer {
   }
 
   float share_;
-  TensorShape output_;
 };
 
 }  // namespace

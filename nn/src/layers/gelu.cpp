@@ -7,9 +7,7 @@ namespace {
 class Gelu final : public Layer {
  public:
   Gelu(const TensorShape& input, const Engine& engine)
-      : output_(input), kernels_(&kernels::row_kernels(engine.instruction_set)) {}
-
-  TensorShape output_shape() const override { return output_; }
+      : Layer(input), kernels_(&kernels::row_kernels(engine.instruction_set)) {}
 
   void forward(const LayerPass& pass) override {
 #pragma omp for schedule(static)
@@ -37,7 +35,6 @@ class Gelu final : public Layer {
   }
 
  private:
-  TensorShape output_;
   const kernels::RowKernels* kernels_;
 };
 

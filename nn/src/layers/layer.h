@@ -42,10 +42,11 @@ struct LayerPass {
 /// One layer of a LayerGraph, made for the shapes of its inputs. layers.h has all of them.
 class Layer {
  public:
+  explicit Layer(const TensorShape& output) : output_(output) {}
   virtual ~Layer() = default;
 
   /// Of the result.
-  virtual TensorShape output_shape() const = 0;
+  const TensorShape& output_shape() const { return output_; }
   /// In PyTorch's names and layouts.
   virtual std::vector<ParameterShape> parameter_shapes() const { return {}; }
   /// Appends starting values for training.
@@ -66,6 +67,9 @@ class Layer {
   }
   /// After forward_training of the same batch. d_parameters is added to. One thread.
   virtual void backward(std::span<const LayerPass> batch, std::span<float> d_parameters) = 0;
+
+ protected:
+  TensorShape output_;
 };
 
 }  // namespace hqslam::nn

@@ -9,9 +9,7 @@ namespace {
 class LayerNorm final : public Layer {
  public:
   LayerNorm(float epsilon, const TensorShape& input)
-      : epsilon_(epsilon), output_(input), of_pixel_(4, input.rows, input.columns, input.padding) {}
-
-  TensorShape output_shape() const override { return output_; }
+      : Layer(input), epsilon_(epsilon), of_pixel_(4, input.rows, input.columns, input.padding) {}
 
   std::vector<ParameterShape> parameter_shapes() const override {
     return {{"weight", {output_.channels}}, {"bias", {output_.channels}}};
@@ -119,7 +117,6 @@ class LayerNorm final : public Layer {
   }
 
   float epsilon_;
-  TensorShape output_;
   Tensor of_pixel_;
   std::vector<float> weight_;
   std::vector<float> bias_;

@@ -10,15 +10,13 @@ class PatchesAndChannels final : public Layer {
   /// Merging: pixels -> channels; otherwise channels -> pixels.
   enum class Direction { kMerge, kShuffle };
   PatchesAndChannels(Direction direction, int factor, const TensorShape& input)
-      : direction_(direction),
-        factor_(factor),
-        output_(direction == Direction::kMerge
-                    ? TensorShape{input.channels * factor * factor, input.rows / factor,
-                                  input.columns / factor, input.padding}
-                    : TensorShape{input.channels / (factor * factor), input.rows * factor,
-                                  input.columns * factor, input.padding}) {}
-
-  TensorShape output_shape() const override { return output_; }
+      : Layer(direction == Direction::kMerge
+                  ? TensorShape{input.channels * factor * factor, input.rows / factor,
+                                input.columns / factor, input.padding}
+                  : TensorShape{input.channels / (factor * factor), input.rows * factor,
+                                input.columns * factor, input.padding}),
+        direction_(direction),
+        factor_(factor) {}
 
   void forward(const LayerPass& pass) override {
     const bool merge = direction_ == Direction::kMerge;
@@ -73,7 +71,6 @@ class PatchesAndChannels final : public Layer {
 
   Direction direction_;
   int factor_;
-  TensorShape output_;
 };
 
 }  // namespace

@@ -4,9 +4,9 @@
 
 namespace hqslam::nn {
 
-/// to += from, without the borders.
-inline void add(const Tensor& from, Tensor& to) {
-  for (int channel = 0; channel < from.channels(); ++channel) {
+/// The first `channels` channels of `from` are added to those of `to`, without the borders.
+inline void add_channels(const Tensor& from, int channels, Tensor& to) {
+  for (int channel = 0; channel < channels; ++channel) {
     for (int y = 0; y < from.rows(); ++y) {
       const float* values = from.row(channel, y);
       float* sums = to.row(channel, y);

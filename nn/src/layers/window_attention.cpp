@@ -23,8 +23,8 @@ class WindowAttention final : public Layer {
  public:
   WindowAttention(const WindowAttentionOptions& options, const TensorShape& input,
                   const Engine& engine)
-      : options_(options),
-        output_{input.channels / 3, input.rows, input.columns, input.padding},
+      : Layer({input.channels / 3, input.rows, input.columns, input.padding}),
+        options_(options),
         depth_(output_.channels / options.heads),
         shift_rows_(options.shifted ? options.window_rows / 2 : 0),
         shift_columns_(options.shifted ? options.window_columns / 2 : 0),
@@ -43,8 +43,6 @@ class WindowAttention final : public Layer {
           input.columns, kPixels, kGreatestDepth));
     }
   }
-
-  TensorShape output_shape() const override { return output_; }
 
   /// Scores, and sums of values.
   std::int64_t multiply_adds() const override {
@@ -221,7 +219,6 @@ class WindowAttention final : public Layer {
   }
 
   WindowAttentionOptions options_;
-  TensorShape output_;
   int depth_;
   int shift_rows_;
   int shift_columns_;

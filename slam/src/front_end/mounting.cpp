@@ -1,14 +1,11 @@
 #include "front_end/mounting.h"
 
-#include <pcl/point_cloud.h>
-#include <pcl/point_types.h>
-#include <pcl/sample_consensus/ransac.h>
-#include <pcl/sample_consensus/sac_model_perpendicular_plane.h>
-
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <numbers>
+#include <random>
 #include <vector>
 
 #include "front_end/voxel_thinning.h"
@@ -18,14 +15,13 @@ namespace hqslam::slam {
 
 namespace {
 
-using GroundModel = pcl::SampleConsensusModelPerpendicularPlane<pcl::PointXYZ>;
-
 constexpr double kMostCorrected_rad = std::numbers::pi / 6.0;
 constexpr double kSteepest_rad = kMostCorrected_rad + GroundOptions().max_slope_rad;
 constexpr float kReach_m = 25.0F;
 constexpr double kLeaf_m = 0.5;
-constexpr double kGroundThickness_m = 0.1;
-constexpr std::size_t kMinGroundPoints = 50;
+constexpr float kGroundThickness_m = 0.1F;
+constexpr float kMinArea_m2 = 1.0F;  // less tells no plane
+constexpr Eigen::Index kMinGroundPoints = 50;
 
 /// From a frame to the same one upside down, and back: half a turn about x.
 Eigen::Vector3d half_turned(const Eigen::Vector3d& p) { return {p.x(), -p.y(), -p.z()}; }
@@ -46,9 +42,8 @@ SensorModel upside_down(const SensorModel& sensor) {
 }
 
 /// What may be the ground, thinned: what a column rises along less steeply than kSteepest_rad.
-pcl::PointCloud<pcl::PointXYZ>::Ptr ground_of(const OrganizedCloud& level,
-                                              const SensorModel& upright_sensor,
-                                              const Eigen::Vector3d& up_of_sensor) {
+Eigen::Matrix3Xf ground_points_m(const OrganizedCloud& level, const SensorModel& upright_sensor,
+                                 const Eigen::Vector3d& up_of_sensor) {
   const std::vector<std::uint8_t> is_ground =
       mark_ground(level, upright_sensor, {kSteepest_rad}, up_of_sensor);
   std::vector<FeaturePoint> points;
@@ -57,31 +52,61 @@ pcl::PointCloud<pcl::PointXYZ>::Ptr ground_of(const OrganizedCloud& level,
       points.push_back({level.points_m[pixel]});
     }
   }
-  auto result = pcl::make_shared<pcl::PointCloud<pcl::PointXYZ>>();
-  for (const FeaturePoint& point : thin(points, kLeaf_m)) {
-    result->emplace_back(point.point_m.x(), point.point_m.y(), point.point_m.z());
+  points = thin(points, kLeaf_m);
+  Eigen::Matrix3Xf result(3, points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    result.col(static_cast<Eigen::Index>(i)) = points[i].point_m;
   }
   return result;
 }
 
-/// The upward normal of the ground among points in a frame that is about level.
-std::optional<Eigen::Vector3d> ground_normal(
-    const pcl::PointCloud<pcl::PointXYZ>::ConstPtr& points) {
-  if (points->size() < kMinGroundPoints) return std::nullopt;
-  const auto model = pcl::make_shared<GroundModel>(points);
-  model->setAxis(Eigen::Vector3f::UnitZ());
-  model->setEpsAngle(kMostCorrected_rad);
-  pcl::RandomSampleConsensus<pcl::PointXYZ> search(model, kGroundThickness_m);
-  if (!search.computeModel()) return std::nullopt;
-  pcl::Indices inliers;
-  search.getInliers(inliers);
-  if (inliers.size() < kMinGroundPoints) return std::nullopt;
-  Eigen::VectorXf coarse;
-  Eigen::VectorXf plane;
-  search.getModelCoefficients(coarse);
-  model->optimizeModelCoefficients(inliers, coarse, plane);
-  const Eigen::Vector3d normal = plane.head<3>().cast<double>().normalized();
-  return normal.z() < 0.0 ? -normal : normal;
+/// Which points are near the plane through `point_m`.
+Eigen::Array<bool, 1, Eigen::Dynamic> near_plane(const Eigen::Matrix3Xf& points_m,
+                                                 const Eigen::Vector3f& point_m,
+                                                 const Eigen::Vector3f& normal) {
+  return (normal.transpose() * (points_m.colwise() - point_m)).array().abs() < kGroundThickness_m;
+}
+
+/// The normal of the plane through points: along it they vary least.
+Eigen::Vector3f fitted_normal(const Eigen::Matrix3Xf& points_m) {
+  const Eigen::Matrix3Xf from_middle_m = points_m.colwise() - points_m.rowwise().mean();
+  return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3f>(from_middle_m * from_middle_m.transpose())
+      .eigenvectors()
+      .col(0);
+}
+
+/// The upward normal of the ground among points in a frame that is about level: of the planes
+/// through three points drawn at random the one near most (RANSAC; Fischler & Bolles, 1981), fitted
+/// to those.
+std::optional<Eigen::Vector3d> ground_normal(const Eigen::Matrix3Xf& points_m) {
+  constexpr int kDraws = 500;
+  const Eigen::Index count = points_m.cols();
+  if (count < kMinGroundPoints) return std::nullopt;
+  std::mt19937 random;  // seeded alike every time
+  const auto drawn = [&]() -> Eigen::Vector3f {
+    return points_m.col(random() % static_cast<std::uint32_t>(count));
+  };
+  Eigen::Array<bool, 1, Eigen::Dynamic> best;
+  Eigen::Index most = kMinGroundPoints - 1;
+  for (int draw = 0; draw < kDraws; ++draw) {
+    const Eigen::Vector3f a_m = drawn();
+    const Eigen::Vector3f b_m = drawn();
+    const Eigen::Vector3f normal_m2 = (b_m - a_m).cross(drawn() - a_m);
+    if (normal_m2.norm() < kMinArea_m2) continue;
+    const Eigen::Vector3f normal = normal_m2.normalized();
+    if (std::abs(normal.z()) < std::cos(kMostCorrected_rad)) continue;
+    const auto near = near_plane(points_m, a_m, normal);
+    if (near.count() <= most) continue;
+    most = near.count();
+    best = near;
+  }
+  if (best.size() == 0) return std::nullopt;
+  Eigen::Matrix3Xf ground_m(3, most);
+  for (Eigen::Index i = 0, k = 0; i < count; ++i) {
+    if (best[i]) ground_m.col(k++) = points_m.col(i);
+  }
+  const Eigen::Vector3d normal = fitted_normal(ground_m).cast<double>();
+  return normal.z() < 0.0 ? Eigen::Vector3d(-normal) : normal;
 }
 
 }  // namespace
@@ -106,8 +131,8 @@ Eigen::Vector3d Mounting::up_of_upright_sensor() const {
 /// and pitch, as in pose_from_xyz_rpy.
 bool Mounting::estimate(const OrganizedCloud& cloud) {
   const std::optional<OrganizedCloud> turned = level(cloud);
-  const std::optional<Eigen::Vector3d> normal =
-      ground_normal(ground_of(turned ? *turned : cloud, upright_sensor_, up_of_upright_sensor()));
+  const std::optional<Eigen::Vector3d> normal = ground_normal(
+      ground_points_m(turned ? *turned : cloud, upright_sensor_, up_of_upright_sensor()));
   if (!normal) return false;
   const Eigen::Vector3d up = R_level_sensor_.transpose() * *normal;
   mounted_ = {std::atan2(up.y(), up.z()), -std::asin(up.x()), true};

@@ -2,8 +2,6 @@
 
 #include <doctest/doctest.h>
 
-#include <cmath>
-
 using namespace hqslam::sim;
 
 TEST_CASE("every triangle has a surface and vertices that exist") {

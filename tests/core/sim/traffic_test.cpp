@@ -2,8 +2,6 @@
 
 #include <doctest/doctest.h>
 
-#include <cmath>
-
 #include "city.h"
 #include "hqslam/sim/drive.h"
 #include "path_plan.h"

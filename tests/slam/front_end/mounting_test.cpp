@@ -138,5 +138,13 @@ TEST_CASE("without ground nothing is estimated") {
     if (walls.points_m[i].z() < -1.0F) walls.range_m[i] = 0.0F;
   }
   CHECK_FALSE(mounting.estimate(walls));
+  // A line of ground: every plane through it fits.
+  OrganizedCloud line = leaning_scan(sensor, 0.0, 0.0);
+  for (int row = 0; row < line.rows; ++row) {
+    for (int column = 0; column < line.columns; ++column) {
+      if (column % 512 != 100) line.range_m[line.index(row, column)] = 0.0F;
+    }
+  }
+  CHECK_FALSE(mounting.estimate(line));
   CHECK(R_level_sensor(mounting.mounted()) == R);
 }

@@ -5,7 +5,6 @@
 #include "compare/confidence_report.h"
 #include "error_message.h"
 #include "hqslam/core/projection.h"
-#include "hqslam/nn/hqs/weights_file.h"
 #include "tools/program/untrained_weights.h"
 
 namespace hqslam::tools {

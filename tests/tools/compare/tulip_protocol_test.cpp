@@ -4,8 +4,6 @@
 
 #include <cmath>
 
-#include "hqslam/core/projection.h"
-
 namespace hqslam::tools {
 namespace {
 

@@ -13,7 +13,6 @@
 
 #include "error_message.h"
 #include "live/live_map.h"
-#include "live/live_page.h"
 #include "live/live_run.h"
 #include "live/view_server.h"
 

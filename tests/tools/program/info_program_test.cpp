@@ -1,8 +1,6 @@
 #include <doctest/doctest.h>
 #include <fmt/format.h>
 
-#include <filesystem>
-
 #include "core/recordings/captures.h"
 #include "hqslam/core/trajectory.h"
 #include "tools/program/program.h"

@@ -41,6 +41,35 @@ void make_long_recording(const fs::path& folder, int count) {
 
 }  // namespace
 
+TEST_CASE(
+    "a sensor upside down is followed once it is known, and a user who does not say so is asked") {
+  const TemporaryDirectory folder;
+  const std::string drive = folder.file("drive");
+  REQUIRE(run_hqslam(fmt::format("simulate --drive block --sensor os1-16 --scans 12 --mount 180,4 "
+                                 "--out '{}'",
+                                 drive))
+              .status == 0);
+  const std::string run = fmt::format("run '{}' --out '{}'", drive, folder.file("results"));
+  const std::string question = "the sensor may lean or hang upside down";
+  CHECK(run_hqslam(run).out.find(question) != std::string::npos);
+
+  const ProgramResult known =
+      run_hqslam(run + " --set mounting.roll_rad=3.14159265 --set mounting.pitch_rad=0.0698");
+  CHECK(known.status == 0);
+  CHECK(known.out.find("mounting: roll 180.0, pitch 4.0 degrees\n") != std::string::npos);
+  CHECK(known.out.find(question) == std::string::npos);
+  const Trajectory truth = read_tum(drive + "/truth.tum");
+  const Trajectory path = read_tum(folder.file("results/trajectory.tum"));
+  const Pose T_map_start = path.front().T_map_sensor * truth.front().T_map_sensor.inverse();
+  CHECK((T_map_start * truth.back().T_map_sensor.translation() -
+         path.back().T_map_sensor.translation())
+            .norm() < 0.03);
+
+  const ProgramResult estimated =
+      run_hqslam(run + " --set mounting.roll_rad=3.14159265 --set mounting.estimated=1");
+  CHECK(estimated.out.find(" degrees, estimated from the ground\n") != std::string::npos);
+}
+
 TEST_CASE("a simulated drive needs no sensor and no reference: both are in its folder") {
   const TemporaryDirectory out;
   const ProgramResult result =

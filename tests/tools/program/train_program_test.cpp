@@ -148,6 +148,19 @@ TEST_CASE("compare puts interpolation and networks side by side, inspect shows t
   CHECK(filters.status == 0);
   CHECK(holds(filters.out, "| 1 | 10 | 20 |"));
 
+  const ProgramResult layers =
+      run_hqslam(fmt::format("compare '{}' --weights '{}' --layers", drive, weights));
+  CHECK(layers.status == 0);
+  for (const char* row : {"| linear |", "| layer 1: H |", "| layer 1: Y |", "| layer 2: Z |"}) {
+    CAPTURE(row);
+    CHECK(holds(layers.out, row));
+  }
+  // The network ends with what it ends with.
+  const auto scores_of = [](const std::string& out, const std::string& name) {
+    return out.substr(out.find(name) + name.size(), 60);
+  };
+  CHECK(scores_of(layers.out, "| result |") == scores_of(compared.out, "| du-or |"));
+
   const ProgramResult inspected =
       run_hqslam(fmt::format("inspect '{}' --weights '{}' --scan 1 --out '{}'", drive, weights,
                              folder.file("layers.html")));

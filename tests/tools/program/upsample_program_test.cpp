@@ -9,7 +9,6 @@
 
 #include "hqslam/core/npy.h"
 #include "hqslam/core/pcd.h"
-#include "hqslam/core/trajectory.h"
 #include "tools/program/child.h"
 #include "tools/program/program.h"
 #include "tools/program/untrained_weights.h"

@@ -1,4 +1,4 @@
-#include "table/seed_list.h"
+#include "table/table_plan.h"
 
 #include <doctest/doctest.h>
 #include <fmt/format.h>

@@ -5,9 +5,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "table/seeds_json.h"
-#include "table/seeds_report.h"
-#include "table/seeds_text.h"
+#include "table/table_output.h"
 
 namespace hqslam::tools {
 namespace {

@@ -42,7 +42,7 @@ TEST_CASE("a stack is known by the images that are used, wherever it lies") {
 TEST_CASE("a recording that is read in another way is another one") {
   const test::TemporaryDirectory folder;
   write_stack({1.0F}, folder.file("a.npy"));
-  TableDrive drive{"name", folder.file("a.npy"), "", "", std::nullopt};
+  TableDrive drive{"name", {.input = folder.file("a.npy")}, "", std::nullopt};
   std::set<std::string> identities = {identity_of(drive, 1)};
   for (const auto change :
        {+[](InputChoice& c) { c.stream = "7502"; }, +[](InputChoice& c) { c.kept_return = "last"; },
@@ -50,8 +50,8 @@ TEST_CASE("a recording that is read in another way is another one") {
         +[](InputChoice& c) { c.motion_corrected = true; },
         +[](InputChoice& c) { c.capture = "rolling"; },
         +[](InputChoice& c) { c.stamps = "names"; }}) {
-    drive.reading = {};
-    change(drive.reading);
+    drive.recording = {.input = folder.file("a.npy")};
+    change(drive.recording);
     identities.insert(identity_of(drive, 1));
   }
   CHECK(identities.size() == 7);
@@ -67,7 +67,7 @@ TEST_CASE("as many other scans at the same path are another recording") {
 
 TEST_CASE("a simulated drive is there only while its files can be read") {
   const test::TemporaryDirectory folder;
-  TableDrive drive{"block", folder.file("drive"), "", "", sim::drive_preset("block")};
+  TableDrive drive{"block", {.input = folder.file("drive")}, "", sim::drive_preset("block")};
   drive.simulated->scans = 1;
   const InterruptGuard interrupt;
   CHECK_FALSE(is_there(drive));

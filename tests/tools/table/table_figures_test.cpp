@@ -2,8 +2,7 @@
 
 #include <doctest/doctest.h>
 
-#include "table/table_json.h"
-#include "table/table_markdown.h"
+#include "table/table_output.h"
 #include "tools/example_table.h"
 
 namespace hqslam::tools {
@@ -20,8 +19,8 @@ DriveFigures example_drive(bool with_truth) {
   }
   std::optional<TrajectoryFile> truth;
   if (with_truth) truth = TrajectoryFile{"truth.tum", test::example_trajectory(0.0), true};
-  return drive_figures({"town", "recording", "", "", std::nullopt}, "os1-64", methods, results,
-                       truth);
+  return drive_figures({"town", {.input = "recording"}, "", std::nullopt}, "os1-64", methods,
+                       results, truth);
 }
 
 }  // namespace

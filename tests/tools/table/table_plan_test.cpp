@@ -29,7 +29,7 @@ TEST_CASE("without a choice every method runs on the paper's two lengths") {
   REQUIRE(plan.drives.size() == 2);
   CHECK(plan.drives[0].simulated->scans == 4000);
   CHECK(plan.drives[1].simulated->scans == 8000);
-  CHECK(plan.drives[1].recording == "out/drives/hills");
+  CHECK(plan.drives[1].recording.input == "out/drives/hills");
   CHECK(plan.methods.size() == table_methods().size());
 }
 
@@ -57,7 +57,7 @@ TEST_CASE("over seeds every drive is there from each seed, without loop closing"
   CHECK(plan.drives[2].simulated->name == "hills");
   CHECK(plan.drives[2].simulated->seed == 3);
   CHECK(plan.drives[2].simulated->scans == 50);
-  CHECK(plan.drives[3].recording == "out/drives/hills-seed-4");
+  CHECK(plan.drives[3].recording.input == "out/drives/hills-seed-4");
 }
 
 TEST_CASE("a variant of SLAM is a row behind its method, never without being asked for") {
@@ -130,24 +130,23 @@ TEST_CASE("a recording is named after its folder and keeps the sensor and truth 
   options.drives = {folder.file("kitti_drive/velodyne")};
   CHECK(plan_table(options).drives[0].name == "kitti_drive");
   options.drives = {folder.file("street") + "/", "town"};
-  options.sensor = "hdl-64e";
+  options.reading.sensor = "hdl-64e";
   options.reference = "truth.txt";
   options.reading.kept_return = "last";
   options.reading.stream = "7502";
   options.reading.capture = "rolling";
   const TablePlan plan = plan_table(options);
   CHECK(plan.drives[0].name == "street");
-  CHECK(plan.drives[0].sensor == "hdl-64e");
   CHECK(plan.drives[0].reference == "truth.txt");
   CHECK_FALSE(plan.drives[0].simulated);
-  const InputRecording street = input_of(plan.drives[0]);
-  CHECK(street.input == plan.drives[0].recording);
+  const InputChoice street = plan.drives[0].recording;
+  CHECK(street.input == std::filesystem::canonical(folder.file("street")));
   CHECK(street.sensor == "hdl-64e");
   CHECK(street.stream == "7502");
-  CHECK(street.last_return);
-  CHECK(street.files.times_from_azimuth);
-  CHECK_FALSE(input_of(plan.drives[1]).last_return);  // simulated
-  CHECK(plan.drives[1].sensor.empty());
+  CHECK(street.kept_return == "last");
+  CHECK(street.capture == "rolling");
+  CHECK(plan.drives[1].recording.kept_return == "strongest");  // simulated
+  CHECK(plan.drives[1].recording.sensor.empty());
   CHECK(plan.drives[1].reference.empty());
 }
 

@@ -1,7 +1,6 @@
-#include "table/table_report.h"
-
 #include <doctest/doctest.h>
 
+#include "table/table_output.h"
 #include "tools/example_table.h"
 
 namespace hqslam::tools {
@@ -14,8 +13,8 @@ DriveFigures example_drive(bool with_all_rows) {
   for (const TableMethod& method : methods) {
     results.push_back(test::example_result(method, method.rows == kTableAllRows ? 0.0 : 0.4));
   }
-  return drive_figures({"<town>", "recording", "", "", std::nullopt}, "os1-64", methods, results,
-                       std::nullopt);
+  return drive_figures({"<town>", {.input = "recording"}, "", std::nullopt}, "os1-64", methods,
+                       results, std::nullopt);
 }
 
 std::size_t count(const std::string& text, const std::string& part) {

@@ -1,5 +1,3 @@
-#include "bench/bench_command.h"
-
 #include <fmt/format.h>
 #include <omp.h>
 #include <stdlib.h>
@@ -15,6 +13,7 @@
 #include "bench/bench_measurement.h"
 #include "bench/bench_network.h"
 #include "bench/bench_network_output.h"
+#include "commands.h"
 #include "files/installed_weights.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/scan_source.h"
@@ -135,7 +134,7 @@ std::vector<nn::Upsampler> quick_upsamplers(const std::vector<std::string>& path
   return upsamplers;
 }
 
-void measure_slam(const InputRecording& input, const SensorModel& sensor, int rows,
+void measure_slam(const InputChoice& input, const SensorModel& sensor, int rows,
                   nn::Upsampler* upsampler, int threads, const InterruptGuard& interrupt,
                   Measurements& measurements) {
   if (interrupt.stop_requested()) {
@@ -148,7 +147,7 @@ void measure_slam(const InputRecording& input, const SensorModel& sensor, int ro
   measurements.slam.push_back(time_slam(*source, rows, upsampler, threads, interrupt));
 }
 
-Measurements measure(const InputRecording& input, const SensorModel& sensor,
+Measurements measure(const InputChoice& input, const SensorModel& sensor,
                      const std::vector<std::string>& weights, const InterruptGuard& interrupt) {
   Measurements measurements;
   measurements.sensor = sensor.name;
@@ -177,16 +176,13 @@ void print_json(const Measurements& measurements) {
   Json slam = Json::array();
   for (const SlamTiming& timing : measurements.slam) {
     Json stages;
-    for (const auto& [stage, distribution] : timing.stages_ms) {
-      stages[stage] = distribution_json(distribution);
-    }
+    for (const auto& [stage, distribution] : timing.stages_ms) stages[stage] = distribution;
     slam.push_back(
         {{"rows", timing.rows},
          {"upsampled_by", timing.upsampled_by},
          {"threads", timing.threads},
          {"scans", timing.scans},
-         {"upsampling_ms",
-          timing.upsampling_ms ? distribution_json(*timing.upsampling_ms) : Json()},
+         {"upsampling_ms", timing.upsampling_ms ? Json(*timing.upsampling_ms) : Json()},
          {"stages_ms", std::move(stages)},
          {"first_fifth_ms", timing.first_fifth_ms},
          {"last_fifth_ms", timing.last_fifth_ms},
@@ -200,12 +196,12 @@ void print_json(const Measurements& measurements) {
       {"slam", std::move(slam)},
       {"steps_ms",
        {{"scans", measurements.step_images},
-        {"components", distribution_json(steps.components_ms)},
-        {"components_textbook", distribution_json(steps.components_textbook_ms)},
-        {"projection", distribution_json(steps.projection_ms)},
-        {"unprojection", distribution_json(steps.unprojection_ms)}}},
-      {"peaks", peaks_json(measurements.peaks)},
-      {"networks", networks_json(measurements.networks)},
+        {"components", steps.components_ms},
+        {"components_textbook", steps.components_textbook_ms},
+        {"projection", steps.projection_ms},
+        {"unprojection", steps.unprojection_ms}}},
+      {"peaks", measurements.peaks},
+      {"networks", measurements.networks},
   };
   to_stdout("{}\n", json.dump(2, ' ', false, Json::error_handler_t::replace));
 }
@@ -296,7 +292,7 @@ int bench_command(const BenchOptions& options) {
   const std::vector<std::string> weights = weights_of(options);
   nn::chosen_instruction_set();  // an unknown one is better refused at once
   std::optional<TemporaryFolder> drive;
-  InputRecording input = input_recording(options.recording);
+  InputChoice input = options.recording;
   if (input.input.empty()) {
     drive.emplace();
     SimulateOptions simulate;

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <fstream>
-#include <optional>
 
 #include "bench/textbook_components.h"
 #include "hqslam/core/connected_components.h"

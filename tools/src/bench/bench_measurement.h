@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "hqslam/core/range_image.h"
-#include "hqslam/core/scan.h"
 #include "hqslam/core/scan_source.h"
 #include "hqslam/core/sensor_model.h"
 #include "hqslam/nn/upsampler.h"

@@ -1,8 +1,5 @@
 #include "bench/bench_network.h"
 
-#include <omp.h>
-
-#include <algorithm>
 #include <chrono>
 #include <functional>
 

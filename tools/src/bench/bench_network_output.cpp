@@ -1,6 +1,7 @@
 #include "bench/bench_network_output.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <nlohmann/json.hpp>
 #include <string>
@@ -14,24 +15,6 @@ using Json = nlohmann::ordered_json;
 
 double frames_per_second(const NetworkRun& run) {
   return run.frame_ms.median > 0.0 ? 1e3 / run.frame_ms.median : 0.0;
-}
-
-Json run_json(const NetworkRun& run) {
-  return {{"instruction_set", nn::name(run.instruction_set)},
-          {"threads", run.threads},
-          {"frames", run.frames},
-          {"frames_per_second", frames_per_second(run)},
-          {"frame_ms", distribution_json(run.frame_ms)},
-          {"gflops", run.gflops},
-          {"peak_share", run.peak_share}};
-}
-
-Json steps_json(const NetworkSteps& steps) {
-  Json list = Json::array();
-  for (const NetworkStepTiming& step : steps.steps) {
-    list.push_back({{"name", step.name}, {"gmac", step.gmac}, {"ms", step.ms}});
-  }
-  return {{"threads", steps.threads}, {"steps", std::move(list)}};
 }
 
 double gflops(const NetworkStepTiming& step) {
@@ -93,48 +76,50 @@ void print_steps(const NetworkTiming& network) {
 
 }  // namespace
 
-Json distribution_json(const Distribution& distribution) {
-  return {{"median", distribution.median},
+void to_json(Json& json, const Distribution& distribution) {
+  json = {{"median", distribution.median},
           {"p95", distribution.p95},
           {"max", distribution.max},
           {"mean", distribution.mean}};
 }
 
-Json peaks_json(const std::vector<MultiplyAddPeak>& peaks) {
-  Json json = Json::array();
-  for (const MultiplyAddPeak& peak : peaks) {
-    json.push_back({{"instruction_set", nn::name(peak.instruction_set)},
-                    {"threads", peak.threads},
-                    {"gflops", peak.gflops}});
-  }
-  return json;
+void to_json(Json& json, const MultiplyAddPeak& peak) {
+  json = {{"instruction_set", nn::name(peak.instruction_set)},
+          {"threads", peak.threads},
+          {"gflops", peak.gflops}};
 }
 
-Json networks_json(const std::vector<NetworkTiming>& networks) {
-  Json json = Json::array();
-  for (const NetworkTiming& network : networks) {
-    Json runs = Json::array();
-    for (const NetworkRun& run : network.runs) {
-      runs.push_back(run_json(run));
-    }
-    Json steps = Json::array();
-    for (const NetworkSteps& one : network.steps) {
-      steps.push_back(steps_json(one));
-    }
-    json.push_back({{"network", network.name},
-                    {"weights", network.path},
-                    {"parameters", network.parameters},
-                    {"gmac", network.gmac},
-                    {"runs", std::move(runs)},
-                    {"steps_instruction_set", nn::name(network.steps_instruction_set)},
-                    {"steps", std::move(steps)}});
-    if (network.reference) {
-      json.back()["reference"] = {{"layer", network.reference->layer},
-                                  {"fast_ms", network.reference->fast_ms},
-                                  {"reference_ms", network.reference->reference_ms}};
-    }
+static void to_json(Json& json, const NetworkRun& run) {
+  json = {{"instruction_set", nn::name(run.instruction_set)},
+          {"threads", run.threads},
+          {"frames", run.frames},
+          {"frames_per_second", frames_per_second(run)},
+          {"frame_ms", run.frame_ms},
+          {"gflops", run.gflops},
+          {"peak_share", run.peak_share}};
+}
+
+static void to_json(Json& json, const NetworkStepTiming& step) {
+  json = {{"name", step.name}, {"gmac", step.gmac}, {"ms", step.ms}};
+}
+
+static void to_json(Json& json, const NetworkSteps& steps) {
+  json = {{"threads", steps.threads}, {"steps", steps.steps}};
+}
+
+void to_json(Json& json, const NetworkTiming& network) {
+  json = {{"network", network.name},
+          {"weights", network.path},
+          {"parameters", network.parameters},
+          {"gmac", network.gmac},
+          {"runs", network.runs},
+          {"steps_instruction_set", nn::name(network.steps_instruction_set)},
+          {"steps", network.steps}};
+  if (network.reference) {
+    json["reference"] = {{"layer", network.reference->layer},
+                         {"fast_ms", network.reference->fast_ms},
+                         {"reference_ms", network.reference->reference_ms}};
   }
-  return json;
 }
 
 void print_networks(const std::vector<MultiplyAddPeak>& peaks,
@@ -158,17 +143,15 @@ void print_networks(const std::vector<MultiplyAddPeak>& peaks,
 
 void print_instruction_sets(bool json) {
   const std::string_view chosen = nn::name(nn::chosen_instruction_set());
-  Json available = Json::array();
-  std::string names;
+  std::vector<std::string_view> available;
   for (const nn::InstructionSet set : nn::available_instruction_sets()) {
     available.push_back(nn::name(set));
-    names += fmt::format("{}{}", names.empty() ? "" : ", ", nn::name(set));
   }
   if (json) {
     to_stdout("{}\n", Json{{"instruction_set", chosen}, {"available", available}}.dump(2));
     return;
   }
-  to_stdout("in use:    {}\navailable: {}\n", chosen, names);
+  to_stdout("in use:    {}\navailable: {}\n", chosen, fmt::join(available, ", "));
 }
 
 }  // namespace hqslam::tools

@@ -7,9 +7,9 @@
 
 namespace hqslam::tools {
 
-nlohmann::ordered_json distribution_json(const Distribution& distribution);
-nlohmann::ordered_json peaks_json(const std::vector<MultiplyAddPeak>& peaks);
-nlohmann::ordered_json networks_json(const std::vector<NetworkTiming>& networks);
+void to_json(nlohmann::ordered_json& json, const Distribution& distribution);
+void to_json(nlohmann::ordered_json& json, const MultiplyAddPeak& peak);
+void to_json(nlohmann::ordered_json& json, const NetworkTiming& network);
 
 /// Tables for people on stdout; nothing if no network was measured.
 void print_networks(const std::vector<MultiplyAddPeak>& peaks,

@@ -1,7 +1,6 @@
 #include "bench/textbook_components.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <queue>
 #include <utility>

@@ -1,12 +1,12 @@
-#include "compare/compare_command.h"
-
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include "commands.h"
 #include "compare/confidence_curve.h"
 #include "compare/confidence_report.h"
+#include "compare/layer_comparison.h"
 #include "compare/tulip_comparison.h"
 #include "compare/upsampling_comparison.h"
 #include "files/text_file.h"
@@ -89,13 +89,13 @@ void print_scores(const std::vector<UpsamplingScore>& scores) {
   for (const UpsamplingScore& s : scores) {
     to_stdout(
         "| {} | {:.3f} | {:.3f} | {:.3f} | {:.2f} | {:.2f} | {:.3f} | {:.3f} | {:.3f} | {:.3f} | "
-        "{:.3f} | {:.2f} | {:.0f} | {:.3f} | {} | {:.2f} |\n",
+        "{:.3f} | {:.2f} | {:.0f} | {:.3f} | {} | {} |\n",
         s.method, s.mae_all_m, s.mae_all_m / linear->mae_all_m, s.mae_valid_m,
         100.0 * s.missing_share, 100.0 * s.invented_share, s.chamfer_m2, s.iou, s.precision,
         s.recall, s.f1, 100.0 * s.outlier_share, s.outliers_per_scan,
         s.outliers_per_scan / linear->outliers_per_scan,
         s.good_lost_share ? fmt::format("{:.2f}", 100.0 * *s.good_lost_share) : "-",
-        s.upsampling_ms);
+        s.upsampling_ms > 0.0 ? fmt::format("{:.2f}", s.upsampling_ms) : "-");
   }
 }
 
@@ -185,7 +185,7 @@ void finish_curve(const ConfidenceCurve& curve, const CompareOptions& options, s
 template <typename Use>
 std::int64_t for_each_scan(const CompareOptions& options, const SensorModel& sensor,
                            const InterruptGuard& interrupt, const Use& use) {
-  const auto source = open_input(input_recording(options), sensor);
+  const auto source = open_input(options, sensor);
   print_warnings(*source, options.input);
   Progress progress("compare", source->size());
   std::int64_t used = 0;
@@ -227,13 +227,19 @@ void declare_compare(CLI::App& app, CompareOptions& options) {
   CLI::Option* filters = command->add_flag(
       "--filters", options.filters,
       "Instead, try settings of the outlier filter on the first weights' results");
+  CLI::Option* layers = command->add_flag(
+      "--layers", options.layers,
+      "Instead, score what each step of the first weights' layers makes of the scans");
+  layers->excludes(filters);
   command->add_option("--json", options.json, "Also write the table into this file")
-      ->excludes(filters);
+      ->excludes(filters)
+      ->excludes(layers);
   command
       ->add_option("--protocol", options.protocol,
                    "tulip: project KITTI .bin files, lift and score them as the code of TULIP does")
       ->check(CLI::IsMember({"own", "tulip"}))
       ->excludes(filters)
+      ->excludes(layers)
       ->capture_default_str();
   declare_threads(*command, options.threads);
   command->footer(
@@ -244,7 +250,9 @@ void declare_compare(CLI::App& app, CompareOptions& options) {
       "measured\n"
       "rows that are left empty; invented: share of the computed points where the truth has no\n"
       "return. Precision, recall, F1: voxels of 0.1 m. Outliers are farther than 0.5 m from the\n"
-      "true cloud, good points nearer than 0.2 m.");
+      "true cloud, good points nearer than 0.2 m.\n"
+      "With --layers: H (measured rows and what was believed before), Z (denoiser) and Y (inner\n"
+      "filter) of every layer as if the network ended there.");
 }
 
 int compare_command(const CompareOptions& options) {
@@ -267,6 +275,12 @@ int compare_command(const CompareOptions& options) {
     used = for_each_scan(options, sensor, interrupt,
                          [&](const OrganizedCloud& scan) { comparison.add(scan); });
     print_trials(comparison.trials());
+  } else if (options.layers) {
+    if (options.weights.empty()) throw Error("compare: --layers needs --weights");
+    LayerComparison comparison(network_of(options.weights.front(), sensor), sensor);
+    used = for_each_scan(options, sensor, interrupt,
+                         [&](const OrganizedCloud& scan) { comparison.add(scan); });
+    print_scores(comparison.scores());
   } else {
     UpsamplingComparison comparison(methods_of(options, sensor));
     std::optional<ConfidenceCurve> curve = curve_of(options, sensor);

@@ -53,18 +53,18 @@ std::string points_table(const std::vector<OperatingPoint>& points) {
 }  // namespace
 
 std::string confidence_html(const ConfidenceReport& report) {
-  return fmt::format(
-      "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n{0}\n"
-      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
-      "<title>Confidence of {1}</title>\n<style>{2}</style>\n</head>\n<body>\n"
-      "<h1>How sure the network is, and how right</h1>\n<p class=\"quiet\">{1}, {3} scans of "
-      "{4}</p>\n<h2>Every operating point</h2>\n{5}{6}"
-      "<h2>Can it be believed?</h2>\n<p class=\"quiet\">Computed pixels by tenths of their "
-      "confidence: how many have their true return within 0.5 m. Mean distance from the diagonal: "
-      "{7:.3f}</p>\n{8}</body>\n</html>\n",
-      kConfidencePageMarker, escape_html(report.weights), kReportStyle, report.scans,
-      escape_html(report.recording), trade_html(report.points), points_table(report.points),
-      report.calibration_error, reliability_html(report.reliability));
+  const std::string weights = escape_html(report.weights);
+  return page_html(
+      "Confidence of " + weights, "",
+      fmt::format(
+          "<h1>How sure the network is, and how right</h1>\n<p class=\"quiet\">{}, {} scans of "
+          "{}</p>\n<h2>Every operating point</h2>\n{}{}<h2>Can it be believed?</h2>\n"
+          "<p class=\"quiet\">Computed pixels by tenths of their confidence: how many have their "
+          "true return within 0.5 m. Mean distance from the diagonal: {:.3f}</p>\n{}",
+          weights, report.scans, escape_html(report.recording), trade_html(report.points),
+          points_table(report.points), report.calibration_error,
+          reliability_html(report.reliability)),
+      std::string(kConfidencePageMarker) + "\n");
 }
 
 }  // namespace hqslam::tools

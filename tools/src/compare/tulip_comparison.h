@@ -1,8 +1,11 @@
 #pragma once
 
-#include "compare/compare_command.h"
+#include "commands.h"
 
 namespace hqslam::tools {
+
+/// In every file that --json writes: tells it from others.
+inline constexpr const char* kCompareJsonMarker = "hqslam compare";
 
 /// `hqslam compare --protocol tulip`: KITTI .bin files lifted and scored as tulip_protocol.h says.
 /// Returns an ExitStatus. Throws Error.

@@ -3,7 +3,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "hqslam/core/cloud_error.h"
 #include "hqslam/core/image_error.h"
 
 namespace hqslam::tools {

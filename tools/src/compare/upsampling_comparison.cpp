@@ -1,7 +1,6 @@
 #include "compare/upsampling_comparison.h"
 
 #include <algorithm>
-#include <cmath>
 #include <numbers>
 
 #include "hqslam/nn/hqs/outlier_removal.h"
@@ -70,6 +69,31 @@ ScanErrors scan_errors(const RangeImage& image, const OrganizedCloud& cloud,
           static_cast<std::int64_t>(points_m.size())};
 }
 
+void add_errors(const nn::LiftedImage& lifted, const OrganizedCloud& measured,
+                const OrganizedCloud& truth, const SensorModel& sensor, UpsamplingScore& sum) {
+  const RowSelection rows = *sensor.measured_rows;
+  const RangeImage& image = lifted.image;
+  const OrganizedCloud cloud = nn::upsampled_cloud(lifted, measured, rows, sensor);
+  const ScanErrors errors = scan_errors(image, cloud, truth);
+  sum += errors.cloud;
+  sum.mae_all_m += errors.image.mae_all_m;
+  sum.mae_valid_m += errors.image.mae_valid_m;
+  const ImageError computed =
+      image_error(computed_rows(image, rows), computed_rows(range_image(truth), rows));
+  sum.missing_share += computed.missing_share;
+  sum.invented_share += computed.invented_share;
+  sum.outliers_per_scan += errors.cloud.outlier_share * static_cast<double>(errors.points);
+}
+
+void make_mean(UpsamplingScore& sum, std::int64_t scans) {
+  const double n = static_cast<double>(scans);
+  sum /= n;
+  for (double* mean : {&sum.mae_all_m, &sum.mae_valid_m, &sum.missing_share, &sum.invented_share,
+                       &sum.outliers_per_scan}) {
+    *mean /= n;
+  }
+}
+
 UpsamplingComparison::UpsamplingComparison(std::vector<ComparedMethod> methods)
     : methods_(std::move(methods)), sums_(methods_.size()) {}
 
@@ -95,19 +119,7 @@ void UpsamplingComparison::add(ComparedMethod& method, const OrganizedCloud& tru
   const RangeImage measured_image = range_image(measured);
   nn::LiftedImage lifted;
   sums.times_ms.push_back(1e3 * seconds_of([&] { lifted = method.upsampler.run(measured_image); }));
-  const RangeImage& image = lifted.image;
-  const OrganizedCloud cloud =
-      nn::upsampled_cloud(lifted, measured, rows, method.upsampler.sensor());
-  const ScanErrors errors = scan_errors(image, cloud, truth);
-  UpsamplingScore& sum = sums.sum;
-  sum += errors.cloud;
-  sum.mae_all_m += errors.image.mae_all_m;
-  sum.mae_valid_m += errors.image.mae_valid_m;
-  const ImageError computed =
-      image_error(computed_rows(image, rows), computed_rows(range_image(truth), rows));
-  sum.missing_share += computed.missing_share;
-  sum.invented_share += computed.invented_share;
-  sum.outliers_per_scan += errors.cloud.outlier_share * static_cast<double>(errors.points);
+  add_errors(lifted, measured, truth, method.upsampler.sensor(), sums.sum);
   if (!method.unfiltered) return;
   const OrganizedCloud unfiltered = nn::upsampled_cloud(method.unfiltered->run(measured_image),
                                                         measured, rows, method.upsampler.sensor());
@@ -115,22 +127,17 @@ void UpsamplingComparison::add(ComparedMethod& method, const OrganizedCloud& tru
                     [&](std::size_t pixel, float distance_m) {
                       if (distance_m >= kGoodDistance_m) return;
                       ++sums.good;
-                      if (image.range_m[pixel] <= 0.0F) ++sums.good_lost;
+                      if (lifted.image.range_m[pixel] <= 0.0F) ++sums.good_lost;
                     });
 }
 
 std::vector<UpsamplingScore> UpsamplingComparison::scores() const {
   std::vector<UpsamplingScore> scores;
-  const double n = static_cast<double>(scans_);
   for (std::size_t i = 0; i < methods_.size(); ++i) {
     const Sums& sums = sums_[i];
     UpsamplingScore score = sums.sum;
     score.method = methods_[i].name;
-    score /= n;
-    for (double* mean : {&score.mae_all_m, &score.mae_valid_m, &score.missing_share,
-                         &score.invented_share, &score.outliers_per_scan}) {
-      *mean /= n;
-    }
+    make_mean(score, scans_);
     score.upsampling_ms = distribution_of(sums.times_ms).median;
     if (methods_[i].unfiltered && sums.good > 0) {
       score.good_lost_share = static_cast<double>(sums.good_lost) / static_cast<double>(sums.good);

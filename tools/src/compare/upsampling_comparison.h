@@ -9,7 +9,6 @@
 #include "hqslam/core/image_error.h"
 #include "hqslam/core/organized_cloud.h"
 #include "hqslam/core/range_image.h"
-#include "hqslam/core/sensor_model.h"
 #include "hqslam/nn/upsampler.h"
 
 namespace hqslam::tools {
@@ -40,6 +39,13 @@ struct ScanErrors {
 /// cloud: the points of `image`. Throws Error.
 ScanErrors scan_errors(const RangeImage& image, const OrganizedCloud& cloud,
                        const OrganizedCloud& truth);
+
+/// Adds the errors of a lifted scan, of which `measured` was given, to `sum`; `sensor` names its
+/// measured rows. Throws Error.
+void add_errors(const nn::LiftedImage& lifted, const OrganizedCloud& measured,
+                const OrganizedCloud& truth, const SensorModel& sensor, UpsamplingScore& sum);
+/// Makes the mean of a sum over so many scans.
+void make_mean(UpsamplingScore& sum, std::int64_t scans);
 
 /// One way of upsampling and, if it ends with a filter, the same without that.
 struct ComparedMethod {

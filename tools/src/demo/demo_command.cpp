@@ -1,5 +1,3 @@
-#include "demo/demo_command.h"
-
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -9,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "commands.h"
 #include "compare/upsampling_comparison.h"
 #include "demo/demo_report.h"
 #include "files/installed_weights.h"

@@ -43,20 +43,15 @@ std::string image_html(const std::string& caption, const RangeImage& image, doub
 std::string demo_html(const DemoTable& table,
                       const std::vector<std::pair<std::string, RangeImage>>& images,
                       double max_range_m) {
-  std::string html = fmt::format(
-      "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
-      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
-      "<title>hqslam demo</title>\n<style>{}</style>\n</head>\n<body>\n<h1>hqslam demo</h1>\n",
-      kReportStyle);
-  html += table_html(table);
+  std::string html = "<h1>hqslam demo</h1>\n" + table_html(table);
   for (const auto& [caption, image] : images) {
     html += image_html(caption, image, max_range_m);
   }
-  return html +
-         "<p class=\"quiet\">One scan from the middle of the drive as range images, unrolled from "
-         "behind over the left, front and right: near is bright, far is dark blue, black is no "
-         "return or, in the network's image, a pixel that it is "
-         "not sure of.</p>\n</body>\n</html>\n";
+  html +=
+      "<p class=\"quiet\">One scan from the middle of the drive as range images, unrolled from "
+      "behind over the left, front and right: near is bright, far is dark blue, black is no "
+      "return or, in the network's image, a pixel that it is not sure of.</p>\n";
+  return page_html("hqslam demo", "", html);
 }
 
 }  // namespace hqslam::tools

@@ -1,5 +1,3 @@
-#include "evaluate/evaluate_command.h"
-
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -7,6 +5,7 @@
 #include <filesystem>
 #include <optional>
 
+#include "commands.h"
 #include "hqslam/core/cloud_error.h"
 #include "hqslam/core/drift.h"
 #include "hqslam/core/error.h"

@@ -1,5 +1,3 @@
-#include "evaluate/evaluate_map_command.h"
-
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -7,13 +5,13 @@
 #include <filesystem>
 #include <optional>
 
+#include "commands.h"
 #include "evaluate/map_error.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/pcd.h"
 #include "hqslam/core/trajectory_error.h"
 #include "hqslam/sim/read_drive.h"
 #include "recording/recording_sensor.h"
-#include "recording/reference.h"
 #include "terminal/exit_status.h"
 #include "terminal/terminal.h"
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <unordered_set>
-#include <utility>
 
 #include "hqslam/core/cloud_error.h"
 #include "hqslam/core/error.h"

@@ -6,6 +6,7 @@
 #include <fstream>
 
 #include "hqslam/core/error.h"
+#include "result_sources.h"
 
 namespace hqslam::tools {
 
@@ -33,5 +34,7 @@ std::string text_hash(std::string_view text) {
   hash.add(text);
   return hash.digits();
 }
+
+std::string result_sources_hash() { return HQSLAM_RESULT_SOURCES; }
 
 }  // namespace hqslam::tools

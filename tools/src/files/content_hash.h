@@ -23,4 +23,8 @@ std::string content_hash(const std::string& path);
 /// The same of a text.
 std::string text_hash(std::string_view text);
 
+/// 16 digits that change with the sources of the libraries and of what stands between them here,
+/// with the compiler and with its flags: results of different builds are not the same thing.
+std::string result_sources_hash();
+
 }  // namespace hqslam::tools

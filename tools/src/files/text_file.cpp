@@ -38,4 +38,13 @@ void refuse_to_replace_foreign(const std::string& path, const std::string& marke
       path));
 }
 
+void refuse_existing(const std::filesystem::path& folder, std::span<const char* const> names,
+                     const std::string& but) {
+  for (const char* name : names) {
+    if (!std::filesystem::exists(folder / name)) continue;
+    throw Error(fmt::format("{}: is there already {}; give another --out or move it",
+                            (folder / name).string(), but));
+  }
+}
+
 }  // namespace hqslam::tools

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <filesystem>
+#include <span>
 #include <string>
 
 namespace hqslam::tools {
@@ -18,5 +20,9 @@ void require_folder_of(const std::string& path);
 
 /// Throws Error if there is something at `path` without `marker`: it must not be replaced.
 void refuse_to_replace_foreign(const std::string& path, const std::string& marker);
+
+/// Throws Error if one of these is in the folder. `but`: why it must not be replaced.
+void refuse_existing(const std::filesystem::path& folder, std::span<const char* const> names,
+                     const std::string& but);
 
 }  // namespace hqslam::tools

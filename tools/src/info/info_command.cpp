@@ -1,5 +1,3 @@
-#include "info/info_command.h"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -7,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "commands.h"
 #include "hqslam/core/error.h"
 #include "hqslam/recordings/recording.h"
 #include "terminal/exit_status.h"

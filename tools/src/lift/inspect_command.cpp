@@ -1,9 +1,8 @@
-#include "lift/inspect_command.h"
-
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
 
+#include "commands.h"
 #include "files/text_file.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/scan_source.h"
@@ -17,7 +16,7 @@ namespace hqslam::tools {
 namespace {
 
 RangeImage scan_of(const InspectOptions& options, const SensorModel& sensor) {
-  const auto source = open_input(input_recording(options), sensor);
+  const auto source = open_input(options, sensor);
   print_warnings(*source, options.input);
   LeftOut left_out;
   std::optional<RecordedScan> scan;

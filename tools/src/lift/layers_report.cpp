@@ -154,18 +154,13 @@ std::string result_html(const LayersReport& report) {
 }  // namespace
 
 std::string layers_html(const LayersReport& report) {
+  constexpr const char* kStyle =
+      "\nfigure { margin: .75rem 0; }\nfigure img { width: 100%; height: 8rem; display: block; "
+      "image-rendering: pixelated; }\nfigcaption { color: var(--quiet); font-size: .85rem; }\n";
   std::string html = fmt::format(
-      "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n{4}\n<meta "
-      "name=\"viewport\" "
-      "content=\"width=device-width, initial-scale=1\">\n<title>Layers of scan {0}</title>\n<style>"
-      "{1}\nfigure {{ margin: .75rem 0; }}\nfigure img {{ width: 100%; height: 8rem; display: "
-      "block; image-rendering: pixelated; }}\nfigcaption {{ color: var(--quiet); font-size: "
-      ".85rem; "
-      "}}\n</style></head><body>\n<h1>Scan {0}, layer by layer</h1>\n<p class=\"quiet\">{2}, "
-      "lifted "
-      "by {3}. Bright is near, dark blue far, black without a return.</p>\n",
-      report.scan, kReportStyle, escape_html(report.recording), escape_html(report.weights),
-      kLayersPageMarker);
+      "<h1>Scan {}, layer by layer</h1>\n<p class=\"quiet\">{}, lifted by {}. Bright is near, dark "
+      "blue far, black without a return.</p>\n",
+      report.scan, escape_html(report.recording), escape_html(report.weights));
   html += range_html(report.measured, report, "Measured rows (L)");
   if (!report.trace.start.range_m.empty()) {
     html += range_html(report.trace.start, report, "Start (Z and Y before layer 1)");
@@ -173,7 +168,8 @@ std::string layers_html(const LayersReport& report) {
   for (std::size_t layer = 0; layer < report.trace.layers.size(); ++layer) {
     html += layer_html(report, layer);
   }
-  return html + result_html(report) + "</body></html>\n";
+  return page_html(fmt::format("Layers of scan {}", report.scan), kStyle,
+                   html + result_html(report), std::string(kLayersPageMarker) + "\n");
 }
 
 }  // namespace hqslam::tools

@@ -1,7 +1,4 @@
-#include "lift/upsample_command.h"
-
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <omp.h>
 
 #include <CLI/CLI.hpp>
@@ -9,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "commands.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/scan_source.h"
 #include "hqslam/nn/upsampled_cloud.h"
@@ -43,7 +41,7 @@ UpsamplingPlan plan_of(const UpsampleOptions& options) {
 }
 
 std::unique_ptr<ScanSource> source_of(const UpsampleOptions& options, const UpsamplingPlan& plan) {
-  auto source = open_input(input_recording(options), plan.recording_sensor);
+  auto source = open_input(options, plan.recording_sensor);
   print_warnings(*source, options.input);
   return source;
 }

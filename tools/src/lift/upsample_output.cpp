@@ -54,16 +54,8 @@ void refuse_to_overwrite_input(const fs::path& folder, const std::string& input)
 /// Throws Error if something in the folder would be replaced that hqslam upsample did not write.
 void refuse_foreign_results(const fs::path& folder) {
   if (has_marker((folder / kMarkerFile).string(), kMarker)) return;
-  std::vector<const char*> names(kFiles.begin(), kFiles.end());
-  names.insert(names.end(), kScanFolders.begin(), kScanFolders.end());
-  for (const char* name : names) {
-    if (fs::exists(folder / name)) {
-      throw Error(fmt::format(
-          "{}: is there already and was not written by hqslam upsample; give another --out or move "
-          "it",
-          (folder / name).string()));
-    }
-  }
+  refuse_existing(folder, kFiles, "and was not written by hqslam upsample");
+  refuse_existing(folder, kScanFolders, "and was not written by hqslam upsample");
 }
 
 void remove_results(const fs::path& folder) {

@@ -1,6 +1,5 @@
-#include "lift/weights_command.h"
-
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -8,6 +7,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "commands.h"
 #include "hqslam/core/whole_file.h"
 #include "hqslam/nn/hqs/network.h"
 #include "hqslam/nn/hqs/network_json.h"
@@ -37,7 +37,7 @@ RangeImage sample_scan(const nn::NetworkDescription& network) {
                      network.measured_rows);
 }
 
-int pack(const PackOptions& options) {
+int pack(const WeightsOptions& options) {
   nn::Weights weights;
   weights.description = described_network(options.description);
   nn::ForeignArrays foreign = nn::read_foreign_arrays(options.arrays, weights.description);
@@ -57,14 +57,6 @@ int pack(const PackOptions& options) {
   return kOk;
 }
 
-std::string shape_text(const nn::ParameterShape& array) {
-  std::string text;
-  for (const std::int64_t extent : array.shape) {
-    text += fmt::format("{}{}", text.empty() ? "" : " x ", extent);
-  }
-  return text;
-}
-
 void print_arrays(const nn::Weights& weights) {
   const std::vector<nn::ParameterShape> arrays = nn::parameter_shapes(weights.description);
   std::size_t width = 5;
@@ -81,7 +73,8 @@ void print_arrays(const nn::Weights& weights) {
     }
     const auto count = static_cast<double>(array.elements());
     const double mean = sum / count;
-    to_stdout("{:<{}}  {:<18} {:>10.4f} {:>10.4f}\n", array.name, width, shape_text(array), mean,
+    to_stdout("{:<{}}  {:<18} {:>10.4f} {:>10.4f}\n", array.name, width,
+              fmt::format("{}", fmt::join(array.shape, " x ")), mean,
               std::sqrt(std::max(0.0, squares / count - mean * mean)));
     next = end;
   }
@@ -118,16 +111,16 @@ void declare_weights(CLI::App& app, WeightsOptions& options) {
   CLI::App* packed = command->add_subcommand(
       "pack", "Make a weights file of arrays that another program has trained");
   packed
-      ->add_option("arrays", options.pack.arrays,
+      ->add_option("arrays", options.arrays,
                    "The network's arrays (.npz), as numpy.savez writes a PyTorch state dict")
       ->required()
       ->check(CLI::ExistingFile);
   packed
-      ->add_option("description", options.pack.description,
+      ->add_option("description", options.description,
                    "The network (.json): what \"network\" is in a recipe, or the recipe")
       ->required()
       ->check(CLI::ExistingFile);
-  packed->add_option("--out", options.pack.out, "Weights file to write")->required();
+  packed->add_option("--out", options.out, "Weights file to write")->required();
   packed->footer(
       "Names and shapes of the arrays: nn/README.md, or hqslam weights show. If the arrays\n"
       "self_test.measured (measured rows) and self_test.expected (all rows; metres, 0 = no "
@@ -136,7 +129,7 @@ void declare_weights(CLI::App& app, WeightsOptions& options) {
 }
 
 int weights_command(const WeightsOptions& options) {
-  return options.show.empty() ? pack(options.pack) : show(options.show);
+  return options.show.empty() ? pack(options) : show(options.show);
 }
 
 }  // namespace hqslam::tools

@@ -1,11 +1,10 @@
-#include "live/live_command.h"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
 #include <vector>
 
+#include "commands.h"
 #include "hqslam/core/error.h"
 #include "hqslam/recordings/live.h"
 #include "live/live_run.h"

@@ -1,7 +1,6 @@
-#include "live/live_page.h"
-
 #include <fmt/format.h>
 
+#include "live/live_view.h"
 #include "report/chart.h"
 
 namespace hqslam::tools {

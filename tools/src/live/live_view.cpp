@@ -1,7 +1,5 @@
 #include "live/live_view.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -9,7 +7,6 @@
 #include <string_view>
 
 #include "hqslam/slam/status.h"
-#include "live/live_page.h"
 
 namespace hqslam::tools {
 namespace {

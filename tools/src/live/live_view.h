@@ -27,6 +27,10 @@ struct LiveStatus {
   recordings::LiveCounts counts;
 };
 
+/// The page that asks LiveView for its state twice a second and draws path and map from above:
+/// nothing else is loaded.
+std::string live_page(const std::string& title);
+
 /// What the page of a sensor that sends now shows: the path, the map and numbers, all of bounded
 /// size. Written by the thread that runs SLAM, read by the page's.
 class LiveView {

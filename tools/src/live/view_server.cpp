@@ -54,22 +54,14 @@ void send_all(const FileDescriptor& connection, const std::string& text, Clock::
   }
 }
 
-const char* reason(int status) {
-  switch (status) {
-    case 200:
-      return "OK";
-    case 404:
-      return "Not Found";
-    default:
-      return "Bad Request";
-  }
-}
-
 std::string http(const ViewAnswer& answer) {
+  const char* const reason = answer.status == 200   ? "OK"
+                             : answer.status == 404 ? "Not Found"
+                                                    : "Bad Request";
   return fmt::format(
       "HTTP/1.1 {} {}\r\nContent-Type: {}\r\nContent-Length: {}\r\nCache-Control: no-store\r\n"
       "Connection: close\r\n\r\n{}",
-      answer.status, reason(answer.status), answer.type, answer.body.size(), answer.body);
+      answer.status, reason, answer.type, answer.body.size(), answer.body);
 }
 
 }  // namespace

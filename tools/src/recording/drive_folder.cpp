@@ -1,15 +1,12 @@
 #include "recording/drive_folder.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <filesystem>
 #include <string_view>
-#include <system_error>
 #include <vector>
 
+#include "files/text_file.h"
 #include "hqslam/core/error.h"
 #include "hqslam/sim/read_drive.h"
 
@@ -70,15 +67,8 @@ void clear_drive_folder(const std::string& folder) {
     }
     return;
   }
-  std::vector<const char*> names(kDriveFiles.begin(), kDriveFiles.end());
-  names.insert(names.end(), kScanFolders.begin(), kScanFolders.end());
-  for (const char* name : names) {
-    if (fs::exists(path / name)) {
-      throw Error(fmt::format(
-          "{}: is there already and not part of a simulated drive; give another --out or move it",
-          (path / name).string()));
-    }
-  }
+  refuse_existing(path, kDriveFiles, "and not part of a simulated drive");
+  refuse_existing(path, kScanFolders, "and not part of a simulated drive");
 }
 
 }  // namespace hqslam::tools

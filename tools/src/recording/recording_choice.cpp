@@ -66,17 +66,6 @@ void declare_return(CLI::App& command, std::string& kept_return) {
       ->capture_default_str();
 }
 
-InputRecording input_recording(const InputChoice& choice) {
-  RecordingOptions files;
-  files.row_order =
-      choice.row_order == "lowest-first" ? RowOrder::kLowestFirst : RowOrder::kHighestFirst;
-  files.capture_time =
-      choice.motion_corrected ? CaptureTime::kMotionCorrected : CaptureTime::kRolling;
-  files.times_from_azimuth = choice.capture == "rolling";
-  files.stamps = choice.stamps;
-  return {choice.input, choice.sensor, choice.stream, choice.kept_return == "last", files};
-}
-
 void refuse_to_write_into_recording(const std::string& input, const std::string& out) {
   namespace fs = std::filesystem;
   // KITTI's folders of scans are named by those above them.

@@ -11,17 +11,6 @@ class App;
 
 namespace hqslam::tools {
 
-/// What a user says of a recording; every command that opens one asks in the same words.
-struct InputChoice {
-  std::string input;
-  std::string sensor;  ///< empty: what the recording says
-  std::string stream;  ///< of a capture or a bag; empty: the only one with scans
-  std::string kept_return = "strongest";
-  std::string row_order = "highest-first";
-  bool motion_corrected = false;
-  std::string capture;  ///< "rolling": points without a time have that of their azimuth
-  std::string stamps;   ///< a file, or "names"; empty: what the recording says
-};
 /// INPUT, --sensor and what declare_reading declares. `what`, `sensor`: their explanations; empty:
 /// the usual ones.
 void declare_input(CLI::App& command, InputChoice& choice, const std::string& what = "",
@@ -30,8 +19,6 @@ void declare_input(CLI::App& command, InputChoice& choice, const std::string& wh
 void declare_reading(CLI::App& command, InputChoice& choice);
 /// --return alone.
 void declare_return(CLI::App& command, std::string& kept_return);
-/// The same, to be opened.
-InputRecording input_recording(const InputChoice& choice);
 
 /// Which pixels of a network that says how sure it is are kept.
 struct ConfidenceChoice {

@@ -15,13 +15,16 @@ namespace fs = std::filesystem;
 
 namespace {
 
-recordings::OpenOptions open_options(const InputRecording& recording) {
+recordings::OpenOptions open_options(const InputChoice& choice) {
   recordings::OpenOptions options;
-  options.sensor = recording.sensor;
-  options.stream = recording.stream;
-  options.kept_return =
-      recording.last_return ? recordings::KeptReturn::kLast : recordings::KeptReturn::kStrongest;
-  options.files = recording.files;
+  options.sensor = choice.sensor;
+  options.stream = choice.stream;
+  options.kept_return = choice.kept_return == "last" ? recordings::KeptReturn::kLast
+                                                     : recordings::KeptReturn::kStrongest;
+  if (choice.row_order == "lowest-first") options.files.row_order = RowOrder::kLowestFirst;
+  if (choice.motion_corrected) options.files.capture_time = CaptureTime::kMotionCorrected;
+  options.files.times_from_azimuth = choice.capture == "rolling";
+  options.files.stamps = choice.stamps;
   return options;
 }
 
@@ -46,7 +49,7 @@ std::string file_of_drive(const std::string& input, const char* name) {
 std::optional<SensorModel> recording_sensor(const std::string& input, const std::string& sensor,
                                             const std::string& stream) {
   if (recordings::is_capture_or_bag(input)) {
-    return recordings::recording_sensor(input, open_options({input, sensor, stream, false, {}}));
+    return recordings::recording_sensor(input, open_options({input, sensor, stream}));
   }
   const std::string& path = sensor.empty() ? file_of_drive(input, "sensor.json") : sensor;
   return path.empty() ? std::nullopt : std::optional(load_sensor(path));
@@ -59,17 +62,15 @@ SensorModel required_recording_sensor(const std::string& input, const std::strin
   return recordings::recording_sensor(input, {});  // says what is missing
 }
 
-std::unique_ptr<ScanSource> open_input(const InputRecording& recording, const SensorModel& sensor) {
-  if (!recordings::is_capture_or_bag(recording.input)) {
-    if (!recording.stream.empty()) {
-      throw Error(fmt::format(
-          "{}: is no capture and no bag, which have streams; leave --stream out", recording.input));
-    }
-    return open_recording(recording.input, sensor, recording.files);
+std::unique_ptr<ScanSource> open_input(const InputChoice& choice, const SensorModel& sensor) {
+  recordings::OpenOptions options = open_options(choice);
+  if (recordings::is_capture_or_bag(choice.input)) {
+    options.columns = sensor.columns;
+    return recordings::open_recording(choice.input, options);
   }
-  recordings::OpenOptions options = open_options(recording);
-  options.columns = sensor.columns;
-  return recordings::open_recording(recording.input, options);
+  if (choice.stream.empty()) return open_recording(choice.input, sensor, options.files);
+  throw Error(fmt::format("{}: is no capture and no bag, which have streams; leave --stream out",
+                          choice.input));
 }
 
 std::string LeftOut::text() const {

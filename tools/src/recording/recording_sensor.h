@@ -4,20 +4,22 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "hqslam/core/scan_source.h"
 #include "hqslam/core/sensor_model.h"
 
 namespace hqslam::tools {
 
-/// A recording as a user names it.
-struct InputRecording {
+/// What a user says of a recording; every command that opens one asks in the same words.
+struct InputChoice {
   std::string input;
-  std::string sensor;        ///< a preset's name or a .json file; empty: what the recording says
-  std::string stream;        ///< of a capture or a bag; empty: the only one with scans
-  bool last_return = false;  ///< of two returns of a pulse; otherwise the strongest
-  RecordingOptions files;
+  std::string sensor = {};  ///< empty: what the recording says
+  std::string stream = {};  ///< of a capture or a bag; empty: the only one with scans
+  std::string kept_return = "strongest";
+  std::string row_order = "highest-first";
+  bool motion_corrected = false;
+  std::string capture = {};  ///< "rolling": points without a time have that of their azimuth
+  std::string stamps = {};   ///< a file, or "names"; empty: what the recording says
 };
 
 /// A file that `hqslam simulate` or `hqslam upsample` leaves in its folder, if `input` is such a
@@ -36,7 +38,7 @@ SensorModel required_recording_sensor(const std::string& input, const std::strin
 
 /// Opens any recording with the sensor that recording_sensor gave, or with the rows or columns of
 /// it that a network wants. Throws Error.
-std::unique_ptr<ScanSource> open_input(const InputRecording& recording, const SensorModel& sensor);
+std::unique_ptr<ScanSource> open_input(const InputChoice& choice, const SensorModel& sensor);
 
 /// Scans of a recording that could not be understood.
 struct LeftOut {

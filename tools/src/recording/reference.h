@@ -2,7 +2,6 @@
 
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "hqslam/core/trajectory.h"
 #include "hqslam/core/trajectory_error.h"

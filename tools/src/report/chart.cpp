@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <functional>
@@ -11,21 +12,6 @@
 
 namespace hqslam::tools {
 namespace {
-
-std::string_view escaped_character(char character) {
-  switch (character) {
-    case '&':
-      return "&amp;";
-    case '<':
-      return "&lt;";
-    case '>':
-      return "&gt;";
-    case '"':
-      return "&quot;";
-    default:
-      return {};
-  }
-}
 
 /// "M0,500.2L3.1,480..." through the points of a line.
 std::string path_through(const PlotBox& box, const std::vector<double>& x,
@@ -98,13 +84,15 @@ std::string legend_html(const Chart& chart) {
 }  // namespace
 
 std::string escape_html(std::string_view text) {
+  constexpr std::string_view kSpecial = "&<>\"";
+  constexpr std::array<std::string_view, 4> kEntities = {"&amp;", "&lt;", "&gt;", "&quot;"};
   std::string escaped;
   for (std::size_t i = 0; i < text.size();) {
     const std::size_t length = utf8_bytes(text.substr(i));
     if (length == 0) {
       escaped += "\xEF\xBF\xBD";
-    } else if (const std::string_view entity = escaped_character(text[i]); !entity.empty()) {
-      escaped += entity;
+    } else if (const std::size_t special = kSpecial.find(text[i]); special < kSpecial.size()) {
+      escaped += kEntities[special];
     } else {
       escaped += text.substr(i, length);
     }

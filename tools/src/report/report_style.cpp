@@ -1,5 +1,7 @@
 #include "report/report_style.h"
 
+#include <fmt/format.h>
+
 namespace hqslam::tools {
 
 const std::string_view kReportStyle = R"css(
@@ -100,5 +102,14 @@ th:first-child, td:first-child { text-align: left; padding-left: 0; }
 th { font-weight: 500; color: var(--quiet); font-size: .85rem; }
 tr.total td { font-weight: 600; }
 )css";
+
+std::string page_html(std::string_view title, std::string_view style, std::string_view body,
+                      std::string_view head) {
+  return fmt::format(
+      "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n{}"
+      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
+      "<title>{}</title>\n<style>{}{}</style>\n</head>\n<body>\n{}</body>\n</html>\n",
+      head, title, kReportStyle, style, body);
+}
 
 }  // namespace hqslam::tools

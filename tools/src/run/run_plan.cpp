@@ -48,7 +48,7 @@ RunPlan plan_of(const RecordingChoice& choice, const nn::SuperResolverOptions& n
   request.stream = choice.stream;
   request.network_options = network;
   RunPlan plan = planned(std::move(request), choice);
-  plan.recording = input_recording(choice);
+  plan.recording = choice;
   return plan;
 }
 

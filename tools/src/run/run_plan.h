@@ -23,7 +23,7 @@ void declare_recording(CLI::App& command, RecordingChoice& choice);
 
 /// The same, found to be possible.
 struct RunPlan {
-  InputRecording recording;
+  InputChoice recording;
   SensorModel recording_sensor;
   std::optional<RowSelection> rows;
   std::optional<nn::Upsampler> upsampler;

@@ -1,5 +1,3 @@
-#include "table/seed_list.h"
-
 #include <fmt/format.h>
 
 #include <charconv>
@@ -7,6 +5,7 @@
 #include <string_view>
 
 #include "hqslam/core/error.h"
+#include "table/table_plan.h"
 
 namespace hqslam::tools {
 namespace {

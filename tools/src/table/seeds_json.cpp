@@ -1,22 +1,15 @@
-#include "table/seeds_json.h"
-
-#include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "files/build_hash.h"
-#include "table/table_json.h"
+#include "files/content_hash.h"
+#include "table/table_output.h"
 
 namespace hqslam::tools {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json number_json(double value) { return std::isfinite(value) ? Json(value) : Json(); }
-
 Json estimate_json(const Estimate& estimate) {
-  return {{"value", number_json(estimate.value)},
-          {"low", number_json(estimate.low)},
-          {"high", number_json(estimate.high)}};
+  return {{"value", estimate.value}, {"low", estimate.low}, {"high", estimate.high}};
 }
 
 Json estimate_json(const std::optional<Estimate>& estimate) {
@@ -46,8 +39,8 @@ Json slips_json(const std::vector<Slip>& slips) {
   for (const Slip& slip : slips) {
     json.push_back({{"first_scan", slip.first},
                     {"last_scan", slip.last},
-                    {"translation_m", number_json(slip.translation_m)},
-                    {"rotation_rad", number_json(slip.rotation_rad)}});
+                    {"translation_m", slip.translation_m},
+                    {"rotation_rad", slip.rotation_rad}});
   }
   return json;
 }

@@ -1,5 +1,3 @@
-#include "table/seeds_report.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,8 +5,7 @@
 #include <string_view>
 
 #include "report/chart.h"
-#include "table/seeds_text.h"
-#include "table/table_page.h"
+#include "table/table_output.h"
 
 namespace hqslam::tools {
 namespace {

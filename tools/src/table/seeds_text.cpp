@@ -1,12 +1,10 @@
-#include "table/seeds_text.h"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <cmath>
 
-#include "files/build_hash.h"
-#include "table/table_markdown.h"
+#include "files/content_hash.h"
+#include "table/table_output.h"
 
 namespace hqslam::tools {
 namespace {

@@ -1,30 +1,23 @@
-#include "table/table_command.h"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <memory>
 #include <optional>
 #include <utility>
 #include <vector>
 
+#include "commands.h"
 #include "files/result_folder.h"
 #include "files/text_file.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/whole_file.h"
 #include "ranks/launched_ranks.h"
-#include "table/seeds_figures.h"
-#include "table/seeds_json.h"
-#include "table/seeds_report.h"
-#include "table/seeds_text.h"
 #include "table/table_drive.h"
-#include "table/table_figures.h"
-#include "table/table_json.h"
-#include "table/table_markdown.h"
-#include "table/table_report.h"
+#include "table/table_output.h"
 #include "table/table_work.h"
 #include "terminal/exit_status.h"
 #include "terminal/interrupt.h"
@@ -64,14 +57,8 @@ void refuse_foreign_tables(const std::string& out) {
   const std::string json = (folder / "table.json").string();
   refuse_to_replace_foreign(json, kTableJsonMarker);
   if (fs::exists(json)) return;
-  for (const char* name : {"table.md", "table.html"}) {
-    if (fs::exists(folder / name)) {
-      throw Error(
-          fmt::format("{}: is there already and was not written by hqslam table; give "
-                      "another --out or move it",
-                      (folder / name).string()));
-    }
-  }
+  refuse_existing(folder, std::array{"table.md", "table.html"},
+                  "and was not written by hqslam table");
 }
 
 void write_pages(const std::string& markdown, const std::string& json, const std::string& html,
@@ -153,7 +140,7 @@ void declare_table(CLI::App& app, TableOptions& options) {
       ->delimiter(',');
   command->add_option("--weights", options.weights, "Weights files that become rows of their own")
       ->delimiter(',');
-  command->add_option("--sensor", options.sensor,
+  command->add_option("--sensor", options.reading.sensor,
                       "Sensor of recordings that do not say theirs (name or .json file)");
   declare_reading(*command, options.reading);
   command

@@ -99,14 +99,14 @@ bool is_there(const TableDrive& drive) {
                          {"seed", drive.simulated->seed},
                          {"revision", sim::kDriveRevision},
                          {"sensor", kSimulatedSensor}};
-  Json found = drive_json(drive.recording);
+  Json found = drive_json(drive.recording.input);
   const std::int64_t scans = take_scans(found);
   if (found != expected || scans < drive.simulated->scans) return false;
   try {
-    const SensorModel sensor = load_sensor(drive.recording + "/sensor.json");
+    const SensorModel sensor = load_sensor(drive.recording.input + "/sensor.json");
     return sensor_json(sensor) == sensor_json(load_sensor(kSimulatedSensor)) &&
-           NpyStackReader(drive.recording + "/scans.npy").images() == scans &&
-           read_tum(drive.recording + "/truth.tum").size() == static_cast<std::size_t>(scans);
+           NpyStackReader(drive.recording.input + "/scans.npy").images() == scans &&
+           read_tum(drive.recording.input + "/truth.tum").size() == static_cast<std::size_t>(scans);
   } catch (const Error&) {
     return false;
   }
@@ -118,21 +118,21 @@ bool prepare_drive(const TableDrive& drive, const InterruptGuard& interrupt,
   SimulateOptions options;
   options.drive = drive.simulated->name;
   options.sensor = kSimulatedSensor;
-  options.out = drive.recording;
+  options.out = drive.recording.input;
   options.scans = drive.simulated->scans;
   options.seed = drive.simulated->seed;
   return simulate_drive(options, interrupt, on_scan) == kOk;
 }
 
 std::string identity_of(const TableDrive& drive, std::int64_t scans) {
-  const std::string stack = stack_of(drive.recording);
-  return (stack.empty() ? files_identity(drive.recording) : stack_identity(stack, scans)) +
-         reading_identity(drive.reading);
+  const std::string stack = stack_of(drive.recording.input);
+  return (stack.empty() ? files_identity(drive.recording.input) : stack_identity(stack, scans)) +
+         reading_identity(drive.recording);
 }
 
 std::optional<TrajectoryFile> truth_of(const TableDrive& drive) {
   const std::string path =
-      drive.reference.empty() ? file_of_drive(drive.recording, "truth.tum") : drive.reference;
+      drive.reference.empty() ? file_of_drive(drive.recording.input, "truth.tum") : drive.reference;
   return path.empty() ? std::nullopt : std::optional(read_trajectory_file(path));
 }
 

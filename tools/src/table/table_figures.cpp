@@ -73,7 +73,6 @@ DriveFigures drive_figures(const TableDrive& drive, const std::string& sensor,
                            const std::optional<TrajectoryFile>& truth) {
   DriveFigures figures;
   figures.name = drive.name;
-  figures.recording = drive.recording;
   figures.sensor = sensor;
   figures.truth = truth ? truth->path : "";
   const TableResult* all_rows = nullptr;

@@ -43,7 +43,6 @@ struct MethodFigures {
 
 struct DriveFigures {
   std::string name;
-  std::string recording;
   std::string sensor;
   std::string truth;  ///< path; empty: none
   std::int64_t scans = 0;

@@ -1,8 +1,8 @@
-#include "table/table_json.h"
-
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
+
+#include "table/table_output.h"
 
 namespace hqslam::tools {
 namespace {

@@ -1,7 +1,7 @@
-#include "table/table_markdown.h"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+
+#include "table/table_output.h"
 
 namespace hqslam::tools {
 namespace {

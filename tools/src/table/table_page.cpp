@@ -1,9 +1,8 @@
-#include "table/table_page.h"
-
 #include <fmt/format.h>
 
 #include "report/chart.h"
 #include "report/report_style.h"
+#include "table/table_output.h"
 
 namespace hqslam::tools {
 namespace {
@@ -47,12 +46,8 @@ std::string notes_html(const std::vector<std::string>& notes) {
 
 std::string table_page_html(std::string_view title, std::string_view style,
                             const std::string& body) {
-  return fmt::format(
-      "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
-      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
-      "<title>hqslam table</title>\n<style>{}{}{}</style>\n</head>\n<body>\n<h1>{}</h1>\n{}"
-      "</body>\n</html>\n",
-      kReportStyle, kTablePageStyle, style, escape_html(title), body);
+  return page_html("hqslam table", fmt::format("{}{}", kTablePageStyle, style),
+                   fmt::format("<h1>{}</h1>\n{}", escape_html(title), body));
 }
 
 }  // namespace hqslam::tools

@@ -11,7 +11,6 @@
 #include "files/installed_weights.h"
 #include "hqslam/core/error.h"
 #include "hqslam/nn/upsampler.h"
-#include "table/seed_list.h"
 
 namespace hqslam::tools {
 namespace {
@@ -83,7 +82,7 @@ TableDrive simulated_drive(const std::string& name, const std::string& drive,
   sim::DriveSpec spec = sim::drive_preset(drive);
   spec.scans = options.scans.value_or(spec.scans);
   spec.seed = seed.value_or(spec.seed);
-  return {name, (fs::path(options.out) / "drives" / name).string(), "", "", spec};
+  return {name, {.input = (fs::path(options.out) / "drives" / name).string()}, "", spec};
 }
 
 TableDrive drive_of(const std::string& drive, const TableOptions& options) {
@@ -93,8 +92,9 @@ TableDrive drive_of(const std::string& drive, const TableOptions& options) {
                             drive, fmt::join(sim::drive_preset_names(), ", ")));
   }
   const fs::path path = fs::canonical(drive);
-  return {recording_name(path), path.string(), options.sensor,
-          options.reference,    std::nullopt,  options.reading};
+  InputChoice recording = options.reading;
+  recording.input = path.string();
+  return {recording_name(path), recording, options.reference, std::nullopt};
 }
 
 /// Every drive from every seed.
@@ -212,13 +212,6 @@ std::vector<std::vector<TableMethod>> passes_of(const std::vector<TableMethod>& 
   std::stable_partition(passes.begin(), passes.end(),
                         [](const auto& pass) { return pass.front().rows == kTableAllRows; });
   return passes;
-}
-
-InputRecording input_of(const TableDrive& drive) {
-  InputChoice choice = drive.reading;
-  choice.input = drive.recording;
-  choice.sensor = drive.sensor;
-  return input_recording(choice);
 }
 
 TablePlan plan_table(const TableOptions& options) {

@@ -15,8 +15,7 @@ struct TableOptions {
   std::vector<std::string> drives = {"town", "hills"};  ///< simulated drives and recordings
   std::vector<std::string> methods;                     ///< empty: all
   std::vector<std::string> weights;                     ///< files that become rows of their own
-  std::string sensor;                                   ///< of recordings that do not say theirs
-  InputChoice reading;    ///< how recordings are read; its input and sensor are not looked at
+  InputChoice reading;    ///< how recordings are read; its input is not looked at
   std::string reference;  ///< true trajectory of the only recording among the drives
   std::optional<std::int64_t> scans;
   std::string seeds;               ///< "1..10" or "3,5": every drive from each of these seeds
@@ -62,15 +61,11 @@ bool shares_pass(const TableMethod& method, const TableMethod& other);
 
 /// A drive of the table.
 struct TableDrive {
-  std::string name;       ///< in the table and of its folders
-  std::string recording;  ///< path
-  std::string sensor;     ///< empty: the recording says it
+  std::string name;  ///< in the table and of its folders
+  InputChoice recording;
   std::string reference;  ///< path of the true trajectory; empty: the recording's own, or none
-  std::optional<sim::DriveSpec> simulated;  ///< to be simulated into `recording`
-  InputChoice reading = {};                 ///< as TableOptions has it
+  std::optional<sim::DriveSpec> simulated;  ///< to be simulated into the recording's folder
 };
-/// The drive's recording, to be opened.
-InputRecording input_of(const TableDrive& drive);
 
 struct TablePlan {
   std::vector<TableDrive> drives;
@@ -80,6 +75,10 @@ struct TablePlan {
   /// In the table, if their results are there: all that the program knows and those to be run.
   std::vector<TableMethod> shown;
 };
+
+/// "1..10", "3,5" or "1..3,7": the seeds in the order given, at most 10,000. Throws Error for
+/// anything else, and for a seed that is there twice.
+std::vector<std::uint64_t> seeds_from(const std::string& list);
 
 /// Throws Error for a drive or method that is not there.
 TablePlan plan_table(const TableOptions& options);

@@ -1,5 +1,3 @@
-#include "table/table_report.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,10 +5,8 @@
 #include <string_view>
 
 #include "report/chart.h"
-#include "report/density_image.h"
 #include "report/error_color.h"
-#include "table/table_page.h"
-#include "table/table_text.h"
+#include "table/table_output.h"
 
 namespace hqslam::tools {
 namespace {

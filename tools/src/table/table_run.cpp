@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <omp.h>
 
+#include <fstream>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -17,23 +18,32 @@
 #include "hqslam/slam/lego_loam_as_published.h"
 #include "hqslam/slam/slam.h"
 #include "lift/upsampling_plan.h"
-#include "timing/processor.h"
 #include "timing/stopwatch.h"
 #include "timing/timing_statistics.h"
 
 namespace hqslam::tools {
 namespace {
 
+/// As the system calls it, "unknown processor" if it does not say.
+std::string processor_name() {
+  std::ifstream stream("/proc/cpuinfo");
+  for (std::string line; std::getline(stream, line);) {
+    const std::size_t colon = line.find(": ");
+    if (line.starts_with("model name") && colon != std::string::npos) return line.substr(colon + 2);
+  }
+  return "unknown processor";
+}
+
 /// What the pass's methods have in common: nothing where they see the rows as recorded.
 std::optional<nn::Upsampler> shared_upsampler(const TablePass& pass) {
   const TableMethod& method = pass.methods.front();
   if (method.source.empty()) return std::nullopt;
   const std::string weights = weights_of(method, pass.sensor.name);
-  UpsamplingPlan plan = plan_upsampling({.input = pass.drive.recording,
-                                         .sensor = pass.drive.sensor,
+  UpsamplingPlan plan = plan_upsampling({.input = pass.drive.recording.input,
+                                         .sensor = pass.drive.recording.sensor,
                                          .method = weights.empty() ? method.source : weights,
                                          .rows = kTableMeasuredRows,
-                                         .stream = pass.drive.reading.stream});
+                                         .stream = pass.drive.recording.stream});
   if (weights.empty()) return std::move(plan.upsampler);
   return nn::Upsampler(nn::SuperResolver::load(weights, {.filter_result = false}),
                        plan.upsampler.sensor());
@@ -173,14 +183,6 @@ class MethodRun {
   TableResult result_;  ///< sums until result() divides them
 };
 
-TableTimings circumstances() {
-  TableTimings timings;
-  timings.threads = omp_get_max_threads();
-  timings.processor = processor_name();
-  timings.instruction_set = nn::name(nn::chosen_instruction_set());
-  return timings;
-}
-
 /// The pass's state while it runs.
 class Pass {
  public:
@@ -209,14 +211,13 @@ class Pass {
   }
 
   std::vector<TableResult> results(const TablePass& pass, const LeftOut& left_out) {
-    const TableTimings about = circumstances();
     std::vector<TableResult> results;
     for (std::size_t i = 0; i < runs_.size(); ++i) {
       TableResult result = runs_[i].result(pass.settings[i]);
       result.left_out = left_out;
-      result.timings.threads = about.threads;
-      result.timings.processor = about.processor;
-      result.timings.instruction_set = about.instruction_set;
+      result.timings.threads = omp_get_max_threads();
+      result.timings.processor = processor_name();
+      result.timings.instruction_set = nn::name(nn::chosen_instruction_set());
       if (upsampler_ && upsampler_->network() != nullptr) {
         result.network = NetworkSize{upsampler_->network()->parameters(),
                                      upsampler_->network()->multiply_adds()};
@@ -238,7 +239,7 @@ class Pass {
 std::vector<TableResult> run_pass(const TablePass& pass, const InterruptGuard& interrupt,
                                   const std::function<void()>& on_scan) {
   Pass state(pass);
-  const std::unique_ptr<ScanSource> source = open_input(input_of(pass.drive), pass.sensor);
+  const std::unique_ptr<ScanSource> source = open_input(pass.drive.recording, pass.sensor);
   LeftOut left_out;
   std::int64_t used = 0;
   while (used < pass.scans) {

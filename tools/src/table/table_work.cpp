@@ -8,7 +8,6 @@
 #include <functional>
 #include <utility>
 
-#include "files/build_hash.h"
 #include "files/content_hash.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/scan_source.h"
@@ -23,13 +22,14 @@ namespace {
 namespace fs = std::filesystem;
 
 SensorModel sensor_of(const TableDrive& drive) {
+  const InputChoice& recording = drive.recording;
   SensorModel sensor =
-      required_recording_sensor(drive.recording, drive.sensor, drive.reading.stream);
+      required_recording_sensor(recording.input, recording.sensor, recording.stream);
   if (sensor.rows() == kTableAllRows) return sensor;
   throw Error(
       fmt::format("{}: expected a recording with {} rows, of which 16 are lifted, found "
                   "'{}' with {}; give another of --drives, or --sensor",
-                  drive.recording, kTableAllRows, sensor.name, sensor.rows()));
+                  recording.input, kTableAllRows, sensor.name, sensor.rows()));
 }
 
 /// Results of another number of scans, or of another build, lie beside each other.
@@ -44,7 +44,7 @@ PreparedDrive prepared(const TableDrive& drive, const TableOptions& options) {
   PreparedDrive prepared;
   prepared.drive = drive;
   prepared.sensor = sensor_of(drive);
-  const std::int64_t size = open_input(input_of(drive), prepared.sensor)->size();
+  const std::int64_t size = open_input(drive.recording, prepared.sensor)->size();
   prepared.scans = std::min(size, options.scans.value_or(size));
   prepared.identity = identity_of(drive, prepared.scans);
   prepared.results = result_folder(drive, prepared.scans, options.out);

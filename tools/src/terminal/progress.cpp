@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "hqslam/core/excerpt.h"
 #include "terminal/terminal.h"

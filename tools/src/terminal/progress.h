@@ -5,7 +5,6 @@
 #include <cstdio>
 #include <mutex>
 #include <string>
-#include <utility>
 
 namespace hqslam::tools {
 

@@ -1,9 +1,8 @@
-#include "train/train_command.h"
-
 #include <fmt/format.h>
 #include <omp.h>
 
 #include <CLI/CLI.hpp>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
@@ -11,6 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "commands.h"
 #include "files/result_folder.h"
 #include "files/text_file.h"
 #include "hqslam/core/error.h"
@@ -48,14 +48,8 @@ struct Training {
 /// Throws Error if the results would replace what is not this training's.
 void refuse_foreign_results(const Training& training) {
   if (std::filesystem::exists(training.checkpoint_path())) return;
-  for (const char* name : {"weights.npz", "curve.svg"}) {
-    if (std::filesystem::exists(training.out / name)) {
-      throw Error(
-          fmt::format("{}: is there already, but no checkpoint.npz of a training; give another "
-                      "--out or move it",
-                      (training.out / name).string()));
-    }
-  }
+  refuse_existing(training.out, std::array{"weights.npz", "curve.svg"},
+                  "and no checkpoint.npz of a training");
 }
 
 /// Throws Error, before hours of simulation, if the processes cannot share the batches.
@@ -213,8 +207,7 @@ void declare_train(CLI::App& app, TrainOptions& options) {
   command->add_option("--drives", options.drives,
                       "Folder that keeps the simulated drives (default: OUT/drives); trainings may "
                       "share one");
-  command->add_option("--threads", options.threads, "Threads (default: all cores)")
-      ->check(CLI::Range(1, 256));
+  declare_threads(*command, options.threads);
   command->footer(
       "Writes into --out: weights.npz (for --weights and --upsample), checkpoint.npz, curve.svg.\n"
       "The drives of the recipe are simulated once (0.26 MB for a scan of 64 x 1024) and read\n"

@@ -1,0 +1,134 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hqslam/nn/hqs/super_resolver.h"
+#include "recording/recording_choice.h"
+#include "run/slam_settings.h"
+
+namespace CLI {
+class App;
+}
+
+namespace hqslam::tools {
+
+// The subcommands that no other one uses: what a user may say to each. declare_X() adds it to the
+// program; X_command() does it and returns an ExitStatus. Both may throw Error.
+
+struct InfoOptions {
+  std::string input;
+  std::string sensor;  ///< empty: what the recording says
+  std::string stream;  ///< empty: the only one with scans
+};
+void declare_info(CLI::App& app, InfoOptions& options);
+int info_command(const InfoOptions& options);
+
+/// sensor empty: as UpsamplingRequest says
+struct UpsampleOptions : InputChoice, ConfidenceChoice {
+  std::string weights;  ///< this one
+  std::string method;   ///< or this one
+  std::string out;
+  int threads = 0;  ///< 0: what OpenMP chooses
+  bool bin = false;
+  bool pcd = false;
+  bool png = false;
+};
+void declare_upsample(CLI::App& app, UpsampleOptions& options);
+int upsample_command(const UpsampleOptions& options);
+
+struct InspectOptions : InputChoice {  ///< sensor empty: as for hqslam upsample
+  std::string weights;
+  std::int64_t scan = 0;
+  std::string out;
+};
+void declare_inspect(CLI::App& app, InspectOptions& options);
+int inspect_command(const InspectOptions& options);
+
+struct WeightsOptions {
+  std::string show;  ///< the weights file of `weights show`; empty: `weights pack`
+  std::string arrays;
+  std::string description;
+  std::string out;
+};
+void declare_weights(CLI::App& app, WeightsOptions& options);
+int weights_command(const WeightsOptions& options);
+
+struct LiveCommandOptions : LiftingChoice {
+  std::string sensor;
+  std::uint16_t port = 0;  ///< 0: the sensor's usual one
+  std::string kept_return = "strongest";
+  std::string out;
+  std::string record;  ///< a .pcap file; empty: none
+  int threads = 0;     ///< 0: what OpenMP chooses
+  SlamSettings slam;
+  std::optional<std::uint16_t> view;  ///< port of the page; nothing: no page
+  std::string view_address = "127.0.0.1";
+};
+void declare_live(CLI::App& app, LiveCommandOptions& options);
+/// kOk where Ctrl-C ended it, which is how it is to end.
+int live_command(const LiveCommandOptions& options);
+
+struct EvaluateOptions {
+  std::string estimate;
+  std::string reference;
+  std::string alignment = "se3";
+  std::string sensor;  ///< of two .npy stacks: adds the errors in 3-D
+};
+void declare_evaluate(CLI::App& app, EvaluateOptions& options);
+int evaluate_command(const EvaluateOptions& options);
+
+struct EvaluateMapOptions {
+  std::vector<std::string> maps;
+  std::string drive;
+};
+void declare_evaluate_map(CLI::App& app, EvaluateMapOptions& options);
+int evaluate_map_command(const EvaluateMapOptions& options);
+
+struct CompareOptions : InputChoice {
+  std::vector<std::string> weights;
+  std::int64_t every = 1;
+  std::string json;   ///< file to write; empty: none
+  std::string curve;  ///< page to write about the last weights' confidence; empty: none
+  float tolerance_m = nn::SuperResolverOptions{}.tolerance_m;  ///< of that confidence
+  bool filters = false;
+  bool layers = false;
+  std::string protocol = "own";  ///< or "tulip"
+  int threads = 0;               ///< 0: what OpenMP chooses
+};
+void declare_compare(CLI::App& app, CompareOptions& options);
+int compare_command(const CompareOptions& options);
+
+struct TableOptions;
+void declare_table(CLI::App& app, TableOptions& options);
+int table_command(const TableOptions& options);
+
+struct TrainOptions {
+  std::string config;
+  std::string out;
+  std::string drives;  ///< empty: the folder "drives" in `out`
+  int threads = 0;     ///< 0: what OpenMP chooses
+};
+void declare_train(CLI::App& app, TrainOptions& options);
+int train_command(const TrainOptions& options);
+
+struct BenchOptions {
+  InputChoice recording;  ///< its input empty: a simulated drive
+  std::string drive = "block";
+  std::int64_t scans = 200;
+  std::vector<std::string> weights;  ///< empty: those that come with the program
+  bool json = false;
+  bool cpu = false;  ///< say only which instruction set is in use
+};
+void declare_bench(CLI::App& app, BenchOptions& options);
+int bench_command(const BenchOptions& options);
+
+struct DemoOptions {
+  std::string out = "hqslam-demo";
+};
+void declare_demo(CLI::App& app, DemoOptions& options);
+int demo_command(const DemoOptions& options);
+
+}  // namespace hqslam::tools
