@@ -39,7 +39,7 @@ dictionary_of() {
   esac
 }
 
-# Small files reach what large ones do, many times faster; a packet of a Velodyne is 1206 bytes.
+# Bytes. Small files reach nearly all that large ones do; a packet of a Velodyne has 1206.
 largest_of() {
   case "$1" in
     pcap | *packets) echo 16384 ;;
