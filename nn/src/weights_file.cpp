@@ -12,6 +12,7 @@
 #include "hqslam/core/npz.h"
 #include "hqslam/nn/hqs/network.h"
 #include "hqslam/nn/hqs/network_json.h"
+#include "weights_arrays.h"
 
 namespace hqslam::nn {
 namespace {
@@ -121,7 +122,10 @@ SelfTest make_self_test(const NetworkDescription& description, const std::vector
 }
 
 Weights read_weights(const std::string& path) {
-  NpzArrays arrays = read_npz(path, kLargestBytes);
+  return weights_of(read_npz(path, kLargestBytes), path);
+}
+
+Weights weights_of(NpzArrays arrays, const std::string& path) {
   const auto description = arrays.find(kDescription);
   if (description == arrays.end()) {
     throw Error(fmt::format(

@@ -10,9 +10,9 @@
 #include "hqslam/nn/training/checkpoint.h"
 #include "hqslam/nn/training/training_configuration.h"
 #include "input_file.h"
-#include "npy_header_bytes.h"
 #include "readers.h"
-#include "zip_by_hand.h"
+#include "training/checkpoint_arrays.h"
+#include "weights_arrays.h"
 
 namespace hqslam::fuzz {
 
@@ -34,9 +34,9 @@ const nn::NetworkDescription& small_network() {
 
 constexpr std::size_t kHead = 3;
 
-/// An array in place of a good one. The checksums of a zip archive keep random changes of its bytes
-/// out of the readers behind it, so the input is the array: the first byte says which, the second
-/// of what type, the third how the rest is cut into rows.
+/// An array in place of a good one. The checksums of a zip archive would keep random changes of its
+/// bytes out of the readers behind it, so the input is the array, and no archive is there: the
+/// first byte says which, the second of what type, the third how the rest is cut into rows.
 NpzArray replaced(NpzArray array, Bytes input) {
   constexpr std::pair<const char*, std::size_t> kTypes[] = {
       {"", 1}, {"<f4", 4}, {"<f8", 8}, {"<i8", 8}, {"|u1", 1}};
@@ -56,37 +56,14 @@ NpzArray replaced(NpzArray array, Bytes input) {
   return array;
 }
 
-std::string npy_file(const NpzArray& array) {
-  return npy_header_bytes(array.dtype, array.shape, 0) +
-         std::string(reinterpret_cast<const char*>(array.bytes.data()), array.bytes.size());
+/// The arrays with one replaced.
+NpzArrays with_one_replaced(NpzArrays arrays, Bytes input) {
+  if (input.size() < kHead) return arrays;
+  const std::size_t which = input[0] % arrays.size();
+  NpzArray& array = std::next(arrays.begin(), static_cast<std::ptrdiff_t>(which))->second;
+  array = replaced(std::move(array), input);
+  return arrays;
 }
-
-/// Arrays in a zip archive that is put together without packing: a library takes ten times as long
-/// to write as the readers take to read.
-class Archive {
- public:
-  explicit Archive(NpzArrays good) : good_(std::move(good)) {
-    for (const auto& [name, array] : good_) {
-      members_.push_back(test::stored(npy_file(array), name + ".npy"));
-    }
-  }
-
-  /// The file with one array replaced.
-  std::string with_one_replaced(Bytes input) const {
-    std::vector<test::HandMember> members = members_;
-    if (input.size() >= kHead) {
-      const std::size_t which = input[0] % members.size();
-      const auto& good = std::next(good_.begin(), static_cast<std::ptrdiff_t>(which))->second;
-      members[which] = test::stored(npy_file(replaced(good, input)), members[which].name);
-    }
-    const std::string file = test::zip_of(members);
-    return as_file({reinterpret_cast<const std::uint8_t*>(file.data()), file.size()}, ".npz");
-  }
-
- private:
-  NpzArrays good_;
-  std::vector<test::HandMember> members_;
-};
 
 NpzArrays good_weights() {
   nn::Weights good;
@@ -112,13 +89,15 @@ NpzArrays good_checkpoint() {
 }  // namespace
 
 void weights(Bytes input) {
-  static const Archive good(good_weights());
-  nn::read_weights(good.with_one_replaced(input));
+  static const NpzArrays good = good_weights();
+  nn::weights_of(with_one_replaced(good, input), "input.npz");
 }
 
 void checkpoint(Bytes input) {
-  static const Archive good(good_checkpoint());
-  nn::read_checkpoint(good.with_one_replaced(input), "{}", small_network(), {});
+  static const NpzArrays good = good_checkpoint();
+  static const auto parameters =
+      static_cast<std::size_t>(nn::elements(nn::parameter_shapes(small_network())));
+  nn::checkpoint_of(with_one_replaced(good, input), "input.npz", "{}", parameters, {});
 }
 
 void recipe_json(Bytes input) {

@@ -32,7 +32,8 @@ void ros1_bag(Bytes input);
 void ouster_json(Bytes input);
 /// The first byte names the model, whole packets follow.
 void velodyne_packets(Bytes input);
-/// The first byte names the profile, whole packets follow.
+/// The first byte names the profile, whole packets of so many rows follow.
+inline constexpr int kOusterRows = 2;
 void ouster_packets(Bytes input);
 
 }  // namespace hqslam::fuzz

@@ -40,6 +40,22 @@ void for_each_packet(Bytes input, std::size_t bytes, const Add& add) {
   }
 }
 
+constexpr VelodyneModel kModels[] = {VelodyneModel::kVlp16, VelodyneModel::kHdl32e,
+                                     VelodyneModel::kVlp32c, VelodyneModel::kVls128};
+
+/// In the order of kModels.
+const std::vector<SensorModel>& velodyne_sensors() {
+  static const std::vector<SensorModel> sensors = [] {
+    std::vector<SensorModel> made;
+    for (const VelodyneModel model : kModels) {
+      made.push_back(sensor_preset(std::string(name(model))));
+      made.back().columns = 64;
+    }
+    return made;
+  }();
+  return sensors;
+}
+
 }  // namespace
 
 void pcap(Bytes input) { read_recording(as_file(input, ".pcap")); }
@@ -53,16 +69,13 @@ void ouster_json(Bytes input) {
 
 void velodyne_packets(Bytes input) {
   if (input.empty()) return;
-  constexpr VelodyneModel kModels[] = {VelodyneModel::kVlp16, VelodyneModel::kHdl32e,
-                                       VelodyneModel::kVlp32c, VelodyneModel::kVls128};
   const VelodyneModel model = kModels[input[0] % 4U];
   VelodyneProbe probe;
   const Bytes packets = input.subspan(1);
   for_each_packet(packets, kVelodynePacketBytes, [&](const Packet& p) { probe.add(p); });
   VelodyneStream stream = probe.result(model).value_or(VelodyneStream{});
   stream.model = model;
-  SensorModel sensor = sensor_preset(std::string(name(model)));
-  sensor.columns = 64;
+  const SensorModel& sensor = velodyne_sensors()[static_cast<std::size_t>(input[0] % 4U)];
   VelodyneDecoder decoder(
       stream, sensor,
       {.kept_return = (input[0] & 4U) != 0 ? KeptReturn::kLast : KeptReturn::kStrongest});
@@ -73,6 +86,9 @@ void velodyne_packets(Bytes input) {
 }
 
 namespace {
+
+/// A turn of four packets.
+constexpr int kOusterColumns = 64;
 
 /// What is made once for a sensor and serves all its frames.
 struct OusterReader {
@@ -87,8 +103,11 @@ std::vector<OusterReader> ouster_readers() {
     for (const OusterProfile profile :
          {OusterProfile::kLegacy, OusterProfile::kRng19, OusterProfile::kRng19Dual,
           OusterProfile::kRng15, OusterProfile::kFusaDual}) {
-      readers.push_back({ouster_metadata_from_json(test::ouster_metadata_text(profile), "metadata"),
-                         {.kept_return = kept}});
+      OusterMetadata metadata =
+          ouster_metadata_from_json(test::ouster_metadata_text(profile, kOusterRows), "metadata");
+      metadata.sensor.columns = kOusterColumns;
+      metadata.last_column = kOusterColumns - 1;
+      readers.push_back({std::move(metadata), {.kept_return = kept}});
     }
   }
   return readers;

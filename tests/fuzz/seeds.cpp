@@ -10,6 +10,7 @@
 #include "hqslam/core/npz.h"
 #include "hqslam/core/sensor_model.h"
 #include "hqslam/core/trajectory.h"
+#include "readers.h"
 #ifdef HQSLAM_FUZZ_RECORDINGS
 #include "bags.h"
 #include "captures.h"
@@ -129,11 +130,15 @@ void put_recordings() {
                                          OusterProfile::kRng19Dual, OusterProfile::kRng15,
                                          OusterProfile::kFusaDual};
   for (int profile = 0; profile < 5; ++profile) {
+    std::string input(1, static_cast<char>(profile));
+    for (const std::uint32_t frame : {7U, 8U}) {
+      std::vector<test::Captured> turn = test::ouster_turn(kProfiles[profile], frame, kOusterRows);
+      turn.resize(4);
+      for (const test::Captured& packet : turn) input += text_of(packet.payload);
+    }
+    put("ouster_packets", std::to_string(profile), input);
     std::vector<test::Captured> turn = test::ouster_turn(kProfiles[profile], 7);
     turn.resize(3);
-    std::string input(1, static_cast<char>(profile));
-    for (const test::Captured& packet : turn) input += text_of(packet.payload);
-    put("ouster_packets", std::to_string(profile), input);
     put("ouster_json", std::to_string(profile), test::ouster_metadata_text(kProfiles[profile]));
     put("pcap", "ouster" + std::to_string(profile) + ".pcap", test::pcap_bytes(turn));
   }

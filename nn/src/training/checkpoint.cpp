@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "checkpoint_arrays.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/npz.h"
 
@@ -89,7 +90,13 @@ void write_checkpoint(const std::string& path, const Checkpoint& checkpoint) {
 
 Checkpoint read_checkpoint(const std::string& path, const std::string& configuration,
                            const NetworkDescription& description, const AdamWOptions& adamw) {
-  const NpzArrays arrays = read_npz(path);
+  const auto parameters = static_cast<std::size_t>(elements(parameter_shapes(description)));
+  return checkpoint_of(read_npz(path), path, configuration, parameters, adamw);
+}
+
+Checkpoint checkpoint_of(const NpzArrays& arrays, const std::string& path,
+                         const std::string& configuration, std::size_t parameters,
+                         const AdamWOptions& adamw) {
   if (text_value(member(arrays, path, "configuration"), path + ": configuration") !=
       configuration) {
     throw Error(fmt::format(
@@ -97,7 +104,6 @@ Checkpoint read_checkpoint(const std::string& path, const std::string& configura
         "delete the checkpoint to begin anew",
         path));
   }
-  const auto parameters = static_cast<std::size_t>(elements(parameter_shapes(description)));
   const std::vector<std::int64_t> steps =
       int64_values(member(arrays, path, "steps"), path + ": steps");
   constexpr std::int64_t kMostSteps = 1'000'000'000'000;  // times the batch this still fits
