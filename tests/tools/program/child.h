@@ -19,6 +19,8 @@ class Child {
   explicit Child(const std::string& arguments, const std::string& streams = ">/dev/null 2>&1")
       : pid_(fork()) {
     if (pid_ != 0) return;
+    // A test that runs in the background ignores it, and would hand that on.
+    ::signal(SIGINT, SIG_DFL);
     const std::string command =
         std::string("exec '") + HQSLAM_PROGRAM + "' " + arguments + " " + streams;
     execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);
