@@ -174,6 +174,19 @@ TEST_CASE("compare puts interpolation and networks side by side, inspect shows t
   CHECK_FALSE(std::filesystem::exists(folder.file("none.html")));
 }
 
+TEST_CASE("compare refuses weights of a sensor with as many rows whose beams look elsewhere") {
+  const TemporaryDirectory folder;
+  const std::string weights = folder.file("weights.npz");
+  write_untrained_weights(weights, sensor_preset("os1-64"));
+  const std::string drive = folder.file("drive");
+  REQUIRE(run_hqslam("simulate --drive block --sensor hdl-64e --scans 1 --out '" + drive + "'")
+              .status == 0);
+  const ProgramResult result =
+      run_hqslam(fmt::format("compare '{}' --weights '{}'", drive, weights));
+  CHECK(result.status == 2);
+  CHECK(holds(result.error, "lifts scans of 'os1-64'"));
+}
+
 TEST_CASE("no command replaces a file that is not its own, and every one replaces its own") {
   const TemporaryDirectory folder;
   const std::string weights = folder.file("weights.npz");

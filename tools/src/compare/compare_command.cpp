@@ -12,6 +12,7 @@
 #include "files/text_file.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/scan_source.h"
+#include "lift/upsampling_plan.h"
 #include "recording/recording_sensor.h"
 #include "terminal/exit_status.h"
 #include "terminal/interrupt.h"
@@ -34,17 +35,17 @@ void require_rows_to_compute(const CompareOptions& options, const SensorModel& s
       options.input, sensor.name, sensor.rows(), kMeasuredRows));
 }
 
-/// The network of a weights file, if it is for images such as the sensor's.
+/// The network of a weights file, if it is for scans such as the sensor's.
 nn::SuperResolver network_of(const std::string& weights, const SensorModel& sensor,
                              const nn::SuperResolverOptions& options = {}) {
   nn::SuperResolver network = nn::SuperResolver::load(weights, options);
   const SensorModel& made_for = network.sensor();
-  if (made_for.rows() != sensor.rows() || made_for.columns != sensor.columns) {
+  if (!fits(sensor, made_for)) {
     throw Error(fmt::format(
-        "{}: lifts scans of '{}' ({} x {}), but the recording is of '{}' ({} x {}); give weights "
-        "made for that sensor",
-        weights, made_for.name, made_for.rows(), made_for.columns, sensor.name, sensor.rows(),
-        sensor.columns));
+        "{}: lifts scans of '{}' ({} x {}, beams within {} degrees), but the recording is of '{}' "
+        "({} x {}); give weights made for that sensor",
+        weights, made_for.name, made_for.rows(), made_for.columns, kBeamTolerance_deg, sensor.name,
+        sensor.rows(), sensor.columns));
   }
   return network;
 }

@@ -14,25 +14,10 @@
 namespace hqslam::tools {
 namespace {
 
-/// Sensors of one type differ by this much from their data sheet.
-constexpr double kBeamTolerance_deg = 0.25;
 constexpr double kDegreesPerRadian = 57.29577951308232;
 /// Without --rows every fourth row is measured, if there are so many that this makes sense.
 constexpr int kInterpolationFactor = 4;
 constexpr int kFewestRowsToThin = 64;
-
-bool fits(const SensorModel& sensor, const SensorModel& expected) {
-  if (sensor.rows() != expected.rows() || sensor.columns != expected.columns) {
-    return false;
-  }
-  for (int row = 0; row < sensor.rows(); ++row) {
-    const double off_rad = sensor.beam_elevation_rad[row] - expected.beam_elevation_rad[row];
-    if (std::abs(off_rad) * kDegreesPerRadian > kBeamTolerance_deg) {
-      return false;
-    }
-  }
-  return true;
-}
 
 /// Whether scans come from packets, whose columns can be chosen.
 bool has_any_columns(const UpsamplingRequest& request) {
@@ -139,6 +124,19 @@ UpsamplingPlan plan_for_interpolation(const UpsamplingRequest& request) {
 }
 
 }  // namespace
+
+bool fits(const SensorModel& sensor, const SensorModel& expected) {
+  if (sensor.rows() != expected.rows() || sensor.columns != expected.columns) {
+    return false;
+  }
+  for (int row = 0; row < sensor.rows(); ++row) {
+    const double off_rad = sensor.beam_elevation_rad[row] - expected.beam_elevation_rad[row];
+    if (std::abs(off_rad) * kDegreesPerRadian > kBeamTolerance_deg) {
+      return false;
+    }
+  }
+  return true;
+}
 
 UpsamplingPlan plan_upsampling(const UpsamplingRequest& request) {
   return nn::is_interpolation(request.method) ? plan_for_interpolation(request)
