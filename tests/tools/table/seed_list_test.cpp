@@ -1,9 +1,8 @@
-#include "table/table_plan.h"
-
 #include <doctest/doctest.h>
 #include <fmt/format.h>
 
 #include "error_message.h"
+#include "table/table_plan.h"
 
 namespace hqslam::tools {
 
