@@ -1,4 +1,3 @@
-
 #include <array>
 
 #include "filter_json.h"

@@ -12,20 +12,33 @@ constexpr double kHighestGroundBeam_rad = -0.5 * 3.14159265358979323846 / 180.0;
 /// How many beams without a return may lie between two compared ones.
 constexpr int kMaxMissingBeams = 2;
 
-/// The row from which all below look below the horizon in a column.
-int highest_ground_row(const SensorModel& sensor, int column, const Eigen::Vector3d& up_of_sensor) {
-  const double azimuth_rad = sensor.azimuth_rad(0, column) - sensor.residual_azimuth_rad(0);
+/// How far the beams of each row look upwards, as seen by the sensor, and ahead.
+struct Beams {
+  std::vector<double> up;
+  std::vector<double> ahead;
+};
+
+Beams beams_of(const SensorModel& sensor) {
+  Beams beams;
+  for (const double elevation_rad : sensor.beam_elevation_rad) {
+    beams.up.push_back(std::sin(elevation_rad));
+    beams.ahead.push_back(std::cos(elevation_rad));
+  }
+  return beams;
+}
+
+/// The row from which all below look below the horizon, of those that look along azimuth_rad.
+int highest_ground_row(const Beams& beams, double azimuth_rad,
+                       const Eigen::Vector3d& up_of_sensor) {
   const double up_ahead =
       up_of_sensor.x() * std::cos(azimuth_rad) + up_of_sensor.y() * std::sin(azimuth_rad);
-  int row = sensor.rows();
-  while (row > 0) {
-    const double elevation_rad = sensor.beam_elevation_rad[row - 1];
-    const double up =
-        up_ahead * std::cos(elevation_rad) + up_of_sensor.z() * std::sin(elevation_rad);
-    if (up > std::sin(kHighestGroundBeam_rad)) break;
+  const double highest = std::sin(kHighestGroundBeam_rad);
+  auto row = beams.up.size();
+  while (row > 0 &&
+         up_ahead * beams.ahead[row - 1] + up_of_sensor.z() * beams.up[row - 1] <= highest) {
     --row;
   }
-  return row;
+  return static_cast<int>(row);
 }
 
 void mark_column(const OrganizedCloud& cloud, int highest_row, int column, float max_slope_squared,
@@ -52,10 +65,12 @@ std::vector<std::uint8_t> mark_ground(const OrganizedCloud& cloud, const SensorM
                                       const GroundOptions& options,
                                       const Eigen::Vector3d& up_of_sensor) {
   std::vector<std::uint8_t> ground(cloud.range_m.size(), 0);
+  const Beams beams = beams_of(sensor);
   const auto max_slope = static_cast<float>(std::tan(options.max_slope_rad));
 #pragma omp parallel for schedule(static)
   for (int column = 0; column < cloud.columns; ++column) {
-    mark_column(cloud, highest_ground_row(sensor, column, up_of_sensor), column,
+    const double azimuth_rad = sensor.azimuth_rad(0, column) - sensor.residual_azimuth_rad(0);
+    mark_column(cloud, highest_ground_row(beams, azimuth_rad, up_of_sensor), column,
                 max_slope * max_slope, ground);
   }
   return ground;
