@@ -45,17 +45,14 @@ std::string mounting_summary(const SlamRun& run) {
                      kDegrees * mounted.pitch_rad, how);
 }
 
-/// Half of the scans saw at most this share of their returns on the ground.
+/// The median share of a scan's returns that lie on the ground; 1 where nothing was seen.
 double median_ground_share(const SlamRun& run) {
   std::vector<double> shares;
   for (const ScanRecord& scan : run.scans) {
     if (scan.report.returns == 0) continue;
     shares.push_back(static_cast<double>(scan.report.ground_points) / scan.report.returns);
   }
-  if (shares.empty()) return 1.0;
-  const auto middle = shares.begin() + static_cast<std::ptrdiff_t>(shares.size() / 2);
-  std::nth_element(shares.begin(), middle, shares.end());
-  return *middle;
+  return shares.empty() ? 1.0 : distribution_of(shares).median;
 }
 
 /// Sensors on the road, on robots and in hands see a third of their returns and more on the ground,
@@ -68,8 +65,7 @@ std::string ground_summary(const SlamRun& run) {
   if (share >= kLittleGround) return "";
   return fmt::format(
       "ground: only {:.0f} % of what was seen; usual in rooms, elsewhere the sensor may lean or "
-      "hang "
-      "upside down: say so (mounting in hqslam slam-options)\n",
+      "hang upside down: say so (mounting in hqslam slam-options)\n",
       100.0 * share);
 }
 
