@@ -31,6 +31,13 @@ recordings::LiveOptions sensor_options(const LiveCommandOptions& options) {
   return sensor;
 }
 
+/// What the sensor cannot be lifted by is said before its packets come, as far as it is known then.
+void require_possible(const recordings::LiveSensor& sensor, const LiveCommandOptions& options) {
+  const RunPlan plan = plan_of(options, sensor.named(), fmt::format("--sensor {}", options.sensor),
+                               sensor.knows_beams());
+  sensor.require_columns(plan.recording_sensor.columns);
+}
+
 void print_sensor(const recordings::LiveSensor& sensor, const RunPlan& plan) {
   for (const std::string& warning : sensor.warnings()) to_stderr("hqslam: {}\n", warning);
   to_stdout("{} from {}: {}, {} rows x {} columns, {:.4g} turns a second\n", sensor.format(),
@@ -123,6 +130,7 @@ int live_command(const LiveCommandOptions& options) {
   const slam::SlamOptions slam = slam_options(options.slam);
   RunOutput output(options.out);
   recordings::LiveSensor sensor(sensor_options(options));
+  require_possible(sensor, options);
   LiveView view(fmt::format("hqslam live, {}", options.sensor));
   std::optional<ViewServer> server;
   if (options.view) {
