@@ -11,10 +11,6 @@
 #include "recording/recording_sensor.h"
 #include "run/slam_run.h"
 
-namespace CLI {
-class App;
-}
-
 namespace hqslam::tools {
 
 /// A recording and what is made of its scans before they are used.
