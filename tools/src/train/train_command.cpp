@@ -125,11 +125,6 @@ void write_results(const Training& training, const nn::TrainingState& state) {
   write_text_file(learning_curve_svg(training.curve), (training.out / "curve.svg").string());
 }
 
-DriveStore drive_store(const TrainOptions& options, int threads, Ranks& ranks) {
-  if (!options.drives.empty()) return {options.drives, threads, ranks};
-  return {std::filesystem::path(options.out) / "drives", threads, ranks};
-}
-
 /// Reads the validation scans; returns those to train on, null if asked to stop.
 std::unique_ptr<const nn::TrainingScans> load_scans(Training& training, const DriveStore& store,
                                                     const InterruptGuard& interrupt) {
@@ -242,7 +237,10 @@ int train_command(const TrainOptions& options) {
   const int threads = options.threads > 0 ? options.threads : omp_get_max_threads();
   std::optional<nn::Trainer> prepared;
   try {
-    auto scans = load_scans(training, drive_store(options, threads, *ranks), interrupt);
+    const DriveStore store{
+        options.drives.empty() ? training.out / "drives" : std::filesystem::path(options.drives),
+        threads, *ranks};
+    auto scans = load_scans(training, store, interrupt);
     if (scans == nullptr) return kInterrupted;
     prepared.emplace(c.network, c.plan, std::move(scans), std::move(*state), threads, *ranks);
   } catch (const Error& error) {
