@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "../weights_arrays.h"
 #include "checkpoint_arrays.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/npz.h"
@@ -21,18 +22,6 @@ const NpzArray& member(const NpzArrays& arrays, const std::string& path, const s
         fmt::format("{}: expected a checkpoint with an array '{}', found none", path, name));
   }
   return found->second;
-}
-
-template <typename Value>
-std::vector<Value> finite(std::vector<Value> values, const std::string& path,
-                          const std::string& name) {
-  for (const Value value : values) {
-    if (!std::isfinite(value)) {
-      throw Error(
-          fmt::format("{}: array '{}': expected finite values, found {}", path, name, value));
-    }
-  }
-  return values;
 }
 
 std::vector<float> finite_floats(const NpzArrays& arrays, const std::string& path,
