@@ -184,12 +184,13 @@ std::optional<LiveScan> LiveSensor::Impl::next(double timeout_s) {
   return std::nullopt;
 }
 
+NamedSensor named_sensor(const std::string& sensor) {
+  return LiveStream({.sensor = sensor}).named();
+}
+
 LiveSensor::LiveSensor(const LiveOptions& options) : impl_(std::make_unique<Impl>(options)) {}
 LiveSensor::~LiveSensor() = default;
 std::uint16_t LiveSensor::port() const { return impl_->port(); }
-const SensorModel& LiveSensor::named() const { return impl_->stream().named(); }
-bool LiveSensor::knows_beams() const { return impl_->stream().knows_beams(); }
-void LiveSensor::require_columns(int columns) const { impl_->stream().require_columns(columns); }
 bool LiveSensor::recognise(double timeout_s) { return impl_->recognise(timeout_s); }
 std::int64_t LiveSensor::packets_seen() const { return impl_->packets_seen(); }
 const SensorModel& LiveSensor::sensor() const { return impl_->stream().sensor(); }

@@ -47,13 +47,6 @@ std::uint16_t LiveStream::usual_port() const {
   return metadata_ && metadata_->lidar_port != 0 ? metadata_->lidar_port : kOusterPort;
 }
 
-void LiveStream::require_columns(int columns) const {
-  if (!metadata_ || metadata_->sensor.columns == columns) return;
-  throw Error(
-      fmt::format("the sensor sends {} columns a turn, {} are asked for; set it to another mode",
-                  metadata_->sensor.columns, columns));
-}
-
 bool LiveStream::recognise(const Packet& packet) {
   ++packets_;
   const bool recognised = is_ouster_ ? recognise_ouster(packet) : recognise_velodyne(packet);
@@ -120,7 +113,12 @@ void LiveStream::fail_for_packets(const Packet& packet) const {
 
 std::unique_ptr<ScanAssembler> LiveStream::assembler(int columns) {
   if (is_ouster_) {
-    if (columns > 0) require_columns(columns);
+    if (columns > 0 && columns != sensor_.columns) {
+      throw Error(
+          fmt::format("the sensor sends {} columns a turn, {} are asked for; set it to "
+                      "another mode",
+                      sensor_.columns, columns));
+    }
     OusterOptions options;
     options.kept_return = options_.kept_return;
     options.serial_number = serial_number_;

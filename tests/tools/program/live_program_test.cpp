@@ -221,8 +221,8 @@ TEST_CASE("a port in use and other wrong input of live are one line and status 2
         fmt::format("--sensor vlp-16 --port {} --view 0 --view-address nowhere", free_udp_port()),
         fmt::format("--sensor vlp-16 --port {} --upsample linear", free_udp_port()),
         fmt::format("--sensor vlp-16 --port {} --rows 7", free_udp_port()),
-        fmt::format("--sensor vlp-16 --port {} --upsample '{}'", free_udp_port(),
-                    folder.file("os1.npz")),
+        fmt::format("--sensor vlp-16 --port {} --upsample '{}' --record '{}'", free_udp_port(),
+                    folder.file("os1.npz"), folder.file("never.pcap")),
         fmt::format("--sensor os1-64 --port {} --upsample '{}'", free_udp_port(),
                     folder.file("wide.npz")),
         fmt::format("--sensor '{}' --port {} --upsample '{}'", folder.file("metadata.json"),
@@ -235,6 +235,7 @@ TEST_CASE("a port in use and other wrong input of live are one line and status 2
     CHECK(result.error.find('\n') == result.error.size() - 1);
   }
   CHECK_FALSE(fs::exists(folder.file("out")));
+  CHECK_FALSE(fs::exists(folder.file("never.pcap")));
 }
 
 }  // namespace hqslam::test

@@ -32,10 +32,16 @@ recordings::LiveOptions sensor_options(const LiveCommandOptions& options) {
 }
 
 /// What the sensor cannot be lifted by is said before its packets come, as far as it is known then.
-void require_possible(const recordings::LiveSensor& sensor, const LiveCommandOptions& options) {
-  const RunPlan plan = plan_of(options, sensor.named(), fmt::format("--sensor {}", options.sensor),
-                               sensor.knows_beams());
-  sensor.require_columns(plan.recording_sensor.columns);
+void require_possible(const LiveCommandOptions& options) {
+  const auto [sensor, knows_beams, knows_columns] = recordings::named_sensor(options.sensor);
+  const RunPlan plan =
+      plan_of(options, sensor, fmt::format("--sensor {}", options.sensor), knows_beams);
+  const int columns = plan.recording_sensor.columns;
+  if (!knows_columns || columns == sensor.columns) return;
+  throw Error(
+      fmt::format("{}: the sensor sends {} columns a turn, {} takes {}; set it to another "
+                  "mode",
+                  options.sensor, sensor.columns, options.upsample, columns));
 }
 
 void print_sensor(const recordings::LiveSensor& sensor, const RunPlan& plan) {
@@ -129,8 +135,8 @@ int live_command(const LiveCommandOptions& options) {
   use_threads(options.threads);
   const slam::SlamOptions slam = slam_options(options.slam);
   RunOutput output(options.out);
+  require_possible(options);
   recordings::LiveSensor sensor(sensor_options(options));
-  require_possible(sensor, options);
   LiveView view(fmt::format("hqslam live, {}", options.sensor));
   std::optional<ViewServer> server;
   if (options.view) {

@@ -27,6 +27,15 @@ struct LiveOptions {
   int most_waiting = 2;
 };
 
+/// What is known of a sensor before its packets come: its rows, and maybe more.
+struct NamedSensor {
+  SensorModel sensor;
+  bool knows_beams = true;     ///< not those of an Ouster that is only named
+  bool knows_columns = false;  ///< how many it sends a turn
+};
+/// sensor: as LiveOptions has it. Throws Error if it is unknown or its file is wrong.
+NamedSensor named_sensor(const std::string& sensor);
+
 /// What came up to now.
 struct LiveCounts {
   PacketCounts packets;
@@ -61,12 +70,6 @@ class LiveSensor {
   LiveSensor& operator=(const LiveSensor&) = delete;
 
   std::uint16_t port() const;
-  /// What the user named. Rows and, where knows_beams(), beam angles are what sensor() will have.
-  const SensorModel& named() const;
-  /// Not of an Ouster whose own metadata are still to come.
-  bool knows_beams() const;
-  /// Throws Error if it is known by now that the sensor sends another number of columns a turn.
-  void require_columns(int columns) const;
   /// Reads packets, for at most so long, until it is known what they are: half a second of the
   /// sensor's time for a Velodyne, a packet and the metadata for an Ouster. Returns whether it is.
   /// Throws Error if they are not the sensor's.
