@@ -20,7 +20,7 @@ packages=(
 if [[ "${1:-}" == checks ]]; then
   packages+=(clang-format clang-tidy)
 elif [[ "${1:-}" == fuzz ]]; then
-  packages+=(clang libclang-rt-dev libomp-dev)
+  packages+=(clang lld libclang-rt-dev libomp-dev)
 elif [[ "${1:-}" == arm64 ]]; then
   packages+=(g++-aarch64-linux-gnu qemu-user)
 elif [[ "${1:-}" == mpi ]]; then

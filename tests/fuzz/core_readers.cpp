@@ -44,7 +44,9 @@ void npz(Bytes input) {
   read_npz(as_file(input, ".npz"), kLargestBytes);
 }
 
-void pcd(Bytes input) { project(read_pcd(as_file(input, ".pcd"), small_sensor()), small_sensor()); }
+void pcd(Bytes input) {
+  project(read_pcd(as_whole_file(input, ".pcd"), small_sensor()), small_sensor());
+}
 
 void ply(Bytes input) { read_scans(as_file(input, ".ply")); }
 
@@ -52,12 +54,12 @@ void kitti_bin(Bytes input) { read_scans(as_file(input, ".bin")); }
 
 void text(Bytes input) { read_scans(as_file(input, ".csv")); }
 
-void stamps(Bytes input) { read_stamps_s(as_file(input, ".txt")); }
+void stamps(Bytes input) { read_stamps_s(as_whole_file(input, ".txt")); }
 
-void sensor_json(Bytes input) { validate(read_sensor_json(as_file(input, ".json"))); }
+void sensor_json(Bytes input) { validate(read_sensor_json(as_whole_file(input, ".json"))); }
 
-void tum(Bytes input) { read_poses(as_file(input, ".tum"), true); }
+void tum(Bytes input) { read_poses(as_whole_file(input, ".tum"), true); }
 
-void kitti(Bytes input) { read_poses(as_file(input, ".kitti"), false); }
+void kitti(Bytes input) { read_poses(as_whole_file(input, ".kitti"), false); }
 
 }  // namespace hqslam::fuzz

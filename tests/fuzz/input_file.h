@@ -10,4 +10,8 @@ namespace hqslam::fuzz {
 /// in memory where the system has such a folder.
 std::string as_file(Bytes input, const char* extension);
 
+/// The same for a reader that takes all of its file by whole_file. The fuzzers make no file for it:
+/// they give whole_file's callers the bytes themselves.
+std::string as_whole_file(Bytes input, const char* extension);
+
 }  // namespace hqslam::fuzz

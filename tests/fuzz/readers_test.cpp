@@ -13,6 +13,7 @@
 #include "file_contents.h"
 #include "golden_folder.h"
 #include "hqslam/core/error.h"
+#include "input_file.h"
 #include "seeds.h"
 #include "temporary_directory.h"
 
@@ -20,6 +21,10 @@
 // in every run.
 
 using namespace hqslam;
+
+std::string fuzz::as_whole_file(Bytes input, const char* extension) {
+  return as_file(input, extension);
+}
 
 namespace {
 

@@ -16,10 +16,13 @@ namespace {
 
 using namespace hqslam::recordings;
 
+/// Few: the readers are to be fed, not the projection.
+constexpr int kColumns = 16;
+
 /// As hqslam info and hqslam run read a capture or a bag, if it begins as one.
 void read_recording(const std::string& path) {
   if (!is_capture_or_bag(path)) return;
-  const auto source = recordings::open_recording(path, {.sensor = "vlp-16", .columns = 64});
+  const auto source = recordings::open_recording(path, {.sensor = "vlp-16", .columns = kColumns});
   while (true) {
     try {
       if (!source->next()) break;
@@ -49,7 +52,7 @@ const std::vector<SensorModel>& velodyne_sensors() {
     std::vector<SensorModel> made;
     for (const VelodyneModel model : kModels) {
       made.push_back(sensor_preset(std::string(name(model))));
-      made.back().columns = 64;
+      made.back().columns = kColumns;
     }
     return made;
   }();
