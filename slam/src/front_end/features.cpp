@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <Eigen/Eigenvalues>
 #include <cstdint>
 #include <cstdlib>
 #include <iterator>
@@ -63,7 +64,38 @@ Eigen::Vector3f slope_at(const OrganizedCloud& cloud, const Segmentation& segmen
   return sum.normalized();  // of zero: zero
 }
 
-Row gather_row(const OrganizedCloud& cloud, const Segmentation& segmentation, int row) {
+Eigen::Vector3f normal_at(const OrganizedCloud& cloud, const Segmentation& segmentation, int row, int column) {
+  const int kRows = std::max(1, cloud.rows / 16), kColumns = std::max(1, cloud.columns * 6 / 1024);
+  const std::size_t own = cloud.index(row, column);
+  const Eigen::Vector3f here_m = cloud.points_m[own];
+  const float reach_m = std::clamp(0.1F * cloud.range_m[own], 0.4F, 1.5F);
+  Eigen::Vector3f mean = Eigen::Vector3f::Zero();
+  Eigen::Matrix3f squares = Eigen::Matrix3f::Zero();
+  int count = 0;
+  for (int r = std::max(0, row - kRows); r <= std::min(cloud.rows - 1, row + kRows); ++r) {
+    for (int dc = -kColumns; dc <= kColumns; ++dc) {
+      const int c = (column + dc + cloud.columns) % cloud.columns;
+      const std::size_t pixel = cloud.index(r, c);
+      if (segmentation.pixel_class[pixel] != segmentation.pixel_class[own]) continue;
+      const Eigen::Vector3f d = cloud.points_m[pixel] - here_m;
+      if (d.squaredNorm() > reach_m * reach_m) continue;
+      mean += d;
+      squares += d * d.transpose();
+      ++count;
+    }
+  }
+  if (count < 8) return Eigen::Vector3f::Zero();
+  mean /= static_cast<float>(count);
+  const Eigen::Matrix3f covariance = squares / static_cast<float>(count) - mean * mean.transpose();
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3f> solver;
+  solver.computeDirect(covariance);
+  const auto& e = solver.eigenvalues();
+  if (!(e[1] > 0.1F * e[2]) || !(e[0] < 0.04F * e[1])) return Eigen::Vector3f::Zero();
+  Eigen::Vector3f normal = solver.eigenvectors().col(0);
+  return normal.dot(here_m) > 0.0F ? -normal : normal;
+}
+
+Row gather_row(const OrganizedCloud& cloud, const Segmentation& segmentation, int row, int shape, int shape_every) {
   Row result;
   const auto most = static_cast<std::size_t>(cloud.columns);
   result.points.reserve(most);
@@ -76,6 +108,9 @@ Row gather_row(const OrganizedCloud& cloud, const Segmentation& segmentation, in
     if (pixel_class == PixelClass::kNoReturn) continue;
     const float offset_s = cloud.time_offset_s.empty() ? 0.0F : cloud.time_offset_s[pixel];
     FeaturePoint point{cloud.points_m[pixel], offset_s, row};
+    if (shape > 0 && row % shape_every == shape_every - 1) {
+      point.normal = normal_at(cloud, segmentation, row, column);
+    }
     if (pixel_class == PixelClass::kGround) {
       point.slope = slope_at(cloud, segmentation, row, column);
     }
@@ -192,7 +227,7 @@ void choose_flat_points(Row& row, int first, int last, const FeatureOptions& opt
 
 Features features_of_row(const OrganizedCloud& cloud, const Segmentation& segmentation,
                          int row_index, const FeatureOptions& options) {
-  Row row = gather_row(cloud, segmentation, row_index);
+  Row row = gather_row(cloud, segmentation, row_index, options.shape, options.shape_every);
   compute_smoothness(row);
   mark_unreliable(row);
   row.is_edge.assign(row.points.size(), 0);

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <array>
+#include <map>
 
 namespace hqslam::slam {
 
@@ -49,9 +51,19 @@ std::vector<FeaturePoint> thin_box(const std::vector<FeaturePoint>& points, floa
   grid.filter(kept);
   std::vector<FeaturePoint> result;
   result.reserve(kept.size());
+  std::map<std::array<float, 3>, Eigen::Vector3f> normals;
+  const auto key_of = [&](const Eigen::Vector3f& p_m) {
+    const Eigen::Array3f voxel = (p_m.array() * (1.0F / leaf_m)).floor();
+    return std::array<float, 3>{voxel.x(), voxel.y(), voxel.z()};
+  };
+  for (const FeaturePoint& point : points) {
+    if (!point.normal.isZero()) normals.try_emplace(key_of(point.point_m), Eigen::Vector3f::Zero()).first->second += point.normal;
+  }
   for (const pcl::PointXYZINormal& point : kept) {
     result.push_back({point.getVector3fMap(), point.intensity, points.front().row,
                       point.getNormalVector3fMap()});
+    const auto found = normals.find(key_of(point.getVector3fMap()));
+    if (found != normals.end()) result.back().normal = found->second.normalized();
   }
   return result;
 }

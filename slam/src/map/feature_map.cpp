@@ -27,7 +27,7 @@ Eigen::Vector3i floored(const Eigen::Vector3f& v) {
 }
 
 /// distance_m2: less than that of the sixth so far.
-void insert_sorted(Neighbours& found, const Eigen::Vector3f& point_m, float distance_m2) {
+void insert_sorted(Neighbours& found, const Eigen::Vector3f& point_m, const Eigen::Vector3f& normal, float distance_m2) {
   int place = found.count;
   if (found.count < Neighbours::kWanted) {
     ++found.count;
@@ -39,10 +39,12 @@ void insert_sorted(Neighbours& found, const Eigen::Vector3f& point_m, float dist
   while (place > 0 && found.squared_distance_m2[place - 1] > distance_m2) {
     found.squared_distance_m2[place] = found.squared_distance_m2[place - 1];
     found.points_m[place] = found.points_m[place - 1];
+    found.normals[place] = found.normals[place - 1];
     --place;
   }
   found.squared_distance_m2[place] = distance_m2;
   found.points_m[place] = point_m;
+  found.normals[place] = normal;
 }
 
 }  // namespace
@@ -99,8 +101,8 @@ void FeatureMap::fill_table(std::size_t slots) {
   }
 }
 
-void FeatureMap::insert(const std::vector<Eigen::Vector3f>& points_m, std::uint32_t key_frame) {
-  for (const Eigen::Vector3f& point_m : points_m) insert_point({point_m, key_frame, key_frame});
+void FeatureMap::insert(const std::vector<Eigen::Vector3f>& points_m, std::uint32_t key_frame, const std::vector<Eigen::Vector3f>& normals) {
+  for (std::size_t i=0;i<points_m.size();++i) insert_point({points_m[i], key_frame, key_frame, 1, normals.empty()? Eigen::Vector3f::Zero().eval() : normals[i]});
 }
 
 void FeatureMap::insert(const std::vector<MapPoint>& points) {
@@ -130,6 +132,7 @@ void FeatureMap::insert_point(const MapPoint& inserted) {
     cell.key_frame = std::min(cell.key_frame, inserted.key_frame);
     cell.last_seen = std::max(cell.last_seen, inserted.last_seen);
     if (cell.count < kMaxMeanCount) {
+      cell.normal += inserted.normal;
       cell.count = static_cast<std::uint16_t>(cell.count + inserted.count);
       cell.mean_m += static_cast<float>(inserted.count) * (inserted.mean_m - cell.mean_m) /
                      static_cast<float>(cell.count);
@@ -201,7 +204,7 @@ Neighbours FeatureMap::nearest(const Eigen::Vector3f& query_m) const {
     for (const Cell& cell : cube->cells) {
       const Eigen::Vector3f& mean_m = cell.mean_m;
       const float distance_m2 = (mean_m - query_m).squaredNorm();
-      if (distance_m2 < found.sixth_squared_m2) insert_sorted(found, mean_m, distance_m2);
+      if (distance_m2 < found.sixth_squared_m2) insert_sorted(found, mean_m, cell.normal, distance_m2);
     }
   }
   return found;

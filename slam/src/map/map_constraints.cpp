@@ -89,6 +89,46 @@ std::optional<PlaneConstraint> horizontal(std::optional<PlaneConstraint> surface
   return surface;
 }
 
+
+std::optional<Shaped> fit_shaped(const Neighbours& near, double max_residual_m, bool lines) {
+  if (near.count < 5) return std::nullopt;
+  Shaped result;
+  result.surface = fit_surface(near, max_residual_m);
+  (void)lines;
+  result.mean_m.setZero();
+  result.points_m = near.points_m;
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  int with = 0;
+  for (int i = 0; i < 5; ++i) {
+    result.mean_m += near.points_m[i].cast<double>() / 5.0;
+    if (near.normals[i].squaredNorm() > 0) {
+      sum += near.normals[i].normalized().cast<double>();
+      ++with;
+    }
+  }
+  result.normal.setZero();
+  if (with >= 3 && sum.norm() > 0.9 * with) result.normal = sum.normalized();
+  return result;
+}
+
+std::optional<MapPlane> shaped_plane(const Shaped& near, const Eigen::Vector3d& scan_normal, int shape,
+                                     double max_residual_m, const Eigen::Vector3d* vertical) {
+  Eigen::Vector3d n = Eigen::Vector3d::Zero();
+  if (shape == 1) n = scan_normal;
+  if (shape == 2 || shape >= 4) n = near.normal;
+  if (shape == 3 && scan_normal.dot(near.normal) > 0.9) n = (scan_normal + near.normal).normalized();
+  if (n.squaredNorm() > 0.5) {
+    for (const auto& p : near.points_m) {
+      if (!(std::abs(n.dot(p.cast<double>() - near.mean_m)) <= max_residual_m)) return std::nullopt;
+    }
+    return MapPlane{near.mean_m, n};
+  }
+  if (!near.surface) return std::nullopt;
+  if (const auto* plane = std::get_if<MapPlane>(&*near.surface)) return *plane;
+  if (vertical == nullptr) return std::nullopt;
+  return plane_through(std::get<MapLine>(*near.surface), *vertical);
+}
+
 /// One constraint or none per feature, searched in parallel: constrain(i, fit, rotated_m).
 template <typename Fit, int kNeighbours, typename Make, typename Constrain>
 auto find_all(SearchedFeatures<Fit, kNeighbours>& searched, const MapSearch& search,
@@ -112,21 +152,33 @@ auto find_all(SearchedFeatures<Fit, kNeighbours>& searched, const MapSearch& sea
 /// there. Such planes are made of chords between rows that may be metres apart, so they only count
 /// while they are most of what there is: in a map of few scans. There they keep a sensor that sets
 /// out from tilting, with the map, by tenths of a degree.
-std::vector<std::optional<PlaneConstraint>> ground_constraints(SearchedFeatures<MapSurface>& ground,
+std::vector<std::optional<PlaneConstraint>> ground_constraints(SearchedFeatures<MapSurface>& ground, SearchedFeatures<Shaped>* shaped,
                                                                const MapSearch& search,
                                                                const FeatureMap& planes,
                                                                const MappingOptions& options) {
   const Eigen::Vector3d origin_m = search.T_map_sensor.translation();
   const Eigen::Matrix3d rotation = search.T_map_sensor.linear();
   std::vector<std::uint8_t> by_line(ground.features.size(), 0);
-  auto found = find_all(
-      ground, search, planes,
-      [&](const Neighbours& near) { return fit_surface(near, options.max_ground_residual_m); },
-      [&](std::size_t i, const std::optional<MapSurface>& near, const Eigen::Vector3d& rotated_m) {
+  const auto constrain = [&](std::size_t i, const std::optional<MapSurface>& near, const Eigen::Vector3d& rotated_m) {
         by_line[i] = near && std::holds_alternative<MapLine>(*near) ? 1 : 0;
         const Eigen::Vector3d slope = rotation * ground.features[i].slope.cast<double>();
         return upright(match_surface(completed(near, slope), rotated_m, origin_m), rotation.col(2));
-      });
+      };
+  auto found = shaped == nullptr ? find_all(
+      ground, search, planes,
+      [&](const Neighbours& near) { return fit_surface(near, options.max_ground_residual_m); }, constrain)
+   : find_all(
+        *shaped, search, planes,
+        [&](const Neighbours& near) { return fit_shaped(near, options.max_ground_residual_m, true); },
+        [&](std::size_t i, const std::optional<Shaped>& near, const Eigen::Vector3d& rotated_m) {
+          std::optional<MapSurface> surface;
+          if (near) {
+            surface = near->surface;
+            if (const auto plane = shaped_plane(*near, rotation * ground.features[i].normal.cast<double>(),
+                                 options.shape, options.max_ground_residual_m, nullptr)) surface = *plane;
+          }
+          return constrain(i, surface, rotated_m);
+        });
   int by_plane = 0;
   int by_lines = 0;
   for (std::size_t i = 0; i < found.size(); ++i) {
@@ -140,10 +192,24 @@ std::vector<std::optional<PlaneConstraint>> ground_constraints(SearchedFeatures<
 
 /// Surfaces. A line that a row drew on one is completed to the most upright plane through it.
 std::vector<std::optional<PlaneConstraint>> surface_constraints(
-    SearchedFeatures<MapSurface>& surfaces, const MapSearch& search, const FeatureMap& planes,
+    SearchedFeatures<MapSurface>& surfaces, SearchedFeatures<Shaped>* shaped, const MapSearch& search, const FeatureMap& planes,
     const MappingOptions& options, bool ground_tells_height) {
   const Eigen::Vector3d origin_m = search.T_map_sensor.translation();
   const Eigen::Vector3d vertical = search.T_map_sensor.linear().col(2);
+  const Eigen::Matrix3d rotation = search.T_map_sensor.linear();
+  if (shaped != nullptr) {
+    return find_all(
+        *shaped, search, planes,
+        [&](const Neighbours& near) { return fit_shaped(near, options.max_plane_residual_m, true); },
+        [&](std::size_t i, const std::optional<Shaped>& near, const Eigen::Vector3d& rotated_m) {
+          std::optional<MapPlane> plane;
+          if (near)
+            plane = shaped_plane(*near, rotation * surfaces.features[i].normal.cast<double>(),
+                                 options.shape, options.max_plane_residual_m, &vertical);
+          const auto constraint = match_surface(plane, rotated_m, origin_m);
+          return ground_tells_height ? horizontal(constraint, vertical) : constraint;
+        });
+  }
   return find_all(
       surfaces, search, planes,
       [&](const Neighbours& near) { return fit_surface(near, options.max_plane_residual_m); },
@@ -185,16 +251,16 @@ std::vector<std::optional<EdgeConstraints>> post_constraints(
 }  // namespace
 
 ConstraintList map_constraints(LocatedScan& scan, const MapSearch& search, const FeatureMaps& map,
-                               const MappingOptions& options) {
+                               const MappingOptions& options, bool height_told) {
   ConstraintList list;
   const auto add = [&](auto found) {
     weigh_by_noise(found, options.trusted_residual_m, search.trust_near);
     list.add(found);
   };
-  add(ground_constraints(scan.ground, search, map.planes, options));
+  add(ground_constraints(scan.ground, options.shape>0 && options.shape != 5?&scan.shaped_ground:nullptr, search, map.planes, options));
   list.ground = list.planes;
-  const bool ground_tells_height = list.ground >= kMinGroundConstraints;
-  add(surface_constraints(scan.surfaces, search, map.planes, options, ground_tells_height));
+  const bool ground_tells_height = height_told || list.ground >= kMinGroundConstraints;
+  add(surface_constraints(scan.surfaces, options.shape>0 && options.shape != 4?&scan.shaped_surfaces:nullptr, search, map.planes, options, ground_tells_height));
   add(edge_constraints_of(scan.edges, search, map.edges));
   add(post_constraints(scan.posts, search, map.posts));
   return list;

@@ -5,6 +5,8 @@
 #include <optional>
 #include <utility>
 
+#include <Eigen/Eigenvalues>
+
 #include "alignment/rigid_alignment.h"
 #include "alignment/scan_information.h"
 #include "front_end/voxel_thinning.h"
@@ -17,6 +19,7 @@ namespace {
 
 /// Searches of wide reach, before the pose is good enough for the narrow one.
 constexpr int kWideSearches = 2;
+const std::vector<FeaturePoint> kNone;
 
 std::vector<FeaturePoint> measured(const std::vector<FeaturePoint>& features,
                                    const std::optional<RowSelection>& rows) {
@@ -39,13 +42,38 @@ MapFeatures map_features(const Features& features, const std::optional<RowSelect
   result.posts_to_locate = thin(result.posts, options.located_planar_leaf_m);
   result.ground_to_locate = thin(result.ground, options.located_planar_leaf_m);
   result.surfaces_to_locate = thin(result.surfaces, options.located_planar_leaf_m);
+  if (options.weak_m > 0.0) {
+    result.all_edges = thin(features.edges, options.edge_leaf_m);
+    result.all_surfaces = thin(features.surfaces, options.planar_leaf_m);
+    result.all_surfaces_to_locate = thin(result.all_surfaces, options.located_planar_leaf_m);
+    result.all_posts = features.posts;
+    result.all_posts_to_locate = thin(result.all_posts, options.located_planar_leaf_m);
+  }
   return result;
 }
 
-Mapping::Mapping(const MappingOptions& options) : options_(options), map_(options) {}
+/// What computed rows tell about directions that the measured ones leave weak.
+ScanInformation along_weak(const ScanInformation& measured, const ScanInformation& computed,
+                           double weak_m) {
+  constexpr double kLever_m = 10.0;
+  Vector6 scale;
+  scale << 1.0, 1.0, 1.0, 1.0 / kLever_m, 1.0 / kLever_m, 1.0 / kLever_m;
+  const Matrix6 scaled = scale.asDiagonal() * measured.information * scale.asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<Matrix6> solver(scaled);
+  Matrix6 weak = Matrix6::Zero();
+  for (int i = 0; i < 6; ++i) {
+    if (solver.eigenvalues()[i] * weak_m * weak_m < 1.0)
+      weak += solver.eigenvectors().col(i) * solver.eigenvectors().col(i).transpose();
+  }
+  const Matrix6 project = scale.cwiseInverse().asDiagonal() * weak * scale.asDiagonal();
+  return {measured.information + project * computed.information * project.transpose(),
+          measured.gradient + project * computed.gradient};
+}
+
+Mapping::Mapping(const MappingOptions& options) : options_(options), map_(options), dense_(options) {}
 
 Mapping::Mapping(const MappingOptions& options, FeatureMaps map)
-    : options_(options), map_(std::move(map)) {}
+    : options_(options), map_(std::move(map)), dense_(options) {}
 
 MappingResult Mapping::locate(const MapFeatures& features, const MotionState& expected,
                               const Pose& T_map_sensor_start) const {
@@ -58,7 +86,12 @@ MappingResult Mapping::locate(const MapFeatures& features, const MotionState& ex
   LocatedScan scan{SearchedFeatures<MapSurface>(features.ground_to_locate),
                    SearchedFeatures<MapSurface>(features.surfaces_to_locate),
                    SearchedFeatures<MapLine>(features.edges),
-                   SearchedFeatures<Eigen::Vector3d, 1>(features.posts_to_locate)};
+                   SearchedFeatures<Eigen::Vector3d, 1>(features.posts_to_locate), SearchedFeatures<Shaped>(features.ground_to_locate), SearchedFeatures<Shaped>(features.surfaces_to_locate)};
+  LocatedScan all{SearchedFeatures<MapSurface>(kNone),
+                  SearchedFeatures<MapSurface>(features.all_surfaces_to_locate),
+                  SearchedFeatures<MapLine>(features.all_edges),
+                  SearchedFeatures<Eigen::Vector3d, 1>(features.all_posts_to_locate),
+                  SearchedFeatures<Shaped>(kNone), SearchedFeatures<Shaped>(features.all_surfaces_to_locate)};
   bool narrow_suffices = true;
   for (int iteration = 0; iteration < options_.max_iterations; ++iteration) {
     const bool narrow = iteration >= kWideSearches && narrow_suffices;
@@ -70,7 +103,12 @@ MappingResult Mapping::locate(const MapFeatures& features, const MotionState& ex
     const bool enough = matched >= options_.min_correspondences &&
                         matched >= options_.min_matched_share * feature_count;
     const Pose before = result.state.T_map_sensor;
-    const ScanInformation told = scan_information(constraints.all, before.linear());
+    ScanInformation told = scan_information(constraints.all, before.linear());
+    if (options_.weak_m > 0.0) {
+      const ConstraintList dense = map_constraints(
+          all, {result.state.T_map_sensor, result.state.velocity, reach_m, narrow}, dense_, options_, constraints.ground >= 100);
+      told = along_weak(told, scan_information(dense.all, before.linear()), options_.weak_m);
+    }
     const bool tells_all =
         observability(constraints.all, FreeParameters::kAll).degenerate_directions == 0;
     if (narrow && (!enough || !tells_all)) {
@@ -115,8 +153,20 @@ void Mapping::insert(const MapFeatures& features, const Pose& T_map_sensor, cons
   };
   map_.edges.insert(in_map(features.edges), key_frames_);
   map_.posts.insert(in_map(features.posts), key_frames_);
-  map_.planes.insert(in_map(features.ground), key_frames_);
-  map_.planes.insert(in_map(features.surfaces), key_frames_);
+  const auto normals = [&](const std::vector<FeaturePoint>& points) {
+    std::vector<Eigen::Vector3f> result;
+    if (options_.shape < 2) return result;
+    for (const auto& f : points) result.push_back((T_map_sensor.linear() * f.normal.cast<double>()).cast<float>());
+    return result;
+  };
+  map_.planes.insert(in_map(features.ground), key_frames_, normals(features.ground));
+  map_.planes.insert(in_map(features.surfaces), key_frames_, normals(features.surfaces));
+  if (options_.weak_m > 0.0) {
+    dense_.edges.insert(in_map(features.all_edges), key_frames_);
+    dense_.posts.insert(in_map(features.all_posts), key_frames_);
+    dense_.planes.insert(in_map(features.ground), key_frames_);
+    dense_.planes.insert(in_map(features.all_surfaces), key_frames_);
+  }
   if (key_frames_ > 0) {
     path_m_ += (T_map_sensor.translation() - T_map_last_key_frame_.translation()).norm();
   }
@@ -127,6 +177,7 @@ void Mapping::insert(const MapFeatures& features, const Pose& T_map_sensor, cons
 }
 
 MapPoints Mapping::lay_aside() {
+  dense_.take_not_seen_since(key_frames_ - static_cast<std::uint32_t>(recent_path_m_.size()));
   return map_.take_not_seen_since(key_frames_ - static_cast<std::uint32_t>(recent_path_m_.size()));
 }
 

@@ -33,6 +33,19 @@ void allow_bent_ground(SlamSetup& setup) {
   setup.options.mapping.max_ground_residual_m = setup.options.mapping.max_plane_residual_m;
 }
 
+template <int kShape>
+void take_shape(SlamSetup& setup) {
+  setup.options.features.shape = kShape;
+  setup.options.mapping.shape = kShape;
+  if (setup.sensor.measured_rows) setup.options.features.shape_every = 4;
+}
+
+template <int kMm>
+void ask_weak(SlamSetup& setup) {
+  setup.options.mapping.weak_m = 0.001 * kMm;
+  if (!setup.sensor.measured_rows) match_sixteen_rows(setup);
+}
+
 void run_as_published(SlamSetup& setup) { setup.as_published = true; }
 
 }  // namespace
@@ -44,6 +57,14 @@ const std::vector<SlamVariant>& slam_variants() {
       {"whole-map", "the whole map matched", any, match_whole_map},
       {"plain-weights", "no robust weights", any, trust_every_residual},
       {"bent-ground", "LeGO-LOAM's ground planes", any, allow_bent_ground},
+      {"shape1", "shape of the scan", any, take_shape<1>},
+      {"shape2", "shape of the map", any, take_shape<2>},
+      {"shape4", "shape of the map, ground", any, take_shape<4>},
+      {"shape5", "shape of the map, surfaces", any, take_shape<5>},
+      {"shape3", "shape of both", any, take_shape<3>},
+      {"weak10", "computed along weak (1 cm)", any, ask_weak<10>},
+      {"weak30", "computed along weak (3 cm)", any, ask_weak<30>},
+      {"weak100", "computed along weak (10 cm)", any, ask_weak<100>},
       {"as-published", "LeGO-LOAM as published", any, run_as_published},
   };
   return variants;

@@ -16,6 +16,7 @@ struct Neighbours {
   int count = 0;
   std::array<Eigen::Vector3f, kWanted> points_m;
   std::array<float, kWanted> squared_distance_m2{};
+  std::array<Eigen::Vector3f, kWanted> normals;
   /// With five found: the sixth is no nearer than this; the reach of the search if there is none.
   float sixth_squared_m2 = 0.0F;
 };
@@ -35,6 +36,7 @@ struct MapPoint {
   std::uint32_t key_frame = 0;  ///< the first that saw it
   std::uint32_t last_seen = 0;  ///< the last key frame that did
   std::uint16_t count = 1;      ///< points averaged
+  Eigen::Vector3f normal = Eigen::Vector3f::Zero();
 };
 
 /// A map of points, thinned to one per voxel, that grows point by point and finds nearest points.
@@ -54,7 +56,7 @@ class FeatureMap {
  public:
   FeatureMap(double leaf_m, double max_distance_m);
 
-  void insert(const std::vector<Eigen::Vector3f>& points_m, std::uint32_t key_frame = 0);
+  void insert(const std::vector<Eigen::Vector3f>& points_m, std::uint32_t key_frame = 0, const std::vector<Eigen::Vector3f>& normals={});
   /// Points of another map; those that meet in one voxel are merged, and the oldest key frame kept.
   void insert(const std::vector<MapPoint>& points);
 

@@ -17,6 +17,7 @@ struct FeaturePoint {
   /// Of the ground: the direction of its slope across the row, towards the row above or away from
   /// it, of length 1. Zero where the rows beside it have no ground there, and of all else.
   Eigen::Vector3f slope = Eigen::Vector3f::Zero();
+  Eigen::Vector3f normal = Eigen::Vector3f::Zero();
 };
 
 /// LOAM's four kinds of features and posts, each ordered by row.

@@ -24,6 +24,7 @@ struct MapFeatures {
   std::vector<FeaturePoint> posts_to_locate;     ///< one of a few neighbouring rows
   std::vector<FeaturePoint> ground_to_locate;    ///< fewer: enough to locate the scan
   std::vector<FeaturePoint> surfaces_to_locate;  ///< the same
+  std::vector<FeaturePoint> all_edges, all_surfaces, all_surfaces_to_locate, all_posts, all_posts_to_locate;
 };
 /// measured_rows: SensorModel::measured_rows. Features of computed rows are left out.
 MapFeatures map_features(const Features& features, const std::optional<RowSelection>& measured_rows,
@@ -89,6 +90,7 @@ class Mapping {
  private:
   MappingOptions options_;
   FeatureMaps map_;
+  FeatureMaps dense_;
   std::uint32_t key_frames_ = 0;
   std::deque<double> recent_path_m_;  ///< along the path, of the key frames matched with
   double path_m_ = 0.0;               ///< up to the last key frame

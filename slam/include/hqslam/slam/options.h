@@ -40,6 +40,8 @@ struct FeatureOptions {
   double min_edge_smoothness_per_range = 0.02;
   double planar_leaf_m = 0.2;
   double max_post_width_m = 1.0;
+  int shape_every = 1;
+  int shape = 0;  ///< 1: of the scan, 2: of the map, 3: of both
 };
 
 struct OdometryOptions {
@@ -65,6 +67,8 @@ struct MappingOptions {
   double max_plane_residual_m = 0.2;
   double max_ground_residual_m = 0.05;
   double recent_path_m = 200.0;
+  int shape = 0;
+  double weak_m = 0.0;
   double key_frame_translation_m = 0.3;
   double key_frame_rotation_rad = 0.2;
   double converged_rotation_rad = 0.0008726646259971648;  ///< 0.05 degrees
