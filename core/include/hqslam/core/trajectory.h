@@ -15,9 +15,6 @@ struct StampedPose {
 /// Poses in the order of time.
 using Trajectory = std::vector<StampedPose>;
 
-/// The same trajectory with the first pose at the origin.
-Trajectory relative_to_first(const Trajectory& trajectory);
-
 /// Length of the path in metres.
 double path_length_m(const Trajectory& trajectory);
 
