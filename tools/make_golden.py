@@ -13,6 +13,18 @@ import sys
 
 import numpy
 
+if sys.argv[1:] != ["npz"]:
+    import torch
+    from torch.nn import functional
+
+    sys.path.insert(0, str(pathlib.Path(__file__).parent / "pytorch"))
+    import layers
+    from du_mix import DuMix
+    from du_or import DuOr, l1_loss
+    from simple_du import SimpleDu
+    from srae import Srae
+    from tulip import Tulip, WindowAttention, merged
+
 GOLDEN = pathlib.Path(__file__).resolve().parent.parent / "tests" / "golden"
 
 
@@ -60,24 +72,17 @@ def save(name, arrays):
 
 def padded(x, rows, columns, circular):
     """Columns continue round the circle or with zeros, rows with zeros."""
-    from torch.nn import functional
-
     if columns > 0:
         x = functional.pad(x, (columns, columns, 0, 0), mode="circular" if circular else "constant")
     return functional.pad(x, (0, 0, rows, rows))
 
 
 def conv2d(x, weight, bias, stride, padding, circular):
-    from torch.nn import functional
-
     return functional.conv2d(padded(x, *padding, circular), weight, bias, stride)
 
 
 def conv_transpose2d(x, weight, bias, stride, padding, circular, rows, columns):
     """Without padding first; then rows beyond the edge are dropped and columns folded round."""
-    import torch
-    from torch.nn import functional
-
     full = functional.conv_transpose2d(x, weight, None, stride)
     full = functional.pad(full, (0, 0, 0, rows))[:, :, padding[0] : padding[0] + rows]
     if circular:
@@ -92,8 +97,6 @@ def conv_transpose2d(x, weight, bias, stride, padding, circular, rows, columns):
 def layer_case(arrays, name, generator, shape, wide, circular, with_bias):
     """shape: input channels, output channels, kernel rows and columns, stride, padding of both.
     wide: rows and columns of conv2d's input, of conv_transpose2d's output."""
-    import torch
-
     inputs, outputs, kernel_rows, kernel_columns, stride, padding_rows, padding_columns = shape
     transposed = name.startswith("conv_transpose2d")
     narrow = ((wide[0] + 2 * padding_rows - kernel_rows) // stride + 1,
@@ -143,16 +146,11 @@ def make_convolutions():
 
 def selection(scores, above, below, here):
     """scores: above, below, here, nothing, correction."""
-    import torch
-
     weights = torch.softmax(4.0 * scores[:4], 0)
     return weights[0] * above + weights[1] * below + weights[2] * here + scores[4]
 
 
 def make_layers():
-    import torch
-    from torch.nn import functional
-
     generator = numpy.random.RandomState(2)
     arrays = {}
 
@@ -221,22 +219,16 @@ class GoldenLayer:
         self.inputs, self.parameters = [], []
 
     def input(self, *shape, scale=1.0):
-        import torch
-
         values = rounded(scale * random_array(self.generator, *shape))
         self.inputs.append(torch.tensor(values, requires_grad=True))
         return self.inputs[-1]
 
     def parameter(self, *shape, middle=0.0):
-        import torch
-
         values = rounded(middle + random_array(self.generator, *shape) / 2.0)
         self.parameters.append(torch.tensor(values, requires_grad=True))
         return self.parameters[-1]
 
     def finish(self, y):
-        import torch
-
         d_y = torch.tensor(random_array(self.generator, *y.shape))
         y.backward(d_y)
         self.arrays.update({f"{self.name}.output": y, f"{self.name}.d_output": d_y})
@@ -252,12 +244,6 @@ class GoldenLayer:
 
 def make_network_layers():
     """Scans x channels x rows x columns."""
-    import torch
-    from torch.nn import functional
-
-    tools_pytorch()
-    from tulip import WindowAttention, merged
-
     generator = numpy.random.RandomState(4)
     arrays = {}
 
@@ -335,8 +321,6 @@ def make_network_layers():
 
 def make_adamw():
     """torch.optim.AdamW with its defaults but for a learning rate that changes."""
-    import torch
-
     generator = numpy.random.RandomState(3)
     parameters = torch.tensor(random_array(generator, 40), requires_grad=True)
     optimiser = torch.optim.AdamW([parameters])
@@ -430,8 +414,6 @@ def in_file_order(module):
 
 def with_stored_parameters(module, seed, last=None):
     """Small fractions of 256, which a byte stores; returned as such."""
-    import torch
-
     count = sum(value.numel() for value in in_file_order(module))
     stored = numpy.random.RandomState(seed).randint(-64, 65, count).astype("|i1")
     if last is not None:
@@ -446,9 +428,6 @@ def with_stored_parameters(module, seed, last=None):
 
 def save_network(name, module, measured_m, stored, total, loss, extra):
     """total: what is differentiated, of which `loss` is the last layer's part."""
-    import layers
-    import torch
-
     total.backward()
     gradient = torch.cat([value.grad.flatten() for value in in_file_order(module)])
     save(name, {"measured_m": measured_m, "parameters": stored, "loss": loss.reshape(1),
@@ -459,9 +438,6 @@ def save_network(name, module, measured_m, stored, total, loss, extra):
 
 def unrolled(name, module, seed, last=None):
     """The loss is the one of training: measured rows count as exact."""
-    import torch
-    from du_or import l1_loss
-
     measured_m = torch.tensor(scene_m()[FIRST_ROW::ROW_STRIDE])
     truth = torch.tensor(scene_m() / RANGE_SCALE_M)
     stored = with_stored_parameters(module, seed, last)
@@ -477,8 +453,6 @@ def unrolled(name, module, seed, last=None):
 
 
 def du_or(name, seed, channels, memory, slope, shared, min_pixels):
-    from du_or import DuOr
-
     def find_outliers(h):
         return rejected_pixels(h, numpy.radians(10.0), min_pixels)
 
@@ -489,17 +463,12 @@ def du_or(name, seed, channels, memory, slope, shared, min_pixels):
 
 
 def simple_du(name, seed, features, convolutions):
-    from simple_du import SimpleDu
-
     denoiser = {"features": features, "convolutions": convolutions, "dropout": 0.0}
     unrolled(name, SimpleDu(small_network("simple-du", denoiser, shared=True)), seed, last=96)
 
 
 def du_mix(name, seed, shapes, memory, slope, layer_share):
     """shapes: channels, lower channels and residual blocks of each layer."""
-    import torch
-    from du_mix import DuMix
-
     fields = ("channels", "lower_channels", "residual_blocks")
     denoiser = {"tile_rows": 4, "tile_columns": 4, "memory": memory, "negative_slope": slope,
                 "layers": [dict(zip(fields, shape)) for shape in shapes]}
@@ -513,15 +482,8 @@ def du_mix(name, seed, shapes, memory, slope, layer_share):
     save_network(name, module, measured_m, stored, total, loss, extra)
 
 
-def tools_pytorch():
-    """Makes the modules of tools/pytorch importable."""
-    sys.path.insert(0, str(pathlib.Path(__file__).parent / "pytorch"))
-
-
 def passes_of(module, measured_m):
     """The ranges that Monte Carlo passes agree on, with hqslam's seeds: 64 from one pass to the next."""
-    import torch
-
     calls = []
 
     def dropout(x, place):
@@ -541,9 +503,6 @@ def passes_of(module, measured_m):
 def direct(name, module, seed):
     """Networks that say all ranges in one go: the state dict as users export it, and what training two
     scans together gives."""
-    import layers
-    import torch
-
     generator = numpy.random.RandomState(seed)
     state = module.state_dict()
     for key, value in state.items():
@@ -581,10 +540,6 @@ def direct(name, module, seed):
 
 
 def make_direct_networks():
-    tools_pytorch()
-    from srae import Srae
-    from tulip import Tulip
-
     network = {key: value for key, value in small_network("", {}).items()
                if key in ("sensor", "measured_rows", "range_scale_m")}
     direct("srae", Srae({**network, "filters": 1, "dropout": 0.25, "passes": 4,
@@ -593,7 +548,6 @@ def make_direct_networks():
 
 
 def make_networks():
-    tools_pytorch()
     du_or("du_or", 10, (6, 8), 3, 0.0, shared=False, min_pixels=0)
     du_or("du_or_filtered", 11, (6, 8), 3, 0.125, shared=True, min_pixels=30)
     simple_du("simple_du", 12, 8, 5)

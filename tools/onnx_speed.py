@@ -1,11 +1,13 @@
 #!/usr/bin/env python3
-"""How fast ONNX Runtime runs the published sizes of SRAE and TULIP, and the files to measure hqslam with.
+"""How fast ONNX Runtime runs the networks of hqslam, and how to measure hqslam on the same.
 
     tools/onnx_speed.py srae-64|tulip-96|srae-8|... [--threads 1,2] [--runs 20] [--out FOLDER]
+    tools/onnx_speed.py weights/du-or_os1_16to64.npz|weights/du-mix_os1_16to64.npz [...]
 
-The number is SRAE's filters or TULIP's channels. Weights are random, one pass without dropout. Writes
-NETWORK.onnx and what `hqslam weights pack` takes, and prints the commands that measure hqslam on the
-same network. Needs PyTorch and
+The number is SRAE's filters or TULIP's channels, of which the published sizes can be had: their weights
+are random, one pass without dropout, and what `hqslam weights pack` takes is written beside
+NETWORK.onnx. Of a file the weights are its own. DU-OR's BFS filter, which no graph of ONNX has, is left
+out of what ONNX Runtime is given. Needs PyTorch and
 
     pip install onnx onnxscript onnxruntime
 """
@@ -21,7 +23,9 @@ import numpy
 import torch
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent / "pytorch"))
-from layers import save_arrays
+from du_mix import DuMix
+from du_or import DuOr
+from layers import describe, save_arrays
 from srae import Srae
 from tulip import Tulip
 
@@ -53,6 +57,29 @@ class Image(torch.nn.Module):
         return self.network.image(measured_m)
 
 
+class Lifted(torch.nn.Module):
+    """What is exported of DU-OR and DU-Mix: measured rows, metres, to all that a frame needs, before
+    pixels are emptied."""
+
+    def __init__(self, network):
+        super().__init__()
+        self.network = network.float()
+        network.part = network.part.float()
+        network.rows.mask = network.rows.mask.float()
+
+    def forward(self, measured_m):
+        return tuple(self.network(measured_m).values())
+
+
+def unrolled(path):
+    """DU-OR or DU-Mix of a weights file, without DU-OR's filter."""
+    if describe(path)[0]["kind"] == "du-mix":
+        return Lifted(DuMix.load(path))
+    network = DuOr.load(path, lambda h: h)
+    network.find_outliers = None
+    return Lifted(network)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("network")
@@ -65,16 +92,26 @@ def main():
     out = pathlib.Path(options.out)
     out.mkdir(parents=True, exist_ok=True)
     torch.manual_seed(1)
-    network, module = described(options.network)
-    measured_m = 50.0 * torch.rand(16, 1024, dtype=torch.float64)
-    save_arrays(out / f"{options.network}_arrays.npz", module, measured_m)
-    (out / f"{options.network}.json").write_text(json.dumps(network) + "\n")
-    path = str(out / f"{options.network}.onnx")
-    scan = measured_m.float()[None]
-    torch.onnx.export(Image(module.float()).eval(), (scan,), path, input_names=["measured_m"],
-                      output_names=["image"], dynamo=True, external_data=False)
+    if options.network.endswith(".npz"):
+        name, module = pathlib.Path(options.network).stem, unrolled(options.network)
+        scan = 50.0 * torch.rand(16, 1024)
+        measure = f"hqslam bench --weights {options.network}"
+    else:
+        name = options.network
+        network, published = described(name)
+        measured_m = 50.0 * torch.rand(16, 1024, dtype=torch.float64)
+        save_arrays(out / f"{name}_arrays.npz", published, measured_m)
+        (out / f"{name}.json").write_text(json.dumps(network) + "\n")
+        module, scan = Image(published.float()), measured_m.float()[None]
+        stem = out / name
+        measure = (f"hqslam weights pack {stem}_arrays.npz {stem}.json --out {stem}.npz && "
+                   f"hqslam bench --weights {stem}.npz")
+    path = str(out / f"{name}.onnx")
+    torch.onnx.export(module.eval(), (scan,), path, input_names=["measured_m"], dynamo=True,
+                      external_data=False)
     with torch.no_grad():
-        expected = module.image(scan).numpy()
+        expected = module(scan)
+    expected = (expected[0] if isinstance(expected, tuple) else expected).numpy()
     for threads in map(int, options.threads.split(",")):
         session = onnxruntime.SessionOptions()
         session.intra_op_num_threads = threads
@@ -88,12 +125,10 @@ def main():
             run.run(None, feed)
             wall_ms.append(1e3 * (time.perf_counter() - start))
             processor_ms.append(1e3 * (time.process_time() - processor))
-        print(f"{options.network}, ONNX Runtime {onnxruntime.__version__}, {threads} threads: "
+        print(f"{name}, ONNX Runtime {onnxruntime.__version__}, {threads} threads: "
               f"{statistics.median(wall_ms):.1f} ms, {statistics.median(processor_ms):.1f} ms of the "
               "processor")
-    stem = out / options.network
-    print(f"hqslam: build/release/tools/hqslam weights pack {stem}_arrays.npz {stem}.json "
-          f"--out {stem}.npz && build/release/tools/hqslam bench --weights {stem}.npz")
+    print(f"hqslam: {measure}")
 
 
 if __name__ == "__main__":

@@ -51,13 +51,7 @@ std::vector<float> take_floats(const std::string& path, const std::string& name,
   } else {
     values = float_values(array, source);
   }
-  for (const float value : values) {
-    if (!std::isfinite(value)) {
-      throw Error(
-          fmt::format("{}: array '{}': expected finite values, found {}", path, name, value));
-    }
-  }
-  return values;
+  return finite(std::move(values), path, name);
 }
 
 RangeImage take_image(const std::string& path, const std::string& name, int rows, int columns,

@@ -1,27 +1,9 @@
 #include "hqslam/slam/slam.h"
 
-#include <algorithm>
-#include <limits>
-#include <optional>
-
-#include "alignment/drift.h"
-#include "driven_path.h"
-#include "front_end/mounting.h"
 #include "front_end/scan_check.h"
-#include "front_end/scan_clock.h"
-#include "hqslam/core/error.h"
-#include "hqslam/slam/features.h"
-#include "hqslam/slam/mapping.h"
-#include "hqslam/slam/odometry.h"
-#include "hqslam/slam/options.h"
-#include "hqslam/slam/saved_map.h"
-#include "hqslam/slam/segmentation.h"
-#include "known_way.h"
-#include "loops/background_loop_closing.h"
 #include "loops/loop_verification.h"
-#include "loops/place_recognition.h"
 #include "map/choice_of_start.h"
-#include "stopwatch.h"
+#include "slam_implementation.h"
 #include "thread_limit.h"
 
 namespace hqslam::slam {
@@ -54,104 +36,18 @@ bool is_plausible(const Twist& surprise, double duration_s) {
          surprise.angular.norm() <= 0.2 + kTurned_rad_s2 * half_square_s2;
 }
 
-/// A state whose place was recognized: what was not measured yet is how well it is known.
-MotionState found_about(MotionState state) {
-  constexpr double kAbout_m = 1.0;
-  constexpr double kAbout_rad = 0.1;
-  state.covariance.diagonal().head<3>().setConstant(kAbout_m * kAbout_m);
-  state.covariance.diagonal().segment<3>(3).setConstant(kAbout_rad * kAbout_rad);
-  return state;
-}
-
-/// Whether a scan can serve as the one that the next are matched with: edges alone will do
-/// (indoors), and so will ground and surfaces alone (in open land).
-bool can_be_reference(const Features& features, const OdometryOptions& options) {
-  return static_cast<int>(features.edges.size()) >= options.min_edges ||
-         static_cast<int>(features.ground.size() + features.surfaces.size()) >= options.min_planar;
-}
-
 }  // namespace
 
-/// What is carried from scan to scan. The reference is the last scan that could be followed.
-struct Slam::Implementation {
-  SlamOptions options;
-  Mounting mounting;
-  SensorModel sensor;  ///< the upright one
-  Segmenter segmenter;
-  Odometry odometry;
-  Mapping mapping;
-  std::optional<BackgroundLoopClosing> loop_closing;  ///< not in a given map
-  DrivenPath path;
-  ScanClock clock;
-  double time_s = 0.0;  ///< of the scan at hand
-  double reference_time_s = 0.0;
-  MotionState reference;
-  Pose T_odom_reference = Pose::Identity();
-  AccelerationNoise accelerations;
-  Drift drift;
-  KnownWay way;
-
-  Implementation(const SensorModel& sensor_, const SlamOptions& options_)
-      : options(validated(options_)),
-        mounting(options.mounting, validated(sensor_)),
-        sensor(mounting.upright_sensor()),
-        segmenter(sensor, options.ground, options.segmentation),
-        odometry(options.odometry),
-        mapping(options.mapping),
-        clock(sensor.scan_period_s),
-        drift(sensor) {
-    loop_closing.emplace(options.mapping, options.loop_closing.enabled);
-  }
-
-  /// In a map that another drive left behind: how its places are recognized.
-  std::optional<PlaceRecognition> place_recognition;
-  bool is_recognized = true;  ///< where the sensor is
-
-  void locate_in(const SavedMap& map, const std::optional<Pose>& T_map_level_start);
-
-  /// The first key frame, until its motion is known.
-  struct FirstScan {
-    double time_s = 0.0;
-    Features features;
-    MapFeatures thinned;
-  };
-  std::optional<FirstScan> first_scan;
-
-  /// What is known of a scan after it was looked for.
-  struct Followed {
-    MotionState state;
-    bool is_located = false;       ///< in the map
-    bool by_odometry = false;      ///< from the reference
-    bool is_way_measured = false;  ///< from the reference
-    double standing_share = 0.0;   ///< see MappingResult
-  };
-
-  ScanReport process(const OrganizedCloud& cloud, double stamp_s);
-  ScanReport process_level(const OrganizedCloud& cloud, double stamp_s);
-  void begin(const OrganizedCloud& cloud, const Features& features, Stopwatch& stopwatch,
-             ScanReport& report);
-  void recognize_place(const OrganizedCloud& cloud, const Features& features, Stopwatch& stopwatch,
-                       ScanReport& report);
-  void follow(const OrganizedCloud& cloud, const Features& features, Stopwatch& stopwatch,
-              ScanReport& report);
-  Followed locate(const Features& features, const MapFeatures& thinned, Stopwatch& stopwatch,
-                  ScanReport& report) const;
-  void correct_first_key_frame(const Twist& velocity);
-  void make_reference(const Features& features, const MotionState& state, const ScanReport& report);
-  void add_key_frame(const OrganizedCloud& cloud, const MapFeatures& features, Stopwatch& stopwatch,
-                     ScanReport& report, bool begins_stretch);
-  void take_in(const LoopResult& found);
-};
-
-void Slam::Implementation::locate_in(const SavedMap& map,
-                                     const std::optional<Pose>& T_map_level_start) {
-  loop_closing.reset();  // a given map stays as it is
-  if (map.places.empty()) {
-    throw Error("the map has no place to be recognized; save it after a drive");
-  }
-  mapping = Mapping(options.mapping, FeatureMaps(options.mapping, map));
-  place_recognition.emplace(options.mapping, map.places, T_map_level_start);
-  is_recognized = false;
+Slam::Implementation::Implementation(const SensorModel& sensor_, const SlamOptions& options_)
+    : options(validated(options_)),
+      mounting(options.mounting, validated(sensor_)),
+      sensor(mounting.upright_sensor()),
+      segmenter(sensor, options.ground, options.segmentation),
+      odometry(options.odometry),
+      mapping(options.mapping),
+      clock(sensor.scan_period_s),
+      drift(sensor) {
+  loop_closing.emplace(options.mapping, options.loop_closing.enabled);
 }
 
 /// All that process_level() knows of is the sensor turned level.
@@ -207,7 +103,7 @@ ScanReport Slam::Implementation::process_level(const OrganizedCloud& cloud, doub
 /// The first scan with enough features defines the frame of the map.
 void Slam::Implementation::begin(const OrganizedCloud& cloud, const Features& features,
                                  Stopwatch& stopwatch, ScanReport& report) {
-  if (!can_be_reference(features, options.odometry)) {
+  if (!can_be_reference(features)) {
     report.odometry_status = Status::kTooFewFeatures;
     report.mapping_status = Status::kTooFewFeatures;
     return;
@@ -215,45 +111,6 @@ void Slam::Implementation::begin(const OrganizedCloud& cloud, const Features& fe
   make_reference(features, unknown_motion(Pose::Identity()), report);
   first_scan = {time_s, features, map_features(features, sensor.measured_rows, options.mapping)};
   add_key_frame(cloud, first_scan->thinned, stopwatch, report, true);
-}
-
-/// Looks for the place of a scan in the given map. Until it is found the last known pose stands,
-/// and the odometry goes on, so that scans can be corrected for motion and moved together.
-void Slam::Implementation::recognize_place(const OrganizedCloud& cloud, const Features& features,
-                                           Stopwatch& stopwatch, ScanReport& report) {
-  MotionState state = unknown_motion(reference.T_map_sensor);
-  report.T_odom_sensor = T_odom_reference;
-  const MapFeatures thinned = map_features(features, sensor.measured_rows, options.mapping);
-  UnlocatedScan scan{cloud, thinned, {}, {}};
-  if (odometry.has_reference()) {
-    const double duration_s = time_s - reference_time_s;
-    const OdometryResult moved =
-        odometry.estimate(features, exponential(duration_s * reference.velocity), duration_s);
-    report.odometry_status = moved.status;
-    if (moved.status != Status::kTooFewFeatures) {
-      scan.T_previous_sensor = moved.T_reference_sensor;
-      scan.velocity = (1.0 / duration_s) * logarithm(moved.T_reference_sensor);
-    }
-    report.T_odom_sensor = orthonormalized(T_odom_reference * moved.T_reference_sensor);
-  }
-  report.times.odometry_s = stopwatch.lap_s();
-  const bool is_seen_enough = can_be_reference(features, options.odometry);
-  std::optional<Pose> T_map_sensor;
-  if (is_seen_enough) T_map_sensor = place_recognition->find(scan, mapping.map());
-  is_recognized = T_map_sensor.has_value();
-  state.T_map_sensor = T_map_sensor.value_or(reference.T_map_sensor);
-  state.velocity = scan.velocity;
-  report.T_map_sensor = state.T_map_sensor;
-  if (is_recognized) {
-    state.covariance =
-        mapping.locate(thinned, found_about(state), state.T_map_sensor).state.covariance;
-    report.covariance = drift.covariance(Pose::Identity(), state);
-  } else {
-    report.mapping_status = Status::kNotRecognized;
-    report.covariance.diagonal().setConstant(std::numeric_limits<double>::infinity());
-  }
-  if (is_seen_enough) make_reference(features, state, report);
-  report.times.mapping_s = stopwatch.lap_s();
 }
 
 void Slam::Implementation::follow(const OrganizedCloud& cloud, const Features& features,
@@ -276,7 +133,7 @@ void Slam::Implementation::follow(const OrganizedCloud& cloud, const Features& f
     way = {};
     return;
   }
-  const bool goes_on = way.is_lost() && can_be_reference(features, options.odometry);
+  const bool goes_on = way.is_lost() && can_be_reference(features);
   if (followed.by_odometry || followed.is_located || goes_on) {
     const bool begins_stretch = goes_on && !way.is_measured() && !place_recognition;
     if (!followed.by_odometry && !followed.is_located) {
@@ -364,6 +221,12 @@ void Slam::Implementation::correct_first_key_frame(const Twist& velocity) {
   first_scan.reset();
 }
 
+bool Slam::Implementation::can_be_reference(const Features& features) const {
+  const OdometryOptions& wanted = options.odometry;
+  return static_cast<int>(features.edges.size()) >= wanted.min_edges ||
+         static_cast<int>(features.ground.size() + features.surfaces.size()) >= wanted.min_planar;
+}
+
 /// Makes this scan, of which the poses are known, the one that the next are matched with.
 void Slam::Implementation::make_reference(const Features& features, const MotionState& state,
                                           const ScanReport& report) {
@@ -430,46 +293,6 @@ std::vector<LoopReport> Slam::finish() {
     reports.push_back(found->report);
   }
   return reports;
-}
-
-MountingOptions Slam::mounting() const { return implementation_->mounting.mounted(); }
-
-const Trajectory& Slam::trajectory() const { return implementation_->path.trajectory(); }
-
-const std::vector<std::size_t>& Slam::stretch_of_scan() const {
-  return implementation_->path.stretch_of_scan();
-}
-
-std::vector<std::size_t> Slam::part_of_scan() const { return implementation_->path.part_of_scan(); }
-
-std::vector<Eigen::Vector3f> Slam::map_points_m() const {
-  const FeatureMaps& matched_with = implementation_->mapping.map();
-  const auto& loop_closing = implementation_->loop_closing;
-  std::vector<Eigen::Vector3f> result;
-  for (const FeatureMaps& part : loop_closing ? loop_closing->whole_map(matched_with)
-                                              : std::vector<FeatureMaps>{matched_with}) {
-    for (const FeatureMap* kind : {&part.planes, &part.edges}) {
-      const std::vector<Eigen::Vector3f> points_m = kind->points_m();
-      result.insert(result.end(), points_m.begin(), points_m.end());
-    }
-  }
-  return result;
-}
-
-SavedMap Slam::saved_map() const {
-  const auto& loop_closing = implementation_->loop_closing;
-  if (!loop_closing || !implementation_->options.loop_closing.enabled) {
-    throw Error("expected loop closing, which knows the places of a map; switch it on");
-  }
-  const std::vector<FeatureMaps> parts = loop_closing->whole_map(implementation_->mapping.map());
-  SavedMap result;
-  for (std::size_t part = 0; part < parts.size(); ++part) {
-    std::vector<SavedPlace> places = loop_closing->finished().places(part);
-    if (places.size() <= result.places.size()) continue;
-    result = {parts[part].edges.points_m(), parts[part].posts.points_m(),
-              parts[part].planes.points_m(), std::move(places)};
-  }
-  return result;
 }
 
 }  // namespace hqslam::slam

@@ -2,6 +2,8 @@
 
 #include <doctest/doctest.h>
 
+#include <cmath>
+
 #include "../temporary_directory.h"
 #include "error_message.h"
 #include "hqslam/core/npz.h"
@@ -64,6 +66,23 @@ TEST_CASE("a checkpoint of another configuration or network, or a damaged one, i
   arrays["loss_sum"] = npz_array(std::vector<double>{std::nan("")}, {1});
   write_npz(path, arrays);
   CHECK(test::one_line_with(message("{\"a\": 1}", small_du_or()), "loss_sum", "finite"));
+  arrays["loss_sum"] = npz_array(std::vector<double>{12.5}, {1});
+  const std::vector<double> point = double_values(arrays.at("curve"), "curve");
+  const auto message_of_point = [&](std::size_t place, double value) {
+    std::vector<double> changed = point;
+    changed.at(place) = value;
+    arrays["curve"] = npz_array(changed, {1, static_cast<std::int64_t>(changed.size())});
+    write_npz(path, arrays);
+    return message("{\"a\": 1}", small_du_or());
+  };
+  CHECK(message_of_point(0, point.at(0)) == "no Error");
+  for (std::size_t place = 0; place < point.size(); ++place) {
+    CAPTURE(place);
+    CHECK(test::one_line_with(message_of_point(place, std::nan("")), "curve", "finite"));
+    CHECK(test::one_line_with(message_of_point(place, -HUGE_VAL), "curve", "finite"));
+  }
+  CHECK(test::one_line_with(message_of_point(0, -1.0), "curve", "steps of 0"));
+  CHECK(test::one_line_with(message_of_point(0, 1e300), "curve", "steps of 0"));
   arrays.erase("steps");
   write_npz(path, arrays);
   CHECK(test::one_line_with(message("{\"a\": 1}", small_du_or()), "steps", "found none"));

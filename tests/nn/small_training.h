@@ -21,8 +21,27 @@ inline std::vector<RangeImage> scans() {
   return scans;
 }
 
+/// All of one shape.
+class ScansInMemory final : public TrainingScans {
+ public:
+  explicit ScansInMemory(std::vector<RangeImage> scans) : scans_(std::move(scans)) {}
+  std::int64_t size() const override { return std::ssize(scans_); }
+  int rows() const override { return scans_.front().rows; }
+  int columns() const override { return scans_.front().columns; }
+  RangeImage read(std::int64_t i) const override { return scans_.at(i); }
+
+ private:
+  std::vector<RangeImage> scans_;
+};
+
 inline std::unique_ptr<const TrainingScans> in_memory(std::vector<RangeImage> scans) {
   return std::make_unique<ScansInMemory>(std::move(scans));
+}
+
+/// Of who trains by himself.
+inline Ranks& alone() {
+  static Ranks ranks;
+  return ranks;
 }
 
 inline TrainingPlan small_plan() {
@@ -59,7 +78,8 @@ inline void train(Trainer& trainer, int steps) {
 }
 
 inline TrainingState trained(const NetworkDescription& description, int steps, int threads) {
-  Trainer trainer(description, small_plan(), in_memory(scans()), fresh_state(description), threads);
+  Trainer trainer(description, small_plan(), in_memory(scans()), fresh_state(description), threads,
+                  alone());
   train(trainer, steps);
   return trainer.state();
 }

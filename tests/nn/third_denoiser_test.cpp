@@ -8,7 +8,7 @@
 #include "hqslam/nn/hqs/network_json.h"
 #include "hqslam/nn/hqs/weights_file.h"
 #include "hqslam/nn/training/trainer.h"
-#include "small_network.h"
+#include "small_training.h"
 #include "temporary_directory.h"
 
 // A denoiser that the library does not know: all there is of it stands here.
@@ -82,9 +82,8 @@ TrainingState trained(const NetworkDescription& description, int steps) {
   plan.batch = 2;
   plan.learning_rate = 0.03F;
   plan.warm_up_steps = 1;
-  Trainer trainer(description, plan,
-                  std::make_unique<ScansInMemory>(std::vector<RangeImage>{small_scene()}),
-                  {start, AdamW({}, start.size()), start}, 2);
+  Trainer trainer(description, plan, in_memory({small_scene()}),
+                  {start, AdamW({}, start.size()), start}, 2, alone());
   const double before = trainer.step().loss;
   double after = before;
   for (int i = 1; i < steps; ++i) after = trainer.step().loss;

@@ -38,7 +38,7 @@ TEST_CASE("one, two and four processes train the same bytes and see the same los
       check_same(state, ends.front().first);
       CHECK(losses == ends.front().second);
     }
-    Trainer usual(description, plan, in_memory(scans()), fresh_state(description), 1);
+    Trainer usual(description, plan, in_memory(scans()), fresh_state(description), 1, alone());
     train(usual, 6);
     check_same(usual.state(), ends.front().first);
   }
@@ -48,7 +48,7 @@ TEST_CASE("a training that stopped and went on gives the same bytes as one that 
   for (const UnrolledPlan& description : {filtered_du_or(), simple_du_with_dropout()}) {
     const TrainingState whole = trained(description, 8, 1);
     const TrainingState half = trained(description, 3, 2);
-    Trainer second(description, small_plan(), in_memory(scans()), half, 2);
+    Trainer second(description, small_plan(), in_memory(scans()), half, 2, alone());
     train(second, 5);
     check_same(second.state(), whole);
   }
@@ -58,7 +58,7 @@ TEST_CASE("another seed trains other bytes") {
   const UnrolledPlan description = small_du_or();
   TrainingPlan plan = small_plan();
   plan.seed = 2;
-  Trainer trainer(description, plan, in_memory(scans()), fresh_state(description), 1);
+  Trainer trainer(description, plan, in_memory(scans()), fresh_state(description), 1, alone());
   train(trainer, 2);
   CHECK(trainer.state().parameters != trained(description, 2, 1).parameters);
 }
@@ -67,7 +67,7 @@ TEST_CASE("every step draws samples of its own") {
   const UnrolledPlan description = small_du_or();
   TrainingPlan plan = small_plan();
   plan.learning_rate = 1e-30F;  // the network stays as it is
-  Trainer trainer(description, plan, in_memory(scans()), fresh_state(description), 1);
+  Trainer trainer(description, plan, in_memory(scans()), fresh_state(description), 1, alone());
   std::set<double> losses;
   for (int i = 0; i < 8; ++i) losses.insert(trainer.step().loss);
   const std::vector<float> before = fresh_state(description).parameters;
@@ -79,8 +79,8 @@ TEST_CASE("every step draws samples of its own") {
 
 TEST_CASE("validation does not depend on the threads or on dropout, and of nothing is zero") {
   const UnrolledPlan description = simple_du_with_dropout();
-  Trainer one(description, small_plan(), in_memory(scans()), fresh_state(description), 1);
-  Trainer two(description, small_plan(), in_memory(scans()), fresh_state(description), 2);
+  Trainer one(description, small_plan(), in_memory(scans()), fresh_state(description), 1, alone());
+  Trainer two(description, small_plan(), in_memory(scans()), fresh_state(description), 2, alone());
   const Validation a = one.validate(scans());
   CHECK(a.network.mae_all_m == two.validate(scans()).network.mae_all_m);
   CHECK(a.network.mae_all_m == one.validate(scans()).network.mae_all_m);

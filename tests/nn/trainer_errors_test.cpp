@@ -67,7 +67,7 @@ TEST_CASE("scans and states that do not fit the network are refused, by any numb
   const UnrolledPlan description = small_du_or();
   const auto message = [&](std::vector<RangeImage> with, const TrainingState& state) {
     return test::error_message(
-        [&] { Trainer(description, small_plan(), in_memory(std::move(with)), state, 2); });
+        [&] { Trainer(description, small_plan(), in_memory(std::move(with)), state, 2, alone()); });
   };
   const TrainingState good = fresh_state(description);
   CHECK(message(scans(), good) == "no Error");
@@ -79,7 +79,7 @@ TEST_CASE("scans and states that do not fit the network are refused, by any numb
   bad = good;
   bad.optimiser.second_moment.pop_back();
   CHECK(test::one_line_with(message(scans(), bad), std::to_string(good.parameters.size())));
-  Trainer trainer(description, small_plan(), in_memory(scans()), good, 2);
+  Trainer trainer(description, small_plan(), in_memory(scans()), good, 2, alone());
   CHECK(test::one_line_with(test::error_message([&] {
                               trainer.validate({small_scene(), RangeImage(16, 32)});
                             }),
@@ -91,7 +91,7 @@ TEST_CASE("a training whose loss is not finite stops with an Error, by any numbe
   for (const int threads : {1, 2}) {
     TrainingState state = fresh_state(description);
     state.parameters[0] = std::nanf("");
-    Trainer trainer(description, small_plan(), in_memory(scans()), state, threads);
+    Trainer trainer(description, small_plan(), in_memory(scans()), state, threads, alone());
     CHECK(test::one_line_with(test::error_message([&] { trainer.step(); }), "not finite"));
   }
 }

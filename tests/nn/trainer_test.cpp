@@ -13,7 +13,8 @@ namespace hqslam::nn {
 
 TEST_CASE("training makes DU-OR better than it was and better than interpolation") {
   const UnrolledPlan description = filtered_du_or();
-  Trainer trainer(description, small_plan(), in_memory(scans()), fresh_state(description), 2);
+  Trainer trainer(description, small_plan(), in_memory(scans()), fresh_state(description), 2,
+                  alone());
   const Validation before = trainer.validate(scans());
   TrainingStep step;
   double first_loss = 0.0;
@@ -34,7 +35,8 @@ TEST_CASE("training makes DU-OR better than it was and better than interpolation
 
 TEST_CASE("training makes Simple DU better than it was") {
   const UnrolledPlan description = simple_du_with_dropout();
-  Trainer trainer(description, small_plan(), in_memory(scans()), fresh_state(description), 2);
+  Trainer trainer(description, small_plan(), in_memory(scans()), fresh_state(description), 2,
+                  alone());
   const Validation before = trainer.validate(scans());
   train(trainer, 60);
   CHECK(trainer.validate(scans()).network.mae_all_m < 0.7 * before.network.mae_all_m);
@@ -50,8 +52,8 @@ TEST_CASE(
   plan.augmentation.crop_columns = 0;
   for (const NetworkDescription& description : {srae, tulip}) {
     CAPTURE(name(description));
-    Trainer one(description, plan, in_memory(scans()), fresh_state(description), 1);
-    Trainer three(description, plan, in_memory(scans()), fresh_state(description), 3);
+    Trainer one(description, plan, in_memory(scans()), fresh_state(description), 1, alone());
+    Trainer three(description, plan, in_memory(scans()), fresh_state(description), 3, alone());
     double first = 0.0;
     double last = 0.0;
     for (int step = 0; step < 40; ++step) {
@@ -83,7 +85,8 @@ TEST_CASE("batch norm's statistics follow the scans and no optimiser moves them"
 TEST_CASE(
     "the mean that is kept begins with the first step and follows by 10 of 11 in the second") {
   const UnrolledPlan description = small_du_or();
-  Trainer trainer(description, small_plan(), in_memory(scans()), fresh_state(description), 1);
+  Trainer trainer(description, small_plan(), in_memory(scans()), fresh_state(description), 1,
+                  alone());
   trainer.step();
   const std::vector<float> first = trainer.state().parameters;
   for (std::size_t i = 0; i < first.size(); ++i) {
@@ -105,7 +108,7 @@ TEST_CASE("weight decay pulls at the weights of convolutions and linear layers a
   const auto after_a_step = [&](float weight_decay) {
     TrainingState state = fresh_state(tulip);
     state.optimiser.options.weight_decay = weight_decay;
-    Trainer trainer(tulip, plan, in_memory(scans()), std::move(state), 1);
+    Trainer trainer(tulip, plan, in_memory(scans()), std::move(state), 1, alone());
     trainer.step();
     return trainer.state().parameters;
   };
@@ -135,7 +138,7 @@ TEST_CASE("the gradient and the loss of a batch are means: equal samples give th
   TrainingStep steps[2];
   for (const int batch : {1, 5}) {
     plan.batch = batch;
-    Trainer trainer(description, plan, in_memory({rings}), fresh_state(description), 1);
+    Trainer trainer(description, plan, in_memory({rings}), fresh_state(description), 1, alone());
     steps[batch / 5] = trainer.step();
   }
   CHECK(steps[1].loss == doctest::Approx(steps[0].loss).epsilon(1e-6));
@@ -148,7 +151,7 @@ TEST_CASE("without a share in the loss inner layers only serve the last one") {
   std::vector<TrainingStep> steps;
   for (const float share : {0.0F, 1.0F}) {
     plan.layer_loss_share = share;
-    Trainer trainer(description, plan, in_memory(scans()), fresh_state(description), 1);
+    Trainer trainer(description, plan, in_memory(scans()), fresh_state(description), 1, alone());
     steps.push_back(trainer.step());
   }
   CHECK(steps[0].loss == steps[1].loss);  // it is the last layer's
@@ -161,7 +164,7 @@ TEST_CASE(
   const UnrolledPlan description = small_du_or();
   TrainingPlan plan = small_plan();
   plan.largest_gradient_norm = 1e-9;
-  Trainer trainer(description, plan, in_memory(scans()), fresh_state(description), 1);
+  Trainer trainer(description, plan, in_memory(scans()), fresh_state(description), 1, alone());
   const TrainingStep step = trainer.step();
   CHECK(step.loss > 0.0);
   CHECK(step.gradient_norm > 1e-3);

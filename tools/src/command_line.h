@@ -5,13 +5,8 @@
 #include "commands.h"
 #include "run/map_command.h"
 #include "run/run_command.h"
-#include "run/slam_options_command.h"
 #include "simulate/simulate_command.h"
 #include "table/table_plan.h"
-
-namespace CLI {
-class App;
-}
 
 namespace hqslam::tools {
 

@@ -9,10 +9,6 @@
 #include "recording/recording_choice.h"
 #include "run/slam_settings.h"
 
-namespace CLI {
-class App;
-}
-
 namespace hqslam::tools {
 
 // The subcommands that no other one uses: what a user may say to each. declare_X() adds it to the
@@ -130,5 +126,11 @@ struct DemoOptions {
 };
 void declare_demo(CLI::App& app, DemoOptions& options);
 int demo_command(const DemoOptions& options);
+
+struct SlamOptionsCommand {
+  bool json = false;
+};
+void declare_slam_options(CLI::App& app, SlamOptionsCommand& options);
+int slam_options_command(const SlamOptionsCommand& options);
 
 }  // namespace hqslam::tools

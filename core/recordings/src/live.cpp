@@ -184,6 +184,10 @@ std::optional<LiveScan> LiveSensor::Impl::next(double timeout_s) {
   return std::nullopt;
 }
 
+NamedSensor named_sensor(const std::string& sensor) {
+  return LiveStream({.sensor = sensor}).named();
+}
+
 LiveSensor::LiveSensor(const LiveOptions& options) : impl_(std::make_unique<Impl>(options)) {}
 LiveSensor::~LiveSensor() = default;
 std::uint16_t LiveSensor::port() const { return impl_->port(); }

@@ -20,6 +20,7 @@ class LiveStream {
 
   /// The port to which such a sensor sends, unless it is told otherwise.
   std::uint16_t usual_port() const;
+  NamedSensor named() const { return {named_, !is_ouster_ || metadata_, metadata_.has_value()}; }
   /// Takes the next packet in; whether it is known now what they are. May ask the sender for an
   /// Ouster's metadata. Throws Error if the packets are not the sensor's.
   bool recognise(const Packet& packet);

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "../weights_arrays.h"
 #include "checkpoint_arrays.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/npz.h"
@@ -12,6 +13,7 @@ namespace hqslam::nn {
 namespace {
 
 constexpr int kCurveColumns = 12;
+constexpr std::int64_t kMostSteps = 1'000'000'000'000;  // times the batch this still fits
 
 const NpzArray& member(const NpzArrays& arrays, const std::string& path, const std::string& name) {
   const auto found = arrays.find(name);
@@ -22,33 +24,32 @@ const NpzArray& member(const NpzArrays& arrays, const std::string& path, const s
   return found->second;
 }
 
-std::vector<float> finite_values(const NpzArrays& arrays, const std::string& path,
+std::vector<float> finite_floats(const NpzArrays& arrays, const std::string& path,
                                  const std::string& name, std::size_t expected) {
   std::vector<float> values = float_values(member(arrays, path, name), path + ": " + name);
   if (values.size() != expected) {
     throw Error(fmt::format("{}: array '{}': expected {} values, found {}", path, name, expected,
                             values.size()));
   }
-  for (const float value : values) {
-    if (!std::isfinite(value)) {
-      throw Error(
-          fmt::format("{}: array '{}': expected finite values, found {}", path, name, value));
-    }
-  }
-  return values;
+  return finite(std::move(values), path, name);
+}
+
+std::vector<double> finite_doubles(const NpzArrays& arrays, const std::string& path,
+                                   const std::string& name) {
+  return finite(double_values(member(arrays, path, name), path + ": " + name), path, name);
 }
 
 double loss_sum_of(const NpzArrays& arrays, const std::string& path) {
-  const std::vector<double> values =
-      double_values(member(arrays, path, "loss_sum"), path + ": loss_sum");
-  if (values.size() != 1 || !std::isfinite(values[0])) {
-    throw Error(fmt::format("{}: array 'loss_sum': expected one finite number", path));
+  const std::vector<double> values = finite_doubles(arrays, path, "loss_sum");
+  if (values.size() != 1) {
+    throw Error(
+        fmt::format("{}: array 'loss_sum': expected one number, found {}", path, values.size()));
   }
   return values[0];
 }
 
 std::vector<CurvePoint> curve_of(const NpzArrays& arrays, const std::string& path) {
-  const std::vector<double> values = double_values(member(arrays, path, "curve"), path + ": curve");
+  const std::vector<double> values = finite_doubles(arrays, path, "curve");
   if (values.size() % kCurveColumns != 0) {
     throw Error(fmt::format("{}: array 'curve': expected rows of {} values, found {} values", path,
                             kCurveColumns, values.size()));
@@ -56,6 +57,10 @@ std::vector<CurvePoint> curve_of(const NpzArrays& arrays, const std::string& pat
   std::vector<CurvePoint> curve;
   for (std::size_t i = 0; i < values.size(); i += kCurveColumns) {
     const double* v = &values[i];
+    if (v[0] < 0.0 || v[0] > static_cast<double>(kMostSteps)) {
+      throw Error(fmt::format("{}: array 'curve': expected steps of 0 to {}, found {}", path,
+                              kMostSteps, v[0]));
+    }
     curve.push_back({std::llround(v[0]),
                      v[1],
                      {{v[2], v[3], v[4], v[5]}, {v[6], v[7], v[8], v[9]}, v[10], v[11]}});
@@ -106,17 +111,16 @@ Checkpoint checkpoint_of(const NpzArrays& arrays, const std::string& path,
   }
   const std::vector<std::int64_t> steps =
       int64_values(member(arrays, path, "steps"), path + ": steps");
-  constexpr std::int64_t kMostSteps = 1'000'000'000'000;  // times the batch this still fits
   if (steps.size() != 1 || steps[0] < 0 || steps[0] > kMostSteps) {
     throw Error(fmt::format("{}: array 'steps': expected one number, 0 to {}", path, kMostSteps));
   }
   AdamW optimiser(adamw, parameters);
   optimiser.steps = steps[0];
-  optimiser.first_moment = finite_values(arrays, path, "first_moment", parameters);
-  optimiser.second_moment = finite_values(arrays, path, "second_moment", parameters);
+  optimiser.first_moment = finite_floats(arrays, path, "first_moment", parameters);
+  optimiser.second_moment = finite_floats(arrays, path, "second_moment", parameters);
   return {configuration,
-          {finite_values(arrays, path, "parameters", parameters), std::move(optimiser),
-           finite_values(arrays, path, "average", parameters)},
+          {finite_floats(arrays, path, "parameters", parameters), std::move(optimiser),
+           finite_floats(arrays, path, "average", parameters)},
           curve_of(arrays, path),
           loss_sum_of(arrays, path)};
 }

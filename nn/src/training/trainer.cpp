@@ -62,12 +62,6 @@ void check_state(const TrainingState& state, const NetworkDescription& descripti
   }
 }
 
-/// Of who trains by himself.
-Ranks& alone() {
-  static Ranks ranks;
-  return ranks;
-}
-
 /// Weight decay pulls at the weights of convolutions and linear layers alone: a penalty or a bias
 /// that it pulled at would end where the decay wants it.
 std::vector<std::uint8_t> decays_of(const NetworkDescription& description) {
@@ -176,10 +170,6 @@ void require_shares(const NetworkDescription& description, const TrainingPlan& p
                     ranks.count()));
   }
 }
-
-Trainer::Trainer(const NetworkDescription& description, const TrainingPlan& plan,
-                 std::unique_ptr<const TrainingScans> scans, TrainingState state, int threads)
-    : Trainer(description, plan, std::move(scans), std::move(state), threads, alone()) {}
 
 Trainer::Trainer(const NetworkDescription& description, const TrainingPlan& plan,
                  std::unique_ptr<const TrainingScans> scans, TrainingState state, int threads,

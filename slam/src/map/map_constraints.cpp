@@ -14,7 +14,7 @@ constexpr double kMinWeight = 0.1;
 /// Cosine of the steepest ground's angle with the sensor's.
 constexpr double kMinGroundUprightness = 0.9;
 /// So many points of the ground tell the height well enough to ask nothing else about it.
-constexpr int kMinGroundConstraints = 100;
+constexpr int kMinGroundConstraints = 25;
 /// Of the angle between two directions that make a plane.
 constexpr double kMinSine = 0.5;
 

@@ -75,6 +75,28 @@ slam::MapFeatures beside_a_bank(double offset_m) {
   return road_with(offset_m, 0.5, [](double y) { return std::max(0.0, y - 3.0); });
 }
 
+/// A strip of road of some 70 points between banks of 45 degrees, and a wall at its end.
+/// rise_m: by how much the banks are seen too high.
+slam::MapFeatures between_banks(double offset_m, double rise_m) {
+  constexpr double kSpacing_m = 0.4;
+  slam::MapFeatures result;
+  const auto add = [](double x, double y, double z, std::vector<slam::FeaturePoint>& to) {
+    to.push_back({{static_cast<float>(x), static_cast<float>(y), static_cast<float>(z)}, 0.0F, 0});
+  };
+  for (double x = -4.0 + offset_m; x < 4.0; x += kSpacing_m) {
+    for (double y = -0.7 + offset_m; y < 0.7; y += kSpacing_m) add(x, y, -1.7, result.ground);
+    for (double up = 0.3 + offset_m; up < 4.0; up += kSpacing_m) {
+      for (const int side : {-1, 1}) {
+        add(x, side * (1.0 + up), up - 1.7 + rise_m, result.surfaces);
+        add(5.0, side * up, x, result.surfaces);
+      }
+    }
+  }
+  result.ground_to_locate = result.ground;
+  result.surfaces_to_locate = result.surfaces;
+  return result;
+}
+
 /// The roll that a scan is given whose points on the road lie between those of the map.
 double roll_beside_a_bank_rad(const slam::MappingOptions& options) {
   slam::Mapping mapping{options};
@@ -122,6 +144,16 @@ TEST_CASE("ground that fits badly on one side hardly tilts the scan") {
   const double plain_rad = roll_rad(1000.0);
   CHECK(std::abs(plain_rad) > 2e-3);
   CHECK(std::abs(roll_rad(slam::MappingOptions{}.trusted_residual_m)) < 0.1 * std::abs(plain_rad));
+}
+
+TEST_CASE("a strip of ground tells the height, and what leans beside it does not") {
+  slam::Mapping mapping{slam::MappingOptions{}};
+  mapping.insert(between_banks(0.2, 0.0), Pose::Identity(), {});
+  const slam::MapFeatures scan = between_banks(0.0, 0.1);
+  REQUIRE(scan.ground.size() < 100);
+  const auto result = mapping.locate(scan, believed(Pose::Identity()), Pose::Identity());
+  REQUIRE(result.status != Status::kTooFewFeatures);
+  CHECK(std::abs(result.state.T_map_sensor.translation().z()) < 0.005);
 }
 
 TEST_CASE("a place met again with drift is matched with only when it was taken up again") {

@@ -124,4 +124,19 @@ TEST_CASE("a sensor that the weights were not made for is one line that says wha
                       "stack64"));
 }
 
+TEST_CASE("a sender whose beams are still to come is refused for its rows alone") {
+  const Files files;
+  UpsamplingRequest request{"--sensor os1-16", "", files.weights};
+  for (const char* name : {"os1-16", "os1-64"}) {
+    request.sender = sensor_preset(name);
+    for (double& elevation_rad : request.sender->beam_elevation_rad) elevation_rad -= 0.02;
+    request.knows_sender_beams = true;
+    CHECK(one_line_with(error_message([&] { plan_upsampling(request); }), "os1-64", name));
+    request.knows_sender_beams = false;
+    CHECK_NOTHROW(plan_upsampling(request));
+  }
+  request.sender = sensor_preset("hdl-32e");
+  CHECK(one_line_with(error_message([&] { plan_upsampling(request); }), "os1-64", "hdl-32e"));
+}
+
 }  // namespace hqslam::tools

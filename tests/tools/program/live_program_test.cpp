@@ -207,12 +207,26 @@ TEST_CASE("a port in use and other wrong input of live are one line and status 2
   const recordings::UdpSocket other(0);
   const TemporaryDirectory folder;
   write_file(folder.file("a.pcap"), "");
+  write_file(folder.file("metadata.json"), ouster_drive(simulated_drive()).metadata);
+  write_untrained_weights(folder.file("os1.npz"), sensor_preset("os1-64"));
+  SensorModel wide = sensor_preset("os1-16");
+  wide.columns = 2048;
+  wide.beam_elevation_rad = load_sensor(folder.file("metadata.json")).beam_elevation_rad;
+  write_untrained_weights(folder.file("wide.npz"), wide);
   const std::string out = fmt::format(" --out '{}'", folder.file("out"));
   for (const std::string& arguments :
        {fmt::format("--sensor vlp-16 --port {}", other.port()), std::string("--sensor vlp-17"),
         fmt::format("--sensor vlp-16 --port {} --record '{}'", free_udp_port(),
                     folder.file("a.pcap")),
         fmt::format("--sensor vlp-16 --port {} --view 0 --view-address nowhere", free_udp_port()),
+        fmt::format("--sensor vlp-16 --port {} --upsample linear", free_udp_port()),
+        fmt::format("--sensor vlp-16 --port {} --rows 7", free_udp_port()),
+        fmt::format("--sensor vlp-16 --port {} --upsample '{}' --record '{}'", free_udp_port(),
+                    folder.file("os1.npz"), folder.file("never.pcap")),
+        fmt::format("--sensor os1-64 --port {} --upsample '{}'", free_udp_port(),
+                    folder.file("wide.npz")),
+        fmt::format("--sensor '{}' --port {} --upsample '{}'", folder.file("metadata.json"),
+                    free_udp_port(), folder.file("wide.npz")),
         std::string("--sensor vlp-16 --port 99999"), std::string("--port 2368")}) {
     CAPTURE(arguments);
     const ProgramResult result = run_hqslam("live " + arguments + out);
@@ -221,6 +235,7 @@ TEST_CASE("a port in use and other wrong input of live are one line and status 2
     CHECK(result.error.find('\n') == result.error.size() - 1);
   }
   CHECK_FALSE(fs::exists(folder.file("out")));
+  CHECK_FALSE(fs::exists(folder.file("never.pcap")));
 }
 
 }  // namespace hqslam::test

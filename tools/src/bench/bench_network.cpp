@@ -1,6 +1,5 @@
 #include "bench/bench_network.h"
 
-#include <chrono>
 #include <functional>
 
 #include "hqslam/nn/hqs/network.h"
@@ -11,16 +10,10 @@
 namespace hqslam::tools {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
 constexpr double kRunTime_s = 1.0;  ///< of a network with one instruction set and thread count
 constexpr int kFewestFrames = 3;    ///< however long they take
 constexpr int kMostFrames = 300;
 constexpr double kStepTime_s = 0.1;
-
-double milliseconds_since(Clock::time_point start) {
-  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-}
 
 std::vector<RangeImage> measured_rows_of(const nn::Weights& weights,
                                          const std::vector<RangeImage>& images) {
@@ -50,9 +43,9 @@ NetworkRun time_run(const nn::Weights& weights, const std::vector<RangeImage>& m
   nn::SuperResolver resolver(weights, options);
   resolver.run(measured.front());
   std::vector<double> times_ms;
-  const auto start = Clock::now();
+  const auto start = SteadyClock::now();
   for (int i = 0; i < kMostFrames && !interrupt.stop_requested(); ++i) {
-    if (i >= kFewestFrames && milliseconds_since(start) > 1e3 * kRunTime_s) {
+    if (i >= kFewestFrames && seconds_since(start) > kRunTime_s) {
       break;
     }
     times_ms.push_back(1e3 * seconds_of([&] { resolver.run(measured[i % measured.size()]); }));
@@ -75,15 +68,15 @@ NetworkRun time_run(const nn::Weights& weights, const std::vector<RangeImage>& m
 double median_ms(int threads, const std::function<void()>& step) {
   constexpr int kCalls = 4;
   std::vector<double> times_ms;
-  const auto start = Clock::now();
-  while (times_ms.size() < 5 || milliseconds_since(start) < 1e3 * kStepTime_s) {
-    const auto region_start = Clock::now();
+  const auto start = SteadyClock::now();
+  while (times_ms.size() < 5 || seconds_since(start) < kStepTime_s) {
+    const auto region_start = SteadyClock::now();
 #pragma omp parallel num_threads(threads)
     for (int call = 0; call < kCalls; ++call) {
       step();
     }
-    times_ms.push_back(milliseconds_since(region_start) / kCalls);
-    if (times_ms.size() >= 3 && milliseconds_since(start) > 5e3) {
+    times_ms.push_back(1e3 * seconds_since(region_start) / kCalls);
+    if (times_ms.size() >= 3 && seconds_since(start) > 5.0) {
       break;
     }
   }

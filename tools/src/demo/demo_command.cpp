@@ -56,15 +56,6 @@ std::vector<Way> ways(const std::optional<std::string>& weights) {
   return result;
 }
 
-/// The slowest typical part of the whole: the median time that SLAM needs for a scan.
-double median_slam_ms(const SlamRun& run) {
-  std::vector<double> times_ms;
-  for (const ScanRecord& scan : run.scans) {
-    times_ms.push_back(1e3 * scan.report.times.total_s);
-  }
-  return distribution_of(std::move(times_ms)).median;
-}
-
 /// Scores the ways that upsample against the drive's own 64 rows.
 void score(const std::string& drive, std::vector<DemoRow>& rows, const InterruptGuard& interrupt) {
   std::vector<ComparedMethod> methods;
@@ -123,7 +114,7 @@ DemoTable table_of(const std::vector<DemoRow>& rows) {
     std::vector<std::string> cells = {fmt::format("{}", run.scans.size()), ape_text(row.result)};
     const std::vector<std::string> of_images = score_cells(row.score);
     cells.insert(cells.end(), of_images.begin(), of_images.end());
-    cells.push_back(fmt::format("{:.1f}", median_slam_ms(run)));
+    cells.push_back(fmt::format("{:.1f}", distribution_of(slam_times(run).times_ms).median));
     cells.push_back(fmt::format("{:.1f}", scans_per_second(run)));
     table.rows.push_back({row.way.name, row.way.folder + "/report.html", std::move(cells)});
   }

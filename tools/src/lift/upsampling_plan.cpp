@@ -83,6 +83,10 @@ UpsamplingPlan plan_for_network(const UpsamplingRequest& request) {
   const bool measured_alone = rows == measured.rows();
   SensorModel recorded = sensor_of(request).value_or(measured_alone ? measured : full);
   if (has_any_columns(request)) recorded.columns = full.columns;
+  if (!request.knows_sender_beams) {
+    if (recorded.rows() == full.rows()) recorded = full;
+    if (recorded.rows() == measured.rows()) recorded = measured;
+  }
   if (measured_alone && recorded.rows() == full.rows()) {
     recorded = select_rows(recorded, measured_rows);
   }

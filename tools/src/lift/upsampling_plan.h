@@ -27,6 +27,7 @@ struct UpsamplingRequest {
   /// Of a sensor that sends now: `input` is only its name then, `sensor` and `stream` are not
   /// looked at.
   std::optional<SensorModel> sender = std::nullopt;
+  bool knows_sender_beams = true;  ///< false: they may turn out to be the weights'
 };
 
 /// How a recording gets its missing rows.

@@ -31,6 +31,19 @@ recordings::LiveOptions sensor_options(const LiveCommandOptions& options) {
   return sensor;
 }
 
+/// What the sensor cannot be lifted by is said before its packets come, as far as it is known then.
+void require_possible(const LiveCommandOptions& options) {
+  const auto [sensor, knows_beams, knows_columns] = recordings::named_sensor(options.sensor);
+  const RunPlan plan =
+      plan_of(options, sensor, fmt::format("--sensor {}", options.sensor), knows_beams);
+  const int columns = plan.recording_sensor.columns;
+  if (!knows_columns || columns == sensor.columns) return;
+  throw Error(
+      fmt::format("{}: the sensor sends {} columns a turn, {} takes {}; set it to another "
+                  "mode",
+                  options.sensor, sensor.columns, options.upsample, columns));
+}
+
 void print_sensor(const recordings::LiveSensor& sensor, const RunPlan& plan) {
   for (const std::string& warning : sensor.warnings()) to_stderr("hqslam: {}\n", warning);
   to_stdout("{} from {}: {}, {} rows x {} columns, {:.4g} turns a second\n", sensor.format(),
@@ -122,6 +135,7 @@ int live_command(const LiveCommandOptions& options) {
   use_threads(options.threads);
   const slam::SlamOptions slam = slam_options(options.slam);
   RunOutput output(options.out);
+  require_possible(options);
   recordings::LiveSensor sensor(sensor_options(options));
   LiveView view(fmt::format("hqslam live, {}", options.sensor));
   std::optional<ViewServer> server;

@@ -9,19 +9,14 @@
 #include "hqslam/core/error.h"
 #include "hqslam/slam/status.h"
 #include "terminal/terminal.h"
+#include "timing/stopwatch.h"
 
 namespace hqslam::tools {
 namespace {
 
-using SteadyClock = std::chrono::steady_clock;
-
 constexpr double kStatusInterval_s = 1.0;
 /// How long to wait for a scan before looking whether the user wants to stop.
 constexpr double kWait_s = 0.1;
-
-double seconds_since(SteadyClock::time_point start) {
-  return std::chrono::duration<double>(SteadyClock::now() - start).count();
-}
 
 /// By the clock that packets are timed with.
 std::int64_t now_ns() {

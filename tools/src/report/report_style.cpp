@@ -3,8 +3,9 @@
 #include <fmt/format.h>
 
 namespace hqslam::tools {
+namespace {
 
-const std::string_view kReportStyle = R"css(
+constexpr std::string_view kReportStyle = R"css(
 :root {
   color-scheme: light dark;
   --page: #ffffff; --text: #1c1f24; --quiet: #666d78; --rule: #e3e6ea; --panel: #f6f7f9;
@@ -102,6 +103,8 @@ th:first-child, td:first-child { text-align: left; padding-left: 0; }
 th { font-weight: 500; color: var(--quiet); font-size: .85rem; }
 tr.total td { font-weight: 600; }
 )css";
+
+}  // namespace
 
 std::string page_html(std::string_view title, std::string_view style, std::string_view body,
                       std::string_view head) {

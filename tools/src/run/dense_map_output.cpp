@@ -1,13 +1,9 @@
 #include "run/dense_map_output.h"
 
-#include <fmt/format.h>
-
-#include <string>
 #include <system_error>
 
 #include "files/result_folder.h"
 #include "files/text_file.h"
-#include "hqslam/core/error.h"
 #include "hqslam/core/whole_file.h"
 #include "report/cloud_picture.h"
 
@@ -36,14 +32,7 @@ void refuse_foreign_dense_map(const fs::path& folder) {
     refuse_to_replace_foreign((folder / name).string(), "written by hqslam");
   }
   if (fs::exists(folder / "dense_map.ply")) return;
-  for (const char* name : kDenseMapFiles) {
-    if (fs::exists(folder / name)) {
-      throw Error(fmt::format(
-          "{}: is there already and no dense map of hqslam beside it; give another --out or move "
-          "it",
-          (folder / name).string()));
-    }
-  }
+  refuse_existing(folder, kDenseMapFiles, "and no dense map of hqslam beside it");
 }
 
 void remove_dense_map(const fs::path& folder) {

@@ -2,7 +2,6 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <functional>
 #include <optional>
@@ -11,6 +10,7 @@
 #include "run/run_plan.h"
 #include "run/slam_run.h"
 #include "terminal/progress.h"
+#include "timing/stopwatch.h"
 
 namespace hqslam::tools {
 namespace {
@@ -104,7 +104,7 @@ void declare_dense_map(CLI::App& command, DenseMapChoice& choice) {
 
 DenseMapRun build_dense_map(const RecordingChoice& recording, const ScanPoses& poses,
                             const DenseMapChoice& choice, const InterruptGuard& interrupt) {
-  const auto start = std::chrono::steady_clock::now();
+  const SteadyClock::time_point start = SteadyClock::now();
   nn::SuperResolverOptions network;
   network.tolerance_m = static_cast<float>(choice.voxel_m);
   network.least_confidence = slam::DenseMapOptions::kLeastPointConfidence;
@@ -139,7 +139,7 @@ DenseMapRun build_dense_map(const RecordingChoice& recording, const ScanPoses& p
   run.scans_left_out = inserted.left_out;
   run.is_full = map.is_full();
   run.end_message = inserted.end_message;
-  run.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  run.wall_s = seconds_since(start);
   return run;
 }
 

@@ -205,16 +205,14 @@ std::string html_report(const SlamRun& run, const std::optional<ReferenceCompari
       run.upsampled_by.empty() ? "" : fmt::format(" by {}", run.upsampled_by);
   const std::string title =
       fmt::format("{}, {} rows{}", escape_html(short_name(run)), run.rows, upsampled);
-  return fmt::format(
-             "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
-             "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
-             "<title>hqslam {}: {}</title>\n<style>{}</style>\n</head>\n<body>\n"
-             "<h1>{}</h1>\n<p class=\"quiet\">hqslam {}, sensor {}, range images of {} x {}</p>\n",
-             run.command, title, kReportStyle, title, run.command, escape_html(run.sensor_name),
-             run.rows, run.columns) +
-         notice_html(run) + numbers_html(run, comparison) + "<h2>Trajectory from above</h2>\n" +
-         trajectory_plot_html(run, comparison) + dense_map_html(dense_map) +
-         error_html(run, comparison) + times_html(run) + statuses_html(run) + "</body>\n</html>\n";
+  return page_html(
+      fmt::format("hqslam {}: {}", run.command, title), "",
+      fmt::format(
+          "<h1>{}</h1>\n<p class=\"quiet\">hqslam {}, sensor {}, range images of {} x {}</p>\n",
+          title, run.command, escape_html(run.sensor_name), run.rows, run.columns) +
+          notice_html(run) + numbers_html(run, comparison) + "<h2>Trajectory from above</h2>\n" +
+          trajectory_plot_html(run, comparison) + dense_map_html(dense_map) +
+          error_html(run, comparison) + times_html(run) + statuses_html(run));
 }
 
 }  // namespace hqslam::tools

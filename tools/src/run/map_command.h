@@ -5,10 +5,6 @@
 #include "run/dense_map_run.h"
 #include "run/run_plan.h"
 
-namespace CLI {
-class App;
-}
-
 namespace hqslam::tools {
 
 struct MapOptions : RecordingChoice {

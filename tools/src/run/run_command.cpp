@@ -13,7 +13,6 @@
 #include "recording/recording_sensor.h"
 #include "run/map_command.h"
 #include "run/run_output.h"
-#include "run/run_plan.h"
 #include "run/run_summary.h"
 #include "terminal/exit_status.h"
 #include "terminal/terminal.h"

@@ -11,10 +11,6 @@
 #include "run/slam_settings.h"
 #include "terminal/interrupt.h"
 
-namespace CLI {
-class App;
-}
-
 namespace hqslam::tools {
 
 struct RunOptions : RecordingChoice {

@@ -161,25 +161,14 @@ RunOutput::RunOutput(const std::string& folder)
   }
   if (written_by_hqslam(folder_)) return;
   refuse_foreign_dense_map(folder_);
-  const auto refuse_foreign = [&](const char* result) {
-    if (!fs::exists(folder_ / result)) return;
-    throw Error(fmt::format(
-        "{}: is there already and was not written by hqslam; give another --out or move it",
-        (folder_ / result).string()));
-  };
-  std::for_each(kResultsSoFar.begin(), kResultsSoFar.end(), refuse_foreign);
-  std::for_each(kResultsAtTheEnd.begin(), kResultsAtTheEnd.end(), refuse_foreign);
+  refuse_existing(folder_, kResultsSoFar, "and was not written by hqslam");
+  refuse_existing(folder_, kResultsAtTheEnd, "and was not written by hqslam");
 }
 
 bool RunOutput::checkpoint_due() const {
   const auto since = std::chrono::steady_clock::now() - last_checkpoint_;
   const double wanted_s = std::max(kCheckpointInterval_s, last_duration_s_ / kCheckpointShare);
   return first_ || std::chrono::duration<double>(since).count() >= wanted_s;
-}
-
-void RunOutput::write_file(const std::string& name,
-                           const std::function<void(const std::string&)>& write) {
-  replace_file((folder_ / name).string(), write);
 }
 
 void RunOutput::write_checkpoint(const SlamRun& run) {
@@ -189,17 +178,17 @@ void RunOutput::write_checkpoint(const SlamRun& run) {
     lock_.emplace(folder_);
   }
   // The timings first: they mark the folder as ours.
-  write_file("timings.json",
-             [&](const std::string& path) { write_whole_file(path, timings_json(run)); });
+  write_text_file(timings_json(run), path("timings.json"));
   if (first_) {
     std::error_code ignored;
     for (const char* result : kResultsAtTheEnd) fs::remove(folder_ / result, ignored);
     remove_dense_map(folder_);
     first_ = false;
   }
-  write_file("trajectory.tum", [&](const std::string& path) { write_tum(run.trajectory, path); });
-  write_file("trajectory.kitti",
-             [&](const std::string& path) { write_kitti_poses(run.trajectory, path); });
+  replace_file(path("trajectory.tum"),
+               [&](const std::string& part) { write_tum(run.trajectory, part); });
+  replace_file(path("trajectory.kitti"),
+               [&](const std::string& part) { write_kitti_poses(run.trajectory, part); });
   last_checkpoint_ = std::chrono::steady_clock::now();
   last_duration_s_ = std::chrono::duration<double>(last_checkpoint_ - start).count();
 }
@@ -207,16 +196,14 @@ void RunOutput::write_checkpoint(const SlamRun& run) {
 void RunOutput::write_results(const SlamRun& run,
                               const std::optional<ReferenceComparison>& comparison) {
   write_checkpoint(run);
-  write_file("covariances.csv",
-             [&](const std::string& path) { write_whole_file(path, covariances_csv(run)); });
-  write_file("map.pcd", [&](const std::string& path) { write_pcd(run.map_points_m, path); });
+  write_text_file(covariances_csv(run), path("covariances.csv"));
+  replace_file(path("map.pcd"),
+               [&](const std::string& part) { write_pcd(run.map_points_m, part); });
   if (run.saved_map) {
-    write_file("saved_map.npz",
-               [&](const std::string& path) { slam::write_saved_map(path, *run.saved_map); });
+    replace_file(path("saved_map.npz"),
+                 [&](const std::string& part) { slam::write_saved_map(part, *run.saved_map); });
   }
-  write_file("report.html", [&](const std::string& path) {
-    write_whole_file(path, html_report(run, comparison));
-  });
+  write_text_file(html_report(run, comparison), path("report.html"));
 }
 
 void RunOutput::write_dense_map(const SlamRun& run,
@@ -224,9 +211,7 @@ void RunOutput::write_dense_map(const SlamRun& run,
                                 const DenseMapRun& dense_map) {
   const DenseMapPictures pictures = pictures_of(dense_map, run.trajectory);
   tools::write_dense_map(dense_map, pictures, folder_);
-  write_file("report.html", [&](const std::string& path) {
-    write_whole_file(path, html_report(run, comparison, {&dense_map, &pictures}));
-  });
+  write_text_file(html_report(run, comparison, {&dense_map, &pictures}), path("report.html"));
 }
 
 }  // namespace hqslam::tools

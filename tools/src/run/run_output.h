@@ -2,7 +2,6 @@
 
 #include <chrono>
 #include <filesystem>
-#include <functional>
 #include <optional>
 #include <string>
 
@@ -40,7 +39,7 @@ class RunOutput {
                        const DenseMapRun& dense_map);
 
  private:
-  void write_file(const std::string& name, const std::function<void(const std::string&)>& write);
+  std::string path(const char* result) const { return (folder_ / result).string(); }
   std::filesystem::path folder_;
   std::chrono::steady_clock::time_point last_checkpoint_;
   double last_duration_s_ = 0.0;  ///< what the last checkpoint took

@@ -52,10 +52,12 @@ RunPlan plan_of(const RecordingChoice& choice, const nn::SuperResolverOptions& n
   return plan;
 }
 
-RunPlan plan_of(const LiftingChoice& choice, const SensorModel& sensor, const std::string& name) {
+RunPlan plan_of(const LiftingChoice& choice, const SensorModel& sensor, const std::string& name,
+                bool knows_beams) {
   UpsamplingRequest request;
   request.input = name;
   request.sender = sensor;
+  request.knows_sender_beams = knows_beams;
   RunPlan plan = planned(std::move(request), choice);
   plan.recording.input = name;
   return plan;

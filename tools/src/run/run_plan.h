@@ -11,10 +11,6 @@
 #include "recording/recording_sensor.h"
 #include "run/slam_run.h"
 
-namespace CLI {
-class App;
-}
-
 namespace hqslam::tools {
 
 /// A recording and what is made of its scans before they are used.
@@ -41,7 +37,9 @@ struct RunPlan {
 /// network: how its network is loaded; the choice's least_confidence comes first. Throws Error.
 RunPlan plan_of(const RecordingChoice& choice, const nn::SuperResolverOptions& network = {});
 /// The same for a sensor that sends now and can be read with any number of columns; it is called
-/// `name` in messages. There is nothing to open. Throws Error.
-RunPlan plan_of(const LiftingChoice& choice, const SensorModel& sensor, const std::string& name);
+/// `name` in messages. There is nothing to open. Not knows_beams: its beams may still turn out to
+/// be those that a network was made for. Throws Error.
+RunPlan plan_of(const LiftingChoice& choice, const SensorModel& sensor, const std::string& name,
+                bool knows_beams = true);
 
 }  // namespace hqslam::tools

@@ -1,9 +1,8 @@
-#include "run/slam_options_command.h"
-
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "commands.h"
 #include "hqslam/slam/options.h"
 #include "terminal/exit_status.h"
 #include "terminal/terminal.h"

@@ -4,25 +4,17 @@
 #include <omp.h>
 
 #include <algorithm>
-#include <chrono>
-#include <optional>
-#include <utility>
 
 #include "hqslam/core/error.h"
 #include "hqslam/nn/upsampled_cloud.h"
 #include "hqslam/slam/options.h"
 #include "run/run_output.h"
 #include "terminal/progress.h"
+#include "timing/stopwatch.h"
 #include "timing/timing_statistics.h"
 
 namespace hqslam::tools {
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 /// The next scan, or nothing at the end of the recording or at a scan that cannot be read.
 std::optional<RecordedScan> read_next(ScanSource& source, SlamRun& run) {
@@ -161,7 +153,7 @@ void SlamSession::process(const RecordedScan& scan, ScanRecord record, RunOutput
                           const std::function<void(ScanRecord&)>& located) {
   record.invalid_points = scan.invalid_points;
   const OrganizedCloud measured = measured_cloud(scan.cloud, spec_);
-  const auto upsampling_start = Clock::now();
+  const auto upsampling_start = SteadyClock::now();
   cloud_ = prepared_cloud(measured, spec_);
   if (spec_.upsampler != nullptr) record.upsampling_s = seconds_since(upsampling_start);
   try {
@@ -211,7 +203,7 @@ SlamRun run_slam(ScanSource& source, const SlamRunSpec& spec, RunOutput& output,
       run.end = RunEnd::kInterrupted;
       break;
     }
-    const auto reading_start = Clock::now();
+    const auto reading_start = SteadyClock::now();
     const std::optional<RecordedScan> scan = read_next(source, run);
     if (!scan) {
       break;

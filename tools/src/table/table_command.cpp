@@ -116,11 +116,6 @@ void write_seeds_tables(const std::vector<DriveWork>& works, const TablePlan& pl
   write_pages(seeds_markdown(table), seeds_json(table), seeds_html(table), options.out);
 }
 
-int report_interruption() {
-  to_stderr("hqslam: interrupted; what is finished is kept, the same command goes on from there\n");
-  return kInterrupted;
-}
-
 }  // namespace
 
 void declare_table(CLI::App& app, TableOptions& options) {
@@ -204,7 +199,9 @@ int table_command(const TableOptions& options) {
   } else {
     write_drives_tables(works, plan, options.out);
   }
-  return complete ? kOk : report_interruption();
+  if (complete) return kOk;
+  to_stderr("hqslam: interrupted; what is finished is kept, the same command goes on from there\n");
+  return kInterrupted;
 }
 
 }  // namespace hqslam::tools

@@ -3,7 +3,6 @@
 
 #include <CLI/CLI.hpp>
 #include <array>
-#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <memory>
@@ -23,13 +22,12 @@
 #include "terminal/interrupt.h"
 #include "terminal/progress.h"
 #include "terminal/terminal.h"
+#include "timing/stopwatch.h"
 #include "train/learning_curve.h"
 #include "train/training_scans.h"
 
 namespace hqslam::tools {
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 /// A training on its way: what is written and how it goes on.
 struct Training {
@@ -127,11 +125,6 @@ void write_results(const Training& training, const nn::TrainingState& state) {
   write_text_file(learning_curve_svg(training.curve), (training.out / "curve.svg").string());
 }
 
-DriveStore drive_store(const TrainOptions& options, int threads, Ranks& ranks) {
-  if (!options.drives.empty()) return {options.drives, threads, ranks};
-  return {std::filesystem::path(options.out) / "drives", threads, ranks};
-}
-
 /// Reads the validation scans; returns those to train on, null if asked to stop.
 std::unique_ptr<const nn::TrainingScans> load_scans(Training& training, const DriveStore& store,
                                                     const InterruptGuard& interrupt) {
@@ -166,14 +159,14 @@ int train(Training& training, nn::Trainer& trainer, const InterruptGuard& interr
   const std::int64_t steps = training.configuration.plan.steps;
   const std::int64_t first = trainer.state().optimiser.steps;
   Progress progress("train", steps, stderr, "steps");
-  const Clock::time_point start = Clock::now();
+  const SteadyClock::time_point start = SteadyClock::now();
   for (std::int64_t step = first; step < steps && !ranks.any(interrupt.stop_requested());) {
     training.loss_sum += trainer.step().loss;
     ++step;
     progress.update(step);
     if (step % training.configuration.validate_every != 0 && step != steps) continue;
     if (ranks.rank() > 0) continue;
-    const double elapsed_s = std::chrono::duration<double>(Clock::now() - start).count();
+    const double elapsed_s = seconds_since(start);
     const std::int64_t steps_since_point =
         step - (training.curve.empty() ? 0 : training.curve.back().step);
     training.curve.push_back({step, training.loss_sum / static_cast<double>(steps_since_point),
@@ -244,7 +237,10 @@ int train_command(const TrainOptions& options) {
   const int threads = options.threads > 0 ? options.threads : omp_get_max_threads();
   std::optional<nn::Trainer> prepared;
   try {
-    auto scans = load_scans(training, drive_store(options, threads, *ranks), interrupt);
+    const DriveStore store{
+        options.drives.empty() ? training.out / "drives" : std::filesystem::path(options.drives),
+        threads, *ranks};
+    auto scans = load_scans(training, store, interrupt);
     if (scans == nullptr) return kInterrupted;
     prepared.emplace(c.network, c.plan, std::move(scans), std::move(*state), threads, *ranks);
   } catch (const Error& error) {

@@ -55,7 +55,7 @@ struct MappingResult {
 /// centroid, so that a plane through the map's origin is as good as any; lines must be longer and
 /// planes wider than LeGO-LOAM asks; the ground tells height, roll and pitch only, as in the
 /// odometry's first step, because the rings that a sensor draws on it would hold the sensor back,
-/// and only where it is flat; surfaces tell nothing about height where a hundred points of the
+/// and only where it is flat; surfaces tell nothing about height where 25 points of the
 /// ground match; a turn makes a key frame too; the scan is corrected for motion anew with every
 /// improved pose; features far from their line or plane lose weight; and what was not seen over the
 /// last stretch of path is laid aside, until it is taken up again. A place that is met again with

@@ -27,6 +27,15 @@ struct LiveOptions {
   int most_waiting = 2;
 };
 
+/// What is known of a sensor before its packets come: its rows, and maybe more.
+struct NamedSensor {
+  SensorModel sensor;
+  bool knows_beams = true;     ///< not those of an Ouster that is only named
+  bool knows_columns = false;  ///< how many it sends a turn
+};
+/// sensor: as LiveOptions has it. Throws Error if it is unknown or its file is wrong.
+NamedSensor named_sensor(const std::string& sensor);
+
 /// What came up to now.
 struct LiveCounts {
   PacketCounts packets;

@@ -84,9 +84,6 @@ class Trainer {
   Trainer(const NetworkDescription& description, const TrainingPlan& plan,
           std::unique_ptr<const TrainingScans> scans, TrainingState state, int threads,
           Ranks& ranks);
-  /// For one process.
-  Trainer(const NetworkDescription& description, const TrainingPlan& plan,
-          std::unique_ptr<const TrainingScans> scans, TrainingState state, int threads);
   ~Trainer();
 
   /// Throws Error if a scan cannot be read or the loss is not finite.

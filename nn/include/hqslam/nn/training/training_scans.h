@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <vector>
 
 #include "hqslam/core/range_image.h"
 
@@ -17,19 +16,6 @@ class TrainingScans {
   virtual int columns() const = 0;
   /// Scan i, 0 to size() - 1. Many threads may read at once. Throws Error if it cannot be read.
   virtual RangeImage read(std::int64_t i) const = 0;
-};
-
-class ScansInMemory final : public TrainingScans {
- public:
-  /// Throws Error if the scans are not all of one shape.
-  explicit ScansInMemory(std::vector<RangeImage> scans);
-  std::int64_t size() const override { return static_cast<std::int64_t>(scans_.size()); }
-  int rows() const override { return scans_.empty() ? 0 : scans_.front().rows; }
-  int columns() const override { return scans_.empty() ? 0 : scans_.front().columns; }
-  RangeImage read(std::int64_t i) const override;
-
- private:
-  std::vector<RangeImage> scans_;
 };
 
 }  // namespace hqslam::nn

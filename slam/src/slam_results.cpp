@@ -1,0 +1,51 @@
+// What SLAM says of the scans so far.
+
+#include <utility>
+
+#include "hqslam/core/error.h"
+#include "hqslam/slam/saved_map.h"
+#include "slam_implementation.h"
+
+namespace hqslam::slam {
+
+MountingOptions Slam::mounting() const { return implementation_->mounting.mounted(); }
+
+const Trajectory& Slam::trajectory() const { return implementation_->path.trajectory(); }
+
+const std::vector<std::size_t>& Slam::stretch_of_scan() const {
+  return implementation_->path.stretch_of_scan();
+}
+
+std::vector<std::size_t> Slam::part_of_scan() const { return implementation_->path.part_of_scan(); }
+
+std::vector<Eigen::Vector3f> Slam::map_points_m() const {
+  const FeatureMaps& matched_with = implementation_->mapping.map();
+  const auto& loop_closing = implementation_->loop_closing;
+  std::vector<Eigen::Vector3f> result;
+  for (const FeatureMaps& part : loop_closing ? loop_closing->whole_map(matched_with)
+                                              : std::vector<FeatureMaps>{matched_with}) {
+    for (const FeatureMap* kind : {&part.planes, &part.edges}) {
+      const std::vector<Eigen::Vector3f> points_m = kind->points_m();
+      result.insert(result.end(), points_m.begin(), points_m.end());
+    }
+  }
+  return result;
+}
+
+SavedMap Slam::saved_map() const {
+  const auto& loop_closing = implementation_->loop_closing;
+  if (!loop_closing || !implementation_->options.loop_closing.enabled) {
+    throw Error("expected loop closing, which knows the places of a map; switch it on");
+  }
+  const std::vector<FeatureMaps> parts = loop_closing->whole_map(implementation_->mapping.map());
+  SavedMap result;
+  for (std::size_t part = 0; part < parts.size(); ++part) {
+    std::vector<SavedPlace> places = loop_closing->finished().places(part);
+    if (places.size() <= result.places.size()) continue;
+    result = {parts[part].edges.points_m(), parts[part].posts.points_m(),
+              parts[part].planes.points_m(), std::move(places)};
+  }
+  return result;
+}
+
+}  // namespace hqslam::slam
