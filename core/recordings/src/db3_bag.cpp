@@ -1,6 +1,9 @@
 #include <fmt/format.h>
 #include <sqlite3.h>
 
+#include <filesystem>
+#include <system_error>
+
 #include "bag.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/excerpt.h"
@@ -23,9 +26,29 @@ using Statement = std::unique_ptr<sqlite3_stmt, FinalizeStatement>;
                           path, excerpt(sqlite3_errmsg(database), kNameCharacters)));
 }
 
+/// The name by which SQLite reads a bag without writing: one in write-ahead mode, as rosbag2
+/// records by default, would get two files beside it, and could not be read in a folder that may
+/// not be written. A log that lies beside it already has messages that the bag has not: it is read,
+/// too.
+std::string uri_of(const std::string& path) {
+  std::string uri = "file:";
+  for (const char c : path) {
+    if (c == '%' || c == '?' || c == '#') {
+      uri += fmt::format("%{:02x}", static_cast<int>(c));
+    } else {
+      uri += c;
+    }
+  }
+  std::error_code unknown;
+  const bool has_log = std::filesystem::exists(path + "-wal", unknown) ||
+                       std::filesystem::exists(path + "-journal", unknown);
+  return has_log ? uri : uri + "?immutable=1";
+}
+
 Database opened(const std::string& path) {
   sqlite3* raw = nullptr;
-  const int status = sqlite3_open_v2(path.c_str(), &raw, SQLITE_OPEN_READONLY, nullptr);
+  const int status =
+      sqlite3_open_v2(uri_of(path).c_str(), &raw, SQLITE_OPEN_READONLY | SQLITE_OPEN_URI, nullptr);
   Database database(raw);
   if (status != SQLITE_OK) fail(path, raw);
   sqlite3_limit(raw, SQLITE_LIMIT_LENGTH, static_cast<int>(kMaxChunkBytes));

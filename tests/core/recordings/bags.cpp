@@ -6,6 +6,7 @@
 #include <zstd.h>
 
 #include <cstring>
+#include <filesystem>
 #include <map>
 #include <stdexcept>
 
@@ -272,6 +273,18 @@ void write_db3(const std::vector<BagMessage>& messages, const std::string& path)
     sqlite3_finalize(statement);
   }
   run("COMMIT");
+  sqlite3_close(database);
+}
+
+void copy_with_half_taken_back(const std::string& path, const std::string& copy) {
+  sqlite3* database = nullptr;
+  if (sqlite3_open(path.c_str(), &database) != SQLITE_OK) throw std::runtime_error(path);
+  for (const char* sql : {"PRAGMA journal_mode = WAL",
+                          "DELETE FROM messages WHERE id > (SELECT COUNT(*) / 2 FROM messages)"}) {
+    sqlite3_exec(database, sql, nullptr, nullptr, nullptr);
+  }
+  std::filesystem::copy_file(path, copy);
+  std::filesystem::copy_file(path + "-wal", copy + "-wal");
   sqlite3_close(database);
 }
 

@@ -205,6 +205,28 @@ TEST_CASE("every kind of bag carries the same packets") {
   }
 }
 
+TEST_CASE("a bag in write-ahead mode is read without a file being written beside it") {
+  const TemporaryDirectory directory;
+  const std::string path = directory.file("50 % sure? #1.db3");
+  write_db3(velodyne_messages(false), path);
+  std::string bytes = file_contents(path);
+  bytes[18] = bytes[19] = 2;  // of SQLite's header: the versions that write and read such a file
+  write_file(path, bytes);
+  const auto source = open_recording(path);
+  CHECK(all_scans(*source).size() == 4);
+  const std::filesystem::directory_iterator files(directory.file("."));
+  CHECK(std::distance(begin(files), end(files)) == 1);
+}
+
+TEST_CASE("the log that lies beside a bag in write-ahead mode is read with it") {
+  const TemporaryDirectory directory;
+  write_db3(velodyne_messages(false), directory.file("whole.db3"));
+  copy_with_half_taken_back(directory.file("whole.db3"), directory.file("stopped.db3"));
+  const auto scans = all_scans(*open_recording(directory.file("stopped.db3")));
+  CHECK(!scans.empty());
+  CHECK(scans.size() < 4);
+}
+
 TEST_CASE("Ouster's packets and metadata are found in one bag") {
   const TemporaryDirectory directory;
   std::vector<BagMessage> messages;
