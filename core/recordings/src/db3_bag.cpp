@@ -31,7 +31,7 @@ using Statement = std::unique_ptr<sqlite3_stmt, FinalizeStatement>;
 /// not be written. A log that lies beside it already has messages that the bag has not: it is read,
 /// too.
 std::string uri_of(const std::string& path) {
-  std::string uri = "file:";
+  std::string uri = path.starts_with('/') ? "file://" : "file:";
   for (const char c : path) {
     if (c == '%' || c == '?' || c == '#') {
       uri += fmt::format("%{:02x}", static_cast<int>(c));
