@@ -26,10 +26,9 @@ using Statement = std::unique_ptr<sqlite3_stmt, FinalizeStatement>;
                           path, excerpt(sqlite3_errmsg(database), kNameCharacters)));
 }
 
-/// The name by which SQLite reads a bag without writing: one in write-ahead mode, as rosbag2
-/// records by default, would get two files beside it, and could not be read in a folder that may
-/// not be written. A log that lies beside it already has messages that the bag has not: it is read,
-/// too.
+/// The name by which SQLite reads a bag without writing: one in write-ahead mode (rosbag2's preset
+/// "resilient") would get two files beside it, and could not be read in a folder that may not be
+/// written. A log that lies beside it already has what the bag has not yet: it is read, too.
 std::string uri_of(const std::string& path) {
   std::string uri = path.starts_with('/') ? "file://" : "file:";
   for (const char c : path) {
