@@ -1,6 +1,6 @@
 #pragma once
 
-#include "../training/random.h"
+#include "../random.h"
 
 namespace hqslam::nn {
 

@@ -1,6 +1,6 @@
 #include "hqslam/nn/training/augmentation.h"
 
-#include "random.h"
+#include "../random.h"
 
 namespace hqslam::nn {
 namespace {

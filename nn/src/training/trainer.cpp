@@ -8,9 +8,9 @@
 #include <span>
 #include <thread>
 
+#include "../random.h"
 #include "hqslam/core/error.h"
 #include "hqslam/nn/hqs/network.h"
-#include "random.h"
 #include "validation.h"
 
 namespace hqslam::nn {

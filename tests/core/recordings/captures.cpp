@@ -216,6 +216,12 @@ std::optional<recordings::Packet> CapturedPackets::next() {
   return as_packet(packets_[next_++]);
 }
 
+std::vector<RecordedScan> all_scans(ScanSource& source) {
+  std::vector<RecordedScan> scans;
+  while (auto scan = source.next()) scans.push_back(std::move(*scan));
+  return scans;
+}
+
 std::string md5(const void* bytes, std::size_t count) {
   std::array<std::uint32_t, 64> sines{};
   for (std::size_t i = 0; i < sines.size(); ++i) {

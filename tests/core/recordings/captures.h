@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "hqslam/core/scan_source.h"
 #include "hqslam/recordings/ouster.h"
 #include "hqslam/recordings/packet.h"
 
@@ -92,6 +93,9 @@ class CapturedPackets : public recordings::PacketSource {
 };
 
 recordings::Packet as_packet(const Captured& captured);
+
+/// All scans of a recording from where it stands.
+std::vector<RecordedScan> all_scans(ScanSource& source);
 
 /// The MD5 digest, in hexadecimal. Source: RFC 1321.
 std::string md5(const void* bytes, std::size_t count);

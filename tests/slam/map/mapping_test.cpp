@@ -43,14 +43,15 @@ struct MappedYard {
   }
 };
 
+void add(double x, double y, double z, std::vector<slam::FeaturePoint>& to) {
+  to.push_back({{static_cast<float>(x), static_cast<float>(y), static_cast<float>(z)}, 0.0F, 0});
+}
+
 /// A road and two walls, as a sensor 1.7 m above the road sees them, from `offset_m` on.
 /// rise_m(y): of the ground.
 template <typename Rise>
 slam::MapFeatures road_with(double offset_m, double spacing_m, const Rise& rise_m) {
   slam::MapFeatures result;
-  const auto add = [](double x, double y, double z, std::vector<slam::FeaturePoint>& to) {
-    to.push_back({{static_cast<float>(x), static_cast<float>(y), static_cast<float>(z)}, 0.0F, 0});
-  };
   for (double along = -10.0 + offset_m; along < 10.0; along += spacing_m) {
     for (double y = -6.0 + offset_m; y < 6.0; y += spacing_m) {
       add(along, y, -1.7 + rise_m(y), result.ground);
@@ -75,14 +76,11 @@ slam::MapFeatures beside_a_bank(double offset_m) {
   return road_with(offset_m, 0.5, [](double y) { return std::max(0.0, y - 3.0); });
 }
 
-/// A strip of road of some 70 points between banks of 45 degrees, and a wall at its end.
+/// A strip of road of 80 points between banks of 45 degrees, and a wall at its end.
 /// rise_m: by how much the banks are seen too high.
 slam::MapFeatures between_banks(double offset_m, double rise_m) {
   constexpr double kSpacing_m = 0.4;
   slam::MapFeatures result;
-  const auto add = [](double x, double y, double z, std::vector<slam::FeaturePoint>& to) {
-    to.push_back({{static_cast<float>(x), static_cast<float>(y), static_cast<float>(z)}, 0.0F, 0});
-  };
   for (double x = -4.0 + offset_m; x < 4.0; x += kSpacing_m) {
     for (double y = -0.7 + offset_m; y < 0.7; y += kSpacing_m) add(x, y, -1.7, result.ground);
     for (double up = 0.3 + offset_m; up < 4.0; up += kSpacing_m) {

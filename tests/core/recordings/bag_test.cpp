@@ -1,0 +1,266 @@
+#include <doctest/doctest.h>
+
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <numbers>
+#include <random>
+
+#include "bags.h"
+#include "captures.h"
+#include "error_message.h"
+#include "file_contents.h"
+#include "hqslam/core/error.h"
+#include "hqslam/recordings/recording.h"
+#include "temporary_directory.h"
+
+using namespace hqslam;
+using namespace hqslam::recordings;
+using namespace hqslam::test;
+
+namespace {
+
+constexpr const char* kVelodyneType = "velodyne_msgs/msg/VelodyneScan";
+constexpr const char* kCloudType = "sensor_msgs/msg/PointCloud2";
+
+/// A VLP-16's packets as messages of ten packets.
+std::vector<BagMessage> velodyne_messages(bool ros1) {
+  const auto packets = velodyne_capture({.duration_s = 0.45});
+  std::vector<BagMessage> messages;
+  for (std::size_t i = 0; i + 10 <= packets.size(); i += 10) {
+    const std::vector<Captured> part(packets.begin() + static_cast<std::ptrdiff_t>(i),
+                                     packets.begin() + static_cast<std::ptrdiff_t>(i + 10));
+    messages.push_back({"/velodyne_packets", kVelodyneType, part.front().time_ns,
+                        velodyne_scan_message(part, ros1)});
+    messages.push_back(
+        {"/other", "std_msgs/msg/String", part.front().time_ns, text_message("nothing", ros1)});
+  }
+  return messages;
+}
+
+/// One turn of a VLP-16 in a round room of 5 m, from the front on; times in `unit_s` from `zero_s`.
+std::vector<CloudPoint> round_cloud(double period_s, double unit_s, double zero_s) {
+  std::vector<CloudPoint> points;
+  for (int column = 0; column < 360; ++column) {
+    for (int ring = 0; ring < 16; ++ring) {
+      const double azimuth = -column * std::numbers::pi / 180.0;
+      const double elevation = (-15.0 + 2.0 * ring) * std::numbers::pi / 180.0;
+      CloudPoint point;
+      point.x = static_cast<float>(5.0 * std::cos(elevation) * std::cos(azimuth));
+      point.y = static_cast<float>(5.0 * std::cos(elevation) * std::sin(azimuth));
+      point.z = static_cast<float>(5.0 * std::sin(elevation));
+      point.ring = static_cast<std::uint16_t>(ring);
+      point.time = (zero_s + period_s * column / 360.0) / unit_s;
+      points.push_back(point);
+    }
+  }
+  return points;
+}
+
+/// Five clouds, `period_s` apart, the fourth of which never came.
+std::vector<BagMessage> cloud_messages(double period_s, double unit_s, bool absolute,
+                                       std::uint8_t type, bool ros1) {
+  std::vector<BagMessage> messages;
+  for (const int i : {0, 1, 2, 4}) {
+    const double begin_s = 1'600'000'000.0 + period_s * i;
+    const auto begin_ns = static_cast<std::int64_t>(1e9 * begin_s);
+    messages.push_back(
+        {"/points", kCloudType, begin_ns + 5'000'000,
+         cloud_message(begin_ns, round_cloud(period_s, unit_s, absolute ? begin_s : 0.0), ros1,
+                       type)});
+  }
+  return messages;
+}
+
+}  // namespace
+
+TEST_CASE("every kind of bag carries the same packets") {
+  const TemporaryDirectory directory;
+  write_db3(velodyne_messages(false), directory.file("a.db3"));
+  for (const char* compression : {"", "lz4", "zstd"}) {
+    write_file(directory.file(std::string("a") + compression + ".mcap"),
+               mcap_bytes(velodyne_messages(false), compression));
+  }
+  for (const char* compression : {"none", "lz4", "bz2"}) {
+    write_file(directory.file(std::string("a") + compression + ".bag"),
+               ros1_bytes(velodyne_messages(true), compression));
+  }
+  std::filesystem::create_directory(directory.file("folder"));
+  write_file(directory.file("folder/metadata.yaml"), "rosbag2_bagfile_information:\n");
+  write_db3(velodyne_messages(false), directory.file("folder/folder_0.db3"));
+  const auto expected = all_scans(*open_recording(directory.file("a.db3")));
+  REQUIRE(expected.size() == 4);
+  for (const char* name :
+       {"a.mcap", "alz4.mcap", "azstd.mcap", "anone.bag", "alz4.bag", "abz2.bag", "folder"}) {
+    CAPTURE(name);
+    const auto source = open_recording(directory.file(name));
+    CHECK(source->size() == 4);
+    const auto scans = all_scans(*source);
+    REQUIRE(scans.size() == expected.size());
+    for (std::size_t i = 0; i < scans.size(); ++i) {
+      CHECK(scans[i].stamp_s == expected[i].stamp_s);
+      CHECK(scans[i].cloud.range_m == expected[i].cloud.range_m);
+    }
+    CHECK(inspect(directory.file(name)).streams.size() == 2);
+  }
+}
+
+TEST_CASE("a bag in write-ahead mode is read without a file being written beside it") {
+  const TemporaryDirectory directory;
+  const std::string path = directory.file("50 % sure? #1.db3");
+  write_db3(velodyne_messages(false), path);
+  std::string bytes = file_contents(path);
+  bytes[18] = bytes[19] = 2;  // of SQLite's header: the versions that write and read such a file
+  write_file(path, bytes);
+  const auto source = open_recording(path);
+  CHECK(all_scans(*source).size() == 4);
+  const std::filesystem::directory_iterator files(directory.file("."));
+  CHECK(std::distance(begin(files), end(files)) == 1);
+}
+
+TEST_CASE("the log that lies beside a bag in write-ahead mode is read with it") {
+  const TemporaryDirectory directory;
+  write_db3(velodyne_messages(false), directory.file("whole.db3"));
+  copy_with_half_taken_back(directory.file("whole.db3"), directory.file("stopped.db3"));
+  const auto scans = all_scans(*open_recording(directory.file("stopped.db3")));
+  CHECK(!scans.empty());
+  CHECK(scans.size() < 4);
+}
+
+TEST_CASE("Ouster's packets and metadata are found in one bag") {
+  const TemporaryDirectory directory;
+  std::vector<BagMessage> messages;
+  messages.push_back({"/ouster/metadata", "std_msgs/msg/String", 1,
+                      text_message(ouster_metadata_text(OusterProfile::kRng19Dual), false)});
+  for (const std::uint32_t id : {1U, 2U}) {
+    for (const Captured& packet : ouster_turn(OusterProfile::kRng19Dual, id)) {
+      messages.push_back({"/ouster/lidar_packets", "ouster_sensor_msgs/msg/PacketMsg",
+                          packet.time_ns, buffer_message(packet.payload, false)});
+      messages.push_back({"/ouster/imu_packets", "ouster_sensor_msgs/msg/PacketMsg", packet.time_ns,
+                          buffer_message(Payload(48), false)});
+    }
+  }
+  write_file(directory.file("a.mcap"), mcap_bytes(messages, "zstd"));
+  const auto source = open_recording(directory.file("a.mcap"));
+  CHECK(source->sensor().rows() == 8);
+  CHECK(all_scans(*source).size() == 2);
+}
+
+TEST_CASE("clouds of every unit and origin of times get the recording's stamps") {
+  struct Case {
+    double period_s, unit_s;
+    bool absolute;
+    std::uint8_t type;
+  };
+  const TemporaryDirectory directory;
+  for (const Case& c :
+       {Case{0.1, 1.0, true, 8}, Case{0.1, 1.0, false, 7}, Case{0.1, 1e-9, false, 6},
+        Case{0.1, 1e-6, false, 6}, Case{0.05, 1e-3, false, 7}, Case{0.2, 1e-9, true, 8}}) {
+    CAPTURE(c.period_s);
+    CAPTURE(c.unit_s);
+    CAPTURE(c.absolute);
+    write_file(directory.file("a.mcap"),
+               mcap_bytes(cloud_messages(c.period_s, c.unit_s, c.absolute, c.type, false), "lz4"));
+    CHECK(one_line_with(error_message([&] { open_recording(directory.file("a.mcap")); }),
+                        "--sensor"));
+    const auto source = open_recording(directory.file("a.mcap"), {.sensor = "vlp-16"});
+    CHECK(source->sensor().scan_period_s == doctest::Approx(c.period_s).scale(0).epsilon(1e-3));
+    const auto scans = all_scans(*source);
+    REQUIRE(scans.size() == 4);
+    const double middle_s = c.period_s * 359.0 / 720.0;
+    CHECK(scans[0].stamp_s == doctest::Approx(1'600'000'000.0 + middle_s).scale(0).epsilon(1e-12));
+    CHECK(scans[3].stamp_s - scans[2].stamp_s ==
+          doctest::Approx(2.0 * c.period_s).scale(0).epsilon(1e-3));
+    // A point behind the sensor is measured in the middle of the turn; rings count from below.
+    const OrganizedCloud& cloud = scans[0].cloud;
+    const std::size_t behind =
+        cloud.index(0, source->sensor().column_of(0, std::numbers::pi - 1e-3));
+    CHECK(cloud.range_m[behind] == doctest::Approx(5.0).epsilon(1e-5));
+    CHECK(cloud.points_m[behind].z() > 1.0F);
+    CHECK(std::abs(cloud.time_offset_s[behind]) < 0.01 * c.period_s);
+  }
+}
+
+TEST_CASE("times that contradict the rate are refused in one line, scan by scan") {
+  const TemporaryDirectory directory;
+  auto messages = cloud_messages(0.1, 1.0, false, 7, false);
+  messages[1].bytes =
+      cloud_message(1'600'000'000'100'000'000, round_cloud(0.4, 1.0, 0.0), false, 7);
+  write_file(directory.file("a.mcap"), mcap_bytes(messages, ""));
+  const auto source = open_recording(directory.file("a.mcap"), {.sensor = "vlp-16"});
+  CHECK(source->next());
+  CHECK_THROWS_AS(source->next(), ScanError);
+  CHECK(source->next());
+  const auto again = open_recording(directory.file("a.mcap"), {.sensor = "vlp-16"});
+  again->next();
+  CHECK(one_line_with(error_message([&] { again->next(); }), "a.mcap[1]", "timestamp", "0.1 s",
+                      "0.39"));
+}
+
+TEST_CASE("clouds of four thousand million rows without a column are read at once") {
+  const TemporaryDirectory directory;
+  auto messages = cloud_messages(0.1, 1.0, false, 7, false);
+  BagMessage empty = messages[1];
+  empty.bytes = cloud_message(1'600'000'000'100'000'000, {}, false, 7);
+  const Payload one_row_of_none_with_five_fields = {1, 0, 0, 0, 0, 0, 0, 0, 5, 0, 0, 0};
+  const auto height =
+      std::search(empty.bytes.begin(), empty.bytes.end(), one_row_of_none_with_five_fields.begin(),
+                  one_row_of_none_with_five_fields.end());
+  REQUIRE(height != empty.bytes.end());
+  std::fill(height, height + 4, std::uint8_t{0xFF});
+  messages.insert(messages.begin() + 1, 30, empty);
+  write_file(directory.file("a.mcap"), mcap_bytes(messages, ""));
+  const std::clock_t begin = std::clock();
+  const auto source = open_recording(directory.file("a.mcap"), {.sensor = "vlp-16"});
+  CHECK(all_scans(*source).size() == 34);
+  const double processor_s = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
+  CHECK(processor_s < 10.0);  // a minute, were the rows counted
+}
+
+TEST_CASE("damaged bags are read or refused, nothing else") {
+  const TemporaryDirectory directory;
+  std::mt19937 random(5);
+  write_db3(velodyne_messages(false), directory.file("valid.db3"));
+  const auto clouds = [](bool ros1) { return cloud_messages(0.1, 1.0, true, 8, ros1); };
+  struct Valid {
+    const char* name;
+    std::string bytes;
+    bool stored = true;  ///< of compressed ones the least damage leaves nothing
+  };
+  for (const Valid& valid : {Valid{"a.mcap", mcap_bytes(velodyne_messages(false), "")},
+                             Valid{"a.mcap", mcap_bytes(clouds(false), "zstd"), false},
+                             Valid{"a.mcap", mcap_bytes(clouds(false), "")},
+                             Valid{"a.bag", ros1_bytes(velodyne_messages(true), "none")},
+                             Valid{"a.bag", ros1_bytes(clouds(true), "bz2"), false},
+                             Valid{"a.bag", ros1_bytes(clouds(true), "none")},
+                             Valid{"a.db3", file_contents(directory.file("valid.db3"))}}) {
+    int refused = 0;
+    int read = 0;
+    for (int copy = 0; copy < 60; ++copy) {
+      std::string bytes = valid.bytes;
+      for (int edit = 0; edit < 6; ++edit) {
+        const std::size_t reach = copy % 2 == 0 ? 400 : bytes.size();
+        bytes[std::min<std::size_t>(20, bytes.size() - 1) + random() % (reach - 20)] =
+            static_cast<char>(random());
+      }
+      if (copy % 5 == 0) bytes.resize(random() % bytes.size());
+      write_file(directory.file(valid.name), bytes);
+      const std::string message = error_message([&] {
+        const auto source = open_recording(directory.file(valid.name), {.sensor = "vlp-16"});
+        while (true) {
+          try {
+            if (!source->next()) break;
+            ++read;
+          } catch (const ScanError& error) {
+            CHECK(one_line_with(error.what()));
+          }
+        }
+      });
+      CHECK(one_line_with(message));
+      refused += message != "no Error" ? 1 : 0;
+    }
+    CAPTURE(valid.name);
+    CHECK(refused > 0);
+    CHECK((read > 0 || !valid.stored));
+  }
+}
