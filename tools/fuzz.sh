@@ -48,9 +48,9 @@ largest_of() {
   esac
 }
 
-# Freed memory is kept for 16 MB of frees, not 256, which no cache holds; allocations are told by two
-# callers.
-export ASAN_OPTIONS=quarantine_size_mb=16:malloc_context_size=2
+# Freed memory is kept for 1 MB of frees, which the cache holds, not 256; allocations are told by two
+# holds; allocations are told by two callers.
+export ASAN_OPTIONS=quarantine_size_mb=1:malloc_context_size=2
 # No single allocation over 512 MB: a reader checks a size before it allocates it.
 for reader in "${readers[@]}"; do
   mkdir -p "build/fuzz/corpus/$reader"
