@@ -49,7 +49,7 @@ largest_of() {
 }
 
 # Freed memory is kept for 1 MB of frees, which the cache holds, not 256; allocations are told by two
-# holds; allocations are told by two callers.
+# callers.
 export ASAN_OPTIONS=quarantine_size_mb=1:malloc_context_size=2
 # No single allocation over 512 MB: a reader checks a size before it allocates it.
 for reader in "${readers[@]}"; do
