@@ -102,10 +102,11 @@ class ImageStackSource : public ScanSource {
       stamps_s_.push_back(stamps_s_.back() + sensor_.scan_period_s);
     }
     if (stamps_s_.size() < images) {
-      throw Error(fmt::format(
-          "{}: expected a stamp for each of {} images, found {} in the truth.tum beside them; give "
-          "the truth of this drive or take it away",
-          path_, images, stamps_s_.size()));
+      throw Error(
+          fmt::format("{}: expected a stamp for each of {} images, found {}; give a file with as "
+                      "many lines, or "
+                      "in a folder the timestamps.txt or truth.tum of this recording",
+                      path_, images, stamps_s_.size()));
     }
   }
 

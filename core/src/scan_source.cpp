@@ -12,6 +12,7 @@
 #include "hqslam/core/trajectory.h"
 #include "image_stack_source.h"
 #include "natural_order.h"
+#include "scan_stamps.h"
 
 namespace hqslam {
 
@@ -82,13 +83,29 @@ SensorModel sensor_of_folder(const fs::path& folder, const SensorModel& sensor) 
   return result;
 }
 
-/// The stamps of a simulated drive's scans, where its truth is still beside it.
-std::vector<double> true_stamps_s(const fs::path& folder) {
+/// The stamps of a stack's images that are asked for; empty if none are.
+std::vector<double> wanted_stamps_s(const std::string& stack, const RecordingOptions& options) {
+  if (options.stamps.empty()) return {};
+  if (options.stamps == kStampsFromNames) {
+    throw Error(fmt::format(
+        "{}: expected files with numbers in their names to take stamps from, found a stack of "
+        "images; give a file with a stamp per image",
+        stack));
+  }
+  return read_stamps_s(options.stamps);
+}
+
+/// The same, or those that lie in the folder of a stack: what hqslam upsample was given, or the
+/// truth of a simulated drive.
+std::vector<double> stamps_of_folder_s(const fs::path& folder, const RecordingOptions& options) {
+  if (!options.stamps.empty()) return wanted_stamps_s(folder.string(), options);
+  std::error_code error;
+  if (const fs::path given = folder / "timestamps.txt"; fs::is_regular_file(given, error)) {
+    return read_stamps_s(given.string());
+  }
   std::vector<double> stamps_s;
-  if (std::error_code error; fs::is_regular_file(folder / "truth.tum", error)) {
-    for (const StampedPose& pose : read_tum((folder / "truth.tum").string())) {
-      stamps_s.push_back(pose.stamp_s);
-    }
+  if (const fs::path truth = folder / "truth.tum"; fs::is_regular_file(truth, error)) {
+    for (const StampedPose& pose : read_tum(truth.string())) stamps_s.push_back(pose.stamp_s);
   }
   return stamps_s;
 }
@@ -145,7 +162,8 @@ std::unique_ptr<ScanSource> open_folder(const fs::path& folder, const SensorMode
   if (fs::exists(folder / "scans.npy", error) && fs::exists(folder / "sensor.json", error)) {
     const fs::path confidence = folder / "confidence.npy";
     return make_image_stack_source((folder / "scans.npy").string(),
-                                   sensor_of_folder(folder, sensor), options, true_stamps_s(folder),
+                                   sensor_of_folder(folder, sensor), options,
+                                   stamps_of_folder_s(folder, options),
                                    fs::exists(confidence, error) ? confidence.string() : "");
   }
   refuse_row_order(folder, options);
@@ -175,7 +193,9 @@ std::unique_ptr<ScanSource> open_recording(const std::string& path, const Sensor
                             kKnownRecordings));
   }
   const fs::path extension = recording.extension();
-  if (extension == ".npy") return make_image_stack_source(path, sensor, options);
+  if (extension == ".npy") {
+    return make_image_stack_source(path, sensor, options, wanted_stamps_s(path, options));
+  }
   const auto is_one_of = [&](const auto& extensions) {
     return std::find(extensions.begin(), extensions.end(), extension) != extensions.end();
   };

@@ -244,6 +244,31 @@ TEST_CASE("the scans of a drive have the stamps of its truth, also where it was 
                       "truth.tum"));
 }
 
+TEST_CASE("images have the stamps that they are given, which go before those in their folder") {
+  const TemporaryDirectory directory;
+  const SensorModel sensor = sensor_preset("vlp-16");
+  write_sensor_json(sensor, directory.file("sensor.json"));
+  NpyStackWriter writer(directory.file("scans.npy"), 16, sensor.columns);
+  for (int i = 0; i < 2; ++i) writer.append(an_image(sensor));
+  write_tum({{1.0, Pose::Identity()}, {2.0, Pose::Identity()}}, directory.file("truth.tum"));
+  write_file(directory.file("timestamps.txt"), "3\n4.5\n");
+  write_file(directory.file("given.txt"), "5\n6.5\n");
+  const auto second_stamp_s = [&](const std::string& path, const std::string& given) {
+    RecordingOptions options;
+    options.stamps = given;
+    const auto source = open_recording(path, sensor, options);
+    source->next();
+    return source->next()->stamp_s;
+  };
+  const std::string folder = directory.path().string();
+  CHECK(second_stamp_s(folder, "") == 4.5);
+  CHECK(second_stamp_s(folder, directory.file("given.txt")) == 6.5);
+  CHECK(second_stamp_s(directory.file("scans.npy"), "") == sensor.scan_period_s);
+  CHECK(second_stamp_s(directory.file("scans.npy"), directory.file("given.txt")) == 6.5);
+  CHECK(one_line_with(error_message([&] { second_stamp_s(folder, kStampsFromNames); }),
+                      "numbers in their names", "a file with a stamp per image"));
+}
+
 TEST_CASE("what a folder's sensor file says of its images holds whatever the sensor is called") {
   const TemporaryDirectory directory;
   const SensorModel preset = sensor_preset("hdl-32e");

@@ -2,6 +2,9 @@
 
 #include <doctest/doctest.h>
 
+#include <filesystem>
+#include <set>
+
 #include "error_message.h"
 #include "file_contents.h"
 #include "temporary_directory.h"
@@ -21,6 +24,21 @@ TEST_CASE("a file has the hash of its bytes, however many there are") {
   CHECK(content_hash(folder.file("bytes")) == text_hash(text));
   CHECK(test::one_line_with(test::error_message([&] { content_hash(folder.file("none")); }),
                             folder.file("none")));
+}
+
+TEST_CASE("a folder is known by the names and the bytes of its files") {
+  const test::TemporaryDirectory folder;
+  const std::string inside = folder.file("folder");
+  std::filesystem::create_directories(inside + "/below");
+  std::set<std::string> hashes = {folder_hash(inside)};
+  test::write_file(inside + "/below/a", "1");
+  hashes.insert(folder_hash(inside));
+  test::write_file(inside + "/below/a", "2");
+  hashes.insert(folder_hash(inside));
+  std::filesystem::rename(inside + "/below/a", inside + "/a");
+  hashes.insert(folder_hash(inside));
+  CHECK(hashes.size() == 4);
+  CHECK(folder_hash(inside) == folder_hash(inside + "/"));
 }
 
 }  // namespace hqslam::tools

@@ -31,7 +31,7 @@ void write_scans(const std::string& folder, int scans, UpsampledFormats formats 
   RangeImage image(16, 1024);
   image.at(3, 7) = 10.0F;
   for (int i = 0; i < scans; ++i) {
-    output.append(image, unproject(image, sensor, CaptureTime::kRolling));
+    output.append(image, unproject(image, sensor, CaptureTime::kRolling), 0.5 + 0.25 * i);
   }
 }
 
@@ -41,7 +41,9 @@ TEST_CASE("an upsampled drive is a stack with its sensor, and one file per scan 
   const TemporaryDirectory folder;
   write_scans(folder.file("plain"), 3);
   CHECK(names_in(folder.file("plain")) ==
-        std::set<std::string>{"scans.npy", "sensor.json", "upsample.json"});
+        std::set<std::string>{"scans.npy", "sensor.json", "timestamps.txt", "upsample.json"});
+  CHECK(file_contents(folder.file("plain/timestamps.txt")) ==
+        "0.500000000\n0.750000000\n1.000000000\n");
   NpyStackReader stack(folder.file("plain/scans.npy"));
   CHECK(stack.images() == 3);
   CHECK(stack.read(2).at(3, 7) == 10.0F);

@@ -149,6 +149,18 @@ TEST_CASE("scans whose poses a TUM file does not have are left out of the map, a
   CHECK(result.out.find("8 scans without a pose left out") != std::string::npos);
 }
 
+TEST_CASE("poses of another time make no map, and that is said") {
+  const TemporaryDirectory out;
+  write_file(out.file("late.tum"), "1000 0 0 0 0 0 0 1\n1001 1 0 0 0 0 0 1\n");
+  const ProgramResult result =
+      run_hqslam(fmt::format("map '{}' --poses '{}' --out '{}'", simulated_drive(),
+                             out.file("late.tum"), out.file("map")));
+  CHECK(result.status == 2);
+  CHECK(is_one_line(result.error.substr(result.error.rfind("hqslam: "))));
+  CHECK(holds(result.error, "none of its poses is within 0.02 s of one of 12 scans"));
+  CHECK_FALSE(fs::exists(out.file("map/dense_map.pcd")));
+}
+
 TEST_CASE("files of somebody else are not replaced by a dense map, and wrong input is one line") {
   const TemporaryDirectory out;
   write_file(out.file("dense_map.pcd"), "mine");

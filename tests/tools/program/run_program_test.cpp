@@ -139,6 +139,27 @@ TEST_CASE("a bad file in mid-drive is left out and named, and the run goes on") 
   CHECK(read_pcd(folder.file("out/map.pcd")).points_m.size() > 1000);
 }
 
+TEST_CASE("behind a bad file scans are compared and mapped with their own poses of a reference") {
+  const TemporaryDirectory folder;
+  fs::copy(simulated_drive() + "/bin", folder.file("bin"));
+  fs::resize_file(folder.file("bin/000005.bin"), 1001);
+  const std::string truth = simulated_drive() + "/truth.kitti";
+  const ProgramResult run = run_hqslam(fmt::format(
+      "run '{0}/bin' --sensor os1-16 --no-loop-closing --reference '{1}' --out '{0}/out'",
+      folder.path().string(), truth));
+  CAPTURE(run.out);
+  CHECK(run.status == 0);
+  const std::size_t rmse = run.out.find("APE RMSE ");
+  REQUIRE(rmse != std::string::npos);
+  CHECK(std::stod(run.out.substr(rmse + 9)) < 0.1);  // 0.3 if scan 6 had the pose of scan 5
+  const ProgramResult map =
+      run_hqslam(fmt::format("map '{0}/bin' --sensor os1-16 --poses '{1}' --out '{0}/map'",
+                             folder.path().string(), truth));
+  CHECK(map.status == 0);
+  CHECK(holds(map.out, fmt::format("of {} scans", kDriveScans - 1)));
+  CHECK(holds(map.error, "1 scan was left out"));
+}
+
 TEST_CASE("a recording of which nothing can be used leaves the results of an earlier run") {
   const TemporaryDirectory folder;
   const std::string arguments =

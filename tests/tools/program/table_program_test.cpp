@@ -252,6 +252,22 @@ TEST_CASE(
   CHECK(nothing.error.find(".bin: expected a KITTI scan") != std::string::npos);
 }
 
+TEST_CASE("stamps that fall are named before the work of a table, which could not be compared") {
+  const TemporaryDirectory folder;
+  REQUIRE(run_hqslam("simulate --drive block --sensor os1-64 --scans 4 --bin --out '" +
+                     folder.file("drive") + "'")
+              .status == 0);
+  write_file(folder.file("stamps.txt"), "0\n0.1\n0.2\n0.15\n");
+  const ProgramResult result = run_hqslam(
+      fmt::format("table --drives '{0}/drive/bin' --sensor os1-64 --methods rows-16 --stamps "
+                  "'{0}/stamps.txt' --out '{0}/out'",
+                  folder.path().string()));
+  CAPTURE(result.error);
+  CHECK(result.status == 2);
+  CHECK(holds(result.error, "000003.bin: has the stamp 0.150000 s"));
+  CHECK(holds(result.error, "--stamps"));
+}
+
 TEST_CASE("a folder that takes no files is noticed before the work") {
   const ProgramResult result =
       run_hqslam("table --drives block --scans 100000 --methods rows-16 --out /proc");

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "hqslam/core/npy.h"
 #include "hqslam/core/scan_source.h"
 #include "hqslam/nn/hqs/network_json.h"
 #include "hqslam/nn/hqs/weights_file.h"
@@ -172,6 +173,28 @@ TEST_CASE("compare puts interpolation and networks side by side, inspect shows t
                                folder.file("none.html")))
             .status == 2);
   CHECK_FALSE(std::filesystem::exists(folder.file("none.html")));
+}
+
+TEST_CASE("a scan without a return costs a comparison that scan and no more") {
+  const TemporaryDirectory folder;
+  const std::string drive = folder.file("drive");
+  REQUIRE(
+      run_hqslam("simulate --drive block --sensor os1-64 --scans 1 --out '" + drive + "'").status ==
+      0);
+  {
+    NpyStackWriter stack(folder.file("gap.npy"), 64, 1024);
+    const RangeImage image = NpyStackReader(drive + "/scans.npy").read(0);
+    stack.append(image);
+    stack.append(RangeImage(64, 1024));
+    stack.append(image);
+  }
+  const ProgramResult compared =
+      run_hqslam("compare '" + folder.file("gap.npy") + "' --sensor os1-64");
+  CHECK(compared.status == 0);
+  CHECK(holds(compared.out, "2 scans of"));
+  CHECK_FALSE(holds(compared.out, "nan"));
+  CHECK(holds(compared.error, "1 scan was left out: " + folder.file("gap.npy") +
+                                  "[1]: has no return in the measured rows"));
 }
 
 TEST_CASE("compare refuses weights of a sensor with as many rows whose beams look elsewhere") {

@@ -9,6 +9,7 @@
 
 #include "hqslam/core/npy.h"
 #include "hqslam/core/pcd.h"
+#include "hqslam/core/trajectory.h"
 #include "tools/program/child.h"
 #include "tools/program/program.h"
 #include "tools/program/untrained_weights.h"
@@ -185,6 +186,42 @@ TEST_CASE("a bad file in mid-drive is left out of the stack and named") {
   CHECK(result.status == 0);
   CHECK(result.error.find("000002.pcd") != std::string::npos);
   CHECK(NpyStackReader(folder.file("out/scans.npy")).images() == files - 1);
+}
+
+TEST_CASE("a lifted recording keeps the stamps that its scans had") {
+  const TemporaryDirectory folder;
+  fs::copy(material().drive + "/pcd", folder.file("pcd"));
+  const auto files = std::distance(fs::directory_iterator(folder.file("pcd")), {});
+  std::string stamps;
+  for (int i = 0; i < files; ++i) stamps += fmt::format("{}\n", 100.0 + 0.1 * i + (i > 1 ? 5 : 0));
+  write_file(folder.file("stamps.txt"), stamps);
+  const std::string in = folder.path().string();
+  REQUIRE(run_hqslam(fmt::format("upsample '{0}/pcd' --method linear --sensor os1-64 --stamps "
+                                 "'{0}/stamps.txt' --out '{0}/up'",
+                                 in))
+              .status == 0);
+  REQUIRE(run_hqslam(fmt::format("run '{0}/up' --out '{0}/run'", in)).status == 0);
+  const Trajectory trajectory = read_tum(folder.file("run/trajectory.tum"));
+  REQUIRE(std::ssize(trajectory) == files);
+  CHECK(trajectory[1].stamp_s == doctest::Approx(100.1));
+  CHECK(trajectory[2].stamp_s == doctest::Approx(105.2));
+}
+
+TEST_CASE("a recording of which nothing can be used is not lifted and not compared") {
+  const TemporaryDirectory folder;
+  fs::copy(material().drive + "/pcd", folder.file("pcd"));
+  for (const fs::path& file : fs::directory_iterator(folder.file("pcd"))) {
+    fs::resize_file(file, 1001);
+  }
+  for (const char* command : {"upsample '{0}/pcd' --method linear --sensor os1-64 --out '{0}/out'",
+                              "compare '{0}/pcd' --sensor os1-64"}) {
+    CAPTURE(command);
+    const ProgramResult result =
+        run_hqslam(fmt::format(fmt::runtime(command), folder.path().string()));
+    CHECK(result.status == 2);
+    CHECK(holds(result.error, ".pcd"));
+    CHECK(result.out.empty());
+  }
 }
 
 TEST_CASE("Ctrl-C stops upsampling with status 130 and a valid stack") {

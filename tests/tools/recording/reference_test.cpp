@@ -2,6 +2,8 @@
 
 #include <doctest/doctest.h>
 
+#include <utility>
+
 #include "error_message.h"
 #include "file_contents.h"
 #include "temporary_directory.h"
@@ -45,6 +47,21 @@ TEST_CASE("poses without stamps are those of the other file, one by one") {
   CHECK(stamped[2].stamp_s == 77.0);
   file.has_stamps = true;
   CHECK(with_stamps_of(file, other).size() == 5);
+}
+
+TEST_CASE("poses without stamps are those of the scans that were not left out") {
+  TrajectoryFile file;
+  file.poses = test::example_run(5).trajectory;
+  const Trajectory other = test::example_run(3).trajectory;
+  const Trajectory stamped = with_stamps_of_scans(file, other, {0, 2, 3});
+  REQUIRE(stamped.size() == 3);
+  for (const auto& [pose, scan] : {std::pair(0, 0), std::pair(1, 2), std::pair(2, 3)}) {
+    CHECK(stamped[pose].stamp_s == other[pose].stamp_s);
+    CHECK(stamped[pose].T_map_sensor.isApprox(file.poses[scan].T_map_sensor));
+  }
+  CHECK(with_stamps_of_scans(file, other, {0, 4, 5}).size() == 2);
+  file.has_stamps = true;
+  CHECK(with_stamps_of_scans(file, other, {0, 2, 3}).size() == 5);
 }
 
 TEST_CASE("an estimate in another frame than its reference has no error after alignment") {

@@ -61,6 +61,12 @@ TEST_CASE("stacked layers stand on one another: the upper one's outline is the s
   CHECK(html.find("layer b") < html.find("layer a"));
 }
 
+TEST_CASE("a chart over a clock that is set back goes from its least to its greatest time") {
+  const Chart chart{"time", "m", {1.0, 3.0, 1.0}, {{"error", "a", {0.0, 0.0, 0.0}}}, false};
+  const std::string html = chart_html(chart);
+  CHECK(html.find("d=\"M0.0,1000.0L1000.0,1000.0L0.0,1000.0") != std::string::npos);
+}
+
 TEST_CASE("a chart of one point or of zeros has no infinite number in it") {
   Chart chart;
   chart.x = {5.0};

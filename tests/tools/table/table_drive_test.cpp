@@ -59,6 +59,24 @@ TEST_CASE("a recording that is read in another way is another one") {
   CHECK(identities.size() == 7);
 }
 
+TEST_CASE("scans with other stamps are another recording") {
+  const test::TemporaryDirectory folder;
+  std::filesystem::create_directories(folder.file("drive/bin"));
+  test::write_file(folder.file("drive/bin/0.bin"), "a scan");
+  TableDrive drive{"name", {.input = folder.file("drive/bin")}, "", std::nullopt};
+  std::set<std::string> identities = {identity_of(drive, 1)};
+  for (const char* times : {"1\n", "2\n"}) {
+    test::write_file(folder.file("drive/timestamps.txt"), times);
+    identities.insert(identity_of(drive, 1));
+  }
+  drive.recording.stamps = folder.file("stamps.txt");
+  for (const char* times : {"1\n", "2\n"}) {
+    test::write_file(drive.recording.stamps, times);
+    identities.insert(identity_of(drive, 1));
+  }
+  CHECK(identities.size() == 5);
+}
+
 TEST_CASE("as many other scans at the same path are another recording") {
   const test::TemporaryDirectory folder;
   write_stack({1.0F, 2.0F}, folder.file("a.npy"));

@@ -24,6 +24,7 @@ struct SavedResult {
 
  private:
   static TableResult with_left_out(TableResult result) {
+    result.scan_of_pose = {0, 1, 4};
     result.left_out = {2, "scan 7: expected something else"};
     return result;
   }
@@ -43,6 +44,7 @@ TEST_CASE("a result that was written is read back, figures, times and trajectori
   CHECK(read->network->parameters == 175000);
   CHECK(read->network->multiply_adds == 367000000);
   CHECK(read->loops_closed == 3);
+  CHECK(read->scan_of_pose == std::vector<std::int64_t>{0, 1, 4});
   CHECK(read->left_out.scans == 2);
   CHECK(read->left_out.first == "scan 7: expected something else");
   CHECK(read->timings.upsampling_s == 0.2);

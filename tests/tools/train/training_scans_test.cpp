@@ -2,11 +2,14 @@
 
 #include <doctest/doctest.h>
 
+#include <filesystem>
 #include <thread>
 
 #include "error_message.h"
 #include "file_contents.h"
 #include "hqslam/core/npy.h"
+#include "hqslam/core/pcd.h"
+#include "hqslam/core/projection.h"
 #include "hqslam/sim/drive.h"
 #include "temporary_directory.h"
 
@@ -21,6 +24,15 @@ SensorModel tiny_sensor() {
   SensorModel sensor = sensor_preset("os1-16");
   sensor.columns = 64;
   return sensor;
+}
+
+/// A file with the points of a scan all of whose ranges are 5 m; returns its path.
+std::string sensor_pcd(const TemporaryDirectory& folder, const SensorModel& sensor) {
+  RangeImage image(sensor.rows(), sensor.columns);
+  for (float& range_m : image.range_m) range_m = 5.0F;
+  const std::string path = folder.file("scan.pcd");
+  write_pcd(points_of(unproject(image, sensor, CaptureTime::kMotionCorrected)), path);
+  return path;
 }
 
 /// A stack whose pixels all hold 10 * number + i in image i; returns its path.
@@ -112,6 +124,29 @@ TEST_CASE("a set is its stacks, then its drives, usual or of varied conditions")
         stored_scans(set, tiny_sensor(), {folder.path(), 1, alone}, "scans", interrupt);
       }),
       "HQSLAM_NO_SUCH_FOLDER is not set"));
+}
+
+TEST_CASE("a recording's folder is what is in it now, without the scans that are no scans") {
+  const TemporaryDirectory folder;
+  SensorModel sensor = sensor_preset("os1-16");
+  const std::string file = sensor_pcd(folder, sensor);
+  std::filesystem::create_directory(folder.file("scans"));
+  const InterruptGuard interrupt;
+  Ranks alone;
+  nn::ScanSet set;
+  set.stacks = {folder.file("scans")};
+  const auto scans_now = [&] {
+    return stored_scans(set, sensor, {folder.path() / "store", 1, alone}, "scans", interrupt)
+        ->size();
+  };
+  for (const char* name : {"0.pcd", "1.pcd", "2.pcd"}) {
+    std::filesystem::copy(file, folder.path() / "scans" / name);
+  }
+  CHECK(scans_now() == 3);
+  std::filesystem::remove(folder.path() / "scans/2.pcd");
+  CHECK(scans_now() == 2);
+  test::write_file(folder.file("scans/1.pcd"), "no longer");
+  CHECK(scans_now() == 1);
 }
 
 }  // namespace hqslam::tools

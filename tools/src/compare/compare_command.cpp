@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "commands.h"
@@ -182,6 +183,13 @@ void finish_curve(const ConfidenceCurve& curve, const CompareOptions& options, s
             curve.calibration_error(), options.curve);
 }
 
+/// Whether the measured rows of a scan have a return: without one there is nothing to lift.
+bool has_measured_return(const OrganizedCloud& scan) {
+  const OrganizedCloud measured = select_rows(scan, selection_for(scan.rows, kMeasuredRows));
+  return std::any_of(measured.range_m.begin(), measured.range_m.end(),
+                     [](float range_m) { return range_m > 0.0F; });
+}
+
 /// Hands every `every`-th scan of the recording to `use`. Returns how many.
 template <typename Use>
 std::int64_t for_each_scan(const CompareOptions& options, const SensorModel& sensor,
@@ -194,13 +202,16 @@ std::int64_t for_each_scan(const CompareOptions& options, const SensorModel& sen
   for (std::int64_t i = 0; !interrupt.stop_requested(); ++i) {
     const auto scan = next_usable(*source, left_out);
     if (!scan) break;
-    if (i % options.every == 0) {
+    if (i % options.every == 0 && has_measured_return(scan->cloud)) {
       use(scan->cloud);
       ++used;
+    } else if (i % options.every == 0 && left_out.scans++ == 0) {
+      left_out.first = scan->name + ": has no return in the measured rows";
     }
     progress.update(i + 1);
   }
   progress.finish();
+  if (used == 0 && left_out.scans > 0) throw Error(left_out.text());
   if (left_out.scans > 0) to_stderr("hqslam: {}\n", left_out.text());
   return used;
 }

@@ -2,13 +2,18 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
+#include <filesystem>
 #include <fstream>
+#include <vector>
 
 #include "hqslam/core/error.h"
 #include "result_sources.h"
 
 namespace hqslam::tools {
+
+namespace fs = std::filesystem;
 
 void ContentHash::add(std::string_view bytes) {
   constexpr std::uint64_t kPrime = 1099511628211ULL;
@@ -25,6 +30,19 @@ std::string content_hash(const std::string& path) {
   while (stream) {
     stream.read(buffer.data(), buffer.size());
     hash.add({buffer.data(), static_cast<std::size_t>(stream.gcount())});
+  }
+  return hash.digits();
+}
+
+std::string folder_hash(const std::string& folder) {
+  std::vector<fs::path> files;
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder)) {
+    if (entry.is_regular_file()) files.push_back(entry.path());
+  }
+  std::sort(files.begin(), files.end());
+  ContentHash hash;
+  for (const fs::path& file : files) {
+    hash.add(fs::relative(file, folder).string() + " " + content_hash(file.string()) + "\n");
   }
   return hash.digits();
 }

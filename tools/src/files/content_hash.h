@@ -20,6 +20,8 @@ class ContentHash {
 /// FNV-1a, 64 bits, of a file's bytes as 16 hexadecimal digits: tells whether a file is the one
 /// that it was, not whether somebody forged it. Throws Error if it cannot be read.
 std::string content_hash(const std::string& path);
+/// The same of all files in a folder and below it, their names included.
+std::string folder_hash(const std::string& folder);
 /// The same of a text.
 std::string text_hash(std::string_view text);
 

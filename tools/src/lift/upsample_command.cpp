@@ -87,7 +87,7 @@ UpsampleRun upsample(ScanSource& source, UpsamplingPlan& plan, const UpsampleOpt
                      options.weights.empty() ? options.method : options.weights, sensor,
                      UpsampledFormats{options.bin, options.pcd, options.png});
     }
-    output->append(range_image(cloud), cloud);
+    output->append(range_image(cloud), cloud, scan->stamp_s);
     progress.update(static_cast<std::int64_t>(run.times_s.size()));
   }
   progress.finish();
@@ -140,7 +140,7 @@ void declare_upsample(CLI::App& app, UpsampleOptions& options) {
   command->add_flag("--png", options.png, "Also write pictures of the range images");
   command->footer(
       "Writes into --out: scans.npy (N x rows x columns, float32 metres), confidence.npy (of a\n"
-      "network that says how sure it is, 0 to 1 per pixel), sensor.json,\n"
+      "network that says how sure it is, 0 to 1 per pixel), timestamps.txt, sensor.json,\n"
       "upsample.json (where it came from), and the truth of a simulated drive. hqslam run takes "
       "the\n"
       "folder as it is. Ctrl-C stops; what is written up to then is valid.");
@@ -156,6 +156,8 @@ int upsample_command(const UpsampleOptions& options) {
   const auto scans = static_cast<std::int64_t>(run.times_s.size());
   if (scans > 0) {
     print_summary(run, plan, options);
+  } else if (run.left_out.scans > 0 && !interrupt.stop_requested()) {
+    throw Error(run.left_out.text());
   }
   if (run.left_out.scans > 0) to_stderr("hqslam: {}\n", run.left_out.text());
   if (run.unreadable) {

@@ -26,8 +26,10 @@ using Json = nlohmann::ordered_json;
 constexpr const char* kWrittenBy = "hqslam upsample";
 constexpr const char* kMarker = "\"written_by\": \"hqslam upsample\"";
 constexpr std::string_view kMarkerFile = "upsample.json";  // is replaced, not removed
-constexpr std::array<const char*, 6> kFiles = {"scans.npy",     "confidence.npy", "sensor.json",
-                                               "upsample.json", "truth.tum",      "truth.kitti"};
+constexpr const char* kStampsFile = "timestamps.txt";
+constexpr std::array<const char*, 7> kFiles = {"scans.npy",   "confidence.npy", kStampsFile,
+                                               "sensor.json", "upsample.json",  "truth.tum",
+                                               "truth.kitti"};
 constexpr std::array<const char*, 2> kTruthFiles = {"truth.tum", "truth.kitti"};
 constexpr std::array<const char*, 3> kScanFolders = {"bin", "pcd", "png"};
 
@@ -95,7 +97,8 @@ UpsampleOutput::UpsampleOutput(const std::string& folder, const std::string& inp
       sensor_(sensor),
       formats_(formats),
       stack_((prepared(folder_, input, method) / "scans.npy").string(), sensor.rows(),
-             sensor.columns) {
+             sensor.columns),
+      stamps_(folder_ / kStampsFile) {
   write_sensor_json(sensor, (folder_ / "sensor.json").string());
   for (const char* truth : kTruthFiles) {
     if (const std::string known = file_of_drive(input, truth); !known.empty()) {
@@ -110,7 +113,13 @@ UpsampleOutput::UpsampleOutput(const std::string& folder, const std::string& inp
   }
 }
 
-void UpsampleOutput::append(const RangeImage& image, const OrganizedCloud& cloud) {
+void UpsampleOutput::append(const RangeImage& image, const OrganizedCloud& cloud, double stamp_s) {
+  // First, because a stack may have fewer images than there are stamps.
+  const std::string line = fmt::format("{:.9f}\n", stamp_s);
+  if (!stamps_.write(line.data(), std::ssize(line)).flush()) {
+    throw Error(
+        fmt::format("{}: cannot be written; is the disk full?", (folder_ / kStampsFile).string()));
+  }
   stack_.append(image);
   if (!cloud.confidence.empty()) {
     if (!confidence_) {

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <fstream>
 #include <optional>
 #include <string>
 
@@ -24,6 +25,7 @@ struct UpsampledFormats {
 /// writing stops:
 ///   scans.npy      N x rows x columns, float32 metres, 0 = no return, row 0 the highest beam
 ///   confidence.npy  N x rows x columns, float32, 0 to 1, if the method says how sure it is
+///   timestamps.txt  the stamp of each scan, seconds
 ///   sensor.json    the sensor model
 ///   upsample.json  where the scans came from
 ///   truth.tum, truth.kitti  those of the drive that was upsampled, if it has any
@@ -36,7 +38,7 @@ class UpsampleOutput {
                  const SensorModel& sensor, UpsampledFormats formats);
 
   /// cloud: the same scan as points. Throws Error.
-  void append(const RangeImage& image, const OrganizedCloud& cloud);
+  void append(const RangeImage& image, const OrganizedCloud& cloud, double stamp_s);
 
  private:
   void write_formats(const RangeImage& image, const OrganizedCloud& cloud) const;
@@ -46,6 +48,7 @@ class UpsampleOutput {
   SensorModel sensor_;
   UpsampledFormats formats_;
   NpyStackWriter stack_;
+  std::ofstream stamps_;
   std::optional<NpyStackWriter> confidence_;
   std::int64_t scans_ = 0;
 };

@@ -22,6 +22,18 @@ Trajectory with_stamps_of(const TrajectoryFile& file, const Trajectory& other) {
   return stamped;
 }
 
+Trajectory with_stamps_of_scans(const TrajectoryFile& file, const Trajectory& other,
+                                const std::vector<std::int64_t>& scan_of_pose) {
+  if (file.has_stamps) return file.poses;
+  Trajectory stamped;
+  for (std::size_t i = 0; i < other.size(); ++i) {
+    const auto scan = static_cast<std::size_t>(scan_of_pose[i]);
+    if (scan >= file.poses.size()) break;
+    stamped.push_back({other[i].stamp_s, file.poses[scan].T_map_sensor});
+  }
+  return stamped;
+}
+
 std::optional<ReferenceComparison> compare_with_reference(const Trajectory& estimate,
                                                           const TrajectoryFile& reference) {
   constexpr double kMaxStampDifference_s = 0.02;

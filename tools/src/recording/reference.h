@@ -1,7 +1,9 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "hqslam/core/trajectory.h"
 #include "hqslam/core/trajectory_error.h"
@@ -12,6 +14,11 @@ namespace hqslam::tools {
 /// none, pose i gets the stamp of pose i of `other`. Poses beyond the length of `other` are left
 /// out.
 Trajectory with_stamps_of(const TrajectoryFile& file, const Trajectory& other);
+
+/// The same where `file` has a pose for every scan of a recording and `other` only for some:
+/// scan_of_pose says which scan each of its poses is of, counted from 0 in the recording.
+Trajectory with_stamps_of_scans(const TrajectoryFile& file, const Trajectory& other,
+                                const std::vector<std::int64_t>& scan_of_pose);
 
 /// An estimate held against a reference.
 struct ReferenceComparison {

@@ -46,8 +46,10 @@ PlotBox box_of(const Chart& chart, const std::vector<std::vector<double>>& heigh
       highest = std::max(highest, value);
     }
   }
-  box.x_min = chart.x.front();
-  box.x_max = chart.x.size() > 1 ? chart.x.back() : chart.x.front() + 1.0;
+  const auto [x_min, x_max] =
+      std::minmax_element(chart.x.begin(), chart.x.end());  // clocks may fall
+  box.x_min = *x_min;
+  box.x_max = *x_max > *x_min ? *x_max : *x_min + 1.0;
   box.y_max = highest > 0.0 ? 1.08 * highest : 1.0;
   return box;
 }

@@ -17,30 +17,39 @@ namespace {
 
 constexpr double kMostStampDifference_s = 0.02;
 
+/// The pose whose stamp is nearest, nothing if it is too far.
+std::optional<std::size_t> pose_at(const Trajectory& trajectory, double stamp_s) {
+  const auto later =
+      std::lower_bound(trajectory.begin(), trajectory.end(), stamp_s - kMostStampDifference_s,
+                       [](const StampedPose& a, double limit_s) { return a.stamp_s < limit_s; });
+  const auto nearest =
+      std::min_element(later,
+                       std::find_if(later, trajectory.end(),
+                                    [&](const StampedPose& candidate) {
+                                      return candidate.stamp_s > stamp_s + kMostStampDifference_s;
+                                    }),
+                       [&](const StampedPose& a, const StampedPose& b) {
+                         return std::abs(a.stamp_s - stamp_s) < std::abs(b.stamp_s - stamp_s);
+                       });
+  const bool is_near =
+      nearest != trajectory.end() && std::abs(nearest->stamp_s - stamp_s) <= kMostStampDifference_s;
+  if (!is_near) return std::nullopt;
+  return static_cast<std::size_t>(nearest - trajectory.begin());
+}
+
+/// The pose of a scan of the recording, nothing if it has none.
+std::optional<std::size_t> pose_of_scan(const std::vector<std::int64_t>& scan_of_pose,
+                                        std::int64_t scan) {
+  const auto found = std::lower_bound(scan_of_pose.begin(), scan_of_pose.end(), scan);
+  if (found == scan_of_pose.end() || *found != scan) return std::nullopt;
+  return static_cast<std::size_t>(found - scan_of_pose.begin());
+}
+
 /// The pose of a scan, nothing if it is not known.
 std::optional<std::size_t> pose_of(const ScanPoses& poses, std::int64_t scan, double stamp_s) {
-  const Trajectory& trajectory = poses.trajectory;
-  auto pose = static_cast<std::size_t>(scan);
-  if (!poses.in_order) {
-    const auto later =
-        std::lower_bound(trajectory.begin(), trajectory.end(), stamp_s - kMostStampDifference_s,
-                         [](const StampedPose& a, double limit_s) { return a.stamp_s < limit_s; });
-    const auto nearest =
-        std::min_element(later,
-                         std::find_if(later, trajectory.end(),
-                                      [&](const StampedPose& candidate) {
-                                        return candidate.stamp_s > stamp_s + kMostStampDifference_s;
-                                      }),
-                         [&](const StampedPose& a, const StampedPose& b) {
-                           return std::abs(a.stamp_s - stamp_s) < std::abs(b.stamp_s - stamp_s);
-                         });
-    const bool is_near = nearest != trajectory.end() &&
-                         std::abs(nearest->stamp_s - stamp_s) <= kMostStampDifference_s;
-    if (!is_near) return std::nullopt;
-    pose = static_cast<std::size_t>(nearest - trajectory.begin());
-  }
-  if (pose >= trajectory.size()) return std::nullopt;
-  if (!poses.is_located.empty() && !poses.is_located[pose]) return std::nullopt;
+  const auto pose = poses.scan_of_pose ? pose_of_scan(*poses.scan_of_pose, scan)
+                                       : pose_at(poses.trajectory, stamp_s);
+  if (pose && !poses.is_located.empty() && !poses.is_located[*pose]) return std::nullopt;
   return pose;
 }
 
@@ -54,6 +63,7 @@ struct Reading {
 struct ReadingCounts {
   std::int64_t scans = 0;
   std::int64_t left_out = 0;
+  LeftOut not_understood;
   std::string end_message;
 };
 
@@ -62,24 +72,23 @@ ReadingCounts read_all(
     const Reading& reading, const std::string& label,
     const std::function<void(const RecordedScan&, const slam::SensorPath&)>& use) {
   const auto source = reading.plan.open();
+  const auto& scans = reading.poses.scan_of_pose;
   const std::int64_t most =
-      reading.poses.in_order
-          ? std::min<std::int64_t>(source->size(), std::ssize(reading.poses.trajectory))
-          : source->size();
+      scans && !scans->empty() ? std::min(source->size(), scans->back() + 1) : source->size();
   Progress progress(label, most);
   ReadingCounts counts;
-  LeftOut not_understood;  // as in the run that gave the poses
+  const auto read = [&] { return counts.scans + counts.left_out + counts.not_understood.scans; };
   try {
-    for (std::int64_t i = 0; i < most && !reading.interrupt.stop_requested(); ++i) {
-      const std::optional<RecordedScan> scan = next_usable(*source, not_understood);
+    while (read() < most && !reading.interrupt.stop_requested()) {
+      const std::optional<RecordedScan> scan = next_usable(*source, counts.not_understood);
       if (!scan) break;
-      if (const auto pose = pose_of(reading.poses, i, scan->stamp_s)) {
+      if (const auto pose = pose_of(reading.poses, read(), scan->stamp_s)) {
         use(*scan, slam::SensorPath(reading.poses.trajectory, *pose));
         ++counts.scans;
       } else {
         ++counts.left_out;
       }
-      progress.update(i + 1);
+      progress.update(read());
     }
   } catch (const Error& error) {
     if (counts.scans == 0) throw;
@@ -137,6 +146,7 @@ DenseMapRun build_dense_map(const RecordingChoice& recording, const ScanPoses& p
   run.voxel_m = choice.voxel_m;
   run.scans = inserted.scans;
   run.scans_left_out = inserted.left_out;
+  run.not_understood = inserted.not_understood;
   run.is_full = map.is_full();
   run.end_message = inserted.end_message;
   run.wall_s = seconds_since(start);

@@ -1,11 +1,13 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "hqslam/core/trajectory.h"
 #include "hqslam/slam/dense_map.h"
+#include "recording/recording_sensor.h"
 #include "terminal/interrupt.h"
 
 namespace CLI {
@@ -29,8 +31,8 @@ struct ScanPoses {
   Trajectory trajectory;
   /// Per pose, whether it is known well enough; empty: all are.
   std::vector<bool> is_located;
-  /// Whether pose i is that of scan i; otherwise stamps tell.
-  bool in_order = true;
+  /// Of which scan of the recording each pose is, counted from 0 and rising; nothing: stamps tell.
+  std::optional<std::vector<std::int64_t>> scan_of_pose;
 };
 
 /// A dense map, finished or not.
@@ -39,6 +41,7 @@ struct DenseMapRun {
   double voxel_m = 0.0;
   std::int64_t scans = 0;           ///< that are in it
   std::int64_t scans_left_out = 0;  ///< without a pose that is known
+  LeftOut not_understood;           ///< scans that could not be used, whatever their pose
   bool is_full = false;             ///< points were left out because memory is bounded
   std::string end_message;          ///< of a scan that could not be read; empty: all could
   double wall_s = 0.0;

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <numeric>
+#include <utility>
 
 #include "hqslam/core/error.h"
 #include "recording/reference.h"
@@ -22,7 +24,18 @@ ScanPoses poses_from(const std::string& path, std::int64_t scans) {
         "or a TUM file",
         path, file.poses.size(), scans));
   }
-  return {file.poses, {}, !file.has_stamps};
+  if (file.has_stamps) return {file.poses, {}, std::nullopt};
+  std::vector<std::int64_t> every_scan(file.poses.size());
+  std::iota(every_scan.begin(), every_scan.end(), 0);
+  return {file.poses, {}, std::move(every_scan)};
+}
+
+std::string no_scan_message(const DenseMapRun& run, const MapOptions& options) {
+  if (run.scans_left_out == 0 && run.not_understood.scans > 0) return run.not_understood.text();
+  return fmt::format(
+      "{}: none of its poses is within 0.02 s of one of {} scans of {}; give poses with the stamps "
+      "of the scans",
+      options.poses, run.scans_left_out, options.input);
 }
 
 }  // namespace
@@ -69,11 +82,13 @@ int map_command(const MapOptions& options) {
     to_stderr("hqslam: interrupted; no dense map was written\n");
     return kInterrupted;
   }
+  if (run.scans == 0) throw Error(no_scan_message(run, options));
   write_dense_map(run, pictures_of(run, poses.trajectory), options.out);
   to_stdout(
       "{}\nresults: {}/dense_map.pcd, dense_map.ply, dense_map_above.png, "
       "dense_map_perspective.png\n",
       dense_map_summary(run), options.out);
+  if (run.not_understood.scans > 0) to_stderr("hqslam: {}\n", run.not_understood.text());
   if (!run.end_message.empty()) {
     to_stderr("hqslam: {}; the map is of the scans before it\n", run.end_message);
     return kWrongInput;

@@ -124,8 +124,9 @@ std::optional<ReferenceComparison> comparison_of(const SlamRun& run,
     known.push_back(all[scan]);
     scan_of_known.push_back(scan);
   }
-  if (known.size() == all.size()) return compare_with_reference(all, reference);
-  const TrajectoryFile stamped{reference.path, with_stamps_of(reference, all), true};
+  const TrajectoryFile stamped{reference.path,
+                               with_stamps_of_scans(reference, all, scan_of_pose(run)), true};
+  if (known.size() == all.size()) return compare_with_reference(all, stamped);
   std::optional<ReferenceComparison> comparison = compare_with_reference(known, stamped);
   if (!comparison) return std::nullopt;
   AbsolutePoseError& error = comparison->error;
@@ -141,8 +142,7 @@ std::optional<ReferenceComparison> comparison_of(const SlamRun& run,
 
 /// The poses of a run, but for scans that were not located.
 ScanPoses poses_of(const SlamRun& run) {
-  ScanPoses poses;
-  poses.trajectory = run.trajectory;
+  ScanPoses poses{run.trajectory, {}, scan_of_pose(run)};
   for (const ScanRecord& scan : run.scans) {
     poses.is_located.push_back(slam::is_located(scan.report.mapping_status));
   }

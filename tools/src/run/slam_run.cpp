@@ -119,6 +119,12 @@ bool is_way_known(const SlamRun& run, std::size_t scan) {
          run.stretch_of_scan[scan] == run.stretch_of_scan[scan + 1];
 }
 
+std::vector<std::int64_t> scan_of_pose(const SlamRun& run) {
+  std::vector<std::int64_t> scans;
+  for (const ScanRecord& record : run.scans) scans.push_back(record.scan);
+  return scans;
+}
+
 double known_path_m(const SlamRun& run) {
   double path_m = 0.0;
   for (std::size_t i = 0; i + 1 < run.trajectory.size(); ++i) {
@@ -151,6 +157,7 @@ SlamSession::SlamSession(const SensorModel& sensor, const SlamRunSpec& spec)
 
 void SlamSession::process(const RecordedScan& scan, ScanRecord record, RunOutput& output,
                           const std::function<void(ScanRecord&)>& located) {
+  record.scan = std::ssize(run_.scans) + run_.left_out.scans;
   record.invalid_points = scan.invalid_points;
   const OrganizedCloud measured = measured_cloud(scan.cloud, spec_);
   const auto upsampling_start = SteadyClock::now();

@@ -25,6 +25,7 @@ class RunOutput;
 
 /// One processed scan.
 struct ScanRecord {
+  std::int64_t scan = 0;  ///< of the recording, counted from 0; those that were left out count
   slam::ScanReport report;
   double reading_s = 0.0;     ///< reading and projecting the file
   double upsampling_s = 0.0;  ///< filling the missing rows and making points of them
@@ -91,6 +92,9 @@ std::int64_t loops_closed(const SlamRun& run);
 /// Whether something is known about the way from a scan to the next: both places were recognized,
 /// and the sensor was not carried in between, also where its parts of the map were joined later.
 bool is_way_known(const SlamRun& run, std::size_t scan);
+
+/// Of which scan of the recording each pose of the trajectory is (ScanRecord::scan).
+std::vector<std::int64_t> scan_of_pose(const SlamRun& run);
 
 /// The path as far as it is known, in metres.
 double known_path_m(const SlamRun& run);

@@ -61,18 +61,17 @@ std::string stack_identity(const std::string& path, std::int64_t scans) {
   return "images " + hash.digits();
 }
 
+/// Of the timestamps.txt in a folder, "" where there is none.
+std::string times_identity(const fs::path& folder) {
+  const fs::path path = folder / "timestamps.txt";
+  std::error_code error;
+  return fs::is_regular_file(path, error) ? ", times " + content_hash(path.string()) : "";
+}
+
+/// Of the files of a recording and the times that may stand above them, as in KITTI's drives.
 std::string files_identity(const std::string& path) {
   if (!fs::is_directory(path)) return "file " + content_hash(path);
-  std::vector<fs::path> files;
-  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(path)) {
-    if (entry.is_regular_file()) files.push_back(entry.path());
-  }
-  std::sort(files.begin(), files.end());
-  ContentHash hash;
-  for (const fs::path& file : files) {
-    hash.add(fs::relative(file, path).string() + " " + content_hash(file.string()) + "\n");
-  }
-  return "files " + hash.digits();
+  return "files " + folder_hash(path) + times_identity(fs::path(path) / "..");
 }
 
 /// What makes other scans of the same files; "" where nothing was said.
@@ -86,7 +85,9 @@ std::string reading_identity(const InputChoice& reading) {
   add("return", reading.kept_return, usual.kept_return);
   add("rows", reading.row_order, usual.row_order);
   add("capture", reading.capture, usual.capture);
-  add("stamps", reading.stamps, usual.stamps);
+  std::error_code error;
+  const bool is_file = fs::is_regular_file(reading.stamps, error);
+  add("stamps", is_file ? content_hash(reading.stamps) : reading.stamps, usual.stamps);
   if (reading.motion_corrected) identity += ", motion-corrected";
   return identity;
 }
@@ -125,8 +126,10 @@ bool prepare_drive(const TableDrive& drive, const InterruptGuard& interrupt,
 }
 
 std::string identity_of(const TableDrive& drive, std::int64_t scans) {
-  const std::string stack = stack_of(drive.recording.input);
-  return (stack.empty() ? files_identity(drive.recording.input) : stack_identity(stack, scans)) +
+  const std::string& input = drive.recording.input;
+  const std::string stack = stack_of(input);
+  return (stack.empty() ? files_identity(input)
+                        : stack_identity(stack, scans) + times_identity(input)) +
          reading_identity(drive.recording);
 }
 

@@ -17,8 +17,10 @@ double path_of_pairs_m(const Trajectory& reference, const PosePairs& pairs) {
 std::array<Trajectory, 2> truth_for(const TableResult& result,
                                     const std::optional<TrajectoryFile>& truth) {
   if (!truth) return {};
-  return {with_stamps_of(*truth, result.trajectory[kLoopClosingOff]),
-          with_stamps_of(*truth, result.trajectory[kLoopClosingOn])};
+  const auto of = [&](const Trajectory& trajectory) {
+    return with_stamps_of_scans(*truth, trajectory, result.scan_of_pose);
+  };
+  return {of(result.trajectory[kLoopClosingOff]), of(result.trajectory[kLoopClosingOn])};
 }
 
 MethodFigures method_figures(const TableMethod& method, const TableResult& result,

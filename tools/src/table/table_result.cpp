@@ -66,6 +66,7 @@ std::optional<TableResult> read_result(const TableSettings& settings, const std:
   figures.at("images").get_to(result.images);
   figures.at("network").get_to(result.network);
   figures.at("loops_closed").get_to(result.loops_closed);
+  figures.at("scan_of_pose").get_to(result.scan_of_pose);
   figures.at("left_out").get_to(result.left_out);
   json.at("timings").get_to(result.timings);
   for (std::size_t i = 0; i < trajectories_of(settings); ++i) {
@@ -94,6 +95,7 @@ void save_result(const TableResult& result, const std::string& folder) {
                       {{"images", result.images},
                        {"network", result.network},
                        {"loops_closed", result.loops_closed},
+                       {"scan_of_pose", result.scan_of_pose},
                        {"left_out", result.left_out},
                        {"trajectory_hash", hashes}}},
                      {"timings", result.timings}};

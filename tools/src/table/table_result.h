@@ -69,8 +69,9 @@ struct TableResult {
   std::optional<NetworkSize> network;  ///< of methods with a network
   /// Mapped pose of every scan, loop closing off and on; empty where SLAM did not run with it.
   std::array<Trajectory, 2> trajectory;
-  std::int64_t loops_closed = 0;  ///< with loop closing
-  LeftOut left_out;               ///< scans of the recording that no method got to see
+  std::int64_t loops_closed = 0;           ///< with loop closing
+  std::vector<std::int64_t> scan_of_pose;  ///< of the recording, counted from 0
+  LeftOut left_out;                        ///< scans of the recording that no method got to see
   TableTimings timings;
 };
 

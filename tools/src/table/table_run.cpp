@@ -4,6 +4,7 @@
 #include <omp.h>
 
 #include <fstream>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -136,7 +137,8 @@ class MethodRun {
       cloud = nn::upsampled_cloud(lifted, measured, upsampler.measured_rows(), upsampler.sensor());
     });
     add(cloud, truth.stamp_s);
-    if (scored) score(lifted.image, cloud, truth.cloud);
+    // A scan that is lifted from nothing is no image to score.
+    if (scored && !points_of(measured).empty()) score(lifted.image, cloud, truth.cloud);
   }
 
   TableResult result(const TableSettings& settings) {
@@ -183,6 +185,12 @@ class MethodRun {
   TableResult result_;  ///< sums until result() divides them
 };
 
+/// Which scans of the recording the methods got to see.
+struct UsedScans {
+  std::vector<std::int64_t> scan_of_pose;  ///< counted from 0 in the recording
+  LeftOut left_out;
+};
+
 /// The pass's state while it runs.
 class Pass {
  public:
@@ -210,11 +218,12 @@ class Pass {
     }
   }
 
-  std::vector<TableResult> results(const TablePass& pass, const LeftOut& left_out) {
+  std::vector<TableResult> results(const TablePass& pass, const UsedScans& used) {
     std::vector<TableResult> results;
     for (std::size_t i = 0; i < runs_.size(); ++i) {
       TableResult result = runs_[i].result(pass.settings[i]);
-      result.left_out = left_out;
+      result.scan_of_pose = used.scan_of_pose;
+      result.left_out = used.left_out;
       result.timings.threads = omp_get_max_threads();
       result.timings.processor = processor_name();
       result.timings.instruction_set = nn::name(nn::chosen_instruction_set());
@@ -234,29 +243,42 @@ class Pass {
   std::vector<MethodRun> runs_;
 };
 
+/// SLAM can do with a clock that is set back, a comparison of trajectories by their stamps can not.
+void require_rising(const RecordedScan& scan, double last_stamp_s) {
+  if (scan.stamp_s > last_stamp_s) return;
+  throw Error(fmt::format(
+      "{}: has the stamp {:.6f} s, expected one after that of the scan before, {:.6f} s; "
+      "give stamps that rise with --stamps",
+      scan.name, scan.stamp_s, last_stamp_s));
+}
+
 }  // namespace
 
 std::vector<TableResult> run_pass(const TablePass& pass, const InterruptGuard& interrupt,
                                   const std::function<void()>& on_scan) {
   Pass state(pass);
   const std::unique_ptr<ScanSource> source = open_input(pass.drive.recording, pass.sensor);
-  LeftOut left_out;
-  std::int64_t used = 0;
-  while (used < pass.scans) {
+  UsedScans used;
+  LeftOut& left_out = used.left_out;
+  double last_stamp_s = -std::numeric_limits<double>::infinity();
+  while (std::ssize(used.scan_of_pose) < pass.scans) {
     if (interrupt.stop_requested()) return {};
     const std::optional<RecordedScan> scan = next_usable(*source, left_out);
     if (!scan) break;
+    require_rising(*scan, last_stamp_s);
+    last_stamp_s = scan->stamp_s;
+    const std::int64_t count = std::ssize(used.scan_of_pose);
     try {
-      state.add(*scan, used);
+      state.add(*scan, count);
     } catch (const ScanError& error) {  // SLAM looks at the times before anything else
       if (left_out.scans++ == 0) left_out.first = fmt::format("{}: {}", scan->name, error.what());
       continue;
     }
-    ++used;
+    used.scan_of_pose.push_back(count + left_out.scans);
     on_scan();
   }
-  if (used == 0 && left_out.scans > 0) throw Error(left_out.text());
-  return state.results(pass, left_out);
+  if (used.scan_of_pose.empty() && left_out.scans > 0) throw Error(left_out.text());
+  return state.results(pass, used);
 }
 
 }  // namespace hqslam::tools

@@ -12,6 +12,8 @@
 #include "hqslam/core/npy.h"
 #include "hqslam/core/scan_source.h"
 #include "hqslam/core/whole_file.h"
+#include "recording/recording_sensor.h"
+#include "terminal/terminal.h"
 #include "train/drive_store.h"
 
 namespace hqslam::tools {
@@ -29,18 +31,23 @@ std::string expanded(const std::string& path) {
   return value + path.substr(slash);
 }
 
-/// A recording's folder as a stack in the store, written once: a name made of the paths, and of the
-/// sensor.
+/// A recording's folder as a stack in the store, written once: a name made of its path and files,
+/// and of the sensor.
 std::string stack_of_recording(const std::string& folder, const SensorModel& sensor,
                                const DriveStore& store) {
-  const std::string about = std::filesystem::absolute(folder).string() + sensor_json(sensor);
+  const std::string about =
+      std::filesystem::absolute(folder).string() + folder_hash(folder) + sensor_json(sensor);
   const std::filesystem::path path = store.path / fmt::format("recording_{}.npy", text_hash(about));
   if (std::filesystem::exists(path)) return path.string();
   make_result_folder(store.path);
   replace_file(path.string(), [&](const std::string& part) {
     const auto source = open_recording(folder, sensor);
     NpyStackWriter writer(part, sensor.rows(), sensor.columns);
-    while (const auto scan = source->next()) writer.append(range_image(scan->cloud));
+    LeftOut left_out;
+    while (const auto scan = next_usable(*source, left_out)) {
+      writer.append(range_image(scan->cloud));
+    }
+    if (left_out.scans > 0) to_stderr("hqslam: {}: {}\n", folder, left_out.text());
   });
   return path.string();
 }

@@ -67,13 +67,14 @@ inline constexpr const char* kStampsFromNames = "names";
 ///   says of measured rows and of the correction for motion holds,
 ///   whatever `sensor` says.
 /// Files are taken in the natural order of their names. The stamp of a scan is what options.stamps
-/// says, else that of a timestamps.txt in the folder or the one above it (KITTI's drives), else the
-/// middle of its points' times where those are a clock's, else its index times
+/// says, else that of a timestamps.txt in the folder or, beside files, the one above it (KITTI's
+/// drives), else the middle of its points' times where those are a clock's, else its index times
 /// sensor.scan_period_s. A unit whose beams are off the sensor's by up to 1.5 degrees is read with
-/// its own, estimated from its first scans. In a folder with truth.tum the stamps are those of that
-/// file: (index + 1/2) times the period for a simulated drive, the middle of each scan. Pixels of
-/// images that are not finite or negative count as invalid points. Throws Error: which file, what
-/// was expected, what was found, what to do; also for scans that cannot be the sensor's.
+/// its own, estimated from its first scans. In a folder of images with truth.tum and no
+/// timestamps.txt the stamps are those of truth.tum: (index + 1/2) times the period for a simulated
+/// drive, the middle of each scan. Pixels of images that are not finite or negative count as
+/// invalid points. Throws Error: which file, what was expected, what was found, what to do; also
+/// for scans that cannot be the sensor's.
 std::unique_ptr<ScanSource> open_recording(const std::string& path, const SensorModel& sensor,
                                            const RecordingOptions& options = {});
 
