@@ -250,6 +250,7 @@ RunResult run_and_write(const RunOptions& options, const InterruptGuard& interru
   print_warnings(*source, options.input);
   const std::optional<TrajectoryFile> reference = reference_of(options, *source);
   RunOutput output(options.out);
+  if (!options.map_file.empty()) output.refuse_to_replace(options.map_file);
 
   RunResult result;
   SlamRunSpec spec = plan.spec();
