@@ -305,6 +305,27 @@ TEST_CASE("the demo ends with a table of every way through the drive and a repor
   }
 }
 
+TEST_CASE("a reference by the clock of the scans' own stamps is compared with them") {
+  const TemporaryDirectory folder;
+  fs::create_directory(folder.file("velodyne_points"));
+  fs::copy(simulated_drive() + "/bin", folder.file("velodyne_points/data"));
+  constexpr double kClock_s = 1317042145.5;
+  Trajectory truth = read_tum(simulated_drive() + "/truth.tum");
+  std::string stamps;
+  for (StampedPose& pose : truth) {
+    pose.stamp_s += kClock_s;
+    stamps += fmt::format("{:.3f}\n", pose.stamp_s);
+  }
+  write_file(folder.file("velodyne_points/timestamps.txt"), stamps);
+  write_tum(truth, folder.file("truth.tum"));
+  const ProgramResult result = run_hqslam(fmt::format(
+      "run '{0}/velodyne_points/data' --sensor os1-16 --reference '{0}/truth.tum' --out '{0}/out'",
+      folder.path().string()));
+  CAPTURE(result.error);
+  CHECK(result.status == 0);
+  CHECK(holds(result.out, fmt::format("over {} poses", kDriveScans)));
+}
+
 TEST_CASE("real KITTI files and poses are compared scan by scan") {
   const char* data = std::getenv("HQSLAM_DATA");
   if (data == nullptr) {
