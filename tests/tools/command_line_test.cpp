@@ -160,6 +160,8 @@ TEST_CASE("what makes no sense is refused") {
       {"live", "--sensor", "vlp-16"},
       {"live", "--sensor", "vlp-16", "--out", "x", "--port", "70000"},
       {"bench", "--sensor", "os1-64"},
+      {"compare", "/", "--curve", "c.html", "--layers"},
+      {"compare", "/", "--curve", "c.html", "--filters"},
   };
   for (const std::vector<std::string>& arguments : wrong) {
     CAPTURE(arguments.size());
