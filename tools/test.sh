@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Installs, builds everything, runs every test and checks the sources.
 #   tools/test.sh
+#   tools/test.sh --tidy             clang-tidy reads the simulator and the command line too
 #   tools/test.sh --fuzz [SECONDS]   and then fuzzes every reader for 20 seconds, or so many
 #   tools/test.sh --sanitizers       and then every test under address and undefined-behaviour sanitizers
 #   tools/test.sh --thread           and then what uses threads under the thread sanitizer

@@ -154,16 +154,33 @@ TEST_CASE("what makes no sense is refused") {
       {"upsample", "/", "--method", "linear"},
       {"upsample", "/", "--out", "x", "--method", "cubic"},
       {"upsample", "/", "--out", "x", "--weights", "/no/such/file"},
-      {"simulate", "--drive", "moon", "--out", "x"},
-      {"simulate", "--drive", "town", "--out", "x", "--scans", "-3"},
+      {"simulate", "--drive", "moon", "--sensor", "os1-64", "--out", "x"},
+      {"simulate", "--drive", "town", "--sensor", "os1-64", "--out", "x", "--scans", "-3"},
       {"evaluate", "/no/such/file", "/no/such/file"},
       {"live", "--sensor", "vlp-16"},
       {"live", "--sensor", "vlp-16", "--out", "x", "--port", "70000"},
       {"bench", "--sensor", "os1-64"},
+      {"compare", "/", "--curve", "c.html", "--layers"},
+      {"compare", "/", "--curve", "c.html", "--filters"},
   };
   for (const std::vector<std::string>& arguments : wrong) {
     CAPTURE(arguments.size());
     CHECK_THROWS_AS(parsed(arguments), CLI::ParseError);
+  }
+}
+
+TEST_CASE("a seed is a whole number from 0 to 2^64 - 1") {
+  const auto seed = [](const std::string& text) {
+    return parsed(
+               {"simulate", "--drive", "town", "--sensor", "vlp-16", "--out", "x", "--seed", text})
+        .simulate.seed;
+  };
+  CHECK(seed("0") == 0);
+  CHECK(seed("18446744073709551615") == 18446744073709551615ULL);
+  for (const char* wrong :
+       {"-1", "99999999999999999999", "18446744073709551616", "1.5", "0x10", "one", ""}) {
+    CAPTURE(wrong);
+    CHECK_THROWS_AS(seed(wrong), CLI::ParseError);
   }
 }
 

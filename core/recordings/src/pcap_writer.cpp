@@ -9,6 +9,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <system_error>
 
 #include "byte_reader.h"
 #include "hqslam/core/error.h"
@@ -130,7 +131,11 @@ PcapWriter::PcapWriter(const std::string& path) : path_(path) {
   }
 }
 
-PcapWriter::~PcapWriter() = default;
+PcapWriter::~PcapWriter() {
+  if (has_packets_) return;
+  std::error_code ignored;
+  std::filesystem::remove(path_, ignored);
+}
 
 void PcapWriter::put_beside(const std::string& metadata) const {
   std::ofstream stream(beside(path_), std::ios::binary);
@@ -149,6 +154,7 @@ void PcapWriter::add(const Packet& packet) {
     put_ipv6_header(frame_, packet);
   }
   put_udp(frame_, packet);
+  has_packets_ = true;
   pcap_pkthdr header{};
   header.ts.tv_sec = packet.capture_time_ns / 1'000'000'000;
   header.ts.tv_usec = packet.capture_time_ns % 1'000'000'000;  // the file's unit is nanoseconds

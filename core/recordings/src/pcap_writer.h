@@ -17,7 +17,10 @@ class PcapWriter {
   /// Throws Error if it is not called .pcap, if there is such a file already, or one with .json in
   /// its place, or if it cannot be written.
   explicit PcapWriter(const std::string& path);
+  /// Removes the file if it holds no packet: its name is free again for the next attempt.
   ~PcapWriter();
+  PcapWriter(const PcapWriter&) = delete;
+  PcapWriter& operator=(const PcapWriter&) = delete;
 
   /// Throws Error if the disk is full.
   void add(const Packet& packet);
@@ -30,6 +33,7 @@ class PcapWriter {
   std::string path_;
   std::unique_ptr<File> file_;
   std::vector<std::uint8_t> frame_;
+  bool has_packets_ = false;
 };
 
 }  // namespace hqslam::recordings

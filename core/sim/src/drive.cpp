@@ -23,14 +23,14 @@ void validate(const DriveSpec& spec) {
   constexpr std::int64_t kMostScans = 1'000'000;
   static_cast<void>(drive_preset(spec.name));
   if (spec.scans < 1 || spec.scans > kMostScans) {
-    throw Error(fmt::format("drive '{}': scans is {}, expected 1 to {}", spec.name, spec.scans,
-                            kMostScans));
+    throw Error(fmt::format("drive '{}': scans is {}, expected 1 to {}; give a number in between",
+                            spec.name, spec.scans, kMostScans));
   }
   for_each_number(
       spec, [&](const char* /*part*/, const char* name, double value, double low, double high) {
         if (value >= low && value <= high) return;
-        throw Error(fmt::format("drive '{}': {} is {}, expected {} to {}", spec.name, name, value,
-                                low, high));
+        throw Error(fmt::format("drive '{}': {} is {}, expected {} to {}; give a number in between",
+                                spec.name, name, value, low, high));
       });
 }
 

@@ -5,6 +5,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <filesystem>
 #include <functional>
 #include <sstream>
 #include <thread>
@@ -288,6 +289,15 @@ TEST_CASE("captures are written with any sender and size, and never over another
   CHECK(one_line_with(error_message([&] { PcapWriter(folder.file("a.txt")); }), ".pcap"));
   write_file(folder.file("b.json"), "{}");
   CHECK(one_line_with(error_message([&] { PcapWriter(folder.file("b.pcap")); }), "b.json"));
+}
+
+TEST_CASE("a capture without a packet is not kept") {
+  const TemporaryDirectory folder;
+  for (int attempt = 0; attempt < 2; ++attempt) {
+    const PcapWriter writer(folder.file("a.pcap"));
+    CHECK(std::filesystem::exists(folder.file("a.pcap")));  // nobody else may take the name
+  }
+  CHECK_FALSE(std::filesystem::exists(folder.file("a.pcap")));
 }
 
 TEST_CASE("a port in use, an unknown sensor and packets of another one are refused in one line") {

@@ -90,7 +90,7 @@ TEST_CASE("mounts and conditions that cannot be are named with field and bounds"
     return error_message([&] { DriveSimulator(spec, small_sensor()); });
   };
   CHECK(one_line_with(message([](DriveSpec& s) { s.mount.sensor_height_m = 0.0; }), "block",
-                      "sensor_height_m is 0", "0.1 to 10"));
+                      "sensor_height_m is 0", "0.1 to 10; give "));
   CHECK(one_line_with(message([](DriveSpec& s) { s.mount.mount_roll_rad = std::nan(""); }),
                       "mount_roll_rad is nan"));
   CHECK(one_line_with(message([](DriveSpec& s) { s.mount.mount_pitch_rad = -1.0; }),

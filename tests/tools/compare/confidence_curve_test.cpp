@@ -43,9 +43,10 @@ TEST_CASE("with growing confidence points are lost, never won, and the bins hold
   std::int64_t pixels = 0;
   for (const ReliabilityBin& bin : curve.reliability()) pixels += bin.pixels;
   CHECK(pixels == 48 * 1024);
-  const std::string page =
-      confidence_html({"w.npz", "room", 1, points, curve.reliability(), curve.calibration_error()});
+  const std::string page = confidence_html(
+      {"w.npz", "room", 1, 0.25F, points, curve.reliability(), curve.calibration_error()});
   CHECK(page.find("Can it be believed") != std::string::npos);
+  CHECK(page.find("true return within 0.25 m") != std::string::npos);
   CHECK(page.find("nan") == std::string::npos);
 }
 

@@ -161,6 +161,21 @@ TEST_CASE("poses of another time make no map, and that is said") {
   CHECK_FALSE(fs::exists(out.file("map/dense_map.pcd")));
 }
 
+TEST_CASE("a map is aligned by the trajectory beside it, however the map is named") {
+  const TemporaryDirectory folder;
+  std::filesystem::copy(simulated_drive() + "/truth.tum", folder.file("trajectory.tum"));
+  write_pcd({{5.0F, 0.0F, 0.0F}}, folder.file("dense_map.pcd"));
+  for (const char* map : {"dense_map.pcd", "./dense_map.pcd", "."}) {
+    CAPTURE(map);
+    const ProgramResult result =
+        run_shell(fmt::format("cd '{}'; '{}' evaluate-map {} --drive '{}'", folder.path().string(),
+                              HQSLAM_PROGRAM, map, simulated_drive()));
+    CAPTURE(result.error);
+    CHECK(result.status == 0);
+    CHECK(holds(result.out, fmt::format("  {} (aligned)\n", map)));
+  }
+}
+
 TEST_CASE("files of somebody else are not replaced by a dense map, and wrong input is one line") {
   const TemporaryDirectory out;
   write_file(out.file("dense_map.pcd"), "mine");

@@ -164,10 +164,12 @@ TEST_CASE("live lifts scans, serves the page, and ends with SIGTERM as with Ctrl
 
 TEST_CASE("live that never got a packet says so, writes nothing and can be ended") {
   const OusterDrive drive = ouster_drive(simulated_drive());
-  LiveProgram live(drive.metadata, "");
+  const TemporaryDirectory folder;
+  LiveProgram live(drive.metadata, "--record '" + folder.file("kept.pcap") + "'");
   REQUIRE(live.says(fmt::format("no packet yet on UDP port {}", live.port())));
   CHECK(live.end(SIGINT) == 0);
   CHECK_FALSE(fs::exists(live.path("out")));
+  CHECK_FALSE(fs::exists(folder.file("kept.pcap")));
 }
 
 TEST_CASE("captures are opened by upsample, compare, inspect, bench and table as by run") {
@@ -218,7 +220,8 @@ TEST_CASE("a port in use and other wrong input of live are one line and status 2
        {fmt::format("--sensor vlp-16 --port {}", other.port()), std::string("--sensor vlp-17"),
         fmt::format("--sensor vlp-16 --port {} --record '{}'", free_udp_port(),
                     folder.file("a.pcap")),
-        fmt::format("--sensor vlp-16 --port {} --view 0 --view-address nowhere", free_udp_port()),
+        fmt::format("--sensor vlp-16 --port {} --view 0 --view-address nowhere --record '{}'",
+                    free_udp_port(), folder.file("never.pcap")),
         fmt::format("--sensor vlp-16 --port {} --upsample linear", free_udp_port()),
         fmt::format("--sensor vlp-16 --port {} --rows 7", free_udp_port()),
         fmt::format("--sensor vlp-16 --port {} --upsample '{}' --record '{}'", free_udp_port(),

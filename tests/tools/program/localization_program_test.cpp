@@ -82,6 +82,22 @@ TEST_CASE("a map belongs to the run that saved it, and is not located in and mad
   }
 }
 
+TEST_CASE("a map in the folder whose results would be replaced is refused, and stays") {
+  const TemporaryDirectory folder;
+  const std::string map = folder.file("saved_map.npz");
+  std::filesystem::copy(saved_map(), map);
+  std::filesystem::create_directory_symlink(folder.path(), folder.file("link"));
+  write_file(folder.file("timings.json"), "{\n  \"written_by\": \"hqslam run\",\n}");
+  for (const std::string& out : {folder.path().string(), folder.file("link")}) {
+    const ProgramResult result =
+        run_hqslam(fmt::format("run '{}' --map '{}' --out '{}'", simulated_drive(), map, out));
+    CHECK(result.status == 2);
+    CHECK(is_one_line(result.error));
+    CHECK(holds(result.error, map + ": lies in --out"));
+  }
+  CHECK(file_contents(map) == file_contents(saved_map()));
+}
+
 TEST_CASE("a file that is no saved map is refused before anything is written") {
   const TemporaryDirectory folder;
   const std::string trajectory = simulated_drive() + "/truth.tum";

@@ -3,11 +3,13 @@
 
 #include <filesystem>
 #include <limits>
+#include <nlohmann/json.hpp>
 
 #include "golden_folder.h"
 #include "hqslam/core/npy.h"
 #include "tools/program/arguments.h"
 #include "tools/program/program.h"
+#include "tools/program/untrained_weights.h"
 
 // What users hand over that nobody thought of: results among the input, contents that steer a
 // terminal, paths that cannot be, recipes that are none, names, numbers and locales of all kinds.
@@ -96,6 +98,29 @@ TEST_CASE("compare refuses what cannot be compared or written before it begins")
     CHECK(holds(result.error, wrong.with));
     CHECK(result.out.empty());
   }
+}
+
+TEST_CASE("bench leaves out the rows to which a sensor cannot be thinned") {
+  const TemporaryDirectory folder;
+  SensorModel sensor = sensor_preset("os1-16");
+  sensor.columns = 128;
+  sensor.beam_azimuth_offset_rad.assign(40, 0.0);
+  sensor.beam_elevation_rad.clear();
+  for (int row = 0; row < 40; ++row) sensor.beam_elevation_rad.push_back(0.3 - 0.015 * row);
+  write_file(folder.file("sensor.json"), sensor_json(sensor));
+  write_untrained_weights(folder.file("weights.npz"), sensor);
+  REQUIRE(run_hqslam(fmt::format("simulate --drive block --sensor '{0}/sensor.json' --scans 3 "
+                                 "--out '{0}/drive'",
+                                 folder.path().string()))
+              .status == 0);
+  const ProgramResult result = run_hqslam(fmt::format(
+      "bench --input '{0}/drive' --weights '{0}/weights.npz' --json", folder.path().string()));
+  CAPTURE(result.error);
+  REQUIRE(result.status == 0);
+  CHECK(holds(result.error, "slam, 16 rows: left out"));
+  const auto json = nlohmann::json::parse(result.out);
+  REQUIRE(json["slam"].size() == 2);
+  for (const auto& timing : json["slam"]) CHECK(timing["rows"] == 10);  // those of the network
 }
 
 TEST_CASE("names and contents of files do not steer the terminal, and stay in one line") {

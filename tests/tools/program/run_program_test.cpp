@@ -13,7 +13,6 @@
 #include "hqslam/nn/instruction_set.h"
 #include "tools/program/child.h"
 #include "tools/program/program.h"
-#include "tools/program/untrained_weights.h"
 
 namespace hqslam::test {
 namespace {
@@ -139,27 +138,6 @@ TEST_CASE("a bad file in mid-drive is left out and named, and the run goes on") 
   CHECK(read_pcd(folder.file("out/map.pcd")).points_m.size() > 1000);
 }
 
-TEST_CASE("behind a bad file scans are compared and mapped with their own poses of a reference") {
-  const TemporaryDirectory folder;
-  fs::copy(simulated_drive() + "/bin", folder.file("bin"));
-  fs::resize_file(folder.file("bin/000005.bin"), 1001);
-  const std::string truth = simulated_drive() + "/truth.kitti";
-  const ProgramResult run = run_hqslam(fmt::format(
-      "run '{0}/bin' --sensor os1-16 --no-loop-closing --reference '{1}' --out '{0}/out'",
-      folder.path().string(), truth));
-  CAPTURE(run.out);
-  CHECK(run.status == 0);
-  const std::size_t rmse = run.out.find("APE RMSE ");
-  REQUIRE(rmse != std::string::npos);
-  CHECK(std::stod(run.out.substr(rmse + 9)) < 0.1);  // 0.3 if scan 6 had the pose of scan 5
-  const ProgramResult map =
-      run_hqslam(fmt::format("map '{0}/bin' --sensor os1-16 --poses '{1}' --out '{0}/map'",
-                             folder.path().string(), truth));
-  CHECK(map.status == 0);
-  CHECK(holds(map.out, fmt::format("of {} scans", kDriveScans - 1)));
-  CHECK(holds(map.error, "1 scan was left out"));
-}
-
 TEST_CASE("a recording of which nothing can be used leaves the results of an earlier run") {
   const TemporaryDirectory folder;
   const std::string arguments =
@@ -243,67 +221,6 @@ TEST_CASE("help and version are no errors") {
   }
 }
 
-TEST_CASE("bench measures every stage with 64, 16 and 16 lifted rows, with one thread and two") {
-  const TemporaryDirectory folder;
-  write_untrained_weights(folder.file("weights.npz"), sensor_preset("os1-64"));
-  const ProgramResult result =
-      run_hqslam(fmt::format("bench --scans 12 --json --weights '{}'", folder.file("weights.npz")));
-  CAPTURE(result.error);
-  REQUIRE(result.status == 0);
-  const nlohmann::json json = nlohmann::json::parse(result.out);
-  REQUIRE(json["slam"].size() == 6);
-  for (const nlohmann::json& timing : json["slam"]) {
-    CHECK(timing["scans"] == 12);
-    const bool is_lifted = timing["upsampled_by"] == "du-or";
-    CHECK(is_lifted == timing["upsampling_ms"].is_object());
-    if (is_lifted) {
-      CHECK(timing["rows"] == 16);
-      CHECK(timing["stages_ms"]["total"]["median"] > timing["upsampling_ms"]["median"]);
-    }
-    for (const char* stage : {"segmentation", "features", "odometry", "mapping", "total"}) {
-      CHECK(timing["stages_ms"][stage]["median"] > 0.0);
-    }
-    CHECK(timing["peak_memory_mb"] > 1.0);
-  }
-  for (const char* step : {"components", "components_textbook", "projection", "unprojection"}) {
-    CHECK(json["steps_ms"][step]["median"] > 0.0);
-  }
-  const std::size_t sets = nn::available_instruction_sets().size();
-  CHECK(json["peaks"].size() == 2 * sets);
-  REQUIRE(json["networks"].size() == 1);
-  const nlohmann::json& network = json["networks"][0];
-  CHECK(network["network"] == "du-or");
-  CHECK(network["gmac"] > 0.01);
-  REQUIRE(network["runs"].size() == 2 * sets);
-  for (const nlohmann::json& run : network["runs"]) {
-    CHECK(run["frames_per_second"] > 0.0);
-    CHECK(run["peak_share"] > 0.0);
-  }
-  REQUIRE(network["steps"].size() == 2);
-  double gmac = 0.0;
-  for (const nlohmann::json& step : network["steps"][0]["steps"]) {
-    CHECK(step["ms"] > 0.0);
-    gmac += step["gmac"].get<double>();
-  }
-  CHECK(gmac == doctest::Approx(network["gmac"].get<double>()));
-  CHECK(network["reference"]["reference_ms"] > network["reference"]["fast_ms"]);
-}
-
-TEST_CASE("bench --cpu says which instruction set is in use and lets the environment choose") {
-  const ProgramResult result = run_hqslam("bench --cpu --json");
-  REQUIRE(result.status == 0);
-  const nlohmann::json json = nlohmann::json::parse(result.out);
-  CHECK(json["instruction_set"] == nn::name(nn::chosen_instruction_set()));
-  CHECK(json["available"].size() == nn::available_instruction_sets().size());
-  setenv("HQSLAM_INSTRUCTION_SET", "portable", 1);
-  CHECK(run_hqslam("bench --cpu").out.find("in use:    portable") != std::string::npos);
-  setenv("HQSLAM_INSTRUCTION_SET", "mmx", 1);
-  const ProgramResult wrong = run_hqslam("bench --cpu");
-  CHECK(wrong.status == 2);
-  CHECK(is_one_line(wrong.error));
-  unsetenv("HQSLAM_INSTRUCTION_SET");
-}
-
 TEST_CASE("the demo ends with a table of every way through the drive and a report for each") {
   const TemporaryDirectory folder;
   const ProgramResult result = run_hqslam("demo --out '" + folder.path().string() + "'");
@@ -324,33 +241,6 @@ TEST_CASE("the demo ends with a table of every way through the drive and a repor
     CHECK(fs::exists(folder.file(report)));
     CHECK(file_contents(folder.file("demo.html")).find(report) != std::string::npos);
   }
-}
-
-TEST_CASE("real KITTI files and poses are compared scan by scan") {
-  const char* data = std::getenv("HQSLAM_DATA");
-  if (data == nullptr) {
-    MESSAGE("SKIPPED: HQSLAM_DATA is not set");
-    return;
-  }
-  const std::string drive = std::string(data) + "/kitti_drive_0005";
-  const TemporaryDirectory folder;
-  fs::create_directory(folder.file("bin"));
-  Trajectory poses = read_kitti_poses(drive + "/poses_icp.txt");
-  poses.resize(10);
-  for (std::size_t i = 0; i < poses.size(); ++i) {
-    const std::string name = fmt::format("{:06}.bin", i);
-    fs::create_symlink(drive + "/velodyne/" + name, folder.file("bin/" + name));
-  }
-  write_kitti_poses(poses, folder.file("poses.txt"));
-  const ProgramResult result = run_hqslam(
-      fmt::format("run '{0}/bin' --sensor hdl-64e --reference '{0}/poses.txt' --out '{0}/out'",
-                  folder.path().string()));
-  CAPTURE(result.error);
-  REQUIRE(result.status == 0);
-  CHECK(result.out.find("over 10 poses") != std::string::npos);
-  const AbsolutePoseError error = absolute_pose_error(
-      read_kitti_poses(folder.file("out/trajectory.kitti")), poses, Alignment::kSe3);
-  CHECK(error.translation_statistics.max < 0.1);
 }
 
 }  // namespace hqslam::test

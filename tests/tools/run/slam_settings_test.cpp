@@ -39,6 +39,11 @@ TEST_CASE("a file sets options of SLAM by stage and name, and --set comes after 
   CHECK_FALSE(slam_options({"", {}, false}).loop_closing.enabled);
 }
 
+TEST_CASE("a file that is none of SLAM's options is told how to make one") {
+  CHECK_THROWS_WITH_AS(options_of("[1]"),
+                       doctest::Contains("hqslam slam-options --json >options.json makes"), Error);
+}
+
 TEST_CASE("settings of SLAM that cannot be meant are refused with their name") {
   struct Case {
     const char* json;

@@ -124,6 +124,19 @@ TEST_CASE("what a killed program left is removed, what another program is at sta
   CHECK(files_in(folder) == 2);
 }
 
+TEST_CASE("files of somebody else that end as its own do stay") {
+  const TemporaryDirectory folder;
+  const std::vector<std::string> foreign = {
+      "holiday.mp4.part", "recording_0123456789abcdef.npy.part", "scans.npy.77.part",
+      "block_9_abc.npy.x.part", "block_9_abc.npy.77.part.part"};
+  for (const std::string& name : foreign) write_file(folder.file(name), "mine");
+  REQUIRE(store(folder, {block(1, 1, 1)}, 1));
+  for (const std::string& name : foreign) {
+    CAPTURE(name);
+    CHECK(fs::exists(folder.file(name)));
+  }
+}
+
 TEST_CASE("several ranks make each drive once, and stop together") {
   const TemporaryDirectory folder;
   const std::vector<StoredDrive> drives = {block(1, 2, 1), block(2, 2, 1), block(3, 2, 1)};

@@ -134,6 +134,20 @@ std::vector<nn::Upsampler> quick_upsamplers(const std::vector<std::string>& path
   return upsamplers;
 }
 
+/// Of kRowCounts, those to which the sensor's rows can be thinned evenly.
+std::vector<int> row_counts(const SensorModel& sensor) {
+  std::vector<int> counts;
+  for (const int rows : kRowCounts) {
+    if (sensor.rows() % rows == 0) {
+      counts.push_back(rows);
+    } else {
+      to_stderr("slam, {} rows: left out, they do not divide the sensor's {}\n", rows,
+                sensor.rows());
+    }
+  }
+  return counts;
+}
+
 void measure_slam(const InputChoice& input, const SensorModel& sensor, int rows,
                   nn::Upsampler* upsampler, int threads, const InterruptGuard& interrupt,
                   Measurements& measurements) {
@@ -151,12 +165,11 @@ Measurements measure(const InputChoice& input, const SensorModel& sensor,
                      const std::vector<std::string>& weights, const InterruptGuard& interrupt) {
   Measurements measurements;
   measurements.sensor = sensor.name;
+  const std::vector<int> rows_measured = row_counts(sensor);
   std::vector<nn::Upsampler> upsamplers = quick_upsamplers(weights, sensor);
   for (int threads = 1; threads <= kMostThreads; ++threads) {
-    for (const int rows : kRowCounts) {
-      if (rows <= sensor.rows()) {
-        measure_slam(input, sensor, rows, nullptr, threads, interrupt, measurements);
-      }
+    for (const int rows : rows_measured) {
+      measure_slam(input, sensor, rows, nullptr, threads, interrupt, measurements);
     }
     for (nn::Upsampler& upsampler : upsamplers) {
       const int rows = select_rows(sensor, upsampler.measured_rows()).rows();

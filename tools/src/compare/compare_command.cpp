@@ -169,8 +169,8 @@ Json curve_json(const ConfidenceCurve& curve) {
 }
 
 void finish_curve(const ConfidenceCurve& curve, const CompareOptions& options, std::int64_t used) {
-  write_text_file(confidence_html({options.weights.back(), options.input, used, curve.points(),
-                                   curve.reliability(), curve.calibration_error()}),
+  write_text_file(confidence_html({options.weights.back(), options.input, used, options.tolerance_m,
+                                   curve.points(), curve.reliability(), curve.calibration_error()}),
                   options.curve);
   to_stdout(
       "| confidence | MAE all m | MAE valid m | outliers % | missing % | F1 |\n"
@@ -226,9 +226,10 @@ void declare_compare(CLI::App& app, CompareOptions& options) {
       ->check(CLI::ExistingFile);
   command->add_option("--every", options.every, "Take every n-th scan (default: all)")
       ->check(CLI::Range(1, 1000000000));
-  command->add_option("--curve", options.curve,
-                      "Also write a page about the confidence of the last weights (du-mix): every "
-                      "operating point, and whether it can be believed");
+  CLI::Option* curve = command->add_option(
+      "--curve", options.curve,
+      "Also write a page about the confidence of the last weights (du-mix): every "
+      "operating point, and whether it can be believed");
   command
       ->add_option(
           "--tolerance", options.tolerance_m,
@@ -243,6 +244,7 @@ void declare_compare(CLI::App& app, CompareOptions& options) {
       "--layers", options.layers,
       "Instead, score what each step of the first weights' layers makes of the scans");
   layers->excludes(filters);
+  curve->excludes(filters)->excludes(layers);
   command->add_option("--json", options.json, "Also write the table into this file")
       ->excludes(filters)
       ->excludes(layers);

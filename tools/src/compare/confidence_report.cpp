@@ -60,9 +60,9 @@ std::string confidence_html(const ConfidenceReport& report) {
           "<h1>How sure the network is, and how right</h1>\n<p class=\"quiet\">{}, {} scans of "
           "{}</p>\n<h2>Every operating point</h2>\n{}{}<h2>Can it be believed?</h2>\n"
           "<p class=\"quiet\">Computed pixels by tenths of their confidence: how many have their "
-          "true return within 0.5 m. Mean distance from the diagonal: {:.3f}</p>\n{}",
+          "true return within {:g} m. Mean distance from the diagonal: {:.3f}</p>\n{}",
           weights, report.scans, escape_html(report.recording), trade_html(report.points),
-          points_table(report.points), report.calibration_error,
+          points_table(report.points), report.tolerance_m, report.calibration_error,
           reliability_html(report.reliability)),
       std::string(kConfidencePageMarker) + "\n");
 }

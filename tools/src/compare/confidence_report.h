@@ -12,6 +12,7 @@ struct ConfidenceReport {
   std::string weights;
   std::string recording;
   std::int64_t scans = 0;
+  float tolerance_m = 0.0F;  ///< how far off a range may be and count as right
   std::vector<OperatingPoint> points;
   std::vector<ReliabilityBin> reliability;
   double calibration_error = 0.0;

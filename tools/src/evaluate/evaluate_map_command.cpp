@@ -32,7 +32,8 @@ struct PlacedMap {
 /// places alone say nothing of roll, is no harder than another.
 std::optional<Pose> alignment_of(const fs::path& map, const TrajectoryFile& truth) {
   constexpr double kSameTime_s = 0.01;
-  const std::string path = file_of_drive(map.parent_path().string(), "trajectory.tum");
+  const std::string path =
+      file_of_drive(fs::absolute(map).parent_path().string(), "trajectory.tum");
   if (path.empty()) {
     return std::nullopt;
   }

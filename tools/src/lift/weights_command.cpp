@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.h"
+#include "hqslam/core/json_limits.h"
 #include "hqslam/core/whole_file.h"
 #include "hqslam/nn/hqs/network.h"
 #include "hqslam/nn/hqs/network_json.h"
@@ -22,6 +23,7 @@ namespace {
 /// The network that a description file names: a network alone, or a recipe of hqslam train.
 nn::NetworkDescription described_network(const std::string& path) {
   const std::string text = whole_file(path, "a network's description (.json)", 1U << 20U);
+  check_json_limits(text, path);
   const auto json = nlohmann::ordered_json::parse(text, nullptr, false);
   if (json.is_object() && json.contains("network")) {
     return nn::network_from_json(json["network"].dump(), path + ": network");

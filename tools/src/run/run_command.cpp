@@ -20,8 +20,20 @@
 namespace hqslam::tools {
 namespace {
 
-/// A scan's stamp is its index times the sensor's period: that of a reference recorded with a clock
-/// is another time, and none of its poses would be compared.
+/// Whether a scan's stamp is its index times the sensor's period: of a recording that says none.
+bool has_counted_stamps(const RunOptions& options, const RunPlan& plan) {
+  if (!options.stamps.empty() || !file_of_drive(options.input, "truth.tum").empty() ||
+      recordings::is_capture_or_bag(options.input)) {
+    return false;
+  }
+  const std::unique_ptr<ScanSource> source = plan.open();
+  LeftOut left_out;
+  const std::optional<RecordedScan> first = next_usable(*source, left_out);
+  return first && first->stamp_s == 0.0;  // those of a clock or a file hardly begin with it
+}
+
+/// Where stamps are counted, that of a reference recorded with a clock is another time, and none of
+/// its poses would be compared.
 void require_stamps_of_scans(const TrajectoryFile& reference, std::int64_t scans,
                              double scan_period_s) {
   const double first_s = reference.poses.front().stamp_s;
@@ -35,7 +47,8 @@ void require_stamps_of_scans(const TrajectoryFile& reference, std::int64_t scans
       reference.path, first_s, last_s, end_s, scan_period_s));
 }
 
-std::optional<TrajectoryFile> reference_of(const RunOptions& options, const ScanSource& source) {
+std::optional<TrajectoryFile> reference_of(const RunOptions& options, const RunPlan& plan,
+                                           const ScanSource& source) {
   const std::int64_t scans = source.size();
   const std::string path =
       options.reference.empty() ? file_of_drive(options.input, "truth.tum") : options.reference;
@@ -49,10 +62,7 @@ std::optional<TrajectoryFile> reference_of(const RunOptions& options, const Scan
                     "or a TUM file",
                     path, reference.poses.size(), options.input, scans));
   }
-  // A simulated drive's scans have the stamps of its truth.
-  // Those of a capture or a bag have the recording's own.
-  if (reference.has_stamps && file_of_drive(options.input, "truth.tum").empty() &&
-      options.stamps.empty() && !recordings::is_capture_or_bag(options.input)) {
+  if (reference.has_stamps && has_counted_stamps(options, plan)) {
     require_stamps_of_scans(reference, scans, source.sensor().scan_period_s);
   }
   return reference;
@@ -248,8 +258,9 @@ RunResult run_and_write(const RunOptions& options, const InterruptGuard& interru
   RunPlan plan = plan_of(options);
   const std::unique_ptr<ScanSource> source = plan.open();
   print_warnings(*source, options.input);
-  const std::optional<TrajectoryFile> reference = reference_of(options, *source);
+  const std::optional<TrajectoryFile> reference = reference_of(options, plan, *source);
   RunOutput output(options.out);
+  if (!options.map_file.empty()) output.refuse_to_replace(options.map_file);
 
   RunResult result;
   SlamRunSpec spec = plan.spec();

@@ -165,6 +165,15 @@ RunOutput::RunOutput(const std::string& folder)
   refuse_existing(folder_, kResultsAtTheEnd, "and was not written by hqslam");
 }
 
+void RunOutput::refuse_to_replace(const std::string& input) const {
+  for (const char* result : kResultsAtTheEnd) {
+    std::error_code not_there;
+    if (!fs::equivalent(input, folder_ / result, not_there)) continue;
+    throw Error(
+        fmt::format("{}: lies in --out, whose results are replaced; give another --out", input));
+  }
+}
+
 bool RunOutput::checkpoint_due() const {
   const auto since = std::chrono::steady_clock::now() - last_checkpoint_;
   const double wanted_s = std::max(kCheckpointInterval_s, last_duration_s_ / kCheckpointShare);

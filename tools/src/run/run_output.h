@@ -23,6 +23,8 @@ class RunOutput {
   /// hqslam.
   explicit RunOutput(const std::string& folder);
 
+  /// Throws Error if this is one of the files that the first checkpoint removes.
+  void refuse_to_replace(const std::string& input) const;
   const std::filesystem::path& folder() const { return folder_; }
   /// Whether so much time has passed since the last checkpoint that another is worth writing.
   bool checkpoint_due() const;

@@ -30,7 +30,8 @@ std::string json_of_defaults() {
 void declare_slam_options(CLI::App& app, SlamOptionsCommand& options) {
   CLI::App* command = app.add_subcommand(
       "slam-options", "The options of SLAM: names, defaults, bounds and what they mean");
-  command->add_flag("--json", options.json, "All defaults as a file for run --slam-options");
+  command->add_flag("--json", options.json,
+                    "Print JSON; >options.json makes a file of it for run --slam-options");
   command->footer(
       "Lengths in metres, angles in radians. Given to run and live by --slam-options FILE.json\n"
       "and --set NAME=NUMBER. A default is LeGO-LOAM's unless its line says otherwise.");

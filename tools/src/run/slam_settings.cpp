@@ -24,7 +24,10 @@ void set_from_file(slam::SlamOptions& options, const std::string& path) {
   check_json_limits(text, path);
   const Json json = Json::parse(text, nullptr, false);
   const auto complain = [&](const std::string& what) {
-    throw Error(fmt::format("{}: {}; hqslam slam-options --json writes such a file", path, what));
+    throw Error(
+        fmt::format("{}: {}; hqslam slam-options --json >options.json makes such a "
+                    "file",
+                    path, what));
   };
   if (!json.is_object()) complain("expected a JSON object of SLAM's stages");
   for (const auto& [part, fields] : json.items()) {
@@ -63,7 +66,7 @@ void declare_slam_settings(CLI::App& command, SlamSettings& settings) {
   command
       .add_option("--slam-options", settings.file,
                   "JSON file of SLAM's options that are not to be the defaults; hqslam "
-                  "slam-options --json writes all")
+                  "slam-options --json >options.json makes one of all")
       ->check(CLI::ExistingFile);
   command
       .add_option("--set", settings.set,

@@ -3,13 +3,16 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <numbers>
 
 #include "files/result_folder.h"
+#include "hqslam/core/error.h"
 #include "hqslam/core/sensor_model.h"
 #include "hqslam/sim/drive.h"
 #include "hqslam/sim/write_drive.h"
 #include "recording/drive_folder.h"
+#include "simulate/seed.h"
 #include "terminal/exit_status.h"
 #include "terminal/progress.h"
 #include "terminal/terminal.h"
@@ -17,15 +20,33 @@
 namespace hqslam::tools {
 namespace {
 
+/// Of --seed's text, empty if there is none: read as a number alone, -1 would become 2^64 - 1.
+std::string seed_complaint(const std::string& text) {
+  return seed_from(text) ? "" : fmt::format("{}: expected a whole number from 0 to 2^64 - 1", text);
+}
+
+sim::SensorMount mount_of(sim::SensorMount mount, const std::vector<double>& roll_pitch_deg) {
+  constexpr double kDegree_rad = std::numbers::pi / 180.0;
+  constexpr double kMostRoll_deg = 180.0;
+  constexpr double kMostPitch_deg = 45.0;
+  const double roll_deg = roll_pitch_deg[0];
+  const double pitch_deg = roll_pitch_deg[1];
+  if (!(std::abs(roll_deg) <= kMostRoll_deg && std::abs(pitch_deg) <= kMostPitch_deg)) {
+    throw Error(fmt::format(
+        "--mount {},{}: expected a roll from {} to {} and a pitch from {} to {} degrees; give two "
+        "such angles",
+        roll_deg, pitch_deg, -kMostRoll_deg, kMostRoll_deg, -kMostPitch_deg, kMostPitch_deg));
+  }
+  mount.mount_roll_rad = roll_deg * kDegree_rad;
+  mount.mount_pitch_rad = pitch_deg * kDegree_rad;
+  return mount;
+}
+
 sim::DriveSpec drive_of(const SimulateOptions& options) {
   sim::DriveSpec spec = sim::drive_preset(options.drive);
   spec.scans = options.scans.value_or(spec.scans);
   spec.seed = options.seed.value_or(spec.seed);
-  if (!options.mount.empty()) {
-    constexpr double kDegree_rad = std::numbers::pi / 180.0;
-    spec.mount.mount_roll_rad = options.mount[0] * kDegree_rad;
-    spec.mount.mount_pitch_rad = options.mount[1] * kDegree_rad;
-  }
+  if (!options.mount.empty()) spec.mount = mount_of(spec.mount, options.mount);
   return spec;
 }
 
@@ -48,8 +69,9 @@ void declare_simulate(CLI::App& app, SimulateOptions& options) {
   command->add_option("--out", options.out, "Folder to write; made if it is not there")->required();
   command->add_option("--scans", options.scans, "Length (default: the drive's own)")
       ->check(CLI::Range(1, 1000000000));
-  command->add_option("--seed", options.seed,
-                      "Seed of city, traffic, driver and noise (default: 1)");
+  command
+      ->add_option("--seed", options.seed, "Seed of city, traffic, driver and noise (default: 1)")
+      ->check(seed_complaint);
   command
       ->add_option("--mount", options.mount,
                    "ROLL,PITCH: how the sensor is mounted, in degrees; positive roll raises the "

@@ -1,10 +1,11 @@
 #include <fmt/format.h>
 
-#include <charconv>
+#include <optional>
 #include <set>
 #include <string_view>
 
 #include "hqslam/core/error.h"
+#include "simulate/seed.h"
 #include "table/table_plan.h"
 
 namespace hqslam::tools {
@@ -19,11 +20,10 @@ constexpr std::size_t kMostSeeds = 10000;
                   kMostSeeds, list));
 }
 
-std::uint64_t seed_from(std::string_view text, const std::string& list) {
-  std::uint64_t seed = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), seed);
-  if (error != std::errc() || end != text.data() + text.size()) fail(list);
-  return seed;
+std::uint64_t seed_of(std::string_view text, const std::string& list) {
+  const std::optional<std::uint64_t> seed = seed_from(text);
+  if (!seed) fail(list);
+  return *seed;
 }
 
 }  // namespace
@@ -38,9 +38,9 @@ std::vector<std::uint64_t> seeds_from(const std::string& list) {
     const std::string_view part = rest.substr(0, comma);
     rest.remove_prefix(more ? comma + 1 : rest.size());
     const std::size_t dots = part.find("..");
-    const std::uint64_t first = seed_from(part.substr(0, dots), list);
+    const std::uint64_t first = seed_of(part.substr(0, dots), list);
     const std::uint64_t last =
-        dots == std::string_view::npos ? first : seed_from(part.substr(dots + 2), list);
+        dots == std::string_view::npos ? first : seed_of(part.substr(dots + 2), list);
     if (last < first || last - first >= kMostSeeds - seeds.size()) fail(list);
     for (std::uint64_t i = 0; i <= last - first; ++i) {
       if (!known.insert(first + i).second) fail(list);

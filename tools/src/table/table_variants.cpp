@@ -4,7 +4,6 @@
 
 #include <limits>
 
-#include "run/slam_run.h"
 #include "table/table_plan.h"
 
 namespace hqslam::tools {

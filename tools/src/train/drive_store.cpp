@@ -7,6 +7,7 @@
 #include <fstream>
 #include <functional>
 #include <nlohmann/json.hpp>
+#include <regex>
 
 #include "files/content_hash.h"
 #include "files/result_folder.h"
@@ -64,6 +65,12 @@ struct RemovedAtEnd {
   }
 };
 
+/// What store() writes on the way to a name of path_in_store.
+bool is_part(const std::string& name) {
+  static const std::regex part(R"(.+_\d+_[0-9a-f]+\.npy\.\d+\.part)");
+  return std::regex_match(name, part);
+}
+
 /// Of programs that were killed: nobody has a lock on them.
 void remove_abandoned_parts(const fs::path& folder) {
   std::error_code error;
@@ -71,7 +78,7 @@ void remove_abandoned_parts(const fs::path& folder) {
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
        entry.increment(error)) {
     const fs::path& path = entry->path();
-    if (path.extension() != ".part") continue;
+    if (!is_part(path.filename().string())) continue;
     if (FileLock(path).state() == FileLock::State::kHeld) abandoned.push_back(path);
   }
   for (const fs::path& path : abandoned) fs::remove(path, error);

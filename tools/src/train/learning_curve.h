@@ -7,8 +7,8 @@
 
 namespace hqslam::tools {
 
-/// Loss and validation error over the steps as an SVG file's text, with linear interpolation's
-/// error as a line to compare with.
+/// The validation's errors over the steps as an SVG file's text, each as part of linear
+/// interpolation's: MAE over all pixels, MAE where both have a return, share of wrong points.
 std::string learning_curve_svg(const std::vector<nn::CurvePoint>& curve);
 
 }  // namespace hqslam::tools

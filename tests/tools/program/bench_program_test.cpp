@@ -1,0 +1,74 @@
+#include <doctest/doctest.h>
+#include <fmt/format.h>
+
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "hqslam/nn/instruction_set.h"
+#include "tools/program/program.h"
+#include "tools/program/untrained_weights.h"
+
+namespace hqslam::test {
+TEST_CASE("bench measures every stage with 64, 16 and 16 lifted rows, with one thread and two") {
+  const TemporaryDirectory folder;
+  write_untrained_weights(folder.file("weights.npz"), sensor_preset("os1-64"));
+  const ProgramResult result =
+      run_hqslam(fmt::format("bench --scans 12 --json --weights '{}'", folder.file("weights.npz")));
+  CAPTURE(result.error);
+  REQUIRE(result.status == 0);
+  const nlohmann::json json = nlohmann::json::parse(result.out);
+  REQUIRE(json["slam"].size() == 6);
+  for (const nlohmann::json& timing : json["slam"]) {
+    CHECK(timing["scans"] == 12);
+    const bool is_lifted = timing["upsampled_by"] == "du-or";
+    CHECK(is_lifted == timing["upsampling_ms"].is_object());
+    if (is_lifted) {
+      CHECK(timing["rows"] == 16);
+      CHECK(timing["stages_ms"]["total"]["median"] > timing["upsampling_ms"]["median"]);
+    }
+    for (const char* stage : {"segmentation", "features", "odometry", "mapping", "total"}) {
+      CHECK(timing["stages_ms"][stage]["median"] > 0.0);
+    }
+    CHECK(timing["peak_memory_mb"] > 1.0);
+  }
+  for (const char* step : {"components", "components_textbook", "projection", "unprojection"}) {
+    CHECK(json["steps_ms"][step]["median"] > 0.0);
+  }
+  const std::size_t sets = nn::available_instruction_sets().size();
+  CHECK(json["peaks"].size() == 2 * sets);
+  REQUIRE(json["networks"].size() == 1);
+  const nlohmann::json& network = json["networks"][0];
+  CHECK(network["network"] == "du-or");
+  CHECK(network["gmac"] > 0.01);
+  REQUIRE(network["runs"].size() == 2 * sets);
+  for (const nlohmann::json& run : network["runs"]) {
+    CHECK(run["frames_per_second"] > 0.0);
+    CHECK(run["peak_share"] > 0.0);
+  }
+  REQUIRE(network["steps"].size() == 2);
+  double gmac = 0.0;
+  for (const nlohmann::json& step : network["steps"][0]["steps"]) {
+    CHECK(step["ms"] > 0.0);
+    gmac += step["gmac"].get<double>();
+  }
+  CHECK(gmac == doctest::Approx(network["gmac"].get<double>()));
+  CHECK(network["reference"]["reference_ms"] > network["reference"]["fast_ms"]);
+}
+
+TEST_CASE("bench --cpu says which instruction set is in use and lets the environment choose") {
+  const ProgramResult result = run_hqslam("bench --cpu --json");
+  REQUIRE(result.status == 0);
+  const nlohmann::json json = nlohmann::json::parse(result.out);
+  CHECK(json["instruction_set"] == nn::name(nn::chosen_instruction_set()));
+  CHECK(json["available"].size() == nn::available_instruction_sets().size());
+  setenv("HQSLAM_INSTRUCTION_SET", "portable", 1);
+  CHECK(run_hqslam("bench --cpu").out.find("in use:    portable") != std::string::npos);
+  setenv("HQSLAM_INSTRUCTION_SET", "mmx", 1);
+  const ProgramResult wrong = run_hqslam("bench --cpu");
+  CHECK(wrong.status == 2);
+  CHECK(is_one_line(wrong.error));
+  unsetenv("HQSLAM_INSTRUCTION_SET");
+}
+
+}  // namespace hqslam::test

@@ -1,0 +1,88 @@
+#include <doctest/doctest.h>
+#include <fmt/format.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+
+#include "hqslam/core/trajectory.h"
+#include "hqslam/core/trajectory_error.h"
+#include "tools/program/program.h"
+
+namespace hqslam::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+}  // namespace
+
+TEST_CASE("behind a bad file scans are compared and mapped with their own poses of a reference") {
+  const TemporaryDirectory folder;
+  fs::copy(simulated_drive() + "/bin", folder.file("bin"));
+  fs::resize_file(folder.file("bin/000005.bin"), 1001);
+  const std::string truth = simulated_drive() + "/truth.kitti";
+  const ProgramResult run = run_hqslam(fmt::format(
+      "run '{0}/bin' --sensor os1-16 --no-loop-closing --reference '{1}' --out '{0}/out'",
+      folder.path().string(), truth));
+  CAPTURE(run.out);
+  CHECK(run.status == 0);
+  const std::size_t rmse = run.out.find("APE RMSE ");
+  REQUIRE(rmse != std::string::npos);
+  CHECK(std::stod(run.out.substr(rmse + 9)) < 0.1);  // 0.3 if scan 6 had the pose of scan 5
+  const ProgramResult map =
+      run_hqslam(fmt::format("map '{0}/bin' --sensor os1-16 --poses '{1}' --out '{0}/map'",
+                             folder.path().string(), truth));
+  CHECK(map.status == 0);
+  CHECK(holds(map.out, fmt::format("of {} scans", kDriveScans - 1)));
+  CHECK(holds(map.error, "1 scan was left out"));
+}
+
+TEST_CASE("a reference by the clock of the scans' own stamps is compared with them") {
+  const TemporaryDirectory folder;
+  fs::create_directory(folder.file("velodyne_points"));
+  fs::copy(simulated_drive() + "/bin", folder.file("velodyne_points/data"));
+  constexpr double kClock_s = 1317042145.5;
+  Trajectory truth = read_tum(simulated_drive() + "/truth.tum");
+  std::string stamps;
+  for (StampedPose& pose : truth) {
+    pose.stamp_s += kClock_s;
+    stamps += fmt::format("{:.3f}\n", pose.stamp_s);
+  }
+  write_file(folder.file("velodyne_points/timestamps.txt"), stamps);
+  write_tum(truth, folder.file("truth.tum"));
+  const ProgramResult result = run_hqslam(fmt::format(
+      "run '{0}/velodyne_points/data' --sensor os1-16 --reference '{0}/truth.tum' --out '{0}/out'",
+      folder.path().string()));
+  CAPTURE(result.error);
+  CHECK(result.status == 0);
+  CHECK(holds(result.out, fmt::format("over {} poses", kDriveScans)));
+}
+
+TEST_CASE("real KITTI files and poses are compared scan by scan") {
+  const char* data = std::getenv("HQSLAM_DATA");
+  if (data == nullptr) {
+    MESSAGE("SKIPPED: HQSLAM_DATA is not set");
+    return;
+  }
+  const std::string drive = std::string(data) + "/kitti_drive_0005";
+  const TemporaryDirectory folder;
+  fs::create_directory(folder.file("bin"));
+  Trajectory poses = read_kitti_poses(drive + "/poses_icp.txt");
+  poses.resize(10);
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    const std::string name = fmt::format("{:06}.bin", i);
+    fs::create_symlink(drive + "/velodyne/" + name, folder.file("bin/" + name));
+  }
+  write_kitti_poses(poses, folder.file("poses.txt"));
+  const ProgramResult result = run_hqslam(
+      fmt::format("run '{0}/bin' --sensor hdl-64e --reference '{0}/poses.txt' --out '{0}/out'",
+                  folder.path().string()));
+  CAPTURE(result.error);
+  REQUIRE(result.status == 0);
+  CHECK(result.out.find("over 10 poses") != std::string::npos);
+  const AbsolutePoseError error = absolute_pose_error(
+      read_kitti_poses(folder.file("out/trajectory.kitti")), poses, Alignment::kSe3);
+  CHECK(error.translation_statistics.max < 0.1);
+}
+
+}  // namespace hqslam::test
