@@ -5,6 +5,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <filesystem>
 #include <functional>
 #include <sstream>
 #include <thread>
@@ -304,6 +305,18 @@ TEST_CASE("a port in use, an unknown sensor and packets of another one are refus
   for (int i = 0; i < 300; ++i) sender.send(Payload(900));
   CHECK(one_line_with(error_message([&] { sensor.recognise(kPatience_s); }), "900 bytes",
                       "127.0.0.1", "vlp-16"));
+}
+
+TEST_CASE("a sensor of which no scan may wait is refused before a file is begun for it") {
+  const TemporaryDirectory folder;
+  for (const int most_waiting : {0, -1}) {
+    LiveOptions options = vlp16();
+    options.most_waiting = most_waiting;
+    options.record = folder.file("a.pcap");
+    CHECK(one_line_with(error_message([&] { LiveSensor sensor(options); }), "most_waiting",
+                        std::to_string(most_waiting)));
+    CHECK_FALSE(std::filesystem::exists(options.record));
+  }
 }
 
 TEST_CASE("without packets nothing is recognised, and nobody waits longer than asked") {
