@@ -6,6 +6,7 @@
 
 #include "architecture.h"
 #include "hqslam/core/error.h"
+#include "hqslam/nn/hqs/outlier_removal.h"
 
 namespace hqslam::nn {
 namespace {
@@ -54,6 +55,7 @@ void validate(const NetworkDescription& d) {
   }
   validate(d.sensor);
   validate_rows(d);
+  if (const auto filter = architecture.last_filter()) validate(*filter);
   architecture.validate(d);
   check_columns(d, d.sensor.columns);
 }

@@ -35,7 +35,7 @@ void add_part(const std::string& name, const std::vector<ParameterShape>& arrays
 /// Throws Error unless there are as many parameters as the shapes hold.
 void check_parameters(std::span<const float> parameters, const std::vector<ParameterShape>& shapes);
 
-/// PyTorch's start: uniform in +-1 / sqrt(fan in) for weights and biases.
+/// Uniform starting values. PyTorch's limit for weights and biases is 1 / sqrt(fan in).
 class UniformStart {
  public:
   explicit UniformStart(std::uint64_t seed) : generator_(seed) {}

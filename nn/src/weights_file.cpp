@@ -175,14 +175,20 @@ void write_weights(const std::string& path, const Weights& weights) {
 void check_self_test(const Weights& weights, const std::string& path) {
   const NetworkDescription& d = weights.description;
   const RangeImage z = estimate(d, weights.parameters, weights.self_test.measured);
+  const RangeImage& expected = weights.self_test.expected;
+  if (expected.range_m.size() != z.range_m.size()) {
+    throw Error(fmt::format(
+        "{}: self-test: expected ranges of {} pixels, found {}; make it with make_self_test of the "
+        "same description",
+        path, z.range_m.size(), expected.range_m.size()));
+  }
   // The filter inside decides at thresholds: a rounding error may tip a single component, so a few
   // pixels may differ; the rest must agree.
   const float tolerance_m = 1e-3F * d.range_scale_m;
   constexpr double kLargestShare = 0.001;
   std::int64_t differing = 0;
   for (std::size_t i = 0; i < z.range_m.size(); ++i) {
-    if (!(std::abs(z.range_m[i] - weights.self_test.expected.range_m[i]) <= tolerance_m))
-      ++differing;
+    if (!(std::abs(z.range_m[i] - expected.range_m[i]) <= tolerance_m)) ++differing;
   }
   const auto allowed =
       static_cast<std::int64_t>(kLargestShare * static_cast<double>(z.range_m.size()));

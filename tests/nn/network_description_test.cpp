@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "error_message.h"
+#include "hqslam/nn/hqs/network_json.h"
 #include "small_network.h"
 
 namespace hqslam::nn {
@@ -86,6 +87,31 @@ TEST_CASE("descriptions that describe no network are refused with the field and 
   d = small_du_or();
   d.sensor.columns = 0;
   CHECK(message(d) != "no Error");
+}
+
+TEST_CASE("filters that cannot be are refused with the description, not when weights are loaded") {
+  UnrolledPlan d = small_du_or();
+  d.last_filter.support_share = 1.0F;
+  CHECK(test::one_line_with(message(d), "support_share is 1"));
+  d = small_simple_du();
+  d.last_filter.min_pixels = -1;
+  CHECK(test::one_line_with(message(d), "min_pixels is -1"));
+  d = small_du_or();
+  d.filter.min_angle_rad = 0.0;
+  CHECK(test::one_line_with(message(d), "min_angle_rad is 0"));
+  const auto du_mix_with = [](const std::string& filter) {
+    return test::error_message([&] {
+      validate(network_from_json(R"({"kind": "du-mix", "sensor": "os1-64", "measured_rows": 16,
+                                     "last_filter": )" +
+                                     filter + "}",
+                                 "a test"));
+    });
+  };
+  CHECK(du_mix_with(R"({"min_pixels": 10})") == "no Error");
+  CHECK(du_mix_with(R"({"min_pixels": 0})") == "no Error");
+  CHECK(test::one_line_with(du_mix_with(R"({"min_pixels": -1})"), "min_pixels is -1"));
+  CHECK(test::one_line_with(du_mix_with(R"({"min_pixels": 10, "support_share": 1})"),
+                            "support_share is 1"));
 }
 
 TEST_CASE("networks that take gigabytes are refused, the usual ones on large images are not") {

@@ -85,6 +85,15 @@ TEST_CASE("images may have any number of columns that the strides divide, down t
   }
 }
 
+TEST_CASE("a network for an instruction set that the processor has not is refused in one line") {
+  const int beyond_all = static_cast<int>(InstructionSet::kAvx512) + 1;
+  for (const NetworkDescription& description : every_kind()) {
+    const std::string message = test::error_message(
+        [&] { make_network(description, 64, static_cast<InstructionSet>(beyond_all), 1); });
+    CHECK(test::one_line_with(message, "instruction set", "portable"));
+  }
+}
+
 TEST_CASE("the steps of a network are all that it multiplies, and running them changes nothing") {
   for (const NetworkDescription& description : every_kind()) {
     CAPTURE(name(description));

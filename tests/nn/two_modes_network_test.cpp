@@ -78,6 +78,28 @@ TEST_CASE("DU-Mix of two layers with memory and a loss on both equals PyTorch") 
   check_against_pytorch(two_layers(), "du_mix_two_layers", 0.25F);
 }
 
+TEST_CASE("the loss is the mean over the columns, where they are no whole vectors too") {
+  // Outputs of 0 say: a return with probability 1/2, two modes at the interpolated range, whose
+  // scale is e^-3.5.
+  const NetworkDescription description = one_layer();
+  const std::vector<float> nothing(
+      static_cast<std::size_t>(elements(parameter_shapes(description))));
+  RangeImage walls(16, 40);  // ten tiles a row
+  for (float& range_m : walls.range_m) range_m = 10.0F;
+  const RangeImage measured = select_rows(walls, description.measured_rows);
+  for (const InstructionSet instruction_set : available_instruction_sets()) {
+    CAPTURE(name(instruction_set));
+    const auto network = make_network(description, 40, instruction_set, 1);
+    network->set_parameters(nothing);
+    std::vector<float> d_parameters(nothing.size());
+    const auto loss = [&](const RangeImage& truth) {
+      return network->add_gradient(measured, truth, {}, 0, d_parameters);
+    };
+    CHECK(loss(RangeImage(16, 40)) == doctest::Approx(std::log(2.0)).epsilon(1e-5));
+    CHECK(loss(walls) == doctest::Approx(std::log(2.0) - 0.3 * 3.5).epsilon(1e-5));
+  }
+}
+
 TEST_CASE("any number of threads gives the same bytes") {
   const NetworkDescription description = two_layers();
   const std::vector<float> parameters = initial_parameters(description, 3);

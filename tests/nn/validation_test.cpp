@@ -63,6 +63,22 @@ TEST_CASE("validation empties the least sure pixels until as much is missing as 
   CHECK(validation.least_confidence > 0.205);
 }
 
+TEST_CASE("linear interpolation's figures are over the pixels of all scans, as the network's are") {
+  RangeImage walls(16, 64);
+  for (float& range_m : walls.range_m) range_m = 10.0F;
+  RangeImage nearly_empty(16, 64);  // ten returns between two measured rows without any
+  for (int column = 0; column < 10; ++column) nearly_empty.at(5, column) = 10.0F;
+  FixedNetwork network({walls, {}});
+  const NetworkDescription description = small_du_or();
+  const ImageFigures linear = validation_of({validated_scan(network, description, walls),
+                                             validated_scan(network, description, nearly_empty)})
+                                  .linear;
+  CHECK(linear.missing_share == doctest::Approx(10.0 / (12 * 64 + 10)));
+  CHECK(linear.mae_all_m == doctest::Approx(10 * 10.0 / (2 * 16 * 64)));
+  CHECK(linear.mae_valid_m == doctest::Approx(0.0));
+  CHECK(linear.wrong_share == 0.0);
+}
+
 TEST_CASE("what says nothing of its confidence is taken as it is") {
   LiftedImage lifted{truth(), {}};
   lifted.image.at(1, 5) = 10.4F;

@@ -96,6 +96,16 @@ TEST_CASE("a changed weight is found by the self-test") {
                       "self-test", "differ"));
 }
 
+TEST_CASE("a self-test of another shape is refused") {
+  Weights weights = small_weights(small_du_or());
+  weights.self_test.expected = RangeImage(15, 64);
+  CHECK(one_line_with(error_message([&] { check_self_test(weights, "a.npz"); }), "a.npz",
+                      "1024 pixels", "found 960"));
+  weights = small_weights(small_du_or());
+  weights.self_test.measured = RangeImage(3, 64);
+  CHECK(one_line_with(error_message([&] { check_self_test(weights, "a.npz"); }), "3 x 64"));
+}
+
 TEST_CASE("missing, unknown, misshapen and non-finite arrays are refused by name") {
   CHECK(one_line_with(message_after([](NpzArrays& a) { a.erase("layers.1.bottleneck.bias"); }),
                       "layers.1.bottleneck.bias", "expected", "found none"));

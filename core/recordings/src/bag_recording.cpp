@@ -6,17 +6,23 @@
 #include "hqslam/core/error.h"
 #include "hqslam/core/excerpt.h"
 #include "message_reader.h"
+#include "ouster_layout.h"
+#include "ouster_metadata_text.h"
 
 namespace hqslam::recordings {
 
 namespace {
 
-constexpr std::size_t kSmallestLidarPacket = 600;
-
 /// "velodyne_msgs/msg/VelodyneScan" and "velodyne_msgs/VelodyneScan" are one type.
 std::string plain_type(const std::string& type) {
   const std::size_t middle = type.find("/msg/");
   return middle == std::string::npos ? type : type.substr(0, middle) + type.substr(middle + 4);
+}
+
+/// Of "/rear/lidar_packets": "/rear".
+std::string namespace_of(const std::string& topic) {
+  const std::size_t last = topic.rfind('/');
+  return last == std::string::npos ? "" : topic.substr(0, last);
 }
 
 /// How a message carries packets.
@@ -112,24 +118,35 @@ class BagRecording : public RecordingFile {
     return bag_->messages(topic_of(stream).name);
   }
 
-  /// Ouster's drivers record them as a text beside the packets.
-  std::string ouster_metadata(const Stream& /*stream*/) const override {
+  /// Ouster's drivers record them as a text beside the packets: "/rear/metadata" is of
+  /// "/rear/lidar_packets". Where there is none such, any sensor's will do.
+  std::string ouster_metadata(const Stream& stream) const override {
+    const std::string beside = namespace_of(topic_of(stream).name);
+    std::string of_another;
     for (const Topic& topic : bag_->topics()) {
       if (plain_type(topic.type) != "std_msgs/String") continue;
       if (topic.name.find("metadata") == std::string::npos) continue;
-      const auto messages = bag_->messages(topic.name);
-      const auto message = messages->next();
-      if (!message) continue;
-      try {
-        return MessageReader(*message).words();
-      } catch (const Error&) {
-        continue;  // a damaged message: there may be a file beside the bag
-      }
+      std::string text = first_text(topic.name);
+      if (!is_ouster_metadata(text)) continue;
+      if (namespace_of(topic.name) == beside) return text;
+      if (of_another.empty()) of_another = std::move(text);
     }
-    return "";
+    return of_another;
   }
 
  private:
+  /// "" for a damaged message: there may be a file beside the bag.
+  std::string first_text(const std::string& topic) const {
+    const auto messages = bag_->messages(topic);
+    const auto message = messages->next();
+    if (!message) return "";
+    try {
+      return MessageReader(*message).words();
+    } catch (const Error&) {
+      return "";
+    }
+  }
+
   const Topic& topic_of(const Stream& stream) const {
     const auto found = std::find_if(streams_.begin(), streams_.end(),
                                     [&](const Stream& other) { return other.name == stream.name; });

@@ -50,6 +50,9 @@ Database opened(const std::string& path) {
       sqlite3_open_v2(uri_of(path).c_str(), &raw, SQLITE_OPEN_READONLY | SQLITE_OPEN_URI, nullptr);
   Database database(raw);
   if (status != SQLITE_OK) fail(path, raw);
+  // No bag has views, and one may have rows without end. What a file's table of contents calls a
+  // table may be one all the same.
+  sqlite3_db_config(raw, SQLITE_DBCONFIG_ENABLE_VIEW, 0, nullptr);
   sqlite3_limit(raw, SQLITE_LIMIT_LENGTH, static_cast<int>(kMaxChunkBytes));
   return database;
 }

@@ -36,6 +36,7 @@ std::string text(const Endpoint& endpoint) {
 
 std::optional<UdpDatagram> IpDatagrams::add(Bytes ip_packet) {
   if (ip_packet.empty()) return std::nullopt;
+  ++packets_;
   switch (ip_packet[0] >> 4) {
     case 4:
       return add_ipv4(ip_packet);
@@ -82,6 +83,30 @@ std::optional<UdpDatagram> IpDatagrams::add_ipv6(Bytes packet) {
   return udp(packet.subspan(kIpv6Header, bytes), sender);
 }
 
+/// The datagram to which a fragment with this header belongs, be it a new one.
+std::deque<IpDatagrams::Unfinished>::iterator IpDatagrams::unfinished(Bytes header) {
+  std::array<std::uint8_t, 10> key{};
+  std::copy_n(header.data() + 12, 8, key.begin());
+  std::copy_n(header.data() + 4, 2, key.begin() + 8);
+  auto found = std::find_if(unfinished_.begin(), unfinished_.end(),
+                            [&](const Unfinished& other) { return other.key == key; });
+  if (found != unfinished_.end() && packets_ - found->last_packet > kMostPacketsBetween) {
+    unfinished_.erase(found);
+    ++given_up_;
+    found = unfinished_.end();
+  }
+  if (found == unfinished_.end()) {
+    if (unfinished_.size() == kMaxUnfinished) {
+      unfinished_.pop_front();
+      ++given_up_;
+    }
+    found = unfinished_.emplace(unfinished_.end());
+    found->key = key;
+  }
+  found->last_packet = packets_;
+  return found;
+}
+
 std::optional<UdpDatagram> IpDatagrams::add_fragment(Bytes header, Bytes data) {
   const std::size_t first = kUnit * (big_endian_16(header, 6) & 0x1FFF);
   const bool more = (header[6] & 0x20) != 0;
@@ -89,18 +114,7 @@ std::optional<UdpDatagram> IpDatagrams::add_fragment(Bytes header, Bytes data) {
     ++damaged_;
     return std::nullopt;
   }
-  std::array<std::uint8_t, 10> key{};
-  std::copy_n(header.data() + 12, 8, key.begin());
-  std::copy_n(header.data() + 4, 2, key.begin() + 8);
-  auto found = std::find_if(unfinished_.begin(), unfinished_.end(),
-                            [&](const Unfinished& other) { return other.key == key; });
-  if (found == unfinished_.end()) {
-    if (unfinished_.size() == kMaxUnfinished) {
-      unfinished_.pop_front();
-      ++given_up_;
-    }
-    found = unfinished_.insert(unfinished_.end(), Unfinished{key, {}, {}, 0});
-  }
+  const auto found = unfinished(header);
   if (found->bytes.size() < first + data.size()) {
     found->bytes.resize(first + data.size());
     found->have.resize((first + data.size() + kUnit - 1) / kUnit, false);

@@ -1,5 +1,7 @@
 #include "hqslam/recordings/live.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -24,12 +26,20 @@ using Clock = std::chrono::steady_clock;
 /// How long the thread waits for a packet before it looks whether it is to end.
 constexpr int kWait_ms = 50;
 
+const LiveOptions& checked(const LiveOptions& options) {
+  if (options.most_waiting < 1) {
+    throw Error(fmt::format("most_waiting is {}, expected 1 or more complete scans that may wait",
+                            options.most_waiting));
+  }
+  return options;
+}
+
 }  // namespace
 
 class LiveSensor::Impl {
  public:
   explicit Impl(const LiveOptions& options)
-      : options_(options),
+      : options_(checked(options)),
         stream_(options),
         socket_(options.port != 0 ? options.port : stream_.usual_port()) {
     if (!options_.record.empty()) recorder_.emplace(options_.record);
@@ -109,7 +119,7 @@ bool LiveSensor::Impl::recognise(double timeout_s) {
   while (!recognised_) {
     const auto left_ms = std::chrono::duration<double, std::milli>(end - Clock::now()).count();
     if (left_ms <= 0.0) return false;
-    const auto packet = receive(std::clamp(static_cast<int>(left_ms), 1, kWait_ms));
+    const auto packet = receive(static_cast<int>(std::clamp(left_ms, 1.0, double{kWait_ms})));
     if (!packet) continue;
     ++seen_;
     recognised_ = stream_.recognise(*packet);
@@ -123,6 +133,9 @@ bool LiveSensor::Impl::recognise(double timeout_s) {
 }
 
 void LiveSensor::Impl::start(int columns) {
+  if (thread_.joinable()) {
+    throw Error("the sensor was started already, expected start() once; make another LiveSensor");
+  }
   assembler_ = stream_.assembler(columns);
   assembler_->add(first_);
   thread_ = std::thread([this] { run(); });

@@ -56,19 +56,23 @@ bool LiveStream::recognise(const Packet& packet) {
 
 void LiveStream::ask_for_metadata(const Packet& packet) {
   const std::string place = text(Endpoint{packet.endpoint.address, options_.http_port});
+  std::string answer;
+  OusterMetadata metadata;
   try {
-    metadata_text_ = http_get(packet.endpoint.address, options_.http_port, kMetadataPath);
-    metadata_ = ouster_metadata_from_json(metadata_text_, place);
+    answer = http_get(packet.endpoint.address, options_.http_port, kMetadataPath);
+    metadata = ouster_metadata_from_json(answer, place);
   } catch (const Error& error) {
     throw Error(
         fmt::format("no metadata from the sensor ({}); give them as a .json file", error.what()));
   }
-  if (metadata_->sensor.rows() != named_.rows()) {
+  if (metadata.sensor.rows() != named_.rows()) {
     throw Error(
         fmt::format("{}: is a sensor of {} beams, expected the {} of '{}'; name the kind "
                     "that it is",
-                    place, metadata_->sensor.rows(), named_.rows(), options_.sensor));
+                    place, metadata.sensor.rows(), named_.rows(), options_.sensor));
   }
+  metadata_ = std::move(metadata);
+  metadata_text_ = std::move(answer);
 }
 
 bool LiveStream::recognise_ouster(const Packet& packet) {

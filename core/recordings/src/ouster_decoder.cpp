@@ -44,7 +44,20 @@ class OusterDecoder::Impl {
   void begin(const Packet& packet, std::uint32_t id);
   void read_columns(Bytes packet);
   void read_pixels(const std::uint8_t* pixels, int column);
-  bool seen(Bytes packet) const;
+  /// A column of a packet: where it begins, which one it is of the turn, its status.
+  struct Column {
+    const std::uint8_t* bytes = nullptr;
+    std::size_t id = 0;
+    std::uint32_t status = 0;
+  };
+  /// Nothing if the sensor says that the column is not valid.
+  std::optional<Column> column(Bytes packet, int place) const;
+  std::optional<Column> first_column(Bytes packet) const;
+  /// Whether the first valid column of the packet has come already.
+  bool seen(Bytes packet) const {
+    const auto first = first_column(packet);
+    return first && frame_->status[first->id] != 0;
+  }
   std::size_t column_bytes() const {
     return layout_.column_header + layout_.column_footer +
            layout_.pixel * static_cast<std::size_t>(metadata_.sensor.rows());
@@ -76,16 +89,35 @@ void OusterDecoder::Impl::begin(const Packet& packet, std::uint32_t id) {
   frame.measurement_id.assign(columns, 0);
   frame.status.assign(columns, 0);
   frame.first_capture_ns = packet.capture_time_ns;
-  frame.first_timestamp_ns = little_endian<std::uint64_t>(packet.payload, layout_.packet_header);
+  const auto first = first_column(packet.payload);
+  frame.first_timestamp_ns = little_endian<std::uint64_t>(
+      first ? first->bytes : packet.payload.data() + layout_.packet_header);
   frame_ = std::move(frame);
   last_id_ = id;
   packets_in_frame_ = 0;
 }
 
-/// Whether the first valid column of the packet has come already.
-bool OusterDecoder::Impl::seen(Bytes packet) const {
-  const std::size_t column = little_endian<std::uint16_t>(packet, layout_.packet_header + 8);
-  return column < frame_->status.size() && frame_->status[column] != 0;
+std::optional<OusterDecoder::Impl::Column> OusterDecoder::Impl::column(Bytes packet,
+                                                                       int place) const {
+  Column result;
+  result.bytes =
+      packet.data() + layout_.packet_header + column_bytes() * static_cast<std::size_t>(place);
+  result.id = little_endian<std::uint16_t>(result.bytes + 8);
+  const bool legacy = layout_.column_footer > 0;
+  result.status =
+      legacy ? little_endian<std::uint32_t>(result.bytes + column_bytes() - layout_.column_footer)
+             : little_endian<std::uint16_t>(result.bytes + 10);
+  const auto columns = static_cast<std::size_t>(metadata_.sensor.columns);
+  if ((result.status & 1U) == 0 || result.id >= columns) return std::nullopt;
+  return result;
+}
+
+/// The first valid one.
+std::optional<OusterDecoder::Impl::Column> OusterDecoder::Impl::first_column(Bytes packet) const {
+  for (int place = 0; place < metadata_.columns_per_packet; ++place) {
+    if (const auto found = column(packet, place)) return found;
+  }
+  return std::nullopt;
 }
 
 void OusterDecoder::Impl::add(const Packet& packet, std::vector<OusterFrame>& completed) {
@@ -122,19 +154,14 @@ void OusterDecoder::Impl::add(const Packet& packet, std::vector<OusterFrame>& co
 }
 
 void OusterDecoder::Impl::read_columns(Bytes packet) {
-  for (int i = 0; i < metadata_.columns_per_packet; ++i) {
-    const std::uint8_t* const column =
-        packet.data() + layout_.packet_header + column_bytes() * static_cast<std::size_t>(i);
-    const std::size_t id = little_endian<std::uint16_t>(column + 8);
-    const bool legacy = layout_.column_footer > 0;
-    const std::uint32_t status =
-        legacy ? little_endian<std::uint32_t>(column + column_bytes() - layout_.column_footer)
-               : little_endian<std::uint16_t>(column + 10);
-    if ((status & 1U) == 0 || id >= frame_->status.size()) continue;
-    frame_->timestamp_ns[id] = little_endian<std::uint64_t>(column);
-    frame_->measurement_id[id] = static_cast<std::uint16_t>(id);
-    frame_->status[id] = status;
-    if (options_.with_ranges) read_pixels(column + layout_.column_header, static_cast<int>(id));
+  for (int place = 0; place < metadata_.columns_per_packet; ++place) {
+    const auto found = column(packet, place);
+    if (!found) continue;
+    frame_->timestamp_ns[found->id] = little_endian<std::uint64_t>(found->bytes);
+    frame_->measurement_id[found->id] = static_cast<std::uint16_t>(found->id);
+    frame_->status[found->id] = found->status;
+    if (!options_.with_ranges) continue;
+    read_pixels(found->bytes + layout_.column_header, static_cast<int>(found->id));
   }
 }
 

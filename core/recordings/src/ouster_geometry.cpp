@@ -27,6 +27,20 @@ constexpr double kMaxTurn_s = 1.0;
 
 }  // namespace
 
+std::optional<std::uint64_t> middle_ns(const OusterFrame& frame) {
+  std::uint64_t first_ns = std::numeric_limits<std::uint64_t>::max();
+  std::uint64_t last_ns = 0;
+  for (std::size_t column = 0; column < frame.status.size(); ++column) {
+    if (frame.status[column] == 0) continue;
+    first_ns = std::min(first_ns, frame.timestamp_ns[column]);
+    last_ns = std::max(last_ns, frame.timestamp_ns[column]);
+  }
+  if (first_ns > last_ns || 1e-9 * static_cast<double>(last_ns - first_ns) > kMaxTurn_s) {
+    return std::nullopt;
+  }
+  return first_ns + (last_ns - first_ns) / 2;
+}
+
 class OusterGeometry::Impl {
  public:
   Impl(const OusterMetadata& metadata, const OusterOptions& options);
@@ -93,21 +107,12 @@ void OusterGeometry::Impl::set_points(const OusterFrame& frame, OrganizedCloud& 
 
 std::optional<OusterScan> OusterGeometry::Impl::scan(const OusterFrame& frame) {
   const SensorModel& sensor = metadata_.sensor;
-  std::uint64_t first_ns = std::numeric_limits<std::uint64_t>::max();
-  std::uint64_t last_ns = 0;
-  for (std::size_t column = 0; column < frame.status.size(); ++column) {
-    if (frame.status[column] == 0) continue;
-    first_ns = std::min(first_ns, frame.timestamp_ns[column]);
-    last_ns = std::max(last_ns, frame.timestamp_ns[column]);
-  }
-  if (first_ns > last_ns || 1e-9 * static_cast<double>(last_ns - first_ns) > kMaxTurn_s) {
-    return std::nullopt;
-  }
-  const std::uint64_t middle_ns = first_ns + (last_ns - first_ns) / 2;
+  const std::optional<std::uint64_t> middle = middle_ns(frame);
+  if (!middle) return std::nullopt;
   // Unsigned, because a damaged file may hold any time.
   const auto first_packet_ns = static_cast<std::uint64_t>(clock_.recorded_ns(
       static_cast<std::int64_t>(frame.first_timestamp_ns), frame.first_capture_ns));
-  const std::uint64_t stamp_ns = first_packet_ns + (middle_ns - frame.first_timestamp_ns);
+  const std::uint64_t stamp_ns = first_packet_ns + (*middle - frame.first_timestamp_ns);
   OusterScan scan;
   scan.stamp_s = 1e-9 * static_cast<double>(static_cast<std::int64_t>(stamp_ns));
   scan.cloud = OrganizedCloud(sensor.rows(), sensor.columns);
@@ -117,7 +122,7 @@ std::optional<OusterScan> OusterGeometry::Impl::scan(const OusterFrame& frame) {
     of_column_s[column] =
         frame.status[column] != 0
             ? static_cast<float>(1e-9 * static_cast<double>(static_cast<std::int64_t>(
-                                            frame.timestamp_ns[column] - middle_ns)))
+                                            frame.timestamp_ns[column] - *middle)))
             : static_cast<float>(((static_cast<double>(column) + 0.5) / sensor.columns - 0.5) *
                                  sensor.scan_period_s);
   }

@@ -137,6 +137,15 @@ void require_packets_of(const Candidate& of, const Stream& stream, const std::st
       of.source, stream.packet_bytes, stream.name));
 }
 
+/// By the clock that captured the frame's first packet.
+double stamp_s(const OusterFrame& frame) {
+  // Unsigned, because a damaged file may hold any time.
+  const std::uint64_t later_ns =
+      middle_ns(frame).value_or(frame.first_timestamp_ns) - frame.first_timestamp_ns;
+  const std::uint64_t stamp_ns = static_cast<std::uint64_t>(frame.first_capture_ns) + later_ns;
+  return 1e-9 * static_cast<double>(static_cast<std::int64_t>(stamp_ns));
+}
+
 }  // namespace
 
 Opened open_ouster(std::shared_ptr<const RecordingFile> file, const Stream& stream,
@@ -168,10 +177,7 @@ Opened open_ouster(std::shared_ptr<const RecordingFile> file, const Stream& stre
   OusterOptions counting = decoding;
   counting.with_ranges = false;
   OusterDecoder decoder(of.metadata, counting);
-  count_scans<OusterFrame>(
-      *file, stream, decoder,
-      [](const OusterFrame& frame) { return 1e-9 * static_cast<double>(frame.first_capture_ns); },
-      info);
+  count_scans<OusterFrame>(*file, stream, decoder, stamp_s, info);
   info.lost_scans = decoder.lost_frames();
   info.partial_scans = decoder.partial_frames();
   judge_counts(stream, path, info);

@@ -100,16 +100,20 @@ class PcapFile : public PacketSource {
   std::optional<Packet> next() override {
     pcap_pkthdr* header = nullptr;
     const std::uint8_t* bytes = nullptr;
-    while (pcap_next_ex(pcap_.get(), &header, &bytes) == 1) {
+    while (failure_.empty()) {
+      const int status = pcap_next_ex(pcap_.get(), &header, &bytes);
+      if (status == PCAP_ERROR) note_failure();
+      if (status != 1) break;
       const auto datagram = datagrams_.add(ip_packet({bytes, header->caplen}, link_type_));
       if (!datagram) continue;
       Packet packet;
       packet.capture_time_ns = capture_time_ns(*header);
       packet.endpoint = datagram->endpoint;
       packet.payload = datagram->payload;
+      ++packets_;
       return packet;
     }
-    return std::nullopt;  // the end, or a file that was cut off while it was written
+    return std::nullopt;
   }
 
   std::string complaint() const override {
@@ -121,14 +125,32 @@ class PcapFile : public PacketSource {
       text += fmt::format("{}{} packets of which fragments are missing were left out",
                           text.empty() ? "" : ", ", datagrams_.incomplete());
     }
+    if (!failure_.empty()) {
+      text += fmt::format("{}it could not be read on behind {} packets ({})",
+                          text.empty() ? "" : ", ", packets_, failure_);
+    }
     return text;
   }
 
  private:
+  /// Keeps what libpcap cannot read on for. A file that was cut off while it was written just ends.
+  void note_failure() {
+    const std::string complaint = pcap_geterr(pcap_.get());
+    if (complaint.starts_with("truncated")) return;
+    failure_ = complaint;
+    if (packets_ > 0) return;
+    throw Error(
+        fmt::format("{}: expected a .pcap or .pcapng file that can be read, found none of its "
+                    "packets ({}); write it anew with tcpdump or Wireshark",
+                    path_, failure_));
+  }
+
   std::string path_;
   std::unique_ptr<pcap_t, ClosePcap> pcap_;
   int link_type_ = 0;
   IpDatagrams datagrams_;
+  std::int64_t packets_ = 0;
+  std::string failure_;
 };
 
 }  // namespace

@@ -28,6 +28,8 @@ constexpr double kHalfTurn = kTurn / 2.0;
 /// A head's azimuth may tremble by some hundredths of a degree; more is a new turn.
 constexpr int kSmallestFall = 200;
 constexpr double kMostOfAScan = 0.75;
+/// After so much of a turn without packets the azimuth may be about where it was.
+constexpr double kWholeTurn = 0.99;
 constexpr std::int64_t kSecond_ns = 1'000'000'000;
 
 int modulo_turn(int azimuth) { return (azimuth % kTurn + kTurn) % kTurn; }
@@ -133,8 +135,8 @@ VelodyneDecoder::Impl::Impl(const VelodyneStream& stream, const SensorModel& sen
   rate_ = expected_rate();
 }
 
-/// The time of a packet; false if the packet is left out. A time far from the last one is a gap or
-/// a clock that was set: the scan ends there.
+/// The time of a packet; false if the packet is left out. A time a turn or more behind the last one
+/// is a gap, one far from it a clock that was set: the scan ends there.
 bool VelodyneDecoder::Impl::take_time(const Packet& packet, std::vector<Scan>& completed) {
   const std::int64_t now_us = little_endian<std::uint32_t>(packet.payload, kTimeAt);
   if (!last_us_) {
@@ -149,10 +151,10 @@ bool VelodyneDecoder::Impl::take_time(const Packet& packet, std::vector<Scan>& c
     ++counts.late;
     return false;
   }
-  if (std::abs(passed_us) >= kSecond_ns / 1000) {
+  const bool gap_or_set = std::abs(passed_us) >= kSecond_ns / 1000;
+  if (!gap_or_set) count_lost(passed_us, block_azimuth(packet.payload, 0));
+  if (gap_or_set || static_cast<double>(passed_us) >= kWholeTurn * 1e6 * stream_.scan_period_s) {
     finish(completed);
-  } else {
-    count_lost(passed_us, block_azimuth(packet.payload, 0));
   }
   last_us_ = now_us;
   sensor_us_ += passed_us;

@@ -46,7 +46,7 @@ std::vector<int> laser_rows(VelodyneModel model);
 /// The same of lasers with these elevations.
 std::vector<int> rows_by_elevation(const std::vector<double>& elevations);
 
-/// By the manual, degrees: for tests of laser_rows against the presets. Not of an HDL-64E.
+/// By the manual, degrees: what laser_rows goes by. Not of an HDL-64E.
 std::vector<double> laser_elevations_deg(VelodyneModel model);
 
 /// Those whose lasers stand as their manuals say.

@@ -81,7 +81,7 @@ std::shared_ptr<const Architecture> read_du_mix(JsonFields& network) {
   last_filter.min_pixels = 0;
   read_filter(network, "last_filter", last_filter);
   return std::make_shared<DuMix>(
-      std::move(shape), last_filter.min_pixels > 0 ? std::optional(last_filter) : std::nullopt);
+      std::move(shape), last_filter.min_pixels != 0 ? std::optional(last_filter) : std::nullopt);
 }
 
 void DuMix::validate(const NetworkDescription& d) const {

@@ -24,10 +24,7 @@ namespace hqslam::nn {
 /// way that no sweep took, are large too. Which pixels the sweeps reach never changes the result.
 /// Source: the criterion is ComponentLabeler's (Bogoslavskyi & Stachniss, IROS 2016).
 
-namespace {
-
-void validate(const SensorModel& sensor, RowSelection measured_rows,
-              const OutlierRemovalOptions& options, int columns) {
+void validate(const OutlierRemovalOptions& options) {
   if (!(options.min_angle_rad > 0.0 && options.min_angle_rad < std::numbers::pi / 2.0)) {
     throw Error(fmt::format("outlier removal: min_angle_rad is {}, expected 0 < angle < pi/2",
                             options.min_angle_rad));
@@ -40,6 +37,13 @@ void validate(const SensorModel& sensor, RowSelection measured_rows,
     throw Error(fmt::format("outlier removal: support_share is {}, expected 0 to below 1",
                             options.support_share));
   }
+}
+
+namespace {
+
+void validate(const SensorModel& sensor, RowSelection measured_rows,
+              const OutlierRemovalOptions& options, int columns) {
+  nn::validate(options);
   if (columns < 1 || columns > sensor.columns) {
     throw Error(fmt::format("outlier removal: columns is {}, expected 1 to {}, the sensor's",
                             columns, sensor.columns));

@@ -32,6 +32,7 @@ UnrolledHqs::UnrolledHqs(std::string kind, const HqsOptions& options, DenoiserDe
 }
 
 void UnrolledHqs::validate(const NetworkDescription& d) const {
+  nn::validate(options_.filter);
   const TileSize multiple = denoiser_.multiple;
   check_image(denoiser_, d.sensor.rows(), d.sensor.columns);
   const std::int64_t smallest_images = static_cast<std::int64_t>(d.sensor.rows() / multiple.rows) *

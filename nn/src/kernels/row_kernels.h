@@ -122,7 +122,7 @@ struct TwoModesInput {
   const float* above = nullptr;  ///< ln of the measured range above
   const float* below = nullptr;
   const float* middle = nullptr;  ///< ln of the range so far
-  int columns = 0;                ///< rounded up to whole vectors of 16
+  int columns = 0;                ///< all arrays hold them rounded up to whole vectors of 16
 };
 
 /// What the outputs say.
@@ -241,7 +241,7 @@ struct RowKernels {
   void (*fill_measured)(const MeasuredRow&);
   void (*interpolate)(const InterpolateRow&);
   void (*two_modes)(const TwoModesRow&);
-  /// Returns the row's share of the loss; columns must be whole vectors of 16.
+  /// Returns the row's share of the loss: of the columns alone, though vectors reach beyond them.
   double (*two_modes_loss)(const TwoModesLossRow&);
   void (*gelu)(const GeluRow&);
   void (*attend)(const AttentionWindow&);

@@ -90,6 +90,12 @@ void two_modes(const TwoModesRow& row) {
   }
 }
 
+/// Of the lanes that are columns of the row.
+inline double sum_of_columns(Vector terms, int columns) {
+  for (int lane = columns; lane < kVectorFloats; ++lane) terms[lane] = 0.0F;
+  return static_cast<double>(sum_of(terms));
+}
+
 double two_modes_loss(const TwoModesLossRow& row) {
   double loss = 0.0;
   for (int x = 0; x < row.in.columns; x += kVectorFloats) {
@@ -112,9 +118,9 @@ double two_modes_loss(const TwoModesLossRow& row) {
     const Vector posterior2 = part2 / sum;
     const Vector valid = there ? Vector{} + 1.0F : Vector{};
     const Vector likely = there ? m.probability : 1.0F - m.probability;
-    loss +=
-        static_cast<double>(sum_of(range_share * (m.log_scale + near - logarithm(sum)) -
-                                   row.return_share * logarithm(larger(likely, Vector{} + 1e-7F))));
+    const Vector terms = range_share * (m.log_scale + near - logarithm(sum)) -
+                         row.return_share * logarithm(larger(likely, Vector{} + 1e-7F));
+    loss += sum_of_columns(terms, row.in.columns - x);
     const auto put = [&](TwoModesOutput group, Vector gradient) {
       store(row.d_outputs + static_cast<int>(group) * row.d_group_stride + x, gradient);
     };

@@ -49,39 +49,28 @@ ValidatedScan compared(const LiftedImage& lifted, const RangeImage& truth, RowSe
   return scan;
 }
 
+void add(const ValidatedScan::Bin& from, ValidatedScan::Bin& to) {
+  to.returns += from.returns;
+  to.wrong += from.wrong;
+  to.found += from.found;
+  to.error_sum_m += from.error_sum_m;
+  to.invented_sum_m += from.invented_sum_m;
+  to.truth_found_sum_m += from.truth_found_sum_m;
+}
+
 void add(const ValidatedScan& from, ValidatedScan& to) {
-  for (int i = 0; i < ValidatedScan::kBins; ++i) {
-    const ValidatedScan::Bin& f = from.bins[i];
-    ValidatedScan::Bin& t = to.bins[i];
-    t.returns += f.returns;
-    t.wrong += f.wrong;
-    t.found += f.found;
-    t.error_sum_m += f.error_sum_m;
-    t.invented_sum_m += f.invented_sum_m;
-    t.truth_found_sum_m += f.truth_found_sum_m;
-  }
+  for (int i = 0; i < ValidatedScan::kBins; ++i) add(from.bins[i], to.bins[i]);
+  add(from.linear, to.linear);
+  to.linear_missed_sum_m += from.linear_missed_sum_m;
   to.pixels += from.pixels;
   to.measured_found += from.measured_found;
   to.true_returns += from.true_returns;
   to.missed_sum_m += from.missed_sum_m;
 }
 
-/// The figures with everything below bin `first` emptied.
-ImageFigures figures_from(const ValidatedScan& scan, int first) {
-  ValidatedScan::Bin kept;
-  double missed_sum_m = scan.missed_sum_m;
-  for (int i = 0; i < ValidatedScan::kBins; ++i) {
-    const ValidatedScan::Bin& bin = scan.bins[i];
-    if (i < first) {
-      missed_sum_m += bin.truth_found_sum_m;
-      continue;
-    }
-    kept.returns += bin.returns;
-    kept.wrong += bin.wrong;
-    kept.found += bin.found;
-    kept.error_sum_m += bin.error_sum_m;
-    kept.invented_sum_m += bin.invented_sum_m;
-  }
+/// kept: the pixels that came out with a return; the others lack missed_sum_m.
+ImageFigures figures(const ValidatedScan::Bin& kept, double missed_sum_m,
+                     const ValidatedScan& scan) {
   const auto share = [](double part, std::int64_t whole) {
     return whole > 0 ? part / static_cast<double>(whole) : 0.0;
   };
@@ -90,6 +79,20 @@ ImageFigures figures_from(const ValidatedScan& scan, int first) {
           .wrong_share = share(static_cast<double>(kept.wrong), kept.returns),
           .missing_share =
               share(static_cast<double>(scan.true_returns - kept.found), scan.true_returns)};
+}
+
+/// The network's with everything below bin `first` emptied.
+ImageFigures figures_from(const ValidatedScan& scan, int first) {
+  ValidatedScan::Bin kept;
+  double missed_sum_m = scan.missed_sum_m;
+  for (int i = 0; i < ValidatedScan::kBins; ++i) {
+    if (i < first) {
+      missed_sum_m += scan.bins[i].truth_found_sum_m;
+    } else {
+      add(scan.bins[i], kept);
+    }
+  }
+  return figures(kept, missed_sum_m, scan);
 }
 
 /// The exponent from 0.3 to 3 with the smallest sum of squares between c^exponent and 1 for what is
@@ -124,21 +127,17 @@ ValidatedScan validated_scan(Network& network, const NetworkDescription& descrip
   const LiftedImage linear{interpolate_rows(measured, rows, description.sensor.beam_elevation_rad,
                                             Interpolation::kLinear),
                            {}};
-  scan.linear = figures_from(compared(linear, truth, rows), 0);
+  const ValidatedScan of_linear = compared(linear, truth, rows);
+  scan.linear = of_linear.bins.back();  // it says nothing of its confidence
+  scan.linear_missed_sum_m = of_linear.missed_sum_m;
   return scan;
 }
 
 Validation validation_of(const std::vector<ValidatedScan>& scans) {
   ValidatedScan sum;
   Validation validation;
-  for (const ValidatedScan& scan : scans) {
-    add(scan, sum);
-    const auto share = 1.0 / static_cast<double>(scans.size());
-    validation.linear.mae_all_m += share * scan.linear.mae_all_m;
-    validation.linear.mae_valid_m += share * scan.linear.mae_valid_m;
-    validation.linear.wrong_share += share * scan.linear.wrong_share;
-    validation.linear.missing_share += share * scan.linear.missing_share;
-  }
+  for (const ValidatedScan& scan : scans) add(scan, sum);
+  validation.linear = figures(sum.linear, sum.linear_missed_sum_m, sum);
   // From the most confident pixels down, until no more are missing than linear interpolation's.
   int first = ValidatedScan::kBins - 1;
   const auto missing = [&](int bin) { return figures_from(sum, bin).missing_share; };

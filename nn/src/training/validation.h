@@ -27,7 +27,8 @@ struct ValidatedScan {
   std::int64_t measured_found = 0;  ///< measured pixels with a return
   std::int64_t true_returns = 0;    ///< computed pixels where truth has one
   double missed_sum_m = 0.0;        ///< true range where the network has no return at all
-  ImageFigures linear;
+  Bin linear;                       ///< all computed pixels of linear interpolation
+  double linear_missed_sum_m = 0.0;
 };
 
 ValidatedScan validated_scan(Network& network, const NetworkDescription& description,

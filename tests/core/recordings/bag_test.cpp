@@ -146,6 +146,36 @@ TEST_CASE("Ouster's packets and metadata are found in one bag") {
   CHECK(all_scans(*source).size() == 2);
 }
 
+TEST_CASE("of several Ousters in a bag each has its own metadata, whatever other texts are there") {
+  const TemporaryDirectory directory;
+  const OusterProfile profile = OusterProfile::kRng19;
+  std::vector<BagMessage> messages;
+  const auto add_text = [&](const std::string& topic, const std::string& text) {
+    messages.push_back({topic, "std_msgs/msg/String", 1, text_message(text, false)});
+  };
+  add_text("/camera/metadata", "{\"width\": 640}");
+  add_text("/front/metadata", ouster_metadata_text(profile, 8));
+  add_text("/rear/metadata", ouster_metadata_text(profile, 16));
+  for (const auto& [topic, rows] :
+       {std::pair("/front/lidar_packets", 8), {"/rear/lidar_packets", 16}}) {
+    for (const Captured& packet : ouster_turn(profile, 1, rows)) {
+      messages.push_back({topic, "ouster_sensor_msgs/msg/PacketMsg", packet.time_ns,
+                          buffer_message(packet.payload, false)});
+    }
+  }
+  const std::string path = directory.file("a.mcap");
+  write_file(path, mcap_bytes(messages, "zstd"));
+  CHECK(open_recording(path, {.stream = "/front/lidar_packets"})->sensor().rows() == 8);
+  CHECK(open_recording(path, {.stream = "/rear/lidar_packets"})->sensor().rows() == 16);
+}
+
+TEST_CASE("a bag whose messages are a view that never ends is refused") {
+  const TemporaryDirectory directory;
+  write_endless_db3(directory.file("a.db3"));
+  CHECK(one_line_with(error_message([&] { open_recording(directory.file("a.db3")); }), "a.db3",
+                      "whole .db3 file"));
+}
+
 TEST_CASE("clouds of every unit and origin of times get the recording's stamps") {
   struct Case {
     double period_s, unit_s;

@@ -276,6 +276,20 @@ void write_db3(const std::vector<BagMessage>& messages, const std::string& path)
   sqlite3_close(database);
 }
 
+void write_endless_db3(const std::string& path) {
+  write_db3({{"/points", "sensor_msgs/msg/PointCloud2", 1, Payload(8)}}, path);
+  sqlite3* database = nullptr;
+  if (sqlite3_open(path.c_str(), &database) != SQLITE_OK) throw std::runtime_error(path);
+  for (const char* sql :
+       {"DROP TABLE messages",
+        "CREATE VIEW messages AS WITH RECURSIVE endless(n) AS (SELECT 1 UNION ALL SELECT n + 1 "
+        "FROM "
+        "endless) SELECT n AS id, 1 AS topic_id, n AS timestamp, x'00' AS data FROM endless"}) {
+    sqlite3_exec(database, sql, nullptr, nullptr, nullptr);
+  }
+  sqlite3_close(database);
+}
+
 void copy_with_half_taken_back(const std::string& path, const std::string& copy) {
   sqlite3* database = nullptr;
   if (sqlite3_open(path.c_str(), &database) != SQLITE_OK) throw std::runtime_error(path);

@@ -38,6 +38,8 @@ std::string mcap_bytes(const std::vector<BagMessage>& messages, const std::strin
 std::string ros1_bytes(const std::vector<BagMessage>& messages, const std::string& compression);
 /// Writes a ROS 2 bag (sqlite).
 void write_db3(const std::vector<BagMessage>& messages, const std::string& path);
+/// Writes one whose messages are a view that never ends.
+void write_endless_db3(const std::string& path);
 /// A copy of such a bag as it lies there while it is written: in write-ahead mode, and that the
 /// second half of the messages was deleted is only in the log beside it.
 void copy_with_half_taken_back(const std::string& path, const std::string& copy);

@@ -47,6 +47,8 @@ std::vector<Payload> ethernet_frames(const Captured& captured, std::size_t fragm
 /// The bytes of a .pcap file (microseconds) or of a .pcapng file (nanoseconds).
 std::string pcap_bytes(const std::vector<Captured>& packets, std::size_t fragment_bytes = 0);
 std::string pcapng_bytes(const std::vector<Captured>& packets);
+/// What a .pcapng file says of an interface; Ethernet is link type 1.
+std::string pcapng_interface(std::uint16_t link_type);
 
 /// A Velodyne's data packet: 12 blocks with these azimuths (hundredths of a degree), all
 /// measurements of `distance` and `intensity`.

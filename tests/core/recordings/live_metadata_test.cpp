@@ -23,10 +23,11 @@ namespace {
 
 constexpr double kPatience_s = 20.0;
 
-/// A server that takes one connection, reads what is asked and gives back any bytes.
+/// A server that takes so many connections, reads what is asked and gives back any bytes.
 class OneAnswer {
  public:
-  explicit OneAnswer(std::string answer) : listener_(socket(AF_INET, SOCK_STREAM, 0)) {
+  explicit OneAnswer(std::string answer, int connections = 1)
+      : listener_(socket(AF_INET, SOCK_STREAM, 0)) {
     sockaddr_in address{};
     address.sin_family = AF_INET;
     address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
@@ -35,21 +36,14 @@ class OneAnswer {
     listen(listener_.get(), 1);
     getsockname(listener_.get(), reinterpret_cast<sockaddr*>(&address), &bytes);
     port_ = ntohs(address.sin_port);
-    thread_ = std::thread([this, answer = std::move(answer)] {
-      const FileDescriptor connection(accept(listener_.get(), nullptr, nullptr));
-      char buffer[1024];
-      const ssize_t read = recv(connection.get(), buffer, sizeof buffer, 0);
-      asked_.assign(buffer, static_cast<std::size_t>(std::max<ssize_t>(read, 0)));
-      std::size_t sent = 0;
-      while (sent < answer.size()) {
-        const ssize_t part =
-            send(connection.get(), answer.data() + sent, answer.size() - sent, MSG_NOSIGNAL);
-        if (part <= 0) break;
-        sent += static_cast<std::size_t>(part);
-      }
+    thread_ = std::thread([this, connections, answer = std::move(answer)] {
+      for (int i = 0; i < connections; ++i) serve(answer);
     });
   }
-  ~OneAnswer() { join(); }
+  ~OneAnswer() {
+    shutdown(listener_.get(), SHUT_RDWR);  // whoever was to connect may not have come
+    join();
+  }
   void join() {
     if (thread_.joinable()) thread_.join();
   }
@@ -58,6 +52,20 @@ class OneAnswer {
   const std::string& asked() const { return asked_; }
 
  private:
+  void serve(const std::string& answer) {
+    const FileDescriptor connection(accept(listener_.get(), nullptr, nullptr));
+    char buffer[1024];
+    const ssize_t read = recv(connection.get(), buffer, sizeof buffer, 0);
+    asked_.assign(buffer, static_cast<std::size_t>(std::max<ssize_t>(read, 0)));
+    std::size_t sent = 0;
+    while (sent < answer.size()) {
+      const ssize_t part =
+          send(connection.get(), answer.data() + sent, answer.size() - sent, MSG_NOSIGNAL);
+      if (part <= 0) break;
+      sent += static_cast<std::size_t>(part);
+    }
+  }
+
   FileDescriptor listener_;
   std::uint16_t port_ = 0;
   std::string asked_;
@@ -89,6 +97,20 @@ TEST_CASE("an Ouster that is only named is asked for its metadata where its pack
   CHECK(sensor.sensor().rows() == 16);
   CHECK(one_line_with(error_message([&] { sensor.start(1024); }), "512", "1024"));
   sensor.start(512);
+  CHECK(one_line_with(error_message([&] { sensor.start(512); }), "started", "once"));
+}
+
+TEST_CASE("an Ouster of another kind is refused as often as it is asked for") {
+  OneAnswer server(http_answer(ouster_metadata_text(OusterProfile::kLegacy, 32)), 2);
+  LiveOptions options;
+  options.sensor = "os1-16";
+  options.port = free_udp_port();
+  options.http_port = server.port();
+  LiveSensor sensor(options);
+  for (int attempt = 0; attempt < 2; ++attempt) {
+    LoopbackSender(options.port).send(ouster_turn(OusterProfile::kLegacy, 1, 32)[0].payload);
+    CHECK(one_line_with(error_message([&] { sensor.recognise(1e300); }), "32 beams", "os1-16"));
+  }
 }
 
 TEST_CASE("an Ouster of another kind, or one that says nothing, is refused in one line") {

@@ -316,6 +316,18 @@ TEST_CASE("a port in use, an unknown sensor and packets of another one are refus
                       "127.0.0.1", "vlp-16"));
 }
 
+TEST_CASE("a sensor of which no scan may wait is refused before a file is begun for it") {
+  const TemporaryDirectory folder;
+  for (const int most_waiting : {0, -1}) {
+    LiveOptions options = vlp16();
+    options.most_waiting = most_waiting;
+    options.record = folder.file("a.pcap");
+    CHECK(one_line_with(error_message([&] { LiveSensor sensor(options); }), "most_waiting",
+                        std::to_string(most_waiting)));
+    CHECK_FALSE(std::filesystem::exists(options.record));
+  }
+}
+
 TEST_CASE("without packets nothing is recognised, and nobody waits longer than asked") {
   LiveSensor sensor(vlp16());
   CHECK_FALSE(sensor.recognise(0.05));

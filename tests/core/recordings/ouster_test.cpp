@@ -210,6 +210,49 @@ TEST_CASE(
   }
 }
 
+TEST_CASE("a window that begins within a packet: a packet that comes twice counts once") {
+  const OusterProfile profile = OusterProfile::kRng15;
+  std::string text = ouster_metadata_text(profile);
+  text.replace(text.find("[0, 511]"), 8, "[100, 355]");
+  const OusterMetadata metadata = ouster_metadata_from_json(text, "a test");
+  constexpr std::size_t kColumnBytes = 12 + 4 * 8;
+  std::vector<Captured> packets;
+  for (Captured packet : turns(profile, {1, 2, 3})) {
+    bool sent = false;
+    for (std::size_t i = 0; i < 16; ++i) {
+      const std::size_t at = 32 + kColumnBytes * i;
+      const auto column = little_endian<std::uint16_t>(packet.payload, at + 8);
+      if (column >= 100 && column <= 355) {
+        sent = true;
+      } else {  // not measured: no time and no status
+        put(packet.payload, at, std::uint64_t{0});
+        put(packet.payload, at + 10, std::uint16_t{0});
+      }
+    }
+    if (!sent) continue;
+    packets.push_back(packet);
+    packets.push_back(packet);
+  }
+  OusterDecoder decoder(metadata);
+  const auto frames = frames_of(decoder, packets);
+  REQUIRE(frames.size() == 3);
+  CHECK(decoder.counts().used == 3 * 17);
+  CHECK(decoder.counts().late == 3 * 17);
+  CHECK(decoder.counts().lost == 0);
+  OusterGeometry geometry(metadata);
+  for (std::size_t turn = 0; turn < 3; ++turn) {
+    for (std::size_t column = 0; column < 512; ++column) {
+      CHECK((frames[turn].status[column] != 0) == (column >= 100 && column <= 355));
+    }
+    // The first packet was captured when column 96 was measured, and tells the time of column 100.
+    const double middle = 96 + (355 - 100) / 2.0;
+    CHECK(geometry.scan(frames[turn])->stamp_s ==
+          doctest::Approx(1600000005.05 + 0.05 * (static_cast<double>(turn) + middle / 512))
+              .scale(0)
+              .epsilon(1e-15));
+  }
+}
+
 TEST_CASE("turns that the recording cuts off are left out unless nothing else is there") {
   const OusterProfile profile = OusterProfile::kLegacy;
   auto packets = turns(profile, {1, 2, 3});

@@ -108,6 +108,27 @@ TEST_CASE("of unfinished datagrams the latest 64 are kept") {
   }
 }
 
+TEST_CASE("a fragment waits for the others of its datagram for at most 4096 packets") {
+  const auto frames_of = [](int number, std::uint8_t content) {
+    return ethernet_frames({number * 1000, 7502, Payload(2000, content), 201}, 1480);
+  };
+  for (const int between : {4095, 4096}) {
+    IpDatagrams datagrams;
+    const auto add = [&](const Payload& frame) {
+      const auto datagram = datagrams.add(Bytes(frame).subspan(14));
+      return datagram ? Payload(datagram->payload.begin(), datagram->payload.end()) : Payload();
+    };
+    CHECK(add(frames_of(7, 1)[1]).empty());
+    for (int i = 0; i < between; ++i) add(ethernet_frames({1000, 2368, Payload(8), 201}).front());
+    // The numbers begin again after 65,536 datagrams: a seventh one of other content.
+    const auto later = frames_of(7, 2);
+    const Payload first = add(later[0]);
+    CHECK(first.empty() == (between == 4096));
+    CHECK(add(later[1]) == (between == 4096 ? Payload(2000, 2) : Payload()));
+    CHECK(datagrams.incomplete() == 1);
+  }
+}
+
 TEST_CASE("a fragment that reaches beyond the largest datagram is damage") {
   for (const bool beyond : {false, true}) {
     Payload frame = ethernet_frames({0, 7502, Payload(16), 201}).front();  // with UDP 24 bytes
@@ -139,6 +160,20 @@ TEST_CASE(
 TEST_CASE("a capture that ends in the middle of a frame ends before it") {
   const std::string bytes = pcap_bytes(some_packets());
   CHECK(read(bytes.substr(0, bytes.size() - 10)).packets.size() == 4);
+}
+
+TEST_CASE("a capture that cannot be read on says so, and is refused if nothing was read of it") {
+  // A second interface, of raw IP: libpcap reads only captures of one link type.
+  const std::string second = pcapng_interface(101);
+  const std::string bytes = pcapng_bytes(some_packets());
+  const Read part = read(bytes + second + pcapng_bytes(some_packets()).substr(28 + 32));
+  check_same(part.packets, some_packets());
+  CHECK(one_line_with(part.complaint, "could not be read on", "type"));
+  CHECK(read(bytes).complaint.empty());
+  CHECK(read(bytes.substr(0, bytes.size() - 10)).complaint.empty());
+  const std::size_t headers = 28 + 32;
+  const std::string nothing = bytes.substr(0, headers) + second + bytes.substr(headers);
+  CHECK(one_line_with(error_message([&] { read(nothing); }), "a.pcap", "type"));
 }
 
 TEST_CASE("what is no capture is refused in one line") {

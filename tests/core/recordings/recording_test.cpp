@@ -97,7 +97,11 @@ TEST_CASE("an Ouster's metadata are found beside the capture") {
   write_file(directory.file("sensor_1.json"), ouster_metadata_text(OusterProfile::kRng15));
   const auto source = open_recording(path);
   CHECK(source->sensor().rows() == 8);
-  CHECK(all_scans(*source).size() == 3);
+  const auto scans = all_scans(*source);
+  REQUIRE(scans.size() == 3);
+  const RecordingInfo info = inspect(path);
+  CHECK(info.first_stamp_s == doctest::Approx(scans[0].stamp_s).scale(0).epsilon(1e-15));
+  CHECK(info.duration_s == doctest::Approx(0.15).scale(0).epsilon(1e-3));
   write_file(directory.file("sensor_2.json"), ouster_metadata_text(OusterProfile::kRng15));
   CHECK(one_line_with(error_message([&] { open_recording(path); }), "sensor_1.json",
                       "sensor_2.json"));

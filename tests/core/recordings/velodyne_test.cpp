@@ -44,6 +44,13 @@ Decoded decoded(const std::vector<Captured>& packets, const VelodyneStream& stre
   return result;
 }
 
+/// From the first point to the last.
+double duration_s(const Scan& scan) {
+  const auto [first, last] =
+      std::minmax_element(scan.time_offset_s.begin(), scan.time_offset_s.end());
+  return *last - *first;
+}
+
 /// Azimuths of twelve blocks, so many hundredths of a degree apart.
 std::vector<int> azimuths(int first, int step) {
   std::vector<int> result;
@@ -247,6 +254,37 @@ TEST_CASE("lost, doubled, overtaken and foreign packets are counted, and a lost 
     longest_s = std::max(longest_s, d.scans[i].stamp_s - d.scans[i - 1].stamp_s);
   }
   CHECK(longest_s > 0.14);
+}
+
+TEST_CASE("no scan lasts longer than a turn, however many packets were lost") {
+  // 75.4 packets a turn: up to just less than a turn, to just more, 1.1 and 1.9 turns are missing.
+  for (const int lost : {74, 75, 82, 142}) {
+    CAPTURE(lost);
+    auto packets = velodyne_capture({.duration_s = 0.95});
+    const VelodyneStream stream = probed(packets);
+    packets.erase(packets.begin() + 184, packets.begin() + 184 + lost);  // from 100 degrees on
+    const Decoded d = decoded(packets, stream);
+    CHECK(d.counts.lost == lost);
+    REQUIRE(d.scans.size() >= 5);
+    for (const Scan& scan : d.scans) CHECK(duration_s(scan) < 1.01 * stream.scan_period_s);
+  }
+}
+
+TEST_CASE("a gap of nearly a turn, which leaves the azimuth as it was, ends a scan") {
+  std::vector<Captured> packets;
+  const auto add = [&](double time_ms) {
+    const int azimuth = static_cast<int>(std::lround(360.0 * time_ms)) % 36000;
+    packets.push_back({std::llround(1e6 * time_ms), 2368,
+                       velodyne_packet(static_cast<std::uint32_t>(std::lround(1e3 * time_ms)),
+                                       azimuths(azimuth, 0))});
+  };
+  for (int i = 0; i <= 13; ++i) add(10.0 * i);         // up to 108 degrees of the second turn
+  for (int i = 0; i < 20; ++i) add(229.5 + 10.0 * i);  // from 106.2 degrees of the third turn on
+  const Decoded d = decoded(packets, stream_of(VelodyneModel::kVlp16));
+  REQUIRE(d.scans.size() == 2);
+  CHECK(duration_s(d.scans[0]) == doctest::Approx(0.09).epsilon(0.02));
+  CHECK(duration_s(d.scans[1]) == doctest::Approx(0.09).epsilon(0.02));
+  CHECK(d.partial == 3);
 }
 
 TEST_CASE("time goes on over the hour, and a clock that is set ends a scan") {

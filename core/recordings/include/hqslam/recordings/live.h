@@ -23,7 +23,7 @@ struct LiveOptions {
   /// be there yet.
   std::string record = {};
   std::uint16_t http_port = 80;  ///< where an Ouster answers
-  /// Complete scans that wait; when another one comes, the oldest is dropped.
+  /// Complete scans that wait, at least 1; when another one comes, the oldest is dropped.
   int most_waiting = 2;
 };
 
@@ -63,7 +63,8 @@ struct LiveScan {
 /// alone are used. To be used by one thread at a time.
 class LiveSensor {
  public:
-  /// Opens the port. Throws Error: the port is in use, the sensor is unknown, a file is wrong.
+  /// Opens the port. Throws Error: the port is in use, the sensor is unknown, a file or an option
+  /// is wrong.
   explicit LiveSensor(const LiveOptions& options);
   ~LiveSensor();
   LiveSensor(const LiveSensor&) = delete;
@@ -84,7 +85,8 @@ class LiveSensor {
   std::string format() const;
   /// What a user should know, a line each.
   const std::vector<std::string>& warnings() const;
-  /// Begins to decode. `columns`: of the images, as for OpenOptions. Throws Error.
+  /// Begins to decode. `columns`: of the images, as for OpenOptions. Throws Error, also if it has
+  /// begun.
   void start(int columns = 0);
   /// The next scan, or nothing within that time. Throws Error if the port fails.
   std::optional<LiveScan> next(double timeout_s);

@@ -59,7 +59,7 @@ struct OusterFrame {
   std::vector<std::uint16_t> measurement_id;   ///< per column; 0 where it never came
   std::vector<std::uint32_t> status;           ///< per column; bit 0: it is valid
   std::int64_t first_capture_ns = 0;           ///< of the packet that came first
-  std::uint64_t first_timestamp_ns = 0;        ///< of that packet's first column
+  std::uint64_t first_timestamp_ns = 0;        ///< of that packet's first valid column
 };
 
 struct OusterOptions {

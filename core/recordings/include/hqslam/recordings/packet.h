@@ -31,7 +31,7 @@ struct Packet {
 class PacketSource {
  public:
   virtual ~PacketSource() = default;
-  /// The next packet, or nothing at the end. Throws Error for a recording that cannot be read on.
+  /// The next packet, or nothing at the end. Throws Error for a recording that cannot be read.
   virtual std::optional<Packet> next() = 0;
   /// What was left out, once all packets were read: "" or one line.
   virtual std::string complaint() const { return ""; }
@@ -39,7 +39,9 @@ class PacketSource {
 
 /// The UDP datagrams of a .pcap or .pcapng file (Ethernet with or without VLAN tags, Linux cooked,
 /// loopback or raw IP; fragments of IPv4 are put together). Frames that are no UDP are passed over.
-/// A file that ends in the middle of a frame ends before it. Throws Error.
+/// A file that ends in the middle of a frame ends before it; one that cannot be read on for another
+/// reason ends there and says so in complaint(). Throws Error, also if none of its packets can be
+/// read.
 std::unique_ptr<PacketSource> open_pcap(const std::string& path);
 
 }  // namespace hqslam::recordings

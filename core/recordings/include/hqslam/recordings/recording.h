@@ -24,10 +24,12 @@ enum class StreamKind {
 struct Stream {
   std::string name;  ///< the topic, or "192.168.1.201:2368"
   StreamKind kind = StreamKind::kOther;
-  std::string type;              ///< of a topic's messages
-  std::int64_t messages = 0;     ///< or packets
-  std::size_t packet_bytes = 0;  ///< of the most frequent size; 0 for topics
-  Endpoint endpoint;             ///< of a capture's stream
+  std::string type;           ///< of a topic's messages
+  std::int64_t messages = 0;  ///< or packets
+  /// Of a capture's packets the most frequent size, of a topic's the first one's; 0 for what is no
+  /// packets.
+  std::size_t packet_bytes = 0;
+  Endpoint endpoint;  ///< of a capture's stream
 };
 
 struct OpenOptions {

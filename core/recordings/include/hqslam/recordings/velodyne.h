@@ -65,13 +65,14 @@ struct VelodyneStream {
 
 /// Looks at packets from the beginning of a stream, all of kVelodynePacketBytes. The time between
 /// packets tells the model: some firmware lies in the factory byte, which decides only where the
-/// spacing is that of no model. Nothing if no packet is a Velodyne's.
+/// spacing is that of no model.
 class VelodyneProbe {
  public:
   VelodyneProbe();
   ~VelodyneProbe();
   void add(const Packet& packet);
-  /// `otherwise` is the model where neither spacing nor factory byte tell one.
+  /// `otherwise` is the model where neither spacing nor factory byte tell one. Nothing if no packet
+  /// is a Velodyne's, or nothing tells the model. Throws Error for an HDL-64E with two returns.
   std::optional<VelodyneStream> result(std::optional<VelodyneModel> otherwise = std::nullopt) const;
 
  private:
@@ -95,17 +96,17 @@ struct VelodyneOptions {
 
 /// Velodyne packets -> scans.
 ///
-/// A scan is one turn of the head, cut at stream.cut_azimuth_deg; what is before the first cut and
-/// behind the last one is a scan only if it has three quarters of the field of view. A point's row
-/// is that of its laser, its time the time of its firing by the sensor's clock, set by the time of
-/// recording; a scan's stamp is the middle between its first and its last firing. Azimuths are
-/// interpolated between the blocks of a packet. All beams start at the centre of the sensor (the
-/// lasers' heights above one another, up to 11 mm, are left out). Pulses without return are no
-/// points; points of a range that the sensor cannot measure are the projection's to drop.
-/// An HDL-64E's lasers count as firing at once, 48 us for all or what the packets' spacing says;
-/// it must send one return.
-/// Sources: the models' user manuals (VLP-16 63-9243, HDL-32E 63-9113, VLP-32C 63-9325, VLS-128
-/// 63-9483, HDL-64E S2 63-HDL64ES2), "Data packet format" and "Firing sequence timing".
+/// A scan is one turn of the head, cut at stream.cut_azimuth_deg, and where nothing came for a
+/// turn; what is before the first cut, behind the last one or beside such a gap is a scan only if
+/// it has three quarters of the field of view. A point's row is that of its laser, its time the
+/// time of its firing by the sensor's clock, set by the time of recording; a scan's stamp is the
+/// middle between its first and its last firing. Azimuths are interpolated between the blocks of a
+/// packet. All beams start at the centre of the sensor (the lasers' heights above one another, up
+/// to 11 mm, are left out). Pulses without return are no points; points of a range that the sensor
+/// cannot measure are the projection's to drop. An HDL-64E's lasers count as firing at once, 48 us
+/// for all or what the packets' spacing says; it must send one return. Sources: the models' user
+/// manuals (VLP-16 63-9243, HDL-32E 63-9113, VLP-32C 63-9325, VLS-128 63-9483, HDL-64E S2
+/// 63-HDL64ES2), "Data packet format" and "Firing sequence timing".
 class VelodyneDecoder {
  public:
   /// `sensor` gives elevation and azimuth offset of each row; as many rows as the model has lasers.
@@ -123,7 +124,7 @@ class VelodyneDecoder {
   void reuse(Scan scan);
 
   const PacketCounts& counts() const;
-  /// Turns that were cut short by the beginning or the end of the recording.
+  /// Turns that were cut short by the beginning or the end of the recording, or by a long gap.
   std::int64_t partial_scans() const;
 
  private:

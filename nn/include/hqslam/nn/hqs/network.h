@@ -46,10 +46,10 @@ class Network {
   /// number of values.
   virtual void set_parameters(std::span<const float> parameters) = 0;
 
-  /// measured: the measured rows, metres; what is not finite or not above 0 is no return. Returns
-  /// what the network says of every computed pixel, nothing emptied for want of confidence; a range
-  /// outside the sensor's limits is no return. `confidence` is for a tolerance of tolerance_m.
-  /// Throws Error for another shape.
+  /// measured: the measured rows, metres; 0 = no return, never negative or not finite, which
+  /// SuperResolver sees to. Returns what the network says of every computed pixel, nothing emptied
+  /// for want of confidence; a range outside the sensor's limits is no return. `confidence` is for
+  /// a tolerance of tolerance_m. Throws Error for another shape.
   virtual const LiftedImage& lift(const RangeImage& measured, float tolerance_m) = 0;
 
   /// What it says of every pixel before anything is emptied or put back, metres: the self-test of a
@@ -79,7 +79,7 @@ class Network {
 };
 
 /// `columns` may be fewer than the sensor's: cut-outs for training. Throws Error if the description
-/// is invalid or the network cannot have that many columns.
+/// is invalid, the network cannot have that many columns or the processor has not the instructions.
 std::unique_ptr<Network> make_network(const NetworkDescription& description, int columns,
                                       InstructionSet instruction_set, int threads);
 

@@ -21,6 +21,9 @@ struct OutlierRemovalOptions {
   float support_share = 0.0F;
 };
 
+/// Throws Error unless 0 < min_angle < pi/2, min_pixels >= 0 and 0 <= support_share < 1.
+void validate(const OutlierRemovalOptions& options);
+
 /// Q of eq. 10c: which pixels of a range image belong to small connected components. The
 /// components are those that a breadth-first search over N4 neighbours finds (ComponentLabeler in
 /// core, which the tests compare with), found here from runs of connected pixels in each row that
@@ -28,8 +31,7 @@ struct OutlierRemovalOptions {
 class OutlierRemoval {
  public:
   /// `columns` may be fewer than the sensor's: a cut-out of a scan, closed to a circle. Throws
-  /// Error unless 0 < min_angle < pi/2, min_pixels >= 0, 0 <= support_share < 1 and
-  /// 1 <= columns <= sensor.columns.
+  /// Error unless the options are valid and 1 <= columns <= sensor.columns.
   OutlierRemoval(const SensorModel& sensor, RowSelection measured_rows,
                  const OutlierRemovalOptions& options, int columns);
 

@@ -25,7 +25,7 @@ struct SuperResolverOptions {
   /// Error unless 0 to 1. Networks without a confidence ignore both.
   std::optional<float> least_confidence = std::nullopt;
   std::optional<InstructionSet> instruction_set =
-      std::nullopt;  ///< nothing: chosen_instruction_set()
+      std::nullopt;  ///< nothing: chosen_instruction_set(); Error where it is not available
 };
 
 /// Lifts the scans of a sensor with few rows to many.
