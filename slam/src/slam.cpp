@@ -142,7 +142,6 @@ void Slam::Implementation::follow(const OrganizedCloud& cloud, const Features& f
     }
     if (begins_stretch) {
       drift.lose(followed.state);
-      first_scan.reset();
       path.begin_stretch(way.unlocated_scans() - 1, mapping.key_frames());
       way = {};
     }
@@ -157,8 +156,10 @@ void Slam::Implementation::follow(const OrganizedCloud& cloud, const Features& f
       drift.move(motion);
     }
     make_reference(features, followed.state, report);
-    if (!place_recognition && (followed.is_located || goes_on) &&
-        mapping.is_key_frame(report.T_map_sensor)) {
+    const bool is_farther =
+        (followed.is_located || goes_on) && mapping.is_key_frame(report.T_map_sensor);
+    if (!place_recognition && (begins_stretch || is_farther)) {
+      first_scan.reset();  // no longer the only key frame: the map cannot begin anew with it
       add_key_frame(cloud, thinned, stopwatch, report, begins_stretch);
     }
   }

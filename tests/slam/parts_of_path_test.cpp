@@ -160,3 +160,33 @@ TEST_CASE("who is carried to a place never passed is followed there, in a part o
   CHECK(step.translation().norm() == doctest::Approx(29.0).epsilon(0.01));
   CHECK(driven.reports.back().mapping_status == Status::kOk);
 }
+
+TEST_CASE(
+    "who stood, was covered and stands elsewhere then is in a part of its own from there on") {
+  const SensorModel sensor = test::small_sensor(16, 360);
+  slam::Slam slam(sensor);
+  int scans = 0;
+  const auto process = [&](const OrganizedCloud& cloud) {
+    return slam.process(cloud, 0.1 * scans++);
+  };
+  const test::Village village = street(31);
+  for (const Pose& T_street_sensor : steps(0.0, 0.0, 10, true)) {
+    process(village.scan(sensor, T_street_sensor));
+  }
+  const OrganizedCloud standing = village.scan(sensor, test::yard_pose(9.0, 0.0, 0.0));
+  for (int i = 0; i < 10; ++i) process(standing);
+  for (int i = 0; i < 20; ++i) process(OrganizedCloud(sensor.rows(), sensor.columns));
+  const std::size_t points_before = slam.map_points_m().size();
+  test::Yard elsewhere;
+  elsewhere.pillars = false;
+  const OrganizedCloud there = elsewhere.scan(sensor, test::yard_pose(5.0, 3.0, 1.0));
+  const slam::ScanReport first = process(there);
+  const Pose T_standing_there = slam.trajectory()[19].T_map_sensor.inverse() * first.T_map_sensor;
+  CHECK(T_standing_there.translation().norm() < 0.1);  // nothing tells of the way
+  CHECK(first.key_frame);
+  for (int i = 0; i < 5; ++i) CHECK(process(there).mapping_status == Status::kOk);
+  CHECK(slam.map_points_m().size() > points_before);
+  CHECK(slam.part_of_scan()[19] == 0);
+  CHECK(slam.part_of_scan().back() == 1);
+  CHECK(slam.saved_map().places.size() < 4);  // of the street alone
+}
