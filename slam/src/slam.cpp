@@ -1,7 +1,6 @@
 #include "hqslam/slam/slam.h"
 
 #include "front_end/scan_check.h"
-#include "loops/loop_verification.h"
 #include "map/choice_of_start.h"
 #include "slam_implementation.h"
 #include "thread_limit.h"
@@ -22,10 +21,6 @@ SlamOptions validated(const SlamOptions& options) {
 
 /// A sensor that is followed no longer is believed to keep its velocity for so long.
 constexpr double kSteady_periods = 10.0;
-
-/// In a given map a scan of which less stands where the map has something stands elsewhere: 0.15
-/// and more at the edge of the map, 0.06 at a wrong place, measured. The ground fits everywhere.
-constexpr double kMinOverlapInGivenMap = 0.1;
 
 /// Whether a sensor that is not carried can have moved so much otherwise than it was expected to.
 bool is_plausible(const Twist& surprise, double duration_s) {
@@ -183,8 +178,7 @@ Slam::Implementation::Followed Slam::Implementation::locate(const Features& feat
   report.times.odometry_s += stopwatch.lap_s();
 
   MappingResult located = locate_from_both(mapping, thinned, {expected, T_map_moved, duration_s});
-  if (place_recognition &&
-      fit_of(thinned, mapping.map(), located.state.T_map_sensor).overlap < kMinOverlapInGivenMap) {
+  if (place_recognition && !is_in_given_map(thinned, located.state)) {
     located.status = Status::kTooFewFeatures;
   }
   const bool is_elsewhere = way.leads_elsewhere(located.standing_share);
