@@ -281,6 +281,7 @@ ScanReport Slam::process(const OrganizedCloud& cloud, double stamp_s) {
 }
 
 std::vector<LoopReport> Slam::finish() {
+  const ThreadLimit limit(implementation_->options.threads);
   std::vector<LoopReport> reports;
   if (!implementation_->loop_closing) return reports;
   while (const auto found = implementation_->loop_closing->finish()) {

@@ -177,4 +177,6 @@ TEST_CASE("a map that cannot be located in is refused, and one that has no place
   open.loop_closing.enabled = false;
   CHECK_THROWS_WITH_AS(slam::Slam(sensor(), open).saved_map(), doctest::Contains("loop closing"),
                        Error);
+  const slam::Slam given(sensor(), slam::SlamOptions(), driven(street(31)));
+  CHECK_THROWS_WITH_AS(given.saved_map(), doctest::Contains("given map"), Error);
 }

@@ -118,7 +118,7 @@ class Slam {
   std::vector<Eigen::Vector3f> map_points_m() const;
 
   /// What later drives are located in: of several parts the one with most places. Throws Error
-  /// unless loop closing is switched on, which knows the places.
+  /// unless loop closing is switched on, which knows the places, and after locating in a given map.
   SavedMap saved_map() const;
 
  private:
