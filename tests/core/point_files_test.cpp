@@ -108,6 +108,18 @@ TEST_CASE(".ply files of both forms are read") {
         doctest::Approx(0.045));
 }
 
+TEST_CASE("a .ply file may announce as many points as a map has, if it is as long") {
+  const TemporaryDirectory directory;
+  const auto complaint = [&](const std::string& points) {
+    write_file(directory.file("map.ply"),
+               "ply\nformat binary_little_endian 1.0\nelement vertex " + points +
+                   "\nproperty float x\nproperty float y\nproperty float z\nend_header\n123");
+    return error_message([&] { only_scan(directory.file("map.ply"), sensor_preset("vlp-16")); });
+  };
+  CHECK(one_line_with(complaint("60000000"), "60000000 points of 12 bytes", "'3 bytes'"));
+  CHECK(one_line_with(complaint("67108865"), "a number of points up to 67108864"));
+}
+
 TEST_CASE("damaged point files are read or refused, nothing else") {
   const TemporaryDirectory directory;
   const SensorModel sensor = sensor_preset("vlp-16");
