@@ -291,26 +291,3 @@ TEST_CASE("who asks for the map gets it from as many threads as the option says"
   caller.join();
   CHECK(more < kOfCaller / 2);
 }
-
-TEST_CASE("a map that went on before a scan was located in it loses nothing when one is") {
-  // What is seen within 15 m is too little for this map, not for the odometry.
-  const SensorModel sensor = test::small_sensor(16, 1024);
-  slam::SlamOptions options;
-  options.mapping.min_correspondences = 1000;
-  slam::Slam slam(sensor, options);
-  std::size_t points_before = 0;
-  for (int i = 0; i < 14; ++i) {
-    OrganizedCloud scan = drive_scan(sensor, i);
-    for (float& range_m : scan.range_m) {
-      if (i < 8 && range_m > 15.0F) range_m = 0.0F;
-    }
-    const slam::ScanReport report = slam.process(scan, i * kPeriod_s);
-    const std::size_t points = slam.map_points_m().size();
-    CAPTURE(i);
-    if (i == 7) CHECK(report.key_frame);
-    if (i >= 1) CHECK(is_located(report.mapping_status) == (i >= 9));
-    CHECK(points > 0.99 * static_cast<double>(points_before));
-    points_before = points;
-  }
-  CHECK(slam.part_of_scan().back() == 0);
-}
