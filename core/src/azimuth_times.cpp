@@ -24,16 +24,19 @@ double head_rad(const Scan& scan, std::size_t i, const SensorModel& sensor) {
 
 }  // namespace
 
-void AzimuthTimes::set(Scan& scan, const SensorModel& sensor) {
-  const std::int64_t index = scans_++;
+void AzimuthTimes::set(Scan& scan, const SensorModel& sensor, std::size_t index) {
+  if (!first_index_) first_index_ = index;
+  const auto scans_before = static_cast<double>(index - *first_index_);
   scan.time_offset_s.clear();
   if (scan.points_m.empty()) {
-    scan.stamp_s = (static_cast<double>(index) + 0.5) * scan_period_s_;
+    scan.stamp_s = (scans_before + 0.5) * scan_period_s_;
     return;
   }
   std::vector<double> turned_rad;
   turned_rad.reserve(scan.points_m.size());
-  double turned = begun_ ? turned_rad_ : head_rad(scan, 0, sensor);
+  // The head turned on while scans were missing.
+  double turned = last_index_ ? turned_rad_ + kTwoPi * static_cast<double>(index - *last_index_ - 1)
+                              : head_rad(scan, 0, sensor) + kTwoPi * scans_before;
   for (std::size_t i = 0; i < scan.points_m.size(); ++i) {
     turned += wrapped(head_rad(scan, i, sensor) - turned);
     turned_rad.push_back(turned);
@@ -44,11 +47,11 @@ void AzimuthTimes::set(Scan& scan, const SensorModel& sensor) {
       const double from_back = wrapped(head_rad(scan, i, sensor)) / kTwoPi;  // -1/2 .. 1/2
       scan.time_offset_s.push_back(static_cast<float>(from_back * scan_period_s_));
     }
-    scan.stamp_s = (static_cast<double>(index) + 0.5) * scan_period_s_;
+    scan.stamp_s = (scans_before + 0.5) * scan_period_s_;
     return;
   }
-  if (!begun_) first_turned_rad_ = turned_rad.front();
-  begun_ = true;
+  if (!last_index_) first_turned_rad_ = head_rad(scan, 0, sensor);
+  last_index_ = index;
   turned_rad_ = turned;
   const double middle_rad = (*least + *most) / 2.0;
   const double s_per_rad = scan_period_s_ / kTwoPi;

@@ -181,7 +181,9 @@ class FileScanSource : public ScanSource {
 
   RecordedScan recorded(const std::string& path, std::size_t index) {
     Scan scan = scan_with_rows(path, sensor_, true);
-    if (times_from_azimuth_ && scan.time_offset_s.empty()) azimuth_times_.set(scan, sensor_);
+    if (times_from_azimuth_ && scan.time_offset_s.empty()) {
+      azimuth_times_.set(scan, sensor_, index);
+    }
     ProjectedScan projected = project(scan, sensor_);
     require_directions_of(sensor_, projected.counts, scan.points_m.size(), path);
     RecordedScan result;

@@ -14,6 +14,7 @@ namespace hqslam {
 namespace {
 
 constexpr double kMaxForeignShare = 0.5;
+constexpr std::int64_t kImagesToTry = 10;
 
 void flip_rows(RangeImage& image) {
   for (int row = 0; row < image.rows / 2; ++row) {
@@ -54,17 +55,18 @@ class ImageStackSource : public ScanSource {
 
   std::optional<RecordedScan> next() override {
     if (next_ == reader_.images()) return std::nullopt;
+    const std::int64_t index = next_++;
     RecordedScan result;
-    result.name = fmt::format("{}[{}]", path_, next_);
-    const auto index = static_cast<std::size_t>(next_);
-    result.stamp_s =
-        stamps_s_.empty() ? static_cast<double>(next_) * sensor_.scan_period_s : stamps_s_[index];
-    RangeImage image = reader_.read(next_);
+    result.name = fmt::format("{}[{}]", path_, index);
+    result.stamp_s = stamps_s_.empty() ? static_cast<double>(index) * sensor_.scan_period_s
+                                       : stamps_s_[static_cast<std::size_t>(index)];
+    RangeImage image = reader_.read(index);
     remove_bad_pixels(image, result);
+    require_ranges_of_sensor(result, index);
+    any_used_ = true;
     if (row_order_ == RowOrder::kLowestFirst) flip_rows(image);
     result.cloud = unproject(image, sensor_, capture_time_);
-    if (confidence_) result.cloud.confidence = confidence_of(image);
-    ++next_;
+    if (confidence_) result.cloud.confidence = confidence_of(image, index);
     return result;
   }
 
@@ -81,9 +83,9 @@ class ImageStackSource : public ScanSource {
     }
   }
 
-  /// Of the next scan's pixels; 0 where there is no return and for what is no probability.
-  std::vector<float> confidence_of(const RangeImage& image) {
-    RangeImage confidence = confidence_->read(next_);
+  /// Of an image's pixels; 0 where there is no return and for what is no probability.
+  std::vector<float> confidence_of(const RangeImage& image, std::int64_t index) {
+    RangeImage confidence = confidence_->read(index);
     if (row_order_ == RowOrder::kLowestFirst) flip_rows(confidence);
     for (std::size_t i = 0; i < confidence.range_m.size(); ++i) {
       float& value = confidence.range_m[i];
@@ -123,15 +125,19 @@ class ImageStackSource : public ScanSource {
         ++result.counts.kept;
       }
     }
-    const std::int64_t pixels = static_cast<std::int64_t>(image.range_m.size());
-    const double share = static_cast<double>(result.counts.out_of_range + result.invalid_points) /
-                         static_cast<double>(pixels);
-    if (share > kMaxForeignShare) {
-      throw Error(fmt::format(
-          "{}: expected ranges from {} to {} m (sensor '{}') and 0 for no "
-          "return, found {:.0f} % of the pixels outside; give ranges in metres",
-          result.name, sensor_.min_range_m, sensor_.max_range_m, sensor_.name, 100.0 * share));
-    }
+  }
+
+  /// One image may be damaged; if the first ones all are, the stack is not what it should be.
+  void require_ranges_of_sensor(const RecordedScan& scan, std::int64_t index) const {
+    const double share = static_cast<double>(scan.counts.out_of_range + scan.invalid_points) /
+                         static_cast<double>(sensor_.rows() * sensor_.columns);
+    if (share <= kMaxForeignShare) return;
+    const std::string error = fmt::format(
+        "{}: expected ranges from {} to {} m (sensor '{}') and 0 for no "
+        "return, found {:.0f} % of the pixels outside; give ranges in metres",
+        scan.name, sensor_.min_range_m, sensor_.max_range_m, sensor_.name, 100.0 * share);
+    if (!any_used_ && index + 1 >= std::min(kImagesToTry, reader_.images())) throw Error(error);
+    throw ScanError(error);
   }
 
   std::string path_;
@@ -142,6 +148,7 @@ class ImageStackSource : public ScanSource {
   NpyStackReader reader_;
   std::optional<NpyStackReader> confidence_;
   std::int64_t next_ = 0;
+  bool any_used_ = false;
 };
 
 }  // namespace

@@ -16,7 +16,7 @@ namespace {
 constexpr std::size_t kMaxFields = 256;
 constexpr std::size_t kMaxCount = 65536;
 constexpr std::size_t kMaxHeaderLines = 64;
-constexpr std::size_t kMaxPoints = std::size_t{1} << 25U;  // a large map; scans are a hundredth
+constexpr std::size_t kMaxPoints = std::size_t{1} << 26U;  // a large map; scans are a hundredth
 
 using Words = std::vector<std::string_view>;
 

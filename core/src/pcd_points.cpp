@@ -14,7 +14,7 @@ static_assert(std::endian::native == std::endian::little, "files are little-endi
 
 namespace {
 
-/// As much as the most points that a header may announce take with 32 bytes each.
+/// As much as the most points that a header may announce take with 16 bytes each.
 constexpr std::size_t kMaxDecompressedBytes = std::size_t{1} << 30U;
 
 }  // namespace

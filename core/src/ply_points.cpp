@@ -15,7 +15,7 @@ namespace hqslam {
 namespace {
 
 constexpr std::size_t kMaxFileBytes = std::size_t{1} << 31U;
-constexpr std::size_t kMaxPoints = 33'000'000;
+constexpr std::size_t kMaxPoints = std::size_t{1} << 26U;  // a large map
 constexpr std::size_t kMaxProperties = 200;
 
 struct TypeName {

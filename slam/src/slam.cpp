@@ -1,7 +1,6 @@
 #include "hqslam/slam/slam.h"
 
 #include "front_end/scan_check.h"
-#include "loops/loop_verification.h"
 #include "map/choice_of_start.h"
 #include "slam_implementation.h"
 #include "thread_limit.h"
@@ -22,10 +21,6 @@ SlamOptions validated(const SlamOptions& options) {
 
 /// A sensor that is followed no longer is believed to keep its velocity for so long.
 constexpr double kSteady_periods = 10.0;
-
-/// In a given map a scan of which less stands where the map has something stands elsewhere: 0.15
-/// and more at the edge of the map, 0.06 at a wrong place, measured. The ground fits everywhere.
-constexpr double kMinOverlapInGivenMap = 0.1;
 
 /// Whether a sensor that is not carried can have moved so much otherwise than it was expected to.
 bool is_plausible(const Twist& surprise, double duration_s) {
@@ -142,7 +137,6 @@ void Slam::Implementation::follow(const OrganizedCloud& cloud, const Features& f
     }
     if (begins_stretch) {
       drift.lose(followed.state);
-      first_scan.reset();
       path.begin_stretch(way.unlocated_scans() - 1, mapping.key_frames());
       way = {};
     }
@@ -157,8 +151,10 @@ void Slam::Implementation::follow(const OrganizedCloud& cloud, const Features& f
       drift.move(motion);
     }
     make_reference(features, followed.state, report);
-    if (!place_recognition && (followed.is_located || goes_on) &&
-        mapping.is_key_frame(report.T_map_sensor)) {
+    const bool is_farther =
+        (followed.is_located || goes_on) && mapping.is_key_frame(report.T_map_sensor);
+    if (!place_recognition && (begins_stretch || is_farther)) {
+      first_scan.reset();  // no longer the only key frame: the map cannot begin anew with it
       add_key_frame(cloud, thinned, stopwatch, report, begins_stretch);
     }
   }
@@ -182,8 +178,7 @@ Slam::Implementation::Followed Slam::Implementation::locate(const Features& feat
   report.times.odometry_s += stopwatch.lap_s();
 
   MappingResult located = locate_from_both(mapping, thinned, {expected, T_map_moved, duration_s});
-  if (place_recognition &&
-      fit_of(thinned, mapping.map(), located.state.T_map_sensor).overlap < kMinOverlapInGivenMap) {
+  if (place_recognition && !is_in_given_map(thinned, located.state)) {
     located.status = Status::kTooFewFeatures;
   }
   const bool is_elsewhere = way.leads_elsewhere(located.standing_share);
@@ -286,6 +281,7 @@ ScanReport Slam::process(const OrganizedCloud& cloud, double stamp_s) {
 }
 
 std::vector<LoopReport> Slam::finish() {
+  const ThreadLimit limit(implementation_->options.threads);
   std::vector<LoopReport> reports;
   if (!implementation_->loop_closing) return reports;
   while (const auto found = implementation_->loop_closing->finish()) {

@@ -69,6 +69,7 @@ struct Slam::Implementation {
              ScanReport& report);
   void recognize_place(const OrganizedCloud& cloud, const Features& features, Stopwatch& stopwatch,
                        ScanReport& report);
+  bool is_in_given_map(const MapFeatures& thinned, const MotionState& state) const;
   void follow(const OrganizedCloud& cloud, const Features& features, Stopwatch& stopwatch,
               ScanReport& report);
   Followed locate(const Features& features, const MapFeatures& thinned, Stopwatch& stopwatch,

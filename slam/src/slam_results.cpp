@@ -5,6 +5,7 @@
 #include "hqslam/core/error.h"
 #include "hqslam/slam/saved_map.h"
 #include "slam_implementation.h"
+#include "thread_limit.h"
 
 namespace hqslam::slam {
 
@@ -19,6 +20,7 @@ const std::vector<std::size_t>& Slam::stretch_of_scan() const {
 std::vector<std::size_t> Slam::part_of_scan() const { return implementation_->path.part_of_scan(); }
 
 std::vector<Eigen::Vector3f> Slam::map_points_m() const {
+  const ThreadLimit limit(implementation_->options.threads);
   const FeatureMaps& matched_with = implementation_->mapping.map();
   const auto& loop_closing = implementation_->loop_closing;
   std::vector<Eigen::Vector3f> result;
@@ -33,9 +35,17 @@ std::vector<Eigen::Vector3f> Slam::map_points_m() const {
 }
 
 SavedMap Slam::saved_map() const {
+  const ThreadLimit limit(implementation_->options.threads);
   const auto& loop_closing = implementation_->loop_closing;
-  if (!loop_closing || !implementation_->options.loop_closing.enabled) {
-    throw Error("expected loop closing, which knows the places of a map; switch it on");
+  if (!loop_closing) {
+    throw Error(
+        "expected a drive that makes a map of its own, found one located in a given map, which "
+        "stays as it is; save the map of a drive without one");
+  }
+  if (!implementation_->options.loop_closing.enabled) {
+    throw Error(
+        "expected loop closing, which knows the places of a map, found it switched off; switch it "
+        "on");
   }
   const std::vector<FeatureMaps> parts = loop_closing->whole_map(implementation_->mapping.map());
   SavedMap result;

@@ -276,18 +276,18 @@ TEST_CASE("a file that is no point cloud is refused with file, expected and foun
 }
 
 TEST_CASE("counts that overflow or exceed the file are refused before anything is allocated") {
-  std::string huge = "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 33554432\nHEIGHT 1\nDATA ";
+  std::string huge = "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 67108864\nHEIGHT 1\nDATA ";
   CHECK(one_line_with(complaint_about(huge + "ascii\n1 2 3\n"), "truncated"));
   CHECK(one_line_with(complaint_about(huge + "binary\n1 2 3\n"), "truncated"));
   CHECK(one_line_with(complaint_about(huge + "binary_compressed\n1 2 3\n"), "truncated"));
   const std::string overflow =
       "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 4294967296\n"
       "HEIGHT 4294967296\nDATA ascii\n1 2 3\n";
-  CHECK(one_line_with(complaint_about(overflow), "WIDTH", "up to 33554432"));
+  CHECK(one_line_with(complaint_about(overflow), "WIDTH", "up to 67108864"));
   const std::string product =
-      "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 33554432\n"
+      "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 67108864\n"
       "HEIGHT 2\nDATA ascii\n1 2 3\n";
-  CHECK(one_line_with(complaint_about(product), "POINTS", "33554432 x 2"));
+  CHECK(one_line_with(complaint_about(product), "POINTS", "67108864 x 2"));
   const std::string none =
       "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 0 1 1\nWIDTH 1\nHEIGHT 1\n"
       "DATA binary\n12345678";

@@ -108,6 +108,18 @@ TEST_CASE(".ply files of both forms are read") {
         doctest::Approx(0.045));
 }
 
+TEST_CASE("a .ply file may announce as many points as a map has, if it is as long") {
+  const TemporaryDirectory directory;
+  const auto complaint = [&](const std::string& points) {
+    write_file(directory.file("map.ply"),
+               "ply\nformat binary_little_endian 1.0\nelement vertex " + points +
+                   "\nproperty float x\nproperty float y\nproperty float z\nend_header\n123");
+    return error_message([&] { only_scan(directory.file("map.ply"), sensor_preset("vlp-16")); });
+  };
+  CHECK(one_line_with(complaint("60000000"), "60000000 points of 12 bytes", "'3 bytes'"));
+  CHECK(one_line_with(complaint("67108865"), "a number of points up to 67108864"));
+}
+
 TEST_CASE("damaged point files are read or refused, nothing else") {
   const TemporaryDirectory directory;
   const SensorModel sensor = sensor_preset("vlp-16");
@@ -198,6 +210,49 @@ TEST_CASE("points without times get that of their azimuth, counted on from scan 
     for (const float offset_s : scan->cloud.time_offset_s) CHECK(std::abs(offset_s) < 0.051F);
   }
   CHECK(open_recording(directory.path().string(), sensor)->next()->cloud.time_offset_s.empty());
+}
+
+TEST_CASE("turns are counted on over scans that cannot be read or have no points") {
+  const SensorModel sensor = sensor_preset("vlp-16");
+  const auto stamps_s = [&](int missing, const std::string& contents) {
+    const TemporaryDirectory directory;
+    for (int i = 0; i < 4; ++i) {
+      write_file(directory.file(std::to_string(i) + ".txt"),
+                 i == missing ? contents : firing_order(40.0 + 364.0 * i, 364.0));
+    }
+    const auto source =
+        open_recording(directory.path().string(), sensor, {.times_from_azimuth = true});
+    std::vector<double> result;
+    for (int i = 0; i < 4; ++i) {
+      try {
+        result.push_back(source->next()->stamp_s);
+      } catch (const ScanError&) {
+        CHECK(i == missing);
+      }
+    }
+    return result;
+  };
+  const auto middle_s = [](int i) {
+    return doctest::Approx(0.1 * 364.0 / 360.0 * (i + 0.5)).epsilon(0.002);
+  };
+  const std::string no_points = "nan nan nan 7 0\n";
+  for (const int missing : {1, 2}) {
+    CAPTURE(missing);
+    const std::vector<double> read_s = stamps_s(missing, "this is no scan");
+    REQUIRE(read_s.size() == 3);
+    CHECK(read_s[0] == middle_s(0));
+    CHECK(read_s[1] == middle_s(missing == 1 ? 2 : 1));
+    CHECK(read_s[2] == middle_s(3));
+    const std::vector<double> all_s = stamps_s(missing, no_points);
+    REQUIRE(all_s.size() == 4);
+    CHECK(all_s[missing] == doctest::Approx(0.1 * (missing + 0.5)));
+    CHECK(all_s[missing + 1] == middle_s(missing + 1));
+    CHECK(all_s[3] == middle_s(3));
+  }
+  // The first scan that is read is where the times begin.
+  CHECK(stamps_s(0, "this is no scan").front() == middle_s(0));
+  CHECK(stamps_s(0, no_points).front() == doctest::Approx(0.05));
+  CHECK(stamps_s(0, no_points)[1] == doctest::Approx(0.1 + 0.05 * 364.0 / 360.0).epsilon(0.002));
 }
 
 TEST_CASE("a unit whose beams are off the table by a degree is read with its own") {

@@ -205,6 +205,35 @@ TEST_CASE("a simulated drive is opened with the sensor it was made with and no o
                       "'hdl-32e' (32 rows"));
 }
 
+TEST_CASE("an image that cannot be the sensor's is left out of its stack, the next one comes") {
+  const TemporaryDirectory directory;
+  const SensorModel sensor = sensor_preset("vlp-16");
+  const auto stack = [&](int images, const auto& is_good) {
+    RangeImage foreign(sensor.rows(), sensor.columns);
+    std::fill(foreign.range_m.begin(), foreign.range_m.end(), 5000.0F);
+    NpyStackWriter writer(directory.file("scans.npy"), 16, sensor.columns);
+    for (int i = 0; i < images; ++i) writer.append(is_good(i) ? an_image(sensor) : foreign);
+    return open_recording(directory.file("scans.npy"), sensor);
+  };
+  const auto one_is_not = stack(4, [](int i) { return i != 1; });
+  CHECK(one_is_not->next());
+  CHECK_THROWS_AS(one_is_not->next(), ScanError);
+  CHECK(one_is_not->next()->stamp_s == doctest::Approx(0.2));
+  CHECK(one_is_not->next()->name.ends_with("[3]"));
+  CHECK_FALSE(one_is_not->next());
+  // A stack whose first images all are foreign is another sensor's.
+  const auto none_is = stack(12, [](int) { return false; });
+  for (int i = 0; i < 9; ++i) CHECK_THROWS_AS(none_is->next(), ScanError);
+  bool ended = false;
+  try {
+    none_is->next();
+  } catch (const ScanError&) {
+  } catch (const Error&) {
+    ended = true;
+  }
+  CHECK(ended);
+}
+
 TEST_CASE("a folder's sensor is another one if its scans take longer") {
   const TemporaryDirectory directory;
   const SensorModel sensor = sensor_preset("vlp-16");

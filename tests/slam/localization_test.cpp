@@ -9,7 +9,7 @@
 #include "hqslam/slam/saved_map.h"
 #include "hqslam/slam/slam.h"
 #include "slam/village.h"
-#include "slam/yard.h"
+#include "slam/yard_drive.h"
 
 using namespace hqslam;
 using slam::Status;
@@ -145,6 +145,30 @@ TEST_CASE("a sensor that is carried along the street is found there after a few 
   CHECK(located >= 13);
 }
 
+TEST_CASE("a sensor that spins fast is located in a given map as one that stands is") {
+  slam::Slam mapped(sensor());
+  for (int i = 0; i < 40; ++i) mapped.process(test::drive_scan(sensor(), i), 0.1 * i);
+  mapped.finish();
+  const Pose T_yard_start = test::drive_pose(2.0);
+  const Pose T_map_yard = test::drive_pose(0.0).inverse();
+  const auto T_yard_sensor = [&](double time_s) {
+    const double turned_rad = 0.75 * time_s * std::abs(time_s);
+    return Pose(T_yard_start * Eigen::AngleAxisd(turned_rad, Eigen::Vector3d::UnitZ()));
+  };
+  slam::Slam slam(sensor(), slam::SlamOptions(), mapped.saved_map(), T_map_yard * T_yard_start);
+  for (int i = 0; i < 40; ++i) {
+    const auto report =
+        slam.process(test::Yard().rolling_scan(
+                         sensor(), [&](double t_s) { return T_yard_sensor(0.1 * i + t_s); }),
+                     0.1 * i);
+    const Pose error = report.T_map_sensor.inverse() * T_map_yard * T_yard_sensor(0.1 * i);
+    CAPTURE(i);
+    CHECK(is_located(report.mapping_status));
+    CHECK(error.translation().norm() < 0.1);
+    CHECK(rotation_angle_rad(error) < 0.01);
+  }
+}
+
 TEST_CASE("a map that cannot be located in is refused, and one that has no places is not saved") {
   const slam::SavedMap empty;
   CHECK_THROWS_WITH_AS(slam::Slam(sensor(), slam::SlamOptions(), empty),
@@ -153,4 +177,6 @@ TEST_CASE("a map that cannot be located in is refused, and one that has no place
   open.loop_closing.enabled = false;
   CHECK_THROWS_WITH_AS(slam::Slam(sensor(), open).saved_map(), doctest::Contains("loop closing"),
                        Error);
+  const slam::Slam given(sensor(), slam::SlamOptions(), driven(street(31)));
+  CHECK_THROWS_WITH_AS(given.saved_map(), doctest::Contains("given map"), Error);
 }

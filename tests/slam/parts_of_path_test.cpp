@@ -11,7 +11,7 @@
 #include "hqslam/slam/options.h"
 #include "hqslam/slam/slam.h"
 #include "slam/village.h"
-#include "slam/yard.h"
+#include "slam/yard_drive.h"
 
 using namespace hqslam;
 using slam::Status;
@@ -159,4 +159,57 @@ TEST_CASE("who is carried to a place never passed is followed there, in a part o
       driven.trajectory[100].T_map_sensor.inverse() * driven.trajectory[129].T_map_sensor;
   CHECK(step.translation().norm() == doctest::Approx(29.0).epsilon(0.01));
   CHECK(driven.reports.back().mapping_status == Status::kOk);
+}
+
+TEST_CASE(
+    "who stood, was covered and stands elsewhere then is in a part of its own from there on") {
+  const SensorModel sensor = test::small_sensor(16, 360);
+  slam::Slam slam(sensor);
+  int scans = 0;
+  const auto process = [&](const OrganizedCloud& cloud) {
+    return slam.process(cloud, 0.1 * scans++);
+  };
+  const test::Village village = street(31);
+  for (const Pose& T_street_sensor : steps(0.0, 0.0, 10, true)) {
+    process(village.scan(sensor, T_street_sensor));
+  }
+  const OrganizedCloud standing = village.scan(sensor, test::yard_pose(9.0, 0.0, 0.0));
+  for (int i = 0; i < 10; ++i) process(standing);
+  for (int i = 0; i < 20; ++i) process(OrganizedCloud(sensor.rows(), sensor.columns));
+  const std::size_t points_before = slam.map_points_m().size();
+  test::Yard elsewhere;
+  elsewhere.pillars = false;
+  const OrganizedCloud there = elsewhere.scan(sensor, test::yard_pose(5.0, 3.0, 1.0));
+  const slam::ScanReport first = process(there);
+  const Pose T_standing_there = slam.trajectory()[19].T_map_sensor.inverse() * first.T_map_sensor;
+  CHECK(T_standing_there.translation().norm() < 0.1);  // nothing tells of the way
+  CHECK(first.key_frame);
+  for (int i = 0; i < 5; ++i) CHECK(process(there).mapping_status == Status::kOk);
+  CHECK(slam.map_points_m().size() > points_before);
+  CHECK(slam.part_of_scan()[19] == 0);
+  CHECK(slam.part_of_scan().back() == 1);
+  CHECK(slam.saved_map().places.size() < 4);  // of the street alone
+}
+
+TEST_CASE("a map that went on before a scan was located in it loses nothing when one is") {
+  // What is seen within 15 m is too little for this map, not for the odometry.
+  const SensorModel sensor = test::small_sensor(16, 1024);
+  slam::SlamOptions options;
+  options.mapping.min_correspondences = 1000;
+  slam::Slam slam(sensor, options);
+  std::size_t points_before = 0;
+  for (int i = 0; i < 14; ++i) {
+    OrganizedCloud scan = test::drive_scan(sensor, i);
+    for (float& range_m : scan.range_m) {
+      if (i < 8 && range_m > 15.0F) range_m = 0.0F;
+    }
+    const slam::ScanReport report = slam.process(scan, i * test::kDrivePeriod_s);
+    const std::size_t points = slam.map_points_m().size();
+    CAPTURE(i);
+    if (i == 7) CHECK(report.key_frame);
+    if (i >= 1) CHECK(is_located(report.mapping_status) == (i >= 9));
+    CHECK(points > 0.99 * static_cast<double>(points_before));
+    points_before = points;
+  }
+  CHECK(slam.part_of_scan().back() == 0);
 }

@@ -4,9 +4,13 @@
 #include <omp.h>
 
 #include <cmath>
+#include <filesystem>
+#include <iterator>
 #include <random>
+#include <thread>
 
 #include "hqslam/slam/options.h"
+#include "hqslam/slam/saved_map.h"
 #include "slam/steady_drive.h"
 #include "slam/village.h"
 #include "slam/yard_drive.h"
@@ -261,4 +265,29 @@ TEST_CASE("the number of threads is an option, and the caller's own stays as it 
     CHECK(omp_get_max_threads() == before);
   }
   CHECK(last[0].matrix() == last[1].matrix());
+}
+
+TEST_CASE("who asks for the map gets it from as many threads as the option says") {
+  constexpr int kOfCaller = 40;
+  const auto threads = [] {
+    const auto tasks = std::filesystem::directory_iterator("/proc/self/task");
+    return std::distance(begin(tasks), end(tasks));
+  };
+  std::ptrdiff_t more = 0;
+  // A thread of its own has no OpenMP threads yet.
+  std::thread caller([&] {
+    omp_set_num_threads(kOfCaller);
+    const SensorModel sensor = test::small_sensor(16, 512);
+    slam::SlamOptions options;
+    options.threads = 1;
+    slam::Slam slam(sensor, options);
+    for (int i = 0; i < 5; ++i) slam.process(drive_scan(sensor, i), i * kPeriod_s);
+    const std::ptrdiff_t before = threads();
+    CHECK(slam.map_points_m().size() > 100);
+    CHECK(slam.saved_map().planes_m.size() > 100);
+    slam.finish();
+    more = threads() - before;
+  });
+  caller.join();
+  CHECK(more < kOfCaller / 2);
 }

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "alignment/cross_matrix.h"
+
 namespace hqslam::slam {
 
 namespace {
@@ -10,12 +12,6 @@ namespace {
 constexpr double kFading_s = 1.0;
 /// Of a new step in what was learnt about accelerations.
 constexpr double kNewShare = 0.05;
-
-Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
-  Eigen::Matrix3d m;
-  m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
-  return m;
-}
 
 Vector6 six(double linear, double angular) {
   Vector6 result;

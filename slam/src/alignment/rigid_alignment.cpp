@@ -5,13 +5,14 @@
 #include <Eigen/Eigenvalues>
 #include <cmath>
 
+#include "alignment/cross_matrix.h"
+#include "hqslam/slam/motion_state.h"
+
 namespace hqslam::slam {
 
 namespace {
 
 using Matrix3 = Eigen::Matrix3d;
-using Matrix6 = Eigen::Matrix<double, 6, 6>;
-using Vector6 = Eigen::Matrix<double, 6, 1>;
 
 /// Lever that makes a length of an angle in the observability test.
 constexpr double kLever_m = 10.0;
@@ -25,15 +26,10 @@ struct RotationWithDerivatives {
     const Matrix3 Ry = Eigen::AngleAxisd(pitch, Eigen::Vector3d::UnitY()).toRotationMatrix();
     const Matrix3 Rz = Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()).toRotationMatrix();
     // d exp(angle [axis]) / d angle = [axis] exp(angle [axis])
-    const auto generator = [](const Eigen::Vector3d& axis) {
-      Matrix3 cross;
-      cross << 0, -axis.z(), axis.y(), axis.z(), 0, -axis.x(), -axis.y(), axis.x(), 0;
-      return cross;
-    };
     R = Rz * Ry * Rx;
-    dR_droll = Rz * Ry * generator(Eigen::Vector3d::UnitX()) * Rx;
-    dR_dpitch = Rz * generator(Eigen::Vector3d::UnitY()) * Ry * Rx;
-    dR_dyaw = generator(Eigen::Vector3d::UnitZ()) * R;
+    dR_droll = Rz * Ry * cross_matrix(Eigen::Vector3d::UnitX()) * Rx;
+    dR_dpitch = Rz * cross_matrix(Eigen::Vector3d::UnitY()) * Ry * Rx;
+    dR_dyaw = cross_matrix(Eigen::Vector3d::UnitZ()) * R;
   }
 };
 

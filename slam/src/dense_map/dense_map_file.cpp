@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <bit>
-#include <cstring>
 #include <fstream>
 
 #include "hqslam/core/error.h"

@@ -3,7 +3,6 @@
 #include <Eigen/Core>
 #include <Eigen/Eigenvalues>
 #include <Eigen/QR>
-#include <algorithm>
 #include <array>
 #include <cmath>
 

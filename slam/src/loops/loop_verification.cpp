@@ -3,6 +3,7 @@
 #include <cmath>
 #include <optional>
 
+#include "hqslam/slam/motion_correction.h"
 #include "map/map_matching.h"
 
 namespace hqslam::slam {
@@ -62,16 +63,17 @@ bool slides(const MapFeatures& features, const Mapping& older_part, const Pose& 
 
 }  // namespace
 
-Fit fit_of(const MapFeatures& features, const FeatureMaps& map, const Pose& T_map_sensor) {
+Fit fit_of(const MapFeatures& features, const FeatureMaps& map, const MotionState& state) {
   FitSum sum;
-  for (const FeaturePoint& feature : features.edges) {
-    const Eigen::Vector3d point_m = T_map_sensor * feature.point_m.cast<double>();
+  for (const Eigen::Vector3f& edge_m : motion_corrected(features.edges, state.velocity)) {
+    const Eigen::Vector3d point_m = state.T_map_sensor * edge_m.cast<double>();
     const auto line = fit_line(map.edges.nearest(point_m.cast<float>()));
     sum.add(line ? std::optional(line->direction.cross(point_m - line->point_m).norm())
                  : std::nullopt);
   }
-  for (const FeaturePoint& feature : features.surfaces_to_locate) {
-    const Eigen::Vector3d point_m = T_map_sensor * feature.point_m.cast<double>();
+  for (const Eigen::Vector3f& surface_m :
+       motion_corrected(features.surfaces_to_locate, state.velocity)) {
+    const Eigen::Vector3d point_m = state.T_map_sensor * surface_m.cast<double>();
     const auto plane = fit_plane(map.planes.nearest(point_m.cast<float>()), kMaxPlaneResidual_m);
     sum.add(plane ? std::optional(std::abs(plane->normal.dot(point_m - plane->point_m)))
                   : std::nullopt);
@@ -91,7 +93,7 @@ VerifiedLoop verify_loop(const MapFeatures& features, const Mapping& older_part,
   // Where the pose can slide, edges that are none keep it moving to and fro.
   const bool settled = located.status == Status::kOk || located.status == Status::kDegenerate;
   if (!settled) return result;
-  result.fit = fit_of(features, older_part.map(), located.state.T_map_sensor);
+  result.fit = fit_of(features, older_part.map(), located.state);
   if (result.fit.overlap < kMinOverlap) {
     result.verdict = LoopVerdict::kLittleOverlap;
   } else if (result.fit.residual_m > kMaxResidual_m) {

@@ -9,8 +9,8 @@ struct Fit {
   double overlap = 0.0;     ///< share of edges and surfaces on a line or plane of the map
   double residual_m = 0.0;  ///< root mean square of their distances
 };
-/// The ground takes no part: it fits everywhere.
-Fit fit_of(const MapFeatures& features, const FeatureMaps& map, const Pose& T_map_sensor);
+/// Features are corrected for the state's motion. The ground takes no part: it fits everywhere.
+Fit fit_of(const MapFeatures& features, const FeatureMaps& map, const MotionState& state);
 
 enum class LoopVerdict {
   kAccepted,

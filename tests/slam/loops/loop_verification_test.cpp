@@ -72,7 +72,7 @@ TEST_CASE("a place that fits but could slide is refused") {
     const Pose pose = test::yard_pose(0.5, 0.2, 0.0);
     const auto features = test::features_of(corridor.scan(sensor, pose), sensor);
     const Pose start = test::yard_pose(0.9, 0.2, 0.0);
-    CHECK(slam::fit_of(features, map.map(), start).overlap > 0.5);
+    CHECK(slam::fit_of(features, map.map(), slam::unknown_motion(start)).overlap > 0.5);
     CHECK(slam::verify_loop(features, map, start).verdict != LoopVerdict::kAccepted);
   }
 }
@@ -82,7 +82,7 @@ TEST_CASE("where there is no map nothing is recognised") {
   const Pose pose = test::yard_pose(0.0, 0.0, 0.0);
   const auto features = test::features_of(street(1).scan(kSensor, pose), kSensor);
   CHECK(slam::verify_loop(features, nothing, pose).verdict == LoopVerdict::kNotRegistered);
-  CHECK(slam::fit_of(features, nothing.map(), pose).overlap == 0.0);
+  CHECK(slam::fit_of(features, nothing.map(), slam::unknown_motion(pose)).overlap == 0.0);
 }
 
 TEST_CASE("the fit counts edges and surfaces, by hand") {
@@ -98,7 +98,12 @@ TEST_CASE("the fit counts edges and surfaces, by hand") {
   slam::MapFeatures seen;
   seen.surfaces_to_locate = {
       {{4.9F, 2.2F, 2.2F}, 0.0F, 0}, {{5.0F, 2.2F, 3.2F}, 0.0F, 0}, {{3.0F, 2.2F, 2.2F}, 0.0F, 0}};
-  const slam::Fit fit = slam::fit_of(seen, map.map(), Pose::Identity());
+  const slam::Fit fit = slam::fit_of(seen, map.map(), {});
   CHECK(fit.overlap == doctest::Approx(2.0 / 3.0));
   CHECK(fit.residual_m == doctest::Approx(0.1 / std::sqrt(2.0)).epsilon(1e-3));
+  // Seen 0.1 s after and before the stamp, when the sensor was a metre nearer and farther away.
+  seen.surfaces_to_locate = {{{4.0F, 2.2F, 2.2F}, 0.1F, 0}, {{6.0F, 2.2F, 3.2F}, -0.1F, 0}};
+  slam::MotionState driving;
+  driving.velocity.linear.x() = 10.0;
+  CHECK(slam::fit_of(seen, map.map(), driving).overlap == 1.0);
 }

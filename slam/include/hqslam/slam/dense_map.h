@@ -62,9 +62,10 @@ struct DenseMapPoint {
 /// Source of the idea: occupancy grids, Moravec and Elfes 1985; Hornung et al., "OctoMap", 2013.
 /// Differs from OctoMap: one vote per scan and voxel; a beam votes against a voxel only if it
 /// passes near the points in it and ends well beyond (src/dense_map/see_through.h); neighbours
-/// count; nothing is clamped, so that the order of the scans does not matter.
+/// count; the odds are not clamped, so that the order of the scans does not matter.
 ///
-/// The same scans, in any order, give the same bytes, whatever the number of threads.
+/// The same scans, in any order, give the same bytes, whatever the number of threads, as long as no
+/// voxel has 131,072 measured points or more and max_voxels are not reached.
 class DenseMap {
  public:
   /// Throws Error if an option is invalid.

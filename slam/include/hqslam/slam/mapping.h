@@ -45,11 +45,11 @@ struct MappingResult {
 /// In: thinned features of a scan, a predicted pose. Out: the pose. Each edge feature is
 /// matched with the line through its five nearest edge points of the map, each post with the
 /// upright line through the nearest one of the map, each planar feature with the plane through its
-/// five nearest planar points; all six parameters are estimated by Levenberg-Marquardt; search and
-/// estimation alternate until the pose stands. Source: LOAM, section VI; LeGO-LOAM's
-/// mapOptmization.
+/// five nearest planar points; all six parameters are estimated, by a Gauss-Newton step to the most
+/// likely pose given these and the prediction; search and step alternate until the pose stands.
+/// Source: LOAM, section VI; LeGO-LOAM's mapOptmization.
 ///
-/// Differs from LeGO-LOAM: every scan is matched, not every third; the map is one incremental
+/// Differs from LeGO-LOAM: every scan is matched, not every fourth; the map is one incremental
 /// structure (FeatureMap), not rebuilt from key frames; the weight of a planar feature falls with
 /// its distance from the sensor, not from the origin of the map; planes are fitted about their
 /// centroid, so that a plane through the map's origin is as good as any; lines must be longer and

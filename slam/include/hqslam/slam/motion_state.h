@@ -28,8 +28,8 @@ struct MotionState {
   Matrix12 covariance = Matrix12::Identity();
 };
 
-/// A sensor that was just switched on: nothing is known about its velocity but what moves on
-/// earth, and its pose is the origin.
+/// A sensor that was just switched on at a pose that is known: nothing is known about its velocity
+/// but what moves on earth.
 MotionState unknown_motion(const Pose& T_map_sensor);
 
 /// How much velocities change: power spectral densities of white accelerations, per component

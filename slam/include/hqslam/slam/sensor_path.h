@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstddef>
-#include <vector>
 
 #include "hqslam/core/pose.h"
 #include "hqslam/core/trajectory.h"

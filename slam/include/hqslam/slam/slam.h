@@ -101,8 +101,8 @@ class Slam {
   /// are corrected: they differ then from those that were reported.
   const Trajectory& trajectory() const;
 
-  /// How the sensor is mounted, as SlamOptions::mounting says or, where that asks for it, as the
-  /// first scan with ground shows it: then it is `estimated`.
+  /// How the sensor is mounted, as SlamOptions::mounting says or, where that asks for it and one of
+  /// the scans up to the first that SLAM can begin with shows ground, as that does: `estimated`.
   MountingOptions mounting() const;
 
   /// Per scan the part of the map it is in; parts that were joined have one number. Between parts
@@ -118,7 +118,7 @@ class Slam {
   std::vector<Eigen::Vector3f> map_points_m() const;
 
   /// What later drives are located in: of several parts the one with most places. Throws Error
-  /// unless loop closing is switched on, which knows the places.
+  /// unless loop closing is switched on, which knows the places, and after locating in a given map.
   SavedMap saved_map() const;
 
  private:
