@@ -211,7 +211,7 @@ std::int64_t for_each_scan(const CompareOptions& options, const SensorModel& sen
     progress.update(i + 1);
   }
   progress.finish();
-  if (used == 0 && left_out.scans > 0) throw Error(left_out.text());
+  if (used == 0 && left_out.scans > 0 && !interrupt.stop_requested()) throw Error(left_out.text());
   if (left_out.scans > 0) to_stderr("hqslam: {}\n", left_out.text());
   return used;
 }

@@ -1,0 +1,109 @@
+#include <doctest/doctest.h>
+
+#include "error_message.h"
+#include "file_contents.h"
+#include "hqslam/core/npy.h"
+#include "hqslam/core/scan_source.h"
+#include "hqslam/core/trajectory.h"
+#include "temporary_directory.h"
+
+using namespace hqslam;
+using namespace hqslam::test;
+
+namespace {
+
+RangeImage a_wall(const SensorModel& sensor) {
+  RangeImage image(sensor.rows(), sensor.columns);
+  for (float& range_m : image.range_m) range_m = 5.0F;
+  return image;
+}
+
+std::string complaint_about(const std::string& path, const SensorModel& sensor) {
+  return error_message([&] {
+    const auto source = open_recording(path, sensor);
+    while (source->next()) {
+    }
+  });
+}
+
+}  // namespace
+
+TEST_CASE("an image that cannot be the sensor's is left out of its stack, the next one comes") {
+  const TemporaryDirectory directory;
+  const SensorModel sensor = sensor_preset("vlp-16");
+  const auto stack = [&](int images, const auto& is_good) {
+    RangeImage foreign(sensor.rows(), sensor.columns);
+    std::fill(foreign.range_m.begin(), foreign.range_m.end(), 5000.0F);
+    NpyStackWriter writer(directory.file("scans.npy"), 16, sensor.columns);
+    for (int i = 0; i < images; ++i) writer.append(is_good(i) ? a_wall(sensor) : foreign);
+    return open_recording(directory.file("scans.npy"), sensor);
+  };
+  const auto one_is_not = stack(4, [](int i) { return i != 1; });
+  CHECK(one_is_not->next());
+  CHECK_THROWS_AS(one_is_not->next(), ScanError);
+  CHECK(one_is_not->next()->stamp_s == doctest::Approx(0.2));
+  CHECK(one_is_not->next()->name.ends_with("[3]"));
+  CHECK_FALSE(one_is_not->next());
+  // A stack whose first images all are foreign is another sensor's.
+  const auto none_is = stack(12, [](int) { return false; });
+  for (int i = 0; i < 9; ++i) CHECK_THROWS_AS(none_is->next(), ScanError);
+  bool ended = false;
+  try {
+    none_is->next();
+  } catch (const ScanError&) {
+  } catch (const Error&) {
+    ended = true;
+  }
+  CHECK(ended);
+}
+
+TEST_CASE("the scans of a drive have the stamps of its truth, also where it was interrupted") {
+  const TemporaryDirectory directory;
+  const SensorModel sensor = sensor_preset("vlp-16");
+  write_sensor_json(sensor, directory.file("sensor.json"));
+  NpyStackWriter writer(directory.file("scans.npy"), 16, sensor.columns);
+  for (int i = 0; i < 3; ++i) writer.append(a_wall(sensor));
+  const std::string path = directory.path().string();
+  const auto with_truth_of = [&](int poses) {
+    Trajectory truth;
+    for (int i = 0; i < poses; ++i) truth.push_back({0.05 + 0.1 * i, Pose::Identity()});
+    write_tum(truth, directory.file("truth.tum"));
+  };
+  // Of a whole drive, of one that was lifted in part, of one whose last pose is missing.
+  for (const int poses : {3, 5, 2}) {
+    CAPTURE(poses);
+    with_truth_of(poses);
+    const auto source = open_recording(path, sensor);
+    for (int i = 0; i < 3; ++i) {
+      CHECK(source->next()->stamp_s == doctest::Approx(0.05 + 0.1 * i));
+    }
+  }
+  with_truth_of(1);
+  CHECK(one_line_with(complaint_about(path, sensor), "scans.npy", "3 images", "found 1",
+                      "truth.tum"));
+}
+
+TEST_CASE("images have the stamps that they are given, which go before those in their folder") {
+  const TemporaryDirectory directory;
+  const SensorModel sensor = sensor_preset("vlp-16");
+  write_sensor_json(sensor, directory.file("sensor.json"));
+  NpyStackWriter writer(directory.file("scans.npy"), 16, sensor.columns);
+  for (int i = 0; i < 2; ++i) writer.append(a_wall(sensor));
+  write_tum({{1.0, Pose::Identity()}, {2.0, Pose::Identity()}}, directory.file("truth.tum"));
+  write_file(directory.file("timestamps.txt"), "3\n4.5\n");
+  write_file(directory.file("given.txt"), "5\n6.5\n");
+  const auto second_stamp_s = [&](const std::string& path, const std::string& given) {
+    RecordingOptions options;
+    options.stamps = given;
+    const auto source = open_recording(path, sensor, options);
+    source->next();
+    return source->next()->stamp_s;
+  };
+  const std::string folder = directory.path().string();
+  CHECK(second_stamp_s(folder, "") == 4.5);
+  CHECK(second_stamp_s(folder, directory.file("given.txt")) == 6.5);
+  CHECK(second_stamp_s(directory.file("scans.npy"), "") == sensor.scan_period_s);
+  CHECK(second_stamp_s(directory.file("scans.npy"), directory.file("given.txt")) == 6.5);
+  CHECK(one_line_with(error_message([&] { second_stamp_s(folder, kStampsFromNames); }),
+                      "numbers in their names", "a file with a stamp per image"));
+}
