@@ -17,7 +17,7 @@
 #include "files/installed_weights.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/scan_source.h"
-#include "hqslam/nn/hqs/weights_file.h"
+#include "hqslam/nn/weights_file.h"
 #include "hqslam/sim/drive.h"
 #include "simulate/simulate_command.h"
 #include "terminal/exit_status.h"

@@ -6,7 +6,7 @@
 #include "compare/upsampling_comparison.h"
 #include "hqslam/core/organized_cloud.h"
 #include "hqslam/core/sensor_model.h"
-#include "hqslam/nn/hqs/super_resolver.h"
+#include "hqslam/nn/super_resolver.h"
 #include "hqslam/nn/upsampler.h"
 
 namespace hqslam::tools {
