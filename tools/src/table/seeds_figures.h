@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "hqslam/core/drift.h"
+#include "hqslam/evaluation/drift.h"
 #include "table/bootstrap.h"
 #include "table/table_plan.h"
 #include "table/table_result.h"

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "hqslam/core/trajectory_error.h"
+#include "hqslam/evaluation/trajectory_error.h"
 #include "recording/reference.h"
 #include "table/table_plan.h"
 #include "table/table_result.h"
