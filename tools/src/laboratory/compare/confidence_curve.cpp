@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "hqslam/core/cloud_error.h"
 #include "hqslam/core/error.h"
-#include "hqslam/core/image_error.h"
+#include "hqslam/evaluation/cloud_error.h"
+#include "hqslam/evaluation/image_error.h"
 #include "hqslam/nn/upsampled_cloud.h"
 
 namespace hqslam::tools {

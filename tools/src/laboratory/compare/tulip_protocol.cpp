@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "hqslam/core/image_error.h"
+#include "hqslam/evaluation/image_error.h"
 
 namespace hqslam::tools {
 namespace {

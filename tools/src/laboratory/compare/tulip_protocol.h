@@ -3,9 +3,9 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "hqslam/core/cloud_error.h"
 #include "hqslam/core/range_image.h"
 #include "hqslam/core/sensor_model.h"
+#include "hqslam/evaluation/cloud_error.h"
 
 namespace hqslam::tools {
 

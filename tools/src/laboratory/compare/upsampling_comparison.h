@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "hqslam/core/cloud_error.h"
-#include "hqslam/core/image_error.h"
 #include "hqslam/core/organized_cloud.h"
 #include "hqslam/core/range_image.h"
+#include "hqslam/evaluation/cloud_error.h"
+#include "hqslam/evaluation/image_error.h"
 #include "hqslam/nn/upsampler.h"
 
 namespace hqslam::tools {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "hqslam/core/trajectory_error.h"
+#include "hqslam/evaluation/trajectory_error.h"
 
 namespace hqslam::tools {
 namespace {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "hqslam/core/drift.h"
+#include "hqslam/evaluation/drift.h"
 #include "laboratory/table/bootstrap.h"
 #include "laboratory/table/table_plan.h"
 #include "laboratory/table/table_result.h"

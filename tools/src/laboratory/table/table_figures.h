@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "hqslam/core/trajectory_error.h"
+#include "hqslam/evaluation/trajectory_error.h"
 #include "laboratory/table/table_plan.h"
 #include "laboratory/table/table_result.h"
 #include "recording/reference.h"
