@@ -13,7 +13,8 @@ needs this script. It needs numpy and whichever peers are wanted:
     pip install numpy kiss-icp kiss-slam genz-icp small_gicp
 
 A peer that is not installed is left out, and said so. Times are those of the peer alone, median per
-scan; kiss-icp, kiss-slam and genz-icp take as many threads as there are cores, small_gicp one.
+scan; kiss-icp, kiss-slam and genz-icp take as many threads as there are cores, the others one.
+local-gicp is GICP of small_gicp against the last 20 scans.
 """
 
 import argparse
@@ -145,12 +146,81 @@ def small_gicp():
     return Gicp()
 
 
+def local_gicp():
+    import small_gicp as library
+
+    class LocalGicp:
+        """GICP against the points of the last 20 scans, begun at the pose that the last motion and
+        six turns about it lead to, the one with most inliers winning. Points are corrected for
+        the motion of the sweep, first by the last one and then by the one just found."""
+
+        TURNS_DEG = (0, -15, 15, -30, 30, -45, 45)
+
+        def __init__(self):
+            self.motion = numpy.identity(4)
+            self.poses = []
+            self.recent = []
+
+        def step(self, points, fractions):
+            pose = self.poses[-1] if self.poses else numpy.identity(4)
+            cloud = self.corrected(points, fractions)
+            if self.recent:
+                target, tree = library.preprocess_points(
+                    numpy.concatenate(self.recent), downsampling_resolution=0.3
+                )
+                expected = pose @ self.motion
+                coarse = self.best_start(target, tree, cloud, pose, expected)
+                self.motion = numpy.linalg.inv(pose) @ coarse
+                cloud = self.corrected(points, fractions)
+                pose = self.align(target, tree, cloud, coarse, 0.4).T_target_source
+                self.motion = numpy.linalg.inv(self.poses[-1]) @ pose
+            self.poses.append(pose)
+            placed = numpy.asarray(cloud.points())[:, :3] @ pose[:3, :3].T + pose[:3, 3]
+            self.recent = (self.recent + [placed])[-20:]
+
+        def best_start(self, target, tree, cloud, pose, expected):
+            most, best = -1, expected
+            for turn_deg in self.TURNS_DEG:
+                start = expected
+                if turn_deg != 0:
+                    c, s = numpy.cos(numpy.radians(turn_deg)), numpy.sin(numpy.radians(turn_deg))
+                    start = pose.copy()
+                    start[:3, :3] = pose[:3, :3] @ numpy.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
+                coarse = self.align(target, tree, cloud, start, 1.0).T_target_source
+                fine = self.align(target, tree, cloud, coarse, 0.4)
+                if fine.num_inliers > most:
+                    most, best = fine.num_inliers, fine.T_target_source
+                if turn_deg == 0 and most > 0.9 * cloud.size():
+                    break
+            return best
+
+        @staticmethod
+        def align(target, tree, cloud, start, distance_m):
+            return library.align(
+                target, cloud, tree, start, registration_type="GICP",
+                max_correspondence_distance=distance_m, max_iterations=20,
+            )
+
+        def corrected(self, points, fractions):
+            """The points as all seen in the middle of the sweep, thinned, with their covariances."""
+            moved = numpy.empty_like(points)
+            order = numpy.argsort(fractions, kind="stable")
+            edges = numpy.flatnonzero(numpy.diff(fractions[order])) + 1
+            for column in numpy.split(order, edges):
+                part = part_of_motion(self.motion, fractions[column[0]] - 0.5)
+                moved[column] = points[column] @ part[:3, :3].T + part[:3, 3]
+            return library.preprocess_points(moved, downsampling_resolution=0.4)[0]
+
+    return LocalGicp()
+
+
 # Each with the fraction of the sweep that its poses belong to; hqslam's stamps are at one half.
 PEERS = {
     "kiss-icp": (kiss_icp, 1.0),
     "kiss-slam": (kiss_slam, 1.0),
     "genz-icp": (genz_icp, 0.5),
     "small-gicp": (small_gicp, 0.5),
+    "local-gicp": (local_gicp, 0.5),
 }
 
 
