@@ -1,10 +1,6 @@
 #pragma once
 
-#include <Eigen/Geometry>
-
-#include "layout.h"
-#include "mesh.h"
-#include "random.h"
+#include "city.h"
 
 namespace hqslam::sim {
 
@@ -15,7 +11,14 @@ struct HouseLot {
   std::array<bool, 4> open_to_view{};  ///< sides that get windows; the others are blank
   bool detached = false;               ///< low, with a gabled roof
 };
+inline HouseLot detached_lot(const Eigen::AlignedBox2d& sheet_m, int front) {
+  return {sheet_m, front, {true, true, true, true}, true};
+}
+/// The rectangle between two opposite corners.
+inline Eigen::AlignedBox2d box_of(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+  return {a.cwiseMin(b), a.cwiseMax(b)};
+}
 
-void add_house(TriangleMesh& mesh, const Layout& layout, const HouseLot& lot, Random& random);
+void add_house(City& city, const HouseLot& lot, Random& random);
 
 }  // namespace hqslam::sim

@@ -1,7 +1,7 @@
-#include "hand_sway.h"
 #include "indoor_mesh.h"
-#include "path_plan.h"
+#include "random.h"
 #include "scenario.h"
+#include "sway.h"
 #include "walking_path.h"
 
 namespace hqslam::sim {
@@ -10,23 +10,21 @@ namespace {
 
 constexpr double kPace_mps = 1.0;
 constexpr double kSway_rad = 0.06;
+constexpr double kSpare_m = 10.0;  ///< corners are cut, and the spline needs some points
 
 class IndoorScenario final : public Scenario {
  public:
   IndoorScenario(const DriveSpec& spec, double duration_s)
-      : plan_(make_indoor_plan(seed_of_part(spec.seed, DrivePart::kCity))),
-        path_(indoor_route(plan_, seed_of_part(spec.seed, DrivePart::kPath),
+      : plan_(make_indoor_plan(seed_of(spec.seed, DrivePart::kCity))),
+        path_(indoor_route(plan_, seed_of(spec.seed, DrivePart::kPath),
                            kPace_mps * duration_s + kSpare_m),
               kPace_mps),
-        sway_(seed_of_part(spec.seed, DrivePart::kSway), kSway_rad, spec.mount) {
-    scenery_.fixed = make_indoor_mesh(plan_);
-  }
+        sway_(seed_of(spec.seed, DrivePart::kSway), kSway_rad, spec.mount),
+        scenery_{.fixed = make_indoor_mesh(plan_), .prototypes = {}, .placements = {}} {}
 
   const Scenery& scenery() const override { return scenery_; }
   Pose T_world_sensor(double time_s) const override {
-    const WalkingPath::State state = path_.at_time(time_s);
-    const Pose T_world_walker = upright_frame(state.feet_m, state.heading_rad);
-    return sway_.T_world_sensor(T_world_walker, time_s);
+    return sway_.T_world_sensor(path_.T_world_walker(time_s), time_s);
   }
   std::vector<ActorMotion> actors(double /*from_s*/, double /*to_s*/,
                                   const Eigen::Vector2d& /*plane_m*/) const override {
@@ -34,8 +32,6 @@ class IndoorScenario final : public Scenario {
   }
 
  private:
-  static constexpr double kSpare_m = 10.0;  ///< corners are cut, and the spline needs some points
-
   IndoorPlan plan_;
   WalkingPath path_;
   HandSway sway_;

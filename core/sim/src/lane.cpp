@@ -1,9 +1,9 @@
 #include "lane.h"
 
-#include <algorithm>
 #include <cmath>
 #include <numbers>
 
+#include "mesh.h"
 #include "random.h"
 
 namespace hqslam::sim {
@@ -30,7 +30,7 @@ class LaneMaker {
     at_ = sheet(route_[0]) + street_of(0).lane_offset_m * right_of(direction) +
           style_.start_m * direction;
     limit_mps_ = draw_limit(0);
-    add(at_, 0.0);
+    add(at_);
     for (std::size_t crossing = 1; crossing + 1 < route_.size(); ++crossing) cross(crossing);
     return lane_;
   }
@@ -53,17 +53,15 @@ class LaneMaker {
            (style_.max_limit_mps - style_.min_limit_mps) * uniform_of(seed_of(seed_, 1, way));
   }
 
-  void add(const Eigen::Vector2d& sheet_m, double stop_s) {
-    lane_.push_back({layout_.plane(sheet_m), limit_mps_, stop_s});
+  void add(const Eigen::Vector2d& sheet_m) {
+    lane_.push_back({layout_.plane(sheet_m), limit_mps_});
     at_ = sheet_m;
   }
 
   void add_line(const Eigen::Vector2d& to) {
     const Eigen::Vector2d from = at_;
-    const int count = std::max(1, static_cast<int>(std::ceil((to - from).norm() / kStep_m)));
-    for (int k = 1; k <= count; ++k) {
-      add(from + (to - from) * (static_cast<double>(k) / count), 0.0);
-    }
+    const int count = steps((to - from).norm(), kStep_m);
+    for (int k = 1; k <= count; ++k) add(from + (to - from) * (static_cast<double>(k) / count));
   }
 
   /// A quarter circle from here to `to`, tangent to both directions.
@@ -75,7 +73,7 @@ class LaneMaker {
     const int count = static_cast<int>(std::ceil(radius_m * std::numbers::pi / 2.0 / kStep_m));
     for (int k = 1; k <= count; ++k) {
       const double angle_rad = 0.5 * std::numbers::pi * k / count;
-      add(centre + radius_m * (std::sin(angle_rad) * in - std::cos(angle_rad) * out), 0.0);
+      add(centre + radius_m * (std::sin(angle_rad) * in - std::cos(angle_rad) * out));
     }
   }
 
@@ -85,36 +83,29 @@ class LaneMaker {
     const Eigen::Vector2d out = direction_of(crossing);
     const Street& from = street_of(crossing - 1);
     const Street& to = street_of(crossing);
-    const Eigen::Vector2d middle = sheet(route_[crossing]);
+    const Eigen::Vector2d lane_middle = sheet(route_[crossing]) + from.lane_offset_m * right_of(in);
     const bool straight = in.dot(out) > 0.5;
-    const bool right = right_of(in).dot(out) > 0.5;
-    const double radius_m = right ? kRightTurnRadius_m : kLeftTurnRadius_m;
-    // The lanes' lines meet here.
-    Eigen::Vector2d corner = middle + from.lane_offset_m * right_of(in);
-    if (!straight) corner += to.lane_offset_m * right_of(out);
-
-    const double stop_before_m = cross_street_half_width_m(crossing, in) + 3.0;
-    const Eigen::Vector2d lane_middle = middle + from.lane_offset_m * right_of(in);
-    add_line(lane_middle - stop_before_m * in);
+    const int axis = std::abs(in.x()) > 0.5 ? 0 : 1;
+    const Street& crossed = layout_.streets[axis][route_[crossing][axis]];
+    add_line(lane_middle - (crossed.half_width_m + 3.0) * in);
     if (uniform_of(seed_of(seed_, 2, crossing)) < style_.stop_share) {
       lane_.back().stop_s = 1.5 + 5.0 * uniform_of(seed_of(seed_, 3, crossing));
     }
     if (straight) {
-      add_line(corner);
+      add_line(lane_middle);
       limit_mps_ = draw_limit(crossing);
       return;
     }
+    // The lanes' lines meet here.
+    const Eigen::Vector2d corner = lane_middle + to.lane_offset_m * right_of(out);
+    const bool right = right_of(in).dot(out) > 0.5;
+    const double radius_m = right ? kRightTurnRadius_m : kLeftTurnRadius_m;
     const Eigen::Vector2d turn_from = corner - radius_m * in;
     if ((turn_from - at_).dot(in) > 0.0) add_line(turn_from);
     // A stop line close to the corner makes for a tighter turn.
     const double left_m = (corner - at_).dot(in);
     limit_mps_ = draw_limit(crossing);
     add_quarter(corner + left_m * out, in, out);
-  }
-
-  double cross_street_half_width_m(std::size_t crossing, const Eigen::Vector2d& in) const {
-    const int axis = std::abs(in.x()) > 0.5 ? 0 : 1;
-    return layout_.streets[axis][route_[crossing][axis]].half_width_m;
   }
 
   const Layout& layout_;

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 #include "random.h"
 
@@ -76,9 +77,7 @@ std::set<Stretch> close_stretches(const CityStyle& style, Random& random) {
 }
 
 BlockKind pick_kind(const BlockWeights& weights, Random& random) {
-  double total = 0.0;
-  for (const double weight : weights) total += weight;
-  double draw = random.uniform(0.0, total);
+  double draw = random.uniform(0.0, std::accumulate(weights.begin(), weights.end(), 0.0));
   for (std::size_t kind = 0; kind < weights.size(); ++kind) {
     draw -= weights[kind];
     if (draw < 0.0) return static_cast<BlockKind>(kind);
@@ -86,26 +85,27 @@ BlockKind pick_kind(const BlockWeights& weights, Random& random) {
   return BlockKind::kRowHouses;
 }
 
-/// Kerb positions along one axis: cell k reaches from low[k] to high[k].
-struct Cells {
-  std::vector<double> low_m;
-  std::vector<double> high_m;
+/// From kerb to kerb along one axis, and from the outermost kerbs to the rim.
+struct Cell {
+  double low_m;
+  double high_m;
 };
 
-Cells cells_between(const std::vector<Street>& streets, double low_end_m, double high_end_m) {
-  Cells cells;
-  cells.low_m.push_back(low_end_m);
+std::vector<Cell> cells_between(const std::vector<Street>& streets, double low_end_m,
+                                double high_end_m) {
+  std::vector<Cell> cells;
   for (const Street& street : streets) {
-    cells.high_m.push_back(street.position_m - street.half_width_m);
-    cells.low_m.push_back(street.position_m + street.half_width_m);
+    cells.push_back({low_end_m, street.position_m - street.half_width_m});
+    low_end_m = street.position_m + street.half_width_m;
   }
-  cells.high_m.push_back(high_end_m);
+  cells.push_back({low_end_m, high_end_m});
   return cells;
 }
 
 std::vector<Block> make_blocks(const CityStyle& style, const Layout& layout, std::uint64_t seed) {
-  const Cells u = cells_between(layout.streets[0], layout.rim_m.min().x(), layout.rim_m.max().x());
-  const Cells v = cells_between(layout.streets[1], layout.rim_m.min().y(), layout.rim_m.max().y());
+  const Eigen::AlignedBox2d& rim_m = layout.rim_m;
+  const auto u = cells_between(layout.streets[0], rim_m.min().x(), rim_m.max().x());
+  const auto v = cells_between(layout.streets[1], rim_m.min().y(), rim_m.max().y());
   std::vector<Block> blocks;
   const int last_u = style.grid[0].streets;
   const int last_v = style.grid[1].streets;
@@ -114,16 +114,16 @@ std::vector<Block> make_blocks(const CityStyle& style, const Layout& layout, std
       // A closed stretch of street i lies between cells i and i+1 of axis 0.
       if (i > 0 && layout.closed.contains({0, i - 1, j - 1})) continue;
       const bool wide = layout.closed.contains({0, i, j - 1});
-      Block block;
-      block.sheet_m = Eigen::AlignedBox2d(Eigen::Vector2d(u.low_m[i], v.low_m[j]),
-                                          Eigen::Vector2d(u.high_m[wide ? i + 1 : i], v.high_m[j]));
-      block.seed = seed_of(seed, static_cast<std::uint64_t>(i), static_cast<std::uint64_t>(j));
-      Random random(block.seed);
+      const Eigen::Vector2d low_m(u[i].low_m, v[j].low_m);
+      const Eigen::Vector2d high_m(u[wide ? i + 1 : i].high_m, v[j].high_m);
+      const auto block_seed =
+          seed_of(seed, static_cast<std::uint64_t>(i), static_cast<std::uint64_t>(j));
+      Random random(block_seed);
       const bool at_rim = i == 0 || i == last_u || j == 0 || j == last_v;
-      block.kind = pick_kind(
+      const BlockKind kind = pick_kind(
           at_rim ? style.rim_block_weights.value_or(style.block_weights) : style.block_weights,
           random);
-      blocks.push_back(block);
+      blocks.push_back({{low_m, high_m}, kind, block_seed});
     }
   }
   return blocks;
@@ -138,11 +138,6 @@ Eigen::Vector2d Bending::operator()(const Eigen::Vector2d& sheet_m) const {
         std::sin(wave.wave_vector_rad_per_m.dot(sheet_m) + wave.phase_rad) * wave.amplitude_m;
   }
   return plane_m;
-}
-
-Eigen::Vector3d Layout::ground(const Eigen::Vector2d& sheet_m, double lift_m) const {
-  const Eigen::Vector2d plane_m = plane(sheet_m);
-  return {plane_m.x(), plane_m.y(), terrain.height_m(plane_m) + lift_m};
 }
 
 double Layout::heading_rad(const Eigen::Vector2d& sheet_m, const Eigen::Vector2d& direction) const {

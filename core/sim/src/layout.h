@@ -63,7 +63,9 @@ struct Layout {
   /// A point of the sheet in the plane.
   Eigen::Vector2d plane(const Eigen::Vector2d& sheet_m) const { return bending(sheet_m); }
   /// A point of the sheet on the terrain, lifted.
-  Eigen::Vector3d ground(const Eigen::Vector2d& sheet_m, double lift_m) const;
+  Eigen::Vector3d ground(const Eigen::Vector2d& sheet_m, double lift_m) const {
+    return terrain.ground(plane(sheet_m), lift_m);
+  }
   /// Where the direction (u, v) of the sheet points in the plane.
   double heading_rad(const Eigen::Vector2d& sheet_m, const Eigen::Vector2d& direction) const;
 };

@@ -80,6 +80,12 @@ void add_column(TriangleMesh& mesh, const Eigen::Vector3d& from, const Eigen::Ve
   }
 }
 
+void add_column(TriangleMesh& mesh, const Eigen::Isometry3d& placed, const Eigen::Vector3d& from,
+                const Eigen::Vector3d& to, double radius_from_m, double radius_to_m, int sides,
+                Surface surface) {
+  add_column(mesh, placed * from, placed * to, radius_from_m, radius_to_m, sides, surface);
+}
+
 void add_grid(TriangleMesh& mesh, const std::vector<Eigen::Vector3d>& points, int rows, int columns,
               Surface surface) {
   const auto first = static_cast<std::uint32_t>(mesh.vertices_m.size());

@@ -31,6 +31,11 @@ void add_box(TriangleMesh& mesh, const Eigen::Isometry3d& placed, const Eigen::V
 void add_column(TriangleMesh& mesh, const Eigen::Vector3d& from, const Eigen::Vector3d& to,
                 double radius_from_m, double radius_to_m, int sides, Surface surface);
 
+/// The same between two points of the frame `placed`.
+void add_column(TriangleMesh& mesh, const Eigen::Isometry3d& placed, const Eigen::Vector3d& from,
+                const Eigen::Vector3d& to, double radius_from_m, double radius_to_m, int sides,
+                Surface surface);
+
 /// Adds rows x columns vertices' worth of quads; `points` is row-major.
 void add_grid(TriangleMesh& mesh, const std::vector<Eigen::Vector3d>& points, int rows, int columns,
               Surface surface);

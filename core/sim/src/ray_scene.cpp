@@ -108,16 +108,19 @@ std::optional<EmbreeHit> first_hit(RTCScene scene, const Eigen::Vector3d& origin
   return EmbreeHit{query.hit.instID[0], query.hit.primID, query.ray.tfar};
 }
 
+std::array<Eigen::Vector3d, 3> corners_m(const TriangleMesh& mesh, unsigned triangle) {
+  const auto& index = mesh.triangles[triangle];
+  return {mesh.vertices_m[index[0]].cast<double>(), mesh.vertices_m[index[1]].cast<double>(),
+          mesh.vertices_m[index[2]].cast<double>()};
+}
+
 /// The ray o + t d (in the mesh's frame) against the plane of a triangle with normal n and corner
 /// v:
 ///   t = n . (v - o) / n . d,   cos of incidence = |n . d| / (|n| |d|)
 /// `embree_m` is Embree's t: for a ray that nearly lies in the plane it is the better one.
 RayHit meet_triangle(const TriangleMesh& mesh, unsigned triangle, const Eigen::Vector3d& origin,
                      const Eigen::Vector3d& direction, float embree_m) {
-  const auto& index = mesh.triangles[triangle];
-  const Eigen::Vector3d a = mesh.vertices_m[index[0]].cast<double>();
-  const Eigen::Vector3d b = mesh.vertices_m[index[1]].cast<double>();
-  const Eigen::Vector3d c = mesh.vertices_m[index[2]].cast<double>();
+  const auto [a, b, c] = corners_m(mesh, triangle);
   const Eigen::Vector3d normal = (b - a).cross(c - a);
   const double along = normal.dot(direction);
   const double cosine = std::abs(along) / (normal.norm() * direction.norm());
@@ -129,13 +132,19 @@ RayHit meet_triangle(const TriangleMesh& mesh, unsigned triangle, const Eigen::V
 /// Embree works in single precision: it is to look a little farther.
 float search_radius(double distance_m) { return static_cast<float>(1.001 * distance_m + 1e-3); }
 
-/// Paint, car windows and clothes take the shade of the one who wears them.
-Surface worn(Surface surface, std::uint8_t shade) {
-  if (surface.material == Material::kCarPaint || surface.material == Material::kCarGlass ||
-      surface.material == Material::kCloth) {
-    surface.shade = shade;
+/// The same for a ray in the world and a shape that stands there. Paint, car windows and clothes
+/// take the shade of the one who wears them.
+RayHit meet_shape(const TriangleMesh& shape, const Eigen::Affine3d& T_shape_world,
+                  std::uint8_t shade, const EmbreeHit& found, const Eigen::Vector3d& origin_m,
+                  const Eigen::Vector3d& direction) {
+  RayHit hit = meet_triangle(shape, found.triangle, T_shape_world * origin_m,
+                             T_shape_world.linear() * direction, found.range_m);
+  const Material material = hit.surface.material;
+  if (material == Material::kCarPaint || material == Material::kCarGlass ||
+      material == Material::kCloth) {
+    hit.surface.shade = shade;
   }
-  return surface;
+  return hit;
 }
 
 }  // namespace
@@ -154,16 +163,26 @@ struct RayScene::Implementation {
       prototypes.push_back(std::move(scene));
     }
     for (const Placement& placement : scenery.placements) {
-      const Geometry instance(rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE));
-      rtcSetGeometryInstancedScene(instance,
-                                   prototypes[static_cast<std::size_t>(placement.prototype)]);
-      set_transform(instance, 0, placement.T_world_prototype);
-      rtcCommitGeometry(instance);
-      rtcAttachGeometry(fixed, instance);
+      rtcAttachGeometry(fixed, instance_of(placement.prototype, {placement.T_world_prototype}));
       T_prototype_world.push_back(placement.T_world_prototype.inverse());
     }
     rtcCommitScene(fixed);
     rtcCommitScene(moving);
+  }
+
+  const TriangleMesh& shape(int prototype) const {
+    return scenery.prototypes[static_cast<std::size_t>(prototype)];
+  }
+  /// A prototype that stands still, or moves from one transform to the next during a scan.
+  Geometry instance_of(int prototype, const std::vector<Eigen::Affine3d>& T_world_prototype) const {
+    Geometry instance(rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE));
+    rtcSetGeometryInstancedScene(instance, prototypes[static_cast<std::size_t>(prototype)]);
+    rtcSetGeometryTimeStepCount(instance, static_cast<unsigned>(T_world_prototype.size()));
+    for (unsigned step = 0; step < T_world_prototype.size(); ++step) {
+      set_transform(instance, step, T_world_prototype[step]);
+    }
+    rtcCommitGeometry(instance);
+    return instance;
   }
 
   struct NearestQuery;
@@ -191,13 +210,8 @@ void RayScene::place_actors(const std::vector<ActorMotion>& actors) {
                                                           std::min(actors.size(), kMostActors)));
   for (unsigned k = 0; k < self.actors.size(); ++k) {
     const ActorMotion& actor = self.actors[k];
-    const Geometry instance(rtcNewGeometry(self.device, RTC_GEOMETRY_TYPE_INSTANCE));
-    rtcSetGeometryInstancedScene(instance,
-                                 self.prototypes[static_cast<std::size_t>(actor.prototype)]);
-    rtcSetGeometryTimeStepCount(instance, 2);
-    set_transform(instance, 0, actor.T_world_at_start);
-    set_transform(instance, 1, actor.T_world_at_end);
-    rtcCommitGeometry(instance);
+    const Geometry instance =
+        self.instance_of(actor.prototype, {actor.T_world_at_start, actor.T_world_at_end});
     rtcAttachGeometryByID(self.moving, instance, k);
   }
   rtcCommitScene(self.moving);
@@ -221,11 +235,13 @@ bool RayScene::Implementation::look_at_triangle(RTCPointQueryFunctionArguments* 
   if (arguments->context->instStackSize > 0) {
     const std::size_t k = arguments->context->instID[0] - 1;
     const Placement& placement = self.scenery.placements[k];
-    mesh = &self.scenery.prototypes[static_cast<std::size_t>(placement.prototype)];
+    mesh = &self.shape(placement.prototype);
     point_m = self.T_prototype_world[k] * point_m;
     scale = placement.T_world_prototype.linear().col(0).norm();
   }
-  const double distance_m = scale * distance_to_triangle_m(*mesh, arguments->primID, point_m);
+  const auto corner = corners_m(*mesh, arguments->primID);
+  const double distance_m =
+      scale * distance_to_triangle_m(point_m, corner[0], corner[1], corner[2]);
   if (distance_m >= query.nearest_m) return false;
   query.nearest_m = distance_m;
   arguments->query->radius = search_radius(distance_m);
@@ -260,12 +276,8 @@ std::optional<RayHit> RayScene::cast(const Eigen::Vector3d& origin_m,
       Eigen::Affine3d T_world_actor;
       T_world_actor.matrix() = (1.0 - scan_fraction) * actor.T_world_at_start.matrix() +
                                scan_fraction * actor.T_world_at_end.matrix();
-      const Eigen::Affine3d T_actor_world = T_world_actor.inverse();
-      RayHit hit = meet_triangle(self.scenery.prototypes[static_cast<std::size_t>(actor.prototype)],
-                                 moving->triangle, T_actor_world * origin_m,
-                                 T_actor_world.linear() * direction, moving->range_m);
-      hit.surface = worn(hit.surface, actor.shade);
-      return hit;
+      return meet_shape(self.shape(actor.prototype), T_world_actor.inverse(), actor.shade, *moving,
+                        origin_m, direction);
     }
   }
   if (!fixed) return std::nullopt;
@@ -274,11 +286,8 @@ std::optional<RayHit> RayScene::cast(const Eigen::Vector3d& origin_m,
   }
   const std::size_t k = fixed->instance - 1;
   const Placement& placement = self.scenery.placements[k];
-  RayHit hit = meet_triangle(self.scenery.prototypes[static_cast<std::size_t>(placement.prototype)],
-                             fixed->triangle, self.T_prototype_world[k] * origin_m,
-                             self.T_prototype_world[k].linear() * direction, fixed->range_m);
-  hit.surface = worn(hit.surface, placement.shade);
-  return hit;
+  return meet_shape(self.shape(placement.prototype), self.T_prototype_world[k], placement.shade,
+                    *fixed, origin_m, direction);
 }
 
 }  // namespace hqslam::sim

@@ -1,6 +1,6 @@
-#include "road_user.h"
-
 #include <array>
+
+#include "prototype.h"
 
 namespace hqslam::sim {
 

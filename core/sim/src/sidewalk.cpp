@@ -84,11 +84,12 @@ void add_small_things(City& city, const BlockSide& side, bool wide_street, Rando
 
 void furnish_sidewalks(City& city, const Block& block, double parked_car_share) {
   Random random(seed_of(block.seed, 22));
+  const auto sides = sides_of(block.sheet_m);
+  const bool poor = block.kind == BlockKind::kOpenLand || block.kind == BlockKind::kWalled;
   for (int k = 0; k < 4; ++k) {
     const Street* street = street_along(city.layout, block, k);
     if (street == nullptr) continue;
-    const BlockSide side = side_of(block.sheet_m, k);
-    const bool poor = block.kind == BlockKind::kOpenLand || block.kind == BlockKind::kWalled;
+    const BlockSide& side = sides[k];
     if (!poor) {
       add_lamps(city, side, random);
       add_small_things(city, side, street->half_width_m > 7.0, random);

@@ -36,12 +36,4 @@ double distance_to_triangle_m(const Eigen::Vector3d& point_m, const Eigen::Vecto
                              squared_distance_to_edge_m2(point_m, c_m, a_m)}));
 }
 
-double distance_to_triangle_m(const TriangleMesh& mesh, std::uint32_t triangle,
-                              const Eigen::Vector3d& point_m) {
-  const auto& index = mesh.triangles[triangle];
-  return distance_to_triangle_m(point_m, mesh.vertices_m[index[0]].cast<double>(),
-                                mesh.vertices_m[index[1]].cast<double>(),
-                                mesh.vertices_m[index[2]].cast<double>());
-}
-
 }  // namespace hqslam::sim

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <vector>
 
 namespace hqslam::sim {
@@ -10,12 +10,9 @@ namespace hqslam::sim {
 /// then keep their pace. A longer polyline begins with the same way as a shorter one.
 class WalkingPath {
  public:
-  struct State {
-    Eigen::Vector3d feet_m;
-    double heading_rad = 0.0;
-  };
   WalkingPath(const std::vector<Eigen::Vector3d>& waypoints_m, double pace_mps);
-  State at_time(double time_s) const;
+  /// The walker's feet, upright, x forward.
+  Eigen::Isometry3d T_world_walker(double time_s) const;
 
  private:
   double pace_mps_;

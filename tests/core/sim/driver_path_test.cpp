@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "hqslam/sim/drive.h"
-#include "path_plan.h"
+#include "random.h"
 
 using namespace hqslam::sim;
 
@@ -23,7 +23,7 @@ struct PlannedDrive {
   explicit PlannedDrive(const char* name)
       : spec(drive_preset(name)),
         style(drive_style(name)),
-        layout(make_layout(style.city, seed_of_part(spec.seed, DrivePart::kCity))),
+        layout(make_layout(style.city, seed_of(spec.seed, DrivePart::kCity))),
         path(plan_path(layout, style.driver, spec.seed, 0.1 * static_cast<double>(spec.scans))),
         duration_s(0.1 * static_cast<double>(spec.scans)) {}
 };

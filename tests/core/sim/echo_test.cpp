@@ -10,11 +10,12 @@ using namespace hqslam::sim;
 
 namespace {
 
-Footprint footprint_of(const Echo& near, double near_weight, const Echo& far, double far_weight) {
+std::optional<Echo> reported(const Echo& near, double near_weight, const Echo& far,
+                             double far_weight) {
   Footprint footprint;
   footprint.add(near, near_weight);
   footprint.add(far, far_weight);
-  return footprint;
+  return footprint.reported_echo();
 }
 
 double detected_share(double range_m, const Surface& surface, double cos_incidence) {
@@ -32,14 +33,14 @@ double detected_share(double range_m, const Surface& surface, double cos_inciden
 }  // namespace
 
 TEST_CASE("echoes within a pulse melt into their mean by power, others do not") {
-  const auto mixed = reported_echo(footprint_of({10.0, 4.0}, 2.0, {10.5, 8.0}, 1.0));
+  const auto mixed = reported({10.0, 4.0}, 2.0, {10.5, 8.0}, 1.0);
   REQUIRE(mixed);
   CHECK(mixed->range_m == doctest::Approx(10.25));
-  const auto strongest = reported_echo(footprint_of({10.0, 1.0}, 2.0, {14.0, 5.0}, 1.0));
+  const auto strongest = reported({10.0, 1.0}, 2.0, {14.0, 5.0}, 1.0);
   REQUIRE(strongest);
   CHECK(strongest->range_m == doctest::Approx(14.0));
   CHECK(strongest->signal == doctest::Approx(5.0 / 3.0));
-  CHECK_FALSE(reported_echo(Footprint{}));
+  CHECK_FALSE(Footprint{}.reported_echo());
 }
 
 TEST_CASE("drop-outs grow with range, with grazing incidence and on dark surfaces") {
