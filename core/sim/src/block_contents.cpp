@@ -1,9 +1,8 @@
+#include "block_contents.h"
+
 #include <algorithm>
 
-#include "building.h"
-#include "city.h"
 #include "furniture.h"
-#include "level_blocks.h"
 
 namespace hqslam::sim {
 
@@ -14,8 +13,7 @@ constexpr double kLotLine_m = kSidewalkWidth_m + 0.15;
 
 /// Tubs, shrubs and boxes along the foot of a house.
 void plant_tubs(City& city, const BlockSide& side, double from_m, double to_m, Random& random) {
-  const int count = random.below(5);
-  for (int k = 0; k < count; ++k) {
+  for (int left = random.below(5); left > 0; --left) {
     const double in_front_m = random.uniform(0.25, 0.6);
     const double along_m = random.uniform(from_m + 0.6, to_m - 0.6);
     const Eigen::Vector2d at = side.at(along_m, kLotLine_m - in_front_m);
@@ -23,10 +21,10 @@ void plant_tubs(City& city, const BlockSide& side, double from_m, double to_m, R
       place_bush(city, at, kKerbHeight_m, random);
     } else {
       const double height_m = random.uniform(0.4, 1.3);
-      const Surface metal{Material::kMetal, random.shade()};
-      const double end_m = random.uniform(0.2, 0.8);
-      add_box(city.fixed, frame_at(city, at, side.along, kKerbHeight_m), {-0.3, -0.25, -0.3},
-              {end_m, 0.3, height_m}, metal);
+      const Part box{city.fixed,
+                     frame_at(city, at, side.along, kKerbHeight_m),
+                     {Material::kMetal, random.shade()}};
+      box.box({-0.3, -0.25, -0.3}, {random.uniform(0.2, 0.8), 0.3, height_m});
     }
   }
 }
@@ -108,14 +106,12 @@ void add_detached_houses(City& city, const Block& block, Random& random) {
       add_house(city, detached_lot(lot_m, k), random);
       const double gap_m = random.uniform(2.5, 6.0);
       add_garden_front(city, side, from_m, to_m + gap_m, random);
-      const int bushes = 2 + random.below(7);
-      for (int bush = 0; bush < bushes; ++bush) {
+      for (int bushes = 2 + random.below(7); bushes > 0; --bushes) {
         const double inwards_m = kLotLine_m + random.uniform(0.9, front_garden_m - 0.5);
         const double along_m = random.uniform(from_m, to_m);
         place_bush(city, side.at(along_m, inwards_m), kKerbHeight_m, random);
       }
-      const int trees = random.below(3);
-      for (int tree = 0; tree < trees; ++tree) {
+      for (int trees = random.below(3); trees > 0; --trees) {
         place_tree(city, side.at(to_m + 0.5 * gap_m, kLotLine_m + random.uniform(1.0, 18.0)),
                    kKerbHeight_m, random);
       }
@@ -126,12 +122,12 @@ void add_detached_houses(City& city, const Block& block, Random& random) {
 
 /// A paved square: a monument, benches, a few trees, much room.
 void add_square(City& city, const Block& block, Random& random) {
-  const Eigen::Isometry3d middle =
-      frame_at(city, block.sheet_m.center(), {1.0, 0.0}, kKerbHeight_m);
-  const Surface stone{Material::kConcrete, 190};
-  add_box(city.fixed, middle, {-2.2, -2.2, -0.5}, {2.2, 2.2, 0.4}, stone);
-  add_box(city.fixed, middle, {-0.9, -0.9, 0.4}, {0.9, 0.9, 2.2}, stone);
-  add_column(city.fixed, middle, {0.0, 0.0, 2.2}, {0.0, 0.0, 6.5}, 0.45, 0.3, 10, stone);
+  const Part stone{city.fixed,
+                   frame_at(city, block.sheet_m.center(), {1.0, 0.0}, kKerbHeight_m),
+                   {Material::kConcrete, 190}};
+  stone.box({-2.2, -2.2, -0.5}, {2.2, 2.2, 0.4});
+  stone.box({-0.9, -0.9, 0.4}, {0.9, 0.9, 2.2});
+  stone.column({0.0, 0.0, 2.2}, {0.0, 0.0, 6.5}, 0.45, 0.3, 10);
   scatter(city, place_tree, 4 + random.below(8), block.sheet_m, 7.0, kKerbHeight_m, random);
   for (int bench = 0; bench < 8; ++bench) {
     const Eigen::Vector2d at = draw_inside(block.sheet_m, 6.0, random);
@@ -151,8 +147,7 @@ void add_park(City& city, const Block& block, Random& random) {
       add_hedge(city, side.at(8.0, kLotLine_m + 0.5),
                 side.at(side.length_m - 8.0, kLotLine_m + 0.5), random.uniform(0.8, 1.2), random);
     }
-    add_bench(city.fixed,
-              frame_at(city, side.at(0.5 * side.length_m, 5.5), side.along, kKerbHeight_m));
+    add_bench(city.fixed, frame_at(city, side, 0.5 * side.length_m, 5.5, kKerbHeight_m));
   }
 }
 
@@ -177,32 +172,16 @@ void add_open_ground(City& city, const Block& block, Random& random) {
   scatter(city, place_tree, trees, block.sheet_m, 10.0, kKerbHeight_m, random);
 }
 
+/// By BlockKind.
+constexpr std::array<void (*)(City&, const Block&, Random&), kBlockKinds> kFill = {
+    add_row_houses,  add_detached_houses, add_square,       add_park, add_walled_ground,
+    add_open_ground, add_field,           add_smooth_walls, add_yard, add_parking_rows};
+
 }  // namespace
 
-void fill_block(City& city, const Block& block, double parked_car_share) {
+void fill_block(City& city, const Block& block) {
   Random random(seed_of(block.seed, 21));
-  switch (block.kind) {
-    case BlockKind::kRowHouses:
-      return add_row_houses(city, block, random);
-    case BlockKind::kDetachedHouses:
-      return add_detached_houses(city, block, random);
-    case BlockKind::kSquare:
-      return add_square(city, block, random);
-    case BlockKind::kPark:
-      return add_park(city, block, random);
-    case BlockKind::kWalled:
-      return add_walled_ground(city, block, random);
-    case BlockKind::kOpenLand:
-      return add_open_ground(city, block, random);
-    case BlockKind::kField:
-      return add_field(city, block, random);
-    case BlockKind::kSmoothWalls:
-      return add_smooth_walls(city, block, random);
-    case BlockKind::kYard:
-      return add_yard(city, block, random);
-    case BlockKind::kParkingRows:
-      return add_parking_rows(city, block, parked_car_share, random);
-  }
+  kFill[static_cast<std::size_t>(block.kind)](city, block, random);
 }
 
 }  // namespace hqslam::sim

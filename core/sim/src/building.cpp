@@ -1,8 +1,7 @@
-#include "building.h"
-
 #include <algorithm>
 #include <limits>
 
+#include "block_contents.h"
 #include "facade.h"
 
 namespace hqslam::sim {

@@ -96,13 +96,14 @@ void park_car(City& city, const Eigen::Vector2d& sheet_m, double heading_rad, Ra
 
 City make_city(const CityStyle& style, std::uint64_t seed) {
   City city{{.fixed = {}, .prototypes = make_prototypes(seed_of(seed, 11)), .placements = {}},
-            make_layout(style, seed)};
+            make_layout(style, seed),
+            style.parked_car_share};
   add_open_land(city);
   add_streets(city);
   for (const Block& block : city.layout.blocks) {
     add_block_ground(city, block);
-    fill_block(city, block, style.parked_car_share);
-    if (has_sidewalk(block.kind)) furnish_sidewalks(city, block, style.parked_car_share);
+    fill_block(city, block);
+    if (has_sidewalk(block.kind)) furnish_sidewalks(city, block);
   }
   plant_open_land(city, style.rim_trees_per_m, seed_of(seed, 12));
   return city;

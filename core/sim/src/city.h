@@ -28,6 +28,7 @@ struct Scenery {
 /// The scenery of a layout.
 struct City : Scenery {
   Layout layout;
+  double parked_car_share = 0.0;  ///< of the places to park
 };
 
 City make_city(const CityStyle& style, std::uint64_t seed);
@@ -38,9 +39,9 @@ void add_streets(City& city);
 void add_block_ground(City& city, const Block& block);
 void add_open_land(City& city);
 /// What a block is filled with, by its kind.
-void fill_block(City& city, const Block& block, double parked_car_share);
+void fill_block(City& city, const Block& block);
 /// What stands on the sidewalk and parks at the kerb.
-void furnish_sidewalks(City& city, const Block& block, double parked_car_share);
+void furnish_sidewalks(City& city, const Block& block);
 
 /// The kerb of one side of a block.
 struct BlockSide {
@@ -58,6 +59,11 @@ std::array<BlockSide, 4> sides_of(const Eigen::AlignedBox2d& sheet_m);
 /// Upright on the ground, lifted by `lift_m`; x looks where `along` of the sheet does.
 Eigen::Isometry3d frame_at(const City& city, const Eigen::Vector2d& sheet_m,
                            const Eigen::Vector2d& along, double lift_m);
+/// The same beside a kerb, x along it.
+inline Eigen::Isometry3d frame_at(const City& city, const BlockSide& side, double along_m,
+                                  double inwards_m, double lift_m) {
+  return frame_at(city, side.at(along_m, inwards_m), side.along, lift_m);
+}
 
 /// On the ground of a place on the sheet, lifted.
 void place_tree(City& city, const Eigen::Vector2d& sheet_m, double lift_m, Random& random);

@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <optional>
 
+#include "hqslam/core/sensor_model.h"
+#include "hqslam/sim/drive.h"
 #include "ray_scene.h"
 
 namespace hqslam::sim {
@@ -49,5 +51,13 @@ class Footprint {
 /// Range after detection and noise; 0 if nothing is detected.
 float detected_range_m(const Echo& echo, double min_range_m, double max_range_m,
                        std::uint64_t random_bits);
+
+/// The share of a signal that rain or fog lets through to a surface at `range_m` and back.
+double transmission(double extinction_per_m, double range_m);
+
+/// What a pixel that would report `range_m` (0: nothing) reports under these conditions; lidar.h
+/// has the formulas. Without any it is `range_m` itself.
+float disturbed_range_m(float range_m, const SensingConditions& conditions,
+                        const SensorModel& sensor, std::uint64_t random_bits);
 
 }  // namespace hqslam::sim

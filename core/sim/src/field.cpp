@@ -1,9 +1,8 @@
 #include <algorithm>
 #include <optional>
 
-#include "building.h"
+#include "block_contents.h"
 #include "furniture.h"
-#include "level_blocks.h"
 
 namespace hqslam::sim {
 
@@ -48,10 +47,11 @@ void add_marker_posts(City& city, const BlockSide& side, Random& random) {
   const double spacing_m = random.uniform(24.0, 50.0);
   for (double along_m = random.uniform(5.0, 20.0); along_m < side.length_m - 5.0;
        along_m += spacing_m) {
-    const Eigen::Isometry3d frame = frame_at(city, side.at(along_m, 0.6), side.along, 0.0);
-    add_box(city.fixed, frame, {-0.06, -0.06, -0.2}, {0.06, 0.06, 1.0}, {Material::kPlaster, 240});
-    add_box(city.fixed, frame, {-0.03, -0.065, 0.7}, {0.03, 0.065, 0.85},
-            {Material::kRetroreflector, 60});
+    const Eigen::Isometry3d frame = frame_at(city, side, along_m, 0.6, 0.0);
+    const Part post{city.fixed, frame, {Material::kPlaster, 240}};
+    const Part reflector{city.fixed, frame, {Material::kRetroreflector, 60}};
+    post.box({-0.06, -0.06, -0.2}, {0.06, 0.06, 1.0});
+    reflector.box({-0.03, -0.065, 0.7}, {0.03, 0.065, 0.85});
   }
 }
 
@@ -87,12 +87,12 @@ void add_farm(City& city, const Block& block, int front, Random& random) {
 
 /// Round bales, lying.
 void add_bales(City& city, const Block& block, Random& random) {
-  const int bales = 3 + random.below(10);
-  for (int bale = 0; bale < bales; ++bale) {
+  for (int bales = 3 + random.below(10); bales > 0; --bales) {
     const Eigen::Vector2d at = draw_inside(block.sheet_m, 12.0, random);
-    const double heading_rad = random.uniform(0.0, 3.1);
-    add_column(city.fixed, upright_frame(city.layout.ground(at, 0.7), heading_rad),
-               {-0.6, 0.0, 0.0}, {0.6, 0.0, 0.0}, 0.75, 0.75, 14, {Material::kGrass, 200});
+    const Part bale{city.fixed,
+                    upright_frame(city.layout.ground(at, 0.7), random.uniform(0.0, 3.1)),
+                    {Material::kGrass, 200}};
+    bale.column({-0.6, 0.0, 0.0}, {0.6, 0.0, 0.0}, 0.75, 0.75, 14);
   }
 }
 

@@ -26,46 +26,45 @@ void add_post(City& city, const Eigen::Vector2d& at_m, double foot_m, double rad
 
 void add_lamp(TriangleMesh& mesh, const Eigen::Isometry3d& frame) {
   constexpr double kHeight_m = 7.0;
-  add_column(mesh, frame, {0.0, 0.0, -0.4}, {0.0, 0.0, kHeight_m}, 0.09, 0.06, 8, kPoleMetal);
-  add_column(mesh, frame, {0.0, 0.0, kHeight_m - 0.1}, {0.0, -1.8, kHeight_m + 0.2}, 0.045, 0.045,
-             5, kPoleMetal);
-  add_box(mesh, frame, {-0.15, -2.3, kHeight_m + 0.12}, {0.15, -1.7, kHeight_m + 0.28}, kPoleMetal);
+  const Part pole{mesh, frame, kPoleMetal};
+  pole.column({0.0, 0.0, -0.4}, {0.0, 0.0, kHeight_m}, 0.09, 0.06, 8);
+  pole.column({0.0, 0.0, kHeight_m - 0.1}, {0.0, -1.8, kHeight_m + 0.2}, 0.045, 0.045, 5);
+  pole.box({-0.15, -2.3, kHeight_m + 0.12}, {0.15, -1.7, kHeight_m + 0.28});
 }
 
 void add_traffic_sign(TriangleMesh& mesh, const Eigen::Isometry3d& frame, Random& random) {
   const double height_m = random.uniform(2.1, 2.6);
-  const double half_size_m = random.uniform(0.25, 0.4);
-  add_column(mesh, frame, {0.0, 0.0, -0.3}, {0.0, 0.0, height_m + half_size_m}, 0.035, 0.035, 6,
-             kPoleMetal);
-  add_box(mesh, frame, {-0.05, -half_size_m, height_m - half_size_m},
-          {-0.035, half_size_m, height_m + half_size_m}, {Material::kRetroreflector, 128});
+  const double half_m = random.uniform(0.25, 0.4);
+  Part{mesh, frame, kPoleMetal}.column({0.0, 0.0, -0.3}, {0.0, 0.0, height_m + half_m}, 0.035,
+                                       0.035, 6);
+  add_box(mesh, frame, {-0.05, -half_m, height_m - half_m}, {-0.035, half_m, height_m + half_m},
+          {Material::kRetroreflector, 128});
 }
 
 void add_traffic_light(TriangleMesh& mesh, const Eigen::Isometry3d& frame) {
-  add_column(mesh, frame, {0.0, 0.0, -0.3}, {0.0, 0.0, 5.6}, 0.09, 0.08, 8, kPoleMetal);
-  add_column(mesh, frame, {0.0, 0.0, 5.5}, {0.0, -3.6, 5.7}, 0.06, 0.05, 6, kPoleMetal);
-  for (const double y_m : {-3.6, -0.25}) {
-    const double z_m = y_m < -1.0 ? 5.0 : 2.7;
-    add_box(mesh, frame, {-0.18, y_m - 0.15, z_m}, {0.12, y_m + 0.15, z_m + 0.9},
-            {Material::kMetal, 20});
-  }
+  const Part pole{mesh, frame, kPoleMetal};
+  pole.column({0.0, 0.0, -0.3}, {0.0, 0.0, 5.6}, 0.09, 0.08, 8);
+  pole.column({0.0, 0.0, 5.5}, {0.0, -3.6, 5.7}, 0.06, 0.05, 6);
+  const Part lights{mesh, frame, {Material::kMetal, 20}};
+  lights.box({-0.18, -3.6 - 0.15, 5.0}, {0.12, -3.6 + 0.15, 5.0 + 0.9});
+  lights.box({-0.18, -0.25 - 0.15, 2.7}, {0.12, -0.25 + 0.15, 2.7 + 0.9});
 }
 
 void add_bench(TriangleMesh& mesh, const Eigen::Isometry3d& frame) {
-  const Surface wood{Material::kWood, 120};
-  add_box(mesh, frame, {-0.9, -0.2, 0.42}, {0.9, 0.25, 0.47}, wood);
-  add_box(mesh, frame, {-0.9, 0.25, 0.55}, {0.9, 0.3, 0.9}, wood);
+  const Part wood{mesh, frame, {Material::kWood, 120}};
+  wood.box({-0.9, -0.2, 0.42}, {0.9, 0.25, 0.47});
+  wood.box({-0.9, 0.25, 0.55}, {0.9, 0.3, 0.9});
+  const Part legs{mesh, frame, kPoleMetal};
   for (const double x_m : {-0.75, 0.7}) {
-    add_box(mesh, frame, {x_m, -0.2, -0.2}, {x_m + 0.06, 0.25, 0.42}, kPoleMetal);
-    add_box(mesh, frame, {x_m, 0.24, 0.42}, {x_m + 0.06, 0.3, 0.9}, kPoleMetal);
+    legs.box({x_m, -0.2, -0.2}, {x_m + 0.06, 0.25, 0.42});
+    legs.box({x_m, 0.24, 0.42}, {x_m + 0.06, 0.3, 0.9});
   }
 }
 
 void add_bin(TriangleMesh& mesh, const Eigen::Isometry3d& frame, Random& random) {
   const double radius_m = random.uniform(0.22, 0.35);
-  const Surface metal{Material::kMetal, random.shade()};
-  const double height_m = random.uniform(0.8, 1.15);
-  add_column(mesh, frame, {0.0, 0.0, -0.2}, {0.0, 0.0, height_m}, radius_m, radius_m, 9, metal);
+  const Part metal{mesh, frame, {Material::kMetal, random.shade()}};
+  metal.column({0.0, 0.0, -0.2}, {0.0, 0.0, random.uniform(0.8, 1.15)}, radius_m, radius_m, 9);
 }
 
 void add_hedge(City& city, const Eigen::Vector2d& from_m, const Eigen::Vector2d& to_m,

@@ -13,22 +13,19 @@ namespace {
 constexpr double kOuterBlockDepth_m = 48.0;
 
 Street make_street(const CityStyle& style, double position_m, Random& random) {
-  Street street;
-  street.position_m = position_m;
   const double width = random.uniform();
+  const bool tree_lined = random.chance(0.7);
+  if (style.plain_streets) {
+    const auto& [half_width_m, lane_offset_m] = *style.plain_streets;
+    return {position_m, half_width_m, lane_offset_m, false, false};
+  }
+  Street street{.position_m = position_m, .tree_lined = tree_lined};
   if (width < 0.2) {
     street.half_width_m = 4.2;
     street.parking = false;
   } else if (width > 0.7) {
     street.half_width_m = 8.0;
     street.lane_offset_m = 2.8;
-  }
-  street.tree_lined = random.chance(0.7);
-  if (style.plain_streets) {
-    street.half_width_m = style.plain_streets->half_width_m;
-    street.lane_offset_m = style.plain_streets->lane_offset_m;
-    street.parking = false;
-    street.tree_lined = false;
   }
   return street;
 }
@@ -46,21 +43,21 @@ std::vector<Street> make_streets(const CityStyle& style, const StreetGrid& grid,
 }
 
 /// Tangents of the bending add up to `bend` at most, so that streets never fold.
-Bending make_bending(double bend, Random& random) {
-  Bending bending;
+std::array<BendingWave, 3> make_bending(double bend, Random& random) {
+  std::array<BendingWave, 3> waves;
   constexpr std::array<double, 3> kWavelength_m = {410.0, 270.0, 170.0};
-  for (std::size_t k = 0; k < kWavelength_m.size(); ++k) {
+  for (std::size_t k = 0; k < waves.size(); ++k) {
     const double direction_rad =
         std::numbers::pi * (static_cast<double>(k) / 3.0 + 0.25) + random.uniform(-0.3, 0.3);
     const double wave_number =
         2.0 * std::numbers::pi / (kWavelength_m[k] * random.uniform(0.85, 1.15));
     const Eigen::Vector2d along(std::cos(direction_rad), std::sin(direction_rad));
     // Across the wave: shearing bends streets, stretching would only widen them.
-    bending.waves[k] = {wave_number * along,
-                        bend * 0.6 / wave_number * Eigen::Vector2d(-along.y(), along.x()),
-                        random.uniform(0.0, 2.0 * std::numbers::pi)};
+    waves[k] = {wave_number * along,
+                bend * 0.6 / wave_number * Eigen::Vector2d(-along.y(), along.x()),
+                random.uniform(0.0, 2.0 * std::numbers::pi)};
   }
-  return bending;
+  return waves;
 }
 
 /// At most one stretch per street of axis 0, never at the rim: every crossing keeps two ways out.
@@ -131,9 +128,9 @@ std::vector<Block> make_blocks(const CityStyle& style, const Layout& layout, std
 
 }  // namespace
 
-Eigen::Vector2d Bending::operator()(const Eigen::Vector2d& sheet_m) const {
+Eigen::Vector2d Layout::plane(const Eigen::Vector2d& sheet_m) const {
   Eigen::Vector2d plane_m = sheet_m;
-  for (const Wave& wave : waves) {
+  for (const BendingWave& wave : bending) {
     plane_m +=
         std::sin(wave.wave_vector_rad_per_m.dot(sheet_m) + wave.phase_rad) * wave.amplitude_m;
   }

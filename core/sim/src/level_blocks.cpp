@@ -1,8 +1,7 @@
-#include "level_blocks.h"
-
 #include <algorithm>
 #include <numbers>
 
+#include "block_contents.h"
 #include "furniture.h"
 
 namespace hqslam::sim {
@@ -21,8 +20,8 @@ void add_gate(City& city, const BlockSide& side, double along_m, double setback_
   const double width_m = random.uniform(1.4, 3.2);
   const Surface stone{Material::kConcrete, random.shade()};
   for (const double pier_m : {along_m, along_m + width_m}) {
-    add_box(city.fixed, frame_at(city, side.at(pier_m, setback_m), side.along, 0.0),
-            {-0.2, -kProud_m, -0.2}, {0.2, kProud_m, height_m + 0.2}, stone);
+    const Part pier{city.fixed, frame_at(city, side, pier_m, setback_m, 0.0), stone};
+    pier.box({-0.2, -kProud_m, -0.2}, {0.2, kProud_m, height_m + 0.2});
   }
 }
 
@@ -55,30 +54,22 @@ Eigen::Isometry3d drawn_frame(const City& city, const Eigen::Vector2d& sheet_m, 
                        0.5 * std::numbers::pi * quarter_turns + askew_rad);
 }
 
-void add_container(City& city, const Eigen::Vector2d& at, Random& random) {
-  const Surface steel{Material::kMetal, random.shade()};
-  add_box(city.fixed, drawn_frame(city, at, random), {-3.03, -1.22, -0.1}, {3.03, 1.22, 2.6},
-          steel);
-}
-
 void add_pallets(City& city, const Eigen::Isometry3d& frame, Random& random) {
   const int pallets = 1 + random.below(9);
-  const Surface wood{Material::kWood, random.shade()};
+  const Part wood{city.fixed, frame, {Material::kWood, random.shade()}};
   for (int pallet = 0; pallet < pallets; ++pallet) {
     const double z_m = 0.15 * pallet;
     const double aside_m = random.uniform(-0.03, 0.03);
     // Two thin decks with air between them.
-    add_box(city.fixed, frame, {-0.6 + aside_m, -0.4, z_m + 0.12},
-            {0.6 + aside_m, 0.4, z_m + 0.145}, wood);
+    wood.box({-0.6 + aside_m, -0.4, z_m + 0.12}, {0.6 + aside_m, 0.4, z_m + 0.145});
     for (const double y_m : {-0.4, -0.05, 0.3}) {
-      add_box(city.fixed, frame, {-0.6 + aside_m, y_m, z_m}, {0.6 + aside_m, y_m + 0.1, z_m + 0.12},
-              wood);
+      wood.box({-0.6 + aside_m, y_m, z_m}, {0.6 + aside_m, y_m + 0.1, z_m + 0.12});
     }
   }
   if (random.chance(0.5)) {
     const double height_m = random.uniform(0.3, 1.2);
-    add_box(city.fixed, frame, {-0.55, -0.35, 0.15 * pallets},
-            {0.55, 0.35, 0.15 * pallets + height_m}, {Material::kCloth, random.shade()});
+    const Part load{city.fixed, frame, {Material::kCloth, random.shade()}};
+    load.box({-0.55, -0.35, 0.15 * pallets}, {0.55, 0.35, 0.15 * pallets + height_m});
   }
 }
 
@@ -87,25 +78,25 @@ void add_drums(City& city, const Eigen::Isometry3d& frame, Random& random) {
   for (int drum = 0; drum < drums; ++drum) {
     const int row = drum / 3;
     const Eigen::Vector3d foot(0.66 * (drum % 3), 0.66 * row, -0.1);
-    add_column(city.fixed, frame, foot, foot + Eigen::Vector3d(0.0, 0.0, 1.0), 0.3, 0.3, 12,
-               {Material::kMetal, random.shade()});
+    const Part metal{city.fixed, frame, {Material::kMetal, random.shade()}};
+    metal.column(foot, foot + Eigen::Vector3d::UnitZ(), 0.3, 0.3, 12);
   }
 }
 
 void add_bollards(City& city, const Eigen::Isometry3d& frame, Random& random) {
+  const Part metal{city.fixed, frame, {Material::kMetal, 190}};
   const int bollards = 2 + random.below(5);
   for (int bollard = 0; bollard < bollards; ++bollard) {
     const Eigen::Vector3d foot(1.4 * bollard, 0.0, -0.1);
-    add_column(city.fixed, frame, foot, foot + Eigen::Vector3d(0.0, 0.0, 1.0), 0.06, 0.06, 8,
-               {Material::kMetal, 190});
+    metal.column(foot, foot + Eigen::Vector3d::UnitZ(), 0.06, 0.06, 8);
   }
 }
 
 /// One row along an aisle: cars stand nose or tail to it.
-void add_parking_row(City& city, const BlockSide& side, double parked_car_share, Random& random) {
+void add_parking_row(City& city, const BlockSide& side, Random& random) {
   for (double along_m = kRowEnd_m + 0.5 * kPlaceWidth_m; along_m < side.length_m - kRowEnd_m - 1.3;
        along_m += kPlaceWidth_m) {
-    if (!random.chance(parked_car_share)) continue;
+    if (!random.chance(city.parked_car_share)) continue;
     const double inwards_m = 2.55 + random.uniform(-0.15, 0.2);
     const Eigen::Vector2d at = side.at(along_m + random.uniform(-0.12, 0.12), inwards_m);
     const Eigen::Vector2d nose = random.chance(0.3) ? Eigen::Vector2d(-side.inwards) : side.inwards;
@@ -131,8 +122,10 @@ void add_yard(City& city, const Block& block, Random& random) {
   constexpr double kLongMargin_m = 3.8;
   for (int k = 0; k < 2; ++k) {
     const Eigen::Vector2d at = draw_inside(block.sheet_m, kLongMargin_m, random);
-    if (random.chance(0.6)) {
-      add_container(city, at, random);
+    if (random.chance(0.6)) {  // a container
+      const Surface steel{Material::kMetal, random.shade()};
+      const Part container{city.fixed, drawn_frame(city, at, random), steel};
+      container.box({-3.03, -1.22, -0.1}, {3.03, 1.22, 2.6});
     } else {
       park_car(city, at, random.uniform(0.0, 6.2), random);
     }
@@ -158,11 +151,11 @@ void add_yard(City& city, const Block& block, Random& random) {
   }
 }
 
-void add_parking_rows(City& city, const Block& block, double parked_car_share, Random& random) {
+void add_parking_rows(City& city, const Block& block, Random& random) {
   const auto sides = sides_of(block.sheet_m);
   const BlockSide& low = sides[3];
-  add_parking_row(city, low, parked_car_share, random);
-  add_parking_row(city, sides[1], parked_car_share, random);
+  add_parking_row(city, low, random);
+  add_parking_row(city, sides[1], random);
   // Between the rows: a lamp, a tree.
   const double middle_m = 0.5 * block.sheet_m.sizes().x();
   for (double along_m = random.uniform(6.0, 14.0); along_m < low.length_m - 6.0;

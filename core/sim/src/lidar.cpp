@@ -4,7 +4,6 @@
 #include <cmath>
 #include <optional>
 
-#include "disturbance.h"
 #include "echo.h"
 #include "random.h"
 

@@ -12,6 +12,7 @@ namespace {
 using Direction = Eigen::Vector2i;
 
 Direction left_of(const Direction& direction) { return {-direction.y(), direction.x()}; }
+Direction right_of(const Direction& direction) { return {direction.y(), -direction.x()}; }
 
 using Way = std::array<int, 4>;  ///< from one crossing to another
 Way way_between(const Crossing& from, const Crossing& to) {
@@ -57,13 +58,16 @@ class CircuitPlanner {
   std::vector<Crossing> plan(double min_length_m) {
     while (route_.length_m() < min_length_m) {
       if (!drive_circuit()) wander();
-      const int ways = random_.below(3);
-      for (int way = 0; way < ways; ++way) wander();
+      for (int ways = random_.below(3); ways > 0; --ways) wander();
     }
     return route_.crossings();
   }
 
  private:
+  std::array<Direction, 3> onward() const {
+    return {direction_, left_of(direction_), right_of(direction_)};
+  }
+
   bool open(const Crossing& from, const Direction& direction) const {
     const Crossing to = from + direction;
     for (int axis = 0; axis < 2; ++axis) {
@@ -87,16 +91,13 @@ class CircuitPlanner {
   bool drive_circuit() {
     for (int attempt = 0; attempt < 60; ++attempt) {
       const bool left = random_.chance(0.5);
-      Direction direction = direction_;
-      const int turn = random_.below(3);
-      if (turn == 1) direction = left_of(direction);
-      if (turn == 2) direction = -left_of(direction);
+      Direction direction = onward()[random_.below(3)];
       const std::array<int, 2> size = {1 + random_.below(style_.max_circuit_blocks),
                                        1 + random_.below(style_.max_circuit_blocks)};
       std::vector<Direction> ways;
       for (std::size_t side = 0; side < 4; ++side) {
         ways.insert(ways.end(), static_cast<std::size_t>(size[side % 2]), direction);
-        direction = left ? left_of(direction) : Direction(-left_of(direction));
+        direction = left ? left_of(direction) : right_of(direction);
       }
       ways.push_back(ways.front());
       if (!passable(ways)) continue;
@@ -119,8 +120,7 @@ class CircuitPlanner {
   void wander() {
     std::vector<Direction> possible;
     std::vector<Direction> driven_backwards;
-    for (const Direction& way :
-         {direction_, left_of(direction_), Direction(-left_of(direction_))}) {
+    for (const Direction& way : onward()) {
       if (!open(route_.here(), way)) continue;
       possible.push_back(way);
       if (driven_.contains(way_between(route_.here() + way, route_.here())))

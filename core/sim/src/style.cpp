@@ -26,10 +26,8 @@ constexpr BlockWeights blocks_of(BlockKind kind, double weight = 1.0, double row
   return weights;
 }
 
-constexpr CityStyle kQuietStreets = {.grid = square({3, 50.0, 62.0}),
-                                     .bend = 0.12,
-                                     .block_weights = {3.5, 3.5, 0.7, 1.0, 0.0, 0.0},
-                                     .seconds_between_cars = 14.0};
+constexpr CityStyle kQuietStreets = {
+    .grid = square({3, 50.0, 62.0}), .bend = 0.12, .block_weights = {3.5, 3.5, 0.7, 1.0, 0.0, 0.0}};
 
 constexpr DriveStyle kBlock = {.city = kQuietStreets,
                                .driver = {.min_limit_mps = 8.0,
@@ -40,15 +38,13 @@ constexpr DriveStyle kBlock = {.city = kQuietStreets,
                                           .stop_share = 0.0,
                                           .max_circuit_blocks = 1}};
 
-constexpr DriveStyle kTown = {
-    .city = {.grid = square({7, 62.0, 125.0}),
-             .bend = 0.25,
-             .closed_street_share = 0.5,
-             .slope_bound = 0.16,
-             .block_weights = {3.0, 3.6, 0.9, 1.3, 0.8, 0.4},
-             .parked_car_share = 0.55,
-             .seconds_between_cars = 14.0},
-    .driver = {.min_limit_mps = 8.5, .max_limit_mps = 14.5, .stop_share = 0.2}};
+constexpr DriveStyle kTown = {.city = {.grid = square({7, 62.0, 125.0}),
+                                       .bend = 0.25,
+                                       .closed_street_share = 0.5,
+                                       .slope_bound = 0.16,
+                                       .block_weights = {3.0, 3.6, 0.9, 1.3, 0.8, 0.4},
+                                       .parked_car_share = 0.55},
+                              .driver = {.min_limit_mps = 8.5, .max_limit_mps = 14.5}};
 
 constexpr DriveStyle kHills = {.city = {.grid = square({9, 70.0, 150.0}),
                                         .bend = 0.35,
@@ -91,10 +87,7 @@ constexpr DriveStyle kNarrow = {
              .block_weights = blocks_of(BlockKind::kSmoothWalls, 6.0, 1.0),
              .seconds_between_cars = 40.0,
              .pedestrians_per_block = 2},
-    .driver = {.min_limit_mps = 5.0,
-               .max_limit_mps = 9.0,
-               .lateral_acceleration_mps2 = 2.0,
-               .stop_share = 0.2}};
+    .driver = {.min_limit_mps = 5.0, .max_limit_mps = 9.0, .lateral_acceleration_mps2 = 2.0}};
 
 /// A small robot among what stands about in a yard with houses around it.
 constexpr DriveStyle kYard = {
@@ -111,8 +104,7 @@ constexpr DriveStyle kYard = {
                .max_limit_mps = 1.5,
                .lateral_acceleration_mps2 = 0.8,
                .acceleration_mps2 = 0.6,
-               .braking_mps2 = 0.8,
-               .stop_share = 0.2}};
+               .braking_mps2 = 0.8}};
 
 constexpr DriveStyle kHandheld = {.city = kQuietStreets,
                                   .driver = {.min_limit_mps = 1.1,

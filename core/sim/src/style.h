@@ -48,7 +48,7 @@ struct CityStyle {
   std::optional<BlockWeights> rim_block_weights{};  ///< of the outermost blocks, where they differ
   double rim_trees_per_m = 1.0 / 7.0;  ///< trees in the open land, by length of the rim
   double parked_car_share = 0.6;       ///< of the places to park
-  double seconds_between_cars = 12.0;  ///< on each lane; infinity: there are none
+  double seconds_between_cars = 14.0;  ///< on each lane; infinity: there are none
   int pedestrians_per_block = 3;
 };
 
@@ -64,7 +64,7 @@ struct DriverStyle {
   double lateral_acceleration_mps2 = 2.5;
   double acceleration_mps2 = 1.8;
   double braking_mps2 = 2.2;
-  double stop_share = 0.25;    ///< of the crossings where the driver stops
+  double stop_share = 0.2;     ///< of the crossings where the driver stops
   int max_circuit_blocks = 2;  ///< longest side of a loop through the streets
   bool follows_car = false;    ///< another car drives ahead all the time
 };

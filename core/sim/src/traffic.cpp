@@ -44,11 +44,11 @@ void Traffic::add_trips(const DriveStyle& style, std::uint64_t seed, double unti
         double start_s = -(high_m - low_m) / speed_mps;
         while (start_s < until_s) {
           start_s += style.city.seconds_between_cars * random.uniform(0.35, 1.65);
-          const Trip trip{axis,           line.position_m + right * line.lane_offset_m,
-                          direction,      direction > 0.0 ? low_m : high_m,
-                          high_m - low_m, start_s,
-                          speed_mps,      kFirstCar + random.below(kCarBodies),
-                          random.shade()};
+          const double lane_m = line.position_m + right * line.lane_offset_m;
+          const double from_m = direction > 0.0 ? low_m : high_m;
+          const int car = kFirstCar + random.below(kCarBodies);
+          const Trip trip{axis,    lane_m,    direction, from_m,        high_m - low_m,
+                          start_s, speed_mps, car,       random.shade()};
           if (!meets_ego(trip)) trips_.push_back(trip);
         }
       }

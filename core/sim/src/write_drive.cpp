@@ -21,23 +21,20 @@ namespace fs = std::filesystem;
 void make_directory(const fs::path& directory) {
   std::error_code failure;
   fs::create_directories(directory, failure);
-  if (failure || !fs::is_directory(directory)) {
-    throw Error(
-        fmt::format("{}: expected a folder that can be written, found none and cannot make "
-                    "it ({}); choose another",
-                    directory.string(), failure.message()));
-  }
+  if (!failure && fs::is_directory(directory)) return;
+  throw Error(
+      fmt::format("{}: expected a folder that can be written, found none and cannot make it ({}); "
+                  "choose another",
+                  directory.string(), failure.message()));
 }
 
 /// One file per scan: what an earlier, longer drive left there would pass for scans of this one.
 void make_empty_directory(const fs::path& directory) {
   make_directory(directory);
-  if (!fs::is_empty(directory)) {
-    throw Error(
-        fmt::format("{}: expected an empty folder, found files; remove them or choose "
-                    "another folder",
-                    directory.string()));
-  }
+  if (fs::is_empty(directory)) return;
+  throw Error(
+      fmt::format("{}: expected an empty folder, found files; remove them or choose another folder",
+                  directory.string()));
 }
 
 std::string in(const std::string& directory, std::string_view name) {
