@@ -37,9 +37,9 @@ done
 hqslam() { "$program" "$@"; }
 # Fails with what a command says on stderr; its stdout goes where the line sends it.
 quietly() { "$@" 2>log || { echo "failed: $*" >&2; cat log >&2; exit 1; }; }
-quietly hqslam simulate --drive block --sensor hdl-64e --scans 3 --bin --out kitti
-quietly hqslam simulate --drive block --sensor os1-64 --scans 3 --pcd --out ouster
-quietly hqslam simulate --drive block --sensor os1-16 --scans 3 --out ouster16
+quietly hqslam simulate --drive block --sensor hdl-64e --scans 3 --bin --out kitti >stdout
+quietly hqslam simulate --drive block --sensor os1-64 --scans 3 --pcd --out ouster >stdout
+quietly hqslam simulate --drive block --sensor os1-16 --scans 3 --out ouster16 >stdout
 mv ouster16/scans.npy ranges16.npy
 mkdir velodyne_points
 mv kitti/bin velodyne_points/data
