@@ -120,6 +120,13 @@ TEST_CASE("a weights file becomes a filtered row before LiDAR-64") {
                                  [](const TableMethod& method) { return method.name == "mine"; });
   REQUIRE(mine != plan.shown.end());
   CHECK((mine + 1)->name == "rows-64");
+
+  options.weights = {folder.file("mine.npz") + "+as-published"};
+  CHECK(plan_table(options).methods.back().name == "mine+as-published");
+  CHECK(weights_of(plan_table(options).methods.back(), "any") == folder.file("mine.npz"));
+  options.weights = {folder.file("mine.npz") + "+nothing"};
+  CHECK(test::one_line_with(test::error_message([&] { plan_table(options); }), "mine.npz+nothing",
+                            "+as-published"));
 }
 
 TEST_CASE("a recording is named after its folder and keeps the sensor and truth it was given") {

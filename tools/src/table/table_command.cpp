@@ -133,7 +133,9 @@ void declare_table(CLI::App& app, TableOptions& options) {
                    fmt::format("Rows to compute, separated by commas (default: all of {})",
                                fmt::join(table_method_names(), ", ")))
       ->delimiter(',');
-  command->add_option("--weights", options.weights, "Weights files that become rows of their own")
+  command
+      ->add_option("--weights", options.weights,
+                   "Weights files that become rows of their own, FILE.npz or FILE.npz+VARIANT")
       ->delimiter(',');
   command->add_option("--sensor", options.reading.sensor,
                       "Sensor of recordings that do not say theirs (name or .json file)");

@@ -27,20 +27,31 @@ constexpr std::array<SensorWeights, 2> kSensorWeights = {
 
 bool is_weights_file(const std::string& source) { return fs::path(source).extension() == ".npz"; }
 
-TableMethod method_of_weights(const std::string& path) {
-  if (!is_weights_file(path) || !fs::is_regular_file(path)) {
-    throw Error(fmt::format("--weights {}: expected a weights file (.npz), found none", path));
-  }
-  const std::string name = fs::path(path).stem().string();
-  return {name, name, kTableMeasuredRows, path, true};
-}
-
 TableMethod method_with(const TableMethod& method, const SlamVariant& variant) {
   TableMethod with = method;
   with.name += fmt::format("+{}", variant.name);
   with.title += fmt::format(", {}", variant.title);
   with.variant = &variant;
   return with;
+}
+
+/// FILE.npz or FILE.npz+VARIANT.
+TableMethod method_of_weights(const std::string& text) {
+  const std::size_t plus = text.rfind(".npz+");
+  const std::string path = plus == std::string::npos ? text : text.substr(0, plus + 4);
+  if (!is_weights_file(path) || !fs::is_regular_file(path)) {
+    throw Error(fmt::format("--weights {}: expected a weights file (.npz), found none", path));
+  }
+  const std::string name = fs::path(path).stem().string();
+  const TableMethod method{name, name, kTableMeasuredRows, path, true};
+  if (plus == std::string::npos) return method;
+  for (const SlamVariant& variant : slam_variants()) {
+    if (variant.name == text.substr(plus + 5) && variant.applies(method)) {
+      return method_with(method, variant);
+    }
+  }
+  throw Error(fmt::format("--weights {}: expected one of these after the file: {}", text,
+                          fmt::join(slam_variant_names(), ", ")));
 }
 
 /// Every row that the program can make: each of the table's, followed by its variants.
