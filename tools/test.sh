@@ -55,7 +55,7 @@ if command -v clang-tidy >/dev/null; then
   # so it reads the sources as without OpenMP: a field that only num_threads() uses looks unused.
   # A file is read again when it, a header or the list of checks has changed. The simulator and the
   # command line take ten minutes of two cores: with --tidy.
-  tidied='(core|core/evaluation|core/recordings|core/live|nn|slam)/src/'
+  tidied='(core|core/evaluation|core/recordings|core/live|nn|nn/compare|slam)/src/'
   if [[ "${1:-}" == --tidy ]]; then tidied='(core|nn|slam|tools)/(.*/)?src/'; fi
   passed=build/release/clang-tidy-passed
   around=$( (cat .clang-tidy && sources '*.h' | sort | xargs sha256sum) | sha256sum | cut -d' ' -f1)
@@ -89,7 +89,7 @@ fi
 if [[ "${1:-}" == --thread ]]; then
   step "Thread sanitizer"
   tools/setup.sh fuzz
-  threaded=(test_nn test_slam test_recordings test_accuracy)
+  threaded=(test_nn test_nn_compare test_slam test_recordings test_accuracy)
   cmake --preset thread -Wno-dev >/dev/null
   cmake --build --preset thread -j "$jobs" --target "${threaded[@]}"
   ctest --preset thread -R "^($(IFS='|' && echo "${threaded[*]}"))$"

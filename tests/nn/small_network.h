@@ -102,6 +102,13 @@ inline NetworkDescription small_du_mix(const std::vector<TwoModesLayerShape>& la
   return small_du_mix(small_two_modes(layers));
 }
 
+/// Of one scan.
+inline double add_gradient(Network& network, const TrainingSample& sample,
+                           const LossOptions& options, std::span<float> d_parameters,
+                           std::uint64_t seed = 0) {
+  return network.add_gradients({&sample, 1}, options, {&seed, 1}, d_parameters);
+}
+
 /// An image in units of range_scale_m.
 inline std::vector<float> image_of(const UnrolledPlan& plan, const Tensor& tiles) {
   const TileSize tile = plan.tile();

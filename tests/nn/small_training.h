@@ -6,8 +6,10 @@
 #include <utility>
 #include <vector>
 
+#include "error_message.h"
 #include "hqslam/nn/training/trainer.h"
 #include "small_network.h"
+#include "thread_ranks.h"
 
 // Trainings of a moment, on three small scans.
 namespace hqslam::nn {
@@ -82,6 +84,18 @@ inline TrainingState trained(const NetworkDescription& description, int steps, i
                   alone());
   train(trainer, steps);
   return trainer.state();
+}
+
+/// What two processes say that begin to share a training.
+inline std::string message_of_two_ranks(const NetworkDescription& description, int batch) {
+  TrainingPlan plan = small_plan();
+  plan.augmentation.crop_columns = 0;
+  plan.batch = batch;
+  return test::error_message([&] {
+    test::on_ranks(2, [&](Ranks& ranks) {
+      Trainer(description, plan, in_memory(scans()), fresh_state(description), 1, ranks);
+    });
+  });
 }
 
 inline void check_same(const TrainingState& a, const TrainingState& b) {

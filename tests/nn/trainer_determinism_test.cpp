@@ -1,5 +1,7 @@
 #include <doctest/doctest.h>
 
+#include <omp.h>
+
 #include <cmath>
 #include <mutex>
 #include <set>
@@ -42,6 +44,15 @@ TEST_CASE("one, two and four processes train the same bytes and see the same los
     train(usual, 6);
     check_same(usual.state(), ends.front().first);
   }
+}
+
+TEST_CASE("a training inside a parallel region of the caller's trains the same bytes") {
+  const UnrolledPlan description = simple_du_with_dropout();
+  const TrainingState alone = trained(description, 3, 1);
+  std::vector<TrainingState> of_team(2, alone);
+#pragma omp parallel num_threads(2)
+  of_team[omp_get_thread_num()] = trained(description, 3, 1 + omp_get_thread_num());
+  for (const TrainingState& state : of_team) check_same(state, alone);
 }
 
 TEST_CASE("a training that stopped and went on gives the same bytes as one that never stopped") {

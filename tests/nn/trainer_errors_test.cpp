@@ -2,10 +2,8 @@
 
 #include <string>
 
-#include "direct/srae.h"
 #include "error_message.h"
 #include "small_training.h"
-#include "thread_ranks.h"
 
 namespace hqslam::nn {
 namespace {
@@ -17,22 +15,8 @@ std::string plan_message(const TrainingPlan& plan) {
 }  // namespace
 
 TEST_CASE("a batch that processes cannot share is refused with the reason") {
-  const UnrolledPlan du_or = small_du_or();
-  NetworkDescription srae = small_du_or();
-  srae.architecture = std::make_shared<Srae>(SraeShape{.filters = 2, .passes = 1});
-  TrainingPlan plan = small_plan();
-  plan.augmentation.crop_columns = 0;
-  const auto message = [&](const NetworkDescription& description, int batch) {
-    plan.batch = batch;
-    return test::error_message([&] {
-      test::on_ranks(2, [&](Ranks& ranks) {
-        Trainer(description, plan, in_memory(scans()), fresh_state(description), 1, ranks);
-      });
-    });
-  };
-  CHECK(message(du_or, 4) == "no Error");
-  CHECK(test::one_line_with(message(du_or, 3), "batch is 3", "2 processes"));
-  CHECK(test::one_line_with(message(srae, 4), "batch norm", "2 processes"));
+  CHECK(message_of_two_ranks(small_du_or(), 4) == "no Error");
+  CHECK(test::one_line_with(message_of_two_ranks(small_du_or(), 3), "batch is 3", "2 processes"));
 }
 
 TEST_CASE("plans that cannot be followed are refused with the field and the value") {

@@ -52,8 +52,8 @@ void check_against_pytorch(NetworkDescription description, const std::string& fi
           kTolerance);
     const std::vector<float> expected = golden.values("d_parameters");
     std::vector<float> d_parameters(expected.size());
-    const double loss = network->add_gradient(measured, small_scene(), {.layer_share = layer_share},
-                                              0, d_parameters);
+    const double loss = add_gradient(*network, {measured, small_scene()},
+                                     {.layer_share = layer_share}, d_parameters);
     CHECK(loss == doctest::Approx(golden.value("loss")).epsilon(kTolerance));
     std::size_t next = 0;
     for (const ParameterShape& shape : parameter_shapes(description)) {
@@ -93,7 +93,7 @@ TEST_CASE("the loss is the mean over the columns, where they are no whole vector
     network->set_parameters(nothing);
     std::vector<float> d_parameters(nothing.size());
     const auto loss = [&](const RangeImage& truth) {
-      return network->add_gradient(measured, truth, {}, 0, d_parameters);
+      return add_gradient(*network, {measured, truth}, {}, d_parameters);
     };
     CHECK(loss(RangeImage(16, 40)) == doctest::Approx(std::log(2.0)).epsilon(1e-5));
     CHECK(loss(walls) == doctest::Approx(std::log(2.0) - 0.3 * 3.5).epsilon(1e-5));

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "../convolution_graph.h"
+#include "../graph/convolution_graph.h"
 #include "../parameters.h"
 #include "channels.h"
 #include "hqslam/core/error.h"

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "../convolution_graph.h"
+#include "../graph/convolution_graph.h"
 #include "../tiles.h"
 
 namespace hqslam::nn {

@@ -21,7 +21,8 @@ const float kTypicalLogRange = std::log(kTypicalRange_m);
 
 TwoModesNetwork::TwoModesNetwork(const TwoModesShape& shape, const NetworkDescription& description,
                                  int columns, InstructionSet instruction_set, int threads)
-    : description_(description),
+    : Network(description, columns),
+      description_(description),
       shape_(shape),
       tile_(shape.tile),
       rows_(description.sensor.rows() / tile_.rows),

@@ -27,11 +27,11 @@ class TwoModesNetwork final : public Network {
   const LiftedImage& lift(const RangeImage& measured, float tolerance_m) override;
   Trace trace(const RangeImage& measured) override;
   std::vector<NetworkStep> steps(const RangeImage& measured) override;
-  double add_gradient(const RangeImage& measured, const RangeImage& truth,
-                      const LossOptions& options, std::uint64_t seed,
-                      std::span<float> d_parameters) override;
 
  private:
+  double batch_gradients(std::span<const TrainingSample> batch, const LossOptions& options,
+                         std::span<const std::uint64_t> seeds,
+                         std::span<float> d_parameters) override;
   /// One layer on its way.
   struct Layer {
     ConvolutionGraph graph;
@@ -66,6 +66,8 @@ class TwoModesNetwork final : public Network {
   void run_layer(int layer, const RangeImage& measured, float tolerance_m);
   void finish_image_row(const RangeImage& measured, int row, const float* ranges,
                         const float* confidences);
+  double add_gradient(const TrainingSample& sample, const LossOptions& options,
+                      std::span<float> d_parameters);
   void forward_for_training(const RangeImage& measured);
   double backward_layer(int layer, const Tensor& truth, const LossOptions& options,
                         std::span<float> d_parameters);

@@ -99,13 +99,20 @@ double TwoModesNetwork::backward_layer(int layer, const Tensor& truth, const Los
   return loss;
 }
 
-double TwoModesNetwork::add_gradient(const RangeImage& measured, const RangeImage& truth,
-                                     const LossOptions& options, std::uint64_t /*seed*/,
+double TwoModesNetwork::batch_gradients(std::span<const TrainingSample> batch,
+                                        const LossOptions& options,
+                                        std::span<const std::uint64_t> /*seeds*/,
+                                        std::span<float> d_parameters) {
+  double loss = 0.0;
+  for (const TrainingSample& sample : batch) loss += add_gradient(sample, options, d_parameters);
+  return loss;
+}
+
+double TwoModesNetwork::add_gradient(const TrainingSample& sample, const LossOptions& options,
                                      std::span<float> d_parameters) {
-  check(measured);
-  forward_for_training(measured);
+  forward_for_training(sample.measured);
   Tensor truth_m(tile_.pixels(), rows_, columns_, ColumnPadding::kCircular);
-  to_tiles(truth.range_m.data(), tile_, truth_m);
+  to_tiles(sample.truth.range_m.data(), tile_, truth_m);
   double loss = 0.0;
   auto end = static_cast<std::int64_t>(d_parameters.size());
   for (int layer = static_cast<int>(layers_.size()) - 1; layer >= 0; --layer) {

@@ -5,8 +5,8 @@
 
 #include <algorithm>
 
-#include "../convolution_graph.h"
-#include "../layers/tensor_sums.h"
+#include "../graph/convolution_graph.h"
+#include "../graph/tensor_sums.h"
 #include "../parameters.h"
 #include "channels.h"
 #include "hqslam/core/error.h"

@@ -7,7 +7,8 @@ namespace hqslam::nn {
 
 UnrolledLifter::UnrolledLifter(const NetworkDescription& description, int columns,
                                InstructionSet instruction_set, int threads)
-    : network_(description, columns, instruction_set, threads),
+    : Network(description, columns),
+      network_(description, columns, instruction_set, threads),
       threads_(threads),
       state_(network_.make_state(UnrolledNetwork::Kept::kLastTwo)) {}
 
@@ -86,9 +87,19 @@ Trace UnrolledLifter::trace(const RangeImage& measured) {
   return trace;
 }
 
-double UnrolledLifter::add_gradient(const RangeImage& measured, const RangeImage& truth,
-                                    const LossOptions& options, std::uint64_t seed,
-                                    std::span<float> d_parameters) {
+double UnrolledLifter::batch_gradients(std::span<const TrainingSample> batch,
+                                       const LossOptions& options,
+                                       std::span<const std::uint64_t> seeds,
+                                       std::span<float> d_parameters) {
+  double loss = 0.0;
+  for (std::size_t i = 0; i < batch.size(); ++i) {
+    loss += add_gradient(batch[i], options, seeds[i], d_parameters);
+  }
+  return loss;
+}
+
+double UnrolledLifter::add_gradient(const TrainingSample& sample, const LossOptions& options,
+                                    std::uint64_t seed, std::span<float> d_parameters) {
   const NetworkDescription& d = network_.description();
   if (!training_) {
     UnrolledState state = network_.make_state();
@@ -97,10 +108,10 @@ double UnrolledLifter::add_gradient(const RangeImage& measured, const RangeImage
     training_->d_z.assign(network_.options().layers, image);
   }
   const TileSize tile = network_.tile();
-  RangeImage scaled = truth;
+  RangeImage scaled = sample.truth;
   for (float& range : scaled.range_m) range /= d.range_scale_m;
   to_tiles(scaled.range_m.data(), tile, training_->truth);
-  network_.start(measured, training_->state);
+  network_.start(sample.measured, training_->state);
   network_.forward(training_->state, seed);
   double loss = 0.0;
   for (int layer = 0; layer < network_.options().layers; ++layer) {

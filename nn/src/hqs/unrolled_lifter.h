@@ -21,11 +21,14 @@ class UnrolledLifter final : public Network {
   RangeImage estimate(const RangeImage& measured) override;
   Trace trace(const RangeImage& measured) override;
   std::vector<NetworkStep> steps(const RangeImage& measured) override;
-  double add_gradient(const RangeImage& measured, const RangeImage& truth,
-                      const LossOptions& options, std::uint64_t seed,
-                      std::span<float> d_parameters) override;
 
  private:
+  double batch_gradients(std::span<const TrainingSample> batch, const LossOptions& options,
+                         std::span<const std::uint64_t> seeds,
+                         std::span<float> d_parameters) override;
+  double add_gradient(const TrainingSample& sample, const LossOptions& options, std::uint64_t seed,
+                      std::span<float> d_parameters);
+
   /// What training needs: the values of all layers, and their gradients.
   struct Training {
     UnrolledState state;

@@ -8,7 +8,7 @@
 
 #include "golden.h"
 #include "hqslam/core/error.h"
-#include "layers/layer_graph.h"
+#include "graph/layer_graph.h"
 #include "random_values.h"
 
 namespace hqslam::nn {

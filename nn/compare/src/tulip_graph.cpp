@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "../layers/layers.h"
+#include "layers/layers.h"
 
 namespace hqslam::nn {
 namespace {

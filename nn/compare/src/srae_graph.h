@@ -1,6 +1,6 @@
 #pragma once
 
-#include "../layers/layer_graph.h"
+#include "graph/layer_graph.h"
 
 namespace hqslam::nn {
 

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "../layers/layer_graph.h"
+#include "graph/layer_graph.h"
 
 namespace hqslam::nn {
 

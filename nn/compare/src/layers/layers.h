@@ -2,33 +2,13 @@
 
 #include <memory>
 
-#include "layer.h"
+#include "graph/convolution_layer.h"
+#include "graph/dropout.h"
 
 // The layers of networks that come from elsewhere, a file each. All of them work on channels x rows
 // x columns, transformers' too: a token is a pixel, and a linear layer of tokens a 1 x 1
 // convolution.
 namespace hqslam::nn {
-
-/// conv2d or conv_transpose2d, and what is done with its sums: a(sum + second input, if it has
-/// one), a(v) = max(v, negative_slope v). Arrays: weight, bias.
-struct ConvolutionOptions {
-  int channels = 1;  ///< of the result
-  int kernel_rows = 1;
-  int kernel_columns = 1;
-  int stride_rows = 1;
-  int stride_columns = 1;
-  int padding_rows = 0;
-  int padding_columns = 0;
-  /// The rows and columns of the result are those of the input times the strides.
-  bool transposed = false;
-  bool bias = true;
-  bool linear = false;  ///< a 1 x 1 kernel whose weight is stored as out x in
-  float negative_slope = 1.0F;
-  float start_deviation = 0.02F;  ///< standard deviation of the weights' uniform start
-  float start_bias = 0.0F;
-};
-std::unique_ptr<Layer> make_convolution(const ConvolutionOptions& options, const TensorShape& input,
-                                        const Engine& engine);
 
 /// Batch normalisation (Ioffe & Szegedy, 2015) and what is done with its result:
 ///   y = a(weight (x - mean) / sqrt(variance + epsilon) + bias), a(v) = max(v, negative_slope v)
@@ -48,9 +28,6 @@ std::unique_ptr<Layer> make_average_pool(const TensorShape& input);
 
 /// The channels of the first input, then those of the second.
 std::unique_ptr<Layer> make_concatenation(const TensorShape& first, const TensorShape& second);
-
-/// With a seed: each value is dropped with a probability of `share`, or else divided by 1 - share.
-std::unique_ptr<Layer> make_dropout(float share, const TensorShape& input);
 
 /// Layer normalisation (Ba et al., 2016): every pixel's channels to mean 0 and variance 1, then
 /// times weight plus bias. Arrays: weight, bias.

@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "../layers/layer_graph.h"
+#include "graph/layer_graph.h"
 #include "hqslam/nn/network.h"
 
 namespace hqslam::nn {
@@ -16,8 +16,6 @@ struct DirectPlan {
   bool logarithmic = false;
   int passes = 1;                  ///< with dropout, from 2 on
   float largest_deviation = 0.0F;  ///< of the passes, as a share of their mean
-  /// Scans of a batch are normalised together (batch norm).
-  bool joins_batch = false;
 };
 
 /// A network that says the range of every pixel at once, trained with the mean of the absolute
@@ -34,15 +32,12 @@ class DirectNetwork final : public Network {
   RangeImage estimate(const RangeImage& measured) override;
   Trace trace(const RangeImage& measured) override;
   std::vector<NetworkStep> steps(const RangeImage& measured) override;
-  bool joins_batch() const override { return plan_.joins_batch; }
-  double add_gradient(const RangeImage& measured, const RangeImage& truth,
-                      const LossOptions& options, std::uint64_t seed,
-                      std::span<float> d_parameters) override;
-  double add_gradients(std::span<const TrainingSample> batch, const LossOptions& options,
-                       std::span<const std::uint64_t> seeds,
-                       std::span<float> d_parameters) override;
 
  private:
+  double batch_gradients(std::span<const TrainingSample> batch, const LossOptions& options,
+                         std::span<const std::uint64_t> seeds,
+                         std::span<float> d_parameters) override;
+
   struct Training {
     LayerGraph graph;
     std::vector<LayerGraph::Scan> scans;

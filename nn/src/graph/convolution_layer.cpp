@@ -1,10 +1,11 @@
+#include "convolution_layer.h"
+
 #include <cmath>
 #include <numbers>
 #include <utility>
 
 #include "../activation.h"
 #include "../conv2d.h"
-#include "layers.h"
 #include "tensor_sums.h"
 
 namespace hqslam::nn {
@@ -98,74 +99,11 @@ class Convolution final : public Layer {
   Tensor d_input_;
 };
 
-/// Lifting alone: it has no gradients.
-class NormalisedConvolution final : public Layer {
- public:
-  NormalisedConvolution(const ConvolutionOptions& options, float epsilon, const TensorShape& input,
-                        const Engine& engine)
-      : Layer(output_of(options, input)),
-        // conv_transpose2d's weights have the input channels first.
-        outer_(options.transposed ? input.channels : 1),
-        epsilon_(epsilon),
-        convolution_(make_convolution(options, input, engine)),
-        norm_(make_batch_norm(epsilon, options.negative_slope, output_)) {}
-
-  std::int64_t multiply_adds() const override { return convolution_->multiply_adds(); }
-  void forward(const LayerPass& pass) override { convolution_->forward(pass); }
-  void backward(std::span<const LayerPass> /*batch*/, std::span<float> /*d*/) override {}
-
-  std::vector<ParameterShape> parameter_shapes() const override {
-    std::vector<ParameterShape> shapes;
-    for (const auto& [name, layer] :
-         {std::pair("convolution.", convolution_.get()), std::pair("norm.", norm_.get())}) {
-      for (ParameterShape shape : layer->parameter_shapes()) {
-        shape.name.insert(0, name);
-        shapes.push_back(std::move(shape));
-      }
-    }
-    return shapes;
-  }
-
-  /// weight' = weight s, bias' = (bias - mean) s + shift with s = scale / sqrt(variance + epsilon)
-  void set_parameters(std::span<const float> parameters) override {
-    const std::int64_t own = elements(convolution_->parameter_shapes());
-    const std::span<const float> convolution = take(parameters, own);
-    std::vector<float> folded(convolution.begin(), convolution.end());
-    const std::span<const float> scale = take(parameters, output_.channels);
-    const std::span<const float> shift = take(parameters, output_.channels);
-    const std::span<const float> mean = take(parameters, output_.channels);
-    const std::span<const float> variance = take(parameters, output_.channels);
-    const std::int64_t weights = own - output_.channels;
-    const std::int64_t inner = weights / (static_cast<std::int64_t>(outer_) * output_.channels);
-    for (int channel = 0; channel < output_.channels; ++channel) {
-      const float s = scale[channel] / std::sqrt(variance[channel] + epsilon_);
-      for (std::int64_t outer = 0; outer < outer_; ++outer) {
-        float* weight = &folded[(outer * output_.channels + channel) * inner];
-        for (std::int64_t i = 0; i < inner; ++i) weight[i] *= s;
-      }
-      float& bias = folded[weights + channel];
-      bias = (bias - mean[channel]) * s + shift[channel];
-    }
-    convolution_->set_parameters(folded);
-  }
-
- private:
-  int outer_;
-  float epsilon_;
-  std::unique_ptr<Layer> convolution_;
-  std::unique_ptr<Layer> norm_;
-};
-
 }  // namespace
 
 std::unique_ptr<Layer> make_convolution(const ConvolutionOptions& options, const TensorShape& input,
                                         const Engine& engine) {
   return std::make_unique<Convolution>(options, input, engine);
-}
-
-std::unique_ptr<Layer> make_normalised_convolution(const ConvolutionOptions& options, float epsilon,
-                                                   const TensorShape& input, const Engine& engine) {
-  return std::make_unique<NormalisedConvolution>(options, epsilon, input, engine);
 }
 
 }  // namespace hqslam::nn

@@ -1,9 +1,9 @@
-#include "direct/direct_network.h"
+#include "direct_network.h"
 
 #include <doctest/doctest.h>
 
-#include "direct/srae.h"
-#include "direct/tulip.h"
+#include "srae.h"
+#include "tulip.h"
 #include "error_message.h"
 #include "golden.h"
 #include "hqslam/core/error.h"

@@ -6,12 +6,12 @@
 #include <string>
 #include <vector>
 
-#include "conv2d.h"
-#include "convolution_shape.h"
+#include "../conv2d.h"
+#include "../convolution_shape.h"
 #include "hqslam/nn/instruction_set.h"
 #include "hqslam/nn/network_step.h"
 #include "hqslam/nn/parameter_shape.h"
-#include "tensor.h"
+#include "../tensor.h"
 
 namespace hqslam::nn {
 

@@ -17,7 +17,8 @@ constexpr std::uint64_t kSeedsOfPass = 64;
 
 DirectNetwork::DirectNetwork(LayerGraph graph, DirectPlan plan,
                              const NetworkDescription& description, int threads)
-    : graph_(std::move(graph)),
+    : Network(description, graph.shape(0).columns),
+      graph_(std::move(graph)),
       plan_(std::move(plan)),
       description_(description),
       threads_(threads),
@@ -161,17 +162,10 @@ std::vector<NetworkStep> DirectNetwork::steps(const RangeImage& measured) {
   return graph_.steps(values_, plan_.passes);
 }
 
-double DirectNetwork::add_gradient(const RangeImage& measured, const RangeImage& truth,
-                                   const LossOptions& options, std::uint64_t seed,
-                                   std::span<float> d_parameters) {
-  const TrainingSample sample{measured, truth};
-  return add_gradients({&sample, 1}, options, {&seed, 1}, d_parameters);
-}
-
-double DirectNetwork::add_gradients(std::span<const TrainingSample> batch,
-                                    const LossOptions& /*options*/,
-                                    std::span<const std::uint64_t> seeds,
-                                    std::span<float> d_parameters) {
+double DirectNetwork::batch_gradients(std::span<const TrainingSample> batch,
+                                      const LossOptions& /*options*/,
+                                      std::span<const std::uint64_t> seeds,
+                                      std::span<float> d_parameters) {
   if (!training_) training_.emplace(Training{plan_.graph_for_training(), {}});
   if (training_->stale) training_->graph.set_parameters(parameters_);
   training_->stale = false;
@@ -181,7 +175,6 @@ double DirectNetwork::add_gradients(std::span<const TrainingSample> batch,
   }
   const std::span<LayerGraph::Scan> used(scans.data(), batch.size());
   for (std::size_t i = 0; i < batch.size(); ++i) {
-    check(batch[i].measured);
     take(batch[i].measured, used[i].values.front());
     used[i].seed = seeds[i];
   }

@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "../parameters.h"
+#include "parameters.h"
 #include "direct_network.h"
 #include "hqslam/core/error.h"
 

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "layers.h"
-
 namespace hqslam::nn {
 namespace {
 

@@ -1,4 +1,4 @@
-#include "../kernels/row_kernels.h"
+#include "kernels/row_kernels.h"
 #include "layers.h"
 
 namespace hqslam::nn {

@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-#include "../layers/layers.h"
+#include "layers/layers.h"
 
 namespace hqslam::nn {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <memory>
 
-#include "../architecture.h"
+#include "architecture.h"
 #include "tulip_graph.h"
 
 namespace hqslam::nn {

@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "activation.h"
+#include "../activation.h"
 #include "hqslam/core/error.h"
-#include "layers/dropout.h"
-#include "parameters.h"
+#include "dropout.h"
+#include "../parameters.h"
 
 namespace hqslam::nn {
 namespace {

@@ -3,7 +3,7 @@
 #include <array>
 #include <cmath>
 
-#include "../kernels/row_kernels.h"
+#include "kernels/row_kernels.h"
 #include "hqslam/core/error.h"
 #include "layers.h"
 

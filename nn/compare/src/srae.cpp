@@ -5,7 +5,7 @@
 #include <bit>
 #include <nlohmann/json.hpp>
 
-#include "../parameters.h"
+#include "parameters.h"
 #include "direct_network.h"
 #include "hqslam/core/error.h"
 
@@ -87,8 +87,7 @@ std::unique_ptr<Network> Srae::make_network(const NetworkDescription& d, int col
             return srae_graph(shape, input, upscaling, Purpose::kTraining, {instruction_set, 1});
           },
       .passes = shape_.passes,
-      .largest_deviation = shape_.largest_deviation,
-      .joins_batch = true};
+      .largest_deviation = shape_.largest_deviation};
   return std::make_unique<DirectNetwork>(std::move(lifting), std::move(plan), d, threads);
 }
 
