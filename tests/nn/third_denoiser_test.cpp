@@ -2,8 +2,8 @@
 
 #include <memory>
 
-#include "convolution_graph.h"
 #include "error_message.h"
+#include "graph/layer_graph.h"
 #include "hqs/denoiser.h"
 #include "hqslam/nn/network_json.h"
 #include "hqslam/nn/training/trainer.h"
@@ -21,8 +21,10 @@ constexpr const char* kKind = "one-convolution";
 class OneConvolution final : public Denoiser {
  public:
   OneConvolution(int kernel, int rows, int columns, InstructionSet instruction_set, int threads)
-      : graph_({{.name = "convolution", .kernel = kernel}}, {1, 1}, rows, columns, instruction_set,
-               threads) {}
+      : graph_({1, rows, columns}, {instruction_set, threads}) {
+    graph_.add("convolution",
+               {.kernel = {kernel, kernel}, .padding = {kernel / 2, kernel / 2}}, {0});
+  }
 
   TileSize tile() const override { return {}; }
   ColumnPadding padding() const override { return ColumnPadding::kCircular; }
@@ -49,11 +51,11 @@ class OneConvolution final : public Denoiser {
                 std::span<float> d_parameters) override {
     gradient.output() = gradient.z;
     gradient.output().fill_borders();
-    graph_.backward(state.values, gradient.values, d_parameters);
+    graph_.backward({&state.values, 1}, {&gradient.values, 1}, d_parameters, {});
   }
 
  private:
-  ConvolutionGraph graph_;
+  LayerGraph graph_;
 };
 
 DenoiserDescription one_convolution(JsonFields& sizes) {

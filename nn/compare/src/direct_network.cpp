@@ -15,13 +15,30 @@ constexpr std::uint64_t kSeedsOfPass = 64;
 
 }  // namespace
 
-DirectNetwork::DirectNetwork(LayerGraph graph, DirectPlan plan,
-                             const NetworkDescription& description, int threads)
-    : Network(description, graph.shape(0).columns),
-      graph_(std::move(graph)),
-      plan_(std::move(plan)),
+std::vector<ParameterShape> DirectArchitecture::parameter_shapes(
+    const NetworkDescription& d) const {
+  return graph(d, column_multiple(), Purpose::kTraining, {}).parameter_shapes();
+}
+
+std::vector<float> DirectArchitecture::initial_parameters(const NetworkDescription& d,
+                                                          std::uint64_t seed) const {
+  return graph(d, column_multiple(), Purpose::kTraining, {}).initial_parameters(seed);
+}
+
+std::unique_ptr<Network> DirectArchitecture::make_network(const NetworkDescription& d, int columns,
+                                                          InstructionSet instruction_set,
+                                                          int threads) const {
+  return std::make_unique<DirectNetwork>(*this, d, columns, Engine{instruction_set, threads});
+}
+
+DirectNetwork::DirectNetwork(const DirectArchitecture& architecture,
+                             const NetworkDescription& description, int columns,
+                             const Engine& engine)
+    : Network(description, columns),
+      architecture_(architecture),
       description_(description),
-      threads_(threads),
+      plan_(architecture.plan()),
+      graph_(architecture.graph(description, columns, Purpose::kLifting, engine)),
       values_(graph_.make_values()) {
   const TensorShape& output = graph_.output_shape();
   sum_.resize(static_cast<std::size_t>(output.values()));
@@ -82,13 +99,13 @@ void DirectNetwork::add_pass(bool first) {
 /// What stands before the first dropout is the same in every pass.
 void DirectNetwork::run_passes(const RangeImage& measured) {
   const int random = graph_.first_random_layer();
-#pragma omp parallel num_threads(threads_)
+#pragma omp parallel num_threads(graph_.engine().threads)
   {
     take(measured, values_.front());
     for (int pass = 0; pass < plan_.passes; ++pass) {
       std::optional<std::uint64_t> seed;
       if (plan_.passes > 1) seed = static_cast<std::uint64_t>(pass) * kSeedsOfPass;
-      graph_.forward(values_, seed, pass == 0 ? 0 : random);
+      graph_.forward(values_, seed, {.first = pass == 0 ? 0 : random});
       add_pass(pass == 0);
     }
   }
@@ -118,7 +135,7 @@ const LiftedImage& DirectNetwork::lift(const RangeImage& measured, float /*toler
   run_passes(measured);
   const auto nearest_m = static_cast<float>(description_.sensor.min_range_m);
   const auto farthest_m = static_cast<float>(description_.sensor.max_range_m);
-#pragma omp parallel for schedule(static) num_threads(threads_)
+#pragma omp parallel for schedule(static) num_threads(graph_.engine().threads)
   for (std::size_t pixel = 0; pixel < sum_.size(); ++pixel) {
     const float range_m = to_metres(mean(pixel));
     const bool there = range_m >= nearest_m && range_m <= farthest_m && agreed(pixel);
@@ -131,7 +148,7 @@ const LiftedImage& DirectNetwork::lift(const RangeImage& measured, float /*toler
 /// One pass without dropout.
 RangeImage DirectNetwork::estimate(const RangeImage& measured) {
   check(measured);
-#pragma omp parallel num_threads(threads_)
+#pragma omp parallel num_threads(graph_.engine().threads)
   {
     take(measured, values_.front());
     graph_.forward(values_);
@@ -166,33 +183,37 @@ double DirectNetwork::batch_gradients(std::span<const TrainingSample> batch,
                                       const LossOptions& /*options*/,
                                       std::span<const std::uint64_t> seeds,
                                       std::span<float> d_parameters) {
-  if (!training_) training_.emplace(Training{plan_.graph_for_training(), {}});
-  if (training_->stale) training_->graph.set_parameters(parameters_);
-  training_->stale = false;
-  std::vector<LayerGraph::Scan>& scans = training_->scans;
-  while (scans.size() < batch.size()) {
-    scans.push_back({training_->graph.make_values(), training_->graph.make_values(), std::nullopt});
+  if (!training_) {
+    training_.emplace(
+        Training{architecture_.graph(description_, graph_.shape(0).columns, Purpose::kTraining,
+                                     {graph_.engine().instruction_set, 1}),
+                 {},
+                 {}});
   }
-  const std::span<LayerGraph::Scan> used(scans.data(), batch.size());
-  for (std::size_t i = 0; i < batch.size(); ++i) {
-    take(batch[i].measured, used[i].values.front());
-    used[i].seed = seeds[i];
+  Training& training = *training_;
+  if (training.stale) training.graph.set_parameters(parameters_);
+  training.stale = false;
+  while (training.values.size() < batch.size()) {
+    training.values.push_back(training.graph.make_values());
+    training.gradients.push_back(training.graph.make_values());
   }
-  training_->graph.forward(used);
+  const std::span values(training.values.data(), batch.size());
+  const std::span gradients(training.gradients.data(), batch.size());
+  for (std::size_t i = 0; i < batch.size(); ++i) take(batch[i].measured, values[i].front());
+  training.graph.forward_batch(values, seeds);
   double loss = 0.0;
   const float share = 1.0F / static_cast<float>(sum_.size());
   for (std::size_t i = 0; i < batch.size(); ++i) {
-    const Tensor& output = used[i].values.back();
-    Tensor& d_output = used[i].gradients.back();
+    const Tensor& output = values[i].back();
     for (int y = 0; y < output.rows(); ++y) {
       for (int x = 0; x < output.columns(); ++x) {
         const float off = output.at(0, y, x) - to_unit(batch[i].truth.at(y, x));
         loss += std::fabs(off) * share;
-        d_output.at(0, y, x) = off > 0.0F ? share : off < 0.0F ? -share : 0.0F;
+        gradients[i].back().at(0, y, x) = off > 0.0F ? share : off < 0.0F ? -share : 0.0F;
       }
     }
   }
-  training_->graph.backward(used, d_parameters);
+  training.graph.backward(values, gradients, d_parameters, {.dropped = true});
   return loss;
 }
 

@@ -6,19 +6,9 @@
 #include <nlohmann/json.hpp>
 
 #include "parameters.h"
-#include "direct_network.h"
 #include "hqslam/core/error.h"
 
 namespace hqslam::nn {
-namespace {
-
-/// The measured rows. Nothing goes round: the paper's convolutions see zeros beyond the edges.
-TensorShape input_of(const NetworkDescription& d, int columns) {
-  return {1, d.sensor.rows() / d.measured_rows.stride, columns, ColumnPadding::kZero};
-}
-
-}  // namespace
-
 Srae::Srae(const SraeShape& shape) : shape_(shape) {
   constexpr int kMostFilters = 128;
   constexpr int kMostPasses = 1000;
@@ -63,32 +53,12 @@ void Srae::validate(const NetworkDescription& d) const {
   check_memory(kTensorsOfFilters * shape_.filters * rows * d.sensor.columns, d);
 }
 
-LayerGraph Srae::training_graph(const NetworkDescription& d, int columns) const {
-  return srae_graph(shape_, input_of(d, columns), d.measured_rows.stride, Purpose::kTraining, {});
-}
-
-std::vector<ParameterShape> Srae::parameter_shapes(const NetworkDescription& d) const {
-  return training_graph(d, kSraeStride).parameter_shapes();
-}
-
-std::vector<float> Srae::initial_parameters(const NetworkDescription& d, std::uint64_t seed) const {
-  return training_graph(d, kSraeStride).initial_parameters(seed);
-}
-
-std::unique_ptr<Network> Srae::make_network(const NetworkDescription& d, int columns,
-                                            InstructionSet instruction_set, int threads) const {
-  const TensorShape input = input_of(d, columns);
+/// Nothing goes round: the paper's convolutions see zeros beyond the edges.
+LayerGraph Srae::graph(const NetworkDescription& d, int columns, Purpose purpose,
+                       const Engine& engine) const {
   const int upscaling = d.measured_rows.stride;
-  LayerGraph lifting =
-      srae_graph(shape_, input, upscaling, Purpose::kLifting, {instruction_set, threads});
-  DirectPlan plan{
-      .graph_for_training =
-          [shape = shape_, input, upscaling, instruction_set] {
-            return srae_graph(shape, input, upscaling, Purpose::kTraining, {instruction_set, 1});
-          },
-      .passes = shape_.passes,
-      .largest_deviation = shape_.largest_deviation};
-  return std::make_unique<DirectNetwork>(std::move(lifting), std::move(plan), d, threads);
+  return srae_graph(shape_, {1, d.sensor.rows() / upscaling, columns, ColumnPadding::kZero},
+                    upscaling, purpose, engine);
 }
 
 }  // namespace hqslam::nn

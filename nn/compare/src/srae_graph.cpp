@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include "layers/layers.h"
 
@@ -17,40 +18,34 @@ constexpr float kEpsilon = 1e-3F;  // Keras' batch norm
 struct Builder {
   LayerGraph graph;
   Purpose purpose;
-  Engine engine;
 
-  /// Convolution, batch norm, ReLU.
-  int unit(const std::string& name, ConvolutionOptions options, int from) {
-    options.kernel_rows = options.kernel_columns = 3;
-    options.padding_rows = options.padding_columns = 1;
+  /// Convolution, batch norm, ReLU, dropout.
+  int unit(const std::string& name, ConvolutionOptions options, float dropout, int from) {
     const auto taps = static_cast<float>(9 * graph.shape(from).channels);
-    options.start_deviation = std::sqrt(2.0F / taps);  // He et al., 2015
+    // He et al., 2015
+    options.start_limit = std::numbers::sqrt3_v<float> * std::sqrt(2.0F / taps);
     if (purpose == Purpose::kLifting) {
       options.negative_slope = 0.0F;
       return graph.add(
-          name, make_normalised_convolution(options, kEpsilon, graph.shape(from), engine), {from});
+          name,
+          make_normalised_convolution(options, kEpsilon, graph.shape(from), graph.engine()),
+          {from}, dropout);
     }
-    const int sums = graph.add(name + ".convolution",
-                               make_convolution(options, graph.shape(from), engine), {from});
-    return graph.add(name + ".norm", make_batch_norm(kEpsilon, 0.0F, graph.shape(sums)), {sums});
+    const int sums = graph.add(name + ".convolution", options, {from});
+    return graph.add(name + ".norm", make_batch_norm(kEpsilon, 0.0F, graph.shape(sums)), {sums},
+                     dropout);
   }
 
   int up(const std::string& name, int channels, int stride_columns, int from) {
-    return unit(name,
-                {.channels = channels,
-                 .stride_rows = 2,
-                 .stride_columns = stride_columns,
-                 .transposed = true},
-                from);
+    ConvolutionOptions options = three_by_three(channels, 1.0F);
+    options.stride = {2, stride_columns};
+    options.transposed = true;
+    return unit(name, options, 0.0F, from);
   }
 
-  int two_units(const std::string& name, int channels, int from) {
-    const int first = unit(name + ".0", {.channels = channels}, from);
-    return unit(name + ".1", {.channels = channels}, first);
-  }
-
-  int dropout(float share, int from) {
-    return graph.add("dropout", make_dropout(share, graph.shape(from)), {from});
+  int two_units(const std::string& name, int channels, float dropout, int from) {
+    const int first = unit(name + ".0", three_by_three(channels, 1.0F), 0.0F, from);
+    return unit(name + ".1", three_by_three(channels, 1.0F), dropout, first);
   }
 };
 
@@ -58,41 +53,39 @@ struct Builder {
 
 LayerGraph srae_graph(const SraeShape& shape, const TensorShape& input, int upscaling,
                       Purpose purpose, const Engine& engine) {
-  Builder build{LayerGraph(input), purpose, engine};
+  Builder build{LayerGraph(input, engine), purpose};
   LayerGraph& graph = build.graph;
   int x = 0;
-  for (int i = 0; 1 << i < upscaling; ++i)
+  for (int i = 0; 1 << i < upscaling; ++i) {
     x = build.up(fmt::format("up.{}", i), shape.filters, 1, x);
+  }
   std::array<int, kLevels> sides{};
   for (int level = 0; level < kLevels; ++level) {
-    if (level > 0) {
-      const int pooled = graph.add("pool", make_average_pool(graph.shape(x)), {x});
-      x = build.dropout(shape.dropout, pooled);
-    }
-    x = build.two_units(fmt::format("encoder.{}", level), shape.filters << level, x);
+    if (level > 0) x = graph.add("pool", make_average_pool(graph.shape(x)), {x}, shape.dropout);
+    // The decoder begins with a dropout of what it is given.
+    const float dropout = level + 1 == kLevels ? shape.dropout : 0.0F;
+    x = build.two_units(fmt::format("encoder.{}", level), shape.filters << level, dropout, x);
     sides[level] = x;
   }
   for (int i = 0; i + 1 < kLevels; ++i) {
     const int level = kLevels - 2 - i;
     const std::string name = fmt::format("decoder.{}", i);
-    const int dropped = build.dropout(shape.dropout, x);
-    const int up = build.up(name + ".up", shape.filters << level, 2, dropped);
+    const int up = build.up(name + ".up", shape.filters << level, 2, x);
     const int both = graph.add(
         "side", make_concatenation(graph.shape(up), graph.shape(sides[level])), {up, sides[level]});
-    x = build.two_units(name, shape.filters << level, both);
+    const float dropout = level > 0 ? shape.dropout : 0.0F;
+    x = build.two_units(name, shape.filters << level, dropout, both);
   }
   // With few filters all weights of the head may be negative at the start; without a bias its ReLU
   // would then be dead for good.
   constexpr float kHeadBias = 0.1F;
-  graph.add(
-      "head",
-      make_convolution({.channels = 1,
-                        .negative_slope = 0.0F,
-                        .start_deviation = std::sqrt(1.0F / static_cast<float>(shape.filters)),
-                        .start_bias = kHeadBias},
-                       graph.shape(x), engine),
-      {x});
-  return std::move(graph);
+  const float deviation = std::sqrt(1.0F / static_cast<float>(shape.filters));
+  graph.add("head",
+            {.negative_slope = 0.0F,
+             .start_limit = std::numbers::sqrt3_v<float> * deviation,
+             .start_bias = kHeadBias},
+            {x});
+  return std::move(build.graph);
 }
 
 }  // namespace hqslam::nn

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "graph/layer_graph.h"
+#include "direct_network.h"
 
 namespace hqslam::nn {
 
@@ -26,7 +26,6 @@ struct SraeShape {
 /// Of the encoder: rows and columns of the whole image are multiples of it.
 inline constexpr int kSraeStride = 16;
 
-enum class Purpose { kLifting, kTraining };
 /// The graph for lifting has batch norm worked into the convolutions, and no gradients; the arrays
 /// of both are the same. input: the measured rows; upscaling: how many rows each becomes, a power
 /// of 2.

@@ -5,18 +5,9 @@
 #include <nlohmann/json.hpp>
 
 #include "parameters.h"
-#include "direct_network.h"
 #include "hqslam/core/error.h"
 
 namespace hqslam::nn {
-namespace {
-
-TensorShape input_of(const NetworkDescription& d, int columns) {
-  return {1, d.sensor.rows() / d.measured_rows.stride, columns, ColumnPadding::kCircular};
-}
-
-}  // namespace
-
 Tulip::Tulip(TulipShape shape) : shape_(std::move(shape)) {
   constexpr int kMostChannels = 256;
   constexpr int kMostStages = 5;
@@ -67,25 +58,12 @@ void Tulip::validate(const NetworkDescription& d) const {
   check_memory(kValuesOfPixel * shape_.channels * rows * d.sensor.columns, d);
 }
 
-std::vector<ParameterShape> Tulip::parameter_shapes(const NetworkDescription& d) const {
-  return tulip_graph(shape_, input_of(d, column_multiple()), {}).parameter_shapes();
-}
-
-std::vector<float> Tulip::initial_parameters(const NetworkDescription& d,
-                                             std::uint64_t seed) const {
-  return tulip_graph(shape_, input_of(d, column_multiple()), {}).initial_parameters(seed);
-}
-
-std::unique_ptr<Network> Tulip::make_network(const NetworkDescription& d, int columns,
-                                             InstructionSet instruction_set, int threads) const {
-  const TensorShape input = input_of(d, columns);
-  DirectPlan plan{.graph_for_training =
-                      [shape = shape_, input, instruction_set] {
-                        return tulip_graph(shape, input, {instruction_set, 1});
-                      },
-                  .logarithmic = true};
-  return std::make_unique<DirectNetwork>(tulip_graph(shape_, input, {instruction_set, threads}),
-                                         std::move(plan), d, threads);
+LayerGraph Tulip::graph(const NetworkDescription& d, int columns, Purpose /*purpose*/,
+                        const Engine& engine) const {
+  return tulip_graph(shape_,
+                     {1, d.sensor.rows() / d.measured_rows.stride, columns,
+                      ColumnPadding::kCircular},
+                     engine);
 }
 
 }  // namespace hqslam::nn

@@ -1,14 +1,12 @@
 #pragma once
 
-#include <memory>
-
-#include "architecture.h"
+#include "direct_network.h"
 #include "tulip_graph.h"
 
 namespace hqslam::nn {
 
 /// "tulip": a transformer (tulip_graph.h).
-class Tulip final : public Architecture {
+class Tulip final : public DirectArchitecture {
  public:
   /// Throws Error with field, value and constraint.
   explicit Tulip(TulipShape shape);
@@ -17,12 +15,9 @@ class Tulip final : public Architecture {
   void write(nlohmann::ordered_json& network) const override;
   void validate(const NetworkDescription& description) const override;
   int column_multiple() const override;
-  std::vector<ParameterShape> parameter_shapes(
-      const NetworkDescription& description) const override;
-  std::vector<float> initial_parameters(const NetworkDescription& description,
-                                        std::uint64_t seed) const override;
-  std::unique_ptr<Network> make_network(const NetworkDescription& description, int columns,
-                                        InstructionSet instruction_set, int threads) const override;
+  LayerGraph graph(const NetworkDescription& description, int columns, Purpose purpose,
+                   const Engine& engine) const override;
+  DirectPlan plan() const override { return {.logarithmic = true}; }
 
  private:
   TulipShape shape_;

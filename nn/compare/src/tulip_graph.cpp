@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "layers/layers.h"
 
@@ -12,14 +13,17 @@ namespace {
 constexpr float kEpsilon = 1e-6F;
 constexpr float kHeadSlope = 0.01F;
 
-/// Of PyTorch's start of a convolution.
-float deviation_of(int taps) { return std::sqrt(1.0F / (3.0F * static_cast<float>(taps))); }
+/// Uniform starting values with this standard deviation.
+float limit_of(float deviation) { return std::numbers::sqrt3_v<float> * deviation; }
+/// PyTorch's start of a convolution.
+float limit_of_taps(int taps) {
+  return limit_of(std::sqrt(1.0F / (3.0F * static_cast<float>(taps))));
+}
 
 /// Adds layers to a graph; every function returns the number of its result.
 struct Builder {
   const TulipShape& shape;
   LayerGraph graph;
-  Engine engine;
 
   int channels(int from) const { return graph.shape(from).channels; }
 
@@ -29,10 +33,11 @@ struct Builder {
 
   /// inputs: one, and what is added.
   int linear(const std::string& name, int outputs, std::vector<int> inputs, bool bias = true) {
-    return graph.add(name,
-                     make_convolution({.channels = outputs, .bias = bias, .linear = true},
-                                      graph.shape(inputs.front()), engine),
-                     inputs);
+    constexpr float kDeviation = 0.02F;
+    return graph.add(
+        name,
+        {.channels = outputs, .bias = bias, .linear = true, .start_limit = limit_of(kDeviation)},
+        std::move(inputs));
   }
 
   int block(const std::string& name, int heads, bool shifted, int x) {
@@ -44,11 +49,11 @@ struct Builder {
                                                           .window_columns = kTulipWindowColumns,
                                                           .shifted = shifted,
                                                           .circular = shape.circular_attention},
-                                                         graph.shape(qkv), engine),
+                                                         graph.shape(qkv), graph.engine()),
                                    {qkv});
     x = linear(name + ".attn.proj", c, {attended, x});
     const int hidden = linear(name + ".mlp.fc1", 4 * c, {norm(name + ".norm2", x)});
-    const int activated = graph.add("gelu", make_gelu(graph.shape(hidden), engine), {hidden});
+    const int activated = graph.add("gelu", make_gelu(graph.shape(hidden), graph.engine()), {hidden});
     return linear(name + ".mlp.fc2", c, {activated, x});
   }
 
@@ -64,10 +69,9 @@ struct Builder {
 
   int shuffled(const std::string& name, int outputs, float slope, int factor, int x) {
     const int expanded = graph.add(name,
-                                   make_convolution({.channels = outputs,
-                                                     .negative_slope = slope,
-                                                     .start_deviation = deviation_of(channels(x))},
-                                                    graph.shape(x), engine),
+                                   {.channels = outputs,
+                                    .negative_slope = slope,
+                                    .start_limit = limit_of_taps(channels(x))},
                                    {x});
     return graph.add("shuffle", make_pixel_shuffle(factor, graph.shape(expanded)), {expanded});
   }
@@ -80,16 +84,15 @@ struct Builder {
 }  // namespace
 
 LayerGraph tulip_graph(const TulipShape& shape, const TensorShape& input, const Engine& engine) {
-  Builder build{shape, LayerGraph(input), engine};
+  Builder build{shape, LayerGraph(input, engine)};
   LayerGraph& graph = build.graph;
   const int stages = static_cast<int>(shape.heads.size());
   int x = graph.add("patch_embed.proj",
-                    make_convolution({.channels = shape.channels,
-                                      .kernel_columns = 8,
-                                      .stride_columns = kTulipUpscaling,
-                                      .padding_columns = 2,
-                                      .start_deviation = deviation_of(8)},
-                                     input, engine),
+                    {.channels = shape.channels,
+                     .kernel = {1, 8},
+                     .stride = {1, kTulipUpscaling},
+                     .padding = {0, 2},
+                     .start_limit = limit_of_taps(8)},
                     {0});
   x = build.norm("patch_embed.norm", x);
   std::vector<int> sides;
@@ -113,11 +116,8 @@ LayerGraph tulip_graph(const TulipShape& shape, const TensorShape& input, const 
   x = build.shuffled("ps_head.conv_expand.0", kTulipUpscaling * kTulipUpscaling * shape.channels,
                      kHeadSlope, kTulipUpscaling, x);
   graph.add("decoder_pred",
-            make_convolution(
-                {.channels = 1, .bias = false, .start_deviation = deviation_of(shape.channels)},
-                graph.shape(x), engine),
-            {x});
-  return std::move(graph);
+            {.bias = false, .start_limit = limit_of_taps(shape.channels)}, {x});
+  return std::move(build.graph);
 }
 
 }  // namespace hqslam::nn

@@ -1,61 +1,45 @@
 #include "dropout.h"
 
-#include <algorithm>
+#include "../random.h"
 
 namespace hqslam::nn {
 namespace {
 
-class Dropout final : public Layer {
- public:
-  Dropout(float share, const TensorShape& input) : Layer(input), share_(share) {}
+float kept_scale(float share) { return 1.0F / (1.0F - share); }
 
-  bool is_random() const override { return share_ > 0.0F; }
-
-  void forward(const LayerPass& pass) override {
-#pragma omp for schedule(static)
-    for (int channel = 0; channel < output_.channels; ++channel) {
-      for (int y = 0; y < output_.rows; ++y) {
-        const float* from = pass.inputs[0]->row(channel, y);
-        float* to = pass.output->row(channel, y);
-        if (pass.seed) {
-          for (int x = 0; x < output_.columns; ++x) to[x] = from[x] * factor(pass, channel, y, x);
-        } else {
-          std::copy_n(from, output_.columns, to);
-        }
-        pass.output->fill_border(channel, y);
-      }
-    }
-  }
-
-  void backward(std::span<const LayerPass> batch, std::span<float> /*d_parameters*/) override {
-    for (const LayerPass& pass : batch) {
-      for (int channel = 0; channel < output_.channels; ++channel) {
-        for (int y = 0; y < output_.rows; ++y) {
-          const float* d_output = pass.d_output->row(channel, y);
-          float* d = pass.d_inputs[0]->row(channel, y);
-          for (int x = 0; x < output_.columns; ++x) {
-            d[x] += pass.seed ? d_output[x] * factor(pass, channel, y, x) : d_output[x];
-          }
-        }
-      }
-    }
-  }
-
- private:
-  float factor(const LayerPass& pass, int channel, int y, int x) const {
-    const auto place = static_cast<std::uint64_t>(channel * output_.rows + y) *
-                           static_cast<std::uint64_t>(output_.columns) +
-                       static_cast<std::uint64_t>(x);
-    return unit_random(*pass.seed, place) < share_ ? 0.0F : 1.0F / (1.0F - share_);
-  }
-
-  float share_;
-};
+/// A number from 0 to below 1 for each place, so that it does not matter who asks first.
+float unit_random(std::uint64_t seed, std::uint64_t place) {
+  Random random(seed + 0x9E3779B97F4A7C15ULL * place);
+  return static_cast<float>(random.bits() >> 40) / static_cast<float>(1 << 24);
+}
 
 }  // namespace
 
-std::unique_ptr<Layer> make_dropout(float share, const TensorShape& input) {
-  return std::make_unique<Dropout>(share, input);
+void drop_out(std::uint64_t seed, float share, Tensor& values) {
+#pragma omp for schedule(static)
+  for (int channel = 0; channel < values.channels(); ++channel) {
+    for (int y = 0; y < values.rows(); ++y) {
+      float* row = values.row(channel, y);
+      const auto first = static_cast<std::uint64_t>(channel * values.rows() + y) * values.columns();
+      for (int x = 0; x < values.columns(); ++x) {
+        row[x] = unit_random(seed, first + x) < share ? 0.0F : kept_scale(share) * row[x];
+      }
+      values.fill_border(channel, y);
+    }
+  }
+}
+
+void drop_out_backward(float share, const Tensor& values, Tensor& gradient) {
+  for (int channel = 0; channel < values.channels(); ++channel) {
+    for (int y = 0; y < values.rows(); ++y) {
+      const float* value = values.row(channel, y);
+      float* d = gradient.row(channel, y);
+      for (int x = 0; x < values.columns(); ++x) {
+        d[x] = value[x] == 0.0F ? 0.0F : kept_scale(share) * d[x];
+      }
+      gradient.fill_border(channel, y);
+    }
+  }
 }
 
 }  // namespace hqslam::nn

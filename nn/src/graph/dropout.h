@@ -1,20 +1,19 @@
 #pragma once
 
-#include <memory>
+#include <cstdint>
 
-#include "../random.h"
-#include "layer.h"
+#include "../tensor.h"
 
 namespace hqslam::nn {
 
-/// A number from 0 to below 1 for each place, by seed and place alone, so that it does not matter
-/// who asks first.
-inline float unit_random(std::uint64_t seed, std::uint64_t place) {
-  Random random(seed + 0x9E3779B97F4A7C15ULL * place);
-  return static_cast<float>(random.bits() >> 40) / static_cast<float>(1 << 24);
-}
+/// Each value is dropped with a probability of `share`, or else divided by 1 - share, so that the
+/// mean stays; seed and place alone decide. Called by all threads of a parallel region, they share
+/// the work; borders too.
+void drop_out(std::uint64_t seed, float share, Tensor& values);
 
-/// With a seed: each value is dropped with a probability of `share`, or else divided by 1 - share.
-std::unique_ptr<Layer> make_dropout(float share, const TensorShape& input);
+/// The gradient before, from that behind: nothing for what was dropped, which is 0 now. A value
+/// that was 0 before must be one that an activation has cut off and that has no gradient. One
+/// thread; borders too.
+void drop_out_backward(float share, const Tensor& values, Tensor& gradient);
 
 }  // namespace hqslam::nn

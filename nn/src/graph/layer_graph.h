@@ -1,25 +1,34 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "convolution_layer.h"
 #include "hqslam/nn/network_step.h"
-#include "layer.h"
 
 namespace hqslam::nn {
 
-/// Layers one after the other, each from tensors before it to one of its own. Described once:
-/// parameters, multiply-adds, forward and backward follow. Tensor 0 is the input, the last one the
-/// output.
+/// Layers one after the other, each from one or two tensors before it to one of its own. Described
+/// once: parameters, multiply-adds, forward and backward follow. Tensor 0 is the input, the last one
+/// the output.
 class LayerGraph {
  public:
-  explicit LayerGraph(const TensorShape& input) : shapes_{input} {}
+  /// The tensors of one scan, or their gradients.
+  using Values = std::vector<Tensor>;
 
-  /// Returns the number of the layer's result. `name` stands before those of its arrays.
-  int add(const std::string& name, std::unique_ptr<Layer> layer, std::vector<int> inputs);
+  LayerGraph(const TensorShape& input, const Engine& engine) : engine_(engine), shapes_{input} {}
+
+  /// Returns the number of the layer's result. `name` stands before those of its arrays. dropout:
+  /// the share of its result that training drops. Throws Error if shapes do not fit.
+  int add(const std::string& name, std::unique_ptr<Layer> layer, std::vector<int> inputs,
+          float dropout = 0.0F);
+  int add(const std::string& name, const ConvolutionOptions& options, std::vector<int> inputs,
+          float dropout = 0.0F);
   const TensorShape& shape(int tensor) const { return shapes_[tensor]; }
   const TensorShape& output_shape() const { return shapes_.back(); }
+  const Engine& engine() const { return engine_; }
 
   std::vector<ParameterShape> parameter_shapes() const;
   std::vector<float> initial_parameters(std::uint64_t seed) const;
@@ -29,43 +38,67 @@ class LayerGraph {
   void set_parameters(std::span<const float> parameters);
 
   /// All zero.
-  std::vector<Tensor> make_values() const;
-  /// Fills the values from the layer number `first` on. Called by all threads of a parallel region,
-  /// they share the work. seed: of all that is random; nothing: nothing is.
-  void forward(std::vector<Tensor>& values, std::optional<std::uint64_t> seed = std::nullopt,
-               int first = 0);
+  Values make_values() const;
+
+  struct Part {
+    int first = 0;     ///< the layers before it have been done already
+    int left_out = 0;  ///< of the last layers
+  };
+  /// Called by all threads of a parallel region, they share the work. With a seed the layers that
+  /// have dropout drop.
+  void forward(Values& values, std::optional<std::uint64_t> seed = std::nullopt,
+               const Part& part = {});
   /// The first layer whose result depends on the seed; as many as there are layers: none does.
   int first_random_layer() const;
+  /// One row of the last layer's result, a convolution's, by the calling thread alone.
+  void last_row(const Values& values, int row, float* output, std::int64_t channel_stride) const;
+
+  /// The scans of a batch that is trained on, from their first values to their last; a seed each.
+  /// One thread.
+  void forward_batch(std::span<Values> batch, std::span<const std::uint64_t> seeds);
+  struct Backward {
+    bool dropped = false;  ///< forward did, with a seed
+    int left_out = 0;      ///< of the last layers, which have been done already
+  };
+  /// In: the gradients of the output. Out: those of the input; d_parameters is added to. The others
+  /// are overwritten: the gradients of what went into their activations. One thread.
+  void backward(std::span<const Values> batch, std::span<Values> gradients,
+                std::span<float> d_parameters, const Backward& how);
+  /// The last layer's part of it, a convolution's without activation, for some rows: `first_row`
+  /// and what follows it, all that d_output has (Conv2d::backward_rows).
+  void last_backward_rows(const Values& values, int first_row, const Tensor& d_output,
+                          Values& gradients, std::span<float> d_parameters);
 
   /// The layers, for measurements, those that depend on a seed and all behind them called `passes`
-  /// times; graph and values must outlive them.
-  std::vector<NetworkStep> steps(std::vector<Tensor>& values, int passes);
-
-  /// One scan of a batch that is trained on.
-  struct Scan {
-    std::vector<Tensor> values;
-    std::vector<Tensor> gradients;
-    std::optional<std::uint64_t> seed;
-  };
-  /// From the first values to the last. One thread.
-  void forward(std::span<Scan> batch);
-  /// From the last gradients; d_parameters is added to. One thread.
-  void backward(std::span<Scan> batch, std::span<float> d_parameters);
+  /// times; graph and values must outlive them. An output with fewer channels than its layer gives
+  /// is one that is never kept: whoever asks replaces `run`.
+  std::vector<NetworkStep> steps(Values& values, int passes = 1);
 
  private:
   struct Node {
     std::string name;
     std::unique_ptr<Layer> layer;
     std::vector<int> inputs;
+    float dropout = 0.0F;
     std::int64_t parameters = 0;
-    std::uint64_t random_before = 0;  ///< layers before it that depend on a seed
+    std::uint64_t dropouts_before = 0;
   };
-  LayerPass pass_of(int layer, std::vector<Tensor>& values,
-                    std::optional<std::uint64_t> seed) const;
-  std::vector<LayerPass> passes_of(int layer, std::span<Scan> batch) const;
+  /// The first and the last layer that take a tensor.
+  struct Users {
+    int first = -1;
+    int last = -1;
+  };
+  LayerPass pass_of(int layer, Values& values) const;
+  void run(int layer, Values& values, std::optional<std::uint64_t> seed);
+  LayerEnd input_gradient_end(int layer, const Values& values, const Values& gradients) const;
+  void finish_gradient(int tensor, const Values& values, bool dropped, Values& gradients) const;
+  BackwardPass backward_pass(int layer, const Values& values, Values& gradients) const;
 
+  Engine engine_;
   std::vector<TensorShape> shapes_;
-  std::vector<Node> nodes_;  ///< node i makes tensor i + 1
+  std::vector<Users> users_;  ///< of each tensor
+  std::vector<Node> nodes_;   ///< node i makes tensor i + 1
+  ConvolutionLayer* last_convolution_ = nullptr;  ///< if the last layer is one
 };
 
 }  // namespace hqslam::nn

@@ -104,10 +104,9 @@ void DuMix::validate(const NetworkDescription& d) const {
 }
 
 /// A graph to ask about parameters.
-ConvolutionGraph DuMix::smallest_graph(const NetworkDescription& d, int layer) const {
+LayerGraph DuMix::smallest_graph(const NetworkDescription& d, int layer) const {
   // Biases of rows are learned: as many rows as the sensor's images have.
-  return two_modes_graph(shape_, layer, d.sensor.rows() / shape_.tile.rows, 2,
-                         InstructionSet::kPortable, 1);
+  return two_modes_graph(shape_, layer, d.sensor.rows() / shape_.tile.rows, 2, {});
 }
 
 std::vector<ParameterShape> DuMix::parameter_shapes(const NetworkDescription& d) const {

@@ -31,7 +31,7 @@ class DuMix final : public Architecture {
   std::optional<OutlierRemovalOptions> last_filter() const override { return last_filter_; }
 
  private:
-  ConvolutionGraph smallest_graph(const NetworkDescription& description, int layer) const;
+  LayerGraph smallest_graph(const NetworkDescription& description, int layer) const;
 
   TwoModesShape shape_;
   std::optional<OutlierRemovalOptions> last_filter_;

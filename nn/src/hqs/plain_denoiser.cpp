@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "../graph/convolution_graph.h"
+#include "../graph/layer_graph.h"
 #include "../parameters.h"
 #include "channels.h"
 #include "hqslam/core/error.h"
@@ -10,28 +10,21 @@
 namespace hqslam::nn {
 namespace {
 
-/// Tensor i is what convolution i works on.
-ConvolutionGraph plain_graph(const PlainDenoiserShape& shape, int rows, int columns,
-                             InstructionSet instruction_set, int threads) {
-  std::vector<ConvolutionStep> steps;
-  std::vector<int> channels{1};
+LayerGraph plain_graph(const PlainDenoiserShape& shape, int rows, int columns,
+                       const Engine& engine) {
+  LayerGraph graph({1, rows, columns, ColumnPadding::kZero}, engine);
   for (int i = 0; i < shape.convolutions; ++i) {
     const bool last = i + 1 == shape.convolutions;
-    steps.push_back({.name = fmt::format("convolution.{}", i),
-                     .from = i,
-                     .to = i + 1,
-                     .negative_slope = last ? 1.0F : 0.0F,
-                     .bias = false,
-                     .dropout = last ? 0.0F : shape.dropout});
-    channels.push_back(last ? 1 : shape.features);
+    ConvolutionOptions options = three_by_three(last ? 1 : shape.features, last ? 1.0F : 0.0F);
+    options.bias = false;
+    graph.add(fmt::format("convolution.{}", i), options, {i}, last ? 0.0F : shape.dropout);
   }
-  return {std::move(steps),    channels, rows, columns, instruction_set, threads,
-          ColumnPadding::kZero};
+  return graph;
 }
 
 class PlainDenoiser final : public Denoiser {
  public:
-  explicit PlainDenoiser(ConvolutionGraph graph) : graph_(std::move(graph)) {}
+  explicit PlainDenoiser(LayerGraph graph) : graph_(std::move(graph)) {}
 
   TileSize tile() const override { return {}; }
   ColumnPadding padding() const override { return ColumnPadding::kZero; }
@@ -53,7 +46,7 @@ class PlainDenoiser final : public Denoiser {
   }
   void forward(const Candidates& /*candidates*/, DenoiserState& state,
                std::optional<std::uint64_t> dropout_seed) override {
-    graph_.forward(state.values, 0, dropout_seed);
+    graph_.forward(state.values, dropout_seed);
     copy_channels(state.output(), 0, 1, state.z, 0);
 #pragma omp master
     dropped_out_ = dropout_seed.has_value();
@@ -62,14 +55,15 @@ class PlainDenoiser final : public Denoiser {
                 DenoiserState& gradient, std::span<float> d_parameters) override {
     gradient.output() = gradient.z;
     gradient.output().fill_borders();
-    graph_.backward(state.values, gradient.values, d_parameters, dropped_out_);
+    graph_.backward({&state.values, 1}, {&gradient.values, 1}, d_parameters,
+                    {.dropped = dropped_out_});
   }
   std::vector<NetworkStep> steps(const Candidates& /*candidates*/, DenoiserState& state) override {
     return graph_.steps(state.values);
   }
 
  private:
-  ConvolutionGraph graph_;
+  LayerGraph graph_;
   bool dropped_out_ = false;
 };
 
@@ -94,7 +88,7 @@ DenoiserDescription plain_denoiser(const PlainDenoiserShape& shape) {
           {1, 1},
           [shape](int rows, int columns, InstructionSet instruction_set, int threads) {
             return std::make_unique<PlainDenoiser>(
-                plain_graph(shape, rows, columns, instruction_set, threads));
+                plain_graph(shape, rows, columns, {instruction_set, threads}));
           }};
 }
 

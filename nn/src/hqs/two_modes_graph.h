@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "../graph/convolution_graph.h"
+#include "../graph/layer_graph.h"
 #include "../tiles.h"
 
 namespace hqslam::nn {
@@ -32,7 +32,7 @@ bool is_last_layer(const TwoModesShape& shape, int layer);
 int two_modes_outputs(const TwoModesShape& shape, int layer);
 
 /// The convolutions of a layer (TwoModesLayerShape). rows x columns: of the tiles.
-ConvolutionGraph two_modes_graph(const TwoModesShape& shape, int layer, int rows, int columns,
-                                 InstructionSet instruction_set, int threads);
+LayerGraph two_modes_graph(const TwoModesShape& shape, int layer, int rows, int columns,
+                           const Engine& engine);
 
 }  // namespace hqslam::nn

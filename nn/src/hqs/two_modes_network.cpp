@@ -44,8 +44,7 @@ TwoModesNetwork::TwoModesNetwork(const TwoModesShape& shape, const NetworkDescri
     weight_above_.push_back(1.0F - between.part_down);
   }
   for (int layer = 0; layer < static_cast<int>(shape.layers.size()); ++layer) {
-    ConvolutionGraph graph =
-        two_modes_graph(shape, layer, rows_, columns_, instruction_set, threads);
+    LayerGraph graph = two_modes_graph(shape, layer, rows_, columns_, {instruction_set, threads});
     std::vector<Tensor> values = graph.make_values();
     const auto tiles = [&](int channels) {
       return Tensor(channels, rows_, columns_, ColumnPadding::kCircular);
@@ -224,7 +223,7 @@ void TwoModesNetwork::say_modes(int layer, const RangeImage& measured, float tol
     float* of_head = scratch_[omp_get_thread_num()].data();
     float* ranges = of_head + outputs * stride;
     float* confidences = ranges + pixels * stride;
-    self.graph.last_step_row(self.values, row, of_head, stride);
+    self.graph.last_row(self.values, row, of_head, stride);
     for (std::int64_t pixel = 0; pixel < pixels; ++pixel) {
       kernels.two_modes({.in = modes_input(layer, pixel, row, of_head, stride),
                          .tolerance_m = tolerance_m,
@@ -249,7 +248,7 @@ void TwoModesNetwork::run_layer(int layer, const RangeImage& measured, float tol
     if (layer == 0) start_row(row);
     make_input_row(layer, row);
   }
-  layers_[layer].graph.forward(layers_[layer].values, 1);
+  layers_[layer].graph.forward(layers_[layer].values, std::nullopt, {.left_out = 1});
   say_modes(layer, measured, tolerance_m);
 }
 

@@ -34,7 +34,7 @@ class TwoModesNetwork final : public Network {
                          std::span<float> d_parameters) override;
   /// One layer on its way.
   struct Layer {
-    ConvolutionGraph graph;
+    LayerGraph graph;
     std::vector<Tensor> values;     ///< of the graph; the last is only filled for training
     std::vector<Tensor> gradients;  ///< of the values; made when first needed, as d_h
     Tensor d_h;

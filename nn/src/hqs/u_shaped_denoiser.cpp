@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "../graph/convolution_graph.h"
+#include "../graph/layer_graph.h"
 #include "../graph/tensor_sums.h"
 #include "../parameters.h"
 #include "channels.h"
@@ -18,39 +18,32 @@ int score_channels(const UShapedDenoiserShape& shape) {
   return kSelectionGroups * shape.tile.pixels();
 }
 
-/// Tensor 0 is the input, tensor 1 + i encoder i's result; then the bottleneck's, those of the
-/// decoders from the lowest up, the head's.
-ConvolutionGraph u_shaped_graph(const UShapedDenoiserShape& shape, int rows, int columns,
-                                InstructionSet instruction_set, int threads) {
+LayerGraph u_shaped_graph(const UShapedDenoiserShape& shape, int rows, int columns,
+                          const Engine& engine) {
   const float slope = shape.negative_slope;
   const auto levels = static_cast<int>(shape.channels.size());
-  std::vector<ConvolutionStep> steps;
-  std::vector<int> channels{shape.tile.pixels() + shape.memory};
-  const auto add = [&](ConvolutionStep step, int to_channels) {
-    step.from = static_cast<int>(steps.size());
-    step.to = step.from + 1;
-    steps.push_back(std::move(step));
-    channels.push_back(to_channels);
-  };
+  LayerGraph graph({shape.tile.pixels() + shape.memory, rows / shape.tile.rows,
+                    columns / shape.tile.columns},
+                   engine);
+  int x = 0;
+  std::vector<int> encoded;
   for (int level = 0; level < levels; ++level) {
-    add({.name = fmt::format("encoder.{}", level),
-         .stride = level == 0 ? 1 : 2,
-         .negative_slope = slope},
-        shape.channels[level]);
+    x = graph.add(fmt::format("encoder.{}", level),
+                  three_by_three(shape.channels[level], slope, level == 0 ? 1 : 2), {x});
+    encoded.push_back(x);
   }
-  add({.name = "bottleneck", .negative_slope = slope}, shape.channels.back());
+  x = graph.add("bottleneck", three_by_three(shape.channels.back(), slope), {x});
   for (int level = levels - 2; level >= 0; --level) {
-    add({.name = fmt::format("decoder.{}", level),
-         .transposed = true,
-         .kernel = 2,
-         .stride = 2,
-         .skip = 1 + level,
-         .negative_slope = slope},
-        shape.channels[level]);
+    x = graph.add(fmt::format("decoder.{}", level),
+                  {.channels = shape.channels[level],
+                   .kernel = {2, 2},
+                   .stride = {2, 2},
+                   .transposed = true,
+                   .negative_slope = slope},
+                  {x, encoded[level]});
   }
-  add({.name = "head", .kernel = 1, .start_scale = 0.1F}, score_channels(shape) + shape.memory);
-  return {std::move(steps), channels, rows / shape.tile.rows, columns / shape.tile.columns,
-          instruction_set,  threads};
+  graph.add("head", {.channels = score_channels(shape) + shape.memory, .start_scale = 0.1F}, {x});
+  return graph;
 }
 
 class UShapedDenoiser final : public Denoiser {
@@ -59,7 +52,7 @@ class UShapedDenoiser final : public Denoiser {
                   InstructionSet instruction_set, int threads)
       : shape_(shape),
         instruction_set_(instruction_set),
-        graph_(u_shaped_graph(shape, rows, columns, instruction_set, threads)) {
+        graph_(u_shaped_graph(shape, rows, columns, {instruction_set, threads})) {
     const Tensor output = graph_.make_values().back();
     head_rows_.assign(threads, std::vector<float>(static_cast<std::size_t>(output.channels()) *
                                                   output.padded_columns()));
@@ -91,7 +84,7 @@ class UShapedDenoiser final : public Denoiser {
 
   UShapedDenoiserShape shape_;
   InstructionSet instruction_set_;
-  ConvolutionGraph graph_;
+  LayerGraph graph_;
   std::vector<std::vector<float>> head_rows_;  ///< a row of the head's result, one per thread
 };
 
@@ -128,7 +121,7 @@ DenoiserState UShapedDenoiser::make_gradient() const {
 
 void UShapedDenoiser::forward(const Candidates& candidates, DenoiserState& state,
                               std::optional<std::uint64_t> /*dropout_seed*/) {
-  graph_.forward(state.values, 1);
+  graph_.forward(state.values, std::nullopt, {.left_out = 1});
   select_by_row(candidates, state);
 }
 
@@ -139,7 +132,7 @@ void UShapedDenoiser::select_by_row(const Candidates& candidates, DenoiserState&
 #pragma omp for schedule(static)
   for (int row = 0; row < state.z.rows(); ++row) {
     float* scores_of_row = kept ? output.row(0, row) : head_rows_[omp_get_thread_num()].data();
-    graph_.last_step_row(state.values, row, scores_of_row, stride);
+    graph_.last_row(state.values, row, scores_of_row, stride);
     select_row(candidates, state.input(), shape_.tile, instruction_set_, row, scores_of_row, stride,
                state.z);
     if (kept) continue;
@@ -173,10 +166,10 @@ void UShapedDenoiser::backward(const Candidates& candidates, const DenoiserState
                     d_output.row(scores + channel, y));
       }
     }
-    graph_.last_step_backward_rows(state.values, first, d_output, gradient.values, d_parameters);
+    graph_.last_backward_rows(state.values, first, d_output, gradient.values, d_parameters);
   }
-  graph_.backward(state.values, gradient.values, d_parameters, false, 1);
-  add_channels(d_direct, shape_.tile.pixels(), gradient.input());
+  graph_.backward({&state.values, 1}, {&gradient.values, 1}, d_parameters, {.left_out = 1});
+  add_channels(d_direct, 0, gradient.input(), shape_.tile.pixels());
 }
 
 void validate(const UShapedDenoiserShape& shape) {

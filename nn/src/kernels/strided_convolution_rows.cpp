@@ -13,34 +13,25 @@ void take_every(const float* from, int stride, int count, float* to) {
   for (int x = 0; x < count; ++x) to[x] = from[x * stride];
 }
 
-/// The phases of a row, `phase_stride` apart, put together: to[x stride + phase] =
-/// phases[phase][x].
-void merge_phases(const float* phases, std::int64_t phase_stride, int stride, int columns,
-                  float* to) {
-  if (stride == 1) {
-    std::copy_n(phases, columns, to);
-    return;
-  }
-  for (int x = 0; x < columns; ++x) to[x] = phases[x % stride * phase_stride + x / stride];
-}
+/// What the phases of a row are put together to, and how the row ends. skip may be the result.
+struct MergedRow {
+  const float* skip = nullptr;
+  const float* activated = nullptr;
+  float negative_slope = 1.0F;
+  int columns = 0;
+  float* result = nullptr;
+};
 
-/// values = a(values + skip)
-void end_row(const float* skip, const float* activated, float negative_slope, int count,
-             float* values) {
-  if (skip != nullptr) {
-#pragma omp simd
-    for (int x = 0; x < count; ++x) values[x] += skip[x];
+/// result[x] = a(phases[x mod stride][x / stride] + skip[x]), phases `phase_stride` apart
+void merge_phases(const float* phases, std::int64_t phase_stride, int stride,
+                  const MergedRow& row) {
+  for (int x = 0; x < row.columns; ++x) {
+    float value = phases[x % stride * phase_stride + x / stride];
+    if (row.skip != nullptr) value += row.skip[x];
+    const float scaled = row.negative_slope * value;
+    const bool above = row.activated != nullptr ? row.activated[x] > 0.0F : value > scaled;
+    row.result[x] = above ? value : scaled;
   }
-  if (negative_slope == 1.0F) return;
-  if (activated != nullptr) {
-#pragma omp simd
-    for (int x = 0; x < count; ++x) {
-      const float scaled = negative_slope * values[x];
-      values[x] = activated[x] > 0.0F ? values[x] : scaled;
-    }
-    return;
-  }
-  for (int x = 0; x < count; ++x) values[x] = std::max(values[x], negative_slope * values[x]);
 }
 
 }  // namespace
@@ -202,8 +193,8 @@ void StridedConvolution::scatter_row(const Tensor& narrow, const Epilogue& epilo
                        .output = to,
                        .columns = row.end});
     } else {
-      merge_phases(from, row_stride, stride, wide_columns_, to);
-      end_row(skip, activated, epilogue.negative_slope, wide_columns_, to);
+      merge_phases(from, row_stride, stride,
+                   {skip, activated, epilogue.negative_slope, wide_columns_, to});
     }
     wide.fill_border(channel, wide_row);
   }

@@ -12,8 +12,8 @@ class AveragePool final : public Layer {
 #pragma omp for schedule(static)
     for (int channel = 0; channel < output_.channels; ++channel) {
       for (int y = 0; y < output_.rows; ++y) {
-        const float* upper = pass.inputs[0]->row(channel, 2 * y);
-        const float* lower = pass.inputs[0]->row(channel, 2 * y + 1);
+        const float* upper = pass.input->row(channel, 2 * y);
+        const float* lower = pass.input->row(channel, 2 * y + 1);
         float* mean = pass.output->row(channel, y);
         for (int x = 0; x < output_.columns; ++x) {
           mean[x] = 0.25F * (upper[2 * x] + upper[2 * x + 1] + lower[2 * x] + lower[2 * x + 1]);
@@ -23,9 +23,9 @@ class AveragePool final : public Layer {
     }
   }
 
-  void backward(std::span<const LayerPass> batch, std::span<float> /*d_parameters*/) override {
-    for (const LayerPass& pass : batch) {
-      Tensor& d_input = *pass.d_inputs[0];
+  void backward(std::span<const BackwardPass> batch, std::span<float> /*d_parameters*/) override {
+    for (const BackwardPass& pass : batch) {
+      Tensor& d_input = *pass.d_input;
       for (int channel = 0; channel < output_.channels; ++channel) {
         for (int y = 0; y < d_input.rows() / 2 * 2; ++y) {
           const float* d_mean = pass.d_output->row(channel, y / 2);

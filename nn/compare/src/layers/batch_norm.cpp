@@ -37,36 +37,38 @@ class BatchNorm final : public Layer {
     normalise(pass, running_mean_.data(), running_variance_.data());
   }
 
-  void forward_training(std::span<const LayerPass> batch) override {
+  float negative_slope() const override { return negative_slope_; }
+
+  void forward_batch(std::span<const LayerPass> batch) override {
     find_statistics(batch);
     for (const LayerPass& pass : batch) normalise(pass, mean_.data(), variance_.data());
   }
 
-  /// With n = (x - mean) / deviation and g the gradient before the activation:
+  /// With n = (x - mean) / deviation and g the gradient before the activation, which is d_output:
   ///   d_weight = sum g n, d_bias = sum g,
   ///   d_x = weight / deviation (g - mean(g) - n mean(g n)),
   /// because mean and deviation depend on every x of the batch.
-  void backward(std::span<const LayerPass> batch, std::span<float> d_parameters) override {
+  void backward(std::span<const BackwardPass> batch, std::span<float> d_parameters) override {
     const int channels = output_.channels;
     const std::span<float> d_weight = take(d_parameters, channels);
     const std::span<float> d_bias = take(d_parameters, channels);
     const std::span<float> d_mean = take(d_parameters, channels);
     const std::span<float> d_variance = take(d_parameters, channels);
     const auto scans = static_cast<float>(batch.size());
-    const double pixels = pixels_of(batch);
+    const double pixels = pixels_of(batch.size());
     for (int channel = 0; channel < channels; ++channel) {
       const float mean = mean_[channel];
       const float inverse = 1.0F / std::sqrt(variance_[channel] + epsilon_);
       double sum = 0.0;
       double sum_normal = 0.0;
-      for_each_row(batch, [&](const LayerPass& pass, int y) {
-        const Row row = row_of(pass, channel, y);
+      for_each_row(batch, [&](const BackwardPass& pass, int y) {
+        const float* x = pass.input->row(channel, y);
+        const float* g = pass.d_output->row(channel, y);
         float row_sum = 0.0F;
         float row_normal = 0.0F;
-        for (int x = 0; x < output_.columns; ++x) {
-          const float g = gradient_before(row, x);
-          row_sum += g;
-          row_normal += g * (row.x[x] - mean);
+        for (int i = 0; i < output_.columns; ++i) {
+          row_sum += g[i];
+          row_normal += g[i] * (x[i] - mean);
         }
         sum += row_sum;
         sum_normal += row_normal * inverse;
@@ -79,39 +81,27 @@ class BatchNorm final : public Layer {
       const auto mean_g = static_cast<float>(sum / pixels);
       const auto mean_normal = static_cast<float>(sum_normal / pixels);
       const float scale = weight_[channel] * inverse;
-      for_each_row(batch, [&](const LayerPass& pass, int y) {
-        const Row row = row_of(pass, channel, y);
-        float* d_x = pass.d_inputs[0]->row(channel, y);
-        for (int x = 0; x < output_.columns; ++x) {
-          const float normal = (row.x[x] - mean) * inverse;
-          d_x[x] += scale * (gradient_before(row, x) - mean_g - normal * mean_normal);
+      for_each_row(batch, [&](const BackwardPass& pass, int y) {
+        const float* x = pass.input->row(channel, y);
+        const float* g = pass.d_output->row(channel, y);
+        float* d_x = pass.d_input->row(channel, y);
+        for (int i = 0; i < output_.columns; ++i) {
+          const float normal = (x[i] - mean) * inverse;
+          d_x[i] += scale * (g[i] - mean_g - normal * mean_normal);
         }
       });
     }
   }
 
  private:
-  struct Row {
-    const float* x;
-    const float* output;
-    const float* d_output;
-  };
-  static Row row_of(const LayerPass& pass, int channel, int y) {
-    return {pass.inputs[0]->row(channel, y), pass.output->row(channel, y),
-            pass.d_output->row(channel, y)};
-  }
-  /// d loss / d (what went into the activation)
-  float gradient_before(const Row& row, int x) const {
-    return row.d_output[x] * (row.output[x] > 0.0F ? 1.0F : negative_slope_);
-  }
-  template <typename Work>
-  void for_each_row(std::span<const LayerPass> batch, const Work& work) const {
-    for (const LayerPass& pass : batch) {
+  template <typename Pass, typename Work>
+  void for_each_row(std::span<const Pass> batch, const Work& work) const {
+    for (const Pass& pass : batch) {
       for (int y = 0; y < output_.rows; ++y) work(pass, y);
     }
   }
-  double pixels_of(std::span<const LayerPass> batch) const {
-    return static_cast<double>(batch.size()) * output_.rows * output_.columns;
+  double pixels_of(std::size_t scans) const {
+    return static_cast<double>(scans) * output_.rows * output_.columns;
   }
 
   void find_statistics(std::span<const LayerPass> batch) {
@@ -120,21 +110,21 @@ class BatchNorm final : public Layer {
     for (int channel = 0; channel < output_.channels; ++channel) {
       double sum = 0.0;
       for_each_row(batch, [&](const LayerPass& pass, int y) {
-        const float* x = pass.inputs[0]->row(channel, y);
+        const float* x = pass.input->row(channel, y);
         float of_row = 0.0F;
         for (int i = 0; i < output_.columns; ++i) of_row += x[i];
         sum += of_row;
       });
-      const auto mean = static_cast<float>(sum / pixels_of(batch));
+      const auto mean = static_cast<float>(sum / pixels_of(batch.size()));
       double squares = 0.0;
       for_each_row(batch, [&](const LayerPass& pass, int y) {
-        const float* x = pass.inputs[0]->row(channel, y);
+        const float* x = pass.input->row(channel, y);
         float of_row = 0.0F;
         for (int i = 0; i < output_.columns; ++i) of_row += (x[i] - mean) * (x[i] - mean);
         squares += of_row;
       });
       mean_[channel] = mean;
-      variance_[channel] = static_cast<float>(squares / pixels_of(batch));
+      variance_[channel] = static_cast<float>(squares / pixels_of(batch.size()));
     }
   }
 
@@ -143,7 +133,7 @@ class BatchNorm final : public Layer {
     for (int channel = 0; channel < output_.channels; ++channel) {
       const float scale = weight_[channel] / std::sqrt(variance[channel] + epsilon_);
       for (int y = 0; y < output_.rows; ++y) {
-        const float* x = pass.inputs[0]->row(channel, y);
+        const float* x = pass.input->row(channel, y);
         float* output = pass.output->row(channel, y);
         for (int i = 0; i < output_.columns; ++i) {
           const float v = (x[i] - mean[channel]) * scale + bias_[channel];

@@ -13,7 +13,7 @@ class Gelu final : public Layer {
 #pragma omp for schedule(static)
     for (int channel = 0; channel < output_.channels; ++channel) {
       for (int y = 0; y < output_.rows; ++y) {
-        kernels_->gelu({.input = pass.inputs[0]->row(channel, y),
+        kernels_->gelu({.input = pass.input->row(channel, y),
                         .output = pass.output->row(channel, y),
                         .columns = output_.columns});
         pass.output->fill_border(channel, y);
@@ -21,12 +21,12 @@ class Gelu final : public Layer {
     }
   }
 
-  void backward(std::span<const LayerPass> batch, std::span<float> /*d_parameters*/) override {
-    for (const LayerPass& pass : batch) {
+  void backward(std::span<const BackwardPass> batch, std::span<float> /*d_parameters*/) override {
+    for (const BackwardPass& pass : batch) {
       for (int channel = 0; channel < output_.channels; ++channel) {
         for (int y = 0; y < output_.rows; ++y) {
-          kernels_->gelu({.input = pass.inputs[0]->row(channel, y),
-                          .output = pass.d_inputs[0]->row(channel, y),
+          kernels_->gelu({.input = pass.input->row(channel, y),
+                          .output = pass.d_input->row(channel, y),
                           .d_output = pass.d_output->row(channel, y),
                           .columns = output_.columns});
         }

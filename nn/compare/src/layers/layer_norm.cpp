@@ -30,11 +30,11 @@ class LayerNorm final : public Layer {
   void forward(const LayerPass& pass) override {
 #pragma omp for schedule(static)
     for (int y = 0; y < output_.rows; ++y) {
-      find_statistics(*pass.inputs[0], y);
+      find_statistics(*pass.input, y);
       const float* mean = of_pixel_.row(kMean, y);
       const float* inverse = of_pixel_.row(kInverseDeviation, y);
       for (int channel = 0; channel < output_.channels; ++channel) {
-        const float* from = pass.inputs[0]->row(channel, y);
+        const float* from = pass.input->row(channel, y);
         float* to = pass.output->row(channel, y);
         for (int x = 0; x < output_.columns; ++x) {
           to[x] = (from[x] - mean[x]) * inverse[x] * weight_[channel] + bias_[channel];
@@ -45,9 +45,9 @@ class LayerNorm final : public Layer {
   }
 
   /// As batch norm's (batch_norm.cpp), over the channels of each pixel.
-  void backward(std::span<const LayerPass> batch, std::span<float> d_parameters) override {
+  void backward(std::span<const BackwardPass> batch, std::span<float> d_parameters) override {
     const std::span<float> d_weight = take(d_parameters, output_.channels);
-    for (const LayerPass& pass : batch) {
+    for (const BackwardPass& pass : batch) {
       for (int y = 0; y < output_.rows; ++y) {
         backward_row(pass, y, d_weight, d_parameters);
       }
@@ -77,11 +77,11 @@ class LayerNorm final : public Layer {
     for (int x = 0; x < columns; ++x) inverse[x] = 1.0F / std::sqrt(inverse[x] + epsilon_);
   }
 
-  void backward_row(const LayerPass& pass, int y, std::span<float> d_weight,
+  void backward_row(const BackwardPass& pass, int y, std::span<float> d_weight,
                     std::span<float> d_bias) {
     const int columns = output_.columns;
     const float share = 1.0F / static_cast<float>(output_.channels);
-    find_statistics(*pass.inputs[0], y);
+    find_statistics(*pass.input, y);
     const float* mean = of_pixel_.row(kMean, y);
     const float* inverse = of_pixel_.row(kInverseDeviation, y);
     float* mean_gradient = of_pixel_.row(kMeanGradient, y);
@@ -89,7 +89,7 @@ class LayerNorm final : public Layer {
     std::fill_n(mean_gradient, columns, 0.0F);
     std::fill_n(mean_normal, columns, 0.0F);
     for (int channel = 0; channel < output_.channels; ++channel) {
-      const float* from = pass.inputs[0]->row(channel, y);
+      const float* from = pass.input->row(channel, y);
       const float* d_output = pass.d_output->row(channel, y);
       const float weight = share * weight_[channel];
       float sum = 0.0F;
@@ -105,9 +105,9 @@ class LayerNorm final : public Layer {
       d_bias[channel] += sum;
     }
     for (int channel = 0; channel < output_.channels; ++channel) {
-      const float* from = pass.inputs[0]->row(channel, y);
+      const float* from = pass.input->row(channel, y);
       const float* d_output = pass.d_output->row(channel, y);
-      float* d_input = pass.d_inputs[0]->row(channel, y);
+      float* d_input = pass.d_input->row(channel, y);
       for (int x = 0; x < columns; ++x) {
         const float normal = (from[x] - mean[x]) * inverse[x];
         d_input[x] += inverse[x] *

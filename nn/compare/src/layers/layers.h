@@ -3,7 +3,6 @@
 #include <memory>
 
 #include "graph/convolution_layer.h"
-#include "graph/dropout.h"
 
 // The layers of networks that come from elsewhere, a file each. All of them work on channels x rows
 // x columns, transformers' too: a token is a pixel, and a linear layer of tokens a 1 x 1

@@ -11,32 +11,28 @@ class NormalisedConvolution final : public Layer {
  public:
   NormalisedConvolution(const ConvolutionOptions& options, float epsilon, const TensorShape& input,
                         const Engine& engine)
-      : Layer(make_convolution(options, input, engine)->output_shape()),
+      : Layer({}),
         // conv_transpose2d's weights have the input channels first.
         outer_(options.transposed ? input.channels : 1),
         epsilon_(epsilon),
-        convolution_(make_convolution(options, input, engine)),
-        norm_(make_batch_norm(epsilon, options.negative_slope, output_)) {}
+        convolution_(options, input, engine) {
+    output_ = convolution_.output_shape();
+  }
 
-  std::int64_t multiply_adds() const override { return convolution_->multiply_adds(); }
-  void forward(const LayerPass& pass) override { convolution_->forward(pass); }
-  void backward(std::span<const LayerPass> /*batch*/, std::span<float> /*d*/) override {}
+  std::int64_t multiply_adds() const override { return convolution_.multiply_adds(); }
+  void forward(const LayerPass& pass) override { convolution_.forward(pass); }
+  void backward(std::span<const BackwardPass> /*batch*/, std::span<float> /*d*/) override {}
 
   std::vector<ParameterShape> parameter_shapes() const override {
     std::vector<ParameterShape> shapes;
-    for (const auto& [name, layer] :
-         {std::pair("convolution.", convolution_.get()), std::pair("norm.", norm_.get())}) {
-      for (ParameterShape shape : layer->parameter_shapes()) {
-        shape.name.insert(0, name);
-        shapes.push_back(std::move(shape));
-      }
-    }
+    add_part("convolution", convolution_.parameter_shapes(), shapes);
+    add_part("norm", make_batch_norm(epsilon_, 1.0F, output_)->parameter_shapes(), shapes);
     return shapes;
   }
 
   /// weight' = weight s, bias' = (bias - mean) s + shift with s = scale / sqrt(variance + epsilon)
   void set_parameters(std::span<const float> parameters) override {
-    const std::int64_t own = elements(convolution_->parameter_shapes());
+    const std::int64_t own = elements(convolution_.parameter_shapes());
     const std::span<const float> convolution = take(parameters, own);
     std::vector<float> folded(convolution.begin(), convolution.end());
     const std::span<const float> scale = take(parameters, output_.channels);
@@ -54,14 +50,13 @@ class NormalisedConvolution final : public Layer {
       float& bias = folded[weights + channel];
       bias = (bias - mean[channel]) * s + shift[channel];
     }
-    convolution_->set_parameters(folded);
+    convolution_.set_parameters(folded);
   }
 
  private:
   int outer_;
   float epsilon_;
-  std::unique_ptr<Layer> convolution_;
-  std::unique_ptr<Layer> norm_;
+  ConvolutionLayer convolution_;
 };
 
 }  // namespace

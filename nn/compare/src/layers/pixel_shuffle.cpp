@@ -20,21 +20,21 @@ class PatchesAndChannels final : public Layer {
 
   void forward(const LayerPass& pass) override {
     const bool merge = direction_ == Direction::kMerge;
-    const Tensor& pixels = merge ? *pass.inputs[0] : *pass.output;
+    const Tensor& pixels = merge ? *pass.input : *pass.output;
 #pragma omp for schedule(static)
     for (int y = 0; y < pixels.rows(); ++y) {
       for (int channel = 0; channel < pixels.channels(); ++channel) {
         for (int j = 0; j < factor_; ++j) {
           const int other = channel_of(pixels.channels(), channel, y % factor_, j);
           if (merge) {
-            const float* from = pass.inputs[0]->row(channel, y) + j;
+            const float* from = pass.input->row(channel, y) + j;
             float* to = pass.output->row(other, y / factor_);
             for (int x = 0; x < output_.columns; ++x) to[x] = from[x * factor_];
             pass.output->fill_border(other, y / factor_);
           } else {
-            const float* from = pass.inputs[0]->row(other, y / factor_);
+            const float* from = pass.input->row(other, y / factor_);
             float* to = pass.output->row(channel, y) + j;
-            for (int x = 0; x < pass.inputs[0]->columns(); ++x) to[x * factor_] = from[x];
+            for (int x = 0; x < pass.input->columns(); ++x) to[x * factor_] = from[x];
           }
         }
         if (!merge) pass.output->fill_border(channel, y);
@@ -42,10 +42,10 @@ class PatchesAndChannels final : public Layer {
     }
   }
 
-  void backward(std::span<const LayerPass> batch, std::span<float> /*d_parameters*/) override {
+  void backward(std::span<const BackwardPass> batch, std::span<float> /*d_parameters*/) override {
     const bool merge = direction_ == Direction::kMerge;
-    for (const LayerPass& pass : batch) {
-      Tensor& d_input = *pass.d_inputs[0];
+    for (const BackwardPass& pass : batch) {
+      Tensor& d_input = *pass.d_input;
       const Tensor& pixels = merge ? d_input : *pass.d_output;
       for (int channel = 0; channel < pixels.channels(); ++channel) {
         for (int y = 0; y < pixels.rows(); ++y) {

@@ -80,7 +80,7 @@ class WindowAttention final : public Layer {
       const int row = task / options_.heads;
       for (int column = 0; column < window_columns_; ++column) {
         HeadWindow work;
-        attend({row, column, head}, pass, work);
+        attend({row, column, head}, *pass.input, work);
         scatter(work.output, {row, column, head}, 0, *pass.output,
                 [](float& to, float from) { to = from; });
       }
@@ -92,16 +92,16 @@ class WindowAttention final : public Layer {
     }
   }
 
-  void backward(std::span<const LayerPass> batch, std::span<float> d_parameters) override {
+  void backward(std::span<const BackwardPass> batch, std::span<float> d_parameters) override {
     const auto add = [](float& to, float from) { to += from; };
     const float scale = query_scale();
     for (int head = 0; head < options_.heads; ++head) {
       std::array<float, kPairs> d_bias{};
-      for (const LayerPass& pass : batch) {
+      for (const BackwardPass& pass : batch) {
         for (int window = 0; window < window_rows_ * window_columns_; ++window) {
           const Place place{window / window_columns_, window % window_columns_, head};
           HeadWindow work;
-          const kernels::AttentionWindow forward = attend(place, pass, work);
+          const kernels::AttentionWindow forward = attend(place, *pass.input, work);
           HeadOfWindow d_output;
           HeadOfWindow d_queries;
           HeadOfWindow d_keys;
@@ -110,9 +110,9 @@ class WindowAttention final : public Layer {
           kernels_->attend_backward({forward, d_output.data(), d_queries.data(), d_keys.data(),
                                      d_values.data(), d_bias.data()});
           for (float& d : d_queries) d *= scale;
-          scatter(d_queries, place, 0, *pass.d_inputs[0], add);
-          scatter(d_keys, place, output_.channels, *pass.d_inputs[0], add);
-          scatter(d_values, place, 2 * output_.channels, *pass.d_inputs[0], add);
+          scatter(d_queries, place, 0, *pass.d_input, add);
+          scatter(d_keys, place, output_.channels, *pass.d_input, add);
+          scatter(d_values, place, 2 * output_.channels, *pass.d_input, add);
         }
       }
       for (int key = 0; key < kPixels; ++key) {
@@ -200,8 +200,7 @@ class WindowAttention final : public Layer {
     });
   }
 
-  kernels::AttentionWindow attend(const Place& at, const LayerPass& pass, HeadWindow& work) const {
-    const Tensor& input = *pass.inputs[0];
+  kernels::AttentionWindow attend(const Place& at, const Tensor& input, HeadWindow& work) const {
     gather(input, at, 0, query_scale(), work.queries);
     gather(input, at, output_.channels, 1.0F, work.keys);
     gather(input, at, 2 * output_.channels, 1.0F, work.values);
