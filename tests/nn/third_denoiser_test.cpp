@@ -51,7 +51,7 @@ class OneConvolution final : public Denoiser {
                 std::span<float> d_parameters) override {
     gradient.output() = gradient.z;
     gradient.output().fill_borders();
-    graph_.backward({&state.values, 1}, {&gradient.values, 1}, d_parameters, {});
+    graph_.backward({&state.values, 1}, {&gradient.values, 1}, d_parameters);
   }
 
  private:

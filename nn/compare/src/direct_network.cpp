@@ -105,7 +105,7 @@ void DirectNetwork::run_passes(const RangeImage& measured) {
     for (int pass = 0; pass < plan_.passes; ++pass) {
       std::optional<std::uint64_t> seed;
       if (plan_.passes > 1) seed = static_cast<std::uint64_t>(pass) * kSeedsOfPass;
-      graph_.forward(values_, seed, {.first = pass == 0 ? 0 : random});
+      graph_.forward(values_, {.seed = seed, .first = pass == 0 ? 0 : random});
       add_pass(pass == 0);
     }
   }

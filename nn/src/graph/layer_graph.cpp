@@ -86,9 +86,9 @@ void LayerGraph::run(int layer, Values& values, std::optional<std::uint64_t> see
   }
 }
 
-void LayerGraph::forward(Values& values, std::optional<std::uint64_t> seed, const Part& part) {
-  const int end = static_cast<int>(nodes_.size()) - part.left_out;
-  for (int layer = part.first; layer < end; ++layer) run(layer, values, seed);
+void LayerGraph::forward(Values& values, const GraphForward& how) {
+  const int end = static_cast<int>(nodes_.size()) - how.left_out;
+  for (int layer = how.first; layer < end; ++layer) run(layer, values, how.seed);
 }
 
 int LayerGraph::first_random_layer() const {
@@ -168,7 +168,7 @@ BackwardPass LayerGraph::backward_pass(int layer, const Values& values, Values& 
 }
 
 void LayerGraph::backward(std::span<const Values> batch, std::span<Values> gradients,
-                          std::span<float> d_parameters, const Backward& how) {
+                          std::span<float> d_parameters, const GraphBackward& how) {
   std::int64_t end = std::ssize(d_parameters);
   for (int layer = static_cast<int>(nodes_.size()) - 1; layer >= 0; --layer) {
     const Node& node = nodes_[layer];

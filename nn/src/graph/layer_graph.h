@@ -10,6 +10,16 @@
 
 namespace hqslam::nn {
 
+struct GraphForward {
+  std::optional<std::uint64_t> seed = std::nullopt;  ///< with one the layers that have dropout drop
+  int first = 0;     ///< the layers before it have been done already
+  int left_out = 0;  ///< of the last layers
+};
+struct GraphBackward {
+  bool dropped = false;  ///< forward did, with a seed
+  int left_out = 0;      ///< of the last layers, which have been done already
+};
+
 /// Layers one after the other, each from one or two tensors before it to one of its own. Described
 /// once: parameters, multiply-adds, forward and backward follow. Tensor 0 is the input, the last one
 /// the output.
@@ -40,14 +50,8 @@ class LayerGraph {
   /// All zero.
   Values make_values() const;
 
-  struct Part {
-    int first = 0;     ///< the layers before it have been done already
-    int left_out = 0;  ///< of the last layers
-  };
-  /// Called by all threads of a parallel region, they share the work. With a seed the layers that
-  /// have dropout drop.
-  void forward(Values& values, std::optional<std::uint64_t> seed = std::nullopt,
-               const Part& part = {});
+  /// Called by all threads of a parallel region, they share the work.
+  void forward(Values& values, const GraphForward& how = {});
   /// The first layer whose result depends on the seed; as many as there are layers: none does.
   int first_random_layer() const;
   /// One row of the last layer's result, a convolution's, by the calling thread alone.
@@ -56,14 +60,10 @@ class LayerGraph {
   /// The scans of a batch that is trained on, from their first values to their last; a seed each.
   /// One thread.
   void forward_batch(std::span<Values> batch, std::span<const std::uint64_t> seeds);
-  struct Backward {
-    bool dropped = false;  ///< forward did, with a seed
-    int left_out = 0;      ///< of the last layers, which have been done already
-  };
   /// In: the gradients of the output. Out: those of the input; d_parameters is added to. The others
   /// are overwritten: the gradients of what went into their activations. One thread.
   void backward(std::span<const Values> batch, std::span<Values> gradients,
-                std::span<float> d_parameters, const Backward& how);
+                std::span<float> d_parameters, const GraphBackward& how = {});
   /// The last layer's part of it, a convolution's without activation, for some rows: `first_row`
   /// and what follows it, all that d_output has (Conv2d::backward_rows).
   void last_backward_rows(const Values& values, int first_row, const Tensor& d_output,

@@ -46,7 +46,7 @@ class PlainDenoiser final : public Denoiser {
   }
   void forward(const Candidates& /*candidates*/, DenoiserState& state,
                std::optional<std::uint64_t> dropout_seed) override {
-    graph_.forward(state.values, dropout_seed);
+    graph_.forward(state.values, {.seed = dropout_seed});
     copy_channels(state.output(), 0, 1, state.z, 0);
 #pragma omp master
     dropped_out_ = dropout_seed.has_value();

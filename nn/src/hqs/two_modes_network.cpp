@@ -248,7 +248,7 @@ void TwoModesNetwork::run_layer(int layer, const RangeImage& measured, float tol
     if (layer == 0) start_row(row);
     make_input_row(layer, row);
   }
-  layers_[layer].graph.forward(layers_[layer].values, std::nullopt, {.left_out = 1});
+  layers_[layer].graph.forward(layers_[layer].values, {.left_out = 1});
   say_modes(layer, measured, tolerance_m);
 }
 

@@ -87,7 +87,7 @@ double TwoModesNetwork::backward_layer(int layer, const Tensor& truth, const Los
     }
   }
   d_output.fill_borders();
-  self.graph.backward({&self.values, 1}, {&self.gradients, 1}, d_parameters, {});
+  self.graph.backward({&self.values, 1}, {&self.gradients, 1}, d_parameters);
   const Tensor& d_input = self.gradients.front();
   for (const ComputedPixel& pixel : computed_) {
     for (int row = 0; row < rows_; ++row) {

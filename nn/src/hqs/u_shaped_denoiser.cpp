@@ -121,7 +121,7 @@ DenoiserState UShapedDenoiser::make_gradient() const {
 
 void UShapedDenoiser::forward(const Candidates& candidates, DenoiserState& state,
                               std::optional<std::uint64_t> /*dropout_seed*/) {
-  graph_.forward(state.values, std::nullopt, {.left_out = 1});
+  graph_.forward(state.values, {.left_out = 1});
   select_by_row(candidates, state);
 }
 
