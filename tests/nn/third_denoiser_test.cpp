@@ -22,8 +22,8 @@ class OneConvolution final : public Denoiser {
  public:
   OneConvolution(int kernel, int rows, int columns, InstructionSet instruction_set, int threads)
       : graph_({1, rows, columns}, {instruction_set, threads}) {
-    graph_.add("convolution",
-               {.kernel = {kernel, kernel}, .padding = {kernel / 2, kernel / 2}}, {0});
+    graph_.add("convolution", {.kernel = {kernel, kernel}, .padding = {kernel / 2, kernel / 2}},
+               {0});
   }
 
   TileSize tile() const override { return {}; }

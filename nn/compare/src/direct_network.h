@@ -22,8 +22,8 @@ enum class Purpose { kLifting, kTraining };
 /// A kind of such networks.
 class DirectArchitecture : public Architecture {
  public:
-  /// One channel of measured rows in, one of all rows out. Graphs for lifting need no gradients; the
-  /// arrays are the same.
+  /// One channel of measured rows in, one of all rows out. Graphs for lifting need no gradients;
+  /// the arrays are the same.
   virtual LayerGraph graph(const NetworkDescription& description, int columns, Purpose purpose,
                            const Engine& engine) const = 0;
   virtual DirectPlan plan() const = 0;

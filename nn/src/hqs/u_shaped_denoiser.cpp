@@ -22,9 +22,9 @@ LayerGraph u_shaped_graph(const UShapedDenoiserShape& shape, int rows, int colum
                           const Engine& engine) {
   const float slope = shape.negative_slope;
   const auto levels = static_cast<int>(shape.channels.size());
-  LayerGraph graph({shape.tile.pixels() + shape.memory, rows / shape.tile.rows,
-                    columns / shape.tile.columns},
-                   engine);
+  LayerGraph graph(
+      {shape.tile.pixels() + shape.memory, rows / shape.tile.rows, columns / shape.tile.columns},
+      engine);
   int x = 0;
   std::vector<int> encoded;
   for (int level = 0; level < levels; ++level) {

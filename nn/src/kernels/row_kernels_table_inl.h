@@ -1,7 +1,6 @@
 // All kernels for one instruction set; included by its translation unit once it has said how wide a
 // vector is (row_kernels_inl.h).
 
-#include "attention_inl.h"
 #include "row_kernels.h"
 #include "row_kernels_inl.h"
 #include "two_modes_inl.h"
@@ -23,9 +22,6 @@ constexpr RowKernels kKernels{accumulate,
                               interpolate,
                               two_modes,
                               two_modes_loss,
-                              gelu,
-                              attend,
-                              attend_backward,
                               multiply_add_chains,
                               kChainMultiplyAdds};
 

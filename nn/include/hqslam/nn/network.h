@@ -74,8 +74,8 @@ class Network {
 };
 
 /// `columns` may be fewer than the sensor's: cut-outs for training. Throws Error if the description
-/// is invalid, the network cannot have that many columns, the processor has not the instructions, or
-/// threads is not 1 to 1024.
+/// is invalid, the network cannot have that many columns, the processor has not the instructions,
+/// or threads is not 1 to 1024.
 std::unique_ptr<Network> make_network(const NetworkDescription& description, int columns,
                                       InstructionSet instruction_set, int threads);
 
