@@ -68,7 +68,7 @@ class DirectNetwork final : public Network {
   void take(const RangeImage& image, Tensor& tensor) const;
   /// Called by all threads of a parallel region.
   void add_pass(bool first);
-  void run_passes(const RangeImage& measured);
+  void run_passes(const RangeImage& measured, int passes);
   /// The mean of the passes, and whether they agree.
   float mean(std::size_t pixel) const;
   bool agreed(std::size_t pixel) const;
