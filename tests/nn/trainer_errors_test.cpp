@@ -21,30 +21,26 @@ TEST_CASE("a batch that processes cannot share is refused with the reason") {
 
 TEST_CASE("plans that cannot be followed are refused with the field and the value") {
   CHECK(plan_message(small_plan()) == "no Error");
-  TrainingPlan plan = small_plan();
-  plan.steps = 0;
-  CHECK(test::one_line_with(plan_message(plan), "steps is 0"));
-  plan = small_plan();
-  plan.batch = 0;
-  CHECK(test::one_line_with(plan_message(plan), "batch is 0"));
-  plan = small_plan();
-  plan.learning_rate = -1.0F;
-  CHECK(test::one_line_with(plan_message(plan), "learning_rate is -1"));
-  plan = small_plan();
-  plan.learning_rate = std::nanf("");
-  CHECK(test::one_line_with(plan_message(plan), "learning_rate"));
-  plan = small_plan();
-  plan.layer_loss_share = -0.1F;
-  CHECK(test::one_line_with(plan_message(plan), "layer_loss_share is -0.1"));
-  plan = small_plan();
-  plan.augmentation.crop_columns = 65;
-  CHECK(test::one_line_with(plan_message(plan), "crop_columns is 65"));
-  plan = small_plan();
-  plan.augmentation.smallest_scale = 2.0F;
-  CHECK(test::one_line_with(plan_message(plan), "smallest_scale is 2"));
-  plan = small_plan();
-  plan.augmentation.largest_dropout_share = 1.0F;
-  CHECK(test::one_line_with(plan_message(plan), "largest_dropout_share is 1"));
+  struct Wrong {
+    void (*spoil)(TrainingPlan&);
+    const char* said;
+  };
+  for (const auto& [spoil, said] : {
+           Wrong{[](TrainingPlan& p) { p.steps = 0; }, "steps is 0"},
+           Wrong{[](TrainingPlan& p) { p.batch = 0; }, "batch is 0"},
+           Wrong{[](TrainingPlan& p) { p.learning_rate = -1.0F; }, "learning_rate is -1"},
+           Wrong{[](TrainingPlan& p) { p.learning_rate = std::nanf(""); }, "learning_rate"},
+           Wrong{[](TrainingPlan& p) { p.layer_loss_share = -0.1F; }, "layer_loss_share is -0.1"},
+           Wrong{[](TrainingPlan& p) { p.augmentation.crop_columns = 65; }, "crop_columns is 65"},
+           Wrong{[](TrainingPlan& p) { p.augmentation.smallest_scale = 2.0F; },
+                 "smallest_scale is 2"},
+           Wrong{[](TrainingPlan& p) { p.augmentation.largest_dropout_share = 1.0F; },
+                 "largest_dropout_share is 1"},
+       }) {
+    TrainingPlan plan = small_plan();
+    spoil(plan);
+    CHECK(test::one_line_with(plan_message(plan), said));
+  }
 }
 
 TEST_CASE("scans and states that do not fit the network are refused, by any number of threads") {

@@ -97,14 +97,14 @@ void DirectNetwork::add_pass(bool first) {
 }
 
 /// What stands before the first dropout is the same in every pass.
-void DirectNetwork::run_passes(const RangeImage& measured) {
+void DirectNetwork::run_passes(const RangeImage& measured, int passes) {
   const int random = graph_.first_random_layer();
 #pragma omp parallel num_threads(graph_.engine().threads)
   {
     take(measured, values_.front());
-    for (int pass = 0; pass < plan_.passes; ++pass) {
+    for (int pass = 0; pass < passes; ++pass) {
       std::optional<std::uint64_t> seed;
-      if (plan_.passes > 1) seed = static_cast<std::uint64_t>(pass) * kSeedsOfPass;
+      if (passes > 1) seed = static_cast<std::uint64_t>(pass) * kSeedsOfPass;
       graph_.forward(values_, {.seed = seed, .first = pass == 0 ? 0 : random});
       add_pass(pass == 0);
     }
@@ -132,7 +132,7 @@ void DirectNetwork::restore(const RangeImage& measured, RangeImage& image) const
 
 const LiftedImage& DirectNetwork::lift(const RangeImage& measured, float /*tolerance_m*/) {
   check(measured);
-  run_passes(measured);
+  run_passes(measured, plan_.passes);
   const auto nearest_m = static_cast<float>(description_.sensor.min_range_m);
   const auto farthest_m = static_cast<float>(description_.sensor.max_range_m);
 #pragma omp parallel for schedule(static) num_threads(graph_.engine().threads)
@@ -148,12 +148,7 @@ const LiftedImage& DirectNetwork::lift(const RangeImage& measured, float /*toler
 /// One pass without dropout.
 RangeImage DirectNetwork::estimate(const RangeImage& measured) {
   check(measured);
-#pragma omp parallel num_threads(graph_.engine().threads)
-  {
-    take(measured, values_.front());
-    graph_.forward(values_);
-    add_pass(true);
-  }
+  run_passes(measured, 1);
   RangeImage image(lifted_.image.rows, lifted_.image.columns);
   for (std::size_t i = 0; i < sum_.size(); ++i) {
     image.range_m[i] = to_metres(static_cast<float>(sum_[i]));

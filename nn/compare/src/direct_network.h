@@ -22,8 +22,8 @@ enum class Purpose { kLifting, kTraining };
 /// A kind of such networks.
 class DirectArchitecture : public Architecture {
  public:
-  /// One channel of measured rows in, one of all rows out. Graphs for lifting need no gradients; the
-  /// arrays are the same.
+  /// One channel of measured rows in, one of all rows out. Graphs for lifting need no gradients;
+  /// the arrays are the same.
   virtual LayerGraph graph(const NetworkDescription& description, int columns, Purpose purpose,
                            const Engine& engine) const = 0;
   virtual DirectPlan plan() const = 0;
@@ -68,7 +68,7 @@ class DirectNetwork final : public Network {
   void take(const RangeImage& image, Tensor& tensor) const;
   /// Called by all threads of a parallel region.
   void add_pass(bool first);
-  void run_passes(const RangeImage& measured);
+  void run_passes(const RangeImage& measured, int passes);
   /// The mean of the passes, and whether they agree.
   float mean(std::size_t pixel) const;
   bool agreed(std::size_t pixel) const;

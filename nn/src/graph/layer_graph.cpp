@@ -7,6 +7,15 @@
 #include "hqslam/core/error.h"
 
 namespace hqslam::nn {
+namespace {
+
+/// Of the dropout number 0, 1, ... of a graph. A loop that runs graphs for one sample gives them
+/// seeds 10 apart: from the eleventh on they lie elsewhere, or masks would come again.
+std::uint64_t dropout_seed(std::uint64_t seed, std::uint64_t number) {
+  return seed + number % 10 + ((number / 10) << 60U);
+}
+
+}  // namespace
 
 int LayerGraph::add(const std::string& name, std::unique_ptr<Layer> layer, std::vector<int> inputs,
                     float dropout) {
@@ -32,10 +41,10 @@ int LayerGraph::add(const std::string& name, const ConvolutionOptions& options,
   if (inputs.size() > 1 && shapes_[inputs[1]] != layer->output_shape()) {
     const TensorShape& added = shapes_[inputs[1]];
     const TensorShape& sum = layer->output_shape();
-    throw Error(fmt::format("network: '{}' adds {} x {} x {} values to {} x {} x {}, expected as "
-                            "many; take images whose rows and columns all strides divide",
-                            name, added.channels, added.rows, added.columns, sum.channels, sum.rows,
-                            sum.columns));
+    throw Error(fmt::format(
+        "network: '{}' adds {} x {} x {} values to {} x {} x {}, expected as "
+        "many; take images whose rows and columns all strides divide",
+        name, added.channels, added.rows, added.columns, sum.channels, sum.rows, sum.columns));
   }
   ConvolutionLayer* const convolution = layer.get();
   const int tensor = add(name, std::move(layer), std::move(inputs), dropout);
@@ -82,7 +91,7 @@ void LayerGraph::run(int layer, Values& values, std::optional<std::uint64_t> see
   const Node& node = nodes_[layer];
   node.layer->forward(pass_of(layer, values));
   if (seed && node.dropout > 0.0F) {
-    drop_out(*seed + node.dropouts_before, node.dropout, values[layer + 1]);
+    drop_out(dropout_seed(*seed, node.dropouts_before), node.dropout, values[layer + 1]);
   }
 }
 
@@ -113,7 +122,7 @@ void LayerGraph::forward_batch(std::span<Values> batch, std::span<const std::uin
     node.layer->forward_batch(passes);
     if (node.dropout == 0.0F) continue;
     for (std::size_t i = 0; i < batch.size(); ++i) {
-      drop_out(seeds[i] + node.dropouts_before, node.dropout, batch[i][layer + 1]);
+      drop_out(dropout_seed(seeds[i], node.dropouts_before), node.dropout, batch[i][layer + 1]);
     }
   }
 }

@@ -21,8 +21,8 @@ struct GraphBackward {
 };
 
 /// Layers one after the other, each from one or two tensors before it to one of its own. Described
-/// once: parameters, multiply-adds, forward and backward follow. Tensor 0 is the input, the last one
-/// the output.
+/// once: parameters, multiply-adds, forward and backward follow. Tensor 0 is the input, the last
+/// one the output.
 class LayerGraph {
  public:
   /// The tensors of one scan, or their gradients.
@@ -98,8 +98,8 @@ class LayerGraph {
 
   Engine engine_;
   std::vector<TensorShape> shapes_;
-  std::vector<Users> users_;  ///< of each tensor
-  std::vector<Node> nodes_;   ///< node i makes tensor i + 1
+  std::vector<Users> users_;                      ///< of each tensor
+  std::vector<Node> nodes_;                       ///< node i makes tensor i + 1
   ConvolutionLayer* last_convolution_ = nullptr;  ///< if the last layer is one
 };
 

@@ -224,8 +224,8 @@ void Trainer::Implementation::run_call(Network& network, int call) {
     seeds.push_back(drawn.seed);
   }
   std::ranges::fill(gradient(call), 0.0F);
-  losses[call] = network.add_gradients(samples, {.layer_share = plan.layer_loss_share}, seeds,
-                                       gradient(call));
+  losses[call] =
+      network.add_gradients(samples, {.layer_share = plan.layer_loss_share}, seeds, gradient(call));
 }
 
 /// Gradients and losses of this rank's part of the batch.

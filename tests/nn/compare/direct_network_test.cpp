@@ -2,13 +2,13 @@
 
 #include <doctest/doctest.h>
 
-#include "srae.h"
-#include "tulip.h"
 #include "error_message.h"
 #include "golden.h"
 #include "hqslam/core/error.h"
 #include "parameters.h"
 #include "small_network.h"
+#include "srae.h"
+#include "tulip.h"
 
 namespace hqslam::nn {
 namespace {
@@ -125,12 +125,14 @@ TEST_CASE("one and two threads lift to the same bits") {
 }
 
 TEST_CASE("the published sizes have the published numbers of parameters and multiply-adds") {
-  const LayerGraph srae =
-      srae_graph({.filters = 64}, {1, 16, 1024, ColumnPadding::kZero}, 4, Purpose::kLifting, {});
+  NetworkDescription os1;
+  os1.sensor = sensor_preset("os1-64");
+  os1.measured_rows = {3, 4};
+  const LayerGraph srae = Srae({.filters = 64}).graph(os1, 1024, Purpose::kLifting, {});
   CHECK(elements(srae.parameter_shapes()) == 34'600'001 + 13'952);
   CHECK(static_cast<double>(srae.multiply_adds()) == doctest::Approx(54.4e9).epsilon(0.001));
-  const LayerGraph tulip = tulip_graph({.channels = 96, .heads = {3, 6, 12, 24}},
-                                       {1, 16, 1024, ColumnPadding::kCircular}, {});
+  const LayerGraph tulip =
+      Tulip({.channels = 96, .heads = {3, 6, 12, 24}}).graph(os1, 1024, Purpose::kLifting, {});
   CHECK(elements(tulip.parameter_shapes()) == 27'149'076);
   CHECK(static_cast<double>(tulip.multiply_adds()) == doctest::Approx(7.73e9).epsilon(0.02));
 }

@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <functional>
 
+#include "activation.h"
 #include "golden.h"
 #include "hqslam/core/error.h"
-#include "graph/layer_graph.h"
 #include "random_values.h"
 
 namespace hqslam::nn {
@@ -18,70 +18,54 @@ constexpr ColumnPadding kCircular = ColumnPadding::kCircular;
 constexpr ColumnPadding kZero = ColumnPadding::kZero;
 constexpr double kTolerance = 1e-5;
 
+using Shapes = std::vector<TensorShape>;
+
 /// How a layer of the golden file is made.
 struct Case {
   std::string name;
   ColumnPadding padding = kCircular;
-  std::function<std::unique_ptr<Layer>(const std::vector<TensorShape>&, const Engine&)> make;
-  std::optional<std::uint64_t> seed = std::nullopt;
+  std::function<std::unique_ptr<Layer>(const Shapes&, const Engine&)> make;
 };
 
-ConvolutionOptions three_by_three(int channels) {
-  return {.channels = channels,
-          .kernel_rows = 3,
-          .kernel_columns = 3,
-          .padding_rows = 1,
-          .padding_columns = 1,
-          .negative_slope = 0.0F};
+/// A case of a convolution.
+Case convolution(const std::string& name, ColumnPadding padding,
+                 const ConvolutionOptions& options) {
+  return {name, padding, [options](const Shapes& in, const Engine& engine) {
+            return std::make_unique<ConvolutionLayer>(options, in[0], engine);
+          }};
+}
+Case attention(const std::string& name, const WindowAttentionOptions& options) {
+  return {name, kCircular, [options](const Shapes& in, const Engine& engine) {
+            return make_window_attention(options, in[0], engine);
+          }};
 }
 
 std::vector<Case> cases() {
-  using Tensors = std::vector<TensorShape>;
-  std::vector<Case> all;
-  all.push_back({"transposed", kZero, [](const Tensors& in, const Engine& engine) {
-                   ConvolutionOptions options = three_by_three(5);
-                   options.stride_rows = 2;
-                   options.transposed = true;
-                   return make_convolution(options, in[0], engine);
-                 }});
-  all.push_back({"linear", kCircular, [](const Tensors& in, const Engine& engine) {
-                   return make_convolution({.channels = 7, .linear = true}, in[0], engine);
-                 }});
-  all.push_back(
-      {"patch_embedding", kCircular, [](const Tensors& in, const Engine& engine) {
-         return make_convolution(
-             {.channels = 6, .kernel_columns = 8, .stride_columns = 4, .padding_columns = 2}, in[0],
-             engine);
-       }});
-  all.push_back({"batch_norm", kCircular, [](const Tensors& in, const Engine&) {
-                   return make_batch_norm(1e-3F, 0.125F, in[0]);
-                 }});
-  all.push_back({"average_pool", kZero,
-                 [](const Tensors& in, const Engine&) { return make_average_pool(in[0]); }});
-  all.push_back({"concatenation", kCircular, [](const Tensors& in, const Engine&) {
-                   return make_concatenation(in[0], in[1]);
-                 }});
-  all.push_back({"dropout", kCircular,
-                 [](const Tensors& in, const Engine&) { return make_dropout(0.25F, in[0]); }, 77});
-  all.push_back({"layer_norm", kCircular,
-                 [](const Tensors& in, const Engine&) { return make_layer_norm(1e-6F, in[0]); }});
-  all.push_back({"gelu", kCircular,
-                 [](const Tensors& in, const Engine& engine) { return make_gelu(in[0], engine); }});
-  all.push_back({"attention", kCircular, [](const Tensors& in, const Engine& engine) {
-                   return make_window_attention({.heads = 2}, in[0], engine);
-                 }});
-  all.push_back({"attention.shifted", kCircular, [](const Tensors& in, const Engine& engine) {
-                   return make_window_attention({.heads = 2, .shifted = true}, in[0], engine);
-                 }});
-  all.push_back({"attention.circular", kCircular, [](const Tensors& in, const Engine& engine) {
-                   return make_window_attention({.heads = 2, .shifted = true, .circular = true},
-                                                in[0], engine);
-                 }});
-  all.push_back({"patch_merging", kCircular,
-                 [](const Tensors& in, const Engine&) { return make_patch_merging(in[0]); }});
-  all.push_back({"pixel_shuffle", kCircular,
-                 [](const Tensors& in, const Engine&) { return make_pixel_shuffle(3, in[0]); }});
-  return all;
+  ConvolutionOptions transposed = three_by_three(5, 0.0F);
+  transposed.stride = {2, 1};
+  transposed.transposed = true;
+  const ConvolutionOptions patches{
+      .channels = 6, .kernel = {1, 8}, .stride = {1, 4}, .padding = {0, 2}};
+  return {convolution("transposed", kZero, transposed),
+          convolution("linear", kCircular, {.channels = 7, .linear = true}),
+          convolution("patch_embedding", kCircular, patches),
+          {"batch_norm", kCircular,
+           [](const Shapes& in, const Engine&) { return make_batch_norm(1e-3F, 0.125F, in[0]); }},
+          {"average_pool", kZero,
+           [](const Shapes& in, const Engine&) { return make_average_pool(in[0]); }},
+          {"concatenation", kCircular,
+           [](const Shapes& in, const Engine&) { return make_concatenation(in[0], in[1]); }},
+          {"layer_norm", kCircular,
+           [](const Shapes& in, const Engine&) { return make_layer_norm(1e-6F, in[0]); }},
+          {"gelu", kCircular,
+           [](const Shapes& in, const Engine& engine) { return make_gelu(in[0], engine); }},
+          attention("attention", {.heads = 2}),
+          attention("attention.shifted", {.heads = 2, .shifted = true}),
+          attention("attention.circular", {.heads = 2, .shifted = true, .circular = true}),
+          {"patch_merging", kCircular,
+           [](const Shapes& in, const Engine&) { return make_patch_merging(in[0]); }},
+          {"pixel_shuffle", kCircular,
+           [](const Shapes& in, const Engine&) { return make_pixel_shuffle(3, in[0]); }}};
 }
 
 TensorShape shape_of(const Tensor& tensor) {
@@ -120,17 +104,30 @@ struct Batch {
   std::vector<Tensor> output;
   std::vector<float> parameters;
   std::vector<float> d_parameters;
-  std::optional<std::uint64_t> seed;
 
   std::vector<LayerPass> passes() {
     std::vector<LayerPass> all;
     for (std::size_t scan = 0; scan < output.size(); ++scan) {
-      LayerPass& pass = all.emplace_back(
-          LayerPass{.output = &output[scan], .seed = seed, .d_output = &d_output[scan]});
-      for (const std::vector<Tensor>& input : inputs) pass.inputs.push_back(&input[scan]);
-      for (std::vector<Tensor>& d_input : d_inputs) pass.d_inputs.push_back(&d_input[scan]);
+      all.push_back(
+          {&inputs[0][scan], inputs.size() > 1 ? &inputs[1][scan] : nullptr, &output[scan]});
     }
     return all;
+  }
+  /// From gradients of zero, and from that of the result on.
+  void backward() {
+    std::vector<Tensor> before = d_output;  // of what went into the activation
+    std::vector<BackwardPass> all;
+    for (std::size_t scan = 0; scan < output.size(); ++scan) {
+      leaky_relu_backward(layer->negative_slope(), output[scan], before[scan]);
+      all.push_back({.input = &inputs[0][scan],
+                     .output = &output[scan],
+                     .d_output = &before[scan],
+                     .d_input = &d_inputs[0][scan]});
+      if (inputs.size() < 2) continue;
+      all.back().second = &inputs[1][scan];
+      all.back().d_second = &d_inputs[1][scan];
+    }
+    layer->backward(all, d_parameters);
   }
   /// The sum of outputs times d_output.
   double loss() {
@@ -138,7 +135,7 @@ struct Batch {
       for (Tensor& scan : input) scan.fill_borders();
     }
     layer->set_parameters(parameters);
-    layer->forward_training(passes());
+    layer->forward_batch(passes());
     const std::vector<float> values = values_of(output);
     const std::vector<float> factors = values_of(d_output);
     double sum = 0.0;
@@ -161,7 +158,6 @@ Batch golden_batch(const Golden& golden, const Case& c, const Engine& engine) {
     for (Tensor& scan : d_input) scan.set_zero();
   }
   batch.d_output = scans_of(golden, c.name + ".d_output", c.padding);
-  batch.seed = c.seed;
   batch.layer = c.make(shapes, engine);
   if (golden.has(c.name + ".parameters")) {
     batch.parameters = golden.values(c.name + ".parameters");
@@ -181,7 +177,7 @@ TEST_CASE("each layer and its gradients equal PyTorch's with every instruction s
       CAPTURE(name(instruction_set));
       Batch batch = golden_batch(golden, c, {instruction_set, 1});
       batch.loss();
-      batch.layer->backward(batch.passes(), batch.d_parameters);
+      batch.backward();
       CHECK(relative_error(std::span<const float>(values_of(batch.output)),
                            golden.values(c.name + ".output")) < kTolerance);
       for (std::size_t i = 0; i < batch.inputs.size(); ++i) {
@@ -204,7 +200,7 @@ TEST_CASE("gradients are what small changes of inputs and parameters do") {
     CAPTURE(c.name);
     Batch batch = golden_batch(golden, c, {});
     batch.loss();
-    batch.layer->backward(batch.passes(), batch.d_parameters);
+    batch.backward();
     const auto slope_at = [&](float& value) {
       const float before = value;
       value = before + kStep;
@@ -263,11 +259,10 @@ TEST_CASE("batch norm lifts with its running statistics") {
 TEST_CASE("a convolution with the batch norm behind it worked into its weights gives the same") {
   const Golden golden("network_layers");
   for (const bool transposed : {false, true}) {
-    ConvolutionOptions options = three_by_three(3);
+    ConvolutionOptions options = three_by_three(3, 0.0F, transposed ? 2 : 1);
     options.transposed = transposed;
-    if (transposed) options.stride_rows = options.stride_columns = 2;
     const Case c{transposed ? "normalised.1" : "normalised.0", kZero,
-                 [&](const std::vector<TensorShape>& in, const Engine& engine) {
+                 [&](const Shapes& in, const Engine& engine) {
                    return make_normalised_convolution(options, 1e-3F, in[0], engine);
                  }};
     Batch batch = golden_batch(golden, c, {});
@@ -278,47 +273,9 @@ TEST_CASE("a convolution with the batch norm behind it worked into its weights g
   }
 }
 
-TEST_CASE("without a seed nothing is dropped, and another seed drops others") {
-  Tensor input(4, 8, 32, kCircular);
-  fill_random(1, input);
-  const std::unique_ptr<Layer> layer = make_dropout(0.25F, shape_of(input));
-  Tensor first = input;
-  Tensor second = input;
-  layer->forward({.inputs = {&input}, .output = &first});
-  CHECK(same_bits(input, first));
-  layer->forward({.inputs = {&input}, .output = &first, .seed = 1});
-  layer->forward({.inputs = {&input}, .output = &second, .seed = 2});
-  CHECK_FALSE(same_bits(first, second));
-  const std::vector<float> values = nn::values_of(first);
-  const auto dropped = std::count(values.begin(), values.end(), 0.0F);
-  CHECK(static_cast<double>(dropped) / static_cast<double>(values.size()) ==
-        doctest::Approx(0.25).epsilon(0.1));
-}
-
 TEST_CASE("windows that do not divide the image are refused") {
   const TensorShape input{12, 3, 16, kCircular};
   CHECK_THROWS_AS(make_window_attention({.heads = 2}, input, {}), Error);
-}
-
-TEST_CASE("a tensor that two layers use gets the sum of both gradients") {
-  const TensorShape input{1, 2, 16, kCircular};
-  LayerGraph graph(input);
-  const ConvolutionOptions linear{.channels = 1, .bias = false, .linear = true};
-  const int once = graph.add("once", make_convolution(linear, input, {}), {0});
-  graph.add("sum", make_convolution(linear, input, {}), {once, 0});
-  CHECK(graph.parameter_shapes().front().name == "once.weight");
-  graph.set_parameters(std::vector<float>{3.0F, 5.0F});
-  std::vector<LayerGraph::Scan> batch{{graph.make_values(), graph.make_values(), std::nullopt}};
-  fill_random(1, batch[0].values[0]);
-  Tensor& d_output = batch[0].gradients.back();
-  for (int x = 0; x < 16; ++x) d_output.at(0, 1, x) = 1.0F;
-  std::vector<float> d_parameters(2);
-  graph.forward(batch);
-  graph.backward(batch, d_parameters);
-  CHECK(batch[0].values.back().at(0, 1, 4) ==
-        doctest::Approx(16.0F * batch[0].values[0].at(0, 1, 4)));
-  CHECK(batch[0].gradients[0].at(0, 1, 4) == 16.0F);  // 5 * 3 + 1
-  CHECK(batch[0].gradients[0].at(0, 0, 4) == 0.0F);
 }
 
 }  // namespace hqslam::nn

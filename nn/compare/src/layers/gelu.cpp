@@ -1,4 +1,4 @@
-#include "kernels/row_kernels.h"
+#include "kernels/attention_kernels.h"
 #include "layers.h"
 
 namespace hqslam::nn {
@@ -7,7 +7,7 @@ namespace {
 class Gelu final : public Layer {
  public:
   Gelu(const TensorShape& input, const Engine& engine)
-      : Layer(input), kernels_(&kernels::row_kernels(engine.instruction_set)) {}
+      : Layer(input), kernels_(&kernels::attention_kernels(engine.instruction_set)) {}
 
   void forward(const LayerPass& pass) override {
 #pragma omp for schedule(static)
@@ -35,7 +35,7 @@ class Gelu final : public Layer {
   }
 
  private:
-  const kernels::RowKernels* kernels_;
+  const kernels::AttentionKernels* kernels_;
 };
 
 }  // namespace

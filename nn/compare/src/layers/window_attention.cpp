@@ -3,8 +3,8 @@
 #include <array>
 #include <cmath>
 
-#include "kernels/row_kernels.h"
 #include "hqslam/core/error.h"
+#include "kernels/attention_kernels.h"
 #include "layers.h"
 
 namespace hqslam::nn {
@@ -30,7 +30,7 @@ class WindowAttention final : public Layer {
         shift_columns_(options.shifted ? options.window_columns / 2 : 0),
         window_rows_(input.rows / options.window_rows),
         window_columns_(input.columns / options.window_columns),
-        kernels_(&kernels::row_kernels(engine.instruction_set)) {
+        kernels_(&kernels::attention_kernels(engine.instruction_set)) {
     if (options.window_rows * options.window_columns != kPixels ||
         depth_ * options.heads * 3 != input.channels || depth_ % 4 != 0 ||
         depth_ > kGreatestDepth || window_rows_ * options.window_rows != input.rows ||
@@ -223,7 +223,7 @@ class WindowAttention final : public Layer {
   int shift_columns_;
   int window_rows_;     ///< rows of windows
   int window_columns_;  ///< columns of windows
-  const kernels::RowKernels* kernels_;
+  const kernels::AttentionKernels* kernels_;
   std::array<std::vector<float>, kWindowKinds> biases_;  ///< head x key x query
 };
 

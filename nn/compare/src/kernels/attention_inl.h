@@ -1,8 +1,8 @@
-// The element-wise part of transformers and the attention within one window; included as
-// row_kernels_inl.h is. layers/layers.h has the formulas.
+// The element-wise part of transformers and the attention within one window, for vectors of
+// kVectorFloats floats. layers/layers.h has the formulas.
 
-#include "row_kernels.h"
-#include "vector_math_inl.h"
+#include "attention_kernels.h"
+#include "kernels/vector_math_inl.h"
 
 namespace hqslam::nn::kernels {
 namespace {
