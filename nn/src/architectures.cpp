@@ -1,8 +1,7 @@
 #include <algorithm>
 
 #include "architecture.h"
-#include "hqs/du_mix.h"
-#include "hqs/unrolled_hqs.h"
+#include "hqs/hqs_architecture.h"
 
 namespace hqslam::nn {
 namespace {

@@ -39,10 +39,14 @@ Network::Network(const NetworkDescription& description, int columns)
       columns_(columns),
       parameters_(elements(parameter_shapes(description))) {}
 
+void Network::check_measured(const RangeImage& measured) const {
+  check_image(measured, "measured rows", measured_rows_, columns_);
+}
+
 double Network::add_gradients(std::span<const TrainingSample> batch, const LossOptions& options,
                               std::span<const std::uint64_t> seeds, std::span<float> d_parameters) {
   for (const TrainingSample& sample : batch) {
-    check_image(sample.measured, "measured rows", measured_rows_, columns_);
+    check_measured(sample.measured);
     check_image(sample.truth, "true ranges", rows_, columns_);
   }
   if (seeds.size() != batch.size() || std::ssize(d_parameters) != parameters_) {

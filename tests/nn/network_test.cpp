@@ -16,7 +16,7 @@ namespace hqslam::nn {
 namespace {
 
 std::vector<NetworkDescription> every_kind() {
-  return {small_du_or(), small_simple_du(), small_du_mix({{6, 8, 1}, {5, 7, 0}})};
+  return {small_du_or(), small_simple_du(), small_du_mix()};
 }
 
 /// A scan of `columns` columns, `times` side by side.

@@ -63,14 +63,14 @@ inline TrainingState fresh_state(const NetworkDescription& description) {
   return {std::move(parameters), AdamW({}, count), std::move(average)};
 }
 
-inline UnrolledPlan filtered_du_or() {
-  UnrolledPlan description = small_du_or();
+inline HqsPlan filtered_du_or() {
+  HqsPlan description = small_du_or();
   description.filter.min_pixels = 12;
   return description;
 }
 
-inline UnrolledPlan simple_du_with_dropout() {
-  UnrolledPlan description = small_simple_du();
+inline HqsPlan simple_du_with_dropout() {
+  HqsPlan description = small_simple_du();
   description.plain.dropout = 0.1F;
   return description;
 }

@@ -44,7 +44,7 @@ TEST_CASE("plans that cannot be followed are refused with the field and the valu
 }
 
 TEST_CASE("scans and states that do not fit the network are refused, by any number of threads") {
-  const UnrolledPlan description = small_du_or();
+  const HqsPlan description = small_du_or();
   const auto message = [&](std::vector<RangeImage> with, const TrainingState& state) {
     return test::error_message(
         [&] { Trainer(description, small_plan(), in_memory(std::move(with)), state, 2, alone()); });
@@ -67,7 +67,7 @@ TEST_CASE("scans and states that do not fit the network are refused, by any numb
 }
 
 TEST_CASE("a training whose loss is not finite stops with an Error, by any number of threads") {
-  const UnrolledPlan description = small_du_or();
+  const HqsPlan description = small_du_or();
   for (const int threads : {1, 2}) {
     TrainingState state = fresh_state(description);
     state.parameters[0] = std::nanf("");

@@ -10,7 +10,7 @@
 namespace hqslam::nn {
 
 TEST_CASE("training makes DU-OR better than it was and better than interpolation") {
-  const UnrolledPlan description = filtered_du_or();
+  const HqsPlan description = filtered_du_or();
   Trainer trainer(description, small_plan(), in_memory(scans()), fresh_state(description), 2,
                   alone());
   const Validation before = trainer.validate(scans());
@@ -32,7 +32,7 @@ TEST_CASE("training makes DU-OR better than it was and better than interpolation
 }
 
 TEST_CASE("training makes Simple DU better than it was") {
-  const UnrolledPlan description = simple_du_with_dropout();
+  const HqsPlan description = simple_du_with_dropout();
   Trainer trainer(description, small_plan(), in_memory(scans()), fresh_state(description), 2,
                   alone());
   const Validation before = trainer.validate(scans());
@@ -42,7 +42,7 @@ TEST_CASE("training makes Simple DU better than it was") {
 
 TEST_CASE(
     "the mean that is kept begins with the first step and follows by 10 of 11 in the second") {
-  const UnrolledPlan description = small_du_or();
+  const HqsPlan description = small_du_or();
   Trainer trainer(description, small_plan(), in_memory(scans()), fresh_state(description), 1,
                   alone());
   trainer.step();
@@ -59,7 +59,7 @@ TEST_CASE(
 }
 
 TEST_CASE("the gradient and the loss of a batch are means: equal samples give those of one") {
-  const UnrolledPlan description = small_du_or();
+  const HqsPlan description = small_du_or();
   RangeImage rings(16, 64);  // the same from every side, so that turning it changes nothing
   for (int i = 0; i < 16 * 64; ++i) rings.range_m[i] = 30.0F - static_cast<float>(i / 64);
   TrainingPlan plan = small_plan();
@@ -75,7 +75,7 @@ TEST_CASE("the gradient and the loss of a batch are means: equal samples give th
 }
 
 TEST_CASE("without a share in the loss inner layers only serve the last one") {
-  const UnrolledPlan description = small_du_or();
+  const HqsPlan description = small_du_or();
   TrainingPlan plan = small_plan();
   std::vector<TrainingStep> steps;
   for (const float share : {0.0F, 1.0F}) {
@@ -90,7 +90,7 @@ TEST_CASE("without a share in the loss inner layers only serve the last one") {
 TEST_CASE(
     "a step reports the loss before it, the unclipped norm, and moves no parameter by more "
     "than the learning rate allows") {
-  const UnrolledPlan description = small_du_or();
+  const HqsPlan description = small_du_or();
   TrainingPlan plan = small_plan();
   plan.largest_gradient_norm = 1e-9;
   Trainer trainer(description, plan, in_memory(scans()), fresh_state(description), 1, alone());

@@ -158,14 +158,17 @@ RangeImage DirectNetwork::estimate(const RangeImage& measured) {
 
 Trace DirectNetwork::trace(const RangeImage& measured) {
   const RangeImage lifted = lift(measured, 0.5F).image;
-  Trace trace;
-  LayerTrace& layer = trace.layers.emplace_back();
-  layer.z = layer.y = lifted;
-  layer.rejected.resize(sum_.size());
+  RangeImage said = lifted;
+  RangeImage disagreed = lifted;
   for (std::size_t pixel = 0; pixel < sum_.size(); ++pixel) {
-    layer.z.range_m[pixel] = to_metres(mean(pixel));
-    layer.rejected[pixel] = agreed(pixel) ? 0 : 1;
+    said.range_m[pixel] = to_metres(mean(pixel));
+    disagreed.range_m[pixel] = agreed(pixel) ? 0.0F : 1.0F;
   }
+  Trace trace;
+  trace.add(traced_image("measured", measured));
+  trace.add(traced_image("layers.0.z", std::move(said)));
+  trace.add(traced_image("layers.0.rejected", std::move(disagreed), ""));
+  trace.add(traced_image("layers.0.y", lifted));
   return trace;
 }
 

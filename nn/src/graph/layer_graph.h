@@ -38,6 +38,8 @@ class LayerGraph {
           float dropout = 0.0F);
   const TensorShape& shape(int tensor) const { return shapes_[tensor]; }
   const TensorShape& output_shape() const { return shapes_.back(); }
+  /// Of the layer whose result tensor `tensor` is, from 1 on.
+  const std::string& name_of(int tensor) const { return nodes_[tensor - 1].name; }
   const Engine& engine() const { return engine_; }
 
   std::vector<ParameterShape> parameter_shapes() const;

@@ -43,8 +43,7 @@ class Network {
   /// weights file.
   virtual RangeImage estimate(const RangeImage& measured) { return lift(measured, 0.5F).image; }
 
-  /// What every layer makes of a scan; `rejected` of the whole is left empty. Throws Error for
-  /// another shape.
+  /// Every inner tensor by name. Throws Error for another shape.
   virtual Trace trace(const RangeImage& measured) = 0;
 
   /// The training losses of the scans of a batch, in units of the network's own, summed; their
@@ -60,6 +59,8 @@ class Network {
  protected:
   /// For images of `columns` columns.
   Network(const NetworkDescription& description, int columns);
+  /// Throws Error unless it has the shape of the measured rows.
+  void check_measured(const RangeImage& measured) const;
 
  private:
   /// add_gradients of what has been checked, by a team of one thread.
