@@ -8,6 +8,7 @@
 
 #include "architecture.h"
 #include "error_message.h"
+#include "gradient_of_one.h"
 #include "hqslam/nn/network_json.h"
 #include "small_network.h"
 

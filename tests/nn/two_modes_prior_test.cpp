@@ -3,6 +3,7 @@
 
 #include "error_message.h"
 #include "golden.h"
+#include "gradient_of_one.h"
 #include "hqslam/nn/network.h"
 #include "small_network.h"
 
@@ -48,8 +49,7 @@ void check_against_pytorch(NetworkDescription description, const std::string& fi
           kTolerance);
     const std::vector<float> expected = golden.values("d_parameters");
     std::vector<float> d_parameters(expected.size());
-    const double loss = add_gradient(*network, {measured, small_scene()},
-                                     {.layer_share = layer_share}, d_parameters);
+    const double loss = add_gradient(*network, {measured, small_scene()}, {}, d_parameters);
     CHECK(loss == doctest::Approx(golden.value("loss")).epsilon(kTolerance));
     std::size_t next = 0;
     for (const ParameterShape& shape : parameter_shapes(description)) {

@@ -188,7 +188,7 @@ void UShapedPrior::backward(const Candidates& candidates, const PriorState& stat
     graph_.last_backward_rows(state.values, first, d_output, gradient.values, d_parameters);
   }
   graph_.backward({&state.values, 1}, {&gradient.values, 1}, d_parameters, {.left_out = 1});
-  add_channels(d_direct, shape_.tile.pixels(), gradient.input());
+  add_channels(d_direct, 0, gradient.input(), shape_.tile.pixels());
 }
 
 void validate(const UShapedPriorShape& shape) {
