@@ -170,7 +170,9 @@ std::string direct_html(const LayersReport& report) {
 
 std::string layer_html(const LayersReport& report, std::size_t k) {
   const std::string heading = fmt::format("<h2>Layer {}", k + 1);
-  if (report.trace.has("probability")) return heading + "</h2>\n" + mixture_html(report, k);
+  if (report.trace.has("probability")) {
+    return fmt::format("{}</h2>\n{}", heading, mixture_html(report, k));
+  }
   if (!report.trace.has("layers.0.h")) return direct_html(report);
   const nn::ObjectiveTerms terms =
       objective_terms(report.trace, static_cast<int>(k), report.network.measured_rows);
@@ -238,14 +240,16 @@ std::string layers_html(const LayersReport& report) {
       "<h1>Scan {}, layer by layer</h1>\n<p class=\"quiet\">{}, lifted by {}. Bright is near, dark "
       "blue far, black without a return.</p>\n",
       report.scan, escape_html(report.recording), escape_html(report.weights));
-  html += named_html(report) + differences_html(report);
+  html += named_html(report);
+  html += differences_html(report);
   html += range_html(report.measured, report, "Measured rows (L)");
   if (report.trace.has("start")) {
     html += range_html(report.trace.image("start"), report, "Start (Z and Y before layer 1)");
   }
   for (std::size_t k = 0; k < layer_count(report); ++k) html += layer_html(report, k);
-  return page_html(fmt::format("Layers of scan {}", report.scan), kStyle,
-                   html + result_html(report), std::string(kLayersPageMarker) + "\n");
+  html += result_html(report);
+  return page_html(fmt::format("Layers of scan {}", report.scan), kStyle, html,
+                   fmt::format("{}\n", kLayersPageMarker));
 }
 
 }  // namespace hqslam::tools
