@@ -111,8 +111,7 @@ TEST_CASE("SRAE's result is the mean of passes with dropout, empty where they do
   const RangeImage measured = select_rows(expected, {3, 4});
   const RangeImage lifted = network->lift(measured, 0.5F).image;
   CHECK(relative_error(std::span<const float>(lifted.range_m), expected.range_m) < 1e-4);
-  const Trace trace = network->trace(measured);
-  CHECK(trace.layers.at(0).y.range_m == lifted.range_m);
+  CHECK(network->trace(measured).image("layers.0.y").range_m == lifted.range_m);
 }
 
 TEST_CASE("one and two threads lift to the same bits") {
