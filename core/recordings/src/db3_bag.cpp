@@ -1,7 +1,9 @@
 #include <fmt/format.h>
 #include <sqlite3.h>
 
+#include <algorithm>
 #include <filesystem>
+#include <limits>
 #include <system_error>
 
 #include "bag.h"
@@ -57,78 +59,91 @@ Database opened(const std::string& path) {
   return database;
 }
 
-Statement prepared(sqlite3* database, const std::string& path, const char* sql) {
-  sqlite3_stmt* raw = nullptr;
-  if (sqlite3_prepare_v2(database, sql, -1, &raw, nullptr) != SQLITE_OK) fail(path, database);
-  return Statement(raw);
-}
-
 std::string words(sqlite3_stmt* statement, int column) {
   const auto* text = reinterpret_cast<const char*>(sqlite3_column_text(statement, column));
   return text == nullptr ? "" : text;
 }
 
-class Db3Messages : public MessageSource {
+class Db3Bag : public BagFile {
  public:
-  Db3Messages(const std::string& path, const std::string& topic)
-      : path_(path), database_(opened(path)) {
-    statement_ = prepared(database_.get(), path_,
-                          "SELECT messages.timestamp, messages.data FROM messages "
-                          "JOIN topics ON topics.id = messages.topic_id WHERE topics.name = ?1 "
-                          "ORDER BY messages.timestamp, messages.id");
-    sqlite3_bind_text(statement_.get(), 1, topic.data(), static_cast<int>(topic.size()),
-                      SQLITE_TRANSIENT);
+  explicit Db3Bag(const std::string& path) : path_(path), database_(opened(path)) {
+    const Statement topics =
+        prepared("SELECT id, name, type, serialization_format FROM topics LIMIT 10000");
+    while (step(topics)) {
+      const std::string format = words(topics.get(), 3);
+      if (format != "cdr" && !format.empty()) continue;  // some recorders leave it empty
+      topics_[static_cast<std::uint32_t>(sqlite3_column_int64(topics.get(), 0))] = {
+          words(topics.get(), 1), words(topics.get(), 2)};
+    }
+    const Statement last = prepared("SELECT MAX(id) FROM messages");
+    if (step(last)) last_id_ = sqlite3_column_int64(last.get(), 0);
+    messages_ =
+        prepared("SELECT timestamp, id, topic_id, data FROM messages ORDER BY timestamp, id");
   }
 
   std::optional<Message> next() override {
-    const int status = sqlite3_step(statement_.get());
-    if (status == SQLITE_DONE) return std::nullopt;
-    if (status != SQLITE_ROW) fail(path_, database_.get());
-    Message message;
-    message.time_ns = sqlite3_column_int64(statement_.get(), 0);
-    const auto* bytes = static_cast<const std::uint8_t*>(sqlite3_column_blob(statement_.get(), 1));
-    const int count = sqlite3_column_bytes(statement_.get(), 1);
-    if (bytes != nullptr) message.bytes = {bytes, static_cast<std::size_t>(count)};
-    return message;
+    while (step(messages_)) {
+      sqlite3_stmt* const row = messages_.get();
+      time_ns_ = sqlite3_column_int64(row, 0);
+      id_ = sqlite3_column_int64(row, 1);
+      const sqlite3_int64 topic = sqlite3_column_int64(row, 2);
+      if (!topics_.contains(static_cast<std::uint32_t>(topic))) continue;
+      Message message;
+      message.time_ns = time_ns_;
+      message.stream = static_cast<std::uint32_t>(topic);
+      const auto* bytes = static_cast<const std::uint8_t*>(sqlite3_column_blob(row, 3));
+      const int count = sqlite3_column_bytes(row, 3);
+      if (bytes != nullptr) message.bytes = {bytes, static_cast<std::size_t>(count)};
+      return message;
+    }
+    return std::nullopt;
+  }
+
+  /// Goes on behind the message that was read last.
+  void keep_only(const std::string& topic) override {
+    messages_ = prepared(
+        "SELECT timestamp, id, topic_id, data FROM messages WHERE (timestamp, id) > (?1, ?2) AND "
+        "topic_id IN (SELECT id FROM topics WHERE name = ?3) ORDER BY timestamp, id");
+    sqlite3_bind_int64(messages_.get(), 1, time_ns_);
+    sqlite3_bind_int64(messages_.get(), 2, id_);
+    sqlite3_bind_text(messages_.get(), 3, topic.data(), static_cast<int>(topic.size()),
+                      SQLITE_TRANSIENT);
+  }
+
+  double read_share() const override {
+    return last_id_ > 0
+               ? std::clamp(static_cast<double>(id_) / static_cast<double>(last_id_), 0.0, 1.0)
+               : 1.0;
   }
 
  private:
+  Statement prepared(const char* sql) const {
+    sqlite3_stmt* raw = nullptr;
+    if (sqlite3_prepare_v2(database_.get(), sql, -1, &raw, nullptr) != SQLITE_OK) {
+      fail(path_, database_.get());
+    }
+    return Statement(raw);
+  }
+
+  /// Whether there is one more row.
+  bool step(const Statement& statement) const {
+    const int status = sqlite3_step(statement.get());
+    if (status != SQLITE_ROW && status != SQLITE_DONE) fail(path_, database_.get());
+    return status == SQLITE_ROW;
+  }
+
   std::string path_;
   Database database_;
-  Statement statement_;
-};
-
-class Db3Bag : public Bag {
- public:
-  explicit Db3Bag(const std::string& path) : path_(path) {
-    const Database database = opened(path);
-    const Statement statement = prepared(
-        database.get(), path,
-        "SELECT topics.name, topics.type, COUNT(messages.id), topics.serialization_format FROM "
-        "topics LEFT JOIN messages ON messages.topic_id = topics.id GROUP BY topics.id "
-        "ORDER BY topics.name LIMIT 10000");
-    int status = sqlite3_step(statement.get());
-    for (; status == SQLITE_ROW; status = sqlite3_step(statement.get())) {
-      if (words(statement.get(), 3) != "cdr") continue;
-      topics_.push_back({words(statement.get(), 0), words(statement.get(), 1),
-                         sqlite3_column_int64(statement.get(), 2)});
-    }
-    if (status != SQLITE_DONE) fail(path, database.get());
-  }
-
-  std::string kind() const override { return "ROS 2 bag (sqlite)"; }
-  const std::vector<Topic>& topics() const override { return topics_; }
-  std::unique_ptr<MessageSource> messages(const std::string& topic) const override {
-    return std::make_unique<Db3Messages>(path_, topic);
-  }
-
- private:
-  std::string path_;
-  std::vector<Topic> topics_;
+  Statement messages_;
+  std::int64_t time_ns_ = std::numeric_limits<std::int64_t>::min();  ///< of the last message
+  std::int64_t id_ = std::numeric_limits<std::int64_t>::min();
+  std::int64_t last_id_ = 0;
 };
 
 }  // namespace
 
-std::unique_ptr<Bag> open_db3(const std::string& path) { return std::make_unique<Db3Bag>(path); }
+std::unique_ptr<BagFile> open_db3(const std::string& path) {
+  return std::make_unique<Db3Bag>(path);
+}
 
 }  // namespace hqslam::recordings

@@ -94,7 +94,6 @@ TEST_CASE("every kind of bag carries the same packets") {
        {"a.mcap", "alz4.mcap", "azstd.mcap", "anone.bag", "alz4.bag", "abz2.bag", "folder"}) {
     CAPTURE(name);
     const auto source = open_recording(directory.file(name));
-    CHECK(source->size() == 4);
     const auto scans = all_scans(*source);
     REQUIRE(scans.size() == expected.size());
     for (std::size_t i = 0; i < scans.size(); ++i) {

@@ -28,7 +28,6 @@ TEST_CASE("a capture of a VLP-16 opens without being told anything") {
   CHECK(source->sensor().scan_period_s == doctest::Approx(0.05).scale(0).epsilon(0.002));
   CHECK(source->warnings().empty());
   const auto scans = all_scans(*source);
-  REQUIRE(static_cast<std::int64_t>(scans.size()) == source->size());
   REQUIRE(scans.size() == 5);
   CHECK(scans[2].stamp_s - scans[1].stamp_s == doctest::Approx(0.05).scale(0).epsilon(0.02));
   CHECK(scans[1].counts.kept > 14000);
@@ -136,7 +135,6 @@ TEST_CASE("every real capture and bag opens from its path alone") {
     const auto source = open_recording(*path);
     CHECK(source->sensor().name == e.sensor);
     CHECK(source->sensor().rows() == e.rows);
-    CHECK(source->size() == e.scans);
     const auto begin = std::chrono::steady_clock::now();
     const auto scans = all_scans(*source);
     const double ms =
