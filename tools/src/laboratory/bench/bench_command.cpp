@@ -14,7 +14,7 @@
 #include "files/installed_weights.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/scan_source.h"
-#include "hqslam/nn/hqs/weights_file.h"
+#include "hqslam/nn/weights_file.h"
 #include "hqslam/sim/drive.h"
 #include "laboratory/bench/bench_measurement.h"
 #include "laboratory/bench/bench_network.h"

@@ -2,9 +2,9 @@
 
 #include <functional>
 
-#include "hqslam/nn/hqs/network.h"
-#include "hqslam/nn/hqs/super_resolver.h"
 #include "hqslam/nn/multiply_add_peak.h"
+#include "hqslam/nn/network.h"
+#include "hqslam/nn/super_resolver.h"
 #include "timing/stopwatch.h"
 
 namespace hqslam::tools {

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "hqslam/core/range_image.h"
-#include "hqslam/nn/hqs/weights_file.h"
 #include "hqslam/nn/instruction_set.h"
+#include "hqslam/nn/weights_file.h"
 #include "terminal/interrupt.h"
 #include "timing/timing_statistics.h"
 

@@ -5,7 +5,7 @@
 
 #include "hqslam/core/organized_cloud.h"
 #include "hqslam/core/sensor_model.h"
-#include "hqslam/nn/hqs/super_resolver.h"
+#include "hqslam/nn/super_resolver.h"
 #include "hqslam/nn/upsampler.h"
 #include "laboratory/compare/upsampling_comparison.h"
 

@@ -2,8 +2,8 @@
 
 #include <optional>
 
-#include "../hqs/tiles.h"
 #include "../tensor.h"
+#include "../tiles.h"
 #include "hqslam/core/sensor_model.h"
 
 namespace hqslam::nn {

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "hqslam/nn/hqs/network_description.h"
+#include "hqslam/nn/network_description.h"
 
 namespace hqslam::nn {
 

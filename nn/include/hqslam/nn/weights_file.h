@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "hqslam/core/range_image.h"
-#include "hqslam/nn/hqs/network_description.h"
+#include "hqslam/nn/network_description.h"
 
 namespace hqslam::nn {
 

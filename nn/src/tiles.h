@@ -1,6 +1,6 @@
 #pragma once
 
-#include "../tensor.h"
+#include "tensor.h"
 #include "hqslam/core/sensor_model.h"
 
 namespace hqslam::nn {

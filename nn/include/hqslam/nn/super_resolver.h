@@ -8,11 +8,11 @@
 
 #include "hqslam/core/range_image.h"
 #include "hqslam/core/sensor_model.h"
-#include "hqslam/nn/hqs/network_description.h"
-#include "hqslam/nn/hqs/trace.h"
-#include "hqslam/nn/hqs/weights_file.h"
 #include "hqslam/nn/instruction_set.h"
 #include "hqslam/nn/lifted_image.h"
+#include "hqslam/nn/network_description.h"
+#include "hqslam/nn/trace.h"
+#include "hqslam/nn/weights_file.h"
 
 namespace hqslam::nn {
 
