@@ -101,7 +101,7 @@ class FileScanSource : public ScanSource {
         first_points_[i] = read_points(paths_[i]);
         scans.push_back(scan_of(*first_points_[i], &sensor_, paths_[i]));
         has_stamps_ = has_stamps_ || scans.back().stamp_s != 0.0;
-        set_rows_by_order(scans.back(), sensor_, paths_[i], false);
+        set_rows(scans.back(), paths_[i], false);
       } catch (const Error&) {
         continue;  // will be said when it is its turn
       }
@@ -115,6 +115,11 @@ class FileScanSource : public ScanSource {
     }
   }
 
+  /// A .pcd file is what a driver gives, which would have said the rings; its elevations tell.
+  void set_rows(Scan& scan, const std::string& path, bool must_fit) const {
+    if (!path.ends_with(".pcd")) set_rows_by_order(scan, sensor_, path, must_fit);
+  }
+
   RawPoints points_of(std::size_t index) {
     if (index >= first_points_.size() || !first_points_[index]) return read_points(paths_[index]);
     RawPoints points = std::move(*first_points_[index]);
@@ -125,7 +130,7 @@ class FileScanSource : public ScanSource {
   RecordedScan recorded(std::size_t index) {
     const std::string& path = paths_[index];
     Scan scan = scan_of(points_of(index), &sensor_, path);
-    set_rows_by_order(scan, sensor_, path);
+    set_rows(scan, path, true);
     if (times_from_azimuth_ && scan.time_offset_s.empty()) {
       azimuth_times_.set(scan, sensor_, index);
     }

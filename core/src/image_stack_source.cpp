@@ -56,6 +56,12 @@ class ImageStackSource : public ScanSource {
     return static_cast<double>(next_) / static_cast<double>(reader_.images());
   }
   bool has_stamps() const override { return !stamps_s_.empty(); }
+  std::vector<std::string> warnings() const override {
+    if (too_far_ == 0) return {};
+    return {
+        fmt::format("{}: {} pixels hold ranges beyond the {} m of sensor '{}': taken as no return",
+                    path_, too_far_, sensor_.max_range_m, sensor_.name)};
+  }
 
   std::optional<RecordedScan> next() override {
     if (next_ == reader_.images()) return std::nullopt;
@@ -116,7 +122,7 @@ class ImageStackSource : public ScanSource {
     }
   }
 
-  void remove_bad_pixels(RangeImage& image, RecordedScan& result) const {
+  void remove_bad_pixels(RangeImage& image, RecordedScan& result) {
     for (float& range_m : image.range_m) {
       if (range_m == 0.0F) continue;
       if (!std::isfinite(range_m) || range_m < 0.0F) {
@@ -124,6 +130,7 @@ class ImageStackSource : public ScanSource {
         range_m = 0.0F;
       } else if (range_m < sensor_.min_range_m || range_m > sensor_.max_range_m) {
         ++result.counts.out_of_range;
+        too_far_ += range_m > sensor_.max_range_m ? 1 : 0;
         range_m = 0.0F;
       } else {
         ++result.counts.kept;
@@ -153,6 +160,7 @@ class ImageStackSource : public ScanSource {
   std::optional<NpyStackReader> confidence_;
   std::int64_t next_ = 0;
   bool any_used_ = false;
+  std::int64_t too_far_ = 0;  ///< pixels of the images that were read
 };
 
 }  // namespace

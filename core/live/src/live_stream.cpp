@@ -139,12 +139,13 @@ bool LiveStream::recognise_ouster(const Packet& packet, Sender& sender) {
   if (packet.payload.size() != metadata_->packet_bytes()) return false;
   sensor_ = metadata_->sensor;
   format_ = fmt::format("Ouster packets, {}", name(metadata_->profile));
-  serial_number_ = serial_number(packet.payload, metadata_->profile);
-  if (serial_number_ != 0 && metadata_->serial_number != 0 &&
-      serial_number_ != metadata_->serial_number) {
+  const std::uint64_t serial = serial_number(packet.payload, metadata_->profile);
+  if (serial == metadata_->serial_number) {
+    serial_number_ = serial;
+  } else if (serial != 0 && metadata_->serial_number != 0) {
     warnings_.push_back(fmt::format(
         "packets of sensor {}, but {} is of sensor {}: its beams may be off by tenths of a degree",
-        serial_number_, options_.sensor, metadata_->serial_number));
+        serial, options_.sensor, metadata_->serial_number));
   }
   return true;
 }

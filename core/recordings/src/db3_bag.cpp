@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <limits>
 #include <system_error>
 
 #include "bag.h"
@@ -56,6 +55,8 @@ Database opened(const std::string& path) {
   // table may be one all the same.
   sqlite3_db_config(raw, SQLITE_DBCONFIG_ENABLE_VIEW, 0, nullptr);
   sqlite3_limit(raw, SQLITE_LIMIT_LENGTH, static_cast<int>(kMaxChunkBytes));
+  // What putting messages in order has read of the file is there when their bytes are.
+  sqlite3_exec(raw, "PRAGMA cache_size = -65536", nullptr, nullptr, nullptr);
   return database;
 }
 
@@ -77,38 +78,29 @@ class Db3Bag : public BagFile {
     }
     const Statement last = prepared("SELECT MAX(id) FROM messages");
     if (step(last)) last_id_ = sqlite3_column_int64(last.get(), 0);
-    messages_ =
-        prepared("SELECT timestamp, id, topic_id, data FROM messages ORDER BY timestamp, id");
+    // Messages are put in order without their bytes, which are fetched one by one: a bag may have
+    // no index, and what is sorted is written to a file and read again.
+    order_ = prepared("SELECT id, timestamp, topic_id FROM messages ORDER BY timestamp, id");
+    bytes_ = prepared("SELECT data FROM messages WHERE id = ?1");
   }
 
   std::optional<Message> next() override {
-    while (step(messages_)) {
-      sqlite3_stmt* const row = messages_.get();
-      time_ns_ = sqlite3_column_int64(row, 0);
-      id_ = sqlite3_column_int64(row, 1);
-      const sqlite3_int64 topic = sqlite3_column_int64(row, 2);
-      if (!topics_.contains(static_cast<std::uint32_t>(topic))) continue;
+    while (order_ && step(order_)) {
+      id_ = sqlite3_column_int64(order_.get(), 0);
+      const auto topic = static_cast<std::uint32_t>(sqlite3_column_int64(order_.get(), 2));
+      const auto found = topics_.find(topic);
+      if (found == topics_.end() || (!kept_.empty() && found->second.name != kept_)) continue;
       Message message;
-      message.time_ns = time_ns_;
-      message.stream = static_cast<std::uint32_t>(topic);
-      const auto* bytes = static_cast<const std::uint8_t*>(sqlite3_column_blob(row, 3));
-      const int count = sqlite3_column_bytes(row, 3);
-      if (bytes != nullptr) message.bytes = {bytes, static_cast<std::size_t>(count)};
+      message.time_ns = sqlite3_column_int64(order_.get(), 1);
+      message.stream = topic;
+      message.bytes = bytes_of(id_);
       return message;
     }
+    order_.reset();  // one more step would begin anew
     return std::nullopt;
   }
 
-  /// Goes on behind the message that was read last.
-  void keep_only(const std::string& topic) override {
-    messages_ = prepared(
-        "SELECT timestamp, id, topic_id, data FROM messages WHERE (timestamp, id) > (?1, ?2) AND "
-        "topic_id IN (SELECT id FROM topics WHERE name = ?3) ORDER BY timestamp, id");
-    sqlite3_bind_int64(messages_.get(), 1, time_ns_);
-    sqlite3_bind_int64(messages_.get(), 2, id_);
-    sqlite3_bind_text(messages_.get(), 3, topic.data(), static_cast<int>(topic.size()),
-                      SQLITE_TRANSIENT);
-  }
+  void keep_only(const std::string& topic) override { kept_ = topic; }
 
   double read_share() const override {
     return last_id_ > 0
@@ -132,11 +124,21 @@ class Db3Bag : public BagFile {
     return status == SQLITE_ROW;
   }
 
+  Bytes bytes_of(std::int64_t id) {
+    sqlite3_reset(bytes_.get());
+    sqlite3_bind_int64(bytes_.get(), 1, id);
+    if (!step(bytes_)) return {};
+    const auto* bytes = static_cast<const std::uint8_t*>(sqlite3_column_blob(bytes_.get(), 0));
+    const int count = sqlite3_column_bytes(bytes_.get(), 0);
+    return bytes == nullptr ? Bytes{} : Bytes{bytes, static_cast<std::size_t>(count)};
+  }
+
   std::string path_;
   Database database_;
-  Statement messages_;
-  std::int64_t time_ns_ = std::numeric_limits<std::int64_t>::min();  ///< of the last message
-  std::int64_t id_ = std::numeric_limits<std::int64_t>::min();
+  Statement order_;  ///< of the messages
+  Statement bytes_;  ///< of one of them
+  std::string kept_;
+  std::int64_t id_ = 0;  ///< of the message that was read last
   std::int64_t last_id_ = 0;
 };
 
