@@ -3,18 +3,18 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
-#include <numbers>
+#include <optional>
 #include <utility>
 
 #include "azimuth_times.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/kitti_bin.h"
-#include "hqslam/core/pcd.h"
-#include "hqslam/core/ring_recovery.h"
+#include "hqslam/core/recorded_scan.h"
 #include "own_elevations.h"
+#include "point_files.h"
 #include "scan_stamps.h"
-#include "text_points.h"
 
 namespace hqslam {
 
@@ -22,80 +22,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A scan with fewer points may look any way; one with more tells which sensor it is from.
-constexpr std::size_t kMinPointsToJudge = 1000;
-constexpr double kMaxForeignShare = 0.5;
 constexpr std::size_t kScansToTry = 10;
 constexpr std::size_t kScansToLearnFrom = 5;
 
-double degrees(double radians) { return radians * 180.0 / std::numbers::pi; }
-
-void require_rings_of(const SensorModel& sensor, const RingRecovery& rings, std::size_t points,
-                      const std::string& path) {
-  if (points < kMinPointsToJudge) return;
-  const int max_spurious_wraps = 2 + sensor.rows() / 16;
-  if (rings.spurious_wraps > max_spurious_wraps) {
-    throw Error(
-        fmt::format("{}: expected a scan of sensor '{}' with {} rings, found {} rings; "
-                    "name the sensor that recorded the scan",
-                    path, sensor.name, sensor.rows(),
-                    sensor.rows() - rings.empty_rings + rings.spurious_wraps));
-  }
-  if (rings.off_table_share > kMaxForeignShare) {
-    throw Error(
-        fmt::format("{}: expected a scan of sensor '{}', found {:.0f} % of the points on "
-                    "rings whose elevations are not those of its beams; name the sensor "
-                    "that recorded the scan",
-                    path, sensor.name, 100.0 * rings.off_table_share));
-  }
-}
-
-void require_directions_of(const SensorModel& sensor, const ProjectionCounts& counts,
-                           std::size_t points, const std::string& path) {
-  if (points < kMinPointsToJudge) return;
-  const auto share = [&](std::int64_t count) {
-    return static_cast<double>(count) / static_cast<double>(points);
-  };
-  if (share(counts.outside_rows) > kMaxForeignShare) {
-    throw Error(fmt::format(
-        "{}: expected points between {:.1f} and {:.1f} degrees of elevation "
-        "(sensor '{}'), found {:.0f} % outside; name the sensor that recorded "
-        "the scan",
-        path, degrees(sensor.beam_elevation_rad.back()), degrees(sensor.beam_elevation_rad.front()),
-        sensor.name, 100.0 * share(counts.outside_rows)));
-  }
-  if (share(counts.out_of_range) > kMaxForeignShare) {
-    throw Error(
-        fmt::format("{}: expected ranges from {} to {} m (sensor '{}'), found {:.0f} % of "
-                    "the points outside; give coordinates in metres",
-                    path, sensor.min_range_m, sensor.max_range_m, sensor.name,
-                    100.0 * share(counts.out_of_range)));
-  }
-}
-
-/// The points of a file of any kind; rows where it says them.
-Scan read_points(const std::string& path, const SensorModel& sensor) {
-  if (path.ends_with(".pcd")) return read_pcd(path, sensor);
-  if (path.ends_with(".ply")) return scan_of(read_ply_points(path), &sensor, path);
-  if (path.ends_with(".bin")) return read_kitti_bin(path);
-  return scan_of(read_text_points(path), &sensor, path);
-}
-
-/// Rows by rings where the file says them or has its points in rings, by elevation otherwise.
-Scan scan_with_rows(const std::string& path, const SensorModel& sensor, bool check) {
-  Scan scan = read_points(path, sensor);
-  if (!scan.row.empty() || path.ends_with(".pcd") || !stored_ring_after_ring(scan, sensor)) {
-    return scan;
-  }
-  RingRecovery rings;
-  try {
-    rings = recover_rings(scan, sensor);
-  } catch (const Error& error) {
-    throw Error(fmt::format("{}: {}", path, error.what()));
-  }
-  if (check) require_rings_of(sensor, rings, scan.points_m.size(), path);
-  scan.row = std::move(rings.row);
-  return scan;
+RawPoints read_points(const std::string& path) {
+  if (path.ends_with(".pcd")) return read_pcd_points(path);
+  if (path.ends_with(".ply")) return read_ply_points(path);
+  if (path.ends_with(".bin")) return RawPoints(read_kitti_bin(path));
+  return read_text_points(path);
 }
 
 class FileScanSource : public ScanSource {
@@ -107,19 +41,22 @@ class FileScanSource : public ScanSource {
         times_from_azimuth_(options.times_from_azimuth),
         azimuth_times_(sensor_.scan_period_s) {
     read_stamps(options.stamps);
-    use_own_elevations();
+    look_at_first_scans();
   }
 
-  std::vector<std::string> warnings() const override { return warnings_; }
-
   const SensorModel& sensor() const override { return sensor_; }
-  std::int64_t size() const override { return static_cast<std::int64_t>(paths_.size()); }
+  std::optional<std::int64_t> size() const override { return std::ssize(paths_); }
+  double read_share() const override {
+    return static_cast<double>(next_) / static_cast<double>(paths_.size());
+  }
+  bool has_stamps() const override { return has_stamps_; }
+  std::vector<std::string> warnings() const override { return warnings_; }
 
   std::optional<RecordedScan> next() override {
     if (next_ == paths_.size()) return std::nullopt;
     const std::size_t index = next_++;
     try {
-      RecordedScan result = recorded(paths_[index], index);
+      RecordedScan result = recorded(index);
       any_used_ = true;
       return result;
     } catch (const Error& error) {
@@ -155,11 +92,16 @@ class FileScanSource : public ScanSource {
     }
   }
 
-  void use_own_elevations() {
+  /// Looks at the first scans, whose points are kept until it is their turn.
+  void look_at_first_scans() {
+    has_stamps_ = !stamps_s_.empty();
     std::vector<Scan> scans;
     for (std::size_t i = 0; i < std::min(kScansToLearnFrom, paths_.size()); ++i) {
       try {
-        scans.push_back(scan_with_rows(paths_[i], sensor_, false));
+        first_points_[i] = read_points(paths_[i]);
+        scans.push_back(scan_of(*first_points_[i], &sensor_, paths_[i]));
+        has_stamps_ = has_stamps_ || scans.back().stamp_s != 0.0;
+        set_rows(scans.back(), paths_[i], false);
       } catch (const Error&) {
         continue;  // will be said when it is its turn
       }
@@ -173,26 +115,31 @@ class FileScanSource : public ScanSource {
     }
   }
 
-  double stamp_s(const Scan& scan, std::size_t index) const {
-    if (!stamps_s_.empty()) return stamps_s_[index];
-    if (scan.stamp_s != 0.0) return scan.stamp_s;
-    return static_cast<double>(index) * sensor_.scan_period_s;
+  /// A .pcd file is what a driver gives, which would have said the rings; its elevations tell.
+  void set_rows(Scan& scan, const std::string& path, bool must_fit) const {
+    if (!path.ends_with(".pcd")) set_rows_by_order(scan, sensor_, path, must_fit);
   }
 
-  RecordedScan recorded(const std::string& path, std::size_t index) {
-    Scan scan = scan_with_rows(path, sensor_, true);
+  RawPoints points_of(std::size_t index) {
+    if (index >= first_points_.size() || !first_points_[index]) return read_points(paths_[index]);
+    RawPoints points = std::move(*first_points_[index]);
+    first_points_[index].reset();
+    return points;
+  }
+
+  RecordedScan recorded(std::size_t index) {
+    const std::string& path = paths_[index];
+    Scan scan = scan_of(points_of(index), &sensor_, path);
+    set_rows(scan, path, true);
     if (times_from_azimuth_ && scan.time_offset_s.empty()) {
       azimuth_times_.set(scan, sensor_, index);
     }
-    ProjectedScan projected = project(scan, sensor_);
-    require_directions_of(sensor_, projected.counts, scan.points_m.size(), path);
-    RecordedScan result;
-    result.name = path;
-    result.stamp_s = stamp_s(scan, index);
-    result.cloud = std::move(projected.cloud);
-    result.counts = projected.counts;
-    result.invalid_points = scan.invalid_points;
-    return result;
+    if (!stamps_s_.empty()) {
+      scan.stamp_s = stamps_s_[index];
+    } else if (scan.stamp_s == 0.0) {
+      scan.stamp_s = static_cast<double>(index) * sensor_.scan_period_s;
+    }
+    return recorded_scan(scan, sensor_, path);
   }
 
   std::vector<std::string> paths_;
@@ -201,6 +148,8 @@ class FileScanSource : public ScanSource {
   std::vector<std::string> warnings_;
   bool times_from_azimuth_;
   AzimuthTimes azimuth_times_;
+  std::array<std::optional<RawPoints>, kScansToLearnFrom> first_points_;
+  bool has_stamps_ = false;
   std::size_t next_ = 0;
   bool any_used_ = false;
 };

@@ -46,12 +46,22 @@ class ImageStackSource : public ScanSource {
     if (reader_.images() == 0) {
       throw Error(fmt::format("{}: expected at least one image, found none; record again", path));
     }
-    complete_stamps();
+    complete_stamps(!options.stamps.empty());
     if (!confidence_path.empty()) open_confidence(confidence_path);
   }
 
   const SensorModel& sensor() const override { return sensor_; }
-  std::int64_t size() const override { return reader_.images(); }
+  std::optional<std::int64_t> size() const override { return reader_.images(); }
+  double read_share() const override {
+    return static_cast<double>(next_) / static_cast<double>(reader_.images());
+  }
+  bool has_stamps() const override { return !stamps_s_.empty(); }
+  std::vector<std::string> warnings() const override {
+    if (too_far_ == 0) return {};
+    return {
+        fmt::format("{}: {} pixels hold ranges beyond the {} m of sensor '{}': taken as no return",
+                    path_, too_far_, sensor_.max_range_m, sensor_.name)};
+  }
 
   std::optional<RecordedScan> next() override {
     if (next_ == reader_.images()) return std::nullopt;
@@ -95,15 +105,15 @@ class ImageStackSource : public ScanSource {
     return std::move(confidence.range_m);
   }
 
-  /// Stamps may be more than the images: lifting was interrupted. They may be one fewer:
-  /// simulation was, between a scan and its truth.
-  void complete_stamps() {
+  /// Stamps that lie in the folder may be more than the images: lifting was interrupted. They may
+  /// be one fewer: simulation was, between a scan and its truth. Those that were asked for may not.
+  void complete_stamps(bool asked_for) {
     if (stamps_s_.empty()) return;
     const auto images = static_cast<std::size_t>(reader_.images());
-    if (stamps_s_.size() + 1 == images) {
+    if (!asked_for && stamps_s_.size() + 1 == images) {
       stamps_s_.push_back(stamps_s_.back() + sensor_.scan_period_s);
     }
-    if (stamps_s_.size() < images) {
+    if (stamps_s_.size() < images || (asked_for && stamps_s_.size() > images)) {
       throw Error(
           fmt::format("{}: expected a stamp for each of {} images, found {}; give a file with as "
                       "many lines, or "
@@ -112,7 +122,7 @@ class ImageStackSource : public ScanSource {
     }
   }
 
-  void remove_bad_pixels(RangeImage& image, RecordedScan& result) const {
+  void remove_bad_pixels(RangeImage& image, RecordedScan& result) {
     for (float& range_m : image.range_m) {
       if (range_m == 0.0F) continue;
       if (!std::isfinite(range_m) || range_m < 0.0F) {
@@ -120,6 +130,7 @@ class ImageStackSource : public ScanSource {
         range_m = 0.0F;
       } else if (range_m < sensor_.min_range_m || range_m > sensor_.max_range_m) {
         ++result.counts.out_of_range;
+        too_far_ += range_m > sensor_.max_range_m ? 1 : 0;
         range_m = 0.0F;
       } else {
         ++result.counts.kept;
@@ -149,6 +160,7 @@ class ImageStackSource : public ScanSource {
   std::optional<NpyStackReader> confidence_;
   std::int64_t next_ = 0;
   bool any_used_ = false;
+  std::int64_t too_far_ = 0;  ///< pixels of the images that were read
 };
 
 }  // namespace

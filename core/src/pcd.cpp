@@ -8,6 +8,7 @@
 #include "hqslam/core/error.h"
 #include "hqslam/core/whole_file.h"
 #include "pcd_points.h"
+#include "point_files.h"
 
 namespace hqslam {
 
@@ -15,7 +16,9 @@ namespace {
 
 constexpr std::size_t kMaxFileBytes = std::size_t{1} << 31U;  // maps are larger than scans
 
-Scan scan_from(const std::string& path, const SensorModel* sensor) {
+}  // namespace
+
+RawPoints read_pcd_points(const std::string& path) {
   const std::string file = whole_file(path, "a .pcd file", kMaxFileBytes);
   const PcdHeader header = parse_pcd_header(file, path);
   PcdPoints data(file, header, path);
@@ -32,15 +35,13 @@ Scan scan_from(const std::string& path, const SensorModel* sensor) {
     data.go_to(i);
     points.add(fields, [&](const PointField& field) { return data.value(field); });
   }
-  return scan_of(std::move(points), sensor, path);
+  return points;
 }
 
-}  // namespace
-
-Scan read_pcd(const std::string& path) { return scan_from(path, nullptr); }
+Scan read_pcd(const std::string& path) { return scan_of(read_pcd_points(path), nullptr, path); }
 
 Scan read_pcd(const std::string& path, const SensorModel& sensor) {
-  return scan_from(path, &sensor);
+  return scan_of(read_pcd_points(path), &sensor, path);
 }
 
 void write_pcd(const std::vector<Eigen::Vector3f>& points_m, const std::string& path,

@@ -7,7 +7,7 @@
 #include "hqslam/core/error.h"
 #include "hqslam/core/excerpt.h"
 #include "hqslam/core/whole_file.h"
-#include "text_points.h"
+#include "point_files.h"
 #include "words.h"
 
 namespace hqslam {

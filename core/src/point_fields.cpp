@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cctype>
+#include <cmath>
 #include <utility>
 
 #include "hqslam/core/error.h"
@@ -14,12 +17,26 @@ namespace {
 /// No LiDAR takes so long for one scan.
 constexpr double kMaxScanDuration_s = 1.0;
 
+/// Beyond this the stamp of a message and the clock of its points' times are not one clock.
+constexpr double kMostClocksApart_s = 2.0;
+
+/// "timeStamp" and "time_stamp" are one name.
+std::string plain(std::string_view name) {
+  std::string result;
+  for (const char c : name) {
+    if (std::isalnum(static_cast<unsigned char>(c)) != 0) {
+      result += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    }
+  }
+  return result;
+}
+
 /// The first of the names that is there; nullptr: none is.
 const PointField* field_of(const std::vector<PointField>& fields,
                            std::initializer_list<std::string_view> names) {
   for (const std::string_view name : names) {
     for (const PointField& field : fields) {
-      if (field.name == name) return &field;
+      if (plain(field.name) == name) return &field;
     }
   }
   return nullptr;
@@ -31,8 +48,9 @@ PointFields point_fields(const std::vector<PointField>& fields, const std::strin
                          const char* kind) {
   const PointFields found = {
       field_of(fields, {"x"}), field_of(fields, {"y"}), field_of(fields, {"z"}),
-      field_of(fields, {"ring", "channel"}),
-      field_of(fields, {"t", "time", "timestamp", "time_stamp", "timeStamp", "offset_time"})};
+      field_of(fields, {"ring", "channel", "line", "laserid", "ringid", "beam"}),
+      field_of(fields,
+               {"t", "time", "timestamp", "offsettime", "timeoffset", "toffset", "relativetime"})};
   if (found.x == nullptr || found.y == nullptr || found.z == nullptr) {
     std::string names;
     for (const PointField& field : fields) names += (names.empty() ? "" : " ") + field.name;
@@ -62,16 +80,27 @@ bool RawPoints::add(double x_m, double y_m, double z_m) {
   return true;
 }
 
-Scan scan_of(RawPoints points, const SensorModel* sensor, const std::string& path) {
+Scan scan_of(RawPoints points, const SensorModel* sensor, const std::string& source,
+             std::optional<double> stamp_s) {
+  Scan& scan = points.scan;
   const double period_s = sensor != nullptr ? sensor->scan_period_s : kMaxScanDuration_s;
-  if (auto times = point_times(points.time, period_s, path)) {
-    points.scan.time_offset_s = std::move(times->offset_s);
-    if (times->absolute) points.scan.stamp_s = times->middle_s;
+  scan.stamp_s = stamp_s.value_or(0.0);
+  if (auto times = point_times(points.time, period_s, source)) {
+    scan.time_offset_s = std::move(times->offset_s);
+    const bool same_clock = !stamp_s || std::abs(times->middle_s - *stamp_s) < kMostClocksApart_s;
+    if (times->absolute && same_clock) {
+      scan.stamp_s = times->middle_s;
+    } else if (times->absolute) {
+      scan.stamp_s -= static_cast<double>(
+          *std::min_element(scan.time_offset_s.begin(), scan.time_offset_s.end()));
+    } else if (stamp_s) {
+      scan.stamp_s += times->middle_s;
+    }
   }
   if (sensor != nullptr && !points.ring.empty()) {
-    points.scan.row = rows_from_rings(points.ring, points.scan, *sensor, path, points.ring_name);
+    scan.row = rows_from_rings(points.ring, scan, *sensor, source, points.ring_name);
   }
-  return std::move(points.scan);
+  return std::move(scan);
 }
 
 }  // namespace hqslam

@@ -73,8 +73,9 @@ class RowAssignment {
   double elevation_deviation(std::size_t s, int row) const {
     return std::abs(segments_[s].elevation_rad - elevation_rad_[row]) / spacing_rad_[row];
   }
-  double fall_deviation(std::size_t s, int from, int row) const {
-    const double fall_rad = segments_[s].height_rad - segments_[s - 1].height_rad;
+  /// Of the fall from an earlier segment, in row `from`.
+  double fall_deviation(std::size_t earlier, std::size_t s, int from, int row) const {
+    const double fall_rad = segments_[s].height_rad - segments_[earlier].height_rad;
     return std::abs(fall_rad - (elevation_rad_[row] - elevation_rad_[from])) / spacing_rad_[row];
   }
 
@@ -89,8 +90,8 @@ class RowAssignment {
 
   double step_cost(std::size_t s, int from, int row) const {
     const bool wrap = segments_[s].begins_with_wrap;
-    double cost =
-        std::min(rings_in(s - 1), rings_in(s)) * std::min(fall_deviation(s, from, row), kMaxFall);
+    double cost = std::min(rings_in(s - 1), rings_in(s)) *
+                  std::min(fall_deviation(s - 1, s, from, row), kMaxFall);
     if (row == from) return cost + (wrap ? kSpuriousWrap : 0.0);
     cost += kSkippedRow * (row - from - 1);
     return cost + (wrap ? 0.0 : kMissedWrap);
@@ -123,6 +124,7 @@ RingRecovery recovery_from(const std::vector<RingSegment>& segments, const std::
   RingRecovery recovery;
   std::vector<bool> used(rows, false);
   std::size_t off_table = 0;
+  std::size_t last_sure = 0;
   for (std::size_t s = 0; s < segments.size(); ++s) {
     const RingSegment& segment = segments[s];
     recovery.row.resize(segment.end, static_cast<std::uint16_t>(row_of[s]));
@@ -132,12 +134,15 @@ RingRecovery recovery_from(const std::vector<RingSegment>& segments, const std::
       const bool new_row = row_of[s] != row_of[s - 1];
       recovery.spurious_wraps += static_cast<int>(segment.begins_with_wrap && !new_row);
       recovery.missed_wraps += static_cast<int>(!segment.begins_with_wrap && new_row);
-      // The height of a ring seen in a few directions says nothing about a whole one.
+      // The height of a ring seen in a few directions says nothing about a whole one, and that of
+      // one seen in new directions nothing at all.
+      const RingSegment& before = segments[last_sure];
       const bool comparable =
-          segment.end - segment.first < 2 * (segments[s - 1].end - segments[s - 1].first);
-      off = off || (comparable &&
-                    assignment.fall_deviation(s, row_of[s - 1], row_of[s]) > kMaxFallDeviation);
+          segment.is_sure && segment.end - segment.first < 2 * (before.end - before.first);
+      off = off || (comparable && assignment.fall_deviation(last_sure, s, row_of[last_sure],
+                                                            row_of[s]) > kMaxFallDeviation);
     }
+    if (segment.is_sure) last_sure = s;
     if (off) off_table += segment.end - segment.first;
   }
   recovery.empty_rings = static_cast<int>(std::count(used.begin(), used.end(), false));

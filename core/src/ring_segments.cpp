@@ -19,7 +19,10 @@
 // e_s(a) the mean elevation of segment s at azimuth a (bins of 5 degrees) and l(a) the segment last
 // seen there before,
 //   h_s = median over a of  h_l(a) + e_s(a) - e_l(a)(a)
-// and the fall of h from ring to ring follows the beam table to a tenth of a beam spacing.
+// and the fall of h from ring to ring follows the beam table to a tenth of a beam spacing. A
+// segment that sees nothing but directions in which no ring was seen before must be held against
+// others by its elevation: up to what lasers so far apart can do there (kLaserHeight_m / distance)
+// it says nothing, and what is known of its directions gives way to what other rings say.
 
 namespace hqslam {
 
@@ -33,6 +36,8 @@ constexpr double kGap_rad = 0.035;
 constexpr double kGapColumns = 4.0;
 /// How far the height must fall across a gap, in beam spacings, to count as a possible wrap.
 constexpr double kFallAcrossGap = 0.4;
+/// Lasers do not lie farther apart, one above the other.
+constexpr double kLaserHeight_m = 0.25;
 /// A part of a ring smaller than this is no evidence of a ring of its own.
 constexpr double kMinRingShareAfterGap = 0.03;
 /// More than the gaps that fit into a turn; bounds the time, which grows with their square.
@@ -47,10 +52,11 @@ struct Piece {
   bool begins_with_wrap = false;
 };
 
-/// Mean elevation of some points of one ring within one bin of azimuth.
+/// Means of some points of one ring within one bin of azimuth.
 struct BinElevation {
   int bin = 0;
   double elevation_rad = 0.0;
+  double nearness_per_m = 0.0;  ///< one by the horizontal distance
 };
 
 std::vector<float> azimuths_rad(const Scan& scan) {
@@ -82,6 +88,17 @@ std::vector<float> angles_from_seam_rad(const std::vector<float>& azimuth_rad, f
     angle_rad.push_back(angle);
   }
   return angle_rad;
+}
+
+/// One by the horizontal distance of each point.
+std::vector<float> nearness_per_m(const Scan& scan) {
+  constexpr float kNearest_m = 0.1F;
+  std::vector<float> nearness;
+  nearness.reserve(scan.points_m.size());
+  for (const Eigen::Vector3f& p : scan.points_m) {
+    nearness.push_back(1.0F / std::max(std::sqrt(p.x() * p.x() + p.y() * p.y()), kNearest_m));
+  }
+  return nearness;
 }
 
 /// By how much the elevation typically falls across the seam: about one beam spacing where rings
@@ -140,9 +157,10 @@ void require_few_pieces_per_turn(const std::vector<Piece>& pieces, std::size_t p
 class HeightTracker {
  public:
   HeightTracker(const std::vector<float>& angle_rad, const std::vector<float>& tangent,
-                double spacing_rad, double points_per_row)
+                const std::vector<float>& nearness_per_m, double spacing_rad, double points_per_row)
       : angle_rad_(angle_rad),
         tangent_(tangent),
+        nearness_per_m_(nearness_per_m),
         spacing_rad_(spacing_rad),
         min_points_after_gap_(kMinRingShareAfterGap * points_per_row) {}
 
@@ -160,6 +178,7 @@ class HeightTracker {
  private:
   struct LastSeen {
     bool seen = false;
+    bool sure = false;  ///< of the height
     double elevation_rad = 0.0;
     double height_rad = 0.0;
   };
@@ -172,25 +191,32 @@ class HeightTracker {
     for (std::size_t i = piece.first; i < piece.end;) {
       const int bin = bin_of(i);
       double sum = 0.0;
+      double nearness = 0.0;
       int points = 0;
-      for (; i < piece.end && bin_of(i) == bin; ++i, ++points) sum += tangent_[i];
-      if (points >= kMinPointsPerBin) bins.push_back({bin, std::atan(sum / points)});
+      for (; i < piece.end && bin_of(i) == bin; ++i, ++points) {
+        sum += tangent_[i];
+        nearness += nearness_per_m_[i];
+      }
+      if (points < kMinPointsPerBin) continue;
+      bins.push_back({bin, std::atan(sum / points), nearness / points});
     }
     return bins;
   }
 
-  /// Whether these bins look at directions that were seen before.
-  bool has_height(const std::vector<BinElevation>& bins) const {
+  /// Whether some of these bins look at directions in which the height is sure.
+  bool is_sure(const std::vector<BinElevation>& bins) const {
     return std::any_of(bins.begin(), bins.end(),
-                       [&](const BinElevation& b) { return last_[b.bin].seen; });
+                       [&](const BinElevation& b) { return last_[b.bin].sure; });
   }
 
-  /// Of the bins that look at directions seen before.
+  /// Of the bins that look at directions seen before: those whose height is sure, if any is.
   std::vector<double> heights_rad(const std::vector<BinElevation>& bins) const {
+    const bool sure = is_sure(bins);
     std::vector<double> result;
     for (const BinElevation& b : bins) {
       const LastSeen& last = last_[b.bin];
-      if (last.seen) result.push_back(last.height_rad + b.elevation_rad - last.elevation_rad);
+      if (!last.seen || last.sure != sure) continue;
+      result.push_back(last.height_rad + b.elevation_rad - last.elevation_rad);
     }
     return result;
   }
@@ -199,6 +225,17 @@ class HeightTracker {
     std::vector<double> result;
     for (const BinElevation& b : bins) result.push_back(b.elevation_rad);
     return result;
+  }
+
+  /// By how much one laser may see these higher than those, because it sees them nearer.
+  static double parallax_rad(const std::vector<BinElevation>& before,
+                             const std::vector<BinElevation>& after) {
+    const auto middle = [](const std::vector<BinElevation>& bins) {
+      std::vector<double> nearness;
+      for (const BinElevation& b : bins) nearness.push_back(b.nearness_per_m);
+      return median(nearness);
+    };
+    return kLaserHeight_m * std::abs(middle(before) - middle(after));
   }
 
   struct Fall {
@@ -210,7 +247,7 @@ class HeightTracker {
                     const std::vector<BinElevation>& after) const {
     if (before.empty() || after.empty()) return {};
     // Where nothing was seen before, the fall of the elevation itself must do.
-    const bool comparable = has_height(before) && has_height(after);
+    const bool comparable = is_sure(before) && is_sure(after);
     Fall fall;
     double count = 0.0;
     for (const auto& [bins, sign] : {std::pair(&before, 1.0), std::pair(&after, -1.0)}) {
@@ -221,6 +258,7 @@ class HeightTracker {
       count += static_cast<double>(values.size());
     }
     fall.deviation_rad /= count;
+    if (!comparable) fall.fall_rad -= parallax_rad(before, after);
     return fall;
   }
 
@@ -246,9 +284,9 @@ class HeightTracker {
         least_deviation_rad = fall.deviation_rad;
         cut = i;
       }
-      add_segment(
-          {pieces[begin].first, pieces[cut - 1].end, pieces[begin].begins_with_wrap, 0.0, 0.0},
-          joined(begin, cut));
+      add_segment({pieces[begin].first, pieces[cut - 1].end, pieces[begin].begins_with_wrap, 0.0,
+                   0.0, false},
+                  joined(begin, cut));
       begin = cut;
     }
   }
@@ -257,8 +295,8 @@ class HeightTracker {
     std::vector<float> values(tangent_.begin() + static_cast<std::ptrdiff_t>(segment.first),
                               tangent_.begin() + static_cast<std::ptrdiff_t>(segment.end));
     segment.elevation_rad = std::atan(median(values));
-    if (has_height(bins)) {
-      std::vector<double> heights = heights_rad(bins);
+    segment.is_sure = segments_.empty() || is_sure(bins);
+    if (std::vector<double> heights = heights_rad(bins); !heights.empty()) {
       segment.height_rad = median(heights);
     } else if (segments_.empty()) {
       segment.height_rad = segment.elevation_rad;
@@ -266,12 +304,15 @@ class HeightTracker {
       const RingSegment& last = segments_.back();
       segment.height_rad = last.height_rad + segment.elevation_rad - last.elevation_rad;
     }
-    for (const BinElevation& b : bins) last_[b.bin] = {true, b.elevation_rad, segment.height_rad};
+    for (const BinElevation& b : bins) {
+      last_[b.bin] = {true, segment.is_sure, b.elevation_rad, segment.height_rad};
+    }
     segments_.push_back(segment);
   }
 
   const std::vector<float>& angle_rad_;
   const std::vector<float>& tangent_;
+  const std::vector<float>& nearness_per_m_;
   double spacing_rad_;
   double min_points_after_gap_;
   std::array<LastSeen, kAzimuthBins> last_;
@@ -318,7 +359,9 @@ std::vector<RingSegment> ring_segments(const Scan& scan, const SensorModel& sens
   const std::vector<float> angle_rad =
       angles_from_ring_begin_rad(azimuths_rad(scan), tangent, gap_rad);
   const double points_per_row = static_cast<double>(scan.points_m.size()) / sensor.rows();
-  HeightTracker tracker(angle_rad, tangent, median_beam_spacing_rad(sensor), points_per_row);
+  const std::vector<float> nearness = nearness_per_m(scan);
+  HeightTracker tracker(angle_rad, tangent, nearness, median_beam_spacing_rad(sensor),
+                        points_per_row);
   const std::vector<Piece> pieces = cut_into_pieces(angle_rad, gap_rad);
   require_few_pieces_per_turn(pieces, scan.points_m.size());
   return tracker.segments(pieces);

@@ -16,6 +16,7 @@ struct RingSegment {
   bool begins_with_wrap = false;
   double height_rad = 0.0;     ///< elevation relative to the rings before it, seen the same way
   double elevation_rad = 0.0;  ///< median of its points
+  bool is_sure = false;        ///< of the height: it looks where others did
 };
 
 /// Cuts a scan into segments at each wrap of the azimuth, and at a large gap of the azimuth (the

@@ -32,14 +32,15 @@ bool is_timestamps(const std::string& path) {
   return fs::path(path).filename() == "timestamps.txt";
 }
 
-/// Files of a folder with this extension, in natural order.
+/// Files of a folder with this extension, in natural order. A link that leads nowhere keeps its
+/// place among them: whoever reads it says so, and the stamps of those behind it stay theirs.
 std::vector<std::string> files_in(const fs::path& folder, const std::string& extension) {
   std::vector<std::string> paths;
   std::error_code error;
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
        entry.increment(error)) {
     std::error_code ignored;
-    if (entry->path().extension() == extension && entry->is_regular_file(ignored)) {
+    if (entry->path().extension() == extension && !entry->is_directory(ignored)) {
       paths.push_back(entry->path().string());
     }
   }

@@ -79,6 +79,12 @@ std::vector<double> read_stamps_s(const std::string& path) {
     }
     stamps_s.push_back(stamp_s);
   }
+  if (stamps_s.empty()) {
+    throw Error(
+        fmt::format("{}: expected a stamp on each line, found none; give a file with a line "
+                    "for each scan",
+                    path));
+  }
   return stamps_s;
 }
 

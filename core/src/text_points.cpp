@@ -1,5 +1,3 @@
-#include "text_points.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -11,6 +9,7 @@
 #include "hqslam/core/error.h"
 #include "hqslam/core/excerpt.h"
 #include "hqslam/core/whole_file.h"
+#include "point_files.h"
 #include "words.h"
 
 namespace hqslam {

@@ -104,6 +104,11 @@ TEST_CASE("images have the stamps that they are given, which go before those in 
   CHECK(second_stamp_s(folder, directory.file("given.txt")) == 6.5);
   CHECK(second_stamp_s(directory.file("scans.npy"), "") == sensor.scan_period_s);
   CHECK(second_stamp_s(directory.file("scans.npy"), directory.file("given.txt")) == 6.5);
+  for (const char* stamps : {"5\n6.5\n8\n", "5\n"}) {  // of more images or fewer
+    write_file(directory.file("given.txt"), stamps);
+    CHECK(one_line_with(error_message([&] { second_stamp_s(folder, directory.file("given.txt")); }),
+                        "each of 2 images"));
+  }
   CHECK(one_line_with(error_message([&] { second_stamp_s(folder, kStampsFromNames); }),
                       "numbers in their names", "a file with a stamp per image"));
 }

@@ -179,6 +179,9 @@ TEST_CASE("stamps come from KITTI's timestamps.txt, from a file, or from the fil
   write_file(directory.file("stamps.txt"), "10.5\n");
   CHECK(one_line_with(error_message([&] { stamps({.stamps = directory.file("stamps.txt")}); }),
                       "stamps.txt", "3 scans", "1"));
+  write_file(directory.file("stamps.txt"), "# nothing\n");
+  CHECK(one_line_with(error_message([&] { stamps({.stamps = directory.file("stamps.txt")}); }),
+                      "stamps.txt", "found none"));
   write_file(directory.file("stamps.txt"), "10.5\nyesterday\n11\n");
   CHECK(one_line_with(error_message([&] { stamps({.stamps = directory.file("stamps.txt")}); }),
                       "line 2", "yesterday"));

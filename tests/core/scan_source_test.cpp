@@ -1,6 +1,7 @@
 #include "hqslam/core/scan_source.h"
 
 #include <doctest/doctest.h>
+#include <sys/stat.h>
 
 #include <cmath>
 #include <cstdlib>
@@ -177,8 +178,12 @@ TEST_CASE("bad pixels and pixels out of range are counted and left out") {
   image.at(0, 4) = 0.01F;
   NpyStackWriter writer(directory.file("scans.npy"), image.rows, image.columns);
   writer.append(image);
-  const auto scan = open_recording(directory.file("scans.npy"), sensor)->next();
+  const auto source = open_recording(directory.file("scans.npy"), sensor);
+  CHECK(source->warnings().empty());
+  const auto scan = source->next();
   REQUIRE(scan);
+  REQUIRE(source->warnings().size() == 1);
+  CHECK(one_line_with(source->warnings()[0], "1 pixels", "120 m", "os1-16"));
   CHECK(scan->invalid_points == 3);
   CHECK(scan->counts.out_of_range == 2);
   CHECK(scan->counts.kept == pixels - 5);
@@ -291,6 +296,28 @@ TEST_CASE("a truncated file in the middle of a recording ends it after the scans
   const auto source = open_recording(directory.path().string(), sensor);
   CHECK(source->next());
   CHECK(one_line_with(error_message([&] { source->next(); }), "1.bin", "1001 bytes"));
+}
+
+TEST_CASE(
+    "links that lead nowhere and files that are none are named, and later stamps stay theirs") {
+  const TemporaryDirectory directory;
+  const SensorModel sensor = sensor_preset("os1-16");
+  for (const char* name : {"0.bin", "4.bin"}) {
+    write_kitti_bin(as_scan(an_image(sensor), sensor), directory.file(name));
+  }
+  std::filesystem::create_symlink(directory.file("nowhere"), directory.file("1.bin"));
+  std::filesystem::create_symlink(directory.file("2.bin"), directory.file("2.bin"));
+  REQUIRE(mkfifo(directory.file("3.bin").c_str(), 0600) == 0);
+  std::filesystem::create_directory(directory.file("5.bin"));  // a folder is no scan
+  const auto source = open_recording(directory.path().string(), sensor);
+  CHECK(source->size() == 5);
+  CHECK(source->next()->stamp_s == 0.0);
+  for (const char* name : {"1.bin", "2.bin", "3.bin"}) {
+    CHECK(one_line_with(error_message([&] { source->next(); }), name, "found no file"));
+  }
+  CHECK(source->read_share() == doctest::Approx(0.8));
+  CHECK(source->next()->stamp_s == doctest::Approx(0.4));
+  CHECK_FALSE(source->next());
 }
 
 TEST_CASE("scans of another sensor or in other units are refused") {

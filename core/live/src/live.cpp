@@ -27,6 +27,10 @@ using Clock = std::chrono::steady_clock;
 
 /// How long the thread waits for a packet before it looks whether it is to end.
 constexpr int kWait_ms = 50;
+/// Packets that are kept to be recorded as soon as the sensor is recognised.
+constexpr std::size_t kMostKept_bytes = std::size_t{64} << 20U;
+/// The sensor sends for so long, and nothing of it is understood.
+constexpr std::int64_t kTrouble_ns = 2'000'000'000;
 
 const LiveOptions& checked(const LiveOptions& options) {
   if (options.most_waiting < 1) {
@@ -60,14 +64,28 @@ class LiveSensor::Impl {
   std::uint16_t port() const { return socket_.port(); }
   std::int64_t packets_seen() const { return seen_; }
   const LiveStream& stream() const { return stream_; }
+  Endpoint sender() const {
+    if (!thread_.joinable()) return stream_.sender();
+    const std::lock_guard lock(mutex_);
+    return sender_;
+  }
   LiveCounts counts() const {
     const std::lock_guard lock(mutex_);
     return counts_;
   }
 
  private:
-  std::optional<Packet> receive(int timeout_ms);
+  /// A packet that was received before the sensor was recognised.
+  struct Kept {
+    Packet packet;
+    std::vector<std::uint8_t> payload;
+  };
+  void keep(const Packet& packet);
+  void begin_recording();
+  void stop_recording(const std::string& failure);
   void record(const Packet& packet);
+  bool is_sensors(const Packet& packet);
+  void judge(std::int64_t arrival_ns);
   void run();
   void take_scans(std::int64_t arrival_ns);
 
@@ -75,6 +93,8 @@ class LiveSensor::Impl {
   LiveStream stream_;
   UdpSocket socket_;
   std::optional<PcapWriter> recorder_;
+  std::deque<Kept> kept_;
+  std::size_t kept_bytes_ = 0;
   std::int64_t seen_ = 0;
   bool recognised_ = false;
   Packet first_;  ///< that is decoded: the one by which the sensor was recognised
@@ -87,21 +107,11 @@ class LiveSensor::Impl {
   std::condition_variable arrived_;
   std::deque<LiveScan> waiting_;
   LiveCounts counts_;
+  Endpoint sender_;
+  std::int64_t understood_ = 0;     ///< packets
+  std::int64_t understood_ns_ = 0;  ///< when the last of them came
   std::exception_ptr failure_;
 };
-
-/// The next packet of the sensor, recorded.
-std::optional<Packet> LiveSensor::Impl::receive(int timeout_ms) {
-  const std::optional<Packet> packet = socket_.receive(timeout_ms);
-  if (!packet) return std::nullopt;
-  if (stream_.sender() && packet->endpoint != *stream_.sender()) {
-    const std::lock_guard lock(mutex_);
-    ++counts_.other_senders;
-    return std::nullopt;
-  }
-  record(*packet);
-  return packet;
-}
 
 /// A full disk ends the recording, not the drive.
 void LiveSensor::Impl::record(const Packet& packet) {
@@ -109,28 +119,60 @@ void LiveSensor::Impl::record(const Packet& packet) {
   try {
     recorder_->add(packet);
   } catch (const Error& error) {
-    recorder_.reset();
-    const std::lock_guard lock(mutex_);
-    counts_.recording_failure = error.what();
+    stop_recording(error.what());
   }
 }
 
+void LiveSensor::Impl::stop_recording(const std::string& failure) {
+  recorder_.reset();
+  const std::lock_guard lock(mutex_);
+  counts_.recording_failure = failure;
+}
+
+/// Keeps a packet until it is known whether its sender is the sensor; the oldest make room.
+void LiveSensor::Impl::keep(const Packet& packet) {
+  if (!recorder_) return;
+  kept_.push_back({packet, {packet.payload.begin(), packet.payload.end()}});
+  kept_bytes_ += packet.payload.size();
+  while (kept_bytes_ > kMostKept_bytes) {
+    kept_bytes_ -= kept_.front().payload.size();
+    kept_.pop_front();
+  }
+}
+
+/// What the sensor has sent up to now, its metadata first: without them the packets say nothing.
+void LiveSensor::Impl::begin_recording() {
+  if (recorder_ && !stream_.metadata_text().empty()) {
+    try {
+      recorder_->put_beside(stream_.metadata_text());
+    } catch (const Error& error) {
+      stop_recording(error.what());
+    }
+  }
+  for (Kept& kept : kept_) {
+    kept.packet.payload = kept.payload;
+    if (kept.packet.endpoint == stream_.sender()) record(kept.packet);
+  }
+  kept_.clear();
+}
+
 bool LiveSensor::Impl::recognise(double timeout_s) {
-  if (recognised_) return true;
   const auto end = Clock::now() + std::chrono::duration<double>(timeout_s);
   while (!recognised_) {
     const auto left_ms = std::chrono::duration<double, std::milli>(end - Clock::now()).count();
     if (left_ms <= 0.0) return false;
-    const auto packet = receive(static_cast<int>(std::clamp(left_ms, 1.0, double{kWait_ms})));
+    const auto packet =
+        socket_.receive(static_cast<int>(std::clamp(left_ms, 1.0, double{kWait_ms})));
     if (!packet) continue;
     ++seen_;
+    keep(*packet);
     recognised_ = stream_.recognise(*packet);
     if (!recognised_) continue;
     first_ = *packet;
     first_payload_.assign(packet->payload.begin(), packet->payload.end());
     first_.payload = first_payload_;
+    begin_recording();
   }
-  if (recorder_ && !stream_.metadata_text().empty()) recorder_->put_beside(stream_.metadata_text());
   return true;
 }
 
@@ -140,14 +182,18 @@ void LiveSensor::Impl::start(int columns) {
   }
   assembler_ = stream_.assembler(columns);
   assembler_->add(first_);
+  sender_ = stream_.sender();
+  understood_ns_ = first_.capture_time_ns;
   thread_ = std::thread([this] { run(); });
 }
 
 void LiveSensor::Impl::run() {
   try {
     while (!stop_) {
-      const std::optional<Packet> packet = receive(kWait_ms);
+      const std::optional<Packet> packet = socket_.receive(kWait_ms);
       if (!packet) continue;
+      if (!is_sensors(*packet)) continue;
+      record(*packet);
       assembler_->add(*packet);
       take_scans(packet->capture_time_ns);
     }
@@ -155,6 +201,29 @@ void LiveSensor::Impl::run() {
     const std::lock_guard lock(mutex_);
     failure_ = std::current_exception();
     arrived_.notify_one();
+  }
+}
+
+bool LiveSensor::Impl::is_sensors(const Packet& packet) {
+  const Endpoint before = stream_.sender();
+  const bool is_sensors = stream_.is_sensors(packet);
+  const std::lock_guard lock(mutex_);
+  counts_.other_senders += is_sensors ? 0 : 1;
+  counts_.senders_changed += stream_.sender() != before ? 1 : 0;
+  sender_ = stream_.sender();
+  return is_sensors;
+}
+
+/// Says it where the sensor sends, but nothing that was to be expected: its mode was changed.
+void LiveSensor::Impl::judge(std::int64_t arrival_ns) {
+  const PacketCounts& packets = counts_.packets;
+  if (packets.used + packets.late != understood_) {
+    understood_ = packets.used + packets.late;
+    understood_ns_ = arrival_ns;
+    counts_.trouble.clear();
+  } else if (arrival_ns - understood_ns_ > kTrouble_ns) {
+    counts_.trouble =
+        "the sensor sends packets of another form than at first: set its mode back, or start again";
   }
 }
 
@@ -171,6 +240,7 @@ void LiveSensor::Impl::take_scans(std::int64_t arrival_ns) {
     const std::lock_guard lock(mutex_);
     counts_.packets = assembler_->counts();
     counts_.lost_scans = assembler_->lost_scans();
+    judge(arrival_ns);
     if (!scan && left_out.empty()) return;
     ++counts_.scans;
     if (!scan) {
@@ -208,8 +278,9 @@ LiveSensor::~LiveSensor() = default;
 std::uint16_t LiveSensor::port() const { return impl_->port(); }
 bool LiveSensor::recognise(double timeout_s) { return impl_->recognise(timeout_s); }
 std::int64_t LiveSensor::packets_seen() const { return impl_->packets_seen(); }
+std::string LiveSensor::complaint() const { return impl_->stream().complaint(); }
 const SensorModel& LiveSensor::sensor() const { return impl_->stream().sensor(); }
-Endpoint LiveSensor::sender() const { return *impl_->stream().sender(); }
+Endpoint LiveSensor::sender() const { return impl_->sender(); }
 std::string LiveSensor::format() const { return impl_->stream().format(); }
 const std::vector<std::string>& LiveSensor::warnings() const { return impl_->stream().warnings(); }
 void LiveSensor::start(int columns) { impl_->start(columns); }

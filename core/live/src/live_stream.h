@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -11,8 +12,8 @@
 
 namespace hqslam::live {
 
-/// What the packets that come to a port are, by the sensor that the user named and by the first of
-/// them.
+/// Which of those that send to a port is the sensor that the user named, and what its packets are.
+/// Anybody may send anything: each sender is judged by its own packets alone.
 class LiveStream {
  public:
   /// Throws Error if the sensor is unknown.
@@ -21,25 +22,42 @@ class LiveStream {
   /// The port to which such a sensor sends, unless it is told otherwise.
   std::uint16_t usual_port() const;
   NamedSensor named() const { return {named_, !is_ouster_ || metadata_, metadata_.has_value()}; }
-  /// Takes the next packet in; whether it is known now what they are. May ask the sender for an
-  /// Ouster's metadata. Throws Error if the packets are not the sensor's.
+  /// Takes the next packet in; whether its sender is known now to be the sensor. May ask the sender
+  /// for an Ouster's metadata.
   bool recognise(const recordings::Packet& packet);
+  /// As LiveSensor::complaint().
+  std::string complaint() const;
 
-  /// Whose packets they are, as soon as one of them was the sensor's.
-  const std::optional<recordings::Endpoint>& sender() const { return sender_; }
-  /// Once they are recognised.
+  /// Once one is recognised: who it is, as whose packets come.
+  const recordings::Endpoint& sender() const { return *sender_; }
+  /// Whether the packet is the sensor's. Where the sensor is silent it may send on from another
+  /// address: then sender() changes.
+  bool is_sensors(const recordings::Packet& packet);
+
   const SensorModel& sensor() const { return sensor_; }
   const std::string& format() const { return format_; }
   const std::vector<std::string>& warnings() const { return warnings_; }
   const std::string& metadata_text() const { return metadata_text_; }
-  /// What makes scans of them. `columns`: of the images, 0: as sensor() has. Throws Error.
+  /// What makes scans of its packets. `columns`: of the images, 0: as sensor() has. Throws Error.
   std::unique_ptr<recordings::ScanAssembler> assembler(int columns);
 
  private:
-  bool recognise_ouster(const recordings::Packet& packet);
-  bool recognise_velodyne(const recordings::Packet& packet);
-  void ask_for_metadata(const recordings::Packet& packet);
-  [[noreturn]] void fail_for_packets(const recordings::Packet& packet) const;
+  /// What came from one address.
+  struct Sender {
+    std::int64_t packets = 0;
+    std::size_t last_bytes = 0;  ///< of its last packet
+    std::string complaint;       ///< why it is not the sensor
+    std::int64_t asked_ns = 0;   ///< when it was asked for metadata last
+    recordings::VelodyneProbe probe;
+    std::optional<std::int64_t> first_us;  ///< by the sensor's clock
+    std::int64_t understood = 0;
+    std::int64_t first_ns = 0;  ///< when the first of these came
+  };
+  Sender& heard(const recordings::Packet& packet);
+  bool understood(const recordings::Packet& packet) const;
+  bool recognise_ouster(const recordings::Packet& packet, Sender& sender);
+  bool recognise_velodyne(const recordings::Packet& packet, Sender& sender);
+  bool ask_for_metadata(const recordings::Packet& packet, Sender& sender);
 
   LiveOptions options_;
   SensorModel named_;  ///< by the user
@@ -47,11 +65,10 @@ class LiveStream {
   std::optional<recordings::OusterMetadata> metadata_;
   std::string metadata_text_;
 
-  std::int64_t packets_ = 0;
+  std::map<recordings::Endpoint, Sender> senders_;
   std::optional<recordings::Endpoint> sender_;
-  std::uint64_t serial_number_ = 0;
-  recordings::VelodyneProbe probe_;
-  std::optional<std::int64_t> first_us_;
+  std::int64_t last_ns_ = 0;  ///< when its last packet came
+  std::uint64_t serial_number_ = 0;  ///< which its packets must name; 0: any
   std::optional<recordings::VelodyneStream> velodyne_;
   SensorModel sensor_;
   std::string format_;

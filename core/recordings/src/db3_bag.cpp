@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <sqlite3.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <system_error>
 
@@ -54,13 +55,9 @@ Database opened(const std::string& path) {
   // table may be one all the same.
   sqlite3_db_config(raw, SQLITE_DBCONFIG_ENABLE_VIEW, 0, nullptr);
   sqlite3_limit(raw, SQLITE_LIMIT_LENGTH, static_cast<int>(kMaxChunkBytes));
+  // What putting messages in order has read of the file is there when their bytes are.
+  sqlite3_exec(raw, "PRAGMA cache_size = -65536", nullptr, nullptr, nullptr);
   return database;
-}
-
-Statement prepared(sqlite3* database, const std::string& path, const char* sql) {
-  sqlite3_stmt* raw = nullptr;
-  if (sqlite3_prepare_v2(database, sql, -1, &raw, nullptr) != SQLITE_OK) fail(path, database);
-  return Statement(raw);
 }
 
 std::string words(sqlite3_stmt* statement, int column) {
@@ -68,67 +65,87 @@ std::string words(sqlite3_stmt* statement, int column) {
   return text == nullptr ? "" : text;
 }
 
-class Db3Messages : public MessageSource {
+class Db3Bag : public BagFile {
  public:
-  Db3Messages(const std::string& path, const std::string& topic)
-      : path_(path), database_(opened(path)) {
-    statement_ = prepared(database_.get(), path_,
-                          "SELECT messages.timestamp, messages.data FROM messages "
-                          "JOIN topics ON topics.id = messages.topic_id WHERE topics.name = ?1 "
-                          "ORDER BY messages.timestamp, messages.id");
-    sqlite3_bind_text(statement_.get(), 1, topic.data(), static_cast<int>(topic.size()),
-                      SQLITE_TRANSIENT);
+  explicit Db3Bag(const std::string& path) : path_(path), database_(opened(path)) {
+    const Statement topics =
+        prepared("SELECT id, name, type, serialization_format FROM topics LIMIT 10000");
+    while (step(topics)) {
+      const std::string format = words(topics.get(), 3);
+      if (format != "cdr" && !format.empty()) continue;  // some recorders leave it empty
+      topics_[static_cast<std::uint32_t>(sqlite3_column_int64(topics.get(), 0))] = {
+          words(topics.get(), 1), words(topics.get(), 2)};
+    }
+    const Statement last = prepared("SELECT MAX(id) FROM messages");
+    if (step(last)) last_id_ = sqlite3_column_int64(last.get(), 0);
+    // Messages are put in order without their bytes, which are fetched one by one: a bag may have
+    // no index, and what is sorted is written to a file and read again.
+    order_ = prepared("SELECT id, timestamp, topic_id FROM messages ORDER BY timestamp, id");
+    bytes_ = prepared("SELECT data FROM messages WHERE id = ?1");
   }
 
   std::optional<Message> next() override {
-    const int status = sqlite3_step(statement_.get());
-    if (status == SQLITE_DONE) return std::nullopt;
-    if (status != SQLITE_ROW) fail(path_, database_.get());
-    Message message;
-    message.time_ns = sqlite3_column_int64(statement_.get(), 0);
-    const auto* bytes = static_cast<const std::uint8_t*>(sqlite3_column_blob(statement_.get(), 1));
-    const int count = sqlite3_column_bytes(statement_.get(), 1);
-    if (bytes != nullptr) message.bytes = {bytes, static_cast<std::size_t>(count)};
-    return message;
+    while (order_ && step(order_)) {
+      id_ = sqlite3_column_int64(order_.get(), 0);
+      const auto topic = static_cast<std::uint32_t>(sqlite3_column_int64(order_.get(), 2));
+      const auto found = topics_.find(topic);
+      if (found == topics_.end() || (!kept_.empty() && found->second.name != kept_)) continue;
+      Message message;
+      message.time_ns = sqlite3_column_int64(order_.get(), 1);
+      message.stream = topic;
+      message.bytes = bytes_of(id_);
+      return message;
+    }
+    order_.reset();  // one more step would begin anew
+    return std::nullopt;
+  }
+
+  void keep_only(const std::string& topic) override { kept_ = topic; }
+
+  double read_share() const override {
+    return last_id_ > 0
+               ? std::clamp(static_cast<double>(id_) / static_cast<double>(last_id_), 0.0, 1.0)
+               : 1.0;
   }
 
  private:
+  Statement prepared(const char* sql) const {
+    sqlite3_stmt* raw = nullptr;
+    if (sqlite3_prepare_v2(database_.get(), sql, -1, &raw, nullptr) != SQLITE_OK) {
+      fail(path_, database_.get());
+    }
+    return Statement(raw);
+  }
+
+  /// Whether there is one more row.
+  bool step(const Statement& statement) const {
+    const int status = sqlite3_step(statement.get());
+    if (status != SQLITE_ROW && status != SQLITE_DONE) fail(path_, database_.get());
+    return status == SQLITE_ROW;
+  }
+
+  Bytes bytes_of(std::int64_t id) {
+    sqlite3_reset(bytes_.get());
+    sqlite3_bind_int64(bytes_.get(), 1, id);
+    if (!step(bytes_)) return {};
+    const auto* bytes = static_cast<const std::uint8_t*>(sqlite3_column_blob(bytes_.get(), 0));
+    const int count = sqlite3_column_bytes(bytes_.get(), 0);
+    return bytes == nullptr ? Bytes{} : Bytes{bytes, static_cast<std::size_t>(count)};
+  }
+
   std::string path_;
   Database database_;
-  Statement statement_;
-};
-
-class Db3Bag : public Bag {
- public:
-  explicit Db3Bag(const std::string& path) : path_(path) {
-    const Database database = opened(path);
-    const Statement statement = prepared(
-        database.get(), path,
-        "SELECT topics.name, topics.type, COUNT(messages.id), topics.serialization_format FROM "
-        "topics LEFT JOIN messages ON messages.topic_id = topics.id GROUP BY topics.id "
-        "ORDER BY topics.name LIMIT 10000");
-    int status = sqlite3_step(statement.get());
-    for (; status == SQLITE_ROW; status = sqlite3_step(statement.get())) {
-      if (words(statement.get(), 3) != "cdr") continue;
-      topics_.push_back({words(statement.get(), 0), words(statement.get(), 1),
-                         sqlite3_column_int64(statement.get(), 2)});
-    }
-    if (status != SQLITE_DONE) fail(path, database.get());
-  }
-
-  std::string kind() const override { return "ROS 2 bag (sqlite)"; }
-  const std::vector<Topic>& topics() const override { return topics_; }
-  std::unique_ptr<MessageSource> messages(const std::string& topic) const override {
-    return std::make_unique<Db3Messages>(path_, topic);
-  }
-
- private:
-  std::string path_;
-  std::vector<Topic> topics_;
+  Statement order_;  ///< of the messages
+  Statement bytes_;  ///< of one of them
+  std::string kept_;
+  std::int64_t id_ = 0;  ///< of the message that was read last
+  std::int64_t last_id_ = 0;
 };
 
 }  // namespace
 
-std::unique_ptr<Bag> open_db3(const std::string& path) { return std::make_unique<Db3Bag>(path); }
+std::unique_ptr<BagFile> open_db3(const std::string& path) {
+  return std::make_unique<Db3Bag>(path);
+}
 
 }  // namespace hqslam::recordings

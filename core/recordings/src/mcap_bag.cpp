@@ -39,14 +39,14 @@ class Fields {
   Bytes bytes_;
 };
 
-class McapFile : public BagFile {
+class McapFile : public ScannedBag {
  public:
   explicit McapFile(const std::string& path)
-      : BagFile(path, kMagicBytes,
-                "the file is damaged, record it again or repair it with 'mcap recover'") {}
+      : ScannedBag(path, kMagicBytes,
+                   "the file is damaged, record it again or repair it with 'mcap recover'") {}
 
  private:
-  bool read_record(std::optional<ConnectionMessage>& message) override {
+  bool read_record(std::optional<Message>& message) override {
     Bytes bytes;
     if (!read(kRecordHeader, bytes)) return false;
     const std::uint8_t opcode = bytes[0];
@@ -61,15 +61,16 @@ class McapFile : public BagFile {
       const auto id = fields.number<std::uint16_t>();
       const auto schema = fields.number<std::uint16_t>();
       std::string topic = fields.words();
-      const bool ros2 = fields.words() == "cdr";
-      if (ros2) add_connection(id, {std::move(topic), schemas_[schema]});
+      const std::string encoding = fields.words();
+      if (encoding == "cdr" || encoding.empty())
+        add_topic(id, {std::move(topic), schemas_[schema]});
     } else if (opcode == kMessage) {
       message.emplace();
-      message->connection = fields.number<std::uint16_t>();
+      message->stream = fields.number<std::uint16_t>();
       fields.number<std::uint32_t>();
-      message->message.time_ns = static_cast<std::int64_t>(fields.number<std::uint64_t>());
+      message->time_ns = static_cast<std::int64_t>(fields.number<std::uint64_t>());
       fields.number<std::uint64_t>();
-      message->message.bytes = fields.rest();
+      message->bytes = fields.rest();
     } else {
       take_chunk(fields);
     }
@@ -88,14 +89,10 @@ class McapFile : public BagFile {
   std::map<std::uint16_t, std::string> schemas_;
 };
 
-std::unique_ptr<BagFile> open_file(const std::string& path) {
-  return std::make_unique<McapFile>(path);
-}
-
 }  // namespace
 
-std::unique_ptr<Bag> open_mcap(const std::string& path) {
-  return scanned_bag(path, "MCAP file", open_file);
+std::unique_ptr<BagFile> open_mcap(const std::string& path) {
+  return std::make_unique<McapFile>(path);
 }
 
 }  // namespace hqslam::recordings

@@ -85,6 +85,7 @@ std::uint32_t OusterGeometry::Impl::kept_mm(const OusterFrame& frame, std::size_
 }
 
 void OusterGeometry::Impl::set_points(const OusterFrame& frame, OrganizedCloud& cloud) const {
+  if (frame.range_mm.empty()) return;  // they were not read
   const SensorModel& sensor = metadata_.sensor;
   const auto columns = static_cast<std::size_t>(sensor.columns);
   const auto nearest_mm = static_cast<std::uint32_t>(std::ceil(1e3 * sensor.min_range_m));

@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <filesystem>
 #include <map>
+#include <utility>
 
 #include "hqslam/core/error.h"
-#include "hqslam/recordings/scan_assembler.h"
+#include "message_packets.h"
 #include "ouster_layout.h"
-#include "packet_scans.h"
+#include "ouster_metadata_text.h"
+#include "stream_scans.h"
 
 namespace hqslam::recordings {
 
@@ -48,40 +50,73 @@ std::vector<Candidate> fitting_files(const fs::path& folder, const Stream& strea
 }
 
 /// How often each serial number stands in the first packets, if they were of this profile.
-std::map<std::uint64_t, int> serial_numbers(const RecordingFile& file, const Stream& stream,
-                                            OusterProfile profile) {
+std::map<std::uint64_t, int> serial_numbers(StreamReader& reader, OusterProfile profile) {
   std::map<std::uint64_t, int> found;
-  const auto packets = file.packets(stream);
+  std::size_t looked_at = 0;
+  MessagePackets packets(reader.stream(), [&] { return reader.ahead(looked_at++); });
   for (int i = 0; i < kProbedPackets; ++i) {
-    const auto packet = packets->next();
+    const auto packet = packets.next();
     if (!packet) break;
-    if (packet->payload.size() == stream.packet_bytes) {
+    if (packet->payload.size() == reader.stream().packet_bytes) {
       ++found[serial_number(packet->payload, profile)];
     }
   }
   return found;
 }
 
-[[noreturn]] void fail_for_metadata(const std::string& path, const Stream& stream,
+/// Of "/rear/lidar_packets": "/rear".
+std::string namespace_of(const std::string& topic) {
+  const std::size_t last = topic.rfind('/');
+  return last == std::string::npos ? "" : topic.substr(0, last);
+}
+
+/// Ouster's drivers record their metadata as a text beside the packets: "/rear/metadata" is of
+/// "/rear/lidar_packets". Where there is none such, any sensor's will do; "" if there is none.
+std::string text_of(const std::vector<TopicText>& texts, const Stream& stream) {
+  std::string of_another;
+  for (const TopicText& candidate : texts) {
+    if (!is_ouster_metadata(candidate.text)) continue;
+    if (namespace_of(candidate.topic) == namespace_of(stream.name)) return candidate.text;
+    if (of_another.empty()) of_another = candidate.text;
+  }
+  return of_another;
+}
+
+/// What a bag says later than its packets began: it is searched to its end.
+std::vector<TopicText> later_metadata(const std::string& path) {
+  std::vector<TopicText> texts;
+  const auto file = open_recording_file(path);
+  while (const auto message = file->next()) {
+    const Stream& stream = file->streams()[message->stream];
+    if (auto text = metadata_text(stream, *message)) {
+      texts.push_back({stream.name, std::move(*text)});
+      if (texts.size() == kMaxMetadataFiles) break;
+    }
+  }
+  return texts;
+}
+
+[[noreturn]] void fail_for_metadata(const StreamReader& reader,
                                     const std::vector<Candidate>& candidates) {
   if (candidates.empty()) {
     throw Error(fmt::format(
         "{}: packets of {} bytes from {} look like an Ouster's, but no metadata for such packets "
         "are beside it; put the sensor's .json file there or give it as the sensor",
-        path, stream.packet_bytes, stream.name));
+        reader.path(), reader.stream().packet_bytes, reader.stream().name));
   }
   std::string found;
   for (const Candidate& candidate : candidates) {
     found += fmt::format("{}{}", found.empty() ? "" : ", ", candidate.source);
   }
-  throw Error(fmt::format(
-      "{}: several metadata fit its packets: {}; give one of them as the sensor", path, found));
+  throw Error(
+      fmt::format("{}: several metadata fit its packets: {}; give one of them as the sensor",
+                  reader.path(), found));
 }
 
-Candidate metadata_of(const RecordingFile& file, const Stream& stream, const std::string& path,
-                      const OpenOptions& options) {
+Candidate metadata_of(StreamReader& reader, const OpenOptions& options) {
+  const std::string& path = reader.path();
   if (!options.sensor.empty()) return {read_ouster_metadata(options.sensor), options.sensor};
-  if (const std::string text = file.ouster_metadata(stream); !text.empty()) {
+  if (const std::string text = text_of(reader.metadata(), reader.stream()); !text.empty()) {
     return {ouster_metadata_from_json(text, path), path};
   }
   const fs::path beside = fs::path(path).replace_extension(".json");
@@ -90,40 +125,44 @@ Candidate metadata_of(const RecordingFile& file, const Stream& stream, const std
     return {read_ouster_metadata(beside.string()), beside.string()};
   }
   std::vector<Candidate> candidates =
-      fitting_files(beside.has_parent_path() ? beside.parent_path() : ".", stream);
+      fitting_files(beside.has_parent_path() ? beside.parent_path() : ".", reader.stream());
   if (candidates.size() > 1) {
     std::vector<Candidate> same_sensor;
     for (const Candidate& candidate : candidates) {
       const OusterMetadata& metadata = candidate.metadata;
       if (metadata.serial_number != 0 &&
-          serial_numbers(file, stream, metadata.profile).contains(metadata.serial_number)) {
+          serial_numbers(reader, metadata.profile).contains(metadata.serial_number)) {
         same_sensor.push_back(candidate);
       }
     }
     if (!same_sensor.empty()) candidates = std::move(same_sensor);
   }
-  if (candidates.size() != 1) fail_for_metadata(path, stream, candidates);
+  if (candidates.empty() && !reader.stream().type.empty()) {
+    const std::string text = text_of(later_metadata(path), reader.stream());
+    if (!text.empty()) return {ouster_metadata_from_json(text, path), path};
+  }
+  if (candidates.size() != 1) fail_for_metadata(reader, candidates);
   return candidates.front();
 }
 
 /// Which sensor's packets are read, where packets say whose they are: that of the metadata, else
 /// the one that is there. 0: any.
-std::uint64_t serial_to_read(const RecordingFile& file, const Stream& stream, const Candidate& of,
-                             const std::string& path, std::vector<std::string>& warnings) {
-  const auto found = serial_numbers(file, stream, of.metadata.profile);
+std::uint64_t serial_to_read(StreamReader& reader, const Candidate& of,
+                             std::vector<std::string>& warnings) {
+  const auto found = serial_numbers(reader, of.metadata.profile);
   if (found.empty() || found.contains(0)) return 0;
   if (found.contains(of.metadata.serial_number)) return of.metadata.serial_number;
   if (found.size() > 1) {
-    throw Error(
-        fmt::format("{}: {} carries packets of {} sensors, none of them number {} of {}; "
-                    "give the metadata of one of them as the sensor",
-                    path, stream.name, found.size(), of.metadata.serial_number, of.source));
+    throw Error(fmt::format(
+        "{}: {} carries packets of {} sensors, none of them number {} of {}; "
+        "give the metadata of one of them as the sensor",
+        reader.path(), reader.stream().name, found.size(), of.metadata.serial_number, of.source));
   }
   if (of.metadata.serial_number != 0) {
     warnings.push_back(
         fmt::format("{}: packets of sensor {}, but {} is of sensor {}: its beams may "
                     "be off by tenths of a degree",
-                    path, found.begin()->first, of.source, of.metadata.serial_number));
+                    reader.path(), found.begin()->first, of.source, of.metadata.serial_number));
   }
   return found.begin()->first;
 }
@@ -137,53 +176,39 @@ void require_packets_of(const Candidate& of, const Stream& stream, const std::st
       of.source, stream.packet_bytes, stream.name));
 }
 
-/// By the clock that captured the frame's first packet.
-double stamp_s(const OusterFrame& frame) {
-  // Unsigned, because a damaged file may hold any time.
-  const std::uint64_t later_ns =
-      middle_ns(frame).value_or(frame.first_timestamp_ns) - frame.first_timestamp_ns;
-  const std::uint64_t stamp_ns = static_cast<std::uint64_t>(frame.first_capture_ns) + later_ns;
-  return 1e-9 * static_cast<double>(static_cast<std::int64_t>(stamp_ns));
-}
-
 }  // namespace
 
-Opened open_ouster(std::shared_ptr<const RecordingFile> file, const Stream& stream,
-                   const std::string& path, const OpenOptions& options) {
+std::unique_ptr<StreamSource> open_ouster(StreamReader reader, const OpenOptions& options,
+                                          bool with_points) {
+  const std::string path = reader.path();
   if (!options.sensor.empty() && !options.sensor.ends_with(".json")) {
     throw Error(
         fmt::format("{}: packets of an Ouster need the metadata of that sensor, found the "
                     "preset '{}'; give the sensor's .json file, or put it beside the file",
                     path, options.sensor));
   }
-  const Candidate of = metadata_of(*file, stream, path, options);
-  require_packets_of(of, stream, path);
-  Opened opened;
-  RecordingInfo& info = opened.info;
+  const Candidate of = metadata_of(reader, options);
+  require_packets_of(of, reader.stream(), path);
+  RecordingInfo info;
   info.sensor = of.metadata.sensor;
   info.sensor_known = options.sensor.empty();
   info.format = fmt::format("Ouster packets, {}", name(of.metadata.profile));
-  info.has_stamps = true;
-  info.has_point_times = true;
-  if (options.columns > 0 && options.columns != info.sensor.columns) {
+  OusterOptions decoding;
+  decoding.kept_return = options.kept_return;
+  decoding.serial_number = serial_to_read(reader, of, info.warnings);
+  decoding.with_ranges = with_points;
+  const OusterMetadata metadata = of.metadata;
+  auto source = packet_scans(std::move(reader), std::move(info), [=](const SensorModel& sensor) {
+    if (sensor.columns == metadata.sensor.columns) {
+      return ouster_assembler(metadata, path, decoding);
+    }
     throw Error(
         fmt::format("{}: an Ouster's packets have {} columns a turn, {} are asked for; "
                     "record in another mode",
-                    path, info.sensor.columns, options.columns));
-  }
-  OusterOptions decoding;
-  decoding.kept_return = options.kept_return;
-  decoding.serial_number = serial_to_read(*file, stream, of, path, info.warnings);
-  OusterOptions counting = decoding;
-  counting.with_ranges = false;
-  OusterDecoder decoder(of.metadata, counting);
-  count_scans<OusterFrame>(*file, stream, decoder, stamp_s, info);
-  info.lost_scans = decoder.lost_frames();
-  info.partial_scans = decoder.partial_frames();
-  judge_counts(stream, path, info);
-  opened.source = packet_scan_source(std::move(file), stream, info,
-                                     ouster_assembler(of.metadata, path, decoding));
-  return opened;
+                    path, metadata.sensor.columns, sensor.columns));
+  });
+  if (options.columns > 0) source->use_columns(options.columns);
+  return source;
 }
 
 }  // namespace hqslam::recordings

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdio>
 #include <filesystem>
 
 #include "hqslam/core/error.h"
@@ -79,6 +80,7 @@ class PcapFile : public PacketSource {
                       "path of a capture",
                       path));
     }
+    bytes_ = static_cast<double>(std::filesystem::file_size(path, error));
     std::array<char, PCAP_ERRBUF_SIZE> complaint{};
     pcap_.reset(pcap_open_offline_with_tstamp_precision(path.c_str(), PCAP_TSTAMP_PRECISION_NANO,
                                                         complaint.data()));
@@ -116,6 +118,11 @@ class PcapFile : public PacketSource {
     return std::nullopt;
   }
 
+  double read_share() const override {
+    const long at = std::ftell(pcap_file(pcap_.get()));
+    return bytes_ > 0.0 ? std::clamp(static_cast<double>(at) / bytes_, 0.0, 1.0) : 1.0;
+  }
+
   std::string complaint() const override {
     std::string text;
     if (datagrams_.damaged() > 0) {
@@ -146,6 +153,7 @@ class PcapFile : public PacketSource {
   }
 
   std::string path_;
+  double bytes_ = 0.0;
   std::unique_ptr<pcap_t, ClosePcap> pcap_;
   int link_type_ = 0;
   IpDatagrams datagrams_;

@@ -1,9 +1,5 @@
-#include <fmt/format.h>
-
-#include <algorithm>
 #include <map>
 
-#include "hqslam/core/error.h"
 #include "ouster_layout.h"
 #include "recording_file.h"
 #include "velodyne_tables.h"
@@ -19,77 +15,60 @@ constexpr std::size_t kMaxStreams = 1000;
 
 /// What came from one sender to one port.
 struct Traffic {
-  std::int64_t packets = 0;
+  std::size_t stream = 0;
   std::int64_t velodyne = 0;
-  std::map<std::size_t, std::int64_t> sizes;
+  std::map<std::size_t, std::int64_t> packets_of_size;
 };
 
-Stream stream_of(const Endpoint& endpoint, const Traffic& traffic) {
-  Stream stream;
-  stream.name = text(endpoint);
-  stream.endpoint = endpoint;
-  stream.messages = traffic.packets;
-  const auto most =
-      std::max_element(traffic.sizes.begin(), traffic.sizes.end(),
-                       [](const auto& a, const auto& b) { return a.second < b.second; });
-  stream.packet_bytes = most->first;
-  if (2 * traffic.velodyne > traffic.packets) {
-    stream.kind = StreamKind::kVelodynePackets;
-  } else if (stream.packet_bytes == kVelodynePositionBytes &&
-             endpoint.port == kVelodynePositionPort) {
-    stream.kind = StreamKind::kVelodynePositions;
-  } else if (stream.packet_bytes >= kSmallestLidarPacket) {
-    stream.kind = StreamKind::kOusterPackets;
+StreamKind kind_of(const Stream& stream, const Traffic& traffic) {
+  if (2 * traffic.velodyne > stream.messages) return StreamKind::kVelodynePackets;
+  if (stream.packet_bytes == kVelodynePositionBytes &&
+      stream.endpoint.port == kVelodynePositionPort) {
+    return StreamKind::kVelodynePositions;
   }
-  return stream;
+  return stream.packet_bytes >= kSmallestLidarPacket ? StreamKind::kOusterPackets
+                                                     : StreamKind::kOther;
 }
-
-/// The packets of one sender to one port.
-class StreamPackets : public PacketSource {
- public:
-  StreamPackets(const std::string& path, const Endpoint& endpoint)
-      : file_(open_pcap(path)), endpoint_(endpoint) {}
-
-  std::optional<Packet> next() override {
-    while (auto packet = file_->next()) {
-      if (packet->endpoint == endpoint_) return packet;
-    }
-    return std::nullopt;
-  }
-  std::string complaint() const override { return file_->complaint(); }
-
- private:
-  std::unique_ptr<PacketSource> file_;
-  Endpoint endpoint_;
-};
 
 class PcapRecording : public RecordingFile {
  public:
-  explicit PcapRecording(const std::string& path) : path_(path) {
-    std::map<Endpoint, Traffic> traffic;
-    const auto packets = open_pcap(path);
-    while (const auto packet = packets->next()) {
-      if (traffic.size() == kMaxStreams && !traffic.contains(packet->endpoint)) continue;
-      Traffic& own = traffic[packet->endpoint];
-      ++own.packets;
-      if (is_velodyne_packet(packet->payload)) ++own.velodyne;
-      if (own.sizes.size() < kMaxStreams) ++own.sizes[packet->payload.size()];
-    }
-    for (const auto& [endpoint, own] : traffic) streams_.push_back(stream_of(endpoint, own));
-  }
+  explicit PcapRecording(const std::string& path) : packets_(open_pcap(path)) {}
 
   std::string kind() const override { return "pcap capture"; }
-  const std::vector<Stream>& streams() const override { return streams_; }
-  std::unique_ptr<PacketSource> packets(const Stream& stream) const override {
-    return std::make_unique<StreamPackets>(path_, stream.endpoint);
-  }
-  std::unique_ptr<MessageSource> messages(const Stream& stream) const override {
-    throw Error(fmt::format("{}: expected messages, found packets in {}", path_, stream.name));
+  double read_share() const override { return packets_->read_share(); }
+  std::string complaint() const override { return packets_->complaint(); }
+
+  std::optional<Message> next() override {
+    while (const auto packet = packets_->next()) {
+      if (traffic_.size() == kMaxStreams && !traffic_.contains(packet->endpoint)) continue;
+      return Message{packet->capture_time_ns, packet->payload, false, count(*packet)};
+    }
+    return std::nullopt;
   }
 
  private:
-  std::string path_;
-  std::vector<Stream> streams_;
+  /// The stream that the packet is of.
+  std::size_t count(const Packet& packet) {
+    const auto [found, is_new] = traffic_.try_emplace(packet.endpoint);
+    Traffic& traffic = found->second;
+    if (is_new) {
+      traffic.stream = streams_.size();
+      streams_.push_back({.name = text(packet.endpoint), .endpoint = packet.endpoint});
+    }
+    Stream& stream = streams_[traffic.stream];
+    ++stream.messages;
+    if (is_velodyne_packet(packet.payload)) ++traffic.velodyne;
+    auto& sizes = traffic.packets_of_size;
+    const std::size_t bytes = packet.payload.size();
+    if (sizes.size() < kMaxStreams || sizes.contains(bytes)) {
+      if (++sizes[bytes] > sizes[stream.packet_bytes]) stream.packet_bytes = bytes;
+    }
+    stream.kind = kind_of(stream, traffic);
+    return traffic.stream;
+  }
+
+  std::unique_ptr<PacketSource> packets_;
+  std::map<Endpoint, Traffic> traffic_;
 };
 
 }  // namespace

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <utility>
 
 #include "bag.h"
 #include "hqslam/core/error.h"
@@ -79,9 +78,9 @@ std::int64_t point_cloud_stamp_ns(const Message& message) {
   return MessageReader(message).header_ns();
 }
 
-PointCloudMessage read_point_cloud(const Message& message, const std::string& source) {
+RawPoints read_point_cloud(const Message& message, const std::string& source) {
   MessageReader reader(message);
-  const std::int64_t stamp_ns = reader.header_ns();
+  reader.header_ns();
   const Layout layout = read_layout(reader);
   check(layout);
   // Rows without a column may be announced by the thousand million.
@@ -97,7 +96,7 @@ PointCloudMessage read_point_cloud(const Message& message, const std::string& so
       });
     }
   }
-  return {stamp_ns, std::move(points)};
+  return points;
 }
 
 }  // namespace hqslam::recordings

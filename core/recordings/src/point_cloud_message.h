@@ -7,17 +7,12 @@
 
 namespace hqslam::recordings {
 
-/// A sensor_msgs/PointCloud2 with what matters of it.
-struct PointCloudMessage {
-  std::int64_t stamp_ns = 0;  ///< of its header
-  RawPoints points;
-};
-
 /// The stamp of the header alone. Throws Error.
 std::int64_t point_cloud_stamp_ns(const Message& message);
 
-/// Fields as point_fields() finds them, of any of the eight types, in any order. `source` stands
-/// for the message in messages. Throws Error for a message that is damaged or has no coordinates.
-PointCloudMessage read_point_cloud(const Message& message, const std::string& source);
+/// The points of a sensor_msgs/PointCloud2. Fields as point_fields() finds them, of any of the
+/// eight types, in any order. `source` stands for the message in messages. Throws Error for a
+/// message that is damaged or has no coordinates.
+RawPoints read_point_cloud(const Message& message, const std::string& source);
 
 }  // namespace hqslam::recordings

@@ -11,8 +11,7 @@
 
 #include "bag.h"
 #include "hqslam/core/error.h"
-#include "packet_scans.h"
-#include "recording_file.h"
+#include "stream_scans.h"
 
 namespace hqslam::recordings {
 
@@ -64,95 +63,30 @@ FileKind kind_of(const std::string& path) {
   return FileKind::kOther;
 }
 
-std::unique_ptr<Bag> open_bag(const std::string& path, FileKind kind) {
-  switch (kind) {
-    case FileKind::kDb3:
-      return open_db3(path);
-    case FileKind::kMcap:
-      return open_mcap(path);
-    case FileKind::kRos1Bag:
-      return open_ros1_bag(path);
-    default:
-      break;
+std::unique_ptr<StreamSource> open_stream_of(const std::string& path, const OpenOptions& options,
+                                             bool with_points) {
+  if (!options.files.stamps.empty()) {
+    throw Error(fmt::format("{}: a capture or a bag has its own stamps; leave --stamps {} out",
+                            path, options.files.stamps));
   }
-  std::vector<std::unique_ptr<Bag>> parts;
-  for (const std::string& file : files_of_bag(path)) {
-    parts.push_back(file.ends_with(".db3") ? open_db3(file) : open_mcap(file));
+  StreamReader reader(path, options.stream);
+  const StreamKind kind = reader.stream().kind;
+  if (with_points) reader.skip_others();
+  if (kind == StreamKind::kVelodynePackets) {
+    return open_velodyne(std::move(reader), options, with_points);
   }
-  return chained(std::move(parts));
+  if (kind == StreamKind::kOusterPackets) {
+    return open_ouster(std::move(reader), options, with_points);
+  }
+  return open_clouds(std::move(reader), options, with_points);
 }
 
-bool has_scans(const Stream& stream) {
-  return stream.kind != StreamKind::kOther && stream.kind != StreamKind::kVelodynePositions;
-}
-
-bool is_named(const Stream& stream, const std::string& name) {
-  return stream.name == name ||
-         (stream.endpoint.port != 0 && std::to_string(stream.endpoint.port) == name);
-}
-
-std::string listed(const std::vector<Stream>& streams) {
-  std::string text;
-  for (const Stream& stream : streams) {
-    text += fmt::format("{}{}", text.empty() ? "" : ", ", stream.name);
-    if (text.size() > 500) return text + ", ...";
-  }
-  return text.empty() ? "none" : text;
-}
-
-/// The stream that was asked for, or the only one with scans.
-Stream chosen_stream(const RecordingFile& file, const std::string& path, const std::string& name) {
-  std::vector<Stream> candidates;
-  for (const Stream& stream : file.streams()) {
-    if (has_scans(stream) && (name.empty() || is_named(stream, name))) candidates.push_back(stream);
-  }
-  if (candidates.size() == 1) return candidates.front();
-  if (candidates.empty() && !name.empty()) {
-    throw Error(
-        fmt::format("{}: expected scans in stream {}, found these streams: {}; name one of "
-                    "them that has scans",
-                    path, name, listed(file.streams())));
-  }
-  if (candidates.empty()) {
-    throw Error(
-        fmt::format("{}: expected packets or point clouds of a LiDAR, found none in these "
-                    "streams: {}; give a recording of the sensor's data",
-                    path, listed(file.streams())));
-  }
-  throw Error(fmt::format("{}: has several streams with scans: {}; name one of them with --stream",
-                          path, listed(candidates)));
-}
-
-Opened open_stream(const std::shared_ptr<const RecordingFile>& file, const Stream& stream,
-                   const std::string& path, const OpenOptions& options) {
-  switch (stream.kind) {
-    case StreamKind::kVelodynePackets:
-      return open_velodyne(file, stream, path, options);
-    case StreamKind::kOusterPackets:
-      return open_ouster(file, stream, path, options);
-    default:
-      return open_clouds(file, stream, path, options);
-  }
-}
-
-Opened open_file(const std::string& path, const OpenOptions& options) {
-  const std::shared_ptr<const RecordingFile> file = open_recording_file(path);
-  const Stream stream = chosen_stream(*file, path, options.stream);
-  Opened opened = open_stream(file, stream, path, options);
-  opened.info.kind = file->kind();
-  opened.info.stream = stream.name;
-  opened.info.streams = file->streams();
-  return opened;
-}
-
-/// The first scan that can be understood; a warning says what was wrong with the one before all.
-std::optional<RecordedScan> first_usable(ScanSource& source, RecordingInfo& info) {
-  std::optional<std::string> complaint;
+/// The next scan that can be understood, as long as there is one; a warning says what was wrong
+/// with the first one that cannot.
+std::optional<RecordedScan> next_usable(ScanSource& source, std::optional<std::string>& complaint) {
   while (true) {
     try {
-      auto scan = source.next();
-      if (complaint) info.warnings.push_back(*complaint);
-      return scan;
+      return source.next();
     } catch (const ScanError& error) {
       if (!complaint) complaint = error.what();
     }
@@ -174,29 +108,12 @@ void refuse_folder_of_recordings(const std::string& folder) {
                   folder, paths.size(), *std::min_element(paths.begin(), paths.end())));
 }
 
-/// What only a scan itself tells; nothing if none of the first can be understood.
-void describe_first_scan(const std::string& path, const SensorModel& sensor,
-                         const OpenOptions& options, RecordingInfo& info) {
-  const auto source = hqslam::open_recording(path, sensor, options.files);
-  const std::size_t warnings = info.warnings.size();
-  try {
-    const auto first = first_usable(*source, info);
-    if (!first) return;
-    info.first_stamp_s = first->stamp_s;
-    info.has_stamps = first->stamp_s != 0.0;  // counted ones begin with 0
-    info.has_point_times = !first->cloud.time_offset_s.empty();
-    info.format = fmt::format("{} returns in the first scan{}", first->counts.kept,
-                              info.warnings.size() > warnings ? " that can be read" : "");
-  } catch (const Error& error) {
-    info.warnings.push_back(error.what());
-  }
-}
-
-/// What core's readers open: files of scans of a sensor that must be named.
-Opened open_files_of_scans(const std::string& path, const OpenOptions& options) {
+/// The sensor of files of scans: the one that is named, or that the folder describes. `own`: which
+/// of them it is.
+SensorModel sensor_of_files(const std::string& path, const OpenOptions& options, bool& own) {
   const fs::path described = fs::path(path) / "sensor.json";
   std::error_code error;
-  const bool own = options.sensor.empty() && fs::is_regular_file(described, error);
+  own = options.sensor.empty() && fs::is_regular_file(described, error);
   if (options.sensor.empty() && !own) {
     refuse_folder_of_recordings(path);
     throw Error(
@@ -204,49 +121,88 @@ Opened open_files_of_scans(const std::string& path, const OpenOptions& options) 
                     "or --sensor FILE.json",
                     path));
   }
-  Opened opened;
-  RecordingInfo& info = opened.info;
   SensorModel sensor = load_sensor(own ? described.string() : options.sensor);
   if (options.columns > 0) sensor.columns = options.columns;
-  opened.source = hqslam::open_recording(path, sensor, options.files);
-  info.sensor = opened.source->sensor();
-  info.sensor_known = own;
-  info.scans = opened.source->size();
+  return sensor;
+}
+
+RecordingInfo inspect_files(const std::string& path, const OpenOptions& options) {
+  RecordingInfo info;
+  const SensorModel sensor = sensor_of_files(path, options, info.sensor_known);
+  const auto source = hqslam::open_recording(path, sensor, options.files);
+  info.sensor = source->sensor();
+  info.scans = source->size().value_or(0);
   info.duration_s = static_cast<double>(info.scans) * info.sensor.scan_period_s;
-  info.warnings = opened.source->warnings();
+  info.has_stamps = source->has_stamps();
+  info.warnings = source->warnings();
   const fs::path extension = fs::path(path).extension();
+  std::error_code error;
   info.kind = fs::is_directory(path, error) ? "folder of scans"
               : extension == ".npy"         ? "stack of range images"
                                             : "file of one scan";
-  describe_first_scan(path, sensor, options, info);
-  return opened;
-}
-
-Opened open_any(const std::string& path, const OpenOptions& options) {
-  return is_capture_or_bag(path) ? open_file(path, options) : open_files_of_scans(path, options);
+  std::optional<std::string> complaint;
+  try {
+    if (const auto first = next_usable(*source, complaint)) {
+      info.first_stamp_s = first->stamp_s;
+      info.has_point_times = !first->cloud.time_offset_s.empty();
+      info.format = fmt::format("{} returns in the first scan{}", first->counts.kept,
+                                complaint ? " that can be read" : "");
+      if (complaint) info.warnings.push_back(*complaint);
+    }
+  } catch (const Error& wrong) {
+    info.warnings.push_back(wrong.what());
+  }
+  return info;
 }
 
 }  // namespace
 
 std::unique_ptr<RecordingFile> open_recording_file(const std::string& path) {
-  const FileKind kind = kind_of(path);
-  if (kind == FileKind::kOther) return nullptr;
-  if (kind == FileKind::kPcap) return open_pcap_recording(path);
-  return bag_recording(open_bag(path, kind), path);
+  switch (kind_of(path)) {
+    case FileKind::kPcap:
+      return open_pcap_recording(path);
+    case FileKind::kDb3:
+      return bag_recording({path}, "ROS 2 bag (sqlite)", open_db3);
+    case FileKind::kMcap:
+      return bag_recording({path}, "MCAP file", open_mcap);
+    case FileKind::kRos1Bag:
+      return bag_recording({path}, "ROS 1 bag", open_ros1_bag);
+    case FileKind::kBagFolder: {
+      std::vector<std::string> files = files_of_bag(path);
+      if (files.front().ends_with(".mcap")) {
+        return bag_recording(std::move(files), "MCAP file", open_mcap);
+      }
+      return bag_recording(std::move(files), "ROS 2 bag (sqlite)", open_db3);
+    }
+    case FileKind::kOther:
+      break;
+  }
+  throw Error(
+      fmt::format("{}: expected a capture or a bag, found another file; give a .pcap, .pcapng, "
+                  ".db3, .mcap or .bag file",
+                  path));
 }
 
 bool is_capture_or_bag(const std::string& path) { return kind_of(path) != FileKind::kOther; }
 
-std::unique_ptr<ScanSource> open_recording(const std::string& path, const OpenOptions& options) {
-  return open_any(path, options).source;
+std::unique_ptr<StreamSource> open_stream(const std::string& path, const OpenOptions& options) {
+  return open_stream_of(path, options, true);
 }
 
-SensorModel recording_sensor(const std::string& path, const OpenOptions& options) {
-  return open_any(path, options).info.sensor;
+std::unique_ptr<ScanSource> open_recording(const std::string& path, const OpenOptions& options) {
+  if (is_capture_or_bag(path)) return open_stream(path, options);
+  bool own = false;
+  return hqslam::open_recording(path, sensor_of_files(path, options, own), options.files);
 }
 
 RecordingInfo inspect(const std::string& path, const OpenOptions& options) {
-  return open_any(path, options).info;
+  if (!is_capture_or_bag(path)) return inspect_files(path, options);
+  const auto source = open_stream_of(path, options, false);
+  std::optional<std::string> complaint;
+  while (next_usable(*source, complaint)) continue;
+  RecordingInfo info = source->info();
+  if (complaint) info.warnings.push_back(*complaint);
+  return info;
 }
 
 }  // namespace hqslam::recordings

@@ -6,45 +6,47 @@
 #include <string>
 #include <vector>
 
-#include "hqslam/recordings/packet.h"
+#include "byte_reader.h"
 #include "hqslam/recordings/recording.h"
 
 namespace hqslam::recordings {
 
-/// One message of a bag.
+/// One message of a bag, or the payload of one packet of a capture.
 struct Message {
   std::int64_t time_ns = 0;  ///< when it was recorded, since 1970
-  std::span<const std::uint8_t> bytes;
-  bool ros1 = false;  ///< how it is written: ROS 1's own way, or ROS 2's CDR
+  Bytes bytes;               ///< live until the next message is asked for
+  bool ros1 = false;         ///< how it is written: ROS 1's own way, or ROS 2's CDR
+  std::size_t stream = 0;    ///< index into RecordingFile::streams()
 };
 
-/// Messages of one topic in the order in which they were recorded.
-class MessageSource {
- public:
-  virtual ~MessageSource() = default;
-  /// The next message, or nothing at the end; its bytes live until the next call. Throws Error for
-  /// a file that cannot be read on.
-  virtual std::optional<Message> next() = 0;
-};
-
-/// A capture or a bag, and what is in it.
+/// A capture or a bag, read once, from its beginning to its end.
 class RecordingFile {
  public:
   virtual ~RecordingFile() = default;
   /// "pcap capture", "ROS 2 bag (sqlite)", ...
   virtual std::string kind() const = 0;
-  virtual const std::vector<Stream>& streams() const = 0;
-  /// The packets of a stream of packets.
-  virtual std::unique_ptr<PacketSource> packets(const Stream& stream) const = 0;
-  /// The messages of a stream of a bag. Throws Error for a capture.
-  virtual std::unique_ptr<MessageSource> messages(const Stream& stream) const = 0;
-  /// An Ouster's metadata, if the file holds them for this stream; "" otherwise.
-  virtual std::string ouster_metadata(const Stream& /*stream*/) const { return ""; }
+  /// The streams that were met, and what their messages up to now say of them.
+  const std::vector<Stream>& streams() const { return streams_; }
+  /// The next message of any stream, or nothing at the end. Throws Error for a file that cannot be
+  /// read on.
+  virtual std::optional<Message> next() = 0;
+  /// Messages of other streams need not be read from here on.
+  virtual void keep_only(std::size_t /*stream*/) {}
+  /// How much of the file was read, 0 to 1.
+  virtual double read_share() const = 0;
+  /// What was left out, once all was read: "" or one line.
+  virtual std::string complaint() const { return ""; }
+
+ protected:
+  std::vector<Stream> streams_;
 };
 
-/// Opens a capture or a bag by its first bytes; nothing for other files and folders. Throws Error.
+/// Opens a capture or a bag by its first bytes. Throws Error, also for other files and folders.
 std::unique_ptr<RecordingFile> open_recording_file(const std::string& path);
 
 std::unique_ptr<RecordingFile> open_pcap_recording(const std::string& path);
+
+/// Of the name of a topic, a type or a field in a message.
+inline constexpr std::size_t kNameCharacters = 200;
 
 }  // namespace hqslam::recordings

@@ -45,13 +45,13 @@ std::string words(const std::map<std::string, Bytes>& fields, const char* name) 
   return found == fields.end() ? "" : std::string(found->second.begin(), found->second.end());
 }
 
-class Ros1File : public BagFile {
+class Ros1File : public ScannedBag {
  public:
   explicit Ros1File(const std::string& path)
-      : BagFile(path, kVersionLine, "the bag is damaged, repair it with 'rosbag reindex'") {}
+      : ScannedBag(path, kVersionLine, "the bag is damaged, repair it with 'rosbag reindex'") {}
 
  private:
-  bool read_record(std::optional<ConnectionMessage>& message) override {
+  bool read_record(std::optional<Message>& message) override {
     Bytes bytes;
     if (!read(4, bytes)) return false;
     const std::uint64_t header_bytes = little_endian<std::uint32_t>(bytes, 0);
@@ -65,16 +65,16 @@ class Ros1File : public BagFile {
     const auto fields = fields_of(header);
     const auto opcode = number<std::uint8_t>(fields, "op");
     if (opcode == kConnection) {
-      add_connection(number<std::uint32_t>(fields, "conn"),
-                     {words(fields, "topic"), words(fields_of(bytes), "type")});
+      add_topic(number<std::uint32_t>(fields, "conn"),
+                {words(fields, "topic"), words(fields_of(bytes), "type")});
     } else if (opcode == kMessage) {
       const auto time = number<std::uint64_t>(fields, "time");
       message.emplace();
-      message->connection = number<std::uint32_t>(fields, "conn");
-      message->message.time_ns = static_cast<std::int64_t>(time & 0xFFFFFFFFU) * 1'000'000'000 +
-                                 static_cast<std::int64_t>(time >> 32U);
-      message->message.bytes = bytes;
-      message->message.ros1 = true;
+      message->stream = number<std::uint32_t>(fields, "conn");
+      message->time_ns = static_cast<std::int64_t>(time & 0xFFFFFFFFU) * 1'000'000'000 +
+                         static_cast<std::int64_t>(time >> 32U);
+      message->bytes = bytes;
+      message->ros1 = true;
     } else if (opcode == kChunk) {
       open_chunk(bytes, words(fields, "compression"), number<std::uint32_t>(fields, "size"));
     }
@@ -82,14 +82,10 @@ class Ros1File : public BagFile {
   }
 };
 
-std::unique_ptr<BagFile> open_file(const std::string& path) {
-  return std::make_unique<Ros1File>(path);
-}
-
 }  // namespace
 
-std::unique_ptr<Bag> open_ros1_bag(const std::string& path) {
-  return scanned_bag(path, "ROS 1 bag", open_file);
+std::unique_ptr<BagFile> open_ros1_bag(const std::string& path) {
+  return std::make_unique<Ros1File>(path);
 }
 
 }  // namespace hqslam::recordings

@@ -48,7 +48,8 @@ class VelodyneAssembler : public ScanAssembler {
   void add(const Packet& packet) override { decoder_.add(packet, ready_.new_ones()); }
   void finish() override { decoder_.finish(ready_.new_ones()); }
   const PacketCounts& counts() const override { return decoder_.counts(); }
-  std::int64_t lost_scans() const override { return 0; }  // their packets are counted
+  std::int64_t lost_scans() const override { return decoder_.lost_scans(); }
+  std::int64_t partial_scans() const override { return decoder_.partial_scans(); }
 
   std::optional<RecordedScan> next() override {
     std::optional<Scan> scan = ready_.take();
@@ -83,6 +84,7 @@ class OusterAssembler : public ScanAssembler {
   void finish() override { decoder_.finish(ready_.new_ones()); }
   const PacketCounts& counts() const override { return decoder_.counts(); }
   std::int64_t lost_scans() const override { return decoder_.lost_frames(); }
+  std::int64_t partial_scans() const override { return decoder_.partial_frames(); }
 
   std::optional<RecordedScan> next() override {
     const std::optional<OusterFrame> frame = ready_.take();

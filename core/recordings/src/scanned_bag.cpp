@@ -9,61 +9,11 @@
 
 namespace hqslam::recordings {
 
-namespace {
-
-class ScannedMessages : public MessageSource {
- public:
-  ScannedMessages(std::unique_ptr<BagFile> file, std::string topic)
-      : file_(std::move(file)), topic_(std::move(topic)) {}
-
-  std::optional<Message> next() override {
-    while (const auto found = file_->next()) {
-      if (file_->connections().at(found->connection).topic == topic_) return found->message;
-    }
-    return std::nullopt;
-  }
-
- private:
-  std::unique_ptr<BagFile> file_;
-  std::string topic_;
-};
-
-class ScannedBag : public Bag {
- public:
-  ScannedBag(const std::string& path, std::string kind, OpenBagFile open)
-      : path_(path), kind_(std::move(kind)), open_(open) {
-    const auto file = open_(path_);
-    std::map<std::uint32_t, std::int64_t> messages;
-    while (const auto found = file->next()) ++messages[found->connection];
-    for (const auto& [id, connection] : file->connections()) {
-      add_topic(topics_, {connection.topic, connection.type, messages[id]});
-    }
-  }
-
-  std::string kind() const override { return kind_; }
-  const std::vector<Topic>& topics() const override { return topics_; }
-  std::unique_ptr<MessageSource> messages(const std::string& topic) const override {
-    return std::make_unique<ScannedMessages>(open_(path_), topic);
-  }
-
- private:
-  std::string path_;
-  std::string kind_;
-  OpenBagFile open_;
-  std::vector<Topic> topics_;
-};
-
-}  // namespace
-
-std::unique_ptr<Bag> scanned_bag(const std::string& path, const std::string& kind,
-                                 OpenBagFile open) {
-  return std::make_unique<ScannedBag>(path, kind, open);
-}
-
-BagFile::BagFile(const std::string& path, std::uint64_t first_bytes, std::string repair)
+ScannedBag::ScannedBag(const std::string& path, std::uint64_t first_bytes, std::string repair)
     : path_(path), repair_(std::move(repair)), stream_(path, std::ios::binary) {
   std::error_code error;
-  left_ = std::filesystem::file_size(path, error);
+  bytes_ = std::filesystem::file_size(path, error);
+  left_ = bytes_;
   if (error || !stream_) {
     throw Error(
         fmt::format("{}: expected a bag, found a file that cannot be read; check its "
@@ -73,20 +23,20 @@ BagFile::BagFile(const std::string& path, std::uint64_t first_bytes, std::string
   skip(first_bytes);
 }
 
-std::optional<ConnectionMessage> BagFile::next() {
+std::optional<Message> ScannedBag::next() {
   try {
     while (true) {
       in_chunk_ = !left_of_chunk_.empty();
-      std::optional<ConnectionMessage> message;
+      std::optional<Message> message;
       if (!read_record(message)) return std::nullopt;
-      if (message && connections_.contains(message->connection)) return message;
+      if (message && topics_.contains(static_cast<std::uint32_t>(message->stream))) return message;
     }
   } catch (const Error& error) {
     throw Error(fmt::format("{}: {}; {}", path_, error.what(), repair_));
   }
 }
 
-bool BagFile::read(std::uint64_t count, Bytes& bytes) {
+bool ScannedBag::read(std::uint64_t count, Bytes& bytes) {
   if (count > kMaxChunkBytes) {
     throw Error(fmt::format("expected records of at most {} bytes, found one of {}", kMaxChunkBytes,
                             count));
@@ -108,7 +58,7 @@ bool BagFile::read(std::uint64_t count, Bytes& bytes) {
   return static_cast<bool>(stream_);
 }
 
-bool BagFile::skip(std::uint64_t count) {
+bool ScannedBag::skip(std::uint64_t count) {
   Bytes skipped;
   if (in_chunk_) return read(count, skipped);
   if (count > left_) return false;
@@ -117,15 +67,19 @@ bool BagFile::skip(std::uint64_t count) {
   return static_cast<bool>(stream_);
 }
 
-void BagFile::open_chunk(Bytes packed, const std::string& compression, std::uint64_t size) {
+void ScannedBag::open_chunk(Bytes packed, const std::string& compression, std::uint64_t size) {
   if (in_chunk_) return;
   chunk_ = decompressed(packed, compression, size);
   left_of_chunk_ = chunk_;
 }
 
-void BagFile::add_connection(std::uint32_t id, Connection connection) {
-  constexpr std::size_t kMaxConnections = 65536;
-  if (connections_.size() < kMaxConnections) connections_[id] = std::move(connection);
+void ScannedBag::add_topic(std::uint32_t id, Topic topic) {
+  constexpr std::size_t kMaxTopics = 65536;
+  if (topics_.size() < kMaxTopics) topics_[id] = std::move(topic);
+}
+
+double ScannedBag::read_share() const {
+  return bytes_ > 0 ? 1.0 - static_cast<double>(left_) / static_cast<double>(bytes_) : 1.0;
 }
 
 }  // namespace hqslam::recordings

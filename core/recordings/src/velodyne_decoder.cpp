@@ -31,6 +31,11 @@ constexpr double kMostOfAScan = 0.75;
 /// After so much of a turn without packets the azimuth may be about where it was.
 constexpr double kWholeTurn = 0.99;
 constexpr std::int64_t kSecond_ns = 1'000'000'000;
+constexpr std::int64_t kSecond_us = 1'000'000;
+/// Two clocks that tell of the same gap differ by less, seconds: packets are recorded late.
+constexpr double kMostApart = 0.5;
+/// No recording has a longer gap.
+constexpr double kMostHours = 1000.0;
 
 int modulo_turn(int azimuth) { return (azimuth % kTurn + kTurn) % kTurn; }
 
@@ -89,10 +94,12 @@ class VelodyneDecoder::Impl {
   void reuse(Scan scan);
 
   PacketCounts counts;
+  std::int64_t lost_scans = 0;
   std::int64_t partial_scans = 0;
 
  private:
   bool take_time(const Packet& packet, std::vector<Scan>& completed);
+  std::int64_t passed_us(std::int64_t now_us, std::int64_t capture_ns, bool& clock_was_set) const;
   void count_lost(std::int64_t passed_us, int azimuth);
   void read_firings(Bytes payload);
   void set_rates();
@@ -111,6 +118,7 @@ class VelodyneDecoder::Impl {
   SensorClock clock_;
   std::optional<std::int64_t> last_us_;  ///< of the packet before, within the hour
   std::int64_t sensor_us_ = 0;           ///< the same, counted on over the hours
+  std::int64_t last_capture_ns_ = 0;     ///< of that packet
   int last_packet_azimuth_ = 0;
   double rate_ = 0.0;
   std::vector<Firing> firings_;
@@ -135,6 +143,26 @@ VelodyneDecoder::Impl::Impl(const VelodyneStream& stream, const SensorModel& sen
   rate_ = expected_rate();
 }
 
+/// What passed since the packet before. The sensor's clock tells it, but for whole hours; after a
+/// second and more the recorder's clock tells whether nothing came for so long, or the sensor's was
+/// set.
+std::int64_t VelodyneDecoder::Impl::passed_us(std::int64_t now_us, std::int64_t capture_ns,
+                                              bool& clock_was_set) const {
+  std::int64_t passed_us = now_us - *last_us_;
+  if (passed_us < -kHour_us / 2) passed_us += kHour_us;
+  if (passed_us > kHour_us / 2) passed_us -= kHour_us;
+  clock_was_set = false;
+  if (std::abs(passed_us) < kSecond_us) return passed_us;
+  const double recorded_us =
+      1e-3 * (static_cast<double>(capture_ns) - static_cast<double>(last_capture_ns_));
+  const double hours = std::round((recorded_us - static_cast<double>(passed_us)) / kHour_us);
+  const double apart_us = recorded_us - static_cast<double>(passed_us) - hours * kHour_us;
+  const bool agree =
+      std::abs(apart_us) < kMostApart * kSecond_us && hours >= 0.0 && hours < kMostHours;
+  clock_was_set = !agree;
+  return agree ? passed_us + static_cast<std::int64_t>(hours) * kHour_us : passed_us;
+}
+
 /// The time of a packet; false if the packet is left out. A time a turn or more behind the last one
 /// is a gap, one far from it a clock that was set: the scan ends there.
 bool VelodyneDecoder::Impl::take_time(const Packet& packet, std::vector<Scan>& completed) {
@@ -142,36 +170,46 @@ bool VelodyneDecoder::Impl::take_time(const Packet& packet, std::vector<Scan>& c
   if (!last_us_) {
     sensor_us_ = now_us;
     last_us_ = now_us;
+    last_capture_ns_ = packet.capture_time_ns;
     return true;
   }
-  std::int64_t passed_us = now_us - *last_us_;
-  if (passed_us < -kHour_us / 2) passed_us += kHour_us;
-  if (passed_us > kHour_us / 2) passed_us -= kHour_us;
-  if (passed_us <= 0 && passed_us > -kSecond_ns / 1000) {
+  bool clock_was_set = false;
+  const std::int64_t passed = passed_us(now_us, packet.capture_time_ns, clock_was_set);
+  if (passed <= 0 && passed > -kSecond_us) {
     ++counts.late;
     return false;
   }
-  const bool gap_or_set = std::abs(passed_us) >= kSecond_ns / 1000;
-  if (!gap_or_set) count_lost(passed_us, block_azimuth(packet.payload, 0));
-  if (gap_or_set || static_cast<double>(passed_us) >= kWholeTurn * 1e6 * stream_.scan_period_s) {
+  if (!clock_was_set) count_lost(passed, block_azimuth(packet.payload, 0));
+  if (clock_was_set || static_cast<double>(passed) >= kWholeTurn * 1e6 * stream_.scan_period_s) {
     finish(completed);
   }
   last_us_ = now_us;
-  sensor_us_ += passed_us;
+  last_capture_ns_ = packet.capture_time_ns;
+  sensor_us_ += passed;
   return true;
 }
 
-/// Packets that never came between the last one and this one.
+/// Packets that never came between the last one and this one, and whole turns of which none did.
 void VelodyneDecoder::Impl::count_lost(std::int64_t passed_us, int azimuth) {
   const double spacing_us = stream_.dual_return ? timing_.packet_us_dual : timing_.packet_us_single;
-  double expected_us = spacing_us;
+  const double period_us = 1e6 * stream_.scan_period_s;
+  const double blind = 1.0 - stream_.field_of_view_deg / 360.0;  // share of a turn
   const int from = modulo_turn(last_packet_azimuth_ - cut_);
   const int to = modulo_turn(azimuth - cut_);
-  if (to < from - kSmallestFall) {  // over what the sensor does not look at
-    expected_us += 1e6 * stream_.scan_period_s * (1.0 - stream_.field_of_view_deg / 360.0);
+  const double passed = static_cast<double>(passed_us);
+  if (passed < kWholeTurn * period_us) {
+    const bool over_cut = to < from - kSmallestFall;
+    const double expected_us = spacing_us + (over_cut ? blind * period_us : 0.0);
+    const auto lost = std::llround((passed - expected_us) / spacing_us);
+    if (lost > 0) counts.lost += lost;
+    return;
   }
-  const auto lost = std::llround((static_cast<double>(passed_us) - expected_us) / spacing_us);
-  if (lost > 0) counts.lost += lost;
+  // The head passed the cut at the end of the turn before, of each lost one, and no other time.
+  const auto cuts = std::llround(passed / period_us + static_cast<double>(from - to) / kTurn);
+  const auto lost =
+      std::llround((passed - static_cast<double>(cuts) * blind * period_us) / spacing_us);
+  counts.lost += std::max<std::int64_t>(0, lost - 1);
+  lost_scans += std::max<std::int64_t>(0, cuts - 1);
 }
 
 /// The firings of a packet with their azimuths and times.
@@ -339,6 +377,7 @@ void VelodyneDecoder::add(const Packet& packet, std::vector<Scan>& completed) {
 void VelodyneDecoder::finish(std::vector<Scan>& completed) { impl_->finish(completed); }
 void VelodyneDecoder::reuse(Scan scan) { impl_->reuse(std::move(scan)); }
 const PacketCounts& VelodyneDecoder::counts() const { return impl_->counts; }
+std::int64_t VelodyneDecoder::lost_scans() const { return impl_->lost_scans; }
 std::int64_t VelodyneDecoder::partial_scans() const { return impl_->partial_scans; }
 
 }  // namespace hqslam::recordings

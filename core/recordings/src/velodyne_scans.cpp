@@ -1,8 +1,10 @@
 #include <fmt/format.h>
 
+#include <utility>
+
 #include "hqslam/core/error.h"
-#include "hqslam/recordings/scan_assembler.h"
-#include "packet_scans.h"
+#include "message_packets.h"
+#include "stream_scans.h"
 #include "velodyne_sensor.h"
 
 namespace hqslam::recordings {
@@ -11,12 +13,13 @@ namespace {
 
 constexpr int kProbedPackets = 20000;
 
-VelodyneStream probe(const RecordingFile& file, const Stream& stream, const std::string& path,
-                     std::optional<VelodyneModel> named) {
+VelodyneStream probe(StreamReader& reader, std::optional<VelodyneModel> named) {
+  const std::string& path = reader.path();
   VelodyneProbe probe;
-  const auto packets = file.packets(stream);
+  std::size_t looked_at = 0;
+  MessagePackets packets(reader.stream(), [&] { return reader.ahead(looked_at++); });
   for (int i = 0; i < kProbedPackets; ++i) {
-    const auto packet = packets->next();
+    const auto packet = packets.next();
     if (!packet) break;
     probe.add(*packet);
   }
@@ -38,29 +41,19 @@ VelodyneStream probe(const RecordingFile& file, const Stream& stream, const std:
 
 }  // namespace
 
-Opened open_velodyne(std::shared_ptr<const RecordingFile> file, const Stream& stream,
-                     const std::string& path, const OpenOptions& options) {
-  Opened opened;
-  RecordingInfo& info = opened.info;
-  VelodyneStream velodyne = probe(*file, stream, path, named_model(options.sensor));
+std::unique_ptr<StreamSource> open_velodyne(StreamReader reader, const OpenOptions& options,
+                                            bool with_points) {
+  const std::string path = reader.path();
+  VelodyneStream velodyne = probe(reader, named_model(options.sensor));
+  RecordingInfo info;
   info.sensor = velodyne_sensor(velodyne, options.sensor, options.columns, path, info.warnings);
   info.sensor_known = options.sensor.empty();
   info.format =
       fmt::format("Velodyne packets, {} return", velodyne.dual_return ? "dual" : "single");
-  info.has_stamps = true;
-  info.has_point_times = true;
-  VelodyneOptions decoding;
-  decoding.kept_return = options.kept_return;
-  VelodyneOptions counting = decoding;
-  counting.with_points = false;
-  VelodyneDecoder decoder(velodyne, info.sensor, counting);
-  count_scans<Scan>(
-      *file, stream, decoder, [](const Scan& scan) { return scan.stamp_s; }, info);
-  info.partial_scans = decoder.partial_scans();
-  judge_counts(stream, path, info);
-  opened.source = packet_scan_source(std::move(file), stream, info,
-                                     velodyne_assembler(velodyne, info.sensor, path, decoding));
-  return opened;
+  const VelodyneOptions decoding = {options.kept_return, with_points};
+  return packet_scans(std::move(reader), std::move(info), [=](const SensorModel& sensor) {
+    return velodyne_assembler(velodyne, sensor, path, decoding);
+  });
 }
 
 }  // namespace hqslam::recordings

@@ -309,12 +309,86 @@ TEST_CASE("a port in use, an unknown sensor and packets of another one are refus
   options = vlp16();
   options.sensor = "vlp-17";
   CHECK(one_line_with(error_message([&] { LiveSensor sensor(options); }), "vlp-17"));
-  options = vlp16();
+}
+
+TEST_CASE(
+    "packets of another sensor are named while one waits, and the sensor is found after them") {
+  const LiveOptions options = vlp16();
   LiveSensor sensor(options);
+  CHECK(sensor.complaint().empty());
+  const LoopbackSender stranger(options.port, 2);
+  for (int i = 0; i < 300; ++i) stranger.send(Payload(900));
+  CHECK_FALSE(sensor.recognise(0.3));
+  CHECK(one_line_with(sensor.complaint(), "900 bytes", "127.0.0.2", "vlp-16"));
+  const Background sending([&] { replay(velodyne_capture(long_room(0.7)), options.port, 1.0); });
+  CHECK(sensor.recognise(kPatience_s));
+  CHECK(text(sensor.sender()) == fmt::format("127.0.0.1:{}", options.port));
+}
+
+TEST_CASE("a stranger's packet that looks like the sensor's makes nobody the sensor") {
+  const TemporaryDirectory folder;
+  const auto packets = velodyne_capture(long_room(1.2));
+  LiveOptions options = vlp16();
+  options.record = folder.file("kept.pcap");
+  {
+    LiveSensor sensor(options);
+    const LoopbackSender stranger(options.port, 2);
+    stranger.send(packets[100].payload);
+    const Background sending([&] { replay(packets, options.port, 1.0); });
+    REQUIRE(sensor.recognise(kPatience_s));
+    CHECK(text(sensor.sender()) == fmt::format("127.0.0.1:{}", options.port));
+    sensor.start();
+    stranger.send(packets[200].payload);
+    REQUIRE(all_scans(sensor, 5).size() == 5);
+    CHECK(sensor.counts().other_senders == 1);
+    CHECK(sensor.counts().packets.lost == 0);
+  }
+  const RecordingInfo info = inspect(options.record);  // the sensor's packets, from its first on
+  CHECK(info.streams.size() == 1);
+  CHECK(info.packets.used > 800);
+}
+
+TEST_CASE("a sensor whose address changes is followed once it sends from the new one alone") {
+  const auto packets = velodyne_capture(long_room(4.5));
+  const auto part = [&](double begin_s, double end_s) {
+    const auto at = [&](double s) {
+      return packets.begin() +
+             static_cast<std::ptrdiff_t>(s / 4.5 * static_cast<double>(packets.size()));
+    };
+    return std::vector<Captured>(at(begin_s), at(end_s));
+  };
+  const LiveOptions options = vlp16();
+  LiveSensor sensor(options);
+  const Background sending([&] {
+    replay(part(0.0, 1.2), options.port, 1.0);
+    replay(part(1.2, 4.5), options.port, 1.0, 3);
+  });
+  REQUIRE(sensor.recognise(kPatience_s));
+  sensor.start();
+  // From 0.5 s to 1.2 s, then from where it was silent for a second on.
+  CHECK(all_scans(sensor, 20).size() == 20);
+  CHECK(sensor.counts().senders_changed == 1);
+  CHECK(sensor.counts().lost_scans > 5);
+  CHECK(text(sensor.sender()) == fmt::format("127.0.0.3:{}", options.port));
+}
+
+TEST_CASE("a sensor that was set to another mode in the drive is said to be") {
+  const auto packets = velodyne_capture(long_room(1.0));
+  const LiveOptions options = vlp16();
+  LiveSensor sensor(options);
+  {
+    const Background sending([&] { replay(packets, options.port, 1.0); });
+    REQUIRE(sensor.recognise(kPatience_s));
+    sensor.start();
+  }
+  CHECK(sensor.counts().trouble.empty());
   const LoopbackSender sender(options.port);
-  for (int i = 0; i < 300; ++i) sender.send(Payload(900));
-  CHECK(one_line_with(error_message([&] { sensor.recognise(kPatience_s); }), "900 bytes",
-                      "127.0.0.1", "vlp-16"));
+  const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(kPatience_s);
+  while (sensor.counts().trouble.empty() && std::chrono::steady_clock::now() < end) {
+    sender.send(Payload(1300));
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  }
+  CHECK(one_line_with(sensor.counts().trouble, "another form", "mode"));
 }
 
 TEST_CASE("a sensor of which no scan may wait is refused before a file is begun for it") {

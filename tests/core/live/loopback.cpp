@@ -6,13 +6,21 @@
 
 #include <chrono>
 #include <stdexcept>
+#include <string>
 #include <thread>
 
 #include "udp_socket.h"
 
 namespace hqslam::test {
 
-LoopbackSender::LoopbackSender(std::uint16_t port) : socket_(socket(AF_INET, SOCK_DGRAM, 0)) {
+LoopbackSender::LoopbackSender(std::uint16_t port, std::uint8_t host)
+    : socket_(socket(AF_INET, SOCK_DGRAM, 0)) {
+  sockaddr_in from{};
+  from.sin_family = AF_INET;
+  from.sin_addr.s_addr = htonl(INADDR_LOOPBACK - 1 + host);
+  if (bind(socket_.get(), reinterpret_cast<const sockaddr*>(&from), sizeof from) != 0) {
+    throw std::runtime_error("no address 127.0.0." + std::to_string(host));
+  }
   sockaddr_in to{};
   to.sin_family = AF_INET;
   to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
@@ -29,8 +37,9 @@ void LoopbackSender::send(const Payload& payload) const {
 
 std::uint16_t free_udp_port() { return live::UdpSocket(0).port(); }
 
-void replay(const std::vector<Captured>& packets, std::uint16_t port, double speed) {
-  const LoopbackSender sender(port);
+void replay(const std::vector<Captured>& packets, std::uint16_t port, double speed,
+            std::uint8_t host) {
+  const LoopbackSender sender(port, host);
   const auto start = std::chrono::steady_clock::now();
   for (std::size_t i = 0; i < packets.size(); ++i) {
     if (speed > 0.0) {

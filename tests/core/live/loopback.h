@@ -11,7 +11,8 @@ namespace hqslam::test {
 /// Sends datagrams to a UDP port of this computer, as a sensor would.
 class LoopbackSender {
  public:
-  explicit LoopbackSender(std::uint16_t port);
+  /// `host`: sends from 127.0.0.host.
+  explicit LoopbackSender(std::uint16_t port, std::uint8_t host = 1);
   void send(const Payload& payload) const;
 
  private:
@@ -23,6 +24,7 @@ std::uint16_t free_udp_port();
 
 /// Sends packets so much faster than they were captured; 0: as fast as it goes, with a pause every
 /// 16 packets, because the system's buffer is finite.
-void replay(const std::vector<Captured>& packets, std::uint16_t port, double speed);
+void replay(const std::vector<Captured>& packets, std::uint16_t port, double speed,
+            std::uint8_t host = 1);
 
 }  // namespace hqslam::test

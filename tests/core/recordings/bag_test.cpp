@@ -94,14 +94,71 @@ TEST_CASE("every kind of bag carries the same packets") {
        {"a.mcap", "alz4.mcap", "azstd.mcap", "anone.bag", "alz4.bag", "abz2.bag", "folder"}) {
     CAPTURE(name);
     const auto source = open_recording(directory.file(name));
-    CHECK(source->size() == 4);
     const auto scans = all_scans(*source);
     REQUIRE(scans.size() == expected.size());
     for (std::size_t i = 0; i < scans.size(); ++i) {
       CHECK(scans[i].stamp_s == expected[i].stamp_s);
       CHECK(scans[i].cloud.range_m == expected[i].cloud.range_m);
     }
+    CHECK(source->warnings().empty());  // nothing came twice
     CHECK(inspect(directory.file(name)).streams.size() == 2);
+  }
+}
+
+TEST_CASE(
+    "a bag whose recorder left the serialization format empty is read, one of another is not") {
+  const TemporaryDirectory directory;
+  write_db3(velodyne_messages(false), directory.file("a.db3"), "");
+  CHECK(all_scans(*open_recording(directory.file("a.db3"))).size() == 4);
+  write_db3(velodyne_messages(false), directory.file("b.db3"), "protobuf");
+  CHECK(one_line_with(error_message([&] { open_recording(directory.file("b.db3")); }), "none"));
+}
+
+TEST_CASE("an Ouster's metadata are found wherever they stand in a bag") {
+  const TemporaryDirectory directory;
+  std::vector<BagMessage> messages;
+  for (const std::uint32_t id : {1U, 2U}) {
+    for (const Captured& packet : ouster_turn(OusterProfile::kRng19, id)) {
+      messages.push_back({"/lidar_packets", "ouster_sensor_msgs/msg/PacketMsg",
+                          packet.time_ns + 10'000'000'000 * id,
+                          buffer_message(packet.payload, false)});
+    }
+  }
+  messages.push_back({"/metadata", "std_msgs/msg/String", 40'000'000'000,
+                      text_message(ouster_metadata_text(OusterProfile::kRng19), false)});
+  write_file(directory.file("a.mcap"), mcap_bytes(messages, ""));
+  CHECK(all_scans(*open_recording(directory.file("a.mcap"))).size() == 2);
+}
+
+TEST_CASE("rings and times of clouds are found by any of the names that drivers give them") {
+  const TemporaryDirectory directory;
+  const auto scans_of = [&](const char* time_name, const char* ring_name) {
+    std::vector<BagMessage> messages;
+    for (int i = 0; i < 3; ++i) {
+      const double begin_s = 1'600'000'000.0 + 0.1 * i;
+      messages.push_back({"/points", kCloudType, std::llround(1e9 * begin_s),
+                          cloud_message(std::llround(1e9 * begin_s), round_cloud(0.1, 1.0, begin_s),
+                                        false, 8, time_name, ring_name)});
+    }
+    write_file(directory.file("a.mcap"), mcap_bytes(messages, ""));
+    return all_scans(*open_recording(directory.file("a.mcap"), {.sensor = "vlp-16"}));
+  };
+  const auto expected = scans_of("timestamp", "ring");
+  REQUIRE(expected.size() == 3);
+  REQUIRE(!expected[0].cloud.time_offset_s.empty());
+  for (const char* time_name :
+       {"t", "time", "time_stamp", "timeStamp", "offset_time", "t_offset"}) {
+    for (const char* ring_name : {"channel", "line", "laser_id"}) {
+      CAPTURE(time_name);
+      CAPTURE(ring_name);
+      const auto scans = scans_of(time_name, ring_name);
+      REQUIRE(scans.size() == 3);
+      for (std::size_t i = 0; i < scans.size(); ++i) {
+        CHECK(scans[i].stamp_s == expected[i].stamp_s);
+        CHECK(scans[i].cloud.time_offset_s == expected[i].cloud.time_offset_s);
+        CHECK(scans[i].cloud.range_m == expected[i].cloud.range_m);
+      }
+    }
   }
 }
 

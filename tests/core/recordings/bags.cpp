@@ -137,7 +137,8 @@ Payload text_message(const std::string& text, bool ros1) {
 }
 
 Payload cloud_message(std::int64_t stamp_ns, const std::vector<CloudPoint>& points, bool ros1,
-                      std::uint8_t time_type, const std::string& time_name) {
+                      std::uint8_t time_type, const std::string& time_name,
+                      const std::string& ring_name) {
   Writer writer(ros1);
   writer.header(stamp_ns);
   writer.number(std::uint32_t{1});
@@ -153,7 +154,7 @@ Payload cloud_message(std::int64_t stamp_ns, const std::vector<CloudPoint>& poin
   field("x", 0, 7);
   field("y", 4, 7);
   field("z", 8, 7);
-  field("ring", 12, 4);
+  field(ring_name, 12, 4);
   field(time_name, 18, time_type);
   writer.number(std::uint8_t{0});
   writer.number(step);
@@ -238,7 +239,8 @@ std::string ros1_bytes(const std::vector<BagMessage>& messages, const std::strin
   return bytes;
 }
 
-void write_db3(const std::vector<BagMessage>& messages, const std::string& path) {
+void write_db3(const std::vector<BagMessage>& messages, const std::string& path,
+               const std::string& serialization_format) {
   sqlite3* database = nullptr;
   if (sqlite3_open(path.c_str(), &database) != SQLITE_OK) throw std::runtime_error(path);
   const auto run = [&](const char* sql) { sqlite3_exec(database, sql, nullptr, nullptr, nullptr); };
@@ -255,11 +257,12 @@ void write_db3(const std::vector<BagMessage>& messages, const std::string& path)
     sqlite3_stmt* statement = nullptr;
     if (!written[message.topic]) {
       written[message.topic] = true;
-      sqlite3_prepare_v2(database, "INSERT INTO topics VALUES(?, ?, ?, 'cdr', '')", -1, &statement,
+      sqlite3_prepare_v2(database, "INSERT INTO topics VALUES(?, ?, ?, ?, '')", -1, &statement,
                          nullptr);
       sqlite3_bind_int(statement, 1, id);
       sqlite3_bind_text(statement, 2, message.topic.c_str(), -1, SQLITE_TRANSIENT);
       sqlite3_bind_text(statement, 3, message.type.c_str(), -1, SQLITE_TRANSIENT);
+      sqlite3_bind_text(statement, 4, serialization_format.c_str(), -1, SQLITE_TRANSIENT);
       sqlite3_step(statement);
       sqlite3_finalize(statement);
     }

@@ -30,14 +30,16 @@ struct CloudPoint {
 };
 /// A sensor_msgs/PointCloud2; its field of times has this type (6: uint32, 7: float32, 8: float64).
 Payload cloud_message(std::int64_t stamp_ns, const std::vector<CloudPoint>& points, bool ros1,
-                      std::uint8_t time_type = 8, const std::string& time_name = "timestamp");
+                      std::uint8_t time_type = 8, const std::string& time_name = "timestamp",
+                      const std::string& ring_name = "ring");
 
 /// The bytes of an MCAP file; compression "", "lz4" or "zstd".
 std::string mcap_bytes(const std::vector<BagMessage>& messages, const std::string& compression);
 /// The bytes of a ROS 1 bag; compression "none", "lz4" or "bz2". Messages are written by ROS 1.
 std::string ros1_bytes(const std::vector<BagMessage>& messages, const std::string& compression);
-/// Writes a ROS 2 bag (sqlite).
-void write_db3(const std::vector<BagMessage>& messages, const std::string& path);
+/// Writes a ROS 2 bag (sqlite), whose topics say to be serialized so.
+void write_db3(const std::vector<BagMessage>& messages, const std::string& path,
+               const std::string& serialization_format = "cdr");
 /// Writes one whose messages are a view that never ends.
 void write_endless_db3(const std::string& path);
 /// A copy of such a bag as it lies there while it is written: in write-ahead mode, and that the

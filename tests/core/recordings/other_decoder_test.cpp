@@ -6,11 +6,11 @@
 #include <cstring>
 #include <numbers>
 
-#include "bag.h"
 #include "file_contents.h"
 #include "hqslam/recordings/velodyne.h"
+#include "message_packets.h"
 #include "real_data.h"
-#include "recording_file.h"
+#include "stream_reader.h"
 #include "velodyne_tables.h"
 
 using namespace hqslam;
@@ -64,13 +64,15 @@ struct OurPoint {
 /// The points of the scans of a bag from the `first` one on.
 std::vector<OurPoint> our_points(const std::string& path, VelodyneModel expected, bool dual,
                                  std::size_t first) {
-  const auto file = open_recording_file(path);
-  REQUIRE(file->streams().size() == 1);
-  const Stream& stream = file->streams().front();
-  REQUIRE(stream.kind == StreamKind::kVelodynePackets);
+  const auto for_each_packet = [&](const auto& use) {
+    StreamReader reader(path, "");
+    REQUIRE(reader.stream().kind == StreamKind::kVelodynePackets);
+    MessagePackets packets(reader.stream(), [&] { return reader.next(); });
+    while (const auto packet = packets.next()) use(*packet);
+    CHECK(reader.file().streams().size() == 1);
+  };
   VelodyneProbe probe;
-  const auto packets = file->packets(stream);
-  while (const auto packet = packets->next()) probe.add(*packet);
+  for_each_packet([&](const Packet& packet) { probe.add(packet); });
   const auto found = probe.result();
   REQUIRE(found);
   CHECK(found->model == expected);
@@ -79,8 +81,7 @@ std::vector<OurPoint> our_points(const std::string& path, VelodyneModel expected
   whole.field_of_view_deg = 1.0;  // what the bag cuts off counts too
   std::vector<Scan> scans;
   VelodyneDecoder decoder(whole, sensor_preset(name(found->model)));
-  const auto again = file->packets(stream);
-  while (const auto packet = again->next()) decoder.add(*packet, scans);
+  for_each_packet([&](const Packet& packet) { decoder.add(packet, scans); });
   decoder.finish(scans);
   CHECK(decoder.counts().late + decoder.counts().foreign == 0);
   std::vector<OurPoint> points;

@@ -31,6 +31,7 @@ struct Decoded {
   std::vector<Scan> scans;
   PacketCounts counts;
   std::int64_t partial = 0;
+  std::int64_t lost = 0;  ///< turns
 };
 
 Decoded decoded(const std::vector<Captured>& packets, const VelodyneStream& stream,
@@ -41,6 +42,7 @@ Decoded decoded(const std::vector<Captured>& packets, const VelodyneStream& stre
   decoder.finish(result.scans);
   result.counts = decoder.counts();
   result.partial = decoder.partial_scans();
+  result.lost = decoder.lost_scans();
   return result;
 }
 
@@ -254,6 +256,32 @@ TEST_CASE("lost, doubled, overtaken and foreign packets are counted, and a lost 
     longest_s = std::max(longest_s, d.scans[i].stamp_s - d.scans[i - 1].stamp_s);
   }
   CHECK(longest_s > 0.14);
+}
+
+TEST_CASE("packets and turns of an outage are counted, however long it lasts") {
+  struct Case {
+    double outage_s;
+    std::int64_t turns;
+  };
+  for (const Case& c : {Case{0.25, 2}, Case{1.0, 10}, Case{2.55, 25}, Case{1900.0, 19000},
+                        Case{3600.0 * 3 + 5.0, 108050}}) {
+    CAPTURE(c.outage_s);
+    auto packets = velodyne_capture({.duration_s = 1.05, .first_azimuth_deg = 0.0});
+    const VelodyneStream stream = probed(packets);
+    const auto later_us = static_cast<std::int64_t>(1e6 * c.outage_s);
+    for (std::size_t i = 400; i < packets.size(); ++i) {
+      const auto time_us = little_endian<std::uint32_t>(packets[i].payload, kTimeAt);
+      put(packets[i].payload, kTimeAt,
+          static_cast<std::uint32_t>((time_us + later_us) % 3'600'000'000));
+      packets[i].time_ns += 1000 * later_us;
+    }
+    const Decoded d = decoded(packets, stream);
+    const double expected = 1e6 * c.outage_s / 1327.104;
+    CHECK(std::abs(static_cast<double>(d.counts.lost) - expected) < 1.0 + 1e-3 * expected);
+    CHECK(std::abs(static_cast<double>(d.lost - c.turns)) <=
+          1.0 + 1e-3 * static_cast<double>(c.turns));
+    CHECK(d.scans.back().stamp_s - d.scans.front().stamp_s > c.outage_s);
+  }
 }
 
 TEST_CASE("no scan lasts longer than a turn, however many packets were lost") {

@@ -211,7 +211,7 @@ int demo_command(const DemoOptions& options) {
     return interrupted();
   }
   to_stdout("A drive of {} scans through a simulated city, sensor {}.\n\n",
-            rows.front().result.run.scans_in_recording, simulate.sensor);
+            *rows.front().result.run.scans_in_recording, simulate.sensor);
   const DemoTable table = table_of(rows);
   print_table(table);
   if (!weights) {

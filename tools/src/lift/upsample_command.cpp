@@ -24,26 +24,23 @@ namespace hqslam::tools {
 namespace {
 
 struct UpsampleRun {
-  std::vector<double> times_s;  ///< of the upsampling alone, per scan
-  std::int64_t scans_in_recording = 0;
+  std::vector<double> times_s;                     ///< of the upsampling alone, per scan
+  std::optional<std::int64_t> scans_in_recording;  ///< nothing where only its end tells
+  bool interrupted = false;
   LeftOut left_out;
   std::optional<std::string> unreadable;  ///< the reader's message for the scan that ended the run
 };
 
-UpsamplingPlan plan_of(const UpsampleOptions& options) {
+/// `stream`: the recording, if it is a capture or a bag.
+UpsamplingPlan plan_of(const UpsampleOptions& options, const recordings::StreamSource* stream) {
   UpsamplingRequest request;
+  if (stream != nullptr) request.sender = stream->sensor();
   request.input = options.input;
   request.sensor = options.sensor;
   request.stream = options.stream;
   request.method = options.weights.empty() ? options.method : options.weights;
   request.confidence = options;
   return plan_upsampling(request);
-}
-
-std::unique_ptr<ScanSource> source_of(const UpsampleOptions& options, const UpsamplingPlan& plan) {
-  auto source = open_input(options, plan.recording_sensor);
-  print_warnings(*source, options.input);
-  return source;
 }
 
 /// The next scan, or nothing at the end of the recording or at a scan that cannot be read, unless
@@ -69,11 +66,11 @@ UpsampleRun upsample(ScanSource& source, UpsamplingPlan& plan, const UpsampleOpt
   Progress progress(fmt::format("upsample to {}x{}", plan.upsampler.sensor().rows(),
                                 plan.upsampler.sensor().columns),
                     source.size());
-  while (!interrupt.stop_requested()) {
+  while (true) {
+    run.interrupted = interrupt.stop_requested();
+    if (run.interrupted) break;
     const std::optional<RecordedScan> scan = read_next(source, run);
-    if (!scan) {
-      break;
-    }
+    if (!scan) break;
     const OrganizedCloud measured = plan.rows ? select_rows(scan->cloud, *plan.rows) : scan->cloud;
     const RangeImage measured_image = range_image(measured);
     nn::LiftedImage lifted;
@@ -88,8 +85,9 @@ UpsampleRun upsample(ScanSource& source, UpsamplingPlan& plan, const UpsampleOpt
                      UpsampledFormats{options.bin, options.pcd, options.png});
     }
     output->append(range_image(cloud), cloud, scan->stamp_s);
-    progress.update(static_cast<std::int64_t>(run.times_s.size()));
+    progress.update(std::ssize(run.times_s), source.read_share());
   }
+  progress.update(std::ssize(run.times_s), source.read_share());
   progress.finish();
   return run;
 }
@@ -150,9 +148,15 @@ int upsample_command(const UpsampleOptions& options) {
   const InterruptGuard interrupt;
   use_threads(options.threads);
   refuse_to_write_into_recording(options.input, options.out);
-  UpsamplingPlan plan = plan_of(options);
-  const std::unique_ptr<ScanSource> source = source_of(options, plan);
+  auto stream = open_stream(options);
+  UpsamplingPlan plan = plan_of(options, stream.get());
+  if (stream) stream->use_columns(plan.recording_sensor.columns);
+  const std::unique_ptr<ScanSource> source =
+      stream ? std::move(stream) : open_input(options, plan.recording_sensor);
+  print_warnings(*source, options.input);
+  const std::size_t told = source->warnings().size();
   const UpsampleRun run = upsample(*source, plan, options, interrupt);
+  print_later_warnings(*source, told);
   const auto scans = static_cast<std::int64_t>(run.times_s.size());
   if (scans > 0) {
     print_summary(run, plan, options);
@@ -160,14 +164,16 @@ int upsample_command(const UpsampleOptions& options) {
     throw Error(run.left_out.text());
   }
   if (run.left_out.scans > 0) to_stderr("hqslam: {}\n", run.left_out.text());
+  const std::string of =
+      run.scans_in_recording ? fmt::format(" of {}", *run.scans_in_recording) : "";
   if (run.unreadable) {
-    to_stderr("hqslam: {}; stopped after {} of {} scans, the results up to there are valid\n",
-              *run.unreadable, scans, run.scans_in_recording);
+    to_stderr("hqslam: {}; stopped after {}{} scans, the results up to there are valid\n",
+              *run.unreadable, scans, of);
     return kWrongInput;
   }
-  if (scans + run.left_out.scans < run.scans_in_recording) {
-    to_stderr("hqslam: interrupted after {} of {} scans; the results up to there are valid\n",
-              scans, run.scans_in_recording);
+  if (run.interrupted && scans + run.left_out.scans != run.scans_in_recording) {
+    to_stderr("hqslam: interrupted after {}{} scans; the results up to there are valid\n", scans,
+              of);
     return kInterrupted;
   }
   return kOk;

@@ -103,6 +103,8 @@ std::string status_line(const LiveStatus& status) {
   say(counts.packets.late, "packets late or twice");
   say(counts.packets.foreign, "packets of another kind");
   say(counts.other_senders, "packets of other senders");
+  say(counts.senders_changed, "times another address");
+  if (!counts.trouble.empty()) line += "  " + counts.trouble;
   if (!counts.recording_failure.empty()) line += "  NOT RECORDED ANY MORE";
   return line;
 }
@@ -114,6 +116,10 @@ bool wait_for_sensor(live::LiveSensor& sensor, const InterruptGuard& interrupt) 
     if (seconds_since(told) < kStatusInterval_s) continue;
     told = SteadyClock::now();
     const std::int64_t seen = sensor.packets_seen();
+    if (const std::string complaint = sensor.complaint(); !complaint.empty()) {
+      to_stderr("hqslam: {}; waiting for the sensor\n", complaint);
+      continue;
+    }
     to_stdout("{} on UDP port {}{}\n", seen == 0 ? "no packet yet" : "listening", sensor.port(),
               seen == 0 ? "; does the sensor send to this computer?"
                         : fmt::format(", {} packets, not yet recognised as the sensor's", seen));

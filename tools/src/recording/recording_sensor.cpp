@@ -5,7 +5,6 @@
 #include <filesystem>
 
 #include "hqslam/core/error.h"
-#include "hqslam/recordings/recording.h"
 #include "hqslam/sim/read_drive.h"
 #include "terminal/terminal.h"
 
@@ -49,7 +48,7 @@ std::string file_of_drive(const std::string& input, const char* name) {
 std::optional<SensorModel> recording_sensor(const std::string& input, const std::string& sensor,
                                             const std::string& stream) {
   if (recordings::is_capture_or_bag(input)) {
-    return recordings::recording_sensor(input, open_options({input, sensor, stream}));
+    return recordings::open_stream(input, open_options({input, sensor, stream}))->sensor();
   }
   const std::string& path = sensor.empty() ? file_of_drive(input, "sensor.json") : sensor;
   return path.empty() ? std::nullopt : std::optional(load_sensor(path));
@@ -59,18 +58,28 @@ SensorModel required_recording_sensor(const std::string& input, const std::strin
                                       const std::string& stream) {
   std::optional<SensorModel> known = recording_sensor(input, sensor, stream);
   if (known) return *known;
-  return recordings::recording_sensor(input, {});  // says what is missing
+  return recordings::open_recording(input)->sensor();  // says what is missing
+}
+
+std::unique_ptr<recordings::StreamSource> open_stream(const InputChoice& choice) {
+  if (!recordings::is_capture_or_bag(choice.input)) return nullptr;
+  return recordings::open_stream(choice.input, open_options(choice));
 }
 
 std::unique_ptr<ScanSource> open_input(const InputChoice& choice, const SensorModel& sensor) {
   recordings::OpenOptions options = open_options(choice);
   if (recordings::is_capture_or_bag(choice.input)) {
     options.columns = sensor.columns;
-    return recordings::open_recording(choice.input, options);
+    return recordings::open_stream(choice.input, options);
   }
   if (choice.stream.empty()) return open_recording(choice.input, sensor, options.files);
   throw Error(fmt::format("{}: is no capture and no bag, which have streams; leave --stream out",
                           choice.input));
+}
+
+std::int64_t scans_in(const InputChoice& choice, const ScanSource& source) {
+  if (const auto size = source.size()) return *size;
+  return recordings::inspect(choice.input, open_options(choice)).scans;
 }
 
 std::string LeftOut::text() const {
@@ -89,13 +98,19 @@ std::optional<RecordedScan> next_usable(ScanSource& source, LeftOut& left_out) {
 }
 
 void print_warnings(const ScanSource& source, const std::string& input) {
-  if (const std::int64_t planned = planned_scans(input); source.size() < planned) {
+  const std::int64_t planned = planned_scans(input);
+  if (const auto size = source.size(); size && *size < planned) {
     to_stderr(
         "hqslam: {}: the simulation was stopped after {} of {} scans; the same hqslam simulate "
         "makes them all\n",
-        input, source.size(), planned);
+        input, *size, planned);
   }
-  for (const std::string& line : source.warnings()) to_stderr("hqslam: {}\n", line);
+  print_later_warnings(source, 0);
+}
+
+void print_later_warnings(const ScanSource& source, std::size_t told) {
+  const std::vector<std::string> warnings = source.warnings();
+  for (std::size_t i = told; i < warnings.size(); ++i) to_stderr("hqslam: {}\n", warnings[i]);
 }
 
 }  // namespace hqslam::tools

@@ -7,6 +7,7 @@
 
 #include "hqslam/core/scan_source.h"
 #include "hqslam/core/sensor_model.h"
+#include "hqslam/recordings/recording.h"
 
 namespace hqslam::tools {
 
@@ -36,9 +37,16 @@ std::optional<SensorModel> recording_sensor(const std::string& input, const std:
 SensorModel required_recording_sensor(const std::string& input, const std::string& sensor,
                                       const std::string& stream = "");
 
+/// A capture or a bag, opened just as far as it takes to know its sensor; nullptr for other
+/// recordings. Throws Error.
+std::unique_ptr<recordings::StreamSource> open_stream(const InputChoice& choice);
+
 /// Opens any recording with the sensor that recording_sensor gave, or with the rows or columns of
 /// it that a network wants. Throws Error.
 std::unique_ptr<ScanSource> open_input(const InputChoice& choice, const SensorModel& sensor);
+
+/// How many scans there are: as the source says, or by reading the capture or bag to its end.
+std::int64_t scans_in(const InputChoice& choice, const ScanSource& source);
 
 /// Scans of a recording that could not be understood.
 struct LeftOut {
@@ -55,5 +63,7 @@ std::optional<RecordedScan> next_usable(ScanSource& source, LeftOut& left_out);
 
 /// Prints what a user should know of the recording to stderr, a line each. `input` is its path.
 void print_warnings(const ScanSource& source, const std::string& input);
+/// The same of what was found since the first `told` warnings, as it was read.
+void print_later_warnings(const ScanSource& source, std::size_t told);
 
 }  // namespace hqslam::tools

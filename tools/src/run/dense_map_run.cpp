@@ -55,7 +55,7 @@ std::optional<std::size_t> pose_of(const ScanPoses& poses, std::int64_t scan, do
 
 /// One reading of the recording.
 struct Reading {
-  const RunPlan& plan;
+  RunPlan& plan;
   const ScanPoses& poses;
   const InterruptGuard& interrupt;
 };
@@ -73,13 +73,14 @@ ReadingCounts read_all(
     const std::function<void(const RecordedScan&, const slam::SensorPath&)>& use) {
   const auto source = reading.plan.open();
   const auto& scans = reading.poses.scan_of_pose;
-  const std::int64_t most =
-      scans && !scans->empty() ? std::min(source->size(), scans->back() + 1) : source->size();
+  std::optional<std::int64_t> most = source->size();
+  if (scans && !scans->empty())
+    most = std::min(most.value_or(scans->back() + 1), scans->back() + 1);
   Progress progress(label, most);
   ReadingCounts counts;
   const auto read = [&] { return counts.scans + counts.left_out + counts.not_understood.scans; };
   try {
-    while (read() < most && !reading.interrupt.stop_requested()) {
+    while ((!most || read() < *most) && !reading.interrupt.stop_requested()) {
       const std::optional<RecordedScan> scan = next_usable(*source, counts.not_understood);
       if (!scan) break;
       if (const auto pose = pose_of(reading.poses, read(), scan->stamp_s)) {
@@ -88,7 +89,7 @@ ReadingCounts read_all(
       } else {
         ++counts.left_out;
       }
-      progress.update(read());
+      progress.update(read(), source->read_share());
     }
   } catch (const Error& error) {
     if (counts.scans == 0) throw;

@@ -33,8 +33,10 @@ std::string distance_html(double metres) {
 std::string numbers_html(const SlamRun& run, const std::optional<ReferenceComparison>& comparison) {
   std::string html = "<dl class=\"numbers\">\n";
   html += number_html("Scans", fmt::format("{}", run.scans.size()),
-                      fmt::format("of {} {}", run.scans_in_recording,
-                                  run.command == "live" ? "that came" : "in the recording"));
+                      run.scans_in_recording
+                          ? fmt::format("of {} {}", *run.scans_in_recording,
+                                        run.command == "live" ? "that came" : "in the recording")
+                          : "");
   html += number_html("Path length", distance_html(known_path_m(run)), "");
   if (comparison) {
     const double rmse_m = comparison->error.translation_statistics.rmse;
@@ -63,9 +65,9 @@ std::string notice_html(const SlamRun& run) {
   }
   const std::string why = run.end == RunEnd::kInterrupted ? "it was interrupted" : run.end_message;
   return fmt::format(
-      "<p class=\"notice\">The run ended after {} of {} scans: {}. What is shown is valid up to "
+      "<p class=\"notice\">The run ended after {}: {}. What is shown is valid up to "
       "there.</p>\n",
-      run.scans.size(), run.scans_in_recording, escape_html(why));
+      scans_of(run), escape_html(why));
 }
 
 /// The recording without most of its path: "kitti_drive_0005/velodyne".

@@ -16,15 +16,17 @@
 namespace hqslam::tools {
 namespace {
 
-ScanPoses poses_from(const std::string& path, std::int64_t scans) {
+ScanPoses poses_from(const MapOptions& options) {
+  const std::string& path = options.poses;
   const TrajectoryFile file = read_trajectory_file(path);
-  if (!file.has_stamps && std::ssize(file.poses) != scans) {
+  if (file.has_stamps) return {file.poses, {}, std::nullopt};
+  const std::int64_t scans = scans_in(options, *plan_of(options).open());
+  if (std::ssize(file.poses) != scans) {
     throw Error(fmt::format(
         "{}: has {} poses without stamps, but the recording has {} scans; give one pose per scan "
         "or a TUM file",
         path, file.poses.size(), scans));
   }
-  if (file.has_stamps) return {file.poses, {}, std::nullopt};
   std::vector<std::int64_t> every_scan(file.poses.size());
   std::iota(every_scan.begin(), every_scan.end(), 0);
   return {file.poses, {}, std::move(every_scan)};
@@ -75,7 +77,7 @@ int map_command(const MapOptions& options) {
   const InterruptGuard interrupt;
   use_threads(options.threads);
   refuse_to_write_into_recording(options.input, options.out);
-  const ScanPoses poses = poses_from(options.poses, plan_of(options).open()->size());
+  const ScanPoses poses = poses_from(options);
   refuse_foreign_dense_map(options.out);
   const DenseMapRun run = build_dense_map(options, poses, options.map, interrupt);
   if (interrupt.stop_requested()) {

@@ -9,7 +9,6 @@
 #include <numbers>
 
 #include "hqslam/core/error.h"
-#include "hqslam/recordings/recording.h"
 #include "recording/recording_sensor.h"
 #include "run/map_command.h"
 #include "run/run_output.h"
@@ -19,18 +18,6 @@
 
 namespace hqslam::tools {
 namespace {
-
-/// Whether a scan's stamp is its index times the sensor's period: of a recording that says none.
-bool has_counted_stamps(const RunOptions& options, const RunPlan& plan) {
-  if (!options.stamps.empty() || !file_of_drive(options.input, "truth.tum").empty() ||
-      recordings::is_capture_or_bag(options.input)) {
-    return false;
-  }
-  const std::unique_ptr<ScanSource> source = plan.open();
-  LeftOut left_out;
-  const std::optional<RecordedScan> first = next_usable(*source, left_out);
-  return first && first->stamp_s == 0.0;  // those of a clock or a file hardly begin with it
-}
 
 /// Where stamps are counted, that of a reference recorded with a clock is another time, and none of
 /// its poses would be compared.
@@ -47,23 +34,22 @@ void require_stamps_of_scans(const TrajectoryFile& reference, std::int64_t scans
       reference.path, first_s, last_s, end_s, scan_period_s));
 }
 
-std::optional<TrajectoryFile> reference_of(const RunOptions& options, const RunPlan& plan,
-                                           const ScanSource& source) {
-  const std::int64_t scans = source.size();
+std::optional<TrajectoryFile> reference_of(const RunOptions& options, const ScanSource& source) {
   const std::string path =
       options.reference.empty() ? file_of_drive(options.input, "truth.tum") : options.reference;
   if (path.empty()) {
     return std::nullopt;
   }
   TrajectoryFile reference = read_trajectory_file(path);
-  if (!reference.has_stamps && static_cast<std::int64_t>(reference.poses.size()) != scans) {
+  if (reference.has_stamps && source.has_stamps()) return reference;
+  const std::int64_t scans = scans_in(options, source);
+  if (reference.has_stamps) {
+    require_stamps_of_scans(reference, scans, source.sensor().scan_period_s);
+  } else if (std::ssize(reference.poses) != scans) {
     throw Error(
         fmt::format("{}: has {} poses without stamps, but {} has {} scans; give one pose per scan "
                     "or a TUM file",
                     path, reference.poses.size(), options.input, scans));
-  }
-  if (reference.has_stamps && has_counted_stamps(options, plan)) {
-    require_stamps_of_scans(reference, scans, source.sensor().scan_period_s);
   }
   return reference;
 }
@@ -99,12 +85,11 @@ int exit_status_of(const RunResult& result, const RunOptions& options) {
   }
   switch (run.end) {
     case RunEnd::kInterrupted:
-      to_stderr("hqslam: interrupted after {} of {} scans; the results up to there are valid\n",
-                run.scans.size(), run.scans_in_recording);
+      to_stderr("hqslam: interrupted after {}; the results up to there are valid\n", scans_of(run));
       return kInterrupted;
     case RunEnd::kUnreadableScan:
-      to_stderr("hqslam: {}; stopped after {} of {} scans, the results up to there are valid\n",
-                run.end_message, run.scans.size(), run.scans_in_recording);
+      to_stderr("hqslam: {}; stopped after {}, the results up to there are valid\n",
+                run.end_message, scans_of(run));
       return kWrongInput;
     case RunEnd::kComplete:
       break;
@@ -258,7 +243,8 @@ RunResult run_and_write(const RunOptions& options, const InterruptGuard& interru
   RunPlan plan = plan_of(options);
   const std::unique_ptr<ScanSource> source = plan.open();
   print_warnings(*source, options.input);
-  const std::optional<TrajectoryFile> reference = reference_of(options, plan, *source);
+  const std::size_t told = source->warnings().size();
+  const std::optional<TrajectoryFile> reference = reference_of(options, *source);
   RunOutput output(options.out);
   if (!options.map_file.empty()) output.refuse_to_replace(options.map_file);
 
@@ -269,6 +255,7 @@ RunResult run_and_write(const RunOptions& options, const InterruptGuard& interru
   spec.save_map = options.save_map;
   spec.map = given_map(options);
   result.run = run_slam(*source, spec, output, interrupt);
+  print_later_warnings(*source, told);
   if (result.run.scans.empty()) {
     if (result.run.end == RunEnd::kUnreadableScan) {
       throw Error(result.run.end_message);

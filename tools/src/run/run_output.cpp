@@ -135,7 +135,7 @@ std::string timings_json(const SlamRun& run) {
       {"threads", run.threads},
       {"end", name(run.end)},
       {"scans", run.scans.size()},
-      {"scans_in_recording", run.scans_in_recording},
+      {"scans_in_recording", run.scans_in_recording ? Json(*run.scans_in_recording) : Json()},
       {"wall_s", rounded(run.wall_s)},
       {"scans_per_second", rounded(scans_per_second(run))},
       {"key_frames", key_frames},

@@ -37,7 +37,8 @@ void declare_recording(CLI::App& command, RecordingChoice& choice) {
   declare_lifting(command, choice);
 }
 
-std::unique_ptr<ScanSource> RunPlan::open() const {
+std::unique_ptr<ScanSource> RunPlan::open() {
+  if (opened) return std::move(opened);
   return open_input(recording, recording_sensor);
 }
 
@@ -47,8 +48,14 @@ RunPlan plan_of(const RecordingChoice& choice, const nn::SuperResolverOptions& n
   request.sensor = choice.sensor;
   request.stream = choice.stream;
   request.network_options = network;
+  auto stream = open_stream(choice);
+  if (stream) request.sender = stream->sensor();
   RunPlan plan = planned(std::move(request), choice);
   plan.recording = choice;
+  if (stream) {
+    stream->use_columns(plan.recording_sensor.columns);
+    plan.opened = std::move(stream);
+  }
   return plan;
 }
 

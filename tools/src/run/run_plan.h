@@ -32,7 +32,9 @@ struct RunPlan {
     return result;
   }
   /// The recording from its beginning. Throws Error.
-  std::unique_ptr<ScanSource> open() const;
+  std::unique_ptr<ScanSource> open();
+  /// A capture or a bag that planning had to open: what open() gives first.
+  std::unique_ptr<ScanSource> opened;
 };
 /// network: how its network is loaded; the choice's least_confidence comes first. Throws Error.
 RunPlan plan_of(const RecordingChoice& choice, const nn::SuperResolverOptions& network = {});

@@ -62,6 +62,11 @@ std::string_view name(RunEnd end) {
   return "complete";
 }
 
+std::string scans_of(const SlamRun& run) {
+  if (!run.scans_in_recording) return fmt::format("{} scans", run.scans.size());
+  return fmt::format("{} of {} scans", run.scans.size(), *run.scans_in_recording);
+}
+
 double scans_per_second(const SlamRun& run) {
   return run.wall_s > 0.0 ? static_cast<double>(run.scans.size()) / run.wall_s : 0.0;
 }
@@ -218,9 +223,13 @@ SlamRun run_slam(ScanSource& source, const SlamRunSpec& spec, RunOutput& output,
     ScanRecord record;
     record.reading_s = seconds_since(reading_start);
     session.process(*scan, record, output);
-    progress.update(static_cast<std::int64_t>(run.scans.size()));
+    progress.update(std::ssize(run.scans), source.read_share());
   }
+  progress.update(std::ssize(run.scans), source.read_share());
   progress.finish();
+  if (run.end == RunEnd::kComplete) {
+    run.scans_in_recording = std::ssize(run.scans) + run.left_out.scans;
+  }
   if (run.scans.empty() && run.left_out.scans > 0 && run.end == RunEnd::kComplete) {
     run.end = RunEnd::kUnreadableScan;
     run.end_message = run.left_out.text();

@@ -48,7 +48,8 @@ struct SlamRun {
   slam::SlamOptions slam;
   slam::MountingOptions mounting;  ///< slam::Slam::mounting()
   int threads = 1;
-  std::int64_t scans_in_recording = 0;  ///< or that have come from a sensor
+  /// Or that have come from a sensor; nothing as long as only the end of the recording tells.
+  std::optional<std::int64_t> scans_in_recording;
   std::vector<ScanRecord> scans;
   std::vector<slam::LoopReport> loops;       ///< places that were recognised, and are right now
   std::vector<std::size_t> part_of_scan;     ///< slam::Slam::part_of_scan()
@@ -67,6 +68,9 @@ struct SlamRun {
 std::string_view name(RunEnd end);
 
 /// Scans per second over the whole run: reading, upsampling, SLAM and writing.
+/// "40 of 80 scans", or "40 scans".
+std::string scans_of(const SlamRun& run);
+
 double scans_per_second(const SlamRun& run);
 
 /// One time of every scan, in milliseconds.

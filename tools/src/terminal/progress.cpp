@@ -18,8 +18,9 @@ constexpr double kTerminalInterval_s = 0.1;
 constexpr double kPlainInterval_s = 10.0;
 
 double done_share(const ProgressState& state) {
-  return state.total > 0
-             ? std::min(1.0, static_cast<double>(state.done) / static_cast<double>(state.total))
+  if (!state.total) return std::clamp(state.share, 0.0, 1.0);
+  return *state.total > 0
+             ? std::min(1.0, static_cast<double>(state.done) / static_cast<double>(*state.total))
              : 1.0;
 }
 
@@ -31,14 +32,16 @@ std::string duration_text(double seconds) {
   return fmt::format("{} min {:02} s", whole / 60, whole % 60);
 }
 
-/// "40/80 scans  31.2 scans/s  1 s left"; the last two only once something was done.
+/// "40/80 scans  31.2 scans/s  1 s left", without "/80" where the total is not known; the last two
+/// only once something was done.
 std::string counts_text(const ProgressState& state) {
-  std::string text = fmt::format("{}/{} {}", state.done, state.total, state.unit);
+  std::string text = state.total ? fmt::format("{}/{} {}", state.done, *state.total, state.unit)
+                                 : fmt::format("{} {}", state.done, state.unit);
   if (state.done > 0 && state.elapsed_s > 0.0) {
     const double done_per_s = static_cast<double>(state.done) / state.elapsed_s;
     text += fmt::format("  {:.1f} {}/s", done_per_s, state.unit);
-    if (state.done < state.total) {
-      const double left_s = static_cast<double>(state.total - state.done) / done_per_s;
+    if (const double share = done_share(state); share > 0.0 && share < 1.0) {
+      const double left_s = state.elapsed_s * (1.0 - share) / share;
       text += fmt::format("  {} left", duration_text(left_s));
     } else {
       text += fmt::format("  {}", duration_text(state.elapsed_s));
@@ -60,7 +63,8 @@ std::string progress_line(const ProgressState& state) {
   return fmt::format("{}: {}", excerpt(state.label, kLabelCharacters), counts_text(state));
 }
 
-Progress::Progress(std::string label, std::int64_t total, std::FILE* stream, std::string unit)
+Progress::Progress(std::string label, std::optional<std::int64_t> total, std::FILE* stream,
+                   std::string unit)
     : stream_(stream), terminal_(isatty(fileno(stream)) == 1) {
   state_.label = std::move(label);
   state_.total = total;
@@ -72,8 +76,9 @@ void Progress::relabel(std::string label) {
   state_.label = std::move(label);
 }
 
-void Progress::update(std::int64_t done) {
+void Progress::update(std::int64_t done, double share) {
   const std::lock_guard lock(mutex_);
+  state_.share = share;
   set_done(done);
 }
 

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <mutex>
+#include <optional>
 #include <string>
 
 namespace hqslam::tools {
@@ -12,9 +13,10 @@ namespace hqslam::tools {
 struct ProgressState {
   std::string label;  ///< "run 64x1024"
   std::int64_t done = 0;
-  std::int64_t total = 0;
+  std::optional<std::int64_t> total;  ///< nothing: only the end tells
   double elapsed_s = 0.0;
   std::string unit = "scans";
+  double share = 0.0;  ///< done of all, where the total is not known
 };
 
 /// "run 64x1024 [#####.....]  50 %  40/80 scans  31.2 scans/s  1.3 s left"
@@ -26,12 +28,12 @@ std::string progress_line(const ProgressState& state);
 /// and then, so that logs stay short. Safe to call from several threads.
 class Progress {
  public:
-  Progress(std::string label, std::int64_t total, std::FILE* stream = stderr,
+  Progress(std::string label, std::optional<std::int64_t> total, std::FILE* stream = stderr,
            std::string unit = "scans");
   /// What is being done now.
   void relabel(std::string label);
-  /// Call after each scan; draws only when it is time to.
-  void update(std::int64_t done);
+  /// Call after each scan; draws only when it is time to. share: as ProgressState has it.
+  void update(std::int64_t done, double share = 0.0);
   /// One more is done.
   void advance();
   /// Draws the last state and ends the line.

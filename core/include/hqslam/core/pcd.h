@@ -9,16 +9,15 @@ namespace hqslam {
 
 /// A .pcd file (ascii, binary or binary_compressed; fields of any type and order, x y z among
 /// them). Points that are not finite or at the origin are dropped and counted. Time offsets come
-/// from a field t, time, timestamp, time_stamp or offset_time, in the unit in which they last a
-/// turn (see point_times; without a sensor a turn is a second at most). They count from the middle
-/// of the file's times; stamp_s is that middle where the times are those of a clock, otherwise it
-/// stays 0: who knows when the scan was taken sets it. Rows are left empty. Throws Error, also for
-/// more than 33 million points. Source of the format: Point Cloud Library, "The PCD file format",
-/// version 0.7.
+/// from a field of times (t, time, timestamp, offset_time or the like), in the unit in which they
+/// last a turn, without a sensor a second at most. They count from the middle of the file's times;
+/// stamp_s is that middle where the times are those of a clock, otherwise 0. Rows are left empty.
+/// Throws Error, also for more than 33 million points. Source of the format: Point Cloud Library,
+/// "The PCD file format", version 0.7.
 Scan read_pcd(const std::string& path);
 
-/// The same with rows from a field `ring`, where there is one (see rows_from_rings). Throws Error,
-/// also for a ring that the sensor does not have.
+/// The same with rows from a field of rings (ring, channel, line or the like), where there is one.
+/// Throws Error, also for a ring that the sensor does not have.
 Scan read_pcd(const std::string& path, const SensorModel& sensor);
 
 /// Writes x y z (float32), binary, and where `confidence` is not empty a field of that name. Throws

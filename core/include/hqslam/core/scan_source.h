@@ -21,12 +21,17 @@ struct RecordedScan {
   ProjectionCounts counts;
 };
 
-/// A recording read scan by scan; never more than one scan in memory.
+/// A recording read once, scan by scan; never more than its first few scans in memory.
 class ScanSource {
  public:
   virtual ~ScanSource() = default;
   virtual const SensorModel& sensor() const = 0;
-  virtual std::int64_t size() const = 0;
+  /// How many scans there are; nothing where only reading them all tells.
+  virtual std::optional<std::int64_t> size() const = 0;
+  /// How much of the recording was read, 0 to 1.
+  virtual double read_share() const = 0;
+  /// Whether its stamps are its own; otherwise scan i has i times the sensor's period.
+  virtual bool has_stamps() const = 0;
   /// The next scan, or nothing at the end. Throws ScanError for a scan that cannot be understood,
   /// after which the next one can be asked for, and Error where the recording cannot be read on.
   virtual std::optional<RecordedScan> next() = 0;

@@ -3,7 +3,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "hqslam/core/point_times.h"
@@ -50,8 +52,8 @@ struct PointField {
   std::size_t count = 1;   ///< numbers
 };
 
-/// The fields that matter: x, y, z, and where they are there ring (or channel) and time (t, time,
-/// timestamp, time_stamp, timeStamp or offset_time).
+/// The fields that matter: x, y, z, and where they are there ring and time, by any of the names
+/// that drivers give them (see point_fields).
 struct PointFields {
   const PointField* x = nullptr;
   const PointField* y = nullptr;
@@ -59,8 +61,10 @@ struct PointFields {
   const PointField* ring = nullptr;
   const PointField* time = nullptr;
 };
-/// Throws Error unless there are x, y and z. `source` stands for the file in messages, `kind` for
-/// what it calls its fields.
+/// ring: also channel, line, laser_id and the like; time: t, time, timestamp, offset_time and the
+/// like; whether letters are large and what stands between words does not matter. Throws Error
+/// unless there are x, y and z. `source` stands for the file in messages, `kind` for what it calls
+/// its fields.
 PointFields point_fields(const std::vector<PointField>& fields, const std::string& source,
                          const char* kind = "fields");
 
@@ -71,6 +75,8 @@ struct RawPoints {
   std::string ring_name;
   PointTimeField time;  ///< per point; empty if there are none
 
+  /// Points of which nothing else is known.
+  explicit RawPoints(Scan scan_) : scan(std::move(scan_)) {}
   RawPoints(const PointFields& fields, std::size_t points);
   /// value(field): the point's number. Keeps the point if it is finite and not at the origin;
   /// otherwise counts it.
@@ -85,8 +91,12 @@ struct RawPoints {
   bool add(double x_m, double y_m, double z_m);
 };
 
-/// Rings to rows, times to offsets. `sensor` may be nullptr: then rows are left empty. Throws
-/// Error.
-Scan scan_of(RawPoints points, const SensorModel* sensor, const std::string& path);
+/// Rings to rows, times to offsets from their middle. The scan's stamp is that middle: by the
+/// clock of the times; where they count from the message, whose stamp_s was given, from there;
+/// where they are of another clock than the message's, the message is taken as the scan's
+/// beginning. 0 where neither clock nor message tells. `sensor` may be nullptr: then rows are left
+/// empty. Throws Error.
+Scan scan_of(RawPoints points, const SensorModel* sensor, const std::string& source,
+             std::optional<double> stamp_s = std::nullopt);
 
 }  // namespace hqslam

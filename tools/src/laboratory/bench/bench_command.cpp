@@ -81,9 +81,9 @@ std::vector<std::string> weights_of(const BenchOptions& options) {
 }
 
 /// Images from all over the recording.
-std::vector<RangeImage> sample_images(ScanSource& source) {
+std::vector<RangeImage> sample_images(ScanSource& source, std::int64_t scans) {
   const std::int64_t stride =
-      std::max<std::int64_t>(1, source.size() / static_cast<std::int64_t>(kStepImages));
+      std::max<std::int64_t>(1, scans / static_cast<std::int64_t>(kStepImages));
   std::vector<RangeImage> images;
   for (std::int64_t i = 0; images.size() < kStepImages; ++i) {
     const std::optional<RecordedScan> scan = source.next();
@@ -177,7 +177,7 @@ Measurements measure(const InputChoice& input, const SensorModel& sensor,
     }
   }
   const std::unique_ptr<ScanSource> source = open_input(input, sensor);
-  const std::vector<RangeImage> images = sample_images(*source);
+  const std::vector<RangeImage> images = sample_images(*source, scans_in(input, *source));
   to_stderr("components and projection on {} scans ...\n", images.size());
   measurements.step_images = static_cast<int>(images.size());
   measurements.steps = time_steps(images, sensor);

@@ -196,6 +196,7 @@ std::int64_t for_each_scan(const CompareOptions& options, const SensorModel& sen
                            const InterruptGuard& interrupt, const Use& use) {
   const auto source = open_input(options, sensor);
   print_warnings(*source, options.input);
+  const std::size_t told = source->warnings().size();
   Progress progress("compare", source->size());
   std::int64_t used = 0;
   LeftOut left_out;
@@ -208,9 +209,10 @@ std::int64_t for_each_scan(const CompareOptions& options, const SensorModel& sen
     } else if (i % options.every == 0 && left_out.scans++ == 0) {
       left_out.first = scan->name + ": has no return in the measured rows";
     }
-    progress.update(i + 1);
+    progress.update(i + 1, source->read_share());
   }
   progress.finish();
+  print_later_warnings(*source, told);
   if (used == 0 && left_out.scans > 0 && !interrupt.stop_requested()) throw Error(left_out.text());
   if (left_out.scans > 0) to_stderr("hqslam: {}\n", left_out.text());
   return used;

@@ -44,7 +44,8 @@ PreparedDrive prepared(const TableDrive& drive, const TableOptions& options) {
   PreparedDrive prepared;
   prepared.drive = drive;
   prepared.sensor = sensor_of(drive);
-  const std::int64_t size = open_input(drive.recording, prepared.sensor)->size();
+  const std::int64_t size =
+      scans_in(drive.recording, *open_input(drive.recording, prepared.sensor));
   prepared.scans = std::min(size, options.scans.value_or(size));
   prepared.identity = identity_of(drive, prepared.scans);
   prepared.results = result_folder(drive, prepared.scans, options.out);

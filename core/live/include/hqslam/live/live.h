@@ -39,13 +39,15 @@ NamedSensor named_sensor(const std::string& sensor);
 /// What came up to now.
 struct LiveCounts {
   recordings::PacketCounts packets;
-  std::int64_t other_senders = 0;   ///< packets from another address: left out
-  std::int64_t scans = 0;           ///< complete
-  std::int64_t dropped_scans = 0;   ///< of these: had to make room for later ones
-  std::int64_t left_out_scans = 0;  ///< of these: could not be understood
-  std::int64_t lost_scans = 0;      ///< whole turns of which no packet came
-  std::string first_left_out;       ///< what was wrong with the first of them
-  std::string recording_failure;    ///< why no more packets are recorded; empty: they are
+  std::int64_t other_senders = 0;    ///< packets from another address: left out
+  std::int64_t senders_changed = 0;  ///< how often the sensor sent on from another address
+  std::int64_t scans = 0;            ///< complete
+  std::int64_t dropped_scans = 0;    ///< of these: had to make room for later ones
+  std::int64_t left_out_scans = 0;   ///< of these: could not be understood
+  std::int64_t lost_scans = 0;       ///< whole turns of which no packet came
+  std::string first_left_out;        ///< what was wrong with the first of them
+  std::string recording_failure;     ///< why no more packets are recorded; empty: they are
+  std::string trouble;  ///< why the packets that come now make no scans; empty: they do
 };
 
 /// A scan, and when the packet that completed it arrived, since 1970.
@@ -59,8 +61,10 @@ struct LiveScan {
 ///   packets -> socket -> thread: decode, record -> at most `most_waiting` scans -> next()
 ///
 /// Memory is bounded: whoever does not ask for scans in time loses whole ones, which are counted.
-/// The sensor must send to this computer already: it is not configured. Packets of the first sender
-/// alone are used. To be used by one thread at a time.
+/// The sensor must send to this computer already: it is not configured. Among all that send, the
+/// sensor is the first whose packets are understood for long enough (see recognise). Packets of
+/// others are left out; where the sensor is silent for a second and the same packets come from
+/// another address for half a second, it has that address now. To be used by one thread at a time.
 class LiveSensor {
  public:
   /// Opens the port. Throws Error: the port is in use, the sensor is unknown, a file or an option
@@ -71,12 +75,14 @@ class LiveSensor {
   LiveSensor& operator=(const LiveSensor&) = delete;
 
   std::uint16_t port() const;
-  /// Reads packets, for at most so long, until it is known what they are: half a second of the
-  /// sensor's time for a Velodyne, a packet and the metadata for an Ouster. Returns whether it is.
-  /// Throws Error if they are not the sensor's.
+  /// Reads packets, for at most so long, until those of one sender are the sensor's: half a second
+  /// of the sensor's time for a Velodyne, a packet and the metadata for an Ouster. Returns whether
+  /// they are. Asking a sender for metadata may take 3 s more.
   bool recognise(double timeout_s);
   /// How many packets recognise() has seen.
   std::int64_t packets_seen() const;
+  /// Why it is not recognised yet, by the sender that was heard most: "" where none was, or a line.
+  std::string complaint() const;
 
   /// From here on: once recognise() has returned true.
   const SensorModel& sensor() const;

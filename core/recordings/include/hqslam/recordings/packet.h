@@ -33,6 +33,8 @@ class PacketSource {
   virtual ~PacketSource() = default;
   /// The next packet, or nothing at the end. Throws Error for a recording that cannot be read.
   virtual std::optional<Packet> next() = 0;
+  /// How much of the recording was read, 0 to 1.
+  virtual double read_share() const { return 0.0; }
   /// What was left out, once all packets were read: "" or one line.
   virtual std::string complaint() const { return ""; }
 };

@@ -24,12 +24,12 @@ enum class StreamKind {
 struct Stream {
   std::string name;  ///< the topic, or "192.168.1.201:2368"
   StreamKind kind = StreamKind::kOther;
-  std::string type;           ///< of a topic's messages
+  std::string type = {};      ///< of a topic's messages
   std::int64_t messages = 0;  ///< or packets
   /// Of a capture's packets the most frequent size, of a topic's the first one's; 0 for what is no
   /// packets.
   std::size_t packet_bytes = 0;
-  Endpoint endpoint;  ///< of a capture's stream
+  Endpoint endpoint = {};  ///< of a capture's stream
 };
 
 struct OpenOptions {
@@ -65,24 +65,38 @@ struct RecordingInfo {
   std::vector<std::string> warnings;
 };
 
-/// Whether this is a capture or a bag, by its first bytes: what open_recording reads beyond
-/// hqslam::open_recording.
+/// The scans of one stream of a capture or a bag. It was read just as far as it takes to know which
+/// sensor they are of, and is read once.
+class StreamSource : public ScanSource {
+ public:
+  /// Puts points into images of so many columns (see OpenOptions), before the first scan is asked
+  /// for. Throws Error.
+  virtual void use_columns(int columns) = 0;
+  /// What is known of it by now: how many scans there are, how long they last and what was lost,
+  /// only once all were read.
+  virtual RecordingInfo info() const = 0;
+};
+
+/// Whether this is a capture or a bag, by its first bytes: what open_stream reads.
 bool is_capture_or_bag(const std::string& path);
 
-/// Opens any recording:
-/// - .pcap and .pcapng captures of Velodyne and Ouster packets. An Ouster's metadata are found
-///   beside the capture (the same name with .json, else the only fitting .json of the folder);
-/// - whatever hqslam::open_recording reads; options.sensor must then say which sensor it is.
-/// Stamps are those of the recording. source->warnings() says what a user should know.
-/// Throws Error: which file, what was expected, what was found, what to do.
+/// Opens a .pcap or .pcapng capture of Velodyne and Ouster packets, or a bag of packets or point
+/// clouds, of which options.sensor must then say which sensor they are of. An Ouster's metadata are
+/// found in the bag or beside the file (the same name with .json, else the only fitting .json of
+/// the folder). Stamps are those of the recording. Streams that begin more than two seconds behind
+/// the first one are not looked for, unless they are named. Throws Error: which file, what was
+/// expected, what was found, what to do; also next(), at the end, where there was not one whole
+/// scan.
+std::unique_ptr<StreamSource> open_stream(const std::string& path, const OpenOptions& options = {});
+
+/// Opens any recording: what open_stream reads, or whatever hqslam::open_recording does;
+/// options.sensor must then say which sensor it is. source->warnings() says what a user should
+/// know. Throws Error.
 std::unique_ptr<ScanSource> open_recording(const std::string& path,
                                            const OpenOptions& options = {});
 
-/// The sensor of a capture or a bag, as open_recording gives it. Throws Error.
-SensorModel recording_sensor(const std::string& path, const OpenOptions& options = {});
-
-/// The same as open_recording, and what was found out about it. Throws Error as open_recording
-/// does.
+/// What was found out about a recording of any kind, which is read to its end, but for files of
+/// scans, of which the first one tells. Throws Error as open_recording does.
 RecordingInfo inspect(const std::string& path, const OpenOptions& options = {});
 
 }  // namespace hqslam::recordings

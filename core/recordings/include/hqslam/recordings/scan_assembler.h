@@ -28,6 +28,8 @@ class ScanAssembler {
   virtual const PacketCounts& counts() const = 0;
   /// Whole turns of which no packet came.
   virtual std::int64_t lost_scans() const = 0;
+  /// Turns that were cut short by the beginning or the end of the recording, or by a long gap.
+  virtual std::int64_t partial_scans() const = 0;
 };
 
 /// `sensor`: what VelodyneDecoder needs, with the columns of the images that points are put into.

@@ -124,6 +124,8 @@ class VelodyneDecoder {
   void reuse(Scan scan);
 
   const PacketCounts& counts() const;
+  /// Whole turns of which no packet came. Their packets are counted too.
+  std::int64_t lost_scans() const;
   /// Turns that were cut short by the beginning or the end of the recording, or by a long gap.
   std::int64_t partial_scans() const;
 

@@ -16,4 +16,7 @@ RawPoints read_text_points(const std::string& path);
 /// ring or channel, t or time ..., of any number type, in any order. Throws Error.
 RawPoints read_ply_points(const std::string& path);
 
+/// A .pcd file, as read_pcd describes it. Throws Error.
+RawPoints read_pcd_points(const std::string& path);
+
 }  // namespace hqslam

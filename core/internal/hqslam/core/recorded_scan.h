@@ -1,0 +1,24 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "hqslam/core/point_fields.h"
+#include "hqslam/core/scan_source.h"
+
+namespace hqslam {
+
+// Points become a scan here, whichever file or message they come from:
+//   RawPoints -> scan_of: times -> with_rows: rows -> recorded_scan: pixels
+
+/// Gives the scan's points rows where their order tells them: where they are stored ring after
+/// ring. Rows that are known stay; where nothing tells them, projection goes by the elevation.
+/// `must_fit`: whether the rings must be those of the sensor. Throws Error; `source` stands for the
+/// scan in messages.
+void set_rows_by_order(Scan& scan, const SensorModel& sensor, const std::string& source,
+                       bool must_fit = true);
+
+/// Points -> pixels of the sensor's image. Throws Error for points that cannot be the sensor's.
+RecordedScan recorded_scan(const Scan& scan, const SensorModel& sensor, std::string name);
+
+}  // namespace hqslam

@@ -1,0 +1,161 @@
+#include "stream_reader.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <utility>
+
+#include "hqslam/core/error.h"
+#include "message_packets.h"
+
+namespace hqslam::recordings {
+
+namespace {
+
+/// Sensors that are recorded together begin within so long.
+constexpr double kListen_s = 2.0;
+
+/// Of times that may be any, in a damaged file.
+double seconds_apart(std::int64_t a_ns, std::int64_t b_ns) {
+  return 1e-9 * std::abs(static_cast<double>(a_ns) - static_cast<double>(b_ns));
+}
+
+bool has_scans(const Stream& stream) {
+  return stream.kind != StreamKind::kOther && stream.kind != StreamKind::kVelodynePositions;
+}
+
+/// Whether later messages may show that it has scans.
+bool may_have_scans(const Stream& stream) {
+  return has_scans(stream) || carries_packets(stream.type);
+}
+
+bool is_named(const Stream& stream, const std::string& name) {
+  return name.empty() || stream.name == name ||
+         (stream.endpoint.port != 0 && std::to_string(stream.endpoint.port) == name);
+}
+
+std::string listed(const std::vector<Stream>& streams) {
+  std::string text;
+  for (const Stream& stream : streams) {
+    text += fmt::format("{}{}", text.empty() ? "" : ", ", stream.name);
+    if (text.size() > 500) return text + ", ...";
+  }
+  return text.empty() ? "none" : text;
+}
+
+}  // namespace
+
+std::optional<std::string> metadata_text(const Stream& stream, const Message& message) {
+  if (plain_type(stream.type) != "std_msgs/String") return std::nullopt;
+  if (stream.name.find("metadata") == std::string::npos) return std::nullopt;
+  try {
+    return MessageReader(message).words();
+  } catch (const Error&) {
+    return std::nullopt;
+  }
+}
+
+StreamReader::StreamReader(const std::string& path, const std::string& wanted)
+    : path_(path), wanted_(wanted), file_(open_recording_file(path)) {
+  listen();
+  chosen_ = chosen();
+  std::erase_if(kept_, [&](const Kept& kept) { return kept.message.stream != chosen_; });
+  kept_bytes_ = 0;
+  for (const Kept& kept : kept_) kept_bytes_ += kept.memory_bytes();
+}
+
+void StreamReader::listen() {
+  std::optional<std::int64_t> begin_ns;
+  while (const auto message = file_->next()) {
+    const Stream& stream = file_->streams()[message->stream];
+    if (auto text = metadata_text(stream, *message)) {
+      metadata_.push_back({stream.name, std::move(*text)});
+    }
+    if (!is_named(stream, wanted_) || !may_have_scans(stream)) continue;
+    keep(*message);
+    if (!begin_ns && has_scans(stream)) begin_ns = message->time_ns;
+    const bool much = kept_bytes_ >= kMostKept_bytes;
+    if (begin_ns && (much || seconds_apart(message->time_ns, *begin_ns) >= kListen_s)) break;
+    if (much) {  // none of it was a scan's
+      kept_.clear();
+      kept_bytes_ = 0;
+    }
+  }
+}
+
+std::size_t StreamReader::chosen() const {
+  const std::vector<Stream>& streams = file_->streams();
+  std::vector<Stream> candidates;
+  std::size_t last = 0;
+  for (std::size_t i = 0; i < streams.size(); ++i) {
+    if (!has_scans(streams[i]) || !is_named(streams[i], wanted_)) continue;
+    candidates.push_back(streams[i]);
+    last = i;
+  }
+  if (candidates.size() == 1) return last;
+  if (candidates.empty() && !wanted_.empty()) {
+    throw Error(
+        fmt::format("{}: expected scans in stream {}, found these streams: {}; name one of "
+                    "them that has scans",
+                    path_, wanted_, listed(streams)));
+  }
+  if (candidates.empty()) {
+    throw Error(
+        fmt::format("{}: expected packets or point clouds of a LiDAR, found none in these "
+                    "streams: {}; give a recording of the sensor's data",
+                    path_, listed(streams)));
+  }
+  throw Error(fmt::format("{}: has several streams with scans: {}; name one of them with --stream",
+                          path_, listed(candidates)));
+}
+
+void StreamReader::keep(const Message& message) {
+  Kept& kept = kept_.emplace_back();
+  kept.bytes.assign(message.bytes.begin(), message.bytes.end());
+  kept.message = message;
+  kept.message.bytes = kept.bytes;
+  kept.share = file_->read_share();
+  kept_bytes_ += kept.memory_bytes();
+}
+
+std::optional<Message> StreamReader::read() {
+  while (const auto message = file_->next()) {
+    if (message->stream == chosen_) return message;
+  }
+  return std::nullopt;
+}
+
+std::optional<Message> StreamReader::ahead(std::size_t index) {
+  while (kept_.size() <= index && kept_bytes_ < kMostKept_bytes) {
+    const auto message = read();
+    if (!message) break;
+    keep(*message);
+  }
+  return index < kept_.size() ? std::optional(kept_[index].message) : std::nullopt;
+}
+
+std::optional<Message> StreamReader::next() {
+  if (kept_.empty()) {
+    const auto message = read();
+    share_ = message ? file_->read_share() : 1.0;
+    return message;
+  }
+  current_ = std::move(kept_.front());
+  kept_.pop_front();
+  kept_bytes_ -= current_.memory_bytes();
+  share_ = current_.share;
+  return current_.message;
+}
+
+std::string StreamReader::passed_over() const {
+  if (!wanted_.empty()) return "";
+  std::vector<Stream> others;
+  for (const Stream& stream : file_->streams()) {
+    if (has_scans(stream) && stream.name != this->stream().name) others.push_back(stream);
+  }
+  if (others.empty()) return "";
+  return fmt::format("{}: scans of {} are read; later ones of {} are not: name them with --stream",
+                     path_, stream().name, listed(others));
+}
+
+}  // namespace hqslam::recordings

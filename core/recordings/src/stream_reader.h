@@ -1,0 +1,75 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "recording_file.h"
+
+namespace hqslam::recordings {
+
+/// A text of a bag, and the topic that it is of.
+struct TopicText {
+  std::string topic;
+  std::string text;
+};
+
+/// One stream of a capture or a bag, which is read once: what must be looked at to find out which
+/// streams there are and what this one holds is kept, and comes first.
+class StreamReader {
+ public:
+  /// Reads on until the streams with scans are known: those that send within two seconds of the
+  /// first one. `wanted`: as OpenOptions::stream. Throws Error unless one is to be read.
+  StreamReader(const std::string& path, const std::string& wanted);
+
+  const std::string& path() const { return path_; }
+  const RecordingFile& file() const { return *file_; }
+  const Stream& stream() const { return file_->streams()[chosen_]; }
+  /// What stands in the bag's topics of metadata before the stream's messages or among the first.
+  const std::vector<TopicText>& metadata() const { return metadata_; }
+  /// The message so many behind the next one, which it stays; nothing at the end, or where more
+  /// than kMostKept_bytes would have to be kept.
+  std::optional<Message> ahead(std::size_t index);
+  /// Messages of other streams need not be read, be it only to count them.
+  void skip_others() { file_->keep_only(chosen_); }
+  std::optional<Message> next();
+  /// How much of the file stands before the next message, 0 to 1.
+  double read_share() const { return share_; }
+  /// Streams with scans that began later than this one was chosen, and are not read; "" or a line.
+  std::string passed_over() const;
+
+  static constexpr std::size_t kMostKept_bytes = std::size_t{64} << 20U;
+
+ private:
+  struct Kept {
+    Message message;  ///< of these bytes
+    std::vector<std::uint8_t> bytes;
+    double share = 0.0;
+
+    std::size_t memory_bytes() const { return sizeof(Kept) + bytes.size(); }
+  };
+
+  void listen();
+  std::size_t chosen() const;
+  void keep(const Message& message);
+  /// The stream's next message in the file.
+  std::optional<Message> read();
+
+  std::string path_;
+  std::string wanted_;
+  std::unique_ptr<RecordingFile> file_;
+  std::size_t chosen_ = 0;
+  std::vector<TopicText> metadata_;
+  std::deque<Kept> kept_;
+  std::size_t kept_bytes_ = 0;
+  Kept current_;
+  double share_ = 0.0;
+};
+
+/// The text of a message of a topic of metadata; nothing for others and for damaged ones.
+std::optional<std::string> metadata_text(const Stream& stream, const Message& message);
+
+}  // namespace hqslam::recordings

@@ -1,0 +1,134 @@
+#include "stream_scans.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <tuple>
+#include <utility>
+
+#include "hqslam/core/error.h"
+#include "message_packets.h"
+
+namespace hqslam::recordings {
+
+StreamScans::StreamScans(StreamReader reader, RecordingInfo info)
+    : reader_(std::move(reader)), info_(std::move(info)) {
+  info_.kind = reader_.file().kind();
+  info_.stream = reader_.stream().name;
+  info_.has_stamps = true;
+}
+
+std::optional<RecordedScan> StreamScans::next() {
+  if (ended_) return std::nullopt;
+  begun_ = true;
+  try {
+    std::optional<RecordedScan> scan = read();
+    if (!scan) {
+      end();
+      return std::nullopt;
+    }
+    const double first_s = info_.scans == 0 ? scan->stamp_s : info_.first_stamp_s;
+    info_.first_stamp_s = std::min(first_s, scan->stamp_s);
+    last_stamp_s_ = std::max(info_.scans == 0 ? scan->stamp_s : last_stamp_s_, scan->stamp_s);
+    ++info_.scans;
+    return scan;
+  } catch (const ScanError&) {
+    ++info_.scans;
+    throw;
+  }
+}
+
+void StreamScans::end() {
+  ended_ = true;
+  complete(info_);
+  info_.duration_s = last_stamp_s_ - info_.first_stamp_s + info_.sensor.scan_period_s;
+  if (const std::string text = reader_.file().complaint(); !text.empty()) {
+    info_.warnings.push_back(fmt::format("{}: {}", reader_.path(), text));
+  }
+  if (const std::string text = reader_.passed_over(); !text.empty()) info_.warnings.push_back(text);
+  if (info_.scans > 0) return;
+  throw Error(
+      fmt::format("{}: expected at least one turn of the sensor, found less than that in "
+                  "{} packets; record longer",
+                  reader_.path(), reader_.stream().messages));
+}
+
+void StreamScans::use_columns(int columns) {
+  if (columns == info_.sensor.columns) return;
+  if (begun_) {
+    throw Error(
+        fmt::format("{}: scans were read with {} columns already, expected {} to be asked for "
+                    "before; open it again",
+                    reader_.path(), info_.sensor.columns, columns));
+  }
+  info_.sensor.columns = columns;
+  validate(info_.sensor);
+  sensor_changed();
+}
+
+RecordingInfo StreamScans::info() const {
+  RecordingInfo info = info_;
+  info.streams = reader_.file().streams();
+  std::sort(info.streams.begin(), info.streams.end(), [](const Stream& a, const Stream& b) {
+    return std::tie(a.endpoint, a.name) < std::tie(b.endpoint, b.name);
+  });
+  return info;
+}
+
+namespace {
+
+class PacketScans : public StreamScans {
+ public:
+  PacketScans(StreamReader reader, RecordingInfo info, MakeAssembler make)
+      : StreamScans(std::move(reader), std::move(info)),
+        packets_(reader_.stream(), [this] { return reader_.next(); }),
+        make_(std::move(make)) {
+    info_.has_point_times = true;
+    sensor_changed();
+  }
+
+ private:
+  std::optional<RecordedScan> read() override {
+    while (true) {
+      std::optional<RecordedScan> scan = assembler_->next();
+      if (scan || finished_) return scan;
+      if (const auto packet = packets_.next()) {
+        assembler_->add(*packet);
+      } else {
+        assembler_->finish();
+        finished_ = true;
+      }
+    }
+  }
+
+  void sensor_changed() override { assembler_ = make_(info_.sensor); }
+
+  void complete(RecordingInfo& info) override {
+    info.packets = assembler_->counts();
+    info.lost_scans = assembler_->lost_scans();
+    info.partial_scans = assembler_->partial_scans();
+    std::string text = packets_.complaint();
+    const auto say = [&](std::int64_t count, const char* what) {
+      if (count > 0) text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, what);
+    };
+    const std::int64_t lost = info.packets.lost;
+    say(lost, lost == 1 ? "packet was lost" : "packets were lost");
+    say(info.lost_scans, info.lost_scans == 1 ? "whole turn was lost" : "whole turns were lost");
+    say(info.packets.late, "came late or twice and were left out");
+    if (!text.empty()) info.warnings.push_back(fmt::format("{}: {}", reader_.path(), text));
+  }
+
+  MessagePackets packets_;
+  MakeAssembler make_;
+  std::unique_ptr<ScanAssembler> assembler_;
+  bool finished_ = false;
+};
+
+}  // namespace
+
+std::unique_ptr<StreamSource> packet_scans(StreamReader reader, RecordingInfo info,
+                                           MakeAssembler make) {
+  return std::make_unique<PacketScans>(std::move(reader), std::move(info), std::move(make));
+}
+
+}  // namespace hqslam::recordings

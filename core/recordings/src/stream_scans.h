@@ -1,0 +1,62 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hqslam/recordings/recording.h"
+#include "hqslam/recordings/scan_assembler.h"
+#include "stream_reader.h"
+
+namespace hqslam::recordings {
+
+/// The scans of a stream, whatever it holds: counted, and at the end judged.
+class StreamScans : public StreamSource {
+ public:
+  const SensorModel& sensor() const override { return info_.sensor; }
+  std::optional<std::int64_t> size() const override { return std::nullopt; }
+  double read_share() const override { return reader_.read_share(); }
+  bool has_stamps() const override { return true; }
+  std::vector<std::string> warnings() const override { return info_.warnings; }
+  std::optional<RecordedScan> next() override;
+  void use_columns(int columns) override;
+  RecordingInfo info() const override;
+
+ protected:
+  /// info: what is known of it before the first scan.
+  StreamScans(StreamReader reader, RecordingInfo info);
+  /// The next scan; as next().
+  virtual std::optional<RecordedScan> read() = 0;
+  /// The sensor has other columns now.
+  virtual void sensor_changed() = 0;
+  /// All was read: to say what was lost.
+  virtual void complete(RecordingInfo& info) = 0;
+
+  StreamReader reader_;
+  RecordingInfo info_;
+
+ private:
+  void end();
+
+  double last_stamp_s_ = 0.0;
+  bool begun_ = false;
+  bool ended_ = false;
+};
+
+/// Scans of packets. make(sensor): what makes scans of them.
+using MakeAssembler = std::function<std::unique_ptr<ScanAssembler>(const SensorModel& sensor)>;
+std::unique_ptr<StreamSource> packet_scans(StreamReader reader, RecordingInfo info,
+                                           MakeAssembler make);
+
+/// Scans of a stream of Velodyne packets, of an Ouster's lidar packets or of
+/// sensor_msgs/PointCloud2. Not with_points: they are empty, just counted and timed. Throw Error.
+std::unique_ptr<StreamSource> open_velodyne(StreamReader reader, const OpenOptions& options,
+                                            bool with_points);
+std::unique_ptr<StreamSource> open_ouster(StreamReader reader, const OpenOptions& options,
+                                          bool with_points);
+std::unique_ptr<StreamSource> open_clouds(StreamReader reader, const OpenOptions& options,
+                                          bool with_points);
+
+}  // namespace hqslam::recordings
