@@ -8,13 +8,13 @@ namespace hqslam::slam {
 class KnownWay {
  public:
   /// Whether a scan stands elsewhere than the last one that was located. In: the share of what
-  /// stands in it that fits the map (MappingResult::standing_share).
-  bool leads_elsewhere(double standing_share) const {
-    return standing_share < kLeastShareOfLast * standing_share_;
+  /// stands in it that fits the map (MappingResult::inlier_ratio).
+  bool leads_elsewhere(double inlier_ratio) const {
+    return inlier_ratio < kLeastShareOfLast * inlier_ratio_;
   }
 
-  void located(double standing_share) {
-    standing_share_ = standing_share;
+  void located(double inlier_ratio) {
+    inlier_ratio_ = inlier_ratio;
     unlocated_scans_ = 0;
     is_measured_ = true;
   }
@@ -39,7 +39,7 @@ class KnownWay {
   static constexpr double kLeastShareOfLast = 0.6;
   static constexpr std::size_t kMaxUnlocatedScans = 5;
 
-  double standing_share_ = 0.0;  ///< of the last scan that was located
+  double inlier_ratio_ = 0.0;  ///< of the last scan that was located
   std::size_t unlocated_scans_ = 0;
   bool is_measured_ = true;
 };

@@ -23,12 +23,12 @@ SlamOptions validated(const SlamOptions& options) {
 constexpr double kSteady_periods = 10.0;
 
 /// Whether a sensor that is not carried can have moved so much otherwise than it was expected to.
-bool is_plausible(const Twist& surprise, double duration_s) {
+bool is_plausible(const Twist& innovation, double duration_s) {
   constexpr double kAccelerated_m_s2 = 10.0;
   constexpr double kTurned_rad_s2 = 5.0;
   const double half_square_s2 = 0.5 * duration_s * duration_s;
-  return surprise.linear.norm() <= 0.5 + kAccelerated_m_s2 * half_square_s2 &&
-         surprise.angular.norm() <= 0.2 + kTurned_rad_s2 * half_square_s2;
+  return innovation.linear.norm() <= 0.5 + kAccelerated_m_s2 * half_square_s2 &&
+         innovation.angular.norm() <= 0.2 + kTurned_rad_s2 * half_square_s2;
 }
 
 }  // namespace
@@ -55,7 +55,7 @@ ScanReport Slam::Implementation::process(const OrganizedCloud& cloud, double sta
   report.T_map_sensor = mounting.of_sensor(report.T_map_sensor);
   report.T_odom_sensor = mounting.of_sensor(report.T_odom_sensor);
   report.covariance = mounting.of_sensor(report.covariance);
-  path.add({stamp_s, report.T_map_sensor}, mapping.key_frames());
+  path.add({stamp_s, report.T_map_sensor}, mapping.keyframes());
   return report;
 }
 
@@ -105,19 +105,19 @@ void Slam::Implementation::begin(const OrganizedCloud& cloud, const Features& fe
   }
   make_reference(features, unknown_motion(Pose::Identity()), report);
   first_scan = {time_s, features, map_features(features, sensor.measured_rows, options.mapping)};
-  add_key_frame(cloud, first_scan->thinned, stopwatch, report, true);
+  add_keyframe(cloud, first_scan->thinned, stopwatch, report, true);
 }
 
 void Slam::Implementation::follow(const OrganizedCloud& cloud, const Features& features,
                                   Stopwatch& stopwatch, ScanReport& report) {
   const MapFeatures thinned = map_features(features, sensor.measured_rows, options.mapping);
   Followed followed = locate(features, thinned, stopwatch, report);
-  if (first_scan && followed.is_located) {
-    correct_first_key_frame(followed.state.velocity);
+  if (first_scan && followed.is_registered) {
+    correct_first_keyframe(followed.state.velocity);
     followed = locate(features, thinned, stopwatch, report);
   }
-  if (followed.is_located) {
-    way.located(followed.standing_share);
+  if (followed.is_registered) {
+    way.located(followed.inlier_ratio);
   } else {
     way.not_located(followed.is_way_measured);
   }
@@ -129,33 +129,33 @@ void Slam::Implementation::follow(const OrganizedCloud& cloud, const Features& f
     return;
   }
   const bool goes_on = way.is_lost() && can_be_reference(features);
-  if (followed.by_odometry || followed.is_located || goes_on) {
-    const bool begins_stretch = goes_on && !way.is_measured() && !place_recognition;
-    if (!followed.by_odometry && !followed.is_located) {
+  if (followed.by_odometry || followed.is_registered || goes_on) {
+    const bool begins_segment = goes_on && !way.is_measured() && !place_recognition;
+    if (!followed.by_odometry && !followed.is_registered) {
       // Nothing measured this motion: a wrong velocity would be predicted again, and kept for good.
       followed.state = unknown_motion(followed.state.T_map_sensor);
     }
-    if (begins_stretch) {
+    if (begins_segment) {
       drift.lose(followed.state);
-      path.begin_stretch(way.unlocated_scans() - 1, mapping.key_frames());
+      path.begin_segment(way.unlocated_scans() - 1, mapping.keyframes());
       way = {};
     }
     const Pose motion = reference.T_map_sensor.inverse() * followed.state.T_map_sensor;
-    if (followed.is_located) {
+    if (followed.is_registered) {
       accelerations.learn(reference.velocity, followed.state.velocity, time_s - reference_time_s);
       drift.learn(followed.state.velocity);
     }
-    if (followed.is_located && !place_recognition) {
-      drift.locate(motion, followed.state);
+    if (followed.is_registered && !place_recognition) {
+      drift.grow(motion, followed.state);
     } else {
       drift.move(motion);
     }
     make_reference(features, followed.state, report);
     const bool is_farther =
-        (followed.is_located || goes_on) && mapping.is_key_frame(report.T_map_sensor);
-    if (!place_recognition && (begins_stretch || is_farther)) {
-      first_scan.reset();  // no longer the only key frame: the map cannot begin anew with it
-      add_key_frame(cloud, thinned, stopwatch, report, begins_stretch);
+        (followed.is_registered || goes_on) && mapping.is_keyframe(report.T_map_sensor);
+    if (!place_recognition && (begins_segment || is_farther)) {
+      first_scan.reset();  // no longer the only keyframe: the map cannot begin anew with it
+      add_keyframe(cloud, thinned, stopwatch, report, begins_segment);
     }
   }
   report.times.mapping_s += stopwatch.lap_s();
@@ -177,22 +177,22 @@ Slam::Implementation::Followed Slam::Implementation::locate(const Features& feat
   report.T_odom_sensor = orthonormalized(T_odom_reference * moved.T_reference_sensor);
   report.times.odometry_s += stopwatch.lap_s();
 
-  MappingResult located = locate_from_both(mapping, thinned, {expected, T_map_moved, duration_s});
+  MappingResult located = register_from_both(mapping, thinned, {expected, T_map_moved, duration_s});
   if (place_recognition && !is_in_given_map(thinned, located.state)) {
     located.status = Status::kTooFewFeatures;
   }
-  const bool is_elsewhere = way.leads_elsewhere(located.standing_share);
+  const bool is_elsewhere = way.leads_elsewhere(located.inlier_ratio);
   if (is_elsewhere) located.status = Status::kTooFewFeatures;
   if (located.status != Status::kTooFewFeatures &&
       duration_s > kSteady_periods * sensor.scan_period_s) {
     located.status = Status::kAfterGap;
   }
   Followed result{located.state, located.status != Status::kTooFewFeatures,
-                  moved.status != Status::kTooFewFeatures, false, located.standing_share};
-  const Twist surprise = logarithm(expected.T_map_sensor.inverse() * T_map_moved);
+                  moved.status != Status::kTooFewFeatures, false, located.inlier_ratio};
+  const Twist innovation = logarithm(expected.T_map_sensor.inverse() * T_map_moved);
   result.is_way_measured =
-      result.by_odometry && !is_elsewhere && is_plausible(surprise, duration_s);
-  if (!result.is_located) {
+      result.by_odometry && !is_elsewhere && is_plausible(innovation, duration_s);
+  if (!result.is_registered) {
     result.state.T_map_sensor = T_map_moved;
     result.state.velocity = (1.0 / duration_s) * logarithm(moved.T_reference_sensor);
   }
@@ -208,7 +208,7 @@ Slam::Implementation::Followed Slam::Implementation::locate(const Features& feat
 
 /// The first scan was taken as if the sensor stood: now that its velocity is known it is corrected
 /// for that, and the map begins anew with it.
-void Slam::Implementation::correct_first_key_frame(const Twist& velocity) {
+void Slam::Implementation::correct_first_keyframe(const Twist& velocity) {
   mapping = Mapping(options.mapping);
   mapping.insert(first_scan->thinned, Pose::Identity(), velocity);
   if (reference_time_s == first_scan->time_s)
@@ -233,32 +233,32 @@ void Slam::Implementation::make_reference(const Features& features, const Motion
 
 /// Puts the scan, of which velocity and T_map_sensor are known, into the map, or into one of its
 /// own if nothing measured the way here.
-void Slam::Implementation::add_key_frame(const OrganizedCloud& cloud, const MapFeatures& features,
-                                         Stopwatch& stopwatch, ScanReport& report,
-                                         bool begins_stretch) {
-  LoopKeyFrame key_frame{report.T_map_sensor, report.mapping_status, path.trajectory().size(),
-                         begins_stretch, std::nullopt};
-  if (begins_stretch || loop_closing->wants_view(report.T_map_sensor)) {
-    key_frame.view = {cloud, features, reference.velocity,
-                      begins_stretch ? mapping.lay_aside_all() : mapping.lay_aside()};
+void Slam::Implementation::add_keyframe(const OrganizedCloud& cloud, const MapFeatures& features,
+                                        Stopwatch& stopwatch, ScanReport& report,
+                                        bool begins_segment) {
+  LoopKeyframe keyframe{report.T_map_sensor, report.mapping_status, path.trajectory().size(),
+                        begins_segment, std::nullopt};
+  if (begins_segment || loop_closing->wants_view(report.T_map_sensor)) {
+    keyframe.view = {cloud, features, reference.velocity,
+                     begins_segment ? mapping.clear_window() : mapping.slide_window()};
   }
   mapping.insert(features, report.T_map_sensor, reference.velocity);
-  report.key_frame = true;
+  report.keyframe = true;
   report.times.mapping_s += stopwatch.lap_s();
-  loop_closing->add(std::move(key_frame));
+  loop_closing->add(std::move(keyframe));
   report.times.loop_closing_s += stopwatch.lap_s();
 }
 
-/// Moves map and path with their key frames. The odometry's frame and the last motion stay as they
+/// Moves map and path with their keyframes. The odometry's frame and the last motion stay as they
 /// are, so the next scan is followed as if nothing had happened, in the corrected map.
 void Slam::Implementation::take_in(const LoopResult& found) {
-  path.join(found.part_of_stretch);
+  path.join(found.submap_of_segment);
   if (!found.corrections.empty()) {
     mapping.correct(found.corrections);
     path.correct(found.corrections);
     reference.T_map_sensor = orthonormalized(found.corrections.back() * reference.T_map_sensor);
   }
-  mapping.take_up(found.recalled);
+  mapping.restore_to_window(found.recalled);
 }
 
 Slam::Slam(const SensorModel& sensor) : Slam(sensor, SlamOptions{}) {}

@@ -3,18 +3,18 @@
 #include <optional>
 
 #include "alignment/drift.h"
-#include "driven_path.h"
+#include "front_end/features.h"
 #include "front_end/mounting.h"
+#include "front_end/odometry.h"
 #include "front_end/scan_clock.h"
-#include "hqslam/slam/features.h"
-#include "hqslam/slam/mapping.h"
-#include "hqslam/slam/odometry.h"
+#include "front_end/segmentation.h"
 #include "hqslam/slam/options.h"
-#include "hqslam/slam/segmentation.h"
 #include "hqslam/slam/slam.h"
 #include "known_way.h"
 #include "loops/background_loop_closing.h"
 #include "loops/place_recognition.h"
+#include "map/mapping.h"
+#include "segmented_trajectory.h"
 #include "stopwatch.h"
 
 namespace hqslam::slam {
@@ -28,7 +28,7 @@ struct Slam::Implementation {
   Odometry odometry;
   Mapping mapping;
   std::optional<BackgroundLoopClosing> loop_closing;  ///< not in a given map
-  DrivenPath path;
+  SegmentedTrajectory path;
   ScanClock clock;
   double time_s = 0.0;  ///< of the scan at hand
   double reference_time_s = 0.0;
@@ -46,7 +46,7 @@ struct Slam::Implementation {
 
   void locate_in(const SavedMap& map, const std::optional<Pose>& T_map_level_start);
 
-  /// The first key frame, until its motion is known.
+  /// The first keyframe, until its motion is known.
   struct FirstScan {
     double time_s = 0.0;
     Features features;
@@ -57,10 +57,10 @@ struct Slam::Implementation {
   /// What is known of a scan after it was looked for.
   struct Followed {
     MotionState state;
-    bool is_located = false;       ///< in the map
+    bool is_registered = false;    ///< in the map
     bool by_odometry = false;      ///< from the reference
     bool is_way_measured = false;  ///< from the reference
-    double standing_share = 0.0;   ///< see MappingResult
+    double inlier_ratio = 0.0;     ///< see MappingResult
   };
 
   ScanReport process(const OrganizedCloud& cloud, double stamp_s);
@@ -74,13 +74,13 @@ struct Slam::Implementation {
               ScanReport& report);
   Followed locate(const Features& features, const MapFeatures& thinned, Stopwatch& stopwatch,
                   ScanReport& report) const;
-  void correct_first_key_frame(const Twist& velocity);
+  void correct_first_keyframe(const Twist& velocity);
   /// Whether a scan can serve as the one that the next are matched with: edges alone will do
   /// (indoors), and so will ground and surfaces alone (in open land).
   bool can_be_reference(const Features& features) const;
   void make_reference(const Features& features, const MotionState& state, const ScanReport& report);
-  void add_key_frame(const OrganizedCloud& cloud, const MapFeatures& features, Stopwatch& stopwatch,
-                     ScanReport& report, bool begins_stretch);
+  void add_keyframe(const OrganizedCloud& cloud, const MapFeatures& features, Stopwatch& stopwatch,
+                    ScanReport& report, bool begins_segment);
   void take_in(const LoopResult& found);
 };
 

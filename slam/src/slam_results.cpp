@@ -13,11 +13,13 @@ MountingOptions Slam::mounting() const { return implementation_->mounting.mounte
 
 const Trajectory& Slam::trajectory() const { return implementation_->path.trajectory(); }
 
-const std::vector<std::size_t>& Slam::stretch_of_scan() const {
-  return implementation_->path.stretch_of_scan();
+const std::vector<std::size_t>& Slam::segment_of_scan() const {
+  return implementation_->path.segment_of_scan();
 }
 
-std::vector<std::size_t> Slam::part_of_scan() const { return implementation_->path.part_of_scan(); }
+std::vector<std::size_t> Slam::submap_of_scan() const {
+  return implementation_->path.submap_of_scan();
+}
 
 std::vector<Eigen::Vector3f> Slam::map_points_m() const {
   const ThreadLimit limit(implementation_->options.threads);

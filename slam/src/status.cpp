@@ -20,7 +20,7 @@ std::string_view name(Status status) {
   return "unknown";
 }
 
-bool is_located(Status status) {
+bool is_registered(Status status) {
   return status != Status::kTooFewFeatures && status != Status::kNotRecognized;
 }
 

@@ -75,7 +75,7 @@ Matrix6 Drift::against_map(const MotionState& state) const {
 
 void Drift::move(const Pose& motion) { drift_ = carried(drift_, motion); }
 
-void Drift::locate(const Pose& motion, const MotionState& state) {
+void Drift::grow(const Pose& motion, const MotionState& state) {
   move(motion);
   const double step_m = motion.translation().norm();
   const double begun = std::exp(-path_m_ / kStart_m) - std::exp(-(path_m_ + step_m) / kStart_m);

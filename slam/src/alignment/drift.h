@@ -2,8 +2,8 @@
 
 #include <optional>
 
+#include "alignment/motion_state.h"
 #include "hqslam/core/sensor_model.h"
-#include "hqslam/slam/motion_state.h"
 
 namespace hqslam::slam {
 
@@ -44,7 +44,7 @@ class Drift {
   /// How the sensor moves: the velocity of every scan that was located, one after the other.
   void learn(const Twist& velocity);
   /// A scan was located: `state` against the map, `motion` since the scan before.
-  void locate(const Pose& motion, const MotionState& state);
+  void grow(const Pose& motion, const MotionState& state);
   /// A scan was followed by the odometry alone.
   void move(const Pose& motion);
   /// The map goes on from a pose that nothing measured.

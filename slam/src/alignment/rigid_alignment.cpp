@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "alignment/cross_matrix.h"
-#include "hqslam/slam/motion_state.h"
+#include "alignment/motion_state.h"
 
 namespace hqslam::slam {
 

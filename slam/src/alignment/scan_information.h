@@ -1,7 +1,7 @@
 #pragma once
 
+#include "alignment/motion_state.h"
 #include "alignment/rigid_alignment.h"
-#include "hqslam/slam/motion_state.h"
 
 namespace hqslam::slam {
 

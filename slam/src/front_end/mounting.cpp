@@ -8,8 +8,8 @@
 #include <random>
 #include <vector>
 
+#include "front_end/ground.h"
 #include "front_end/voxel_thinning.h"
-#include "hqslam/slam/ground.h"
 
 namespace hqslam::slam {
 

@@ -58,7 +58,7 @@ std::vector<Eigen::Vector3f> structure_of(const Mapping& part, const Pose& T_map
 std::vector<Eigen::Vector3f> upright_features(const MapFeatures& features) {
   std::vector<Eigen::Vector3f> result;
   // Every other one: enough to find the place.
-  for (const auto* kind : {&features.edges, &features.surfaces_to_locate}) {
+  for (const auto* kind : {&features.edges, &features.surfaces_to_register}) {
     for (std::size_t i = 0; i < kind->size(); i += 2) result.push_back((*kind)[i].point_m);
   }
   return result;

@@ -5,11 +5,11 @@
 #include <vector>
 
 #include "hqslam/slam/loop_report.h"
-#include "hqslam/slam/mapping.h"
 #include "hqslam/slam/scan_context.h"
 #include "loops/loop_candidates.h"
 #include "loops/loop_verification.h"
 #include "loops/pose_graph.h"
+#include "map/mapping.h"
 
 namespace hqslam::slam {
 

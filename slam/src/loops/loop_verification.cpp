@@ -3,7 +3,7 @@
 #include <cmath>
 #include <optional>
 
-#include "hqslam/slam/motion_correction.h"
+#include "front_end/motion_correction.h"
 #include "map/map_matching.h"
 
 namespace hqslam::slam {
@@ -55,7 +55,7 @@ bool slides(const MapFeatures& features, const Mapping& older_part, const Pose& 
   for (const int axis : {0, 1}) {
     const Pose pushed = T_map_sensor * Eigen::Translation3d(kPush_m * Eigen::Vector3d::Unit(axis));
     const Pose returned =
-        older_part.locate(features, somewhere_near(pushed), pushed).state.T_map_sensor;
+        older_part.register_scan(features, somewhere_near(pushed), pushed).state.T_map_sensor;
     if ((returned.translation() - T_map_sensor.translation()).norm() > kMaxReturn_m) return true;
   }
   return false;
@@ -72,7 +72,7 @@ Fit fit_of(const MapFeatures& features, const FeatureMaps& map, const MotionStat
                  : std::nullopt);
   }
   for (const Eigen::Vector3f& surface_m :
-       motion_corrected(features.surfaces_to_locate, state.velocity)) {
+       motion_corrected(features.surfaces_to_register, state.velocity)) {
     const Eigen::Vector3d point_m = state.T_map_sensor * surface_m.cast<double>();
     const auto plane = fit_plane(map.planes.nearest(point_m.cast<float>()), kMaxPlaneResidual_m);
     sum.add(plane ? std::optional(std::abs(plane->normal.dot(point_m - plane->point_m)))
@@ -85,7 +85,7 @@ VerifiedLoop verify_loop(const MapFeatures& features, const Mapping& older_part,
                          const Pose& T_map_sensor_start) {
   VerifiedLoop result;
   const auto locate = [&](const Pose& T_map_sensor) {
-    return older_part.locate(features, somewhere_near(T_map_sensor), T_map_sensor);
+    return older_part.register_scan(features, somewhere_near(T_map_sensor), T_map_sensor);
   };
   MappingResult located = locate(T_map_sensor_start);
   if (located.status == Status::kNotConverged) located = locate(located.state.T_map_sensor);

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "hqslam/slam/mapping.h"
+#include "map/mapping.h"
 
 namespace hqslam::slam {
 
@@ -14,7 +14,7 @@ struct ExpectedScan {
 /// Locates a scan from where it is expected; and if little is known about that, or the odometry saw
 /// it elsewhere, from there too. Of the two places the one is taken that more of what stands on the
 /// ground fits.
-MappingResult locate_from_both(const Mapping& mapping, const MapFeatures& features,
-                               const ExpectedScan& expected);
+MappingResult register_from_both(const Mapping& mapping, const MapFeatures& features,
+                                 const ExpectedScan& expected);
 
 }  // namespace hqslam::slam

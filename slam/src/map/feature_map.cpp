@@ -1,4 +1,4 @@
-#include "hqslam/slam/feature_map.h"
+#include "map/feature_map.h"
 
 #include <algorithm>
 #include <cmath>
@@ -99,8 +99,8 @@ void FeatureMap::fill_table(std::size_t slots) {
   }
 }
 
-void FeatureMap::insert(const std::vector<Eigen::Vector3f>& points_m, std::uint32_t key_frame) {
-  for (const Eigen::Vector3f& point_m : points_m) insert_point({point_m, key_frame, key_frame});
+void FeatureMap::insert(const std::vector<Eigen::Vector3f>& points_m, std::uint32_t keyframe) {
+  for (const Eigen::Vector3f& point_m : points_m) insert_point({point_m, keyframe, keyframe});
 }
 
 void FeatureMap::insert(const std::vector<MapPoint>& points) {
@@ -127,7 +127,7 @@ void FeatureMap::insert_point(const MapPoint& inserted) {
   Cube& cube = find_or_add(voxel->cube_key);
   for (Cell& cell : cube.cells) {
     if (cell.voxel != voxel->in_cube) continue;
-    cell.key_frame = std::min(cell.key_frame, inserted.key_frame);
+    cell.keyframe = std::min(cell.keyframe, inserted.keyframe);
     cell.last_seen = std::max(cell.last_seen, inserted.last_seen);
     if (cell.count < kMaxMeanCount) {
       cell.count = static_cast<std::uint16_t>(cell.count + inserted.count);
@@ -157,9 +157,9 @@ std::vector<MapPoint> FeatureMap::take(const std::vector<std::size_t>& cubes,
   return taken;
 }
 
-std::vector<MapPoint> FeatureMap::take_not_seen_since(std::uint32_t key_frame) {
+std::vector<MapPoint> FeatureMap::take_not_seen_since(std::uint32_t keyframe) {
   std::vector<MapPoint> taken =
-      take(all_cubes(), [&](const MapPoint& point, Voxel) { return point.last_seen < key_frame; });
+      take(all_cubes(), [&](const MapPoint& point, Voxel) { return point.last_seen < keyframe; });
   drop_empty_cubes();
   return taken;
 }
@@ -248,12 +248,12 @@ void FeatureMap::correct(const std::vector<Pose>& corrections) {
   for (const Pose& correction : corrections) moves.push_back(!correction.matrix().isIdentity(0.0));
   for (Cube& cube : cubes_) {
     for (Cell& cell : cube.cells) {
-      if (moves[cell.key_frame] == 0) continue;
-      cell.mean_m = (corrections[cell.key_frame] * cell.mean_m.cast<double>()).cast<float>();
+      if (moves[cell.keyframe] == 0) continue;
+      cell.mean_m = (corrections[cell.keyframe] * cell.mean_m.cast<double>()).cast<float>();
     }
   }
   insert(take(all_cubes(), [&](const MapPoint& point, const Voxel& voxel) {
-    return moves[point.key_frame] != 0 && voxel_of(point.mean_m) != voxel;
+    return moves[point.keyframe] != 0 && voxel_of(point.mean_m) != voxel;
   }));
 }
 

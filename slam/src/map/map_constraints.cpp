@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "alignment/robust_weights.h"
-#include "hqslam/slam/motion_correction.h"
+#include "front_end/motion_correction.h"
 
 namespace hqslam::slam {
 
@@ -184,8 +184,8 @@ std::vector<std::optional<EdgeConstraints>> post_constraints(
 
 }  // namespace
 
-ConstraintList map_constraints(LocatedScan& scan, const MapSearch& search, const FeatureMaps& map,
-                               const MappingOptions& options) {
+ConstraintList map_constraints(RegisteredScan& scan, const MapSearch& search,
+                               const FeatureMaps& map, const MappingOptions& options) {
   ConstraintList list;
   const auto add = [&](auto found) {
     weigh_by_noise(found, options.trusted_residual_m, search.trust_near);

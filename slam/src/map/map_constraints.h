@@ -3,8 +3,8 @@
 #include <vector>
 
 #include "alignment/rigid_alignment.h"
-#include "hqslam/slam/mapping.h"
 #include "map/map_matching.h"
+#include "map/mapping.h"
 #include "map/nearby_fit.h"
 
 namespace hqslam::slam {
@@ -20,7 +20,7 @@ struct SearchedFeatures {
 };
 
 /// The features of a scan while it is located.
-struct LocatedScan {
+struct RegisteredScan {
   SearchedFeatures<MapSurface> ground;
   SearchedFeatures<MapSurface> surfaces;
   SearchedFeatures<MapLine> edges;
@@ -31,7 +31,7 @@ struct LocatedScan {
 /// neighbours that are farther apart are seldom of one surface.
 struct MapSearch {
   Pose T_map_sensor;
-  Twist velocity;  ///< a second
+  Twist velocity;  ///< per second
   double reach_m;
   bool trust_near;  ///< take weight from features far from their line or plane
 };
@@ -39,7 +39,7 @@ struct MapSearch {
 /// What the map says about where a scan is: per feature that finds its line or plane, constraints
 /// of the motion that remains, in axes of the map with search.T_map_sensor's position as origin
 /// (points are R p, planes are moved by -t). Features are searched in parallel.
-ConstraintList map_constraints(LocatedScan& scan, const MapSearch& search, const FeatureMaps& map,
-                               const MappingOptions& options);
+ConstraintList map_constraints(RegisteredScan& scan, const MapSearch& search,
+                               const FeatureMaps& map, const MappingOptions& options);
 
 }  // namespace hqslam::slam

@@ -4,7 +4,7 @@
 #include <optional>
 #include <variant>
 
-#include "hqslam/slam/feature_map.h"
+#include "map/feature_map.h"
 
 namespace hqslam::slam {
 

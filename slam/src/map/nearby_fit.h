@@ -5,7 +5,7 @@
 #include <limits>
 #include <optional>
 
-#include "hqslam/slam/feature_map.h"
+#include "map/feature_map.h"
 
 namespace hqslam::slam {
 

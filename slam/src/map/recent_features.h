@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "hqslam/core/pose.h"
-#include "hqslam/slam/mapping.h"
+#include "map/mapping.h"
 
 namespace hqslam::slam {
 

@@ -32,12 +32,12 @@ TEST_CASE("drift grows with the path, not with the number of scans") {
   slam::Drift in_one_step = sixteen_rows();
   slam::Drift in_ten = sixteen_rows();
   const MotionState state = known_to(0.01);
-  in_one_step.locate(ahead(1e-6), state);
-  in_ten.locate(ahead(1e-6), state);
+  in_one_step.register_scan(ahead(1e-6), state);
+  in_ten.register_scan(ahead(1e-6), state);
   const Matrix6 start = in_one_step.covariance(kHere, state);
   // Steps so small that the lever of a turn is none.
-  in_one_step.locate(ahead(0.01), state);
-  for (int i = 0; i < 10; ++i) in_ten.locate(ahead(0.001), state);
+  in_one_step.register_scan(ahead(0.01), state);
+  for (int i = 0; i < 10; ++i) in_ten.register_scan(ahead(0.001), state);
   const double grown = in_one_step.covariance(kHere, state)(2, 2) - start(2, 2);
   CHECK(grown > 0.0);
   CHECK(in_ten.covariance(kHere, state)(2, 2) - start(2, 2) ==
@@ -98,7 +98,7 @@ TEST_CASE("a sensor that is shaken is less certain along and about the axes that
 TEST_CASE("a start tilts the map within the first metres, by the spacing of the rows") {
   slam::Drift drift = sixteen_rows();
   const MotionState exact = known_to(0.0);
-  for (int i = 0; i < 1000; ++i) drift.locate(ahead(0.02), exact);
+  for (int i = 0; i < 1000; ++i) drift.grow(ahead(0.02), exact);
   const double tilt_rad = 0.019 * 0.0368;
   CHECK(std::sqrt(drift.covariance(kHere, exact)(3, 3)) / tilt_rad ==
         doctest::Approx(1.0).epsilon(0.03));
@@ -130,7 +130,7 @@ TEST_CASE("a heading that is off leads aside") {
   drift.lose(lost);
   const MotionState exact = known_to(0.0);
   const double before_m2 = drift.covariance(kHere, exact)(1, 1);
-  drift.locate(ahead(20.0), exact);
+  drift.grow(ahead(20.0), exact);
   CHECK(drift.covariance(kHere, exact)(1, 1) - before_m2 >= doctest::Approx(4.0));
   CHECK(drift.covariance(kHere, exact)(5, 5) >= doctest::Approx(0.01));
 }
@@ -140,6 +140,6 @@ TEST_CASE("what nothing measured stays uncertain for good") {
   const MotionState exact = known_to(0.0);
   const double before_m2 = drift.covariance(kHere, exact)(0, 0);
   drift.lose(known_to(3.0));
-  for (int i = 0; i < 100; ++i) drift.locate(ahead(0.5), exact);
+  for (int i = 0; i < 100; ++i) drift.grow(ahead(0.5), exact);
   CHECK(drift.covariance(kHere, exact)(0, 0) - before_m2 >= doctest::Approx(9.0));
 }

@@ -1,4 +1,4 @@
-#include "hqslam/slam/odometry.h"
+#include "front_end/odometry.h"
 
 #include <doctest/doctest.h>
 

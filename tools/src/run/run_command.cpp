@@ -154,7 +154,7 @@ std::optional<ReferenceComparison> comparison_of(const SlamRun& run,
 ScanPoses poses_of(const SlamRun& run) {
   ScanPoses poses{run.trajectory, {}, scan_of_pose(run)};
   for (const ScanRecord& scan : run.scans) {
-    poses.is_located.push_back(slam::is_located(scan.report.mapping_status));
+    poses.is_located.push_back(slam::is_registered(scan.report.mapping_status));
   }
   return poses;
 }

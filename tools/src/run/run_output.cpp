@@ -119,7 +119,7 @@ std::string timings_json(const SlamRun& run) {
   std::int64_t key_frames = 0;
   for (const ScanRecord& scan : run.scans) {
     invalid_points += scan.invalid_points;
-    key_frames += scan.report.key_frame ? 1 : 0;
+    key_frames += scan.report.keyframe ? 1 : 0;
   }
   Json slam_options = Json::object();
   for (const auto& [option, value] : changed_options(run.slam)) slam_options[option] = value;

@@ -190,8 +190,8 @@ void SlamSession::remember(const slam::LoopReport& loop) {
 SlamRun SlamSession::finished() {
   for (const slam::LoopReport& loop : slam_.finish()) remember(loop);
   run_.mounting = slam_.mounting();
-  run_.part_of_scan = slam_.part_of_scan();
-  run_.stretch_of_scan = slam_.stretch_of_scan();
+  run_.part_of_scan = slam_.submap_of_scan();
+  run_.stretch_of_scan = slam_.segment_of_scan();
   run_.wall_s = seconds_since(start_);
   run_.trajectory = slam_.trajectory();
   run_.map_points_m = slam_.map_points_m();

@@ -9,7 +9,6 @@
 #include "hqslam/core/sensor_model.h"
 #include "hqslam/core/trajectory.h"
 #include "hqslam/slam/loop_report.h"
-#include "hqslam/slam/motion_state.h"
 #include "hqslam/slam/status.h"
 
 namespace hqslam::slam {
@@ -37,7 +36,7 @@ struct ScanReport {
   /// T_true = T_map_sensor exp(e), (linear, angular) in the sensor's frame, m^2, m rad, rad^2.
   /// What is in it, and what it was calibrated on: src/alignment/drift.h. Zero up to the first scan
   /// of the map, infinite variances where the place was not recognized.
-  Matrix6 covariance = Matrix6::Zero();
+  Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
   Status odometry_status = Status::kOk;
   Status mapping_status = Status::kOk;
   int returns = 0;
@@ -47,7 +46,7 @@ struct ScanReport {
   int planar_features = 0;
   int edge_correspondences = 0;  ///< used by the last iteration of mapping
   int planar_correspondences = 0;
-  bool key_frame = false;
+  bool keyframe = false;
   LoopReport loop;
   StageTimes times;
 };
@@ -107,13 +106,13 @@ class Slam {
 
   /// Per scan the part of the map it is in; parts that were joined have one number. Between parts
   /// nothing is known about how poses lie to each other.
-  std::vector<std::size_t> part_of_scan() const;
+  std::vector<std::size_t> submap_of_scan() const;
 
   /// Per scan the stretch of path it is on: a new one begins where nothing measured the way, and
   /// stays one of its own when its part is joined to another. Not to be read while process() runs.
-  const std::vector<std::size_t>& stretch_of_scan() const;
+  const std::vector<std::size_t>& segment_of_scan() const;
 
-  /// The map: planar features of all key frames, one per 0.4 m voxel, then edge features, one per
+  /// The map: planar features of all keyframes, one per 0.4 m voxel, then edge features, one per
   /// 0.2 m voxel (MappingOptions), in the map's frame; part after part.
   std::vector<Eigen::Vector3f> map_points_m() const;
 

@@ -23,6 +23,6 @@ std::string_view name(Status status);  ///< "ok", "too few features", "degenerat
                                        ///< "after a gap", "not recognized"
 
 /// Of a mapping status: whether the pose was measured against the map.
-bool is_located(Status status);
+bool is_registered(Status status);
 
 }  // namespace hqslam::slam

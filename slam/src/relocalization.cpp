@@ -45,7 +45,7 @@ void Slam::Implementation::recognize_place(const OrganizedCloud& cloud, const Fe
   MotionState state = unknown_motion(reference.T_map_sensor);
   report.T_odom_sensor = T_odom_reference;
   const MapFeatures thinned = map_features(features, sensor.measured_rows, options.mapping);
-  UnlocatedScan scan{cloud, thinned, {}, {}};
+  UnregisteredScan scan{cloud, thinned, {}, {}};
   if (odometry.has_reference()) {
     const double duration_s = time_s - reference_time_s;
     const OdometryResult moved =
@@ -67,7 +67,7 @@ void Slam::Implementation::recognize_place(const OrganizedCloud& cloud, const Fe
   report.T_map_sensor = state.T_map_sensor;
   if (is_recognized) {
     state.covariance =
-        mapping.locate(thinned, found_about(state), state.T_map_sensor).state.covariance;
+        mapping.register_scan(thinned, found_about(state), state.T_map_sensor).state.covariance;
     report.covariance = drift.covariance(Pose::Identity(), state);
   } else {
     report.mapping_status = Status::kNotRecognized;

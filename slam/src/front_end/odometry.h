@@ -2,9 +2,9 @@
 
 #include <memory>
 
+#include "front_end/features.h"
+#include "front_end/motion_correction.h"
 #include "hqslam/core/pose.h"
-#include "hqslam/slam/features.h"
-#include "hqslam/slam/motion_correction.h"
 #include "hqslam/slam/options.h"
 #include "hqslam/slam/status.h"
 
