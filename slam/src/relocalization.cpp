@@ -1,11 +1,10 @@
-// Locating in a map that another drive left behind.
+// Searching: the place of a sensor in a given map.
 
 #include <limits>
 #include <optional>
 
-#include "hqslam/core/error.h"
-#include "hqslam/slam/saved_map.h"
 #include "loops/loop_verification.h"
+#include "map/registration_trace.h"
 #include "slam_implementation.h"
 
 namespace hqslam::slam {
@@ -27,59 +26,53 @@ MotionState found_about(MotionState state) {
 
 }  // namespace
 
-void Slam::Implementation::locate_in(const SavedMap& map,
-                                     const std::optional<Pose>& T_map_level_start) {
-  loop_closing.reset();  // a given map stays as it is
-  if (map.places.empty()) {
-    throw Error("the map has no place to be recognized; save it after a drive");
-  }
-  mapping = Mapping(options.mapping, FeatureMaps(options.mapping, map));
-  place_recognition.emplace(options.mapping, map.places, T_map_level_start);
-  is_recognized = false;
-}
-
-/// Looks for the place of a scan in the given map. Until it is found the last known pose stands,
-/// and the odometry goes on, so that scans can be corrected for motion and moved together.
-void Slam::Implementation::recognize_place(const OrganizedCloud& cloud, const Features& features,
-                                           Stopwatch& stopwatch, ScanReport& report) {
-  MotionState state = unknown_motion(reference.T_map_sensor);
-  report.T_odom_sensor = T_odom_reference;
-  const MapFeatures thinned = map_features(features, sensor.measured_rows, options.mapping);
-  UnregisteredScan scan{cloud, thinned, {}, {}};
-  if (odometry.has_reference()) {
-    const double duration_s = time_s - reference_time_s;
-    const OdometryResult moved =
-        odometry.estimate(features, exponential(duration_s * reference.velocity), duration_s);
+/// Until the place is found the last known pose stands, and the odometry goes on, so that scans can
+/// be corrected for motion and moved together.
+State Slam::Implementation::next(Searching now, const Scan& scan, Notes& notes) {
+  ScanReport& report = notes.report;
+  report.T_odom_sensor = now.T_odom_last;
+  UnregisteredScan searched{scan.cloud, scan.map_features, {}, {}};
+  if (now.reference) {
+    const double duration_s = scan.time_s - now.reference->time_s;
+    const OdometryResult moved = scan_to_scan(
+        now.reference->target, scan.features,
+        {exponential(duration_s * now.reference->state.velocity), duration_s}, options.odometry);
     report.odometry_status = moved.status;
     if (moved.status != Status::kTooFewFeatures) {
-      scan.T_previous_sensor = moved.T_reference_sensor;
-      scan.velocity = (1.0 / duration_s) * logarithm(moved.T_reference_sensor);
+      searched.T_previous_sensor = moved.T_reference_sensor;
+      searched.velocity = (1.0 / duration_s) * logarithm(moved.T_reference_sensor);
     }
-    report.T_odom_sensor = orthonormalized(T_odom_reference * moved.T_reference_sensor);
+    report.T_odom_sensor = orthonormalized(now.T_odom_last * moved.T_reference_sensor);
   }
-  report.times.odometry_s = stopwatch.lap_s();
-  const bool is_seen_enough = can_be_reference(features);
+  report.times.odometry_s = notes.stopwatch.lap_s();
+
   std::optional<Pose> T_map_sensor;
-  if (is_seen_enough) T_map_sensor = place_recognition->find(scan, mapping.map());
-  is_recognized = T_map_sensor.has_value();
-  state.T_map_sensor = T_map_sensor.value_or(reference.T_map_sensor);
-  state.velocity = scan.velocity;
-  report.T_map_sensor = state.T_map_sensor;
-  if (is_recognized) {
-    state.covariance =
-        mapping.register_scan(thinned, found_about(state), state.T_map_sensor).state.covariance;
-    report.covariance = drift.covariance(Pose::Identity(), state);
-  } else {
-    report.mapping_status = Status::kNotRecognized;
-    report.covariance.diagonal().setConstant(std::numeric_limits<double>::infinity());
+  if (scan.has_enough_features) T_map_sensor = place_recognition->find(searched, mapping.map());
+  MotionState found = unknown_motion(T_map_sensor.value_or(now.T_map_last));
+  found.velocity = searched.velocity;
+  report.T_map_sensor = found.T_map_sensor;
+  if (T_map_sensor) {
+    const MappingResult matched =
+        mapping.register_scan(scan.map_features, found_about(found), found.T_map_sensor);
+    found.covariance = matched.state.covariance;
+    report.covariance = drift.covariance(Pose::Identity(), found);
+    if (notes.trace != nullptr) {
+      trace_registration(mapping, scan.map_features, matched, *notes.trace);
+    }
+    return Tracking{reference_of(scan, found, report), 0.0, std::nullopt};
   }
-  if (is_seen_enough) make_reference(features, state, report);
-  report.times.mapping_s = stopwatch.lap_s();
+  report.mapping_status = Status::kNotRecognized;
+  report.covariance.diagonal().setConstant(std::numeric_limits<double>::infinity());
+  if (scan.has_enough_features) {
+    now.reference = reference_of(scan, found, report);
+    now.T_odom_last = report.T_odom_sensor;
+  }
+  return now;
 }
 
-bool Slam::Implementation::is_in_given_map(const MapFeatures& thinned,
-                                           const MotionState& state) const {
-  return fit_of(thinned, mapping.map(), state).overlap >= kMinOverlapInGivenMap;
+bool Slam::Implementation::is_in_given_map(const MapFeatures& features,
+                                           const MotionState& found) const {
+  return fit_of(features, mapping.map(), found).overlap >= kMinOverlapInGivenMap;
 }
 
 }  // namespace hqslam::slam

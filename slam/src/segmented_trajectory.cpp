@@ -30,8 +30,8 @@ void SegmentedTrajectory::correct(const std::vector<Pose>& corrections) {
 
 std::vector<std::size_t> SegmentedTrajectory::submap_of_scan() const {
   std::vector<std::size_t> result;
-  for (const std::size_t stretch : segment_of_scan_) {
-    result.push_back(stretch < submap_of_segment_.size() ? submap_of_segment_[stretch] : stretch);
+  for (const std::size_t segment : segment_of_scan_) {
+    result.push_back(segment < submap_of_segment_.size() ? submap_of_segment_[segment] : segment);
   }
   return result;
 }

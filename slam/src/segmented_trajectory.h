@@ -8,19 +8,19 @@
 
 namespace hqslam::slam {
 
-/// The path driven so far: where each scan was, which keyframe it moves with, and in which part of
-/// the path it is. A stretch begins where nothing measured the way; stretches that loop closing
-/// joined are one part.
+/// The trajectory so far: where each scan was, which keyframe it moves with, and which segment it
+/// is on. A segment begins where nothing measured the way; those that loop closing joined are in
+/// one submap.
 class SegmentedTrajectory {
  public:
   /// A scan, when the map had so many keyframes.
   void add(const StampedPose& pose, std::uint32_t keyframes);
 
-  /// From here on, and for the scans before that were not located, the path has nothing to do with
-  /// what was before: they move with the keyframe that comes next.
+  /// From here on, and for the scans before that were not registered, the path has nothing to do
+  /// with what was before: they move with the keyframe that comes next.
   void begin_segment(std::size_t unlocated_scans, std::uint32_t next_keyframe);
 
-  /// What loop closing knows about the stretches: the part that each is of.
+  /// What loop closing knows about the segments: the submap that each is in.
   void join(const std::vector<std::size_t>& submap_of_segment) {
     submap_of_segment_ = submap_of_segment;
   }

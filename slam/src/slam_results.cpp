@@ -1,4 +1,4 @@
-// What SLAM says of the scans so far.
+// What SLAM knows of the scans so far.
 
 #include <utility>
 
@@ -26,9 +26,9 @@ std::vector<Eigen::Vector3f> Slam::map_points_m() const {
   const FeatureMaps& matched_with = implementation_->mapping.map();
   const auto& loop_closing = implementation_->loop_closing;
   std::vector<Eigen::Vector3f> result;
-  for (const FeatureMaps& part : loop_closing ? loop_closing->whole_map(matched_with)
-                                              : std::vector<FeatureMaps>{matched_with}) {
-    for (const FeatureMap* kind : {&part.planes, &part.edges}) {
+  for (const FeatureMaps& submap : loop_closing ? loop_closing->whole_map(matched_with)
+                                                : std::vector<FeatureMaps>{matched_with}) {
+    for (const FeatureMap* kind : {&submap.planes, &submap.edges}) {
       const std::vector<Eigen::Vector3f> points_m = kind->points_m();
       result.insert(result.end(), points_m.begin(), points_m.end());
     }
@@ -49,13 +49,13 @@ SavedMap Slam::saved_map() const {
         "expected loop closing, which knows the places of a map, found it switched off; switch it "
         "on");
   }
-  const std::vector<FeatureMaps> parts = loop_closing->whole_map(implementation_->mapping.map());
+  const std::vector<FeatureMaps> submaps = loop_closing->whole_map(implementation_->mapping.map());
   SavedMap result;
-  for (std::size_t part = 0; part < parts.size(); ++part) {
-    std::vector<SavedPlace> places = loop_closing->finished().places(part);
+  for (std::size_t submap = 0; submap < submaps.size(); ++submap) {
+    std::vector<SavedPlace> places = loop_closing->finished().places(submap);
     if (places.size() <= result.places.size()) continue;
-    result = {parts[part].edges.points_m(), parts[part].posts.points_m(),
-              parts[part].planes.points_m(), std::move(places)};
+    result = {submaps[submap].edges.points_m(), submaps[submap].posts.points_m(),
+              submaps[submap].planes.points_m(), std::move(places)};
   }
   return result;
 }

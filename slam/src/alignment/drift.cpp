@@ -13,7 +13,7 @@ constexpr double kHeight = 1.35;
 constexpr double kTilt = 5.9;
 constexpr double kHeading = 11.3;
 /// How those of x, y and yaw grow with the variance of x and y, where they are as above, and up to
-/// where: only a scan that was not located is less certain.
+/// where: only a scan that was not registered is less certain.
 constexpr double kPower = 0.6;
 constexpr double kUsual_m = 0.005;
 constexpr double kMost_m = 0.05;

@@ -16,8 +16,8 @@ constexpr double kViewSpacing_m = 4.0;
 
 }  // namespace
 
-BackgroundLoopClosing::BackgroundLoopClosing(const MappingOptions& mapping, bool searches)
-    : mapping_(mapping), loop_closing_(std::make_unique<LoopClosing>(mapping, searches)) {}
+BackgroundLoopClosing::BackgroundLoopClosing(const MappingOptions& options, bool searches)
+    : options_(options), loop_closing_(std::make_unique<LoopClosing>(options, searches)) {}
 
 std::optional<LoopResult> BackgroundLoopClosing::collect() {
   if (!work_.valid() || --scans_until_due_ > 0) return std::nullopt;
@@ -91,34 +91,34 @@ LoopResult BackgroundLoopClosing::collected() {
     }
     T_map_last_ = orthonormalized(result.corrections.back() * *T_map_last_);
   }
-  // The map that they were to be matched in was laid aside meanwhile.
+  // The map that they were to be matched in left the window meanwhile.
   if (back) append(lost->view->left_window, *back);
   return result;
 }
 
-const LoopClosing& BackgroundLoopClosing::finished() const {
+const KeyframeGraph& BackgroundLoopClosing::finished() const {
   if (work_.valid()) work_.wait();
-  return *loop_closing_;
+  return loop_closing_->graph();
 }
 
 std::vector<FeatureMaps> BackgroundLoopClosing::whole_map(const FeatureMaps& matched_with) const {
   const LoopResult found = work_.valid() ? awaited() : LoopResult{};
-  std::vector<FeatureMaps> parts = loop_closing_->parts();
-  const std::vector<std::size_t> submap_of_segment = loop_closing_->submap_of_segment();
-  std::size_t part = submap_of_segment.empty() ? 0 : submap_of_segment.back();
-  if (part < parts.size()) parts[part].insert(found.recalled);
+  std::vector<FeatureMaps> submaps = loop_closing_->graph().submaps();
+  const std::vector<std::size_t> submap_of_segment = loop_closing_->graph().submap_of_segment();
+  std::size_t submap = submap_of_segment.empty() ? 0 : submap_of_segment.back();
+  if (submap < submaps.size()) submaps[submap].insert(found.recalled);
   const auto add = [&](MapPoints points) {
     if (!found.corrections.empty()) correct(points, found.corrections);
-    if (part < parts.size()) parts[part].insert(points);
+    if (submap < submaps.size()) submaps[submap].insert(points);
   };
   for (const LoopKeyframe& keyframe : waiting_) {
     if (keyframe.view) add(keyframe.view->left_window);
     if (!keyframe.begins_segment) continue;
-    part = parts.size();
-    parts.emplace_back(mapping_);
+    submap = submaps.size();
+    submaps.emplace_back(options_);
   }
   add(FeatureMaps(matched_with).take_all());
-  return parts;
+  return submaps;
 }
 
 }  // namespace hqslam::slam

@@ -17,7 +17,7 @@ namespace hqslam::slam {
 /// of the meantime are kept for the next time, and moved along with what was found out.
 class BackgroundLoopClosing {
  public:
-  BackgroundLoopClosing(const MappingOptions& mapping, bool searches);
+  BackgroundLoopClosing(const MappingOptions& options, bool searches);
 
   /// Call with every scan, before it is looked for: what was found out, if this scan is the one
   /// that it was waited for. Corrections are given for all keyframes up to now.
@@ -30,9 +30,9 @@ class BackgroundLoopClosing {
   void add(LoopKeyframe keyframe);
 
   /// What is known when all that was begun is done; waits for that.
-  const LoopClosing& finished() const;
-  /// All of the map, by part: what was laid aside, and what scans are matched with, as it will be
-  /// when all that was begun is taken in. Waits for that.
+  const KeyframeGraph& finished() const;
+  /// All of the map, by submap: what left the sliding window, and the window itself, as it will be
+  /// when all that was begun is applied. Waits for that.
   std::vector<FeatureMaps> whole_map(const FeatureMaps& matched_with) const;
 
  private:
@@ -40,7 +40,7 @@ class BackgroundLoopClosing {
   LoopResult awaited() const;
   LoopResult collected();
 
-  MappingOptions mapping_;
+  MappingOptions options_;
   std::unique_ptr<LoopClosing> loop_closing_;  ///< belongs to the thread while there is one
   std::shared_future<LoopResult> work_;
   int scans_until_due_ = 0;

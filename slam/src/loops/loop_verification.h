@@ -32,7 +32,7 @@ struct VerifiedLoop {
 /// pose to start from. Out: the registered pose, and a verdict. Registered
 /// as any scan is (Mapping::register_scan); judged more strictly, by distances from lines and
 /// planes.
-VerifiedLoop verify_loop(const MapFeatures& features, const Mapping& older_part,
+VerifiedLoop verify_loop(const MapFeatures& features, const Mapping& older_map,
                          const Pose& T_map_sensor_start);
 
 }  // namespace hqslam::slam

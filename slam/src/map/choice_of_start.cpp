@@ -34,12 +34,12 @@ bool fits_better(const MappingResult& a, const MappingResult& b) {
 MappingResult register_from_both(const Mapping& mapping, const MapFeatures& features,
                                  const ExpectedScan& expected) {
   const MotionState& state = expected.state;
-  const MappingResult located = mapping.register_scan(features, state, state.T_map_sensor);
+  const MappingResult from_expected = mapping.register_scan(features, state, state.T_map_sensor);
   const Twist innovation = logarithm(state.T_map_sensor.inverse() * expected.T_map_moved);
-  if (is_precise(state) && !is_elsewhere(innovation)) return located;
+  if (is_precise(state) && !is_elsewhere(innovation)) return from_expected;
   const MappingResult from_odometry = mapping.register_scan(
       features, with_innovation(state, innovation, expected.duration_s), expected.T_map_moved);
-  return fits_better(from_odometry, located) ? from_odometry : located;
+  return fits_better(from_odometry, from_expected) ? from_odometry : from_expected;
 }
 
 }  // namespace hqslam::slam

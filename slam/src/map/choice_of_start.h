@@ -11,9 +11,9 @@ struct ExpectedScan {
   double duration_s;  ///< since the scan before
 };
 
-/// Locates a scan from where it is expected; and if little is known about that, or the odometry saw
-/// it elsewhere, from there too. Of the two places the one is taken that more of what stands on the
-/// ground fits.
+/// Registers a scan from where it is expected; and if little is known about that, or the odometry
+/// saw it elsewhere, from there too. Of the two places the one is taken that more of what stands on
+/// the ground fits.
 MappingResult register_from_both(const Mapping& mapping, const MapFeatures& features,
                                  const ExpectedScan& expected);
 

@@ -12,13 +12,7 @@ namespace {
 /// smeared by the drift of a later visit.
 constexpr std::uint16_t kMaxMeanCount = 20;
 
-constexpr int kCubeRange = 1 << 20;  // cubes on each side of the origin
-
-std::uint64_t mixed(std::uint64_t key) {
-  key ^= key >> 31;
-  key *= 0x9E3779B97F4A7C15ULL;
-  return key ^ (key >> 29);
-}
+constexpr int kCubeRange = CellIndex::kRange;  // cubes on each side of the origin
 
 /// Of values that an int can hold; std::floor is a call on processors without SSE4.1.
 Eigen::Vector3i floored(const Eigen::Vector3f& v) {
@@ -56,47 +50,18 @@ FeatureMap::FeatureMap(double leaf_m, double max_distance_m)
     : leaf_m_(static_cast<float>(leaf_m)),
       max_distance_m_(static_cast<float>(max_distance_m)),
       cube_m_(static_cast<float>(2.0 * max_distance_m)),
-      voxels_per_side_(static_cast<int>(std::ceil(2.0 * max_distance_m / leaf_m))),
-      table_(1024, 0) {}
+      voxels_per_side_(static_cast<int>(std::ceil(2.0 * max_distance_m / leaf_m))) {}
 
-bool FeatureMap::key_of(const Eigen::Vector3i& cube, std::uint64_t& key) const {
-  const Eigen::Vector3i shifted = cube.array() + kCubeRange;
-  if ((shifted.array() < 0).any() || (shifted.array() >= 2 * kCubeRange).any()) return false;
-  key = (static_cast<std::uint64_t>(shifted.x()) << 42) |
-        (static_cast<std::uint64_t>(shifted.y()) << 21) | static_cast<std::uint64_t>(shifted.z());
-  return true;
-}
-
-const FeatureMap::Cube* FeatureMap::find(std::uint64_t key) const {
-  const std::size_t mask = table_.size() - 1;
-  for (std::size_t slot = mixed(key) & mask; table_[slot] != 0; slot = (slot + 1) & mask) {
-    const Cube& cube = cubes_[table_[slot] - 1];
-    if (cube.key == key) return &cube;
-  }
-  return nullptr;
+const FeatureMap::Cube* FeatureMap::find(const Eigen::Vector3i& cube) const {
+  const std::uint32_t found = index_.find(cube);
+  return found == CellIndex::kNone ? nullptr : &cubes_[found];
 }
 
 FeatureMap::Cube& FeatureMap::find_or_add(std::uint64_t key) {
-  const std::size_t mask = table_.size() - 1;
-  std::size_t slot = mixed(key) & mask;
-  for (; table_[slot] != 0; slot = (slot + 1) & mask) {
-    Cube& cube = cubes_[table_[slot] - 1];
-    if (cube.key == key) return cube;
-  }
-  cubes_.push_back({key, {}});
-  table_[slot] = static_cast<std::uint32_t>(cubes_.size());
-  if (2 * cubes_.size() > table_.size()) fill_table(2 * table_.size());
-  return cubes_.back();
-}
-
-void FeatureMap::fill_table(std::size_t slots) {
-  table_.assign(slots, 0);
-  const std::size_t mask = table_.size() - 1;
-  for (std::size_t i = 0; i < cubes_.size(); ++i) {
-    std::size_t slot = mixed(cubes_[i].key) & mask;
-    while (table_[slot] != 0) slot = (slot + 1) & mask;
-    table_[slot] = static_cast<std::uint32_t>(i + 1);
-  }
+  const std::uint32_t found = index_.find(key);
+  if (found != CellIndex::kNone) return cubes_[found];
+  index_.add(key, static_cast<std::uint32_t>(cubes_.size()));
+  return cubes_.emplace_back(Cube{key, {}});
 }
 
 void FeatureMap::insert(const std::vector<Eigen::Vector3f>& points_m, std::uint32_t keyframe) {
@@ -112,7 +77,7 @@ std::optional<FeatureMap::Voxel> FeatureMap::voxel_of(const Eigen::Vector3f& poi
   if (!(scaled.array().abs() < static_cast<float>(kCubeRange - 1)).all()) return std::nullopt;
   const Eigen::Vector3i cube = floored(scaled);
   Voxel result;
-  if (!key_of(cube, result.cube_key)) return std::nullopt;
+  result.cube_key = CellIndex::key_of(cube);
   const Eigen::Vector3i at = floored((point_m - cube.cast<float>() * cube_m_) / leaf_m_)
                                  .cwiseMax(0)
                                  .cwiseMin(voxels_per_side_ - 1);
@@ -176,7 +141,10 @@ void FeatureMap::drop_empty_cubes() {
       static_cast<std::size_t>(std::count_if(cubes_.begin(), cubes_.end(), is_empty));
   if (2 * empty <= cubes_.size()) return;
   std::erase_if(cubes_, is_empty);
-  fill_table(table_.size());
+  index_.clear();
+  for (std::size_t i = 0; i < cubes_.size(); ++i) {
+    index_.add(cubes_[i].key, static_cast<std::uint32_t>(i));
+  }
 }
 
 Neighbours FeatureMap::nearest(const Eigen::Vector3f& query_m) const {
@@ -194,9 +162,7 @@ Neighbours FeatureMap::nearest(const Eigen::Vector3f& query_m) const {
   for (int corner = 0; corner < 8; ++corner) {
     const Eigen::Array3i beyond(corner & 1, (corner >> 1) & 1, corner >> 2);
     if ((beyond.cast<float>() * face_m2).sum() >= found.sixth_squared_m2) continue;
-    std::uint64_t key = 0;
-    if (!key_of(own + (beyond * step).matrix(), key)) continue;
-    const Cube* cube = find(key);
+    const Cube* cube = find(own + (beyond * step).matrix());
     if (cube == nullptr) continue;
     for (const Cell& cell : cube->cells) {
       const Eigen::Vector3f& mean_m = cell.mean_m;
@@ -216,8 +182,7 @@ std::vector<std::size_t> FeatureMap::cubes_touching(const Surroundings& place) c
   for (int x = first.x(); x <= last.x(); ++x) {
     for (int y = first.y(); y <= last.y(); ++y) {
       for (int z = first.z(); z <= last.z(); ++z) {
-        std::uint64_t key = 0;
-        const Cube* cube = key_of({x, y, z}, key) ? find(key) : nullptr;
+        const Cube* cube = find({x, y, z});
         if (cube != nullptr) result.push_back(static_cast<std::size_t>(cube - cubes_.data()));
       }
     }

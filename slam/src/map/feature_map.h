@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "hqslam/core/pose.h"
+#include "map/cell_index.h"
 
 namespace hqslam::slam {
 
@@ -90,10 +91,8 @@ class FeatureMap {
     bool operator==(const Voxel&) const = default;
   };
 
-  bool key_of(const Eigen::Vector3i& cube, std::uint64_t& key) const;
-  const Cube* find(std::uint64_t key) const;
+  const Cube* find(const Eigen::Vector3i& cube) const;
   Cube& find_or_add(std::uint64_t key);
-  void fill_table(std::size_t slots);
   /// None beyond a million cubes.
   std::optional<Voxel> voxel_of(const Eigen::Vector3f& point_m) const;
   void insert_point(const MapPoint& point);
@@ -109,7 +108,7 @@ class FeatureMap {
   int voxels_per_side_;
   std::size_t size_ = 0;
   std::vector<Cube> cubes_;
-  std::vector<std::uint32_t> table_;  ///< open addressing: index of a cube plus one, 0 empty
+  CellIndex index_;  ///< of cubes_
 };
 
 }  // namespace hqslam::slam

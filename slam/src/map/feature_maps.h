@@ -22,7 +22,7 @@ struct FeatureMaps {
   explicit FeatureMaps(const MappingOptions& options);
   FeatureMaps(const MappingOptions& options, const SavedMap& map);
 
-  /// The part of a map about a place.
+  /// The local map about a place.
   FeatureMaps about(const MappingOptions& options, const Surroundings& place) const;
 
   void insert(const MapPoints& points);

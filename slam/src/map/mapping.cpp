@@ -9,7 +9,6 @@
 #include "alignment/scan_information.h"
 #include "front_end/motion_correction.h"
 #include "front_end/voxel_thinning.h"
-#include "map/map_constraints.h"
 
 namespace hqslam::slam {
 
@@ -25,6 +24,20 @@ std::vector<FeaturePoint> measured(const std::vector<FeaturePoint>& features,
   std::copy_if(features.begin(), features.end(), std::back_inserter(result),
                [&](const FeaturePoint& feature) { return rows->contains(feature.row); });
   return result;
+}
+
+RegisteredScan searched(const MapFeatures& features) {
+  return {SearchedFeatures<MapSurface>(features.ground_to_register),
+          SearchedFeatures<MapSurface>(features.surfaces_to_register),
+          SearchedFeatures<MapLine>(features.edges),
+          SearchedFeatures<Eigen::Vector3d, 1>(features.posts_to_register)};
+}
+
+MapSearch search_at(const MappingResult& at, const MappingOptions& options) {
+  return {
+      at.state.T_map_sensor, at.state.velocity,
+      at.is_close_search ? options.close_neighbour_distance_m : options.max_neighbour_distance_m,
+      at.is_close_search};
 }
 
 }  // namespace
@@ -56,25 +69,21 @@ MappingResult Mapping::register_scan(const MapFeatures& features, const MotionSt
   MappingResult result;
   const ExpectedState prior(expected);
   result.state = prior.given(T_map_sensor_start);
-  RegisteredScan scan{SearchedFeatures<MapSurface>(features.ground_to_register),
-                      SearchedFeatures<MapSurface>(features.surfaces_to_register),
-                      SearchedFeatures<MapLine>(features.edges),
-                      SearchedFeatures<Eigen::Vector3d, 1>(features.posts_to_register)};
+  RegisteredScan scan = searched(features);
   bool narrow_suffices = true;
   for (int iteration = 0; iteration < options_.max_iterations; ++iteration) {
     const bool narrow = iteration >= kWideSearches && narrow_suffices;
-    const double reach_m =
-        narrow ? options_.close_neighbour_distance_m : options_.max_neighbour_distance_m;
-    const ConstraintList constraints = map_constraints(
-        scan, {result.state.T_map_sensor, result.state.velocity, reach_m, narrow}, map_, options_);
+    result.is_close_search = narrow;
+    const ConstraintList constraints =
+        match_with_map(scan, search_at(result, options_), map_, options_).constraints();
     const int matched = constraints.edges + constraints.planes;
     const bool enough = matched >= options_.min_correspondences &&
                         matched >= options_.min_matched_share * feature_count;
     const Pose before = result.state.T_map_sensor;
-    const ScanInformation told = scan_information(constraints.all, before.linear());
-    const bool tells_all =
+    const ScanInformation information = scan_information(constraints.all, before.linear());
+    const bool all_observable =
         observability(constraints.all, FreeParameters::kAll).degenerate_directions == 0;
-    if (narrow && (!enough || !tells_all)) {
+    if (narrow && (!enough || !all_observable)) {
       narrow_suffices = false;
       continue;
     }
@@ -86,17 +95,22 @@ MappingResult Mapping::register_scan(const MapFeatures& features, const MotionSt
       result.status = Status::kTooFewFeatures;
       return result;
     }
-    result.state = prior.improved(result.state, told);
+    result.state = prior.improved(result.state, information);
     const Pose change = before.inverse() * result.state.T_map_sensor;
     const bool converged = rotation_angle_rad(change) < options_.converged_rotation_rad &&
                            change.translation().norm() < options_.converged_translation_m;
-    result.status = !tells_all  ? Status::kDegenerate
-                    : converged ? Status::kOk
-                                : Status::kNotConverged;
+    result.status = !all_observable ? Status::kDegenerate
+                    : converged     ? Status::kOk
+                                    : Status::kNotConverged;
     if (converged && (narrow || !narrow_suffices)) break;
   }
   result.state.T_map_sensor = orthonormalized(result.state.T_map_sensor);
   return result;
+}
+
+MapMatches Mapping::matches(const MapFeatures& features, const MappingResult& found) const {
+  RegisteredScan scan = searched(features);
+  return match_with_map(scan, search_at(found, options_), map_, options_);
 }
 
 bool Mapping::is_keyframe(const Pose& T_map_sensor) const {

@@ -12,6 +12,7 @@
 #include "hqslam/slam/options.h"
 #include "hqslam/slam/status.h"
 #include "map/feature_maps.h"
+#include "map/map_constraints.h"
 
 namespace hqslam::slam {
 
@@ -22,7 +23,7 @@ struct MapFeatures {
   std::vector<FeaturePoint> ground;                ///< as dense as the map
   std::vector<FeaturePoint> surfaces;              ///< the same
   std::vector<FeaturePoint> posts_to_register;     ///< one of a few neighbouring rows
-  std::vector<FeaturePoint> ground_to_register;    ///< fewer: enough to locate the scan
+  std::vector<FeaturePoint> ground_to_register;    ///< fewer: enough to register the scan
   std::vector<FeaturePoint> surfaces_to_register;  ///< the same
 };
 /// measured_rows: SensorModel::measured_rows. Features of computed rows are left out.
@@ -38,6 +39,7 @@ struct MappingResult {
   /// wide reach: how well a place fits. The ground fits everywhere, and more is found within 1 m
   /// than within 0.6 m.
   double inlier_ratio = 0.0;
+  bool is_close_search = false;  ///< of the last search: reach and weights, see MapSearch
 };
 
 /// Scan-to-map optimisation, and the map.
@@ -53,29 +55,33 @@ struct MappingResult {
 /// structure (FeatureMap), not rebuilt from keyframes; the weight of a planar feature falls with
 /// its distance from the sensor, not from the origin of the map; planes are fitted about their
 /// centroid, so that a plane through the map's origin is as good as any; lines must be longer and
-/// planes wider than LeGO-LOAM asks; the ground tells height, roll and pitch only, as in the
+/// planes wider than LeGO-LOAM asks; the ground is asked for height, roll and pitch only, as in the
 /// odometry's first step, because the rings that a sensor draws on it would hold the sensor back,
-/// and only where it is flat; surfaces tell nothing about height where 25 points of the
+/// and only where it is flat; surfaces are not asked for height where 25 points of the
 /// ground match; a turn makes a keyframe too; the scan is corrected for motion anew with every
 /// improved pose; features far from their line or plane lose weight; and what was not seen over the
-/// last stretch of path is laid aside, until it is taken up again. A place that is met again with
-/// decimetres of drift would fit half, and tilt or turn the sensor by degrees.
+/// last metres of path leaves a sliding window, until it is restored. A place that is met again
+/// with decimetres of drift would fit half, and tilt or turn the sensor by degrees.
 class Mapping {
  public:
   explicit Mapping(const MappingOptions& options);
-  /// A map to locate in.
+  /// A given map.
   Mapping(const MappingOptions& options, FeatureMaps map);
 
   /// In: what is expected without the scan, and how well; a pose to begin the search from.
   MappingResult register_scan(const MapFeatures& features, const MotionState& expected,
                               const Pose& T_map_sensor_start) const;
 
+  /// With what each feature is matched there, for whoever wants to look at it.
+  MapMatches matches(const MapFeatures& features, const MappingResult& found) const;
+
   /// Whether the pose is far enough from the last one inserted.
   bool is_keyframe(const Pose& T_map_sensor) const;
   void insert(const MapFeatures& features, const Pose& T_map_sensor, const Twist& velocity);
   std::uint32_t keyframes() const { return keyframes_; }
 
-  /// Takes out of the map what was not seen over the last MappingOptions::recent_path_m.
+  /// The sliding window moves on: takes out what was not seen over the last
+  /// MappingOptions::recent_path_m.
   MapPoints slide_window();
   /// Takes everything out: the next keyframe is the first of a map of its own.
   MapPoints clear_window();

@@ -68,7 +68,7 @@ Driven drive(const test::Circuit& circuit, const Estimate& estimate) {
       driven.T_map_sensor[k] = result.corrections[k] * driven.T_map_sensor[k];
     }
   }
-  slam::FeatureMaps map = loop_closing.parts().front();
+  slam::FeatureMaps map = loop_closing.graph().submaps().front();
   map.insert(slam::FeatureMaps(mapping.map()).take_all());
   driven.map_points_m = map.planes.points_m();
   return driven;

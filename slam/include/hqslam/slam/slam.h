@@ -15,6 +15,7 @@ namespace hqslam::slam {
 
 struct MountingOptions;
 struct SavedMap;
+struct ScanTrace;
 struct SlamOptions;
 
 /// Seconds spent in each stage of one scan.
@@ -60,9 +61,8 @@ struct ScanReport {
 /// is processed in the call that brings it; loop closing works beside the calls, in a thread of its
 /// own, and what it finds out is taken in ten scans later.
 ///
-/// A sensor that was carried away or blinded for long goes on in a part of the map of its own, as
-/// if it stood where it was believed to be. Loop closing joins the parts when it recognizes a
-/// place.
+/// A sensor that was carried away or blinded for long goes on in a submap of its own, as if it
+/// stood where it was believed to be. Loop closing joins the submaps when it recognizes a place.
 ///
 /// Threads: one object serves one thread at a time, reading included; objects are independent of
 /// one another. process() works with options.threads OpenMP threads, or, inside a parallel region
@@ -73,8 +73,8 @@ class Slam {
   /// Throws Error if the sensor or an option is invalid.
   explicit Slam(const SensorModel& sensor);
   Slam(const SensorModel& sensor, const SlamOptions& options);
-  /// Locates scans in a map that another drive left behind (saved_map()), which stays as it is. The
-  /// first scan is looked for about T_map_level_start (where the sensor stands, turned level),
+  /// Registers scans in a map that another drive left behind (saved_map()), which stays as it is.
+  /// The first scan is looked for about T_map_level_start (where the sensor stands, turned level),
   /// within a few metres and half a radian, or in all of the map; so is the next one where it is
   /// not found, and wherever the way is lost: then the mapping's status is kNotRecognized. Poses
   /// are in the map's frame, and their covariances against it; loops are not closed. Throws Error,
@@ -90,7 +90,9 @@ class Slam {
   /// ScanError if the capture times are no offsets from the middle of the scan in seconds.
   /// Whatever the numbers inside the cloud are is survived: a pixel with one that is not finite is
   /// no return. Stamps need not rise: see src/front_end/scan_clock.h.
-  ScanReport process(const OrganizedCloud& cloud, double stamp_s);
+  /// Where a trace is given it is filled with what each stage made of the scan; nothing is spent on
+  /// it otherwise.
+  ScanReport process(const OrganizedCloud& cloud, double stamp_s, ScanTrace* trace = nullptr);
 
   /// After the last scan: takes in what loop closing was still finding out, and reports it.
   std::vector<LoopReport> finish();
@@ -104,20 +106,21 @@ class Slam {
   /// the scans up to the first that SLAM can begin with shows ground, as that does: `estimated`.
   MountingOptions mounting() const;
 
-  /// Per scan the part of the map it is in; parts that were joined have one number. Between parts
+  /// Per scan the submap it is in; submaps that were joined have one number. Between submaps
   /// nothing is known about how poses lie to each other.
   std::vector<std::size_t> submap_of_scan() const;
 
-  /// Per scan the stretch of path it is on: a new one begins where nothing measured the way, and
-  /// stays one of its own when its part is joined to another. Not to be read while process() runs.
+  /// Per scan the segment of the trajectory it is on: a new one begins where nothing measured the
+  /// way, and stays one of its own when its submap is joined to another. Not to be read while
+  /// process() runs.
   const std::vector<std::size_t>& segment_of_scan() const;
 
   /// The map: planar features of all keyframes, one per 0.4 m voxel, then edge features, one per
-  /// 0.2 m voxel (MappingOptions), in the map's frame; part after part.
+  /// 0.2 m voxel (MappingOptions), in the map's frame; submap after submap.
   std::vector<Eigen::Vector3f> map_points_m() const;
 
-  /// What later drives are located in: of several parts the one with most places. Throws Error
-  /// unless loop closing is switched on, which knows the places, and after locating in a given map.
+  /// What later drives are located in: of several submaps the one with most places. Throws Error
+  /// unless loop closing is switched on, which knows the places, and after a drive in a given map.
   SavedMap saved_map() const;
 
  private:
