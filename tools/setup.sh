@@ -10,8 +10,9 @@ set -euo pipefail
 
 packages=(
   g++ cmake ninja-build pkg-config
-  libeigen3-dev libfmt-dev nlohmann-json3-dev libpng-dev libzip-dev # core
-  libpcap-dev libsqlite3-dev liblz4-dev libzstd-dev libbz2-dev      # recordings
+  libeigen3-dev libfmt-dev nlohmann-json3-dev libzip-dev            # core
+  libpng-dev                                                        # evaluation
+  libpcap-dev libsqlite3-dev liblz4-dev libzstd-dev libbz2-dev      # recordings, live
   libembree-dev                                                     # the simulated city
   libpcl-dev libceres-dev                                           # slam
   libcli11-dev                                                      # the command line

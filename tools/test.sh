@@ -55,7 +55,7 @@ if command -v clang-tidy >/dev/null; then
   # so it reads the sources as without OpenMP: a field that only num_threads() uses looks unused.
   # A file is read again when it, a header or the list of checks has changed. The simulator and the
   # command line take ten minutes of two cores: with --tidy.
-  tidied='(core|core/recordings|nn|slam)/src/'
+  tidied='(core|core/evaluation|core/recordings|core/live|nn|slam)/src/'
   if [[ "${1:-}" == --tidy ]]; then tidied='(core|nn|slam|tools)/(.*/)?src/'; fi
   passed=build/release/clang-tidy-passed
   around=$( (cat .clang-tidy && sources '*.h' | sort | xargs sha256sum) | sha256sum | cut -d' ' -f1)

@@ -13,8 +13,9 @@ export OMP_WAIT_POLICY=passive
 
 packages=(
   libc6-dev libstdc++6 libgomp1
-  libeigen3-dev libfmt-dev nlohmann-json3-dev libpng-dev libzip-dev # core
-  libpcap-dev libsqlite3-dev liblz4-dev libzstd-dev libbz2-dev      # recordings
+  libeigen3-dev libfmt-dev nlohmann-json3-dev libzip-dev            # core
+  libpng-dev                                                        # evaluation
+  libpcap-dev libsqlite3-dev liblz4-dev libzstd-dev libbz2-dev      # recordings, live
   libceres-dev libblas-dev liblapack-dev                            # slam
   libpcl-filters1.13 libflann-dev libqhull-dev
   libboost-{date-time,filesystem,iostreams,serialization,system}-dev

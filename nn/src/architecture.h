@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "hqslam/core/json_fields.h"
-#include "hqslam/nn/hqs/network.h"
-#include "hqslam/nn/hqs/network_description.h"
+#include "hqslam/nn/network.h"
+#include "hqslam/nn/network_description.h"
 
 namespace hqslam::nn {
 

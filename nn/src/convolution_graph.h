@@ -8,8 +8,8 @@
 
 #include "conv2d.h"
 #include "convolution_shape.h"
-#include "hqslam/nn/hqs/network.h"
 #include "hqslam/nn/instruction_set.h"
+#include "hqslam/nn/network_step.h"
 #include "hqslam/nn/parameter_shape.h"
 #include "tensor.h"
 

@@ -1,4 +1,4 @@
-#include "hqslam/nn/hqs/network.h"
+#include "hqslam/nn/network.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

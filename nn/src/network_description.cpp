@@ -1,4 +1,4 @@
-#include "hqslam/nn/hqs/network_description.h"
+#include "hqslam/nn/network_description.h"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "hqslam/nn/hqs/network_json.h"
+#include "hqslam/nn/network_json.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

@@ -1,4 +1,4 @@
-#include "hqslam/nn/hqs/super_resolver.h"
+#include "hqslam/nn/super_resolver.h"
 
 #include <fmt/format.h>
 #include <omp.h>
@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "hqslam/core/error.h"
-#include "hqslam/nn/hqs/network.h"
 #include "hqslam/nn/hqs/outlier_removal.h"
+#include "hqslam/nn/network.h"
 
 namespace hqslam::nn {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "hqslam/core/error.h"
 #include "hqslam/core/npz.h"
-#include "hqslam/nn/hqs/weights_file.h"
+#include "hqslam/nn/weights_file.h"
 
 namespace hqslam::nn {
 

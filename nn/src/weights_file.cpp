@@ -1,4 +1,4 @@
-#include "hqslam/nn/hqs/weights_file.h"
+#include "hqslam/nn/weights_file.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -10,8 +10,8 @@
 #include "hqslam/core/excerpt.h"
 #include "hqslam/core/json_fields.h"
 #include "hqslam/core/npz.h"
-#include "hqslam/nn/hqs/network.h"
-#include "hqslam/nn/hqs/network_json.h"
+#include "hqslam/nn/network.h"
+#include "hqslam/nn/network_json.h"
 #include "weights_arrays.h"
 
 namespace hqslam::nn {

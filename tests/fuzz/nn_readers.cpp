@@ -5,10 +5,10 @@
 
 #include "hqslam/core/error.h"
 #include "hqslam/core/npz.h"
-#include "hqslam/nn/hqs/network_json.h"
-#include "hqslam/nn/hqs/weights_file.h"
+#include "hqslam/nn/network_json.h"
 #include "hqslam/nn/training/checkpoint.h"
 #include "hqslam/nn/training/training_configuration.h"
+#include "hqslam/nn/weights_file.h"
 #include "input_file.h"
 #include "readers.h"
 #include "training/checkpoint_arrays.h"

@@ -11,7 +11,7 @@ program=${4:-}
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 
-for component in core recordings nn slam sim; do
+for component in core evaluation recordings live nn slam sim; do
   cmake --install "$build_folder" --prefix "$folder/prefix" --component "$component" >/dev/null
 done
 

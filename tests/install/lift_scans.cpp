@@ -1,5 +1,5 @@
 #include <hqslam/core/npy.h>
-#include <hqslam/nn/hqs/super_resolver.h>
+#include <hqslam/nn/super_resolver.h>
 
 // A stack of 16-row range images in, a stack of all rows out.
 int main(int argc, char** argv) {

@@ -1,4 +1,4 @@
-#include "hqslam/nn/hqs/interpolation.h"
+#include "hqslam/nn/interpolation.h"
 
 #include <doctest/doctest.h>
 

@@ -1,4 +1,4 @@
-#include "training/l1_loss.h"
+#include "hqs/l1_loss.h"
 
 #include "golden.h"
 

@@ -1,11 +1,11 @@
-#include "hqslam/nn/hqs/network_description.h"
+#include "hqslam/nn/network_description.h"
 
 #include <doctest/doctest.h>
 
 #include <cmath>
 
 #include "error_message.h"
-#include "hqslam/nn/hqs/network_json.h"
+#include "hqslam/nn/network_json.h"
 #include "small_network.h"
 
 namespace hqslam::nn {

@@ -1,4 +1,4 @@
-#include "hqslam/nn/hqs/network.h"
+#include "hqslam/nn/network.h"
 
 #include <doctest/doctest.h>
 
@@ -6,7 +6,7 @@
 
 #include "architecture.h"
 #include "error_message.h"
-#include "hqslam/nn/hqs/network_json.h"
+#include "hqslam/nn/network_json.h"
 #include "small_network.h"
 
 // What holds for every network, whatever it is.

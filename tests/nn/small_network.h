@@ -6,11 +6,11 @@
 
 #include "hqs/du_mix.h"
 #include "hqs/plain_denoiser.h"
-#include "hqs/tiles.h"
 #include "hqs/u_shaped_denoiser.h"
 #include "hqs/unrolled_hqs.h"
 #include "hqs/unrolled_network.h"
 #include "hqslam/core/range_image.h"
+#include "tiles.h"
 
 // Networks of a few thousand parameters on images of 16 x 64 pixels; tools/make_golden.py has the
 // same sensor and scene.

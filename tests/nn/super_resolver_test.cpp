@@ -1,4 +1,4 @@
-#include "hqslam/nn/hqs/super_resolver.h"
+#include "hqslam/nn/super_resolver.h"
 
 #include <doctest/doctest.h>
 

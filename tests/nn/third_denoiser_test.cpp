@@ -5,9 +5,9 @@
 #include "convolution_graph.h"
 #include "error_message.h"
 #include "hqs/denoiser.h"
-#include "hqslam/nn/hqs/network_json.h"
-#include "hqslam/nn/hqs/weights_file.h"
+#include "hqslam/nn/network_json.h"
 #include "hqslam/nn/training/trainer.h"
+#include "hqslam/nn/weights_file.h"
 #include "small_training.h"
 #include "temporary_directory.h"
 

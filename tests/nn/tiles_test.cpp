@@ -1,4 +1,4 @@
-#include "hqs/tiles.h"
+#include "tiles.h"
 
 #include "golden.h"
 #include "random_values.h"

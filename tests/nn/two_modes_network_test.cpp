@@ -3,7 +3,7 @@
 
 #include "error_message.h"
 #include "golden.h"
-#include "hqslam/nn/hqs/network.h"
+#include "hqslam/nn/network.h"
 #include "small_network.h"
 
 namespace hqslam::nn {

@@ -2,9 +2,9 @@
 
 #include "error_message.h"
 #include "golden.h"
+#include "hqs/l1_loss.h"
 #include "random_values.h"
 #include "small_network.h"
-#include "training/l1_loss.h"
 
 namespace hqslam::nn {
 namespace {

@@ -1,4 +1,4 @@
-#include "hqslam/nn/hqs/weights_file.h"
+#include "hqslam/nn/weights_file.h"
 
 #include <doctest/doctest.h>
 
@@ -12,7 +12,7 @@
 #include "error_message.h"
 #include "golden_folder.h"
 #include "hqslam/core/npz.h"
-#include "hqslam/nn/hqs/network_json.h"
+#include "hqslam/nn/network_json.h"
 #include "small_network.h"
 
 namespace hqslam::nn {

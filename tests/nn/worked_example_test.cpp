@@ -6,7 +6,7 @@
 #include "hqs/data_consistency.h"
 #include "hqs/selection.h"
 #include "hqslam/core/connected_components.h"
-#include "hqslam/nn/hqs/interpolation.h"
+#include "hqslam/nn/interpolation.h"
 
 // The numbers of the worked example in nn/hqs/README.md.
 namespace hqslam::nn {

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "hqslam/core/trajectory_error.h"
+#include "hqslam/evaluation/trajectory_error.h"
 #include "hqslam/slam/slam.h"
 #include "lego_loam_as_published/published_features.h"
 #include "lego_loam_as_published/published_odometry.h"

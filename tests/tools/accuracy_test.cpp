@@ -8,7 +8,7 @@
 
 #include "hqslam/core/projection.h"
 #include "hqslam/core/scan_source.h"
-#include "hqslam/core/trajectory_error.h"
+#include "hqslam/evaluation/trajectory_error.h"
 #include "hqslam/sim/drive.h"
 #include "hqslam/slam/slam.h"
 

@@ -11,7 +11,7 @@
 
 #include "golden_folder.h"
 #include "hqslam/core/projection.h"
-#include "hqslam/nn/hqs/super_resolver.h"
+#include "hqslam/nn/super_resolver.h"
 #include "hqslam/sim/drive.h"
 #include "hqslam/slam/options.h"
 #include "hqslam/slam/slam.h"

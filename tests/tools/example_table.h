@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "table/table_result.h"
+#include "laboratory/table/table_result.h"
 
 namespace hqslam::test {
 

@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "compare/upsampling_comparison.h"
 #include "golden_folder.h"
 #include "hqslam/core/projection.h"
 #include "hqslam/sim/drive.h"
+#include "laboratory/compare/upsampling_comparison.h"
 
 namespace hqslam::tools {
 namespace {

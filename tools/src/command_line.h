@@ -3,10 +3,10 @@
 #include <functional>
 
 #include "commands.h"
+#include "laboratory/table/table_plan.h"
 #include "run/map_command.h"
 #include "run/run_command.h"
 #include "simulate/simulate_command.h"
-#include "table/table_plan.h"
 
 namespace hqslam::tools {
 

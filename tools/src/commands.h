@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "hqslam/nn/hqs/super_resolver.h"
+#include "hqslam/nn/super_resolver.h"
 #include "recording/recording_choice.h"
 #include "run/slam_settings.h"
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "../layers/layer_graph.h"
-#include "hqslam/nn/hqs/network.h"
+#include "hqslam/nn/network.h"
 
 namespace hqslam::nn {
 

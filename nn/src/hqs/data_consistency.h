@@ -1,8 +1,8 @@
 #pragma once
 
 #include "../tensor.h"
+#include "../tiles.h"
 #include "hqslam/core/sensor_model.h"
-#include "tiles.h"
 
 namespace hqslam::nn {
 

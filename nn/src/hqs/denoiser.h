@@ -10,12 +10,12 @@
 #include <vector>
 
 #include "../tensor.h"
+#include "../tiles.h"
 #include "hqslam/core/json_fields.h"
-#include "hqslam/nn/hqs/network.h"
 #include "hqslam/nn/instruction_set.h"
+#include "hqslam/nn/network.h"
 #include "hqslam/nn/parameter_shape.h"
 #include "selection.h"
-#include "tiles.h"
 
 namespace hqslam::nn {
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "hqslam/nn/hqs/outlier_removal.h"
-#include "hqslam/nn/hqs/trace.h"
+#include "hqslam/nn/trace.h"
 
 namespace hqslam::nn {
 

@@ -6,7 +6,7 @@
 #include <cstring>
 #include <vector>
 
-#include "tiles.h"
+#include "../tiles.h"
 
 namespace hqslam::nn {
 

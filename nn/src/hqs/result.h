@@ -1,9 +1,9 @@
 #pragma once
 
 #include "../tensor.h"
+#include "../tiles.h"
 #include "hqslam/core/range_image.h"
-#include "hqslam/nn/hqs/network_description.h"
-#include "tiles.h"
+#include "hqslam/nn/network_description.h"
 
 namespace hqslam::nn {
 

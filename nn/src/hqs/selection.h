@@ -3,8 +3,8 @@
 #include <cstdint>
 
 #include "../tensor.h"
+#include "../tiles.h"
 #include "hqslam/nn/instruction_set.h"
-#include "tiles.h"
 
 namespace hqslam::nn {
 

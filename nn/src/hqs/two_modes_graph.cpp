@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "two_modes.h"
+#include "../kernels/two_modes.h"
 
 namespace hqslam::nn {
 namespace {

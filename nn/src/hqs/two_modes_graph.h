@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "../convolution_graph.h"
-#include "tiles.h"
+#include "../tiles.h"
 
 namespace hqslam::nn {
 

@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "../kernels/two_modes.h"
 #include "../parameters.h"
 #include "hqslam/core/error.h"
-#include "hqslam/nn/hqs/interpolation.h"
-#include "two_modes.h"
+#include "hqslam/nn/interpolation.h"
 
 namespace hqslam::nn {
 namespace {

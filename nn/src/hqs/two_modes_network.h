@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "../kernels/row_kernels.h"
-#include "hqslam/nn/hqs/network.h"
+#include "hqslam/nn/network.h"
 #include "two_modes_graph.h"
 
 namespace hqslam::nn {

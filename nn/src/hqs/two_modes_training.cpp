@@ -1,7 +1,7 @@
 #include <algorithm>
 
 #include "../kernels/row_kernels.h"
-#include "two_modes.h"
+#include "../kernels/two_modes.h"
 #include "two_modes_network.h"
 
 // The loss of the two-mode network and its gradients, from the last layer to the first.

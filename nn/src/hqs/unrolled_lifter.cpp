@@ -1,6 +1,6 @@
 #include "unrolled_lifter.h"
 
-#include "../training/l1_loss.h"
+#include "l1_loss.h"
 #include "result.h"
 
 namespace hqslam::nn {

@@ -3,7 +3,7 @@
 #include <optional>
 #include <vector>
 
-#include "hqslam/nn/hqs/network.h"
+#include "hqslam/nn/network.h"
 #include "unrolled_network.h"
 
 namespace hqslam::nn {

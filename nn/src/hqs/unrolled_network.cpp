@@ -7,7 +7,7 @@
 
 #include "channels.h"
 #include "hqslam/core/error.h"
-#include "hqslam/nn/hqs/interpolation.h"
+#include "hqslam/nn/interpolation.h"
 #include "rejected_pixels.h"
 #include "unrolled_hqs.h"
 

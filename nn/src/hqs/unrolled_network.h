@@ -10,8 +10,8 @@
 #include "denoiser.h"
 #include "hqs_options.h"
 #include "hqslam/core/range_image.h"
-#include "hqslam/nn/hqs/network_description.h"
 #include "hqslam/nn/hqs/outlier_removal.h"
+#include "hqslam/nn/network_description.h"
 
 namespace hqslam::nn {
 

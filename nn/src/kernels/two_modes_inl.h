@@ -1,8 +1,8 @@
 // The element-wise part of the two-mode network for one row of pixels; included as
 // row_kernels_inl.h is. ../hqs/two_modes.h has the formulas.
 
-#include "../hqs/two_modes.h"
 #include "row_kernels.h"
+#include "two_modes.h"
 #include "vector_math_inl.h"
 
 namespace hqslam::nn::kernels {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "hqslam/nn/hqs/network.h"
+#include "hqslam/nn/network_step.h"
 #include "layer.h"
 
 namespace hqslam::nn {

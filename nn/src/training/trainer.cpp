@@ -10,7 +10,7 @@
 
 #include "../random.h"
 #include "hqslam/core/error.h"
-#include "hqslam/nn/hqs/network.h"
+#include "hqslam/nn/network.h"
 #include "validation.h"
 
 namespace hqslam::nn {

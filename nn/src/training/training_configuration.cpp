@@ -7,7 +7,7 @@
 
 #include "hqslam/core/error.h"
 #include "hqslam/core/json_fields.h"
-#include "hqslam/nn/hqs/network_json.h"
+#include "hqslam/nn/network_json.h"
 
 namespace hqslam::nn {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "hqslam/nn/hqs/interpolation.h"
+#include "hqslam/nn/interpolation.h"
 
 namespace hqslam::nn {
 namespace {

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "hqslam/core/range_image.h"
-#include "hqslam/nn/hqs/network.h"
+#include "hqslam/nn/network.h"
 #include "hqslam/nn/training/trainer.h"
 
 // How a network's images differ from the truth at a comparable operating point.

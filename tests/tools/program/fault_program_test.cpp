@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "hqslam/core/trajectory.h"
-#include "hqslam/nn/hqs/weights_file.h"
+#include "hqslam/nn/weights_file.h"
 #include "tools/program/arguments.h"
 #include "tools/program/child.h"
 #include "tools/program/program.h"

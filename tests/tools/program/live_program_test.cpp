@@ -8,7 +8,7 @@
 #include <regex>
 #include <thread>
 
-#include "core/recordings/loopback.h"
+#include "core/live/loopback.h"
 #include "hqslam/core/pcd.h"
 #include "hqslam/core/sensor_model.h"
 #include "hqslam/core/trajectory.h"
@@ -150,10 +150,10 @@ TEST_CASE("live lifts scans, serves the page, and ends with SIGTERM as with Ctrl
   const std::string out = live.out();
   REQUIRE(std::regex_search(out, url, std::regex("page: http://127.0.0.1:([0-9]+)/")));
   const auto port = static_cast<std::uint16_t>(std::stoi(url[1]));
-  CHECK(recordings::http_get(kLoopback, port, "/").find("<canvas") != std::string::npos);
+  CHECK(live::http_get(kLoopback, port, "/").find("<canvas") != std::string::npos);
   replay(drive.packets, live.port(), 1.0);
   REQUIRE(live.says(fmt::format("{} scans  x", kDriveScans)));
-  const auto state = nlohmann::json::parse(recordings::http_get(kLoopback, port, "/state"));
+  const auto state = nlohmann::json::parse(live::http_get(kLoopback, port, "/state"));
   CHECK(state["points"].size() > 3000);
   CHECK(state["positions"].size() >= 3);
   CHECK(state["scans"] >= 5);
@@ -206,7 +206,7 @@ TEST_CASE("captures are opened by upsample, compare, inspect, bench and table as
 }
 
 TEST_CASE("a port in use and other wrong input of live are one line and status 2") {
-  const recordings::UdpSocket other(0);
+  const live::UdpSocket other(0);
   const TemporaryDirectory folder;
   write_file(folder.file("a.pcap"), "");
   write_file(folder.file("metadata.json"), ouster_drive(simulated_drive()).metadata);

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "hqslam/core/trajectory.h"
-#include "hqslam/core/trajectory_error.h"
+#include "hqslam/evaluation/trajectory_error.h"
 #include "tools/program/program.h"
 
 namespace hqslam::test {

@@ -9,7 +9,7 @@
 
 #include "hqslam/core/pcd.h"
 #include "hqslam/core/trajectory.h"
-#include "hqslam/core/trajectory_error.h"
+#include "hqslam/evaluation/trajectory_error.h"
 #include "hqslam/nn/instruction_set.h"
 #include "tools/program/child.h"
 #include "tools/program/program.h"

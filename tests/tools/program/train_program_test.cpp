@@ -10,8 +10,8 @@
 
 #include "hqslam/core/npy.h"
 #include "hqslam/core/scan_source.h"
-#include "hqslam/nn/hqs/network_json.h"
-#include "hqslam/nn/hqs/weights_file.h"
+#include "hqslam/nn/network_json.h"
+#include "hqslam/nn/weights_file.h"
 #include "tools/program/program.h"
 #include "tools/program/untrained_weights.h"
 

@@ -5,8 +5,8 @@
 #include <string>
 
 #include "hqslam/core/sensor_model.h"
-#include "hqslam/nn/hqs/network_json.h"
-#include "hqslam/nn/hqs/weights_file.h"
+#include "hqslam/nn/network_json.h"
+#include "hqslam/nn/weights_file.h"
 
 namespace hqslam::test {
 

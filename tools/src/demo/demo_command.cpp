@@ -8,12 +8,12 @@
 #include <vector>
 
 #include "commands.h"
-#include "compare/upsampling_comparison.h"
 #include "demo/demo_report.h"
 #include "files/installed_weights.h"
 #include "files/text_file.h"
 #include "hqslam/core/npy.h"
 #include "hqslam/core/scan_source.h"
+#include "laboratory/compare/upsampling_comparison.h"
 #include "lift/upsampling_plan.h"
 #include "recording/recording_sensor.h"
 #include "run/run_command.h"

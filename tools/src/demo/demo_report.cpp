@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "hqslam/core/png.h"
+#include "hqslam/evaluation/png.h"
 #include "report/chart.h"
 #include "report/density_image.h"
 #include "report/report_style.h"

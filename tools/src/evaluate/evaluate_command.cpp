@@ -6,14 +6,14 @@
 #include <optional>
 
 #include "commands.h"
-#include "hqslam/core/cloud_error.h"
-#include "hqslam/core/drift.h"
 #include "hqslam/core/error.h"
-#include "hqslam/core/image_error.h"
 #include "hqslam/core/npy.h"
 #include "hqslam/core/pcd.h"
 #include "hqslam/core/projection.h"
-#include "hqslam/core/trajectory_error.h"
+#include "hqslam/evaluation/cloud_error.h"
+#include "hqslam/evaluation/drift.h"
+#include "hqslam/evaluation/image_error.h"
+#include "hqslam/evaluation/trajectory_error.h"
 #include "recording/reference.h"
 #include "terminal/exit_status.h"
 #include "terminal/terminal.h"

@@ -9,7 +9,7 @@
 #include "evaluate/map_error.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/pcd.h"
-#include "hqslam/core/trajectory_error.h"
+#include "hqslam/evaluation/trajectory_error.h"
 #include "hqslam/sim/read_drive.h"
 #include "recording/recording_sensor.h"
 #include "terminal/exit_status.h"

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <unordered_set>
 
-#include "hqslam/core/cloud_error.h"
 #include "hqslam/core/error.h"
+#include "hqslam/evaluation/cloud_error.h"
 
 namespace hqslam::tools {
 namespace {

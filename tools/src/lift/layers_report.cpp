@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "hqslam/core/image_error.h"
-#include "hqslam/core/png.h"
+#include "hqslam/evaluation/image_error.h"
+#include "hqslam/evaluation/png.h"
 #include "report/chart.h"
 #include "report/density_image.h"
 #include "report/report_style.h"

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "hqslam/core/range_image.h"
-#include "hqslam/nn/hqs/super_resolver.h"
+#include "hqslam/nn/super_resolver.h"
 
 namespace hqslam::tools {
 

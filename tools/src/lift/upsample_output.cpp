@@ -12,8 +12,8 @@
 #include "hqslam/core/error.h"
 #include "hqslam/core/kitti_bin.h"
 #include "hqslam/core/pcd.h"
-#include "hqslam/core/png.h"
 #include "hqslam/core/scan.h"
+#include "hqslam/evaluation/png.h"
 #include "recording/drive_folder.h"
 #include "recording/recording_sensor.h"
 

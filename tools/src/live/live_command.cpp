@@ -6,7 +6,7 @@
 
 #include "commands.h"
 #include "hqslam/core/error.h"
-#include "hqslam/recordings/live.h"
+#include "hqslam/live/live.h"
 #include "live/live_run.h"
 #include "live/live_view.h"
 #include "live/view_server.h"
@@ -21,8 +21,8 @@ namespace {
 
 constexpr std::uint16_t kViewPort = 8642;
 
-recordings::LiveOptions sensor_options(const LiveCommandOptions& options) {
-  recordings::LiveOptions sensor;
+live::LiveOptions sensor_options(const LiveCommandOptions& options) {
+  live::LiveOptions sensor;
   sensor.sensor = options.sensor;
   sensor.port = options.port;
   sensor.kept_return = options.kept_return == "last" ? recordings::KeptReturn::kLast
@@ -33,7 +33,7 @@ recordings::LiveOptions sensor_options(const LiveCommandOptions& options) {
 
 /// What the sensor cannot be lifted by is said before its packets come, as far as it is known then.
 void require_possible(const LiveCommandOptions& options) {
-  const auto [sensor, knows_beams, knows_columns] = recordings::named_sensor(options.sensor);
+  const auto [sensor, knows_beams, knows_columns] = live::named_sensor(options.sensor);
   const RunPlan plan =
       plan_of(options, sensor, fmt::format("--sensor {}", options.sensor), knows_beams);
   const int columns = plan.recording_sensor.columns;
@@ -44,14 +44,14 @@ void require_possible(const LiveCommandOptions& options) {
                   options.sensor, sensor.columns, options.upsample, columns));
 }
 
-void print_sensor(const recordings::LiveSensor& sensor, const RunPlan& plan) {
+void print_sensor(const live::LiveSensor& sensor, const RunPlan& plan) {
   for (const std::string& warning : sensor.warnings()) to_stderr("hqslam: {}\n", warning);
   to_stdout("{} from {}: {}, {} rows x {} columns, {:.4g} turns a second\n", sensor.format(),
             text(sensor.sender()), sensor.sensor().name, sensor.sensor().rows(),
             plan.recording_sensor.columns, 1.0 / sensor.sensor().scan_period_s);
 }
 
-void print_summary(const SlamRun& run, const recordings::LiveCounts& counts,
+void print_summary(const SlamRun& run, const live::LiveCounts& counts,
                    const LiveCommandOptions& options) {
   std::vector<double> latencies_ms;
   for (const ScanRecord& scan : run.scans) latencies_ms.push_back(1e3 * scan.latency_s.value());
@@ -71,7 +71,7 @@ void print_summary(const SlamRun& run, const recordings::LiveCounts& counts,
 }
 
 /// What to tell the shell, with the line on stderr that explains it.
-int exit_status_of(const SlamRun& run, const recordings::LiveCounts& counts) {
+int exit_status_of(const SlamRun& run, const live::LiveCounts& counts) {
   if (run.end == RunEnd::kUnreadableScan) {
     to_stderr("hqslam: {}; the results up to there are valid\n", run.end_message);
     return kWrongInput;
@@ -136,7 +136,7 @@ int live_command(const LiveCommandOptions& options) {
   const slam::SlamOptions slam = slam_options(options.slam);
   RunOutput output(options.out);
   require_possible(options);
-  recordings::LiveSensor sensor(sensor_options(options));
+  live::LiveSensor sensor(sensor_options(options));
   LiveView view(fmt::format("hqslam live, {}", options.sensor));
   std::optional<ViewServer> server;
   if (options.view) {
@@ -151,7 +151,7 @@ int live_command(const LiveCommandOptions& options) {
   spec.slam = slam;
   sensor.start(plan.recording_sensor.columns);
   const SlamRun run = run_live(sensor, spec, output, interrupt, server ? &view : nullptr);
-  const recordings::LiveCounts counts = sensor.counts();
+  const live::LiveCounts counts = sensor.counts();
   if (run.scans.empty()) {
     if (run.end == RunEnd::kUnreadableScan) throw Error(run.end_message);
     to_stderr("hqslam: interrupted before the first scan; nothing was written\n");

@@ -47,7 +47,7 @@ class LiveProgress {
     view_->add(session.cloud(), T_map_sensor);
   }
 
-  void tell_if_due(const recordings::LiveCounts& counts) {
+  void tell_if_due(const live::LiveCounts& counts) {
     const double passed_s = seconds_since(second_start_);
     if (passed_s < kStatusInterval_s) return;
     status_.elapsed_s = seconds_since(start_);
@@ -69,7 +69,7 @@ class LiveProgress {
 };
 
 /// The next scan, or nothing within a while or when the port fails, which ends the run.
-std::optional<recordings::LiveScan> next_scan(recordings::LiveSensor& sensor, SlamRun& run) {
+std::optional<live::LiveScan> next_scan(live::LiveSensor& sensor, SlamRun& run) {
   try {
     return sensor.next(kWait_s);
   } catch (const Error& error) {
@@ -92,7 +92,7 @@ std::string status_line(const LiveStatus& status) {
   }
   line += fmt::format("  {:.1f} scans/s", status.rate_hz);
   if (status.latency_s) line += fmt::format("  latency {:.0f} ms", 1e3 * *status.latency_s);
-  const recordings::LiveCounts& counts = status.counts;
+  const live::LiveCounts& counts = status.counts;
   line +=
       fmt::format("  {} packets lost  {} scans dropped", counts.packets.lost, counts.dropped_scans);
   const auto say = [&](std::int64_t count, const char* what) {
@@ -107,7 +107,7 @@ std::string status_line(const LiveStatus& status) {
   return line;
 }
 
-bool wait_for_sensor(recordings::LiveSensor& sensor, const InterruptGuard& interrupt) {
+bool wait_for_sensor(live::LiveSensor& sensor, const InterruptGuard& interrupt) {
   auto told = SteadyClock::now();
   while (!interrupt.stop_requested()) {
     if (sensor.recognise(kWait_s)) return true;
@@ -121,14 +121,14 @@ bool wait_for_sensor(recordings::LiveSensor& sensor, const InterruptGuard& inter
   return false;
 }
 
-SlamRun run_live(recordings::LiveSensor& sensor, const SlamRunSpec& spec, RunOutput& output,
+SlamRun run_live(live::LiveSensor& sensor, const SlamRunSpec& spec, RunOutput& output,
                  const InterruptGuard& interrupt, LiveView* view) {
   SlamSession session(sensor.sensor(), spec);
   SlamRun& run = session.run();
   run.command = "live";
   LiveProgress progress(view);
   while (!interrupt.stop_requested() && run.end == RunEnd::kComplete) {
-    const std::optional<recordings::LiveScan> scan = next_scan(sensor, run);
+    const std::optional<live::LiveScan> scan = next_scan(sensor, run);
     if (scan) {
       session.process(scan->scan, {}, output, [&](ScanRecord& record) {
         record.latency_s = 1e-9 * static_cast<double>(now_ns() - scan->completed_ns);
@@ -137,7 +137,7 @@ SlamRun run_live(recordings::LiveSensor& sensor, const SlamRunSpec& spec, RunOut
     }
     progress.tell_if_due(sensor.counts());
   }
-  const recordings::LiveCounts counts = sensor.counts();
+  const live::LiveCounts counts = sensor.counts();
   run.scans_in_recording = counts.scans;
   run.left_out.scans += counts.left_out_scans;
   if (!counts.first_left_out.empty()) run.left_out.first = counts.first_left_out;

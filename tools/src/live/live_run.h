@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "hqslam/recordings/live.h"
+#include "hqslam/live/live.h"
 #include "live/live_view.h"
 #include "run/run_output.h"
 #include "run/slam_run.h"
@@ -16,11 +16,11 @@ std::string status_line(const LiveStatus& status);
 
 /// Waits until it is known what the sensor sends, saying once a second that it does. Returns false
 /// if it was interrupted before. Throws Error.
-bool wait_for_sensor(recordings::LiveSensor& sensor, const InterruptGuard& interrupt);
+bool wait_for_sensor(live::LiveSensor& sensor, const InterruptGuard& interrupt);
 
 /// SLAM on the scans of a sensor that was started, as they come, until it is interrupted or the
 /// port fails. Prints a status line a second. `view`: is told everything; nullptr: there is none.
-SlamRun run_live(recordings::LiveSensor& sensor, const SlamRunSpec& spec, RunOutput& output,
+SlamRun run_live(live::LiveSensor& sensor, const SlamRunSpec& spec, RunOutput& output,
                  const InterruptGuard& interrupt, LiveView* view);
 
 }  // namespace hqslam::tools

@@ -9,7 +9,7 @@
 #include "hqslam/core/organized_cloud.h"
 #include "hqslam/core/pose.h"
 #include "hqslam/core/trajectory.h"
-#include "hqslam/recordings/live.h"
+#include "hqslam/live/live.h"
 #include "live/live_map.h"
 #include "live/view_server.h"
 #include "run/slam_run.h"
@@ -24,7 +24,7 @@ struct LiveStatus {
   std::optional<double> latency_s;   ///< the longest of them
   std::optional<ScanRecord> latest;  ///< the last scan of all
   double path_m = 0.0;
-  recordings::LiveCounts counts;
+  live::LiveCounts counts;
 };
 
 /// The page that asks LiveView for its state twice a second and draws path and map from above:

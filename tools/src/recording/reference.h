@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "hqslam/core/trajectory.h"
-#include "hqslam/core/trajectory_error.h"
+#include "hqslam/evaluation/trajectory_error.h"
 
 namespace hqslam::tools {
 

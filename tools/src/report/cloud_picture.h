@@ -3,8 +3,8 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "hqslam/core/png.h"
 #include "hqslam/core/trajectory.h"
+#include "hqslam/evaluation/png.h"
 
 namespace hqslam::tools {
 

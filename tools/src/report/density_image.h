@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "hqslam/core/png.h"
+#include "hqslam/evaluation/png.h"
 #include "report/chart.h"
 
 namespace hqslam::tools {

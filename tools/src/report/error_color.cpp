@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <array>
 
-#include "hqslam/core/png.h"
+#include "hqslam/evaluation/png.h"
 
 namespace hqslam::tools {
 

@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <string>
 
-#include "hqslam/core/png.h"
+#include "hqslam/evaluation/png.h"
 #include "run/dense_map_run.h"
 
 namespace hqslam::tools {

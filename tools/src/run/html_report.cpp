@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <numeric>
 
-#include "hqslam/core/png.h"
+#include "hqslam/evaluation/png.h"
 #include "report/chart.h"
 #include "report/density_image.h"
 #include "report/report_style.h"

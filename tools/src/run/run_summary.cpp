@@ -7,7 +7,7 @@
 #include <numbers>
 #include <vector>
 
-#include "hqslam/core/trajectory_error.h"
+#include "hqslam/evaluation/trajectory_error.h"
 #include "timing/timing_statistics.h"
 
 namespace hqslam::tools {

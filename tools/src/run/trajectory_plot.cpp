@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "hqslam/core/png.h"
+#include "hqslam/evaluation/png.h"
 #include "report/chart.h"
 #include "report/density_image.h"
 #include "report/error_color.h"

@@ -7,9 +7,9 @@
 
 #include "hqslam/core/range_image.h"
 #include "hqslam/core/sensor_model.h"
-#include "hqslam/nn/hqs/interpolation.h"
-#include "hqslam/nn/hqs/super_resolver.h"
+#include "hqslam/nn/interpolation.h"
 #include "hqslam/nn/lifted_image.h"
+#include "hqslam/nn/super_resolver.h"
 
 namespace hqslam::nn {
 

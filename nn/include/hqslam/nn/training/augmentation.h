@@ -4,6 +4,7 @@
 
 #include "hqslam/core/range_image.h"
 #include "hqslam/core/sensor_model.h"
+#include "hqslam/nn/training_sample.h"
 
 namespace hqslam::nn {
 
@@ -15,12 +16,6 @@ struct Augmentation {
   float largest_scale = 1.1F;          ///< between these two
   float range_noise_m = 0.0F;          ///< standard deviation, on what the network gets to see
   float largest_dropout_share = 0.0F;  ///< of the measured returns, between 0 and this are lost
-};
-
-/// What the network sees and what it should say.
-struct TrainingSample {
-  RangeImage measured;  ///< the measured rows only
-  RangeImage truth;     ///< all rows
 };
 
 /// A turned, mirrored, scaled cut-out of a scan. The same seed gives the same sample on every

@@ -6,7 +6,7 @@
 
 #include "hqslam/core/range_image.h"
 #include "hqslam/core/ranks.h"
-#include "hqslam/nn/hqs/network_description.h"
+#include "hqslam/nn/network_description.h"
 #include "hqslam/nn/training/adamw.h"
 #include "hqslam/nn/training/augmentation.h"
 #include "hqslam/nn/training/training_scans.h"

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "hqslam/nn/hqs/network_description.h"
+#include "hqslam/nn/network_description.h"
 #include "hqslam/nn/training/trainer.h"
 
 namespace hqslam::nn {

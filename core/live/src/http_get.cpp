@@ -1,0 +1,129 @@
+#include "http_get.h"
+
+#include <arpa/inet.h>
+#include <fmt/format.h>
+#include <netinet/in.h>
+#include <poll.h>
+#include <sys/socket.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <cstring>
+
+#include "hqslam/core/error.h"
+#include "hqslam/core/file_descriptor.h"
+#include "hqslam/recordings/packet.h"
+
+namespace hqslam::live {
+
+using namespace recordings;
+
+namespace {
+
+constexpr std::size_t kMaxAnswer_bytes = 1U << 20U;
+constexpr std::chrono::seconds kMostTime(3);
+
+/// One exchange with a server that may be slow or hostile.
+class Exchange {
+ public:
+  Exchange(const std::array<std::uint8_t, 16>& address, std::uint16_t port, const std::string& path)
+      : url_(fmt::format("http://{}{}", text(Endpoint{address, port}), path)) {
+    connect(address, port);
+  }
+
+  void send(const std::string& request) {
+    std::size_t sent = 0;
+    while (sent < request.size()) {
+      wait_for(POLLOUT);
+      const ssize_t bytes =
+          ::send(socket_.get(), request.data() + sent, request.size() - sent, MSG_NOSIGNAL);
+      if (bytes < 0 && errno != EAGAIN && errno != EINTR) fail(std::strerror(errno));
+      sent += bytes > 0 ? static_cast<std::size_t>(bytes) : 0;
+    }
+  }
+
+  /// All that comes until the server closes the connection.
+  std::string answer() {
+    std::string answer;
+    std::array<char, 4096> part{};
+    while (true) {
+      wait_for(POLLIN);
+      const ssize_t bytes = recv(socket_.get(), part.data(), part.size(), 0);
+      if (bytes == 0) return answer;
+      if (bytes < 0 && errno != EAGAIN && errno != EINTR) fail(std::strerror(errno));
+      if (bytes > 0) answer.append(part.data(), static_cast<std::size_t>(bytes));
+      if (answer.size() > kMaxAnswer_bytes) fail("more than 1 MiB");
+    }
+  }
+
+  [[noreturn]] void fail(const std::string& found) const {
+    throw Error(fmt::format("{}: expected an answer, found {}", url_, found));
+  }
+
+ private:
+  void connect(const std::array<std::uint8_t, 16>& address, std::uint16_t port) {
+    const bool ipv4 =
+        std::all_of(address.begin(), address.begin() + 12, [](auto byte) { return byte == 0; });
+    socket_ = FileDescriptor(
+        socket(ipv4 ? AF_INET : AF_INET6, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+    if (!socket_) fail(std::strerror(errno));
+    sockaddr_in to{};
+    to.sin_family = AF_INET;
+    to.sin_port = htons(port);
+    std::memcpy(&to.sin_addr, address.data() + 12, 4);
+    sockaddr_in6 to_ipv6{};
+    to_ipv6.sin6_family = AF_INET6;
+    to_ipv6.sin6_port = htons(port);
+    std::memcpy(&to_ipv6.sin6_addr, address.data(), address.size());
+    const int done =
+        ipv4
+            ? ::connect(socket_.get(), reinterpret_cast<const sockaddr*>(&to), sizeof to)
+            : ::connect(socket_.get(), reinterpret_cast<const sockaddr*>(&to_ipv6), sizeof to_ipv6);
+    if (done == 0) return;
+    if (errno != EINPROGRESS) fail(std::strerror(errno));
+    wait_for(POLLOUT);
+    int error = 0;
+    socklen_t bytes = sizeof error;
+    getsockopt(socket_.get(), SOL_SOCKET, SO_ERROR, &error, &bytes);
+    if (error != 0) fail(std::strerror(error));
+  }
+
+  void wait_for(short event) const {
+    const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(
+        end_ - std::chrono::steady_clock::now());
+    pollfd waiting{socket_.get(), event, 0};
+    if (left.count() <= 0 || poll(&waiting, 1, static_cast<int>(left.count())) == 0) {
+      fail("none within 3 s");
+    }
+  }
+
+  std::string url_;
+  std::chrono::steady_clock::time_point end_ = std::chrono::steady_clock::now() + kMostTime;
+  FileDescriptor socket_;
+};
+
+}  // namespace
+
+std::string http_get(const std::array<std::uint8_t, 16>& address, std::uint16_t port,
+                     const std::string& path) {
+  const std::string host = text(Endpoint{address, port});
+  Exchange exchange(address, port, path);
+  exchange.send(
+      fmt::format("GET {} HTTP/1.0\r\nHost: {}\r\nConnection: close\r\n\r\n", path, host));
+  const std::string answer = exchange.answer();
+  // "HTTP/1.1 200 OK", headers, an empty line, the body.
+  const bool is_http = answer.starts_with("HTTP/1.") && answer.size() > 12;
+  if (!is_http) exchange.fail("something that is no HTTP");
+  if (answer.compare(8, 4, " 200") != 0) {
+    const std::string status = answer.substr(9, 3);
+    const bool is_number = std::all_of(status.begin(), status.end(),
+                                       [](unsigned char c) { return c >= '0' && c <= '9'; });
+    exchange.fail(is_number ? "status " + status : "something that is no HTTP");
+  }
+  const std::size_t end_of_headers = answer.find("\r\n\r\n");
+  if (end_of_headers == std::string::npos) exchange.fail("an answer that was cut off");
+  return answer.substr(end_of_headers + 4);
+}
+
+}  // namespace hqslam::live

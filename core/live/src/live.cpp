@@ -1,0 +1,219 @@
+#include "hqslam/live/live.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <deque>
+#include <exception>
+#include <mutex>
+#include <thread>
+#include <utility>
+
+#include "hqslam/core/error.h"
+#include "live_stream.h"
+#include "pcap_writer.h"
+#include "udp_socket.h"
+
+namespace hqslam::live {
+
+using namespace recordings;
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// How long the thread waits for a packet before it looks whether it is to end.
+constexpr int kWait_ms = 50;
+
+const LiveOptions& checked(const LiveOptions& options) {
+  if (options.most_waiting < 1) {
+    throw Error(fmt::format("most_waiting is {}, expected 1 or more complete scans that may wait",
+                            options.most_waiting));
+  }
+  return options;
+}
+
+}  // namespace
+
+class LiveSensor::Impl {
+ public:
+  explicit Impl(const LiveOptions& options)
+      : options_(checked(options)),
+        stream_(options),
+        socket_(options.port != 0 ? options.port : stream_.usual_port()) {
+    if (!options_.record.empty()) recorder_.emplace(options_.record);
+  }
+  ~Impl() {
+    stop_ = true;
+    if (thread_.joinable()) thread_.join();
+  }
+  Impl(const Impl&) = delete;
+  Impl& operator=(const Impl&) = delete;
+
+  bool recognise(double timeout_s);
+  void start(int columns);
+  std::optional<LiveScan> next(double timeout_s);
+
+  std::uint16_t port() const { return socket_.port(); }
+  std::int64_t packets_seen() const { return seen_; }
+  const LiveStream& stream() const { return stream_; }
+  LiveCounts counts() const {
+    const std::lock_guard lock(mutex_);
+    return counts_;
+  }
+
+ private:
+  std::optional<Packet> receive(int timeout_ms);
+  void record(const Packet& packet);
+  void run();
+  void take_scans(std::int64_t arrival_ns);
+
+  LiveOptions options_;
+  LiveStream stream_;
+  UdpSocket socket_;
+  std::optional<PcapWriter> recorder_;
+  std::int64_t seen_ = 0;
+  bool recognised_ = false;
+  Packet first_;  ///< that is decoded: the one by which the sensor was recognised
+  std::vector<std::uint8_t> first_payload_;
+
+  std::unique_ptr<ScanAssembler> assembler_;
+  std::thread thread_;
+  std::atomic<bool> stop_ = false;
+  mutable std::mutex mutex_;  ///< of what follows
+  std::condition_variable arrived_;
+  std::deque<LiveScan> waiting_;
+  LiveCounts counts_;
+  std::exception_ptr failure_;
+};
+
+/// The next packet of the sensor, recorded.
+std::optional<Packet> LiveSensor::Impl::receive(int timeout_ms) {
+  const std::optional<Packet> packet = socket_.receive(timeout_ms);
+  if (!packet) return std::nullopt;
+  if (stream_.sender() && packet->endpoint != *stream_.sender()) {
+    const std::lock_guard lock(mutex_);
+    ++counts_.other_senders;
+    return std::nullopt;
+  }
+  record(*packet);
+  return packet;
+}
+
+/// A full disk ends the recording, not the drive.
+void LiveSensor::Impl::record(const Packet& packet) {
+  if (!recorder_) return;
+  try {
+    recorder_->add(packet);
+  } catch (const Error& error) {
+    recorder_.reset();
+    const std::lock_guard lock(mutex_);
+    counts_.recording_failure = error.what();
+  }
+}
+
+bool LiveSensor::Impl::recognise(double timeout_s) {
+  if (recognised_) return true;
+  const auto end = Clock::now() + std::chrono::duration<double>(timeout_s);
+  while (!recognised_) {
+    const auto left_ms = std::chrono::duration<double, std::milli>(end - Clock::now()).count();
+    if (left_ms <= 0.0) return false;
+    const auto packet = receive(static_cast<int>(std::clamp(left_ms, 1.0, double{kWait_ms})));
+    if (!packet) continue;
+    ++seen_;
+    recognised_ = stream_.recognise(*packet);
+    if (!recognised_) continue;
+    first_ = *packet;
+    first_payload_.assign(packet->payload.begin(), packet->payload.end());
+    first_.payload = first_payload_;
+  }
+  if (recorder_ && !stream_.metadata_text().empty()) recorder_->put_beside(stream_.metadata_text());
+  return true;
+}
+
+void LiveSensor::Impl::start(int columns) {
+  if (thread_.joinable()) {
+    throw Error("the sensor was started already, expected start() once; make another LiveSensor");
+  }
+  assembler_ = stream_.assembler(columns);
+  assembler_->add(first_);
+  thread_ = std::thread([this] { run(); });
+}
+
+void LiveSensor::Impl::run() {
+  try {
+    while (!stop_) {
+      const std::optional<Packet> packet = receive(kWait_ms);
+      if (!packet) continue;
+      assembler_->add(*packet);
+      take_scans(packet->capture_time_ns);
+    }
+  } catch (...) {
+    const std::lock_guard lock(mutex_);
+    failure_ = std::current_exception();
+    arrived_.notify_one();
+  }
+}
+
+/// Puts what the last packet completed in line.
+void LiveSensor::Impl::take_scans(std::int64_t arrival_ns) {
+  while (true) {
+    std::optional<RecordedScan> scan;
+    std::string left_out;
+    try {
+      scan = assembler_->next();
+    } catch (const ScanError& error) {
+      left_out = error.what();
+    }
+    const std::lock_guard lock(mutex_);
+    counts_.packets = assembler_->counts();
+    counts_.lost_scans = assembler_->lost_scans();
+    if (!scan && left_out.empty()) return;
+    ++counts_.scans;
+    if (!scan) {
+      if (counts_.left_out_scans++ == 0) counts_.first_left_out = left_out;
+      continue;
+    }
+    if (waiting_.size() >= static_cast<std::size_t>(options_.most_waiting)) {
+      waiting_.pop_front();
+      ++counts_.dropped_scans;
+    }
+    waiting_.push_back({std::move(*scan), arrival_ns});
+    arrived_.notify_one();
+  }
+}
+
+std::optional<LiveScan> LiveSensor::Impl::next(double timeout_s) {
+  std::unique_lock lock(mutex_);
+  arrived_.wait_for(lock, std::chrono::duration<double>(timeout_s),
+                    [this] { return !waiting_.empty() || failure_; });
+  if (!waiting_.empty()) {
+    LiveScan scan = std::move(waiting_.front());
+    waiting_.pop_front();
+    return scan;
+  }
+  if (failure_) std::rethrow_exception(failure_);
+  return std::nullopt;
+}
+
+NamedSensor named_sensor(const std::string& sensor) {
+  return LiveStream({.sensor = sensor}).named();
+}
+
+LiveSensor::LiveSensor(const LiveOptions& options) : impl_(std::make_unique<Impl>(options)) {}
+LiveSensor::~LiveSensor() = default;
+std::uint16_t LiveSensor::port() const { return impl_->port(); }
+bool LiveSensor::recognise(double timeout_s) { return impl_->recognise(timeout_s); }
+std::int64_t LiveSensor::packets_seen() const { return impl_->packets_seen(); }
+const SensorModel& LiveSensor::sensor() const { return impl_->stream().sensor(); }
+Endpoint LiveSensor::sender() const { return *impl_->stream().sender(); }
+std::string LiveSensor::format() const { return impl_->stream().format(); }
+const std::vector<std::string>& LiveSensor::warnings() const { return impl_->stream().warnings(); }
+void LiveSensor::start(int columns) { impl_->start(columns); }
+std::optional<LiveScan> LiveSensor::next(double timeout_s) { return impl_->next(timeout_s); }
+LiveCounts LiveSensor::counts() const { return impl_->counts(); }
+
+}  // namespace hqslam::live

@@ -1,0 +1,336 @@
+#include "hqslam/live/live.h"
+
+#include <doctest/doctest.h>
+#include <fmt/format.h>
+
+#include <atomic>
+#include <chrono>
+#include <filesystem>
+#include <functional>
+#include <sstream>
+#include <thread>
+
+#include "core/recordings/captures.h"
+#include "error_message.h"
+#include "file_contents.h"
+#include "hqslam/recordings/recording.h"
+#include "loopback.h"
+#include "pcap_writer.h"
+#include "temporary_directory.h"
+#include "udp_socket.h"
+
+using namespace hqslam;
+using namespace hqslam::live;
+using namespace hqslam::recordings;
+using namespace hqslam::test;
+
+namespace {
+
+constexpr double kPatience_s = 20.0;
+
+LiveOptions vlp16() {
+  LiveOptions options;
+  options.sensor = "vlp-16";
+  options.port = free_udp_port();
+  return options;
+}
+
+RoundRoom long_room(double duration_s) {
+  RoundRoom room;
+  room.duration_s = duration_s;
+  return room;
+}
+
+/// All scans that come until `sent` packets are through, and none comes any more.
+std::vector<LiveScan> all_scans(LiveSensor& sensor, std::int64_t expected) {
+  std::vector<LiveScan> scans;
+  while (static_cast<std::int64_t>(scans.size()) < expected) {
+    auto scan = sensor.next(kPatience_s);
+    if (!scan) break;
+    scans.push_back(std::move(*scan));
+  }
+  return scans;
+}
+
+/// Sends from another thread while the sensor is recognised in this one.
+class Background {
+ public:
+  explicit Background(std::function<void()> work) : thread_(std::move(work)) {}
+  ~Background() { thread_.join(); }
+
+ private:
+  std::thread thread_;
+};
+
+void wait_until_no_more_come(const LiveSensor& sensor) {
+  std::int64_t before = -1;
+  while (sensor.counts().scans != before) {
+    before = sensor.counts().scans;
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  }
+}
+
+/// Sends packets no faster than they are taken in, however slow the computer is.
+void replay_in_step(const std::vector<Captured>& packets, std::uint16_t port,
+                    const LiveSensor& sensor) {
+  constexpr std::size_t kAtOnce = 32;
+  const LoopbackSender sender(port);
+  const auto taken_in = [&] {
+    const PacketCounts counts = sensor.counts().packets;
+    return counts.used + counts.late + counts.foreign;
+  };
+  const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(kPatience_s);
+  for (std::size_t begin = 0; begin < packets.size(); begin += kAtOnce) {
+    const std::size_t count = std::min(kAtOnce, packets.size() - begin);
+    const std::int64_t wanted = taken_in() + static_cast<std::int64_t>(count);
+    for (std::size_t i = 0; i < count; ++i) sender.send(packets[begin + i].payload);
+    while (taken_in() < wanted && std::chrono::steady_clock::now() < end) {
+      std::this_thread::sleep_for(std::chrono::microseconds(200));
+    }
+  }
+}
+
+}  // namespace
+
+TEST_CASE("scans that come over UDP are those of the capture with the same packets") {
+  const TemporaryDirectory folder;
+  const auto packets = velodyne_capture(long_room(1.5));
+  write_file(folder.file("a.pcap"), pcap_bytes(packets));
+  const auto recorded = open_recording(folder.file("a.pcap"));
+  const LiveOptions options = vlp16();
+  LiveSensor sensor(options);
+  const Background sending([&] { replay(packets, options.port, 1.0); });
+  REQUIRE(sensor.recognise(kPatience_s));
+  CHECK(sensor.sensor() == recorded->sensor());
+  CHECK(sensor.format() == "Velodyne packets, single return");
+  CHECK(text(sensor.sender()) == fmt::format("127.0.0.1:{}", options.port));
+  sensor.start();
+  // Half a second of 1.5 s was for recognising; what is left has eight or nine whole turns.
+  const auto scans = all_scans(sensor, 8);
+  REQUIRE(scans.size() == 8);
+  for (const LiveScan& scan : scans) {
+    std::optional<RecordedScan> same = recorded->next();
+    while (same && same->cloud.range_m != scan.scan.cloud.range_m) same = recorded->next();
+    CHECK(same);  // in the same order
+    CHECK(scan.completed_ns > 1'700'000'000'000'000'000);
+    // Its stamp is by this computer's clock, in the middle of the turn before it was complete.
+    const double age_s = 1e-9 * static_cast<double>(scan.completed_ns) - scan.scan.stamp_s;
+    CHECK(age_s == doctest::Approx(0.05).epsilon(0.4));
+  }
+  for (std::size_t i = 1; i < scans.size(); ++i) {
+    CHECK(scans[i].scan.stamp_s - scans[i - 1].scan.stamp_s == doctest::Approx(0.1).epsilon(0.02));
+  }
+  CHECK(sensor.counts().packets.lost == 0);
+  CHECK(sensor.counts().dropped_scans == 0);
+}
+
+TEST_CASE("packets that never come, come twice or are of another kind are counted") {
+  auto packets = velodyne_capture(long_room(1.4));
+  const std::size_t behind = 600;  // behind what it is recognised by
+  packets.erase(packets.begin() + behind, packets.begin() + behind + 3);
+  packets.insert(packets.begin() + behind + 50, packets[behind + 49]);
+  packets[behind + 80].payload.assign(512, 7);
+  const LiveOptions options = vlp16();
+  LiveSensor sensor(options);
+  const Background sending([&] { replay(packets, options.port, 2.0); });
+  REQUIRE(sensor.recognise(kPatience_s));
+  sensor.start();
+  REQUIRE(all_scans(sensor, 7).size() == 7);
+  const LiveCounts counts = sensor.counts();
+  CHECK(counts.packets.lost == 4);  // three, and the one that was another
+  CHECK(counts.packets.late == 1);
+  CHECK(counts.packets.foreign == 1);
+  CHECK(counts.scans >= 7);
+}
+
+TEST_CASE("who does not take scans in time loses whole ones, the oldest, and memory is bounded") {
+  const auto packets = velodyne_capture(long_room(2.6));
+  LiveOptions options = vlp16();
+  options.most_waiting = 3;
+  LiveSensor sensor(options);
+  std::atomic<bool> sent = false;
+  const Background sending([&] {
+    replay(packets, options.port, 0.0);
+    sent = true;
+  });
+  REQUIRE(sensor.recognise(kPatience_s));
+  sensor.start();
+  while (!sent) std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  wait_until_no_more_come(sensor);
+  const LiveCounts counts = sensor.counts();
+  CHECK(counts.packets.lost == 0);  // packets are read on
+  CHECK(counts.dropped_scans == counts.scans - 3);
+  int waiting = 0;
+  std::string last_name;
+  while (const auto scan = sensor.next(0.05)) {
+    ++waiting;
+    last_name = scan->scan.name;
+  }
+  CHECK(waiting == 3);
+  CHECK(last_name == fmt::format("live[{}]", counts.scans - 1));
+}
+
+TEST_CASE("memory does not grow with what was received, whether scans are taken or not") {
+  const auto resident_kb = [] {
+    std::istringstream status(file_contents("/proc/self/statm"));
+    std::int64_t total = 0;
+    std::int64_t resident = 0;
+    status >> total >> resident;
+    return 4 * resident;
+  };
+  const LiveOptions options = vlp16();
+  LiveSensor sensor(options);
+  {
+    const Background sending([&] { replay(velodyne_capture(long_room(2.0)), options.port, 0.0); });
+    REQUIRE(sensor.recognise(kPatience_s));
+  }
+  sensor.start();
+  const auto packets = velodyne_capture(long_room(10.0));
+  replay_in_step(packets, options.port, sensor);
+  const std::int64_t before_kb = resident_kb();
+  for (int round = 0; round < 4; ++round) {
+    replay_in_step(packets, options.port, sensor);
+    while (round % 2 == 0 && sensor.next(0.05)) continue;
+  }
+  CHECK(sensor.counts().scans > 350);
+#ifndef __SANITIZE_ADDRESS__                // which keeps what was freed for a while
+  CHECK(resident_kb() - before_kb < 4000);  // 400 scans would be 180 MB
+#endif
+}
+
+TEST_CASE("an Ouster's turn is complete with its last packet, whatever its metadata came by") {
+  const TemporaryDirectory folder;
+  const OusterProfile profile = OusterProfile::kRng19;
+  write_file(folder.file("sensor.json"), ouster_metadata_text(profile));
+  LiveOptions options;
+  options.sensor = folder.file("sensor.json");
+  options.port = free_udp_port();
+  options.record = folder.file("kept.pcap");
+  LiveSensor sensor(options);
+  const LoopbackSender sender(options.port);
+  const auto first = ouster_turn(profile, 7);
+  sender.send(Payload(48));  // inertial data
+  sender.send(first[0].payload);
+  REQUIRE(sensor.recognise(kPatience_s));
+  CHECK(sensor.sensor().rows() == 8);
+  CHECK(sensor.format() == "Ouster packets, RNG19_RFL8_SIG16_NIR16");
+  sensor.start();
+  const auto turn = ouster_turn(profile, 8);
+  for (const Captured& packet : turn) sender.send(packet.payload);
+  REQUIRE(sensor.next(kPatience_s));  // what came of turn 7
+  const auto scan = sensor.next(kPatience_s);
+  REQUIRE(scan);  // no packet of turn 9 was sent
+  CHECK(scan->scan.counts.kept + scan->scan.counts.out_of_range == 8 * 512);
+  sender.send(turn[3].payload);  // comes twice, behind the end of its turn
+  for (const Captured& packet : ouster_turn(profile, 10)) sender.send(packet.payload);
+  REQUIRE(sensor.next(kPatience_s));
+  CHECK(sensor.counts().packets.late == 1);
+  CHECK(sensor.counts().lost_scans == 1);
+  CHECK(file_contents(folder.file("kept.json")) == ouster_metadata_text(profile));
+}
+
+TEST_CASE("what was recorded live is opened as any capture, an Ouster's metadata included") {
+  const TemporaryDirectory folder;
+  const OusterProfile profile = OusterProfile::kRng15;
+  write_file(folder.file("sensor.json"), ouster_metadata_text(profile));
+  LiveOptions options;
+  options.sensor = folder.file("sensor.json");
+  options.port = free_udp_port();
+  options.record = folder.file("kept.pcap");
+  std::vector<float> live_range_m;
+  {
+    LiveSensor sensor(options);
+    const LoopbackSender sender(options.port);
+    sender.send(ouster_turn(profile, 2)[0].payload);
+    REQUIRE(sensor.recognise(kPatience_s));
+    sensor.start();
+    for (const Captured& packet : ouster_turn(profile, 3)) sender.send(packet.payload);
+    REQUIRE(sensor.next(kPatience_s));  // the packet that it was recognised by
+    const auto scan = sensor.next(kPatience_s);
+    REQUIRE(scan);
+    live_range_m = scan->scan.cloud.range_m;
+  }
+  const RecordingInfo info = inspect(folder.file("kept.pcap"));
+  CHECK(info.format == "Ouster packets, RNG15_RFL8_NIR8");
+  CHECK(info.packets.used == 33);
+  const auto source = open_recording(folder.file("kept.pcap"));
+  CHECK(source->next()->counts.kept <= 8 * 16);
+  CHECK(source->next()->cloud.range_m == live_range_m);
+}
+
+TEST_CASE("captures are written with any sender and size, and never over another file") {
+  const TemporaryDirectory folder;
+  std::vector<Captured> packets;
+  for (const std::size_t bytes : {0, 1, 1206, 12609, 65000}) {
+    packets.push_back({1'600'000'000'123'456'789 + static_cast<std::int64_t>(bytes), 7502,
+                       Payload(bytes, static_cast<std::uint8_t>(bytes)), 9});
+  }
+  Packet from_ipv6 = as_packet(packets[2]);
+  from_ipv6.endpoint.address = {0xFE, 0x80, 0, 0, 0, 0, 0, 0, 2, 3, 4, 5, 6, 7, 8, 9};
+  {
+    PcapWriter writer(folder.file("a.pcap"));
+    for (const Captured& packet : packets) writer.add(as_packet(packet));
+    writer.add(from_ipv6);
+  }
+  const auto source = open_pcap(folder.file("a.pcap"));
+  for (const Captured& packet : packets) {
+    const auto read = source->next();
+    REQUIRE(read);
+    CHECK(read->capture_time_ns == packet.time_ns);
+    CHECK(read->endpoint == as_packet(packet).endpoint);
+    CHECK(Payload(read->payload.begin(), read->payload.end()) == packet.payload);
+  }
+  const auto last = source->next();
+  REQUIRE(last);
+  CHECK(last->endpoint == from_ipv6.endpoint);
+  CHECK(last->payload.size() == 1206);
+  CHECK_FALSE(source->next());
+  CHECK(one_line_with(error_message([&] { PcapWriter(folder.file("a.pcap")); }), "a.pcap",
+                      "another file"));
+  CHECK(one_line_with(error_message([&] { PcapWriter(folder.file("a.txt")); }), ".pcap"));
+  write_file(folder.file("b.json"), "{}");
+  CHECK(one_line_with(error_message([&] { PcapWriter(folder.file("b.pcap")); }), "b.json"));
+}
+
+TEST_CASE("a capture without a packet is not kept") {
+  const TemporaryDirectory folder;
+  for (int attempt = 0; attempt < 2; ++attempt) {
+    const PcapWriter writer(folder.file("a.pcap"));
+    CHECK(std::filesystem::exists(folder.file("a.pcap")));  // nobody else may take the name
+  }
+  CHECK_FALSE(std::filesystem::exists(folder.file("a.pcap")));
+}
+
+TEST_CASE("a port in use, an unknown sensor and packets of another one are refused in one line") {
+  LiveOptions options = vlp16();
+  const UdpSocket other(options.port);
+  CHECK(one_line_with(error_message([&] { LiveSensor sensor(options); }),
+                      fmt::format("UDP port {}", options.port), "uses it"));
+  options = vlp16();
+  options.sensor = "vlp-17";
+  CHECK(one_line_with(error_message([&] { LiveSensor sensor(options); }), "vlp-17"));
+  options = vlp16();
+  LiveSensor sensor(options);
+  const LoopbackSender sender(options.port);
+  for (int i = 0; i < 300; ++i) sender.send(Payload(900));
+  CHECK(one_line_with(error_message([&] { sensor.recognise(kPatience_s); }), "900 bytes",
+                      "127.0.0.1", "vlp-16"));
+}
+
+TEST_CASE("a sensor of which no scan may wait is refused before a file is begun for it") {
+  const TemporaryDirectory folder;
+  for (const int most_waiting : {0, -1}) {
+    LiveOptions options = vlp16();
+    options.most_waiting = most_waiting;
+    options.record = folder.file("a.pcap");
+    CHECK(one_line_with(error_message([&] { LiveSensor sensor(options); }), "most_waiting",
+                        std::to_string(most_waiting)));
+    CHECK_FALSE(std::filesystem::exists(options.record));
+  }
+}
+
+TEST_CASE("without packets nothing is recognised, and nobody waits longer than asked") {
+  LiveSensor sensor(vlp16());
+  CHECK_FALSE(sensor.recognise(0.05));
+  CHECK(sensor.packets_seen() == 0);
+}

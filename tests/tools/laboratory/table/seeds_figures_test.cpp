@@ -1,0 +1,173 @@
+#include "laboratory/table/seeds_figures.h"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "laboratory/table/table_output.h"
+
+namespace hqslam::tools {
+namespace {
+
+constexpr int kScans = 300;
+
+/// 300 poses a metre apart along x, `scale` times that, with a jump aside before scan `jump`.
+Trajectory straight_drive(double scale, int jump = kScans) {
+  Trajectory trajectory;
+  for (int i = 0; i < kScans; ++i) {
+    StampedPose pose;
+    pose.stamp_s = 0.1 * i;
+    pose.T_map_sensor.translation() = Eigen::Vector3d(scale * i, i >= jump ? 0.5 : 0.0, 0.0);
+    trajectory.push_back(pose);
+  }
+  return trajectory;
+}
+
+TableResult result_of(const Trajectory& trajectory) {
+  TableResult result;
+  result.settings.scans = kScans;
+  result.settings.loop_closing = false;
+  result.trajectory[kLoopClosingOff] = trajectory;
+  result.timings.slam[kLoopClosingOff].total_s = 3.0;
+  return result;
+}
+
+TableDrive table_drive(const std::string& name, std::uint64_t seed) {
+  TableDrive drive;
+  drive.name = name;
+  drive.simulated = sim::DriveSpec();
+  drive.simulated->name = name;
+  drive.simulated->seed = seed;
+  return drive;
+}
+
+/// LiDAR-16 drifts by 2.5 % and 2 %, linear by 2 % and 1 %, LiDAR-64 by 1 % and 0.5 %, on a drive
+/// each of two names; on the second LiDAR-16 slips once.
+SeedTable example_table() {
+  SeedTable table{{table_methods()[0], table_methods()[2], table_methods().back()}, 1, {}};
+  const Trajectory truth = straight_drive(1.0);
+  table.drives.push_back(
+      *seed_drive(table_drive("town", 4),
+                  {result_of(straight_drive(1.025)), result_of(straight_drive(1.02)),
+                   result_of(straight_drive(1.01))},
+                  truth));
+  table.drives.push_back(
+      *seed_drive(table_drive("<hills>", 5),
+                  {result_of(straight_drive(1.02, 150)), result_of(straight_drive(1.01)),
+                   result_of(straight_drive(1.005))},
+                  truth));
+  return table;
+}
+
+}  // namespace
+
+TEST_CASE("a drive has drift, slips, position error and times of every method") {
+  const SeedTable table = example_table();
+  const SeedDrive& hills = table.drives[1];
+  CHECK(hills.drive == "<hills>");
+  CHECK(hills.seed == 5);
+  CHECK(hills.path_m == doctest::Approx(299.0));
+  REQUIRE(hills.runs.size() == 3);
+  CHECK(hills.runs[0].slips.size() == 1);
+  CHECK(hills.runs[0].slam_ms == doctest::Approx(10.0));
+  CHECK(drift(hills.runs[1].pieces).translation_percent == doctest::Approx(1.0));
+  // Aligned by its centre, a line that is 1 % long is off by 1 % of the distance from there: of
+  // positions 0 to 299 the deviation is sqrt((300^2 - 1) / 12).
+  CHECK(hills.runs[1].ape_m == doctest::Approx(0.01 * std::sqrt((300.0 * 300.0 - 1.0) / 12.0)));
+}
+
+TEST_CASE("a drive whose stamps are not the truth's has no figures") {
+  Trajectory later = straight_drive(1.0);
+  for (StampedPose& pose : later) pose.stamp_s += 1000.0;
+  CHECK_FALSE(seed_drive(table_drive("town", 1), {result_of(later)}, straight_drive(1.0)));
+}
+
+TEST_CASE("the truth of a longer drive is cut where the scans end") {
+  Trajectory half = straight_drive(1.0);
+  half.resize(200);
+  const auto drive = seed_drive(table_drive("town", 1), {result_of(half)}, straight_drive(1.0));
+  CHECK(drive->path_m == doctest::Approx(199.0));
+}
+
+TEST_CASE("a summary is the mean over drives, slips are per 100 km of all of them") {
+  const SeedSummary sixteen = summary_of(example_table(), 0);
+  // On the second drive half of the 200 pieces hold the jump: sqrt(2^2 + 0.5^2) % instead of 2 %.
+  const double second = 0.5 * (2.0 + std::sqrt(4.25));
+  CHECK(sixteen.drift_percent.value == doctest::Approx((2.5 + second) / 2.0));
+  CHECK(sixteen.drift_percent_no_slip.value == doctest::Approx(2.25));
+  CHECK(sixteen.slips == 1);
+  CHECK(sixteen.slips_per_100_km.value == doctest::Approx(1e5 / 598.0));
+  CHECK(sixteen.slips_per_100_km.low == 0.0);
+  CHECK(sixteen.slam_ms == doctest::Approx(10.0));
+  CHECK(summary_of(example_table(), 2).drift_percent.value == doctest::Approx(0.75));
+}
+
+TEST_CASE("pairs are differences and ratios drive by drive, and the share of the gap closed") {
+  const SeedTable table = example_table();
+  const SeedPair all_rows = pair_of(table, 2);
+  CHECK(all_rows.drift_difference_percent.value == doctest::Approx(-0.75));
+  CHECK(all_rows.drift_difference_percent.low == doctest::Approx(-1.0));
+  CHECK(all_rows.drift_difference_percent.high == doctest::Approx(-0.5));
+  CHECK(all_rows.drift_ratio.value == doctest::Approx(0.5));
+  CHECK(all_rows.gap_closed->value == doctest::Approx(1.0));
+  const SeedPair sixteen = pair_of(table, 0);
+  CHECK(sixteen.drift_ratio_no_slip.value == doctest::Approx(1.5));
+  CHECK(sixteen.slips_difference.value == doctest::Approx(1e5 / 598.0));
+  CHECK(sixteen.gap_closed->value == doctest::Approx(0.0));
+  const SeedPair linear = pair_of(of_drive(table, "town"), 1);
+  CHECK(linear.gap_closed->value == doctest::Approx(1.0 / 3.0));
+  CHECK(linear.drift_ratio.value == doctest::Approx(1.0));
+}
+
+TEST_CASE("without LiDAR-16 or LiDAR-64 there is no gap to close") {
+  SeedTable table = example_table();
+  table.methods.pop_back();
+  for (SeedDrive& drive : table.drives) drive.runs.pop_back();
+  CHECK_FALSE(pair_of(table, 1).gap_closed);
+}
+
+TEST_CASE("a drive shorter than a piece has slips but no drift, and does not spoil the mean") {
+  SeedTable table = example_table();
+  Trajectory shorter = straight_drive(1.0);
+  shorter.resize(50);
+  const TableResult result = result_of(shorter);
+  table.drives.push_back(
+      *seed_drive(table_drive("town", 9), {result, result, result}, straight_drive(1.0)));
+  CHECK(summary_of(table, 1).drift_percent.value == doctest::Approx(1.5));
+}
+
+TEST_CASE("the texts have a row per method and a part per drive, and need no other file") {
+  const SeedTable table = example_table();
+  const TextTable summary = seeds_summary_table(table);
+  REQUIRE(summary.rows.size() == 3);
+  CHECK(summary.rows[2][1] == "0.7500 [0.5000, 1.0000]");
+  CHECK(summary.rows[0][4] == "1");
+  const TextTable pairs = seeds_pair_table(table);
+  CHECK(pairs.title == "Drive by drive against linear");
+  CHECK(pairs.rows[1][1] == "-");
+  CHECK(pairs.rows[2][2] == "0.50 [0.50, 0.50]");
+  for (const TextTable& text : {summary, pairs}) {
+    for (const auto& row : text.rows) CHECK(row.size() == text.columns.size());
+  }
+  const std::string markdown = seeds_markdown(table);
+  for (const char* part : {"## All drives", "## town", "## <hills>", "seeds 4", "| LiDAR-64 |"}) {
+    CAPTURE(part);
+    CHECK(markdown.find(part) != std::string::npos);
+  }
+  const std::string html = seeds_html(table);
+  CHECK(html.find("&lt;hills&gt;") != std::string::npos);
+  CHECK(html.find("<hills>") == std::string::npos);
+  CHECK(html.find("class=\"interval\"") != std::string::npos);
+  CHECK(html.find("http") == std::string::npos);
+}
+
+TEST_CASE("the JSON holds every summary and every drive, null where there is no interval") {
+  const nlohmann::json json = nlohmann::json::parse(seeds_json(example_table()));
+  CHECK(json["against"] == "linear");
+  CHECK(json["methods"][2]["all"]["drift_percent"]["value"].get<double>() == doctest::Approx(0.75));
+  CHECK(json["methods"][2]["town"]["drift_percent"]["low"].is_null());
+  CHECK(json["drives"][1]["methods"]["rows-16"]["slips"][0]["first_scan"] == 140);
+}
+
+}  // namespace hqslam::tools

@@ -1,0 +1,188 @@
+#include "laboratory/table/table_plan.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "error_message.h"
+#include "file_contents.h"
+#include "temporary_directory.h"
+
+namespace hqslam::tools {
+namespace {
+
+TableOptions options_for(const std::string& out) {
+  TableOptions options;
+  options.out = out;
+  return options;
+}
+
+std::string plan_error(const TableOptions& options) {
+  return test::error_message([&] { plan_table(options); });
+}
+
+}  // namespace
+
+TEST_CASE("without a choice every method runs on the paper's two lengths") {
+  const TablePlan plan = plan_table(options_for("out"));
+  REQUIRE(plan.drives.size() == 2);
+  CHECK(plan.drives[0].simulated->scans == 4000);
+  CHECK(plan.drives[1].simulated->scans == 8000);
+  CHECK(plan.drives[1].recording.input == "out/drives/hills");
+  CHECK(plan.methods.size() == table_methods().size());
+}
+
+TEST_CASE("--scans shortens simulated drives and --methods chooses among the rows") {
+  TableOptions options = options_for("out");
+  options.drives = {"block"};
+  options.methods = {"du-or", "rows-16"};
+  options.scans = 30;
+  const TablePlan plan = plan_table(options);
+  CHECK(plan.drives[0].simulated->scans == 30);
+  REQUIRE(plan.methods.size() == 2);
+  CHECK(plan.methods[0].title == "DU-OR");
+}
+
+TEST_CASE("over seeds every drive is there from each seed, without loop closing") {
+  TableOptions options = options_for("out");
+  options.drives = {"town", "hills"};
+  options.seeds = "3..4";
+  options.scans = 50;
+  const TablePlan plan = plan_table(options);
+  CHECK(plan.over_seeds);
+  CHECK_FALSE(plan.loop_closing);
+  REQUIRE(plan.drives.size() == 4);
+  CHECK(plan.drives[1].name == "town-seed-4");
+  CHECK(plan.drives[2].simulated->name == "hills");
+  CHECK(plan.drives[2].simulated->seed == 3);
+  CHECK(plan.drives[2].simulated->scans == 50);
+  CHECK(plan.drives[3].recording.input == "out/drives/hills-seed-4");
+}
+
+TEST_CASE("a variant of SLAM is a row behind its method, never without being asked for") {
+  TableOptions options = options_for("out");
+  CHECK(std::none_of(table_methods().begin(), table_methods().end(),
+                     [](const TableMethod& method) { return method.variant != nullptr; }));
+  options.methods = {"du-or+whole-map", "rows-64+16-rows"};
+  const TablePlan plan = plan_table(options);
+  REQUIRE(plan.methods.size() == 2);
+  CHECK(plan.methods[0].title == "DU-OR, the whole map matched");
+  CHECK(plan.methods[0].source == "du-or");
+  CHECK(plan.methods[0].filtered);
+  CHECK_FALSE(is_reference(plan.methods[1]));
+  const auto shown = [&](const std::string& name) {
+    return std::find_if(plan.shown.begin(), plan.shown.end(),
+                        [&](const TableMethod& method) { return method.name == name; });
+  };
+  CHECK(shown("du-or") < shown("du-or+whole-map"));
+  CHECK(shown("du-or+whole-map") < shown("rows-64"));
+  CHECK(shown("rows-64+16-rows") < plan.shown.end());
+}
+
+TEST_CASE("methods that share a network share a pass, and all rows come first") {
+  const auto passes = passes_of(table_methods());
+  REQUIRE(passes.size() == 8);
+  CHECK(passes[0].front().name == "rows-64");
+  CHECK(passes[1].front().name == "rows-16");
+  for (const auto& pass : passes) {
+    CAPTURE(pass.front().name);
+    // With and without the filter at the end; DU-Mix has none.
+    const bool filtered = uses_network(pass.front()) && pass.front().source != "du-mix";
+    CHECK(pass.size() == (filtered ? 2 : 1));
+    CHECK(pass.front().source == pass.back().source);
+  }
+}
+
+TEST_CASE("networks find the weights of the sensor, other methods need none") {
+  for (const TableMethod& method : table_methods()) {
+    CAPTURE(method.name);
+    const std::string weights = weights_of(method, "hdl-64e");
+    CHECK(weights.empty() != uses_network(method));
+    if (!weights.empty()) {
+      CHECK(std::filesystem::path(weights).filename() == method.source + "_hdl64e_16to64.npz");
+    }
+  }
+  CHECK(test::one_line_with(test::error_message([] { weights_of(table_methods()[7], "vls-128"); }),
+                            "du-or", "vls-128", "--weights"));
+}
+
+TEST_CASE("a weights file becomes a filtered row before LiDAR-64") {
+  const test::TemporaryDirectory folder;
+  test::write_file(folder.file("mine.npz"), "");
+  TableOptions options = options_for("out");
+  options.weights = {folder.file("mine.npz")};
+  const TablePlan plan = plan_table(options);
+  CHECK(plan.methods.back().name == "mine");
+  CHECK(plan.methods.back().filtered);
+  CHECK(weights_of(plan.methods.back(), "any") == folder.file("mine.npz"));
+  const auto mine = std::find_if(plan.shown.begin(), plan.shown.end(),
+                                 [](const TableMethod& method) { return method.name == "mine"; });
+  REQUIRE(mine != plan.shown.end());
+  CHECK((mine + 1)->name == "rows-64");
+
+  options.weights = {folder.file("mine.npz") + "+as-published"};
+  CHECK(plan_table(options).methods.back().name == "mine+as-published");
+  CHECK(weights_of(plan_table(options).methods.back(), "any") == folder.file("mine.npz"));
+  options.weights = {folder.file("mine.npz") + "+nothing"};
+  CHECK(test::one_line_with(test::error_message([&] { plan_table(options); }), "mine.npz+nothing",
+                            "+as-published"));
+}
+
+TEST_CASE("a recording is named after its folder and keeps the sensor and truth it was given") {
+  const test::TemporaryDirectory folder;
+  std::filesystem::create_directories(folder.file("kitti_drive/velodyne"));
+  std::filesystem::create_directory(folder.file("street"));
+  TableOptions options = options_for("out");
+  options.drives = {folder.file("kitti_drive/velodyne")};
+  CHECK(plan_table(options).drives[0].name == "kitti_drive");
+  options.drives = {folder.file("street") + "/", "town"};
+  options.reading.sensor = "hdl-64e";
+  options.reference = "truth.txt";
+  options.reading.kept_return = "last";
+  options.reading.stream = "7502";
+  options.reading.capture = "rolling";
+  const TablePlan plan = plan_table(options);
+  CHECK(plan.drives[0].name == "street");
+  CHECK(plan.drives[0].reference == "truth.txt");
+  CHECK_FALSE(plan.drives[0].simulated);
+  const InputChoice street = plan.drives[0].recording;
+  CHECK(street.input == std::filesystem::canonical(folder.file("street")));
+  CHECK(street.sensor == "hdl-64e");
+  CHECK(street.stream == "7502");
+  CHECK(street.kept_return == "last");
+  CHECK(street.capture == "rolling");
+  CHECK(plan.drives[1].recording.kept_return == "strongest");  // simulated
+  CHECK(plan.drives[1].recording.sensor.empty());
+  CHECK(plan.drives[1].reference.empty());
+}
+
+TEST_CASE("what is not there or would mix is refused in one line") {
+  TableOptions wrong = options_for("out");
+  wrong.methods = {"du-and"};
+  CHECK(test::one_line_with(plan_error(wrong), "du-and", "rows-16", "du-or"));
+  wrong.methods = {"rows-16+computed-rows"};  // it has none
+  CHECK(test::one_line_with(plan_error(wrong), "rows-16+computed-rows", "+whole-map"));
+  wrong = options_for("out");
+  wrong.drives = {"moon"};
+  CHECK(test::one_line_with(plan_error(wrong), "moon", "town"));
+  wrong.drives = {"town", "town"};
+  CHECK(test::one_line_with(plan_error(wrong), "--drives", "town", "twice"));
+  wrong = options_for("out");
+  wrong.methods = {"du-or", "du-or"};
+  CHECK(test::one_line_with(plan_error(wrong), "--methods", "twice"));
+  wrong = options_for("out");
+  wrong.seeds = "1..2";
+  wrong.methods = {"rows-16"};
+  CHECK(test::one_line_with(plan_error(wrong), "--against", "'linear'"));
+  wrong.drives = {"."};
+  CHECK(test::one_line_with(plan_error(wrong), "--seeds", "town", "'.'"));
+  wrong = options_for("out");
+  wrong.weights = {"none.npz"};
+  CHECK(test::one_line_with(plan_error(wrong), "--weights none.npz"));
+  wrong = options_for("out");
+  wrong.reference = "truth.txt";
+  CHECK(test::one_line_with(plan_error(wrong), "--reference", "names 0"));
+}
+
+}  // namespace hqslam::tools

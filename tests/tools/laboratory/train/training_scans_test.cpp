@@ -1,0 +1,152 @@
+#include "laboratory/train/training_scans.h"
+
+#include <doctest/doctest.h>
+
+#include <filesystem>
+#include <thread>
+
+#include "error_message.h"
+#include "file_contents.h"
+#include "hqslam/core/npy.h"
+#include "hqslam/core/pcd.h"
+#include "hqslam/core/projection.h"
+#include "hqslam/sim/drive.h"
+#include "temporary_directory.h"
+
+namespace hqslam::tools {
+namespace {
+
+using test::error_message;
+using test::one_line_with;
+using test::TemporaryDirectory;
+
+SensorModel tiny_sensor() {
+  SensorModel sensor = sensor_preset("os1-16");
+  sensor.columns = 64;
+  return sensor;
+}
+
+/// A file with the points of a scan all of whose ranges are 5 m; returns its path.
+std::string sensor_pcd(const TemporaryDirectory& folder, const SensorModel& sensor) {
+  RangeImage image(sensor.rows(), sensor.columns);
+  for (float& range_m : image.range_m) range_m = 5.0F;
+  const std::string path = folder.file("scan.pcd");
+  write_pcd(points_of(unproject(image, sensor, CaptureTime::kMotionCorrected)), path);
+  return path;
+}
+
+/// A stack whose pixels all hold 10 * number + i in image i; returns its path.
+std::string stack(const TemporaryDirectory& folder, int number, int images) {
+  const std::string path = folder.file(std::to_string(number) + ".npy");
+  NpyStackWriter writer(path, 16, 64);
+  for (int i = 0; i < images; ++i) {
+    RangeImage image(16, 64);
+    for (float& range_m : image.range_m) range_m = static_cast<float>(10 * number + i);
+    writer.append(image);
+  }
+  return path;
+}
+
+}  // namespace
+
+TEST_CASE("scans of several files are numbered through, many threads read them at once") {
+  const TemporaryDirectory folder;
+  const StoredScans scans({stack(folder, 1, 2), stack(folder, 2, 1), stack(folder, 3, 3)},
+                          tiny_sensor());
+  const std::vector<float> expected = {10.0F, 11.0F, 20.0F, 30.0F, 31.0F, 32.0F};
+  REQUIRE(scans.size() == 6);
+  std::vector<int> wrong(4, 0);
+  std::vector<std::thread> threads;
+  for (int k = 0; k < 4; ++k) {
+    threads.emplace_back([&, k] {
+      for (int i = 0; i < 60; ++i) {
+        const auto scan = static_cast<std::size_t>((i * 7 + k) % 6);
+        const RangeImage image = scans.read(static_cast<std::int64_t>(scan));
+        wrong[k] += image.range_m == std::vector<float>(16 * 64, expected[scan]) ? 0 : 1;
+      }
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  CHECK(wrong == std::vector<int>(4, 0));
+}
+
+TEST_CASE("what is no range is no return; what is no scan is an Error") {
+  const TemporaryDirectory folder;
+  {
+    NpyStackWriter writer(folder.file("bad.npy"), 16, 64);
+    RangeImage image(16, 64);
+    image.range_m[0] = std::nanf("");
+    image.range_m[1] = HUGE_VALF;
+    image.range_m[2] = -1.0F;
+    image.range_m[3] = 4.0F;
+    writer.append(image);
+  }
+  const StoredScans scans({folder.file("bad.npy")}, tiny_sensor());
+  const RangeImage image = scans.read(0);
+  CHECK(image.range_m[0] == 0.0F);
+  CHECK(image.range_m[1] == 0.0F);
+  CHECK(image.range_m[2] == 0.0F);
+  CHECK(image.range_m[3] == 4.0F);
+  CHECK(one_line_with(error_message([&] { scans.read(1); }), "scan 1", "0 to 0"));
+  CHECK(one_line_with(error_message([&] { scans.read(-1); }), "scan -1"));
+  CHECK(one_line_with(
+      error_message([&] { StoredScans({folder.file("bad.npy")}, sensor_preset("os1-16")); }),
+      "16 x 64", "16 x 1024"));
+  test::write_file(folder.file("bad.npy"), "no longer");
+  CHECK(one_line_with(error_message([&] { scans.read(0); }), "bad.npy"));
+}
+
+TEST_CASE("a set is its stacks, then its drives, usual or of varied conditions") {
+  const TemporaryDirectory folder;
+  nn::ScanSet set;
+  set.stacks = {stack(folder, 1, 1)};
+  set.simulated = {
+      {.drive = "block", .seeds = {5}, .scans = 1},
+      {.drive = "block", .seeds = {6}, .scans = 1, .conditions = nn::DriveConditions::kVaried}};
+  const InterruptGuard interrupt;
+  Ranks alone;
+  const auto scans =
+      stored_scans(set, tiny_sensor(), {folder.path() / "drives", 2, alone}, "scans", interrupt);
+  REQUIRE(scans != nullptr);
+  REQUIRE(scans->size() == 3);
+  CHECK(scans->read(0).range_m.front() == 10.0F);
+  sim::DriveSpec spec = sim::drive_preset("block");
+  spec.scans = 1;
+  spec.seed = 5;
+  CHECK(scans->read(1).range_m == sim::DriveSimulator(spec, tiny_sensor()).next()->image.range_m);
+  spec.seed = 6;
+  CHECK(
+      scans->read(2).range_m ==
+      sim::DriveSimulator(sim::with_varied_conditions(spec), tiny_sensor()).next()->image.range_m);
+  set.stacks = {"$HQSLAM_NO_SUCH_FOLDER/a.npy"};
+  CHECK(one_line_with(
+      error_message([&] {
+        stored_scans(set, tiny_sensor(), {folder.path(), 1, alone}, "scans", interrupt);
+      }),
+      "HQSLAM_NO_SUCH_FOLDER is not set"));
+}
+
+TEST_CASE("a recording's folder is what is in it now, without the scans that are no scans") {
+  const TemporaryDirectory folder;
+  SensorModel sensor = sensor_preset("os1-16");
+  const std::string file = sensor_pcd(folder, sensor);
+  std::filesystem::create_directory(folder.file("scans"));
+  const InterruptGuard interrupt;
+  Ranks alone;
+  nn::ScanSet set;
+  set.stacks = {folder.file("scans")};
+  const auto scans_now = [&] {
+    return stored_scans(set, sensor, {folder.path() / "store", 1, alone}, "scans", interrupt)
+        ->size();
+  };
+  for (const char* name : {"0.pcd", "1.pcd", "2.pcd"}) {
+    std::filesystem::copy(file, folder.path() / "scans" / name);
+  }
+  CHECK(scans_now() == 3);
+  std::filesystem::remove(folder.path() / "scans/2.pcd");
+  CHECK(scans_now() == 2);
+  test::write_file(folder.file("scans/1.pcd"), "no longer");
+  CHECK(scans_now() == 1);
+}
+
+}  // namespace hqslam::tools

@@ -1,0 +1,73 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hqslam/core/range_image.h"
+#include "hqslam/nn/instruction_set.h"
+#include "hqslam/nn/weights_file.h"
+#include "terminal/interrupt.h"
+#include "timing/timing_statistics.h"
+
+namespace hqslam::tools {
+
+/// What the processor can do at most.
+struct MultiplyAddPeak {
+  nn::InstructionSet instruction_set = nn::InstructionSet::kPortable;
+  int threads = 1;
+  double gflops = 0.0;
+};
+/// Of every available instruction set, with 1 to `most_threads` threads.
+std::vector<MultiplyAddPeak> measure_peaks(int most_threads);
+
+/// The whole network, filter included, on many scans.
+struct NetworkRun {
+  nn::InstructionSet instruction_set = nn::InstructionSet::kPortable;
+  int threads = 1;
+  int frames = 0;
+  Distribution frame_ms;
+  double gflops = 0.0;      ///< at the median
+  double peak_share = 0.0;  ///< of the peak of the same instruction set and threads
+};
+
+/// One kind of step, measured by itself; all calls for a frame together.
+struct NetworkStepTiming {
+  std::string name;
+  double gmac = 0.0;  ///< 0: not a convolution
+  double ms = 0.0;    ///< median
+};
+struct NetworkSteps {
+  int threads = 1;
+  std::vector<NetworkStepTiming> steps;
+};
+
+/// A convolution as it is used against the one written as its formula, one thread.
+struct ReferenceRatio {
+  std::string layer;
+  double fast_ms = 0.0;
+  double reference_ms = 0.0;
+};
+
+struct NetworkTiming {
+  std::string path;
+  std::string name;  ///< "du-or"
+  std::int64_t parameters = 0;
+  double gmac = 0.0;  ///< per frame
+  std::vector<NetworkRun> runs;
+  nn::InstructionSet steps_instruction_set = nn::InstructionSet::kPortable;
+  std::vector<NetworkSteps> steps;
+  std::optional<ReferenceRatio> reference;
+};
+
+/// Whether these images are of the shape that the network takes.
+bool takes(const nn::Weights& weights, const std::vector<RangeImage>& images);
+
+/// images: all rows of a sensor of the network's shape.
+NetworkTiming time_network(const std::string& path, const nn::Weights& weights,
+                           const std::vector<RangeImage>& images,
+                           const std::vector<MultiplyAddPeak>& peaks, int most_threads,
+                           const InterruptGuard& interrupt);
+
+}  // namespace hqslam::tools

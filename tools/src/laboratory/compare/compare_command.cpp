@@ -1,0 +1,328 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "commands.h"
+#include "files/text_file.h"
+#include "hqslam/core/error.h"
+#include "hqslam/core/scan_source.h"
+#include "laboratory/compare/confidence_curve.h"
+#include "laboratory/compare/confidence_report.h"
+#include "laboratory/compare/layer_comparison.h"
+#include "laboratory/compare/tulip_comparison.h"
+#include "laboratory/compare/upsampling_comparison.h"
+#include "lift/upsampling_plan.h"
+#include "recording/recording_sensor.h"
+#include "terminal/exit_status.h"
+#include "terminal/interrupt.h"
+#include "terminal/progress.h"
+#include "terminal/terminal.h"
+
+namespace hqslam::tools {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int kMeasuredRows = 16;
+
+/// There must be rows between the measured ones.
+void require_rows_to_compute(const CompareOptions& options, const SensorModel& sensor) {
+  if (sensor.rows() > kMeasuredRows) return;
+  throw Error(fmt::format(
+      "{}: is of sensor '{}' with {} rows, expected more than the {} that are measured; "
+      "give a recording with all rows",
+      options.input, sensor.name, sensor.rows(), kMeasuredRows));
+}
+
+/// The network of a weights file, if it is for scans such as the sensor's.
+nn::SuperResolver network_of(const std::string& weights, const SensorModel& sensor,
+                             const nn::SuperResolverOptions& options = {}) {
+  nn::SuperResolver network = nn::SuperResolver::load(weights, options);
+  const SensorModel& made_for = network.sensor();
+  if (!fits(sensor, made_for)) {
+    throw Error(fmt::format(
+        "{}: lifts scans of '{}' ({} x {}, beams within {} degrees), but the recording is of '{}' "
+        "({} x {}); give weights made for that sensor",
+        weights, made_for.name, made_for.rows(), made_for.columns, kBeamTolerance_deg, sensor.name,
+        sensor.rows(), sensor.columns));
+  }
+  return network;
+}
+
+/// The network without the filter at its end.
+nn::Upsampler without_last_filter(const std::string& weights, const SensorModel& sensor) {
+  return {network_of(weights, sensor, {.filter_result = false}), sensor};
+}
+
+std::vector<ComparedMethod> methods_of(const CompareOptions& options, const SensorModel& sensor) {
+  const RowSelection rows = selection_for(sensor.rows(), kMeasuredRows);
+  std::vector<ComparedMethod> methods;
+  for (const std::string& name : nn::interpolation_names()) {
+    methods.push_back(
+        {name, nn::Upsampler(nn::interpolation_from_name(name), sensor, rows), std::nullopt});
+  }
+  for (const std::string& weights : options.weights) {
+    nn::Upsampler network(network_of(weights, sensor), sensor);
+    const std::string name = network.name();
+    if (last_filter(network.network()->description())) {
+      methods.push_back(
+          {name + ", unfiltered at the end", without_last_filter(weights, sensor), std::nullopt});
+      methods.push_back({name, std::move(network), without_last_filter(weights, sensor)});
+    } else {
+      methods.push_back({name, std::move(network), std::nullopt});
+    }
+  }
+  return methods;
+}
+
+void print_scores(const std::vector<UpsamplingScore>& scores) {
+  const UpsamplingScore* linear = &scores.front();
+  for (const UpsamplingScore& score : scores) {
+    if (score.method == "linear") linear = &score;
+  }
+  to_stdout(
+      "| method | MAE all m | of linear | MAE valid m | missing % | invented % | Chamfer m^2 | IoU "
+      "| "
+      "precision | recall | F1 | outliers % | per scan | of linear | good lost % | ms "
+      "|\n|{:-<1}|{}\n",
+      "", "--|--|--|--|--|--|--|--|--|--|--|--|--|--|--|");
+  for (const UpsamplingScore& s : scores) {
+    to_stdout(
+        "| {} | {:.3f} | {:.3f} | {:.3f} | {:.2f} | {:.2f} | {:.3f} | {:.3f} | {:.3f} | {:.3f} | "
+        "{:.3f} | {:.2f} | {:.0f} | {:.3f} | {} | {} |\n",
+        s.method, s.mae_all_m, s.mae_all_m / linear->mae_all_m, s.mae_valid_m,
+        100.0 * s.missing_share, 100.0 * s.invented_share, s.chamfer_m2, s.iou, s.precision,
+        s.recall, s.f1, 100.0 * s.outlier_share, s.outliers_per_scan,
+        s.outliers_per_scan / linear->outliers_per_scan,
+        s.good_lost_share ? fmt::format("{:.2f}", 100.0 * *s.good_lost_share) : "-",
+        s.upsampling_ms > 0.0 ? fmt::format("{:.2f}", s.upsampling_ms) : "-");
+  }
+}
+
+void print_trials(const std::vector<FilterTrial>& trials) {
+  to_stdout(
+      "| support % | angle deg | min pixels | bad removed % | good lost % | outliers left % | MAE "
+      "all m |\n"
+      "|--|--|--|--|--|--|--|\n");
+  for (const FilterTrial& t : trials) {
+    to_stdout("| {:.0f} | {:.0f} | {} | {:.1f} | {:.2f} | {:.2f} | {:.3f} |\n",
+              100.0 * t.support_share, t.min_angle_deg, t.min_pixels, 100.0 * t.bad_removed_share,
+              100.0 * t.good_lost_share, 100.0 * t.outlier_share, t.mae_all_m);
+  }
+}
+
+Json scores_json(const std::vector<UpsamplingScore>& scores) {
+  Json json = Json::array();
+  for (const UpsamplingScore& s : scores) {
+    Json row = {{"method", s.method},
+                {"mae_all_m", s.mae_all_m},
+                {"mae_valid_m", s.mae_valid_m},
+                {"missing_share", s.missing_share},
+                {"invented_share", s.invented_share},
+                {"chamfer_m2", s.chamfer_m2},
+                {"iou", s.iou},
+                {"precision", s.precision},
+                {"recall", s.recall},
+                {"f1", s.f1},
+                {"outlier_share", s.outlier_share},
+                {"outliers_per_scan", s.outliers_per_scan},
+                {"upsampling_ms", s.upsampling_ms}};
+    if (s.good_lost_share) row["good_lost_share"] = *s.good_lost_share;
+    json.push_back(row);
+  }
+  return json;
+}
+
+/// The curve of the last weights, if it was asked for.
+std::optional<ConfidenceCurve> curve_of(const CompareOptions& options, const SensorModel& sensor) {
+  if (options.curve.empty()) return std::nullopt;
+  if (options.weights.empty()) throw Error("compare: --curve needs --weights");
+  refuse_to_replace_foreign(options.curve, kConfidencePageMarker);
+  require_folder_of(options.curve);
+  return ConfidenceCurve(nn::Upsampler(network_of(options.weights.back(), sensor,
+                                                  {.filter_result = false,
+                                                   .tolerance_m = options.tolerance_m,
+                                                   .least_confidence = 0.0F}),
+                                       sensor),
+                         options.tolerance_m);
+}
+
+Json curve_json(const ConfidenceCurve& curve) {
+  Json points = Json::array();
+  for (const OperatingPoint& p : curve.points()) {
+    points.push_back({{"least_confidence", p.least_confidence},
+                      {"mae_all_m", p.mae_all_m},
+                      {"mae_valid_m", p.mae_valid_m},
+                      {"outlier_share", p.outlier_share},
+                      {"missing_share", p.missing_share},
+                      {"f1", p.f1}});
+  }
+  Json bins = Json::array();
+  for (const ReliabilityBin& bin : curve.reliability()) {
+    bins.push_back(
+        {{"confidence", bin.confidence}, {"right_share", bin.right_share}, {"pixels", bin.pixels}});
+  }
+  return {
+      {"points", points}, {"reliability", bins}, {"calibration_error", curve.calibration_error()}};
+}
+
+void finish_curve(const ConfidenceCurve& curve, const CompareOptions& options, std::int64_t used) {
+  write_text_file(confidence_html({options.weights.back(), options.input, used, options.tolerance_m,
+                                   curve.points(), curve.reliability(), curve.calibration_error()}),
+                  options.curve);
+  to_stdout(
+      "| confidence | MAE all m | MAE valid m | outliers % | missing % | F1 |\n"
+      "|--|--|--|--|--|--|\n");
+  for (const OperatingPoint& p : curve.points()) {
+    to_stdout("| {:.2f} | {:.3f} | {:.3f} | {:.2f} | {:.2f} | {:.3f} |\n", p.least_confidence,
+              p.mae_all_m, p.mae_valid_m, 100.0 * p.outlier_share, 100.0 * p.missing_share, p.f1);
+  }
+  to_stdout("confidence against what was right: {:.3f} off on average; page: {}\n",
+            curve.calibration_error(), options.curve);
+}
+
+/// Whether the measured rows of a scan have a return: without one there is nothing to lift.
+bool has_measured_return(const OrganizedCloud& scan) {
+  const OrganizedCloud measured = select_rows(scan, selection_for(scan.rows, kMeasuredRows));
+  return std::any_of(measured.range_m.begin(), measured.range_m.end(),
+                     [](float range_m) { return range_m > 0.0F; });
+}
+
+/// Hands every `every`-th scan of the recording to `use`. Returns how many.
+template <typename Use>
+std::int64_t for_each_scan(const CompareOptions& options, const SensorModel& sensor,
+                           const InterruptGuard& interrupt, const Use& use) {
+  const auto source = open_input(options, sensor);
+  print_warnings(*source, options.input);
+  Progress progress("compare", source->size());
+  std::int64_t used = 0;
+  LeftOut left_out;
+  for (std::int64_t i = 0; !interrupt.stop_requested(); ++i) {
+    const auto scan = next_usable(*source, left_out);
+    if (!scan) break;
+    if (i % options.every == 0 && has_measured_return(scan->cloud)) {
+      use(scan->cloud);
+      ++used;
+    } else if (i % options.every == 0 && left_out.scans++ == 0) {
+      left_out.first = scan->name + ": has no return in the measured rows";
+    }
+    progress.update(i + 1);
+  }
+  progress.finish();
+  if (used == 0 && left_out.scans > 0 && !interrupt.stop_requested()) throw Error(left_out.text());
+  if (left_out.scans > 0) to_stderr("hqslam: {}\n", left_out.text());
+  return used;
+}
+
+}  // namespace
+
+void declare_compare(CLI::App& app, CompareOptions& options) {
+  CLI::App* command = app.add_subcommand(
+      "compare", "Compare ways to lift 16 rows to all against a recording that has all");
+  declare_input(*command, options, "Recording with all rows (as for hqslam run)");
+  command->add_option("--weights", options.weights, "Weights files to compare")
+      ->check(CLI::ExistingFile);
+  command->add_option("--every", options.every, "Take every n-th scan (default: all)")
+      ->check(CLI::Range(1, 1000000000));
+  CLI::Option* curve = command->add_option(
+      "--curve", options.curve,
+      "Also write a page about the confidence of the last weights (du-mix): every "
+      "operating point, and whether it can be believed");
+  command
+      ->add_option(
+          "--tolerance", options.tolerance_m,
+          "With --curve: how far off in metres a range may be and count as right; with 100 "
+          "and more it is the confidence that there is a return at all")
+      ->check(CLI::Range(0.001, 999.0))
+      ->capture_default_str();
+  CLI::Option* filters = command->add_flag(
+      "--filters", options.filters,
+      "Instead, try settings of the outlier filter on the first weights' results");
+  CLI::Option* layers = command->add_flag(
+      "--layers", options.layers,
+      "Instead, score what each step of the first weights' layers makes of the scans");
+  layers->excludes(filters);
+  curve->excludes(filters)->excludes(layers);
+  command->add_option("--json", options.json, "Also write the table into this file")
+      ->excludes(filters)
+      ->excludes(layers);
+  command
+      ->add_option("--protocol", options.protocol,
+                   "tulip: project KITTI .bin files, lift and score them as the code of TULIP does")
+      ->check(CLI::IsMember({"own", "tulip"}))
+      ->excludes(filters)
+      ->excludes(layers)
+      ->capture_default_str();
+  declare_threads(*command, options.threads);
+  command->footer(
+      "Rows: nearest, linear and inverse (linear in 1/range, by the beams' elevations)\n"
+      "interpolation, and each network: with its filters, and where it has one at its end, "
+      "without\n"
+      "that one (the filters inside stay). Missing: share of the true returns between the "
+      "measured\n"
+      "rows that are left empty; invented: share of the computed points where the truth has no\n"
+      "return. Precision, recall, F1: voxels of 0.1 m. Outliers are farther than 0.5 m from the\n"
+      "true cloud, good points nearer than 0.2 m.\n"
+      "With --layers: H (measured rows and what was believed before), Z (denoiser) and Y (inner\n"
+      "filter) of every layer as if the network ended there.");
+}
+
+int compare_command(const CompareOptions& options) {
+  use_threads(options.threads);
+  if (!options.json.empty()) {
+    refuse_to_replace_foreign(options.json, kCompareJsonMarker);
+    require_folder_of(options.json);
+  }
+  if (options.protocol == "tulip") return compare_with_tulip(options);
+  const InterruptGuard interrupt;
+  const SensorModel sensor =
+      required_recording_sensor(options.input, options.sensor, options.stream);
+  require_rows_to_compute(options, sensor);
+  Json json;
+  std::int64_t used = 0;
+  if (options.filters) {
+    if (options.weights.empty()) throw Error("compare: --filters needs --weights");
+    FilterComparison comparison(without_last_filter(options.weights.front(), sensor),
+                                {5, 10, 15, 20, 30, 60}, {5, 10, 20, 50, 100}, {0.0, 0.01});
+    used = for_each_scan(options, sensor, interrupt,
+                         [&](const OrganizedCloud& scan) { comparison.add(scan); });
+    print_trials(comparison.trials());
+  } else if (options.layers) {
+    if (options.weights.empty()) throw Error("compare: --layers needs --weights");
+    LayerComparison comparison(network_of(options.weights.front(), sensor), sensor);
+    used = for_each_scan(options, sensor, interrupt,
+                         [&](const OrganizedCloud& scan) { comparison.add(scan); });
+    print_scores(comparison.scores());
+  } else {
+    UpsamplingComparison comparison(methods_of(options, sensor));
+    std::optional<ConfidenceCurve> curve = curve_of(options, sensor);
+    used = for_each_scan(options, sensor, interrupt, [&](const OrganizedCloud& scan) {
+      comparison.add(scan);
+      if (curve) curve->add(scan);
+    });
+    print_scores(comparison.scores());
+    to_stdout(
+        "chance in the data: the median of the eight true ranges around each pixel has an MAE "
+        "of {:.3f} m\n",
+        comparison.true_neighbours_mae_m());
+    json = {{"written_by", kCompareJsonMarker},
+            {"input", options.input},
+            {"sensor", sensor.name},
+            {"scans", used},
+            {"true_neighbours_mae_all_m", comparison.true_neighbours_mae_m()},
+            {"methods", scores_json(comparison.scores())}};
+    if (curve && used > 0) {
+      json["curve"] = curve_json(*curve);
+      finish_curve(*curve, options, used);
+    }
+  }
+  to_stdout("{} scans of {}\n", used, options.input);
+  if (!options.json.empty()) {
+    write_text_file(json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n", options.json);
+  }
+  return interrupt.stop_requested() ? kInterrupted : kOk;
+}
+
+}  // namespace hqslam::tools

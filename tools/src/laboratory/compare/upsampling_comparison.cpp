@@ -1,0 +1,219 @@
+#include "laboratory/compare/upsampling_comparison.h"
+
+#include <algorithm>
+#include <numbers>
+
+#include "hqslam/nn/hqs/outlier_removal.h"
+#include "hqslam/nn/upsampled_cloud.h"
+#include "timing/stopwatch.h"
+#include "timing/timing_statistics.h"
+
+namespace hqslam::tools {
+namespace {
+
+/// Distance to the nearest true point, one value for each pixel that has a return.
+std::vector<float> pixel_distances_m(const OrganizedCloud& cloud, const OrganizedCloud& truth) {
+  return nearest_distances_m(points_of(cloud), points_of(truth));
+}
+
+/// Calls visit(pixel, distance_m) for the computed pixels that have a return.
+template <typename Visit>
+void for_each_computed(const OrganizedCloud& cloud, RowSelection measured,
+                       const std::vector<float>& distances_m, const Visit& visit) {
+  std::size_t next = 0;
+  for (std::size_t pixel = 0; pixel < cloud.range_m.size(); ++pixel) {
+    if (cloud.range_m[pixel] <= 0.0F) continue;
+    const float distance_m = distances_m[next++];
+    const int row = static_cast<int>(pixel) / cloud.columns;
+    if (!measured.contains(row)) visit(pixel, distance_m);
+  }
+}
+
+/// The image with its measured rows emptied.
+RangeImage computed_rows(RangeImage image, RowSelection measured) {
+  for (int row = 0; row < image.rows; ++row) {
+    if (!measured.contains(row)) continue;
+    for (int column = 0; column < image.columns; ++column) image.at(row, column) = 0.0F;
+  }
+  return image;
+}
+
+/// Each computed pixel as the median (the mean of the middle two) of the eight true ranges around
+/// it, no return counting as 0; beyond the top and bottom row there is none.
+RangeImage median_of_true_neighbours(const RangeImage& truth, RowSelection measured) {
+  RangeImage image = truth;
+  for (int row = 0; row < truth.rows; ++row) {
+    if (measured.contains(row)) continue;
+    for (int column = 0; column < truth.columns; ++column) {
+      std::vector<float> around;
+      for (int r = std::max(row - 1, 0); r <= std::min(row + 1, truth.rows - 1); ++r) {
+        for (int c = -1; c <= 1; ++c) {
+          if (r == row && c == 0) continue;
+          around.push_back(truth.at(r, (column + c + truth.columns) % truth.columns));
+        }
+      }
+      std::sort(around.begin(), around.end());
+      const std::size_t count = around.size();
+      image.at(row, column) = 0.5F * (around[(count - 1) / 2] + around[count / 2]);
+    }
+  }
+  return image;
+}
+
+}  // namespace
+
+ScanErrors scan_errors(const RangeImage& image, const OrganizedCloud& cloud,
+                       const OrganizedCloud& truth) {
+  const std::vector<Eigen::Vector3f> points_m = points_of(cloud);
+  return {image_error(image, range_image(truth)), cloud_error(points_m, points_of(truth)),
+          static_cast<std::int64_t>(points_m.size())};
+}
+
+void add_errors(const nn::LiftedImage& lifted, const OrganizedCloud& measured,
+                const OrganizedCloud& truth, const SensorModel& sensor, UpsamplingScore& sum) {
+  const RowSelection rows = *sensor.measured_rows;
+  const RangeImage& image = lifted.image;
+  const OrganizedCloud cloud = nn::upsampled_cloud(lifted, measured, rows, sensor);
+  const ScanErrors errors = scan_errors(image, cloud, truth);
+  sum += errors.cloud;
+  sum.mae_all_m += errors.image.mae_all_m;
+  sum.mae_valid_m += errors.image.mae_valid_m;
+  const ImageError computed =
+      image_error(computed_rows(image, rows), computed_rows(range_image(truth), rows));
+  sum.missing_share += computed.missing_share;
+  sum.invented_share += computed.invented_share;
+  sum.outliers_per_scan += errors.cloud.outlier_share * static_cast<double>(errors.points);
+}
+
+void make_mean(UpsamplingScore& sum, std::int64_t scans) {
+  const double n = static_cast<double>(scans);
+  sum /= n;
+  for (double* mean : {&sum.mae_all_m, &sum.mae_valid_m, &sum.missing_share, &sum.invented_share,
+                       &sum.outliers_per_scan}) {
+    *mean /= n;
+  }
+}
+
+UpsamplingComparison::UpsamplingComparison(std::vector<ComparedMethod> methods)
+    : methods_(std::move(methods)), sums_(methods_.size()) {}
+
+void UpsamplingComparison::add(const OrganizedCloud& truth) {
+  for (std::size_t i = 0; i < methods_.size(); ++i) add(methods_[i], truth, sums_[i]);
+  if (!methods_.empty()) {
+    const RangeImage image = range_image(truth);
+    const RangeImage median =
+        median_of_true_neighbours(image, methods_.front().upsampler.measured_rows());
+    true_neighbours_mae_sum_m_ += image_error(median, image).mae_all_m;
+  }
+  ++scans_;
+}
+
+double UpsamplingComparison::true_neighbours_mae_m() const {
+  return true_neighbours_mae_sum_m_ / static_cast<double>(scans_);
+}
+
+void UpsamplingComparison::add(ComparedMethod& method, const OrganizedCloud& truth,
+                               Sums& sums) const {
+  const RowSelection rows = method.upsampler.measured_rows();
+  const OrganizedCloud measured = select_rows(truth, rows);
+  const RangeImage measured_image = range_image(measured);
+  nn::LiftedImage lifted;
+  sums.times_ms.push_back(1e3 * seconds_of([&] { lifted = method.upsampler.run(measured_image); }));
+  add_errors(lifted, measured, truth, method.upsampler.sensor(), sums.sum);
+  if (!method.unfiltered) return;
+  const OrganizedCloud unfiltered = nn::upsampled_cloud(method.unfiltered->run(measured_image),
+                                                        measured, rows, method.upsampler.sensor());
+  for_each_computed(unfiltered, rows, pixel_distances_m(unfiltered, truth),
+                    [&](std::size_t pixel, float distance_m) {
+                      if (distance_m >= kGoodDistance_m) return;
+                      ++sums.good;
+                      if (lifted.image.range_m[pixel] <= 0.0F) ++sums.good_lost;
+                    });
+}
+
+std::vector<UpsamplingScore> UpsamplingComparison::scores() const {
+  std::vector<UpsamplingScore> scores;
+  for (std::size_t i = 0; i < methods_.size(); ++i) {
+    const Sums& sums = sums_[i];
+    UpsamplingScore score = sums.sum;
+    score.method = methods_[i].name;
+    make_mean(score, scans_);
+    score.upsampling_ms = distribution_of(sums.times_ms).median;
+    if (methods_[i].unfiltered && sums.good > 0) {
+      score.good_lost_share = static_cast<double>(sums.good_lost) / static_cast<double>(sums.good);
+    }
+    scores.push_back(score);
+  }
+  return scores;
+}
+
+FilterComparison::FilterComparison(nn::Upsampler unfiltered,
+                                   const std::vector<double>& min_angles_deg,
+                                   const std::vector<int>& min_pixels,
+                                   const std::vector<double>& support_shares)
+    : unfiltered_(std::move(unfiltered)) {
+  for (const double share : support_shares) {
+    for (const double angle_deg : min_angles_deg) {
+      for (const int pixels : min_pixels) {
+        Counts counts;
+        counts.trial.min_angle_deg = angle_deg;
+        counts.trial.min_pixels = pixels;
+        counts.trial.support_share = share;
+        counts_.push_back(counts);
+      }
+    }
+  }
+}
+
+void FilterComparison::add(const OrganizedCloud& truth) {
+  const RowSelection rows = unfiltered_.measured_rows();
+  const OrganizedCloud measured = select_rows(truth, rows);
+  const nn::LiftedImage lifted = unfiltered_.run(range_image(measured));
+  const RangeImage& image = lifted.image;
+  const RangeImage true_image = range_image(truth);
+  const OrganizedCloud cloud = nn::upsampled_cloud(lifted, measured, rows, unfiltered_.sensor());
+  const std::vector<float> distances_m = pixel_distances_m(cloud, truth);
+  std::vector<std::uint8_t> rejected(image.range_m.size());
+  for (Counts& counts : counts_) {
+    nn::OutlierRemoval filter(
+        unfiltered_.sensor(), rows,
+        {counts.trial.min_angle_deg * std::numbers::pi / 180.0, counts.trial.min_pixels,
+         static_cast<float>(counts.trial.support_share)},
+        image.columns);
+    filter.find(image.range_m.data(), rejected.data());
+    RangeImage filtered = image;
+    for (std::size_t i = 0; i < rejected.size(); ++i) {
+      if (rejected[i] != 0) filtered.range_m[i] = 0.0F;
+      if (filtered.range_m[i] > 0.0F) ++counts.points_left;
+    }
+    for_each_computed(cloud, rows, distances_m, [&](std::size_t pixel, float distance_m) {
+      if (distance_m > kOutlierDistance_m) {
+        ++counts.bad;
+        counts.bad_removed += rejected[pixel];
+      } else if (distance_m < kGoodDistance_m) {
+        ++counts.good;
+        counts.good_lost += rejected[pixel];
+      }
+    });
+    counts.mae_sum_m += image_error(filtered, true_image).mae_all_m;
+  }
+  ++scans_;
+}
+
+std::vector<FilterTrial> FilterComparison::trials() const {
+  std::vector<FilterTrial> trials;
+  const auto share = [](std::int64_t part, std::int64_t whole) {
+    return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : 0.0;
+  };
+  for (const Counts& counts : counts_) {
+    FilterTrial trial = counts.trial;
+    trial.bad_removed_share = share(counts.bad_removed, counts.bad);
+    trial.good_lost_share = share(counts.good_lost, counts.good);
+    trial.outlier_share = share(counts.bad - counts.bad_removed, counts.points_left);
+    trial.mae_all_m = counts.mae_sum_m / static_cast<double>(scans_);
+    trials.push_back(trial);
+  }
+  return trials;
+}
+
+}  // namespace hqslam::tools

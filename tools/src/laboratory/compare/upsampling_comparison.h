@@ -1,0 +1,118 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hqslam/core/organized_cloud.h"
+#include "hqslam/core/range_image.h"
+#include "hqslam/evaluation/cloud_error.h"
+#include "hqslam/evaluation/image_error.h"
+#include "hqslam/nn/upsampler.h"
+
+namespace hqslam::tools {
+
+/// A computed point nearer than this to a true one is good.
+inline constexpr float kGoodDistance_m = 0.2F;
+
+/// How well one way of upsampling does; means over the scans.
+struct UpsamplingScore : CloudError {
+  std::string method;
+  double mae_all_m = 0.0;
+  double mae_valid_m = 0.0;
+  double missing_share = 0.0;      ///< of the computed pixels' true returns, left empty
+  double invented_share = 0.0;     ///< of the computed points, where the truth has no return
+  double outliers_per_scan = 0.0;  ///< as many points
+  double upsampling_ms = 0.0;      ///< median
+  /// Of the good computed points that the same method gives without the filter at its end, the
+  /// share that the filter takes away. Nothing for methods without one.
+  std::optional<double> good_lost_share;
+};
+
+/// How far one upsampled scan is from the true one.
+struct ScanErrors {
+  ImageError image;
+  CloudError cloud;
+  std::int64_t points = 0;  ///< of the upsampled cloud
+};
+/// cloud: the points of `image`. Throws Error.
+ScanErrors scan_errors(const RangeImage& image, const OrganizedCloud& cloud,
+                       const OrganizedCloud& truth);
+
+/// Adds the errors of a lifted scan, of which `measured` was given, to `sum`; `sensor` names its
+/// measured rows. Throws Error.
+void add_errors(const nn::LiftedImage& lifted, const OrganizedCloud& measured,
+                const OrganizedCloud& truth, const SensorModel& sensor, UpsamplingScore& sum);
+/// Makes the mean of a sum over so many scans.
+void make_mean(UpsamplingScore& sum, std::int64_t scans);
+
+/// One way of upsampling and, if it ends with a filter, the same without that.
+struct ComparedMethod {
+  std::string name;
+  nn::Upsampler upsampler;
+  std::optional<nn::Upsampler> unfiltered;
+};
+
+/// Scores methods scan by scan against recordings that have all rows.
+class UpsamplingComparison {
+ public:
+  explicit UpsamplingComparison(std::vector<ComparedMethod> methods);
+  /// truth: a scan with all rows of the methods' sensor. Throws Error.
+  void add(const OrganizedCloud& truth);
+  std::vector<UpsamplingScore> scores() const;
+  /// How much of a scan is chance: MAE over all pixels, metres, of a method that knows what none
+  /// can, the true ranges of the eight pixels around each computed one, and takes their median.
+  double true_neighbours_mae_m() const;
+
+ private:
+  struct Sums {
+    UpsamplingScore sum;
+    std::vector<double> times_ms;
+    std::int64_t good = 0;
+    std::int64_t good_lost = 0;
+  };
+  void add(ComparedMethod& method, const OrganizedCloud& truth, Sums& sums) const;
+
+  std::vector<ComparedMethod> methods_;
+  std::vector<Sums> sums_;
+  double true_neighbours_mae_sum_m_ = 0.0;
+  std::int64_t scans_ = 0;
+};
+
+/// What the filter does to one method's results with one choice of its settings.
+struct FilterTrial {
+  double min_angle_deg = 0.0;
+  int min_pixels = 0;
+  double support_share = 0.0;
+  double bad_removed_share =
+      0.0;                       ///< of the computed points farther than 0.5 m from the true cloud
+  double good_lost_share = 0.0;  ///< of the computed points nearer than 0.2 m
+  double outlier_share = 0.0;    ///< of what is left
+  double mae_all_m = 0.0;
+};
+
+/// Tries settings of the filter at the end on the same results.
+class FilterComparison {
+ public:
+  FilterComparison(nn::Upsampler unfiltered, const std::vector<double>& min_angles_deg,
+                   const std::vector<int>& min_pixels, const std::vector<double>& support_shares);
+  void add(const OrganizedCloud& truth);
+  std::vector<FilterTrial> trials() const;
+
+ private:
+  struct Counts {
+    FilterTrial trial;
+    std::int64_t bad = 0;
+    std::int64_t bad_removed = 0;
+    std::int64_t good = 0;
+    std::int64_t good_lost = 0;
+    std::int64_t points_left = 0;
+    double mae_sum_m = 0.0;
+  };
+  nn::Upsampler unfiltered_;
+  std::vector<Counts> counts_;
+  std::int64_t scans_ = 0;
+};
+
+}  // namespace hqslam::tools

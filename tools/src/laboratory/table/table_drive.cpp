@@ -1,0 +1,142 @@
+#include "laboratory/table/table_drive.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "files/content_hash.h"
+#include "hqslam/core/error.h"
+#include "hqslam/core/npy.h"
+#include "hqslam/core/sensor_model.h"
+#include "hqslam/core/whole_file.h"
+#include "recording/recording_sensor.h"
+#include "simulate/simulate_command.h"
+#include "terminal/exit_status.h"
+
+namespace hqslam::tools {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+/// The paper's sensor.
+constexpr const char* kSimulatedSensor = "os1-64";
+
+/// What drive.json in the folder says, null if there is none.
+Json drive_json(const std::string& folder) {
+  constexpr std::size_t kMostBytes = 1U << 16U;
+  const std::string path = file_of_drive(folder, "drive.json");
+  if (path.empty()) return {};
+  const Json json = Json::parse(whole_file(path, "a drive.json", kMostBytes), nullptr,
+                                /*allow_exceptions=*/false);
+  return json.is_discarded() ? Json() : json;
+}
+
+/// Takes the number of scans out of what drive.json says: a shorter drive is the beginning of a
+/// longer one.
+std::int64_t take_scans(Json& json) {
+  if (!json.is_object() || !json.contains("scans")) return 0;
+  const Json scans = json["scans"];
+  json.erase("scans");
+  return scans.is_number_integer() ? scans.get<std::int64_t>() : 0;
+}
+
+/// The stack of range images behind a path, "" if it is none.
+std::string stack_of(const std::string& recording) {
+  if (fs::path(recording).extension() == ".npy") return recording;
+  return file_of_drive(recording, "scans.npy");
+}
+
+std::string stack_identity(const std::string& path, std::int64_t scans) {
+  NpyStackReader reader(path);
+  ContentHash hash;
+  for (std::int64_t i = 0; i < std::min(scans, reader.images()); ++i) {
+    const RangeImage image = reader.read(i);
+    hash.add({reinterpret_cast<const char*>(image.range_m.data()),
+              image.range_m.size() * sizeof(float)});
+  }
+  return "images " + hash.digits();
+}
+
+/// Of the timestamps.txt in a folder, "" where there is none.
+std::string times_identity(const fs::path& folder) {
+  const fs::path path = folder / "timestamps.txt";
+  std::error_code error;
+  return fs::is_regular_file(path, error) ? ", times " + content_hash(path.string()) : "";
+}
+
+/// Of the files of a recording and the times that may stand above them, as in KITTI's drives.
+std::string files_identity(const std::string& path) {
+  if (!fs::is_directory(path)) return "file " + content_hash(path);
+  return "files " + folder_hash(path) + times_identity(fs::path(path) / "..");
+}
+
+/// What makes other scans of the same files; "" where nothing was said.
+std::string reading_identity(const InputChoice& reading) {
+  const InputChoice usual;
+  std::string identity;
+  const auto add = [&](const char* what, const std::string& value, const std::string& if_not) {
+    if (value != if_not) identity += fmt::format(", {} {}", what, value);
+  };
+  add("stream", reading.stream, usual.stream);
+  add("return", reading.kept_return, usual.kept_return);
+  add("rows", reading.row_order, usual.row_order);
+  add("capture", reading.capture, usual.capture);
+  std::error_code error;
+  const bool is_file = fs::is_regular_file(reading.stamps, error);
+  add("stamps", is_file ? content_hash(reading.stamps) : reading.stamps, usual.stamps);
+  if (reading.motion_corrected) identity += ", motion-corrected";
+  return identity;
+}
+
+}  // namespace
+
+bool is_there(const TableDrive& drive) {
+  if (!drive.simulated) return true;
+  const Json expected = {{"name", drive.simulated->name},
+                         {"seed", drive.simulated->seed},
+                         {"revision", sim::kDriveRevision},
+                         {"sensor", kSimulatedSensor}};
+  Json found = drive_json(drive.recording.input);
+  const std::int64_t scans = take_scans(found);
+  if (found != expected || scans < drive.simulated->scans) return false;
+  try {
+    const SensorModel sensor = load_sensor(drive.recording.input + "/sensor.json");
+    return sensor_json(sensor) == sensor_json(load_sensor(kSimulatedSensor)) &&
+           NpyStackReader(drive.recording.input + "/scans.npy").images() == scans &&
+           read_tum(drive.recording.input + "/truth.tum").size() == static_cast<std::size_t>(scans);
+  } catch (const Error&) {
+    return false;
+  }
+}
+
+bool prepare_drive(const TableDrive& drive, const InterruptGuard& interrupt,
+                   const std::function<void()>& on_scan) {
+  if (is_there(drive)) return true;
+  SimulateOptions options;
+  options.drive = drive.simulated->name;
+  options.sensor = kSimulatedSensor;
+  options.out = drive.recording.input;
+  options.scans = drive.simulated->scans;
+  options.seed = drive.simulated->seed;
+  return simulate_drive(options, interrupt, on_scan) == kOk;
+}
+
+std::string identity_of(const TableDrive& drive, std::int64_t scans) {
+  const std::string& input = drive.recording.input;
+  const std::string stack = stack_of(input);
+  return (stack.empty() ? files_identity(input)
+                        : stack_identity(stack, scans) + times_identity(input)) +
+         reading_identity(drive.recording);
+}
+
+std::optional<TrajectoryFile> truth_of(const TableDrive& drive) {
+  const std::string path =
+      drive.reference.empty() ? file_of_drive(drive.recording.input, "truth.tum") : drive.reference;
+  return path.empty() ? std::nullopt : std::optional(read_trajectory_file(path));
+}
+
+}  // namespace hqslam::tools

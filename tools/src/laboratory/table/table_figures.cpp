@@ -1,0 +1,99 @@
+#include "laboratory/table/table_figures.h"
+
+namespace hqslam::tools {
+namespace {
+
+constexpr double kDegreesPerRadian = 57.29577951308232;
+constexpr std::size_t kFewestPairs = 3;
+constexpr double kMaxStampDifference_s = 0.02;
+
+double path_of_pairs_m(const Trajectory& reference, const PosePairs& pairs) {
+  Trajectory compared;
+  for (const std::size_t index : pairs.reference) compared.push_back(reference[index]);
+  return path_length_m(compared);
+}
+
+/// Loop closing off and on.
+std::array<Trajectory, 2> truth_for(const TableResult& result,
+                                    const std::optional<TrajectoryFile>& truth) {
+  if (!truth) return {};
+  const auto of = [&](const Trajectory& trajectory) {
+    return with_stamps_of_scans(*truth, trajectory, result.scan_of_pose);
+  };
+  return {of(result.trajectory[kLoopClosingOff]), of(result.trajectory[kLoopClosingOn])};
+}
+
+MethodFigures method_figures(const TableMethod& method, const TableResult& result,
+                             const TableResult* all_rows,
+                             const std::optional<TrajectoryFile>& truth) {
+  MethodFigures figures;
+  figures.method = method;
+  figures.result = result;
+  const std::array<Trajectory, 2> true_trajectory = truth_for(result, truth);
+  for (std::size_t i = 0; i < result.trajectory.size(); ++i) {
+    if (all_rows != nullptr && !is_reference(method)) {
+      figures.against_all_rows[i] = error_figures(result.trajectory[i], all_rows->trajectory[i]);
+    }
+    figures.against_truth[i] = error_figures(result.trajectory[i], true_trajectory[i]);
+  }
+  return figures;
+}
+
+}  // namespace
+
+std::optional<ErrorFigures> error_figures(const Trajectory& estimate, const Trajectory& reference) {
+  if (associate(estimate, reference, kMaxStampDifference_s).estimate.size() < kFewestPairs) {
+    return std::nullopt;
+  }
+  ErrorFigures figures;
+  figures.ape = absolute_pose_error(estimate, reference, Alignment::kSe3, kMaxStampDifference_s);
+  figures.path_m = path_of_pairs_m(reference, figures.ape.pairs);
+  const RelativePoseError rpe =
+      relative_pose_error(estimate, reference, kRpeStretch_m, kMaxStampDifference_s);
+  if (!rpe.translation_m.empty()) {
+    figures.rpe_percent = 100.0 / kRpeStretch_m * rpe.translation_statistics.rmse;
+    figures.rpe_deg_per_100m =
+        100.0 / kRpeStretch_m * kDegreesPerRadian * rpe.rotation_statistics.rmse;
+  }
+  return figures;
+}
+
+std::optional<double> MethodFigures::upsampling_fps() const {
+  if (method.source.empty()) return std::nullopt;
+  return 1e3 / result.timings.upsampling_ms;
+}
+
+double MethodFigures::chain_fps(std::size_t loop_closing) const {
+  const TableTimings& timings = result.timings;
+  return static_cast<double>(result.trajectory[kLoopClosingOff].size()) /
+         (timings.upsampling_s + timings.points_s + timings.slam[loop_closing].total_s);
+}
+
+DriveFigures drive_figures(const TableDrive& drive, const std::string& sensor,
+                           const std::vector<TableMethod>& methods,
+                           const std::vector<TableResult>& results,
+                           const std::optional<TrajectoryFile>& truth) {
+  DriveFigures figures;
+  figures.name = drive.name;
+  figures.sensor = sensor;
+  figures.truth = truth ? truth->path : "";
+  const TableResult* all_rows = nullptr;
+  for (std::size_t i = 0; i < methods.size(); ++i) {
+    figures.scans = results[i].settings.scans;
+    if (results[i].left_out.scans > figures.left_out.scans) figures.left_out = results[i].left_out;
+    if (is_reference(methods[i])) all_rows = &results[i];
+  }
+  for (std::size_t i = 0; i < methods.size(); ++i) {
+    figures.methods.push_back(method_figures(methods[i], results[i], all_rows, truth));
+  }
+  return figures;
+}
+
+const MethodFigures* find_method(const DriveFigures& drive, const std::string& name) {
+  for (const MethodFigures& figures : drive.methods) {
+    if (figures.method.name == name) return &figures;
+  }
+  return nullptr;
+}
+
+}  // namespace hqslam::tools

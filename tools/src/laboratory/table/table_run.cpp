@@ -1,0 +1,284 @@
+#include "laboratory/table/table_run.h"
+
+#include <fmt/format.h>
+#include <omp.h>
+
+#include <fstream>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <utility>
+#include <variant>
+
+#include "hqslam/core/error.h"
+#include "hqslam/core/scan_source.h"
+#include "hqslam/nn/hqs/outlier_removal.h"
+#include "hqslam/nn/instruction_set.h"
+#include "hqslam/nn/upsampled_cloud.h"
+#include "hqslam/slam/lego_loam_as_published.h"
+#include "hqslam/slam/slam.h"
+#include "laboratory/compare/upsampling_comparison.h"
+#include "lift/upsampling_plan.h"
+#include "timing/stopwatch.h"
+#include "timing/timing_statistics.h"
+
+namespace hqslam::tools {
+namespace {
+
+/// As the system calls it, "unknown processor" if it does not say.
+std::string processor_name() {
+  std::ifstream stream("/proc/cpuinfo");
+  for (std::string line; std::getline(stream, line);) {
+    const std::size_t colon = line.find(": ");
+    if (line.starts_with("model name") && colon != std::string::npos) return line.substr(colon + 2);
+  }
+  return "unknown processor";
+}
+
+/// What the pass's methods have in common: nothing where they see the rows as recorded.
+std::optional<nn::Upsampler> shared_upsampler(const TablePass& pass) {
+  const TableMethod& method = pass.methods.front();
+  if (method.source.empty()) return std::nullopt;
+  const std::string weights = weights_of(method, pass.sensor.name);
+  UpsamplingPlan plan = plan_upsampling({.input = pass.drive.recording.input,
+                                         .sensor = pass.drive.recording.sensor,
+                                         .method = weights.empty() ? method.source : weights,
+                                         .rows = kTableMeasuredRows,
+                                         .stream = pass.drive.recording.stream});
+  if (weights.empty()) return std::move(plan.upsampler);
+  return nn::Upsampler(nn::SuperResolver::load(weights, {.filter_result = false}),
+                       plan.upsampler.sensor());
+}
+
+std::optional<nn::OutlierRemoval> filter_of(const TableMethod& method,
+                                            const nn::Upsampler* upsampler) {
+  if (!method.filtered) return std::nullopt;
+  const nn::NetworkDescription& network = upsampler->network()->description();
+  const std::optional<nn::OutlierRemovalOptions> filter = last_filter(network);
+  if (!filter) return std::nullopt;  // it was made without one
+  return nn::OutlierRemoval(network.sensor, network.measured_rows, *filter, network.sensor.columns);
+}
+
+using SlamSystem = std::variant<slam::Slam, slam::LegoLoamAsPublished>;
+
+SlamSystem system_of(const SlamSetup& setup) {
+  if (setup.as_published) return slam::LegoLoamAsPublished(setup.sensor);
+  return slam::Slam(setup.sensor, setup.options);
+}
+
+/// SLAM and what it took.
+struct TimedSlam {
+  explicit TimedSlam(const SlamSetup& setup) : system(system_of(setup)) {}
+
+  void add(const OrganizedCloud& cloud, double stamp_s) {
+    if (auto* as_published = std::get_if<slam::LegoLoamAsPublished>(&system)) {
+      times_ms.push_back(1e3 * seconds_of([&] { as_published->process(cloud, stamp_s); }));
+      return;
+    }
+    slam::ScanReport report;
+    times_ms.push_back(
+        1e3 * seconds_of([&] { report = std::get<slam::Slam>(system).process(cloud, stamp_s); }));
+    count(report.loop);
+  }
+
+  void finish() {
+    auto* slam = std::get_if<slam::Slam>(&system);
+    if (slam == nullptr) return;
+    for (const slam::LoopReport& loop : slam->finish()) count(loop);
+  }
+
+  Trajectory trajectory() const {
+    return std::visit([](const auto& any) { return Trajectory(any.trajectory()); }, system);
+  }
+
+  SlamTimings timings() const {
+    SlamTimings timings;
+    for (const double time_ms : times_ms) timings.total_s += 1e-3 * time_ms;
+    if (times_ms.size() >= 2 * kTimedEnds) {
+      constexpr auto kEnd = static_cast<std::ptrdiff_t>(kTimedEnds);
+      timings.first_ms = distribution_of({times_ms.begin(), times_ms.begin() + kEnd}).median;
+      timings.last_ms = distribution_of({times_ms.end() - kEnd, times_ms.end()}).median;
+    }
+    return timings;
+  }
+
+  void count(const slam::LoopReport& loop) {
+    loops_closed += loop.status == slam::LoopStatus::kClosed ? 1 : 0;
+  }
+
+  SlamSystem system;
+  std::vector<double> times_ms;
+  std::int64_t loops_closed = 0;
+};
+
+/// One method on its way through the drive.
+class MethodRun {
+ public:
+  MethodRun(const TableMethod& method, const SensorModel& sensor, const nn::Upsampler* upsampler,
+            bool loop_closing)
+      : filter_(filter_of(method, upsampler)) {
+    slam_.emplace_back(slam_setup(method, sensor, false));
+    if (loop_closing) slam_.emplace_back(slam_setup(method, sensor, true));
+  }
+
+  /// The rows as they are.
+  void add(const OrganizedCloud& cloud, double stamp_s) {
+    for (TimedSlam& slam : slam_) slam.add(cloud, stamp_s);
+  }
+
+  /// lifted: all rows, before the filter; shared_s: what it took. scored: compare with `truth`.
+  void add_lifted(nn::LiftedImage lifted, double shared_s, const OrganizedCloud& measured,
+                  const nn::Upsampler& upsampler, const RecordedScan& truth, bool scored) {
+    const double filter_s = filter_ ? seconds_of([&] { remove_outliers(lifted.image); }) : 0.0;
+    upsampling_ms_.push_back(1e3 * (shared_s + filter_s));
+    result_.timings.upsampling_s += shared_s + filter_s;
+    OrganizedCloud cloud;
+    result_.timings.points_s += seconds_of([&] {
+      cloud = nn::upsampled_cloud(lifted, measured, upsampler.measured_rows(), upsampler.sensor());
+    });
+    add(cloud, truth.stamp_s);
+    // A scan that is lifted from nothing is no image to score.
+    if (scored && !points_of(measured).empty()) score(lifted.image, cloud, truth.cloud);
+  }
+
+  TableResult result(const TableSettings& settings) {
+    for (TimedSlam& slam : slam_) slam.finish();
+    TableResult result = result_;
+    result.settings = settings;
+    if (result.images) {
+      const auto scans = static_cast<double>(result.images->scans);
+      result.images->mae_all_m /= scans;
+      result.images->mae_valid_m /= scans;
+      result.images->outlier_share /= scans;
+    }
+    result.timings.upsampling_ms = distribution_of(upsampling_ms_).median;
+    for (std::size_t i = 0; i < slam_.size(); ++i) {
+      result.trajectory[i] = slam_[i].trajectory();
+      result.timings.slam[i] = slam_[i].timings();
+      result.loops_closed += slam_[i].loops_closed;
+    }
+    return result;
+  }
+
+ private:
+  void remove_outliers(RangeImage& image) {
+    rejected_.resize(image.range_m.size());
+    filter_->find(image.range_m.data(), rejected_.data(), omp_get_max_threads());
+    for (std::size_t i = 0; i < rejected_.size(); ++i) {
+      image.range_m[i] = rejected_[i] != 0 ? 0.0F : image.range_m[i];
+    }
+  }
+
+  void score(const RangeImage& lifted, const OrganizedCloud& cloud, const OrganizedCloud& truth) {
+    const ScanErrors errors = scan_errors(lifted, cloud, truth);
+    if (!result_.images) result_.images = ImageScores();
+    ++result_.images->scans;
+    result_.images->mae_all_m += errors.image.mae_all_m;
+    result_.images->mae_valid_m += errors.image.mae_valid_m;
+    result_.images->outlier_share += errors.cloud.outlier_share;
+  }
+
+  std::optional<nn::OutlierRemoval> filter_;
+  std::vector<std::uint8_t> rejected_;
+  std::vector<TimedSlam> slam_;  ///< without and, if asked for, with loop closing
+  std::vector<double> upsampling_ms_;
+  TableResult result_;  ///< sums until result() divides them
+};
+
+/// Which scans of the recording the methods got to see.
+struct UsedScans {
+  std::vector<std::int64_t> scan_of_pose;  ///< counted from 0 in the recording
+  LeftOut left_out;
+};
+
+/// The pass's state while it runs.
+class Pass {
+ public:
+  explicit Pass(const TablePass& pass)
+      : upsampler_(shared_upsampler(pass)),
+        rows_(selection_for(pass.sensor.rows(), pass.methods.front().rows)),
+        score_every_((pass.scans + pass.scored_scans - 1) / pass.scored_scans) {
+    const SensorModel sensor = upsampler_ ? upsampler_->sensor() : select_rows(pass.sensor, rows_);
+    for (const TableMethod& method : pass.methods) {
+      runs_.emplace_back(method, sensor, upsampler_ ? &*upsampler_ : nullptr, pass.loop_closing);
+    }
+  }
+
+  void add(const RecordedScan& scan, std::int64_t index) {
+    const OrganizedCloud measured = select_rows(scan.cloud, rows_);
+    if (!upsampler_) {
+      for (MethodRun& run : runs_) run.add(measured, scan.stamp_s);
+      return;
+    }
+    const RangeImage image = range_image(measured);
+    nn::LiftedImage lifted;
+    const double shared_s = seconds_of([&] { lifted = upsampler_->run(image); });
+    for (MethodRun& run : runs_) {
+      run.add_lifted(lifted, shared_s, measured, *upsampler_, scan, index % score_every_ == 0);
+    }
+  }
+
+  std::vector<TableResult> results(const TablePass& pass, const UsedScans& used) {
+    std::vector<TableResult> results;
+    for (std::size_t i = 0; i < runs_.size(); ++i) {
+      TableResult result = runs_[i].result(pass.settings[i]);
+      result.scan_of_pose = used.scan_of_pose;
+      result.left_out = used.left_out;
+      result.timings.threads = omp_get_max_threads();
+      result.timings.processor = processor_name();
+      result.timings.instruction_set = nn::name(nn::chosen_instruction_set());
+      if (upsampler_ && upsampler_->network() != nullptr) {
+        result.network = NetworkSize{upsampler_->network()->parameters(),
+                                     upsampler_->network()->multiply_adds()};
+      }
+      results.push_back(std::move(result));
+    }
+    return results;
+  }
+
+ private:
+  std::optional<nn::Upsampler> upsampler_;
+  RowSelection rows_;
+  std::int64_t score_every_;
+  std::vector<MethodRun> runs_;
+};
+
+/// SLAM can do with a clock that is set back, a comparison of trajectories by their stamps can not.
+void require_rising(const RecordedScan& scan, double last_stamp_s) {
+  if (scan.stamp_s > last_stamp_s) return;
+  throw Error(fmt::format(
+      "{}: has the stamp {:.6f} s, expected one after that of the scan before, {:.6f} s; "
+      "give stamps that rise with --stamps",
+      scan.name, scan.stamp_s, last_stamp_s));
+}
+
+}  // namespace
+
+std::vector<TableResult> run_pass(const TablePass& pass, const InterruptGuard& interrupt,
+                                  const std::function<void()>& on_scan) {
+  Pass state(pass);
+  const std::unique_ptr<ScanSource> source = open_input(pass.drive.recording, pass.sensor);
+  UsedScans used;
+  LeftOut& left_out = used.left_out;
+  double last_stamp_s = -std::numeric_limits<double>::infinity();
+  while (std::ssize(used.scan_of_pose) < pass.scans) {
+    if (interrupt.stop_requested()) return {};
+    const std::optional<RecordedScan> scan = next_usable(*source, left_out);
+    if (!scan) break;
+    require_rising(*scan, last_stamp_s);
+    last_stamp_s = scan->stamp_s;
+    const std::int64_t count = std::ssize(used.scan_of_pose);
+    try {
+      state.add(*scan, count);
+    } catch (const ScanError& error) {  // SLAM looks at the times before anything else
+      if (left_out.scans++ == 0) left_out.first = fmt::format("{}: {}", scan->name, error.what());
+      continue;
+    }
+    used.scan_of_pose.push_back(count + left_out.scans);
+    on_scan();
+  }
+  if (used.scan_of_pose.empty() && left_out.scans > 0) throw Error(left_out.text());
+  return state.results(pass, used);
+}
+
+}  // namespace hqslam::tools
