@@ -32,12 +32,12 @@ TEST_CASE("drift grows with the path, not with the number of scans") {
   slam::Drift in_one_step = sixteen_rows();
   slam::Drift in_ten = sixteen_rows();
   const MotionState state = known_to(0.01);
-  in_one_step.register_scan(ahead(1e-6), state);
-  in_ten.register_scan(ahead(1e-6), state);
+  in_one_step.grow(ahead(1e-6), state);
+  in_ten.grow(ahead(1e-6), state);
   const Matrix6 start = in_one_step.covariance(kHere, state);
   // Steps so small that the lever of a turn is none.
-  in_one_step.register_scan(ahead(0.01), state);
-  for (int i = 0; i < 10; ++i) in_ten.register_scan(ahead(0.001), state);
+  in_one_step.grow(ahead(0.01), state);
+  for (int i = 0; i < 10; ++i) in_ten.grow(ahead(0.001), state);
   const double grown = in_one_step.covariance(kHere, state)(2, 2) - start(2, 2);
   CHECK(grown > 0.0);
   CHECK(in_ten.covariance(kHere, state)(2, 2) - start(2, 2) ==
