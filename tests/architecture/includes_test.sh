@@ -1,0 +1,39 @@
+#!/usr/bin/env bash
+# Who includes whom: docs/architecture.md's arrows point one way.
+#   includes_test.sh SOURCE_FOLDER
+set -euo pipefail
+cd "$1"
+wrong=0
+
+# The lines of a part's sources that include something with this prefix that it may not know.
+#   only FOLDER PREFIX ALLOWED...
+only() {
+  local folder=$1 prefix=$2 found
+  shift 2
+  local allowed
+  allowed=$(IFS='|' && echo "$*")
+  found=$(grep -rnE "^#include [<\"]$prefix" "$folder" --include='*.h' --include='*.cpp' |
+    grep -vE "#include [<\"]$prefix($allowed)/" || true)
+  if [[ -n "$found" ]]; then
+    printf '%s may include only %s of %s:\n%s\n' "$folder" "$*" "$prefix" "$found"
+    wrong=1
+  fi
+}
+
+for folder in core/include core/internal core/src; do only $folder hqslam/ core; done
+only core/evaluation hqslam/ core evaluation
+only core/sim hqslam/ core sim
+only core/recordings hqslam/ core recordings
+only core/live hqslam/ core recordings live
+only nn hqslam/ core nn
+only slam hqslam/ core slam
+
+# Heavy parents stay with those who need them, and out of every installed header.
+for header in pcl ceres; do
+  users=$(grep -rlE "#include <$header/" --include='*.h' --include='*.cpp' core nn slam tools | grep -v '^slam/src/' || true)
+  if [[ -n "$users" ]]; then
+    printf 'only slam/src may include %s:\n%s\n' "$header" "$users"
+    wrong=1
+  fi
+done
+exit $wrong
