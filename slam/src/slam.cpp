@@ -54,7 +54,8 @@ Slam::Implementation::Implementation(const SensorModel& sensor_, const SlamOptio
 /// The way of a scan, in the frame of the sensor turned level.
 ScanReport Slam::Implementation::process_level(const OrganizedCloud& cloud, double stamp_s,
                                                ScanTrace* trace) {
-  Notes notes{{}, {}, trace};
+  Notes notes;
+  notes.trace = trace;
   notes.report.stamp_s = stamp_s;
   collect_loops(notes);
   const Scan scan = front_end(cloud, stamp_s, notes);
@@ -69,6 +70,7 @@ ScanReport Slam::Implementation::process_level(const OrganizedCloud& cloud, doub
   times.mapping_s += notes.stopwatch.lap_s();
   times.total_s = times.segmentation_s + times.features_s + times.odometry_s + times.mapping_s +
                   times.loop_closing_s;
+  own_covariance = notes.own_covariance;
   return notes.report;
 }
 
@@ -84,7 +86,7 @@ ScanReport Slam::Implementation::process(const OrganizedCloud& cloud, double sta
   report.T_map_sensor = mounting.of_sensor(report.T_map_sensor);
   report.T_odom_sensor = mounting.of_sensor(report.T_odom_sensor);
   report.covariance = mounting.of_sensor(report.covariance);
-  path.add({stamp_s, report.T_map_sensor}, mapping.keyframes());
+  path.add({stamp_s, report.T_map_sensor}, mapping.keyframes(), mounting.of_sensor(own_covariance));
   return report;
 }
 
@@ -131,6 +133,7 @@ void Slam::Implementation::collect_loops(Notes& notes) {
 void Slam::Implementation::apply(const LoopResult& found) {
   path.join(found.submap_of_segment);
   Reference* reference = reference_of(state);
+  if (found.drift && reference != nullptr) apply(*found.drift, reference->state.T_map_sensor);
   if (!found.corrections.empty() && reference != nullptr) {
     mapping.correct(found.corrections);
     path.correct(found.corrections);
@@ -138,6 +141,17 @@ void Slam::Implementation::apply(const LoopResult& found) {
     T_map_reference = orthonormalized(found.corrections.back() * T_map_reference);
   }
   mapping.restore_to_window(found.recalled);
+}
+
+/// Takes away what is not unknown any more, of the pose now and of those on segments that were
+/// joined. Before anything is corrected.
+void Slam::Implementation::apply(const LoopedDrift& found, const Pose& T_map_reference) {
+  const Pose motion = found.T_map_last.inverse() * T_map_reference;
+  const bool is_way_known = found.last_segment == path.last_segment();
+  drift.set(improved(drift.state(), found.last, motion, is_way_known));
+  for (const LoopedDrift::OfSegment& of : found.segments) {
+    path.improve(of.segment, mounting.of_sensor(of.T_map_node), mounting.of_sensor(of.unmeasured));
+  }
 }
 
 Slam::Slam(const SensorModel& sensor) : Slam(sensor, SlamOptions{}) {}

@@ -21,7 +21,8 @@ namespace hqslam::slam {
 struct Notes {
   ScanReport report;
   Stopwatch stopwatch;
-  ScanTrace* trace = nullptr;  ///< nullptr: not asked for
+  ScanTrace* trace = nullptr;                ///< nullptr: not asked for
+  Matrix6 own_covariance = Matrix6::Zero();  ///< Drift::own_covariance
 };
 
 struct Slam::Implementation {
@@ -35,6 +36,7 @@ struct Slam::Implementation {
   SegmentedTrajectory path;
   AccelerationNoise accelerations;
   Drift drift;
+  Matrix6 own_covariance = Matrix6::Zero();  ///< Drift::own_covariance() of the last scan
   // One of the two:
   std::optional<BackgroundLoopClosing> loop_closing;  ///< of a map of its own
   std::optional<PlaceRecognition> place_recognition;  ///< in a given map
@@ -47,6 +49,7 @@ struct Slam::Implementation {
   ScanReport process_level(const OrganizedCloud& cloud, double stamp_s, ScanTrace* trace);
   void collect_loops(Notes& notes);
   void apply(const LoopResult& found);
+  void apply(const LoopedDrift& found, const Pose& T_map_reference);
   Scan front_end(const OrganizedCloud& cloud, double stamp_s, Notes& notes);
 
   // One scan on, from each state: tracking.cpp, and Searching in relocalization.cpp.
@@ -61,6 +64,7 @@ struct Slam::Implementation {
     bool is_registered = false;  ///< in the map
     bool by_odometry = false;    ///< its motion since the reference is known
     bool is_motion_plausible = false;  ///< and is one that a sensor can make that is not carried
+    bool is_contradiction = false;     ///< of what was well known before the scan
     double inlier_ratio = 0.0;
   };
   Registered registered(const Tracking& last, const Scan& scan, Notes& notes) const;

@@ -21,14 +21,24 @@ std::vector<std::size_t> Slam::submap_of_scan() const {
   return implementation_->path.submap_of_scan();
 }
 
-std::vector<Eigen::Vector3f> Slam::map_points_m() const {
+std::vector<std::pair<std::size_t, Matrix6>> Slam::corrected_covariances() const {
+  std::vector<std::pair<std::size_t, Matrix6>> result;
+  for (const auto& [scan, covariance] : implementation_->path.corrected_covariances()) {
+    result.emplace_back(scan, covariance);
+  }
+  return result;
+}
+
+std::vector<Eigen::Vector3f> Slam::map_points_m(std::optional<std::size_t> submap) const {
   const ThreadLimit limit(implementation_->options.threads);
-  const FeatureMaps& matched_with = implementation_->mapping.map();
+  const FeatureMaps& window = implementation_->mapping.map();
   const auto& loop_closing = implementation_->loop_closing;
+  const std::vector<FeatureMaps> submaps =
+      loop_closing ? loop_closing->whole_map(window) : std::vector<FeatureMaps>{window};
   std::vector<Eigen::Vector3f> result;
-  for (const FeatureMaps& submap : loop_closing ? loop_closing->whole_map(matched_with)
-                                                : std::vector<FeatureMaps>{matched_with}) {
-    for (const FeatureMap* kind : {&submap.planes, &submap.edges}) {
+  for (std::size_t i = 0; i < submaps.size(); ++i) {
+    if (submap && *submap != i) continue;
+    for (const FeatureMap* kind : {&submaps[i].planes, &submaps[i].edges}) {
       const std::vector<Eigen::Vector3f> points_m = kind->points_m();
       result.insert(result.end(), points_m.begin(), points_m.end());
     }

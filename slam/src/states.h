@@ -55,6 +55,7 @@ struct Lost {
   Tracking last;  ///< when it was tracked; its reference goes on with the odometry
   std::size_t missed_scans = 0;
   bool is_motion_measured = true;  ///< by the odometry, from scan to scan, all the way
+  bool is_carried = false;         ///< a scan contradicted what was well known
 };
 
 /// In a given map: where the sensor is is not known, or not any more.

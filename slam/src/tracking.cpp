@@ -68,6 +68,7 @@ State Slam::Implementation::next(Lost now, const Scan& scan, Notes& notes) {
   if (found.is_registered) return tracked(std::move(now.last), found, scan, notes);
   ++now.missed_scans;
   now.is_motion_measured = now.is_motion_measured && found.is_motion_plausible;
+  now.is_carried = now.is_carried || found.is_contradiction;
   const bool is_lost = now.missed_scans > kMaxMissedScans;
   const Reference& reference = now.last.reference;
   if (is_lost && place_recognition) {
@@ -111,11 +112,12 @@ State Slam::Implementation::tracked(Tracking last, const Registered& found, cons
 /// to be, in a submap of its own.
 State Slam::Implementation::new_segment(const Lost& lost, Registered found, const Scan& scan,
                                         Notes& notes) {
+  drift.lose(found.state, lost.is_carried);
   // A velocity that nothing measured would be predicted again, and kept for good.
   if (!found.by_odometry) found.state = unknown_motion(found.state.T_map_sensor);
-  drift.lose(found.state);
   drift.move(lost.last.reference.state.T_map_sensor.inverse() * found.state.T_map_sensor);
-  path.begin_segment(lost.missed_scans - 1, mapping.keyframes());
+  path.begin_segment(lost.missed_scans - 1, mapping.keyframes(), lost.is_carried);
+  if (lost.is_carried) notes.report.covariance = drift.covariance(Pose::Identity(), found.state);
   add_keyframe(scan, found.state.velocity, true, notes);
   return Tracking{reference_of(scan, found.state, notes.report), 0.0, std::nullopt};
 }
@@ -149,8 +151,10 @@ Slam::Implementation::Registered Slam::Implementation::registered(const Tracking
   found.is_motion_plausible =
       found.by_odometry && !is_elsewhere &&
       is_plausible(logarithm(expected.T_map_sensor.inverse() * T_map_moved), duration_s);
+  found.is_contradiction =
+      is_precise(expected) && (is_elsewhere || (found.by_odometry && !found.is_motion_plausible));
   found.inlier_ratio = matched.inlier_ratio;
-  found.state = matched.state;
+  found.state = found.is_registered ? matched.state : expected;
   if (!found.is_registered) {
     found.state.T_map_sensor = T_map_moved;
     found.state.velocity = (1.0 / duration_s) * logarithm(moved.T_reference_sensor);
@@ -161,8 +165,9 @@ Slam::Implementation::Registered Slam::Implementation::registered(const Tracking
   report.edge_correspondences = matched.edge_correspondences;
   report.planar_correspondences = matched.planar_correspondences;
   report.T_map_sensor = found.state.T_map_sensor;
-  report.covariance = drift.covariance(
-      reference.state.T_map_sensor.inverse() * found.state.T_map_sensor, found.state);
+  const Pose motion = reference.state.T_map_sensor.inverse() * found.state.T_map_sensor;
+  report.covariance = drift.covariance(motion, found.state);
+  notes.own_covariance = drift.own_covariance(motion, found.state);
   if (notes.trace != nullptr) {
     notes.trace->T_map_expected = expected.T_map_sensor;
     notes.trace->T_map_odometry = T_map_moved;
@@ -201,7 +206,7 @@ void Slam::Implementation::add_keyframe(const Scan& scan, const Twist& velocity,
                                         bool begins_segment, Notes& notes) {
   ScanReport& report = notes.report;
   LoopKeyframe keyframe{report.T_map_sensor, report.mapping_status, path.trajectory().size(),
-                        begins_segment, std::nullopt};
+                        begins_segment,      drift.state(),         std::nullopt};
   if (begins_segment || loop_closing->wants_view(report.T_map_sensor)) {
     keyframe.view = {scan.cloud, scan.map_features, velocity,
                      begins_segment ? mapping.clear_window() : mapping.slide_window()};

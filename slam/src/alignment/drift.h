@@ -35,9 +35,36 @@ namespace hqslam::slam {
 /// between its rows is measured by chords, and the error stays for good; it grows with their
 /// spacing.
 ///
+/// Where the way was lost, what was expected of the motion (its covariance grows with the time that
+/// nothing was seen) is added for good, as `unmeasured`; a sensor that was carried away is nowhere
+/// known, its variances are infinite. Loop closing takes away what it measured anew.
+///
 /// The numbers are those that make the errors most likely on 68 runs over simulated drives (`town`,
 /// `hills`, `meadow`, seeds 101 to 110, `indoors` and `handheld`, 101 and 102, which count half; 16
 /// and 64 rows). A slip is no drift and in no covariance.
+/// A covariance of e in T exp(e) at another pose that moves with T.
+Matrix6 carried(const Matrix6& covariance, const Pose& motion);
+
+struct DriftState {
+  Matrix6 drift = Matrix6::Zero();       ///< come up along the path
+  Matrix6 unmeasured = Matrix6::Zero();  ///< where the way was lost
+  bool is_anywhere = false;              ///< nothing is known of the pose
+
+  Matrix6 total() const { return drift + unmeasured; }
+};
+/// The same at another pose of the path, without what comes up on the way there.
+DriftState carried(const DriftState& state, const Pose& motion);
+
+/// What loop closing found out about the drift at a pose of the path.
+struct DriftImprovement {
+  DriftState before;
+  DriftState after;
+};
+/// The state at a later pose, now that more is known of an earlier one. In: the motion between the
+/// two; whether the way from one to the other was never lost.
+DriftState improved(const DriftState& later, const DriftImprovement& earlier, const Pose& motion,
+                    bool is_way_known);
+
 class Drift {
  public:
   explicit Drift(const SensorModel& sensor);
@@ -48,9 +75,15 @@ class Drift {
   void grow(const Pose& motion, const MotionState& state);
   /// A scan was followed by the odometry alone.
   void move(const Pose& motion);
-  /// The map goes on from a pose that nothing measured.
-  void lose(const MotionState& expected);
+  /// The map goes on from a pose that nothing measured: `expected` without the scan. is_carried:
+  /// the sensor is elsewhere than anybody could expect.
+  void lose(const MotionState& expected, bool is_carried);
+  void set(const DriftState& state) { state_ = state; }
 
+  const DriftState& state() const { return state_; }
+
+  /// The same without what was not measured where the way was lost.
+  Matrix6 own_covariance(const Pose& motion, const MotionState& state) const;
   /// Of T_map_sensor against the truth, the first scan's pose being exact: (linear, angular) in the
   /// sensor's frame. motion: since the last scan that was followed.
   Matrix6 covariance(const Pose& motion, const MotionState& state) const;
@@ -63,7 +96,7 @@ class Drift {
   std::optional<Twist> velocity_;    ///< of the last scan that was registered
   Vector6 jolts_ = Vector6::Zero();  ///< mean squares of a scan's unforeseen motion, m^2, rad^2
   double path_m_ = 0.0;
-  Matrix6 drift_ = Matrix6::Zero();
+  DriftState state_;
 };
 
 }  // namespace hqslam::slam

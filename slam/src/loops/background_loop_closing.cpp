@@ -82,6 +82,14 @@ LoopResult BackgroundLoopClosing::collected() {
                                  [](const LoopKeyframe& frame) { return frame.begins_segment; });
   std::optional<MapPoints> back;
   if (lost != waiting_.end()) back = std::exchange(result.recalled, {});
+  if (result.drift) {
+    const Pose T_last_map = result.drift->T_map_last.inverse();
+    for (LoopKeyframe& keyframe : waiting_) {
+      const bool is_way_known = lost == waiting_.end() || &keyframe < &*lost;
+      keyframe.drift = improved(keyframe.drift, result.drift->last,
+                                T_last_map * keyframe.T_map_sensor, is_way_known);
+    }
+  }
   if (!result.corrections.empty()) {
     for (std::size_t i = 0; i < waiting_.size(); ++i) {
       LoopKeyframe& keyframe = waiting_[i];

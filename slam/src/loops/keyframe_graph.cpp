@@ -21,6 +21,13 @@ constexpr double kLeastSigma_rad = 0.001;
 constexpr double kSigmaPerDrift = 1.0 / 3.0;
 constexpr double kSigma_rad_per_m = 0.005;
 
+/// To compare two covariances by: an angle counts at 10 m.
+double size_of(const Matrix6& covariance) {
+  constexpr double kLever_m = 10.0;
+  const auto variance = covariance.diagonal();
+  return variance.head<3>().sum() + kLever_m * kLever_m * variance.tail<3>().sum();
+}
+
 }  // namespace
 
 void KeyframeGraph::add_keyframe(const LoopKeyframe& keyframe) {
@@ -52,8 +59,8 @@ void KeyframeGraph::add_node(const LoopKeyframe& keyframe) {
   }
   drift_m_ = 0.0;
   graph_.T_map_node.push_back(keyframe.T_map_sensor);
-  nodes_.push_back(
-      {static_cast<std::uint32_t>(T_map_keyframe_.size() - 1), keyframe.scan, path_m_});
+  nodes_.push_back({static_cast<std::uint32_t>(T_map_keyframe_.size() - 1), keyframe.scan, path_m_,
+                    keyframe.drift});
   last_contexts_ = scan_contexts_from_lanes(keyframe.view->cloud);
   contexts_.push_back(last_contexts_.front());
   recent_.add(keyframe.view->features, keyframe.T_map_sensor, keyframe.view->velocity);
@@ -63,12 +70,62 @@ void KeyframeGraph::add_loops(const std::vector<PoseGraphEdge>& loops) {
   graph_.loops.insert(graph_.loops.end(), loops.begin(), loops.end());
 }
 
-std::size_t KeyframeGraph::submap_of(std::size_t node) const {
+std::size_t KeyframeGraph::segment_of(std::size_t node) const {
   const auto begins_after = [](std::size_t i, const Segment& segment) {
     return i < segment.first_node;
   };
-  return std::prev(std::upper_bound(segments_.begin(), segments_.end(), node, begins_after))
-      ->submap;
+  const auto after = std::upper_bound(segments_.begin(), segments_.end(), node, begins_after);
+  return static_cast<std::size_t>(after - segments_.begin()) - 1;
+}
+
+std::size_t KeyframeGraph::submap_of(std::size_t node) const {
+  return segments_[segment_of(node)].submap;
+}
+
+LoopedDrift KeyframeGraph::improve_drift(const PoseGraphEdge& loop) {
+  const DriftState from = nodes_[loop.from].drift;
+  const DriftState to = nodes_[loop.to].drift;
+  Vector6 sigma;
+  sigma << Eigen::Vector3d::Constant(loop.translation_sigma_m),
+      Eigen::Vector3d::Constant(loop.rotation_sigma_rad);
+  const Matrix6 of_loop = sigma.cwiseAbs2().asDiagonal();
+  LoopedDrift result;
+  result.last_segment = segment_of(last());
+  result.T_map_last = T_map_last();
+  result.last.before = nodes_.back().drift;
+  const DriftState at_to = carried(from, loop.T_from_to);
+  const DriftState at_from = carried(to, loop.T_from_to.inverse());
+  const auto is_less_known = [&](const DriftState& state, const DriftState& by_loop) {
+    return !by_loop.is_anywhere &&
+           (state.is_anywhere || size_of(by_loop.total() + of_loop) < size_of(state.total()));
+  };
+  if (segment_of(loop.from) == segment_of(loop.to)) {
+    if (size_of(at_to.drift + of_loop) < size_of(to.drift)) {
+      nodes_[loop.to].drift.drift = at_to.drift + of_loop;
+    }
+  } else if (is_less_known(to, at_to)) {
+    set_unmeasured(loop.to, at_to.total() + of_loop, result);
+  } else if (is_less_known(from, at_from)) {
+    set_unmeasured(loop.from, at_from.total() + of_loop, result);
+  }
+  result.last.after = nodes_.back().drift;
+  return result;
+}
+
+/// What is known of a node, and so of all segments that are in one frame with it.
+void KeyframeGraph::set_unmeasured(std::size_t node, const Matrix6& covariance,
+                                   LoopedDrift& result) {
+  const Pose& T_map_known = graph_.T_map_node[node];
+  const std::size_t submap = submap_of(node);
+  for (std::size_t segment = 0; segment < segments_.size(); ++segment) {
+    const bool was_unknown = segment > 0 && segments_[segment].submap == submap;
+    if (was_unknown) result.segments.push_back({segment, T_map_known, covariance});
+  }
+  for (std::size_t i = 0; i < nodes_.size(); ++i) {
+    if (submap_of(i) != submap || segment_of(i) == 0) continue;
+    const Pose motion = T_map_known.inverse() * graph_.T_map_node[i];
+    nodes_[i].drift = {nodes_[i].drift.drift, carried(covariance, motion), false};
+  }
 }
 
 std::vector<std::size_t> KeyframeGraph::submap_of_segment() const {

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "alignment/drift.h"
 #include "hqslam/core/organized_cloud.h"
 #include "hqslam/slam/saved_map.h"
 #include "loops/pose_graph.h"
@@ -28,7 +29,22 @@ struct LoopKeyframe {
   std::size_t scan = 0;  ///< its number in the trajectory
   /// Nothing measured the way from the keyframe before: a segment of the trajectory begins.
   bool begins_segment = false;
+  DriftState drift;
   std::optional<LoopView> view;  ///< of one every few metres, and of the first of a segment
+};
+
+/// What a loop found out about drift: of the last node, and of segments whose poses were less known
+/// than that.
+struct LoopedDrift {
+  struct OfSegment {
+    std::size_t segment = 0;
+    Pose T_map_node = Pose::Identity();    ///< of one of its nodes, or near it
+    Matrix6 unmeasured = Matrix6::Zero();  ///< there
+  };
+  std::vector<OfSegment> segments;
+  std::size_t last_segment = 0;
+  Pose T_map_last = Pose::Identity();  ///< of the last node, before anything was corrected
+  DriftImprovement last;               ///< there
 };
 
 /// The trajectory as loop closing sees it: keyframes, every few metres one that is a node of the
@@ -42,6 +58,10 @@ class KeyframeGraph {
   /// The last keyframe, which has a view, becomes a node.
   void add_node(const LoopKeyframe& keyframe);
   void add_loops(const std::vector<PoseGraphEdge>& loops);
+  /// A loop was accepted: of its two nodes the one that is known less well is known by the other
+  /// now. Nothing is combined: the estimates share most of their errors. Call it before move() and
+  /// join().
+  LoopedDrift improve_drift(const PoseGraphEdge& loop);
 
   /// Every segment moves with its nodes, and so do its keyframes and submap. In: poses of all
   /// nodes. Out: per keyframe T_corrected_map.
@@ -81,6 +101,7 @@ class KeyframeGraph {
     std::uint32_t keyframe = 0;
     std::size_t scan = 0;
     double path_m = 0.0;
+    DriftState drift;
   };
   struct Segment {
     std::uint32_t first_keyframe = 0;
@@ -89,6 +110,8 @@ class KeyframeGraph {
   };
   static constexpr std::size_t kRecentNodes = 5;
 
+  std::size_t segment_of(std::size_t node) const;
+  void set_unmeasured(std::size_t node, const Matrix6& covariance, LoopedDrift& result);
   std::vector<Pose> moved(std::size_t segment, const std::vector<Pose>& T_map_node) const;
 
   MappingOptions options_;

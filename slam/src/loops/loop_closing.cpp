@@ -66,11 +66,7 @@ LoopResult LoopClosing::search() {
   LoopReport& report = result.report;
   report = waiting_.empty() ? look_around() : look_where_predicted();
   report.scan = graph_.scan_of(graph_.last());
-  if (enough_agree()) {
-    result.corrections = close(report);
-  } else if (report.status == LoopStatus::kAgrees) {
-    result.corrections = align(report);
-  }
+  if (report.status == LoopStatus::kAgrees || enough_agree()) close(result);
   if (report.status == LoopStatus::kAgrees || report.status == LoopStatus::kClosed) {
     result.recalled = graph_.take_near_last();
   }
@@ -104,12 +100,9 @@ LoopReport LoopClosing::look_around() {
   report.older_scan = graph_.scan_of(found.loop->node);
   const Pose change = graph_.T_map_last().inverse() * found.loop->T_map_last;
   if (graph_.submap_of(found.loop->node) == own && is_within(change, kAgreeing_m, kAgreeing_rad)) {
-    graph_.add_loops({edge_of(*found.loop)});
-    next_search_m_ = graph_.path_m() + kSearchAfterAgreeing_m;
     report.status = LoopStatus::kAgrees;
-  } else {
-    await_others(*found.loop);
   }
+  await_others(*found.loop);
   return report;
 }
 
@@ -162,44 +155,41 @@ bool LoopClosing::enough_agree() const {
   return length_m >= kLengthBeyondCorrection_m + change_m;
 }
 
-double LoopClosing::correction_m(const std::vector<Pose>& T_map_node) const {
-  return (T_map_node.back().translation() - graph_.T_map_last().translation()).norm();
-}
-
-/// The place is where it is believed to be, but for the accuracy of a registration. Where that is
-/// more than what scans are matched to, the path is bent onto it: two copies of a street side by
-/// side would pull the sensor to and fro.
-std::vector<Pose> LoopClosing::align(LoopReport& report) {
-  const PoseGraph& graph = graph_.poses();
-  const Pose off = disagreement(graph.loops.back(), graph.T_map_node);
-  if (is_within(off, kAligned_m, kAligned_rad)) return {};
-  const std::vector<Pose> T_map_node = optimized(graph);
-  if (T_map_node.empty() || !is_plausible(graph, graph_.edge_drift_m(), T_map_node)) return {};
-  report.correction_m = correction_m(T_map_node);
-  return graph_.move(T_map_node);
-}
-
-std::vector<Pose> LoopClosing::close(LoopReport& report) {
-  PoseGraph with_loops = graph_.poses();
+/// The loops that wait are taken: the path is bent onto them if that is plausible. Where the place
+/// is where it was believed to be to what scans are matched to, it stays as it is; where it is off
+/// by more, if only within the accuracy of a registration, two copies of a street side by side
+/// would pull the sensor to and fro.
+void LoopClosing::close(LoopResult& result) {
+  LoopReport& report = result.report;
+  const bool agrees = report.status == LoopStatus::kAgrees;
   const std::vector<PoseGraphEdge> loops = std::exchange(waiting_, {});
-  const std::size_t submap = graph_.submap_of(loops.back().to);
-  const std::size_t other = graph_.submap_of(loops.back().from);
-  with_loops.loops.insert(with_loops.loops.end(), loops.begin(), loops.end());
-  if (submap != other) bring_together(with_loops, submap, other);
   forget_waiting();
+  const PoseGraphEdge& last = loops.back();
+  next_search_m_ = graph_.path_m() + kSearchAfterAgreeing_m;
+  const Pose off = disagreement(last, graph_.poses().T_map_node);
+  if (agrees && is_within(off, kAligned_m, kAligned_rad)) {
+    graph_.add_loops(loops);
+    result.drift = graph_.improve_drift(last);
+    return;
+  }
+  PoseGraph with_loops = graph_.poses();
+  with_loops.loops.insert(with_loops.loops.end(), loops.begin(), loops.end());
+  const std::size_t submap = graph_.submap_of(last.to);
+  const std::size_t other = graph_.submap_of(last.from);
+  if (submap != other) bring_together(with_loops, submap, other);
   const std::vector<Pose> T_map_node = optimized(with_loops);
   if (T_map_node.empty() || !is_plausible(with_loops, graph_.edge_drift_m(), T_map_node)) {
     report.status = LoopStatus::kImplausible;
     next_search_m_ = graph_.path_m() + kSearchAfterImplausible_m;
-    return {};
+    return;
   }
+  if (!agrees) report.status = LoopStatus::kClosed;
+  report.correction_m =
+      (T_map_node.back().translation() - graph_.T_map_last().translation()).norm();
   graph_.add_loops(loops);
-  report.status = LoopStatus::kClosed;
-  report.correction_m = correction_m(T_map_node);
-  next_search_m_ = graph_.path_m() + kSearchAfterAgreeing_m;
-  std::vector<Pose> corrections = graph_.move(T_map_node);
+  result.drift = graph_.improve_drift(last);
+  result.corrections = graph_.move(T_map_node);
   if (submap != other) graph_.join(submap, other);
-  return corrections;
 }
 
 /// Puts the younger of two submaps where the loops see it, as a whole: the optimisation begins

@@ -17,15 +17,17 @@ struct LoopResult {
   std::vector<Pose> corrections;
   MapPoints recalled;                          ///< to be matched with again, where they belong
   std::vector<std::size_t> submap_of_segment;  ///< KeyframeGraph::submap_of_segment()
+  std::optional<LoopedDrift> drift;            ///< if loops were accepted
 };
 
 /// Recognises places passed before and finds where the path really went.
 ///
 /// Every few metres a keyframe becomes a node of the pose graph. From time to time the last
 /// node is looked for at older places (search_loop), in the map that left the sliding window. A
-/// loop counts only when further nodes, over a length of path, are found where it predicts them;
-/// then all of them are put into the pose graph, and the poses are corrected if that bends the path
-/// no more than plausible. Otherwise the loops are taken out again.
+/// loop counts only when further nodes, over a length of path, are found where it predicts them, or
+/// if it finds the node where it was believed to be. Then the poses are corrected if that bends the
+/// path no more than plausible, and the loops become edges of the pose graph. Otherwise nothing
+/// changes.
 ///
 /// Where the way was lost a segment begins, with a submap and a frame of its own. Its nodes are
 /// looked for in all other submaps, wherever they may be; loops that agree join the submaps.
@@ -50,10 +52,8 @@ class LoopClosing {
   void await_others(const FoundLoop& loop);
   bool enough_agree() const;
   void forget_waiting();
-  std::vector<Pose> align(LoopReport& report);
-  std::vector<Pose> close(LoopReport& report);
+  void close(LoopResult& result);
   void bring_together(PoseGraph& graph, std::size_t submap, std::size_t other) const;
-  double correction_m(const std::vector<Pose>& T_map_node) const;
 
   MappingOptions options_;
   bool searches_;

@@ -21,6 +21,13 @@ class CellIndex {
     return part(cell.x()) << 42 | part(cell.y()) << 21 | part(cell.z());
   }
 
+  static Eigen::Vector3i cell_of(std::uint64_t key) {
+    const auto part = [](std::uint64_t bits) {
+      return static_cast<int>(bits & 0x1FFFFFU) - kRange;
+    };
+    return {part(key >> 42), part(key >> 21), part(key)};
+  }
+
   /// The number of a cell; kNone if it is not there, or out of range.
   std::uint32_t find(std::uint64_t key) const { return slots_[slot_of(key)].number; }
   std::uint32_t find(const Eigen::Vector3i& cell) const {

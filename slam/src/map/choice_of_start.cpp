@@ -13,12 +13,6 @@ constexpr double kElsewhere_m = 0.3;
 constexpr double kElsewhere_rad = 0.03;
 constexpr double kFitsBetter = 1.1;
 
-bool is_precise(const MotionState& state) {
-  const Vector6 variance = state.covariance.diagonal().head<6>();
-  return variance.head<3>().maxCoeff() < kPrecise_m * kPrecise_m &&
-         variance.tail<3>().maxCoeff() < kPrecise_rad * kPrecise_rad;
-}
-
 bool is_elsewhere(const Twist& innovation) {
   return innovation.linear.norm() > kElsewhere_m || innovation.angular.norm() > kElsewhere_rad;
 }
@@ -30,6 +24,12 @@ bool fits_better(const MappingResult& a, const MappingResult& b) {
 }
 
 }  // namespace
+
+bool is_precise(const MotionState& state) {
+  const Vector6 variance = state.covariance.diagonal().head<6>();
+  return variance.head<3>().maxCoeff() < kPrecise_m * kPrecise_m &&
+         variance.tail<3>().maxCoeff() < kPrecise_rad * kPrecise_rad;
+}
 
 MappingResult register_from_both(const Mapping& mapping, const MapFeatures& features,
                                  const ExpectedScan& expected) {

@@ -11,6 +11,10 @@ struct ExpectedScan {
   double duration_s;  ///< since the scan before
 };
 
+/// Whether a state is known so well that a scan is looked for there and nowhere else, unless the
+/// odometry contradicts.
+bool is_precise(const MotionState& state);
+
 /// Registers a scan from where it is expected; and if little is known about that, or the odometry
 /// saw it elsewhere, from there too. Of the two places the one is taken that more of what stands on
 /// the ground fits.

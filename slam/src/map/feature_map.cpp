@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 namespace hqslam::slam {
 
@@ -176,8 +177,14 @@ Neighbours FeatureMap::nearest(const Eigen::Vector3f& query_m) const {
 std::vector<std::size_t> FeatureMap::cubes_touching(const Surroundings& place) const {
   const Eigen::Vector3f reach(place.radius_m, place.radius_m, place.half_height_m());
   const auto has_room = static_cast<float>(kCubeRange - 1);
-  const Eigen::Vector3i first = floored(((place.centre_m - reach) / cube_m_).cwiseMax(-has_room));
-  const Eigen::Vector3i last = floored(((place.centre_m + reach) / cube_m_).cwiseMin(has_room));
+  const auto cube_of = [&](const Eigen::Vector3f& point_m) {
+    return floored((point_m / cube_m_).cwiseMax(-has_room).cwiseMin(has_room));
+  };
+  const Eigen::Vector3i first = cube_of(place.centre_m - reach);
+  const Eigen::Vector3i last = cube_of(place.centre_m + reach);
+  // Where the box holds more cubes than there are, they are all looked at instead.
+  const Eigen::Vector3d sides = (last - first).cast<double>().array() + 1.0;
+  if (!(sides.prod() <= static_cast<double>(cubes_.size()))) return cubes_within(first, last);
   std::vector<std::size_t> result;
   for (int x = first.x(); x <= last.x(); ++x) {
     for (int y = first.y(); y <= last.y(); ++y) {
@@ -187,6 +194,20 @@ std::vector<std::size_t> FeatureMap::cubes_touching(const Surroundings& place) c
       }
     }
   }
+  return result;
+}
+
+std::vector<std::size_t> FeatureMap::cubes_within(const Eigen::Vector3i& first,
+                                                  const Eigen::Vector3i& last) const {
+  std::vector<std::pair<std::uint64_t, std::size_t>> found;
+  for (std::size_t i = 0; i < cubes_.size(); ++i) {
+    const Eigen::Array3i cube = CellIndex::cell_of(cubes_[i].key);
+    const bool is_within = (cube >= first.array()).all() && (cube <= last.array()).all();
+    if (is_within) found.emplace_back(cubes_[i].key, i);
+  }
+  std::sort(found.begin(), found.end());  // x, then y, then z: as they are found in a small box
+  std::vector<std::size_t> result;
+  for (const auto& [key, cube] : found) result.push_back(cube);
   return result;
 }
 

@@ -100,6 +100,8 @@ class FeatureMap {
   std::vector<MapPoint> take(const std::vector<std::size_t>& cubes, const Wanted& wanted);
   void drop_empty_cubes();
   std::vector<std::size_t> cubes_touching(const Surroundings& place) const;
+  std::vector<std::size_t> cubes_within(const Eigen::Vector3i& first,
+                                        const Eigen::Vector3i& last) const;
   std::vector<std::size_t> all_cubes() const;
 
   float leaf_m_;

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "hqslam/core/organized_cloud.h"
@@ -36,7 +37,9 @@ struct ScanReport {
   /// Of T_map_sensor against the truth, the first scan's pose being exact: the covariance of e in
   /// T_true = T_map_sensor exp(e), (linear, angular) in the sensor's frame, m^2, m rad, rad^2.
   /// What is in it, and what it was calibrated on: src/alignment/drift.h. Zero up to the first scan
-  /// of the map, infinite variances where the place was not recognized.
+  /// of the map. What was not measured while the way was lost stays in it until a loop takes it
+  /// away. Infinite variances where the place was not recognized, and after the sensor was carried
+  /// away.
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
   Status odometry_status = Status::kOk;
   Status mapping_status = Status::kOk;
@@ -115,9 +118,16 @@ class Slam {
   /// process() runs.
   const std::vector<std::size_t>& segment_of_scan() const;
 
+  /// Covariances that hold now instead of those that were reported, of the poses of trajectory():
+  /// of scans on segments that loop closing joined since, and of the last ones before it was
+  /// noticed that the sensor had been carried away (infinite variances). By scan.
+  std::vector<std::pair<std::size_t, Eigen::Matrix<double, 6, 6>>> corrected_covariances() const;
+
   /// The map: planar features of all keyframes, one per 0.4 m voxel, then edge features, one per
-  /// 0.2 m voxel (MappingOptions), in the map's frame; submap after submap.
-  std::vector<Eigen::Vector3f> map_points_m() const;
+  /// 0.2 m voxel (MappingOptions), in the map's frame. Of one submap (its number in
+  /// submap_of_scan()), or of all, one after the other, though nothing is known of how they lie to
+  /// each other.
+  std::vector<Eigen::Vector3f> map_points_m(std::optional<std::size_t> submap = {}) const;
 
   /// What later drives are located in: of several submaps the one with most places. Throws Error
   /// unless loop closing is switched on, which knows the places, and after a drive in a given map.
