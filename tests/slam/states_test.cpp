@@ -2,8 +2,12 @@
 
 #include <doctest/doctest.h>
 
+#include <Eigen/Cholesky>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <optional>
+#include <random>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -171,4 +175,129 @@ TEST_CASE("a trace has each feature with its match, and asking for it changes no
   CHECK(trace.degenerate_directions == 0);
   CHECK((trace.T_map_expected.translation() - trace.T_map_level.translation()).norm() < 0.05);
   CHECK(trace.T_map_level.matrix() == report.T_map_sensor.matrix());
+}
+
+namespace {
+
+/// What happens to a sensor, drawn at random, and what SLAM knew of it.
+class RandomDrive {
+ public:
+  struct Scan {
+    std::size_t street = 0;
+    Pose T_street_sensor = Pose::Identity();
+    bool is_blind = false;
+    slam::ScanReport report;
+    std::string_view state;
+  };
+
+  explicit RandomDrive(unsigned seed) : random_(seed), slam_(sensor()) {
+    drive(10);
+    while (scans.size() < 90) {
+      switch (random_() % 5) {
+        case 0:  // seen
+          drive(1 + random_() % 12);
+          break;
+        case 1:  // blind
+          is_blind_ = true;
+          drive(1 + random_() % 12);
+          is_blind_ = false;
+          break;
+        case 2:  // moved, to the other street and back
+          street_ = 1 - street_;
+          drive(random_() % 2 == 0 ? 1 + random_() % 5 : 8 + random_() % 8);
+          break;
+        case 3: {  // cut: it drives on, and no scans come
+          const double cut = 2.0 + random_() % 13;
+          time_s_ += 0.1 * cut;
+          x_m_ += kStep_m * cut;
+          drive(3);
+          break;
+        }
+        default:  // the same scan again and again
+          step_m_ = 0.0;
+          drive(2 + random_() % 6);
+          step_m_ = kStep_m;
+      }
+    }
+    drive(10);
+    slam_.finish();
+  }
+
+  const slam::Slam& slam() const { return slam_; }
+  std::vector<Scan> scans;
+
+ private:
+  static constexpr double kStep_m = 0.3;
+
+  void drive(unsigned count) {
+    for (unsigned i = 0; i < count; ++i) {
+      x_m_ += step_m_;
+      time_s_ += 0.1;
+      const Pose pose = test::yard_pose(x_m_, 0.0, 0.0);
+      OrganizedCloud cloud = streets_[street_].scan(sensor(), pose);
+      if (is_blind_) cloud = OrganizedCloud(cloud.rows, cloud.columns);
+      slam::ScanTrace trace;
+      const slam::ScanReport report = slam_.process(cloud, time_s_, &trace);
+      scans.push_back({street_, pose, is_blind_, report, trace.state});
+    }
+  }
+
+  std::mt19937 random_;
+  slam::Slam slam_;
+  std::array<test::Village, 2> streets_ = {street(31), street(77)};
+  std::size_t street_ = 0;
+  bool is_blind_ = false;
+  double x_m_ = 0.0;
+  double step_m_ = kStep_m;
+  double time_s_ = 0.0;
+};
+
+}  // namespace
+
+TEST_CASE("whatever happens to a sensor, what is said of each scan holds against the truth") {
+  for (unsigned seed = 1; seed <= 6; ++seed) {
+    CAPTURE(seed);
+    const RandomDrive drive(seed);
+    const std::vector<std::size_t>& segment_of_scan = drive.slam().segment_of_scan();
+    const std::vector<std::size_t> submap_of_scan = drive.slam().submap_of_scan();
+    const Trajectory& trajectory = drive.slam().trajectory();
+    std::size_t missed = 0;
+    std::vector<std::optional<std::size_t>> first_of_submap(drive.scans.size());
+    for (std::size_t i = 0; i < drive.scans.size(); ++i) {
+      CAPTURE(i);
+      const RandomDrive::Scan& scan = drive.scans[i];
+      const bool is_registered = slam::is_registered(scan.report.mapping_status);
+      missed = is_registered ? 0 : missed + 1;
+      // Blind scans are never registered, and registered ones are tracked.
+      CHECK(!(scan.is_blind && is_registered));
+      if (is_registered) CHECK(scan.state == "tracking");
+      // A segment begins with the sixth scan in a row that is missed, or later, and takes with it
+      // all of them but the first.
+      if (i > 0) CHECK(segment_of_scan[i] >= segment_of_scan[i - 1]);
+      if (!is_registered && i > 0 && scan.report.keyframe && scan.state == "tracking") {
+        CHECK(missed >= 6);
+        CHECK(segment_of_scan[i] == segment_of_scan[i - missed + 2]);
+        CHECK(segment_of_scan[i] == segment_of_scan[i - missed] + 1);
+        missed = 0;
+      }
+      if (!is_registered) continue;
+      // Registered scans of one submap lie to each other as they really do.
+      std::optional<std::size_t>& first = first_of_submap[submap_of_scan[i]];
+      if (!first) first = i;
+      const RandomDrive::Scan& other = drive.scans[*first];
+      CHECK(scan.street == other.street);
+      const Pose truth = other.T_street_sensor.inverse() * scan.T_street_sensor;
+      const Pose found = trajectory[*first].T_map_sensor.inverse() * trajectory[i].T_map_sensor;
+      CHECK((truth.inverse() * found).translation().norm() < 0.3);
+      // What is known of a pose is true; of one in another street nothing is known.
+      const Eigen::Matrix<double, 6, 6>& covariance = scan.report.covariance;
+      if (!std::isfinite(covariance.trace())) continue;
+      CHECK(scan.street == 0);
+      const Pose T_map_true = drive.scans.front().T_street_sensor.inverse() * scan.T_street_sensor;
+      const Twist error = logarithm(scan.report.T_map_sensor.inverse() * T_map_true);
+      Eigen::Matrix<double, 6, 1> e;
+      e << error.linear, error.angular;
+      CHECK((e.dot(covariance.ldlt().solve(e)) < 60.0 || error.linear.norm() < 0.05));
+    }
+  }
 }

@@ -4,6 +4,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <vector>
@@ -27,6 +28,8 @@ struct Driven {
   Trajectory trajectory;
   std::vector<std::size_t> submap_of_scan;
   std::vector<std::size_t> segment_of_scan;
+  std::size_t map_points = 0;
+  std::array<std::size_t, 2> map_points_of_submap{};
 
   /// Farthest from where it belongs, scans from `first` on.
   double worst_error_m(std::size_t first) const {
@@ -73,6 +76,10 @@ Driven drive(const test::Village& village, const std::vector<Pose>& way,
   driven.trajectory = slam.trajectory();
   driven.submap_of_scan = slam.submap_of_scan();
   driven.segment_of_scan = slam.segment_of_scan();
+  driven.map_points = slam.map_points_m().size();
+  for (const std::size_t submap : {std::size_t{0}, std::size_t{1}}) {
+    driven.map_points_of_submap[submap] = slam.map_points_m(submap).size();
+  }
   return driven;
 }
 
@@ -212,4 +219,69 @@ TEST_CASE("a map that went on before a scan was located in it loses nothing when
     points_before = points;
   }
   CHECK(slam.submap_of_scan().back() == 0);
+}
+
+TEST_CASE("a covariance keeps what was not measured, until a loop takes it away") {
+  const SensorModel sensor = test::small_sensor(16, 360);
+  const test::Village village = street(31);
+  for (const bool blind : {true, false}) {
+    CAPTURE(blind);
+    slam::Slam slam(sensor);
+    std::vector<Pose> T_street_sensor;
+    std::vector<slam::ScanReport> reports;
+    const auto process = [&](const OrganizedCloud& cloud, const Pose& pose) {
+      T_street_sensor.push_back(pose);
+      reports.push_back(slam.process(cloud, 0.1 * static_cast<double>(reports.size())));
+    };
+    for (const Pose& pose : steps(0.0, 0.0, 80, true)) process(village.scan(sensor, pose), pose);
+    // Back to a place passed before, blind for three seconds or from one scan to the next.
+    for (int i = 0; blind && i < 30; ++i) {
+      process(OrganizedCloud(sensor.rows(), sensor.columns), T_street_sensor.back());
+    }
+    const std::size_t seen_again = reports.size();
+    for (const Pose& pose : steps(15.0, 1.0, 50, true)) process(village.scan(sensor, pose), pose);
+    slam.finish();
+    CHECK(slam.submap_of_scan().back() == 0);
+    const auto sigma_m = [](const Eigen::Matrix<double, 6, 6>& covariance) {
+      return std::sqrt(covariance.topLeftCorner<3, 3>().trace());
+    };
+    const auto truth = [&](std::size_t i) {
+      return Pose(T_street_sensor.front().inverse() * T_street_sensor[i]);
+    };
+    bool is_joined = false;
+    for (std::size_t i = seen_again + 7; i < reports.size(); ++i) {
+      CAPTURE(i);
+      is_joined = is_joined || reports[i].loop.status == slam::LoopStatus::kClosed;
+      const double error_m =
+          (reports[i].T_map_sensor.translation() - truth(i).translation()).norm();
+      CHECK(error_m < 3.0 * sigma_m(reports[i].covariance) + 0.05);
+      CHECK(std::isfinite(reports[i].covariance.trace()) == (blind || is_joined));
+      if (!is_joined) CHECK(sigma_m(reports[i].covariance) > 10.0);
+      if (is_joined) CHECK(sigma_m(reports[i].covariance) < 1.0);
+    }
+    const auto corrected = slam.corrected_covariances();
+    std::size_t known = 0;
+    for (const auto& [scan, covariance] : corrected) {
+      CAPTURE(scan);
+      CHECK(scan >= seen_again);
+      if (!std::isfinite(covariance.trace())) {
+        CHECK(scan < seen_again + 6);  // before it was noticed
+        continue;
+      }
+      ++known;
+      const double error_m =
+          (slam.trajectory()[scan].T_map_sensor.translation() - truth(scan).translation()).norm();
+      CHECK(error_m < 3.0 * sigma_m(covariance) + 0.05);
+      CHECK(sigma_m(covariance) < 1.0);
+    }
+    CHECK(known > 40);
+  }
+}
+
+TEST_CASE("a map is that of one submap, or of all") {
+  const Driven driven =
+      drive(street(31), steps(0.0, 0.0, 30, true), street(77), steps(0.0, 0.0, 30, true));
+  CHECK(driven.map_points == driven.map_points_of_submap[0] + driven.map_points_of_submap[1]);
+  CHECK(driven.map_points_of_submap[0] > 1000);
+  CHECK(driven.map_points_of_submap[1] > 1000);
 }

@@ -115,7 +115,7 @@ TEST_CASE("what is known of the last scan is carried along to this one") {
   slam::Drift drift = sixteen_rows();
   MotionState lost = known_to(0.0);
   lost.covariance(5, 5) = 0.1 * 0.1;
-  drift.lose(lost);
+  drift.lose(lost, false);
   const MotionState exact = known_to(0.0);
   CHECK(drift.covariance(ahead(20.0), exact)(1, 1) == doctest::Approx(4.0));
   slam::Drift moved = drift;
@@ -127,7 +127,7 @@ TEST_CASE("a heading that is off leads aside") {
   slam::Drift drift = sixteen_rows();
   MotionState lost = known_to(0.0);
   lost.covariance(5, 5) = 0.1 * 0.1;
-  drift.lose(lost);
+  drift.lose(lost, false);
   const MotionState exact = known_to(0.0);
   const double before_m2 = drift.covariance(kHere, exact)(1, 1);
   drift.grow(ahead(20.0), exact);
@@ -139,7 +139,31 @@ TEST_CASE("what nothing measured stays uncertain for good") {
   slam::Drift drift = sixteen_rows();
   const MotionState exact = known_to(0.0);
   const double before_m2 = drift.covariance(kHere, exact)(0, 0);
-  drift.lose(known_to(3.0));
+  drift.lose(known_to(3.0), false);
   for (int i = 0; i < 100; ++i) drift.grow(ahead(0.5), exact);
   CHECK(drift.covariance(kHere, exact)(0, 0) - before_m2 >= doctest::Approx(9.0));
+}
+
+TEST_CASE("a loop takes away what was not measured, but not what has come up since") {
+  const MotionState exact = known_to(0.0);
+  for (const bool is_carried : {false, true}) {
+    CAPTURE(is_carried);
+    slam::Drift drift = sixteen_rows();
+    drift.lose(known_to(3.0), is_carried);
+    const slam::DriftState before = drift.state();
+    for (int i = 0; i < 10; ++i) drift.grow(ahead(0.5), known_to(0.01));
+    CHECK(std::isinf(drift.covariance(kHere, exact)(0, 0)) == is_carried);
+    slam::Drift never_lost = sixteen_rows();
+    for (int i = 0; i < 10; ++i) never_lost.grow(ahead(0.5), known_to(0.01));
+    const slam::DriftState after{before.drift, 1e-4 * Matrix6::Identity(), false};
+    slam::Drift found = drift;
+    found.set(improved(drift.state(), {before, after}, ahead(5.0), true));
+    const double of_drift_m2 = never_lost.covariance(kHere, exact)(0, 0);
+    CHECK(found.covariance(kHere, exact)(0, 0) == doctest::Approx(of_drift_m2 + 1e-4));
+    // Where the way was lost again since, nothing follows for the pose now.
+    slam::Drift lost_again = drift;
+    lost_again.lose(known_to(2.0), true);
+    lost_again.set(improved(lost_again.state(), {before, after}, ahead(5.0), false));
+    CHECK(std::isinf(lost_again.covariance(kHere, exact)(0, 0)));
+  }
 }

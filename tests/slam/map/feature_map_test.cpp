@@ -168,3 +168,13 @@ TEST_CASE("a map out of which most was taken finds what a search through all doe
     if (found.count > 0) CHECK(found.squared_distance_m2[0] == nearest_m2);
   }
 }
+
+TEST_CASE("a place that is far away, or larger than the map, is looked at as fast as any other") {
+  FeatureMap map(0.4, 1.0);
+  map.insert({{0.0F, 0.0F, 0.0F}, {5.0F, 0.0F, 0.0F}, {90.0F, -70.0F, 3.0F}});
+  for (const float far_m : {1e7F, 1e20F, std::numeric_limits<float>::infinity()}) {
+    CHECK(map.points_near_m({{far_m, 0.0F, -far_m}, 45.0F}).empty());
+    // In the order in which the cubes of a small place are met: by x, y and z.
+    CHECK(map.points_near_m({{0.0F, 0.0F, 0.0F}, far_m}).size() == 3);
+  }
+}

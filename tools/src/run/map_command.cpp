@@ -24,10 +24,10 @@ ScanPoses poses_from(const std::string& path, std::int64_t scans) {
         "or a TUM file",
         path, file.poses.size(), scans));
   }
-  if (file.has_stamps) return {file.poses, {}, std::nullopt};
+  if (file.has_stamps) return {file.poses, {}, {}, std::nullopt};
   std::vector<std::int64_t> every_scan(file.poses.size());
   std::iota(every_scan.begin(), every_scan.end(), 0);
-  return {file.poses, {}, std::move(every_scan)};
+  return {file.poses, {}, {}, std::move(every_scan)};
 }
 
 std::string no_scan_message(const DenseMapRun& run, const MapOptions& options) {
