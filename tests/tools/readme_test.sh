@@ -1,27 +1,45 @@
 #!/usr/bin/env bash
-# What README.md says is true: its commands run as they stand, its C++ examples are those that
-# are compiled.
+# What the documents say is true: README.md and docs/*.md. Commands in blocks marked sh run as they
+# stand, document by document; examples in C++ are parts of files that are compiled.
 #   readme_test.sh SOURCE_FOLDER HQSLAM_PROGRAM
 set -euo pipefail
-readme=$1/README.md
+source_folder=$1
 program=$2
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 cd "$folder"
+documents=("$source_folder"/README.md "$source_folder"/docs/*.md)
 
-# block LANGUAGE: the lines of all fenced blocks of that language.
-block() { awk -v fence='```'"$1" '/^```/ { inside = ($0 == fence); next } inside' "$readme"; }
+# blocks LANGUAGE DOCUMENT: the lines of its fenced blocks of that language, a form feed after each
+# block.
+blocks() {
+  awk -v fence='```'"$1" '/^```/ { if (inside) printf "\f\n"; inside = ($0 == fence); next } inside' \
+    "$2"
+}
 
-block cpp >examples
-cat "$1/tests/install/drive_to_poses.cpp" "$1/tests/install/driver_callback.h" | diff examples - ||
-  { echo "README.md: the C++ examples are not those of tests/install"; exit 1; }
+examples=$(cat "$source_folder"/tests/install/*.{cpp,h})
+for document in "${documents[@]}"; do
+  while IFS= read -r -d $'\f' block; do
+    block=${block#$'\n'}
+    [[ "$examples" == *"${block%$'\n'}"* ]] ||
+      { echo "$document: an example in C++ is no part of tests/install:"; echo "$block"; exit 1; }
+  done < <(blocks cpp "$document")
+done
 
-# The recordings that the README takes for granted, under the names that it uses.
+for document in "${documents[@]}"; do
+  while read -r link; do
+    [[ -e "$(dirname "$document")/${link%%#*}" ]] ||
+      { echo "$document: there is no $link"; exit 1; }
+  done < <(grep -o ']([^)#][^)]*)' "$document" | sed 's/^](//; s/)$//' | grep -v '^https\?:')
+done
+
+# The recordings that the documents take for granted, under the names that they use.
 hqslam() { "$program" "$@"; }
-quietly() { "$@" >log 2>&1 || { echo "failed: $*"; cat log; exit 1; }; }
-quietly hqslam simulate --drive block --sensor hdl-64e --scans 4 --bin --out kitti
-quietly hqslam simulate --drive block --sensor os1-64 --scans 4 --pcd --out ouster
-quietly hqslam simulate --drive block --sensor os1-16 --scans 4 --out ouster16
+# Fails with what a command says on stderr; its stdout goes where the line sends it.
+quietly() { "$@" 2>log || { echo "failed: $*" >&2; cat log >&2; exit 1; }; }
+quietly hqslam simulate --drive block --sensor hdl-64e --scans 3 --bin --out kitti >stdout
+quietly hqslam simulate --drive block --sensor os1-64 --scans 3 --pcd --out ouster >stdout
+quietly hqslam simulate --drive block --sensor os1-16 --scans 3 --out ouster16 >stdout
 mv ouster16/scans.npy ranges16.npy
 mkdir velodyne_points
 mv kitti/bin velodyne_points/data
@@ -29,7 +47,7 @@ mv ouster/pcd clouds
 mv ouster/scans.npy ranges.npy
 mv ouster/sensor.json my_sensor.json
 mv ouster/truth.kitti truth.txt
-ln -s "$1/weights" weights
+ln -s "$source_folder/weights" weights
 cat >my_recipe.json <<'JSON'
 {
   "network": {"kind": "du-or", "layers": 1, "sensor": "os1-64", "measured_rows": 16,
@@ -40,10 +58,12 @@ cat >my_recipe.json <<'JSON'
 }
 JSON
 
-# bench, demo and table take long and have tests of their own.
-block sh | grep '^hqslam ' | grep -v -E '^hqslam (bench|demo|table)' >commands
-(($(wc -l <commands) >= 5)) || { echo "README.md: found only $(wc -l <commands) commands"; exit 1; }
-while read -r command; do
-  echo "$command"
-  eval "quietly $command"
-done <commands
+commands=0
+for document in "${documents[@]}"; do
+  while read -r command; do
+    echo "$command"
+    eval "quietly $command" >stdout
+    commands=$((commands + 1))
+  done < <(blocks sh "$document" | grep '^hqslam ')
+done
+((commands >= 20)) || { echo "found only $commands commands"; exit 1; }
