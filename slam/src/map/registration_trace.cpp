@@ -95,18 +95,4 @@ void trace_registration(const Mapping& mapping, const MapFeatures& features,
   trace.degenerate_directions = observable.degenerate_directions;
 }
 
-std::string_view name(FeatureKind kind) {
-  switch (kind) {
-    case FeatureKind::kEdge:
-      return "edge";
-    case FeatureKind::kPost:
-      return "post";
-    case FeatureKind::kGround:
-      return "ground";
-    case FeatureKind::kSurface:
-      break;
-  }
-  return "surface";
-}
-
 }  // namespace hqslam::slam
