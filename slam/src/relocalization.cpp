@@ -55,16 +55,17 @@ State Slam::Implementation::next(Searching now, const Scan& scan, Notes& notes) 
     const MappingResult matched =
         mapping.register_scan(scan.map_features, found_about(found), found.T_map_sensor);
     found.covariance = matched.state.covariance;
-    report.covariance = drift.covariance(Pose::Identity(), found);
+    const Matrix6 against_map = drift.against_map(found);
+    report.covariance = drift.covariance(Pose::Identity(), against_map);
     if (notes.trace != nullptr) {
       trace_registration(mapping, scan.map_features, matched, *notes.trace);
     }
-    return Tracking{reference_of(scan, found, report), 0.0, std::nullopt};
+    return Tracking{reference_of(scan, found, against_map, report), 0.0, std::nullopt};
   }
   report.mapping_status = Status::kNotRecognized;
   report.covariance.diagonal().setConstant(std::numeric_limits<double>::infinity());
   if (scan.has_enough_features) {
-    now.reference = reference_of(scan, found, report);
+    now.reference = reference_of(scan, found, Matrix6::Zero(), report);
     now.T_odom_last = report.T_odom_sensor;
   }
   return now;

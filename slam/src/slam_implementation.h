@@ -60,9 +60,10 @@ struct Slam::Implementation {
 
   /// A scan after it was looked for in the map.
   struct Registered {
-    MotionState state;           ///< by the map, else by the odometry, else as it was expected
-    bool is_registered = false;  ///< in the map
-    bool by_odometry = false;    ///< its motion since the reference is known
+    MotionState state;  ///< by the map, else by the odometry, else as it was expected
+    Matrix6 against_map = Matrix6::Zero();
+    bool is_registered = false;        ///< in the map
+    bool by_odometry = false;          ///< its motion since the reference is known
     bool is_motion_plausible = false;  ///< and is one that a sensor can make that is not carried
     bool is_contradiction = false;     ///< of what was well known before the scan
     double inlier_ratio = 0.0;
@@ -77,6 +78,7 @@ struct Slam::Implementation {
 };
 
 /// The scan as the one that the next are matched with.
-Reference reference_of(const Scan& scan, const MotionState& state, const ScanReport& report);
+Reference reference_of(const Scan& scan, const MotionState& state, const Matrix6& against_map,
+                       const ScanReport& report);
 
 }  // namespace hqslam::slam

@@ -28,6 +28,7 @@ namespace hqslam::slam {
 struct Reference {
   double time_s = 0.0;
   MotionState state;
+  Matrix6 against_map = Matrix6::Zero();  ///< the pose's covariance: Drift
   Pose T_odom_sensor = Pose::Identity();
   OdometryTarget target;
 };

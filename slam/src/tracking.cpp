@@ -28,10 +28,17 @@ bool is_plausible(const Twist& innovation, double duration_s) {
          innovation.angular.norm() <= 0.2 + kTurned_rad_s2 * half_square_s2;
 }
 
+/// By how much less is known of an expected pose than of the one before.
+Matrix6 growth(const MotionState& before, const MotionState& expected, const Pose& motion) {
+  return expected.covariance.topLeftCorner<6, 6>() -
+         carried(before.covariance.topLeftCorner<6, 6>(), motion);
+}
+
 }  // namespace
 
-Reference reference_of(const Scan& scan, const MotionState& state, const ScanReport& report) {
-  return {scan.time_s, state, report.T_odom_sensor, {scan.features, state.velocity}};
+Reference reference_of(const Scan& scan, const MotionState& state, const Matrix6& against_map,
+                       const ScanReport& report) {
+  return {scan.time_s, state, against_map, report.T_odom_sensor, {scan.features, state.velocity}};
 }
 
 std::string_view name(const State& state) {
@@ -55,7 +62,7 @@ State Slam::Implementation::next(Starting, const Scan& scan, Notes& notes) {
   }
   const MotionState standing = unknown_motion(Pose::Identity());
   add_keyframe(scan, standing.velocity, true, notes);
-  return Tracking{reference_of(scan, standing, notes.report), 0.0,
+  return Tracking{reference_of(scan, standing, drift.against_map(standing), notes.report), 0.0,
                   FirstKeyframe{scan.time_s, scan.features, scan.map_features}};
 }
 
@@ -79,7 +86,7 @@ State Slam::Implementation::next(Lost now, const Scan& scan, Notes& notes) {
   if (map_goes_on && !now.is_motion_measured) return new_segment(now, found, scan, notes);
   if (!found.by_odometry) return now;
   drift.move(reference.state.T_map_sensor.inverse() * found.state.T_map_sensor);
-  now.last.reference = reference_of(scan, found.state, notes.report);
+  now.last.reference = reference_of(scan, found.state, found.against_map, notes.report);
   if (map_goes_on && mapping.is_keyframe(found.state.T_map_sensor)) {
     now.last.first_keyframe.reset();
     add_keyframe(scan, found.state.velocity, false, notes);
@@ -99,7 +106,7 @@ State Slam::Implementation::tracked(Tracking last, const Registered& found, cons
   } else {
     drift.grow(motion, found.state);
   }
-  last.reference = reference_of(scan, found.state, notes.report);
+  last.reference = reference_of(scan, found.state, found.against_map, notes.report);
   last.inlier_ratio = found.inlier_ratio;
   if (!place_recognition && mapping.is_keyframe(found.state.T_map_sensor)) {
     last.first_keyframe.reset();  // no longer the only one: the map cannot begin anew with it
@@ -112,14 +119,17 @@ State Slam::Implementation::tracked(Tracking last, const Registered& found, cons
 /// to be, in a submap of its own.
 State Slam::Implementation::new_segment(const Lost& lost, Registered found, const Scan& scan,
                                         Notes& notes) {
-  drift.lose(found.state, lost.is_carried);
+  drift.lose(found.against_map, lost.is_carried);
   // A velocity that nothing measured would be predicted again, and kept for good.
   if (!found.by_odometry) found.state = unknown_motion(found.state.T_map_sensor);
   drift.move(lost.last.reference.state.T_map_sensor.inverse() * found.state.T_map_sensor);
   path.begin_segment(lost.missed_scans - 1, mapping.keyframes(), lost.is_carried);
-  if (lost.is_carried) notes.report.covariance = drift.covariance(Pose::Identity(), found.state);
+  const Matrix6 against_own_map = drift.against_map(unknown_motion(found.state.T_map_sensor));
+  notes.own_covariance = drift.own_covariance(Pose::Identity(), against_own_map);
+  notes.report.covariance = drift.covariance(Pose::Identity(), against_own_map);
   add_keyframe(scan, found.state.velocity, true, notes);
-  return Tracking{reference_of(scan, found.state, notes.report), 0.0, std::nullopt};
+  return Tracking{reference_of(scan, found.state, against_own_map, notes.report), 0.0,
+                  std::nullopt};
 }
 
 /// Where the scan is: predicted, moved by the odometry, registered in the map.
@@ -166,8 +176,11 @@ Slam::Implementation::Registered Slam::Implementation::registered(const Tracking
   report.planar_correspondences = matched.planar_correspondences;
   report.T_map_sensor = found.state.T_map_sensor;
   const Pose motion = reference.state.T_map_sensor.inverse() * found.state.T_map_sensor;
-  report.covariance = drift.covariance(motion, found.state);
-  notes.own_covariance = drift.own_covariance(motion, found.state);
+  found.against_map = found.is_registered ? drift.against_map(found.state)
+                                          : carried(reference.against_map, motion) +
+                                                growth(reference.state, expected, motion);
+  report.covariance = drift.covariance(motion, found.against_map);
+  notes.own_covariance = drift.own_covariance(motion, found.against_map);
   if (notes.trace != nullptr) {
     notes.trace->T_map_expected = expected.T_map_sensor;
     notes.trace->T_map_odometry = T_map_moved;

@@ -89,8 +89,8 @@ void Drift::grow(const Pose& motion, const MotionState& state) {
   path_m_ += step_m;
 }
 
-void Drift::lose(const MotionState& expected, bool is_carried) {
-  state_.unmeasured += expected.covariance.topLeftCorner<6, 6>();
+void Drift::lose(const Matrix6& against_map, bool is_carried) {
+  state_.unmeasured += against_map;
   state_.is_anywhere = state_.is_anywhere || is_carried;
   velocity_.reset();
 }
@@ -103,15 +103,15 @@ DriftState improved(const DriftState& later, const DriftImprovement& earlier, co
           later.is_anywhere && !(is_way_known && !after.is_anywhere)};
 }
 
-Matrix6 Drift::own_covariance(const Pose& motion, const MotionState& state) const {
-  return carried(state_.drift, motion) + against_map(state);
+Matrix6 Drift::own_covariance(const Pose& motion, const Matrix6& against_map) const {
+  return carried(state_.drift, motion) + against_map;
 }
 
-Matrix6 Drift::covariance(const Pose& motion, const MotionState& state) const {
+Matrix6 Drift::covariance(const Pose& motion, const Matrix6& against_map) const {
   if (state_.is_anywhere) {
     return Matrix6(Vector6::Constant(std::numeric_limits<double>::infinity()).asDiagonal());
   }
-  return carried(state_.total(), motion) + against_map(state);
+  return carried(state_.total(), motion) + against_map;
 }
 
 }  // namespace hqslam::slam

@@ -75,22 +75,22 @@ class Drift {
   void grow(const Pose& motion, const MotionState& state);
   /// A scan was followed by the odometry alone.
   void move(const Pose& motion);
-  /// The map goes on from a pose that nothing measured: `expected` without the scan. is_carried:
-  /// the sensor is elsewhere than anybody could expect.
-  void lose(const MotionState& expected, bool is_carried);
+  /// The map goes on from a pose that nothing measured; in: its covariance against the map before.
+  /// is_carried: the sensor is elsewhere than anybody could expect.
+  void lose(const Matrix6& against_map, bool is_carried);
   void set(const DriftState& state) { state_ = state; }
 
   const DriftState& state() const { return state_; }
 
-  /// The same without what was not measured where the way was lost.
-  Matrix6 own_covariance(const Pose& motion, const MotionState& state) const;
+  /// A, of a scan that was registered.
+  Matrix6 against_map(const MotionState& state) const;
   /// Of T_map_sensor against the truth, the first scan's pose being exact: (linear, angular) in the
   /// sensor's frame. motion: since the last scan that was followed.
-  Matrix6 covariance(const Pose& motion, const MotionState& state) const;
+  Matrix6 covariance(const Pose& motion, const Matrix6& against_map) const;
+  /// The same without what was not measured where the way was lost.
+  Matrix6 own_covariance(const Pose& motion, const Matrix6& against_map) const;
 
  private:
-  Matrix6 against_map(const MotionState& state) const;
-
   double start_variance_;
   double scan_period_s_;
   std::optional<Twist> velocity_;    ///< of the last scan that was registered
