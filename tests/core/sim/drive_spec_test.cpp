@@ -3,8 +3,12 @@
 #include <cmath>
 
 #include "error_message.h"
+#include "file_contents.h"
 #include "hqslam/sim/drive.h"
+#include "hqslam/sim/read_drive.h"
+#include "hqslam/sim/write_drive.h"
 #include "small_sensor.h"
+#include "temporary_directory.h"
 
 using namespace hqslam;
 using namespace hqslam::sim;
@@ -89,18 +93,51 @@ TEST_CASE("mounts and conditions that cannot be are named with field and bounds"
     change(spec);
     return error_message([&] { DriveSimulator(spec, small_sensor()); });
   };
-  CHECK(one_line_with(message([](DriveSpec& s) { s.mount.sensor_height_m = 0.0; }), "block",
-                      "sensor_height_m is 0", "0.1 to 10; give "));
-  CHECK(one_line_with(message([](DriveSpec& s) { s.mount.mount_roll_rad = std::nan(""); }),
-                      "mount_roll_rad is nan"));
-  CHECK(one_line_with(message([](DriveSpec& s) { s.mount.mount_pitch_rad = -1.0; }),
-                      "mount_pitch_rad is -1"));
-  CHECK(one_line_with(message([](DriveSpec& s) { s.conditions.dropout_share = 1.0; }),
-                      "dropout_share is 1"));
-  CHECK(one_line_with(message([](DriveSpec& s) { s.conditions.extra_range_noise_m = -0.1; }),
-                      "extra_range_noise_m"));
-  CHECK(one_line_with(message([](DriveSpec& s) { s.conditions.extinction_per_m = 2.0; }),
-                      "extinction_per_m"));
-  CHECK(one_line_with(message([](DriveSpec& s) { s.conditions.airborne_share = -1.0; }),
-                      "airborne_share"));
+  const std::vector<std::pair<void (*)(DriveSpec&), std::string>> cases = {
+      {[](DriveSpec& s) { s.mount.sensor_height_m = 0.0; }, "sensor_height_m is 0"},
+      {[](DriveSpec& s) { s.mount.mount_roll_rad = std::nan(""); }, "mount_roll_rad is nan"},
+      {[](DriveSpec& s) { s.mount.mount_pitch_rad = -1.0; }, "mount_pitch_rad is -1"},
+      {[](DriveSpec& s) { s.conditions.dropout_share = 1.0; }, "dropout_share is 1"},
+      {[](DriveSpec& s) { s.conditions.extra_range_noise_m = -0.1; }, "extra_range_noise_m"},
+      {[](DriveSpec& s) { s.conditions.extinction_per_m = 2.0; }, "extinction_per_m"},
+      {[](DriveSpec& s) { s.conditions.airborne_share = -1.0; }, "airborne_share"},
+  };
+  for (const auto& [change, named] : cases) {
+    CHECK(one_line_with(message(change), "block", named, "expected", "; give "));
+  }
+  CHECK(one_line_with(message(cases.front().first), "0.1 to 10; give "));
+}
+
+TEST_CASE("a drive is read as it was written, with its mount and conditions") {
+  for (const bool varied : {false, true}) {
+    const TemporaryDirectory folder;
+    DriveSpec spec{"town", 0xFFFFFFFFFFFFFFFFU, 12, {}, {}};
+    if (varied) spec = with_varied_conditions(spec);
+    { const DriveWriter writer(folder.path().string(), spec, small_sensor()); }
+    const DriveSpec read = read_drive_json(folder.file("drive.json"));
+    CHECK(read.name == spec.name);
+    CHECK(read.seed == spec.seed);
+    CHECK(read.scans == spec.scans);
+    CHECK(read.mount == spec.mount);
+    CHECK(read.conditions == spec.conditions);
+  }
+}
+
+TEST_CASE("what is no drive.json is an error of one line that names the file") {
+  const TemporaryDirectory folder;
+  const std::string path = folder.file("drive.json");
+  const auto message_for = [&](const std::string& text) {
+    write_file(path, text);
+    return error_message([&] { read_drive_json(path); });
+  };
+  CHECK(one_line_with(error_message([&] { read_drive_json(path); }), path, "found no file"));
+  CHECK(one_line_with(message_for("not json"), path, "JSON"));
+  CHECK(one_line_with(message_for("[]"), path, "object"));
+  CHECK(one_line_with(message_for(R"({"name": "town", "seed": 1})"), path, "scans"));
+  CHECK(one_line_with(message_for(R"({"name": "town", "seed": -1, "scans": 3})"), path, "seed"));
+  CHECK(one_line_with(message_for(R"({"name": "town", "seed": 1, "scans": 0})"), "scans"));
+  CHECK(one_line_with(message_for(R"({"name": "moon", "seed": 1, "scans": 3})"), "moon"));
+  CHECK(one_line_with(message_for(R"({"name": "town", "seed": 1, "scans": 3, "mount": 4})"), path,
+                      "mount"));
+  CHECK(one_line_with(message_for(std::string(100000, ' ')), path, "bytes"));
 }

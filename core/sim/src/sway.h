@@ -8,6 +8,24 @@
 
 namespace hqslam::sim {
 
+/// How a car sways on its springs with the sensor on its roof, by the distance s driven, so that a
+/// standing car stands still and the pose is as smooth in time as the path:
+///   roll, pitch, heave = sum_k a_k sin(w_k s + p_k),  2 pi / w_k about 47, 23, 13 and 8 m
+class VehicleSway {
+ public:
+  VehicleSway(std::uint64_t seed, const SensorMount& mount);
+  Pose T_vehicle_sensor(double along_m) const;
+
+ private:
+  struct Wave {
+    double wave_number_rad_per_m;
+    double phase_rad;
+    double amplitude;
+  };
+  SensorMount mount_;
+  std::array<std::array<Wave, 4>, 3> waves_;  ///< roll, pitch, heave
+};
+
 /// How a sensor moves in the hand of somebody who walks upright: it rolls and pitches by up to
 /// `largest_rad` about once in a second, turns a little, and rises with every step.
 ///   angle(t) = A (0.85 + 0.15 sin(w_slow t + p_slow)) sin(w t + p),  2 pi / w = 0.95 to 1.05 s
