@@ -105,7 +105,8 @@ constexpr std::array kOptions = {
                   "the same; LeGO-LOAM: 0.001; mapping refines it", kNotNegative),
     HQSLAM_OPTION(mapping, MappingOptions, max_iterations, "searches in the map per scan",
                   kPositive),
-    HQSLAM_OPTION(mapping, MappingOptions, min_correspondences, "fewer locate no scan", kPositive),
+    HQSLAM_OPTION(mapping, MappingOptions, min_correspondences, "fewer register no scan",
+                  kPositive),
     HQSLAM_OPTION(mapping, MappingOptions, min_matched_share,
                   "a scan of which less fits the map is not of this place; measured: streets 0.47 "
                   "and more, noise 0.2; LeGO-LOAM has none",
@@ -113,7 +114,7 @@ constexpr std::array kOptions = {
     HQSLAM_OPTION(mapping, MappingOptions, edge_leaf_m, "edges of the map: one per voxel", kLeaf),
     HQSLAM_OPTION(mapping, MappingOptions, planar_leaf_m, "ground and surfaces of the map", kLeaf),
     HQSLAM_OPTION(mapping, MappingOptions, located_planar_leaf_m,
-                  "of the scan that is located; LeGO-LOAM: as in the map", kLeaf),
+                  "of the scan that is registered; LeGO-LOAM: as in the map", kLeaf),
     HQSLAM_OPTION(mapping, MappingOptions, max_neighbour_distance_m,
                   "how far the first two searches reach", kPositive),
     HQSLAM_OPTION(mapping, MappingOptions, close_neighbour_distance_m,
@@ -127,10 +128,11 @@ constexpr std::array kOptions = {
                   kPositive),
     HQSLAM_OPTION(mapping, MappingOptions, max_ground_residual_m,
                   "the same for the ground; LeGO-LOAM: 0.2", kPositive),
-    HQSLAM_OPTION(mapping, MappingOptions, recent_path_m,
-                  "the map is matched with as far as so much path saw it, or a loop was verified; "
-                  "LeGO-LOAM: all of it",
-                  kPositive),
+    HQSLAM_OPTION(
+        mapping, MappingOptions, recent_path_m,
+        "sliding window: scans are matched with what so much path saw, or a loop restored; "
+        "LeGO-LOAM: all of it",
+        kPositive),
     HQSLAM_OPTION(mapping, MappingOptions, key_frame_translation_m,
                   "a scan so far from the last one in the map is put into it", kNotNegative),
     HQSLAM_OPTION(mapping, MappingOptions, key_frame_rotation_rad,

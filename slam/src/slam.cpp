@@ -1,7 +1,11 @@
 #include "hqslam/slam/slam.h"
 
+#include <utility>
+
 #include "front_end/scan_check.h"
-#include "map/choice_of_start.h"
+#include "hqslam/core/error.h"
+#include "hqslam/slam/saved_map.h"
+#include "map/registration_trace.h"
 #include "slam_implementation.h"
 #include "thread_limit.h"
 
@@ -19,265 +23,153 @@ SlamOptions validated(const SlamOptions& options) {
   return options;
 }
 
-/// A sensor that is followed no longer is believed to keep its velocity for so long.
-constexpr double kSteady_periods = 10.0;
-
-/// Whether a sensor that is not carried can have moved so much otherwise than it was expected to.
-bool is_plausible(const Twist& surprise, double duration_s) {
-  constexpr double kAccelerated_m_s2 = 10.0;
-  constexpr double kTurned_rad_s2 = 5.0;
-  const double half_square_s2 = 0.5 * duration_s * duration_s;
-  return surprise.linear.norm() <= 0.5 + kAccelerated_m_s2 * half_square_s2 &&
-         surprise.angular.norm() <= 0.2 + kTurned_rad_s2 * half_square_s2;
+FeatureMaps map_of(const SlamOptions& options, const SavedMap* given_map) {
+  if (given_map == nullptr) return FeatureMaps(options.mapping);
+  if (given_map->places.empty()) {
+    throw Error("the map has no place to be recognized; save it after a drive");
+  }
+  return {options.mapping, *given_map};
 }
 
 }  // namespace
 
-Slam::Implementation::Implementation(const SensorModel& sensor_, const SlamOptions& options_)
+Slam::Implementation::Implementation(const SensorModel& sensor_, const SlamOptions& options_,
+                                     const SavedMap* given_map,
+                                     const std::optional<Pose>& T_map_level_start)
     : options(validated(options_)),
       mounting(options.mounting, validated(sensor_)),
       sensor(mounting.upright_sensor()),
       segmenter(sensor, options.ground, options.segmentation),
-      odometry(options.odometry),
-      mapping(options.mapping),
       clock(sensor.scan_period_s),
+      mapping(options.mapping, map_of(options, given_map)),
       drift(sensor) {
-  loop_closing.emplace(options.mapping, options.loop_closing.enabled);
+  if (given_map == nullptr) {
+    loop_closing.emplace(options.mapping, options.loop_closing.enabled);
+  } else {
+    place_recognition.emplace(options.mapping, given_map->places, T_map_level_start);
+    state = Searching{};
+  }
+}
+
+/// The way of a scan, in the frame of the sensor turned level.
+ScanReport Slam::Implementation::process_level(const OrganizedCloud& cloud, double stamp_s,
+                                               ScanTrace* trace) {
+  Notes notes;
+  notes.trace = trace;
+  notes.report.stamp_s = stamp_s;
+  collect_loops(notes);
+  const Scan scan = front_end(cloud, stamp_s, notes);
+  const std::string_view state_before = name(state);
+  state = std::visit([&](auto& now) { return next(std::move(now), scan, notes); }, state);
+  if (trace != nullptr) {
+    trace->state_before = state_before;
+    trace->state = name(state);
+    trace->T_map_level = notes.report.T_map_sensor;
+  }
+  StageTimes& times = notes.report.times;
+  times.mapping_s += notes.stopwatch.lap_s();
+  times.total_s = times.segmentation_s + times.features_s + times.odometry_s + times.mapping_s +
+                  times.loop_closing_s;
+  own_covariance = notes.own_covariance;
+  return notes.report;
 }
 
 /// All that process_level() knows of is the sensor turned level.
-ScanReport Slam::Implementation::process(const OrganizedCloud& cloud, double stamp_s) {
-  if (options.mounting.estimated && !mounting.mounted().estimated && !odometry.has_reference()) {
+ScanReport Slam::Implementation::process(const OrganizedCloud& cloud, double stamp_s,
+                                         ScanTrace* trace) {
+  if (options.mounting.estimated && !mounting.mounted().estimated &&
+      reference_of(state) == nullptr) {
     mounting.estimate(cloud);
   }
   const std::optional<OrganizedCloud> level = mounting.level(cloud);
-  ScanReport report = process_level(level ? *level : cloud, stamp_s);
+  ScanReport report = process_level(level ? *level : cloud, stamp_s, trace);
   report.T_map_sensor = mounting.of_sensor(report.T_map_sensor);
   report.T_odom_sensor = mounting.of_sensor(report.T_odom_sensor);
   report.covariance = mounting.of_sensor(report.covariance);
-  path.add({stamp_s, report.T_map_sensor}, mapping.key_frames());
+  path.add({stamp_s, report.T_map_sensor}, mapping.keyframes(), mounting.of_sensor(own_covariance));
   return report;
 }
 
-ScanReport Slam::Implementation::process_level(const OrganizedCloud& cloud, double stamp_s) {
-  Stopwatch stopwatch;
-  ScanReport report;
-  report.stamp_s = stamp_s;
-  time_s = clock.time_s(stamp_s);
-  if (loop_closing) {
-    if (const std::optional<LoopResult> found = loop_closing->collect()) {
-      take_in(*found);
-      report.loop = found->report;
-    }
-    report.times.loop_closing_s = stopwatch.lap_s();
-  }
+Scan Slam::Implementation::front_end(const OrganizedCloud& cloud, double stamp_s, Notes& notes) {
+  ScanReport& report = notes.report;
   const Segmentation segmentation = segmenter.segment(cloud, mounting.up_of_upright_sensor());
   report.returns = segmentation.returns;
   report.ground_points = segmentation.ground_points;
   report.clusters = segmentation.clusters;
-  report.times.segmentation_s = stopwatch.lap_s();
+  report.times.segmentation_s = notes.stopwatch.lap_s();
 
-  const Features features = extract_features(cloud, segmentation, options.features);
-  report.edge_features = static_cast<int>(features.edges.size());
-  report.planar_features = static_cast<int>(features.ground.size() + features.surfaces.size());
-  report.times.features_s = stopwatch.lap_s();
-
-  if (!is_recognized) {
-    recognize_place(cloud, features, stopwatch, report);
-  } else if (odometry.has_reference()) {
-    follow(cloud, features, stopwatch, report);
-  } else {
-    begin(cloud, features, stopwatch, report);
+  Scan scan{cloud,
+            clock.time_s(stamp_s),
+            extract_features(cloud, segmentation, options.features),
+            {},
+            false};
+  scan.map_features = map_features(scan.features, sensor.measured_rows, options.mapping);
+  const auto planar = static_cast<int>(scan.features.ground.size() + scan.features.surfaces.size());
+  report.edge_features = static_cast<int>(scan.features.edges.size());
+  report.planar_features = planar;
+  scan.has_enough_features =
+      report.edge_features >= options.odometry.min_edges || planar >= options.odometry.min_planar;
+  report.times.features_s = notes.stopwatch.lap_s();
+  if (notes.trace != nullptr) {
+    notes.trace->cloud = cloud;
+    notes.trace->pixel_class = segmentation.pixel_class;
+    trace_features(scan.map_features, *notes.trace);
   }
-  report.times.total_s = report.times.segmentation_s + report.times.features_s +
-                         report.times.odometry_s + report.times.mapping_s +
-                         report.times.loop_closing_s;
-  return report;
+  return scan;
 }
 
-/// The first scan with enough features defines the frame of the map.
-void Slam::Implementation::begin(const OrganizedCloud& cloud, const Features& features,
-                                 Stopwatch& stopwatch, ScanReport& report) {
-  if (!can_be_reference(features)) {
-    report.odometry_status = Status::kTooFewFeatures;
-    report.mapping_status = Status::kTooFewFeatures;
-    return;
+/// What loop closing found out since, if this is the scan that it was waited for.
+void Slam::Implementation::collect_loops(Notes& notes) {
+  if (!loop_closing) return;
+  if (const std::optional<LoopResult> found = loop_closing->collect()) {
+    apply(*found);
+    notes.report.loop = found->report;
   }
-  make_reference(features, unknown_motion(Pose::Identity()), report);
-  first_scan = {time_s, features, map_features(features, sensor.measured_rows, options.mapping)};
-  add_key_frame(cloud, first_scan->thinned, stopwatch, report, true);
+  notes.report.times.loop_closing_s = notes.stopwatch.lap_s();
 }
 
-void Slam::Implementation::follow(const OrganizedCloud& cloud, const Features& features,
-                                  Stopwatch& stopwatch, ScanReport& report) {
-  const MapFeatures thinned = map_features(features, sensor.measured_rows, options.mapping);
-  Followed followed = locate(features, thinned, stopwatch, report);
-  if (first_scan && followed.is_located) {
-    correct_first_key_frame(followed.state.velocity);
-    followed = locate(features, thinned, stopwatch, report);
-  }
-  if (followed.is_located) {
-    way.located(followed.standing_share);
-  } else {
-    way.not_located(followed.is_way_measured);
-  }
-  if (place_recognition && way.is_lost()) {
-    is_recognized = false;  // the next scan is looked for in all of the map
-    place_recognition->forget();
-    odometry = Odometry(options.odometry);
-    way = {};
-    return;
-  }
-  const bool goes_on = way.is_lost() && can_be_reference(features);
-  if (followed.by_odometry || followed.is_located || goes_on) {
-    const bool begins_stretch = goes_on && !way.is_measured() && !place_recognition;
-    if (!followed.by_odometry && !followed.is_located) {
-      // Nothing measured this motion: a wrong velocity would be predicted again, and kept for good.
-      followed.state = unknown_motion(followed.state.T_map_sensor);
-    }
-    if (begins_stretch) {
-      drift.lose(followed.state);
-      path.begin_stretch(way.unlocated_scans() - 1, mapping.key_frames());
-      way = {};
-    }
-    const Pose motion = reference.T_map_sensor.inverse() * followed.state.T_map_sensor;
-    if (followed.is_located) {
-      accelerations.learn(reference.velocity, followed.state.velocity, time_s - reference_time_s);
-      drift.learn(followed.state.velocity);
-    }
-    if (followed.is_located && !place_recognition) {
-      drift.locate(motion, followed.state);
-    } else {
-      drift.move(motion);
-    }
-    make_reference(features, followed.state, report);
-    const bool is_farther =
-        (followed.is_located || goes_on) && mapping.is_key_frame(report.T_map_sensor);
-    if (!place_recognition && (begins_stretch || is_farther)) {
-      first_scan.reset();  // no longer the only key frame: the map cannot begin anew with it
-      add_key_frame(cloud, thinned, stopwatch, report, begins_stretch);
-    }
-  }
-  report.times.mapping_s += stopwatch.lap_s();
-}
-
-/// Where the scan is, by the odometry and in the map, the last one that was followed being the
-/// reference.
-Slam::Implementation::Followed Slam::Implementation::locate(const Features& features,
-                                                            const MapFeatures& thinned,
-                                                            Stopwatch& stopwatch,
-                                                            ScanReport& report) const {
-  const double duration_s = time_s - reference_time_s;
-  const MotionState expected = predicted(
-      reference, duration_s, kSteady_periods * sensor.scan_period_s, accelerations.density());
-  const OdometryResult moved = odometry.estimate(
-      features, reference.T_map_sensor.inverse() * expected.T_map_sensor, duration_s);
-  const Pose T_map_moved = orthonormalized(reference.T_map_sensor * moved.T_reference_sensor);
-  report.odometry_status = moved.status;
-  report.T_odom_sensor = orthonormalized(T_odom_reference * moved.T_reference_sensor);
-  report.times.odometry_s += stopwatch.lap_s();
-
-  MappingResult located = locate_from_both(mapping, thinned, {expected, T_map_moved, duration_s});
-  if (place_recognition && !is_in_given_map(thinned, located.state)) {
-    located.status = Status::kTooFewFeatures;
-  }
-  const bool is_elsewhere = way.leads_elsewhere(located.standing_share);
-  if (is_elsewhere) located.status = Status::kTooFewFeatures;
-  if (located.status != Status::kTooFewFeatures &&
-      duration_s > kSteady_periods * sensor.scan_period_s) {
-    located.status = Status::kAfterGap;
-  }
-  Followed result{located.state, located.status != Status::kTooFewFeatures,
-                  moved.status != Status::kTooFewFeatures, false, located.standing_share};
-  const Twist surprise = logarithm(expected.T_map_sensor.inverse() * T_map_moved);
-  result.is_way_measured =
-      result.by_odometry && !is_elsewhere && is_plausible(surprise, duration_s);
-  if (!result.is_located) {
-    result.state.T_map_sensor = T_map_moved;
-    result.state.velocity = (1.0 / duration_s) * logarithm(moved.T_reference_sensor);
-  }
-  report.mapping_status = located.status;
-  report.edge_correspondences = located.edge_correspondences;
-  report.planar_correspondences = located.planar_correspondences;
-  report.T_map_sensor = result.state.T_map_sensor;
-  report.covariance =
-      drift.covariance(reference.T_map_sensor.inverse() * result.state.T_map_sensor, result.state);
-  report.times.mapping_s += stopwatch.lap_s();
-  return result;
-}
-
-/// The first scan was taken as if the sensor stood: now that its velocity is known it is corrected
-/// for that, and the map begins anew with it.
-void Slam::Implementation::correct_first_key_frame(const Twist& velocity) {
-  mapping = Mapping(options.mapping);
-  mapping.insert(first_scan->thinned, Pose::Identity(), velocity);
-  if (reference_time_s == first_scan->time_s)
-    odometry.set_reference(first_scan->features, velocity);
-  first_scan.reset();
-}
-
-bool Slam::Implementation::can_be_reference(const Features& features) const {
-  const OdometryOptions& wanted = options.odometry;
-  return static_cast<int>(features.edges.size()) >= wanted.min_edges ||
-         static_cast<int>(features.ground.size() + features.surfaces.size()) >= wanted.min_planar;
-}
-
-/// Makes this scan, of which the poses are known, the one that the next are matched with.
-void Slam::Implementation::make_reference(const Features& features, const MotionState& state,
-                                          const ScanReport& report) {
-  reference = state;
-  odometry.set_reference(features, state.velocity);
-  reference_time_s = time_s;
-  T_odom_reference = report.T_odom_sensor;
-}
-
-/// Puts the scan, of which velocity and T_map_sensor are known, into the map, or into one of its
-/// own if nothing measured the way here.
-void Slam::Implementation::add_key_frame(const OrganizedCloud& cloud, const MapFeatures& features,
-                                         Stopwatch& stopwatch, ScanReport& report,
-                                         bool begins_stretch) {
-  LoopKeyFrame key_frame{report.T_map_sensor, report.mapping_status, path.trajectory().size(),
-                         begins_stretch, std::nullopt};
-  if (begins_stretch || loop_closing->wants_view(report.T_map_sensor)) {
-    key_frame.view = {cloud, features, reference.velocity,
-                      begins_stretch ? mapping.lay_aside_all() : mapping.lay_aside()};
-  }
-  mapping.insert(features, report.T_map_sensor, reference.velocity);
-  report.key_frame = true;
-  report.times.mapping_s += stopwatch.lap_s();
-  loop_closing->add(std::move(key_frame));
-  report.times.loop_closing_s += stopwatch.lap_s();
-}
-
-/// Moves map and path with their key frames. The odometry's frame and the last motion stay as they
+/// Moves map and path with their keyframes. The odometry's frame and the last motion stay as they
 /// are, so the next scan is followed as if nothing had happened, in the corrected map.
-void Slam::Implementation::take_in(const LoopResult& found) {
-  path.join(found.part_of_stretch);
-  if (!found.corrections.empty()) {
+void Slam::Implementation::apply(const LoopResult& found) {
+  path.join(found.submap_of_segment);
+  Reference* reference = reference_of(state);
+  if (found.drift && reference != nullptr) apply(*found.drift, reference->state.T_map_sensor);
+  if (!found.corrections.empty() && reference != nullptr) {
     mapping.correct(found.corrections);
     path.correct(found.corrections);
-    reference.T_map_sensor = orthonormalized(found.corrections.back() * reference.T_map_sensor);
+    Pose& T_map_reference = reference->state.T_map_sensor;
+    T_map_reference = orthonormalized(found.corrections.back() * T_map_reference);
   }
-  mapping.take_up(found.recalled);
+  mapping.restore_to_window(found.recalled);
+}
+
+/// Takes away what is not unknown any more, of the pose now and of those on segments that were
+/// joined. Before anything is corrected.
+void Slam::Implementation::apply(const LoopedDrift& found, const Pose& T_map_reference) {
+  const Pose motion = found.T_map_last.inverse() * T_map_reference;
+  const bool is_way_known = found.last_segment == path.last_segment();
+  drift.set(improved(drift.state(), found.last, motion, is_way_known));
+  for (const LoopedDrift::OfSegment& of : found.segments) {
+    path.improve(of.segment, mounting.of_sensor(of.T_map_node), mounting.of_sensor(of.unmeasured));
+  }
 }
 
 Slam::Slam(const SensorModel& sensor) : Slam(sensor, SlamOptions{}) {}
 Slam::Slam(const SensorModel& sensor, const SlamOptions& options)
-    : implementation_(std::make_unique<Implementation>(sensor, options)) {}
+    : implementation_(std::make_unique<Implementation>(sensor, options, nullptr, std::nullopt)) {}
 Slam::Slam(const SensorModel& sensor, const SlamOptions& options, const SavedMap& map,
            const std::optional<Pose>& T_map_level_start)
-    : Slam(sensor, options) {
-  implementation_->locate_in(map, T_map_level_start);
-}
+    : implementation_(std::make_unique<Implementation>(sensor, options, &map, T_map_level_start)) {}
 Slam::~Slam() = default;
 Slam::Slam(Slam&&) noexcept = default;
 Slam& Slam::operator=(Slam&&) noexcept = default;
 
-ScanReport Slam::process(const OrganizedCloud& cloud, double stamp_s) {
+ScanReport Slam::process(const OrganizedCloud& cloud, double stamp_s, ScanTrace* trace) {
   check(cloud, stamp_s, implementation_->sensor);
   const ThreadLimit limit(implementation_->options.threads);
-  return all_sound(cloud) ? implementation_->process(cloud, stamp_s)
-                          : implementation_->process(without_unsound(cloud), stamp_s);
+  if (trace != nullptr) *trace = {};
+  return all_sound(cloud) ? implementation_->process(cloud, stamp_s, trace)
+                          : implementation_->process(without_unsound(cloud), stamp_s, trace);
 }
 
 std::vector<LoopReport> Slam::finish() {
@@ -285,7 +177,7 @@ std::vector<LoopReport> Slam::finish() {
   std::vector<LoopReport> reports;
   if (!implementation_->loop_closing) return reports;
   while (const auto found = implementation_->loop_closing->finish()) {
-    implementation_->take_in(*found);
+    implementation_->apply(*found);
     reports.push_back(found->report);
   }
   return reports;

@@ -3,85 +3,82 @@
 #include <optional>
 
 #include "alignment/drift.h"
-#include "driven_path.h"
 #include "front_end/mounting.h"
 #include "front_end/scan_clock.h"
-#include "hqslam/slam/features.h"
-#include "hqslam/slam/mapping.h"
-#include "hqslam/slam/odometry.h"
+#include "front_end/segmentation.h"
 #include "hqslam/slam/options.h"
-#include "hqslam/slam/segmentation.h"
+#include "hqslam/slam/scan_trace.h"
 #include "hqslam/slam/slam.h"
-#include "known_way.h"
 #include "loops/background_loop_closing.h"
 #include "loops/place_recognition.h"
+#include "segmented_trajectory.h"
+#include "states.h"
 #include "stopwatch.h"
 
 namespace hqslam::slam {
 
-/// What is carried from scan to scan. The reference is the last scan that could be followed.
+/// What is written down about the scan at hand.
+struct Notes {
+  ScanReport report;
+  Stopwatch stopwatch;
+  ScanTrace* trace = nullptr;                ///< nullptr: not asked for
+  Matrix6 own_covariance = Matrix6::Zero();  ///< Drift::own_covariance
+};
+
 struct Slam::Implementation {
   SlamOptions options;
   Mounting mounting;
   SensorModel sensor;  ///< the upright one
   Segmenter segmenter;
-  Odometry odometry;
-  Mapping mapping;
-  std::optional<BackgroundLoopClosing> loop_closing;  ///< not in a given map
-  DrivenPath path;
   ScanClock clock;
-  double time_s = 0.0;  ///< of the scan at hand
-  double reference_time_s = 0.0;
-  MotionState reference;
-  Pose T_odom_reference = Pose::Identity();
+  State state;
+  Mapping mapping;
+  SegmentedTrajectory path;
   AccelerationNoise accelerations;
   Drift drift;
-  KnownWay way;
+  Matrix6 own_covariance = Matrix6::Zero();  ///< Drift::own_covariance() of the last scan
+  // One of the two:
+  std::optional<BackgroundLoopClosing> loop_closing;  ///< of a map of its own
+  std::optional<PlaceRecognition> place_recognition;  ///< in a given map
 
-  Implementation(const SensorModel& sensor, const SlamOptions& options);
+  Implementation(const SensorModel& sensor, const SlamOptions& options, const SavedMap* given_map,
+                 const std::optional<Pose>& T_map_level_start);
 
-  /// In a map that another drive left behind: how its places are recognized.
-  std::optional<PlaceRecognition> place_recognition;
-  bool is_recognized = true;  ///< where the sensor is
+  // slam.cpp
+  ScanReport process(const OrganizedCloud& cloud, double stamp_s, ScanTrace* trace);
+  ScanReport process_level(const OrganizedCloud& cloud, double stamp_s, ScanTrace* trace);
+  void collect_loops(Notes& notes);
+  void apply(const LoopResult& found);
+  void apply(const LoopedDrift& found, const Pose& T_map_reference);
+  Scan front_end(const OrganizedCloud& cloud, double stamp_s, Notes& notes);
 
-  void locate_in(const SavedMap& map, const std::optional<Pose>& T_map_level_start);
+  // One scan on, from each state: tracking.cpp, and Searching in relocalization.cpp.
+  State next(Starting now, const Scan& scan, Notes& notes);
+  State next(Tracking now, const Scan& scan, Notes& notes);
+  State next(Lost now, const Scan& scan, Notes& notes);
+  State next(Searching now, const Scan& scan, Notes& notes);
 
-  /// The first key frame, until its motion is known.
-  struct FirstScan {
-    double time_s = 0.0;
-    Features features;
-    MapFeatures thinned;
+  /// A scan after it was looked for in the map.
+  struct Registered {
+    MotionState state;  ///< by the map, else by the odometry, else as it was expected
+    Matrix6 against_map = Matrix6::Zero();
+    bool is_registered = false;        ///< in the map
+    bool by_odometry = false;          ///< its motion since the reference is known
+    bool is_motion_plausible = false;  ///< and is one that a sensor can make that is not carried
+    bool is_contradiction = false;     ///< of what was well known before the scan
+    double inlier_ratio = 0.0;
   };
-  std::optional<FirstScan> first_scan;
-
-  /// What is known of a scan after it was looked for.
-  struct Followed {
-    MotionState state;
-    bool is_located = false;       ///< in the map
-    bool by_odometry = false;      ///< from the reference
-    bool is_way_measured = false;  ///< from the reference
-    double standing_share = 0.0;   ///< see MappingResult
-  };
-
-  ScanReport process(const OrganizedCloud& cloud, double stamp_s);
-  ScanReport process_level(const OrganizedCloud& cloud, double stamp_s);
-  void begin(const OrganizedCloud& cloud, const Features& features, Stopwatch& stopwatch,
-             ScanReport& report);
-  void recognize_place(const OrganizedCloud& cloud, const Features& features, Stopwatch& stopwatch,
-                       ScanReport& report);
-  bool is_in_given_map(const MapFeatures& thinned, const MotionState& state) const;
-  void follow(const OrganizedCloud& cloud, const Features& features, Stopwatch& stopwatch,
-              ScanReport& report);
-  Followed locate(const Features& features, const MapFeatures& thinned, Stopwatch& stopwatch,
-                  ScanReport& report) const;
-  void correct_first_key_frame(const Twist& velocity);
-  /// Whether a scan can serve as the one that the next are matched with: edges alone will do
-  /// (indoors), and so will ground and surfaces alone (in open land).
-  bool can_be_reference(const Features& features) const;
-  void make_reference(const Features& features, const MotionState& state, const ScanReport& report);
-  void add_key_frame(const OrganizedCloud& cloud, const MapFeatures& features, Stopwatch& stopwatch,
-                     ScanReport& report, bool begins_stretch);
-  void take_in(const LoopResult& found);
+  Registered registered(const Tracking& last, const Scan& scan, Notes& notes) const;
+  Registered first_registered(Tracking& last, const Scan& scan, Notes& notes);
+  State tracked(Tracking last, const Registered& found, const Scan& scan, Notes& notes);
+  State new_segment(const Lost& lost, Registered found, const Scan& scan, Notes& notes);
+  void correct_first_keyframe(Tracking& last, const Twist& velocity);
+  void add_keyframe(const Scan& scan, const Twist& velocity, bool begins_segment, Notes& notes);
+  bool is_in_given_map(const MapFeatures& features, const MotionState& found) const;
 };
+
+/// The scan as the one that the next are matched with.
+Reference reference_of(const Scan& scan, const MotionState& state, const Matrix6& against_map,
+                       const ScanReport& report);
 
 }  // namespace hqslam::slam

@@ -1,4 +1,4 @@
-// What SLAM says of the scans so far.
+// What SLAM knows of the scans so far.
 
 #include <utility>
 
@@ -13,20 +13,32 @@ MountingOptions Slam::mounting() const { return implementation_->mounting.mounte
 
 const Trajectory& Slam::trajectory() const { return implementation_->path.trajectory(); }
 
-const std::vector<std::size_t>& Slam::stretch_of_scan() const {
-  return implementation_->path.stretch_of_scan();
+const std::vector<std::size_t>& Slam::segment_of_scan() const {
+  return implementation_->path.segment_of_scan();
 }
 
-std::vector<std::size_t> Slam::part_of_scan() const { return implementation_->path.part_of_scan(); }
+std::vector<std::size_t> Slam::submap_of_scan() const {
+  return implementation_->path.submap_of_scan();
+}
 
-std::vector<Eigen::Vector3f> Slam::map_points_m() const {
+std::vector<std::pair<std::size_t, Matrix6>> Slam::corrected_covariances() const {
+  std::vector<std::pair<std::size_t, Matrix6>> result;
+  for (const auto& [scan, covariance] : implementation_->path.corrected_covariances()) {
+    result.emplace_back(scan, covariance);
+  }
+  return result;
+}
+
+std::vector<Eigen::Vector3f> Slam::map_points_m(std::optional<std::size_t> submap) const {
   const ThreadLimit limit(implementation_->options.threads);
-  const FeatureMaps& matched_with = implementation_->mapping.map();
+  const FeatureMaps& window = implementation_->mapping.map();
   const auto& loop_closing = implementation_->loop_closing;
+  const std::vector<FeatureMaps> submaps =
+      loop_closing ? loop_closing->whole_map(window) : std::vector<FeatureMaps>{window};
   std::vector<Eigen::Vector3f> result;
-  for (const FeatureMaps& part : loop_closing ? loop_closing->whole_map(matched_with)
-                                              : std::vector<FeatureMaps>{matched_with}) {
-    for (const FeatureMap* kind : {&part.planes, &part.edges}) {
+  for (std::size_t i = 0; i < submaps.size(); ++i) {
+    if (submap && *submap != i) continue;
+    for (const FeatureMap* kind : {&submaps[i].planes, &submaps[i].edges}) {
       const std::vector<Eigen::Vector3f> points_m = kind->points_m();
       result.insert(result.end(), points_m.begin(), points_m.end());
     }
@@ -47,13 +59,13 @@ SavedMap Slam::saved_map() const {
         "expected loop closing, which knows the places of a map, found it switched off; switch it "
         "on");
   }
-  const std::vector<FeatureMaps> parts = loop_closing->whole_map(implementation_->mapping.map());
+  const std::vector<FeatureMaps> submaps = loop_closing->whole_map(implementation_->mapping.map());
   SavedMap result;
-  for (std::size_t part = 0; part < parts.size(); ++part) {
-    std::vector<SavedPlace> places = loop_closing->finished().places(part);
+  for (std::size_t submap = 0; submap < submaps.size(); ++submap) {
+    std::vector<SavedPlace> places = loop_closing->finished().places(submap);
     if (places.size() <= result.places.size()) continue;
-    result = {parts[part].edges.points_m(), parts[part].posts.points_m(),
-              parts[part].planes.points_m(), std::move(places)};
+    result = {submaps[submap].edges.points_m(), submaps[submap].posts.points_m(),
+              submaps[submap].planes.points_m(), std::move(places)};
   }
   return result;
 }

@@ -67,7 +67,7 @@ TEST_CASE(
       CHECK(rotation_angle_rad(report.T_map_sensor.inverse() * in_map(T_street_sensor)) < 0.005);
       CHECK(report.covariance.trace() < 1.0);
       CHECK(report.covariance.diagonal().minCoeff() > 0.0);
-      CHECK_FALSE(report.key_frame);
+      CHECK_FALSE(report.keyframe);
     }
     CHECK(slam.map_points_m().size() == points);
   }
@@ -79,7 +79,7 @@ TEST_CASE("a place that the map does not know is not recognized, until one is th
   for (int i = 0; i < 5; ++i) {
     const auto report = slam.process(street(77).scan(sensor(), street_pose(30.0 + i)), 0.1 * i);
     CHECK(report.mapping_status == Status::kNotRecognized);
-    CHECK_FALSE(is_located(report.mapping_status));
+    CHECK_FALSE(is_registered(report.mapping_status));
     CHECK(std::isinf(report.covariance(0, 0)));
   }
   const auto report = slam.process(street(31).scan(sensor(), street_pose(30.0)), 0.5);
@@ -108,7 +108,7 @@ TEST_CASE("a sensor that is covered at first, or later, is recognized when it se
       const Pose T_street_sensor = street_pose(30.0 + covered + 0.2 * i);
       const auto report = slam.process(village.scan(sensor(), T_street_sensor), 0.1 * scan++);
       CAPTURE(i);
-      CHECK(is_located(report.mapping_status));
+      CHECK(is_registered(report.mapping_status));
       CHECK(error_m(report.T_map_sensor, T_street_sensor) < 0.1);
       T_odom_covered = report.T_odom_sensor;
     }
@@ -138,7 +138,7 @@ TEST_CASE("a sensor that is carried along the street is found there after a few 
   for (int i = 0; i < 20; ++i) {
     const Pose T_street_sensor = street_pose(i < 8 ? 20.0 : 65.0, 0.0, i < 8 ? 0.0 : 2.0);
     const auto report = slam.process(village.scan(sensor(), T_street_sensor), 0.1 * i);
-    if (!is_located(report.mapping_status)) continue;
+    if (!is_registered(report.mapping_status)) continue;
     ++located;
     CHECK(error_m(report.T_map_sensor, T_street_sensor) < 0.05);
   }
@@ -163,7 +163,7 @@ TEST_CASE("a sensor that spins fast is located in a given map as one that stands
                      0.1 * i);
     const Pose error = report.T_map_sensor.inverse() * T_map_yard * T_yard_sensor(0.1 * i);
     CAPTURE(i);
-    CHECK(is_located(report.mapping_status));
+    CHECK(is_registered(report.mapping_status));
     CHECK(error.translation().norm() < 0.1);
     CHECK(rotation_angle_rad(error) < 0.01);
   }

@@ -40,7 +40,7 @@ Drive driven(const slam::MountingOptions& leans, const slam::MountingOptions& be
   for (int i = 0; i < kScans; ++i) {
     const slam::ScanReport report =
         drive.slam.process(leaning_scan(sensor, leans, i), i * test::kDrivePeriod_s);
-    drive.located += is_located(report.mapping_status) ? 1 : 0;
+    drive.located += is_registered(report.mapping_status) ? 1 : 0;
     drive.fewest_ground_points = std::min(drive.fewest_ground_points, report.ground_points);
   }
   return drive;

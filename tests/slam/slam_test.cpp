@@ -113,7 +113,7 @@ TEST_CASE("empty, nearly empty and garbage scans are survived, reported and reco
       CAPTURE(kind);
       CAPTURE(i);
       if (bad) CHECK(report.mapping_status != Status::kOk);
-      if (bad) CHECK(!report.key_frame);
+      if (bad) CHECK(!report.keyframe);
       if (i >= 26) CHECK(report.mapping_status == Status::kOk);
     }
     CAPTURE(kind);

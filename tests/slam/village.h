@@ -6,12 +6,12 @@
 #include <random>
 #include <vector>
 
+#include "front_end/features.h"
+#include "front_end/segmentation.h"
 #include "hqslam/core/organized_cloud.h"
 #include "hqslam/core/projection.h"
 #include "hqslam/core/sensor_model.h"
-#include "hqslam/slam/features.h"
-#include "hqslam/slam/mapping.h"
-#include "hqslam/slam/segmentation.h"
+#include "map/mapping.h"
 
 namespace hqslam::test {
 

@@ -189,9 +189,10 @@ class HqslamNode : public rclcpp::Node {
     odometry.pose.pose.position.z = position_m.z();
     odometry.pose.pose.orientation = transform.transform.rotation;
     // hqslam's covariance is in the sensor's frame, the message's in that of the map.
-    hqslam::slam::Matrix6 to_map = hqslam::slam::Matrix6::Zero();
+    using Matrix6 = Eigen::Matrix<double, 6, 6>;
+    Matrix6 to_map = Matrix6::Zero();
     to_map.topLeftCorner<3, 3>() = to_map.bottomRightCorner<3, 3>() = report.T_map_sensor.linear();
-    const hqslam::slam::Matrix6 covariance = to_map * report.covariance * to_map.transpose();
+    const Matrix6 covariance = to_map * report.covariance * to_map.transpose();
     for (int row = 0; row < 6; ++row) {
       for (int column = 0; column < 6; ++column) {
         odometry.pose.covariance[static_cast<std::size_t>(6 * row + column)] =

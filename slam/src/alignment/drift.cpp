@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace hqslam::slam {
 
@@ -13,7 +14,7 @@ constexpr double kHeight = 1.35;
 constexpr double kTilt = 5.9;
 constexpr double kHeading = 11.3;
 /// How those of x, y and yaw grow with the variance of x and y, where they are as above, and up to
-/// where: only a scan that was not located is less certain.
+/// where: only a scan that was not registered is less certain.
 constexpr double kPower = 0.6;
 constexpr double kUsual_m = 0.005;
 constexpr double kMost_m = 0.05;
@@ -39,12 +40,16 @@ double row_spacing_rad(const SensorModel& sensor) {
   return (*high - *low) / (measured.rows() - 1);
 }
 
+}  // namespace
+
 Matrix6 carried(const Matrix6& covariance, const Pose& motion) {
   const Matrix6 turn = adjoint(motion.inverse());
   return turn * covariance * turn.transpose();
 }
 
-}  // namespace
+DriftState carried(const DriftState& state, const Pose& motion) {
+  return {carried(state.drift, motion), carried(state.unmeasured, motion), state.is_anywhere};
+}
 
 Drift::Drift(const SensorModel& sensor)
     : start_variance_(std::pow(kStartTilt * row_spacing_rad(sensor), 2)),
@@ -73,24 +78,40 @@ Matrix6 Drift::against_map(const MotionState& state) const {
   return result;
 }
 
-void Drift::move(const Pose& motion) { drift_ = carried(drift_, motion); }
+void Drift::move(const Pose& motion) { state_ = carried(state_, motion); }
 
-void Drift::locate(const Pose& motion, const MotionState& state) {
+void Drift::grow(const Pose& motion, const MotionState& state) {
   move(motion);
   const double step_m = motion.translation().norm();
   const double begun = std::exp(-path_m_ / kStart_m) - std::exp(-(path_m_ + step_m) / kStart_m);
-  drift_ += kShare_per_m * step_m * against_map(state);
-  drift_.diagonal().segment<2>(3).array() += begun * start_variance_;
+  state_.drift += kShare_per_m * step_m * against_map(state);
+  state_.drift.diagonal().segment<2>(3).array() += begun * start_variance_;
   path_m_ += step_m;
 }
 
-void Drift::lose(const MotionState& expected) {
-  drift_ += expected.covariance.topLeftCorner<6, 6>();
+void Drift::lose(const Matrix6& against_map, bool is_carried) {
+  state_.unmeasured += against_map;
+  state_.is_anywhere = state_.is_anywhere || is_carried;
   velocity_.reset();
 }
 
-Matrix6 Drift::covariance(const Pose& motion, const MotionState& state) const {
-  return carried(drift_, motion) + against_map(state);
+DriftState improved(const DriftState& later, const DriftImprovement& earlier, const Pose& motion,
+                    bool is_way_known) {
+  const auto& [before, after] = earlier;
+  return {later.drift + carried(after.drift - before.drift, motion),
+          later.unmeasured + carried(after.unmeasured - before.unmeasured, motion),
+          later.is_anywhere && !(is_way_known && !after.is_anywhere)};
+}
+
+Matrix6 Drift::own_covariance(const Pose& motion, const Matrix6& against_map) const {
+  return carried(state_.drift, motion) + against_map;
+}
+
+Matrix6 Drift::covariance(const Pose& motion, const Matrix6& against_map) const {
+  if (state_.is_anywhere) {
+    return Matrix6(Vector6::Constant(std::numeric_limits<double>::infinity()).asDiagonal());
+  }
+  return carried(state_.total(), motion) + against_map;
 }
 
 }  // namespace hqslam::slam

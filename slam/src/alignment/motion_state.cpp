@@ -1,4 +1,4 @@
-#include "hqslam/slam/motion_state.h"
+#include "alignment/motion_state.h"
 
 #include <algorithm>
 #include <cmath>
@@ -81,8 +81,9 @@ MotionState predicted(const MotionState& state, double duration_s, double steady
   return result;
 }
 
-MotionState surprised(const MotionState& expected, const Twist& surprise, double duration_s) {
-  const Vector6 variance = vector_of(surprise).cwiseAbs2();
+MotionState with_innovation(const MotionState& expected, const Twist& innovation,
+                            double duration_s) {
+  const Vector6 variance = vector_of(innovation).cwiseAbs2();
   MotionState result = expected;
   result.covariance.topLeftCorner<6, 6>().diagonal() += variance;
   result.covariance.topRightCorner<6, 6>().diagonal() += variance / duration_s;

@@ -5,33 +5,15 @@
 #include <Eigen/Eigenvalues>
 #include <cmath>
 
-#include "alignment/cross_matrix.h"
-#include "hqslam/slam/motion_state.h"
+#include "alignment/motion_state.h"
+#include "alignment/rotation_derivatives.h"
 
 namespace hqslam::slam {
 
 namespace {
 
-using Matrix3 = Eigen::Matrix3d;
-
 /// Lever that makes a length of an angle in the observability test.
 constexpr double kLever_m = 10.0;
-
-/// R = Rz(yaw) Ry(pitch) Rx(roll) and its derivatives.
-struct RotationWithDerivatives {
-  Matrix3 R, dR_droll, dR_dpitch, dR_dyaw;
-
-  RotationWithDerivatives(double roll, double pitch, double yaw) {
-    const Matrix3 Rx = Eigen::AngleAxisd(roll, Eigen::Vector3d::UnitX()).toRotationMatrix();
-    const Matrix3 Ry = Eigen::AngleAxisd(pitch, Eigen::Vector3d::UnitY()).toRotationMatrix();
-    const Matrix3 Rz = Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()).toRotationMatrix();
-    // d exp(angle [axis]) / d angle = [axis] exp(angle [axis])
-    R = Rz * Ry * Rx;
-    dR_droll = Rz * Ry * cross_matrix(Eigen::Vector3d::UnitX()) * Rx;
-    dR_dpitch = Rz * cross_matrix(Eigen::Vector3d::UnitY()) * Ry * Rx;
-    dR_dyaw = cross_matrix(Eigen::Vector3d::UnitZ()) * R;
-  }
-};
 
 /// (x, y, z, roll, pitch, yaw)
 Vector6 vector_of(const MotionParameters& p) {
@@ -166,6 +148,8 @@ Observability observability(const std::vector<PlaneConstraint>& constraints, Fre
     return result;
   }
   const Eigen::SelfAdjointEigenSolver<Matrix6> solver(information / total);
+  result.share = solver.eigenvalues();
+  result.direction = solver.eigenvectors();
   Vector6 scale;
   scale << 1, 1, 1, kLever_m, kLever_m, kLever_m;
   for (int i = 0; i < 6; ++i) {

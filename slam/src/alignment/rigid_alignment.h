@@ -16,9 +16,9 @@ namespace hqslam::slam {
 /// A planar feature gives one; an edge feature gives two, with normals perpendicular to the line.
 struct PlaneConstraint {
   Eigen::Vector3d point_m;  ///< p, in the frame that is moved
-  Eigen::Vector3d normal;  ///< in the frame that stays; unit length, or less where the plane is not
-                           ///< to tell all that it could
-  double offset_m = 0.0;   ///< of the plane: normal . q for any point q of it
+  Eigen::Vector3d normal;   ///< in the frame that stays; unit length, or less where not all of
+                            ///< its information is to be used
+  double offset_m = 0.0;    ///< of the plane: normal . q for any point q of it
   double weight = 1.0;
 };
 
@@ -72,17 +72,21 @@ MotionParameters align(const std::vector<PlaneConstraint>& constraints,
 /// Measured: 0.008 and more in streets, 0.001 along a corridor without ends.
 inline constexpr double kMinObservableShare = 0.003;
 
-/// Directions of motion that the constraints do not tell.
+/// Directions of motion that the constraints have no information about.
 ///
-/// In: constraints whose points are about the origin, and which parameters they are to tell. With
+/// In: constraints whose points are about the origin, and which parameters they are asked for. With
 /// angles scaled by a lever of 10 m, so that all parameters are lengths, the eigenvalues of
-/// J^T J / (sum of weight^2) say which share of the constraints speaks about a direction.
-/// Directions with less than `min_share` are degenerate. Source: Zhang, Kaess & Singh, ICRA 2016.
-/// Differs from LeGO-LOAM: every direction is judged (not in the order of eigenvalues up to the
-/// first good one), and a share is asked for, so that the test does not depend on the number of
-/// points.
+/// J^T J / (sum of weight^2) are the share of the constraints that has information about a
+/// direction. Directions with less than `min_share` are degenerate. Source: Zhang, Kaess & Singh,
+/// ICRA 2016. Differs from LeGO-LOAM: every direction is judged (not in the order of eigenvalues up
+/// to the first good one), and a share is asked for, so that the test does not depend on the number
+/// of points.
 struct Observability {
   int degenerate_directions = 0;
+  /// Per direction its share, rising, and the directions in scaled units, a column each: (x, y, z,
+  /// 10 m times rotation about x, y, z).
+  Eigen::Matrix<double, 6, 1> share = Eigen::Matrix<double, 6, 1>::Zero();
+  Eigen::Matrix<double, 6, 6> direction = Eigen::Matrix<double, 6, 6>::Zero();
   /// Projects a change of (x, y, z, roll, pitch, yaw) onto the observable directions.
   Eigen::Matrix<double, 6, 6> projection = Eigen::Matrix<double, 6, 6>::Identity();
 };

@@ -26,7 +26,7 @@ inline void weigh(EdgeConstraints& edge, double factor) {
 ///
 /// What the range's noise, the spread of the map's points and the fit of lines and planes to them
 /// amount to differs from kind to kind and from place to place: millimetres on a road, decimetres
-/// in a meadow. The scan itself tells, by the median distance m of all features of a kind:
+/// in a meadow. The scan itself is asked, by the median distance m of all features of a kind:
 ///
 ///   sigma^2 = (0.02 m)^2 + (2 m)^2,   weight = 1 / sigma.
 ///

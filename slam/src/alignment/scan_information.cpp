@@ -25,14 +25,14 @@ ScanInformation scan_information(const std::vector<PlaneConstraint>& constraints
 ExpectedState::ExpectedState(const MotionState& expected)
     : expected_(expected), information_(expected.covariance.ldlt().solve(Matrix12::Identity())) {}
 
-MotionState ExpectedState::improved(const MotionState& state, const ScanInformation& told) const {
+MotionState ExpectedState::improved(const MotionState& state, const ScanInformation& scan) const {
   Vector12 error;
   error << vector_of(logarithm(expected_.T_map_sensor.inverse() * state.T_map_sensor)),
       vector_of(state.velocity) - vector_of(expected_.velocity);
   Matrix12 information = information_;
-  information.topLeftCorner<6, 6>() += told.information;
+  information.topLeftCorner<6, 6>() += scan.information;
   Vector12 gradient = information_ * error;
-  gradient.head<6>() += told.gradient;
+  gradient.head<6>() += scan.gradient;
   const Eigen::LDLT<Matrix12> solver(information);
   const Vector12 change = -solver.solve(gradient);
   MotionState result;

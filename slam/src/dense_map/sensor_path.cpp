@@ -6,7 +6,7 @@
 
 namespace hqslam::slam {
 
-SensorPath::SensorPath(const Trajectory& trajectory, std::size_t scan) {
+SensorPath::SensorPath(const Trajectory& trajectory, std::size_t scan, const KnownWay& way) {
   if (scan >= trajectory.size()) {
     throw Error(fmt::format("path of scan {}: the trajectory has {} poses; give one for each scan",
                             scan, trajectory.size()));
@@ -17,10 +17,10 @@ SensorPath::SensorPath(const Trajectory& trajectory, std::size_t scan) {
     return Neighbour{here.T_map_sensor.inverse() * other.T_map_sensor,
                      other.stamp_s - here.stamp_s};
   };
-  if (scan > 0 && trajectory[scan - 1].stamp_s < here.stamp_s) {
+  if (way.before && scan > 0 && trajectory[scan - 1].stamp_s < here.stamp_s) {
     before_ = neighbour(trajectory[scan - 1]);
   }
-  if (scan + 1 < trajectory.size() && trajectory[scan + 1].stamp_s > here.stamp_s) {
+  if (way.after && scan + 1 < trajectory.size() && trajectory[scan + 1].stamp_s > here.stamp_s) {
     after_ = neighbour(trajectory[scan + 1]);
   }
   if (before_.time_offset_s == 0.0) before_ = after_;

@@ -7,19 +7,11 @@ namespace hqslam::slam {
 namespace {
 
 /// Voxels on each side of the origin.
-constexpr double kVoxelRange = 1 << 23;
-
-std::uint64_t hash_of(const Eigen::Vector3i& block) {
-  const auto part = [](int value) { return static_cast<std::uint64_t>(value) & 0x1FFFFFU; };
-  std::uint64_t key = part(block.x()) << 42 | part(block.y()) << 21 | part(block.z());
-  key ^= key >> 31;
-  key *= 0x9E3779B97F4A7C15ULL;
-  return key ^ (key >> 29);
-}
+constexpr double kVoxelRange = double{CellIndex::kRange} * VoxelBlock::kSide;
 
 }  // namespace
 
-VoxelGrid::VoxelGrid(double voxel_m) : voxel_m_(voxel_m), table_(1024, 0) {}
+VoxelGrid::VoxelGrid(double voxel_m) : voxel_m_(voxel_m) {}
 
 std::optional<Eigen::Vector3i> VoxelGrid::voxel_of(const Eigen::Vector3d& point_m) const {
   const Eigen::Vector3d voxel = (point_m / voxel_m_).array().floor();
@@ -28,46 +20,27 @@ std::optional<Eigen::Vector3i> VoxelGrid::voxel_of(const Eigen::Vector3d& point_
   return voxel.cast<int>();
 }
 
-/// Where the block stands in the table, or the empty slot where it would.
-std::size_t VoxelGrid::slot_of(const Eigen::Vector3i& block) const {
-  const std::size_t mask = table_.size() - 1;
-  std::size_t slot = hash_of(block) & mask;
-  while (table_[slot] != 0 && blocks_[table_[slot] - 1].index() != block) slot = (slot + 1) & mask;
-  return slot;
-}
-
-void VoxelGrid::grow_table() {
-  table_.assign(2 * table_.size(), 0);
-  for (std::size_t i = 0; i < blocks_.size(); ++i) {
-    table_[slot_of(blocks_[i].index())] = static_cast<std::uint32_t>(i + 1);
-  }
-}
-
 const VoxelBlock* VoxelGrid::find_block(const Eigen::Vector3i& block) const {
-  const std::uint32_t entry = table_[slot_of(block)];
-  return entry == 0 ? nullptr : &blocks_[entry - 1];
+  const std::uint32_t found = index_.find(block);
+  return found == CellIndex::kNone ? nullptr : &blocks_[found];
 }
 
 Voxel* VoxelGrid::find(const Eigen::Vector3i& voxel) {
-  const std::uint32_t entry = table_[slot_of(block_of(voxel))];
-  if (entry == 0) return nullptr;
-  VoxelBlock& block = blocks_[entry - 1];
+  const std::uint32_t found = index_.find(block_of(voxel));
   const int local = local_of(voxel);
-  return block.has(local) ? &block.at(local) : nullptr;
+  if (found == CellIndex::kNone || !blocks_[found].has(local)) return nullptr;
+  return &blocks_[found].at(local);
 }
 
 Voxel& VoxelGrid::find_or_add(const Eigen::Vector3i& voxel) {
-  const Eigen::Vector3i index = block_of(voxel);
-  std::size_t slot = slot_of(index);
-  if (table_[slot] == 0) {
-    if (2 * (blocks_.size() + 1) > table_.size()) {
-      grow_table();
-      slot = slot_of(index);
-    }
-    blocks_.emplace_back(index);
-    table_[slot] = static_cast<std::uint32_t>(blocks_.size());
+  const std::uint64_t key = CellIndex::key_of(block_of(voxel));
+  std::uint32_t found = index_.find(key);
+  if (found == CellIndex::kNone) {
+    found = static_cast<std::uint32_t>(blocks_.size());
+    index_.add(key, found);
+    blocks_.emplace_back(block_of(voxel));
   }
-  VoxelBlock& block = blocks_[table_[slot] - 1];
+  VoxelBlock& block = blocks_[found];
   const int local = local_of(voxel);
   if (block.has(local)) return block.at(local);
   ++size_;

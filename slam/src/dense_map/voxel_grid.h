@@ -7,6 +7,8 @@
 #include <optional>
 #include <vector>
 
+#include "map/cell_index.h"
+
 namespace hqslam::slam {
 
 /// What the scans said about one voxel. Sums are whole numbers, so that their order does not
@@ -97,13 +99,10 @@ class VoxelGrid {
   }
 
  private:
-  std::size_t slot_of(const Eigen::Vector3i& block) const;
-  void grow_table();
-
   double voxel_m_;
   std::size_t size_ = 0;
   std::vector<VoxelBlock> blocks_;
-  std::vector<std::uint32_t> table_;  ///< open addressing: index of a block plus one, 0 empty
+  CellIndex index_;  ///< of blocks_
 };
 
 }  // namespace hqslam::slam

@@ -1,4 +1,4 @@
-#include "hqslam/slam/features.h"
+#include "front_end/features.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "hqslam/slam/ground.h"
+#include "front_end/ground.h"
 
 #include <cmath>
 

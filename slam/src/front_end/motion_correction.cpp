@@ -1,4 +1,4 @@
-#include "hqslam/slam/motion_correction.h"
+#include "front_end/motion_correction.h"
 
 #include <cmath>
 

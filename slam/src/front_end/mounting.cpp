@@ -8,8 +8,8 @@
 #include <random>
 #include <vector>
 
+#include "front_end/ground.h"
 #include "front_end/voxel_thinning.h"
-#include "hqslam/slam/ground.h"
 
 namespace hqslam::slam {
 
@@ -20,7 +20,7 @@ constexpr double kSteepest_rad = kMostCorrected_rad + GroundOptions().max_slope_
 constexpr float kReach_m = 25.0F;
 constexpr double kLeaf_m = 0.5;
 constexpr float kGroundThickness_m = 0.1F;
-constexpr float kMinArea_m2 = 1.0F;  // less tells no plane
+constexpr float kMinArea_m2 = 1.0F;  // less makes no plane
 constexpr Eigen::Index kMinGroundPoints = 50;
 
 /// From a frame to the same one upside down, and back: half a turn about x.

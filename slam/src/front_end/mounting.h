@@ -3,10 +3,10 @@
 #include <Eigen/Geometry>
 #include <optional>
 
+#include "alignment/motion_state.h"
 #include "hqslam/core/organized_cloud.h"
 #include "hqslam/core/pose.h"
 #include "hqslam/core/sensor_model.h"
-#include "hqslam/slam/motion_state.h"
 #include "hqslam/slam/options.h"
 
 namespace hqslam::slam {

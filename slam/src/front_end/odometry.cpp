@@ -1,10 +1,9 @@
-#include "hqslam/slam/odometry.h"
+#include "front_end/odometry.h"
 
 #include <cmath>
 #include <optional>
 
 #include "alignment/rigid_alignment.h"
-#include "front_end/row_ordered_cloud.h"
 
 namespace hqslam::slam {
 
@@ -92,49 +91,30 @@ bool improve(const std::vector<PlaneConstraint>& constraints, FreeParameters fre
 
 }  // namespace
 
-struct Odometry::Reference {
-  RowOrderedCloud ground;
-  RowOrderedCloud edges;
+OdometryTarget::OdometryTarget(const Features& features, const Twist& velocity)
+    : ground(features.ground, motion_corrected(features.ground, velocity)),
+      edges(features.edges, motion_corrected(features.edges, velocity)) {}
 
-  Reference(const Features& features, const Twist& velocity)
-      : ground(features.ground, motion_corrected(features.ground, velocity)),
-        edges(features.edges, motion_corrected(features.edges, velocity)) {}
-};
-
-Odometry::Odometry(const OdometryOptions& options) : options_(options) {}
-Odometry::~Odometry() = default;
-Odometry::Odometry(Odometry&&) noexcept = default;
-Odometry& Odometry::operator=(Odometry&&) noexcept = default;
-
-bool Odometry::has_reference() const { return reference_ != nullptr; }
-
-void Odometry::set_reference(const Features& features, const Twist& velocity) {
-  reference_ = std::make_unique<Reference>(features, velocity);
-}
-
-OdometryResult Odometry::estimate(const Features& features,
-                                  const Pose& T_reference_sensor_predicted,
-                                  double duration_s) const {
+OdometryResult scan_to_scan(const OdometryTarget& reference, const Features& features,
+                            const PredictedMotion& predicted, const OdometryOptions& options) {
   OdometryResult result;
-  result.T_reference_sensor = T_reference_sensor_predicted;
+  result.T_reference_sensor = predicted.T_reference_sensor;
   result.status = Status::kTooFewFeatures;
-  if (reference_ == nullptr) return result;
-  const bool has_edges = static_cast<int>(reference_->edges.size()) >= options_.min_edges;
-  const bool has_ground = static_cast<int>(reference_->ground.size()) >= options_.min_planar;
+  const bool has_edges = static_cast<int>(reference.edges.size()) >= options.min_edges;
+  const bool has_ground = static_cast<int>(reference.ground.size()) >= options.min_planar;
   if (!has_edges && !has_ground) return result;
-  for (int iteration = 0; iteration < options_.max_iterations; ++iteration) {
+  for (int iteration = 0; iteration < options.max_iterations; ++iteration) {
     const Pose before = result.T_reference_sensor;
-    const Twist velocity = (1.0 / duration_s) * logarithm(before);
+    const Twist velocity = (1.0 / predicted.duration_s) * logarithm(before);
     const bool robust = iteration >= kRobustFromIteration;
-    const double reach_m = options_.max_distance_m * (robust ? kNarrowSearchShare : 1.0);
+    const double reach_m = options.max_distance_m * (robust ? kNarrowSearchShare : 1.0);
 
     const SearchState planar_state{before, reach_m, robust};
-    const ConstraintList planar =
-        find_all(motion_corrected(features.flat_points, velocity), [&](const auto& point_m) {
-          return match_plane(reference_->ground, point_m, planar_state);
-        });
+    const ConstraintList planar = find_all(
+        motion_corrected(features.flat_points, velocity),
+        [&](const auto& point_m) { return match_plane(reference.ground, point_m, planar_state); });
     result.planar_correspondences = planar.planes;
-    const bool enough_planar = has_ground && planar.planes >= options_.min_correspondences;
+    const bool enough_planar = has_ground && planar.planes >= options.min_correspondences;
     const bool planar_observable =
         !enough_planar ||
         improve(planar.all, FreeParameters::kOutOfPlane, result.T_reference_sensor);
@@ -142,13 +122,13 @@ OdometryResult Odometry::estimate(const Features& features,
     const SearchState edge_state{result.T_reference_sensor, reach_m, robust};
     const ConstraintList edges = find_all(
         motion_corrected(features.sharp_edges, velocity),
-        [&](const auto& point_m) { return match_edge(reference_->edges, point_m, edge_state); });
+        [&](const auto& point_m) { return match_edge(reference.edges, point_m, edge_state); });
     result.edge_correspondences = edges.edges;
-    const bool enough_edges = has_edges && edges.edges >= options_.min_correspondences;
-    // Where there is no ground, edges tell what they can about all of the motion.
-    const FreeParameters told = enough_planar ? FreeParameters::kInPlane : FreeParameters::kAll;
+    const bool enough_edges = has_edges && edges.edges >= options.min_correspondences;
+    // Where there is no ground, edges give what information they have about all of the motion.
+    const FreeParameters free = enough_planar ? FreeParameters::kInPlane : FreeParameters::kAll;
     const bool edges_observable =
-        !enough_edges || improve(edges.all, told, result.T_reference_sensor);
+        !enough_edges || improve(edges.all, free, result.T_reference_sensor);
 
     if (!enough_edges) {
       result.status = Status::kTooFewFeatures;
@@ -159,8 +139,8 @@ OdometryResult Odometry::estimate(const Features& features,
         planar_observable && edges_observable ? Status::kNotConverged : Status::kDegenerate;
     const Pose change = before.inverse() * result.T_reference_sensor;
     if (iteration > kRobustFromIteration &&
-        rotation_angle_rad(change) < options_.converged_rotation_rad &&
-        change.translation().norm() < options_.converged_translation_m) {
+        rotation_angle_rad(change) < options.converged_rotation_rad &&
+        change.translation().norm() < options.converged_translation_m) {
       if (result.status == Status::kNotConverged) result.status = Status::kOk;
       break;
     }

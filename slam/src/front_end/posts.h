@@ -2,9 +2,9 @@
 
 #include <vector>
 
+#include "front_end/features.h"
+#include "front_end/segmentation.h"
 #include "hqslam/core/organized_cloud.h"
-#include "hqslam/slam/features.h"
-#include "hqslam/slam/segmentation.h"
 
 namespace hqslam::slam {
 

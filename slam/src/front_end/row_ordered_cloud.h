@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "hqslam/slam/features.h"
+#include "front_end/features.h"
 
 namespace hqslam::slam {
 

@@ -1,6 +1,6 @@
-#include "hqslam/slam/segmentation.h"
+#include "front_end/segmentation.h"
 
-#include "hqslam/slam/ground.h"
+#include "front_end/ground.h"
 
 namespace hqslam::slam {
 

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "hqslam/slam/features.h"
+#include "front_end/features.h"
 
 namespace hqslam::slam {
 

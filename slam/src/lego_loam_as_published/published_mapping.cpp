@@ -7,7 +7,7 @@
 #include <set>
 
 #include "front_end/voxel_thinning.h"
-#include "hqslam/slam/feature_map.h"
+#include "map/feature_map.h"
 
 namespace hqslam::slam::as_published {
 
@@ -28,7 +28,7 @@ constexpr double kMaxPlaneResidual_m = 0.2;
 constexpr double kLineShare = 3.0;
 constexpr double kConverged_deg = 0.05;
 constexpr double kConverged_m = 0.0005;
-constexpr double kKeyFrame_m = 0.3;
+constexpr double kKeyframe_m = 0.3;
 
 std::vector<Eigen::Vector3f> thinned(const std::vector<Eigen::Vector3f>& points_m, double leaf_m) {
   std::vector<FeaturePoint> points;
@@ -77,14 +77,14 @@ std::optional<WeightedDistance> from_surfaces(const FeatureMap& map, const Eigen
 
 }  // namespace
 
-std::vector<std::size_t> PublishedMapping::surrounding_key_frames() const {
+std::vector<std::size_t> PublishedMapping::surrounding_keyframes() const {
   std::vector<FeaturePoint> near;
-  for (std::size_t i = 0; i < key_frames_.size(); ++i) {
-    const Eigen::Vector3d position_m = key_frames_[i].T_map_end.translation();
+  for (std::size_t i = 0; i < keyframes_.size(); ++i) {
+    const Eigen::Vector3d position_m = keyframes_[i].T_map_end.translation();
     if ((position_m - T_map_end_.translation()).norm() > kRadius_m) continue;
     near.push_back({position_m.cast<float>(), static_cast<float>(i), 0});
   }
-  // Where a place was passed twice, the mean of two numbers is that of a third key frame.
+  // Where a place was passed twice, the mean of two numbers is that of a third keyframe.
   std::set<std::size_t> numbers;
   for (const FeaturePoint& pose : thin(near, kPoseLeaf_m)) {
     numbers.insert(static_cast<std::size_t>(pose.time_offset_s));
@@ -105,9 +105,9 @@ void PublishedMapping::match(const std::vector<Eigen::Vector3f>& edges_m,
     }
     map.insert(moved_m);
   };
-  for (const std::size_t i : surrounding_key_frames()) {
-    insert(edge_map, key_frames_[i].edges_m, key_frames_[i].T_map_end);
-    insert(surface_map, key_frames_[i].surfaces_m, key_frames_[i].T_map_end);
+  for (const std::size_t i : surrounding_keyframes()) {
+    insert(edge_map, keyframes_[i].edges_m, keyframes_[i].T_map_end);
+    insert(surface_map, keyframes_[i].surfaces_m, keyframes_[i].T_map_end);
   }
   if (edge_map.size() <= kMinMapEdges || surface_map.size() <= kMinMapSurfaces) return;
 
@@ -153,11 +153,11 @@ void PublishedMapping::add(const LastScan& scan, const std::vector<FeaturePoint>
   std::vector<Eigen::Vector3f> surfaces_m = thinned(scan.surfaces_m, kSurfaceLeaf_m);
   const std::vector<Eigen::Vector3f> thin_outliers_m = thinned(outliers_m, kSurfaceLeaf_m);
   surfaces_m.insert(surfaces_m.end(), thin_outliers_m.begin(), thin_outliers_m.end());
-  if (!key_frames_.empty()) match(edges_m, thinned(surfaces_m, kSurfaceLeaf_m));
+  if (!keyframes_.empty()) match(edges_m, thinned(surfaces_m, kSurfaceLeaf_m));
   const bool moved =
-      key_frames_.empty() ||
-      (T_map_end_.translation() - key_frames_.back().T_map_end.translation()).norm() >= kKeyFrame_m;
-  if (moved) key_frames_.push_back({T_map_end_, edges_m, surfaces_m});
+      keyframes_.empty() ||
+      (T_map_end_.translation() - keyframes_.back().T_map_end.translation()).norm() >= kKeyframe_m;
+  if (moved) keyframes_.push_back({T_map_end_, edges_m, surfaces_m});
 }
 
 }  // namespace hqslam::slam::as_published

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 
+#include "alignment/rotation_derivatives.h"
 #include "hqslam/core/pose.h"
 
 namespace hqslam::slam::as_published {
@@ -25,18 +26,8 @@ inline Parameters parameters_of(const Pose& pose) {
 
 /// dR/droll, dR/dpitch, dR/dyaw.
 inline std::array<Eigen::Matrix3d, 3> rotation_derivatives(const Parameters& p) {
-  const Eigen::Matrix3d Rx = Eigen::AngleAxisd(p(0), Eigen::Vector3d::UnitX()).toRotationMatrix();
-  const Eigen::Matrix3d Ry = Eigen::AngleAxisd(p(1), Eigen::Vector3d::UnitY()).toRotationMatrix();
-  const Eigen::Matrix3d Rz = Eigen::AngleAxisd(p(2), Eigen::Vector3d::UnitZ()).toRotationMatrix();
-  // The derivative of a rotation about a unit axis e by its angle is [e]x R.
-  const auto cross = [](const Eigen::Vector3d& e) {
-    Eigen::Matrix3d m;
-    m << 0.0, -e.z(), e.y(), e.z(), 0.0, -e.x(), -e.y(), e.x(), 0.0;
-    return m;
-  };
-  return {Rz * Ry * cross(Eigen::Vector3d::UnitX()) * Rx,
-          Rz * cross(Eigen::Vector3d::UnitY()) * Ry * Rx,
-          cross(Eigen::Vector3d::UnitZ()) * Rz * Ry * Rx};
+  const RotationWithDerivatives rotation(p(0), p(1), p(2));
+  return {rotation.dR_droll, rotation.dR_dpitch, rotation.dR_dyaw};
 }
 
 /// A distance from a line or plane with its unit gradient in space, both times a weight.

@@ -2,10 +2,10 @@
 
 #include <vector>
 
+#include "front_end/features.h"
 #include "hqslam/core/connected_components.h"
 #include "hqslam/core/organized_cloud.h"
 #include "hqslam/core/sensor_model.h"
-#include "hqslam/slam/features.h"
 
 namespace hqslam::slam::as_published {
 

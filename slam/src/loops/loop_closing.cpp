@@ -1,7 +1,6 @@
 #include "loops/loop_closing.h"
 
 #include <algorithm>
-#include <iterator>
 #include <utility>
 
 #include "loops/loop_correction.h"
@@ -24,27 +23,19 @@ constexpr double kAgreeing_rad = 0.01;
 constexpr double kAligned_m = 0.01;
 constexpr double kAligned_rad = 0.001;
 
-// When loops agree with each other, and how many are wanted over which stretch. The stretch is so
-// much longer than the correction: two places that look alike over a stretch of L are at least L
+// When loops agree with each other, and how many are wanted over which length of path. That is so
+// much longer than the correction: two places that look alike over a length of L are at least L
 // apart, or they would overlap, so a false loop between them would move the path by more than the
-// stretch over which it is confirmed.
+// length over which it is confirmed.
 constexpr double kConsistent_m = 0.3;
 constexpr double kConsistent_rad = 0.02;
 constexpr std::size_t kLoopsWanted = 3;
-constexpr double kStretchBeyondCorrection_m = 12.0;
+constexpr double kLengthBeyondCorrection_m = 12.0;
 constexpr int kMaxMissed = 2;
 
-// Drift of scan-to-map matching as a share of the path, at the most.
-constexpr double kDriftShare = 0.03;
-constexpr double kDriftShareUnobserved = 0.3;
-
-// Sigmas of edges.
+// Sigmas of a loop's edge.
 constexpr double kLoopSigma_m = 0.03;
 constexpr double kLoopSigma_rad = 0.002;
-constexpr double kLeastSigma_m = 0.01;
-constexpr double kLeastSigma_rad = 0.001;
-constexpr double kSigmaPerDrift = 1.0 / 3.0;
-constexpr double kSigma_rad_per_m = 0.005;
 
 bool is_within(const Pose& change, double max_m, double max_rad) {
   return change.translation().norm() <= max_m && rotation_angle_rad(change) <= max_rad;
@@ -52,151 +43,73 @@ bool is_within(const Pose& change, double max_m, double max_rad) {
 
 }  // namespace
 
-LoopClosing::LoopClosing(const MappingOptions& mapping, bool searches)
-    : mapping_(mapping), searches_(searches) {}
-
-LoopResult LoopClosing::process(std::vector<LoopKeyFrame> key_frames) {
-  for (LoopKeyFrame& key_frame : key_frames) {
-    // What was laid aside belongs to the stretch before this key frame.
-    if (key_frame.view && !parts_.empty()) {
-      parts_[stretches_.back().part].insert(key_frame.view->laid_aside);
+LoopResult LoopClosing::process(std::vector<LoopKeyframe> keyframes) {
+  for (LoopKeyframe& keyframe : keyframes) {
+    // What left the window belongs to the segment before this keyframe.
+    const bool is_first = graph_.submaps().empty();
+    if (keyframe.view && !is_first) graph_.insert(keyframe.view->left_window);
+    graph_.add_keyframe(keyframe);
+    if (is_first || keyframe.begins_segment) {
+      forget_waiting();
+      next_search_m_ = graph_.path_m();
     }
-    add_key_frame(key_frame);
-    if (key_frame.view && searches_) add_node(key_frame);
+    if (keyframe.view && searches_) graph_.add_node(keyframe);
   }
   LoopResult result;
-  if (searches_ && !nodes_.empty() && path_m_ >= next_search_m_) result = search();
-  result.part_of_stretch = part_of_stretch();
+  if (searches_ && !graph_.empty() && graph_.path_m() >= next_search_m_) result = search();
+  result.submap_of_segment = graph_.submap_of_segment();
   return result;
-}
-
-std::vector<std::size_t> LoopClosing::part_of_stretch() const {
-  std::vector<std::size_t> result;
-  for (const Stretch& stretch : stretches_) result.push_back(stretch.part);
-  return result;
-}
-
-std::vector<SavedPlace> LoopClosing::places(std::size_t part) const {
-  std::vector<SavedPlace> result;
-  for (std::size_t i = 0; i < nodes_.size(); ++i) {
-    if (part_of(i) == part) result.push_back({graph_.T_map_node[i], contexts_[i]});
-  }
-  return result;
-}
-
-void LoopClosing::add_key_frame(const LoopKeyFrame& key_frame) {
-  if (T_map_key_frame_.empty() || key_frame.begins_stretch) {
-    stretches_.push_back(
-        {static_cast<std::uint32_t>(T_map_key_frame_.size()), nodes_.size(), parts_.size()});
-    parts_.emplace_back(mapping_);
-    recent_ = RecentFeatures(kRecentNodes);
-    forget_waiting();
-    next_search_m_ = path_m_;
-    drift_m_ = 0.0;
-  } else {
-    const double step_m =
-        (key_frame.T_map_sensor.translation() - T_map_key_frame_.back().translation()).norm();
-    const bool observed = key_frame.mapping_status == Status::kOk ||
-                          key_frame.mapping_status == Status::kNotConverged;
-    path_m_ += step_m;
-    drift_m_ += (observed ? kDriftShare : kDriftShareUnobserved) * step_m;
-  }
-  T_map_key_frame_.push_back(key_frame.T_map_sensor);
-}
-
-void LoopClosing::add_node(const LoopKeyFrame& key_frame) {
-  if (nodes_.size() > stretches_.back().first_node) {
-    const double sigma_m = kSigmaPerDrift * drift_m_;
-    graph_.odometry.push_back({nodes_.size() - 1, nodes_.size(),
-                               graph_.T_map_node.back().inverse() * key_frame.T_map_sensor,
-                               kLeastSigma_m + sigma_m,
-                               kLeastSigma_rad + kSigma_rad_per_m * sigma_m});
-    edge_drift_m_.push_back(drift_m_);
-  }
-  drift_m_ = 0.0;
-  graph_.T_map_node.push_back(key_frame.T_map_sensor);
-  nodes_.push_back(
-      {static_cast<std::uint32_t>(T_map_key_frame_.size() - 1), key_frame.scan, path_m_});
-  last_contexts_ = scan_contexts_from_lanes(key_frame.view->cloud);
-  contexts_.push_back(last_contexts_.front());
-  recent_.add(key_frame.view->features, key_frame.T_map_sensor, key_frame.view->velocity);
-}
-
-std::size_t LoopClosing::part_of(std::size_t node) const {
-  const auto begins_after = [](std::size_t i, const Stretch& stretch) {
-    return i < stretch.first_node;
-  };
-  return std::prev(std::upper_bound(stretches_.begin(), stretches_.end(), node, begins_after))
-      ->part;
-}
-
-/// The nodes of a part; of the last stretch those about which the map was laid aside.
-std::vector<std::size_t> LoopClosing::nodes_to_ask(std::size_t part) const {
-  std::vector<std::size_t> result;
-  for (std::size_t i = 0; i < nodes_.size(); ++i) {
-    const bool is_old =
-        i < stretches_.back().first_node || path_m_ - nodes_[i].path_m >= mapping_.recent_path_m;
-    if (is_old && part_of(i) == part) result.push_back(i);
-  }
-  return result;
-}
-
-/// What is found of the last node in a part of the map.
-template <typename Look>
-auto LoopClosing::look_in(std::size_t part, const Look& look) const {
-  const std::vector<std::size_t> nodes = nodes_to_ask(part);
-  const std::vector<PlausibleDrift> drift = plausible_drift(graph_, edge_drift_m_);
-  const MapFeatures features = recent_.about_last();
-  return look(LoopSearchSpace{mapping_, parts_[part], graph_, contexts_, last_contexts_, drift,
-                              features, nodes});
 }
 
 LoopResult LoopClosing::search() {
   LoopResult result;
-  result.report = waiting_.empty() ? look_around() : look_where_predicted();
-  result.report.scan = nodes_.back().scan;
-  if (enough_agree()) {
-    result.corrections = close(result.report);
-  } else if (result.report.status == LoopStatus::kAgrees) {
-    result.corrections = align(result.report);
-  }
-  if (result.report.status == LoopStatus::kAgrees || result.report.status == LoopStatus::kClosed) {
-    result.recalled =
-        parts_[stretches_.back().part].take_near(loop_surroundings(graph_.T_map_node.back()));
+  LoopReport& report = result.report;
+  report = waiting_.empty() ? look_around() : look_where_predicted();
+  report.scan = graph_.scan_of(graph_.last());
+  if (report.status == LoopStatus::kAgrees || enough_agree()) close(result);
+  if (report.status == LoopStatus::kAgrees || report.status == LoopStatus::kClosed) {
+    result.recalled = graph_.take_near_last();
   }
   return result;
 }
 
-/// In the other parts first: that is where most is to be won.
+/// What is found of the last node in a submap.
+template <typename Look>
+auto LoopClosing::look_in(std::size_t submap, const Look& look) const {
+  const std::vector<std::size_t> nodes = graph_.older_nodes(submap);
+  const std::vector<PlausibleDrift> drift = plausible_drift(graph_.poses(), graph_.edge_drift_m());
+  const MapFeatures features = graph_.features_about_last();
+  return look(LoopSearchSpace{options_, graph_.submaps()[submap], graph_.poses(), graph_.contexts(),
+                              graph_.last_contexts(), drift, features, nodes});
+}
+
+/// In the other submaps first: that is where most is to be won.
 LoopReport LoopClosing::look_around() {
   LoopSearchResult found;
-  const std::size_t own = stretches_.back().part;
-  for (std::size_t part = 0; part < parts_.size() && !found.loop; ++part) {
-    if (part != own) found = look_in(part, search_similar_places);
+  const std::size_t own = graph_.own_submap();
+  for (std::size_t submap = 0; submap < graph_.submaps().size() && !found.loop; ++submap) {
+    if (submap != own) found = look_in(submap, search_similar_places);
   }
   if (!found.loop) found = look_in(own, search_loop);
   const bool failed = found.candidates > 0 && !found.loop;
-  next_search_m_ = path_m_ + (failed ? kSearchAfterFailing_m : kSearchEvery_m);
+  next_search_m_ = graph_.path_m() + (failed ? kSearchAfterFailing_m : kSearchEvery_m);
   LoopReport report;
   report.status = found.status;
   report.candidates = found.candidates;
   if (!found.loop) return report;
-  report.older_scan = nodes_[found.loop->node].scan;
-  const Pose change = graph_.T_map_node.back().inverse() * found.loop->T_map_last;
-  if (part_of(found.loop->node) == own && is_within(change, kAgreeing_m, kAgreeing_rad)) {
-    graph_.loops.push_back(edge_of(*found.loop));
-    next_search_m_ = path_m_ + kSearchAfterAgreeing_m;
+  report.older_scan = graph_.scan_of(found.loop->node);
+  const Pose change = graph_.T_map_last().inverse() * found.loop->T_map_last;
+  if (graph_.submap_of(found.loop->node) == own && is_within(change, kAgreeing_m, kAgreeing_rad)) {
     report.status = LoopStatus::kAgrees;
-  } else {
-    await_others(*found.loop);
   }
+  await_others(*found.loop);
   return report;
 }
 
 LoopReport LoopClosing::look_where_predicted() {
-  const Pose T_map_predicted = T_corrected_map_ * graph_.T_map_node.back();
+  const Pose T_map_predicted = T_corrected_map_ * graph_.T_map_last();
   const std::optional<FoundLoop> loop =
-      look_in(part_of(waiting_.back().from),
+      look_in(graph_.submap_of(waiting_.back().from),
               [&](const LoopSearchSpace& space) { return loop_at(space, T_map_predicted); });
   LoopReport report;
   report.candidates = 1;
@@ -204,23 +117,24 @@ LoopReport LoopClosing::look_where_predicted() {
   if (loop &&
       is_within(T_map_predicted.inverse() * loop->T_map_last, kConsistent_m, kConsistent_rad)) {
     report.status = LoopStatus::kAwaitsOthers;
-    report.older_scan = nodes_[loop->node].scan;
+    report.older_scan = graph_.scan_of(loop->node);
     await_others(*loop);
   } else if (++missed_ >= kMaxMissed) {
     forget_waiting();
-    next_search_m_ = path_m_ + kSearchEvery_m;
+    next_search_m_ = graph_.path_m() + kSearchEvery_m;
   }
   return report;
 }
 
 PoseGraphEdge LoopClosing::edge_of(const FoundLoop& loop) const {
-  return {loop.node, nodes_.size() - 1, graph_.T_map_node[loop.node].inverse() * loop.T_map_last,
-          kLoopSigma_m, kLoopSigma_rad};
+  const Pose& T_map_older = graph_.poses().T_map_node[loop.node];
+  return {loop.node, graph_.last(), T_map_older.inverse() * loop.T_map_last, kLoopSigma_m,
+          kLoopSigma_rad};
 }
 
 void LoopClosing::await_others(const FoundLoop& loop) {
   waiting_.push_back(edge_of(loop));
-  T_corrected_map_ = loop.T_map_last * graph_.T_map_node.back().inverse();
+  T_corrected_map_ = loop.T_map_last * graph_.T_map_last().inverse();
   missed_ = 0;
 }
 
@@ -231,110 +145,61 @@ void LoopClosing::forget_waiting() {
 
 bool LoopClosing::enough_agree() const {
   if (waiting_.size() < kLoopsWanted) return false;
-  const double stretch_m = nodes_[waiting_.back().to].path_m - nodes_[waiting_.front().to].path_m;
-  const bool joins = part_of(waiting_.back().from) != part_of(waiting_.back().to);
-  if (joins) return stretch_m >= kStretchBeyondCorrection_m;
-  const Eigen::Vector3d believed_m = graph_.T_map_node[waiting_.back().to].translation();
-  const double correction_m = (T_corrected_map_ * believed_m - believed_m).norm();
-  return stretch_m >= kStretchBeyondCorrection_m + correction_m;
-}
-
-/// The place is where it is believed to be, but for the accuracy of a registration. Where that is
-/// more than what scans are matched to, the path is bent onto it: two copies of a street side by
-/// side would pull the sensor to and fro.
-std::vector<Pose> LoopClosing::align(LoopReport& report) {
-  const Pose off = disagreement(graph_.loops.back(), graph_.T_map_node);
-  if (is_within(off, kAligned_m, kAligned_rad)) return {};
-  const std::vector<Pose> T_map_node = optimized(graph_);
-  if (T_map_node.empty() || !is_plausible(graph_, edge_drift_m_, T_map_node)) return {};
-  report.correction_m =
-      (T_map_node.back().translation() - graph_.T_map_node.back().translation()).norm();
-  return move_key_frames(T_map_node);
-}
-
-std::vector<Pose> LoopClosing::close(LoopReport& report) {
-  PoseGraph with_loops = graph_;
-  with_loops.loops.insert(with_loops.loops.end(), waiting_.begin(), waiting_.end());
-  bring_together(with_loops);
-  const std::size_t part = part_of(waiting_.back().to);
-  const std::size_t other = part_of(waiting_.back().from);
-  forget_waiting();
-  const std::vector<Pose> T_map_node = optimized(with_loops);
-  if (T_map_node.empty() || !is_plausible(with_loops, edge_drift_m_, T_map_node)) {
-    report.status = LoopStatus::kImplausible;
-    next_search_m_ = path_m_ + kSearchAfterImplausible_m;
-    return {};
+  const PoseGraphEdge& last = waiting_.back();
+  const double length_m = graph_.path_m(last.to) - graph_.path_m(waiting_.front().to);
+  if (graph_.submap_of(last.from) != graph_.submap_of(last.to)) {
+    return length_m >= kLengthBeyondCorrection_m;
   }
-  graph_.loops = std::move(with_loops.loops);
-  report.status = LoopStatus::kClosed;
-  report.correction_m =
-      (T_map_node.back().translation() - graph_.T_map_node.back().translation()).norm();
-  next_search_m_ = path_m_ + kSearchAfterAgreeing_m;
-  std::vector<Pose> corrections = move_key_frames(T_map_node);
-  if (part != other) join(part, other);
-  return corrections;
+  const Eigen::Vector3d believed_m = graph_.poses().T_map_node[last.to].translation();
+  const double change_m = (T_corrected_map_ * believed_m - believed_m).norm();
+  return length_m >= kLengthBeyondCorrection_m + change_m;
 }
 
-/// Puts the younger of two parts where the loops see it, as a whole: the optimisation begins there.
-void LoopClosing::bring_together(PoseGraph& graph) const {
-  const std::size_t part = part_of(waiting_.back().to);
-  const std::size_t other = part_of(waiting_.back().from);
-  const Pose move = part > other ? T_corrected_map_ : Pose(T_corrected_map_.inverse());
-  for (std::size_t i = 0; i < nodes_.size() && part != other; ++i) {
-    if (part_of(i) != std::max(part, other)) continue;
+/// The loops that wait are taken: the path is bent onto them if that is plausible. Where the place
+/// is where it was believed to be to what scans are matched to, it stays as it is; where it is off
+/// by more, if only within the accuracy of a registration, two copies of a street side by side
+/// would pull the sensor to and fro.
+void LoopClosing::close(LoopResult& result) {
+  LoopReport& report = result.report;
+  const bool agrees = report.status == LoopStatus::kAgrees;
+  const std::vector<PoseGraphEdge> loops = std::exchange(waiting_, {});
+  forget_waiting();
+  const PoseGraphEdge& last = loops.back();
+  next_search_m_ = graph_.path_m() + kSearchAfterAgreeing_m;
+  const Pose off = disagreement(last, graph_.poses().T_map_node);
+  if (agrees && is_within(off, kAligned_m, kAligned_rad)) {
+    graph_.add_loops(loops);
+    result.drift = graph_.improve_drift(last);
+    return;
+  }
+  PoseGraph with_loops = graph_.poses();
+  with_loops.loops.insert(with_loops.loops.end(), loops.begin(), loops.end());
+  const std::size_t submap = graph_.submap_of(last.to);
+  const std::size_t other = graph_.submap_of(last.from);
+  if (submap != other) bring_together(with_loops, submap, other);
+  const std::vector<Pose> T_map_node = optimized(with_loops);
+  if (T_map_node.empty() || !is_plausible(with_loops, graph_.edge_drift_m(), T_map_node)) {
+    report.status = LoopStatus::kImplausible;
+    next_search_m_ = graph_.path_m() + kSearchAfterImplausible_m;
+    return;
+  }
+  if (!agrees) report.status = LoopStatus::kClosed;
+  report.correction_m =
+      (T_map_node.back().translation() - graph_.T_map_last().translation()).norm();
+  graph_.add_loops(loops);
+  result.drift = graph_.improve_drift(last);
+  result.corrections = graph_.move(T_map_node);
+  if (submap != other) graph_.join(submap, other);
+}
+
+/// Puts the younger of two submaps where the loops see it, as a whole: the optimisation begins
+/// there.
+void LoopClosing::bring_together(PoseGraph& graph, std::size_t submap, std::size_t other) const {
+  const Pose move = submap > other ? T_corrected_map_ : Pose(T_corrected_map_.inverse());
+  for (std::size_t i = 0; i < graph.T_map_node.size(); ++i) {
+    if (graph_.submap_of(i) != std::max(submap, other)) continue;
     graph.T_map_node[i] = orthonormalized(move * graph.T_map_node[i]);
   }
-}
-
-/// Of two parts that are in one frame now the younger becomes one with the older.
-void LoopClosing::join(std::size_t part, std::size_t other) {
-  const auto [older, younger] = std::minmax(part, other);
-  parts_[older].insert(parts_[younger].take_all());
-  for (Stretch& stretch : stretches_) {
-    if (stretch.part == younger) stretch.part = older;
-  }
-}
-
-/// The poses that the key frames of a stretch get from those of its nodes.
-std::vector<Pose> LoopClosing::corrected(std::size_t stretch,
-                                         const std::vector<Pose>& T_map_node) const {
-  const bool last = stretch + 1 == stretches_.size();
-  const std::size_t begin = stretches_[stretch].first_key_frame;
-  const std::size_t end = last ? T_map_key_frame_.size() : stretches_[stretch + 1].first_key_frame;
-  const std::size_t begin_node = stretches_[stretch].first_node;
-  const std::size_t end_node = last ? nodes_.size() : stretches_[stretch + 1].first_node;
-  std::vector<std::uint32_t> key_frame_of_node;
-  for (std::size_t i = begin_node; i < end_node; ++i) {
-    key_frame_of_node.push_back(nodes_[i].key_frame - stretches_[stretch].first_key_frame);
-  }
-  const auto piece = [](const std::vector<Pose>& poses, std::size_t from, std::size_t to) {
-    return std::vector<Pose>(poses.begin() + static_cast<std::ptrdiff_t>(from),
-                             poses.begin() + static_cast<std::ptrdiff_t>(to));
-  };
-  return corrected_key_frames(piece(T_map_key_frame_, begin, end), key_frame_of_node,
-                              piece(T_map_node, begin_node, end_node));
-}
-
-/// Every stretch of path, and what was laid aside of it, moves with its nodes.
-std::vector<Pose> LoopClosing::move_key_frames(const std::vector<Pose>& T_map_node) {
-  std::vector<Pose> moved;
-  for (std::size_t stretch = 0; stretch < stretches_.size(); ++stretch) {
-    const std::vector<Pose> of_stretch = corrected(stretch, T_map_node);
-    moved.insert(moved.end(), of_stretch.begin(), of_stretch.end());
-  }
-  std::vector<Pose> corrections;
-  for (std::size_t k = 0; k < moved.size(); ++k) {
-    const bool stays = moved[k].matrix() == T_map_key_frame_[k].matrix();
-    corrections.push_back(stays ? Pose::Identity()
-                                : Pose(moved[k] * T_map_key_frame_[k].inverse()));
-  }
-  T_map_key_frame_ = std::move(moved);
-  for (std::size_t i = 0; i < nodes_.size(); ++i) {
-    graph_.T_map_node[i] = T_map_key_frame_[nodes_[i].key_frame];
-  }
-  recent_.correct(corrections.back());
-  for (FeatureMaps& part : parts_) part.correct(corrections);
-  return corrections;
 }
 
 }  // namespace hqslam::slam

@@ -1,122 +1,67 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <optional>
 #include <vector>
 
-#include "hqslam/core/organized_cloud.h"
 #include "hqslam/slam/loop_report.h"
-#include "hqslam/slam/mapping.h"
-#include "hqslam/slam/saved_map.h"
+#include "loops/keyframe_graph.h"
 #include "loops/loop_search.h"
-#include "loops/pose_graph.h"
-#include "map/recent_features.h"
 
 namespace hqslam::slam {
 
-/// What a key frame saw.
-struct LoopView {
-  OrganizedCloud cloud;
-  MapFeatures features;
-  Twist velocity;        ///< a second
-  MapPoints laid_aside;  ///< taken out of the map before it was put there
-};
-
-/// A key frame as it was put into the map.
-struct LoopKeyFrame {
-  Pose T_map_sensor = Pose::Identity();
-  Status mapping_status = Status::kOk;
-  std::size_t scan = 0;  ///< its number in the trajectory
-  /// Nothing measured the way from the key frame before: a stretch of path begins.
-  bool begins_stretch = false;
-  std::optional<LoopView> view;  ///< of one every few metres, and of the first of a stretch
-};
-
 struct LoopResult {
   LoopReport report;
-  /// Per key frame T_corrected_map, which takes its points to where they belong; empty if nothing
+  /// Per keyframe T_corrected_map, which takes its points to where they belong; empty if nothing
   /// moved.
   std::vector<Pose> corrections;
-  MapPoints recalled;                        ///< to be matched with again, where they belong
-  std::vector<std::size_t> part_of_stretch;  ///< LoopClosing::part_of_stretch()
+  MapPoints recalled;                          ///< to be matched with again, where they belong
+  std::vector<std::size_t> submap_of_segment;  ///< KeyframeGraph::submap_of_segment()
+  std::optional<LoopedDrift> drift;            ///< if loops were accepted
 };
 
 /// Recognises places passed before and finds where the path really went.
 ///
-/// Every few metres a key frame becomes a node of the pose graph. From time to time the last
-/// node is looked for at older places (search_loop), in what was laid aside of the map. A loop
-/// counts only when further nodes, over a stretch of path, are found where it predicts them; then
-/// all of them are put into the pose graph, and the poses are corrected if that bends the path no
-/// more than plausible. Otherwise the loops are taken out again.
+/// Every few metres a keyframe becomes a node of the pose graph. From time to time the last
+/// node is looked for at older places (search_loop), in the map that left the sliding window. A
+/// loop counts only when further nodes, over a length of path, are found where it predicts them, or
+/// if it finds the node where it was believed to be. Then the poses are corrected if that bends the
+/// path no more than plausible, and the loops become edges of the pose graph. Otherwise nothing
+/// changes.
 ///
-/// Where the way was lost the path begins anew, with a map and a frame of its own. Its nodes are
-/// looked for in all other parts, wherever they may be; loops that agree join the parts.
+/// Where the way was lost a segment begins, with a submap and a frame of its own. Its nodes are
+/// looked for in all other submaps, wherever they may be; loops that agree join the submaps.
 class LoopClosing {
  public:
-  /// If it does not search it keeps what is laid aside, no more.
-  LoopClosing(const MappingOptions& mapping, bool searches);
+  /// If it does not search it keeps what leaves the window, no more.
+  LoopClosing(const MappingOptions& options, bool searches)
+      : options_(options), searches_(searches), graph_(options) {}
 
-  /// In: the key frames since the last call.
-  LoopResult process(std::vector<LoopKeyFrame> key_frames);
+  /// In: the keyframes since the last call.
+  LoopResult process(std::vector<LoopKeyframe> keyframes);
 
-  /// What was laid aside, by part.
-  const std::vector<FeatureMaps>& parts() const { return parts_; }
-  /// The stretches of path by their part: those that were joined have the number of the first.
-  std::vector<std::size_t> part_of_stretch() const;
-  /// Where the nodes of a part are now, to be recognised by later drives.
-  std::vector<SavedPlace> places(std::size_t part) const;
+  const KeyframeGraph& graph() const { return graph_; }
 
  private:
-  struct Node {
-    std::uint32_t key_frame = 0;
-    std::size_t scan = 0;
-    double path_m = 0.0;
-  };
-  struct Stretch {
-    std::uint32_t first_key_frame = 0;
-    std::size_t first_node = 0;
-    std::size_t part = 0;
-  };
-  static constexpr std::size_t kRecentNodes = 5;
-
-  void add_key_frame(const LoopKeyFrame& key_frame);
-  void add_node(const LoopKeyFrame& key_frame);
   LoopResult search();
   LoopReport look_around();
   LoopReport look_where_predicted();
-  std::vector<std::size_t> nodes_to_ask(std::size_t part) const;
   template <typename Look>
-  auto look_in(std::size_t part, const Look& look) const;
-  std::size_t part_of(std::size_t node) const;
+  auto look_in(std::size_t submap, const Look& look) const;
   PoseGraphEdge edge_of(const FoundLoop& loop) const;
   void await_others(const FoundLoop& loop);
   bool enough_agree() const;
   void forget_waiting();
-  std::vector<Pose> align(LoopReport& report);
-  std::vector<Pose> close(LoopReport& report);
-  void bring_together(PoseGraph& graph) const;
-  void join(std::size_t part, std::size_t other);
-  std::vector<Pose> corrected(std::size_t stretch, const std::vector<Pose>& T_map_node) const;
-  std::vector<Pose> move_key_frames(const std::vector<Pose>& T_map_node);
+  void close(LoopResult& result);
+  void bring_together(PoseGraph& graph, std::size_t submap, std::size_t other) const;
 
-  MappingOptions mapping_;
+  MappingOptions options_;
   bool searches_;
-  std::vector<FeatureMaps> parts_;
-  std::vector<Stretch> stretches_;
-  std::vector<Pose> T_map_key_frame_;
-  double path_m_ = 0.0;   ///< up to the last key frame
-  double drift_m_ = 0.0;  ///< plausible since the last node
-  std::vector<Node> nodes_;
-  std::vector<ScanContext> contexts_;       ///< one per node
-  std::vector<ScanContext> last_contexts_;  ///< of the last node, from its lane and those beside
-  PoseGraph graph_;
-  std::vector<double> edge_drift_m_;  ///< one per odometry edge
-  RecentFeatures recent_{kRecentNodes};
+  KeyframeGraph graph_;
   double next_search_m_ = 0.0;  ///< along the path
   // Loops that wait for others to agree with them.
   std::vector<PoseGraphEdge> waiting_;
-  Pose T_corrected_map_ = Pose::Identity();  ///< what they say about the last node
+  Pose T_corrected_map_ = Pose::Identity();  ///< of the last node, by them
   int missed_ = 0;                           ///< nodes since, not found where predicted
 };
 

@@ -14,7 +14,7 @@ constexpr double kMaxOdometryStrain_m = 0.05;
 constexpr double kMaxOdometryStrain_rad = 0.02;
 constexpr double kStrainPerDrift = 2.0;
 
-// A key frame that should move by less stays: so long a step is left where it borders on others.
+// A keyframe that should move by less stays: so long a step is left where it borders on others.
 constexpr double kLeastMove_m = 0.001;
 constexpr double kLeastTurn_rad = 0.00003;
 
@@ -37,27 +37,27 @@ bool is_plausible(const PoseGraph& graph, const std::vector<double>& edge_drift_
   });
 }
 
-std::vector<Pose> corrected_key_frames(const std::vector<Pose>& T_map_key_frame,
-                                       const std::vector<std::uint32_t>& key_frame_of_node,
-                                       const std::vector<Pose>& T_map_node) {
-  std::vector<double> path_m(T_map_key_frame.size(), 0.0);
+std::vector<Pose> corrected_keyframes(const std::vector<Pose>& T_map_keyframe,
+                                      const std::vector<std::uint32_t>& keyframe_of_node,
+                                      const std::vector<Pose>& T_map_node) {
+  std::vector<double> path_m(T_map_keyframe.size(), 0.0);
   for (std::size_t k = 1; k < path_m.size(); ++k) {
     path_m[k] = path_m[k - 1] +
-                (T_map_key_frame[k].translation() - T_map_key_frame[k - 1].translation()).norm();
+                (T_map_keyframe[k].translation() - T_map_keyframe[k - 1].translation()).norm();
   }
-  std::vector<Pose> result = T_map_key_frame;
+  std::vector<Pose> result = T_map_keyframe;
   std::size_t node = 0;
   for (std::size_t k = 0; k < result.size(); ++k) {
-    while (node + 1 < key_frame_of_node.size() && key_frame_of_node[node + 1] <= k) ++node;
+    while (node + 1 < keyframe_of_node.size() && keyframe_of_node[node + 1] <= k) ++node;
     const auto carried_by = [&](std::size_t i) {
-      const Pose T_node_key_frame =
-          T_map_key_frame[key_frame_of_node[i]].inverse() * T_map_key_frame[k];
-      return Pose(T_map_node[i] * T_node_key_frame);
+      const Pose T_node_keyframe =
+          T_map_keyframe[keyframe_of_node[i]].inverse() * T_map_keyframe[k];
+      return Pose(T_map_node[i] * T_node_keyframe);
     };
     Pose corrected = carried_by(node);
-    if (node + 1 < key_frame_of_node.size()) {
-      const double begin_m = path_m[key_frame_of_node[node]];
-      const double length_m = path_m[key_frame_of_node[node + 1]] - begin_m;
+    if (node + 1 < keyframe_of_node.size()) {
+      const double begin_m = path_m[keyframe_of_node[node]];
+      const double length_m = path_m[keyframe_of_node[node + 1]] - begin_m;
       const double fraction = length_m > 0.0 ? (path_m[k] - begin_m) / length_m : 0.0;
       corrected = interpolate(corrected, carried_by(node + 1), fraction);
     }

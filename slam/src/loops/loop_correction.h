@@ -12,14 +12,14 @@ namespace hqslam::slam {
 bool is_plausible(const PoseGraph& graph, const std::vector<double>& edge_drift_m,
                   const std::vector<Pose>& T_map_node);
 
-/// Poses of all key frames after the nodes among them moved.
+/// Poses of all keyframes after the nodes among them moved.
 ///
-/// In: poses of key frames, which of them are nodes (rising, the first key frame is one), the
-/// nodes' new poses. Out: new poses. A key frame between two nodes is carried along by either, and
+/// In: poses of keyframes, which of them are nodes (rising, the first keyframe is one), the
+/// nodes' new poses. Out: new poses. A keyframe between two nodes is carried along by either, and
 /// lies between the two by its place in the path; those after the last node go with it. What would
 /// move by less than a millimetre stays where it is, so that most of the map need not be touched.
-std::vector<Pose> corrected_key_frames(const std::vector<Pose>& T_map_key_frame,
-                                       const std::vector<std::uint32_t>& key_frame_of_node,
-                                       const std::vector<Pose>& T_map_node);
+std::vector<Pose> corrected_keyframes(const std::vector<Pose>& T_map_keyframe,
+                                      const std::vector<std::uint32_t>& keyframe_of_node,
+                                      const std::vector<Pose>& T_map_node);
 
 }  // namespace hqslam::slam

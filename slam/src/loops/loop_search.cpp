@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::size_t kMaxCandidates = 3;
 constexpr double kNearNode_m = 10.0;
-/// Scans tell a turn to one sector of the scan context.
+/// Scan contexts measure a turn to one sector of the scan context.
 constexpr double kMaxTurn_rad = 0.1;
 constexpr double kMaxShift_m = 8.0;
 constexpr double kOtherPlace_m = 2.0;
@@ -19,7 +19,7 @@ constexpr double kWorthVerifying = 0.9;
 /// Overlap of the second-best place over that of the best, from which it is not clear which it is.
 constexpr double kAmbiguousShare = 0.8;
 
-Mapping part_about(const LoopSearchSpace& space, const Pose& T_map_place) {
+Mapping map_about(const LoopSearchSpace& space, const Pose& T_map_place) {
   return {space.options, space.map.about(space.options, loop_surroundings(T_map_place))};
 }
 
@@ -29,8 +29,8 @@ bool is_plausible(const Pose& change, const PlausibleDrift& drift) {
 }
 
 std::optional<FoundLoop> verified(const LoopSearchSpace& space, std::size_t node,
-                                  const Mapping& part, const Pose& T_map_last_start) {
-  const VerifiedLoop loop = verify_loop(space.features, part, T_map_last_start);
+                                  const Mapping& local, const Pose& T_map_last_start) {
+  const VerifiedLoop loop = verify_loop(space.features, local, T_map_last_start);
   const Pose change = space.graph.T_map_node.back().inverse() * loop.T_map_sensor;
   if (loop.verdict != LoopVerdict::kAccepted || !is_plausible(change, space.drift[node])) {
     return std::nullopt;
@@ -47,10 +47,10 @@ std::vector<Eigen::Vector3f> in_frame(const std::vector<Eigen::Vector3f>& points
   return result;
 }
 
-/// Edges and walls of a part of the map, in the frame of a place.
-std::vector<Eigen::Vector3f> structure_of(const Mapping& part, const Pose& T_map_place) {
-  std::vector<Eigen::Vector3f> points_m = part.map().planes.points_m();
-  const std::vector<Eigen::Vector3f> edges_m = part.map().edges.points_m();
+/// Edges and walls of a local map, in the frame of a place.
+std::vector<Eigen::Vector3f> structure_of(const Mapping& local, const Pose& T_map_place) {
+  std::vector<Eigen::Vector3f> points_m = local.map().planes.points_m();
+  const std::vector<Eigen::Vector3f> edges_m = local.map().edges.points_m();
   points_m.insert(points_m.end(), edges_m.begin(), edges_m.end());
   return upright_structure_m(in_frame(points_m, T_map_place));
 }
@@ -58,7 +58,7 @@ std::vector<Eigen::Vector3f> structure_of(const Mapping& part, const Pose& T_map
 std::vector<Eigen::Vector3f> upright_features(const MapFeatures& features) {
   std::vector<Eigen::Vector3f> result;
   // Every other one: enough to find the place.
-  for (const auto* kind : {&features.edges, &features.surfaces_to_locate}) {
+  for (const auto* kind : {&features.edges, &features.surfaces_to_register}) {
     for (std::size_t i = 0; i < kind->size(); i += 2) result.push_back((*kind)[i].point_m);
   }
   return result;
@@ -67,14 +67,14 @@ std::vector<Eigen::Vector3f> upright_features(const MapFeatures& features) {
 std::vector<FoundLoop> loops_at_candidate(const LoopSearchSpace& space,
                                           const LoopCandidate& candidate) {
   const Pose& T_map_place = space.graph.T_map_node[candidate.node];
-  const Mapping part = part_about(space, T_map_place);
+  const Mapping local = map_about(space, T_map_place);
   std::vector<FoundLoop> result;
   const std::vector<PlacedPoints> places =
-      search_place(structure_of(part, T_map_place), upright_features(space.features),
+      search_place(structure_of(local, T_map_place), upright_features(space.features),
                    {candidate.match.yaw_rad, kMaxShift_m, kMaxTurn_rad});
   for (const PlacedPoints& placed : places) {
     if (placed.share < kWorthVerifying * places.front().share) break;
-    const auto loop = verified(space, candidate.node, part, T_map_place * placed.T_place_sensor);
+    const auto loop = verified(space, candidate.node, local, T_map_place * placed.T_place_sensor);
     if (loop) result.push_back(*loop);
   }
   return result;
@@ -102,7 +102,7 @@ std::optional<FoundLoop> loop_at(const LoopSearchSpace& space, const Pose& T_map
     nearest_m = distance_m;
   }
   if (!nearest) return std::nullopt;
-  return verified(space, *nearest, part_about(space, T_map_last_believed), T_map_last_believed);
+  return verified(space, *nearest, map_about(space, T_map_last_believed), T_map_last_believed);
 }
 
 LoopSearchResult search_loop(const LoopSearchSpace& space) {

@@ -5,11 +5,11 @@
 #include <vector>
 
 #include "hqslam/slam/loop_report.h"
-#include "hqslam/slam/mapping.h"
 #include "hqslam/slam/scan_context.h"
 #include "loops/loop_candidates.h"
 #include "loops/loop_verification.h"
 #include "loops/pose_graph.h"
+#include "map/mapping.h"
 
 namespace hqslam::slam {
 
@@ -28,7 +28,7 @@ struct LoopSearchSpace {
 /// The last node, recognised at an older place.
 struct FoundLoop {
   std::size_t node = 0;                ///< the older one
-  Pose T_map_last = Pose::Identity();  ///< where the older part of the map puts the last node
+  Pose T_map_last = Pose::Identity();  ///< where the older map puts the last node
   double overlap = 0.0;
 };
 
@@ -38,11 +38,11 @@ struct LoopSearchResult {
   std::optional<FoundLoop> loop;
 };
 
-/// The part of the map about a place with which a node is compared.
+/// The local map about a place with which a node is compared.
 Surroundings loop_surroundings(const Pose& T_map_place);
 
 /// Looks where the last node is believed to be: nothing if no older node is near, or the features
-/// do not fit the older part of the map there.
+/// do not fit the older map there.
 std::optional<FoundLoop> loop_at(const LoopSearchSpace& space, const Pose& T_map_last_believed);
 
 /// Looks where the last node is believed to be, and if it does not fit there, at all places within

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <optional>
 
-#include "hqslam/slam/motion_correction.h"
+#include "front_end/motion_correction.h"
 #include "map/map_matching.h"
 
 namespace hqslam::slam {
@@ -51,11 +51,11 @@ MotionState somewhere_near(const Pose& T_map_sensor) {
 
 /// Whether the pose could as well lie ahead or to the side: along a corridor every place fits, and
 /// the few edges that noise makes of its walls hold the pose wherever it happens to be.
-bool slides(const MapFeatures& features, const Mapping& older_part, const Pose& T_map_sensor) {
+bool slides(const MapFeatures& features, const Mapping& older_map, const Pose& T_map_sensor) {
   for (const int axis : {0, 1}) {
     const Pose pushed = T_map_sensor * Eigen::Translation3d(kPush_m * Eigen::Vector3d::Unit(axis));
     const Pose returned =
-        older_part.locate(features, somewhere_near(pushed), pushed).state.T_map_sensor;
+        older_map.register_scan(features, somewhere_near(pushed), pushed).state.T_map_sensor;
     if ((returned.translation() - T_map_sensor.translation()).norm() > kMaxReturn_m) return true;
   }
   return false;
@@ -72,7 +72,7 @@ Fit fit_of(const MapFeatures& features, const FeatureMaps& map, const MotionStat
                  : std::nullopt);
   }
   for (const Eigen::Vector3f& surface_m :
-       motion_corrected(features.surfaces_to_locate, state.velocity)) {
+       motion_corrected(features.surfaces_to_register, state.velocity)) {
     const Eigen::Vector3d point_m = state.T_map_sensor * surface_m.cast<double>();
     const auto plane = fit_plane(map.planes.nearest(point_m.cast<float>()), kMaxPlaneResidual_m);
     sum.add(plane ? std::optional(std::abs(plane->normal.dot(point_m - plane->point_m)))
@@ -81,25 +81,25 @@ Fit fit_of(const MapFeatures& features, const FeatureMaps& map, const MotionStat
   return sum.result();
 }
 
-VerifiedLoop verify_loop(const MapFeatures& features, const Mapping& older_part,
+VerifiedLoop verify_loop(const MapFeatures& features, const Mapping& older_map,
                          const Pose& T_map_sensor_start) {
   VerifiedLoop result;
-  const auto locate = [&](const Pose& T_map_sensor) {
-    return older_part.locate(features, somewhere_near(T_map_sensor), T_map_sensor);
+  const auto register_at = [&](const Pose& T_map_sensor) {
+    return older_map.register_scan(features, somewhere_near(T_map_sensor), T_map_sensor);
   };
-  MappingResult located = locate(T_map_sensor_start);
-  if (located.status == Status::kNotConverged) located = locate(located.state.T_map_sensor);
-  result.T_map_sensor = located.state.T_map_sensor;
+  MappingResult found = register_at(T_map_sensor_start);
+  if (found.status == Status::kNotConverged) found = register_at(found.state.T_map_sensor);
+  result.T_map_sensor = found.state.T_map_sensor;
   // Where the pose can slide, edges that are none keep it moving to and fro.
-  const bool settled = located.status == Status::kOk || located.status == Status::kDegenerate;
+  const bool settled = found.status == Status::kOk || found.status == Status::kDegenerate;
   if (!settled) return result;
-  result.fit = fit_of(features, older_part.map(), located.state);
+  result.fit = fit_of(features, older_map.map(), found.state);
   if (result.fit.overlap < kMinOverlap) {
     result.verdict = LoopVerdict::kLittleOverlap;
   } else if (result.fit.residual_m > kMaxResidual_m) {
     result.verdict = LoopVerdict::kLargeResidual;
-  } else if (located.status == Status::kDegenerate ||
-             slides(features, older_part, located.state.T_map_sensor)) {
+  } else if (found.status == Status::kDegenerate ||
+             slides(features, older_map, found.state.T_map_sensor)) {
     result.verdict = LoopVerdict::kNotObservable;
   } else {
     result.verdict = LoopVerdict::kAccepted;

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "hqslam/slam/mapping.h"
+#include "map/mapping.h"
 
 namespace hqslam::slam {
 
@@ -30,8 +30,9 @@ struct VerifiedLoop {
 ///
 /// In: what the sensor saw lately (RecentFeatures), the map of the place as it was before, a
 /// pose to start from. Out: the registered pose, and a verdict. Registered
-/// as any scan is (Mapping::locate); judged more strictly, by distances from lines and planes.
-VerifiedLoop verify_loop(const MapFeatures& features, const Mapping& older_part,
+/// as any scan is (Mapping::register_scan); judged more strictly, by distances from lines and
+/// planes.
+VerifiedLoop verify_loop(const MapFeatures& features, const Mapping& older_map,
                          const Pose& T_map_sensor_start);
 
 }  // namespace hqslam::slam

@@ -25,7 +25,7 @@ PlaceRecognition::PlaceRecognition(const MappingOptions& options,
   graph_.T_map_node.push_back(T_map_sensor_believed.value_or(Pose::Identity()));
 }
 
-std::optional<Pose> PlaceRecognition::find(const UnlocatedScan& scan, const FeatureMaps& map) {
+std::optional<Pose> PlaceRecognition::find(const UnregisteredScan& scan, const FeatureMaps& map) {
   if (!scan.T_previous_sensor) recent_ = RecentFeatures(kRecentScans);
   const Pose motion = scan.T_previous_sensor.value_or(Pose::Identity());
   Pose& T_map_believed = graph_.T_map_node.back();

@@ -4,20 +4,20 @@
 #include <vector>
 
 #include "hqslam/core/organized_cloud.h"
-#include "hqslam/slam/mapping.h"
 #include "hqslam/slam/saved_map.h"
 #include "loops/loop_search.h"
+#include "map/mapping.h"
 #include "map/recent_features.h"
 
 namespace hqslam::slam {
 
 /// A scan that is looked for in a map.
-struct UnlocatedScan {
+struct UnregisteredScan {
   const OrganizedCloud& cloud;
   const MapFeatures& features;
   /// From the scan before, which was not found either; nothing: not known.
   std::optional<Pose> T_previous_sensor;
-  Twist velocity;  ///< a second
+  Twist velocity;  ///< per second
 };
 
 /// Finds a sensor among the places of a saved map that knows nothing, or nearly nothing, about
@@ -33,7 +33,7 @@ class PlaceRecognition {
                    const std::optional<Pose>& T_map_sensor_believed);
 
   /// Where the scan was taken; nothing if no place fits well, or two do.
-  std::optional<Pose> find(const UnlocatedScan& scan, const FeatureMaps& map);
+  std::optional<Pose> find(const UnregisteredScan& scan, const FeatureMaps& map);
 
   /// The next scan may be anywhere.
   void forget();

@@ -30,7 +30,7 @@ struct PlacedPoints {
 /// Differs from it: one resolution, since the window is small.
 ///
 /// The first registers from many metres away, where matching nearest points does not; the second
-/// tells whether the place looks like its own neighbourhood.
+/// shows whether the place looks like its own neighbourhood.
 std::vector<PlacedPoints> search_place(const std::vector<Eigen::Vector3f>& structure_m,
                                        const std::vector<Eigen::Vector3f>& points_m,
                                        const SearchWindow& window);

@@ -66,9 +66,9 @@ void add_edge(const PoseGraphEdge& edge, ceres::LossFunction* loss,
       to.rotation.coeffs().data());
 }
 
-/// The first node of each part of the graph that no edge joins with another.
-std::vector<std::size_t> first_of_parts(const PoseGraph& graph) {
-  std::vector<std::size_t> first(graph.T_map_node.size());  // known so far of each node's part
+/// The first node of each connected component of the graph.
+std::vector<std::size_t> first_of_components(const PoseGraph& graph) {
+  std::vector<std::size_t> first(graph.T_map_node.size());  // known so far of each node's component
   std::iota(first.begin(), first.end(), std::size_t{0});
   for (bool changed = true; changed;) {
     changed = false;
@@ -99,7 +99,7 @@ bool solve(const PoseGraph& graph, ceres::LossFunction* loop_loss,
     problem.AddParameterBlock(node.translation_m.data(), 3);
     problem.AddParameterBlock(node.rotation.coeffs().data(), 4, &unit_quaternion);
   }
-  for (const std::size_t node : first_of_parts(graph)) {
+  for (const std::size_t node : first_of_components(graph)) {
     problem.SetParameterBlockConstant(nodes[node].translation_m.data());
     problem.SetParameterBlockConstant(nodes[node].rotation.coeffs().data());
   }

@@ -30,8 +30,8 @@ Pose disagreement(const PoseGraphEdge& edge, const std::vector<Pose>& T_map_node
 ///
 ///   minimise  sum over odometry |r|^2 + sum over loops rho(|r|^2),
 ///   r = (translation of E / translation sigma, 2 vec(q of E) / rotation sigma),
-/// with rho the Cauchy loss; the first node is held, and so is that of every other part that no
-/// edge joins. A far correction lies beyond the reach of a robust loss, so the problem is solved
+/// with rho the Cauchy loss; the first node is held, and so is that of every other component that
+/// no edge joins. A far correction lies beyond the reach of a robust loss, so the problem is solved
 /// without it first. If some loop is then off by more than the loss forgives, it is solved with it
 /// from there: a loop that the others contradict is let go (the first and last step of graduated
 /// non-convexity, Yang et al., RA-L 2020). If none is, that step is left out: where a path drifts

@@ -13,33 +13,33 @@ constexpr double kElsewhere_m = 0.3;
 constexpr double kElsewhere_rad = 0.03;
 constexpr double kFitsBetter = 1.1;
 
+bool is_elsewhere(const Twist& innovation) {
+  return innovation.linear.norm() > kElsewhere_m || innovation.angular.norm() > kElsewhere_rad;
+}
+
+bool fits_better(const MappingResult& a, const MappingResult& b) {
+  if (a.status == Status::kTooFewFeatures) return false;
+  if (b.status == Status::kTooFewFeatures) return true;
+  return a.inlier_ratio > kFitsBetter * b.inlier_ratio;
+}
+
+}  // namespace
+
 bool is_precise(const MotionState& state) {
   const Vector6 variance = state.covariance.diagonal().head<6>();
   return variance.head<3>().maxCoeff() < kPrecise_m * kPrecise_m &&
          variance.tail<3>().maxCoeff() < kPrecise_rad * kPrecise_rad;
 }
 
-bool is_elsewhere(const Twist& surprise) {
-  return surprise.linear.norm() > kElsewhere_m || surprise.angular.norm() > kElsewhere_rad;
-}
-
-bool fits_better(const MappingResult& a, const MappingResult& b) {
-  if (a.status == Status::kTooFewFeatures) return false;
-  if (b.status == Status::kTooFewFeatures) return true;
-  return a.standing_share > kFitsBetter * b.standing_share;
-}
-
-}  // namespace
-
-MappingResult locate_from_both(const Mapping& mapping, const MapFeatures& features,
-                               const ExpectedScan& expected) {
+MappingResult register_from_both(const Mapping& mapping, const MapFeatures& features,
+                                 const ExpectedScan& expected) {
   const MotionState& state = expected.state;
-  const MappingResult located = mapping.locate(features, state, state.T_map_sensor);
-  const Twist surprise = logarithm(state.T_map_sensor.inverse() * expected.T_map_moved);
-  if (is_precise(state) && !is_elsewhere(surprise)) return located;
-  const MappingResult from_odometry = mapping.locate(
-      features, surprised(state, surprise, expected.duration_s), expected.T_map_moved);
-  return fits_better(from_odometry, located) ? from_odometry : located;
+  const MappingResult from_expected = mapping.register_scan(features, state, state.T_map_sensor);
+  const Twist innovation = logarithm(state.T_map_sensor.inverse() * expected.T_map_moved);
+  if (is_precise(state) && !is_elsewhere(innovation)) return from_expected;
+  const MappingResult from_odometry = mapping.register_scan(
+      features, with_innovation(state, innovation, expected.duration_s), expected.T_map_moved);
+  return fits_better(from_odometry, from_expected) ? from_odometry : from_expected;
 }
 
 }  // namespace hqslam::slam

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "hqslam/slam/mapping.h"
+#include "map/mapping.h"
 
 namespace hqslam::slam {
 
@@ -11,10 +11,14 @@ struct ExpectedScan {
   double duration_s;  ///< since the scan before
 };
 
-/// Locates a scan from where it is expected; and if little is known about that, or the odometry saw
-/// it elsewhere, from there too. Of the two places the one is taken that more of what stands on the
-/// ground fits.
-MappingResult locate_from_both(const Mapping& mapping, const MapFeatures& features,
-                               const ExpectedScan& expected);
+/// Whether a state is known so well that a scan is looked for there and nowhere else, unless the
+/// odometry contradicts.
+bool is_precise(const MotionState& state);
+
+/// Registers a scan from where it is expected; and if little is known about that, or the odometry
+/// saw it elsewhere, from there too. Of the two places the one is taken that more of what stands on
+/// the ground fits.
+MappingResult register_from_both(const Mapping& mapping, const MapFeatures& features,
+                                 const ExpectedScan& expected);
 
 }  // namespace hqslam::slam

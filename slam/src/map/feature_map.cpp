@@ -1,8 +1,9 @@
-#include "hqslam/slam/feature_map.h"
+#include "map/feature_map.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 namespace hqslam::slam {
 
@@ -12,13 +13,7 @@ namespace {
 /// smeared by the drift of a later visit.
 constexpr std::uint16_t kMaxMeanCount = 20;
 
-constexpr int kCubeRange = 1 << 20;  // cubes on each side of the origin
-
-std::uint64_t mixed(std::uint64_t key) {
-  key ^= key >> 31;
-  key *= 0x9E3779B97F4A7C15ULL;
-  return key ^ (key >> 29);
-}
+constexpr int kCubeRange = CellIndex::kRange;  // cubes on each side of the origin
 
 /// Of values that an int can hold; std::floor is a call on processors without SSE4.1.
 Eigen::Vector3i floored(const Eigen::Vector3f& v) {
@@ -56,51 +51,22 @@ FeatureMap::FeatureMap(double leaf_m, double max_distance_m)
     : leaf_m_(static_cast<float>(leaf_m)),
       max_distance_m_(static_cast<float>(max_distance_m)),
       cube_m_(static_cast<float>(2.0 * max_distance_m)),
-      voxels_per_side_(static_cast<int>(std::ceil(2.0 * max_distance_m / leaf_m))),
-      table_(1024, 0) {}
+      voxels_per_side_(static_cast<int>(std::ceil(2.0 * max_distance_m / leaf_m))) {}
 
-bool FeatureMap::key_of(const Eigen::Vector3i& cube, std::uint64_t& key) const {
-  const Eigen::Vector3i shifted = cube.array() + kCubeRange;
-  if ((shifted.array() < 0).any() || (shifted.array() >= 2 * kCubeRange).any()) return false;
-  key = (static_cast<std::uint64_t>(shifted.x()) << 42) |
-        (static_cast<std::uint64_t>(shifted.y()) << 21) | static_cast<std::uint64_t>(shifted.z());
-  return true;
-}
-
-const FeatureMap::Cube* FeatureMap::find(std::uint64_t key) const {
-  const std::size_t mask = table_.size() - 1;
-  for (std::size_t slot = mixed(key) & mask; table_[slot] != 0; slot = (slot + 1) & mask) {
-    const Cube& cube = cubes_[table_[slot] - 1];
-    if (cube.key == key) return &cube;
-  }
-  return nullptr;
+const FeatureMap::Cube* FeatureMap::find(const Eigen::Vector3i& cube) const {
+  const std::uint32_t found = index_.find(cube);
+  return found == CellIndex::kNone ? nullptr : &cubes_[found];
 }
 
 FeatureMap::Cube& FeatureMap::find_or_add(std::uint64_t key) {
-  const std::size_t mask = table_.size() - 1;
-  std::size_t slot = mixed(key) & mask;
-  for (; table_[slot] != 0; slot = (slot + 1) & mask) {
-    Cube& cube = cubes_[table_[slot] - 1];
-    if (cube.key == key) return cube;
-  }
-  cubes_.push_back({key, {}});
-  table_[slot] = static_cast<std::uint32_t>(cubes_.size());
-  if (2 * cubes_.size() > table_.size()) fill_table(2 * table_.size());
-  return cubes_.back();
+  const std::uint32_t found = index_.find(key);
+  if (found != CellIndex::kNone) return cubes_[found];
+  index_.add(key, static_cast<std::uint32_t>(cubes_.size()));
+  return cubes_.emplace_back(Cube{key, {}});
 }
 
-void FeatureMap::fill_table(std::size_t slots) {
-  table_.assign(slots, 0);
-  const std::size_t mask = table_.size() - 1;
-  for (std::size_t i = 0; i < cubes_.size(); ++i) {
-    std::size_t slot = mixed(cubes_[i].key) & mask;
-    while (table_[slot] != 0) slot = (slot + 1) & mask;
-    table_[slot] = static_cast<std::uint32_t>(i + 1);
-  }
-}
-
-void FeatureMap::insert(const std::vector<Eigen::Vector3f>& points_m, std::uint32_t key_frame) {
-  for (const Eigen::Vector3f& point_m : points_m) insert_point({point_m, key_frame, key_frame});
+void FeatureMap::insert(const std::vector<Eigen::Vector3f>& points_m, std::uint32_t keyframe) {
+  for (const Eigen::Vector3f& point_m : points_m) insert_point({point_m, keyframe, keyframe});
 }
 
 void FeatureMap::insert(const std::vector<MapPoint>& points) {
@@ -112,7 +78,7 @@ std::optional<FeatureMap::Voxel> FeatureMap::voxel_of(const Eigen::Vector3f& poi
   if (!(scaled.array().abs() < static_cast<float>(kCubeRange - 1)).all()) return std::nullopt;
   const Eigen::Vector3i cube = floored(scaled);
   Voxel result;
-  if (!key_of(cube, result.cube_key)) return std::nullopt;
+  result.cube_key = CellIndex::key_of(cube);
   const Eigen::Vector3i at = floored((point_m - cube.cast<float>() * cube_m_) / leaf_m_)
                                  .cwiseMax(0)
                                  .cwiseMin(voxels_per_side_ - 1);
@@ -127,7 +93,7 @@ void FeatureMap::insert_point(const MapPoint& inserted) {
   Cube& cube = find_or_add(voxel->cube_key);
   for (Cell& cell : cube.cells) {
     if (cell.voxel != voxel->in_cube) continue;
-    cell.key_frame = std::min(cell.key_frame, inserted.key_frame);
+    cell.keyframe = std::min(cell.keyframe, inserted.keyframe);
     cell.last_seen = std::max(cell.last_seen, inserted.last_seen);
     if (cell.count < kMaxMeanCount) {
       cell.count = static_cast<std::uint16_t>(cell.count + inserted.count);
@@ -157,9 +123,9 @@ std::vector<MapPoint> FeatureMap::take(const std::vector<std::size_t>& cubes,
   return taken;
 }
 
-std::vector<MapPoint> FeatureMap::take_not_seen_since(std::uint32_t key_frame) {
+std::vector<MapPoint> FeatureMap::take_not_seen_since(std::uint32_t keyframe) {
   std::vector<MapPoint> taken =
-      take(all_cubes(), [&](const MapPoint& point, Voxel) { return point.last_seen < key_frame; });
+      take(all_cubes(), [&](const MapPoint& point, Voxel) { return point.last_seen < keyframe; });
   drop_empty_cubes();
   return taken;
 }
@@ -176,7 +142,10 @@ void FeatureMap::drop_empty_cubes() {
       static_cast<std::size_t>(std::count_if(cubes_.begin(), cubes_.end(), is_empty));
   if (2 * empty <= cubes_.size()) return;
   std::erase_if(cubes_, is_empty);
-  fill_table(table_.size());
+  index_.clear();
+  for (std::size_t i = 0; i < cubes_.size(); ++i) {
+    index_.add(cubes_[i].key, static_cast<std::uint32_t>(i));
+  }
 }
 
 Neighbours FeatureMap::nearest(const Eigen::Vector3f& query_m) const {
@@ -194,9 +163,7 @@ Neighbours FeatureMap::nearest(const Eigen::Vector3f& query_m) const {
   for (int corner = 0; corner < 8; ++corner) {
     const Eigen::Array3i beyond(corner & 1, (corner >> 1) & 1, corner >> 2);
     if ((beyond.cast<float>() * face_m2).sum() >= found.sixth_squared_m2) continue;
-    std::uint64_t key = 0;
-    if (!key_of(own + (beyond * step).matrix(), key)) continue;
-    const Cube* cube = find(key);
+    const Cube* cube = find(own + (beyond * step).matrix());
     if (cube == nullptr) continue;
     for (const Cell& cell : cube->cells) {
       const Eigen::Vector3f& mean_m = cell.mean_m;
@@ -210,18 +177,37 @@ Neighbours FeatureMap::nearest(const Eigen::Vector3f& query_m) const {
 std::vector<std::size_t> FeatureMap::cubes_touching(const Surroundings& place) const {
   const Eigen::Vector3f reach(place.radius_m, place.radius_m, place.half_height_m());
   const auto has_room = static_cast<float>(kCubeRange - 1);
-  const Eigen::Vector3i first = floored(((place.centre_m - reach) / cube_m_).cwiseMax(-has_room));
-  const Eigen::Vector3i last = floored(((place.centre_m + reach) / cube_m_).cwiseMin(has_room));
+  const auto cube_of = [&](const Eigen::Vector3f& point_m) {
+    return floored((point_m / cube_m_).cwiseMax(-has_room).cwiseMin(has_room));
+  };
+  const Eigen::Vector3i first = cube_of(place.centre_m - reach);
+  const Eigen::Vector3i last = cube_of(place.centre_m + reach);
+  // Where the box holds more cubes than there are, they are all looked at instead.
+  const Eigen::Vector3d sides = (last - first).cast<double>().array() + 1.0;
+  if (!(sides.prod() <= static_cast<double>(cubes_.size()))) return cubes_within(first, last);
   std::vector<std::size_t> result;
   for (int x = first.x(); x <= last.x(); ++x) {
     for (int y = first.y(); y <= last.y(); ++y) {
       for (int z = first.z(); z <= last.z(); ++z) {
-        std::uint64_t key = 0;
-        const Cube* cube = key_of({x, y, z}, key) ? find(key) : nullptr;
+        const Cube* cube = find({x, y, z});
         if (cube != nullptr) result.push_back(static_cast<std::size_t>(cube - cubes_.data()));
       }
     }
   }
+  return result;
+}
+
+std::vector<std::size_t> FeatureMap::cubes_within(const Eigen::Vector3i& first,
+                                                  const Eigen::Vector3i& last) const {
+  std::vector<std::pair<std::uint64_t, std::size_t>> found;
+  for (std::size_t i = 0; i < cubes_.size(); ++i) {
+    const Eigen::Array3i cube = CellIndex::cell_of(cubes_[i].key);
+    const bool is_within = (cube >= first.array()).all() && (cube <= last.array()).all();
+    if (is_within) found.emplace_back(cubes_[i].key, i);
+  }
+  std::sort(found.begin(), found.end());  // x, then y, then z: as they are found in a small box
+  std::vector<std::size_t> result;
+  for (const auto& [key, cube] : found) result.push_back(cube);
   return result;
 }
 
@@ -248,12 +234,12 @@ void FeatureMap::correct(const std::vector<Pose>& corrections) {
   for (const Pose& correction : corrections) moves.push_back(!correction.matrix().isIdentity(0.0));
   for (Cube& cube : cubes_) {
     for (Cell& cell : cube.cells) {
-      if (moves[cell.key_frame] == 0) continue;
-      cell.mean_m = (corrections[cell.key_frame] * cell.mean_m.cast<double>()).cast<float>();
+      if (moves[cell.keyframe] == 0) continue;
+      cell.mean_m = (corrections[cell.keyframe] * cell.mean_m.cast<double>()).cast<float>();
     }
   }
   insert(take(all_cubes(), [&](const MapPoint& point, const Voxel& voxel) {
-    return moves[point.key_frame] != 0 && voxel_of(point.mean_m) != voxel;
+    return moves[point.keyframe] != 0 && voxel_of(point.mean_m) != voxel;
   }));
 }
 

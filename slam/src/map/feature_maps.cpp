@@ -1,4 +1,4 @@
-#include "hqslam/slam/feature_maps.h"
+#include "map/feature_maps.h"
 
 #include <array>
 #include <limits>
@@ -44,15 +44,15 @@ void FeatureMaps::insert(const MapPoints& points) {
   for (const Kind& kind : kKinds) (this->*kind.map).insert(points.*kind.points);
 }
 
-MapPoints FeatureMaps::take_not_seen_since(std::uint32_t key_frame) {
+MapPoints FeatureMaps::take_not_seen_since(std::uint32_t keyframe) {
   MapPoints result;
   for (const Kind& kind : kKinds) {
-    result.*kind.points = (this->*kind.map).take_not_seen_since(key_frame);
+    result.*kind.points = (this->*kind.map).take_not_seen_since(keyframe);
   }
   return result;
 }
 
-/// No key frame is so late that it has not been.
+/// No keyframe is so late that it has not been.
 MapPoints FeatureMaps::take_all() {
   return take_not_seen_since(std::numeric_limits<std::uint32_t>::max());
 }
@@ -78,7 +78,7 @@ void append(MapPoints& points, const MapPoints& others) {
 void correct(MapPoints& points, const std::vector<Pose>& corrections) {
   for (const Kind& kind : kKinds) {
     for (MapPoint& point : points.*kind.points) {
-      const Pose& correction = corrections[point.key_frame];
+      const Pose& correction = corrections[point.keyframe];
       if (correction.matrix().isIdentity(0.0)) continue;
       point.mean_m = (correction * point.mean_m.cast<double>()).cast<float>();
     }

@@ -1,10 +1,11 @@
 #include "map/map_constraints.h"
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 
 #include "alignment/robust_weights.h"
-#include "hqslam/slam/motion_correction.h"
+#include "front_end/motion_correction.h"
 
 namespace hqslam::slam {
 
@@ -13,7 +14,7 @@ namespace {
 constexpr double kMinWeight = 0.1;
 /// Cosine of the steepest ground's angle with the sensor's.
 constexpr double kMinGroundUprightness = 0.9;
-/// So many points of the ground tell the height well enough to ask nothing else about it.
+/// So many points of the ground measure the height well enough to ask nothing else about it.
 constexpr int kMinGroundConstraints = 25;
 /// Of the angle between two directions that make a plane.
 constexpr double kMinSine = 0.5;
@@ -55,7 +56,7 @@ std::optional<PlaneConstraint> match_surface(const std::optional<MapPlane>& plan
   return PlaneConstraint{rotated_m, plane->normal, offset_m, weight};
 }
 
-/// Keeps of a ground plane what it tells about height, roll and pitch.
+/// Keeps of a ground plane its information about height, roll and pitch.
 ///
 /// A ring on the ground lies in the map beside the rings of earlier scans. The slope of a plane
 /// through points of two rings a few decimetres apart is mostly noise, and its horizontal part
@@ -73,7 +74,7 @@ std::optional<PlaneConstraint> upright(std::optional<PlaneConstraint> ground,
   return ground;
 }
 
-/// Keeps of a surface's plane what it tells about x, y, yaw and, by its lever, roll and pitch.
+/// Keeps of a surface's plane its information about x, y, yaw and, by its lever, roll and pitch.
 ///
 /// What is not ground stands upright, mostly. Where it does not - kerbs, cars, leaves, ground that
 /// was not recognised - five points of rows that are far apart make a slope of chance, and slopes
@@ -141,7 +142,7 @@ std::vector<std::optional<PlaneConstraint>> ground_constraints(SearchedFeatures<
 /// Surfaces. A line that a row drew on one is completed to the most upright plane through it.
 std::vector<std::optional<PlaneConstraint>> surface_constraints(
     SearchedFeatures<MapSurface>& surfaces, const MapSearch& search, const FeatureMap& planes,
-    const MappingOptions& options, bool ground_tells_height) {
+    const MappingOptions& options, bool ground_has_height) {
   const Eigen::Vector3d origin_m = search.T_map_sensor.translation();
   const Eigen::Vector3d vertical = search.T_map_sensor.linear().col(2);
   return find_all(
@@ -149,7 +150,7 @@ std::vector<std::optional<PlaneConstraint>> surface_constraints(
       [&](const Neighbours& near) { return fit_surface(near, options.max_plane_residual_m); },
       [&](std::size_t, const std::optional<MapSurface>& near, const Eigen::Vector3d& rotated_m) {
         const auto constraint = match_surface(completed(near, vertical), rotated_m, origin_m);
-        return ground_tells_height ? horizontal(constraint, vertical) : constraint;
+        return ground_has_height ? horizontal(constraint, vertical) : constraint;
       });
 }
 
@@ -164,7 +165,7 @@ std::vector<std::optional<EdgeConstraints>> edge_constraints_of(SearchedFeatures
       });
 }
 
-/// Posts. A row sees one point of each, which tells where the post stands and nothing about height:
+/// Posts. A row sees one point of each, which shows where the post stands and nothing about height:
 /// it belongs on the upright line through the nearest one of the map.
 std::vector<std::optional<EdgeConstraints>> post_constraints(
     SearchedFeatures<Eigen::Vector3d, 1>& posts, const MapSearch& search, const FeatureMap& map) {
@@ -184,20 +185,31 @@ std::vector<std::optional<EdgeConstraints>> post_constraints(
 
 }  // namespace
 
-ConstraintList map_constraints(LocatedScan& scan, const MapSearch& search, const FeatureMaps& map,
-                               const MappingOptions& options) {
+ConstraintList MapMatches::constraints() const {
   ConstraintList list;
-  const auto add = [&](auto found) {
-    weigh_by_noise(found, options.trusted_residual_m, search.trust_near);
-    list.add(found);
-  };
-  add(ground_constraints(scan.ground, search, map.planes, options));
+  list.add(ground);
   list.ground = list.planes;
-  const bool ground_tells_height = list.ground >= kMinGroundConstraints;
-  add(surface_constraints(scan.surfaces, search, map.planes, options, ground_tells_height));
-  add(edge_constraints_of(scan.edges, search, map.edges));
-  add(post_constraints(scan.posts, search, map.posts));
+  list.add(surfaces);
+  list.add(edges);
+  list.add(posts);
   return list;
+}
+
+MapMatches match_with_map(RegisteredScan& scan, const MapSearch& search, const FeatureMaps& map,
+                          const MappingOptions& options) {
+  const auto weighed = [&](auto found) {
+    weigh_by_noise(found, options.trusted_residual_m, search.trust_near);
+    return found;
+  };
+  MapMatches result;
+  result.ground = weighed(ground_constraints(scan.ground, search, map.planes, options));
+  const auto by_ground = std::count_if(result.ground.begin(), result.ground.end(),
+                                       [](const auto& match) { return match.has_value(); });
+  result.surfaces = weighed(surface_constraints(scan.surfaces, search, map.planes, options,
+                                                by_ground >= kMinGroundConstraints));
+  result.edges = weighed(edge_constraints_of(scan.edges, search, map.edges));
+  result.posts = weighed(post_constraints(scan.posts, search, map.posts));
+  return result;
 }
 
 }  // namespace hqslam::slam

@@ -1,9 +1,11 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "alignment/rigid_alignment.h"
-#include "hqslam/slam/mapping.h"
+#include "front_end/features.h"
+#include "map/feature_maps.h"
 #include "map/map_matching.h"
 #include "map/nearby_fit.h"
 
@@ -19,8 +21,8 @@ struct SearchedFeatures {
       : features(searched), nearby(searched.size()) {}
 };
 
-/// The features of a scan while it is located.
-struct LocatedScan {
+/// The features of a scan while it is registered.
+struct RegisteredScan {
   SearchedFeatures<MapSurface> ground;
   SearchedFeatures<MapSurface> surfaces;
   SearchedFeatures<MapLine> edges;
@@ -31,15 +33,25 @@ struct LocatedScan {
 /// neighbours that are farther apart are seldom of one surface.
 struct MapSearch {
   Pose T_map_sensor;
-  Twist velocity;  ///< a second
+  Twist velocity;  ///< per second
   double reach_m;
   bool trust_near;  ///< take weight from features far from their line or plane
 };
 
-/// What the map says about where a scan is: per feature that finds its line or plane, constraints
-/// of the motion that remains, in axes of the map with search.T_map_sensor's position as origin
-/// (points are R p, planes are moved by -t). Features are searched in parallel.
-ConstraintList map_constraints(LocatedScan& scan, const MapSearch& search, const FeatureMaps& map,
-                               const MappingOptions& options);
+/// With what of the map each feature of a scan is matched: constraints of the motion that remains,
+/// in axes of the map with search.T_map_sensor's position as origin (points are R p, planes are
+/// moved by -t); nothing where a feature finds no line or plane.
+struct MapMatches {
+  std::vector<std::optional<PlaneConstraint>> ground;
+  std::vector<std::optional<PlaneConstraint>> surfaces;
+  std::vector<std::optional<EdgeConstraints>> edges;
+  std::vector<std::optional<EdgeConstraints>> posts;
+
+  ConstraintList constraints() const;
+};
+
+/// Features are searched in parallel.
+MapMatches match_with_map(RegisteredScan& scan, const MapSearch& search, const FeatureMaps& map,
+                          const MappingOptions& options);
 
 }  // namespace hqslam::slam

@@ -4,7 +4,7 @@
 #include <optional>
 #include <variant>
 
-#include "hqslam/slam/feature_map.h"
+#include "map/feature_map.h"
 
 namespace hqslam::slam {
 
@@ -26,7 +26,7 @@ struct MapPlane {
 /// max_residual_m from the plane.
 std::optional<MapPlane> fit_plane(const Neighbours& neighbours, double max_residual_m);
 
-/// What five neighbours on a surface say of it: its plane, or, where all of them are of one row,
+/// What five neighbours on a surface show of it: its plane, or, where all of them are of one row,
 /// the line that the row drew on it.
 using MapSurface = std::variant<MapPlane, MapLine>;
 std::optional<MapSurface> fit_surface(const Neighbours& neighbours, double max_residual_m);

@@ -1,4 +1,4 @@
-#include "hqslam/slam/mapping.h"
+#include "map/mapping.h"
 
 #include <algorithm>
 #include <iterator>
@@ -7,9 +7,8 @@
 
 #include "alignment/rigid_alignment.h"
 #include "alignment/scan_information.h"
+#include "front_end/motion_correction.h"
 #include "front_end/voxel_thinning.h"
-#include "hqslam/slam/motion_correction.h"
-#include "map/map_constraints.h"
 
 namespace hqslam::slam {
 
@@ -27,6 +26,20 @@ std::vector<FeaturePoint> measured(const std::vector<FeaturePoint>& features,
   return result;
 }
 
+RegisteredScan searched(const MapFeatures& features) {
+  return {SearchedFeatures<MapSurface>(features.ground_to_register),
+          SearchedFeatures<MapSurface>(features.surfaces_to_register),
+          SearchedFeatures<MapLine>(features.edges),
+          SearchedFeatures<Eigen::Vector3d, 1>(features.posts_to_register)};
+}
+
+MapSearch search_at(const MappingResult& at, const MappingOptions& options) {
+  return {
+      at.state.T_map_sensor, at.state.velocity,
+      at.is_close_search ? options.close_neighbour_distance_m : options.max_neighbour_distance_m,
+      at.is_close_search};
+}
+
 }  // namespace
 
 MapFeatures map_features(const Features& features, const std::optional<RowSelection>& measured_rows,
@@ -36,9 +49,9 @@ MapFeatures map_features(const Features& features, const std::optional<RowSelect
   result.posts = measured(features.posts, measured_rows);
   result.ground = thin(measured(features.ground, measured_rows), options.planar_leaf_m);
   result.surfaces = thin(measured(features.surfaces, measured_rows), options.planar_leaf_m);
-  result.posts_to_locate = thin(result.posts, options.located_planar_leaf_m);
-  result.ground_to_locate = thin(result.ground, options.located_planar_leaf_m);
-  result.surfaces_to_locate = thin(result.surfaces, options.located_planar_leaf_m);
+  result.posts_to_register = thin(result.posts, options.located_planar_leaf_m);
+  result.ground_to_register = thin(result.ground, options.located_planar_leaf_m);
+  result.surfaces_to_register = thin(result.surfaces, options.located_planar_leaf_m);
   return result;
 }
 
@@ -47,60 +60,62 @@ Mapping::Mapping(const MappingOptions& options) : options_(options), map_(option
 Mapping::Mapping(const MappingOptions& options, FeatureMaps map)
     : options_(options), map_(std::move(map)) {}
 
-MappingResult Mapping::locate(const MapFeatures& features, const MotionState& expected,
-                              const Pose& T_map_sensor_start) const {
-  const auto standing = static_cast<double>(
-      features.edges.size() + features.posts_to_locate.size() + features.surfaces_to_locate.size());
-  const double feature_count = standing + static_cast<double>(features.ground_to_locate.size());
+MappingResult Mapping::register_scan(const MapFeatures& features, const MotionState& expected,
+                                     const Pose& T_map_sensor_start) const {
+  const auto standing =
+      static_cast<double>(features.edges.size() + features.posts_to_register.size() +
+                          features.surfaces_to_register.size());
+  const double feature_count = standing + static_cast<double>(features.ground_to_register.size());
   MappingResult result;
   const ExpectedState prior(expected);
   result.state = prior.given(T_map_sensor_start);
-  LocatedScan scan{SearchedFeatures<MapSurface>(features.ground_to_locate),
-                   SearchedFeatures<MapSurface>(features.surfaces_to_locate),
-                   SearchedFeatures<MapLine>(features.edges),
-                   SearchedFeatures<Eigen::Vector3d, 1>(features.posts_to_locate)};
+  RegisteredScan scan = searched(features);
   bool narrow_suffices = true;
   for (int iteration = 0; iteration < options_.max_iterations; ++iteration) {
     const bool narrow = iteration >= kWideSearches && narrow_suffices;
-    const double reach_m =
-        narrow ? options_.close_neighbour_distance_m : options_.max_neighbour_distance_m;
-    const ConstraintList constraints = map_constraints(
-        scan, {result.state.T_map_sensor, result.state.velocity, reach_m, narrow}, map_, options_);
+    result.is_close_search = narrow;
+    const ConstraintList constraints =
+        match_with_map(scan, search_at(result, options_), map_, options_).constraints();
     const int matched = constraints.edges + constraints.planes;
     const bool enough = matched >= options_.min_correspondences &&
                         matched >= options_.min_matched_share * feature_count;
     const Pose before = result.state.T_map_sensor;
-    const ScanInformation told = scan_information(constraints.all, before.linear());
-    const bool tells_all =
+    const ScanInformation information = scan_information(constraints.all, before.linear());
+    const bool all_observable =
         observability(constraints.all, FreeParameters::kAll).degenerate_directions == 0;
-    if (narrow && (!enough || !tells_all)) {
+    if (narrow && (!enough || !all_observable)) {
       narrow_suffices = false;
       continue;
     }
     result.edge_correspondences = constraints.edges;
     result.planar_correspondences = constraints.planes;
-    if (!narrow) result.standing_share = (matched - constraints.ground) / std::max(standing, 1.0);
+    if (!narrow) result.inlier_ratio = (matched - constraints.ground) / std::max(standing, 1.0);
     if (!enough) {
       result.state = expected;
       result.status = Status::kTooFewFeatures;
       return result;
     }
-    result.state = prior.improved(result.state, told);
+    result.state = prior.improved(result.state, information);
     const Pose change = before.inverse() * result.state.T_map_sensor;
     const bool converged = rotation_angle_rad(change) < options_.converged_rotation_rad &&
                            change.translation().norm() < options_.converged_translation_m;
-    result.status = !tells_all  ? Status::kDegenerate
-                    : converged ? Status::kOk
-                                : Status::kNotConverged;
+    result.status = !all_observable ? Status::kDegenerate
+                    : converged     ? Status::kOk
+                                    : Status::kNotConverged;
     if (converged && (narrow || !narrow_suffices)) break;
   }
   result.state.T_map_sensor = orthonormalized(result.state.T_map_sensor);
   return result;
 }
 
-bool Mapping::is_key_frame(const Pose& T_map_sensor) const {
-  if (key_frames_ == 0) return true;
-  const Pose motion = T_map_last_key_frame_.inverse() * T_map_sensor;
+MapMatches Mapping::matches(const MapFeatures& features, const MappingResult& found) const {
+  RegisteredScan scan = searched(features);
+  return match_with_map(scan, search_at(found, options_), map_, options_);
+}
+
+bool Mapping::is_keyframe(const Pose& T_map_sensor) const {
+  if (keyframes_ == 0) return true;
+  const Pose motion = T_map_last_keyframe_.inverse() * T_map_sensor;
   return motion.translation().norm() >= options_.key_frame_translation_m ||
          rotation_angle_rad(motion) >= options_.key_frame_rotation_rad;
 }
@@ -113,38 +128,38 @@ void Mapping::insert(const MapFeatures& features, const Pose& T_map_sensor, cons
     }
     return result;
   };
-  map_.edges.insert(in_map(features.edges), key_frames_);
-  map_.posts.insert(in_map(features.posts), key_frames_);
-  map_.planes.insert(in_map(features.ground), key_frames_);
-  map_.planes.insert(in_map(features.surfaces), key_frames_);
-  if (key_frames_ > 0) {
-    path_m_ += (T_map_sensor.translation() - T_map_last_key_frame_.translation()).norm();
+  map_.edges.insert(in_map(features.edges), keyframes_);
+  map_.posts.insert(in_map(features.posts), keyframes_);
+  map_.planes.insert(in_map(features.ground), keyframes_);
+  map_.planes.insert(in_map(features.surfaces), keyframes_);
+  if (keyframes_ > 0) {
+    path_m_ += (T_map_sensor.translation() - T_map_last_keyframe_.translation()).norm();
   }
-  T_map_last_key_frame_ = T_map_sensor;
-  ++key_frames_;
+  T_map_last_keyframe_ = T_map_sensor;
+  ++keyframes_;
   recent_path_m_.push_back(path_m_);
   while (recent_path_m_.front() < path_m_ - options_.recent_path_m) recent_path_m_.pop_front();
 }
 
-MapPoints Mapping::lay_aside() {
-  return map_.take_not_seen_since(key_frames_ - static_cast<std::uint32_t>(recent_path_m_.size()));
+MapPoints Mapping::slide_window() {
+  return map_.take_not_seen_since(keyframes_ - static_cast<std::uint32_t>(recent_path_m_.size()));
 }
 
-MapPoints Mapping::lay_aside_all() {
+MapPoints Mapping::clear_window() {
   recent_path_m_.clear();
   return map_.take_all();
 }
 
-void Mapping::take_up(MapPoints points) {
+void Mapping::restore_to_window(MapPoints points) {
   for (auto* kind : {&points.edges, &points.posts, &points.planes}) {
-    for (MapPoint& point : *kind) point.last_seen = key_frames_ - 1;
+    for (MapPoint& point : *kind) point.last_seen = keyframes_ - 1;
   }
   map_.insert(points);
 }
 
 void Mapping::correct(const std::vector<Pose>& corrections) {
   map_.correct(corrections);
-  T_map_last_key_frame_ = orthonormalized(corrections.back() * T_map_last_key_frame_);
+  T_map_last_keyframe_ = orthonormalized(corrections.back() * T_map_last_keyframe_);
 }
 
 }  // namespace hqslam::slam

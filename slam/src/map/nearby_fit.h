@@ -5,16 +5,16 @@
 #include <limits>
 #include <optional>
 
-#include "hqslam/slam/feature_map.h"
+#include "map/feature_map.h"
 
 namespace hqslam::slam {
 
 /// The line or plane (`Fit`) that the k = kNeighbours points of the map nearest to a feature make,
 /// looked for anew only when they may have become others.
 ///
-/// While a scan is located its features move by less and less. With d the distance of the last of
-/// the k nearest points and e that of the next, a feature that moved by s still has the same k if
-/// d + s < e - s, so by less than (e - d) / 2; and their fit is the same. LOAM searches in every
+/// While a scan is registered its features move by less and less. With d the distance of the last
+/// of the k nearest points and e that of the next, a feature that moved by s still has the same k
+/// if d + s < e - s, so by less than (e - d) / 2; and their fit is the same. LOAM searches in every
 /// iteration.
 template <typename Fit, int kNeighbours = Neighbours::kWanted>
 class NearbyFit {

@@ -1,7 +1,7 @@
 #include "map/recent_features.h"
 
+#include "front_end/motion_correction.h"
 #include "front_end/voxel_thinning.h"
-#include "hqslam/slam/motion_correction.h"
 
 namespace hqslam::slam {
 
@@ -28,8 +28,8 @@ std::vector<FeaturePoint> every_nth(const std::vector<FeaturePoint>& points) {
 void RecentFeatures::add(const MapFeatures& features, const Pose& T_map_sensor,
                          const Twist& velocity) {
   scans_.push_back({T_map_sensor, motion_corrected(features.edges, velocity),
-                    motion_corrected(features.ground_to_locate, velocity),
-                    motion_corrected(features.surfaces_to_locate, velocity)});
+                    motion_corrected(features.ground_to_register, velocity),
+                    motion_corrected(features.surfaces_to_register, velocity)});
   if (scans_.size() > max_scans_) scans_.pop_front();
 }
 
@@ -54,8 +54,8 @@ std::vector<FeaturePoint> RecentFeatures::gathered(std::vector<Eigen::Vector3f> 
 MapFeatures RecentFeatures::about_last() const {
   MapFeatures result;
   result.edges = gathered(&Scan::edges_m, kEdgeLeaf_m);
-  result.ground_to_locate = gathered(&Scan::ground_m, kPlanarLeaf_m);
-  result.surfaces_to_locate = gathered(&Scan::surfaces_m, kPlanarLeaf_m);
+  result.ground_to_register = gathered(&Scan::ground_m, kPlanarLeaf_m);
+  result.surfaces_to_register = gathered(&Scan::surfaces_m, kPlanarLeaf_m);
   return result;
 }
 

@@ -5,11 +5,11 @@
 #include <vector>
 
 #include "hqslam/core/pose.h"
-#include "hqslam/slam/mapping.h"
+#include "map/mapping.h"
 
 namespace hqslam::slam {
 
-/// What the sensor saw over the last stretch of the path: a denser picture of the place than one
+/// What the sensor saw over the last metres of the path: a denser picture of the place than one
 /// scan gives, above all with few rows, and harder to mistake for another place.
 class RecentFeatures {
  public:
@@ -22,7 +22,7 @@ class RecentFeatures {
   void correct(const Pose& T_corrected_map);
 
   /// All features within 35 m of the last scan's sensor, in its frame, thinned, at most 800 of each
-  /// kind. Edges and what is for locating are filled.
+  /// kind. Edges and what is for registration are filled.
   MapFeatures about_last() const;
 
  private:

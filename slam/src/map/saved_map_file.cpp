@@ -15,6 +15,7 @@ namespace {
 
 constexpr const char* kFormat = "hqslam map 1";
 constexpr std::int64_t kLargestBytes = 4LL << 30;
+constexpr double kFarthest_m = 1e6;
 constexpr double kRotationTolerance = 1e-6;
 constexpr std::int64_t kContextSize = std::int64_t{ScanContext::kRings} * ScanContext::kSectors;
 
@@ -62,9 +63,21 @@ class MapFile {
     }
   }
 
+  /// No drive leads farther, and no map keeps what lies there.
+  template <typename Value>
+  void require_within_reach(const std::vector<Value>& values, const std::string& name) const {
+    require_finite(values, name);
+    for (const Value value : values) {
+      if (!(std::abs(value) <= kFarthest_m)) {
+        refuse(fmt::format("array {} has a coordinate of {} m, expected at most {} m", name, value,
+                           kFarthest_m));
+      }
+    }
+  }
+
   std::vector<Eigen::Vector3f> points_m(const std::string& name) const {
     const std::vector<float> values = float_values(at(name, {3}), path_ + ": " + name);
-    require_finite(values, name);
+    require_within_reach(values, name);
     std::vector<Eigen::Vector3f> points(values.size() / 3);
     for (std::size_t i = 0; i < points.size(); ++i) {
       points[i] = Eigen::Vector3f::Map(&values[3 * i]);
@@ -78,7 +91,7 @@ class MapFile {
     const std::vector<float> contexts =
         float_values(at("place_contexts", {ScanContext::kRings, ScanContext::kSectors}),
                      path_ + ": place_contexts");
-    require_finite(poses, "T_map_place");
+    require_within_reach(poses, "T_map_place");
     require_finite(contexts, "place_contexts");
     const std::size_t count = poses.size() / 12;
     if (contexts.size() != count * kContextSize) refuse("has poses and contexts of other places");

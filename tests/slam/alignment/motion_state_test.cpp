@@ -1,4 +1,4 @@
-#include "hqslam/slam/motion_state.h"
+#include "alignment/motion_state.h"
 
 #include <doctest/doctest.h>
 
@@ -94,10 +94,11 @@ TEST_CASE("a velocity that was long ago is not expected any more, and that is un
   CHECK(std::sqrt(late.covariance(6, 6)) == doctest::Approx(10.0).epsilon(1e-3));
 }
 
-TEST_CASE("where a surprise leads is as likely as one sigma, with the velocity that leads there") {
+TEST_CASE(
+    "where a innovation leads is as likely as one sigma, with the velocity that leads there") {
   MotionState expected;
   expected.covariance *= 1e-9;
-  const MotionState wide = slam::surprised(expected, {{0.5, 0, 0}, {0, 0, 0.1}}, 0.1);
+  const MotionState wide = slam::with_innovation(expected, {{0.5, 0, 0}, {0, 0, 0.1}}, 0.1);
   CHECK(std::sqrt(wide.covariance(0, 0)) == doctest::Approx(0.5));
   CHECK(wide.covariance(6, 0) / wide.covariance(0, 0) == doctest::Approx(10.0));
   CHECK(std::sqrt(wide.covariance(11, 11)) == doctest::Approx(1.0));

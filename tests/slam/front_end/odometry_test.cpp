@@ -1,4 +1,4 @@
-#include "hqslam/slam/odometry.h"
+#include "front_end/odometry.h"
 
 #include <doctest/doctest.h>
 
@@ -21,10 +21,9 @@ TEST_CASE("the motion between two scans is found without a prediction") {
   const test::Yard yard;
   const Pose step = pose_from_xyz_rpy({0.5, 0.05, 0.0}, 0.0, 0.0, 0.03);
   const Pose first = test::yard_pose(0, 0, 0.2);
-  slam::Odometry odometry({});
-  odometry.set_reference(features_of(sensor, yard.scan(sensor, first)), {});
-  const auto result = odometry.estimate(features_of(sensor, yard.scan(sensor, first * step)),
-                                        Pose::Identity(), 0.1);
+  const auto result = slam::scan_to_scan({features_of(sensor, yard.scan(sensor, first)), {}},
+                                         features_of(sensor, yard.scan(sensor, first * step)),
+                                         {Pose::Identity(), 0.1}, {});
   CHECK(result.status == Status::kOk);
   CHECK((result.T_reference_sensor.translation() - step.translation()).norm() < 0.05);
   CHECK(rotation_angle_rad(result.T_reference_sensor.inverse() * step) < 0.005);
@@ -37,9 +36,7 @@ TEST_CASE("the search covers all of the reference, however few features the scan
   const slam::Features scan = features_of(sensor, yard.scan(sensor, first));
   slam::Features sparse = scan;  // its last edges: LeGO-LOAM would search the first 12 points only
   sparse.sharp_edges.assign(scan.sharp_edges.end() - 12, scan.sharp_edges.end());
-  slam::Odometry odometry({});
-  odometry.set_reference(scan, {});
-  const auto result = odometry.estimate(sparse, Pose::Identity(), 0.1);
+  const auto result = slam::scan_to_scan({scan, {}}, sparse, {Pose::Identity(), 0.1}, {});
   CHECK(result.edge_correspondences >= 10);
 }
 
@@ -54,9 +51,8 @@ TEST_CASE("without any ground, edges alone find the motion") {
     features.flat_points.clear();
     return features;
   };
-  slam::Odometry odometry({});
-  odometry.set_reference(edges_alone(first), {});
-  const auto result = odometry.estimate(edges_alone(first * step), Pose::Identity(), 0.1);
+  const auto result = slam::scan_to_scan({edges_alone(first), {}}, edges_alone(first * step),
+                                         {Pose::Identity(), 0.1}, {});
   CHECK(result.planar_correspondences == 0);
   CHECK(result.status != Status::kTooFewFeatures);
   CHECK((result.T_reference_sensor.translation() - step.translation()).norm() < 0.05);
@@ -74,9 +70,8 @@ TEST_CASE("ground alone tells height, roll and pitch, and says that it is not al
   };
   const Pose first = test::yard_pose(0, 0, 0.2);
   const Pose step = pose_from_xyz_rpy({0.0, 0.0, 0.1}, 0.01, -0.02, 0.0);
-  slam::Odometry odometry({});
-  odometry.set_reference(ground_alone(first), {});
-  const auto result = odometry.estimate(ground_alone(first * step), Pose::Identity(), 0.1);
+  const auto result = slam::scan_to_scan({ground_alone(first), {}}, ground_alone(first * step),
+                                         {Pose::Identity(), 0.1}, {});
   CHECK(result.status == Status::kTooFewFeatures);
   CHECK(result.T_reference_sensor.translation().z() == doctest::Approx(0.1).epsilon(0.05));
   CHECK(rotation_angle_rad(result.T_reference_sensor.inverse() * step) < 0.002);
@@ -87,11 +82,12 @@ TEST_CASE("too few features leave the prediction and say so") {
   const test::Yard yard;
   const auto features = features_of(sensor, yard.scan(sensor, test::yard_pose(0, 0, 0)));
   const Pose predicted = pose_from_xyz_rpy({1, 2, 3}, 0, 0, 0.5);
-  slam::Odometry odometry({});
-  CHECK(!odometry.has_reference());
-  CHECK(odometry.estimate(features, predicted, 0.1).status == Status::kTooFewFeatures);
-  odometry.set_reference(features, {});
-  const auto result = odometry.estimate(slam::Features{}, predicted, 0.1);
-  CHECK(result.status == Status::kTooFewFeatures);
-  CHECK(result.T_reference_sensor.isApprox(predicted));
+  const slam::OdometryTarget reference(features, {});
+  const slam::OdometryTarget empty(slam::Features{}, {});
+  for (const auto& result :
+       {slam::scan_to_scan(empty, features, {predicted, 0.1}, {}),
+        slam::scan_to_scan(reference, slam::Features{}, {predicted, 0.1}, {})}) {
+    CHECK(result.status == Status::kTooFewFeatures);
+    CHECK(result.T_reference_sensor.isApprox(predicted));
+  }
 }

@@ -1,4 +1,4 @@
-#include "hqslam/slam/segmentation.h"
+#include "front_end/segmentation.h"
 
 #include <doctest/doctest.h>
 

@@ -13,7 +13,7 @@ using slam::Status;
 
 namespace {
 
-/// A way as it was estimated, key frame by key frame, with what loop closing made of it.
+/// A way as it was estimated, keyframe by keyframe, with what loop closing made of it.
 struct Driven {
   std::vector<Pose> T_map_sensor;
   std::vector<slam::LoopReport> reports;
@@ -49,26 +49,26 @@ Driven drive(const test::Circuit& circuit, const Estimate& estimate) {
     const OrganizedCloud cloud = circuit.village.scan(sensor, truth[i]);
     const slam::MapFeatures features = test::features_of(cloud, sensor);
     const Twist standing;
-    slam::LoopKeyFrame key_frame{T_map_sensor, estimate.status, i, i == 0, std::nullopt};
+    slam::LoopKeyframe keyframe{T_map_sensor, estimate.status, i, i == 0, std::nullopt};
     if (i > 0) since_view_m += (truth[i].translation() - truth[i - 1].translation()).norm();
     if (i == 0 || since_view_m >= 4.0) {
-      key_frame.view = {cloud, features, standing, mapping.lay_aside()};
+      keyframe.view = {cloud, features, standing, mapping.slide_window()};
       since_view_m = 0.0;
     }
     mapping.insert(features, T_map_sensor, standing);
     driven.T_map_sensor.push_back(T_map_sensor);
-    std::vector<slam::LoopKeyFrame> key_frames;
-    key_frames.push_back(std::move(key_frame));
-    const slam::LoopResult result = loop_closing.process(std::move(key_frames));
+    std::vector<slam::LoopKeyframe> keyframes;
+    keyframes.push_back(std::move(keyframe));
+    const slam::LoopResult result = loop_closing.process(std::move(keyframes));
     driven.reports.push_back(result.report);
     if (!result.corrections.empty()) mapping.correct(result.corrections);
-    mapping.take_up(result.recalled);
+    mapping.restore_to_window(result.recalled);
     if (result.corrections.empty()) continue;
     for (std::size_t k = 0; k <= i; ++k) {
       driven.T_map_sensor[k] = result.corrections[k] * driven.T_map_sensor[k];
     }
   }
-  slam::FeatureMaps map = loop_closing.parts().front();
+  slam::FeatureMaps map = loop_closing.graph().submaps().front();
   map.insert(slam::FeatureMaps(mapping.map()).take_all());
   driven.map_points_m = map.planes.points_m();
   return driven;

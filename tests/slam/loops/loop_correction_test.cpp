@@ -13,13 +13,13 @@ Pose at_x(double x_m) { return pose_from_xyz_rpy({x_m, 0.0, 0.0}, 0.0, 0.0, 0.0)
 
 }  // namespace
 
-TEST_CASE("key frames between two nodes are moved by their share of the path between them") {
-  const std::vector<Pose> key_frames = {at_x(0), at_x(1), at_x(2), at_x(4), at_x(5)};
-  // The second node, key frame 3, is moved by 1 m to the left and turned.
+TEST_CASE("keyframes between two nodes are moved by their share of the path between them") {
+  const std::vector<Pose> keyframes = {at_x(0), at_x(1), at_x(2), at_x(4), at_x(5)};
+  // The second node, keyframe 3, is moved by 1 m to the left and turned.
   const Pose moved = pose_from_xyz_rpy({4.0, 1.0, 0.0}, 0.0, 0.0, 0.1);
-  const auto result = slam::corrected_key_frames(key_frames, {0, 3}, {at_x(0), moved});
+  const auto result = slam::corrected_keyframes(keyframes, {0, 3}, {at_x(0), moved});
   REQUIRE(result.size() == 5);
-  CHECK(result[0].matrix() == key_frames[0].matrix());
+  CHECK(result[0].matrix() == keyframes[0].matrix());
   CHECK(result[3].isApprox(moved, 1e-12));
   CHECK(result[4].isApprox(moved * at_x(1), 1e-12));
   // A quarter of the way: between where the first node leaves it and where the second puts it.
@@ -35,10 +35,10 @@ TEST_CASE("key frames between two nodes are moved by their share of the path bet
 }
 
 TEST_CASE("what would hardly move stays exactly where it is") {
-  const std::vector<Pose> key_frames = {at_x(0), at_x(4), at_x(8)};
-  const auto result = slam::corrected_key_frames(
-      key_frames, {0, 1, 2}, {at_x(0), at_x(4.0005), pose_from_xyz_rpy({8.0, 0.5, 0.0}, 0, 0, 0)});
-  CHECK(result[1].matrix() == key_frames[1].matrix());
+  const std::vector<Pose> keyframes = {at_x(0), at_x(4), at_x(8)};
+  const auto result = slam::corrected_keyframes(
+      keyframes, {0, 1, 2}, {at_x(0), at_x(4.0005), pose_from_xyz_rpy({8.0, 0.5, 0.0}, 0, 0, 0)});
+  CHECK(result[1].matrix() == keyframes[1].matrix());
   CHECK(result[2].translation().y() == doctest::Approx(0.5));
 }
 

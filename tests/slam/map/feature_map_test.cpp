@@ -1,4 +1,4 @@
-#include "hqslam/slam/feature_map.h"
+#include "map/feature_map.h"
 
 #include <doctest/doctest.h>
 
@@ -103,8 +103,8 @@ TEST_CASE("points near a place are those within the radius, and can be taken out
   CHECK(map.points_near_m(place).empty());
 }
 
-TEST_CASE("a corrected map holds every point where its key frame belongs") {
-  // Key frame 1 saw the same corner as key frame 0, but 5 m too far along x.
+TEST_CASE("a corrected map holds every point where its keyframe belongs") {
+  // Keyframe 1 saw the same corner as keyframe 0, but 5 m too far along x.
   FeatureMap map(0.4, 1.0);
   map.insert({{0.1F, 0.1F, 0.1F}, {1.1F, 0.1F, 0.1F}}, 0);
   map.insert({{5.3F, 0.1F, 0.1F}, {7.1F, 0.1F, 0.1F}}, 1);
@@ -116,10 +116,10 @@ TEST_CASE("a corrected map holds every point where its key frame belongs") {
   CHECK((points[1] - Eigen::Vector3f(1.1F, 0.1F, 0.1F)).norm() < 1e-5F);
   CHECK((points[0] - Eigen::Vector3f(0.2F, 0.1F, 0.1F)).norm() < 1e-5F);
   CHECK((points[2] - Eigen::Vector3f(2.1F, 0.1F, 0.1F)).norm() < 1e-5F);
-  // A search finds what moved, nothing is left; where two met, the older key frame is remembered.
+  // A search finds what moved, nothing is left; where two met, the older keyframe is remembered.
   CHECK(map.nearest({2.1F, 0.1F, 0.1F}).squared_distance_m2[0] < 1e-6F);
   CHECK(map.nearest({7.1F, 0.1F, 0.1F}).count == 0);
-  CHECK(map.take_near({{0, 0, 0}, 0.5F}).front().key_frame == 0);
+  CHECK(map.take_near({{0, 0, 0}, 0.5F}).front().keyframe == 0);
 }
 
 TEST_CASE("a correction that moves nothing leaves the same bytes") {
@@ -139,17 +139,17 @@ TEST_CASE(
   const std::vector<MapPoint> taken = map.take_not_seen_since(5);
   REQUIRE(taken.size() == 1);
   CHECK(taken[0].mean_m == Eigen::Vector3f(0.1F, 0.1F, 0.1F));
-  // Key frame 5 saw the second point again: it stays.
+  // Keyframe 5 saw the second point again: it stays.
   CHECK(map.nearest({0.1F, 0.1F, 0.1F}).count == 0);
   CHECK(map.nearest({1.1F, 0.1F, 0.1F}).count == 1);
   map.insert({{0.3F, 0.1F, 0.1F}}, 6);
   CHECK(map.nearest({0.1F, 0.1F, 0.1F}).points_m[0] == Eigen::Vector3f(0.3F, 0.1F, 0.1F));
-  // Put in again it is merged, and still of the key frame of old.
+  // Put in again it is merged, and still of the keyframe of old.
   map.insert(taken);
   REQUIRE(map.size() == 2);
   const Eigen::Vector3f merged_m = map.nearest({0.1F, 0.1F, 0.1F}).points_m[0];
   CHECK((merged_m - Eigen::Vector3f(0.2F, 0.1F, 0.1F)).norm() < 1e-6F);
-  CHECK(map.take_near({{0, 0, 0}, 0.5F}).front().key_frame == 0);
+  CHECK(map.take_near({{0, 0, 0}, 0.5F}).front().keyframe == 0);
 }
 
 TEST_CASE("a map out of which most was taken finds what a search through all does") {
@@ -166,5 +166,15 @@ TEST_CASE("a map out of which most was taken finds what a search through all doe
     const Neighbours found = map.nearest(query);
     REQUIRE((found.count > 0) == (nearest_m2 < 1.0F));
     if (found.count > 0) CHECK(found.squared_distance_m2[0] == nearest_m2);
+  }
+}
+
+TEST_CASE("a place that is far away, or larger than the map, is looked at as fast as any other") {
+  FeatureMap map(0.4, 1.0);
+  map.insert({{0.0F, 0.0F, 0.0F}, {5.0F, 0.0F, 0.0F}, {90.0F, -70.0F, 3.0F}});
+  for (const float far_m : {1e7F, 1e20F, std::numeric_limits<float>::infinity()}) {
+    CHECK(map.points_near_m({{far_m, 0.0F, -far_m}, 45.0F}).empty());
+    // In the order in which the cubes of a small place are met: by x, y and z.
+    CHECK(map.points_near_m({{0.0F, 0.0F, 0.0F}, far_m}).size() == 3);
   }
 }

@@ -1,4 +1,4 @@
-#include "hqslam/slam/mapping.h"
+#include "map/mapping.h"
 
 #include <doctest/doctest.h>
 
@@ -61,8 +61,8 @@ slam::MapFeatures road_with(double offset_m, double spacing_m, const Rise& rise_
       add(11.0, along, z, result.surfaces);
     }
   }
-  result.ground_to_locate = result.ground;
-  result.surfaces_to_locate = result.surfaces;
+  result.ground_to_register = result.ground;
+  result.surfaces_to_register = result.surfaces;
   return result;
 }
 
@@ -90,8 +90,8 @@ slam::MapFeatures between_banks(double offset_m, double rise_m) {
       }
     }
   }
-  result.ground_to_locate = result.ground;
-  result.surfaces_to_locate = result.surfaces;
+  result.ground_to_register = result.ground;
+  result.surfaces_to_register = result.surfaces;
   return result;
 }
 
@@ -100,7 +100,7 @@ double roll_beside_a_bank_rad(const slam::MappingOptions& options) {
   slam::Mapping mapping{options};
   mapping.insert(beside_a_bank(0.25), Pose::Identity(), {});
   const auto result =
-      mapping.locate(beside_a_bank(0.0), believed(Pose::Identity()), Pose::Identity());
+      mapping.register_scan(beside_a_bank(0.0), believed(Pose::Identity()), Pose::Identity());
   REQUIRE(result.status == Status::kOk);
   return roll_pitch_yaw_rad(result.state.T_map_sensor).x();
 }
@@ -113,7 +113,7 @@ TEST_CASE("a scan is located in the map from a rough prediction") {
   const Pose truth = mapped.T_yard_map.inverse() * T_yard_sensor;
   const Pose predicted = truth * pose_from_xyz_rpy({0.2, -0.15, 0.05}, 0.01, -0.01, 0.02);
   const auto features = features_of(mapped.sensor, mapped.yard.scan(mapped.sensor, T_yard_sensor));
-  const auto result = mapped.mapping.locate(features, believed(predicted), predicted);
+  const auto result = mapped.mapping.register_scan(features, believed(predicted), predicted);
   CHECK(result.status == Status::kOk);
   CHECK((result.state.T_map_sensor.translation() - truth.translation()).norm() < 0.03);
   CHECK(rotation_angle_rad(result.state.T_map_sensor.inverse() * truth) < 0.003);
@@ -135,7 +135,7 @@ TEST_CASE("ground that fits badly on one side hardly tilts the scan") {
     slam::Mapping mapping{options};
     mapping.insert(road(0.1, 0.0), Pose::Identity(), {});
     const slam::MapFeatures scan = road(0.0, -0.12);
-    const auto result = mapping.locate(scan, believed(Pose::Identity()), Pose::Identity());
+    const auto result = mapping.register_scan(scan, believed(Pose::Identity()), Pose::Identity());
     REQUIRE(result.status == Status::kOk);
     return roll_pitch_yaw_rad(result.state.T_map_sensor).x();
   };
@@ -149,7 +149,7 @@ TEST_CASE("a strip of ground tells the height, and what leans beside it does not
   mapping.insert(between_banks(0.2, 0.0), Pose::Identity(), {});
   const slam::MapFeatures scan = between_banks(0.0, 0.1);
   REQUIRE(scan.ground.size() < 100);
-  const auto result = mapping.locate(scan, believed(Pose::Identity()), Pose::Identity());
+  const auto result = mapping.register_scan(scan, believed(Pose::Identity()), Pose::Identity());
   REQUIRE(result.status != Status::kTooFewFeatures);
   CHECK(std::abs(result.state.T_map_sensor.translation().z()) < 0.005);
 }
@@ -165,12 +165,12 @@ TEST_CASE("a place met again with drift is matched with only when it was taken u
   const Pose truth = mapped.T_yard_map.inverse() * T_yard_sensor;
   const Pose drifted = truth * pose_from_xyz_rpy({0.4, 0.0, 0.0}, 0, 0, 0);
   const auto features = features_of(mapped.sensor, mapped.yard.scan(mapped.sensor, T_yard_sensor));
-  slam::MapPoints laid_aside = mapped.mapping.lay_aside();
-  const auto before = mapped.mapping.locate(features, believed(drifted), drifted);
+  slam::MapPoints left_window = mapped.mapping.slide_window();
+  const auto before = mapped.mapping.register_scan(features, believed(drifted), drifted);
   CHECK(before.status == Status::kTooFewFeatures);
   CHECK(before.state.T_map_sensor.isApprox(drifted));
-  mapped.mapping.take_up(std::move(laid_aside));
-  const auto after = mapped.mapping.locate(features, believed(drifted), drifted);
+  mapped.mapping.restore_to_window(std::move(left_window));
+  const auto after = mapped.mapping.register_scan(features, believed(drifted), drifted);
   CHECK(after.status == Status::kOk);
   CHECK((after.state.T_map_sensor.translation() - truth.translation()).norm() < 0.03);
 }
@@ -185,7 +185,7 @@ TEST_CASE("in a corridor without ends the motion along it is held, not invented"
   const Pose predicted = mapped.T_yard_map.inverse() * test::yard_pose(0.4, 0.0, 0.01);
   const auto features = features_of(mapped.sensor, corridor.scan(mapped.sensor, T_yard_sensor));
   // As well as a car's next scan is predicted.
-  const auto result = mapped.mapping.locate(features, believed(predicted, 0.03), predicted);
+  const auto result = mapped.mapping.register_scan(features, believed(predicted, 0.03), predicted);
   CHECK(result.status == Status::kDegenerate);
   CHECK(result.state.T_map_sensor.translation().x() ==
         doctest::Approx(predicted.translation().x()).epsilon(0.02));
@@ -206,7 +206,7 @@ TEST_CASE("far from the origin of the map a scan is located as well as at it") {
   const Pose truth = far * mapped.T_yard_map.inverse() * T_yard_sensor;
   const Pose predicted = truth * pose_from_xyz_rpy({0.2, -0.15, 0.05}, 0, 0, 0.02);
   const auto features = features_of(mapped.sensor, mapped.yard.scan(mapped.sensor, T_yard_sensor));
-  const auto result = mapping.locate(features, believed(predicted), predicted);
+  const auto result = mapping.register_scan(features, believed(predicted), predicted);
   CHECK(result.status == Status::kOk);
   CHECK((result.state.T_map_sensor.translation() - truth.translation()).norm() < 0.03);
 }
@@ -222,7 +222,7 @@ TEST_CASE("rings on a bare floor do not hold the sensor back") {
   const Pose predicted = mapped.T_yard_map.inverse() * test::yard_pose(6.0, 0.0, 0.0);
   const auto features =
       features_of(mapped.sensor, floor.scan(mapped.sensor, test::yard_pose(6.0, 0.0, 0.0)));
-  const auto result = mapped.mapping.locate(features, believed(predicted), predicted);
+  const auto result = mapped.mapping.register_scan(features, believed(predicted), predicted);
   CHECK(result.status == Status::kDegenerate);
   CHECK((result.state.T_map_sensor.translation() - predicted.translation()).norm() < 0.01);
 }
@@ -232,7 +232,7 @@ TEST_CASE("without a map the prediction stands and the status says so") {
   const slam::Mapping mapping{slam::MappingOptions{}};
   const auto features = features_of(sensor, test::Yard().scan(sensor, test::yard_pose(0, 0, 0)));
   const Pose predicted = pose_from_xyz_rpy({1, 2, 3}, 0, 0, 1);
-  const auto result = mapping.locate(features, believed(predicted), predicted);
+  const auto result = mapping.register_scan(features, believed(predicted), predicted);
   CHECK(result.status == Status::kTooFewFeatures);
   CHECK(result.state.T_map_sensor.isApprox(predicted));
 }
@@ -242,7 +242,7 @@ TEST_CASE("posts in open land tell where the sensor is and where it looks") {
   const auto seen_from = [](double offset_m, double height_m) {
     slam::MapFeatures scan = road_with(offset_m, 0.4, [](double) { return 0.0; });
     scan.surfaces.clear();
-    scan.surfaces_to_locate.clear();
+    scan.surfaces_to_register.clear();
     for (const auto& [x, y] : {std::pair(12.0, 3.0),
                                {9.0, -8.0},
                                {-4.0, 11.0},
@@ -255,31 +255,31 @@ TEST_CASE("posts in open land tell where the sensor is and where it looks") {
             {{static_cast<float>(x), static_cast<float>(y), static_cast<float>(z)}, 0.0F, i});
       }
     }
-    scan.posts_to_locate = scan.posts;
+    scan.posts_to_register = scan.posts;
     return scan;
   };
   slam::Mapping mapping{slam::MappingOptions{}};
   mapping.insert(seen_from(0.0, 0.0), Pose::Identity(), {});
   const slam::MapFeatures scan = seen_from(0.1, 0.1);
   const Pose wrong = pose_from_xyz_rpy({0.25, -0.2, 0.05}, 0.0, 0.0, 0.02);
-  const auto located = mapping.locate(scan, believed(wrong), wrong);
+  const auto located = mapping.register_scan(scan, believed(wrong), wrong);
   CHECK(located.status == Status::kOk);
   CHECK(located.edge_correspondences == 18);
   CHECK(located.state.T_map_sensor.translation().norm() < 0.01);
   CHECK(rotation_angle_rad(located.state.T_map_sensor) < 0.001);
 
   slam::MapFeatures without = scan;
-  without.posts_to_locate.clear();
-  CHECK(mapping.locate(without, believed(wrong), wrong).status == Status::kDegenerate);
+  without.posts_to_register.clear();
+  CHECK(mapping.register_scan(without, believed(wrong), wrong).status == Status::kDegenerate);
 }
 
-TEST_CASE("a turn on the spot makes a key frame, a short step does not") {
+TEST_CASE("a turn on the spot makes a keyframe, a short step does not") {
   slam::Mapping mapping{slam::MappingOptions{}};
-  CHECK(mapping.is_key_frame(Pose::Identity()));
+  CHECK(mapping.is_keyframe(Pose::Identity()));
   mapping.insert(slam::MapFeatures{}, Pose::Identity(), {});
-  CHECK(!mapping.is_key_frame(pose_from_xyz_rpy({0.2, 0, 0}, 0, 0, 0.1)));
-  CHECK(mapping.is_key_frame(pose_from_xyz_rpy({0, 0, 0}, 0, 0, 0.25)));
-  CHECK(mapping.is_key_frame(pose_from_xyz_rpy({0.31, 0, 0}, 0, 0, 0)));
+  CHECK(!mapping.is_keyframe(pose_from_xyz_rpy({0.2, 0, 0}, 0, 0, 0.1)));
+  CHECK(mapping.is_keyframe(pose_from_xyz_rpy({0, 0, 0}, 0, 0, 0.25)));
+  CHECK(mapping.is_keyframe(pose_from_xyz_rpy({0.31, 0, 0}, 0, 0, 0)));
 }
 
 TEST_CASE("of a scan with computed rows only the measured ones meet the map") {
@@ -308,8 +308,8 @@ TEST_CASE("of a scan with computed rows only the measured ones meet the map") {
   CHECK(same(result.edges, expected.edges));
   CHECK(same(result.ground, expected.ground));
   CHECK(same(result.surfaces, expected.surfaces));
-  CHECK(same(result.ground_to_locate, expected.ground_to_locate));
-  CHECK(same(result.surfaces_to_locate, expected.surfaces_to_locate));
+  CHECK(same(result.ground_to_register, expected.ground_to_register));
+  CHECK(same(result.surfaces_to_register, expected.surfaces_to_register));
 }
 
 TEST_CASE("surfaces that lean to one side do not lift the sensor") {
@@ -326,11 +326,11 @@ TEST_CASE("surfaces that lean to one side do not lift the sensor") {
       const float x_m = -8.0F + 0.4F * static_cast<float>(i);
       const float y_m = -9.0F + 0.4F * static_cast<float>(k);
       const Eigen::Vector3f point_m(x_m, y_m, 3.0F - 0.5F * y_m);
-      features.surfaces_to_locate.push_back({point_m, 0.0F, 0});
+      features.surfaces_to_register.push_back({point_m, 0.0F, 0});
       bank_in_map.surfaces.push_back({point_m + Eigen::Vector3f(0, 0, 0.08F), 0.0F, 0});
     }
   }
   mapping.insert(bank_in_map, truth, {});
-  const auto result = mapping.locate(features, believed(truth), truth);
+  const auto result = mapping.register_scan(features, believed(truth), truth);
   CHECK(std::abs((result.state.T_map_sensor.translation() - truth.translation()).z()) < 0.005);
 }

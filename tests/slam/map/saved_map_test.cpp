@@ -82,6 +82,15 @@ TEST_CASE("a file that is no saved map is refused in one line") {
        },
        "planes_m has numbers not finite"},
       {[](NpzArrays& a) {
+         a["posts_m"] = npz_array(std::vector<float>{0, 0, -1e10F}, {1, 3});
+       },
+       "posts_m has a coordinate of -1e+10 m"},
+      {[](NpzArrays& a) {
+         std::vector<double> pose = {1, 0, 0, 1e10, 0, 1, 0, 0, 0, 0, 1, 0};
+         a["T_map_place"] = npz_array(pose, {1, 3, 4});
+       },
+       "T_map_place has a coordinate"},
+      {[](NpzArrays& a) {
          a["T_map_place"] = npz_array(std::vector<double>(24), {2, 3, 4});
        },
        "no rigid motion"},

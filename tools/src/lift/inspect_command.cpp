@@ -6,6 +6,7 @@
 #include "files/text_file.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/scan_source.h"
+#include "inspect_slam/inspect_slam.h"
 #include "lift/layers_report.h"
 #include "lift/upsampling_plan.h"
 #include "recording/recording_sensor.h"
@@ -49,27 +50,46 @@ void print_differences(const std::vector<nn::ReferenceDifference>& differences) 
 
 void declare_inspect(CLI::App& app, InspectOptions& options) {
   CLI::App* command =
-      app.add_subcommand("inspect", "Show what every layer of a network makes of one scan");
+      app.add_subcommand("inspect", "Show what a network, or SLAM, makes of one scan");
   declare_input(*command, options, "Recording (as for hqslam upsample)");
-  command->add_option("--weights", options.weights, "Weights file")->required();
+  command->add_option("--weights", options.weights, "Weights file");
+  CLI::Option* slam = command->add_flag(
+      "--slam", options.slam,
+      "Show instead what every stage of SLAM makes of the scan, after all scans before it; with "
+      "--weights the scans are lifted first");
+  command->add_option("--rows", options.rows, "Use only this many of the sensor's rows")
+      ->check(CLI::Range(1, 1000000000))
+      ->needs(slam);
+  command->add_option("--set", options.slam_settings.set, "One option of SLAM, NAME=NUMBER")
+      ->needs(slam);
   command->add_option("--scan", options.scan, "Which scan, counted from 0 (default: the first)")
       ->check(CLI::NonNegativeNumber);
   command->add_option("--tensor", options.tensors,
                       "Show an inner tensor too, such as layers.2.encoder.0 (may be repeated)");
   CLI::Option* const list =
-      command->add_flag("--list", options.list, "Print the names of all inner tensors, no page");
+      command->add_flag("--list", options.list, "Print the names of all inner tensors, no page")
+          ->excludes(slam);
   command->add_flag("--reference", options.reference,
                     "How far every tensor is from the network in double precision (minutes)");
   command->add_option("--out", options.out, "Page to write (.html)")->excludes(list);
   command->footer(
       "Writes one page with H, Z, the filter's mask and Y of every layer, the terms of the "
       "objective\n"
-      "and, if the recording has all rows, the error of every layer.");
+      "and, if the recording has all rows, the error of every layer.\n"
+      "With --slam: the class of every pixel, features, what each was matched with in the map, "
+      "its\n"
+      "residual and weight, the expected, the odometry's and the found pose, and how much is "
+      "known\n"
+      "about each direction of motion.");
 }
 
 int inspect_command(const InspectOptions& options) {
+  if (options.out.empty() && !options.list) {
+    throw Error("inspect: no --out, expected a page to write or --list");
+  }
+  if (options.slam) return inspect_slam(options);
+  if (options.weights.empty()) throw Error("inspect: expected --weights, or --slam");
   if (!options.list) {
-    if (options.out.empty()) throw Error("inspect: no --out, expected a page to write or --list");
     refuse_to_replace_foreign(options.out, kLayersPageMarker);
     require_folder_of(options.out);
   }

@@ -41,7 +41,7 @@ class LiveProgress {
     ++status_.scans;
     ++scans_of_second_;
     if (view_ == nullptr) return;
-    if (record.report.loop.status == slam::LoopStatus::kClosed) {
+    if (record.report.loop.correction_m > 0.0) {
       view_->replace(session.trajectory(), session.map_points_m());
     }
     view_->add(session.cloud(), T_map_sensor);

@@ -84,7 +84,9 @@ ReadingCounts read_all(
       const std::optional<RecordedScan> scan = next_usable(*source, counts.not_understood);
       if (!scan) break;
       if (const auto pose = pose_of(reading.poses, read(), scan->stamp_s)) {
-        use(*scan, slam::SensorPath(reading.poses.trajectory, *pose));
+        use(*scan,
+            slam::SensorPath(reading.poses.trajectory, *pose,
+                             {reading.poses.knows_way(*pose - 1), reading.poses.knows_way(*pose)}));
         ++counts.scans;
       } else {
         ++counts.left_out;
@@ -100,6 +102,16 @@ ReadingCounts read_all(
 }
 
 }  // namespace
+
+ScanPoses poses_of(const SlamRun& run) {
+  ScanPoses poses{run.trajectory, {}, {}, scan_of_pose(run)};
+  for (std::size_t i = 0; i < run.scans.size(); ++i) {
+    poses.is_located.push_back(slam::is_registered(run.scans[i].report.mapping_status) &&
+                               run.part_of_scan[i] == run.map_part);
+    if (i + 1 < run.scans.size()) poses.is_way_known.push_back(is_way_known(run, i));
+  }
+  return poses;
+}
 
 void declare_dense_map(CLI::App& command, DenseMapChoice& choice) {
   command.add_option("--map-voxel", choice.voxel_m, "Of the dense map: metres from point to point")

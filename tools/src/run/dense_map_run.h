@@ -17,6 +17,7 @@ class App;
 namespace hqslam::tools {
 
 struct RecordingChoice;
+struct SlamRun;
 
 /// What a user may say about a dense map.
 struct DenseMapChoice {
@@ -29,11 +30,21 @@ void declare_dense_map(CLI::App& command, DenseMapChoice& choice);
 /// Where the scans of a recording were taken.
 struct ScanPoses {
   Trajectory trajectory;
-  /// Per pose, whether it is known well enough; empty: all are.
+  /// Per pose, whether it is known, and in one frame with the others; empty: all are.
   std::vector<bool> is_located;
+  /// Per pose, whether something is known of the way to the next; empty: of all.
+  std::vector<bool> is_way_known;
   /// Of which scan of the recording each pose is, counted from 0 and rising; nothing: stamps tell.
   std::optional<std::vector<std::int64_t>> scan_of_pose;
+
+  /// The way from a pose to the next.
+  bool knows_way(std::size_t pose) const {
+    return pose >= is_way_known.size() || is_way_known[pose];
+  }
 };
+
+/// The poses of a run, but for scans that were not located, or are in another part of the map.
+ScanPoses poses_of(const SlamRun& run);
 
 /// A dense map, finished or not.
 struct DenseMapRun {

@@ -19,7 +19,7 @@ namespace {
 ScanPoses poses_from(const MapOptions& options) {
   const std::string& path = options.poses;
   const TrajectoryFile file = read_trajectory_file(path);
-  if (file.has_stamps) return {file.poses, {}, std::nullopt};
+  if (file.has_stamps) return {file.poses, {}, {}, std::nullopt};
   const std::int64_t scans = scans_in(options, *plan_of(options).open());
   if (std::ssize(file.poses) != scans) {
     throw Error(fmt::format(
@@ -29,7 +29,7 @@ ScanPoses poses_from(const MapOptions& options) {
   }
   std::vector<std::int64_t> every_scan(file.poses.size());
   std::iota(every_scan.begin(), every_scan.end(), 0);
-  return {file.poses, {}, std::move(every_scan)};
+  return {file.poses, {}, {}, std::move(every_scan)};
 }
 
 std::string no_scan_message(const DenseMapRun& run, const MapOptions& options) {

@@ -97,14 +97,6 @@ int exit_status_of(const RunResult& result, const RunOptions& options) {
   return kOk;
 }
 
-/// The part of the map with most scans.
-std::size_t largest_part(const SlamRun& run) {
-  const std::map<std::size_t, std::int64_t> parts = scans_of_parts(run);
-  return std::max_element(parts.begin(), parts.end(),
-                          [](const auto& a, const auto& b) { return a.second < b.second; })
-      ->first;
-}
-
 /// Compares the poses of which something is known in one frame: where a place was not recognized,
 /// the pose is that of an earlier scan, and how other parts of the map lie is not known.
 std::optional<ReferenceComparison> comparison_of(const SlamRun& run,
@@ -112,10 +104,9 @@ std::optional<ReferenceComparison> comparison_of(const SlamRun& run,
   const Trajectory& all = run.trajectory;
   Trajectory known;
   std::vector<std::size_t> scan_of_known;
-  const std::size_t part = largest_part(run);
   for (std::size_t scan = 0; scan < all.size(); ++scan) {
     if (run.scans[scan].report.mapping_status == slam::Status::kNotRecognized) continue;
-    if (run.part_of_scan[scan] != part) continue;
+    if (run.part_of_scan[scan] != run.map_part) continue;
     known.push_back(all[scan]);
     scan_of_known.push_back(scan);
   }
@@ -133,15 +124,6 @@ std::optional<ReferenceComparison> comparison_of(const SlamRun& run,
     pose.T_map_sensor = T_reference_map * pose.T_map_sensor;
   }
   return comparison;
-}
-
-/// The poses of a run, but for scans that were not located.
-ScanPoses poses_of(const SlamRun& run) {
-  ScanPoses poses{run.trajectory, {}, scan_of_pose(run)};
-  for (const ScanRecord& scan : run.scans) {
-    poses.is_located.push_back(slam::is_located(scan.report.mapping_status));
-  }
-  return poses;
 }
 
 /// x, y and yaw as the user says, the rest as at the nearest place of the map: streets have slopes.

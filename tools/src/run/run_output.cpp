@@ -119,7 +119,7 @@ std::string timings_json(const SlamRun& run) {
   std::int64_t key_frames = 0;
   for (const ScanRecord& scan : run.scans) {
     invalid_points += scan.invalid_points;
-    key_frames += scan.report.key_frame ? 1 : 0;
+    key_frames += scan.report.keyframe ? 1 : 0;
   }
   Json slam_options = Json::object();
   for (const auto& [option, value] : changed_options(run.slam)) slam_options[option] = value;
@@ -218,7 +218,11 @@ void RunOutput::write_results(const SlamRun& run,
 void RunOutput::write_dense_map(const SlamRun& run,
                                 const std::optional<ReferenceComparison>& comparison,
                                 const DenseMapRun& dense_map) {
-  const DenseMapPictures pictures = pictures_of(dense_map, run.trajectory);
+  Trajectory path_of_map;
+  for (std::size_t scan = 0; scan < run.trajectory.size(); ++scan) {
+    if (run.part_of_scan[scan] == run.map_part) path_of_map.push_back(run.trajectory[scan]);
+  }
+  const DenseMapPictures pictures = pictures_of(dense_map, path_of_map);
   tools::write_dense_map(dense_map, pictures, folder_);
   write_text_file(html_report(run, comparison, {&dense_map, &pictures}), path("report.html"));
 }

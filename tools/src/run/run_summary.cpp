@@ -69,12 +69,25 @@ std::string ground_summary(const SlamRun& run) {
       100.0 * share);
 }
 
+/// Of which part of the map the maps are, if there are several.
+std::string map_summary(const SlamRun& run) {
+  const std::map<std::size_t, std::int64_t> parts = scans_of_parts(run);
+  if (parts.size() < 2) return "";
+  const std::int64_t scans = parts.at(run.map_part);
+  return fmt::format(
+      "maps: of part {} alone, {} scans; the {} of other parts are left out, for how they lie to "
+      "it "
+      "is not known\n",
+      run.map_part, scans, std::ssize(run.scans) - scans);
+}
+
 }  // namespace
 
 std::string run_summary(const SlamRun& run) {
   std::string summary =
       fmt::format("{} scans, {:.1f} m of path, {:.1f} scans/s\n{}\n", run.scans.size(),
                   known_path_m(run), scans_per_second(run), mapping_summary(run));
+  summary += map_summary(run);
   summary += mounting_summary(run);
   summary += ground_summary(run);
   if (!run.located_in.empty()) {

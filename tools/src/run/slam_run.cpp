@@ -147,6 +147,17 @@ std::map<std::size_t, std::int64_t> scans_of_parts(const SlamRun& run) {
   return result;
 }
 
+namespace {
+
+std::size_t largest_part(const SlamRun& run) {
+  const std::map<std::size_t, std::int64_t> parts = scans_of_parts(run);
+  const auto largest = std::max_element(
+      parts.begin(), parts.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+  return largest == parts.end() ? 0 : largest->first;
+}
+
+}  // namespace
+
 SlamSession::SlamSession(const SensorModel& sensor, const SlamRunSpec& spec)
     : spec_(spec), slam_(slam_of(sensor_of(sensor, spec), spec)) {
   const SensorModel seen = sensor_of(sensor, spec);
@@ -195,11 +206,15 @@ void SlamSession::remember(const slam::LoopReport& loop) {
 SlamRun SlamSession::finished() {
   for (const slam::LoopReport& loop : slam_.finish()) remember(loop);
   run_.mounting = slam_.mounting();
-  run_.part_of_scan = slam_.part_of_scan();
-  run_.stretch_of_scan = slam_.stretch_of_scan();
+  run_.part_of_scan = slam_.submap_of_scan();
+  run_.stretch_of_scan = slam_.segment_of_scan();
   run_.wall_s = seconds_since(start_);
   run_.trajectory = slam_.trajectory();
-  run_.map_points_m = slam_.map_points_m();
+  for (const auto& [scan, covariance] : slam_.corrected_covariances()) {
+    run_.scans[scan].report.covariance = covariance;
+  }
+  run_.map_part = largest_part(run_);
+  run_.map_points_m = slam_.map_points_m(run_.map_part);
   if (spec_.save_map) run_.saved_map = slam_.saved_map();
   return std::move(run_);
 }

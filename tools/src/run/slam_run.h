@@ -52,10 +52,13 @@ struct SlamRun {
   std::optional<std::int64_t> scans_in_recording;
   std::vector<ScanRecord> scans;
   std::vector<slam::LoopReport> loops;       ///< places that were recognised, and are right now
-  std::vector<std::size_t> part_of_scan;     ///< slam::Slam::part_of_scan()
-  std::vector<std::size_t> stretch_of_scan;  ///< slam::Slam::stretch_of_scan()
+  std::vector<std::size_t> part_of_scan;     ///< slam::Slam::submap_of_scan()
+  std::vector<std::size_t> stretch_of_scan;  ///< slam::Slam::segment_of_scan()
   Trajectory trajectory;  ///< T_map_sensor, the map's frame is the first scan's, turned level
-  std::vector<Eigen::Vector3f> map_points_m;  ///< map frame; filled when the run ends
+  /// Filled when the run ends: of the part of the map with most scans, which that is, and its
+  /// points in the map's frame. How others lie to it is not known.
+  std::size_t map_part = 0;
+  std::vector<Eigen::Vector3f> map_points_m;
   std::string located_in;  ///< the file of the map that it was located in; empty: it made its own
   std::optional<slam::SavedMap> saved_map;  ///< filled when the run ends, if it was asked for
   double wall_s = 0.0;
@@ -103,7 +106,7 @@ std::vector<std::int64_t> scan_of_pose(const SlamRun& run);
 /// The path as far as it is known, in metres.
 double known_path_m(const SlamRun& run);
 
-/// The scans of each part of the map (slam::Slam::part_of_scan), by its number.
+/// The scans of each part of the map (slam::Slam::submap_of_scan), by its number.
 std::map<std::size_t, std::int64_t> scans_of_parts(const SlamRun& run);
 
 /// A map that an earlier run left behind, and where in it the sensor is believed to begin.

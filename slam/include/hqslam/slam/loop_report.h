@@ -12,9 +12,10 @@ enum class LoopStatus {
   kNotVerified,   ///< some do, but the scan does not fit there
   kAmbiguous,     ///< the scan fits at several places: none is taken
   kAwaitsOthers,  ///< a loop was found; it counts when others farther on agree with it
-  kAgrees,        ///< the place was recognised, and the pose is right as it is
+  kAgrees,        ///< the place was recognised where it was believed to be, within 0.15 m
   kClosed,        ///< the path and the map were corrected
-  kImplausible,   ///< no correction was found, or it would have bent the path too much: not done
+  kImplausible,   ///< no correction was found, or it would have bent the path too much: nothing was
+                  ///< done, and the loops are forgotten
 };
 std::string_view name(LoopStatus status);  ///< "not searched", "no candidate", ...
 
@@ -23,7 +24,7 @@ struct LoopReport {
   int candidates = 0;          ///< places that were looked at
   std::size_t scan = 0;        ///< the one that was looked for: some scans before the report's own
   std::size_t older_scan = 0;  ///< kAwaitsOthers, kAgrees, kClosed: the scan that it met
-  double correction_m = 0.0;   ///< kAgrees, kClosed: by how much its pose moved
+  double correction_m = 0.0;   ///< kAgrees, kClosed: by how much its pose moved, 0 if it is right
 };
 
 }  // namespace hqslam::slam

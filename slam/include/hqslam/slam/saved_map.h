@@ -15,7 +15,7 @@ struct SavedPlace {
   ScanContext context;
 };
 
-/// What a drive leaves behind for later ones to be located in. Everything is in the map's frame,
+/// What a drive leaves behind for later ones to be registered in. Everything is in the map's frame,
 /// that of the drive's first scan, turned level.
 struct SavedMap {
   std::vector<Eigen::Vector3f> edges_m;

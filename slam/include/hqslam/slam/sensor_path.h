@@ -14,10 +14,16 @@ class SensorPath {
  public:
   /// Stands still.
   explicit SensorPath(const Pose& T_map_sensor) : T_map_sensor_(T_map_sensor) {}
-  /// Of one scan of a trajectory. At its ends, and next to stamps that do not rise, the motion on
-  /// the other side goes on; without either the sensor stands still. Throws Error if there is no
-  /// such scan.
-  SensorPath(const Trajectory& trajectory, std::size_t scan);
+  /// On which sides of a scan the next pose is known to be on the same path.
+  struct KnownWay {
+    bool before = true;
+    bool after = true;
+  };
+  /// Of one scan of a trajectory. At its ends, where the way is not known, and next to stamps that
+  /// do not rise, the motion on the other side goes on; without either the sensor stands still.
+  /// Throws Error if there is no such scan.
+  SensorPath(const Trajectory& trajectory, std::size_t scan, const KnownWay& way);
+  SensorPath(const Trajectory& trajectory, std::size_t scan) : SensorPath(trajectory, scan, {}) {}
 
   /// The pose at a time after (or before) the scan's stamp:
   ///   T_map_sensor(t) = T_map_sensor interpolate(I, T_stamp_other, t / t_other),

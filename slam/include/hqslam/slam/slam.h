@@ -3,19 +3,20 @@
 #include <Eigen/Core>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "hqslam/core/organized_cloud.h"
 #include "hqslam/core/sensor_model.h"
 #include "hqslam/core/trajectory.h"
 #include "hqslam/slam/loop_report.h"
-#include "hqslam/slam/motion_state.h"
 #include "hqslam/slam/status.h"
 
 namespace hqslam::slam {
 
 struct MountingOptions;
 struct SavedMap;
+struct ScanTrace;
 struct SlamOptions;
 
 /// Seconds spent in each stage of one scan.
@@ -36,8 +37,10 @@ struct ScanReport {
   /// Of T_map_sensor against the truth, the first scan's pose being exact: the covariance of e in
   /// T_true = T_map_sensor exp(e), (linear, angular) in the sensor's frame, m^2, m rad, rad^2.
   /// What is in it, and what it was calibrated on: src/alignment/drift.h. Zero up to the first scan
-  /// of the map, infinite variances where the place was not recognized.
-  Matrix6 covariance = Matrix6::Zero();
+  /// of the map. What was not measured while the way was lost stays in it until a loop takes it
+  /// away. Infinite variances where the place was not recognized, and after the sensor was carried
+  /// away.
+  Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
   Status odometry_status = Status::kOk;
   Status mapping_status = Status::kOk;
   int returns = 0;
@@ -47,7 +50,7 @@ struct ScanReport {
   int planar_features = 0;
   int edge_correspondences = 0;  ///< used by the last iteration of mapping
   int planar_correspondences = 0;
-  bool key_frame = false;
+  bool keyframe = false;
   LoopReport loop;
   StageTimes times;
 };
@@ -61,9 +64,8 @@ struct ScanReport {
 /// is processed in the call that brings it; loop closing works beside the calls, in a thread of its
 /// own, and what it finds out is taken in ten scans later.
 ///
-/// A sensor that was carried away or blinded for long goes on in a part of the map of its own, as
-/// if it stood where it was believed to be. Loop closing joins the parts when it recognizes a
-/// place.
+/// A sensor that was carried away or blinded for long goes on in a submap of its own, as if it
+/// stood where it was believed to be. Loop closing joins the submaps when it recognizes a place.
 ///
 /// Threads: one object serves one thread at a time, reading included; objects are independent of
 /// one another. process() works with options.threads OpenMP threads, or, inside a parallel region
@@ -74,8 +76,8 @@ class Slam {
   /// Throws Error if the sensor or an option is invalid.
   explicit Slam(const SensorModel& sensor);
   Slam(const SensorModel& sensor, const SlamOptions& options);
-  /// Locates scans in a map that another drive left behind (saved_map()), which stays as it is. The
-  /// first scan is looked for about T_map_level_start (where the sensor stands, turned level),
+  /// Registers scans in a map that another drive left behind (saved_map()), which stays as it is.
+  /// The first scan is looked for about T_map_level_start (where the sensor stands, turned level),
   /// within a few metres and half a radian, or in all of the map; so is the next one where it is
   /// not found, and wherever the way is lost: then the mapping's status is kNotRecognized. Poses
   /// are in the map's frame, and their covariances against it; loops are not closed. Throws Error,
@@ -91,7 +93,9 @@ class Slam {
   /// ScanError if the capture times are no offsets from the middle of the scan in seconds.
   /// Whatever the numbers inside the cloud are is survived: a pixel with one that is not finite is
   /// no return. Stamps need not rise: see src/front_end/scan_clock.h.
-  ScanReport process(const OrganizedCloud& cloud, double stamp_s);
+  /// Where a trace is given it is filled with what each stage made of the scan; nothing is spent on
+  /// it otherwise.
+  ScanReport process(const OrganizedCloud& cloud, double stamp_s, ScanTrace* trace = nullptr);
 
   /// After the last scan: takes in what loop closing was still finding out, and reports it.
   std::vector<LoopReport> finish();
@@ -105,20 +109,28 @@ class Slam {
   /// the scans up to the first that SLAM can begin with shows ground, as that does: `estimated`.
   MountingOptions mounting() const;
 
-  /// Per scan the part of the map it is in; parts that were joined have one number. Between parts
+  /// Per scan the submap it is in; submaps that were joined have one number. Between submaps
   /// nothing is known about how poses lie to each other.
-  std::vector<std::size_t> part_of_scan() const;
+  std::vector<std::size_t> submap_of_scan() const;
 
-  /// Per scan the stretch of path it is on: a new one begins where nothing measured the way, and
-  /// stays one of its own when its part is joined to another. Not to be read while process() runs.
-  const std::vector<std::size_t>& stretch_of_scan() const;
+  /// Per scan the segment of the trajectory it is on: a new one begins where nothing measured the
+  /// way, and stays one of its own when its submap is joined to another. Not to be read while
+  /// process() runs.
+  const std::vector<std::size_t>& segment_of_scan() const;
 
-  /// The map: planar features of all key frames, one per 0.4 m voxel, then edge features, one per
-  /// 0.2 m voxel (MappingOptions), in the map's frame; part after part.
-  std::vector<Eigen::Vector3f> map_points_m() const;
+  /// Covariances that hold now instead of those that were reported, of the poses of trajectory():
+  /// of scans on segments that loop closing joined since, and of the last ones before it was
+  /// noticed that the sensor had been carried away (infinite variances). By scan.
+  std::vector<std::pair<std::size_t, Eigen::Matrix<double, 6, 6>>> corrected_covariances() const;
 
-  /// What later drives are located in: of several parts the one with most places. Throws Error
-  /// unless loop closing is switched on, which knows the places, and after locating in a given map.
+  /// The map: planar features of all keyframes, one per 0.4 m voxel, then edge features, one per
+  /// 0.2 m voxel (MappingOptions), in the map's frame. Of one submap (its number in
+  /// submap_of_scan()), or of all, one after the other, though nothing is known of how they lie to
+  /// each other.
+  std::vector<Eigen::Vector3f> map_points_m(std::optional<std::size_t> submap = {}) const;
+
+  /// What later drives are located in: of several submaps the one with most places. Throws Error
+  /// unless loop closing is switched on, which knows the places, and after a drive in a given map.
   SavedMap saved_map() const;
 
  private:

@@ -4,6 +4,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <vector>
@@ -25,8 +26,10 @@ struct Driven {
   std::vector<slam::ScanReport> reports;
   std::vector<slam::LoopReport> last_reports;
   Trajectory trajectory;
-  std::vector<std::size_t> part_of_scan;
-  std::vector<std::size_t> stretch_of_scan;
+  std::vector<std::size_t> submap_of_scan;
+  std::vector<std::size_t> segment_of_scan;
+  std::size_t map_points = 0;
+  std::array<std::size_t, 2> map_points_of_submap{};
 
   /// Farthest from where it belongs, scans from `first` on.
   double worst_error_m(std::size_t first) const {
@@ -71,8 +74,12 @@ Driven drive(const test::Village& village, const std::vector<Pose>& way,
   for (const Pose& T_street_sensor : other_way) process(other_village, T_street_sensor);
   driven.last_reports = slam.finish();
   driven.trajectory = slam.trajectory();
-  driven.part_of_scan = slam.part_of_scan();
-  driven.stretch_of_scan = slam.stretch_of_scan();
+  driven.submap_of_scan = slam.submap_of_scan();
+  driven.segment_of_scan = slam.segment_of_scan();
+  driven.map_points = slam.map_points_m().size();
+  for (const std::size_t submap : {std::size_t{0}, std::size_t{1}}) {
+    driven.map_points_of_submap[submap] = slam.map_points_m(submap).size();
+  }
   return driven;
 }
 
@@ -84,11 +91,11 @@ TEST_CASE("who is carried to a place passed before, either way, is joined with t
     CAPTURE(up);
     const std::vector<Pose> other_way = steps(up ? 15.0 : 65.0, 1.0, 50, up);
     const Driven driven = drive(village, steps(0.0, 0.0, 80, true), village, other_way);
-    CHECK(std::all_of(driven.part_of_scan.begin(), driven.part_of_scan.end() - 40,
+    CHECK(std::all_of(driven.submap_of_scan.begin(), driven.submap_of_scan.end() - 40,
                       [](std::size_t part) { return part == 0; }));
-    CHECK(driven.part_of_scan.back() == 0);
-    CHECK(driven.stretch_of_scan[79] == 0);
-    CHECK(driven.stretch_of_scan.back() == 1);
+    CHECK(driven.submap_of_scan.back() == 0);
+    CHECK(driven.segment_of_scan[79] == 0);
+    CHECK(driven.segment_of_scan.back() == 1);
     // The first scans after it was carried were not located: nothing is known about them.
     CHECK(driven.worst_error_m(90) < 0.15);
     CHECK(std::count_if(driven.reports.begin(), driven.reports.end(),
@@ -121,7 +128,7 @@ TEST_CASE(
       before = points;
     }
   }
-  CHECK(slam.part_of_scan().back() == 1);
+  CHECK(slam.submap_of_scan().back() == 1);
 }
 
 TEST_CASE("laps without loop closing let the map grow no further") {
@@ -147,14 +154,14 @@ TEST_CASE("laps without loop closing let the map grow no further") {
   }
   CHECK(points_after_lap[0] > 1000);
   CHECK(points_after_lap[5] < 1.1 * points_after_lap[1]);
-  CHECK(slam.part_of_scan().back() == 0);
+  CHECK(slam.submap_of_scan().back() == 0);
 }
 
 TEST_CASE("who is carried to a place never passed is followed there, in a part of its own") {
   const Driven driven =
       drive(street(31), steps(0.0, 0.0, 80, true), street(77), steps(0.0, 0.0, 50, true));
-  CHECK(driven.part_of_scan[79] == 0);
-  CHECK(driven.part_of_scan.back() == 1);
+  CHECK(driven.submap_of_scan[79] == 0);
+  CHECK(driven.submap_of_scan.back() == 1);
   const Pose step =
       driven.trajectory[100].T_map_sensor.inverse() * driven.trajectory[129].T_map_sensor;
   CHECK(step.translation().norm() == doctest::Approx(29.0).epsilon(0.01));
@@ -183,11 +190,11 @@ TEST_CASE(
   const slam::ScanReport first = process(there);
   const Pose T_standing_there = slam.trajectory()[19].T_map_sensor.inverse() * first.T_map_sensor;
   CHECK(T_standing_there.translation().norm() < 0.1);  // nothing tells of the way
-  CHECK(first.key_frame);
+  CHECK(first.keyframe);
   for (int i = 0; i < 5; ++i) CHECK(process(there).mapping_status == Status::kOk);
   CHECK(slam.map_points_m().size() > points_before);
-  CHECK(slam.part_of_scan()[19] == 0);
-  CHECK(slam.part_of_scan().back() == 1);
+  CHECK(slam.submap_of_scan()[19] == 0);
+  CHECK(slam.submap_of_scan().back() == 1);
   CHECK(slam.saved_map().places.size() < 4);  // of the street alone
 }
 
@@ -206,10 +213,75 @@ TEST_CASE("a map that went on before a scan was located in it loses nothing when
     const slam::ScanReport report = slam.process(scan, i * test::kDrivePeriod_s);
     const std::size_t points = slam.map_points_m().size();
     CAPTURE(i);
-    if (i == 7) CHECK(report.key_frame);
-    if (i >= 1) CHECK(is_located(report.mapping_status) == (i >= 9));
+    if (i == 7) CHECK(report.keyframe);
+    if (i >= 1) CHECK(is_registered(report.mapping_status) == (i >= 9));
     CHECK(points > 0.99 * static_cast<double>(points_before));
     points_before = points;
   }
-  CHECK(slam.part_of_scan().back() == 0);
+  CHECK(slam.submap_of_scan().back() == 0);
+}
+
+TEST_CASE("a covariance keeps what was not measured, until a loop takes it away") {
+  const SensorModel sensor = test::small_sensor(16, 360);
+  const test::Village village = street(31);
+  for (const bool blind : {true, false}) {
+    CAPTURE(blind);
+    slam::Slam slam(sensor);
+    std::vector<Pose> T_street_sensor;
+    std::vector<slam::ScanReport> reports;
+    const auto process = [&](const OrganizedCloud& cloud, const Pose& pose) {
+      T_street_sensor.push_back(pose);
+      reports.push_back(slam.process(cloud, 0.1 * static_cast<double>(reports.size())));
+    };
+    for (const Pose& pose : steps(0.0, 0.0, 80, true)) process(village.scan(sensor, pose), pose);
+    // Back to a place passed before, blind for three seconds or from one scan to the next.
+    for (int i = 0; blind && i < 30; ++i) {
+      process(OrganizedCloud(sensor.rows(), sensor.columns), T_street_sensor.back());
+    }
+    const std::size_t seen_again = reports.size();
+    for (const Pose& pose : steps(15.0, 1.0, 50, true)) process(village.scan(sensor, pose), pose);
+    slam.finish();
+    CHECK(slam.submap_of_scan().back() == 0);
+    const auto sigma_m = [](const Eigen::Matrix<double, 6, 6>& covariance) {
+      return std::sqrt(covariance.topLeftCorner<3, 3>().trace());
+    };
+    const auto truth = [&](std::size_t i) {
+      return Pose(T_street_sensor.front().inverse() * T_street_sensor[i]);
+    };
+    bool is_joined = false;
+    for (std::size_t i = seen_again + 7; i < reports.size(); ++i) {
+      CAPTURE(i);
+      is_joined = is_joined || reports[i].loop.status == slam::LoopStatus::kClosed;
+      const double error_m =
+          (reports[i].T_map_sensor.translation() - truth(i).translation()).norm();
+      CHECK(error_m < 3.0 * sigma_m(reports[i].covariance) + 0.05);
+      CHECK(std::isfinite(reports[i].covariance.trace()) == (blind || is_joined));
+      if (!is_joined) CHECK(sigma_m(reports[i].covariance) > 10.0);
+      if (is_joined) CHECK(sigma_m(reports[i].covariance) < 1.0);
+    }
+    const auto corrected = slam.corrected_covariances();
+    std::size_t known = 0;
+    for (const auto& [scan, covariance] : corrected) {
+      CAPTURE(scan);
+      CHECK(scan >= seen_again);
+      if (!std::isfinite(covariance.trace())) {
+        CHECK(scan < seen_again + 6);  // before it was noticed
+        continue;
+      }
+      ++known;
+      const double error_m =
+          (slam.trajectory()[scan].T_map_sensor.translation() - truth(scan).translation()).norm();
+      CHECK(error_m < 3.0 * sigma_m(covariance) + 0.05);
+      CHECK(sigma_m(covariance) < 1.0);
+    }
+    CHECK(known > 40);
+  }
+}
+
+TEST_CASE("a map is that of one submap, or of all") {
+  const Driven driven =
+      drive(street(31), steps(0.0, 0.0, 30, true), street(77), steps(0.0, 0.0, 30, true));
+  CHECK(driven.map_points == driven.map_points_of_submap[0] + driven.map_points_of_submap[1]);
+  CHECK(driven.map_points_of_submap[0] > 1000);
+  CHECK(driven.map_points_of_submap[1] > 1000);
 }

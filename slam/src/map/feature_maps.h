@@ -4,9 +4,9 @@
 #include <vector>
 
 #include "hqslam/core/pose.h"
-#include "hqslam/slam/feature_map.h"
 #include "hqslam/slam/options.h"
 #include "hqslam/slam/saved_map.h"
+#include "map/feature_map.h"
 
 namespace hqslam::slam {
 
@@ -22,11 +22,11 @@ struct FeatureMaps {
   explicit FeatureMaps(const MappingOptions& options);
   FeatureMaps(const MappingOptions& options, const SavedMap& map);
 
-  /// The part of a map about a place.
+  /// The local map about a place.
   FeatureMaps about(const MappingOptions& options, const Surroundings& place) const;
 
   void insert(const MapPoints& points);
-  MapPoints take_not_seen_since(std::uint32_t key_frame);
+  MapPoints take_not_seen_since(std::uint32_t keyframe);
   MapPoints take_all();
   MapPoints take_near(const Surroundings& place);
   void correct(const std::vector<Pose>& corrections);
@@ -38,7 +38,7 @@ struct FeatureMaps {
 
 void append(MapPoints& points, const MapPoints& others);
 
-/// Moves points with the key frames that put them there: in, per key frame, T_corrected_map.
+/// Moves points with the keyframes that put them there: in, per keyframe, T_corrected_map.
 void correct(MapPoints& points, const std::vector<Pose>& corrections);
 
 }  // namespace hqslam::slam

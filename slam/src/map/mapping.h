@@ -5,25 +5,26 @@
 #include <optional>
 #include <vector>
 
+#include "alignment/motion_state.h"
+#include "front_end/features.h"
 #include "hqslam/core/pose.h"
 #include "hqslam/core/sensor_model.h"
-#include "hqslam/slam/feature_maps.h"
-#include "hqslam/slam/features.h"
-#include "hqslam/slam/motion_state.h"
 #include "hqslam/slam/options.h"
 #include "hqslam/slam/status.h"
+#include "map/feature_maps.h"
+#include "map/map_constraints.h"
 
 namespace hqslam::slam {
 
 /// Features of a scan's measured rows, not corrected for motion, thinned to one per voxel.
 struct MapFeatures {
   std::vector<FeaturePoint> edges;
-  std::vector<FeaturePoint> posts;               ///< as they were found
-  std::vector<FeaturePoint> ground;              ///< as dense as the map
-  std::vector<FeaturePoint> surfaces;            ///< the same
-  std::vector<FeaturePoint> posts_to_locate;     ///< one of a few neighbouring rows
-  std::vector<FeaturePoint> ground_to_locate;    ///< fewer: enough to locate the scan
-  std::vector<FeaturePoint> surfaces_to_locate;  ///< the same
+  std::vector<FeaturePoint> posts;                 ///< as they were found
+  std::vector<FeaturePoint> ground;                ///< as dense as the map
+  std::vector<FeaturePoint> surfaces;              ///< the same
+  std::vector<FeaturePoint> posts_to_register;     ///< one of a few neighbouring rows
+  std::vector<FeaturePoint> ground_to_register;    ///< fewer: enough to register the scan
+  std::vector<FeaturePoint> surfaces_to_register;  ///< the same
 };
 /// measured_rows: SensorModel::measured_rows. Features of computed rows are left out.
 MapFeatures map_features(const Features& features, const std::optional<RowSelection>& measured_rows,
@@ -37,7 +38,8 @@ struct MappingResult {
   /// Of features that are not ground the share that found its line or plane in the last search of
   /// wide reach: how well a place fits. The ground fits everywhere, and more is found within 1 m
   /// than within 0.6 m.
-  double standing_share = 0.0;
+  double inlier_ratio = 0.0;
+  bool is_close_search = false;  ///< of the last search: reach and weights, see MapSearch
 };
 
 /// Scan-to-map optimisation, and the map.
@@ -50,38 +52,42 @@ struct MappingResult {
 /// Source: LOAM, section VI; LeGO-LOAM's mapOptmization.
 ///
 /// Differs from LeGO-LOAM: every scan is matched, not every fourth; the map is one incremental
-/// structure (FeatureMap), not rebuilt from key frames; the weight of a planar feature falls with
+/// structure (FeatureMap), not rebuilt from keyframes; the weight of a planar feature falls with
 /// its distance from the sensor, not from the origin of the map; planes are fitted about their
 /// centroid, so that a plane through the map's origin is as good as any; lines must be longer and
-/// planes wider than LeGO-LOAM asks; the ground tells height, roll and pitch only, as in the
+/// planes wider than LeGO-LOAM asks; the ground is asked for height, roll and pitch only, as in the
 /// odometry's first step, because the rings that a sensor draws on it would hold the sensor back,
-/// and only where it is flat; surfaces tell nothing about height where 25 points of the
-/// ground match; a turn makes a key frame too; the scan is corrected for motion anew with every
+/// and only where it is flat; surfaces are not asked for height where 25 points of the
+/// ground match; a turn makes a keyframe too; the scan is corrected for motion anew with every
 /// improved pose; features far from their line or plane lose weight; and what was not seen over the
-/// last stretch of path is laid aside, until it is taken up again. A place that is met again with
-/// decimetres of drift would fit half, and tilt or turn the sensor by degrees.
+/// last metres of path leaves a sliding window, until it is restored. A place that is met again
+/// with decimetres of drift would fit half, and tilt or turn the sensor by degrees.
 class Mapping {
  public:
   explicit Mapping(const MappingOptions& options);
-  /// A map to locate in.
+  /// A given map.
   Mapping(const MappingOptions& options, FeatureMaps map);
 
   /// In: what is expected without the scan, and how well; a pose to begin the search from.
-  MappingResult locate(const MapFeatures& features, const MotionState& expected,
-                       const Pose& T_map_sensor_start) const;
+  MappingResult register_scan(const MapFeatures& features, const MotionState& expected,
+                              const Pose& T_map_sensor_start) const;
+
+  /// With what each feature is matched there, for whoever wants to look at it.
+  MapMatches matches(const MapFeatures& features, const MappingResult& found) const;
 
   /// Whether the pose is far enough from the last one inserted.
-  bool is_key_frame(const Pose& T_map_sensor) const;
+  bool is_keyframe(const Pose& T_map_sensor) const;
   void insert(const MapFeatures& features, const Pose& T_map_sensor, const Twist& velocity);
-  std::uint32_t key_frames() const { return key_frames_; }
+  std::uint32_t keyframes() const { return keyframes_; }
 
-  /// Takes out of the map what was not seen over the last MappingOptions::recent_path_m.
-  MapPoints lay_aside();
-  /// Takes everything out: the next key frame is the first of a map of its own.
-  MapPoints lay_aside_all();
-  /// Scans are matched with these points again, as if the last key frame had seen them.
-  void take_up(MapPoints points);
-  /// Moves every key frame with its points; in, per key frame, T_corrected_map.
+  /// The sliding window moves on: takes out what was not seen over the last
+  /// MappingOptions::recent_path_m.
+  MapPoints slide_window();
+  /// Takes everything out: the next keyframe is the first of a map of its own.
+  MapPoints clear_window();
+  /// Scans are matched with these points again, as if the last keyframe had seen them.
+  void restore_to_window(MapPoints points);
+  /// Moves every keyframe with its points; in, per keyframe, T_corrected_map.
   void correct(const std::vector<Pose>& corrections);
 
   const FeatureMaps& map() const { return map_; }
@@ -89,10 +95,10 @@ class Mapping {
  private:
   MappingOptions options_;
   FeatureMaps map_;
-  std::uint32_t key_frames_ = 0;
-  std::deque<double> recent_path_m_;  ///< along the path, of the key frames matched with
-  double path_m_ = 0.0;               ///< up to the last key frame
-  Pose T_map_last_key_frame_ = Pose::Identity();
+  std::uint32_t keyframes_ = 0;
+  std::deque<double> recent_path_m_;  ///< along the path, of the keyframes matched with
+  double path_m_ = 0.0;               ///< up to the last keyframe
+  Pose T_map_last_keyframe_ = Pose::Identity();
 };
 
 }  // namespace hqslam::slam

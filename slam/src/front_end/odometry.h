@@ -1,14 +1,26 @@
 #pragma once
 
-#include <memory>
-
+#include "front_end/features.h"
+#include "front_end/motion_correction.h"
+#include "front_end/row_ordered_cloud.h"
 #include "hqslam/core/pose.h"
-#include "hqslam/slam/features.h"
-#include "hqslam/slam/motion_correction.h"
 #include "hqslam/slam/options.h"
 #include "hqslam/slam/status.h"
 
 namespace hqslam::slam {
+
+/// A scan as the next is matched with it: ground and edges, corrected for motion.
+struct OdometryTarget {
+  RowOrderedCloud ground;
+  RowOrderedCloud edges;
+
+  OdometryTarget(const Features& features, const Twist& velocity);
+};
+
+struct PredictedMotion {
+  Pose T_reference_sensor = Pose::Identity();
+  double duration_s = 0.0;  ///< from the reference's stamp to the scan's
+};
 
 struct OdometryResult {
   Pose T_reference_sensor = Pose::Identity();
@@ -19,7 +31,7 @@ struct OdometryResult {
 
 /// Scan-to-scan motion in two steps.
 ///
-/// In: features of a scan (as measured), a predicted motion since the reference scan. Out: the
+/// In: a reference scan, features of a scan (as measured), its predicted motion. Out: the
 /// sensor's pose in the frame of the reference scan at its stamp. Step 1 matches flat points of the
 /// ground with planes of the reference's ground and estimates z, roll, pitch; step 2 matches sharp
 /// edges with lines through the reference's edges and estimates x, y, yaw, both by
@@ -30,27 +42,9 @@ struct OdometryResult {
 /// the scan has features; full LM steps, not 5 % of a Gauss-Newton step; the two steps alternate
 /// until neither moves; ground is matched with ground and edges with edges, as its paper says; a
 /// direction that is not observable keeps its predicted value; where there is no ground (indoors,
-/// close to the floor) edges tell all six parameters, as far as they can; a scan with too few edges
-/// says so, and keeps what the ground alone or the wide searches could tell.
-class Odometry {
- public:
-  explicit Odometry(const OdometryOptions& options);
-  ~Odometry();
-  Odometry(Odometry&&) noexcept;  ///< moved from: only assign or destroy
-  Odometry& operator=(Odometry&&) noexcept;
-
-  bool has_reference() const;
-  /// Makes this scan the one that the next are matched with.
-  void set_reference(const Features& features, const Twist& velocity);
-
-  /// `duration_s`: from the reference's stamp to the scan's.
-  OdometryResult estimate(const Features& features, const Pose& T_reference_sensor_predicted,
-                          double duration_s) const;
-
- private:
-  struct Reference;
-  OdometryOptions options_;
-  std::unique_ptr<Reference> reference_;
-};
+/// close to the floor) edges give all six parameters, as far as they can; a scan with too few edges
+/// says so, and keeps what the ground alone or the wide searches found.
+OdometryResult scan_to_scan(const OdometryTarget& reference, const Features& features,
+                            const PredictedMotion& predicted, const OdometryOptions& options);
 
 }  // namespace hqslam::slam

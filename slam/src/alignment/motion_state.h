@@ -24,7 +24,7 @@ Matrix6 adjoint(const Pose& pose);
 /// each as (linear, angular): metres, radians, metres a second, radians a second.
 struct MotionState {
   Pose T_map_sensor = Pose::Identity();
-  Twist velocity;  ///< a second, in the sensor's frame
+  Twist velocity;  ///< per second, in the sensor's frame
   Matrix12 covariance = Matrix12::Identity();
 };
 
@@ -63,8 +63,9 @@ class AccelerationNoise {
 MotionState predicted(const MotionState& state, double duration_s, double steady_s,
                       const Vector6& density);
 
-/// The same for an acceleration of another kind, that moved the sensor by `surprise` beside where
+/// The same for an acceleration of another kind, that moved the sensor by `innovation` beside where
 /// it was expected: as large a one becomes likely.
-MotionState surprised(const MotionState& expected, const Twist& surprise, double duration_s);
+MotionState with_innovation(const MotionState& expected, const Twist& innovation,
+                            double duration_s);
 
 }  // namespace hqslam::slam

@@ -16,7 +16,7 @@ namespace hqslam::slam {
 /// In every scan: ground among the lowest rows, clusters, features judged by their smoothness in
 /// metres alone, odometry in two times 25 steps of 5 % of a Gauss-Newton step, its search cut off
 /// at as many points as the scan has features. Every fourth scan (at 10 Hz): matching with the map
-/// of the key frames within 50 m, planar points weighed by their distance from the map's origin.
+/// of the keyframes within 50 m, planar points weighed by their distance from the map's origin.
 /// The pose of a scan is the odometry's, moved by what the last matching corrected. Every row of a
 /// lifted scan is used alike: the system knows nothing of computed rows.
 ///

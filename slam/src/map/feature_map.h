@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "hqslam/core/pose.h"
+#include "map/cell_index.h"
 
 namespace hqslam::slam {
 
@@ -32,8 +33,8 @@ struct Surroundings {
 /// A point of a map: the running mean of the first points that fell into its voxel.
 struct MapPoint {
   Eigen::Vector3f mean_m;
-  std::uint32_t key_frame = 0;  ///< the first that saw it
-  std::uint32_t last_seen = 0;  ///< the last key frame that did
+  std::uint32_t keyframe = 0;   ///< the first that saw it
+  std::uint32_t last_seen = 0;  ///< the last keyframe that did
   std::uint16_t count = 1;      ///< points averaged
 };
 
@@ -42,11 +43,11 @@ struct MapPoint {
 /// Space is cut into cubes of `2 * max_distance_m`, found by a hash; a cube keeps one point per
 /// voxel of `leaf_m`, the running mean of the first points that fell there. A search looks at the
 /// at most eight cubes that a ball of max_distance_m touches. Inserting and searching take the same
-/// time however far the map reaches: a kd-tree would have to be built anew with every key frame.
+/// time however far the map reaches: a kd-tree would have to be built anew with every keyframe.
 /// Exact: the neighbours are those of a search through all points.
 ///
-/// Every point remembers the key frame that first put it there, so that it can be moved when that
-/// key frame turns out to have been elsewhere, and the last that saw it, so that what was not seen
+/// Every point remembers the keyframe that first put it there, so that it can be moved when that
+/// keyframe turns out to have been elsewhere, and the last that saw it, so that what was not seen
 /// lately can be taken out. However often a place is passed, its voxels are no more.
 ///
 /// Points farther than a million cubes from the origin are left out.
@@ -54,12 +55,12 @@ class FeatureMap {
  public:
   FeatureMap(double leaf_m, double max_distance_m);
 
-  void insert(const std::vector<Eigen::Vector3f>& points_m, std::uint32_t key_frame = 0);
-  /// Points of another map; those that meet in one voxel are merged, and the oldest key frame kept.
+  void insert(const std::vector<Eigen::Vector3f>& points_m, std::uint32_t keyframe = 0);
+  /// Points of another map; those that meet in one voxel are merged, and the oldest keyframe kept.
   void insert(const std::vector<MapPoint>& points);
 
-  /// Takes out all points that no key frame from this one on has seen.
-  std::vector<MapPoint> take_not_seen_since(std::uint32_t key_frame);
+  /// Takes out all points that no keyframe from this one on has seen.
+  std::vector<MapPoint> take_not_seen_since(std::uint32_t keyframe);
   /// Takes out the points about a place.
   std::vector<MapPoint> take_near(const Surroundings& place);
 
@@ -72,7 +73,7 @@ class FeatureMap {
   /// The points about a place.
   std::vector<Eigen::Vector3f> points_near_m(const Surroundings& place) const;
 
-  /// Moves every point with its key frame: in, per key frame, T_corrected_map that takes its points
+  /// Moves every point with its keyframe: in, per keyframe, T_corrected_map that takes its points
   /// to where they belong. Points that meet in one voxel are merged.
   void correct(const std::vector<Pose>& corrections);
 
@@ -90,10 +91,8 @@ class FeatureMap {
     bool operator==(const Voxel&) const = default;
   };
 
-  bool key_of(const Eigen::Vector3i& cube, std::uint64_t& key) const;
-  const Cube* find(std::uint64_t key) const;
+  const Cube* find(const Eigen::Vector3i& cube) const;
   Cube& find_or_add(std::uint64_t key);
-  void fill_table(std::size_t slots);
   /// None beyond a million cubes.
   std::optional<Voxel> voxel_of(const Eigen::Vector3f& point_m) const;
   void insert_point(const MapPoint& point);
@@ -101,6 +100,8 @@ class FeatureMap {
   std::vector<MapPoint> take(const std::vector<std::size_t>& cubes, const Wanted& wanted);
   void drop_empty_cubes();
   std::vector<std::size_t> cubes_touching(const Surroundings& place) const;
+  std::vector<std::size_t> cubes_within(const Eigen::Vector3i& first,
+                                        const Eigen::Vector3i& last) const;
   std::vector<std::size_t> all_cubes() const;
 
   float leaf_m_;
@@ -109,7 +110,7 @@ class FeatureMap {
   int voxels_per_side_;
   std::size_t size_ = 0;
   std::vector<Cube> cubes_;
-  std::vector<std::uint32_t> table_;  ///< open addressing: index of a cube plus one, 0 empty
+  CellIndex index_;  ///< of cubes_
 };
 
 }  // namespace hqslam::slam

@@ -1,20 +1,13 @@
 #pragma once
 
-#include <cstdint>
 #include <vector>
 
 #include "hqslam/core/connected_components.h"
 #include "hqslam/core/organized_cloud.h"
 #include "hqslam/slam/options.h"
+#include "hqslam/slam/scan_trace.h"
 
 namespace hqslam::slam {
-
-enum class PixelClass : std::uint8_t {
-  kNoReturn,
-  kGround,
-  kCluster,  ///< part of a cluster large enough to be trusted
-  kOutlier,  ///< too small a cluster: leaves, noise
-};
 
 struct Segmentation {
   std::vector<PixelClass> pixel_class;

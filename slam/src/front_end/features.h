@@ -3,9 +3,9 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "front_end/segmentation.h"
 #include "hqslam/core/organized_cloud.h"
 #include "hqslam/slam/options.h"
-#include "hqslam/slam/segmentation.h"
 
 namespace hqslam::slam {
 

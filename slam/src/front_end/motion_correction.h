@@ -3,8 +3,8 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "front_end/features.h"
 #include "hqslam/core/pose.h"
-#include "hqslam/slam/features.h"
 
 namespace hqslam::slam {
 

@@ -1,0 +1,79 @@
+// Searching: the place of a sensor in a given map.
+
+#include <limits>
+#include <optional>
+
+#include "loops/loop_verification.h"
+#include "map/registration_trace.h"
+#include "slam_implementation.h"
+
+namespace hqslam::slam {
+
+namespace {
+
+/// In a given map a scan of which less stands where the map has something stands elsewhere: 0.15
+/// and more at the edge of the map, 0.06 at a wrong place, measured. The ground fits everywhere.
+constexpr double kMinOverlapInGivenMap = 0.1;
+
+/// A state whose place was recognized: what was not measured yet is how well it is known.
+MotionState found_about(MotionState state) {
+  constexpr double kAbout_m = 1.0;
+  constexpr double kAbout_rad = 0.1;
+  state.covariance.diagonal().head<3>().setConstant(kAbout_m * kAbout_m);
+  state.covariance.diagonal().segment<3>(3).setConstant(kAbout_rad * kAbout_rad);
+  return state;
+}
+
+}  // namespace
+
+/// Until the place is found the last known pose stands, and the odometry goes on, so that scans can
+/// be corrected for motion and moved together.
+State Slam::Implementation::next(Searching now, const Scan& scan, Notes& notes) {
+  ScanReport& report = notes.report;
+  report.T_odom_sensor = now.T_odom_last;
+  UnregisteredScan searched{scan.cloud, scan.map_features, {}, {}};
+  if (now.reference) {
+    const double duration_s = scan.time_s - now.reference->time_s;
+    const OdometryResult moved = scan_to_scan(
+        now.reference->target, scan.features,
+        {exponential(duration_s * now.reference->state.velocity), duration_s}, options.odometry);
+    report.odometry_status = moved.status;
+    if (moved.status != Status::kTooFewFeatures) {
+      searched.T_previous_sensor = moved.T_reference_sensor;
+      searched.velocity = (1.0 / duration_s) * logarithm(moved.T_reference_sensor);
+    }
+    report.T_odom_sensor = orthonormalized(now.T_odom_last * moved.T_reference_sensor);
+  }
+  report.times.odometry_s = notes.stopwatch.lap_s();
+
+  std::optional<Pose> T_map_sensor;
+  if (scan.has_enough_features) T_map_sensor = place_recognition->find(searched, mapping.map());
+  MotionState found = unknown_motion(T_map_sensor.value_or(now.T_map_last));
+  found.velocity = searched.velocity;
+  report.T_map_sensor = found.T_map_sensor;
+  if (T_map_sensor) {
+    const MappingResult matched =
+        mapping.register_scan(scan.map_features, found_about(found), found.T_map_sensor);
+    found.covariance = matched.state.covariance;
+    const Matrix6 against_map = drift.against_map(found);
+    report.covariance = drift.covariance(Pose::Identity(), against_map);
+    if (notes.trace != nullptr) {
+      trace_registration(mapping, scan.map_features, matched, *notes.trace);
+    }
+    return Tracking{reference_of(scan, found, against_map, report), 0.0, std::nullopt};
+  }
+  report.mapping_status = Status::kNotRecognized;
+  report.covariance.diagonal().setConstant(std::numeric_limits<double>::infinity());
+  if (scan.has_enough_features) {
+    now.reference = reference_of(scan, found, Matrix6::Zero(), report);
+    now.T_odom_last = report.T_odom_sensor;
+  }
+  return now;
+}
+
+bool Slam::Implementation::is_in_given_map(const MapFeatures& features,
+                                           const MotionState& found) const {
+  return fit_of(features, mapping.map(), found).overlap >= kMinOverlapInGivenMap;
+}
+
+}  // namespace hqslam::slam

@@ -1,0 +1,234 @@
+// The states of a sensor that is followed, and one that SLAM has not begun with yet.
+
+#include <array>
+#include <utility>
+
+#include "map/choice_of_start.h"
+#include "map/registration_trace.h"
+#include "slam_implementation.h"
+
+namespace hqslam::slam {
+
+namespace {
+
+/// A sensor that is followed no longer is believed to keep its velocity for so long.
+constexpr double kSteady_periods = 10.0;
+/// Scans in a row that may miss the map before the way counts as lost.
+constexpr std::size_t kMaxMissedScans = 5;
+/// Of the last registered scan's inlier ratio. From scan to scan it falls to 0.83 at the most on
+/// simulated drives of all kinds, and to 0.44 in another street.
+constexpr double kLeastShareOfInlierRatio = 0.6;
+
+/// Whether a sensor that is not carried can have moved so much otherwise than it was expected to.
+bool is_plausible(const Twist& innovation, double duration_s) {
+  constexpr double kAccelerated_m_s2 = 10.0;
+  constexpr double kTurned_rad_s2 = 5.0;
+  const double half_square_s2 = 0.5 * duration_s * duration_s;
+  return innovation.linear.norm() <= 0.5 + kAccelerated_m_s2 * half_square_s2 &&
+         innovation.angular.norm() <= 0.2 + kTurned_rad_s2 * half_square_s2;
+}
+
+/// By how much less is known of an expected pose than of the one before.
+Matrix6 growth(const MotionState& before, const MotionState& expected, const Pose& motion) {
+  return expected.covariance.topLeftCorner<6, 6>() -
+         carried(before.covariance.topLeftCorner<6, 6>(), motion);
+}
+
+}  // namespace
+
+Reference reference_of(const Scan& scan, const MotionState& state, const Matrix6& against_map,
+                       const ScanReport& report) {
+  return {scan.time_s, state, against_map, report.T_odom_sensor, {scan.features, state.velocity}};
+}
+
+std::string_view name(const State& state) {
+  constexpr std::array<std::string_view, 4> kNames = {"starting", "tracking", "lost", "searching"};
+  return kNames[state.index()];
+}
+
+Reference* reference_of(State& state) {
+  if (auto* tracking = std::get_if<Tracking>(&state)) return &tracking->reference;
+  if (auto* lost = std::get_if<Lost>(&state)) return &lost->last.reference;
+  auto* searching = std::get_if<Searching>(&state);
+  return searching != nullptr && searching->reference ? &*searching->reference : nullptr;
+}
+
+/// The first scan with enough features defines the frame of the map.
+State Slam::Implementation::next(Starting, const Scan& scan, Notes& notes) {
+  if (!scan.has_enough_features) {
+    notes.report.odometry_status = Status::kTooFewFeatures;
+    notes.report.mapping_status = Status::kTooFewFeatures;
+    return Starting{};
+  }
+  const MotionState standing = unknown_motion(Pose::Identity());
+  add_keyframe(scan, standing.velocity, true, notes);
+  return Tracking{reference_of(scan, standing, drift.against_map(standing), notes.report), 0.0,
+                  FirstKeyframe{scan.time_s, scan.features, scan.map_features}};
+}
+
+State Slam::Implementation::next(Tracking now, const Scan& scan, Notes& notes) {
+  return next(Lost{std::move(now)}, scan, notes);
+}
+
+State Slam::Implementation::next(Lost now, const Scan& scan, Notes& notes) {
+  const Registered found = first_registered(now.last, scan, notes);
+  if (found.is_registered) return tracked(std::move(now.last), found, scan, notes);
+  ++now.missed_scans;
+  now.is_motion_measured = now.is_motion_measured && found.is_motion_plausible;
+  now.is_carried = now.is_carried || found.is_contradiction;
+  const bool is_lost = now.missed_scans > kMaxMissedScans;
+  const Reference& reference = now.last.reference;
+  if (is_lost && place_recognition) {
+    place_recognition->forget();
+    return Searching{reference.state.T_map_sensor, reference.T_odom_sensor, std::nullopt};
+  }
+  const bool map_goes_on = is_lost && scan.has_enough_features;
+  if (map_goes_on && !now.is_motion_measured) return new_segment(now, found, scan, notes);
+  if (!found.by_odometry) return now;
+  drift.move(reference.state.T_map_sensor.inverse() * found.state.T_map_sensor);
+  now.last.reference = reference_of(scan, found.state, found.against_map, notes.report);
+  if (map_goes_on && mapping.is_keyframe(found.state.T_map_sensor)) {
+    now.last.first_keyframe.reset();
+    add_keyframe(scan, found.state.velocity, false, notes);
+  }
+  return now;
+}
+
+/// From Tracking or Lost: the scan was registered.
+State Slam::Implementation::tracked(Tracking last, const Registered& found, const Scan& scan,
+                                    Notes& notes) {
+  const MotionState& before = last.reference.state;
+  const Pose motion = before.T_map_sensor.inverse() * found.state.T_map_sensor;
+  accelerations.learn(before.velocity, found.state.velocity, scan.time_s - last.reference.time_s);
+  drift.learn(found.state.velocity);
+  if (place_recognition) {
+    drift.move(motion);
+  } else {
+    drift.grow(motion, found.state);
+  }
+  last.reference = reference_of(scan, found.state, found.against_map, notes.report);
+  last.inlier_ratio = found.inlier_ratio;
+  if (!place_recognition && mapping.is_keyframe(found.state.T_map_sensor)) {
+    last.first_keyframe.reset();  // no longer the only one: the map cannot begin anew with it
+    add_keyframe(scan, found.state.velocity, false, notes);
+  }
+  return last;
+}
+
+/// From Lost: nothing measured the way here. The sensor goes on as if it stood where it is believed
+/// to be, in a submap of its own.
+State Slam::Implementation::new_segment(const Lost& lost, Registered found, const Scan& scan,
+                                        Notes& notes) {
+  drift.lose(found.against_map, lost.is_carried);
+  // A velocity that nothing measured would be predicted again, and kept for good.
+  if (!found.by_odometry) found.state = unknown_motion(found.state.T_map_sensor);
+  drift.move(lost.last.reference.state.T_map_sensor.inverse() * found.state.T_map_sensor);
+  path.begin_segment(lost.missed_scans - 1, mapping.keyframes(), lost.is_carried);
+  const Matrix6 against_own_map = drift.against_map(unknown_motion(found.state.T_map_sensor));
+  notes.own_covariance = drift.own_covariance(Pose::Identity(), against_own_map);
+  notes.report.covariance = drift.covariance(Pose::Identity(), against_own_map);
+  add_keyframe(scan, found.state.velocity, true, notes);
+  return Tracking{reference_of(scan, found.state, against_own_map, notes.report), 0.0,
+                  std::nullopt};
+}
+
+/// Where the scan is: predicted, moved by the odometry, registered in the map.
+Slam::Implementation::Registered Slam::Implementation::registered(const Tracking& last,
+                                                                  const Scan& scan,
+                                                                  Notes& notes) const {
+  const Reference& reference = last.reference;
+  ScanReport& report = notes.report;
+  const double duration_s = scan.time_s - reference.time_s;
+  const double steady_s = kSteady_periods * sensor.scan_period_s;
+  const MotionState expected =
+      predicted(reference.state, duration_s, steady_s, accelerations.density());
+  const OdometryResult moved =
+      scan_to_scan(reference.target, scan.features,
+                   {reference.state.T_map_sensor.inverse() * expected.T_map_sensor, duration_s},
+                   options.odometry);
+  const Pose T_map_moved = orthonormalized(reference.state.T_map_sensor * moved.T_reference_sensor);
+  report.odometry_status = moved.status;
+  report.T_odom_sensor = orthonormalized(reference.T_odom_sensor * moved.T_reference_sensor);
+  report.times.odometry_s += notes.stopwatch.lap_s();
+
+  const MappingResult matched =
+      register_from_both(mapping, scan.map_features, {expected, T_map_moved, duration_s});
+  const bool is_elsewhere = matched.inlier_ratio < kLeastShareOfInlierRatio * last.inlier_ratio;
+  Registered found;
+  found.is_registered = matched.status != Status::kTooFewFeatures && !is_elsewhere &&
+                        (!place_recognition || is_in_given_map(scan.map_features, matched.state));
+  found.by_odometry = moved.status != Status::kTooFewFeatures;
+  found.is_motion_plausible =
+      found.by_odometry && !is_elsewhere &&
+      is_plausible(logarithm(expected.T_map_sensor.inverse() * T_map_moved), duration_s);
+  found.is_contradiction =
+      is_precise(expected) && (is_elsewhere || (found.by_odometry && !found.is_motion_plausible));
+  found.inlier_ratio = matched.inlier_ratio;
+  found.state = found.is_registered ? matched.state : expected;
+  if (!found.is_registered) {
+    found.state.T_map_sensor = T_map_moved;
+    found.state.velocity = (1.0 / duration_s) * logarithm(moved.T_reference_sensor);
+  }
+  report.mapping_status = !found.is_registered    ? Status::kTooFewFeatures
+                          : duration_s > steady_s ? Status::kAfterGap
+                                                  : matched.status;
+  report.edge_correspondences = matched.edge_correspondences;
+  report.planar_correspondences = matched.planar_correspondences;
+  report.T_map_sensor = found.state.T_map_sensor;
+  const Pose motion = reference.state.T_map_sensor.inverse() * found.state.T_map_sensor;
+  found.against_map = found.is_registered ? drift.against_map(found.state)
+                                          : carried(reference.against_map, motion) +
+                                                growth(reference.state, expected, motion);
+  report.covariance = drift.covariance(motion, found.against_map);
+  notes.own_covariance = drift.own_covariance(motion, found.against_map);
+  if (notes.trace != nullptr) {
+    notes.trace->T_map_expected = expected.T_map_sensor;
+    notes.trace->T_map_odometry = T_map_moved;
+    notes.trace->duration_s = duration_s;
+    notes.trace->sharp_edges = moved.edge_correspondences;
+    notes.trace->flat_points = moved.planar_correspondences;
+    notes.trace->last_inlier_ratio = last.inlier_ratio;
+    trace_registration(mapping, scan.map_features, matched, *notes.trace);
+  }
+  report.times.mapping_s += notes.stopwatch.lap_s();
+  return found;
+}
+
+/// The same; the first keyframe was taken as if the sensor stood, and now that its velocity is
+/// known the map begins anew with it and the scan is registered again.
+Slam::Implementation::Registered Slam::Implementation::first_registered(Tracking& last,
+                                                                        const Scan& scan,
+                                                                        Notes& notes) {
+  const Registered found = registered(last, scan, notes);
+  if (!last.first_keyframe || !found.is_registered) return found;
+  correct_first_keyframe(last, found.state.velocity);
+  return registered(last, scan, notes);
+}
+
+void Slam::Implementation::correct_first_keyframe(Tracking& last, const Twist& velocity) {
+  const FirstKeyframe& first = *last.first_keyframe;
+  mapping = Mapping(options.mapping);
+  mapping.insert(first.map_features, Pose::Identity(), velocity);
+  if (last.reference.time_s == first.time_s) last.reference.target = {first.features, velocity};
+  last.first_keyframe.reset();
+}
+
+/// Puts the scan, whose pose is in the report, into the map, or into a submap of its own if nothing
+/// measured the way here.
+void Slam::Implementation::add_keyframe(const Scan& scan, const Twist& velocity,
+                                        bool begins_segment, Notes& notes) {
+  ScanReport& report = notes.report;
+  LoopKeyframe keyframe{report.T_map_sensor, report.mapping_status, path.trajectory().size(),
+                        begins_segment,      drift.state(),         std::nullopt};
+  if (begins_segment || loop_closing->wants_view(report.T_map_sensor)) {
+    keyframe.view = {scan.cloud, scan.map_features, velocity,
+                     begins_segment ? mapping.clear_window() : mapping.slide_window()};
+  }
+  mapping.insert(scan.map_features, report.T_map_sensor, velocity);
+  report.keyframe = true;
+  report.times.mapping_s += notes.stopwatch.lap_s();
+  loop_closing->add(std::move(keyframe));
+  report.times.loop_closing_s += notes.stopwatch.lap_s();
+}
+
+}  // namespace hqslam::slam

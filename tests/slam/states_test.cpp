@@ -1,0 +1,303 @@
+// What SLAM knows of the sensor from scan to scan: starting, tracking, lost, searching.
+
+#include <doctest/doctest.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <random>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "hqslam/slam/options.h"
+#include "hqslam/slam/saved_map.h"
+#include "hqslam/slam/scan_trace.h"
+#include "hqslam/slam/slam.h"
+#include "slam/village.h"
+#include "slam/yard.h"
+
+using namespace hqslam;
+using slam::Status;
+
+namespace {
+
+SensorModel sensor() { return test::small_sensor(16, 360); }
+
+test::Village street(unsigned seed) {
+  test::Village village;
+  village.add_street(-40.0, 0.0, 160.0, seed);
+  return village;
+}
+
+/// '-' starting, 't' tracking, 'l' lost, '?' searching.
+char letter(std::string_view state) {
+  return state == "starting" ? '-' : state == "searching" ? '?' : state.front();
+}
+
+/// A drive along a street of which single scans are others.
+class Drive {
+ public:
+  explicit Drive(slam::Slam slam = slam::Slam(sensor())) : slam_(std::move(slam)) {}
+
+  /// 's': sees the street; 'b': is blind; 'e': stands in another street.
+  std::string states(const std::string& scans) {
+    std::string result;
+    for (const char what : scans) {
+      OrganizedCloud cloud = (what == 'e' ? elsewhere_ : street_).scan(sensor(), pose());
+      if (what == 'b') cloud = OrganizedCloud(cloud.rows, cloud.columns);
+      report = slam_.process(cloud, 0.1 * scans_++, &trace);
+      result += letter(trace.state);
+    }
+    return result;
+  }
+  slam::Slam& slam() { return slam_; }
+
+  slam::ScanReport report;
+  slam::ScanTrace trace;
+
+ private:
+  Pose pose() const { return test::yard_pose(0.3 * scans_, 0.0, 0.0); }
+
+  slam::Slam slam_;
+  test::Village street_ = street(31);
+  test::Village elsewhere_ = street(77);
+  int scans_ = 0;
+};
+
+}  // namespace
+
+TEST_CASE("SLAM starts with the first scan that has enough features") {
+  CHECK(Drive().states("bbs") == "--t");
+  Drive drive;
+  drive.states("bb");
+  CHECK(drive.trace.state_before == "starting");
+  CHECK(drive.trace.state == "starting");
+  CHECK(drive.report.mapping_status == Status::kTooFewFeatures);
+  drive.states("s");
+  CHECK(drive.trace.state == "tracking");
+  CHECK(drive.report.keyframe);
+}
+
+TEST_CASE("up to five scans that miss the map are bridged, whatever they are") {
+  for (const std::string missed : {"b", "bbbbb", "e", "eeeee", "beebe"}) {
+    CAPTURE(missed);
+    Drive drive;
+    drive.states("ssssssss");
+    CHECK(drive.states(missed) == std::string(missed.size(), 'l'));
+    CHECK(drive.states("sss") == "ttt");
+    CHECK(drive.slam().segment_of_scan().back() == 0);
+  }
+}
+
+TEST_CASE("a scan of which much less fits than of the last registered one stands elsewhere") {
+  Drive drive;
+  drive.states("ssssss");
+  CHECK(drive.trace.last_inlier_ratio > 0.0);
+  CHECK(drive.trace.inlier_ratio > 0.6 * drive.trace.last_inlier_ratio);
+  drive.states("e");
+  CHECK(drive.trace.inlier_ratio < 0.6 * drive.trace.last_inlier_ratio);
+  CHECK(!is_registered(drive.report.mapping_status));
+  // Of the last registered one: what is missed in between does not count.
+  const double last = drive.trace.last_inlier_ratio;
+  drive.states("e");
+  CHECK(drive.trace.last_inlier_ratio == last);
+}
+
+TEST_CASE("with the sixth missed scan the way is lost: a segment begins where something is seen") {
+  Drive drive;
+  drive.states("ssssss");
+  CHECK(drive.states("eeeee") == "lllll");
+  CHECK(drive.states("e") == "t");
+  CHECK(drive.report.keyframe);
+  CHECK(drive.slam().segment_of_scan() ==
+        std::vector<std::size_t>{0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1});
+  Drive blind;
+  blind.states("ssssss");
+  CHECK(blind.states("bbbbbbbb") == "llllllll");  // nothing to begin with
+  CHECK(blind.slam().segment_of_scan().back() == 0);
+}
+
+TEST_CASE("in a given map a sensor is searched for until it is found, and after it was lost") {
+  Drive mapped;
+  mapped.states(std::string(120, 's'));
+  mapped.slam().finish();
+  Drive drive(slam::Slam(sensor(), slam::SlamOptions(), mapped.slam().saved_map()));
+  CHECK(drive.states("eb") == "??");
+  CHECK(drive.states("ss") == "tt");
+  CHECK(drive.states("bbbbbb") == "lllll?");
+  CHECK(drive.report.mapping_status == Status::kTooFewFeatures);
+  CHECK(drive.states("b") == "?");
+  CHECK(drive.report.mapping_status == Status::kNotRecognized);
+  CHECK(drive.states("ss") == "tt");
+}
+
+TEST_CASE("a trace has each feature with its match, and asking for it changes nothing") {
+  slam::Slam plain(sensor());
+  Drive drive;
+  const test::Village village = street(31);
+  for (int i = 0; i < 8; ++i) {
+    const auto report =
+        plain.process(village.scan(sensor(), test::yard_pose(0.3 * i, 0.0, 0.0)), 0.1 * i);
+    drive.states("s");
+    CHECK(report.T_map_sensor.matrix() == drive.report.T_map_sensor.matrix());
+    CHECK(report.covariance == drive.report.covariance);
+  }
+  const slam::ScanTrace& trace = drive.trace;
+  const slam::ScanReport& report = drive.report;
+  CHECK(trace.pixel_class.size() == trace.cloud.range_m.size());
+  CHECK(std::count(trace.pixel_class.begin(), trace.pixel_class.end(), slam::PixelClass::kGround) ==
+        report.ground_points);
+  int edges = 0;
+  int planes = 0;
+  for (const slam::TracedFeature& feature : trace.features) {
+    const std::size_t pixel = trace.cloud.index(feature.row, feature.column);
+    CHECK((trace.cloud.points_m[pixel] - feature.point_m).norm() < 1.0);
+    if (!feature.is_matched) continue;
+    const bool is_line =
+        feature.kind == slam::FeatureKind::kEdge || feature.kind == slam::FeatureKind::kPost;
+    ++(is_line ? edges : planes);
+    CHECK(feature.weight_per_m > 0.0);
+    const Eigen::Vector3d on_scan_m = trace.T_map_level * feature.point_m.cast<double>();
+    if (!is_line) {
+      // On the ground the part along the vertical alone is asked for, so it is a little less.
+      CHECK((feature.on_map_m.cast<double>() - on_scan_m).norm() < feature.residual_m + 1e-3);
+    }
+  }
+  // The last search was made where the last but one step led.
+  CHECK(std::abs(edges - report.edge_correspondences) <= 5);
+  CHECK(std::abs(planes - report.planar_correspondences) <= 10);
+  CHECK(trace.direction_share.sum() > 0.5);
+  CHECK(trace.direction_share[0] > 0.0);
+  CHECK(trace.degenerate_directions == 0);
+  CHECK((trace.T_map_expected.translation() - trace.T_map_level.translation()).norm() < 0.05);
+  CHECK(trace.T_map_level.matrix() == report.T_map_sensor.matrix());
+}
+
+namespace {
+
+/// What happens to a sensor, drawn at random, and what SLAM knew of it.
+class RandomDrive {
+ public:
+  struct Scan {
+    std::size_t street = 0;
+    Pose T_street_sensor = Pose::Identity();
+    bool is_blind = false;
+    slam::ScanReport report;
+    std::string_view state;
+  };
+
+  explicit RandomDrive(unsigned seed) : random_(seed), slam_(sensor()) {
+    drive(10);
+    while (scans.size() < 90) {
+      switch (random_() % 5) {
+        case 0:  // seen
+          drive(1 + random_() % 12);
+          break;
+        case 1:  // blind
+          is_blind_ = true;
+          drive(1 + random_() % 12);
+          is_blind_ = false;
+          break;
+        case 2:  // moved, to the other street and back
+          street_ = 1 - street_;
+          drive(random_() % 2 == 0 ? 1 + random_() % 5 : 8 + random_() % 8);
+          break;
+        case 3: {  // cut: it drives on, and no scans come
+          const double cut = 2.0 + random_() % 13;
+          time_s_ += 0.1 * cut;
+          x_m_ += kStep_m * cut;
+          drive(3);
+          break;
+        }
+        default:  // the same scan again and again
+          step_m_ = 0.0;
+          drive(2 + random_() % 6);
+          step_m_ = kStep_m;
+      }
+    }
+    drive(10);
+    slam_.finish();
+  }
+
+  const slam::Slam& slam() const { return slam_; }
+  std::vector<Scan> scans;
+
+ private:
+  static constexpr double kStep_m = 0.3;
+
+  void drive(unsigned count) {
+    for (unsigned i = 0; i < count; ++i) {
+      x_m_ += step_m_;
+      time_s_ += 0.1;
+      const Pose pose = test::yard_pose(x_m_, 0.0, 0.0);
+      OrganizedCloud cloud = streets_[street_].scan(sensor(), pose);
+      if (is_blind_) cloud = OrganizedCloud(cloud.rows, cloud.columns);
+      slam::ScanTrace trace;
+      const slam::ScanReport report = slam_.process(cloud, time_s_, &trace);
+      scans.push_back({street_, pose, is_blind_, report, trace.state});
+    }
+  }
+
+  std::mt19937 random_;
+  slam::Slam slam_;
+  std::array<test::Village, 2> streets_ = {street(31), street(77)};
+  std::size_t street_ = 0;
+  bool is_blind_ = false;
+  double x_m_ = 0.0;
+  double step_m_ = kStep_m;
+  double time_s_ = 0.0;
+};
+
+}  // namespace
+
+TEST_CASE("whatever happens to a sensor, what is said of each scan holds against the truth") {
+  for (unsigned seed = 1; seed <= 6; ++seed) {
+    CAPTURE(seed);
+    const RandomDrive drive(seed);
+    const std::vector<std::size_t>& segment_of_scan = drive.slam().segment_of_scan();
+    const std::vector<std::size_t> submap_of_scan = drive.slam().submap_of_scan();
+    const Trajectory& trajectory = drive.slam().trajectory();
+    std::size_t missed = 0;
+    std::vector<std::optional<std::size_t>> first_of_submap(drive.scans.size());
+    for (std::size_t i = 0; i < drive.scans.size(); ++i) {
+      CAPTURE(i);
+      const RandomDrive::Scan& scan = drive.scans[i];
+      const bool is_registered = slam::is_registered(scan.report.mapping_status);
+      missed = is_registered ? 0 : missed + 1;
+      // Blind scans are never registered, and registered ones are tracked.
+      CHECK(!(scan.is_blind && is_registered));
+      if (is_registered) CHECK(scan.state == "tracking");
+      // A segment begins with the sixth scan in a row that is missed, or later, and takes with it
+      // all of them but the first.
+      if (i > 0) CHECK(segment_of_scan[i] >= segment_of_scan[i - 1]);
+      if (!is_registered && i > 0 && scan.report.keyframe && scan.state == "tracking") {
+        CHECK(missed >= 6);
+        CHECK(segment_of_scan[i] == segment_of_scan[i - missed + 2]);
+        CHECK(segment_of_scan[i] == segment_of_scan[i - missed] + 1);
+        missed = 0;
+      }
+      if (!is_registered) continue;
+      // Registered scans of one submap lie to each other as they really do.
+      std::optional<std::size_t>& first = first_of_submap[submap_of_scan[i]];
+      if (!first) first = i;
+      const RandomDrive::Scan& other = drive.scans[*first];
+      CHECK(scan.street == other.street);
+      const Pose truth = other.T_street_sensor.inverse() * scan.T_street_sensor;
+      const Pose found = trajectory[*first].T_map_sensor.inverse() * trajectory[i].T_map_sensor;
+      CHECK((truth.inverse() * found).translation().norm() < 0.3);
+      // What is known of a pose is true; of one in another street nothing is known.
+      const Eigen::Matrix<double, 6, 6>& covariance = scan.report.covariance;
+      if (!std::isfinite(covariance.trace())) continue;
+      CHECK(scan.street == 0);
+      const Pose T_map_true = drive.scans.front().T_street_sensor.inverse() * scan.T_street_sensor;
+      const Twist error = logarithm(scan.report.T_map_sensor.inverse() * T_map_true);
+      Eigen::Matrix<double, 6, 1> e;
+      e << error.linear, error.angular;
+      CHECK((e.dot(covariance.ldlt().solve(e)) < 60.0 || error.linear.norm() < 0.05));
+    }
+  }
+}
