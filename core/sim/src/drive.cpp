@@ -21,7 +21,7 @@ struct DriveSimulator::Implementation {
         sensor((validate(sensor_), sensor_)),
         scenario(make_scenario(spec, begin_s(spec.scans))),
         scene(*scenario.scenery),
-        lidar(sensor, spec.conditions, seed_of(spec.seed, DrivePart::kNoise)),
+        lidar(sensor, spec),
         T_map_world(scenario.T_world_sensor(middle_s(0)).inverse()) {}
 
   double begin_s(std::int64_t scan) const {

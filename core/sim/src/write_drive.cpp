@@ -5,12 +5,14 @@
 #include <Eigen/Geometry>
 #include <cmath>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 
 #include "hqslam/core/error.h"
 #include "hqslam/core/kitti_bin.h"
 #include "hqslam/core/pcd.h"
 #include "hqslam/core/projection.h"
 #include "hqslam/core/trajectory.h"
+#include "hqslam/core/whole_file.h"
 
 namespace hqslam::sim {
 
@@ -50,6 +52,20 @@ void append_text(std::ofstream& stream, const std::string& path, const std::stri
       "{}: cannot be written; check that the folder is writable and has free space", path));
 }
 
+/// What a calibration of the beams should find.
+void write_sensor_errors_json(const std::string& path, const DriveSpec& spec, int rows) {
+  constexpr double kRadiansPerDegree = 0.017453292519943295;
+  BeamErrors beams = draw_beam_errors(spec.sensor_errors, rows, spec.seed);
+  for (auto* angles : {&beams.elevation_rad, &beams.azimuth_rad}) {
+    for (double& angle : *angles) angle /= kRadiansPerDegree;
+  }
+  const nlohmann::ordered_json json = {{"sensor_errors", name_of(spec.sensor_errors)},
+                                       {"range_m", beams.range_m},
+                                       {"elevation_deg", beams.elevation_rad},
+                                       {"azimuth_deg", beams.azimuth_rad}};
+  write_whole_file(path, json.dump(2) + "\n");
+}
+
 /// `directory`, after it has been made with the file that says what the drive is: members that open
 /// files in it are initialised with this. However soon writing stops, that file tells whose the
 /// others are.
@@ -87,6 +103,9 @@ DriveWriter::DriveWriter(const std::string& directory, const DriveSpec& spec,
       kitti_(in(directory, "truth.kitti"), std::ios::binary) {
   append_text(tum_, in(directory, "truth.tum"), "");
   write_sensor_json(sensor, in(directory, "sensor.json"));
+  if (spec.sensor_errors != SensorErrors::kNone) {
+    write_sensor_errors_json(in(directory, "sensor_errors.json"), spec, sensor.rows());
+  }
   if (extra_.kitti_bin) make_empty_directory(fs::path(directory) / "bin");
   if (extra_.pcd) make_empty_directory(fs::path(directory) / "pcd");
 }

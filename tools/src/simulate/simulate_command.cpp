@@ -46,6 +46,7 @@ sim::DriveSpec drive_of(const SimulateOptions& options) {
   sim::DriveSpec spec = sim::drive_preset(options.drive);
   spec.scans = options.scans.value_or(spec.scans);
   spec.seed = options.seed.value_or(spec.seed);
+  spec.sensor_errors = sim::sensor_errors_named(options.sensor_errors);
   if (!options.mount.empty()) spec.mount = mount_of(spec.mount, options.mount);
   return spec;
 }
@@ -78,6 +79,12 @@ void declare_simulate(CLI::App& app, SimulateOptions& options) {
                    "left side, positive pitch lowers the front, 180,0 is upside down")
       ->delimiter(',')
       ->expected(2);
+  command
+      ->add_option(
+          "--sensor-errors", options.sensor_errors,
+          "How far the sensor is from its own table (default: none): typical is what makers "
+          "promise, bad a badly kept one; the truth goes to sensor_errors.json")
+      ->check(CLI::IsMember(sim::sensor_errors_names()));
   command->add_flag("--bin", options.bin, "Also write KITTI .bin files");
   command->add_flag("--pcd", options.pcd, "Also write .pcd files");
   command->footer(

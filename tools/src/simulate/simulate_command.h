@@ -21,6 +21,7 @@ struct SimulateOptions {
   std::optional<std::int64_t> scans;  ///< default: the drive's own length
   std::optional<std::uint64_t> seed;
   std::vector<double> mount;  ///< roll and pitch in degrees; empty: level
+  std::string sensor_errors = "none";
   bool bin = false;
   bool pcd = false;
 };

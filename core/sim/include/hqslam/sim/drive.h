@@ -10,6 +10,7 @@
 #include "hqslam/core/pose.h"
 #include "hqslam/core/range_image.h"
 #include "hqslam/core/sensor_model.h"
+#include "hqslam/sim/sensor_errors.h"
 
 namespace hqslam::sim {
 
@@ -42,6 +43,7 @@ struct DriveSpec {
   std::int64_t scans = 200;
   SensorMount mount;
   SensingConditions conditions;
+  SensorErrors sensor_errors = SensorErrors::kNone;
 };
 /// Raised whenever the same spec begins to give other bytes.
 constexpr int kDriveRevision = 1;

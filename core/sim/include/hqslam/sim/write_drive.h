@@ -24,7 +24,9 @@ struct ExtraFormats {
 ///   scans.npy          N x rows x columns, float32 metres, 0 = no return, row 0 the highest beam
 ///   sensor.json        the sensor model
 ///   drive.json         name, seed and planned length of the drive, and the simulator's revision;
-///                      mount and conditions where they are not the usual ones
+///                      mount, conditions and sensor errors where they are not the usual ones
+///   sensor_errors.json where the sensor has any: of each beam range_m (reported minus true),
+///                      elevation_deg and azimuth_deg (where it looks minus sensor.json's)
 ///   truth.tum          true pose of every scan at its stamp, in the frame of the first scan
 ///   truth.kitti        the same as KITTI writes it
 ///   truth_columns.npy  N x columns x 7, float64: x y z qx qy qz qw when the head is at each column
