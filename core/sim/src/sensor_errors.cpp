@@ -48,7 +48,7 @@ BeamErrors draw_beam_errors(SensorErrors errors, int rows, std::uint64_t drive_s
   BeamErrors beams{zeros, zeros, zeros};
   if (errors == SensorErrors::kNone) return beams;
   const bool bad = errors == SensorErrors::kBad;
-  Random random(seed_of(drive_seed, DrivePart::kSensorErrors));
+  Random random(seed_of(drive_seed, DrivePart::kErrors));
   const double block_rad = (random.chance(0.5) ? 0.5 : -0.5) * (bad ? kBetweenBlocks_rad : 0.0);
   for (std::size_t row = 0; row < count; ++row) {
     beams.range_m[row] = (bad ? 2.0 : 1.0) * drawn_within_two_sigma(kRange_m, random);

@@ -106,6 +106,15 @@ DriveWriter::DriveWriter(const std::string& directory, const DriveSpec& spec,
   if (spec.sensor_errors != SensorErrors::kNone) {
     write_sensor_errors_json(in(directory, "sensor_errors.json"), spec, sensor.rows());
   }
+  if (extra_.imu) {
+    imu_.open(in(directory, "imu.csv"), std::ios::binary);
+    imu_biases_.open(in(directory, "imu_biases.csv"), std::ios::binary);
+    const std::string columns =
+        "stamp_s,angular_rate_x_rad_per_s,angular_rate_y_rad_per_s,angular_rate_z_rad_per_s,"
+        "specific_force_x_mps2,specific_force_y_mps2,specific_force_z_mps2\n";
+    append_text(imu_, in(directory, "imu.csv"), columns);
+    append_text(imu_biases_, in(directory, "imu_biases.csv"), columns);
+  }
   if (extra_.kitti_bin) make_empty_directory(fs::path(directory) / "bin");
   if (extra_.pcd) make_empty_directory(fs::path(directory) / "pcd");
 }
@@ -117,7 +126,22 @@ void DriveWriter::append(const SimulatedScan& scan) {
   append_text(tum_, in(directory_, "truth.tum"), tum_line(pose));
   append_text(kitti_, in(directory_, "truth.kitti"), kitti_line(pose));
   if (extra_.kitti_bin || extra_.pcd) write_extra(scan.image);
+  if (extra_.imu) append_imu(scan.imu);
   ++scans_;
+}
+
+void DriveWriter::append_imu(const std::vector<ImuSample>& samples) {
+  const auto line = [](double stamp_s, const Eigen::Vector3d& rate, const Eigen::Vector3d& force) {
+    return fmt::format("{:.3f},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g}\n", stamp_s, rate.x(),
+                       rate.y(), rate.z(), force.x(), force.y(), force.z());
+  };
+  std::string measured, biases;
+  for (const ImuSample& s : samples) {
+    measured += line(s.stamp_s, s.angular_rate_rad_per_s, s.specific_force_mps2);
+    biases += line(s.stamp_s, s.gyroscope_bias_rad_per_s, s.accelerometer_bias_mps2);
+  }
+  append_text(imu_, in(directory_, "imu.csv"), measured);
+  append_text(imu_biases_, in(directory_, "imu_biases.csv"), biases);
 }
 
 void DriveWriter::write_extra(const RangeImage& image) const {

@@ -24,6 +24,7 @@ struct SimulateOptions {
   std::string sensor_errors = "none";
   bool bin = false;
   bool pcd = false;
+  bool imu = false;
 };
 
 void declare_simulate(CLI::App& app, SimulateOptions& options);
