@@ -84,6 +84,7 @@ TEST_CASE(
 }
 
 TEST_CASE("the networks to compare with are trained: not far from interpolation, or better") {
+  nn::add_compared_networks();
   const Compared srae = compared("srae_4_os1_16to64.npz", "os1-64");
   MESSAGE("SRAE: outliers " << srae.network.outliers_per_scan / srae.linear.outliers_per_scan
                             << ", F1 " << srae.network.f1 / srae.linear.f1 << " of linear's");
