@@ -7,6 +7,7 @@
 
 #include "golden_folder.h"
 #include "hqslam/core/projection.h"
+#include "hqslam/nn/compare/compared_networks.h"
 #include "hqslam/sim/drive.h"
 #include "laboratory/compare/upsampling_comparison.h"
 
