@@ -34,6 +34,28 @@ SplineValue<Vector> spline_at(const std::vector<Vector>& control, double paramet
   return value;
 }
 
+/// A polyline with points at equal distances along it, and on which leg of it each lies.
+template <typename Vector>
+struct Resampled {
+  std::vector<Vector> points;
+  std::vector<std::size_t> legs;
+};
+template <typename Vector>
+Resampled<Vector> resampled(const std::vector<Vector>& corners, double spacing) {
+  Resampled<Vector> result;
+  double until_next = 0.0;
+  for (std::size_t leg = 0; leg + 1 < corners.size(); ++leg) {
+    const Vector step = corners[leg + 1] - corners[leg];
+    const double length = step.norm();
+    for (; until_next < length; until_next += spacing) {
+      result.points.push_back(corners[leg] + step * (until_next / length));
+      result.legs.push_back(leg);
+    }
+    until_next -= length;
+  }
+  return result;
+}
+
 /// Rounds the corners of a row of points; the first and the last stay.
 template <typename Vector>
 void smooth(std::vector<Vector>& points, int passes) {

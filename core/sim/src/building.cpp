@@ -1,7 +1,7 @@
-#include "building.h"
-
 #include <algorithm>
+#include <limits>
 
+#include "block_contents.h"
 #include "facade.h"
 
 namespace hqslam::sim {
@@ -23,13 +23,6 @@ FacadeStyle draw_style(const HouseLot& lot, Random& random) {
 }
 
 using Corners = std::array<Eigen::Vector2d, 4>;
-
-Corners plane_corners(const Layout& layout, const Eigen::AlignedBox2d& sheet_m) {
-  const Eigen::Vector2d low = sheet_m.min();
-  const Eigen::Vector2d high = sheet_m.max();
-  return {layout.plane(low), layout.plane({high.x(), low.y()}), layout.plane(high),
-          layout.plane({low.x(), high.y()})};
-}
 
 Eigen::Vector3d at_height(const Eigen::Vector2d& position_m, double z_m) {
   return {position_m.x(), position_m.y(), z_m};
@@ -73,29 +66,30 @@ void add_gabled_roof(TriangleMesh& mesh, const Corners& corner, int front, doubl
 
 }  // namespace
 
-void add_house(TriangleMesh& mesh, const Layout& layout, const HouseLot& lot, Random& random) {
+void add_house(City& city, const HouseLot& lot, Random& random) {
   const FacadeStyle style = draw_style(lot, random);
-  const Corners corner = plane_corners(layout, lot.sheet_m);
-  double lowest_m = layout.terrain.height_m(corner[0]);
-  double highest_m = lowest_m;
-  for (const Eigen::Vector2d& position : corner) {
-    lowest_m = std::min(lowest_m, layout.terrain.height_m(position));
-    highest_m = std::max(highest_m, layout.terrain.height_m(position));
+  Corners corner;
+  double lowest_m = std::numeric_limits<double>::infinity();
+  double highest_m = -lowest_m;
+  for (std::size_t k = 0; k < 4; ++k) {
+    corner[k] = city.layout.plane(sides_of(lot.sheet_m)[k].from_m);
+    lowest_m = std::min(lowest_m, city.layout.terrain.height_m(corner[k]));
+    highest_m = std::max(highest_m, city.layout.terrain.height_m(corner[k]));
   }
   const double floor_m = 0.5 * (lowest_m + highest_m) + kKerbHeight_m + 0.1;
   for (std::size_t side = 0; side < 4; ++side) {
     const WallPlace place{corner[side], corner[(side + 1) % 4], lowest_m - 0.5, floor_m};
     if (lot.open_to_view[side]) {
-      add_facade(mesh, place, style, static_cast<int>(side) == lot.front, random);
+      add_facade(city.fixed, place, style, static_cast<int>(side) == lot.front, random);
     } else {
-      add_blank_wall(mesh, place, style);
+      add_blank_wall(city.fixed, place, style);
     }
   }
   const double eaves_m = floor_m + style.storeys * style.storey_height_m;
   if (lot.detached || random.chance(0.2)) {
-    add_gabled_roof(mesh, corner, lot.front, eaves_m, style.wall, random);
+    add_gabled_roof(city.fixed, corner, lot.front, eaves_m, style.wall, random);
   } else {
-    add_flat_roof(mesh, corner, eaves_m, random);
+    add_flat_roof(city.fixed, corner, eaves_m, random);
   }
 }
 

@@ -1,23 +1,16 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <array>
 #include <cstdint>
 #include <vector>
 
 #include "layout.h"
 #include "mesh.h"
+#include "prototype.h"
 #include "random.h"
-#include "road_user.h"
 
 namespace hqslam::sim {
-
-/// Things of which one shape stands in many places: where each kind begins in City::prototypes.
-constexpr int kTreeShapes = 10;
-constexpr int kBushShapes = 3;
-constexpr int kFirstTree = 0;
-constexpr int kFirstBush = kFirstTree + kTreeShapes;
-constexpr int kFirstCar = kFirstBush + kBushShapes;
-constexpr int kFirstWalker = kFirstCar + kCarBodies;
 
 struct Placement {
   int prototype = 0;
@@ -35,11 +28,22 @@ struct Scenery {
 /// The scenery of a layout.
 struct City : Scenery {
   Layout layout;
+  double parked_car_share = 0.0;  ///< of the places to park
 };
 
 City make_city(const CityStyle& style, std::uint64_t seed);
 
-/// A point on the kerb of a block: side 0 is that of small v, then counter-clockwise.
+/// The surfaces that one drives and walks on: the streets, of each block its kerbs, its sidewalk
+/// and what is inside, and the open land around the city.
+void add_streets(City& city);
+void add_block_ground(City& city, const Block& block);
+void add_open_land(City& city);
+/// What a block is filled with, by its kind.
+void fill_block(City& city, const Block& block);
+/// What stands on the sidewalk and parks at the kerb.
+void furnish_sidewalks(City& city, const Block& block);
+
+/// The kerb of one side of a block.
 struct BlockSide {
   Eigen::Vector2d from_m;
   Eigen::Vector2d along;
@@ -49,23 +53,27 @@ struct BlockSide {
     return from_m + along_m * along + inwards_m * inwards;
   }
 };
-BlockSide side_of(const Eigen::AlignedBox2d& sheet_m, int side);
+/// That of small v, then counter-clockwise.
+std::array<BlockSide, 4> sides_of(const Eigen::AlignedBox2d& sheet_m);
 
 /// Upright on the ground, lifted by `lift_m`; x looks where `along` of the sheet does.
 Eigen::Isometry3d frame_at(const City& city, const Eigen::Vector2d& sheet_m,
                            const Eigen::Vector2d& along, double lift_m);
+/// The same beside a kerb, x along it.
+inline Eigen::Isometry3d frame_at(const City& city, const BlockSide& side, double along_m,
+                                  double inwards_m, double lift_m) {
+  return frame_at(city, side.at(along_m, inwards_m), side.along, lift_m);
+}
 
-/// What a block is filled with, by its kind.
-void fill_block(City& city, const Block& block, double parked_car_share);
-
-/// What stands on the sidewalk and parks at the kerb.
-void furnish_sidewalks(City& city, const Block& block, double parked_car_share);
-
+/// On the ground of a place on the sheet, lifted.
 void place_tree(City& city, const Eigen::Vector2d& sheet_m, double lift_m, Random& random);
 void place_bush(City& city, const Eigen::Vector2d& sheet_m, double lift_m, Random& random);
 void park_car(City& city, const Eigen::Vector2d& sheet_m, double heading_rad, Random& random);
 
 /// Somewhere in the rectangle, `margin_m` away from its sides.
 Eigen::Vector2d draw_inside(const Eigen::AlignedBox2d& sheet_m, double margin_m, Random& random);
+/// Trees or bushes there.
+void scatter(City& city, decltype(&place_tree) place, int count, const Eigen::AlignedBox2d& sheet_m,
+             double margin_m, double lift_m, Random& random);
 
 }  // namespace hqslam::sim

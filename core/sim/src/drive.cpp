@@ -1,56 +1,60 @@
 #include "hqslam/sim/drive.h"
 
-#include <fmt/format.h>
-
 #include <limits>
 
-#include "hqslam/core/error.h"
 #include "lidar.h"
-#include "path_plan.h"
+#include "random.h"
 #include "ray_scene.h"
 #include "scenario.h"
-#include "spec_numbers.h"
 #include "surface_distance.h"
 
 namespace hqslam::sim {
 
-std::unique_ptr<Scenario> make_scenario(const DriveSpec& spec, double duration_s) {
+Scenario make_scenario(const DriveSpec& spec, double duration_s) {
   return has_streets(spec.name) ? make_street_scenario(spec, duration_s)
                                 : make_indoor_scenario(spec, duration_s);
-}
-
-void validate(const DriveSpec& spec) {
-  constexpr std::int64_t kMostScans = 1'000'000;
-  static_cast<void>(drive_preset(spec.name));
-  if (spec.scans < 1 || spec.scans > kMostScans) {
-    throw Error(fmt::format("drive '{}': scans is {}, expected 1 to {}; give a number in between",
-                            spec.name, spec.scans, kMostScans));
-  }
-  for_each_number(
-      spec, [&](const char* /*part*/, const char* name, double value, double low, double high) {
-        if (value >= low && value <= high) return;
-        throw Error(fmt::format("drive '{}': {} is {}, expected {} to {}; give a number in between",
-                                spec.name, name, value, low, high));
-      });
 }
 
 struct DriveSimulator::Implementation {
   Implementation(const DriveSpec& spec_, const SensorModel& sensor_)
       : spec((validate(spec_), spec_)),
         sensor((validate(sensor_), sensor_)),
-        scenario(make_scenario(spec, static_cast<double>(spec.scans) * sensor.scan_period_s)),
-        scene(scenario->scenery()),
-        lidar(sensor, spec.conditions, seed_of_part(spec.seed, DrivePart::kNoise)),
-        T_map_world(scenario->T_world_sensor(0.5 * sensor.scan_period_s).inverse()) {}
+        scenario(make_scenario(spec, begin_s(spec.scans))),
+        scene(*scenario.scenery),
+        lidar(sensor, spec.conditions, seed_of(spec.seed, DrivePart::kNoise)),
+        T_map_world(scenario.T_world_sensor(middle_s(0)).inverse()) {}
 
+  double begin_s(std::int64_t scan) const {
+    return static_cast<double>(scan) * sensor.scan_period_s;
+  }
+  double middle_s(std::int64_t scan) const { return begin_s(scan) + 0.5 * sensor.scan_period_s; }
   /// When the head is at each column of the next scan.
-  std::vector<Pose> T_world_sensor_at_column() const;
+  std::vector<Pose> T_world_sensor_at_column() const {
+    std::vector<Pose> T_world_sensor;
+    for (int column = 0; column < sensor.columns; ++column) {
+      const double since_s = sensor.scan_period_s * (column + 0.5) / sensor.columns;
+      T_world_sensor.push_back(scenario.T_world_sensor(begin_s(next_scan) + since_s));
+    }
+    return T_world_sensor;
+  }
   /// Where the sensor is along the drive, every two metres.
-  std::vector<Eigen::Vector3d> places_m() const;
+  std::vector<Eigen::Vector3d> places_m() const {
+    constexpr double kStep_m = 2.0;
+    std::vector<Eigen::Vector3d> places_m;
+    for (std::int64_t scan = 0; scan < spec.scans; ++scan) {
+      const Eigen::Vector3d place_m =
+          scenario.T_world_sensor((static_cast<double>(scan) + 0.5) * sensor.scan_period_s)
+              .translation();
+      if (places_m.empty() || (place_m - places_m.back()).norm() >= kStep_m) {
+        places_m.push_back(place_m);
+      }
+    }
+    return places_m;
+  }
 
   DriveSpec spec;
   SensorModel sensor;
-  std::unique_ptr<Scenario> scenario;
+  Scenario scenario;
   RayScene scene;
   Lidar lidar;
   Pose T_map_world;
@@ -68,42 +72,18 @@ std::int64_t DriveSimulator::scans() const { return implementation_->spec.scans;
 
 void DriveSimulator::skip(std::int64_t scans) { implementation_->next_scan += scans; }
 
-std::vector<Pose> DriveSimulator::Implementation::T_world_sensor_at_column() const {
-  const double begin_s = static_cast<double>(next_scan) * sensor.scan_period_s;
-  std::vector<Pose> T_world_sensor;
-  for (int column = 0; column < sensor.columns; ++column) {
-    T_world_sensor.push_back(
-        scenario->T_world_sensor(begin_s + sensor.scan_period_s * (column + 0.5) / sensor.columns));
-  }
-  return T_world_sensor;
-}
-
-std::optional<VisibleSurface> DriveSimulator::next_visible() {
+std::optional<std::vector<Eigen::Vector3f>> DriveSimulator::next_visible() {
   Implementation& self = *implementation_;
   if (self.next_scan >= self.spec.scans) return std::nullopt;
   self.scene.place_actors({});
   const std::vector<Eigen::Vector3d> seen_m =
       self.lidar.visible_surface_m(self.scene, self.T_world_sensor_at_column());
   ++self.next_scan;
-  VisibleSurface visible;
+  std::vector<Eigen::Vector3f> visible_m;
   for (const Eigen::Vector3d& point_m : seen_m) {
-    visible.points_m.push_back((self.T_map_world * point_m).cast<float>());
+    visible_m.push_back((self.T_map_world * point_m).cast<float>());
   }
-  return visible;
-}
-
-std::vector<Eigen::Vector3d> DriveSimulator::Implementation::places_m() const {
-  constexpr double kStep_m = 2.0;
-  std::vector<Eigen::Vector3d> places_m;
-  for (std::int64_t scan = 0; scan < spec.scans; ++scan) {
-    const Eigen::Vector3d place_m =
-        scenario->T_world_sensor((static_cast<double>(scan) + 0.5) * sensor.scan_period_s)
-            .translation();
-    if (places_m.empty() || (place_m - places_m.back()).norm() >= kStep_m) {
-      places_m.push_back(place_m);
-    }
-  }
-  return places_m;
+  return visible_m;
 }
 
 std::vector<float> DriveSimulator::distances_to_surface_m(
@@ -125,14 +105,13 @@ std::vector<float> DriveSimulator::distances_to_surface_m(
 std::optional<SimulatedScan> DriveSimulator::next() {
   Implementation& self = *implementation_;
   if (self.next_scan >= self.spec.scans) return std::nullopt;
-  const double period_s = self.sensor.scan_period_s;
-  const double begin_s = static_cast<double>(self.next_scan) * period_s;
+  const double begin_s = self.begin_s(self.next_scan);
   const std::vector<Pose> T_world_sensor = self.T_world_sensor_at_column();
   SimulatedScan scan;
-  scan.stamp_s = begin_s + 0.5 * period_s;
-  const Pose T_world_middle = self.scenario->T_world_sensor(scan.stamp_s);
-  self.scene.place_actors(
-      self.scenario->actors(begin_s, begin_s + period_s, T_world_middle.translation().head<2>()));
+  scan.stamp_s = self.middle_s(self.next_scan);
+  const Pose T_world_middle = self.scenario.T_world_sensor(scan.stamp_s);
+  self.scene.place_actors(self.scenario.actors(begin_s, begin_s + self.sensor.scan_period_s,
+                                               T_world_middle.translation().head<2>()));
   scan.image = self.lidar.measure(self.scene, T_world_sensor, self.next_scan);
   scan.T_map_sensor = self.T_map_world * T_world_middle;
   for (const Pose& pose : T_world_sensor) {

@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "b_spline.h"
+#include "random.h"
+#include "route.h"
 
 namespace hqslam::sim {
 
@@ -12,31 +14,29 @@ namespace {
 constexpr double kSpacing_m = 1.0;
 constexpr int kSmoothingPasses = 6;
 
-struct Resampled {
+/// Traffic must know where the sensor will be for as long as a car crosses the city.
+constexpr double kForesight_s = 200.0;
+
+/// The lane as a point every metre, with the limits and stops that lie there.
+struct Way {
   std::vector<Eigen::Vector2d> control_m;
   std::vector<double> limit_mps;
   std::vector<double> stop_s;
 };
 
-/// A point every metre of the polyline, with the limits and stops that lie there.
-Resampled resample(const std::vector<LanePoint>& lane) {
-  Resampled result;
-  double until_next_m = 0.0;
-  double pending_stop_s = 0.0;
-  for (std::size_t k = 0; k + 1 < lane.size(); ++k) {
-    const Eigen::Vector2d step = lane[k + 1].plane_m - lane[k].plane_m;
-    const double length_m = step.norm();
-    pending_stop_s = std::max(pending_stop_s, lane[k].stop_s);
-    while (until_next_m < length_m) {
-      result.control_m.push_back(lane[k].plane_m + step * (until_next_m / length_m));
-      result.limit_mps.push_back(lane[k].speed_limit_mps);
-      result.stop_s.push_back(pending_stop_s);
-      pending_stop_s = 0.0;
-      until_next_m += kSpacing_m;
-    }
-    until_next_m -= length_m;
+Way way_along(const std::vector<LanePoint>& lane) {
+  std::vector<Eigen::Vector2d> corners_m;
+  for (const LanePoint& point : lane) corners_m.push_back(point.plane_m);
+  auto [points_m, legs] = resampled(corners_m, kSpacing_m);
+  Way way{std::move(points_m), {}, {}};
+  std::size_t next = 0;
+  for (const std::size_t leg : legs) {
+    double stop_s = 0.0;
+    for (; next <= leg; ++next) stop_s = std::max(stop_s, lane[next].stop_s);
+    way.limit_mps.push_back(lane[leg].speed_limit_mps);
+    way.stop_s.push_back(stop_s);
   }
-  return result;
+  return way;
 }
 
 double curvature_per_m(const std::vector<Eigen::Vector2d>& control_m, std::size_t k) {
@@ -47,7 +47,7 @@ double curvature_per_m(const std::vector<Eigen::Vector2d>& control_m, std::size_
   return std::abs(first.x() * second.y() - first.y() * second.x()) / (speed * speed * speed);
 }
 
-std::vector<double> plan_speed(const Resampled& way, const DriverStyle& style) {
+std::vector<double> plan_speed(const Way& way, const DriverStyle& style) {
   const std::size_t count = way.control_m.size();
   std::vector<double> speed_mps = way.limit_mps;
   for (std::size_t k = 1; k + 1 < count; ++k) {
@@ -74,7 +74,7 @@ std::vector<double> plan_speed(const Resampled& way, const DriverStyle& style) {
 
 DriverPath::DriverPath(const std::vector<LanePoint>& lane, const DriverStyle& style) {
   constexpr double kStartStop_s = 0.5;
-  Resampled way = resample(lane);
+  Way way = way_along(lane);
   smooth(way.control_m, kSmoothingPasses);
   const std::vector<double> speed_mps = plan_speed(way, style);
   control_m_ = std::move(way.control_m);
@@ -110,6 +110,14 @@ PathState DriverPath::at_distance(double along_m) const {
   const auto value = spline_at(control_m_, along_m / kSpacing_m);
   return {value.position, std::atan2(value.derivative.y(), value.derivative.x()),
           value.derivative.norm() / kSpacing_m, along_m};
+}
+
+DriverPath plan_path(const Layout& layout, const DriverStyle& style, std::uint64_t drive_seed,
+                     double duration_s) {
+  const std::uint64_t seed = seed_of(drive_seed, DrivePart::kPath);
+  const double length_m = (duration_s + kForesight_s) * style.max_limit_mps;
+  const auto route = make_route(layout, style, seed_of(seed, 1), length_m);
+  return {lane_along(layout, route, style, seed_of(seed, 2)), style};
 }
 
 }  // namespace hqslam::sim

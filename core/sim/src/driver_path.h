@@ -1,9 +1,11 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <vector>
 
 #include "lane.h"
+#include "layout.h"
 #include "style.h"
 
 namespace hqslam::sim {
@@ -40,5 +42,10 @@ class DriverPath {
   std::vector<Eigen::Vector2d> control_m_;
   std::vector<Knot> knots_;
 };
+
+/// The way of the sensor's car for at least `duration_s` and as long as traffic looks ahead. A
+/// longer one begins with the shorter one.
+DriverPath plan_path(const Layout& layout, const DriverStyle& style, std::uint64_t drive_seed,
+                     double duration_s);
 
 }  // namespace hqslam::sim

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "random.h"
 
@@ -78,38 +79,27 @@ double range_through_glass_m(const RayHit& hit) {
 }
 
 std::optional<Echo> echo_of(const RayHit& hit, double max_range_m, const PixelBits& bits) {
-  if (hit.surface.material == Material::kGlass) {
-    return echo_of_window(hit, max_range_m, bits);
-  }
-  if (hit.surface.material == Material::kCarGlass) {
-    return echo_of_car_window(hit, max_range_m, bits);
-  }
+  const Surface surface = hit.surface;
+  if (surface.material == Material::kGlass) return echo_of_window(hit, max_range_m, bits);
+  if (surface.material == Material::kCarGlass) return echo_of_car_window(hit, max_range_m, bits);
   return Echo{hit.range_m,
-              signal_of(reflectivity(hit.surface), hit.cos_incidence, hit.range_m, max_range_m)};
+              signal_of(reflectivity(surface), hit.cos_incidence, hit.range_m, max_range_m)};
 }
 
-void Footprint::add(const Echo& echo, double weight) {
-  echoes[static_cast<std::size_t>(count)] = echo;
-  weights[static_cast<std::size_t>(count)] = weight;
-  ++count;
-}
-
-std::optional<Echo> reported_echo(const Footprint& footprint) {
-  std::optional<Echo> best;
+std::optional<Echo> Footprint::reported_echo() const {
+  const std::span parts(parts_.data(), count_);
   double all_weights = 0.0;
-  for (int k = 0; k < footprint.count; ++k) {
-    all_weights += footprint.weights[static_cast<std::size_t>(k)];
-  }
-  for (int k = 0; k < footprint.count; ++k) {
-    const double from_m = footprint.echoes[static_cast<std::size_t>(k)].range_m;
+  for (const Part& part : parts) all_weights += part.weight;
+  std::optional<Echo> best;
+  for (const Part& first : parts) {
     double power = 0.0;
     double power_range = 0.0;
-    for (int other = 0; other < footprint.count; ++other) {
-      const Echo& echo = footprint.echoes[static_cast<std::size_t>(other)];
-      if (echo.range_m < from_m || echo.range_m > from_m + kPulseLength_m) continue;
-      const double share = echo.signal * footprint.weights[static_cast<std::size_t>(other)];
-      power += share;
-      power_range += share * echo.range_m;
+    for (const auto& [echo, weight] : parts) {
+      if (echo.range_m < first.echo.range_m || echo.range_m > first.echo.range_m + kPulseLength_m) {
+        continue;
+      }
+      power += echo.signal * weight;
+      power_range += echo.signal * weight * echo.range_m;
     }
     if (power > 0.0 && (!best || power / all_weights > best->signal)) {
       best = Echo{power_range / power, power / all_weights};
@@ -128,6 +118,28 @@ float detected_range_m(const Echo& echo, double min_range_m, double max_range_m,
   const double range_m = echo.range_m + deviation_m * normal_of(scrambled(~random_bits));
   if (range_m < min_range_m || range_m > max_range_m) return 0.0F;
   return static_cast<float>(std::round(range_m * 1000.0) / 1000.0);
+}
+
+double transmission(double extinction_per_m, double range_m) {
+  double left = 1.0 / (1.0 + extinction_per_m * range_m / 8.0);
+  for (int doubling = 0; doubling < 4; ++doubling) left *= left;
+  return left;
+}
+
+float disturbed_range_m(float range_m, const SensingConditions& conditions,
+                        const SensorModel& sensor, std::uint64_t random_bits) {
+  if (conditions == SensingConditions{}) return range_m;
+  Random random(random_bits);
+  double disturbed_m = range_m;
+  const bool meets_drops = random.chance(conditions.airborne_share);
+  const double nearness = random.uniform();
+  const double drops_m = sensor.min_range_m + 12.0 * nearness * nearness;
+  if (meets_drops && (range_m == 0.0F || drops_m < disturbed_m)) disturbed_m = drops_m;
+  const bool lost = random.chance(conditions.dropout_share);
+  if (lost || disturbed_m == 0.0) return 0.0F;
+  disturbed_m += conditions.extra_range_noise_m * random.normal();
+  if (disturbed_m < sensor.min_range_m || disturbed_m > sensor.max_range_m) return 0.0F;
+  return static_cast<float>(std::round(disturbed_m * 1000.0) / 1000.0);
 }
 
 }  // namespace hqslam::sim

@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <optional>
 
+#include "hqslam/core/sensor_model.h"
+#include "hqslam/sim/drive.h"
 #include "ray_scene.h"
 
 namespace hqslam::sim {
@@ -29,19 +31,33 @@ bool is_glass(Material material);
 /// the seats of a car.
 double range_through_glass_m(const RayHit& hit);
 
-/// The footprint of one pixel: the central ray counts as much as two others.
-struct Footprint {
-  std::array<Echo, 5> echoes;
-  std::array<double, 5> weights{};
-  int count = 0;
-  void add(const Echo& echo, double weight);
-};
+/// What the rays of one pixel bring back, five at most: the central one counts as much as two
+/// others.
+class Footprint {
+ public:
+  void add(const Echo& echo, double weight) { parts_[count_++] = {echo, weight}; }
+  /// The one echo that the sensor reports, before noise. None if nothing came back.
+  std::optional<Echo> reported_echo() const;
 
-/// The one echo that the sensor reports of a footprint, before noise. None if it is empty.
-std::optional<Echo> reported_echo(const Footprint& footprint);
+ private:
+  struct Part {
+    Echo echo;
+    double weight;
+  };
+  std::array<Part, 5> parts_;
+  std::size_t count_ = 0;
+};
 
 /// Range after detection and noise; 0 if nothing is detected.
 float detected_range_m(const Echo& echo, double min_range_m, double max_range_m,
                        std::uint64_t random_bits);
+
+/// The share of a signal that rain or fog lets through to a surface at `range_m` and back.
+double transmission(double extinction_per_m, double range_m);
+
+/// What a pixel that would report `range_m` (0: nothing) reports under these conditions; lidar.h
+/// has the formulas. Without any it is `range_m` itself.
+float disturbed_range_m(float range_m, const SensingConditions& conditions,
+                        const SensorModel& sensor, std::uint64_t random_bits);
 
 }  // namespace hqslam::sim

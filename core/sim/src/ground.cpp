@@ -1,9 +1,7 @@
-#include "ground.h"
-
 #include <cmath>
 #include <numbers>
 
-#include "random.h"
+#include "city.h"
 
 namespace hqslam::sim {
 
@@ -14,10 +12,10 @@ constexpr double kOpenLandCell_m = 10.0;
 /// Streets reach under the blocks, which end in rounded corners.
 constexpr double kStreetOverlap_m = 1.5;
 
-/// A rectangle of the sheet as a grid on the terrain, lifted by `lift_m(u, v)`.
+/// A rectangle of the sheet as a grid on the terrain, each point lifted by what `lift_m` says.
 template <typename Lift>
-void add_patch(TriangleMesh& mesh, const Layout& layout, const Eigen::AlignedBox2d& sheet_m,
-               const Eigen::Vector2d& cell_m, Surface surface, Lift lift_m) {
+void add_patch(City& city, const Eigen::AlignedBox2d& sheet_m, const Eigen::Vector2d& cell_m,
+               Surface surface, Lift lift_m) {
   const int rows = steps(sheet_m.sizes().y(), cell_m.y()) + 1;
   const int columns = steps(sheet_m.sizes().x(), cell_m.x()) + 1;
   std::vector<Eigen::Vector3d> points;
@@ -27,33 +25,37 @@ void add_patch(TriangleMesh& mesh, const Layout& layout, const Eigen::AlignedBox
       const Eigen::Vector2d fraction(static_cast<double>(column) / (columns - 1),
                                      static_cast<double>(row) / (rows - 1));
       const Eigen::Vector2d at = sheet_m.min() + fraction.cwiseProduct(sheet_m.sizes());
-      points.push_back(layout.ground(at, lift_m(at)));
+      points.push_back(city.layout.ground(at, lift_m()));
     }
   }
-  add_grid(mesh, points, rows, columns, surface);
+  add_grid(city.fixed, points, rows, columns, surface);
+}
+
+void add_even_patch(City& city, const Eigen::AlignedBox2d& sheet_m, const Eigen::Vector2d& cell_m,
+                    Surface surface, double lift_m) {
+  add_patch(city, sheet_m, cell_m, surface, [lift_m] { return lift_m; });
 }
 
 /// The kerb line of a block: a rectangle with rounded corners, counter-clockwise, closed.
 std::vector<Eigen::Vector2d> kerb_line(const Eigen::AlignedBox2d& sheet_m) {
   constexpr int kArcSteps = 6;
-  const Eigen::AlignedBox2d centres(sheet_m.min().array() + kCornerRadius_m,
-                                    sheet_m.max().array() - kCornerRadius_m);
-  const std::array<Eigen::Vector2d, 4> corner = {
-      centres.max(), Eigen::Vector2d(centres.min().x(), centres.max().y()), centres.min(),
-      Eigen::Vector2d(centres.max().x(), centres.min().y())};
+  const Eigen::Vector2d low = sheet_m.min().array() + kCornerRadius_m;
+  const Eigen::Vector2d high = sheet_m.max().array() - kCornerRadius_m;
+  const std::array<Eigen::Vector2d, 4> centre = {high, Eigen::Vector2d(low.x(), high.y()), low,
+                                                 Eigen::Vector2d(high.x(), low.y())};
+  const auto on_arc = [&](std::size_t corner, double quarter_turns) {
+    const double angle_rad = 0.5 * std::numbers::pi * quarter_turns;
+    return Eigen::Vector2d(centre[corner % 4] +
+                           kCornerRadius_m *
+                               Eigen::Vector2d(std::cos(angle_rad), std::sin(angle_rad)));
+  };
   std::vector<Eigen::Vector2d> line;
   for (std::size_t k = 0; k < 4; ++k) {
     for (int step = 0; step <= kArcSteps; ++step) {
-      const double angle_rad =
-          0.5 * std::numbers::pi * (static_cast<double>(k) + static_cast<double>(step) / kArcSteps);
-      line.push_back(corner[k] +
-                     kCornerRadius_m * Eigen::Vector2d(std::cos(angle_rad), std::sin(angle_rad)));
+      line.push_back(on_arc(k, static_cast<double>(k) + static_cast<double>(step) / kArcSteps));
     }
     const Eigen::Vector2d from = line.back();
-    const double angle_rad = 0.5 * std::numbers::pi * static_cast<double>(k + 1);
-    const Eigen::Vector2d to =
-        corner[(k + 1) % 4] +
-        kCornerRadius_m * Eigen::Vector2d(std::cos(angle_rad), std::sin(angle_rad));
+    const Eigen::Vector2d to = on_arc(k + 1, static_cast<double>(k + 1));
     const int count = steps((to - from).norm(), 2.5);
     for (int step = 1; step < count; ++step) {
       line.push_back(from + (to - from) * (static_cast<double>(step) / count));
@@ -63,89 +65,85 @@ std::vector<Eigen::Vector2d> kerb_line(const Eigen::AlignedBox2d& sheet_m) {
   return line;
 }
 
-void add_kerb_and_sidewalk(TriangleMesh& mesh, const Layout& layout,
-                           const Eigen::AlignedBox2d& sheet_m) {
-  const std::vector<Eigen::Vector2d> line = kerb_line(sheet_m);
-  const Eigen::Vector2d low = sheet_m.min().array() + kSidewalkWidth_m;
-  const Eigen::Vector2d high = sheet_m.max().array() - kSidewalkWidth_m;
-  const auto inner = [&](const Eigen::Vector2d& at) {
-    return Eigen::Vector2d(at.cwiseMax(low).cwiseMin(high));
+/// What a sidewalk surrounds.
+Eigen::AlignedBox2d inside_of(const Block& block) {
+  return {block.sheet_m.min().array() + kSidewalkWidth_m,
+          block.sheet_m.max().array() - kSidewalkWidth_m};
+}
+
+void add_kerb_and_sidewalk(City& city, const Block& block) {
+  const std::vector<Eigen::Vector2d> line = kerb_line(block.sheet_m);
+  const Eigen::AlignedBox2d inside = inside_of(block);
+  const auto at = [&](std::size_t k, double lift_m) { return city.layout.ground(line[k], lift_m); };
+  const auto inner = [&](std::size_t k) {
+    return city.layout.ground(line[k].cwiseMax(inside.min()).cwiseMin(inside.max()),
+                              kKerbHeight_m + 0.03);
   };
   for (std::size_t k = 0; k + 1 < line.size(); ++k) {
-    const Eigen::Vector3d a = layout.ground(line[k], kKerbHeight_m);
-    const Eigen::Vector3d b = layout.ground(line[k + 1], kKerbHeight_m);
-    add_quad(mesh, layout.ground(line[k], -0.1), layout.ground(line[k + 1], -0.1), b, a,
-             {Material::kConcrete, 160});
-    add_quad(mesh, a, b, layout.ground(inner(line[k + 1]), kKerbHeight_m + 0.03),
-             layout.ground(inner(line[k]), kKerbHeight_m + 0.03), {Material::kConcrete, 90});
+    const Eigen::Vector3d a = at(k, kKerbHeight_m);
+    const Eigen::Vector3d b = at(k + 1, kKerbHeight_m);
+    add_quad(city.fixed, at(k, -0.1), at(k + 1, -0.1), b, a, {Material::kConcrete, 160});
+    add_quad(city.fixed, a, b, inner(k + 1), inner(k), {Material::kConcrete, 90});
   }
 }
 
 /// Level with the street, whose strips it covers: tilled ground, or concrete with a seam.
-void add_level_ground(TriangleMesh& mesh, const Layout& layout, const Block& block) {
-  Random random(seed_of(block.seed, 7));
+void add_level_ground(City& city, const Block& block, Random& random) {
+  const Eigen::Vector2d cell_m(3.0, 3.0);
   if (block.kind == BlockKind::kField) {
     const double roughness_m = random.uniform(0.03, 0.09);
-    add_patch(mesh, layout, block.sheet_m, Eigen::Vector2d::Constant(3.0),
-              {Material::kGrass, random.shade()}, [&](const Eigen::Vector2d&) {
-                return 0.03 + roughness_m * random.uniform(0.0, 1.6);
-              });
+    add_patch(city, block.sheet_m, cell_m, {Material::kGrass, random.shade()},
+              [&] { return 0.03 + roughness_m * random.uniform(0.0, 1.6); });
     return;
   }
-  const Material material =
-      block.kind == BlockKind::kParkingRows ? Material::kAsphalt : Material::kConcrete;
-  add_patch(mesh, layout, block.sheet_m, Eigen::Vector2d::Constant(3.0), {material, 110},
-            [](const Eigen::Vector2d&) { return 0.02; });
+  const bool cars = block.kind == BlockKind::kParkingRows;
+  add_even_patch(city, block.sheet_m, cell_m,
+                 {cars ? Material::kAsphalt : Material::kConcrete, 110}, 0.02);
 }
 
 }  // namespace
 
-void add_streets(TriangleMesh& mesh, const Layout& layout) {
+void add_streets(City& city) {
   for (int axis = 0; axis < 2; ++axis) {
-    for (const Street& street : layout.streets[axis]) {
-      Eigen::AlignedBox2d strip = layout.rim_m;
+    for (const Street& street : city.layout.streets[axis]) {
+      Eigen::AlignedBox2d strip = city.layout.rim_m;
       const double reach_m = street.half_width_m + kStreetOverlap_m;
       strip.min()[axis] = street.position_m - reach_m;
       strip.max()[axis] = street.position_m + reach_m;
       Eigen::Vector2d cell_m(2.5, 2.5);
       cell_m[axis] = 3.0;
-      add_patch(mesh, layout, strip, cell_m, {Material::kAsphalt, 120},
-                [](const Eigen::Vector2d&) { return 0.0; });
+      add_even_patch(city, strip, cell_m, {Material::kAsphalt, 120}, 0.0);
     }
   }
 }
 
-void add_block_ground(TriangleMesh& mesh, const Layout& layout, const Block& block) {
-  if (!has_sidewalk(block.kind)) return add_level_ground(mesh, layout, block);
-  add_kerb_and_sidewalk(mesh, layout, block.sheet_m);
-  const Eigen::AlignedBox2d inside(block.sheet_m.min().array() + kSidewalkWidth_m,
-                                   block.sheet_m.max().array() - kSidewalkWidth_m);
-  const bool paved = block.kind == BlockKind::kSquare || block.kind == BlockKind::kRowHouses;
-  // Lawns are not mirrors: their grid points rise and fall by some centimetres.
-  const double roughness_m = paved ? 0.0 : 0.05;
+void add_block_ground(City& city, const Block& block) {
   Random random(seed_of(block.seed, 7));
-  add_patch(mesh, layout, inside, Eigen::Vector2d::Constant(paved ? 3.0 : 2.0),
-            paved ? Surface{Material::kConcrete, 110} : Surface{Material::kGrass, 120},
-            [&](const Eigen::Vector2d&) {
-              return kKerbHeight_m + 0.03 + roughness_m * random.uniform(-1.0, 0.6);
-            });
+  if (!has_sidewalk(block.kind)) return add_level_ground(city, block, random);
+  add_kerb_and_sidewalk(city, block);
+  constexpr double kLift_m = kKerbHeight_m + 0.03;
+  if (block.kind == BlockKind::kSquare || block.kind == BlockKind::kRowHouses) {
+    add_even_patch(city, inside_of(block), {3.0, 3.0}, {Material::kConcrete, 110}, kLift_m);
+    return;
+  }
+  // Lawns are not mirrors: their grid points rise and fall by some centimetres.
+  add_patch(city, inside_of(block), {2.0, 2.0}, {Material::kGrass, 120},
+            [&] { return kLift_m + 0.05 * random.uniform(-1.0, 0.6); });
 }
 
-void add_open_land(TriangleMesh& mesh, const Layout& layout) {
-  const Eigen::Vector2d low = layout.rim_m.min();
-  const Eigen::Vector2d high = layout.rim_m.max();
-  const Eigen::Vector2d reach = Eigen::Vector2d::Constant(kOpenLandReach_m);
-  const std::array<Eigen::AlignedBox2d, 4> sides = {
-      Eigen::AlignedBox2d(low - reach, Eigen::Vector2d(high.x() + reach.x(), low.y())),
-      Eigen::AlignedBox2d(Eigen::Vector2d(low.x() - reach.x(), high.y()), high + reach),
-      Eigen::AlignedBox2d(Eigen::Vector2d(low.x() - reach.x(), low.y()),
-                          Eigen::Vector2d(low.x(), high.y())),
-      Eigen::AlignedBox2d(Eigen::Vector2d(high.x(), low.y()),
-                          Eigen::Vector2d(high.x() + reach.x(), high.y()))};
-  for (const Eigen::AlignedBox2d& side : sides) {
-    add_patch(mesh, layout, side, Eigen::Vector2d::Constant(kOpenLandCell_m),
-              {Material::kGrass, 90}, [](const Eigen::Vector2d&) { return 0.0; });
-  }
+void add_open_land(City& city) {
+  const Eigen::Vector2d low = city.layout.rim_m.min();
+  const Eigen::Vector2d high = city.layout.rim_m.max();
+  const Eigen::Vector2d outer_low = low.array() - kOpenLandReach_m;
+  const Eigen::Vector2d outer_high = high.array() + kOpenLandReach_m;
+  const auto add = [&](double low_u, double low_v, double high_u, double high_v) {
+    add_even_patch(city, {Eigen::Vector2d(low_u, low_v), Eigen::Vector2d(high_u, high_v)},
+                   Eigen::Vector2d::Constant(kOpenLandCell_m), {Material::kGrass, 90}, 0.0);
+  };
+  add(outer_low.x(), outer_low.y(), outer_high.x(), low.y());
+  add(outer_low.x(), high.y(), outer_high.x(), outer_high.y());
+  add(outer_low.x(), low.y(), low.x(), high.y());
+  add(high.x(), low.y(), outer_high.x(), high.y());
 }
 
 }  // namespace hqslam::sim

@@ -1,7 +1,6 @@
-#include "indoor_mesh.h"
-
 #include <algorithm>
 
+#include "indoor_plan.h"
 #include "random.h"
 
 namespace hqslam::sim {
@@ -66,8 +65,7 @@ void add_door_leaf(TriangleMesh& mesh, const Room& room, Random& random) {
   const double x_m = room.door_x_m + 0.5 * kDoorWidth_m;
   const double y0_m = room.side * (kCorridorHalfWidth_m + kWall_m);
   const double y1_m = y0_m + room.side * 0.95;
-  const double floor_m = room.storey * kStorey_m;
-  add(mesh, {x_m, y0_m, floor_m}, {x_m + 0.04, y1_m, floor_m + kDoorHeight_m},
+  add(mesh, {x_m, y0_m, room.floor_m()}, {x_m + 0.04, y1_m, room.floor_m() + kDoorHeight_m},
       {Material::kWood, random.shade()});
 }
 
@@ -103,23 +101,16 @@ void add_rooms(TriangleMesh& mesh, const IndoorPlan& plan, int storey, int side)
 }
 
 /// The stairwell at small x, or its mirror image at the other end.
-class Stairwell {
- public:
-  Stairwell(TriangleMesh& mesh, const IndoorPlan& plan, bool at_low_end)
-      : mesh_(mesh), length_m_(plan.length_m), at_low_end_(at_low_end) {}
+struct Stairwell {
+  TriangleMesh& mesh;
+  double length_m;  ///< of the building
+  bool at_low_end;
 
-  void build() {
-    add_walls();
-    add_flights();
-    add_rails();
-  }
-
- private:
   double x(double from_outer_wall_m) const {
-    return at_low_end_ ? from_outer_wall_m : length_m_ - from_outer_wall_m;
+    return at_low_end ? from_outer_wall_m : length_m - from_outer_wall_m;
   }
   void box(const Eigen::Vector3d& a, const Eigen::Vector3d& b, Surface surface) {
-    add(mesh_, {x(a.x()), a.y(), a.z()}, {x(b.x()), b.y(), b.z()}, surface);
+    add(mesh, {x(a.x()), a.y(), a.z()}, {x(b.x()), b.y(), b.z()}, surface);
   }
 
   void add_walls() {
@@ -150,11 +141,11 @@ class Stairwell {
   void add_rails() {
     constexpr double kHeight_m = 0.95;
     const auto bar = [&](const Eigen::Vector3d& foot) {
-      add_column(mesh_, foot, foot + Eigen::Vector3d(0.0, 0.0, kHeight_m), 0.012, 0.012, 5, kRail);
+      add_column(mesh, foot, foot + Eigen::Vector3d(0.0, 0.0, kHeight_m), 0.012, 0.012, 5, kRail);
     };
     const auto hand_rail = [&](const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
       const Eigen::Vector3d up(0.0, 0.0, kHeight_m);
-      add_column(mesh_, from + up, to + up, 0.025, 0.025, 6, kRail);
+      add_column(mesh, from + up, to + up, 0.025, 0.025, 6, kRail);
     };
     const Eigen::Vector3d foot(x(kFlightEnd_m), 0.0, 0.0);
     const Eigen::Vector3d halfway(x(kLanding_m), 0.0, 0.5 * kStorey_m);
@@ -169,10 +160,6 @@ class Stairwell {
     for (int k = 1; k < 9; ++k) bar(head - Eigen::Vector3d(0.0, 0.15 * k, 0.0));
     hand_rail(head, head - Eigen::Vector3d(0.0, kStairwellHalfWidth_m, 0.0));
   }
-
-  TriangleMesh& mesh_;
-  double length_m_;
-  bool at_low_end_;
 };
 
 void add_slabs(TriangleMesh& mesh, const IndoorPlan& plan) {
@@ -219,7 +206,12 @@ TriangleMesh make_indoor_mesh(const IndoorPlan& plan) {
     for (const int side : {-1, 1}) add_rooms(mesh, plan, storey, side);
     furnish_corridor(mesh, plan, storey, seed_of(plan.rooms.front().seed, 2, storey));
   }
-  for (const bool at_low_end : {true, false}) Stairwell(mesh, plan, at_low_end).build();
+  for (const bool at_low_end : {true, false}) {
+    Stairwell stairwell{mesh, plan.length_m, at_low_end};
+    stairwell.add_walls();
+    stairwell.add_flights();
+    stairwell.add_rails();
+  }
   return mesh;
 }
 

@@ -16,14 +16,8 @@ void add_rooms(IndoorPlan& plan, int storey, int side, std::uint64_t seed) {
   while (end_m - from_m > 1.0) {
     double to_m = std::min(end_m, from_m + random.uniform(4.4, 9.0));
     if (end_m - to_m < 4.4) to_m = end_m;
-    Room room;
-    room.storey = storey;
-    room.side = side;
-    room.from_x_m = from_m;
-    room.to_x_m = to_m;
-    room.door_x_m = random.uniform(from_m + 2.1, to_m - 2.1);
-    room.seed = random.bits();
-    plan.rooms.push_back(room);
+    const double door_m = random.uniform(from_m + 2.1, to_m - 2.1);
+    plan.rooms.push_back({storey, side, from_m, to_m, door_m, random.bits()});
     from_m = to_m;
   }
 }
@@ -83,7 +77,7 @@ class RouteMaker {
 
   /// In by the door, once around the middle, out again.
   void visit(const Room& room) {
-    const double z_m = room.storey * kStorey_m;
+    const double z_m = room.floor_m();
     const Eigen::Vector2d middle_m = middle_of(room);
     const auto at = [&](double along_m, double inwards_m) {
       go_to({middle_m.x() + along_m, middle_m.y() + room.side * inwards_m, z_m});

@@ -4,7 +4,19 @@
 #include <cstdint>
 #include <vector>
 
+#include "mesh.h"
+
 namespace hqslam::sim {
+
+constexpr int kStoreys = 2;
+constexpr double kStorey_m = 3.2;
+constexpr double kSlab_m = 0.2;  ///< the ceiling is below it
+constexpr double kWall_m = 0.15;
+constexpr double kCorridorHalfWidth_m = 1.15;
+constexpr double kRoomDepth_m = 6.0;
+constexpr double kHalfDepth_m = kCorridorHalfWidth_m + kWall_m + kRoomDepth_m;
+constexpr double kDoorWidth_m = 1.0;
+constexpr double kDoorHeight_m = 2.1;
 
 /// A building of two storeys, each a corridor along x with rooms on both sides; a stairwell at
 /// each end of the corridors, with two flights and a landing.
@@ -21,22 +33,13 @@ struct Room {
   double to_x_m = 0.0;
   double door_x_m = 0.0;
   std::uint64_t seed = 0;
+  double floor_m() const { return storey * kStorey_m; }
 };
 
 struct IndoorPlan {
   double length_m = 0.0;
   std::vector<Room> rooms;
 };
-
-constexpr int kStoreys = 2;
-constexpr double kStorey_m = 3.2;
-constexpr double kSlab_m = 0.2;  ///< the ceiling is below it
-constexpr double kWall_m = 0.15;
-constexpr double kCorridorHalfWidth_m = 1.15;
-constexpr double kRoomDepth_m = 6.0;
-constexpr double kHalfDepth_m = kCorridorHalfWidth_m + kWall_m + kRoomDepth_m;
-constexpr double kDoorWidth_m = 1.0;
-constexpr double kDoorHeight_m = 2.1;
 
 /// A stairwell, from the outer wall: landing, flights side by side, the floor before them.
 constexpr double kLanding_m = 1.3;
@@ -57,5 +60,10 @@ constexpr double kFreeRadius_m = 1.7;
 /// the floor, joined by straight lines; a longer route begins with the shorter one.
 std::vector<Eigen::Vector3d> indoor_route(const IndoorPlan& plan, std::uint64_t seed,
                                           double min_length_m);
+
+/// Walls with doors and windows, floors, stairs, and what stands in rooms and corridors.
+TriangleMesh make_indoor_mesh(const IndoorPlan& plan);
+/// Furniture of a room, clear of its middle and of the way to the door.
+void furnish_room(TriangleMesh& mesh, const Room& room);
 
 }  // namespace hqslam::sim

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 #include "random.h"
 
@@ -12,22 +13,19 @@ namespace {
 constexpr double kOuterBlockDepth_m = 48.0;
 
 Street make_street(const CityStyle& style, double position_m, Random& random) {
-  Street street;
-  street.position_m = position_m;
   const double width = random.uniform();
+  const bool tree_lined = random.chance(0.7);
+  if (style.plain_streets) {
+    const auto& [half_width_m, lane_offset_m] = *style.plain_streets;
+    return {position_m, half_width_m, lane_offset_m, false, false};
+  }
+  Street street{.position_m = position_m, .tree_lined = tree_lined};
   if (width < 0.2) {
     street.half_width_m = 4.2;
     street.parking = false;
   } else if (width > 0.7) {
     street.half_width_m = 8.0;
     street.lane_offset_m = 2.8;
-  }
-  street.tree_lined = random.chance(0.7);
-  if (style.plain_streets) {
-    street.half_width_m = style.plain_streets->half_width_m;
-    street.lane_offset_m = style.plain_streets->lane_offset_m;
-    street.parking = false;
-    street.tree_lined = false;
   }
   return street;
 }
@@ -45,21 +43,21 @@ std::vector<Street> make_streets(const CityStyle& style, const StreetGrid& grid,
 }
 
 /// Tangents of the bending add up to `bend` at most, so that streets never fold.
-Bending make_bending(double bend, Random& random) {
-  Bending bending;
+std::array<BendingWave, 3> make_bending(double bend, Random& random) {
+  std::array<BendingWave, 3> waves;
   constexpr std::array<double, 3> kWavelength_m = {410.0, 270.0, 170.0};
-  for (std::size_t k = 0; k < kWavelength_m.size(); ++k) {
+  for (std::size_t k = 0; k < waves.size(); ++k) {
     const double direction_rad =
         std::numbers::pi * (static_cast<double>(k) / 3.0 + 0.25) + random.uniform(-0.3, 0.3);
     const double wave_number =
         2.0 * std::numbers::pi / (kWavelength_m[k] * random.uniform(0.85, 1.15));
     const Eigen::Vector2d along(std::cos(direction_rad), std::sin(direction_rad));
     // Across the wave: shearing bends streets, stretching would only widen them.
-    bending.waves[k] = {wave_number * along,
-                        bend * 0.6 / wave_number * Eigen::Vector2d(-along.y(), along.x()),
-                        random.uniform(0.0, 2.0 * std::numbers::pi)};
+    waves[k] = {wave_number * along,
+                bend * 0.6 / wave_number * Eigen::Vector2d(-along.y(), along.x()),
+                random.uniform(0.0, 2.0 * std::numbers::pi)};
   }
-  return bending;
+  return waves;
 }
 
 /// At most one stretch per street of axis 0, never at the rim: every crossing keeps two ways out.
@@ -76,9 +74,7 @@ std::set<Stretch> close_stretches(const CityStyle& style, Random& random) {
 }
 
 BlockKind pick_kind(const BlockWeights& weights, Random& random) {
-  double total = 0.0;
-  for (const double weight : weights) total += weight;
-  double draw = random.uniform(0.0, total);
+  double draw = random.uniform(0.0, std::accumulate(weights.begin(), weights.end(), 0.0));
   for (std::size_t kind = 0; kind < weights.size(); ++kind) {
     draw -= weights[kind];
     if (draw < 0.0) return static_cast<BlockKind>(kind);
@@ -86,26 +82,27 @@ BlockKind pick_kind(const BlockWeights& weights, Random& random) {
   return BlockKind::kRowHouses;
 }
 
-/// Kerb positions along one axis: cell k reaches from low[k] to high[k].
-struct Cells {
-  std::vector<double> low_m;
-  std::vector<double> high_m;
+/// From kerb to kerb along one axis, and from the outermost kerbs to the rim.
+struct Cell {
+  double low_m;
+  double high_m;
 };
 
-Cells cells_between(const std::vector<Street>& streets, double low_end_m, double high_end_m) {
-  Cells cells;
-  cells.low_m.push_back(low_end_m);
+std::vector<Cell> cells_between(const std::vector<Street>& streets, double low_end_m,
+                                double high_end_m) {
+  std::vector<Cell> cells;
   for (const Street& street : streets) {
-    cells.high_m.push_back(street.position_m - street.half_width_m);
-    cells.low_m.push_back(street.position_m + street.half_width_m);
+    cells.push_back({low_end_m, street.position_m - street.half_width_m});
+    low_end_m = street.position_m + street.half_width_m;
   }
-  cells.high_m.push_back(high_end_m);
+  cells.push_back({low_end_m, high_end_m});
   return cells;
 }
 
 std::vector<Block> make_blocks(const CityStyle& style, const Layout& layout, std::uint64_t seed) {
-  const Cells u = cells_between(layout.streets[0], layout.rim_m.min().x(), layout.rim_m.max().x());
-  const Cells v = cells_between(layout.streets[1], layout.rim_m.min().y(), layout.rim_m.max().y());
+  const Eigen::AlignedBox2d& rim_m = layout.rim_m;
+  const auto u = cells_between(layout.streets[0], rim_m.min().x(), rim_m.max().x());
+  const auto v = cells_between(layout.streets[1], rim_m.min().y(), rim_m.max().y());
   std::vector<Block> blocks;
   const int last_u = style.grid[0].streets;
   const int last_v = style.grid[1].streets;
@@ -114,16 +111,16 @@ std::vector<Block> make_blocks(const CityStyle& style, const Layout& layout, std
       // A closed stretch of street i lies between cells i and i+1 of axis 0.
       if (i > 0 && layout.closed.contains({0, i - 1, j - 1})) continue;
       const bool wide = layout.closed.contains({0, i, j - 1});
-      Block block;
-      block.sheet_m = Eigen::AlignedBox2d(Eigen::Vector2d(u.low_m[i], v.low_m[j]),
-                                          Eigen::Vector2d(u.high_m[wide ? i + 1 : i], v.high_m[j]));
-      block.seed = seed_of(seed, static_cast<std::uint64_t>(i), static_cast<std::uint64_t>(j));
-      Random random(block.seed);
+      const Eigen::Vector2d low_m(u[i].low_m, v[j].low_m);
+      const Eigen::Vector2d high_m(u[wide ? i + 1 : i].high_m, v[j].high_m);
+      const auto block_seed =
+          seed_of(seed, static_cast<std::uint64_t>(i), static_cast<std::uint64_t>(j));
+      Random random(block_seed);
       const bool at_rim = i == 0 || i == last_u || j == 0 || j == last_v;
-      block.kind = pick_kind(
+      const BlockKind kind = pick_kind(
           at_rim ? style.rim_block_weights.value_or(style.block_weights) : style.block_weights,
           random);
-      blocks.push_back(block);
+      blocks.push_back({{low_m, high_m}, kind, block_seed});
     }
   }
   return blocks;
@@ -131,18 +128,13 @@ std::vector<Block> make_blocks(const CityStyle& style, const Layout& layout, std
 
 }  // namespace
 
-Eigen::Vector2d Bending::operator()(const Eigen::Vector2d& sheet_m) const {
+Eigen::Vector2d Layout::plane(const Eigen::Vector2d& sheet_m) const {
   Eigen::Vector2d plane_m = sheet_m;
-  for (const Wave& wave : waves) {
+  for (const BendingWave& wave : bending) {
     plane_m +=
         std::sin(wave.wave_vector_rad_per_m.dot(sheet_m) + wave.phase_rad) * wave.amplitude_m;
   }
   return plane_m;
-}
-
-Eigen::Vector3d Layout::ground(const Eigen::Vector2d& sheet_m, double lift_m) const {
-  const Eigen::Vector2d plane_m = plane(sheet_m);
-  return {plane_m.x(), plane_m.y(), terrain.height_m(plane_m) + lift_m};
 }
 
 double Layout::heading_rad(const Eigen::Vector2d& sheet_m, const Eigen::Vector2d& direction) const {

@@ -33,15 +33,11 @@ struct Block {
   std::uint64_t seed = 0;
 };
 
-/// How the sheet is bent: x = u + sum a sin(w . (u, v) + phase), y likewise.
-struct Bending {
-  struct Wave {
-    Eigen::Vector2d wave_vector_rad_per_m;
-    Eigen::Vector2d amplitude_m;
-    double phase_rad;
-  };
-  std::array<Wave, 3> waves;
-  Eigen::Vector2d operator()(const Eigen::Vector2d& sheet_m) const;
+/// One of the waves that bend the sheet: (x, y) = (u, v) + sum_k a_k sin(w_k . (u, v) + phase_k).
+struct BendingWave {
+  Eigen::Vector2d wave_vector_rad_per_m;
+  Eigen::Vector2d amplitude_m;
+  double phase_rad;
 };
 
 /// The stretch of a street between two neighbouring crossings.
@@ -57,13 +53,15 @@ struct Layout {
   std::set<Stretch> closed;                    ///< stretches that are built over
   std::vector<Block> blocks;
   Eigen::AlignedBox2d rim_m;  ///< the whole city on the sheet; open land begins beyond
-  Bending bending;
+  std::array<BendingWave, 3> bending;
   Terrain terrain;
 
   /// A point of the sheet in the plane.
-  Eigen::Vector2d plane(const Eigen::Vector2d& sheet_m) const { return bending(sheet_m); }
+  Eigen::Vector2d plane(const Eigen::Vector2d& sheet_m) const;
   /// A point of the sheet on the terrain, lifted.
-  Eigen::Vector3d ground(const Eigen::Vector2d& sheet_m, double lift_m) const;
+  Eigen::Vector3d ground(const Eigen::Vector2d& sheet_m, double lift_m) const {
+    return terrain.ground(plane(sheet_m), lift_m);
+  }
   /// Where the direction (u, v) of the sheet points in the plane.
   double heading_rad(const Eigen::Vector2d& sheet_m, const Eigen::Vector2d& direction) const;
 };

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
-#include "disturbance.h"
 #include "echo.h"
 #include "random.h"
 
@@ -17,129 +17,73 @@ constexpr double kHalfDivergence_rad = 0.0015;
 /// The key of the random bits that rain, drop-outs and extra noise draw from.
 constexpr std::uint64_t kDisturbance = 1;
 
-/// One ray per pixel.
-struct CentralRays {
-  std::vector<RayHit> hits;
-  std::vector<char> met;  ///< whether there is a hit
-};
-
-struct NeighbourStep {
-  int row;
-  int column;
-};
-constexpr std::array<NeighbourStep, 4> kNeighbours = {{{-1, 0}, {1, 0}, {0, -1}, {0, 1}}};
-
 /// Whether the beam may straddle an edge between two neighbouring pixels: the ranges differ by more
 /// than a smooth surface would let them.
-bool jumps(const CentralRays& rays, std::size_t a, std::size_t b) {
-  if (rays.met[a] == 0 || rays.met[b] == 0) return rays.met[a] != rays.met[b];
-  const double near_m = std::min(rays.hits[a].range_m, rays.hits[b].range_m);
-  const double gap_m = std::abs(rays.hits[a].range_m - rays.hits[b].range_m);
-  const double grazing = std::min(rays.hits[a].cos_incidence, rays.hits[b].cos_incidence);
-  return gap_m > 0.15 + 0.02 * near_m / std::max(grazing, 0.05);
+bool jumps(const std::optional<RayHit>& a, const std::optional<RayHit>& b) {
+  if (!a || !b) return a.has_value() != b.has_value();
+  const double near_m = std::min(a->range_m, b->range_m);
+  const double grazing = std::min(a->cos_incidence, b->cos_incidence);
+  return std::abs(a->range_m - b->range_m) > 0.15 + 0.02 * near_m / std::max(grazing, 0.05);
 }
 
-/// The measurement of one scan; its parts are independent per pixel, so threads may share them.
-class Measurement {
- public:
-  Measurement(const SensorModel& sensor, const SensingConditions& conditions,
-              const std::vector<Eigen::Vector3d>& directions, const RayScene& scene,
-              const std::vector<Pose>& T_world_sensor, std::uint64_t seed)
-      : sensor_(sensor),
-        conditions_(conditions),
-        directions_(directions),
-        scene_(scene),
-        T_world_sensor_(T_world_sensor),
-        seed_(seed),
-        image_(sensor.rows(), sensor.columns) {
-    central_.hits.resize(image_.range_m.size());
-    central_.met.resize(image_.range_m.size());
-  }
+}  // namespace
 
-  RangeImage take() {
-    const int columns = sensor_.columns;
-#pragma omp parallel for schedule(dynamic, 16)
-    for (int column = 0; column < columns; ++column) cast_column(column);
-#pragma omp parallel for schedule(dynamic, 16)
-    for (int column = 0; column < columns; ++column) report_column(column);
-    return std::move(image_);
-  }
+/// One turn of the head. Pixels are independent of each other, so threads may share them.
+struct Lidar::Revolution {
+  const Lidar& lidar;
+  const RayScene& scene;
+  const std::vector<Pose>& T_world_sensor;
+  std::uint64_t seed;
+  RangeImage image{lidar.sensor_.rows(), lidar.sensor_.columns};
+  /// What the ray in the middle of each pixel meets.
+  std::vector<std::optional<RayHit>> central{image.range_m.size()};
 
- private:
   std::optional<RayHit> cast(int row, int column, const Eigen::Vector3d& direction) const {
-    const int firing = sensor_.firing_column(row, column);
-    const Pose& pose = T_world_sensor_[static_cast<std::size_t>(firing)];
+    const SensorModel& sensor = lidar.sensor_;
+    const int firing = sensor.firing_column(row, column);
+    const Pose& pose = T_world_sensor[static_cast<std::size_t>(firing)];
     // Windows show what is up to some metres behind them, never what is nearer.
-    return scene_.cast(pose.translation(), pose.linear() * direction,
-                       (firing + 0.5) / sensor_.columns, 1.1 * sensor_.max_range_m);
+    return scene.cast(pose.translation(), pose.linear() * direction,
+                      (firing + 0.5) / sensor.columns, 1.1 * sensor.max_range_m);
   }
 
-  void cast_column(int column) {
-    for (int row = 0; row < sensor_.rows(); ++row) {
-      const std::size_t pixel = image_.index(row, column);
-      const auto hit = cast(row, column, directions_[pixel]);
-      central_.met[pixel] = hit ? 1 : 0;
-      if (hit) central_.hits[pixel] = *hit;
-    }
-  }
-
-  void report_column(int column) {
-    for (int row = 0; row < sensor_.rows(); ++row) {
-      const std::size_t pixel = image_.index(row, column);
-      const PixelBits bits = bits_of(row, column);
-      const auto echo = reported_echo(footprint(row, column, bits));
-      if (echo) {
-        image_.range_m[pixel] =
-            detected_range_m(*echo, sensor_.min_range_m, sensor_.max_range_m, bits.pixel);
-      }
-      image_.range_m[pixel] = disturbed_range_m(image_.range_m[pixel], conditions_, sensor_,
-                                                seed_of(bits.pixel, kDisturbance));
-    }
-  }
-
-  PixelBits bits_of(int row, int column) const {
-    constexpr int kPatchRows = 3;
-    constexpr int kPatchColumns = 5;
-    const std::size_t patch = image_.index(row / kPatchRows, column / kPatchColumns);
-    return {seed_of(seed_, image_.index(row, column)), seed_of(~seed_, patch)};
-  }
-
+  /// What the beam brings back: of its middle and, where a neighbour lies beyond an edge, of its
+  /// rim towards that neighbour.
   Footprint footprint(int row, int column, const PixelBits& bits) const {
-    const std::size_t pixel = image_.index(row, column);
+    const std::size_t pixel = image.index(row, column);
     Footprint footprint;
-    const auto add = [&](const RayHit& hit, double weight) {
-      const auto echo = echo_of(hit, sensor_.max_range_m, bits);
+    const auto add = [&](const std::optional<RayHit>& hit, double weight) {
+      const auto echo = hit ? echo_of(*hit, lidar.sensor_.max_range_m, bits) : std::nullopt;
       if (!echo) return;
-      const double left = transmission(conditions_.extinction_per_m, echo->range_m);
+      const double left = transmission(lidar.conditions_.extinction_per_m, echo->range_m);
       footprint.add({echo->range_m, echo->signal * left}, weight);
     };
-    if (central_.met[pixel] != 0) add(central_.hits[pixel], 2.0);
-    for (const NeighbourStep& step : kNeighbours) {
-      const int other_row = row + step.row;
-      if (other_row < 0 || other_row >= sensor_.rows()) continue;
-      const int other_column = (column + step.column + sensor_.columns) % sensor_.columns;
-      const std::size_t other = image_.index(other_row, other_column);
-      if (!jumps(central_, pixel, other)) continue;
-      const Eigen::Vector3d towards = directions_[other] - directions_[pixel];
-      const auto hit =
-          cast(row, column,
-               (directions_[pixel] + kHalfDivergence_rad * towards.normalized()).normalized());
-      if (hit) add(*hit, 1.0);
+    add(central[pixel], 2.0);
+    constexpr std::array<std::array<int, 2>, 4> kNeighbours = {{{-1, 0}, {1, 0}, {0, -1}, {0, 1}}};
+    for (const auto& [down, right] : kNeighbours) {
+      if (row + down < 0 || row + down >= image.rows) continue;
+      const std::size_t other =
+          image.index(row + down, (column + right + image.columns) % image.columns);
+      if (!jumps(central[pixel], central[other])) continue;
+      const Eigen::Vector3d& middle = lidar.directions_[pixel];
+      const Eigen::Vector3d towards = (lidar.directions_[other] - middle).normalized();
+      add(cast(row, column, (middle + kHalfDivergence_rad * towards).normalized()), 1.0);
     }
     return footprint;
   }
 
-  const SensorModel& sensor_;
-  const SensingConditions& conditions_;
-  const std::vector<Eigen::Vector3d>& directions_;
-  const RayScene& scene_;
-  const std::vector<Pose>& T_world_sensor_;
-  std::uint64_t seed_;
-  CentralRays central_;
-  RangeImage image_;
+  float reported_range_m(int row, int column) const {
+    constexpr int kPatchRows = 3;
+    constexpr int kPatchColumns = 5;
+    const std::size_t patch = image.index(row / kPatchRows, column / kPatchColumns);
+    const PixelBits bits{seed_of(seed, image.index(row, column)), seed_of(~seed, patch)};
+    const SensorModel& sensor = lidar.sensor_;
+    const auto echo = footprint(row, column, bits).reported_echo();
+    const float range_m =
+        echo ? detected_range_m(*echo, sensor.min_range_m, sensor.max_range_m, bits.pixel) : 0.0F;
+    return disturbed_range_m(range_m, lidar.conditions_, sensor, seed_of(bits.pixel, kDisturbance));
+  }
 };
-
-}  // namespace
 
 Lidar::Lidar(const SensorModel& sensor, const SensingConditions& conditions, std::uint64_t seed)
     : sensor_(sensor), conditions_(conditions), seed_(seed) {
@@ -156,9 +100,23 @@ Lidar::Lidar(const SensorModel& sensor, const SensingConditions& conditions, std
 
 RangeImage Lidar::measure(const RayScene& scene, const std::vector<Pose>& T_world_sensor,
                           std::int64_t scan) const {
-  return Measurement(sensor_, conditions_, directions_, scene, T_world_sensor,
-                     seed_of(seed_, static_cast<std::uint64_t>(scan)))
-      .take();
+  Revolution turn{*this, scene, T_world_sensor, seed_of(seed_, static_cast<std::uint64_t>(scan))};
+  const int rows = sensor_.rows();
+  const int columns = sensor_.columns;
+#pragma omp parallel for schedule(dynamic, 16)
+  for (int column = 0; column < columns; ++column) {
+    for (int row = 0; row < rows; ++row) {
+      const std::size_t pixel = turn.image.index(row, column);
+      turn.central[pixel] = turn.cast(row, column, directions_[pixel]);
+    }
+  }
+#pragma omp parallel for schedule(dynamic, 16)
+  for (int column = 0; column < columns; ++column) {
+    for (int row = 0; row < rows; ++row) {
+      turn.image.range_m[turn.image.index(row, column)] = turn.reported_range_m(row, column);
+    }
+  }
+  return std::move(turn.image);
 }
 
 std::vector<Eigen::Vector3d> Lidar::visible_surface_m(

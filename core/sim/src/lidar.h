@@ -46,6 +46,8 @@ class Lidar {
                                                  const std::vector<Pose>& T_world_sensor) const;
 
  private:
+  struct Revolution;
+
   const SensorModel sensor_;
   const SensingConditions conditions_;
   std::uint64_t seed_;

@@ -20,6 +20,12 @@ constexpr std::uint64_t seed_of(std::uint64_t seed, std::uint64_t key, std::uint
   return seed_of(seed_of(seed, key), second_key);
 }
 
+/// The parts of a drive, each with a seed of its own.
+enum class DrivePart : std::uint64_t { kCity = 1, kPath, kSway, kTraffic, kNoise, kConditions };
+constexpr std::uint64_t seed_of(std::uint64_t drive_seed, DrivePart part) {
+  return seed_of(drive_seed, static_cast<std::uint64_t>(part));
+}
+
 /// 64 random bits as a number in [0, 1).
 constexpr double uniform_of(std::uint64_t bits) {
   return static_cast<double>(bits >> 11U) * 0x1.0p-53;

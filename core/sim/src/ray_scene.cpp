@@ -6,33 +6,24 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <utility>
 
 #include "hqslam/core/error.h"
-#include "triangle_distance.h"
 
 namespace hqslam::sim {
 
 namespace {
 
-/// Owns an Embree object.
-template <typename Handle, void (*kRelease)(Handle)>
-class Owned {
- public:
-  explicit Owned(Handle handle) : handle_(handle) {}
-  ~Owned() {
-    if (handle_ != nullptr) kRelease(handle_);
+/// How the owner of an Embree object lets it go.
+template <auto kRelease>
+struct Release {
+  template <typename Object>
+  void operator()(Object* object) const {
+    kRelease(object);
   }
-  Owned(Owned&& other) noexcept : handle_(std::exchange(other.handle_, nullptr)) {}
-  Owned& operator=(Owned&&) = delete;
-  operator Handle() const { return handle_; }  // NOLINT(google-explicit-constructor)
-
- private:
-  Handle handle_;
 };
-using Device = Owned<RTCDevice, rtcReleaseDevice>;
-using Scene = Owned<RTCScene, rtcReleaseScene>;
-using Geometry = Owned<RTCGeometry, rtcReleaseGeometry>;
+using Device = std::unique_ptr<RTCDeviceTy, Release<rtcReleaseDevice>>;
+using Scene = std::unique_ptr<RTCSceneTy, Release<rtcReleaseScene>>;
+using Geometry = std::unique_ptr<RTCGeometryTy, Release<rtcReleaseGeometry>>;
 
 /// One thread and one instruction set, so that the tree and the rays come out the same everywhere.
 Device make_device() {
@@ -48,18 +39,18 @@ Device make_device() {
 
 Scene make_scene(RTCDevice device) {
   Scene scene(rtcNewScene(device));
-  rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
-  rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_MEDIUM);
+  rtcSetSceneFlags(scene.get(), RTC_SCENE_FLAG_ROBUST);
+  rtcSetSceneBuildQuality(scene.get(), RTC_BUILD_QUALITY_MEDIUM);
   return scene;
 }
 
-unsigned attach_mesh(RTCDevice device, RTCScene scene, const TriangleMesh& mesh) {
+void attach_mesh(RTCDevice device, RTCScene scene, const TriangleMesh& mesh) {
   const Geometry geometry(rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE));
   auto* vertices = static_cast<float*>(
-      rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+      rtcSetNewGeometryBuffer(geometry.get(), RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
                               sizeof(Eigen::Vector3f), mesh.vertices_m.size()));
   auto* triangles = static_cast<std::uint32_t*>(
-      rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+      rtcSetNewGeometryBuffer(geometry.get(), RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
                               3 * sizeof(std::uint32_t), mesh.triangles.size()));
   for (const Eigen::Vector3f& vertex : mesh.vertices_m) {
     vertices = std::copy_n(vertex.data(), 3, vertices);
@@ -67,8 +58,8 @@ unsigned attach_mesh(RTCDevice device, RTCScene scene, const TriangleMesh& mesh)
   for (const auto& triangle : mesh.triangles) {
     triangles = std::copy_n(triangle.data(), 3, triangles);
   }
-  rtcCommitGeometry(geometry);
-  return rtcAttachGeometry(scene, geometry);
+  rtcCommitGeometry(geometry.get());
+  rtcAttachGeometry(scene, geometry.get());
 }
 
 void set_transform(RTCGeometry geometry, unsigned time_step, const Eigen::Affine3d& transform) {
@@ -108,16 +99,19 @@ std::optional<EmbreeHit> first_hit(RTCScene scene, const Eigen::Vector3d& origin
   return EmbreeHit{query.hit.instID[0], query.hit.primID, query.ray.tfar};
 }
 
+std::array<Eigen::Vector3d, 3> corners_m(const TriangleMesh& mesh, unsigned triangle) {
+  const auto& index = mesh.triangles[triangle];
+  return {mesh.vertices_m[index[0]].cast<double>(), mesh.vertices_m[index[1]].cast<double>(),
+          mesh.vertices_m[index[2]].cast<double>()};
+}
+
 /// The ray o + t d (in the mesh's frame) against the plane of a triangle with normal n and corner
 /// v:
 ///   t = n . (v - o) / n . d,   cos of incidence = |n . d| / (|n| |d|)
 /// `embree_m` is Embree's t: for a ray that nearly lies in the plane it is the better one.
 RayHit meet_triangle(const TriangleMesh& mesh, unsigned triangle, const Eigen::Vector3d& origin,
                      const Eigen::Vector3d& direction, float embree_m) {
-  const auto& index = mesh.triangles[triangle];
-  const Eigen::Vector3d a = mesh.vertices_m[index[0]].cast<double>();
-  const Eigen::Vector3d b = mesh.vertices_m[index[1]].cast<double>();
-  const Eigen::Vector3d c = mesh.vertices_m[index[2]].cast<double>();
+  const auto [a, b, c] = corners_m(mesh, triangle);
   const Eigen::Vector3d normal = (b - a).cross(c - a);
   const double along = normal.dot(direction);
   const double cosine = std::abs(along) / (normal.norm() * direction.norm());
@@ -129,13 +123,19 @@ RayHit meet_triangle(const TriangleMesh& mesh, unsigned triangle, const Eigen::V
 /// Embree works in single precision: it is to look a little farther.
 float search_radius(double distance_m) { return static_cast<float>(1.001 * distance_m + 1e-3); }
 
-/// Paint, car windows and clothes take the shade of the one who wears them.
-Surface worn(Surface surface, std::uint8_t shade) {
-  if (surface.material == Material::kCarPaint || surface.material == Material::kCarGlass ||
-      surface.material == Material::kCloth) {
-    surface.shade = shade;
+/// The same for a ray in the world and a shape that stands there. Paint, car windows and clothes
+/// take the shade of the one who wears them.
+RayHit meet_shape(const TriangleMesh& shape, const Eigen::Affine3d& T_shape_world,
+                  std::uint8_t shade, const EmbreeHit& found, const Eigen::Vector3d& origin_m,
+                  const Eigen::Vector3d& direction) {
+  RayHit hit = meet_triangle(shape, found.triangle, T_shape_world * origin_m,
+                             T_shape_world.linear() * direction, found.range_m);
+  const Material material = hit.surface.material;
+  if (material == Material::kCarPaint || material == Material::kCarGlass ||
+      material == Material::kCloth) {
+    hit.surface.shade = shade;
   }
-  return surface;
+  return hit;
 }
 
 }  // namespace
@@ -144,30 +144,39 @@ struct RayScene::Implementation {
   explicit Implementation(const Scenery& scenery_)
       : scenery(scenery_),
         device(make_device()),
-        fixed(make_scene(device)),
-        moving(make_scene(device)) {
-    attach_mesh(device, fixed, scenery.fixed);
+        fixed(make_scene(device.get())),
+        moving(make_scene(device.get())) {
+    attach_mesh(device.get(), fixed.get(), scenery.fixed);
     for (const TriangleMesh& mesh : scenery.prototypes) {
-      Scene scene = make_scene(device);
-      attach_mesh(device, scene, mesh);
-      rtcCommitScene(scene);
+      Scene scene = make_scene(device.get());
+      attach_mesh(device.get(), scene.get(), mesh);
+      rtcCommitScene(scene.get());
       prototypes.push_back(std::move(scene));
     }
     for (const Placement& placement : scenery.placements) {
-      const Geometry instance(rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE));
-      rtcSetGeometryInstancedScene(instance,
-                                   prototypes[static_cast<std::size_t>(placement.prototype)]);
-      set_transform(instance, 0, placement.T_world_prototype);
-      rtcCommitGeometry(instance);
-      rtcAttachGeometry(fixed, instance);
+      rtcAttachGeometry(fixed.get(),
+                        instance_of(placement.prototype, {placement.T_world_prototype}).get());
       T_prototype_world.push_back(placement.T_world_prototype.inverse());
     }
-    rtcCommitScene(fixed);
-    rtcCommitScene(moving);
+    rtcCommitScene(fixed.get());
+    rtcCommitScene(moving.get());
   }
 
-  struct NearestQuery;
-  static bool look_at_triangle(RTCPointQueryFunctionArguments* arguments);
+  const TriangleMesh& shape(int prototype) const {
+    return scenery.prototypes[static_cast<std::size_t>(prototype)];
+  }
+  /// A prototype that stands still, or moves from one transform to the next during a scan.
+  Geometry instance_of(int prototype, const std::vector<Eigen::Affine3d>& T_world_prototype) const {
+    Geometry instance(rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_INSTANCE));
+    rtcSetGeometryInstancedScene(instance.get(),
+                                 prototypes[static_cast<std::size_t>(prototype)].get());
+    rtcSetGeometryTimeStepCount(instance.get(), static_cast<unsigned>(T_world_prototype.size()));
+    for (unsigned step = 0; step < T_world_prototype.size(); ++step) {
+      set_transform(instance.get(), step, T_world_prototype[step]);
+    }
+    rtcCommitGeometry(instance.get());
+    return instance;
+  }
 
   const Scenery& scenery;
   Device device;
@@ -181,59 +190,50 @@ struct RayScene::Implementation {
 RayScene::RayScene(const Scenery& scenery)
     : implementation_(std::make_unique<Implementation>(scenery)) {}
 RayScene::~RayScene() = default;
-RayScene::RayScene(RayScene&&) noexcept = default;
-RayScene& RayScene::operator=(RayScene&&) noexcept = default;
 
 void RayScene::place_actors(const std::vector<ActorMotion>& actors) {
   Implementation& self = *implementation_;
-  for (unsigned k = 0; k < self.actors.size(); ++k) rtcDetachGeometry(self.moving, k);
+  for (unsigned k = 0; k < self.actors.size(); ++k) rtcDetachGeometry(self.moving.get(), k);
   self.actors.assign(actors.begin(), actors.begin() + static_cast<std::ptrdiff_t>(
                                                           std::min(actors.size(), kMostActors)));
   for (unsigned k = 0; k < self.actors.size(); ++k) {
     const ActorMotion& actor = self.actors[k];
-    const Geometry instance(rtcNewGeometry(self.device, RTC_GEOMETRY_TYPE_INSTANCE));
-    rtcSetGeometryInstancedScene(instance,
-                                 self.prototypes[static_cast<std::size_t>(actor.prototype)]);
-    rtcSetGeometryTimeStepCount(instance, 2);
-    set_transform(instance, 0, actor.T_world_at_start);
-    set_transform(instance, 1, actor.T_world_at_end);
-    rtcCommitGeometry(instance);
-    rtcAttachGeometryByID(self.moving, instance, k);
+    const Geometry instance =
+        self.instance_of(actor.prototype, {actor.T_world_at_start, actor.T_world_at_end});
+    rtcAttachGeometryByID(self.moving.get(), instance.get(), k);
   }
-  rtcCommitScene(self.moving);
-}
-
-/// What Embree's search for the nearest surface carries along.
-struct RayScene::Implementation::NearestQuery {
-  const Implementation& self;
-  Eigen::Vector3d point_m;
-  double nearest_m;
-};
-
-/// Called for every triangle that may be nearer than what was found so far. A placed thing is as
-/// much larger as its shape as the first column of its transform is long.
-bool RayScene::Implementation::look_at_triangle(RTCPointQueryFunctionArguments* arguments) {
-  auto& query = *static_cast<NearestQuery*>(arguments->userPtr);
-  const Implementation& self = query.self;
-  const TriangleMesh* mesh = &self.scenery.fixed;
-  Eigen::Vector3d point_m = query.point_m;
-  double scale = 1.0;
-  if (arguments->context->instStackSize > 0) {
-    const std::size_t k = arguments->context->instID[0] - 1;
-    const Placement& placement = self.scenery.placements[k];
-    mesh = &self.scenery.prototypes[static_cast<std::size_t>(placement.prototype)];
-    point_m = self.T_prototype_world[k] * point_m;
-    scale = placement.T_world_prototype.linear().col(0).norm();
-  }
-  const double distance_m = scale * distance_to_triangle_m(*mesh, arguments->primID, point_m);
-  if (distance_m >= query.nearest_m) return false;
-  query.nearest_m = distance_m;
-  arguments->query->radius = search_radius(distance_m);
-  return true;
+  rtcCommitScene(self.moving.get());
 }
 
 std::optional<double> RayScene::distance_m(const Eigen::Vector3d& point_m, double reach_m) const {
-  Implementation::NearestQuery nearest{*implementation_, point_m, reach_m};
+  /// What Embree's search carries along.
+  struct Nearest {
+    const Implementation& self;
+    Eigen::Vector3d point_m;
+    double distance_m;
+  };
+  // Called for every triangle that may be nearer than what was found so far. A placed thing is as
+  // much larger as its shape as the first column of its transform is long.
+  const auto look_at_triangle = [](RTCPointQueryFunctionArguments* arguments) {
+    auto& nearest = *static_cast<Nearest*>(arguments->userPtr);
+    const Implementation& self = nearest.self;
+    const TriangleMesh* mesh = &self.scenery.fixed;
+    Eigen::Vector3d local_m = nearest.point_m;
+    double scale = 1.0;
+    if (arguments->context->instStackSize > 0) {
+      const std::size_t k = arguments->context->instID[0] - 1;
+      mesh = &self.shape(self.scenery.placements[k].prototype);
+      local_m = self.T_prototype_world[k] * local_m;
+      scale = self.scenery.placements[k].T_world_prototype.linear().col(0).norm();
+    }
+    const auto [a, b, c] = corners_m(*mesh, arguments->primID);
+    const double distance_m = scale * distance_to_triangle_m(local_m, a, b, c);
+    if (distance_m >= nearest.distance_m) return false;
+    nearest.distance_m = distance_m;
+    arguments->query->radius = search_radius(distance_m);
+    return true;
+  };
+  Nearest nearest{*implementation_, point_m, reach_m};
   RTCPointQuery query{};
   query.x = static_cast<float>(point_m.x());
   query.y = static_cast<float>(point_m.y());
@@ -241,31 +241,25 @@ std::optional<double> RayScene::distance_m(const Eigen::Vector3d& point_m, doubl
   query.radius = search_radius(reach_m);
   RTCPointQueryContext context;
   rtcInitPointQueryContext(&context);
-  rtcPointQuery(implementation_->fixed, &query, &context, &Implementation::look_at_triangle,
-                &nearest);
-  if (nearest.nearest_m >= reach_m) return std::nullopt;
-  return nearest.nearest_m;
+  rtcPointQuery(implementation_->fixed.get(), &query, &context, look_at_triangle, &nearest);
+  return nearest.distance_m < reach_m ? std::optional(nearest.distance_m) : std::nullopt;
 }
 
 std::optional<RayHit> RayScene::cast(const Eigen::Vector3d& origin_m,
                                      const Eigen::Vector3d& direction, double scan_fraction,
                                      double max_range_m) const {
   const Implementation& self = *implementation_;
-  const auto fixed = first_hit(self.fixed, origin_m, direction, 0.0, max_range_m);
+  const auto fixed = first_hit(self.fixed.get(), origin_m, direction, 0.0, max_range_m);
   const double nearest_m = fixed ? fixed->range_m : max_range_m;
   if (!self.actors.empty()) {
-    const auto moving = first_hit(self.moving, origin_m, direction, scan_fraction, nearest_m);
+    const auto moving = first_hit(self.moving.get(), origin_m, direction, scan_fraction, nearest_m);
     if (moving) {
       const ActorMotion& actor = self.actors[moving->instance];
       Eigen::Affine3d T_world_actor;
       T_world_actor.matrix() = (1.0 - scan_fraction) * actor.T_world_at_start.matrix() +
                                scan_fraction * actor.T_world_at_end.matrix();
-      const Eigen::Affine3d T_actor_world = T_world_actor.inverse();
-      RayHit hit = meet_triangle(self.scenery.prototypes[static_cast<std::size_t>(actor.prototype)],
-                                 moving->triangle, T_actor_world * origin_m,
-                                 T_actor_world.linear() * direction, moving->range_m);
-      hit.surface = worn(hit.surface, actor.shade);
-      return hit;
+      return meet_shape(self.shape(actor.prototype), T_world_actor.inverse(), actor.shade, *moving,
+                        origin_m, direction);
     }
   }
   if (!fixed) return std::nullopt;
@@ -274,11 +268,8 @@ std::optional<RayHit> RayScene::cast(const Eigen::Vector3d& origin_m,
   }
   const std::size_t k = fixed->instance - 1;
   const Placement& placement = self.scenery.placements[k];
-  RayHit hit = meet_triangle(self.scenery.prototypes[static_cast<std::size_t>(placement.prototype)],
-                             fixed->triangle, self.T_prototype_world[k] * origin_m,
-                             self.T_prototype_world[k].linear() * direction, fixed->range_m);
-  hit.surface = worn(hit.surface, placement.shade);
-  return hit;
+  return meet_shape(self.shape(placement.prototype), self.T_prototype_world[k], placement.shade,
+                    *fixed, origin_m, direction);
 }
 
 }  // namespace hqslam::sim

@@ -23,8 +23,6 @@ class RayScene {
  public:
   explicit RayScene(const Scenery& scenery);
   ~RayScene();
-  RayScene(RayScene&&) noexcept;
-  RayScene& operator=(RayScene&&) noexcept;
 
   /// Who moves during the coming scan; the first `kMostActors` are taken.
   void place_actors(const std::vector<ActorMotion>& actors);

@@ -1,6 +1,6 @@
-#include "road_user.h"
-
 #include <array>
+
+#include "prototype.h"
 
 namespace hqslam::sim {
 
@@ -75,14 +75,15 @@ TriangleMesh make_car(int body) {
                  {Material::kRubber, 128});
     }
   }
+  const auto here = Eigen::Isometry3d::Identity();
+  const Part plates{mesh, here, {Material::kRetroreflector, 60}};
   for (const double end : {-l - 0.01, l + 0.01}) {
-    add_box(mesh, Eigen::Isometry3d::Identity(), {end - 0.01, -0.26, 0.42},
-            {end + 0.01, 0.26, 0.53}, {Material::kRetroreflector, 60});
+    plates.box({end - 0.01, -0.26, 0.42}, {end + 0.01, 0.26, 0.53});
   }
-  for (const double side : {-1.0, 1.0}) {
-    add_box(mesh, Eigen::Isometry3d::Identity(),
-            {shape.windscreen_foot_m - 0.25, side > 0 ? w : -w - 0.16, shape.belt_m},
-            {shape.windscreen_foot_m - 0.12, side > 0 ? w + 0.16 : -w, shape.belt_m + 0.13}, paint);
+  const Part mirrors{mesh, here, paint};
+  for (const bool left : {false, true}) {
+    mirrors.box({shape.windscreen_foot_m - 0.25, left ? w : -w - 0.16, shape.belt_m},
+                {shape.windscreen_foot_m - 0.12, left ? w + 0.16 : -w, shape.belt_m + 0.13});
   }
   return mesh;
 }

@@ -1,32 +1,32 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <vector>
 
 #include "city.h"
+#include "hqslam/core/pose.h"
 #include "hqslam/sim/drive.h"
-#include "sensor_motion.h"
 #include "traffic.h"
 
 namespace hqslam::sim {
 
-/// What one drive is simulated from: what stands still, what moves, and how the sensor moves. The
-/// same spec makes the same scenario, but for how far ahead it reaches.
-class Scenario : public SensorMotion {
- public:
-  virtual const Scenery& scenery() const = 0;
+/// What one drive is simulated from: what stands still, how the sensor moves, and who else does.
+/// The same spec makes the same scenario, but for how far ahead it reaches.
+struct Scenario {
+  std::shared_ptr<const Scenery> scenery;
+  std::function<Pose(double time_s)> T_world_sensor;
   /// Who moves near the sensor during a scan, the nearest first.
-  virtual std::vector<ActorMotion> actors(double from_s, double to_s,
-                                          const Eigen::Vector2d& plane_m) const = 0;
+  std::function<std::vector<ActorMotion>(double from_s, double to_s,
+                                         const Eigen::Vector2d& plane_m)>
+      actors;
 };
 
 /// Throws Error for a drive that is unknown.
-std::unique_ptr<Scenario> make_scenario(const DriveSpec& spec, double duration_s);
-
+Scenario make_scenario(const DriveSpec& spec, double duration_s);
 /// Through the streets of a city.
-std::unique_ptr<Scenario> make_street_scenario(const DriveSpec& spec, double duration_s);
-
+Scenario make_street_scenario(const DriveSpec& spec, double duration_s);
 /// On foot through a building of two storeys.
-std::unique_ptr<Scenario> make_indoor_scenario(const DriveSpec& spec, double duration_s);
+Scenario make_indoor_scenario(const DriveSpec& spec, double duration_s);
 
 }  // namespace hqslam::sim

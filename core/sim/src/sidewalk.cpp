@@ -20,11 +20,6 @@ const Street* street_along(const Layout& layout, const Block& block, int side) {
   return nullptr;
 }
 
-Eigen::Isometry3d kerb_frame(const City& city, const BlockSide& side, double along_m,
-                             double inwards_m) {
-  return frame_at(city, side.at(along_m, inwards_m), side.along, kKerbHeight_m);
-}
-
 void add_lamps(City& city, const BlockSide& side, Random& random) {
   constexpr double kSpacing_m = 27.0;
   const bool wires = random.chance(0.5);
@@ -32,7 +27,7 @@ void add_lamps(City& city, const BlockSide& side, Random& random) {
   Eigen::Vector3d previous_top = Eigen::Vector3d::Zero();
   for (int lamp = 0; lamp < lamps; ++lamp) {
     const double along_m = 8.0 + (side.length_m - 16.0) * (lamp + 0.5) / lamps;
-    const Eigen::Isometry3d frame = kerb_frame(city, side, along_m, 0.5);
+    const Eigen::Isometry3d frame = frame_at(city, side, along_m, 0.5, kKerbHeight_m);
     add_lamp(city.fixed, frame);
     const Eigen::Vector3d top = frame * Eigen::Vector3d(0.0, 0.0, 6.6);
     if (wires && lamp > 0) add_wire(city.fixed, previous_top, top);
@@ -63,39 +58,42 @@ void park_cars(City& city, const BlockSide& side, double share, Random& random) 
 }
 
 void add_small_things(City& city, const BlockSide& side, bool wide_street, Random& random) {
-  add_traffic_sign(city.fixed, kerb_frame(city, side, 6.5, 0.45), random);
+  add_traffic_sign(city.fixed, frame_at(city, side, 6.5, 0.45, kKerbHeight_m), random);
   if (random.chance(0.5)) {
     add_traffic_sign(
-        city.fixed, kerb_frame(city, side, side.length_m * random.uniform(0.3, 0.8), 0.45), random);
+        city.fixed,
+        frame_at(city, side, side.length_m * random.uniform(0.3, 0.8), 0.45, kKerbHeight_m),
+        random);
   }
-  if (wide_street) add_traffic_light(city.fixed, kerb_frame(city, side, 4.2, 0.6));
-  const int bins = random.below(4);
-  for (int bin = 0; bin < bins; ++bin) {
+  if (wide_street) add_traffic_light(city.fixed, frame_at(city, side, 4.2, 0.6, kKerbHeight_m));
+  for (int bins = random.below(4); bins > 0; --bins) {
     const double inwards_m = random.chance(0.5) ? 0.5 : 2.6;
     const double along_m = random.uniform(6.0, side.length_m - 6.0);
-    add_bin(city.fixed, kerb_frame(city, side, along_m, inwards_m), random);
+    add_bin(city.fixed, frame_at(city, side, along_m, inwards_m, kKerbHeight_m), random);
   }
   if (random.chance(0.3)) {
-    add_bench(city.fixed, kerb_frame(city, side, side.length_m * random.uniform(0.3, 0.7), 2.3));
+    add_bench(city.fixed,
+              frame_at(city, side, side.length_m * random.uniform(0.3, 0.7), 2.3, kKerbHeight_m));
   }
 }
 
 }  // namespace
 
-void furnish_sidewalks(City& city, const Block& block, double parked_car_share) {
+void furnish_sidewalks(City& city, const Block& block) {
   Random random(seed_of(block.seed, 22));
+  const auto sides = sides_of(block.sheet_m);
+  const bool poor = block.kind == BlockKind::kOpenLand || block.kind == BlockKind::kWalled;
   for (int k = 0; k < 4; ++k) {
     const Street* street = street_along(city.layout, block, k);
     if (street == nullptr) continue;
-    const BlockSide side = side_of(block.sheet_m, k);
-    const bool poor = block.kind == BlockKind::kOpenLand || block.kind == BlockKind::kWalled;
+    const BlockSide& side = sides[k];
     if (!poor) {
       add_lamps(city, side, random);
       add_small_things(city, side, street->half_width_m > 7.0, random);
       if (street->tree_lined) plant_street_trees(city, side, random);
     }
     if (street->parking) {
-      park_cars(city, side, poor ? 0.1 * parked_car_share : parked_car_share, random);
+      park_cars(city, side, (poor ? 0.1 : 1.0) * city.parked_car_share, random);
     }
   }
 }

@@ -1,50 +1,48 @@
-#include "carried_motion.h"
-#include "path_plan.h"
+#include "random.h"
 #include "scenario.h"
-#include "vehicle_motion.h"
+#include "sway.h"
 
 namespace hqslam::sim {
 
 namespace {
 
-class StreetScenario final : public Scenario {
- public:
-  StreetScenario(const DriveSpec& spec, double duration_s)
-      : style_(drive_style(spec.name)),
-        city_(make_city(style_.city, seed_of_part(spec.seed, DrivePart::kCity))),
-        path_(plan_path(city_.layout, style_.driver, spec.seed, duration_s)),
-        motion_(make_motion(spec)),
-        traffic_(city_.layout, style_, path_, seed_of_part(spec.seed, DrivePart::kTraffic),
-                 duration_s) {}
-
-  const Scenery& scenery() const override { return city_; }
-  Pose T_world_sensor(double time_s) const override { return motion_->T_world_sensor(time_s); }
-  std::vector<ActorMotion> actors(double from_s, double to_s,
-                                  const Eigen::Vector2d& plane_m) const override {
-    return traffic_.actors(from_s, to_s, plane_m);
-  }
-
- private:
-  std::unique_ptr<SensorMotion> make_motion(const DriveSpec& spec) const {
-    const std::uint64_t seed = seed_of_part(spec.seed, DrivePart::kSway);
-    const Terrain& terrain = city_.layout.terrain;
-    if (style_.carrier == Carrier::kHand) {
-      return std::make_unique<CarriedMotion>(path_, terrain, spec.mount, seed);
-    }
-    return std::make_unique<VehicleMotion>(path_, terrain, spec.mount, seed);
-  }
-
-  DriveStyle style_;
-  City city_;
-  DriverPath path_;
-  std::unique_ptr<SensorMotion> motion_;
-  Traffic traffic_;
-};
+constexpr double kTenDegrees_rad = 0.17453292519943295;
 
 }  // namespace
 
-std::unique_ptr<Scenario> make_street_scenario(const DriveSpec& spec, double duration_s) {
-  return std::make_unique<StreetScenario>(spec, duration_s);
+Scenario make_street_scenario(const DriveSpec& spec, double duration_s) {
+  const DriveStyle style = drive_style(spec.name);
+  const auto city =
+      std::make_shared<const City>(make_city(style.city, seed_of(spec.seed, DrivePart::kCity)));
+  const auto path = std::make_shared<const DriverPath>(
+      plan_path(city->layout, style.driver, spec.seed, duration_s));
+  const auto traffic = std::make_shared<const Traffic>(
+      city->layout, style, *path, seed_of(spec.seed, DrivePart::kTraffic), duration_s);
+  const std::uint64_t sway_seed = seed_of(spec.seed, DrivePart::kSway);
+
+  Scenario scenario{.scenery = city, .T_world_sensor = {}, .actors = {}};
+  // The traffic looks at the city and the path.
+  scenario.actors = [city, path, traffic](double from_s, double to_s,
+                                          const Eigen::Vector2d& plane_m) {
+    return traffic->actors(from_s, to_s, plane_m);
+  };
+  if (style.carrier == Carrier::kWheels) {
+    const VehicleSway sway(sway_seed, spec.mount);
+    scenario.T_world_sensor = [city, path, sway](double time_s) {
+      const PathState state = path->at_time(time_s);
+      return Pose(city->layout.terrain.frame(state.plane_m, state.heading_rad) *
+                  sway.T_vehicle_sensor(state.along_m));
+    };
+  } else {
+    const HandSway sway(sway_seed, kTenDegrees_rad, spec.mount);
+    scenario.T_world_sensor = [city, path, sway](double time_s) {
+      // Who walks is upright whatever the slope.
+      const PathState state = path->at_time(time_s);
+      const Eigen::Vector3d feet_m = city->layout.terrain.ground(state.plane_m, 0.0);
+      return sway.T_world_sensor(upright_frame(feet_m, state.heading_rad), time_s);
+    };
+  }
+  return scenario;
 }
 
 }  // namespace hqslam::sim

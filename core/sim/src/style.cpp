@@ -13,169 +13,144 @@ namespace hqslam::sim {
 
 namespace {
 
-DriveStyle block_style() {
-  DriveStyle style;
-  style.city = {.grid = {StreetGrid{3, 50.0, 62.0}, StreetGrid{3, 50.0, 62.0}},
-                .bend = 0.12,
-                .block_weights = {3.5, 3.5, 0.7, 1.0, 0.0, 0.0},
-                .seconds_between_cars = 14.0};
-  style.driver = {.min_limit_mps = 8.0,
-                  .max_limit_mps = 10.0,
-                  .lateral_acceleration_mps2 = 3.0,
-                  .acceleration_mps2 = 2.0,
-                  .braking_mps2 = 2.5,
-                  .stop_share = 0.0,
-                  .max_circuit_blocks = 1};
-  return style;
+constexpr double kNever_s = std::numeric_limits<double>::infinity();
+
+/// As many streets of both axes.
+constexpr std::array<StreetGrid, 2> square(const StreetGrid& grid) { return {grid, grid}; }
+
+/// Blocks of one kind, with or without another among them.
+constexpr BlockWeights blocks_of(BlockKind kind, double weight = 1.0, double row_houses = 0.0) {
+  BlockWeights weights{};
+  weights[static_cast<std::size_t>(BlockKind::kRowHouses)] = row_houses;
+  weights[static_cast<std::size_t>(kind)] = weight;
+  return weights;
 }
 
-DriveStyle town_style() {
-  DriveStyle style;
-  style.city = {.grid = {StreetGrid{7, 62.0, 125.0}, StreetGrid{7, 62.0, 125.0}},
-                .bend = 0.25,
-                .closed_street_share = 0.5,
-                .slope_bound = 0.16,
-                .block_weights = {3.0, 3.6, 0.9, 1.3, 0.8, 0.4},
-                .parked_car_share = 0.55,
-                .seconds_between_cars = 14.0};
-  style.driver = {.min_limit_mps = 8.5, .max_limit_mps = 14.5, .stop_share = 0.2};
-  return style;
-}
+constexpr CityStyle kQuietStreets = {
+    .grid = square({3, 50.0, 62.0}), .bend = 0.12, .block_weights = {3.5, 3.5, 0.7, 1.0, 0.0, 0.0}};
 
-DriveStyle hills_style() {
-  DriveStyle style;
-  style.city = {.grid = {StreetGrid{9, 70.0, 150.0}, StreetGrid{9, 70.0, 150.0}},
-                .bend = 0.35,
-                .closed_street_share = 0.6,
-                .slope_bound = 0.36,
-                .block_weights = {2.6, 3.2, 0.6, 1.2, 1.5, 1.7},
-                .parked_car_share = 0.5,
-                .seconds_between_cars = 8.0};
-  style.driver = {.min_limit_mps = 10.0,
-                  .max_limit_mps = 19.0,
-                  .lateral_acceleration_mps2 = 4.5,
-                  .acceleration_mps2 = 2.8,
-                  .braking_mps2 = 3.5,
-                  .stop_share = 0.15,
-                  .max_circuit_blocks = 3,
-                  .follows_car = true};
-  return style;
-}
+constexpr DriveStyle kBlock = {.city = kQuietStreets,
+                               .driver = {.min_limit_mps = 8.0,
+                                          .max_limit_mps = 10.0,
+                                          .lateral_acceleration_mps2 = 3.0,
+                                          .acceleration_mps2 = 2.0,
+                                          .braking_mps2 = 2.5,
+                                          .stop_share = 0.0,
+                                          .max_circuit_blocks = 1}};
+
+constexpr DriveStyle kTown = {.city = {.grid = square({7, 62.0, 125.0}),
+                                       .bend = 0.25,
+                                       .closed_street_share = 0.5,
+                                       .slope_bound = 0.16,
+                                       .block_weights = {3.0, 3.6, 0.9, 1.3, 0.8, 0.4},
+                                       .parked_car_share = 0.55},
+                              .driver = {.min_limit_mps = 8.5, .max_limit_mps = 14.5}};
+
+constexpr DriveStyle kHills = {.city = {.grid = square({9, 70.0, 150.0}),
+                                        .bend = 0.35,
+                                        .closed_street_share = 0.6,
+                                        .slope_bound = 0.36,
+                                        .block_weights = {2.6, 3.2, 0.6, 1.2, 1.5, 1.7},
+                                        .parked_car_share = 0.5,
+                                        .seconds_between_cars = 8.0},
+                               .driver = {.min_limit_mps = 10.0,
+                                          .max_limit_mps = 19.0,
+                                          .lateral_acceleration_mps2 = 4.5,
+                                          .acceleration_mps2 = 2.8,
+                                          .braking_mps2 = 3.5,
+                                          .stop_share = 0.15,
+                                          .max_circuit_blocks = 3,
+                                          .follows_car = true}};
 
 /// Country roads between fields: beside the ground there is little to see.
-DriveStyle meadow_style() {
-  DriveStyle style;
-  style.city.grid.fill({5, 220.0, 380.0});
-  style.city.plain_streets = {.half_width_m = 3.1, .lane_offset_m = 1.5};
-  style.city.bend = 0.35;
-  style.city.closed_street_share = 0.5;
-  style.city.slope_bound = 0.1;
-  style.city.block_weights[static_cast<std::size_t>(BlockKind::kField)] = 1.0;
-  style.city.rim_trees_per_m = 1.0 / 80.0;
-  style.city.seconds_between_cars = 60.0;
-  style.driver = {.min_limit_mps = 11.0,
-                  .max_limit_mps = 20.0,
-                  .lateral_acceleration_mps2 = 3.0,
-                  .stop_share = 0.1,
-                  .max_circuit_blocks = 1};
-  return style;
-}
+constexpr DriveStyle kMeadow = {
+    .city = {.grid = square({5, 220.0, 380.0}),
+             .plain_streets = PlainStreets{.half_width_m = 3.1, .lane_offset_m = 1.5},
+             .bend = 0.35,
+             .closed_street_share = 0.5,
+             .slope_bound = 0.1,
+             .block_weights = blocks_of(BlockKind::kField),
+             .rim_trees_per_m = 1.0 / 80.0,
+             .seconds_between_cars = 60.0},
+    .driver = {.min_limit_mps = 11.0,
+               .max_limit_mps = 20.0,
+               .lateral_acceleration_mps2 = 3.0,
+               .stop_share = 0.1,
+               .max_circuit_blocks = 1}};
 
 /// Alleys of seven metres between long smooth walls.
-DriveStyle narrow_style() {
-  DriveStyle style;
-  style.city.grid.fill({6, 45.0, 120.0});
-  style.city.plain_streets = {.half_width_m = 2.8, .lane_offset_m = 1.3};
-  style.city.bend = 0.2;
-  style.city.closed_street_share = 0.6;
-  style.city.slope_bound = 0.08;
-  style.city.block_weights[static_cast<std::size_t>(BlockKind::kSmoothWalls)] = 6.0;
-  style.city.block_weights[static_cast<std::size_t>(BlockKind::kRowHouses)] = 1.0;
-  style.city.seconds_between_cars = 40.0;
-  style.city.pedestrians_per_block = 2;
-  style.driver = {.min_limit_mps = 5.0,
-                  .max_limit_mps = 9.0,
-                  .lateral_acceleration_mps2 = 2.0,
-                  .stop_share = 0.2,
-                  .max_circuit_blocks = 2};
-  return style;
-}
+constexpr DriveStyle kNarrow = {
+    .city = {.grid = square({6, 45.0, 120.0}),
+             .plain_streets = PlainStreets{.half_width_m = 2.8, .lane_offset_m = 1.3},
+             .closed_street_share = 0.6,
+             .slope_bound = 0.08,
+             .block_weights = blocks_of(BlockKind::kSmoothWalls, 6.0, 1.0),
+             .seconds_between_cars = 40.0,
+             .pedestrians_per_block = 2},
+    .driver = {.min_limit_mps = 5.0, .max_limit_mps = 9.0, .lateral_acceleration_mps2 = 2.0}};
 
 /// A small robot among what stands about in a yard with houses around it.
-DriveStyle yard_style() {
-  DriveStyle style;
-  style.city.grid.fill({3, 24.0, 34.0});
-  style.city.plain_streets = {.half_width_m = 2.2, .lane_offset_m = 0.6};
-  style.city.bend = 0.05;
-  style.city.slope_bound = 0.03;
-  style.city.block_weights[static_cast<std::size_t>(BlockKind::kYard)] = 1.0;
-  style.city.rim_block_weights.emplace();
-  style.city.rim_block_weights->front() = 1.0;
-  style.city.seconds_between_cars = std::numeric_limits<double>::infinity();
-  style.city.pedestrians_per_block = 1;
-  style.driver = {.start_m = 8.0,
-                  .min_limit_mps = 1.0,
-                  .max_limit_mps = 1.5,
-                  .lateral_acceleration_mps2 = 0.8,
-                  .acceleration_mps2 = 0.6,
-                  .braking_mps2 = 0.8,
-                  .stop_share = 0.2,
-                  .max_circuit_blocks = 2};
-  return style;
-}
+constexpr DriveStyle kYard = {
+    .city = {.grid = square({3, 24.0, 34.0}),
+             .plain_streets = PlainStreets{.half_width_m = 2.2, .lane_offset_m = 0.6},
+             .bend = 0.05,
+             .slope_bound = 0.03,
+             .block_weights = blocks_of(BlockKind::kYard),
+             .rim_block_weights = blocks_of(BlockKind::kRowHouses),
+             .seconds_between_cars = kNever_s,
+             .pedestrians_per_block = 1},
+    .driver = {.start_m = 8.0,
+               .min_limit_mps = 1.0,
+               .max_limit_mps = 1.5,
+               .lateral_acceleration_mps2 = 0.8,
+               .acceleration_mps2 = 0.6,
+               .braking_mps2 = 0.8}};
 
-/// The quiet streets of block, on foot.
-DriveStyle handheld_style() {
-  DriveStyle style = block_style();
-  style.driver = {.min_limit_mps = 1.1,
-                  .max_limit_mps = 1.6,
-                  .lateral_acceleration_mps2 = 1.0,
-                  .acceleration_mps2 = 0.8,
-                  .braking_mps2 = 0.8,
-                  .stop_share = 0.1,
-                  .max_circuit_blocks = 1};
-  style.carrier = Carrier::kHand;
-  return style;
-}
+constexpr DriveStyle kHandheld = {.city = kQuietStreets,
+                                  .driver = {.min_limit_mps = 1.1,
+                                             .max_limit_mps = 1.6,
+                                             .lateral_acceleration_mps2 = 1.0,
+                                             .acceleration_mps2 = 0.8,
+                                             .braking_mps2 = 0.8,
+                                             .stop_share = 0.1,
+                                             .max_circuit_blocks = 1},
+                                  .carrier = Carrier::kHand};
 
 /// Rows of parked cars; every place is passed in both directions.
-DriveStyle car_park_style() {
-  DriveStyle style;
-  style.city.grid = {StreetGrid{5, 16.6, 17.4}, StreetGrid{3, 55.0, 75.0}};
-  style.city.plain_streets = {.half_width_m = 3.2, .lane_offset_m = 1.3};
-  style.city.bend = 0.03;
-  style.city.slope_bound = 0.03;
-  style.city.block_weights[static_cast<std::size_t>(BlockKind::kParkingRows)] = 1.0;
-  style.city.rim_block_weights = BlockWeights{0.5, 0.4, 0.0, 0.6, 0.5, 0.3};
-  style.city.parked_car_share = 0.75;
-  style.city.seconds_between_cars = std::numeric_limits<double>::infinity();
-  style.city.pedestrians_per_block = 2;
-  style.driver = {.route = RouteKind::kLoopBothWays,
-                  .start_m = 5.0,
-                  .min_limit_mps = 3.5,
-                  .max_limit_mps = 5.5,
-                  .lateral_acceleration_mps2 = 2.0,
-                  .stop_share = 0.1};
-  return style;
-}
+constexpr DriveStyle kCarPark = {
+    .city = {.grid = {StreetGrid{5, 16.6, 17.4}, StreetGrid{3, 55.0, 75.0}},
+             .plain_streets = PlainStreets{.half_width_m = 3.2, .lane_offset_m = 1.3},
+             .bend = 0.03,
+             .slope_bound = 0.03,
+             .block_weights = blocks_of(BlockKind::kParkingRows),
+             .rim_block_weights = BlockWeights{0.5, 0.4, 0.0, 0.6, 0.5, 0.3},
+             .parked_car_share = 0.75,
+             .seconds_between_cars = kNever_s,
+             .pedestrians_per_block = 2},
+    .driver = {.route = RouteKind::kLoopBothWays,
+               .start_m = 5.0,
+               .min_limit_mps = 3.5,
+               .max_limit_mps = 5.5,
+               .lateral_acceleration_mps2 = 2.0,
+               .stop_share = 0.1}};
 
 /// The drives that have a name. Where the sensor is not on a car's roof, its height.
 struct NamedDrive {
   std::string_view name;
-  DriveStyle (*style)();  ///< null: no streets
+  const DriveStyle* style;  ///< null: no streets
   std::int64_t scans;
   double sensor_height_m = SensorMount{}.sensor_height_m;
 };
 
 constexpr std::array<NamedDrive, 9> kDrives = {{
-    {"block", block_style, 200},
-    {"town", town_style, 4000},
-    {"hills", hills_style, 8000},
-    {"meadow", meadow_style, 4000},
-    {"narrow", narrow_style, 3000},
-    {"yard", yard_style, 2000, 0.4},
-    {"handheld", handheld_style, 2000, 1.5},
-    {"car-park", car_park_style, 2000},
+    {"block", &kBlock, 200},
+    {"town", &kTown, 4000},
+    {"hills", &kHills, 8000},
+    {"meadow", &kMeadow, 4000},
+    {"narrow", &kNarrow, 3000},
+    {"yard", &kYard, 2000, 0.4},
+    {"handheld", &kHandheld, 2000, 1.5},
+    {"car-park", &kCarPark, 2000},
     {"indoors", nullptr, 2000, 1.4},
 }};
 
@@ -197,7 +172,7 @@ DriveStyle drive_style(std::string_view name) {
   if (!has_streets(name)) {
     throw Error(fmt::format("drive '{}' has no streets; choose another", name));
   }
-  return named_drive(name).style();
+  return *named_drive(name).style;
 }
 
 DriveSpec drive_preset(std::string_view name) {

@@ -39,18 +39,16 @@ struct PlainStreets {
 };
 
 struct CityStyle {
-  std::array<StreetGrid, 2> grid;  ///< by the axis of the streets (see Street)
-  std::optional<PlainStreets> plain_streets =
-      std::nullopt;                  ///< otherwise each street has its own width
-  double bend = 0.2;                 ///< tangent of the angle by which streets wind
-  double closed_street_share = 0.0;  ///< of the streets have one stretch built over
-  double slope_bound = 0.05;         ///< of the terrain
+  std::array<StreetGrid, 2> grid;               ///< by the axis of the streets (see Street)
+  std::optional<PlainStreets> plain_streets{};  ///< otherwise each street has its own width
+  double bend = 0.2;                            ///< tangent of the angle by which streets wind
+  double closed_street_share = 0.0;             ///< of the streets have one stretch built over
+  double slope_bound = 0.05;                    ///< of the terrain
   BlockWeights block_weights{};
-  std::optional<BlockWeights> rim_block_weights =
-      std::nullopt;                    ///< of the outermost blocks, where they differ
+  std::optional<BlockWeights> rim_block_weights{};  ///< of the outermost blocks, where they differ
   double rim_trees_per_m = 1.0 / 7.0;  ///< trees in the open land, by length of the rim
   double parked_car_share = 0.6;       ///< of the places to park
-  double seconds_between_cars = 12.0;  ///< on each lane; infinity: there are none
+  double seconds_between_cars = 14.0;  ///< on each lane; infinity: there are none
   int pedestrians_per_block = 3;
 };
 
@@ -66,7 +64,7 @@ struct DriverStyle {
   double lateral_acceleration_mps2 = 2.5;
   double acceleration_mps2 = 1.8;
   double braking_mps2 = 2.2;
-  double stop_share = 0.25;    ///< of the crossings where the driver stops
+  double stop_share = 0.2;     ///< of the crossings where the driver stops
   int max_circuit_blocks = 2;  ///< longest side of a loop through the streets
   bool follows_car = false;    ///< another car drives ahead all the time
 };

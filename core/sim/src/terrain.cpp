@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "hqslam/core/pose.h"
 #include "random.h"
 
 namespace hqslam::sim {
@@ -23,23 +24,34 @@ Terrain::Terrain(std::uint64_t seed, double slope_bound) {
   }
 }
 
-double Terrain::height_m(const Eigen::Vector2d& position_m) const {
+double Terrain::height_m(const Eigen::Vector2d& plane_m) const {
   double height_m = 0.0;
   for (const Wave& wave : waves_) {
     height_m +=
-        wave.amplitude_m * std::sin(wave.wave_vector_rad_per_m.dot(position_m) + wave.phase_rad);
+        wave.amplitude_m * std::sin(wave.wave_vector_rad_per_m.dot(plane_m) + wave.phase_rad);
   }
   return height_m;
 }
 
-Eigen::Vector2d Terrain::slope(const Eigen::Vector2d& position_m) const {
+Eigen::Vector2d Terrain::slope(const Eigen::Vector2d& plane_m) const {
   Eigen::Vector2d slope = Eigen::Vector2d::Zero();
   for (const Wave& wave : waves_) {
-    slope += wave.amplitude_m *
-             std::cos(wave.wave_vector_rad_per_m.dot(position_m) + wave.phase_rad) *
+    slope += wave.amplitude_m * std::cos(wave.wave_vector_rad_per_m.dot(plane_m) + wave.phase_rad) *
              wave.wave_vector_rad_per_m;
   }
   return slope;
+}
+
+Eigen::Vector3d Terrain::ground(const Eigen::Vector2d& plane_m, double lift_m) const {
+  return {plane_m.x(), plane_m.y(), height_m(plane_m) + lift_m};
+}
+
+Eigen::Isometry3d Terrain::frame(const Eigen::Vector2d& plane_m, double heading_rad) const {
+  const Eigen::Vector2d rise = slope(plane_m);
+  const Eigen::Vector2d forward(std::cos(heading_rad), std::sin(heading_rad));
+  const Eigen::Vector2d left(-forward.y(), forward.x());
+  return pose_from_xyz_rpy(ground(plane_m, 0.0), std::atan(rise.dot(left)),
+                           -std::atan(rise.dot(forward)), heading_rad);
 }
 
 }  // namespace hqslam::sim

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <array>
 #include <cstdint>
 
@@ -11,9 +11,15 @@ namespace hqslam::sim {
 class Terrain {
  public:
   Terrain(std::uint64_t seed, double slope_bound);
-  double height_m(const Eigen::Vector2d& position_m) const;
+  double height_m(const Eigen::Vector2d& plane_m) const;
   /// d height / d (x, y).
-  Eigen::Vector2d slope(const Eigen::Vector2d& position_m) const;
+  Eigen::Vector2d slope(const Eigen::Vector2d& plane_m) const;
+  /// The point of the terrain at `plane_m`, lifted.
+  Eigen::Vector3d ground(const Eigen::Vector2d& plane_m, double lift_m) const;
+  /// Frame of something that stands on the terrain and looks along `heading_rad`: x forward, z
+  /// along the terrain's normal to first order.
+  ///   pitch = -atan(slope along x), roll = atan(slope along y)
+  Eigen::Isometry3d frame(const Eigen::Vector2d& plane_m, double heading_rad) const;
 
  private:
   struct Wave {

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "city.h"
-#include "on_ground.h"
 #include "random.h"
 
 namespace hqslam::sim {
@@ -45,11 +44,11 @@ void Traffic::add_trips(const DriveStyle& style, std::uint64_t seed, double unti
         double start_s = -(high_m - low_m) / speed_mps;
         while (start_s < until_s) {
           start_s += style.city.seconds_between_cars * random.uniform(0.35, 1.65);
-          const Trip trip{axis,           line.position_m + right * line.lane_offset_m,
-                          direction,      direction > 0.0 ? low_m : high_m,
-                          high_m - low_m, start_s,
-                          speed_mps,      kFirstCar + random.below(kCarBodies),
-                          random.shade()};
+          const double lane_m = line.position_m + right * line.lane_offset_m;
+          const double from_m = direction > 0.0 ? low_m : high_m;
+          const int car = kFirstCar + random.below(kCarBodies);
+          const Trip trip{axis,    lane_m,    direction, from_m,        high_m - low_m,
+                          start_s, speed_mps, car,       random.shade()};
           if (!meets_ego(trip)) trips_.push_back(trip);
         }
       }
@@ -75,19 +74,10 @@ void Traffic::add_walkers(const CityStyle& style, std::uint64_t seed) {
   }
 }
 
-Eigen::Vector2d Traffic::sheet_of(const Trip& trip, double time_s) const {
-  Eigen::Vector2d sheet_m;
-  sheet_m[trip.axis] = trip.street_m;
-  sheet_m[1 - trip.axis] = trip.from_m + trip.direction * trip.speed_mps * (time_s - trip.start_s);
-  return sheet_m;
-}
-
 bool Traffic::meets_ego(const Trip& trip) const {
   constexpr double kStep_s = 0.25;
-  const double begin_s = std::max(0.0, trip.start_s);
-  const double end_s = trip.start_s + trip.length_m / trip.speed_mps;
-  for (double time_s = begin_s; time_s < end_s; time_s += kStep_s) {
-    const Eigen::Vector2d plane_m = layout_.plane(sheet_of(trip, time_s));
+  for (double time_s = std::max(0.0, trip.start_s); time_s < trip.end_s(); time_s += kStep_s) {
+    const Eigen::Vector2d plane_m = layout_.plane(trip.sheet_at(time_s));
     const PathState ego = ego_.at_time(time_s);
     const Eigen::Vector2d away = plane_m - ego.plane_m;
     const Eigen::Vector2d forward(std::cos(ego.heading_rad), std::sin(ego.heading_rad));
@@ -99,59 +89,56 @@ bool Traffic::meets_ego(const Trip& trip) const {
   return false;
 }
 
+Eigen::Vector2d Traffic::Trip::sheet_at(double time_s) const {
+  Eigen::Vector2d sheet_m;
+  sheet_m[axis] = street_m;
+  sheet_m[1 - axis] = from_m + direction * speed_mps * (time_s - start_s);
+  return sheet_m;
+}
+
+Eigen::Vector2d Traffic::Walker::sheet_at(double time_s) const {
+  const double around_m = 2.0 * around_sheet_m.sizes().sum();
+  double along_m = std::fmod(start_m + speed_mps * time_s, around_m);
+  if (along_m < 0.0) along_m += around_m;
+  const auto sides = sides_of(around_sheet_m);
+  std::size_t k = 0;
+  while (k < 3 && along_m >= sides[k].length_m) along_m -= sides[k++].length_m;
+  return sides[k].at(along_m, 0.0);
+}
+
 Eigen::Affine3d Traffic::pose_of(const Trip& trip, double time_s) const {
-  const Eigen::Vector2d sheet_m = sheet_of(trip, time_s);
+  const Eigen::Vector2d sheet_m = trip.sheet_at(time_s);
   Eigen::Vector2d direction = Eigen::Vector2d::Zero();
   direction[1 - trip.axis] = trip.direction;
   return Eigen::Affine3d(
-      on_ground(layout_.terrain, layout_.plane(sheet_m), layout_.heading_rad(sheet_m, direction)));
-}
-
-Eigen::Vector2d Traffic::sheet_of(const Walker& walker, double time_s) const {
-  const double around_m = 2.0 * walker.sheet_m.sizes().sum();
-  double along_m = std::fmod(walker.start_m + walker.speed_mps * time_s, around_m);
-  if (along_m < 0.0) along_m += around_m;
-  for (int k = 0; k < 3; ++k) {
-    const BlockSide side = side_of(walker.sheet_m, k);
-    if (along_m < side.length_m) return side.at(along_m, 0.0);
-    along_m -= side.length_m;
-  }
-  return side_of(walker.sheet_m, 3).at(along_m, 0.0);
+      layout_.terrain.frame(layout_.plane(sheet_m), layout_.heading_rad(sheet_m, direction)));
 }
 
 Eigen::Affine3d Traffic::pose_of(const Walker& walker, double time_s) const {
-  const Eigen::Vector2d here = layout_.plane(sheet_of(walker, time_s));
-  const Eigen::Vector2d there = layout_.plane(sheet_of(walker, time_s + 0.5));
-  const Eigen::Vector2d step = there - here;
-  const double z_m = layout_.terrain.height_m(here) + kKerbHeight_m;
-  return Eigen::Affine3d(upright_frame({here.x(), here.y(), z_m}, std::atan2(step.y(), step.x())));
+  const Eigen::Vector2d here = layout_.plane(walker.sheet_at(time_s));
+  const Eigen::Vector2d step = layout_.plane(walker.sheet_at(time_s + 0.5)) - here;
+  return Eigen::Affine3d(
+      upright_frame(layout_.terrain.ground(here, kKerbHeight_m), std::atan2(step.y(), step.x())));
 }
 
 Eigen::Affine3d Traffic::pose_of_car_ahead(double time_s) const {
   const double ego_m = ego_.at_time(time_s).along_m;
   const PathState ahead = ego_.at_distance(ego_m + 24.0 + 8.0 * std::sin(ego_m / 90.0));
-  return Eigen::Affine3d(on_ground(layout_.terrain, ahead.plane_m, ahead.heading_rad));
+  return Eigen::Affine3d(layout_.terrain.frame(ahead.plane_m, ahead.heading_rad));
 }
 
 std::vector<ActorMotion> Traffic::actors(double from_s, double to_s,
                                          const Eigen::Vector2d& plane_m) const {
   std::vector<std::pair<double, ActorMotion>> near;
-  const auto consider = [&](const Eigen::Vector2d& sheet_m, const auto& make) {
-    const double away_m = (layout_.plane(sheet_m) - plane_m).norm();
-    if (away_m < kReach_m) near.emplace_back(away_m, make());
+  const auto consider = [&](const auto& who) {
+    const double away_m = (layout_.plane(who.sheet_at(from_s)) - plane_m).norm();
+    if (away_m >= kReach_m) return;
+    near.push_back({away_m, {who.prototype, pose_of(who, from_s), pose_of(who, to_s), who.shade}});
   };
   for (const Trip& trip : trips_) {
-    if (from_s < trip.start_s || to_s > trip.start_s + trip.length_m / trip.speed_mps) continue;
-    consider(sheet_of(trip, from_s), [&] {
-      return ActorMotion{trip.prototype, pose_of(trip, from_s), pose_of(trip, to_s), trip.shade};
-    });
+    if (from_s >= trip.start_s && to_s <= trip.end_s()) consider(trip);
   }
-  for (const Walker& walker : walkers_) {
-    consider(sheet_of(walker, from_s), [&] {
-      return ActorMotion{walker.prototype, pose_of(walker, from_s), pose_of(walker, to_s),
-                         walker.shade};
-    });
-  }
+  for (const Walker& walker : walkers_) consider(walker);
   std::stable_sort(near.begin(), near.end(),
                    [](const auto& a, const auto& b) { return a.first < b.first; });
   std::vector<ActorMotion> actors;

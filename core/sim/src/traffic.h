@@ -39,21 +39,22 @@ class Traffic {
     double speed_mps;
     int prototype;
     std::uint8_t shade;
+    double end_s() const { return start_s + length_m / speed_mps; }
+    Eigen::Vector2d sheet_at(double time_s) const;
   };
   struct Walker {
-    Eigen::AlignedBox2d sheet_m;  ///< the rectangle that it walks around
+    Eigen::AlignedBox2d around_sheet_m;  ///< the rectangle that it walks around
     double start_m;
     double speed_mps;  ///< negative: clockwise
     int prototype;
     std::uint8_t shade;
+    Eigen::Vector2d sheet_at(double time_s) const;
   };
 
   void add_trips(const DriveStyle& style, std::uint64_t seed, double until_s);
   void add_walkers(const CityStyle& style, std::uint64_t seed);
   bool meets_ego(const Trip& trip) const;
-  Eigen::Vector2d sheet_of(const Trip& trip, double time_s) const;
   Eigen::Affine3d pose_of(const Trip& trip, double time_s) const;
-  Eigen::Vector2d sheet_of(const Walker& walker, double time_s) const;
   Eigen::Affine3d pose_of(const Walker& walker, double time_s) const;
   Eigen::Affine3d pose_of_car_ahead(double time_s) const;
 

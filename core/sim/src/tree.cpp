@@ -1,8 +1,7 @@
-#include "tree.h"
-
 #include <cmath>
 #include <numbers>
 
+#include "prototype.h"
 #include "random.h"
 
 namespace hqslam::sim {

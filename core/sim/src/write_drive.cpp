@@ -5,15 +5,12 @@
 #include <Eigen/Geometry>
 #include <cmath>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 
 #include "hqslam/core/error.h"
 #include "hqslam/core/kitti_bin.h"
 #include "hqslam/core/pcd.h"
 #include "hqslam/core/projection.h"
 #include "hqslam/core/trajectory.h"
-#include "hqslam/core/whole_file.h"
-#include "spec_numbers.h"
 
 namespace hqslam::sim {
 
@@ -24,51 +21,33 @@ namespace fs = std::filesystem;
 void make_directory(const fs::path& directory) {
   std::error_code failure;
   fs::create_directories(directory, failure);
-  if (failure || !fs::is_directory(directory)) {
-    throw Error(
-        fmt::format("{}: expected a folder that can be written, found none and cannot make "
-                    "it ({}); choose another",
-                    directory.string(), failure.message()));
-  }
+  if (!failure && fs::is_directory(directory)) return;
+  throw Error(
+      fmt::format("{}: expected a folder that can be written, found none and cannot make it ({}); "
+                  "choose another",
+                  directory.string(), failure.message()));
 }
 
 /// One file per scan: what an earlier, longer drive left there would pass for scans of this one.
 void make_empty_directory(const fs::path& directory) {
   make_directory(directory);
-  if (!fs::is_empty(directory)) {
-    throw Error(
-        fmt::format("{}: expected an empty folder, found files; remove them or choose "
-                    "another folder",
-                    directory.string()));
-  }
+  if (fs::is_empty(directory)) return;
+  throw Error(
+      fmt::format("{}: expected an empty folder, found files; remove them or choose another folder",
+                  directory.string()));
 }
 
 std::string in(const std::string& directory, std::string_view name) {
   return (fs::path(directory) / name).string();
 }
 
-void require_written(const std::ofstream& stream, const std::string& path) {
-  if (!stream) {
-    throw Error(
-        fmt::format("{}: cannot be written; check that the folder is writable and has free "
-                    "space",
-                    path));
-  }
-}
-
-void write_drive_json(const std::string& path, const DriveSpec& spec, const SensorModel& sensor) {
-  nlohmann::ordered_json json = {{"name", spec.name},
-                                 {"seed", spec.seed},
-                                 {"revision", kDriveRevision},
-                                 {"scans", spec.scans},
-                                 {"sensor", sensor.name}};
-  for_each_number(spec, [&](const std::string& part, const char* name, double value, double /*low*/,
-                            double /*high*/) {
-    const bool unusual =
-        part == "mount" ? spec.mount != SensorMount{} : spec.conditions != SensingConditions{};
-    if (unusual) json[part][name] = value;
-  });
-  replace_file(path, [&](const std::string& part) { write_whole_file(part, json.dump(2) + "\n"); });
+/// At once on the disk: whatever stops the program, the file is whole up to here.
+void append_text(std::ofstream& stream, const std::string& path, const std::string& text) {
+  stream << text;
+  stream.flush();
+  if (stream) return;
+  throw Error(fmt::format(
+      "{}: cannot be written; check that the folder is writable and has free space", path));
 }
 
 /// `directory`, after it has been made with the file that says what the drive is: members that open
@@ -81,17 +60,12 @@ const std::string& made(const std::string& directory, const DriveSpec& spec,
   return directory;
 }
 
-Eigen::Quaterniond rotation_of(const Pose& pose) {
-  Eigen::Quaterniond rotation(pose.linear());
-  if (rotation.w() < 0.0) rotation.coeffs() = -rotation.coeffs();
-  return rotation;
-}
-
 std::vector<double> column_truth(const std::vector<Pose>& poses) {
   std::vector<double> values;
   values.reserve(7 * poses.size());
   for (const Pose& pose : poses) {
-    const Eigen::Quaterniond q = rotation_of(pose);
+    Eigen::Quaterniond q(pose.linear());
+    if (q.w() < 0.0) q.coeffs() = -q.coeffs();
     const Eigen::Vector3d t = pose.translation();
     values.insert(values.end(), {t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w()});
   }
@@ -111,8 +85,7 @@ DriveWriter::DriveWriter(const std::string& directory, const DriveSpec& spec,
       columns_(in(directory, "truth_columns.npy"), {sensor.columns, 7}),
       tum_(in(directory, "truth.tum"), std::ios::binary),
       kitti_(in(directory, "truth.kitti"), std::ios::binary) {
-  require_written(tum_, in(directory, "truth.tum"));
-  require_written(kitti_, in(directory, "truth.kitti"));
+  append_text(tum_, in(directory, "truth.tum"), "");
   write_sensor_json(sensor, in(directory, "sensor.json"));
   if (extra_.kitti_bin) make_empty_directory(fs::path(directory) / "bin");
   if (extra_.pcd) make_empty_directory(fs::path(directory) / "pcd");
@@ -121,19 +94,11 @@ DriveWriter::DriveWriter(const std::string& directory, const DriveSpec& spec,
 void DriveWriter::append(const SimulatedScan& scan) {
   stack_.append(scan.image);
   columns_.append(column_truth(scan.T_map_sensor_at_column));
-  append_truth(scan);
+  const StampedPose pose{scan.stamp_s, scan.T_map_sensor};
+  append_text(tum_, in(directory_, "truth.tum"), tum_line(pose));
+  append_text(kitti_, in(directory_, "truth.kitti"), kitti_line(pose));
   if (extra_.kitti_bin || extra_.pcd) write_extra(scan.image);
   ++scans_;
-}
-
-void DriveWriter::append_truth(const SimulatedScan& scan) {
-  const StampedPose pose{scan.stamp_s, scan.T_map_sensor};
-  tum_ << tum_line(pose);
-  kitti_ << kitti_line(pose);
-  tum_.flush();
-  kitti_.flush();
-  require_written(tum_, in(directory_, "truth.tum"));
-  require_written(kitti_, in(directory_, "truth.kitti"));
 }
 
 void DriveWriter::write_extra(const RangeImage& image) const {

@@ -3,18 +3,24 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <vector>
 
 #include "random.h"
+#include "sample_statistics.h"
+#include "small_sensor.h"
 
+using namespace hqslam;
 using namespace hqslam::sim;
+using namespace hqslam::test;
 
 namespace {
 
-Footprint footprint_of(const Echo& near, double near_weight, const Echo& far, double far_weight) {
+std::optional<Echo> reported(const Echo& near, double near_weight, const Echo& far,
+                             double far_weight) {
   Footprint footprint;
   footprint.add(near, near_weight);
   footprint.add(far, far_weight);
-  return footprint;
+  return footprint.reported_echo();
 }
 
 double detected_share(double range_m, const Surface& surface, double cos_incidence) {
@@ -29,17 +35,27 @@ double detected_share(double range_m, const Surface& surface, double cos_inciden
   return static_cast<double>(detected) / kTries;
 }
 
+constexpr int kPixels = 20'000;
+
+std::vector<float> disturbed(float range_m, const SensingConditions& conditions) {
+  std::vector<float> ranges_m;
+  for (int k = 0; k < kPixels; ++k) {
+    ranges_m.push_back(disturbed_range_m(range_m, conditions, small_sensor(), seed_of(9, k)));
+  }
+  return ranges_m;
+}
+
 }  // namespace
 
 TEST_CASE("echoes within a pulse melt into their mean by power, others do not") {
-  const auto mixed = reported_echo(footprint_of({10.0, 4.0}, 2.0, {10.5, 8.0}, 1.0));
+  const auto mixed = reported({10.0, 4.0}, 2.0, {10.5, 8.0}, 1.0);
   REQUIRE(mixed);
   CHECK(mixed->range_m == doctest::Approx(10.25));
-  const auto strongest = reported_echo(footprint_of({10.0, 1.0}, 2.0, {14.0, 5.0}, 1.0));
+  const auto strongest = reported({10.0, 1.0}, 2.0, {14.0, 5.0}, 1.0);
   REQUIRE(strongest);
   CHECK(strongest->range_m == doctest::Approx(14.0));
   CHECK(strongest->signal == doctest::Approx(5.0 / 3.0));
-  CHECK_FALSE(reported_echo(Footprint{}));
+  CHECK_FALSE(Footprint{}.reported_echo());
 }
 
 TEST_CASE("drop-outs grow with range, with grazing incidence and on dark surfaces") {
@@ -54,21 +70,16 @@ TEST_CASE("drop-outs grow with range, with grazing incidence and on dark surface
 
 TEST_CASE("range noise has mean 0 and the stated deviation, in whole millimetres") {
   const Echo echo{20.0, 25.0};
-  double sum = 0.0;
-  double sum_of_squares = 0.0;
-  int count = 0;
+  std::vector<double> errors_m;
   for (std::uint64_t k = 0; k < 20000; ++k) {
     const float range_m = detected_range_m(echo, 0.5, 120.0, seed_of(1, k));
     if (range_m == 0.0F) continue;
-    const double error_m = static_cast<double>(range_m) - 20.0;
     CHECK(std::abs(range_m * 1000.0F - std::round(range_m * 1000.0F)) < 0.01F);
-    sum += error_m;
-    sum_of_squares += error_m * error_m;
-    ++count;
+    errors_m.push_back(static_cast<double>(range_m) - 20.0);
   }
-  REQUIRE(count > 19900);
-  CHECK(std::abs(sum / count) < 3e-4);
-  CHECK(std::sqrt(sum_of_squares / count) == doctest::Approx(0.008 + 0.008 / 5.0).epsilon(0.03));
+  REQUIRE(errors_m.size() > 19900);
+  CHECK(std::abs(mean_of(errors_m)) < 3e-4);
+  CHECK(deviation_of(errors_m) == doctest::Approx(0.008 + 0.008 / 5.0).epsilon(0.03));
 }
 
 TEST_CASE("ranges outside the sensor's limits are no returns") {
@@ -93,4 +104,58 @@ TEST_CASE("neighbouring pixels of a window mostly agree, and some windows lose t
   CHECK(lost > 0.15 * kPatches);
   CHECK(lost < 0.7 * kPatches);
   CHECK(disagreements < 0.1 * kPatches);
+}
+
+TEST_CASE("fog takes what Beer and Lambert say, within a tenth where anything is left to see") {
+  CHECK(transmission(0.0, 50.0) == 1.0);
+  for (const double depth : {0.01, 0.1, 0.5, 1.0}) {
+    CHECK(transmission(0.02, depth / 0.02) == doctest::Approx(std::exp(-2.0 * depth)).epsilon(0.1));
+  }
+  CHECK(transmission(0.05, 100.0) < 0.002);
+}
+
+TEST_CASE("on a clear day a pixel reports what it would report") {
+  CHECK(disturbed_range_m(12.345F, {}, small_sensor(), 1) == 12.345F);
+  CHECK(disturbed_range_m(0.0F, {}, small_sensor(), 1) == 0.0F);
+}
+
+TEST_CASE("drop-outs take their share of the returns and leave the others as they are") {
+  int lost = 0;
+  for (const float range_m : disturbed(12.345F, {.dropout_share = 0.1})) {
+    CHECK((range_m == 0.0F || range_m == 12.345F));
+    lost += range_m == 0.0F ? 1 : 0;
+  }
+  CHECK(lost == doctest::Approx(0.1 * kPixels).epsilon(0.1));
+}
+
+TEST_CASE("extra noise has no mean and its standard deviation; beyond the limits nothing is seen") {
+  std::vector<double> errors_m;
+  for (const float range_m : disturbed(12.0F, {.extra_range_noise_m = 0.05})) {
+    errors_m.push_back(range_m - 12.0);
+  }
+  CHECK(std::abs(mean_of(errors_m)) < 0.002);
+  CHECK(deviation_of(errors_m) == doctest::Approx(0.05).epsilon(0.03));
+  int lost = 0;
+  for (const float range_m : disturbed(120.0F, {.extra_range_noise_m = 0.05})) {
+    CHECK(range_m <= 120.0F);
+    lost += range_m == 0.0F ? 1 : 0;
+  }
+  CHECK(lost == doctest::Approx(0.5 * kPixels).epsilon(0.05));
+}
+
+TEST_CASE("drops in the air are near, never behind what is seen, and hide it in their share") {
+  int nearer = 0;
+  for (const float range_m : disturbed(6.0F, {.airborne_share = 0.2})) {
+    CHECK(range_m >= 0.5F);
+    CHECK(range_m <= 6.0F);
+    nearer += range_m < 6.0F ? 1 : 0;
+  }
+  // r_d = 0.5 m + 12 m u^2 is nearer than 6 m for u below 0.677.
+  CHECK(nearer == doctest::Approx(0.2 * 0.677 * kPixels).epsilon(0.1));
+  int seen = 0;
+  for (const float range_m : disturbed(0.0F, {.airborne_share = 0.2})) {
+    CHECK(range_m <= 12.5F);
+    seen += range_m > 0.0F ? 1 : 0;
+  }
+  CHECK(seen == doctest::Approx(0.2 * kPixels).epsilon(0.1));
 }

@@ -10,13 +10,9 @@ using namespace hqslam::test;
 
 namespace {
 
-/// Depths (behind the wall's plane x = 10, negative: in front) by material, over a raster of rays.
+/// Rays of a raster by what they meet of a wall in the plane x = 10.
 struct Seen {
-  int wall = 0;
-  int glass = 0;
-  int door = 0;
-  int in_front = 0;
-  int behind = 0;
+  int wall = 0, glass = 0, door = 0, in_front = 0, behind = 0;
 };
 
 Seen look_at_facade(const FacadeStyle& style) {

@@ -19,4 +19,11 @@ inline void add_wall(sim::TriangleMesh& mesh, double x_m, double y0_m, double y1
                 {sim::Material::kPlaster, shade});
 }
 
+/// Somewhere in a box around the origin, whose sides are twice `half_m` long.
+inline Eigen::Vector3d random_point(sim::Random& random, const Eigen::Vector3d& half_m) {
+  const double x = random.uniform(-half_m.x(), half_m.x());
+  const double y = random.uniform(-half_m.y(), half_m.y());
+  return {x, y, random.uniform(-half_m.z(), half_m.z())};
+}
+
 }  // namespace hqslam::test

@@ -8,7 +8,6 @@
 #include "echo.h"
 #include "random.h"
 #include "small_city.h"
-#include "triangle_distance.h"
 
 using namespace hqslam::sim;
 using namespace hqslam::test;
@@ -19,11 +18,7 @@ namespace {
 City random_city() {
   City city = empty_city();
   Random random(3);
-  const auto place = [&] {
-    const double x = random.uniform(-10.0, 10.0);
-    const double y = random.uniform(-10.0, 10.0);
-    return Eigen::Vector3d(x, y, random.uniform(-2.0, 2.0));
-  };
+  const auto place = [&] { return random_point(random, {10.0, 10.0, 2.0}); };
   TriangleMesh box;
   add_box(box, Eigen::Isometry3d::Identity(), {-0.5, -0.3, -0.2}, {0.5, 0.3, 0.2},
           {Material::kConcrete, 1});
@@ -31,9 +26,8 @@ City random_city() {
   for (int k = 0; k < 30; ++k) {
     const Eigen::Vector3d origin_m = place();
     const Eigen::Vector3d axis = place().normalized();
-    Eigen::Isometry3d turned = Eigen::Isometry3d::Identity();
-    turned.linear() = Eigen::AngleAxisd(random.uniform(0.0, 3.0), axis).toRotationMatrix();
-    turned.translation() = origin_m;
+    const Eigen::Isometry3d turned =
+        Eigen::Translation3d(origin_m) * Eigen::AngleAxisd(random.uniform(0.0, 3.0), axis);
     if (k % 2 == 0) {
       add_box(city.fixed, turned, {-0.5, -0.3, -0.2}, {0.5, 0.3, 0.2}, {Material::kConcrete, 1});
     } else {
@@ -79,9 +73,7 @@ TEST_CASE("the nearest surface is that of a search through all triangles, placed
   const RayScene scene(city);
   Random random(5);
   for (int trial = 0; trial < 300; ++trial) {
-    const double x = random.uniform(-12.0, 12.0);
-    const double y = random.uniform(-12.0, 12.0);
-    const Eigen::Vector3d point_m(x, y, random.uniform(-4.0, 4.0));
+    const Eigen::Vector3d point_m = random_point(random, {12.0, 12.0, 4.0});
     const double expected_m = distance_by_all_triangles_m(city, point_m);
     const auto found_m = scene.distance_m(point_m, 2.0);
     REQUIRE(found_m.has_value() == (expected_m < 2.0));

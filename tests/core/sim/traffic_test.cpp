@@ -4,7 +4,6 @@
 
 #include "city.h"
 #include "hqslam/sim/drive.h"
-#include "path_plan.h"
 
 using namespace hqslam::sim;
 

@@ -1,7 +1,6 @@
-#include "tree.h"
-
 #include <doctest/doctest.h>
 
+#include "prototype.h"
 #include "random.h"
 #include "ray_scene.h"
 #include "small_city.h"

@@ -40,7 +40,7 @@ std::vector<Eigen::Vector3f> visible_surface_m(sim::DriveSimulator simulator) {
   std::vector<Eigen::Vector3f> samples_m;
   std::unordered_set<std::uint64_t> taken;
   while (const auto visible = simulator.next_visible()) {
-    for (const Eigen::Vector3f& point_m : visible->points_m) {
+    for (const Eigen::Vector3f& point_m : *visible) {
       if (taken.insert(voxel_key(point_m)).second) samples_m.push_back(point_m);
     }
   }

@@ -67,11 +67,6 @@ struct SimulatedScan {
   std::vector<Pose> T_map_sensor_at_column;
 };
 
-/// Where the beams of one scan would meet what stands still.
-struct VisibleSurface {
-  std::vector<Eigen::Vector3f> points_m;  ///< map frame, in the order of the pixels
-};
-
 /// Drives a sensor through the city, one scan after the other; never more than one in memory.
 class DriveSimulator {
  public:
@@ -86,11 +81,12 @@ class DriveSimulator {
   /// Leaves out the next `scans` scans without simulating them; those after it stay the same.
   void skip(std::int64_t scans);
 
-  /// What the next scan could see of the true surface, and goes on to the scan after it: every beam
-  /// from where the sensor is then, without noise and drop-outs, without those who move, and
-  /// without glass, which shows what is behind it or nothing. A beam counts if its surface lies
-  /// within the sensor's range and is bright enough to be seen at least every other time.
-  std::optional<VisibleSurface> next_visible();
+  /// Where the beams of the next scan would meet the true surface (map frame, in the order of the
+  /// pixels), and goes on to the scan after it: from where the sensor is then, without noise and
+  /// drop-outs, without those who move, and without glass, which shows what is behind it or
+  /// nothing. A beam counts if its surface lies within the sensor's range and is bright enough to
+  /// be seen at least every other time.
+  std::optional<std::vector<Eigen::Vector3f>> next_visible();
   /// From each point (map frame) to the nearest true surface: metres, infinity where that is
   /// farther than `reach_m` and for points that are not finite. True are the surfaces of what
   /// stands still, and what their windows show to a sensor on this drive (curtains, rooms, seats):

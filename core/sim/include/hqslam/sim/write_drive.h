@@ -10,6 +10,9 @@
 
 namespace hqslam::sim {
 
+/// Writes the file that says what a drive is; read_drive_json reads it. Throws Error.
+void write_drive_json(const std::string& path, DriveSpec spec, const SensorModel& sensor);
+
 /// Formats written beside the stack of range images, one file per scan, points as captured (not
 /// corrected for motion).
 struct ExtraFormats {
@@ -21,8 +24,7 @@ struct ExtraFormats {
 ///   scans.npy          N x rows x columns, float32 metres, 0 = no return, row 0 the highest beam
 ///   sensor.json        the sensor model
 ///   drive.json         name, seed and planned length of the drive, and the simulator's revision;
-///   mount and conditions where
-///                      they are not the usual ones
+///                      mount and conditions where they are not the usual ones
 ///   truth.tum          true pose of every scan at its stamp, in the frame of the first scan
 ///   truth.kitti        the same as KITTI writes it
 ///   truth_columns.npy  N x columns x 7, float64: x y z qx qy qz qw when the head is at each column
@@ -34,7 +36,6 @@ class DriveWriter {
   void append(const SimulatedScan& scan);
 
  private:
-  void append_truth(const SimulatedScan& scan);
   void write_extra(const RangeImage& image) const;
 
   std::string directory_;

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "mesh.h"
+
+namespace hqslam::sim {
+
+/// Things of which one shape stands in many places, each shape at the origin, x forward: where each
+/// kind begins among the prototypes.
+constexpr int kTreeShapes = 10;
+constexpr int kBushShapes = 3;
+constexpr int kCarBodies = 4;  ///< hatchback, saloon, off-roader, van
+constexpr int kWalkerBodies = 2;
+constexpr int kFirstTree = 0;
+constexpr int kFirstBush = kFirstTree + kTreeShapes;
+constexpr int kFirstCar = kFirstBush + kBushShapes;
+constexpr int kFirstWalker = kFirstCar + kCarBodies;
+std::vector<TriangleMesh> make_prototypes(std::uint64_t seed);
+
+/// Broadleaf or conifer: trunk, branches and a crown of single leaf quads, so that some rays pass
+/// between them.
+TriangleMesh make_tree(std::uint64_t seed);
+/// About a metre high.
+TriangleMesh make_bush(std::uint64_t seed);
+TriangleMesh make_car(int body);
+TriangleMesh make_walker(int body);
+
+}  // namespace hqslam::sim

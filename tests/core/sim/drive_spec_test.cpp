@@ -1,0 +1,143 @@
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+#include "error_message.h"
+#include "file_contents.h"
+#include "hqslam/sim/drive.h"
+#include "hqslam/sim/read_drive.h"
+#include "hqslam/sim/write_drive.h"
+#include "small_sensor.h"
+#include "temporary_directory.h"
+
+using namespace hqslam;
+using namespace hqslam::sim;
+using namespace hqslam::test;
+
+namespace {
+
+DriveSpec block_with_seed(std::uint64_t seed) {
+  DriveSpec spec = drive_preset("block");
+  spec.seed = seed;
+  spec.scans = 2;
+  return spec;
+}
+
+double share_of_returns(const DriveSpec& spec) {
+  const RangeImage image = DriveSimulator(spec, small_sensor()).next()->image;
+  double returns = 0.0;
+  for (const float range_m : image.range_m) returns += range_m > 0.0F ? 1.0 : 0.0;
+  return returns / static_cast<double>(image.range_m.size());
+}
+
+/// Of the lowest beam, straight ahead and straight behind, left and right.
+double range_at(const DriveSpec& spec, double share_of_circle) {
+  const SensorModel sensor = small_sensor();
+  const RangeImage image = DriveSimulator(spec, sensor).next()->image;
+  const int column = static_cast<int>(share_of_circle * sensor.columns);
+  return image.at(15, column);
+}
+
+}  // namespace
+
+TEST_CASE("conditions are drawn from the seed, within their bounds, and differ between seeds") {
+  int clear = 0;
+  double lowest_m = 10.0;
+  double highest_m = 0.0;
+  double steepest_rad = 0.0;
+  constexpr int kSeeds = 400;
+  for (int seed = 0; seed < kSeeds; ++seed) {
+    const DriveSpec spec = with_varied_conditions(block_with_seed(seed));
+    CHECK(spec.mount == with_varied_conditions(block_with_seed(seed)).mount);
+    CHECK_NOTHROW(validate(spec));
+    lowest_m = std::min(lowest_m, spec.mount.sensor_height_m);
+    highest_m = std::max(highest_m, spec.mount.sensor_height_m);
+    steepest_rad = std::max(
+        {steepest_rad, std::abs(spec.mount.mount_roll_rad), std::abs(spec.mount.mount_pitch_rad)});
+    CHECK(spec.conditions.extra_range_noise_m <= 0.02);
+    CHECK(spec.conditions.dropout_share <= 0.06);
+    CHECK(spec.conditions.extinction_per_m <= 0.03);
+    CHECK(spec.conditions.airborne_share <= 0.02);
+    clear += spec.conditions.extinction_per_m == 0.0 ? 1 : 0;
+  }
+  CHECK(lowest_m >= 0.4);
+  CHECK(lowest_m < 0.45);
+  CHECK(highest_m <= 2.2);
+  CHECK(highest_m > 2.15);
+  CHECK(steepest_rad <= 0.0873);
+  CHECK(steepest_rad > 0.06);
+  CHECK(clear == doctest::Approx(0.75 * kSeeds).epsilon(0.1));
+}
+
+TEST_CASE("fog hides what is far") {
+  DriveSpec foggy = block_with_seed(1);
+  foggy.conditions.extinction_per_m = 0.05;
+  CHECK(share_of_returns(foggy) < share_of_returns(block_with_seed(1)) - 0.05);
+}
+
+TEST_CASE("a lower sensor sees the street nearer, a tilted one nearer on the side it leans to") {
+  DriveSpec spec = block_with_seed(1);
+  // -20 degrees from 1.85 m: 5.4 m to the street ahead.
+  CHECK(range_at(spec, 0.5) == doctest::Approx(1.85 / std::sin(0.349)).epsilon(0.05));
+  spec.mount.sensor_height_m = 0.6;
+  CHECK(range_at(spec, 0.5) == doctest::Approx(0.6 / std::sin(0.349)).epsilon(0.08));
+  spec = block_with_seed(1);
+  spec.mount.mount_pitch_rad = 0.0873;  // nose down: -25 degrees ahead, -15 behind
+  CHECK(range_at(spec, 0.5) == doctest::Approx(1.85 / std::sin(0.436)).epsilon(0.05));
+  CHECK(range_at(spec, 0.0) == doctest::Approx(1.85 / std::sin(0.262)).epsilon(0.08));
+}
+
+TEST_CASE("mounts and conditions that cannot be are named with field and bounds") {
+  const auto message = [](auto change) {
+    DriveSpec spec = block_with_seed(1);
+    change(spec);
+    return error_message([&] { DriveSimulator(spec, small_sensor()); });
+  };
+  const std::vector<std::pair<void (*)(DriveSpec&), std::string>> cases = {
+      {[](DriveSpec& s) { s.mount.sensor_height_m = 0.0; }, "sensor_height_m is 0"},
+      {[](DriveSpec& s) { s.mount.mount_roll_rad = std::nan(""); }, "mount_roll_rad is nan"},
+      {[](DriveSpec& s) { s.mount.mount_pitch_rad = -1.0; }, "mount_pitch_rad is -1"},
+      {[](DriveSpec& s) { s.conditions.dropout_share = 1.0; }, "dropout_share is 1"},
+      {[](DriveSpec& s) { s.conditions.extra_range_noise_m = -0.1; }, "extra_range_noise_m"},
+      {[](DriveSpec& s) { s.conditions.extinction_per_m = 2.0; }, "extinction_per_m"},
+      {[](DriveSpec& s) { s.conditions.airborne_share = -1.0; }, "airborne_share"},
+  };
+  for (const auto& [change, named] : cases) {
+    CHECK(one_line_with(message(change), "block", named, "expected", "; give "));
+  }
+  CHECK(one_line_with(message(cases.front().first), "0.1 to 10; give "));
+}
+
+TEST_CASE("a drive is read as it was written, with its mount and conditions") {
+  for (const bool varied : {false, true}) {
+    const TemporaryDirectory folder;
+    DriveSpec spec{"town", 0xFFFFFFFFFFFFFFFFU, 12, {}, {}};
+    if (varied) spec = with_varied_conditions(spec);
+    { const DriveWriter writer(folder.path().string(), spec, small_sensor()); }
+    const DriveSpec read = read_drive_json(folder.file("drive.json"));
+    CHECK(read.name == spec.name);
+    CHECK(read.seed == spec.seed);
+    CHECK(read.scans == spec.scans);
+    CHECK(read.mount == spec.mount);
+    CHECK(read.conditions == spec.conditions);
+  }
+}
+
+TEST_CASE("what is no drive.json is an error of one line that names the file") {
+  const TemporaryDirectory folder;
+  const std::string path = folder.file("drive.json");
+  const auto message_for = [&](const std::string& text) {
+    write_file(path, text);
+    return error_message([&] { read_drive_json(path); });
+  };
+  CHECK(one_line_with(error_message([&] { read_drive_json(path); }), path, "found no file"));
+  CHECK(one_line_with(message_for("not json"), path, "JSON"));
+  CHECK(one_line_with(message_for("[]"), path, "object"));
+  CHECK(one_line_with(message_for(R"({"name": "town", "seed": 1})"), path, "scans"));
+  CHECK(one_line_with(message_for(R"({"name": "town", "seed": -1, "scans": 3})"), path, "seed"));
+  CHECK(one_line_with(message_for(R"({"name": "town", "seed": 1, "scans": 0})"), "scans"));
+  CHECK(one_line_with(message_for(R"({"name": "moon", "seed": 1, "scans": 3})"), "moon"));
+  CHECK(one_line_with(message_for(R"({"name": "town", "seed": 1, "scans": 3, "mount": 4})"), path,
+                      "mount"));
+  CHECK(one_line_with(message_for(std::string(100000, ' ')), path, "bytes"));
+}
