@@ -8,13 +8,8 @@
 
 namespace hqslam::nn {
 
-Tensor::Tensor(int channels, int rows, int columns, ColumnPadding padding, int border_rows)
-    : channels_(channels),
-      rows_(rows),
-      columns_(columns),
-      padded_columns_((columns + kBorderColumns - 1) / kBorderColumns * kBorderColumns),
-      border_rows_(border_rows),
-      padding_(padding) {
+Tensor Tensor::shape_alone(int channels, int rows, int columns, ColumnPadding padding,
+                           int border_rows) {
   constexpr int kMostBorderRows = 16;
   if (channels < 1 || rows < 1 || columns < 1 || border_rows < 0 || border_rows > kMostBorderRows) {
     throw Error(fmt::format(
@@ -22,7 +17,14 @@ Tensor::Tensor(int channels, int rows, int columns, ColumnPadding padding, int b
         "and a border of 0 to {} rows",
         channels, rows, columns, border_rows, kMostBorderRows));
   }
-  values_.assign(static_cast<std::size_t>(rows + 2 * border_rows) * row_stride(), 0.0F);
+  Tensor tensor;
+  tensor.channels_ = channels;
+  tensor.rows_ = rows;
+  tensor.columns_ = columns;
+  tensor.padded_columns_ = (columns + kBorderColumns - 1) / kBorderColumns * kBorderColumns;
+  tensor.border_rows_ = border_rows;
+  tensor.padding_ = padding;
+  return tensor;
 }
 
 void Tensor::fill_other_border(int channel, int row_index) {

@@ -48,7 +48,13 @@ class Tensor {
 
   Tensor() = default;
   /// All zero. Throws Error unless channels, rows, columns >= 1 and 0 <= border_rows <= 16.
-  Tensor(int channels, int rows, int columns, ColumnPadding padding, int border_rows = 1);
+  Tensor(int channels, int rows, int columns, ColumnPadding padding, int border_rows = 1)
+      : Tensor(shape_alone(channels, rows, columns, padding, border_rows)) {
+    values_.assign(static_cast<std::size_t>(rows + 2 * border_rows) * row_stride(), 0.0F);
+  }
+  /// Of the same shape but without values, to plan with.
+  static Tensor shape_alone(int channels, int rows, int columns, ColumnPadding padding,
+                            int border_rows = 1);
 
   int channels() const { return channels_; }
   int rows() const { return rows_; }

@@ -1,11 +1,7 @@
 #include "direct_network.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
-
-#include "hqslam/core/error.h"
 
 namespace hqslam::nn {
 namespace {
@@ -55,14 +51,6 @@ void DirectNetwork::set_parameters(std::span<const float> parameters) {
   graph_.set_parameters(parameters);
   parameters_.assign(parameters.begin(), parameters.end());
   if (training_) training_->stale = true;
-}
-
-void DirectNetwork::check(const RangeImage& measured) const {
-  const TensorShape& input = graph_.shape(0);
-  if (measured.rows != input.rows || measured.columns != input.columns) {
-    throw Error(fmt::format("network: an image of {} x {}, expected the measured rows, {} x {}",
-                            measured.rows, measured.columns, input.rows, input.columns));
-  }
 }
 
 float DirectNetwork::to_unit(float range_m) const {
@@ -131,7 +119,7 @@ void DirectNetwork::restore(const RangeImage& measured, RangeImage& image) const
 }
 
 const LiftedImage& DirectNetwork::lift(const RangeImage& measured, float /*tolerance_m*/) {
-  check(measured);
+  check_measured(measured);
   run_passes(measured, plan_.passes);
   const auto nearest_m = static_cast<float>(description_.sensor.min_range_m);
   const auto farthest_m = static_cast<float>(description_.sensor.max_range_m);
@@ -147,7 +135,7 @@ const LiftedImage& DirectNetwork::lift(const RangeImage& measured, float /*toler
 
 /// One pass without dropout.
 RangeImage DirectNetwork::estimate(const RangeImage& measured) {
-  check(measured);
+  check_measured(measured);
   run_passes(measured, 1);
   RangeImage image(lifted_.image.rows, lifted_.image.columns);
   for (std::size_t i = 0; i < sum_.size(); ++i) {

@@ -62,7 +62,6 @@ class DirectNetwork final : public Network {
     bool stale = true;  ///< the parameters have changed
   };
 
-  void check(const RangeImage& measured) const;
   float to_unit(float range_m) const;
   float to_metres(float value) const;
   void take(const RangeImage& image, Tensor& tensor) const;

@@ -42,7 +42,8 @@ ConvolutionLayer::ConvolutionLayer(const ConvolutionOptions& options, const Tens
       options_(options),
       shape_(shape_of(options, input)),
       input_(input),
-      layer_(shape_, input.make(), output_.make(), engine.instruction_set, engine.threads) {
+      layer_(shape_, input.without_values(), output_.without_values(), engine.instruction_set,
+             engine.threads) {
   if (options.row_bias) row_bias_ = output_.make();
 }
 

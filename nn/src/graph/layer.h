@@ -26,6 +26,8 @@ struct TensorShape {
 
   /// All zero.
   Tensor make() const { return {channels, rows, columns, padding}; }
+  /// To plan with.
+  Tensor without_values() const { return Tensor::shape_alone(channels, rows, columns, padding); }
   std::int64_t values() const { return static_cast<std::int64_t>(channels) * rows * columns; }
   bool operator==(const TensorShape&) const = default;
 };
