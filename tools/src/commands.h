@@ -41,6 +41,9 @@ struct InspectOptions : InputChoice {  ///< sensor empty: as for hqslam upsample
   int rows = 0;       ///< of SLAM: of the recording, 0: all
   SlamSettings slam_settings;
   std::int64_t scan = 0;
+  std::vector<std::string> tensors;  ///< by name
+  bool list = false;                 ///< say their names, write nothing
+  bool reference = false;            ///< compare all of them with the reference
   std::string out;
 };
 void declare_inspect(CLI::App& app, InspectOptions& options);
