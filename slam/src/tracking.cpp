@@ -161,8 +161,8 @@ Slam::Implementation::Registered Slam::Implementation::registered(const Tracking
   found.is_motion_plausible =
       found.by_odometry && !is_elsewhere &&
       is_plausible(logarithm(expected.T_map_sensor.inverse() * T_map_moved), duration_s);
-  found.is_contradiction =
-      is_precise(expected) && (is_elsewhere || (found.by_odometry && !found.is_motion_plausible));
+  found.is_contradiction = scan.has_enough_features && is_precise(expected) &&
+                           (is_elsewhere || (found.by_odometry && !found.is_motion_plausible));
   found.inlier_ratio = matched.inlier_ratio;
   found.state = found.is_registered ? matched.state : expected;
   if (!found.is_registered) {

@@ -49,7 +49,7 @@ Driven drive(const test::Circuit& circuit, const Estimate& estimate) {
     const OrganizedCloud cloud = circuit.village.scan(sensor, truth[i]);
     const slam::MapFeatures features = test::features_of(cloud, sensor);
     const Twist standing;
-    slam::LoopKeyframe keyframe{T_map_sensor, estimate.status, i, i == 0, std::nullopt};
+    slam::LoopKeyframe keyframe{T_map_sensor, estimate.status, i, i == 0, {}, std::nullopt};
     if (i > 0) since_view_m += (truth[i].translation() - truth[i - 1].translation()).norm();
     if (i == 0 || since_view_m >= 4.0) {
       keyframe.view = {cloud, features, standing, mapping.slide_window()};

@@ -84,7 +84,7 @@ TEST_CASE("a file that is no saved map is refused in one line") {
       {[](NpzArrays& a) {
          a["posts_m"] = npz_array(std::vector<float>{0, 0, -1e10F}, {1, 3});
        },
-       "posts_m has a coordinate of -1e+10 m"},
+       "posts_m has a coordinate of -10000000000 m"},
       {[](NpzArrays& a) {
          std::vector<double> pose = {1, 0, 0, 1e10, 0, 1, 0, 0, 0, 0, 1, 0};
          a["T_map_place"] = npz_array(pose, {1, 3, 4});

@@ -67,8 +67,7 @@ void declare_inspect(CLI::App& app, InspectOptions& options) {
   command->add_option("--tensor", options.tensors,
                       "Show an inner tensor too, such as layers.2.encoder.0 (may be repeated)");
   CLI::Option* const list =
-      command->add_flag("--list", options.list, "Print the names of all inner tensors, no page")
-          ->excludes(slam);
+      command->add_flag("--list", options.list, "Print the names of all inner tensors, no page");
   command->add_flag("--reference", options.reference,
                     "How far every tensor is from the network in double precision (minutes)");
   command->add_option("--out", options.out, "Page to write (.html)")->excludes(list);
@@ -84,12 +83,13 @@ void declare_inspect(CLI::App& app, InspectOptions& options) {
 }
 
 int inspect_command(const InspectOptions& options) {
-  if (options.out.empty() && !options.list) {
-    throw Error("inspect: no --out, expected a page to write or --list");
+  if (options.slam) {
+    if (options.out.empty()) throw Error("inspect: no --out, expected a page to write");
+    return inspect_slam(options);
   }
-  if (options.slam) return inspect_slam(options);
   if (options.weights.empty()) throw Error("inspect: expected --weights, or --slam");
   if (!options.list) {
+    if (options.out.empty()) throw Error("inspect: no --out, expected a page to write or --list");
     refuse_to_replace_foreign(options.out, kLayersPageMarker);
     require_folder_of(options.out);
   }
