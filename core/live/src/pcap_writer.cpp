@@ -1,9 +1,9 @@
 #include "pcap_writer.h"
 
 #include <fmt/format.h>
-#include <pcap.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -20,7 +20,7 @@ using namespace recordings;
 
 namespace {
 
-constexpr int kMaxFrame = 65535 + 40;
+constexpr std::uint32_t kMaxFrame = 65535 + 40;
 constexpr std::size_t kUdpHeader = 8;
 constexpr std::uint8_t kUdp = 17;
 constexpr std::uint8_t kMostHops = 64;
@@ -89,30 +89,10 @@ void put_udp(Frame& frame, const Packet& packet) {
   put_big_endian(frame, header + 6, checksum == 0 ? 0xFFFF : checksum);  // 0 would be: none
 }
 
+/// Of the file: microseconds are nanoseconds, version 2.4, raw IP.
+constexpr std::array<std::uint32_t, 6> kFileHeader = {0xA1B23C4D, 0x00040002, 0, 0, kMaxFrame, 101};
+
 }  // namespace
-
-class PcapWriter::File {
- public:
-  explicit File(std::FILE* stream)
-      : pcap_(pcap_open_dead_with_tstamp_precision(DLT_RAW, kMaxFrame, PCAP_TSTAMP_PRECISION_NANO)),
-        dumper_(pcap_dump_fopen(pcap_, stream)) {}
-  ~File() {
-    if (dumper_ != nullptr) pcap_dump_close(dumper_);
-    pcap_close(pcap_);
-  }
-  File(const File&) = delete;
-  File& operator=(const File&) = delete;
-
-  bool is_open() const { return dumper_ != nullptr; }
-  bool write(const pcap_pkthdr& header, const Frame& frame) {
-    pcap_dump(reinterpret_cast<u_char*>(dumper_), &header, frame.data());
-    return std::ferror(pcap_dump_file(dumper_)) == 0;
-  }
-
- private:
-  pcap_t* pcap_;
-  pcap_dumper_t* dumper_;
-};
 
 PcapWriter::PcapWriter(const std::string& path) : path_(path) {
   if (!path.ends_with(".pcap")) {
@@ -122,15 +102,12 @@ PcapWriter::PcapWriter(const std::string& path) : path_(path) {
     throw Error(fmt::format("{}: is there already, expected none beside {}; name another file",
                             beside(path), path));
   }
-  std::FILE* const stream = std::fopen(path.c_str(), "wbx");
-  if (stream == nullptr) {
+  file_.reset(std::fopen(path.c_str(), "wbx"));
+  if (!file_) {
     throw Error(fmt::format("{}: cannot be made for the packets ({}); name another file", path,
                             std::strerror(errno)));
   }
-  file_ = std::make_unique<File>(stream);
-  if (!file_->is_open()) {
-    throw Error(fmt::format("{}: cannot be written; is the disk full?", path));
-  }
+  write(kFileHeader.data(), sizeof kFileHeader);
 }
 
 PcapWriter::~PcapWriter() {
@@ -157,13 +134,17 @@ void PcapWriter::add(const Packet& packet) {
   }
   put_udp(frame_, packet);
   has_packets_ = true;
-  pcap_pkthdr header{};
-  header.ts.tv_sec = packet.capture_time_ns / 1'000'000'000;
-  header.ts.tv_usec = packet.capture_time_ns % 1'000'000'000;  // the file's unit is nanoseconds
-  header.caplen = header.len = static_cast<bpf_u_int32>(frame_.size());
-  if (!file_->write(header, frame_)) {
-    throw Error(fmt::format("{}: cannot be written on; is the disk full?", path_));
-  }
+  const auto bytes = static_cast<std::uint32_t>(frame_.size());
+  const std::array<std::uint32_t, 4> header = {
+      static_cast<std::uint32_t>(packet.capture_time_ns / 1'000'000'000),
+      static_cast<std::uint32_t>(packet.capture_time_ns % 1'000'000'000), bytes, bytes};
+  write(header.data(), sizeof header);
+  write(frame_.data(), frame_.size());
+}
+
+void PcapWriter::write(const void* bytes, std::size_t count) {
+  if (std::fwrite(bytes, 1, count, file_.get()) == count) return;
+  throw Error(fmt::format("{}: cannot be written on; is the disk full?", path_));
 }
 
 }  // namespace hqslam::live

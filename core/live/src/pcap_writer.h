@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <cstdio>
 #include <memory>
 #include <string>
 #include <vector>
@@ -10,8 +11,9 @@
 namespace hqslam::live {
 
 /// Writes UDP datagrams into a .pcap file (nanoseconds, raw IP) that open_pcap reads back: their
-/// sender, port, payload and time. The receiver's address and the sender's port are not known and
-/// stand as 255.255.255.255 (or ff02::1) and as the receiver's port.
+/// sender, port, payload and time. Source: libpcap, "pcap-savefile". The receiver's address and the
+/// sender's port are not known and stand as 255.255.255.255 (or ff02::1) and as the receiver's
+/// port.
 class PcapWriter {
  public:
   /// Throws Error if it is not called .pcap, if there is such a file already, or one with .json in
@@ -29,9 +31,13 @@ class PcapWriter {
   void put_beside(const std::string& metadata) const;
 
  private:
-  class File;
+  struct Close {
+    void operator()(std::FILE* file) const { std::fclose(file); }
+  };
+  void write(const void* bytes, std::size_t count);
+
   std::string path_;
-  std::unique_ptr<File> file_;
+  std::unique_ptr<std::FILE, Close> file_;
   std::vector<std::uint8_t> frame_;
   bool has_packets_ = false;
 };

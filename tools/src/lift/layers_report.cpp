@@ -169,7 +169,7 @@ std::string layers_html(const LayersReport& report) {
     html += layer_html(report, layer);
   }
   return page_html(fmt::format("Layers of scan {}", report.scan), kStyle,
-                   html + result_html(report), std::string(kLayersPageMarker) + "\n");
+                   html + result_html(report), fmt::format("{}\n", kLayersPageMarker));
 }
 
 }  // namespace hqslam::tools
