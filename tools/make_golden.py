@@ -392,7 +392,7 @@ def rejected_pixels(ranges, min_angle_rad, min_pixels):
 
 
 # Also as users export them, for `hqslam weights pack`.
-EXPORTED = ("du_or", "simple_du", "du_mix_two_layers")
+EXPORTED = ("du_or", "simple_du", "du_mix")
 
 
 def small_network(kind, denoiser, layers=LAYERS, shared=False, min_pixels=0):
@@ -426,9 +426,8 @@ def with_stored_parameters(module, seed, last=None):
     return stored
 
 
-def save_network(name, module, measured_m, stored, total, loss, extra):
-    """total: what is differentiated, of which `loss` is the last layer's part."""
-    total.backward()
+def save_network(name, module, measured_m, stored, loss, extra):
+    loss.backward()
     gradient = torch.cat([value.grad.flatten() for value in in_file_order(module)])
     save(name, {"measured_m": measured_m, "parameters": stored, "loss": loss.reshape(1),
                 "d_parameters": gradient, **extra})
@@ -449,7 +448,7 @@ def unrolled(name, module, seed, last=None):
         extra[f"layers.{i}.rejected"] = mask.numpy().astype("|u1")
         assert 0.03 < mask.double().mean() < 0.7, f"a dull mask: {mask.double().mean()}"
     loss = l1_loss(module.rows, z[-1], truth)
-    save_network(name, module, measured_m, stored, loss, loss, extra)
+    save_network(name, module, measured_m, stored, loss, extra)
 
 
 def du_or(name, seed, channels, memory, slope, shared, min_pixels):
@@ -467,19 +466,19 @@ def simple_du(name, seed, features, convolutions):
     unrolled(name, SimpleDu(small_network("simple-du", denoiser, shared=True)), seed, last=96)
 
 
-def du_mix(name, seed, shapes, memory, slope, layer_share):
-    """shapes: channels, lower channels and residual blocks of each layer."""
+def du_mix(name, seed, shape, slope):
+    """shape: channels, lower channels and residual blocks."""
     fields = ("channels", "lower_channels", "residual_blocks")
-    denoiser = {"tile_rows": 4, "tile_columns": 4, "memory": memory, "negative_slope": slope,
-                "layers": [dict(zip(fields, shape)) for shape in shapes]}
-    module = DuMix(small_network("du-mix", denoiser, layers=len(shapes)))
+    denoiser = {"tile_rows": 4, "tile_columns": 4, "memory": 0, "negative_slope": slope,
+                "layers": [dict(zip(fields, shape))]}
+    module = DuMix(small_network("du-mix", denoiser))
     stored = with_stored_parameters(module, seed)
     measured_m = torch.tensor(scene_m()[FIRST_ROW::ROW_STRIDE])
     measured_m[2, 30:33] = 0.0
-    total, loss = module.loss(measured_m, torch.tensor(scene_m()), layer_share)
-    said = module.layer_modes(measured_m)[-1]
+    loss = module.loss(measured_m, torch.tensor(scene_m()))
+    said = module.say(measured_m)
     extra = {"range_m": said["middle"].exp(), "confidence": module.confidence(said, 0.5)}
-    save_network(name, module, measured_m, stored, total, loss, extra)
+    save_network(name, module, measured_m, stored, loss, extra)
 
 
 def passes_of(module, measured_m):
@@ -551,8 +550,7 @@ def make_networks():
     du_or("du_or", 10, (6, 8), 3, 0.0, shared=False, min_pixels=0)
     du_or("du_or_filtered", 11, (6, 8), 3, 0.125, shared=True, min_pixels=30)
     simple_du("simple_du", 12, 8, 5)
-    du_mix("du_mix", 13, [(6, 8, 1)], 0, 0.125, 0.1)
-    du_mix("du_mix_two_layers", 14, [(6, 8, 1), (5, 7, 0)], 3, 0.125, 0.25)
+    du_mix("du_mix", 13, (6, 8, 1), 0.125)
 
 
 SECTIONS = {

@@ -90,7 +90,7 @@ fi
 if [[ "${1:-}" == --thread ]]; then
   step "Thread sanitizer"
   tools/setup.sh fuzz
-  threaded=(test_nn test_slam test_recordings test_accuracy)
+  threaded=(test_nn test_nn_compare test_slam test_recordings test_accuracy)
   cmake --preset thread -Wno-dev >/dev/null
   cmake --build --preset thread -j "$jobs" --target "${threaded[@]}"
   ctest --preset thread -R "^($(IFS='|' && echo "${threaded[*]}"))$"

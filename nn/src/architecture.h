@@ -51,8 +51,10 @@ struct NamedArchitecture {
   /// Takes what only this kind has out of a network's fields. Throws Error.
   std::shared_ptr<const Architecture> (*read)(JsonFields& network);
 };
-/// All there are.
+/// All there are: those of architectures.cpp, and what was added.
 std::span<const NamedArchitecture> architectures();
+/// Of another component; before any network is read. Added again it stays one.
+void add_architecture(const NamedArchitecture& added);
 
 /// Throws Error unless its images can have so many columns.
 void check_columns(const NetworkDescription& description, int columns);

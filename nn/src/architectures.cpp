@@ -1,20 +1,24 @@
-#include <array>
+#include <algorithm>
 
 #include "architecture.h"
-#include "direct/srae.h"
-#include "direct/tulip.h"
-#include "hqs/du_mix.h"
-#include "hqs/unrolled_hqs.h"
+#include "hqs/hqs_architecture.h"
 
 namespace hqslam::nn {
+namespace {
 
-std::span<const NamedArchitecture> architectures() {
-  static constexpr std::array kArchitectures{
-      NamedArchitecture{"du-or", read_du_or},   NamedArchitecture{"simple-du", read_simple_du},
-      NamedArchitecture{"du-mix", read_du_mix}, NamedArchitecture{"srae", read_srae},
-      NamedArchitecture{"tulip", read_tulip},
-  };
-  return kArchitectures;
+std::vector<NamedArchitecture>& all() {
+  static std::vector<NamedArchitecture> kinds{
+      {"du-or", read_du_or}, {"simple-du", read_simple_du}, {"du-mix", read_du_mix}};
+  return kinds;
+}
+
+}  // namespace
+
+std::span<const NamedArchitecture> architectures() { return all(); }
+
+void add_architecture(const NamedArchitecture& added) {
+  const auto same = [&](const NamedArchitecture& known) { return known.read == added.read; };
+  if (std::ranges::none_of(all(), same)) all().push_back(added);
 }
 
 }  // namespace hqslam::nn

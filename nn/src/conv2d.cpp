@@ -22,10 +22,6 @@ kernels::StridedConvolution strided(const ConvolutionShape& shape, const Tensor&
              : kernels::StridedConvolution(shape, output, input, instruction_set);
 }
 
-kernels::StridedConvolution::Epilogue epilogue_of(const float* bias, const LayerEnd& end) {
-  return {bias, end.skip, end.negative_slope, end.activated};
-}
-
 }  // namespace
 
 Conv2d::Conv2d(const ConvolutionShape& shape, const Tensor& input, const Tensor& output,
@@ -50,13 +46,12 @@ void Conv2d::set_parameters(std::span<const float> weight, std::span<const float
 }
 
 void Conv2d::forward(const Tensor& input, const LayerEnd& end, Tensor& output) {
-  const auto epilogue = epilogue_of(bias_.data(), end);
   if (winograd_) {
-    winograd_->forward(input, epilogue, output);
+    winograd_->forward(input, bias_.data(), end, output);
   } else if (shape_.transposed) {
-    convolution_.scatter(input, epilogue, output, scratch_);
+    convolution_.scatter(input, bias_.data(), end, output, scratch_);
   } else {
-    convolution_.gather(input, epilogue, output, scratch_);
+    convolution_.gather(input, bias_.data(), end, output, scratch_);
   }
 }
 
@@ -74,13 +69,12 @@ void Conv2d::forward_row(const Tensor& input, int row, float* output,
 }
 
 void Conv2d::backward_input(const Tensor& d_output, const LayerEnd& end, Tensor& d_input) {
-  const auto epilogue = epilogue_of(nullptr, end);
   if (shape_.transposed) {
-    convolution_.gather(d_output, epilogue, d_input, scratch_);
+    convolution_.gather(d_output, nullptr, end, d_input, scratch_);
     return;
   }
   if (!winograd_) {
-    convolution_.scatter(d_output, epilogue, d_input, scratch_);
+    convolution_.scatter(d_output, nullptr, end, d_input, scratch_);
     return;
   }
   // Only who trains needs these.
@@ -89,7 +83,7 @@ void Conv2d::backward_input(const Tensor& d_output, const LayerEnd& end, Tensor&
     adjoint_->set_adjoint_weights(weight_);
     adjoint_is_stale_ = false;
   }
-  adjoint_->forward(d_output, epilogue, d_input);
+  adjoint_->forward(d_output, nullptr, end, d_input);
 }
 
 void Conv2d::backward_parameters(const Tensor& input, const Tensor& d_output,
@@ -110,7 +104,7 @@ void Conv2d::backward_rows(const Tensor& input, int first_row, const Tensor& d_o
   require_single_rows();
   convolution_.add_weight_gradient(d_output, first_row, input, d_weight, scratch_);
   kernels::add_bias_gradient(d_output, d_bias);
-  convolution_.scatter_rows(d_output, first_row, epilogue_of(nullptr, end), d_input);
+  convolution_.scatter_rows(d_output, first_row, end, d_input);
 }
 
 }  // namespace hqslam::nn

@@ -9,19 +9,10 @@
 #include "hqslam/nn/instruction_set.h"
 #include "kernels/strided_convolution.h"
 #include "kernels/winograd_convolution.h"
+#include "layer_end.h"
 #include "tensor.h"
 
 namespace hqslam::nn {
-
-/// What a layer does with the sums it has computed: result = a(sum + skip), a(v) = max(v, slope v).
-///
-/// With `activated`, what an activation max(v, negative_slope v) gave, the sums are gradients of it
-/// and a is multiplied by its derivative there: the result is the gradient of what went into it.
-struct LayerEnd {
-  float negative_slope = 1.0F;   ///< 1 linear, 0 ReLU
-  const Tensor* skip = nullptr;  ///< of the result's shape
-  const Tensor* activated = nullptr;
-};
 
 /// 2-D convolution (cross-correlation, as everywhere in deep learning):
 ///   output[o][y][x] = bias[o] + sum_{i, r, c} weight[o][i][r][c]

@@ -26,8 +26,9 @@ void check_slope(float negative_slope) {
 
 void add_part(const std::string& name, const std::vector<ParameterShape>& arrays,
               std::vector<ParameterShape>& shapes) {
-  for (const ParameterShape& array : arrays) {
-    shapes.push_back({fmt::format("{}.{}", name, array.name), array.shape});
+  for (ParameterShape array : arrays) {
+    array.name = fmt::format("{}.{}", name, array.name);
+    shapes.push_back(std::move(array));
   }
 }
 
@@ -35,12 +36,6 @@ std::int64_t elements(const std::vector<ParameterShape>& shapes) {
   std::int64_t sum = 0;
   for (const ParameterShape& shape : shapes) sum += shape.elements();
   return sum;
-}
-
-void add_convolution(const std::string& name, std::vector<std::int64_t> weight, int bias,
-                     std::vector<ParameterShape>& shapes) {
-  shapes.push_back({name + ".weight", std::move(weight)});
-  if (bias > 0) shapes.push_back({name + ".bias", {bias}});
 }
 
 void check_parameters(std::span<const float> parameters,

@@ -11,10 +11,6 @@
 // What every network does with its parameters.
 namespace hqslam::nn {
 
-/// Appends the arrays of one convolution; weight has PyTorch's layout.
-void add_convolution(const std::string& name, std::vector<std::int64_t> weight, int bias,
-                     std::vector<ParameterShape>& shapes);
-
 /// Takes the next `count` values off the front.
 template <typename T>
 std::span<T> take(std::span<T>& values, std::int64_t count) {

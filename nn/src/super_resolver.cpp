@@ -55,6 +55,7 @@ struct SuperResolver::Implementation {
   RangeImage measured_rows(const RangeImage& image) const;
   void empty_doubtful(LiftedImage& lifted) const;
   void empty_rejected(LiftedImage& lifted);
+  void trace(const RangeImage& measured, const LiftedImage& lifted, Trace& trace);
 
   NetworkDescription description;
   int threads;
@@ -103,6 +104,21 @@ void SuperResolver::Implementation::empty_rejected(LiftedImage& lifted) {
   }
 }
 
+void SuperResolver::Implementation::trace(const RangeImage& measured, const LiftedImage& lifted,
+                                          Trace& trace) {
+  trace = network->trace(measured);
+  RangeImage image = lifted.image;
+  if (filter) {
+    image.range_m.assign(rejected.begin(), rejected.end());
+    trace.add(traced_image("rejected", image, ""));
+  }
+  if (!lifted.confidence.empty()) {
+    image.range_m = lifted.confidence;
+    trace.add(traced_image("confidence", image, ""));
+  }
+  trace.add(traced_image("result", lifted.image));
+}
+
 SuperResolver SuperResolver::load(const std::string& path, const SuperResolverOptions& options) {
   const Weights weights = read_weights(path);
   check_self_test(weights, path);
@@ -129,10 +145,7 @@ LiftedImage SuperResolver::run(const RangeImage& image, Trace* trace) {
   LiftedImage lifted = self.network->lift(measured, self.tolerance_m);
   self.empty_doubtful(lifted);
   self.empty_rejected(lifted);
-  if (trace != nullptr) {
-    *trace = self.network->trace(measured);
-    trace->rejected = self.rejected;
-  }
+  if (trace != nullptr) self.trace(measured, lifted, *trace);
   return lifted;
 }
 

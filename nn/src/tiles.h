@@ -1,7 +1,7 @@
 #pragma once
 
-#include "tensor.h"
 #include "hqslam/core/sensor_model.h"
+#include "tensor.h"
 
 namespace hqslam::nn {
 

@@ -28,6 +28,15 @@ only core/live hqslam/ core recordings live
 only nn hqslam/ core nn
 only slam hqslam/ core slam
 
+# Within nn: kernels know neither graphs nor networks, graphs no networks, and nobody the compared ones.
+for pair in kernels:'graph|hqs|training' graph:'hqs|training' hqs:training training:hqs; do
+  found=$(grep -rnE "^#include \"(\.\./(${pair#*:})/|hqslam/nn/(${pair#*:})/)" "nn/src/${pair%%:*}" || true)
+  if [[ -n "$found" ]]; then
+    printf 'nn/src/%s may not include %s:\n%s\n' "${pair%%:*}" "${pair#*:}" "$found"
+    wrong=1
+  fi
+done
+
 # Heavy parents stay with those who need them, and out of every installed header.
 for header in pcl ceres; do
   users=$(grep -rlE "#include <$header/" --include='*.h' --include='*.cpp' core nn slam tools | grep -v '^slam/src/' || true)

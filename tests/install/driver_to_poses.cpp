@@ -5,7 +5,7 @@
 
 #include "driver_callback.h"
 
-// Plays a driver: hands the points of a recording of an OS1-16 to the callback of README.md.
+// Plays a driver: hands the points of a recording of an OS1-16 to the callback of docs/library.md.
 int main(int argc, char** argv) {
   if (argc != 3) return 2;
   const auto recording = hqslam::recordings::open_recording(argv[1]);

@@ -11,7 +11,7 @@
 namespace hqslam::nn {
 namespace {
 
-std::string message(const UnrolledPlan& description) {
+std::string message(const HqsPlan& description) {
   return test::error_message([&] { validate(description); });
 }
 
@@ -27,16 +27,12 @@ SensorModel a_sensor(int rows, int columns) {
 }  // namespace
 
 TEST_CASE("each layer has its own arrays unless weights are shared, penalties come last") {
-  UnrolledPlan description = small_du_or();
+  HqsPlan description = small_du_or();
   std::vector<ParameterShape> shapes = parameter_shapes(description);
   CHECK(shapes.front().name == "layers.0.encoder.0.weight");
   CHECK(shapes.size() == 3 * 10 + 1);
   CHECK(shapes[10].name == "layers.1.encoder.0.weight");
   CHECK(shapes.back().name == "log_penalty");
-  CHECK(shapes.back().shape == std::vector<std::int64_t>{3});
-  description.shared_weights = true;
-  shapes = parameter_shapes(description);
-  CHECK(shapes.size() == 10 + 1);
   CHECK(shapes.back().shape == std::vector<std::int64_t>{3});
   shapes = parameter_shapes(small_simple_du());
   CHECK(shapes.size() == 5 + 1);
@@ -45,7 +41,7 @@ TEST_CASE("each layer has its own arrays unless weights are shared, penalties co
 }
 
 TEST_CASE("starting values fit the arrays; layers start differently, penalties at 0.1 or 10.99") {
-  for (const UnrolledPlan& description : {small_du_or(), small_simple_du()}) {
+  for (const HqsPlan& description : {small_du_or(), small_simple_du()}) {
     std::int64_t count = 0;
     for (const ParameterShape& shape : parameter_shapes(description)) count += shape.elements();
     CHECK(static_cast<std::int64_t>(initial_parameters(description, 1).size()) == count);
@@ -59,7 +55,7 @@ TEST_CASE("starting values fit the arrays; layers start differently, penalties a
 
 TEST_CASE("descriptions that describe no network are refused with the field and the value") {
   CHECK(message(small_du_or()) == "no Error");
-  UnrolledPlan d = small_du_or();
+  HqsPlan d = small_du_or();
   d.layers = 0;
   CHECK(test::one_line_with(message(d), "layers is 0"));
   d.layers = 21;
@@ -90,7 +86,7 @@ TEST_CASE("descriptions that describe no network are refused with the field and 
 }
 
 TEST_CASE("filters that cannot be are refused with the description, not when weights are loaded") {
-  UnrolledPlan d = small_du_or();
+  HqsPlan d = small_du_or();
   d.last_filter.support_share = 1.0F;
   CHECK(test::one_line_with(message(d), "support_share is 1"));
   d = small_simple_du();
@@ -114,8 +110,27 @@ TEST_CASE("filters that cannot be are refused with the description, not when wei
                             "support_share is 1"));
 }
 
+TEST_CASE("what once could be otherwise is read as files say it, and refused otherwise") {
+  const auto read = [](const std::string& kind, const std::string& fields) {
+    return test::error_message([&] {
+      network_from_json(
+          R"({"kind": ")" + kind + R"(", "sensor": "os1-64", "measured_rows": 16, )" + fields + "}",
+          "a test");
+    });
+  };
+  CHECK(read("du-or", R"("shared_weights": false, "filtered_iterate": "h")") == "no Error");
+  CHECK(read("simple-du", R"("shared_weights": true, "rejected_pixel": "takes-z")") == "no Error");
+  CHECK(test::one_line_with(read("du-or", R"("shared_weights": true)"), "shared_weights", "false"));
+  CHECK(test::one_line_with(read("du-or", R"("filtered_iterate": "z")"), "filtered_iterate", "h"));
+  CHECK(test::one_line_with(read("du-or", R"("rejected_pixel": "zero")"), "rejected_pixel",
+                            "takes-z"));
+  CHECK(test::one_line_with(read("du-or", R"("start": "zero")"), "unknown field 'start'"));
+  CHECK(test::one_line_with(read("du-mix", R"("denoiser": {"layers": [{}, {}]})"), "layers is 2",
+                            "1 to 1"));
+}
+
 TEST_CASE("networks that take gigabytes are refused, the usual ones on large images are not") {
-  UnrolledPlan simple = small_simple_du();
+  HqsPlan simple = small_simple_du();
   simple.plain = {};
   simple.sensor = a_sensor(128, 2048);
   simple.measured_rows = {3, 4};
@@ -124,7 +139,7 @@ TEST_CASE("networks that take gigabytes are refused, the usual ones on large ima
   simple.layers = 1;
   simple.plain = {.features = 512, .convolutions = 2, .dropout = 0.0F};
   CHECK(test::one_line_with(message(simple), "1024 x 16352", "values", "at most 536870912"));
-  UnrolledPlan du_or = small_du_or();
+  HqsPlan du_or = small_du_or();
   du_or.u_shaped = {.tile = {4, 4}, .channels = {32, 32}, .memory = 16, .negative_slope = 0.0F};
   du_or.sensor = a_sensor(128, 2048);
   du_or.measured_rows = {3, 4};
@@ -138,7 +153,7 @@ TEST_CASE("networks that take gigabytes are refused, the usual ones on large ima
 }
 
 TEST_CASE("denoisers of senseless sizes cannot be described") {
-  UnrolledPlan d = small_du_or();
+  HqsPlan d = small_du_or();
   d.u_shaped.channels = {};
   CHECK(message(d) != "no Error");
   d.u_shaped.channels.assign(100, 2);

@@ -1,11 +1,14 @@
 #include "hqslam/nn/network.h"
 
 #include <doctest/doctest.h>
+#include <omp.h>
 
+#include <array>
 #include <set>
 
 #include "architecture.h"
 #include "error_message.h"
+#include "gradient_of_one.h"
 #include "hqslam/nn/network_json.h"
 #include "small_network.h"
 
@@ -14,7 +17,7 @@ namespace hqslam::nn {
 namespace {
 
 std::vector<NetworkDescription> every_kind() {
-  return {small_du_or(), small_simple_du(), small_du_mix({{6, 8, 1}, {5, 7, 0}})};
+  return {small_du_or(), small_simple_du(), small_du_mix()};
 }
 
 /// A scan of `columns` columns, `times` side by side.
@@ -91,6 +94,69 @@ TEST_CASE("a network for an instruction set that the processor has not is refuse
     const std::string message = test::error_message(
         [&] { make_network(description, 64, static_cast<InstructionSet>(beyond_all), 1); });
     CHECK(test::one_line_with(message, "instruction set", "portable"));
+  }
+}
+
+TEST_CASE("more threads than anybody has, and fewer than one, are refused") {
+  for (const int threads : {-1, 0, 1025, 1 << 30}) {
+    const std::string message = test::error_message(
+        [&] { make_network(small_du_or(), 64, chosen_instruction_set(), threads); });
+    CHECK(test::one_line_with(message, "threads is " + std::to_string(threads), "1 to 1024"));
+  }
+}
+
+TEST_CASE("gradients inside a parallel region of the caller's are those outside, bit for bit") {
+  const RangeImage truth = small_scene();
+  for (const NetworkDescription& description : every_kind()) {
+    CAPTURE(name(description));
+    const TrainingSample sample{select_rows(truth, description.measured_rows), truth};
+    const std::vector<float> parameters = initial_parameters(description, 5);
+    struct Result {
+      double loss = 0.0;
+      std::vector<float> gradient;
+    };
+    const auto gradient = [&] {
+      const auto network = make_network(description, 64, chosen_instruction_set(), 1);
+      network->set_parameters(parameters);
+      Result result{0.0, std::vector<float>(parameters.size())};
+      result.loss = add_gradient(*network, sample, {}, result.gradient, 7);
+      return result;
+    };
+    const Result alone = gradient();
+    std::array<Result, 3> of_team;
+#pragma omp parallel num_threads(3)
+    of_team[omp_get_thread_num()] = gradient();
+    for (const Result& each : of_team) {
+      CHECK(each.loss == alone.loss);
+      CHECK(each.gradient == alone.gradient);
+    }
+  }
+}
+
+TEST_CASE("a batch, seeds or a gradient of another shape are refused with what was expected") {
+  for (const NetworkDescription& description : every_kind()) {
+    CAPTURE(name(description));
+    const auto network = make_network(description, 64, chosen_instruction_set(), 1);
+    const std::vector<float> parameters = initial_parameters(description, 5);
+    network->set_parameters(parameters);
+    const auto message = [&](const TrainingSample& sample, std::size_t seeds, std::size_t values) {
+      std::vector<float> gradient(values);
+      return test::error_message([&] {
+        network->add_gradients({&sample, 1}, {}, std::vector<std::uint64_t>(seeds), gradient);
+      });
+    };
+    const RangeImage truth = small_scene();
+    const RangeImage measured = select_rows(truth, description.measured_rows);
+    const std::size_t values = parameters.size();
+    CHECK(message({measured, truth}, 1, values) == "no Error");
+    CHECK(test::one_line_with(message({truth, truth}, 1, values), "16 x 64", "4 x 64"));
+    CHECK(test::one_line_with(message({measured, measured}, 1, values), "4 x 64", "16 x 64"));
+    CHECK(test::one_line_with(message({measured, RangeImage(16, 32)}, 1, values), "16 x 32"));
+    CHECK(test::one_line_with(message({measured, truth}, 2, values), "2 seeds"));
+    CHECK(test::one_line_with(message({measured, truth}, 1, values - 1), std::to_string(values)));
+    RangeImage cut = truth;
+    cut.range_m.pop_back();
+    CHECK(test::one_line_with(message({measured, cut}, 1, values), "1023 ranges"));
   }
 }
 

@@ -4,11 +4,10 @@
 #include <numbers>
 #include <vector>
 
-#include "hqs/du_mix.h"
-#include "hqs/plain_denoiser.h"
-#include "hqs/u_shaped_denoiser.h"
-#include "hqs/unrolled_hqs.h"
-#include "hqs/unrolled_network.h"
+#include "hqs/hqs_loop.h"
+#include "hqs/plain_prior.h"
+#include "hqs/two_modes_prior.h"
+#include "hqs/u_shaped_prior.h"
 #include "hqslam/core/range_image.h"
 #include "tiles.h"
 
@@ -43,22 +42,22 @@ inline RangeImage small_scene() {
   return image;
 }
 
-/// An unrolled network as a test likes it: the options, and the sizes of its denoiser.
-struct UnrolledPlan : HqsOptions {
-  std::string kind = "du-or";
-  UShapedDenoiserShape u_shaped;  ///< of "du-or"
-  PlainDenoiserShape plain;       ///< of "simple-du"
+/// A network of eq. 10 as a test likes it: a preset, and the sizes of its prior.
+struct HqsPlan : HqsSizes {
+  HqsPreset preset = kDuOr;
+  UShapedPriorShape u_shaped;  ///< of DU-OR
+  PlainPriorShape plain;       ///< of Simple DU
   SensorModel sensor = small_sensor();
   RowSelection measured_rows{3, 4};
   float range_scale_m = 80.0F;
 
-  bool simple() const { return kind == "simple-du"; }
-  int penalties() const { return penalty == Penalty::kAlpha ? 1 : layers; }
+  bool simple() const { return preset.shared; }
+  int penalties() const { return preset.shared ? 1 : layers; }
   TileSize tile() const { return simple() ? TileSize{} : u_shaped.tile; }
   operator NetworkDescription() const {  // NOLINT: what a plan is for
     NetworkDescription d;
-    d.architecture = std::make_shared<UnrolledHqs>(
-        kind, *this, simple() ? plain_denoiser(plain) : u_shaped_denoiser(u_shaped));
+    d.architecture = std::make_shared<HqsArchitecture>(
+        preset, *this, simple() ? plain_prior(plain) : u_shaped_prior(u_shaped));
     d.sensor = sensor;
     d.measured_rows = measured_rows;
     d.range_scale_m = range_scale_m;
@@ -67,43 +66,44 @@ struct UnrolledPlan : HqsOptions {
 };
 
 /// No filter inside.
-inline UnrolledPlan small_du_or() {
-  UnrolledPlan plan;
+inline HqsPlan small_du_or() {
+  HqsPlan plan;
   plan.layers = 3;
   plan.u_shaped = {.tile = {4, 4}, .channels = {6, 8}, .memory = 3, .negative_slope = 0.0F};
   plan.filter.min_pixels = 0;
   return plan;
 }
 
-inline UnrolledPlan small_simple_du() {
-  UnrolledPlan plan;
-  static_cast<HqsOptions&>(plan) = simple_du_options();
-  plan.kind = "simple-du";
+inline HqsPlan small_simple_du() {
+  HqsPlan plan;
+  plan.preset = kSimpleDu;
   plan.layers = 3;
   plan.plain = {.features = 8, .convolutions = 5, .dropout = 0.0F};
   plan.filter.min_pixels = 0;
   return plan;
 }
 
-inline NetworkDescription small_du_mix(const TwoModesShape& shape) {
+inline TwoModesShape small_two_modes() {
+  return {.tile = {4, 4},
+          .channels = 6,
+          .lower_channels = 8,
+          .residual_blocks = 1,
+          .negative_slope = 0.125F,
+          .memory = 0};
+}
+
+inline NetworkDescription small_du_mix(const TwoModesShape& shape = small_two_modes()) {
   NetworkDescription description = small_du_or();
-  description.architecture = std::make_shared<DuMix>(shape);
+  HqsSizes sizes;
+  sizes.layers = 1;
+  sizes.last_filter.min_pixels = 0;
+  description.architecture =
+      std::make_shared<HqsArchitecture>(kDuMix, sizes, two_modes_prior(shape));
   return description;
 }
 
-inline TwoModesShape small_two_modes(const std::vector<TwoModesLayerShape>& layers) {
-  return {.tile = {4, 4},
-          .layers = layers,
-          .memory = layers.size() > 1 ? 3 : 0,
-          .negative_slope = 0.125F};
-}
-
-inline NetworkDescription small_du_mix(const std::vector<TwoModesLayerShape>& layers) {
-  return small_du_mix(small_two_modes(layers));
-}
-
 /// An image in units of range_scale_m.
-inline std::vector<float> image_of(const UnrolledPlan& plan, const Tensor& tiles) {
+inline std::vector<float> image_of(const HqsPlan& plan, const Tensor& tiles) {
   const TileSize tile = plan.tile();
   std::vector<float> image(static_cast<std::size_t>(tile.pixels()) * tiles.rows() *
                            tiles.columns());
@@ -111,18 +111,46 @@ inline std::vector<float> image_of(const UnrolledPlan& plan, const Tensor& tiles
   return image;
 }
 
-/// One run of a network: the state afterwards.
-inline UnrolledState state_after(const NetworkDescription& description,
-                                 const std::vector<float>& parameters, const RangeImage& measured,
-                                 InstructionSet instruction_set = chosen_instruction_set(),
-                                 int threads = 1) {
-  UnrolledNetwork network(description, measured.columns, instruction_set, threads);
-  network.set_parameters(parameters);
-  UnrolledState state = network.make_state();
-  network.start(measured, state);
-  network.forward(state);
-  network.finish_last_layer(state);
-  return state;
+/// A network and what one scan left in it.
+struct HqsRun {
+  Hqs hqs;
+  HqsState state;
+
+  const HqsLayer& layer(int k) const { return state.layer(k); }
+  const Tensor& z(int k) const { return state.layer(k).prior.z; }
+};
+
+/// Sends a scan through the loop.
+inline void send(const RangeImage& measured, int threads, HqsRun& run) {
+#pragma omp parallel num_threads(threads)
+  hqs_loop(run.hqs, measured, run.state, {});
+}
+
+inline HqsRun run_of(const NetworkDescription& description, const std::vector<float>& parameters,
+                     const RangeImage& measured,
+                     InstructionSet instruction_set = chosen_instruction_set(), int threads = 1) {
+  HqsRun run{Hqs(description, measured.columns, {instruction_set, threads}), {}};
+  run.hqs.set_parameters(parameters);
+  run.state = run.hqs.make_state(true);
+  run.state.last_y = true;
+  send(measured, threads, run);
+  return run;
+}
+
+/// Backward with the same d loss / d Z of the last d_z.size() layers; the loss does not look at the
+/// others.
+inline void add_gradient(HqsRun& run, std::span<const Tensor> d_z, std::span<float> d_parameters) {
+  HqsGradient gradient(run.hqs);
+  const LayerLoss loss = [&](int k, const PriorState&, PriorState& of_layer) {
+    const int i = k - (run.hqs.layers - static_cast<int>(d_z.size()));
+    if (i >= 0) {
+      of_layer.z = d_z[i];
+    } else {
+      of_layer.z.set_zero();
+    }
+    return 0.0;
+  };
+  hqs_backward(run.hqs, run.state, loss, gradient, d_parameters);
 }
 
 }  // namespace hqslam::nn

@@ -6,8 +6,10 @@
 #include <utility>
 #include <vector>
 
+#include "error_message.h"
 #include "hqslam/nn/training/trainer.h"
 #include "small_network.h"
+#include "thread_ranks.h"
 
 // Trainings of a moment, on three small scans.
 namespace hqslam::nn {
@@ -61,14 +63,14 @@ inline TrainingState fresh_state(const NetworkDescription& description) {
   return {std::move(parameters), AdamW({}, count), std::move(average)};
 }
 
-inline UnrolledPlan filtered_du_or() {
-  UnrolledPlan description = small_du_or();
+inline HqsPlan filtered_du_or() {
+  HqsPlan description = small_du_or();
   description.filter.min_pixels = 12;
   return description;
 }
 
-inline UnrolledPlan simple_du_with_dropout() {
-  UnrolledPlan description = small_simple_du();
+inline HqsPlan simple_du_with_dropout() {
+  HqsPlan description = small_simple_du();
   description.plain.dropout = 0.1F;
   return description;
 }
@@ -82,6 +84,18 @@ inline TrainingState trained(const NetworkDescription& description, int steps, i
                   alone());
   train(trainer, steps);
   return trainer.state();
+}
+
+/// What two processes say that begin to share a training.
+inline std::string message_of_two_ranks(const NetworkDescription& description, int batch) {
+  TrainingPlan plan = small_plan();
+  plan.augmentation.crop_columns = 0;
+  plan.batch = batch;
+  return test::error_message([&] {
+    test::on_ranks(2, [&](Ranks& ranks) {
+      Trainer(description, plan, in_memory(scans()), fresh_state(description), 1, ranks);
+    });
+  });
 }
 
 inline void check_same(const TrainingState& a, const TrainingState& b) {

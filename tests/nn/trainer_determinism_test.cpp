@@ -1,4 +1,5 @@
 #include <doctest/doctest.h>
+#include <omp.h>
 
 #include <cmath>
 #include <mutex>
@@ -10,7 +11,7 @@
 namespace hqslam::nn {
 
 TEST_CASE("one, two and three threads train the same bytes") {
-  for (const UnrolledPlan& description : {filtered_du_or(), simple_du_with_dropout()}) {
+  for (const HqsPlan& description : {filtered_du_or(), simple_du_with_dropout()}) {
     const TrainingState one = trained(description, 6, 1);
     check_same(one, trained(description, 6, 2));
     check_same(one, trained(description, 6, 3));
@@ -21,7 +22,7 @@ TEST_CASE("one, two and three threads train the same bytes") {
 TEST_CASE("one, two and four processes train the same bytes and see the same losses") {
   TrainingPlan plan = small_plan();
   plan.batch = 4;
-  for (const UnrolledPlan& description : {filtered_du_or(), simple_du_with_dropout()}) {
+  for (const HqsPlan& description : {filtered_du_or(), simple_du_with_dropout()}) {
     std::vector<std::pair<TrainingState, double>> ends;
     std::mutex mutex;
     for (const int count : {1, 2, 4}) {
@@ -44,8 +45,17 @@ TEST_CASE("one, two and four processes train the same bytes and see the same los
   }
 }
 
+TEST_CASE("a training inside a parallel region of the caller's trains the same bytes") {
+  const HqsPlan description = simple_du_with_dropout();
+  const TrainingState alone = trained(description, 3, 1);
+  std::vector<TrainingState> of_team(2, alone);
+#pragma omp parallel num_threads(2)
+  of_team[omp_get_thread_num()] = trained(description, 3, 1 + omp_get_thread_num());
+  for (const TrainingState& state : of_team) check_same(state, alone);
+}
+
 TEST_CASE("a training that stopped and went on gives the same bytes as one that never stopped") {
-  for (const UnrolledPlan& description : {filtered_du_or(), simple_du_with_dropout()}) {
+  for (const HqsPlan& description : {filtered_du_or(), simple_du_with_dropout()}) {
     const TrainingState whole = trained(description, 8, 1);
     const TrainingState half = trained(description, 3, 2);
     Trainer second(description, small_plan(), in_memory(scans()), half, 2, alone());
@@ -55,7 +65,7 @@ TEST_CASE("a training that stopped and went on gives the same bytes as one that 
 }
 
 TEST_CASE("another seed trains other bytes") {
-  const UnrolledPlan description = small_du_or();
+  const HqsPlan description = small_du_or();
   TrainingPlan plan = small_plan();
   plan.seed = 2;
   Trainer trainer(description, plan, in_memory(scans()), fresh_state(description), 1, alone());
@@ -64,7 +74,7 @@ TEST_CASE("another seed trains other bytes") {
 }
 
 TEST_CASE("every step draws samples of its own") {
-  const UnrolledPlan description = small_du_or();
+  const HqsPlan description = small_du_or();
   TrainingPlan plan = small_plan();
   plan.learning_rate = 1e-30F;  // the network stays as it is
   Trainer trainer(description, plan, in_memory(scans()), fresh_state(description), 1, alone());
@@ -78,7 +88,7 @@ TEST_CASE("every step draws samples of its own") {
 }
 
 TEST_CASE("validation does not depend on the threads or on dropout, and of nothing is zero") {
-  const UnrolledPlan description = simple_du_with_dropout();
+  const HqsPlan description = simple_du_with_dropout();
   Trainer one(description, small_plan(), in_memory(scans()), fresh_state(description), 1, alone());
   Trainer two(description, small_plan(), in_memory(scans()), fresh_state(description), 2, alone());
   const Validation a = one.validate(scans());

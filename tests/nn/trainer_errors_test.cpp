@@ -2,10 +2,8 @@
 
 #include <string>
 
-#include "direct/srae.h"
 #include "error_message.h"
 #include "small_training.h"
-#include "thread_ranks.h"
 
 namespace hqslam::nn {
 namespace {
@@ -17,54 +15,36 @@ std::string plan_message(const TrainingPlan& plan) {
 }  // namespace
 
 TEST_CASE("a batch that processes cannot share is refused with the reason") {
-  const UnrolledPlan du_or = small_du_or();
-  NetworkDescription srae = small_du_or();
-  srae.architecture = std::make_shared<Srae>(SraeShape{.filters = 2, .passes = 1});
-  TrainingPlan plan = small_plan();
-  plan.augmentation.crop_columns = 0;
-  const auto message = [&](const NetworkDescription& description, int batch) {
-    plan.batch = batch;
-    return test::error_message([&] {
-      test::on_ranks(2, [&](Ranks& ranks) {
-        Trainer(description, plan, in_memory(scans()), fresh_state(description), 1, ranks);
-      });
-    });
-  };
-  CHECK(message(du_or, 4) == "no Error");
-  CHECK(test::one_line_with(message(du_or, 3), "batch is 3", "2 processes"));
-  CHECK(test::one_line_with(message(srae, 4), "batch norm", "2 processes"));
+  CHECK(message_of_two_ranks(small_du_or(), 4) == "no Error");
+  CHECK(test::one_line_with(message_of_two_ranks(small_du_or(), 3), "batch is 3", "2 processes"));
 }
 
 TEST_CASE("plans that cannot be followed are refused with the field and the value") {
   CHECK(plan_message(small_plan()) == "no Error");
-  TrainingPlan plan = small_plan();
-  plan.steps = 0;
-  CHECK(test::one_line_with(plan_message(plan), "steps is 0"));
-  plan = small_plan();
-  plan.batch = 0;
-  CHECK(test::one_line_with(plan_message(plan), "batch is 0"));
-  plan = small_plan();
-  plan.learning_rate = -1.0F;
-  CHECK(test::one_line_with(plan_message(plan), "learning_rate is -1"));
-  plan = small_plan();
-  plan.learning_rate = std::nanf("");
-  CHECK(test::one_line_with(plan_message(plan), "learning_rate"));
-  plan = small_plan();
-  plan.layer_loss_share = -0.1F;
-  CHECK(test::one_line_with(plan_message(plan), "layer_loss_share is -0.1"));
-  plan = small_plan();
-  plan.augmentation.crop_columns = 65;
-  CHECK(test::one_line_with(plan_message(plan), "crop_columns is 65"));
-  plan = small_plan();
-  plan.augmentation.smallest_scale = 2.0F;
-  CHECK(test::one_line_with(plan_message(plan), "smallest_scale is 2"));
-  plan = small_plan();
-  plan.augmentation.largest_dropout_share = 1.0F;
-  CHECK(test::one_line_with(plan_message(plan), "largest_dropout_share is 1"));
+  struct Wrong {
+    void (*spoil)(TrainingPlan&);
+    const char* said;
+  };
+  for (const auto& [spoil, said] : {
+           Wrong{[](TrainingPlan& p) { p.steps = 0; }, "steps is 0"},
+           Wrong{[](TrainingPlan& p) { p.batch = 0; }, "batch is 0"},
+           Wrong{[](TrainingPlan& p) { p.learning_rate = -1.0F; }, "learning_rate is -1"},
+           Wrong{[](TrainingPlan& p) { p.learning_rate = std::nanf(""); }, "learning_rate"},
+           Wrong{[](TrainingPlan& p) { p.layer_loss_share = -0.1F; }, "layer_loss_share is -0.1"},
+           Wrong{[](TrainingPlan& p) { p.augmentation.crop_columns = 65; }, "crop_columns is 65"},
+           Wrong{[](TrainingPlan& p) { p.augmentation.smallest_scale = 2.0F; },
+                 "smallest_scale is 2"},
+           Wrong{[](TrainingPlan& p) { p.augmentation.largest_dropout_share = 1.0F; },
+                 "largest_dropout_share is 1"},
+       }) {
+    TrainingPlan plan = small_plan();
+    spoil(plan);
+    CHECK(test::one_line_with(plan_message(plan), said));
+  }
 }
 
 TEST_CASE("scans and states that do not fit the network are refused, by any number of threads") {
-  const UnrolledPlan description = small_du_or();
+  const HqsPlan description = small_du_or();
   const auto message = [&](std::vector<RangeImage> with, const TrainingState& state) {
     return test::error_message(
         [&] { Trainer(description, small_plan(), in_memory(std::move(with)), state, 2, alone()); });
@@ -87,7 +67,7 @@ TEST_CASE("scans and states that do not fit the network are refused, by any numb
 }
 
 TEST_CASE("a training whose loss is not finite stops with an Error, by any number of threads") {
-  const UnrolledPlan description = small_du_or();
+  const HqsPlan description = small_du_or();
   for (const int threads : {1, 2}) {
     TrainingState state = fresh_state(description);
     state.parameters[0] = std::nanf("");

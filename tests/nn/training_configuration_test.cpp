@@ -5,7 +5,7 @@
 #include <string>
 
 #include "error_message.h"
-#include "hqs/unrolled_hqs.h"
+#include "hqs/hqs_architecture.h"
 
 namespace hqslam::nn {
 namespace {
@@ -34,8 +34,8 @@ std::string message_after(const std::string& from, const std::string& to) {
 
 TEST_CASE("a configuration is read field by field, the rest keeps its default") {
   const TrainingConfiguration c = training_configuration(kText, "recipe.json");
-  CHECK(unrolled_hqs_of(c.network).options().layers == 4);
-  CHECK(unrolled_hqs_of(c.network).denoiser().sizes["channels"] == std::vector<int>{8, 16});
+  CHECK(hqs_of(c.network).sizes().layers == 4);
+  CHECK(hqs_of(c.network).prior().sizes["channels"] == std::vector<int>{8, 16});
   CHECK(c.network.sensor.name == "os1-64");
   CHECK(c.network.measured_rows.offset == 3);
   CHECK(c.network.measured_rows.stride == 4);

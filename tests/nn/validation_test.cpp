@@ -10,17 +10,19 @@ namespace {
 /// Says the same image and confidence of every scan.
 class FixedNetwork final : public Network {
  public:
-  explicit FixedNetwork(LiftedImage lifted) : lifted_(std::move(lifted)) {}
+  explicit FixedNetwork(LiftedImage lifted)
+      : Network(small_du_or(), 64), lifted_(std::move(lifted)) {}
   std::int64_t multiply_adds() const override { return 0; }
   void set_parameters(std::span<const float>) override {}
   const LiftedImage& lift(const RangeImage&, float) override { return lifted_; }
   Trace trace(const RangeImage&) override { return {}; }
-  double add_gradient(const RangeImage&, const RangeImage&, const LossOptions&, std::uint64_t,
-                      std::span<float>) override {
+
+ private:
+  double batch_gradients(std::span<const TrainingSample>, const LossOptions&,
+                         std::span<const std::uint64_t>, std::span<float>) override {
     return 0.0;
   }
 
- private:
   LiftedImage lifted_;
 };
 

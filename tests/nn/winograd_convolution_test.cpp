@@ -35,14 +35,13 @@ Problem random_problem(int inputs, int outputs, int rows, int columns, ColumnPad
 }
 
 Tensor convolved(const Problem& p, InstructionSet instruction_set, int threads,
-                 StridedConvolution::Epilogue end = {}) {
+                 const LayerEnd& end = {}) {
   WinogradConvolution convolution(p.shape, p.input, instruction_set, threads);
   convolution.set_weights(p.weight);
   const std::vector<float> bias = padded_bias(p.bias, p.shape.output_channels);
-  end.bias = bias.data();
   Tensor output = p.output;
 #pragma omp parallel num_threads(threads)
-  convolution.forward(p.input, end, output);
+  convolution.forward(p.input, bias.data(), end, output);
   return output;
 }
 
@@ -114,7 +113,7 @@ TEST_CASE("Winograd's gradients equal the reference at every size, on every inst
           WinogradConvolution adjoint(swapped, d_output, instruction_set, 1);
           adjoint.set_adjoint_weights(p.weight);
           Tensor actual = p.input;
-          adjoint.forward(d_output, {}, actual);
+          adjoint.forward(d_output, nullptr, {}, actual);
           for (int c = 0; c < actual.channels(); ++c) {
             for (int y = 0; y < rows; ++y) {
               for (int x = 0; x < columns; ++x) {
@@ -209,8 +208,8 @@ TEST_CASE("Winograd's convolution ends as the others do: skip, then activation o
   fill_random(5, activated);
   for (const InstructionSet instruction_set : available_instruction_sets()) {
     CAPTURE(name(instruction_set));
-    const Tensor ended = convolved(p, instruction_set, 1, {nullptr, &skip, 0.1F});
-    const Tensor gradient = convolved(p, instruction_set, 1, {nullptr, &skip, 0.1F, &activated});
+    const Tensor ended = convolved(p, instruction_set, 1, {0.1F, &skip});
+    const Tensor gradient = convolved(p, instruction_set, 1, {0.1F, &skip, &activated});
     for_each_value(sum, [&](int c, int y, int x) {
       const float value = sum.at(c, y, x) + skip.at(c, y, x);
       const float slope = activated.at(c, y, x) > 0.0F ? 1.0F : 0.1F;

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # What the documents say is true: README.md and docs/*.md. Commands in blocks marked sh run as they
-# stand, document by document; examples in C++ are parts of files that are compiled.
+# stand, document by document; examples in C++ are parts of files that are compiled. Links of all
+# documents lead somewhere.
 #   readme_test.sh SOURCE_FOLDER HQSLAM_PROGRAM
 set -euo pipefail
 source_folder=$1
@@ -26,12 +27,22 @@ for document in "${documents[@]}"; do
   done < <(blocks cpp "$document")
 done
 
-for document in "${documents[@]}"; do
+# anchors DOCUMENT: what its headings are called in links.
+anchors() {
+  sed -n 's/^##* //p' "$1" | tr '[:upper:]' '[:lower:]' | sed "s/[^a-z0-9 _-]//g; s/ /-/g"
+}
+
+while IFS= read -r document; do
   while read -r link; do
-    [[ -e "$(dirname "$document")/${link%%#*}" ]] ||
-      { echo "$document: there is no $link"; exit 1; }
-  done < <(grep -o ']([^)#][^)]*)' "$document" | sed 's/^](//; s/)$//' | grep -v '^https\?:')
-done
+    target=${link%%#*}
+    target=${target:+$(dirname "$document")/$target}
+    target=${target:-$document}
+    [[ -e "$target" ]] || { echo "$document: there is no $link"; exit 1; }
+    [[ "$link" != *'#'* ]] || anchors "$target" | grep -qxF -- "${link#*#}" ||
+      { echo "$document: nothing is called $link"; exit 1; }
+  done < <(awk '/^```/ { inside = !inside } !inside' "$document" | grep -o ']([^)]*)' | sed 's/^](//; s/)$//' | grep -v '^https\?:')
+done < <(find "$source_folder" \( -name build -o -name .git -o -name third_party_notices \) -prune \
+  -o -name '*.md' -print)
 
 # The recordings that the documents take for granted, under the names that they use.
 hqslam() { "$program" "$@"; }

@@ -1,4 +1,4 @@
-"""DU-Mix (nn/src/hqs/two_modes_graph.h, TwoModesLayerShape) as a PyTorch module."""
+"""DU-Mix (nn/src/hqs/two_modes_prior.h) as a PyTorch module."""
 
 import math
 
@@ -44,19 +44,17 @@ class DuMix(FromWeights):
     def __init__(self, network):
         super().__init__()
         denoiser = network["denoiser"]
-        self.slope, self.memory = denoiser["negative_slope"], denoiser["memory"]
+        self.slope = denoiser["negative_slope"]
         self.tile = (denoiser["tile_rows"], denoiser["tile_columns"])
         self.rows, self.exponent = Rows(network), network.get("confidence_exponent", 1.0)
         self.part = self.rows.part_down(elevations_rad(network))
         row_in_tile = torch.arange(self.rows.count) % self.tile[0]
         self.computed = [i for i in range(self.tile[0]) if i != int(row_in_tile[self.rows.measured[0]])]
         self.pixels = len(self.computed) * self.tile[1]
-        first, last = self.tile[0] * self.tile[1] + 2 * self.tile[1], len(denoiser["layers"]) - 1
-        self.layers = nn.ModuleList([
-            Layer(first + (self.pixels + self.memory if i else 0),
-                  OUTPUTS * self.pixels + (self.memory if i < last else 0),
-                  self.rows.count // self.tile[0], shape)
-            for i, shape in enumerate(denoiser["layers"])])
+        inputs = self.tile[0] * self.tile[1] + 2 * self.tile[1]
+        self.layers = nn.ModuleList([Layer(inputs, OUTPUTS * self.pixels,
+                                           self.rows.count // self.tile[0], shape)
+                                     for shape in denoiser["layers"]])  # one
         self.limits_m = network["sensor"]["min_range_m"], network["sensor"]["max_range_m"]
         self.double()
 
@@ -96,26 +94,20 @@ class DuMix(FromWeights):
             "probability": torch.sigmoid(GAIN * o[6]),
         }
 
-    def layer_modes(self, measured_m):
-        """Per layer its modes and `middle`, the logarithm of the range that it has chosen."""
+    def say(self, measured_m):
+        """The modes and `middle`, the logarithm of the range that is chosen."""
         valid, filled = (measured_m > 0.0).to(measured_m.dtype), self.filled(measured_m)
         above_m, below_m = filled[self.rows.above], filled[self.rows.below]
         start = -torch.log((1.0 - self.part) / above_m + self.part / below_m)
         above, below = self.computed_of(above_m.log()), self.computed_of(below_m.log())
-        middle, memory, layers = self.computed_of(start), None, []
+        middle = self.computed_of(start)
         up = [max(0, i - 1) for i in range(len(filled))]
         step = (filled[up].log() - filled.log()).clamp(-1.0, 1.0)
-        for layer in self.layers:
-            h = torch.cat([middle, filled[None].log()]) - math.log(TYPICAL_RANGE_M)
-            x = [self.tiles_of(0.5 * h), self.tiles_of(valid[None] - 0.5), self.tiles_of(step[None])]
-            if layers:
-                x += [self.tiles_of(layers[-1]["probability"] - 0.5), memory]
-            outputs = layer(torch.cat(x, 1), self.slope)
-            memory = outputs[:, OUTPUTS * self.pixels :]
-            said = self.modes(outputs, above, below, middle)
-            middle = torch.where(said["weight1"] >= 0.5, said["mode1"], said["mode2"])
-            layers.append({**said, "middle": middle})
-        return layers
+        h = torch.cat([middle, filled[None].log()]) - math.log(TYPICAL_RANGE_M)
+        x = [self.tiles_of(0.5 * h), self.tiles_of(valid[None] - 0.5), self.tiles_of(step[None])]
+        said = self.modes(self.layers[0](torch.cat(x, 1), self.slope), above, below, middle)
+        chosen = torch.where(said["weight1"] >= 0.5, said["mode1"], said["mode2"])
+        return {**said, "middle": chosen}
 
     def confidence(self, said, tolerance_m):
         range_m, first = said["middle"].exp(), said["weight1"] >= 0.5
@@ -131,7 +123,7 @@ class DuMix(FromWeights):
     def forward(self, measured_m, tolerance_m=0.5):
         """measured_m: measured rows x columns, metres, 0 = no return. All rows: range_m and
         confidence, nothing emptied but what the sensor cannot see."""
-        said = self.layer_modes(measured_m)[-1]
+        said = self.say(measured_m)
         range_m, result = said["middle"].exp(), {}
         seen = ((range_m >= self.limits_m[0]) & (range_m <= self.limits_m[1])).to(range_m.dtype)
         for name, values in (("range_m", range_m * seen),
@@ -147,17 +139,14 @@ class DuMix(FromWeights):
     def self_test(self, measured_m):
         return self(measured_m)["range_m"]
 
-    def loss(self, measured_m, truth_m, layer_share=0.1):
+    def loss(self, measured_m, truth_m):
         """The training loss; measured rows x columns and all rows x columns."""
         there = self.computed_of((truth_m > 0.0).to(truth_m.dtype))
         truth = self.computed_of(torch.where(truth_m > 0.0, truth_m, torch.ones_like(truth_m)).log())
-        total, layers = 0.0, self.layer_modes(measured_m)
-        for said in layers:
-            density = (said["weight1"] * torch.exp(-(truth - said["mode1"]).abs() / said["scale"]) +
-                       (1.0 - said["weight1"]) *
-                       torch.exp(-(truth - said["mode2"]).abs() / said["scale"])) / said["scale"]
-            p = said["probability"]
-            loss = (-0.3 * there * density.log() - there * p.log() - (1.0 - there) * (1.0 - p).log())
-            last = loss.mean()
-            total = total + (1.0 if said is layers[-1] else layer_share) * last
-        return total, last
+        said = self.say(measured_m)
+        density = (said["weight1"] * torch.exp(-(truth - said["mode1"]).abs() / said["scale"]) +
+                   (1.0 - said["weight1"]) *
+                   torch.exp(-(truth - said["mode2"]).abs() / said["scale"])) / said["scale"]
+        p = said["probability"]
+        loss = -0.3 * there * density.log() - there * p.log() - (1.0 - there) * (1.0 - p).log()
+        return loss.mean()

@@ -1,4 +1,4 @@
-"""DU-OR (nn/src/hqs/u_shaped_denoiser.h, UShapedDenoiserShape) as a PyTorch module."""
+"""DU-OR (nn/src/hqs/u_shaped_prior.h) as a PyTorch module."""
 
 import torch
 from torch import nn

@@ -8,6 +8,9 @@
 #include <string>
 
 #include "hqslam/core/error.h"
+#ifdef HQSLAM_NN_COMPARE
+#include "hqslam/nn/compare/compared_networks.h"
+#endif
 #include "terminal/exit_status.h"
 #include "terminal/terminal.h"
 
@@ -101,6 +104,9 @@ int exit_status_of(int argc, const char* const* argv) {
 int run_program(int argc, const char* const* argv) {
   prepare_standard_streams();
   limit_threads();
+#ifdef HQSLAM_NN_COMPARE
+  nn::add_compared_networks();
+#endif
   const int status = exit_status_of(argc, argv);
   return all_printed() || status != kOk ? status : kFailure;
 }

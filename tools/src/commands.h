@@ -38,6 +38,9 @@ int upsample_command(const UpsampleOptions& options);
 struct InspectOptions : InputChoice {  ///< sensor empty: as for hqslam upsample
   std::string weights;
   std::int64_t scan = 0;
+  std::vector<std::string> tensors;  ///< by name
+  bool list = false;                 ///< say their names, write nothing
+  bool reference = false;            ///< compare all of them with the reference
   std::string out;
 };
 void declare_inspect(CLI::App& app, InspectOptions& options);

@@ -19,13 +19,15 @@ struct DriveSimulator::Implementation {
   Implementation(const DriveSpec& spec_, const SensorModel& sensor_)
       : spec((validate(spec_), spec_)),
         sensor((validate(sensor_), sensor_)),
+        turns_per_scan(has_streets(spec.name) ? drive_style(spec.name).turns_per_scan : 1),
         scenario(make_scenario(spec, begin_s(spec.scans))),
         scene(*scenario.scenery),
-        lidar(sensor, spec.conditions, seed_of(spec.seed, DrivePart::kNoise)),
+        lidar(sensor, spec),
+        imu(spec.seed),
         T_map_world(scenario.T_world_sensor(middle_s(0)).inverse()) {}
 
   double begin_s(std::int64_t scan) const {
-    return static_cast<double>(scan) * sensor.scan_period_s;
+    return static_cast<double>(scan * turns_per_scan) * sensor.scan_period_s;
   }
   double middle_s(std::int64_t scan) const { return begin_s(scan) + 0.5 * sensor.scan_period_s; }
   /// When the head is at each column of the next scan.
@@ -43,7 +45,9 @@ struct DriveSimulator::Implementation {
     std::vector<Eigen::Vector3d> places_m;
     for (std::int64_t scan = 0; scan < spec.scans; ++scan) {
       const Eigen::Vector3d place_m =
-          scenario.T_world_sensor((static_cast<double>(scan) + 0.5) * sensor.scan_period_s)
+          scenario
+              .T_world_sensor((static_cast<double>(scan * turns_per_scan) + 0.5) *
+                              sensor.scan_period_s)
               .translation();
       if (places_m.empty() || (place_m - places_m.back()).norm() >= kStep_m) {
         places_m.push_back(place_m);
@@ -54,9 +58,11 @@ struct DriveSimulator::Implementation {
 
   DriveSpec spec;
   SensorModel sensor;
+  int turns_per_scan;
   Scenario scenario;
   RayScene scene;
   Lidar lidar;
+  SimulatedImu imu;
   Pose T_map_world;
   std::int64_t next_scan = 0;
 };
@@ -119,6 +125,11 @@ std::optional<SimulatedScan> DriveSimulator::next() {
   }
   if (self.next_scan == 0) scan.T_map_sensor = Pose::Identity();
   ++self.next_scan;
+  // Half a sample's leeway, lest rounding moves a sample at the seam from one scan to the other.
+  const double end_s = self.begin_s(self.next_scan) - 0.5 * kImuPeriod_s;
+  while (self.imu.next_stamp_s() < end_s) {
+    scan.imu.push_back(self.imu.next(self.scenario.T_world_sensor));
+  }
   return scan;
 }
 

@@ -93,6 +93,9 @@ DriveSpec read_drive_json(const std::string& path) {
   for (const Number& number : numbers_of(spec)) {
     if (fields.has(number.part)) number.value = fields.object(number.part).number(number.name);
   }
+  if (fields.has("sensor_errors")) {
+    spec.sensor_errors = sensor_errors_named(fields.text("sensor_errors"));
+  }
   validate(spec);
   return spec;
 }
@@ -107,6 +110,9 @@ void write_drive_json(const std::string& path, DriveSpec spec, const SensorModel
   if (spec.conditions != SensingConditions{}) json["conditions"] = {};
   for (const Number& number : numbers_of(spec)) {
     if (json.contains(number.part)) json[number.part][number.name] = number.value;
+  }
+  if (spec.sensor_errors != SensorErrors::kNone) {
+    json["sensor_errors"] = name_of(spec.sensor_errors);
   }
   replace_file(path, [&](const std::string& part) { write_whole_file(part, json.dump(2) + "\n"); });
 }

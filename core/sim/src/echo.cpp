@@ -12,6 +12,8 @@ namespace {
 
 /// Echoes closer together than this cannot be told apart (a pulse of 5 ns).
 constexpr double kPulseLength_m = 0.75;
+/// Surfaces farther apart leave no mixed pixels.
+constexpr double kMixedReach_m = 2.0;
 
 double signal_of(double reflectivity, double cos_incidence, double range_m, double max_range_m) {
   const double nearness = max_range_m / std::max(range_m, 0.1);
@@ -69,6 +71,21 @@ std::optional<Echo> echo_of_car_window(const RayHit& hit, double max_range_m,
 
 }  // namespace
 
+PulseErrors pulse_errors(SensorErrors errors) {
+  if (errors == SensorErrors::kTypical) return {0.25, 0.01, 0.7, 0.1};
+  if (errors == SensorErrors::kBad) return {0.5, 0.02, 0.5, 0.2};
+  return {};
+}
+
+Echo with_errors(const Echo& echo, double cos_incidence, const PulseErrors& errors) {
+  const double cosine = std::max(cos_incidence, 0.01);
+  const double tangent = std::sqrt(1.0 - std::min(cosine * cosine, 1.0)) / cosine;
+  const double nearer_m =
+      std::min(errors.incidence_share * echo.range_m * kHalfDivergence_rad * tangent, 0.2);
+  const double later_m = errors.walk_m * (4.0 - echo.signal) / (4.0 + echo.signal);
+  return {echo.range_m - nearer_m + later_m, errors.signal_share * echo.signal};
+}
+
 bool is_glass(Material material) {
   return material == Material::kGlass || material == Material::kCarGlass;
 }
@@ -86,7 +103,7 @@ std::optional<Echo> echo_of(const RayHit& hit, double max_range_m, const PixelBi
               signal_of(reflectivity(surface), hit.cos_incidence, hit.range_m, max_range_m)};
 }
 
-std::optional<Echo> Footprint::reported_echo() const {
+std::optional<Echo> Footprint::reported_echo(double mixed_share, std::uint64_t random_bits) const {
   const std::span parts(parts_.data(), count_);
   double all_weights = 0.0;
   for (const Part& part : parts) all_weights += part.weight;
@@ -104,6 +121,14 @@ std::optional<Echo> Footprint::reported_echo() const {
     if (power > 0.0 && (!best || power / all_weights > best->signal)) {
       best = Echo{power_range / power, power / all_weights};
     }
+  }
+  Random random(random_bits);
+  if (!best || !random.chance(mixed_share)) return best;
+  for (const Part& other : parts) {
+    const double apart_m = other.echo.range_m - best->range_m;
+    if (std::abs(apart_m) <= kPulseLength_m || std::abs(apart_m) > kMixedReach_m) continue;
+    best->range_m += apart_m * random.uniform();
+    break;
   }
   return best;
 }

@@ -10,6 +10,9 @@
 
 namespace hqslam::sim {
 
+/// Half of the beam's divergence: 3 mrad in all, between those of the presets' sensors.
+constexpr double kHalfDivergence_rad = 0.0015;
+
 /// What one ray of the beam's footprint brings back.
 struct Echo {
   double range_m = 0.0;
@@ -22,6 +25,29 @@ struct PixelBits {
   std::uint64_t pixel = 0;
   std::uint64_t patch = 0;
 };
+
+/// Errors of a pulse, which depend on what it meets; zeros are those of a perfect sensor. Of an
+/// echo of signal q at range r, off a surface whose normal is at an angle a to the ray:
+///   range  -= min(incidence_share r d tan a, 0.2 m), d half of the beam's divergence: a slanting
+///             footprint is r d tan a deep to either side, and what is nearer answers first. Up to
+///             0.2 m were measured with an HDL-32E and an RS-LiDAR-16 (Laconte et al., "Lidar
+///             measurement bias estimation via return waveform modelling", ICRA 2019).
+///   range  += walk_m (4 - q) / (4 + q): a weak echo passes the receiver's threshold later than a
+///             strong one; centimetres (Sedek et al., "Real-time walk error compensation", Sensors
+///             24, 2024).
+///   signal *= signal_share: what an aged laser or a dirty window leaves; it takes what is dark or
+///             far first.
+/// Of the returns at depth edges, mixed_share lie anywhere between two surfaces up to 2 m apart
+/// (Tuley et al., "Analysis and removal of artifacts in 3-D LADAR data", ICRA 2005).
+/// Their sizes are chosen within what is published, not measured with one sensor.
+struct PulseErrors {
+  double incidence_share = 0.0;
+  double walk_m = 0.0;
+  double signal_share = 1.0;
+  double mixed_share = 0.0;
+};
+PulseErrors pulse_errors(SensorErrors errors);
+Echo with_errors(const Echo& echo, double cos_incidence, const PulseErrors& errors);
 
 /// The echo of a hit; none if glass lets the ray through for good.
 std::optional<Echo> echo_of(const RayHit& hit, double max_range_m, const PixelBits& bits);
@@ -37,7 +63,7 @@ class Footprint {
  public:
   void add(const Echo& echo, double weight) { parts_[count_++] = {echo, weight}; }
   /// The one echo that the sensor reports, before noise. None if nothing came back.
-  std::optional<Echo> reported_echo() const;
+  std::optional<Echo> reported_echo(double mixed_share = 0.0, std::uint64_t random_bits = 0) const;
 
  private:
   struct Part {

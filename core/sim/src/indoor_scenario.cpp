@@ -13,7 +13,7 @@ namespace {
 constexpr double kPace_mps = 1.0;
 constexpr double kAcceleration_mps2 = 0.8;
 constexpr double kStandStill_s = 0.5;
-constexpr double kSway_rad = 0.06;
+constexpr HandStyle kHand = {.swing_rad = 0.06};
 constexpr double kSpare_m = 10.0;  ///< corners are cut, and the spline needs some points
 
 /// The way of somebody who walks on floors and stairs: a polyline with rounded corners, as control
@@ -48,7 +48,7 @@ Scenario make_indoor_scenario(const DriveSpec& spec, double duration_s) {
   const IndoorPlan plan = make_indoor_plan(seed_of(spec.seed, DrivePart::kCity));
   const WalkingPath path(
       indoor_route(plan, seed_of(spec.seed, DrivePart::kPath), kPace_mps * duration_s + kSpare_m));
-  const HandSway sway(seed_of(spec.seed, DrivePart::kSway), kSway_rad, spec.mount);
+  const HandSway sway(seed_of(spec.seed, DrivePart::kSway), kHand, spec.mount);
   const auto building = std::make_shared<Scenery>();
   building->fixed = make_indoor_mesh(plan);
   return {building,

@@ -11,11 +11,9 @@ namespace hqslam::sim {
 
 namespace {
 
-/// Half of the beam's divergence: 3 mrad in all, between those of the presets' sensors.
-constexpr double kHalfDivergence_rad = 0.0015;
-
-/// The key of the random bits that rain, drop-outs and extra noise draw from.
+/// The keys of the random bits of a pixel: for rain, drop-outs and extra noise, for mixed pixels.
 constexpr std::uint64_t kDisturbance = 1;
+constexpr std::uint64_t kMixed = 2;
 
 /// Whether the beam may straddle an edge between two neighbouring pixels: the ranges differ by more
 /// than a smooth surface would let them.
@@ -56,7 +54,9 @@ struct Lidar::Revolution {
       const auto echo = hit ? echo_of(*hit, lidar.sensor_.max_range_m, bits) : std::nullopt;
       if (!echo) return;
       const double left = transmission(lidar.conditions_.extinction_per_m, echo->range_m);
-      footprint.add({echo->range_m, echo->signal * left}, weight);
+      footprint.add(
+          with_errors({echo->range_m, echo->signal * left}, hit->cos_incidence, lidar.pulse_),
+          weight);
     };
     add(central[pixel], 2.0);
     constexpr std::array<std::array<int, 2>, 4> kNeighbours = {{{-1, 0}, {1, 0}, {0, -1}, {0, 1}}};
@@ -78,19 +78,26 @@ struct Lidar::Revolution {
     const std::size_t patch = image.index(row / kPatchRows, column / kPatchColumns);
     const PixelBits bits{seed_of(seed, image.index(row, column)), seed_of(~seed, patch)};
     const SensorModel& sensor = lidar.sensor_;
-    const auto echo = footprint(row, column, bits).reported_echo();
+    auto echo = footprint(row, column, bits)
+                    .reported_echo(lidar.pulse_.mixed_share, seed_of(bits.pixel, kMixed));
+    if (echo) echo->range_m += lidar.beams_.range_m[static_cast<std::size_t>(row)];
     const float range_m =
         echo ? detected_range_m(*echo, sensor.min_range_m, sensor.max_range_m, bits.pixel) : 0.0F;
     return disturbed_range_m(range_m, lidar.conditions_, sensor, seed_of(bits.pixel, kDisturbance));
   }
 };
 
-Lidar::Lidar(const SensorModel& sensor, const SensingConditions& conditions, std::uint64_t seed)
-    : sensor_(sensor), conditions_(conditions), seed_(seed) {
+Lidar::Lidar(const SensorModel& sensor, const DriveSpec& drive)
+    : sensor_(sensor),
+      conditions_(drive.conditions),
+      beams_(draw_beam_errors(drive.sensor_errors, sensor.rows(), drive.seed)),
+      pulse_(pulse_errors(drive.sensor_errors)),
+      seed_(seed_of(drive.seed, DrivePart::kNoise)) {
   for (int row = 0; row < sensor_.rows(); ++row) {
-    const double elevation_rad = sensor_.beam_elevation_rad[static_cast<std::size_t>(row)];
+    const auto beam = static_cast<std::size_t>(row);
+    const double elevation_rad = sensor_.beam_elevation_rad[beam] + beams_.elevation_rad[beam];
     for (int column = 0; column < sensor_.columns; ++column) {
-      const double azimuth_rad = sensor_.azimuth_rad(row, column);
+      const double azimuth_rad = sensor_.azimuth_rad(row, column) + beams_.azimuth_rad[beam];
       directions_.emplace_back(std::cos(elevation_rad) * std::cos(azimuth_rad),
                                std::cos(elevation_rad) * std::sin(azimuth_rad),
                                std::sin(elevation_rad));

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "echo.h"
 #include "hqslam/core/pose.h"
 #include "hqslam/core/range_image.h"
 #include "hqslam/core/sensor_model.h"
@@ -26,6 +27,8 @@ namespace hqslam::sim {
 /// by power; otherwise the strongest counts.
 /// Glass: some windows have curtains, some show the room behind, some return nothing.
 /// Ranges are rounded to 1 mm.
+/// A sensor with errors (SensorErrors) looks where draw_beam_errors says, adds its beam's range
+/// error, and has the PulseErrors of echo.h.
 ///
 /// Rain or fog of extinction a takes exp(-2 a r) of the signal on its way there and back
 /// (Beer-Lambert; here (1 + a r / 8)^-16, whose roundings are the same on every machine). With
@@ -35,7 +38,8 @@ namespace hqslam::sim {
 /// and extra_range_noise_m is the standard deviation of noise that is added.
 class Lidar {
  public:
-  Lidar(const SensorModel& sensor, const SensingConditions& conditions, std::uint64_t seed);
+  /// With the conditions, the sensor's errors and the seed of a drive.
+  Lidar(const SensorModel& sensor, const DriveSpec& drive);
   /// One revolution; `T_world_sensor` at every column of the head.
   RangeImage measure(const RayScene& scene, const std::vector<Pose>& T_world_sensor,
                      std::int64_t scan) const;
@@ -50,8 +54,10 @@ class Lidar {
 
   const SensorModel sensor_;
   const SensingConditions conditions_;
+  const BeamErrors beams_;
+  const PulseErrors pulse_;
   std::uint64_t seed_;
-  std::vector<Eigen::Vector3d> directions_;  ///< rows x columns, sensor frame
+  std::vector<Eigen::Vector3d> directions_;  ///< rows x columns, sensor frame; where beams look
 };
 
 }  // namespace hqslam::sim

@@ -21,7 +21,7 @@ constexpr std::uint64_t seed_of(std::uint64_t seed, std::uint64_t key, std::uint
 }
 
 /// The parts of a drive, each with a seed of its own.
-enum class DrivePart : std::uint64_t { kCity = 1, kPath, kSway, kTraffic, kNoise, kConditions };
+enum class DrivePart { kCity = 1, kPath, kSway, kTraffic, kNoise, kConditions, kErrors, kImu };
 constexpr std::uint64_t seed_of(std::uint64_t drive_seed, DrivePart part) {
   return seed_of(drive_seed, static_cast<std::uint64_t>(part));
 }

@@ -4,12 +4,6 @@
 
 namespace hqslam::sim {
 
-namespace {
-
-constexpr double kTenDegrees_rad = 0.17453292519943295;
-
-}  // namespace
-
 Scenario make_street_scenario(const DriveSpec& spec, double duration_s) {
   const DriveStyle style = drive_style(spec.name);
   const auto city =
@@ -26,7 +20,7 @@ Scenario make_street_scenario(const DriveSpec& spec, double duration_s) {
                                           const Eigen::Vector2d& plane_m) {
     return traffic->actors(from_s, to_s, plane_m);
   };
-  if (style.carrier == Carrier::kWheels) {
+  if (!style.hand) {
     const VehicleSway sway(sway_seed, spec.mount);
     scenario.T_world_sensor = [city, path, sway](double time_s) {
       const PathState state = path->at_time(time_s);
@@ -34,7 +28,7 @@ Scenario make_street_scenario(const DriveSpec& spec, double duration_s) {
                   sway.T_vehicle_sensor(state.along_m));
     };
   } else {
-    const HandSway sway(sway_seed, kTenDegrees_rad, spec.mount);
+    const HandSway sway(sway_seed, *style.hand, spec.mount);
     scenario.T_world_sensor = [city, path, sway](double time_s) {
       // Who walks is upright whatever the slope.
       const PathState state = path->at_time(time_s);

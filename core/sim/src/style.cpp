@@ -106,15 +106,22 @@ constexpr DriveStyle kYard = {
                .acceleration_mps2 = 0.6,
                .braking_mps2 = 0.8}};
 
-constexpr DriveStyle kHandheld = {.city = kQuietStreets,
-                                  .driver = {.min_limit_mps = 1.1,
-                                             .max_limit_mps = 1.6,
-                                             .lateral_acceleration_mps2 = 1.0,
-                                             .acceleration_mps2 = 0.8,
-                                             .braking_mps2 = 0.8,
-                                             .stop_share = 0.1,
-                                             .max_circuit_blocks = 1},
-                                  .carrier = Carrier::kHand};
+constexpr DriverStyle kOnFoot = {.min_limit_mps = 1.1,
+                                 .max_limit_mps = 1.6,
+                                 .lateral_acceleration_mps2 = 1.0,
+                                 .acceleration_mps2 = 0.8,
+                                 .braking_mps2 = 0.8,
+                                 .stop_share = 0.1,
+                                 .max_circuit_blocks = 1};
+constexpr DriveStyle kHandheld = {.city = kQuietStreets, .driver = kOnFoot, .hand = HandStyle{}};
+/// Turned to and fro, at up to 200 degrees a second.
+constexpr DriveStyle kTurning = {
+    .city = kQuietStreets, .driver = kOnFoot, .hand = HandStyle{.turn_rad = 1.05}};
+/// Turned by up to 45 degrees from one scan to the next, half a second later.
+constexpr DriveStyle kSparse = {.city = kQuietStreets,
+                                .driver = kOnFoot,
+                                .hand = HandStyle{.turn_rad = 0.45},
+                                .turns_per_scan = 5};
 
 /// Rows of parked cars; every place is passed in both directions.
 constexpr DriveStyle kCarPark = {
@@ -142,7 +149,7 @@ struct NamedDrive {
   double sensor_height_m = SensorMount{}.sensor_height_m;
 };
 
-constexpr std::array<NamedDrive, 9> kDrives = {{
+constexpr std::array<NamedDrive, 11> kDrives = {{
     {"block", &kBlock, 200},
     {"town", &kTown, 4000},
     {"hills", &kHills, 8000},
@@ -150,6 +157,8 @@ constexpr std::array<NamedDrive, 9> kDrives = {{
     {"narrow", &kNarrow, 3000},
     {"yard", &kYard, 2000, 0.4},
     {"handheld", &kHandheld, 2000, 1.5},
+    {"handheld-turning", &kTurning, 2000, 1.5},
+    {"handheld-sparse", &kSparse, 400, 1.5},
     {"car-park", &kCarPark, 2000},
     {"indoors", nullptr, 2000, 1.4},
 }};

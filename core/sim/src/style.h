@@ -69,13 +69,17 @@ struct DriverStyle {
   bool follows_car = false;    ///< another car drives ahead all the time
 };
 
-/// What carries the sensor: something on wheels, or a hand that rolls and pitches while it walks.
-enum class Carrier { kWheels, kHand };
+/// How far a hand swings the sensor while it walks.
+struct HandStyle {
+  double swing_rad = 0.17453292519943295;  ///< roll and pitch, once in a second
+  double turn_rad = 0.3 * swing_rad;       ///< yaw, once in two seconds
+};
 
 struct DriveStyle {
   CityStyle city;
   DriverStyle driver;
-  Carrier carrier = Carrier::kWheels;
+  std::optional<HandStyle> hand{};  ///< carries the sensor; otherwise it is on wheels
+  int turns_per_scan = 1;           ///< of the head, from one scan of the drive to the next
 };
 
 /// Whether a drive goes through streets and has a style. Throws Error for an unknown name.

@@ -38,11 +38,11 @@ Pose VehicleSway::T_vehicle_sensor(double along_m) const {
                            mount_.mount_roll_rad + sums[0], mount_.mount_pitch_rad + sums[1], 0.0);
 }
 
-HandSway::HandSway(std::uint64_t seed, double largest_rad, const SensorMount& mount)
+HandSway::HandSway(std::uint64_t seed, const HandStyle& style, const SensorMount& mount)
     : T_walker_hand_(pose_from_xyz_rpy({0.0, 0.0, mount.sensor_height_m}, 0.0, 0.0, 0.0)),
       T_hand_mount_(pose_from_xyz_rpy(Eigen::Vector3d::Zero(), mount.mount_roll_rad,
                                       mount.mount_pitch_rad, 0.0)) {
-  const std::array<double, 5> amplitude = {largest_rad, largest_rad, 0.3 * largest_rad, 0.03,
+  const std::array<double, 5> amplitude = {style.swing_rad, style.swing_rad, style.turn_rad, 0.03,
                                            0.025};
   constexpr std::array<double, 5> kPerSecond = {1.0, 1.0, 0.5, 1.0, 2.0};
   Random random(seed);

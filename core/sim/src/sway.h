@@ -5,6 +5,7 @@
 
 #include "hqslam/core/pose.h"
 #include "hqslam/sim/drive.h"
+#include "style.h"
 
 namespace hqslam::sim {
 
@@ -26,12 +27,12 @@ class VehicleSway {
   std::array<std::array<Wave, 4>, 3> waves_;  ///< roll, pitch, heave
 };
 
-/// How a sensor moves in the hand of somebody who walks upright: it rolls and pitches by up to
-/// `largest_rad` about once in a second, turns a little, and rises with every step.
+/// How a sensor moves in the hand of somebody who walks upright: it rolls, pitches and turns as the
+/// style says, and rises with every step.
 ///   angle(t) = A (0.85 + 0.15 sin(w_slow t + p_slow)) sin(w t + p),  2 pi / w = 0.95 to 1.05 s
 class HandSway {
  public:
-  HandSway(std::uint64_t seed, double largest_rad, const SensorMount& mount);
+  HandSway(std::uint64_t seed, const HandStyle& style, const SensorMount& mount);
   /// T_world_walker: the feet of who carries it, upright, x forward.
   Pose T_world_sensor(const Pose& T_world_walker, double time_s) const;
 

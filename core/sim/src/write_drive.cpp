@@ -5,12 +5,14 @@
 #include <Eigen/Geometry>
 #include <cmath>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 
 #include "hqslam/core/error.h"
 #include "hqslam/core/kitti_bin.h"
 #include "hqslam/core/pcd.h"
 #include "hqslam/core/projection.h"
 #include "hqslam/core/trajectory.h"
+#include "hqslam/core/whole_file.h"
 
 namespace hqslam::sim {
 
@@ -50,6 +52,20 @@ void append_text(std::ofstream& stream, const std::string& path, const std::stri
       "{}: cannot be written; check that the folder is writable and has free space", path));
 }
 
+/// What a calibration of the beams should find.
+void write_sensor_errors_json(const std::string& path, const DriveSpec& spec, int rows) {
+  constexpr double kRadiansPerDegree = 0.017453292519943295;
+  BeamErrors beams = draw_beam_errors(spec.sensor_errors, rows, spec.seed);
+  for (auto* angles : {&beams.elevation_rad, &beams.azimuth_rad}) {
+    for (double& angle : *angles) angle /= kRadiansPerDegree;
+  }
+  const nlohmann::ordered_json json = {{"sensor_errors", name_of(spec.sensor_errors)},
+                                       {"range_m", beams.range_m},
+                                       {"elevation_deg", beams.elevation_rad},
+                                       {"azimuth_deg", beams.azimuth_rad}};
+  write_whole_file(path, json.dump(2) + "\n");
+}
+
 /// `directory`, after it has been made with the file that says what the drive is: members that open
 /// files in it are initialised with this. However soon writing stops, that file tells whose the
 /// others are.
@@ -87,6 +103,18 @@ DriveWriter::DriveWriter(const std::string& directory, const DriveSpec& spec,
       kitti_(in(directory, "truth.kitti"), std::ios::binary) {
   append_text(tum_, in(directory, "truth.tum"), "");
   write_sensor_json(sensor, in(directory, "sensor.json"));
+  if (spec.sensor_errors != SensorErrors::kNone) {
+    write_sensor_errors_json(in(directory, "sensor_errors.json"), spec, sensor.rows());
+  }
+  if (extra_.imu) {
+    imu_.open(in(directory, "imu.csv"), std::ios::binary);
+    imu_biases_.open(in(directory, "imu_biases.csv"), std::ios::binary);
+    const std::string columns =
+        "stamp_s,angular_rate_x_rad_per_s,angular_rate_y_rad_per_s,angular_rate_z_rad_per_s,"
+        "specific_force_x_mps2,specific_force_y_mps2,specific_force_z_mps2\n";
+    append_text(imu_, in(directory, "imu.csv"), columns);
+    append_text(imu_biases_, in(directory, "imu_biases.csv"), columns);
+  }
   if (extra_.kitti_bin) make_empty_directory(fs::path(directory) / "bin");
   if (extra_.pcd) make_empty_directory(fs::path(directory) / "pcd");
 }
@@ -98,7 +126,22 @@ void DriveWriter::append(const SimulatedScan& scan) {
   append_text(tum_, in(directory_, "truth.tum"), tum_line(pose));
   append_text(kitti_, in(directory_, "truth.kitti"), kitti_line(pose));
   if (extra_.kitti_bin || extra_.pcd) write_extra(scan.image);
+  if (extra_.imu) append_imu(scan.imu);
   ++scans_;
+}
+
+void DriveWriter::append_imu(const std::vector<ImuSample>& samples) {
+  const auto line = [](double stamp_s, const Eigen::Vector3d& rate, const Eigen::Vector3d& force) {
+    return fmt::format("{:.3f},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g}\n", stamp_s, rate.x(),
+                       rate.y(), rate.z(), force.x(), force.y(), force.z());
+  };
+  std::string measured, biases;
+  for (const ImuSample& s : samples) {
+    measured += line(s.stamp_s, s.angular_rate_rad_per_s, s.specific_force_mps2);
+    biases += line(s.stamp_s, s.gyroscope_bias_rad_per_s, s.accelerometer_bias_mps2);
+  }
+  append_text(imu_, in(directory_, "imu.csv"), measured);
+  append_text(imu_biases_, in(directory_, "imu_biases.csv"), biases);
 }
 
 void DriveWriter::write_extra(const RangeImage& image) const {

@@ -4,16 +4,15 @@
 
 namespace hqslam::nn {
 
-RangeImage restored_image(const NetworkDescription& description, TileSize tile, const Tensor& z,
-                          const RangeImage& measured, [[maybe_unused]] int threads) {
-  RangeImage image(z.rows() * tile.rows, z.columns() * tile.columns);
+void restore_rows(const NetworkDescription& description, TileSize tile, const Tensor& z,
+                  const RangeImage& measured, RangeImage& image) {
   const RowSelection rows = description.measured_rows;
   const auto nearest_m = static_cast<float>(description.sensor.min_range_m);
   const auto farthest_m = static_cast<float>(description.sensor.max_range_m);
-#pragma omp parallel for schedule(static) num_threads(threads)
+#pragma omp for schedule(static)
   for (int row = 0; row < image.rows; ++row) {
     float* to = &image.range_m[image.index(row, 0)];
-    if (row >= rows.offset && (row - rows.offset) % rows.stride == 0) {
+    if (rows.contains(row)) {
       const int from = (row - rows.offset) / rows.stride;
       std::copy_n(&measured.range_m[measured.index(from, 0)], measured.columns, to);
       continue;
@@ -26,7 +25,6 @@ RangeImage restored_image(const NetworkDescription& description, TileSize tile, 
       to[column] = not_too_far_m >= nearest_m ? not_too_far_m : 0.0F;
     }
   }
-  return image;
 }
 
 }  // namespace hqslam::nn

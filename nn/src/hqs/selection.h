@@ -5,15 +5,9 @@
 #include "../tensor.h"
 #include "../tiles.h"
 #include "hqslam/nn/instruction_set.h"
+#include "measurement.h"
 
 namespace hqslam::nn {
-
-/// What a pixel may be, next to what it is now: the nearest measured range above it, the nearest
-/// measured range below it. Tiles, as H.
-struct Candidates {
-  Tensor above;
-  Tensor below;
-};
 
 /// The end of the U-shaped denoiser. The network scores four candidates for each pixel and adds a
 /// correction:

@@ -150,38 +150,6 @@ struct TwoModesLossRow {
   float* d_middle = nullptr;
 };
 
-/// output = input P(X < input) for a standard normal X; with d_output, its derivative times
-/// d_output is added to output.
-struct GeluRow {
-  const float* input = nullptr;
-  float* output = nullptr;
-  const float* d_output = nullptr;
-  int columns = 0;  ///< rounded up to whole vectors of 16
-};
-
-/// Attention of one head within one window. Queries, keys, values and output: depth x 16 pixels;
-/// queries times 1 / sqrt(depth); depth a multiple of 4. bias, probabilities (a result): 16 keys x
-/// 16 queries.
-inline constexpr int kWindowPixels = 16;
-struct AttentionWindow {
-  int depth = 0;
-  const float* queries = nullptr;
-  const float* keys = nullptr;
-  const float* values = nullptr;
-  const float* bias = nullptr;
-  float* probabilities = nullptr;
-  float* output = nullptr;
-};
-/// Its gradients, after attend(forward).
-struct AttentionGradient {
-  AttentionWindow forward;
-  const float* d_output = nullptr;
-  float* d_queries = nullptr;
-  float* d_keys = nullptr;
-  float* d_values = nullptr;
-  float* d_bias = nullptr;  ///< added to
-};
-
 /// Winograd's transform of one channel of a row of tiles (winograd_convolution.h has the formulas).
 /// Value (i, j) of tile t goes to transformed[(4 i + j) place_stride + t].
 struct WinogradInputRow {
@@ -243,9 +211,6 @@ struct RowKernels {
   void (*two_modes)(const TwoModesRow&);
   /// Returns the row's share of the loss: of the columns alone, though vectors reach beyond them.
   double (*two_modes_loss)(const TwoModesLossRow&);
-  void (*gelu)(const GeluRow&);
-  void (*attend)(const AttentionWindow&);
-  void (*attend_backward)(const AttentionGradient&);
   /// For measuring the processor's peak: `rounds` times one multiply-add in every lane of so many
   /// independent chains that their latency hides. Returns something that depends on all of them.
   float (*multiply_add_chains)(std::int64_t rounds, float start);

@@ -1,6 +1,5 @@
-// Included by one translation unit per instruction set, which defines how wide a vector is
-// (kVectorFloats) and how many sums one pass keeps in registers: kChannelBlock channels times
-// kColumnVectors vectors of outputs, kGradientChannels channels times kGradientTaps taps of
+// Compiled once per instruction set. One pass keeps kChannelBlock channels times kColumnVectors
+// vectors of outputs in registers, or kGradientChannels channels times kGradientTaps taps of
 // gradients. Everything lives in an unnamed namespace: no two of the translation units may share a
 // function.
 

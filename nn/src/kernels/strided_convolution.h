@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "../convolution_shape.h"
+#include "../layer_end.h"
 #include "../tensor.h"
 #include "hqslam/nn/instruction_set.h"
 #include "row_kernels.h"
@@ -45,27 +46,19 @@ class StridedConvolution {
 
   ConvolutionScratch make_scratch(int threads) const;
 
-  /// a(v) = max(v, negative_slope v); bias may be empty; skip (may be null) is added before a. With
-  /// `activated` (of the result's shape), a is the gradient of the activation that made it.
-  struct Epilogue {
-    const float* bias = nullptr;  ///< padded to whole blocks of kOutputBlock
-    const Tensor* skip = nullptr;
-    float negative_slope = 1.0F;
-    const Tensor* activated = nullptr;
-  };
-  /// Fills the border columns of the result too.
-  void gather(const Tensor& wide, const Epilogue& epilogue, Tensor& narrow,
+  /// bias: padded to whole blocks of kOutputBlock; may be null. Fills the border columns of the
+  /// result too.
+  void gather(const Tensor& wide, const float* bias, const LayerEnd& end, Tensor& narrow,
               ConvolutionScratch& scratch) const;
   /// One row of gather with stride 1, into memory of the caller's: output channels channel_stride
   /// floats apart, each with room for whole vectors of 16. By the calling thread alone.
   void gather_row(const Tensor& wide, const float* bias, int y, float* output,
                   std::int64_t channel_stride) const;
-  void scatter(const Tensor& narrow, const Epilogue& epilogue, Tensor& wide,
+  void scatter(const Tensor& narrow, const float* bias, const LayerEnd& end, Tensor& wide,
                ConvolutionScratch& scratch) const;
   /// The same with stride 1 and one kernel row for some rows, `first_row` and what follows it,
   /// alone: all that `narrow` has. By the calling thread alone.
-  void scatter_rows(const Tensor& narrow, int first_row, const Epilogue& epilogue,
-                    Tensor& wide) const;
+  void scatter_rows(const Tensor& narrow, int first_row, const LayerEnd& end, Tensor& wide) const;
   /// Adds to gradient (the weights' layout): sum narrow[a][y][x] wide[b][y s + i - p][x s + j - p].
   /// `narrow` may have some rows only, `first_row` and what follows it. One thread.
   void add_weight_gradient(const Tensor& narrow, int first_row, const Tensor& wide,
@@ -100,13 +93,12 @@ class StridedConvolution {
   /// or, sorted, the thread's own.
   GatherRows gather_rows(const Tensor& wide, int begin, int end, ConvolutionScratch& scratch) const;
   void sort_phases(const Tensor& wide, int first_row, int rows, Tensor& phases) const;
-  /// Row `y` of the result, and what the epilogue does with it.
-  static void end_in(Tensor& result, const Epilogue& epilogue, int y, AccumulateRow& row);
-  /// With stride 1; `row` has the input.
-  void scatter_whole_row(AccumulateRow row, const Epilogue& epilogue, int wide_row,
-                         Tensor& wide) const;
-  void scatter_row(const Tensor& narrow, const Epilogue& epilogue, int wide_row, Tensor& wide,
-                   std::vector<float>& rows) const;
+  /// Row `y` of the result, and how it ends.
+  static void end_in(Tensor& result, const LayerEnd& end, int y, AccumulateRow& row);
+  /// With stride 1; `row` has input and bias.
+  void scatter_whole_row(AccumulateRow row, const LayerEnd& end, int wide_row, Tensor& wide) const;
+  void scatter_row(const Tensor& narrow, const float* bias, const LayerEnd& end, int wide_row,
+                   Tensor& wide, std::vector<float>& rows) const;
 
   /// With a stride so many narrow rows go through all stages while they are in the cache.
   static constexpr int kBlockRows = 4;

@@ -13,34 +13,25 @@ void take_every(const float* from, int stride, int count, float* to) {
   for (int x = 0; x < count; ++x) to[x] = from[x * stride];
 }
 
-/// The phases of a row, `phase_stride` apart, put together: to[x stride + phase] =
-/// phases[phase][x].
-void merge_phases(const float* phases, std::int64_t phase_stride, int stride, int columns,
-                  float* to) {
-  if (stride == 1) {
-    std::copy_n(phases, columns, to);
-    return;
-  }
-  for (int x = 0; x < columns; ++x) to[x] = phases[x % stride * phase_stride + x / stride];
-}
+/// What the phases of a row are put together to, and how the row ends. skip may be the result.
+struct MergedRow {
+  const float* skip = nullptr;
+  const float* activated = nullptr;
+  float negative_slope = 1.0F;
+  int columns = 0;
+  float* result = nullptr;
+};
 
-/// values = a(values + skip)
-void end_row(const float* skip, const float* activated, float negative_slope, int count,
-             float* values) {
-  if (skip != nullptr) {
-#pragma omp simd
-    for (int x = 0; x < count; ++x) values[x] += skip[x];
+/// result[x] = a(phases[x mod stride][x / stride] + skip[x]), phases `phase_stride` apart
+void merge_phases(const float* phases, std::int64_t phase_stride, int stride,
+                  const MergedRow& row) {
+  for (int x = 0; x < row.columns; ++x) {
+    float value = phases[x % stride * phase_stride + x / stride];
+    if (row.skip != nullptr) value += row.skip[x];
+    const float scaled = row.negative_slope * value;
+    const bool above = row.activated != nullptr ? row.activated[x] > 0.0F : value > scaled;
+    row.result[x] = above ? value : scaled;
   }
-  if (negative_slope == 1.0F) return;
-  if (activated != nullptr) {
-#pragma omp simd
-    for (int x = 0; x < count; ++x) {
-      const float scaled = negative_slope * values[x];
-      values[x] = activated[x] > 0.0F ? values[x] : scaled;
-    }
-    return;
-  }
-  for (int x = 0; x < count; ++x) values[x] = std::max(values[x], negative_slope * values[x]);
 }
 
 }  // namespace
@@ -94,23 +85,22 @@ AccumulateRow StridedConvolution::gather_task(const float* input, const float* b
   return row;
 }
 
-void StridedConvolution::end_in(Tensor& result, const Epilogue& epilogue, int y,
-                                AccumulateRow& row) {
+void StridedConvolution::end_in(Tensor& result, const LayerEnd& end, int y, AccumulateRow& row) {
   row.output = result.row(0, y);
   row.output_channel_stride = result.channel_stride();
-  row.negative_slope = epilogue.negative_slope;
-  if (epilogue.skip != nullptr) {
-    row.skip = epilogue.skip->row(0, y);
-    row.skip_channel_stride = epilogue.skip->channel_stride();
+  row.negative_slope = end.negative_slope;
+  if (end.skip != nullptr) {
+    row.skip = end.skip->row(0, y);
+    row.skip_channel_stride = end.skip->channel_stride();
   }
-  if (epilogue.activated != nullptr) {
-    row.activated = epilogue.activated->row(0, y);
-    row.activated_channel_stride = epilogue.activated->channel_stride();
+  if (end.activated != nullptr) {
+    row.activated = end.activated->row(0, y);
+    row.activated_channel_stride = end.activated->channel_stride();
   }
 }
 
-void StridedConvolution::gather(const Tensor& wide, const Epilogue& epilogue, Tensor& narrow,
-                                ConvolutionScratch& scratch) const {
+void StridedConvolution::gather(const Tensor& wide, const float* bias, const LayerEnd& end,
+                                Tensor& narrow, ConvolutionScratch& scratch) const {
   // Without a stride a block would save nothing.
   const int of_a_thread = (narrow_rows_ + omp_get_num_threads() - 1) / omp_get_num_threads();
   const int most = shape_.column_stride() == 1 ? 1 : std::min(kBlockRows, of_a_thread);
@@ -118,11 +108,11 @@ void StridedConvolution::gather(const Tensor& wide, const Epilogue& epilogue, Te
 #pragma omp for schedule(static)
   for (int block = 0; block < blocks; ++block) {
     const int begin = block * most;
-    const int end = std::min(begin + most, narrow_rows_);
-    const GatherRows rows = gather_rows(wide, begin, end, scratch);
-    for (int y = begin; y < end; ++y) {
-      AccumulateRow row = gather_task(rows.first + (y - begin) * rows.row_stride, epilogue.bias);
-      end_in(narrow, epilogue, y, row);
+    const int after = std::min(begin + most, narrow_rows_);
+    const GatherRows rows = gather_rows(wide, begin, after, scratch);
+    for (int y = begin; y < after; ++y) {
+      AccumulateRow row = gather_task(rows.first + (y - begin) * rows.row_stride, bias);
+      end_in(narrow, end, y, row);
       kernels_->accumulate(row);
       for (int channel = 0; channel < shape_.output_channels; ++channel) {
         narrow.fill_border(channel, y);
@@ -139,43 +129,42 @@ void StridedConvolution::gather_row(const Tensor& wide, const float* bias, int y
   kernels_->accumulate(row);
 }
 
-void StridedConvolution::scatter_whole_row(AccumulateRow row, const Epilogue& epilogue,
-                                           int wide_row, Tensor& wide) const {
+void StridedConvolution::scatter_whole_row(AccumulateRow row, const LayerEnd& end, int wide_row,
+                                           Tensor& wide) const {
   const ScatterPhase& taps = scatter_phases_[wide_row % shape_.stride];
   row.tap_offset = taps.tap_offset.data();
   row.taps = static_cast<int>(taps.tap_offset.size());
   row.weights = taps.weights.data();
-  row.bias = epilogue.bias;
   row.output_channels = shape_.input_channels;
   row.end = wide_columns_;
-  end_in(wide, epilogue, wide_row, row);
+  end_in(wide, end, wide_row, row);
   kernels_->accumulate(row);
   for (int channel = 0; channel < shape_.input_channels; ++channel) {
     wide.fill_border(channel, wide_row);
   }
 }
 
-void StridedConvolution::scatter_rows(const Tensor& narrow, int first_row, const Epilogue& epilogue,
+void StridedConvolution::scatter_rows(const Tensor& narrow, int first_row, const LayerEnd& end,
                                       Tensor& wide) const {
   AccumulateRow row;
   for (int y = 0; y < narrow.rows(); ++y) {
     row.input = narrow.row(0, y);
-    scatter_whole_row(row, epilogue, first_row + y, wide);
+    scatter_whole_row(row, end, first_row + y, wide);
   }
 }
 
-void StridedConvolution::scatter_row(const Tensor& narrow, const Epilogue& epilogue, int wide_row,
-                                     Tensor& wide, std::vector<float>& rows) const {
+void StridedConvolution::scatter_row(const Tensor& narrow, const float* bias, const LayerEnd& end,
+                                     int wide_row, Tensor& wide, std::vector<float>& rows) const {
   const int stride = shape_.column_stride();
   const int row_phase = wide_row % shape_.stride;
   const std::int64_t row_stride = narrow.channel_stride();
   AccumulateRow row;
   row.input = narrow.row(0, wide_row / shape_.stride);
+  row.bias = bias;
   if (stride == 1) {
-    scatter_whole_row(row, epilogue, wide_row, wide);
+    scatter_whole_row(row, end, wide_row, wide);
     return;
   }
-  row.bias = epilogue.bias;
   row.output_channels = shape_.input_channels;
   row.output_channel_stride = stride * row_stride;
   row.end = (wide_columns_ + stride - 1) / stride;
@@ -189,31 +178,31 @@ void StridedConvolution::scatter_row(const Tensor& narrow, const Epilogue& epilo
   }
   for (int channel = 0; channel < shape_.input_channels; ++channel) {
     float* to = wide.row(channel, wide_row);
-    const float* skip = epilogue.skip == nullptr ? nullptr : epilogue.skip->row(channel, wide_row);
+    const float* skip = end.skip == nullptr ? nullptr : end.skip->row(channel, wide_row);
     const float* from = rows.data() + channel * stride * row_stride;
     const float* activated =
-        epilogue.activated == nullptr ? nullptr : epilogue.activated->row(channel, wide_row);
+        end.activated == nullptr ? nullptr : end.activated->row(channel, wide_row);
     if (stride == 2) {
       kernels_->merge({.even = from,
                        .odd = from + row_stride,
                        .skip = skip,
                        .activated = activated,
-                       .negative_slope = epilogue.negative_slope,
+                       .negative_slope = end.negative_slope,
                        .output = to,
                        .columns = row.end});
     } else {
-      merge_phases(from, row_stride, stride, wide_columns_, to);
-      end_row(skip, activated, epilogue.negative_slope, wide_columns_, to);
+      merge_phases(from, row_stride, stride,
+                   {skip, activated, end.negative_slope, wide_columns_, to});
     }
     wide.fill_border(channel, wide_row);
   }
 }
 
-void StridedConvolution::scatter(const Tensor& narrow, const Epilogue& epilogue, Tensor& wide,
-                                 ConvolutionScratch& scratch) const {
+void StridedConvolution::scatter(const Tensor& narrow, const float* bias, const LayerEnd& end,
+                                 Tensor& wide, ConvolutionScratch& scratch) const {
 #pragma omp for schedule(static)
   for (int y = 0; y < wide_rows_; ++y) {
-    scatter_row(narrow, epilogue, y, wide, scratch.rows[omp_get_thread_num()]);
+    scatter_row(narrow, bias, end, y, wide, scratch.rows[omp_get_thread_num()]);
   }
 }
 

@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <utility>
 
+#include "vector_sizes_inl.h"
+
 namespace hqslam::nn::kernels {
 namespace {
 

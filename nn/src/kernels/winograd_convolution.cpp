@@ -186,7 +186,7 @@ void WinogradConvolution::multiply(const Panel& panel, Scratch& scratch) const {
   }
 }
 
-void WinogradConvolution::transform_output(const StridedConvolution::Epilogue& epilogue,
+void WinogradConvolution::transform_output(const float* bias, const LayerEnd& end,
                                            const Panel& panel, const Scratch& scratch,
                                            Tensor& output) const {
   const std::int64_t width = panel.shape.vectors * kVectorTiles;
@@ -196,16 +196,16 @@ void WinogradConvolution::transform_output(const StridedConvolution::Epilogue& e
       row.products = scratch.products.data() + channel * width + run.tile;
       row.place_stride = panel.shape.output_place_stride;
       row.tiles = run.vectors * kVectorTiles;
-      row.bias = epilogue.bias == nullptr ? 0.0F : epilogue.bias[channel];
-      row.negative_slope = epilogue.negative_slope;
+      row.bias = bias == nullptr ? 0.0F : bias[channel];
+      row.negative_slope = end.negative_slope;
       const int column = run.vector * kVectorColumns;
       for (int part = 0; part < 2; ++part) {
         const int y = 2 * run.tile_row + part;
         if (y >= rows_) break;
         row.output[part] = output.row(channel, y) + column;
-        if (epilogue.skip != nullptr) row.skip[part] = epilogue.skip->row(channel, y) + column;
-        if (epilogue.activated != nullptr) {
-          row.activated[part] = epilogue.activated->row(channel, y) + column;
+        if (end.skip != nullptr) row.skip[part] = end.skip->row(channel, y) + column;
+        if (end.activated != nullptr) {
+          row.activated[part] = end.activated->row(channel, y) + column;
         }
       }
       kernels_->winograd_output(row);
@@ -213,7 +213,7 @@ void WinogradConvolution::transform_output(const StridedConvolution::Epilogue& e
   }
 }
 
-void WinogradConvolution::forward(const Tensor& input, const StridedConvolution::Epilogue& epilogue,
+void WinogradConvolution::forward(const Tensor& input, const float* bias, const LayerEnd& end,
                                   Tensor& output) const {
   const int tasks = (tile_rows_ + rows_per_task_ - 1) / rows_per_task_;
   // Not all threads of a team may come at the same time (UnrolledNetwork::run_layer).
@@ -227,7 +227,7 @@ void WinogradConvolution::forward(const Tensor& input, const StridedConvolution:
       const Panel panel{forward_panel_, first, std::min(first + forward_panel_.vectors, last)};
       transform_input(input, panel, scratch);
       multiply(panel, scratch);
-      transform_output(epilogue, panel, scratch, output);
+      transform_output(bias, end, panel, scratch, output);
     }
     for (int y = 2 * first_row; y < std::min(rows_, 2 * last_row); ++y) {
       for (int channel = 0; channel < shape_.output_channels; ++channel) {

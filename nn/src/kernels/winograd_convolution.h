@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "../convolution_shape.h"
+#include "../layer_end.h"
 #include "../tensor.h"
 #include "hqslam/nn/instruction_set.h"
 #include "row_kernels.h"
-#include "strided_convolution.h"
 
 namespace hqslam::nn::kernels {
 
@@ -55,8 +55,7 @@ class WinogradConvolution {
   /// Inside an OpenMP parallel region the threads of the team share the work and wait for each
   /// other at the end; the result does not depend on their number. Borders of the input must be
   /// filled; those of the output will be.
-  void forward(const Tensor& input, const StridedConvolution::Epilogue& epilogue,
-               Tensor& output) const;
+  void forward(const Tensor& input, const float* bias, const LayerEnd& end, Tensor& output) const;
 
   /// Adds to d_weights. Y = A^T [U V] A place by place makes d U = V (A dY A^T) summed over the
   /// tiles, and U = G g G^T makes d g = G^T dU G: 16 multiplications for 36 here too. One thread.
@@ -125,7 +124,7 @@ class WinogradConvolution {
   void transform_run(const Tensor& input, int channel, const Run& run, WinogradInputRow row,
                      Scratch& scratch) const;
   void multiply(const Panel& panel, Scratch& scratch) const;
-  void transform_output(const StridedConvolution::Epilogue& epilogue, const Panel& panel,
+  void transform_output(const float* bias, const LayerEnd& end, const Panel& panel,
                         const Scratch& scratch, Tensor& output) const;
   void transform_gradient(const Tensor& d_output, const Panel& panel, Scratch& scratch) const;
   void transform_gradient_run(const Tensor& d_output, int channel, const Run& run,

@@ -86,6 +86,11 @@ std::vector<std::pair<std::size_t, std::size_t>> statistics_of(
   return ranges;
 }
 
+/// Where there are statistics of a batch (batch norm), its scans see each other.
+bool sees_whole_batch(const NetworkDescription& description) {
+  return !statistics_of(description).empty();
+}
+
 /// The share by which a mean over about `steps` steps follows at step 1, 2, ...: at once in the
 /// first ones and ever more slowly later.
 float follow_share(std::int64_t step, std::int64_t steps) {
@@ -109,7 +114,8 @@ struct Trainer::Implementation {
   Ranks& ranks;
   int validation_threads = 1;
   std::vector<std::unique_ptr<Network>> workers = {};
-  /// One per sample of the batch, or of all together; the ranks' parts one behind the other.
+  int samples_of_call = 1;
+  /// One per call; the ranks' parts one behind the other.
   std::vector<double> losses = {};
   std::vector<float> gradients = {};
 
@@ -118,13 +124,12 @@ struct Trainer::Implementation {
     std::uint64_t seed = 0;  ///< of what is random in the network
   };
   Drawn draw(int place) const;
-  std::span<float> gradient(int place) {
+  std::span<float> gradient(int call) {
     const std::size_t parameters = state.parameters.size();
-    return std::span(gradients).subspan(parameters * static_cast<std::size_t>(place), parameters);
+    return std::span(gradients).subspan(parameters * static_cast<std::size_t>(call), parameters);
   }
-  void run_own_samples();
-  void run_sample(Network& network, int place);
-  void run_batch(Network& network);
+  void run_own_calls();
+  void run_call(Network& network, int call);
   void follow_statistics(std::span<float> gradient);
   void average();
 };
@@ -162,8 +167,7 @@ void require_shares(const NetworkDescription& description, const TrainingPlan& p
                     "as divide it",
                     plan.batch, ranks.count()));
   }
-  const int columns = description.sensor.columns;
-  if (make_network(description, columns, chosen_instruction_set(), 1)->joins_batch()) {
+  if (sees_whole_batch(description)) {
     throw Error(
         fmt::format("training: the samples of a batch see each other in this network (batch norm), "
                     "and {} processes cannot share them; train it in one",
@@ -185,13 +189,12 @@ Trainer::Trainer(const NetworkDescription& description, const TrainingPlan& plan
   Implementation& self = *implementation_;
   const int columns = plan.augmentation.crop_columns > 0 ? plan.augmentation.crop_columns
                                                          : description.sensor.columns;
-  const auto add_worker = [&] {
-    self.workers.push_back(make_network(description, columns, chosen_instruction_set(), 1));
-  };
-  add_worker();
-  const int calls = self.workers.front()->joins_batch() ? 1 : plan.batch;
+  if (sees_whole_batch(description)) self.samples_of_call = plan.batch;
+  const int calls = plan.batch / self.samples_of_call;
   const int own = calls / ranks.count();
-  while (static_cast<int>(self.workers.size()) < std::clamp(threads, 1, own)) add_worker();
+  for (int worker = 0; worker < std::clamp(threads, 1, own); ++worker) {
+    self.workers.push_back(make_network(description, columns, chosen_instruction_set(), 1));
+  }
   self.validation_threads = std::clamp(threads, 1, calls);
   self.gradients.resize(calls * self.state.parameters.size());
   self.losses.resize(calls);
@@ -211,41 +214,27 @@ Trainer::Implementation::Drawn Trainer::Implementation::draw(int place) const {
   return drawn;
 }
 
-void Trainer::Implementation::run_sample(Network& network, int place) {
-  const Drawn drawn = draw(place);
-  std::ranges::fill(gradient(place), 0.0F);
-  losses[place] =
-      network.add_gradient(drawn.sample.measured, drawn.sample.truth,
-                           {.layer_share = plan.layer_loss_share}, drawn.seed, gradient(place));
-}
-
-void Trainer::Implementation::run_batch(Network& network) {
+/// One call of the network: of one sample, or of all together.
+void Trainer::Implementation::run_call(Network& network, int call) {
   std::vector<TrainingSample> samples;
   std::vector<std::uint64_t> seeds;
-  for (int place = 0; place < plan.batch; ++place) {
+  for (int place = call * samples_of_call; place < (call + 1) * samples_of_call; ++place) {
     Drawn drawn = draw(place);
     samples.push_back(std::move(drawn.sample));
     seeds.push_back(drawn.seed);
   }
-  std::ranges::fill(gradients, 0.0F);
-  losses.front() =
-      network.add_gradients(samples, {.layer_share = plan.layer_loss_share}, seeds, gradients);
+  std::ranges::fill(gradient(call), 0.0F);
+  losses[call] =
+      network.add_gradients(samples, {.layer_share = plan.layer_loss_share}, seeds, gradient(call));
 }
 
 /// Gradients and losses of this rank's part of the batch.
-void Trainer::Implementation::run_own_samples() {
-  if (workers.front()->joins_batch()) {
-    workers.front()->set_parameters(state.parameters);
-    run_batch(*workers.front());
-    return;
-  }
-  const int threads = static_cast<int>(workers.size());
-  const int own = plan.batch / ranks.count();
-  const int first = own * ranks.rank();
-  in_parallel(threads, own, [&](int worker, int item) {
+void Trainer::Implementation::run_own_calls() {
+  const int own = static_cast<int>(losses.size()) / ranks.count();
+  in_parallel(static_cast<int>(workers.size()), own, [&](int worker, int item) {
     const bool is_first = item == worker;
     if (is_first) workers[worker]->set_parameters(state.parameters);
-    run_sample(*workers[worker], first + item);
+    run_call(*workers[worker], own * ranks.rank() + item);
   });
 }
 
@@ -269,15 +258,15 @@ void Trainer::Implementation::average() {
 
 TrainingStep Trainer::step() {
   Implementation& self = *implementation_;
-  self.run_own_samples();
+  self.run_own_calls();
   self.ranks.gather(std::span(self.losses));
   self.ranks.gather(std::span(self.gradients));
   // In the order of the batch, whoever computed which part of it.
   const std::span<float> sum = self.gradient(0);
   double loss = self.losses.front();
-  for (int place = 1; place < static_cast<int>(self.losses.size()); ++place) {
-    loss += self.losses[place];
-    const std::span<const float> gradient = self.gradient(place);
+  for (int call = 1; call < static_cast<int>(self.losses.size()); ++call) {
+    loss += self.losses[call];
+    const std::span<const float> gradient = self.gradient(call);
     for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += gradient[i];
   }
   const float share = 1.0F / static_cast<float>(self.plan.batch);

@@ -105,6 +105,9 @@ TEST_CASE(
       CHECK((columns.front().translation() - last.translation()).norm() < 0.02);
     }
   }
+  const auto sparse = drive(short_drive("handheld-sparse", 2), 2);
+  CHECK(sparse[0].stamp_s == doctest::Approx(0.05));
+  CHECK(sparse[1].stamp_s == doctest::Approx(0.55));
   // It drives off.
   CHECK(scans.back().T_map_sensor.translation().x() > 3.0);
 }
@@ -129,7 +132,7 @@ TEST_CASE("presets: lengths, names, and one clear line for anything else") {
   CHECK(drive_preset("town").scans == 4000);
   CHECK(drive_preset("hills").scans == 8000);
   CHECK(drive_preset("yard").mount.sensor_height_m == 0.4);
-  CHECK(drive_preset_names().size() == 9);
+  CHECK(drive_preset_names().size() == 11);
   CHECK(one_line_with(error_message([] { drive_preset("desert"); }), "desert", "block", "town",
                       "hills"));
   CHECK(
@@ -180,6 +183,8 @@ TEST_CASE("scan 100 of every drive is what it was when it was first made, on eve
       {"narrow", 0xa902d5364dfb738dULL, 0x5617f2a7327f47a2ULL},
       {"yard", 0xfe0d0e4cc9db5744ULL, 0x6e1985a181071792ULL},
       {"handheld", 0x6eb0836cd2b79eb0ULL, 0x124fdf2e157abf94ULL},
+      {"handheld-turning", 0x7dc9818ef68df66aULL, 0x650838dd6aa6356aULL},
+      {"handheld-sparse", 0x9eb762c38600b85fULL, 0x1a2ec63d8b046163ULL},
       {"car-park", 0x1499a0ae7b372b16ULL, 0x1f056e01c7e9393dULL},
       {"indoors", 0xa804437df4e45128ULL, 0x23edec6f10cc456cULL},
   };

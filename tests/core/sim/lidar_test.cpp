@@ -53,7 +53,7 @@ TEST_CASE("a standing sensor measures the floor where it is, within the noise") 
   const SensorModel sensor = small_sensor();
   const std::vector<Pose> poses(static_cast<std::size_t>(sensor.columns),
                                 pose_from_xyz_rpy({3.0, 4.0, 1.8}, 0.0, 0.0, 0.4));
-  const RangeImage image = Lidar(sensor, {}, 1).measure(scene, poses, 0);
+  const RangeImage image = Lidar(sensor, DriveSpec{}).measure(scene, poses, 0);
   const int returns =
       for_each_return(image, sensor, [&](int row, int /*column*/, const Eigen::Vector3d& point) {
         CHECK(std::abs((poses[0] * point).z()) < 0.04);
@@ -70,7 +70,7 @@ TEST_CASE("rolling capture: with the pose of each column walls are straight, wit
   const RayScene scene(city);
   const SensorModel sensor = small_sensor();
   const std::vector<Pose> poses = moving_head(sensor, 15.0, 0.8);
-  const RangeImage image = Lidar(sensor, {}, 1).measure(scene, poses, 0);
+  const RangeImage image = Lidar(sensor, DriveSpec{}).measure(scene, poses, 0);
   const Pose middle = pose_from_xyz_rpy({0.0, 0.0, 1.8}, 0.0, 0.0, 0.0);
   double largest_m = 0.0;
   double largest_with_one_pose_m = 0.0;
@@ -100,7 +100,7 @@ TEST_CASE("at an edge between two near surfaces some ranges lie between them, el
   for (int step = 0; step < 20; ++step) {
     const std::vector<Pose> poses(static_cast<std::size_t>(sensor.columns),
                                   pose_from_xyz_rpy({0.0, 0.0, 0.0}, 0.0, 0.0, 0.0005 * step));
-    const RangeImage image = Lidar(sensor, {}, 1).measure(scene, poses, step);
+    const RangeImage image = Lidar(sensor, DriveSpec{}).measure(scene, poses, step);
     for_each_return(image, sensor, [&](int /*row*/, int /*column*/, const Eigen::Vector3d& seen) {
       const Eigen::Vector3d point = poses[0] * seen;
       if (point.x() > 10.1 && point.x() < 10.4) {

@@ -81,9 +81,13 @@ struct Expectation {
 
 TEST_CASE("every drive moves smoothly, at its pace, and clear of all that stands") {
   const std::vector<Expectation> expectations = {
-      {"meadow", 20.5, 4.5, 1.5, 2.0},  {"narrow", 9.5, 4.0, 1.2, 1.2},
-      {"yard", 1.6, 1.3, 0.5, 1.2},     {"handheld", 1.8, 5.5, 13.0, 1.2},
-      {"car-park", 5.8, 4.0, 1.2, 1.2}, {"indoors", 1.3, 6.0, 6.0, 0.3},
+      {"meadow", 20.5, 4.5, 1.5, 2.0},
+      {"narrow", 9.5, 4.0, 1.2, 1.2},
+      {"yard", 1.6, 1.3, 0.5, 1.2},
+      {"handheld", 1.8, 5.5, 13.0, 1.2},
+      {"handheld-turning", 1.8, 5.5, 25.0, 1.2},
+      {"car-park", 5.8, 4.0, 1.2, 1.2},
+      {"indoors", 1.3, 6.0, 6.0, 0.3},
   };
   for (const Expectation& expected : expectations) {
     for (const std::uint64_t seed : {1, 2}) {
@@ -140,6 +144,26 @@ TEST_CASE("a hand rolls and pitches by ten degrees about once in a second") {
   CHECK(largest_rad < 0.19);
   CHECK(upwards >= 55);
   CHECK(upwards <= 65);
+}
+
+TEST_CASE("some hands turn by 200 degrees a second, some by 45 degrees between two scans") {
+  constexpr double kDegree_rad = std::numbers::pi / 180.0;
+  const auto largest_turn_deg = [](const char* drive, double apart_s) {
+    const Scenario scenario = make_scenario(drive_preset(drive), 60.0);
+    double largest_rad = 0.0;
+    for (double time_s = 0.0; time_s < 60.0; time_s += 0.05) {
+      const Pose before = scenario.T_world_sensor(time_s);
+      const Pose turn = before.inverse() * scenario.T_world_sensor(time_s + apart_s);
+      largest_rad = std::max(largest_rad, rotation_angle_rad(turn));
+    }
+    return largest_rad / kDegree_rad;
+  };
+  const double degrees_per_s = largest_turn_deg("handheld-turning", 0.01) / 0.01;
+  CHECK(degrees_per_s > 190.0);
+  CHECK(degrees_per_s < 225.0);  // with its rolling and pitching
+  const double degrees_between = largest_turn_deg("handheld-sparse", 0.5);
+  CHECK(degrees_between > 40.0);
+  CHECK(degrees_between < 55.0);
 }
 
 TEST_CASE("indoors the sensor stays at its height over floors and steps, on both storeys") {

@@ -30,6 +30,21 @@ RangeImage scan_of(const InspectOptions& options, const SensorModel& sensor) {
   return range_image(scan->cloud);
 }
 
+void print_names(const nn::Trace& trace) {
+  for (const nn::TracedTensor& tensor : trace.tensors()) {
+    to_stdout("{}  {} x {} x {}  {}\n", tensor.name, tensor.channels, tensor.rows, tensor.columns,
+              tensor.unit);
+  }
+}
+
+void print_differences(const std::vector<nn::ReferenceDifference>& differences) {
+  to_stdout("{:<28} {:>12} {:>12}\n", "difference from reference", "largest", "rms");
+  for (const nn::ReferenceDifference& difference : differences) {
+    to_stdout("{:<28} {:>12.3g} {:>12.3g} {}\n", difference.name, difference.largest,
+              difference.root_mean_square, difference.unit);
+  }
+}
+
 }  // namespace
 
 void declare_inspect(CLI::App& app, InspectOptions& options) {
@@ -39,7 +54,13 @@ void declare_inspect(CLI::App& app, InspectOptions& options) {
   command->add_option("--weights", options.weights, "Weights file")->required();
   command->add_option("--scan", options.scan, "Which scan, counted from 0 (default: the first)")
       ->check(CLI::NonNegativeNumber);
-  command->add_option("--out", options.out, "Page to write (.html)")->required();
+  command->add_option("--tensor", options.tensors,
+                      "Show an inner tensor too, such as layers.2.encoder.0 (may be repeated)");
+  CLI::Option* const list =
+      command->add_flag("--list", options.list, "Print the names of all inner tensors, no page");
+  command->add_flag("--reference", options.reference,
+                    "How far every tensor is from the network in double precision (minutes)");
+  command->add_option("--out", options.out, "Page to write (.html)")->excludes(list);
   command->footer(
       "Writes one page with H, Z, the filter's mask and Y of every layer, the terms of the "
       "objective\n"
@@ -47,8 +68,11 @@ void declare_inspect(CLI::App& app, InspectOptions& options) {
 }
 
 int inspect_command(const InspectOptions& options) {
-  refuse_to_replace_foreign(options.out, kLayersPageMarker);
-  require_folder_of(options.out);
+  if (!options.list) {
+    if (options.out.empty()) throw Error("inspect: no --out, expected a page to write or --list");
+    refuse_to_replace_foreign(options.out, kLayersPageMarker);
+    require_folder_of(options.out);
+  }
   const UpsamplingPlan plan = plan_upsampling({.input = options.input,
                                                .sensor = options.sensor,
                                                .method = options.weights,
@@ -65,6 +89,18 @@ int inspect_command(const InspectOptions& options) {
   report.measured = plan.rows ? select_rows(scan, *plan.rows) : scan;
   if (scan.rows == network.sensor().rows()) report.truth = scan;
   nn::LiftedImage lifted = network.run(report.measured, &report.trace);
+  if (options.list) {
+    print_names(report.trace);
+    return kOk;
+  }
+  for (const std::string& name : options.tensors) report.trace.tensor(name);  // is there
+  report.tensors = options.tensors;
+  if (options.reference) {
+    const nn::Weights weights = nn::read_weights(options.weights);
+    report.differences =
+        differences_from_reference(weights.description, weights.parameters, report.trace);
+    print_differences(report.differences);
+  }
   report.result = std::move(lifted.image);
   report.confidence = std::move(lifted.confidence);
   write_text_file(layers_html(report), options.out);

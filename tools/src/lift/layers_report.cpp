@@ -36,11 +36,11 @@ std::string range_html(const RangeImage& image, const LayersReport& report,
 
 /// Grey where the filter keeps a pixel, red where it rejects it, black without a return.
 RgbImage mask_image(const RangeImage& filtered, double min_range_m,
-                    const std::vector<std::uint8_t>& rejected) {
+                    const std::vector<float>& rejected) {
   RgbImage image{filtered.rows, filtered.columns, {}};
   for (std::size_t i = 0; i < filtered.range_m.size(); ++i) {
     const std::uint8_t grey = filtered.range_m[i] >= min_range_m ? 150 : 0;
-    image.pixels.push_back(rejected[i] != 0 ? kRejected : Pixel{grey, grey, grey});
+    image.pixels.push_back(rejected[i] != 0.0F ? kRejected : Pixel{grey, grey, grey});
   }
   return image;
 }
@@ -69,54 +69,134 @@ RgbImage share_image(const std::vector<float>& shares, int rows, int columns) {
   return image;
 }
 
-/// What the filter looks at, what it rejects, and what becomes of it.
-std::string filter_html(const LayersReport& report, const nn::LayerTrace& layer) {
-  const bool of_h = layer.filtered == nn::FilteredIterate::kH;
-  const char* const filtered = of_h ? "H" : "Z";
-  const char* const taken = layer.rejected_pixel == nn::RejectedPixel::kTakesZ ? "Z" : "0";
-  return image_html(mask_image(of_h ? layer.h : layer.z, report.min_range_m, layer.rejected),
-                    fmt::format("Q of {}: rejected pixels in red", filtered)) +
-         range_html(layer.y, report,
-                    fmt::format("Y (eq. 10c): {}, where it was rejected {}", filtered, taken));
+std::size_t layer_count(const LayersReport& report) {
+  std::size_t count = 0;
+  while (report.trace.has(fmt::format("layers.{}.z", count))) ++count;
+  return count;
+}
+
+/// One channel of a tensor without a unit, black its smallest value, white its largest.
+RgbImage channel_image(const nn::TracedTensor& tensor, int channel, float smallest, float largest) {
+  RgbImage image{tensor.rows, tensor.columns, {}};
+  const std::size_t pixels = static_cast<std::size_t>(tensor.rows) * tensor.columns;
+  for (std::size_t i = channel * pixels; i < (channel + 1) * pixels; ++i) {
+    const float share =
+        largest > smallest ? (tensor.values[i] - smallest) / (largest - smallest) : 0.0F;
+    const auto grey = static_cast<std::uint8_t>(std::lround(255.0F * share));
+    image.pixels.push_back({grey, grey, grey});
+  }
+  return image;
+}
+
+/// The tensors that were asked for, channel by channel.
+std::string named_html(const LayersReport& report) {
+  std::string html;
+  for (const std::string& name : report.tensors) {
+    const nn::TracedTensor& tensor = report.trace.tensor(name);
+    const auto [smallest, largest] = std::ranges::minmax(tensor.values);
+    const bool metres = tensor.unit == "m";
+    html += fmt::format(
+        "<h2>{}</h2>\n<p class=\"quiet\">{} channels of {} x {}, {:.4g} to {:.4g}{}{}</p>\n",
+        escape_html(name), tensor.channels, tensor.rows, tensor.columns, smallest, largest,
+        metres ? " m" : "", metres ? "" : "; black the smallest, white the largest");
+    if (metres) {
+      html += range_html(report.trace.image(name), report, name);
+      continue;
+    }
+    for (int channel = 0; channel < tensor.channels; ++channel) {
+      html += image_html(channel_image(tensor, channel, smallest, largest),
+                         fmt::format("{}, channel {}", name, channel));
+    }
+  }
+  return html;
+}
+
+/// How far every tensor is from the reference in double precision.
+std::string differences_html(const LayersReport& report) {
+  if (report.differences.empty()) return "";
+  std::string html =
+      "<h2>Difference from the reference</h2>\n<p class=\"quiet\">The same network in plain loops "
+      "and double precision, with the same decisions of the filter. Where two modes are equally "
+      "likely a rounding decides between them.</p>\n<table><tr><th>tensor</th><th>largest</th>"
+      "<th>root mean square</th></tr>\n";
+  for (const nn::ReferenceDifference& difference : report.differences) {
+    html += fmt::format("<tr><td>{}</td><td>{:.3g} {}</td><td>{:.3g} {}</td></tr>\n",
+                        escape_html(difference.name), difference.largest, difference.unit,
+                        difference.root_mean_square, difference.unit);
+  }
+  return html + "</table>\n";
+}
+
+/// The image of a layer's tensor.
+RangeImage image_of(const LayersReport& report, std::size_t k, const char* what) {
+  return report.trace.image(fmt::format("layers.{}.{}", k, what));
+}
+
+std::string mask_html(const LayersReport& report, const RangeImage& filtered,
+                      const std::string& mask, const std::string& caption) {
+  return image_html(mask_image(filtered, report.min_range_m, report.trace.tensor(mask).values),
+                    caption);
 }
 
 /// A layer of two modes and the probability of a return.
-std::string mixture_html(const LayersReport& report, const nn::LayerTrace& layer) {
-  return range_html(layer.h, report, "H: what was measured, and what is known of the rest so far") +
-         range_html(layer.z, report, "Z: the likelier of the two modes of every pixel") +
-         image_html(share_image(layer.probability, layer.z.rows, layer.z.columns),
+std::string mixture_html(const LayersReport& report, std::size_t k) {
+  RangeImage likely = image_of(report, k, "z");
+  const std::vector<float>& probability = report.trace.tensor("probability").values;
+  for (std::size_t i = 0; i < probability.size(); ++i) {
+    if (probability[i] < 0.5F) likely.range_m[i] = 0.0F;
+  }
+  return range_html(image_of(report, k, "h"), report,
+                    "H: what was measured, and what is known of the rest so far") +
+         range_html(report.trace.image("mode_1"), report,
+                    "Mode 1, on the side of the measured row above") +
+         range_html(report.trace.image("mode_2"), report, "Mode 2, on the side of the row below") +
+         image_html(
+             share_image(report.trace.tensor("weight_1").values, likely.rows, likely.columns),
+             "Weight of mode 1: white certain, black none") +
+         range_html(image_of(report, k, "z"), report, "Z: the likelier of the two modes") +
+         image_html(share_image(probability, likely.rows, likely.columns),
                     "Probability of a return: white certain, black none") +
-         range_html(layer.y, report, "Z where a return is likely");
+         range_html(likely, report, "Z where a return is likely");
 }
 
 /// A network that says all ranges in one go.
-std::string direct_html(const LayersReport& report, const nn::LayerTrace& layer) {
-  return "<h2>The network</h2>\n" + range_html(layer.z, report, "What it says of every pixel") +
-         image_html(mask_image(layer.z, report.min_range_m, layer.rejected),
-                    "Pixels on which its passes with dropout disagree, in red") +
-         range_html(layer.y, report, "What remains");
+std::string direct_html(const LayersReport& report) {
+  const RangeImage said = image_of(report, 0, "z");
+  return "<h2>The network</h2>\n" + range_html(said, report, "What it says of every pixel") +
+         mask_html(report, said, "layers.0.rejected",
+                   "Pixels on which its passes with dropout disagree, in red") +
+         range_html(image_of(report, 0, "y"), report, "What remains");
 }
 
-std::string layer_html(const LayersReport& report, std::size_t index) {
-  const nn::LayerTrace& layer = report.trace.layers[index];
-  if (layer.h.range_m.empty()) return direct_html(report, layer);
-  if (!layer.probability.empty()) {
-    return fmt::format("<h2>Layer {}</h2>\n", index + 1) + mixture_html(report, layer);
+std::string layer_html(const LayersReport& report, std::size_t k) {
+  const std::string heading = fmt::format("<h2>Layer {}", k + 1);
+  if (report.trace.has("probability")) {
+    return fmt::format("{}</h2>\n{}", heading, mixture_html(report, k));
   }
-  std::string html = fmt::format(
-      "<h2>Layer {}, b = {:.3f}</h2>\n<p class=\"quiet\">data {:.2f} m², denoiser gap {:.0f} m², "
-      "filter gap {:.1f} m², {} pixels rejected (terms of eq. 5)</p>\n",
-      index + 1, layer.penalty, layer.objective.data_m2, layer.objective.denoiser_gap_m2,
-      layer.objective.filter_gap_m2, layer.objective.rejected);
-  html += range_html(layer.h, report, "H: data consistency (eq. 10a)");
-  html += range_html(layer.z, report, "Z: denoiser (eq. 10b)");
-  if (!layer.rejected.empty()) html += filter_html(report, layer);
+  if (!report.trace.has("layers.0.h")) return direct_html(report);
+  const nn::ObjectiveTerms terms =
+      objective_terms(report.trace, static_cast<int>(k), report.network.measured_rows);
+  std::string html =
+      heading + fmt::format(
+                    ", b = {:.3f}</h2>\n<p class=\"quiet\">data {:.2f} m², denoiser gap {:.0f} m², "
+                    "filter gap {:.1f} m², {} pixels rejected (terms of eq. 5)</p>\n",
+                    report.trace.tensor(fmt::format("layers.{}.penalty", k)).values.front(),
+                    terms.data_m2, terms.denoiser_gap_m2, terms.filter_gap_m2, terms.rejected);
+  const RangeImage h = image_of(report, k, "h");
+  const RangeImage z = image_of(report, k, "z");
+  html += range_html(h, report, "H: data consistency (eq. 10a)");
+  html += range_html(z, report, "Z: denoiser (eq. 10b)");
+  const std::string rejected = fmt::format("layers.{}.rejected", k);
+  if (report.trace.has(rejected)) {
+    html += mask_html(report, h, rejected, "Q of H: rejected pixels in red") +
+            range_html(image_of(report, k, "y"), report, "Y (eq. 10c): H, where it was rejected Z");
+  }
   if (report.truth) {
     html +=
-        image_html(error_image(layer.z, *report.truth),
+        image_html(error_image(z, *report.truth),
                    fmt::format("Z against the truth, mean error {:.2f} m: white 0.1 m and less, "
                                "dark red 10 m and more",
-                               image_error(layer.z, *report.truth).mae_all_m));
+                               image_error(z, *report.truth).mae_all_m));
   }
   return html;
 }
@@ -140,9 +220,8 @@ std::string result_html(const LayersReport& report) {
     }
   } else {
     if (last_filter(report.network)) {
-      html += image_html(
-          mask_image(report.trace.layers.back().z, report.min_range_m, report.trace.rejected),
-          "Q of the last Z: rejected pixels in red");
+      html += mask_html(report, image_of(report, layer_count(report) - 1, "z"), "rejected",
+                        "Q of the last Z: rejected pixels in red");
     }
     html +=
         range_html(report.result, report, "Result: measured rows restored, rejected pixels empty");
@@ -161,15 +240,16 @@ std::string layers_html(const LayersReport& report) {
       "<h1>Scan {}, layer by layer</h1>\n<p class=\"quiet\">{}, lifted by {}. Bright is near, dark "
       "blue far, black without a return.</p>\n",
       report.scan, escape_html(report.recording), escape_html(report.weights));
+  html += named_html(report);
+  html += differences_html(report);
   html += range_html(report.measured, report, "Measured rows (L)");
-  if (!report.trace.start.range_m.empty()) {
-    html += range_html(report.trace.start, report, "Start (Z and Y before layer 1)");
+  if (report.trace.has("start")) {
+    html += range_html(report.trace.image("start"), report, "Start (Z and Y before layer 1)");
   }
-  for (std::size_t layer = 0; layer < report.trace.layers.size(); ++layer) {
-    html += layer_html(report, layer);
-  }
-  return page_html(fmt::format("Layers of scan {}", report.scan), kStyle,
-                   html + result_html(report), fmt::format("{}\n", kLayersPageMarker));
+  for (std::size_t k = 0; k < layer_count(report); ++k) html += layer_html(report, k);
+  html += result_html(report);
+  return page_html(fmt::format("Layers of scan {}", report.scan), kStyle, html,
+                   fmt::format("{}\n", kLayersPageMarker));
 }
 
 }  // namespace hqslam::tools

@@ -2,8 +2,10 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "hqslam/core/range_image.h"
+#include "hqslam/nn/reference/reference.h"
 #include "hqslam/nn/super_resolver.h"
 
 namespace hqslam::tools {
@@ -23,11 +25,14 @@ struct LayersReport {
   std::optional<RangeImage> truth;  ///< all rows, if the recording has them
   nn::NetworkDescription network;
   nn::Trace trace;
+  std::vector<std::string> tensors;                  ///< of the trace, to be shown by themselves
+  std::vector<nn::ReferenceDifference> differences;  ///< empty: not asked for
   RangeImage result;
   std::vector<float> confidence;  ///< of the result, per pixel; of networks that say it
 };
 
-/// A page that needs no other file: start, then H, Z, the filter's mask and Y of every layer, the
+/// A page that needs no other file: the tensors that were asked for, the difference from the
+/// reference, start, then H, Z, the filter's mask and Y of every layer, the
 /// terms of the objective, the result and, with the truth, how far Z is from it.
 std::string layers_html(const LayersReport& report);
 

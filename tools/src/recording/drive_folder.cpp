@@ -15,8 +15,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array<const char*, 6> kDriveFiles = {
-    "scans.npy", "sensor.json", "drive.json", "truth.tum", "truth.kitti", "truth_columns.npy"};
+constexpr std::array<const char*, 9> kDriveFiles = {
+    "scans.npy",         "sensor.json",        "drive.json", "truth.tum",     "truth.kitti",
+    "truth_columns.npy", "sensor_errors.json", "imu.csv",    "imu_biases.csv"};
 constexpr std::string_view kMarkerFile = "drive.json";  // is replaced, not removed
 constexpr std::array<const char*, 2> kScanFolders = {"bin", "pcd"};
 

@@ -46,6 +46,7 @@ sim::DriveSpec drive_of(const SimulateOptions& options) {
   sim::DriveSpec spec = sim::drive_preset(options.drive);
   spec.scans = options.scans.value_or(spec.scans);
   spec.seed = options.seed.value_or(spec.seed);
+  spec.sensor_errors = sim::sensor_errors_named(options.sensor_errors);
   if (!options.mount.empty()) spec.mount = mount_of(spec.mount, options.mount);
   return spec;
 }
@@ -60,7 +61,9 @@ void declare_simulate(CLI::App& app, SimulateOptions& options) {
           "--drive", options.drive,
           "block: 200 scans of quiet streets; town: 4,000 with three loops; hills: 8,000, harder; "
           "meadow: 4,000 of open land; narrow: 3,000 between walls; yard: 2,000 of a low "
-          "robot; handheld: 2,000 on foot; car-park: 2,000, both ways round; "
+          "robot; handheld: 2,000 on foot; handheld-turning, handheld-sparse: a hand that turns "
+          "fast, "
+          "a scan every half second; car-park: 2,000, both ways round; "
           "indoors: 2,000 through rooms and up stairs")
       ->required()
       ->check(CLI::IsMember(sim::drive_preset_names()));
@@ -78,8 +81,17 @@ void declare_simulate(CLI::App& app, SimulateOptions& options) {
                    "left side, positive pitch lowers the front, 180,0 is upside down")
       ->delimiter(',')
       ->expected(2);
+  command
+      ->add_option(
+          "--sensor-errors", options.sensor_errors,
+          "How far the sensor is from its own table (default: none): typical is what makers "
+          "promise, bad a badly kept one; the truth goes to sensor_errors.json")
+      ->check(CLI::IsMember(sim::sensor_errors_names()));
   command->add_flag("--bin", options.bin, "Also write KITTI .bin files");
   command->add_flag("--pcd", options.pcd, "Also write .pcd files");
+  command->add_flag("--imu", options.imu,
+                    "Also write what an OS1's inertial sensor would measure: imu.csv, and its true "
+                    "biases, imu_biases.csv");
   command->footer(
       "Writes into --out: scans.npy (N x rows x columns, float32 metres), sensor.json, "
       "drive.json,\n"
@@ -94,7 +106,8 @@ int simulate_drive(const SimulateOptions& options, const InterruptGuard& interru
   make_result_folder(options.out);
   const FolderLock lock(options.out);
   clear_drive_folder(options.out);
-  sim::DriveWriter writer(options.out, spec, simulator.sensor(), {options.bin, options.pcd});
+  sim::DriveWriter writer(options.out, spec, simulator.sensor(),
+                          {options.bin, options.pcd, options.imu});
   std::int64_t done = 0;
   while (!interrupt.stop_requested()) {
     const std::optional<sim::SimulatedScan> scan = simulator.next();

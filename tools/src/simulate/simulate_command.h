@@ -21,8 +21,10 @@ struct SimulateOptions {
   std::optional<std::int64_t> scans;  ///< default: the drive's own length
   std::optional<std::uint64_t> seed;
   std::vector<double> mount;  ///< roll and pitch in degrees; empty: level
+  std::string sensor_errors = "none";
   bool bin = false;
   bool pcd = false;
+  bool imu = false;
 };
 
 void declare_simulate(CLI::App& app, SimulateOptions& options);

@@ -43,30 +43,40 @@ class Network {
   /// weights file.
   virtual RangeImage estimate(const RangeImage& measured) { return lift(measured, 0.5F).image; }
 
-  /// What every layer makes of a scan; `rejected` of the whole is left empty. Throws Error for
-  /// another shape.
+  /// Every inner tensor by name. Throws Error for another shape.
   virtual Trace trace(const RangeImage& measured) = 0;
 
-  /// The training loss of one scan, in units of the network's own; its gradient is added to
-  /// d_parameters. truth: all rows, metres, 0 = no return. One thread.
-  virtual double add_gradient(const RangeImage& measured, const RangeImage& truth,
-                              const LossOptions& options, std::uint64_t seed,
-                              std::span<float> d_parameters) = 0;
-
-  /// Whether the scans of a batch see each other (batch norm): add_gradients then gets all of them
-  /// in one call.
-  virtual bool joins_batch() const { return false; }
-  /// The sum over the scans of a batch, a seed each.
-  virtual double add_gradients(std::span<const TrainingSample> batch, const LossOptions& options,
-                               std::span<const std::uint64_t> seeds, std::span<float> d_parameters);
+  /// The training losses of the scans of a batch, in units of the network's own, summed; their
+  /// gradients are added to d_parameters. seeds: of what is random, one for each scan. One thread,
+  /// also inside a parallel region of the caller's. Throws Error for other shapes or numbers.
+  double add_gradients(std::span<const TrainingSample> batch, const LossOptions& options,
+                       std::span<const std::uint64_t> seeds, std::span<float> d_parameters);
 
   /// Lifts a scan and says of what parts that took so much time, in their order; `measured` and the
   /// network must outlive them. Empty: nobody has measured them yet.
   virtual std::vector<NetworkStep> steps(const RangeImage& /*measured*/) { return {}; }
+
+ protected:
+  /// For images of `columns` columns.
+  Network(const NetworkDescription& description, int columns);
+  /// Throws Error unless it has the shape of the measured rows.
+  void check_measured(const RangeImage& measured) const;
+
+ private:
+  /// add_gradients of what has been checked, by a team of one thread.
+  virtual double batch_gradients(std::span<const TrainingSample> batch, const LossOptions& options,
+                                 std::span<const std::uint64_t> seeds,
+                                 std::span<float> d_parameters) = 0;
+
+  int measured_rows_;
+  int rows_;
+  int columns_;
+  std::int64_t parameters_;
 };
 
 /// `columns` may be fewer than the sensor's: cut-outs for training. Throws Error if the description
-/// is invalid, the network cannot have that many columns or the processor has not the instructions.
+/// is invalid, the network cannot have that many columns, the processor has not the instructions,
+/// or threads is not 1 to 1024.
 std::unique_ptr<Network> make_network(const NetworkDescription& description, int columns,
                                       InstructionSet instruction_set, int threads);
 

@@ -1,17 +1,56 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "hqslam/core/range_image.h"
+#include "hqslam/core/sensor_model.h"
 
 namespace hqslam::nn {
 
-/// Which image the outlier filter of a layer looks at: H (eq. 10c) or Z (the paper's prose).
-enum class FilteredIterate { kH, kZ };
-/// What Y is where the filter rejects a pixel: Z there, or 0 as eq. 10c has it. A 0 halves the
-/// range in the next layer's mean of Z and Y and makes a new ghost; kZero is there to show it.
-enum class RejectedPixel { kTakesZ, kZero };
+/// An inner tensor of a network, channels x rows x columns, row-major.
+struct TracedTensor {
+  std::string name;  ///< "layers.2.encoder.0"
+  std::string unit;  ///< "m", then 0 = no return; empty: none
+  int channels = 1;
+  int rows = 1;
+  int columns = 1;
+  std::vector<float> values;
+};
+
+/// What a network made of one scan: every inner tensor by its name. Images are as the sensor's
+/// (rows x columns of pixels), features on the grid of their convolution. Layers count from 0.
+///
+/// All networks of eq. 10: `measured` (the measured rows), `start` (Z and Y before layer 0),
+/// `layers.k.h`, `layers.k.z`, and between them what the convolutions give under the names of their
+/// weights (`layers.k.encoder.0`), after the activation.
+/// DU-OR: `layers.k.choice.above`, `.below`, `.here`, `.nothing` (weights of what a pixel may be),
+/// `layers.k.choice.correction` (m), `layers.k.memory`, `layers.k.rejected` (1: by the filter),
+/// `layers.k.y`. DU-OR and Simple DU: `layers.k.penalty` (b).
+/// DU-Mix: `mode_1`, `mode_2` (m), `weight_1` (of mode 1), `scale` (of both, in ln of the range),
+/// `probability` (of a return).
+/// From SuperResolver: `rejected` (by the filter at the end), `confidence`, `result`.
+class Trace {
+ public:
+  void add(TracedTensor tensor) { tensors_.push_back(std::move(tensor)); }
+  /// In the order in which the network computes them.
+  const std::vector<TracedTensor>& tensors() const { return tensors_; }
+  bool has(std::string_view name) const { return find(name) != nullptr; }
+  /// Throws Error, which lists the names, if there is none of this name.
+  const TracedTensor& tensor(std::string_view name) const;
+  /// A tensor of one channel as an image. Throws Error.
+  RangeImage image(std::string_view name) const;
+
+ private:
+  const TracedTensor* find(std::string_view name) const;
+
+  std::vector<TracedTensor> tensors_;
+};
+
+/// An image as a tensor of one channel.
+TracedTensor traced_image(std::string name, RangeImage image, std::string unit = "m");
 
 /// The terms of eq. 5 after one layer, in m^2 over all pixels (mu J has no value: it is learned).
 struct ObjectiveTerms {
@@ -20,27 +59,7 @@ struct ObjectiveTerms {
   double filter_gap_m2 = 0.0;    ///< b/2 |Y - H|^2; without Y there is no such term
   std::int64_t rejected = 0;     ///< pixels that Q rejects
 };
-
-/// What one layer computed, for people who want to look.
-struct LayerTrace {
-  /// Metres, after data consistency (eq. 10a); empty: the network is no unrolled loop, Z is what it
-  /// says, rejected where its passes with dropout disagree, Y what remains.
-  RangeImage h;
-  RangeImage z;  ///< after the denoiser (eq. 10b)
-  RangeImage y;  ///< after outlier removal (eq. 10c); without it: Z; DU-Mix: Z, empty where a
-                 ///< return is unlikely
-  std::vector<std::uint8_t> rejected;  ///< Q's mask, one per pixel; without Q empty
-  FilteredIterate filtered = FilteredIterate::kH;
-  RejectedPixel rejected_pixel = RejectedPixel::kTakesZ;
-  std::vector<float> probability;  ///< DU-Mix: of a return, one per pixel; otherwise empty
-  float penalty = 0.0F;            ///< b; DU-Mix: 0
-  ObjectiveTerms objective;
-};
-
-struct Trace {
-  RangeImage start;  ///< Z0 = Y0; empty where there are none
-  std::vector<LayerTrace> layers;
-  std::vector<std::uint8_t> rejected;  ///< by the filter at the end
-};
+/// Of layer k of a network that has a penalty. Throws Error for another.
+ObjectiveTerms objective_terms(const Trace& trace, int k, RowSelection measured_rows);
 
 }  // namespace hqslam::nn

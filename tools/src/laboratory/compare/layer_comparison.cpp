@@ -3,9 +3,24 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
 namespace hqslam::tools {
+
+namespace {
+
+/// Z where a return is likelier than none.
+RangeImage likely(const nn::Trace& trace, int k) {
+  RangeImage z = trace.image(fmt::format("layers.{}.z", k));
+  const std::vector<float>& probability = trace.tensor("probability").values;
+  for (std::size_t i = 0; i < probability.size(); ++i) {
+    if (probability[i] < 0.5F) z.range_m[i] = 0.0F;
+  }
+  return z;
+}
+
+}  // namespace
 
 LayerComparison::LayerComparison(nn::SuperResolver network, const SensorModel& sensor)
     : network_(std::move(network)),
@@ -30,18 +45,20 @@ std::vector<LayerComparison::Step> LayerComparison::steps(const RangeImage& meas
   nn::Trace trace;
   RangeImage result = network_.run(measured, &trace).image;
   std::vector<Step> steps = {{"linear", linear_.run(measured).image}};
-  for (std::size_t i = 0; i < trace.layers.size(); ++i) {
-    nn::LayerTrace& layer = trace.layers[i];
-    const auto add = [&](const char* iterate, RangeImage& image) {
-      steps.push_back({fmt::format("layer {}: {}", i + 1, iterate), restored(image, measured)});
+  const std::array<std::pair<const char*, const char*>, 3> iterates{
+      {{"H", "h"}, {"Z", "z"}, {"Y", "y"}}};
+  for (int k = 0; trace.has(fmt::format("layers.{}.z", k)); ++k) {
+    const auto add = [&](const char* iterate, const RangeImage& image) {
+      steps.push_back({fmt::format("layer {}: {}", k + 1, iterate), restored(image, measured)});
     };
-    if (!layer.probability.empty()) {
-      add("Z where p >= 0.5", layer.y);
+    if (trace.has("probability")) {
+      add("Z where p >= 0.5", likely(trace, k));
       continue;
     }
-    if (!layer.h.range_m.empty()) add("H", layer.h);
-    add("Z", layer.z);
-    if (!layer.rejected.empty()) add("Y", layer.y);
+    for (const auto& [iterate, name] : iterates) {
+      const std::string tensor = fmt::format("layers.{}.{}", k, name);
+      if (trace.has(tensor)) add(iterate, trace.image(tensor));
+    }
   }
   steps.push_back({"result", std::move(result)});
   return steps;

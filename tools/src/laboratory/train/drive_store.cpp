@@ -34,6 +34,9 @@ std::string key_of(const StoredDrive& drive, const SensorModel& sensor) {
                   spec.mount.mount_pitch_rad};
   key["conditions"] = {spec.conditions.extra_range_noise_m, spec.conditions.dropout_share,
                        spec.conditions.extinction_per_m, spec.conditions.airborne_share};
+  if (spec.sensor_errors != sim::SensorErrors::kNone) {
+    key["sensor_errors"] = sim::name_of(spec.sensor_errors);
+  }
   key["sensor"] = sensor_json(sensor);
   return key.dump();
 }

@@ -10,6 +10,8 @@
 #include "hqslam/core/pose.h"
 #include "hqslam/core/range_image.h"
 #include "hqslam/core/sensor_model.h"
+#include "hqslam/sim/imu.h"
+#include "hqslam/sim/sensor_errors.h"
 
 namespace hqslam::sim {
 
@@ -42,6 +44,7 @@ struct DriveSpec {
   std::int64_t scans = 200;
   SensorMount mount;
   SensingConditions conditions;
+  SensorErrors sensor_errors = SensorErrors::kNone;
 };
 /// Raised whenever the same spec begins to give other bytes.
 constexpr int kDriveRevision = 1;
@@ -55,7 +58,7 @@ DriveSpec with_varied_conditions(DriveSpec spec);
 
 /// A drive with its usual length and mount. Throws Error that lists the names for any other.
 DriveSpec drive_preset(std::string_view name);
-/// block, town, hills, meadow, narrow, yard, handheld, car-park, indoors: see the README.
+/// block, town, hills, ...: see the README.
 std::vector<std::string> drive_preset_names();
 
 /// One scan with the truth.
@@ -65,6 +68,7 @@ struct SimulatedScan {
   Pose T_map_sensor = Pose::Identity();  ///< true pose at stamp_s; the first scan's is the identity
   /// True pose when the head stands at each column (SensorModel::firing_column).
   std::vector<Pose> T_map_sensor_at_column;
+  std::vector<ImuSample> imu;  ///< since the end of the scan before, skipped ones included
 };
 
 /// Drives a sensor through the city, one scan after the other; never more than one in memory.

@@ -13,18 +13,24 @@ namespace hqslam::sim {
 /// Writes the file that says what a drive is; read_drive_json reads it. Throws Error.
 void write_drive_json(const std::string& path, DriveSpec spec, const SensorModel& sensor);
 
-/// Formats written beside the stack of range images, one file per scan, points as captured (not
-/// corrected for motion).
+/// What is written beside the stack of range images: points of each scan as captured (not corrected
+/// for motion), what an inertial sensor measured.
 struct ExtraFormats {
   bool kitti_bin = false;  ///< bin/000000.bin, ...
   bool pcd = false;        ///< pcd/000000.pcd, ...
+  bool imu = false;        ///< imu.csv, and the truth of its biases, imu_biases.csv
 };
 
 /// Writes a drive to a folder, scan by scan; what is there is valid whenever writing stops:
 ///   scans.npy          N x rows x columns, float32 metres, 0 = no return, row 0 the highest beam
 ///   sensor.json        the sensor model
 ///   drive.json         name, seed and planned length of the drive, and the simulator's revision;
-///                      mount and conditions where they are not the usual ones
+///                      mount, conditions and sensor errors where they are not the usual ones
+///   imu.csv            if asked for: 100 samples a second, as ImuSample has them; imu_biases.csv
+///   has
+///                      what of each is bias, in the same columns
+///   sensor_errors.json where the sensor has any: of each beam range_m (reported minus true),
+///                      elevation_deg and azimuth_deg (where it looks minus sensor.json's)
 ///   truth.tum          true pose of every scan at its stamp, in the frame of the first scan
 ///   truth.kitti        the same as KITTI writes it
 ///   truth_columns.npy  N x columns x 7, float64: x y z qx qy qz qw when the head is at each column
@@ -37,6 +43,7 @@ class DriveWriter {
 
  private:
   void write_extra(const RangeImage& image) const;
+  void append_imu(const std::vector<ImuSample>& samples);
 
   std::string directory_;
   SensorModel sensor_;
@@ -46,6 +53,8 @@ class DriveWriter {
   NpyArrayWriter<double> columns_;
   std::ofstream tum_;
   std::ofstream kitti_;
+  std::ofstream imu_;
+  std::ofstream imu_biases_;
 };
 
 }  // namespace hqslam::sim

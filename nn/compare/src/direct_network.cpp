@@ -1,0 +1,218 @@
+#include "direct_network.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "hqslam/core/error.h"
+
+namespace hqslam::nn {
+namespace {
+
+/// Each pass has so many seeds for its layers.
+constexpr std::uint64_t kSeedsOfPass = 64;
+
+}  // namespace
+
+std::vector<ParameterShape> DirectArchitecture::parameter_shapes(
+    const NetworkDescription& d) const {
+  return graph(d, column_multiple(), Purpose::kTraining, {}).parameter_shapes();
+}
+
+std::vector<float> DirectArchitecture::initial_parameters(const NetworkDescription& d,
+                                                          std::uint64_t seed) const {
+  return graph(d, column_multiple(), Purpose::kTraining, {}).initial_parameters(seed);
+}
+
+std::unique_ptr<Network> DirectArchitecture::make_network(const NetworkDescription& d, int columns,
+                                                          InstructionSet instruction_set,
+                                                          int threads) const {
+  return std::make_unique<DirectNetwork>(*this, d, columns, Engine{instruction_set, threads});
+}
+
+DirectNetwork::DirectNetwork(const DirectArchitecture& architecture,
+                             const NetworkDescription& description, int columns,
+                             const Engine& engine)
+    : Network(description, columns),
+      architecture_(architecture),
+      description_(description),
+      plan_(architecture.plan()),
+      graph_(architecture.graph(description, columns, Purpose::kLifting, engine)),
+      values_(graph_.make_values()) {
+  const TensorShape& output = graph_.output_shape();
+  sum_.resize(static_cast<std::size_t>(output.values()));
+  squares_.resize(sum_.size());
+  lifted_.image = RangeImage(output.rows, output.columns);
+}
+
+std::int64_t DirectNetwork::multiply_adds() const {
+  return graph_.multiply_adds() +
+         (plan_.passes - 1) * graph_.multiply_adds(graph_.first_random_layer());
+}
+
+void DirectNetwork::set_parameters(std::span<const float> parameters) {
+  graph_.set_parameters(parameters);
+  parameters_.assign(parameters.begin(), parameters.end());
+  if (training_) training_->stale = true;
+}
+
+void DirectNetwork::check(const RangeImage& measured) const {
+  const TensorShape& input = graph_.shape(0);
+  if (measured.rows != input.rows || measured.columns != input.columns) {
+    throw Error(fmt::format("network: an image of {} x {}, expected the measured rows, {} x {}",
+                            measured.rows, measured.columns, input.rows, input.columns));
+  }
+}
+
+float DirectNetwork::to_unit(float range_m) const {
+  if (!(range_m > 0.0F) || !std::isfinite(range_m)) return 0.0F;
+  const float scaled = range_m / description_.range_scale_m;
+  return plan_.logarithmic ? std::log1p(scaled) : scaled;
+}
+
+float DirectNetwork::to_metres(float value) const {
+  return (plan_.logarithmic ? std::expm1(value) : value) * description_.range_scale_m;
+}
+
+void DirectNetwork::take(const RangeImage& image, Tensor& tensor) const {
+#pragma omp for schedule(static)
+  for (int y = 0; y < image.rows; ++y) {
+    for (int x = 0; x < image.columns; ++x) tensor.at(0, y, x) = to_unit(image.at(y, x));
+    tensor.fill_border(0, y);
+  }
+}
+
+void DirectNetwork::add_pass(bool first) {
+  const Tensor& output = values_.back();
+#pragma omp for schedule(static)
+  for (int y = 0; y < output.rows(); ++y) {
+    for (int x = 0; x < output.columns(); ++x) {
+      const std::size_t pixel = lifted_.image.index(y, x);
+      const double value = output.at(0, y, x);
+      sum_[pixel] = (first ? 0.0 : sum_[pixel]) + value;
+      squares_[pixel] = (first ? 0.0 : squares_[pixel]) + value * value;
+    }
+  }
+}
+
+/// What stands before the first dropout is the same in every pass.
+void DirectNetwork::run_passes(const RangeImage& measured, int passes) {
+  const int random = graph_.first_random_layer();
+#pragma omp parallel num_threads(graph_.engine().threads)
+  {
+    take(measured, values_.front());
+    for (int pass = 0; pass < passes; ++pass) {
+      std::optional<std::uint64_t> seed;
+      if (passes > 1) seed = static_cast<std::uint64_t>(pass) * kSeedsOfPass;
+      graph_.forward(values_, {.seed = seed, .first = pass == 0 ? 0 : random});
+      add_pass(pass == 0);
+    }
+  }
+}
+
+float DirectNetwork::mean(std::size_t pixel) const {
+  return static_cast<float>(sum_[pixel] / plan_.passes);
+}
+
+bool DirectNetwork::agreed(std::size_t pixel) const {
+  if (plan_.passes == 1) return true;
+  const double mean = sum_[pixel] / plan_.passes;
+  const double variance = std::max(0.0, squares_[pixel] / plan_.passes - mean * mean);
+  return std::sqrt(variance) <= static_cast<double>(plan_.largest_deviation) * mean;
+}
+
+void DirectNetwork::restore(const RangeImage& measured, RangeImage& image) const {
+  const RowSelection rows = description_.measured_rows;
+  for (int row = 0; row < measured.rows; ++row) {
+    std::copy_n(&measured.range_m[measured.index(row, 0)], measured.columns,
+                &image.range_m[image.index(rows.offset + row * rows.stride, 0)]);
+  }
+}
+
+const LiftedImage& DirectNetwork::lift(const RangeImage& measured, float /*tolerance_m*/) {
+  check(measured);
+  run_passes(measured, plan_.passes);
+  const auto nearest_m = static_cast<float>(description_.sensor.min_range_m);
+  const auto farthest_m = static_cast<float>(description_.sensor.max_range_m);
+#pragma omp parallel for schedule(static) num_threads(graph_.engine().threads)
+  for (std::size_t pixel = 0; pixel < sum_.size(); ++pixel) {
+    const float range_m = to_metres(mean(pixel));
+    const bool there = range_m >= nearest_m && range_m <= farthest_m && agreed(pixel);
+    lifted_.image.range_m[pixel] = there ? range_m : 0.0F;
+  }
+  restore(measured, lifted_.image);
+  return lifted_;
+}
+
+/// One pass without dropout.
+RangeImage DirectNetwork::estimate(const RangeImage& measured) {
+  check(measured);
+  run_passes(measured, 1);
+  RangeImage image(lifted_.image.rows, lifted_.image.columns);
+  for (std::size_t i = 0; i < sum_.size(); ++i) {
+    image.range_m[i] = to_metres(static_cast<float>(sum_[i]));
+  }
+  return image;
+}
+
+Trace DirectNetwork::trace(const RangeImage& measured) {
+  const RangeImage lifted = lift(measured, 0.5F).image;
+  RangeImage said = lifted;
+  RangeImage disagreed = lifted;
+  for (std::size_t pixel = 0; pixel < sum_.size(); ++pixel) {
+    said.range_m[pixel] = to_metres(mean(pixel));
+    disagreed.range_m[pixel] = agreed(pixel) ? 0.0F : 1.0F;
+  }
+  Trace trace;
+  trace.add(traced_image("measured", measured));
+  trace.add(traced_image("layers.0.z", std::move(said)));
+  trace.add(traced_image("layers.0.rejected", std::move(disagreed), ""));
+  trace.add(traced_image("layers.0.y", lifted));
+  return trace;
+}
+
+std::vector<NetworkStep> DirectNetwork::steps(const RangeImage& measured) {
+  lift(measured, 0.5F);
+  return graph_.steps(values_, plan_.passes);
+}
+
+double DirectNetwork::batch_gradients(std::span<const TrainingSample> batch,
+                                      const LossOptions& /*options*/,
+                                      std::span<const std::uint64_t> seeds,
+                                      std::span<float> d_parameters) {
+  if (!training_) {
+    training_.emplace(
+        Training{architecture_.graph(description_, graph_.shape(0).columns, Purpose::kTraining,
+                                     {graph_.engine().instruction_set, 1}),
+                 {},
+                 {}});
+  }
+  Training& training = *training_;
+  if (training.stale) training.graph.set_parameters(parameters_);
+  training.stale = false;
+  while (training.values.size() < batch.size()) {
+    training.values.push_back(training.graph.make_values());
+    training.gradients.push_back(training.graph.make_values());
+  }
+  const std::span values(training.values.data(), batch.size());
+  const std::span gradients(training.gradients.data(), batch.size());
+  for (std::size_t i = 0; i < batch.size(); ++i) take(batch[i].measured, values[i].front());
+  training.graph.forward_batch(values, seeds);
+  double loss = 0.0;
+  const float share = 1.0F / static_cast<float>(sum_.size());
+  for (std::size_t i = 0; i < batch.size(); ++i) {
+    const Tensor& output = values[i].back();
+    for (int y = 0; y < output.rows(); ++y) {
+      for (int x = 0; x < output.columns(); ++x) {
+        const float off = output.at(0, y, x) - to_unit(batch[i].truth.at(y, x));
+        loss += std::fabs(off) * share;
+        gradients[i].back().at(0, y, x) = off > 0.0F ? share : off < 0.0F ? -share : 0.0F;
+      }
+    }
+  }
+  training.graph.backward(values, gradients, d_parameters, {.dropped = true});
+  return loss;
+}
+
+}  // namespace hqslam::nn

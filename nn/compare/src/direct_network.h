@@ -1,0 +1,89 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "architecture.h"
+#include "graph/layer_graph.h"
+#include "hqslam/nn/network.h"
+
+namespace hqslam::nn {
+
+/// How a network is used that goes from the measured rows to all rows in one go.
+struct DirectPlan {
+  /// Images are ln(1 + range / range_scale_m), otherwise range / range_scale_m.
+  bool logarithmic = false;
+  int passes = 1;                  ///< with dropout, from 2 on
+  float largest_deviation = 0.0F;  ///< of the passes, as a share of their mean
+};
+
+enum class Purpose { kLifting, kTraining };
+
+/// A kind of such networks.
+class DirectArchitecture : public Architecture {
+ public:
+  /// One channel of measured rows in, one of all rows out. Graphs for lifting need no gradients;
+  /// the arrays are the same.
+  virtual LayerGraph graph(const NetworkDescription& description, int columns, Purpose purpose,
+                           const Engine& engine) const = 0;
+  virtual DirectPlan plan() const = 0;
+
+  std::vector<ParameterShape> parameter_shapes(const NetworkDescription& description) const final;
+  std::vector<float> initial_parameters(const NetworkDescription& description,
+                                        std::uint64_t seed) const final;
+  std::unique_ptr<Network> make_network(const NetworkDescription& description, int columns,
+                                        InstructionSet instruction_set, int threads) const final;
+};
+
+/// A network that says the range of every pixel at once, trained with the mean of the absolute
+/// errors over all pixels, no return counting as 0.
+class DirectNetwork final : public Network {
+ public:
+  /// architecture: the description's.
+  DirectNetwork(const DirectArchitecture& architecture, const NetworkDescription& description,
+                int columns, const Engine& engine);
+
+  std::int64_t multiply_adds() const override;  ///< of all passes
+  void set_parameters(std::span<const float> parameters) override;
+  const LiftedImage& lift(const RangeImage& measured, float tolerance_m) override;
+  RangeImage estimate(const RangeImage& measured) override;
+  Trace trace(const RangeImage& measured) override;
+  std::vector<NetworkStep> steps(const RangeImage& measured) override;
+
+ private:
+  double batch_gradients(std::span<const TrainingSample> batch, const LossOptions& options,
+                         std::span<const std::uint64_t> seeds,
+                         std::span<float> d_parameters) override;
+
+  struct Training {
+    LayerGraph graph;
+    std::vector<LayerGraph::Values> values;  ///< of each scan of a batch
+    std::vector<LayerGraph::Values> gradients;
+    bool stale = true;  ///< the parameters have changed
+  };
+
+  void check(const RangeImage& measured) const;
+  float to_unit(float range_m) const;
+  float to_metres(float value) const;
+  void take(const RangeImage& image, Tensor& tensor) const;
+  /// Called by all threads of a parallel region.
+  void add_pass(bool first);
+  void run_passes(const RangeImage& measured, int passes);
+  /// The mean of the passes, and whether they agree.
+  float mean(std::size_t pixel) const;
+  bool agreed(std::size_t pixel) const;
+  void restore(const RangeImage& measured, RangeImage& image) const;
+
+  const DirectArchitecture& architecture_;
+  NetworkDescription description_;
+  DirectPlan plan_;
+  LayerGraph graph_;
+  LayerGraph::Values values_;
+  std::vector<float> parameters_;
+  std::vector<double> sum_;      ///< over the passes, of every pixel
+  std::vector<double> squares_;  ///< and of the squares
+  LiftedImage lifted_;
+  std::optional<Training> training_;
+};
+
+}  // namespace hqslam::nn

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "hqslam/core/range_image.h"
+#include "hqslam/nn/network_description.h"
+#include "hqslam/nn/trace.h"
+
+namespace hqslam::nn {
+
+/// An inner tensor in double precision; the same names, shapes and units as TracedTensor's.
+struct ReferenceTensor {
+  std::string name;
+  std::string unit;
+  int channels = 1;
+  int rows = 1;
+  int columns = 1;
+  std::vector<double> values;
+};
+
+/// In the order in which they are computed.
+struct ReferenceTrace {
+  std::vector<ReferenceTensor> tensors;
+  /// Throws Error if there is none of this name.
+  const ReferenceTensor& tensor(std::string_view name) const;
+};
+
+struct ReferenceOptions {
+  /// What the filter rejects in each layer, rows x columns; empty: what it finds by itself. A range
+  /// that is off by a rounding may connect two pixels or not: whoever compares numbers gives both
+  /// the same decisions.
+  std::vector<std::vector<std::uint8_t>> rejected = {};
+  // Eq. 10c and the paper's prose to the letter, to show what comes of it.
+  bool filters_z = false;      ///< Y = Q(Z) instead of Q(H)
+  bool rejected_zero = false;  ///< Y = 0 in a rejected pixel instead of Z
+};
+
+/// What a network makes of a scan, written as plainly as its formulas: double precision, one pixel
+/// after the other, no tiles in memory, no borders, no threads. A thousand times slower than
+/// Network, which is tested against it, and meant to be read first: hqs.cpp is the loop.
+/// parameters: all arrays of parameter_shapes(description). measured: the measured rows, metres.
+/// "du-or", "simple-du" and "du-mix"; throws Error for others and for other shapes.
+ReferenceTrace reference_trace(const NetworkDescription& description,
+                               std::span<const double> parameters, const RangeImage& measured,
+                               const ReferenceOptions& options = {});
+
+/// How far a trace is from the reference, tensor by tensor.
+struct ReferenceDifference {
+  std::string name;
+  std::string unit;
+  double largest = 0.0;
+  double root_mean_square = 0.0;
+};
+/// Of all tensors that both have, in the reference's order, with the trace's decisions of the
+/// filter. Throws Error as reference_trace.
+std::vector<ReferenceDifference> differences_from_reference(const NetworkDescription& description,
+                                                            std::span<const float> parameters,
+                                                            const Trace& trace);
+
+}  // namespace hqslam::nn

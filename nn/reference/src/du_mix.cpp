@@ -1,0 +1,213 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "layers.h"
+#include "scan.h"
+
+// DU-Mix: one layer of eq. 10 in the limit b -> 0, where what was measured stays, on logarithms of
+// ranges (metres), with a prior that says two modes and the probability of a return. An addition to
+// the paper, which has one range per pixel.
+namespace hqslam::nn::reference {
+namespace {
+
+constexpr double kTypicalRange_m = 20.0;
+
+struct Measured {
+  Image valid;   ///< measured rows x columns: 1 where there is a return
+  Image filled;  ///< metres; no return takes the range above it, at the top a typical one
+};
+
+Measured measured(const Run& run) {
+  Measured m{Image(1, run.measured_m.rows, run.columns()),
+             Image(1, run.measured_m.rows, run.columns())};
+  for (int y = 0; y < run.measured_m.rows; ++y) {
+    for (int x = 0; x < run.columns(); ++x) {
+      const double range_m = run.measured_m.at(y, x);
+      const bool there = range_m > 0.0;
+      m.valid.at(0, y, x) = there ? 1.0 : 0.0;
+      const double above_m = y == 0 ? kTypicalRange_m : m.filled.at(0, y - 1, x);
+      m.filled.at(0, y, x) = there ? range_m : above_m;
+    }
+  }
+  return m;
+}
+
+/// How far an image row lies between the measured beams around it, by their elevations: on a plane
+/// 1 / range is nearly linear in the elevation.
+double part_down(const Run& run, int row, const Between& at) {
+  if (at.above == at.below) return 0.0;
+  const RowSelection rows = run.description.measured_rows;
+  const std::vector<double>& elevation_rad = run.description.sensor.beam_elevation_rad;
+  const double above_rad = elevation_rad[rows.offset + at.above * rows.stride];
+  const double below_rad = elevation_rad[rows.offset + at.below * rows.stride];
+  return (above_rad - elevation_rad[row]) / (above_rad - below_rad);
+}
+
+double logistic(double v) { return 1.0 / (1.0 + std::exp(-v)); }
+
+/// The input on tiles, 16 + 4 + 4 x 16 x 256 for 4 x 4 tiles and 64 x 1024 pixels: (H - ln 20) / 2;
+/// valid - 1/2 of the tile's measured pixels; ln above - ln below of them, within +-1.
+Image input_of(const Run& run, const Measured& m, const Image& h, int tile_rows, int tile_columns) {
+  Image centred = h;
+  for (double& value : centred.values) value = 0.5 * (value - std::log(kTypicalRange_m));
+  const Image tiles = tiled(centred, tile_rows, tile_columns);
+  Image input(tiles.channels + 2 * tile_columns, tiles.rows, tiles.columns);
+  std::copy(tiles.values.begin(), tiles.values.end(), input.values.begin());
+  for (int y = 0; y < tiles.rows; ++y) {
+    for (int x = 0; x < run.columns(); ++x) {
+      const int channel = tiles.channels + x % tile_columns;
+      const double above_m = m.filled.at(0, std::max(y - 1, 0), x);
+      const double step = std::log(above_m) - std::log(m.filled.at(0, y, x));
+      input.at(channel, y, x / tile_columns) = m.valid.at(0, y, x) - 0.5;
+      input.at(channel + tile_columns, y, x / tile_columns) = std::clamp(step, -1.0, 1.0);
+    }
+  }
+  return input;
+}
+
+/// The convolutions, channels c, lower channels l: c x 16 x 256 -> l x 8 x 128 -> residual blocks
+/// -> c x 16 x 256 -> 7 outputs of each computed pixel of a tile, 84 x 16 x 256.
+Image outputs_of(Run& run, const Image& input) {
+  const nlohmann::json& sizes = run.network["denoiser"];
+  const double slope = sizes["negative_slope"];
+  const int blocks = sizes["layers"][0]["residual_blocks"];
+  const std::string prefix = "layers.0.";
+  const auto array = [&](const std::string& name) -> const Array& {
+    return run.parameters[prefix + name];
+  };
+  const auto convolved = [&](const std::string& name, const Image& in, int stride = 1) {
+    return convolution(in, array(name + ".weight"), &array(name + ".bias"), stride);
+  };
+  const auto named = [&](const std::string& name, Image image) {
+    run.add(prefix + name, image);
+    return image;
+  };
+  Image encoded = convolved("encoder.0", input);
+  for (int c = 0; c < encoded.channels; ++c) {  // a bias of its own for each row
+    for (int y = 0; y < encoded.rows; ++y) {
+      const double bias = array("encoder.0.row_bias").values[c * encoded.rows + y];
+      for (int x = 0; x < encoded.columns; ++x) encoded.at(c, y, x) += bias;
+    }
+  }
+  encoded = named("encoder.0", activated(encoded, slope));
+  Image x = named("encoder.1", activated(convolved("encoder.1", encoded, 2), slope));
+  x = named("bottleneck.0", activated(convolved("bottleneck.0", x), slope));
+  for (int block = 1; block <= blocks; ++block) {
+    const std::string name = fmt::format("bottleneck.{}", block);
+    x = named(name, activated(sum(convolved(name, x), x), slope));
+  }
+  x = transposed_convolution(x, array("decoder.0.weight"), array("decoder.0.bias"));
+  x = named("decoder.0", activated(sum(x, encoded), slope));
+  return convolved("head", x);
+}
+
+/// The share of a Laplace distribution of scale 1 around 0 that lies below v.
+double laplace_below(double v) {
+  const double tail = 0.5 * std::exp(-std::fabs(v));
+  return v > 0.0 ? 1.0 - tail : tail;
+}
+
+/// What is said of one pixel. With outputs o, s(v) = 1 / (1 + e^-v) and y in ln of metres:
+///   y1 = s(4 o0) above + (1 - s(4 o0)) h + o1      the mode on the side of the row above
+///   y2 = s(4 o2) below + (1 - s(4 o2)) h + o3      the mode on the side of the row below
+///   w  = s(4 o4)                                   probability of the first
+///   scale = exp(-3.5 + 4 clamp(o5, -1/2, 1))       of both Laplace distributions
+///   p  = s(4 o6)                                   probability of a return
+struct Said {
+  double mode_1, mode_2, weight_1, scale, probability;
+
+  double chosen() const { return weight_1 >= 0.5 ? mode_1 : mode_2; }
+  /// That there is a return, and within the tolerance of the chosen range.
+  double confidence(double tolerance_m, double exponent) const {
+    const double range_m = std::exp(std::clamp(chosen(), -5.0, 9.0));
+    const double farther = std::log(1.0 + tolerance_m / range_m) / scale;
+    const double nearer = -std::log(std::max(1.0 - tolerance_m / range_m, 1e-6)) / scale;
+    const double other = weight_1 >= 0.5 ? mode_2 : mode_1;
+    const double gap = (other - chosen()) / scale;
+    const double weight = weight_1 >= 0.5 ? weight_1 : 1.0 - weight_1;
+    const double of_chosen = laplace_below(farther) - laplace_below(-nearer);
+    const double of_other = laplace_below(farther - gap) - laplace_below(-nearer - gap);
+    return std::pow(probability * (weight * of_chosen + (1.0 - weight) * of_other), exponent);
+  }
+};
+
+}  // namespace
+
+void run_du_mix(Run& run) {
+  const int tile_rows = run.network["denoiser"]["tile_rows"];
+  const int tile_columns = run.network["denoiser"]["tile_columns"];
+  const RowSelection rows = run.description.measured_rows;
+  const Measured m = measured(run);
+  // Start, linear in 1 / range, and 10a with b -> 0: H = ln L where a pixel was measured, otherwise
+  // the start.
+  Image h(1, run.rows(), run.columns());
+  for (int y = 0; y < h.rows; ++y) {
+    const Between at = between(run, y);
+    const double down = part_down(run, y, at);
+    for (int x = 0; x < h.columns; ++x) {
+      h.at(0, y, x) = -std::log((1.0 - down) / m.filled.at(0, at.above, x) +
+                                down / m.filled.at(0, at.below, x));
+    }
+  }
+  /// ln to metres; a measured pixel as it was measured.
+  const auto add_metres = [&](const std::string& name, Image image) {
+    for (int y = 0; y < image.rows; ++y) {
+      for (int x = 0; x < image.columns; ++x) {
+        double& value = image.at(0, y, x);
+        value = run.is_measured(y) ? run.measured_m.at((y - rows.offset) / rows.stride, x)
+                                   : std::exp(value);
+      }
+    }
+    run.add(name, image, "m");
+  };
+  add_metres("start", h);
+  add_metres("layers.0.h", h);
+  const Image outputs = outputs_of(run, input_of(run, m, h, tile_rows, tile_columns));
+  const Image empty(1, run.rows(), run.columns());
+  Image mode_1 = empty, mode_2 = empty, weight_1 = empty, scale = empty, probability = empty;
+  Image z = h;
+  Image confidence = empty;
+  const int pixels = (tile_rows - 1) * tile_columns;  // of a tile that are computed
+  for (int y = 0; y < h.rows; ++y) {
+    const int in_tile = y % tile_rows;
+    const int tile = y / tile_rows;
+    const Between at = between(run, y);
+    for (int x = 0; x < h.columns; ++x) {
+      if (run.is_measured(y)) {
+        probability.at(0, y, x) = confidence.at(0, y, x) = m.valid.at(0, tile, x);
+        continue;
+      }
+      const int pixel =
+          (in_tile < rows.offset ? in_tile : in_tile - 1) * tile_columns + x % tile_columns;
+      const auto o = [&](int group) {
+        return outputs.at(group * pixels + pixel, tile, x / tile_columns);
+      };
+      const double above = std::log(m.filled.at(0, at.above, x));
+      const double below = std::log(m.filled.at(0, at.below, x));
+      const double middle = h.at(0, y, x);
+      const Said said{.mode_1 = middle + logistic(4.0 * o(0)) * (above - middle) + o(1),
+                      .mode_2 = middle + logistic(4.0 * o(2)) * (below - middle) + o(3),
+                      .weight_1 = logistic(4.0 * o(4)),
+                      .scale = std::exp(-3.5 + 4.0 * std::clamp(o(5), -0.5, 1.0)),
+                      .probability = logistic(4.0 * o(6))};
+      mode_1.at(0, y, x) = said.mode_1;
+      mode_2.at(0, y, x) = said.mode_2;
+      weight_1.at(0, y, x) = said.weight_1;
+      scale.at(0, y, x) = said.scale;
+      probability.at(0, y, x) = said.probability;
+      z.at(0, y, x) = said.chosen();  // 10b: the likelier mode
+      confidence.at(0, y, x) = said.confidence(0.5, run.description.confidence_exponent);
+    }
+  }
+  add_metres("mode_1", mode_1);
+  add_metres("mode_2", mode_2);
+  run.add("weight_1", weight_1);
+  run.add("scale", scale);
+  run.add("probability", probability);
+  add_metres("layers.0.z", z);
+  run.add("confidence", confidence);
+}
+
+}  // namespace hqslam::nn::reference

@@ -1,0 +1,120 @@
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "scan.h"
+
+// The unrolled loop, eq. 10 of "Fast and Accurate Outlier-Aware LiDAR Super-Resolution for SLAM
+// Applications" (ICIP 2025), with the notation of its section 2. All images are 1 x rows x columns,
+// in units of range_scale_m, 0 = no return.
+namespace hqslam::nn::reference {
+namespace {
+
+struct Measured {
+  Image above;   ///< of each pixel the measured range in the row above it ...
+  Image below;   ///< ... and below it; in a measured row both are its own, L
+  Image linear;  ///< interpolated linearly between them
+};
+
+Measured measured(const Run& run, bool circular) {
+  const Image empty(1, run.rows(), run.columns(), circular);
+  Measured m{empty, empty, empty};
+  const double scale_m = run.description.range_scale_m;
+  for (int y = 0; y < run.rows(); ++y) {
+    const Between at = between(run, y);
+    for (int x = 0; x < run.columns(); ++x) {
+      const double u = run.measured_m.at(at.above, x) / scale_m;
+      const double d = run.measured_m.at(at.below, x) / scale_m;
+      m.above.at(0, y, x) = u;
+      m.below.at(0, y, x) = d;
+      // A mean with "no return" would be a range that nothing has: then the nearer row decides.
+      const bool both = u > 0.0 && d > 0.0;
+      const double nearest = at.part_down < 0.5 ? u : d;
+      m.linear.at(0, y, x) = both ? (1.0 - at.part_down) * u + at.part_down * d : nearest;
+    }
+  }
+  return m;
+}
+
+/// Eq. 10a, solved pixel by pixel: H = (L + b (Z + Y)) / (1 + 2 b) where a pixel was measured,
+/// (Z + Y) / 2 where not. (The paper has D^T Y where D^T L is meant.)
+Image data_step(const Run& run, const Image& l, const Image& z, const Image& y, double b) {
+  Image h = z;
+  for (int row = 0; row < h.rows; ++row) {
+    for (int x = 0; x < h.columns; ++x) {
+      const double pull = z.at(0, row, x) + y.at(0, row, x);
+      h.at(0, row, x) =
+          run.is_measured(row) ? (l.at(0, row, x) + b * pull) / (1.0 + 2.0 * b) : 0.5 * pull;
+    }
+  }
+  return h;
+}
+
+OutlierRemovalOptions filter_options(const nlohmann::json& json) {
+  OutlierRemovalOptions options;
+  options.min_angle_rad = json["min_angle_deg"].get<double>() * std::numbers::pi / 180.0;
+  options.min_pixels = json["min_pixels"];
+  options.support_share = json["support_share"];
+  return options;
+}
+
+/// What Q rejects of an image; given, or found here.
+std::vector<std::uint8_t> rejected(const Run& run, int k, const Image& image) {
+  if (!run.options.rejected.empty()) return run.options.rejected[k];
+  const double scale_m = run.description.range_scale_m;
+  Image seen_m = image;
+  for (double& range : seen_m.values) {
+    range = range * scale_m >= run.description.sensor.min_range_m ? range * scale_m : 0.0;
+  }
+  return outliers(run.description.sensor, run.description.measured_rows,
+                  filter_options(run.network["filter"]), seen_m);
+}
+
+/// Eq. 10c: Y = H where the filter keeps it. Differs from the paper, whose Y is 0 in a rejected
+/// pixel: that would halve its range in the next layer's mean of Z and Y and make a new ghost. Here
+/// it takes Z.
+Image filter_step(const Run& run, const Image& h, const Image& z,
+                  const std::vector<std::uint8_t>& rejected) {
+  Image y = run.options.filters_z ? z : h;
+  for (std::size_t i = 0; i < y.values.size(); ++i) {
+    if (rejected[i] != 0) y.values[i] = run.options.rejected_zero ? 0.0 : z.values[i];
+  }
+  return y;
+}
+
+}  // namespace
+
+void run_hqs(Run& run) {
+  const bool du_or = run.network["kind"] == "du-or";  // otherwise Simple DU
+  const double scale_m = run.description.range_scale_m;
+  const int layers = run.network["layers"];
+  const Measured m = measured(run, du_or);
+  Image z = m.linear;                                          // Z0 = Y0: L interpolated ...
+  if (!du_or) z = Image(1, run.rows(), run.columns(), false);  // ... or nothing
+  Image y = z;
+  Image memory(1, 1, 1);
+  run.add("start", z, "m", scale_m);
+  for (int k = 0; k < layers; ++k) {
+    const std::string prefix = fmt::format("layers.{}.", k);
+    const double b = du_or ? std::exp(run.parameters["log_penalty"].values[k])
+                           : 0.5 / run.parameters["alpha"].values[0];
+    const Image h = data_step(run, m.below, z, y, b);  // 10a
+    run.add(prefix + "h", h, "m", scale_m);
+    z = du_or ? du_or_prior(run, k, h, m.above, m.below, memory)  // 10b
+              : simple_du_prior(run, k, h);
+    run.add(prefix + "z", z, "m", scale_m);
+    if (!du_or) {
+      y = z;  // Simple DU has no Y: Z pulls alone, and there is no filter inside
+      continue;
+    }
+    const std::vector<std::uint8_t> mask = rejected(run, k, run.options.filters_z ? z : h);
+    y = filter_step(run, h, z, mask);  // 10c
+    Image mask_image = y;
+    mask_image.values.assign(mask.begin(), mask.end());
+    run.add(prefix + "rejected", mask_image);
+    run.add(prefix + "y", y, "m", scale_m);
+  }
+}
+
+}  // namespace hqslam::nn::reference

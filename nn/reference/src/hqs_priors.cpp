@@ -1,0 +1,117 @@
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "layers.h"
+#include "scan.h"
+
+// The learned priors of eq. 10b, Z = G(H).
+namespace hqslam::nn::reference {
+namespace {
+
+/// Beside each other in one image: a's channels, then b's.
+Image stacked(const Image& a, const Image& b) {
+  Image both(a.channels + b.channels, a.rows, a.columns, a.circular);
+  std::copy(a.values.begin(), a.values.end(), both.values.begin());
+  std::copy(b.values.begin(), b.values.end(), both.values.begin() + std::ssize(a.values));
+  return both;
+}
+
+Image channels(const Image& image, int first, int count) {
+  Image part(count, image.rows, image.columns, image.circular);
+  const auto begin =
+      image.values.begin() + static_cast<std::ptrdiff_t>(first) * image.rows * image.columns;
+  std::copy_n(begin, part.values.size(), part.values.begin());
+  return part;
+}
+
+/// The choice at the end: Z = w_a above + w_b below + w_h H + r with (w_a, w_b, w_h, w_0) the
+/// softmax of 4 times four scores; w_0 is the weight of "no return". scores: 5 x rows x columns
+/// tiles in groups: above, below, here, nothing, r. At a depth jump a sum of features would have to
+/// hit one range or the other exactly; a choice only has to be clear.
+Image choice(Run& run, const std::string& prefix, const std::vector<Image>& scores, const Image& h,
+             const Image& above, const Image& below) {
+  Image z = h;
+  std::vector<Image> weights(4, h);
+  for (std::size_t i = 0; i < z.values.size(); ++i) {
+    double total = 0.0;
+    for (int g = 0; g < 4; ++g) {
+      weights[g].values[i] = std::exp(4.0 * scores[g].values[i]);
+      total += weights[g].values[i];
+    }
+    for (Image& weight : weights) weight.values[i] /= total;
+    z.values[i] = weights[0].values[i] * above.values[i] + weights[1].values[i] * below.values[i] +
+                  weights[2].values[i] * h.values[i] + scores[4].values[i];
+  }
+  const char* const names[] = {"above", "below", "here", "nothing"};
+  for (int g = 0; g < 4; ++g) run.add(prefix + "choice." + names[g], weights[g]);
+  run.add(prefix + "choice.correction", scores[4], "m", run.description.range_scale_m);
+  return z;
+}
+
+}  // namespace
+
+/// A U of convolutions on tiles (t = tile rows x tile columns, m channels of memory), eq. 10b of
+/// DU-OR; the paper gives no sizes. Shapes for 4 x 4 tiles, 64 x 1024 pixels, channels 32, 32:
+Image du_or_prior(Run& run, int k, const Image& h, const Image& above, const Image& below,
+                  Image& memory) {
+  const nlohmann::json& sizes = run.network["denoiser"];
+  const int tile_rows = sizes["tile_rows"];
+  const int tile_columns = sizes["tile_columns"];
+  const int pixels = tile_rows * tile_columns;
+  const int memory_channels = sizes["memory"];
+  const double slope = sizes["negative_slope"];
+  const auto levels = static_cast<int>(sizes["channels"].size());
+  const std::string prefix = fmt::format("layers.{}.", k);
+  const auto array = [&](const std::string& name) -> const Array& {
+    return run.parameters[prefix + name];
+  };
+  const auto named = [&](const std::string& name, Image image) {
+    run.add(prefix + name, image);
+    return image;
+  };
+
+  const Image tiles = tiled(h, tile_rows, tile_columns);                   // 16 x 16 x 256
+  if (k == 0) memory = Image(memory_channels, tiles.rows, tiles.columns);  // nothing yet
+  const Image input = stacked(tiles, memory);                              // 32 x 16 x 256
+  std::vector<Image> down;  // 32 x 16 x 256, 32 x 8 x 128
+  for (int level = 0; level < levels; ++level) {
+    const std::string name = fmt::format("encoder.{}", level);
+    down.push_back(
+        named(name, activated(convolution(level == 0 ? input : down.back(), array(name + ".weight"),
+                                          &array(name + ".bias"), level == 0 ? 1 : 2),
+                              slope)));
+  }
+  Image x = named("bottleneck", activated(convolution(down.back(), array("bottleneck.weight"),
+                                                      &array("bottleneck.bias")),
+                                          slope));  // 32 x 8 x 128
+  for (int level = levels - 2; level >= 0; --level) {
+    const std::string name = fmt::format("decoder.{}", level);
+    x = transposed_convolution(x, array(name + ".weight"), array(name + ".bias"));
+    x = named(name, activated(sum(x, down[level]), slope));  // 32 x 16 x 256
+  }
+  const Image output = convolution(x, array("head.weight"), &array("head.bias"));  // 5 t + m
+  std::vector<Image> scores;  // 5 of 1 x 64 x 1024
+  for (int g = 0; g < 5; ++g)
+    scores.push_back(untiled(output, g * pixels, tile_rows, tile_columns));
+  Image z = choice(run, prefix, scores, h, above, below);
+  memory = channels(output, 5 * pixels, memory_channels);
+  if (memory_channels > 0) run.add(prefix + "memory", memory);
+  return z;
+}
+
+/// Simple DU's: 3 x 3 convolutions on the whole image without bias, ReLU between them, zeros beyond
+/// the edge, the same in every layer. 1 x rows x columns -> features x ... -> 1 x rows x columns.
+Image simple_du_prior(Run& run, int k, const Image& h) {
+  const int convolutions = run.network["denoiser"]["convolutions"];
+  Image x = h;
+  for (int i = 0; i < convolutions; ++i) {
+    const bool last = i + 1 == convolutions;
+    const Array& weight = run.parameters[fmt::format("layers.0.convolution.{}.weight", i)];
+    x = activated(convolution(x, weight, nullptr), last ? 1.0 : 0.0);
+    if (!last) run.add(fmt::format("layers.{}.convolution.{}", k, i), x);
+  }
+  return x;
+}
+
+}  // namespace hqslam::nn::reference

@@ -1,0 +1,91 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "../conv2d.h"
+#include "../parameters.h"
+#include "../tensor.h"
+#include "hqslam/nn/instruction_set.h"
+
+namespace hqslam::nn {
+
+/// What a layer computes with.
+struct Engine {
+  InstructionSet instruction_set = chosen_instruction_set();
+  int threads = 1;
+};
+
+struct TensorShape {
+  int channels = 1;
+  int rows = 1;
+  int columns = 1;
+  ColumnPadding padding = ColumnPadding::kCircular;
+
+  /// All zero.
+  Tensor make() const { return {channels, rows, columns, padding}; }
+  std::int64_t values() const { return static_cast<std::int64_t>(channels) * rows * columns; }
+  bool operator==(const TensorShape&) const = default;
+};
+
+/// One scan on its way through one layer. Tensors have their borders filled.
+struct LayerPass {
+  const Tensor* input = nullptr;
+  const Tensor* second = nullptr;  ///< of a layer with two inputs
+  Tensor* output = nullptr;
+};
+
+/// And back.
+struct BackwardPass {
+  const Tensor* input = nullptr;
+  const Tensor* second = nullptr;
+  const Tensor* output = nullptr;
+  const Tensor* d_output = nullptr;  ///< of what went into the layer's activation
+  Tensor* d_input = nullptr;         ///< added to; their borders are left alone
+  Tensor* d_second = nullptr;
+  /// How a layer that ends_gradients() writes d_input instead: with what is already there, and the
+  /// derivative of the activation that made the input.
+  LayerEnd end = {};
+};
+
+/// One layer of a LayerGraph, made for the shapes of its inputs.
+class Layer {
+ public:
+  explicit Layer(const TensorShape& output) : output_(output) {}
+  virtual ~Layer() = default;
+
+  /// Of the result.
+  const TensorShape& output_shape() const { return output_; }
+  /// In PyTorch's names and layouts.
+  virtual std::vector<ParameterShape> parameter_shapes() const { return {}; }
+  /// Appends starting values for training.
+  virtual void add_initial_parameters(UniformStart& /*start*/,
+                                      std::vector<float>& /*parameters*/) const {}
+  /// All arrays of parameter_shapes(), one after the other.
+  virtual void set_parameters(std::span<const float> /*parameters*/) {}
+  virtual std::int64_t multiply_adds() const { return 0; }
+  /// The result is max(v, negative_slope v) of what the layer computes.
+  virtual float negative_slope() const { return 1.0F; }
+  /// Whether `backward` writes d_input, borders too, as BackwardPass::end says.
+  virtual bool ends_gradients() const { return false; }
+
+  /// Called by all threads of a parallel region, they share the work. The result does not depend on
+  /// their number.
+  virtual void forward(const LayerPass& pass) = 0;
+  /// The scans of a batch that is trained on, which may see each other (batch norm). One thread.
+  virtual void forward_batch(std::span<const LayerPass> batch) {
+    for (const LayerPass& pass : batch) forward(pass);
+  }
+  /// After `forward` or forward_batch of the same. d_parameters is added to. One thread.
+  virtual void backward(std::span<const BackwardPass> batch, std::span<float> d_parameters) = 0;
+
+  /// `forward` written as its formula, for measurements; empty if there is no such thing.
+  virtual std::function<void()> reference(const LayerPass& /*pass*/) const { return {}; }
+
+ protected:
+  TensorShape output_;
+};
+
+}  // namespace hqslam::nn

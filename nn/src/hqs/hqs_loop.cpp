@@ -1,0 +1,92 @@
+#include "hqs_loop.h"
+
+#include "data_consistency.h"
+#include "rejected_pixels.h"
+
+// The steps of the loop share their rows of tiles among the threads in the same way, so that what
+// one does with a row finds what another left there without waiting. Only what needs a row's
+// neighbours waits: the prior and the filter, for H.
+namespace hqslam::nn {
+namespace {
+
+/// Z0 = Y0: what was measured, interpolated.
+void start(Hqs& hqs) {
+  const std::size_t floats = hqs.raster.size() / hqs.z0.rows();  // of a row of tiles
+#pragma omp for schedule(static) nowait
+  for (int row = 0; row < hqs.z0.rows(); ++row) {
+    hqs.measurement.start_row(row, &hqs.raster[row * floats], hqs.z0);
+  }
+}
+
+/// The rows of the image that a row of tiles holds, for the filter, which knows no tiles.
+void take_raster_row(Hqs& hqs, TileSize tile, int tile_row, const Tensor& h) {
+  const int columns = h.columns() * tile.columns;
+  for (int row = tile_row * tile.rows; row < (tile_row + 1) * tile.rows; ++row) {
+    float* ranges = &hqs.raster[static_cast<std::size_t>(row) * columns];
+    take_image_row(h, tile, row, ranges);
+    for (int x = 0; x < columns; ++x) ranges[x] = ranges[x] >= hqs.nearest ? ranges[x] : 0.0F;
+  }
+}
+
+/// Q: which pixels of H lie in small components. One thread looks for them while the others begin
+/// with the prior, whose first results all wait for.
+void look_for_outliers(Hqs& hqs, int k, HqsState& state) {
+#pragma omp single nowait
+  hqs.filter.find(hqs.raster.data(), state.layer(k).rejected.data());
+}
+
+/// Y = H, or Z where H's pixel is rejected. Differs from the paper, whose 0 in the rejected pixel
+/// would halve its range in the next layer's mean of Z and Y and make a new ghost.
+void filter_step(Hqs& hqs, int k, HqsState& state) {
+  HqsLayer& layer = state.layer(k);
+  const TileSize tile = hqs.prior(k).tile();
+  const int columns = layer.y.columns() * tile.columns;
+#pragma omp for schedule(static) nowait
+  for (int row = 0; row < layer.y.rows(); ++row) {
+    for_each_mask(layer.rejected, tile, columns, row,
+                  [&](int channel, int first, int count, const std::uint32_t* mask) {
+                    const float* h = layer.prior.h().row(channel, row) + first;
+                    const float* z = layer.prior.z.row(channel, row) + first;
+                    float* y = layer.y.row(channel, row) + first;
+#pragma omp simd
+                    for (int i = 0; i < count; ++i) y[i] = mask[i] != 0 ? z[i] : h[i];
+                  });
+  }
+}
+
+}  // namespace
+
+/// H = (L + b (Z + Y)) / (1 + 2 b) where a pixel was measured, otherwise (Z + Y) / 2.
+void data_step(Hqs& hqs, int k, HqsState& state) {
+  const TileSize tile = hqs.prior(k).tile();
+  const Tensor& z = hqs.z_before(k, state);
+  const Tensor& y = hqs.y_before(k, state);
+  const PriorState* before = k == 0 ? nullptr : &state.layer(k - 1).prior;
+  PriorState& current = state.layer(k).prior;
+  Tensor& h = current.h();
+#pragma omp for schedule(static)
+  for (int row = 0; row < h.rows(); ++row) {
+    for (int channel = 0; channel < tile.pixels(); ++channel) {
+      data_consistency_row(hqs.measurement.l_row(channel, row), z.row(channel, row),
+                           y.row(channel, row), hqs.penalty[k], h.columns(), h.row(channel, row));
+      h.fill_border(channel, row);
+    }
+    hqs.prior(k).take_row(row, before, current);
+    if (hqs.filters(k, state)) take_raster_row(hqs, tile, row, h);
+  }
+}
+
+void hqs_loop(Hqs& hqs, const RangeImage& measured_m, HqsState& state, const PriorPass& pass) {
+  hqs.measurement.take(measured_m);  // L
+  start(hqs);                        // Z, Y
+  for (int k = 0; k < hqs.layers; ++k) {
+    const bool filters = hqs.filters(k, state);
+    data_step(hqs, k, state);  // H = argmin |L - D H|^2 + b |Z - H|^2 + b |Y - H|^2     eq. 10a
+    if (filters) look_for_outliers(hqs, k, state);
+    hqs.prior(k).forward(hqs.measurement.candidates(), state.layer(k).prior,
+                         pass.of_layer(k));   // Z = G(H)                             eq. 10b
+    if (filters) filter_step(hqs, k, state);  // Y = H without its outliers           eq. 10c
+  }
+}
+
+}  // namespace hqslam::nn

@@ -1,0 +1,120 @@
+#include "hqs_network.h"
+
+#include <fmt/format.h>
+
+#include "../traced.h"
+#include "result.h"
+
+namespace hqslam::nn {
+
+HqsNetwork::HqsNetwork(const NetworkDescription& description, int columns,
+                       InstructionSet instruction_set, int threads)
+    : Network(description, columns),
+      description_(description),
+      hqs_(description, columns, {instruction_set, threads}),
+      threads_(threads),
+      state_(hqs_.make_state(false)) {
+  lifted_.image = RangeImage(description.sensor.rows(), columns);
+  if (hqs_.preset.says_confidence) lifted_.confidence.resize(lifted_.image.range_m.size());
+}
+
+std::int64_t HqsNetwork::multiply_adds() const {
+  return hqs_.prior(0).multiply_adds() * hqs_.layers;
+}
+
+const LiftedImage& HqsNetwork::lift(const RangeImage& measured, float tolerance_m) {
+  check_measured(measured);
+  const PriorPass pass{.tolerance_m = tolerance_m, .lifted = &lifted_};
+#pragma omp parallel num_threads(threads_)
+  {
+    hqs_loop(hqs_, measured, state_, pass);
+    if (!hqs_.preset.says_confidence) {
+      restore_rows(description_, hqs_.prior(0).tile(), last_z(), measured, lifted_.image);
+    }
+  }
+  return lifted_;
+}
+
+RangeImage HqsNetwork::estimate(const RangeImage& measured) {
+  lift(measured, 0.5F);
+  return hqs_.preset.says_confidence ? lifted_.image : hqs_.measurement.in_metres(last_z());
+}
+
+Trace HqsNetwork::trace(const RangeImage& measured) {
+  check_measured(measured);
+  HqsState all = hqs_.make_state(true);
+  all.last_y = true;
+#pragma omp parallel num_threads(threads_)
+  hqs_loop(hqs_, measured, all, {});
+  Trace trace;
+  const auto image = [&](const std::string& name, const Tensor& tiles) {
+    trace.add(traced_image(name, hqs_.measurement.in_metres(tiles)));
+  };
+  trace.add(traced_image("measured", measured));
+  image("start", hqs_.z0);
+  for (int k = 0; k < hqs_.layers; ++k) {
+    const HqsLayer& layer = all.layer(k);
+    const std::string prefix = fmt::format("layers.{}.", k);
+    if (hqs_.preset.learned_penalty) {
+      trace.add({prefix + "penalty", "", 1, 1, 1, {hqs_.penalty[k]}});
+    }
+    image(prefix + "h", layer.prior.h());
+    hqs_.prior(k).add_inner(hqs_.measurement, layer.prior, prefix, trace);
+    image(prefix + "z", layer.prior.z);
+    if (!hqs_.preset.filters) continue;
+    RangeImage rejected(lifted_.image.rows, lifted_.image.columns);
+    rejected.range_m.assign(layer.rejected.begin(), layer.rejected.end());
+    trace.add(traced_image(prefix + "rejected", std::move(rejected), ""));
+    image(prefix + "y", layer.y);
+  }
+  return trace;
+}
+
+std::vector<NetworkStep> HqsNetwork::steps(const RangeImage& measured) {
+  lift(measured, 0.5F);
+  const int last = hqs_.layers - 1;
+  std::vector<NetworkStep> steps;
+  steps.push_back(
+      {"data consistency", hqs_.layers, 0, [this, last] { data_step(hqs_, last, state_); }});
+  for (NetworkStep& step : hqs_.prior(last).steps(hqs_.measurement.candidates(),
+                                                  state_.layer(last).prior, {.lifted = &lifted_})) {
+    step.calls = hqs_.layers;
+    steps.push_back(std::move(step));
+  }
+  if (hqs_.preset.filters && last > 0) {
+    steps.push_back({"outlier filter", last, 0,
+                     [this, last] {
+                       hqs_.filter.find(hqs_.raster.data(), state_.layer(last - 1).rejected.data());
+                     },
+                     false});
+  }
+  return steps;
+}
+
+double HqsNetwork::batch_gradients(std::span<const TrainingSample> batch,
+                                   const LossOptions& options, std::span<const std::uint64_t> seeds,
+                                   std::span<float> d_parameters) {
+  double loss = 0.0;
+  for (std::size_t i = 0; i < batch.size(); ++i) {
+    loss += add_gradient(batch[i], options, seeds[i], d_parameters);
+  }
+  return loss;
+}
+
+double HqsNetwork::add_gradient(const TrainingSample& sample, const LossOptions& options,
+                                std::uint64_t seed, std::span<float> d_parameters) {
+  if (!training_) training_ = Training{hqs_.make_state(true), HqsGradient(hqs_), hqs_.z0};
+  hqs_.measurement.put_truth(sample.truth, training_->truth);
+  hqs_loop(hqs_, sample.measured, training_->state, {.dropout_seed = seed});
+  const LayerLoss loss = [&](int k, const PriorState& state, PriorState& gradient) {
+    const bool last = k + 1 == hqs_.layers;
+    const LossTarget target{
+        .truth = training_->truth,
+        .restored_rows = last ? std::optional(description_.measured_rows) : std::nullopt,
+        .share = last ? 1.0F : options.layer_share};
+    return hqs_.prior(k).loss(state, target, gradient);
+  };
+  return hqs_backward(hqs_, training_->state, loss, training_->gradient, d_parameters);
+}
+
+}  // namespace hqslam::nn

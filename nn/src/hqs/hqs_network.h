@@ -1,0 +1,50 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "hqs_loop.h"
+#include "hqslam/nn/network.h"
+
+namespace hqslam::nn {
+
+/// The loop of eq. 10 as what lifts scans and is trained. The result is the last Z, or what a prior
+/// says that knows how sure it is.
+class HqsNetwork final : public Network {
+ public:
+  HqsNetwork(const NetworkDescription& description, int columns, InstructionSet instruction_set,
+             int threads);
+
+  std::int64_t multiply_adds() const override;
+  void set_parameters(std::span<const float> parameters) override {
+    hqs_.set_parameters(parameters);
+  }
+  const LiftedImage& lift(const RangeImage& measured, float tolerance_m) override;
+  RangeImage estimate(const RangeImage& measured) override;
+  Trace trace(const RangeImage& measured) override;
+  std::vector<NetworkStep> steps(const RangeImage& measured) override;
+
+ private:
+  /// What training needs: the values of all layers, and their gradients.
+  struct Training {
+    HqsState state;
+    HqsGradient gradient;
+    Tensor truth;
+  };
+
+  double batch_gradients(std::span<const TrainingSample> batch, const LossOptions& options,
+                         std::span<const std::uint64_t> seeds,
+                         std::span<float> d_parameters) override;
+  double add_gradient(const TrainingSample& sample, const LossOptions& options, std::uint64_t seed,
+                      std::span<float> d_parameters);
+  const Tensor& last_z() const { return state_.layer(hqs_.layers - 1).prior.z; }
+
+  NetworkDescription description_;
+  Hqs hqs_;
+  int threads_;
+  HqsState state_;
+  LiftedImage lifted_;
+  std::optional<Training> training_;  ///< made when first needed
+};
+
+}  // namespace hqslam::nn

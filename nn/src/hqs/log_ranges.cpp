@@ -1,0 +1,106 @@
+#include "log_ranges.h"
+
+#include <omp.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "hqslam/nn/interpolation.h"
+
+namespace hqslam::nn {
+namespace {
+
+const float kTypicalLogRange = std::log(LogRanges::kTypicalRange_m);
+
+}  // namespace
+
+LogRanges::LogRanges(const NetworkDescription& d, TileSize tile, int columns, const Engine& engine)
+    : measured_rows_(d.measured_rows),
+      tile_(tile),
+      kernels_(kernels::row_kernels(engine.instruction_set)),
+      log_(tile.columns, d.sensor.rows() / tile.rows, columns / tile.columns,
+           ColumnPadding::kCircular),
+      inverse_(log_),
+      valid_(log_),
+      scratch_(engine.threads,
+               std::vector<float>(3 * static_cast<std::size_t>(log_.padded_columns()))) {
+  for (int channel = 0; channel < tile_.pixels(); ++channel) {
+    const int row = channel / tile_.columns;
+    if (row == measured_rows_.offset) continue;
+    computed_.push_back({channel, channel % tile_.columns, row < measured_rows_.offset});
+  }
+  for (int row = 0; row < d.sensor.rows(); ++row) {
+    const RowsBetween between = rows_between(row, measured_rows_, d.sensor.beam_elevation_rad);
+    weight_above_.push_back(1.0F - between.part_down);
+  }
+}
+
+int LogRanges::row_above(const ComputedPixel& pixel, int row) const {
+  return std::max(pixel.above ? row - 1 : row, 0);
+}
+
+int LogRanges::row_below(const ComputedPixel& pixel, int row) const {
+  return std::min(pixel.above ? row : row + 1, log_.rows() - 1);
+}
+
+void LogRanges::take(const RangeImage& measured_m) {
+#pragma omp master
+  measured_m_ = &measured_m;
+#pragma omp for schedule(static)
+  for (int phase = 0; phase < tile_.columns; ++phase) {
+    float* ranges = scratch_[omp_get_thread_num()].data();
+    float* log_above = ranges + log_.padded_columns();
+    float* inverse_above = log_above + log_.padded_columns();
+    std::fill_n(log_above, log_.columns(), kTypicalLogRange);
+    std::fill_n(inverse_above, log_.columns(), 1.0F / kTypicalRange_m);
+    for (int row = 0; row < log_.rows(); ++row) {
+      const float* from = &measured_m.range_m[measured_m.index(row, phase)];
+      for (int x = 0; x < log_.columns(); ++x) ranges[x] = from[x * tile_.columns];
+      const bool top = row == 0;
+      kernels_.fill_measured({.range_m = ranges,
+                              .log_range_above = top ? log_above : log_.row(phase, row - 1),
+                              .inverse_above = top ? inverse_above : inverse_.row(phase, row - 1),
+                              .log_range = log_.row(phase, row),
+                              .inverse = inverse_.row(phase, row),
+                              .valid = valid_.row(phase, row),
+                              .columns = log_.columns()});
+    }
+  }
+}
+
+void LogRanges::start_row(int row, float* /*image_rows*/, Tensor& z0) {
+  for (const ComputedPixel& pixel : computed_) {
+    const float weight_above = weight_above_[row * tile_.rows + pixel.channel / tile_.columns];
+    kernels_.interpolate({.inverse_above = inverse_.row(pixel.phase, row_above(pixel, row)),
+                          .inverse_below = inverse_.row(pixel.phase, row_below(pixel, row)),
+                          .weight_above = weight_above,
+                          .weight_below = 1.0F - weight_above,
+                          .log_range = z0.row(pixel.channel, row),
+                          .columns = log_.columns()});
+  }
+}
+
+const float* LogRanges::l_row(int channel, int row) const {
+  const bool is_measured = channel / tile_.columns == measured_rows_.offset;
+  return is_measured ? log_.row(channel % tile_.columns, row) : nullptr;
+}
+
+RangeImage LogRanges::in_metres(const Tensor& tiles) const {
+  RangeImage image(tiles.rows() * tile_.rows, tiles.columns() * tile_.columns);
+  from_tiles(tiles, tile_, image.range_m.data());
+  for (float& range_m : image.range_m) range_m = std::exp(range_m);
+  for (int row = 0; row < log_.rows(); ++row) {
+    for (int column = 0; column < image.columns; ++column) {
+      const bool valid = valid_.at(column % tile_.columns, row, column / tile_.columns) > 0.0F;
+      image.at(row * tile_.rows + measured_rows_.offset, column) =
+          valid ? measured_m_->at(row, column) : 0.0F;
+    }
+  }
+  return image;
+}
+
+void LogRanges::put_truth(const RangeImage& truth_m, Tensor& tiles) const {
+  to_tiles(truth_m.range_m.data(), tile_, tiles);
+}
+
+}  // namespace hqslam::nn

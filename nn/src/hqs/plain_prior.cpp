@@ -1,0 +1,77 @@
+#include "plain_prior.h"
+
+#include <fmt/format.h>
+
+#include "../parameters.h"
+#include "channels.h"
+#include "hqslam/core/error.h"
+
+namespace hqslam::nn {
+namespace {
+
+LayerGraph plain_graph(const PlainPriorShape& shape, int rows, int columns, const Engine& engine) {
+  LayerGraph graph({1, rows, columns, ColumnPadding::kZero}, engine);
+  for (int i = 0; i < shape.convolutions; ++i) {
+    const bool last = i + 1 == shape.convolutions;
+    ConvolutionOptions options = three_by_three(last ? 1 : shape.features, last ? 1.0F : 0.0F);
+    options.bias = false;
+    graph.add(fmt::format("convolution.{}", i), options, {i}, last ? 0.0F : shape.dropout);
+  }
+  return graph;
+}
+
+class PlainPrior final : public Prior {
+ public:
+  explicit PlainPrior(LayerGraph graph) : Prior(std::move(graph), {1, 1}) {}
+
+  void forward(const Candidates& /*candidates*/, PriorState& state,
+               const PriorPass& pass) override {
+    graph_.forward(state.values, {.seed = pass.dropout_seed});
+    copy_channels(state.output(), 0, 1, state.z, 0);
+#pragma omp master
+    dropped_out_ = pass.dropout_seed.has_value();
+  }
+  void backward(const Candidates& /*candidates*/, const PriorState& state, PriorState& gradient,
+                std::span<float> d_parameters) override {
+    gradient.output() = gradient.z;
+    gradient.output().fill_borders();
+    graph_.backward({&state.values, 1}, {&gradient.values, 1}, d_parameters,
+                    {.dropped = dropped_out_});
+  }
+
+ private:
+  bool dropped_out_ = false;
+};
+
+void validate(const PlainPriorShape& shape) {
+  constexpr int kMostFeatures = 512;
+  constexpr int kMostConvolutions = 20;
+  check_field("features", shape.features, 1, kMostFeatures);
+  check_field("convolutions", shape.convolutions, 2, kMostConvolutions);
+  if (!(shape.dropout >= 0.0F && shape.dropout < 1.0F)) {
+    throw Error(fmt::format("denoiser: dropout is {}, expected 0 to below 1", shape.dropout));
+  }
+}
+
+}  // namespace
+
+PriorDescription plain_prior(const PlainPriorShape& shape) {
+  validate(shape);
+  return {.sizes = {{"features", shape.features},
+                    {"convolutions", shape.convolutions},
+                    {"dropout", shape.dropout}},
+          .multiple = {1, 1},
+          .make = [shape](const NetworkDescription&, int rows, int columns, const Engine& engine) {
+            return std::make_unique<PlainPrior>(plain_graph(shape, rows, columns, engine));
+          }};
+}
+
+PriorDescription read_plain_prior(JsonFields& sizes) {
+  PlainPriorShape shape;
+  sizes.optional("features", shape.features);
+  sizes.optional("convolutions", shape.convolutions);
+  sizes.optional("dropout", shape.dropout);
+  return plain_prior(shape);
+}
+
+}  // namespace hqslam::nn

@@ -1,0 +1,346 @@
+#include "two_modes_prior.h"
+
+#include <fmt/format.h>
+#include <omp.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "../kernels/row_kernels.h"
+#include "../kernels/two_modes.h"
+#include "../parameters.h"
+#include "../traced.h"
+#include "hqslam/core/error.h"
+#include "log_ranges.h"
+
+namespace hqslam::nn {
+namespace {
+
+/// Of the likelihood of a range in the loss, beside the cross-entropy of a return.
+constexpr float kRangeShare = 0.3F;
+const float kTypicalLogRange = std::log(LogRanges::kTypicalRange_m);
+
+int computed_pixels(TileSize tile) { return tile.pixels() - tile.columns; }
+
+/// rows x columns: of the tiles.
+LayerGraph two_modes_graph(const TwoModesShape& shape, int rows, int columns,
+                           const Engine& engine) {
+  const float slope = shape.negative_slope;
+  LayerGraph graph({shape.tile.pixels() + 2 * shape.tile.columns, rows, columns}, engine);
+  ConvolutionOptions first = three_by_three(shape.channels, slope);
+  first.row_bias = true;
+  const int encoded = graph.add("encoder.0", first, {0});
+  int x = graph.add("encoder.1", three_by_three(shape.lower_channels, slope, 2), {encoded});
+  const ConvolutionOptions lower = three_by_three(shape.lower_channels, slope);
+  x = graph.add("bottleneck.0", lower, {x});
+  for (int block = 1; block <= shape.residual_blocks; ++block) {
+    x = graph.add(fmt::format("bottleneck.{}", block), lower, {x, x});
+  }
+  x = graph.add("decoder.0",
+                {.channels = shape.channels,
+                 .kernel = {2, 2},
+                 .stride = {2, 2},
+                 .transposed = true,
+                 .negative_slope = slope},
+                {x, encoded});
+  const int outputs = kTwoModesOutputs * computed_pixels(shape.tile);
+  graph.add("head", {.channels = outputs, .start_scale = 0.1F}, {x});
+  return graph;
+}
+
+class TwoModesPrior final : public Prior {
+ public:
+  TwoModesPrior(const TwoModesShape& shape, const NetworkDescription& d, int rows, int columns,
+                const Engine& engine)
+      : Prior(two_modes_graph(shape, rows / shape.tile.rows, columns / shape.tile.columns, engine),
+              shape.tile),
+        description_(d),
+        kernels_(kernels::row_kernels(engine.instruction_set)),
+        ranges_(d, shape.tile, columns, engine),
+        pixels_(computed_pixels(shape.tile)) {
+    const Tensor z = tiles(1);
+    stride_ = z.padded_columns();
+    // A row of the head's result, then ranges and confidences of a row of tiles.
+    const std::size_t channels = (kTwoModesOutputs + 2) * ranges_.computed().size();
+    scratch_.assign(engine.threads,
+                    std::vector<float>(channels * static_cast<std::size_t>(stride_)));
+  }
+
+  Measurement* measurement() override { return &ranges_; }
+  PriorState make_state(bool for_backward) const override;
+  void take_row(int row, const PriorState* before, PriorState& state) override;
+  void forward(const Candidates& candidates, PriorState& state, const PriorPass& pass) override;
+  double loss(const PriorState& state, const LossTarget& target,
+              PriorState& gradient) const override;
+  void backward(const Candidates& /*candidates*/, const PriorState& state, PriorState& gradient,
+                std::span<float> d_parameters) override {
+    gradient.output().fill_borders();
+    graph_.backward({&state.values, 1}, {&gradient.values, 1}, d_parameters);
+  }
+  void add_inner(const Measurement& measurement, const PriorState& state, const std::string& prefix,
+                 Trace& trace) const override;
+  std::vector<NetworkStep> steps(const Candidates& candidates, PriorState& state,
+                                 const PriorPass& pass) override;
+
+ private:
+  Tensor tiles(int channels) const {
+    return {channels, ranges_.rows(), ranges_.columns(), padding()};
+  }
+  kernels::TwoModesInput modes_input(const PriorState& state, int pixel, int row,
+                                     const float* outputs, std::int64_t channel_stride) const;
+  void say_modes(PriorState& state, const PriorPass& pass);
+  void finish_image_row(int row, const float* ranges, const float* confidences,
+                        LiftedImage& lifted) const;
+
+  NetworkDescription description_;
+  const kernels::RowKernels& kernels_;
+  LogRanges ranges_;
+  int pixels_;                               ///< of a tile that are computed
+  std::int64_t stride_ = 0;                  ///< between the rows of scratch_
+  std::vector<std::vector<float>> scratch_;  ///< for each thread
+};
+
+PriorState TwoModesPrior::make_state(bool for_backward) const {
+  PriorState state = Prior::make_state(for_backward);
+  state.own_h = state.probability = state.z;
+  if (!for_backward) state.output() = tiles(1);
+  return state;
+}
+
+/// Everything that the convolutions see.
+void TwoModesPrior::take_row(int row, const PriorState* /*before*/, PriorState& state) {
+  Tensor& input = state.input();
+  const auto put = [&](int channel, auto value) {
+    float* to = input.row(channel, row);
+#pragma omp simd
+    for (int x = 0; x < input.columns(); ++x) to[x] = value(x);
+    input.fill_border(channel, row);
+  };
+  int channel = 0;
+  for (; channel < tile().pixels(); ++channel) {
+    const float* h = state.own_h.row(channel, row);
+    put(channel, [&](int x) { return 0.5F * (h[x] - kTypicalLogRange); });
+  }
+  for (int phase = 0; phase < tile().columns; ++phase) {
+    const float* valid = ranges_.valid_row(phase, row);
+    put(channel++, [&](int x) { return valid[x] - 0.5F; });
+  }
+  for (int phase = 0; phase < tile().columns; ++phase) {
+    const float* above = ranges_.log_row(phase, std::max(row - 1, 0));
+    const float* below = ranges_.log_row(phase, row);
+    put(channel++, [&](int x) { return std::clamp(above[x] - below[x], -1.0F, 1.0F); });
+  }
+}
+
+void TwoModesPrior::forward(const Candidates& /*candidates*/, PriorState& state,
+                            const PriorPass& pass) {
+  graph_.forward(state.values, {.left_out = 1});
+  say_modes(state, pass);
+}
+
+kernels::TwoModesInput TwoModesPrior::modes_input(const PriorState& state, int pixel, int row,
+                                                  const float* outputs,
+                                                  std::int64_t channel_stride) const {
+  const ComputedPixel& computed = ranges_.computed()[pixel];
+  return {.outputs = outputs + pixel * channel_stride,
+          .group_stride = pixels_ * channel_stride,
+          .above = ranges_.above(computed, row),
+          .below = ranges_.below(computed, row),
+          .middle = state.own_h.row(computed.channel, row),
+          .columns = ranges_.columns()};
+}
+
+/// The head and what it says of each pixel, one row after the other: a row of outputs never leaves
+/// the cache.
+void TwoModesPrior::say_modes(PriorState& state, const PriorPass& pass) {
+  const bool kept = state.output().channels() > 1;
+  const std::int64_t stride = kept ? state.output().channel_stride() : stride_;
+#pragma omp for schedule(static)
+  for (int row = 0; row < ranges_.rows(); ++row) {
+    float* own = scratch_[omp_get_thread_num()].data();
+    float* of_head = kept ? state.output().row(0, row) : own;
+    float* ranges = own + kTwoModesOutputs * pixels_ * stride_;
+    float* confidences = ranges + pixels_ * stride_;
+    graph_.last_row(state.values, row, of_head, stride);
+    for (int pixel = 0; pixel < pixels_; ++pixel) {
+      const int channel = ranges_.computed()[pixel].channel;
+      kernels_.two_modes({.in = modes_input(state, pixel, row, of_head, stride),
+                          .tolerance_m = pass.tolerance_m,
+                          .confidence_exponent = description_.confidence_exponent,
+                          .log_range = state.z.row(channel, row),
+                          .probability = state.probability.row(channel, row),
+                          .range_m = pass.lifted ? ranges + pixel * stride_ : nullptr,
+                          .confidence = pass.lifted ? confidences + pixel * stride_ : nullptr});
+    }
+    if (pass.lifted != nullptr) finish_image_row(row, ranges, confidences, *pass.lifted);
+  }
+}
+
+/// One row of tiles of the result: measured pixels as they were, computed ones within the sensor's
+/// limits.
+void TwoModesPrior::finish_image_row(int row, const float* ranges, const float* confidences,
+                                     LiftedImage& lifted) const {
+  RangeImage& image = lifted.image;
+  const auto nearest_m = static_cast<float>(description_.sensor.min_range_m);
+  const auto farthest_m = static_cast<float>(description_.sensor.max_range_m);
+  const int step = tile().columns;
+  for (int pixel = 0; pixel < pixels_; ++pixel) {
+    const int channel = ranges_.computed()[pixel].channel;
+    const std::size_t first = image.index(row * tile().rows + channel / step, channel % step);
+    float* range_m = &image.range_m[first];
+    float* confidence = &lifted.confidence[first];
+    const float* range = ranges + pixel * stride_;
+    const float* sure = confidences + pixel * stride_;
+    for (int x = 0; x < ranges_.columns(); ++x) {
+      const bool there = range[x] >= nearest_m && range[x] <= farthest_m;
+      range_m[x * step] = there ? range[x] : 0.0F;
+      confidence[x * step] = there ? sure[x] : 0.0F;
+    }
+  }
+  const std::size_t first = image.index(row * tile().rows + description_.measured_rows.offset, 0);
+  for (int column = 0; column < image.columns; ++column) {
+    const bool valid = ranges_.valid_row(column % step, row)[column / step] > 0.0F;
+    image.range_m[first + column] = valid ? ranges_.measured_m().at(row, column) : 0.0F;
+    lifted.confidence[first + column] = valid ? 1.0F : 0.0F;
+  }
+}
+
+/// The likelihood of what is said (kernels/two_modes.h). Leaves the gradient of the head's result,
+/// from which `backward` goes on.
+double TwoModesPrior::loss(const PriorState& state, const LossTarget& target,
+                           PriorState& gradient) const {
+  const float share = target.share / (static_cast<float>(pixels_) *
+                                      static_cast<float>(ranges_.rows() * ranges_.columns()));
+  const Tensor& output = state.output();
+  Tensor& d_output = gradient.output();
+  double loss = 0.0;
+  for (int row = 0; row < ranges_.rows(); ++row) {
+    for (int pixel = 0; pixel < pixels_; ++pixel) {
+      const int channel = ranges_.computed()[pixel].channel;
+      loss += kernels_.two_modes_loss(
+          {.in = modes_input(state, pixel, row, output.row(0, row), output.channel_stride()),
+           .truth_m = target.truth.row(channel, row),
+           .return_share = share,
+           .range_share = share * kRangeShare,
+           .d_outputs = d_output.row(pixel, row),
+           .d_group_stride = pixels_ * d_output.channel_stride(),
+           .d_middle = gradient.own_h.row(channel, row)});
+    }
+  }
+  return loss;
+}
+
+void TwoModesPrior::add_inner(const Measurement& measurement, const PriorState& state,
+                              const std::string& prefix, Trace& trace) const {
+  Prior::add_inner(measurement, state, prefix, trace);
+  Tensor mode1 = tiles(tile().pixels());
+  Tensor mode2 = mode1;
+  Tensor weight1 = mode1;
+  Tensor scale = mode1;
+  Tensor probability = state.probability;
+  const auto logistic = [](float v) { return 1.0F / (1.0F + std::exp(-kTwoModesGain * v)); };
+  for (int row = 0; row < ranges_.rows(); ++row) {
+    for (int pixel = 0; pixel < pixels_; ++pixel) {
+      const ComputedPixel& computed = ranges_.computed()[pixel];
+      const int channel = computed.channel;
+      const kernels::TwoModesInput in = modes_input(state, pixel, row, state.output().row(0, row),
+                                                    state.output().channel_stride());
+      for (int x = 0; x < ranges_.columns(); ++x) {
+        const auto output = [&](TwoModesOutput group) {
+          return in.outputs[static_cast<int>(group) * in.group_stride + x];
+        };
+        const float share1 = logistic(output(TwoModesOutput::kShareAbove));
+        const float share2 = logistic(output(TwoModesOutput::kShareBelow));
+        const float middle = in.middle[x];
+        mode1.at(channel, row, x) =
+            middle + share1 * (in.above[x] - middle) + output(TwoModesOutput::kCorrectionAbove);
+        mode2.at(channel, row, x) =
+            middle + share2 * (in.below[x] - middle) + output(TwoModesOutput::kCorrectionBelow);
+        weight1.at(channel, row, x) = logistic(output(TwoModesOutput::kWeight));
+        const float clamped =
+            std::clamp(output(TwoModesOutput::kScale), kLowestScale, kHighestScale);
+        scale.at(channel, row, x) = std::exp(kMiddleLogScale + kTwoModesGain * clamped);
+      }
+    }
+    for (int phase = 0; phase < tile().columns; ++phase) {
+      const int channel = description_.measured_rows.offset * tile().columns + phase;
+      std::copy_n(ranges_.valid_row(phase, row), ranges_.columns(), probability.row(channel, row));
+    }
+  }
+  trace.add(traced_image("mode_1", ranges_.in_metres(mode1)));
+  trace.add(traced_image("mode_2", ranges_.in_metres(mode2)));
+  trace.add(traced_pixels("weight_1", weight1, 0, tile()));
+  trace.add(traced_pixels("scale", scale, 0, tile()));
+  trace.add(traced_pixels("probability", probability, 0, tile()));
+}
+
+std::vector<NetworkStep> TwoModesPrior::steps(const Candidates& candidates, PriorState& state,
+                                              const PriorPass& pass) {
+  std::vector<NetworkStep> steps = Prior::steps(candidates, state, pass);
+  steps.back().name = "head, two modes";
+  steps.back().run = [this, &state, pass] { say_modes(state, pass); };
+  return steps;
+}
+
+void validate(const TwoModesShape& shape) {
+  constexpr int kMostChannels = 512;
+  constexpr int kLargestTile = 16;
+  constexpr int kMostBlocks = 32;
+  check_field("tile.columns", shape.tile.columns, 1, kLargestTile);
+  check_field("tile.rows", shape.tile.rows, 2, kLargestTile);
+  check_field("memory", shape.memory, 0, kMostChannels);
+  check_field("channels", shape.channels, 1, kMostChannels);
+  check_field("lower_channels", shape.lower_channels, 1, kMostChannels);
+  check_field("residual_blocks", shape.residual_blocks, 0, kMostBlocks);
+  check_slope(shape.negative_slope);
+}
+
+void check_rows(TileSize tile, const NetworkDescription& d) {
+  if (tile.rows != d.measured_rows.stride || d.measured_rows.offset >= tile.rows ||
+      d.sensor.rows() % (2 * tile.rows) != 0) {
+    throw Error(fmt::format(
+        "denoiser: tiles of {} rows and measured rows {} + n {} of {}, expected one measured row "
+        "in each tile and an even number of tiles",
+        tile.rows, d.measured_rows.offset, d.measured_rows.stride, d.sensor.rows()));
+  }
+}
+
+}  // namespace
+
+PriorDescription two_modes_prior(const TwoModesShape& shape) {
+  validate(shape);
+  nlohmann::ordered_json layer = {{"channels", shape.channels},
+                                  {"lower_channels", shape.lower_channels},
+                                  {"residual_blocks", shape.residual_blocks}};
+  return {.sizes = {{"tile_rows", shape.tile.rows},
+                    {"tile_columns", shape.tile.columns},
+                    {"memory", shape.memory},
+                    {"negative_slope", shape.negative_slope},
+                    {"layers", nlohmann::ordered_json::array({std::move(layer)})}},
+          .multiple = {2 * shape.tile.rows, 2 * shape.tile.columns},
+          .has_rows = true,
+          .make =
+              [shape](const NetworkDescription& d, int rows, int columns, const Engine& engine) {
+                return std::make_unique<TwoModesPrior>(shape, d, rows, columns, engine);
+              },
+          .check = [tile = shape.tile](const NetworkDescription& d) { check_rows(tile, d); }};
+}
+
+PriorDescription read_two_modes_prior(JsonFields& sizes) {
+  TwoModesShape shape;
+  sizes.optional("tile_rows", shape.tile.rows);
+  sizes.optional("tile_columns", shape.tile.columns);
+  sizes.optional("memory", shape.memory);
+  sizes.optional("negative_slope", shape.negative_slope);
+  if (sizes.has("layers")) {
+    std::vector<JsonFields> layers = sizes.objects("layers");
+    check_field("layers", static_cast<int>(layers.size()), 1, 1);
+    layers.front().optional("channels", shape.channels);
+    layers.front().optional("lower_channels", shape.lower_channels);
+    layers.front().optional("residual_blocks", shape.residual_blocks);
+    layers.front().finish();
+  }
+  return two_modes_prior(shape);
+}
+
+}  // namespace hqslam::nn

@@ -1,0 +1,234 @@
+#include "u_shaped_prior.h"
+
+#include <fmt/format.h>
+#include <omp.h>
+
+#include <algorithm>
+
+#include "../graph/tensor_sums.h"
+#include "../parameters.h"
+#include "../traced.h"
+#include "channels.h"
+#include "hqslam/core/error.h"
+#include "selection.h"
+
+namespace hqslam::nn {
+namespace {
+
+int score_channels(const UShapedPriorShape& shape) {
+  return kSelectionGroups * shape.tile.pixels();
+}
+
+LayerGraph u_shaped_graph(const UShapedPriorShape& shape, int rows, int columns,
+                          const Engine& engine) {
+  const float slope = shape.negative_slope;
+  const auto levels = static_cast<int>(shape.channels.size());
+  LayerGraph graph(
+      {shape.tile.pixels() + shape.memory, rows / shape.tile.rows, columns / shape.tile.columns},
+      engine);
+  int x = 0;
+  std::vector<int> encoded;
+  for (int level = 0; level < levels; ++level) {
+    x = graph.add(fmt::format("encoder.{}", level),
+                  three_by_three(shape.channels[level], slope, level == 0 ? 1 : 2), {x});
+    encoded.push_back(x);
+  }
+  x = graph.add("bottleneck", three_by_three(shape.channels.back(), slope), {x});
+  for (int level = levels - 2; level >= 0; --level) {
+    x = graph.add(fmt::format("decoder.{}", level),
+                  {.channels = shape.channels[level],
+                   .kernel = {2, 2},
+                   .stride = {2, 2},
+                   .transposed = true,
+                   .negative_slope = slope},
+                  {x, encoded[level]});
+  }
+  graph.add("head", {.channels = score_channels(shape) + shape.memory, .start_scale = 0.1F}, {x});
+  return graph;
+}
+
+class UShapedPrior final : public Prior {
+ public:
+  UShapedPrior(const UShapedPriorShape& shape, int rows, int columns, const Engine& engine)
+      : Prior(u_shaped_graph(shape, rows, columns, engine), shape.tile), shape_(shape) {
+    const Tensor output = graph_.output_shape().make();
+    head_rows_.assign(
+        engine.threads,
+        std::vector<float>(static_cast<std::size_t>(output.channels()) * output.padded_columns()));
+  }
+
+  int memory_channels() const override { return shape_.memory; }
+  std::vector<float> initial_parameters(std::uint64_t seed) const override;
+  PriorState make_state(bool for_backward) const override;
+  PriorState make_gradient() const override;
+  void take_row(int row, const PriorState* before, PriorState& state) override;
+  void forward(const Candidates& candidates, PriorState& state, const PriorPass& pass) override;
+  void backward(const Candidates& candidates, const PriorState& state, PriorState& gradient,
+                std::span<float> d_parameters) override;
+  void add_inner(const Measurement& measurement, const PriorState& state, const std::string& prefix,
+                 Trace& trace) const override;
+  std::vector<NetworkStep> steps(const Candidates& candidates, PriorState& state,
+                                 const PriorPass& pass) override;
+
+ private:
+  /// Head and selection one row after the other: a row of scores never leaves the cache. Leaves the
+  /// weights, too, where the state has room for them.
+  void select_by_row(const Candidates& candidates, PriorState& state);
+
+  UShapedPriorShape shape_;
+  std::vector<std::vector<float>> head_rows_;  ///< a row of the head's result, one per thread
+};
+
+std::vector<float> UShapedPrior::initial_parameters(std::uint64_t seed) const {
+  std::vector<float> parameters = graph_.initial_parameters(seed);
+  // The head's biases, which are the last: "here" is the first choice, "nothing" the last.
+  constexpr float kFirstScores[kSelectionGroups] = {0.0F, 0.0F, 0.5F, -0.25F, 0.0F};
+  const int scores = score_channels(shape_);
+  float* biases = parameters.data() + parameters.size() - (scores + shape_.memory);
+  for (int i = 0; i < scores; ++i) biases[i] = kFirstScores[i / shape_.tile.pixels()];
+  std::fill_n(biases + scores, shape_.memory, 0.0F);
+  return parameters;
+}
+
+PriorState UShapedPrior::make_state(bool for_backward) const {
+  PriorState state = Prior::make_state(for_backward);
+  if (!for_backward) {
+    state.output() =
+        Tensor(std::max(1, shape_.memory), state.z.rows(), state.z.columns(), padding());
+  }
+  return state;
+}
+
+PriorState UShapedPrior::make_gradient() const {
+  PriorState gradient = make_state(false);
+  // Two rows in one go cost fewer sums of lanes, more would leave the second-level cache.
+  const int rows = gradient.z.rows() % 2 == 0 ? 2 : 1;
+  gradient.part =
+      Tensor(score_channels(shape_) + shape_.memory, rows, gradient.z.columns(), padding(), 0);
+  return gradient;
+}
+
+/// The memory of the layer before; the first has none.
+void UShapedPrior::take_row(int row, const PriorState* before, PriorState& state) {
+  const int pixels = tile().pixels();
+  if (before == nullptr) {
+    clear_channels_row(pixels, row, state.input());
+  } else if (shape_.memory > 0) {
+    const int first = before->output().channels() - shape_.memory;
+    copy_channels_row(before->output(), first, shape_.memory, row, state.input(), pixels);
+  }
+}
+
+void UShapedPrior::forward(const Candidates& candidates, PriorState& state,
+                           const PriorPass& /*pass*/) {
+  graph_.forward(state.values, {.left_out = 1});
+  select_by_row(candidates, state);
+}
+
+void UShapedPrior::select_by_row(const Candidates& candidates, PriorState& state) {
+  Tensor& output = state.output();
+  const bool kept = output.channels() == score_channels(shape_) + shape_.memory;
+  const std::int64_t stride = kept ? output.channel_stride() : output.padded_columns();
+#pragma omp for schedule(static)
+  for (int row = 0; row < state.z.rows(); ++row) {
+    float* scores_of_row = kept ? output.row(0, row) : head_rows_[omp_get_thread_num()].data();
+    graph_.last_row(state.values, row, scores_of_row, stride);
+    select_row(candidates, state.input(), shape_.tile, graph_.engine().instruction_set, row,
+               scores_of_row, stride, state.z);
+    if (kept) continue;
+    for (int channel = 0; channel < shape_.memory; ++channel) {
+      std::copy_n(scores_of_row + (score_channels(shape_) + channel) * stride, output.columns(),
+                  output.row(channel, row));
+    }
+  }
+}
+
+std::vector<NetworkStep> UShapedPrior::steps(const Candidates& candidates, PriorState& state,
+                                             const PriorPass& pass) {
+  std::vector<NetworkStep> steps = Prior::steps(candidates, state, pass);
+  steps.back().name = "head, selection";
+  steps.back().run = [this, &candidates, &state] { select_by_row(candidates, state); };
+  return steps;
+}
+
+/// What the choice weighs, and what is added to it.
+void UShapedPrior::add_inner(const Measurement& measurement, const PriorState& state,
+                             const std::string& prefix, Trace& trace) const {
+  Prior::add_inner(measurement, state, prefix, trace);
+  const int pixels = tile().pixels();
+  int group = 0;
+  for (const char* what : {"choice.above", "choice.below", "choice.here", "choice.nothing"}) {
+    trace.add(traced_pixels(prefix + what, state.output(), pixels * group++, tile()));
+  }
+  Tensor correction = state.z;
+  for (int row = 0; row < correction.rows(); ++row) {
+    copy_channels_row(state.output(), pixels * group, pixels, row, correction, 0);
+  }
+  trace.add(traced_image(prefix + "choice.correction", measurement.in_metres(correction)));
+  if (shape_.memory > 0) {
+    trace.add(traced(prefix + "memory", state.output(), score_channels(shape_), shape_.memory));
+  }
+}
+
+void UShapedPrior::backward(const Candidates& candidates, const PriorState& state,
+                            PriorState& gradient, std::span<float> d_parameters) {
+  // gradient.z holds d_z; the direct way to H is kept there once the scores have theirs.
+  Tensor& d_direct = gradient.z;
+  Tensor& d_output = gradient.part;
+  const int scores = score_channels(shape_);
+  for (int first = 0; first < gradient.z.rows(); first += d_output.rows()) {
+    select_backward(candidates, state.input(), shape_.tile, graph_.engine().instruction_set, first,
+                    state.output(), gradient.z, d_output, d_direct);
+    for (int y = 0; y < d_output.rows(); ++y) {
+      for (int channel = 0; channel < shape_.memory; ++channel) {
+        std::copy_n(gradient.output().row(channel, first + y), d_output.columns(),
+                    d_output.row(scores + channel, y));
+      }
+    }
+    graph_.last_backward_rows(state.values, first, d_output, gradient.values, d_parameters);
+  }
+  graph_.backward({&state.values, 1}, {&gradient.values, 1}, d_parameters, {.left_out = 1});
+  add_channels(d_direct, 0, gradient.input(), shape_.tile.pixels());
+}
+
+void validate(const UShapedPriorShape& shape) {
+  constexpr int kMostChannels = 512;
+  constexpr int kLargestTile = 16;
+  if (shape.channels.size() < 2 || shape.channels.size() > 5) {
+    throw Error(
+        fmt::format("denoiser: channels of {} levels, expected 2 to 5", shape.channels.size()));
+  }
+  for (const int channels : shape.channels) check_field("channels", channels, 1, kMostChannels);
+  check_field("tile.rows", shape.tile.rows, 1, kLargestTile);
+  check_field("tile.columns", shape.tile.columns, 1, kLargestTile);
+  check_field("memory", shape.memory, 0, kMostChannels);
+  check_slope(shape.negative_slope);
+}
+
+}  // namespace
+
+PriorDescription u_shaped_prior(const UShapedPriorShape& shape) {
+  validate(shape);
+  const int halvings = 1 << (shape.channels.size() - 1);
+  return {.sizes = {{"tile_rows", shape.tile.rows},
+                    {"tile_columns", shape.tile.columns},
+                    {"channels", shape.channels},
+                    {"memory", shape.memory},
+                    {"negative_slope", shape.negative_slope}},
+          .multiple = {shape.tile.rows * halvings, shape.tile.columns * halvings},
+          .make = [shape](const NetworkDescription&, int rows, int columns, const Engine& engine) {
+            return std::make_unique<UShapedPrior>(shape, rows, columns, engine);
+          }};
+}
+
+PriorDescription read_u_shaped_prior(JsonFields& sizes) {
+  UShapedPriorShape shape;
+  sizes.optional("tile_rows", shape.tile.rows);
+  sizes.optional("tile_columns", shape.tile.columns);
+  if (sizes.has("channels")) shape.channels = sizes.integers("channels");
+  sizes.optional("memory", shape.memory);
+  sizes.optional("negative_slope", shape.negative_slope);
+  return u_shaped_prior(shape);
+}
+
+}  // namespace hqslam::nn

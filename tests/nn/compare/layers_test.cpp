@@ -1,0 +1,281 @@
+#include "layers/layers.h"
+
+#include <doctest/doctest.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <functional>
+
+#include "activation.h"
+#include "golden.h"
+#include "hqslam/core/error.h"
+#include "random_values.h"
+
+namespace hqslam::nn {
+namespace {
+
+constexpr ColumnPadding kCircular = ColumnPadding::kCircular;
+constexpr ColumnPadding kZero = ColumnPadding::kZero;
+constexpr double kTolerance = 1e-5;
+
+using Shapes = std::vector<TensorShape>;
+
+/// How a layer of the golden file is made.
+struct Case {
+  std::string name;
+  ColumnPadding padding = kCircular;
+  std::function<std::unique_ptr<Layer>(const Shapes&, const Engine&)> make;
+};
+
+/// A case of a convolution.
+Case convolution(const std::string& name, ColumnPadding padding,
+                 const ConvolutionOptions& options) {
+  return {name, padding, [options](const Shapes& in, const Engine& engine) {
+            return std::make_unique<ConvolutionLayer>(options, in[0], engine);
+          }};
+}
+Case attention(const std::string& name, const WindowAttentionOptions& options) {
+  return {name, kCircular, [options](const Shapes& in, const Engine& engine) {
+            return make_window_attention(options, in[0], engine);
+          }};
+}
+
+std::vector<Case> cases() {
+  ConvolutionOptions transposed = three_by_three(5, 0.0F);
+  transposed.stride = {2, 1};
+  transposed.transposed = true;
+  const ConvolutionOptions patches{
+      .channels = 6, .kernel = {1, 8}, .stride = {1, 4}, .padding = {0, 2}};
+  return {convolution("transposed", kZero, transposed),
+          convolution("linear", kCircular, {.channels = 7, .linear = true}),
+          convolution("patch_embedding", kCircular, patches),
+          {"batch_norm", kCircular,
+           [](const Shapes& in, const Engine&) { return make_batch_norm(1e-3F, 0.125F, in[0]); }},
+          {"average_pool", kZero,
+           [](const Shapes& in, const Engine&) { return make_average_pool(in[0]); }},
+          {"concatenation", kCircular,
+           [](const Shapes& in, const Engine&) { return make_concatenation(in[0], in[1]); }},
+          {"layer_norm", kCircular,
+           [](const Shapes& in, const Engine&) { return make_layer_norm(1e-6F, in[0]); }},
+          {"gelu", kCircular,
+           [](const Shapes& in, const Engine& engine) { return make_gelu(in[0], engine); }},
+          attention("attention", {.heads = 2}),
+          attention("attention.shifted", {.heads = 2, .shifted = true}),
+          attention("attention.circular", {.heads = 2, .shifted = true, .circular = true}),
+          {"patch_merging", kCircular,
+           [](const Shapes& in, const Engine&) { return make_patch_merging(in[0]); }},
+          {"pixel_shuffle", kCircular,
+           [](const Shapes& in, const Engine&) { return make_pixel_shuffle(3, in[0]); }}};
+}
+
+TensorShape shape_of(const Tensor& tensor) {
+  return {tensor.channels(), tensor.rows(), tensor.columns(), tensor.padding()};
+}
+
+/// An array of scans x channels x rows x columns.
+std::vector<Tensor> scans_of(const Golden& golden, const std::string& name, ColumnPadding padding) {
+  const std::vector<std::int64_t>& shape = golden.array(name).shape;
+  const std::vector<float> values = golden.values(name);
+  const std::size_t each = values.size() / shape.at(0);
+  std::vector<Tensor> scans;
+  for (std::int64_t scan = 0; scan < shape.at(0); ++scan) {
+    scans.push_back(tensor_of(std::span(values).subspan(scan * each, each),
+                              static_cast<int>(shape.at(1)), static_cast<int>(shape.at(2)),
+                              static_cast<int>(shape.at(3)), padding));
+  }
+  return scans;
+}
+
+std::vector<float> values_of(const std::vector<Tensor>& scans) {
+  std::vector<float> all;
+  for (const Tensor& scan : scans) {
+    const std::vector<float> values = nn::values_of(scan);
+    all.insert(all.end(), values.begin(), values.end());
+  }
+  return all;
+}
+
+/// A batch and all that a layer makes of it.
+struct Batch {
+  std::unique_ptr<Layer> layer;
+  std::vector<std::vector<Tensor>> inputs;  ///< input, scan
+  std::vector<std::vector<Tensor>> d_inputs;
+  std::vector<Tensor> d_output;
+  std::vector<Tensor> output;
+  std::vector<float> parameters;
+  std::vector<float> d_parameters;
+
+  std::vector<LayerPass> passes() {
+    std::vector<LayerPass> all;
+    for (std::size_t scan = 0; scan < output.size(); ++scan) {
+      all.push_back(
+          {&inputs[0][scan], inputs.size() > 1 ? &inputs[1][scan] : nullptr, &output[scan]});
+    }
+    return all;
+  }
+  /// From gradients of zero, and from that of the result on.
+  void backward() {
+    std::vector<Tensor> before = d_output;  // of what went into the activation
+    std::vector<BackwardPass> all;
+    for (std::size_t scan = 0; scan < output.size(); ++scan) {
+      leaky_relu_backward(layer->negative_slope(), output[scan], before[scan]);
+      all.push_back({.input = &inputs[0][scan],
+                     .output = &output[scan],
+                     .d_output = &before[scan],
+                     .d_input = &d_inputs[0][scan]});
+      if (inputs.size() < 2) continue;
+      all.back().second = &inputs[1][scan];
+      all.back().d_second = &d_inputs[1][scan];
+    }
+    layer->backward(all, d_parameters);
+  }
+  /// The sum of outputs times d_output.
+  double loss() {
+    for (std::vector<Tensor>& input : inputs) {
+      for (Tensor& scan : input) scan.fill_borders();
+    }
+    layer->set_parameters(parameters);
+    layer->forward_batch(passes());
+    const std::vector<float> values = values_of(output);
+    const std::vector<float> factors = values_of(d_output);
+    double sum = 0.0;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      sum += static_cast<double>(values[i]) * factors[i];
+    }
+    return sum;
+  }
+};
+
+Batch golden_batch(const Golden& golden, const Case& c, const Engine& engine) {
+  Batch batch;
+  std::vector<TensorShape> shapes;
+  for (int i = 0; golden.has(fmt::format("{}.input.{}", c.name, i)); ++i) {
+    batch.inputs.push_back(scans_of(golden, fmt::format("{}.input.{}", c.name, i), c.padding));
+    shapes.push_back(shape_of(batch.inputs.back().front()));
+  }
+  batch.d_inputs = batch.inputs;
+  for (std::vector<Tensor>& d_input : batch.d_inputs) {
+    for (Tensor& scan : d_input) scan.set_zero();
+  }
+  batch.d_output = scans_of(golden, c.name + ".d_output", c.padding);
+  batch.layer = c.make(shapes, engine);
+  if (golden.has(c.name + ".parameters")) {
+    batch.parameters = golden.values(c.name + ".parameters");
+    batch.d_parameters.resize(batch.parameters.size());
+  }
+  batch.output.assign(batch.d_output.size(), batch.layer->output_shape().make());
+  return batch;
+}
+
+}  // namespace
+
+TEST_CASE("each layer and its gradients equal PyTorch's with every instruction set") {
+  const Golden golden("network_layers");
+  for (const Case& c : cases()) {
+    for (const InstructionSet instruction_set : available_instruction_sets()) {
+      CAPTURE(c.name);
+      CAPTURE(name(instruction_set));
+      Batch batch = golden_batch(golden, c, {instruction_set, 1});
+      batch.loss();
+      batch.backward();
+      CHECK(relative_error(std::span<const float>(values_of(batch.output)),
+                           golden.values(c.name + ".output")) < kTolerance);
+      for (std::size_t i = 0; i < batch.inputs.size(); ++i) {
+        CHECK(relative_error(std::span<const float>(values_of(batch.d_inputs[i])),
+                             golden.values(fmt::format("{}.d_input.{}", c.name, i))) < kTolerance);
+      }
+      if (batch.parameters.empty()) continue;
+      CHECK(relative_error(std::span<const float>(batch.d_parameters),
+                           golden.values(c.name + ".d_parameters")) < kTolerance);
+      CHECK(elements(batch.layer->parameter_shapes()) ==
+            static_cast<std::int64_t>(batch.parameters.size()));
+    }
+  }
+}
+
+TEST_CASE("gradients are what small changes of inputs and parameters do") {
+  constexpr float kStep = 1.0F / 1024.0F;
+  const Golden golden("network_layers");
+  for (const Case& c : cases()) {
+    CAPTURE(c.name);
+    Batch batch = golden_batch(golden, c, {});
+    batch.loss();
+    batch.backward();
+    const auto slope_at = [&](float& value) {
+      const float before = value;
+      value = before + kStep;
+      const double above = batch.loss();
+      value = before - kStep;
+      const double below = batch.loss();
+      value = before;
+      return (above - below) / (2.0 * kStep);
+    };
+    for (std::size_t input = 0; input < batch.inputs.size(); ++input) {
+      Tensor& x = batch.inputs[input].front();
+      for (const int column : {0, 7, 13}) {
+        CHECK(slope_at(x.at(1 % x.channels(), 1, column)) ==
+              doctest::Approx(batch.d_inputs[input].front().at(1 % x.channels(), 1, column))
+                  .epsilon(0.02)
+                  .scale(2));
+      }
+    }
+    // Running statistics have no gradient in this sense.
+    const std::size_t learned = batch.parameters.size() / (c.name == "batch_norm" ? 2 : 1);
+    for (std::size_t i = 0; i < learned; i += 1 + learned / 7) {
+      CHECK(slope_at(batch.parameters[i]) ==
+            doctest::Approx(batch.d_parameters[i]).epsilon(0.02).scale(5));
+    }
+  }
+}
+
+TEST_CASE("one and two threads give the same bits in every layer") {
+  const Golden golden("network_layers");
+  for (const Case& c : cases()) {
+    CAPTURE(c.name);
+    Batch one = golden_batch(golden, c, {chosen_instruction_set(), 1});
+    Batch two = golden_batch(golden, c, {chosen_instruction_set(), 2});
+    one.layer->set_parameters(one.parameters);
+    two.layer->set_parameters(two.parameters);
+    one.layer->forward(one.passes().front());
+    const LayerPass pass = two.passes().front();
+#pragma omp parallel num_threads(2)
+    two.layer->forward(pass);
+    CHECK(same_bits(one.output.front(), two.output.front()));
+  }
+}
+
+TEST_CASE("batch norm lifts with its running statistics") {
+  const Golden golden("network_layers");
+  const std::vector<Case> all = cases();
+  const auto c = std::find_if(all.begin(), all.end(),
+                              [](const Case& each) { return each.name == "batch_norm"; });
+  Batch batch = golden_batch(golden, *c, {});
+  batch.layer->set_parameters(batch.parameters);
+  for (const LayerPass& pass : batch.passes()) batch.layer->forward(pass);
+  CHECK(relative_error(std::span<const float>(values_of(batch.output)),
+                       golden.values("batch_norm.lifted")) < kTolerance);
+}
+
+TEST_CASE("a convolution with the batch norm behind it worked into its weights gives the same") {
+  const Golden golden("network_layers");
+  for (const bool transposed : {false, true}) {
+    ConvolutionOptions options = three_by_three(3, 0.0F, transposed ? 2 : 1);
+    options.transposed = transposed;
+    const Case c{transposed ? "normalised.1" : "normalised.0", kZero,
+                 [&](const Shapes& in, const Engine& engine) {
+                   return make_normalised_convolution(options, 1e-3F, in[0], engine);
+                 }};
+    Batch batch = golden_batch(golden, c, {});
+    batch.loss();
+    CHECK(relative_error(std::span<const float>(values_of(batch.output)),
+                         golden.values(c.name + ".output")) < kTolerance);
+    CHECK(batch.layer->parameter_shapes().back().name == "norm.running_var");
+  }
+}
+
+TEST_CASE("windows that do not divide the image are refused") {
+  const TensorShape input{12, 3, 16, kCircular};
+  CHECK_THROWS_AS(make_window_attention({.heads = 2}, input, {}), Error);
+}
+
+}  // namespace hqslam::nn

@@ -1,0 +1,88 @@
+#include <doctest/doctest.h>
+
+#include <string>
+
+#include "error_message.h"
+#include "small_training.h"
+#include "srae.h"
+#include "tulip.h"
+
+// SRAE's and TULIP's trainings.
+namespace hqslam::nn {
+
+TEST_CASE(
+    "training makes SRAE and TULIP better than they were, the same by any number of threads") {
+  NetworkDescription srae = small_du_or();
+  srae.architecture = std::make_shared<Srae>(SraeShape{.filters = 2, .passes = 1});
+  NetworkDescription tulip = srae;
+  tulip.architecture = std::make_shared<Tulip>(TulipShape{.channels = 8, .heads = {2, 2}});
+  TrainingPlan plan = small_plan();
+  plan.augmentation.crop_columns = 0;
+  for (const NetworkDescription& description : {srae, tulip}) {
+    CAPTURE(name(description));
+    Trainer one(description, plan, in_memory(scans()), fresh_state(description), 1, alone());
+    Trainer three(description, plan, in_memory(scans()), fresh_state(description), 3, alone());
+    double first = 0.0;
+    double last = 0.0;
+    for (int step = 0; step < 40; ++step) {
+      const double loss = one.step().loss;
+      three.step();
+      if (step < 5) first += loss;
+      if (step >= 35) last += loss;
+    }
+    CHECK(last < 0.7 * first);
+    check_same(one.state(), three.state());
+  }
+}
+
+TEST_CASE("batch norm's statistics follow the scans and no optimiser moves them") {
+  NetworkDescription srae = small_du_or();
+  srae.architecture = std::make_shared<Srae>(SraeShape{.filters = 1, .passes = 1});
+  const TrainingState state = trained(srae, 3, 1);
+  std::size_t begin = 0;
+  for (const ParameterShape& shape : parameter_shapes(srae)) {
+    for (std::int64_t i = 0; i < shape.elements(); ++i) {
+      if (!shape.statistic) continue;
+      CHECK(state.optimiser.second_moment[begin + i] == 0.0F);
+      if (shape.name == "up.0.norm.running_var") CHECK(state.parameters[begin + i] != 1.0F);
+    }
+    begin += shape.elements();
+  }
+}
+
+TEST_CASE("weight decay pulls at the weights of convolutions and linear layers alone") {
+  NetworkDescription tulip = small_du_or();
+  tulip.architecture = std::make_shared<Tulip>(TulipShape{.channels = 8, .heads = {2, 2}});
+  TrainingPlan plan = small_plan();
+  plan.augmentation.crop_columns = 0;
+  const auto after_a_step = [&](float weight_decay) {
+    TrainingState state = fresh_state(tulip);
+    state.optimiser.options.weight_decay = weight_decay;
+    Trainer trainer(tulip, plan, in_memory(scans()), std::move(state), 1, alone());
+    trainer.step();
+    return trainer.state().parameters;
+  };
+  const std::vector<float> usual = after_a_step(0.0F);
+  const std::vector<float> decayed = after_a_step(10.0F);
+  std::size_t begin = 0;
+  int decaying = 0;
+  for (const ParameterShape& shape : parameter_shapes(tulip)) {
+    const auto count = static_cast<std::size_t>(shape.elements());
+    const bool same = std::equal(usual.begin() + static_cast<std::ptrdiff_t>(begin),
+                                 usual.begin() + static_cast<std::ptrdiff_t>(begin + count),
+                                 decayed.begin() + static_cast<std::ptrdiff_t>(begin));
+    CAPTURE(shape.name);
+    CHECK(same == !(shape.shape.size() > 1 && shape.name.ends_with("weight")));
+    decaying += same ? 0 : 1;
+    begin += count;
+  }
+  CHECK(decaying > 5);
+}
+
+TEST_CASE("processes cannot share a batch whose scans see each other") {
+  NetworkDescription srae = small_du_or();
+  srae.architecture = std::make_shared<Srae>(SraeShape{.filters = 2, .passes = 1});
+  CHECK(test::one_line_with(message_of_two_ranks(srae, 4), "batch norm", "2 processes"));
+}
+
+}  // namespace hqslam::nn

@@ -1,0 +1,173 @@
+#include <algorithm>
+#include <random>
+
+#include "golden.h"
+#include "hqslam/nn/reference/reference.h"
+#include "random_values.h"
+#include "small_network.h"
+
+// The networks against the reference, which shares no line with them: values and gradients.
+namespace hqslam::nn {
+namespace {
+
+struct Problem {
+  HqsPlan plan;
+  RangeImage measured;
+  std::vector<float> parameters;
+  /// loss = sum of direction times Z over the last layers, rows x columns each.
+  std::vector<std::vector<float>> directions;
+};
+
+Problem problem(const HqsPlan& plan, int columns, std::uint32_t seed, int layers_in_loss = 1) {
+  Problem p{plan, RangeImage(4, columns), initial_parameters(plan, seed), {}};
+  for (int i = 0; i < layers_in_loss; ++i) {
+    p.directions.push_back(random_values(seed + 1 + i, 16 * columns));
+  }
+  const RangeImage scene = select_rows(small_scene(), plan.measured_rows);
+  for (int row = 0; row < 4; ++row) {
+    for (int column = 0; column < columns; ++column) {
+      p.measured.at(row, column) = scene.at(row, column);
+    }
+  }
+  const auto random = random_values(seed, static_cast<std::int64_t>(p.parameters.size()));
+  const int penalties = plan.penalties();
+  for (std::size_t i = 0; i + penalties < p.parameters.size(); ++i) {
+    p.parameters[i] = 0.3F * random[i];
+  }
+  if (penalties == 1) p.parameters.back() = 0.4F;  // at 10.99 hardly anything flows
+  return p;
+}
+
+using Masks = std::vector<std::vector<std::uint8_t>>;
+
+struct EngineResult {
+  std::vector<std::vector<float>> z;  ///< of each layer, units of range_scale_m
+  std::vector<float> gradient;
+  Masks rejected;
+};
+
+EngineResult engine(const Problem& p, InstructionSet instruction_set) {
+  HqsRun run = run_of(p.plan, p.parameters, p.measured, instruction_set);
+  std::vector<Tensor> d_z(p.directions.size(), run.hqs.z0);
+  for (std::size_t i = 0; i < d_z.size(); ++i) {
+    to_tiles(p.directions[i].data(), p.plan.tile(), d_z[i]);
+  }
+  EngineResult result{{}, std::vector<float>(p.parameters.size()), {}};
+  add_gradient(run, d_z, result.gradient);
+  for (const HqsLayer& layer : run.state.slots) {
+    result.z.push_back(image_of(p.plan, layer.prior.z));
+    result.rejected.push_back(layer.rejected);
+  }
+  return result;
+}
+
+/// Of each layer, in units of range_scale_m.
+std::vector<std::vector<double>> reference_z(const Problem& p,
+                                             const std::vector<double>& parameters,
+                                             const Masks& rejected) {
+  const ReferenceTrace trace =
+      reference_trace(p.plan, parameters, p.measured, {.rejected = rejected});
+  std::vector<std::vector<double>> z;
+  for (int k = 0; k < p.plan.layers; ++k) {
+    z.push_back(trace.tensor("layers." + std::to_string(k) + ".z").values);
+    for (double& range : z.back()) range /= static_cast<double>(p.plan.range_scale_m);
+  }
+  return z;
+}
+
+double loss(const Problem& p, const std::vector<double>& parameters, const Masks& rejected) {
+  const auto z = reference_z(p, parameters, rejected);
+  double sum = 0.0;
+  for (std::size_t n = 0; n < p.directions.size(); ++n) {
+    const std::vector<double>& of_layer = z[z.size() - p.directions.size() + n];
+    for (std::size_t i = 0; i < of_layer.size(); ++i) sum += of_layer[i] * p.directions[n][i];
+  }
+  return sum;
+}
+
+/// Central differences at `each` parameters of every array.
+void check_gradients(const Problem& p, int each, const EngineResult& result) {
+  std::vector<double> parameters(p.parameters.begin(), p.parameters.end());
+  std::mt19937 generator(99);
+  std::size_t first = 0;
+  int checked = 0;
+  int wrong = 0;
+  for (const ParameterShape& shape : parameter_shapes(p.plan)) {
+    CAPTURE(shape.name);
+    const auto count = static_cast<std::size_t>(shape.elements());
+    double largest = 0.0;
+    for (std::size_t i = first; i < first + count; ++i) {
+      largest = std::max(largest, std::fabs(static_cast<double>(result.gradient[i])));
+    }
+    REQUIRE(largest > 0.0);
+    for (int n = 0; n < each; ++n) {
+      const std::size_t i =
+          first + (count <= static_cast<std::size_t>(each) ? static_cast<std::size_t>(n) % count
+                                                           : generator() % count);
+      constexpr double kStep = 1e-6;
+      const double middle = parameters[i];
+      parameters[i] = middle + kStep;
+      const double above = loss(p, parameters, result.rejected);
+      parameters[i] = middle - kStep;
+      const double below = loss(p, parameters, result.rejected);
+      parameters[i] = middle;
+      const double expected = (above - below) / (2.0 * kStep);
+      ++checked;
+      wrong += !(std::fabs(result.gradient[i] - expected) < 1e-4 * largest);
+      // Even where an activation changes sides on the way the two cannot be far apart.
+      CHECK(std::fabs(result.gradient[i] - expected) < 0.02 * largest);
+    }
+    first += count;
+  }
+  CHECK(first == p.parameters.size());
+  CAPTURE(checked);
+  CHECK(wrong <= checked / 50);
+}
+
+void check_network(const Problem& p, int each) {
+  const std::vector<double> parameters(p.parameters.begin(), p.parameters.end());
+  const EngineResult chosen = engine(p, chosen_instruction_set());
+  const auto expected = reference_z(p, parameters, chosen.rejected);
+  for (std::size_t layer = 0; layer < expected.size(); ++layer) {
+    CHECK(relative_error(chosen.z[layer], expected[layer]) < 1e-4);
+  }
+  check_gradients(p, each, chosen);
+  for (const InstructionSet other : available_instruction_sets()) {
+    CAPTURE(name(other));
+    const EngineResult result = engine(p, other);
+    CHECK(relative_error(result.z.back(), expected.back()) < 1e-4);
+    CHECK(relative_error(result.gradient, chosen.gradient) < 1e-4);
+  }
+}
+
+}  // namespace
+
+TEST_CASE("DU-OR and its gradients equal the reference in double precision") {
+  check_network(problem(small_du_or(), 64, 21), 4);
+}
+
+TEST_CASE("the same holds for a loss on both layers, cut-outs, three levels and other tiles") {
+  HqsPlan d = small_du_or();
+  d.layers = 2;
+  d.u_shaped = {.tile = {2, 4}, .channels = {5, 3, 4}, .memory = 2, .negative_slope = 0.2F};
+  check_network(problem(d, 32, 22, 2), 4);
+}
+
+TEST_CASE("the same holds for a loss on all layers without memory") {
+  HqsPlan d = small_du_or();
+  d.u_shaped.memory = 0;
+  check_network(problem(d, 32, 23, 3), 4);
+}
+
+TEST_CASE("the same holds with a filter inside") {
+  HqsPlan d = small_du_or();
+  d.filter.min_pixels = 12;
+  check_network(problem(d, 32, 24, 3), 2);
+}
+
+TEST_CASE("Simple DU and its gradients equal the reference, with a loss on one and all layers") {
+  check_network(problem(small_simple_du(), 32, 25), 6);
+  check_network(problem(small_simple_du(), 32, 26, 3), 3);
+}
+
+}  // namespace hqslam::nn

@@ -1,0 +1,208 @@
+#include "graph/layer_graph.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+
+#include "error_message.h"
+#include "golden.h"
+#include "graph/dropout.h"
+#include "random_values.h"
+
+namespace hqslam::nn {
+namespace {
+
+/// With dropout, skips (one of them from the layer's own input), a stride and back, a row bias.
+LayerGraph small_graph(int threads = 1) {
+  LayerGraph graph({3, 4, 32}, {chosen_instruction_set(), threads});
+  ConvolutionOptions first = three_by_three(5, 0.0F);
+  first.row_bias = true;
+  const int wide = graph.add("wide", first, {0});
+  const int narrow = graph.add("narrow", three_by_three(6, 0.0F, 2), {wide}, 0.25F);
+  const int residual = graph.add("residual", three_by_three(6, 0.125F), {narrow, narrow});
+  const int back = graph.add("back",
+                             {.channels = 5,
+                              .kernel = {2, 2},
+                              .stride = {2, 2},
+                              .transposed = true,
+                              .negative_slope = 0.125F},
+                             {residual, wide});
+  graph.add("head", {.channels = 2}, {back});
+  return graph;
+}
+
+}  // namespace
+
+TEST_CASE("a graph names its arrays in the order of its layers") {
+  std::vector<std::string> names;
+  for (const ParameterShape& shape : small_graph().parameter_shapes()) names.push_back(shape.name);
+  CHECK(names == std::vector<std::string>{"wide.weight", "wide.bias", "wide.row_bias",
+                                          "narrow.weight", "narrow.bias", "residual.weight",
+                                          "residual.bias", "back.weight", "back.bias",
+                                          "head.weight", "head.bias"});
+}
+
+TEST_CASE("a graph's gradients are what small changes of input and parameters do") {
+  constexpr float kStep = 1.0F / 16384.0F;  // few ReLUs turn within it
+  constexpr std::uint64_t kSeed = 5;
+  LayerGraph graph = small_graph();
+  std::vector<float> parameters = graph.initial_parameters(3);
+  for (float& parameter : parameters) parameter *= 2.0F;
+  std::vector<LayerGraph::Values> values{graph.make_values()};
+  std::vector<LayerGraph::Values> gradients{graph.make_values()};
+  fill_random(1, values[0].front());
+  Tensor d_output = values[0].back();
+  fill_random(2, d_output);
+  const auto loss = [&] {
+    values[0].front().fill_borders();
+    graph.set_parameters(parameters);
+    graph.forward_batch(values, std::vector<std::uint64_t>{kSeed});
+    double sum = 0.0;
+    const std::vector<float> factors = values_of(d_output);
+    const std::vector<float> results = values_of(values[0].back());
+    for (std::size_t i = 0; i < results.size(); ++i) {
+      sum += static_cast<double>(results[i]) * factors[i];
+    }
+    return sum;
+  };
+  loss();
+  std::vector<float> d_parameters(parameters.size());
+  gradients[0].back() = d_output;
+  graph.backward(values, gradients, d_parameters, {.dropped = true});
+  const auto slope_at = [&](float& value) {
+    const float before = value;
+    value = before + kStep;
+    const double above = loss();
+    value = before - kStep;
+    const double below = loss();
+    value = before;
+    return (above - below) / (2.0 * kStep);
+  };
+  for (std::size_t i = 0; i < parameters.size(); i += 37) {
+    CAPTURE(i);
+    CHECK(slope_at(parameters[i]) == doctest::Approx(d_parameters[i]).epsilon(0.02).scale(2));
+  }
+  for (const int column : {0, 9, 31}) {
+    CHECK(slope_at(values[0].front().at(1, 2, column)) ==
+          doctest::Approx(gradients[0].front().at(1, 2, column)).epsilon(0.02).scale(2));
+  }
+}
+
+TEST_CASE("a graph's last layer by rows is what it is as a whole, forward and backward") {
+  LayerGraph graph = small_graph();
+  const std::vector<float> parameters = graph.initial_parameters(3);
+  graph.set_parameters(parameters);
+  LayerGraph::Values values = graph.make_values();
+  fill_random(1, values.front());
+  graph.forward(values);
+  LayerGraph::Values whole = graph.make_values();
+  fill_random(2, whole.back());
+  LayerGraph::Values by_rows = whole;
+  std::vector<float> d_whole(parameters.size());
+  std::vector<float> d_by_rows(parameters.size());
+  graph.backward({&values, 1}, {&whole, 1}, d_whole);
+  Tensor d_row(2, 1, 32, ColumnPadding::kCircular, 0);
+  std::vector<float> row(2 * 32);
+  for (int y = 0; y < 4; ++y) {
+    graph.last_row(values, y, row.data(), 32);
+    for (int channel = 0; channel < 2; ++channel) {
+      CHECK(std::equal(&row[channel * 32], &row[channel * 32] + 32, values.back().row(channel, y)));
+      std::copy_n(by_rows.back().row(channel, y), 32, d_row.row(channel, 0));
+    }
+    graph.last_backward_rows(values, y, d_row, by_rows, d_by_rows);
+  }
+  graph.backward({&values, 1}, {&by_rows, 1}, d_by_rows, {.left_out = 1});
+  CHECK(same_bits(whole.front(), by_rows.front()));
+  for (std::size_t i = 0; i < d_whole.size(); ++i) {
+    REQUIRE(d_by_rows[i] == doctest::Approx(d_whole[i]).epsilon(1e-5).scale(1));
+  }
+}
+
+TEST_CASE("one and two threads give a graph the same bits, with and without dropout") {
+  LayerGraph one = small_graph(1);
+  LayerGraph two = small_graph(2);
+  LayerGraph::Values a = one.make_values();
+  LayerGraph::Values b = two.make_values();
+  fill_random(1, a.front());
+  fill_random(1, b.front());
+  one.set_parameters(one.initial_parameters(3));
+  two.set_parameters(two.initial_parameters(3));
+  for (const std::optional<std::uint64_t> seed : {std::optional<std::uint64_t>(), {7}}) {
+    one.forward(a, {.seed = seed});
+#pragma omp parallel num_threads(2)
+    two.forward(b, {.seed = seed});
+    CHECK(same_bits(a.back(), b.back()));
+  }
+}
+
+TEST_CASE("no mask of a dropout comes again in a graph whose seed is 10 more") {
+  LayerGraph graph({1, 4, 32}, {});
+  constexpr int kDropouts = 12;
+  for (int i = 0; i < kDropouts; ++i) graph.add("same", {.bias = false}, {0}, 0.5F);
+  graph.set_parameters(std::vector<float>(kDropouts, 1.0F));
+  std::vector<LayerGraph::Values> values(2, graph.make_values());
+  for (LayerGraph::Values& of_seed : values) {
+    for (int y = 0; y < 4; ++y) std::fill_n(of_seed[0].row(0, y), 32, 1.0F);
+  }
+  graph.forward_batch(values, std::vector<std::uint64_t>{1000, 1010});
+  for (int a = 1; a <= kDropouts; ++a) {
+    for (int b = 1; b <= kDropouts; ++b) CHECK_FALSE(same_bits(values[0][a], values[1][b]));
+  }
+}
+
+TEST_CASE("a tensor that two layers use gets the sum of both gradients") {
+  LayerGraph graph({1, 2, 16}, {});
+  const ConvolutionOptions linear{.bias = false, .linear = true};
+  const int once = graph.add("once", linear, {0});
+  graph.add("sum", linear, {once, 0});
+  graph.set_parameters(std::vector<float>{3.0F, 5.0F});
+  LayerGraph::Values values = graph.make_values();
+  LayerGraph::Values gradients = graph.make_values();
+  fill_random(1, values.front());
+  for (int x = 0; x < 16; ++x) gradients.back().at(0, 1, x) = 1.0F;
+  std::vector<float> d_parameters(2);
+  graph.forward(values);
+  graph.backward({&values, 1}, {&gradients, 1}, d_parameters);
+  CHECK(values.back().at(0, 1, 4) == doctest::Approx(16.0F * values.front().at(0, 1, 4)));
+  CHECK(gradients.front().at(0, 1, 4) == 16.0F);  // 5 * 3 + 1
+  CHECK(gradients.front().at(0, 0, 4) == 0.0F);
+}
+
+TEST_CASE("a sum of tensors of different shapes is refused") {
+  LayerGraph graph({1, 5, 16}, {});
+  const int half = graph.add("half", three_by_three(2, 1.0F, 2), {0});
+  const ConvolutionOptions back{
+      .channels = 1, .kernel = {2, 2}, .stride = {2, 2}, .transposed = true};
+  const std::string message = test::error_message([&] { graph.add("back", back, {half, 0}); });
+  CHECK(test::one_line_with(message, "'back'", "1 x 5 x 16", "1 x 6 x 16"));
+}
+
+TEST_CASE("dropout and its gradient equal PyTorch's, and another seed drops others") {
+  const Golden golden("network_layers");
+  const std::vector<std::int64_t>& shape = golden.array("dropout.input.0").shape;
+  const auto tensor = [&](const std::string& name) {
+    const std::vector<float> values = golden.values(name);
+    return tensor_of(std::span(values).first(values.size() / shape.at(0)),
+                     static_cast<int>(shape.at(1)), static_cast<int>(shape.at(2)),
+                     static_cast<int>(shape.at(3)));
+  };
+  const Tensor input = tensor("dropout.input.0");
+  Tensor dropped = input;
+  drop_out(77, 0.25F, dropped);
+  CHECK(relative_error(dropped, values_of(tensor("dropout.output"))) < 1e-6);
+  Tensor gradient = tensor("dropout.d_output");
+  drop_out_backward(0.25F, dropped, gradient);
+  CHECK(relative_error(gradient, values_of(tensor("dropout.d_input.0"))) < 1e-6);
+  Tensor other = input;
+  drop_out(78, 0.25F, other);
+  CHECK_FALSE(same_bits(dropped, other));
+  Tensor large(4, 8, 32, ColumnPadding::kCircular);
+  fill_random(1, large);
+  drop_out(1, 0.25F, large);
+  const std::vector<float> values = values_of(large);
+  const auto zeros = std::count(values.begin(), values.end(), 0.0F);
+  CHECK(static_cast<double>(zeros) / static_cast<double>(values.size()) ==
+        doctest::Approx(0.25).epsilon(0.1));
+}
+
+}  // namespace hqslam::nn

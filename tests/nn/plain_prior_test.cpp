@@ -1,0 +1,125 @@
+#include "hqs/plain_prior.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "error_message.h"
+#include "random_values.h"
+
+namespace hqslam::nn {
+namespace {
+
+struct Run {
+  std::unique_ptr<Prior> prior;
+  PriorState state;
+  Candidates candidates;
+};
+
+Run run(const PlainPriorShape& shape, std::optional<std::uint64_t> dropout_seed, int threads = 1) {
+  Run r;
+  r.prior = make_prior(plain_prior(shape), {}, 8, 40, {chosen_instruction_set(), threads});
+  r.prior->set_parameters(r.prior->initial_parameters(7));
+  r.state = r.prior->make_state();
+  fill_random(1, r.state.input());
+#pragma omp parallel num_threads(threads)
+  r.prior->forward(r.candidates, r.state, {.dropout_seed = dropout_seed});
+  return r;
+}
+
+double zero_share(const Tensor& tensor) {
+  int zeros = 0;
+  for (int c = 0; c < tensor.channels(); ++c) {
+    for (int y = 0; y < tensor.rows(); ++y) {
+      for (int x = 0; x < tensor.columns(); ++x) zeros += tensor.at(c, y, x) == 0.0F;
+    }
+  }
+  return static_cast<double>(zeros) / (tensor.channels() * tensor.rows() * tensor.columns());
+}
+
+constexpr PlainPriorShape kDropout{.features = 12, .convolutions = 3, .dropout = 0.25F};
+
+double sum_of(const Tensor& z) {
+  double sum = 0.0;
+  for (int y = 0; y < z.rows(); ++y) {
+    for (int x = 0; x < z.columns(); ++x) sum += z.at(0, y, x);
+  }
+  return sum;
+}
+
+}  // namespace
+
+TEST_CASE("Simple DU's denoiser has the 111,744 weights of the authors' code and no bias") {
+  const auto prior = make_prior(plain_prior({}), {}, 1, 1, {InstructionSet::kPortable, 1});
+  std::int64_t sum = 0;
+  for (const ParameterShape& shape : prior->parameter_shapes()) {
+    CHECK(shape.name.ends_with(".weight"));
+    sum += shape.elements();
+  }
+  CHECK(sum == 111744);
+  CHECK(prior->initial_parameters(3).size() == 111744);
+  CHECK(prior->multiply_adds() == 111744);
+}
+
+TEST_CASE("without a seed nothing is dropped; with one, the share that was asked for") {
+  const Run plain = run(kDropout, std::nullopt);
+  const Run dropped = run(kDropout, 5);
+  const double expected =
+      zero_share(plain.state.values[1]) + 0.25 * (1.0 - zero_share(plain.state.values[1]));
+  CHECK(zero_share(dropped.state.values[1]) == doctest::Approx(expected).epsilon(0.03));
+  for (int x = 0; x < 40; ++x) {  // what is left is scaled so that the mean stays
+    const float value = dropped.state.values[1].at(3, 4, x);
+    if (value != 0.0F) {
+      CHECK(value == doctest::Approx(plain.state.values[1].at(3, 4, x) / 0.75));
+    }
+  }
+}
+
+TEST_CASE("the same dropout seed gives the same bits on one and two threads, another does not") {
+  CHECK(same_bits(run(kDropout, 5).state.z, run(kDropout, 5, 2).state.z));
+  CHECK_FALSE(same_bits(run(kDropout, 5).state.z, run(kDropout, 6).state.z));
+}
+
+TEST_CASE("with dropout the gradient is that of the activations that were left") {
+  // Z is linear in each weight as long as no ReLU changes sides: compare with differences.
+  Run r = run(kDropout, 5);
+  std::vector<float> parameters = r.prior->initial_parameters(7);
+  PriorState gradient = r.prior->make_state();
+  for (int y = 0; y < 8; ++y) std::fill_n(gradient.z.row(0, y), 40, 1.0F);
+  std::vector<float> d_parameters(parameters.size());
+  r.prior->backward(r.candidates, r.state, gradient, d_parameters);
+  const double before = sum_of(r.state.z);
+  const auto change = [&](std::size_t i, float by) {
+    std::vector<float> changed = parameters;
+    changed[i] += by;
+    r.prior->set_parameters(changed);
+    r.prior->forward(r.candidates, r.state, {.dropout_seed = 5});
+    return sum_of(r.state.z) - before;
+  };
+  float largest = 0.0F;
+  for (const float d : d_parameters) largest = std::max(largest, std::fabs(d));
+  for (std::size_t i = parameters.size() - 100; i < parameters.size(); i += 9) {  // the last layer
+    CHECK(change(i, 0.25F) / 0.25 == doctest::Approx(d_parameters[i]).epsilon(1e-3).scale(largest));
+  }
+  int close = 0;
+  for (std::size_t i = 0; i < 108; i += 9) {  // the first, where a ReLU may change sides
+    close += std::fabs(change(i, 1e-3F) / 1e-3 - d_parameters[i]) < 0.02 * largest;
+  }
+  CHECK(close >= 10);
+}
+
+TEST_CASE("plain denoisers of senseless shapes are refused") {
+  const auto message = [](const PlainPriorShape& shape) {
+    return test::error_message([&] {
+      make_prior(plain_prior(shape), {}, 4, 16, {InstructionSet::kPortable, 1});
+    });
+  };
+  CHECK(message({.features = 0}) != "no Error");
+  CHECK(message({.features = 4, .convolutions = 1}) != "no Error");
+  CHECK(test::one_line_with(message({.features = 4, .dropout = 1.0F}), "dropout is 1"));
+  CHECK(message({.features = 4, .dropout = -0.1F}) != "no Error");
+  CHECK(message({.features = 4, .dropout = std::nanf("")}) != "no Error");
+}
+
+}  // namespace hqslam::nn

@@ -1,0 +1,135 @@
+#include "hqslam/nn/reference/reference.h"
+
+#include <cmath>
+#include <set>
+
+#include "error_message.h"
+#include "golden.h"
+#include "hqslam/nn/network.h"
+#include "random_values.h"
+#include "small_network.h"
+
+namespace hqslam::nn {
+namespace {
+
+/// Larger than the starting values, so that every part of the network matters.
+std::vector<float> parameters_for(const NetworkDescription& description) {
+  std::vector<float> parameters = initial_parameters(description, 9);
+  const std::vector<float> random = random_values(9, std::ssize(parameters));
+  for (std::size_t i = 0; i + 3 < parameters.size(); ++i) parameters[i] = 0.3F * random[i];
+  return parameters;
+}
+
+Trace trace_of(const NetworkDescription& description, const std::vector<float>& parameters) {
+  const auto network = make_network(description, 64, chosen_instruction_set(), 2);
+  network->set_parameters(parameters);
+  return network->trace(select_rows(small_scene(), description.measured_rows));
+}
+
+HqsPlan filtered_du_or() {
+  HqsPlan plan = small_du_or();
+  plan.filter.min_pixels = 12;
+  plan.filter.support_share = 0.05F;
+  return plan;
+}
+
+ReferenceTrace reference_of(const NetworkDescription& description,
+                            const ReferenceOptions& options = {}) {
+  const std::vector<float> parameters = parameters_for(description);
+  return reference_trace(description, std::vector<double>(parameters.begin(), parameters.end()),
+                         select_rows(small_scene(), description.measured_rows), options);
+}
+
+}  // namespace
+
+TEST_CASE("every network's inner tensors are those of the reference, name by name") {
+  for (const NetworkDescription& description :
+       {NetworkDescription(filtered_du_or()), NetworkDescription(small_simple_du()),
+        small_du_mix()}) {
+    CAPTURE(name(description));
+    const std::vector<float> parameters = parameters_for(description);
+    const Trace trace = trace_of(description, parameters);
+    std::set<std::string> compared;
+    for (const ReferenceDifference& difference :
+         differences_from_reference(description, parameters, trace)) {
+      CAPTURE(difference.name);
+      CAPTURE(difference.largest);
+      const TracedTensor& tensor = trace.tensor(difference.name);
+      float scale = 1.0F;
+      for (const float value : tensor.values) scale = std::max(scale, std::fabs(value));
+      CHECK(difference.largest < 1e-4 * scale);
+      CHECK(difference.root_mean_square <= difference.largest);
+      CHECK(difference.unit == tensor.unit);
+      compared.insert(difference.name);
+    }
+    for (const TracedTensor& tensor : trace.tensors()) {
+      const bool given = tensor.name == "measured" || tensor.name.ends_with(".penalty");
+      CHECK(compared.contains(tensor.name) == !given);
+    }
+  }
+}
+
+TEST_CASE("the reference's breadth-first search rejects what the fast filter rejects") {
+  const HqsPlan plan = filtered_du_or();
+  const Trace trace = trace_of(plan, parameters_for(plan));
+  const ReferenceTrace reference = reference_of(plan);  // with a search of its own
+  for (const char* name : {"layers.0.rejected", "layers.1.rejected", "layers.2.rejected"}) {
+    const std::vector<float>& mask = trace.tensor(name).values;
+    CHECK(reference.tensor(name).values == std::vector<double>(mask.begin(), mask.end()));
+  }
+}
+
+TEST_CASE("DU-Mix's confidence is the reference's") {
+  const NetworkDescription description = small_du_mix();
+  const std::vector<float> parameters = parameters_for(description);
+  const auto network = make_network(description, 64, chosen_instruction_set(), 1);
+  network->set_parameters(parameters);
+  const LiftedImage& lifted =
+      network->lift(select_rows(small_scene(), description.measured_rows), 0.5F);
+  const ReferenceTrace reference = reference_of(description);
+  const std::vector<double>& expected = reference.tensor("confidence").values;
+  const std::vector<double>& range_m = reference.tensor("layers.0.z").values;
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    const bool seen = range_m[i] >= description.sensor.min_range_m &&
+                      range_m[i] <= description.sensor.max_range_m;
+    REQUIRE(lifted.confidence[i] == doctest::Approx(seen ? expected[i] : 0.0).epsilon(1e-3));
+  }
+}
+
+TEST_CASE("a rejected pixel that is 0, as in the paper, halves its range in the next layer") {
+  const HqsPlan plan = filtered_du_or();
+  const ReferenceTrace literal = reference_of(plan, {.rejected_zero = true});
+  const std::vector<double>& rejected = literal.tensor("layers.0.rejected").values;
+  const std::vector<double>& z = literal.tensor("layers.0.z").values;
+  const std::vector<double>& h = literal.tensor("layers.1.h").values;
+  int ghosts = 0;
+  for (std::size_t i = 0; i < rejected.size(); ++i) {
+    if (rejected[i] == 0.0) continue;
+    CHECK(h[i] == doctest::Approx(0.5 * z[i]));
+    ++ghosts;
+  }
+  CHECK(ghosts > 10);
+  const ReferenceTrace ours = reference_of(plan);
+  for (std::size_t i = 0; i < rejected.size(); ++i) {
+    if (rejected[i] != 0.0) CHECK(ours.tensor("layers.1.h").values[i] == doctest::Approx(z[i]));
+  }
+}
+
+TEST_CASE("with Q of Z and Y := Z in rejected pixels Y is Z everywhere") {
+  const ReferenceTrace trace = reference_of(filtered_du_or(), {.filters_z = true});
+  CHECK(trace.tensor("layers.1.y").values == trace.tensor("layers.1.z").values);
+}
+
+TEST_CASE("the reference refuses what does not fit in one line") {
+  const HqsPlan plan = small_du_or();
+  const std::vector<double> none;
+  const RangeImage measured = select_rows(small_scene(), plan.measured_rows);
+  CHECK(test::one_line_with(test::error_message([&] { reference_trace(plan, none, measured); }),
+                            "0 parameters"));
+  CHECK(test::one_line_with(
+      test::error_message([&] { reference_trace(plan, none, RangeImage(16, 64)); }), "16 x 64"));
+  CHECK(test::one_line_with(test::error_message([&] { reference_of(plan, {.rejected = {{1}}}); }),
+                            "a mask of 1"));
+}
+
+}  // namespace hqslam::nn

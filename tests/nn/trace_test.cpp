@@ -1,0 +1,158 @@
+#include "hqslam/nn/trace.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+
+#include "error_message.h"
+#include "hqslam/nn/super_resolver.h"
+#include "small_network.h"
+
+namespace hqslam::nn {
+namespace {
+
+/// What SuperResolver makes of the small scene, and its trace.
+struct Traced {
+  LiftedImage lifted;
+  Trace trace;
+};
+
+Traced traced_run(const NetworkDescription& description, const RangeImage& scene = small_scene()) {
+  Weights weights;
+  weights.description = description;
+  weights.parameters = initial_parameters(description, 3);
+  SuperResolver resolver(weights, {});
+  Traced traced;
+  traced.lifted = resolver.run(scene, &traced.trace);
+  CHECK(resolver.run(scene).image.range_m == traced.lifted.image.range_m);
+  return traced;
+}
+
+HqsPlan filtered_du_or() {
+  HqsPlan plan = small_du_or();
+  plan.layers = 2;
+  plan.filter.min_pixels = 4;
+  return plan;
+}
+
+std::vector<std::string> names_of(const Trace& trace) {
+  std::vector<std::string> names;
+  for (const TracedTensor& tensor : trace.tensors()) {
+    names.push_back(tensor.name);
+    CHECK(std::ssize(tensor.values) == tensor.channels * tensor.rows * tensor.columns);
+  }
+  return names;
+}
+
+}  // namespace
+
+TEST_CASE("DU-OR's trace has every inner tensor by name, in its order") {
+  const Traced traced = traced_run(filtered_du_or());
+  std::vector<std::string> expected = {"measured", "start"};
+  for (const char* layer : {"layers.0.", "layers.1."}) {
+    for (const char* what : {"penalty", "h", "encoder.0", "encoder.1", "bottleneck", "decoder.0",
+                             "choice.above", "choice.below", "choice.here", "choice.nothing",
+                             "choice.correction", "memory", "z", "rejected", "y"}) {
+      expected.push_back(std::string(layer) + what);
+    }
+  }
+  expected.insert(expected.end(), {"rejected", "result"});  // of the filter at the end
+  CHECK(names_of(traced.trace) == expected);
+  const TracedTensor& lower = traced.trace.tensor("layers.1.encoder.1");
+  CHECK(lower.channels == 8);
+  CHECK(lower.rows == 2);
+  CHECK(lower.columns == 8);
+  CHECK(lower.unit.empty());
+  CHECK(traced.trace.tensor("layers.1.h").unit == "m");
+  CHECK(traced.trace.image("result").range_m == traced.lifted.image.range_m);
+  // The weights of a choice are a softmax, and Z is what they choose.
+  const auto value = [&](const char* name, std::size_t i) {
+    return traced.trace.tensor(name).values[i];
+  };
+  for (std::size_t i = 0; i < 16 * 64; ++i) {
+    REQUIRE(value("layers.1.choice.above", i) + value("layers.1.choice.below", i) +
+                value("layers.1.choice.here", i) + value("layers.1.choice.nothing", i) ==
+            doctest::Approx(1.0));
+  }
+}
+
+TEST_CASE("Simple DU has no Y, DU-Mix has modes instead of a choice") {
+  const Trace simple = traced_run(small_simple_du()).trace;
+  CHECK(simple.has("layers.2.convolution.3"));
+  CHECK_FALSE(simple.has("layers.2.y"));
+  CHECK_FALSE(simple.has("layers.2.rejected"));
+  const Trace mix = traced_run(small_du_mix()).trace;
+  CHECK(names_of(mix) == std::vector<std::string>{
+                             "measured", "start", "layers.0.h", "layers.0.encoder.0",
+                             "layers.0.encoder.1", "layers.0.bottleneck.0", "layers.0.bottleneck.1",
+                             "layers.0.decoder.0", "mode_1", "mode_2", "weight_1", "scale",
+                             "probability", "layers.0.z", "confidence", "result"});
+}
+
+TEST_CASE("DU-Mix chooses the likelier mode and shows no range where nothing was measured") {
+  RangeImage scene = small_scene();
+  scene.at(7, 9) = 0.0F;  // in a measured row
+  const Trace trace = traced_run(small_du_mix(), scene).trace;
+  for (const char* name : {"start", "layers.0.h", "mode_1", "mode_2", "layers.0.z"}) {
+    CAPTURE(name);
+    CHECK(trace.image(name).at(7, 9) == 0.0F);
+    CHECK(trace.image(name).at(7, 10) == scene.at(7, 10));
+    CHECK(trace.image(name).at(6, 9) > 0.0F);
+  }
+  CHECK(trace.image("probability").at(7, 9) == 0.0F);
+  for (const int row : {4, 6, 9}) {
+    for (int column = 0; column < 64; ++column) {
+      const bool first = trace.image("weight_1").at(row, column) >= 0.5F;
+      REQUIRE(trace.image("layers.0.z").at(row, column) ==
+              doctest::Approx(trace.image(first ? "mode_1" : "mode_2").at(row, column)));
+    }
+  }
+}
+
+TEST_CASE("the terms of the objective are those of the images that the trace shows") {
+  for (const HqsPlan& plan : {filtered_du_or(), small_simple_du()}) {
+    const Trace trace = traced_run(plan).trace;
+    const RangeImage scene = small_scene();
+    for (int k = 0; k < plan.layers; ++k) {
+      const std::string prefix = "layers." + std::to_string(k) + ".";
+      const double penalty = trace.tensor(prefix + "penalty").values.front();
+      CHECK(penalty == doctest::Approx(plan.simple() ? 0.5 / 10.99 : 0.1));
+      const RangeImage h = trace.image(prefix + "h");
+      const RangeImage z = trace.image(prefix + "z");
+      const RangeImage y = plan.simple() ? h : trace.image(prefix + "y");
+      double data_m2 = 0.0;
+      double z_gap_m2 = 0.0;
+      double y_gap_m2 = 0.0;
+      std::int64_t rejected = 0;
+      for (int row = 0; row < scene.rows; ++row) {
+        for (int column = 0; column < scene.columns; ++column) {
+          const double gap_m = scene.at(row, column) - h.at(row, column);
+          if (plan.measured_rows.contains(row)) data_m2 += 0.5 * gap_m * gap_m;
+          const double z_gap_m = z.at(row, column) - h.at(row, column);
+          const double y_gap_m = y.at(row, column) - h.at(row, column);
+          z_gap_m2 += 0.5 * penalty * z_gap_m * z_gap_m;
+          y_gap_m2 += 0.5 * penalty * y_gap_m * y_gap_m;
+          if (plan.simple()) continue;
+          const bool taken = trace.image(prefix + "rejected").at(row, column) != 0.0F;
+          rejected += taken ? 1 : 0;
+          REQUIRE(y.at(row, column) == (taken ? z : h).at(row, column));
+        }
+      }
+      const ObjectiveTerms terms = objective_terms(trace, k, plan.measured_rows);
+      CHECK(terms.data_m2 == doctest::Approx(data_m2).epsilon(1e-5));
+      CHECK(terms.denoiser_gap_m2 == doctest::Approx(z_gap_m2).epsilon(1e-5));
+      CHECK(terms.filter_gap_m2 == doctest::Approx(y_gap_m2).epsilon(1e-5));
+      CHECK(terms.rejected == rejected);
+    }
+  }
+}
+
+TEST_CASE("a name that is none is refused with those that are") {
+  const Trace trace = traced_run(filtered_du_or()).trace;
+  CHECK(test::one_line_with(test::error_message([&] { trace.tensor("layers.2.h"); }), "layers.2.h",
+                            "measured, start, layers.0.penalty", "result"));
+  CHECK(test::one_line_with(test::error_message([&] { trace.image("layers.0.encoder.0"); }),
+                            "6 channels", "expected 1"));
+}
+
+}  // namespace hqslam::nn

@@ -1,0 +1,192 @@
+#include <cmath>
+#include <limits>
+
+#include "error_message.h"
+#include "golden.h"
+#include "gradient_of_one.h"
+#include "hqslam/nn/network.h"
+#include "small_network.h"
+
+namespace hqslam::nn {
+namespace {
+
+constexpr double kTolerance = 1e-4;
+
+std::unique_ptr<Network> network_with(const NetworkDescription& description,
+                                      const std::vector<float>& parameters,
+                                      InstructionSet instruction_set = chosen_instruction_set(),
+                                      int threads = 1) {
+  auto network = make_network(description, 64, instruction_set, threads);
+  network->set_parameters(parameters);
+  return network;
+}
+
+/// The computed pixels of an image as PyTorch's side stores them: row of the tile, tile row,
+/// column.
+std::vector<float> computed_pixels(const std::vector<float>& image) {
+  std::vector<float> pixels;
+  for (int of_tile = 0; of_tile < 3; ++of_tile) {
+    for (int tile_row = 0; tile_row < 4; ++tile_row) {
+      const auto row = image.begin() + static_cast<std::ptrdiff_t>((tile_row * 4 + of_tile) * 64);
+      pixels.insert(pixels.end(), row, row + 64);
+    }
+  }
+  return pixels;
+}
+
+void check_against_pytorch(NetworkDescription description, const std::string& file) {
+  const Golden golden(file);
+  description.sensor.min_range_m = 1e-6;  // the file has every range that came out
+  description.sensor.max_range_m = 1e6;
+  for (const InstructionSet instruction_set : available_instruction_sets()) {
+    CAPTURE(name(instruction_set));
+    const auto network = network_with(description, golden.fractions("parameters"), instruction_set);
+    const RangeImage measured = golden.image("measured_m");
+    const LiftedImage& lifted = network->lift(measured, 0.5F);
+    CHECK(relative_error(computed_pixels(lifted.image.range_m), golden.values("range_m")) <
+          kTolerance);
+    CHECK(relative_error(computed_pixels(lifted.confidence), golden.values("confidence")) <
+          kTolerance);
+    const std::vector<float> expected = golden.values("d_parameters");
+    std::vector<float> d_parameters(expected.size());
+    const double loss = add_gradient(*network, {measured, small_scene()}, {}, d_parameters);
+    CHECK(loss == doctest::Approx(golden.value("loss")).epsilon(kTolerance));
+    std::size_t next = 0;
+    for (const ParameterShape& shape : parameter_shapes(description)) {
+      CAPTURE(shape.name);
+      const auto count = static_cast<std::size_t>(shape.elements());
+      const auto first = expected.begin() + static_cast<std::ptrdiff_t>(next);
+      const std::vector<float> part(first, first + static_cast<std::ptrdiff_t>(count));
+      CHECK(relative_error(std::span(d_parameters).subspan(next, count), part) < 2e-4);
+      next += count;
+    }
+    CHECK(next == expected.size());
+  }
+}
+
+}  // namespace
+
+TEST_CASE("DU-Mix equals PyTorch: ranges, confidence, loss and gradients") {
+  check_against_pytorch(small_du_mix(), "du_mix");
+}
+
+TEST_CASE("the loss is the mean over the columns, where they are no whole vectors too") {
+  // Outputs of 0 say: a return with probability 1/2, two modes at the interpolated range, whose
+  // scale is e^-3.5.
+  const NetworkDescription description = small_du_mix();
+  const std::vector<float> nothing(
+      static_cast<std::size_t>(elements(parameter_shapes(description))));
+  RangeImage walls(16, 40);  // ten tiles a row
+  for (float& range_m : walls.range_m) range_m = 10.0F;
+  const RangeImage measured = select_rows(walls, description.measured_rows);
+  for (const InstructionSet instruction_set : available_instruction_sets()) {
+    CAPTURE(name(instruction_set));
+    const auto network = make_network(description, 40, instruction_set, 1);
+    network->set_parameters(nothing);
+    std::vector<float> d_parameters(nothing.size());
+    const auto loss = [&](const RangeImage& truth) {
+      return add_gradient(*network, {measured, truth}, {}, d_parameters);
+    };
+    CHECK(loss(RangeImage(16, 40)) == doctest::Approx(std::log(2.0)).epsilon(1e-5));
+    CHECK(loss(walls) == doctest::Approx(std::log(2.0) - 0.3 * 3.5).epsilon(1e-5));
+  }
+}
+
+TEST_CASE("any number of threads gives the same bytes") {
+  const NetworkDescription description = small_du_mix();
+  const std::vector<float> parameters = initial_parameters(description, 3);
+  const RangeImage measured = select_rows(small_scene(), description.measured_rows);
+  const auto one = network_with(description, parameters);
+  const LiftedImage expected = one->lift(measured, 0.5F);
+  for (const int threads : {2, 3, 5}) {
+    const auto several = network_with(description, parameters, chosen_instruction_set(), threads);
+    const LiftedImage& lifted = several->lift(measured, 0.5F);
+    CHECK(lifted.image.range_m == expected.image.range_m);
+    CHECK(lifted.confidence == expected.confidence);
+  }
+}
+
+TEST_CASE(
+    "measured returns come out as they were with confidence 1, and nothing where nothing is") {
+  const NetworkDescription description = small_du_mix();
+  RangeImage measured = select_rows(small_scene(), description.measured_rows);
+  measured.at(1, 7) = 0.0F;
+  measured.at(2, 9) = std::numeric_limits<float>::quiet_NaN();
+  measured.at(2, 10) = std::numeric_limits<float>::infinity();
+  measured.at(3, 11) = -4.0F;
+  const auto network = network_with(description, initial_parameters(description, 3));
+  const LiftedImage& lifted = network->lift(measured, 0.5F);
+  for (int row = 0; row < measured.rows; ++row) {
+    for (int column = 0; column < 64; ++column) {
+      const float range_m = measured.at(row, column);
+      const bool there = range_m > 0.0F && std::isfinite(range_m);
+      const std::size_t pixel = lifted.image.index(3 + 4 * row, column);
+      REQUIRE(lifted.image.range_m[pixel] == (there ? range_m : 0.0F));
+      REQUIRE(lifted.confidence[pixel] == (there ? 1.0F : 0.0F));
+    }
+  }
+  for (std::size_t i = 0; i < lifted.confidence.size(); ++i) {
+    REQUIRE(std::isfinite(lifted.image.range_m[i]));
+    REQUIRE(lifted.confidence[i] >= 0.0F);
+    REQUIRE(lifted.confidence[i] <= 1.0F);
+  }
+}
+
+TEST_CASE("the confidence grows with the tolerance") {
+  const NetworkDescription description = small_du_mix();
+  const RangeImage measured = select_rows(small_scene(), description.measured_rows);
+  const auto network = network_with(description, initial_parameters(description, 3));
+  const std::vector<float> narrow = network->lift(measured, 0.05F).confidence;
+  const std::vector<float> wide = network->lift(measured, 0.5F).confidence;
+  double gain = 0.0;
+  for (std::size_t i = 0; i < narrow.size(); ++i) {
+    REQUIRE(wide[i] >= narrow[i] - 1e-6F);
+    gain += wide[i] - narrow[i];
+  }
+  CHECK(gain > 0.01 * static_cast<double>(narrow.size()));
+}
+
+TEST_CASE("a scan that is turned comes out turned, by a whole number of tiles") {
+  const NetworkDescription description = small_du_mix();
+  const RangeImage measured = select_rows(small_scene(), description.measured_rows);
+  RangeImage turned = measured;
+  constexpr int kTurn = 24;
+  for (int row = 0; row < measured.rows; ++row) {
+    for (int column = 0; column < 64; ++column) {
+      turned.at(row, column) = measured.at(row, (column + kTurn) % 64);
+    }
+  }
+  const auto network = network_with(description, initial_parameters(description, 3));
+  const LiftedImage first = network->lift(measured, 0.5F);
+  const LiftedImage& second = network->lift(turned, 0.5F);
+  for (int row = 0; row < first.image.rows; ++row) {
+    for (int column = 0; column < 64; ++column) {
+      REQUIRE(second.image.at(row, column) ==
+              doctest::Approx(first.image.at(row, (column + kTurn) % 64)).epsilon(1e-5));
+    }
+  }
+}
+
+TEST_CASE("a DU-Mix that cannot be is refused with the field") {
+  const auto message = [](const NetworkDescription& description, int columns) {
+    return test::error_message(
+        [&] { make_network(description, columns, InstructionSet::kPortable, 1); });
+  };
+  CHECK(message(small_du_mix(), 64) == "no Error");
+  CHECK(test::one_line_with(message(small_du_mix(), 36), "36 columns", "multiple of 8"));
+  TwoModesShape bad = small_two_modes();
+  bad.tile.rows = 2;
+  CHECK(test::one_line_with(message(small_du_mix(bad), 64), "tiles of 2 rows", "one measured row"));
+  TwoModesShape senseless = small_two_modes();
+  senseless.channels = 0;
+  CHECK(
+      test::one_line_with(test::error_message([&] { small_du_mix(senseless); }), "channels is 0"));
+  const auto network = make_network(small_du_mix(), 64, InstructionSet::kPortable, 1);
+  CHECK(test::one_line_with(
+      test::error_message([&] { network->set_parameters(std::vector<float>(7)); }),
+      "7 parameters"));
+  CHECK(test::one_line_with(test::error_message([&] { network->lift(RangeImage(4, 32), 0.5F); }),
+                            "4 x 32"));
+}
+
+}  // namespace hqslam::nn

@@ -1,0 +1,138 @@
+#include "hqs/u_shaped_prior.h"
+
+#include <doctest/doctest.h>
+
+#include "error_message.h"
+#include "random_values.h"
+
+namespace hqslam::nn {
+namespace {
+
+const UShapedPriorShape kSmall{
+    .tile = {2, 4}, .channels = {5, 7, 6}, .memory = 3, .negative_slope = 0.1F};
+
+std::int64_t parameters_of(const Prior& prior) {
+  std::int64_t sum = 0;
+  for (const ParameterShape& shape : prior.parameter_shapes()) sum += shape.elements();
+  return sum;
+}
+
+std::string message(const UShapedPriorShape& shape, int rows, int columns) {
+  return test::error_message([&] {
+    make_prior(u_shaped_prior(shape), {}, rows, columns, {InstructionSet::kPortable, 1});
+  });
+}
+
+}  // namespace
+
+TEST_CASE("the U-shaped denoiser's arrays have the names and shapes of its description") {
+  const auto prior = make_prior(u_shaped_prior(kSmall), {}, 8, 32, {InstructionSet::kPortable, 1});
+  const std::vector<ParameterShape> shapes = prior->parameter_shapes();
+  const std::vector<std::pair<std::string, std::vector<std::int64_t>>> expected{
+      {"encoder.0.weight", {5, 11, 3, 3}}, {"encoder.0.bias", {5}},
+      {"encoder.1.weight", {7, 5, 3, 3}},  {"encoder.1.bias", {7}},
+      {"encoder.2.weight", {6, 7, 3, 3}},  {"encoder.2.bias", {6}},
+      {"bottleneck.weight", {6, 6, 3, 3}}, {"bottleneck.bias", {6}},
+      {"decoder.1.weight", {6, 7, 2, 2}},  {"decoder.1.bias", {7}},
+      {"decoder.0.weight", {7, 5, 2, 2}},  {"decoder.0.bias", {5}},
+      {"head.weight", {43, 5, 1, 1}},      {"head.bias", {43}}};
+  REQUIRE(shapes.size() == expected.size());
+  for (std::size_t i = 0; i < shapes.size(); ++i) {
+    CHECK(shapes[i].name == expected[i].first);
+    CHECK(shapes[i].shape == expected[i].second);
+  }
+  CHECK(static_cast<std::int64_t>(prior->initial_parameters(1).size()) == parameters_of(*prior));
+  CHECK(prior->initial_parameters(1) == prior->initial_parameters(1));
+  CHECK(prior->initial_parameters(1) != prior->initial_parameters(2));
+}
+
+TEST_CASE("multiply_adds counts what a hand counts") {
+  const auto prior = make_prior(u_shaped_prior(kSmall), {}, 8, 32, {InstructionSet::kPortable, 1});
+  // Levels of 4 x 8, 2 x 4 and 1 x 2 tiles; a 2 x 2 deconvolution works once per input pixel.
+  CHECK(prior->multiply_adds() == 5 * 11 * 9 * 32 + 7 * 5 * 9 * 8 + 6 * 7 * 9 * 2 + 6 * 6 * 9 * 2 +
+                                      6 * 7 * 4 * 2 + 7 * 5 * 4 * 8 + 43 * 5 * 32);
+}
+
+TEST_CASE("with a head of zeros Z is the mean of the candidates and nothing") {
+  for (const InstructionSet any : available_instruction_sets()) {
+    const auto prior = make_prior(u_shaped_prior(kSmall), {}, 8, 32, {any, 1});
+    std::vector<float> parameters = prior->initial_parameters(1);
+    std::fill(parameters.end() - 43 * 6, parameters.end(), 0.0F);
+    prior->set_parameters(parameters);
+    PriorState state = prior->make_state();
+    Candidates candidates{state.z, state.z};
+    fill_random(1, candidates.above);
+    fill_random(2, candidates.below);
+    fill_random(3, state.input());
+    prior->forward(candidates, state, {});
+    for (int x = 0; x < 8; ++x) {
+      REQUIRE(state.z.at(7, 3, x) ==
+              doctest::Approx((candidates.above.at(7, 3, x) + candidates.below.at(7, 3, x) +
+                               state.input().at(7, 3, x)) /
+                              4));
+    }
+  }
+}
+
+TEST_CASE("Z turns with the scan: columns are a circle without a seam") {
+  const auto prior = make_prior(u_shaped_prior(kSmall), {}, 8, 32, {chosen_instruction_set(), 1});
+  prior->set_parameters(prior->initial_parameters(4));
+  PriorState state = prior->make_state();
+  PriorState turned = prior->make_state();
+  Candidates candidates{state.z, state.z};
+  fill_random(1, candidates.above);
+  fill_random(2, candidates.below);
+  fill_random(3, state.input());
+  constexpr int kTurn = 4;  // tiles: the lowest level halves twice
+  const auto turn = [](const Tensor& from, Tensor& to) {
+    for (int c = 0; c < from.channels(); ++c) {
+      for (int y = 0; y < from.rows(); ++y) {
+        for (int x = 0; x < 8; ++x) to.at(c, y, x) = from.at(c, y, (x + kTurn) % 8);
+      }
+    }
+    to.fill_borders();
+  };
+  Candidates turned_candidates = candidates;
+  turn(candidates.above, turned_candidates.above);
+  turn(candidates.below, turned_candidates.below);
+  turn(state.input(), turned.input());
+  prior->forward(candidates, state, {});
+  prior->forward(turned_candidates, turned, {});
+  Tensor expected = state.z;
+  turn(state.z, expected);
+  CHECK(same_bits(turned.z, expected));
+}
+
+TEST_CASE("images that cannot be halved often enough and senseless shapes are refused") {
+  CHECK(message(kSmall, 8, 32) == "no Error");
+  CHECK(test::one_line_with(message(kSmall, 12, 32), "12 x 32", "8 x 16"));
+  CHECK(test::one_line_with(message(kSmall, 8, 40), "8 x 40", "8 x 16"));
+  UShapedPriorShape shape = kSmall;
+  shape.channels = {5};
+  CHECK(test::one_line_with(message(shape, 8, 32), "1 levels", "2 to 5"));
+  shape.channels = {};
+  CHECK(test::one_line_with(message(shape, 8, 32), "0 levels"));
+  shape.channels = {2, 2, 2, 2, 2, 2};
+  CHECK(message(shape, 64, 128) != "no Error");
+  shape = kSmall;
+  shape.channels[1] = 0;
+  CHECK(message(shape, 8, 32) != "no Error");
+  shape = kSmall;
+  shape.tile.rows = 0;
+  CHECK(message(shape, 8, 32) != "no Error");
+  shape = kSmall;
+  shape.memory = -1;
+  CHECK(message(shape, 8, 32) != "no Error");
+  shape = kSmall;
+  shape.negative_slope = 1.5F;
+  CHECK(message(shape, 8, 32) != "no Error");
+}
+
+TEST_CASE("the U-shaped denoiser refuses another number of parameters") {
+  const auto prior = make_prior(u_shaped_prior(kSmall), {}, 8, 32, {InstructionSet::kPortable, 1});
+  std::vector<float> parameters = prior->initial_parameters(1);
+  parameters.pop_back();
+  CHECK_THROWS_AS(prior->set_parameters(parameters), Error);
+}
+
+}  // namespace hqslam::nn
