@@ -1,6 +1,7 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <limits>
 
 #include "error_message.h"
 #include "hqslam/core/error.h"
@@ -146,6 +147,9 @@ TEST_CASE("capture times that are no offsets from the middle of the scan in seco
     if (half.time_offset_s[k] < 0.0F) half.range_m[k] = 0.0F;
   }
   CHECK_NOTHROW(slam.process(half, 0.2));
+  const OrganizedCloud timeless = changed(std::numeric_limits<float>::quiet_NaN(), 0.0F);
+  CHECK(test::one_line_with(test::error_message([&] { slam.process(timeless, 0.3); }),
+                            "capture times", "finite"));
   // Of pixels without a return the times mean nothing.
   OrganizedCloud cloud = sound;
   cloud.range_m[5] = 0.0F;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 
 #include "hqslam/core/error.h"
@@ -55,11 +56,22 @@ void check_times(const OrganizedCloud& cloud, const SensorModel& sensor) {
   if (cloud.time_offset_s.empty()) return;
   double first_s = std::numeric_limits<double>::infinity();
   double last_s = -first_s;
+  std::int64_t not_finite = 0;
   for (std::size_t pixel = 0; pixel < cloud.range_m.size(); ++pixel) {
     const double offset_s = cloud.time_offset_s[pixel];
-    if (!(cloud.range_m[pixel] > 0.0F) || !std::isfinite(offset_s)) continue;
+    if (!(cloud.range_m[pixel] > 0.0F)) continue;
+    if (!std::isfinite(offset_s)) {
+      ++not_finite;
+      continue;
+    }
     first_s = std::min(first_s, offset_s);
     last_s = std::max(last_s, offset_s);
+  }
+  if (first_s > last_s && not_finite > 0) {
+    throw ScanError(fmt::format(
+        "none of the {} capture times of a scan's returns is finite: give each its own, "
+        "or no times at all",
+        not_finite));
   }
   if (first_s > last_s) return;
   const double period_s = sensor.scan_period_s;
