@@ -79,8 +79,9 @@ double normalised_error_squared(const char* drive, std::uint64_t seed, std::int6
     const auto report =
         slam.process(unproject(scan->image, sensor, CaptureTime::kRolling), scan->stamp_s);
     if (report.covariance.isZero(0.0)) continue;
-    const auto error =
-        slam::vector_of(logarithm(report.T_map_sensor.inverse() * scan->T_map_sensor));
+    const Twist twist = logarithm(report.T_map_sensor.inverse() * scan->T_map_sensor);
+    Eigen::Matrix<double, 6, 1> error;
+    error << twist.linear, twist.angular;
     sum += error.dot(report.covariance.ldlt().solve(error));
   }
   return sum / static_cast<double>(scans - 1);
