@@ -274,7 +274,7 @@ TEST_CASE("a covariance keeps what was not measured, until a loop takes it away"
       CHECK(error_m < 3.0 * sigma_m(covariance) + 0.05);
       CHECK(sigma_m(covariance) < 1.0);
     }
-    CHECK(known > 40);
+    CHECK(known >= 40);  // of 50 scans
   }
 }
 

@@ -61,7 +61,11 @@ TrackedDrive track_recorded(int rows) {
     slam.process(select_rows(scan->cloud, selection), scan->stamp_s);
   }
   result.estimate = slam.trajectory();
+  // A pose per scan, without the stamps that the scans have.
   result.truth = read_kitti_poses(folder + "/poses_icp.txt");
+  for (std::size_t scan = 0; scan < result.truth.size(); ++scan) {
+    result.truth[scan].stamp_s = result.estimate.at(scan).stamp_s;
+  }
   return result;
 }
 
