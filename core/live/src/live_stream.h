@@ -67,7 +67,7 @@ class LiveStream {
 
   std::map<recordings::Endpoint, Sender> senders_;
   std::optional<recordings::Endpoint> sender_;
-  std::int64_t last_ns_ = 0;  ///< when its last packet came
+  std::int64_t last_ns_ = 0;         ///< when its last packet came
   std::uint64_t serial_number_ = 0;  ///< which its packets must name; 0: any
   std::optional<recordings::VelodyneStream> velodyne_;
   SensorModel sensor_;
