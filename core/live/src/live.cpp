@@ -8,6 +8,7 @@
 #include <condition_variable>
 #include <deque>
 #include <exception>
+#include <functional>
 #include <mutex>
 #include <thread>
 #include <utility>
@@ -67,7 +68,8 @@ class LiveSensor::Impl {
 
  private:
   std::optional<Packet> receive(int timeout_ms);
-  void record(const Packet& packet);
+  /// Has a packet or the metadata recorded.
+  void record(const std::function<void(PcapWriter&)>& write);
   void run();
   void take_scans(std::int64_t arrival_ns);
 
@@ -99,15 +101,15 @@ std::optional<Packet> LiveSensor::Impl::receive(int timeout_ms) {
     ++counts_.other_senders;
     return std::nullopt;
   }
-  record(*packet);
+  record([&](PcapWriter& recorder) { recorder.add(*packet); });
   return packet;
 }
 
 /// A full disk ends the recording, not the drive.
-void LiveSensor::Impl::record(const Packet& packet) {
+void LiveSensor::Impl::record(const std::function<void(PcapWriter&)>& write) {
   if (!recorder_) return;
   try {
-    recorder_->add(packet);
+    write(*recorder_);
   } catch (const Error& error) {
     recorder_.reset();
     const std::lock_guard lock(mutex_);
@@ -130,7 +132,9 @@ bool LiveSensor::Impl::recognise(double timeout_s) {
     first_payload_.assign(packet->payload.begin(), packet->payload.end());
     first_.payload = first_payload_;
   }
-  if (recorder_ && !stream_.metadata_text().empty()) recorder_->put_beside(stream_.metadata_text());
+  if (!stream_.metadata_text().empty()) {
+    record([&](PcapWriter& recorder) { recorder.put_beside(stream_.metadata_text()); });
+  }
   return true;
 }
 

@@ -10,7 +10,7 @@
 
 namespace hqslam::test {
 
-inline const std::string kProgram = std::string("'") + HQSLAM_PROGRAM + "'";
+inline const std::string kProgram = fmt::format("'{}'", HQSLAM_PROGRAM);
 
 inline std::string evaluate_arguments() {
   return fmt::format("evaluate '{0}/truth.tum' '{0}/truth.tum'", simulated_drive());

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <fmt/format.h>
 #include <sys/wait.h>
 
 #include <cstdlib>
@@ -31,7 +32,7 @@ inline ProgramResult run_shell(const std::string& commands) {
 
 /// Runs the built program with these arguments, as a shell understands them.
 inline ProgramResult run_hqslam(const std::string& arguments) {
-  return run_shell(std::string("'") + HQSLAM_PROGRAM + "' " + arguments);
+  return run_shell(fmt::format("'{}' {}", HQSLAM_PROGRAM, arguments));
 }
 
 inline bool holds(const std::string& text, const std::string& part) {
