@@ -42,8 +42,7 @@ TEST_CASE("the options of upsample arrive where they belong") {
               "--png", "--threads", "2", "--row-order", "lowest-first"})
           .upsample;
   CHECK(upsample.input == "/");
-  CHECK(upsample.method == "inverse");
-  CHECK(upsample.weights.empty());
+  CHECK(upsample.upsample == "inverse");
   CHECK(upsample.sensor == "os1-64");
   CHECK(upsample.out == "x");
   CHECK(upsample.bin);
@@ -54,15 +53,15 @@ TEST_CASE("the options of upsample arrive where they belong") {
 }
 
 TEST_CASE("the options of live arrive where they belong, --view with a port and without") {
-  const LiveCommandOptions live = parsed({"live",     "--sensor",   "os1-16",
-                                          "--port",   "7000",       "--rows",
-                                          "16",       "--out",      "x",
-                                          "--return", "last",       "--threads",
-                                          "2",        "--upsample", "linear",
-                                          "--record", "a.pcap",     "--no-loop-closing",
-                                          "--view",   "8000",       "--view-address",
-                                          "0.0.0.0"})
-                                      .live;
+  const LiveOptions live = parsed({"live",     "--sensor",   "os1-16",
+                                   "--port",   "7000",       "--rows",
+                                   "16",       "--out",      "x",
+                                   "--return", "last",       "--threads",
+                                   "2",        "--upsample", "linear",
+                                   "--record", "a.pcap",     "--no-loop-closing",
+                                   "--view",   "8000",       "--view-address",
+                                   "0.0.0.0"})
+                               .live;
   CHECK(live.sensor == "os1-16");
   CHECK(live.port == 7000);
   CHECK(live.rows == 16);
@@ -73,7 +72,7 @@ TEST_CASE("the options of live arrive where they belong, --view with a port and 
   CHECK_FALSE(live.slam.loop_closing);
   CHECK(live.view == 8000);
   CHECK(live.view_address == "0.0.0.0");
-  const LiveCommandOptions plain = parsed({"live", "--sensor", "vlp-16", "--out", "x"}).live;
+  const LiveOptions plain = parsed({"live", "--sensor", "vlp-16", "--out", "x"}).live;
   CHECK_FALSE(plain.view);
   CHECK(plain.view_address == "127.0.0.1");
   CHECK(parsed({"live", "--sensor", "vlp-16", "--out", "x", "--view"}).live.view == 8642);

@@ -28,6 +28,7 @@ inline SlamRun example_run(int scans) {
     run.scans.push_back(record);
     run.map_points_m.emplace_back(static_cast<float>(i), 5.0F, 1.0F);
   }
+  run.end = ReadingEnd::kComplete;
   run.part_of_scan.resize(run.scans.size());
   run.stretch_of_scan.resize(run.scans.size());
   return run;
@@ -45,6 +46,13 @@ inline TrajectoryFile example_reference(const SlamRun& run, double offset_m) {
     pose.T_map_sensor = T_world_map * pose.T_map_sensor;
   }
   return reference;
+}
+
+/// That run, compared with that reference.
+inline SlamRun compared_run(int scans, double offset_m) {
+  SlamRun run = example_run(scans);
+  run.comparison = compare_with_reference(run.trajectory, example_reference(run, offset_m));
+  return run;
 }
 
 }  // namespace hqslam::tools::test

@@ -14,7 +14,7 @@ namespace hqslam::tools {
 /// parsing, validation and --help.
 struct CommandLine {
   RunOptions run;
-  LiveCommandOptions live;
+  LiveOptions live;
   DemoOptions demo;
   SimulateOptions simulate;
   MapOptions map;

@@ -22,10 +22,8 @@ struct InfoOptions {
 void declare_info(CLI::App& app, InfoOptions& options);
 int info_command(const InfoOptions& options);
 
-/// sensor empty: as UpsamplingRequest says
-struct UpsampleOptions : InputChoice, ConfidenceChoice {
-  std::string weights;  ///< this one
-  std::string method;   ///< or this one
+/// sensor empty: as lifted_input says
+struct UpsampleOptions : InputChoice, LiftingChoice {
   std::string out;
   int threads = 0;  ///< 0: what OpenMP chooses
   bool bin = false;
@@ -58,7 +56,7 @@ struct WeightsOptions {
 void declare_weights(CLI::App& app, WeightsOptions& options);
 int weights_command(const WeightsOptions& options);
 
-struct LiveCommandOptions : LiftingChoice {
+struct LiveOptions : LiftingChoice {
   std::string sensor;
   std::uint16_t port = 0;  ///< 0: the sensor's usual one
   std::string kept_return = "strongest";
@@ -69,9 +67,9 @@ struct LiveCommandOptions : LiftingChoice {
   std::optional<std::uint16_t> view;  ///< port of the page; nothing: no page
   std::string view_address = "127.0.0.1";
 };
-void declare_live(CLI::App& app, LiveCommandOptions& options);
+void declare_live(CLI::App& app, LiveOptions& options);
 /// kOk where Ctrl-C ended it, which is how it is to end.
-int live_command(const LiveCommandOptions& options);
+int live_command(const LiveOptions& options);
 
 struct EvaluateOptions {
   std::string estimate;

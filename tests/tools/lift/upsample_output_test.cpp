@@ -27,7 +27,7 @@ std::set<std::string> names_in(const fs::path& folder) {
 /// Writes `scans` scans into `folder`.
 void write_scans(const std::string& folder, int scans, UpsampledFormats formats = {}) {
   const SensorModel sensor = sensor_preset("os1-16");
-  UpsampleOutput output(folder, "input", "linear", sensor, formats);
+  UpsampleOutput output(folder, {"input", "linear", scans}, sensor, formats);
   RangeImage image(16, 1024);
   image.at(3, 7) = 10.0F;
   for (int i = 0; i < scans; ++i) {
@@ -55,6 +55,16 @@ TEST_CASE("an upsampled drive is a stack with its sensor, and one file per scan 
           std::set<std::string>{std::string("000000.") + kind, std::string("000001.") + kind});
   }
   CHECK(read_pcd(folder.file("all/pcd/000001.pcd")).points_m.size() == 1);
+}
+
+TEST_CASE("upsample.json says whether all scans were taken") {
+  const TemporaryDirectory folder;
+  UpsampleOutput output(folder.file("out"), {"input", "linear", 7}, sensor_preset("os1-16"), {});
+  const std::string origin = folder.file("out/upsample.json");
+  CHECK(file_contents(origin).find("\"complete\": false") != std::string::npos);
+  CHECK(file_contents(origin).find("\"scans_in_recording\": 7") != std::string::npos);
+  output.finish();
+  CHECK(file_contents(origin).find("\"complete\": true") != std::string::npos);
 }
 
 TEST_CASE("an earlier upsampled drive is replaced whole; other files stay") {
@@ -103,7 +113,9 @@ TEST_CASE("the input is never overwritten, by whatever path it is named") {
        {out, out + "/", out + "/scans.npy", out + "/pcd", out + "/bin/000001.bin",
         folder.file("link"), folder.file("link/scans.npy"), folder.file("out/../out")}) {
     CAPTURE(input);
-    CHECK(one_line_with(error_message([&] { UpsampleOutput(out, input, "linear", sensor, {}); }),
+    CHECK(one_line_with(error_message([&] {
+                          UpsampleOutput(out, {input, "linear", 1}, sensor, {});
+                        }),
                         "overwritten", "--out"));
   }
   CHECK(file_contents(out + "/scans.npy") == before);
@@ -113,7 +125,7 @@ TEST_CASE("the truth of a simulated drive goes along") {
   const TemporaryDirectory folder;
   fs::create_directory(folder.file("drive"));
   write_file(folder.file("drive/truth.tum"), "0.05 0 0 0 0 0 0 1\n");
-  const UpsampleOutput output(folder.file("out"), folder.file("drive"), "linear",
+  const UpsampleOutput output(folder.file("out"), {folder.file("drive"), "linear", 1},
                               sensor_preset("os1-16"), {});
   CHECK(file_contents(folder.file("out/truth.tum")) == "0.05 0 0 0 0 0 0 1\n");
 }

@@ -38,14 +38,19 @@ nlohmann::json state(const LiveView& view, const std::string& query) {
   return nlohmann::json::parse(answer.body);
 }
 
-/// What a server answers to these bytes.
-std::string answer_to(const std::string& url, const std::string& request) {
-  const FileDescriptor connection(socket(AF_INET, SOCK_STREAM, 0));
+FileDescriptor connection_to(const std::string& url) {
+  FileDescriptor connection(socket(AF_INET, SOCK_STREAM, 0));
   sockaddr_in to{};
   to.sin_family = AF_INET;
   to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
   to.sin_port = htons(static_cast<std::uint16_t>(std::stoi(url.substr(url.rfind(':') + 1))));
   REQUIRE(connect(connection.get(), reinterpret_cast<sockaddr*>(&to), sizeof to) == 0);
+  return connection;
+}
+
+/// What a server answers to these bytes.
+std::string answer_to(const std::string& url, const std::string& request) {
+  const FileDescriptor connection = connection_to(url);
   send(connection.get(), request.data(), request.size(), MSG_NOSIGNAL);
   std::string answer;
   std::array<char, 1024> part{};
@@ -95,7 +100,7 @@ TEST_CASE("the page is told what has come since it asked last, and everything an
   Pose moved = Pose::Identity();
   moved.translation().x() = 2.0;
   view.add(ring(10.0F, 64), moved);
-  LiveStatus status{10.0, 2, 9.5, 0.031, ScanRecord{}, 2.0, {}};
+  LiveStatus status{10.0, 2, 9.5, 0.031, ScanRecord{}, 2.0, {}, {}};
   status.counts.packets.lost = 7;
   status.counts.dropped_scans = 1;
   view.set(status);
@@ -147,18 +152,56 @@ TEST_CASE("the server answers GET, and refuses or leaves everything else") {
                               : ViewAnswer{404, "text/plain", ""};
   });
   const std::string url = server.url();
-  const std::string hello = answer_to(url, "GET /a?b=1 HTTP/1.1\r\nHost: x\r\n\r\n");
+  const std::string host = " HTTP/1.1\r\nHost: 127.0.0.1:8642\r\n\r\n";
+  const std::string hello = answer_to(url, "GET /a?b=1" + host);
   CHECK(hello.starts_with("HTTP/1.1 200 OK\r\n"));
   CHECK(hello.ends_with("\r\n\r\nhello"));
-  CHECK(answer_to(url, "GET /b HTTP/1.1\r\n\r\n").starts_with("HTTP/1.1 404"));
-  CHECK(answer_to(url, "POST /a HTTP/1.1\r\n\r\n").starts_with("HTTP/1.1 400"));
+  CHECK(answer_to(url, "GET /b" + host).starts_with("HTTP/1.1 404"));
+  CHECK(answer_to(url, "POST /a" + host).starts_with("HTTP/1.1 400"));
   CHECK(answer_to(url, "GET\r\n\r\n").starts_with("HTTP/1.1 400"));
   CHECK(answer_to(url, "GET /\r\n\r\n").starts_with("HTTP/1.1 400"));
   answer_to(url, std::string(100'000, 'x'));
   const auto start = std::chrono::steady_clock::now();
   answer_to(url, "GET /a");  // and then nothing
-  CHECK(std::chrono::steady_clock::now() - start < std::chrono::seconds(4));
-  CHECK(answer_to(url, "GET /a?b=1 HTTP/1.1\r\n\r\n").ends_with("hello"));
+  CHECK(std::chrono::steady_clock::now() - start < std::chrono::seconds(5));
+  CHECK(answer_to(url, "GET /a?b=1" + host).ends_with("hello"));
+}
+
+TEST_CASE("a page of another site, whose name leads here, is told nothing") {
+  const ViewServer server("127.0.0.1", 0, [](const std::string&) {
+    return ViewAnswer{200, "text/plain", "where you are"};
+  });
+  for (const char* host : {"evil.example", "evil.example:8642", "127.0.0.1.evil.example", ""}) {
+    CAPTURE(host);
+    const std::string answer =
+        answer_to(server.url(), fmt::format("GET / HTTP/1.1\r\nHost: {}\r\n\r\n", host));
+    CHECK(answer.starts_with("HTTP/1.1 403"));
+    CHECK(answer.find("where you are") == std::string::npos);
+  }
+  CHECK(answer_to(server.url(), "GET / HTTP/1.1\r\n\r\n").starts_with("HTTP/1.1 403"));
+  for (const char* host : {"localhost:1", "LOCALHOST", "192.168.1.7:8642", "[::1]:8642"}) {
+    CAPTURE(host);
+    CHECK(is_own_host(host));
+  }
+}
+
+TEST_CASE("clients that say nothing, or do not read, keep nobody from the page") {
+  const ViewServer server("127.0.0.1", 0, [](const std::string&) {
+    return ViewAnswer{200, "text/plain", std::string(1'000'000, 'x')};
+  });
+  std::vector<FileDescriptor> silent;
+  for (std::size_t i = 0; i < 2 * ViewServer::kMostConnections; ++i) {
+    silent.push_back(connection_to(server.url()));
+    if (i % 2 == 0) continue;  // half of them ask and do not read
+    const std::string request = "GET / HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n";
+    send(silent.back().get(), request.data(), request.size(), MSG_NOSIGNAL);
+  }
+  const auto start = std::chrono::steady_clock::now();
+  for (int i = 0; i < 3; ++i) {
+    CHECK(answer_to(server.url(), "GET / HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n").size() > 1'000'000);
+  }
+  // One after the other, with two seconds for each, they would take two minutes.
+  CHECK(std::chrono::steady_clock::now() - start < std::chrono::seconds(20));
 }
 
 TEST_CASE("a page's port in use and an address that is none are refused in one line") {
@@ -195,6 +238,8 @@ TEST_CASE(
   CHECK(status_line(status).ends_with("  2 packets of other senders"));
   status.counts.recording_failure = "a.pcap: cannot be written on; is the disk full?";
   CHECK(status_line(status).ends_with("  NOT RECORDED ANY MORE"));
+  status.results_failure = "out: cannot be written; is the disk full?";
+  CHECK(status_line(status).ends_with("  RESULTS NOT WRITTEN"));
 }
 
 }  // namespace hqslam::tools

@@ -3,11 +3,11 @@
 #include <fmt/format.h>
 #include <signal.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <chrono>
 #include <filesystem>
-#include <functional>
 #include <thread>
 #include <vector>
 
@@ -16,6 +16,7 @@
 #include "tools/program/arguments.h"
 #include "tools/program/child.h"
 #include "tools/program/program.h"
+#include "tools/program/writers.h"
 
 // What goes wrong around the program: streams that are closed or full, disks that are full, signals
 // at any moment, two programs in one folder.
@@ -31,6 +32,12 @@ std::vector<std::string> parts_below(const fs::path& folder) {
     if (entry.path().string().find(".part") != std::string::npos) parts.push_back(entry.path());
   }
   return parts;
+}
+
+/// Said in one line, after those that are usual.
+bool is_refusal(const ProgramResult& result) {
+  return result.status == 2 && is_one_line(result.error) &&
+         holds(result.error, "is there already and");
 }
 
 }  // namespace
@@ -97,51 +104,27 @@ TEST_CASE("a program that was told to ignore hang-ups ignores them") {
 }
 
 TEST_CASE("killed at any moment, a program leaves what its next run can do with") {
-  struct Work {
-    const char* name;
-    std::function<std::string(const TemporaryDirectory&, const std::string&)> arguments;
-    const char* result;
-  };
-  const std::vector<Work> works = {
-      {"simulate",
-       [](const TemporaryDirectory&, const std::string& out) {
-         return simulate_arguments(out, 12);
-       },
-       "scans.npy"},
-      {"upsample",
-       [](const TemporaryDirectory&, const std::string& out) { return upsample_arguments(out); },
-       "scans.npy"},
-      {"run", [](const TemporaryDirectory&, const std::string& out) { return run_arguments(out); },
-       "report.html"},
-      {"train",
-       [](const TemporaryDirectory& folder, const std::string& out) {
-         return train_arguments(folder, out);
-       },
-       "weights.npz"},
-      {"table",
-       [](const TemporaryDirectory&, const std::string& out) { return table_arguments(out); },
-       "table.json"},
-  };
-  simulated_drive();
-  for (const Work& work : works) {
+  for (const Writer& writer : writers()) {
+    if (!writer.is_quick) continue;
     const TemporaryDirectory folder;
     const std::string out = folder.file("out");
-    const std::string arguments = work.arguments(folder, out);
+    const std::string arguments = writer.arguments(folder, out);
     for (const int after_ms : {5, 60, 150, 300}) {
       Child child(arguments);
       std::this_thread::sleep_for(std::chrono::milliseconds(after_ms));
       child.end(SIGKILL);
     }
     const ProgramResult result = run_hqslam(arguments);
-    CAPTURE(work.name);
+    CAPTURE(writer.name);
     CAPTURE(result.error);
     CHECK(result.status == 0);
-    CHECK(fs::exists(out + "/" + work.result));
+    CHECK(fs::exists(writer.result(out)));
     CHECK(parts_below(folder.path()).empty());
     const TemporaryDirectory undisturbed;
     const std::string usual = undisturbed.file("out");
-    REQUIRE(run_hqslam(work.arguments(undisturbed, usual)).status == 0);
-    for (const char* same : {"scans.npy", "weights.npz", "trajectory.tum", "map.pcd"}) {
+    REQUIRE(run_hqslam(writer.arguments(undisturbed, usual)).status == 0);
+    for (const char* same : {"scans.npy", "weights.npz", "trajectory.tum", "map.pcd",
+                             "dense_map.pcd", "bin/000002.bin"}) {
       if (!fs::exists(usual + "/" + same)) continue;
       CHECK(file_contents(out + "/" + same) == file_contents(usual + "/" + same));
     }
@@ -151,20 +134,134 @@ TEST_CASE("killed at any moment, a program leaves what its next run can do with"
 TEST_CASE("after a full disk the same command does what it could not do") {
   // A limit on the size of a file fails as a full disk does: in the middle, or at once.
   for (const int blocks : {0, 1, 200}) {
-    const TemporaryDirectory folder;
-    for (const std::string& arguments :
-         {simulate_arguments(folder.file("drive")), upsample_arguments(folder.file("lifted")),
-          run_arguments(folder.file("run")), train_arguments(folder, folder.file("trained"))}) {
-      CAPTURE(arguments);
+    for (const Writer& writer : writers()) {
+      if (!writer.is_quick) continue;
+      const TemporaryDirectory folder;
+      const std::string arguments = writer.arguments(folder, folder.file("out"));
+      CAPTURE(writer.name);
       const ProgramResult full = run_shell(fmt::format(
           "(trap '' 25; ulimit -f {}; exec {} {} 2>&1) | cat >&2", blocks, kProgram, arguments));
       CAPTURE(full.error);
-      CHECK(holds(full.error, folder.path().string()));
+      if (blocks == 0) CHECK(holds(full.error, folder.path().string()));
       CHECK(parts_below(folder.path()).empty());
       const ProgramResult again = run_hqslam(arguments);
       CAPTURE(again.error);
       CHECK(again.status == 0);
     }
+  }
+}
+
+TEST_CASE("no command replaces what it did not write") {
+  for (const Writer& writer : writers()) {
+    const std::vector<std::string> paths = [&] {
+      std::vector<std::string> in_out;
+      for (const std::string& result : writer.results) in_out.push_back("out/" + result);
+      return in_out.empty() ? std::vector<std::string>{"out"} : in_out;
+    }();
+    for (const std::string& path : paths) {
+      CAPTURE(writer.name);
+      CAPTURE(path);
+      const TemporaryDirectory folder;
+      if (writer.writes_folder()) fs::create_directory(folder.file("out"));
+      write_file(folder.file(path), "somebody's own");
+      CHECK(is_refusal(run_hqslam(writer.arguments(folder, folder.file("out")))));
+      CHECK(file_contents(folder.file(path)) == "somebody's own");
+    }
+  }
+}
+
+TEST_CASE(
+    "nothing that is no regular file is written over, not even among a command's own results") {
+  for (const Writer& writer : writers()) {
+    CAPTURE(writer.name);
+    const TemporaryDirectory folder;
+    const std::string out = folder.file("out");
+    const std::string arguments = writer.arguments(folder, out);
+    if (writer.is_quick) REQUIRE(run_hqslam(arguments).status == 0);
+    if (writer.writes_folder()) fs::create_directories(out);
+    const std::string in_the_way = writer.result(out);
+    fs::remove(in_the_way);
+    REQUIRE(mkfifo(in_the_way.c_str(), 0600) == 0);
+    CHECK(is_refusal(run_hqslam(arguments)));
+    CHECK(fs::is_fifo(in_the_way));
+    fs::remove(in_the_way);
+    fs::create_directory(in_the_way);
+    CHECK(is_refusal(run_hqslam(arguments)));
+    CHECK(fs::is_directory(in_the_way));
+  }
+}
+
+TEST_CASE("no command replaces what it reads") {
+  const WriterInputs& in = writer_inputs();
+  const TemporaryDirectory folder;
+  const std::string out = folder.file("out");
+  REQUIRE(run_hqslam(run_arguments(out)).status == 0);
+  const std::string options = folder.file("lifted");
+  REQUIRE(run_hqslam(upsample_arguments(options)).status == 0);
+  const std::string arrays = folder.file("arrays.npz");
+  fs::copy_file(in.weights, arrays);  // weights are arrays too
+  struct Reading {
+    std::string arguments;
+    std::string read;
+  };
+  for (const auto& [arguments, read] : std::vector<Reading>{
+           {fmt::format("weights pack '{0}' '{1}' --out '{0}'", arrays, in.network), arrays},
+           {run_arguments(out) + fmt::format(" --reference '{}/trajectory.tum'", out),
+            out + "/trajectory.tum"},
+           {fmt::format("upsample '{0}/scans.npy' --method linear --sensor os1-64 --rows 16 "
+                        "--out '{0}'",
+                        options),
+            options + "/scans.npy"},
+           {fmt::format("simulate --drive block --scans 2 --sensor '{0}/sensor.json' --out '{0}'",
+                        in.drive_of_64),
+            in.drive_of_64 + "/sensor.json"}}) {
+    CAPTURE(arguments);
+    const std::string before = file_contents(read);
+    CHECK(run_hqslam(arguments).status == 2);
+    CHECK(file_contents(read) == before);
+  }
+}
+
+TEST_CASE("a broken input is one line, and nothing is written") {
+  const WriterInputs& in = writer_inputs();
+  const TemporaryDirectory broken;
+  const std::string text = "what is this?";
+  for (const char* name : {"x.npy", "x.npz", "x.json", "x.pcap", "x.mcap", "x.tum", "x.pcd"}) {
+    write_file(broken.file(name), text);
+  }
+  const auto file = [&](const char* name) { return "'" + broken.file(name) + "'"; };
+  const std::string out = " --out '" + broken.file("out") + "'";
+  for (const std::string& arguments :
+       {"run " + file("x.npy") + " --sensor os1-16" + out,
+        "run " + file("x.pcap") + out,
+        "run '" + in.drive + "' --map " + file("x.npz") + out,
+        "run '" + in.drive + "' --reference " + file("x.tum") + out,
+        "run '" + in.drive + "' --slam-options " + file("x.json") + out,
+        "upsample " + file("x.mcap") + " --method linear" + out,
+        "upsample '" + in.drive + "' --weights " + file("x.npz") + out,
+        "map '" + in.drive + "' --poses " + file("x.tum") + out,
+        "inspect '" + in.drive_of_64 + "' --weights " + file("x.npz") + out,
+        "compare " + file("x.npy") + " --sensor os1-64",
+        "compare '" + in.drive_of_64 + "' --weights " + file("x.npz"),
+        "table --drives " + file("x.npy") + " --sensor os1-64" + out,
+        "table --drives block --weights " + file("x.npz") + " --methods rows-16 --scans 2" + out,
+        "train --config " + file("x.json") + out,
+        "simulate --drive block --scans 2 --sensor " + file("x.json") + out,
+        "live --sensor " + file("x.json") + out,
+        "bench --input " + file("x.npy") + " --sensor os1-64",
+        "info " + file("x.pcap"),
+        "evaluate " + file("x.tum") + " " + file("x.tum"),
+        "evaluate " + file("x.pcd") + " " + file("x.pcd"),
+        "evaluate-map " + file("x.pcd") + " --drive '" + in.drive + "'",
+        "weights show " + file("x.npz"),
+        "weights pack " + file("x.npz") + " " + file("x.json") + out}) {
+    CAPTURE(arguments);
+    const ProgramResult result = run_hqslam(arguments + " 2>&1 >/dev/null | tail -1 >&2");
+    CAPTURE(result.error);
+    CHECK(is_one_line(result.error));
+    CHECK(run_hqslam(arguments).status == 2);
+    for (const char* name : {"x.npy", "x.npz", "x.json"})
+      CHECK(file_contents(broken.file(name)) == text);
   }
 }
 
@@ -174,10 +271,10 @@ TEST_CASE("two programs do not write into one folder") {
   fs::create_directory(out);
   const int descriptor = open(out.c_str(), O_RDONLY);
   REQUIRE(flock(descriptor, LOCK_EX | LOCK_NB) == 0);
-  for (const std::string& arguments :
-       {simulate_arguments(out), upsample_arguments(out), run_arguments(out), table_arguments(out),
-        train_arguments(folder, out)}) {
-    CAPTURE(arguments);
+  for (const Writer& writer : writers()) {
+    if (!writer.writes_folder() || !writer.locks) continue;
+    CAPTURE(writer.name);
+    const std::string arguments = writer.arguments(folder, out);
     const ProgramResult result = run_hqslam(arguments + " 2>&1 >/dev/null | tail -1 >&2");
     CHECK(is_one_line(result.error));
     CHECK(holds(result.error, "another hqslam is writing into it"));
@@ -186,6 +283,41 @@ TEST_CASE("two programs do not write into one folder") {
   }
   close(descriptor);
   CHECK(run_hqslam(simulate_arguments(out)).status == 0);
+}
+
+TEST_CASE("a run says that it is running until it has ended") {
+  const TemporaryDirectory folder;
+  const std::string out = folder.file("out");
+  {
+    Child child(
+        fmt::format("run '{}' --upsample linear --rows 4 --out '{}'", simulated_drive(), out));
+    child.wait_for(out + "/trajectory.tum");
+    child.end(SIGKILL);
+  }
+  const std::string killed = file_contents(out + "/timings.json");
+  const bool ended_first = fs::exists(out + "/report.html");
+  CHECK((ended_first || holds(killed, "\"end\": \"running\"")));
+  REQUIRE(run_hqslam(run_arguments(out)).status == 0);
+  CHECK(holds(file_contents(out + "/timings.json"), "\"end\": \"complete\""));
+}
+
+TEST_CASE("a lifting that was stopped is used, and said to be one") {
+  const TemporaryDirectory folder;
+  const std::string out = folder.file("out");
+  {
+    Child child(fmt::format("upsample '{}' --weights '{}' --bin --pcd --out '{}'",
+                            writer_inputs().drive_of_64, writer_inputs().weights, out));
+    child.wait_until([&] { return fs::exists(out + "/bin/000000.bin"); });
+    child.end(SIGKILL);
+  }
+  const bool ended_first = holds(file_contents(out + "/upsample.json"), "\"complete\": true");
+  const std::string arguments = " --sensor os1-64 --out '" + folder.file("run") + "'";
+  const ProgramResult result = run_hqslam("run '" + out + "'" + arguments);
+  CHECK(result.status == 0);
+  CHECK((ended_first || holds(result.error, "hqslam upsample was stopped after")));
+  for (const char* scans : {"/bin", "/pcd"}) {
+    CHECK(run_hqslam("run '" + out + scans + "'" + arguments).status == 0);
+  }
 }
 
 TEST_CASE("a simulation that was stopped is used, and said to be one") {

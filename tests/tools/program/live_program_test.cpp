@@ -142,6 +142,52 @@ TEST_CASE(
   CHECK(read_tum(live.path("out/trajectory.tum")).size() == kDriveScans);
 }
 
+TEST_CASE("results that cannot be written end no drive and no recording; they are written later") {
+  const OusterDrive drive = ouster_drive(simulated_drive());
+  for (const bool mended : {true, false}) {
+    CAPTURE(mended);
+    const TemporaryDirectory folder;
+    const std::string kept = folder.file("kept.pcap");
+    LiveProgram live(drive.metadata, "--record '" + kept + "'");
+    REQUIRE(live.says("no packet yet"));
+    fs::create_directory(live.path("out/timings.json"));  // nothing can be renamed to this
+    replay(drive.packets, live.port(), 1.0);
+    REQUIRE(live.says("RESULTS NOT WRITTEN"));
+    REQUIRE(live.says(fmt::format("{} scans  x", kDriveScans)));
+    CHECK(live.error().find("driving on") != std::string::npos);
+    if (mended) fs::remove(live.path("out/timings.json"));
+    CHECK(live.end(SIGINT) == (mended ? 0 : 2));
+    CAPTURE(live.error());
+    CHECK(fs::exists(live.path("out/report.html")) == mended);
+    const ProgramResult run =
+        run_hqslam(fmt::format("run '{}' --out '{}'", kept, folder.file("out")));
+    CHECK(run.status == 0);
+    CHECK(read_tum(folder.file("out/trajectory.tum")).size() == kDriveScans);
+  }
+}
+
+TEST_CASE("metadata that cannot be put beside a recording end the recording, not the drive") {
+  const OusterDrive drive = ouster_drive(simulated_drive());
+  const TemporaryDirectory folder;
+  LiveProgram live(drive.metadata, "--record '" + folder.file("kept.pcap") + "'");
+  REQUIRE(live.says("no packet yet"));
+  fs::create_directory(folder.file("kept.json"));
+  replay(drive.packets, live.port(), 1.0);
+  REQUIRE(live.says(fmt::format("{} scans  x", kDriveScans)));
+  REQUIRE(live.says("NOT RECORDED ANY MORE"));
+  CHECK(live.end(SIGINT) == 2);
+  CHECK(holds(live.error(), "kept.json"));
+  CHECK(read_tum(live.path("out/trajectory.tum")).size() == kDriveScans);
+}
+
+TEST_CASE("live that can write no results says so before it waits for the sensor") {
+  const ProgramResult result =
+      run_hqslam(fmt::format("live --sensor vlp-16 --port {} --out /proc/hqslam", free_udp_port()));
+  CHECK(result.status == 2);
+  CHECK(is_one_line(result.error));
+  CHECK(holds(result.error, "/proc/hqslam"));
+}
+
 TEST_CASE("live lifts scans, serves the page, and ends with SIGTERM as with Ctrl-C") {
   const OusterDrive drive = ouster_drive(simulated_drive());
   LiveProgram live(drive.metadata, "--rows 8 --upsample linear --view 0");

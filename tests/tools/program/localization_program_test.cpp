@@ -93,7 +93,7 @@ TEST_CASE("a map in the folder whose results would be replaced is refused, and s
         run_hqslam(fmt::format("run '{}' --map '{}' --out '{}'", simulated_drive(), map, out));
     CHECK(result.status == 2);
     CHECK(is_one_line(result.error));
-    CHECK(holds(result.error, map + ": lies in --out"));
+    CHECK(holds(result.error, map + ": is read by this command and would be replaced"));
   }
   CHECK(file_contents(map) == file_contents(saved_map()));
 }

@@ -166,6 +166,30 @@ TEST_CASE("a drive that was simulated once serves shorter tables too") {
   CHECK(json_of(folder.file("long/table.json"))["drives"][0]["scans"] == 6);
 }
 
+TEST_CASE("a simulated drive that was damaged is simulated anew, and said to be") {
+  const TemporaryDirectory folder;
+  const std::string out = folder.file("out");
+  const std::string arguments =
+      "table --drives block --scans 3 --methods rows-16 --out '" + out + "'";
+  REQUIRE(run_hqslam(arguments).status == 0);
+  const std::string scans = file_contents(out + "/drives/block/scans.npy");
+  for (const auto& [file, damaged] : std::vector<std::pair<const char*, std::string>>{
+           {"drive.json", "{\"name\": "},
+           {"drive.json", std::string(2 << 16, 'x')},
+           {"scans.npy", std::string(scans.size(), '\0')},
+           {"scans.npy", scans.substr(0, 200) + std::string(scans.size() - 200, '\0')},
+           {"truth.tum", ""}}) {
+    CAPTURE(file);
+    write_file(out + "/drives/block/" + file, damaged);
+    const ProgramResult result = run_hqslam(arguments);
+    CAPTURE(result.error);
+    CHECK(result.status == 0);
+    CHECK(holds(result.error, "drives/block: "));
+    CHECK(holds(result.error, "it is simulated anew"));
+    CHECK(file_contents(out + "/drives/block/scans.npy") == scans);
+  }
+}
+
 TEST_CASE("other scans at the same place are not given the results of those before") {
   const TemporaryDirectory folder;
   const std::string drive = folder.file("drive");
@@ -288,7 +312,7 @@ TEST_CASE("a wrong table is one line on stderr and status 2, and writes nothing"
            "--drives '" + drive + "/bin'",
            std::string("--drives block --scans 0"),
            std::string("--drives block --seeds 3..1"),
-           std::string("--drives block --seeds 1..2 --methods rows-16"),
+           std::string("--drives block --seeds 1..2 --methods rows-16 --against linear"),
        }) {
     CAPTURE(arguments);
     const ProgramResult result = run_hqslam("table " + arguments + " --out '" + out + "'");

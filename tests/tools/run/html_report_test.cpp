@@ -30,9 +30,7 @@ bool balanced(const std::string& html, const std::string& name) {
 }  // namespace
 
 TEST_CASE("the report needs no other file and no network") {
-  const SlamRun run = test::example_run(30);
-  const std::string html =
-      html_report(run, compare_with_reference(run.trajectory, test::example_reference(run, 0.5)));
+  const std::string html = html_report(test::compared_run(30, 0.5));
   CHECK_FALSE(
       std::regex_search(html, std::regex("(src|href|url)\\s*[=(]\\s*[\"']?(?!data:)[a-z./]")));
   CHECK_FALSE(holds(html, "<script"));
@@ -40,10 +38,9 @@ TEST_CASE("the report needs no other file and no network") {
 }
 
 TEST_CASE("the headline says scans, path, error with its alignment, and speed") {
-  const SlamRun run = test::example_run(30);
-  const auto comparison = compare_with_reference(run.trajectory, test::example_reference(run, 0.5));
-  REQUIRE(comparison);
-  const std::string html = html_report(run, comparison);
+  const SlamRun run = test::compared_run(30, 0.5);
+  REQUIRE(run.comparison);
+  const std::string html = html_report(run);
   CHECK(holds(html, "<dd>30</dd>"));
   CHECK(holds(html, "29.0 <small>m</small>"));
   CHECK(holds(html, "SE(3)-aligned"));
@@ -58,27 +55,22 @@ TEST_CASE(
     const std::regex line("class=\"line estimate\"");
     return std::distance(std::sregex_iterator(html.begin(), html.end(), line), {});
   };
-  CHECK(lines(html_report(run, std::nullopt)) == 1);
+  CHECK(lines(html_report(run)) == 1);
   std::fill(run.stretch_of_scan.begin() + 10, run.stretch_of_scan.end(), 1);
   run.scans[20].report.mapping_status = slam::Status::kNotRecognized;
-  const std::string html = html_report(run, std::nullopt);
+  const std::string html = html_report(run);
   CHECK(lines(html) == 3);
   CHECK(holds(html, "26.0 <small>m</small>"));  // of 29, one to stretch 1, two about scan 20
   CHECK_FALSE(holds(html, "parts not joined"));
   run.part_of_scan = run.stretch_of_scan;
-  CHECK(lines(html_report(run, std::nullopt)) == 3);
-  CHECK(holds(html_report(run, std::nullopt), "2 parts not joined"));
+  CHECK(lines(html_report(run)) == 3);
+  CHECK(holds(html_report(run), "2 parts not joined"));
   CHECK(holds(html, "<th>not recognized</th>"));
 }
 
 TEST_CASE("every element of the report is closed, with and without a reference") {
-  const SlamRun run = test::example_run(30);
-  for (const bool with_reference : {true, false}) {
-    std::optional<ReferenceComparison> comparison;
-    if (with_reference) {
-      comparison = compare_with_reference(run.trajectory, test::example_reference(run, 0.5));
-    }
-    const std::string html = html_report(run, comparison);
+  for (const SlamRun& run : {test::compared_run(30, 0.5), test::example_run(30)}) {
+    const std::string html = html_report(run);
     for (const char* name : {"div", "svg", "span", "table", "tr", "td", "th", "p", "dl", "dd", "dt",
                              "ul", "li", "h2", "b", "small", "i"}) {
       CAPTURE(name);
@@ -90,9 +82,9 @@ TEST_CASE("every element of the report is closed, with and without a reference")
 TEST_CASE("a run that ended early says why, and a hostile file name stays text") {
   SlamRun run = test::example_run(3);
   run.input = "<img>alert";
-  run.end = RunEnd::kUnreadableScan;
+  run.end = ReadingEnd::kUnreadableScan;
   run.end_message = "<000003.bin>: truncated";
-  const std::string html = html_report(run, std::nullopt);
+  const std::string html = html_report(run);
   CHECK(holds(html, "&lt;000003.bin&gt;: truncated"));
   CHECK(holds(html, "&lt;img&gt;alert"));
   CHECK_FALSE(holds(html, "<img>"));
@@ -100,14 +92,14 @@ TEST_CASE("a run that ended early says why, and a hostile file name stays text")
 
 TEST_CASE("a run without a single scan still makes a page without infinite numbers") {
   SlamRun run = test::example_run(0);
-  run.end = RunEnd::kInterrupted;
-  const std::string html = html_report(run, std::nullopt);
+  run.end = ReadingEnd::kInterrupted;
+  const std::string html = html_report(run);
   CHECK(holds(html, "</html>"));
   CHECK_FALSE(std::regex_search(html, std::regex("[ ,:\">-](nan|inf)[ ,<\"%]")));
 }
 
 TEST_CASE("a long run is binned: its chart of times does not grow with the drive") {
-  const std::string html = html_report(test::example_run(8000), std::nullopt);
+  const std::string html = html_report(test::example_run(8000));
   CHECK(holds(html, "means of 20 scans"));
   CHECK(html.size() < 600'000);
 }

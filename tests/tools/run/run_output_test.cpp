@@ -34,7 +34,7 @@ TEST_CASE("the results are six files that read back, and no other file is left")
   const TemporaryDirectory folder;
   const SlamRun run = test::example_run(10);
   RunOutput output(folder.file("a/b"));
-  output.write_results(run, std::nullopt);
+  output.write_results(run);
   CHECK(names_in(folder.file("a/b")) == kAllResults);
   CHECK(read_tum(folder.file("a/b/trajectory.tum")).size() == 10);
   CHECK(read_kitti_poses(folder.file("a/b/trajectory.kitti")).size() == 10);
@@ -88,7 +88,7 @@ TEST_CASE("upsampling is a stage of its own where there is any, and none where t
 
 TEST_CASE("an earlier run's results are replaced, and a checkpoint leaves none of them behind") {
   const TemporaryDirectory folder;
-  RunOutput(folder.path().string()).write_results(test::example_run(10), std::nullopt);
+  RunOutput(folder.path().string()).write_results(test::example_run(10));
   RunOutput output(folder.path().string());
   CHECK(names_in(folder.path()) == kAllResults);
   output.write_checkpoint(test::example_run(4));
@@ -100,7 +100,7 @@ TEST_CASE("an earlier run's results are replaced, and a checkpoint leaves none o
 TEST_CASE("files of somebody else are neither replaced nor removed") {
   const TemporaryDirectory folder;
   write_file(folder.file("notes.txt"), "mine");
-  RunOutput(folder.path().string()).write_results(test::example_run(3), std::nullopt);
+  RunOutput(folder.path().string()).write_results(test::example_run(3));
   CHECK(file_contents(folder.file("notes.txt")) == "mine");
 
   for (const std::string& name : kAllResults) {

@@ -11,10 +11,9 @@
 namespace hqslam::tools {
 
 TEST_CASE("the estimate is coloured by its error where there is a reference") {
-  const SlamRun run = test::example_run(30);
-  const auto comparison = compare_with_reference(run.trajectory, test::example_reference(run, 2.0));
-  REQUIRE(comparison);
-  const std::string html = trajectory_plot_html(run, comparison);
+  const SlamRun run = test::compared_run(30, 2.0);
+  REQUIRE(run.comparison);
+  const std::string html = trajectory_plot_html(run);
   const std::regex stroke("stroke:(#[0-9a-f]{6})");
   const std::set<std::string> colors(
       std::sregex_token_iterator(html.begin(), html.end(), stroke, 1), {});
@@ -23,10 +22,9 @@ TEST_CASE("the estimate is coloured by its error where there is a reference") {
 }
 
 TEST_CASE("a reference in another frame is drawn over the estimate, not beside it") {
-  const SlamRun run = test::example_run(30);
-  const auto comparison = compare_with_reference(run.trajectory, test::example_reference(run, 0.0));
-  REQUIRE(comparison);
-  const std::string html = trajectory_plot_html(run, comparison);
+  const SlamRun run = test::compared_run(30, 0.0);
+  REQUIRE(run.comparison);
+  const std::string html = trajectory_plot_html(run);
   const auto path_of = [&](const std::string& line) {
     const std::size_t begin = html.find("d=\"M", html.find(line));
     return html.substr(begin, html.find('"', begin + 3) - begin);
@@ -38,7 +36,7 @@ TEST_CASE("a reference in another frame is drawn over the estimate, not beside i
 }
 
 TEST_CASE("without a reference the estimate is one line of one colour") {
-  const std::string html = trajectory_plot_html(test::example_run(30), std::nullopt);
+  const std::string html = trajectory_plot_html(test::example_run(30));
   CHECK(html.find("line reference") == std::string::npos);
   CHECK(html.find("stroke:#") == std::string::npos);
   CHECK(html.find("class=\"line estimate\"") == html.rfind("class=\"line estimate\""));
@@ -46,7 +44,7 @@ TEST_CASE("without a reference the estimate is one line of one colour") {
 
 TEST_CASE("both axes have one scale: the box is as wide in metres as it is drawn") {
   // 29 m along x, margins of 12 m: 53 m x 24 m.
-  const std::string html = trajectory_plot_html(test::example_run(30), std::nullopt);
+  const std::string html = trajectory_plot_html(test::example_run(30));
   CHECK(html.find("aspect-ratio:2.2083") != std::string::npos);
 }
 

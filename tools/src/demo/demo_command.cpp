@@ -1,6 +1,8 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
+#include <array>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -10,11 +12,12 @@
 #include "commands.h"
 #include "demo/demo_report.h"
 #include "files/installed_weights.h"
+#include "files/output_guard.h"
 #include "files/text_file.h"
 #include "hqslam/core/npy.h"
-#include "hqslam/core/scan_source.h"
 #include "laboratory/compare/upsampling_comparison.h"
-#include "lift/upsampling_plan.h"
+#include "lift/lifted_input.h"
+#include "recording/reading.h"
 #include "recording/recording_sensor.h"
 #include "run/run_command.h"
 #include "simulate/simulate_command.h"
@@ -42,7 +45,7 @@ struct Way {
 
 struct DemoRow {
   Way way;
-  RunResult result;
+  SlamRun run;
   std::optional<UpsamplingScore> score;  ///< of the ways that upsample
 };
 
@@ -61,24 +64,19 @@ void score(const std::string& drive, std::vector<DemoRow>& rows, const Interrupt
   std::vector<ComparedMethod> methods;
   for (const DemoRow& row : rows) {
     if (!row.way.upsample.empty()) {
-      UpsamplingPlan plan = plan_upsampling({drive, "", row.way.upsample, row.way.rows});
-      methods.push_back({row.way.name, std::move(plan.upsampler), std::nullopt});
+      LiftedInput input = lifted_input({drive}, {row.way.upsample, row.way.rows});
+      methods.push_back({row.way.name, std::move(*input.upsampler), std::nullopt});
     }
   }
   UpsamplingComparison comparison(std::move(methods));
-  const std::unique_ptr<ScanSource> source =
-      open_recording(drive, required_recording_sensor(drive, ""));
+  const std::unique_ptr<ScanSource> source = lifted_input({drive}, {}).open();
   Progress progress("compare with 64 beams", source->size());
-  for (std::int64_t i = 0; !interrupt.stop_requested(); ++i) {
-    const std::optional<RecordedScan> scan = source->next();
-    if (!scan) {
-      break;
-    }
-    if (i % kComparedScans == 0) {
-      comparison.add(scan->cloud);
-    }
-    progress.update(i + 1);
-  }
+  Reading reading;
+  read_scans(*source, interrupt, reading, [&](const ReadScan& read) {
+    if (read.index % kComparedScans == 0) comparison.add(read.scan.cloud);
+    progress.update(read.index + 1);
+    return true;
+  });
   progress.finish();
   for (const UpsamplingScore& result : comparison.scores()) {
     for (DemoRow& row : rows) {
@@ -89,10 +87,9 @@ void score(const std::string& drive, std::vector<DemoRow>& rows, const Interrupt
   }
 }
 
-std::string ape_text(const RunResult& result) {
-  return result.comparison
-             ? fmt::format("{:.3f}", result.comparison->error.translation_statistics.rmse)
-             : "-";
+std::string ape_text(const SlamRun& run) {
+  return run.comparison ? fmt::format("{:.3f}", run.comparison->error.translation_statistics.rmse)
+                        : "-";
 }
 
 /// The four columns about the images.
@@ -105,47 +102,31 @@ std::vector<std::string> score_cells(const std::optional<UpsamplingScore>& score
           fmt::format("{:.1f}", 1e3 / score->upsampling_ms)};
 }
 
-DemoTable table_of(const std::vector<DemoRow>& rows) {
-  DemoTable table;
-  table.columns = {"scans",    "APE, m",       "MAE all",  "MAE valid",
-                   "outliers", "upsampling/s", "SLAM, ms", "all, scans/s"};
+TextTable table_of(const std::vector<DemoRow>& rows) {
+  TextTable table{.columns = {"", "scans", "APE, m", "MAE all", "MAE valid", "outliers",
+                              "upsampling/s", "SLAM, ms", "all, scans/s"}};
   for (const DemoRow& row : rows) {
-    const SlamRun& run = row.result.run;
-    std::vector<std::string> cells = {fmt::format("{}", run.scans.size()), ape_text(row.result)};
+    const SlamRun& run = row.run;
+    std::vector<std::string>& cells = table.rows.emplace_back();
+    cells = {row.way.name, fmt::format("{}", run.scans.size()), ape_text(run)};
     const std::vector<std::string> of_images = score_cells(row.score);
     cells.insert(cells.end(), of_images.begin(), of_images.end());
     cells.push_back(fmt::format("{:.1f}", distribution_of(slam_times(run).times_ms).median));
     cells.push_back(fmt::format("{:.1f}", scans_per_second(run)));
-    table.rows.push_back({row.way.name, row.way.folder + "/report.html", std::move(cells)});
+    table.links.push_back(row.way.folder + "/report.html");
   }
-  table.notes = {
+  return table;
+}
+
+std::vector<std::string> notes_of(const std::vector<DemoRow>& rows) {
+  return {
       fmt::format("APE: absolute pose error (RMSE) against the true trajectory, SE(3)-aligned; the "
                   "path is {:.0f} m",
-                  path_length_m(rows.front().result.run.trajectory)),
+                  path_length_m(rows.front().run.trajectory)),
       "MAE: mean |range - true range| in metres, over all pixels and over those where both have a "
       "return",
       "outliers: share of points farther than 0.5 m from the cloud of 64 beams",
       "upsampling/s: scans per second of the upsampling alone; all: reading, upsampling and SLAM"};
-  return table;
-}
-
-void print_table(const DemoTable& table) {
-  constexpr const char* kCell = "{:>14}";
-  to_stdout("{:<18}", "");
-  for (const std::string& column : table.columns) {
-    to_stdout(fmt::runtime(kCell), column);
-  }
-  for (const DemoTable::Row& row : table.rows) {
-    to_stdout("\n{:<18}", row.name);
-    for (const std::string& cell : row.cells) {
-      to_stdout(fmt::runtime(kCell), cell);
-    }
-  }
-  to_stdout("\n");
-  for (const std::string& note : table.notes) {
-    to_stdout("{}\n", note);
-  }
-  to_stdout("\n");
 }
 
 /// The scan in the middle of the drive as every way sees it.
@@ -160,8 +141,8 @@ std::vector<std::pair<std::string, RangeImage>> example_images(const std::string
       images.emplace_back(row.way.name, select_rows(truth, seen));
       continue;
     }
-    UpsamplingPlan plan = plan_upsampling({drive, "", row.way.upsample, row.way.rows});
-    images.emplace_back(row.way.name, plan.upsampler.run(select_rows(truth, seen)).image);
+    LiftedInput input = lifted_input({drive}, {row.way.upsample, row.way.rows});
+    images.emplace_back(row.way.name, input.upsampler->run(select_rows(truth, seen)).image);
   }
   return images;
 }
@@ -185,6 +166,9 @@ int demo_command(const DemoOptions& options) {
     return kInterrupted;
   };
   const fs::path out = fs::absolute(options.out).lexically_normal();
+  constexpr std::array<const char*, 1> kPage = {"demo.html"};
+  guard_results(out, kPage, has_marker((out / kPage[0]).string(), "<title>hqslam demo</title>"),
+                "was not written by hqslam demo");
   SimulateOptions simulate;
   simulate.drive = "block";
   simulate.sensor = "os1-64";
@@ -202,7 +186,7 @@ int demo_command(const DemoOptions& options) {
     run.upsample = way.upsample;
     run.out = (out / way.folder).string();
     rows.push_back({way, run_and_write(run, interrupt), std::nullopt});
-    if (rows.back().result.run.end == RunEnd::kInterrupted) {
+    if (rows.back().run.end == ReadingEnd::kInterrupted) {
       return interrupted();
     }
   }
@@ -211,19 +195,18 @@ int demo_command(const DemoOptions& options) {
     return interrupted();
   }
   to_stdout("A drive of {} scans through a simulated city, sensor {}.\n\n",
-            *rows.front().result.run.scans_in_recording, simulate.sensor);
-  const DemoTable table = table_of(rows);
-  print_table(table);
+            *rows.front().run.scans_in_recording, simulate.sensor);
+  const TextTable table = table_of(rows);
+  const std::vector<std::string> notes = notes_of(rows);
+  to_stdout("{}{}\n\n", aligned_text(table), fmt::join(notes, "\n"));
   if (!weights) {
     to_stdout("Without DU-Mix: its weights, weights/{}, are not there.\n\n", kWeights);
   }
-  const double max_range_m = required_recording_sensor(simulate.out, "").max_range_m;
-  const std::string page = (out / "demo.html").string();
-  write_text_file(demo_html(table, example_images(simulate.out, rows), max_range_m), page);
+  const double max_range_m = required_recording_sensor({simulate.out}).max_range_m;
+  const std::string page = (out / kPage[0]).string();
+  write_text_file(demo_html(table, notes, example_images(simulate.out, rows), max_range_m), page);
   to_stdout("To look at, in any browser:\n  {}\n", page);
-  for (const DemoTable::Row& row : table.rows) {
-    to_stdout("  {}\n", (out / row.report).string());
-  }
+  for (const std::string& report : table.links) to_stdout("  {}\n", (out / report).string());
   return kOk;
 }
 

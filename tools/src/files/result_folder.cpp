@@ -20,12 +20,17 @@ void make_result_folder(const std::filesystem::path& folder) {
         fmt::format("{}: cannot be made as a folder for the results ({}); give another --out",
                     folder.string(), error.message()));
   }
+  require_writable(folder);
+}
+
+void require_writable(const std::filesystem::path& folder) {
   const std::filesystem::path probe = folder / ".hqslam-probe";
   if (!std::ofstream(probe)) {
     throw Error(
         fmt::format("{}: no file can be written there; give another --out", folder.string()));
   }
-  std::filesystem::remove(probe, error);
+  std::error_code ignored;
+  std::filesystem::remove(probe, ignored);
 }
 
 FileLock::FileLock(const std::filesystem::path& path)

@@ -10,6 +10,9 @@ namespace hqslam::tools {
 /// or no file can be written into it: before the work, not after it.
 void make_result_folder(const std::filesystem::path& folder);
 
+/// Throws Error if no file can be written into a folder.
+void require_writable(const std::filesystem::path& folder);
+
 /// A lock on a file or a folder that is there, for as long as the object lives: it ends with the
 /// program, however that ends.
 class FileLock {

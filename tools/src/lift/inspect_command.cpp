@@ -3,12 +3,14 @@
 #include <CLI/CLI.hpp>
 
 #include "commands.h"
+#include "files/output_guard.h"
 #include "files/text_file.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/scan_source.h"
 #include "inspect_slam/inspect_slam.h"
 #include "lift/layers_report.h"
-#include "lift/upsampling_plan.h"
+#include "lift/lifted_input.h"
+#include "recording/reading.h"
 #include "recording/recording_sensor.h"
 #include "terminal/exit_status.h"
 #include "terminal/terminal.h"
@@ -90,15 +92,12 @@ int inspect_command(const InspectOptions& options) {
   if (options.weights.empty()) throw Error("inspect: expected --weights, or --slam");
   if (!options.list) {
     if (options.out.empty()) throw Error("inspect: no --out, expected a page to write or --list");
-    refuse_to_replace_foreign(options.out, kLayersPageMarker);
-    require_folder_of(options.out);
+    guard_output_file(options.out, {options.input, options.weights},
+                      [](const auto& path) { return has_marker(path, kLayersPageMarker); });
   }
-  const UpsamplingPlan plan = plan_upsampling({.input = options.input,
-                                               .sensor = options.sensor,
-                                               .method = options.weights,
-                                               .stream = options.stream});
+  const LiftedInput input = lifted_input(options, {options.weights});
   nn::SuperResolver network = nn::SuperResolver::load(options.weights);
-  const RangeImage scan = scan_of(options, plan.recording_sensor);
+  const RangeImage scan = scan_of(options, input.recorded);
   LayersReport report;
   report.recording = options.input;
   report.weights = options.weights;
@@ -106,7 +105,7 @@ int inspect_command(const InspectOptions& options) {
   report.min_range_m = network.sensor().min_range_m;
   report.max_range_m = network.sensor().max_range_m;
   report.network = network.description();
-  report.measured = plan.rows ? select_rows(scan, *plan.rows) : scan;
+  report.measured = input.rows ? select_rows(scan, *input.rows) : scan;
   if (scan.rows == network.sensor().rows()) report.truth = scan;
   nn::LiftedImage lifted = network.run(report.measured, &report.trace);
   if (options.list) {

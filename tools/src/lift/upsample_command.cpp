@@ -2,16 +2,16 @@
 #include <omp.h>
 
 #include <CLI/CLI.hpp>
+#include <iterator>
 #include <memory>
 #include <optional>
 #include <vector>
 
 #include "commands.h"
-#include "hqslam/core/error.h"
-#include "hqslam/core/scan_source.h"
 #include "hqslam/nn/upsampled_cloud.h"
+#include "lift/lifted_input.h"
 #include "lift/upsample_output.h"
-#include "lift/upsampling_plan.h"
+#include "recording/reading.h"
 #include "recording/recording_sensor.h"
 #include "terminal/exit_status.h"
 #include "terminal/interrupt.h"
@@ -23,78 +23,50 @@
 namespace hqslam::tools {
 namespace {
 
-struct UpsampleRun {
-  std::vector<double> times_s;                     ///< of the upsampling alone, per scan
-  std::optional<std::int64_t> scans_in_recording;  ///< nothing where only its end tells
-  bool interrupted = false;
-  LeftOut left_out;
-  std::optional<std::string> unreadable;  ///< the reader's message for the scan that ended the run
+struct UpsampleRun : Reading {
+  std::vector<double> times_s;  ///< of the upsampling alone, per scan
 };
 
-/// `stream`: the recording, if it is a capture or a bag.
-UpsamplingPlan plan_of(const UpsampleOptions& options, const recordings::StreamSource* stream) {
-  UpsamplingRequest request;
-  if (stream != nullptr) request.sender = stream->sensor();
-  request.input = options.input;
-  request.sensor = options.sensor;
-  request.stream = options.stream;
-  request.method = options.weights.empty() ? options.method : options.weights;
-  request.confidence = options;
-  return plan_upsampling(request);
-}
-
-/// The next scan, or nothing at the end of the recording or at a scan that cannot be read, unless
-/// it is the first: then throws Error.
-std::optional<RecordedScan> read_next(ScanSource& source, UpsampleRun& run) {
-  try {
-    return next_usable(source, run.left_out);
-  } catch (const Error& error) {
-    if (run.times_s.empty()) {
-      throw;
-    }
-    run.unreadable = error.what();
-    return std::nullopt;
-  }
+/// Where the first scan goes, and all that follow.
+UpsampleOutput make_output(const UpsampleOptions& options, const LiftedInput& input,
+                           const OrganizedCloud& first, std::int64_t scans) {
+  SensorModel sensor = input.upsampler->sensor();
+  sensor.motion_corrected = first.time_offset_s.empty();
+  return {options.out,
+          {options.input, options.upsample, scans},
+          sensor,
+          UpsampledFormats{options.bin, options.pcd, options.png}};
 }
 
 /// The ranges of the points that are written: those of the measured rows are the recording's.
-UpsampleRun upsample(ScanSource& source, UpsamplingPlan& plan, const UpsampleOptions& options,
+UpsampleRun upsample(ScanSource& source, LiftedInput& input, const UpsampleOptions& options,
                      const InterruptGuard& interrupt) {
   std::optional<UpsampleOutput> output;  // made when the first scan is there
+  nn::Upsampler& upsampler = *input.upsampler;
   UpsampleRun run;
-  run.scans_in_recording = source.size();
-  Progress progress(fmt::format("upsample to {}x{}", plan.upsampler.sensor().rows(),
-                                plan.upsampler.sensor().columns),
-                    source.size());
-  while (true) {
-    run.interrupted = interrupt.stop_requested();
-    if (run.interrupted) break;
-    const std::optional<RecordedScan> scan = read_next(source, run);
-    if (!scan) break;
-    const OrganizedCloud measured = plan.rows ? select_rows(scan->cloud, *plan.rows) : scan->cloud;
+  Progress progress(
+      fmt::format("upsample to {}x{}", upsampler.sensor().rows(), upsampler.sensor().columns),
+      source.size());
+  read_scans(source, interrupt, run, [&](const ReadScan& read) {
+    const OrganizedCloud measured = input.measured(read.scan.cloud);
     const RangeImage measured_image = range_image(measured);
     nn::LiftedImage lifted;
-    run.times_s.push_back(seconds_of([&] { lifted = plan.upsampler.run(measured_image); }));
-    const OrganizedCloud cloud = nn::upsampled_cloud(
-        lifted, measured, plan.upsampler.measured_rows(), plan.upsampler.sensor());
-    if (!output) {
-      SensorModel sensor = plan.upsampler.sensor();
-      sensor.motion_corrected = cloud.time_offset_s.empty();
-      output.emplace(options.out, options.input,
-                     options.weights.empty() ? options.method : options.weights, sensor,
-                     UpsampledFormats{options.bin, options.pcd, options.png});
-    }
-    output->append(range_image(cloud), cloud, scan->stamp_s);
+    const double time_s = seconds_of([&] { lifted = upsampler.run(measured_image); });
+    const OrganizedCloud cloud =
+        nn::upsampled_cloud(lifted, measured, upsampler.measured_rows(), upsampler.sensor());
+    if (!output) output.emplace(make_output(options, input, cloud, source.size().value_or(0)));
+    output->append(range_image(cloud), cloud, read.scan.stamp_s);
+    run.times_s.push_back(time_s);
     progress.update(std::ssize(run.times_s), source.read_share());
-  }
-  progress.update(std::ssize(run.times_s), source.read_share());
+    return true;
+  });
   progress.finish();
+  if (output && run.end == ReadingEnd::kComplete) output->finish();
   return run;
 }
 
-void print_summary(const UpsampleRun& run, const UpsamplingPlan& plan,
+void print_summary(const UpsampleRun& run, const nn::Upsampler& upsampler,
                    const UpsampleOptions& options) {
-  const nn::Upsampler& upsampler = plan.upsampler;
   to_stdout("{} scans, {} rows -> {} rows of {} columns, by {}", run.times_s.size(),
             select_rows(upsampler.sensor(), upsampler.measured_rows()).rows(),
             upsampler.sensor().rows(), upsampler.sensor().columns, upsampler.name());
@@ -124,9 +96,9 @@ void declare_upsample(CLI::App& app, UpsampleOptions& options) {
                 "Sensor of the recording (name or .json file); default: what the recording says, "
                 "or the one that the weights were made for. For interpolation: with all rows");
   CLI::Option_group* method = command->add_option_group("How", "One of");
-  method->add_option("--weights", options.weights, "Trained network (.npz)")
+  method->add_option("--weights", options.upsample, "Trained network (.npz)")
       ->check(CLI::ExistingFile);
-  method->add_option("--method", options.method, "Interpolation, of every fourth row")
+  method->add_option("--method", options.upsample, "Interpolation, of every fourth row")
       ->check(CLI::IsMember(nn::interpolation_names()));
   method->require_option(1);
   command->add_option("--out", options.out, "Folder for the results; made if it is not there")
@@ -148,35 +120,14 @@ int upsample_command(const UpsampleOptions& options) {
   const InterruptGuard interrupt;
   use_threads(options.threads);
   refuse_to_write_into_recording(options.input, options.out);
-  auto stream = open_stream(options);
-  UpsamplingPlan plan = plan_of(options, stream.get());
-  if (stream) stream->use_columns(plan.recording_sensor.columns);
-  const std::unique_ptr<ScanSource> source =
-      stream ? std::move(stream) : open_input(options, plan.recording_sensor);
+  LiftedInput input = lifted_input(options, options);
+  const std::unique_ptr<ScanSource> source = input.open();
   print_warnings(*source, options.input);
   const std::size_t told = source->warnings().size();
-  const UpsampleRun run = upsample(*source, plan, options, interrupt);
+  const UpsampleRun run = upsample(*source, input, options, interrupt);
   print_later_warnings(*source, told);
-  const auto scans = static_cast<std::int64_t>(run.times_s.size());
-  if (scans > 0) {
-    print_summary(run, plan, options);
-  } else if (run.left_out.scans > 0 && !interrupt.stop_requested()) {
-    throw Error(run.left_out.text());
-  }
-  if (run.left_out.scans > 0) to_stderr("hqslam: {}\n", run.left_out.text());
-  const std::string of =
-      run.scans_in_recording ? fmt::format(" of {}", *run.scans_in_recording) : "";
-  if (run.unreadable) {
-    to_stderr("hqslam: {}; stopped after {}{} scans, the results up to there are valid\n",
-              *run.unreadable, scans, of);
-    return kWrongInput;
-  }
-  if (run.interrupted && scans + run.left_out.scans != run.scans_in_recording) {
-    to_stderr("hqslam: interrupted after {}{} scans; the results up to there are valid\n", scans,
-              of);
-    return kInterrupted;
-  }
-  return kOk;
+  if (!run.times_s.empty()) print_summary(run, *input.upsampler, options);
+  return exit_status_of(run, std::ssize(run.times_s), source->size());
 }
 
 }  // namespace hqslam::tools

@@ -6,8 +6,10 @@
 #include <nlohmann/json.hpp>
 #include <string_view>
 #include <system_error>
+#include <utility>
 #include <vector>
 
+#include "files/output_guard.h"
 #include "files/text_file.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/kitti_bin.h"
@@ -54,10 +56,14 @@ void refuse_to_overwrite_input(const fs::path& folder, const std::string& input)
 }
 
 /// Throws Error if something in the folder would be replaced that hqslam upsample did not write.
-void refuse_foreign_results(const fs::path& folder) {
-  if (has_marker((folder / kMarkerFile).string(), kMarker)) return;
-  refuse_existing(folder, kFiles, "and was not written by hqslam upsample");
-  refuse_existing(folder, kScanFolders, "and was not written by hqslam upsample");
+void guard_folder(const fs::path& folder) {
+  const bool is_own = has_marker((folder / kMarkerFile).string(), kMarker);
+  constexpr const char* kBut = "was not written by hqslam upsample";
+  guard_results(folder, kFiles, is_own, kBut);
+  if (is_own) return;
+  for (const char* scans : kScanFolders) {
+    if (fs::exists(folder / scans)) guard_results(folder, {&scans, 1}, false, kBut);
+  }
 }
 
 void remove_results(const fs::path& folder) {
@@ -75,33 +81,38 @@ fs::path made(const std::string& folder, const std::string& input) {
   return path;
 }
 
+void write_origin(const fs::path& folder, const UpsampleOrigin& origin, bool complete) {
+  Json json = {{"written_by", kWrittenBy}, {"input", origin.input}, {"method", origin.method}};
+  json["scans_in_recording"] = origin.scans;
+  json["complete"] = complete;
+  write_text_file(json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n",
+                  (folder / kMarkerFile).string());
+}
+
 /// `folder`, made empty of earlier results: the members that open files in it start with this. The
 /// file that says where the results came from is first: it marks the folder as ours however little
 /// else is there, because a disk was full or the program was killed.
-fs::path prepared(const fs::path& folder, const std::string& input, const std::string& method) {
-  refuse_foreign_results(folder);
-  const Json origin = {{"written_by", kWrittenBy}, {"input", input}, {"method", method}};
-  write_text_file(origin.dump(2, ' ', false, Json::error_handler_t::replace) + "\n",
-                  (folder / kMarkerFile).string());
+fs::path prepared(const fs::path& folder, const UpsampleOrigin& origin) {
+  guard_folder(folder);
+  write_origin(folder, origin, false);
   remove_results(folder);
   return folder;
 }
 
 }  // namespace
 
-UpsampleOutput::UpsampleOutput(const std::string& folder, const std::string& input,
-                               const std::string& method, const SensorModel& sensor,
-                               UpsampledFormats formats)
-    : folder_(made(folder, input)),
+UpsampleOutput::UpsampleOutput(const std::string& folder, UpsampleOrigin origin,
+                               const SensorModel& sensor, UpsampledFormats formats)
+    : folder_(made(folder, origin.input)),
       lock_(folder_),
+      origin_(std::move(origin)),
       sensor_(sensor),
       formats_(formats),
-      stack_((prepared(folder_, input, method) / "scans.npy").string(), sensor.rows(),
-             sensor.columns),
+      stack_((prepared(folder_, origin_) / "scans.npy").string(), sensor.rows(), sensor.columns),
       stamps_(folder_ / kStampsFile) {
   write_sensor_json(sensor, (folder_ / "sensor.json").string());
   for (const char* truth : kTruthFiles) {
-    if (const std::string known = file_of_drive(input, truth); !known.empty()) {
+    if (const std::string known = file_of_drive(origin_.input, truth); !known.empty()) {
       fs::copy_file(known, folder_ / truth);
     }
   }
@@ -114,7 +125,10 @@ UpsampleOutput::UpsampleOutput(const std::string& folder, const std::string& inp
 }
 
 void UpsampleOutput::append(const RangeImage& image, const OrganizedCloud& cloud, double stamp_s) {
-  // First, because a stack may have fewer images than there are stamps.
+  // A stack may have fewer images than there are stamps, a folder of scans may not: its files get
+  // their names when all else is there, so that a program that is killed leaves what can be read.
+  PartFiles parts;
+  write_formats(image, cloud, parts);
   const std::string line = fmt::format("{:.9f}\n", stamp_s);
   if (!stamps_.write(line.data(), std::ssize(line)).flush()) {
     throw Error(
@@ -129,32 +143,28 @@ void UpsampleOutput::append(const RangeImage& image, const OrganizedCloud& cloud
     confidence.range_m = cloud.confidence;
     confidence_->append(confidence);
   }
-  write_formats(image, cloud);
+  parts.rename();
   ++scans_;
 }
 
-void UpsampleOutput::write_formats(const RangeImage& image, const OrganizedCloud& cloud) const {
-  const auto path = [&](const char* kind) {
-    return (folder_ / kind / fmt::format("{:06}.{}", scans_, kind)).string();
+void UpsampleOutput::finish() { write_origin(folder_, origin_, true); }
+
+void UpsampleOutput::write_formats(const RangeImage& image, const OrganizedCloud& cloud,
+                                   PartFiles& parts) const {
+  const auto part = [&](const char* kind) {
+    return parts.add(folder_ / kind / fmt::format("{:06}.{}", scans_, kind));
   };
-  if (formats_.png) {
-    write_png(color_by_range(image, sensor_.max_range_m), path("png"));
-  }
-  if (!formats_.kitti_bin && !formats_.pcd) {
-    return;
-  }
+  if (formats_.png) write_png(color_by_range(image, sensor_.max_range_m), part("png"));
+  if (!formats_.kitti_bin && !formats_.pcd) return;
   Scan scan;
   scan.points_m = points_of(cloud);
-  if (formats_.kitti_bin) {
-    write_kitti_bin(scan, path("bin"));
+  if (formats_.kitti_bin) write_kitti_bin(scan, part("bin"));
+  if (!formats_.pcd) return;
+  std::vector<float> confidence;
+  for (std::size_t pixel = 0; pixel < cloud.confidence.size(); ++pixel) {
+    if (cloud.range_m[pixel] > 0.0F) confidence.push_back(cloud.confidence[pixel]);
   }
-  if (formats_.pcd) {
-    std::vector<float> confidence;
-    for (std::size_t pixel = 0; pixel < cloud.confidence.size(); ++pixel) {
-      if (cloud.range_m[pixel] > 0.0F) confidence.push_back(cloud.confidence[pixel]);
-    }
-    write_pcd(scan.points_m, path("pcd"), confidence);
-  }
+  write_pcd(scan.points_m, part("pcd"), confidence);
 }
 
 }  // namespace hqslam::tools

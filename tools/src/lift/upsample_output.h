@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "files/part_files.h"
 #include "files/result_folder.h"
 #include "hqslam/core/npy.h"
 #include "hqslam/core/organized_cloud.h"
@@ -21,30 +22,40 @@ struct UpsampledFormats {
   bool png = false;        ///< png/000000.png, ...: the range image in colours
 };
 
+/// Where the scans of a folder come from.
+struct UpsampleOrigin {
+  std::string input;
+  std::string method;
+  std::int64_t scans = 0;  ///< of the recording
+};
+
 /// The folder that `hqslam upsample` writes into, scan by scan; what is there is valid whenever
 /// writing stops:
 ///   scans.npy      N x rows x columns, float32 metres, 0 = no return, row 0 the highest beam
 ///   confidence.npy  N x rows x columns, float32, 0 to 1, if the method says how sure it is
 ///   timestamps.txt  the stamp of each scan, seconds
 ///   sensor.json    the sensor model
-///   upsample.json  where the scans came from
+///   upsample.json  where the scans came from, and whether all of them did
 ///   truth.tum, truth.kitti  those of the drive that was upsampled, if it has any
 class UpsampleOutput {
  public:
   /// Removes what an earlier `hqslam upsample` wrote into the folder. Throws Error, touching
   /// nothing, if `input` is one of the files that would be written, or if one of them is there and
   /// is not hqslam upsample's.
-  UpsampleOutput(const std::string& folder, const std::string& input, const std::string& method,
-                 const SensorModel& sensor, UpsampledFormats formats);
+  UpsampleOutput(const std::string& folder, UpsampleOrigin origin, const SensorModel& sensor,
+                 UpsampledFormats formats);
 
   /// cloud: the same scan as points. Throws Error.
   void append(const RangeImage& image, const OrganizedCloud& cloud, double stamp_s);
+  /// Says in upsample.json that all scans of the recording were taken. Throws Error.
+  void finish();
 
  private:
-  void write_formats(const RangeImage& image, const OrganizedCloud& cloud) const;
+  void write_formats(const RangeImage& image, const OrganizedCloud& cloud, PartFiles& parts) const;
 
   std::filesystem::path folder_;
   FolderLock lock_;
+  UpsampleOrigin origin_;
   SensorModel sensor_;
   UpsampledFormats formats_;
   NpyStackWriter stack_;

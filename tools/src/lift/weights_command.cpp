@@ -8,6 +8,8 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.h"
+#include "files/output_guard.h"
+#include "hqslam/core/error.h"
 #include "hqslam/core/json_limits.h"
 #include "hqslam/core/whole_file.h"
 #include "hqslam/nn/network.h"
@@ -39,7 +41,17 @@ RangeImage sample_scan(const nn::NetworkDescription& network) {
                      network.measured_rows);
 }
 
+bool is_weights_file(const std::string& path) {
+  try {
+    nn::read_weights(path);
+    return true;
+  } catch (const Error&) {
+    return false;
+  }
+}
+
 int pack(const WeightsOptions& options) {
+  guard_output_file(options.out, {options.arrays, options.description}, is_weights_file);
   nn::Weights weights;
   weights.description = described_network(options.description);
   nn::ForeignArrays foreign = nn::read_foreign_arrays(options.arrays, weights.description);

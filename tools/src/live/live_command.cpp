@@ -10,7 +10,6 @@
 #include "live/live_run.h"
 #include "live/live_view.h"
 #include "live/view_server.h"
-#include "run/run_plan.h"
 #include "run/run_summary.h"
 #include "terminal/exit_status.h"
 #include "terminal/terminal.h"
@@ -21,7 +20,7 @@ namespace {
 
 constexpr std::uint16_t kViewPort = 8642;
 
-live::LiveOptions sensor_options(const LiveCommandOptions& options) {
+live::LiveOptions sensor_options(const LiveOptions& options) {
   live::LiveOptions sensor;
   sensor.sensor = options.sensor;
   sensor.port = options.port;
@@ -32,11 +31,11 @@ live::LiveOptions sensor_options(const LiveCommandOptions& options) {
 }
 
 /// What the sensor cannot be lifted by is said before its packets come, as far as it is known then.
-void require_possible(const LiveCommandOptions& options) {
+void require_possible(const LiveOptions& options) {
   const auto [sensor, knows_beams, knows_columns] = live::named_sensor(options.sensor);
-  const RunPlan plan =
-      plan_of(options, sensor, fmt::format("--sensor {}", options.sensor), knows_beams);
-  const int columns = plan.recording_sensor.columns;
+  const LiftedInput input = lifted_sender(
+      Sender{fmt::format("--sensor {}", options.sensor), sensor, knows_beams}, options);
+  const int columns = input.recorded.columns;
   if (!knows_columns || columns == sensor.columns) return;
   throw Error(
       fmt::format("{}: the sensor sends {} columns a turn, {} takes {}; set it to another "
@@ -44,15 +43,15 @@ void require_possible(const LiveCommandOptions& options) {
                   options.sensor, sensor.columns, options.upsample, columns));
 }
 
-void print_sensor(const live::LiveSensor& sensor, const RunPlan& plan) {
+void print_sensor(const live::LiveSensor& sensor, const LiftedInput& input) {
   for (const std::string& warning : sensor.warnings()) to_stderr("hqslam: {}\n", warning);
   to_stdout("{} from {}: {}, {} rows x {} columns, {:.4g} turns a second\n", sensor.format(),
             text(sensor.sender()), sensor.sensor().name, sensor.sensor().rows(),
-            plan.recording_sensor.columns, 1.0 / sensor.sensor().scan_period_s);
+            input.recorded.columns, 1.0 / sensor.sensor().scan_period_s);
 }
 
-void print_summary(const SlamRun& run, const live::LiveCounts& counts,
-                   const LiveCommandOptions& options) {
+/// out: where the results are; empty: they could not be written.
+void print_summary(const SlamRun& run, const live::LiveCounts& counts, const std::string& out) {
   std::vector<double> latencies_ms;
   for (const ScanRecord& scan : run.scans) latencies_ms.push_back(1e3 * scan.latency_s.value());
   const Distribution latency = distribution_of(std::move(latencies_ms));
@@ -63,30 +62,21 @@ void print_summary(const SlamRun& run, const live::LiveCounts& counts,
       latency.median, latency.p95, latency.max);
   to_stdout("{} packets, {} lost; {} of {} scans dropped\n", counts.packets.used,
             counts.packets.lost, counts.dropped_scans, counts.scans);
-  to_stdout(
-      "results: {}/trajectory.tum, trajectory.kitti, covariances.csv, map.pcd, timings.json, "
-      "report.html\n",
-      options.out);
-  if (run.left_out.scans > 0) to_stderr("hqslam: {}\n", run.left_out.text());
+  if (!out.empty()) to_stdout("{}", results_line(run, out));
 }
 
 /// What to tell the shell, with the line on stderr that explains it.
 int exit_status_of(const SlamRun& run, const live::LiveCounts& counts) {
-  if (run.end == RunEnd::kUnreadableScan) {
-    to_stderr("hqslam: {}; the results up to there are valid\n", run.end_message);
-    return kWrongInput;
-  }
-  if (!counts.recording_failure.empty()) {
-    to_stderr("hqslam: {}; the recording ends there, the results are whole\n",
-              counts.recording_failure);
-    return kWrongInput;
-  }
-  return kOk;
+  const int status = exit_status_of(run, std::ssize(run.scans), counts.scans);
+  if (status != kOk || counts.recording_failure.empty()) return status;
+  to_stderr("hqslam: {}; the recording ends there, the results are whole\n",
+            counts.recording_failure);
+  return kWrongInput;
 }
 
 }  // namespace
 
-void declare_live(CLI::App& app, LiveCommandOptions& options) {
+void declare_live(CLI::App& app, LiveOptions& options) {
   CLI::App* command =
       app.add_subcommand("live", "From a sensor that sends now to a trajectory and a map");
   command
@@ -130,13 +120,14 @@ void declare_live(CLI::App& app, LiveCommandOptions& options) {
       "status 0, and in --out the results as hqslam run writes them.");
 }
 
-int live_command(const LiveCommandOptions& options) {
+int live_command(const LiveOptions& options) {
   const InterruptGuard interrupt;
   use_threads(options.threads);
   const slam::SlamOptions slam = slam_options(options.slam);
-  RunOutput output(options.out);
+  RunOutput output(options.out, {options.sensor, options.upsample, options.slam.file});
   require_possible(options);
   live::LiveSensor sensor(sensor_options(options));
+  output.prepare();  // a disk that takes nothing is better known before the drive
   LiveView view(fmt::format("hqslam live, {}", options.sensor));
   std::optional<ViewServer> server;
   if (options.view) {
@@ -145,21 +136,24 @@ int live_command(const LiveCommandOptions& options) {
     to_stdout("page: {}\n", server->url());
   }
   if (!wait_for_sensor(sensor, interrupt)) return kOk;
-  RunPlan plan = plan_of(options, sensor.sensor(), fmt::format("UDP port {}", sensor.port()));
-  print_sensor(sensor, plan);
-  SlamRunSpec spec = plan.spec();
-  spec.slam = slam;
-  sensor.start(plan.recording_sensor.columns);
-  const SlamRun run = run_live(sensor, spec, output, interrupt, server ? &view : nullptr);
+  LiftedInput input =
+      lifted_sender(Sender{fmt::format("UDP port {}", sensor.port()), sensor.sensor()}, options);
+  print_sensor(sensor, input);
+  sensor.start(input.recorded.columns);
+  const SlamRun run = run_live(sensor, input, slam, output, interrupt, server ? &view : nullptr);
   const live::LiveCounts counts = sensor.counts();
   if (run.scans.empty()) {
-    if (run.end == RunEnd::kUnreadableScan) throw Error(run.end_message);
+    if (run.end == ReadingEnd::kUnreadableScan) throw Error(run.end_message);
     to_stderr("hqslam: interrupted before the first scan; nothing was written\n");
     return kOk;
   }
-  output.write_results(run, std::nullopt);
-  print_summary(run, counts, options);
-  return exit_status_of(run, counts);
+  const std::string failure = failure_of_writing([&] { output.write_results(run); });
+  print_summary(run, counts, failure.empty() ? options.out : "");
+  const int status = exit_status_of(run, counts);
+  if (failure.empty()) return status;
+  to_stderr("hqslam: {}; not all results are written{}\n", failure,
+            options.record.empty() ? "" : ", hqslam run makes them of the recording");
+  return kWrongInput;
 }
 
 }  // namespace hqslam::tools

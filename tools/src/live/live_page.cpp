@@ -134,7 +134,7 @@ async function ask() {
     show('latency', state.latency_ms.toFixed(0) + ' ms');
     show('lost', `${state.lost_packets} packets, ${state.dropped_scans} scans`);
     show('mapping', state.mapping);
-    show('gone', '');
+    show('gone', state.warning);
     draw();
     setTimeout(ask, state.points.length >= 60000 ? 0 : 500);
   } catch (error) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <filesystem>
 #include <optional>
 
 #include "hqslam/core/error.h"
@@ -47,6 +48,13 @@ class LiveProgress {
     view_->add(session.cloud(), T_map_sensor);
   }
 
+  void set_results_failure(const std::string& failure) {
+    if (!failure.empty() && status_.results_failure.empty()) {
+      to_stderr("hqslam: {}; driving on, it is tried again\n", failure);
+    }
+    status_.results_failure = failure;
+  }
+
   void tell_if_due(const live::LiveCounts& counts) {
     const double passed_s = seconds_since(second_start_);
     if (passed_s < kStatusInterval_s) return;
@@ -73,13 +81,36 @@ std::optional<live::LiveScan> next_scan(live::LiveSensor& sensor, SlamRun& run) 
   try {
     return sensor.next(kWait_s);
   } catch (const Error& error) {
-    run.end = RunEnd::kUnreadableScan;
+    run.end = ReadingEnd::kUnreadableScan;
     run.end_message = error.what();
     return std::nullopt;
   }
 }
 
+void process(const live::LiveScan& scan, SlamSession& session, LiveProgress& progress) {
+  SlamRun& run = session.run();
+  try {
+    const std::int64_t index = std::ssize(run.scans) + run.left_out.scans;
+    ScanRecord& record = session.process(scan.scan, index, 0.0);
+    record.latency_s = 1e-9 * static_cast<double>(now_ns() - scan.completed_ns);
+    progress.located(session, record);
+  } catch (const ScanError& error) {
+    run.left_out.add(fmt::format("{}: {}", scan.scan.name, error.what()));
+  }
+}
+
 }  // namespace
+
+std::string failure_of_writing(const std::function<void()>& write) {
+  try {
+    write();
+    return "";
+  } catch (const Error& error) {
+    return error.what();
+  } catch (const std::filesystem::filesystem_error& error) {
+    return fmt::format("{}: {}", error.path1().string(), error.code().message());
+  }
+}
 
 std::string status_line(const LiveStatus& status) {
   std::string line = fmt::format("{:.0f} s  {} scans", status.elapsed_s, status.scans);
@@ -106,6 +137,7 @@ std::string status_line(const LiveStatus& status) {
   say(counts.senders_changed, "times another address");
   if (!counts.trouble.empty()) line += "  " + counts.trouble;
   if (!counts.recording_failure.empty()) line += "  NOT RECORDED ANY MORE";
+  if (!status.results_failure.empty()) line += "  RESULTS NOT WRITTEN";
   return line;
 }
 
@@ -127,22 +159,23 @@ bool wait_for_sensor(live::LiveSensor& sensor, const InterruptGuard& interrupt) 
   return false;
 }
 
-SlamRun run_live(live::LiveSensor& sensor, const SlamRunSpec& spec, RunOutput& output,
-                 const InterruptGuard& interrupt, LiveView* view) {
-  SlamSession session(sensor.sensor(), spec);
+SlamRun run_live(live::LiveSensor& sensor, LiftedInput& input, const slam::SlamOptions& options,
+                 RunOutput& output, const InterruptGuard& interrupt, LiveView* view) {
+  SlamSession session(input, options);
   SlamRun& run = session.run();
   run.command = "live";
   LiveProgress progress(view);
-  while (!interrupt.stop_requested() && run.end == RunEnd::kComplete) {
-    const std::optional<live::LiveScan> scan = next_scan(sensor, run);
-    if (scan) {
-      session.process(scan->scan, {}, output, [&](ScanRecord& record) {
-        record.latency_s = 1e-9 * static_cast<double>(now_ns() - scan->completed_ns);
-        progress.located(session, record);
-      });
+  while (!interrupt.stop_requested() && run.end == ReadingEnd::kRunning) {
+    if (const std::optional<live::LiveScan> scan = next_scan(sensor, run)) {
+      process(*scan, session, progress);
+      if (!run.scans.empty() && output.checkpoint_due()) {
+        progress.set_results_failure(
+            failure_of_writing([&] { output.write_checkpoint(session.run_so_far()); }));
+      }
     }
     progress.tell_if_due(sensor.counts());
   }
+  if (run.end == ReadingEnd::kRunning) run.end = ReadingEnd::kComplete;
   const live::LiveCounts counts = sensor.counts();
   run.scans_in_recording = counts.scans;
   run.left_out.scans += counts.left_out_scans;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <string>
 
 #include "hqslam/live/live.h"
@@ -18,9 +19,14 @@ std::string status_line(const LiveStatus& status);
 /// if it was interrupted before. Throws Error.
 bool wait_for_sensor(live::LiveSensor& sensor, const InterruptGuard& interrupt);
 
+/// Writes; returns what went wrong, in one line, "" where nothing did.
+std::string failure_of_writing(const std::function<void()>& write);
+
 /// SLAM on the scans of a sensor that was started, as they come, until it is interrupted or the
-/// port fails. Prints a status line a second. `view`: is told everything; nullptr: there is none.
-SlamRun run_live(live::LiveSensor& sensor, const SlamRunSpec& spec, RunOutput& output,
-                 const InterruptGuard& interrupt, LiveView* view);
+/// port fails. Results that cannot be written now are written later: the status line says so, and
+/// the drive goes on. Prints a status line a second. `view`: is told everything; nullptr: there is
+/// none.
+SlamRun run_live(live::LiveSensor& sensor, LiftedInput& input, const slam::SlamOptions& options,
+                 RunOutput& output, const InterruptGuard& interrupt, LiveView* view);
 
 }  // namespace hqslam::tools

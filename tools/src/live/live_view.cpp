@@ -31,14 +31,60 @@ std::uint64_t number_in(std::string_view query, std::string_view name) {
   return value;
 }
 
-/// x, y, z, x, ... in whole centimetres, from `begin` on.
-Json centimetres(const std::vector<Eigen::Vector3f>& points_m, std::size_t begin) {
+using Points = std::vector<Eigen::Vector3f>;
+
+/// As many as are sent at once, from `begin` on.
+Points points_from(const Points& points_m, std::uint64_t begin) {
+  const std::size_t first = std::min<std::uint64_t>(begin, points_m.size());
+  const std::size_t count = std::min(points_m.size() - first, kMostPointsAtOnce);
+  const auto from = points_m.begin() + static_cast<std::ptrdiff_t>(first);
+  return {from, from + static_cast<std::ptrdiff_t>(count)};
+}
+
+/// x, y, z, x, ... in whole centimetres
+Json centimetres(const Points& points_m) {
   Json json = Json::array();
-  const std::size_t end = std::min(points_m.size(), begin + kMostPointsAtOnce);
-  for (std::size_t i = begin; i < end; ++i) {
-    for (int axis = 0; axis < 3; ++axis) json.push_back(std::lround(100.0F * points_m[i][axis]));
+  for (const Eigen::Vector3f& point_m : points_m) {
+    for (int axis = 0; axis < 3; ++axis) json.push_back(std::lround(100.0F * point_m[axis]));
   }
   return json;
+}
+
+/// What a page is to be told, copied so that SLAM need not wait until it is written as text.
+struct ViewState {
+  std::uint64_t generation = 0;
+  Points positions_m;
+  Points points_m;
+  Pose T_map_sensor = Pose::Identity();
+  LiveStatus status;
+};
+
+std::string warning_of(const LiveStatus& status) {
+  if (!status.results_failure.empty()) return "results are not written: " + status.results_failure;
+  const std::string& recording = status.counts.recording_failure;
+  return recording.empty() ? "" : "not recorded any more: " + recording;
+}
+
+std::string json_of(const ViewState& state) {
+  const Eigen::Vector3d position_m = state.T_map_sensor.translation();
+  const Eigen::Vector3d ahead = state.T_map_sensor.linear().col(0);
+  const LiveStatus& status = state.status;
+  const Json json = {
+      {"generation", state.generation},
+      {"positions", centimetres(state.positions_m)},
+      {"points", centimetres(state.points_m)},
+      {"position_m", {position_m.x(), position_m.y(), position_m.z()}},
+      {"heading_rad", std::atan2(ahead.y(), ahead.x())},
+      {"rate_hz", status.rate_hz},
+      {"latency_ms", 1e3 * status.latency_s.value_or(0.0)},
+      {"scans", status.scans},
+      {"lost_packets", status.counts.packets.lost},
+      {"dropped_scans", status.counts.dropped_scans},
+      {"path_m", status.path_m},
+      {"mapping", status.latest ? slam::name(status.latest->report.mapping_status) : "no scan yet"},
+      {"warning", warning_of(status)},
+  };
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
 }  // namespace
@@ -84,31 +130,17 @@ void LiveView::set(const LiveStatus& status) {
 }
 
 std::string LiveView::state(const std::string& query) const {
-  const std::lock_guard lock(mutex_);
-  const auto generation = static_cast<std::uint64_t>(map_.generation() + position_generation_);
-  const bool same = number_in(query, "generation") == generation;
-  const std::size_t positions =
-      same ? std::min(number_in(query, "positions"), std::uint64_t{positions_m_.size()}) : 0;
-  const std::size_t points =
-      same ? std::min(number_in(query, "points"), std::uint64_t{map_.points_m().size()}) : 0;
-  const Eigen::Vector3d position_m = T_map_sensor_.translation();
-  const Eigen::Vector3d ahead = T_map_sensor_.linear().col(0);
-  const Json json = {
-      {"generation", generation},
-      {"positions", centimetres(positions_m_, positions)},
-      {"points", centimetres(map_.points_m(), points)},
-      {"position_m", {position_m.x(), position_m.y(), position_m.z()}},
-      {"heading_rad", std::atan2(ahead.y(), ahead.x())},
-      {"rate_hz", status_.rate_hz},
-      {"latency_ms", 1e3 * status_.latency_s.value_or(0.0)},
-      {"scans", status_.scans},
-      {"lost_packets", status_.counts.packets.lost},
-      {"dropped_scans", status_.counts.dropped_scans},
-      {"path_m", status_.path_m},
-      {"mapping",
-       status_.latest ? slam::name(status_.latest->report.mapping_status) : "no scan yet"},
-  };
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+  ViewState state;
+  {
+    const std::lock_guard lock(mutex_);
+    state.generation = static_cast<std::uint64_t>(map_.generation() + position_generation_);
+    const bool same = number_in(query, "generation") == state.generation;
+    state.positions_m = points_from(positions_m_, same ? number_in(query, "positions") : 0);
+    state.points_m = points_from(map_.points_m(), same ? number_in(query, "points") : 0);
+    state.T_map_sensor = T_map_sensor_;
+    state.status = status_;
+  }
+  return json_of(state);
 }
 
 ViewAnswer LiveView::answer(const std::string& target) const {

@@ -25,6 +25,7 @@ struct LiveStatus {
   std::optional<ScanRecord> latest;  ///< the last scan of all
   double path_m = 0.0;
   live::LiveCounts counts;
+  std::string results_failure;  ///< why no results are written now; empty: they are
 };
 
 /// The page that asks LiveView for its state twice a second and draws path and map from above:

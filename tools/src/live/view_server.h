@@ -5,6 +5,7 @@
 #include <functional>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "hqslam/core/file_descriptor.h"
 
@@ -17,10 +18,18 @@ struct ViewAnswer {
   std::string body;
 };
 
-/// Serves a page to browsers: GET alone, one request after the other, each in a connection of its
-/// own and within two seconds, so that no browser can hold up more than the page.
+/// Whether a request's Host names this computer: its addresses and own names. A page of another
+/// site whose name was made to lead here (DNS rebinding) asks with that name, and would read the
+/// map.
+bool is_own_host(const std::string& host);
+
+/// Serves a page to browsers: GET alone, each request in a connection of its own, up to
+/// kMostConnections side by side; where there are more, the one that has said nothing for longest
+/// goes. One thread for all, which leaves the processor to whoever wants it.
 class ViewServer {
  public:
+  static constexpr std::size_t kMostConnections = 32;
+
   /// Answers the request for a target such as "/state?points=3"; called by the server's thread.
   using Answer = std::function<ViewAnswer(const std::string& target)>;
 
@@ -34,8 +43,12 @@ class ViewServer {
   std::string url() const;
 
  private:
+  struct Connection;
   void run();
-  void serve(const FileDescriptor& connection) const;
+  void accept_all(std::vector<Connection>& connections) const;
+  /// Reads or sends as much as can be now. Returns whether there is more to come.
+  bool proceed(Connection& connection) const;
+  std::string response_to(const std::string& request) const;
 
   std::string address_;
   std::uint16_t port_ = 0;

@@ -6,7 +6,6 @@
 #include <string_view>
 #include <vector>
 
-#include "files/text_file.h"
 #include "hqslam/core/error.h"
 #include "hqslam/sim/read_drive.h"
 
@@ -32,8 +31,9 @@ bool written_by_simulate(const fs::path& folder) {
   }
 }
 
-/// bin/000123.bin, pcd/000123.pcd
-bool is_numbered_scan(const fs::path& file, const std::string& extension) {
+/// bin/000123.bin, pcd/000123.pcd, and what a program that was killed left of one
+bool is_numbered_scan(fs::path file, const std::string& extension) {
+  if (file.extension() == ".part") file.replace_extension();
   const std::string stem = file.stem().string();
   return file.extension() == "." + extension && stem.size() >= 6 &&
          std::all_of(stem.begin(), stem.end(),
@@ -57,19 +57,18 @@ void remove_numbered_scans(const fs::path& folder, const std::string& extension)
   }
 }
 
-void clear_drive_folder(const std::string& folder) {
+void clear_drive_folder(const std::string& folder, const Paths& inputs, bool is_own) {
   const fs::path path(folder);
-  if (written_by_simulate(path)) {
-    for (const char* scans : kScanFolders) {
-      remove_numbered_scans(path / scans, scans);
-    }
-    for (const char* file : kDriveFiles) {
-      if (file != kMarkerFile) fs::remove(path / file);
-    }
-    return;
+  is_own = is_own || written_by_simulate(path);
+  constexpr const char* kBut = "is not part of a simulated drive";
+  guard_results(path, kDriveFiles, is_own, kBut, inputs);
+  for (const char* scans : kScanFolders) {
+    if (!is_own && fs::exists(path / scans)) guard_results(path, {&scans, 1}, false, kBut);
   }
-  refuse_existing(path, kDriveFiles, "and not part of a simulated drive");
-  refuse_existing(path, kScanFolders, "and not part of a simulated drive");
+  for (const char* scans : kScanFolders) remove_numbered_scans(path / scans, scans);
+  for (const char* file : kDriveFiles) {
+    if (file != kMarkerFile) fs::remove(path / file);
+  }
 }
 
 }  // namespace hqslam::tools

@@ -5,10 +5,8 @@
 #include <omp.h>
 
 #include <CLI/CLI.hpp>
-#include <filesystem>
-#include <system_error>
 
-#include "hqslam/core/error.h"
+#include "hqslam/core/sensor_model.h"
 #include "hqslam/nn/upsampler.h"
 
 namespace hqslam::tools {
@@ -53,9 +51,14 @@ void declare_reading(CLI::App& command, InputChoice& choice) {
                   "How points without a time were captured: rolling, while the sensor turned (each "
                   "has the time of its azimuth), or corrected for motion (default)")
       ->check(CLI::IsMember({"rolling", "corrected"}));
-  command.add_option("--stamps", choice.stamps,
-                     "File with the stamp of each scan (seconds, or dates as KITTI's "
-                     "timestamps.txt), or 'names' for the numbers in the files' names");
+  command
+      .add_option("--stamps", choice.stamps,
+                  "File with the stamp of each scan (seconds, or dates as KITTI's "
+                  "timestamps.txt), or 'names' for the numbers in the files' names; not of a "
+                  "capture or a bag, which have their own")
+      ->check([](const std::string& text) {
+        return std::string(text.empty() ? "expected a file or 'names', found nothing" : "");
+      });
 }
 
 void declare_return(CLI::App& command, std::string& kept_return) {
@@ -64,16 +67,6 @@ void declare_return(CLI::App& command, std::string& kept_return) {
                   "Which one is kept where a sensor sends two returns of a pulse")
       ->check(CLI::IsMember({"strongest", "last"}))
       ->capture_default_str();
-}
-
-void refuse_to_write_into_recording(const std::string& input, const std::string& out) {
-  namespace fs = std::filesystem;
-  // KITTI's folders of scans are named by those above them.
-  for (const char* scans : {"", "velodyne", "velodyne_points/data"}) {
-    std::error_code error;
-    if (!fs::equivalent(fs::path(input) / scans, out, error) || error) continue;
-    throw Error(fmt::format("{}: holds the recording; give another --out for the results", out));
-  }
 }
 
 void declare_lifting(CLI::App& command, LiftingChoice& choice) {
@@ -92,7 +85,7 @@ void declare_lifting(CLI::App& command, LiftingChoice& choice) {
   }
 }
 
-void declare_confidence(CLI::App& command, ConfidenceChoice& choice) {
+void declare_confidence(CLI::App& command, LiftingChoice& choice) {
   command
       .add_option(
           "--confidence", choice.least_confidence,

@@ -100,8 +100,14 @@ i { color: var(--colour); }
 table { border-collapse: collapse; width: 100%; font-variant-numeric: tabular-nums; }
 th, td { padding: .35rem .6rem; text-align: right; border-bottom: 1px solid var(--rule); }
 th:first-child, td:first-child { text-align: left; padding-left: 0; }
-th { font-weight: 500; color: var(--quiet); font-size: .85rem; }
-tr.total td { font-weight: 600; }
+th { font-weight: 500; color: var(--quiet); font-size: .85rem; vertical-align: bottom; line-height: 1.25; }
+.total tr:last-child td { font-weight: 600; }
+h3 { font-size: 1rem; margin: 2rem 0 .4rem; font-weight: 650; }
+.notes { padding-left: 1.1rem; }
+figure { margin: .75rem 0; }
+figure img { width: 100%; height: auto; display: block; }
+figure img.rows { height: 8rem; image-rendering: pixelated; }
+figcaption { color: var(--quiet); font-size: .85rem; }
 )css";
 
 }  // namespace

@@ -3,7 +3,6 @@
 #include <system_error>
 
 #include "files/result_folder.h"
-#include "files/text_file.h"
 #include "hqslam/core/whole_file.h"
 #include "report/cloud_picture.h"
 
@@ -27,12 +26,15 @@ DenseMapPictures pictures_of(const DenseMapRun& run, const Trajectory& path) {
           cloud_in_perspective(scene, kPerspectiveRows, kPictureColumns)};
 }
 
-void refuse_foreign_dense_map(const fs::path& folder) {
-  for (const char* name : {"dense_map.pcd", "dense_map.ply"}) {
-    refuse_to_replace_foreign((folder / name).string(), "written by hqslam");
+void guard_dense_map(const fs::path& folder, const Paths& inputs) {
+  const auto is_own = [&](const char* name) {
+    return has_marker((folder / name).string(), "written by hqslam");
+  };
+  guard_results(folder, kDenseMapFiles, is_own("dense_map.ply"),
+                "there is no dense map of hqslam beside it", inputs);
+  if (fs::exists(folder / "dense_map.pcd") && !is_own("dense_map.pcd")) {
+    guard_results(folder, {kDenseMapFiles, 1}, false, "was not written by hqslam", inputs);
   }
-  if (fs::exists(folder / "dense_map.ply")) return;
-  refuse_existing(folder, kDenseMapFiles, "and no dense map of hqslam beside it");
 }
 
 void remove_dense_map(const fs::path& folder) {

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <string>
 
+#include "files/output_guard.h"
 #include "hqslam/evaluation/png.h"
 #include "run/dense_map_run.h"
 
@@ -20,8 +21,8 @@ DenseMapPictures pictures_of(const DenseMapRun& run, const Trajectory& path);
 inline constexpr const char* kDenseMapFiles[] = {
     "dense_map.pcd", "dense_map.ply", "dense_map_above.png", "dense_map_perspective.png"};
 
-/// Throws Error if one of the files is there and was not written by hqslam.
-void refuse_foreign_dense_map(const std::filesystem::path& folder);
+/// Throws Error if one of the files is there and was not written by hqslam, or is one of `inputs`.
+void guard_dense_map(const std::filesystem::path& folder, const Paths& inputs);
 /// Removes those of an earlier map.
 void remove_dense_map(const std::filesystem::path& folder);
 /// Writes each file under another name first and renames it then, so that each is whole whenever

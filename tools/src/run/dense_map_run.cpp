@@ -6,8 +6,7 @@
 #include <functional>
 #include <optional>
 
-#include "hqslam/core/error.h"
-#include "run/run_plan.h"
+#include "lift/lifted_input.h"
 #include "run/slam_run.h"
 #include "terminal/progress.h"
 #include "timing/stopwatch.h"
@@ -53,52 +52,37 @@ std::optional<std::size_t> pose_of(const ScanPoses& poses, std::int64_t scan, do
   return pose;
 }
 
-/// One reading of the recording.
-struct Reading {
-  RunPlan& plan;
-  const ScanPoses& poses;
-  const InterruptGuard& interrupt;
-};
-
-struct ReadingCounts {
-  std::int64_t scans = 0;
-  std::int64_t left_out = 0;
-  LeftOut not_understood;
-  std::string end_message;
+/// One reading of all scans whose pose may be known.
+struct MapReading : Reading {
+  std::int64_t scans = 0;         ///< with a pose that is known
+  std::int64_t without_pose = 0;  ///< the others
 };
 
 /// Calls use(scan, path) for every scan whose pose is known.
-ReadingCounts read_all(
-    const Reading& reading, const std::string& label,
-    const std::function<void(const RecordedScan&, const slam::SensorPath&)>& use) {
-  const auto source = reading.plan.open();
-  const auto& scans = reading.poses.scan_of_pose;
+MapReading read_all(LiftedInput& input, const ScanPoses& poses, const std::string& label,
+                    const InterruptGuard& interrupt,
+                    const std::function<void(const RecordedScan&, const slam::SensorPath&)>& use) {
+  const auto source = input.open();
+  const auto& scans = poses.scan_of_pose;
   std::optional<std::int64_t> most = source->size();
-  if (scans && !scans->empty())
+  if (scans && !scans->empty()) {
     most = std::min(most.value_or(scans->back() + 1), scans->back() + 1);
-  Progress progress(label, most);
-  ReadingCounts counts;
-  const auto read = [&] { return counts.scans + counts.left_out + counts.not_understood.scans; };
-  try {
-    while ((!most || read() < *most) && !reading.interrupt.stop_requested()) {
-      const std::optional<RecordedScan> scan = next_usable(*source, counts.not_understood);
-      if (!scan) break;
-      if (const auto pose = pose_of(reading.poses, read(), scan->stamp_s)) {
-        use(*scan,
-            slam::SensorPath(reading.poses.trajectory, *pose,
-                             {reading.poses.knows_way(*pose - 1), reading.poses.knows_way(*pose)}));
-        ++counts.scans;
-      } else {
-        ++counts.left_out;
-      }
-      progress.update(read(), source->read_share());
-    }
-  } catch (const Error& error) {
-    if (counts.scans == 0) throw;
-    counts.end_message = error.what();
   }
+  Progress progress(label, most);
+  MapReading reading;
+  read_scans(*source, interrupt, reading, [&](const ReadScan& read) {
+    if (const auto pose = pose_of(poses, read.index, read.scan.stamp_s)) {
+      use(read.scan, slam::SensorPath(poses.trajectory, *pose,
+                                      {poses.knows_way(*pose - 1), poses.knows_way(*pose)}));
+      ++reading.scans;
+    } else {
+      ++reading.without_pose;
+    }
+    progress.update(read.index + 1, source->read_share());
+    return !most || read.index + 1 < *most;
+  });
   progress.finish();
-  return counts;
+  return reading;
 }
 
 }  // namespace
@@ -124,42 +108,39 @@ void declare_dense_map(CLI::App& command, DenseMapChoice& choice) {
       ->capture_default_str();
 }
 
-DenseMapRun build_dense_map(const RecordingChoice& recording, const ScanPoses& poses,
-                            const DenseMapChoice& choice, const InterruptGuard& interrupt) {
+DenseMapRun build_dense_map(const InputChoice& recording, const LiftingChoice& lifting,
+                            const ScanPoses& poses, const DenseMapChoice& choice,
+                            const InterruptGuard& interrupt) {
   const SteadyClock::time_point start = SteadyClock::now();
   nn::SuperResolverOptions network;
   network.tolerance_m = static_cast<float>(choice.voxel_m);
   network.least_confidence = slam::DenseMapOptions::kLeastPointConfidence;
-  RecordingChoice all_points = recording;
-  all_points.least_confidence.reset();
-  all_points.tolerance_m.reset();
-  RunPlan plan = plan_of(all_points, network);
+  LiftedInput input = lifted_input(recording, {lifting.upsample, lifting.rows}, network);
   slam::DenseMapOptions options;
   options.voxel_m = choice.voxel_m;
   options.least_confidence = choice.least_confidence;
   slam::DenseMap map(options);
-  const SlamRunSpec spec = plan.spec();
-  const std::optional<RowSelection> computed_from = plan.upsampler ? plan.upsampler->measured_rows()
-                                                    : plan.rows
-                                                        ? std::nullopt
-                                                        : plan.recording_sensor.measured_rows;
-  const Reading reading{plan, poses, interrupt};
-  const ReadingCounts inserted =
-      read_all(reading, "dense map, points", [&](const RecordedScan& scan, const auto& path) {
-        map.insert(prepared_cloud(measured_cloud(scan.cloud, spec), spec), computed_from, path);
-      });
-  const ReadingCounts voted =
-      read_all(reading, "dense map, seen through", [&](const RecordedScan& scan, const auto& path) {
-        const OrganizedCloud cloud = measured_cloud(scan.cloud, spec);
-        map.see_through(
-            plan.upsampler || !computed_from ? cloud : select_rows(cloud, *computed_from), path);
-      });
+  const std::optional<RowSelection> computed_from = input.upsampler
+                                                        ? input.upsampler->measured_rows()
+                                                    : input.rows ? std::nullopt
+                                                                 : input.recorded.measured_rows;
+  const MapReading inserted =
+      read_all(input, poses, "dense map, points", interrupt,
+               [&](const RecordedScan& scan, const auto& path) {
+                 map.insert(input.lifted(input.measured(scan.cloud)), computed_from, path);
+               });
+  read_all(input, poses, "dense map, seen through", interrupt,
+           [&](const RecordedScan& scan, const auto& path) {
+             const OrganizedCloud cloud = input.measured(scan.cloud);
+             const bool all_measured = input.upsampler || !computed_from;
+             map.see_through(all_measured ? cloud : select_rows(cloud, *computed_from), path);
+           });
   DenseMapRun run;
   run.points = map.points();
   run.voxel_m = choice.voxel_m;
   run.scans = inserted.scans;
-  run.scans_left_out = inserted.left_out;
-  run.not_understood = inserted.not_understood;
+  run.scans_left_out = inserted.without_pose;
+  run.not_understood = inserted.left_out;
   run.is_full = map.is_full();
   run.end_message = inserted.end_message;
   run.wall_s = seconds_since(start);

@@ -7,16 +7,12 @@
 
 #include "hqslam/core/trajectory.h"
 #include "hqslam/slam/dense_map.h"
-#include "recording/recording_sensor.h"
+#include "recording/reading.h"
+#include "recording/recording_choice.h"
 #include "terminal/interrupt.h"
-
-namespace CLI {
-class App;
-}
 
 namespace hqslam::tools {
 
-struct RecordingChoice;
 struct SlamRun;
 
 /// What a user may say about a dense map.
@@ -63,7 +59,8 @@ struct DenseMapRun {
 /// Shows progress on stderr. A scan that cannot be read ends each reading at the same place.
 /// A network is asked for all points that it believes in at all, and how sure it is that they lie
 /// within a voxel of the truth: the map decides, not its operating point.
-DenseMapRun build_dense_map(const RecordingChoice& recording, const ScanPoses& poses,
-                            const DenseMapChoice& choice, const InterruptGuard& interrupt);
+DenseMapRun build_dense_map(const InputChoice& recording, const LiftingChoice& lifting,
+                            const ScanPoses& poses, const DenseMapChoice& choice,
+                            const InterruptGuard& interrupt);
 
 }  // namespace hqslam::tools

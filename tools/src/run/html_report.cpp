@@ -6,10 +6,8 @@
 #include <filesystem>
 #include <numeric>
 
-#include "hqslam/evaluation/png.h"
 #include "report/chart.h"
-#include "report/density_image.h"
-#include "report/report_style.h"
+#include "report/page.h"
 #include "run/trajectory_plot.h"
 #include "timing/timing_statistics.h"
 
@@ -18,56 +16,45 @@ namespace {
 
 constexpr double kDegreesPerRadian = 57.29577951308232;
 
-/// One headline number: `value` may hold markup, the other two are plain text.
-std::string number_html(std::string_view label, const std::string& value, std::string_view note) {
-  return fmt::format(
-      "<div><dt>{}</dt><dd>{}</dd>{}</div>\n", label, value,
-      note.empty() ? "" : fmt::format("<dd class=\"note\">{}</dd>", escape_html(note)));
+PageNumber path_length(const SlamRun& run) {
+  const double path_m = known_path_m(run);
+  if (path_m < 10000.0) return {"Path length", fmt::format("{:.1f}", path_m), "m"};
+  return {"Path length", fmt::format("{:.2f}", 1e-3 * path_m), "km"};
 }
 
-std::string distance_html(double metres) {
-  return metres < 10000.0 ? fmt::format("{:.1f} <small>m</small>", metres)
-                          : fmt::format("{:.2f} <small>km</small>", 1e-3 * metres);
-}
-
-std::string numbers_html(const SlamRun& run, const std::optional<ReferenceComparison>& comparison) {
-  std::string html = "<dl class=\"numbers\">\n";
-  html += number_html("Scans", fmt::format("{}", run.scans.size()),
-                      run.scans_in_recording
-                          ? fmt::format("of {} {}", *run.scans_in_recording,
-                                        run.command == "live" ? "that came" : "in the recording")
-                          : "");
-  html += number_html("Path length", distance_html(known_path_m(run)), "");
-  if (comparison) {
-    const double rmse_m = comparison->error.translation_statistics.rmse;
-    html +=
-        number_html("APE RMSE", fmt::format("{:.3f} <small>m</small>", rmse_m), "SE(3)-aligned");
+std::vector<PageNumber> numbers_of(const SlamRun& run) {
+  const bool live = run.command == "live";
+  std::vector<PageNumber> numbers = {
+      {"Scans", fmt::format("{}", run.scans.size()), "",
+       run.scans_in_recording ? fmt::format("of {} {}", *run.scans_in_recording,
+                                            live ? "that came" : "in the recording")
+                              : ""},
+      path_length(run)};
+  if (run.comparison) {
+    const double rmse_m = run.comparison->error.translation_statistics.rmse;
+    numbers.push_back({"APE RMSE", fmt::format("{:.3f}", rmse_m), "m", "SE(3)-aligned"});
   }
-  html += number_html(
-      "Scans per second", fmt::format("{:.1f}", scans_per_second(run)),
-      fmt::format("reading included, {} thread{}", run.threads, run.threads == 1 ? "" : "s"));
-  html += number_html(
-      "SLAM per scan",
-      fmt::format("{:.1f} <small>ms</small>", distribution_of(slam_times(run).times_ms).median),
-      "median");
+  numbers.push_back(
+      {"Scans per second", fmt::format("{:.1f}", scans_per_second(run)), "",
+       fmt::format("reading included, {} thread{}", run.threads, run.threads == 1 ? "" : "s")});
+  numbers.push_back({"SLAM per scan",
+                     fmt::format("{:.1f}", distribution_of(slam_times(run).times_ms).median), "ms",
+                     "median"});
   if (run.slam.loop_closing.enabled) {
     const std::size_t parts = scans_of_parts(run).size();
-    html += number_html("Loops closed", fmt::format("{}", loops_closed(run)),
-                        parts > 1 ? fmt::format("{} parts not joined", parts) : "");
+    numbers.push_back({"Loops closed", fmt::format("{}", loops_closed(run)), "",
+                       parts > 1 ? fmt::format("{} parts not joined", parts) : ""});
   }
-  html += number_html("Map points", fmt::format("{}", run.map_points_m.size()), "");
-  return html + "</dl>\n";
+  numbers.push_back({"Map points", fmt::format("{}", run.map_points_m.size())});
+  return numbers;
 }
 
-std::string notice_html(const SlamRun& run) {
-  if (run.end == RunEnd::kComplete) {
-    return "";
-  }
-  const std::string why = run.end == RunEnd::kInterrupted ? "it was interrupted" : run.end_message;
-  return fmt::format(
-      "<p class=\"notice\">The run ended after {}: {}. What is shown is valid up to "
-      "there.</p>\n",
-      scans_of(run), escape_html(why));
+void add_notice(Page& page, const SlamRun& run) {
+  if (run.end == ReadingEnd::kComplete) return;
+  page.paragraph(
+      fmt::format("The run ended after {}: {}. What is shown is valid up to there.", scans_of(run),
+                  run.end == ReadingEnd::kInterrupted ? "it was interrupted" : run.end_message),
+      "notice");
 }
 
 /// The recording without most of its path: "kitti_drive_0005/velodyne".
@@ -85,35 +72,38 @@ std::vector<double> times_since_start_s(const Trajectory& trajectory) {
   return times_s;
 }
 
-std::string error_html(const SlamRun& run, const std::optional<ReferenceComparison>& comparison) {
-  if (!comparison) {
-    return "<h2>Error over time</h2>\n<p class=\"quiet\">Not compared with a "
-           "reference trajectory: <code>--reference FILE</code>, with at least three poses at the "
-           "scans' stamps, adds the error.</p>\n";
+std::vector<std::string> error_row(const char* name, const ErrorStatistics& error, double scale,
+                                   int decimals) {
+  std::vector<std::string> cells = {name};
+  for (const double value : {error.rmse, error.mean, error.median, error.max}) {
+    cells.push_back(figure_text(scale * value, decimals));
   }
-  const AbsolutePoseError& error = comparison->error;
+  return cells;
+}
+
+void add_error(Page& page, const SlamRun& run) {
+  page.heading(2, "Error over time");
+  if (!run.comparison) {
+    page.html(
+        "<p class=\"quiet\">Not compared with a reference trajectory: <code>--reference "
+        "FILE</code>, with at least three poses at the scans' stamps, adds the error.</p>\n");
+    return;
+  }
+  const AbsolutePoseError& error = run.comparison->error;
+  page.paragraph(fmt::format(
+      "Absolute pose error against {} over {} poses, after an SE(3) alignment of all positions.",
+      run.comparison->reference_path, error.translation_m.size()));
   const std::vector<double> all_times_s = times_since_start_s(run.trajectory);
   Chart chart;
   chart.x_label = "time, s";
   chart.y_label = "position error, m";
   chart.series = {{"error", "error", error.translation_m}};
-  for (const std::size_t pose : error.pairs.estimate) {
-    chart.x.push_back(all_times_s[pose]);
-  }
-  const ErrorStatistics& position = error.translation_statistics;
-  const ErrorStatistics& rotation = error.rotation_statistics;
-  return fmt::format(
-      "<h2>Error over time</h2>\n<p class=\"quiet\">Absolute pose error against {} over {} poses, "
-      "after an SE(3) alignment of all positions.</p>\n{}"
-      "<div class=\"scroll\"><table><tr><th></th><th>RMSE</th><th>mean</th><th>median</th>"
-      "<th>max</th></tr>\n"
-      "<tr><td>position, m</td><td>{:.3f}</td><td>{:.3f}</td><td>{:.3f}</td><td>{:.3f}</td></tr>\n"
-      "<tr><td>rotation, degrees</td><td>{:.2f}</td><td>{:.2f}</td><td>{:.2f}</td><td>{:.2f}</td>"
-      "</tr></table></div>\n",
-      escape_html(comparison->reference_path), error.translation_m.size(), chart_html(chart),
-      position.rmse, position.mean, position.median, position.max,
-      rotation.rmse * kDegreesPerRadian, rotation.mean * kDegreesPerRadian,
-      rotation.median * kDegreesPerRadian, rotation.max * kDegreesPerRadian);
+  for (const std::size_t pose : error.pairs.estimate) chart.x.push_back(all_times_s[pose]);
+  page.html(chart_html(chart));
+  page.table(
+      {.columns = {"", "RMSE", "mean", "median", "max"},
+       .rows = {error_row("position, m", error.translation_statistics, 1.0, 3),
+                error_row("rotation, degrees", error.rotation_statistics, kDegreesPerRadian, 2)}});
 }
 
 /// Means of `per_bin` neighbours: a long drive has more scans than a chart has pixels.
@@ -128,93 +118,78 @@ std::vector<double> binned(const std::vector<double>& values, std::size_t per_bi
   return means;
 }
 
-std::string distribution_row(std::string_view name, const std::vector<double>& times_ms,
-                             std::string_view css_class) {
-  const Distribution d = distribution_of(times_ms);
-  return fmt::format(
-      "<tr class=\"{}\"><td>{}</td><td>{:.2f}</td><td>{:.2f}</td><td>{:.2f}</td></tr>\n", css_class,
-      name, d.median, d.p95, d.max);
-}
-
-std::string times_html(const SlamRun& run) {
-  if (run.scans.empty()) {
-    return "";
-  }
+void add_times(Page& page, const SlamRun& run) {
+  if (run.scans.empty()) return;
   constexpr std::size_t kMostBins = 400;
-  const std::vector<ScanTimes> columns = stage_times(run);
+  std::vector<ScanTimes> stages = stage_times(run);
   const std::size_t per_bin = (run.scans.size() + kMostBins - 1) / kMostBins;
   Chart chart;
   chart.x_label = per_bin == 1 ? "scan" : fmt::format("scan (means of {} scans)", per_bin);
   chart.y_label = "time per scan, ms";
   chart.stacked = true;
-  std::string table =
-      "<div class=\"scroll\"><table><tr><th>ms per scan</th><th>median</th><th>95 % below</th>"
-      "<th>max</th></tr>\n";
-  for (const ScanTimes& column : columns) {
-    chart.series.push_back({column.name, column.name, binned(column.times_ms, per_bin)});
-    table += distribution_row(column.name, column.times_ms, "");
+  for (const ScanTimes& stage : stages) {
+    chart.series.push_back({stage.name, stage.name, binned(stage.times_ms, per_bin)});
   }
-  table += distribution_row("SLAM, all stages", slam_times(run).times_ms, "total");
   for (std::size_t i = 0; i < chart.series.front().y.size(); ++i) {
     chart.x.push_back(static_cast<double>(i * per_bin));
   }
-  return "<h2>Time per stage</h2>\n" + chart_html(chart) + table + "</table></div>\n";
-}
-
-std::string status_row(const SlamRun& run, std::string_view stage,
-                       slam::Status slam::ScanReport::*status) {
-  std::string row = fmt::format("<tr><td>{}</td>", stage);
-  for (const auto& [kind, scans] : status_counts(run, status)) {
-    row += fmt::format("<td>{}</td>", scans);
+  stages.push_back({"SLAM, all stages", slam_times(run).times_ms});
+  TextTable table{.columns = {"ms per scan", "median", "95 % below", "max"}};
+  for (const ScanTimes& stage : stages) {
+    const Distribution d = distribution_of(stage.times_ms);
+    table.rows.push_back(
+        {stage.name, figure_text(d.median, 2), figure_text(d.p95, 2), figure_text(d.max, 2)});
   }
-  return row + "</tr>\n";
+  page.heading(2, "Time per stage");
+  page.html(chart_html(chart) + "<div class=\"total\">");
+  page.table(table);
+  page.html("</div>\n");
 }
 
-std::string statuses_html(const SlamRun& run) {
-  std::string names;
+void add_statuses(Page& page, const SlamRun& run) {
+  TextTable table{.columns = {"scans"}, .rows = {{"odometry"}, {"mapping"}}};
+  for (const auto& [kind, scans] : status_counts(run, &slam::ScanReport::odometry_status)) {
+    table.columns.emplace_back(slam::name(kind));
+    table.rows[0].push_back(fmt::format("{}", scans));
+  }
   for (const auto& [kind, scans] : status_counts(run, &slam::ScanReport::mapping_status)) {
-    names += fmt::format("<th>{}</th>", slam::name(kind));
+    table.rows[1].push_back(fmt::format("{}", scans));
   }
-  return "<h2>How the scans ended</h2>\n<div class=\"scroll\"><table><tr><th>scans</th>" + names +
-         "</tr>\n" + status_row(run, "odometry", &slam::ScanReport::odometry_status) +
-         status_row(run, "mapping", &slam::ScanReport::mapping_status) + "</table></div>\n";
+  page.heading(2, "How the scans ended");
+  page.table(table);
 }
 
-std::string picture_html(const std::string& caption, const RgbImage& image) {
-  return fmt::format(
-      "<img alt=\"{}\" style=\"width:100%;height:auto\" src=\"data:image/png;base64,{}\">\n",
-      caption, base64(encode_png(image)));
-}
-
-std::string dense_map_html(const DenseMapPage& page) {
-  if (page.run == nullptr || page.pictures == nullptr) {
-    return "";
-  }
-  return fmt::format(
-      "<h2>Dense map</h2>\n<p class=\"quiet\">{} points, one per {} m, of {} scans: measured, and "
-      "computed where scans agree. Colours tell heights, blue the lowest. The second picture looks "
-      "ahead from behind the place where the sensor was after a third of its path.</p>\n{}{}",
-      page.run->points.size(), page.run->voxel_m, page.run->scans,
-      picture_html("The dense map from above", page.pictures->above),
-      picture_html("The dense map in perspective", page.pictures->perspective));
+void add_dense_map(Page& page, const DenseMapPage& map) {
+  if (map.run == nullptr || map.pictures == nullptr) return;
+  page.heading(2, "Dense map");
+  page.paragraph(fmt::format(
+      "{} points, one per {} m, of {} scans: measured, and computed where scans agree. Colours "
+      "tell heights, blue the lowest. The second picture looks ahead from behind the place where "
+      "the sensor was after a third of its path.",
+      map.run->points.size(), map.run->voxel_m, map.run->scans));
+  page.picture(map.pictures->above, "The dense map from above");
+  page.picture(map.pictures->perspective, "The dense map in perspective");
 }
 
 }  // namespace
 
-std::string html_report(const SlamRun& run, const std::optional<ReferenceComparison>& comparison,
-                        const DenseMapPage& dense_map) {
+std::string html_report(const SlamRun& run, const DenseMapPage& dense_map) {
   const std::string upsampled =
       run.upsampled_by.empty() ? "" : fmt::format(" by {}", run.upsampled_by);
-  const std::string title =
-      fmt::format("{}, {} rows{}", escape_html(short_name(run)), run.rows, upsampled);
-  return page_html(
-      fmt::format("hqslam {}: {}", run.command, title), "",
-      fmt::format(
-          "<h1>{}</h1>\n<p class=\"quiet\">hqslam {}, sensor {}, range images of {} x {}</p>\n",
-          title, run.command, escape_html(run.sensor_name), run.rows, run.columns) +
-          notice_html(run) + numbers_html(run, comparison) + "<h2>Trajectory from above</h2>\n" +
-          trajectory_plot_html(run, comparison) + dense_map_html(dense_map) +
-          error_html(run, comparison) + times_html(run) + statuses_html(run));
+  const std::string title = fmt::format("{}, {} rows{}", short_name(run), run.rows, upsampled);
+  Page page(fmt::format("hqslam {}: {}", run.command, title));
+  page.heading(1, title);
+  page.paragraph(fmt::format("hqslam {}, sensor {}, range images of {} x {}", run.command,
+                             run.sensor_name, run.rows, run.columns));
+  add_notice(page, run);
+  page.numbers(numbers_of(run));
+  page.heading(2, "Trajectory from above");
+  page.html(trajectory_plot_html(run));
+  add_dense_map(page, dense_map);
+  add_error(page, run);
+  add_times(page, run);
+  add_statuses(page, run);
+  return page.text();
 }
 
 }  // namespace hqslam::tools

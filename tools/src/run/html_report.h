@@ -1,9 +1,7 @@
 #pragma once
 
-#include <optional>
 #include <string>
 
-#include "recording/reference.h"
 #include "run/dense_map_output.h"
 #include "run/slam_run.h"
 
@@ -17,7 +15,6 @@ struct DenseMapPage {
 
 /// report.html: one page that needs no other file and no network. Headline numbers, the trajectory
 /// from above, the error over time and the time per stage; the dense map, if there is one.
-std::string html_report(const SlamRun& run, const std::optional<ReferenceComparison>& comparison,
-                        const DenseMapPage& dense_map = {});
+std::string html_report(const SlamRun& run, const DenseMapPage& dense_map = {});
 
 }  // namespace hqslam::tools

@@ -6,7 +6,10 @@
 #include <numeric>
 #include <utility>
 
+#include "files/result_folder.h"
 #include "hqslam/core/error.h"
+#include "lift/lifted_input.h"
+#include "recording/recording_sensor.h"
 #include "recording/reference.h"
 #include "run/dense_map_output.h"
 #include "terminal/exit_status.h"
@@ -20,7 +23,7 @@ ScanPoses poses_from(const MapOptions& options) {
   const std::string& path = options.poses;
   const TrajectoryFile file = read_trajectory_file(path);
   if (file.has_stamps) return {file.poses, {}, {}, std::nullopt};
-  const std::int64_t scans = scans_in(options, *plan_of(options).open());
+  const std::int64_t scans = scans_in(options, *lifted_input(options, options).open());
   if (std::ssize(file.poses) != scans) {
     throw Error(fmt::format(
         "{}: has {} poses without stamps, but the recording has {} scans; give one pose per scan "
@@ -55,7 +58,8 @@ std::string dense_map_summary(const DenseMapRun& run) {
 void declare_map(CLI::App& app, MapOptions& options) {
   CLI::App* command =
       app.add_subcommand("map", "The dense map of a recorded drive whose poses are known");
-  declare_recording(*command, options);
+  declare_input(*command, options);
+  declare_lifting(*command, options);
   command
       ->add_option("--poses", options.poses,
                    "Where the scans were taken: TUM, matched by stamp (0.02 s), scans without a "
@@ -78,8 +82,10 @@ int map_command(const MapOptions& options) {
   use_threads(options.threads);
   refuse_to_write_into_recording(options.input, options.out);
   const ScanPoses poses = poses_from(options);
-  refuse_foreign_dense_map(options.out);
-  const DenseMapRun run = build_dense_map(options, poses, options.map, interrupt);
+  guard_dense_map(options.out, {options.input, options.poses, options.upsample});
+  make_result_folder(options.out);
+  const FolderLock lock(options.out);
+  const DenseMapRun run = build_dense_map(options, options, poses, options.map, interrupt);
   if (interrupt.stop_requested()) {
     to_stderr("hqslam: interrupted; no dense map was written\n");
     return kInterrupted;

@@ -3,11 +3,10 @@
 #include <string>
 
 #include "run/dense_map_run.h"
-#include "run/run_plan.h"
 
 namespace hqslam::tools {
 
-struct MapOptions : RecordingChoice {
+struct MapOptions : InputChoice, LiftingChoice {
   std::string poses;
   std::string out;
   int threads = 0;  ///< 0: what OpenMP chooses

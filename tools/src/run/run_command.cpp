@@ -4,7 +4,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cstdio>
+#include <iterator>
 #include <memory>
 #include <numbers>
 
@@ -14,6 +14,7 @@
 #include "run/run_output.h"
 #include "run/run_summary.h"
 #include "terminal/exit_status.h"
+#include "terminal/progress.h"
 #include "terminal/terminal.h"
 
 namespace hqslam::tools {
@@ -54,47 +55,25 @@ std::optional<TrajectoryFile> reference_of(const RunOptions& options, const Scan
   return reference;
 }
 
-void print_summary(const RunResult& result, const RunOptions& options) {
-  const SlamRun& run = result.run;
+void print_summary(const SlamRun& run, const RunOptions& options) {
   to_stdout("{}", run_summary(run));
-  if (result.comparison) {
-    const AbsolutePoseError& error = result.comparison->error;
+  if (run.comparison) {
+    const AbsolutePoseError& error = run.comparison->error;
     to_stdout("APE RMSE {:.3f} m over {} poses against {} (alignment: {})\n",
               error.translation_statistics.rmse, error.translation_m.size(),
-              result.comparison->reference_path, name(error.alignment));
+              run.comparison->reference_path, name(error.alignment));
   }
-  if (!result.dense_map_summary.empty()) {
-    to_stdout("{}\n", result.dense_map_summary);
-  }
-  to_stdout(
-      "results: {}/trajectory.tum, trajectory.kitti, covariances.csv, map.pcd, timings.json, "
-      "report.html{}{}\n",
-      options.out, run.saved_map ? ", saved_map.npz" : "",
-      result.dense_map_summary.empty() ? "" : ", dense_map.pcd, dense_map.ply and pictures");
+  if (!run.dense_map_summary.empty()) to_stdout("{}\n", run.dense_map_summary);
+  to_stdout("{}", results_line(run, options.out));
 }
 
 /// What to tell the shell, with the one line on stderr that explains it.
-int exit_status_of(const RunResult& result, const RunOptions& options) {
-  const SlamRun& run = result.run;
-  if (run.left_out.scans > 0 && !run.scans.empty()) {
-    to_stderr("hqslam: {}\n", run.left_out.text());
-  }
-  if (run.end == RunEnd::kComplete && options.dense_map && result.dense_map_summary.empty()) {
+int exit_status_of(const SlamRun& run, const RunOptions& options) {
+  if (run.end == ReadingEnd::kComplete && options.dense_map && run.dense_map_summary.empty()) {
     to_stderr("hqslam: interrupted; the results are valid, but there is no dense map\n");
     return kInterrupted;
   }
-  switch (run.end) {
-    case RunEnd::kInterrupted:
-      to_stderr("hqslam: interrupted after {}; the results up to there are valid\n", scans_of(run));
-      return kInterrupted;
-    case RunEnd::kUnreadableScan:
-      to_stderr("hqslam: {}; stopped after {}, the results up to there are valid\n",
-                run.end_message, scans_of(run));
-      return kWrongInput;
-    case RunEnd::kComplete:
-      break;
-  }
-  return kOk;
+  return exit_status_of(run, static_cast<std::int64_t>(run.scans.size()), run.scans_in_recording);
 }
 
 /// Compares the poses of which something is known in one frame: where a place was not recognized,
@@ -151,18 +130,45 @@ std::optional<GivenMap> given_map(const RunOptions& options) {
 
 /// All other results are written by now: what goes wrong here costs the dense map alone.
 void add_dense_map(const RunOptions& options, const InterruptGuard& interrupt, RunOutput& output,
-                   RunResult& result) {
-  DenseMapRun dense_map = build_dense_map(options, poses_of(result.run), options.map, interrupt);
+                   SlamRun& run) {
+  const DenseMapRun dense_map =
+      build_dense_map(options, options, poses_of(run), options.map, interrupt);
   if (interrupt.stop_requested()) return;
-  output.write_dense_map(result.run, result.comparison, dense_map);
-  result.dense_map_summary = dense_map_summary(dense_map);
+  run.dense_map_summary = dense_map_summary(dense_map);
+  output.write_dense_map(run, dense_map);
+}
+
+/// SLAM over the recording, with intermediate results now and then.
+void process_all(ScanSource& source, SlamSession& session, RunOutput& output,
+                 const InterruptGuard& interrupt) {
+  SlamRun& run = session.run();
+  run.scans_in_recording = source.size();
+  Progress progress(fmt::format("slam {}x{}", run.rows, run.columns), source.size());
+  read_scans(source, interrupt, run, [&](const ReadScan& read) {
+    session.process(read.scan, read.index, read.reading_s);
+    if (output.checkpoint_due()) output.write_checkpoint(session.run_so_far());
+    progress.update(std::ssize(run.scans), source.read_share());
+    return true;
+  });
+  progress.update(std::ssize(run.scans), source.read_share());
+  progress.finish();
+  if (run.end == ReadingEnd::kComplete) {
+    run.scans_in_recording = std::ssize(run.scans) + run.left_out.scans;
+  }
+}
+
+/// Files that are read; the recording too, where it is one.
+Paths inputs_of(const RunOptions& options) {
+  return {options.input,     options.sensor,   options.stamps,   options.upsample,
+          options.reference, options.map_file, options.slam.file};
 }
 
 }  // namespace
 
 void declare_run(CLI::App& app, RunOptions& options) {
   CLI::App* command = app.add_subcommand("run", "From a recorded drive to a trajectory and a map");
-  declare_recording(*command, options);
+  declare_input(*command, options);
+  declare_lifting(*command, options);
   command->add_option("--out", options.out, "Folder for the results; made if it is not there")
       ->required();
   command
@@ -219,54 +225,44 @@ void declare_run(CLI::App& app, RunOptions& options) {
       "converged, after a gap, or, with --map, not recognized: its pose is the last one known.");
 }
 
-RunResult run_and_write(const RunOptions& options, const InterruptGuard& interrupt) {
+SlamRun run_and_write(const RunOptions& options, const InterruptGuard& interrupt) {
   use_threads(options.threads);
   refuse_to_write_into_recording(options.input, options.out);
-  RunPlan plan = plan_of(options);
-  const std::unique_ptr<ScanSource> source = plan.open();
+  LiftedInput input = lifted_input(options, options);
+  const std::unique_ptr<ScanSource> source = input.open();
   print_warnings(*source, options.input);
-  const std::size_t told = source->warnings().size();
   const std::optional<TrajectoryFile> reference = reference_of(options, *source);
-  RunOutput output(options.out);
-  if (!options.map_file.empty()) output.refuse_to_replace(options.map_file);
+  RunOutput output(options.out, inputs_of(options));
 
-  RunResult result;
-  SlamRunSpec spec = plan.spec();
-  spec.slam = slam_options(options.slam);
-  if (!options.map_file.empty()) spec.slam.loop_closing.enabled = false;
-  spec.save_map = options.save_map;
-  spec.map = given_map(options);
-  result.run = run_slam(*source, spec, output, interrupt);
+  slam::SlamOptions slam = slam_options(options.slam);
+  if (!options.map_file.empty()) slam.loop_closing.enabled = false;
+  SlamSession session(input, slam, given_map(options));
+  const std::size_t told = source->warnings().size();
+  process_all(*source, session, output, interrupt);
   print_later_warnings(*source, told);
-  if (result.run.scans.empty()) {
-    if (result.run.end == RunEnd::kUnreadableScan) {
-      throw Error(result.run.end_message);
-    }
-    return result;  // interrupted at once: an earlier run's results stay
-  }
+  SlamRun run = session.finished(options.save_map);
+  if (run.scans.empty()) return run;  // interrupted at once: an earlier run's results stay
   if (reference) {
-    result.comparison = comparison_of(result.run, *reference);
-    if (!result.comparison) {
+    run.comparison = comparison_of(run, *reference);
+    if (!run.comparison) {
       to_stderr(
           "hqslam: {}: fewer than 3 of its poses are within 0.02 s of a scan: not compared "
           "with it\n",
           reference->path);
     }
   }
-  output.write_results(result.run, result.comparison);
+  output.write_results(run);
   if (options.dense_map && !interrupt.stop_requested()) {
-    add_dense_map(options, interrupt, output, result);
+    add_dense_map(options, interrupt, output, run);
   }
-  return result;
+  return run;
 }
 
 int run_command(const RunOptions& options) {
   const InterruptGuard interrupt;
-  const RunResult result = run_and_write(options, interrupt);
-  if (!result.run.scans.empty()) {
-    print_summary(result, options);
-  }
-  return exit_status_of(result, options);
+  const SlamRun run = run_and_write(options, interrupt);
+  if (!run.scans.empty()) print_summary(run, options);
+  return exit_status_of(run, options);
 }
 
 }  // namespace hqslam::tools

@@ -1,19 +1,16 @@
 #pragma once
 
-#include <optional>
 #include <string>
 #include <vector>
 
-#include "recording/reference.h"
 #include "run/dense_map_run.h"
-#include "run/run_plan.h"
 #include "run/slam_run.h"
 #include "run/slam_settings.h"
 #include "terminal/interrupt.h"
 
 namespace hqslam::tools {
 
-struct RunOptions : RecordingChoice {
+struct RunOptions : InputChoice, LiftingChoice {
   std::string out;
   std::string reference;  ///< empty: truth.tum in a folder written by `hqslam simulate`, or none
   int threads = 0;        ///< 0: what OpenMP chooses
@@ -27,15 +24,9 @@ struct RunOptions : RecordingChoice {
 
 void declare_run(CLI::App& app, RunOptions& options);
 
-/// A run and how it compares with its reference.
-struct RunResult {
-  SlamRun run;
-  std::optional<ReferenceComparison> comparison;
-  std::string dense_map_summary;  ///< empty: there is none
-};
-/// Runs and writes the results, printing nothing but progress. Without a single scan nothing is
-/// written. Throws Error, also if the first scan cannot be read.
-RunResult run_and_write(const RunOptions& options, const InterruptGuard& interrupt);
+/// Runs and writes the results, printing nothing but progress and warnings. Without a single scan
+/// nothing is written. Throws Error, also if the first scan cannot be read.
+SlamRun run_and_write(const RunOptions& options, const InterruptGuard& interrupt);
 
 /// Returns an ExitStatus. Throws Error.
 int run_command(const RunOptions& options);

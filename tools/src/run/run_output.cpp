@@ -153,25 +153,30 @@ std::string timings_json(const SlamRun& run) {
   return text + ",\n  \"per_scan\": " + per_scan(run, durations).dump() + "\n}\n";
 }
 
-RunOutput::RunOutput(const std::string& folder)
+RunOutput::RunOutput(const std::string& folder, const Paths& inputs)
     : folder_(folder), last_checkpoint_(std::chrono::steady_clock::now()) {
   if (fs::exists(folder_) && !fs::is_directory(folder_)) {
     throw Error(fmt::format(
         "{}: expected a folder for the results, found a file; give another --out", folder));
   }
-  if (written_by_hqslam(folder_)) return;
-  refuse_foreign_dense_map(folder_);
-  refuse_existing(folder_, kResultsSoFar, "and was not written by hqslam");
-  refuse_existing(folder_, kResultsAtTheEnd, "and was not written by hqslam");
+  const bool is_own = written_by_hqslam(folder_);
+  constexpr const char* kBut = "was not written by hqslam";
+  if (!is_own) guard_dense_map(folder_, inputs);
+  guard_results(folder_, kResultsSoFar, is_own, kBut, inputs);
+  guard_results(folder_, kResultsAtTheEnd, is_own, kBut, inputs);
+  guard_results(folder_, kDenseMapFiles, true, kBut, inputs);
 }
 
-void RunOutput::refuse_to_replace(const std::string& input) const {
-  for (const char* result : kResultsAtTheEnd) {
-    std::error_code not_there;
-    if (!fs::equivalent(input, folder_ / result, not_there)) continue;
-    throw Error(
-        fmt::format("{}: lies in --out, whose results are replaced; give another --out", input));
-  }
+RunOutput::~RunOutput() {
+  std::error_code ignored;
+  if (made_folder_ && first_) fs::remove(folder_, ignored);  // only an empty one
+}
+
+void RunOutput::prepare() {
+  if (lock_) return;
+  made_folder_ = !fs::exists(folder_);
+  make_result_folder(folder_);
+  lock_.emplace(folder_);
 }
 
 bool RunOutput::checkpoint_due() const {
@@ -182,10 +187,8 @@ bool RunOutput::checkpoint_due() const {
 
 void RunOutput::write_checkpoint(const SlamRun& run) {
   const auto start = std::chrono::steady_clock::now();
-  if (first_) {
-    make_result_folder(folder_);
-    lock_.emplace(folder_);
-  }
+  last_checkpoint_ = start;  // also if it fails: it is not tried again at once
+  prepare();
   // The timings first: they mark the folder as ours.
   write_text_file(timings_json(run), path("timings.json"));
   if (first_) {
@@ -202,8 +205,7 @@ void RunOutput::write_checkpoint(const SlamRun& run) {
   last_duration_s_ = std::chrono::duration<double>(last_checkpoint_ - start).count();
 }
 
-void RunOutput::write_results(const SlamRun& run,
-                              const std::optional<ReferenceComparison>& comparison) {
+void RunOutput::write_results(const SlamRun& run) {
   write_checkpoint(run);
   write_text_file(covariances_csv(run), path("covariances.csv"));
   replace_file(path("map.pcd"),
@@ -212,19 +214,17 @@ void RunOutput::write_results(const SlamRun& run,
     replace_file(path("saved_map.npz"),
                  [&](const std::string& part) { slam::write_saved_map(part, *run.saved_map); });
   }
-  write_text_file(html_report(run, comparison), path("report.html"));
+  write_text_file(html_report(run), path("report.html"));
 }
 
-void RunOutput::write_dense_map(const SlamRun& run,
-                                const std::optional<ReferenceComparison>& comparison,
-                                const DenseMapRun& dense_map) {
+void RunOutput::write_dense_map(const SlamRun& run, const DenseMapRun& dense_map) {
   Trajectory path_of_map;
   for (std::size_t scan = 0; scan < run.trajectory.size(); ++scan) {
     if (run.part_of_scan[scan] == run.map_part) path_of_map.push_back(run.trajectory[scan]);
   }
   const DenseMapPictures pictures = pictures_of(dense_map, path_of_map);
   tools::write_dense_map(dense_map, pictures, folder_);
-  write_text_file(html_report(run, comparison, {&dense_map, &pictures}), path("report.html"));
+  write_text_file(html_report(run, {&dense_map, &pictures}), path("report.html"));
 }
 
 }  // namespace hqslam::tools

@@ -5,8 +5,8 @@
 #include <optional>
 #include <string>
 
+#include "files/output_guard.h"
 #include "files/result_folder.h"
-#include "recording/reference.h"
 #include "run/dense_map_run.h"
 #include "run/slam_run.h"
 
@@ -19,12 +19,17 @@ namespace hqslam::tools {
 /// stops. No other file in the folder is touched.
 class RunOutput {
  public:
-  /// Touches nothing yet. Throws Error if one of the files is there and was not written by
-  /// hqslam.
-  explicit RunOutput(const std::string& folder);
+  /// Touches nothing yet. Throws Error if one of the files is there and was not written by hqslam,
+  /// or is one of `inputs`.
+  explicit RunOutput(const std::string& folder, const Paths& inputs = {});
+  /// Leaves no folder behind that it made for nothing.
+  ~RunOutput();
+  RunOutput(const RunOutput&) = delete;
+  RunOutput& operator=(const RunOutput&) = delete;
 
-  /// Throws Error if this is one of the files that the first checkpoint removes.
-  void refuse_to_replace(const std::string& input) const;
+  /// Makes the folder, finds out whether it takes files, and locks it: what the first checkpoint
+  /// does, where results come long after. Throws Error, also if another program writes into it.
+  void prepare();
   const std::filesystem::path& folder() const { return folder_; }
   /// Whether so much time has passed since the last checkpoint that another is worth writing.
   bool checkpoint_due() const;
@@ -34,11 +39,10 @@ class RunOutput {
   /// Error, also if another program writes into the folder.
   void write_checkpoint(const SlamRun& run);
   /// Everything.
-  void write_results(const SlamRun& run, const std::optional<ReferenceComparison>& comparison);
+  void write_results(const SlamRun& run);
   /// After write_results: the dense map's four files (dense_map_output.h), and the report again,
   /// with its pictures.
-  void write_dense_map(const SlamRun& run, const std::optional<ReferenceComparison>& comparison,
-                       const DenseMapRun& dense_map);
+  void write_dense_map(const SlamRun& run, const DenseMapRun& dense_map);
 
  private:
   std::string path(const char* result) const { return (folder_ / result).string(); }
@@ -46,6 +50,7 @@ class RunOutput {
   std::chrono::steady_clock::time_point last_checkpoint_;
   double last_duration_s_ = 0.0;  ///< what the last checkpoint took
   bool first_ = true;
+  bool made_folder_ = false;
   std::optional<FolderLock> lock_;  ///< from the first checkpoint on
 };
 

@@ -105,4 +105,12 @@ std::string run_summary(const SlamRun& run) {
   return summary;
 }
 
+std::string results_line(const SlamRun& run, const std::string& out) {
+  return fmt::format(
+      "results: {}/trajectory.tum, trajectory.kitti, covariances.csv, map.pcd, timings.json, "
+      "report.html{}{}\n",
+      out, run.saved_map ? ", saved_map.npz" : "",
+      run.dense_map_summary.empty() ? "" : ", dense_map.pcd, dense_map.ply and pictures");
+}
+
 }  // namespace hqslam::tools

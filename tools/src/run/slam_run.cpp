@@ -4,63 +4,21 @@
 #include <omp.h>
 
 #include <algorithm>
+#include <utility>
 
-#include "hqslam/core/error.h"
-#include "hqslam/nn/upsampled_cloud.h"
-#include "hqslam/slam/options.h"
-#include "run/run_output.h"
-#include "terminal/progress.h"
 #include "timing/stopwatch.h"
 #include "timing/timing_statistics.h"
 
 namespace hqslam::tools {
 namespace {
 
-/// The next scan, or nothing at the end of the recording or at a scan that cannot be read.
-std::optional<RecordedScan> read_next(ScanSource& source, SlamRun& run) {
-  try {
-    return next_usable(source, run.left_out);
-  } catch (const Error& error) {
-    run.end = RunEnd::kUnreadableScan;
-    run.end_message = error.what();
-    return std::nullopt;
-  }
-}
-
-/// Of the scans that SLAM gets to see.
-SensorModel sensor_of(const SensorModel& recorded, const SlamRunSpec& spec) {
-  if (spec.upsampler != nullptr) {
-    return spec.upsampler->sensor();
-  }
-  return spec.rows ? select_rows(recorded, *spec.rows) : recorded;
-}
-
-slam::Slam slam_of(const SensorModel& sensor, const SlamRunSpec& spec) {
-  if (!spec.map) return {sensor, spec.slam};
-  return {sensor, spec.slam, spec.map->map, spec.map->T_map_level_start};
+slam::Slam slam_of(const SensorModel& sensor, const slam::SlamOptions& options,
+                   const std::optional<GivenMap>& map) {
+  if (!map) return {sensor, options};
+  return {sensor, options, map->map, map->T_map_level_start};
 }
 
 }  // namespace
-
-OrganizedCloud measured_cloud(const OrganizedCloud& cloud, const SlamRunSpec& spec) {
-  return spec.rows ? select_rows(cloud, *spec.rows) : cloud;
-}
-
-OrganizedCloud prepared_cloud(const OrganizedCloud& measured, const SlamRunSpec& spec) {
-  return spec.upsampler != nullptr ? nn::upsampled_cloud(*spec.upsampler, measured) : measured;
-}
-
-std::string_view name(RunEnd end) {
-  switch (end) {
-    case RunEnd::kInterrupted:
-      return "interrupted";
-    case RunEnd::kUnreadableScan:
-      return "unreadable scan";
-    case RunEnd::kComplete:
-      break;
-  }
-  return "complete";
-}
 
 std::string scans_of(const SlamRun& run) {
   if (!run.scans_in_recording) return fmt::format("{} scans", run.scans.size());
@@ -158,43 +116,38 @@ std::size_t largest_part(const SlamRun& run) {
 
 }  // namespace
 
-SlamSession::SlamSession(const SensorModel& sensor, const SlamRunSpec& spec)
-    : spec_(spec), slam_(slam_of(sensor_of(sensor, spec), spec)) {
-  const SensorModel seen = sensor_of(sensor, spec);
-  run_.input = spec.input;
+SlamSession::SlamSession(LiftedInput& input, const slam::SlamOptions& options,
+                         const std::optional<GivenMap>& map)
+    : input_(input), slam_(slam_of(input.seen(), options, map)) {
+  const SensorModel seen = input.seen();
+  run_.input = input.recording.input;
   run_.sensor_name = seen.name;
   run_.rows = seen.rows();
   run_.columns = seen.columns;
-  run_.upsampled_by = spec.upsampler != nullptr ? spec.upsampler->name() : "";
-  run_.slam = spec.slam;
+  run_.upsampled_by = input.upsampler ? input.upsampler->name() : "";
+  run_.slam = options;
   run_.threads = omp_get_max_threads();
-  if (spec.map) run_.located_in = spec.map->path;
+  if (map) run_.located_in = map->path;
 }
 
-void SlamSession::process(const RecordedScan& scan, ScanRecord record, RunOutput& output,
-                          const std::function<void(ScanRecord&)>& located) {
-  record.scan = std::ssize(run_.scans) + run_.left_out.scans;
+ScanRecord& SlamSession::process(const RecordedScan& scan, std::int64_t index, double reading_s) {
+  ScanRecord record;
+  record.scan = index;
+  record.reading_s = reading_s;
   record.invalid_points = scan.invalid_points;
-  const OrganizedCloud measured = measured_cloud(scan.cloud, spec_);
-  const auto upsampling_start = SteadyClock::now();
-  cloud_ = prepared_cloud(measured, spec_);
-  if (spec_.upsampler != nullptr) record.upsampling_s = seconds_since(upsampling_start);
-  try {
-    record.report = slam_.process(cloud_, scan.stamp_s);
-  } catch (const ScanError& error) {
-    if (run_.left_out.scans++ == 0) {
-      run_.left_out.first = fmt::format("{}: {}", scan.name, error.what());
-    }
-    return;
-  }
+  const OrganizedCloud measured = input_.measured(scan.cloud);
+  const double lifting_s = seconds_of([&] { cloud_ = input_.lifted(measured); });
+  if (input_.upsampler) record.upsampling_s = lifting_s;
+  record.report = slam_.process(cloud_, scan.stamp_s);
   remember(record.report.loop);
-  if (located) located(record);
-  run_.scans.push_back(record);
+  run_.scans.push_back(std::move(record));
   run_.wall_s = seconds_since(start_);
-  if (output.checkpoint_due()) {
-    run_.trajectory = slam_.trajectory();
-    output.write_checkpoint(run_);
-  }
+  return run_.scans.back();
+}
+
+SlamRun& SlamSession::run_so_far() {
+  run_.trajectory = slam_.trajectory();
+  return run_;
 }
 
 void SlamSession::remember(const slam::LoopReport& loop) {
@@ -203,7 +156,7 @@ void SlamSession::remember(const slam::LoopReport& loop) {
   }
 }
 
-SlamRun SlamSession::finished() {
+SlamRun SlamSession::finished(bool save_map) {
   for (const slam::LoopReport& loop : slam_.finish()) remember(loop);
   run_.mounting = slam_.mounting();
   run_.part_of_scan = slam_.submap_of_scan();
@@ -215,41 +168,8 @@ SlamRun SlamSession::finished() {
   }
   run_.map_part = largest_part(run_);
   run_.map_points_m = slam_.map_points_m(run_.map_part);
-  if (spec_.save_map) run_.saved_map = slam_.saved_map();
+  if (save_map) run_.saved_map = slam_.saved_map();
   return std::move(run_);
-}
-
-SlamRun run_slam(ScanSource& source, const SlamRunSpec& spec, RunOutput& output,
-                 const InterruptGuard& interrupt) {
-  SlamSession session(source.sensor(), spec);
-  SlamRun& run = session.run();
-  run.scans_in_recording = source.size();
-  Progress progress(fmt::format("slam {}x{}", run.rows, run.columns), source.size());
-  while (true) {
-    if (interrupt.stop_requested()) {
-      run.end = RunEnd::kInterrupted;
-      break;
-    }
-    const auto reading_start = SteadyClock::now();
-    const std::optional<RecordedScan> scan = read_next(source, run);
-    if (!scan) {
-      break;
-    }
-    ScanRecord record;
-    record.reading_s = seconds_since(reading_start);
-    session.process(*scan, record, output);
-    progress.update(std::ssize(run.scans), source.read_share());
-  }
-  progress.update(std::ssize(run.scans), source.read_share());
-  progress.finish();
-  if (run.end == RunEnd::kComplete) {
-    run.scans_in_recording = std::ssize(run.scans) + run.left_out.scans;
-  }
-  if (run.scans.empty() && run.left_out.scans > 0 && run.end == RunEnd::kComplete) {
-    run.end = RunEnd::kUnreadableScan;
-    run.end_message = run.left_out.text();
-  }
-  return session.finished();
 }
 
 }  // namespace hqslam::tools

@@ -10,18 +10,14 @@
 #include <utility>
 #include <vector>
 
-#include "hqslam/core/scan_source.h"
-#include "hqslam/core/sensor_model.h"
-#include "hqslam/nn/upsampler.h"
 #include "hqslam/slam/options.h"
 #include "hqslam/slam/saved_map.h"
 #include "hqslam/slam/slam.h"
-#include "recording/recording_sensor.h"
-#include "terminal/interrupt.h"
+#include "lift/lifted_input.h"
+#include "recording/reading.h"
+#include "recording/reference.h"
 
 namespace hqslam::tools {
-
-class RunOutput;
 
 /// One processed scan.
 struct ScanRecord {
@@ -34,11 +30,8 @@ struct ScanRecord {
   std::optional<double> latency_s;
 };
 
-/// Why a run came to its end.
-enum class RunEnd { kComplete, kInterrupted, kUnreadableScan };
-
-/// A run of SLAM over a recording, finished or not.
-struct SlamRun {
+/// A run of SLAM over a recording or a sensor, finished or not.
+struct SlamRun : Reading {
   std::string command = "run";  ///< the subcommand that made it
   std::string input;
   std::string sensor_name;
@@ -62,13 +55,9 @@ struct SlamRun {
   std::string located_in;  ///< the file of the map that it was located in; empty: it made its own
   std::optional<slam::SavedMap> saved_map;  ///< filled when the run ends, if it was asked for
   double wall_s = 0.0;
-  RunEnd end = RunEnd::kComplete;
-  LeftOut left_out;
-  std::string end_message;  ///< the reader's message for kUnreadableScan
+  std::optional<ReferenceComparison> comparison;  ///< once the run has ended, of one with a truth
+  std::string dense_map_summary;                  ///< empty: there is none
 };
-
-/// "complete", "interrupted", "unreadable scan"
-std::string_view name(RunEnd end);
 
 /// Scans per second over the whole run: reading, upsampling, SLAM and writing.
 /// "40 of 80 scans", or "40 scans".
@@ -116,55 +105,37 @@ struct GivenMap {
   std::optional<Pose> T_map_level_start;
 };
 
-/// How a recording is processed.
-struct SlamRunSpec {
-  std::string input;
-  std::optional<RowSelection> rows;    ///< of the recording that are looked at; nothing: every row
-  nn::Upsampler* upsampler = nullptr;  ///< what fills the rows between them; nullptr: nothing
-  slam::SlamOptions slam;
-  bool save_map = false;  ///< needs loop closing
-  std::optional<GivenMap> map;
-};
-
-/// The rows of a recorded scan that are looked at.
-OrganizedCloud measured_cloud(const OrganizedCloud& cloud, const SlamRunSpec& spec);
-/// What SLAM gets to see of them: with the rows between them filled, if there is an upsampler.
-OrganizedCloud prepared_cloud(const OrganizedCloud& measured, const SlamRunSpec& spec);
-
 /// SLAM over scans that come one by one, and what is to be told of it.
 class SlamSession {
  public:
-  /// sensor: of the scans, before anything is made of them.
-  SlamSession(const SensorModel& sensor, const SlamRunSpec& spec);
+  /// Keeps `input`. map: to be located in; nothing: one is made.
+  SlamSession(LiftedInput& input, const slam::SlamOptions& options,
+              const std::optional<GivenMap>& map = std::nullopt);
 
-  /// Locates the next scan; hands intermediate results to `output` now and then. `record` says
-  /// what is known of it already; `located` is called as soon as its pose is there. A scan that
-  /// cannot be understood is counted and left out. Throws Error.
-  void process(const RecordedScan& scan, ScanRecord record, RunOutput& output,
-               const std::function<void(ScanRecord&)>& located = {});
-  /// Everything but how it ended.
+  /// Locates the next scan. index, reading_s: as ReadScan says. Returns what the run now ends with.
+  /// Throws Error, ScanError for a scan that is to be left out.
+  ScanRecord& process(const RecordedScan& scan, std::int64_t index, double reading_s);
+  /// The run so far, with its trajectory.
+  SlamRun& run_so_far();
+  /// Everything but its trajectory and its map.
   SlamRun& run() { return run_; }
   /// The trajectory and the map as they are now.
   const Trajectory& trajectory() const { return slam_.trajectory(); }
   std::vector<Eigen::Vector3f> map_points_m() const { return slam_.map_points_m(); }
   /// What SLAM saw of the last scan.
   const OrganizedCloud& cloud() const { return cloud_; }
-  /// The run with its trajectory and map.
-  SlamRun finished();
+  /// The run with its trajectory and map. save_map: with a map for later drives, which needs loop
+  /// closing.
+  SlamRun finished(bool save_map = false);
 
  private:
   void remember(const slam::LoopReport& loop);
 
-  SlamRunSpec spec_;
+  LiftedInput& input_;
   slam::Slam slam_;
   SlamRun run_;
   OrganizedCloud cloud_;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
-
-/// Processes a recording scan by scan, showing progress on stderr and handing intermediate results
-/// to `output` now and then. A scan that cannot be read ends the run, it does not throw.
-SlamRun run_slam(ScanSource& source, const SlamRunSpec& spec, RunOutput& output,
-                 const InterruptGuard& interrupt);
 
 }  // namespace hqslam::tools

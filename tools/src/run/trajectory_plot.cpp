@@ -9,6 +9,7 @@
 #include "report/chart.h"
 #include "report/density_image.h"
 #include "report/error_color.h"
+#include "report/page.h"
 
 namespace hqslam::tools {
 namespace {
@@ -30,7 +31,7 @@ struct Drawing {
   std::vector<Eigen::Vector2d> reference_m;
 };
 
-Drawing drawing_of(const SlamRun& run, const std::optional<ReferenceComparison>& comparison) {
+Drawing drawing_of(const SlamRun& run) {
   Drawing drawing;
   for (const StampedPose& pose : run.trajectory) {
     drawing.estimate_m.push_back(pose.T_map_sensor.translation().head<2>());
@@ -39,10 +40,10 @@ Drawing drawing_of(const SlamRun& run, const std::optional<ReferenceComparison>&
     drawing.is_way_known.push_back(is_way_known(run, i));
   }
   drawing.error_m.resize(run.trajectory.size());
-  if (!comparison || run.trajectory.empty()) {
+  if (!run.comparison || run.trajectory.empty()) {
     return drawing;
   }
-  const AbsolutePoseError& error = comparison->error;
+  const AbsolutePoseError& error = run.comparison->error;
   for (std::size_t i = 0; i < error.translation_m.size(); ++i) {
     drawing.error_m[error.pairs.estimate[i]] = error.translation_m[i];
   }
@@ -50,7 +51,7 @@ Drawing drawing_of(const SlamRun& run, const std::optional<ReferenceComparison>&
   // The alignment moved the estimate onto the reference; its inverse brings the reference here.
   const Pose T_map_reference =
       run.trajectory.front().T_map_sensor * error.aligned_estimate.front().T_map_sensor.inverse();
-  for (const StampedPose& pose : comparison->reference) {
+  for (const StampedPose& pose : run.comparison->reference) {
     drawing.reference_m.push_back((T_map_reference * pose.T_map_sensor).translation().head<2>());
   }
   return drawing;
@@ -155,8 +156,7 @@ std::string map_html(const PlotBox& box, const SlamRun& run) {
   const RgbImage image =
       density_from_above(run.map_points_m, box, static_cast<int>(std::lround(columns / aspect)),
                          static_cast<int>(std::lround(columns)));
-  return fmt::format("<img class=\"map\" alt=\"\" src=\"data:image/png;base64,{}\">",
-                     base64(encode_png(image)));
+  return fmt::format("<img class=\"map\" alt=\"\" src=\"{}\">", picture_source(image));
 }
 
 std::string legend_html(const Drawing& drawing) {
@@ -172,9 +172,8 @@ std::string legend_html(const Drawing& drawing) {
 
 }  // namespace
 
-std::string trajectory_plot_html(const SlamRun& run,
-                                 const std::optional<ReferenceComparison>& comparison) {
-  const Drawing drawing = drawing_of(run, comparison);
+std::string trajectory_plot_html(const SlamRun& run) {
+  const Drawing drawing = drawing_of(run);
   const PlotBox box = box_around(drawing);
   const double width_m = box.x_max - box.x_min;
   const double height_m = box.y_max - box.y_min;

@@ -25,6 +25,7 @@ struct SimulateOptions {
   bool bin = false;
   bool pcd = false;
   bool imu = false;
+  bool replaces_damaged = false;  ///< a drive in `out`, whatever is left of it; no option of a user
 };
 
 void declare_simulate(CLI::App& app, SimulateOptions& options);

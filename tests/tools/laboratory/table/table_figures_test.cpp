@@ -2,7 +2,8 @@
 
 #include <doctest/doctest.h>
 
-#include "laboratory/table/table_output.h"
+#include "laboratory/table/table_report.h"
+#include "laboratory/table/table_text.h"
 #include "tools/example_table.h"
 
 namespace hqslam::tools {
@@ -67,11 +68,11 @@ TEST_CASE("drift is taken over 100 m, and over nothing if the path is shorter") 
   Trajectory estimate = test::example_trajectory(0.0);
   const Trajectory reference = estimate;
   for (StampedPose& pose : estimate) pose.T_map_sensor.translation() *= 1.02;
-  CHECK(error_figures(estimate, reference)->rpe_percent == doctest::Approx(2.0).epsilon(0.1));
-  CHECK(*error_figures(estimate, reference)->rpe_deg_per_100m == doctest::Approx(0.0));
+  CHECK(error_figures(estimate, reference)->rpe_percent() == doctest::Approx(2.0).epsilon(0.1));
+  CHECK(*error_figures(estimate, reference)->rpe_deg_per_100m() == doctest::Approx(0.0));
   estimate.resize(9);
   CHECK_FALSE(
-      error_figures(estimate, Trajectory(reference.begin(), reference.begin() + 9))->rpe_percent);
+      error_figures(estimate, Trajectory(reference.begin(), reference.begin() + 9))->rpe_percent());
   estimate.resize(2);
   CHECK_FALSE(error_figures(estimate, reference));
 }
@@ -86,15 +87,15 @@ TEST_CASE("speed: upsampling by the median, the chain by upsampling, points and 
 }
 
 TEST_CASE("three digits that count") {
-  CHECK(figure_text(0.0424) == "0.042");
-  CHECK(figure_text(0.99949) == "0.999");
-  CHECK(figure_text(0.99951) == "1.00");
-  CHECK(figure_text(3.784) == "3.78");
-  CHECK(figure_text(9.95) == "9.95");
-  CHECK(figure_text(9.996) == "10.0");
-  CHECK(figure_text(31.71) == "31.7");
-  CHECK(figure_text(99.96) == "100");
-  CHECK(figure_text(6717.2) == "6717");
+  CHECK(three_digits(0.0424) == "0.042");
+  CHECK(three_digits(0.99949) == "0.999");
+  CHECK(three_digits(0.99951) == "1.00");
+  CHECK(three_digits(3.784) == "3.78");
+  CHECK(three_digits(9.95) == "9.95");
+  CHECK(three_digits(9.996) == "10.0");
+  CHECK(three_digits(31.71) == "31.7");
+  CHECK(three_digits(99.96) == "100");
+  CHECK(three_digits(6717.2) == "6717");
 }
 
 TEST_CASE("the paper's table has one figure per drive, and a dash where a drive lacks the method") {
@@ -136,7 +137,7 @@ TEST_CASE("the upsampling table leaves out what does not upsample") {
 }
 
 TEST_CASE("the page of Markdown holds every table, the machine and the weights") {
-  const std::string text = table_markdown({example_drive(true)});
+  const std::string text = markdown_of(drives_report({example_drive(true)}));
   for (const char* part :
        {"## Loop closing off", "## Loop closing on", "## town", "### Trajectory, loop closing on",
         "### Upsampling", "SE(3)", "a processor, 1 thread, portable", "du-or.npz (hash 17)",
@@ -148,10 +149,10 @@ TEST_CASE("the page of Markdown holds every table, the machine and the weights")
 
 TEST_CASE("times are only in the JSON's timings: other times leave the rest as it is") {
   DriveFigures drive = example_drive(true);
-  const std::string before = table_json({drive});
+  const std::string before = drives_json({drive});
   drive.methods[1].result.timings.upsampling_ms = 8.0;
   drive.methods[1].result.timings.slam[0] = {9.0, 9.0, 9.0};
-  const std::string after = table_json({drive});
+  const std::string after = drives_json({drive});
   const std::size_t timings = before.find("\"timings\"");
   REQUIRE(timings != std::string::npos);
   CHECK(before.substr(0, timings) == after.substr(0, timings));

@@ -60,6 +60,19 @@ TEST_CASE("over seeds every drive is there from each seed, without loop closing"
   CHECK(plan.drives[3].recording.input == "out/drives/hills-seed-4");
 }
 
+TEST_CASE("over seeds others are paired with what is named, with linear, or with the first") {
+  TableOptions options = options_for("out");
+  options.seeds = "1";
+  options.methods = {"rows-16", "linear", "rows-64"};
+  CHECK(plan_table(options).against == 1);
+  CHECK(plan_table(options).shown.size() == 3);
+  options.against = "rows-64";
+  CHECK(plan_table(options).against == 2);
+  options.against = "";
+  options.methods = {"rows-16", "rows-64"};
+  CHECK(plan_table(options).against == 0);
+}
+
 TEST_CASE("a variant of SLAM is a row behind its method, never without being asked for") {
   TableOptions options = options_for("out");
   CHECK(std::none_of(table_methods().begin(), table_methods().end(),
@@ -174,7 +187,8 @@ TEST_CASE("what is not there or would mix is refused in one line") {
   wrong = options_for("out");
   wrong.seeds = "1..2";
   wrong.methods = {"rows-16"};
-  CHECK(test::one_line_with(plan_error(wrong), "--against", "'linear'"));
+  wrong.against = "du-or";
+  CHECK(test::one_line_with(plan_error(wrong), "--against", "'du-or'"));
   wrong.drives = {"."};
   CHECK(test::one_line_with(plan_error(wrong), "--seeds", "town", "'.'"));
   wrong = options_for("out");

@@ -19,6 +19,7 @@
 #include "laboratory/bench/bench_measurement.h"
 #include "laboratory/bench/bench_network.h"
 #include "laboratory/bench/bench_network_output.h"
+#include "recording/recording_sensor.h"
 #include "simulate/simulate_command.h"
 #include "terminal/exit_status.h"
 #include "terminal/terminal.h"
@@ -316,7 +317,7 @@ int bench_command(const BenchOptions& options) {
     simulate_drive(simulate, interrupt);
     input.input = simulate.out;
   }
-  const SensorModel sensor = required_recording_sensor(input.input, input.sensor, input.stream);
+  const SensorModel sensor = required_recording_sensor(input);
   Measurements measurements = measure(input, sensor, weights, interrupt);
   measurements.input =
       drive ? fmt::format("simulated {}, {} scans", options.drive, options.scans) : input.input;

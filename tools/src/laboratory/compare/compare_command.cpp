@@ -5,16 +5,18 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.h"
+#include "files/output_guard.h"
 #include "files/text_file.h"
 #include "hqslam/core/error.h"
-#include "hqslam/core/scan_source.h"
 #include "laboratory/compare/confidence_curve.h"
 #include "laboratory/compare/confidence_report.h"
 #include "laboratory/compare/layer_comparison.h"
 #include "laboratory/compare/tulip_comparison.h"
 #include "laboratory/compare/upsampling_comparison.h"
-#include "lift/upsampling_plan.h"
+#include "lift/lifted_input.h"
+#include "recording/reading.h"
 #include "recording/recording_sensor.h"
+#include "report/text_table.h"
 #include "terminal/exit_status.h"
 #include "terminal/interrupt.h"
 #include "terminal/progress.h"
@@ -26,6 +28,17 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr int kMeasuredRows = 16;
+
+void guard_outputs(const CompareOptions& options) {
+  Paths inputs = options.weights;
+  inputs.push_back(options.input);
+  const auto guard = [&](const std::string& path, const char* marker) {
+    if (path.empty()) return;
+    guard_output_file(path, inputs, [&](const auto& there) { return has_marker(there, marker); });
+  };
+  guard(options.json, kCompareJsonMarker);
+  guard(options.curve, kConfidencePageMarker);
+}
 
 /// There must be rows between the measured ones.
 void require_rows_to_compute(const CompareOptions& options, const SensorModel& sensor) {
@@ -77,60 +90,65 @@ std::vector<ComparedMethod> methods_of(const CompareOptions& options, const Sens
   return methods;
 }
 
+using ScoreFigures = std::vector<Figure<UpsamplingScore>>;
+
+/// linear: the score that others are held against.
+ScoreFigures score_figures(const UpsamplingScore& linear) {
+  using S = UpsamplingScore;
+  return {
+      {"MAE all m", "mae_all_m", 3, 1.0, [](const S& s) { return s.mae_all_m; }},
+      {"of linear", nullptr, 3, 1.0, [=](const S& s) { return s.mae_all_m / linear.mae_all_m; }},
+      {"MAE valid m", "mae_valid_m", 3, 1.0, [](const S& s) { return s.mae_valid_m; }},
+      {"missing %", "missing_share", 2, 100.0, [](const S& s) { return s.missing_share; }},
+      {"invented %", "invented_share", 2, 100.0, [](const S& s) { return s.invented_share; }},
+      {"Chamfer m^2", "chamfer_m2", 3, 1.0, [](const S& s) { return s.chamfer_m2; }},
+      {"IoU", "iou", 3, 1.0, [](const S& s) { return s.iou; }},
+      {"precision", "precision", 3, 1.0, [](const S& s) { return s.precision; }},
+      {"recall", "recall", 3, 1.0, [](const S& s) { return s.recall; }},
+      {"F1", "f1", 3, 1.0, [](const S& s) { return s.f1; }},
+      {"outliers %", "outlier_share", 2, 100.0, [](const S& s) { return s.outlier_share; }},
+      {"per scan", "outliers_per_scan", 0, 1.0, [](const S& s) { return s.outliers_per_scan; }},
+      {"of linear", nullptr, 3, 1.0,
+       [=](const S& s) { return s.outliers_per_scan / linear.outliers_per_scan; }},
+      {"good lost %", "good_lost_share", 2, 100.0, [](const S& s) { return s.good_lost_share; }},
+      {"ms", nullptr, 2, 1.0,
+       [](const S& s) {
+         return s.upsampling_ms > 0.0 ? std::optional(s.upsampling_ms) : std::nullopt;
+       }},
+      {nullptr, "upsampling_ms", 0, 1.0, [](const S& s) { return s.upsampling_ms; }}};
+}
+
+/// Linear's, or the first where that is not there.
+ScoreFigures score_figures(const std::vector<UpsamplingScore>& scores) {
+  const auto linear = std::find_if(scores.begin(), scores.end(),
+                                   [](const auto& score) { return score.method == "linear"; });
+  return score_figures(linear != scores.end() ? *linear : scores.front());
+}
+
 void print_scores(const std::vector<UpsamplingScore>& scores) {
-  const UpsamplingScore* linear = &scores.front();
-  for (const UpsamplingScore& score : scores) {
-    if (score.method == "linear") linear = &score;
-  }
-  to_stdout(
-      "| method | MAE all m | of linear | MAE valid m | missing % | invented % | Chamfer m^2 | IoU "
-      "| "
-      "precision | recall | F1 | outliers % | per scan | of linear | good lost % | ms "
-      "|\n|{:-<1}|{}\n",
-      "", "--|--|--|--|--|--|--|--|--|--|--|--|--|--|--|");
-  for (const UpsamplingScore& s : scores) {
-    to_stdout(
-        "| {} | {:.3f} | {:.3f} | {:.3f} | {:.2f} | {:.2f} | {:.3f} | {:.3f} | {:.3f} | {:.3f} | "
-        "{:.3f} | {:.2f} | {:.0f} | {:.3f} | {} | {} |\n",
-        s.method, s.mae_all_m, s.mae_all_m / linear->mae_all_m, s.mae_valid_m,
-        100.0 * s.missing_share, 100.0 * s.invented_share, s.chamfer_m2, s.iou, s.precision,
-        s.recall, s.f1, 100.0 * s.outlier_share, s.outliers_per_scan,
-        s.outliers_per_scan / linear->outliers_per_scan,
-        s.good_lost_share ? fmt::format("{:.2f}", 100.0 * *s.good_lost_share) : "-",
-        s.upsampling_ms > 0.0 ? fmt::format("{:.2f}", s.upsampling_ms) : "-");
-  }
+  to_stdout("{}", markdown_of(table_of(scores, "method", score_figures(scores),
+                                       [](const auto& score) { return score.method; })));
 }
 
 void print_trials(const std::vector<FilterTrial>& trials) {
-  to_stdout(
-      "| support % | angle deg | min pixels | bad removed % | good lost % | outliers left % | MAE "
-      "all m |\n"
-      "|--|--|--|--|--|--|--|\n");
-  for (const FilterTrial& t : trials) {
-    to_stdout("| {:.0f} | {:.0f} | {} | {:.1f} | {:.2f} | {:.2f} | {:.3f} |\n",
-              100.0 * t.support_share, t.min_angle_deg, t.min_pixels, 100.0 * t.bad_removed_share,
-              100.0 * t.good_lost_share, 100.0 * t.outlier_share, t.mae_all_m);
-  }
+  using T = FilterTrial;
+  const std::vector<Figure<T>> figures = {
+      {"angle deg", nullptr, 0, 1.0, [](const T& t) { return t.min_angle_deg; }},
+      {"min pixels", nullptr, 0, 1.0, [](const T& t) { return t.min_pixels; }},
+      {"bad removed %", nullptr, 1, 100.0, [](const T& t) { return t.bad_removed_share; }},
+      {"good lost %", nullptr, 2, 100.0, [](const T& t) { return t.good_lost_share; }},
+      {"outliers left %", nullptr, 2, 100.0, [](const T& t) { return t.outlier_share; }},
+      {"MAE all m", nullptr, 3, 1.0, [](const T& t) { return t.mae_all_m; }}};
+  const auto support = [](const T& t) { return fmt::format("{:.0f}", 100.0 * t.support_share); };
+  to_stdout("{}", markdown_of(table_of(trials, "support %", figures, support)));
 }
 
 Json scores_json(const std::vector<UpsamplingScore>& scores) {
+  const ScoreFigures figures = score_figures(scores);
   Json json = Json::array();
-  for (const UpsamplingScore& s : scores) {
-    Json row = {{"method", s.method},
-                {"mae_all_m", s.mae_all_m},
-                {"mae_valid_m", s.mae_valid_m},
-                {"missing_share", s.missing_share},
-                {"invented_share", s.invented_share},
-                {"chamfer_m2", s.chamfer_m2},
-                {"iou", s.iou},
-                {"precision", s.precision},
-                {"recall", s.recall},
-                {"f1", s.f1},
-                {"outlier_share", s.outlier_share},
-                {"outliers_per_scan", s.outliers_per_scan},
-                {"upsampling_ms", s.upsampling_ms}};
-    if (s.good_lost_share) row["good_lost_share"] = *s.good_lost_share;
-    json.push_back(row);
+  for (const UpsamplingScore& score : scores) {
+    Json& row = json.emplace_back(Json{{"method", score.method}});
+    add_figures(score, figures, row);
   }
   return json;
 }
@@ -139,8 +157,6 @@ Json scores_json(const std::vector<UpsamplingScore>& scores) {
 std::optional<ConfidenceCurve> curve_of(const CompareOptions& options, const SensorModel& sensor) {
   if (options.curve.empty()) return std::nullopt;
   if (options.weights.empty()) throw Error("compare: --curve needs --weights");
-  refuse_to_replace_foreign(options.curve, kConfidencePageMarker);
-  require_folder_of(options.curve);
   return ConfidenceCurve(nn::Upsampler(network_of(options.weights.back(), sensor,
                                                   {.filter_result = false,
                                                    .tolerance_m = options.tolerance_m,
@@ -151,13 +167,9 @@ std::optional<ConfidenceCurve> curve_of(const CompareOptions& options, const Sen
 
 Json curve_json(const ConfidenceCurve& curve) {
   Json points = Json::array();
-  for (const OperatingPoint& p : curve.points()) {
-    points.push_back({{"least_confidence", p.least_confidence},
-                      {"mae_all_m", p.mae_all_m},
-                      {"mae_valid_m", p.mae_valid_m},
-                      {"outlier_share", p.outlier_share},
-                      {"missing_share", p.missing_share},
-                      {"f1", p.f1}});
+  for (const OperatingPoint& point : curve.points()) {
+    Json& json = points.emplace_back(Json{{"least_confidence", point.least_confidence}});
+    add_figures(point, operating_figures(), json);
   }
   Json bins = Json::array();
   for (const ReliabilityBin& bin : curve.reliability()) {
@@ -169,18 +181,12 @@ Json curve_json(const ConfidenceCurve& curve) {
 }
 
 void finish_curve(const ConfidenceCurve& curve, const CompareOptions& options, std::int64_t used) {
-  write_text_file(confidence_html({options.weights.back(), options.input, used, options.tolerance_m,
-                                   curve.points(), curve.reliability(), curve.calibration_error()}),
-                  options.curve);
-  to_stdout(
-      "| confidence | MAE all m | MAE valid m | outliers % | missing % | F1 |\n"
-      "|--|--|--|--|--|--|\n");
-  for (const OperatingPoint& p : curve.points()) {
-    to_stdout("| {:.2f} | {:.3f} | {:.3f} | {:.2f} | {:.2f} | {:.3f} |\n", p.least_confidence,
-              p.mae_all_m, p.mae_valid_m, 100.0 * p.outlier_share, 100.0 * p.missing_share, p.f1);
-  }
-  to_stdout("confidence against what was right: {:.3f} off on average; page: {}\n",
-            curve.calibration_error(), options.curve);
+  const ConfidenceReport report{options.weights.back(),   options.input,  used,
+                                options.tolerance_m,      curve.points(), curve.reliability(),
+                                curve.calibration_error()};
+  write_text_file(confidence_html(report), options.curve);
+  to_stdout("{}confidence against what was right: {:.3f} off on average; page: {}\n",
+            markdown_of(operating_table(report.points)), report.calibration_error, options.curve);
 }
 
 /// Whether the measured rows of a scan have a return: without one there is nothing to lift.
@@ -199,22 +205,25 @@ std::int64_t for_each_scan(const CompareOptions& options, const SensorModel& sen
   const std::size_t told = source->warnings().size();
   Progress progress("compare", source->size());
   std::int64_t used = 0;
-  LeftOut left_out;
-  for (std::int64_t i = 0; !interrupt.stop_requested(); ++i) {
-    const auto scan = next_usable(*source, left_out);
-    if (!scan) break;
-    if (i % options.every == 0 && has_measured_return(scan->cloud)) {
-      use(scan->cloud);
-      ++used;
-    } else if (i % options.every == 0 && left_out.scans++ == 0) {
-      left_out.first = scan->name + ": has no return in the measured rows";
+  std::int64_t looked_at = 0;
+  Reading reading;
+  read_scans(*source, interrupt, reading, [&](const ReadScan& read) {
+    progress.update(++looked_at, source->read_share());
+    if ((looked_at - 1) % options.every != 0) return true;
+    if (!has_measured_return(read.scan.cloud)) {
+      throw ScanError("has no return in the measured rows");
     }
-    progress.update(i + 1, source->read_share());
-  }
+    use(read.scan.cloud);
+    ++used;
+    return true;
+  });
   progress.finish();
   print_later_warnings(*source, told);
-  if (used == 0 && left_out.scans > 0 && !interrupt.stop_requested()) throw Error(left_out.text());
-  if (left_out.scans > 0) to_stderr("hqslam: {}\n", left_out.text());
+  if (reading.end == ReadingEnd::kUnreadableScan) throw Error(reading.end_message);
+  if (used == 0 && reading.left_out.scans > 0 && reading.end == ReadingEnd::kComplete) {
+    throw Error(reading.left_out.text());
+  }
+  if (reading.left_out.scans > 0) to_stderr("hqslam: {}\n", reading.left_out.text());
   return used;
 }
 
@@ -273,14 +282,10 @@ void declare_compare(CLI::App& app, CompareOptions& options) {
 
 int compare_command(const CompareOptions& options) {
   use_threads(options.threads);
-  if (!options.json.empty()) {
-    refuse_to_replace_foreign(options.json, kCompareJsonMarker);
-    require_folder_of(options.json);
-  }
+  guard_outputs(options);
   if (options.protocol == "tulip") return compare_with_tulip(options);
   const InterruptGuard interrupt;
-  const SensorModel sensor =
-      required_recording_sensor(options.input, options.sensor, options.stream);
+  const SensorModel sensor = required_recording_sensor(options);
   require_rows_to_compute(options, sensor);
   Json json;
   std::int64_t used = 0;

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "laboratory/compare/confidence_curve.h"
+#include "report/text_table.h"
 
 namespace hqslam::tools {
 
@@ -17,6 +18,11 @@ struct ConfidenceReport {
   std::vector<ReliabilityBin> reliability;
   double calibration_error = 0.0;
 };
+
+/// What every operating point says.
+const std::vector<Figure<OperatingPoint>>& operating_figures();
+/// A row for each of them.
+TextTable operating_table(const std::vector<OperatingPoint>& points);
 
 /// In a page so that the command knows its own.
 inline constexpr const char* kConfidencePageMarker = "<!-- hqslam compare --curve -->";

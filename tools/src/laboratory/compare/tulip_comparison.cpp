@@ -14,6 +14,7 @@
 #include "hqslam/core/kitti_bin.h"
 #include "hqslam/nn/upsampler.h"
 #include "laboratory/compare/tulip_protocol.h"
+#include "report/text_table.h"
 #include "terminal/exit_status.h"
 #include "terminal/interrupt.h"
 #include "terminal/progress.h"
@@ -30,7 +31,7 @@ constexpr int kMeasuredRows = 16;
 struct TulipMethod {
   std::string name;
   nn::Upsampler upsampler;
-  TulipScore sum;
+  TulipScore score;  ///< sums over the scans until they are divided
 };
 
 /// Every so many-th .bin file of a folder, or of the folder `velodyne` in it.
@@ -82,27 +83,29 @@ std::vector<TulipMethod> methods_of(const CompareOptions& options) {
 void add(const RangeImage& truth, TulipMethod& method) {
   const RangeImage measured = select_rows(truth, method.upsampler.measured_rows());
   const TulipScore score = tulip_score(method.upsampler.run(measured).image, truth);
-  method.sum.mae_m += score.mae_m;
-  method.sum.mae_computed_m += score.mae_computed_m;
-  method.sum += score;
+  method.score.mae_m += score.mae_m;
+  method.score.mae_computed_m += score.mae_computed_m;
+  method.score += score;
 }
 
-TulipScore mean_of(TulipScore sum, double scans) {
+void make_mean(TulipScore& sum, double scans) {
   sum.mae_m /= scans;
   sum.mae_computed_m /= scans;
   sum /= scans;
-  return sum;
 }
 
-Json json_of(const std::string& name, const TulipScore& s) {
-  return {{"method", name},
-          {"mae_m", s.mae_m},
-          {"mae_computed_m", s.mae_computed_m},
-          {"chamfer_m2", s.chamfer_m2},
-          {"iou", s.iou},
-          {"precision", s.precision},
-          {"recall", s.recall},
-          {"f1", s.f1}};
+const std::vector<Figure<TulipMethod>>& tulip_figures() {
+  using M = TulipMethod;
+  static const std::vector<Figure<M>> figures = {
+      {"MAE all m", "mae_m", 4, 1.0, [](const M& m) { return m.score.mae_m; }},
+      {"MAE computed rows m", "mae_computed_m", 4, 1.0,
+       [](const M& m) { return m.score.mae_computed_m; }},
+      {"Chamfer m^2", "chamfer_m2", 4, 1.0, [](const M& m) { return m.score.chamfer_m2; }},
+      {"IoU", "iou", 4, 1.0, [](const M& m) { return m.score.iou; }},
+      {"precision", "precision", 4, 1.0, [](const M& m) { return m.score.precision; }},
+      {"recall", "recall", 4, 1.0, [](const M& m) { return m.score.recall; }},
+      {"F1", "f1", 4, 1.0, [](const M& m) { return m.score.f1; }}};
+  return figures;
 }
 
 }  // namespace
@@ -122,21 +125,18 @@ int compare_with_tulip(const CompareOptions& options) {
   }
   progress.finish();
   if (done == 0) return kInterrupted;
-  to_stdout(
-      "| method | MAE all m | MAE computed rows m | Chamfer m^2 | IoU | precision | recall | "
-      "F1 |\n|--|--|--|--|--|--|--|--|\n");
   Json json = {{"written_by", kCompareJsonMarker},
                {"protocol", "tulip"},
                {"input", options.input},
                {"scans", done},
                {"methods", Json::array()}};
-  for (const TulipMethod& method : methods) {
-    const TulipScore s = mean_of(method.sum, static_cast<double>(done));
-    to_stdout("| {} | {:.4f} | {:.4f} | {:.4f} | {:.4f} | {:.4f} | {:.4f} | {:.4f} |\n",
-              method.name, s.mae_m, s.mae_computed_m, s.chamfer_m2, s.iou, s.precision, s.recall,
-              s.f1);
-    json["methods"].push_back(json_of(method.name, s));
+  for (TulipMethod& method : methods) {
+    make_mean(method.score, static_cast<double>(done));
+    Json& row = json["methods"].emplace_back(Json{{"method", method.name}});
+    add_figures(method, tulip_figures(), row);
   }
+  to_stdout("{}", markdown_of(table_of(methods, "method", tulip_figures(),
+                                       [](const auto& method) { return method.name; })));
   to_stdout("{} scans of {}\n", done, options.input);
   if (!options.json.empty()) {
     write_text_file(json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n", options.json);

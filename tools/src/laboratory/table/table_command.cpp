@@ -3,7 +3,6 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <array>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -11,12 +10,11 @@
 #include <vector>
 
 #include "commands.h"
+#include "files/output_guard.h"
 #include "files/result_folder.h"
 #include "files/text_file.h"
-#include "hqslam/core/error.h"
-#include "hqslam/core/whole_file.h"
 #include "laboratory/table/table_drive.h"
-#include "laboratory/table/table_output.h"
+#include "laboratory/table/table_report.h"
 #include "laboratory/table/table_work.h"
 #include "ranks/launched_ranks.h"
 #include "terminal/exit_status.h"
@@ -39,43 +37,25 @@ std::string variants_help() {
   return help;
 }
 
-void write_pictures(const DriveFigures& drive, const fs::path& out) {
-  for (std::size_t i = 0; i < kLoopClosingNames.size(); ++i) {
-    const ErrorMap map = error_map_of(drive, i);
-    if (map.panels.empty()) continue;
-    const std::string title =
-        fmt::format("{}: {} scans, loop closing {}", drive.name, drive.scans, kLoopClosingNames[i]);
-    write_whole_file(
-        (out / fmt::format("{}-loop-closing-{}.svg", drive.name, kLoopClosingNames[i])).string(),
-        error_map_svg(map, title));
-  }
-}
-
 /// Throws Error if a table would replace what is none.
-void refuse_foreign_tables(const std::string& out) {
-  const fs::path folder(out);
-  const std::string json = (folder / "table.json").string();
-  refuse_to_replace_foreign(json, kTableJsonMarker);
-  if (fs::exists(json)) return;
-  refuse_existing(folder, std::array{"table.md", "table.html"},
-                  "and was not written by hqslam table");
-}
-
-void write_pages(const std::string& markdown, const std::string& json, const std::string& html,
-                 const fs::path& out) {
-  write_text_file(markdown, (out / "table.md").string());
-  write_text_file(json, (out / "table.json").string());
-  write_text_file(html, (out / "table.html").string());
-  to_stdout("results: {0}/table.html, table.md and table.json\n", out.string());
-}
-
-void print_table(const TextTable& table) {
-  to_stdout("{}\n\n{}\n", table.title, markdown_of(table));
+void guard_tables(const TableOptions& options, const TablePlan& plan) {
+  const fs::path folder(options.out);
+  std::vector<std::string> names = {"table.json", "table.md", "table.html"};
+  for (const TableDrive& drive : plan.drives) {
+    for (const std::size_t i : {kLoopClosingOff, kLoopClosingOn}) {
+      names.push_back(picture_name(drive.name, i));
+    }
+  }
+  std::vector<const char*> written;
+  for (const std::string& name : names) written.push_back(name.c_str());
+  Paths inputs = options.weights;
+  inputs.push_back(options.reference);
+  guard_results(folder, written, has_marker((folder / "table.json").string(), kTableJsonMarker),
+                "was not written by hqslam table", inputs);
 }
 
 /// Of everything that is there.
-void write_drives_tables(const std::vector<DriveWork>& works, const TablePlan& plan,
-                         const fs::path& out) {
+std::vector<DriveFigures> figures_of(const std::vector<DriveWork>& works, const TablePlan& plan) {
   std::vector<DriveFigures> drives;
   for (const DriveWork& work : works) {
     if (!work.prepared) continue;
@@ -84,36 +64,36 @@ void write_drives_tables(const std::vector<DriveWork>& works, const TablePlan& p
     drives.push_back(drive_figures(work.drive, work.prepared->sensor.name, found.methods,
                                    found.results, truth_of(work.drive)));
   }
-  if (drives.empty()) return;
-  for (std::size_t i = 0; i < kLoopClosingNames.size(); ++i) print_table(paper_table(drives, i));
-  for (const DriveFigures& drive : drives) write_pictures(drive, out);
-  write_pages(table_markdown(drives), table_json(drives), table_html(drives), out);
-  for (const DriveFigures& drive : drives) {
-    if (drive.left_out.scans > 0) to_stderr("hqslam: {}: {}\n", drive.name, drive.left_out.text());
-  }
+  return drives;
 }
 
-/// Of the drives that every method has finished.
-void write_seeds_tables(const std::vector<DriveWork>& works, const TablePlan& plan,
-                        const TableOptions& options) {
-  SeedTable table;
-  table.methods = plan.methods;
-  const auto against =
-      std::find_if(table.methods.begin(), table.methods.end(),
-                   [&](const TableMethod& method) { return method.name == options.against; });
-  table.against = static_cast<std::size_t>(against - table.methods.begin());
-  for (const DriveWork& work : works) {
-    if (!work.prepared) continue;
-    const FoundResults found = results_of(*work.prepared, plan.methods, plan.loop_closing);
-    if (found.results.size() < plan.methods.size()) continue;
-    if (auto drive = seed_drive(work.drive, found.results, truth_of(work.drive)->poses)) {
-      table.drives.push_back(std::move(*drive));
+/// The drives that every method has finished.
+TableSample sample_of(const std::vector<DriveFigures>& drives, const TablePlan& plan) {
+  TableSample sample{plan.methods, plan.against, {}};
+  for (const DriveFigures& drive : drives) {
+    if (auto finished = drive_sample(drive, plan.methods)) {
+      sample.drives.push_back(std::move(*finished));
     }
   }
-  if (table.drives.empty()) return;
-  print_table(seeds_summary_table(table));
-  print_table(seeds_pair_table(table));
-  write_pages(seeds_markdown(table), seeds_json(table), seeds_html(table), options.out);
+  return sample;
+}
+
+std::optional<TableReport> report_of(const std::vector<DriveFigures>& drives,
+                                     const TablePlan& plan) {
+  if (!plan.over_seeds) return drives.empty() ? std::nullopt : std::optional(drives_report(drives));
+  const TableSample sample = sample_of(drives, plan);
+  return sample.drives.empty() ? std::nullopt : std::optional(statistics_report(sample));
+}
+
+void write_report(const TableReport& report, const fs::path& out) {
+  to_stdout("{}", printed(report));
+  for (const auto& [name, picture] : report.pictures) {
+    write_text_file(picture, (out / name).string());
+  }
+  write_text_file(markdown_of(report), (out / "table.md").string());
+  write_text_file(report.json, (out / "table.json").string());
+  write_text_file(html_of(report), (out / "table.html").string());
+  to_stdout("results: {0}/table.html, table.md and table.json\n", out.string());
 }
 
 }  // namespace
@@ -153,10 +133,11 @@ void declare_table(CLI::App& app, TableOptions& options) {
                           "3,5,8) instead of once: "
                           "drift and slips against the truth, with 95 % intervals");
   command
-      ->add_option("--against", options.against,
-                   "With --seeds: the row that the others are paired with, drive by drive")
-      ->needs(seeds)
-      ->capture_default_str();
+      ->add_option(
+          "--against", options.against,
+          "With --seeds: the row that the others are paired with, drive by drive (default: "
+          "linear or, without it, the first of --methods)")
+      ->needs(seeds);
   command->add_option("--out", options.out, "Folder for drives, results and tables")->required();
   declare_threads(*command, options.threads);
   command->footer(
@@ -187,7 +168,7 @@ int table_command(const TableOptions& options) {
   std::vector<DriveWork> works;
   std::optional<FolderLock> lock;
   ranks->rank_0_first([&] {
-    if (ranks->rank() == 0) refuse_foreign_tables(options.out);
+    if (ranks->rank() == 0) guard_tables(options, plan);
     works = work_of(plan, options);
     if (ranks->rank() > 0) return;
     make_result_folder(options.out);
@@ -196,10 +177,10 @@ int table_command(const TableOptions& options) {
   const bool complete = run_missing(works, plan, options, interrupt, *ranks);
   if (ranks->rank() > 0) return complete ? kOk : kInterrupted;
   if (ranks->count() > 1) works = work_of(plan, options);  // with what the others have done
-  if (plan.over_seeds) {
-    write_seeds_tables(works, plan, options);
-  } else {
-    write_drives_tables(works, plan, options.out);
+  const std::vector<DriveFigures> drives = figures_of(works, plan);
+  if (const auto report = report_of(drives, plan)) write_report(*report, options.out);
+  for (const DriveFigures& drive : drives) {
+    if (drive.left_out.scans > 0) to_stderr("hqslam: {}: {}\n", drive.name, drive.left_out.text());
   }
   if (complete) return kOk;
   to_stderr("hqslam: interrupted; what is finished is kept, the same command goes on from there\n");

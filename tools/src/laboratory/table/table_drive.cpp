@@ -4,17 +4,20 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <vector>
 
 #include "files/content_hash.h"
 #include "hqslam/core/error.h"
+#include "hqslam/core/json_limits.h"
 #include "hqslam/core/npy.h"
 #include "hqslam/core/sensor_model.h"
 #include "hqslam/core/whole_file.h"
 #include "recording/recording_sensor.h"
 #include "simulate/simulate_command.h"
 #include "terminal/exit_status.h"
+#include "terminal/terminal.h"
 
 namespace hqslam::tools {
 namespace {
@@ -30,9 +33,14 @@ Json drive_json(const std::string& folder) {
   constexpr std::size_t kMostBytes = 1U << 16U;
   const std::string path = file_of_drive(folder, "drive.json");
   if (path.empty()) return {};
-  const Json json = Json::parse(whole_file(path, "a drive.json", kMostBytes), nullptr,
-                                /*allow_exceptions=*/false);
-  return json.is_discarded() ? Json() : json;
+  try {
+    const std::string text = whole_file(path, "a drive.json", kMostBytes);
+    check_json_limits(text, path);
+    const Json json = Json::parse(text, nullptr, /*allow_exceptions=*/false);
+    return json.is_discarded() ? Json() : json;
+  } catch (const Error&) {
+    return {};
+  }
 }
 
 /// Takes the number of scans out of what drive.json says: a shorter drive is the beginning of a
@@ -92,36 +100,57 @@ std::string reading_identity(const InputChoice& reading) {
   return identity;
 }
 
-}  // namespace
-
-bool is_there(const TableDrive& drive) {
-  if (!drive.simulated) return true;
+/// Why the drive in a simulated drive's folder is not that drive; empty where it is.
+std::string difference_of(const TableDrive& drive) {
+  const std::string& folder = drive.recording.input;
   const Json expected = {{"name", drive.simulated->name},
                          {"seed", drive.simulated->seed},
                          {"revision", sim::kDriveRevision},
                          {"sensor", kSimulatedSensor}};
-  Json found = drive_json(drive.recording.input);
+  Json found = drive_json(folder);
   const std::int64_t scans = take_scans(found);
-  if (found != expected || scans < drive.simulated->scans) return false;
+  if (found != expected) return "drive.json is of another drive, or damaged";
+  if (scans < drive.simulated->scans) {
+    return fmt::format("has {} of {} scans", scans, drive.simulated->scans);
+  }
   try {
-    const SensorModel sensor = load_sensor(drive.recording.input + "/sensor.json");
-    return sensor_json(sensor) == sensor_json(load_sensor(kSimulatedSensor)) &&
-           NpyStackReader(drive.recording.input + "/scans.npy").images() == scans &&
-           read_tum(drive.recording.input + "/truth.tum").size() == static_cast<std::size_t>(scans);
-  } catch (const Error&) {
-    return false;
+    const SensorModel sensor = load_sensor(folder + "/sensor.json");
+    if (sensor_json(sensor) != sensor_json(load_sensor(kSimulatedSensor))) {
+      return fmt::format("sensor.json is of another sensor than {}", kSimulatedSensor);
+    }
+    NpyStackReader stack(folder + "/scans.npy");
+    if (stack.images() != scans)
+      return fmt::format("scans.npy has {} of {} scans", stack.images(), scans);
+    const RangeImage last = stack.read(scans - 1);
+    if (std::all_of(last.range_m.begin(), last.range_m.end(), [](float r) { return r == 0.0F; })) {
+      return "scans.npy ends with scans without a return, as after a crash of the machine";
+    }
+    if (std::ssize(read_tum(folder + "/truth.tum")) != scans) return "truth.tum is damaged";
+    return "";
+  } catch (const Error& error) {
+    return error.what();
   }
 }
+
+}  // namespace
+
+bool is_there(const TableDrive& drive) { return !drive.simulated || difference_of(drive).empty(); }
 
 bool prepare_drive(const TableDrive& drive, const InterruptGuard& interrupt,
                    const std::function<void()>& on_scan) {
   if (is_there(drive)) return true;
+  const std::string& folder = drive.recording.input;
+  const bool something_is = !file_of_drive(folder, "drive.json").empty();
+  if (something_is) {
+    to_stderr("hqslam: {}: {}; it is simulated anew\n", folder, difference_of(drive));
+  }
   SimulateOptions options;
   options.drive = drive.simulated->name;
   options.sensor = kSimulatedSensor;
-  options.out = drive.recording.input;
+  options.out = folder;
   options.scans = drive.simulated->scans;
   options.seed = drive.simulated->seed;
+  options.replaces_damaged = something_is;
   return simulate_drive(options, interrupt, on_scan) == kOk;
 }
 

@@ -36,6 +36,10 @@ MethodFigures method_figures(const TableMethod& method, const TableResult& resul
     }
     figures.against_truth[i] = error_figures(result.trajectory[i], true_trajectory[i]);
   }
+  if (figures.against_truth[kLoopClosingOff]) {
+    figures.slips = slips(result.trajectory[kLoopClosingOff], true_trajectory[kLoopClosingOff], {},
+                          kMaxStampDifference_s);
+  }
   return figures;
 }
 
@@ -48,14 +52,18 @@ std::optional<ErrorFigures> error_figures(const Trajectory& estimate, const Traj
   ErrorFigures figures;
   figures.ape = absolute_pose_error(estimate, reference, Alignment::kSe3, kMaxStampDifference_s);
   figures.path_m = path_of_pairs_m(reference, figures.ape.pairs);
-  const RelativePoseError rpe =
-      relative_pose_error(estimate, reference, kRpeStretch_m, kMaxStampDifference_s);
-  if (!rpe.translation_m.empty()) {
-    figures.rpe_percent = 100.0 / kRpeStretch_m * rpe.translation_statistics.rmse;
-    figures.rpe_deg_per_100m =
-        100.0 / kRpeStretch_m * kDegreesPerRadian * rpe.rotation_statistics.rmse;
-  }
+  figures.pieces = relative_pose_error(estimate, reference, kDriftPiece_m, kMaxStampDifference_s);
   return figures;
+}
+
+std::optional<double> ErrorFigures::rpe_percent() const {
+  if (pieces.translation_m.empty()) return std::nullopt;
+  return 100.0 / kDriftPiece_m * pieces.translation_statistics.rmse;
+}
+
+std::optional<double> ErrorFigures::rpe_deg_per_100m() const {
+  if (pieces.translation_m.empty()) return std::nullopt;
+  return 100.0 / kDriftPiece_m * kDegreesPerRadian * pieces.rotation_statistics.rmse;
 }
 
 std::optional<double> MethodFigures::upsampling_fps() const {
@@ -75,6 +83,10 @@ DriveFigures drive_figures(const TableDrive& drive, const std::string& sensor,
                            const std::optional<TrajectoryFile>& truth) {
   DriveFigures figures;
   figures.name = drive.name;
+  if (drive.simulated) {
+    figures.kind = drive.simulated->name;
+    figures.seed = drive.simulated->seed;
+  }
   figures.sensor = sensor;
   figures.truth = truth ? truth->path : "";
   const TableResult* all_rows = nullptr;

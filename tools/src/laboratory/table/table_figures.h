@@ -1,10 +1,12 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "hqslam/evaluation/drift.h"
 #include "hqslam/evaluation/trajectory_error.h"
 #include "laboratory/table/table_plan.h"
 #include "laboratory/table/table_result.h"
@@ -14,15 +16,16 @@ namespace hqslam::tools {
 
 /// Errors of a trajectory against another.
 struct ErrorFigures {
-  AbsolutePoseError ape;  ///< SE(3)-aligned
-  double path_m = 0.0;    ///< of the reference, over the poses that were compared
+  AbsolutePoseError ape;     ///< SE(3)-aligned
+  double path_m = 0.0;       ///< of the reference, over the poses that were compared
+  RelativePoseError pieces;  ///< over pieces of kDriftPiece_m; none if the path is shorter
+
   double ape_rmse_m() const { return ape.translation_statistics.rmse; }
   double ape_percent() const { return 100.0 * ape_rmse_m() / path_m; }
-  /// RMSE over all stretches of kRpeStretch_m; nothing if the path is shorter.
-  std::optional<double> rpe_percent;
-  std::optional<double> rpe_deg_per_100m;
+  /// RMSE over the pieces; nothing if there are none.
+  std::optional<double> rpe_percent() const;
+  std::optional<double> rpe_deg_per_100m() const;
 };
-inline constexpr double kRpeStretch_m = 100.0;
 
 /// Nothing if fewer than 3 poses can be paired.
 std::optional<ErrorFigures> error_figures(const Trajectory& estimate, const Trajectory& reference);
@@ -34,6 +37,7 @@ struct MethodFigures {
   /// Against LiDAR-64's trajectory with the same loop closing; nothing for LiDAR-64 itself.
   std::array<std::optional<ErrorFigures>, 2> against_all_rows;
   std::array<std::optional<ErrorFigures>, 2> against_truth;
+  std::vector<Slip> slips;  ///< against the truth, loop closing off
 
   /// Scans per second, by the median; nothing for methods that do not upsample.
   std::optional<double> upsampling_fps() const;
@@ -43,6 +47,8 @@ struct MethodFigures {
 
 struct DriveFigures {
   std::string name;
+  std::string kind;        ///< town, hills, ...; of a simulated drive
+  std::uint64_t seed = 0;  ///< the same
   std::string sensor;
   std::string truth;  ///< path; empty: none
   std::int64_t scans = 0;

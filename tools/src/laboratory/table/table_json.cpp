@@ -2,7 +2,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "laboratory/table/table_output.h"
+#include "files/content_hash.h"
+#include "laboratory/table/table_report.h"
 
 namespace hqslam::tools {
 namespace {
@@ -16,8 +17,8 @@ Json error_json(const std::optional<ErrorFigures>& error) {
   return {{"ape_rmse_m", error->ape_rmse_m()},
           {"path_m", error->path_m},
           {"poses", error->ape.translation_m.size()},
-          {"rpe_percent", optional_json(error->rpe_percent)},
-          {"rpe_deg_per_100m", optional_json(error->rpe_deg_per_100m)}};
+          {"rpe_percent", optional_json(error->rpe_percent())},
+          {"rpe_deg_per_100m", optional_json(error->rpe_deg_per_100m())}};
 }
 
 Json method_json(const MethodFigures& figures) {
@@ -58,9 +59,60 @@ Json method_timings_json(const MethodFigures& figures) {
   return json;
 }
 
+void add_estimates(const MethodStatistics& method, const std::vector<StatisticsColumn>& columns,
+                   Json& json) {
+  for (const StatisticsColumn& column : columns) {
+    if (column.key == nullptr) continue;
+    const std::optional<Estimate> e = column.of(method);
+    json[column.key] = e ? Json{{"value", e->value}, {"low", e->low}, {"high", e->high}} : Json();
+  }
+}
+
+Json summary_json(const MethodStatistics& method) {
+  Json json;
+  add_estimates(method, summary_columns(), json);
+  json["slips"] = method.slips;
+  add_estimates(method, pair_columns(), json);
+  json["slam_ms"] = method.slam_ms;
+  return json;
+}
+
+Json slips_json(const std::vector<Slip>& slips) {
+  Json json = Json::array();
+  for (const Slip& slip : slips) {
+    json.push_back({{"first_scan", slip.first},
+                    {"last_scan", slip.last},
+                    {"translation_m", slip.translation_m},
+                    {"rotation_rad", slip.rotation_rad}});
+  }
+  return json;
+}
+
+Json drive_json(const TableSample& sample, const DriveSample& drive) {
+  Json json = {{"drive", drive.drive},
+               {"seed", drive.seed},
+               {"scans", drive.scans},
+               {"path_m", drive.path_m},
+               {"methods", Json::object()}};
+  for (std::size_t i = 0; i < sample.methods.size(); ++i) {
+    const MethodSample& method = drive.methods[i];
+    const Drift whole = drift(method.pieces);
+    json["methods"][sample.methods[i].name] = {{"drift_percent", whole.translation_percent},
+                                               {"drift_deg_per_100m", whole.rotation_deg_per_100m},
+                                               {"pieces", whole.pieces},
+                                               {"ape_m", method.ape_m},
+                                               {"slips", slips_json(method.slips)}};
+  }
+  return json;
+}
+
+std::string text_of(const Json& json) {
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
 }  // namespace
 
-std::string table_json(const std::vector<DriveFigures>& drives) {
+std::string drives_json(const std::vector<DriveFigures>& drives) {
   Json json = {{"written_by", kTableJsonMarker},
                {"alignment", name(Alignment::kSe3)},
                {"drives", Json::array()}};
@@ -80,7 +132,24 @@ std::string table_json(const std::vector<DriveFigures>& drives) {
     timings.push_back({{"name", drive.name}, {"methods", std::move(method_timings)}});
   }
   json["timings"] = std::move(timings);
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return text_of(json);
+}
+
+std::string statistics_json(const std::vector<PartStatistics>& parts) {
+  const TableSample& sample = parts.front().sample;
+  Json json = {{"written_by", kTableJsonMarker},
+               {"build", result_sources_hash()},
+               {"against", sample.methods[sample.against].name},
+               {"methods", Json::array()},
+               {"drives", Json::array()}};
+  for (std::size_t i = 0; i < sample.methods.size(); ++i) {
+    Json method = {{"method", sample.methods[i].name}, {"title", sample.methods[i].title}};
+    for (const PartStatistics& part : parts) method[part.name] = summary_json(part.methods[i]);
+    json["methods"].push_back(std::move(method));
+  }
+  for (const DriveSample& drive : sample.drives)
+    json["drives"].push_back(drive_json(sample, drive));
+  return text_of(json);
 }
 
 }  // namespace hqslam::tools

@@ -11,6 +11,7 @@
 #include "files/installed_weights.h"
 #include "hqslam/core/error.h"
 #include "hqslam/nn/upsampler.h"
+#include "simulate/seed.h"
 
 namespace hqslam::tools {
 namespace {
@@ -146,15 +147,17 @@ void require_one_recording(const TablePlan& plan, const TableOptions& options) {
   }
 }
 
-void require_method(const TablePlan& plan, const std::string& against) {
-  const bool there = std::any_of(plan.methods.begin(), plan.methods.end(),
-                                 [&](const TableMethod& method) { return method.name == against; });
-  if (!there) {
-    throw Error(
-        fmt::format("--against: '{}' is none of the rows to compute; add it to --methods or "
-                    "name one of them",
-                    against));
-  }
+/// Throws Error for a name that is none of the methods.
+std::size_t paired_with(const std::vector<TableMethod>& methods, const std::string& against) {
+  const std::string& name = against.empty() ? "linear" : against;
+  const auto found = std::find_if(methods.begin(), methods.end(),
+                                  [&](const TableMethod& method) { return method.name == name; });
+  if (found != methods.end()) return static_cast<std::size_t>(found - methods.begin());
+  if (against.empty()) return 0;
+  throw Error(
+      fmt::format("--against: '{}' is none of the rows to compute; add it to --methods or "
+                  "name one of them",
+                  against));
 }
 
 }  // namespace
@@ -247,7 +250,10 @@ TablePlan plan_table(const TableOptions& options) {
   require_different_names(plan.methods, "--methods");
   require_different_names(plan.shown, "--weights");
   require_one_recording(plan, options);
-  if (plan.over_seeds) require_method(plan, options.against);
+  if (plan.over_seeds) {
+    plan.against = paired_with(plan.methods, options.against);
+    plan.shown = plan.methods;
+  }
   return plan;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -18,8 +19,8 @@ struct TableOptions {
   InputChoice reading;    ///< how recordings are read; its input is not looked at
   std::string reference;  ///< true trajectory of the only recording among the drives
   std::optional<std::int64_t> scans;
-  std::string seeds;               ///< "1..10" or "3,5": every drive from each of these seeds
-  std::string against = "linear";  ///< with seeds: the row that the others are paired with
+  std::string seeds;    ///< "1..10" or "3,5": every drive from each of these seeds
+  std::string against;  ///< with seeds: the row that others are paired with; empty: see TablePlan
   std::string out;
   int threads = 0;  ///< 0: what OpenMP chooses
 };
@@ -72,13 +73,13 @@ struct TablePlan {
   bool over_seeds = false;           ///< many drives, evaluated together
   bool loop_closing = true;          ///< whether SLAM also runs with it
   std::vector<TableMethod> methods;  ///< to be run
-  /// In the table, if their results are there: all that the program knows and those to be run.
+  /// In the table, if their results are there: those to be run and, but over seeds, all that the
+  /// program knows.
   std::vector<TableMethod> shown;
+  /// Over seeds which of the methods the others are paired with: the one that is named, else linear
+  /// interpolation, else the first.
+  std::size_t against = 0;
 };
-
-/// "1..10", "3,5" or "1..3,7": the seeds in the order given, at most 10,000. Throws Error for
-/// anything else, and for a seed that is there twice.
-std::vector<std::uint64_t> seeds_from(const std::string& list);
 
 /// Throws Error for a drive or method that is not there.
 TablePlan plan_table(const TableOptions& options);

@@ -7,7 +7,7 @@
 
 #include "hqslam/core/trajectory.h"
 #include "laboratory/table/table_plan.h"
-#include "recording/recording_sensor.h"
+#include "recording/reading.h"
 
 namespace hqslam::tools {
 

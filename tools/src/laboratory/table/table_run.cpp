@@ -4,6 +4,7 @@
 #include <omp.h>
 
 #include <fstream>
+#include <iterator>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -11,14 +12,14 @@
 #include <variant>
 
 #include "hqslam/core/error.h"
-#include "hqslam/core/scan_source.h"
 #include "hqslam/nn/hqs/outlier_removal.h"
 #include "hqslam/nn/instruction_set.h"
 #include "hqslam/nn/upsampled_cloud.h"
 #include "hqslam/slam/lego_loam_as_published.h"
 #include "hqslam/slam/slam.h"
 #include "laboratory/compare/upsampling_comparison.h"
-#include "lift/upsampling_plan.h"
+#include "lift/lifted_input.h"
+#include "recording/reading.h"
 #include "timing/stopwatch.h"
 #include "timing/timing_statistics.h"
 
@@ -35,19 +36,14 @@ std::string processor_name() {
   return "unknown processor";
 }
 
-/// What the pass's methods have in common: nothing where they see the rows as recorded.
-std::optional<nn::Upsampler> shared_upsampler(const TablePass& pass) {
+/// What the pass's methods have in common: nothing fills the rows where they see them as recorded,
+/// and no network's last filter runs.
+LiftedInput shared_input(const TablePass& pass) {
   const TableMethod& method = pass.methods.front();
-  if (method.source.empty()) return std::nullopt;
   const std::string weights = weights_of(method, pass.sensor.name);
-  UpsamplingPlan plan = plan_upsampling({.input = pass.drive.recording.input,
-                                         .sensor = pass.drive.recording.sensor,
-                                         .method = weights.empty() ? method.source : weights,
-                                         .rows = kTableMeasuredRows,
-                                         .stream = pass.drive.recording.stream});
-  if (weights.empty()) return std::move(plan.upsampler);
-  return nn::Upsampler(nn::SuperResolver::load(weights, {.filter_result = false}),
-                       plan.upsampler.sensor());
+  return lifted_input(pass.drive.recording,
+                      {weights.empty() ? method.source : weights, method.rows},
+                      {.filter_result = false});
 }
 
 std::optional<nn::OutlierRemoval> filter_of(const TableMethod& method,
@@ -185,51 +181,49 @@ class MethodRun {
   TableResult result_;  ///< sums until result() divides them
 };
 
-/// Which scans of the recording the methods got to see.
-struct UsedScans {
-  std::vector<std::int64_t> scan_of_pose;  ///< counted from 0 in the recording
-  LeftOut left_out;
-};
-
 /// The pass's state while it runs.
 class Pass {
  public:
   explicit Pass(const TablePass& pass)
-      : upsampler_(shared_upsampler(pass)),
-        rows_(selection_for(pass.sensor.rows(), pass.methods.front().rows)),
+      : input_(shared_input(pass)),
         score_every_((pass.scans + pass.scored_scans - 1) / pass.scored_scans) {
-    const SensorModel sensor = upsampler_ ? upsampler_->sensor() : select_rows(pass.sensor, rows_);
+    const nn::Upsampler* upsampler = input_.upsampler ? &*input_.upsampler : nullptr;
     for (const TableMethod& method : pass.methods) {
-      runs_.emplace_back(method, sensor, upsampler_ ? &*upsampler_ : nullptr, pass.loop_closing);
+      runs_.emplace_back(method, input_.seen(), upsampler, pass.loop_closing);
     }
   }
 
+  LiftedInput& input() { return input_; }
+
   void add(const RecordedScan& scan, std::int64_t index) {
-    const OrganizedCloud measured = select_rows(scan.cloud, rows_);
-    if (!upsampler_) {
+    const OrganizedCloud measured = input_.measured(scan.cloud);
+    if (!input_.upsampler) {
       for (MethodRun& run : runs_) run.add(measured, scan.stamp_s);
       return;
     }
     const RangeImage image = range_image(measured);
     nn::LiftedImage lifted;
-    const double shared_s = seconds_of([&] { lifted = upsampler_->run(image); });
+    const double shared_s = seconds_of([&] { lifted = input_.upsampler->run(image); });
     for (MethodRun& run : runs_) {
-      run.add_lifted(lifted, shared_s, measured, *upsampler_, scan, index % score_every_ == 0);
+      run.add_lifted(lifted, shared_s, measured, *input_.upsampler, scan,
+                     index % score_every_ == 0);
     }
   }
 
-  std::vector<TableResult> results(const TablePass& pass, const UsedScans& used) {
+  std::vector<TableResult> results(const TablePass& pass,
+                                   const std::vector<std::int64_t>& scan_of_pose,
+                                   const LeftOut& left_out) {
     std::vector<TableResult> results;
     for (std::size_t i = 0; i < runs_.size(); ++i) {
       TableResult result = runs_[i].result(pass.settings[i]);
-      result.scan_of_pose = used.scan_of_pose;
-      result.left_out = used.left_out;
+      result.scan_of_pose = scan_of_pose;
+      result.left_out = left_out;
       result.timings.threads = omp_get_max_threads();
       result.timings.processor = processor_name();
       result.timings.instruction_set = nn::name(nn::chosen_instruction_set());
-      if (upsampler_ && upsampler_->network() != nullptr) {
-        result.network = NetworkSize{upsampler_->network()->parameters(),
-                                     upsampler_->network()->multiply_adds()};
+      if (input_.upsampler && input_.upsampler->network() != nullptr) {
+        result.network = NetworkSize{input_.upsampler->network()->parameters(),
+                                     input_.upsampler->network()->multiply_adds()};
       }
       results.push_back(std::move(result));
     }
@@ -237,8 +231,7 @@ class Pass {
   }
 
  private:
-  std::optional<nn::Upsampler> upsampler_;
-  RowSelection rows_;
+  LiftedInput input_;
   std::int64_t score_every_;
   std::vector<MethodRun> runs_;
 };
@@ -257,28 +250,22 @@ void require_rising(const RecordedScan& scan, double last_stamp_s) {
 std::vector<TableResult> run_pass(const TablePass& pass, const InterruptGuard& interrupt,
                                   const std::function<void()>& on_scan) {
   Pass state(pass);
-  const std::unique_ptr<ScanSource> source = open_input(pass.drive.recording, pass.sensor);
-  UsedScans used;
-  LeftOut& left_out = used.left_out;
+  const std::unique_ptr<ScanSource> source = state.input().open();
+  Reading reading;
+  std::vector<std::int64_t> scan_of_pose;
   double last_stamp_s = -std::numeric_limits<double>::infinity();
-  while (std::ssize(used.scan_of_pose) < pass.scans) {
-    if (interrupt.stop_requested()) return {};
-    const std::optional<RecordedScan> scan = next_usable(*source, left_out);
-    if (!scan) break;
-    require_rising(*scan, last_stamp_s);
-    last_stamp_s = scan->stamp_s;
-    const std::int64_t count = std::ssize(used.scan_of_pose);
-    try {
-      state.add(*scan, count);
-    } catch (const ScanError& error) {  // SLAM looks at the times before anything else
-      if (left_out.scans++ == 0) left_out.first = fmt::format("{}: {}", scan->name, error.what());
-      continue;
-    }
-    used.scan_of_pose.push_back(count + left_out.scans);
+  read_scans(*source, interrupt, reading, [&](const ReadScan& read) {
+    require_rising(read.scan, last_stamp_s);
+    last_stamp_s = read.scan.stamp_s;
+    // SLAM looks at the times before anything else: of a scan that it leaves out nothing stays.
+    state.add(read.scan, std::ssize(scan_of_pose));
+    scan_of_pose.push_back(read.index);
     on_scan();
-  }
-  if (used.scan_of_pose.empty() && left_out.scans > 0) throw Error(left_out.text());
-  return state.results(pass, used);
+    return std::ssize(scan_of_pose) < pass.scans;
+  });
+  if (reading.end == ReadingEnd::kInterrupted) return {};
+  if (reading.end == ReadingEnd::kUnreadableScan) throw Error(reading.end_message);
+  return state.results(pass, scan_of_pose, reading.left_out);
 }
 
 }  // namespace hqslam::tools

@@ -14,11 +14,9 @@
 namespace hqslam::tools {
 namespace {
 
-constexpr const char* kNothing = "-";
-
 template <typename Value>
 std::string text_or_nothing(const std::optional<Value>& value) {
-  return value ? figure_text(*value) : kNothing;
+  return value ? three_digits(*value) : kNoFigure;
 }
 
 /// 207812 -> "208k", 35e6 -> "35.0M"
@@ -30,18 +28,18 @@ std::string count_text(std::int64_t count) {
 
 std::string parameters_text(const MethodFigures& figures) {
   const std::optional<NetworkSize>& network = figures.result.network;
-  return network ? count_text(network->parameters) : kNothing;
+  return network ? count_text(network->parameters) : kNoFigure;
 }
 
 /// RMSE in metres, as part of the path, and as part of that of the 16 rows alone.
 void add_ape(std::vector<std::string>& cells, const std::optional<ErrorFigures>& error,
              const std::optional<ErrorFigures>& of_measured_rows) {
-  cells.push_back(error ? figure_text(error->ape_rmse_m()) : kNothing);
-  cells.push_back(error && error->path_m > 0.0 ? figure_text(error->ape_percent()) : kNothing);
+  cells.push_back(error ? three_digits(error->ape_rmse_m()) : kNoFigure);
+  cells.push_back(error && error->path_m > 0.0 ? three_digits(error->ape_percent()) : kNoFigure);
   const bool has_share = error && of_measured_rows && of_measured_rows->ape_rmse_m() > 0.0;
   cells.push_back(has_share
                       ? fmt::format("{:.2f}", error->ape_rmse_m() / of_measured_rows->ape_rmse_m())
-                      : kNothing);
+                      : kNoFigure);
 }
 
 std::vector<std::string> trajectory_cells(const DriveFigures& drive, const MethodFigures& figures,
@@ -56,8 +54,8 @@ std::vector<std::string> trajectory_cells(const DriveFigures& drive, const Metho
   }
   const std::optional<ErrorFigures>& drift =
       drive.truth.empty() ? figures.against_all_rows[loop_closing] : truth;
-  cells.push_back(drift ? text_or_nothing(drift->rpe_percent) : kNothing);
-  cells.push_back(drift ? text_or_nothing(drift->rpe_deg_per_100m) : kNothing);
+  cells.push_back(drift ? text_or_nothing(drift->rpe_percent()) : kNoFigure);
+  cells.push_back(drift ? text_or_nothing(drift->rpe_deg_per_100m()) : kNoFigure);
   if (loop_closing == kLoopClosingOn) {
     cells.push_back(fmt::format("{}", figures.result.loops_closed));
   }
@@ -74,7 +72,7 @@ std::string per_drive(const std::vector<DriveFigures>& drives, const TableMethod
   std::vector<std::string> figures;
   for (const DriveFigures& drive : drives) {
     const MethodFigures* found = find_method(drive, method.name);
-    figures.push_back(found != nullptr ? text(*found) : kNothing);
+    figures.push_back(found != nullptr ? text(*found) : kNoFigure);
   }
   return fmt::format("{}", fmt::join(figures, " / "));
 }
@@ -126,7 +124,7 @@ Circumstances circumstances_of(const std::vector<DriveFigures>& drives) {
 
 }  // namespace
 
-std::string figure_text(double value) {
+std::string three_digits(double value) {
   const double size = std::abs(value);
   const int decimals = size < 0.9995 ? 3 : size < 9.995 ? 2 : size < 99.95 ? 1 : 0;
   return fmt::format("{:.{}f}", value, decimals);
@@ -144,7 +142,7 @@ TextTable paper_table(const std::vector<DriveFigures>& drives, std::size_t loop_
                           per_drive(drives, method,
                                     [&](const MethodFigures& figures) {
                                       const auto& error = figures.against_all_rows[loop_closing];
-                                      return error ? figure_text(error->ape_rmse_m()) : kNothing;
+                                      return error ? three_digits(error->ape_rmse_m()) : kNoFigure;
                                     }),
                           per_drive(drives, method,
                                     [](const MethodFigures& figures) {
@@ -152,7 +150,7 @@ TextTable paper_table(const std::vector<DriveFigures>& drives, std::size_t loop_
                                     }),
                           per_drive(drives, method,
                                     [&](const MethodFigures& figures) {
-                                      return figure_text(figures.chain_fps(loop_closing));
+                                      return three_digits(figures.chain_fps(loop_closing));
                                     }),
                           per_drive({drives.front()}, method, parameters_text)});
   }
@@ -185,11 +183,11 @@ TextTable upsampling_table(const DriveFigures& drive) {
     const std::optional<ImageScores>& images = figures.result.images;
     const std::optional<NetworkSize>& network = figures.result.network;
     table.rows.push_back(
-        {figures.method.title, images ? figure_text(images->mae_all_m) : kNothing,
-         images ? figure_text(images->mae_valid_m) : kNothing,
-         images ? figure_text(100.0 * images->outlier_share) : kNothing,
+        {figures.method.title, images ? three_digits(images->mae_all_m) : kNoFigure,
+         images ? three_digits(images->mae_valid_m) : kNoFigure,
+         images ? three_digits(100.0 * images->outlier_share) : kNoFigure,
          text_or_nothing(figures.upsampling_fps()), parameters_text(figures),
-         network ? figure_text(1e-9 * static_cast<double>(network->multiply_adds)) : kNothing});
+         network ? three_digits(1e-9 * static_cast<double>(network->multiply_adds)) : kNoFigure});
   }
   return table;
 }
@@ -205,7 +203,7 @@ std::string drive_text(const DriveFigures& drive) {
   return text + (drive.truth.empty() ? "; no true trajectory" : "");
 }
 
-std::vector<std::string> table_notes(const std::vector<DriveFigures>& drives) {
+std::vector<std::string> drives_notes(const std::vector<DriveFigures>& drives) {
   const Circumstances circumstances = circumstances_of(drives);
   std::vector<std::string> notes;
   notes.emplace_back(
@@ -219,7 +217,7 @@ std::vector<std::string> table_notes(const std::vector<DriveFigures>& drives) {
   notes.push_back(fmt::format(
       "RPE: relative pose error, RMSE over all stretches of {:.0f} m, against the truth or, where "
       "there is none, against LiDAR-64.",
-      kRpeStretch_m));
+      kDriftPiece_m));
   notes.push_back(fmt::format(
       "MAE: mean |range - true range|; all pixels: no return counts as 0 m; valid: both have a "
       "return. Outliers: points farther than 0.5 m from the cloud of 64 rows. Means over at most "

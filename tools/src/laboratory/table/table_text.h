@@ -4,18 +4,12 @@
 #include <vector>
 
 #include "laboratory/table/table_figures.h"
+#include "report/text_table.h"
 
 namespace hqslam::tools {
 
-/// A table as text: the same cells are written as Markdown and as HTML.
-struct TextTable {
-  std::string title;
-  std::vector<std::string> columns;  ///< the first names the rows
-  std::vector<std::vector<std::string>> rows;
-};
-
 /// A number with three digits that count: "0.042", "3.78", "31.7", "6717".
-std::string figure_text(double value);
+std::string three_digits(double value);
 
 /// The paper's table: RMSE against LiDAR-64 on all drives, frames per second, parameters.
 TextTable paper_table(const std::vector<DriveFigures>& drives, std::size_t loop_closing);
@@ -27,6 +21,6 @@ TextTable upsampling_table(const DriveFigures& drive);
 /// "town: 4000 scans of an os1-64, 2963 m; ..."
 std::string drive_text(const DriveFigures& drive);
 /// What the columns mean and how it was measured.
-std::vector<std::string> table_notes(const std::vector<DriveFigures>& drives);
+std::vector<std::string> drives_notes(const std::vector<DriveFigures>& drives);
 
 }  // namespace hqslam::tools

@@ -23,8 +23,7 @@ namespace fs = std::filesystem;
 
 SensorModel sensor_of(const TableDrive& drive) {
   const InputChoice& recording = drive.recording;
-  SensorModel sensor =
-      required_recording_sensor(recording.input, recording.sensor, recording.stream);
+  SensorModel sensor = required_recording_sensor(recording);
   if (sensor.rows() == kTableAllRows) return sensor;
   throw Error(
       fmt::format("{}: expected a recording with {} rows, of which 16 are lifted, found "

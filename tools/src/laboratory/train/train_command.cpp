@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "commands.h"
+#include "files/output_guard.h"
 #include "files/result_folder.h"
 #include "files/text_file.h"
 #include "hqslam/core/error.h"
@@ -44,10 +45,11 @@ struct Training {
 };
 
 /// Throws Error if the results would replace what is not this training's.
-void refuse_foreign_results(const Training& training) {
-  if (std::filesystem::exists(training.checkpoint_path())) return;
-  refuse_existing(training.out, std::array{"weights.npz", "curve.svg"},
-                  "and no checkpoint.npz of a training");
+void guard_training(const Training& training) {
+  constexpr std::array<const char*, 3> kResults = {"checkpoint.npz", "weights.npz", "curve.svg"};
+  guard_results(training.out, kResults, std::filesystem::exists(training.checkpoint_path()),
+                "there is no checkpoint.npz of a training",
+                {training.configuration_path, training.configuration.start_from});
 }
 
 /// Throws Error, before hours of simulation, if the processes cannot share the batches.
@@ -226,7 +228,7 @@ int train_command(const TrainOptions& options) {
         nn::training_configuration(training.configuration_text, options.config);
     training.out = options.out;
     if (ranks->rank() == 0) {
-      refuse_foreign_results(training);
+      guard_training(training);
       require_shares(training, *ranks);
       make_result_folder(training.out);
       lock.emplace(training.out);

@@ -13,7 +13,7 @@
 #include "hqslam/core/scan_source.h"
 #include "hqslam/core/whole_file.h"
 #include "laboratory/train/drive_store.h"
-#include "recording/recording_sensor.h"
+#include "recording/reading.h"
 #include "terminal/terminal.h"
 
 namespace hqslam::tools {

@@ -1,6 +1,6 @@
 #include <doctest/doctest.h>
 
-#include "laboratory/table/table_output.h"
+#include "laboratory/table/table_report.h"
 #include "tools/example_table.h"
 
 namespace hqslam::tools {
@@ -39,7 +39,7 @@ TEST_CASE("the map has a panel with a colour per pose for every method but LiDAR
 }
 
 TEST_CASE("the page shows tables, maps and charts for loop closing off and on, and needs nothing") {
-  const std::string html = table_html({example_drive(true)});
+  const std::string html = html_of(drives_report({example_drive(true)}));
   CHECK(count(html, "<svg ") == 4 + 2);  // maps of two methods, charts
   CHECK(count(html, "<img ") == 0);
   CHECK(count(html, "<table>") == 5);
@@ -50,8 +50,8 @@ TEST_CASE("the page shows tables, maps and charts for loop closing off and on, a
 
 TEST_CASE("a table without LiDAR-64 says why nothing is compared with it") {
   const std::string why = "rows-64 was not among the methods";
-  CHECK(count(table_html({example_drive(false)}), why) == 1);
-  CHECK(count(table_html({example_drive(true)}), why) == 0);
+  CHECK(count(html_of(drives_report({example_drive(false)})), why) == 1);
+  CHECK(count(html_of(drives_report({example_drive(true)})), why) == 0);
 }
 
 TEST_CASE("one trajectory that leaves the map is cut off in the chart instead of flattening all") {
@@ -62,7 +62,7 @@ TEST_CASE("one trajectory that leaves the map is cut off in the chart instead of
                     {test::example_result(methods[0], 400.0), test::example_result(methods[1], 0.4),
                      test::example_result(methods[2], 0.0)},
                     std::nullopt);
-  const std::string html = table_html({drive});
+  const std::string html = html_of(drives_report({drive}));
   CHECK(html.find("(cut off at 1.2") != std::string::npos);
   CHECK(html.find(">1</span>") != std::string::npos);
 }
@@ -71,11 +71,11 @@ TEST_CASE("where nothing upsamples there is no table of it") {
   const std::vector<TableMethod> methods = {table_methods()[0]};
   const DriveFigures drive =
       drive_figures({}, "os1-64", methods, {test::example_result(methods[0], 0.4)}, std::nullopt);
-  CHECK(count(table_html({drive}), "<table>") == 4);
+  CHECK(count(html_of(drives_report({drive})), "<table>") == 4);
 }
 
 TEST_CASE("without LiDAR-64 the page has tables but neither maps nor charts") {
-  const std::string html = table_html({example_drive(false)});
+  const std::string html = html_of(drives_report({example_drive(false)}));
   CHECK(error_map_of(example_drive(false), kLoopClosingOff).panels.empty());
   CHECK(count(html, "<img ") == 0);
   CHECK(count(html, "<svg ") == 0);

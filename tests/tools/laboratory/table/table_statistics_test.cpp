@@ -1,11 +1,11 @@
-#include "laboratory/table/seeds_figures.h"
+#include "laboratory/table/table_statistics.h"
 
 #include <doctest/doctest.h>
 
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "laboratory/table/table_output.h"
+#include "laboratory/table/table_report.h"
 
 namespace hqslam::tools {
 namespace {
@@ -33,65 +33,74 @@ TableResult result_of(const Trajectory& trajectory) {
   return result;
 }
 
-TableDrive table_drive(const std::string& name, std::uint64_t seed) {
+const std::vector<TableMethod> kMethods = {table_methods()[0], table_methods()[2],
+                                           table_methods().back()};
+
+/// A drive of that name from that seed, on which each method did as its result says.
+std::optional<DriveSample> drive_of(const std::string& name, std::uint64_t seed,
+                                    const std::vector<TableResult>& results,
+                                    const Trajectory& truth) {
   TableDrive drive;
-  drive.name = name;
   drive.simulated = sim::DriveSpec();
   drive.simulated->name = name;
   drive.simulated->seed = seed;
-  return drive;
+  const std::vector<TableMethod> methods(
+      kMethods.begin(), kMethods.begin() + static_cast<std::ptrdiff_t>(results.size()));
+  return drive_sample(
+      drive_figures(drive, "os1-64", methods, results, TrajectoryFile{"truth.tum", truth, true}),
+      methods);
 }
 
 /// LiDAR-16 drifts by 2.5 % and 2 %, linear by 2 % and 1 %, LiDAR-64 by 1 % and 0.5 %, on a drive
 /// each of two names; on the second LiDAR-16 slips once.
-SeedTable example_table() {
-  SeedTable table{{table_methods()[0], table_methods()[2], table_methods().back()}, 1, {}};
+TableSample example_sample() {
+  TableSample sample{kMethods, 1, {}};
   const Trajectory truth = straight_drive(1.0);
-  table.drives.push_back(
-      *seed_drive(table_drive("town", 4),
-                  {result_of(straight_drive(1.025)), result_of(straight_drive(1.02)),
-                   result_of(straight_drive(1.01))},
-                  truth));
-  table.drives.push_back(
-      *seed_drive(table_drive("<hills>", 5),
-                  {result_of(straight_drive(1.02, 150)), result_of(straight_drive(1.01)),
-                   result_of(straight_drive(1.005))},
-                  truth));
-  return table;
+  sample.drives.push_back(
+      *drive_of("town", 4,
+                {result_of(straight_drive(1.025)), result_of(straight_drive(1.02)),
+                 result_of(straight_drive(1.01))},
+                truth));
+  sample.drives.push_back(
+      *drive_of("<hills>", 5,
+                {result_of(straight_drive(1.02, 150)), result_of(straight_drive(1.01)),
+                 result_of(straight_drive(1.005))},
+                truth));
+  return sample;
 }
 
 }  // namespace
 
 TEST_CASE("a drive has drift, slips, position error and times of every method") {
-  const SeedTable table = example_table();
-  const SeedDrive& hills = table.drives[1];
+  const TableSample sample = example_sample();
+  const DriveSample& hills = sample.drives[1];
   CHECK(hills.drive == "<hills>");
   CHECK(hills.seed == 5);
   CHECK(hills.path_m == doctest::Approx(299.0));
-  REQUIRE(hills.runs.size() == 3);
-  CHECK(hills.runs[0].slips.size() == 1);
-  CHECK(hills.runs[0].slam_ms == doctest::Approx(10.0));
-  CHECK(drift(hills.runs[1].pieces).translation_percent == doctest::Approx(1.0));
+  REQUIRE(hills.methods.size() == 3);
+  CHECK(hills.methods[0].slips.size() == 1);
+  CHECK(hills.methods[0].slam_ms == doctest::Approx(10.0));
+  CHECK(drift(hills.methods[1].pieces).translation_percent == doctest::Approx(1.0));
   // Aligned by its centre, a line that is 1 % long is off by 1 % of the distance from there: of
   // positions 0 to 299 the deviation is sqrt((300^2 - 1) / 12).
-  CHECK(hills.runs[1].ape_m == doctest::Approx(0.01 * std::sqrt((300.0 * 300.0 - 1.0) / 12.0)));
+  CHECK(hills.methods[1].ape_m == doctest::Approx(0.01 * std::sqrt((300.0 * 300.0 - 1.0) / 12.0)));
 }
 
 TEST_CASE("a drive whose stamps are not the truth's has no figures") {
   Trajectory later = straight_drive(1.0);
   for (StampedPose& pose : later) pose.stamp_s += 1000.0;
-  CHECK_FALSE(seed_drive(table_drive("town", 1), {result_of(later)}, straight_drive(1.0)));
+  CHECK_FALSE(drive_of("town", 1, {result_of(later)}, straight_drive(1.0)));
 }
 
 TEST_CASE("the truth of a longer drive is cut where the scans end") {
   Trajectory half = straight_drive(1.0);
   half.resize(200);
-  const auto drive = seed_drive(table_drive("town", 1), {result_of(half)}, straight_drive(1.0));
+  const auto drive = drive_of("town", 1, {result_of(half)}, straight_drive(1.0));
   CHECK(drive->path_m == doctest::Approx(199.0));
 }
 
 TEST_CASE("a summary is the mean over drives, slips are per 100 km of all of them") {
-  const SeedSummary sixteen = summary_of(example_table(), 0);
+  const MethodStatistics sixteen = statistics_of(example_sample(), 0);
   // On the second drive half of the 200 pieces hold the jump: sqrt(2^2 + 0.5^2) % instead of 2 %.
   const double second = 0.5 * (2.0 + std::sqrt(4.25));
   CHECK(sixteen.drift_percent.value == doctest::Approx((2.5 + second) / 2.0));
@@ -100,62 +109,63 @@ TEST_CASE("a summary is the mean over drives, slips are per 100 km of all of the
   CHECK(sixteen.slips_per_100_km.value == doctest::Approx(1e5 / 598.0));
   CHECK(sixteen.slips_per_100_km.low == 0.0);
   CHECK(sixteen.slam_ms == doctest::Approx(10.0));
-  CHECK(summary_of(example_table(), 2).drift_percent.value == doctest::Approx(0.75));
+  CHECK(statistics_of(example_sample(), 2).drift_percent.value == doctest::Approx(0.75));
 }
 
 TEST_CASE("pairs are differences and ratios drive by drive, and the share of the gap closed") {
-  const SeedTable table = example_table();
-  const SeedPair all_rows = pair_of(table, 2);
+  const TableSample sample = example_sample();
+  const MethodStatistics all_rows = statistics_of(sample, 2);
   CHECK(all_rows.drift_difference_percent.value == doctest::Approx(-0.75));
   CHECK(all_rows.drift_difference_percent.low == doctest::Approx(-1.0));
   CHECK(all_rows.drift_difference_percent.high == doctest::Approx(-0.5));
   CHECK(all_rows.drift_ratio.value == doctest::Approx(0.5));
   CHECK(all_rows.gap_closed->value == doctest::Approx(1.0));
-  const SeedPair sixteen = pair_of(table, 0);
+  const MethodStatistics sixteen = statistics_of(sample, 0);
   CHECK(sixteen.drift_ratio_no_slip.value == doctest::Approx(1.5));
   CHECK(sixteen.slips_difference.value == doctest::Approx(1e5 / 598.0));
   CHECK(sixteen.gap_closed->value == doctest::Approx(0.0));
-  const SeedPair linear = pair_of(of_drive(table, "town"), 1);
+  const MethodStatistics linear = statistics_of(of_drive(sample, "town"), 1);
   CHECK(linear.gap_closed->value == doctest::Approx(1.0 / 3.0));
   CHECK(linear.drift_ratio.value == doctest::Approx(1.0));
 }
 
 TEST_CASE("without LiDAR-16 or LiDAR-64 there is no gap to close") {
-  SeedTable table = example_table();
-  table.methods.pop_back();
-  for (SeedDrive& drive : table.drives) drive.runs.pop_back();
-  CHECK_FALSE(pair_of(table, 1).gap_closed);
+  TableSample sample = example_sample();
+  sample.methods.pop_back();
+  for (DriveSample& drive : sample.drives) drive.methods.pop_back();
+  CHECK_FALSE(statistics_of(sample, 1).gap_closed);
 }
 
 TEST_CASE("a drive shorter than a piece has slips but no drift, and does not spoil the mean") {
-  SeedTable table = example_table();
+  TableSample sample = example_sample();
   Trajectory shorter = straight_drive(1.0);
   shorter.resize(50);
   const TableResult result = result_of(shorter);
-  table.drives.push_back(
-      *seed_drive(table_drive("town", 9), {result, result, result}, straight_drive(1.0)));
-  CHECK(summary_of(table, 1).drift_percent.value == doctest::Approx(1.5));
+  sample.drives.push_back(*drive_of("town", 9, {result, result, result}, straight_drive(1.0)));
+  CHECK(statistics_of(sample, 1).drift_percent.value == doctest::Approx(1.5));
 }
 
 TEST_CASE("the texts have a row per method and a part per drive, and need no other file") {
-  const SeedTable table = example_table();
-  const TextTable summary = seeds_summary_table(table);
+  const TableSample sample = example_sample();
+  const TableReport report = statistics_report(sample);
+  REQUIRE(report.parts.size() == 3);
+  const TextTable& summary = report.parts[0].tables[0];
   REQUIRE(summary.rows.size() == 3);
   CHECK(summary.rows[2][1] == "0.7500 [0.5000, 1.0000]");
   CHECK(summary.rows[0][4] == "1");
-  const TextTable pairs = seeds_pair_table(table);
+  const TextTable& pairs = report.parts[0].tables[1];
   CHECK(pairs.title == "Drive by drive against linear");
   CHECK(pairs.rows[1][1] == "-");
   CHECK(pairs.rows[2][2] == "0.50 [0.50, 0.50]");
   for (const TextTable& text : {summary, pairs}) {
     for (const auto& row : text.rows) CHECK(row.size() == text.columns.size());
   }
-  const std::string markdown = seeds_markdown(table);
+  const std::string markdown = markdown_of(report);
   for (const char* part : {"## All drives", "## town", "## <hills>", "seeds 4", "| LiDAR-64 |"}) {
     CAPTURE(part);
     CHECK(markdown.find(part) != std::string::npos);
   }
-  const std::string html = seeds_html(table);
+  const std::string html = html_of(report);
   CHECK(html.find("&lt;hills&gt;") != std::string::npos);
   CHECK(html.find("<hills>") == std::string::npos);
   CHECK(html.find("class=\"interval\"") != std::string::npos);
@@ -163,7 +173,7 @@ TEST_CASE("the texts have a row per method and a part per drive, and need no oth
 }
 
 TEST_CASE("the JSON holds every summary and every drive, null where there is no interval") {
-  const nlohmann::json json = nlohmann::json::parse(seeds_json(example_table()));
+  const nlohmann::json json = nlohmann::json::parse(statistics_json(parts_of(example_sample())));
   CHECK(json["against"] == "linear");
   CHECK(json["methods"][2]["all"]["drift_percent"]["value"].get<double>() == doctest::Approx(0.75));
   CHECK(json["methods"][2]["town"]["drift_percent"]["low"].is_null());

@@ -1,4 +1,4 @@
-#include "lift/upsampling_plan.h"
+#include "lift/lifted_input.h"
 
 #include <doctest/doctest.h>
 
@@ -37,16 +37,16 @@ struct Files {
 
 TEST_CASE("a stack of the measured rows and one of all rows both find their sensor by themselves") {
   const Files files;
-  const UpsamplingPlan measured = plan_upsampling({files.stack_16, "", files.weights});
-  CHECK(measured.recording_sensor.beam_elevation_rad == sensor_preset("os1-16").beam_elevation_rad);
+  const LiftedInput measured = lifted_input({files.stack_16}, {files.weights});
+  CHECK(measured.recorded.beam_elevation_rad == sensor_preset("os1-16").beam_elevation_rad);
   CHECK_FALSE(measured.rows.has_value());
   SensorModel lifted = sensor_preset("os1-64");
   lifted.measured_rows = RowSelection{3, 4};
-  CHECK(measured.upsampler.sensor() == lifted);
-  CHECK(measured.upsampler.name() == "du-or");
+  CHECK(measured.upsampler->sensor() == lifted);
+  CHECK(measured.upsampler->name() == "du-or");
 
-  const UpsamplingPlan all = plan_upsampling({files.stack_64, "", files.weights});
-  CHECK(all.recording_sensor == sensor_preset("os1-64"));
+  const LiftedInput all = lifted_input({files.stack_64}, {files.weights});
+  CHECK(all.recorded == sensor_preset("os1-64"));
   REQUIRE(all.rows.has_value());
   CHECK(all.rows->offset == 3);
   CHECK(all.rows->stride == 4);
@@ -60,10 +60,10 @@ TEST_CASE("the sensor of the measured rows may be named by its own name or by th
       if (method == "linear" && std::string(name) == "os1-16") {
         continue;  // interpolation has no other way to know all rows
       }
-      const UpsamplingPlan plan = plan_upsampling({files.stack_16, name, method});
-      CHECK(plan.recording_sensor.rows() == 16);
+      const LiftedInput plan = lifted_input({files.stack_16, name}, {method});
+      CHECK(plan.recorded.rows() == 16);
       CHECK_FALSE(plan.rows.has_value());
-      CHECK(plan.upsampler.sensor().rows() == 64);
+      CHECK(plan.upsampler->sensor().rows() == 64);
     }
   }
 }
@@ -76,67 +76,75 @@ TEST_CASE("a sensor like the weights' keeps its own beam table where it has all 
   }
   own.name = "own";
   write_sensor_json(own, files.folder.file("own.json"));
-  const UpsamplingPlan plan =
-      plan_upsampling({files.stack_64, files.folder.file("own.json"), files.weights});
-  CHECK(plan.upsampler.sensor().name == "own");
+  const LiftedInput plan =
+      lifted_input({files.stack_64, files.folder.file("own.json")}, {files.weights});
+  CHECK(plan.upsampler->sensor().name == "own");
 }
 
 TEST_CASE("interpolation looks at every fourth row, or at as many as it is told") {
   const Files files;
-  CHECK(plan_upsampling({files.stack_64, "os1-64", "nearest"}).rows->stride == 4);
-  CHECK(plan_upsampling({files.stack_64, "os1-64", "inverse", 32}).rows->stride == 2);
+  CHECK(lifted_input({files.stack_64, "os1-64"}, {"nearest"}).rows->stride == 4);
+  CHECK(lifted_input({files.stack_64, "os1-64"}, {"inverse", 32}).rows->stride == 2);
 }
 
 TEST_CASE("rows of a sensor that all were measured are not thinned and filled without a word") {
   const Files files;
   CHECK(one_line_with(error_message([&] {
-                        plan_upsampling({files.stack_16, "os1-16", "linear"});
+                        lifted_input({files.stack_16, "os1-16"}, {"linear"});
                       }),
                       "all 16 rows", "nothing between them", "os1-64"));
-  CHECK(plan_upsampling({files.stack_16, "os1-16", "linear", 4}).rows->stride == 4);
+  CHECK(lifted_input({files.stack_16, "os1-16"}, {"linear", 4}).rows->stride == 4);
 }
 
 TEST_CASE("a sensor that the weights were not made for is one line that says what they expect") {
   const Files files;
   CHECK(one_line_with(error_message([&] {
-                        plan_upsampling({files.stack_64, "hdl-64e", files.weights});
+                        lifted_input({files.stack_64, "hdl-64e"}, {files.weights});
                       }),
                       "os1-64", "hdl-64e"));
   CHECK(one_line_with(error_message([&] {
-                        plan_upsampling({files.stack_16, "vlp-16", files.weights});
+                        lifted_input({files.stack_16, "vlp-16"}, {files.weights});
                       }),
                       "16 x 1024", "vlp-16"));
   CHECK(one_line_with(error_message([&] {
-                        plan_upsampling({files.stack_64, "", files.weights, 32});
+                        lifted_input({files.stack_64}, {files.weights, 32});
                       }),
                       "16 measured rows", "32"));
-  CHECK(one_line_with(error_message([&] {
-                        plan_upsampling({files.stack_64, "", "linear"});
-                      }),
+  CHECK(one_line_with(error_message([&] { lifted_input({files.stack_64}, {"linear"}); }),
                       "--sensor", "stack64"));
   CHECK(one_line_with(error_message([&] {
-                        plan_upsampling({files.stack_16, "os1-64", "linear", 32});
+                        lifted_input({files.stack_16, "os1-64"}, {"linear", 32});
                       }),
                       "16 rows", "32"));
-  CHECK(one_line_with(error_message([&] {
-                        plan_upsampling({files.stack_64, "", files.stack_64});
-                      }),
+  CHECK(one_line_with(error_message([&] { lifted_input({files.stack_64}, {files.stack_64}); }),
                       "stack64"));
 }
 
 TEST_CASE("a sender whose beams are still to come is refused for its rows alone") {
   const Files files;
-  UpsamplingRequest request{"--sensor os1-16", "", files.weights};
+  const LiftingChoice lifting{files.weights};
+  Sender sender{"--sensor os1-16", {}};
   for (const char* name : {"os1-16", "os1-64"}) {
-    request.sender = sensor_preset(name);
-    for (double& elevation_rad : request.sender->beam_elevation_rad) elevation_rad -= 0.02;
-    request.knows_sender_beams = true;
-    CHECK(one_line_with(error_message([&] { plan_upsampling(request); }), "os1-64", name));
-    request.knows_sender_beams = false;
-    CHECK_NOTHROW(plan_upsampling(request));
+    sender.sensor = sensor_preset(name);
+    for (double& elevation_rad : sender.sensor.beam_elevation_rad) elevation_rad -= 0.02;
+    sender.knows_beams = true;
+    CHECK(one_line_with(error_message([&] { lifted_sender(sender, lifting); }), "os1-64", name));
+    sender.knows_beams = false;
+    CHECK_NOTHROW(lifted_sender(sender, lifting));
   }
-  request.sender = sensor_preset("hdl-32e");
-  CHECK(one_line_with(error_message([&] { plan_upsampling(request); }), "os1-64", "hdl-32e"));
+  sender.sensor = sensor_preset("hdl-32e");
+  CHECK(one_line_with(error_message([&] { lifted_sender(sender, lifting); }), "os1-64", "hdl-32e"));
+}
+
+TEST_CASE("rows that nothing fills are looked at alone, all of them where none are chosen") {
+  const Files files;
+  const LiftedInput few = lifted_input({files.stack_64, "os1-64"}, {"", 16});
+  CHECK(few.seen().rows() == 16);
+  CHECK(few.measured(OrganizedCloud(64, 8)).rows == 16);
+  LiftedInput all = lifted_input({files.stack_64, "os1-64"}, {});
+  CHECK_FALSE(all.rows.has_value());
+  CHECK(all.seen() == sensor_preset("os1-64"));
+  CHECK(all.open()->size() == 1);
 }
 
 }  // namespace hqslam::tools

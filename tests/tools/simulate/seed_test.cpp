@@ -1,8 +1,9 @@
+#include "simulate/seed.h"
+
 #include <doctest/doctest.h>
 #include <fmt/format.h>
 
 #include "error_message.h"
-#include "laboratory/table/table_plan.h"
 
 namespace hqslam::tools {
 

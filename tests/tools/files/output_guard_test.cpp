@@ -1,0 +1,68 @@
+#include "files/output_guard.h"
+
+#include <doctest/doctest.h>
+#include <sys/stat.h>
+
+#include <array>
+
+#include "error_message.h"
+#include "file_contents.h"
+#include "temporary_directory.h"
+
+namespace hqslam::tools {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace hqslam::test;
+
+bool never(const std::string&) { return false; }
+bool always(const std::string&) { return true; }
+
+}  // namespace
+
+TEST_CASE("a file may be written where nothing is, and where its own kind is") {
+  const TemporaryDirectory folder;
+  CHECK_NOTHROW(guard_output_file(folder.file("new"), {}, never));
+  write_file(folder.file("mine"), "marker");
+  CHECK_NOTHROW(guard_output_file(folder.file("mine"), {folder.file("other")}, always));
+  CHECK(one_line_with(error_message([&] { guard_output_file(folder.file("mine"), {}, never); }),
+                      "mine", "give another --out"));
+  CHECK(one_line_with(error_message([&] { guard_output_file(folder.file("no/new"), {}, never); }),
+                      "no", "existing folder"));
+  CHECK(file_contents(folder.file("mine")) == "marker");
+}
+
+TEST_CASE("no device, no pipe, no folder and no input is written over, whoever made it") {
+  const TemporaryDirectory folder;
+  mkfifo(folder.file("pipe").c_str(), 0600);
+  fs::create_directory(folder.file("folder"));
+  fs::create_symlink("/dev/null", folder.file("link"));
+  write_file(folder.file("input"), "x");
+  fs::create_hard_link(folder.file("input"), folder.file("same"));
+  CHECK_FALSE(has_marker(folder.file("pipe"), "x"));
+  for (const char* name : {"pipe", "folder", "link", "same"}) {
+    CAPTURE(name);
+    CHECK(one_line_with(error_message([&] {
+                          guard_output_file(folder.file(name), {folder.file("input")}, always);
+                        }),
+                        "--out"));
+  }
+  CHECK(one_line_with(error_message([] { guard_output_file("/dev/null", {}, always); }),
+                      "/dev/null", "no regular file"));
+}
+
+TEST_CASE("results are replaced in a command's own folder alone") {
+  const TemporaryDirectory folder;
+  constexpr std::array<const char*, 2> kNames = {"a", "b"};
+  CHECK_NOTHROW(guard_results(folder.path(), kNames, false, "is foreign"));
+  write_file(folder.file("b"), "x");
+  CHECK_NOTHROW(guard_results(folder.path(), kNames, true, "is foreign"));
+  CHECK(one_line_with(
+      error_message([&] { guard_results(folder.path(), kNames, false, "is foreign"); }), "b",
+      "is there already and is foreign"));
+  CHECK(one_line_with(
+      error_message([&] { guard_results(folder.path(), kNames, true, "", {folder.file("b")}); }),
+      "read by this command"));
+}
+
+}  // namespace hqslam::tools

@@ -1,0 +1,99 @@
+#include "recording/reading.h"
+
+#include <doctest/doctest.h>
+
+#include <functional>
+#include <vector>
+
+#include "error_message.h"
+#include "hqslam/core/error.h"
+
+namespace hqslam::tools {
+namespace {
+
+/// Scans of which some throw.
+class Scans : public ScanSource {
+ public:
+  explicit Scans(std::vector<std::function<void()>> scans) : scans_(std::move(scans)) {}
+  const SensorModel& sensor() const override { return sensor_; }
+  std::optional<std::int64_t> size() const override { return std::ssize(scans_); }
+  double read_share() const override { return 0.0; }
+  bool has_stamps() const override { return false; }
+  std::optional<RecordedScan> next() override {
+    if (next_ == scans_.size()) return std::nullopt;
+    scans_[next_++]();
+    RecordedScan scan;
+    scan.name = "scan " + std::to_string(next_ - 1);
+    return scan;
+  }
+
+ private:
+  SensorModel sensor_ = sensor_preset("vlp-16");
+  std::vector<std::function<void()>> scans_;
+  std::size_t next_ = 0;
+};
+
+void good() {}
+void not_understood() { throw ScanError("has no points"); }
+void unreadable() { throw Error("a.bin: cannot be read"); }
+
+/// The indices that were used, of scans read to their end.
+std::vector<std::int64_t> used_of(std::vector<std::function<void()>> scans, Reading& reading) {
+  Scans source(std::move(scans));
+  const InterruptGuard interrupt;
+  std::vector<std::int64_t> used;
+  read_scans(source, interrupt, reading, [&](const ReadScan& read) {
+    used.push_back(read.index);
+    return true;
+  });
+  return used;
+}
+
+}  // namespace
+
+TEST_CASE("scans that cannot be understood are left out, counted, and keep their index") {
+  Reading reading;
+  CHECK(used_of({good, not_understood, not_understood, good}, reading) ==
+        std::vector<std::int64_t>{0, 3});
+  CHECK(reading.end == ReadingEnd::kComplete);
+  CHECK(reading.left_out.text() == "2 scans were left out, the first of them: has no points");
+}
+
+TEST_CASE("a scan that cannot be read ends the reading, unless it is the first") {
+  Reading reading;
+  CHECK(used_of({good, good, unreadable, good}, reading) == std::vector<std::int64_t>{0, 1});
+  CHECK(reading.end == ReadingEnd::kUnreadableScan);
+  CHECK(reading.end_message == "a.bin: cannot be read");
+  Reading none;
+  CHECK(test::one_line_with(test::error_message([&] { used_of({unreadable}, none); }), "a.bin"));
+}
+
+TEST_CASE("a recording of which nothing can be used says why") {
+  Reading reading;
+  CHECK(test::one_line_with(test::error_message([&] {
+                              used_of({not_understood, not_understood}, reading);
+                            }),
+                            "2 scans were left out", "has no points"));
+}
+
+TEST_CASE("whoever uses the scans may leave one out, or have enough") {
+  Scans source({good, good, good, good});
+  const InterruptGuard interrupt;
+  Reading reading;
+  std::vector<std::int64_t> used;
+  read_scans(source, interrupt, reading, [&](const ReadScan& read) {
+    if (read.index == 1) throw ScanError("has bad times");
+    used.push_back(read.index);
+    return read.index < 2;
+  });
+  CHECK(used == std::vector<std::int64_t>{0, 2});
+  CHECK(reading.end == ReadingEnd::kComplete);
+  CHECK(reading.left_out.text() == "1 scan was left out: scan 1: has bad times");
+}
+
+TEST_CASE("a reading says that it is running until it has ended") {
+  CHECK(name(Reading().end) == "running");
+  CHECK(name(ReadingEnd::kInterrupted) == "interrupted");
+}
+
+}  // namespace hqslam::tools

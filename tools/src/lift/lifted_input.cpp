@@ -1,0 +1,218 @@
+#include "lift/lifted_input.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <filesystem>
+#include <utility>
+
+#include "hqslam/core/error.h"
+#include "hqslam/core/npy.h"
+#include "hqslam/nn/upsampled_cloud.h"
+#include "hqslam/recordings/recording.h"
+#include "recording/recording_sensor.h"
+
+namespace hqslam::tools {
+namespace {
+
+constexpr double kDegreesPerRadian = 57.29577951308232;
+/// Without --rows every fourth row is measured, if there are so many that this makes sense.
+constexpr int kInterpolationFactor = 4;
+constexpr int kFewestRowsToThin = 64;
+
+/// What a user asked for.
+struct Request {
+  const InputChoice& recording;
+  const LiftingChoice& lifting;
+  nn::SuperResolverOptions network = {};
+  const Sender* sender = nullptr;             ///< of a sensor that sends now; nullptr: a recording
+  std::optional<SensorModel> of_stream = {};  ///< of a capture or a bag
+
+  const std::string& input() const { return sender != nullptr ? sender->name : recording.input; }
+};
+
+/// Whether scans come from packets, whose columns can be chosen.
+bool has_any_columns(const Request& request) {
+  return request.sender != nullptr || recordings::is_capture_or_bag(request.recording.input);
+}
+
+std::optional<SensorModel> sensor_of(const Request& request) {
+  if (request.sender != nullptr) return request.sender->sensor;
+  if (request.of_stream) return request.of_stream;
+  return recording_sensor(request.recording);
+}
+
+SensorModel required_sensor_of(const Request& request) {
+  if (const auto known = sensor_of(request)) return *known;
+  return required_recording_sensor(request.recording);
+}
+
+/// The rows that the files themselves have, where they tell.
+std::optional<int> recorded_rows(const Request& request) {
+  if (request.sender != nullptr) return std::nullopt;
+  const std::string& input = request.recording.input;
+  if (std::filesystem::path(input).extension() == ".npy") {
+    return NpyStackReader(input).rows();
+  }
+  const std::string sensor = file_of_drive(input, "sensor.json");
+  return sensor.empty() ? std::nullopt : std::optional(load_sensor(sensor).rows());
+}
+
+[[noreturn]] void fail_for_sensor(const Request& request, const SensorModel& found,
+                                  const SensorModel& full, RowSelection measured_rows) {
+  const SensorModel measured = select_rows(full, measured_rows);
+  throw Error(fmt::format(
+      "{}: expects scans of '{}' ({} x {}) or its rows {}, {}, ... alone ({} x {}), beams within "
+      "{} degrees, but {} is of '{}' ({} x {}); give weights made for that sensor",
+      request.lifting.upsample, full.name, full.rows(), full.columns, measured_rows.offset,
+      measured_rows.offset + measured_rows.stride, measured.rows(), measured.columns,
+      kBeamTolerance_deg, request.input(), found.name, found.rows(), found.columns));
+}
+
+bool asks_for_confidence(const LiftingChoice& choice) {
+  return choice.least_confidence || choice.tolerance_m;
+}
+
+[[noreturn]] void fail_for_confidence(const Request& request) {
+  throw Error(
+      fmt::format("{}: does not say how sure it is of a pixel; leave --confidence and --tolerance "
+                  "out, or give weights of kind "
+                  "du-mix",
+                  request.lifting.upsample));
+}
+
+LiftedInput with_network(const Request& request) {
+  nn::SuperResolverOptions options = request.network;
+  const LiftingChoice& choice = request.lifting;
+  if (choice.least_confidence) options.least_confidence = choice.least_confidence;
+  if (choice.tolerance_m) options.tolerance_m = *choice.tolerance_m;
+  nn::SuperResolver network = nn::SuperResolver::load(choice.upsample, options);
+  if (asks_for_confidence(choice) && !has_confidence(network.description())) {
+    fail_for_confidence(request);
+  }
+  const SensorModel full = network.sensor();
+  const RowSelection measured_rows = network.description().measured_rows;
+  const SensorModel measured = select_rows(full, measured_rows);
+  if (choice.rows > 0 && choice.rows != measured.rows()) {
+    throw Error(fmt::format("{}: was made for {} measured rows, --rows asks for {}; leave it out",
+                            choice.upsample, measured.rows(), choice.rows));
+  }
+  const std::optional<int> rows = recorded_rows(request);
+  const bool measured_alone = rows == measured.rows();
+  SensorModel recorded = sensor_of(request).value_or(measured_alone ? measured : full);
+  if (has_any_columns(request)) recorded.columns = full.columns;
+  if (request.sender != nullptr && !request.sender->knows_beams) {
+    if (recorded.rows() == full.rows()) recorded = full;
+    if (recorded.rows() == measured.rows()) recorded = measured;
+  }
+  if (measured_alone && recorded.rows() == full.rows()) {
+    recorded = select_rows(recorded, measured_rows);
+  }
+  if (fits(recorded, full)) {
+    return {{}, recorded, measured_rows, nn::Upsampler(std::move(network), recorded)};
+  }
+  if (fits(recorded, measured)) {
+    return {{}, recorded, std::nullopt, nn::Upsampler(std::move(network), full)};
+  }
+  fail_for_sensor(request, recorded, full, measured_rows);
+}
+
+LiftedInput with_interpolation(const Request& request) {
+  const LiftingChoice& choice = request.lifting;
+  if (asks_for_confidence(choice)) fail_for_confidence(request);
+  const nn::Interpolation interpolation = nn::interpolation_from_name(choice.upsample);
+  const SensorModel full = required_sensor_of(request);
+  const int recorded = recorded_rows(request).value_or(full.rows());
+  if (recorded < full.rows()) {
+    const RowSelection measured_rows = selection_for(full.rows(), recorded);
+    if (choice.rows > 0 && choice.rows != recorded) {
+      throw Error(fmt::format("{}: has {} rows, --rows asks for {}; leave it out", request.input(),
+                              recorded, choice.rows));
+    }
+    return {{},
+            select_rows(full, measured_rows),
+            std::nullopt,
+            nn::Upsampler(interpolation, full, measured_rows)};
+  }
+  if (choice.rows == 0 && full.rows() < kFewestRowsToThin) {
+    throw Error(fmt::format(
+        "{}: has all {} rows of sensor '{}', so there is nothing between them to fill; name the "
+        "sensor with the rows to fill (os1-64 for scans of an os1-16), or say with hqslam run "
+        "--rows how many of the {} to look at",
+        request.input(), full.rows(), full.name, full.rows()));
+  }
+  const RowSelection measured_rows = selection_for(
+      full.rows(), choice.rows > 0 ? choice.rows : full.rows() / kInterpolationFactor);
+  return {{}, full, measured_rows, nn::Upsampler(interpolation, full, measured_rows)};
+}
+
+LiftedInput as_measured(const Request& request) {
+  LiftedInput input{{}, required_sensor_of(request)};
+  const int rows = input.recorded.rows();
+  if (request.lifting.rows > 0 && request.lifting.rows != rows) {
+    input.rows = selection_for(rows, request.lifting.rows);
+  }
+  return input;
+}
+
+LiftedInput lifted_input(const Request& request) {
+  const std::string& method = request.lifting.upsample;
+  LiftedInput input = method.empty()                 ? as_measured(request)
+                      : nn::is_interpolation(method) ? with_interpolation(request)
+                                                     : with_network(request);
+  input.recording = request.recording;
+  return input;
+}
+
+}  // namespace
+
+bool fits(const SensorModel& sensor, const SensorModel& expected) {
+  if (sensor.rows() != expected.rows() || sensor.columns != expected.columns) {
+    return false;
+  }
+  for (int row = 0; row < sensor.rows(); ++row) {
+    const double off_rad = sensor.beam_elevation_rad[row] - expected.beam_elevation_rad[row];
+    if (std::abs(off_rad) * kDegreesPerRadian > kBeamTolerance_deg) {
+      return false;
+    }
+  }
+  return true;
+}
+
+std::unique_ptr<ScanSource> LiftedInput::open() {
+  if (opened) return std::move(opened);
+  return open_input(recording, recorded);
+}
+
+OrganizedCloud LiftedInput::measured(const OrganizedCloud& scan) const {
+  return rows ? select_rows(scan, *rows) : scan;
+}
+
+OrganizedCloud LiftedInput::lifted(const OrganizedCloud& measured) {
+  return upsampler ? nn::upsampled_cloud(*upsampler, measured) : measured;
+}
+
+SensorModel LiftedInput::seen() const {
+  if (upsampler) return upsampler->sensor();
+  return rows ? select_rows(recorded, *rows) : recorded;
+}
+
+LiftedInput lifted_input(const InputChoice& recording, const LiftingChoice& lifting,
+                         const nn::SuperResolverOptions& network) {
+  auto stream = open_stream(recording);
+  Request request{recording, lifting, network};
+  if (stream) request.of_stream = stream->sensor();
+  LiftedInput input = lifted_input(request);
+  if (stream) {
+    stream->use_columns(input.recorded.columns);
+    input.opened = std::move(stream);
+  }
+  return input;
+}
+
+LiftedInput lifted_sender(const Sender& sender, const LiftingChoice& lifting) {
+  const InputChoice named{sender.name};
+  return lifted_input(Request{named, lifting, {}, &sender});
+}
+
+}  // namespace hqslam::tools

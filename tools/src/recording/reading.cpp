@@ -1,0 +1,109 @@
+#include "recording/reading.h"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "hqslam/core/error.h"
+#include "terminal/exit_status.h"
+#include "terminal/terminal.h"
+#include "timing/stopwatch.h"
+
+namespace hqslam::tools {
+namespace {
+
+/// Nothing at the end of the reading, whose reason is noted. Throws Error for a first scan that
+/// cannot be read.
+std::optional<RecordedScan> next_scan(ScanSource& source, const InterruptGuard& interrupt,
+                                      bool is_first, Reading& reading) {
+  if (interrupt.stop_requested()) {
+    reading.end = ReadingEnd::kInterrupted;
+    return std::nullopt;
+  }
+  try {
+    std::optional<RecordedScan> scan = next_usable(source, reading.left_out);
+    if (!scan) reading.end = ReadingEnd::kComplete;
+    return scan;
+  } catch (const Error& error) {
+    if (is_first) throw;
+    reading.end = ReadingEnd::kUnreadableScan;
+    reading.end_message = error.what();
+    return std::nullopt;
+  }
+}
+
+}  // namespace
+
+void LeftOut::add(const std::string& what) {
+  if (scans++ == 0) first = what;
+}
+
+std::string LeftOut::text() const {
+  return fmt::format("{} scan{} left out{}: {}", scans, scans == 1 ? " was" : "s were",
+                     scans == 1 ? "" : ", the first of them", first);
+}
+
+std::optional<RecordedScan> next_usable(ScanSource& source, LeftOut& left_out) {
+  while (true) {
+    try {
+      return source.next();
+    } catch (const ScanError& error) {
+      left_out.add(error.what());
+    }
+  }
+}
+
+std::string_view name(ReadingEnd end) {
+  switch (end) {
+    case ReadingEnd::kRunning:
+      return "running";
+    case ReadingEnd::kInterrupted:
+      return "interrupted";
+    case ReadingEnd::kUnreadableScan:
+      return "unreadable scan";
+    case ReadingEnd::kComplete:
+      break;
+  }
+  return "complete";
+}
+
+void read_scans(ScanSource& source, const InterruptGuard& interrupt, Reading& reading,
+                const std::function<bool(const ReadScan& read)>& use) {
+  std::int64_t used = 0;
+  while (reading.end == ReadingEnd::kRunning) {
+    const SteadyClock::time_point start = SteadyClock::now();
+    std::optional<RecordedScan> scan = next_scan(source, interrupt, used == 0, reading);
+    if (!scan) break;
+    const std::string name = scan->name;
+    const ReadScan read{std::move(*scan), used + reading.left_out.scans, seconds_since(start)};
+    try {
+      if (!use(read)) reading.end = ReadingEnd::kComplete;
+      ++used;
+    } catch (const ScanError& error) {
+      reading.left_out.add(fmt::format("{}: {}", name, error.what()));
+    }
+  }
+  if (used == 0 && reading.left_out.scans > 0 && reading.end == ReadingEnd::kComplete) {
+    throw Error(reading.left_out.text());
+  }
+}
+
+int exit_status_of(const Reading& reading, std::int64_t used,
+                   std::optional<std::int64_t> in_recording) {
+  const std::string scans = in_recording ? fmt::format("{} of {} scans", used, *in_recording)
+                                         : fmt::format("{} scans", used);
+  if (reading.left_out.scans > 0 && used > 0) to_stderr("hqslam: {}\n", reading.left_out.text());
+  switch (reading.end) {
+    case ReadingEnd::kInterrupted:
+      to_stderr("hqslam: interrupted after {}; the results up to there are valid\n", scans);
+      return kInterrupted;
+    case ReadingEnd::kUnreadableScan:
+      to_stderr("hqslam: {}; stopped after {}, the results up to there are valid\n",
+                reading.end_message, scans);
+      return kWrongInput;
+    default:
+      return kOk;
+  }
+}
+
+}  // namespace hqslam::tools

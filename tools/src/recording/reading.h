@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "hqslam/core/scan_source.h"
+#include "terminal/interrupt.h"
+
+namespace hqslam::tools {
+
+/// Scans of a recording that could not be understood.
+struct LeftOut {
+  std::int64_t scans = 0;
+  std::string first;  ///< what was wrong with the first one
+
+  void add(const std::string& what);
+  /// "2 scans were left out: ..."
+  std::string text() const;
+};
+
+/// The next scan that can be understood, or nothing at the end. Throws Error where the recording
+/// cannot be read on.
+std::optional<RecordedScan> next_usable(ScanSource& source, LeftOut& left_out);
+
+/// Why reading came to its end.
+enum class ReadingEnd { kRunning, kComplete, kInterrupted, kUnreadableScan };
+/// "running", "complete", "interrupted", "unreadable scan"
+std::string_view name(ReadingEnd end);
+
+/// How a recording was read, up to now or to its end.
+struct Reading {
+  ReadingEnd end = ReadingEnd::kRunning;
+  std::string end_message;  ///< the reader's, for kUnreadableScan
+  LeftOut left_out;
+};
+
+/// A scan on its way to whoever uses it.
+struct ReadScan {
+  RecordedScan scan;
+  std::int64_t index = 0;  ///< in the recording, counted from 0; those that were left out count
+  double reading_s = 0.0;  ///< what reading and projecting it took
+};
+
+/// Hands every scan that can be understood to `use`, until that returns false, to the recording's
+/// end, until Ctrl-C or to a scan that cannot be read. A scan of which `use` throws ScanError is
+/// left out as well. Throws Error where not a single scan could be used.
+void read_scans(ScanSource& source, const InterruptGuard& interrupt, Reading& reading,
+                const std::function<bool(const ReadScan& read)>& use);
+
+/// What such a reading tells the shell, after so many scans that were used: an ExitStatus, with the
+/// lines on stderr that explain it.
+int exit_status_of(const Reading& reading, std::int64_t used,
+                   std::optional<std::int64_t> in_recording);
+
+}  // namespace hqslam::tools
