@@ -17,7 +17,9 @@ class CellIndex {
 
   /// In: a cell within that range.
   static std::uint64_t key_of(const Eigen::Vector3i& cell) {
-    const auto part = [](int value) { return static_cast<std::uint64_t>(value + kRange); };
+    const auto part = [](int value) {
+      return static_cast<std::uint64_t>(std::int64_t{value} + kRange);
+    };
     return part(cell.x()) << 42 | part(cell.y()) << 21 | part(cell.z());
   }
 
