@@ -67,6 +67,7 @@ struct Slam::Implementation {
     bool is_motion_plausible = false;  ///< and is one that a sensor can make that is not carried
     bool is_contradiction = false;     ///< of what was well known before the scan
     double inlier_ratio = 0.0;
+    double close_ratio = 0.0;
   };
   Registered registered(const Tracking& last, const Scan& scan, Notes& notes) const;
   Registered first_registered(Tracking& last, const Scan& scan, Notes& notes);

@@ -48,6 +48,7 @@ struct FirstKeyframe {
 struct Tracking {
   Reference reference;
   double inlier_ratio = 0.0;  ///< of that scan, MappingResult::inlier_ratio; 0: nothing yet
+  double close_ratio = 0.0;   ///< the same, MappingResult::close_ratio
   std::optional<FirstKeyframe> first_keyframe;  ///< while it is the only one and not corrected
 };
 

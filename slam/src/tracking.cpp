@@ -62,7 +62,7 @@ State Slam::Implementation::next(Starting, const Scan& scan, Notes& notes) {
   }
   const MotionState standing = unknown_motion(Pose::Identity());
   add_keyframe(scan, standing.velocity, true, notes);
-  return Tracking{reference_of(scan, standing, drift.against_map(standing), notes.report), 0.0,
+  return Tracking{reference_of(scan, standing, drift.against_map(standing), notes.report), 0.0, 0.0,
                   FirstKeyframe{scan.time_s, scan.features, scan.map_features}};
 }
 
@@ -108,6 +108,7 @@ State Slam::Implementation::tracked(Tracking last, const Registered& found, cons
   }
   last.reference = reference_of(scan, found.state, found.against_map, notes.report);
   last.inlier_ratio = found.inlier_ratio;
+  last.close_ratio = found.close_ratio;
   if (!place_recognition && mapping.is_keyframe(found.state.T_map_sensor)) {
     last.first_keyframe.reset();  // no longer the only one: the map cannot begin anew with it
     add_keyframe(scan, found.state.velocity, false, notes);
@@ -128,7 +129,7 @@ State Slam::Implementation::new_segment(const Lost& lost, Registered found, cons
   notes.own_covariance = drift.own_covariance(Pose::Identity(), against_own_map);
   notes.report.covariance = drift.covariance(Pose::Identity(), against_own_map);
   add_keyframe(scan, found.state.velocity, true, notes);
-  return Tracking{reference_of(scan, found.state, against_own_map, notes.report), 0.0,
+  return Tracking{reference_of(scan, found.state, against_own_map, notes.report), 0.0, 0.0,
                   std::nullopt};
 }
 
@@ -151,8 +152,8 @@ Slam::Implementation::Registered Slam::Implementation::registered(const Tracking
   report.T_odom_sensor = orthonormalized(reference.T_odom_sensor * moved.T_reference_sensor);
   report.times.odometry_s += notes.stopwatch.lap_s();
 
-  const MappingResult matched =
-      register_from_both(mapping, scan.map_features, {expected, T_map_moved, duration_s});
+  const MappingResult matched = register_from_starts(
+      mapping, scan.map_features, {expected, T_map_moved, duration_s, last.close_ratio});
   const bool is_elsewhere = matched.inlier_ratio < kLeastShareOfInlierRatio * last.inlier_ratio;
   Registered found;
   found.is_registered = matched.status != Status::kTooFewFeatures && !is_elsewhere &&
@@ -164,6 +165,7 @@ Slam::Implementation::Registered Slam::Implementation::registered(const Tracking
   found.is_contradiction = scan.has_enough_features && is_precise(expected) &&
                            (is_elsewhere || (found.by_odometry && !found.is_motion_plausible));
   found.inlier_ratio = matched.inlier_ratio;
+  found.close_ratio = matched.close_ratio;
   found.state = found.is_registered ? matched.state : expected;
   if (!found.is_registered) {
     found.state.T_map_sensor = T_map_moved;

@@ -1,17 +1,28 @@
 #include "map/choice_of_start.h"
 
+#include <Eigen/Geometry>
+#include <array>
+
 namespace hqslam::slam {
 
 namespace {
 
 /// A state known better than this is where the scan is looked for, unless the odometry saw it
 /// farther away than a search in the map reaches. Otherwise it is looked for where the odometry saw
-/// it too, and found there if so many times as much of what stands on the ground fits.
+/// it too, and found there if so many times as many of its features lie close.
 constexpr double kPrecise_m = 0.5;
 constexpr double kPrecise_rad = 0.05;
 constexpr double kElsewhere_m = 0.3;
 constexpr double kElsewhere_rad = 0.03;
 constexpr double kFitsBetter = 1.1;
+/// A scan that fits worse than this share of the last one, or whose search did not come to an end,
+/// may have turned as no sensor on wheels does.
+constexpr double kFitsBadly = 0.8;
+/// What a hand turns in half a second; a search finds what is 10 degrees beside its start.
+constexpr double kDegree_rad = 0.017453292519943295;
+constexpr std::array<double, 6> kTurns_rad = {15.0 * kDegree_rad, -15.0 * kDegree_rad,
+                                              30.0 * kDegree_rad, -30.0 * kDegree_rad,
+                                              45.0 * kDegree_rad, -45.0 * kDegree_rad};
 
 bool is_elsewhere(const Twist& innovation) {
   return innovation.linear.norm() > kElsewhere_m || innovation.angular.norm() > kElsewhere_rad;
@@ -20,7 +31,19 @@ bool is_elsewhere(const Twist& innovation) {
 bool fits_better(const MappingResult& a, const MappingResult& b) {
   if (a.status == Status::kTooFewFeatures) return false;
   if (b.status == Status::kTooFewFeatures) return true;
-  return a.inlier_ratio > kFitsBetter * b.inlier_ratio;
+  return a.close_ratio > kFitsBetter * b.close_ratio;
+}
+
+bool fits_badly(const MappingResult& found, double last_close_ratio) {
+  return found.status == Status::kTooFewFeatures || found.status == Status::kNotConverged ||
+         found.close_ratio < kFitsBadly * last_close_ratio;
+}
+
+Pose turned(const Pose& T_map_sensor, double turn_rad) {
+  Pose result = T_map_sensor;
+  result.prerotate(Eigen::AngleAxisd(turn_rad, Eigen::Vector3d::UnitZ()));
+  result.translation() = T_map_sensor.translation();
+  return result;
 }
 
 }  // namespace
@@ -31,15 +54,22 @@ bool is_precise(const MotionState& state) {
          variance.tail<3>().maxCoeff() < kPrecise_rad * kPrecise_rad;
 }
 
-MappingResult register_from_both(const Mapping& mapping, const MapFeatures& features,
-                                 const ExpectedScan& expected) {
+MappingResult register_from_starts(const Mapping& mapping, const MapFeatures& features,
+                                   const ExpectedScan& expected) {
   const MotionState& state = expected.state;
-  const MappingResult from_expected = mapping.register_scan(features, state, state.T_map_sensor);
+  MappingResult best = mapping.register_scan(features, state, state.T_map_sensor);
+  const auto begin_at = [&](const Pose& T_map_start) {
+    const Twist innovation = logarithm(state.T_map_sensor.inverse() * T_map_start);
+    const MappingResult found = mapping.register_scan(
+        features, with_innovation(state, innovation, expected.duration_s), T_map_start);
+    if (fits_better(found, best)) best = found;
+  };
   const Twist innovation = logarithm(state.T_map_sensor.inverse() * expected.T_map_moved);
-  if (is_precise(state) && !is_elsewhere(innovation)) return from_expected;
-  const MappingResult from_odometry = mapping.register_scan(
-      features, with_innovation(state, innovation, expected.duration_s), expected.T_map_moved);
-  return fits_better(from_odometry, from_expected) ? from_odometry : from_expected;
+  if (!is_precise(state) || is_elsewhere(innovation)) begin_at(expected.T_map_moved);
+  if (fits_badly(best, expected.last_close_ratio)) {
+    for (const double turn_rad : kTurns_rad) begin_at(turned(state.T_map_sensor, turn_rad));
+  }
+  return best;
 }
 
 }  // namespace hqslam::slam

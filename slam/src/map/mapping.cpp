@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "alignment/rigid_alignment.h"
+#include "alignment/robust_weights.h"
 #include "alignment/scan_information.h"
 #include "front_end/motion_correction.h"
 #include "front_end/voxel_thinning.h"
@@ -16,6 +17,8 @@ namespace {
 
 /// Searches of wide reach, before the pose is good enough for the narrow one.
 constexpr int kWideSearches = 2;
+/// Of its line or plane: MappingResult::close_ratio.
+constexpr double kClose_m = 0.1;
 
 std::vector<FeaturePoint> measured(const std::vector<FeaturePoint>& features,
                                    const std::optional<RowSelection>& rows) {
@@ -31,6 +34,16 @@ RegisteredScan searched(const MapFeatures& features) {
           SearchedFeatures<MapSurface>(features.surfaces_to_register),
           SearchedFeatures<MapLine>(features.edges),
           SearchedFeatures<Eigen::Vector3d, 1>(features.posts_to_register)};
+}
+
+/// MappingResult::close_ratio. The ground's planes come first; a feature on a line asks for two.
+double close_share(const ConstraintList& found, const MapFeatures& features) {
+  const std::size_t asked = features.surfaces_to_register.size() +
+                            2 * (features.edges.size() + features.posts_to_register.size());
+  const auto close =
+      std::count_if(found.all.begin() + found.ground, found.all.end(),
+                    [](const PlaneConstraint& plane) { return distance_m(plane) < kClose_m; });
+  return static_cast<double>(close) / std::max(static_cast<double>(asked), 1.0);
 }
 
 MapSearch search_at(const MappingResult& at, const MappingOptions& options) {
@@ -89,6 +102,7 @@ MappingResult Mapping::register_scan(const MapFeatures& features, const MotionSt
     }
     result.edge_correspondences = constraints.edges;
     result.planar_correspondences = constraints.planes;
+    result.close_ratio = close_share(constraints, features);
     if (!narrow) result.inlier_ratio = (matched - constraints.ground) / std::max(standing, 1.0);
     if (!enough) {
       result.state = expected;

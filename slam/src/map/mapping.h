@@ -39,6 +39,10 @@ struct MappingResult {
   /// wide reach: how well a place fits. The ground fits everywhere, and more is found within 1 m
   /// than within 0.6 m.
   double inlier_ratio = 0.0;
+  /// Of all lines and planes of features that are not ground the share that the last search found
+  /// within 0.1 m: it tells a place from one half a metre or five degrees beside it, inlier_ratio
+  /// does not.
+  double close_ratio = 0.0;
   bool is_close_search = false;  ///< of the last search: reach and weights, see MapSearch
 };
 

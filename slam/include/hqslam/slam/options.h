@@ -53,7 +53,7 @@ struct OdometryOptions {
 };
 
 struct MappingOptions {
-  int max_iterations = 10;
+  int max_iterations = 40;
   int min_correspondences = 50;
   double min_matched_share = 0.25;
   double edge_leaf_m = 0.2;
