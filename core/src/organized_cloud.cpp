@@ -1,5 +1,10 @@
 #include "hqslam/core/organized_cloud.h"
 
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "hqslam/core/error.h"
 #include "row_selection.h"
 
 namespace hqslam {
@@ -45,6 +50,36 @@ OrganizedCloud select_rows(const OrganizedCloud& cloud, RowSelection rows) {
   result.range_m = rows_of(cloud.range_m, cloud.columns, selected);
   result.time_offset_s = rows_of(cloud.time_offset_s, cloud.columns, selected);
   result.confidence = rows_of(cloud.confidence, cloud.columns, selected);
+  return result;
+}
+
+OrganizedCloud calibrated(const OrganizedCloud& cloud, const SensorModel& sensor) {
+  if (sensor.elevation_correction_rad.empty()) return cloud;
+  if (cloud.rows != sensor.rows()) {
+    throw Error(
+        fmt::format("a scan of {} rows of a sensor of {}: expected the same rows; name the "
+                    "sensor that recorded the scan",
+                    cloud.rows, sensor.rows()));
+  }
+  OrganizedCloud result = cloud;
+  for (int row = 0; row < cloud.rows; ++row) {
+    const double turn_rad = sensor.elevation_correction_rad[row];
+    for (int column = 0; column < cloud.columns; ++column) {
+      const std::size_t i = cloud.index(row, column);
+      if (!(cloud.range_m[i] > 0.0F)) continue;
+      const Eigen::Vector3d direction = cloud.points_m[i].cast<double>().normalized();
+      const double level = direction.head<2>().norm();
+      const double range_m = cloud.range_m[i] + sensor.range_correction_m[row];
+      const bool is_return = level > 0.0 && range_m > 0.0;
+      const Eigen::Vector3d tilt(-direction.x() * direction.z() / level,
+                                 -direction.y() * direction.z() / level, level);
+      result.range_m[i] = is_return ? static_cast<float>(range_m) : 0.0F;
+      result.points_m[i].setZero();
+      if (!is_return) continue;
+      const Eigen::Vector3d turned = std::cos(turn_rad) * direction + std::sin(turn_rad) * tilt;
+      result.points_m[i] = (range_m * turned).cast<float>();
+    }
+  }
   return result;
 }
 

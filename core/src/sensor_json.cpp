@@ -43,8 +43,8 @@ RowSelection row_selection(JsonFields& fields, const std::string& field) {
 
 SensorModel sensor_from_own_form(JsonFields fields) {
   fields.allow_only({"name", "columns", "scan_period_s", "min_range_m", "max_range_m",
-                     "beam_elevation_deg", "beam_azimuth_offset_deg", "measured_rows",
-                     "motion_corrected"});
+                     "beam_elevation_deg", "beam_azimuth_offset_deg", "elevation_correction_deg",
+                     "range_correction_m", "measured_rows", "motion_corrected"});
   SensorModel sensor;
   sensor.name = fields.text("name");
   sensor.columns = fields.small_integer("columns");
@@ -53,6 +53,10 @@ SensorModel sensor_from_own_form(JsonFields fields) {
   sensor.max_range_m = fields.number("max_range_m");
   sensor.beam_elevation_rad = radians(fields.numbers("beam_elevation_deg"));
   sensor.beam_azimuth_offset_rad = radians(fields.numbers("beam_azimuth_offset_deg"));
+  if (fields.has("elevation_correction_deg")) {
+    sensor.elevation_correction_rad = radians(fields.numbers("elevation_correction_deg"));
+    sensor.range_correction_m = fields.numbers("range_correction_m");
+  }
   if (fields.has("measured_rows")) sensor.measured_rows = row_selection(fields, "measured_rows");
   fields.optional("motion_corrected", sensor.motion_corrected);
   return sensor;
@@ -153,6 +157,12 @@ std::string sensor_json(const SensorModel& sensor) {
   }
   for (const double angle_rad : sensor.beam_azimuth_offset_rad) {
     json["beam_azimuth_offset_deg"].push_back(degrees(angle_rad));
+  }
+  for (const double angle_rad : sensor.elevation_correction_rad) {
+    json["elevation_correction_deg"].push_back(degrees(angle_rad));
+  }
+  for (const double correction_m : sensor.range_correction_m) {
+    json["range_correction_m"].push_back(correction_m);
   }
   if (sensor.measured_rows) {
     json["measured_rows"] = {{"offset", sensor.measured_rows->offset},

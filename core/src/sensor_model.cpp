@@ -25,6 +25,27 @@ void require(bool holds, const SensorModel& sensor, const std::string& complaint
   if (!holds) throw Error(fmt::format("sensor '{}': {}", sensor.name, complaint));
 }
 
+/// Of all beams or of none; more is no calibration but another sensor.
+void require_corrections(const SensorModel& sensor) {
+  constexpr double kMaxElevation_rad = 0.05;
+  constexpr double kMaxRange_m = 1.0;
+  const std::size_t rows = sensor.beam_elevation_rad.size();
+  const std::size_t corrected = sensor.elevation_correction_rad.size();
+  require((corrected == 0 || corrected == rows) && sensor.range_correction_m.size() == corrected,
+          sensor,
+          fmt::format("{} corrections of elevation and {} of range for {} beams, expected as many "
+                      "or none",
+                      corrected, sensor.range_correction_m.size(), rows));
+  for (std::size_t row = 0; row < corrected; ++row) {
+    require(std::abs(sensor.elevation_correction_rad[row]) <= kMaxElevation_rad &&
+                std::abs(sensor.range_correction_m[row]) <= kMaxRange_m,
+            sensor,
+            fmt::format("corrections of beam {} are {} rad and {} m, expected at most {} and {}",
+                        row, sensor.elevation_correction_rad[row], sensor.range_correction_m[row],
+                        kMaxElevation_rad, kMaxRange_m));
+  }
+}
+
 }  // namespace
 
 RowSelection selection_for(int rows, int wanted) {
@@ -101,6 +122,7 @@ void validate(const SensorModel& sensor) {
             fmt::format("azimuth offset of beam {} is {} rad, expected within +-pi/2", row,
                         sensor.beam_azimuth_offset_rad[row]));
   }
+  require_corrections(sensor);
   if (sensor.measured_rows) {
     const RowSelection measured = *sensor.measured_rows;
     require(
@@ -142,9 +164,14 @@ SensorModel select_rows(const SensorModel& sensor, RowSelection rows) {
   result.name = fmt::format("{}/{}:{}", sensor.name, rows.offset, rows.stride);
   result.beam_elevation_rad.clear();
   result.beam_azimuth_offset_rad.clear();
+  result.elevation_correction_rad.clear();
+  result.range_correction_m.clear();
   for (const int row : selected) {
     result.beam_elevation_rad.push_back(sensor.beam_elevation_rad[row]);
     result.beam_azimuth_offset_rad.push_back(sensor.beam_azimuth_offset_rad[row]);
+    if (sensor.elevation_correction_rad.empty()) continue;
+    result.elevation_correction_rad.push_back(sensor.elevation_correction_rad[row]);
+    result.range_correction_m.push_back(sensor.range_correction_m[row]);
   }
   result.measured_rows = measured_of(sensor, rows, selected);
   return result;

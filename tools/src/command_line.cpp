@@ -65,6 +65,7 @@ void declare_program(CLI::App& app, CommandLine& options) {
   add(app, options, options.bench, declare_bench, bench_command);
   add(app, options, options.table, declare_table, table_command);
   add(app, options, options.train, declare_train, train_command);
+  add(app, options, options.calibrate, declare_calibrate, calibrate_command);
   add(app, options, options.upsample, declare_upsample, upsample_command);
   add(app, options, options.weights, declare_weights, weights_command);
   add(app, options, options.slam_options, declare_slam_options, slam_options_command);

@@ -26,6 +26,7 @@ struct CommandLine {
   InspectOptions inspect;
   TableOptions table;
   TrainOptions train;
+  CalibrateOptions calibrate;
   UpsampleOptions upsample;
   WeightsOptions weights;
   SlamOptionsCommand slam_options;

@@ -22,6 +22,14 @@ struct InfoOptions {
 void declare_info(CLI::App& app, InfoOptions& options);
 int info_command(const InfoOptions& options);
 
+struct CalibrateOptions : InputChoice {
+  int rows = 0;           ///< of the recording; 0: all
+  double path_m = 150.0;  ///< that is looked at
+  std::string out;
+};
+void declare_calibrate(CLI::App& app, CalibrateOptions& options);
+int calibrate_command(const CalibrateOptions& options);
+
 /// sensor empty: as lifted_input says
 struct UpsampleOptions : InputChoice, LiftingChoice {
   std::string out;

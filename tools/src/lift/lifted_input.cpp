@@ -185,7 +185,8 @@ std::unique_ptr<ScanSource> LiftedInput::open() {
 }
 
 OrganizedCloud LiftedInput::measured(const OrganizedCloud& scan) const {
-  return rows ? select_rows(scan, *rows) : scan;
+  const OrganizedCloud cloud = calibrated(scan, recorded);
+  return rows ? select_rows(cloud, *rows) : cloud;
 }
 
 OrganizedCloud LiftedInput::lifted(const OrganizedCloud& measured) {

@@ -40,6 +40,10 @@ struct SensorModel {
   double max_range_m = 120.0;
   std::vector<double> beam_elevation_rad;       ///< one per row, strictly falling
   std::vector<double> beam_azimuth_offset_rad;  ///< one per row, counter-clockwise positive
+  /// What a calibration found (slam/beam_calibration.h), one per row: to be added to a beam's
+  /// elevation and to what it measures. Empty: nothing. The rest of the model is its maker's table.
+  std::vector<double> elevation_correction_rad;
+  std::vector<double> range_correction_m;
   /// The rows that a beam measures; those between them are computed from them. Nothing: all are
   /// measured.
   std::optional<RowSelection> measured_rows;

@@ -1,0 +1,144 @@
+#include "hqslam/slam/beam_calibration.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Cholesky>
+#include <cmath>
+#include <span>
+
+#include "calibration/calibration_stretch.h"
+#include "hqslam/core/error.h"
+
+namespace hqslam::slam {
+
+namespace {
+
+constexpr double kStretch_m = 50.0;
+constexpr int kIterations = 4;
+
+void check(const SensorModel& sensor, const std::vector<LocatedScan>& scans) {
+  for (const LocatedScan& scan : scans) {
+    if (scan.cloud.rows != sensor.rows() || scan.cloud.columns != sensor.columns) {
+      throw Error(fmt::format(
+          "a scan of {} x {} to calibrate a sensor of {} x {}: expected the same shape; give the "
+          "scans as the sensor measured them",
+          scan.cloud.rows, scan.cloud.columns, sensor.rows(), sensor.columns));
+    }
+  }
+}
+
+/// Cut where 50 m of path are full; what is left over at the end belongs to the last.
+std::vector<CalibrationStretch> stretches_of(std::span<const LocatedScan> scans) {
+  std::vector<std::size_t> begins = {0};
+  double path_m = 0.0;
+  double left_m = 0.0;
+  for (std::size_t i = 1; i < scans.size(); ++i) {
+    left_m +=
+        (scans[i].T_map_sensor.translation() - scans[i - 1].T_map_sensor.translation()).norm();
+  }
+  for (std::size_t i = 1; i < scans.size(); ++i) {
+    const double step_m =
+        (scans[i].T_map_sensor.translation() - scans[i - 1].T_map_sensor.translation()).norm();
+    path_m += step_m;
+    left_m -= step_m;
+    if (path_m < kStretch_m || left_m < kStretch_m) continue;
+    begins.push_back(i);
+    path_m = 0.0;
+  }
+  std::vector<CalibrationStretch> result;
+  for (std::size_t i = 0; i < begins.size(); ++i) {
+    const std::size_t end = i + 1 < begins.size() ? begins[i + 1] : scans.size();
+    result.push_back(calibration_stretch(scans.subspan(begins[i], end - begins[i])));
+  }
+  return result;
+}
+
+std::vector<CalibrationSystem> linearized(const std::vector<CalibrationStretch>& stretches,
+                                          const BeamParameters& beams) {
+  std::vector<CalibrationSystem> systems(stretches.size());
+#pragma omp parallel for schedule(dynamic)
+  for (std::size_t i = 0; i < stretches.size(); ++i) {
+    systems[i] = linearized(stretches[i], beams);
+  }
+  return systems;
+}
+
+Eigen::VectorXd prior_information(const BeamPrior& prior, Eigen::Index beams) {
+  Eigen::VectorXd information(2 * beams);
+  for (Eigen::Index beam = 0; beam < beams; ++beam) {
+    information[2 * beam] = 1.0 / (prior.elevation_rad * prior.elevation_rad);
+    information[2 * beam + 1] = 1.0 / (prior.range_m * prior.range_m);
+  }
+  return information;
+}
+
+/// Mean over the stretches, with the prior.
+BeamInformation mean_information(const std::vector<CalibrationSystem>& systems,
+                                 const BeamParameters& beams, const Eigen::VectorXd& prior) {
+  BeamInformation sum{prior.asDiagonal(), prior.cwiseProduct(beams)};
+  for (const CalibrationSystem& system : systems) {
+    const BeamInformation one = beam_information(system, beams.size());
+    sum.H += one.H / static_cast<double>(systems.size());
+    sum.g += one.g / static_cast<double>(systems.size());
+  }
+  return sum;
+}
+
+double residual_m(const std::vector<CalibrationSystem>& systems) {
+  double weight = 0.0;
+  double squares = 0.0;
+  for (const CalibrationSystem& system : systems) {
+    weight += system.weight;
+    squares += system.weighted_squares_m2;
+  }
+  return weight > 0.0 ? std::sqrt(squares / weight) : 0.0;
+}
+
+std::vector<BeamDistance> distances(const std::vector<CalibrationSystem>& systems) {
+  Eigen::ArrayX4d sums = systems.front().distances;
+  for (std::size_t i = 1; i < systems.size(); ++i) sums += systems[i].distances;
+  std::vector<BeamDistance> result;
+  for (Eigen::Index beam = 0; beam < sums.rows(); ++beam) {
+    result.push_back({sums(beam, 0) / std::max(1.0, sums(beam, 1)),
+                      sums(beam, 2) / std::max(1.0, sums(beam, 3))});
+  }
+  return result;
+}
+
+}  // namespace
+
+BeamCalibration calibrate_beams(const SensorModel& sensor, const std::vector<LocatedScan>& scans,
+                                const BeamPrior& prior) {
+  check(sensor, scans);
+  std::vector<CalibrationStretch> stretches = stretches_of(scans);
+  const Eigen::VectorXd prior_of_beams = prior_information(prior, sensor.rows());
+  BeamParameters beams = BeamParameters::Zero(prior_of_beams.size());
+  std::vector<CalibrationSystem> systems = linearized(stretches, beams);
+  BeamCalibration result;
+  result.residual_before_m = residual_m(systems);
+  const std::vector<BeamDistance> before = distances(systems);
+  for (int iteration = 0; iteration < kIterations; ++iteration) {
+    const BeamInformation known = mean_information(systems, beams, prior_of_beams);
+    const Eigen::VectorXd change = -known.H.ldlt().solve(known.g);
+    for (std::size_t i = 0; i < stretches.size(); ++i) move_poses(stretches[i], systems[i], change);
+    beams += change;
+    systems = linearized(stretches, beams);
+  }
+  const std::vector<BeamDistance> after = distances(systems);
+  const Eigen::MatrixXd covariance =
+      mean_information(systems, beams, prior_of_beams)
+          .H.ldlt()
+          .solve(Eigen::MatrixXd::Identity(beams.size(), beams.size()));
+  for (int row = 0; row < sensor.rows(); ++row) {
+    const Eigen::Index at = 2 * row;
+    result.beams.push_back({beams[at], beams[at + 1], std::sqrt(covariance(at, at)),
+                            std::sqrt(covariance(at + 1, at + 1)),
+                            before[static_cast<std::size_t>(row)],
+                            after[static_cast<std::size_t>(row)]});
+  }
+  result.residual_after_m = residual_m(systems);
+  for (const CalibrationSystem& system : systems) result.surfaces += system.surfaces;
+  return result;
+}
+
+}  // namespace hqslam::slam

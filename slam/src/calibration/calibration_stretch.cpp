@@ -1,0 +1,264 @@
+#include "calibration/calibration_stretch.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace hqslam::slam {
+
+namespace {
+
+constexpr int kColumnsOfScan = 128;
+constexpr double kMinRange_m = 1.0;
+constexpr double kMaxRange_m = 40.0;  ///< farther away, beams are metres apart
+constexpr double kVoxel_m = 1.0;
+constexpr std::size_t kMinPoints = 15;
+constexpr int kMinBeams = 3;
+constexpr double kMaxThickness_m = 0.15;
+constexpr double kMaxThicknessShare = 0.3;  ///< of the width across
+constexpr double kMinWidth_m = 0.17;
+constexpr double kNoise_m = 0.03;
+/// Points of a surface err together: this many say no more than one.
+constexpr double kPointsOfOneError = 20.0;
+/// Keeps poses where they are in directions that no surface tells, m and rad.
+constexpr double kPoseSigma = 10.0;
+constexpr double kHeldInformation = 1e8;
+constexpr double kGroundUprightness = 0.8;
+constexpr double kWallUprightness = 0.3;
+
+/// Translation, then rotation.
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+
+Eigen::Vector3d turned(const Pose& T, const Eigen::Vector3d& direction) {
+  return T.linear() * direction;
+}
+
+/// Voxels by a key that sorts them.
+std::uint64_t voxel_key(const Eigen::Vector3d& point_m) {
+  constexpr std::int64_t kMiddle = 1 << 20;
+  std::uint64_t key = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto cell = static_cast<std::int64_t>(std::floor(point_m[axis] / kVoxel_m)) + kMiddle;
+    key = (key << 21U) |
+          static_cast<std::uint64_t>(std::clamp<std::int64_t>(cell, 0, 2 * kMiddle - 1));
+  }
+  return key;
+}
+
+/// A ray where its scan and its beam are believed to be.
+struct PlacedRay {
+  std::uint64_t voxel = 0;
+  const CalibrationRay* ray = nullptr;
+  Eigen::Vector3d point_m;
+};
+
+std::vector<PlacedRay> placed(const CalibrationStretch& stretch, const BeamParameters& beams) {
+  std::vector<PlacedRay> result;
+  result.reserve(stretch.rays.size());
+  for (const CalibrationRay& ray : stretch.rays) {
+    const Eigen::Vector3d direction = ray.direction + beams[2 * ray.beam] * ray.tilt;
+    const Eigen::Vector3d point_m =
+        stretch.T_map_sensor[static_cast<std::size_t>(ray.scan)] *
+        ((ray.range_m + beams[2 * ray.beam + 1]) * direction + ray.offset_m);
+    result.push_back({voxel_key(point_m), &ray, point_m});
+  }
+  std::stable_sort(result.begin(), result.end(),
+                   [](const PlacedRay& a, const PlacedRay& b) { return a.voxel < b.voxel; });
+  return result;
+}
+
+/// The plane through the points of a voxel: its axes, the normal first.
+struct Surface {
+  Eigen::Vector3d centre_m;
+  Eigen::Matrix3d axes;
+};
+
+bool is_plane(std::span<const PlacedRay> rays, Surface& surface) {
+  if (rays.size() < kMinPoints) return false;
+  std::vector<int> beams;
+  surface.centre_m.setZero();
+  for (const PlacedRay& placed : rays) {
+    surface.centre_m += placed.point_m / static_cast<double>(rays.size());
+    if (std::find(beams.begin(), beams.end(), placed.ray->beam) == beams.end()) {
+      beams.push_back(placed.ray->beam);
+    }
+  }
+  if (std::ssize(beams) < kMinBeams) return false;
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  for (const PlacedRay& placed : rays) {
+    const Eigen::Vector3d offset_m = placed.point_m - surface.centre_m;
+    covariance += offset_m * offset_m.transpose() / static_cast<double>(rays.size());
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance);
+  surface.axes = solver.eigenvectors();
+  const Eigen::Vector3d widths_m = solver.eigenvalues().cwiseMax(0.0).cwiseSqrt();
+  return widths_m[0] < kMaxThickness_m && widths_m[1] > kMinWidth_m &&
+         widths_m[0] < kMaxThicknessShare * widths_m[1];
+}
+
+/// Adds the surface's points to the system, its plane eliminated: with J the rows of all points, W
+/// their weights and B = (1, u, v) what plane and tilts move them by,
+///   H += J^T W J - (B^T W J)^T (B^T W B)^-1 (B^T W J), and g alike.
+class SurfaceSum {
+ public:
+  SurfaceSum(const CalibrationStretch& stretch, const Surface& surface, CalibrationSystem& system)
+      : stretch_(stretch),
+        surface_(surface),
+        system_(system),
+        beam_parameters_(2 * system.distances.rows()),
+        planes_by_all_(Eigen::Matrix3Xd::Zero(3, system.g.size())) {}
+
+  void add(const PlacedRay& placed, const BeamParameters& beams) {
+    const CalibrationRay& ray = *placed.ray;
+    const Eigen::Vector3d from_centre_m = placed.point_m - surface_.centre_m;
+    const Eigen::Vector3d in_plane = surface_.axes.transpose() * from_centre_m;
+    const double residual_m = in_plane[0];
+    // Geman-McClure, iterated: what lies off by more than 9 cm is something else.
+    const double relative = residual_m / (3.0 * kNoise_m);
+    const double robust = 1.0 / ((1.0 + relative * relative) * (1.0 + relative * relative));
+    const double weight = robust / (kNoise_m * kNoise_m * kPointsOfOneError);
+
+    const Eigen::Vector3d normal = surface_.axes.col(0);
+    const Pose& T = stretch_.T_map_sensor[static_cast<std::size_t>(ray.scan)];
+    const double range_m = ray.range_m + beams[2 * ray.beam + 1];
+    const Eigen::Vector2d by_beam(range_m * normal.dot(turned(T, ray.tilt)),
+                                  normal.dot(turned(T, ray.direction)));
+    Vector6 by_pose;
+    by_pose << normal, (placed.point_m - T.translation()).cross(normal);
+    const Eigen::Index beam = 2 * ray.beam;
+    const Eigen::Index pose = beam_parameters_ + 6 * ray.scan;
+    system_.H.block<2, 2>(beam, beam) += weight * by_beam * by_beam.transpose();
+    system_.H.block<6, 2>(pose, beam) += weight * by_pose * by_beam.transpose();
+    system_.H.block<6, 6>(pose, pose) += weight * by_pose * by_pose.transpose();
+    system_.g.segment<2>(beam) += weight * residual_m * by_beam;
+    system_.g.segment<6>(pose) += weight * residual_m * by_pose;
+
+    const Eigen::Vector3d by_plane(1.0, in_plane[1], in_plane[2]);
+    planes_ += weight * by_plane * by_plane.transpose();
+    residuals_ += weight * residual_m * by_plane;
+    planes_by_all_.middleCols<2>(beam) += weight * by_plane * by_beam.transpose();
+    planes_by_all_.middleCols<6>(pose) += weight * by_plane * by_pose.transpose();
+    system_.weight += weight;
+    system_.weighted_squares_m2 += weight * residual_m * residual_m;
+    add_distance(ray.beam, normal, T.translation() - surface_.centre_m, residual_m * robust,
+                 robust);
+  }
+
+  void finish() {
+    const Eigen::Matrix3d inverse =
+        (planes_ + 1e-9 * Eigen::Matrix3d::Identity()).ldlt().solve(Eigen::Matrix3d::Identity());
+    const Eigen::Matrix3d root = inverse.llt().matrixL();
+    system_.H.selfadjointView<Eigen::Lower>().rankUpdate(planes_by_all_.transpose() * root, -1.0);
+    system_.g -= planes_by_all_.transpose() * (inverse * residuals_);
+    ++system_.surfaces;
+  }
+
+ private:
+  void add_distance(int beam, const Eigen::Vector3d& normal, const Eigen::Vector3d& to_sensor_m,
+                    double distance_m, double count) {
+    const double uprightness = std::abs(normal.z());
+    const bool is_ground = uprightness > kGroundUprightness;
+    if (!is_ground && uprightness > kWallUprightness) return;
+    const double towards = is_ground ? normal.z() : normal.dot(to_sensor_m);
+    system_.distances(beam, is_ground ? 0 : 2) += towards < 0.0 ? -distance_m : distance_m;
+    system_.distances(beam, is_ground ? 1 : 3) += count;
+  }
+
+  const CalibrationStretch& stretch_;
+  const Surface& surface_;
+  CalibrationSystem& system_;
+  Eigen::Index beam_parameters_;
+  Eigen::Matrix3Xd planes_by_all_;
+  Eigen::Matrix3d planes_ = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d residuals_ = Eigen::Vector3d::Zero();
+};
+
+/// The poses' part, held where nothing tells: the first pose altogether.
+Eigen::LDLT<Eigen::MatrixXd> solved_poses(const CalibrationSystem& system,
+                                          Eigen::Index beam_parameters) {
+  const Eigen::Index size = system.g.size() - beam_parameters;
+  Eigen::MatrixXd H = system.H.bottomRightCorner(size, size);
+  H.diagonal().array() += 1.0 / (kPoseSigma * kPoseSigma);
+  H.diagonal().head(std::min<Eigen::Index>(6, size)).array() += kHeldInformation;
+  return H.ldlt();
+}
+
+}  // namespace
+
+CalibrationStretch calibration_stretch(std::span<const LocatedScan> scans) {
+  CalibrationStretch result;
+  for (int scan = 0; scan < std::ssize(scans); ++scan) {
+    const LocatedScan& located = scans[static_cast<std::size_t>(scan)];
+    const OrganizedCloud& cloud = located.cloud;
+    result.T_map_sensor.push_back(located.T_map_sensor);
+    const int step = std::max(1, cloud.columns / kColumnsOfScan);
+    for (int row = 0; row < cloud.rows; ++row) {
+      for (int column = scan % step; column < cloud.columns; column += step) {
+        const std::size_t i = cloud.index(row, column);
+        const double range_m = cloud.range_m[i];
+        if (!(range_m > kMinRange_m && range_m < kMaxRange_m)) continue;
+        const Eigen::Vector3d direction = cloud.points_m[i].cast<double>().normalized();
+        const double level = direction.head<2>().norm();
+        if (!(level > 0.0)) continue;
+        const Eigen::Vector3d tilt(-direction.x() * direction.z() / level,
+                                   -direction.y() * direction.z() / level, level);
+        const double time_s = cloud.time_offset_s.empty() ? 0.0 : cloud.time_offset_s[i];
+        const Pose moved = exponential(time_s * located.velocity);
+        result.rays.push_back({row, scan, range_m, turned(moved, direction), turned(moved, tilt),
+                               moved.translation()});
+      }
+    }
+  }
+  return result;
+}
+
+CalibrationSystem linearized(const CalibrationStretch& stretch, const BeamParameters& beams) {
+  const Eigen::Index size = beams.size() + 6 * std::ssize(stretch.T_map_sensor);
+  CalibrationSystem system;
+  system.H = Eigen::MatrixXd::Zero(size, size);
+  system.g = Eigen::VectorXd::Zero(size);
+  system.distances = Eigen::ArrayX4d::Zero(beams.size() / 2, 4);
+  const std::vector<PlacedRay> rays = placed(stretch, beams);
+  for (auto first = rays.begin(); first != rays.end();) {
+    const auto last = std::find_if(
+        first, rays.end(), [&](const PlacedRay& other) { return other.voxel != first->voxel; });
+    const std::span<const PlacedRay> of_voxel(first, last);
+    first = last;
+    Surface surface;
+    if (!is_plane(of_voxel, surface)) continue;
+    SurfaceSum sum(stretch, surface, system);
+    for (const PlacedRay& ray : of_voxel) sum.add(ray, beams);
+    sum.finish();
+  }
+  system.H = Eigen::MatrixXd(system.H.selfadjointView<Eigen::Lower>());
+  return system;
+}
+
+void move_poses(CalibrationStretch& stretch, const CalibrationSystem& system,
+                const Eigen::VectorXd& beam_change) {
+  const Eigen::Index beams = beam_change.size();
+  const Eigen::Index size = system.g.size() - beams;
+  const Eigen::VectorXd change =
+      -solved_poses(system, beams)
+           .solve(system.g.tail(size) + system.H.bottomLeftCorner(size, beams) * beam_change);
+  for (std::size_t scan = 0; scan < stretch.T_map_sensor.size(); ++scan) {
+    const Vector6 of_scan = change.segment<6>(6 * static_cast<Eigen::Index>(scan));
+    Pose& T = stretch.T_map_sensor[scan];
+    const Pose turn = exponential({Eigen::Vector3d::Zero(), of_scan.tail<3>()});
+    T.linear() = turn.linear() * T.linear();
+    T.translation() += of_scan.head<3>();
+  }
+}
+
+BeamInformation beam_information(const CalibrationSystem& system, Eigen::Index beam_parameters) {
+  const Eigen::Index size = system.g.size() - beam_parameters;
+  const auto coupling = system.H.bottomLeftCorner(size, beam_parameters);
+  const auto poses = solved_poses(system, beam_parameters);
+  return {system.H.topLeftCorner(beam_parameters, beam_parameters) -
+              coupling.transpose() * poses.solve(coupling),
+          system.g.head(beam_parameters) - coupling.transpose() * poses.solve(system.g.tail(size))};
+}
+
+}  // namespace hqslam::slam

@@ -1,0 +1,123 @@
+#include "hqslam/slam/beam_calibration.h"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "hqslam/core/error.h"
+#include "hqslam/core/projection.h"
+#include "slam/yard.h"
+
+namespace hqslam {
+namespace {
+
+constexpr int kRows = 16;
+constexpr double kDegree_rad = 0.017453292519943295;
+
+/// A sensor whose beams look elsewhere than `sensor` says and measure too much or too little.
+struct LyingSensor {
+  SensorModel sensor = test::small_sensor(kRows, 512);
+  std::vector<double> elevation_rad;  ///< truth minus what the model says
+  std::vector<double> range_m;        ///< truth minus what is measured
+
+  /// What it makes of its scan of a yard.
+  OrganizedCloud scan(const test::Yard& yard, const Pose& T_yard_sensor) const {
+    SensorModel true_sensor = sensor;
+    for (int row = 0; row < kRows; ++row) true_sensor.beam_elevation_rad[row] += elevation_rad[row];
+    RangeImage image = range_image(yard.scan(true_sensor, T_yard_sensor));
+    for (int row = 0; row < kRows; ++row) {
+      for (int column = 0; column < image.columns; ++column) {
+        float& pixel = image.at(row, column);
+        if (pixel > 0.0F) pixel -= static_cast<float>(range_m[row]);
+      }
+    }
+    return unproject(image, sensor, CaptureTime::kMotionCorrected);
+  }
+};
+
+LyingSensor lying_sensor(double elevation_deg, double range_m) {
+  LyingSensor result;
+  for (int row = 0; row < kRows; ++row) {
+    // Mean zero, no trend from row to row: a pattern that no bent world looks like.
+    result.elevation_rad.push_back(elevation_deg * kDegree_rad * (row % 2 == 0 ? 1.0 : -1.0));
+    result.range_m.push_back(range_m * ((row / 2) % 2 == 0 ? 1.0 : -1.0));
+  }
+  return result;
+}
+
+/// Around the yard, with poses that are off by centimetres, as SLAM's are.
+std::vector<slam::LocatedScan> drive(const LyingSensor& sensor) {
+  const test::Yard yard;
+  std::vector<slam::LocatedScan> scans;
+  for (int i = 0; i < 40; ++i) {
+    const Pose truth = test::yard_pose(-20.0 + i, 5.0 * std::sin(0.15 * i), 0.1 * i);
+    Pose believed = truth;
+    believed.translation() +=
+        Eigen::Vector3d(0.01 * std::sin(i), 0.01 * std::cos(2 * i), 0.01 * std::sin(3 * i));
+    scans.push_back({sensor.scan(yard, truth), believed, {}});
+  }
+  return scans;
+}
+
+}  // namespace
+
+TEST_CASE("beams of a drive are calibrated to a hundredth of a degree and a few millimetres") {
+  const LyingSensor sensor = lying_sensor(0.06, 0.02);
+  const slam::BeamCalibration found = slam::calibrate_beams(sensor.sensor, drive(sensor));
+  REQUIRE(found.beams.size() == kRows);
+  for (std::size_t row = 0; row < kRows; ++row) {
+    CAPTURE(row);
+    const slam::BeamCorrection& beam = found.beams[row];
+    CHECK(std::abs(beam.range_m - sensor.range_m[row]) < 0.004);
+    // The upper beams meet walls alone, which say nothing of where up and down is.
+    if (sensor.sensor.beam_elevation_rad[row] > -0.05) continue;
+    CHECK(std::abs(beam.elevation_rad - sensor.elevation_rad[row]) < 0.012 * kDegree_rad);
+    CHECK(beam.elevation_sigma_rad < 0.04 * kDegree_rad);
+    CHECK(std::abs(beam.after.ground_m) < 0.3 * std::abs(beam.before.ground_m) + 0.001);
+  }
+  CHECK(found.residual_after_m < 0.5 * found.residual_before_m);
+}
+
+TEST_CASE("beams that are right stay as they are") {
+  const LyingSensor sensor = lying_sensor(0.0, 0.0);
+  const slam::BeamCalibration found = slam::calibrate_beams(sensor.sensor, drive(sensor));
+  for (const slam::BeamCorrection& beam : found.beams) {
+    CHECK(std::abs(beam.elevation_rad) < 0.01 * kDegree_rad);
+    CHECK(std::abs(beam.range_m) < 0.003);
+  }
+}
+
+TEST_CASE("what no scan tells stays where the prior has it, and is not said to be known") {
+  const LyingSensor sensor = lying_sensor(0.06, 0.02);
+  const OrganizedCloud empty(kRows, sensor.sensor.columns);
+  for (const auto& scans : {std::vector<slam::LocatedScan>{},
+                            std::vector<slam::LocatedScan>(3, {empty, Pose::Identity(), {}})}) {
+    const slam::BeamPrior prior;
+    const slam::BeamCalibration found = slam::calibrate_beams(sensor.sensor, scans, prior);
+    CHECK(found.surfaces == 0);
+    for (const slam::BeamCorrection& beam : found.beams) {
+      CHECK(beam.elevation_rad == 0.0);
+      CHECK(beam.range_m == 0.0);
+      CHECK(beam.elevation_sigma_rad == doctest::Approx(prior.elevation_rad));
+      CHECK(beam.range_sigma_m == doctest::Approx(prior.range_m));
+    }
+  }
+}
+
+TEST_CASE("the farther away a beam meets the ground, the less is known of it: the world may bend") {
+  const LyingSensor sensor = lying_sensor(0.0, 0.0);
+  const slam::BeamCalibration found = slam::calibrate_beams(sensor.sensor, drive(sensor));
+  CHECK(found.beams[9].elevation_sigma_rad > 1.2 * found.beams[15].elevation_sigma_rad);
+}
+
+TEST_CASE("scans of another sensor are refused") {
+  const LyingSensor sensor = lying_sensor(0.0, 0.0);
+  const std::vector<slam::LocatedScan> scans = {{OrganizedCloud(8, 512), Pose::Identity(), {}}};
+  CHECK_THROWS_WITH_AS(slam::calibrate_beams(sensor.sensor, scans),
+                       "a scan of 8 x 512 to calibrate a sensor of 16 x 512: expected the same "
+                       "shape; give the scans as the sensor measured them",
+                       Error);
+}
+
+}  // namespace hqslam
