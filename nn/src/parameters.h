@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "hqslam/nn/parameter_shape.h"
+#include "hqslam/nn/network_description.h"
 
 // What every network does with its parameters.
 namespace hqslam::nn {

@@ -12,6 +12,7 @@
 #include "golden_folder.h"
 #include "hqslam/core/npz.h"
 #include "hqslam/core/range_image.h"
+#include "hqslam/nn/network_description.h"
 #include "tensor.h"
 
 // Files of tests/golden, made with PyTorch in float64 by tools/make_golden.py.
@@ -92,6 +93,20 @@ double relative_error(std::span<const float> actual, const std::vector<Expected>
 
 inline double relative_error(const Tensor& actual, const std::vector<float>& expected) {
   return relative_error(std::span<const float>(values_of(actual)), expected);
+}
+
+/// Gradients of a network's arrays, one after the other, each against its own largest value.
+inline void check_arrays(std::span<const float> actual, const std::vector<float>& expected,
+                         const std::vector<ParameterShape>& shapes, double tolerance) {
+  REQUIRE(elements(shapes) == std::ssize(expected));
+  auto first = expected.begin();
+  for (const ParameterShape& shape : shapes) {
+    CAPTURE(shape.name);
+    const std::vector<float> part(first, first + shape.elements());
+    CHECK(relative_error(actual.first(part.size()), part) < tolerance);
+    actual = actual.subspan(part.size());
+    first += shape.elements();
+  }
 }
 
 }  // namespace hqslam::nn

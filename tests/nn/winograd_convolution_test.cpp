@@ -6,9 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "conv2d.h"
 #include "hqslam/core/error.h"
-#include "kernels/bias.h"
 #include "random_values.h"
 
 namespace hqslam::nn::kernels {
@@ -38,10 +36,9 @@ Tensor convolved(const Problem& p, InstructionSet instruction_set, int threads,
                  const LayerEnd& end = {}) {
   WinogradConvolution convolution(p.shape, p.input, instruction_set, threads);
   convolution.set_weights(p.weight);
-  const std::vector<float> bias = padded_bias(p.bias, p.shape.output_channels);
   Tensor output = p.output;
 #pragma omp parallel num_threads(threads)
-  convolution.forward(p.input, bias.data(), end, output);
+  convolution.forward(p.input, p.bias.data(), end, output);
   return output;
 }
 
@@ -111,7 +108,7 @@ TEST_CASE("Winograd's gradients equal the reference at every size, on every inst
           ConvolutionShape swapped = p.shape;
           std::swap(swapped.input_channels, swapped.output_channels);
           WinogradConvolution adjoint(swapped, d_output, instruction_set, 1);
-          adjoint.set_adjoint_weights(p.weight);
+          adjoint.set_weights(p.weight, true);
           Tensor actual = p.input;
           adjoint.forward(d_output, nullptr, {}, actual);
           for (int c = 0; c < actual.channels(); ++c) {

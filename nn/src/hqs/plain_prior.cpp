@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "../channels.h"
 #include "../parameters.h"
-#include "channels.h"
 #include "hqslam/core/error.h"
 
 namespace hqslam::nn {

@@ -144,4 +144,16 @@ void check_image(const PriorDescription& prior, int rows, int columns);
 std::unique_ptr<Prior> smallest_prior(const PriorDescription& prior,
                                       const NetworkDescription& network);
 
+/// Mean of |Z - truth| over all pixels, "no return" counting as range 0. Rows of the result that
+/// get their measured ranges back count as exact (`restored_rows`; nothing: there are none). Writes
+/// `share` times the gradient d loss / d Z (0 where the two are equal). Tiles.
+double l1_loss(const Tensor& z, const Tensor& truth, TileSize tile,
+               std::optional<RowSelection> restored_rows, float share, Tensor& d_z);
+
+/// Channels `first` to first + channels - 1 (0: all from `first` on) of a tensor, without borders.
+TracedTensor traced(std::string name, const Tensor& tensor, int first = 0, int channels = 0);
+
+/// The tile.pixels() channels from `first` on, tiles, as an image of pixels without a unit.
+TracedTensor traced_pixels(std::string name, const Tensor& tensor, int first, TileSize tile);
+
 }  // namespace hqslam::nn

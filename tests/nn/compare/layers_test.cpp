@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <functional>
 
-#include "activation.h"
 #include "golden.h"
+#include "graph/layer_graph.h"
 #include "hqslam/core/error.h"
 #include "random_values.h"
 
@@ -68,10 +68,6 @@ std::vector<Case> cases() {
            [](const Shapes& in, const Engine&) { return make_pixel_shuffle(3, in[0]); }}};
 }
 
-TensorShape shape_of(const Tensor& tensor) {
-  return {tensor.channels(), tensor.rows(), tensor.columns(), tensor.padding()};
-}
-
 /// An array of scans x channels x rows x columns.
 std::vector<Tensor> scans_of(const Golden& golden, const std::string& name, ColumnPadding padding) {
   const std::vector<std::int64_t>& shape = golden.array(name).shape;
@@ -119,13 +115,9 @@ struct Batch {
     std::vector<BackwardPass> all;
     for (std::size_t scan = 0; scan < output.size(); ++scan) {
       leaky_relu_backward(layer->negative_slope(), output[scan], before[scan]);
-      all.push_back({.input = &inputs[0][scan],
-                     .output = &output[scan],
-                     .d_output = &before[scan],
-                     .d_input = &d_inputs[0][scan]});
-      if (inputs.size() < 2) continue;
-      all.back().second = &inputs[1][scan];
-      all.back().d_second = &d_inputs[1][scan];
+      all.push_back(
+          {.input = &inputs[0][scan], .d_output = &before[scan], .d_input = &d_inputs[0][scan]});
+      if (inputs.size() > 1) all.back().d_second = &d_inputs[1][scan];
     }
     layer->backward(all, d_parameters);
   }

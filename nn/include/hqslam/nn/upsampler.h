@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -23,11 +24,10 @@ bool is_interpolation(std::string_view name);
 /// SuperResolver.
 class Upsampler {
  public:
-  /// For the sensor that the network was made for.
-  explicit Upsampler(SuperResolver network);
   /// sensor: of the result, all rows, as if all were measured; where the beams of one unit are
-  /// known better than the network's description has them.
-  Upsampler(SuperResolver network, SensorModel sensor);
+  /// known better than the network's description has them. Nothing: the network's own.
+  explicit Upsampler(SuperResolver network,
+                     const std::optional<SensorModel>& sensor = std::nullopt);
   Upsampler(Interpolation interpolation, SensorModel sensor, RowSelection measured_rows);
 
   /// Of the result; names the measured rows.

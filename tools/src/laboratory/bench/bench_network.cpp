@@ -2,7 +2,7 @@
 
 #include <functional>
 
-#include "hqslam/nn/multiply_add_peak.h"
+#include "hqslam/nn/instruction_set.h"
 #include "hqslam/nn/network.h"
 #include "hqslam/nn/super_resolver.h"
 #include "timing/stopwatch.h"

@@ -7,8 +7,8 @@
 
 #include "hqslam/core/range_image.h"
 #include "hqslam/core/sensor_model.h"
+#include "hqslam/nn/training/trainer.h"
 #include "hqslam/nn/training/training_configuration.h"
-#include "hqslam/nn/training/training_scans.h"
 #include "terminal/interrupt.h"
 
 namespace hqslam::tools {

@@ -20,6 +20,17 @@ void copy_channels_row(const Tensor& from, int from_channel, int channels, int r
   }
 }
 
+void add_channels(const Tensor& from, int first, Tensor& to) {
+  const int channels = std::min(from.channels() - first, to.channels());
+  for (int channel = 0; channel < channels; ++channel) {
+    for (int y = 0; y < from.rows(); ++y) {
+      const float* values = from.row(first + channel, y);
+      float* sums = to.row(channel, y);
+      for (int x = 0; x < from.columns(); ++x) sums[x] += values[x];
+    }
+  }
+}
+
 void clear_channels(int from_channel, Tensor& tensor) {
 #pragma omp for schedule(static)
   for (int row = 0; row < tensor.rows(); ++row) clear_channels_row(from_channel, row, tensor);

@@ -1,10 +1,20 @@
-#include "conv2d.h"
+#include "convolution.h"
 
-// The definition, loop by loop: what the fast kernels are tested against. It counts its own way, on
-// purpose. Either way the narrow side has one pixel per stride of the wide side, and the weights
-// are narrow channels x wide channels x kernel rows x kernel columns.
+#include <fmt/format.h>
+
+#include "hqslam/core/error.h"
+
+// The definition is what the fast kernels are tested against. It counts its own way, on purpose.
+// Either way the narrow side has one pixel per stride of the wide side, and the weights are narrow
+// channels x wide channels x kernel rows x kernel columns.
 namespace hqslam::nn {
 namespace {
+
+void check(const char* field, int value, int least, int most) {
+  if (value < least || value > most) {
+    throw Error(fmt::format("convolution: {} is {}, expected {} to {}", field, value, least, most));
+  }
+}
 
 /// Calls visit(channel, y, x) for every value.
 template <typename Visit>
@@ -62,6 +72,24 @@ void scatter(const ConvolutionShape& shape, std::span<const float> weights, cons
 }
 
 }  // namespace
+
+void validate(const ConvolutionShape& shape) {
+  constexpr int kMostChannels = 4096;
+  constexpr int kMostKernel = 15;
+  constexpr int kMostStride = 8;
+  check("input_channels", shape.input_channels, 1, kMostChannels);
+  check("output_channels", shape.output_channels, 1, kMostChannels);
+  check("kernel_rows", shape.kernel_rows, 1, kMostKernel);
+  check("kernel_columns", shape.kernel_columns, 1, kMostKernel);
+  check("stride", shape.stride, 1, kMostStride);
+  check("stride_columns", shape.column_stride(), 1, kMostStride);
+  check("padding_rows", shape.padding_rows, 0, kMostKernel);
+  check("padding_columns", shape.padding_columns, 0, kMostKernel);
+}
+
+int convolved_size(int size, int kernel, int stride, int padding) {
+  return (size + 2 * padding - kernel) / stride + 1;
+}
 
 void conv2d_reference(const ConvolutionShape& shape, std::span<const float> weight,
                       std::span<const float> bias, const Tensor& input, Tensor& output) {

@@ -1,8 +1,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kernels/attention_kernels.h"
 #include "layers.h"
 
+// The layers of a transformer beside its attention.
 namespace hqslam::nn {
 namespace {
 
@@ -122,10 +124,60 @@ class LayerNorm final : public Layer {
   std::vector<float> bias_;
 };
 
+class Gelu final : public Layer {
+ public:
+  Gelu(const TensorShape& input, const Engine& engine)
+      : Layer(input), kernels_(&kernels::attention_kernels(engine.instruction_set)) {}
+
+  void forward(const LayerPass& pass) override {
+#pragma omp for schedule(static)
+    for (int channel = 0; channel < output_.channels; ++channel) {
+      for (int y = 0; y < output_.rows; ++y) {
+        kernels_->gelu({.input = pass.input->row(channel, y),
+                        .output = pass.output->row(channel, y),
+                        .columns = output_.columns});
+        pass.output->fill_border(channel, y);
+      }
+    }
+  }
+
+  void backward(std::span<const BackwardPass> batch, std::span<float> /*d_parameters*/) override {
+    for (const BackwardPass& pass : batch) {
+      for (int channel = 0; channel < output_.channels; ++channel) {
+        for (int y = 0; y < output_.rows; ++y) {
+          kernels_->gelu({.input = pass.input->row(channel, y),
+                          .output = pass.d_input->row(channel, y),
+                          .d_output = pass.d_output->row(channel, y),
+                          .columns = output_.columns});
+        }
+      }
+    }
+  }
+
+ private:
+  const kernels::AttentionKernels* kernels_;
+};
+
 }  // namespace
 
 std::unique_ptr<Layer> make_layer_norm(float epsilon, const TensorShape& input) {
   return std::make_unique<LayerNorm>(epsilon, input);
 }
 
+std::unique_ptr<Layer> make_gelu(const TensorShape& input, const Engine& engine) {
+  return std::make_unique<Gelu>(input, engine);
+}
+
+namespace kernels {
+
+const AttentionKernels& attention_kernels(InstructionSet instruction_set) {
+#ifdef HQSLAM_X86_KERNELS
+  if (instruction_set == InstructionSet::kAvx512) return kAvx512Attention;
+  if (instruction_set == InstructionSet::kAvx2) return kAvx2Attention;
+#endif
+  static_cast<void>(instruction_set);
+  return kPortableAttention;
+}
+
+}  // namespace kernels
 }  // namespace hqslam::nn

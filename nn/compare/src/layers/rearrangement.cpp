@@ -1,7 +1,72 @@
+#include <algorithm>
+
+#include "channels.h"
 #include "layers.h"
 
+// Layers without parameters: pixels and channels put elsewhere, side by side, or together.
 namespace hqslam::nn {
 namespace {
+
+class AveragePool final : public Layer {
+ public:
+  explicit AveragePool(const TensorShape& input)
+      : Layer({input.channels, input.rows / 2, input.columns / 2, input.padding}) {}
+
+  void forward(const LayerPass& pass) override {
+#pragma omp for schedule(static)
+    for (int channel = 0; channel < output_.channels; ++channel) {
+      for (int y = 0; y < output_.rows; ++y) {
+        const float* upper = pass.input->row(channel, 2 * y);
+        const float* lower = pass.input->row(channel, 2 * y + 1);
+        float* mean = pass.output->row(channel, y);
+        for (int x = 0; x < output_.columns; ++x) {
+          mean[x] = 0.25F * (upper[2 * x] + upper[2 * x + 1] + lower[2 * x] + lower[2 * x + 1]);
+        }
+        pass.output->fill_border(channel, y);
+      }
+    }
+  }
+
+  void backward(std::span<const BackwardPass> batch, std::span<float> /*d_parameters*/) override {
+    for (const BackwardPass& pass : batch) {
+      Tensor& d_input = *pass.d_input;
+      for (int channel = 0; channel < output_.channels; ++channel) {
+        for (int y = 0; y < d_input.rows() / 2 * 2; ++y) {
+          const float* d_mean = pass.d_output->row(channel, y / 2);
+          float* d = d_input.row(channel, y);
+          for (int x = 0; x < 2 * output_.columns; ++x) d[x] += 0.25F * d_mean[x / 2];
+        }
+      }
+    }
+  }
+};
+
+class Concatenation final : public Layer {
+ public:
+  Concatenation(const TensorShape& first, const TensorShape& second)
+      : Layer({first.channels + second.channels, first.rows, first.columns, first.padding}) {}
+
+  void forward(const LayerPass& pass) override {
+    const int of_first = pass.input->channels();
+#pragma omp for schedule(static)
+    for (int channel = 0; channel < output_.channels; ++channel) {
+      const bool in_first = channel < of_first;
+      const Tensor& from = in_first ? *pass.input : *pass.second;
+      for (int y = 0; y < output_.rows; ++y) {
+        std::copy_n(from.row(in_first ? channel : channel - of_first, y), output_.columns,
+                    pass.output->row(channel, y));
+        pass.output->fill_border(channel, y);
+      }
+    }
+  }
+
+  void backward(std::span<const BackwardPass> batch, std::span<float> /*d_parameters*/) override {
+    for (const BackwardPass& pass : batch) {
+      add_channels(*pass.d_output, 0, *pass.d_input);
+      add_channels(*pass.d_output, pass.d_input->channels(), *pass.d_second);
+    }
+  }
+};
 
 /// Moves values between patches of pixels and channels; which channel is which pixel of the patch,
 /// `channel_of` says.
@@ -74,6 +139,14 @@ class PatchesAndChannels final : public Layer {
 };
 
 }  // namespace
+
+std::unique_ptr<Layer> make_average_pool(const TensorShape& input) {
+  return std::make_unique<AveragePool>(input);
+}
+
+std::unique_ptr<Layer> make_concatenation(const TensorShape& first, const TensorShape& second) {
+  return std::make_unique<Concatenation>(first, second);
+}
 
 std::unique_ptr<Layer> make_patch_merging(const TensorShape& input) {
   return std::make_unique<PatchesAndChannels>(PatchesAndChannels::Direction::kMerge, 2, input);
