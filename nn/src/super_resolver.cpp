@@ -9,6 +9,7 @@
 #include "hqslam/nn/hqs/outlier_removal.h"
 #include "hqslam/nn/interpolation.h"
 #include "hqslam/nn/network.h"
+#include "parameters.h"
 
 namespace hqslam::nn {
 namespace {
@@ -31,10 +32,8 @@ int threads_of(const SuperResolverOptions& options) {
 }
 
 float checked_tolerance_m(float tolerance_m) {
-  if (!(tolerance_m > 0.0F && tolerance_m < 1e3F)) {
-    throw Error(
-        fmt::format("upsampling: tolerance_m is {}, expected above 0 and below 1000", tolerance_m));
-  }
+  check_that(tolerance_m > 0.0F && tolerance_m < 1e3F, "upsampling", "tolerance_m", tolerance_m,
+             "above 0 and below 1000");
   return tolerance_m;
 }
 

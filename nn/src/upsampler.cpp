@@ -30,8 +30,13 @@ Interpolation interpolation_from_name(std::string_view name) {
       fmt::format("'{}' is no interpolation; choose one of {}", name, fmt::join(kNames, ", ")));
 }
 
-Upsampler::Upsampler(SuperResolver network, const std::optional<SensorModel>& sensor)
-    : method_(std::move(network)), sensor_(sensor.value_or(this->network()->sensor())) {
+Upsampler::Upsampler(SuperResolver network) : method_(std::move(network)) {
+  sensor_ = this->network()->sensor();
+  sensor_.measured_rows = this->network()->description().measured_rows;
+}
+
+Upsampler::Upsampler(SuperResolver network, SensorModel sensor)
+    : method_(std::move(network)), sensor_(std::move(sensor)) {
   sensor_.measured_rows = this->network()->description().measured_rows;
 }
 

@@ -47,13 +47,9 @@ Tensor narrow_tensor(const ConvolutionShape& s, const Case& c, int channels) {
 }
 
 void check_close(const Tensor& actual, const Tensor& expected) {
-  for (int c = 0; c < expected.channels(); ++c) {
-    for (int y = 0; y < expected.rows(); ++y) {
-      for (int x = -2; x < expected.columns() + 2; ++x) {  // the border too
-        REQUIRE(actual.at(c, y, x) == doctest::Approx(expected.at(c, y, x)).epsilon(1e-5).scale(1));
-      }
-    }
-  }
+  for_each_value(expected, 2, [&](int c, int y, int x) {  // the border too
+    REQUIRE(actual.at(c, y, x) == doctest::Approx(expected.at(c, y, x)).epsilon(1e-5).scale(1));
+  });
 }
 
 void check_close(const std::vector<float>& actual, const std::vector<float>& expected) {

@@ -75,6 +75,21 @@ inline std::vector<float> values_of(const Tensor& tensor) {
   return values;
 }
 
+/// An array of scans x channels x rows x columns.
+inline std::vector<Tensor> scans_of(const Golden& golden, const std::string& name,
+                                    ColumnPadding padding = ColumnPadding::kCircular) {
+  const std::vector<std::int64_t>& shape = golden.array(name).shape;
+  const std::vector<float> values = golden.values(name);
+  const std::size_t each = values.size() / shape.at(0);
+  std::vector<Tensor> scans;
+  for (std::int64_t scan = 0; scan < shape.at(0); ++scan) {
+    scans.push_back(tensor_of(std::span(values).subspan(scan * each, each),
+                              static_cast<int>(shape.at(1)), static_cast<int>(shape.at(2)),
+                              static_cast<int>(shape.at(3)), padding));
+  }
+  return scans;
+}
+
 /// The largest difference, as a share of the largest value expected. Infinite where one is NaN.
 template <typename Expected>
 double relative_error(std::span<const float> actual, const std::vector<Expected>& expected) {

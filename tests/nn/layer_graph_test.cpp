@@ -78,15 +78,7 @@ TEST_CASE("a graph's gradients are what small changes of input and parameters do
   std::vector<float> d_parameters(parameters.size());
   gradients[0].back() = d_output;
   graph.backward(values, gradients, d_parameters, {.dropped = true});
-  const auto slope_at = [&](float& value) {
-    const float before = value;
-    value = before + kStep;
-    const double above = loss();
-    value = before - kStep;
-    const double below = loss();
-    value = before;
-    return (above - below) / (2.0 * kStep);
-  };
+  const auto slope_at = [&](float& value) { return slope_of(loss, kStep, value); };
   for (std::size_t i = 0; i < parameters.size(); i += 37) {
     CAPTURE(i);
     CHECK(slope_at(parameters[i]) == doctest::Approx(d_parameters[i]).epsilon(0.02).scale(2));
@@ -188,13 +180,7 @@ TEST_CASE("a sum of tensors of different shapes is refused") {
 
 TEST_CASE("dropout and its gradient equal PyTorch's, and another seed drops others") {
   const Golden golden("network_layers");
-  const std::vector<std::int64_t>& shape = golden.array("dropout.input.0").shape;
-  const auto tensor = [&](const std::string& name) {
-    const std::vector<float> values = golden.values(name);
-    return tensor_of(std::span(values).first(values.size() / shape.at(0)),
-                     static_cast<int>(shape.at(1)), static_cast<int>(shape.at(2)),
-                     static_cast<int>(shape.at(3)));
-  };
+  const auto tensor = [&](const std::string& name) { return scans_of(golden, name).front(); };
   const Tensor input = tensor("dropout.input.0");
   Tensor dropped = input;
   drop_out(77, 0.25F, dropped);

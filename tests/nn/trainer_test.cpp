@@ -20,8 +20,7 @@ std::string plan_message(const TrainingPlan& plan) {
 
 TEST_CASE("training makes DU-OR better than it was and better than interpolation") {
   const HqsPlan description = filtered_du_or();
-  Trainer trainer(description, small_plan(), in_memory(scans()), fresh_state(description), 2,
-                  alone());
+  Trainer trainer = small_trainer(description, 2);
   const Validation before = trainer.validate(scans());
   TrainingStep step;
   double first_loss = 0.0;
@@ -42,8 +41,7 @@ TEST_CASE("training makes DU-OR better than it was and better than interpolation
 
 TEST_CASE("training makes Simple DU better than it was") {
   const HqsPlan description = simple_du_with_dropout();
-  Trainer trainer(description, small_plan(), in_memory(scans()), fresh_state(description), 2,
-                  alone());
+  Trainer trainer = small_trainer(description, 2);
   const Validation before = trainer.validate(scans());
   train(trainer, 60);
   CHECK(trainer.validate(scans()).network.mae_all_m < 0.7 * before.network.mae_all_m);
@@ -52,8 +50,7 @@ TEST_CASE("training makes Simple DU better than it was") {
 TEST_CASE(
     "the mean that is kept begins with the first step and follows by 10 of 11 in the second") {
   const HqsPlan description = small_du_or();
-  Trainer trainer(description, small_plan(), in_memory(scans()), fresh_state(description), 1,
-                  alone());
+  Trainer trainer = small_trainer(description);
   trainer.step();
   const std::vector<float> first = trainer.state().parameters;
   for (std::size_t i = 0; i < first.size(); ++i) {
@@ -89,7 +86,7 @@ TEST_CASE("without a share in the loss inner layers only serve the last one") {
   std::vector<TrainingStep> steps;
   for (const float share : {0.0F, 1.0F}) {
     plan.layer_loss_share = share;
-    Trainer trainer(description, plan, in_memory(scans()), fresh_state(description), 1, alone());
+    Trainer trainer = small_trainer(description, 1, plan);
     steps.push_back(trainer.step());
   }
   CHECK(steps[0].loss == steps[1].loss);  // it is the last layer's
@@ -102,7 +99,7 @@ TEST_CASE(
   const HqsPlan description = small_du_or();
   TrainingPlan plan = small_plan();
   plan.largest_gradient_norm = 1e-9;
-  Trainer trainer(description, plan, in_memory(scans()), fresh_state(description), 1, alone());
+  Trainer trainer = small_trainer(description, 1, plan);
   const TrainingStep step = trainer.step();
   CHECK(step.loss > 0.0);
   CHECK(step.gradient_norm > 1e-3);

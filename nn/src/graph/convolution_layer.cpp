@@ -88,7 +88,7 @@ ConvolutionLayer::ConvolutionLayer(const ConvolutionOptions& options, const Tens
       shape_(shape_of(options, input.channels())),
       input_(shape_of(input)),
       convolution_(strided(shape_, input, output, engine.instruction_set)),
-      scratch_(convolution_.make_scratch(engine.threads)) {
+      threads_(engine.threads) {
   if (options.row_bias) row_bias_ = output_.make();
   if (shape_.transposed || !kernels::WinogradConvolution::suits(shape_, input)) return;
   winograd_.emplace(shape_, input, engine.instruction_set, engine.threads);
@@ -139,6 +139,7 @@ void ConvolutionLayer::set_parameters(std::span<const float> parameters) {
     adjoint_is_stale_ = true;
   } else {
     convolution_.set_weights(weight);
+    if (scratch_.rows.empty()) scratch_ = convolution_.make_scratch(threads_);
   }
   const std::span<const float> bias = take(parameters, options_.bias ? output_.channels : 0);
   bias_.assign(bias.begin(), bias.end());

@@ -84,8 +84,9 @@ class ConvolutionLayer final : public Layer {
   ConvolutionShape shape_;
   TensorShape input_;
   kernels::StridedConvolution convolution_;
-  kernels::ConvolutionScratch scratch_;
-  std::vector<float> bias_;  ///< padded with zeros to whole blocks
+  int threads_;
+  kernels::ConvolutionScratch scratch_;  ///< made with the first parameters, where it is needed
+  std::vector<float> bias_;              ///< padded with zeros to whole blocks
   /// Where it is faster, forward and backward.
   std::optional<kernels::WinogradConvolution> winograd_;
   std::optional<kernels::WinogradConvolution> adjoint_;

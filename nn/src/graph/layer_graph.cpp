@@ -89,6 +89,12 @@ LayerGraph::Values LayerGraph::make_values() const {
   return values;
 }
 
+std::int64_t LayerGraph::values() const {
+  std::int64_t sum = 0;
+  for (const TensorShape& shape : shapes_) sum += shape.values();
+  return sum;
+}
+
 LayerPass LayerGraph::pass_of(int layer, Values& values) const {
   const std::vector<int>& inputs = nodes_[layer].inputs;
   return {&values[inputs[0]], inputs.size() > 1 ? &values[inputs[1]] : nullptr, &values[layer + 1]};

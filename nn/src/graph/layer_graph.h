@@ -51,6 +51,8 @@ class LayerGraph {
 
   /// All zero.
   Values make_values() const;
+  /// How many values they hold.
+  std::int64_t values() const;
 
   /// Called by all threads of a parallel region, they share the work.
   void forward(Values& values, const GraphForward& how = {});

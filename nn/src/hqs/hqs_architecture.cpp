@@ -19,17 +19,6 @@ using Json = nlohmann::ordered_json;
 constexpr float kFirstPenalty = 0.1F;
 constexpr float kFirstAlpha = 10.99F;  // as in the authors' code of Simple DU
 
-/// How many values the tensors of one layer hold on an image as small as can be.
-std::int64_t values_of_a_layer(const Prior& prior) {
-  const PriorState state = prior.make_state();
-  const auto values = [](const Tensor& t) {
-    return static_cast<std::int64_t>(t.channels()) * t.rows() * t.columns();
-  };
-  std::int64_t sum = 2 * values(state.z);  // and Y
-  for (const Tensor& tensor : state.values) sum += values(tensor);
-  return sum;
-}
-
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 
 /// Replaces what the object `field` names; nothing if there is no such field.
@@ -127,7 +116,7 @@ void HqsArchitecture::validate(const NetworkDescription& d) const {
   const int rows = prior_.has_rows ? d.sensor.rows() : prior_.multiple.rows;
   const std::int64_t smallest_images = static_cast<std::int64_t>(d.sensor.rows() / rows) *
                                        (d.sensor.columns / prior_.multiple.columns);
-  check_memory(sizes_.layers * values_of_a_layer(*smallest_prior(prior_, d)) * smallest_images, d);
+  check_memory(sizes_.layers * smallest_prior(prior_, d)->values() * smallest_images, d);
 }
 
 std::vector<ParameterShape> HqsArchitecture::parameter_shapes(const NetworkDescription& d) const {

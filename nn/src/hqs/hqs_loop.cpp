@@ -27,8 +27,8 @@ std::vector<std::unique_ptr<Prior>> make_priors(const NetworkDescription& d, int
 Measurement& measurement_of(const NetworkDescription& d, const HqsPreset& preset, Prior& prior,
                             std::unique_ptr<ScaledRanges>& scaled) {
   if (Measurement* own = prior.measurement()) return *own;
-  scaled = std::make_unique<ScaledRanges>(d, prior.tile(), prior.make_state(false).z,
-                                          preset.starts_at_zero);
+  scaled =
+      std::make_unique<ScaledRanges>(d, prior.tile(), prior.make_tiles(), preset.starts_at_zero);
   return *scaled;
 }
 
@@ -87,7 +87,7 @@ Hqs::Hqs(const NetworkDescription& d, int columns, const Engine& engine)
       penalty(layers),
       filter(d.sensor, d.measured_rows, hqs_of(d).sizes().filter, columns),
       nearest(static_cast<float>(d.sensor.min_range_m) / d.range_scale_m),
-      z0(priors.front()->make_state(false).z),
+      z0(priors.front()->make_tiles()),
       raster(static_cast<std::size_t>(d.sensor.rows()) * columns) {}
 
 void Hqs::set_parameters(std::span<const float> parameters) {

@@ -14,9 +14,7 @@ Prior::Prior(LayerGraph graph, TileSize tile) : graph_(std::move(graph)), tile_(
 std::int64_t Prior::parameters() const { return elements(parameter_shapes()); }
 
 PriorState Prior::make_state(bool /*for_backward*/) const {
-  PriorState state{graph_.make_values(), {}};
-  state.z = Tensor(tile_.pixels(), state.input().rows(), state.input().columns(), padding());
-  return state;
+  return {graph_.make_values(), make_tiles()};
 }
 
 double Prior::loss(const PriorState& state, const LossTarget& target, PriorState& gradient) const {

@@ -81,6 +81,16 @@ class Prior {
   }
   /// Channels that are handed from one layer to the next beside the image.
   virtual int memory_channels() const { return 0; }
+  /// Tiles of an image, all zero.
+  Tensor make_tiles() const {
+    const TensorShape& input = graph_.shape(0);
+    return {tile_.pixels(), input.rows, input.columns, input.padding};
+  }
+  /// How many values the tensors of one layer hold.
+  std::int64_t values() const {
+    return graph_.values() +
+           2 * tile_.pixels() * graph_.shape(0).values() / graph_.shape(0).channels;
+  }
   /// for_backward: with room for what `backward` needs.
   virtual PriorState make_state(bool for_backward = true) const;
   /// For `backward` to work in; output() has the memory channels at least.

@@ -68,20 +68,6 @@ std::vector<Case> cases() {
            [](const Shapes& in, const Engine&) { return make_pixel_shuffle(3, in[0]); }}};
 }
 
-/// An array of scans x channels x rows x columns.
-std::vector<Tensor> scans_of(const Golden& golden, const std::string& name, ColumnPadding padding) {
-  const std::vector<std::int64_t>& shape = golden.array(name).shape;
-  const std::vector<float> values = golden.values(name);
-  const std::size_t each = values.size() / shape.at(0);
-  std::vector<Tensor> scans;
-  for (std::int64_t scan = 0; scan < shape.at(0); ++scan) {
-    scans.push_back(tensor_of(std::span(values).subspan(scan * each, each),
-                              static_cast<int>(shape.at(1)), static_cast<int>(shape.at(2)),
-                              static_cast<int>(shape.at(3)), padding));
-  }
-  return scans;
-}
-
 std::vector<float> values_of(const std::vector<Tensor>& scans) {
   std::vector<float> all;
   for (const Tensor& scan : scans) {
@@ -194,13 +180,7 @@ TEST_CASE("gradients are what small changes of inputs and parameters do") {
     batch.loss();
     batch.backward();
     const auto slope_at = [&](float& value) {
-      const float before = value;
-      value = before + kStep;
-      const double above = batch.loss();
-      value = before - kStep;
-      const double below = batch.loss();
-      value = before;
-      return (above - below) / (2.0 * kStep);
+      return slope_of([&] { return batch.loss(); }, kStep, value);
     };
     for (std::size_t input = 0; input < batch.inputs.size(); ++input) {
       Tensor& x = batch.inputs[input].front();

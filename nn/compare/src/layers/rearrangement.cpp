@@ -84,45 +84,25 @@ class PatchesAndChannels final : public Layer {
         factor_(factor) {}
 
   void forward(const LayerPass& pass) override {
-    const bool merge = direction_ == Direction::kMerge;
-    const Tensor& pixels = merge ? *pass.input : *pass.output;
+    const bool merges = direction_ == Direction::kMerge;
+    const int rows = merges ? pass.input->rows() : output_.rows;
 #pragma omp for schedule(static)
-    for (int y = 0; y < pixels.rows(); ++y) {
-      for (int channel = 0; channel < pixels.channels(); ++channel) {
-        for (int j = 0; j < factor_; ++j) {
-          const int other = channel_of(pixels.channels(), channel, y % factor_, j);
-          if (merge) {
-            const float* from = pass.input->row(channel, y) + j;
-            float* to = pass.output->row(other, y / factor_);
-            for (int x = 0; x < output_.columns; ++x) to[x] = from[x * factor_];
-            pass.output->fill_border(other, y / factor_);
-          } else {
-            const float* from = pass.input->row(other, y / factor_);
-            float* to = pass.output->row(channel, y) + j;
-            for (int x = 0; x < pass.input->columns(); ++x) to[x * factor_] = from[x];
-          }
-        }
-        if (!merge) pass.output->fill_border(channel, y);
-      }
+    for (int y = 0; y < rows; ++y) {
+      move_row(merges, y, *pass.input, *pass.output, [](float& to, float from) { to = from; });
+    }
+#pragma omp for schedule(static)
+    for (int channel = 0; channel < output_.channels; ++channel) {
+      for (int y = 0; y < output_.rows; ++y) pass.output->fill_border(channel, y);
     }
   }
 
   void backward(std::span<const BackwardPass> batch, std::span<float> /*d_parameters*/) override {
-    const bool merge = direction_ == Direction::kMerge;
+    const bool merges = direction_ == Direction::kShuffle;  // the other way
     for (const BackwardPass& pass : batch) {
-      Tensor& d_input = *pass.d_input;
-      const Tensor& pixels = merge ? d_input : *pass.d_output;
-      for (int channel = 0; channel < pixels.channels(); ++channel) {
-        for (int y = 0; y < pixels.rows(); ++y) {
-          for (int x = 0; x < pixels.columns(); ++x) {
-            const int other = channel_of(pixels.channels(), channel, y % factor_, x % factor_);
-            if (merge) {
-              d_input.at(channel, y, x) += pass.d_output->at(other, y / factor_, x / factor_);
-            } else {
-              d_input.at(other, y / factor_, x / factor_) += pass.d_output->at(channel, y, x);
-            }
-          }
-        }
+      const int rows = merges ? pass.d_output->rows() : pass.d_input->rows();
+      for (int y = 0; y < rows; ++y) {
+        move_row(merges, y, *pass.d_output, *pass.d_input,
+                 [](float& to, float from) { to += from; });
       }
     }
   }
@@ -132,6 +112,23 @@ class PatchesAndChannels final : public Layer {
   int channel_of(int channels, int channel, int i, int j) const {
     return direction_ == Direction::kMerge ? (j * factor_ + i) * channels + channel
                                            : (channel * factor_ + i) * factor_ + j;
+  }
+  /// What row y of the pixels and its part of the channels have in common, from either to the
+  /// other.
+  template <typename Put>
+  void move_row(bool merges, int y, const Tensor& from, Tensor& to, const Put& put) const {
+    const int channels = merges ? from.channels() : to.channels();
+    const int patches = merges ? to.columns() : from.columns();
+    for (int channel = 0; channel < channels; ++channel) {
+      for (int j = 0; j < factor_; ++j) {
+        const int other = channel_of(channels, channel, y % factor_, j);
+        const float* source = merges ? from.row(channel, y) + j : from.row(other, y / factor_);
+        float* target = merges ? to.row(other, y / factor_) : to.row(channel, y) + j;
+        for (int x = 0; x < patches; ++x) {
+          put(target[merges ? x : x * factor_], source[merges ? x * factor_ : x]);
+        }
+      }
+    }
   }
 
   Direction direction_;

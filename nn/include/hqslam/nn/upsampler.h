@@ -1,6 +1,5 @@
 #pragma once
 
-#include <optional>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -24,10 +23,11 @@ bool is_interpolation(std::string_view name);
 /// SuperResolver.
 class Upsampler {
  public:
+  /// For the sensor that the network was made for.
+  explicit Upsampler(SuperResolver network);
   /// sensor: of the result, all rows, as if all were measured; where the beams of one unit are
-  /// known better than the network's description has them. Nothing: the network's own.
-  explicit Upsampler(SuperResolver network,
-                     const std::optional<SensorModel>& sensor = std::nullopt);
+  /// known better than the network's description has them.
+  Upsampler(SuperResolver network, SensorModel sensor);
   Upsampler(Interpolation interpolation, SensorModel sensor, RowSelection measured_rows);
 
   /// Of the result; names the measured rows.
