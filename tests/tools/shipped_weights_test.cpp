@@ -61,8 +61,8 @@ Compared check(const char* weights, const char* sensor_name, const Bounds& bound
   const double f1 = c.network.f1 / c.linear.f1;
   const double mae_valid = c.network.mae_valid_m / c.linear.mae_valid_m;
   const double mae_all = c.network.mae_all_m / c.linear.mae_all_m;
-  MESSAGE(weights << ": outliers " << outliers << ", MAE valid " << mae_valid << ", all " << mae_all
-                  << ", F1 " << f1 << " of linear's");
+  MESSAGE(std::string(weights) << ": outliers " << outliers << ", MAE valid " << mae_valid
+                               << ", all " << mae_all << ", F1 " << f1 << " of linear's");
   CHECK(outliers < bounds.outliers);
   CHECK(f1 > bounds.f1);
   CHECK(mae_valid < bounds.mae_valid);

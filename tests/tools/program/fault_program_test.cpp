@@ -111,7 +111,8 @@ TEST_CASE("killed at any moment, a program leaves what its next run can do with"
     const std::string arguments = writer.arguments(folder, out);
     for (const int after_ms : {5, 40, 80, 150, 300}) {
       Child child(arguments);
-      std::this_thread::sleep_for(std::chrono::milliseconds(after_ms));
+      const auto end = std::chrono::steady_clock::now() + std::chrono::milliseconds(after_ms);
+      child.wait_until([&] { return std::chrono::steady_clock::now() >= end; });
       child.end(SIGKILL);
     }
     const ProgramResult result = run_hqslam(arguments);

@@ -231,9 +231,9 @@ TEST_CASE("a network of two modes is trained, lifts with a confidence, and shows
   CHECK(holds(file_contents(folder.file("curve.html")), "Can it be believed"));
   succeeds("inspect '{}' --weights '{}' --out '{}'", drive, weights, folder.file("layers.html"));
   CHECK(holds(file_contents(folder.file("layers.html")), "Probability of a return"));
-  const ProgramResult refused = refused("upsample '{}' --method linear --confidence 0.5 --out '{}'",
-                                        drive, folder.file("linear"));
-  CHECK(holds(refused.error, "du-mix"));
+  const ProgramResult linear = refused("upsample '{}' --method linear --confidence 0.5 --out '{}'",
+                                       drive, folder.file("linear"));
+  CHECK(holds(linear.error, "du-mix"));
 }
 
 }  // namespace hqslam::test
