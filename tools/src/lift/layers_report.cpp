@@ -9,8 +9,8 @@
 #include "hqslam/evaluation/image_error.h"
 #include "hqslam/evaluation/png.h"
 #include "report/chart.h"
-#include "report/density_image.h"
-#include "report/report_style.h"
+#include "report/cloud_picture.h"
+#include "report/page.h"
 
 namespace hqslam::tools {
 namespace {
