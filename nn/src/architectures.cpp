@@ -8,7 +8,9 @@ namespace {
 
 std::vector<NamedArchitecture>& all() {
   static std::vector<NamedArchitecture> kinds{
-      {"du-or", read_du_or}, {"simple-du", read_simple_du}, {"du-mix", read_du_mix}};
+      {"du-or", [](JsonFields& network) { return read_hqs(kDuOr, network); }},
+      {"simple-du", [](JsonFields& network) { return read_hqs(kSimpleDu, network); }},
+      {"du-mix", [](JsonFields& network) { return read_hqs(kDuMix, network); }}};
   return kinds;
 }
 

@@ -17,6 +17,17 @@ float interpolated(float above_m, float below_m, float part_down, Interpolation 
   return above_m * below_m / ((1.0F - part_down) * below_m + part_down * above_m);
 }
 
+/// Throws Error unless `measured` holds the measured rows of `rows`.
+void check_measured_rows(const RangeImage& measured, RowSelection selection, int rows) {
+  const bool selects = selection.stride >= 1 && selection.offset >= 0 && selection.offset < rows;
+  if (!selects || measured.rows != measured_row_count(rows, selection) || measured.columns < 1) {
+    throw Error(fmt::format(
+        "interpolation: an image of {} x {} is not the rows {}, {} + {}, ... of {} rows",
+        measured.rows, measured.columns, selection.offset, selection.offset, selection.stride,
+        rows));
+  }
+}
+
 }  // namespace
 
 RowsBetween rows_between(int row, RowSelection measured_rows, int measured) {
@@ -32,9 +43,8 @@ RowsBetween rows_between(int row, RowSelection measured_rows, int measured) {
 
 RowsBetween rows_between(int row, RowSelection measured_rows,
                          std::span<const double> beam_elevation_rad) {
-  const auto rows = static_cast<int>(beam_elevation_rad.size());
   const int measured =
-      (rows - measured_rows.offset + measured_rows.stride - 1) / measured_rows.stride;
+      measured_row_count(static_cast<int>(beam_elevation_rad.size()), measured_rows);
   RowsBetween between = rows_between(row, measured_rows, measured);
   if (between.above == between.below) return between;
   const double above_rad =
@@ -44,18 +54,6 @@ RowsBetween rows_between(int row, RowSelection measured_rows,
   between.part_down =
       static_cast<float>((above_rad - beam_elevation_rad[row]) / (above_rad - below_rad));
   return between;
-}
-
-void check_measured_rows(const RangeImage& measured, RowSelection measured_rows, int rows) {
-  const int expected =
-      (rows - measured_rows.offset + measured_rows.stride - 1) / std::max(measured_rows.stride, 1);
-  if (measured_rows.stride < 1 || measured_rows.offset < 0 || measured_rows.offset >= rows ||
-      measured.rows != expected || measured.columns < 1) {
-    throw Error(fmt::format(
-        "interpolation: an image of {} x {} is not the rows {}, {} + {}, ... of {} rows",
-        measured.rows, measured.columns, measured_rows.offset, measured_rows.offset,
-        measured_rows.stride, rows));
-  }
 }
 
 void interpolate_row(const float* above, const float* below, float part_down,

@@ -7,6 +7,7 @@
 #include "architecture.h"
 #include "hqslam/core/error.h"
 #include "hqslam/nn/hqs/outlier_removal.h"
+#include "parameters.h"
 
 namespace hqslam::nn {
 namespace {
@@ -42,17 +43,12 @@ std::optional<OutlierRemovalOptions> last_filter(const NetworkDescription& d) {
 
 void validate(const NetworkDescription& d) {
   const Architecture& architecture = architecture_of(d);
-  if (!(d.range_scale_m > 0.0F) || !std::isfinite(d.range_scale_m)) {
-    throw Error(fmt::format("network: range_scale_m is {}, expected above 0", d.range_scale_m));
-  }
-  if (!(d.least_confidence >= 0.0F && d.least_confidence <= 1.0F)) {
-    throw Error(
-        fmt::format("network: least_confidence is {}, expected 0 to 1", d.least_confidence));
-  }
-  if (!(d.confidence_exponent > 0.0F && d.confidence_exponent <= 10.0F)) {
-    throw Error(fmt::format("network: confidence_exponent is {}, expected above 0, at most 10",
-                            d.confidence_exponent));
-  }
+  check_that(d.range_scale_m > 0.0F && std::isfinite(d.range_scale_m), "network", "range_scale_m",
+             d.range_scale_m, "above 0");
+  check_that(d.least_confidence >= 0.0F && d.least_confidence <= 1.0F, "network",
+             "least_confidence", d.least_confidence, "0 to 1");
+  check_that(d.confidence_exponent > 0.0F && d.confidence_exponent <= 10.0F, "network",
+             "confidence_exponent", d.confidence_exponent, "above 0, at most 10");
   validate(d.sensor);
   validate_rows(d);
   if (const auto filter = architecture.last_filter()) validate(*filter);

@@ -1,9 +1,5 @@
 #include "parameters.h"
 
-#include <fmt/format.h>
-
-#include "hqslam/core/error.h"
-
 namespace hqslam::nn {
 
 std::int64_t ParameterShape::elements() const {
@@ -19,9 +15,8 @@ void check_field(const char* field, int value, int least, int most) {
 }
 
 void check_slope(float negative_slope) {
-  if (!(negative_slope >= 0.0F && negative_slope <= 1.0F)) {
-    throw Error(fmt::format("network: negative_slope is {}, expected 0 to 1", negative_slope));
-  }
+  check_that(negative_slope >= 0.0F && negative_slope <= 1.0F, "network", "negative_slope",
+             negative_slope, "0 to 1");
 }
 
 void add_part(const std::string& name, const std::vector<ParameterShape>& arrays,

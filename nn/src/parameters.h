@@ -1,12 +1,15 @@
 #pragma once
 
+#include <fmt/format.h>
+
 #include <cstdint>
 #include <random>
 #include <span>
 #include <string>
 #include <vector>
 
-#include "hqslam/nn/parameter_shape.h"
+#include "hqslam/core/error.h"
+#include "hqslam/nn/network_description.h"
 
 // What every network does with its parameters.
 namespace hqslam::nn {
@@ -19,6 +22,11 @@ std::span<T> take(std::span<T>& values, std::int64_t count) {
   return front;
 }
 
+/// Throws Error with the field, its value and what was expected, unless `good`.
+template <typename Value>
+void check_that(bool good, const char* what, const char* field, Value value, const char* expected) {
+  if (!good) throw Error(fmt::format("{}: {} is {}, expected {}", what, field, value, expected));
+}
 /// Throws Error unless least <= value <= most.
 void check_field(const char* field, int value, int least, int most);
 /// Throws Error unless 0 to 1, as the slope of a leaky ReLU is.

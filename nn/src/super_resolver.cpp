@@ -7,7 +7,9 @@
 
 #include "hqslam/core/error.h"
 #include "hqslam/nn/hqs/outlier_removal.h"
+#include "hqslam/nn/interpolation.h"
 #include "hqslam/nn/network.h"
+#include "parameters.h"
 
 namespace hqslam::nn {
 namespace {
@@ -30,10 +32,8 @@ int threads_of(const SuperResolverOptions& options) {
 }
 
 float checked_tolerance_m(float tolerance_m) {
-  if (!(tolerance_m > 0.0F && tolerance_m < 1e3F)) {
-    throw Error(
-        fmt::format("upsampling: tolerance_m is {}, expected above 0 and below 1000", tolerance_m));
-  }
+  check_that(tolerance_m > 0.0F && tolerance_m < 1e3F, "upsampling", "tolerance_m", tolerance_m,
+             "above 0 and below 1000");
   return tolerance_m;
 }
 
@@ -55,7 +55,8 @@ struct SuperResolver::Implementation {
   RangeImage measured_rows(const RangeImage& image) const;
   void empty_doubtful(LiftedImage& lifted) const;
   void empty_rejected(LiftedImage& lifted);
-  void trace(const RangeImage& measured, const LiftedImage& lifted, Trace& trace);
+  void trace(const RangeImage& measured, const std::vector<float>& confidence,
+             const LiftedImage& lifted, Trace& trace);
 
   NetworkDescription description;
   int threads;
@@ -69,7 +70,7 @@ struct SuperResolver::Implementation {
 RangeImage SuperResolver::Implementation::measured_rows(const RangeImage& image) const {
   const int all = description.sensor.rows();
   const RowSelection rows = description.measured_rows;
-  const int measured = (all - rows.offset + rows.stride - 1) / rows.stride;
+  const int measured = measured_row_count(all, rows);
   const bool fits =
       image.columns == description.sensor.columns && (image.rows == all || image.rows == measured);
   if (!fits || image.range_m.size() != static_cast<std::size_t>(image.rows) * image.columns) {
@@ -104,16 +105,18 @@ void SuperResolver::Implementation::empty_rejected(LiftedImage& lifted) {
   }
 }
 
-void SuperResolver::Implementation::trace(const RangeImage& measured, const LiftedImage& lifted,
-                                          Trace& trace) {
+/// `confidence` as the network says it: that of pixels that are emptied afterwards too.
+void SuperResolver::Implementation::trace(const RangeImage& measured,
+                                          const std::vector<float>& confidence,
+                                          const LiftedImage& lifted, Trace& trace) {
   trace = network->trace(measured);
   RangeImage image = lifted.image;
   if (filter) {
     image.range_m.assign(rejected.begin(), rejected.end());
     trace.add(traced_image("rejected", image, ""));
   }
-  if (!lifted.confidence.empty()) {
-    image.range_m = lifted.confidence;
+  if (!confidence.empty()) {
+    image.range_m = confidence;
     trace.add(traced_image("confidence", image, ""));
   }
   trace.add(traced_image("result", lifted.image));
@@ -143,9 +146,11 @@ LiftedImage SuperResolver::run(const RangeImage& image, Trace* trace) {
   Implementation& self = *implementation_;
   const RangeImage measured = self.measured_rows(image);
   LiftedImage lifted = self.network->lift(measured, self.tolerance_m);
+  std::vector<float> confidence;
+  if (trace != nullptr) confidence = lifted.confidence;
   self.empty_doubtful(lifted);
   self.empty_rejected(lifted);
-  if (trace != nullptr) self.trace(measured, lifted, *trace);
+  if (trace != nullptr) self.trace(measured, confidence, lifted, *trace);
   return lifted;
 }
 

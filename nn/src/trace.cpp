@@ -6,7 +6,6 @@
 #include <algorithm>
 
 #include "hqslam/core/error.h"
-#include "traced.h"
 
 namespace hqslam::nn {
 namespace {
@@ -48,29 +47,6 @@ RangeImage Trace::image(std::string_view name) const {
 
 TracedTensor traced_image(std::string name, RangeImage image, std::string unit) {
   return {std::move(name), std::move(unit), 1, image.rows, image.columns, std::move(image.range_m)};
-}
-
-TracedTensor traced(std::string name, const Tensor& tensor, int first, int channels) {
-  if (channels == 0) channels = tensor.channels() - first;
-  TracedTensor result{std::move(name), "", channels, tensor.rows(), tensor.columns(), {}};
-  for (int channel = first; channel < first + channels; ++channel) {
-    for (int row = 0; row < tensor.rows(); ++row) {
-      const float* from = tensor.row(channel, row);
-      result.values.insert(result.values.end(), from, from + tensor.columns());
-    }
-  }
-  return result;
-}
-
-TracedTensor traced_pixels(std::string name, const Tensor& tensor, int first, TileSize tile) {
-  RangeImage image(tensor.rows() * tile.rows, tensor.columns() * tile.columns);
-  for (int row = 0; row < image.rows; ++row) {
-    for (int column = 0; column < image.columns; ++column) {
-      const int channel = row % tile.rows * tile.columns + column % tile.columns;
-      image.at(row, column) = tensor.at(first + channel, row / tile.rows, column / tile.columns);
-    }
-  }
-  return traced_image(std::move(name), std::move(image), "");
 }
 
 ObjectiveTerms objective_terms(const Trace& trace, int k, RowSelection measured_rows) {

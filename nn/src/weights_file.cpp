@@ -10,6 +10,7 @@
 #include "hqslam/core/excerpt.h"
 #include "hqslam/core/json_fields.h"
 #include "hqslam/core/npz.h"
+#include "hqslam/nn/interpolation.h"
 #include "hqslam/nn/network.h"
 #include "hqslam/nn/network_json.h"
 #include "weights_arrays.h"
@@ -23,26 +24,19 @@ constexpr const char* kDescription = "description";
 constexpr const char* kMeasured = "self_test.measured";
 constexpr const char* kExpected = "self_test.expected";
 
-/// The array of that name, which must have that shape; taken out of `arrays`.
-NpzArray take_array(const std::string& path, const std::string& name,
-                    const std::vector<std::int64_t>& shape, NpzArrays& arrays) {
+/// The values of the array of that name, which must have that shape; taken out of `arrays`.
+std::vector<float> take_floats(const std::string& path, const std::string& name,
+                               const std::vector<std::int64_t>& shape, NpzArrays& arrays) {
   const auto found = arrays.find(name);
   if (found == arrays.end()) {
     throw Error(fmt::format("{}: expected an array '{}' of {}, found none", path, name,
                             fmt::join(shape, "x")));
   }
-  if (found->second.shape != shape) {
+  const NpzArray& array = found->second;
+  if (array.shape != shape) {
     throw Error(fmt::format("{}: array '{}': expected shape {}, found {}", path, name,
-                            fmt::join(shape, "x"), fmt::join(found->second.shape, "x")));
+                            fmt::join(shape, "x"), fmt::join(array.shape, "x")));
   }
-  NpzArray array = std::move(found->second);
-  arrays.erase(found);
-  return array;
-}
-
-std::vector<float> take_floats(const std::string& path, const std::string& name,
-                               const std::vector<std::int64_t>& shape, NpzArrays& arrays) {
-  const NpzArray array = take_array(path, name, shape, arrays);
   const std::string source = fmt::format("{}: {}", path, name);
   std::vector<float> values;
   if (array.dtype == "<f8") {  // PyTorch in double precision
@@ -51,6 +45,7 @@ std::vector<float> take_floats(const std::string& path, const std::string& name,
   } else {
     values = float_values(array, source);
   }
+  arrays.erase(found);
   return finite(std::move(values), path, name);
 }
 
@@ -71,14 +66,10 @@ std::vector<float> take_parameters(const std::string& path, const NetworkDescrip
   return parameters;
 }
 
-int measured_row_count(const NetworkDescription& d) {
-  return (d.sensor.rows() - d.measured_rows.offset + d.measured_rows.stride - 1) /
-         d.measured_rows.stride;
-}
-
 SelfTest take_self_test(const std::string& path, const NetworkDescription& d, NpzArrays& arrays) {
   const int columns = d.sensor.columns;
-  return {take_image(path, kMeasured, measured_row_count(d), columns, arrays),
+  return {take_image(path, kMeasured, measured_row_count(d.sensor.rows(), d.measured_rows), columns,
+                     arrays),
           take_image(path, kExpected, d.sensor.rows(), columns, arrays)};
 }
 

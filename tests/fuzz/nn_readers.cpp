@@ -11,7 +11,6 @@
 #include "hqslam/nn/weights_file.h"
 #include "input_file.h"
 #include "readers.h"
-#include "training/checkpoint_arrays.h"
 #include "weights_arrays.h"
 
 namespace hqslam::fuzz {

@@ -1,8 +1,7 @@
-#include <doctest/doctest.h>
-
 #include <vector>
 
-#include "conv2d.h"
+#include "golden.h"
+#include "graph/convolution_layer.h"
 #include "hqslam/core/error.h"
 #include "random_values.h"
 
@@ -48,13 +47,9 @@ Tensor narrow_tensor(const ConvolutionShape& s, const Case& c, int channels) {
 }
 
 void check_close(const Tensor& actual, const Tensor& expected) {
-  for (int c = 0; c < expected.channels(); ++c) {
-    for (int y = 0; y < expected.rows(); ++y) {
-      for (int x = -2; x < expected.columns() + 2; ++x) {  // the border too
-        REQUIRE(actual.at(c, y, x) == doctest::Approx(expected.at(c, y, x)).epsilon(1e-5).scale(1));
-      }
-    }
-  }
+  for_each_value(expected, 2, [&](int c, int y, int x) {  // the border too
+    REQUIRE(actual.at(c, y, x) == doctest::Approx(expected.at(c, y, x)).epsilon(1e-5).scale(1));
+  });
 }
 
 void check_close(const std::vector<float>& actual, const std::vector<float>& expected) {
@@ -67,8 +62,7 @@ void check_close(const std::vector<float>& actual, const std::vector<float>& exp
 struct Outcome {
   Tensor output;
   Tensor d_input;
-  std::vector<float> d_weight;
-  std::vector<float> d_bias;
+  std::vector<float> d_parameters;  ///< of the weights, then of the biases
 };
 
 struct Problem {
@@ -76,49 +70,69 @@ struct Problem {
   Tensor input;
   Tensor output;  ///< only its shape
   Tensor d_output;
-  std::vector<float> weight;
-  std::vector<float> bias;
+  std::vector<float> parameters;
+  bool bias = true;
 
+  ConvolutionLayer layer(InstructionSet instruction_set = chosen_instruction_set(), int threads = 1,
+                         float negative_slope = 1.0F) const {
+    ConvolutionLayer layer({.channels = shape.output_channels,
+                            .kernel = {shape.kernel_rows, shape.kernel_columns},
+                            .stride = {shape.stride, shape.column_stride()},
+                            .padding = {shape.padding_rows, shape.padding_columns},
+                            .transposed = shape.transposed,
+                            .bias = bias,
+                            .negative_slope = negative_slope},
+                           input, output, {instruction_set, threads});
+    if (!parameters.empty()) layer.set_parameters(parameters);
+    return layer;
+  }
   Outcome empty_outcome() const {
-    return {output, input, std::vector<float>(weight.size(), 0.25F),
-            std::vector<float>(bias.size(), -1.0F)};
+    Outcome outcome{output, input, std::vector<float>(parameters.size(), -1.0F)};
+    std::fill_n(outcome.d_parameters.begin(), shape.weights(), 0.25F);
+    return outcome;
   }
 };
 
 Problem problem(const Case& c, bool transposed) {
   Tensor narrow = narrow_tensor(c.shape, c, c.shape.output_channels);
   Tensor wide(c.shape.input_channels, c.rows, c.columns, c.padding, 4);
-  Problem p{c.shape, wide, narrow, narrow, {}, {}};
+  Problem p{c.shape, wide, narrow, narrow, {}};
   if (transposed) {
-    p = {c.shape, narrow, wide, wide, {}, {}};
+    p = {c.shape, narrow, wide, wide, {}};
     std::swap(p.shape.input_channels, p.shape.output_channels);
     p.shape.transposed = true;
   }
   fill_random(1, p.input);
   fill_random(2, p.d_output);
-  p.weight = random_values(3, p.shape.weights());
-  p.bias = random_values(4, p.shape.output_channels);
+  p.parameters = random_values(3, p.shape.weights());
+  const std::vector<float> bias = random_values(4, p.shape.output_channels);
+  p.parameters.insert(p.parameters.end(), bias.begin(), bias.end());
   return p;
+}
+
+void run(ConvolutionLayer& layer, const Problem& p, Outcome& outcome, int threads = 1) {
+#pragma omp parallel num_threads(threads)
+  layer.forward({.input = &p.input, .output = &outcome.output});
+  const BackwardPass back{.input = &p.input, .d_output = &p.d_output, .d_input = &outcome.d_input};
+  layer.backward({&back, 1}, outcome.d_parameters);
 }
 
 Outcome with_layer(const Problem& p, InstructionSet instruction_set, int threads) {
   Outcome outcome = p.empty_outcome();
-  Conv2d layer(p.shape, p.input, p.output, instruction_set, threads);
-  layer.set_parameters(p.weight, p.bias);
-#pragma omp parallel num_threads(threads)
-  {
-    layer.forward(p.input, {}, outcome.output);
-    layer.backward_input(p.d_output, {}, outcome.d_input);
-  }
-  layer.backward_parameters(p.input, p.d_output, outcome.d_weight, outcome.d_bias);
+  ConvolutionLayer layer = p.layer(instruction_set, threads);
+  run(layer, p, outcome, threads);
   return outcome;
 }
 
 Outcome with_reference(const Problem& p) {
   Outcome o = p.empty_outcome();
-  conv2d_reference(p.shape, p.weight, p.bias, p.input, o.output);
-  conv2d_backward_reference(p.shape, p.weight, p.input, p.d_output, o.d_input, o.d_weight,
-                            o.d_bias);
+  const auto weights = static_cast<std::size_t>(p.shape.weights());
+  const std::span<const float> parameters = p.parameters;
+  const std::span<float> d_parameters = o.d_parameters;
+  conv2d_reference(p.shape, parameters.first(weights), parameters.subspan(weights), p.input,
+                   o.output);
+  conv2d_backward_reference(p.shape, parameters.first(weights), p.input, p.d_output, o.d_input,
+                            d_parameters.first(weights), d_parameters.subspan(weights));
   return o;
 }
 
@@ -137,13 +151,65 @@ void check_against_reference(bool transposed) {
       const Outcome actual = with_layer(p, instruction_set, 1);
       check_close(actual.output, expected.output);
       check_close(actual.d_input, expected.d_input);
-      check_close(actual.d_weight, expected.d_weight);
-      check_close(actual.d_bias, expected.d_bias);
+      check_close(actual.d_parameters, expected.d_parameters);
     }
   }
 }
 
+/// Of a layer of the golden file.
+Problem problem(const Golden& golden, const std::string& name, bool transposed) {
+  const std::vector<std::int64_t> stored = int64_values(golden.array(name + ".shape"), name);
+  std::vector<int> s(stored.begin(), stored.end());
+  const ColumnPadding padding = s.at(11) != 0 ? ColumnPadding::kCircular : ColumnPadding::kZero;
+  Problem p;
+  p.shape = {s[0], s[1], s[2], s[3], s[4], s[5], s[6]};
+  p.shape.transposed = transposed;
+  p.input = tensor_of(golden.values(name + ".input"), s[0], s[7], s[8], padding, 2);
+  p.d_output = tensor_of(golden.values(name + ".d_output"), s[1], s[9], s[10], padding, 2);
+  p.output = p.d_output;
+  p.parameters = golden.values(name + ".weight");
+  p.bias = golden.has(name + ".bias");
+  if (!p.bias) return p;
+  const std::vector<float> bias = golden.values(name + ".bias");
+  p.parameters.insert(p.parameters.end(), bias.begin(), bias.end());
+  return p;
+}
+
+void check_against_pytorch(const std::string& kind, bool transposed, int cases) {
+  constexpr double kTolerance = 1e-5;
+  const Golden golden("convolutions");
+  for (int i = 0; i < cases; ++i) {
+    const std::string name = kind + "." + std::to_string(i);
+    CAPTURE(name);
+    const Problem p = problem(golden, name, transposed);
+    for (const InstructionSet instruction_set : available_instruction_sets()) {
+      CAPTURE(nn::name(instruction_set));
+      Outcome actual{p.output, p.input, std::vector<float>(p.parameters.size())};
+      ConvolutionLayer layer = p.layer(instruction_set);
+      run(layer, p, actual);
+      const std::span<const float> gradient = actual.d_parameters;
+      const auto weights = static_cast<std::size_t>(p.shape.weights());
+      CHECK(relative_error(actual.output, golden.values(name + ".output")) < kTolerance);
+      CHECK(relative_error(actual.d_input, golden.values(name + ".d_input")) < kTolerance);
+      CHECK(relative_error(gradient.first(weights), golden.values(name + ".d_weight")) <
+            kTolerance);
+      if (!p.bias) continue;
+      CHECK(relative_error(gradient.subspan(weights), golden.values(name + ".d_bias")) <
+            kTolerance);
+    }
+  }
+  CHECK_FALSE(golden.has(kind + "." + std::to_string(cases) + ".shape"));  // that was all of them
+}
+
 }  // namespace
+
+TEST_CASE("conv2d and its gradients equal PyTorch's with every instruction set") {
+  check_against_pytorch("conv2d", false, 6);
+}
+
+TEST_CASE("conv_transpose2d and its gradients equal PyTorch's with every instruction set") {
+  check_against_pytorch("conv_transpose2d", true, 4);
+}
 
 TEST_CASE("conv2d and its gradients equal the reference with every instruction set") {
   check_against_reference(false);
@@ -155,12 +221,10 @@ TEST_CASE("conv_transpose2d and its gradients equal the reference with every ins
 
 TEST_CASE("conv2d of a 1-2-3 row with kernel 1 10 100 is what a hand computes, going round") {
   Tensor input(1, 1, 3, ColumnPadding::kCircular);
-  Tensor output = input;
   for (int x = 0; x < 3; ++x) input.at(0, 0, x) = static_cast<float>(x + 1);
   input.fill_borders();
-  Conv2d layer({1, 1, 1, 3, 1, 0, 1}, input, output, chosen_instruction_set());
-  layer.set_parameters(std::vector<float>{1, 10, 100}, std::vector<float>{1000});
-  layer.forward(input, {}, output);
+  const Problem p{{1, 1, 1, 3, 1, 0, 1}, input, input, input, {1, 10, 100, 1000}};
+  const Tensor output = with_layer(p, chosen_instruction_set(), 1).output;
   CHECK(output.at(0, 0, 0) == 1000 + 3 * 1 + 1 * 10 + 2 * 100);
   CHECK(output.at(0, 0, 1) == 1000 + 1 * 1 + 2 * 10 + 3 * 100);
   CHECK(output.at(0, 0, 2) == 1000 + 2 * 1 + 3 * 10 + 1 * 100);
@@ -181,13 +245,12 @@ TEST_CASE("one and two threads give the same bits") {
 TEST_CASE("new parameters count forward and backward, whichever way the convolution goes") {
   for (const int channels : {5, 16}) {
     Problem p = problem({{channels, channels, 3, 3, 1, 1, 1}, 4, 32, ColumnPadding::kZero}, false);
-    Outcome outcome = p.empty_outcome();
-    Conv2d layer(p.shape, p.input, p.output, chosen_instruction_set());
+    ConvolutionLayer layer = p.layer();
     for (const std::uint32_t seed : {11U, 12U}) {
-      p.weight = random_values(seed, p.shape.weights());
-      layer.set_parameters(p.weight, p.bias);
-      layer.forward(p.input, {}, outcome.output);
-      layer.backward_input(p.d_output, {}, outcome.d_input);
+      p.parameters = random_values(seed, std::ssize(p.parameters));
+      layer.set_parameters(p.parameters);
+      Outcome outcome = p.empty_outcome();
+      run(layer, p, outcome);
       const Outcome expected = with_reference(p);
       check_close(outcome.output, expected.output);
       check_close(outcome.d_input, expected.d_input);
@@ -197,10 +260,8 @@ TEST_CASE("new parameters count forward and backward, whichever way the convolut
 
 TEST_CASE("a single row is refused where the kernel has more") {
   const Problem p = problem({{3, 8, 3, 3, 1, 1, 1}, 4, 32, ColumnPadding::kCircular}, false);
-  Conv2d layer(p.shape, p.input, p.output, chosen_instruction_set());
-  layer.set_parameters(p.weight, p.bias);
   std::vector<float> row(static_cast<std::size_t>(8) * 32);
-  CHECK_THROWS_AS(layer.forward_row(p.input, 0, row.data(), 32), Error);
+  CHECK_THROWS_AS(p.layer().forward_row(p.input, 0, row.data(), 32), Error);
 }
 
 TEST_CASE("skip and activation are applied to the sum") {
@@ -209,10 +270,8 @@ TEST_CASE("skip and activation are applied to the sum") {
   fill_random(9, skip);
   Tensor plain = p.output;
   Tensor ended = p.output;
-  Conv2d layer(p.shape, p.input, p.output, chosen_instruction_set());
-  layer.set_parameters(p.weight, p.bias);
-  layer.forward(p.input, {}, plain);
-  layer.forward(p.input, {0.1F, &skip}, ended);
+  p.layer().forward({&p.input, nullptr, &plain});
+  p.layer(chosen_instruction_set(), 1, 0.1F).forward({&p.input, &skip, &ended});
   for (int x = 0; x < 32; ++x) {
     const float sum = plain.at(7, 3, x) + skip.at(7, 3, x);
     CHECK(ended.at(7, 3, x) == doctest::Approx(sum > 0 ? sum : 0.1F * sum));
@@ -222,25 +281,28 @@ TEST_CASE("skip and activation are applied to the sum") {
 TEST_CASE("shapes that do not fit are refused") {
   const Tensor input(3, 8, 32, ColumnPadding::kCircular);
   const Tensor half(4, 4, 16, ColumnPadding::kCircular);
-  const InstructionSet any = chosen_instruction_set();
-  CHECK_NOTHROW(Conv2d({3, 4, 3, 3, 2, 1, 1}, input, half, any));
-  CHECK_THROWS_AS(Conv2d({2, 4, 3, 3, 2, 1, 1}, input, half, any), Error);
-  CHECK_THROWS_AS(Conv2d({3, 4, 3, 3, 1, 1, 1}, input, half, any), Error);
-  CHECK_THROWS_AS(Conv2d({3, 4, 7, 3, 2, 3, 1}, input, half, any), Error);
-  CHECK_THROWS_AS(Conv2d({3, 4, 3, 3, 0, 1, 1}, input, half, any), Error);
+  const auto make = [](const ConvolutionShape& shape, const Tensor& narrow, const Tensor& wide) {
+    kernels::StridedConvolution(shape, narrow, wide, chosen_instruction_set());
+  };
+  CHECK_NOTHROW(make({3, 4, 3, 3, 2, 1, 1}, half, input));
+  CHECK_THROWS_AS(make({2, 4, 3, 3, 2, 1, 1}, half, input), Error);
+  CHECK_THROWS_AS(make({3, 4, 3, 3, 1, 1, 1}, half, input), Error);
+  CHECK_THROWS_AS(make({3, 4, 7, 3, 2, 3, 1}, half, input), Error);
+  CHECK_THROWS_AS(make({3, 4, 3, 3, 0, 1, 1}, half, input), Error);
   // With zeros beyond the edge and these paddings a tap would find zeros inside the image,
   const Tensor wide(1, 8, 16, ColumnPadding::kZero);
   const auto narrow = [](int rows, int columns) {
     return Tensor(1, rows, columns, ColumnPadding::kZero, 4);
   };
-  CHECK_THROWS_AS(Conv2d({1, 1, 3, 3, 2, 1, 0}, wide, narrow(4, 7), any), Error);
-  CHECK_THROWS_AS(Conv2d({1, 1, 3, 5, 3, 1, 0}, wide, narrow(3, 4), any), Error);
-  CHECK_THROWS_AS(Conv2d({1, 1, 3, 3, 2, 1, 0, 2, true}, narrow(4, 7), wide, any), Error);
+  CHECK_THROWS_AS(make({1, 1, 3, 3, 2, 1, 0}, narrow(4, 7), wide), Error);
+  CHECK_THROWS_AS(make({1, 1, 3, 5, 3, 1, 0}, narrow(3, 4), wide), Error);
+  CHECK_THROWS_AS((Problem{{1, 1, 3, 3, 2, 1, 0, 2, true}, narrow(4, 7), wide, wide, {}}.layer()),
+                  Error);
   // or a whole vector would end beyond the border.
-  CHECK_THROWS_AS(Conv2d({1, 1, 3, 4, 1, 1, 2}, wide, narrow(8, 17), any), Error);
-  Conv2d layer({3, 4, 3, 3, 2, 1, 1}, input, half, any);
-  CHECK_THROWS_AS(layer.set_parameters(std::vector<float>(5), {}), Error);
-  CHECK_THROWS_AS(layer.set_parameters(std::vector<float>(108), std::vector<float>(3)), Error);
+  CHECK_THROWS_AS(make({1, 1, 3, 4, 1, 1, 2}, narrow(8, 17), wide), Error);
+  ConvolutionLayer layer = Problem{{3, 4, 3, 3, 2, 1, 1}, input, half, half, {}}.layer();
+  CHECK_THROWS_AS(layer.set_parameters(std::vector<float>(5)), Error);
+  CHECK_THROWS_AS(layer.set_parameters(std::vector<float>(108 + 3)), Error);
 }
 
 }  // namespace hqslam::nn

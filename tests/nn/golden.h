@@ -12,6 +12,7 @@
 #include "golden_folder.h"
 #include "hqslam/core/npz.h"
 #include "hqslam/core/range_image.h"
+#include "hqslam/nn/network_description.h"
 #include "tensor.h"
 
 // Files of tests/golden, made with PyTorch in float64 by tools/make_golden.py.
@@ -74,6 +75,21 @@ inline std::vector<float> values_of(const Tensor& tensor) {
   return values;
 }
 
+/// An array of scans x channels x rows x columns.
+inline std::vector<Tensor> scans_of(const Golden& golden, const std::string& name,
+                                    ColumnPadding padding = ColumnPadding::kCircular) {
+  const std::vector<std::int64_t>& shape = golden.array(name).shape;
+  const std::vector<float> values = golden.values(name);
+  const std::size_t each = values.size() / shape.at(0);
+  std::vector<Tensor> scans;
+  for (std::int64_t scan = 0; scan < shape.at(0); ++scan) {
+    scans.push_back(tensor_of(std::span(values).subspan(scan * each, each),
+                              static_cast<int>(shape.at(1)), static_cast<int>(shape.at(2)),
+                              static_cast<int>(shape.at(3)), padding));
+  }
+  return scans;
+}
+
 /// The largest difference, as a share of the largest value expected. Infinite where one is NaN.
 template <typename Expected>
 double relative_error(std::span<const float> actual, const std::vector<Expected>& expected) {
@@ -92,6 +108,20 @@ double relative_error(std::span<const float> actual, const std::vector<Expected>
 
 inline double relative_error(const Tensor& actual, const std::vector<float>& expected) {
   return relative_error(std::span<const float>(values_of(actual)), expected);
+}
+
+/// Gradients of a network's arrays, one after the other, each against its own largest value.
+inline void check_arrays(std::span<const float> actual, const std::vector<float>& expected,
+                         const std::vector<ParameterShape>& shapes, double tolerance) {
+  REQUIRE(elements(shapes) == std::ssize(expected));
+  auto first = expected.begin();
+  for (const ParameterShape& shape : shapes) {
+    CAPTURE(shape.name);
+    const std::vector<float> part(first, first + shape.elements());
+    CHECK(relative_error(actual.first(part.size()), part) < tolerance);
+    actual = actual.subspan(part.size());
+    first += shape.elements();
+  }
 }
 
 }  // namespace hqslam::nn

@@ -3,7 +3,6 @@
 
 #include "golden.h"
 #include "hqslam/nn/reference/reference.h"
-#include "random_values.h"
 #include "small_network.h"
 
 // The networks against the reference, which shares no line with them: values and gradients.
@@ -19,22 +18,17 @@ struct Problem {
 };
 
 Problem problem(const HqsPlan& plan, int columns, std::uint32_t seed, int layers_in_loss = 1) {
-  Problem p{plan, RangeImage(4, columns), initial_parameters(plan, seed), {}};
+  Problem p{plan, RangeImage(4, columns), large_parameters(plan, seed), {}};
   for (int i = 0; i < layers_in_loss; ++i) {
     p.directions.push_back(random_values(seed + 1 + i, 16 * columns));
   }
-  const RangeImage scene = select_rows(small_scene(), plan.measured_rows);
+  const RangeImage scene = measured_scene(plan);
   for (int row = 0; row < 4; ++row) {
     for (int column = 0; column < columns; ++column) {
       p.measured.at(row, column) = scene.at(row, column);
     }
   }
-  const auto random = random_values(seed, static_cast<std::int64_t>(p.parameters.size()));
-  const int penalties = plan.penalties();
-  for (std::size_t i = 0; i + penalties < p.parameters.size(); ++i) {
-    p.parameters[i] = 0.3F * random[i];
-  }
-  if (penalties == 1) p.parameters.back() = 0.4F;  // at 10.99 hardly anything flows
+  if (plan.penalties() == 1) p.parameters.back() = 0.4F;  // at 10.99 hardly anything flows
   return p;
 }
 

@@ -2,9 +2,6 @@
 
 #include "error_message.h"
 #include "golden.h"
-#include "hqs/l1_loss.h"
-#include "hqslam/nn/network.h"
-#include "random_values.h"
 #include "small_network.h"
 
 namespace hqslam::nn {
@@ -15,21 +12,6 @@ constexpr double kTolerance = 1e-4;
 HqsPlan filtered(HqsPlan plan) {
   plan.filter.min_pixels = 30;
   return plan;
-}
-
-/// Larger than the starting values, so that every part of the network matters.
-std::vector<float> parameters_for(const HqsPlan& plan, std::uint32_t seed) {
-  std::vector<float> parameters = initial_parameters(plan, seed);
-  const std::vector<float> random =
-      random_values(seed, static_cast<std::int64_t>(parameters.size()));
-  for (std::size_t i = 0; i + plan.penalties() < parameters.size(); ++i) {
-    parameters[i] = 0.3F * random[i];
-  }
-  return parameters;
-}
-
-RangeImage measured_scene(const HqsPlan& plan) {
-  return select_rows(small_scene(), plan.measured_rows);
 }
 
 /// A scan and the way back, with Z for d loss / d Z.
@@ -102,15 +84,7 @@ void check_against_pytorch(const HqsPlan& plan, const std::string& file, bool re
       CHECK(relative_error(summed(d_parameters, plan.layers), expected) < kTolerance);
       continue;
     }
-    std::size_t next = 0;
-    for (const ParameterShape& shape : parameter_shapes(plan)) {
-      CAPTURE(shape.name);
-      const auto count = static_cast<std::size_t>(shape.elements());
-      const auto first = expected.begin() + static_cast<std::ptrdiff_t>(next);
-      const std::vector<float> part(first, first + static_cast<std::ptrdiff_t>(count));
-      CHECK(relative_error(std::span(d_parameters).subspan(next, count), part) < kTolerance);
-      next += count;
-    }
+    check_arrays(d_parameters, expected, parameter_shapes(plan), kTolerance);
   }
 }
 
@@ -134,7 +108,7 @@ TEST_CASE("Simple DU equals PyTorch, gradients included") {
 TEST_CASE("one, two and three threads give the same bits") {
   for (const HqsPlan& plan : {filtered(small_du_or()), small_simple_du()}) {
     for (const InstructionSet any : available_instruction_sets()) {
-      const std::vector<float> parameters = parameters_for(plan, 1);
+      const std::vector<float> parameters = large_parameters(plan, 1);
       const HqsRun one = run_of(plan, parameters, measured_scene(plan), any, 1);
       CHECK(same_bits(one, run_of(plan, parameters, measured_scene(plan), any, 2)));
       CHECK(same_bits(one, run_of(plan, parameters, measured_scene(plan), any, 3)));
@@ -144,7 +118,7 @@ TEST_CASE("one, two and three threads give the same bits") {
 
 TEST_CASE("what was in the state before does not matter, backwards neither") {
   for (const HqsPlan& plan : {filtered(small_du_or()), small_simple_du()}) {
-    const std::vector<float> parameters = parameters_for(plan, 2);
+    const std::vector<float> parameters = large_parameters(plan, 2);
     const RangeImage measured = measured_scene(plan);
     RangeImage other = measured;
     for (float& range : other.range_m) range = 40.0F - 0.5F * range;
@@ -160,7 +134,7 @@ TEST_CASE("what was in the state before does not matter, backwards neither") {
 
 TEST_CASE("what stands in the borders of d loss / d Z does not matter") {
   for (const HqsPlan& plan : {filtered(small_du_or()), small_simple_du()}) {
-    const std::vector<float> parameters = parameters_for(plan, 8);
+    const std::vector<float> parameters = large_parameters(plan, 8);
     RangeImage measured(4, 40);
     for (int i = 0; i < 4 * 40; ++i) measured.range_m[i] = small_scene().range_m[i];
     HqsRun run = run_of(plan, parameters, measured);
@@ -185,7 +159,7 @@ TEST_CASE("the first layers do not depend on how many come after them, nor do th
   HqsPlan three = filtered(small_du_or());
   HqsPlan two = three;
   two.layers = 2;
-  const std::vector<float> parameters = parameters_for(three, 3);
+  const std::vector<float> parameters = large_parameters(three, 3);
   const std::size_t of_one = (parameters.size() - 3) / 3;
   std::vector<float> fewer(parameters.begin(),
                            parameters.begin() + static_cast<std::ptrdiff_t>(2 * of_one));
@@ -214,7 +188,7 @@ TEST_CASE("the first layers do not depend on how many come after them, nor do th
 
 TEST_CASE("a state of two layers has the same result as one of all") {
   for (const HqsPlan& plan : {filtered(small_du_or()), small_simple_du()}) {
-    const std::vector<float> parameters = parameters_for(plan, 7);
+    const std::vector<float> parameters = large_parameters(plan, 7);
     RangeImage other = measured_scene(plan);
     for (float& range : other.range_m) range *= 2.0F;  // leaves something in the state
     HqsRun run = run_of(plan, parameters, other);
@@ -230,7 +204,7 @@ TEST_CASE("a small penalty keeps measured rows at L, a large one lets them go") 
   const HqsPlan plan = small_du_or();
   const RangeImage measured = measured_scene(plan);
   const auto distance_m = [&](float penalty) {
-    std::vector<float> parameters = parameters_for(plan, 4);
+    std::vector<float> parameters = large_parameters(plan, 4);
     std::fill(parameters.end() - 3, parameters.end(), std::log(penalty));
     const HqsRun run = run_of(plan, parameters, measured);
     const std::vector<float> h = image_of(plan, run.layer(2).prior.h());
@@ -250,7 +224,7 @@ TEST_CASE("a small penalty keeps measured rows at L, a large one lets them go") 
 TEST_CASE("the start is L, its measured neighbours and their interpolation; zero for Simple DU") {
   const HqsPlan plan = small_du_or();
   const RangeImage measured = measured_scene(plan);
-  const HqsRun run = run_of(plan, parameters_for(plan, 1), measured);
+  const HqsRun run = run_of(plan, large_parameters(plan, 1), measured);
   const std::vector<float> z0 = image_of(plan, run.hqs.z0);
   const Candidates& candidates = run.hqs.measurement.candidates();
   CHECK(80.0 * z0[5 * 64 + 33] == doctest::Approx(0.5 * (measured.at(0, 33) + measured.at(1, 33))));
@@ -262,13 +236,13 @@ TEST_CASE("the start is L, its measured neighbours and their interpolation; zero
   CHECK(run.hqs.measurement.l_row(2 * 4 + 1, 1) == nullptr);
 
   const HqsPlan simple = small_simple_du();
-  const HqsRun of_simple = run_of(simple, parameters_for(simple, 1), measured);
+  const HqsRun of_simple = run_of(simple, large_parameters(simple, 1), measured);
   for (const float value : image_of(simple, of_simple.hqs.z0)) REQUIRE(value == 0.0F);
 }
 
 TEST_CASE("Y is H, and Z where the filter rejects H") {
   const HqsPlan d = filtered(small_du_or());
-  const HqsRun run = run_of(d, parameters_for(d, 5), measured_scene(d));
+  const HqsRun run = run_of(d, large_parameters(d, 5), measured_scene(d));
   for (const HqsLayer& layer : run.state.slots) {
     const std::vector<float> h = image_of(d, layer.prior.h());
     const std::vector<float> z = image_of(d, layer.prior.z);
@@ -291,7 +265,7 @@ TEST_CASE("Y is H, and Z where the filter rejects H") {
 TEST_CASE(
     "the result does not change when min_pixels 0 switches a filter off that rejects nothing") {
   HqsPlan plan = small_du_or();
-  const std::vector<float> parameters = parameters_for(plan, 6);
+  const std::vector<float> parameters = large_parameters(plan, 6);
   const HqsRun off = run_of(plan, parameters, measured_scene(plan));
   plan.filter.min_pixels = 1;
   CHECK(same_bits(off, run_of(plan, parameters, measured_scene(plan))));

@@ -6,7 +6,6 @@
 
 #include "error_message.h"
 #include "golden.h"
-#include "graph/dropout.h"
 #include "random_values.h"
 
 namespace hqslam::nn {
@@ -29,6 +28,16 @@ LayerGraph small_graph(int threads = 1) {
                              {residual, wide});
   graph.add("head", {.channels = 2}, {back});
   return graph;
+}
+
+void check_activation(float slope, const std::string& name) {
+  const Golden golden("layers");
+  const Tensor values = tensor_of(golden.values(name + ".output"), 2, 3, 20);
+  Tensor gradient = tensor_of(golden.values(name + ".d_output"), 2, 3, 20);
+  leaky_relu_backward(slope, values, gradient);
+  CHECK(relative_error(gradient, golden.values(name + ".d_input")) < 1e-6);
+  CHECK(gradient.at(1, 2, -1) == gradient.at(1, 2, 19));
+  CHECK(gradient.at(1, 2, 20) == gradient.at(1, 2, 0));
 }
 
 }  // namespace
@@ -69,15 +78,7 @@ TEST_CASE("a graph's gradients are what small changes of input and parameters do
   std::vector<float> d_parameters(parameters.size());
   gradients[0].back() = d_output;
   graph.backward(values, gradients, d_parameters, {.dropped = true});
-  const auto slope_at = [&](float& value) {
-    const float before = value;
-    value = before + kStep;
-    const double above = loss();
-    value = before - kStep;
-    const double below = loss();
-    value = before;
-    return (above - below) / (2.0 * kStep);
-  };
+  const auto slope_at = [&](float& value) { return slope_of(loss, kStep, value); };
   for (std::size_t i = 0; i < parameters.size(); i += 37) {
     CAPTURE(i);
     CHECK(slope_at(parameters[i]) == doctest::Approx(d_parameters[i]).epsilon(0.02).scale(2));
@@ -179,13 +180,7 @@ TEST_CASE("a sum of tensors of different shapes is refused") {
 
 TEST_CASE("dropout and its gradient equal PyTorch's, and another seed drops others") {
   const Golden golden("network_layers");
-  const std::vector<std::int64_t>& shape = golden.array("dropout.input.0").shape;
-  const auto tensor = [&](const std::string& name) {
-    const std::vector<float> values = golden.values(name);
-    return tensor_of(std::span(values).first(values.size() / shape.at(0)),
-                     static_cast<int>(shape.at(1)), static_cast<int>(shape.at(2)),
-                     static_cast<int>(shape.at(3)));
-  };
+  const auto tensor = [&](const std::string& name) { return scans_of(golden, name).front(); };
   const Tensor input = tensor("dropout.input.0");
   Tensor dropped = input;
   drop_out(77, 0.25F, dropped);
@@ -203,6 +198,24 @@ TEST_CASE("dropout and its gradient equal PyTorch's, and another seed drops othe
   const auto zeros = std::count(values.begin(), values.end(), 0.0F);
   CHECK(static_cast<double>(zeros) / static_cast<double>(values.size()) ==
         doctest::Approx(0.25).epsilon(0.1));
+}
+
+TEST_CASE("ReLU's gradient equals PyTorch's") { check_activation(0.0F, "leaky_relu.0.0"); }
+
+TEST_CASE("leaky ReLU's gradient equals PyTorch's") {
+  check_activation(0.125F, "leaky_relu.0.125");
+}
+
+TEST_CASE("an output of 0 passes slope x gradient") {
+  Tensor values(1, 1, 3, ColumnPadding::kCircular);
+  values.at(0, 0, 0) = -0.5F;
+  values.at(0, 0, 2) = 4.0F;
+  Tensor gradient(1, 1, 3, ColumnPadding::kCircular);
+  for (int x = 0; x < 3; ++x) gradient.at(0, 0, x) = 8.0F;
+  leaky_relu_backward(0.25F, values, gradient);
+  CHECK(gradient.at(0, 0, 0) == 2.0F);
+  CHECK(gradient.at(0, 0, 1) == 2.0F);
+  CHECK(gradient.at(0, 0, 2) == 8.0F);
 }
 
 }  // namespace hqslam::nn

@@ -15,6 +15,24 @@ std::string message(const HqsPlan& description) {
   return test::error_message([&] { validate(description); });
 }
 
+/// What makes a plan one that describes no network, and what is said of it.
+struct Spoilt {
+  HqsPlan plan;
+  void (*spoil)(HqsPlan&);
+  const char* said = "";
+};
+
+void check_refused(const std::vector<Spoilt>& all) {
+  for (const Spoilt& each : all) {
+    CAPTURE(each.said);
+    HqsPlan plan = each.plan;
+    CHECK(message(plan) == "no Error");
+    each.spoil(plan);
+    CHECK(message(plan) != "no Error");
+    CHECK(test::one_line_with(message(plan), each.said));
+  }
+}
+
 SensorModel a_sensor(int rows, int columns) {
   SensorModel sensor = small_sensor();
   sensor.columns = columns;
@@ -54,47 +72,34 @@ TEST_CASE("starting values fit the arrays; layers start differently, penalties a
 }
 
 TEST_CASE("descriptions that describe no network are refused with the field and the value") {
-  CHECK(message(small_du_or()) == "no Error");
-  HqsPlan d = small_du_or();
-  d.layers = 0;
-  CHECK(test::one_line_with(message(d), "layers is 0"));
-  d.layers = 21;
-  CHECK(test::one_line_with(message(d), "layers is 21"));
-  d = small_du_or();
-  d.range_scale_m = 0.0F;
-  CHECK(test::one_line_with(message(d), "range_scale_m is 0"));
-  d.range_scale_m = std::nanf("");
-  CHECK(test::one_line_with(message(d), "range_scale_m"));
-  d = small_du_or();
-  d.measured_rows = {16, 4};
-  CHECK(test::one_line_with(message(d), "16", "no selection"));
-  d.measured_rows = {0, 2'000'000'000};
-  CHECK(message(d) != "no Error");
-  d.measured_rows = {0, 1};
-  CHECK(test::one_line_with(message(d), "all 16 rows", "are measured"));
-  d.measured_rows = {0, 0};
-  CHECK(message(d) != "no Error");
-  d = small_du_or();
-  d.u_shaped.memory = 513;
-  CHECK(test::one_line_with(message(d), "memory is 513"));
-  d = small_simple_du();
-  d.plain.features = 0;
-  CHECK(test::one_line_with(message(d), "features is 0"));
-  d = small_du_or();
-  d.sensor.columns = 0;
-  CHECK(message(d) != "no Error");
+  const HqsPlan du_or = small_du_or();
+  check_refused({
+      {du_or, [](HqsPlan& d) { d.layers = 0; }, "layers is 0"},
+      {du_or, [](HqsPlan& d) { d.layers = 21; }, "layers is 21"},
+      {du_or, [](HqsPlan& d) { d.range_scale_m = 0.0F; }, "range_scale_m is 0"},
+      {du_or, [](HqsPlan& d) { d.range_scale_m = std::nanf(""); }, "range_scale_m"},
+      {du_or, [](HqsPlan& d) { d.u_shaped.memory = 513; }, "memory is 513"},
+      {small_simple_du(), [](HqsPlan& d) { d.plain.features = 0; }, "features is 0"},
+      {du_or, [](HqsPlan& d) { d.sensor.columns = 0; }},
+  });
+  const std::vector<std::pair<RowSelection, const char*>> no_rows = {
+      {{16, 4}, "rows 16 + n 4 of 16 are no selection"},
+      {{0, 2'000'000'000}, "no selection"},
+      {{0, 0}, "no selection"},
+      {{0, 1}, "all 16 rows of sensor 'small' are measured"}};
+  for (const auto& [rows, said] : no_rows) {
+    HqsPlan plan = du_or;
+    plan.measured_rows = rows;
+    CHECK(test::one_line_with(message(plan), said));
+  }
 }
 
 TEST_CASE("filters that cannot be are refused with the description, not when weights are loaded") {
-  HqsPlan d = small_du_or();
-  d.last_filter.support_share = 1.0F;
-  CHECK(test::one_line_with(message(d), "support_share is 1"));
-  d = small_simple_du();
-  d.last_filter.min_pixels = -1;
-  CHECK(test::one_line_with(message(d), "min_pixels is -1"));
-  d = small_du_or();
-  d.filter.min_angle_rad = 0.0;
-  CHECK(test::one_line_with(message(d), "min_angle_rad is 0"));
+  check_refused({
+      {small_du_or(), [](HqsPlan& d) { d.last_filter.support_share = 1.0F; }, "support_share is 1"},
+      {small_simple_du(), [](HqsPlan& d) { d.last_filter.min_pixels = -1; }, "min_pixels is -1"},
+      {small_du_or(), [](HqsPlan& d) { d.filter.min_angle_rad = 0.0; }, "min_angle_rad is 0"},
+  });
   const auto du_mix_with = [](const std::string& filter) {
     return test::error_message([&] {
       validate(network_from_json(R"({"kind": "du-mix", "sensor": "os1-64", "measured_rows": 16,
@@ -153,26 +158,23 @@ TEST_CASE("networks that take gigabytes are refused, the usual ones on large ima
 }
 
 TEST_CASE("denoisers of senseless sizes cannot be described") {
-  HqsPlan d = small_du_or();
-  d.u_shaped.channels = {};
-  CHECK(message(d) != "no Error");
-  d.u_shaped.channels.assign(100, 2);
-  CHECK(message(d) != "no Error");
-  d = small_du_or();
-  d.u_shaped.tile = {1 << 20, 1 << 20};
-  CHECK(message(d) != "no Error");
-  d = small_du_or();
-  d.u_shaped.channels = {6, 2'000'000'000};
-  CHECK(message(d) != "no Error");
-  d = small_du_or();
-  d.u_shaped.memory = 2'000'000'000;
-  CHECK(message(d) != "no Error");
-  d = small_simple_du();
-  d.plain.features = 2'000'000'000;
-  CHECK(message(d) != "no Error");
-  d = small_simple_du();
-  d.plain.convolutions = 2'000'000'000;
-  CHECK(message(d) != "no Error");
+  const HqsPlan du_or = small_du_or();
+  const HqsPlan simple = small_simple_du();
+  check_refused({
+      {du_or, [](HqsPlan& d) { d.u_shaped.channels = {}; }},
+      {du_or, [](HqsPlan& d) { d.u_shaped.channels.assign(100, 2); }},
+      {du_or,
+       [](HqsPlan& d) {
+         d.u_shaped.tile = {1 << 20, 1 << 20};
+       }},
+      {du_or,
+       [](HqsPlan& d) {
+         d.u_shaped.channels = {6, 2'000'000'000};
+       }},
+      {du_or, [](HqsPlan& d) { d.u_shaped.memory = 2'000'000'000; }},
+      {simple, [](HqsPlan& d) { d.plain.features = 2'000'000'000; }},
+      {simple, [](HqsPlan& d) { d.plain.convolutions = 2'000'000'000; }},
+  });
 }
 
 TEST_CASE("a description without an architecture is none") {

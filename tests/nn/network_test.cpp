@@ -8,7 +8,6 @@
 
 #include "architecture.h"
 #include "error_message.h"
-#include "gradient_of_one.h"
 #include "hqslam/nn/network_json.h"
 #include "small_network.h"
 
@@ -166,7 +165,7 @@ TEST_CASE("the steps of a network are all that it multiplies, and running them c
     constexpr int kThreads = 2;
     const auto network = make_network(description, 64, chosen_instruction_set(), kThreads);
     network->set_parameters(initial_parameters(description, 5));
-    const RangeImage measured = select_rows(small_scene(), description.measured_rows);
+    const RangeImage measured = measured_scene(description);
     const LiftedImage expected = network->lift(measured, 0.5F);
     std::int64_t multiply_adds = 0;
     int references = 0;

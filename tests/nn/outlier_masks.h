@@ -88,6 +88,14 @@ inline RangeImage random_image(Kind kind, int rows, int columns, std::mt19937& g
   return image;
 }
 
+/// Calls visit(image) with an image of every kind.
+template <typename Visit>
+void for_each_kind(int rows, int columns, std::mt19937& generator, const Visit& visit) {
+  for (int kind = 0; kind < static_cast<int>(Kind::kCount); ++kind) {
+    visit(random_image(static_cast<Kind>(kind), rows, columns, generator));
+  }
+}
+
 /// A row of connected pixels from `first` to `last`, 10 m away.
 inline void draw_run(RangeImage& image, int row, int first, int last) {
   for (int column = first; column <= last; ++column) image.at(row, column) = 10.0F;

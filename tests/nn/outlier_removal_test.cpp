@@ -6,6 +6,25 @@
 #include "outlier_masks.h"
 
 namespace hqslam::nn {
+namespace {
+
+/// Columns `first` to `last` of a row.
+struct Part {
+  int row = 0;
+  int first = 0;
+  int last = 0;
+};
+
+/// 1 in these parts of the image.
+Mask mask_of(const RangeImage& image, const std::vector<Part>& parts) {
+  Mask mask(image.range_m.size(), 0);
+  for (const Part& part : parts) {
+    std::fill_n(&mask[image.index(part.row, part.first)], part.last - part.first + 1, 1);
+  }
+  return mask;
+}
+
+}  // namespace
 
 TEST_CASE("options that make no sense are refused") {
   const SensorModel sensor = sensor_preset("os1-64");
@@ -36,11 +55,7 @@ TEST_CASE("a component of 19 pixels is rejected, one of 20 stays") {
   draw_run(image, 4, 250, 269);  // 20 and an arm below of one pixel
   draw_run(image, 5, 260, 260);
   draw_run(image, 6, 300, 300);  // alone
-  Mask expected(image.range_m.size(), 0);
-  for (int column = 50; column <= 68; ++column) expected[image.index(1, column)] = 1;
-  for (int column = 100; column <= 109; ++column) expected[image.index(4, column)] = 1;
-  for (int column = 109; column <= 117; ++column) expected[image.index(5, column)] = 1;
-  expected[image.index(6, 300)] = 1;
+  const Mask expected = mask_of(image, {{1, 50, 68}, {4, 100, 109}, {5, 109, 117}, {6, 300, 300}});
   CHECK(found(removal, image) == expected);
 }
 
@@ -52,10 +67,7 @@ TEST_CASE("the last column is a neighbour of the first") {
   draw_run(image, 0, 350, 359);
   draw_run(image, 2, 0, 8);
   draw_run(image, 2, 350, 359);
-  Mask expected(image.range_m.size(), 0);
-  for (int column = 0; column <= 8; ++column) expected[image.index(2, column)] = 1;
-  for (int column = 350; column <= 359; ++column) expected[image.index(2, column)] = 1;
-  CHECK(found(removal, image) == expected);
+  CHECK(found(removal, image) == mask_of(image, {{2, 0, 8}, {2, 350, 359}}));
 }
 
 TEST_CASE("a step in range parts a component, the same step seen at a wider angle does not") {
@@ -68,8 +80,7 @@ TEST_CASE("a step in range parts a component, the same step seen at a wider angl
   for (int column = 110; column < 120; ++column) image.at(0, column) = 10.98F;
   CHECK(found(removal, image) == Mask(360, 0));
   for (int column = 110; column < 120; ++column) image.at(0, column) = 11.0F;
-  Mask expected(360, 0);
-  for (int column = 100; column < 120; ++column) expected[column] = 1;
+  const Mask expected = mask_of(image, {{0, 100, 119}});
   CHECK(found(removal, image) == expected);
   const SensorModel finer = small_sensor(1, 720);
   OutlierRemoval cut_out(finer, kNothingMeasured, {}, 360);
@@ -85,9 +96,7 @@ TEST_CASE("a pixel of a measured row is never rejected but counts for its compon
   draw_run(image, 4, 10, 19);
   draw_run(image, 7, 50, 50);  // measured, alone
   draw_run(image, 6, 90, 90);  // not measured, alone
-  Mask expected(image.range_m.size(), 0);
-  expected[image.index(6, 90)] = 1;
-  CHECK(found(removal, image) == expected);
+  CHECK(found(removal, image) == mask_of(image, {{6, 90, 90}}));
 }
 
 TEST_CASE("ranges that are no ranges are no returns") {
@@ -142,13 +151,11 @@ TEST_CASE("the number of threads and earlier images change nothing") {
   std::mt19937 generator(24);
   const SensorModel sensor = sensor_preset("os1-64");
   OutlierRemoval used(sensor, {3, 4}, {}, sensor.columns);
-  for (int kind = 0; kind < static_cast<int>(Kind::kCount); ++kind) {
-    const RangeImage image =
-        random_image(static_cast<Kind>(kind), sensor.rows(), sensor.columns, generator);
+  for_each_kind(sensor.rows(), sensor.columns, generator, [&](const RangeImage& image) {
     OutlierRemoval fresh(sensor, {3, 4}, {}, sensor.columns);
     const Mask expected = found(fresh, image);
     for (const int threads : {1, 2, 3}) CHECK(found(used, image, threads) == expected);
-  }
+  });
 }
 
 TEST_CASE("a small component stays where a measured range nearby supports it") {

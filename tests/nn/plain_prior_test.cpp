@@ -1,11 +1,10 @@
 #include "hqs/plain_prior.h"
 
-#include <doctest/doctest.h>
-
 #include <algorithm>
 #include <cmath>
 
 #include "error_message.h"
+#include "golden.h"
 #include "random_values.h"
 
 namespace hqslam::nn {
@@ -29,22 +28,15 @@ Run run(const PlainPriorShape& shape, std::optional<std::uint64_t> dropout_seed,
 }
 
 double zero_share(const Tensor& tensor) {
-  int zeros = 0;
-  for (int c = 0; c < tensor.channels(); ++c) {
-    for (int y = 0; y < tensor.rows(); ++y) {
-      for (int x = 0; x < tensor.columns(); ++x) zeros += tensor.at(c, y, x) == 0.0F;
-    }
-  }
-  return static_cast<double>(zeros) / (tensor.channels() * tensor.rows() * tensor.columns());
+  const std::vector<float> values = values_of(tensor);
+  return static_cast<double>(std::ranges::count(values, 0.0F)) / static_cast<double>(values.size());
 }
 
 constexpr PlainPriorShape kDropout{.features = 12, .convolutions = 3, .dropout = 0.25F};
 
 double sum_of(const Tensor& z) {
   double sum = 0.0;
-  for (int y = 0; y < z.rows(); ++y) {
-    for (int x = 0; x < z.columns(); ++x) sum += z.at(0, y, x);
-  }
+  for (const float value : values_of(z)) sum += value;
   return sum;
 }
 

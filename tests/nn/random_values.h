@@ -19,16 +19,22 @@ inline std::vector<float> random_values(std::uint32_t seed, std::int64_t count) 
   return values;
 }
 
-/// The same for a tensor, borders filled.
+/// Calls visit(channel, row, column) for every value, `border` columns on either side too.
+template <typename Visit>
+void for_each_value(const Tensor& tensor, int border, const Visit& visit) {
+  for (int c = 0; c < tensor.channels(); ++c) {
+    for (int y = 0; y < tensor.rows(); ++y) {
+      for (int x = -border; x < tensor.columns() + border; ++x) visit(c, y, x);
+    }
+  }
+}
+
+/// Random values in a tensor, borders filled.
 inline void fill_random(std::uint32_t seed, Tensor& tensor) {
   const std::vector<float> values = random_values(
       seed, static_cast<std::int64_t>(tensor.channels()) * tensor.rows() * tensor.columns());
   const float* next = values.data();
-  for (int c = 0; c < tensor.channels(); ++c) {
-    for (int y = 0; y < tensor.rows(); ++y) {
-      for (int x = 0; x < tensor.columns(); ++x) tensor.at(c, y, x) = *next++;
-    }
-  }
+  for_each_value(tensor, 0, [&](int c, int y, int x) { tensor.at(c, y, x) = *next++; });
   tensor.fill_borders();
 }
 
@@ -39,6 +45,18 @@ inline bool same_bits(const Tensor& a, const Tensor& b) {
     }
   }
   return true;
+}
+
+/// How `loss` changes with a value that it depends on: central differences.
+template <typename Loss>
+double slope_of(const Loss& loss, float step, float& value) {
+  const float before = value;
+  value = before + step;
+  const double above = loss();
+  value = before - step;
+  const double below = loss();
+  value = before;
+  return (above - below) / (2.0 * step);
 }
 
 }  // namespace hqslam::nn

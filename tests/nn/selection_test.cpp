@@ -1,8 +1,7 @@
-#include "hqs/selection.h"
-
 #include <cmath>
 
 #include "golden.h"
+#include "hqs/u_shaped_prior.h"
 #include "random_values.h"
 
 namespace hqslam::nn {

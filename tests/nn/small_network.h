@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <string>
 #include <vector>
 
 #include "hqs/hqs_loop.h"
@@ -9,6 +10,9 @@
 #include "hqs/two_modes_prior.h"
 #include "hqs/u_shaped_prior.h"
 #include "hqslam/core/range_image.h"
+#include "hqslam/nn/network.h"
+#include "hqslam/nn/weights_file.h"
+#include "random_values.h"
 #include "tiles.h"
 
 // Networks of a few thousand parameters on images of 16 x 64 pixels; tools/make_golden.py has the
@@ -151,6 +155,37 @@ inline void add_gradient(HqsRun& run, std::span<const Tensor> d_z, std::span<flo
     return 0.0;
   };
   hqs_backward(run.hqs, run.state, loss, gradient, d_parameters);
+}
+
+/// Network::add_gradients of one scan.
+inline double add_gradient(Network& network, const TrainingSample& sample,
+                           const LossOptions& options, std::span<float> d_parameters,
+                           std::uint64_t seed = 0) {
+  return network.add_gradients({&sample, 1}, options, {&seed, 1}, d_parameters);
+}
+
+/// The measured rows of the scene.
+inline RangeImage measured_scene(const NetworkDescription& description) {
+  return select_rows(small_scene(), description.measured_rows);
+}
+
+/// Larger than the starting values, but for penalties, so that every part of the network matters.
+inline std::vector<float> large_parameters(const NetworkDescription& description,
+                                           std::uint32_t seed) {
+  std::vector<float> parameters = initial_parameters(description, seed);
+  const ParameterShape last = parameter_shapes(description).back();
+  const bool penalties = last.name == "log_penalty" || last.name == "alpha";
+  const std::int64_t count = std::ssize(parameters) - (penalties ? last.elements() : 0);
+  const std::vector<float> random = random_values(seed, std::ssize(parameters));
+  for (std::int64_t i = 0; i < count; ++i) parameters[i] = 0.3F * random[i];
+  return parameters;
+}
+
+/// A whole weights file.
+inline Weights small_weights(const NetworkDescription& description, std::uint64_t seed = 3) {
+  const std::vector<float> parameters = initial_parameters(description, seed);
+  return {description, parameters, R"({"seed": )" + std::to_string(seed) + "}",
+          make_self_test(description, parameters, measured_scene(description))};
 }
 
 }  // namespace hqslam::nn

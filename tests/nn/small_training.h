@@ -75,13 +75,17 @@ inline HqsPlan simple_du_with_dropout() {
   return description;
 }
 
+inline Trainer small_trainer(const NetworkDescription& description, int threads = 1,
+                             const TrainingPlan& plan = small_plan()) {
+  return {description, plan, in_memory(scans()), fresh_state(description), threads, alone()};
+}
+
 inline void train(Trainer& trainer, int steps) {
   for (int i = 0; i < steps; ++i) trainer.step();
 }
 
 inline TrainingState trained(const NetworkDescription& description, int steps, int threads) {
-  Trainer trainer(description, small_plan(), in_memory(scans()), fresh_state(description), threads,
-                  alone());
+  Trainer trainer = small_trainer(description, threads);
   train(trainer, steps);
   return trainer.state();
 }

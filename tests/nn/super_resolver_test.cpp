@@ -11,19 +11,9 @@
 namespace hqslam::nn {
 namespace {
 
-Weights weights_of(const NetworkDescription& description) {
-  Weights weights;
-  weights.description = description;
-  weights.parameters = initial_parameters(description, 3);
-  weights.training = "{}";
-  weights.self_test = make_self_test(description, weights.parameters,
-                                     select_rows(small_scene(), description.measured_rows));
-  return weights;
-}
-
 Weights weights_of(HqsPlan plan) {
   plan.filter.min_pixels = 4;
-  return weights_of(NetworkDescription(plan));
+  return small_weights(plan);
 }
 
 }  // namespace
@@ -53,7 +43,7 @@ TEST_CASE("measured rows come back as they were, computed ranges keep the sensor
 TEST_CASE("inside a parallel region of the caller's each object works as it does outside") {
   const test::TemporaryDirectory directory;
   for (const Weights& weights :
-       {weights_of(small_du_or()), weights_of(small_simple_du()), weights_of(small_du_mix())}) {
+       {weights_of(small_du_or()), weights_of(small_simple_du()), small_weights(small_du_mix())}) {
     const std::string path = directory.file("weights.npz");
     write_weights(path, weights);
     const RangeImage scene = small_scene();

@@ -93,8 +93,7 @@ TEST_CASE("a third prior is one file and one line: described, trained, written a
   weights.description = description;
   weights.parameters = trained_for(description, 40).parameters;
   weights.training = "{}";
-  weights.self_test = make_self_test(description, weights.parameters,
-                                     select_rows(small_scene(), description.measured_rows));
+  weights.self_test = make_self_test(description, weights.parameters, measured_scene(description));
   const test::TemporaryDirectory directory;
   const std::string path = directory.file("weights.npz");
   write_weights(path, weights);

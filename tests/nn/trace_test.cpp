@@ -18,10 +18,7 @@ struct Traced {
 };
 
 Traced traced_run(const NetworkDescription& description, const RangeImage& scene = small_scene()) {
-  Weights weights;
-  weights.description = description;
-  weights.parameters = initial_parameters(description, 3);
-  SuperResolver resolver(weights, {});
+  SuperResolver resolver(small_weights(description), {});
   Traced traced;
   traced.lifted = resolver.run(scene, &traced.trace);
   CHECK(resolver.run(scene).image.range_m == traced.lifted.image.range_m);

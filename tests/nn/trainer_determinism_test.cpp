@@ -39,7 +39,7 @@ TEST_CASE("one, two and four processes train the same bytes and see the same los
       check_same(state, ends.front().first);
       CHECK(losses == ends.front().second);
     }
-    Trainer usual(description, plan, in_memory(scans()), fresh_state(description), 1, alone());
+    Trainer usual = small_trainer(description, 1, plan);
     train(usual, 6);
     check_same(usual.state(), ends.front().first);
   }
@@ -68,7 +68,7 @@ TEST_CASE("another seed trains other bytes") {
   const HqsPlan description = small_du_or();
   TrainingPlan plan = small_plan();
   plan.seed = 2;
-  Trainer trainer(description, plan, in_memory(scans()), fresh_state(description), 1, alone());
+  Trainer trainer = small_trainer(description, 1, plan);
   train(trainer, 2);
   CHECK(trainer.state().parameters != trained(description, 2, 1).parameters);
 }
@@ -77,7 +77,7 @@ TEST_CASE("every step draws samples of its own") {
   const HqsPlan description = small_du_or();
   TrainingPlan plan = small_plan();
   plan.learning_rate = 1e-30F;  // the network stays as it is
-  Trainer trainer(description, plan, in_memory(scans()), fresh_state(description), 1, alone());
+  Trainer trainer = small_trainer(description, 1, plan);
   std::set<double> losses;
   for (int i = 0; i < 8; ++i) losses.insert(trainer.step().loss);
   const std::vector<float> before = fresh_state(description).parameters;
@@ -89,8 +89,8 @@ TEST_CASE("every step draws samples of its own") {
 
 TEST_CASE("validation does not depend on the threads or on dropout, and of nothing is zero") {
   const HqsPlan description = simple_du_with_dropout();
-  Trainer one(description, small_plan(), in_memory(scans()), fresh_state(description), 1, alone());
-  Trainer two(description, small_plan(), in_memory(scans()), fresh_state(description), 2, alone());
+  Trainer one = small_trainer(description);
+  Trainer two = small_trainer(description, 2);
   const Validation a = one.validate(scans());
   CHECK(a.network.mae_all_m == two.validate(scans()).network.mae_all_m);
   CHECK(a.network.mae_all_m == one.validate(scans()).network.mae_all_m);

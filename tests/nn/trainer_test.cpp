@@ -4,15 +4,23 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 
+#include "error_message.h"
 #include "small_training.h"
 
 namespace hqslam::nn {
+namespace {
+
+std::string plan_message(const TrainingPlan& plan) {
+  return test::error_message([&] { validate(plan, small_sensor()); });
+}
+
+}  // namespace
 
 TEST_CASE("training makes DU-OR better than it was and better than interpolation") {
   const HqsPlan description = filtered_du_or();
-  Trainer trainer(description, small_plan(), in_memory(scans()), fresh_state(description), 2,
-                  alone());
+  Trainer trainer = small_trainer(description, 2);
   const Validation before = trainer.validate(scans());
   TrainingStep step;
   double first_loss = 0.0;
@@ -33,8 +41,7 @@ TEST_CASE("training makes DU-OR better than it was and better than interpolation
 
 TEST_CASE("training makes Simple DU better than it was") {
   const HqsPlan description = simple_du_with_dropout();
-  Trainer trainer(description, small_plan(), in_memory(scans()), fresh_state(description), 2,
-                  alone());
+  Trainer trainer = small_trainer(description, 2);
   const Validation before = trainer.validate(scans());
   train(trainer, 60);
   CHECK(trainer.validate(scans()).network.mae_all_m < 0.7 * before.network.mae_all_m);
@@ -43,8 +50,7 @@ TEST_CASE("training makes Simple DU better than it was") {
 TEST_CASE(
     "the mean that is kept begins with the first step and follows by 10 of 11 in the second") {
   const HqsPlan description = small_du_or();
-  Trainer trainer(description, small_plan(), in_memory(scans()), fresh_state(description), 1,
-                  alone());
+  Trainer trainer = small_trainer(description);
   trainer.step();
   const std::vector<float> first = trainer.state().parameters;
   for (std::size_t i = 0; i < first.size(); ++i) {
@@ -80,7 +86,7 @@ TEST_CASE("without a share in the loss inner layers only serve the last one") {
   std::vector<TrainingStep> steps;
   for (const float share : {0.0F, 1.0F}) {
     plan.layer_loss_share = share;
-    Trainer trainer(description, plan, in_memory(scans()), fresh_state(description), 1, alone());
+    Trainer trainer = small_trainer(description, 1, plan);
     steps.push_back(trainer.step());
   }
   CHECK(steps[0].loss == steps[1].loss);  // it is the last layer's
@@ -93,7 +99,7 @@ TEST_CASE(
   const HqsPlan description = small_du_or();
   TrainingPlan plan = small_plan();
   plan.largest_gradient_norm = 1e-9;
-  Trainer trainer(description, plan, in_memory(scans()), fresh_state(description), 1, alone());
+  Trainer trainer = small_trainer(description, 1, plan);
   const TrainingStep step = trainer.step();
   CHECK(step.loss > 0.0);
   CHECK(step.gradient_norm > 1e-3);
@@ -102,6 +108,68 @@ TEST_CASE(
   for (std::size_t i = 0; i < before.size(); ++i) {
     REQUIRE(std::fabs(trainer.state().parameters[i] - before[i]) <
             1.1 * step.learning_rate * (1.0 + 0.01 * std::fabs(before[i])));
+  }
+}
+
+TEST_CASE("a batch that processes cannot share is refused with the reason") {
+  CHECK(message_of_two_ranks(small_du_or(), 4) == "no Error");
+  CHECK(test::one_line_with(message_of_two_ranks(small_du_or(), 3), "batch is 3", "2 processes"));
+}
+
+TEST_CASE("plans that cannot be followed are refused with the field and the value") {
+  CHECK(plan_message(small_plan()) == "no Error");
+  struct Wrong {
+    void (*spoil)(TrainingPlan&);
+    const char* said;
+  };
+  for (const auto& [spoil, said] : {
+           Wrong{[](TrainingPlan& p) { p.steps = 0; }, "steps is 0"},
+           Wrong{[](TrainingPlan& p) { p.batch = 0; }, "batch is 0"},
+           Wrong{[](TrainingPlan& p) { p.learning_rate = -1.0F; }, "learning_rate is -1"},
+           Wrong{[](TrainingPlan& p) { p.learning_rate = std::nanf(""); }, "learning_rate"},
+           Wrong{[](TrainingPlan& p) { p.layer_loss_share = -0.1F; }, "layer_loss_share is -0.1"},
+           Wrong{[](TrainingPlan& p) { p.augmentation.crop_columns = 65; }, "crop_columns is 65"},
+           Wrong{[](TrainingPlan& p) { p.augmentation.smallest_scale = 2.0F; },
+                 "smallest_scale is 2"},
+           Wrong{[](TrainingPlan& p) { p.augmentation.largest_dropout_share = 1.0F; },
+                 "largest_dropout_share is 1"},
+       }) {
+    TrainingPlan plan = small_plan();
+    spoil(plan);
+    CHECK(test::one_line_with(plan_message(plan), said));
+  }
+}
+
+TEST_CASE("scans and states that do not fit the network are refused, by any number of threads") {
+  const HqsPlan description = small_du_or();
+  const auto message = [&](std::vector<RangeImage> with, const TrainingState& state) {
+    return test::error_message(
+        [&] { Trainer(description, small_plan(), in_memory(std::move(with)), state, 2, alone()); });
+  };
+  const TrainingState good = fresh_state(description);
+  CHECK(message(scans(), good) == "no Error");
+  CHECK(test::one_line_with(message({}, good), "no scans"));
+  CHECK(test::one_line_with(message({RangeImage(16, 32)}, good), "16 x 32", "16 x 64"));
+  TrainingState bad = good;
+  bad.parameters.pop_back();
+  CHECK(test::one_line_with(message(scans(), bad), std::to_string(bad.parameters.size())));
+  bad = good;
+  bad.optimiser.second_moment.pop_back();
+  CHECK(test::one_line_with(message(scans(), bad), std::to_string(good.parameters.size())));
+  Trainer trainer(description, small_plan(), in_memory(scans()), good, 2, alone());
+  CHECK(test::one_line_with(test::error_message([&] {
+                              trainer.validate({small_scene(), RangeImage(16, 32)});
+                            }),
+                            "16 x 32"));
+}
+
+TEST_CASE("a training whose loss is not finite stops with an Error, by any number of threads") {
+  const HqsPlan description = small_du_or();
+  for (const int threads : {1, 2}) {
+    TrainingState state = fresh_state(description);
+    state.parameters[0] = std::nanf("");
+    Trainer trainer(description, small_plan(), in_memory(scans()), state, threads, alone());
+    CHECK(test::one_line_with(test::error_message([&] { trainer.step(); }), "not finite"));
   }
 }
 

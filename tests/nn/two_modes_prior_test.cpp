@@ -3,8 +3,6 @@
 
 #include "error_message.h"
 #include "golden.h"
-#include "gradient_of_one.h"
-#include "hqslam/nn/network.h"
 #include "small_network.h"
 
 namespace hqslam::nn {
@@ -51,16 +49,7 @@ void check_against_pytorch(NetworkDescription description, const std::string& fi
     std::vector<float> d_parameters(expected.size());
     const double loss = add_gradient(*network, {measured, small_scene()}, {}, d_parameters);
     CHECK(loss == doctest::Approx(golden.value("loss")).epsilon(kTolerance));
-    std::size_t next = 0;
-    for (const ParameterShape& shape : parameter_shapes(description)) {
-      CAPTURE(shape.name);
-      const auto count = static_cast<std::size_t>(shape.elements());
-      const auto first = expected.begin() + static_cast<std::ptrdiff_t>(next);
-      const std::vector<float> part(first, first + static_cast<std::ptrdiff_t>(count));
-      CHECK(relative_error(std::span(d_parameters).subspan(next, count), part) < 2e-4);
-      next += count;
-    }
-    CHECK(next == expected.size());
+    check_arrays(d_parameters, expected, parameter_shapes(description), 2e-4);
   }
 }
 
@@ -95,7 +84,7 @@ TEST_CASE("the loss is the mean over the columns, where they are no whole vector
 TEST_CASE("any number of threads gives the same bytes") {
   const NetworkDescription description = small_du_mix();
   const std::vector<float> parameters = initial_parameters(description, 3);
-  const RangeImage measured = select_rows(small_scene(), description.measured_rows);
+  const RangeImage measured = measured_scene(description);
   const auto one = network_with(description, parameters);
   const LiftedImage expected = one->lift(measured, 0.5F);
   for (const int threads : {2, 3, 5}) {
@@ -109,7 +98,7 @@ TEST_CASE("any number of threads gives the same bytes") {
 TEST_CASE(
     "measured returns come out as they were with confidence 1, and nothing where nothing is") {
   const NetworkDescription description = small_du_mix();
-  RangeImage measured = select_rows(small_scene(), description.measured_rows);
+  RangeImage measured = measured_scene(description);
   measured.at(1, 7) = 0.0F;
   measured.at(2, 9) = std::numeric_limits<float>::quiet_NaN();
   measured.at(2, 10) = std::numeric_limits<float>::infinity();
@@ -134,7 +123,7 @@ TEST_CASE(
 
 TEST_CASE("the confidence grows with the tolerance") {
   const NetworkDescription description = small_du_mix();
-  const RangeImage measured = select_rows(small_scene(), description.measured_rows);
+  const RangeImage measured = measured_scene(description);
   const auto network = network_with(description, initial_parameters(description, 3));
   const std::vector<float> narrow = network->lift(measured, 0.05F).confidence;
   const std::vector<float> wide = network->lift(measured, 0.5F).confidence;
@@ -148,7 +137,7 @@ TEST_CASE("the confidence grows with the tolerance") {
 
 TEST_CASE("a scan that is turned comes out turned, by a whole number of tiles") {
   const NetworkDescription description = small_du_mix();
-  const RangeImage measured = select_rows(small_scene(), description.measured_rows);
+  const RangeImage measured = measured_scene(description);
   RangeImage turned = measured;
   constexpr int kTurn = 24;
   for (int row = 0; row < measured.rows; ++row) {

@@ -11,12 +11,6 @@ namespace {
 const UShapedPriorShape kSmall{
     .tile = {2, 4}, .channels = {5, 7, 6}, .memory = 3, .negative_slope = 0.1F};
 
-std::int64_t parameters_of(const Prior& prior) {
-  std::int64_t sum = 0;
-  for (const ParameterShape& shape : prior.parameter_shapes()) sum += shape.elements();
-  return sum;
-}
-
 std::string message(const UShapedPriorShape& shape, int rows, int columns) {
   return test::error_message([&] {
     make_prior(u_shaped_prior(shape), {}, rows, columns, {InstructionSet::kPortable, 1});
@@ -41,7 +35,7 @@ TEST_CASE("the U-shaped denoiser's arrays have the names and shapes of its descr
     CHECK(shapes[i].name == expected[i].first);
     CHECK(shapes[i].shape == expected[i].second);
   }
-  CHECK(static_cast<std::int64_t>(prior->initial_parameters(1).size()) == parameters_of(*prior));
+  CHECK(std::ssize(prior->initial_parameters(1)) == elements(shapes));
   CHECK(prior->initial_parameters(1) == prior->initial_parameters(1));
   CHECK(prior->initial_parameters(1) != prior->initial_parameters(2));
 }
@@ -85,11 +79,8 @@ TEST_CASE("Z turns with the scan: columns are a circle without a seam") {
   fill_random(3, state.input());
   constexpr int kTurn = 4;  // tiles: the lowest level halves twice
   const auto turn = [](const Tensor& from, Tensor& to) {
-    for (int c = 0; c < from.channels(); ++c) {
-      for (int y = 0; y < from.rows(); ++y) {
-        for (int x = 0; x < 8; ++x) to.at(c, y, x) = from.at(c, y, (x + kTurn) % 8);
-      }
-    }
+    for_each_value(from, 0,
+                   [&](int c, int y, int x) { to.at(c, y, x) = from.at(c, y, (x + kTurn) % 8); });
     to.fill_borders();
   };
   Candidates turned_candidates = candidates;
@@ -107,25 +98,22 @@ TEST_CASE("images that cannot be halved often enough and senseless shapes are re
   CHECK(message(kSmall, 8, 32) == "no Error");
   CHECK(test::one_line_with(message(kSmall, 12, 32), "12 x 32", "8 x 16"));
   CHECK(test::one_line_with(message(kSmall, 8, 40), "8 x 40", "8 x 16"));
-  UShapedPriorShape shape = kSmall;
-  shape.channels = {5};
-  CHECK(test::one_line_with(message(shape, 8, 32), "1 levels", "2 to 5"));
-  shape.channels = {};
-  CHECK(test::one_line_with(message(shape, 8, 32), "0 levels"));
-  shape.channels = {2, 2, 2, 2, 2, 2};
-  CHECK(message(shape, 64, 128) != "no Error");
-  shape = kSmall;
-  shape.channels[1] = 0;
-  CHECK(message(shape, 8, 32) != "no Error");
-  shape = kSmall;
-  shape.tile.rows = 0;
-  CHECK(message(shape, 8, 32) != "no Error");
-  shape = kSmall;
-  shape.memory = -1;
-  CHECK(message(shape, 8, 32) != "no Error");
-  shape = kSmall;
-  shape.negative_slope = 1.5F;
-  CHECK(message(shape, 8, 32) != "no Error");
+  const auto with = [](const auto& change) {
+    UShapedPriorShape shape = kSmall;
+    change(shape);
+    return message(shape, 64, 128);
+  };
+  const auto with_levels = [&](const std::vector<int>& channels) {
+    return with([&](UShapedPriorShape& s) { s.channels = channels; });
+  };
+  CHECK(with_levels(kSmall.channels) == "no Error");
+  CHECK(test::one_line_with(with_levels({5}), "1 levels", "2 to 5"));
+  CHECK(test::one_line_with(with_levels({}), "0 levels"));
+  CHECK(with_levels({2, 2, 2, 2, 2, 2}) != "no Error");
+  CHECK(with_levels({5, 0, 6}) != "no Error");
+  CHECK(with([](UShapedPriorShape& s) { s.tile.rows = 0; }) != "no Error");
+  CHECK(with([](UShapedPriorShape& s) { s.memory = -1; }) != "no Error");
+  CHECK(with([](UShapedPriorShape& s) { s.negative_slope = 1.5F; }) != "no Error");
 }
 
 TEST_CASE("the U-shaped denoiser refuses another number of parameters") {

@@ -38,6 +38,13 @@ RangeImage image_of(const SensorModel& sensor) {
   return image;
 }
 
+/// The same range in every pixel.
+RangeImage flat(float range_m) {
+  RangeImage image(6, 16);
+  image.range_m.assign(image.range_m.size(), range_m);
+  return image;
+}
+
 double elevation_rad(const Eigen::Vector3f& point_m) {
   return std::asin(static_cast<double>(point_m.z()) / point_m.cast<double>().norm());
 }
@@ -84,8 +91,7 @@ TEST_CASE("the scans of a sensor that keeps to its beam table become what unproj
 
 TEST_CASE("a computed point deviates from its beam as the measured ones above and below do") {
   const SensorModel sensor = small_sensor();
-  RangeImage lifted(6, 16);
-  lifted.range_m.assign(lifted.range_m.size(), 20.0F);
+  const RangeImage lifted = flat(20.0F);
   OrganizedCloud measured(3, 16);
   const auto measure = [&](int measured_row, int column, double deviation_deg) {
     const int row = kMeasuredRows.offset + measured_row * kMeasuredRows.stride;
@@ -121,8 +127,7 @@ TEST_CASE("a computed point deviates from its beam as the measured ones above an
 
 TEST_CASE("a computed point is as late as the measured ones near it, and stays inside the scan") {
   const SensorModel sensor = small_sensor();
-  RangeImage image(6, 16);
-  image.range_m.assign(image.range_m.size(), 10.0F);
+  const RangeImage image = flat(10.0F);
   const OrganizedCloud model = unproject(image, sensor, CaptureTime::kRolling);
   OrganizedCloud measured = select_rows(model, kMeasuredRows);
   constexpr float kLate_s = 0.03F;
@@ -140,8 +145,7 @@ TEST_CASE("a computed point is as late as the measured ones near it, and stays i
 TEST_CASE("a computed point whose head began anew is not a turn too early") {
   SensorModel sensor = small_sensor();
   sensor.beam_azimuth_offset_rad[2] = sensor.column_step_rad();  // a column ahead of its neighbours
-  RangeImage image(6, 16);
-  image.range_m.assign(image.range_m.size(), 10.0F);
+  const RangeImage image = flat(10.0F);
   OrganizedCloud measured =
       select_rows(unproject(image, sensor, CaptureTime::kRolling), kMeasuredRows);
   for (float& time_s : measured.time_offset_s) time_s = std::remainder(time_s + 0.03F, 0.1F);
@@ -153,8 +157,7 @@ TEST_CASE("a computed point whose head began anew is not a turn too early") {
 TEST_CASE("a computed point is as late as the nearer one of the rows above and below") {
   const SensorModel sensor = small_sensor();
   constexpr RowSelection kEveryThird = {1, 3};  // rows 1 and 4
-  RangeImage image(6, 16);
-  image.range_m.assign(image.range_m.size(), 10.0F);
+  const RangeImage image = flat(10.0F);
   const OrganizedCloud model = unproject(image, sensor, CaptureTime::kRolling);
   OrganizedCloud measured = select_rows(model, kEveryThird);
   constexpr std::size_t kColumn = 8;
@@ -171,16 +174,14 @@ TEST_CASE("a computed point is as late as the nearer one of the rows above and b
 
 TEST_CASE("images that are not of the sensor are refused in one line") {
   const SensorModel sensor = small_sensor();
-  CHECK(one_line_with(
-      error_message([&] {
-        upsampled_cloud({RangeImage(6, 16), {}}, OrganizedCloud(2, 16), kMeasuredRows, sensor);
-      }),
-      "3 measured", "2 x 16"));
-  CHECK(one_line_with(
-      error_message([&] {
-        upsampled_cloud({RangeImage(3, 16), {}}, OrganizedCloud(3, 16), kMeasuredRows, sensor);
-      }),
-      "6 upsampled", "3 x 16"));
+  const auto message = [&](int lifted_rows, int measured_rows) {
+    return error_message([&] {
+      upsampled_cloud({RangeImage(lifted_rows, 16), {}}, OrganizedCloud(measured_rows, 16),
+                      kMeasuredRows, sensor);
+    });
+  };
+  CHECK(one_line_with(message(6, 2), "3 measured", "2 x 16"));
+  CHECK(one_line_with(message(3, 3), "6 upsampled", "3 x 16"));
 }
 
 TEST_CASE(

@@ -23,12 +23,8 @@ TEST_CASE("every interpolation has a name that leads back to it") {
 
 TEST_CASE("an upsampler of a network alone is one for the network's own sensor") {
   const NetworkDescription description = small_du_or();
-  const RangeImage measured = select_rows(small_scene(), description.measured_rows);
-  Weights weights;
-  weights.description = description;
-  weights.parameters = initial_parameters(description, 3);
-  weights.training = "{}";
-  weights.self_test = make_self_test(description, weights.parameters, measured);
+  const RangeImage measured = measured_scene(description);
+  const Weights weights = small_weights(description);
   Upsampler upsampler(SuperResolver(weights, {}));
   Upsampler same(SuperResolver(weights, {}), small_sensor());
   CHECK(upsampler.sensor() == same.sensor());

@@ -26,10 +26,16 @@ class FixedNetwork final : public Network {
   LiftedImage lifted_;
 };
 
-/// Walls 10 m away; the first 16 columns of the row above the second measured one see nothing.
-RangeImage truth() {
+/// Walls 10 m away.
+RangeImage walls() {
   RangeImage image(16, 64);
   for (float& range_m : image.range_m) range_m = 10.0F;
+  return image;
+}
+
+/// The same; the first 16 columns of the row above the second measured one see nothing.
+RangeImage truth() {
+  RangeImage image = walls();
   for (int column = 0; column < 16; ++column) image.at(6, column) = 0.0F;
   // Linear interpolation misses what lies between two rows without returns.
   for (const int row : {7, 11}) {
@@ -66,13 +72,11 @@ TEST_CASE("validation empties the least sure pixels until as much is missing as 
 }
 
 TEST_CASE("linear interpolation's figures are over the pixels of all scans, as the network's are") {
-  RangeImage walls(16, 64);
-  for (float& range_m : walls.range_m) range_m = 10.0F;
   RangeImage nearly_empty(16, 64);  // ten returns between two measured rows without any
   for (int column = 0; column < 10; ++column) nearly_empty.at(5, column) = 10.0F;
-  FixedNetwork network({walls, {}});
+  FixedNetwork network({walls(), {}});
   const NetworkDescription description = small_du_or();
-  const ImageFigures linear = validation_of({validated_scan(network, description, walls),
+  const ImageFigures linear = validation_of({validated_scan(network, description, walls()),
                                              validated_scan(network, description, nearly_empty)})
                                   .linear;
   CHECK(linear.missing_share == doctest::Approx(10.0 / (12 * 64 + 10)));
@@ -104,10 +108,8 @@ TEST_CASE("the exponent of the confidence makes it the share that is right") {
     const bool right = number++ % 16 < (often ? 4 : 1);
     lifted.image.range_m[i] = right ? 10.0F : 20.0F;
   }
-  RangeImage walls(16, 64);
-  for (float& range_m : walls.range_m) range_m = 10.0F;
   FixedNetwork network(lifted);
-  const Validation validation = validation_of({validated_scan(network, small_du_or(), walls)});
+  const Validation validation = validation_of({validated_scan(network, small_du_or(), walls())});
   CHECK(validation.confidence_exponent == doctest::Approx(2.0).epsilon(0.02));
 }
 

@@ -21,16 +21,6 @@ namespace {
 using test::error_message;
 using test::one_line_with;
 
-Weights small_weights(const NetworkDescription& description) {
-  Weights weights;
-  weights.description = description;
-  weights.parameters = initial_parameters(description, 7);
-  weights.training = R"({"seed": 7})";
-  weights.self_test = make_self_test(description, weights.parameters,
-                                     select_rows(small_scene(), description.measured_rows));
-  return weights;
-}
-
 std::string golden_file(const std::string& name) { return golden_folder() + "/" + name + ".npz"; }
 
 /// The message for a weights file after `change` was made to its arrays.
@@ -38,7 +28,7 @@ template <typename Change>
 std::string message_after(const Change& change) {
   const test::TemporaryDirectory directory;
   const std::string path = directory.file("weights.npz");
-  write_weights(path, small_weights(small_du_or()));
+  write_weights(path, small_weights(small_du_or(), 7));
   NpzArrays arrays = read_npz(path);
   change(arrays);
   write_npz(path, arrays);
@@ -62,7 +52,7 @@ TEST_CASE("weights of every network come back as they were written") {
   const std::string path = directory.file("weights.npz");
   for (const NetworkDescription& description :
        {NetworkDescription(small_du_or()), NetworkDescription(small_simple_du()), small_du_mix()}) {
-    const Weights written = small_weights(description);
+    const Weights written = small_weights(description, 7);
     write_weights(path, written);
     const Weights read = read_weights(path);
     CHECK(read.parameters == written.parameters);
@@ -77,7 +67,7 @@ TEST_CASE("weights of every network come back as they were written") {
 TEST_CASE("arrays stand in the file under PyTorch's names and layouts") {
   const test::TemporaryDirectory directory;
   const std::string path = directory.file("weights.npz");
-  write_weights(path, small_weights(small_du_or()));
+  write_weights(path, small_weights(small_du_or(), 7));
   const NpzArrays arrays = read_npz(path);
   CHECK(arrays.at("layers.0.encoder.0.weight").shape == std::vector<std::int64_t>{6, 19, 3, 3});
   CHECK(arrays.at("layers.2.decoder.0.weight").shape == std::vector<std::int64_t>{8, 6, 2, 2});
@@ -96,11 +86,11 @@ TEST_CASE("a changed weight is found by the self-test") {
 }
 
 TEST_CASE("a self-test of another shape is refused") {
-  Weights weights = small_weights(small_du_or());
+  Weights weights = small_weights(small_du_or(), 7);
   weights.self_test.expected = RangeImage(15, 64);
   CHECK(one_line_with(error_message([&] { check_self_test(weights, "a.npz"); }), "a.npz",
                       "1024 pixels", "found 960"));
-  weights = small_weights(small_du_or());
+  weights = small_weights(small_du_or(), 7);
   weights.self_test.measured = RangeImage(3, 64);
   CHECK(one_line_with(error_message([&] { check_self_test(weights, "a.npz"); }), "3 x 64"));
 }
@@ -158,12 +148,12 @@ TEST_CASE("weights that no reader would take are not written") {
   const test::TemporaryDirectory directory;
   const std::string path = directory.file("weights.npz");
   for (const int missing : {1, -1}) {
-    Weights weights = small_weights(small_du_or());
+    Weights weights = small_weights(small_du_or(), 7);
     weights.parameters.resize(weights.parameters.size() - missing);
     CHECK(one_line_with(error_message([&] { write_weights(path, weights); }), path, "expected",
                         "parameters", "du-or"));
   }
-  Weights weights = small_weights(small_du_or());
+  Weights weights = small_weights(small_du_or(), 7);
   weights.training = "{\"seed\": ";
   CHECK(one_line_with(error_message([&] { write_weights(path, weights); }), "weights.npz: training",
                       "expected JSON"));

@@ -6,9 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "conv2d.h"
 #include "hqslam/core/error.h"
-#include "kernels/bias.h"
 #include "random_values.h"
 
 namespace hqslam::nn::kernels {
@@ -38,10 +36,9 @@ Tensor convolved(const Problem& p, InstructionSet instruction_set, int threads,
                  const LayerEnd& end = {}) {
   WinogradConvolution convolution(p.shape, p.input, instruction_set, threads);
   convolution.set_weights(p.weight);
-  const std::vector<float> bias = padded_bias(p.bias, p.shape.output_channels);
   Tensor output = p.output;
 #pragma omp parallel num_threads(threads)
-  convolution.forward(p.input, bias.data(), end, output);
+  convolution.forward(p.input, p.bias.data(), end, output);
   return output;
 }
 
@@ -51,16 +48,12 @@ Tensor convolved_by_reference(const Problem& p) {
   return output;
 }
 
-/// The borders too.
-template <typename Check>
-void for_each_value(const Tensor& tensor, const Check& check) {
-  for (int c = 0; c < tensor.channels(); ++c) {
-    for (int y = 0; y < tensor.rows(); ++y) {
-      for (int x = -Tensor::kBorderColumns; x < tensor.columns() + Tensor::kBorderColumns; ++x) {
-        check(c, y, x);
-      }
-    }
-  }
+constexpr int kBorder = Tensor::kBorderColumns;
+
+void check_close(const Tensor& actual, const Tensor& expected, int border) {
+  for_each_value(expected, border, [&](int c, int y, int x) {
+    REQUIRE(actual.at(c, y, x) == doctest::Approx(expected.at(c, y, x)).epsilon(1e-5).scale(1));
+  });
 }
 
 }  // namespace
@@ -75,11 +68,7 @@ TEST_CASE("Winograd's convolution equals the reference at every size, on every i
           CAPTURE(name(instruction_set));
           CAPTURE(rows);
           CAPTURE(columns);
-          const Tensor actual = convolved(p, instruction_set, 1);
-          for_each_value(expected, [&](int c, int y, int x) {
-            REQUIRE(actual.at(c, y, x) ==
-                    doctest::Approx(expected.at(c, y, x)).epsilon(1e-5).scale(1));
-          });
+          check_close(convolved(p, instruction_set, 1), expected, kBorder);
         }
       }
     }
@@ -111,17 +100,10 @@ TEST_CASE("Winograd's gradients equal the reference at every size, on every inst
           ConvolutionShape swapped = p.shape;
           std::swap(swapped.input_channels, swapped.output_channels);
           WinogradConvolution adjoint(swapped, d_output, instruction_set, 1);
-          adjoint.set_adjoint_weights(p.weight);
+          adjoint.set_weights(p.weight, true);
           Tensor actual = p.input;
           adjoint.forward(d_output, nullptr, {}, actual);
-          for (int c = 0; c < actual.channels(); ++c) {
-            for (int y = 0; y < rows; ++y) {
-              for (int x = 0; x < columns; ++x) {
-                REQUIRE(actual.at(c, y, x) ==
-                        doctest::Approx(d_input.at(c, y, x)).epsilon(1e-5).scale(1));
-              }
-            }
-          }
+          check_close(actual, d_input, 0);
         }
       }
     }
@@ -132,7 +114,7 @@ TEST_CASE("Winograd's convolution of whole numbers with multiples of four is exa
   Problem p = random_problem(24, 16, 7, 80, ColumnPadding::kCircular);
   for (float& weight : p.weight) weight = 4.0F * std::round(8.0F * weight);
   for (float& bias : p.bias) bias = std::round(100.0F * bias);
-  for_each_value(p.input, [&](int c, int y, int x) {
+  for_each_value(p.input, kBorder, [&](int c, int y, int x) {
     p.input.at(c, y, x) = std::round(10.0F * p.input.at(c, y, x));
   });
   const Tensor expected = convolved_by_reference(p);
@@ -145,14 +127,11 @@ TEST_CASE("Winograd's convolution counts the neighbours in a field of ones") {
   Problem p = random_problem(1, 1, 3, 5, ColumnPadding::kZero);
   p.weight.assign(9, 1.0F);
   p.bias.assign(1, 0.5F);
-  for (int y = 0; y < 3; ++y) {
-    for (int x = 0; x < 5; ++x) p.input.at(0, y, x) = 1.0F;
-  }
+  for_each_value(p.input, 0, [&](int, int y, int x) { p.input.at(0, y, x) = 1.0F; });
   const float expected[3][5] = {{4, 6, 6, 6, 4}, {6, 9, 9, 9, 6}, {4, 6, 6, 6, 4}};
   const Tensor actual = convolved(p, chosen_instruction_set(), 1);
-  for (int y = 0; y < 3; ++y) {
-    for (int x = 0; x < 5; ++x) CHECK(actual.at(0, y, x) == expected[y][x] + 0.5F);
-  }
+  for_each_value(actual, 0,
+                 [&](int, int y, int x) { CHECK(actual.at(0, y, x) == expected[y][x] + 0.5F); });
 }
 
 // The direct kernels add 576 products one after the other and round up to 2.0e-7 of that sum; 64 at
@@ -162,27 +141,23 @@ TEST_CASE("Winograd's convolution rounds less than 2e-7 of the sum of what is ad
   Problem magnitudes = p;
   for (float& weight : magnitudes.weight) weight = std::fabs(weight);
   for (float& bias : magnitudes.bias) bias = std::fabs(bias);
-  for_each_value(p.input, [&](int c, int y, int x) {
+  for_each_value(p.input, kBorder, [&](int c, int y, int x) {
     magnitudes.input.at(c, y, x) = std::fabs(p.input.at(c, y, x));
   });
   const Tensor scale = convolved_by_reference(magnitudes);
   for (const InstructionSet instruction_set : available_instruction_sets()) {
     const Tensor actual = convolved(p, instruction_set, 1);
     double largest = 0.0;
-    for (int o = 0; o < 16; ++o) {
-      for (int y = 0; y < 8; ++y) {
-        for (int x = 0; x < 64; ++x) {
-          double exact = p.bias[o];
-          for (int i = 0; i < 64; ++i) {
-            for (int tap = 0; tap < 9; ++tap) {
-              exact += static_cast<double>(p.weight[(o * 64 + i) * 9 + tap]) *
-                       p.input.at(i, y + tap / 3 - 1, x + tap % 3 - 1);
-            }
-          }
-          largest = std::max(largest, std::fabs(actual.at(o, y, x) - exact) / scale.at(o, y, x));
+    for_each_value(actual, 0, [&](int o, int y, int x) {
+      double exact = p.bias[o];
+      for (int i = 0; i < 64; ++i) {
+        for (int tap = 0; tap < 9; ++tap) {
+          exact += static_cast<double>(p.weight[(o * 64 + i) * 9 + tap]) *
+                   p.input.at(i, y + tap / 3 - 1, x + tap % 3 - 1);
         }
       }
-    }
+      largest = std::max(largest, std::fabs(actual.at(o, y, x) - exact) / scale.at(o, y, x));
+    });
     CAPTURE(name(instruction_set));
     CHECK(largest < 2e-7);
   }
@@ -210,7 +185,7 @@ TEST_CASE("Winograd's convolution ends as the others do: skip, then activation o
     CAPTURE(name(instruction_set));
     const Tensor ended = convolved(p, instruction_set, 1, {0.1F, &skip});
     const Tensor gradient = convolved(p, instruction_set, 1, {0.1F, &skip, &activated});
-    for_each_value(sum, [&](int c, int y, int x) {
+    for_each_value(sum, kBorder, [&](int c, int y, int x) {
       const float value = sum.at(c, y, x) + skip.at(c, y, x);
       const float slope = activated.at(c, y, x) > 0.0F ? 1.0F : 0.1F;
       REQUIRE(ended.at(c, y, x) ==

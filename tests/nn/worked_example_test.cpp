@@ -3,8 +3,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "hqs/data_consistency.h"
-#include "hqs/selection.h"
+#include "hqs/hqs_loop.h"
+#include "hqs/u_shaped_prior.h"
 #include "hqslam/core/connected_components.h"
 #include "hqslam/nn/interpolation.h"
 

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "tools/parts_of_text.h"
+
 namespace hqslam::tools {
 namespace {
 
@@ -188,12 +190,12 @@ TEST_CASE("the program's help names every subcommand, and evaluate's defines its
   CommandLine options;
   declare_program(app, options);
   for (const char* name : {"run", "live", "demo", "simulate", "evaluate", "bench", "upsample"}) {
-    CHECK(app.help().find(name) != std::string::npos);
+    CHECK(holds(app.help(), name));
   }
   const std::string help = app.get_subcommand("evaluate")->help();
   for (const char* part :
        {"APE", "RPE", "MAE", "Chamfer", "IoU", "F1", "outlier", "TULIP", "evo"}) {
-    CHECK(help.find(part) != std::string::npos);
+    CHECK(holds(help, part));
   }
 }
 

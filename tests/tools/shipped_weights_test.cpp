@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -44,66 +45,57 @@ Compared compared(const std::string& weights, const char* sensor_name) {
   return {scores[0], scores[1], scores[2]};
 }
 
+constexpr double kAny = std::numeric_limits<double>::infinity();
+
+/// What a network's figures, as parts of linear interpolation's, stay below; F1 above.
+struct Bounds {
+  double outliers;
+  double f1;
+  double mae_valid = kAny;
+  double mae_all = kAny;
+};
+
+Compared check(const char* weights, const char* sensor_name, const Bounds& bounds) {
+  const Compared c = compared(weights, sensor_name);
+  const double outliers = c.network.outliers_per_scan / c.linear.outliers_per_scan;
+  const double f1 = c.network.f1 / c.linear.f1;
+  const double mae_valid = c.network.mae_valid_m / c.linear.mae_valid_m;
+  const double mae_all = c.network.mae_all_m / c.linear.mae_all_m;
+  MESSAGE(std::string(weights) << ": outliers " << outliers << ", MAE valid " << mae_valid
+                               << ", all " << mae_all << ", F1 " << f1 << " of linear's");
+  CHECK(outliers < bounds.outliers);
+  CHECK(f1 > bounds.f1);
+  CHECK(mae_valid < bounds.mae_valid);
+  CHECK(mae_all < bounds.mae_all);
+  return c;
+}
+
 }  // namespace
 
 TEST_CASE("DU-Mix for the OS1 has a fifth of linear interpolation's outliers and a better cloud") {
-  const Compared c = compared("du-mix_os1_16to64.npz", "os1-64");
-  MESSAGE("outliers " << c.network.outliers_per_scan / c.linear.outliers_per_scan << ", MAE valid "
-                      << c.network.mae_valid_m / c.linear.mae_valid_m << ", F1 "
-                      << c.network.f1 / c.linear.f1 << " of linear's");
-  CHECK(c.network.outliers_per_scan < 0.3 * c.linear.outliers_per_scan);
-  CHECK(c.network.mae_valid_m < 0.8 * c.linear.mae_valid_m);
-  CHECK(c.network.f1 > 1.15 * c.linear.f1);
+  const Compared c = check("du-mix_os1_16to64.npz", "os1-64", {0.3, 1.15, 0.8});
   CHECK(c.network.outliers_per_scan < 0.4 * c.inverse.outliers_per_scan);
   CHECK(c.network.f1 > c.inverse.f1);
 }
 
 TEST_CASE("DU-OR for the OS1 has a sixth of linear interpolation's outliers") {
-  const Compared c = compared("du-or_os1_16to64.npz", "os1-64");
-  MESSAGE("outliers " << c.network.outliers_per_scan / c.linear.outliers_per_scan << ", F1 "
-                      << c.network.f1 / c.linear.f1 << " of linear's");
-  CHECK(c.network.outliers_per_scan < 0.25 * c.linear.outliers_per_scan);
-  CHECK(c.network.f1 > 1.1 * c.linear.f1);
+  check("du-or_os1_16to64.npz", "os1-64", {0.25, 1.1});
 }
 
 TEST_CASE("DU-Mix for the HDL-64E is better than interpolation on simulated scans too") {
-  const Compared c = compared("du-mix_hdl64e_16to64.npz", "hdl-64e");
-  MESSAGE("outliers " << c.network.outliers_per_scan / c.linear.outliers_per_scan << ", MAE valid "
-                      << c.network.mae_valid_m / c.linear.mae_valid_m << ", F1 "
-                      << c.network.f1 / c.linear.f1 << " of linear's");
-  CHECK(c.network.outliers_per_scan < 0.25 * c.linear.outliers_per_scan);
-  CHECK(c.network.f1 > 1.2 * c.linear.f1);
+  check("du-mix_hdl64e_16to64.npz", "hdl-64e", {0.25, 1.2});
 }
 
 TEST_CASE(
     "DU-OR for the HDL-64E has a third of linear interpolation's outliers on simulated scans") {
-  const Compared c = compared("du-or_hdl64e_16to64.npz", "hdl-64e");
-  MESSAGE("outliers " << c.network.outliers_per_scan / c.linear.outliers_per_scan << ", F1 "
-                      << c.network.f1 / c.linear.f1 << " of linear's");
-  CHECK(c.network.outliers_per_scan < 0.5 * c.linear.outliers_per_scan);
-  CHECK(c.network.f1 > c.linear.f1);
+  check("du-or_hdl64e_16to64.npz", "hdl-64e", {0.5, 1.0});
 }
 
 TEST_CASE("the networks to compare with are trained: not far from interpolation, or better") {
   nn::add_compared_networks();
-  const Compared srae = compared("srae_4_os1_16to64.npz", "os1-64");
-  MESSAGE("SRAE: outliers " << srae.network.outliers_per_scan / srae.linear.outliers_per_scan
-                            << ", F1 " << srae.network.f1 / srae.linear.f1 << " of linear's");
-  CHECK(srae.network.outliers_per_scan < 1.5 * srae.linear.outliers_per_scan);
-  CHECK(srae.network.f1 > 0.55 * srae.linear.f1);
-  const Compared tulip = compared("tulip_16_os1_16to64.npz", "os1-64");
-  MESSAGE("TULIP: MAE all " << tulip.network.mae_all_m / tulip.linear.mae_all_m << ", F1 "
-                            << tulip.network.f1 / tulip.linear.f1 << " of linear's");
-  CHECK(tulip.network.mae_all_m < tulip.linear.mae_all_m);
-  CHECK(tulip.network.f1 > 0.7 * tulip.linear.f1);
-  const Compared simple_du = compared("simple-du_os1_16to64.npz", "os1-64");
-  MESSAGE("Simple DU: MAE valid " << simple_du.network.mae_valid_m / simple_du.linear.mae_valid_m
-                                  << ", outliers "
-                                  << simple_du.network.outliers_per_scan /
-                                         simple_du.linear.outliers_per_scan
-                                  << " of linear's");
-  CHECK(simple_du.network.mae_valid_m < 0.8 * simple_du.linear.mae_valid_m);
-  CHECK(simple_du.network.outliers_per_scan < simple_du.linear.outliers_per_scan);
+  check("srae_4_os1_16to64.npz", "os1-64", {1.5, 0.55});
+  check("tulip_16_os1_16to64.npz", "os1-64", {kAny, 0.7, kAny, 1.0});
+  check("simple-du_os1_16to64.npz", "os1-64", {1.0, 0.0, 0.8});
 }
 
 }  // namespace hqslam::tools

@@ -11,7 +11,6 @@
 #ifdef HQSLAM_NN_COMPARE
 #include "hqslam/nn/compare/compared_networks.h"
 #endif
-#include "terminal/exit_status.h"
 #include "terminal/terminal.h"
 
 namespace hqslam::tools {

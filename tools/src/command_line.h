@@ -4,8 +4,6 @@
 
 #include "commands.h"
 #include "laboratory/table/table_plan.h"
-#include "run/map_command.h"
-#include "run/run_command.h"
 #include "simulate/simulate_command.h"
 
 namespace hqslam::tools {

@@ -7,7 +7,10 @@
 
 #include "hqslam/nn/super_resolver.h"
 #include "recording/recording_choice.h"
+#include "run/dense_map.h"
+#include "run/slam_run.h"
 #include "run/slam_settings.h"
+#include "terminal/terminal.h"
 
 namespace hqslam::tools {
 
@@ -144,5 +147,40 @@ struct SlamOptionsCommand {
 };
 void declare_slam_options(CLI::App& app, SlamOptionsCommand& options);
 int slam_options_command(const SlamOptionsCommand& options);
+
+struct RunOptions : InputChoice, LiftingChoice {
+  std::string out;
+  std::string reference;  ///< empty: truth.tum in a folder written by `hqslam simulate`, or none
+  int threads = 0;        ///< 0: what OpenMP chooses
+  SlamSettings slam;
+  bool save_map = false;
+  std::string map_file;       ///< to be located in; empty: a map of its own is made
+  std::vector<double> start;  ///< x and y in metres, yaw in degrees; empty: anywhere
+  bool dense_map = false;
+  DenseMapChoice map;
+};
+
+void declare_run(CLI::App& app, RunOptions& options);
+
+/// Runs and writes the results, printing nothing but progress and warnings. Without a single scan
+/// nothing is written. Throws Error, also if the first scan cannot be read.
+SlamRun run_and_write(const RunOptions& options, const InterruptGuard& interrupt);
+
+/// Returns an ExitStatus. Throws Error.
+int run_command(const RunOptions& options);
+
+struct MapOptions : InputChoice, LiftingChoice {
+  std::string poses;
+  std::string out;
+  int threads = 0;  ///< 0: what OpenMP chooses
+  DenseMapChoice map;
+};
+
+void declare_map(CLI::App& app, MapOptions& options);
+/// Returns an ExitStatus. Throws Error.
+int map_command(const MapOptions& options);
+
+/// "dense map: 1234567 points, one per 0.1 m, of 300 scans, 12.3 s"
+std::string dense_map_summary(const DenseMapRun& run);
 
 }  // namespace hqslam::tools

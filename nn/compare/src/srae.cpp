@@ -59,13 +59,10 @@ Srae::Srae(const SraeShape& shape) : shape_(shape) {
   constexpr int kMostPasses = 1000;
   check_field("filters", shape.filters, 1, kMostFilters);
   check_field("passes", shape.passes, 1, kMostPasses);
-  if (!(shape.dropout >= 0.0F && shape.dropout < 1.0F)) {
-    throw Error(fmt::format("network: dropout is {}, expected 0 to below 1", shape.dropout));
-  }
-  if (!(shape.largest_deviation >= 0.0F)) {
-    throw Error(fmt::format("network: largest_deviation is {}, expected at least 0",
-                            shape.largest_deviation));
-  }
+  check_that(shape.dropout >= 0.0F && shape.dropout < 1.0F, "network", "dropout", shape.dropout,
+             "0 to below 1");
+  check_that(shape.largest_deviation >= 0.0F, "network", "largest_deviation",
+             shape.largest_deviation, "at least 0");
 }
 
 void Srae::write(nlohmann::ordered_json& network) const {

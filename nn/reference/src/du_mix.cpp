@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "layers.h"
 #include "scan.h"
 
 // DU-Mix: one layer of eq. 10 in the limit b -> 0, where what was measured stays, on logarithms of
@@ -197,8 +196,12 @@ void run_du_mix(Run& run) {
       weight_1.at(0, y, x) = said.weight_1;
       scale.at(0, y, x) = said.scale;
       probability.at(0, y, x) = said.probability;
-      z.at(0, y, x) = said.chosen();  // 10b: the likelier mode
-      confidence.at(0, y, x) = said.confidence(0.5, run.description.confidence_exponent);
+      z.at(0, y, x) = said.chosen();                   // 10b: the likelier mode
+      const double range_m = std::exp(said.chosen());  // beyond the sensor's limits is no return
+      const bool seen = range_m >= run.description.sensor.min_range_m &&
+                        range_m <= run.description.sensor.max_range_m;
+      confidence.at(0, y, x) =
+          seen ? said.confidence(0.5, run.description.confidence_exponent) : 0.0;
     }
   }
   add_metres("mode_1", mode_1);

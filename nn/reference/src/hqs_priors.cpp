@@ -2,7 +2,6 @@
 
 #include <cmath>
 
-#include "layers.h"
 #include "scan.h"
 
 // The learned priors of eq. 10b, Z = G(H).

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -8,10 +9,21 @@
 #include "hqslam/core/range_image.h"
 #include "hqslam/nn/network_description.h"
 #include "hqslam/nn/reference/reference.h"
-#include "image.h"
-#include "parameters.h"
+#include "layers.h"
 
 namespace hqslam::nn::reference {
+
+/// The learned arrays of a network by their names.
+class Parameters {
+ public:
+  /// values: all arrays of parameter_shapes(description), one after the other. Throws Error for
+  /// another number.
+  Parameters(const NetworkDescription& description, std::span<const double> values);
+  const Array& operator[](const std::string& name) const { return arrays_.at(name); }
+
+ private:
+  std::map<std::string, Array> arrays_;
+};
 
 /// What one run of the reference stands on, and what it writes down.
 struct Run {

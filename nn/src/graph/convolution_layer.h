@@ -2,6 +2,8 @@
 
 #include <optional>
 
+#include "../kernels/strided_convolution.h"
+#include "../kernels/winograd_convolution.h"
 #include "layer.h"
 
 namespace hqslam::nn {
@@ -40,14 +42,21 @@ inline ConvolutionOptions three_by_three(int channels, float negative_slope, int
           .negative_slope = negative_slope};
 }
 
+/// By whichever of the kernels suits. One object serves one pair of shapes and one thread team at a
+/// time. No call allocates but the first of a thread, and `backward` after new parameters.
 class ConvolutionLayer final : public Layer {
  public:
   /// Throws Error if the options do not fit the input.
   ConvolutionLayer(const ConvolutionOptions& options, const TensorShape& input,
                    const Engine& engine);
+  /// Between tensors of these shapes and borders; the output's shape decides between those that one
+  /// input shape could have. Throws Error if they do not fit.
+  ConvolutionLayer(const ConvolutionOptions& options, const Tensor& input, const Tensor& output,
+                   const Engine& engine);
 
   std::vector<ParameterShape> parameter_shapes() const override;
   void add_initial_parameters(UniformStart& start, std::vector<float>& parameters) const override;
+  /// Throws Error for another number.
   void set_parameters(std::span<const float> parameters) override;
   std::int64_t multiply_adds() const override;
   float negative_slope() const override { return options_.negative_slope; }
@@ -56,18 +65,33 @@ class ConvolutionLayer final : public Layer {
   void backward(std::span<const BackwardPass> batch, std::span<float> d_parameters) override;
   std::function<void()> reference(const LayerPass& pass) const override;
 
-  /// Conv2d::forward_row and backward_rows.
-  void forward_row(const Tensor& input, int row, float* output, std::int64_t channel_stride) const {
-    layer_.forward_row(input, row, output, channel_stride);
-  }
+  /// One row of the linear result, into memory of the caller's, so that what follows can use it
+  /// while it is in the cache: output channels are channel_stride floats apart, each with room for
+  /// the columns rounded up to 16. By the calling thread alone. Throws Error unless stride
+  /// and kernel rows are 1.
+  void forward_row(const Tensor& input, int row, float* output, std::int64_t channel_stride) const;
+  /// All gradients from some rows of the result alone, `first_row` and what follows it, which is
+  /// all that d_output has, while they are in the cache. One thread. Throws Error unless stride and
+  /// kernel rows are 1.
   void backward_rows(const Tensor& input, int first_row, const Tensor& d_output,
                      const LayerEnd& end, Tensor& d_input, std::span<float> d_parameters);
 
  private:
+  void require_single_rows() const;
+  void backward_input(const Tensor& d_output, const LayerEnd& end, Tensor& d_input);
+
   ConvolutionOptions options_;
   ConvolutionShape shape_;
   TensorShape input_;
-  Conv2d layer_;
+  kernels::StridedConvolution convolution_;
+  int threads_;
+  kernels::ConvolutionScratch scratch_;  ///< made with the first parameters, where it is needed
+  std::vector<float> bias_;              ///< padded with zeros to whole blocks
+  /// Where it is faster, forward and backward.
+  std::optional<kernels::WinogradConvolution> winograd_;
+  std::optional<kernels::WinogradConvolution> adjoint_;
+  std::vector<float> weight_;  ///< of what goes Winograd's way
+  bool adjoint_is_stale_ = true;
   Tensor row_bias_;  ///< of the result's shape; empty: none
 };
 

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "../conv2d.h"
+#include "../convolution.h"
 #include "../parameters.h"
 #include "../tensor.h"
 #include "hqslam/nn/instruction_set.h"
@@ -31,6 +31,9 @@ struct TensorShape {
   std::int64_t values() const { return static_cast<std::int64_t>(channels) * rows * columns; }
   bool operator==(const TensorShape&) const = default;
 };
+inline TensorShape shape_of(const Tensor& tensor) {
+  return {tensor.channels(), tensor.rows(), tensor.columns(), tensor.padding()};
+}
 
 /// One scan on its way through one layer. Tensors have their borders filled.
 struct LayerPass {
@@ -42,8 +45,6 @@ struct LayerPass {
 /// And back.
 struct BackwardPass {
   const Tensor* input = nullptr;
-  const Tensor* second = nullptr;
-  const Tensor* output = nullptr;
   const Tensor* d_output = nullptr;  ///< of what went into the layer's activation
   Tensor* d_input = nullptr;         ///< added to; their borders are left alone
   Tensor* d_second = nullptr;

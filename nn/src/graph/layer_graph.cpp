@@ -2,8 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "../activation.h"
-#include "dropout.h"
+#include "../random.h"
 #include "hqslam/core/error.h"
 
 namespace hqslam::nn {
@@ -13,6 +12,14 @@ namespace {
 /// seeds 10 apart: from the eleventh on they lie elsewhere, or masks would come again.
 std::uint64_t dropout_seed(std::uint64_t seed, std::uint64_t number) {
   return seed + number % 10 + ((number / 10) << 60U);
+}
+
+float kept_scale(float share) { return 1.0F / (1.0F - share); }
+
+/// A number from 0 to below 1 for each place, so that it does not matter who asks first.
+float unit_random(std::uint64_t seed, std::uint64_t place) {
+  Random random(seed + 0x9E3779B97F4A7C15ULL * place);
+  return static_cast<float>(random.bits() >> 40) / static_cast<float>(1 << 24);
 }
 
 }  // namespace
@@ -82,22 +89,26 @@ LayerGraph::Values LayerGraph::make_values() const {
   return values;
 }
 
+std::int64_t LayerGraph::values() const {
+  std::int64_t sum = 0;
+  for (const TensorShape& shape : shapes_) sum += shape.values();
+  return sum;
+}
+
 LayerPass LayerGraph::pass_of(int layer, Values& values) const {
   const std::vector<int>& inputs = nodes_[layer].inputs;
   return {&values[inputs[0]], inputs.size() > 1 ? &values[inputs[1]] : nullptr, &values[layer + 1]};
 }
 
-void LayerGraph::run(int layer, Values& values, std::optional<std::uint64_t> seed) {
-  const Node& node = nodes_[layer];
-  node.layer->forward(pass_of(layer, values));
-  if (seed && node.dropout > 0.0F) {
-    drop_out(dropout_seed(*seed, node.dropouts_before), node.dropout, values[layer + 1]);
-  }
-}
-
 void LayerGraph::forward(Values& values, const GraphForward& how) {
   const int end = static_cast<int>(nodes_.size()) - how.left_out;
-  for (int layer = how.first; layer < end; ++layer) run(layer, values, how.seed);
+  for (int layer = how.first; layer < end; ++layer) {
+    const Node& node = nodes_[layer];
+    node.layer->forward(pass_of(layer, values));
+    if (how.seed && node.dropout > 0.0F) {
+      drop_out(dropout_seed(*how.seed, node.dropouts_before), node.dropout, values[layer + 1]);
+    }
+  }
 }
 
 int LayerGraph::first_random_layer() const {
@@ -163,13 +174,11 @@ BackwardPass LayerGraph::backward_pass(int layer, const Values& values, Values& 
   const Node& node = nodes_[layer];
   const bool ends = node.layer->ends_gradients();
   BackwardPass pass{.input = &values[node.inputs[0]],
-                    .output = &values[layer + 1],
                     .d_output = &gradients[layer + 1],
                     .d_input = &gradients[node.inputs[0]]};
   if (ends) pass.end = input_gradient_end(layer, values, gradients);
   if (!ends && layer == users_[node.inputs[0]].last) pass.d_input->set_zero();
   if (node.inputs.size() > 1) {
-    pass.second = &values[node.inputs[1]];
     pass.d_second = &gradients[node.inputs[1]];
     if (layer == users_[node.inputs[1]].last) pass.d_second->set_zero();
   }
@@ -203,19 +212,61 @@ void LayerGraph::last_backward_rows(const Values& values, int first_row, const T
 
 std::vector<NetworkStep> LayerGraph::steps(Values& values, int passes) {
   std::vector<NetworkStep> steps;
+  const auto layers = static_cast<int>(nodes_.size());
   const int random = first_random_layer();
-  for (int layer = 0; layer < static_cast<int>(nodes_.size()); ++layer) {
-    const std::optional<std::uint64_t> seed =
-        passes > 1 ? std::optional<std::uint64_t>(0) : std::nullopt;
-    NetworkStep step;
-    step.name = nodes_[layer].name;
-    step.calls = layer < random ? 1 : passes;
-    step.multiply_adds = nodes_[layer].layer->multiply_adds();
-    step.run = [this, layer, &values, seed] { run(layer, values, seed); };
-    step.reference = nodes_[layer].layer->reference(pass_of(layer, values));
-    steps.push_back(std::move(step));
+  GraphForward how;
+  if (passes > 1) how.seed = 0;
+  for (int layer = 0; layer < layers; ++layer) {
+    how.first = layer;
+    how.left_out = layers - 1 - layer;
+    steps.push_back({.name = nodes_[layer].name,
+                     .calls = layer < random ? 1 : passes,
+                     .multiply_adds = nodes_[layer].layer->multiply_adds(),
+                     .run = [this, &values, how] { forward(values, how); },
+                     .reference = nodes_[layer].layer->reference(pass_of(layer, values))});
   }
   return steps;
+}
+
+void drop_out(std::uint64_t seed, float share, Tensor& values) {
+#pragma omp for schedule(static)
+  for (int channel = 0; channel < values.channels(); ++channel) {
+    for (int y = 0; y < values.rows(); ++y) {
+      float* row = values.row(channel, y);
+      const auto first = static_cast<std::uint64_t>(channel * values.rows() + y) * values.columns();
+      for (int x = 0; x < values.columns(); ++x) {
+        row[x] = unit_random(seed, first + x) < share ? 0.0F : kept_scale(share) * row[x];
+      }
+      values.fill_border(channel, y);
+    }
+  }
+}
+
+void drop_out_backward(float share, const Tensor& values, Tensor& gradient) {
+  for (int channel = 0; channel < values.channels(); ++channel) {
+    for (int y = 0; y < values.rows(); ++y) {
+      const float* value = values.row(channel, y);
+      float* d = gradient.row(channel, y);
+      for (int x = 0; x < values.columns(); ++x) {
+        d[x] = value[x] == 0.0F ? 0.0F : kept_scale(share) * d[x];
+      }
+      gradient.fill_border(channel, y);
+    }
+  }
+}
+
+void leaky_relu_backward(float slope, const Tensor& output, Tensor& d_values) {
+  for (int channel = 0; channel < output.channels(); ++channel) {
+    for (int y = 0; y < output.rows(); ++y) {
+      const float* out = output.row(channel, y);
+      float* gradient = d_values.row(channel, y);
+#pragma omp simd
+      for (int x = 0; x < output.columns(); ++x) {
+        gradient[x] *= out[x] > 0.0F ? 1.0F : slope;
+      }
+      d_values.fill_border(channel, y);
+    }
+  }
 }
 
 }  // namespace hqslam::nn

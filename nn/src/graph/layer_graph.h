@@ -51,6 +51,8 @@ class LayerGraph {
 
   /// All zero.
   Values make_values() const;
+  /// How many values they hold.
+  std::int64_t values() const;
 
   /// Called by all threads of a parallel region, they share the work.
   void forward(Values& values, const GraphForward& how = {});
@@ -67,7 +69,7 @@ class LayerGraph {
   void backward(std::span<const Values> batch, std::span<Values> gradients,
                 std::span<float> d_parameters, const GraphBackward& how = {});
   /// The last layer's part of it, a convolution's without activation, for some rows: `first_row`
-  /// and what follows it, all that d_output has (Conv2d::backward_rows).
+  /// and what follows it, all that d_output has (ConvolutionLayer::backward_rows).
   void last_backward_rows(const Values& values, int first_row, const Tensor& d_output,
                           Values& gradients, std::span<float> d_parameters);
 
@@ -91,7 +93,6 @@ class LayerGraph {
     int last = -1;
   };
   LayerPass pass_of(int layer, Values& values) const;
-  void run(int layer, Values& values, std::optional<std::uint64_t> seed);
   LayerEnd input_gradient_end(int layer, const Values& values, const Values& gradients) const;
   void finish_gradient(int tensor, const Values& values, bool dropped, Values& gradients) const;
   BackwardPass backward_pass(int layer, const Values& values, Values& gradients) const;
@@ -102,5 +103,23 @@ class LayerGraph {
   std::vector<Node> nodes_;                       ///< node i makes tensor i + 1
   ConvolutionLayer* last_convolution_ = nullptr;  ///< if the last layer is one
 };
+
+/// Each value is dropped with a probability of `share`, or else divided by 1 - share, so that the
+/// mean stays; seed and place alone decide. Called by all threads of a parallel region, they share
+/// the work; borders too.
+void drop_out(std::uint64_t seed, float share, Tensor& values);
+
+/// The gradient before, from that behind: nothing for what was dropped, which is 0 now. A value
+/// that was 0 before must be one that an activation has cut off and that has no gradient. One
+/// thread; borders too.
+void drop_out_backward(float share, const Tensor& values, Tensor& gradient);
+
+// The activations are max(v, slope v): slope 0 is ReLU, 0 < slope < 1 leaky ReLU, 1 the identity.
+// Convolutions and batch norm apply them to their own result.
+
+/// d_values: d loss / d output in, d loss / d input out; borders filled. The sign of the input is
+/// that of the output for every slope > 0, and for slope 0 an output of 0 has derivative 0, as in
+/// PyTorch.
+void leaky_relu_backward(float slope, const Tensor& output, Tensor& d_values);
 
 }  // namespace hqslam::nn

@@ -3,33 +3,110 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "../parameters.h"
 #include "hqs_network.h"
+#include "plain_prior.h"
+#include "two_modes_prior.h"
+#include "u_shaped_prior.h"
 
 namespace hqslam::nn {
 namespace {
 
+using Json = nlohmann::ordered_json;
+
 constexpr float kFirstPenalty = 0.1F;
 constexpr float kFirstAlpha = 10.99F;  // as in the authors' code of Simple DU
 
-/// How many values the tensors of one layer hold on an image as small as can be.
-std::int64_t values_of_a_layer(const Prior& prior) {
-  const PriorState state = prior.make_state();
-  const auto values = [](const Tensor& t) {
-    return static_cast<std::int64_t>(t.channels()) * t.rows() * t.columns();
-  };
-  std::int64_t sum = 2 * values(state.z);  // and Y
-  for (const Tensor& tensor : state.values) sum += values(tensor);
-  return sum;
+constexpr double kDegrees = 180.0 / std::numbers::pi;
+
+/// Replaces what the object `field` names; nothing if there is no such field.
+void read_filter(JsonFields& fields, const char* field, OutlierRemovalOptions& filter) {
+  if (!fields.has(field)) return;
+  JsonFields options = fields.object(field);
+  double min_angle_deg = filter.min_angle_rad * kDegrees;
+  options.optional("min_angle_deg", min_angle_deg);
+  filter.min_angle_rad = min_angle_deg / kDegrees;
+  options.optional("min_pixels", filter.min_pixels);
+  options.optional("support_share", filter.support_share);
+  options.finish();
+}
+
+Json filter_json(const OutlierRemovalOptions& filter) {
+  return {{"min_angle_deg", std::round(filter.min_angle_rad * kDegrees * 1e9) / 1e9},
+          {"min_pixels", filter.min_pixels},
+          {"support_share", std::round(filter.support_share * 1e6) / 1e6}};
+}
+
+PriorDescription read_prior(const HqsPreset& preset, JsonFields& network) {
+  JsonFields sizes = network.has("denoiser") ? network.object("denoiser")
+                                             : JsonFields(std::string("{}"), "denoiser");
+  PriorDescription prior = preset.read_prior(sizes);
+  sizes.finish();
+  return prior;
+}
+
+/// Files say these three, which once could be otherwise.
+void check_fixed(const HqsPreset& preset, JsonFields& network) {
+  bool shared = preset.shared;
+  network.optional("shared_weights", shared);
+  if (shared != preset.shared) {
+    network.complain("shared_weights", preset.shared ? "true" : "false");
+  }
+  if (network.has("filtered_iterate")) network.choice("filtered_iterate", {"h"});
+  if (network.has("rejected_pixel")) network.choice("rejected_pixel", {"takes-z"});
 }
 
 }  // namespace
+
+const HqsPreset kDuOr{.kind = "du-or", .read_prior = read_u_shaped_prior};
+const HqsPreset kSimpleDu{.kind = "simple-du",
+                          .read_prior = read_plain_prior,
+                          .filters = false,
+                          .starts_at_zero = true,
+                          .shared = true};
+const HqsPreset kDuMix{.kind = "du-mix",
+                       .read_prior = read_two_modes_prior,
+                       .filters = false,
+                       .learned_penalty = false,
+                       .says_confidence = true};
+
+std::shared_ptr<const Architecture> read_hqs(const HqsPreset& preset, JsonFields& network) {
+  HqsSizes sizes;
+  PriorDescription prior = read_prior(preset, network);
+  if (preset.says_confidence) {
+    sizes.layers = 1;
+    sizes.last_filter.min_pixels = 0;
+  } else {
+    network.optional("layers", sizes.layers);
+    check_fixed(preset, network);
+    read_filter(network, "filter", sizes.filter);
+    sizes.last_filter = sizes.filter;
+  }
+  read_filter(network, "last_filter", sizes.last_filter);
+  return std::make_shared<HqsArchitecture>(preset, sizes, std::move(prior));
+}
 
 HqsArchitecture::HqsArchitecture(const HqsPreset& preset, const HqsSizes& sizes,
                                  PriorDescription prior)
     : preset_(preset), sizes_(sizes), prior_(std::move(prior)) {
   check_field("layers", sizes_.layers, 1, kMostLayers);
+}
+
+void HqsArchitecture::write(Json& network) const {
+  if (preset_.says_confidence) {
+    network["denoiser"] = prior_.sizes;
+    if (last_filter()) network["last_filter"] = filter_json(*last_filter());
+    return;
+  }
+  network["layers"] = sizes_.layers;
+  network["shared_weights"] = preset_.shared;
+  network["denoiser"] = prior_.sizes;
+  network["filter"] = filter_json(sizes_.filter);
+  network["last_filter"] = filter_json(sizes_.last_filter);
+  network["filtered_iterate"] = "h";
+  network["rejected_pixel"] = "takes-z";
 }
 
 void HqsArchitecture::validate(const NetworkDescription& d) const {
@@ -39,7 +116,7 @@ void HqsArchitecture::validate(const NetworkDescription& d) const {
   const int rows = prior_.has_rows ? d.sensor.rows() : prior_.multiple.rows;
   const std::int64_t smallest_images = static_cast<std::int64_t>(d.sensor.rows() / rows) *
                                        (d.sensor.columns / prior_.multiple.columns);
-  check_memory(sizes_.layers * values_of_a_layer(*smallest_prior(prior_, d)) * smallest_images, d);
+  check_memory(sizes_.layers * smallest_prior(prior_, d)->values() * smallest_images, d);
 }
 
 std::vector<ParameterShape> HqsArchitecture::parameter_shapes(const NetworkDescription& d) const {

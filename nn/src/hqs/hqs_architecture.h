@@ -70,10 +70,8 @@ class HqsArchitecture final : public Architecture {
   PriorDescription prior_;
 };
 
+/// What a recipe or a weights file says of one. Throws Error.
 std::shared_ptr<const Architecture> read_hqs(const HqsPreset& preset, JsonFields& network);
-std::shared_ptr<const Architecture> read_du_or(JsonFields& network);
-std::shared_ptr<const Architecture> read_simple_du(JsonFields& network);
-std::shared_ptr<const Architecture> read_du_mix(JsonFields& network);
 
 /// Of a network that is known to be one.
 const HqsArchitecture& hqs_of(const NetworkDescription& description);

@@ -1,7 +1,5 @@
-#include "channels.h"
-#include "data_consistency.h"
+#include "../channels.h"
 #include "hqs_loop.h"
-#include "rejected_pixels.h"
 
 // The gradients of the loop, layer by layer from the last to the first.
 namespace hqslam::nn {
@@ -78,6 +76,23 @@ void add_penalty_gradient(const Hqs& hqs, int k, double d_penalty, std::span<flo
 
 }  // namespace
 
+double data_consistency_gradient_row(const float* l, const float* z, const float* y,
+                                     const float* d_h, float penalty, int columns, float* d_a) {
+  if (l == nullptr) {
+    std::copy_n(d_h, columns, d_a);
+    return 0.0;
+  }
+  const float scale = 1.0F + 2.0F * penalty;
+  float sum = 0.0F;
+#pragma omp simd reduction(+ : sum)
+  for (int x = 0; x < columns; ++x) {
+    // d H / d b = 2 (A - L) / (1 + 2 b)^2
+    sum += d_h[x] * (z[x] + y[x] - 2.0F * l[x]);
+    d_a[x] = d_h[x] * 2.0F * penalty / scale;
+  }
+  return static_cast<double>(sum) / (static_cast<double>(scale) * scale);
+}
+
 double hqs_backward(Hqs& hqs, const HqsState& state, const LayerLoss& loss, HqsGradient& gradient,
                     std::span<float> d_parameters) {
   const Prior& any = hqs.prior(0);
@@ -99,10 +114,9 @@ double hqs_backward(Hqs& hqs, const HqsState& state, const LayerLoss& loss, HqsG
     const std::int64_t begin = hqs.priors.size() == 1 ? 0 : k * parameters;
     hqs.prior(k).backward(hqs.measurement.candidates(), layer.prior, gradient.prior,
                           d_parameters.subspan(begin, parameters));
-    if (!hqs.preset.learned_penalty && k == 0) break;
+    if (!hqs.preset.learned_penalty) break;  // there is one layer, and nothing before it learns
     gather_d_h(hqs, layer, !last && hqs.preset.filters, gradient, gradient.d_h);
-    const double d_penalty = data_step_gradient(hqs, k, state, gradient);
-    if (hqs.preset.learned_penalty) add_penalty_gradient(hqs, k, d_penalty, d_parameters);
+    add_penalty_gradient(hqs, k, data_step_gradient(hqs, k, state, gradient), d_parameters);
     if (memory > 0) {
       copy_channels(gradient.prior.input(), any.tile().pixels(), memory, gradient.prior.output(),
                     first_memory);

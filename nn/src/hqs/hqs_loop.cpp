@@ -1,13 +1,36 @@
 #include "hqs_loop.h"
 
-#include "data_consistency.h"
-#include "rejected_pixels.h"
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "../parameters.h"
+#include "hqslam/core/error.h"
 
 // The steps of the loop share their rows of tiles among the threads in the same way, so that what
 // one does with a row finds what another left there without waiting. Only what needs a row's
 // neighbours waits: the prior and the filter, for H.
 namespace hqslam::nn {
 namespace {
+
+std::vector<std::unique_ptr<Prior>> make_priors(const NetworkDescription& d, int columns,
+                                                const Engine& engine) {
+  const HqsArchitecture& hqs = hqs_of(d);
+  std::vector<std::unique_ptr<Prior>> priors;
+  for (int i = 0; i < hqs.prior_count(); ++i) {
+    priors.push_back(make_prior(hqs.prior(), d, d.sensor.rows(), columns, engine));
+  }
+  return priors;
+}
+
+/// The prior's own, or, made here, the usual one.
+Measurement& measurement_of(const NetworkDescription& d, const HqsPreset& preset, Prior& prior,
+                            std::unique_ptr<ScaledRanges>& scaled) {
+  if (Measurement* own = prior.measurement()) return *own;
+  scaled =
+      std::make_unique<ScaledRanges>(d, prior.tile(), prior.make_tiles(), preset.starts_at_zero);
+  return *scaled;
+}
 
 /// Z0 = Y0: what was measured, interpolated.
 void start(Hqs& hqs) {
@@ -55,6 +78,52 @@ void filter_step(Hqs& hqs, int k, HqsState& state) {
 }
 
 }  // namespace
+
+Hqs::Hqs(const NetworkDescription& d, int columns, const Engine& engine)
+    : preset(hqs_of(d).preset()),
+      layers(hqs_of(d).sizes().layers),
+      priors(make_priors(d, columns, engine)),
+      measurement(measurement_of(d, preset, *priors.front(), scaled)),
+      penalty(layers),
+      filter(d.sensor, d.measured_rows, hqs_of(d).sizes().filter, columns),
+      nearest(static_cast<float>(d.sensor.min_range_m) / d.range_scale_m),
+      z0(priors.front()->make_tiles()),
+      raster(static_cast<std::size_t>(d.sensor.rows()) * columns) {}
+
+void Hqs::set_parameters(std::span<const float> parameters) {
+  const std::int64_t penalties = !preset.learned_penalty ? 0 : preset.shared ? 1 : layers;
+  const std::int64_t of_prior = prior(0).parameters();
+  const std::int64_t expected = std::ssize(priors) * of_prior + penalties;
+  if (std::ssize(parameters) != expected) {
+    throw Error(fmt::format("network: {} parameters, expected {}", parameters.size(), expected));
+  }
+  for (const std::unique_ptr<Prior>& any : priors) any->set_parameters(take(parameters, of_prior));
+  if (penalties == 0) return;
+  alpha = parameters.back();
+  for (int k = 0; k < layers; ++k) {
+    penalty[k] = preset.shared ? 0.5F / alpha : std::exp(parameters[k]);
+  }
+}
+
+HqsState Hqs::make_state(bool for_backward) const {
+  HqsState state;
+  for (int i = 0; i < (for_backward ? layers : std::min(2, layers)); ++i) {
+    state.slots.push_back({prior(i).make_state(for_backward), preset.filters ? z0 : Tensor{},
+                           std::vector<std::uint8_t>(raster.size())});
+  }
+  return state;
+}
+
+void data_consistency_row(const float* l, const float* z, const float* y, float penalty,
+                          int columns, float* h) {
+  const float weight_l = 1.0F / (1.0F + 2.0F * penalty);
+  const float weight_a = penalty / (1.0F + 2.0F * penalty);  // of Z + Y, not of their mean
+  if (l != nullptr) {
+    for (int x = 0; x < columns; ++x) h[x] = weight_l * l[x] + weight_a * (z[x] + y[x]);
+  } else {
+    for (int x = 0; x < columns; ++x) h[x] = 0.5F * (z[x] + y[x]);
+  }
+}
 
 /// H = (L + b (Z + Y)) / (1 + 2 b) where a pixel was measured, otherwise (Z + Y) / 2.
 void data_step(Hqs& hqs, int k, HqsState& state) {

@@ -1,6 +1,9 @@
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
+#include <cstring>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -90,5 +93,48 @@ struct HqsGradient {
 /// constants. Adds to d_parameters and returns the last layer's loss. By a team of one thread.
 double hqs_backward(Hqs& hqs, const HqsState& state, const LayerLoss& loss, HqsGradient& scratch,
                     std::span<float> d_parameters);
+
+/// The step that keeps the image true to what was measured: eq. 10a, solved pixel by pixel. With
+/// A = (Z + Y) / 2, the mean of the two auxiliaries, and b >= 0 the penalty:
+///   measured pixels:  H = (L + 2 b A) / (1 + 2 b);   b -> 0: what was measured stays
+///   other pixels:     H = A
+/// Differs from the paper, whose eq. 7 and 10a have D^T Y where D^T L is meant; D^T D is 0 or 1 on
+/// each pixel, so no matrix is inverted.
+///
+/// One row of pixels, in any one unit. l: measured ranges; null: none of them is measured.
+void data_consistency_row(const float* l, const float* z, const float* y, float penalty,
+                          int columns, float* h);
+
+/// d_h: d loss / d H. Writes d loss / d A to d_a and returns the row's part of d loss / d b.
+double data_consistency_gradient_row(const float* l, const float* z, const float* y,
+                                     const float* d_h, float penalty, int columns, float* d_a);
+
+/// Calls visit(channel, first, count, mask) for all pixels of a row of tiles, a part of a channel
+/// at a time: mask[i] is not 0 where the filter rejected the pixel in column first + i. rejected:
+/// of the image, its rows `columns` long, not 0 where a pixel is rejected.
+template <typename Visit>
+void for_each_mask(const std::vector<std::uint8_t>& rejected, TileSize tile, int columns, int row,
+                   const Visit& visit) {
+  constexpr int kMostPixels = 64;
+  std::array<std::uint32_t, kMostPixels> mask;
+  for (int channel = 0; channel < tile.pixels(); ++channel) {
+    const int image_row = row * tile.rows + channel / tile.columns;
+    const std::uint8_t* from = rejected.data() + static_cast<std::size_t>(image_row) * columns;
+    const int column = channel % tile.columns;
+    for (int first = 0; first < columns / tile.columns; first += kMostPixels) {
+      const int count = std::min(kMostPixels, columns / tile.columns - first);
+      if (tile.columns == 4) {  // the usual size: the bytes of a tile's row as a number
+        for (int i = 0; i < count; ++i) {
+          std::uint32_t tile_row = 0;
+          std::memcpy(&tile_row, from + 4 * (first + i), 4);
+          mask[i] = tile_row & (0xFFU << (8 * column));
+        }
+      } else {
+        for (int i = 0; i < count; ++i) mask[i] = from[(first + i) * tile.columns + column];
+      }
+      visit(channel, first, count, mask.data());
+    }
+  }
+}
 
 }  // namespace hqslam::nn

@@ -8,6 +8,7 @@
 #include <cstring>
 #include <numbers>
 
+#include "../parameters.h"
 #include "hqslam/core/connected_components.h"
 #include "hqslam/core/error.h"
 #include "row_bits.h"
@@ -25,18 +26,12 @@ namespace hqslam::nn {
 /// Source: the criterion is ComponentLabeler's (Bogoslavskyi & Stachniss, IROS 2016).
 
 void validate(const OutlierRemovalOptions& options) {
-  if (!(options.min_angle_rad > 0.0 && options.min_angle_rad < std::numbers::pi / 2.0)) {
-    throw Error(fmt::format("outlier removal: min_angle_rad is {}, expected 0 < angle < pi/2",
-                            options.min_angle_rad));
-  }
-  if (options.min_pixels < 0) {
-    throw Error(
-        fmt::format("outlier removal: min_pixels is {}, expected 0 or more", options.min_pixels));
-  }
-  if (!(options.support_share >= 0.0F && options.support_share < 1.0F)) {
-    throw Error(fmt::format("outlier removal: support_share is {}, expected 0 to below 1",
-                            options.support_share));
-  }
+  const char* const what = "outlier removal";
+  check_that(options.min_angle_rad > 0.0 && options.min_angle_rad < std::numbers::pi / 2.0, what,
+             "min_angle_rad", options.min_angle_rad, "0 < angle < pi/2");
+  check_that(options.min_pixels >= 0, what, "min_pixels", options.min_pixels, "0 or more");
+  check_that(options.support_share >= 0.0F && options.support_share < 1.0F, what, "support_share",
+             options.support_share, "0 to below 1");
 }
 
 namespace {

@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "../channels.h"
 #include "../parameters.h"
-#include "channels.h"
 #include "hqslam/core/error.h"
 
 namespace hqslam::nn {
@@ -48,9 +48,8 @@ void validate(const PlainPriorShape& shape) {
   constexpr int kMostConvolutions = 20;
   check_field("features", shape.features, 1, kMostFeatures);
   check_field("convolutions", shape.convolutions, 2, kMostConvolutions);
-  if (!(shape.dropout >= 0.0F && shape.dropout < 1.0F)) {
-    throw Error(fmt::format("denoiser: dropout is {}, expected 0 to below 1", shape.dropout));
-  }
+  check_that(shape.dropout >= 0.0F && shape.dropout < 1.0F, "denoiser", "dropout", shape.dropout,
+             "0 to below 1");
 }
 
 }  // namespace

@@ -2,10 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "../parameters.h"
-#include "../traced.h"
 #include "hqslam/core/error.h"
-#include "l1_loss.h"
 
 namespace hqslam::nn {
 
@@ -14,9 +14,7 @@ Prior::Prior(LayerGraph graph, TileSize tile) : graph_(std::move(graph)), tile_(
 std::int64_t Prior::parameters() const { return elements(parameter_shapes()); }
 
 PriorState Prior::make_state(bool /*for_backward*/) const {
-  PriorState state{graph_.make_values(), {}};
-  state.z = Tensor(tile_.pixels(), state.input().rows(), state.input().columns(), padding());
-  return state;
+  return {graph_.make_values(), make_tiles()};
 }
 
 double Prior::loss(const PriorState& state, const LossTarget& target, PriorState& gradient) const {
@@ -48,6 +46,56 @@ std::unique_ptr<Prior> smallest_prior(const PriorDescription& prior,
                                       const NetworkDescription& network) {
   const int rows = prior.has_rows ? network.sensor.rows() : prior.multiple.rows;
   return prior.make(network, rows, prior.multiple.columns, {InstructionSet::kPortable, 1});
+}
+
+double l1_loss(const Tensor& z, const Tensor& truth, TileSize tile,
+               std::optional<RowSelection> restored_rows, float share, Tensor& d_z) {
+  const double pixels = static_cast<double>(tile.pixels()) * z.rows() * z.columns();
+  const auto weight = static_cast<float>(share / pixels);
+  double sum = 0.0;
+  for (int channel = 0; channel < tile.pixels(); ++channel) {
+    for (int row = 0; row < z.rows(); ++row) {
+      float* gradient = d_z.row(channel, row);
+      if (restored_rows && measured(tile, *restored_rows, channel, row)) {
+        for (int x = 0; x < z.columns(); ++x) gradient[x] = 0.0F;
+        continue;
+      }
+      const float* z_row = z.row(channel, row);
+      const float* truth_row = truth.row(channel, row);
+      float row_sum = 0.0F;
+#pragma omp simd reduction(+ : row_sum)
+      for (int x = 0; x < z.columns(); ++x) {
+        const float difference = z_row[x] - truth_row[x];
+        row_sum += std::fabs(difference);
+        gradient[x] = difference > 0.0F ? weight : (difference < 0.0F ? -weight : 0.0F);
+      }
+      sum += row_sum;
+    }
+  }
+  return sum / pixels;
+}
+
+TracedTensor traced(std::string name, const Tensor& tensor, int first, int channels) {
+  if (channels == 0) channels = tensor.channels() - first;
+  TracedTensor result{std::move(name), "", channels, tensor.rows(), tensor.columns(), {}};
+  for (int channel = first; channel < first + channels; ++channel) {
+    for (int row = 0; row < tensor.rows(); ++row) {
+      const float* from = tensor.row(channel, row);
+      result.values.insert(result.values.end(), from, from + tensor.columns());
+    }
+  }
+  return result;
+}
+
+TracedTensor traced_pixels(std::string name, const Tensor& tensor, int first, TileSize tile) {
+  RangeImage image(tensor.rows() * tile.rows, tensor.columns() * tile.columns);
+  for (int row = 0; row < image.rows; ++row) {
+    for (int column = 0; column < image.columns; ++column) {
+      const int channel = row % tile.rows * tile.columns + column % tile.columns;
+      image.at(row, column) = tensor.at(first + channel, row / tile.rows, column / tile.columns);
+    }
+  }
+  return traced_image(std::move(name), std::move(image), "");
 }
 
 }  // namespace hqslam::nn

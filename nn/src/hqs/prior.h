@@ -81,6 +81,16 @@ class Prior {
   }
   /// Channels that are handed from one layer to the next beside the image.
   virtual int memory_channels() const { return 0; }
+  /// Tiles of an image, all zero.
+  Tensor make_tiles() const {
+    const TensorShape& input = graph_.shape(0);
+    return {tile_.pixels(), input.rows, input.columns, input.padding};
+  }
+  /// How many values the tensors of one layer hold.
+  std::int64_t values() const {
+    return graph_.values() +
+           2 * tile_.pixels() * graph_.shape(0).values() / graph_.shape(0).channels;
+  }
   /// for_backward: with room for what `backward` needs.
   virtual PriorState make_state(bool for_backward = true) const;
   /// For `backward` to work in; output() has the memory channels at least.
@@ -143,5 +153,17 @@ void check_image(const PriorDescription& prior, int rows, int columns);
 /// For images as small as can be, to ask about parameters.
 std::unique_ptr<Prior> smallest_prior(const PriorDescription& prior,
                                       const NetworkDescription& network);
+
+/// Mean of |Z - truth| over all pixels, "no return" counting as range 0. Rows of the result that
+/// get their measured ranges back count as exact (`restored_rows`; nothing: there are none). Writes
+/// `share` times the gradient d loss / d Z (0 where the two are equal). Tiles.
+double l1_loss(const Tensor& z, const Tensor& truth, TileSize tile,
+               std::optional<RowSelection> restored_rows, float share, Tensor& d_z);
+
+/// Channels `first` to first + channels - 1 (0: all from `first` on) of a tensor, without borders.
+TracedTensor traced(std::string name, const Tensor& tensor, int first = 0, int channels = 0);
+
+/// The tile.pixels() channels from `first` on, tiles, as an image of pixels without a unit.
+TracedTensor traced_pixels(std::string name, const Tensor& tensor, int first, TileSize tile);
 
 }  // namespace hqslam::nn

@@ -9,9 +9,7 @@
 #include "../kernels/row_kernels.h"
 #include "../kernels/two_modes.h"
 #include "../parameters.h"
-#include "../traced.h"
 #include "hqslam/core/error.h"
-#include "log_ranges.h"
 
 namespace hqslam::nn {
 namespace {
@@ -223,8 +221,7 @@ double TwoModesPrior::loss(const PriorState& state, const LossTarget& target,
            .return_share = share,
            .range_share = share * kRangeShare,
            .d_outputs = d_output.row(pixel, row),
-           .d_group_stride = pixels_ * d_output.channel_stride(),
-           .d_middle = gradient.own_h.row(channel, row)});
+           .d_group_stride = pixels_ * d_output.channel_stride()});
     }
   }
   return loss;

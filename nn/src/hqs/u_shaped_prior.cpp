@@ -5,12 +5,10 @@
 
 #include <algorithm>
 
-#include "../graph/tensor_sums.h"
+#include "../channels.h"
+#include "../kernels/row_kernels.h"
 #include "../parameters.h"
-#include "../traced.h"
-#include "channels.h"
 #include "hqslam/core/error.h"
-#include "selection.h"
 
 namespace hqslam::nn {
 namespace {
@@ -188,7 +186,7 @@ void UShapedPrior::backward(const Candidates& candidates, const PriorState& stat
     graph_.last_backward_rows(state.values, first, d_output, gradient.values, d_parameters);
   }
   graph_.backward({&state.values, 1}, {&gradient.values, 1}, d_parameters, {.left_out = 1});
-  add_channels(d_direct, 0, gradient.input(), shape_.tile.pixels());
+  add_channels(d_direct, 0, gradient.input());
 }
 
 void validate(const UShapedPriorShape& shape) {
@@ -229,6 +227,48 @@ PriorDescription read_u_shaped_prior(JsonFields& sizes) {
   sizes.optional("memory", shape.memory);
   sizes.optional("negative_slope", shape.negative_slope);
   return u_shaped_prior(shape);
+}
+
+void select_row(const Candidates& candidates, const Tensor& h, TileSize tile,
+                InstructionSet instruction_set, int row, float* scores, std::int64_t channel_stride,
+                Tensor& z) {
+  const kernels::RowKernels& kernels = kernels::row_kernels(instruction_set);
+  for (int channel = 0; channel < tile.pixels(); ++channel) {
+    kernels.select({.gain = kSelectionGain,
+                    .scores = scores + channel * channel_stride,
+                    .group_stride = tile.pixels() * channel_stride,
+                    .above = candidates.above.row(channel, row),
+                    .below = candidates.below.row(channel, row),
+                    .here = h.row(channel, row),
+                    .z = z.row(channel, row),
+                    .columns = z.columns()});
+  }
+}
+
+void select_backward(const Candidates& candidates, const Tensor& h, TileSize tile,
+                     InstructionSet instruction_set, int first_row, const Tensor& weights,
+                     const Tensor& d_z, Tensor& d_scores, Tensor& d_h) {
+  const kernels::RowKernels& kernels = kernels::row_kernels(instruction_set);
+  const int pixels = tile.pixels();
+  for (int y = 0; y < d_scores.rows(); ++y) {
+    const int row = first_row + y;
+    for (int channel = 0; channel < pixels; ++channel) {
+      kernels.select_gradient({.gain = kSelectionGain,
+                               .weights = weights.row(channel, row),
+                               .weight_stride = pixels * weights.channel_stride(),
+                               .above = candidates.above.row(channel, row),
+                               .below = candidates.below.row(channel, row),
+                               .here = h.row(channel, row),
+                               .d_z = d_z.row(channel, row),
+                               .d_scores = d_scores.row(channel, y),
+                               .d_score_stride = pixels * d_scores.channel_stride(),
+                               .d_here = d_h.row(channel, row),
+                               .columns = d_z.columns()});
+      for (int group = 0; group < kSelectionGroups; ++group) {
+        d_scores.fill_border(channel + group * pixels, y);
+      }
+    }
+  }
 }
 
 }  // namespace hqslam::nn

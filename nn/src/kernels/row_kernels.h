@@ -13,6 +13,11 @@ namespace hqslam::nn::kernels {
 inline constexpr int kOutputBlock = 8;
 /// Gradients of weights are summed for this many narrow channels at a time, padded to it.
 inline constexpr int kGradientBlock = 8;
+static_assert(kOutputBlock == kGradientBlock);
+/// So many channels padded to either. (static: see above)
+static constexpr int whole_blocks(int channels) {
+  return (channels + kOutputBlock - 1) / kOutputBlock * kOutputBlock;
+}
 
 /// One row of a convolution as a sum over taps (input channel, kernel row, kernel column):
 ///   y[o][x]      = bias[o] + sum_t weights[o / 8][t][o % 8] * input[tap_offset[t] + x]
@@ -55,15 +60,13 @@ struct CorrelateRows {
   float* gradient = nullptr;  ///< taps x narrow channels padded to kGradientBlock
 };
 
-/// The end of the U-shaped denoiser for one row of pixels (nn/hqs/selection.h has the formula).
-/// score_*: in the scores, out the softmax of gain times the scores over the four candidates.
+/// The end of the U-shaped denoiser for one row of pixels (hqs/u_shaped_prior.h has the formula).
+/// Groups of scores, `group_stride` apart: above, below, here, nothing, the correction. In: scores,
+/// out the softmax of gain times the scores over the four candidates.
 struct SelectRow {
   float gain = 1.0F;
-  float* score_above = nullptr;
-  float* score_below = nullptr;
-  float* score_here = nullptr;
-  float* score_nothing = nullptr;
-  const float* residual = nullptr;
+  float* scores = nullptr;
+  std::int64_t group_stride = 0;
   const float* above = nullptr;
   const float* below = nullptr;
   const float* here = nullptr;
@@ -74,19 +77,14 @@ struct SelectRow {
 /// Its gradient.
 struct SelectGradientRow {
   float gain = 1.0F;
-  const float* weight_above = nullptr;  ///< the softmax
-  const float* weight_below = nullptr;
-  const float* weight_here = nullptr;
-  const float* weight_nothing = nullptr;
+  const float* weights = nullptr;  ///< the softmax, in groups as above
+  std::int64_t weight_stride = 0;
   const float* above = nullptr;
   const float* below = nullptr;
   const float* here = nullptr;
   const float* d_z = nullptr;
-  float* d_score_above = nullptr;
-  float* d_score_below = nullptr;
-  float* d_score_here = nullptr;
-  float* d_score_nothing = nullptr;
-  float* d_residual = nullptr;
+  float* d_scores = nullptr;  ///< in groups as above
+  std::int64_t d_score_stride = 0;
   float* d_here = nullptr;  ///< may be d_z
   int columns = 0;          ///< rounded up to whole vectors of 16
 };
@@ -136,18 +134,14 @@ struct TwoModesRow {
   float* confidence = nullptr;
 };
 
-/// The loss of a row and its gradients.
+/// The loss of a row and its gradient.
 struct TwoModesLossRow {
   TwoModesInput in;
   const float* truth_m = nullptr;  ///< 0: no return
   float return_share = 1.0F;       ///< weight of the cross-entropy of each pixel
   float range_share = 1.0F;        ///< weight of the likelihood of each pixel with a return
-  /// d loss / d ln of the chosen mode and d loss / d probability from what comes after; nullptr: 0.
-  const float* d_log_range = nullptr;
-  const float* d_probability = nullptr;
-  float* d_outputs = nullptr;  ///< as outputs, d_group_stride apart
+  float* d_outputs = nullptr;      ///< as outputs, d_group_stride apart
   std::int64_t d_group_stride = 0;
-  float* d_middle = nullptr;
 };
 
 /// Winograd's transform of one channel of a row of tiles (winograd_convolution.h has the formulas).

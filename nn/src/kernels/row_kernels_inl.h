@@ -187,7 +187,7 @@ inline void correlate_block(const CorrelateRows& rows, const float* const* narro
 
 void correlate(const CorrelateRows& rows) {
   static_assert(kGradientBlock % kGradientChannels == 0);  // the last block fits the padding
-  const int padded = (rows.narrow_channels + kGradientBlock - 1) / kGradientBlock * kGradientBlock;
+  const int padded = whole_blocks(rows.narrow_channels);
   for (int channel = 0; channel < padded; channel += kGradientChannels) {
     // Channels beyond the last one repeat it; their sums go into the padding.
     const float* narrow[kGradientChannels];
@@ -238,10 +238,11 @@ void merge(const MergeRow& row) {
 
 void select(const SelectRow& row) {
   for (int x = 0; x < row.columns; x += kVectorFloats) {
-    Vector above = row.gain * load(row.score_above + x);
-    Vector below = row.gain * load(row.score_below + x);
-    Vector here = row.gain * load(row.score_here + x);
-    Vector nothing = row.gain * load(row.score_nothing + x);
+    const auto group = [&](int number) { return row.scores + number * row.group_stride + x; };
+    Vector above = row.gain * load(group(0));
+    Vector below = row.gain * load(group(1));
+    Vector here = row.gain * load(group(2));
+    Vector nothing = row.gain * load(group(3));
     const Vector largest = larger(larger(above, below), larger(here, nothing));
     above = exponential(above - largest);
     below = exponential(below - largest);
@@ -251,33 +252,36 @@ void select(const SelectRow& row) {
     above *= scale;
     below *= scale;
     here *= scale;
-    store(row.score_above + x, above);
-    store(row.score_below + x, below);
-    store(row.score_here + x, here);
-    store(row.score_nothing + x, nothing * scale);
+    store(group(0), above);
+    store(group(1), below);
+    store(group(2), here);
+    store(group(3), nothing * scale);
     store(row.z + x, above * load(row.above + x) + below * load(row.below + x) +
-                         here * load(row.here + x) + load(row.residual + x));
+                         here * load(row.here + x) + load(group(4)));
   }
 }
 
 void select_gradient(const SelectGradientRow& row) {
   for (int x = 0; x < row.columns; x += kVectorFloats) {
+    const auto weight = [&](int group) {
+      return load(row.weights + group * row.weight_stride + x);
+    };
+    const auto put = [&](int group, Vector d_score) {
+      store(row.d_scores + group * row.d_score_stride + x, d_score);
+    };
     const Vector d_z = load(row.d_z + x);
     const Vector above = load(row.above + x);
     const Vector below = load(row.below + x);
     const Vector here = load(row.here + x);
-    const Vector weight_above = load(row.weight_above + x);
-    const Vector weight_below = load(row.weight_below + x);
-    const Vector weight_here = load(row.weight_here + x);
-    const Vector mean = weight_above * above + weight_below * below + weight_here * here;
+    const Vector mean = weight(0) * above + weight(1) * below + weight(2) * here;
     // d softmax_i / d score_j = gain w_i (delta_ij - w_j)
     const Vector scaled = row.gain * d_z;
-    store(row.d_score_above + x, scaled * weight_above * (above - mean));
-    store(row.d_score_below + x, scaled * weight_below * (below - mean));
-    store(row.d_score_here + x, scaled * weight_here * (here - mean));
-    store(row.d_score_nothing + x, -scaled * load(row.weight_nothing + x) * mean);
-    store(row.d_residual + x, d_z);
-    store(row.d_here + x, d_z * weight_here);
+    put(0, scaled * weight(0) * (above - mean));
+    put(1, scaled * weight(1) * (below - mean));
+    put(2, scaled * weight(2) * (here - mean));
+    put(3, -scaled * weight(3) * mean);
+    put(4, d_z);
+    store(row.d_here + x, d_z * weight(2));
   }
 }
 

@@ -9,7 +9,16 @@
 namespace hqslam::nn::kernels {
 namespace {
 
-int blocks_of(int channels) { return (channels + kOutputBlock - 1) / kOutputBlock; }
+/// Blocks of 8 channels x taps x 8; weight_of(channel, tap).
+template <typename WeightOf>
+void pack(int channels, std::size_t taps, const WeightOf& weight_of, std::vector<float>& packed) {
+  packed.assign(whole_blocks(channels) * taps, 0.0F);
+  for (int c = 0; c < channels; ++c) {
+    for (std::size_t t = 0; t < taps; ++t) {
+      packed[((c / kOutputBlock) * taps + t) * kOutputBlock + c % kOutputBlock] = weight_of(c, t);
+    }
+  }
+}
 
 /// floor(a / b) for b > 0, also where a is negative.
 int floor_divided(int a, int b) { return a >= 0 ? a / b : -((-a + b - 1) / b); }
@@ -139,23 +148,15 @@ void StridedConvolution::set_weights(std::span<const float> weights) {
     throw Error(fmt::format("convolution: {} weights, expected {}", weights.size(), s.weights()));
   }
   const std::size_t taps = gather_offset_.size();
-  gather_weights_.assign(blocks_of(s.output_channels) * taps * kOutputBlock, 0.0F);
-  for (int a = 0; a < s.output_channels; ++a) {
-    for (std::size_t t = 0; t < taps; ++t) {
-      gather_weights_[((a / kOutputBlock) * taps + t) * kOutputBlock + a % kOutputBlock] =
-          weights[a * taps + t];
-    }
-  }
+  pack(
+      s.output_channels, taps, [&](int a, std::size_t t) { return weights[a * taps + t]; },
+      gather_weights_);
   const std::int64_t kernel = static_cast<std::int64_t>(s.kernel_rows) * s.kernel_columns;
   for (ScatterPhase& phase : scatter_phases_) {
-    const std::size_t phase_taps = phase.tap_offset.size();
-    phase.weights.assign(blocks_of(s.input_channels) * phase_taps * kOutputBlock, 0.0F);
-    for (int b = 0; b < s.input_channels; ++b) {
-      for (std::size_t t = 0; t < phase_taps; ++t) {
-        phase.weights[((b / kOutputBlock) * phase_taps + t) * kOutputBlock + b % kOutputBlock] =
-            weights[phase.weight_index[t] + b * kernel];
-      }
-    }
+    const auto weight_of = [&](int b, std::size_t t) {
+      return weights[phase.weight_index[t] + b * kernel];
+    };
+    pack(s.input_channels, phase.tap_offset.size(), weight_of, phase.weights);
   }
 }
 
@@ -173,8 +174,7 @@ ConvolutionScratch StridedConvolution::make_scratch(int threads) const {
   const Tensor row(1, 1, narrow_columns_, padding_, 0);
   const std::size_t scatter_floats =
       static_cast<std::size_t>(shape_.input_channels) * shape_.column_stride() * row.row_stride();
-  const std::size_t channels = padded_gradient_channels(shape_.output_channels);
-  const std::size_t gradient_floats = channels * gather_offset_.size();
+  const std::size_t gradient_floats = whole_blocks(shape_.output_channels) * gather_offset_.size();
   scratch.rows.assign(threads, std::vector<float>(std::max(scatter_floats, gradient_floats)));
   return scratch;
 }

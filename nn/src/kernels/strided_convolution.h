@@ -4,8 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "../convolution_shape.h"
-#include "../layer_end.h"
+#include "../convolution.h"
 #include "../tensor.h"
 #include "hqslam/nn/instruction_set.h"
 #include "row_kernels.h"
@@ -72,10 +71,6 @@ class StridedConvolution {
     std::vector<float> weights;              ///< blocks of 8 wide channels x taps x 8
   };
 
-  /// Whole blocks of channels, as the kernel sums gradients.
-  static int padded_gradient_channels(int channels) {
-    return (channels + kGradientBlock - 1) / kGradientBlock * kGradientBlock;
-  }
   void check(const Tensor& narrow, const Tensor& wide) const;
   void check_columns_read(const Tensor& narrow, const Tensor& wide) const;
   void plan_gather(const Tensor& wide);
@@ -95,6 +90,7 @@ class StridedConvolution {
   void sort_phases(const Tensor& wide, int first_row, int rows, Tensor& phases) const;
   /// Row `y` of the result, and how it ends.
   static void end_in(Tensor& result, const LayerEnd& end, int y, AccumulateRow& row);
+  void scatter_taps(int phase, AccumulateRow& row) const;
   /// With stride 1; `row` has input and bias.
   void scatter_whole_row(AccumulateRow row, const LayerEnd& end, int wide_row, Tensor& wide) const;
   void scatter_row(const Tensor& narrow, const float* bias, const LayerEnd& end, int wide_row,

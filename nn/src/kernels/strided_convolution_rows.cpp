@@ -13,24 +13,15 @@ void take_every(const float* from, int stride, int count, float* to) {
   for (int x = 0; x < count; ++x) to[x] = from[x * stride];
 }
 
-/// What the phases of a row are put together to, and how the row ends. skip may be the result.
-struct MergedRow {
-  const float* skip = nullptr;
-  const float* activated = nullptr;
-  float negative_slope = 1.0F;
-  int columns = 0;
-  float* result = nullptr;
-};
-
-/// result[x] = a(phases[x mod stride][x / stride] + skip[x]), phases `phase_stride` apart
-void merge_phases(const float* phases, std::int64_t phase_stride, int stride,
-                  const MergedRow& row) {
-  for (int x = 0; x < row.columns; ++x) {
-    float value = phases[x % stride * phase_stride + x / stride];
+/// row.output[x] = a(phases[x mod stride][x / stride] + skip[x]) for so many columns, phases
+/// `phase_stride` apart, the first of them row.even; skip may be the result.
+void merge_phases(const MergeRow& row, std::int64_t phase_stride, int stride, int columns) {
+  for (int x = 0; x < columns; ++x) {
+    float value = row.even[x % stride * phase_stride + x / stride];
     if (row.skip != nullptr) value += row.skip[x];
     const float scaled = row.negative_slope * value;
     const bool above = row.activated != nullptr ? row.activated[x] > 0.0F : value > scaled;
-    row.result[x] = above ? value : scaled;
+    row.output[x] = above ? value : scaled;
   }
 }
 
@@ -129,12 +120,16 @@ void StridedConvolution::gather_row(const Tensor& wide, const float* bias, int y
   kernels_->accumulate(row);
 }
 
-void StridedConvolution::scatter_whole_row(AccumulateRow row, const LayerEnd& end, int wide_row,
-                                           Tensor& wide) const {
-  const ScatterPhase& taps = scatter_phases_[wide_row % shape_.stride];
+void StridedConvolution::scatter_taps(int phase, AccumulateRow& row) const {
+  const ScatterPhase& taps = scatter_phases_[phase];
   row.tap_offset = taps.tap_offset.data();
   row.taps = static_cast<int>(taps.tap_offset.size());
   row.weights = taps.weights.data();
+}
+
+void StridedConvolution::scatter_whole_row(AccumulateRow row, const LayerEnd& end, int wide_row,
+                                           Tensor& wide) const {
+  scatter_taps(wide_row % shape_.stride, row);
   row.output_channels = shape_.input_channels;
   row.end = wide_columns_;
   end_in(wide, end, wide_row, row);
@@ -156,7 +151,6 @@ void StridedConvolution::scatter_rows(const Tensor& narrow, int first_row, const
 void StridedConvolution::scatter_row(const Tensor& narrow, const float* bias, const LayerEnd& end,
                                      int wide_row, Tensor& wide, std::vector<float>& rows) const {
   const int stride = shape_.column_stride();
-  const int row_phase = wide_row % shape_.stride;
   const std::int64_t row_stride = narrow.channel_stride();
   AccumulateRow row;
   row.input = narrow.row(0, wide_row / shape_.stride);
@@ -169,30 +163,26 @@ void StridedConvolution::scatter_row(const Tensor& narrow, const float* bias, co
   row.output_channel_stride = stride * row_stride;
   row.end = (wide_columns_ + stride - 1) / stride;
   for (int phase = 0; phase < stride; ++phase) {
-    const ScatterPhase& taps = scatter_phases_[row_phase * stride + phase];
-    row.tap_offset = taps.tap_offset.data();
-    row.taps = static_cast<int>(taps.tap_offset.size());
-    row.weights = taps.weights.data();
+    scatter_taps(wide_row % shape_.stride * stride + phase, row);
     row.output = rows.data() + phase * row_stride;
     kernels_->accumulate(row);
   }
   for (int channel = 0; channel < shape_.input_channels; ++channel) {
-    float* to = wide.row(channel, wide_row);
-    const float* skip = end.skip == nullptr ? nullptr : end.skip->row(channel, wide_row);
-    const float* from = rows.data() + channel * stride * row_stride;
-    const float* activated =
-        end.activated == nullptr ? nullptr : end.activated->row(channel, wide_row);
+    const auto row_of = [&](const Tensor* tensor) {
+      return tensor == nullptr ? nullptr : tensor->row(channel, wide_row);
+    };
+    const float* phases = rows.data() + channel * stride * row_stride;
+    const MergeRow merged{.even = phases,
+                          .odd = phases + row_stride,
+                          .skip = row_of(end.skip),
+                          .activated = row_of(end.activated),
+                          .negative_slope = end.negative_slope,
+                          .output = wide.row(channel, wide_row),
+                          .columns = row.end};
     if (stride == 2) {
-      kernels_->merge({.even = from,
-                       .odd = from + row_stride,
-                       .skip = skip,
-                       .activated = activated,
-                       .negative_slope = end.negative_slope,
-                       .output = to,
-                       .columns = row.end});
+      kernels_->merge(merged);
     } else {
-      merge_phases(from, row_stride, stride,
-                   {skip, activated, end.negative_slope, wide_columns_, to});
+      merge_phases(merged, row_stride, stride, wide_columns_);
     }
     wide.fill_border(channel, wide_row);
   }
@@ -209,7 +199,7 @@ void StridedConvolution::scatter(const Tensor& narrow, const float* bias, const 
 void StridedConvolution::add_weight_gradient(const Tensor& narrow, int first_row,
                                              const Tensor& wide, std::span<float> gradient,
                                              ConvolutionScratch& scratch) const {
-  const int channels = padded_gradient_channels(shape_.output_channels);
+  const int channels = whole_blocks(shape_.output_channels);
   const int taps = static_cast<int>(gather_offset_.size());
   float* sums = scratch.rows.front().data();
   std::fill_n(sums, static_cast<std::size_t>(channels) * taps, 0.0F);

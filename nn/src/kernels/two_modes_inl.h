@@ -1,5 +1,5 @@
 // The element-wise part of the two-mode network for one row of pixels; included as
-// row_kernels_inl.h is. ../hqs/two_modes.h has the formulas.
+// row_kernels_inl.h is. two_modes.h has the formulas.
 
 #include "row_kernels.h"
 #include "two_modes.h"
@@ -128,18 +128,8 @@ double two_modes_loss(const TwoModesLossRow& row) {
       const Vector one = Vector{} + 1.0F;
       return off > 0.0F ? -one : (off < 0.0F ? one : Vector{});
     };
-    Vector d_mode1 = range_share * posterior1 * inverse_scale * towards(off1);
-    Vector d_mode2 = range_share * posterior2 * inverse_scale * towards(off2);
-    if (row.d_log_range != nullptr) {
-      const Vector d_chosen = load(row.d_log_range + x);
-      const auto first = m.weight1 >= 0.5F;
-      d_mode1 += first ? d_chosen : Vector{};
-      d_mode2 += first ? Vector{} : d_chosen;
-    }
-    Vector d_return = row.return_share * (m.probability - valid);
-    if (row.d_probability != nullptr) {
-      d_return += load(row.d_probability + x) * m.probability * (1.0F - m.probability);
-    }
+    const Vector d_mode1 = range_share * posterior1 * inverse_scale * towards(off1);
+    const Vector d_mode2 = range_share * posterior2 * inverse_scale * towards(off2);
     const Vector middle = load(row.in.middle + x);
     put(TwoModesOutput::kCorrectionAbove, d_mode1);
     put(TwoModesOutput::kCorrectionBelow, d_mode2);
@@ -153,8 +143,7 @@ double two_modes_loss(const TwoModesLossRow& row) {
     const auto free = (scale >= kLowestScale) & (scale <= kHighestScale);
     const Vector d_log_scale = range_share * (1.0F - posterior1 * far1 - posterior2 * far2);
     put(TwoModesOutput::kScale, free ? kTwoModesGain * d_log_scale : Vector{});
-    put(TwoModesOutput::kReturn, kTwoModesGain * d_return);
-    store(row.d_middle + x, d_mode1 * (1.0F - m.share1) + d_mode2 * (1.0F - m.share2));
+    put(TwoModesOutput::kReturn, kTwoModesGain * (row.return_share * (m.probability - valid)));
   }
   return loss;
 }

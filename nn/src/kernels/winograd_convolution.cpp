@@ -79,27 +79,21 @@ WinogradConvolution::PanelShape WinogradConvolution::panel_shape(int vectors) co
   PanelShape panel{
       .vectors = vectors,
       .input_place_stride = shape_.input_channels * width + kVectorTiles,
-      .output_place_stride = padded_channels(shape_.output_channels) * width + kVectorTiles};
+      .output_place_stride = whole_blocks(shape_.output_channels) * width + kVectorTiles};
   for (int channel = 0; channel < shape_.input_channels; ++channel) {
     panel.channel_offset.push_back(channel * width);
   }
   return panel;
 }
 
-void WinogradConvolution::set_weights(std::span<const float> weights) { pack(weights, false); }
-
-void WinogradConvolution::set_adjoint_weights(std::span<const float> weights) {
-  pack(weights, true);
-}
-
-void WinogradConvolution::pack(std::span<const float> weights, bool adjoint) {
+void WinogradConvolution::set_weights(std::span<const float> weights, bool adjoint) {
   if (static_cast<std::int64_t>(weights.size()) != shape_.weights()) {
     throw Error(
         fmt::format("convolution: {} weights, expected {}", weights.size(), shape_.weights()));
   }
   const std::int64_t inputs = shape_.input_channels;
   const std::int64_t outputs = shape_.output_channels;
-  const std::int64_t padded = padded_channels(shape_.output_channels);
+  const std::int64_t padded = whole_blocks(shape_.output_channels);
   weights_.resize(kPlaces * padded * inputs);
   std::array<Block, 9> filters{};
   for (std::int64_t first = 0; first < outputs; first += kOutputBlock) {
@@ -171,7 +165,7 @@ void WinogradConvolution::transform_input(const Tensor& input, const Panel& pane
 
 void WinogradConvolution::multiply(const Panel& panel, Scratch& scratch) const {
   const std::int64_t weights_of_place =
-      padded_channels(shape_.output_channels) * shape_.input_channels;
+      whole_blocks(shape_.output_channels) * shape_.input_channels;
   AccumulateRow row;
   row.tap_offset = panel.shape.channel_offset.data();
   row.taps = shape_.input_channels;
@@ -216,7 +210,7 @@ void WinogradConvolution::transform_output(const float* bias, const LayerEnd& en
 void WinogradConvolution::forward(const Tensor& input, const float* bias, const LayerEnd& end,
                                   Tensor& output) const {
   const int tasks = (tile_rows_ + rows_per_task_ - 1) / rows_per_task_;
-  // Not all threads of a team may come at the same time (UnrolledNetwork::run_layer).
+  // Not all threads of a team may come at the same time (look_for_outliers in hqs_loop.cpp).
 #pragma omp for schedule(dynamic)
   for (int task = 0; task < tasks; ++task) {
     Scratch& scratch = scratch_of_thread(forward_panel_);

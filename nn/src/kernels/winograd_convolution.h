@@ -5,8 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "../convolution_shape.h"
-#include "../layer_end.h"
+#include "../convolution.h"
 #include "../tensor.h"
 #include "hqslam/nn/instruction_set.h"
 #include "row_kernels.h"
@@ -45,12 +44,10 @@ class WinogradConvolution {
   WinogradConvolution(const ConvolutionShape& shape, const Tensor& input,
                       InstructionSet instruction_set, int threads);
 
-  /// Transforms the weights: output x input x 3 x 3. Throws Error for another number.
-  void set_weights(std::span<const float> weights);
-
-  /// The same for the gradient with respect to the input, which is a convolution too: of an object
-  /// whose input channels are the output channels of the weights, and the other way round.
-  void set_adjoint_weights(std::span<const float> weights);
+  /// Transforms the weights: output x input x 3 x 3. Throws Error for another number. adjoint: for
+  /// the gradient with respect to the input, which is a convolution too: of an object whose input
+  /// channels are the output channels of the weights, and the other way round.
+  void set_weights(std::span<const float> weights, bool adjoint = false);
 
   /// Inside an OpenMP parallel region the threads of the team share the work and wait for each
   /// other at the end; the result does not depend on their number. Borders of the input must be
@@ -99,7 +96,6 @@ class WinogradConvolution {
     int tile = 0;  ///< in the panel
   };
 
-  void pack(std::span<const float> weights, bool adjoint);
   PanelShape panel_shape(int vectors) const;
   /// Calls visit for each row of tiles that the panel has a part of.
   template <typename Visit>
@@ -113,11 +109,6 @@ class WinogradConvolution {
                 .tile = (first - panel.first) * kVectorTiles});
       first = last;
     }
-  }
-  /// Whole blocks, of outputs and of gradients.
-  static std::int64_t padded_channels(int channels) {
-    static_assert(kOutputBlock == kGradientBlock);
-    return (channels + kOutputBlock - 1) / kOutputBlock * kOutputBlock;
   }
   Scratch& scratch_of_thread(const PanelShape& shape) const;
   void transform_input(const Tensor& input, const Panel& panel, Scratch& scratch) const;

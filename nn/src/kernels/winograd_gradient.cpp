@@ -75,7 +75,7 @@ void WinogradConvolution::correlate(const Panel& panel, Scratch& scratch) const 
   rows.taps = shape_.input_channels;
   rows.rows = 1;
   rows.columns = (panel.last - panel.first) * kVectorTiles;
-  const std::int64_t sums = shape_.input_channels * padded_channels(shape_.output_channels);
+  const std::int64_t sums = shape_.input_channels * whole_blocks(shape_.output_channels);
   for (int place = 0; place < kPlaces; ++place) {
     rows.narrow = scratch.products.data() + place * panel.shape.output_place_stride;
     rows.wide = scratch.transformed.data() + place * panel.shape.input_place_stride;
@@ -87,7 +87,7 @@ void WinogradConvolution::correlate(const Panel& panel, Scratch& scratch) const 
 void WinogradConvolution::add_weight_gradient(const Tensor& input, const Tensor& d_output,
                                               std::span<float> d_weights) const {
   Scratch& scratch = scratch_of_thread(gradient_panel_);
-  const std::int64_t padded = padded_channels(shape_.output_channels);
+  const std::int64_t padded = whole_blocks(shape_.output_channels);
   const std::int64_t sums = shape_.input_channels * padded;
   scratch.gradient.assign(kPlaces * sums, 0.0F);
   const int vectors = tile_rows_ * row_vectors_;

@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "../weights_arrays.h"
-#include "checkpoint_arrays.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/npz.h"
 

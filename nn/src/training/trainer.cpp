@@ -8,6 +8,7 @@
 #include <span>
 #include <thread>
 
+#include "../parameters.h"
 #include "../random.h"
 #include "hqslam/core/error.h"
 #include "hqslam/nn/network.h"
@@ -136,17 +137,15 @@ struct Trainer::Implementation {
 
 void validate(const TrainingPlan& plan, const SensorModel& sensor) {
   const Augmentation& a = plan.augmentation;
-  const auto check = [](bool good, const char* field, double value, const char* expected) {
-    if (!good) throw Error(fmt::format("training: {} is {}, expected {}", field, value, expected));
+  const auto check = [](bool good, const char* field, auto value, const char* expected) {
+    check_that(good, "training", field, value, expected);
   };
-  check(plan.steps >= 1, "steps", static_cast<double>(plan.steps), "at least 1");
+  check(plan.steps >= 1, "steps", plan.steps, "at least 1");
   check(plan.batch >= 1 && plan.batch <= 1024, "batch", plan.batch, "1 to 1024");
   check(plan.learning_rate > 0.0F, "learning_rate", plan.learning_rate, "above 0");
-  check(plan.warm_up_steps >= 0, "warm_up_steps", static_cast<double>(plan.warm_up_steps),
-        "at least 0");
+  check(plan.warm_up_steps >= 0, "warm_up_steps", plan.warm_up_steps, "at least 0");
   check(plan.layer_loss_share >= 0.0F, "layer_loss_share", plan.layer_loss_share, "at least 0");
-  check(plan.average_steps >= 1, "average_steps", static_cast<double>(plan.average_steps),
-        "at least 1");
+  check(plan.average_steps >= 1, "average_steps", plan.average_steps, "at least 1");
   check(plan.largest_gradient_norm > 0.0, "largest_gradient_norm", plan.largest_gradient_norm,
         "above 0");
   check(a.crop_columns >= 0 && a.crop_columns <= sensor.columns, "crop_columns", a.crop_columns,

@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <functional>
 
-#include "activation.h"
 #include "golden.h"
+#include "graph/layer_graph.h"
 #include "hqslam/core/error.h"
 #include "random_values.h"
 
@@ -68,24 +68,6 @@ std::vector<Case> cases() {
            [](const Shapes& in, const Engine&) { return make_pixel_shuffle(3, in[0]); }}};
 }
 
-TensorShape shape_of(const Tensor& tensor) {
-  return {tensor.channels(), tensor.rows(), tensor.columns(), tensor.padding()};
-}
-
-/// An array of scans x channels x rows x columns.
-std::vector<Tensor> scans_of(const Golden& golden, const std::string& name, ColumnPadding padding) {
-  const std::vector<std::int64_t>& shape = golden.array(name).shape;
-  const std::vector<float> values = golden.values(name);
-  const std::size_t each = values.size() / shape.at(0);
-  std::vector<Tensor> scans;
-  for (std::int64_t scan = 0; scan < shape.at(0); ++scan) {
-    scans.push_back(tensor_of(std::span(values).subspan(scan * each, each),
-                              static_cast<int>(shape.at(1)), static_cast<int>(shape.at(2)),
-                              static_cast<int>(shape.at(3)), padding));
-  }
-  return scans;
-}
-
 std::vector<float> values_of(const std::vector<Tensor>& scans) {
   std::vector<float> all;
   for (const Tensor& scan : scans) {
@@ -119,13 +101,9 @@ struct Batch {
     std::vector<BackwardPass> all;
     for (std::size_t scan = 0; scan < output.size(); ++scan) {
       leaky_relu_backward(layer->negative_slope(), output[scan], before[scan]);
-      all.push_back({.input = &inputs[0][scan],
-                     .output = &output[scan],
-                     .d_output = &before[scan],
-                     .d_input = &d_inputs[0][scan]});
-      if (inputs.size() < 2) continue;
-      all.back().second = &inputs[1][scan];
-      all.back().d_second = &d_inputs[1][scan];
+      all.push_back(
+          {.input = &inputs[0][scan], .d_output = &before[scan], .d_input = &d_inputs[0][scan]});
+      if (inputs.size() > 1) all.back().d_second = &d_inputs[1][scan];
     }
     layer->backward(all, d_parameters);
   }
@@ -202,13 +180,7 @@ TEST_CASE("gradients are what small changes of inputs and parameters do") {
     batch.loss();
     batch.backward();
     const auto slope_at = [&](float& value) {
-      const float before = value;
-      value = before + kStep;
-      const double above = batch.loss();
-      value = before - kStep;
-      const double below = batch.loss();
-      value = before;
-      return (above - below) / (2.0 * kStep);
+      return slope_of([&] { return batch.loss(); }, kStep, value);
     };
     for (std::size_t input = 0; input < batch.inputs.size(); ++input) {
       Tensor& x = batch.inputs[input].front();

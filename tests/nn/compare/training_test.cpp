@@ -20,8 +20,8 @@ TEST_CASE(
   plan.augmentation.crop_columns = 0;
   for (const NetworkDescription& description : {srae, tulip}) {
     CAPTURE(name(description));
-    Trainer one(description, plan, in_memory(scans()), fresh_state(description), 1, alone());
-    Trainer three(description, plan, in_memory(scans()), fresh_state(description), 3, alone());
+    Trainer one = small_trainer(description, 1, plan);
+    Trainer three = small_trainer(description, 3, plan);
     double first = 0.0;
     double last = 0.0;
     for (int step = 0; step < 40; ++step) {

@@ -2,6 +2,8 @@
 
 #include <doctest/doctest.h>
 
+#include "tools/parts_of_text.h"
+
 namespace hqslam::tools {
 
 TEST_CASE("the demo's page holds every cell, leads to every report and shows every image") {
@@ -15,14 +17,9 @@ TEST_CASE("the demo's page holds every cell, leads to every report and shows eve
   for (const char* part : {"APE, m", "a &lt; b", "0.010", "9.43 %", "rows-64/report.html",
                            "linear/report.html", "16 -&gt; 64", "APE: what it is"}) {
     CAPTURE(part);
-    CHECK(html.find(part) != std::string::npos);
+    CHECK(holds(html, part));
   }
-  std::size_t images = 0;
-  for (std::size_t at = html.find("data:image/png"); at != std::string::npos;
-       at = html.find("data:image/png", at + 1)) {
-    ++images;
-  }
-  CHECK(images == 2);
+  CHECK(count(html, "data:image/png") == 2);
 }
 
 }  // namespace hqslam::tools

@@ -4,11 +4,11 @@
 
 #include <set>
 
-#include "error_message.h"
 #include "file_contents.h"
 #include "hqslam/core/pcd.h"
 #include "hqslam/core/projection.h"
 #include "temporary_directory.h"
+#include "tools/parts_of_text.h"
 
 namespace hqslam::tools {
 namespace {
@@ -61,10 +61,10 @@ TEST_CASE("upsample.json says whether all scans were taken") {
   const TemporaryDirectory folder;
   UpsampleOutput output(folder.file("out"), {"input", "linear", 7}, sensor_preset("os1-16"), {});
   const std::string origin = folder.file("out/upsample.json");
-  CHECK(file_contents(origin).find("\"complete\": false") != std::string::npos);
-  CHECK(file_contents(origin).find("\"scans_in_recording\": 7") != std::string::npos);
+  CHECK(holds(file_contents(origin), "\"complete\": false"));
+  CHECK(holds(file_contents(origin), "\"scans_in_recording\": 7"));
   output.finish();
-  CHECK(file_contents(origin).find("\"complete\": true") != std::string::npos);
+  CHECK(holds(file_contents(origin), "\"complete\": true"));
 }
 
 TEST_CASE("an earlier upsampled drive is replaced whole; other files stay") {
@@ -96,8 +96,7 @@ TEST_CASE("what hqslam upsample did not write is not overwritten") {
     CAPTURE(name);
     const TemporaryDirectory folder;
     write_file(folder.file(name), "mine");
-    CHECK(one_line_with(error_message([&] { write_scans(folder.path().string(), 1); }), name,
-                        "--out"));
+    CHECK(refuses({name, "--out"}, [&] { write_scans(folder.path().string(), 1); }));
     CHECK(file_contents(folder.file(name)) == "mine");
   }
 }
@@ -113,10 +112,9 @@ TEST_CASE("the input is never overwritten, by whatever path it is named") {
        {out, out + "/", out + "/scans.npy", out + "/pcd", out + "/bin/000001.bin",
         folder.file("link"), folder.file("link/scans.npy"), folder.file("out/../out")}) {
     CAPTURE(input);
-    CHECK(one_line_with(error_message([&] {
-                          UpsampleOutput(out, {input, "linear", 1}, sensor, {});
-                        }),
-                        "overwritten", "--out"));
+    CHECK(refuses({"overwritten", "--out"}, [&] {
+      UpsampleOutput(out, {input, "linear", 1}, sensor, {});
+    }));
   }
   CHECK(file_contents(out + "/scans.npy") == before);
 }

@@ -11,16 +11,12 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "error_message.h"
-#include "live/live_map.h"
 #include "live/live_run.h"
 #include "live/view_server.h"
+#include "tools/parts_of_text.h"
 
 namespace hqslam::tools {
 namespace {
-
-using test::error_message;
-using test::one_line_with;
 
 OrganizedCloud ring(float radius_m, int columns) {
   OrganizedCloud cloud(1, columns);
@@ -141,9 +137,9 @@ TEST_CASE("the path of a long drive is thinned out, from its beginning to its en
 
 TEST_CASE("the page is one file, and its title cannot break out of it") {
   const std::string page = live_page("<script>alert(1)</script>");
-  CHECK(page.find("<script>alert") == std::string::npos);
-  CHECK(page.find("src=") == std::string::npos);
-  CHECK(page.find("http") == std::string::npos);
+  CHECK_FALSE(holds(page, "<script>alert"));
+  CHECK_FALSE(holds(page, "src="));
+  CHECK_FALSE(holds(page, "http"));
 }
 
 TEST_CASE("the server answers GET, and refuses or leaves everything else") {
@@ -176,7 +172,7 @@ TEST_CASE("a page of another site, whose name leads here, is told nothing") {
     const std::string answer =
         answer_to(server.url(), fmt::format("GET / HTTP/1.1\r\nHost: {}\r\n\r\n", host));
     CHECK(answer.starts_with("HTTP/1.1 403"));
-    CHECK(answer.find("where you are") == std::string::npos);
+    CHECK_FALSE(holds(answer, "where you are"));
   }
   CHECK(answer_to(server.url(), "GET / HTTP/1.1\r\n\r\n").starts_with("HTTP/1.1 403"));
   for (const char* host : {"localhost:1", "LOCALHOST", "192.168.1.7:8642", "[::1]:8642"}) {
@@ -209,10 +205,8 @@ TEST_CASE("a page's port in use and an address that is none are refused in one l
   const ViewServer server("127.0.0.1", 0, nothing);
   const std::string url = server.url();
   const auto port = static_cast<std::uint16_t>(std::stoi(url.substr(url.rfind(':') + 1)));
-  CHECK(one_line_with(error_message([&] { ViewServer("127.0.0.1", port, nothing); }),
-                      std::to_string(port), "--view"));
-  CHECK(one_line_with(error_message([&] { ViewServer("localhost", 0, nothing); }), "localhost",
-                      "127.0.0.1"));
+  CHECK(refuses({std::to_string(port), "--view"}, [&] { ViewServer("127.0.0.1", port, nothing); }));
+  CHECK(refuses({"localhost", "127.0.0.1"}, [&] { ViewServer("localhost", 0, nothing); }));
 }
 
 TEST_CASE(
@@ -234,7 +228,7 @@ TEST_CASE(
         "dropped");
   status.latest->report.mapping_status = slam::Status::kDegenerate;
   status.counts.other_senders = 2;
-  CHECK(status_line(status).find("mapping degenerate") != std::string::npos);
+  CHECK(holds(status_line(status), "mapping degenerate"));
   CHECK(status_line(status).ends_with("  2 packets of other senders"));
   status.counts.recording_failure = "a.pcap: cannot be written on; is the disk full?";
   CHECK(status_line(status).ends_with("  NOT RECORDED ANY MORE"));

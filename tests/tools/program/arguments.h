@@ -12,8 +12,14 @@ namespace hqslam::test {
 
 inline const std::string kProgram = fmt::format("'{}'", HQSLAM_PROGRAM);
 
+/// As short as does: most of these tests run every command several times.
+inline constexpr int kShortDriveScans = 4;
+inline const std::string& short_drive() {
+  return simulated_drive("--sensor os1-16 --scans " + std::to_string(kShortDriveScans));
+}
+
 inline std::string evaluate_arguments() {
-  return fmt::format("evaluate '{0}/truth.tum' '{0}/truth.tum'", simulated_drive());
+  return fmt::format("evaluate '{0}/truth.tum' '{0}/truth.tum'", short_drive());
 }
 
 inline std::string simulate_arguments(const std::string& out, int scans = 3) {
@@ -22,11 +28,11 @@ inline std::string simulate_arguments(const std::string& out, int scans = 3) {
 
 inline std::string upsample_arguments(const std::string& out) {
   return fmt::format("upsample '{}' --method linear --sensor os1-64 --bin --out '{}'",
-                     simulated_drive() + "/pcd", out);
+                     short_drive() + "/pcd", out);
 }
 
 inline std::string run_arguments(const std::string& out) {
-  return fmt::format("run '{}' --out '{}'", simulated_drive(), out);
+  return fmt::format("run '{}' --out '{}'", short_drive(), out);
 }
 
 /// Trains for so many steps; the recipe and the drives lie in `folder`.

@@ -14,18 +14,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A drive of all 64 beams that is long enough for scans to vote.
-constexpr int kScans = 24;
-const std::string& drive_of_64() {
-  static const TemporaryDirectory folder;
-  static const std::string drive = [] {
-    std::string path = folder.file("drive");
-    run_hqslam(fmt::format("simulate --drive block --sensor os1-64 --seed 5 --scans {} --out '{}'",
-                           kScans, path));
-    return path;
-  }();
-  return drive;
-}
+/// All 64 beams, and long enough for scans to vote.
+const std::string& drive_of_64() { return simulated_drive("--sensor os1-64 --seed 5 --scans 24"); }
 
 /// A row of what evaluate-map prints.
 struct MapRow {
@@ -55,24 +45,18 @@ TEST_CASE("a lifted drive's dense map is more complete than a measured one's, an
   const TemporaryDirectory out;
   const std::string folder = out.path().string();
   const auto run = [&](const char* options, const char* name) {
-    const ProgramResult result = run_hqslam(
-        fmt::format("run '{}' {} --dense-map --out '{}/{}'", drive_of_64(), options, folder, name));
-    CAPTURE(result.error);
-    REQUIRE(result.status == 0);
-    CHECK(result.out.find("dense map: ") != std::string::npos);
+    const ProgramResult result =
+        succeeds("run '{}' {} --dense-map --out '{}/{}'", drive_of_64(), options, folder, name);
+    CHECK(holds(result.out, "dense map: "));
   };
   run("--rows 16", "rows16");
   run("--upsample inverse", "lifted");
   run("", "rows64");
-  const ProgramResult map = run_hqslam(fmt::format(
-      "map '{0}' --rows 16 --poses '{0}/truth.tum' --out '{1}/true'", drive_of_64(), folder));
-  CAPTURE(map.error);
-  REQUIRE(map.status == 0);
-  const ProgramResult result = run_hqslam(fmt::format(
+  const ProgramResult map = succeeds("map '{0}' --rows 16 --poses '{0}/truth.tum' --out '{1}/true'",
+                                     drive_of_64(), folder);
+  const ProgramResult result = succeeds(
       "evaluate-map '{0}/rows16' '{0}/lifted' '{0}/rows64' '{0}/true/dense_map.pcd' --drive '{1}'",
-      folder, drive_of_64()));
-  CAPTURE(result.error);
-  REQUIRE(result.status == 0);
+      folder, drive_of_64());
   const std::vector<MapRow> rows = rows_of(result.out);
   REQUIRE(rows.size() == 4);
   const MapRow& measured = rows[0];
@@ -90,41 +74,39 @@ TEST_CASE("a lifted drive's dense map is more complete than a measured one's, an
   CHECK(lifted.f1_02 > measured.f1_02 + 0.02);
   // The same map from true poses: SLAM costs next to nothing here.
   CHECK(std::abs(rows[3].f1_01 - measured.f1_01) < 0.05);
-  CHECK(measured.rest.find("aligned") != std::string::npos);
-  CHECK(rows[3].rest.find("aligned") == std::string::npos);
+  CHECK(holds(measured.rest, "aligned"));
+  CHECK_FALSE(holds(rows[3].rest, "aligned"));
 }
 
 TEST_CASE("the files of a dense map are whole and the report shows its pictures") {
   const TemporaryDirectory out;
-  REQUIRE(run_hqslam(fmt::format("run '{}' --upsample linear --rows 4 --dense-map --map-voxel 0.2 "
-                                 "--out '{}'",
-                                 simulated_drive(), out.path().string()))
-              .status == 0);
+  succeeds(
+      "run '{}' --upsample linear --rows 4 --dense-map --map-voxel 0.2 "
+      "--out '{}'",
+      simulated_drive(), out.path().string());
   const std::size_t points = read_pcd(out.file("dense_map.pcd")).points_m.size();
   CHECK(points > 1000);
-  CHECK(file_contents(out.file("dense_map.ply")).find(fmt::format("element vertex {}\n", points)) !=
-        std::string::npos);
+  CHECK(
+      holds(file_contents(out.file("dense_map.ply")), fmt::format("element vertex {}\n", points)));
   CHECK(file_contents(out.file("dense_map_above.png")).starts_with("\x89PNG"));
   CHECK(file_contents(out.file("dense_map_perspective.png")).starts_with("\x89PNG"));
-  CHECK(file_contents(out.file("report.html")).find("Dense map</h2>") != std::string::npos);
+  CHECK(holds(file_contents(out.file("report.html")), "Dense map</h2>"));
   for (const fs::directory_entry& entry : fs::directory_iterator(out.path())) {
     CHECK(entry.path().extension() != ".part");
   }
   // The next run, without one, leaves none of another trajectory behind.
-  REQUIRE(run_hqslam(fmt::format("run '{}' --out '{}'", simulated_drive(), out.path().string()))
-              .status == 0);
+  succeeds("run '{}' --out '{}'", simulated_drive(), out.path().string());
   CHECK_FALSE(fs::exists(out.file("dense_map.ply")));
   CHECK_FALSE(fs::exists(out.file("dense_map.pcd")));
-  CHECK(file_contents(out.file("report.html")).find("Dense map</h2>") == std::string::npos);
+  CHECK_FALSE(holds(file_contents(out.file("report.html")), "Dense map</h2>"));
 }
 
 TEST_CASE("two dense maps of one drive are the same bytes, with one thread and with two") {
   std::vector<std::string> maps;
   for (const int threads : {1, 2}) {
     const TemporaryDirectory out;
-    REQUIRE(run_hqslam(fmt::format("run '{}' --dense-map --threads {} --out '{}'",
-                                   simulated_drive(), threads, out.path().string()))
-                .status == 0);
+    succeeds("run '{}' --dense-map --threads {} --out '{}'", simulated_drive(), threads,
+             out.path().string());
     maps.push_back(file_contents(out.file("dense_map.ply")));
   }
   CHECK(maps[0].size() > 10000);
@@ -140,21 +122,17 @@ TEST_CASE("scans whose poses a TUM file does not have are left out of the map, a
     if (i % 3 == 0) some += line + "\n";
   }
   write_file(out.file("some.tum"), some);
-  const ProgramResult result =
-      run_hqslam(fmt::format("map '{}' --poses '{}' --out '{}'", simulated_drive(),
-                             out.file("some.tum"), out.file("map")));
-  CAPTURE(result.error);
-  CHECK(result.status == 0);
-  CHECK(result.out.find("of 4 scans") != std::string::npos);
-  CHECK(result.out.find("8 scans without a pose left out") != std::string::npos);
+  const ProgramResult result = succeeds("map '{}' --poses '{}' --out '{}'", simulated_drive(),
+                                        out.file("some.tum"), out.file("map"));
+  CHECK(holds(result.out, "of 4 scans"));
+  CHECK(holds(result.out, "8 scans without a pose left out"));
 }
 
 TEST_CASE("poses of another time make no map, and that is said") {
   const TemporaryDirectory out;
   write_file(out.file("late.tum"), "1000 0 0 0 0 0 0 1\n1001 1 0 0 0 0 0 1\n");
-  const ProgramResult result =
-      run_hqslam(fmt::format("map '{}' --poses '{}' --out '{}'", simulated_drive(),
-                             out.file("late.tum"), out.file("map")));
+  const ProgramResult result = run_hqslam("map '{}' --poses '{}' --out '{}'", simulated_drive(),
+                                          out.file("late.tum"), out.file("map"));
   CHECK(result.status == 2);
   CHECK(is_one_line(result.error.substr(result.error.rfind("hqslam: "))));
   CHECK(holds(result.error, "none of its poses is within 0.02 s of one of 12 scans"));
@@ -180,10 +158,8 @@ TEST_CASE("files of somebody else are not replaced by a dense map, and wrong inp
   const TemporaryDirectory out;
   write_file(out.file("dense_map.pcd"), "mine");
   const auto fails = [&](const std::string& arguments, const char* with) {
-    const ProgramResult result = run_hqslam(arguments);
-    CAPTURE(result.error);
-    CHECK(result.status == 2);
-    CHECK(result.error.find(with) != std::string::npos);
+    const ProgramResult result = refused(arguments);
+    CHECK(holds(result.error, with));
   };
   fails(fmt::format("map '{0}' --poses '{0}/truth.tum' --out '{1}'", simulated_drive(),
                     out.path().string()),

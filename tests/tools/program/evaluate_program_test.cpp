@@ -23,7 +23,7 @@ Trajectory straight_line() {
 
 ProgramResult evaluate(const std::string& estimate, const std::string& reference,
                        const std::string& options = "") {
-  return run_hqslam(fmt::format("evaluate '{}' '{}' {}", estimate, reference, options));
+  return run_hqslam("evaluate '{}' '{}' {}", estimate, reference, options);
 }
 
 }  // namespace

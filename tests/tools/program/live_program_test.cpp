@@ -28,11 +28,17 @@ using namespace std::chrono_literals;
 constexpr std::array<std::uint8_t, 16> kLoopback = {0, 0, 0, 0, 0,   0, 0, 0,
                                                     0, 0, 0, 0, 127, 0, 0, 1};
 
+/// What is sent.
+const OusterDrive& drive() {
+  static const OusterDrive sent = ouster_drive(simulated_drive());
+  return sent;
+}
+
 /// `hqslam live` beside this program, with its output in files.
 class LiveProgram {
  public:
-  LiveProgram(const std::string& metadata, const std::string& options) : port_(free_udp_port()) {
-    write_file(folder_.file("sensor.json"), metadata);
+  explicit LiveProgram(const std::string& options) : port_(free_udp_port()) {
+    write_file(folder_.file("sensor.json"), drive().metadata);
     start(options);
   }
   /// Once more, into the same folder, after it has ended.
@@ -54,10 +60,15 @@ class LiveProgram {
   /// Waits until the output has such a part; whether it came.
   bool says(const std::string& part) const {
     for (int i = 0; i < 2000; ++i) {
-      if (out().find(part) != std::string::npos) return true;
+      if (holds(out(), part)) return true;
       std::this_thread::sleep_for(10ms);
     }
     return false;
+  }
+  /// Sends the drive, in real time, and waits until all of it was located.
+  void send_drive() const {
+    replay(drive().packets, port_, 1.0);
+    REQUIRE(says(fmt::format("{} scans  x", kDriveScans)));
   }
   /// Its exit status.
   int end(int signal_number) { return child_->end(signal_number); }
@@ -73,22 +84,20 @@ class LiveProgram {
 }  // namespace
 
 TEST_CASE("a drive that is sent live gives the trajectory that its capture gives") {
-  const OusterDrive drive = ouster_drive(simulated_drive());
   const TemporaryDirectory folder;
-  LiveProgram live(drive.metadata, "--record '" + folder.file("kept.pcap") + "'");
+  LiveProgram live("--record '" + folder.file("kept.pcap") + "'");
   REQUIRE(live.says("no packet yet"));
-  replay(drive.packets, live.port(), 1.0);
-  REQUIRE(live.says(fmt::format("{} scans  x", kDriveScans)));
+  live.send_drive();
   CHECK(live.end(SIGINT) == 0);
   CAPTURE(live.out());
   CAPTURE(live.error());
-  CHECK(live.out().find("Ouster packets, LEGACY from 127.0.0.1") != std::string::npos);
-  CHECK(live.out().find(fmt::format("0 of {} scans dropped", kDriveScans)) != std::string::npos);
+  CHECK(holds(live.out(), "Ouster packets, LEGACY from 127.0.0.1"));
+  CHECK(holds(live.out(), fmt::format("0 of {} scans dropped", kDriveScans)));
   const Trajectory by_wire = read_tum(live.path("out/trajectory.tum"));
   REQUIRE(by_wire.size() == kDriveScans);
   CHECK(read_kitti_poses(live.path("out/trajectory.kitti")).size() == kDriveScans);
   CHECK(read_pcd(live.path("out/map.pcd")).points_m.size() > 1000);
-  CHECK(file_contents(live.path("out/report.html")).find("hqslam live") != std::string::npos);
+  CHECK(holds(file_contents(live.path("out/report.html")), "hqslam live"));
   const auto timings = nlohmann::json::parse(file_contents(live.path("out/timings.json")));
   CHECK(timings["written_by"] == "hqslam live");
   CHECK(timings["end"] == "complete");
@@ -96,10 +105,7 @@ TEST_CASE("a drive that is sent live gives the trajectory that its capture gives
   CHECK(timings["times_ms"]["latency"]["p95"] > timings["times_ms"]["slam_total"]["median"]);
   CHECK(timings["per_scan"]["times_ms"]["latency"].size() == kDriveScans);
 
-  const ProgramResult run =
-      run_hqslam(fmt::format("run '{}' --out '{}'", folder.file("kept.pcap"), folder.file("out")));
-  CAPTURE(run.error);
-  REQUIRE(run.status == 0);
+  succeeds("run '{}' --out '{}'", folder.file("kept.pcap"), folder.file("out"));
   const Trajectory by_file = read_tum(folder.file("out/trajectory.tum"));
   REQUIRE(by_file.size() == kDriveScans);
   for (std::size_t i = 0; i < by_file.size(); ++i) {
@@ -110,70 +116,58 @@ TEST_CASE("a drive that is sent live gives the trajectory that its capture gives
 
 TEST_CASE(
     "killed while it records, live leaves a capture to run on, which it does not write over") {
-  const OusterDrive drive = ouster_drive(simulated_drive());
   const TemporaryDirectory folder;
   const std::string kept = folder.file("kept.pcap");
-  LiveProgram live(drive.metadata, "--record '" + kept + "'");
+  LiveProgram live("--record '" + kept + "'");
   REQUIRE(live.says("no packet yet"));
-  replay(drive.packets, live.port(), 1.0);
-  REQUIRE(live.says(fmt::format("{} scans  x", kDriveScans)));
+  live.send_drive();
   CHECK(live.end(SIGKILL) == -1);
 
   // At most the last packets, which were not written yet, are missing.
   const std::string recorded = file_contents(kept);
-  const ProgramResult run =
-      run_hqslam(fmt::format("run '{}' --out '{}'", kept, folder.file("run")));
-  CAPTURE(run.error);
-  REQUIRE(run.status == 0);
+  const ProgramResult run = succeeds("run '{}' --out '{}'", kept, folder.file("run"));
   CHECK(read_tum(folder.file("run/trajectory.tum")).size() >= kDriveScans - 1);
 
   live.start("--record '" + kept + "'");
   CHECK(live.wait() == 2);
-  CHECK(live.error().find(kept.substr(0, kept.size() - 5)) != std::string::npos);
-  CHECK(live.error().find("name another file") != std::string::npos);
+  CHECK(holds(live.error(), kept.substr(0, kept.size() - 5)));
+  CHECK(holds(live.error(), "name another file"));
   CHECK(live.error().find('\n') == live.error().size() - 1);
   CHECK(file_contents(kept) == recorded);
 
   live.start("--record '" + folder.file("more.pcap") + "'");
   REQUIRE(live.says("no packet yet"));
-  replay(drive.packets, live.port(), 1.0);
-  REQUIRE(live.says(fmt::format("{} scans  x", kDriveScans)));
+  live.send_drive();
   CHECK(live.end(SIGTERM) == 0);
   CHECK(read_tum(live.path("out/trajectory.tum")).size() == kDriveScans);
 }
 
 TEST_CASE("results that cannot be written end no drive and no recording; they are written later") {
-  const OusterDrive drive = ouster_drive(simulated_drive());
   for (const bool mended : {true, false}) {
     CAPTURE(mended);
     const TemporaryDirectory folder;
     const std::string kept = folder.file("kept.pcap");
-    LiveProgram live(drive.metadata, "--record '" + kept + "'");
+    LiveProgram live("--record '" + kept + "'");
     REQUIRE(live.says("no packet yet"));
     fs::create_directory(live.path("out/timings.json"));  // nothing can be renamed to this
-    replay(drive.packets, live.port(), 1.0);
-    REQUIRE(live.says("RESULTS NOT WRITTEN"));
-    REQUIRE(live.says(fmt::format("{} scans  x", kDriveScans)));
-    CHECK(live.error().find("driving on") != std::string::npos);
+    live.send_drive();
+    CHECK(live.says("RESULTS NOT WRITTEN"));
+    CHECK(holds(live.error(), "driving on"));
     if (mended) fs::remove(live.path("out/timings.json"));
     CHECK(live.end(SIGINT) == (mended ? 0 : 2));
     CAPTURE(live.error());
     CHECK(fs::exists(live.path("out/report.html")) == mended);
-    const ProgramResult run =
-        run_hqslam(fmt::format("run '{}' --out '{}'", kept, folder.file("out")));
-    CHECK(run.status == 0);
+    succeeds("run '{}' --out '{}'", kept, folder.file("out"));
     CHECK(read_tum(folder.file("out/trajectory.tum")).size() == kDriveScans);
   }
 }
 
 TEST_CASE("metadata that cannot be put beside a recording end the recording, not the drive") {
-  const OusterDrive drive = ouster_drive(simulated_drive());
   const TemporaryDirectory folder;
-  LiveProgram live(drive.metadata, "--record '" + folder.file("kept.pcap") + "'");
+  LiveProgram live("--record '" + folder.file("kept.pcap") + "'");
   REQUIRE(live.says("no packet yet"));
   fs::create_directory(folder.file("kept.json"));
-  replay(drive.packets, live.port(), 1.0);
-  REQUIRE(live.says(fmt::format("{} scans  x", kDriveScans)));
+  live.send_drive();
   REQUIRE(live.says("NOT RECORDED ANY MORE"));
   CHECK(live.end(SIGINT) == 2);
   CHECK(holds(live.error(), "kept.json"));
@@ -182,36 +176,31 @@ TEST_CASE("metadata that cannot be put beside a recording end the recording, not
 
 TEST_CASE("live that can write no results says so before it waits for the sensor") {
   const ProgramResult result =
-      run_hqslam(fmt::format("live --sensor vlp-16 --port {} --out /proc/hqslam", free_udp_port()));
-  CHECK(result.status == 2);
-  CHECK(is_one_line(result.error));
+      refused("live --sensor vlp-16 --port {} --out /proc/hqslam", free_udp_port());
   CHECK(holds(result.error, "/proc/hqslam"));
 }
 
 TEST_CASE("live lifts scans, serves the page, and ends with SIGTERM as with Ctrl-C") {
-  const OusterDrive drive = ouster_drive(simulated_drive());
-  LiveProgram live(drive.metadata, "--rows 8 --upsample linear --view 0");
+  LiveProgram live("--rows 8 --upsample linear --view 0");
   REQUIRE(live.says("page: http://127.0.0.1:"));
   std::smatch url;
   const std::string out = live.out();
   REQUIRE(std::regex_search(out, url, std::regex("page: http://127.0.0.1:([0-9]+)/")));
   const auto port = static_cast<std::uint16_t>(std::stoi(url[1]));
-  CHECK(live::http_get(kLoopback, port, "/").find("<canvas") != std::string::npos);
-  replay(drive.packets, live.port(), 1.0);
-  REQUIRE(live.says(fmt::format("{} scans  x", kDriveScans)));
+  CHECK(holds(live::http_get(kLoopback, port, "/"), "<canvas"));
+  live.send_drive();
   const auto state = nlohmann::json::parse(live::http_get(kLoopback, port, "/state"));
   CHECK(state["points"].size() > 3000);
   CHECK(state["positions"].size() >= 3);
   CHECK(state["scans"] >= 5);
   CHECK(live.end(SIGTERM) == 0);
-  CHECK(live.out().find("upsampled to 16 rows by linear") != std::string::npos);
+  CHECK(holds(live.out(), "upsampled to 16 rows by linear"));
   CHECK(read_tum(live.path("out/trajectory.tum")).size() > 5);
 }
 
 TEST_CASE("live that never got a packet says so, writes nothing and can be ended") {
-  const OusterDrive drive = ouster_drive(simulated_drive());
   const TemporaryDirectory folder;
-  LiveProgram live(drive.metadata, "--record '" + folder.file("kept.pcap") + "'");
+  LiveProgram live("--record '" + folder.file("kept.pcap") + "'");
   REQUIRE(live.says(fmt::format("no packet yet on UDP port {}", live.port())));
   CHECK(live.end(SIGINT) == 0);
   CHECK_FALSE(fs::exists(live.path("out")));
@@ -220,9 +209,7 @@ TEST_CASE("live that never got a packet says so, writes nothing and can be ended
 
 TEST_CASE("captures are opened by upsample, compare, inspect, bench and table as by run") {
   const TemporaryDirectory folder;
-  run_hqslam(fmt::format("simulate --drive block --sensor os1-64 --scans 6 --out '{}'",
-                         folder.file("drive")));
-  OusterDrive drive = ouster_drive(folder.file("drive"));
+  OusterDrive drive = ouster_drive(simulated_drive("--sensor os1-64 --scans 6"));
   for (Captured& packet : drive.packets) packet.time_ns += 1'600'000'000'000'000'000;
   const std::string capture = folder.file("a.pcap");
   write_file(capture, pcap_bytes(drive.packets));
@@ -239,23 +226,19 @@ TEST_CASE("captures are opened by upsample, compare, inspect, bench and table as
         fmt::format("table --drives '{}' --methods linear,rows-64 --stream 7502 --out '{}'",
                     capture, folder.file("table"))}) {
     CAPTURE(arguments);
-    const ProgramResult result = run_hqslam(arguments);
-    CAPTURE(result.error);
-    CHECK(result.status == 0);
+    succeeds(arguments);
   }
-  CHECK(file_contents(folder.file("lifted/upsample.json")).find("a.pcap") != std::string::npos);
-  const ProgramResult none =
-      run_hqslam(fmt::format("inspect '{}' --weights '{}' --scan 6 --out '{}'", capture, weights,
-                             folder.file("none.html")));
-  CHECK(none.status == 2);
-  CHECK(none.error.find("has 6 scans") != std::string::npos);
+  CHECK(holds(file_contents(folder.file("lifted/upsample.json")), "a.pcap"));
+  const ProgramResult none = refused("inspect '{}' --weights '{}' --scan 6 --out '{}'", capture,
+                                     weights, folder.file("none.html"));
+  CHECK(holds(none.error, "has 6 scans"));
 }
 
 TEST_CASE("a port in use and other wrong input of live are one line and status 2") {
   const live::UdpSocket other(0);
   const TemporaryDirectory folder;
   write_file(folder.file("a.pcap"), "");
-  write_file(folder.file("metadata.json"), ouster_drive(simulated_drive()).metadata);
+  write_file(folder.file("metadata.json"), drive().metadata);
   write_untrained_weights(folder.file("os1.npz"), sensor_preset("os1-64"));
   SensorModel wide = sensor_preset("os1-16");
   wide.columns = 2048;
@@ -278,10 +261,7 @@ TEST_CASE("a port in use and other wrong input of live are one line and status 2
                     free_udp_port(), folder.file("wide.npz")),
         std::string("--sensor vlp-16 --port 99999"), std::string("--port 2368")}) {
     CAPTURE(arguments);
-    const ProgramResult result = run_hqslam("live " + arguments + out);
-    CAPTURE(result.error);
-    CHECK(result.status == 2);
-    CHECK(result.error.find('\n') == result.error.size() - 1);
+    refused("live " + arguments + out);
   }
   CHECK_FALSE(fs::exists(folder.file("out")));
   CHECK_FALSE(fs::exists(folder.file("never.pcap")));

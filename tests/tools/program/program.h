@@ -1,13 +1,17 @@
 #pragma once
 
+#include <doctest/doctest.h>
 #include <fmt/format.h>
 #include <sys/wait.h>
 
 #include <cstdlib>
+#include <map>
 #include <string>
+#include <utility>
 
 #include "file_contents.h"
 #include "temporary_directory.h"
+#include "tools/parts_of_text.h"
 
 namespace hqslam::test {
 
@@ -35,25 +39,61 @@ inline ProgramResult run_hqslam(const std::string& arguments) {
   return run_shell(fmt::format("'{}' {}", HQSLAM_PROGRAM, arguments));
 }
 
-inline bool holds(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
+/// With its end; a text of one line is its own last one.
+inline std::string last_line(const std::string& text) {
+  const std::size_t end = text.size() < 2 ? std::string::npos : text.rfind('\n', text.size() - 2);
+  return end == std::string::npos ? text : text.substr(end + 1);
 }
 
 inline bool is_one_line(const std::string& text) {
   return !text.empty() && text.find('\n') == text.size() - 1;
 }
 
-/// A drive of `kDriveScans` scans of an OS1-16 through the simulated city, made once per test
-/// program, as a stack with its truth, as .bin and as .pcd files.
+/// The same of arguments that are right.
+inline ProgramResult succeeds(const std::string& arguments) {
+  ProgramResult result = run_hqslam(arguments);
+  CAPTURE(arguments);
+  CAPTURE(result.error);
+  REQUIRE(result.status == 0);
+  return result;
+}
+
+/// The same of wrong ones, which are told in one line on stderr.
+inline ProgramResult refused(const std::string& arguments) {
+  ProgramResult result = run_hqslam(arguments);
+  CAPTURE(arguments);
+  CAPTURE(result.error);
+  CHECK(result.status == 2);
+  CHECK(is_one_line(result.error));
+  return result;
+}
+
+// The same three with arguments that are put together as fmt::format does.
+template <typename... Values>
+ProgramResult run_hqslam(fmt::format_string<Values...> arguments, Values&&... values) {
+  return run_hqslam(fmt::format(arguments, std::forward<Values>(values)...));
+}
+template <typename... Values>
+ProgramResult succeeds(fmt::format_string<Values...> arguments, Values&&... values) {
+  return succeeds(fmt::format(arguments, std::forward<Values>(values)...));
+}
+template <typename... Values>
+ProgramResult refused(fmt::format_string<Values...> arguments, Values&&... values) {
+  return refused(fmt::format(arguments, std::forward<Values>(values)...));
+}
+
+/// A drive through the simulated city, made once per test program with these options: a stack with
+/// its truth, .bin and .pcd files. Usually `kDriveScans` scans of an OS1-16.
 inline constexpr int kDriveScans = 12;
-inline const std::string& simulated_drive() {
+inline const std::string& simulated_drive(
+    const std::string& options = "--sensor os1-16 --scans " + std::to_string(kDriveScans)) {
   static const TemporaryDirectory folder;
-  static const std::string drive = [] {
-    std::string path = folder.file("drive");
-    run_hqslam("simulate --drive block --sensor os1-16 --scans " + std::to_string(kDriveScans) +
-               " --bin --pcd --out '" + path + "'");
-    return path;
-  }();
+  static std::map<std::string, std::string> drives;
+  std::string& drive = drives[options];
+  if (drive.empty()) {
+    drive = folder.file("drive" + std::to_string(drives.size()));
+    run_hqslam("simulate --drive block {} --bin --pcd --out '{}'", options, drive);
+  }
   return drive;
 }
 

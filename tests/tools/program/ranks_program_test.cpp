@@ -34,14 +34,6 @@ ProgramResult run_on_ranks(int count, const std::string& arguments) {
   return run_shell(on_ranks(count) + " " + arguments);
 }
 
-std::size_t count(const std::string& text, const std::string& part) {
-  std::size_t found = 0;
-  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) {
-    ++found;
-  }
-  return found;
-}
-
 std::string recipe(int batch, const std::string& more = "") {
   return fmt::format(R"({{
     "network": {{"kind": "du-or", "layers": 2, "sensor": "os1-64", "measured_rows": 16,
@@ -69,7 +61,7 @@ TEST_CASE("two processes train the same bytes as one, and one of them speaks") {
       return fmt::format("train --config '{0}/recipe.json' --out '{0}/{1}'", folder.path().string(),
                          name);
     };
-    REQUIRE(run_hqslam(arguments("one")).status == 0);
+    succeeds(arguments("one"));
     const ProgramResult two = run_on_ranks(2, arguments("two"));
     CAPTURE(two.error);
     CHECK(two.status == 0);
@@ -95,7 +87,7 @@ TEST_CASE("a training that two processes began and one ended has the bytes of on
   write_file(folder.file("recipe.json"), text);
   const std::string arguments = fmt::format(
       "train --config '{0}/recipe.json' --drives '{0}/drives' --out '{0}/", folder.path().string());
-  REQUIRE(run_hqslam(arguments + "whole'").status == 0);
+  succeeds(arguments + "whole'");
   const ProgramResult stopped =
       run_shell(fmt::format("{} {}parts' & pid=$!\n"
                             "while [ ! -e '{}' ] && kill -0 $pid; do sleep 0.01; done\n"
@@ -103,7 +95,7 @@ TEST_CASE("a training that two processes began and one ended has the bytes of on
                             on_ranks(2), arguments, folder.file("parts/checkpoint.npz")));
   CHECK(stopped.status != 0);
   CHECK(holds(stopped.error, "the same command goes on from there"));
-  REQUIRE(run_hqslam(arguments + "parts'").status == 0);
+  succeeds(arguments + "parts'");
   for (const char* name : {"/weights.npz", "/checkpoint.npz", "/curve.svg"}) {
     CAPTURE(name);
     CHECK(file_contents(folder.file("parts") + name) == file_contents(folder.file("whole") + name));
@@ -136,7 +128,7 @@ TEST_CASE("two processes make the table that one makes, and one shows what they 
         fmt::format("table {} --scans 4 --methods rows-16,linear,rows-64", how);
     const std::string one = folder.file("one" + std::to_string(how.size()));
     const std::string two = folder.file("two" + std::to_string(how.size()));
-    REQUIRE(run_hqslam(arguments + " --out '" + one + "'").status == 0);
+    succeeds(arguments + " --out '" + one + "'");
     const ProgramResult by_two = run_on_ranks(2, arguments + " --out '" + two + "'");
     CAPTURE(by_two.error);
     REQUIRE(by_two.status == 0);

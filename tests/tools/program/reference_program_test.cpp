@@ -21,18 +21,14 @@ TEST_CASE("behind a bad file scans are compared and mapped with their own poses 
   fs::copy(simulated_drive() + "/bin", folder.file("bin"));
   fs::resize_file(folder.file("bin/000005.bin"), 1001);
   const std::string truth = simulated_drive() + "/truth.kitti";
-  const ProgramResult run = run_hqslam(fmt::format(
-      "run '{0}/bin' --sensor os1-16 --no-loop-closing --reference '{1}' --out '{0}/out'",
-      folder.path().string(), truth));
-  CAPTURE(run.out);
-  CHECK(run.status == 0);
+  const ProgramResult run =
+      succeeds("run '{0}/bin' --sensor os1-16 --no-loop-closing --reference '{1}' --out '{0}/out'",
+               folder.path().string(), truth);
   const std::size_t rmse = run.out.find("APE RMSE ");
   REQUIRE(rmse != std::string::npos);
   CHECK(std::stod(run.out.substr(rmse + 9)) < 0.1);  // 0.3 if scan 6 had the pose of scan 5
-  const ProgramResult map =
-      run_hqslam(fmt::format("map '{0}/bin' --sensor os1-16 --poses '{1}' --out '{0}/map'",
-                             folder.path().string(), truth));
-  CHECK(map.status == 0);
+  const ProgramResult map = succeeds("map '{0}/bin' --sensor os1-16 --poses '{1}' --out '{0}/map'",
+                                     folder.path().string(), truth);
   CHECK(holds(map.out, fmt::format("of {} scans", kDriveScans - 1)));
   CHECK(holds(map.error, "1 scan was left out"));
 }
@@ -50,11 +46,9 @@ TEST_CASE("a reference by the clock of the scans' own stamps is compared with th
   }
   write_file(folder.file("velodyne_points/timestamps.txt"), stamps);
   write_tum(truth, folder.file("truth.tum"));
-  const ProgramResult result = run_hqslam(fmt::format(
+  const ProgramResult result = succeeds(
       "run '{0}/velodyne_points/data' --sensor os1-16 --reference '{0}/truth.tum' --out '{0}/out'",
-      folder.path().string()));
-  CAPTURE(result.error);
-  CHECK(result.status == 0);
+      folder.path().string());
   CHECK(holds(result.out, fmt::format("over {} poses", kDriveScans)));
 }
 
@@ -74,12 +68,10 @@ TEST_CASE("real KITTI files and poses are compared scan by scan") {
     fs::create_symlink(drive + "/velodyne/" + name, folder.file("bin/" + name));
   }
   write_kitti_poses(poses, folder.file("poses.txt"));
-  const ProgramResult result = run_hqslam(
-      fmt::format("run '{0}/bin' --sensor hdl-64e --reference '{0}/poses.txt' --out '{0}/out'",
-                  folder.path().string()));
-  CAPTURE(result.error);
-  REQUIRE(result.status == 0);
-  CHECK(result.out.find("over 10 poses") != std::string::npos);
+  const ProgramResult result =
+      succeeds("run '{0}/bin' --sensor hdl-64e --reference '{0}/poses.txt' --out '{0}/out'",
+               folder.path().string());
+  CHECK(holds(result.out, "over 10 poses"));
   const AbsolutePoseError error = absolute_pose_error(
       read_kitti_poses(folder.file("out/trajectory.kitti")), poses, Alignment::kSe3);
   CHECK(error.translation_statistics.max < 0.1);

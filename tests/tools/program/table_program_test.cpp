@@ -20,8 +20,7 @@ namespace fs = std::filesystem;
 constexpr const char* kMethods = "rows-16,linear,du-or,rows-64";
 
 ProgramResult make_table(const std::string& out) {
-  return run_hqslam(
-      fmt::format("table --drives block --scans 16 --methods {} --out '{}'", kMethods, out));
+  return run_hqslam("table --drives block --scans 16 --methods {} --out '{}'", kMethods, out);
 }
 
 /// The folder of the only results in results/DRIVE with so many scans, "" if there is none yet.
@@ -60,10 +59,9 @@ double number_after(const std::string& text, const std::string& label) {
 /// APE RMSE of `hqslam run` with these arguments, as `hqslam evaluate` prints it.
 double evaluated_ape_m(const std::string& arguments, const std::string& out,
                        const std::string& reference) {
-  REQUIRE(run_hqslam(fmt::format("run {} --out '{}'", arguments, out)).status == 0);
-  return number_after(
-      run_hqslam(fmt::format("evaluate '{}/trajectory.tum' '{}'", out, reference)).out,
-      "APE m (align se3)");
+  succeeds("run {} --out '{}'", arguments, out);
+  return number_after(run_hqslam("evaluate '{}/trajectory.tum' '{}'", out, reference).out,
+                      "APE m (align se3)");
 }
 
 }  // namespace
@@ -74,8 +72,8 @@ TEST_CASE("a table is interrupted, finished, repeated and repaired, always with 
   CHECK(interrupted_table(out, "rows-64") == 130);
   const std::string results = results_folder(out, "block", 16);
   REQUIRE_FALSE(results.empty());
-  CHECK(file_contents(out + "/table.md").find("| LiDAR-64 |") != std::string::npos);
-  CHECK(file_contents(out + "/table.md").find("| DU-OR |") == std::string::npos);
+  CHECK(holds(file_contents(out + "/table.md"), "| LiDAR-64 |"));
+  CHECK_FALSE(holds(file_contents(out + "/table.md"), "| DU-OR |"));
   const std::string first = file_contents(results + "rows-64.json");
 
   const ProgramResult finished = make_table(out);
@@ -84,8 +82,8 @@ TEST_CASE("a table is interrupted, finished, repeated and repaired, always with 
   CHECK(file_contents(results + "rows-64.json") == first);  // with its times: it was not run again
   for (const char* row : {"| LiDAR-16 |", "| linear |", "| DU-OR |", "| LiDAR-64 |"}) {
     CAPTURE(row);
-    CHECK(finished.out.find(row) != std::string::npos);
-    CHECK(file_contents(out + "/table.md").find(row) != std::string::npos);
+    CHECK(holds(finished.out, row));
+    CHECK(holds(file_contents(out + "/table.md"), row));
   }
   for (const char* file :
        {"table.html", "block-loop-closing-off.svg", "block-loop-closing-on.svg"}) {
@@ -113,24 +111,19 @@ TEST_CASE("a table is interrupted, finished, repeated and repaired, always with 
   write_file(results + "linear.json", "{\"written_by\": \"hqsl");
   const ProgramResult repaired = make_table(out);
   CHECK(repaired.status == 0);
-  CHECK(repaired.error.find("block, linear: 16/16 scans") != std::string::npos);
+  CHECK(holds(repaired.error, "block, linear: 16/16 scans"));
   CHECK(json_of(out + "/table.json")["drives"] == table["drives"]);
 }
 
 TEST_CASE(
     "methods that share a network's pass give what each gives alone, and length is a setting") {
   const TemporaryDirectory folder;
+  const std::string drive = simulated_drive("--sensor os1-64 --scans 6");
   const auto run_with = [&](const std::string& methods, const std::string& out) {
-    return run_hqslam(fmt::format("table --drives '{}' --scans 4 --methods {} --out '{}'",
-                                  folder.file("block"), methods, out));
+    succeeds("table --drives '{}' --scans 4 --methods {} --out '{}'", drive, methods, out);
   };
-  run_hqslam("simulate --drive block --sensor os1-64 --scans 5 --out '" + folder.file("block") +
-             "'");
-  const ProgramResult shared =
-      run_with("du-or-no-filter,du-or,du-or+computed-rows", folder.file("shared"));
-  CAPTURE(shared.error);
-  REQUIRE(shared.status == 0);
-  REQUIRE(run_with("du-or-no-filter", folder.file("alone")).status == 0);
+  run_with("du-or-no-filter,du-or,du-or+computed-rows", folder.file("shared"));
+  run_with("du-or-no-filter", folder.file("alone"));
   const nlohmann::json both = json_of(folder.file("shared/table.json"))["drives"][0];
   CHECK(both["scans"] == 4);
   CHECK(both["methods"][0] == json_of(folder.file("alone/table.json"))["drives"][0]["methods"][0]);
@@ -139,7 +132,8 @@ TEST_CASE(
 
   // A variant of SLAM sees the same images, but goes another way.
   CHECK(both["methods"][2]["images"] == both["methods"][1]["images"]);
-  const std::string results = results_folder(folder.file("shared"), "block", 4);
+  const std::string results =
+      results_folder(folder.file("shared"), fs::path(drive).filename().string(), 4);
   CHECK(file_contents(results + "du-or+computed-rows-loop-closing-off.tum") !=
         file_contents(results + "du-or-loop-closing-off.tum"));
 }
@@ -147,10 +141,8 @@ TEST_CASE(
 TEST_CASE("a drive that was simulated once serves shorter tables too") {
   const TemporaryDirectory folder;
   const auto rows_of = [&](int scans, const std::string& out) {
-    const ProgramResult result = run_hqslam(fmt::format(
-        "table --drives block --scans {} --methods rows-16 --out '{}'", scans, folder.file(out)));
-    CAPTURE(result.error);
-    REQUIRE(result.status == 0);
+    succeeds("table --drives block --scans {} --methods rows-16 --out '{}'", scans,
+             folder.file(out));
     return json_of(folder.file(out) + "/table.json")["drives"];
   };
   rows_of(6, "long");
@@ -171,7 +163,7 @@ TEST_CASE("a simulated drive that was damaged is simulated anew, and said to be"
   const std::string out = folder.file("out");
   const std::string arguments =
       "table --drives block --scans 3 --methods rows-16 --out '" + out + "'";
-  REQUIRE(run_hqslam(arguments).status == 0);
+  succeeds(arguments);
   const std::string scans = file_contents(out + "/drives/block/scans.npy");
   for (const auto& [file, damaged] : std::vector<std::pair<const char*, std::string>>{
            {"drive.json", "{\"name\": "},
@@ -181,9 +173,7 @@ TEST_CASE("a simulated drive that was damaged is simulated anew, and said to be"
            {"truth.tum", ""}}) {
     CAPTURE(file);
     write_file(out + "/drives/block/" + file, damaged);
-    const ProgramResult result = run_hqslam(arguments);
-    CAPTURE(result.error);
-    CHECK(result.status == 0);
+    const ProgramResult result = succeeds(arguments);
     CHECK(holds(result.error, "drives/block: "));
     CHECK(holds(result.error, "it is simulated anew"));
     CHECK(file_contents(out + "/drives/block/scans.npy") == scans);
@@ -198,10 +188,7 @@ TEST_CASE("other scans at the same place are not given the results of those befo
     // Long enough to set out: the drive begins standing.
     run_hqslam("simulate --drive block --sensor os1-64 --scans 16 --seed " + seed + " --out '" +
                drive + "'");
-    const ProgramResult result = run_hqslam(
-        "table --drives '" + drive + "' --methods rows-16 --out '" + folder.file("out") + "'");
-    CAPTURE(result.error);
-    REQUIRE(result.status == 0);
+    succeeds("table --drives '" + drive + "' --methods rows-16 --out '" + folder.file("out") + "'");
     return json_of(folder.file(
         "out/table.json"))["drives"][0]["methods"][0]["loop_closing_off"]["against_truth"]["path_m"]
         .get<double>();
@@ -212,12 +199,10 @@ TEST_CASE("other scans at the same place are not given the results of those befo
 TEST_CASE("over seeds drives run side by side with the same figures as one by one, and go on") {
   const TemporaryDirectory folder;
   const auto table = [&](const std::string& seeds, int threads, const std::string& out) {
-    const ProgramResult result =
-        run_hqslam(fmt::format("table --drives block --seeds {} --scans 20 --methods "
-                               "rows-16,linear --threads {} --out '{}'",
-                               seeds, threads, folder.file(out)));
-    CAPTURE(result.error);
-    REQUIRE(result.status == 0);
+    succeeds(
+        "table --drives block --seeds {} --scans 20 --methods "
+        "rows-16,linear --threads {} --out '{}'",
+        seeds, threads, folder.file(out));
     nlohmann::json json = json_of(folder.file(out) + "/table.json");
     for (nlohmann::json& method : json["methods"]) {
       for (const char* part : {"all", "block"}) method[part].erase("slam_ms");
@@ -228,7 +213,7 @@ TEST_CASE("over seeds drives run side by side with the same figures as one by on
   REQUIRE(together["drives"].size() == 2);
   CHECK(together == table("5,6", 1, "alone"));
   CHECK(together["drives"][0]["path_m"] != together["drives"][1]["path_m"]);
-  CHECK(file_contents(folder.file("together/table.html")).find("seeds 5, 6") != std::string::npos);
+  CHECK(holds(file_contents(folder.file("together/table.html")), "seeds 5, 6"));
 
   // More seeds: what is there stays as it was, with its times.
   const std::string before =
@@ -243,10 +228,8 @@ TEST_CASE("over seeds drives run side by side with the same figures as one by on
 TEST_CASE(
     "scans that cannot be understood are left out of a table, which says how many they were") {
   const TemporaryDirectory folder;
-  REQUIRE(run_hqslam("simulate --drive block --sensor os1-64 --scans 6 --bin --out '" +
-                     folder.file("drive") + "'")
-              .status == 0);
-  const std::string bins = folder.file("drive/bin");
+  const std::string bins = folder.file("bin");
+  fs::copy(simulated_drive("--sensor os1-64 --scans 6") + "/bin", bins);
   std::vector<fs::path> files(fs::directory_iterator(bins), {});
   std::sort(files.begin(), files.end());
   const std::string arguments =
@@ -255,48 +238,37 @@ TEST_CASE(
   for (const std::size_t damaged : {2, 4}) fs::resize_file(files[damaged], 1001);
   for (const char* time : {"computed", "there already"}) {
     CAPTURE(time);
-    const ProgramResult result = run_hqslam(arguments);
-    CAPTURE(result.error);
-    CHECK(result.status == 0);
-    CHECK(result.error.find("hqslam: bin: 2 scans were left out, the first of them: ") !=
-          std::string::npos);
-    CHECK(result.error.find(files[2].filename().string()) != std::string::npos);
+    const ProgramResult result = succeeds(arguments);
+    CHECK(holds(result.error, "hqslam: bin: 2 scans were left out, the first of them: "));
+    CHECK(holds(result.error, files[2].filename().string()));
   }
   for (const char* page : {"table.md", "table.html"}) {
-    CHECK(file_contents(folder.file("out/") + page).find("2 scans were left out") !=
-          std::string::npos);
+    CHECK(holds(file_contents(folder.file("out/") + page), "2 scans were left out"));
   }
   CHECK(json_of(folder.file("out/table.json"))["drives"][0]["scans_left_out"] == 2);
   const std::string results = results_folder(folder.file("out"), "bin", 6);
   CHECK(read_tum(results + "linear-loop-closing-off.tum").size() == 4);
 
   for (const fs::path& file : files) fs::resize_file(file, 1001);
-  const ProgramResult nothing = run_hqslam(arguments);
-  CHECK(nothing.status == 2);
-  CHECK(nothing.error.find(".bin: expected a KITTI scan") != std::string::npos);
+  const ProgramResult nothing = refused(arguments);
+  CHECK(holds(nothing.error, ".bin: expected a KITTI scan"));
 }
 
 TEST_CASE("stamps that fall are named before the work of a table, which could not be compared") {
   const TemporaryDirectory folder;
-  REQUIRE(run_hqslam("simulate --drive block --sensor os1-64 --scans 4 --bin --out '" +
-                     folder.file("drive") + "'")
-              .status == 0);
   write_file(folder.file("stamps.txt"), "0\n0.1\n0.2\n0.15\n");
-  const ProgramResult result = run_hqslam(
-      fmt::format("table --drives '{0}/drive/bin' --sensor os1-64 --methods rows-16 --stamps "
-                  "'{0}/stamps.txt' --out '{0}/out'",
-                  folder.path().string()));
-  CAPTURE(result.error);
-  CHECK(result.status == 2);
+  const ProgramResult result = refused(
+      "table --drives '{1}/bin' --sensor os1-64 --methods rows-16 --stamps '{0}/stamps.txt' --out "
+      "'{0}/out'",
+      folder.path().string(), simulated_drive("--sensor os1-64 --scans 4"));
   CHECK(holds(result.error, "000003.bin: has the stamp 0.150000 s"));
   CHECK(holds(result.error, "--stamps"));
 }
 
 TEST_CASE("a folder that takes no files is noticed before the work") {
   const ProgramResult result =
-      run_hqslam("table --drives block --scans 100000 --methods rows-16 --out /proc");
-  CHECK(result.status == 2);
-  CHECK(result.error.find("/proc") != std::string::npos);
+      refused("table --drives block --scans 100000 --methods rows-16 --out /proc");
+  CHECK(holds(result.error, "/proc"));
   CHECK(result.error.find('\n') == result.error.size() - 1);
 }
 
@@ -315,10 +287,7 @@ TEST_CASE("a wrong table is one line on stderr and status 2, and writes nothing"
            std::string("--drives block --seeds 1..2 --methods rows-16 --against linear"),
        }) {
     CAPTURE(arguments);
-    const ProgramResult result = run_hqslam("table " + arguments + " --out '" + out + "'");
-    CAPTURE(result.error);
-    CHECK(result.status == 2);
-    CHECK(result.error.find('\n') == result.error.size() - 1);
+    refused("table " + arguments + " --out '" + out + "'");
     CHECK_FALSE(fs::exists(out));
   }
 }

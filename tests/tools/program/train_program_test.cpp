@@ -34,8 +34,7 @@ std::string small_configuration(const std::string& from = "", const std::string&
 ProgramResult train(const TemporaryDirectory& folder, const std::string& configuration,
                     const std::string& out) {
   std::ofstream(folder.file("recipe.json")) << configuration;
-  return run_hqslam(
-      fmt::format("train --config '{}' --out '{}'", folder.file("recipe.json"), folder.file(out)));
+  return run_hqslam("train --config '{}' --out '{}'", folder.file("recipe.json"), folder.file(out));
 }
 
 }  // namespace
@@ -74,9 +73,8 @@ TEST_CASE("trainings share a folder of drives; one of varied conditions is simul
   const TemporaryDirectory folder;
   const auto train_with = [&](const std::string& configuration, const std::string& out) {
     std::ofstream(folder.file("recipe.json")) << configuration;
-    return run_hqslam(fmt::format("train --config '{}' --out '{}' --drives '{}'",
-                                  folder.file("recipe.json"), folder.file(out),
-                                  folder.file("drives")));
+    return run_hqslam("train --config '{}' --out '{}' --drives '{}'", folder.file("recipe.json"),
+                      folder.file(out), folder.file("drives"));
   };
   const auto files = [&] {
     const std::filesystem::directory_iterator begin(folder.file("drives"));
@@ -125,13 +123,9 @@ TEST_CASE("compare puts interpolation and networks side by side, inspect shows t
   const TemporaryDirectory folder;
   REQUIRE(train(folder, small_configuration(), "a").status == 0);
   const std::string weights = folder.file("a/weights.npz");
-  const std::string drive = folder.file("drive");
-  REQUIRE(
-      run_hqslam("simulate --drive block --sensor os1-64 --scans 2 --seed 9 --out '" + drive + "'")
-          .status == 0);
-  const ProgramResult compared = run_hqslam(fmt::format("compare '{}' --weights '{}' --json '{}'",
-                                                        drive, weights, folder.file("table.json")));
-  REQUIRE(compared.status == 0);
+  const std::string drive = simulated_drive("--sensor os1-64 --scans 2 --seed 9");
+  const ProgramResult compared = succeeds("compare '{}' --weights '{}' --json '{}'", drive, weights,
+                                          folder.file("table.json"));
   for (const char* row :
        {"| nearest |", "| linear |", "| inverse |", "| du-or, unfiltered at the end |", "| du-or |",
         "2 scans of", "chance in the data"}) {
@@ -144,14 +138,10 @@ TEST_CASE("compare puts interpolation and networks side by side, inspect shows t
   CHECK(table["methods"][1]["mae_all_m"] > 0.0);
   CHECK(table["methods"][4]["good_lost_share"] >= 0.0);
 
-  const ProgramResult filters =
-      run_hqslam(fmt::format("compare '{}' --weights '{}' --filters", drive, weights));
-  CHECK(filters.status == 0);
+  const ProgramResult filters = succeeds("compare '{}' --weights '{}' --filters", drive, weights);
   CHECK(holds(filters.out, "| 1 | 10 | 20 |"));
 
-  const ProgramResult layers =
-      run_hqslam(fmt::format("compare '{}' --weights '{}' --layers", drive, weights));
-  CHECK(layers.status == 0);
+  const ProgramResult layers = succeeds("compare '{}' --weights '{}' --layers", drive, weights);
   for (const char* row : {"| linear |", "| layer 1: H |", "| layer 1: Y |", "| layer 2: Z |"}) {
     CAPTURE(row);
     CHECK(holds(layers.out, row));
@@ -162,35 +152,29 @@ TEST_CASE("compare puts interpolation and networks side by side, inspect shows t
   };
   CHECK(scores_of(layers.out, "| result |") == scores_of(compared.out, "| du-or |"));
 
-  const ProgramResult inspected =
-      run_hqslam(fmt::format("inspect '{}' --weights '{}' --scan 1 --out '{}'", drive, weights,
-                             folder.file("layers.html")));
-  CHECK(inspected.status == 0);
+  succeeds("inspect '{}' --weights '{}' --scan 1 --out '{}'", drive, weights,
+           folder.file("layers.html"));
   const std::string page = file_contents(folder.file("layers.html"));
   CHECK(holds(page, "Layer 2"));
   CHECK_FALSE(holds(page, "Layer 3"));
-  CHECK(run_hqslam(fmt::format("inspect '{}' --weights '{}' --scan 2 --out '{}'", drive, weights,
-                               folder.file("none.html")))
+  CHECK(run_hqslam("inspect '{}' --weights '{}' --scan 2 --out '{}'", drive, weights,
+                   folder.file("none.html"))
             .status == 2);
   CHECK_FALSE(std::filesystem::exists(folder.file("none.html")));
 }
 
 TEST_CASE("a scan without a return costs a comparison that scan and no more") {
   const TemporaryDirectory folder;
-  const std::string drive = folder.file("drive");
-  REQUIRE(
-      run_hqslam("simulate --drive block --sensor os1-64 --scans 1 --out '" + drive + "'").status ==
-      0);
   {
     NpyStackWriter stack(folder.file("gap.npy"), 64, 1024);
+    const std::string drive = simulated_drive("--sensor os1-64 --scans 2 --seed 9");
     const RangeImage image = NpyStackReader(drive + "/scans.npy").read(0);
     stack.append(image);
     stack.append(RangeImage(64, 1024));
     stack.append(image);
   }
   const ProgramResult compared =
-      run_hqslam("compare '" + folder.file("gap.npy") + "' --sensor os1-64");
-  CHECK(compared.status == 0);
+      succeeds("compare '" + folder.file("gap.npy") + "' --sensor os1-64");
   CHECK(holds(compared.out, "2 scans of"));
   CHECK_FALSE(holds(compared.out, "nan"));
   CHECK(holds(compared.error, "1 scan was left out: " + folder.file("gap.npy") +
@@ -201,57 +185,9 @@ TEST_CASE("compare refuses weights of a sensor with as many rows whose beams loo
   const TemporaryDirectory folder;
   const std::string weights = folder.file("weights.npz");
   write_untrained_weights(weights, sensor_preset("os1-64"));
-  const std::string drive = folder.file("drive");
-  REQUIRE(run_hqslam("simulate --drive block --sensor hdl-64e --scans 1 --out '" + drive + "'")
-              .status == 0);
-  const ProgramResult result =
-      run_hqslam(fmt::format("compare '{}' --weights '{}'", drive, weights));
-  CHECK(result.status == 2);
+  const ProgramResult result = refused("compare '{}' --weights '{}'",
+                                       simulated_drive("--sensor hdl-64e --scans 1"), weights);
   CHECK(holds(result.error, "lifts scans of 'os1-64'"));
-}
-
-TEST_CASE("no command replaces a file that is not its own, and every one replaces its own") {
-  const TemporaryDirectory folder;
-  const std::string weights = folder.file("weights.npz");
-  write_untrained_weights(weights, sensor_preset("os1-64"));
-  const std::string drive = folder.file("drive");
-  REQUIRE(
-      run_hqslam("simulate --drive block --sensor os1-64 --scans 1 --out '" + drive + "'").status ==
-      0);
-  const std::string input = fmt::format("'{}' --weights '{}' ", drive, weights);
-  std::filesystem::create_directory(folder.file("trained"));
-  std::filesystem::create_directory(folder.file("tables"));
-  write_file(folder.file("recipe.json"), small_configuration());
-  const std::string training = fmt::format("train --config '{}' --out '{}'",
-                                           folder.file("recipe.json"), folder.file("trained"));
-  const std::string table =
-      fmt::format("table --drives '{}' --methods rows-16 --out '{}'", drive, folder.file("tables"));
-  const std::vector<std::pair<std::string, std::string>> commands = {
-      {fmt::format("inspect {} --out '{}'", input, folder.file("layers.html")), "layers.html"},
-      {fmt::format("compare {} --json '{}'", input, folder.file("table.json")), "table.json"},
-      {training, "trained/weights.npz"},
-      {table, "tables/table.md"},
-      {table, "tables/table.json"},
-  };
-  for (const auto& [line, file] : commands) {
-    const std::string& command = line;
-    CAPTURE(command);
-    const std::string path = folder.file(file);
-    write_file(path, "mine");
-    const ProgramResult refused = run_hqslam(command);
-    CAPTURE(refused.error);
-    CHECK(refused.status == 2);
-    CHECK(holds(refused.error, path));
-    CHECK(file_contents(path) == "mine");
-    std::filesystem::remove(path);
-  }
-  for (const auto& [line, file] : commands) {
-    const std::string& command = line;
-    CAPTURE(command);
-    CHECK(run_hqslam(command).status == 0);
-    CHECK(run_hqslam(command).status == 0);
-    CHECK(file_contents(folder.file(file)) != "mine");
-  }
 }
 
 TEST_CASE("a network of two modes is trained, lifts with a confidence, and shows its curve") {
@@ -266,15 +202,11 @@ TEST_CASE("a network of two modes is trained, lifts with a confidence, and shows
   const nn::NetworkDescription description = nn::read_weights(weights).description;
   CHECK(name(description) == "du-mix");
   CHECK(description.confidence_exponent != 1.0F);
-  const std::string drive = folder.file("drive");
-  REQUIRE(
-      run_hqslam("simulate --drive block --sensor os1-64 --scans 2 --seed 9 --out '" + drive + "'")
-          .status == 0);
+  const std::string drive = simulated_drive("--sensor os1-64 --scans 2 --seed 9");
 
   const auto lifted_returns = [&](const std::string& out, const std::string& option) {
-    REQUIRE(run_hqslam(fmt::format("upsample '{}' --weights '{}' --out '{}' --pcd {}", drive,
-                                   weights, folder.file(out), option))
-                .status == 0);
+    succeeds("upsample '{}' --weights '{}' --out '{}' --pcd {}", drive, weights, folder.file(out),
+             option);
     const auto scan = open_recording(folder.file(out), sensor_preset("os1-64"))->next();
     REQUIRE(scan);
     REQUIRE(scan->cloud.confidence.size() == 64 * 1024);
@@ -293,19 +225,15 @@ TEST_CASE("a network of two modes is trained, lifts with a confidence, and shows
   CHECK(all > 40'000);
   CHECK(lifted_returns("none", "--confidence 1") < 100);
 
-  const ProgramResult compared = run_hqslam(fmt::format("compare '{}' --weights '{}' --curve '{}'",
-                                                        drive, weights, folder.file("curve.html")));
-  REQUIRE(compared.status == 0);
+  const ProgramResult compared = succeeds("compare '{}' --weights '{}' --curve '{}'", drive,
+                                          weights, folder.file("curve.html"));
   CHECK(holds(compared.out, "| du-mix |"));
   CHECK(holds(file_contents(folder.file("curve.html")), "Can it be believed"));
-  const ProgramResult inspected = run_hqslam(fmt::format(
-      "inspect '{}' --weights '{}' --out '{}'", drive, weights, folder.file("layers.html")));
-  REQUIRE(inspected.status == 0);
+  succeeds("inspect '{}' --weights '{}' --out '{}'", drive, weights, folder.file("layers.html"));
   CHECK(holds(file_contents(folder.file("layers.html")), "Probability of a return"));
-  const ProgramResult refused = run_hqslam(fmt::format(
-      "upsample '{}' --method linear --confidence 0.5 --out '{}'", drive, folder.file("linear")));
-  CHECK(refused.status == 2);
-  CHECK(holds(refused.error, "du-mix"));
+  const ProgramResult linear = refused("upsample '{}' --method linear --confidence 0.5 --out '{}'",
+                                       drive, folder.file("linear"));
+  CHECK(holds(linear.error, "du-mix"));
 }
 
 }  // namespace hqslam::test

@@ -10,14 +10,18 @@
 
 namespace hqslam::test {
 
-/// A network that nobody has trained, for scans of `sensor` of which every fourth row is measured:
-/// its ranges are poor, but it runs.
+/// A small network that nobody has trained, for scans of `sensor` of which every fourth row is
+/// measured: its ranges are poor, but it runs at once.
 inline nn::Weights untrained_weights(const SensorModel& sensor, const std::string& kind) {
+  const char* const size =
+      kind == "du-mix"
+          ? R"("denoiser": {"layers": [{"channels": 8, "lower_channels": 8, "residual_blocks": 1}]})"
+          : R"("layers": 2, "denoiser": {"channels": [8, 8], "memory": 1})";
   nn::Weights weights;
-  weights.description =
-      nn::network_from_json(fmt::format(R"({{"kind": "{}", "sensor": {}, "measured_rows": {}}})",
-                                        kind, sensor_json(sensor), sensor.rows() / 4),
-                            "untrained");
+  weights.description = nn::network_from_json(
+      fmt::format(R"({{"kind": "{}", "sensor": {}, "measured_rows": {}, {}}})", kind,
+                  sensor_json(sensor), sensor.rows() / 4, size),
+      "untrained");
   weights.parameters = initial_parameters(weights.description, 1);
   weights.training = "{}";
   RangeImage measured(sensor.rows() / 4, sensor.columns);

@@ -24,12 +24,10 @@ constexpr int kScans = 4;
 /// A drive of an OS1-64, a stack of its measured rows alone, and weights for them.
 struct Material {
   TemporaryDirectory folder;
-  std::string drive = folder.file("drive");
+  std::string drive = simulated_drive("--sensor os1-64 --scans " + std::to_string(kScans));
   std::string measured = folder.file("measured.npy");
   std::string weights = folder.file("weights.npz");
   Material() {
-    run_hqslam(fmt::format(
-        "simulate --drive block --sensor os1-64 --scans {} --bin --pcd --out '{}'", kScans, drive));
     NpyStackReader all(drive + "/scans.npy");
     NpyStackWriter rows(measured, 16, 1024);
     for (std::int64_t i = 0; i < all.images(); ++i) {
@@ -54,12 +52,10 @@ TEST_CASE("a stack of 16 rows and one of 64 whose 16 rows are looked at give the
     std::vector<std::string> stacks;
     for (const std::string& input : {files.measured, files.drive + "/scans.npy", files.drive}) {
       const TemporaryDirectory out;
-      const ProgramResult result = run_hqslam(
-          fmt::format("upsample '{}' {} --out '{}'", input, method, out.path().string()));
-      CAPTURE(result.error);
-      REQUIRE(result.status == 0);
-      CHECK(result.out.find("4 scans, 16 rows -> 64 rows of 1024 columns") != std::string::npos);
-      CHECK(result.out.find("scans/s") != std::string::npos);
+      const ProgramResult result =
+          succeeds("upsample '{}' {} --out '{}'", input, method, out.path().string());
+      CHECK(holds(result.out, "4 scans, 16 rows -> 64 rows of 1024 columns"));
+      CHECK(holds(result.out, "scans/s"));
       stacks.push_back(file_contents(out.file("scans.npy")));
     }
     CHECK(stacks[0].size() == 128U + std::size_t{4} * kScans * 64 * 1024);
@@ -71,9 +67,8 @@ TEST_CASE("a stack of 16 rows and one of 64 whose 16 rows are looked at give the
 TEST_CASE("the measured rows of the result are those of the recording, the others are filled") {
   const Material& files = material();
   const TemporaryDirectory out;
-  REQUIRE(run_hqslam(fmt::format("upsample '{}' --method linear --out '{}' --bin --pcd --png",
-                                 files.drive, out.path().string()))
-              .status == 0);
+  succeeds("upsample '{}' --method linear --out '{}' --bin --pcd --png", files.drive,
+           out.path().string());
   const RangeImage truth = NpyStackReader(files.drive + "/scans.npy").read(2);
   const RangeImage image = NpyStackReader(out.file("scans.npy")).read(2);
   CHECK(select_rows(image, {3, 4}).range_m == select_rows(truth, {3, 4}).range_m);
@@ -91,18 +86,13 @@ TEST_CASE("upsampling and then running is running with --upsample") {
     CAPTURE(method);
     const TemporaryDirectory folder;
     const bool network = method == files.weights;
-    REQUIRE(
-        run_hqslam(fmt::format("upsample '{}' {} '{}' --out '{}'", files.drive,
-                               network ? "--weights" : "--method", method, folder.file("drive")))
-            .status == 0);
-    const ProgramResult two_steps = run_hqslam(
-        fmt::format("run '{}' --out '{}'", folder.file("drive"), folder.file("two_steps")));
-    REQUIRE(two_steps.status == 0);
-    CHECK(two_steps.out.find("APE RMSE") != std::string::npos);
-    const ProgramResult one_step = run_hqslam(fmt::format(
-        "run '{}' --upsample '{}' --out '{}'", files.drive, method, folder.file("one_step")));
-    CAPTURE(one_step.error);
-    REQUIRE(one_step.status == 0);
+    succeeds("upsample '{}' {} '{}' --out '{}'", files.drive, network ? "--weights" : "--method",
+             method, folder.file("drive"));
+    const ProgramResult two_steps =
+        succeeds("run '{}' --out '{}'", folder.file("drive"), folder.file("two_steps"));
+    CHECK(holds(two_steps.out, "APE RMSE"));
+    const ProgramResult one_step = succeeds("run '{}' --upsample '{}' --out '{}'", files.drive,
+                                            method, folder.file("one_step"));
     for (const char* result : {"trajectory.tum", "map.pcd"}) {
       CHECK(file_contents(folder.file("one_step/") + result) ==
             file_contents(folder.file("two_steps/") + result));
@@ -113,8 +103,7 @@ TEST_CASE("upsampling and then running is running with --upsample") {
     CHECK(timings["upsampled_by"] == (network ? "du-or" : "linear"));
     CHECK(timings["times_ms"]["upsampling"]["median"] > 0.0);
     CHECK(timings["per_scan"]["times_ms"]["upsampling"].size() == kScans);
-    CHECK(file_contents(folder.file("one_step/report.html")).find("upsampling") !=
-          std::string::npos);
+    CHECK(holds(file_contents(folder.file("one_step/report.html")), "upsampling"));
   }
 }
 
@@ -123,9 +112,8 @@ TEST_CASE("a lifted recording says whether it was corrected for motion, as its s
   for (const auto& [part, corrected] : {std::pair("scans.npy", false), std::pair("bin", true)}) {
     CAPTURE(part);
     const TemporaryDirectory out;
-    REQUIRE(run_hqslam(fmt::format("upsample '{}/{}' --sensor os1-64 --method linear --out '{}'",
-                                   files.drive, part, out.path().string()))
-                .status == 0);
+    succeeds("upsample '{}/{}' --sensor os1-64 --method linear --out '{}'", files.drive, part,
+             out.path().string());
     CHECK(read_sensor_json(out.file("sensor.json")).motion_corrected == corrected);
   }
 }
@@ -135,9 +123,8 @@ TEST_CASE("the number of threads does not change an upsampled stack") {
   std::vector<std::string> stacks;
   for (const int threads : {1, 2}) {
     const TemporaryDirectory out;
-    REQUIRE(run_hqslam(fmt::format("upsample '{}' --weights '{}' --threads {} --out '{}'",
-                                   files.measured, files.weights, threads, out.path().string()))
-                .status == 0);
+    succeeds("upsample '{}' --weights '{}' --threads {} --out '{}'", files.measured, files.weights,
+             threads, out.path().string());
     stacks.push_back(file_contents(out.file("scans.npy")));
   }
   CHECK(stacks[0] == stacks[1]);
@@ -166,10 +153,7 @@ TEST_CASE("wrong input of upsample is one line on stderr and status 2, and write
   };
   for (const std::string& arguments : wrong) {
     CAPTURE(arguments);
-    const ProgramResult result = run_hqslam(arguments + " --out '" + out + "'");
-    CAPTURE(result.error);
-    CHECK(result.status == 2);
-    CHECK(is_one_line(result.error));
+    const ProgramResult result = refused(arguments + " --out '" + out + "'");
     CHECK(result.out.empty());
   }
   CHECK_FALSE(fs::exists(out));
@@ -180,11 +164,9 @@ TEST_CASE("a bad file in mid-drive is left out of the stack and named") {
   fs::copy(material().drive + "/pcd", folder.file("pcd"));
   const auto files = std::distance(fs::directory_iterator(folder.file("pcd")), {});
   fs::resize_file(folder.file("pcd/000002.pcd"), 1001);
-  const ProgramResult result =
-      run_hqslam(fmt::format("upsample '{0}/pcd' --method linear --sensor os1-64 --out '{0}/out'",
-                             folder.path().string()));
-  CHECK(result.status == 0);
-  CHECK(result.error.find("000002.pcd") != std::string::npos);
+  const ProgramResult result = succeeds(
+      "upsample '{0}/pcd' --method linear --sensor os1-64 --out '{0}/out'", folder.path().string());
+  CHECK(holds(result.error, "000002.pcd"));
   CHECK(NpyStackReader(folder.file("out/scans.npy")).images() == files - 1);
 }
 
@@ -196,11 +178,11 @@ TEST_CASE("a lifted recording keeps the stamps that its scans had") {
   for (int i = 0; i < files; ++i) stamps += fmt::format("{}\n", 100.0 + 0.1 * i + (i > 1 ? 5 : 0));
   write_file(folder.file("stamps.txt"), stamps);
   const std::string in = folder.path().string();
-  REQUIRE(run_hqslam(fmt::format("upsample '{0}/pcd' --method linear --sensor os1-64 --stamps "
-                                 "'{0}/stamps.txt' --out '{0}/up'",
-                                 in))
-              .status == 0);
-  REQUIRE(run_hqslam(fmt::format("run '{0}/up' --out '{0}/run'", in)).status == 0);
+  succeeds(
+      "upsample '{0}/pcd' --method linear --sensor os1-64 --stamps "
+      "'{0}/stamps.txt' --out '{0}/up'",
+      in);
+  succeeds("run '{0}/up' --out '{0}/run'", in);
   const Trajectory trajectory = read_tum(folder.file("run/trajectory.tum"));
   REQUIRE(std::ssize(trajectory) == files);
   CHECK(trajectory[1].stamp_s == doctest::Approx(100.1));
@@ -217,8 +199,7 @@ TEST_CASE("a recording of which nothing can be used is not lifted and not compar
                               "compare '{0}/pcd' --sensor os1-64"}) {
     CAPTURE(command);
     const ProgramResult result =
-        run_hqslam(fmt::format(fmt::runtime(command), folder.path().string()));
-    CHECK(result.status == 2);
+        refused(fmt::format(fmt::runtime(command), folder.path().string()));
     CHECK(holds(result.error, ".pcd"));
     CHECK(result.out.empty());
   }

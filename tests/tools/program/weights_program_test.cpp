@@ -47,8 +47,7 @@ struct Foreign {
   }
 
   ProgramResult pack() const {
-    return run_hqslam(
-        fmt::format("weights pack '{}' '{}' --out '{}'", arrays, description, packed));
+    return run_hqslam("weights pack '{}' '{}' --out '{}'", arrays, description, packed);
   }
 };
 
@@ -63,8 +62,7 @@ TEST_CASE("weights pack makes weights that load, with a self-test of its own") {
   const nn::Weights packed = nn::read_weights(foreign.packed);
   CHECK(packed.parameters == foreign.weights.parameters);
   CHECK_NOTHROW(nn::check_self_test(packed, "packed"));
-  const ProgramResult shown = run_hqslam(fmt::format("weights show '{}'", foreign.packed));
-  CHECK(shown.status == 0);
+  const ProgramResult shown = succeeds("weights show '{}'", foreign.packed);
   CHECK(holds(shown.out, fmt::format("{} parameters", packed.parameters.size())));
   CHECK(holds(shown.out, "layers.0.encoder.0.weight"));
   CHECK(holds(shown.out, "arrays.npz"));

@@ -20,14 +20,13 @@ namespace hqslam::test {
 /// Files that commands read, made once per test program.
 struct WriterInputs {
   TemporaryDirectory folder;
-  std::string drive = simulated_drive();        ///< 16 rows
-  std::string drive_of_64 = folder.file("64");  ///< 3 scans of 64 rows
+  std::string drive = short_drive();  ///< 16 rows
+  std::string drive_of_64 = simulated_drive("--sensor os1-64 --scans 1");
   std::string weights = folder.file("w.npz");   ///< du-mix for them
   std::string arrays = folder.file("a.npz");    ///< the same, to be packed
   std::string network = folder.file("n.json");  ///< their description
 
   WriterInputs() {
-    run_hqslam("simulate --drive block --sensor os1-64 --scans 3 --out '" + drive_of_64 + "'");
     const nn::Weights made = untrained_weights(sensor_preset("os1-64"), "du-mix");
     write_weights(weights, made);
     NpzArrays all = read_npz(weights);

@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "tools/parts_of_text.h"
+
 namespace hqslam::tools {
 
 TEST_CASE("ticks stand at 1, 2 or 5 times a power of ten, whatever the extent") {
@@ -56,15 +58,15 @@ TEST_CASE("stacked layers stand on one another: the upper one's outline is the s
       "scan", "ms", {0.0, 1.0}, {{"low", "a", {1.0, 1.0}}, {"high", "b", {3.0, 1.0}}}, true};
   // The highest sum is 4 and stands at 1/1.08 of the height: y = 1000 (1 - 4 / 4.32) = 74.1.
   const std::string html = chart_html(chart);
-  CHECK(html.find("class=\"layer b\" d=\"M0.0,74.1L1000.0,537.0V") != std::string::npos);
-  CHECK(html.find("class=\"layer a\" d=\"M0.0,768.5L1000.0,768.5V") != std::string::npos);
+  CHECK(holds(html, "class=\"layer b\" d=\"M0.0,74.1L1000.0,537.0V"));
+  CHECK(holds(html, "class=\"layer a\" d=\"M0.0,768.5L1000.0,768.5V"));
   CHECK(html.find("layer b") < html.find("layer a"));
 }
 
 TEST_CASE("a chart over a clock that is set back goes from its least to its greatest time") {
   const Chart chart{"time", "m", {1.0, 3.0, 1.0}, {{"error", "a", {0.0, 0.0, 0.0}}}, false};
   const std::string html = chart_html(chart);
-  CHECK(html.find("d=\"M0.0,1000.0L1000.0,1000.0L0.0,1000.0") != std::string::npos);
+  CHECK(holds(html, "d=\"M0.0,1000.0L1000.0,1000.0L0.0,1000.0"));
 }
 
 TEST_CASE("a chart of one point or of zeros has no infinite number in it") {
@@ -72,8 +74,29 @@ TEST_CASE("a chart of one point or of zeros has no infinite number in it") {
   chart.x = {5.0};
   chart.series = {{"error", "error", {0.0}}};
   const std::string html = chart_html(chart);
-  CHECK(html.find("nan") == std::string::npos);
-  CHECK(html.find("inf") == std::string::npos);
+  CHECK_FALSE(holds(html, "nan"));
+  CHECK_FALSE(holds(html, "inf"));
+}
+
+TEST_CASE("the largest error has the last colour of the scale and no error the first") {
+  CHECK(error_color(0.0) == "#2c5cd4");
+  CHECK(error_color(1.0) == "#fa9628");
+  CHECK(error_color(7.0) == error_color(1.0));
+  CHECK(error_color(1.0 / 3.0) == "#9242c4");
+}
+
+TEST_CASE("errors fall into as many classes as there are colours, the largest into the last") {
+  CHECK(error_color_class(0.0) == 0);
+  CHECK(error_color_class(-1.0) == 0);
+  CHECK(error_color_class(0.51) == kErrorColors / 2);
+  CHECK(error_color_class(1.0) == kErrorColors - 1);
+  CHECK(error_color_class(7.0) == kErrorColors - 1);
+  CHECK(error_color_of_class(0) == error_color(0.5 / kErrorColors));
+}
+
+TEST_CASE("the gradient goes from the first colour to the last") {
+  CHECK(error_gradient().rfind("#2c5cd4, ", 0) == 0);
+  CHECK(error_gradient().substr(error_gradient().size() - 9) == ", #fa9628");
 }
 
 }  // namespace hqslam::tools

@@ -7,14 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "tools/parts_of_text.h"
+
 namespace hqslam::tools {
-namespace {
-
-bool holds(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
-
-}  // namespace
 
 TEST_CASE("a page shows what is given as text, and takes none of it for markup") {
   const std::string hostile = "<b>&\"";
@@ -27,12 +22,7 @@ TEST_CASE("a page shows what is given as text, and takes none of it for markup")
   page.picture(RgbImage{1, 1, {{1, 2, 3}}}, hostile);
   const std::string html = page.text();
   CHECK_FALSE(holds(html, hostile));
-  std::size_t shown = 0;
-  for (std::size_t at = html.find("&lt;b&gt;"); at != std::string::npos;
-       at = html.find("&lt;b&gt;", at + 1)) {
-    ++shown;
-  }
-  CHECK(shown == 14);
+  CHECK(count(html, "&lt;b&gt;") == 14);
   CHECK(html.starts_with("<!doctype html>"));
   CHECK(html.ends_with("</html>\n"));
 }

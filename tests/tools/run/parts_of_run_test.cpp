@@ -1,13 +1,14 @@
 #include <doctest/doctest.h>
 
-#include "run/dense_map_run.h"
-#include "run/run_summary.h"
+#include "run/dense_map.h"
+#include "run/slam_run.h"
 #include "tools/example_run.h"
+#include "tools/parts_of_text.h"
 
-using namespace hqslam::tools;
-using hqslam::slam::Status;
-
+namespace hqslam::tools {
 namespace {
+
+using slam::Status;
 
 /// Ten scans, of which the way was lost after the third and the fifth; the last part is the
 /// largest, and one of its scans was not located.
@@ -43,7 +44,8 @@ TEST_CASE("nothing is known of the way from a place that was not recognized") {
 
 TEST_CASE("a run of several parts says of which its maps are, and how much is left out") {
   const std::string summary = run_summary(run_of_parts());
-  CHECK(summary.find("maps: of part 2 alone, 5 scans; the 5 of other parts are left out") !=
-        std::string::npos);
-  CHECK(run_summary(test::example_run(3)).find("maps:") == std::string::npos);
+  CHECK(holds(summary, "maps: of part 2 alone, 5 scans; the 5 of other parts are left out"));
+  CHECK_FALSE(holds(run_summary(test::example_run(3)), "maps:"));
 }
+
+}  // namespace hqslam::tools

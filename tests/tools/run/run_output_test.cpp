@@ -4,12 +4,15 @@
 
 #include <nlohmann/json.hpp>
 #include <set>
+#include <sstream>
+#include <string>
+#include <vector>
 
-#include "error_message.h"
 #include "file_contents.h"
 #include "hqslam/core/pcd.h"
 #include "temporary_directory.h"
 #include "tools/example_run.h"
+#include "tools/parts_of_text.h"
 
 namespace hqslam::tools {
 namespace {
@@ -107,7 +110,7 @@ TEST_CASE("files of somebody else are neither replaced nor removed") {
     CAPTURE(name);
     const TemporaryDirectory other;
     write_file(other.file(name), "mine");
-    CHECK(one_line_with(error_message([&] { RunOutput(other.path().string()); }), name, "--out"));
+    CHECK(refuses({name, "--out"}, [&] { RunOutput(other.path().string()); }));
     CHECK(file_contents(other.file(name)) == "mine");
   }
 }
@@ -115,11 +118,47 @@ TEST_CASE("files of somebody else are neither replaced nor removed") {
 TEST_CASE("a file in the place of the folder or above it is one clear line") {
   const TemporaryDirectory folder;
   write_file(folder.file("out"), "");
-  CHECK(one_line_with(error_message([&] { RunOutput(folder.file("out")); }), "out", "--out"));
-  CHECK(one_line_with(error_message([&] {
-                        RunOutput(folder.file("out/deeper")).write_checkpoint(test::example_run(1));
-                      }),
-                      "deeper", "--out"));
+  CHECK(refuses({"out", "--out"}, [&] { RunOutput(folder.file("out")); }));
+  CHECK(refuses({"deeper", "--out"}, [&] {
+    RunOutput(folder.file("out/deeper")).write_checkpoint(test::example_run(1));
+  }));
+}
+
+namespace {
+
+std::vector<std::string> split(const std::string& text, char separator) {
+  std::vector<std::string> parts;
+  std::stringstream stream(text);
+  for (std::string part; std::getline(stream, part, separator);) parts.push_back(part);
+  return parts;
+}
+
+}  // namespace
+
+TEST_CASE(
+    "the covariances are a line per scan: stamp, status, part and six rows of six, named above "
+    "them") {
+  SlamRun run = test::example_run(3);
+  for (int i = 0; i < 36; ++i) run.scans[1].report.covariance(i / 6, i % 6) = 0.25 * i;
+  run.scans[1].report.mapping_status = slam::Status::kTooFewFeatures;
+  run.part_of_scan[1] = 2;
+  const std::vector<std::string> lines = split(covariances_csv(run), '\n');
+  REQUIRE(lines.size() == 5);
+  CHECK(lines[0].rfind("# covariance of e", 0) == 0);
+  const std::vector<std::string> names = split(lines[1], ',');
+  REQUIRE(names.size() == 39);
+  CHECK(names[0] == "stamp_s");
+  CHECK(names[1] == "mapping");
+  CHECK(names[2] == "part");
+  CHECK(names[3] == "x_x");
+  CHECK(names[3 + 2 * 6 + 4] == "z_ry");
+  CHECK(names[38] == "rz_rz");
+  const std::vector<std::string> values = split(lines[3], ',');
+  REQUIRE(values.size() == 39);
+  CHECK(std::stod(values[0]) == doctest::Approx(run.scans[1].report.stamp_s));
+  CHECK(values[1] == "too few features");
+  CHECK(values[2] == "2");
+  for (int i = 0; i < 36; ++i) CHECK(std::stod(values[i + 3]) == doctest::Approx(0.25 * i));
 }
 
 }  // namespace hqslam::tools

@@ -1,18 +1,35 @@
 #include "simulate/simulate_command.h"
 
 #include <doctest/doctest.h>
+#include <fmt/format.h>
 
 #include <cmath>
 #include <filesystem>
 
-#include "error_message.h"
 #include "temporary_directory.h"
+#include "tools/parts_of_text.h"
 
 namespace hqslam::tools {
+
+TEST_CASE("seeds are ranges and single numbers, in the order given") {
+  CHECK(seeds_from("7") == std::vector<std::uint64_t>{7});
+  CHECK(seeds_from("2..4") == std::vector<std::uint64_t>{2, 3, 4});
+  CHECK(seeds_from("9,1..2,5") == std::vector<std::uint64_t>{9, 1, 2, 5});
+  CHECK(seeds_from("18446744073709551615").front() == 18446744073709551615ULL);
+  CHECK(seeds_from("18446744073709551614..18446744073709551615").size() == 2);
+}
+
+TEST_CASE("anything else is refused with the list in one line") {
+  for (const char* list : {"", "a", "1..", "..3", "3..1", "1,,2", "1,", "-1", "1..20000", "1.5",
+                           "1 2", "1..3,2", "18446744073709551616", "0..18446744073709551615"}) {
+    CAPTURE(list);
+    const std::string message = test::error_message([&] { seeds_from(list); });
+    CHECK(test::one_line_with(message, "--seeds", fmt::format("'{}'", list)));
+  }
+}
+
 namespace {
 
-using test::error_message;
-using test::one_line_with;
 using test::TemporaryDirectory;
 
 void simulate(const TemporaryDirectory& folder, const std::vector<double>& mount_deg,
@@ -32,8 +49,8 @@ TEST_CASE("a mount is refused in the degrees in which it was given") {
   const TemporaryDirectory folder;
   for (const std::vector<double>& mount_deg :
        {std::vector{200.0, 0.0}, {-180.1, 0.0}, {0.0, 45.1}, {0.0, -46.0}, {std::nan(""), 0.0}}) {
-    CHECK(one_line_with(error_message([&] { simulate(folder, mount_deg); }), "--mount ",
-                        "-180 to 180", "-45 to 45 degrees", "give "));
+    CHECK(refuses({"--mount ", "-180 to 180", "-45 to 45 degrees", "give "},
+                  [&] { simulate(folder, mount_deg); }));
   }
   CHECK_FALSE(std::filesystem::exists(folder.file("drive")));
   simulate(folder, {180.0, -45.0});
@@ -42,8 +59,8 @@ TEST_CASE("a mount is refused in the degrees in which it was given") {
 
 TEST_CASE("a drive longer than there can be says how long it may be") {
   const TemporaryDirectory folder;
-  CHECK(one_line_with(error_message([&] { simulate(folder, {}, 1'000'001); }), "scans is 1000001",
-                      "1 to 1000000; give "));
+  CHECK(refuses({"scans is 1000001", "1 to 1000000; give "},
+                [&] { simulate(folder, {}, 1'000'001); }));
 }
 
 }  // namespace hqslam::tools

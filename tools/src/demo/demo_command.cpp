@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <CLI/CLI.hpp>
 #include <array>
 #include <filesystem>
 #include <memory>
@@ -12,20 +11,17 @@
 #include "commands.h"
 #include "demo/demo_report.h"
 #include "files/installed_weights.h"
-#include "files/output_guard.h"
-#include "files/text_file.h"
+#include "files/result_files.h"
 #include "hqslam/core/npy.h"
 #include "laboratory/compare/upsampling_comparison.h"
 #include "lift/lifted_input.h"
 #include "recording/reading.h"
-#include "recording/recording_sensor.h"
-#include "run/run_command.h"
+#include "recording/recording_choice.h"
 #include "simulate/simulate_command.h"
-#include "terminal/exit_status.h"
-#include "terminal/interrupt.h"
+#include "terminal/command_options.h"
 #include "terminal/progress.h"
 #include "terminal/terminal.h"
-#include "timing/timing_statistics.h"
+#include "timing/timing.h"
 
 namespace hqslam::tools {
 namespace {
@@ -80,9 +76,7 @@ void score(const std::string& drive, std::vector<DemoRow>& rows, const Interrupt
   progress.finish();
   for (const UpsamplingScore& result : comparison.scores()) {
     for (DemoRow& row : rows) {
-      if (row.way.name == result.method) {
-        row.score = result;
-      }
+      if (row.way.name == result.method) row.score = result;
     }
   }
 }
@@ -150,12 +144,11 @@ std::vector<std::pair<std::string, RangeImage>> example_images(const std::string
 }  // namespace
 
 void declare_demo(CLI::App& app, DemoOptions& options) {
-  CLI::App* command = app.add_subcommand(
-      "demo",
-      "Simulate a short city drive and run SLAM on it: with 64 beams, with 16, and with 16 that "
-      "are upsampled to 64");
-  command->add_option("--out", options.out, "Folder for the drive and the results")
-      ->capture_default_str();
+  add_command(app, "demo",
+              "Simulate a short city drive and run SLAM on it: with 64 beams, with 16, "
+              "and with 16 that are upsampled to 64")
+      .option("--out", &options.out, "Folder for the drive and the results",
+              {.shows_default = true});
 }
 
 int demo_command(const DemoOptions& options) {
@@ -173,9 +166,7 @@ int demo_command(const DemoOptions& options) {
   simulate.drive = "block";
   simulate.sensor = "os1-64";
   simulate.out = (out / "drive").string();
-  if (simulate_drive(simulate, interrupt) == kInterrupted) {
-    return interrupted();
-  }
+  if (simulate_drive(simulate, interrupt) == kInterrupted) return interrupted();
 
   const std::optional<std::string> weights = installed_weights(kWeights);
   std::vector<DemoRow> rows;
@@ -186,14 +177,10 @@ int demo_command(const DemoOptions& options) {
     run.upsample = way.upsample;
     run.out = (out / way.folder).string();
     rows.push_back({way, run_and_write(run, interrupt), std::nullopt});
-    if (rows.back().run.end == ReadingEnd::kInterrupted) {
-      return interrupted();
-    }
+    if (rows.back().run.end == ReadingEnd::kInterrupted) return interrupted();
   }
   score(simulate.out, rows, interrupt);
-  if (interrupt.stop_requested()) {
-    return interrupted();
-  }
+  if (interrupt.stop_requested()) return interrupted();
   to_stdout("A drive of {} scans through a simulated city, sensor {}.\n\n",
             *rows.front().run.scans_in_recording, simulate.sensor);
   const TextTable table = table_of(rows);

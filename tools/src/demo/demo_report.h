@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "hqslam/core/range_image.h"
-#include "report/text_table.h"
+#include "report/page.h"
 
 namespace hqslam::tools {
 

@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <array>
 #include <filesystem>
 #include <optional>
@@ -15,7 +14,7 @@
 #include "hqslam/evaluation/image_error.h"
 #include "hqslam/evaluation/trajectory_error.h"
 #include "recording/reference.h"
-#include "terminal/exit_status.h"
+#include "terminal/command_options.h"
 #include "terminal/terminal.h"
 
 namespace hqslam::tools {
@@ -44,9 +43,7 @@ int evaluate_trajectories(const EvaluateOptions& options) {
             kDegreesPerRadian);
   for (const double stretch_m : kStretches_m) {
     const RelativePoseError rpe = relative_pose_error(estimate, reference, stretch_m);
-    if (rpe.translation_m.empty()) {
-      continue;
-    }
+    if (rpe.translation_m.empty()) continue;
     print_row(fmt::format("RPE % over {:.0f} m", stretch_m), rpe.translation_statistics,
               100.0 / stretch_m);
     print_row(fmt::format("RPE deg/100 m over {:.0f} m", stretch_m), rpe.rotation_statistics,
@@ -92,9 +89,7 @@ void add_image(StackErrors& sums, const RangeImage& image, const RangeImage& tru
   sums.mae_all_m += error.mae_all_m;
   sums.valid_sum_m += error.mae_valid_m * static_cast<double>(error.valid_pixels);
   sums.valid_pixels += error.valid_pixels;
-  if (!sensor) {
-    return;
-  }
+  if (!sensor) return;
   const std::vector<Eigen::Vector3f> points_m =
       points_of(unproject(image, *sensor, CaptureTime::kMotionCorrected));
   const std::vector<Eigen::Vector3f> true_points_m =
@@ -117,9 +112,7 @@ int evaluate_stacks(const EvaluateOptions& options) {
     throw Error(fmt::format("{}: has no image; give a stack with at least one", options.estimate));
   }
   std::optional<SensorModel> sensor;
-  if (!options.sensor.empty()) {
-    sensor = load_sensor(options.sensor);
-  }
+  if (!options.sensor.empty()) sensor = load_sensor(options.sensor);
   StackErrors sums;
   for (std::int64_t i = 0; i < estimate.images(); ++i) {
     add_image(sums, estimate.read(i), reference.read(i), sensor);
@@ -182,33 +175,21 @@ bool both_end_with(const EvaluateOptions& options, const char* extension) {
 }  // namespace
 
 void declare_evaluate(CLI::App& app, EvaluateOptions& options) {
-  CLI::App* command = app.add_subcommand(
-      "evaluate", "Errors of a trajectory, a point cloud or a stack of range images");
-  command
-      ->add_option("ESTIMATE", options.estimate,
-                   "Trajectory (TUM or KITTI), .pcd cloud or .npy stack of range images")
-      ->required()
-      ->check(CLI::ExistingFile);
-  command->add_option("REFERENCE", options.reference, "What it should be, in the same kind of file")
-      ->required()
-      ->check(CLI::ExistingFile);
-  command
-      ->add_option("--align", options.alignment,
-                   "Alignment of a trajectory before its APE is taken")
-      ->check(CLI::IsMember({"se3", "first", "none"}))
-      ->capture_default_str();
-  command->add_option("--sensor", options.sensor,
-                      "Sensor of two .npy stacks (name or .json file): adds the errors in 3-D");
-  command->footer(kDefinitions);
+  const OptionRules read = {.required = true, .given = Given::kFile};
+  add_command(app, "evaluate", "Errors of a trajectory, a point cloud or a stack of range images",
+              kDefinitions)
+      .option("ESTIMATE", &options.estimate,
+              "Trajectory (TUM or KITTI), .pcd cloud or .npy stack of range images", read)
+      .option("REFERENCE", &options.reference, "What it should be, in the same kind of file", read)
+      .option("--align", &options.alignment, "Alignment of a trajectory before its APE is taken",
+              {.shows_default = true, .one_of = {"se3", "first", "none"}})
+      .option("--sensor", &options.sensor,
+              "Sensor of two .npy stacks (name or .json file): adds the errors in 3-D");
 }
 
 int evaluate_command(const EvaluateOptions& options) {
-  if (both_end_with(options, ".npy")) {
-    return evaluate_stacks(options);
-  }
-  if (both_end_with(options, ".pcd")) {
-    return evaluate_clouds(options);
-  }
+  if (both_end_with(options, ".npy")) return evaluate_stacks(options);
+  if (both_end_with(options, ".pcd")) return evaluate_clouds(options);
   return evaluate_trajectories(options);
 }
 

@@ -1,24 +1,102 @@
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
+#include <Eigen/Core>
 #include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <unordered_set>
+#include <vector>
 
 #include "commands.h"
-#include "evaluate/map_error.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/pcd.h"
+#include "hqslam/evaluation/cloud_error.h"
 #include "hqslam/evaluation/trajectory_error.h"
+#include "hqslam/sim/drive.h"
 #include "hqslam/sim/read_drive.h"
-#include "recording/recording_sensor.h"
-#include "terminal/exit_status.h"
+#include "recording/recording_choice.h"
+#include "terminal/command_options.h"
 #include "terminal/terminal.h"
 
 namespace hqslam::tools {
 namespace {
 
 namespace fs = std::filesystem;
+
+/// Shares of points within a distance of what they are held against.
+struct SharesWithin {
+  double at_10_cm = 0.0;
+  double at_20_cm = 0.0;
+};
+
+/// A map held against the true surface of a simulated drive.
+struct MapError {
+  std::int64_t points = 0;
+  SharesWithin accuracy;      ///< of the map's points: a true surface is so near
+  double beyond_30_cm = 0.0;  ///< share of the map's points without a true surface so near
+  SharesWithin completeness;  ///< of the true surface's samples: a point of the map is so near
+  SharesWithin f1;            ///< harmonic means of the two
+};
+
+constexpr double kSample_m = 0.1;
+constexpr double kFar_m = 0.3;
+
+/// The voxel of kSample_m that a point is in, as one number. Cities are smaller than 100 km.
+std::uint64_t voxel_key(const Eigen::Vector3f& point_m) {
+  const auto part = [](float metres) {
+    return static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(metres / kSample_m))) &
+           0x1FFFFFU;
+  };
+  return part(point_m.x()) << 42U | part(point_m.y()) << 21U | part(point_m.z());
+}
+
+double share_within(const std::vector<float>& distances_m, double limit_m) {
+  const auto within = std::count_if(distances_m.begin(), distances_m.end(),
+                                    [&](float distance_m) { return distance_m <= limit_m; });
+  return static_cast<double>(within) / static_cast<double>(distances_m.size());
+}
+
+SharesWithin shares_within(const std::vector<float>& distances_m) {
+  return {share_within(distances_m, 0.1), share_within(distances_m, 0.2)};
+}
+
+double harmonic_mean(double a, double b) { return a + b > 0.0 ? 2.0 * a * b / (a + b) : 0.0; }
+
+/// What the sensor of a drive could see along it (DriveSimulator::next_visible), one sample per
+/// voxel of 0.1 m: the first that a beam meets. Map frame.
+std::vector<Eigen::Vector3f> visible_surface_m(sim::DriveSimulator simulator) {
+  std::vector<Eigen::Vector3f> samples_m;
+  std::unordered_set<std::uint64_t> taken;
+  while (const auto visible = simulator.next_visible()) {
+    for (const Eigen::Vector3f& point_m : *visible) {
+      if (taken.insert(voxel_key(point_m)).second) samples_m.push_back(point_m);
+    }
+  }
+  return samples_m;
+}
+
+/// points_m and visible_m: map frame of `truth`'s drive. Throws Error if either is empty.
+/// Source of the measures: Knapitsch et al., "Tanks and Temples", 2017 (precision and recall of
+/// surfaces within a distance).
+MapError map_error(const std::vector<Eigen::Vector3f>& points_m,
+                   const std::vector<Eigen::Vector3f>& visible_m, sim::DriveSimulator& truth) {
+  if (points_m.empty() || visible_m.empty()) {
+    throw Error("the map or the visible surface has no points; give a map of the drive");
+  }
+  const std::vector<float> to_surface_m = truth.distances_to_surface_m(points_m, kFar_m);
+  const std::vector<float> to_map_m = nearest_distances_m(visible_m, points_m);
+  MapError error;
+  error.points = std::ssize(points_m);
+  error.accuracy = shares_within(to_surface_m);
+  error.beyond_30_cm = 1.0 - share_within(to_surface_m, kFar_m);
+  error.completeness = shares_within(to_map_m);
+  error.f1 = {harmonic_mean(error.accuracy.at_10_cm, error.completeness.at_10_cm),
+              harmonic_mean(error.accuracy.at_20_cm, error.completeness.at_20_cm)};
+  return error;
+}
 
 /// A map of a drive, in the frame of the drive's truth.
 struct PlacedMap {
@@ -34,9 +112,7 @@ std::optional<Pose> alignment_of(const fs::path& map, const TrajectoryFile& trut
   constexpr double kSameTime_s = 0.01;
   const std::string path =
       file_of_drive(fs::absolute(map).parent_path().string(), "trajectory.tum");
-  if (path.empty()) {
-    return std::nullopt;
-  }
+  if (path.empty()) return std::nullopt;
   const Trajectory trajectory = read_tum(path);
   const PosePairs pairs = associate(trajectory, truth.poses, kSameTime_s);
   if (pairs.estimate.empty()) {
@@ -108,17 +184,13 @@ constexpr const char* kDefinitions =
 }  // namespace
 
 void declare_evaluate_map(CLI::App& app, EvaluateMapOptions& options) {
-  CLI::App* command = app.add_subcommand(
-      "evaluate-map", "Maps of a simulated drive against the true surface of its city");
-  command
-      ->add_option("MAP", options.maps,
-                   "Folders with a dense_map.pcd (of hqslam run --dense-map), or .pcd files")
-      ->required()
-      ->check(CLI::ExistingPath);
-  command->add_option("--drive", options.drive, "The drive: folder written by hqslam simulate")
-      ->required()
-      ->check(CLI::ExistingDirectory);
-  command->footer(kDefinitions);
+  add_command(app, "evaluate-map", "Maps of a simulated drive against the true surface of its city",
+              kDefinitions)
+      .option("MAP", &options.maps,
+              "Folders with a dense_map.pcd (of hqslam run --dense-map), or .pcd files",
+              {.required = true, .given = Given::kFileOrFolder})
+      .option("--drive", &options.drive, "The drive: folder written by hqslam simulate",
+              {.required = true, .given = Given::kFolder});
 }
 
 int evaluate_map_command(const EvaluateMapOptions& options) {

@@ -13,9 +13,7 @@ std::optional<std::string> installed_weights(const std::string& name) {
   const std::array<fs::path, 2> folders = {
       program.parent_path().parent_path() / HQSLAM_WEIGHTS_INSTALLED, HQSLAM_WEIGHTS_SOURCE};
   for (const fs::path& folder : folders) {
-    if (fs::is_regular_file(folder / name, error)) {
-      return (folder / name).string();
-    }
+    if (fs::is_regular_file(folder / name, error)) return (folder / name).string();
   }
   return std::nullopt;
 }

@@ -1,14 +1,13 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <utility>
 
 #include "commands.h"
 #include "hqslam/core/error.h"
 #include "hqslam/recordings/recording.h"
-#include "terminal/exit_status.h"
+#include "terminal/command_options.h"
 #include "terminal/terminal.h"
 
 namespace hqslam::tools {
@@ -68,18 +67,16 @@ std::string command_for(const InfoOptions& options) {
 }  // namespace
 
 void declare_info(CLI::App& app, InfoOptions& options) {
-  CLI::App* command =
-      app.add_subcommand("info", "Say what a recording is and which command to run on it");
-  command->add_option("INPUT", options.input, "Recording (as for hqslam run)")
-      ->required()
-      ->check(CLI::ExistingPath);
-  command->add_option("--sensor", options.sensor,
-                      fmt::format("{}, or a .json file; where the recording does not say",
-                                  fmt::join(sensor_preset_names(), ", ")));
-  command->add_option("--stream", options.stream,
-                      "Which stream, if there are several: a bag's topic, or a port or sender:port "
-                      "of a capture");
-  command->footer("The whole recording is read once.");
+  add_command(app, "info", "Say what a recording is and which command to run on it",
+              "The whole recording is read once.")
+      .option("INPUT", &options.input, "Recording (as for hqslam run)",
+              {.required = true, .given = Given::kFileOrFolder})
+      .option("--sensor", &options.sensor,
+              fmt::format("{}, or a .json file; where the recording does not say",
+                          fmt::join(sensor_preset_names(), ", ")))
+      .option("--stream", &options.stream,
+              "Which stream, if there are several: a bag's topic, or a port or sender:port of a "
+              "capture");
 }
 
 int info_command(const InfoOptions& options) {

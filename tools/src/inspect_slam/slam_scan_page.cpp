@@ -9,9 +9,8 @@
 #include <numeric>
 
 #include "hqslam/slam/status.h"
-#include "inspect_slam/slam_scan_pictures.h"
 #include "report/chart.h"
-#include "report/report_style.h"
+#include "report/page.h"
 
 namespace hqslam::tools {
 namespace {

@@ -1,11 +1,10 @@
-#include "inspect_slam/slam_scan_pictures.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "report/density_image.h"
+#include "inspect_slam/slam_scan_page.h"
+#include "report/cloud_picture.h"
 
 namespace hqslam::tools {
 namespace {

@@ -1,36 +1,46 @@
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
+#include <functional>
+#include <optional>
 
 #include "commands.h"
-#include "files/output_guard.h"
-#include "files/text_file.h"
+#include "files/result_files.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/scan_source.h"
-#include "inspect_slam/inspect_slam.h"
+#include "inspect_slam/slam_scan_page.h"
 #include "lift/layers_report.h"
 #include "lift/lifted_input.h"
 #include "recording/reading.h"
-#include "recording/recording_sensor.h"
-#include "terminal/exit_status.h"
+#include "recording/recording_choice.h"
+#include "run/slam_settings.h"
+#include "terminal/command_options.h"
+#include "terminal/progress.h"
 #include "terminal/terminal.h"
 
 namespace hqslam::tools {
 namespace {
 
-RangeImage scan_of(const InspectOptions& options, const SensorModel& sensor) {
-  const auto source = open_input(options, sensor);
-  print_warnings(*source, options.input);
+/// Hands the scans up to the one that was asked for to `use`, with their indices.
+void for_scans_up_to(const InspectOptions& options, ScanSource& source,
+                     const std::function<void(const RecordedScan& scan, std::int64_t i)>& use) {
+  print_warnings(source, options.input);
   LeftOut left_out;
-  std::optional<RecordedScan> scan;
   for (std::int64_t i = 0; i <= options.scan; ++i) {
-    scan = next_usable(*source, left_out);
+    const std::optional<RecordedScan> scan = next_usable(source, left_out);
     if (!scan) {
       throw Error(fmt::format("{}: has {} scans{}, expected one with index {}", options.input, i,
                               left_out.scans > 0 ? " that can be used" : "", options.scan));
     }
+    use(*scan, i);
   }
-  return range_image(scan->cloud);
+}
+
+RangeImage scan_of(const InspectOptions& options, const SensorModel& sensor) {
+  RangeImage image;
+  for_scans_up_to(options, *open_input(options, sensor), [&](const auto& scan, std::int64_t i) {
+    if (i == options.scan) image = range_image(scan.cloud);
+  });
+  return image;
 }
 
 void print_names(const nn::Trace& trace) {
@@ -48,32 +58,32 @@ void print_differences(const std::vector<nn::ReferenceDifference>& differences) 
   }
 }
 
+/// SLAM up to one scan of the recording, and the page of that scan.
+int inspect_slam(const InspectOptions& options) {
+  guard_output_file(options.out, {options.input, options.weights},
+                    [](const auto& path) { return has_marker(path, kSlamScanPageMarker); });
+  LiftedInput input = lifted_input(options, {options.weights, options.rows});
+  slam::Slam slam(input.seen(), slam_options(options.slam_settings));
+  SlamScanReport page;
+  page.recording = options.input;
+  page.scan = options.scan;
+  Progress progress("slam", options.scan + 1);
+  for_scans_up_to(options, *input.open(), [&](const RecordedScan& scan, std::int64_t i) {
+    const OrganizedCloud cloud = input.lifted(input.measured(scan.cloud));
+    page.report = slam.process(cloud, scan.stamp_s, i == options.scan ? &page.trace : nullptr);
+    progress.update(i + 1);
+  });
+  progress.finish();
+  write_text_file(slam_scan_html(page), options.out);
+  to_stdout("results: {}\n", options.out);
+  return kOk;
+}
+
 }  // namespace
 
 void declare_inspect(CLI::App& app, InspectOptions& options) {
-  CLI::App* command =
-      app.add_subcommand("inspect", "Show what a network, or SLAM, makes of one scan");
-  declare_input(*command, options, "Recording (as for hqslam upsample)");
-  command->add_option("--weights", options.weights, "Weights file");
-  CLI::Option* slam = command->add_flag(
-      "--slam", options.slam,
-      "Show instead what every stage of SLAM makes of the scan, after all scans before it; with "
-      "--weights the scans are lifted first");
-  command->add_option("--rows", options.rows, "Use only this many of the sensor's rows")
-      ->check(CLI::Range(1, 1000000000))
-      ->needs(slam);
-  command->add_option("--set", options.slam_settings.set, "One option of SLAM, NAME=NUMBER")
-      ->needs(slam);
-  command->add_option("--scan", options.scan, "Which scan, counted from 0 (default: the first)")
-      ->check(CLI::NonNegativeNumber);
-  command->add_option("--tensor", options.tensors,
-                      "Show an inner tensor too, such as layers.2.encoder.0 (may be repeated)");
-  CLI::Option* const list =
-      command->add_flag("--list", options.list, "Print the names of all inner tensors, no page");
-  command->add_flag("--reference", options.reference,
-                    "How far every tensor is from the network in double precision (minutes)");
-  command->add_option("--out", options.out, "Page to write (.html)")->excludes(list);
-  command->footer(
+  Command command = add_command(
+      app, "inspect", "Show what a network, or SLAM, makes of one scan",
       "Writes one page with H, Z, the filter's mask and Y of every layer, the terms of the "
       "objective\n"
       "and, if the recording has all rows, the error of every layer.\n"
@@ -82,6 +92,24 @@ void declare_inspect(CLI::App& app, InspectOptions& options) {
       "residual and weight, the expected, the odometry's and the found pose, and how much is "
       "known\n"
       "about each direction of motion.");
+  declare_input(command, options, "Recording (as for hqslam upsample)");
+  command.option("--weights", &options.weights, "Weights file")
+      .option("--slam", &options.slam,
+              "Show instead what every stage of SLAM makes of the scan, after all scans before it; "
+              "with "
+              "--weights the scans are lifted first")
+      .option("--rows", &options.rows, "Use only this many of the sensor's rows",
+              {.within = kAnyCount, .needs = {"--slam"}})
+      .option("--set", &options.slam_settings.set, "One option of SLAM, NAME=NUMBER",
+              {.needs = {"--slam"}})
+      .option("--scan", &options.scan, "Which scan, counted from 0 (default: the first)",
+              {.given = Given::kNotNegative})
+      .option("--tensor", &options.tensors,
+              "Show an inner tensor too, such as layers.2.encoder.0 (may be repeated)")
+      .option("--list", &options.list, "Print the names of all inner tensors, no page")
+      .option("--reference", &options.reference,
+              "How far every tensor is from the network in double precision (minutes)")
+      .option("--out", &options.out, "Page to write (.html)", {.excludes = {"--list"}});
 }
 
 int inspect_command(const InspectOptions& options) {

@@ -4,12 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "hqslam/evaluation/image_error.h"
 #include "hqslam/evaluation/png.h"
 #include "report/chart.h"
-#include "report/density_image.h"
-#include "report/report_style.h"
+#include "report/cloud_picture.h"
+#include "report/page.h"
 
 namespace hqslam::tools {
 namespace {
@@ -75,17 +76,19 @@ std::size_t layer_count(const LayersReport& report) {
   return count;
 }
 
-/// One channel of a tensor without a unit, black its smallest value, white its largest.
-RgbImage channel_image(const nn::TracedTensor& tensor, int channel, float smallest, float largest) {
-  RgbImage image{tensor.rows, tensor.columns, {}};
-  const std::size_t pixels = static_cast<std::size_t>(tensor.rows) * tensor.columns;
-  for (std::size_t i = channel * pixels; i < (channel + 1) * pixels; ++i) {
-    const float share =
-        largest > smallest ? (tensor.values[i] - smallest) / (largest - smallest) : 0.0F;
-    const auto grey = static_cast<std::uint8_t>(std::lround(255.0F * share));
-    image.pixels.push_back({grey, grey, grey});
+/// One channel of a tensor without a unit, black its smallest value, white its largest: beside a
+/// channel of large values one of small ones would be grey all over.
+std::string channel_html(const nn::TracedTensor& tensor, int channel) {
+  const auto pixels = static_cast<std::size_t>(tensor.rows) * tensor.columns;
+  const std::span<const float> values = std::span(tensor.values).subspan(channel * pixels, pixels);
+  const auto [smallest, largest] = std::ranges::minmax(values);
+  std::vector<float> shares;
+  for (const float value : values) {
+    shares.push_back(largest > smallest ? (value - smallest) / (largest - smallest) : 0.0F);
   }
-  return image;
+  return image_html(
+      share_image(shares, tensor.rows, tensor.columns),
+      fmt::format("{}, channel {}: {:.4g} to {:.4g}", tensor.name, channel, smallest, largest));
 }
 
 /// The tensors that were asked for, channel by channel.
@@ -96,16 +99,15 @@ std::string named_html(const LayersReport& report) {
     const auto [smallest, largest] = std::ranges::minmax(tensor.values);
     const bool metres = tensor.unit == "m";
     html += fmt::format(
-        "<h2>{}</h2>\n<p class=\"quiet\">{} channels of {} x {}, {:.4g} to {:.4g}{}{}</p>\n",
+        "<h2>{}</h2>\n<p class=\"quiet\">{} channels of {} x {}, {:.4g} to {:.4g}{}</p>\n",
         escape_html(name), tensor.channels, tensor.rows, tensor.columns, smallest, largest,
-        metres ? " m" : "", metres ? "" : "; black the smallest, white the largest");
+        metres ? " m" : "; of each channel black the smallest value, white the largest");
     if (metres) {
       html += range_html(report.trace.image(name), report, name);
       continue;
     }
     for (int channel = 0; channel < tensor.channels; ++channel) {
-      html += image_html(channel_image(tensor, channel, smallest, largest),
-                         fmt::format("{}, channel {}", name, channel));
+      html += channel_html(tensor, channel);
     }
   }
   return html;

@@ -10,7 +10,7 @@
 #include "hqslam/core/npy.h"
 #include "hqslam/nn/upsampled_cloud.h"
 #include "hqslam/recordings/recording.h"
-#include "recording/recording_sensor.h"
+#include "recording/recording_choice.h"
 
 namespace hqslam::tools {
 namespace {
@@ -51,9 +51,7 @@ SensorModel required_sensor_of(const Request& request) {
 std::optional<int> recorded_rows(const Request& request) {
   if (request.sender != nullptr) return std::nullopt;
   const std::string& input = request.recording.input;
-  if (std::filesystem::path(input).extension() == ".npy") {
-    return NpyStackReader(input).rows();
-  }
+  if (std::filesystem::path(input).extension() == ".npy") return NpyStackReader(input).rows();
   const std::string sensor = file_of_drive(input, "sensor.json");
   return sensor.empty() ? std::nullopt : std::optional(load_sensor(sensor).rows());
 }
@@ -167,14 +165,10 @@ LiftedInput lifted_input(const Request& request) {
 }  // namespace
 
 bool fits(const SensorModel& sensor, const SensorModel& expected) {
-  if (sensor.rows() != expected.rows() || sensor.columns != expected.columns) {
-    return false;
-  }
+  if (sensor.rows() != expected.rows() || sensor.columns != expected.columns) return false;
   for (int row = 0; row < sensor.rows(); ++row) {
     const double off_rad = sensor.beam_elevation_rad[row] - expected.beam_elevation_rad[row];
-    if (std::abs(off_rad) * kDegreesPerRadian > kBeamTolerance_deg) {
-      return false;
-    }
+    if (std::abs(off_rad) * kDegreesPerRadian > kBeamTolerance_deg) return false;
   }
   return true;
 }

@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 #include <omp.h>
 
-#include <CLI/CLI.hpp>
 #include <iterator>
 #include <memory>
 #include <optional>
@@ -12,13 +11,11 @@
 #include "lift/lifted_input.h"
 #include "lift/upsample_output.h"
 #include "recording/reading.h"
-#include "recording/recording_sensor.h"
-#include "terminal/exit_status.h"
-#include "terminal/interrupt.h"
+#include "recording/recording_choice.h"
+#include "terminal/command_options.h"
 #include "terminal/progress.h"
 #include "terminal/terminal.h"
-#include "timing/stopwatch.h"
-#include "timing/timing_statistics.h"
+#include "timing/timing.h"
 
 namespace hqslam::tools {
 namespace {
@@ -88,32 +85,29 @@ void print_summary(const UpsampleRun& run, const nn::Upsampler& upsampler,
 }  // namespace
 
 void declare_upsample(CLI::App& app, UpsampleOptions& options) {
-  CLI::App* command =
-      app.add_subcommand("upsample", "Fill the rows between those of a LiDAR with few beams");
-  declare_input(*command, options,
-                "Recording as for hqslam run: the measured rows alone, or all rows of the sensor, "
-                "of which the measured ones are looked at",
-                "Sensor of the recording (name or .json file); default: what the recording says, "
-                "or the one that the weights were made for. For interpolation: with all rows");
-  CLI::Option_group* method = command->add_option_group("How", "One of");
-  method->add_option("--weights", options.upsample, "Trained network (.npz)")
-      ->check(CLI::ExistingFile);
-  method->add_option("--method", options.upsample, "Interpolation, of every fourth row")
-      ->check(CLI::IsMember(nn::interpolation_names()));
-  method->require_option(1);
-  command->add_option("--out", options.out, "Folder for the results; made if it is not there")
-      ->required();
-  declare_confidence(*command, options);
-  declare_threads(*command, options.threads);
-  command->add_flag("--bin", options.bin, "Also write KITTI .bin files");
-  command->add_flag("--pcd", options.pcd, "Also write .pcd files");
-  command->add_flag("--png", options.png, "Also write pictures of the range images");
-  command->footer(
+  Command command = add_command(
+      app, "upsample", "Fill the rows between those of a LiDAR with few beams",
       "Writes into --out: scans.npy (N x rows x columns, float32 metres), confidence.npy (of a\n"
       "network that says how sure it is, 0 to 1 per pixel), timestamps.txt, sensor.json,\n"
       "upsample.json (where it came from), and the truth of a simulated drive. hqslam run takes "
       "the\n"
       "folder as it is. Ctrl-C stops; what is written up to then is valid.");
+  declare_input(command, options,
+                "Recording as for hqslam run: the measured rows alone, or all rows of the sensor, "
+                "of which the measured ones are looked at",
+                "Sensor of the recording (name or .json file); default: what the recording says, "
+                "or the one that the weights were made for. For interpolation: with all rows");
+  command.alternatives("How", "One of")
+      .option("--weights", &options.upsample, "Trained network (.npz)", {.given = Given::kFile})
+      .option("--method", &options.upsample, "Interpolation, of every fourth row",
+              {.one_of = nn::interpolation_names()});
+  command.option("--out", &options.out, "Folder for the results; made if it is not there",
+                 {.required = true});
+  declare_confidence(command, options);
+  declare_threads(command, options.threads);
+  command.option("--bin", &options.bin, "Also write KITTI .bin files")
+      .option("--pcd", &options.pcd, "Also write .pcd files")
+      .option("--png", &options.png, "Also write pictures of the range images");
 }
 
 int upsample_command(const UpsampleOptions& options) {

@@ -9,15 +9,13 @@
 #include <utility>
 #include <vector>
 
-#include "files/output_guard.h"
-#include "files/text_file.h"
+#include "files/result_files.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/kitti_bin.h"
 #include "hqslam/core/pcd.h"
 #include "hqslam/core/scan.h"
 #include "hqslam/evaluation/png.h"
-#include "recording/drive_folder.h"
-#include "recording/recording_sensor.h"
+#include "recording/recording_choice.h"
 
 namespace hqslam::tools {
 namespace {
@@ -43,9 +41,7 @@ bool same_file(const fs::path& a, const fs::path& b) {
 void refuse_to_overwrite_input(const fs::path& folder, const std::string& input) {
   const fs::path from = fs::absolute(input).lexically_normal();
   bool overwrites = same_file(folder, from);
-  for (const char* file : kFiles) {
-    overwrites = overwrites || same_file(folder / file, from);
-  }
+  for (const char* file : kFiles) overwrites = overwrites || same_file(folder / file, from);
   for (const char* scans : kScanFolders) {
     overwrites = overwrites || same_file(folder / scans, from) ||
                  same_file(folder / scans, from.parent_path());
@@ -68,9 +64,8 @@ void guard_folder(const fs::path& folder) {
 
 void remove_results(const fs::path& folder) {
   for (const char* scans : kScanFolders) remove_numbered_scans(folder / scans, scans);
-  for (const char* file : kFiles) {
+  for (const char* file : kFiles)
     if (file != kMarkerFile) fs::remove(folder / file);
-  }
 }
 
 /// `folder`, made if it is not there: the lock on it comes next.
@@ -118,9 +113,7 @@ UpsampleOutput::UpsampleOutput(const std::string& folder, UpsampleOrigin origin,
   }
   const std::array<bool, 3> wanted = {formats.kitti_bin, formats.pcd, formats.png};
   for (std::size_t i = 0; i < wanted.size(); ++i) {
-    if (wanted[i]) {
-      make_result_folder(folder_ / kScanFolders[i]);
-    }
+    if (wanted[i]) make_result_folder(folder_ / kScanFolders[i]);
   }
 }
 

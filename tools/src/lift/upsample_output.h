@@ -6,8 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "files/part_files.h"
-#include "files/result_folder.h"
+#include "files/result_files.h"
 #include "hqslam/core/npy.h"
 #include "hqslam/core/organized_cloud.h"
 #include "hqslam/core/range_image.h"

@@ -1,14 +1,13 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "commands.h"
-#include "files/output_guard.h"
+#include "files/result_files.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/json_limits.h"
 #include "hqslam/core/whole_file.h"
@@ -16,7 +15,7 @@
 #include "hqslam/nn/network_json.h"
 #include "hqslam/nn/weights_file.h"
 #include "hqslam/sim/drive.h"
-#include "terminal/exit_status.h"
+#include "terminal/command_options.h"
 #include "terminal/terminal.h"
 
 namespace hqslam::tools {
@@ -117,29 +116,23 @@ int show(const std::string& path) {
 }  // namespace
 
 void declare_weights(CLI::App& app, WeightsOptions& options) {
-  CLI::App* command =
-      app.add_subcommand("weights", "Look into a weights file, or make one of other programs'");
-  command->require_subcommand(1);
-  CLI::App* shown = command->add_subcommand("show", "What a weights file holds");
-  shown->add_option("weights", options.show, "Weights file")->required()->check(CLI::ExistingFile);
-  CLI::App* packed = command->add_subcommand(
-      "pack", "Make a weights file of arrays that another program has trained");
-  packed
-      ->add_option("arrays", options.arrays,
-                   "The network's arrays (.npz), as numpy.savez writes a PyTorch state dict")
-      ->required()
-      ->check(CLI::ExistingFile);
-  packed
-      ->add_option("description", options.description,
-                   "The network (.json): what \"network\" is in a recipe, or the recipe")
-      ->required()
-      ->check(CLI::ExistingFile);
-  packed->add_option("--out", options.out, "Weights file to write")->required();
-  packed->footer(
+  Command command =
+      add_command(app, "weights", "Look into a weights file, or make one of other programs'");
+  const OptionRules read = {.required = true, .given = Given::kFile};
+  command.subcommand("show", "What a weights file holds")
+      .option("weights", &options.show, "Weights file", read);
+  Command packed = command.subcommand(
+      "pack", "Make a weights file of arrays that another program has trained",
       "Names and shapes of the arrays: nn/README.md, or hqslam weights show. If the arrays\n"
       "self_test.measured (measured rows) and self_test.expected (all rows; metres, 0 = no "
       "return)\n"
       "are there, the network must give the one for the other; otherwise they are made.");
+  packed
+      .option("arrays", &options.arrays,
+              "The network's arrays (.npz), as numpy.savez writes a PyTorch state dict", read)
+      .option("description", &options.description,
+              "The network (.json): what \"network\" is in a recipe, or the recipe", read)
+      .option("--out", &options.out, "Weights file to write", {.required = true});
 }
 
 int weights_command(const WeightsOptions& options) {

@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <CLI/CLI.hpp>
 #include <vector>
 
 #include "commands.h"
@@ -10,10 +9,10 @@
 #include "live/live_run.h"
 #include "live/live_view.h"
 #include "live/view_server.h"
-#include "run/run_summary.h"
-#include "terminal/exit_status.h"
+#include "run/slam_run.h"
+#include "terminal/command_options.h"
 #include "terminal/terminal.h"
-#include "timing/timing_statistics.h"
+#include "timing/timing.h"
 
 namespace hqslam::tools {
 namespace {
@@ -77,47 +76,44 @@ int exit_status_of(const SlamRun& run, const live::LiveCounts& counts) {
 }  // namespace
 
 void declare_live(CLI::App& app, LiveOptions& options) {
-  CLI::App* command =
-      app.add_subcommand("live", "From a sensor that sends now to a trajectory and a map");
-  command
-      ->add_option(
-          "--sensor", options.sensor,
-          fmt::format("{}, or a .json file: an Ouster's metadata, or the beam angles of one "
-                      "Velodyne; or the db.xml of an HDL-64E. An Ouster that is only named is "
-                      "asked for its metadata over HTTP",
-                      fmt::join(sensor_preset_names(), ", ")))
-      ->required();
-  command
-      ->add_option("--port", options.port,
-                   "UDP port to which it sends (default: what an Ouster's metadata say or 7502, "
-                   "2368 for a Velodyne)")
-      ->check(CLI::Range(1, 65535));
-  declare_return(*command, options.kept_return);
-  declare_lifting(*command, options);
-  command->add_option("--out", options.out, "Folder for the results; made if it is not there")
-      ->required();
-  command->add_option("--record", options.record,
-                      "Also keep the packets in this .pcap file, an Ouster's metadata beside it");
-  command
-      ->add_option("--view", options.view,
-                   fmt::format("Show path and map on a page as they grow; port of the page ({} if "
-                               "none is given, 0: any free one)",
-                               kViewPort))
-      ->expected(0, 1)
-      ->default_str(std::to_string(kViewPort))
-      ->check(CLI::Range(0, 65535));
-  command
-      ->add_option("--view-address", options.view_address,
-                   "Address at which the page is served; by default to this computer alone")
-      ->capture_default_str();
-  declare_threads(*command, options.threads);
-  declare_slam_settings(*command, options.slam);
-  command->footer(
+  Command command = add_command(
+      app, "live", "From a sensor that sends now to a trajectory and a map",
       "The sensor must send to this computer already. A line each second says where it is, how\n"
       "many scans a second were located, the longest time from the packet that completes a scan\n"
       "to its pose, and what was lost: packets that never came, and whole scans that had to make\n"
       "room for later ones because the computer is too slow. Ctrl-C (or SIGTERM) ends it: exit\n"
       "status 0, and in --out the results as hqslam run writes them.");
+  command
+      .option("--sensor", &options.sensor,
+              fmt::format(
+                  "{}, or a .json file: an Ouster's metadata, or the beam angles of one "
+                  "Velodyne; or the db.xml of an HDL-64E. An Ouster that is only named is asked "
+                  "for its metadata over HTTP",
+                  fmt::join(sensor_preset_names(), ", ")),
+              {.required = true})
+      .option(
+          "--port", &options.port,
+          "UDP port to which it sends (default: what an Ouster's metadata say or 7502, 2368 for a "
+          "Velodyne)",
+          {.within = std::pair(1, 65535)});
+  declare_return(command, options.kept_return);
+  declare_lifting(command, options);
+  command
+      .option("--out", &options.out, "Folder for the results; made if it is not there",
+              {.required = true})
+      .option("--record", &options.record,
+              "Also keep the packets in this .pcap file, an Ouster's metadata beside it")
+      .option(
+          "--view", &options.view,
+          fmt::format("Show path and map on a page as they grow; port of the page ({} if none is "
+                      "given, 0: any free one)",
+                      kViewPort),
+          {.within = std::pair(0, 65535), .if_bare = std::to_string(kViewPort)})
+      .option("--view-address", &options.view_address,
+              "Address at which the page is served; by default to this computer alone",
+              {.shows_default = true});
+  declare_threads(command, options.threads);
+  declare_slam_settings(command, options.slam);
 }
 
 int live_command(const LiveOptions& options) {

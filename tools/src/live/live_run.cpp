@@ -10,7 +10,7 @@
 #include "hqslam/core/error.h"
 #include "hqslam/slam/status.h"
 #include "terminal/terminal.h"
-#include "timing/stopwatch.h"
+#include "timing/timing.h"
 
 namespace hqslam::tools {
 namespace {

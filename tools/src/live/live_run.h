@@ -7,7 +7,7 @@
 #include "live/live_view.h"
 #include "run/run_output.h"
 #include "run/slam_run.h"
-#include "terminal/interrupt.h"
+#include "terminal/terminal.h"
 
 namespace hqslam::tools {
 

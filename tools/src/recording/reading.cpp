@@ -5,9 +5,8 @@
 #include <utility>
 
 #include "hqslam/core/error.h"
-#include "terminal/exit_status.h"
 #include "terminal/terminal.h"
-#include "timing/stopwatch.h"
+#include "timing/timing.h"
 
 namespace hqslam::tools {
 namespace {

@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "hqslam/core/scan_source.h"
-#include "terminal/interrupt.h"
+#include "terminal/terminal.h"
 
 namespace hqslam::tools {
 

@@ -4,109 +4,223 @@
 #include <fmt/ranges.h>
 #include <omp.h>
 
-#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <limits>
+#include <system_error>
 
+#include "hqslam/core/error.h"
+#include "hqslam/core/json_fields.h"
 #include "hqslam/core/sensor_model.h"
+#include "hqslam/core/whole_file.h"
 #include "hqslam/nn/upsampler.h"
+#include "hqslam/recordings/recording.h"
+#include "hqslam/sim/read_drive.h"
+#include "terminal/command_options.h"
+#include "terminal/terminal.h"
 
 namespace hqslam::tools {
 
-void declare_input(CLI::App& command, InputChoice& choice, const std::string& what,
+void declare_input(Command& command, InputChoice& choice, const std::string& what,
                    const std::string& sensor) {
+  constexpr const char* kUsual =
+      "Capture (.pcap, .pcapng) or bag (.db3, .mcap, .bag) of a sensor, folder of KITTI .bin files "
+      "or of .pcd, .ply, .csv or .txt files, .npy stack of range images (N x H x W, float32 "
+      "metres), or folder written by hqslam simulate";
+  const std::string usual_sensor = fmt::format(
+      "{}, or a .json file with the beam angles (Ouster's metadata files too) or, for "
+      "packets of an HDL-64E, its db.xml; not needed where the recording says it",
+      fmt::join(sensor_preset_names(), ", "));
   command
-      .add_option(
-          "INPUT", choice.input,
-          what.empty()
-              ? "Capture (.pcap, .pcapng) or bag (.db3, .mcap, .bag) of a sensor, folder of KITTI "
-                ".bin files or of .pcd, .ply, .csv or .txt files, .npy stack of range images (N x "
-                "H x W, float32 metres), or folder written by hqslam simulate"
-              : what)
-      ->required()
-      ->check(CLI::ExistingPath);
-  command.add_option(
-      "--sensor", choice.sensor,
-      sensor.empty()
-          ? fmt::format(
-                "{}, or a .json file with the beam angles (Ouster's metadata "
-                "files too) or, for packets of an HDL-64E, its db.xml; not needed where the "
-                "recording says it",
-                fmt::join(sensor_preset_names(), ", "))
-          : sensor);
+      .option("INPUT", &choice.input, what.empty() ? kUsual : what,
+              {.required = true, .given = Given::kFileOrFolder})
+      .option("--sensor", &choice.sensor, sensor.empty() ? usual_sensor : sensor);
   declare_reading(command, choice);
 }
 
-void declare_reading(CLI::App& command, InputChoice& choice) {
-  command.add_option("--stream", choice.stream,
-                     "Which stream of a capture or a bag: a topic, or a port or sender:port");
+void declare_reading(Command& command, InputChoice& choice) {
+  const auto nothing = [](const std::string& text) {
+    return std::string(text.empty() ? "expected a file or 'names', found nothing" : "");
+  };
+  command.option("--stream", &choice.stream,
+                 "Which stream of a capture or a bag: a topic, or a port or sender:port");
   declare_return(command, choice.kept_return);
   command
-      .add_option("--row-order", choice.row_order,
-                  "Where row 0 of the images of a .npy stack looks")
-      ->check(CLI::IsMember({"highest-first", "lowest-first"}))
-      ->capture_default_str();
-  command.add_flag("--motion-corrected", choice.motion_corrected,
-                   "The scans of a .npy stack are already corrected for the sensor's motion");
-  command
-      .add_option("--capture", choice.capture,
-                  "How points without a time were captured: rolling, while the sensor turned (each "
-                  "has the time of its azimuth), or corrected for motion (default)")
-      ->check(CLI::IsMember({"rolling", "corrected"}));
-  command
-      .add_option("--stamps", choice.stamps,
-                  "File with the stamp of each scan (seconds, or dates as KITTI's "
-                  "timestamps.txt), or 'names' for the numbers in the files' names; not of a "
-                  "capture or a bag, which have their own")
-      ->check([](const std::string& text) {
-        return std::string(text.empty() ? "expected a file or 'names', found nothing" : "");
-      });
+      .option("--row-order", &choice.row_order, "Where row 0 of the images of a .npy stack looks",
+              {.shows_default = true, .one_of = {"highest-first", "lowest-first"}})
+      .option("--motion-corrected", &choice.motion_corrected,
+              "The scans of a .npy stack are already corrected for the sensor's motion")
+      .option(
+          "--capture", &choice.capture,
+          "How points without a time were captured: rolling, while the sensor turned (each has the "
+          "time of its azimuth), or corrected for motion (default)",
+          {.one_of = {"rolling", "corrected"}})
+      .option("--stamps", &choice.stamps,
+              "File with the stamp of each scan (seconds, or dates as KITTI's timestamps.txt), or "
+              "'names' for the numbers in the files' names; not of a capture or a bag, which have "
+              "their "
+              "own",
+              {.complaint = nothing});
 }
 
-void declare_return(CLI::App& command, std::string& kept_return) {
-  command
-      .add_option("--return", kept_return,
-                  "Which one is kept where a sensor sends two returns of a pulse")
-      ->check(CLI::IsMember({"strongest", "last"}))
-      ->capture_default_str();
+void declare_return(Command& command, std::string& kept_return) {
+  command.option("--return", &kept_return,
+                 "Which one is kept where a sensor sends two returns of a pulse",
+                 {.shows_default = true, .one_of = {"strongest", "last"}});
 }
 
-void declare_lifting(CLI::App& command, LiftingChoice& choice) {
+void declare_lifting(Command& command, LiftingChoice& choice) {
   command
-      .add_option("--rows", choice.rows, "Use only this many of the sensor's rows, evenly spread")
-      ->check(CLI::Range(1, 1000000000));
-  CLI::Option* upsample = command.add_option(
-      "--upsample", choice.upsample,
-      fmt::format("Fill the rows between the measured ones first: a trained network "
-                  "(.npz), or interpolation ({})",
-                  fmt::join(nn::interpolation_names(), ", ")));
-  upsample->check(CLI::ExistingFile | CLI::IsMember(nn::interpolation_names()));
-  declare_confidence(command, choice);
-  for (const char* of_upsampling : {"--confidence", "--tolerance"}) {
-    command.get_option(of_upsampling)->needs(upsample);
-  }
+      .option("--rows", &choice.rows, "Use only this many of the sensor's rows, evenly spread",
+              {.within = kAnyCount})
+      .option(
+          "--upsample", &choice.upsample,
+          fmt::format("Fill the rows between the measured ones first: a trained network (.npz), or "
+                      "interpolation ({})",
+                      fmt::join(nn::interpolation_names(), ", ")),
+          {.given = Given::kFile, .one_of = nn::interpolation_names()});
+  declare_confidence(command, choice, {"--upsample"});
 }
 
-void declare_confidence(CLI::App& command, LiftingChoice& choice) {
+void declare_confidence(Command& command, LiftingChoice& choice,
+                        const std::vector<const char*>& needs) {
   command
-      .add_option(
-          "--confidence", choice.least_confidence,
-          "Leave computed pixels empty of which the network (du-mix) is less sure; default: "
-          "as the weights say")
-      ->check(CLI::Range(0.0, 1.0));
-  command
-      .add_option("--tolerance", choice.tolerance_m,
-                  fmt::format("Sure of what: that the range is right within so many metres "
-                              "(default: {}); with 100 m and more, that there is a return at all",
-                              nn::SuperResolverOptions{}.tolerance_m))
-      ->check(CLI::Range(0.001, 999.0));
+      .option(
+          "--confidence", &choice.least_confidence,
+          "Leave computed pixels empty of which the network (du-mix) is less sure; default: as the "
+          "weights say",
+          {.within = std::pair(0.0, 1.0), .needs = needs})
+      .option(
+          "--tolerance", &choice.tolerance_m,
+          fmt::format("Sure of what: that the range is right within so many metres (default: {}); "
+                      "with 100 m and more, that there is a return at all",
+                      nn::SuperResolverOptions{}.tolerance_m),
+          {.within = kTolerance_m, .needs = needs});
 }
 
-void declare_threads(CLI::App& command, int& threads) {
-  command.add_option("--threads", threads, "Threads (default: all cores)")
-      ->check(CLI::Range(1, 256));
+void declare_threads(Command& command, int& threads) {
+  command.option("--threads", &threads, "Threads (default: all cores)",
+                 {.within = std::pair(1, 256)});
 }
 
 void use_threads(int threads) {
   if (threads > 0) omp_set_num_threads(threads);
+}
+
+namespace fs = std::filesystem;
+
+namespace {
+
+recordings::OpenOptions open_options(const InputChoice& choice) {
+  recordings::OpenOptions options;
+  options.sensor = choice.sensor;
+  options.stream = choice.stream;
+  options.kept_return = choice.kept_return == "last" ? recordings::KeptReturn::kLast
+                                                     : recordings::KeptReturn::kStrongest;
+  if (choice.row_order == "lowest-first") options.files.row_order = RowOrder::kLowestFirst;
+  if (choice.motion_corrected) options.files.capture_time = CaptureTime::kMotionCorrected;
+  options.files.times_from_azimuth = choice.capture == "rolling";
+  options.files.stamps = choice.stamps;
+  return options;
+}
+
+/// Of a simulated drive that may have been stopped; 0 where a folder is none.
+std::int64_t planned_scans(const std::string& input) {
+  const std::string drive = file_of_drive(input, "drive.json");
+  if (drive.empty() || file_of_drive(input, "scans.npy").empty()) return 0;
+  try {
+    return sim::read_drive_json(drive).scans;
+  } catch (const Error&) {
+    return 0;  // of another version: its scans can be read all the same
+  }
+}
+
+/// Of a recording that hqslam upsample began to lift and did not finish; 0 where it did.
+std::int64_t scans_to_lift(const std::string& input) {
+  const std::string origin = file_of_drive(input, "upsample.json");
+  if (origin.empty()) return 0;
+  constexpr std::size_t kMostBytes = 1U << 16U;
+  try {
+    JsonFields fields(whole_file(origin, "an upsample.json", kMostBytes), origin);
+    const bool unfinished = fields.has("complete") && !fields.boolean("complete");
+    return unfinished ? fields.integer("scans_in_recording") : 0;
+  } catch (const Error&) {
+    return 0;  // its scans can be read all the same
+  }
+}
+
+}  // namespace
+
+std::string file_of_drive(const std::string& input, const char* name) {
+  const fs::path path = fs::path(input) / name;
+  return fs::is_directory(input) && fs::is_regular_file(path) ? path.string() : "";
+}
+
+std::optional<SensorModel> recording_sensor(const InputChoice& choice) {
+  if (recordings::is_capture_or_bag(choice.input)) return open_stream(choice)->sensor();
+  const std::string path =
+      choice.sensor.empty() ? file_of_drive(choice.input, "sensor.json") : choice.sensor;
+  return path.empty() ? std::nullopt : std::optional(load_sensor(path));
+}
+
+SensorModel required_recording_sensor(const InputChoice& choice) {
+  std::optional<SensorModel> known = recording_sensor(choice);
+  if (known) return *known;
+  return recordings::open_recording(choice.input)->sensor();  // says what is missing
+}
+
+std::unique_ptr<recordings::StreamSource> open_stream(const InputChoice& choice) {
+  if (!recordings::is_capture_or_bag(choice.input)) return nullptr;
+  return recordings::open_stream(choice.input, open_options(choice));
+}
+
+std::unique_ptr<ScanSource> open_input(const InputChoice& choice, const SensorModel& sensor) {
+  recordings::OpenOptions options = open_options(choice);
+  if (recordings::is_capture_or_bag(choice.input)) {
+    if (!choice.stamps.empty()) {
+      throw Error(fmt::format("{}: has stamps of its own; leave --stamps out", choice.input));
+    }
+    options.columns = sensor.columns;
+    return recordings::open_stream(choice.input, options);
+  }
+  if (choice.stream.empty()) return open_recording(choice.input, sensor, options.files);
+  throw Error(fmt::format("{}: is no capture and no bag, which have streams; leave --stream out",
+                          choice.input));
+}
+
+std::int64_t scans_in(const InputChoice& choice, const ScanSource& source) {
+  if (const auto size = source.size()) return *size;
+  return recordings::inspect(choice.input, open_options(choice)).scans;
+}
+
+void print_warnings(const ScanSource& source, const std::string& input) {
+  const std::int64_t size = source.size().value_or(std::numeric_limits<std::int64_t>::max());
+  if (const std::int64_t planned = planned_scans(input); size < planned) {
+    to_stderr(
+        "hqslam: {}: the simulation was stopped after {} of {} scans; the same hqslam simulate "
+        "makes them all\n",
+        input, size, planned);
+  }
+  if (const std::int64_t planned = scans_to_lift(input); size < planned) {
+    to_stderr(
+        "hqslam: {}: hqslam upsample was stopped after {} of {} scans; the same command makes them "
+        "all\n",
+        input, size, planned);
+  }
+  print_later_warnings(source, 0);
+}
+
+void print_later_warnings(const ScanSource& source, std::size_t told) {
+  const std::vector<std::string> warnings = source.warnings();
+  for (std::size_t i = told; i < warnings.size(); ++i) to_stderr("hqslam: {}\n", warnings[i]);
+}
+
+void refuse_to_write_into_recording(const std::string& input, const std::string& out) {
+  // KITTI's folders of scans are named by those above them.
+  for (const char* scans : {"", "velodyne", "velodyne_points/data"}) {
+    std::error_code error;
+    if (!fs::equivalent(fs::path(input) / scans, out, error) || error) continue;
+    throw Error(fmt::format("{}: holds the recording; give another --out for the results", out));
+  }
 }
 
 }  // namespace hqslam::tools

@@ -10,15 +10,11 @@ constexpr std::size_t kFewestPairs = 3;
 }  // namespace
 
 Trajectory with_stamps_of(const TrajectoryFile& file, const Trajectory& other) {
-  if (file.has_stamps) {
-    return file.poses;
-  }
+  if (file.has_stamps) return file.poses;
   Trajectory stamped(
       file.poses.begin(),
       file.poses.begin() + static_cast<std::ptrdiff_t>(std::min(file.poses.size(), other.size())));
-  for (std::size_t i = 0; i < stamped.size(); ++i) {
-    stamped[i].stamp_s = other[i].stamp_s;
-  }
+  for (std::size_t i = 0; i < stamped.size(); ++i) stamped[i].stamp_s = other[i].stamp_s;
   return stamped;
 }
 

@@ -1,6 +1,7 @@
 #include "report/chart.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -9,6 +10,7 @@
 #include <functional>
 
 #include "hqslam/core/excerpt.h"
+#include "hqslam/evaluation/png.h"
 
 namespace hqslam::tools {
 namespace {
@@ -42,9 +44,7 @@ PlotBox box_of(const Chart& chart, const std::vector<std::vector<double>>& heigh
   PlotBox box;
   double highest = 0.0;
   for (const std::vector<double>& line : heights) {
-    for (const double value : line) {
-      highest = std::max(highest, value);
-    }
+    for (const double value : line) highest = std::max(highest, value);
   }
   const auto [x_min, x_max] =
       std::minmax_element(chart.x.begin(), chart.x.end());  // clocks may fall
@@ -72,9 +72,7 @@ std::string series_svg(const Chart& chart, const PlotBox& box,
 }
 
 std::string legend_html(const Chart& chart) {
-  if (chart.series.size() < 2) {
-    return "";
-  }
+  if (chart.series.size() < 2) return "";
   std::string html = "<ul class=\"legend\">";
   for (const Series& series : chart.series) {
     html +=
@@ -162,6 +160,27 @@ std::string chart_html(const Chart& chart) {
       legend_html(chart), escape_html(chart.y_label), escape_html(chart.y_label),
       escape_html(chart.x_label), series_svg(chart, box, heights), grid.svg, grid.labels_html,
       escape_html(chart.x_label));
+}
+
+int error_color_class(double share) {
+  return static_cast<int>(std::min(std::clamp(share, 0.0, 1.0) * kErrorColors, kErrorColors - 1.0));
+}
+
+std::string error_color(double share) {
+  constexpr std::array<Rgb, 4> kStops = {
+      {{44, 92, 212}, {146, 66, 196}, {222, 60, 116}, {250, 150, 40}}};
+  return fmt::format("#{:02x}", fmt::join(color_between(kStops, share), ""));
+}
+
+std::string error_color_of_class(int color_class) {
+  return error_color((color_class + 0.5) / kErrorColors);
+}
+
+std::string error_gradient() {
+  constexpr int kSteps = 6;
+  std::string gradient = error_color(0.0);
+  for (int i = 1; i <= kSteps; ++i) gradient += ", " + error_color(1.0 * i / kSteps);
+  return gradient;
 }
 
 }  // namespace hqslam::tools

@@ -1,10 +1,13 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
+#include <string>
 #include <vector>
 
 #include "hqslam/core/trajectory.h"
 #include "hqslam/evaluation/png.h"
+#include "report/chart.h"
 
 namespace hqslam::tools {
 
@@ -22,5 +25,14 @@ RgbImage cloud_from_above(const CloudScene& scene, int rows, int columns);
 /// From behind and above the place where the sensor was after a third of its path, looking the way
 /// that it went; colours tell heights about that place, shading tells edges in depth.
 RgbImage cloud_in_perspective(const CloudScene& scene, int rows, int columns);
+
+/// Points seen from above: each pixel is the darker, the more points lie over it (logarithmic, a
+/// few grey levels so that the file is small). White where there is none. `box` in metres, x to
+/// the right, y upwards.
+RgbImage density_from_above(const std::vector<Eigen::Vector3f>& points_m, const PlotBox& box,
+                            int rows, int columns);
+
+/// Bytes as base64 (RFC 4648, with padding).
+std::string base64(const std::vector<std::uint8_t>& bytes);
 
 }  // namespace hqslam::tools

@@ -1,5 +1,3 @@
-#include "run/html_report.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,8 +6,8 @@
 
 #include "report/chart.h"
 #include "report/page.h"
-#include "run/trajectory_plot.h"
-#include "timing/timing_statistics.h"
+#include "run/run_output.h"
+#include "timing/timing.h"
 
 namespace hqslam::tools {
 namespace {

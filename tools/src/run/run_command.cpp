@@ -1,19 +1,16 @@
-#include "run/run_command.h"
-
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <iterator>
 #include <memory>
 #include <numbers>
 
+#include "commands.h"
 #include "hqslam/core/error.h"
-#include "recording/recording_sensor.h"
-#include "run/map_command.h"
+#include "recording/recording_choice.h"
 #include "run/run_output.h"
-#include "run/run_summary.h"
-#include "terminal/exit_status.h"
+#include "run/slam_run.h"
+#include "terminal/command_options.h"
 #include "terminal/progress.h"
 #include "terminal/terminal.h"
 
@@ -38,9 +35,7 @@ void require_stamps_of_scans(const TrajectoryFile& reference, std::int64_t scans
 std::optional<TrajectoryFile> reference_of(const RunOptions& options, const ScanSource& source) {
   const std::string path =
       options.reference.empty() ? file_of_drive(options.input, "truth.tum") : options.reference;
-  if (path.empty()) {
-    return std::nullopt;
-  }
+  if (path.empty()) return std::nullopt;
   TrajectoryFile reference = read_trajectory_file(path);
   if (reference.has_stamps && source.has_stamps()) return reference;
   const std::int64_t scans = scans_in(options, source);
@@ -166,46 +161,8 @@ Paths inputs_of(const RunOptions& options) {
 }  // namespace
 
 void declare_run(CLI::App& app, RunOptions& options) {
-  CLI::App* command = app.add_subcommand("run", "From a recorded drive to a trajectory and a map");
-  declare_input(*command, options);
-  declare_lifting(*command, options);
-  command->add_option("--out", options.out, "Folder for the results; made if it is not there")
-      ->required();
-  command
-      ->add_option("--reference", options.reference,
-                   "Trajectory to compare with (TUM, or KITTI with one pose per scan); by default "
-                   "the truth of a simulated drive")
-      ->check(CLI::ExistingFile);
-  declare_threads(*command, options.threads);
-  declare_slam_settings(*command, options.slam);
-  CLI::Option* save_map =
-      command->add_flag("--save-map", options.save_map,
-                        "Also write saved_map.npz, in which later drives can be located");
-  save_map->excludes("--no-loop-closing");
-  CLI::Option* map =
-      command
-          ->add_option("--map", options.map_file,
-                       "Locate the drive in a saved_map.npz, which stays as it is, instead of "
-                       "making a map")
-          ->check(CLI::ExistingFile)
-          ->excludes(save_map);
-  command
-      ->add_option(
-          "--start", options.start,
-          "X,Y,YAW: about where the drive begins in the map, in metres and degrees, within "
-          "10 m and 25 degrees; by default it is looked for in all of the map")
-      ->delimiter(',')
-      ->expected(3)
-      ->needs(map);
-  CLI::Option* dense_map = command->add_flag(
-      "--dense-map", options.dense_map,
-      "Also make a dense map of all scans' points, measured and upsampled; reads the "
-      "recording twice more");
-  declare_dense_map(*command, options.map);
-  for (const char* of_map : {"--map-voxel", "--map-confidence"}) {
-    command->get_option(of_map)->needs(dense_map);
-  }
-  command->footer(
+  Command command = add_command(
+      app, "run", "From a recorded drive to a trajectory and a map",
       "Writes into --out:\n"
       "  trajectory.tum    stamp x y z qx qy qz qw per scan\n"
       "  trajectory.kitti  3x4 matrix per scan, row-major; both in the first scan's sensor frame,\n"
@@ -223,6 +180,34 @@ void declare_run(CLI::App& app, RunOptions& options) {
       "what is written up to then is valid. Mapping says of every scan whether it was located:\n"
       "ok, degenerate (some direction of motion could not be seen), too few features, not\n"
       "converged, after a gap, or, with --map, not recognized: its pose is the last one known.");
+  declare_input(command, options);
+  declare_lifting(command, options);
+  command
+      .option("--out", &options.out, "Folder for the results; made if it is not there",
+              {.required = true})
+      .option("--reference", &options.reference,
+              "Trajectory to compare with (TUM, or KITTI with one pose per scan); by default the "
+              "truth of a simulated drive",
+              {.given = Given::kFile});
+  declare_threads(command, options.threads);
+  declare_slam_settings(command, options.slam);
+  command
+      .option("--save-map", &options.save_map,
+              "Also write saved_map.npz, in which later drives can be located",
+              {.excludes = {"--no-loop-closing"}})
+      .option("--map", &options.map_file,
+              "Locate the drive in a saved_map.npz, which stays as it is, instead of making a map",
+              {.given = Given::kFile, .excludes = {"--save-map"}})
+      .option("--start", &options.start,
+              "X,Y,YAW: about where the drive begins in the map, in metres and degrees, within 10 "
+              "m and "
+              "25 degrees; by default it is looked for in all of the map",
+              {.delimiter = ',', .values = 3, .needs = {"--map"}})
+      .option(
+          "--dense-map", &options.dense_map,
+          "Also make a dense map of all scans' points, measured and upsampled; reads the recording "
+          "twice more");
+  declare_dense_map(command, options.map, {"--dense-map"});
 }
 
 SlamRun run_and_write(const RunOptions& options, const InterruptGuard& interrupt) {

@@ -5,20 +5,45 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <system_error>
 
-#include "files/text_file.h"
+#include "files/result_files.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/pcd.h"
 #include "hqslam/core/whole_file.h"
-#include "run/covariances_csv.h"
-#include "run/dense_map_output.h"
-#include "run/html_report.h"
+#include "run/dense_map.h"
 #include "run/slam_settings.h"
-#include "timing/timing_statistics.h"
+#include "timing/timing.h"
 
 namespace hqslam::tools {
+
+std::string covariances_csv(const SlamRun& run) {
+  constexpr const char* kAxes[] = {"x", "y", "z", "rx", "ry", "rz"};
+  std::string text =
+      "# covariance of e = (x y z rx ry rz) in T_true = T_map_sensor exp(e), in the sensor's "
+      "frame, "
+      "the first scan's pose being exact; m^2, m rad, rad^2; mapping: whether it was "
+      "located; part: of the map, between which nothing is known\nstamp_s,mapping,part";
+  for (const char* row : kAxes) {
+    for (const char* column : kAxes) text += fmt::format(",{}_{}", row, column);
+  }
+  text += '\n';
+  for (std::size_t i = 0; i < run.scans.size(); ++i) {
+    const ScanRecord& scan = run.scans[i];
+    text += fmt::format("{:.9f},{},{}", scan.report.stamp_s, slam::name(scan.report.mapping_status),
+                        run.part_of_scan[i]);
+    for (int row = 0; row < 6; ++row) {
+      for (int column = 0; column < 6; ++column) {
+        fmt::format_to(std::back_inserter(text), ",{:.6g}", scan.report.covariance(row, column));
+      }
+    }
+    text += '\n';
+  }
+  return text;
+}
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -98,9 +123,7 @@ Json per_scan(const SlamRun& run, const std::vector<ScanTimes>& durations) {
     mapping.push_back(slam::name(scan.report.mapping_status));
   }
   Json times;
-  for (const auto& [stage, values_ms] : durations) {
-    times[stage] = values_ms;
-  }
+  for (const auto& [stage, values_ms] : durations) times[stage] = values_ms;
   return Json{{"stamp_s", std::move(stamps)},
               {"odometry_status", std::move(odometry)},
               {"mapping_status", std::move(mapping)},
@@ -112,9 +135,7 @@ Json per_scan(const SlamRun& run, const std::vector<ScanTimes>& durations) {
 std::string timings_json(const SlamRun& run) {
   const std::vector<ScanTimes> durations = durations_of(run);
   Json statistics;
-  for (const auto& [stage, values_ms] : durations) {
-    statistics[stage] = distribution_json(values_ms);
-  }
+  for (const auto& [stage, values_ms] : durations) statistics[stage] = distribution_json(values_ms);
   std::int64_t invalid_points = 0;
   std::int64_t key_frames = 0;
   for (const ScanRecord& scan : run.scans) {

@@ -5,12 +5,31 @@
 #include <optional>
 #include <string>
 
-#include "files/output_guard.h"
-#include "files/result_folder.h"
-#include "run/dense_map_run.h"
+#include "files/result_files.h"
+#include "run/dense_map.h"
 #include "run/slam_run.h"
 
 namespace hqslam::tools {
+
+/// The drive from above in the map frame, x to the right and y upwards, both axes in metres and of
+/// one scale: the map's points faintly behind, the reference as a dashed line, the estimate
+/// coloured by its error where there is a reference. HTML with inline SVG.
+std::string trajectory_plot_html(const SlamRun& run);
+
+/// A dense map with its pictures; both null without one.
+struct DenseMapPage {
+  const DenseMapRun* run = nullptr;
+  const DenseMapPictures* pictures = nullptr;
+};
+
+/// report.html: one page that needs no other file and no network. Headline numbers, the trajectory
+/// from above, the error over time and the time per stage; the dense map, if there is one.
+std::string html_report(const SlamRun& run, const DenseMapPage& dense_map = {});
+
+/// covariances.csv: a line per scan, its stamp in seconds, how the mapping located it, and the 6x6
+/// covariance of its pose, row after row; before them two lines that say what it is and name the
+/// columns.
+std::string covariances_csv(const SlamRun& run);
 
 /// The folder that a run writes into: trajectory.tum, trajectory.kitti, covariances.csv,
 /// map.pcd, timings.json and report.html, saved_map.npz if it was asked for, and those of a dense

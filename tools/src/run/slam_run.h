@@ -138,4 +138,10 @@ class SlamSession {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
+/// What a run came to, for people, a few lines: scans, path, statuses, what the upsampling took.
+std::string run_summary(const SlamRun& run);
+
+/// "results: out/trajectory.tum, ..."
+std::string results_line(const SlamRun& run, const std::string& out);
+
 }  // namespace hqslam::tools

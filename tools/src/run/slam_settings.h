@@ -5,10 +5,7 @@
 #include <vector>
 
 #include "hqslam/slam/options.h"
-
-namespace CLI {
-class App;
-}
+#include "terminal/command_options.h"
 
 namespace hqslam::tools {
 
@@ -19,7 +16,7 @@ struct SlamSettings {
   bool loop_closing = true;
 };
 /// --slam-options, --set and --loop-closing.
-void declare_slam_settings(CLI::App& command, SlamSettings& settings);
+void declare_slam_settings(Command& command, SlamSettings& settings);
 
 /// The options of SLAM. Throws Error: no such option, no number, out of bounds.
 slam::SlamOptions slam_options(const SlamSettings& settings);

@@ -1,5 +1,3 @@
-#include "run/trajectory_plot.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,9 +5,9 @@
 
 #include "hqslam/evaluation/png.h"
 #include "report/chart.h"
-#include "report/density_image.h"
-#include "report/error_color.h"
+#include "report/cloud_picture.h"
 #include "report/page.h"
+#include "run/run_output.h"
 
 namespace hqslam::tools {
 namespace {
@@ -40,9 +38,7 @@ Drawing drawing_of(const SlamRun& run) {
     drawing.is_way_known.push_back(is_way_known(run, i));
   }
   drawing.error_m.resize(run.trajectory.size());
-  if (!run.comparison || run.trajectory.empty()) {
-    return drawing;
-  }
+  if (!run.comparison || run.trajectory.empty()) return drawing;
   const AbsolutePoseError& error = run.comparison->error;
   for (std::size_t i = 0; i < error.translation_m.size(); ++i) {
     drawing.error_m[error.pairs.estimate[i]] = error.translation_m[i];
@@ -71,12 +67,8 @@ void limit_aspect(PlotBox& box) {
 
 PlotBox box_around(const Drawing& drawing) {
   Eigen::AlignedBox2d bounds(Eigen::Vector2d::Zero());
-  for (const Eigen::Vector2d& point_m : drawing.estimate_m) {
-    bounds.extend(point_m);
-  }
-  for (const Eigen::Vector2d& point_m : drawing.reference_m) {
-    bounds.extend(point_m);
-  }
+  for (const Eigen::Vector2d& point_m : drawing.estimate_m) bounds.extend(point_m);
+  for (const Eigen::Vector2d& point_m : drawing.reference_m) bounds.extend(point_m);
   const double margin_m = std::max(kLeastMargin_m, kMarginShare * bounds.sizes().maxCoeff());
   PlotBox box{bounds.min().x() - margin_m, bounds.max().x() + margin_m, bounds.min().y() - margin_m,
               bounds.max().y() + margin_m};
@@ -101,9 +93,7 @@ std::string reference_svg(const PlotBox& box, const Drawing& drawing) {
 std::optional<int> color_of(const Drawing& drawing, std::size_t from) {
   const std::optional<double>& a = drawing.error_m[from];
   const std::optional<double>& b = drawing.error_m[from + 1];
-  if (!a || !b || drawing.largest_error_m <= 0.0) {
-    return std::nullopt;
-  }
+  if (!a || !b || drawing.largest_error_m <= 0.0) return std::nullopt;
   return error_color_class(0.5 * (*a + *b) / drawing.largest_error_m);
 }
 
@@ -139,17 +129,13 @@ std::string mark_html(const PlotBox& box, const Eigen::Vector2d& point_m, std::s
 }
 
 std::string marks_html(const PlotBox& box, const Drawing& drawing) {
-  if (drawing.estimate_m.empty()) {
-    return "";
-  }
+  if (drawing.estimate_m.empty()) return "";
   return mark_html(box, drawing.estimate_m.front(), "start") +
          mark_html(box, drawing.estimate_m.back(), "end");
 }
 
 std::string map_html(const PlotBox& box, const SlamRun& run) {
-  if (run.map_points_m.empty()) {
-    return "";
-  }
+  if (run.map_points_m.empty()) return "";
   const double aspect = (box.x_max - box.x_min) / (box.y_max - box.y_min);
   const double columns =
       std::clamp((box.x_max - box.x_min) / kImagePixel_m, kFewestImageColumns, kMostImageColumns);
@@ -160,9 +146,7 @@ std::string map_html(const PlotBox& box, const SlamRun& run) {
 }
 
 std::string legend_html(const Drawing& drawing) {
-  if (drawing.reference_m.empty()) {
-    return "";
-  }
+  if (drawing.reference_m.empty()) return "";
   return fmt::format(
       "<ul class=\"legend\"><li><i class=\"reference-sample\"></i>reference</li>"
       "<li>estimate, error 0<i class=\"scale\" style=\"background:linear-gradient(90deg, {})\"></i>"

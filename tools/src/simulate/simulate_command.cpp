@@ -2,22 +2,70 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
+#include <charconv>
 #include <cmath>
 #include <numbers>
+#include <set>
 
-#include "files/result_folder.h"
+#include "files/result_files.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/sensor_model.h"
 #include "hqslam/sim/drive.h"
 #include "hqslam/sim/write_drive.h"
-#include "recording/drive_folder.h"
-#include "simulate/seed.h"
-#include "terminal/exit_status.h"
+#include "recording/recording_choice.h"
+#include "terminal/command_options.h"
 #include "terminal/progress.h"
 #include "terminal/terminal.h"
 
 namespace hqslam::tools {
+namespace {
+
+constexpr std::size_t kMostSeeds = 10000;
+
+[[noreturn]] void fail(const std::string& list) {
+  throw Error(
+      fmt::format("--seeds: expected different whole numbers such as 1..10 or 3,5,8, at "
+                  "most {} of them, found '{}'",
+                  kMostSeeds, list));
+}
+
+std::uint64_t seed_of(std::string_view text, const std::string& list) {
+  const std::optional<std::uint64_t> seed = seed_from(text);
+  if (!seed) fail(list);
+  return *seed;
+}
+
+}  // namespace
+
+std::optional<std::uint64_t> seed_from(std::string_view text) {
+  std::uint64_t seed = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), seed);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return seed;
+}
+
+std::vector<std::uint64_t> seeds_from(const std::string& list) {
+  std::vector<std::uint64_t> seeds;
+  std::set<std::uint64_t> known;
+  std::string_view rest = list;
+  for (bool more = true; more;) {
+    const std::size_t comma = rest.find(',');
+    more = comma != std::string_view::npos;
+    const std::string_view part = rest.substr(0, comma);
+    rest.remove_prefix(more ? comma + 1 : rest.size());
+    const std::size_t dots = part.find("..");
+    const std::uint64_t first = seed_of(part.substr(0, dots), list);
+    const std::uint64_t last =
+        dots == std::string_view::npos ? first : seed_of(part.substr(dots + 2), list);
+    if (last < first || last - first >= kMostSeeds - seeds.size()) fail(list);
+    for (std::uint64_t i = 0; i <= last - first; ++i) {
+      if (!known.insert(first + i).second) fail(list);
+      seeds.push_back(first + i);
+    }
+  }
+  return seeds;
+}
+
 namespace {
 
 /// Of --seed's text, empty if there is none: read as a number alone, -1 would become 2^64 - 1.
@@ -54,49 +102,43 @@ sim::DriveSpec drive_of(const SimulateOptions& options) {
 }  // namespace
 
 void declare_simulate(CLI::App& app, SimulateOptions& options) {
-  CLI::App* command =
-      app.add_subcommand("simulate", "Drive a LiDAR through a simulated city, with the truth");
-  command
-      ->add_option(
-          "--drive", options.drive,
-          "block: 200 scans of quiet streets; town: 4,000 with three loops; hills: 8,000, harder; "
-          "meadow: 4,000 of open land; narrow: 3,000 between walls; yard: 2,000 of a low "
-          "robot; handheld: 2,000 on foot; handheld-turning, handheld-sparse: a hand that turns "
-          "fast, "
-          "a scan every half second; car-park: 2,000, both ways round; "
-          "indoors: 2,000 through rooms and up stairs")
-      ->required()
-      ->check(CLI::IsMember(sim::drive_preset_names()));
-  command->add_option("--sensor", options.sensor, "Sensor (name or .json file, as for hqslam run)")
-      ->required();
-  command->add_option("--out", options.out, "Folder to write; made if it is not there")->required();
-  command->add_option("--scans", options.scans, "Length (default: the drive's own)")
-      ->check(CLI::Range(1, 1000000000));
-  command
-      ->add_option("--seed", options.seed, "Seed of city, traffic, driver and noise (default: 1)")
-      ->check(seed_complaint);
-  command
-      ->add_option("--mount", options.mount,
-                   "ROLL,PITCH: how the sensor is mounted, in degrees; positive roll raises the "
-                   "left side, positive pitch lowers the front, 180,0 is upside down")
-      ->delimiter(',')
-      ->expected(2);
-  command
-      ->add_option(
-          "--sensor-errors", options.sensor_errors,
-          "How far the sensor is from its own table (default: none): typical is what makers "
-          "promise, bad a badly kept one; the truth goes to sensor_errors.json")
-      ->check(CLI::IsMember(sim::sensor_errors_names()));
-  command->add_flag("--bin", options.bin, "Also write KITTI .bin files");
-  command->add_flag("--pcd", options.pcd, "Also write .pcd files");
-  command->add_flag("--imu", options.imu,
-                    "Also write what an OS1's inertial sensor would measure: imu.csv, and its true "
-                    "biases, imu_biases.csv");
-  command->footer(
+  Command command = add_command(
+      app, "simulate", "Drive a LiDAR through a simulated city, with the truth",
       "Writes into --out: scans.npy (N x rows x columns, float32 metres), sensor.json, "
       "drive.json,\n"
       "truth.tum and truth.kitti (true pose per scan), truth_columns.npy (true pose per column).\n"
       "hqslam run takes the folder as it is.");
+  command
+      .option(
+          "--drive", &options.drive,
+          "block: 200 scans of quiet streets; town: 4,000 with three loops; hills: 8,000, harder; "
+          "meadow: 4,000 of open land; narrow: 3,000 between walls; yard: 2,000 of a low robot; "
+          "handheld: 2,000 on foot; handheld-turning, handheld-sparse: a hand that turns fast, a "
+          "scan every half second; car-park: 2,000, both ways round; indoors: 2,000 through rooms "
+          "and up stairs",
+          {.required = true, .one_of = sim::drive_preset_names()})
+      .option("--sensor", &options.sensor, "Sensor (name or .json file, as for hqslam run)",
+              {.required = true})
+      .option("--out", &options.out, "Folder to write; made if it is not there", {.required = true})
+      .option("--scans", &options.scans, "Length (default: the drive's own)", {.within = kAnyCount})
+      .option("--seed", &options.seed, "Seed of city, traffic, driver and noise (default: 1)",
+              {.complaint = seed_complaint})
+      .option(
+          "--mount", &options.mount,
+          "ROLL,PITCH: how the sensor is mounted, in degrees; positive roll raises the left side, "
+          "positive pitch lowers the front, 180,0 is upside down",
+          {.delimiter = ',', .values = 2})
+      .option("--sensor-errors", &options.sensor_errors,
+              "How far the sensor is from its own table (default: none): typical is what makers "
+              "promise, "
+              "bad a badly kept one; the truth goes to sensor_errors.json",
+              {.one_of = sim::sensor_errors_names()})
+      .option("--bin", &options.bin, "Also write KITTI .bin files")
+      .option("--pcd", &options.pcd, "Also write .pcd files")
+      .option(
+          "--imu", &options.imu,
+          "Also write what an OS1's inertial sensor would measure: imu.csv, and its true biases, "
+          "imu_biases.csv");
 }
 
 int simulate_drive(const SimulateOptions& options, const InterruptGuard& interrupt,
@@ -111,9 +153,7 @@ int simulate_drive(const SimulateOptions& options, const InterruptGuard& interru
   std::int64_t done = 0;
   while (!interrupt.stop_requested()) {
     const std::optional<sim::SimulatedScan> scan = simulator.next();
-    if (!scan) {
-      break;
-    }
+    if (!scan) break;
     writer.append(*scan);
     ++done;
     on_scan();

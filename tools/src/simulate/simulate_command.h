@@ -4,15 +4,23 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
-#include "terminal/interrupt.h"
+#include "terminal/terminal.h"
 
 namespace CLI {
 class App;
 }
 
 namespace hqslam::tools {
+
+/// The seed that a text says, a whole number from 0 to 2^64 - 1; nothing if it says none.
+std::optional<std::uint64_t> seed_from(std::string_view text);
+
+/// "1..10", "3,5" or "1..3,7": the seeds in the order given, at most 10,000. Throws Error for
+/// anything else, and for a seed that is there twice.
+std::vector<std::uint64_t> seeds_from(const std::string& list);
 
 struct SimulateOptions {
   std::string drive;

@@ -90,9 +90,7 @@ void Progress::advance() {
 void Progress::set_done(std::int64_t done) {
   state_.done = done;
   const double since_last_s = std::chrono::duration<double>(Clock::now() - last_drawn_).count();
-  if (since_last_s >= (terminal_ ? kTerminalInterval_s : kPlainInterval_s)) {
-    draw();
-  }
+  if (since_last_s >= (terminal_ ? kTerminalInterval_s : kPlainInterval_s)) draw();
 }
 
 void Progress::print(const std::string& text) const {
@@ -114,9 +112,7 @@ void Progress::draw() {
 void Progress::finish() {
   const std::lock_guard lock(mutex_);
   draw();
-  if (terminal_) {
-    print("\n");
-  }
+  if (terminal_) print("\n");
 }
 
 }  // namespace hqslam::tools

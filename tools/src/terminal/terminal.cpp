@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
@@ -13,6 +14,7 @@
 #include "hqslam/core/excerpt.h"
 
 namespace hqslam::tools {
+
 namespace {
 
 int g_stdout_errno = 0;  ///< of the first write that failed
@@ -74,5 +76,34 @@ bool all_printed() {
   }
   return false;
 }
+
+namespace {
+
+constexpr std::array<int, 3> kSignals = {SIGINT, SIGTERM, SIGHUP};
+volatile std::sig_atomic_t g_stop_requested = 0;
+
+// Back to the default at once: whoever presses Ctrl-C twice does not want to wait.
+extern "C" void request_stop(int signal_number) {
+  g_stop_requested = 1;
+  std::signal(signal_number, SIG_DFL);
+}
+
+}  // namespace
+
+InterruptGuard::InterruptGuard() {
+  g_stop_requested = 0;
+  for (const int number : kSignals) {
+    const bool ignored = std::signal(number, request_stop) == SIG_IGN;
+    if (ignored && number == SIGHUP) std::signal(number, SIG_IGN);
+  }
+}
+
+InterruptGuard::~InterruptGuard() {
+  for (const int number : kSignals) {
+    if (std::signal(number, SIG_DFL) == SIG_IGN) std::signal(number, SIG_IGN);
+  }
+}
+
+bool InterruptGuard::stop_requested() const { return g_stop_requested != 0; }
 
 }  // namespace hqslam::tools

@@ -7,6 +7,14 @@
 
 namespace hqslam::tools {
 
+/// What the program hands back to the shell.
+enum ExitStatus : int {
+  kOk = 0,
+  kFailure = 1,       ///< anything that is not the input's fault
+  kWrongInput = 2,    ///< a file or an option; one line on stderr says which
+  kInterrupted = 130  ///< Ctrl-C; what was written up to then is valid
+};
+
 /// Print what is formatted; control characters in it are shown, not sent. A stream that takes
 /// nothing, since it is closed or its disk is full, costs no work: nothing is thrown, all_printed()
 /// tells. On stdout a text of lines, on stderr one line, of which the middle is left out if it is
@@ -36,5 +44,18 @@ bool prints_messages_alone();
 
 /// Whether stdout took everything; says on stderr if it did not, unless its reader went away.
 bool all_printed();
+
+/// While it lives, the first SIGINT, SIGTERM or SIGHUP (the terminal was closed) only asks for a
+/// clean stop; the second one ends the program at once. SIGHUP stays ignored where the program was
+/// started so (nohup). One at a time.
+class InterruptGuard {
+ public:
+  InterruptGuard();
+  ~InterruptGuard();
+  InterruptGuard(const InterruptGuard&) = delete;
+  InterruptGuard& operator=(const InterruptGuard&) = delete;
+
+  bool stop_requested() const;
+};
 
 }  // namespace hqslam::tools

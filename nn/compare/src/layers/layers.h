@@ -4,7 +4,7 @@
 
 #include "graph/convolution_layer.h"
 
-// The layers of networks that come from elsewhere, a file each. All of them work on channels x rows
+// The layers of networks that come from elsewhere. All of them work on channels x rows
 // x columns, transformers' too: a token is a pixel, and a linear layer of tokens a 1 x 1
 // convolution.
 namespace hqslam::nn {

@@ -25,6 +25,11 @@ RangeImage interpolate_rows(const RangeImage& measured, RowSelection measured_ro
                             std::span<const double> beam_elevation_rad,
                             Interpolation interpolation);
 
+/// How many rows are measured of `rows`; stride 1 or more.
+inline int measured_row_count(int rows, RowSelection measured_rows) {
+  return (rows - measured_rows.offset + measured_rows.stride - 1) / measured_rows.stride;
+}
+
 /// Which rows of a measured image an output row lies between, and where. In a measured row, and
 /// beyond the outermost ones, both are that row.
 struct RowsBetween {
@@ -41,8 +46,5 @@ RowsBetween rows_between(int row, RowSelection measured_rows,
 /// One row of interpolate_rows, `columns` values from those of the two rows. Any unit.
 void interpolate_row(const float* above, const float* below, float part_down,
                      Interpolation interpolation, int columns, float* row);
-
-/// Throws Error unless `measured` holds the measured rows of `rows`.
-void check_measured_rows(const RangeImage& measured, RowSelection measured_rows, int rows);
 
 }  // namespace hqslam::nn

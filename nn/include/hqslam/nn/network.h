@@ -11,9 +11,14 @@
 #include "hqslam/nn/network_description.h"
 #include "hqslam/nn/network_step.h"
 #include "hqslam/nn/trace.h"
-#include "hqslam/nn/training_sample.h"
 
 namespace hqslam::nn {
+
+/// What the network sees and what it should say.
+struct TrainingSample {
+  RangeImage measured;  ///< the measured rows only
+  RangeImage truth;     ///< all rows
+};
 
 /// What the loss looks at.
 struct LossOptions {

@@ -3,14 +3,27 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
 #include "hqslam/core/sensor_model.h"
 #include "hqslam/nn/hqs/outlier_removal.h"
-#include "hqslam/nn/parameter_shape.h"
 
 namespace hqslam::nn {
+
+/// One array of learned parameters, in PyTorch's layout.
+struct ParameterShape {
+  std::string name;  ///< "encoder.0.weight"
+  std::vector<std::int64_t> shape;
+  /// It follows the data that the network sees (batch norm) and is not learned; its gradient is its
+  /// distance to them.
+  bool statistic = false;
+  std::int64_t elements() const;
+};
+
+/// Of all arrays together.
+std::int64_t elements(const std::vector<ParameterShape>& shapes);
 
 /// Which network it is, with everything that only its kind has. Immutable; made by
 /// network_from_json, and asked by the functions below.

@@ -31,7 +31,8 @@ struct TracedTensor {
 /// `layers.k.y`. DU-OR and Simple DU: `layers.k.penalty` (b).
 /// DU-Mix: `mode_1`, `mode_2` (m), `weight_1` (of mode 1), `scale` (of both, in ln of the range),
 /// `probability` (of a return).
-/// From SuperResolver: `rejected` (by the filter at the end), `confidence`, `result`.
+/// From SuperResolver: `rejected` (by the filter at the end), `confidence` (before pixels are
+/// emptied for want of it), `result`.
 class Trace {
  public:
   void add(TracedTensor tensor) { tensors_.push_back(std::move(tensor)); }

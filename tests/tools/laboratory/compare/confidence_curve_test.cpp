@@ -2,9 +2,8 @@
 
 #include <doctest/doctest.h>
 
-#include "error_message.h"
 #include "hqslam/core/projection.h"
-#include "laboratory/compare/confidence_report.h"
+#include "tools/parts_of_text.h"
 #include "tools/program/untrained_weights.h"
 
 namespace hqslam::tools {
@@ -45,14 +44,13 @@ TEST_CASE("with growing confidence points are lost, never won, and the bins hold
   CHECK(pixels == 48 * 1024);
   const std::string page = confidence_html(
       {"w.npz", "room", 1, 0.25F, points, curve.reliability(), curve.calibration_error()});
-  CHECK(page.find("Can it be believed") != std::string::npos);
-  CHECK(page.find("true return within 0.25 m") != std::string::npos);
-  CHECK(page.find("nan") == std::string::npos);
+  CHECK(holds(page, "Can it be believed"));
+  CHECK(holds(page, "true return within 0.25 m"));
+  CHECK_FALSE(holds(page, "nan"));
 }
 
 TEST_CASE("a network without a confidence has no curve") {
-  CHECK(test::one_line_with(test::error_message([] { ConfidenceCurve(untrained("du-or"), 0.5F); }),
-                            "du-or", "du-mix"));
+  CHECK(refuses({"du-or", "du-mix"}, [] { ConfidenceCurve(untrained("du-or"), 0.5F); }));
 }
 
 }  // namespace hqslam::tools

@@ -1,5 +1,3 @@
-#include "laboratory/table/table_result.h"
-
 #include <doctest/doctest.h>
 
 #include <filesystem>
@@ -7,6 +5,7 @@
 #include <vector>
 
 #include "file_contents.h"
+#include "laboratory/table/table_figures.h"
 #include "temporary_directory.h"
 #include "tools/example_table.h"
 

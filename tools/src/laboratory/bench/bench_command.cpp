@@ -2,7 +2,6 @@
 #include <omp.h>
 #include <stdlib.h>
 
-#include <CLI/CLI.hpp>
 #include <array>
 #include <filesystem>
 #include <memory>
@@ -18,10 +17,9 @@
 #include "hqslam/sim/drive.h"
 #include "laboratory/bench/bench_measurement.h"
 #include "laboratory/bench/bench_network.h"
-#include "laboratory/bench/bench_network_output.h"
-#include "recording/recording_sensor.h"
+#include "recording/recording_choice.h"
 #include "simulate/simulate_command.h"
-#include "terminal/exit_status.h"
+#include "terminal/command_options.h"
 #include "terminal/terminal.h"
 
 namespace hqslam::tools {
@@ -88,12 +86,8 @@ std::vector<RangeImage> sample_images(ScanSource& source, std::int64_t scans) {
   std::vector<RangeImage> images;
   for (std::int64_t i = 0; images.size() < kStepImages; ++i) {
     const std::optional<RecordedScan> scan = source.next();
-    if (!scan) {
-      break;
-    }
-    if (i % stride == 0) {
-      images.push_back(range_image(scan->cloud));
-    }
+    if (!scan) break;
+    if (i % stride == 0) images.push_back(range_image(scan->cloud));
   }
   return images;
 }
@@ -101,18 +95,14 @@ std::vector<RangeImage> sample_images(ScanSource& source, std::int64_t scans) {
 void measure_networks(const std::vector<std::string>& paths, const std::vector<RangeImage>& images,
                       const InterruptGuard& interrupt, Measurements& measurements) {
   for (const std::string& path : paths) {
-    if (interrupt.stop_requested()) {
-      return;
-    }
+    if (interrupt.stop_requested()) return;
     const nn::Weights weights = nn::read_weights(path);
     if (!takes(weights, images)) {
       to_stderr("{}: left out, it is for images of {} x {}\n", path,
                 weights.description.sensor.rows(), weights.description.sensor.columns);
       continue;
     }
-    if (measurements.peaks.empty()) {
-      measurements.peaks = measure_peaks(kMostThreads);
-    }
+    if (measurements.peaks.empty()) measurements.peaks = measure_peaks(kMostThreads);
     to_stderr("network {} ...\n", nn::name(weights.description));
     measurements.networks.push_back(
         time_network(path, weights, images, measurements.peaks, kMostThreads, interrupt));
@@ -152,9 +142,7 @@ std::vector<int> row_counts(const SensorModel& sensor) {
 void measure_slam(const InputChoice& input, const SensorModel& sensor, int rows,
                   nn::Upsampler* upsampler, int threads, const InterruptGuard& interrupt,
                   Measurements& measurements) {
-  if (interrupt.stop_requested()) {
-    return;
-  }
+  if (interrupt.stop_requested()) return;
   to_stderr("slam, {} rows{}, {} thread{} ...\n", rows,
             upsampler != nullptr ? fmt::format(" lifted by {}", upsampler->name()) : "", threads,
             threads > 1 ? "s" : "");
@@ -266,35 +254,29 @@ void print_text(const Measurements& measurements) {
 }  // namespace
 
 void declare_bench(CLI::App& app, BenchOptions& options) {
-  CLI::App* command = app.add_subcommand(
-      "bench", "Time per stage of SLAM and of the network, with one thread and two");
-  CLI::Option* input =
-      command
-          ->add_option("--input", options.recording.input,
-                       "Recording to measure on, as for hqslam run; default: a simulated drive")
-          ->check(CLI::ExistingPath);
+  Command command = add_command(
+      app, "bench", "Time per stage of SLAM and of the network, with one thread and two");
   command
-      ->add_option("--sensor", options.recording.sensor,
-                   "Sensor of a recording that does not say its own (name or .json file)")
-      ->needs(input);
-  declare_reading(*command, options.recording);
-  command->add_option("--drive", options.drive, "Simulated drive to measure on")
-      ->check(CLI::IsMember(sim::drive_preset_names()))
-      ->capture_default_str()
-      ->excludes(input);
-  command->add_option("--scans", options.scans, "Length of the simulated drive")
-      ->check(CLI::Range(1, 1000000000))
-      ->capture_default_str()
-      ->excludes(input);
+      .option("--input", &options.recording.input,
+              "Recording to measure on, as for hqslam run; default: a simulated drive",
+              {.given = Given::kFileOrFolder})
+      .option("--sensor", &options.recording.sensor,
+              "Sensor of a recording that does not say its own (name or .json file)",
+              {.needs = {"--input"}});
+  declare_reading(command, options.recording);
   command
-      ->add_option("--weights", options.weights,
-                   "Trained network to measure (.npz), may be repeated; default: those that come "
-                   "with hqslam")
-      ->check(CLI::ExistingFile);
-  command->add_flag("--json", options.json, "Print JSON instead of a table");
-  command->add_flag("--cpu", options.cpu,
-                    "Only say which instruction sets the network can use and which one it does; "
-                    "HQSLAM_INSTRUCTION_SET=NAME chooses another");
+      .option("--drive", &options.drive, "Simulated drive to measure on",
+              {.shows_default = true, .one_of = sim::drive_preset_names(), .excludes = {"--input"}})
+      .option("--scans", &options.scans, "Length of the simulated drive",
+              {.shows_default = true, .within = kAnyCount, .excludes = {"--input"}})
+      .option("--weights", &options.weights,
+              "Trained network to measure (.npz), may be repeated; default: those that come with "
+              "hqslam",
+              {.given = Given::kFile})
+      .option("--json", &options.json, "Print JSON instead of a table")
+      .option("--cpu", &options.cpu,
+              "Only say which instruction sets the network can use and which one it does; "
+              "HQSLAM_INSTRUCTION_SET=NAME chooses another");
 }
 
 int bench_command(const BenchOptions& options) {

@@ -10,8 +10,7 @@
 #include "hqslam/core/projection.h"
 #include "hqslam/nn/upsampled_cloud.h"
 #include "hqslam/slam/slam.h"
-#include "laboratory/bench/textbook_components.h"
-#include "timing/stopwatch.h"
+#include "timing/timing.h"
 
 namespace hqslam::tools {
 namespace {
@@ -27,9 +26,7 @@ double milliseconds_of(const Step& step) {
 Distribution stage_distribution(const std::vector<slam::StageTimes>& times,
                                 double slam::StageTimes::*stage) {
   std::vector<double> values_ms;
-  for (const slam::StageTimes& scan : times) {
-    values_ms.push_back(1e3 * scan.*stage);
-  }
+  for (const slam::StageTimes& scan : times) values_ms.push_back(1e3 * scan.*stage);
   return distribution_of(std::move(values_ms));
 }
 
@@ -54,9 +51,7 @@ std::optional<double> peak_memory_mb() {
   std::string field;
   while (status >> field) {
     double kibibytes = 0.0;
-    if (field == "VmHWM:" && status >> kibibytes) {
-      return kibibytes * 1024.0 / 1e6;
-    }
+    if (field == "VmHWM:" && status >> kibibytes) return kibibytes * 1024.0 / 1e6;
   }
   return std::nullopt;
 }
@@ -91,9 +86,7 @@ SlamTiming time_slam(ScanSource& source, int rows, nn::Upsampler* upsampler, int
   std::vector<double> total_ms;
   while (!interrupt.stop_requested()) {
     const std::optional<RecordedScan> scan = source.next();
-    if (!scan) {
-      break;
-    }
+    if (!scan) break;
     OrganizedCloud cloud = select_rows(scan->cloud, selection);
     upsampling_ms.push_back(upsampler == nullptr ? 0.0 : milliseconds_of([&] {
       cloud = nn::upsampled_cloud(*upsampler, cloud);

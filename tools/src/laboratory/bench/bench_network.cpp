@@ -2,10 +2,10 @@
 
 #include <functional>
 
-#include "hqslam/nn/multiply_add_peak.h"
+#include "hqslam/nn/instruction_set.h"
 #include "hqslam/nn/network.h"
 #include "hqslam/nn/super_resolver.h"
-#include "timing/stopwatch.h"
+#include "timing/timing.h"
 
 namespace hqslam::tools {
 namespace {
@@ -27,9 +27,7 @@ std::vector<RangeImage> measured_rows_of(const nn::Weights& weights,
 double peak_of(const std::vector<MultiplyAddPeak>& peaks, nn::InstructionSet instruction_set,
                int threads) {
   for (const MultiplyAddPeak& peak : peaks) {
-    if (peak.instruction_set == instruction_set && peak.threads == threads) {
-      return peak.gflops;
-    }
+    if (peak.instruction_set == instruction_set && peak.threads == threads) return peak.gflops;
   }
   return 0.0;
 }
@@ -45,9 +43,7 @@ NetworkRun time_run(const nn::Weights& weights, const std::vector<RangeImage>& m
   std::vector<double> times_ms;
   const auto start = SteadyClock::now();
   for (int i = 0; i < kMostFrames && !interrupt.stop_requested(); ++i) {
-    if (i >= kFewestFrames && seconds_since(start) > kRunTime_s) {
-      break;
-    }
+    if (i >= kFewestFrames && seconds_since(start) > kRunTime_s) break;
     times_ms.push_back(1e3 * seconds_of([&] { resolver.run(measured[i % measured.size()]); }));
   }
   NetworkRun run;
@@ -72,13 +68,9 @@ double median_ms(int threads, const std::function<void()>& step) {
   while (times_ms.size() < 5 || seconds_since(start) < kStepTime_s) {
     const auto region_start = SteadyClock::now();
 #pragma omp parallel num_threads(threads)
-    for (int call = 0; call < kCalls; ++call) {
-      step();
-    }
+    for (int call = 0; call < kCalls; ++call) step();
     times_ms.push_back(1e3 * seconds_since(region_start) / kCalls);
-    if (times_ms.size() >= 3 && seconds_since(start) > 5.0) {
-      break;
-    }
+    if (times_ms.size() >= 3 && seconds_since(start) > 5.0) break;
   }
   return distribution_of(std::move(times_ms)).median;
 }

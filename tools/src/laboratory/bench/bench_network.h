@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -8,8 +9,8 @@
 #include "hqslam/core/range_image.h"
 #include "hqslam/nn/instruction_set.h"
 #include "hqslam/nn/weights_file.h"
-#include "terminal/interrupt.h"
-#include "timing/timing_statistics.h"
+#include "terminal/terminal.h"
+#include "timing/timing.h"
 
 namespace hqslam::tools {
 
@@ -69,5 +70,16 @@ NetworkTiming time_network(const std::string& path, const nn::Weights& weights,
                            const std::vector<RangeImage>& images,
                            const std::vector<MultiplyAddPeak>& peaks, int most_threads,
                            const InterruptGuard& interrupt);
+
+void to_json(nlohmann::ordered_json& json, const Distribution& distribution);
+void to_json(nlohmann::ordered_json& json, const MultiplyAddPeak& peak);
+void to_json(nlohmann::ordered_json& json, const NetworkTiming& network);
+
+/// Tables for people on stdout; nothing if no network was measured.
+void print_networks(const std::vector<MultiplyAddPeak>& peaks,
+                    const std::vector<NetworkTiming>& networks);
+
+/// Which instruction sets the network's kernels can use here, and which one they do.
+void print_instruction_sets(bool json);
 
 }  // namespace hqslam::tools

@@ -1,11 +1,10 @@
-#include "laboratory/bench/bench_network_output.h"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "laboratory/bench/bench_network.h"
 #include "terminal/terminal.h"
 
 namespace hqslam::tools {
@@ -124,9 +123,7 @@ void to_json(Json& json, const NetworkTiming& network) {
 
 void print_networks(const std::vector<MultiplyAddPeak>& peaks,
                     const std::vector<NetworkTiming>& networks) {
-  if (networks.empty()) {
-    return;
-  }
+  if (networks.empty()) return;
   to_stdout("\nPeak of multiply-adds in registers, measured, GFLOP/s\n");
   for (const MultiplyAddPeak& peak : peaks) {
     to_stdout("{:>12}{:>9}{:>10.1f}\n", nn::name(peak.instruction_set), peak.threads, peak.gflops);

@@ -1,9 +1,9 @@
-#include "laboratory/bench/textbook_components.h"
-
 #include <algorithm>
 #include <cmath>
 #include <queue>
 #include <utility>
+
+#include "laboratory/bench/bench_measurement.h"
 
 namespace hqslam::tools {
 namespace {
@@ -14,9 +14,7 @@ bool connected(const RangeImage& image, const SensorModel& sensor, Pixel a, Pixe
                double min_angle_rad) {
   const double range_a_m = image.at(a.first, a.second);
   const double range_b_m = image.at(b.first, b.second);
-  if (range_b_m <= 0.0) {
-    return false;
-  }
+  if (range_b_m <= 0.0) return false;
   const double alpha_rad =
       a.first == b.first
           ? sensor.column_step_rad()
@@ -32,12 +30,8 @@ std::vector<Pixel> neighbours(const RangeImage& image, Pixel pixel) {
   const auto [row, column] = pixel;
   std::vector<Pixel> result = {{row, (column + 1) % image.columns},
                                {row, (column + image.columns - 1) % image.columns}};
-  if (row > 0) {
-    result.emplace_back(row - 1, column);
-  }
-  if (row + 1 < image.rows) {
-    result.emplace_back(row + 1, column);
-  }
+  if (row > 0) result.emplace_back(row - 1, column);
+  if (row + 1 < image.rows) result.emplace_back(row + 1, column);
   return result;
 }
 
@@ -49,9 +43,7 @@ std::vector<std::int32_t> textbook_components(const RangeImage& image, const Sen
   std::int32_t next_label = 0;
   for (int row = 0; row < image.rows; ++row) {
     for (int column = 0; column < image.columns; ++column) {
-      if (!image.has_return(row, column) || label[image.index(row, column)] >= 0) {
-        continue;
-      }
+      if (!image.has_return(row, column) || label[image.index(row, column)] >= 0) continue;
       std::queue<Pixel> queue;
       queue.emplace(row, column);
       label[image.index(row, column)] = next_label;

@@ -1,24 +1,19 @@
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "commands.h"
-#include "files/output_guard.h"
-#include "files/text_file.h"
+#include "files/result_files.h"
 #include "hqslam/core/error.h"
 #include "laboratory/compare/confidence_curve.h"
-#include "laboratory/compare/confidence_report.h"
-#include "laboratory/compare/layer_comparison.h"
 #include "laboratory/compare/tulip_comparison.h"
 #include "laboratory/compare/upsampling_comparison.h"
 #include "lift/lifted_input.h"
 #include "recording/reading.h"
-#include "recording/recording_sensor.h"
-#include "report/text_table.h"
-#include "terminal/exit_status.h"
-#include "terminal/interrupt.h"
+#include "recording/recording_choice.h"
+#include "report/page.h"
+#include "terminal/command_options.h"
 #include "terminal/progress.h"
 #include "terminal/terminal.h"
 
@@ -230,44 +225,8 @@ std::int64_t for_each_scan(const CompareOptions& options, const SensorModel& sen
 }  // namespace
 
 void declare_compare(CLI::App& app, CompareOptions& options) {
-  CLI::App* command = app.add_subcommand(
-      "compare", "Compare ways to lift 16 rows to all against a recording that has all");
-  declare_input(*command, options, "Recording with all rows (as for hqslam run)");
-  command->add_option("--weights", options.weights, "Weights files to compare")
-      ->check(CLI::ExistingFile);
-  command->add_option("--every", options.every, "Take every n-th scan (default: all)")
-      ->check(CLI::Range(1, 1000000000));
-  CLI::Option* curve = command->add_option(
-      "--curve", options.curve,
-      "Also write a page about the confidence of the last weights (du-mix): every "
-      "operating point, and whether it can be believed");
-  command
-      ->add_option(
-          "--tolerance", options.tolerance_m,
-          "With --curve: how far off in metres a range may be and count as right; with 100 "
-          "and more it is the confidence that there is a return at all")
-      ->check(CLI::Range(0.001, 999.0))
-      ->capture_default_str();
-  CLI::Option* filters = command->add_flag(
-      "--filters", options.filters,
-      "Instead, try settings of the outlier filter on the first weights' results");
-  CLI::Option* layers = command->add_flag(
-      "--layers", options.layers,
-      "Instead, score what each step of the first weights' layers makes of the scans");
-  layers->excludes(filters);
-  curve->excludes(filters)->excludes(layers);
-  command->add_option("--json", options.json, "Also write the table into this file")
-      ->excludes(filters)
-      ->excludes(layers);
-  command
-      ->add_option("--protocol", options.protocol,
-                   "tulip: project KITTI .bin files, lift and score them as the code of TULIP does")
-      ->check(CLI::IsMember({"own", "tulip"}))
-      ->excludes(filters)
-      ->excludes(layers)
-      ->capture_default_str();
-  declare_threads(*command, options.threads);
-  command->footer(
+  Command command = add_command(
+      app, "compare", "Compare ways to lift 16 rows to all against a recording that has all",
       "Rows: nearest, linear and inverse (linear in 1/range, by the beams' elevations)\n"
       "interpolation, and each network: with its filters, and where it has one at its end, "
       "without\n"
@@ -278,6 +237,33 @@ void declare_compare(CLI::App& app, CompareOptions& options) {
       "true cloud, good points nearer than 0.2 m.\n"
       "With --layers: H (measured rows and what was believed before), Z (denoiser) and Y (inner\n"
       "filter) of every layer as if the network ended there.");
+  declare_input(command, options, "Recording with all rows (as for hqslam run)");
+  command.option("--weights", &options.weights, "Weights files to compare", {.given = Given::kFile})
+      .option("--every", &options.every, "Take every n-th scan (default: all)",
+              {.within = kAnyCount})
+      .option(
+          "--curve", &options.curve,
+          "Also write a page about the confidence of the last weights (du-mix): every operating "
+          "point, and whether it can be believed")
+      .option("--tolerance", &options.tolerance_m,
+              "With --curve: how far off in metres a range may be and count as right; with 100 and "
+              "more "
+              "it is the confidence that there is a return at all",
+              {.shows_default = true, .within = kTolerance_m})
+      .option("--filters", &options.filters,
+              "Instead, try settings of the outlier filter on the first weights' results",
+              {.excludes = {"--curve"}})
+      .option("--layers", &options.layers,
+              "Instead, score what each step of the first weights' layers makes of the scans",
+              {.excludes = {"--filters", "--curve"}})
+      .option("--json", &options.json, "Also write the table into this file",
+              {.excludes = {"--filters", "--layers"}})
+      .option("--protocol", &options.protocol,
+              "tulip: project KITTI .bin files, lift and score them as the code of TULIP does",
+              {.shows_default = true,
+               .one_of = {"own", "tulip"},
+               .excludes = {"--filters", "--layers"}});
+  declare_threads(command, options.threads);
 }
 
 int compare_command(const CompareOptions& options) {

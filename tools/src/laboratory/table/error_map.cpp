@@ -1,13 +1,11 @@
-#include "laboratory/table/error_map.h"
-
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
 
 #include "hqslam/core/error.h"
+#include "laboratory/table/table_report.h"
 #include "report/chart.h"
-#include "report/error_color.h"
 
 namespace hqslam::tools {
 namespace {

@@ -68,9 +68,8 @@ TextTable table_of(const Methods& methods, const std::string& title,
 }
 
 std::string paired_with(const Methods& methods) {
-  for (const MethodStatistics& method : methods) {
+  for (const MethodStatistics& method : methods)
     if (method.is_paired_with) return method.title;
-  }
   return "";
 }
 

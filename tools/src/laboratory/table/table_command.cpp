@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
 #include <memory>
@@ -10,15 +9,12 @@
 #include <vector>
 
 #include "commands.h"
-#include "files/output_guard.h"
-#include "files/result_folder.h"
-#include "files/text_file.h"
+#include "files/result_files.h"
 #include "laboratory/table/table_drive.h"
 #include "laboratory/table/table_report.h"
 #include "laboratory/table/table_work.h"
-#include "ranks/launched_ranks.h"
-#include "terminal/exit_status.h"
-#include "terminal/interrupt.h"
+#include "ranks/ranks.h"
+#include "terminal/command_options.h"
 #include "terminal/terminal.h"
 
 namespace hqslam::tools {
@@ -99,65 +95,64 @@ void write_report(const TableReport& report, const fs::path& out) {
 }  // namespace
 
 void declare_table(CLI::App& app, TableOptions& options) {
-  CLI::App* command = app.add_subcommand(
-      "table", "SLAM with 16 rows, with 16 lifted to 64 in every way, and with 64, in one table");
-  command
-      ->add_option("--drives", options.drives,
-                   fmt::format("Simulated drives ({}) and recordings with {} rows (as for hqslam "
-                               "run), separated by commas",
-                               fmt::join(sim::drive_preset_names(), ", "), kTableAllRows))
-      ->delimiter(',')
-      ->capture_default_str();
-  command
-      ->add_option("--methods", options.methods,
-                   fmt::format("Rows to compute, separated by commas (default: all of {})",
-                               fmt::join(table_method_names(), ", ")))
-      ->delimiter(',');
-  command
-      ->add_option("--weights", options.weights,
-                   "Weights files that become rows of their own, FILE.npz or FILE.npz+VARIANT")
-      ->delimiter(',');
-  command->add_option("--sensor", options.reading.sensor,
-                      "Sensor of recordings that do not say theirs (name or .json file)");
-  declare_reading(*command, options.reading);
-  command
-      ->add_option("--reference", options.reference,
-                   "True trajectory of the recording in --drives (TUM, or KITTI with one pose per "
-                   "scan)")
-      ->check(CLI::ExistingFile);
-  command->add_option("--scans", options.scans, "Only so many scans of each drive")
-      ->check(CLI::Range(1, 1000000000));
-  CLI::Option* seeds =
-      command->add_option("--seeds", options.seeds,
-                          "Every simulated drive of --drives from each of these seeds (1..10, or "
-                          "3,5,8) instead of once: "
-                          "drift and slips against the truth, with 95 % intervals");
-  command
-      ->add_option(
-          "--against", options.against,
-          "With --seeds: the row that the others are paired with, drive by drive (default: "
-          "linear or, without it, the first of --methods)")
-      ->needs(seeds);
-  command->add_option("--out", options.out, "Folder for drives, results and tables")->required();
-  declare_threads(*command, options.threads);
-  command->footer(
+  Command command = add_command(
+      app, "table",
+      "SLAM with 16 rows, with 16 lifted to 64 in every way, and with 64, in one table",
       variants_help() +
-      "Writes into --out:\n"
-      "  table.md, table.json, table.html   the tables; the page also shows where the error is\n"
-      "  DRIVE-loop-closing-off.svg, -on.svg   trajectories coloured by error\n"
-      "  results/DRIVE/.../METHOD.json, .tum   each finished run; drives/NAME: simulated drives\n"
-      "Without a choice it takes hours and 3 GB: the drives have 12,000 scans, and Simple DU "
-      "needs\n"
-      "about a second for one. Ctrl-C keeps what is finished; the same command goes on from "
-      "there.\n"
-      "With --seeds there are no pictures, SLAM runs without loop closing, and as many drives as\n"
-      "there are threads are under way side by side, with one thread each. A simulated drive of\n"
-      "1,000 scans takes 320 MB.\n"
-      "A result is computed anew if it is damaged or was made from a recording with other scans,\n"
-      "with other weights or by another build of the program; results of other lengths and builds\n"
-      "are kept beside it.\n"
-      "mpirun -n N shares drives and methods among N processes, which must all see the same "
-      "folders.");
+          "Writes into --out:\n"
+          "  table.md, table.json, table.html   the tables; the page also shows where the error "
+          "is\n"
+          "  DRIVE-loop-closing-off.svg, -on.svg   trajectories coloured by error\n"
+          "  results/DRIVE/.../METHOD.json, .tum   each finished run; drives/NAME: simulated "
+          "drives\n"
+          "Without a choice it takes hours and 3 GB: the drives have 12,000 scans, and Simple DU "
+          "needs\n"
+          "about a second for one. Ctrl-C keeps what is finished; the same command goes on from "
+          "there.\n"
+          "With --seeds there are no pictures, SLAM runs without loop closing, and as many drives "
+          "as\n"
+          "there are threads are under way side by side, with one thread each. A simulated drive "
+          "of\n"
+          "1,000 scans takes 320 MB.\n"
+          "A result is computed anew if it is damaged or was made from a recording with other "
+          "scans,\n"
+          "with other weights or by another build of the program; results of other lengths and "
+          "builds\n"
+          "are kept beside it.\n"
+          "mpirun -n N shares drives and methods among N processes, which must all see the same "
+          "folders.");
+  command
+      .option("--drives", &options.drives,
+              fmt::format("Simulated drives ({}) and recordings with {} rows (as for hqslam run), "
+                          "separated by commas",
+                          fmt::join(sim::drive_preset_names(), ", "), kTableAllRows),
+              {.shows_default = true, .delimiter = ','})
+      .option("--methods", &options.methods,
+              fmt::format("Rows to compute, separated by commas (default: all of {})",
+                          fmt::join(table_method_names(), ", ")),
+              {.delimiter = ','})
+      .option("--weights", &options.weights,
+              "Weights files that become rows of their own, FILE.npz or FILE.npz+VARIANT",
+              {.delimiter = ','})
+      .option("--sensor", &options.reading.sensor,
+              "Sensor of recordings that do not say theirs (name or .json file)");
+  declare_reading(command, options.reading);
+  command
+      .option("--reference", &options.reference,
+              "True trajectory of the recording in --drives (TUM, or KITTI with one pose per scan)",
+              {.given = Given::kFile})
+      .option("--scans", &options.scans, "Only so many scans of each drive", {.within = kAnyCount})
+      .option(
+          "--seeds", &options.seeds,
+          "Every simulated drive of --drives from each of these seeds (1..10, or 3,5,8) instead of "
+          "once: drift and slips against the truth, with 95 % intervals")
+      .option(
+          "--against", &options.against,
+          "With --seeds: the row that the others are paired with, drive by drive (default: linear "
+          "or, without it, the first of --methods)",
+          {.needs = {"--seeds"}})
+      .option("--out", &options.out, "Folder for drives, results and tables", {.required = true});
+  declare_threads(command, options.threads);
 }
 
 int table_command(const TableOptions& options) {

@@ -14,9 +14,8 @@
 #include "hqslam/core/npy.h"
 #include "hqslam/core/sensor_model.h"
 #include "hqslam/core/whole_file.h"
-#include "recording/recording_sensor.h"
+#include "recording/recording_choice.h"
 #include "simulate/simulate_command.h"
-#include "terminal/exit_status.h"
 #include "terminal/terminal.h"
 
 namespace hqslam::tools {

@@ -7,7 +7,7 @@
 
 #include "laboratory/table/table_plan.h"
 #include "recording/reference.h"
-#include "terminal/interrupt.h"
+#include "terminal/terminal.h"
 
 namespace hqslam::tools {
 

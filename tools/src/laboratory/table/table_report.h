@@ -1,16 +1,68 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <cstddef>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "laboratory/table/error_map.h"
 #include "laboratory/table/table_figures.h"
 #include "laboratory/table/table_statistics.h"
-#include "report/text_table.h"
+#include "report/page.h"
 
 namespace hqslam::tools {
+
+/// A trajectory from above in the reference's frame, with its error at every pose.
+struct ErrorPanel {
+  std::string title;
+  double rmse_m = 0.0;
+  std::vector<Eigen::Vector2d> path_m;
+  std::vector<double> error_m;  ///< one per pose
+};
+
+/// The paper's figure 2: trajectories of one drive, coloured by their error, side by side.
+struct ErrorMap {
+  std::vector<Eigen::Vector2d> reference_m;
+  std::vector<ErrorPanel> panels;
+};
+
+/// Which error has the last colour, in every panel.
+struct ErrorScale {
+  double top_m = 1.0;
+  bool clipped = false;  ///< some errors are larger
+};
+/// The largest error of all panels, but at most three times the median of the panels' largest
+/// ones: one trajectory that leaves the map does not take the colours from all others.
+ErrorScale error_scale(const ErrorMap& map);
+
+/// "0.42 m", with "or more" where errors are larger.
+std::string top_text(const ErrorScale& scale);
+
+/// "RMSE 0.109, largest 0.31 m"
+std::string error_text(const ErrorPanel& panel);
+
+/// One panel, without its title, as an SVG element: the reference in grey, the trajectory in
+/// colours with a ring at its start, a scale bar.
+std::string panel_svg(const ErrorMap& map, std::size_t panel, const ErrorScale& scale);
+
+/// All panels with their titles and a colour bar, as an .svg file. `title` stands above. Throws
+/// Error if there is no panel.
+std::string error_map_svg(const ErrorMap& map, const std::string& title);
+
+/// A number with three digits that count: "0.042", "3.78", "31.7", "6717".
+std::string three_digits(double value);
+
+/// The paper's table: RMSE against LiDAR-64 on all drives, frames per second, parameters.
+TextTable paper_table(const std::vector<DriveFigures>& drives, std::size_t loop_closing);
+/// Errors and times of the trajectories.
+TextTable trajectory_table(const DriveFigures& drive, std::size_t loop_closing);
+/// Image errors, speed and size of the upsampling.
+TextTable upsampling_table(const DriveFigures& drive);
+
+/// "town: 4000 scans of an os1-64, 2963 m; ..."
+std::string drive_text(const DriveFigures& drive);
+/// What the columns mean and how it was measured.
+std::vector<std::string> drives_notes(const std::vector<DriveFigures>& drives);
 
 /// One drive, or all of a kind.
 struct ReportPart {

@@ -1,5 +1,3 @@
-#include "laboratory/table/table_result.h"
-
 #include <fmt/format.h>
 
 #include <filesystem>
@@ -7,8 +5,9 @@
 #include <nlohmann/json.hpp>
 
 #include "files/content_hash.h"
-#include "files/text_file.h"
+#include "files/result_files.h"
 #include "hqslam/core/error.h"
+#include "laboratory/table/table_figures.h"
 
 /// nothing is null
 template <typename Value>

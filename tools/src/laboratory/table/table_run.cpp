@@ -1,5 +1,3 @@
-#include "laboratory/table/table_run.h"
-
 #include <fmt/format.h>
 #include <omp.h>
 
@@ -18,10 +16,10 @@
 #include "hqslam/slam/lego_loam_as_published.h"
 #include "hqslam/slam/slam.h"
 #include "laboratory/compare/upsampling_comparison.h"
+#include "laboratory/table/table_work.h"
 #include "lift/lifted_input.h"
 #include "recording/reading.h"
-#include "timing/stopwatch.h"
-#include "timing/timing_statistics.h"
+#include "timing/timing.h"
 
 namespace hqslam::tools {
 namespace {

@@ -1,5 +1,3 @@
-#include "laboratory/table/table_text.h"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -9,7 +7,8 @@
 #include <initializer_list>
 #include <set>
 
-#include "laboratory/table/table_run.h"
+#include "laboratory/table/table_report.h"
+#include "laboratory/table/table_work.h"
 
 namespace hqslam::tools {
 namespace {

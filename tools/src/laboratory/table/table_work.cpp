@@ -12,8 +12,8 @@
 #include "hqslam/core/error.h"
 #include "hqslam/core/scan_source.h"
 #include "laboratory/table/table_drive.h"
-#include "ranks/side_by_side.h"
-#include "recording/recording_sensor.h"
+#include "ranks/ranks.h"
+#include "recording/recording_choice.h"
 #include "terminal/progress.h"
 
 namespace hqslam::tools {

@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 #include <omp.h>
 
-#include <CLI/CLI.hpp>
 #include <array>
 #include <cmath>
 #include <filesystem>
@@ -10,9 +9,7 @@
 #include <optional>
 
 #include "commands.h"
-#include "files/output_guard.h"
-#include "files/result_folder.h"
-#include "files/text_file.h"
+#include "files/result_files.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/whole_file.h"
 #include "hqslam/nn/training/checkpoint.h"
@@ -20,12 +17,11 @@
 #include "hqslam/nn/weights_file.h"
 #include "laboratory/train/learning_curve.h"
 #include "laboratory/train/training_scans.h"
-#include "ranks/launched_ranks.h"
-#include "terminal/exit_status.h"
-#include "terminal/interrupt.h"
+#include "ranks/ranks.h"
+#include "terminal/command_options.h"
 #include "terminal/progress.h"
 #include "terminal/terminal.h"
-#include "timing/stopwatch.h"
+#include "timing/timing.h"
 
 namespace hqslam::tools {
 namespace {
@@ -193,17 +189,8 @@ int train(Training& training, nn::Trainer& trainer, const InterruptGuard& interr
 }  // namespace
 
 void declare_train(CLI::App& app, TrainOptions& options) {
-  CLI::App* command =
-      app.add_subcommand("train", "Train a super-resolution network on simulated or own scans");
-  command->add_option("--config", options.config, "Network, data and recipe (.json)")->required();
-  command
-      ->add_option("--out", options.out, "Folder for results; a checkpoint in it is continued from")
-      ->required();
-  command->add_option("--drives", options.drives,
-                      "Folder that keeps the simulated drives (default: OUT/drives); trainings may "
-                      "share one");
-  declare_threads(*command, options.threads);
-  command->footer(
+  Command command = add_command(
+      app, "train", "Train a super-resolution network on simulated or own scans",
       "Writes into --out: weights.npz (for --weights and --upsample), checkpoint.npz, curve.svg.\n"
       "The drives of the recipe are simulated once (0.26 MB for a scan of 64 x 1024) and read\n"
       "from --drives scan by scan.\n"
@@ -212,6 +199,14 @@ void declare_train(CLI::App& app, TrainOptions& options) {
       "of the weights that come with hqslam are beside them, weights/*.json.\n"
       "mpirun -n N shares each batch among N processes, with the same bytes as a result; N must\n"
       "divide the batch, and all must see the same folders.");
+  command
+      .option("--config", &options.config, "Network, data and recipe (.json)", {.required = true})
+      .option("--out", &options.out, "Folder for results; a checkpoint in it is continued from",
+              {.required = true})
+      .option("--drives", &options.drives,
+              "Folder that keeps the simulated drives (default: OUT/drives); trainings may share "
+              "one");
+  declare_threads(command, options.threads);
 }
 
 int train_command(const TrainOptions& options) {

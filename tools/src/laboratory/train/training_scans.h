@@ -6,12 +6,36 @@
 #include <vector>
 
 #include "hqslam/core/range_image.h"
+#include "hqslam/core/ranks.h"
 #include "hqslam/core/sensor_model.h"
+#include "hqslam/nn/training/trainer.h"
 #include "hqslam/nn/training/training_configuration.h"
-#include "hqslam/nn/training/training_scans.h"
-#include "terminal/interrupt.h"
+#include "hqslam/sim/drive.h"
+#include "terminal/terminal.h"
 
 namespace hqslam::tools {
+
+/// Scans 0, every, 2 every, ... of a simulated drive.
+struct StoredDrive {
+  sim::DriveSpec spec;
+  std::int64_t every = 1;
+
+  std::int64_t scans() const { return (spec.scans + every - 1) / every; }
+};
+
+/// Where a folder of drives keeps this one: an .npy stack of its range images, named by drive and
+/// seed and by a hash of everything that decides its bytes.
+std::string path_in_store(const std::filesystem::path& folder, const StoredDrive& drive,
+                          const SensorModel& sensor);
+
+/// Simulates the drives that are not in the folder yet, each rank its share of them, `threads`
+/// drives at a time; returns when all are done. A file appears under its name when it is whole, so
+/// that whatever stops the program, the next call goes on with the drives that are missing; several
+/// programs may share a folder. Shows progress on stderr. Returns false if it was asked to stop
+/// before it was done. Throws Error.
+bool store_drives(const std::filesystem::path& folder, const std::vector<StoredDrive>& drives,
+                  const SensorModel& sensor, int threads, const char* label,
+                  const InterruptGuard& interrupt, Ranks& ranks);
 
 /// The scans of .npy stacks, read one by one from their files; what is no range (NaN, infinite,
 /// negative) is no return.

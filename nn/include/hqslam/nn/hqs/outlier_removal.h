@@ -41,9 +41,6 @@ class OutlierRemoval {
   /// the first call no call allocates.
   void find(const float* range_m, std::uint8_t* rejected, int threads = 1);
 
-  int rows() const { return rows_; }
-  int columns() const { return columns_; }
-
  private:
   /// A run of connected pixels in one row that is not known to belong to a large component.
   struct Run {

@@ -4,7 +4,7 @@
 
 #include "hqslam/core/range_image.h"
 #include "hqslam/core/sensor_model.h"
-#include "hqslam/nn/training_sample.h"
+#include "hqslam/nn/network.h"
 
 namespace hqslam::nn {
 

@@ -9,7 +9,6 @@
 #include "hqslam/nn/network_description.h"
 #include "hqslam/nn/training/adamw.h"
 #include "hqslam/nn/training/augmentation.h"
-#include "hqslam/nn/training/training_scans.h"
 
 namespace hqslam::nn {
 
@@ -35,6 +34,18 @@ void validate(const TrainingPlan& plan, const SensorModel& sensor);
 /// Throws Error if these processes cannot share the plan's batches.
 void require_shares(const NetworkDescription& description, const TrainingPlan& plan,
                     const Ranks& ranks);
+
+/// The scans that a network is trained on, wherever they are: all of one shape, ranges in metres, 0
+/// where nothing returned, never NaN, infinite or negative.
+class TrainingScans {
+ public:
+  virtual ~TrainingScans() = default;
+  virtual std::int64_t size() const = 0;
+  virtual int rows() const = 0;
+  virtual int columns() const = 0;
+  /// Scan i, 0 to size() - 1. Many threads may read at once. Throws Error if it cannot be read.
+  virtual RangeImage read(std::int64_t i) const = 0;
+};
 
 struct TrainingStep {
   double loss = 0.0;           ///< of the last layer, mean over the batch, before the step

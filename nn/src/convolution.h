@@ -1,0 +1,66 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "tensor.h"
+
+// What a convolution is: its sizes, and its definition.
+namespace hqslam::nn {
+
+/// Channels, kernel, stride and padding of conv2d or conv_transpose2d. How columns are padded is
+/// the tensor's affair (ColumnPadding).
+struct ConvolutionShape {
+  int input_channels = 1;
+  int output_channels = 1;
+  int kernel_rows = 3;
+  int kernel_columns = 3;
+  int stride = 1;  ///< of rows, and of columns unless stride_columns says otherwise
+  int padding_rows = 1;
+  int padding_columns = 1;
+  std::optional<int> stride_columns = std::nullopt;
+  bool transposed = false;
+
+  int column_stride() const { return stride_columns.value_or(stride); }
+  std::int64_t weights() const {
+    return static_cast<std::int64_t>(input_channels) * output_channels * kernel_rows *
+           kernel_columns;
+  }
+};
+
+/// Throws Error with field, value and constraint: channels 1 to 4096, kernels 1 to 15, stride 1 to
+/// 8, padding 0 to 15.
+void validate(const ConvolutionShape& shape);
+
+/// (size + 2 padding - kernel) / stride + 1
+int convolved_size(int size, int kernel, int stride, int padding);
+
+/// What a layer does with the sums it has computed: result = a(sum + skip), a(v) = max(v, slope v).
+///
+/// With `activated`, what an activation max(v, negative_slope v) gave, the sums are gradients of it
+/// and a is multiplied by its derivative there: the result is the gradient of what went into it.
+struct LayerEnd {
+  float negative_slope = 1.0F;   ///< 1 linear, 0 ReLU
+  const Tensor* skip = nullptr;  ///< of the result's shape; may be the result
+  const Tensor* activated = nullptr;
+};
+
+/// 2-D convolution (cross-correlation, as everywhere in deep learning), loop by loop as its
+/// definition:
+///   output[o][y][x] = bias[o] + sum_{i, r, c} weight[o][i][r][c]
+///                                input[i][y stride + r - padding][x stride + c - padding]
+/// or, where the shape says `transposed`, its adjoint ("deconvolution"):
+///   output[o][y stride + r - padding][x stride + c - padding] += weight[i][o][r][c] input[i][y][x]
+/// plus bias[o]. Rows beyond the edge are zero or dropped, columns continue as the input's
+/// ColumnPadding says. The output's shape decides between those that one input shape could have.
+/// weight: output x input x kernel rows x kernel columns, transposed: input x output x ...; bias:
+/// output channels, or empty for none.
+void conv2d_reference(const ConvolutionShape& shape, std::span<const float> weight,
+                      std::span<const float> bias, const Tensor& input, Tensor& output);
+/// The gradients, written as their derivatives. d_input is overwritten, the others are added to.
+void conv2d_backward_reference(const ConvolutionShape& shape, std::span<const float> weight,
+                               const Tensor& input, const Tensor& d_output, Tensor& d_input,
+                               std::span<float> d_weight, std::span<float> d_bias);
+
+}  // namespace hqslam::nn

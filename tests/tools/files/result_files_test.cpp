@@ -1,0 +1,112 @@
+#include "files/result_files.h"
+
+#include <doctest/doctest.h>
+#include <sys/stat.h>
+
+#include <array>
+#include <filesystem>
+
+#include "file_contents.h"
+#include "temporary_directory.h"
+#include "tools/parts_of_text.h"
+
+namespace hqslam::tools {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace hqslam::test;
+
+bool never(const std::string&) { return false; }
+bool always(const std::string&) { return true; }
+
+}  // namespace
+
+TEST_CASE("a file may be written where nothing is, and where its own kind is") {
+  const TemporaryDirectory folder;
+  CHECK_NOTHROW(guard_output_file(folder.file("new"), {}, never));
+  write_file(folder.file("mine"), "marker");
+  CHECK_NOTHROW(guard_output_file(folder.file("mine"), {folder.file("other")}, always));
+  CHECK(refuses({"mine", "give another --out"},
+                [&] { guard_output_file(folder.file("mine"), {}, never); }));
+  CHECK(refuses({"no", "existing folder"},
+                [&] { guard_output_file(folder.file("no/new"), {}, never); }));
+  CHECK(file_contents(folder.file("mine")) == "marker");
+}
+
+TEST_CASE("no device, no pipe, no folder and no input is written over, whoever made it") {
+  const TemporaryDirectory folder;
+  mkfifo(folder.file("pipe").c_str(), 0600);
+  fs::create_directory(folder.file("folder"));
+  fs::create_symlink("/dev/null", folder.file("link"));
+  write_file(folder.file("input"), "x");
+  fs::create_hard_link(folder.file("input"), folder.file("same"));
+  CHECK_FALSE(has_marker(folder.file("pipe"), "x"));
+  for (const char* name : {"pipe", "folder", "link", "same"}) {
+    CAPTURE(name);
+    CHECK(refuses({"--out"},
+                  [&] { guard_output_file(folder.file(name), {folder.file("input")}, always); }));
+  }
+  CHECK(refuses({"/dev/null", "no regular file"},
+                [] { guard_output_file("/dev/null", {}, always); }));
+}
+
+TEST_CASE("results are replaced in a command's own folder alone") {
+  const TemporaryDirectory folder;
+  constexpr std::array<const char*, 2> kNames = {"a", "b"};
+  CHECK_NOTHROW(guard_results(folder.path(), kNames, false, "is foreign"));
+  write_file(folder.file("b"), "x");
+  CHECK_NOTHROW(guard_results(folder.path(), kNames, true, "is foreign"));
+  CHECK(refuses({"b", "is there already and is foreign"},
+                [&] { guard_results(folder.path(), kNames, false, "is foreign"); }));
+  CHECK(refuses({"read by this command"},
+                [&] { guard_results(folder.path(), kNames, true, "", {folder.file("b")}); }));
+}
+
+namespace {
+
+using namespace hqslam::test;
+
+constexpr const char* kDriveJson = R"({"name": "block", "seed": 1, "scans": 5})";
+
+}  // namespace
+
+TEST_CASE("an earlier drive makes room, files beside it stay") {
+  const TemporaryDirectory folder;
+  fs::create_directory(folder.path() / "bin");
+  for (const char* name : {"scans.npy", "sensor.json", "drive.json", "truth.tum", "truth.kitti",
+                           "truth_columns.npy", "bin/000003.bin", "bin/mine.bin", "notes.txt"}) {
+    write_file(folder.file(name), "x");
+  }
+  write_file(folder.file("drive.json"), kDriveJson);
+  clear_drive_folder(folder.path().string());
+  CHECK(fs::exists(folder.file("notes.txt")));
+  CHECK(fs::exists(folder.file("bin/mine.bin")));
+  CHECK_FALSE(fs::exists(folder.file("bin/000003.bin")));
+  CHECK_FALSE(fs::exists(folder.file("scans.npy")));
+}
+
+TEST_CASE("a file of the same name that is no drive's is neither replaced nor removed") {
+  for (const char* name : {"scans.npy", "truth.tum", "sensor.json", "bin"}) {
+    CAPTURE(name);
+    const TemporaryDirectory folder;
+    write_file(folder.file(name), "mine");
+    CHECK(refuses({name, "--out"}, [&] { clear_drive_folder(folder.path().string()); }));
+    CHECK(fs::exists(folder.file(name)));
+  }
+}
+
+TEST_CASE("the beginning of a drive whose disk was full makes room as well") {
+  const TemporaryDirectory folder;
+  write_file(folder.file("drive.json"), kDriveJson);
+  write_file(folder.file("scans.npy"), "");
+  CHECK_NOTHROW(clear_drive_folder(folder.path().string()));
+  CHECK_FALSE(fs::exists(folder.file("scans.npy")));
+}
+
+TEST_CASE("a folder that is not there or is empty needs nothing") {
+  const TemporaryDirectory folder;
+  CHECK_NOTHROW(clear_drive_folder(folder.path().string()));
+  CHECK_NOTHROW(clear_drive_folder(folder.file("new")));
+}
+
+}  // namespace hqslam::tools

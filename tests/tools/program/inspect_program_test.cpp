@@ -1,0 +1,95 @@
+#include <doctest/doctest.h>
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <set>
+#include <string>
+
+#include "tools/program/program.h"
+#include "tools/program/untrained_weights.h"
+
+// What inspect shows of a network beside the page of its layers.
+namespace hqslam::test {
+namespace {
+
+/// A scan of a sensor with few columns, so that the reference takes a second, and weights for it.
+struct Inspected {
+  TemporaryDirectory folder;
+  std::string page = folder.file("page.html");
+
+  Inspected() {
+    SensorModel sensor = sensor_preset("os1-64");
+    sensor.columns = 128;
+    nn::Weights weights = untrained_weights(sensor, "du-mix");
+    weights.description.least_confidence = 0.9F;  // it empties nearly everything
+    write_weights(folder.file("weights.npz"), weights);
+    write_file(folder.file("sensor.json"), sensor_json(sensor));
+    run_hqslam(
+        fmt::format("simulate --drive block --sensor '{0}/sensor.json' --scans 1 --out "
+                    "'{0}/drive'",
+                    folder.path().string()));
+  }
+  ProgramResult inspect(const std::string& options) const {
+    return run_hqslam(fmt::format("inspect '{0}/drive' --weights '{0}/weights.npz' {1}",
+                                  folder.path().string(), options));
+  }
+};
+
+/// Of the line that begins with this name, the number behind it.
+double number_after(const std::string& text, const std::string& name) {
+  const std::size_t line = text.find("\n" + name + " ");
+  REQUIRE(line != std::string::npos);
+  return std::stod(text.substr(line + 1 + name.size()));
+}
+
+}  // namespace
+
+TEST_CASE("inspect --list prints every tensor with its shape and unit, and writes nothing") {
+  const Inspected inspected;
+  const ProgramResult result = inspected.inspect("--list");
+  CHECK(result.status == 0);
+  CHECK(holds(result.out, "measured  1 x 16 x 128  m\n"));
+  CHECK(holds(result.out, "layers.0.encoder.0  48 x 16 x 32  \n"));
+  CHECK(holds(result.out, "confidence  1 x 64 x 128  \n"));
+  CHECK_FALSE(std::filesystem::exists(inspected.page));
+  CHECK(inspected.inspect(fmt::format("--list --out '{}'", inspected.page)).status != 0);
+}
+
+TEST_CASE("inspect --tensor shows every channel on a scale of its own") {
+  const Inspected inspected;
+  const ProgramResult result =
+      inspected.inspect(fmt::format("--tensor layers.0.encoder.0 --out '{}'", inspected.page));
+  CHECK(result.status == 0);
+  const std::string page = file_contents(inspected.page);
+  CHECK(holds(page, "48 channels of 16 x 32"));
+  std::set<std::string> scales;
+  for (int channel = 0; channel < 48; ++channel) {
+    const std::string caption =
+        fmt::format("<figcaption>layers.0.encoder.0, channel {}: ", channel);
+    const std::size_t place = page.find(caption);
+    REQUIRE(place != std::string::npos);
+    const std::size_t scale = place + caption.size();
+    scales.insert(page.substr(scale, page.find('<', scale) - scale));
+  }
+  CHECK(scales.size() > 24);
+  const ProgramResult none = inspected.inspect(
+      fmt::format("--tensor layers.7.h --out '{}'", inspected.folder.file("none.html")));
+  CHECK(none.status == 2);
+  CHECK(is_one_line(none.error));
+  CHECK(holds(none.error, "layers.7.h"));
+}
+
+TEST_CASE("inspect --reference finds differences of arithmetic alone, in what is emptied too") {
+  const Inspected inspected;
+  const ProgramResult result =
+      inspected.inspect(fmt::format("--reference --out '{}'", inspected.page));
+  CHECK(result.status == 0);
+  for (const char* name :
+       {"layers.0.encoder.0", "layers.0.decoder.0", "weight_1", "probability", "confidence"}) {
+    CAPTURE(name);
+    CHECK(number_after(result.out, name) < 1e-3);
+  }
+  CHECK(holds(file_contents(inspected.page), "Difference from the reference"));
+}
+
+}  // namespace hqslam::test

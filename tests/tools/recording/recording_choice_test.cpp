@@ -1,0 +1,28 @@
+#include "recording/recording_choice.h"
+
+#include <doctest/doctest.h>
+
+#include "temporary_directory.h"
+#include "tools/parts_of_text.h"
+
+namespace hqslam::tools {
+
+using namespace hqslam::test;
+
+TEST_CASE("the sensor that is named comes before the one in the folder") {
+  const TemporaryDirectory folder;
+  write_sensor_json(sensor_preset("vlp-16"), folder.file("sensor.json"));
+  const std::string drive = folder.path().string();
+  CHECK(recording_sensor({drive})->name == "vlp-16");
+  CHECK(recording_sensor({drive, "os1-64"})->name == "os1-64");
+  CHECK(file_of_drive(drive, "sensor.json") == folder.file("sensor.json"));
+  CHECK(file_of_drive(drive, "truth.tum").empty());
+}
+
+TEST_CASE("a recording that does not name its sensor is one line where one is needed") {
+  const TemporaryDirectory folder;
+  CHECK_FALSE(recording_sensor({folder.path().string()}).has_value());
+  CHECK(refuses({"--sensor"}, [&] { required_recording_sensor({folder.path().string()}); }));
+}
+
+}  // namespace hqslam::tools

@@ -1,0 +1,199 @@
+#include "files/result_files.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cerrno>
+#include <fstream>
+#include <string_view>
+#include <system_error>
+#include <vector>
+
+#include "hqslam/core/error.h"
+#include "hqslam/core/whole_file.h"
+#include "hqslam/sim/read_drive.h"
+
+namespace hqslam::tools {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+[[noreturn]] void refuse(const fs::path& path, const std::string& why) {
+  throw Error(fmt::format("{}: is there already and {}; give another --out or move it",
+                          path.string(), why));
+}
+
+}  // namespace
+
+void refuse_to_replace(const fs::path& file, const Paths& inputs) {
+  std::error_code error;
+  const fs::file_status status = fs::status(file, error);
+  if (!fs::exists(status)) return;
+  if (!fs::is_regular_file(status)) {
+    refuse(file, fs::is_directory(status) ? "is a folder" : "is no regular file");
+  }
+  for (const std::string& input : inputs) {
+    if (!fs::equivalent(file, input, error) || error) continue;
+    throw Error(fmt::format("{}: is read by this command and would be replaced; give another --out",
+                            input));
+  }
+}
+
+void guard_results(const fs::path& folder, std::span<const char* const> names, bool is_own,
+                   const std::string& but, const Paths& inputs) {
+  for (const char* name : names) {
+    std::error_code error;
+    if (!is_own && fs::exists(folder / name, error)) refuse(folder / name, but);
+    refuse_to_replace(folder / name, inputs);
+  }
+}
+
+void guard_output_file(const std::string& path, const Paths& inputs,
+                       const std::function<bool(const std::string&)>& is_own) {
+  const fs::path folder = fs::absolute(path).parent_path();
+  std::error_code error;
+  if (!fs::is_directory(folder, error)) {
+    throw Error(fmt::format("{}: expected an existing folder to write it into, found none; make {}",
+                            path, folder.string()));
+  }
+  refuse_to_replace(path, inputs);
+  if (fs::exists(path, error) && !is_own(path)) refuse(path, "was not written by this command");
+  require_writable(folder);
+}
+
+bool has_marker(const std::string& path, const std::string& marker) {
+  constexpr std::streamsize kMarkerWithin = 4096;
+  std::error_code error;
+  if (!fs::is_regular_file(path, error)) return false;  // reading from a pipe would wait for ever
+  std::string beginning(kMarkerWithin, '\0');
+  std::ifstream stream(path, std::ios::binary);
+  stream.read(beginning.data(), kMarkerWithin);
+  return beginning.find(marker) != std::string::npos;
+}
+
+void make_result_folder(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (std::error_code ignored; !std::filesystem::is_directory(folder, ignored)) {
+    throw Error(
+        fmt::format("{}: cannot be made as a folder for the results ({}); give another --out",
+                    folder.string(), error.message()));
+  }
+  require_writable(folder);
+}
+
+void require_writable(const std::filesystem::path& folder) {
+  const std::filesystem::path probe = folder / ".hqslam-probe";
+  if (!std::ofstream(probe)) {
+    throw Error(
+        fmt::format("{}: no file can be written there; give another --out", folder.string()));
+  }
+  std::error_code ignored;
+  std::filesystem::remove(probe, ignored);
+}
+
+FileLock::FileLock(const std::filesystem::path& path)
+    : descriptor_(open(path.c_str(), O_RDONLY | O_CLOEXEC)) {
+  if (!descriptor_) return;
+  if (flock(descriptor_.get(), LOCK_EX | LOCK_NB) == 0) {
+    state_ = State::kHeld;
+  } else if (errno == EWOULDBLOCK) {
+    state_ = State::kTakenByAnother;
+  }
+}
+
+FolderLock::FolderLock(const std::filesystem::path& folder) : FileLock(folder) {
+  if (state() != State::kTakenByAnother) return;
+  throw Error(
+      fmt::format("{}: another hqslam is writing into it; wait until it has ended, or give another "
+                  "--out",
+                  folder.string()));
+}
+
+namespace {
+
+std::filesystem::path part_of(std::filesystem::path path) { return path += ".part"; }
+
+}  // namespace
+
+PartFiles::~PartFiles() {
+  std::error_code ignored;
+  for (const std::filesystem::path& path : paths_) std::filesystem::remove(part_of(path), ignored);
+}
+
+std::string PartFiles::add(const std::filesystem::path& path) {
+  paths_.push_back(path);
+  return part_of(path).string();
+}
+
+void PartFiles::rename() {
+  for (const std::filesystem::path& path : paths_) {
+    std::error_code error;
+    std::filesystem::rename(part_of(path), path, error);
+    if (error)
+      throw Error(fmt::format("{}: cannot be written ({})", path.string(), error.message()));
+  }
+}
+
+void write_text_file(const std::string& text, const std::string& path) {
+  replace_file(path, [&](const std::string& part) { write_whole_file(part, text); });
+}
+
+namespace {
+
+constexpr std::array<const char*, 9> kDriveFiles = {
+    "scans.npy",         "sensor.json",        "drive.json", "truth.tum",     "truth.kitti",
+    "truth_columns.npy", "sensor_errors.json", "imu.csv",    "imu_biases.csv"};
+constexpr std::string_view kMarkerFile = "drive.json";  // is replaced, not removed
+constexpr std::array<const char*, 2> kScanFolders = {"bin", "pcd"};
+
+/// The file that says what the drive is comes first: it marks the folder however little else is
+/// there, because a disk was full or the program was killed.
+bool written_by_simulate(const fs::path& folder) {
+  try {
+    sim::read_drive_json((folder / "drive.json").string());
+    return true;
+  } catch (const Error&) {
+    return false;
+  }
+}
+
+/// bin/000123.bin, pcd/000123.pcd, and what a program that was killed left of one
+bool is_numbered_scan(fs::path file, const std::string& extension) {
+  if (file.extension() == ".part") file.replace_extension();
+  const std::string stem = file.stem().string();
+  return file.extension() == "." + extension && stem.size() >= 6 &&
+         std::all_of(stem.begin(), stem.end(),
+                     [](unsigned char c) { return std::isdigit(c) != 0; });
+}
+
+}  // namespace
+
+void remove_numbered_scans(const fs::path& folder, const std::string& extension) {
+  if (!fs::is_directory(folder)) return;
+  std::vector<fs::path> scans;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    if (is_numbered_scan(entry.path(), extension)) scans.push_back(entry.path());
+  }
+  for (const fs::path& scan : scans) fs::remove(scan);
+}
+
+void clear_drive_folder(const std::string& folder, const Paths& inputs, bool is_own) {
+  const fs::path path(folder);
+  is_own = is_own || written_by_simulate(path);
+  constexpr const char* kBut = "is not part of a simulated drive";
+  guard_results(path, kDriveFiles, is_own, kBut, inputs);
+  for (const char* scans : kScanFolders) {
+    if (!is_own && fs::exists(path / scans)) guard_results(path, {&scans, 1}, false, kBut);
+  }
+  for (const char* scans : kScanFolders) remove_numbered_scans(path / scans, scans);
+  for (const char* file : kDriveFiles)
+    if (file != kMarkerFile) fs::remove(path / file);
+}
+
+}  // namespace hqslam::tools

@@ -1,0 +1,302 @@
+#include "run/dense_map.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numeric>
+#include <optional>
+#include <system_error>
+#include <utility>
+
+#include "commands.h"
+#include "files/result_files.h"
+#include "hqslam/core/error.h"
+#include "hqslam/core/whole_file.h"
+#include "lift/lifted_input.h"
+#include "recording/recording_choice.h"
+#include "recording/reference.h"
+#include "report/cloud_picture.h"
+#include "run/slam_run.h"
+#include "terminal/command_options.h"
+#include "terminal/progress.h"
+#include "terminal/terminal.h"
+#include "timing/timing.h"
+
+namespace hqslam::tools {
+
+namespace {
+
+constexpr double kMostStampDifference_s = 0.02;
+
+/// The pose whose stamp is nearest, nothing if it is too far.
+std::optional<std::size_t> pose_at(const Trajectory& trajectory, double stamp_s) {
+  const auto later =
+      std::lower_bound(trajectory.begin(), trajectory.end(), stamp_s - kMostStampDifference_s,
+                       [](const StampedPose& a, double limit_s) { return a.stamp_s < limit_s; });
+  const auto nearest =
+      std::min_element(later,
+                       std::find_if(later, trajectory.end(),
+                                    [&](const StampedPose& candidate) {
+                                      return candidate.stamp_s > stamp_s + kMostStampDifference_s;
+                                    }),
+                       [&](const StampedPose& a, const StampedPose& b) {
+                         return std::abs(a.stamp_s - stamp_s) < std::abs(b.stamp_s - stamp_s);
+                       });
+  const bool is_near =
+      nearest != trajectory.end() && std::abs(nearest->stamp_s - stamp_s) <= kMostStampDifference_s;
+  if (!is_near) return std::nullopt;
+  return static_cast<std::size_t>(nearest - trajectory.begin());
+}
+
+/// The pose of a scan of the recording, nothing if it has none.
+std::optional<std::size_t> pose_of_scan(const std::vector<std::int64_t>& scan_of_pose,
+                                        std::int64_t scan) {
+  const auto found = std::lower_bound(scan_of_pose.begin(), scan_of_pose.end(), scan);
+  if (found == scan_of_pose.end() || *found != scan) return std::nullopt;
+  return static_cast<std::size_t>(found - scan_of_pose.begin());
+}
+
+/// The pose of a scan, nothing if it is not known.
+std::optional<std::size_t> pose_of(const ScanPoses& poses, std::int64_t scan, double stamp_s) {
+  const auto pose = poses.scan_of_pose ? pose_of_scan(*poses.scan_of_pose, scan)
+                                       : pose_at(poses.trajectory, stamp_s);
+  if (pose && !poses.is_located.empty() && !poses.is_located[*pose]) return std::nullopt;
+  return pose;
+}
+
+/// One reading of all scans whose pose may be known.
+struct MapReading : Reading {
+  std::int64_t scans = 0;         ///< with a pose that is known
+  std::int64_t without_pose = 0;  ///< the others
+};
+
+/// Calls use(scan, path) for every scan whose pose is known.
+MapReading read_all(LiftedInput& input, const ScanPoses& poses, const std::string& label,
+                    const InterruptGuard& interrupt,
+                    const std::function<void(const RecordedScan&, const slam::SensorPath&)>& use) {
+  const auto source = input.open();
+  const auto& scans = poses.scan_of_pose;
+  std::optional<std::int64_t> most = source->size();
+  if (scans && !scans->empty()) {
+    most = std::min(most.value_or(scans->back() + 1), scans->back() + 1);
+  }
+  Progress progress(label, most);
+  MapReading reading;
+  read_scans(*source, interrupt, reading, [&](const ReadScan& read) {
+    if (const auto pose = pose_of(poses, read.index, read.scan.stamp_s)) {
+      use(read.scan, slam::SensorPath(poses.trajectory, *pose,
+                                      {poses.knows_way(*pose - 1), poses.knows_way(*pose)}));
+      ++reading.scans;
+    } else {
+      ++reading.without_pose;
+    }
+    progress.update(read.index + 1, source->read_share());
+    return !most || read.index + 1 < *most;
+  });
+  progress.finish();
+  return reading;
+}
+
+}  // namespace
+
+ScanPoses poses_of(const SlamRun& run) {
+  ScanPoses poses{run.trajectory, {}, {}, scan_of_pose(run)};
+  for (std::size_t i = 0; i < run.scans.size(); ++i) {
+    poses.is_located.push_back(slam::is_registered(run.scans[i].report.mapping_status) &&
+                               run.part_of_scan[i] == run.map_part);
+    if (i + 1 < run.scans.size()) poses.is_way_known.push_back(is_way_known(run, i));
+  }
+  return poses;
+}
+
+void declare_dense_map(Command& command, DenseMapChoice& choice,
+                       const std::vector<const char*>& needs) {
+  command
+      .option("--map-voxel", &choice.voxel_m, "Of the dense map: metres from point to point",
+              {.shows_default = true, .within = std::pair(0.02, 1.0), .needs = needs})
+      .option("--map-confidence", &choice.least_confidence,
+              "Of the dense map: least probability that a point is on a surface",
+              {.shows_default = true, .within = std::pair(0.001, 0.999), .needs = needs});
+}
+
+DenseMapRun build_dense_map(const InputChoice& recording, const LiftingChoice& lifting,
+                            const ScanPoses& poses, const DenseMapChoice& choice,
+                            const InterruptGuard& interrupt) {
+  const SteadyClock::time_point start = SteadyClock::now();
+  nn::SuperResolverOptions network;
+  network.tolerance_m = static_cast<float>(choice.voxel_m);
+  network.least_confidence = slam::DenseMapOptions::kLeastPointConfidence;
+  LiftedInput input = lifted_input(recording, {lifting.upsample, lifting.rows}, network);
+  slam::DenseMapOptions options;
+  options.voxel_m = choice.voxel_m;
+  options.least_confidence = choice.least_confidence;
+  slam::DenseMap map(options);
+  const std::optional<RowSelection> computed_from = input.upsampler
+                                                        ? input.upsampler->measured_rows()
+                                                    : input.rows ? std::nullopt
+                                                                 : input.recorded.measured_rows;
+  const MapReading inserted =
+      read_all(input, poses, "dense map, points", interrupt,
+               [&](const RecordedScan& scan, const auto& path) {
+                 map.insert(input.lifted(input.measured(scan.cloud)), computed_from, path);
+               });
+  read_all(input, poses, "dense map, seen through", interrupt,
+           [&](const RecordedScan& scan, const auto& path) {
+             const OrganizedCloud cloud = input.measured(scan.cloud);
+             const bool all_measured = input.upsampler || !computed_from;
+             map.see_through(all_measured ? cloud : select_rows(cloud, *computed_from), path);
+           });
+  DenseMapRun run;
+  run.points = map.points();
+  run.voxel_m = choice.voxel_m;
+  run.scans = inserted.scans;
+  run.scans_left_out = inserted.without_pose;
+  run.not_understood = inserted.left_out;
+  run.is_full = map.is_full();
+  run.end_message = inserted.end_message;
+  run.wall_s = seconds_since(start);
+  return run;
+}
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kPictureColumns = 1600;
+constexpr int kAboveRows = 1200;
+constexpr int kPerspectiveRows = 900;
+
+}  // namespace
+
+DenseMapPictures pictures_of(const DenseMapRun& run, const Trajectory& path) {
+  std::vector<Eigen::Vector3f> points_m;
+  points_m.reserve(run.points.size());
+  for (const slam::DenseMapPoint& point : run.points) points_m.push_back(point.point_m);
+  const CloudScene scene{points_m, path, run.voxel_m};
+  return {cloud_from_above(scene, kAboveRows, kPictureColumns),
+          cloud_in_perspective(scene, kPerspectiveRows, kPictureColumns)};
+}
+
+void guard_dense_map(const fs::path& folder, const Paths& inputs) {
+  const auto is_own = [&](const char* name) {
+    return has_marker((folder / name).string(), "written by hqslam");
+  };
+  guard_results(folder, kDenseMapFiles, is_own("dense_map.ply"),
+                "there is no dense map of hqslam beside it", inputs);
+  if (fs::exists(folder / "dense_map.pcd") && !is_own("dense_map.pcd")) {
+    guard_results(folder, {kDenseMapFiles, 1}, false, "was not written by hqslam", inputs);
+  }
+}
+
+void remove_dense_map(const fs::path& folder) {
+  std::error_code ignored;
+  // The .ply, by which the others are known as ours, goes last and comes first.
+  for (const char* name :
+       {kDenseMapFiles[0], kDenseMapFiles[2], kDenseMapFiles[3], kDenseMapFiles[1]}) {
+    fs::remove(folder / name, ignored);
+    fs::remove(folder / (std::string(name) + ".part"), ignored);  // of a run that was killed
+  }
+}
+
+void write_dense_map(const DenseMapRun& run, const DenseMapPictures& pictures,
+                     const fs::path& folder) {
+  make_result_folder(folder);
+  remove_dense_map(folder);
+  replace_file((folder / "dense_map.ply").string(),
+               [&](const std::string& path) { slam::write_dense_map_ply(run.points, path); });
+  replace_file((folder / "dense_map.pcd").string(),
+               [&](const std::string& path) { slam::write_dense_map_pcd(run.points, path); });
+  replace_file((folder / "dense_map_above.png").string(),
+               [&](const std::string& path) { write_png(pictures.above, path); });
+  replace_file((folder / "dense_map_perspective.png").string(),
+               [&](const std::string& path) { write_png(pictures.perspective, path); });
+}
+
+namespace {
+
+ScanPoses poses_from(const MapOptions& options) {
+  const std::string& path = options.poses;
+  const TrajectoryFile file = read_trajectory_file(path);
+  if (file.has_stamps) return {file.poses, {}, {}, std::nullopt};
+  const std::int64_t scans = scans_in(options, *lifted_input(options, options).open());
+  if (std::ssize(file.poses) != scans) {
+    throw Error(fmt::format(
+        "{}: has {} poses without stamps, but the recording has {} scans; give one pose per scan "
+        "or a TUM file",
+        path, file.poses.size(), scans));
+  }
+  std::vector<std::int64_t> every_scan(file.poses.size());
+  std::iota(every_scan.begin(), every_scan.end(), 0);
+  return {file.poses, {}, {}, std::move(every_scan)};
+}
+
+std::string no_scan_message(const DenseMapRun& run, const MapOptions& options) {
+  if (run.scans_left_out == 0 && run.not_understood.scans > 0) return run.not_understood.text();
+  return fmt::format(
+      "{}: none of its poses is within 0.02 s of one of {} scans of {}; give poses with the stamps "
+      "of the scans",
+      options.poses, run.scans_left_out, options.input);
+}
+
+}  // namespace
+
+std::string dense_map_summary(const DenseMapRun& run) {
+  std::string summary = fmt::format("dense map: {} points, one per {} m, of {} scans, {:.1f} s",
+                                    run.points.size(), run.voxel_m, run.scans, run.wall_s);
+  if (run.scans_left_out > 0) {
+    summary += fmt::format("; {} scans without a pose left out", run.scans_left_out);
+  }
+  if (run.is_full) summary += "; full: give a larger --map-voxel for the rest";
+  return summary;
+}
+
+void declare_map(CLI::App& app, MapOptions& options) {
+  Command command =
+      add_command(app, "map", "The dense map of a recorded drive whose poses are known",
+                  "Writes into --out, in the frame of the poses:\n"
+                  "  dense_map.pcd, dense_map.ply   x y z confidence times_seen per voxel, binary\n"
+                  "  dense_map_above.png, dense_map_perspective.png\n"
+                  "hqslam run --dense-map does the same with the poses that it finds.");
+  declare_input(command, options);
+  declare_lifting(command, options);
+  command
+      .option("--poses", &options.poses,
+              "Where the scans were taken: TUM, matched by stamp (0.02 s), scans without a pose "
+              "are left out; or KITTI with one pose per scan",
+              {.required = true, .given = Given::kFile})
+      .option("--out", &options.out, "Folder for the map; made if it is not there",
+              {.required = true});
+  declare_dense_map(command, options.map);
+  declare_threads(command, options.threads);
+}
+
+int map_command(const MapOptions& options) {
+  const InterruptGuard interrupt;
+  use_threads(options.threads);
+  refuse_to_write_into_recording(options.input, options.out);
+  const ScanPoses poses = poses_from(options);
+  guard_dense_map(options.out, {options.input, options.poses, options.upsample});
+  make_result_folder(options.out);
+  const FolderLock lock(options.out);
+  const DenseMapRun run = build_dense_map(options, options, poses, options.map, interrupt);
+  if (interrupt.stop_requested()) {
+    to_stderr("hqslam: interrupted; no dense map was written\n");
+    return kInterrupted;
+  }
+  if (run.scans == 0) throw Error(no_scan_message(run, options));
+  write_dense_map(run, pictures_of(run, poses.trajectory), options.out);
+  to_stdout(
+      "{}\nresults: {}/dense_map.pcd, dense_map.ply, dense_map_above.png, "
+      "dense_map_perspective.png\n",
+      dense_map_summary(run), options.out);
+  if (run.not_understood.scans > 0) to_stderr("hqslam: {}\n", run.not_understood.text());
+  if (!run.end_message.empty()) {
+    to_stderr("hqslam: {}; the map is of the scans before it\n", run.end_message);
+    return kWrongInput;
+  }
+  return kOk;
+}
+
+}  // namespace hqslam::tools

@@ -1,0 +1,92 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "files/result_files.h"
+#include "hqslam/core/trajectory.h"
+#include "hqslam/evaluation/png.h"
+#include "hqslam/slam/dense_map.h"
+#include "recording/reading.h"
+#include "recording/recording_choice.h"
+#include "terminal/command_options.h"
+#include "terminal/terminal.h"
+
+namespace hqslam::tools {
+
+struct SlamRun;
+
+/// What a user may say about a dense map.
+struct DenseMapChoice {
+  double voxel_m = slam::DenseMapOptions().voxel_m;
+  double least_confidence = slam::DenseMapOptions().least_confidence;
+};
+/// --map-voxel and --map-confidence. needs: options without which they say nothing.
+void declare_dense_map(Command& command, DenseMapChoice& choice,
+                       const std::vector<const char*>& needs = {});
+
+/// Where the scans of a recording were taken.
+struct ScanPoses {
+  Trajectory trajectory;
+  /// Per pose, whether it is known, and in one frame with the others; empty: all are.
+  std::vector<bool> is_located;
+  /// Per pose, whether something is known of the way to the next; empty: of all.
+  std::vector<bool> is_way_known;
+  /// Of which scan of the recording each pose is, counted from 0 and rising; nothing: stamps tell.
+  std::optional<std::vector<std::int64_t>> scan_of_pose;
+
+  /// The way from a pose to the next.
+  bool knows_way(std::size_t pose) const {
+    return pose >= is_way_known.size() || is_way_known[pose];
+  }
+};
+
+/// The poses of a run, but for scans that were not located, or are in another part of the map.
+ScanPoses poses_of(const SlamRun& run);
+
+/// A dense map, finished or not.
+struct DenseMapRun {
+  std::vector<slam::DenseMapPoint> points;  ///< in the frame of the poses
+  double voxel_m = 0.0;
+  std::int64_t scans = 0;           ///< that are in it
+  std::int64_t scans_left_out = 0;  ///< without a pose that is known
+  LeftOut not_understood;           ///< scans that could not be used, whatever their pose
+  bool is_full = false;             ///< points were left out because memory is bounded
+  std::string end_message;          ///< of a scan that could not be read; empty: all could
+  double wall_s = 0.0;
+};
+
+/// Reads the recording twice, with the poses that are known when it is over: first all scans are
+/// put into the map, then they vote about what they saw through. Between the two no scan is kept.
+/// Shows progress on stderr. A scan that cannot be read ends each reading at the same place.
+/// A network is asked for all points that it believes in at all, and how sure it is that they lie
+/// within a voxel of the truth: the map decides, not its operating point.
+DenseMapRun build_dense_map(const InputChoice& recording, const LiftingChoice& lifting,
+                            const ScanPoses& poses, const DenseMapChoice& choice,
+                            const InterruptGuard& interrupt);
+
+/// A dense map as people look at it.
+struct DenseMapPictures {
+  RgbImage above;
+  RgbImage perspective;
+};
+/// path: of the sensor, in the map's frame.
+DenseMapPictures pictures_of(const DenseMapRun& run, const Trajectory& path);
+
+/// dense_map.pcd, dense_map.ply, dense_map_above.png, dense_map_perspective.png
+inline constexpr const char* kDenseMapFiles[] = {
+    "dense_map.pcd", "dense_map.ply", "dense_map_above.png", "dense_map_perspective.png"};
+
+/// Throws Error if one of the files is there and was not written by hqslam, or is one of `inputs`.
+void guard_dense_map(const std::filesystem::path& folder, const Paths& inputs);
+/// Removes those of an earlier map.
+void remove_dense_map(const std::filesystem::path& folder);
+/// Writes each file under another name first and renames it then, so that each is whole whenever
+/// the program stops; makes the folder. Throws Error, leaving no half of a file.
+void write_dense_map(const DenseMapRun& run, const DenseMapPictures& pictures,
+                     const std::filesystem::path& folder);
+
+}  // namespace hqslam::tools

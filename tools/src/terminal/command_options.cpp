@@ -1,0 +1,89 @@
+#include "terminal/command_options.h"
+
+#include <CLI/CLI.hpp>
+
+// Apart from command_line.cpp the only file that knows CLI11, which takes seconds to compile.
+
+namespace hqslam::tools {
+namespace {
+
+void check_given(CLI::Option& option, const OptionRules& rules) {
+  switch (rules.given) {
+    case Given::kFile:
+      if (rules.one_of.empty()) {
+        option.check(CLI::ExistingFile);
+      } else {
+        option.check(CLI::ExistingFile | CLI::IsMember(rules.one_of));
+      }
+      return;
+    case Given::kFolder:
+      option.check(CLI::ExistingDirectory);
+      return;
+    case Given::kFileOrFolder:
+      option.check(CLI::ExistingPath);
+      return;
+    case Given::kNotNegative:
+      option.check(CLI::NonNegativeNumber);
+      return;
+    case Given::kAnything:
+      if (!rules.one_of.empty()) option.check(CLI::IsMember(rules.one_of));
+  }
+}
+
+void apply(const OptionRules& rules, CLI::App& command, CLI::Option& option) {
+  option.required(rules.required);
+  check_given(option, rules);
+  if (const auto* ints = std::get_if<std::pair<int, int>>(&rules.within)) {
+    option.check(CLI::Range(ints->first, ints->second));
+  } else if (const auto* reals = std::get_if<std::pair<double, double>>(&rules.within)) {
+    option.check(CLI::Range(reals->first, reals->second));
+  }
+  if (rules.complaint) option.check(rules.complaint);
+  if (rules.delimiter != 0) option.delimiter(rules.delimiter);
+  if (rules.values > 0) option.expected(rules.values);
+  if (rules.one_at_a_time) option.allow_extra_args(false);
+  if (!rules.if_bare.empty()) option.expected(0, 1)->default_str(rules.if_bare);
+  if (rules.shows_default) option.capture_default_str();
+  for (const char* needed : rules.needs) option.needs(command.get_option(needed));
+  for (const char* excluded : rules.excludes) option.excludes(command.get_option(excluded));
+}
+
+}  // namespace
+
+Command& Command::option(const std::string& name, const OptionTarget& value,
+                         const std::string& help, const OptionRules& rules) {
+  CLI::Option* added = std::visit(
+      [&](const auto& target) -> CLI::Option* {
+        using Target = std::decay_t<decltype(target)>;
+        if constexpr (std::is_same_v<Target, bool*>)
+          return app_->add_flag(name, *target, help);
+        else if constexpr (std::is_pointer_v<Target>)
+          return app_->add_option(name, *target, help);
+        else
+          return app_->add_flag_callback(name, target, help);
+      },
+      value);
+  apply(rules, *app_, *added);
+  return *this;
+}
+
+Command Command::alternatives(const std::string& heading, const std::string& what) {
+  CLI::App* group = app_->add_option_group(heading, what);
+  group->require_option(1);
+  return Command(*group);
+}
+
+Command Command::subcommand(const std::string& name, const std::string& what,
+                            const std::string& footer) {
+  app_->require_subcommand(1);
+  return add_command(*app_, name, what, footer);
+}
+
+Command add_command(CLI::App& app, const std::string& name, const std::string& what,
+                    const std::string& footer) {
+  CLI::App* command = app.add_subcommand(name, what);
+  if (!footer.empty()) command->footer(footer);
+  return Command(*command);
+}
+
+}  // namespace hqslam::tools
