@@ -1,24 +1,21 @@
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <numbers>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "calibrate/calibration_page.h"
 #include "commands.h"
-#include "files/output_guard.h"
-#include "files/text_file.h"
+#include "files/result_files.h"
 #include "hqslam/core/error.h"
 #include "hqslam/slam/beam_calibration.h"
 #include "hqslam/slam/slam.h"
 #include "lift/lifted_input.h"
 #include "recording/reading.h"
-#include "recording/recording_sensor.h"
-#include "terminal/exit_status.h"
-#include "terminal/interrupt.h"
+#include "terminal/command_options.h"
 #include "terminal/progress.h"
 #include "terminal/terminal.h"
 
@@ -126,27 +123,22 @@ bool is_calibrated_sensor(const std::string& path) {
 }  // namespace
 
 void declare_calibrate(CLI::App& app, CalibrateOptions& options) {
-  CLI::App* command = app.add_subcommand(
-      "calibrate", "What each beam of a sensor is off by, from a recording of it driving");
-  declare_input(*command, options);
-  command
-      ->add_option("--rows", options.rows,
-                   "Look at so many rows of the recording, evenly spaced (default: all)")
-      ->check(CLI::PositiveNumber);
-  command
-      ->add_option("--path", options.path_m,
-                   "Metres of path from the recording's beginning that are looked at")
-      ->check(CLI::Range(kLeastPath_m, 1000.0))
-      ->capture_default_str();
-  command
-      ->add_option("--out", options.out,
-                   "Sensor file to write, for --sensor of every other command; a page with the "
-                   "same name and .html shows what was found")
-      ->required();
-  command->footer(
+  Command command = add_command(
+      app, "calibrate", "What each beam of a sensor is off by, from a recording of it driving",
       "Surfaces that several beams see from several places tell what each beam's elevation and\n"
       "range are off by. Beams that meet no ground, and errors that all beams share, stay as they\n"
       "are: the page says how well each is known.");
+  declare_input(command, options);
+  command.option("--rows", &options.rows,
+                 "Look at so many rows of the recording, evenly spaced (default: all)",
+                 {.within = std::pair(1, 1024)});
+  command.option("--path", &options.path_m,
+                 "Metres of path from the recording's beginning that are looked at",
+                 {.shows_default = true, .within = std::pair(kLeastPath_m, 1000.0)});
+  command.option("--out", &options.out,
+                 "Sensor file to write, for --sensor of every other command; a page with the same "
+                 "name and .html shows what was found",
+                 {.required = true});
 }
 
 int calibrate_command(const CalibrateOptions& options) {
