@@ -1,7 +1,5 @@
 #include "hqslam/core/organized_cloud.h"
 
-#include "row_selection.h"
-
 namespace hqslam {
 
 namespace {
