@@ -23,4 +23,10 @@ bool one_line_with(const std::string& text, const Parts&... parts) {
   return text.find('\n') == std::string::npos && (... && (text.find(parts) != std::string::npos));
 }
 
+/// Whether `call` throws an Error with such a message.
+template <typename Call, typename... Parts>
+bool refused_with(Call&& call, const Parts&... parts) {
+  return one_line_with(error_message(call), parts...);
+}
+
 }  // namespace hqslam::test

@@ -1,7 +1,5 @@
 #include "hqslam/core/connected_components.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -29,8 +27,8 @@ ComponentLabeler::ComponentLabeler(const SensorModel& sensor,
                                    const ConnectedComponentsOptions& options)
     : rows_(sensor.rows()), columns_(sensor.columns), wrap_columns_(options.wrap_columns) {
   if (!(options.min_angle_rad > 0.0 && options.min_angle_rad < std::numbers::pi / 2.0)) {
-    throw Error(fmt::format("connected components: min_angle_rad is {}, expected 0 < angle < pi/2",
-                            options.min_angle_rad));
+    throw Error("connected components: min_angle_rad is {}, expected 0 < angle < pi/2",
+                options.min_angle_rad);
   }
   tan_min_angle_ = static_cast<float>(std::tan(options.min_angle_rad));
   horizontal_sin_ = static_cast<float>(std::sin(sensor.column_step_rad()));
@@ -53,12 +51,12 @@ constexpr std::int32_t kUnvisited = -2;
 void require_shapes(const RangeImage& image, const std::vector<std::uint8_t>& excluded, int rows,
                     int columns) {
   if (image.rows != rows || image.columns != columns) {
-    throw Error(fmt::format("connected components: image is {}x{}, expected {}x{}", image.rows,
-                            image.columns, rows, columns));
+    throw Error("connected components: image is {}x{}, expected {}x{}", image.rows, image.columns,
+                rows, columns);
   }
   if (!excluded.empty() && excluded.size() != image.range_m.size()) {
-    throw Error(fmt::format("connected components: mask has {} pixels, expected {}",
-                            excluded.size(), image.range_m.size()));
+    throw Error("connected components: mask has {} pixels, expected {}", excluded.size(),
+                image.range_m.size());
   }
 }
 

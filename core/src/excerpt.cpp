@@ -41,7 +41,7 @@ std::size_t utf8_bytes(std::string_view text) {
   const std::size_t bytes = first >= 0xF0U ? 4 : first >= 0xE0U ? 3 : 2;
   if (first < 0xC2U || first > 0xF4U || text.size() < bytes) return 0;
   const std::string_view rest = text.substr(1, bytes - 1);
-  return std::all_of(rest.begin(), rest.end(), is_continuation) ? bytes : 0;
+  return std::ranges::all_of(rest, is_continuation) ? bytes : 0;
 }
 
 std::string excerpt(std::string_view text, std::size_t max_characters) {

@@ -1,5 +1,3 @@
-#include "image_stack_source.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,6 +6,7 @@
 
 #include "hqslam/core/error.h"
 #include "hqslam/core/npy.h"
+#include "scan_sources.h"
 
 namespace hqslam {
 
@@ -38,13 +37,13 @@ class ImageStackSource : public ScanSource {
         stamps_s_(std::move(stamps_s)),
         reader_(path) {
     if (reader_.rows() != sensor.rows() || reader_.columns() != sensor.columns) {
-      throw Error(fmt::format(
-          "{}: expected images of {} x {} pixels (sensor '{}'), found {} x {}; "
-          "name the sensor that recorded them",
-          path, sensor.rows(), sensor.columns, sensor.name, reader_.rows(), reader_.columns()));
+      throw Error(
+          "{}: expected images of {} x {} pixels (sensor '{}'), found {} x {}; name the sensor "
+          "that recorded them",
+          path, sensor.rows(), sensor.columns, sensor.name, reader_.rows(), reader_.columns());
     }
     if (reader_.images() == 0) {
-      throw Error(fmt::format("{}: expected at least one image, found none; record again", path));
+      throw Error("{}: expected at least one image, found none; record again", path);
     }
     complete_stamps(!options.stamps.empty());
     if (!confidence_path.empty()) open_confidence(confidence_path);
@@ -85,11 +84,11 @@ class ImageStackSource : public ScanSource {
     confidence_.emplace(path);
     if (confidence_->rows() != reader_.rows() || confidence_->columns() != reader_.columns() ||
         confidence_->images() < reader_.images()) {
-      throw Error(fmt::format(
+      throw Error(
           "{}: expected the confidence of {} images of {} x {}, found {} of {} x {}; lift the "
           "recording again, or take the file away",
           path, reader_.images(), reader_.rows(), reader_.columns(), confidence_->images(),
-          confidence_->rows(), confidence_->columns()));
+          confidence_->rows(), confidence_->columns());
     }
   }
 
@@ -115,10 +114,9 @@ class ImageStackSource : public ScanSource {
     }
     if (stamps_s_.size() < images || (asked_for && stamps_s_.size() > images)) {
       throw Error(
-          fmt::format("{}: expected a stamp for each of {} images, found {}; give a file with as "
-                      "many lines, or "
-                      "in a folder the timestamps.txt or truth.tum of this recording",
-                      path_, images, stamps_s_.size()));
+          "{}: expected a stamp for each of {} images, found {}; give a file with as many lines, "
+          "or in a folder the timestamps.txt or truth.tum of this recording",
+          path_, images, stamps_s_.size());
     }
   }
 

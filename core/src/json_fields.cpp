@@ -4,13 +4,16 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "hqslam/core/error.h"
 #include "hqslam/core/excerpt.h"
 #include "hqslam/core/json_limits.h"
 
 namespace hqslam {
+
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -27,13 +30,12 @@ Json parsed_json(const std::string& text, const std::string& source) {
   try {
     return Json::parse(text);
   } catch (const Json::parse_error& error) {
-    throw Error(fmt::format("{}: expected JSON, found something else at byte {}; correct the text",
-                            source, error.byte));
+    throw Error("{}: expected JSON, found something else at byte {}; correct the text", source,
+                error.byte);
   } catch (const Json::exception&) {
     throw Error(
-        fmt::format("{}: expected JSON with finite numbers, found a number out of range; correct "
-                    "the text",
-                    source));
+        "{}: expected JSON with finite numbers, found a number out of range; correct the text",
+        source);
   }
 }
 
@@ -41,7 +43,7 @@ JsonFields::JsonFields(const std::string& text, std::string source, const std::s
     : source_(std::move(source)), mend_(mend.empty() ? "" : "; " + mend) {
   object_ = parsed_json(text, source_);
   if (!object_.is_object()) {
-    throw Error(fmt::format("{}: expected a JSON object, found {}", source_, shown(object_)));
+    throw Error("{}: expected a JSON object, found {}", source_, shown(object_));
   }
 }
 
@@ -51,8 +53,7 @@ void JsonFields::complain(const std::string& field, const std::string& expected)
 
 void JsonFields::complain(const std::string& field, const std::string& expected,
                           const std::string& found) const {
-  throw Error(fmt::format("{}: field '{}': expected {}, found {}{}", source_, field, expected,
-                          found, mend_));
+  throw Error("{}: field '{}': expected {}, found {}{}", source_, field, expected, found, mend_);
 }
 
 const Json& JsonFields::get(const std::string& field, const std::string& expected) {
@@ -129,7 +130,7 @@ std::vector<double> JsonFields::numbers(const std::string& field) {
 
 std::size_t JsonFields::choice(const std::string& field, const std::vector<std::string>& names) {
   const std::string value = text(field);
-  const auto found = std::find(names.begin(), names.end(), value);
+  const auto found = std::ranges::find(names, value);
   if (found == names.end()) complain(field, fmt::format("one of {}", fmt::join(names, ", ")));
   return static_cast<std::size_t>(found - names.begin());
 }
@@ -157,28 +158,9 @@ std::string JsonFields::dumped(const std::string& field) {
   return get(field, "a value").dump(1, ' ', true, Json::error_handler_t::replace);
 }
 
-void JsonFields::optional(const std::string& field, int& value) {
-  if (has(field)) value = small_integer(field);
-}
-void JsonFields::optional(const std::string& field, std::int64_t& value) {
-  if (has(field)) value = integer(field);
-}
-void JsonFields::optional(const std::string& field, std::uint64_t& value) {
-  if (has(field)) value = unsigned_integer(field);
-}
-void JsonFields::optional(const std::string& field, float& value) {
-  if (has(field)) value = static_cast<float>(number(field));
-}
-void JsonFields::optional(const std::string& field, double& value) {
-  if (has(field)) value = number(field);
-}
-void JsonFields::optional(const std::string& field, bool& value) {
-  if (has(field)) value = boolean(field);
-}
-
 void JsonFields::allow_only(const std::vector<std::string>& names) const {
   for (const auto& item : object_.items()) {
-    if (std::find(names.begin(), names.end(), item.key()) != names.end()) continue;
+    if (std::ranges::find(names, item.key()) != names.end()) continue;
     complain(excerpt(item.key()), fmt::format("one of {}", fmt::join(names, ", ")),
              "an unknown field");
   }
@@ -187,10 +169,33 @@ void JsonFields::allow_only(const std::vector<std::string>& names) const {
 void JsonFields::finish() const {
   for (const auto& item : object_.items()) {
     if (!read_.contains(item.key())) {
-      throw Error(fmt::format("{}: unknown field '{}'; take it out or correct its name", source_,
-                              excerpt(item.key())));
+      throw Error("{}: unknown field '{}'; take it out or correct its name", source_,
+                  excerpt(item.key()));
     }
   }
+}
+
+void check_json_limits(const std::string& text, const std::string& source) {
+  using Sorted = nlohmann::json;
+  constexpr int kMaxDepth = 32;
+  constexpr int kMaxFields = 1000;
+  const auto fail = [&](const std::string& expected) {
+    throw Error("{}: expected JSON with {}, found more; correct the text", source, expected);
+  };
+  std::array<int, kMaxDepth + 1> fields{};  // of the value that is open at each depth
+  const auto check = [&](int depth, Sorted::parse_event_t event, Sorted& /*value*/) {
+    if (event == Sorted::parse_event_t::object_start ||
+        event == Sorted::parse_event_t::array_start) {
+      if (depth >= kMaxDepth) fail(fmt::format("values at most {} levels deep", kMaxDepth));
+      fields[static_cast<std::size_t>(depth) + 1] = 0;
+    }
+    if (event == Sorted::parse_event_t::key &&
+        ++fields[static_cast<std::size_t>(depth)] > kMaxFields) {
+      fail(fmt::format("at most {} fields per object", kMaxFields));
+    }
+    return true;
+  };
+  [[maybe_unused]] const Sorted whole = Sorted::parse(text, check, /*allow_exceptions=*/false);
 }
 
 }  // namespace hqslam

@@ -1,7 +1,5 @@
 #include "hqslam/core/kitti_bin.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cctype>
@@ -23,26 +21,25 @@ constexpr double kMaxImplausibleShare = 0.1;
 
 bool is_text(std::string_view bytes) {
   const std::string_view start = bytes.substr(0, 4096);
-  return std::all_of(start.begin(), start.end(),
-                     [](unsigned char c) { return std::isprint(c) != 0 || std::isspace(c) != 0; });
+  return std::ranges::all_of(
+      start, [](unsigned char c) { return std::isprint(c) != 0 || std::isspace(c) != 0; });
 }
 
 void require_points(const std::string& bytes, const std::string& path) {
   if (bytes.empty()) {
-    throw Error(fmt::format("{}: expected a KITTI scan, found an empty file; copy it again", path));
+    throw Error("{}: expected a KITTI scan, found an empty file; copy it again", path);
   }
   if (is_text(bytes)) {
     throw Error(
-        fmt::format("{}: expected a KITTI scan (binary float32 x y z intensity), found "
-                    "text; give the original .bin file",
-                    path));
+        "{}: expected a KITTI scan (binary float32 x y z intensity), found text; give the original "
+        ".bin file",
+        path);
   }
   if (bytes.size() % kBytesPerPoint != 0) {
     throw Error(
-        fmt::format("{}: expected a KITTI scan of 16 bytes per point (float32 x y z "
-                    "intensity), found {} bytes, {} too many; the file is truncated or of "
-                    "another kind",
-                    path, bytes.size(), bytes.size() % kBytesPerPoint));
+        "{}: expected a KITTI scan of 16 bytes per point (float32 x y z intensity), found {} "
+        "bytes, {} too many; the file is truncated or of another kind",
+        path, bytes.size(), bytes.size() % kBytesPerPoint);
   }
 }
 
@@ -68,9 +65,9 @@ Scan read_kitti_bin(const std::string& path) {
   }
   if (static_cast<double>(implausible) > kMaxImplausibleShare * static_cast<double>(points)) {
     throw Error(
-        fmt::format("{}: expected coordinates in metres, found {} of {} points beyond {} "
-                    "m; give float32 x y z intensity in metres",
-                    path, implausible, points, kMaxCoordinate_m));
+        "{}: expected coordinates in metres, found {} of {} points beyond {} m; give float32 x y z "
+        "intensity in metres",
+        path, implausible, points, kMaxCoordinate_m);
   }
   return scan;
 }

@@ -1,14 +1,12 @@
 #include "hqslam/core/npy.h"
 
-#include <fmt/format.h>
-
 #include <bit>
 #include <limits>
 #include <utility>
 
 #include "hqslam/core/error.h"
 #include "hqslam/core/excerpt.h"
-#include "npy_header_bytes.h"
+#include "npy_format.h"
 
 namespace hqslam {
 
@@ -22,25 +20,21 @@ constexpr std::int64_t kMaxImageSide = 65536;
 
 void require_range_images(const NpyHeader& header, const std::string& path) {
   if (header.dtype != "<f4") {
-    throw Error(
-        fmt::format("{}: expected float32 values ('<f4'), found '{}'; convert with "
-                    "array.astype('<f4')",
-                    path, excerpt(header.dtype)));
+    throw Error("{}: expected float32 values ('<f4'), found '{}'; convert with array.astype('<f4')",
+                path, excerpt(header.dtype));
   }
   if (header.fortran_order) {
-    throw Error(
-        fmt::format("{}: expected C order, found Fortran order; convert with "
-                    "numpy.ascontiguousarray",
-                    path));
+    throw Error("{}: expected C order, found Fortran order; convert with numpy.ascontiguousarray",
+                path);
   }
   const auto& shape = header.shape;
   const bool fits = (shape.size() == 3 || (shape.size() == 4 && shape[3] == 1)) && shape[1] >= 1 &&
                     shape[1] <= kMaxImageSide && shape[2] >= 1 && shape[2] <= kMaxImageSide;
   if (!fits) {
     throw Error(
-        fmt::format("{}: expected range images of shape (N, rows, columns) or "
-                    "(N, rows, columns, 1), found {}; reshape the array",
-                    path, npy_shape_text(shape)));
+        "{}: expected range images of shape (N, rows, columns) or (N, rows, columns, 1), found {}; "
+        "reshape the array",
+        path, npy_shape_text(shape));
   }
 }
 
@@ -53,10 +47,10 @@ void require_data(const NpyHeader& header, std::int64_t file_bytes, const std::s
   const bool long_enough = header.shape[0] <= found / image_bytes;
   if (long_enough && found - header.shape[0] * image_bytes <= image_bytes) return;
   throw Error(
-      fmt::format("{}: {}: expected {} images of {} bytes for shape {}, found {} bytes; copy or "
-                  "write the file again",
-                  path, long_enough ? "too long" : "truncated", header.shape[0], image_bytes,
-                  npy_shape_text(header.shape), found));
+      "{}: {}: expected {} images of {} bytes for shape {}, found {} bytes; copy or write the file "
+      "again",
+      path, long_enough ? "too long" : "truncated", header.shape[0], image_bytes,
+      npy_shape_text(header.shape), found);
 }
 
 template <typename T>
@@ -69,7 +63,7 @@ constexpr const char* dtype_of() {
 NpyStackReader::NpyStackReader(const std::string& path)
     : path_(path), stream_(path, std::ios::binary) {
   if (!stream_) {
-    throw Error(fmt::format("{}: expected a readable .npy file, found none; check the path", path));
+    throw Error("{}: expected a readable .npy file, found none; check the path", path);
   }
   const NpyHeader header = read_npy_header(stream_, path);
   require_range_images(header, path);
@@ -83,8 +77,7 @@ NpyStackReader::NpyStackReader(const std::string& path)
 
 RangeImage NpyStackReader::read(std::int64_t image) {
   if (image < 0 || image >= images_) {
-    throw Error(fmt::format("{}: expected an image index from 0 to {}, found {}", path_,
-                            images_ - 1, image));
+    throw Error("{}: expected an image index from 0 to {}, found {}", path_, images_ - 1, image);
   }
   RangeImage result(rows_, columns_);
   const auto bytes = static_cast<std::int64_t>(result.range_m.size() * sizeof(float));
@@ -93,9 +86,9 @@ RangeImage NpyStackReader::read(std::int64_t image) {
   stream_.read(reinterpret_cast<char*>(result.range_m.data()), bytes);
   if (!stream_) {
     throw Error(
-        fmt::format("{}: truncated: expected {} bytes for image {}, found {}; the file "
-                    "changed while it was read",
-                    path_, bytes, image, stream_.gcount()));
+        "{}: truncated: expected {} bytes for image {}, found {}; the file changed while it was "
+        "read",
+        path_, bytes, image, stream_.gcount());
   }
   return result;
 }
@@ -104,15 +97,13 @@ template <typename T>
 NpyArrayWriter<T>::NpyArrayWriter(const std::string& path, std::vector<std::int64_t> item_shape)
     : path_(path), stream_(path, std::ios::binary), item_shape_(std::move(item_shape)) {
   if (!stream_) {
-    throw Error(
-        fmt::format("{}: cannot be written; check that the folder exists and is writable", path));
+    throw Error("{}: cannot be written; check that the folder exists and is writable", path);
   }
   item_elements_ = 1;
   for (const std::int64_t size : item_shape_) {
     if (size < 1 || static_cast<std::size_t>(size) >
                         std::numeric_limits<std::uint32_t>::max() / item_elements_) {
-      throw Error(fmt::format("{}: item shape {} is empty or too large", path,
-                              npy_shape_text(item_shape_)));
+      throw Error("{}: item shape {} is empty or too large", path, npy_shape_text(item_shape_));
     }
     item_elements_ *= static_cast<std::size_t>(size);
   }
@@ -122,8 +113,7 @@ NpyArrayWriter<T>::NpyArrayWriter(const std::string& path, std::vector<std::int6
 template <typename T>
 void NpyArrayWriter<T>::append(std::span<const T> item) {
   if (item.size() != item_elements_) {
-    throw Error(fmt::format("{}: expected an item of {} values, found {}", path_, item_elements_,
-                            item.size()));
+    throw Error("{}: expected an item of {} values, found {}", path_, item_elements_, item.size());
   }
   stream_.seekp(0, std::ios::end);
   stream_.write(reinterpret_cast<const char*>(item.data()),
@@ -139,14 +129,13 @@ void NpyArrayWriter<T>::write_header() {
   shape.insert(shape.end(), item_shape_.begin(), item_shape_.end());
   const std::string header = npy_header_bytes(dtype_of<T>(), shape, kWrittenHeaderBytes);
   if (header.size() > kWrittenHeaderBytes) {
-    throw Error(fmt::format("{}: item shape {} has too many dimensions", path_,
-                            npy_shape_text(item_shape_)));
+    throw Error("{}: item shape {} has too many dimensions", path_, npy_shape_text(item_shape_));
   }
   stream_.seekp(0);
   stream_.write(header.data(), static_cast<std::streamsize>(header.size()));
   stream_.flush();
   if (!stream_) {
-    throw Error(fmt::format("{}: could not be written; check the free space of the disk", path_));
+    throw Error("{}: could not be written; check the free space of the disk", path_);
   }
 }
 
@@ -158,8 +147,8 @@ NpyStackWriter::NpyStackWriter(const std::string& path, int rows, int columns)
 
 void NpyStackWriter::append(const RangeImage& image) {
   if (image.rows != rows_ || image.columns != columns_) {
-    throw Error(fmt::format("{}: expected images of {} x {}, found {} x {}", path_, rows_, columns_,
-                            image.rows, image.columns));
+    throw Error("{}: expected images of {} x {}, found {} x {}", path_, rows_, columns_, image.rows,
+                image.columns);
   }
   writer_.append(image.range_m);
 }

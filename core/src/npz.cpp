@@ -1,14 +1,11 @@
 #include "hqslam/core/npz.h"
 
-#include <fmt/format.h>
-
 #include <bit>
 #include <cstring>
 #include <utility>
 
 #include "hqslam/core/error.h"
-#include "npy_header_bytes.h"
-#include "npz_layout.h"
+#include "npy_format.h"
 
 namespace hqslam {
 
@@ -23,8 +20,8 @@ NpzArray array_of(const char* dtype, const std::vector<T>& values,
   array.dtype = dtype;
   array.shape = std::move(shape);
   if (array.elements() != static_cast<std::int64_t>(values.size())) {
-    throw Error(fmt::format("expected {} values for an array of shape {}, found {}",
-                            array.elements(), npy_shape_text(array.shape), values.size()));
+    throw Error("expected {} values for an array of shape {}, found {}", array.elements(),
+                npy_shape_text(array.shape), values.size());
   }
   array.bytes.resize(values.size() * sizeof(T));
   if (!values.empty()) std::memcpy(array.bytes.data(), values.data(), array.bytes.size());
@@ -34,15 +31,13 @@ NpzArray array_of(const char* dtype, const std::vector<T>& values,
 template <typename T>
 std::vector<T> values_of(const char* dtype, const NpzArray& array, const std::string& name) {
   if (array.dtype != dtype) {
-    throw Error(
-        fmt::format("{}: expected an array of dtype '{}', found '{}'; convert with "
-                    "array.astype('{}')",
-                    name, dtype, array.dtype, dtype));
+    throw Error("{}: expected an array of dtype '{}', found '{}'; convert with array.astype('{}')",
+                name, dtype, array.dtype, dtype);
   }
   const auto expected = static_cast<std::size_t>(array.elements()) * sizeof(T);
   if (array.bytes.size() != expected) {
-    throw Error(fmt::format("{}: expected {} bytes for shape {}, found {}", name, expected,
-                            npy_shape_text(array.shape), array.bytes.size()));
+    throw Error("{}: expected {} bytes for shape {}, found {}", name, expected,
+                npy_shape_text(array.shape), array.bytes.size());
   }
   std::vector<T> values(array.bytes.size() / sizeof(T));
   if (!values.empty()) std::memcpy(values.data(), array.bytes.data(), array.bytes.size());
@@ -55,9 +50,8 @@ std::int64_t NpzArray::elements() const {
   const auto count = npz_element_count(shape);
   if (!count) {
     throw Error(
-        fmt::format("expected an array shape without negative sizes and of less than 2^59 "
-                    "elements, found {}",
-                    npy_shape_text(shape)));
+        "expected an array shape without negative sizes and of less than 2^59 elements, found {}",
+        npy_shape_text(shape));
   }
   return *count;
 }
@@ -94,8 +88,8 @@ std::vector<std::int64_t> int64_values(const NpzArray& array, const std::string&
 std::string text_value(const NpzArray& array, const std::string& name) {
   const std::vector<char> characters = values_of<char>("|u1", array, name);
   if (array.shape.size() != 1) {
-    throw Error(fmt::format("{}: expected text as a one-dimensional array, found shape {}", name,
-                            npy_shape_text(array.shape)));
+    throw Error("{}: expected text as a one-dimensional array, found shape {}", name,
+                npy_shape_text(array.shape));
   }
   return {characters.begin(), characters.end()};
 }

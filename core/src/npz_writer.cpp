@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <zip.h>
 
 #include <map>
 #include <memory>
@@ -9,9 +10,7 @@
 #include "hqslam/core/excerpt.h"
 #include "hqslam/core/npz.h"
 #include "hqslam/core/whole_file.h"
-#include "npy_header_bytes.h"
-#include "npz_layout.h"
-#include "npz_zip.h"
+#include "npy_format.h"
 
 namespace hqslam {
 
@@ -21,15 +20,13 @@ constexpr std::size_t kNameCharacters = 120;  // of a name in a message
 
 [[noreturn]] void fail_to_write(const std::string& path, const std::string& reason) {
   throw Error(
-      fmt::format("{}: cannot be written ({}); check that the folder exists, is writable "
-                  "and has free space",
-                  path, reason));
+      "{}: cannot be written ({}); check that the folder exists, is writable and has free space",
+      path, reason);
 }
 
-struct FreeSource {
-  void operator()(zip_source_t* source) const { zip_source_free(source); }
-};
-using ZipSource = std::unique_ptr<zip_source_t, FreeSource>;
+using ZipArchive = std::unique_ptr<zip_t, decltype([](zip_t* archive) { zip_discard(archive); })>;
+using ZipSource =
+    std::unique_ptr<zip_source_t, decltype([](zip_source_t* source) { zip_source_free(source); })>;
 
 /// An archive that is kept in memory: of one that is kept in a file libzip would leave its own
 /// temporary file behind if the program were killed. `source` stays the caller's.
@@ -60,13 +57,13 @@ std::string npy_file(const std::string& path, const std::string& name, const Npz
   constexpr std::size_t kMaxDimensions = 32;  // numpy's limit
   const auto size = npz_element_bytes(array.dtype);
   if (!size) {
-    throw Error(fmt::format("{}: expected dtype {}, found '{}'", where, kNpzDtypes, array.dtype));
+    throw Error("{}: expected dtype {}, found '{}'", where, kNpzDtypes, array.dtype);
   }
   const auto count = npz_element_count(array.shape);
   if (!count || array.shape.size() > kMaxDimensions ||
       static_cast<std::size_t>(*count * *size) != array.bytes.size()) {
-    throw Error(fmt::format("{}: expected the bytes of shape {} and dtype '{}', found {} bytes",
-                            where, npy_shape_text(array.shape), array.dtype, array.bytes.size()));
+    throw Error("{}: expected the bytes of shape {} and dtype '{}', found {} bytes", where,
+                npy_shape_text(array.shape), array.dtype, array.bytes.size());
   }
   std::string file = npy_header_bytes(array.dtype, array.shape, 0);
   file.append(reinterpret_cast<const char*>(array.bytes.data()), array.bytes.size());
@@ -78,9 +75,8 @@ void require_name(const std::string& path, const std::string& name) {
   constexpr std::size_t kMaxNameBytes = 65535 - std::string_view(".npy").size();
   if (!name.empty() && name.size() <= kMaxNameBytes && name.find('\0') == std::string::npos) return;
   throw Error(
-      fmt::format("{}: expected array names of 1 to {} bytes without a zero byte, found "
-                  "'{}' of {} bytes",
-                  path, kMaxNameBytes, excerpt(name, kNameCharacters), name.size()));
+      "{}: expected array names of 1 to {} bytes without a zero byte, found '{}' of {} bytes", path,
+      kMaxNameBytes, excerpt(name, kNameCharacters), name.size());
 }
 
 /// `file` must live until the archive is closed.
@@ -97,8 +93,8 @@ void add_member(zip_t* archive, const std::string& path, const std::string& name
   if (index < 0) {
     const std::string reason = zip_strerror(archive);
     zip_source_free(source);
-    throw Error(fmt::format("{}: expected array names in UTF-8, found '{}' ({})", path,
-                            excerpt(name, kNameCharacters), reason));
+    throw Error("{}: expected array names in UTF-8, found '{}' ({})", path,
+                excerpt(name, kNameCharacters), reason);
   }
   const auto member = static_cast<zip_uint64_t>(index);
   if (zip_set_file_compression(archive, member, ZIP_CM_DEFLATE, kDefaultLevel) != 0 ||
@@ -111,7 +107,7 @@ void add_member(zip_t* archive, const std::string& path, const std::string& name
 
 void write_npz(const std::string& path, const NpzArrays& arrays) {
   if (arrays.empty()) {
-    throw Error(fmt::format("{}: expected at least one array to write, found none", path));
+    throw Error("{}: expected at least one array to write, found none", path);
   }
   std::map<std::string, std::string> files;
   for (const auto& [name, array] : arrays) {

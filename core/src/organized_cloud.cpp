@@ -1,11 +1,8 @@
 #include "hqslam/core/organized_cloud.h"
 
-#include <fmt/format.h>
-
 #include <cmath>
 
 #include "hqslam/core/error.h"
-#include "row_selection.h"
 
 namespace hqslam {
 
@@ -57,9 +54,9 @@ OrganizedCloud calibrated(const OrganizedCloud& cloud, const SensorModel& sensor
   if (sensor.elevation_correction_rad.empty()) return cloud;
   if (cloud.rows != sensor.rows()) {
     throw Error(
-        fmt::format("a scan of {} rows of a sensor of {}: expected the same rows; name the "
-                    "sensor that recorded the scan",
-                    cloud.rows, sensor.rows()));
+        "a scan of {} rows of a sensor of {}: expected the same rows; name the sensor that "
+        "recorded the scan",
+        cloud.rows, sensor.rows());
   }
   OrganizedCloud result = cloud;
   for (int row = 0; row < cloud.rows; ++row) {

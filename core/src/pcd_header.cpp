@@ -20,16 +20,19 @@ constexpr std::size_t kMaxPoints = std::size_t{1} << 26U;  // a large map; scans
 
 using Words = std::vector<std::string_view>;
 
-[[noreturn]] void fail(const std::string& path, const std::string& complaint) {
-  throw Error(fmt::format("{}: {}; give a .pcd file of version 0.7", path, complaint));
+template <typename... Values>
+[[noreturn]] void fail(const std::string& path, fmt::format_string<Values...> complaint,
+                       Values&&... values) {
+  throw Error("{}: {}; give a .pcd file of version 0.7", path,
+              fmt::format(complaint, std::forward<Values>(values)...));
 }
 
 std::size_t size_from(std::string_view word, const std::string& key, std::size_t max,
                       const std::string& path) {
   const auto value = hqslam::number_from<std::size_t>(word);
   if (!value || *value > max) {
-    fail(path, fmt::format("{} in the header: expected a whole number up to {}, found '{}'", key,
-                           max, excerpt(word)));
+    fail(path, "{} in the header: expected a whole number up to {}, found '{}'", key, max,
+         excerpt(word));
   }
   return *value;
 }
@@ -51,19 +54,18 @@ std::map<std::string, Words> header_lines(std::string_view file, const std::stri
       return lines;
     }
   }
-  fail(path, fmt::format("expected a .pcd header that ends with a DATA line, found '{}'",
-                         excerpt(file.substr(0, std::min(file.find('\n'), file.size())))));
+  fail(path, "expected a .pcd header that ends with a DATA line, found '{}'",
+       excerpt(file.substr(0, std::min(file.find('\n'), file.size()))));
 }
 
 /// The words after `key`; as many as `expected` unless that is 0.
 const Words& line_of(const std::map<std::string, Words>& lines, const std::string& key,
                      std::size_t expected, const std::string& path) {
   const auto found = lines.find(key);
-  if (found == lines.end())
-    fail(path, fmt::format("expected a line {} in the header, found none", key));
+  if (found == lines.end()) fail(path, "expected a line {} in the header, found none", key);
   if (expected != 0 && found->second.size() != expected) {
-    fail(path, fmt::format("{} in the header: expected {} values, found {}", key, expected,
-                           found->second.size()));
+    fail(path, "{} in the header: expected {} values, found {}", key, expected,
+         found->second.size());
   }
   return found->second;
 }
@@ -73,9 +75,9 @@ void require_type(const PointField& field, std::string_view type, const std::str
   const bool power_of_two = size == 1 || size == 2 || size == 4 || size == 8;
   const bool known = type == "F" ? size == 4 || size == 8 : (type == "I" || type == "U");
   if (!known || !power_of_two) {
-    fail(path, fmt::format("field '{}': expected type F of 4 or 8 bytes or I or U of 1, 2, 4 or 8, "
-                           "found {} of {}",
-                           excerpt(field.name), excerpt(type), size));
+    fail(path,
+         "field '{}': expected type F of 4 or 8 bytes or I or U of 1, 2, 4 or 8, found {} of {}",
+         excerpt(field.name), excerpt(type), size);
   }
 }
 
@@ -83,8 +85,7 @@ void add_fields(const std::map<std::string, Words>& lines, const std::string& pa
                 PcdHeader& header) {
   const Words& names = line_of(lines, "FIELDS", 0, path);
   if (names.empty() || names.size() > kMaxFields) {
-    fail(path, fmt::format("FIELDS in the header: expected 1 to {} names, found {}", kMaxFields,
-                           names.size()));
+    fail(path, "FIELDS in the header: expected 1 to {} names, found {}", kMaxFields, names.size());
   }
   const Words& sizes = line_of(lines, "SIZE", names.size(), path);
   const Words& types = line_of(lines, "TYPE", names.size(), path);
@@ -115,8 +116,8 @@ std::size_t points_of(const std::map<std::string, Words>& lines, const std::stri
   const bool fits = height == 0 || width <= kMaxPoints / height;
   const std::size_t points = lines.contains("POINTS") ? number("POINTS") : width * height;
   if (!fits || points != width * height) {
-    fail(path, fmt::format("POINTS in the header: expected WIDTH x HEIGHT = {} x {}, found {}",
-                           width, height, points));
+    fail(path, "POINTS in the header: expected WIDTH x HEIGHT = {} x {}, found {}", width, height,
+         points);
   }
   return points;
 }
@@ -126,9 +127,8 @@ PcdData data_of(const std::map<std::string, Words>& lines, const std::string& pa
   if (data == "ascii") return PcdData::kAscii;
   if (data == "binary") return PcdData::kBinary;
   if (data == "binary_compressed") return PcdData::kBinaryCompressed;
-  fail(path, fmt::format("DATA in the header: expected ascii, binary or binary_compressed, found "
-                         "'{}'",
-                         excerpt(data)));
+  fail(path, "DATA in the header: expected ascii, binary or binary_compressed, found '{}'",
+       excerpt(data));
 }
 
 }  // namespace

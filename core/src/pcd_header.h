@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -19,6 +20,10 @@ struct PcdHeader {
   PcdData data = PcdData::kAscii;
   std::size_t data_offset_bytes = 0;
 };
+
+/// The bytes that an LZF stream stands for; nothing if the stream is damaged or does not stand for
+/// exactly `size` bytes. Source of the format: liblzf (Marc Lehmann).
+std::optional<std::string> lzf_decompressed(std::string_view stream, std::size_t size);
 
 /// Parses the header at the beginning of a .pcd file. Throws Error.
 PcdHeader parse_pcd_header(std::string_view file, const std::string& path);

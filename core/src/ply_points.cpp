@@ -42,13 +42,13 @@ struct Header {
 
 [[noreturn]] void fail(const std::string& path, const std::string& expected,
                        std::string_view found) {
-  throw Error(fmt::format("{}: expected {}, found '{}'; give a .ply file of points", path, expected,
-                          excerpt(found)));
+  throw Error("{}: expected {}, found '{}'; give a .ply file of points", path, expected,
+              excerpt(found));
 }
 
 void add_property(Header& header, const std::vector<std::string_view>& words,
                   const std::string& path, std::string_view line) {
-  const auto type = std::find_if(kTypes.begin(), kTypes.end(), [&](const TypeName& known) {
+  const auto type = std::ranges::find_if(kTypes, [&](const TypeName& known) {
     return words.size() == 3 && (known.name == words[1] || known.other_name == words[1]);
   });
   if (type == kTypes.end() || header.properties.size() >= kMaxProperties) {

@@ -1,7 +1,5 @@
 #include "hqslam/core/projection.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -27,8 +25,8 @@ float range_of(const Eigen::Vector3f& point_m) {
 /// above the highest or below the lowest beam.
 std::optional<int> nearest_row(double elevation_rad, const std::vector<double>& beams_rad) {
   const int rows = static_cast<int>(beams_rad.size());
-  const auto below = std::lower_bound(beams_rad.begin(), beams_rad.end(), elevation_rad,
-                                      std::greater_equal<>());  // beams fall
+  const auto below = std::ranges::lower_bound(beams_rad, elevation_rad,
+                                              std::greater_equal<>());  // beams fall
   const auto above = static_cast<int>(below - beams_rad.begin());
   int row = above;
   if (above == rows ||
@@ -46,20 +44,19 @@ std::optional<int> nearest_row(double elevation_rad, const std::vector<double>& 
 void require_matching_shapes(const Scan& scan, const SensorModel& sensor) {
   const std::size_t points = scan.points_m.size();
   if (!scan.row.empty() && scan.row.size() != points) {
-    throw Error(fmt::format("scan has {} points but {} rows: expected one row per point or none",
-                            points, scan.row.size()));
+    throw Error("scan has {} points but {} rows: expected one row per point or none", points,
+                scan.row.size());
   }
   if (!scan.time_offset_s.empty() && scan.time_offset_s.size() != points) {
-    throw Error(
-        fmt::format("scan has {} points but {} time offsets: expected one per point or none",
-                    points, scan.time_offset_s.size()));
+    throw Error("scan has {} points but {} time offsets: expected one per point or none", points,
+                scan.time_offset_s.size());
   }
   for (const std::uint16_t row : scan.row) {
     if (row >= sensor.rows()) {
       throw Error(
-          fmt::format("scan has a point in row {} but sensor '{}' has rows 0 to {}: name the "
-                      "sensor that recorded the scan",
-                      row, sensor.name, sensor.rows() - 1));
+          "scan has a point in row {} but sensor '{}' has rows 0 to {}: name the sensor that "
+          "recorded the scan",
+          row, sensor.name, sensor.rows() - 1);
     }
   }
 }
@@ -135,9 +132,8 @@ OrganizedCloud unproject(const RangeImage& image, const SensorModel& sensor,
                          CaptureTime capture_time) {
   if (image.rows != sensor.rows() || image.columns != sensor.columns) {
     throw Error(
-        fmt::format("image of {}x{} pixels does not fit sensor '{}' of {}x{}: name the "
-                    "sensor that recorded it",
-                    image.rows, image.columns, sensor.name, sensor.rows(), sensor.columns));
+        "image of {}x{} pixels does not fit sensor '{}' of {}x{}: name the sensor that recorded it",
+        image.rows, image.columns, sensor.name, sensor.rows(), sensor.columns);
   }
   OrganizedCloud cloud(image.rows, image.columns);
   if (capture_time == CaptureTime::kRolling) cloud.time_offset_s = time_offsets_s(sensor);

@@ -1,7 +1,5 @@
 #include "hqslam/core/recorded_scan.h"
 
-#include <fmt/format.h>
-
 #include <numbers>
 #include <utility>
 
@@ -24,17 +22,16 @@ void require_rings_of(const SensorModel& sensor, const RingRecovery& rings,
   const int max_spurious_wraps = 2 + sensor.rows() / 16;
   if (rings.spurious_wraps > max_spurious_wraps) {
     throw Error(
-        fmt::format("{}: expected a scan of sensor '{}' with {} rings, found {} rings; "
-                    "name the sensor that recorded the scan",
-                    source, sensor.name, sensor.rows(),
-                    sensor.rows() - rings.empty_rings + rings.spurious_wraps));
+        "{}: expected a scan of sensor '{}' with {} rings, found {} rings; name the sensor that "
+        "recorded the scan",
+        source, sensor.name, sensor.rows(),
+        sensor.rows() - rings.empty_rings + rings.spurious_wraps);
   }
   if (rings.off_table_share > kMaxForeignShare) {
     throw Error(
-        fmt::format("{}: expected a scan of sensor '{}', found {:.0f} % of the points on "
-                    "rings whose elevations are not those of its beams; name the sensor "
-                    "that recorded the scan",
-                    source, sensor.name, 100.0 * rings.off_table_share));
+        "{}: expected a scan of sensor '{}', found {:.0f} % of the points on rings whose "
+        "elevations are not those of its beams; name the sensor that recorded the scan",
+        source, sensor.name, 100.0 * rings.off_table_share);
   }
 }
 
@@ -46,19 +43,18 @@ void require_directions_of(const SensorModel& sensor, const ProjectionCounts& co
   };
   if (share(counts.outside_rows) > kMaxForeignShare) {
     throw Error(
-        fmt::format("{}: expected points between {:.1f} and {:.1f} degrees of elevation "
-                    "(sensor '{}'), found {:.0f} % outside; name the sensor that recorded "
-                    "the scan",
-                    source, degrees(sensor.beam_elevation_rad.back()),
-                    degrees(sensor.beam_elevation_rad.front()), sensor.name,
-                    100.0 * share(counts.outside_rows)));
+        "{}: expected points between {:.1f} and {:.1f} degrees of elevation (sensor '{}'), found "
+        "{:.0f} % outside; name the sensor that recorded the scan",
+        source, degrees(sensor.beam_elevation_rad.back()),
+        degrees(sensor.beam_elevation_rad.front()), sensor.name,
+        100.0 * share(counts.outside_rows));
   }
   if (share(counts.out_of_range) > kMaxForeignShare) {
     throw Error(
-        fmt::format("{}: expected ranges from {} to {} m (sensor '{}'), found {:.0f} % of "
-                    "the points outside; give coordinates in metres",
-                    source, sensor.min_range_m, sensor.max_range_m, sensor.name,
-                    100.0 * share(counts.out_of_range)));
+        "{}: expected ranges from {} to {} m (sensor '{}'), found {:.0f} % of the points outside; "
+        "give coordinates in metres",
+        source, sensor.min_range_m, sensor.max_range_m, sensor.name,
+        100.0 * share(counts.out_of_range));
   }
 }
 
@@ -71,7 +67,7 @@ void set_rows_by_order(Scan& scan, const SensorModel& sensor, const std::string&
   try {
     rings = recover_rings(scan, sensor);
   } catch (const Error& error) {
-    throw Error(fmt::format("{}: {}", source, error.what()));
+    throw Error("{}: {}", source, error.what());
   }
   if (must_fit) require_rings_of(sensor, rings, source);
   scan.row = std::move(rings.row);

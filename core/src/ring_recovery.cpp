@@ -1,7 +1,5 @@
 #include "hqslam/core/ring_recovery.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -62,7 +60,7 @@ class RowAssignment {
       cost = advanced(s, cost, from_row.data() + s * rows_);
     }
     std::vector<int> row_of(segments_.size());
-    row_of.back() = static_cast<int>(std::min_element(cost.begin(), cost.end()) - cost.begin());
+    row_of.back() = static_cast<int>(std::ranges::min_element(cost) - cost.begin());
     for (std::size_t s = segments_.size() - 1; s > 0; --s) {
       row_of[s - 1] = from_row[s * rows_ + row_of[s]];
     }
@@ -145,7 +143,7 @@ RingRecovery recovery_from(const std::vector<RingSegment>& segments, const std::
     if (segment.is_sure) last_sure = s;
     if (off) off_table += segment.end - segment.first;
   }
-  recovery.empty_rings = static_cast<int>(std::count(used.begin(), used.end(), false));
+  recovery.empty_rings = static_cast<int>(std::ranges::count(used, false));
   recovery.off_table_share =
       static_cast<double>(off_table) / static_cast<double>(recovery.row.size());
   return recovery;
@@ -173,10 +171,9 @@ RingRecovery recover_rings(const Scan& scan, const SensorModel& sensor) {
   const std::vector<RingSegment> segments = ring_segments(scan, sensor);
   if (segments.size() > kMaxSegmentsPerRow * static_cast<std::size_t>(sensor.rows())) {
     throw Error(
-        fmt::format("expected points stored ring after ring, each once around in azimuth, "
-                    "found {} jumps of the azimuth in {} points; give scans as the sensor "
-                    "wrote them",
-                    segments.size() - 1, scan.points_m.size()));
+        "expected points stored ring after ring, each once around in azimuth, found {} jumps of "
+        "the azimuth in {} points; give scans as the sensor wrote them",
+        segments.size() - 1, scan.points_m.size());
   }
   const RowAssignment assignment(sensor, segments);
   return recovery_from(segments, assignment.solve(), assignment, sensor.rows());

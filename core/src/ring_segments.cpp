@@ -1,7 +1,5 @@
 #include "ring_segments.h"
 
-#include <fmt/format.h>
-
 #include <array>
 #include <cmath>
 #include <limits>
@@ -146,10 +144,10 @@ void require_few_pieces_per_turn(const std::vector<Piece>& pieces, std::size_t p
     in_turn = piece.begins_with_wrap ? 1 : in_turn + 1;
     if (in_turn <= kMaxPiecesPerTurn) continue;
     throw Error(
-        fmt::format("expected points stored ring after ring, each once around in azimuth, found "
-                    "{} jumps of the azimuth in {} points, more than {} of them in one turn; give "
-                    "scans as the sensor wrote them",
-                    pieces.size() - 1, points, kMaxPiecesPerTurn - 1));
+        "expected points stored ring after ring, each once around in azimuth, found {} jumps of "
+        "the azimuth in {} points, more than {} of them in one turn; give scans as the sensor "
+        "wrote them",
+        pieces.size() - 1, points, kMaxPiecesPerTurn - 1);
   }
 }
 
@@ -205,8 +203,7 @@ class HeightTracker {
 
   /// Whether some of these bins look at directions in which the height is sure.
   bool is_sure(const std::vector<BinElevation>& bins) const {
-    return std::any_of(bins.begin(), bins.end(),
-                       [&](const BinElevation& b) { return last_[b.bin].sure; });
+    return std::ranges::any_of(bins, [&](const BinElevation& b) { return last_[b.bin].sure; });
   }
 
   /// Of the bins that look at directions seen before: those whose height is sure, if any is.

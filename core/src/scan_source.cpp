@@ -1,18 +1,15 @@
 #include "hqslam/core/scan_source.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <filesystem>
 
-#include "file_scan_source.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/trajectory.h"
-#include "image_stack_source.h"
-#include "natural_order.h"
+#include "scan_sources.h"
 #include "scan_stamps.h"
+#include "words.h"
 
 namespace hqslam {
 
@@ -24,8 +21,7 @@ constexpr std::array<const char*, 3> kBinaryPoints = {".bin", ".pcd", ".ply"};
 constexpr std::array<const char*, 2> kTextPoints = {".csv", ".txt"};
 constexpr const char* kKnownRecordings =
     "a folder of .bin, .pcd, .ply, .txt or .csv files, one such file, an .npy stack of range "
-    "images or a folder "
-    "written by 'hqslam simulate'";
+    "images or a folder written by 'hqslam simulate'";
 
 /// KITTI's file of stamps, and no scan.
 bool is_timestamps(const std::string& path) {
@@ -45,19 +41,17 @@ std::vector<std::string> files_in(const fs::path& folder, const std::string& ext
     }
   }
   if (error) {
-    throw Error(
-        fmt::format("{}: expected a folder that can be read, found '{}'; check its "
-                    "permissions",
-                    folder.string(), error.message()));
+    throw Error("{}: expected a folder that can be read, found '{}'; check its permissions",
+                folder.string(), error.message());
   }
-  std::sort(paths.begin(), paths.end(), naturally_before);
+  std::ranges::sort(paths, naturally_before);
   return paths;
 }
 
 bool nearly_equal(const std::vector<double>& a, const std::vector<double>& b) {
   constexpr double kTolerance_rad = 1e-7;
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
-                    [](double x, double y) { return std::abs(x - y) < kTolerance_rad; });
+  return std::ranges::equal(a, b,
+                            [](double x, double y) { return std::abs(x - y) < kTolerance_rad; });
 }
 
 /// The images of such a folder are those of one sensor; another one would bend every point. What
@@ -72,11 +66,11 @@ SensorModel sensor_of_folder(const fs::path& folder, const SensorModel& sensor) 
                     nearly_equal(recorded.beam_elevation_rad, sensor.beam_elevation_rad) &&
                     nearly_equal(recorded.beam_azimuth_offset_rad, sensor.beam_azimuth_offset_rad);
   if (!same) {
-    throw Error(fmt::format(
-        "{}: expected a drive of sensor '{}' ({} rows, {} columns, {} s a scan), found "
-        "one of '{}' ({} rows, {} columns, {} s a scan); name {} as the sensor",
+    throw Error(
+        "{}: expected a drive of sensor '{}' ({} rows, {} columns, {} s a scan), found one of '{}' "
+        "({} rows, {} columns, {} s a scan); name {} as the sensor",
         folder.string(), sensor.name, sensor.rows(), sensor.columns, sensor.scan_period_s,
-        recorded.name, recorded.rows(), recorded.columns, recorded.scan_period_s, path));
+        recorded.name, recorded.rows(), recorded.columns, recorded.scan_period_s, path);
   }
   SensorModel result = sensor;
   result.measured_rows = recorded.measured_rows;
@@ -88,10 +82,10 @@ SensorModel sensor_of_folder(const fs::path& folder, const SensorModel& sensor) 
 std::vector<double> wanted_stamps_s(const std::string& stack, const RecordingOptions& options) {
   if (options.stamps.empty()) return {};
   if (options.stamps == kStampsFromNames) {
-    throw Error(fmt::format(
+    throw Error(
         "{}: expected files with numbers in their names to take stamps from, found a stack of "
         "images; give a file with a stamp per image",
-        stack));
+        stack);
   }
   return read_stamps_s(options.stamps);
 }
@@ -115,23 +109,22 @@ std::vector<double> stamps_of_folder_s(const fs::path& folder, const RecordingOp
   const std::vector<std::string> stacks = files_in(folder, ".npy");
   if (!stacks.empty()) {
     throw Error(
-        fmt::format("{}: expected .bin or .pcd files, found .npy files; give the path of "
-                    "one of them, such as {}",
-                    folder.string(), stacks.front()));
+        "{}: expected .bin or .pcd files, found .npy files; give the path of one of them, such as "
+        "{}",
+        folder.string(), stacks.front());
   }
   std::error_code error;
-  throw Error(fmt::format("{}: expected .bin or .pcd files, found {}; give {}", folder.string(),
-                          fs::is_empty(folder, error) ? "an empty folder" : "none",
-                          kKnownRecordings));
+  throw Error("{}: expected .bin or .pcd files, found {}; give {}", folder.string(),
+              fs::is_empty(folder, error) ? "an empty folder" : "none", kKnownRecordings);
 }
 
 /// Points come with their height: no order of rows is to be told.
 void refuse_row_order(const fs::path& recording, const RecordingOptions& options) {
   if (options.row_order == RowOrder::kHighestFirst) return;
-  throw Error(fmt::format(
-      "{}: expected an .npy stack where rows are said to be lowest first, found points; "
-      "leave the order of rows out",
-      recording.string()));
+  throw Error(
+      "{}: expected an .npy stack where rows are said to be lowest first, found points; leave the "
+      "order of rows out",
+      recording.string());
 }
 
 /// The files of a folder with one of these extensions; empty if there are none. Throws Error if
@@ -147,9 +140,8 @@ std::vector<std::string> files_of_one_kind(const fs::path& folder,
     if (found.empty()) continue;
     if (!paths.empty()) {
       throw Error(
-          fmt::format("{}: expected files of one kind, found {} {} and {} {}; give a "
-                      "folder with one kind only",
-                      folder.string(), paths.size(), kind, found.size(), extension));
+          "{}: expected files of one kind, found {} {} and {} {}; give a folder with one kind only",
+          folder.string(), paths.size(), kind, found.size(), extension);
     }
     kind = extension;
     paths = std::move(found);
@@ -190,22 +182,22 @@ std::unique_ptr<ScanSource> open_recording(const std::string& path, const Sensor
   std::error_code error;
   if (fs::is_directory(recording, error)) return open_folder(recording, sensor, options);
   if (!fs::is_regular_file(recording, error)) {
-    throw Error(fmt::format("{}: expected a recording, found no such file or folder; give {}", path,
-                            kKnownRecordings));
+    throw Error("{}: expected a recording, found no such file or folder; give {}", path,
+                kKnownRecordings);
   }
   const fs::path extension = recording.extension();
   if (extension == ".npy") {
     return make_image_stack_source(path, sensor, options, wanted_stamps_s(path, options));
   }
   const auto is_one_of = [&](const auto& extensions) {
-    return std::find(extensions.begin(), extensions.end(), extension) != extensions.end();
+    return std::ranges::find(extensions, extension) != extensions.end();
   };
   if (is_one_of(kBinaryPoints) || is_one_of(kTextPoints)) {
     refuse_row_order(recording, options);
     return make_file_scan_source({path}, sensor, options);
   }
-  throw Error(fmt::format("{}: expected a recording, found a file named '{}'; give {}", path,
-                          extension.string(), kKnownRecordings));
+  throw Error("{}: expected a recording, found a file named '{}'; give {}", path,
+              extension.string(), kKnownRecordings);
 }
 
 }  // namespace hqslam

@@ -73,17 +73,16 @@ std::vector<double> read_stamps_s(const std::string& path) {
     const auto stamp_s = seconds ? seconds_of(*seconds) : date_s(line).value_or(NAN);
     if (std::isnan(stamp_s)) {
       throw Error(
-          fmt::format("{}: line {}: expected seconds, or a date as 2011-09-26 "
-                      "13:02:25.594360375, found '{}'; correct the line",
-                      path, line_number, excerpt(line)));
+          "{}: line {}: expected seconds, or a date as 2011-09-26 13:02:25.594360375, found '{}'; "
+          "correct the line",
+          path, line_number, excerpt(line));
     }
     stamps_s.push_back(stamp_s);
   }
   if (stamps_s.empty()) {
     throw Error(
-        fmt::format("{}: expected a stamp on each line, found none; give a file with a line "
-                    "for each scan",
-                    path));
+        "{}: expected a stamp on each line, found none; give a file with a line for each scan",
+        path);
   }
   return stamps_s;
 }
@@ -101,9 +100,8 @@ std::vector<double> stamps_from_names_s(const std::vector<std::string>& paths) {
                            : number(std::string_view(stem).substr(begin, end + 1 - begin));
     if (!value) {
       throw Error(
-          fmt::format("{}: expected a stamp in the file's name, found no number; give the "
-                      "stamps in a file",
-                      path));
+          "{}: expected a stamp in the file's name, found no number; give the stamps in a file",
+          path);
     }
     stamps_s.push_back(seconds_of(*value));
   }

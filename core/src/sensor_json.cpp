@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -12,6 +11,7 @@
 #include "hqslam/core/json_fields.h"
 #include "hqslam/core/sensor_model.h"
 #include "hqslam/core/whole_file.h"
+#include "words.h"
 
 namespace hqslam {
 
@@ -65,20 +65,15 @@ SensorModel sensor_from_own_form(JsonFields fields) {
 /// "1024x10": columns per scan and scans per second.
 void set_lidar_mode(SensorModel& sensor, JsonFields fields) {
   const std::string mode = fields.text("lidar_mode");
-  int columns = 0;
-  int scans_per_s = 0;
-  const char* const end = mode.data() + mode.size();
-  const auto first = std::from_chars(mode.data(), end, columns);
-  bool parsed = first.ec == std::errc() && first.ptr != end && *first.ptr == 'x';
-  if (parsed) {
-    const auto second = std::from_chars(first.ptr + 1, end, scans_per_s);
-    parsed = second.ec == std::errc() && second.ptr == end && columns > 0 && scans_per_s > 0;
-  }
-  if (!parsed) {
+  const std::size_t x = std::min(mode.find('x'), mode.size());
+  const auto columns = number_from<int>(std::string_view(mode).substr(0, x));
+  const auto scans_per_s =
+      number_from<int>(std::string_view(mode).substr(std::min(x + 1, mode.size())));
+  if (!columns || !scans_per_s || *columns <= 0 || *scans_per_s <= 0) {
     fields.complain("lidar_mode", "COLUMNSxSCANS_PER_SECOND such as 1024x10");
   }
-  sensor.columns = columns;
-  sensor.scan_period_s = 1.0 / scans_per_s;
+  sensor.columns = *columns;
+  sensor.scan_period_s = 1.0 / *scans_per_s;
 }
 
 /// Ouster's metadata. Its azimuth angles are clockwise-positive; ours are counter-clockwise. Its
@@ -114,14 +109,14 @@ SensorModel sensor_from_ouster(JsonFields fields, const std::string& path) {
 
 void require_printable_name(const SensorModel& sensor, const std::string& path) {
   constexpr std::size_t kMaxCharacters = 100;
-  const bool fits = !sensor.name.empty() && sensor.name.size() <= kMaxCharacters &&
-                    std::all_of(sensor.name.begin(), sensor.name.end(),
-                                [](unsigned char c) { return std::isprint(c) != 0; });
+  const bool fits =
+      !sensor.name.empty() && sensor.name.size() <= kMaxCharacters &&
+      std::ranges::all_of(sensor.name, [](unsigned char c) { return std::isprint(c) != 0; });
   if (!fits) {
     throw Error(
-        fmt::format("{}: field 'name': expected 1 to {} printable ASCII characters, found "
-                    "'{}'; correct the sensor file",
-                    path, kMaxCharacters, excerpt(sensor.name)));
+        "{}: field 'name': expected 1 to {} printable ASCII characters, found '{}'; correct the "
+        "sensor file",
+        path, kMaxCharacters, excerpt(sensor.name));
   }
 }
 
@@ -136,7 +131,7 @@ SensorModel sensor_from_json(const std::string& text, const std::string& source)
   try {
     validate(sensor);
   } catch (const Error& error) {
-    throw Error(fmt::format("{}: {}; correct the sensor file", source, error.what()));
+    throw Error("{}: {}; correct the sensor file", source, error.what());
   }
   return sensor;
 }

@@ -7,7 +7,6 @@
 #include <numbers>
 
 #include "hqslam/core/error.h"
-#include "row_selection.h"
 
 namespace hqslam {
 
@@ -21,8 +20,12 @@ int wrapped(int value, int modulus) {
   return remainder < 0 ? remainder + modulus : remainder;
 }
 
-void require(bool holds, const SensorModel& sensor, const std::string& complaint) {
-  if (!holds) throw Error(fmt::format("sensor '{}': {}", sensor.name, complaint));
+template <typename... Values>
+void require(bool holds, const SensorModel& sensor, fmt::format_string<Values...> complaint,
+             Values&&... values) {
+  if (holds) return;
+  throw Error("sensor '{}': {}", sensor.name,
+              fmt::format(complaint, std::forward<Values>(values)...));
 }
 
 /// Of all beams or of none; more is no calibration but another sensor.
@@ -33,16 +36,14 @@ void require_corrections(const SensorModel& sensor) {
   const std::size_t corrected = sensor.elevation_correction_rad.size();
   require((corrected == 0 || corrected == rows) && sensor.range_correction_m.size() == corrected,
           sensor,
-          fmt::format("{} corrections of elevation and {} of range for {} beams, expected as many "
-                      "or none",
-                      corrected, sensor.range_correction_m.size(), rows));
+          "{} corrections of elevation and {} of range for {} beams, expected as many or none",
+          corrected, sensor.range_correction_m.size(), rows);
   for (std::size_t row = 0; row < corrected; ++row) {
     require(std::abs(sensor.elevation_correction_rad[row]) <= kMaxElevation_rad &&
                 std::abs(sensor.range_correction_m[row]) <= kMaxRange_m,
-            sensor,
-            fmt::format("corrections of beam {} are {} rad and {} m, expected at most {} and {}",
-                        row, sensor.elevation_correction_rad[row], sensor.range_correction_m[row],
-                        kMaxElevation_rad, kMaxRange_m));
+            sensor, "corrections of beam {} are {} rad and {} m, expected at most {} and {}", row,
+            sensor.elevation_correction_rad[row], sensor.range_correction_m[row], kMaxElevation_rad,
+            kMaxRange_m);
   }
 }
 
@@ -50,13 +51,26 @@ void require_corrections(const SensorModel& sensor) {
 
 RowSelection selection_for(int rows, int wanted) {
   if (wanted < 1 || wanted > rows || rows % wanted != 0) {
-    throw Error(
-        fmt::format("cannot keep {} of {} rows evenly: the number of rows to keep must "
-                    "divide {}",
-                    wanted, rows, rows));
+    throw Error("cannot keep {} of {} rows evenly: the number of rows to keep must divide {}",
+                wanted, rows, rows);
   }
   const int stride = rows / wanted;
   return {stride - 1, stride};
+}
+
+std::vector<int> selected_rows(int rows, RowSelection selection) {
+  if (selection.offset < 0 || selection.offset >= rows || selection.stride < 1) {
+    throw Error(
+        "row selection {}:{} does not fit {} rows: expected an offset of 0 to {} and a stride of 1 "
+        "or more",
+        selection.offset, selection.stride, rows, rows - 1);
+  }
+  std::vector<int> selected;
+  // 64 bits: the row after the last may be beyond what an int holds.
+  for (std::int64_t row = selection.offset; row < rows; row += selection.stride) {
+    selected.push_back(static_cast<int>(row));
+  }
+  return selected;
 }
 
 double SensorModel::column_step_rad() const { return kTwoPi / columns; }
@@ -92,44 +106,38 @@ int SensorModel::column_of_azimuth(double azimuth_rad) const {
 
 void validate(const SensorModel& sensor) {
   const auto rows = sensor.beam_elevation_rad.size();
-  require(rows >= 1 && rows <= 1024, sensor,
-          fmt::format("expected 1 to 1024 beams, found {}", rows));
+  require(rows >= 1 && rows <= 1024, sensor, "expected 1 to 1024 beams, found {}", rows);
   require(sensor.columns >= 16 && sensor.columns <= 16384, sensor,
-          fmt::format("columns is {}, expected 16 to 16384", sensor.columns));
+          "columns is {}, expected 16 to 16384", sensor.columns);
   require(sensor.beam_azimuth_offset_rad.size() == rows, sensor,
-          fmt::format("{} azimuth offsets for {} beam elevations, expected as many",
-                      sensor.beam_azimuth_offset_rad.size(), rows));
+          "{} azimuth offsets for {} beam elevations, expected as many",
+          sensor.beam_azimuth_offset_rad.size(), rows);
   constexpr double kShortestPeriod_s = 0.001;
   constexpr double kLongestPeriod_s = 100.0;
   require(sensor.scan_period_s >= kShortestPeriod_s && sensor.scan_period_s <= kLongestPeriod_s,
-          sensor,
-          fmt::format("scan_period_s is {}, expected {} to {}", sensor.scan_period_s,
-                      kShortestPeriod_s, kLongestPeriod_s));
+          sensor, "scan_period_s is {}, expected {} to {}", sensor.scan_period_s, kShortestPeriod_s,
+          kLongestPeriod_s);
   require(sensor.min_range_m >= 0.0 && sensor.max_range_m > sensor.min_range_m &&
               std::isfinite(sensor.max_range_m),
-          sensor,
-          fmt::format("ranges are {} to {} m, expected 0 <= minimum < maximum", sensor.min_range_m,
-                      sensor.max_range_m));
+          sensor, "ranges are {} to {} m, expected 0 <= minimum < maximum", sensor.min_range_m,
+          sensor.max_range_m);
   for (std::size_t row = 0; row < rows; ++row) {
     const double elevation_rad = sensor.beam_elevation_rad[row];
-    require(
-        std::abs(elevation_rad) < kTwoPi / 4.0, sensor,
-        fmt::format("elevation of beam {} is {} rad, expected within +-pi/2", row, elevation_rad));
+    require(std::abs(elevation_rad) < kTwoPi / 4.0, sensor,
+            "elevation of beam {} is {} rad, expected within +-pi/2", row, elevation_rad);
     require(row == 0 || elevation_rad < sensor.beam_elevation_rad[row - 1], sensor,
-            fmt::format("beam {} is not below beam {}: elevations must fall from row to row", row,
-                        row - 1));
+            "beam {} is not below beam {}: elevations must fall from row to row", row, row - 1);
     require(std::abs(sensor.beam_azimuth_offset_rad[row]) < kTwoPi / 4.0, sensor,
-            fmt::format("azimuth offset of beam {} is {} rad, expected within +-pi/2", row,
-                        sensor.beam_azimuth_offset_rad[row]));
+            "azimuth offset of beam {} is {} rad, expected within +-pi/2", row,
+            sensor.beam_azimuth_offset_rad[row]);
   }
   require_corrections(sensor);
   if (sensor.measured_rows) {
     const RowSelection measured = *sensor.measured_rows;
-    require(
-        measured.stride >= 1 && measured.offset >= 0 && measured.offset < sensor.rows(), sensor,
-        fmt::format("measured_rows is offset {}, stride {}, expected an offset of 0 to {} and a "
-                    "stride of 1 or more",
-                    measured.offset, measured.stride, sensor.rows() - 1));
+    require(measured.stride >= 1 && measured.offset >= 0 && measured.offset < sensor.rows(), sensor,
+            "measured_rows is offset {}, stride {}, expected an offset of 0 to {} and a stride of "
+            "1 or more",
+            measured.offset, measured.stride, sensor.rows() - 1);
   }
 }
 
@@ -148,10 +156,10 @@ std::optional<RowSelection> measured_of(const SensorModel& sensor, RowSelection 
   if (measured.empty()) {
     const auto second = [](RowSelection r) { return std::int64_t{r.offset} + r.stride; };
     throw Error(
-        fmt::format("sensor '{}': rows {}, {}, ... were all computed; select some of the "
-                    "measured rows {}, {}, ...",
-                    sensor.name, rows.offset, second(rows), sensor.measured_rows->offset,
-                    second(*sensor.measured_rows)));
+        "sensor '{}': rows {}, {}, ... were all computed; select some of the measured rows {}, {}, "
+        "...",
+        sensor.name, rows.offset, second(rows), sensor.measured_rows->offset,
+        second(*sensor.measured_rows));
   }
   return RowSelection{measured.front(), measured.size() > 1 ? measured[1] - measured[0] : count};
 }

@@ -153,8 +153,8 @@ SensorModel sensor_preset(std::string_view name) {
   for (const Preset& preset : kPresets) {
     if (preset.name == name) return preset.make();
   }
-  throw Error(fmt::format("unknown sensor '{}': expected one of {} or a .json file", name,
-                          fmt::join(sensor_preset_names(), ", ")));
+  throw Error("unknown sensor '{}': expected one of {} or a .json file", name,
+              fmt::join(sensor_preset_names(), ", "));
 }
 
 }  // namespace hqslam

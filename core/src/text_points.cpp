@@ -1,4 +1,3 @@
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
@@ -71,9 +70,8 @@ RawPoints read_text_points(const std::string& path) {
     }
     if (!good) {
       throw Error(
-          fmt::format("{}: line {}: expected {} numbers x y z [intensity ring t], found "
-                      "'{}'; correct the line",
-                      path, line_number, std::max<std::size_t>(count, 3), excerpt(line)));
+          "{}: line {}: expected {} numbers x y z [intensity ring t], found '{}'; correct the line",
+          path, line_number, std::max<std::size_t>(count, 3), excerpt(line));
     }
     points->add(fields, [&](const PointField& field) { return values[field.offset]; });
     if (fields.time != nullptr) {
@@ -81,7 +79,7 @@ RawPoints read_text_points(const std::string& path) {
       whole_times = whole_times && std::floor(time) == time;
     }
   }
-  if (!points) throw Error(fmt::format("{}: expected points, found none; record again", path));
+  if (!points) throw Error("{}: expected points, found none; record again", path);
   points->time.whole_numbers = whole_times;
   return std::move(*points);
 }

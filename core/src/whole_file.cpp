@@ -1,7 +1,5 @@
 #include "hqslam/core/whole_file.h"
 
-#include <fmt/format.h>
-
 #include <filesystem>
 #include <fstream>
 #include <system_error>
@@ -15,21 +13,21 @@ std::string whole_file(const std::string& path, const std::string& kind, std::si
   const bool regular = std::filesystem::is_regular_file(path, error);
   const auto size = regular ? std::filesystem::file_size(path, error) : 0;
   if (!regular || error) {
-    throw Error(fmt::format("{}: expected {}, found {}; check the path", path, kind,
-                            std::filesystem::is_directory(path, error) ? "a folder" : "no file"));
+    throw Error("{}: expected {}, found {}; check the path", path, kind,
+                std::filesystem::is_directory(path, error) ? "a folder" : "no file");
   }
   if (size > max_bytes) {
-    throw Error(fmt::format("{}: expected {} of at most {} bytes, found {} bytes; check the path",
-                            path, kind, max_bytes, size));
+    throw Error("{}: expected {} of at most {} bytes, found {} bytes; check the path", path, kind,
+                max_bytes, size);
   }
   std::string bytes(size, '\0');
   std::ifstream stream(path, std::ios::binary);
   stream.read(bytes.data(), static_cast<std::streamsize>(size));
   if (!stream) {
     throw Error(
-        fmt::format("{}: expected {} that can be read, found {} of {} bytes; check its "
-                    "permissions and the disk",
-                    path, kind, stream.gcount(), size));
+        "{}: expected {} that can be read, found {} of {} bytes; check its permissions and the "
+        "disk",
+        path, kind, stream.gcount(), size);
   }
   return bytes;
 }
@@ -40,9 +38,8 @@ void write_whole_file(const std::string& path, const std::string& bytes) {
   stream.flush();
   if (!stream) {
     throw Error(
-        fmt::format("{}: cannot be written; check that the folder exists, is writable and "
-                    "has free space",
-                    path));
+        "{}: cannot be written; check that the folder exists, is writable and has free space",
+        path);
   }
 }
 
@@ -60,8 +57,8 @@ void replace_file(const std::string& path,
   if (!failure) return;
   std::error_code ignored;
   std::filesystem::remove(part, ignored);
-  throw Error(fmt::format("{}: cannot be written ({}); check that the folder is writable", path,
-                          failure.message()));
+  throw Error("{}: cannot be written ({}); check that the folder is writable", path,
+              failure.message());
 }
 
 }  // namespace hqslam

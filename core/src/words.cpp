@@ -1,8 +1,7 @@
 #include "words.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
+#include <cctype>
 #include <cstdint>
 
 #include "hqslam/core/error.h"
@@ -27,6 +26,18 @@ bool is_too_large(std::string_view word) {
   const auto first = mantissa.find_first_of("123456789");
   if (first == std::string_view::npos) return false;
   return exponent > static_cast<std::int64_t>(first) - static_cast<std::int64_t>(point);
+}
+
+bool is_digit(char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; }
+
+/// Takes the number off the front of `text`, without its leading zeros.
+std::string_view take_number(std::string_view& text) {
+  std::size_t end = 0;
+  while (end < text.size() && is_digit(text[end])) ++end;
+  std::string_view number = text.substr(0, end);
+  text.remove_prefix(end);
+  while (number.size() > 1 && number[0] == '0') number.remove_prefix(1);
+  return number;
 }
 
 }  // namespace
@@ -66,9 +77,8 @@ AsciiPoints::AsciiPoints(std::string_view text, std::size_t points, std::size_t 
   // Each number takes a character and a separator.
   if (points > text.size() || points * numbers_per_point > (text.size() + 1) / 2) {
     throw Error(
-        fmt::format("{}: truncated: expected {} points of {} numbers, found {} bytes; copy "
-                    "the file again",
-                    path, points, numbers_per_point, text.size()));
+        "{}: truncated: expected {} points of {} numbers, found {} bytes; copy the file again",
+        path, points, numbers_per_point, text.size());
   }
   numbers_.resize(numbers_per_point);
 }
@@ -79,21 +89,39 @@ const std::vector<double>& AsciiPoints::next() {
     rest_.remove_prefix(std::min(rest_.find_first_not_of(kAnySpace), rest_.size()));
     if (rest_.empty()) {
       throw Error(
-          fmt::format("{}: truncated: expected {} points of {} numbers, found {} numbers; "
-                      "copy the file again",
-                      path_, points_, numbers_.size(), point_ * numbers_.size() + i));
+          "{}: truncated: expected {} points of {} numbers, found {} numbers; copy the file again",
+          path_, points_, numbers_.size(), point_ * numbers_.size() + i);
     }
     const std::string_view word = rest_.substr(0, rest_.find_first_of(kAnySpace));
     const std::optional<double> value = decimal_from(word);
     if (!value) {
-      throw Error(fmt::format("{}: point {}: expected a number, found '{}'; correct the line",
-                              path_, point_, excerpt(word)));
+      throw Error("{}: point {}: expected a number, found '{}'; correct the line", path_, point_,
+                  excerpt(word));
     }
     numbers_[i] = *value;
     rest_.remove_prefix(word.size());
   }
   ++point_;
   return numbers_;
+}
+
+bool naturally_before(std::string_view a, std::string_view b) {
+  const std::string_view whole_a = a;
+  const std::string_view whole_b = b;
+  while (!a.empty() && !b.empty()) {
+    if (is_digit(a[0]) && is_digit(b[0])) {
+      const std::string_view number_a = take_number(a);
+      const std::string_view number_b = take_number(b);
+      if (number_a.size() != number_b.size()) return number_a.size() < number_b.size();
+      if (number_a != number_b) return number_a < number_b;
+    } else {
+      if (a[0] != b[0]) return a[0] < b[0];
+      a.remove_prefix(1);
+      b.remove_prefix(1);
+    }
+  }
+  if (a.size() != b.size()) return a.size() < b.size();
+  return whole_a < whole_b;  // "1" and "01" are different names of one number
 }
 
 }  // namespace hqslam

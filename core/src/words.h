@@ -32,6 +32,10 @@ std::optional<Number> number_from(std::string_view word) {
 /// if the word is no number.
 std::optional<double> decimal_from(std::string_view word);
 
+/// Whether `a` comes before `b` when numbers inside names count by their value: "scan9" before
+/// "scan10".
+bool naturally_before(std::string_view a, std::string_view b);
+
 /// Points as text: so many numbers each, with any space between them.
 class AsciiPoints {
  public:

@@ -1,7 +1,5 @@
 #include "convolution.h"
 
-#include <fmt/format.h>
-
 #include "hqslam/core/error.h"
 
 // The definition is what the fast kernels are tested against. It counts its own way, on purpose.
@@ -12,7 +10,7 @@ namespace {
 
 void check(const char* field, int value, int least, int most) {
   if (value < least || value > most) {
-    throw Error(fmt::format("convolution: {} is {}, expected {} to {}", field, value, least, most));
+    throw Error("convolution: {} is {}, expected {} to {}", field, value, least, most);
   }
 }
 

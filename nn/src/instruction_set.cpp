@@ -40,9 +40,8 @@ InstructionSet chosen_instruction_set() {
     if (name(instruction_set) == wanted) return instruction_set;
     names.push_back(name(instruction_set));
   }
-  throw Error(fmt::format(
-      "HQSLAM_INSTRUCTION_SET is '{}', expected one that this processor and build have: {}", wanted,
-      fmt::join(names, ", ")));
+  throw Error("HQSLAM_INSTRUCTION_SET is '{}', expected one that this processor and build have: {}",
+              wanted, fmt::join(names, ", "));
 }
 
 double multiply_add_peak_gflops(InstructionSet instruction_set, int threads, int attempts) {

@@ -1,7 +1,5 @@
 #include "hqslam/nn/interpolation.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 
 #include "hqslam/core/error.h"
@@ -21,10 +19,9 @@ float interpolated(float above_m, float below_m, float part_down, Interpolation 
 void check_measured_rows(const RangeImage& measured, RowSelection selection, int rows) {
   const bool selects = selection.stride >= 1 && selection.offset >= 0 && selection.offset < rows;
   if (!selects || measured.rows != measured_row_count(rows, selection) || measured.columns < 1) {
-    throw Error(fmt::format(
-        "interpolation: an image of {} x {} is not the rows {}, {} + {}, ... of {} rows",
-        measured.rows, measured.columns, selection.offset, selection.offset, selection.stride,
-        rows));
+    throw Error("interpolation: an image of {} x {} is not the rows {}, {} + {}, ... of {} rows",
+                measured.rows, measured.columns, selection.offset, selection.offset,
+                selection.stride, rows);
   }
 }
 

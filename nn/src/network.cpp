@@ -18,16 +18,16 @@ void require_available(InstructionSet instruction_set) {
   if (std::find(available.begin(), available.end(), instruction_set) != available.end()) return;
   std::vector<std::string_view> names;
   for (const InstructionSet one : available) names.push_back(name(one));
-  throw Error(fmt::format(
+  throw Error(
       "network: instruction set number {}, expected one that this processor and build have: {}",
-      static_cast<int>(instruction_set), fmt::join(names, ", ")));
+      static_cast<int>(instruction_set), fmt::join(names, ", "));
 }
 
 void check_image(const RangeImage& image, const char* what, int rows, int columns) {
   const auto pixels = static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns);
   if (image.rows != rows || image.columns != columns || image.range_m.size() != pixels) {
-    throw Error(fmt::format("network: {} of {} x {} with {} ranges, expected {} x {}", what,
-                            image.rows, image.columns, image.range_m.size(), rows, columns));
+    throw Error("network: {} of {} x {} with {} ranges, expected {} x {}", what, image.rows,
+                image.columns, image.range_m.size(), rows, columns);
   }
 }
 
@@ -51,9 +51,9 @@ double Network::add_gradients(std::span<const TrainingSample> batch, const LossO
   }
   if (seeds.size() != batch.size() || std::ssize(d_parameters) != parameters_) {
     throw Error(
-        fmt::format("network: {} seeds for {} scans and a gradient of {} values, expected a seed "
-                    "for each scan and {} values",
-                    seeds.size(), batch.size(), d_parameters.size(), parameters_));
+        "network: {} seeds for {} scans and a gradient of {} values, expected a seed for each scan "
+        "and {} values",
+        seeds.size(), batch.size(), d_parameters.size(), parameters_);
   }
   // In a team of its own what the threads of a team share is all done, whoever calls.
   double loss = 0.0;

@@ -1,7 +1,5 @@
 #include "hqslam/nn/network_description.h"
 
-#include <fmt/format.h>
-
 #include <cmath>
 
 #include "architecture.h"
@@ -22,14 +20,14 @@ const Architecture& architecture_of(const NetworkDescription& d) {
 void validate_rows(const NetworkDescription& d) {
   if (d.measured_rows.stride < 1 || d.measured_rows.stride > d.sensor.rows() ||
       d.measured_rows.offset < 0 || d.measured_rows.offset >= d.sensor.rows()) {
-    throw Error(fmt::format("network: rows {} + n {} of {} are no selection",
-                            d.measured_rows.offset, d.measured_rows.stride, d.sensor.rows()));
+    throw Error("network: rows {} + n {} of {} are no selection", d.measured_rows.offset,
+                d.measured_rows.stride, d.sensor.rows());
   }
   if (d.measured_rows == RowSelection{0, 1}) {
-    throw Error(fmt::format(
+    throw Error(
         "network: all {} rows of sensor '{}' are measured, expected some to be computed; name the "
         "sensor with all rows, such as os1-64 for 16 measured ones",
-        d.sensor.rows(), d.sensor.name));
+        d.sensor.rows(), d.sensor.name);
   }
 }
 
@@ -60,17 +58,17 @@ void check_memory(std::int64_t values, const NetworkDescription& d) {
   constexpr std::int64_t kMostValues = std::int64_t{1} << 29U;  // 2 GiB
   if (values > kMostValues) {
     throw Error(
-        fmt::format("network: on images of {} x {} it holds {} values, expected at most {}; take "
-                    "fewer channels or layers or a sensor with fewer columns",
-                    d.sensor.rows(), d.sensor.columns, values, kMostValues));
+        "network: on images of {} x {} it holds {} values, expected at most {}; take fewer "
+        "channels or layers or a sensor with fewer columns",
+        d.sensor.rows(), d.sensor.columns, values, kMostValues);
   }
 }
 
 void check_columns(const NetworkDescription& d, int columns) {
   const int multiple = d.architecture->column_multiple();
   if (columns < 1 || columns > d.sensor.columns || columns % multiple != 0) {
-    throw Error(fmt::format("network: images of {} columns, expected 1 to {} and a multiple of {}",
-                            columns, d.sensor.columns, multiple));
+    throw Error("network: images of {} columns, expected 1 to {} and a multiple of {}", columns,
+                d.sensor.columns, multiple);
   }
 }
 

@@ -27,10 +27,10 @@ SensorModel read_sensor(JsonFields& fields, const std::string& source) {
     const std::string sensor = fields.text("sensor");
     const std::vector<std::string> presets = sensor_preset_names();
     if (std::find(presets.begin(), presets.end(), sensor) == presets.end()) {
-      throw Error(fmt::format(
+      throw Error(
           "{}: sensor '{}' is none of {}; name one of them, or put what a sensor file says in its "
           "place",
-          source, sensor, fmt::join(presets, ", ")));
+          source, sensor, fmt::join(presets, ", "));
     }
     return sensor_preset(sensor);
   }

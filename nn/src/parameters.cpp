@@ -10,7 +10,7 @@ std::int64_t ParameterShape::elements() const {
 
 void check_field(const char* field, int value, int least, int most) {
   if (value < least || value > most) {
-    throw Error(fmt::format("network: {} is {}, expected {} to {}", field, value, least, most));
+    throw Error("network: {} is {}, expected {} to {}", field, value, least, most);
   }
 }
 
@@ -36,8 +36,7 @@ std::int64_t elements(const std::vector<ParameterShape>& shapes) {
 void check_parameters(std::span<const float> parameters,
                       const std::vector<ParameterShape>& shapes) {
   if (static_cast<std::int64_t>(parameters.size()) != elements(shapes)) {
-    throw Error(
-        fmt::format("network: {} parameters, expected {}", parameters.size(), elements(shapes)));
+    throw Error("network: {} parameters, expected {}", parameters.size(), elements(shapes));
   }
 }
 

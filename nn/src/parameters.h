@@ -1,7 +1,5 @@
 #pragma once
 
-#include <fmt/format.h>
-
 #include <cstdint>
 #include <random>
 #include <span>
@@ -25,7 +23,7 @@ std::span<T> take(std::span<T>& values, std::int64_t count) {
 /// Throws Error with the field, its value and what was expected, unless `good`.
 template <typename Value>
 void check_that(bool good, const char* what, const char* field, Value value, const char* expected) {
-  if (!good) throw Error(fmt::format("{}: {} is {}, expected {}", what, field, value, expected));
+  if (!good) throw Error("{}: {} is {}, expected {}", what, field, value, expected);
 }
 /// Throws Error unless least <= value <= most.
 void check_field(const char* field, int value, int least, int most);

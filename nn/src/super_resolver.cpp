@@ -1,6 +1,5 @@
 #include "hqslam/nn/super_resolver.h"
 
-#include <fmt/format.h>
 #include <omp.h>
 
 #include <cmath>
@@ -74,11 +73,9 @@ RangeImage SuperResolver::Implementation::measured_rows(const RangeImage& image)
   const bool fits =
       image.columns == description.sensor.columns && (image.rows == all || image.rows == measured);
   if (!fits || image.range_m.size() != static_cast<std::size_t>(image.rows) * image.columns) {
-    throw Error(
-        fmt::format("upsampling: an image of {} x {} with {} ranges, expected {} or {} x "
-                    "{} ({})",
-                    image.rows, image.columns, image.range_m.size(), measured, all,
-                    description.sensor.columns, description.sensor.name));
+    throw Error("upsampling: an image of {} x {} with {} ranges, expected {} or {} x {} ({})",
+                image.rows, image.columns, image.range_m.size(), measured, all,
+                description.sensor.columns, description.sensor.name);
   }
   RangeImage result = image.rows == measured ? image : select_rows(image, rows);
   for (float& range_m : result.range_m) {

@@ -1,7 +1,5 @@
 #include "tensor.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 
 #include "hqslam/core/error.h"
@@ -12,10 +10,10 @@ Tensor Tensor::shape_alone(int channels, int rows, int columns, ColumnPadding pa
                            int border_rows) {
   constexpr int kMostBorderRows = 16;
   if (channels < 1 || rows < 1 || columns < 1 || border_rows < 0 || border_rows > kMostBorderRows) {
-    throw Error(fmt::format(
+    throw Error(
         "tensor: {} channels, {} rows, {} columns, {} border rows; expected at least one of each "
         "and a border of 0 to {} rows",
-        channels, rows, columns, border_rows, kMostBorderRows));
+        channels, rows, columns, border_rows, kMostBorderRows);
   }
   Tensor tensor;
   tensor.channels_ = channels;

@@ -30,15 +30,13 @@ const TracedTensor& Trace::tensor(std::string_view name) const {
   if (const TracedTensor* found = find(name)) return *found;
   std::vector<std::string_view> names;
   for (const TracedTensor& tensor : tensors_) names.push_back(tensor.name);
-  throw Error(
-      fmt::format("trace: no tensor '{}', expected one of {}", name, fmt::join(names, ", ")));
+  throw Error("trace: no tensor '{}', expected one of {}", name, fmt::join(names, ", "));
 }
 
 RangeImage Trace::image(std::string_view name) const {
   const TracedTensor& from = tensor(name);
   if (from.channels != 1) {
-    throw Error(
-        fmt::format("trace: '{}' has {} channels, expected 1 of an image", name, from.channels));
+    throw Error("trace: '{}' has {} channels, expected 1 of an image", name, from.channels);
   }
   RangeImage image(from.rows, from.columns);
   image.range_m = from.values;

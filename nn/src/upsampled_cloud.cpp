@@ -1,7 +1,5 @@
 #include "hqslam/nn/upsampled_cloud.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -30,11 +28,10 @@ void check_shapes(const RangeImage& image, const OrganizedCloud& measured,
     return;
   }
   throw Error(
-      fmt::format("upsampled cloud: expected {} measured and {} upsampled rows of {} columns, "
-                  "found {} x {} and "
-                  "{} x {}",
-                  expected_rows, sensor.rows(), sensor.columns, measured.rows, measured.columns,
-                  image.rows, image.columns));
+      "upsampled cloud: expected {} measured and {} upsampled rows of {} columns, found {} x {} "
+      "and {} x {}",
+      expected_rows, sensor.rows(), sensor.columns, measured.rows, measured.columns, image.rows,
+      image.columns);
 }
 
 Deviation deviation_of(const OrganizedCloud& measured, std::size_t pixel, const SensorModel& sensor,

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <fmt/format.h>
-
 #include <cmath>
 #include <cstddef>
 #include <string>
@@ -29,8 +27,7 @@ std::vector<Value> finite(std::vector<Value> values, const std::string& path,
                           const std::string& name) {
   for (const Value value : values) {
     if (!std::isfinite(value)) {
-      throw Error(
-          fmt::format("{}: array '{}': expected finite values, found {}", path, name, value));
+      throw Error("{}: array '{}': expected finite values, found {}", path, name, value);
     }
   }
   return values;

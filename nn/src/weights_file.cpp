@@ -29,13 +29,12 @@ std::vector<float> take_floats(const std::string& path, const std::string& name,
                                const std::vector<std::int64_t>& shape, NpzArrays& arrays) {
   const auto found = arrays.find(name);
   if (found == arrays.end()) {
-    throw Error(fmt::format("{}: expected an array '{}' of {}, found none", path, name,
-                            fmt::join(shape, "x")));
+    throw Error("{}: expected an array '{}' of {}, found none", path, name, fmt::join(shape, "x"));
   }
   const NpzArray& array = found->second;
   if (array.shape != shape) {
-    throw Error(fmt::format("{}: array '{}': expected shape {}, found {}", path, name,
-                            fmt::join(shape, "x"), fmt::join(array.shape, "x")));
+    throw Error("{}: array '{}': expected shape {}, found {}", path, name, fmt::join(shape, "x"),
+                fmt::join(array.shape, "x"));
   }
   const std::string source = fmt::format("{}: {}", path, name);
   std::vector<float> values;
@@ -76,8 +75,8 @@ SelfTest take_self_test(const std::string& path, const NetworkDescription& d, Np
 void check_nothing_left(const std::string& path, const NetworkDescription& description,
                         const NpzArrays& arrays) {
   if (arrays.empty()) return;
-  throw Error(fmt::format("{}: unknown array '{}' for a network of kind {}", path,
-                          excerpt(arrays.begin()->first), name(description)));
+  throw Error("{}: unknown array '{}' for a network of kind {}", path,
+              excerpt(arrays.begin()->first), name(description));
 }
 
 RangeImage estimate(const NetworkDescription& description, const std::vector<float>& parameters,
@@ -93,9 +92,9 @@ void check_parameter_count(const std::string& path, const Weights& weights) {
   const std::int64_t expected = elements(parameter_shapes(weights.description));
   if (static_cast<std::int64_t>(weights.parameters.size()) != expected) {
     throw Error(
-        fmt::format("{}: expected {} parameters for a network of kind {}, found {}; write "
-                    "the weights with the description that they were trained with",
-                    path, expected, name(weights.description), weights.parameters.size()));
+        "{}: expected {} parameters for a network of kind {}, found {}; write the weights with the "
+        "description that they were trained with",
+        path, expected, name(weights.description), weights.parameters.size());
   }
 }
 
@@ -113,10 +112,10 @@ Weights read_weights(const std::string& path) {
 Weights weights_of(NpzArrays arrays, const std::string& path) {
   const auto description = arrays.find(kDescription);
   if (description == arrays.end()) {
-    throw Error(fmt::format(
-        "{}: expected weights with a member 'description', found none; weights are made by "
-        "hqslam train, or of other programs' arrays by hqslam weights pack",
-        path));
+    throw Error(
+        "{}: expected weights with a member 'description', found none; weights are made by hqslam "
+        "train, or of other programs' arrays by hqslam weights pack",
+        path);
   }
   JsonFields fields(text_value(description->second, fmt::format("{}: description", path)),
                     path + ": description");
@@ -168,10 +167,10 @@ void check_self_test(const Weights& weights, const std::string& path) {
   const RangeImage z = estimate(d, weights.parameters, weights.self_test.measured);
   const RangeImage& expected = weights.self_test.expected;
   if (expected.range_m.size() != z.range_m.size()) {
-    throw Error(fmt::format(
+    throw Error(
         "{}: self-test: expected ranges of {} pixels, found {}; make it with make_self_test of the "
         "same description",
-        path, z.range_m.size(), expected.range_m.size()));
+        path, z.range_m.size(), expected.range_m.size());
   }
   // The filter inside decides at thresholds: a rounding error may tip a single component, so a few
   // pixels may differ; the rest must agree.
@@ -184,10 +183,10 @@ void check_self_test(const Weights& weights, const std::string& path) {
   const auto allowed =
       static_cast<std::int64_t>(kLargestShare * static_cast<double>(z.range_m.size()));
   if (differing > allowed) {
-    throw Error(fmt::format(
+    throw Error(
         "{}: self-test: {} of {} pixels differ from what the network gave where it was trained, "
         "expected at most {}; the file was changed or is damaged",
-        path, differing, z.range_m.size(), allowed));
+        path, differing, z.range_m.size(), allowed);
   }
 }
 

@@ -1,4 +1,3 @@
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
@@ -146,7 +145,7 @@ constexpr std::array kOptions = {
 constexpr int kMostThreads = 256;
 
 [[noreturn]] void refuse(std::string_view name, double value, std::string_view expected) {
-  throw Error(fmt::format("SLAM option {} is {}, expected {}", name, value, expected));
+  throw Error("SLAM option {} is {}, expected {}", name, value, expected);
 }
 
 void require(bool holds, std::string_view name, double value, std::string_view expected) {
@@ -161,7 +160,7 @@ void set_option(SlamOptions& options, std::string_view name, double value) {
   const auto found = std::find_if(kOptions.begin(), kOptions.end(),
                                   [&](const NamedOption& option) { return option.name == name; });
   if (found == kOptions.end()) {
-    throw Error(fmt::format("there is no SLAM option {}; hqslam slam-options lists them", name));
+    throw Error("there is no SLAM option {}; hqslam slam-options lists them", name);
   }
   require(found->holds(value), name, value, found->expected);
   const bool is_int = value == std::floor(value) && value <= std::numeric_limits<int>::max();

@@ -15,8 +15,8 @@ namespace {
 constexpr double kSteady_periods = 10.0;
 /// Scans in a row that may miss the map before the way counts as lost.
 constexpr std::size_t kMaxMissedScans = 5;
-/// Of the last registered scan's inlier ratio. From scan to scan it falls to 0.83 at the most on
-/// simulated drives of all kinds, and to 0.44 in another street.
+/// Of the last registered scan's ratios. The inlier ratio falls to 0.83 at the most from scan to
+/// scan on simulated drives of all kinds, and to 0.44 in another street.
 constexpr double kLeastShareOfInlierRatio = 0.6;
 
 /// Whether a sensor that is not carried can have moved so much otherwise than it was expected to.
@@ -154,7 +154,9 @@ Slam::Implementation::Registered Slam::Implementation::registered(const Tracking
 
   const MappingResult matched = register_from_starts(
       mapping, scan.map_features, {expected, T_map_moved, duration_s, last.close_ratio});
-  const bool is_elsewhere = matched.inlier_ratio < kLeastShareOfInlierRatio * last.inlier_ratio;
+  // Of a scan that was found far from where it was looked for first, inlier_ratio is of the way.
+  const bool is_elsewhere = matched.inlier_ratio < kLeastShareOfInlierRatio * last.inlier_ratio &&
+                            matched.close_ratio < kLeastShareOfInlierRatio * last.close_ratio;
   Registered found;
   found.is_registered = matched.status != Status::kTooFewFeatures && !is_elsewhere &&
                         (!place_recognition || is_in_given_map(scan.map_features, matched.state));

@@ -10,11 +10,7 @@
 
 #include "hqslam/core/error.h"
 
-using hqslam::ComponentLabeler;
-using hqslam::ConnectedComponents;
-using hqslam::ConnectedComponentsOptions;
-using hqslam::RangeImage;
-using hqslam::SensorModel;
+using namespace hqslam;
 
 namespace {
 
@@ -125,7 +121,7 @@ TEST_CASE("two points connect exactly when the angle exceeds the threshold") {
 }
 
 TEST_CASE("the criterion does not depend on the scale of the ranges") {
-  const SensorModel sensor = hqslam::sensor_preset("vlp-16");
+  const SensorModel sensor = sensor_preset("vlp-16");
   RangeImage image(16, 1800);
   std::mt19937 generator(5);
   for (float& range_m : image.range_m)
@@ -156,14 +152,14 @@ TEST_CASE("labels equal those of a slow union-find on random images, with and wi
 }
 
 TEST_CASE("sizes add up and rows are those of the pixels") {
-  const SensorModel sensor = hqslam::sensor_preset("os1-64");
+  const SensorModel sensor = sensor_preset("os1-64");
   std::mt19937 generator(1);
   RangeImage image(64, 1024);
   for (float& range_m : image.range_m)
     range_m = 5.0F + 0.01F * static_cast<float>(generator() % 300);
   ComponentLabeler labeler(sensor, {10 * kDegree, true});
   const auto& result = labeler.label(image);
-  std::vector<hqslam::Component> counted(result.components.size(), {0, 1000, -1});
+  std::vector<Component> counted(result.components.size(), {0, 1000, -1});
   for (int row = 0; row < 64; ++row) {
     for (int column = 0; column < 1024; ++column) {
       auto& component = counted[result.label[image.index(row, column)]];
@@ -205,9 +201,9 @@ TEST_CASE("a second image is not affected by the first") {
 
 TEST_CASE("wrong shapes and angles are refused") {
   const SensorModel sensor = small_sensor(4, 32);
-  CHECK_THROWS_AS(ComponentLabeler(sensor, {0.0, true}), hqslam::Error);
-  CHECK_THROWS_AS(ComponentLabeler(sensor, {2.0, true}), hqslam::Error);
+  CHECK_THROWS_AS(ComponentLabeler(sensor, {0.0, true}), Error);
+  CHECK_THROWS_AS(ComponentLabeler(sensor, {2.0, true}), Error);
   ComponentLabeler labeler(sensor, {});
-  CHECK_THROWS_AS(labeler.label(RangeImage(4, 33)), hqslam::Error);
-  CHECK_THROWS_AS(labeler.label(RangeImage(4, 32), std::vector<std::uint8_t>(3)), hqslam::Error);
+  CHECK_THROWS_AS(labeler.label(RangeImage(4, 33)), Error);
+  CHECK_THROWS_AS(labeler.label(RangeImage(4, 32), std::vector<std::uint8_t>(3)), Error);
 }

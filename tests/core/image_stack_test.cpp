@@ -33,7 +33,7 @@ TEST_CASE("an image that cannot be the sensor's is left out of its stack, the ne
   const SensorModel sensor = sensor_preset("vlp-16");
   const auto stack = [&](int images, const auto& is_good) {
     RangeImage foreign(sensor.rows(), sensor.columns);
-    std::fill(foreign.range_m.begin(), foreign.range_m.end(), 5000.0F);
+    std::ranges::fill(foreign.range_m, 5000.0F);
     NpyStackWriter writer(directory.file("scans.npy"), 16, sensor.columns);
     for (int i = 0; i < images; ++i) writer.append(is_good(i) ? a_wall(sensor) : foreign);
     return open_recording(directory.file("scans.npy"), sensor);
@@ -106,9 +106,9 @@ TEST_CASE("images have the stamps that they are given, which go before those in 
   CHECK(second_stamp_s(directory.file("scans.npy"), directory.file("given.txt")) == 6.5);
   for (const char* stamps : {"5\n6.5\n8\n", "5\n"}) {  // of more images or fewer
     write_file(directory.file("given.txt"), stamps);
-    CHECK(one_line_with(error_message([&] { second_stamp_s(folder, directory.file("given.txt")); }),
-                        "each of 2 images"));
+    CHECK(refused_with([&] { second_stamp_s(folder, directory.file("given.txt")); },
+                       "each of 2 images"));
   }
-  CHECK(one_line_with(error_message([&] { second_stamp_s(folder, kStampsFromNames); }),
-                      "numbers in their names", "a file with a stamp per image"));
+  CHECK(refused_with([&] { second_stamp_s(folder, kStampsFromNames); }, "numbers in their names",
+                     "a file with a stamp per image"));
 }

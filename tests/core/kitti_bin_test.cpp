@@ -67,8 +67,7 @@ TEST_CASE("a file that is no KITTI scan is refused with file, expected and found
   CHECK(one_line_with(complaint_about(floats({1, 2, 3, 0}) + "xyz"), "16 bytes per point",
                       "19 bytes", "3 too many"));
   CHECK(one_line_with(complaint_about(floats({1e20F, 2, 3, 0, 1, 2, 3, 0})), "metres", "1 of 2"));
-  CHECK(one_line_with(error_message([] { read_kitti_bin("/nowhere/0.bin"); }), "/nowhere/0.bin",
-                      "no file"));
-  CHECK(one_line_with(error_message([] { read_kitti_bin("/tmp"); }), "/tmp", "folder"));
-  CHECK(one_line_with(error_message([] { write_kitti_bin({}, "/nowhere/0.bin"); }), "/nowhere"));
+  CHECK(refused_with([] { read_kitti_bin("/nowhere/0.bin"); }, "/nowhere/0.bin", "no file"));
+  CHECK(refused_with([] { read_kitti_bin("/tmp"); }, "/tmp", "folder"));
+  CHECK(refused_with([] { write_kitti_bin({}, "/nowhere/0.bin"); }, "/nowhere"));
 }

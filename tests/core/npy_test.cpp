@@ -52,7 +52,7 @@ TEST_CASE("an .npy stack written by hand is read image by image in any order") {
     CHECK(reader.columns() == 3);
     CHECK(reader.read(1).range_m == std::vector<float>{4, 5, 6});
     CHECK(reader.read(0).range_m == std::vector<float>{1, 2, 3});
-    CHECK(one_line_with(error_message([&] { reader.read(2); }), path, "0 to 1", "found 2"));
+    CHECK(refused_with([&] { reader.read(2); }, path, "0 to 1", "found 2"));
   }
 }
 
@@ -82,8 +82,7 @@ TEST_CASE("a stack is a valid .npy file after every image that is appended") {
     CHECK(reader.read(0).at(1, 2) == 0.25F);
   }
   CHECK(file_contents(path).size() == 128 + 12 * 2 * 3 * sizeof(float));
-  CHECK(one_line_with(error_message([&] { writer.append(RangeImage(3, 2)); }), path, "2 x 3",
-                      "3 x 2"));
+  CHECK(refused_with([&] { writer.append(RangeImage(3, 2)); }, path, "2 x 3", "3 x 2"));
 }
 
 TEST_CASE("what an interrupted append leaves behind the last image is not read") {
@@ -110,8 +109,7 @@ TEST_CASE("an array of doubles has numpy's header, byte for byte") {
   double last = 0.0;
   std::memcpy(&last, contents.data() + 128 + 13 * sizeof(double), sizeof(double));
   CHECK(last == 1.5);
-  CHECK(one_line_with(error_message([&] { writer.append(std::vector<double>(13)); }), path, "14",
-                      "13"));
+  CHECK(refused_with([&] { writer.append(std::vector<double>(13)); }, path, "14", "13"));
 }
 
 TEST_CASE("a file that is no stack of range images is refused in one line that says why") {

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <cstring>
 
+#include "../../core/src/pcd_header.h"
 #include "error_message.h"
 #include "file_contents.h"
 #include "temporary_directory.h"
@@ -83,6 +84,12 @@ std::string points_on_beams(const SensorModel& sensor, bool ring_0_is_highest, i
         {sensor.beam_elevation_rad[row], ring_0_is_highest ? row : sensor.rows() - 1 - row});
   }
   return points_of_rings(rings, of_each);
+}
+
+std::string stream(std::initializer_list<int> bytes) {
+  std::string result;
+  for (const int byte : bytes) result += static_cast<char>(byte);
+  return result;
 }
 
 }  // namespace
@@ -223,8 +230,8 @@ TEST_CASE("rings of a sensor with fewer beams are not taken for those of one wit
     CHECK(scan_of(contents, sensor).row.size() == 1600);
     for (const char* other : {"os1-64", "hdl-64e", "hdl-32e", "vls-128"}) {
       CAPTURE(other);
-      CHECK(one_line_with(error_message([&] { scan_of(contents, sensor_preset(other)); }), "'ring'",
-                          "16 rings", "name the sensor"));
+      CHECK(refused_with([&] { scan_of(contents, sensor_preset(other)); }, "'ring'", "16 rings",
+                         "name the sensor"));
     }
   }
 }
@@ -247,7 +254,7 @@ TEST_CASE("points written as .pcd come back bit by bit") {
   CHECK(read_pcd(directory.file("map.pcd")).points_m == points_m);
   write_pcd({}, directory.file("empty.pcd"));
   CHECK(read_pcd(directory.file("empty.pcd")).points_m.empty());
-  CHECK(one_line_with(error_message([] { write_pcd({}, "/nowhere/map.pcd"); }), "/nowhere"));
+  CHECK(refused_with([] { write_pcd({}, "/nowhere/map.pcd"); }, "/nowhere"));
 }
 
 TEST_CASE("a file that is no point cloud is refused with file, expected and found") {
@@ -272,7 +279,7 @@ TEST_CASE("a file that is no point cloud is refused with file, expected and foun
   CHECK(one_line_with(with("DATA ascii", "DATA binary"), "truncated", "2 points of 12 bytes"));
   CHECK(one_line_with(complaint_about(header("x y z", "4 4 4", "F F F", 2, "binary") + "abc"),
                       "truncated", "found 3 bytes"));
-  CHECK(one_line_with(error_message([] { read_pcd("/nowhere/0.pcd"); }), "/nowhere", "no file"));
+  CHECK(refused_with([] { read_pcd("/nowhere/0.pcd"); }, "/nowhere", "no file"));
 }
 
 TEST_CASE("counts that overflow or exceed the file are refused before anything is allocated") {
@@ -341,4 +348,35 @@ TEST_CASE("damaged compressed data are refused") {
   CHECK(one_line_with(complaint_about(start + literals(std::string(23, 'a'))), "found 23 bytes"));
   stream[8] = '\xFF';
   CHECK(one_line_with(complaint_about(start + stream), "damaged"));
+}
+
+TEST_CASE("literals, short and long references and overlapping repeats are expanded") {
+  CHECK(lzf_decompressed("", 0) == "");
+  CHECK(lzf_decompressed(stream({2, 'a', 'b', 'c'}), 3) == "abc");
+  // Repeat 3 bytes from 3 back.
+  CHECK(lzf_decompressed(stream({2, 'a', 'b', 'c', 1 << 5, 2}), 6) == "abcabc");
+  // Repeat 5 bytes from 1 back: the output feeds itself.
+  CHECK(lzf_decompressed(stream({0, 'x', 3 << 5, 0}), 6) == "xxxxxx");
+  // A long repeat: 9 + 255 bytes from 1 back, the longest there is.
+  CHECK(lzf_decompressed(stream({0, 'y', 7 << 5, 255, 0}), 265) == std::string(265, 'y'));
+  // A distance of more than 256: 300 bytes of literals, then 3 from 300 back.
+  std::string literals;
+  std::string plain;
+  for (int i = 0; i < 300; i += 30) {
+    literals += stream({29}) + std::string(30, static_cast<char>('a' + i / 30));
+    plain += std::string(30, static_cast<char>('a' + i / 30));
+  }
+  CHECK(lzf_decompressed(literals + stream({(1 << 5) | 1, 43}), 303) == plain + "aaa");
+}
+
+TEST_CASE("a damaged stream gives nothing instead of reading or writing out of bounds") {
+  CHECK_FALSE(lzf_decompressed(stream({2, 'a', 'b'}), 3));             // literal cut short
+  CHECK_FALSE(lzf_decompressed(stream({2, 'a', 'b', 'c'}), 2));        // more than promised
+  CHECK_FALSE(lzf_decompressed(stream({2, 'a', 'b', 'c'}), 4));        // less than promised
+  CHECK_FALSE(lzf_decompressed(stream({0, 'x', 1 << 5, 1}), 4));       // before the beginning
+  CHECK_FALSE(lzf_decompressed(stream({0, 'x', 1 << 5}), 4));          // reference cut short
+  CHECK_FALSE(lzf_decompressed(stream({0, 'x', 7 << 5, 0}), 10));      // long reference cut short
+  CHECK_FALSE(lzf_decompressed(stream({0, 'x', 7 << 5, 255, 0}), 9));  // repeat beyond the end
+  CHECK_FALSE(lzf_decompressed("", 1));
+  CHECK_FALSE(lzf_decompressed("abc", std::size_t{1} << 60U));  // no allocation
 }

@@ -8,7 +8,7 @@
 #include "error_message.h"
 #include "file_contents.h"
 #include "hqslam/core/error.h"
-#include "hqslam/core/point_times.h"
+#include "hqslam/core/point_fields.h"
 #include "hqslam/core/scan_source.h"
 #include "temporary_directory.h"
 
@@ -177,14 +177,14 @@ TEST_CASE("stamps come from KITTI's timestamps.txt, from a file, or from the fil
   CHECK(stamps({.stamps = directory.file("stamps.txt")}) ==
         std::vector<double>{10.5, 10.625, 11.0});
   write_file(directory.file("stamps.txt"), "10.5\n");
-  CHECK(one_line_with(error_message([&] { stamps({.stamps = directory.file("stamps.txt")}); }),
-                      "stamps.txt", "3 scans", "1"));
+  CHECK(refused_with([&] { stamps({.stamps = directory.file("stamps.txt")}); }, "stamps.txt",
+                     "3 scans", "1"));
   write_file(directory.file("stamps.txt"), "# nothing\n");
-  CHECK(one_line_with(error_message([&] { stamps({.stamps = directory.file("stamps.txt")}); }),
-                      "stamps.txt", "found none"));
+  CHECK(refused_with([&] { stamps({.stamps = directory.file("stamps.txt")}); }, "stamps.txt",
+                     "found none"));
   write_file(directory.file("stamps.txt"), "10.5\nyesterday\n11\n");
-  CHECK(one_line_with(error_message([&] { stamps({.stamps = directory.file("stamps.txt")}); }),
-                      "line 2", "yesterday"));
+  CHECK(refused_with([&] { stamps({.stamps = directory.file("stamps.txt")}); }, "line 2",
+                     "yesterday"));
 }
 
 TEST_CASE("points without times get that of their azimuth, counted on from scan to scan") {
@@ -319,12 +319,9 @@ TEST_CASE("the unit of times is that in which they last a turn") {
   CHECK(last_s(1e5, true, 0.1) == doctest::Approx(0.05));
   CHECK(last_s(5e4, true, 0.05) == doctest::Approx(0.025));
   CHECK_FALSE(point_times({"t", false, {3.0, 3.0}}, 0.1, "a test"));
-  CHECK(one_line_with(error_message([&] { last_s(0.2, false, 0.1); }), "a test", "'t'", "0.1 s",
-                      "0.2 s", "scan_period_s"));
-  CHECK(one_line_with(error_message([&] {
-                        point_times({"t", false, {0.0, NAN}}, 0.1, "a test");
-                      }),
-                      "not finite"));
+  CHECK(refused_with([&] { last_s(0.2, false, 0.1); }, "a test", "'t'", "0.1 s", "0.2 s",
+                     "scan_period_s"));
+  CHECK(refused_with([&] { point_times({"t", false, {0.0, NAN}}, 0.1, "a test"); }, "not finite"));
   const auto clock = point_times({"t", false, {1.6e9, 1.6e9 + 0.1}}, 0.1, "a test");
   CHECK(clock->absolute);
   CHECK(clock->middle_s == doctest::Approx(1.6e9 + 0.05).epsilon(1e-15));

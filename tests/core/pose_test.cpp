@@ -5,14 +5,14 @@
 #include <cmath>
 #include <numbers>
 
-using hqslam::Pose;
+using namespace hqslam;
 
 TEST_CASE("roll, pitch and yaw come back from the pose they made") {
   for (double roll = -1.5; roll <= 1.5; roll += 0.5) {
     for (double pitch = -1.4; pitch <= 1.4; pitch += 0.35) {
       for (double yaw = -3.0; yaw <= 3.0; yaw += 0.6) {
-        const Pose pose = hqslam::pose_from_xyz_rpy({1, 2, 3}, roll, pitch, yaw);
-        const Eigen::Vector3d back = hqslam::roll_pitch_yaw_rad(pose);
+        const Pose pose = pose_from_xyz_rpy({1, 2, 3}, roll, pitch, yaw);
+        const Eigen::Vector3d back = roll_pitch_yaw_rad(pose);
         CHECK((back - Eigen::Vector3d(roll, pitch, yaw)).norm() < 1e-12);
         CHECK(pose.linear().determinant() == doctest::Approx(1.0));
       }
@@ -21,17 +21,17 @@ TEST_CASE("roll, pitch and yaw come back from the pose they made") {
 }
 
 TEST_CASE("a yaw of 90 degrees turns forward to left") {
-  const Pose pose = hqslam::pose_from_xyz_rpy({0, 0, 1}, 0, 0, std::numbers::pi / 2);
+  const Pose pose = pose_from_xyz_rpy({0, 0, 1}, 0, 0, std::numbers::pi / 2);
   CHECK((pose * Eigen::Vector3d(2, 0, 0) - Eigen::Vector3d(0, 2, 1)).norm() < 1e-12);
 }
 
 TEST_CASE("interpolation meets both ends, the middle, and continues beyond") {
-  const Pose a = hqslam::pose_from_xyz_rpy({0, 0, 0}, 0.1, -0.2, 0.3);
-  const Pose b = a * hqslam::pose_from_xyz_rpy({1, 2, 3}, 0, 0, 0.4);
-  CHECK(hqslam::interpolate(a, b, 0.0).isApprox(a, 1e-12));
-  CHECK(hqslam::interpolate(a, b, 1.0).isApprox(b, 1e-12));
-  const Pose twice = hqslam::interpolate(a, b, 2.0);
-  CHECK(hqslam::rotation_angle_rad(a.inverse() * twice) == doctest::Approx(0.8));
+  const Pose a = pose_from_xyz_rpy({0, 0, 0}, 0.1, -0.2, 0.3);
+  const Pose b = a * pose_from_xyz_rpy({1, 2, 3}, 0, 0, 0.4);
+  CHECK(interpolate(a, b, 0.0).isApprox(a, 1e-12));
+  CHECK(interpolate(a, b, 1.0).isApprox(b, 1e-12));
+  const Pose twice = interpolate(a, b, 2.0);
+  CHECK(rotation_angle_rad(a.inverse() * twice) == doctest::Approx(0.8));
   const Pose step = a.inverse() * b;
   CHECK(twice.isApprox(a * step * step, 1e-12));
 }
@@ -39,7 +39,7 @@ TEST_CASE("interpolation meets both ends, the middle, and continues beyond") {
 TEST_CASE("the exponential of a turn about the vertical is a drive along a circle") {
   // Radius 5 m, a quarter of it: 5 m forward and 5 m to the left, heading left.
   const double quarter = std::numbers::pi / 2;
-  const Pose pose = hqslam::exponential({{5.0 * quarter, 0, 0}, {0, 0, quarter}});
+  const Pose pose = exponential({{5.0 * quarter, 0, 0}, {0, 0, quarter}});
   CHECK((pose.translation() - Eigen::Vector3d(5, 5, 0)).norm() < 1e-12);
   CHECK((pose.linear() * Eigen::Vector3d::UnitX() - Eigen::Vector3d::UnitY()).norm() < 1e-12);
 }
@@ -57,7 +57,7 @@ TEST_CASE("a constant twist is the limit of many small steps, of any axis and si
     // (I + A)^2 = I + (2 A + A^2): the identity is left out, so that nothing small is lost.
     for (int k = 0; k < kHalvings; ++k) T = (2.0 * T + T * T).eval();
     T += Eigen::Matrix4d::Identity();
-    const Pose pose = hqslam::exponential({v, w});
+    const Pose pose = exponential({v, w});
     CAPTURE(size);
     CHECK((pose.matrix() - T).norm() < 1e-8 * size * (1.0 + size));
   }
@@ -65,9 +65,8 @@ TEST_CASE("a constant twist is the limit of many small steps, of any axis and si
 
 TEST_CASE("the logarithm undoes the exponential") {
   for (const double size : {0.0, 1e-12, 9e-5, 1.1e-4, 0.3, 3.1}) {
-    const hqslam::Twist twist{{3.0, -1.0, 0.5},
-                              size * Eigen::Vector3d(0.3, 0.5, -0.8).normalized()};
-    const hqslam::Twist back = hqslam::logarithm(hqslam::exponential(twist));
+    const Twist twist{{3.0, -1.0, 0.5}, size * Eigen::Vector3d(0.3, 0.5, -0.8).normalized()};
+    const Twist back = logarithm(exponential(twist));
     CAPTURE(size);
     CHECK((back.linear - twist.linear).norm() < 1e-9);
     CHECK((back.angular - twist.angular).norm() < 1e-12);
@@ -75,14 +74,14 @@ TEST_CASE("the logarithm undoes the exponential") {
 }
 
 TEST_CASE("interpolation between equal poses is that pose") {
-  const Pose a = hqslam::pose_from_xyz_rpy({4, 5, 6}, 0.3, 0.2, 0.1);
-  CHECK(hqslam::interpolate(a, a, 0.3).isApprox(a, 1e-12));
+  const Pose a = pose_from_xyz_rpy({4, 5, 6}, 0.3, 0.2, 0.1);
+  CHECK(interpolate(a, a, 0.3).isApprox(a, 1e-12));
 }
 
 TEST_CASE("orthonormalising mends a drifted rotation and leaves the translation") {
-  Pose pose = hqslam::pose_from_xyz_rpy({7, 8, 9}, 0.5, 0.6, 0.7);
+  Pose pose = pose_from_xyz_rpy({7, 8, 9}, 0.5, 0.6, 0.7);
   const Pose good = pose;
   pose.linear() *= 1.001;
-  const Pose mended = hqslam::orthonormalized(pose);
+  const Pose mended = orthonormalized(pose);
   CHECK(mended.isApprox(good, 1e-9));
 }

@@ -7,11 +7,7 @@
 
 #include "hqslam/core/error.h"
 
-using hqslam::CaptureTime;
-using hqslam::OrganizedCloud;
-using hqslam::RangeImage;
-using hqslam::Scan;
-using hqslam::SensorModel;
+using namespace hqslam;
 
 namespace {
 
@@ -42,12 +38,12 @@ Scan scan_of(const OrganizedCloud& cloud, bool with_rows) {
 }  // namespace
 
 TEST_CASE("project inverts unproject for every preset, with rows given or found by elevation") {
-  for (const std::string& name : hqslam::sensor_preset_names()) {
-    const SensorModel sensor = hqslam::sensor_preset(name);
+  for (const std::string& name : sensor_preset_names()) {
+    const SensorModel sensor = sensor_preset(name);
     const RangeImage image = random_image(sensor, 7);
-    const OrganizedCloud cloud = hqslam::unproject(image, sensor, CaptureTime::kRolling);
+    const OrganizedCloud cloud = unproject(image, sensor, CaptureTime::kRolling);
     for (const bool with_rows : {true, false}) {
-      const auto projected = hqslam::project(scan_of(cloud, with_rows), sensor);
+      const auto projected = project(scan_of(cloud, with_rows), sensor);
       CAPTURE(name);
       CHECK(projected.counts.outside_rows == 0);
       CHECK(projected.counts.hidden_by_nearer == 0);
@@ -74,38 +70,38 @@ TEST_CASE(
   const double elevation_rad = 1.0 * 3.14159265358979 / 180.0;
   scan.points_m = {Eigen::Vector3d(10 * std::cos(elevation_rad), 0.01, 10 * std::sin(elevation_rad))
                        .cast<float>()};
-  const auto projected = hqslam::project(scan, hqslam::sensor_preset("vlp-16"));
+  const auto projected = project(scan, sensor_preset("vlp-16"));
   CHECK(projected.cloud.range_m[projected.cloud.index(7, 899)] == doctest::Approx(10.0));
 }
 
 TEST_CASE("the nearest return wins a pixel, in whatever order they come") {
-  const SensorModel sensor = hqslam::sensor_preset("vlp-16");
+  const SensorModel sensor = sensor_preset("vlp-16");
   Scan scan;
   const Eigen::Vector3f direction(1.0F, 0.001F, std::tan(0.0174533F));
   scan.points_m = {20.0F * direction, 5.0F * direction, 10.0F * direction};
-  const auto projected = hqslam::project(scan, sensor);
+  const auto projected = project(scan, sensor);
   CHECK(projected.counts.kept == 1);
   CHECK(projected.counts.hidden_by_nearer == 2);
   CHECK(projected.cloud.points_m[projected.cloud.index(7, 899)].isApprox(5.0F * direction));
 }
 
 TEST_CASE("points outside the ranges or the beams are left out and counted") {
-  const SensorModel sensor = hqslam::sensor_preset("vlp-16");
+  const SensorModel sensor = sensor_preset("vlp-16");
   Scan scan;
   scan.points_m = {{0.1F, 0, 0}, {500, 0, 0}, {5, 0, 5}, {5, 0, -5}, {0, 0, 0}};
-  const auto projected = hqslam::project(scan, sensor);
+  const auto projected = project(scan, sensor);
   CHECK(projected.counts.out_of_range == 3);
   CHECK(projected.counts.outside_rows == 2);
   CHECK(projected.counts.kept == 0);
 }
 
 TEST_CASE("a sensor sees half a beam spacing beyond its outermost beams") {
-  const SensorModel sensor = hqslam::sensor_preset("vlp-16");  // 15 to -15 degrees, 2 apart
+  const SensorModel sensor = sensor_preset("vlp-16");  // 15 to -15 degrees, 2 apart
   const auto row_at = [&](double elevation_deg) {
     Scan scan;
     scan.points_m = {
         {10.0F, 0.01F, 10.0F * static_cast<float>(std::tan(elevation_deg * 0.0174533))}};
-    const auto projected = hqslam::project(scan, sensor);
+    const auto projected = project(scan, sensor);
     for (int row = 0; row < 16; ++row) {
       if (projected.cloud.range_m[projected.cloud.index(row, 899)] > 0.0F) return row;
     }
@@ -121,40 +117,39 @@ TEST_CASE("a sensor sees half a beam spacing beyond its outermost beams") {
 }
 
 TEST_CASE("a point at the origin is no return, even of a sensor that measures from 0 m on") {
-  SensorModel sensor = hqslam::sensor_preset("vlp-16");
+  SensorModel sensor = sensor_preset("vlp-16");
   sensor.min_range_m = 0.0;
   Scan scan;
   scan.points_m = {{0, 0, 0}, {0.001F, 0, 0}};
   scan.row = {7, 7};
-  const auto projected = hqslam::project(scan, sensor);
+  const auto projected = project(scan, sensor);
   CHECK(projected.counts.out_of_range == 1);
   CHECK(projected.counts.kept == 1);
 }
 
 TEST_CASE("a row that the sensor does not have and a shape that is not its own are refused") {
-  const SensorModel sensor = hqslam::sensor_preset("vlp-16");
+  const SensorModel sensor = sensor_preset("vlp-16");
   Scan scan;
   scan.points_m = {{5, 0, 0}};
   scan.row = {16};
-  CHECK_THROWS_AS(hqslam::project(scan, sensor), hqslam::Error);
+  CHECK_THROWS_AS(project(scan, sensor), Error);
   scan.row = {1, 2};
-  CHECK_THROWS_AS(hqslam::project(scan, sensor), hqslam::Error);
-  CHECK_THROWS_AS(hqslam::unproject(RangeImage(64, 1024), sensor, CaptureTime::kRolling),
-                  hqslam::Error);
+  CHECK_THROWS_AS(project(scan, sensor), Error);
+  CHECK_THROWS_AS(unproject(RangeImage(64, 1024), sensor, CaptureTime::kRolling), Error);
 }
 
 TEST_CASE("rows selected from a cloud are those selected from its image") {
-  const SensorModel sensor = hqslam::sensor_preset("os1-64");
+  const SensorModel sensor = sensor_preset("os1-64");
   const RangeImage image = random_image(sensor, 3);
-  const auto rows = hqslam::selection_for(64, 16);
-  const OrganizedCloud all = hqslam::unproject(image, sensor, CaptureTime::kRolling);
-  const OrganizedCloud selected = hqslam::select_rows(all, rows);
-  const OrganizedCloud direct = hqslam::unproject(
-      hqslam::select_rows(image, rows), hqslam::select_rows(sensor, rows), CaptureTime::kRolling);
+  const auto rows = selection_for(64, 16);
+  const OrganizedCloud all = unproject(image, sensor, CaptureTime::kRolling);
+  const OrganizedCloud selected = select_rows(all, rows);
+  const OrganizedCloud direct =
+      unproject(select_rows(image, rows), select_rows(sensor, rows), CaptureTime::kRolling);
   CHECK(selected.rows == 16);
   CHECK(selected.points_m == direct.points_m);
   CHECK(selected.time_offset_s == direct.time_offset_s);
-  CHECK(hqslam::range_image(selected).range_m == direct.range_m);
+  CHECK(range_image(selected).range_m == direct.range_m);
 }
 
 TEST_CASE("the points of a cloud are those of the pixels with a return, row by row") {
@@ -163,6 +158,5 @@ TEST_CASE("the points of a cloud are those of the pixels with a return, row by r
   cloud.range_m[1] = 3.0F;
   cloud.points_m[2] = {0.0F, 4.0F, 0.0F};
   cloud.range_m[2] = 4.0F;
-  CHECK(hqslam::points_of(cloud) ==
-        std::vector<Eigen::Vector3f>{{1.0F, 2.0F, 2.0F}, {0.0F, 4.0F, 0.0F}});
+  CHECK(points_of(cloud) == std::vector<Eigen::Vector3f>{{1.0F, 2.0F, 2.0F}, {0.0F, 4.0F, 0.0F}});
 }

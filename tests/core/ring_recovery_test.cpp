@@ -4,10 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 #include <numbers>
 
+#include "core/real_data.h"
 #include "error_message.h"
 #include "hqslam/core/kitti_bin.h"
 
@@ -142,7 +142,7 @@ KnownScan without_wrap_after(const KnownScan& known, int ring) {
 KnownScan with_stray_point_in(const KnownScan& known, int ring) {
   KnownScan result;
   bool added = false;
-  const auto first = std::find(known.row.begin(), known.row.end(), ring) - known.row.begin();
+  const auto first = std::ranges::find(known.row, ring) - known.row.begin();
   for (std::size_t i = 0; i < known.row.size(); ++i) {
     if (!added && known.row[i] == ring && known.angle_rad[i] > 3.0) {
       result.add(known.scan.points_m[first], ring, 0.0);
@@ -171,18 +171,14 @@ KnownScan rings_by_wraps(const std::string& path) {
 
 std::vector<std::string> real_scans(int every) {
   std::vector<std::string> paths;
-  const char* data = std::getenv("HQSLAM_DATA");
-  if (data == nullptr) {
-    MESSAGE("skipped: HQSLAM_DATA is not set");
-    return paths;
-  }
-  for (const char* drive : {"kitti_drive_0005", "kitti_drive_22"}) {
-    const auto folder = std::filesystem::path(data) / drive / "velodyne";
+  for (const char* drive : {"kitti_drive_0005/velodyne", "kitti_drive_22/velodyne"}) {
+    const auto folder = real_data(drive);
+    if (!folder) break;
     std::vector<std::string> all;
-    for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    for (const auto& entry : std::filesystem::directory_iterator(*folder)) {
       all.push_back(entry.path().string());
     }
-    std::sort(all.begin(), all.end());
+    std::ranges::sort(all);
     for (std::size_t i = 0; i < all.size(); i += every) paths.push_back(all[i]);
   }
   return paths;
@@ -314,7 +310,7 @@ TEST_CASE("points stored column after column or at random are told from rings an
   const KnownScan known = a_square(sensor, {});
   std::vector<std::size_t> order(known.row.size());
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
-  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+  std::ranges::sort(order, [&](std::size_t a, std::size_t b) {
     return std::pair(known.angle_rad[a], known.row[a]) <
            std::pair(known.angle_rad[b], known.row[b]);
   });
@@ -326,8 +322,8 @@ TEST_CASE("points stored column after column or at random are told from rings an
   for (std::size_t i = 0; i < order.size(); ++i) {
     shuffled.points_m.push_back(known.scan.points_m[i * 7919 % order.size()]);
   }
-  CHECK(one_line_with(error_message([&] { recover_rings(shuffled, sensor); }),
-                      "expected points stored ring after ring", "jumps"));
+  CHECK(refused_with([&] { recover_rings(shuffled, sensor); },
+                     "expected points stored ring after ring", "jumps"));
 }
 
 TEST_CASE("an azimuth that jumps to and fro is refused at once") {
@@ -338,8 +334,8 @@ TEST_CASE("an azimuth that jumps to and fro is refused at once") {
     scan.points_m.emplace_back(static_cast<float>(10.0 * std::cos(azimuth_rad)),
                                static_cast<float>(10.0 * std::sin(azimuth_rad)), 0.0F);
   }
-  CHECK(one_line_with(error_message([&] { recover_rings(scan, sensor); }),
-                      "expected points stored ring after ring", "jumps", "in one turn"));
+  CHECK(refused_with([&] { recover_rings(scan, sensor); }, "expected points stored ring after ring",
+                     "jumps", "in one turn"));
 }
 
 TEST_CASE("a turn with as many gaps as fit into it is one ring") {
@@ -366,12 +362,9 @@ TEST_CASE("the rings of real scans are those that their wraps give") {
 }
 
 TEST_CASE("a real scan with one point behind its last ring has a spurious wrap") {
-  const char* data = std::getenv("HQSLAM_DATA");
-  if (data == nullptr) {
-    MESSAGE("skipped: HQSLAM_DATA is not set");
-    return;
-  }
-  const Scan scan = read_kitti_bin(std::string(data) + "/kitti_drive_0005/velodyne/000042.bin");
+  const auto path = real_data("kitti_drive_0005/velodyne/000042.bin");
+  if (!path) return;
+  const Scan scan = read_kitti_bin(*path);
   const RingRecovery recovery = recover_rings(scan, sensor_preset("hdl-64e"));
   CHECK(recovery.spurious_wraps == 1);
   CHECK(recovery.empty_rings == 0);

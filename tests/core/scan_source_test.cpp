@@ -4,10 +4,10 @@
 #include <sys/stat.h>
 
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 #include <limits>
 
+#include "core/real_data.h"
 #include "error_message.h"
 #include "file_contents.h"
 #include "hqslam/core/kitti_bin.h"
@@ -169,8 +169,8 @@ TEST_CASE("bad pixels and pixels out of range are counted and left out") {
   const TemporaryDirectory directory;
   const SensorModel sensor = sensor_preset("os1-16");
   RangeImage image = an_image(sensor);
-  const std::int64_t pixels = std::count_if(image.range_m.begin(), image.range_m.end(),
-                                            [](float range_m) { return range_m > 0.0F; });
+  const std::int64_t pixels =
+      std::ranges::count_if(image.range_m, [](float range_m) { return range_m > 0.0F; });
   image.at(0, 0) = std::numeric_limits<float>::quiet_NaN();
   image.at(0, 1) = std::numeric_limits<float>::infinity();
   image.at(0, 2) = -3.0F;
@@ -250,10 +250,11 @@ TEST_CASE("an order of rows is refused where points say how high they are") {
   const SensorModel sensor = sensor_preset("os1-16");
   write_kitti_bin(as_scan(an_image(sensor), sensor), directory.file("0.bin"));
   for (const std::string& path : {directory.path().string(), directory.file("0.bin")}) {
-    CHECK(one_line_with(error_message([&] {
-                          open_recording(path, sensor, {RowOrder::kLowestFirst, {}});
-                        }),
-                        path, ".npy", "leave"));
+    CHECK(refused_with(
+        [&] {
+          open_recording(path, sensor, {RowOrder::kLowestFirst, {}});
+        },
+        path, ".npy", "leave"));
   }
 }
 
@@ -295,7 +296,7 @@ TEST_CASE("a truncated file in the middle of a recording ends it after the scans
   std::filesystem::resize_file(directory.file("1.bin"), 1001);
   const auto source = open_recording(directory.path().string(), sensor);
   CHECK(source->next());
-  CHECK(one_line_with(error_message([&] { source->next(); }), "1.bin", "1001 bytes"));
+  CHECK(refused_with([&] { source->next(); }, "1.bin", "1001 bytes"));
 }
 
 TEST_CASE(
@@ -313,7 +314,7 @@ TEST_CASE(
   CHECK(source->size() == 5);
   CHECK(source->next()->stamp_s == 0.0);
   for (const char* name : {"1.bin", "2.bin", "3.bin"}) {
-    CHECK(one_line_with(error_message([&] { source->next(); }), name, "found no file"));
+    CHECK(refused_with([&] { source->next(); }, name, "found no file"));
   }
   CHECK(source->read_share() == doctest::Approx(0.8));
   CHECK(source->next()->stamp_s == doctest::Approx(0.4));
@@ -354,32 +355,27 @@ TEST_CASE("scans of another sensor or in other units are refused") {
 }
 
 TEST_CASE("real recordings are opened and keep nearly all of their points") {
-  const char* data = std::getenv("HQSLAM_DATA");
-  if (data == nullptr) {
-    MESSAGE("skipped: HQSLAM_DATA is not set");
-    return;
-  }
-  const std::string folder(data);
-  const auto drive = open_recording(folder + "/kitti_drive_0005", sensor_preset("hdl-64e"));
+  const auto data = real_data("");
+  if (!data) return;
+  const std::string& folder = *data;
+  const auto drive = open_recording(folder + "kitti_drive_0005", sensor_preset("hdl-64e"));
   CHECK(drive->size() == 80);
   const auto scan = drive->next();
   CHECK(scan->counts.outside_rows == 0);
   CHECK(scan->counts.kept > 50'000);
-  CHECK(
-      one_line_with(error_message([&] {
-                      open_recording(folder + "/kitti_drive_0005", sensor_preset("os1-64"))->next();
-                    }),
-                    "000000.bin", "os1-64"));
+  CHECK(refused_with(
+      [&] { open_recording(folder + "kitti_drive_0005", sensor_preset("os1-64"))->next(); },
+      "000000.bin", "os1-64"));
 
   SensorModel os1 = sensor_preset("os1-64");
   os1.columns = 2048;
   const auto rellis =
-      open_recording(folder + "/ouster/rellis_os1-64_2048x64_000104.bin", os1)->next();
+      open_recording(folder + "ouster/rellis_os1-64_2048x64_000104.bin", os1)->next();
   CHECK(rellis->invalid_points == 53364);
   CHECK(rellis->counts.kept > 60'000);
 
   const auto singles =
-      open_recording(folder + "/hdl64e_singles/train_64x1024.npy", sensor_preset("hdl-64e"));
+      open_recording(folder + "hdl64e_singles/train_64x1024.npy", sensor_preset("hdl-64e"));
   CHECK(singles->size() == 98);
   int images = 0;
   while (singles->next()) ++images;

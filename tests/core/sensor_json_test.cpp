@@ -1,9 +1,9 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
-#include <cstdlib>
 #include <numbers>
 
+#include "core/real_data.h"
 #include "error_message.h"
 #include "file_contents.h"
 #include "hqslam/core/sensor_model.h"
@@ -122,20 +122,16 @@ TEST_CASE("Ouster's grouped metadata give the sensor with azimuths turned counte
 }
 
 TEST_CASE("Ouster's real metadata files, reduced and full, are read") {
-  const char* data = std::getenv("HQSLAM_DATA");
-  if (data == nullptr) {
-    MESSAGE("skipped: HQSLAM_DATA is not set");
-    return;
-  }
-  const std::string folder = std::string(data) + "/ouster/";
-  const SensorModel os1_64 = read_sensor_json(folder + "OS-1-64_1024x10_fw20.json");
+  const auto data = real_data("ouster/");
+  if (!data) return;
+  const SensorModel os1_64 = read_sensor_json(*data + "OS-1-64_1024x10_fw20.json");
   CHECK(os1_64.name == "OS-1-64_1024x10_fw20");
   CHECK(os1_64.rows() == 64);
   CHECK(os1_64.columns == 1024);
   CHECK(os1_64.scan_period_s == 0.1);
   CHECK(degrees(os1_64.beam_elevation_rad[0]) == doctest::Approx(16.46));
   CHECK(degrees(os1_64.beam_azimuth_offset_rad[0]) == doctest::Approx(-3.12));
-  const SensorModel os1_32 = load_sensor(folder + "OS-1-32-G_v2.1.1_1024x10.json");
+  const SensorModel os1_32 = load_sensor(*data + "OS-1-32-G_v2.1.1_1024x10.json");
   CHECK(os1_32.name == "OS-1-32-G");
   CHECK(os1_32.rows() == 32);
   CHECK(degrees(os1_32.beam_elevation_rad[31]) == doctest::Approx(-15.32));
@@ -209,8 +205,7 @@ TEST_CASE("Ouster metadata that contradict themselves or lack a field are refuse
 
 TEST_CASE("a sensor is loaded by the name of a preset or the path of a file") {
   CHECK(load_sensor("vlp-16") == sensor_preset("vlp-16"));
-  CHECK(one_line_with(error_message([] { load_sensor("/nowhere/x.json"); }), "/nowhere/x.json",
-                      "no file"));
-  CHECK(one_line_with(error_message([] { load_sensor("os9"); }), "os9", "os1-64"));
-  CHECK(one_line_with(error_message([] { load_sensor("/tmp/"); }), "/tmp/", "folder"));
+  CHECK(refused_with([] { load_sensor("/nowhere/x.json"); }, "/nowhere/x.json", "no file"));
+  CHECK(refused_with([] { load_sensor("os9"); }, "os9", "os1-64"));
+  CHECK(refused_with([] { load_sensor("/tmp/"); }, "/tmp/", "folder"));
 }

@@ -11,8 +11,7 @@
 #include "hqslam/core/organized_cloud.h"
 #include "hqslam/core/range_image.h"
 
-using hqslam::Error;
-using hqslam::SensorModel;
+using namespace hqslam;
 
 namespace {
 
@@ -24,77 +23,76 @@ TEST_CASE("every preset is valid and has the rows its name says") {
   const std::vector<std::pair<std::string, int>> expected = {
       {"os1-64", 64}, {"os1-16", 16},  {"hdl-64e", 64}, {"hdl-32e", 32},
       {"vlp-16", 16}, {"vlp-32c", 32}, {"vls-128", 128}};
-  CHECK(hqslam::sensor_preset_names().size() == expected.size());
+  CHECK(sensor_preset_names().size() == expected.size());
   for (const auto& [name, rows] : expected) {
-    const SensorModel sensor = hqslam::sensor_preset(name);
+    const SensorModel sensor = sensor_preset(name);
     CHECK(sensor.rows() == rows);
     CHECK(sensor.name == name);
-    CHECK_NOTHROW(hqslam::validate(sensor));
+    CHECK_NOTHROW(validate(sensor));
   }
 }
 
 TEST_CASE("an unknown preset is refused with the list of known ones") {
-  CHECK_THROWS_WITH_AS(hqslam::sensor_preset("os2"),
+  CHECK_THROWS_WITH_AS(sensor_preset("os2"),
                        "unknown sensor 'os2': expected one of os1-64, os1-16, hdl-64e, hdl-32e, "
                        "vlp-16, vlp-32c, vls-128 or a .json file",
                        Error);
 }
 
 TEST_CASE("16 of 64 rows are 3, 7, ..., 63") {
-  const hqslam::RowSelection rows = hqslam::selection_for(64, 16);
+  const RowSelection rows = selection_for(64, 16);
   CHECK(rows.offset == 3);
   CHECK(rows.stride == 4);
-  const SensorModel all = hqslam::sensor_preset("os1-64");
-  const SensorModel some = hqslam::select_rows(all, rows);
+  const SensorModel all = sensor_preset("os1-64");
+  const SensorModel some = select_rows(all, rows);
   REQUIRE(some.rows() == 16);
   CHECK(some.beam_elevation_rad.front() == all.beam_elevation_rad[3]);
   CHECK(some.beam_elevation_rad.back() == all.beam_elevation_rad[63]);
   CHECK(some.beam_azimuth_offset_rad[1] == all.beam_azimuth_offset_rad[7]);
-  CHECK_THROWS_AS(hqslam::selection_for(64, 17), Error);
-  CHECK_THROWS_AS(hqslam::selection_for(64, 0), Error);
+  CHECK_THROWS_AS(selection_for(64, 17), Error);
+  CHECK_THROWS_AS(selection_for(64, 0), Error);
 }
 
 TEST_CASE("a selection that does not fit is refused by sensors, images and clouds alike") {
-  const SensorModel sensor = hqslam::sensor_preset("vlp-16");
-  const hqslam::RangeImage image(16, 32);
-  const hqslam::OrganizedCloud cloud(16, 32);
-  for (const hqslam::RowSelection rows :
-       {hqslam::RowSelection{0, 0}, {3, -1}, {-1, 2}, {16, 2}, {INT_MAX, 1}}) {
+  const SensorModel sensor = sensor_preset("vlp-16");
+  const RangeImage image(16, 32);
+  const OrganizedCloud cloud(16, 32);
+  for (const RowSelection rows : {RowSelection{0, 0}, {3, -1}, {-1, 2}, {16, 2}, {INT_MAX, 1}}) {
     CAPTURE(rows.offset);
-    CHECK_THROWS_AS(hqslam::select_rows(sensor, rows), Error);
-    CHECK_THROWS_AS(hqslam::select_rows(image, rows), Error);
-    CHECK_THROWS_AS(hqslam::select_rows(cloud, rows), Error);
+    CHECK_THROWS_AS(select_rows(sensor, rows), Error);
+    CHECK_THROWS_AS(select_rows(image, rows), Error);
+    CHECK_THROWS_AS(select_rows(cloud, rows), Error);
   }
-  CHECK_THROWS_WITH_AS(hqslam::select_rows(hqslam::RangeImage(3, 32), {10, 2}),
+  CHECK_THROWS_WITH_AS(select_rows(RangeImage(3, 32), {10, 2}),
                        "row selection 10:2 does not fit 3 rows: expected an offset of 0 to 2 and a "
                        "stride of 1 or more",
                        Error);
 }
 
 TEST_CASE("a stride beyond the last row leaves one row") {
-  const hqslam::RowSelection rows{3, INT_MAX};
-  CHECK(hqslam::select_rows(hqslam::sensor_preset("vlp-16"), rows).rows() == 1);
-  CHECK(hqslam::select_rows(hqslam::RangeImage(16, 32), rows).range_m.size() == 32);
-  CHECK(hqslam::select_rows(hqslam::OrganizedCloud(16, 32), rows).points_m.size() == 32);
+  const RowSelection rows{3, INT_MAX};
+  CHECK(select_rows(sensor_preset("vlp-16"), rows).rows() == 1);
+  CHECK(select_rows(RangeImage(16, 32), rows).range_m.size() == 32);
+  CHECK(select_rows(OrganizedCloud(16, 32), rows).points_m.size() == 32);
 }
 
 TEST_CASE("a selection of rows keeps in mind which of them were measured") {
-  SensorModel lifted = hqslam::sensor_preset("os1-64");
-  lifted.measured_rows = hqslam::RowSelection{3, 4};
+  SensorModel lifted = sensor_preset("os1-64");
+  lifted.measured_rows = RowSelection{3, 4};
   const auto measured_of = [&](int offset, int stride) {
-    return hqslam::select_rows(lifted, {offset, stride}).measured_rows;
+    return select_rows(lifted, {offset, stride}).measured_rows;
   };
   CHECK(measured_of(3, 4) == std::nullopt);  // all of them
   CHECK(measured_of(7, 8) == std::nullopt);
-  CHECK(measured_of(1, 2) == hqslam::RowSelection{1, 2});
-  CHECK(measured_of(0, 1) == hqslam::RowSelection{3, 4});
-  CHECK(measured_of(0, 3) == hqslam::RowSelection{1, 4});
-  CHECK(measured_of(0, 63) == hqslam::RowSelection{1, 2});  // rows 0 and 63
-  CHECK_THROWS_AS(hqslam::select_rows(lifted, {2, 4}), Error);
+  CHECK(measured_of(1, 2) == RowSelection{1, 2});
+  CHECK(measured_of(0, 1) == RowSelection{3, 4});
+  CHECK(measured_of(0, 3) == RowSelection{1, 4});
+  CHECK(measured_of(0, 63) == RowSelection{1, 2});  // rows 0 and 63
+  CHECK_THROWS_AS(select_rows(lifted, {2, 4}), Error);
 }
 
 TEST_CASE("column 0 looks backwards, the middle column forward, azimuth falls with the column") {
-  const SensorModel sensor = hqslam::sensor_preset("vlp-16");
+  const SensorModel sensor = sensor_preset("vlp-16");
   CHECK(degrees(sensor.azimuth_rad(0, 0)) == doctest::Approx(179.9));
   CHECK(degrees(sensor.azimuth_rad(0, 899)) == doctest::Approx(0.1));
   CHECK(degrees(sensor.azimuth_rad(0, 450)) == doctest::Approx(89.9));
@@ -102,7 +100,7 @@ TEST_CASE("column 0 looks backwards, the middle column forward, azimuth falls wi
 
 TEST_CASE("a direction's column is the pixel whose centre is nearest") {
   for (const char* name : {"os1-64", "vls-128", "hdl-64e"}) {
-    const SensorModel sensor = hqslam::sensor_preset(name);
+    const SensorModel sensor = sensor_preset(name);
     const double step_rad = sensor.column_step_rad();
     for (int row = 0; row < sensor.rows(); row += 5) {
       for (int column = 0; column < sensor.columns; column += 7) {
@@ -117,7 +115,7 @@ TEST_CASE("a direction's column is the pixel whose centre is nearest") {
 }
 
 TEST_CASE("azimuth offsets split into whole columns and at most half a column") {
-  const SensorModel sensor = hqslam::sensor_preset("os1-64");
+  const SensorModel sensor = sensor_preset("os1-64");
   for (int row = 0; row < sensor.rows(); ++row) {
     CHECK(std::abs(sensor.residual_azimuth_rad(row)) <= sensor.column_step_rad() / 2 + 1e-12);
     CHECK(sensor.column_shift(row) * sensor.column_step_rad() + sensor.residual_azimuth_rad(row) ==
@@ -128,7 +126,7 @@ TEST_CASE("azimuth offsets split into whole columns and at most half a column") 
 }
 
 TEST_CASE("the beam that fires from a column looks where the head plus its offset looks") {
-  const SensorModel sensor = hqslam::sensor_preset("os1-64");
+  const SensorModel sensor = sensor_preset("os1-64");
   for (int row = 0; row < sensor.rows(); ++row) {
     const int column = 500;
     const int head_column = sensor.firing_column(row, column);
@@ -139,7 +137,7 @@ TEST_CASE("the beam that fires from a column looks where the head plus its offse
 }
 
 TEST_CASE("each row is measured once per column, from half a period before to half after") {
-  const SensorModel sensor = hqslam::sensor_preset("os1-64");
+  const SensorModel sensor = sensor_preset("os1-64");
   std::set<int> heads;
   for (int column = 0; column < sensor.columns; ++column) {
     heads.insert(sensor.firing_column(0, column));
@@ -150,38 +148,38 @@ TEST_CASE("each row is measured once per column, from half a period before to ha
 }
 
 TEST_CASE("validation names the field, the value and the constraint") {
-  SensorModel sensor = hqslam::sensor_preset("vlp-16");
+  SensorModel sensor = sensor_preset("vlp-16");
   sensor.columns = 3;
-  CHECK_THROWS_WITH_AS(hqslam::validate(sensor),
-                       "sensor 'vlp-16': columns is 3, expected 16 to 16384", Error);
+  CHECK_THROWS_WITH_AS(validate(sensor), "sensor 'vlp-16': columns is 3, expected 16 to 16384",
+                       Error);
   sensor.columns = 16385;
-  CHECK_THROWS_AS(hqslam::validate(sensor), Error);
+  CHECK_THROWS_AS(validate(sensor), Error);
   for (const int columns : {16, 16384}) {
     sensor.columns = columns;
-    CHECK_NOTHROW(hqslam::validate(sensor));
+    CHECK_NOTHROW(validate(sensor));
   }
-  sensor = hqslam::sensor_preset("vlp-16");
+  sensor = sensor_preset("vlp-16");
   std::swap(sensor.beam_elevation_rad[3], sensor.beam_elevation_rad[4]);
-  CHECK_THROWS_AS(hqslam::validate(sensor), Error);
-  sensor = hqslam::sensor_preset("vlp-16");
+  CHECK_THROWS_AS(validate(sensor), Error);
+  sensor = sensor_preset("vlp-16");
   sensor.beam_azimuth_offset_rad.pop_back();
-  CHECK_THROWS_AS(hqslam::validate(sensor), Error);
-  sensor = hqslam::sensor_preset("vlp-16");
+  CHECK_THROWS_AS(validate(sensor), Error);
+  sensor = sensor_preset("vlp-16");
   sensor.beam_elevation_rad[0] = std::nan("");
-  CHECK_THROWS_AS(hqslam::validate(sensor), Error);
-  sensor = hqslam::sensor_preset("vlp-16");
-  for (const hqslam::RowSelection rows : {hqslam::RowSelection{0, 0}, {-1, 4}, {16, 4}}) {
+  CHECK_THROWS_AS(validate(sensor), Error);
+  sensor = sensor_preset("vlp-16");
+  for (const RowSelection rows : {RowSelection{0, 0}, {-1, 4}, {16, 4}}) {
     sensor.measured_rows = rows;
-    CHECK_THROWS_AS(hqslam::validate(sensor), Error);
+    CHECK_THROWS_AS(validate(sensor), Error);
   }
 }
 
 TEST_CASE("a turn takes a millisecond to a hundred seconds") {
-  SensorModel sensor = hqslam::sensor_preset("vlp-16");
+  SensorModel sensor = sensor_preset("vlp-16");
   for (const double period_s : {1e-300, 0.0, -0.1, 1e300, std::nan("")}) {
     sensor.scan_period_s = period_s;
-    CHECK_THROWS_AS(hqslam::validate(sensor), Error);
+    CHECK_THROWS_AS(validate(sensor), Error);
   }
   sensor.scan_period_s = 0.001;
-  CHECK_NOTHROW(hqslam::validate(sensor));
+  CHECK_NOTHROW(validate(sensor));
 }

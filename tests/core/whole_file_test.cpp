@@ -31,18 +31,18 @@ TEST_CASE("a place that cannot be written is one line") {
   const TemporaryDirectory folder;
   std::filesystem::create_directory(folder.file("taken"));
   const auto write = [](const std::string& part) { write_whole_file(part, "one"); };
-  CHECK(one_line_with(error_message([&] { replace_file(folder.file("no/a"), write); }), "no/a"));
-  CHECK(one_line_with(error_message([&] { replace_file(folder.file("taken"), write); }), "taken",
-                      "cannot be written"));
+  CHECK(refused_with([&] { replace_file(folder.file("no/a"), write); }, "no/a"));
+  CHECK(refused_with([&] { replace_file(folder.file("taken"), write); }, "taken",
+                     "cannot be written"));
   CHECK_FALSE(std::filesystem::exists(folder.file("taken.part")));
 }
 
 TEST_CASE("no more is read than is asked for, and no folder or device") {
   const TemporaryDirectory folder;
   write_file(folder.file("a"), "four");
-  CHECK(one_line_with(error_message([&] { whole_file(folder.file("a"), "a file", 3); }),
-                      "at most 3 bytes, found 4"));
+  CHECK(
+      refused_with([&] { whole_file(folder.file("a"), "a file", 3); }, "at most 3 bytes, found 4"));
   for (const std::string& path : {folder.path().string(), std::string("/dev/zero")}) {
-    CHECK(one_line_with(error_message([&] { whole_file(path, "a file", 3); }), path));
+    CHECK(refused_with([&] { whole_file(path, "a file", 3); }, path));
   }
 }

@@ -4,11 +4,11 @@
 #include "captures.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/projection.h"
-#include "hqslam/recordings/ouster.h"
 #include "hqslam/recordings/recording.h"
-#include "hqslam/recordings/velodyne.h"
 #include "input_file.h"
+#include "ouster_decoder.h"
 #include "readers.h"
+#include "velodyne_decoder.h"
 
 namespace hqslam::fuzz {
 

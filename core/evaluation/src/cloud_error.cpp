@@ -1,7 +1,5 @@
 #include "hqslam/evaluation/cloud_error.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -21,14 +19,18 @@ using Voxel = std::array<std::int64_t, 3>;
 /// No map is wider; keeps voxel indices and squared distances within their types.
 constexpr float kMaxCoordinate_m = 1e7F;
 
+constexpr std::array<double CloudError::*, 6> kFigures = {
+    &CloudError::iou, &CloudError::precision,  &CloudError::recall,
+    &CloudError::f1,  &CloudError::chamfer_m2, &CloudError::outlier_share};
+
 void require_points(const Points& points_m, const std::string& which) {
   if (points_m.empty()) {
-    throw Error(fmt::format("{}: expected at least one point, found none", which));
+    throw Error("{}: expected at least one point, found none", which);
   }
   for (const Eigen::Vector3f& p : points_m) {
     if (!p.allFinite() || p.cwiseAbs().maxCoeff() > kMaxCoordinate_m) {
-      throw Error(fmt::format("{}: expected finite coordinates below {} m, found {} {} {}", which,
-                              kMaxCoordinate_m, p.x(), p.y(), p.z()));
+      throw Error("{}: expected finite coordinates below {} m, found {} {} {}", which,
+                  kMaxCoordinate_m, p.x(), p.y(), p.z());
     }
   }
 }
@@ -70,7 +72,7 @@ std::vector<Voxel> voxels(const Points& points_m, const Eigen::Vector3d& origin_
                       static_cast<std::int64_t>(std::floor(index.y())),
                       static_cast<std::int64_t>(std::floor(index.z()))});
   }
-  std::sort(result.begin(), result.end());
+  std::ranges::sort(result);
   result.erase(std::unique(result.begin(), result.end()), result.end());
   return result;
 }
@@ -98,20 +100,12 @@ CloudError cloud_error(const Points& cloud_m, const Points& true_cloud_m) {
 }
 
 CloudError& operator+=(CloudError& sum, const CloudError& error) {
-  sum.iou += error.iou;
-  sum.precision += error.precision;
-  sum.recall += error.recall;
-  sum.f1 += error.f1;
-  sum.chamfer_m2 += error.chamfer_m2;
-  sum.outlier_share += error.outlier_share;
+  for (const auto figure : kFigures) sum.*figure += error.*figure;
   return sum;
 }
 
 CloudError& operator/=(CloudError& sum, double clouds) {
-  for (double* figure :
-       {&sum.iou, &sum.precision, &sum.recall, &sum.f1, &sum.chamfer_m2, &sum.outlier_share}) {
-    *figure /= clouds;
-  }
+  for (const auto figure : kFigures) sum.*figure /= clouds;
   return sum;
 }
 

@@ -1,7 +1,5 @@
 #include "hqslam/evaluation/image_error.h"
 
-#include <fmt/format.h>
-
 #include <cmath>
 
 #include "hqslam/core/error.h"
@@ -10,8 +8,8 @@ namespace hqslam {
 
 ImageError image_error(const RangeImage& image, const RangeImage& true_image) {
   if (image.rows != true_image.rows || image.columns != true_image.columns) {
-    throw Error(fmt::format("expected an image of {} x {} pixels as the true one, found {} x {}",
-                            true_image.rows, true_image.columns, image.rows, image.columns));
+    throw Error("expected an image of {} x {} pixels as the true one, found {} x {}",
+                true_image.rows, true_image.columns, image.rows, image.columns);
   }
   const auto range_or_zero = [](float range_m) {
     return std::isfinite(range_m) && range_m > 0.0F ? static_cast<double>(range_m) : 0.0;

@@ -1,6 +1,5 @@
 #include "hqslam/evaluation/png.h"
 
-#include <fmt/format.h>
 #include <png.h>
 
 #include <algorithm>
@@ -38,10 +37,8 @@ std::vector<std::uint8_t> encode_png(const RgbImage& image) {
                     image.columns <= kMaxSide &&
                     image.pixels.size() == static_cast<std::size_t>(image.rows) * image.columns;
   if (!fits) {
-    throw Error(
-        fmt::format("expected an image of 1 to {} rows and columns, found {} x {} with {} "
-                    "pixels",
-                    kMaxSide, image.rows, image.columns, image.pixels.size()));
+    throw Error("expected an image of 1 to {} rows and columns, found {} x {} with {} pixels",
+                kMaxSide, image.rows, image.columns, image.pixels.size());
   }
   png_image png{};
   png.version = PNG_IMAGE_VERSION;
@@ -52,8 +49,8 @@ std::vector<std::uint8_t> encode_png(const RgbImage& image) {
   std::vector<std::uint8_t> bytes(size);
   if (png_image_write_to_memory(&png, bytes.data(), &size, 0, image.pixels.data(), 0, nullptr) ==
       0) {
-    throw Error(fmt::format("the image of {} x {} pixels could not be encoded: {}", image.rows,
-                            image.columns, png.message));
+    throw Error("the image of {} x {} pixels could not be encoded: {}", image.rows, image.columns,
+                png.message);
   }
   bytes.resize(size);
   return bytes;
@@ -66,8 +63,7 @@ void write_png(const RgbImage& image, const std::string& path) {
 
 RgbImage color_by_range(const RangeImage& image, double max_range_m) {
   if (!(max_range_m > kNearest_m) || !std::isfinite(max_range_m)) {
-    throw Error(
-        fmt::format("max_range_m: expected more than {} m, found {}", kNearest_m, max_range_m));
+    throw Error("max_range_m: expected more than {} m, found {}", kNearest_m, max_range_m);
   }
   RgbImage result;
   result.rows = image.rows;

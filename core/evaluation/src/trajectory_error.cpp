@@ -1,14 +1,14 @@
 #include "hqslam/evaluation/trajectory_error.h"
 
-#include <fmt/format.h>
-
 #include <Eigen/SVD>
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
+#include <optional>
 
 #include "hqslam/core/error.h"
-#include "motion_error.h"
+#include "hqslam/evaluation/drift.h"
 
 namespace hqslam {
 
@@ -65,24 +65,58 @@ Pose alignment_of(const Trajectory& estimate, const Trajectory& reference, const
          estimate[pairs.estimate[0]].T_map_sensor.inverse();
 }
 
-}  // namespace
+void validate(const SlipOptions& options) {
+  if (options.scans > 0 && options.translation_m > 0.0 && options.rotation_rad > 0.0) return;
+  throw Error(
+      "slips: expected a positive number of scans and positive limits, found {}, {} m and {} rad",
+      options.scans, options.translation_m, options.rotation_rad);
+}
 
+/// Per reference pose the index of the estimate's pose at its time.
+std::vector<std::optional<std::size_t>> partners(const PosePairs& pairs, std::size_t poses) {
+  std::vector<std::optional<std::size_t>> result(poses);
+  for (std::size_t i = 0; i < pairs.reference.size(); ++i) {
+    result[pairs.reference[i]] = pairs.estimate[i];
+  }
+  return result;
+}
+
+bool touches(const Slip& slip, std::size_t first, std::size_t last) {
+  return slip.first <= last && first <= slip.last;
+}
+
+/// The motion between two poses of one frame.
+struct Motion {
+  Pose T_frame_from;
+  Pose T_frame_to;
+};
+
+/// E = (T_ref_from^-1 T_ref_to)^-1 (T_est_from^-1 T_est_to): what the estimate adds to the true
+/// motion. The frames of the two need not agree.
+Pose motion_error(const Motion& estimate, const Motion& reference) {
+  const Pose true_motion = reference.T_frame_from.inverse() * reference.T_frame_to;
+  return true_motion.inverse() * (estimate.T_frame_from.inverse() * estimate.T_frame_to);
+}
+
+/// Throws Error if there are fewer than `expected`.
 void require_pairs(const PosePairs& pairs, std::size_t expected, double max_difference_s) {
   if (pairs.estimate.size() >= expected) return;
   throw Error(
-      fmt::format("expected at least {} poses of estimate and reference with stamps at most "
-                  "{} s apart, found {}; give trajectories of the same recording",
-                  expected, max_difference_s, pairs.estimate.size()));
+      "expected at least {} poses of estimate and reference with stamps at most {} s apart, found "
+      "{}; give trajectories of the same recording",
+      expected, max_difference_s, pairs.estimate.size());
 }
+
+}  // namespace
 
 std::string_view name(Alignment alignment) {
   return kAlignments[static_cast<std::size_t>(alignment)];
 }
 
 Alignment alignment_from_name(std::string_view name) {
-  const auto found = std::find(kAlignments.begin(), kAlignments.end(), name);
+  const auto found = std::ranges::find(kAlignments, name);
   if (found != kAlignments.end()) return static_cast<Alignment>(found - kAlignments.begin());
-  throw Error(fmt::format("alignment: expected none, first or se3, found '{}'", name));
+  throw Error("alignment: expected none, first or se3, found '{}'", name);
 }
 
 ErrorStatistics statistics_of(std::vector<double> values) {
@@ -94,7 +128,7 @@ ErrorStatistics statistics_of(std::vector<double> values) {
     statistics.rmse += value * value / n;
   }
   statistics.rmse = std::sqrt(statistics.rmse);
-  std::sort(values.begin(), values.end());
+  std::ranges::sort(values);
   const std::size_t middle = values.size() / 2;
   statistics.median =
       values.size() % 2 == 1 ? values[middle] : (values[middle - 1] + values[middle]) / 2.0;
@@ -153,7 +187,7 @@ AbsolutePoseError absolute_pose_error(const Trajectory& estimate, const Trajecto
 RelativePoseError relative_pose_error(const Trajectory& estimate, const Trajectory& reference,
                                       double stretch_m, double max_difference_s) {
   if (!(stretch_m > 0.0) || !std::isfinite(stretch_m)) {
-    throw Error(fmt::format("stretch_m: expected a positive length, found {}", stretch_m));
+    throw Error("stretch_m: expected a positive length, found {}", stretch_m);
   }
   const PosePairs pairs = associate(estimate, reference, max_difference_s);
   require_pairs(pairs, 2, max_difference_s);
@@ -185,6 +219,55 @@ RelativePoseError relative_pose_error(const Trajectory& estimate, const Trajecto
   error.translation_statistics = statistics_of(error.translation_m);
   error.rotation_statistics = statistics_of(error.rotation_rad);
   return error;
+}
+
+std::vector<Slip> slips(const Trajectory& estimate, const Trajectory& reference,
+                        const SlipOptions& options, double max_difference_s) {
+  validate(options);
+  const PosePairs pairs = associate(estimate, reference, max_difference_s);
+  require_pairs(pairs, 2, max_difference_s);
+  const auto partner = partners(pairs, reference.size());
+  std::vector<Slip> result;
+  for (std::size_t i = 0; i + options.scans < reference.size(); ++i) {
+    const std::size_t j = i + options.scans;
+    if (!partner[i] || !partner[j]) continue;
+    const Pose difference =
+        motion_error({estimate[*partner[i]].T_map_sensor, estimate[*partner[j]].T_map_sensor},
+                     {reference[i].T_map_sensor, reference[j].T_map_sensor});
+    const double translation_m = difference.translation().norm();
+    const double rotation_rad = rotation_angle_rad(difference);
+    // Written so that a pose that is not a number is a slip.
+    if (translation_m <= options.translation_m && rotation_rad <= options.rotation_rad) continue;
+    if (result.empty() || i > result.back().last + 1) result.push_back({i, j, 0.0, 0.0});
+    Slip& slip = result.back();
+    slip.last = j;
+    slip.translation_m = std::max(slip.translation_m, translation_m);
+    slip.rotation_rad = std::max(slip.rotation_rad, rotation_rad);
+  }
+  return result;
+}
+
+double slips_per_100_km(std::size_t slips, double path_m) {
+  constexpr double kMetres = 100e3;
+  return path_m > 0.0 ? kMetres * static_cast<double>(slips) / path_m : 0.0;
+}
+
+Drift drift(const RelativePoseError& error, const std::vector<Slip>& left_out) {
+  Drift result;
+  for (std::size_t i = 0; i < error.translation_m.size(); ++i) {
+    const bool slipped = std::ranges::any_of(
+        left_out, [&](const Slip& slip) { return touches(slip, error.first[i], error.last[i]); });
+    if (slipped) continue;
+    ++result.pieces;
+    result.translation_percent += 100.0 * error.translation_m[i] / error.stretch_m;
+    result.rotation_deg_per_100m +=
+        100.0 * error.rotation_rad[i] * 180.0 / std::numbers::pi / error.stretch_m;
+  }
+  if (result.pieces > 0) {
+    result.translation_percent /= static_cast<double>(result.pieces);
+    result.rotation_deg_per_100m /= static_cast<double>(result.pieces);
+  }
+  return result;
 }
 
 }  // namespace hqslam

@@ -69,7 +69,7 @@ class Exchange {
   }
 
   [[noreturn]] void fail(const std::string& found) const {
-    throw Error(fmt::format("{}: expected an answer, found {}", url_, found));
+    throw Error("{}: expected an answer, found {}", url_, found);
   }
 
  private:
@@ -180,8 +180,8 @@ std::string http_get(const std::array<std::uint8_t, 16>& address, std::uint16_t 
   if (!is_http) exchange.fail("something that is no HTTP");
   if (answer.compare(8, 4, " 200") != 0) {
     const std::string status = answer.substr(9, 3);
-    const bool is_number = std::all_of(status.begin(), status.end(),
-                                       [](unsigned char c) { return c >= '0' && c <= '9'; });
+    const bool is_number =
+        std::ranges::all_of(status, [](unsigned char c) { return c >= '0' && c <= '9'; });
     exchange.fail(is_number ? "status " + status : "something that is no HTTP");
   }
   const std::optional<std::string> body = body_of(answer, true);

@@ -1,7 +1,5 @@
 #include "hqslam/live/live.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -34,8 +32,8 @@ constexpr std::int64_t kTrouble_ns = 2'000'000'000;
 
 const LiveOptions& checked(const LiveOptions& options) {
   if (options.most_waiting < 1) {
-    throw Error(fmt::format("most_waiting is {}, expected 1 or more complete scans that may wait",
-                            options.most_waiting));
+    throw Error("most_waiting is {}, expected 1 or more complete scans that may wait",
+                options.most_waiting);
   }
   return options;
 }

@@ -7,8 +7,7 @@
 
 #include "hqslam/core/error.h"
 #include "http_get.h"
-#include "ouster_layout.h"
-#include "ouster_metadata_text.h"
+#include "ouster_metadata.h"
 #include "velodyne_sensor.h"
 #include "velodyne_tables.h"
 
@@ -60,9 +59,9 @@ std::uint16_t LiveStream::usual_port() const {
 
 LiveStream::Sender& LiveStream::heard(const Packet& packet) {
   if (!senders_.contains(packet.endpoint) && senders_.size() == kMostSenders) {
-    senders_.erase(std::min_element(
-        senders_.begin(), senders_.end(),
-        [](const auto& a, const auto& b) { return a.second.packets < b.second.packets; }));
+    senders_.erase(std::ranges::min_element(senders_, [](const auto& a, const auto& b) {
+      return a.second.packets < b.second.packets;
+    }));
   }
   Sender& sender = senders_[packet.endpoint];
   ++sender.packets;
@@ -93,17 +92,16 @@ bool LiveStream::recognise(const Packet& packet) {
 }
 
 std::string LiveStream::complaint() const {
-  const auto most = std::max_element(
-      senders_.begin(), senders_.end(),
-      [](const auto& a, const auto& b) { return a.second.packets < b.second.packets; });
+  const auto most = std::ranges::max_element(
+      senders_, [](const auto& a, const auto& b) { return a.second.packets < b.second.packets; });
   if (most == senders_.end()) return "";
   const auto& [endpoint, sender] = *most;
   if (!sender.complaint.empty()) return sender.complaint;
   if (sender.understood > 0) return "";
   const std::string size = metadata_ ? fmt::format(" of {} bytes", metadata_->packet_bytes()) : "";
   return fmt::format(
-      "UDP port {}: expected packets{} of '{}', found some of {} bytes from {}; name "
-      "the sensor that sends them, or its port",
+      "UDP port {}: expected packets{} of '{}', found some of {} bytes from {}; name the sensor "
+      "that sends them, or its port",
       endpoint.port, size, options_.sensor, sender.last_bytes, text(endpoint));
 }
 
@@ -124,9 +122,8 @@ bool LiveStream::ask_for_metadata(const Packet& packet, Sender& sender) {
   }
   if (metadata.sensor.rows() != named_.rows()) {
     sender.complaint = fmt::format(
-        "{}: is a sensor of {} beams, expected the {} of '{}'; name the kind "
-        "that it is",
-        place, metadata.sensor.rows(), named_.rows(), options_.sensor);
+        "{}: is a sensor of {} beams, expected the {} of '{}'; name the kind that it is", place,
+        metadata.sensor.rows(), named_.rows(), options_.sensor);
     return false;
   }
   metadata_ = std::move(metadata);
@@ -193,10 +190,8 @@ bool LiveStream::is_sensors(const Packet& packet) {
 std::unique_ptr<ScanAssembler> LiveStream::assembler(int columns) {
   if (is_ouster_) {
     if (columns > 0 && columns != sensor_.columns) {
-      throw Error(
-          fmt::format("the sensor sends {} columns a turn, {} are asked for; set it to "
-                      "another mode",
-                      sensor_.columns, columns));
+      throw Error("the sensor sends {} columns a turn, {} are asked for; set it to another mode",
+                  sensor_.columns, columns);
     }
     OusterOptions options;
     options.kept_return = options_.kept_return;

@@ -1,7 +1,5 @@
 #include "pcap_writer.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cerrno>
@@ -96,16 +94,16 @@ constexpr std::array<std::uint32_t, 6> kFileHeader = {0xA1B23C4D, 0x00040002, 0,
 
 PcapWriter::PcapWriter(const std::string& path) : path_(path) {
   if (!path.ends_with(".pcap")) {
-    throw Error(fmt::format("{}: expected a name that ends with .pcap for the packets", path));
+    throw Error("{}: expected a name that ends with .pcap for the packets", path);
   }
   if (std::filesystem::exists(beside(path))) {
-    throw Error(fmt::format("{}: is there already, expected none beside {}; name another file",
-                            beside(path), path));
+    throw Error("{}: is there already, expected none beside {}; name another file", beside(path),
+                path);
   }
   file_.reset(std::fopen(path.c_str(), "wbx"));
   if (!file_) {
-    throw Error(fmt::format("{}: cannot be made for the packets ({}); name another file", path,
-                            std::strerror(errno)));
+    throw Error("{}: cannot be made for the packets ({}); name another file", path,
+                std::strerror(errno));
   }
   write(kFileHeader.data(), sizeof kFileHeader);
 }
@@ -120,7 +118,7 @@ void PcapWriter::put_beside(const std::string& metadata) const {
   std::ofstream stream(beside(path_), std::ios::binary);
   stream << metadata;
   stream.close();
-  if (!stream) throw Error(fmt::format("{}: cannot be written; is the disk full?", beside(path_)));
+  if (!stream) throw Error("{}: cannot be written; is the disk full?", beside(path_));
 }
 
 void PcapWriter::add(const Packet& packet) {
@@ -144,7 +142,7 @@ void PcapWriter::add(const Packet& packet) {
 
 void PcapWriter::write(const void* bytes, std::size_t count) {
   if (std::fwrite(bytes, 1, count, file_.get()) == count) return;
-  throw Error(fmt::format("{}: cannot be written on; is the disk full?", path_));
+  throw Error("{}: cannot be written on; is the disk full?", path_);
 }
 
 }  // namespace hqslam::live

@@ -1,7 +1,6 @@
 #include "udp_socket.h"
 
 #include <arpa/inet.h>
-#include <fmt/format.h>
 #include <netinet/in.h>
 #include <poll.h>
 #include <sys/socket.h>
@@ -26,9 +25,9 @@ constexpr int kSystemBuffer_bytes = 8 << 20;
 
 [[noreturn]] void fail_for_port(std::uint16_t port) {
   const int error = errno;
-  throw Error(fmt::format("UDP port {} cannot be opened ({}); {}", port, std::strerror(error),
-                          error == EADDRINUSE ? "end the program that uses it, or name another port"
-                                              : "name another port"));
+  throw Error("UDP port {} cannot be opened ({}); {}", port, std::strerror(error),
+              error == EADDRINUSE ? "end the program that uses it, or name another port"
+                                  : "name another port");
 }
 
 /// A socket bound to the port for IPv6 with IPv4 inside, or for IPv4 where there is no IPv6.
@@ -121,8 +120,7 @@ std::optional<Packet> UdpSocket::receive(int timeout_ms) {
   const ssize_t bytes = recvmsg(socket_.get(), &message, MSG_DONTWAIT);
   if (bytes < 0) {
     if (errno == EAGAIN || errno == EINTR || errno == ECONNREFUSED) return std::nullopt;
-    throw Error(fmt::format("UDP port {} cannot be read ({}); check the network", port_,
-                            std::strerror(errno)));
+    throw Error("UDP port {} cannot be read ({}); check the network", port_, std::strerror(errno));
   }
   Packet packet;
   packet.capture_time_ns = arrival_ns(message);

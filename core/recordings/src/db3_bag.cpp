@@ -13,18 +13,13 @@ namespace hqslam::recordings {
 
 namespace {
 
-struct CloseDatabase {
-  void operator()(sqlite3* database) const { sqlite3_close_v2(database); }
-};
-struct FinalizeStatement {
-  void operator()(sqlite3_stmt* statement) const { sqlite3_finalize(statement); }
-};
-using Database = std::unique_ptr<sqlite3, CloseDatabase>;
-using Statement = std::unique_ptr<sqlite3_stmt, FinalizeStatement>;
+using Database = std::unique_ptr<sqlite3, decltype([](sqlite3* raw) { sqlite3_close_v2(raw); })>;
+using Statement =
+    std::unique_ptr<sqlite3_stmt, decltype([](sqlite3_stmt* raw) { sqlite3_finalize(raw); })>;
 
 [[noreturn]] void fail(const std::string& path, sqlite3* database) {
-  throw Error(fmt::format("{}: expected a ROS 2 bag (sqlite), found '{}'; give a whole .db3 file",
-                          path, excerpt(sqlite3_errmsg(database), kNameCharacters)));
+  throw Error("{}: expected a ROS 2 bag (sqlite), found '{}'; give a whole .db3 file", path,
+              excerpt(sqlite3_errmsg(database), kNameCharacters));
 }
 
 /// The name by which SQLite reads a bag without writing: one in write-ahead mode (rosbag2's preset

@@ -88,8 +88,8 @@ std::deque<IpDatagrams::Unfinished>::iterator IpDatagrams::unfinished(Bytes head
   std::array<std::uint8_t, 10> key{};
   std::copy_n(header.data() + 12, 8, key.begin());
   std::copy_n(header.data() + 4, 2, key.begin() + 8);
-  auto found = std::find_if(unfinished_.begin(), unfinished_.end(),
-                            [&](const Unfinished& other) { return other.key == key; });
+  auto found =
+      std::ranges::find_if(unfinished_, [&](const Unfinished& other) { return other.key == key; });
   if (found != unfinished_.end() && packets_ - found->last_packet > kMostPacketsBetween) {
     unfinished_.erase(found);
     ++given_up_;
@@ -119,13 +119,12 @@ std::optional<UdpDatagram> IpDatagrams::add_fragment(Bytes header, Bytes data) {
     found->bytes.resize(first + data.size());
     found->have.resize((first + data.size() + kUnit - 1) / kUnit, false);
   }
-  std::copy(data.begin(), data.end(), found->bytes.begin() + static_cast<std::ptrdiff_t>(first));
+  std::ranges::copy(data, found->bytes.begin() + static_cast<std::ptrdiff_t>(first));
   for (std::size_t at = first; at < first + data.size(); at += kUnit)
     found->have[at / kUnit] = true;
   if (!more) found->total = first + data.size();
-  const bool complete =
-      found->total > 0 && found->bytes.size() == found->total &&
-      std::find(found->have.begin(), found->have.end(), false) == found->have.end();
+  const bool complete = found->total > 0 && found->bytes.size() == found->total &&
+                        std::ranges::find(found->have, false) == found->have.end();
   if (!complete) return std::nullopt;
   whole_ = std::move(found->bytes);
   unfinished_.erase(found);

@@ -1,7 +1,6 @@
-#include <fmt/format.h>
 
+#include "bag.h"
 #include "hqslam/core/error.h"
-#include "scanned_bag.h"
 
 namespace hqslam::recordings {
 
@@ -26,8 +25,7 @@ class Fields {
   }
   Bytes take(std::uint64_t count) {
     if (count > bytes_.size()) {
-      throw Error(
-          fmt::format("expected {} more bytes of a record, found {}", count, bytes_.size()));
+      throw Error("expected {} more bytes of a record, found {}", count, bytes_.size());
     }
     const Bytes result = bytes_.first(count);
     bytes_ = bytes_.subspan(count);

@@ -5,10 +5,42 @@
 #include <optional>
 #include <string>
 
-#include "message_reader.h"
+#include "byte_reader.h"
 #include "recording_file.h"
 
 namespace hqslam::recordings {
+
+/// Reads a message field by field: ROS 2's CDR (little- or big-endian, numbers aligned to their
+/// size behind the encapsulation header, texts with a zero at the end) or ROS 1's form (no
+/// alignment). Throws Error for a message that ends too early.
+/// Source: OMG, "DDS Interoperability Wire Protocol", 10; ROS wiki, "msg".
+class MessageReader {
+ public:
+  explicit MessageReader(const Message& message);
+
+  std::uint8_t u8() { return static_cast<std::uint8_t>(number(1)); }
+  std::uint32_t u32() { return static_cast<std::uint32_t>(number(4)); }
+  std::int32_t i32() { return static_cast<std::int32_t>(number(4)); }
+  std::string words();
+  /// Bytes of a list whose length stands before them.
+  Bytes byte_list();
+  Bytes bytes(std::size_t count);
+  /// Seconds and nanoseconds as they stand, ns since 1970.
+  std::int64_t time_ns();
+  /// The header of a stamped message: its time; the frame's name is passed over.
+  std::int64_t header_ns();
+  bool ros1() const { return ros1_; }
+  std::size_t left() const { return bytes_.size() - at_; }
+
+ private:
+  std::uint64_t number(std::size_t size);
+
+  Bytes bytes_;
+  std::size_t begin_ = 0;  ///< of what alignment counts from
+  std::size_t at_ = 0;
+  bool ros1_ = false;
+  bool big_endian_ = false;
+};
 
 /// "velodyne_msgs/msg/VelodyneScan" and "velodyne_msgs/VelodyneScan" are one type.
 std::string plain_type(const std::string& type);

@@ -3,8 +3,7 @@
 #include <limits>
 #include <numbers>
 
-#include "ouster_layout.h"
-#include "sensor_clock.h"
+#include "ouster_decoder.h"
 
 // A point of an Ouster frame.
 //
@@ -25,8 +24,8 @@ namespace {
 /// No turn takes so long: the times of such a frame are damaged.
 constexpr double kMaxTurn_s = 1.0;
 
-}  // namespace
-
+/// The middle between a turn's first and last column, by the sensor's clock; nothing if it has no
+/// column or its times are not those of one turn.
 std::optional<std::uint64_t> middle_ns(const OusterFrame& frame) {
   std::uint64_t first_ns = std::numeric_limits<std::uint64_t>::max();
   std::uint64_t last_ns = 0;
@@ -41,23 +40,9 @@ std::optional<std::uint64_t> middle_ns(const OusterFrame& frame) {
   return first_ns + (last_ns - first_ns) / 2;
 }
 
-class OusterGeometry::Impl {
- public:
-  Impl(const OusterMetadata& metadata, const OusterOptions& options);
-  std::optional<OusterScan> scan(const OusterFrame& frame);
+}  // namespace
 
- private:
-  std::uint32_t kept_mm(const OusterFrame& frame, std::size_t at) const;
-  void set_points(const OusterFrame& frame, OrganizedCloud& cloud) const;
-
-  OusterMetadata metadata_;
-  OusterOptions options_;
-  SensorClock clock_;
-  std::vector<Eigen::Vector3f> beam_;    ///< d of each pixel
-  std::vector<Eigen::Vector3f> origin_;  ///< n (h - d) of each pixel
-};
-
-OusterGeometry::Impl::Impl(const OusterMetadata& metadata, const OusterOptions& options)
+OusterGeometry::OusterGeometry(const OusterMetadata& metadata, const OusterOptions& options)
     : metadata_(metadata), options_(options) {
   const SensorModel& sensor = metadata_.sensor;
   const double step_rad = sensor.column_step_rad();
@@ -76,7 +61,7 @@ OusterGeometry::Impl::Impl(const OusterMetadata& metadata, const OusterOptions& 
   }
 }
 
-std::uint32_t OusterGeometry::Impl::kept_mm(const OusterFrame& frame, std::size_t at) const {
+std::uint32_t OusterGeometry::kept_mm(const OusterFrame& frame, std::size_t at) const {
   const std::uint32_t first_mm = frame.range_mm[at];
   if (frame.second_range_mm.empty()) return first_mm;
   const std::uint32_t second_mm = frame.second_range_mm[at];
@@ -84,7 +69,7 @@ std::uint32_t OusterGeometry::Impl::kept_mm(const OusterFrame& frame, std::size_
   return first_mm > 0 ? first_mm : second_mm;
 }
 
-void OusterGeometry::Impl::set_points(const OusterFrame& frame, OrganizedCloud& cloud) const {
+void OusterGeometry::set_points(const OusterFrame& frame, OrganizedCloud& cloud) const {
   if (frame.range_mm.empty()) return;  // they were not read
   const SensorModel& sensor = metadata_.sensor;
   const auto columns = static_cast<std::size_t>(sensor.columns);
@@ -106,7 +91,7 @@ void OusterGeometry::Impl::set_points(const OusterFrame& frame, OrganizedCloud& 
   }
 }
 
-std::optional<OusterScan> OusterGeometry::Impl::scan(const OusterFrame& frame) {
+std::optional<OusterScan> OusterGeometry::scan(const OusterFrame& frame) {
   const SensorModel& sensor = metadata_.sensor;
   const std::optional<std::uint64_t> middle = middle_ns(frame);
   if (!middle) return std::nullopt;
@@ -135,15 +120,6 @@ std::optional<OusterScan> OusterGeometry::Impl::scan(const OusterFrame& frame) {
   }
   set_points(frame, scan.cloud);
   return scan;
-}
-
-OusterGeometry::OusterGeometry(const OusterMetadata& metadata, const OusterOptions& options)
-    : impl_(std::make_unique<Impl>(metadata, options)) {}
-OusterGeometry::~OusterGeometry() = default;
-OusterGeometry::OusterGeometry(OusterGeometry&&) noexcept = default;
-
-std::optional<OusterScan> OusterGeometry::scan(const OusterFrame& frame) {
-  return impl_->scan(frame);
 }
 
 }  // namespace hqslam::recordings

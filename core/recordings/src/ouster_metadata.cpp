@@ -1,24 +1,36 @@
+#include "ouster_metadata.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 #include <charconv>
 #include <nlohmann/json.hpp>
+#include <string_view>
 
 #include "hqslam/core/error.h"
 #include "hqslam/core/json_fields.h"
 #include "hqslam/core/whole_file.h"
-#include "ouster_layout.h"
-#include "ouster_metadata_text.h"
 
 namespace hqslam::recordings {
 
 namespace {
 
+struct Profile {
+  std::string_view name;
+  OusterLayout layout;
+};
+/// In the order of OusterProfile.
+constexpr std::array<Profile, 5> kProfiles = {
+    {{"LEGACY", {0, 0, 16, 4, 12, 4, 0x000FFFFF, 0, 0}},
+     {"RNG19_RFL8_SIG16_NIR16", {32, 32, 12, 0, 12, 4, 0x0007FFFF, 0, 0}},
+     {"RNG19_RFL8_SIG16_NIR16_DUAL", {32, 32, 12, 0, 16, 4, 0x0007FFFF, 0, 4}},
+     {"RNG15_RFL8_NIR8", {32, 32, 12, 0, 4, 2, 0x7FFF, 3, 0}},
+     {"FUSA_RNG15_RFL8_NIR8_DUAL", {32, 32, 12, 0, 8, 2, 0x7FFF, 3, 4}}}};
+
+const Profile& facts(OusterProfile profile) { return kProfiles[static_cast<std::size_t>(profile)]; }
+
 constexpr std::size_t kMaxFileBytes = 16U << 20U;
-constexpr std::array<OusterProfile, 5> kProfiles = {
-    OusterProfile::kLegacy, OusterProfile::kRng19, OusterProfile::kRng19Dual, OusterProfile::kRng15,
-    OusterProfile::kFusaDual};
 
 /// A text, "" where there is none.
 std::string words(JsonFields& fields, const std::string& field) {
@@ -30,8 +42,8 @@ OusterProfile profile_of(JsonFields& format) {
   // Firmware before there were profiles does not say it.
   if (words(format, kField).empty()) return OusterProfile::kLegacy;
   std::vector<std::string> names;
-  for (const OusterProfile profile : kProfiles) names.emplace_back(name(profile));
-  return kProfiles[format.choice(kField, names)];
+  for (const Profile& profile : kProfiles) names.emplace_back(profile.name);
+  return static_cast<OusterProfile>(format.choice(kField, names));
 }
 
 /// Where the file does not say: the value of the product line.
@@ -77,6 +89,43 @@ std::uint64_t whole_number(const std::string& text) {
 
 }  // namespace
 
+std::string_view name(OusterProfile profile) { return facts(profile).name; }
+
+const OusterLayout& layout(OusterProfile profile) { return facts(profile).layout; }
+
+std::uint32_t frame_id(Bytes packet, OusterProfile profile) {
+  switch (profile) {
+    case OusterProfile::kLegacy:  // each column says it; all of a packet are of one turn
+      return little_endian<std::uint16_t>(packet, 10);
+    case OusterProfile::kFusaDual:
+      return little_endian<std::uint32_t>(packet, 4);
+    default:
+      return little_endian<std::uint16_t>(packet, 2);
+  }
+}
+
+std::uint64_t serial_number(Bytes packet, OusterProfile profile) {
+  constexpr std::uint64_t kMask = 0xFF'FFFF'FFFF;
+  switch (profile) {
+    case OusterProfile::kLegacy:
+      return 0;
+    case OusterProfile::kFusaDual:
+      return little_endian<std::uint64_t>(packet, 11) & kMask;
+    default:
+      return little_endian<std::uint64_t>(packet, 7) & kMask;
+  }
+}
+
+std::size_t OusterMetadata::packet_bytes() const {
+  const OusterLayout& of = layout(profile);
+  const std::size_t column =
+      of.column_header + of.column_footer + of.pixel * static_cast<std::size_t>(sensor.rows());
+  return of.packet_header + of.packet_footer +
+         column * static_cast<std::size_t>(columns_per_packet);
+}
+
+bool OusterMetadata::dual_return() const { return layout(profile).second_range_at > 0; }
+
 bool is_ouster_metadata(const std::string& text) {
   const auto json = nlohmann::json::parse(text, nullptr, /*allow_exceptions=*/false);
   // What no other sensor's description has.
@@ -89,9 +138,9 @@ OusterMetadata ouster_metadata_from_json(const std::string& text, const std::str
   metadata.sensor = sensor_from_json(text, source);
   if (!is_ouster_metadata(text)) {
     throw Error(
-        fmt::format("{}: expected an Ouster's metadata, found the description of another "
-                    "sensor; give the .json file that the sensor wrote",
-                    source));
+        "{}: expected an Ouster's metadata, found the description of another sensor; give the "
+        ".json file that the sensor wrote",
+        source);
   }
   JsonFields fields(text, source, "give the metadata that the sensor wrote for this recording");
   JsonFields format =

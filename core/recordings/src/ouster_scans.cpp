@@ -7,8 +7,7 @@
 
 #include "hqslam/core/error.h"
 #include "message_packets.h"
-#include "ouster_layout.h"
-#include "ouster_metadata_text.h"
+#include "ouster_metadata.h"
 #include "stream_scans.h"
 
 namespace hqslam::recordings {
@@ -36,7 +35,7 @@ std::vector<Candidate> fitting_files(const fs::path& folder, const Stream& strea
       paths.push_back(entry->path().string());
     }
   }
-  std::sort(paths.begin(), paths.end());
+  std::ranges::sort(paths);
   std::vector<Candidate> candidates;
   for (const std::string& path : paths) {
     try {
@@ -99,18 +98,17 @@ std::vector<TopicText> later_metadata(const std::string& path) {
 [[noreturn]] void fail_for_metadata(const StreamReader& reader,
                                     const std::vector<Candidate>& candidates) {
   if (candidates.empty()) {
-    throw Error(fmt::format(
+    throw Error(
         "{}: packets of {} bytes from {} look like an Ouster's, but no metadata for such packets "
         "are beside it; put the sensor's .json file there or give it as the sensor",
-        reader.path(), reader.stream().packet_bytes, reader.stream().name));
+        reader.path(), reader.stream().packet_bytes, reader.stream().name);
   }
   std::string found;
   for (const Candidate& candidate : candidates) {
     found += fmt::format("{}{}", found.empty() ? "" : ", ", candidate.source);
   }
-  throw Error(
-      fmt::format("{}: several metadata fit its packets: {}; give one of them as the sensor",
-                  reader.path(), found));
+  throw Error("{}: several metadata fit its packets: {}; give one of them as the sensor",
+              reader.path(), found);
 }
 
 Candidate metadata_of(StreamReader& reader, const OpenOptions& options) {
@@ -153,10 +151,10 @@ std::uint64_t serial_to_read(StreamReader& reader, const Candidate& of,
   if (found.empty() || found.contains(0)) return 0;
   if (found.contains(of.metadata.serial_number)) return of.metadata.serial_number;
   if (found.size() > 1) {
-    throw Error(fmt::format(
-        "{}: {} carries packets of {} sensors, none of them number {} of {}; "
-        "give the metadata of one of them as the sensor",
-        reader.path(), reader.stream().name, found.size(), of.metadata.serial_number, of.source));
+    throw Error(
+        "{}: {} carries packets of {} sensors, none of them number {} of {}; give the metadata of "
+        "one of them as the sensor",
+        reader.path(), reader.stream().name, found.size(), of.metadata.serial_number, of.source);
   }
   if (of.metadata.serial_number != 0) {
     warnings.push_back(
@@ -169,11 +167,11 @@ std::uint64_t serial_to_read(StreamReader& reader, const Candidate& of,
 
 void require_packets_of(const Candidate& of, const Stream& stream, const std::string& path) {
   if (of.metadata.packet_bytes() == stream.packet_bytes) return;
-  throw Error(fmt::format(
+  throw Error(
       "{}: expected packets of {} bytes ({} beams, {}, by {}), found packets of {} bytes from {}; "
       "give the metadata of this recording as the sensor",
       path, of.metadata.packet_bytes(), of.metadata.sensor.rows(), name(of.metadata.profile),
-      of.source, stream.packet_bytes, stream.name));
+      of.source, stream.packet_bytes, stream.name);
 }
 
 }  // namespace
@@ -183,9 +181,9 @@ std::unique_ptr<StreamSource> open_ouster(StreamReader reader, const OpenOptions
   const std::string path = reader.path();
   if (!options.sensor.empty() && !options.sensor.ends_with(".json")) {
     throw Error(
-        fmt::format("{}: packets of an Ouster need the metadata of that sensor, found the "
-                    "preset '{}'; give the sensor's .json file, or put it beside the file",
-                    path, options.sensor));
+        "{}: packets of an Ouster need the metadata of that sensor, found the preset '{}'; give "
+        "the sensor's .json file, or put it beside the file",
+        path, options.sensor);
   }
   const Candidate of = metadata_of(reader, options);
   require_packets_of(of, reader.stream(), path);
@@ -203,9 +201,8 @@ std::unique_ptr<StreamSource> open_ouster(StreamReader reader, const OpenOptions
       return ouster_assembler(metadata, path, decoding);
     }
     throw Error(
-        fmt::format("{}: an Ouster's packets have {} columns a turn, {} are asked for; "
-                    "record in another mode",
-                    path, metadata.sensor.columns, sensor.columns));
+        "{}: an Ouster's packets have {} columns a turn, {} are asked for; record in another mode",
+        path, metadata.sensor.columns, sensor.columns);
   });
   if (options.columns > 0) source->use_columns(options.columns);
   return source;

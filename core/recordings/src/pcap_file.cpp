@@ -24,7 +24,7 @@ Bytes after_ether_type(Bytes frame, std::size_t type_at) {
   while (frame.size() >= type_at + 2) {
     const std::uint16_t type = big_endian_16(frame, type_at);
     if (type == kIpv4Type || type == kIpv6Type) return frame.subspan(type_at + 2);
-    if (std::find(kVlanTypes.begin(), kVlanTypes.end(), type) == kVlanTypes.end()) break;
+    if (std::ranges::find(kVlanTypes, type) == kVlanTypes.end()) break;
     type_at += 4;
   }
   return {};
@@ -66,19 +66,14 @@ std::int64_t capture_time_ns(const pcap_pkthdr& header) {
   return seconds * kSecond_ns + fraction_ns;
 }
 
-struct ClosePcap {
-  void operator()(pcap_t* pcap) const { pcap_close(pcap); }
-};
-
 class PcapFile : public PacketSource {
  public:
   explicit PcapFile(const std::string& path) : path_(path) {
     std::error_code error;
     if (!std::filesystem::is_regular_file(path, error)) {
       throw Error(
-          fmt::format("{}: expected a .pcap or .pcapng file, found no such file; give the "
-                      "path of a capture",
-                      path));
+          "{}: expected a .pcap or .pcapng file, found no such file; give the path of a capture",
+          path);
     }
     bytes_ = static_cast<double>(std::filesystem::file_size(path, error));
     std::array<char, PCAP_ERRBUF_SIZE> complaint{};
@@ -86,16 +81,16 @@ class PcapFile : public PacketSource {
                                                         complaint.data()));
     if (!pcap_) {
       throw Error(
-          fmt::format("{}: expected a .pcap or .pcapng file, found none ({}); record it "
-                      "again with tcpdump or Wireshark",
-                      path, complaint.data()));
+          "{}: expected a .pcap or .pcapng file, found none ({}); record it again with tcpdump or "
+          "Wireshark",
+          path, complaint.data());
     }
     link_type_ = pcap_datalink(pcap_.get());
     if (!known_link_type(link_type_)) {
       throw Error(
-          fmt::format("{}: expected frames of Ethernet, Linux cooked, loopback or raw IP, "
-                      "found link type {}; record on such an interface",
-                      path, link_type_));
+          "{}: expected frames of Ethernet, Linux cooked, loopback or raw IP, found link type {}; "
+          "record on such an interface",
+          path, link_type_);
     }
   }
 
@@ -147,14 +142,14 @@ class PcapFile : public PacketSource {
     failure_ = complaint;
     if (packets_ > 0) return;
     throw Error(
-        fmt::format("{}: expected a .pcap or .pcapng file that can be read, found none of its "
-                    "packets ({}); write it anew with tcpdump or Wireshark",
-                    path_, failure_));
+        "{}: expected a .pcap or .pcapng file that can be read, found none of its packets ({}); "
+        "write it anew with tcpdump or Wireshark",
+        path_, failure_);
   }
 
   std::string path_;
   double bytes_ = 0.0;
-  std::unique_ptr<pcap_t, ClosePcap> pcap_;
+  std::unique_ptr<pcap_t, decltype([](pcap_t* pcap) { pcap_close(pcap); })> pcap_;
   int link_type_ = 0;
   IpDatagrams datagrams_;
   std::int64_t packets_ = 0;

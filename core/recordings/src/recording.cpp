@@ -3,13 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
-#include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <optional>
 
-#include "bag.h"
 #include "hqslam/core/error.h"
 #include "stream_scans.h"
 
@@ -19,55 +15,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What a file begins with.
-enum class FileKind { kOther, kPcap, kDb3, kMcap, kRos1Bag, kBagFolder };
-
-/// The files of a ROS 2 bag's folder, in natural order; empty if it is none.
-std::vector<std::string> files_of_bag(const fs::path& folder) {
-  std::vector<std::string> paths;
-  std::error_code error;
-  if (!fs::is_regular_file(folder / "metadata.yaml", error)) return paths;
-  for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
-       entry.increment(error)) {
-    const std::string extension = entry->path().extension().string();
-    if (extension == ".db3" || extension == ".mcap") paths.push_back(entry->path().string());
-  }
-  // name_2.db3 comes before name_10.db3: numbers are not padded.
-  std::sort(paths.begin(), paths.end(), [](const std::string& a, const std::string& b) {
-    return std::pair(a.size(), a) < std::pair(b.size(), b);
-  });
-  return paths;
-}
-
-FileKind kind_of(const std::string& path) {
-  std::error_code error;
-  if (fs::is_directory(path, error)) {
-    return files_of_bag(path).empty() ? FileKind::kOther : FileKind::kBagFolder;
-  }
-  if (!fs::is_regular_file(path, error)) return FileKind::kOther;
-  std::array<char, 16> head{};
-  std::ifstream stream(path, std::ios::binary);
-  stream.read(head.data(), head.size());
-  const auto begins_with = [&](std::string_view magic) {
-    return std::memcmp(head.data(), magic.data(), magic.size()) == 0;
-  };
-  for (const std::string_view magic :
-       {std::string_view("\xD4\xC3\xB2\xA1", 4), std::string_view("\xA1\xB2\xC3\xD4", 4),
-        std::string_view("\x4D\x3C\xB2\xA1", 4), std::string_view("\xA1\xB2\x3C\x4D", 4),
-        std::string_view("\x0A\x0D\x0D\x0A", 4)}) {
-    if (begins_with(magic)) return FileKind::kPcap;
-  }
-  if (begins_with("SQLite format 3")) return FileKind::kDb3;
-  if (begins_with("\x89MCAP0\r\n")) return FileKind::kMcap;
-  if (begins_with("#ROSBAG V2.0\n")) return FileKind::kRos1Bag;
-  return FileKind::kOther;
-}
-
 std::unique_ptr<StreamSource> open_stream_of(const std::string& path, const OpenOptions& options,
                                              bool with_points) {
   if (!options.files.stamps.empty()) {
-    throw Error(fmt::format("{}: a capture or a bag has its own stamps; leave --stamps {} out",
-                            path, options.files.stamps));
+    throw Error("{}: a capture or a bag has its own stamps; leave --stamps {} out", path,
+                options.files.stamps);
   }
   StreamReader reader(path, options.stream);
   const StreamKind kind = reader.stream().kind;
@@ -103,9 +55,9 @@ void refuse_folder_of_recordings(const std::string& folder) {
   }
   if (paths.empty()) return;
   throw Error(
-      fmt::format("{}: expected a recording, found a folder with {} of them; give the path of one, "
-                  "such as {}, or the --sensor of scans that lie beside them",
-                  folder, paths.size(), *std::min_element(paths.begin(), paths.end())));
+      "{}: expected a recording, found a folder with {} of them; give the path of one, such as {}, "
+      "or the --sensor of scans that lie beside them",
+      folder, paths.size(), *std::ranges::min_element(paths));
 }
 
 /// The sensor of files of scans: the one that is named, or that the folder describes. `own`: which
@@ -117,9 +69,9 @@ SensorModel sensor_of_files(const std::string& path, const OpenOptions& options,
   if (options.sensor.empty() && !own) {
     refuse_folder_of_recordings(path);
     throw Error(
-        fmt::format("{}: does not say which sensor it was recorded with; give --sensor NAME "
-                    "or --sensor FILE.json",
-                    path));
+        "{}: does not say which sensor it was recorded with; give --sensor NAME or --sensor "
+        "FILE.json",
+        path);
   }
   SensorModel sensor = load_sensor(own ? described.string() : options.sensor);
   if (options.columns > 0) sensor.columns = options.columns;
@@ -156,34 +108,6 @@ RecordingInfo inspect_files(const std::string& path, const OpenOptions& options)
 }
 
 }  // namespace
-
-std::unique_ptr<RecordingFile> open_recording_file(const std::string& path) {
-  switch (kind_of(path)) {
-    case FileKind::kPcap:
-      return open_pcap_recording(path);
-    case FileKind::kDb3:
-      return bag_recording({path}, "ROS 2 bag (sqlite)", open_db3);
-    case FileKind::kMcap:
-      return bag_recording({path}, "MCAP file", open_mcap);
-    case FileKind::kRos1Bag:
-      return bag_recording({path}, "ROS 1 bag", open_ros1_bag);
-    case FileKind::kBagFolder: {
-      std::vector<std::string> files = files_of_bag(path);
-      if (files.front().ends_with(".mcap")) {
-        return bag_recording(std::move(files), "MCAP file", open_mcap);
-      }
-      return bag_recording(std::move(files), "ROS 2 bag (sqlite)", open_db3);
-    }
-    case FileKind::kOther:
-      break;
-  }
-  throw Error(
-      fmt::format("{}: expected a capture or a bag, found another file; give a .pcap, .pcapng, "
-                  ".db3, .mcap or .bag file",
-                  path));
-}
-
-bool is_capture_or_bag(const std::string& path) { return kind_of(path) != FileKind::kOther; }
 
 std::unique_ptr<StreamSource> open_stream(const std::string& path, const OpenOptions& options) {
   return open_stream_of(path, options, true);

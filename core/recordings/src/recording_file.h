@@ -44,8 +44,6 @@ class RecordingFile {
 /// Opens a capture or a bag by its first bytes. Throws Error, also for other files and folders.
 std::unique_ptr<RecordingFile> open_recording_file(const std::string& path);
 
-std::unique_ptr<RecordingFile> open_pcap_recording(const std::string& path);
-
 /// Of the name of a topic, a type or a field in a message.
 inline constexpr std::size_t kNameCharacters = 200;
 

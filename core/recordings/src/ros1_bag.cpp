@@ -1,9 +1,8 @@
-#include <fmt/format.h>
 
 #include <algorithm>
 
+#include "bag.h"
 #include "hqslam/core/error.h"
-#include "scanned_bag.h"
 
 namespace hqslam::recordings {
 
@@ -22,7 +21,7 @@ std::map<std::string, Bytes> fields_of(Bytes header) {
     }
     const Bytes field = header.subspan(4, little_endian<std::uint32_t>(header, 0));
     header = header.subspan(4 + field.size());
-    const auto equals = std::find(field.begin(), field.end(), std::uint8_t{'='});
+    const auto equals = std::ranges::find(field, std::uint8_t{'='});
     if (equals == field.end())
       throw Error("expected a field NAME=VALUE of a record, found another");
     const auto at = static_cast<std::size_t>(equals - field.begin());
@@ -35,7 +34,7 @@ template <typename T>
 T number(const std::map<std::string, Bytes>& fields, const char* name) {
   const auto found = fields.find(name);
   if (found == fields.end() || found->second.size() < sizeof(T)) {
-    throw Error(fmt::format("expected a record with field '{}', found none", name));
+    throw Error("expected a record with field '{}', found none", name);
   }
   return little_endian<T>(found->second, 0);
 }
@@ -56,8 +55,7 @@ class Ros1File : public ScannedBag {
     if (!read(4, bytes)) return false;
     const std::uint64_t header_bytes = little_endian<std::uint32_t>(bytes, 0);
     if (header_bytes > kMaxHeaderBytes) {
-      throw Error(fmt::format("expected a header of at most {} bytes, found {}", kMaxHeaderBytes,
-                              header_bytes));
+      throw Error("expected a header of at most {} bytes, found {}", kMaxHeaderBytes, header_bytes);
     }
     if (!read(header_bytes, bytes)) return false;
     const std::vector<std::uint8_t> header(bytes.begin(), bytes.end());

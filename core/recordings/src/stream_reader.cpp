@@ -95,18 +95,17 @@ std::size_t StreamReader::chosen() const {
   if (candidates.size() == 1) return last;
   if (candidates.empty() && !wanted_.empty()) {
     throw Error(
-        fmt::format("{}: expected scans in stream {}, found these streams: {}; name one of "
-                    "them that has scans",
-                    path_, wanted_, listed(streams)));
+        "{}: expected scans in stream {}, found these streams: {}; name one of them that has scans",
+        path_, wanted_, listed(streams));
   }
   if (candidates.empty()) {
     throw Error(
-        fmt::format("{}: expected packets or point clouds of a LiDAR, found none in these "
-                    "streams: {}; give a recording of the sensor's data",
-                    path_, listed(streams)));
+        "{}: expected packets or point clouds of a LiDAR, found none in these streams: {}; give a "
+        "recording of the sensor's data",
+        path_, listed(streams));
   }
-  throw Error(fmt::format("{}: has several streams with scans: {}; name one of them with --stream",
-                          path_, listed(candidates)));
+  throw Error("{}: has several streams with scans: {}; name one of them with --stream", path_,
+              listed(candidates));
 }
 
 void StreamReader::keep(const Message& message) {

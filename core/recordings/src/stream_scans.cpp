@@ -48,18 +48,18 @@ void StreamScans::end() {
   if (const std::string text = reader_.passed_over(); !text.empty()) info_.warnings.push_back(text);
   if (info_.scans > 0) return;
   throw Error(
-      fmt::format("{}: expected at least one turn of the sensor, found less than that in "
-                  "{} packets; record longer",
-                  reader_.path(), reader_.stream().messages));
+      "{}: expected at least one turn of the sensor, found less than that in {} packets; record "
+      "longer",
+      reader_.path(), reader_.stream().messages);
 }
 
 void StreamScans::use_columns(int columns) {
   if (columns == info_.sensor.columns) return;
   if (begun_) {
     throw Error(
-        fmt::format("{}: scans were read with {} columns already, expected {} to be asked for "
-                    "before; open it again",
-                    reader_.path(), info_.sensor.columns, columns));
+        "{}: scans were read with {} columns already, expected {} to be asked for before; open it "
+        "again",
+        reader_.path(), info_.sensor.columns, columns);
   }
   info_.sensor.columns = columns;
   validate(info_.sensor);
@@ -69,7 +69,7 @@ void StreamScans::use_columns(int columns) {
 RecordingInfo StreamScans::info() const {
   RecordingInfo info = info_;
   info.streams = reader_.file().streams();
-  std::sort(info.streams.begin(), info.streams.end(), [](const Stream& a, const Stream& b) {
+  std::ranges::sort(info.streams, [](const Stream& a, const Stream& b) {
     return std::tie(a.endpoint, a.name) < std::tie(b.endpoint, b.name);
   });
   return info;

@@ -25,34 +25,25 @@ constexpr double kRadians = std::numbers::pi / 180.0;
 /// Rows must fall strictly; two lasers of one elevation are this far apart.
 constexpr double kLeastStep_rad = 1e-7;
 
-class LaserReader {
- public:
-  LaserReader(std::string_view element, const std::string& path) : element_(element), path_(path) {}
-
-  /// What <name>number</name> holds. Throws Error if that is not within +-most.
-  double number(const char* name, double most) const {
-    const std::string tag = fmt::format("<{}>", name);
-    const std::size_t at = element_.find(tag);
-    double value = 0.0;
-    bool sound = at != std::string_view::npos;
-    if (sound) {
-      std::string_view text = element_.substr(at + tag.size());
-      text.remove_prefix(std::min(text.find_first_not_of(" \t\r\n"), text.size()));
-      sound = std::from_chars(text.data(), text.data() + text.size(), value).ec == std::errc();
-    }
-    if (!sound || !(std::abs(value) <= most)) {
-      throw Error(
-          fmt::format("{}: field '{}': expected a number within +-{}, found {}; give the "
-                      "db.xml that came with the sensor",
-                      path_, name, most, sound ? fmt::format("{}", value) : std::string("none")));
-    }
-    return value;
+/// What <name>number</name> holds of a laser's element. Throws Error if that is not within +-most.
+double number_in(std::string_view element, const char* name, double most, const std::string& path) {
+  const std::string tag = fmt::format("<{}>", name);
+  const std::size_t at = element.find(tag);
+  double value = 0.0;
+  bool sound = at != std::string_view::npos;
+  if (sound) {
+    std::string_view text = element.substr(at + tag.size());
+    text.remove_prefix(std::min(text.find_first_not_of(" \t\r\n"), text.size()));
+    sound = std::from_chars(text.data(), text.data() + text.size(), value).ec == std::errc();
   }
-
- private:
-  std::string_view element_;
-  const std::string& path_;
-};
+  if (!sound || !(std::abs(value) <= most)) {
+    throw Error(
+        "{}: field '{}': expected a number within +-{}, found {}; give the db.xml that came with "
+        "the sensor",
+        path, name, most, sound ? fmt::format("{}", value) : std::string("none"));
+  }
+  return value;
+}
 
 }  // namespace
 
@@ -64,24 +55,26 @@ VelodyneCalibration read_velodyne_calibration(const std::string& path) {
        at = contents.find("<px", at + 1)) {
     const std::size_t end = contents.find("</px>", at);
     if (end == std::string::npos) break;
-    const LaserReader reader(std::string_view(contents).substr(at, end - at), path);
-    const double id = reader.number("id_", 1000.0);
+    const auto number = [&](const char* name, double most) {
+      return number_in(std::string_view(contents).substr(at, end - at), name, most, path);
+    };
+    const double id = number("id_", 1000.0);
     if (!(id >= 0.0 && id < kLasers) || id != std::floor(id)) continue;  // of a unit with fewer
     VelodyneCalibration::Laser laser;
-    laser.azimuth_offset_rad = kRadians * reader.number("rotCorrection_", 30.0);
-    laser.elevation_rad = kRadians * reader.number("vertCorrection_", 60.0);
-    laser.distance_m = 0.01 * reader.number("distCorrection_", 1000.0);
-    laser.up_m = 0.01 * reader.number("vertOffsetCorrection_", 100.0);
-    laser.left_m = 0.01 * reader.number("horizOffsetCorrection_", 100.0);
+    laser.azimuth_offset_rad = kRadians * number("rotCorrection_", 30.0);
+    laser.elevation_rad = kRadians * number("vertCorrection_", 60.0);
+    laser.distance_m = 0.01 * number("distCorrection_", 1000.0);
+    laser.up_m = 0.01 * number("vertOffsetCorrection_", 100.0);
+    laser.left_m = 0.01 * number("horizOffsetCorrection_", 100.0);
     auto& of_id = found[static_cast<std::size_t>(id)];
     if (!of_id) ++lasers;
     of_id = laser;
   }
   if (lasers != kLasers) {
     throw Error(
-        fmt::format("{}: expected the corrections of {} lasers, found {}; give the db.xml "
-                    "that came with the HDL-64E",
-                    path, kLasers, lasers));
+        "{}: expected the corrections of {} lasers, found {}; give the db.xml that came with the "
+        "HDL-64E",
+        path, kLasers, lasers);
   }
   VelodyneCalibration calibration;
   for (const auto& laser : found) calibration.lasers.push_back(*laser);

@@ -1,11 +1,9 @@
+#include "velodyne_decoder.h"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <utility>
-
-#include "sensor_clock.h"
-#include "velodyne_channels.h"
-#include "velodyne_tables.h"
 
 // A point of a Velodyne packet.
 //
@@ -23,7 +21,6 @@ namespace hqslam::recordings {
 
 namespace {
 
-constexpr int kTurn = 36000;
 constexpr double kHalfTurn = kTurn / 2.0;
 /// A head's azimuth may tremble by some hundredths of a degree; more is a new turn.
 constexpr int kSmallestFall = 200;
@@ -55,15 +52,6 @@ const Directions& directions() {
   return table;
 }
 
-/// One firing of 32 channels (or the 16 of a VLP-16, twice).
-struct Firing {
-  int block = 0;  ///< of the packet; with two returns the first of the pair
-  int bank = 0;
-  int azimuth = 0;
-  double time_us = 0.0;  ///< after the time of the packet
-  double rate = 0.0;     ///< hundredths of a degree in a microsecond
-};
-
 struct Measurement {
   std::uint16_t distance = 0;
   std::uint8_t intensity = 0;
@@ -86,55 +74,8 @@ Measurement kept(Measurement last, Measurement other, KeptReturn which) {
 
 }  // namespace
 
-class VelodyneDecoder::Impl {
- public:
-  Impl(const VelodyneStream& stream, const SensorModel& sensor, const VelodyneOptions& options);
-  void add(const Packet& packet, std::vector<Scan>& completed);
-  void finish(std::vector<Scan>& completed);
-  void reuse(Scan scan);
-
-  PacketCounts counts;
-  std::int64_t lost_scans = 0;
-  std::int64_t partial_scans = 0;
-
- private:
-  bool take_time(const Packet& packet, std::vector<Scan>& completed);
-  std::int64_t passed_us(std::int64_t now_us, std::int64_t capture_ns, bool& clock_was_set) const;
-  void count_lost(std::int64_t passed_us, int azimuth);
-  void read_firings(Bytes payload);
-  void set_rates();
-  void add_firing(const Firing& firing, Bytes payload, std::int64_t packet_ns,
-                  std::vector<Scan>& completed);
-  void add_points(const Firing& firing, Bytes payload, double start_s);
-  void complete(std::vector<Scan>& completed);
-  double expected_rate() const { return kTurn / (1e6 * stream_.scan_period_s); }
-
-  VelodyneStream stream_;
-  VelodyneTiming timing_;
-  VelodyneOptions options_;
-  VelodyneChannels channels_;
-  int cut_ = 0;
-
-  SensorClock clock_;
-  std::optional<std::int64_t> last_us_;  ///< of the packet before, within the hour
-  std::int64_t sensor_us_ = 0;           ///< the same, counted on over the hours
-  std::int64_t last_capture_ns_ = 0;     ///< of that packet
-  int last_packet_azimuth_ = 0;
-  double rate_ = 0.0;
-  std::vector<Firing> firings_;
-
-  Scan scan_;
-  Scan spare_;  ///< empty, with memory
-  bool began_with_cut_ = false;
-  bool empty_ = true;
-  int first_turned_ = 0;
-  int last_turned_ = 0;
-  std::int64_t first_ns_ = 0;
-  std::int64_t last_ns_ = 0;
-};
-
-VelodyneDecoder::Impl::Impl(const VelodyneStream& stream, const SensorModel& sensor,
-                            const VelodyneOptions& options)
+VelodyneDecoder::VelodyneDecoder(const VelodyneStream& stream, const SensorModel& sensor,
+                                 const VelodyneOptions& options)
     : stream_(stream),
       timing_(timing_of(stream)),
       options_(options),
@@ -146,8 +87,8 @@ VelodyneDecoder::Impl::Impl(const VelodyneStream& stream, const SensorModel& sen
 /// What passed since the packet before. The sensor's clock tells it, but for whole hours; after a
 /// second and more the recorder's clock tells whether nothing came for so long, or the sensor's was
 /// set.
-std::int64_t VelodyneDecoder::Impl::passed_us(std::int64_t now_us, std::int64_t capture_ns,
-                                              bool& clock_was_set) const {
+std::int64_t VelodyneDecoder::passed_us(std::int64_t now_us, std::int64_t capture_ns,
+                                        bool& clock_was_set) const {
   std::int64_t passed_us = now_us - *last_us_;
   if (passed_us < -kHour_us / 2) passed_us += kHour_us;
   if (passed_us > kHour_us / 2) passed_us -= kHour_us;
@@ -165,7 +106,7 @@ std::int64_t VelodyneDecoder::Impl::passed_us(std::int64_t now_us, std::int64_t 
 
 /// The time of a packet; false if the packet is left out. A time a turn or more behind the last one
 /// is a gap, one far from it a clock that was set: the scan ends there.
-bool VelodyneDecoder::Impl::take_time(const Packet& packet, std::vector<Scan>& completed) {
+bool VelodyneDecoder::take_time(const Packet& packet, std::vector<Scan>& completed) {
   const std::int64_t now_us = little_endian<std::uint32_t>(packet.payload, kTimeAt);
   if (!last_us_) {
     sensor_us_ = now_us;
@@ -176,7 +117,7 @@ bool VelodyneDecoder::Impl::take_time(const Packet& packet, std::vector<Scan>& c
   bool clock_was_set = false;
   const std::int64_t passed = passed_us(now_us, packet.capture_time_ns, clock_was_set);
   if (passed <= 0 && passed > -kSecond_us) {
-    ++counts.late;
+    ++counts_.late;
     return false;
   }
   if (!clock_was_set) count_lost(passed, block_azimuth(packet.payload, 0));
@@ -190,7 +131,7 @@ bool VelodyneDecoder::Impl::take_time(const Packet& packet, std::vector<Scan>& c
 }
 
 /// Packets that never came between the last one and this one, and whole turns of which none did.
-void VelodyneDecoder::Impl::count_lost(std::int64_t passed_us, int azimuth) {
+void VelodyneDecoder::count_lost(std::int64_t passed_us, int azimuth) {
   const double spacing_us = stream_.dual_return ? timing_.packet_us_dual : timing_.packet_us_single;
   const double period_us = 1e6 * stream_.scan_period_s;
   const double blind = 1.0 - stream_.field_of_view_deg / 360.0;  // share of a turn
@@ -201,19 +142,19 @@ void VelodyneDecoder::Impl::count_lost(std::int64_t passed_us, int azimuth) {
     const bool over_cut = to < from - kSmallestFall;
     const double expected_us = spacing_us + (over_cut ? blind * period_us : 0.0);
     const auto lost = std::llround((passed - expected_us) / spacing_us);
-    if (lost > 0) counts.lost += lost;
+    if (lost > 0) counts_.lost += lost;
     return;
   }
   // The head passed the cut at the end of the turn before, of each lost one, and no other time.
   const auto cuts = std::llround(passed / period_us + static_cast<double>(from - to) / kTurn);
   const auto lost =
       std::llround((passed - static_cast<double>(cuts) * blind * period_us) / spacing_us);
-  counts.lost += std::max<std::int64_t>(0, lost - 1);
-  lost_scans += std::max<std::int64_t>(0, cuts - 1);
+  counts_.lost += std::max<std::int64_t>(0, lost - 1);
+  lost_scans_ += std::max<std::int64_t>(0, cuts - 1);
 }
 
 /// The firings of a packet with their azimuths and times.
-void VelodyneDecoder::Impl::read_firings(Bytes payload) {
+void VelodyneDecoder::read_firings(Bytes payload) {
   firings_.clear();
   const int step = stream_.dual_return ? 2 : 1;
   const bool banks = timing_.lasers > kChannels;
@@ -241,7 +182,7 @@ void VelodyneDecoder::Impl::read_firings(Bytes payload) {
   set_rates();
 }
 
-void VelodyneDecoder::Impl::set_rates() {
+void VelodyneDecoder::set_rates() {
   double blind_us = 0.0;
   for (std::size_t i = 0; i < firings_.size(); ++i) {
     const double own_us = firings_[i].time_us;
@@ -263,28 +204,28 @@ void VelodyneDecoder::Impl::set_rates() {
   }
 }
 
-void VelodyneDecoder::Impl::add(const Packet& packet, std::vector<Scan>& completed) {
+void VelodyneDecoder::add(const Packet& packet, std::vector<Scan>& completed) {
   if (!is_velodyne_packet(packet.payload)) {
-    ++counts.foreign;
+    ++counts_.foreign;
     return;
   }
   if (!take_time(packet, completed)) return;
-  ++counts.used;
+  ++counts_.used;
   const std::int64_t packet_ns = clock_.recorded_ns(1000 * sensor_us_, packet.capture_time_ns);
   read_firings(packet.payload);
   for (const Firing& firing : firings_) add_firing(firing, packet.payload, packet_ns, completed);
   last_packet_azimuth_ = block_azimuth(packet.payload, 0);
 }
 
-void VelodyneDecoder::Impl::add_firing(const Firing& firing, Bytes payload, std::int64_t packet_ns,
-                                       std::vector<Scan>& completed) {
+void VelodyneDecoder::add_firing(const Firing& firing, Bytes payload, std::int64_t packet_ns,
+                                 std::vector<Scan>& completed) {
   const int turned = modulo_turn(firing.azimuth - cut_);
   const std::int64_t firing_ns = packet_ns + std::llround(1e3 * firing.time_us);
   if (!empty_ && turned < last_turned_ - kSmallestFall) {
     complete(completed);
     began_with_cut_ = true;
   } else if (!empty_ && firing_ns - first_ns_ > kSecond_ns) {
-    ++partial_scans;  // the head stands still: no turn takes so long
+    ++partial_scans_;  // the head stands still: no turn takes so long
     scan_ = {};
     empty_ = true;
     began_with_cut_ = false;
@@ -302,7 +243,7 @@ void VelodyneDecoder::Impl::add_firing(const Firing& firing, Bytes payload, std:
 }
 
 /// `start_s`: of the firing after the scan's first one.
-void VelodyneDecoder::Impl::add_points(const Firing& firing, Bytes payload, double start_s) {
+void VelodyneDecoder::add_points(const Firing& firing, Bytes payload, double start_s) {
   const Directions& table = directions();
   const auto unit_m = static_cast<float>(timing_.distance_unit_m);
   const int channels = static_cast<int>(channels_[firing.bank].size());
@@ -332,12 +273,12 @@ void VelodyneDecoder::Impl::add_points(const Firing& firing, Bytes payload, doub
 }
 
 /// Ends the scan. What began in the middle of a turn is one only if little of it is missing.
-void VelodyneDecoder::Impl::complete(std::vector<Scan>& completed) {
+void VelodyneDecoder::complete(std::vector<Scan>& completed) {
   if (empty_) return;
   const std::size_t points = scan_.points_m.size();  // the next scan will have about as many
   const double seen_deg = 0.01 * (last_turned_ - first_turned_);
   if (!began_with_cut_ && seen_deg < kMostOfAScan * stream_.field_of_view_deg) {
-    ++partial_scans;
+    ++partial_scans_;
   } else {
     const std::int64_t middle_ns = (last_ns_ - first_ns_) / 2;
     const auto middle_s = static_cast<float>(1e-9 * static_cast<double>(middle_ns));
@@ -352,7 +293,7 @@ void VelodyneDecoder::Impl::complete(std::vector<Scan>& completed) {
   empty_ = true;
 }
 
-void VelodyneDecoder::Impl::reuse(Scan scan) {
+void VelodyneDecoder::reuse(Scan scan) {
   scan.stamp_s = 0.0;
   scan.points_m.clear();
   scan.row.clear();
@@ -360,24 +301,9 @@ void VelodyneDecoder::Impl::reuse(Scan scan) {
   spare_ = std::move(scan);
 }
 
-void VelodyneDecoder::Impl::finish(std::vector<Scan>& completed) {
+void VelodyneDecoder::finish(std::vector<Scan>& completed) {
   began_with_cut_ = false;  // nothing follows: what is missing at the end counts too
   complete(completed);
 }
-
-VelodyneDecoder::VelodyneDecoder(const VelodyneStream& stream, const SensorModel& sensor,
-                                 const VelodyneOptions& options)
-    : impl_(std::make_unique<Impl>(stream, sensor, options)) {}
-VelodyneDecoder::~VelodyneDecoder() = default;
-VelodyneDecoder::VelodyneDecoder(VelodyneDecoder&&) noexcept = default;
-
-void VelodyneDecoder::add(const Packet& packet, std::vector<Scan>& completed) {
-  impl_->add(packet, completed);
-}
-void VelodyneDecoder::finish(std::vector<Scan>& completed) { impl_->finish(completed); }
-void VelodyneDecoder::reuse(Scan scan) { impl_->reuse(std::move(scan)); }
-const PacketCounts& VelodyneDecoder::counts() const { return impl_->counts; }
-std::int64_t VelodyneDecoder::lost_scans() const { return impl_->lost_scans; }
-std::int64_t VelodyneDecoder::partial_scans() const { return impl_->partial_scans; }
 
 }  // namespace hqslam::recordings

@@ -1,11 +1,14 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "hqslam/core/error.h"
 #include "message_packets.h"
 #include "stream_scans.h"
 #include "velodyne_sensor.h"
+#include "velodyne_tables.h"
 
 namespace hqslam::recordings {
 
@@ -27,16 +30,52 @@ VelodyneStream probe(StreamReader& reader, std::optional<VelodyneModel> named) {
   try {
     found = probe.result(named);
   } catch (const Error& error) {
-    throw Error(fmt::format("{}: {}", path, error.what()));
+    throw Error("{}: {}", path, error.what());
   }
   if (!found) {
     throw Error(
-        fmt::format("{}: expected packets of a VLP-16, HDL-32E, VLP-32C or VLS-128, found "
-                    "some that say neither by their spacing nor by their factory byte whose "
-                    "they are; name the sensor",
-                    path));
+        "{}: expected packets of a VLP-16, HDL-32E, VLP-32C or VLS-128, found some that say "
+        "neither by their spacing nor by their factory byte whose they are; name the sensor",
+        path);
   }
   return *found;
+}
+
+constexpr double kPresetPeriod_s = 0.1;
+constexpr const char* kCalibrationExtension = ".xml";
+
+/// The model that has as many lasers as the user's sensor has rows: the one found, if that fits.
+VelodyneModel model_for(const SensorModel& sensor, VelodyneModel found, const std::string& path) {
+  const auto named = velodyne_model(sensor.name);
+  const bool without_calibration = named == VelodyneModel::kHdl64e && found != *named;
+  if (named && !without_calibration) return *named;
+  if (timing(found).lasers == sensor.rows()) return found;
+  for (const VelodyneModel model : kVelodyneModels) {
+    if (timing(model).lasers == sensor.rows()) return model;
+  }
+  throw Error(
+      "{}: expected a sensor of 16, 32 or 128 rows for packets of a {}, found '{}' with {}; name "
+      "the sensor that recorded them",
+      path, name(found), sensor.name, sensor.rows());
+}
+
+void require_calibration(const VelodyneStream& stream, const std::string& path) {
+  if (stream.model != VelodyneModel::kHdl64e) return;
+  throw Error(
+      "{}: packets of an HDL-64E, whose distances mean nothing without the calibration of that "
+      "very unit; name its db.xml as the sensor, or give its scans as point clouds",
+      path);
+}
+
+void take_calibration(VelodyneStream& stream, VelodyneCalibration calibration,
+                      const std::string& path, std::vector<std::string>& warnings) {
+  if (stream.model != VelodyneModel::kHdl64e) {
+    warnings.push_back(fmt::format(
+        "{}: the packets look like those of a {}, but are read as an HDL-64E's, as asked for", path,
+        name(stream.model)));
+    stream.model = VelodyneModel::kHdl64e;
+  }
+  stream.calibration = std::move(calibration);
 }
 
 }  // namespace
@@ -54,6 +93,56 @@ std::unique_ptr<StreamSource> open_velodyne(StreamReader reader, const OpenOptio
   return packet_scans(std::move(reader), std::move(info), [=](const SensorModel& sensor) {
     return velodyne_assembler(velodyne, sensor, path, decoding);
   });
+}
+
+std::optional<VelodyneModel> named_model(const std::string& wanted_sensor) {
+  if (wanted_sensor.empty()) return std::nullopt;
+  if (wanted_sensor.ends_with(kCalibrationExtension)) return VelodyneModel::kHdl64e;
+  return velodyne_model(load_sensor(wanted_sensor).name);
+}
+
+int columns_at(int preset_columns, double period_s) {
+  const double columns = preset_columns * period_s / kPresetPeriod_s;
+  return std::clamp(static_cast<int>(std::lround(columns / 100.0)) * 100, 100, 10000);
+}
+
+SensorModel velodyne_sensor(VelodyneStream& stream, const std::string& wanted_sensor, int columns,
+                            const std::string& path, std::vector<std::string>& warnings) {
+  SensorModel sensor;
+  bool preset = true;
+  if (wanted_sensor.ends_with(kCalibrationExtension)) {
+    take_calibration(stream, read_velodyne_calibration(wanted_sensor), path, warnings);
+    sensor = sensor_of(*stream.calibration);
+    preset = false;
+  } else if (wanted_sensor.empty()) {
+    require_calibration(stream, path);
+    sensor = sensor_preset(name(stream.model));
+    if (stream.factory_model && *stream.factory_model != stream.model) {
+      warnings.push_back(fmt::format(
+          "{}: the packets' factory bytes say {}, but they are {:.0f} us apart as those of a {}: "
+          "taken as that; name the sensor if it is not",
+          path, name(*stream.factory_model), stream.packet_spacing_us, name(stream.model)));
+    }
+  } else {
+    sensor = load_sensor(wanted_sensor);
+    preset = !wanted_sensor.ends_with(".json");
+    const VelodyneModel wanted = model_for(sensor, stream.model, path);
+    if (wanted != stream.model) {
+      warnings.push_back(fmt::format(
+          "{}: the packets look like those of a {}, but are read as a {}'s, as asked for", path,
+          name(stream.model), name(wanted)));
+      stream.model = wanted;
+    }
+    require_calibration(stream, path);
+  }
+  sensor.scan_period_s = std::round(1e4 * stream.scan_period_s) * 1e-4;
+  if (columns > 0) {
+    sensor.columns = columns;
+  } else if (preset) {
+    sensor.columns = columns_at(sensor.columns, sensor.scan_period_s);
+  }
+  validate(sensor);
+  return sensor;
 }
 
 }  // namespace hqslam::recordings

@@ -1,13 +1,15 @@
 #include "velodyne_tables.h"
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 #include <numeric>
+
+#include "hqslam/core/error.h"
 
 namespace hqslam::recordings {
 
 namespace {
-
-constexpr int kFullTurn = 36000;
 
 /// Firing sequences: VLP-16 16 lasers 2.304 us apart, two sequences a block; HDL-32E 32 lasers
 /// 1.152 us apart; VLP-32C 16 pairs 2.304 us apart; VLS-128 16 groups of eight 2.665 us apart, one
@@ -44,6 +46,27 @@ const std::vector<double> kVls128Elevations_deg = {
     1.42,    -10.346, -1.88, 3.51,    -6.06, -0.67, 4.72,    -3.97,  2.3,   -6.39,   -1.0,  4.39,
     -5.18,   0.21,    6.98,  -3.09,   4.98,  -3.75, 1.64,    -8.352, -2.54, 2.85,    -5.84, -0.45,
     8.43,    -2.87,   2.52,  -6.17,   -1.66, 3.73,  -4.96,   0.43};
+
+std::vector<int> rows_of(const VelodyneStream& stream) {
+  if (stream.model != VelodyneModel::kHdl64e) return laser_rows(stream.model);
+  std::vector<double> elevations_rad;
+  for (const auto& laser : stream.calibration->lasers)
+    elevations_rad.push_back(laser.elevation_rad);
+  return rows_by_elevation(elevations_rad);
+}
+
+void check(const VelodyneStream& stream, const SensorModel& sensor, int lasers) {
+  if (sensor.rows() != lasers) {
+    throw Error(
+        "sensor '{}' has {} rows, expected the {} lasers of a {}; name the sensor that recorded "
+        "the packets",
+        sensor.name, sensor.rows(), lasers, name(stream.model));
+  }
+  if (stream.model == VelodyneModel::kHdl64e &&
+      (!stream.calibration || stream.calibration->lasers.size() != 64)) {
+    throw Error("packets of an HDL-64E need the calibration of that unit: name its db.xml");
+  }
+}
 
 }  // namespace
 
@@ -106,8 +129,7 @@ std::vector<double> laser_elevations_deg(VelodyneModel model) {
 std::vector<int> rows_by_elevation(const std::vector<double>& elevations) {
   std::vector<int> lasers(elevations.size());
   std::iota(lasers.begin(), lasers.end(), 0);
-  std::stable_sort(lasers.begin(), lasers.end(),
-                   [&](int a, int b) { return elevations[a] > elevations[b]; });
+  std::ranges::stable_sort(lasers, [&](int a, int b) { return elevations[a] > elevations[b]; });
   std::vector<int> rows(elevations.size());
   for (std::size_t row = 0; row < lasers.size(); ++row) rows[lasers[row]] = static_cast<int>(row);
   return rows;
@@ -118,7 +140,7 @@ std::vector<int> laser_rows(VelodyneModel model) {
 }
 
 int bank_of(std::uint16_t flag) {
-  const auto found = std::find(kBankFlags.begin(), kBankFlags.end(), flag);
+  const auto found = std::ranges::find(kBankFlags, flag);
   return found == kBankFlags.end() ? -1 : static_cast<int>(found - kBankFlags.begin());
 }
 
@@ -137,9 +159,49 @@ bool is_velodyne_packet(Bytes payload) {
   if (payload.size() != kVelodynePacketBytes) return false;
   const int blocks = used_blocks(payload);
   for (int i = 0; i < blocks; ++i) {
-    if (bank_of(block_flag(payload, i)) < 0 || raw_azimuth(payload, i) > kFullTurn) return false;
+    if (bank_of(block_flag(payload, i)) < 0 || raw_azimuth(payload, i) > kTurn) return false;
   }
   return little_endian<std::uint32_t>(payload, kTimeAt) < kHour_us;
+}
+
+VelodyneTiming timing_of(const VelodyneStream& stream) {
+  VelodyneTiming result = timing(stream.model);
+  if (stream.model == VelodyneModel::kHdl64e && stream.packet_spacing_us > 0.0) {
+    result.packet_us_single = stream.packet_spacing_us;
+    result.firing_us = stream.packet_spacing_us / (kBlocks / 2.0);
+  }
+  return result;
+}
+
+VelodyneChannels channels_of(const VelodyneStream& stream, const SensorModel& sensor) {
+  const VelodyneTiming timing = timing_of(stream);
+  check(stream, sensor, timing.lasers);
+  const std::vector<int> rows = rows_of(stream);
+  VelodyneChannels result;
+  for (int bank = 0; bank < static_cast<int>(result.size()); ++bank) {
+    for (int c = 0; c < kChannels; ++c) {
+      const int sequence = timing.lasers < kChannels ? c / timing.lasers : 0;
+      const int laser = timing.lasers <= kChannels ? c % timing.lasers : bank * kChannels + c;
+      if (laser >= timing.lasers) continue;  // a bank that the model has not
+      const int row = rows[laser];
+      VelodyneChannel channel;
+      channel.row = static_cast<std::uint16_t>(row);
+      channel.cos_elevation = static_cast<float>(std::cos(sensor.beam_elevation_rad[row]));
+      channel.sin_elevation = static_cast<float>(std::sin(sensor.beam_elevation_rad[row]));
+      channel.clockwise = -sensor.beam_azimuth_offset_rad[row] * 18000.0 / std::numbers::pi;
+      if (stream.calibration) {
+        const VelodyneCalibration::Laser& own = stream.calibration->lasers[laser];
+        channel.distance_m = static_cast<float>(own.distance_m);
+        channel.up_m = static_cast<float>(own.up_m);
+        channel.left_m = static_cast<float>(own.left_m);
+      }
+      const double sequence_us = sequence * timing.firing_us;
+      channel.time_us = sequence_us + laser_time_us(stream.model, laser);
+      channel.azimuth_us = sequence_us + laser_azimuth_time_us(stream.model, laser);
+      result[bank].push_back(channel);
+    }
+  }
+  return result;
 }
 
 }  // namespace hqslam::recordings

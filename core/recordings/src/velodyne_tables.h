@@ -6,6 +6,7 @@
 
 #include "byte_reader.h"
 #include "hqslam/recordings/velodyne.h"
+#include "velodyne_tables.h"
 
 namespace hqslam::recordings {
 
@@ -16,6 +17,7 @@ inline constexpr std::size_t kBlockBytes = 100;
 inline constexpr std::size_t kTimeAt = 1200;
 inline constexpr std::size_t kReturnModeAt = 1204;
 inline constexpr std::size_t kProductAt = 1205;
+inline constexpr int kTurn = 36000;  ///< of the head, hundredths of a degree
 inline constexpr std::int64_t kHour_us = 3'600'000'000;
 
 /// How the lasers of a model fire.
@@ -64,7 +66,7 @@ inline std::uint16_t block_flag(Bytes payload, int index) {
 inline int raw_azimuth(Bytes payload, int index) {
   return little_endian<std::uint16_t>(payload, kBlockBytes * static_cast<std::size_t>(index) + 2);
 }
-inline int block_azimuth(Bytes payload, int index) { return raw_azimuth(payload, index) % 36000; }
+inline int block_azimuth(Bytes payload, int index) { return raw_azimuth(payload, index) % kTurn; }
 
 /// The flags of blocks: lasers 0 to 31, and for sensors with more lasers the following ones.
 inline constexpr std::array<std::uint16_t, 4> kBankFlags = {0xEEFF, 0xDDFF, 0xCCFF, 0xBBFF};
@@ -78,5 +80,28 @@ int used_blocks(Bytes payload);
 
 /// Whether these are the bytes of a Velodyne's data packet: its size, flags and azimuths.
 bool is_velodyne_packet(Bytes payload);
+
+/// A laser as one channel of a block.
+struct VelodyneChannel {
+  std::uint16_t row = 0;
+  float cos_elevation = 1.0F;
+  float sin_elevation = 0.0F;
+  double clockwise = 0.0;   ///< hundredths of a degree
+  double time_us = 0.0;     ///< after the first firing of the block
+  double azimuth_us = 0.0;  ///< the same, for the interpolation of the azimuth
+  float distance_m = 0.0F;  ///< VelodyneCalibration::Laser's; 0 without a calibration
+  float up_m = 0.0F;
+  float left_m = 0.0F;
+};
+
+/// Of the blocks of each bank.
+using VelodyneChannels = std::array<std::vector<VelodyneChannel>, kBankFlags.size()>;
+
+/// `sensor` gives elevation and azimuth offset of each row. Throws Error if it has not as many rows
+/// as the model lasers, or if there is no calibration of an HDL-64E.
+VelodyneChannels channels_of(const VelodyneStream& stream, const SensorModel& sensor);
+
+/// The model's; but an HDL-64E's packets come as fast as its version sends them.
+VelodyneTiming timing_of(const VelodyneStream& stream);
 
 }  // namespace hqslam::recordings

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "block_contents.h"
@@ -64,6 +65,192 @@ void add_gabled_roof(TriangleMesh& mesh, const Corners& corner, int front, doubl
   add_quad(mesh, eave(c[3], left), eave(c[2], right), right, left, roof);
 }
 
+struct Rectangle {
+  double s0_m;
+  double s1_m;
+  double z0_m;
+  double z1_m;
+};
+
+/// A wall that is being built. Coordinates on it: s along it from its left end, z up, depth into
+/// the house (negative: in front of it).
+class Wall {
+ public:
+  Wall(TriangleMesh& mesh, const WallPlace& place, const FacadeStyle& style)
+      : mesh_(mesh),
+        place_(place),
+        style_(style),
+        length_m_((place.to - place.from).norm()),
+        bays_(std::max(1, static_cast<int>(std::lround(length_m_ / style.bay_width_m)))),
+        bay_m_(length_m_ / bays_),
+        along_((place.to - place.from).normalized()),
+        inwards_(-along_.y(), along_.x()),
+        frame_(Eigen::Isometry3d::Identity()) {
+    frame_.translation() = point(0.0, 0.0, 0.0);
+    frame_.linear().col(0) = point(1.0, 0.0, 0.0) - frame_.translation();
+    frame_.linear().col(1) = point(0.0, 0.0, 1.0) - frame_.translation();
+  }
+
+  void add_blank() {
+    add_panel({0.0, length_m_, place_.foot_z_m, floor_z_m(style_.storeys)}, 0.0, style_.wall);
+  }
+
+  void add_facade(bool with_door, Random& random) {
+    add_panel({0.0, length_m_, place_.foot_z_m, place_.floor_z_m}, 0.0, style_.wall);
+    const int door_bay = with_door ? random.below(bays_) : -1;
+    for (int storey = 0; storey < style_.storeys; ++storey) {
+      add_storey(storey, storey == 0 ? door_bay : -1, random);
+    }
+    add_balconies(random);
+    add_relief(door_bay, random);
+    const double eaves_m = floor_z_m(style_.storeys);
+    add_block({0.0, length_m_, eaves_m - 0.25, eaves_m}, -0.25, 0.0, style_.wall);
+  }
+
+ private:
+  Eigen::Vector3d point(double s_m, double z_m, double depth_m) const {
+    const Eigen::Vector2d at = place_.from + s_m * along_ + depth_m * inwards_;
+    return {at.x(), at.y(), z_m};
+  }
+  double floor_z_m(int storey) const { return place_.floor_z_m + storey * style_.storey_height_m; }
+
+  void add_panel(const Rectangle& r, double depth_m, Surface surface) {
+    if (r.s1_m - r.s0_m < 1e-3 || r.z1_m - r.z0_m < 1e-3) return;
+    add_quad(mesh_, point(r.s0_m, r.z0_m, depth_m), point(r.s1_m, r.z0_m, depth_m),
+             point(r.s1_m, r.z1_m, depth_m), point(r.s0_m, r.z1_m, depth_m), surface);
+  }
+
+  /// A block between two depths.
+  void add_block(const Rectangle& r, double depth0_m, double depth1_m, Surface surface) {
+    add_box(mesh_, frame_, {r.s0_m, depth0_m, r.z0_m}, {r.s1_m, depth1_m, r.z1_m}, surface);
+  }
+
+  /// A hole with its four reveals and what closes it at the back.
+  void add_opening(const Rectangle& r, double recess_m, Surface back) {
+    const std::array<Eigen::Vector2d, 5> corners = {
+        {{r.s0_m, r.z0_m}, {r.s1_m, r.z0_m}, {r.s1_m, r.z1_m}, {r.s0_m, r.z1_m}, {r.s0_m, r.z0_m}}};
+    for (std::size_t k = 0; k < 4; ++k) {
+      const Eigen::Vector2d& a = corners[k];
+      const Eigen::Vector2d& b = corners[k + 1];
+      add_quad(mesh_, point(a.x(), a.y(), 0.0), point(b.x(), b.y(), 0.0),
+               point(b.x(), b.y(), recess_m), point(a.x(), a.y(), recess_m), style_.wall);
+    }
+    add_panel(r, recess_m, back);
+  }
+
+  /// A strip below the openings, one above, piers between them.
+  void add_storey(int storey, int door_bay, Random& random) {
+    const bool shop = storey == 0 && style_.shop;
+    const double opening_m = shop ? style_.bay_width_m - 0.5 : style_.window_width_m;
+    const double floor_m = floor_z_m(storey);
+    const double z0_m = floor_m + (shop ? 0.45 : 0.9);
+    const double z1_m = floor_m + (shop ? 2.6 : 0.9 + style_.window_height_m);
+    add_panel({0.0, length_m_, z1_m, floor_m + style_.storey_height_m}, 0.0, style_.wall);
+    double pier_from_m = 0.0;
+    for (int bay = 0; bay < bays_; ++bay) {
+      const bool door = bay == door_bay;
+      const double width_m = door ? 1.1 : std::min(opening_m, bay_m_ - 0.3);
+      const double middle_m = (bay + 0.5) * bay_m_;
+      const double left_m = middle_m - 0.5 * bay_m_;
+      const double right_m = middle_m + 0.5 * bay_m_;
+      const Rectangle hole{middle_m - 0.5 * width_m, middle_m + 0.5 * width_m,
+                           door ? floor_m : z0_m, z1_m};
+      add_panel({pier_from_m, hole.s0_m, z0_m, z1_m}, 0.0, style_.wall);
+      add_opening(hole, door ? 0.35 : style_.recess_m,
+                  {door ? Material::kWood : Material::kGlass, random.shade()});
+      pier_from_m = hole.s1_m;
+      if (door) {
+        add_panel({left_m, hole.s0_m, floor_m, z0_m}, 0.0, style_.wall);
+        add_panel({hole.s1_m, right_m, floor_m, z0_m}, 0.0, style_.wall);
+      } else {
+        add_panel({left_m, right_m, floor_m, z0_m}, 0.0, style_.wall);
+      }
+    }
+    add_panel({pier_from_m, length_m_, z0_m, z1_m}, 0.0, style_.wall);
+  }
+
+  /// Balconies on some bays above the ground storey.
+  void add_balconies(Random& random) {
+    const bool solid = random.chance(0.5);
+    for (int storey = 1; storey < style_.storeys; ++storey) {
+      for (int bay = 0; bay < bays_; ++bay) {
+        if (!random.chance(style_.balcony_share)) continue;
+        add_balcony(bay * bay_m_ + 0.2, (bay + 1) * bay_m_ - 0.2, floor_z_m(storey), solid);
+      }
+    }
+  }
+
+  /// A slab with a balustrade: solid, or of bars that let most rays through.
+  void add_balcony(double s0_m, double s1_m, double z_m, bool solid) {
+    constexpr double kReach_m = 1.1;
+    const Surface concrete{Material::kConcrete, 170};
+    const Surface metal{Material::kMetal, 90};
+    add_block({s0_m, s1_m, z_m - 0.16, z_m}, -kReach_m, 0.0, concrete);
+    if (solid) {
+      add_block({s0_m, s1_m, z_m, z_m + 0.95}, -kReach_m, -kReach_m + 0.06, concrete);
+      add_block({s0_m, s0_m + 0.06, z_m, z_m + 0.95}, -kReach_m, 0.0, concrete);
+      add_block({s1_m - 0.06, s1_m, z_m, z_m + 0.95}, -kReach_m, 0.0, concrete);
+      return;
+    }
+    add_block({s0_m, s1_m, z_m + 0.93, z_m + 0.98}, -kReach_m, -kReach_m + 0.05, metal);
+    const int bars = std::max(2, static_cast<int>((s1_m - s0_m) / 0.22));
+    for (int bar = 0; bar <= bars; ++bar) {
+      const double s_m = s0_m + (s1_m - s0_m) * bar / bars;
+      add_column(mesh_, point(s_m, z_m, -kReach_m + 0.03), point(s_m, z_m + 0.95, -kReach_m + 0.03),
+                 0.015, 0.015, 3, metal);
+    }
+  }
+
+  /// What sticks out of a front: steps, an oriel, an awning, a gutter pipe.
+  void add_relief(int door_bay, Random& random) {
+    if (door_bay >= 0) add_steps((door_bay + 0.5) * bay_m_);
+    if (style_.storeys > 1 && random.chance(0.35)) {
+      const int bay = random.below(bays_);
+      add_oriel(bay * bay_m_ + 0.1, (bay + 1) * bay_m_ - 0.1, random);
+    }
+    if (style_.shop && random.chance(0.5)) {  // an awning over the sidewalk
+      const double z_m = place_.floor_z_m + 2.55;
+      add_quad(mesh_, point(0.3, z_m + 0.4, 0.0), point(length_m_ - 0.3, z_m + 0.4, 0.0),
+               point(length_m_ - 0.3, z_m, -1.3), point(0.3, z_m, -1.3),
+               {Material::kCloth, random.shade()});
+    }
+    add_column(mesh_, point(0.15, place_.foot_z_m, -0.08),
+               point(0.15, floor_z_m(style_.storeys), -0.08), 0.06, 0.06, 5,
+               {Material::kMetal, 140});
+  }
+
+  /// Two steps up to a door.
+  void add_steps(double s_m) {
+    const Surface stone{Material::kConcrete, 150};
+    const double foot_m = place_.foot_z_m;
+    const double floor_m = place_.floor_z_m;
+    add_block({s_m - 0.9, s_m + 0.9, foot_m, floor_m}, -0.8, 0.0, stone);
+    add_block({s_m - 0.9, s_m + 0.9, foot_m, floor_m - 0.17}, -1.15, -0.8, stone);
+  }
+
+  /// A bay that sticks out over the upper storeys, with windows on its front.
+  void add_oriel(double s0_m, double s1_m, Random& random) {
+    constexpr double kReach_m = 0.75;
+    add_block({s0_m, s1_m, floor_z_m(1), floor_z_m(style_.storeys) - 0.3}, -kReach_m, 0.0,
+              style_.wall);
+    for (int storey = 1; storey < style_.storeys; ++storey) {
+      const double z_m = floor_z_m(storey) + 0.8;
+      add_panel({s0_m + 0.3, s1_m - 0.3, z_m, z_m + style_.window_height_m}, -kReach_m - 0.01,
+                {Material::kGlass, random.shade()});
+    }
+  }
+
+  TriangleMesh& mesh_;
+  const WallPlace& place_;
+  const FacadeStyle& style_;
+  double length_m_;
+  int bays_;
+  double bay_m_;
+  Eigen::Vector2d along_;
+  Eigen::Vector2d inwards_;
+  Eigen::Isometry3d frame_;
+};
+
 }  // namespace
 
 void add_house(City& city, const HouseLot& lot, Random& random) {
@@ -91,6 +278,15 @@ void add_house(City& city, const HouseLot& lot, Random& random) {
   } else {
     add_flat_roof(city.fixed, corner, eaves_m, random);
   }
+}
+
+void add_facade(TriangleMesh& mesh, const WallPlace& place, const FacadeStyle& style,
+                bool with_door, Random& random) {
+  Wall(mesh, place, style).add_facade(with_door, random);
+}
+
+void add_blank_wall(TriangleMesh& mesh, const WallPlace& place, const FacadeStyle& style) {
+  Wall(mesh, place, style).add_blank();
 }
 
 }  // namespace hqslam::sim

@@ -35,19 +35,6 @@ void plant_open_land(City& city, double trees_per_m, std::uint64_t seed) {
 
 }  // namespace
 
-std::vector<TriangleMesh> make_prototypes(std::uint64_t seed) {
-  std::vector<TriangleMesh> prototypes;
-  for (int shape = 0; shape < kTreeShapes; ++shape) {
-    prototypes.push_back(make_tree(seed_of(seed, 1, static_cast<std::uint64_t>(shape))));
-  }
-  for (int shape = 0; shape < kBushShapes; ++shape) {
-    prototypes.push_back(make_bush(seed_of(seed, 2, static_cast<std::uint64_t>(shape))));
-  }
-  for (int body = 0; body < kCarBodies; ++body) prototypes.push_back(make_car(body));
-  for (int body = 0; body < kWalkerBodies; ++body) prototypes.push_back(make_walker(body));
-  return prototypes;
-}
-
 std::array<BlockSide, 4> sides_of(const Eigen::AlignedBox2d& sheet_m) {
   const Eigen::Vector2d low = sheet_m.min();
   const Eigen::Vector2d high = sheet_m.max();

@@ -10,11 +10,6 @@
 
 namespace hqslam::sim {
 
-Scenario make_scenario(const DriveSpec& spec, double duration_s) {
-  return has_streets(spec.name) ? make_street_scenario(spec, duration_s)
-                                : make_indoor_scenario(spec, duration_s);
-}
-
 struct DriveSimulator::Implementation {
   Implementation(const DriveSpec& spec_, const SensorModel& sensor_)
       : spec((validate(spec_), spec_)),

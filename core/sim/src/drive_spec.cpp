@@ -1,4 +1,3 @@
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
@@ -51,14 +50,14 @@ void validate(const DriveSpec& spec) {
   constexpr std::int64_t kMostScans = 1'000'000;
   static_cast<void>(drive_preset(spec.name));
   if (spec.scans < 1 || spec.scans > kMostScans) {
-    throw Error(fmt::format("drive '{}': scans is {}, expected 1 to {}; give a number in between",
-                            spec.name, spec.scans, kMostScans));
+    throw Error("drive '{}': scans is {}, expected 1 to {}; give a number in between", spec.name,
+                spec.scans, kMostScans);
   }
   DriveSpec copy = spec;
   for (const Number& number : numbers_of(copy)) {
     if (number.value >= number.low && number.value <= number.high) continue;
-    throw Error(fmt::format("drive '{}': {} is {}, expected {} to {}; give a number in between",
-                            spec.name, number.name, number.value, number.low, number.high));
+    throw Error("drive '{}': {} is {}, expected {} to {}; give a number in between", spec.name,
+                number.name, number.value, number.low, number.high);
   }
 }
 

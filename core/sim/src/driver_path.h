@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "lane.h"
 #include "layout.h"
+#include "route.h"
 #include "style.h"
 
 namespace hqslam::sim {

@@ -66,7 +66,7 @@ class RouteMaker {
       const bool between = (room.door_x_m - from_x_m) * (room.door_x_m - to_x_m) < 0.0;
       if (room.storey == storey && between) passed.push_back(room);
     }
-    std::sort(passed.begin(), passed.end(), [&](const Room& a, const Room& b) {
+    std::ranges::sort(passed, [&](const Room& a, const Room& b) {
       return std::abs(a.door_x_m - from_x_m) < std::abs(b.door_x_m - from_x_m);
     });
     for (const Room& room : passed) {
@@ -103,7 +103,7 @@ class RouteMaker {
     };
     if (!up) {
       points.pop_back();
-      std::reverse(points.begin(), points.end());
+      std::ranges::reverse(points);
       points.emplace_back(kStairwell_m + 0.3, 0.0, 0.0);
     }
     for (const Eigen::Vector3d& point : points) {
@@ -117,8 +117,8 @@ class RouteMaker {
       const double away_m = direction * (room.door_x_m - 0.5 * plan_.length_m);
       return room.storey == 0 && away_m > 0.5 ? away_m : plan_.length_m;
     };
-    return *std::min_element(plan_.rooms.begin(), plan_.rooms.end(),
-                             [&](const Room& a, const Room& b) { return ahead_m(a) < ahead_m(b); });
+    return *std::ranges::min_element(
+        plan_.rooms, [&](const Room& a, const Room& b) { return ahead_m(a) < ahead_m(b); });
   }
 
   const IndoorPlan& plan_;

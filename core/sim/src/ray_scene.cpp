@@ -1,7 +1,6 @@
 #include "ray_scene.h"
 
 #include <embree3/rtcore.h>
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
@@ -29,10 +28,8 @@ using Geometry = std::unique_ptr<RTCGeometryTy, Release<rtcReleaseGeometry>>;
 Device make_device() {
   Device device(rtcNewDevice("threads=1,set_affinity=0,isa=sse4.2"));
   if (device == nullptr) {
-    throw Error(
-        fmt::format("Embree cannot start (error {}): the simulator needs a processor with "
-                    "SSE 4.2",
-                    static_cast<int>(rtcGetDeviceError(nullptr))));
+    throw Error("Embree cannot start (error {}): the simulator needs a processor with SSE 4.2",
+                static_cast<int>(rtcGetDeviceError(nullptr)));
   }
   return device;
 }

@@ -24,9 +24,5 @@ struct Scenario {
 
 /// Throws Error for a drive that is unknown.
 Scenario make_scenario(const DriveSpec& spec, double duration_s);
-/// Through the streets of a city.
-Scenario make_street_scenario(const DriveSpec& spec, double duration_s);
-/// On foot through a building of two storeys.
-Scenario make_indoor_scenario(const DriveSpec& spec, double duration_s);
 
 }  // namespace hqslam::sim

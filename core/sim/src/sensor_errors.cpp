@@ -34,10 +34,10 @@ std::vector<std::string> sensor_errors_names() { return {kNames.begin(), kNames.
 std::string name_of(SensorErrors errors) { return kNames[static_cast<std::size_t>(errors)]; }
 
 SensorErrors sensor_errors_named(std::string_view name) {
-  const auto* found = std::find(kNames.begin(), kNames.end(), name);
+  const auto* found = std::ranges::find(kNames, name);
   if (found == kNames.end()) {
-    throw Error(fmt::format("sensor errors '{}': expected one of {}; choose one of them", name,
-                            fmt::join(kNames, ", ")));
+    throw Error("sensor errors '{}': expected one of {}; choose one of them", name,
+                fmt::join(kNames, ", "));
   }
   return static_cast<SensorErrors>(found - kNames.begin());
 }

@@ -164,11 +164,11 @@ constexpr std::array<NamedDrive, 11> kDrives = {{
 }};
 
 const NamedDrive& named_drive(std::string_view name) {
-  const auto found = std::find_if(kDrives.begin(), kDrives.end(),
-                                  [&](const NamedDrive& drive) { return drive.name == name; });
+  const auto found =
+      std::ranges::find_if(kDrives, [&](const NamedDrive& drive) { return drive.name == name; });
   if (found == kDrives.end()) {
-    throw Error(fmt::format("unknown drive '{}': expected one of {}", name,
-                            fmt::join(drive_preset_names(), ", ")));
+    throw Error("unknown drive '{}': expected one of {}", name,
+                fmt::join(drive_preset_names(), ", "));
   }
   return *found;
 }
@@ -179,7 +179,7 @@ bool has_streets(std::string_view name) { return named_drive(name).style != null
 
 DriveStyle drive_style(std::string_view name) {
   if (!has_streets(name)) {
-    throw Error(fmt::format("drive '{}' has no streets; choose another", name));
+    throw Error("drive '{}' has no streets; choose another", name);
   }
   return *named_drive(name).style;
 }

@@ -30,10 +30,9 @@ void Traffic::add_trips(const DriveStyle& style, std::uint64_t seed, double unti
     for (std::size_t street = 0; street < layout_.streets[axis].size(); ++street) {
       const Street& line = layout_.streets[axis][street];
       // Nobody drives through what is built over.
-      const bool blocked =
-          std::any_of(layout_.closed.begin(), layout_.closed.end(), [&](const Stretch& stretch) {
-            return stretch.axis == axis && stretch.street == static_cast<int>(street);
-          });
+      const bool blocked = std::ranges::any_of(layout_.closed, [&](const Stretch& stretch) {
+        return stretch.axis == axis && stretch.street == static_cast<int>(street);
+      });
       if (blocked) continue;
       for (const double direction : {-1.0, 1.0}) {
         // On the right of its direction: +u has -v on its right, +v has +u.
@@ -139,8 +138,7 @@ std::vector<ActorMotion> Traffic::actors(double from_s, double to_s,
     if (from_s >= trip.start_s && to_s <= trip.end_s()) consider(trip);
   }
   for (const Walker& walker : walkers_) consider(walker);
-  std::stable_sort(near.begin(), near.end(),
-                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::ranges::stable_sort(near, [](const auto& a, const auto& b) { return a.first < b.first; });
   std::vector<ActorMotion> actors;
   if (car_ahead_) {
     actors.push_back(

@@ -25,18 +25,17 @@ void make_directory(const fs::path& directory) {
   fs::create_directories(directory, failure);
   if (!failure && fs::is_directory(directory)) return;
   throw Error(
-      fmt::format("{}: expected a folder that can be written, found none and cannot make it ({}); "
-                  "choose another",
-                  directory.string(), failure.message()));
+      "{}: expected a folder that can be written, found none and cannot make it ({}); choose "
+      "another",
+      directory.string(), failure.message());
 }
 
 /// One file per scan: what an earlier, longer drive left there would pass for scans of this one.
 void make_empty_directory(const fs::path& directory) {
   make_directory(directory);
   if (fs::is_empty(directory)) return;
-  throw Error(
-      fmt::format("{}: expected an empty folder, found files; remove them or choose another folder",
-                  directory.string()));
+  throw Error("{}: expected an empty folder, found files; remove them or choose another folder",
+              directory.string());
 }
 
 std::string in(const std::string& directory, std::string_view name) {
@@ -48,8 +47,7 @@ void append_text(std::ofstream& stream, const std::string& path, const std::stri
   stream << text;
   stream.flush();
   if (stream) return;
-  throw Error(fmt::format(
-      "{}: cannot be written; check that the folder is writable and has free space", path));
+  throw Error("{}: cannot be written; check that the folder is writable and has free space", path);
 }
 
 /// What a calibration of the beams should find.

@@ -86,10 +86,10 @@ void Srae::validate(const NetworkDescription& d) const {
   const int stride = d.measured_rows.stride;
   if (!std::has_single_bit(static_cast<unsigned>(stride)) || rows % stride != 0 ||
       d.measured_rows.offset >= stride || rows % kSraeStride != 0) {
-    throw Error(fmt::format(
+    throw Error(
         "network: measured rows {} + n {} of {}, expected one in each 2, 4, 8, ... rows and a "
         "multiple of {} rows in all",
-        d.measured_rows.offset, stride, rows, kSraeStride));
+        d.measured_rows.offset, stride, rows, kSraeStride);
   }
   constexpr std::int64_t kTensorsOfFilters = 40;  // with gradients, of the whole image's size
   check_memory(kTensorsOfFilters * shape_.filters * rows * d.sensor.columns, d);

@@ -97,9 +97,8 @@ Tulip::Tulip(TulipShape shape) : shape_(std::move(shape)) {
     const int heads = shape_.heads[stage];
     check_field("heads", heads, 1, kMostChannels);
     if (channels % (4 * heads) != 0 || channels / heads > kGreatestDepth) {
-      throw Error(
-          fmt::format("network: {} heads for {} channels, expected 4, 8, ... {} channels for each",
-                      heads, channels, kGreatestDepth));
+      throw Error("network: {} heads for {} channels, expected 4, 8, ... {} channels for each",
+                  heads, channels, kGreatestDepth);
     }
   }
 }
@@ -127,10 +126,10 @@ void Tulip::validate(const NetworkDescription& d) const {
   const int multiple = (kTulipUpscaling * kTulipWindowRows) << (shape_.heads.size() - 1);
   if (d.measured_rows.stride != kTulipUpscaling || d.measured_rows.offset >= kTulipUpscaling ||
       rows % multiple != 0) {
-    throw Error(fmt::format(
+    throw Error(
         "network: measured rows {} + n {} of {}, expected one in each {} and a multiple of {} rows "
         "in all",
-        d.measured_rows.offset, d.measured_rows.stride, rows, kTulipUpscaling, multiple));
+        d.measured_rows.offset, d.measured_rows.stride, rows, kTulipUpscaling, multiple);
   }
   constexpr std::int64_t kValuesOfPixel = 32;  // with gradients, for each channel
   check_memory(kValuesOfPixel * shape_.channels * rows * d.sensor.columns, d);

@@ -16,13 +16,13 @@ void check(const NetworkDescription& d, const RangeImage& measured,
            const ReferenceOptions& options) {
   const int rows = select_rows(d.sensor, d.measured_rows).rows();
   if (measured.rows != rows || measured.columns < 1 || measured.columns > d.sensor.columns) {
-    throw Error(fmt::format("reference: an image of {} x {}, expected {} rows and up to {} columns",
-                            measured.rows, measured.columns, rows, d.sensor.columns));
+    throw Error("reference: an image of {} x {}, expected {} rows and up to {} columns",
+                measured.rows, measured.columns, rows, d.sensor.columns);
   }
   const std::size_t pixels = static_cast<std::size_t>(d.sensor.rows()) * measured.columns;
   for (const std::vector<std::uint8_t>& mask : options.rejected) {
     if (mask.size() != pixels) {
-      throw Error(fmt::format("reference: a mask of {} pixels, expected {}", mask.size(), pixels));
+      throw Error("reference: a mask of {} pixels, expected {}", mask.size(), pixels);
     }
   }
 }
@@ -40,7 +40,7 @@ std::vector<std::vector<std::uint8_t>> masks_of(const Trace& trace) {
 
 const ReferenceTensor& ReferenceTrace::tensor(std::string_view name) const {
   const auto found = std::ranges::find(tensors, name, &ReferenceTensor::name);
-  if (found == tensors.end()) throw Error(fmt::format("reference: no tensor '{}'", name));
+  if (found == tensors.end()) throw Error("reference: no tensor '{}'", name);
   return *found;
 }
 
@@ -60,8 +60,7 @@ ReferenceTrace reference_trace(const NetworkDescription& description,
   } else if (kind == "du-mix") {
     run_du_mix(run);
   } else {
-    throw Error(
-        fmt::format("reference: there is none of '{}', expected du-or, simple-du or du-mix", kind));
+    throw Error("reference: there is none of '{}', expected du-or, simple-du or du-mix", kind);
   }
   return std::move(run.trace);
 }

@@ -1,7 +1,5 @@
 #include "scan.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 
@@ -12,8 +10,7 @@ namespace hqslam::nn::reference {
 Parameters::Parameters(const NetworkDescription& description, std::span<const double> values) {
   const std::vector<ParameterShape> shapes = parameter_shapes(description);
   if (std::ssize(values) != elements(shapes)) {
-    throw Error(
-        fmt::format("reference: {} parameters, expected {}", values.size(), elements(shapes)));
+    throw Error("reference: {} parameters, expected {}", values.size(), elements(shapes));
   }
   for (const ParameterShape& shape : shapes) {
     const auto count = static_cast<std::size_t>(shape.elements());

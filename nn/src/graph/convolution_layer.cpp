@@ -1,7 +1,5 @@
 #include "convolution_layer.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -166,8 +164,8 @@ void ConvolutionLayer::forward(const LayerPass& pass) {
 /// Throws Error unless single rows can be computed by themselves.
 void ConvolutionLayer::require_single_rows() const {
   if (shape_.column_stride() == 1 && shape_.kernel_rows == 1) return;
-  throw Error(fmt::format("conv2d: single rows with stride {} and {} kernel rows, expected 1, 1",
-                          shape_.column_stride(), shape_.kernel_rows));
+  throw Error("conv2d: single rows with stride {} and {} kernel rows, expected 1, 1",
+              shape_.column_stride(), shape_.kernel_rows);
 }
 
 void ConvolutionLayer::forward_row(const Tensor& input, int row, float* output,

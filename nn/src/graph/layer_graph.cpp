@@ -1,7 +1,5 @@
 #include "layer_graph.h"
 
-#include <fmt/format.h>
-
 #include "../random.h"
 #include "hqslam/core/error.h"
 
@@ -48,10 +46,10 @@ int LayerGraph::add(const std::string& name, const ConvolutionOptions& options,
   if (inputs.size() > 1 && shapes_[inputs[1]] != layer->output_shape()) {
     const TensorShape& added = shapes_[inputs[1]];
     const TensorShape& sum = layer->output_shape();
-    throw Error(fmt::format(
-        "network: '{}' adds {} x {} x {} values to {} x {} x {}, expected as "
-        "many; take images whose rows and columns all strides divide",
-        name, added.channels, added.rows, added.columns, sum.channels, sum.rows, sum.columns));
+    throw Error(
+        "network: '{}' adds {} x {} x {} values to {} x {} x {}, expected as many; take images "
+        "whose rows and columns all strides divide",
+        name, added.channels, added.rows, added.columns, sum.channels, sum.rows, sum.columns);
   }
   ConvolutionLayer* const convolution = layer.get();
   const int tensor = add(name, std::move(layer), std::move(inputs), dropout);

@@ -1,7 +1,5 @@
 #include "hqs_loop.h"
 
-#include <fmt/format.h>
-
 #include <cmath>
 
 #include "../parameters.h"
@@ -95,7 +93,7 @@ void Hqs::set_parameters(std::span<const float> parameters) {
   const std::int64_t of_prior = prior(0).parameters();
   const std::int64_t expected = std::ssize(priors) * of_prior + penalties;
   if (std::ssize(parameters) != expected) {
-    throw Error(fmt::format("network: {} parameters, expected {}", parameters.size(), expected));
+    throw Error("network: {} parameters, expected {}", parameters.size(), expected);
   }
   for (const std::unique_ptr<Prior>& any : priors) any->set_parameters(take(parameters, of_prior));
   if (penalties == 0) return;

@@ -1,7 +1,5 @@
 #include "hqslam/nn/hqs/outlier_removal.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -40,14 +38,14 @@ void validate(const SensorModel& sensor, RowSelection measured_rows,
               const OutlierRemovalOptions& options, int columns) {
   nn::validate(options);
   if (columns < 1 || columns > sensor.columns) {
-    throw Error(fmt::format("outlier removal: columns is {}, expected 1 to {}, the sensor's",
-                            columns, sensor.columns));
+    throw Error("outlier removal: columns is {}, expected 1 to {}, the sensor's", columns,
+                sensor.columns);
   }
   if (measured_rows.offset < 0 || measured_rows.stride < 1) {
     throw Error(
-        fmt::format("outlier removal: measured rows are {}, {} + {}, ..., expected an "
-                    "offset of 0 or more and a stride of 1 or more",
-                    measured_rows.offset, measured_rows.offset, measured_rows.stride));
+        "outlier removal: measured rows are {}, {} + {}, ..., expected an offset of 0 or more and "
+        "a stride of 1 or more",
+        measured_rows.offset, measured_rows.offset, measured_rows.stride);
   }
 }
 

@@ -1,7 +1,5 @@
 #include "prior.h"
 
-#include <fmt/format.h>
-
 #include <cmath>
 
 #include "../parameters.h"
@@ -31,8 +29,8 @@ void Prior::add_inner(const Measurement& /*measurement*/, const PriorState& stat
 void check_image(const PriorDescription& prior, int rows, int columns) {
   const TileSize multiple = prior.multiple;
   if (rows % multiple.rows != 0 || columns % multiple.columns != 0) {
-    throw Error(fmt::format("denoiser: an image of {} x {}, expected multiples of {} x {}", rows,
-                            columns, multiple.rows, multiple.columns));
+    throw Error("denoiser: an image of {} x {}, expected multiples of {} x {}", rows, columns,
+                multiple.rows, multiple.columns);
   }
 }
 

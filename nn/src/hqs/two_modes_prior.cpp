@@ -295,10 +295,10 @@ void validate(const TwoModesShape& shape) {
 void check_rows(TileSize tile, const NetworkDescription& d) {
   if (tile.rows != d.measured_rows.stride || d.measured_rows.offset >= tile.rows ||
       d.sensor.rows() % (2 * tile.rows) != 0) {
-    throw Error(fmt::format(
+    throw Error(
         "denoiser: tiles of {} rows and measured rows {} + n {} of {}, expected one measured row "
         "in each tile and an even number of tiles",
-        tile.rows, d.measured_rows.offset, d.measured_rows.stride, d.sensor.rows()));
+        tile.rows, d.measured_rows.offset, d.measured_rows.stride, d.sensor.rows());
   }
 }
 

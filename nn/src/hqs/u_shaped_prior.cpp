@@ -193,8 +193,7 @@ void validate(const UShapedPriorShape& shape) {
   constexpr int kMostChannels = 512;
   constexpr int kLargestTile = 16;
   if (shape.channels.size() < 2 || shape.channels.size() > 5) {
-    throw Error(
-        fmt::format("denoiser: channels of {} levels, expected 2 to 5", shape.channels.size()));
+    throw Error("denoiser: channels of {} levels, expected 2 to 5", shape.channels.size());
   }
   for (const int channels : shape.channels) check_field("channels", channels, 1, kMostChannels);
   check_field("tile.rows", shape.tile.rows, 1, kLargestTile);

@@ -1,7 +1,5 @@
 #include "strided_convolution.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 
 #include "hqslam/core/error.h"
@@ -45,13 +43,12 @@ StridedConvolution::StridedConvolution(const ConvolutionShape& shape, const Tens
 void StridedConvolution::check(const Tensor& narrow, const Tensor& wide) const {
   const ConvolutionShape& s = shape_;
   if (wide.channels() != s.input_channels || narrow.channels() != s.output_channels) {
-    throw Error(fmt::format("convolution: tensors of {} and {} channels, expected {} and {}",
-                            wide.channels(), narrow.channels(), s.input_channels,
-                            s.output_channels));
+    throw Error("convolution: tensors of {} and {} channels, expected {} and {}", wide.channels(),
+                narrow.channels(), s.input_channels, s.output_channels);
   }
   if (narrow.rows() != convolved_size(wide.rows(), s.kernel_rows, s.stride, s.padding_rows)) {
-    throw Error(fmt::format("convolution: {} rows do not become {} with stride {}", wide.rows(),
-                            narrow.rows(), s.stride));
+    throw Error("convolution: {} rows do not become {} with stride {}", wide.rows(), narrow.rows(),
+                s.stride);
   }
   const int stride = s.column_stride();
   const bool circular = wide.padding() == ColumnPadding::kCircular;
@@ -60,8 +57,8 @@ void StridedConvolution::check(const Tensor& narrow, const Tensor& wide) const {
                : convolved_size(wide.columns(), s.kernel_columns, stride, s.padding_columns);
   if (narrow.columns() != columns || (circular && wide.columns() % stride != 0) ||
       narrow.padding() != wide.padding() || wide.columns() > narrow.padded_columns() * stride) {
-    throw Error(fmt::format("convolution: {} columns do not become {} with stride {}",
-                            wide.columns(), narrow.columns(), stride));
+    throw Error("convolution: {} columns do not become {} with stride {}", wide.columns(),
+                narrow.columns(), stride);
   }
   check_columns_read(narrow, wide);
   const int below = (narrow.rows() - 1) * s.stride + s.kernel_rows - s.padding_rows - wide.rows();
@@ -70,8 +67,8 @@ void StridedConvolution::check(const Tensor& narrow, const Tensor& wide) const {
   const int narrow_below = (wide.rows() - 1 + s.padding_rows) / s.stride - (narrow.rows() - 1);
   const int narrow_border = std::max({0, narrow_above, narrow_below});
   if (wide.border_rows() < wide_border || narrow.border_rows() < narrow_border) {
-    throw Error(fmt::format("convolution: borders of {} and {} rows, expected {} and {}",
-                            wide.border_rows(), narrow.border_rows(), wide_border, narrow_border));
+    throw Error("convolution: borders of {} and {} rows, expected {} and {}", wide.border_rows(),
+                narrow.border_rows(), wide_border, narrow_border);
   }
 }
 
@@ -90,11 +87,11 @@ void StridedConvolution::check_columns_read(const Tensor& narrow, const Tensor& 
     beyond_plane |= narrow.columns() * stride + phase < wide.columns();
   }
   if (wide.padding() == ColumnPadding::kZero && (beyond_border || beyond_plane)) {
-    throw Error(fmt::format(
+    throw Error(
         "convolution: kernel of {} columns, stride {} and padding {} on {} columns with zeros "
         "beyond the edge, expected a padding that makes {} columns of them",
         s.kernel_columns, stride, s.padding_columns, wide.columns(),
-        (wide.columns() + stride - 1) / stride));
+        (wide.columns() + stride - 1) / stride);
   }
 }
 
@@ -145,7 +142,7 @@ void StridedConvolution::plan_scatter(const Tensor& narrow) {
 void StridedConvolution::set_weights(std::span<const float> weights) {
   const ConvolutionShape& s = shape_;
   if (static_cast<std::int64_t>(weights.size()) != s.weights()) {
-    throw Error(fmt::format("convolution: {} weights, expected {}", weights.size(), s.weights()));
+    throw Error("convolution: {} weights, expected {}", weights.size(), s.weights());
   }
   const std::size_t taps = gather_offset_.size();
   pack(

@@ -1,7 +1,5 @@
 #include "winograd_convolution.h"
 
-#include <fmt/format.h>
-
 #include <array>
 
 #include "hqslam/core/error.h"
@@ -56,10 +54,10 @@ WinogradConvolution::WinogradConvolution(const ConvolutionShape& shape, const Te
       kernels_(&row_kernels(instruction_set)) {
   validate(shape_);
   if (!is_3x3_without_stride(shape)) {
-    throw Error(fmt::format(
+    throw Error(
         "convolution: kernel {} x {}, strides {} and {}, padding {} and {}; expected 3 x 3, 1, 1",
         shape.kernel_rows, shape.kernel_columns, shape.stride, shape.column_stride(),
-        shape.padding_rows, shape.padding_columns));
+        shape.padding_rows, shape.padding_columns);
   }
   // So many vectors that the transformed weights are not fetched too often, and the transformed
   // images stay in the second-level cache.
@@ -88,8 +86,7 @@ WinogradConvolution::PanelShape WinogradConvolution::panel_shape(int vectors) co
 
 void WinogradConvolution::set_weights(std::span<const float> weights, bool adjoint) {
   if (static_cast<std::int64_t>(weights.size()) != shape_.weights()) {
-    throw Error(
-        fmt::format("convolution: {} weights, expected {}", weights.size(), shape_.weights()));
+    throw Error("convolution: {} weights, expected {}", weights.size(), shape_.weights());
   }
   const std::int64_t inputs = shape_.input_channels;
   const std::int64_t outputs = shape_.output_channels;

@@ -1,7 +1,5 @@
 #include "hqslam/nn/training/checkpoint.h"
 
-#include <fmt/format.h>
-
 #include <cmath>
 
 #include "../weights_arrays.h"
@@ -17,8 +15,7 @@ constexpr std::int64_t kMostSteps = 1'000'000'000'000;  // times the batch this 
 const NpzArray& member(const NpzArrays& arrays, const std::string& path, const std::string& name) {
   const auto found = arrays.find(name);
   if (found == arrays.end()) {
-    throw Error(
-        fmt::format("{}: expected a checkpoint with an array '{}', found none", path, name));
+    throw Error("{}: expected a checkpoint with an array '{}', found none", path, name);
   }
   return found->second;
 }
@@ -27,8 +24,8 @@ std::vector<float> finite_floats(const NpzArrays& arrays, const std::string& pat
                                  const std::string& name, std::size_t expected) {
   std::vector<float> values = float_values(member(arrays, path, name), path + ": " + name);
   if (values.size() != expected) {
-    throw Error(fmt::format("{}: array '{}': expected {} values, found {}", path, name, expected,
-                            values.size()));
+    throw Error("{}: array '{}': expected {} values, found {}", path, name, expected,
+                values.size());
   }
   return finite(std::move(values), path, name);
 }
@@ -41,8 +38,7 @@ std::vector<double> finite_doubles(const NpzArrays& arrays, const std::string& p
 double loss_sum_of(const NpzArrays& arrays, const std::string& path) {
   const std::vector<double> values = finite_doubles(arrays, path, "loss_sum");
   if (values.size() != 1) {
-    throw Error(
-        fmt::format("{}: array 'loss_sum': expected one number, found {}", path, values.size()));
+    throw Error("{}: array 'loss_sum': expected one number, found {}", path, values.size());
   }
   return values[0];
 }
@@ -50,15 +46,14 @@ double loss_sum_of(const NpzArrays& arrays, const std::string& path) {
 std::vector<CurvePoint> curve_of(const NpzArrays& arrays, const std::string& path) {
   const std::vector<double> values = finite_doubles(arrays, path, "curve");
   if (values.size() % kCurveColumns != 0) {
-    throw Error(fmt::format("{}: array 'curve': expected rows of {} values, found {} values", path,
-                            kCurveColumns, values.size()));
+    throw Error("{}: array 'curve': expected rows of {} values, found {} values", path,
+                kCurveColumns, values.size());
   }
   std::vector<CurvePoint> curve;
   for (std::size_t i = 0; i < values.size(); i += kCurveColumns) {
     const double* v = &values[i];
     if (v[0] < 0.0 || v[0] > static_cast<double>(kMostSteps)) {
-      throw Error(fmt::format("{}: array 'curve': expected steps of 0 to {}, found {}", path,
-                              kMostSteps, v[0]));
+      throw Error("{}: array 'curve': expected steps of 0 to {}, found {}", path, kMostSteps, v[0]);
     }
     curve.push_back({std::llround(v[0]),
                      v[1],
@@ -103,15 +98,15 @@ Checkpoint checkpoint_of(const NpzArrays& arrays, const std::string& path,
                          const AdamWOptions& adamw) {
   if (text_value(member(arrays, path, "configuration"), path + ": configuration") !=
       configuration) {
-    throw Error(fmt::format(
+    throw Error(
         "{}: the checkpoint is of another training configuration; train into another folder, or "
         "delete the checkpoint to begin anew",
-        path));
+        path);
   }
   const std::vector<std::int64_t> steps =
       int64_values(member(arrays, path, "steps"), path + ": steps");
   if (steps.size() != 1 || steps[0] < 0 || steps[0] > kMostSteps) {
-    throw Error(fmt::format("{}: array 'steps': expected one number, 0 to {}", path, kMostSteps));
+    throw Error("{}: array 'steps': expected one number, 0 to {}", path, kMostSteps);
   }
   AdamW optimiser(adamw, parameters);
   optimiser.steps = steps[0];

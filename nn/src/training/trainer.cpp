@@ -1,7 +1,5 @@
 #include "hqslam/nn/training/trainer.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <exception>
@@ -40,8 +38,8 @@ void in_parallel(int workers, int items, const Job& job) {
 
 void check_shape(int rows, int columns, const SensorModel& sensor) {
   if (rows != sensor.rows() || columns != sensor.columns) {
-    throw Error(fmt::format("training: a scan of {} x {}, expected the sensor's {} x {}", rows,
-                            columns, sensor.rows(), sensor.columns));
+    throw Error("training: a scan of {} x {}, expected the sensor's {} x {}", rows, columns,
+                sensor.rows(), sensor.columns);
   }
 }
 
@@ -55,10 +53,10 @@ void check_state(const TrainingState& state, const NetworkDescription& descripti
        {&state.parameters, &state.average, &state.optimiser.first_moment,
         &state.optimiser.second_moment}) {
     if (static_cast<std::int64_t>(values->size()) != expected) {
-      throw Error(fmt::format(
-          "training: a state of {} parameters, {} means, {} and {} moments, expected {}",
-          state.parameters.size(), state.average.size(), state.optimiser.first_moment.size(),
-          state.optimiser.second_moment.size(), expected));
+      throw Error("training: a state of {} parameters, {} means, {} and {} moments, expected {}",
+                  state.parameters.size(), state.average.size(),
+                  state.optimiser.first_moment.size(), state.optimiser.second_moment.size(),
+                  expected);
     }
   }
 }
@@ -162,15 +160,14 @@ void require_shares(const NetworkDescription& description, const TrainingPlan& p
   if (ranks.count() == 1) return;
   if (plan.batch % ranks.count() != 0) {
     throw Error(
-        fmt::format("training: batch is {}, which {} processes cannot share evenly; start as many "
-                    "as divide it",
-                    plan.batch, ranks.count()));
+        "training: batch is {}, which {} processes cannot share evenly; start as many as divide it",
+        plan.batch, ranks.count());
   }
   if (sees_whole_batch(description)) {
     throw Error(
-        fmt::format("training: the samples of a batch see each other in this network (batch norm), "
-                    "and {} processes cannot share them; train it in one",
-                    ranks.count()));
+        "training: the samples of a batch see each other in this network (batch norm), and {} "
+        "processes cannot share them; train it in one",
+        ranks.count());
   }
 }
 
@@ -277,10 +274,8 @@ TrainingStep Trainer::step() {
   result.learning_rate = cosine_learning_rate(self.plan.learning_rate, self.plan.warm_up_steps,
                                               self.plan.steps, self.state.optimiser.steps);
   if (!std::isfinite(result.loss) || !std::isfinite(result.gradient_norm)) {
-    throw Error(
-        fmt::format("training: the loss of step {} is not finite; a smaller learning_rate "
-                    "may help",
-                    self.state.optimiser.steps));
+    throw Error("training: the loss of step {} is not finite; a smaller learning_rate may help",
+                self.state.optimiser.steps);
   }
   self.state.optimiser.step(sum, result.learning_rate, self.decays, self.state.parameters);
   self.average();

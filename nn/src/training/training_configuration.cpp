@@ -74,7 +74,7 @@ ScanSet scan_set(JsonFields& fields, const std::string& field) {
 void check_apart(const ScanSet& training, const ScanSet& validation, const std::string& source) {
   for (const std::string& stack : validation.stacks) {
     if (std::find(training.stacks.begin(), training.stacks.end(), stack) != training.stacks.end()) {
-      throw Error(fmt::format("{}: '{}' is in both training and validation", source, stack));
+      throw Error("{}: '{}' is in both training and validation", source, stack);
     }
   }
   for (const SimulatedScans& v : validation.simulated) {
@@ -82,8 +82,8 @@ void check_apart(const ScanSet& training, const ScanSet& validation, const std::
       for (const int seed : v.seeds) {
         const bool shared = std::find(t.seeds.begin(), t.seeds.end(), seed) != t.seeds.end();
         if (t.drive == v.drive && shared) {
-          throw Error(fmt::format("{}: drive {} with seed {} is in both training and validation",
-                                  source, t.drive, seed));
+          throw Error("{}: drive {} with seed {} is in both training and validation", source,
+                      t.drive, seed);
         }
       }
     }

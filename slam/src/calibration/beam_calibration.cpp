@@ -1,7 +1,5 @@
 #include "hqslam/slam/beam_calibration.h"
 
-#include <fmt/format.h>
-
 #include <Eigen/Cholesky>
 #include <cmath>
 #include <span>
@@ -19,10 +17,10 @@ constexpr int kIterations = 4;
 void check(const SensorModel& sensor, const std::vector<LocatedScan>& scans) {
   for (const LocatedScan& scan : scans) {
     if (scan.cloud.rows != sensor.rows() || scan.cloud.columns != sensor.columns) {
-      throw Error(fmt::format(
+      throw Error(
           "a scan of {} x {} to calibrate a sensor of {} x {}: expected the same shape; give the "
           "scans as the sensor measured them",
-          scan.cloud.rows, scan.cloud.columns, sensor.rows(), sensor.columns));
+          scan.cloud.rows, scan.cloud.columns, sensor.rows(), sensor.columns);
     }
   }
 }

@@ -1,7 +1,5 @@
 #include "hqslam/slam/dense_map.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 
@@ -18,7 +16,7 @@ namespace {
 
 void check_option(const char* field, double value, double low, double high) {
   if (value >= low && value <= high) return;
-  throw Error(fmt::format("dense map: {} is {}, expected {} to {}", field, value, low, high));
+  throw Error("dense map: {} is {}, expected {} to {}", field, value, low, high);
 }
 
 DenseMapOptions validated(const DenseMapOptions& options) {
@@ -34,11 +32,11 @@ void check_shape(const OrganizedCloud& cloud) {
       fits(cloud.time_offset_s.size()) && fits(cloud.confidence.size())) {
     return;
   }
-  throw Error(fmt::format(
+  throw Error(
       "dense map: scan of {}x{} pixels has {} points, {} ranges, {} capture times and {} "
       "confidences: give each pixel its own, of the last two or none",
       cloud.rows, cloud.columns, cloud.points_m.size(), cloud.range_m.size(),
-      cloud.time_offset_s.size(), cloud.confidence.size()));
+      cloud.time_offset_s.size(), cloud.confidence.size());
 }
 
 void check_path(const SensorPath& path) {

@@ -22,9 +22,8 @@ void write(const std::string& header, const std::vector<DenseMapPoint>& points,
   stream.close();
   if (!stream) {
     throw Error(
-        fmt::format("{}: cannot be written; check that the folder exists, is writable and has "
-                    "free space",
-                    path));
+        "{}: cannot be written; check that the folder exists, is writable and has free space",
+        path);
   }
 }
 

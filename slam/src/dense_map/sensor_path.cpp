@@ -1,15 +1,13 @@
 #include "hqslam/slam/sensor_path.h"
 
-#include <fmt/format.h>
-
 #include "hqslam/core/error.h"
 
 namespace hqslam::slam {
 
 SensorPath::SensorPath(const Trajectory& trajectory, std::size_t scan, const KnownWay& way) {
   if (scan >= trajectory.size()) {
-    throw Error(fmt::format("path of scan {}: the trajectory has {} poses; give one for each scan",
-                            scan, trajectory.size()));
+    throw Error("path of scan {}: the trajectory has {} poses; give one for each scan", scan,
+                trajectory.size());
   }
   const StampedPose& here = trajectory[scan];
   T_map_sensor_ = here.T_map_sensor;

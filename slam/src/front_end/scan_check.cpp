@@ -1,7 +1,5 @@
 #include "front_end/scan_check.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -16,18 +14,17 @@ namespace {
 void check_size(const OrganizedCloud& cloud, const SensorModel& sensor) {
   if (cloud.rows != sensor.rows() || cloud.columns != sensor.columns) {
     throw Error(
-        fmt::format("scan of {}x{} pixels does not fit sensor '{}' of {}x{}: name the "
-                    "sensor that recorded it",
-                    cloud.rows, cloud.columns, sensor.name, sensor.rows(), sensor.columns));
+        "scan of {}x{} pixels does not fit sensor '{}' of {}x{}: name the sensor that recorded it",
+        cloud.rows, cloud.columns, sensor.name, sensor.rows(), sensor.columns);
   }
   const std::size_t pixels = static_cast<std::size_t>(cloud.rows) * cloud.columns;
   const std::size_t times = cloud.time_offset_s.size();
   if (cloud.points_m.size() != pixels || cloud.range_m.size() != pixels ||
       (times != 0 && times != pixels)) {
     throw Error(
-        fmt::format("scan of {}x{} pixels has {} points, {} ranges and {} capture times: give "
-                    "each pixel its own, or no times at all",
-                    cloud.rows, cloud.columns, cloud.points_m.size(), cloud.range_m.size(), times));
+        "scan of {}x{} pixels has {} points, {} ranges and {} capture times: give each pixel its "
+        "own, or no times at all",
+        cloud.rows, cloud.columns, cloud.points_m.size(), cloud.range_m.size(), times);
   }
 }
 
@@ -36,10 +33,8 @@ constexpr double kMaxStamp_s = 1e11;
 
 void check_stamp(double stamp_s) {
   if (!(std::abs(stamp_s) <= kMaxStamp_s)) {
-    throw Error(
-        fmt::format("stamp of a scan is {}, expected a time within +-{} s: give stamps in "
-                    "seconds",
-                    stamp_s, kMaxStamp_s));
+    throw Error("stamp of a scan is {}, expected a time within +-{} s: give stamps in seconds",
+                stamp_s, kMaxStamp_s);
   }
 }
 
@@ -68,10 +63,10 @@ void check_times(const OrganizedCloud& cloud, const SensorModel& sensor) {
     last_s = std::max(last_s, offset_s);
   }
   if (first_s > last_s && not_finite > 0) {
-    throw ScanError(fmt::format(
-        "none of the {} capture times of a scan's returns is finite: give each its own, "
-        "or no times at all",
-        not_finite));
+    throw ScanError(
+        "none of the {} capture times of a scan's returns is finite: give each its own, or no "
+        "times at all",
+        not_finite);
   }
   if (first_s > last_s) return;
   const double period_s = sensor.scan_period_s;
@@ -79,12 +74,11 @@ void check_times(const OrganizedCloud& cloud, const SensorModel& sensor) {
   const bool off_the_middle = last_s - first_s > kWholeScan_periods * period_s &&
                               std::abs(first_s + last_s) / 2.0 > kMaxMiddle_periods * period_s;
   if (!too_far && !off_the_middle) return;
-  throw ScanError(fmt::format(
+  throw ScanError(
       "capture times of a scan reach from {:.6g} to {:.6g} s after its stamp, expected about "
-      "{:.3g} "
-      "to {:.3g} s: give them in seconds, counted from the middle of the scan, and give that as "
-      "the stamp",
-      first_s, last_s, -period_s / 2.0, period_s / 2.0));
+      "{:.3g} to {:.3g} s: give them in seconds, counted from the middle of the scan, and give "
+      "that as the stamp",
+      first_s, last_s, -period_s / 2.0, period_s / 2.0);
 }
 
 /// Whether a pixel holds what it should: no return, or a finite point at a finite range and time.

@@ -17,6 +17,10 @@ namespace {
 
 /// Searches of wide reach, before the pose is good enough for the narrow one.
 constexpr int kWideSearches = 2;
+/// Most scans need fewer. After so many some go round between the same few neighbours, and steps of
+/// so many times what is asked for are the end; others still are on their way.
+constexpr int kUsualIterations = 10;
+constexpr double kLateTolerance = 4.0;
 /// Of its line or plane: MappingResult::close_ratio.
 constexpr double kClose_m = 0.1;
 
@@ -111,8 +115,10 @@ MappingResult Mapping::register_scan(const MapFeatures& features, const MotionSt
     }
     result.state = prior.improved(result.state, information);
     const Pose change = before.inverse() * result.state.T_map_sensor;
-    const bool converged = rotation_angle_rad(change) < options_.converged_rotation_rad &&
-                           change.translation().norm() < options_.converged_translation_m;
+    const double near_enough = iteration < kUsualIterations ? 1.0 : kLateTolerance;
+    const bool converged =
+        rotation_angle_rad(change) < near_enough * options_.converged_rotation_rad &&
+        change.translation().norm() < near_enough * options_.converged_translation_m;
     result.status = !all_observable ? Status::kDegenerate
                     : converged     ? Status::kOk
                                     : Status::kNotConverged;

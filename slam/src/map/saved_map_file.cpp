@@ -41,7 +41,7 @@ class MapFile {
   }
 
   [[noreturn]] void refuse(const std::string& what) const {
-    throw Error(fmt::format("{}: {}; save the map anew", path_, what));
+    throw Error("{}: {}; save the map anew", path_, what);
   }
 
   /// An array of `rows` x the rest of a shape, any number of rows.

@@ -2,16 +2,40 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <limits>
+#include <random>
 
 #include "error_message.h"
+#include "hqslam/evaluation/image_error.h"
+#include "nearest_point.h"
 
 using namespace hqslam;
 using namespace hqslam::test;
+using Points = std::vector<Eigen::Vector3f>;
 
 namespace {
 
-using Points = std::vector<Eigen::Vector3f>;
+float slowly_found_m2(const std::vector<Eigen::Vector3f>& points_m,
+                      const Eigen::Vector3f& query_m) {
+  float nearest_m2 = std::numeric_limits<float>::infinity();
+  for (const Eigen::Vector3f& p : points_m) {
+    nearest_m2 = std::min(nearest_m2, (p - query_m).squaredNorm());
+  }
+  return nearest_m2;
+}
+
+/// Points in `cells` places per axis: few cells mean many equal points.
+std::vector<Eigen::Vector3f> points_on_a_grid(int count, unsigned cells, std::mt19937& generator) {
+  const auto coordinate = [&] { return 0.37F * static_cast<float>(generator() % cells); };
+  std::vector<Eigen::Vector3f> points_m;
+  for (int i = 0; i < count; ++i) {
+    const float x = coordinate();
+    const float y = coordinate();
+    points_m.emplace_back(x, y, coordinate());
+  }
+  return points_m;
+}
 
 }  // namespace
 
@@ -64,17 +88,11 @@ TEST_CASE("missing points lower the recall alone, invented points the precision 
 }
 
 TEST_CASE("empty clouds and coordinates that are none are refused") {
-  CHECK(one_line_with(error_message([] {
-                        cloud_error({}, {{1, 2, 3}});
-                      }),
-                      "cloud", "at least one point", "none"));
-  CHECK(one_line_with(error_message([] { cloud_error({{1, 2, 3}}, {}); }), "true cloud"));
+  CHECK(refused_with([] { cloud_error({}, {{1, 2, 3}}); }, "cloud", "at least one point", "none"));
+  CHECK(refused_with([] { cloud_error({{1, 2, 3}}, {}); }, "true cloud"));
   for (const float bad :
        {std::numeric_limits<float>::quiet_NaN(), -std::numeric_limits<float>::infinity(), 1e30F}) {
-    CHECK(one_line_with(error_message([&] {
-                          cloud_error({{1, bad, 3}}, {{1, 2, 3}});
-                        }),
-                        "cloud", "finite"));
+    CHECK(refused_with([&] { cloud_error({{1, bad, 3}}, {{1, 2, 3}}); }, "cloud", "finite"));
   }
 }
 
@@ -88,4 +106,55 @@ TEST_CASE("errors sum up to means, figure by figure") {
   CHECK(sum.f1 == 0.5);
   CHECK(sum.chamfer_m2 == 2.0);
   CHECK(sum.outlier_share == 0.25);
+}
+
+TEST_CASE("errors of a small image are those done by hand") {
+  RangeImage image(2, 3);
+  RangeImage true_image(2, 3);
+  image.range_m = {10, 0, 5, 7, 0, -1};
+  true_image.range_m = {12, 3, 5, 0, 0, std::numeric_limits<float>::quiet_NaN()};
+  const ImageError error = image_error(image, true_image);
+  CHECK(error.pixels == 6);
+  CHECK(error.valid_pixels == 2);
+  CHECK(error.mae_all_m == doctest::Approx((2.0 + 3.0 + 0.0 + 7.0) / 6.0));
+  CHECK(error.mae_valid_m == doctest::Approx(1.0));
+  CHECK(error.missing_share == doctest::Approx(1.0 / 3.0));   // the 3 m of 12, 3 and 5
+  CHECK(error.invented_share == doctest::Approx(1.0 / 3.0));  // the 7 m of 10, 5 and 7
+}
+
+TEST_CASE("images without a common return and empty images have no error of valid pixels") {
+  RangeImage image(1, 2);
+  RangeImage true_image(1, 2);
+  image.range_m = {4, 0};
+  true_image.range_m = {0, 2};
+  const ImageError error = image_error(image, true_image);
+  CHECK(error.mae_all_m == doctest::Approx(3.0));
+  CHECK(error.valid_pixels == 0);
+  CHECK(error.mae_valid_m == 0.0);
+  CHECK(error.missing_share == 1.0);
+  CHECK(image_error({}, {}).missing_share == 0.0);
+  CHECK(image_error({}, {}).mae_all_m == 0.0);
+}
+
+TEST_CASE("images of different shapes are refused") {
+  CHECK(refused_with([] { image_error(RangeImage(2, 3), RangeImage(3, 2)); },
+                     "expected an image of 3 x 2", "found 2 x 3"));
+}
+
+TEST_CASE("the nearest point is the one that a search of all points finds") {
+  std::mt19937 generator(7);
+  for (const int count : {1, 2, 12, 13, 14, 100, 2000}) {
+    for (const unsigned cells : {1U, 3U, 100000U}) {
+      CAPTURE(count);
+      CAPTURE(cells);
+      const auto points_m = points_on_a_grid(count, cells, generator);
+      const NearestPoint nearest(points_m);
+      for (const Eigen::Vector3f& query_m : points_on_a_grid(50, 2 * cells, generator)) {
+        CHECK(nearest.squared_distance_m2(query_m) == slowly_found_m2(points_m, query_m));
+      }
+      CHECK(nearest.squared_distance_m2(points_m.front()) == 0.0);
+      const Eigen::Vector3f far_m(-1e5F, 3e4F, 1.0F);
+      CHECK(nearest.squared_distance_m2(far_m) == slowly_found_m2(points_m, far_m));
+    }
+  }
 }

@@ -66,13 +66,12 @@ TEST_CASE("colours darken with the range and no return is black") {
 }
 
 TEST_CASE("images without pixels, unwritable files and ranges that span nothing are refused") {
-  CHECK(one_line_with(error_message([] { encode_png({}); }), "found 0 x 0"));
+  CHECK(refused_with([] { encode_png({}); }, "found 0 x 0"));
   RgbImage short_image = an_image();
   short_image.pixels.pop_back();
-  CHECK(one_line_with(error_message([&] { encode_png(short_image); }), "2 x 3", "5 pixels"));
-  CHECK(one_line_with(error_message([] { write_png(an_image(), "/nowhere/a.png"); }), "/nowhere"));
-  CHECK(one_line_with(error_message([] { color_by_range(RangeImage(1, 1), 0.5); }), "max_range_m",
-                      "found 0.5"));
+  CHECK(refused_with([&] { encode_png(short_image); }, "2 x 3", "5 pixels"));
+  CHECK(refused_with([] { write_png(an_image(), "/nowhere/a.png"); }, "/nowhere"));
+  CHECK(refused_with([] { color_by_range(RangeImage(1, 1), 0.5); }, "max_range_m", "found 0.5"));
 }
 
 TEST_CASE("between two colours lies their mixture, and beyond the last one is the last one") {

@@ -166,19 +166,17 @@ TEST_CASE("an alignment is known by its name") {
   for (const Alignment alignment : {Alignment::kNone, Alignment::kFirstPose, Alignment::kSe3}) {
     CHECK(alignment_from_name(name(alignment)) == alignment);
   }
-  CHECK(one_line_with(error_message([] { alignment_from_name("sim3"); }), "none, first or se3",
-                      "'sim3'"));
+  CHECK(refused_with([] { alignment_from_name("sim3"); }, "none, first or se3", "'sim3'"));
 }
 
 TEST_CASE("trajectories of different times and stretches of no length are refused") {
   const Trajectory drive = a_drive();
   Trajectory later = drive;
   for (StampedPose& pose : later) pose.stamp_s += 1000.0;
-  CHECK(one_line_with(error_message([&] { absolute_pose_error(later, drive, Alignment::kSe3); }),
-                      "at least 3 poses", "0.02 s", "found 0"));
-  CHECK(one_line_with(
-      error_message([&] { absolute_pose_error({drive[0]}, drive, Alignment::kNone); }),
-      "at least 2 poses", "found 1"));
-  CHECK(one_line_with(error_message([&] { relative_pose_error(drive, drive, 0.0); }), "stretch_m",
-                      "positive", "found 0"));
+  CHECK(refused_with([&] { absolute_pose_error(later, drive, Alignment::kSe3); },
+                     "at least 3 poses", "0.02 s", "found 0"));
+  CHECK(refused_with([&] { absolute_pose_error({drive[0]}, drive, Alignment::kNone); },
+                     "at least 2 poses", "found 1"));
+  CHECK(refused_with([&] { relative_pose_error(drive, drive, 0.0); }, "stretch_m", "positive",
+                     "found 0"));
 }

@@ -91,10 +91,8 @@ std::string http_answer(const std::string& body) {
 TEST_CASE("an Ouster that is only named is asked for its metadata where its packets come from") {
   std::string text = ouster_metadata_text(OusterProfile::kLegacy, 16);
   OneAnswer server(http_answer(text));
-  LiveOptions options;
-  options.sensor = "os1-16";
-  options.port = free_udp_port();
-  options.http_port = server.port();
+  const LiveOptions options{
+      .sensor = "os1-16", .port = free_udp_port(), .http_port = server.port()};
   LiveSensor sensor(options);
   const LoopbackSender sender(options.port);
   sender.send(ouster_turn(OusterProfile::kLegacy, 1, 16)[0].payload);
@@ -102,18 +100,16 @@ TEST_CASE("an Ouster that is only named is asked for its metadata where its pack
   server.join();
   CHECK(server.asked().starts_with("GET /api/v1/sensor/metadata HTTP/1.0\r\n"));
   CHECK(sensor.sensor().rows() == 16);
-  CHECK(one_line_with(error_message([&] { sensor.start(1024); }), "512", "1024"));
+  CHECK(refused_with([&] { sensor.start(1024); }, "512", "1024"));
   sensor.start(512);
-  CHECK(one_line_with(error_message([&] { sensor.start(512); }), "started", "once"));
+  CHECK(refused_with([&] { sensor.start(512); }, "started", "once"));
 }
 
 TEST_CASE("why an Ouster of another kind, or one that says nothing, is not it, is one line") {
   const auto refused = [](const std::string& answer) {
     OneAnswer server(answer);
-    LiveOptions options;
-    options.sensor = "os1-16";
-    options.port = free_udp_port();
-    options.http_port = server.port();
+    const LiveOptions options{
+        .sensor = "os1-16", .port = free_udp_port(), .http_port = server.port()};
     LiveSensor sensor(options);
     LoopbackSender(options.port).send(ouster_turn(OusterProfile::kLegacy, 1, 16)[0].payload);
     const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(kPatience_s);
@@ -136,10 +132,8 @@ TEST_CASE("why an Ouster of another kind, or one that says nothing, is not it, i
 TEST_CASE("a stranger's large packet does not keep the Ouster from being found") {
   const std::string text = ouster_metadata_text(OusterProfile::kLegacy, 16);
   OneAnswer server(http_answer(text));
-  LiveOptions options;
-  options.sensor = "os1-16";
-  options.port = free_udp_port();
-  options.http_port = server.port();
+  const LiveOptions options{
+      .sensor = "os1-16", .port = free_udp_port(), .http_port = server.port()};
   LiveSensor sensor(options);
   LoopbackSender(options.port, 2).send(Payload(4000));  // nobody answers there: refused
   CHECK_FALSE(sensor.recognise(0.05));
@@ -166,15 +160,14 @@ TEST_CASE("answers in chunks, and of connections that are held open, are underst
         ok + "Content-Length: 99999999999999999999\r\n\r\n" + body,
         ok + "Transfer-Encoding: chunked\r\n\r\nzz\r\n" + body}) {
     OneAnswer server(answer);
-    CHECK(
-        one_line_with(error_message([&] { http_get(kLoopback, server.port(), "/"); }), "cut off"));
+    CHECK(refused_with([&] { http_get(kLoopback, server.port(), "/"); }, "cut off"));
   }
 }
 
 TEST_CASE("a server that is not there or never answers does not hold anybody up") {
   const UdpSocket nobody(0);
-  CHECK(one_line_with(error_message([&] { http_get(kLoopback, nobody.port(), "/"); }),
-                      "http://127.0.0.1:", "refused"));
+  CHECK(refused_with([&] { http_get(kLoopback, nobody.port(), "/"); },
+                     "http://127.0.0.1:", "refused"));
   const FileDescriptor silent(socket(AF_INET, SOCK_STREAM, 0));
   sockaddr_in address{};
   address.sin_family = AF_INET;
@@ -183,6 +176,5 @@ TEST_CASE("a server that is not there or never answers does not hold anybody up"
   REQUIRE(bind(silent.get(), reinterpret_cast<const sockaddr*>(&address), bytes) == 0);
   REQUIRE(listen(silent.get(), 1) == 0);
   getsockname(silent.get(), reinterpret_cast<sockaddr*>(&address), &bytes);
-  CHECK(one_line_with(error_message([&] { http_get(kLoopback, ntohs(address.sin_port), "/"); }),
-                      "within 3 s"));
+  CHECK(refused_with([&] { http_get(kLoopback, ntohs(address.sin_port), "/"); }, "within 3 s"));
 }

@@ -28,18 +28,7 @@ namespace {
 
 constexpr double kPatience_s = 20.0;
 
-LiveOptions vlp16() {
-  LiveOptions options;
-  options.sensor = "vlp-16";
-  options.port = free_udp_port();
-  return options;
-}
-
-RoundRoom long_room(double duration_s) {
-  RoundRoom room;
-  room.duration_s = duration_s;
-  return room;
-}
+LiveOptions vlp16() { return {.sensor = "vlp-16", .port = free_udp_port()}; }
 
 /// All scans that come until `sent` packets are through, and none comes any more.
 std::vector<LiveScan> all_scans(LiveSensor& sensor, std::int64_t expected) {
@@ -94,7 +83,7 @@ void replay_in_step(const std::vector<Captured>& packets, std::uint16_t port,
 
 TEST_CASE("scans that come over UDP are those of the capture with the same packets") {
   const TemporaryDirectory folder;
-  const auto packets = velodyne_capture(long_room(1.5));
+  const auto packets = velodyne_capture({.duration_s = 1.5});
   write_file(folder.file("a.pcap"), pcap_bytes(packets));
   const auto recorded = open_recording(folder.file("a.pcap"));
   const LiveOptions options = vlp16();
@@ -125,7 +114,7 @@ TEST_CASE("scans that come over UDP are those of the capture with the same packe
 }
 
 TEST_CASE("packets that never come, come twice or are of another kind are counted") {
-  auto packets = velodyne_capture(long_room(1.4));
+  auto packets = velodyne_capture({.duration_s = 1.4});
   const std::size_t behind = 600;  // behind what it is recognised by
   packets.erase(packets.begin() + behind, packets.begin() + behind + 3);
   packets.insert(packets.begin() + behind + 50, packets[behind + 49]);
@@ -144,7 +133,7 @@ TEST_CASE("packets that never come, come twice or are of another kind are counte
 }
 
 TEST_CASE("who does not take scans in time loses whole ones, the oldest, and memory is bounded") {
-  const auto packets = velodyne_capture(long_room(2.6));
+  const auto packets = velodyne_capture({.duration_s = 2.6});
   LiveOptions options = vlp16();
   options.most_waiting = 3;
   LiveSensor sensor(options);
@@ -181,11 +170,12 @@ TEST_CASE("memory does not grow with what was received, whether scans are taken 
   const LiveOptions options = vlp16();
   LiveSensor sensor(options);
   {
-    const Background sending([&] { replay(velodyne_capture(long_room(2.0)), options.port, 0.0); });
+    const Background sending(
+        [&] { replay(velodyne_capture({.duration_s = 2.0}), options.port, 0.0); });
     REQUIRE(sensor.recognise(kPatience_s));
   }
   sensor.start();
-  const auto packets = velodyne_capture(long_room(10.0));
+  const auto packets = velodyne_capture({.duration_s = 10.0});
   replay_in_step(packets, options.port, sensor);
   const std::int64_t before_kb = resident_kb();
   for (int round = 0; round < 4; ++round) {
@@ -202,10 +192,9 @@ TEST_CASE("an Ouster's turn is complete with its last packet, whatever its metad
   const TemporaryDirectory folder;
   const OusterProfile profile = OusterProfile::kRng19;
   write_file(folder.file("sensor.json"), ouster_metadata_text(profile));
-  LiveOptions options;
-  options.sensor = folder.file("sensor.json");
-  options.port = free_udp_port();
-  options.record = folder.file("kept.pcap");
+  const LiveOptions options{.sensor = folder.file("sensor.json"),
+                            .port = free_udp_port(),
+                            .record = folder.file("kept.pcap")};
   LiveSensor sensor(options);
   const LoopbackSender sender(options.port);
   const auto first = ouster_turn(profile, 7);
@@ -233,10 +222,9 @@ TEST_CASE("what was recorded live is opened as any capture, an Ouster's metadata
   const TemporaryDirectory folder;
   const OusterProfile profile = OusterProfile::kRng15;
   write_file(folder.file("sensor.json"), ouster_metadata_text(profile));
-  LiveOptions options;
-  options.sensor = folder.file("sensor.json");
-  options.port = free_udp_port();
-  options.record = folder.file("kept.pcap");
+  const LiveOptions options{.sensor = folder.file("sensor.json"),
+                            .port = free_udp_port(),
+                            .record = folder.file("kept.pcap")};
   std::vector<float> live_range_m;
   {
     LiveSensor sensor(options);
@@ -285,11 +273,10 @@ TEST_CASE("captures are written with any sender and size, and never over another
   CHECK(last->endpoint == from_ipv6.endpoint);
   CHECK(last->payload.size() == 1206);
   CHECK_FALSE(source->next());
-  CHECK(one_line_with(error_message([&] { PcapWriter(folder.file("a.pcap")); }), "a.pcap",
-                      "another file"));
-  CHECK(one_line_with(error_message([&] { PcapWriter(folder.file("a.txt")); }), ".pcap"));
+  CHECK(refused_with([&] { PcapWriter(folder.file("a.pcap")); }, "a.pcap", "another file"));
+  CHECK(refused_with([&] { PcapWriter(folder.file("a.txt")); }, ".pcap"));
   write_file(folder.file("b.json"), "{}");
-  CHECK(one_line_with(error_message([&] { PcapWriter(folder.file("b.pcap")); }), "b.json"));
+  CHECK(refused_with([&] { PcapWriter(folder.file("b.pcap")); }, "b.json"));
 }
 
 TEST_CASE("a capture without a packet is not kept") {
@@ -304,11 +291,11 @@ TEST_CASE("a capture without a packet is not kept") {
 TEST_CASE("a port in use, an unknown sensor and packets of another one are refused in one line") {
   LiveOptions options = vlp16();
   const UdpSocket other(options.port);
-  CHECK(one_line_with(error_message([&] { LiveSensor sensor(options); }),
-                      fmt::format("UDP port {}", options.port), "uses it"));
+  CHECK(refused_with([&] { LiveSensor sensor(options); }, fmt::format("UDP port {}", options.port),
+                     "uses it"));
   options = vlp16();
   options.sensor = "vlp-17";
-  CHECK(one_line_with(error_message([&] { LiveSensor sensor(options); }), "vlp-17"));
+  CHECK(refused_with([&] { LiveSensor sensor(options); }, "vlp-17"));
 }
 
 TEST_CASE(
@@ -320,14 +307,15 @@ TEST_CASE(
   for (int i = 0; i < 300; ++i) stranger.send(Payload(900));
   CHECK_FALSE(sensor.recognise(0.3));
   CHECK(one_line_with(sensor.complaint(), "900 bytes", "127.0.0.2", "vlp-16"));
-  const Background sending([&] { replay(velodyne_capture(long_room(0.7)), options.port, 1.0); });
+  const Background sending(
+      [&] { replay(velodyne_capture({.duration_s = 0.7}), options.port, 1.0); });
   CHECK(sensor.recognise(kPatience_s));
   CHECK(text(sensor.sender()) == fmt::format("127.0.0.1:{}", options.port));
 }
 
 TEST_CASE("a stranger's packet that looks like the sensor's makes nobody the sensor") {
   const TemporaryDirectory folder;
-  const auto packets = velodyne_capture(long_room(1.2));
+  const auto packets = velodyne_capture({.duration_s = 1.2});
   LiveOptions options = vlp16();
   options.record = folder.file("kept.pcap");
   {
@@ -349,7 +337,7 @@ TEST_CASE("a stranger's packet that looks like the sensor's makes nobody the sen
 }
 
 TEST_CASE("a sensor whose address changes is followed once it sends from the new one alone") {
-  const auto packets = velodyne_capture(long_room(4.5));
+  const auto packets = velodyne_capture({.duration_s = 4.5});
   const auto part = [&](double begin_s, double end_s) {
     const auto at = [&](double s) {
       return packets.begin() +
@@ -373,7 +361,7 @@ TEST_CASE("a sensor whose address changes is followed once it sends from the new
 }
 
 TEST_CASE("a sensor that was set to another mode in the drive is said to be") {
-  const auto packets = velodyne_capture(long_room(1.0));
+  const auto packets = velodyne_capture({.duration_s = 1.0});
   const LiveOptions options = vlp16();
   LiveSensor sensor(options);
   {
@@ -397,8 +385,8 @@ TEST_CASE("a sensor of which no scan may wait is refused before a file is begun 
     LiveOptions options = vlp16();
     options.most_waiting = most_waiting;
     options.record = folder.file("a.pcap");
-    CHECK(one_line_with(error_message([&] { LiveSensor sensor(options); }), "most_waiting",
-                        std::to_string(most_waiting)));
+    CHECK(refused_with([&] { LiveSensor sensor(options); }, "most_waiting",
+                       std::to_string(most_waiting)));
     CHECK_FALSE(std::filesystem::exists(options.record));
   }
 }

@@ -10,7 +10,7 @@
 
 #include "hqslam/recordings/ouster.h"
 #include "loopback.h"
-#include "ouster_layout.h"
+#include "ouster_metadata.h"
 #include "velodyne_tables.h"
 
 using namespace hqslam;

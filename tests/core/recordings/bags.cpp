@@ -283,11 +283,10 @@ void write_endless_db3(const std::string& path) {
   write_db3({{"/points", "sensor_msgs/msg/PointCloud2", 1, Payload(8)}}, path);
   sqlite3* database = nullptr;
   if (sqlite3_open(path.c_str(), &database) != SQLITE_OK) throw std::runtime_error(path);
-  for (const char* sql :
-       {"DROP TABLE messages",
-        "CREATE VIEW messages AS WITH RECURSIVE endless(n) AS (SELECT 1 UNION ALL SELECT n + 1 "
-        "FROM "
-        "endless) SELECT n AS id, 1 AS topic_id, n AS timestamp, x'00' AS data FROM endless"}) {
+  for (const char* sql : {"DROP TABLE messages",
+                          "CREATE VIEW messages AS WITH RECURSIVE endless(n) AS (SELECT 1 UNION "
+                          "ALL SELECT n + 1 FROM endless) SELECT n AS id, 1 AS topic_id, n AS "
+                          "timestamp, x'00' AS data FROM endless"}) {
     sqlite3_exec(database, sql, nullptr, nullptr, nullptr);
   }
   sqlite3_close(database);

@@ -37,7 +37,7 @@ std::vector<Payload> ethernet_frames(const Captured& captured, std::size_t fragm
     put_big_endian(frame, 20, (at + bytes < datagram.size() ? 0x2000 : 0) | at / 8);
     frame[23] = 17;
     const std::array<std::uint8_t, 4> sender = {192, 168, 1, captured.sender};
-    std::copy(sender.begin(), sender.end(), frame.begin() + 26);
+    std::ranges::copy(sender, frame.begin() + 26);
     frame.insert(frame.end(), datagram.begin() + static_cast<std::ptrdiff_t>(at),
                  datagram.begin() + static_cast<std::ptrdiff_t>(at + bytes));
     frames.push_back(std::move(frame));

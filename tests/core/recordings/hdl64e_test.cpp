@@ -9,8 +9,8 @@
 #include "error_message.h"
 #include "file_contents.h"
 #include "hqslam/recordings/recording.h"
-#include "hqslam/recordings/velodyne.h"
 #include "temporary_directory.h"
+#include "velodyne_decoder.h"
 
 using namespace hqslam;
 using namespace hqslam::recordings;
@@ -138,11 +138,11 @@ TEST_CASE("a capture of an HDL-64E opens with its db.xml, and without says what 
   const TemporaryDirectory folder;
   write_file(folder.file("db.xml"), db_xml());
   write_file(folder.file("a.pcap"), pcap_bytes(capture()));
-  CHECK(one_line_with(error_message([&] { inspect(folder.file("a.pcap")); }), "a.pcap", "HDL-64E",
-                      "calibration", "db.xml"));
+  CHECK(refused_with([&] { inspect(folder.file("a.pcap")); }, "a.pcap", "HDL-64E", "calibration",
+                     "db.xml"));
   OpenOptions options;
   options.sensor = "hdl-64e";
-  CHECK(one_line_with(error_message([&] { inspect(folder.file("a.pcap"), options); }), "db.xml"));
+  CHECK(refused_with([&] { inspect(folder.file("a.pcap"), options); }, "db.xml"));
   options.sensor = folder.file("db.xml");
   const RecordingInfo info = inspect(folder.file("a.pcap"), options);
   CHECK(info.sensor.rows() == 64);
@@ -168,7 +168,7 @@ TEST_CASE("two returns of an HDL-64E are refused in one line") {
     }
     probe.add(as_packet({i, 2368, packet}));
   }
-  CHECK(one_line_with(error_message([&] { probe.result(); }), "HDL-64E", "one return"));
+  CHECK(refused_with([&] { probe.result(); }, "HDL-64E", "one return"));
 }
 
 TEST_CASE("what is no whole calibration is refused in one line, whatever is wrong") {
@@ -189,8 +189,7 @@ TEST_CASE("what is no whole calibration is refused in one line, whatever is wron
   CHECK(refused(db_xml(), "<vertCorrection_>10<", "<vertCorrection_>1e9<"));
   CHECK(refused(db_xml(), "<vertCorrection_>10<", "<vertCorrection_>\x1B[2J<"));
   CHECK(refused(db_xml().substr(0, 4000), "", ""));
-  CHECK(one_line_with(error_message([&] { read_velodyne_calibration(folder.file("none.xml")); }),
-                      "none.xml"));
+  CHECK(refused_with([&] { read_velodyne_calibration(folder.file("none.xml")); }, "none.xml"));
 }
 
 TEST_CASE("damaged packets and calibrations of an HDL-64E neither crash nor hang") {

@@ -6,11 +6,11 @@
 #include <cstring>
 #include <numbers>
 
+#include "core/real_data.h"
 #include "file_contents.h"
-#include "hqslam/recordings/velodyne.h"
 #include "message_packets.h"
-#include "real_data.h"
 #include "stream_reader.h"
+#include "velodyne_decoder.h"
 #include "velodyne_tables.h"
 
 using namespace hqslam;
@@ -99,8 +99,8 @@ std::vector<OurPoint> our_points(const std::string& path, VelodyneModel expected
 struct Row {
   std::vector<const OurPoint*> points;
   const OurPoint* nearest(const Eigen::Vector3f& query_m, float within_m) const {
-    const auto below = [&](const OurPoint* point, float x) { return point->point_m.x() < x; };
-    auto it = std::lower_bound(points.begin(), points.end(), query_m.x() - within_m, below);
+    const auto x_of = [](const OurPoint* point) { return point->point_m.x(); };
+    auto it = std::ranges::lower_bound(points, query_m.x() - within_m, {}, x_of);
     const OurPoint* best = nullptr;
     float best_m = within_m;
     for (; it != points.end() && (*it)->point_m.x() <= query_m.x() + within_m; ++it) {
@@ -119,8 +119,7 @@ std::vector<Row> rows_of(const std::vector<OurPoint>& points, std::size_t rows) 
     result[static_cast<std::size_t>(point.row)].points.push_back(&point);
   }
   for (Row& row : result) {
-    std::sort(row.points.begin(), row.points.end(),
-              [](const OurPoint* a, const OurPoint* b) { return a->point_m.x() < b->point_m.x(); });
+    std::ranges::sort(row.points, {}, [](const OurPoint* point) { return point->point_m.x(); });
   }
   return result;
 }

@@ -1,5 +1,3 @@
-#include "hqslam/recordings/ouster.h"
-
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -7,10 +5,10 @@
 #include <random>
 
 #include "captures.h"
+#include "core/real_data.h"
 #include "error_message.h"
 #include "file_contents.h"
-#include "ouster_layout.h"
-#include "real_data.h"
+#include "ouster_decoder.h"
 #include "temporary_directory.h"
 
 using namespace hqslam;
@@ -130,7 +128,7 @@ TEST_CASE("every profile gives the ranges that were put into it") {
     OusterDecoder decoder(small_metadata(profile));
     const auto frames = frames_of(decoder, turns(profile, {65534, 65535, 65536}));
     REQUIRE(frames.size() == 3);
-    CHECK(decoder.lost_frames() == 0);
+    CHECK(decoder.lost_scans() == 0);
     CHECK(decoder.counts().used == 96);
     CHECK(decoder.counts().lost + decoder.counts().late + decoder.counts().foreign == 0);
     const std::uint32_t unit =
@@ -202,7 +200,7 @@ TEST_CASE(
   CHECK(decoder.counts().lost == 1);
   CHECK(decoder.counts().late == 2);
   CHECK(decoder.counts().foreign == 1);
-  CHECK(decoder.lost_frames() == 2);
+  CHECK(decoder.lost_scans() == 2);
   for (std::size_t column = 0; column < 512; ++column) {
     const bool missing = column >= 64 && column < 80;
     CHECK((frames[1].range_mm[column] == 0) == missing);
@@ -262,7 +260,7 @@ TEST_CASE("turns that the recording cuts off are left out unless nothing else is
   const auto frames = frames_of(decoder, packets);
   REQUIRE(frames.size() == 1);
   CHECK(frames[0].frame_id == 2);
-  CHECK(decoder.partial_frames() == 2);
+  CHECK(decoder.partial_scans() == 2);
 
   auto one = turns(profile, {1});
   one.erase(one.begin(), one.begin() + 10);

@@ -173,21 +173,18 @@ TEST_CASE("a capture that cannot be read on says so, and is refused if nothing w
   CHECK(read(bytes.substr(0, bytes.size() - 10)).complaint.empty());
   const std::size_t headers = 28 + 32;
   const std::string nothing = bytes.substr(0, headers) + second + bytes.substr(headers);
-  CHECK(one_line_with(error_message([&] { read(nothing); }), "a.pcap", "type"));
+  CHECK(refused_with([&] { read(nothing); }, "a.pcap", "type"));
 }
 
 TEST_CASE("what is no capture is refused in one line") {
   const TemporaryDirectory directory;
-  CHECK(one_line_with(error_message([&] { open_pcap(directory.file("none.pcap")); }), "none.pcap",
-                      "no such file"));
+  CHECK(refused_with([&] { open_pcap(directory.file("none.pcap")); }, "none.pcap", "no such file"));
   write_file(directory.file("text.pcap"), "this is no capture, however long it may be");
-  CHECK(one_line_with(error_message([&] { open_pcap(directory.file("text.pcap")); }), "text.pcap",
-                      ".pcapng"));
+  CHECK(refused_with([&] { open_pcap(directory.file("text.pcap")); }, "text.pcap", ".pcapng"));
   std::string radio = pcap_bytes(some_packets());
   radio[20] = 127;  // IEEE 802.11 with radio information
   write_file(directory.file("radio.pcap"), radio);
-  CHECK(
-      one_line_with(error_message([&] { open_pcap(directory.file("radio.pcap")); }), "link type"));
+  CHECK(refused_with([&] { open_pcap(directory.file("radio.pcap")); }, "link type"));
 }
 
 TEST_CASE("damaged captures are read or refused, nothing else") {

@@ -9,10 +9,10 @@
 
 #include "bags.h"
 #include "captures.h"
+#include "core/real_data.h"
 #include "error_message.h"
 #include "file_contents.h"
 #include "hqslam/core/error.h"
-#include "real_data.h"
 #include "temporary_directory.h"
 
 using namespace hqslam;
@@ -86,7 +86,7 @@ TEST_CASE("a recording is read once, from opening it to its last scan, and so it
     CHECK(bytes_read() - before < most);
     CHECK(scans > 295);
     CHECK(source->info().scans == scans);
-    CHECK(one_line_with(error_message([&] { source->use_columns(1800); }), "900", "again"));
+    CHECK(refused_with([&] { source->use_columns(1800); }, "900", "again"));
     before = bytes_read();
     CHECK(inspect(directory.file(name)).scans == scans);
     CHECK(bytes_read() - before < most);
@@ -102,8 +102,8 @@ TEST_CASE("a sensor that begins later than the one that is read is named at the 
     late.port = 2369;
     packets.push_back(late);
   }
-  std::stable_sort(packets.begin(), packets.end(),
-                   [](const Captured& a, const Captured& b) { return a.time_ns < b.time_ns; });
+  std::ranges::stable_sort(
+      packets, [](const Captured& a, const Captured& b) { return a.time_ns < b.time_ns; });
   write_file(path, pcap_bytes(packets));
   const auto source = open_recording(path);
   CHECK(source->warnings().empty());
@@ -118,12 +118,11 @@ TEST_CASE("a capture of less than a turn is refused at its end, stamps of one's 
   const std::string path = directory.file("a.pcap");
   write_file(path, pcap_bytes(velodyne_capture({.duration_s = 0.03})));
   const auto source = open_recording(path);
-  CHECK(one_line_with(error_message([&] { source->next(); }), "at least one turn"));
+  CHECK(refused_with([&] { source->next(); }, "at least one turn"));
   CHECK_FALSE(source->next());
   OpenOptions stamped;
   stamped.files.stamps = "stamps.txt";
-  CHECK(one_line_with(error_message([&] { open_recording(path, stamped); }), "own stamps",
-                      "--stamps"));
+  CHECK(refused_with([&] { open_recording(path, stamped); }, "own stamps", "--stamps"));
 }
 
 TEST_CASE("the user's sensor wins over the packets, with a warning") {
@@ -141,8 +140,8 @@ TEST_CASE("the user's sensor wins over the packets, with a warning") {
   REQUIRE(wanted->warnings().size() >= 1);
   CHECK(one_line_with(wanted->warnings()[0], "vlp-16", "hdl-32e", "asked"));
   CHECK(open_recording(path, {.sensor = "vlp-16"})->warnings().empty());
-  CHECK(one_line_with(error_message([&] { open_recording(path, {.sensor = "hdl-64e"}); }),
-                      "16, 32 or 128", "hdl-64e"));
+  CHECK(refused_with([&] { open_recording(path, {.sensor = "hdl-64e"}); }, "16, 32 or 128",
+                     "hdl-64e"));
 }
 
 TEST_CASE("several sensors in a capture are listed and chosen by port or sender") {
@@ -155,17 +154,17 @@ TEST_CASE("several sensors in a capture are listed and chosen by port or sender"
     other.sender = 202;
   }
   packets.insert(packets.end(), others.begin(), others.end());
-  std::stable_sort(packets.begin(), packets.end(),
-                   [](const Captured& a, const Captured& b) { return a.time_ns < b.time_ns; });
+  std::ranges::stable_sort(
+      packets, [](const Captured& a, const Captured& b) { return a.time_ns < b.time_ns; });
   write_file(path, pcap_bytes(packets));
-  CHECK(one_line_with(error_message([&] { open_recording(path); }), "192.168.1.201:2368",
-                      "192.168.1.202:2369", "--stream"));
+  CHECK(refused_with([&] { open_recording(path); }, "192.168.1.201:2368", "192.168.1.202:2369",
+                     "--stream"));
   CHECK(open_recording(path, {.stream = "2369"})->sensor().scan_period_s ==
         doctest::Approx(0.2).scale(0).epsilon(0.01));
   CHECK(open_recording(path, {.stream = "192.168.1.201:2368"})->sensor().scan_period_s ==
         doctest::Approx(0.1).scale(0).epsilon(0.01));
-  CHECK(one_line_with(error_message([&] { open_recording(path, {.stream = "7502"}); }), "7502",
-                      "192.168.1.201:2368"));
+  CHECK(refused_with([&] { open_recording(path, {.stream = "7502"}); }, "7502",
+                     "192.168.1.201:2368"));
 }
 
 TEST_CASE("an Ouster's metadata are found beside the capture") {
@@ -177,7 +176,7 @@ TEST_CASE("an Ouster's metadata are found beside the capture") {
     packets.insert(packets.end(), turn.begin(), turn.end());
   }
   write_file(path, pcap_bytes(packets, 1480));
-  CHECK(one_line_with(error_message([&] { open_recording(path); }), "metadata", ".json"));
+  CHECK(refused_with([&] { open_recording(path); }, "metadata", ".json"));
   write_file(directory.file("unrelated.json"), "{\"a\": 1}");
   write_file(directory.file("other.json"), ouster_metadata_text(OusterProfile::kLegacy));
   write_file(directory.file("sensor_1.json"), ouster_metadata_text(OusterProfile::kRng15));
@@ -189,14 +188,12 @@ TEST_CASE("an Ouster's metadata are found beside the capture") {
   CHECK(info.first_stamp_s == doctest::Approx(scans[0].stamp_s).scale(0).epsilon(1e-15));
   CHECK(info.duration_s == doctest::Approx(0.15).scale(0).epsilon(1e-3));
   write_file(directory.file("sensor_2.json"), ouster_metadata_text(OusterProfile::kRng15));
-  CHECK(one_line_with(error_message([&] { open_recording(path); }), "sensor_1.json",
-                      "sensor_2.json"));
+  CHECK(refused_with([&] { open_recording(path); }, "sensor_1.json", "sensor_2.json"));
   // The file of the capture's own name comes first, and must fit.
   write_file(directory.file("a.json"), ouster_metadata_text(OusterProfile::kLegacy));
-  CHECK(one_line_with(error_message([&] { open_recording(path); }), "LEGACY", "bytes"));
+  CHECK(refused_with([&] { open_recording(path); }, "LEGACY", "bytes"));
   CHECK(all_scans(*open_recording(path, {.sensor = directory.file("sensor_2.json")})).size() == 3);
-  CHECK(one_line_with(error_message([&] { open_recording(path, {.sensor = "os1-64"}); }),
-                      "metadata", "os1-64"));
+  CHECK(refused_with([&] { open_recording(path, {.sensor = "os1-64"}); }, "metadata", "os1-64"));
 }
 
 TEST_CASE("every real capture and bag opens from its path alone") {

@@ -1,5 +1,3 @@
-#include "hqslam/recordings/velodyne.h"
-
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -8,7 +6,8 @@
 #include <random>
 
 #include "captures.h"
-#include "real_data.h"
+#include "core/real_data.h"
+#include "velodyne_decoder.h"
 #include "velodyne_tables.h"
 
 using namespace hqslam;
@@ -48,8 +47,7 @@ Decoded decoded(const std::vector<Captured>& packets, const VelodyneStream& stre
 
 /// From the first point to the last.
 double duration_s(const Scan& scan) {
-  const auto [first, last] =
-      std::minmax_element(scan.time_offset_s.begin(), scan.time_offset_s.end());
+  const auto [first, last] = std::ranges::minmax_element(scan.time_offset_s);
   return *last - *first;
 }
 
@@ -84,7 +82,7 @@ TEST_CASE("the lasers of every model are the beams of its preset") {
                      sensor.beam_elevation_rad[static_cast<std::size_t>(rows[laser])]) <
             radians(0.02));
     }
-    CHECK(std::count(used.begin(), used.end(), false) == 0);
+    CHECK(std::ranges::count(used, false) == 0);
   }
   // The eight columns of a VLS-128's lasers: -6.354 degrees for lasers 0, 8, 16, ...
   const SensorModel vls = sensor_preset("vls-128");
@@ -145,8 +143,8 @@ TEST_CASE("two returns of a pulse come in pairs of blocks") {
     return result;
   };
   const auto near_to = [](const std::vector<float>& found, const std::vector<double>& expected) {
-    return std::equal(found.begin(), found.end(), expected.begin(), expected.end(),
-                      [](float f, double e) { return std::abs(f - e) < 1e-4; });
+    return std::ranges::equal(found, expected,
+                              [](float f, double e) { return std::abs(f - e) < 1e-4; });
   };
   CHECK(near_to(ranges(KeptReturn::kStrongest), {4.0, 6.0, 5.0}));
   CHECK(near_to(ranges(KeptReturn::kLast), {6.0, 6.0, 5.0}));
@@ -231,8 +229,7 @@ TEST_CASE("turns of any rate and field of view become scans with the recording's
                     .scale(0)
                     .epsilon(i == 1 || i + 1 == d.scans.size() ? 0.1 : 0.02));
         }
-        const auto [first, last] =
-            std::minmax_element(scan.time_offset_s.begin(), scan.time_offset_s.end());
+        const auto [first, last] = std::ranges::minmax_element(scan.time_offset_s);
         const double expected_s = (blind ? 160.0 / 360.0 : 1.0) / rate_hz;
         CHECK(*last - *first < 1.02 * expected_s);
         CHECK(std::abs(*last + *first) < 0.002);

@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "captures.h"
-#include "hqslam/recordings/velodyne.h"
+#include "velodyne_decoder.h"
 
 using namespace hqslam;
 using namespace hqslam::recordings;

@@ -7,7 +7,7 @@
 #include "hqslam/sim/drive.h"
 #include "hqslam/sim/read_drive.h"
 #include "hqslam/sim/write_drive.h"
-#include "small_sensor.h"
+#include "small_city.h"
 #include "temporary_directory.h"
 
 using namespace hqslam;
@@ -130,7 +130,7 @@ TEST_CASE("what is no drive.json is an error of one line that names the file") {
     write_file(path, text);
     return error_message([&] { read_drive_json(path); });
   };
-  CHECK(one_line_with(error_message([&] { read_drive_json(path); }), path, "found no file"));
+  CHECK(refused_with([&] { read_drive_json(path); }, path, "found no file"));
   CHECK(one_line_with(message_for("not json"), path, "JSON"));
   CHECK(one_line_with(message_for("[]"), path, "object"));
   CHECK(one_line_with(message_for(R"({"name": "town", "seed": 1})"), path, "scans"));

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "error_message.h"
-#include "small_sensor.h"
+#include "small_city.h"
 #include "style.h"
 
 using namespace hqslam;
@@ -133,16 +133,13 @@ TEST_CASE("presets: lengths, names, and one clear line for anything else") {
   CHECK(drive_preset("hills").scans == 8000);
   CHECK(drive_preset("yard").mount.sensor_height_m == 0.4);
   CHECK(drive_preset_names().size() == 11);
-  CHECK(one_line_with(error_message([] { drive_preset("desert"); }), "desert", "block", "town",
-                      "hills"));
+  CHECK(refused_with([] { drive_preset("desert"); }, "desert", "block", "town", "hills"));
   CHECK(
-      one_line_with(error_message([] { DriveSimulator(short_drive("block", 0), small_sensor()); }),
-                    "scans is 0"));
-  CHECK(one_line_with(error_message([] { drive_style("indoors"); }), "indoors", "no streets"));
+      refused_with([] { DriveSimulator(short_drive("block", 0), small_sensor()); }, "scans is 0"));
+  CHECK(refused_with([] { drive_style("indoors"); }, "indoors", "no streets"));
   SensorModel broken = small_sensor();
   broken.columns = 3;
-  CHECK(one_line_with(error_message([&] { DriveSimulator(drive_preset("block"), broken); }),
-                      "columns is 3"));
+  CHECK(refused_with([&] { DriveSimulator(drive_preset("block"), broken); }, "columns is 3"));
 }
 
 TEST_CASE("what a drive can see lies on its true surface, and its scans' returns lie near it") {

@@ -7,7 +7,7 @@
 
 #include "random.h"
 #include "sample_statistics.h"
-#include "small_sensor.h"
+#include "small_city.h"
 
 using namespace hqslam;
 using namespace hqslam::sim;

@@ -11,7 +11,7 @@
 #include "hqslam/sim/write_drive.h"
 #include "sample_statistics.h"
 #include "scenario.h"
-#include "small_sensor.h"
+#include "small_city.h"
 #include "temporary_directory.h"
 
 using namespace hqslam;
@@ -81,9 +81,9 @@ TEST_CASE("a drive's inertial samples are written beside it if asked for, skippe
     return folder.file(name);
   };
   const std::string samples = file_contents(written(true, "with") + "/imu.csv");
-  CHECK(std::count(samples.begin(), samples.end(), '\n') == 41);
+  CHECK(std::ranges::count(samples, '\n') == 41);
   CHECK(samples.rfind("stamp_s,angular_rate_x_rad_per_s", 0) == 0);
   const std::string biases = file_contents(folder.file("with") + "/imu_biases.csv");
-  CHECK(std::count(biases.begin(), biases.end(), '\n') == 41);
+  CHECK(std::ranges::count(biases, '\n') == 41);
   CHECK_FALSE(std::filesystem::exists(written(false, "without") + "/imu.csv"));
 }

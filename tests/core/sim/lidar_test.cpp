@@ -6,7 +6,6 @@
 
 #include "hqslam/core/projection.h"
 #include "small_city.h"
-#include "small_sensor.h"
 
 using namespace hqslam;
 using namespace hqslam::sim;

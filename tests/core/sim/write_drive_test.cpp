@@ -11,7 +11,7 @@
 #include "hqslam/core/npy.h"
 #include "hqslam/core/pcd.h"
 #include "hqslam/core/trajectory.h"
-#include "small_sensor.h"
+#include "small_city.h"
 #include "temporary_directory.h"
 
 using namespace hqslam;
@@ -44,8 +44,8 @@ TEST_CASE("a drive that is written part of the way reads back as what was simula
     CHECK(tum[k].stamp_s == doctest::Approx(scans[k].stamp_s));
     CHECK(tum[k].T_map_sensor.isApprox(scans[k].T_map_sensor, 1e-8));
     CHECK(kitti[k].T_map_sensor.isApprox(scans[k].T_map_sensor, 1e-8));
-    const auto returns = std::count_if(scans[k].image.range_m.begin(), scans[k].image.range_m.end(),
-                                       [](float r) { return r > 0; });
+    const auto returns =
+        std::ranges::count_if(scans[k].image.range_m, [](float r) { return r > 0; });
     const std::string number = "00000" + std::to_string(k);
     CHECK(read_kitti_bin(out + "/bin/" + number + ".bin").points_m.size() ==
           static_cast<std::size_t>(returns));
@@ -69,14 +69,12 @@ TEST_CASE("a folder that cannot be made, or old files among the new, is one clea
   const TemporaryDirectory directory;
   write_file(directory.file("taken"), "text");
   const DriveSpec spec = drive_preset("block");
-  CHECK(one_line_with(
-      error_message([&] { DriveWriter(directory.file("taken"), spec, small_sensor()); }), "taken",
-      "folder"));
+  CHECK(refused_with([&] { DriveWriter(directory.file("taken"), spec, small_sensor()); }, "taken",
+                     "folder"));
   const std::string out = directory.file("drive");
   std::filesystem::create_directories(out + "/bin");
   write_file(out + "/bin/000007.bin", "old");
-  CHECK(one_line_with(error_message([&] {
-                        DriveWriter(out, spec, small_sensor(), {.kitti_bin = true, .pcd = false});
-                      }),
-                      "bin", "empty"));
+  CHECK(refused_with(
+      [&] { DriveWriter(out, spec, small_sensor(), {.kitti_bin = true, .pcd = false}); }, "bin",
+      "empty"));
 }

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "report/chart.h"
-#include "report/page.h"
 
 namespace hqslam::tools {
 namespace {

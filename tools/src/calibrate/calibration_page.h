@@ -5,7 +5,7 @@
 
 #include "hqslam/core/sensor_model.h"
 #include "hqslam/slam/beam_calibration.h"
-#include "report/text_table.h"
+#include "report/page.h"
 
 namespace hqslam::tools {
 

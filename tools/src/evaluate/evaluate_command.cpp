@@ -104,12 +104,11 @@ int evaluate_stacks(const EvaluateOptions& options) {
   NpyStackReader estimate(options.estimate);
   NpyStackReader reference(options.reference);
   if (estimate.images() != reference.images()) {
-    throw Error(fmt::format("{}: has {} images, but {} has {}; give two stacks of the same scans",
-                            options.estimate, estimate.images(), options.reference,
-                            reference.images()));
+    throw Error("{}: has {} images, but {} has {}; give two stacks of the same scans",
+                options.estimate, estimate.images(), options.reference, reference.images());
   }
   if (estimate.images() == 0) {
-    throw Error(fmt::format("{}: has no image; give a stack with at least one", options.estimate));
+    throw Error("{}: has no image; give a stack with at least one", options.estimate);
   }
   std::optional<SensorModel> sensor;
   if (!options.sensor.empty()) sensor = load_sensor(options.sensor);
@@ -167,9 +166,9 @@ bool both_end_with(const EvaluateOptions& options, const char* extension) {
   const bool reference = std::filesystem::path(options.reference).extension() == extension;
   if (estimate == reference) return estimate;
   throw Error(
-      fmt::format("{} and {}: expected two files of one kind, found one named {}; give two "
-                  "trajectories (TUM or KITTI), two .pcd clouds or two .npy stacks",
-                  options.estimate, options.reference, extension));
+      "{} and {}: expected two files of one kind, found one named {}; give two trajectories (TUM "
+      "or KITTI), two .pcd clouds or two .npy stacks",
+      options.estimate, options.reference, extension);
 }
 
 }  // namespace

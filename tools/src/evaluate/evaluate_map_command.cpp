@@ -116,7 +116,7 @@ std::optional<Pose> alignment_of(const fs::path& map, const TrajectoryFile& trut
   const Trajectory trajectory = read_tum(path);
   const PosePairs pairs = associate(trajectory, truth.poses, kSameTime_s);
   if (pairs.estimate.empty()) {
-    throw Error(fmt::format("{}: no pose is of the time of a scan of the drive's", path));
+    throw Error("{}: no pose is of the time of a scan of the drive's", path);
   }
   Eigen::Matrix3d rotations = Eigen::Matrix3d::Zero();
   for (std::size_t i = 0; i < pairs.estimate.size(); ++i) {
@@ -151,8 +151,7 @@ PlacedMap placed_map(const std::string& path, const TrajectoryFile& truth) {
 std::string file_of(const std::string& drive, const char* name) {
   const std::string path = file_of_drive(drive, name);
   if (path.empty()) {
-    throw Error(
-        fmt::format("{}: has no {}; give a folder written by hqslam simulate", drive, name));
+    throw Error("{}: has no {}; give a folder written by hqslam simulate", drive, name);
   }
   return path;
 }

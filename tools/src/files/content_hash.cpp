@@ -24,7 +24,7 @@ std::string ContentHash::digits() const { return fmt::format("{:016x}", hash_); 
 
 std::string content_hash(const std::string& path) {
   std::ifstream stream(path, std::ios::binary);
-  if (!stream) throw Error(fmt::format("{}: cannot be read", path));
+  if (!stream) throw Error("{}: cannot be read", path);
   ContentHash hash;
   std::array<char, 65536> buffer{};
   while (stream) {

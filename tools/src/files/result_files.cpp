@@ -1,7 +1,6 @@
 #include "files/result_files.h"
 
 #include <fcntl.h>
-#include <fmt/format.h>
 #include <sys/file.h>
 
 #include <algorithm>
@@ -24,8 +23,7 @@ namespace {
 namespace fs = std::filesystem;
 
 [[noreturn]] void refuse(const fs::path& path, const std::string& why) {
-  throw Error(fmt::format("{}: is there already and {}; give another --out or move it",
-                          path.string(), why));
+  throw Error("{}: is there already and {}; give another --out or move it", path.string(), why);
 }
 
 }  // namespace
@@ -39,8 +37,7 @@ void refuse_to_replace(const fs::path& file, const Paths& inputs) {
   }
   for (const std::string& input : inputs) {
     if (!fs::equivalent(file, input, error) || error) continue;
-    throw Error(fmt::format("{}: is read by this command and would be replaced; give another --out",
-                            input));
+    throw Error("{}: is read by this command and would be replaced; give another --out", input);
   }
 }
 
@@ -58,8 +55,8 @@ void guard_output_file(const std::string& path, const Paths& inputs,
   const fs::path folder = fs::absolute(path).parent_path();
   std::error_code error;
   if (!fs::is_directory(folder, error)) {
-    throw Error(fmt::format("{}: expected an existing folder to write it into, found none; make {}",
-                            path, folder.string()));
+    throw Error("{}: expected an existing folder to write it into, found none; make {}", path,
+                folder.string());
   }
   refuse_to_replace(path, inputs);
   if (fs::exists(path, error) && !is_own(path)) refuse(path, "was not written by this command");
@@ -80,9 +77,8 @@ void make_result_folder(const std::filesystem::path& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (std::error_code ignored; !std::filesystem::is_directory(folder, ignored)) {
-    throw Error(
-        fmt::format("{}: cannot be made as a folder for the results ({}); give another --out",
-                    folder.string(), error.message()));
+    throw Error("{}: cannot be made as a folder for the results ({}); give another --out",
+                folder.string(), error.message());
   }
   require_writable(folder);
 }
@@ -90,8 +86,7 @@ void make_result_folder(const std::filesystem::path& folder) {
 void require_writable(const std::filesystem::path& folder) {
   const std::filesystem::path probe = folder / ".hqslam-probe";
   if (!std::ofstream(probe)) {
-    throw Error(
-        fmt::format("{}: no file can be written there; give another --out", folder.string()));
+    throw Error("{}: no file can be written there; give another --out", folder.string());
   }
   std::error_code ignored;
   std::filesystem::remove(probe, ignored);
@@ -110,9 +105,8 @@ FileLock::FileLock(const std::filesystem::path& path)
 FolderLock::FolderLock(const std::filesystem::path& folder) : FileLock(folder) {
   if (state() != State::kTakenByAnother) return;
   throw Error(
-      fmt::format("{}: another hqslam is writing into it; wait until it has ended, or give another "
-                  "--out",
-                  folder.string()));
+      "{}: another hqslam is writing into it; wait until it has ended, or give another --out",
+      folder.string());
 }
 
 namespace {
@@ -135,8 +129,7 @@ void PartFiles::rename() {
   for (const std::filesystem::path& path : paths_) {
     std::error_code error;
     std::filesystem::rename(part_of(path), path, error);
-    if (error)
-      throw Error(fmt::format("{}: cannot be written ({})", path.string(), error.message()));
+    if (error) throw Error("{}: cannot be written ({})", path.string(), error.message());
   }
 }
 

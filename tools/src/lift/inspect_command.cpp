@@ -1,4 +1,3 @@
-#include <fmt/format.h>
 
 #include <functional>
 #include <optional>
@@ -28,8 +27,8 @@ void for_scans_up_to(const InspectOptions& options, ScanSource& source,
   for (std::int64_t i = 0; i <= options.scan; ++i) {
     const std::optional<RecordedScan> scan = next_usable(source, left_out);
     if (!scan) {
-      throw Error(fmt::format("{}: has {} scans{}, expected one with index {}", options.input, i,
-                              left_out.scans > 0 ? " that can be used" : "", options.scan));
+      throw Error("{}: has {} scans{}, expected one with index {}", options.input, i,
+                  left_out.scans > 0 ? " that can be used" : "", options.scan);
     }
     use(*scan, i);
   }

@@ -1,7 +1,5 @@
 #include "lift/lifted_input.h"
 
-#include <fmt/format.h>
-
 #include <cmath>
 #include <filesystem>
 #include <utility>
@@ -59,12 +57,12 @@ std::optional<int> recorded_rows(const Request& request) {
 [[noreturn]] void fail_for_sensor(const Request& request, const SensorModel& found,
                                   const SensorModel& full, RowSelection measured_rows) {
   const SensorModel measured = select_rows(full, measured_rows);
-  throw Error(fmt::format(
+  throw Error(
       "{}: expects scans of '{}' ({} x {}) or its rows {}, {}, ... alone ({} x {}), beams within "
       "{} degrees, but {} is of '{}' ({} x {}); give weights made for that sensor",
       request.lifting.upsample, full.name, full.rows(), full.columns, measured_rows.offset,
       measured_rows.offset + measured_rows.stride, measured.rows(), measured.columns,
-      kBeamTolerance_deg, request.input(), found.name, found.rows(), found.columns));
+      kBeamTolerance_deg, request.input(), found.name, found.rows(), found.columns);
 }
 
 bool asks_for_confidence(const LiftingChoice& choice) {
@@ -73,10 +71,9 @@ bool asks_for_confidence(const LiftingChoice& choice) {
 
 [[noreturn]] void fail_for_confidence(const Request& request) {
   throw Error(
-      fmt::format("{}: does not say how sure it is of a pixel; leave --confidence and --tolerance "
-                  "out, or give weights of kind "
-                  "du-mix",
-                  request.lifting.upsample));
+      "{}: does not say how sure it is of a pixel; leave --confidence and --tolerance out, or give "
+      "weights of kind du-mix",
+      request.lifting.upsample);
 }
 
 LiftedInput with_network(const Request& request) {
@@ -92,8 +89,8 @@ LiftedInput with_network(const Request& request) {
   const RowSelection measured_rows = network.description().measured_rows;
   const SensorModel measured = select_rows(full, measured_rows);
   if (choice.rows > 0 && choice.rows != measured.rows()) {
-    throw Error(fmt::format("{}: was made for {} measured rows, --rows asks for {}; leave it out",
-                            choice.upsample, measured.rows(), choice.rows));
+    throw Error("{}: was made for {} measured rows, --rows asks for {}; leave it out",
+                choice.upsample, measured.rows(), choice.rows);
   }
   const std::optional<int> rows = recorded_rows(request);
   const bool measured_alone = rows == measured.rows();
@@ -124,8 +121,8 @@ LiftedInput with_interpolation(const Request& request) {
   if (recorded < full.rows()) {
     const RowSelection measured_rows = selection_for(full.rows(), recorded);
     if (choice.rows > 0 && choice.rows != recorded) {
-      throw Error(fmt::format("{}: has {} rows, --rows asks for {}; leave it out", request.input(),
-                              recorded, choice.rows));
+      throw Error("{}: has {} rows, --rows asks for {}; leave it out", request.input(), recorded,
+                  choice.rows);
     }
     return {{},
             select_rows(full, measured_rows),
@@ -133,11 +130,11 @@ LiftedInput with_interpolation(const Request& request) {
             nn::Upsampler(interpolation, full, measured_rows)};
   }
   if (choice.rows == 0 && full.rows() < kFewestRowsToThin) {
-    throw Error(fmt::format(
+    throw Error(
         "{}: has all {} rows of sensor '{}', so there is nothing between them to fill; name the "
         "sensor with the rows to fill (os1-64 for scans of an os1-16), or say with hqslam run "
         "--rows how many of the {} to look at",
-        request.input(), full.rows(), full.name, full.rows()));
+        request.input(), full.rows(), full.name, full.rows());
   }
   const RowSelection measured_rows = selection_for(
       full.rows(), choice.rows > 0 ? choice.rows : full.rows() / kInterpolationFactor);

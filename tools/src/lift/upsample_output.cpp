@@ -47,7 +47,7 @@ void refuse_to_overwrite_input(const fs::path& folder, const std::string& input)
                  same_file(folder / scans, from.parent_path());
   }
   if (overwrites) {
-    throw Error(fmt::format("{}: would be overwritten; give another --out", input));
+    throw Error("{}: would be overwritten; give another --out", input);
   }
 }
 
@@ -124,8 +124,7 @@ void UpsampleOutput::append(const RangeImage& image, const OrganizedCloud& cloud
   write_formats(image, cloud, parts);
   const std::string line = fmt::format("{:.9f}\n", stamp_s);
   if (!stamps_.write(line.data(), std::ssize(line)).flush()) {
-    throw Error(
-        fmt::format("{}: cannot be written; is the disk full?", (folder_ / kStampsFile).string()));
+    throw Error("{}: cannot be written; is the disk full?", (folder_ / kStampsFile).string());
   }
   stack_.append(image);
   if (!cloud.confidence.empty()) {

@@ -36,10 +36,8 @@ void require_possible(const LiveOptions& options) {
       Sender{fmt::format("--sensor {}", options.sensor), sensor, knows_beams}, options);
   const int columns = input.recorded.columns;
   if (!knows_columns || columns == sensor.columns) return;
-  throw Error(
-      fmt::format("{}: the sensor sends {} columns a turn, {} takes {}; set it to another "
-                  "mode",
-                  options.sensor, sensor.columns, options.upsample, columns));
+  throw Error("{}: the sensor sends {} columns a turn, {} takes {}; set it to another mode",
+              options.sensor, sensor.columns, options.upsample, columns);
 }
 
 void print_sensor(const live::LiveSensor& sensor, const LiftedInput& input) {

@@ -84,8 +84,8 @@ ViewServer::ViewServer(const std::string& address, std::uint16_t port, Answer an
   to.sin_family = AF_INET;
   to.sin_port = htons(port);
   if (inet_pton(AF_INET, address.c_str(), &to.sin_addr) != 1) {
-    throw Error(fmt::format(
-        "{}: is no address to show the page at, expected one of IPv4 such as 127.0.0.1", address));
+    throw Error("{}: is no address to show the page at, expected one of IPv4 such as 127.0.0.1",
+                address);
   }
   listener_ = FileDescriptor(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
   const int yes = 1;
@@ -94,8 +94,8 @@ ViewServer::ViewServer(const std::string& address, std::uint16_t port, Answer an
   if (bind(listener_.get(), reinterpret_cast<const sockaddr*>(&to), sizeof to) != 0 ||
       listen(listener_.get(), kWaiting) != 0 ||
       getsockname(listener_.get(), reinterpret_cast<sockaddr*>(&to), &bytes) != 0) {
-    throw Error(fmt::format("the page cannot be served at {}:{} ({}); give --view another port",
-                            address, port, std::strerror(errno)));
+    throw Error("the page cannot be served at {}:{} ({}); give --view another port", address, port,
+                std::strerror(errno));
   }
   port_ = ntohs(to.sin_port);
   thread_ = std::thread([this] { run(); });

@@ -1,6 +1,5 @@
 #include "ranks/ranks.h"
 
-#include <fmt/format.h>
 #include <omp.h>
 
 #include <cstdlib>
@@ -57,9 +56,9 @@ class MpiRanks : public Ranks {
     const std::size_t share = all.size() / static_cast<std::size_t>(count_);
     if (share > static_cast<std::size_t>(std::numeric_limits<int>::max())) {
       throw Error(
-          fmt::format("{} bytes of each process, expected less than 2 GiB; train with fewer "
-                      "samples of a batch in a process",
-                      share));
+          "{} bytes of each process, expected less than 2 GiB; train with fewer samples of a batch "
+          "in a process",
+          share);
     }
     MPI_Allgather(MPI_IN_PLACE, 0, MPI_BYTE, all.data(), static_cast<int>(share), MPI_BYTE,
                   MPI_COMM_WORLD);
@@ -82,10 +81,10 @@ std::unique_ptr<Ranks> launched_ranks() {
   for (const char* name : {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE"}) {
     const char* const count = std::getenv(name);
     if (count == nullptr || std::string(count) == "1") continue;
-    throw Error(fmt::format(
+    throw Error(
         "started as one of {} processes, but built without MPI; install libopenmpi-dev and build "
         "again, or start it once",
-        count));
+        count);
   }
   return std::make_unique<Ranks>();
 }

@@ -177,14 +177,13 @@ std::unique_ptr<ScanSource> open_input(const InputChoice& choice, const SensorMo
   recordings::OpenOptions options = open_options(choice);
   if (recordings::is_capture_or_bag(choice.input)) {
     if (!choice.stamps.empty()) {
-      throw Error(fmt::format("{}: has stamps of its own; leave --stamps out", choice.input));
+      throw Error("{}: has stamps of its own; leave --stamps out", choice.input);
     }
     options.columns = sensor.columns;
     return recordings::open_stream(choice.input, options);
   }
   if (choice.stream.empty()) return open_recording(choice.input, sensor, options.files);
-  throw Error(fmt::format("{}: is no capture and no bag, which have streams; leave --stream out",
-                          choice.input));
+  throw Error("{}: is no capture and no bag, which have streams; leave --stream out", choice.input);
 }
 
 std::int64_t scans_in(const InputChoice& choice, const ScanSource& source) {
@@ -219,7 +218,7 @@ void refuse_to_write_into_recording(const std::string& input, const std::string&
   for (const char* scans : {"", "velodyne", "velodyne_points/data"}) {
     std::error_code error;
     if (!fs::equivalent(fs::path(input) / scans, out, error) || error) continue;
-    throw Error(fmt::format("{}: holds the recording; give another --out for the results", out));
+    throw Error("{}: holds the recording; give another --out for the results", out);
   }
 }
 

@@ -222,10 +222,10 @@ ScanPoses poses_from(const MapOptions& options) {
   if (file.has_stamps) return {file.poses, {}, {}, std::nullopt};
   const std::int64_t scans = scans_in(options, *lifted_input(options, options).open());
   if (std::ssize(file.poses) != scans) {
-    throw Error(fmt::format(
+    throw Error(
         "{}: has {} poses without stamps, but the recording has {} scans; give one pose per scan "
         "or a TUM file",
-        path, file.poses.size(), scans));
+        path, file.poses.size(), scans);
   }
   std::vector<std::int64_t> every_scan(file.poses.size());
   std::iota(every_scan.begin(), every_scan.end(), 0);

@@ -25,11 +25,10 @@ void require_stamps_of_scans(const TrajectoryFile& reference, std::int64_t scans
   const double last_s = reference.poses.back().stamp_s;
   const double end_s = static_cast<double>(scans) * scan_period_s;
   if (first_s <= end_s && last_s >= 0.0) return;
-  throw Error(fmt::format(
-      "{}: has stamps from {:.3f} to {:.3f} s, expected some between 0 and {:.3f} s (the "
-      "stamp of scan i is i times {} s); shift them, or give one pose per scan in "
-      "KITTI's form",
-      reference.path, first_s, last_s, end_s, scan_period_s));
+  throw Error(
+      "{}: has stamps from {:.3f} to {:.3f} s, expected some between 0 and {:.3f} s (the stamp of "
+      "scan i is i times {} s); shift them, or give one pose per scan in KITTI's form",
+      reference.path, first_s, last_s, end_s, scan_period_s);
 }
 
 std::optional<TrajectoryFile> reference_of(const RunOptions& options, const ScanSource& source) {
@@ -43,9 +42,9 @@ std::optional<TrajectoryFile> reference_of(const RunOptions& options, const Scan
     require_stamps_of_scans(reference, scans, source.sensor().scan_period_s);
   } else if (std::ssize(reference.poses) != scans) {
     throw Error(
-        fmt::format("{}: has {} poses without stamps, but {} has {} scans; give one pose per scan "
-                    "or a TUM file",
-                    path, reference.poses.size(), options.input, scans));
+        "{}: has {} poses without stamps, but {} has {} scans; give one pose per scan or a TUM "
+        "file",
+        path, reference.poses.size(), options.input, scans);
   }
   return reference;
 }

@@ -177,8 +177,7 @@ std::string timings_json(const SlamRun& run) {
 RunOutput::RunOutput(const std::string& folder, const Paths& inputs)
     : folder_(folder), last_checkpoint_(std::chrono::steady_clock::now()) {
   if (fs::exists(folder_) && !fs::is_directory(folder_)) {
-    throw Error(fmt::format(
-        "{}: expected a folder for the results, found a file; give another --out", folder));
+    throw Error("{}: expected a folder for the results, found a file; give another --out", folder);
   }
   const bool is_own = written_by_hqslam(folder_);
   constexpr const char* kBut = "was not written by hqslam";

@@ -29,10 +29,7 @@ void set_from_file(slam::SlamOptions& options, const std::string& path) {
   check_json_limits(text, path);
   const Json json = Json::parse(text, nullptr, false);
   const auto complain = [&](const std::string& what) {
-    throw Error(
-        fmt::format("{}: {}; hqslam slam-options --json >options.json makes such a "
-                    "file",
-                    path, what));
+    throw Error("{}: {}; hqslam slam-options --json >options.json makes such a file", path, what);
   };
   if (!json.is_object()) complain("expected a JSON object of SLAM's stages");
   for (const auto& [part, fields] : json.items()) {
@@ -58,9 +55,9 @@ void set_from_text(slam::SlamOptions& options, const std::string& text) {
   const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), value);
   if (error != std::errc() || end != number.data() + number.size()) {
     throw Error(
-        fmt::format("--set {}: expected NAME=NUMBER, as in mapping.max_iterations=12; "
-                    "hqslam slam-options lists the names",
-                    text));
+        "--set {}: expected NAME=NUMBER, as in mapping.max_iterations=12; hqslam slam-options "
+        "lists the names",
+        text);
   }
   slam::set_option(options, text.substr(0, equals), value);
 }

@@ -24,9 +24,9 @@ constexpr std::size_t kMostSeeds = 10000;
 
 [[noreturn]] void fail(const std::string& list) {
   throw Error(
-      fmt::format("--seeds: expected different whole numbers such as 1..10 or 3,5,8, at "
-                  "most {} of them, found '{}'",
-                  kMostSeeds, list));
+      "--seeds: expected different whole numbers such as 1..10 or 3,5,8, at most {} of them, found "
+      "'{}'",
+      kMostSeeds, list);
 }
 
 std::uint64_t seed_of(std::string_view text, const std::string& list) {
@@ -80,10 +80,10 @@ sim::SensorMount mount_of(sim::SensorMount mount, const std::vector<double>& rol
   const double roll_deg = roll_pitch_deg[0];
   const double pitch_deg = roll_pitch_deg[1];
   if (!(std::abs(roll_deg) <= kMostRoll_deg && std::abs(pitch_deg) <= kMostPitch_deg)) {
-    throw Error(fmt::format(
+    throw Error(
         "--mount {},{}: expected a roll from {} to {} and a pitch from {} to {} degrees; give two "
         "such angles",
-        roll_deg, pitch_deg, -kMostRoll_deg, kMostRoll_deg, -kMostPitch_deg, kMostPitch_deg));
+        roll_deg, pitch_deg, -kMostRoll_deg, kMostRoll_deg, -kMostPitch_deg, kMostPitch_deg);
   }
   mount.mount_roll_rad = roll_deg * kDegree_rad;
   mount.mount_pitch_rad = pitch_deg * kDegree_rad;

@@ -1,6 +1,10 @@
 #pragma once
 
+#include <fmt/core.h>
+
 #include <stdexcept>
+#include <string>
+#include <utility>
 
 namespace hqslam {
 
@@ -8,7 +12,11 @@ namespace hqslam {
 /// what was found and how to mend it. Numerical trouble is not an Error but a status in a result.
 class Error : public std::runtime_error {
  public:
-  using std::runtime_error::runtime_error;
+  explicit Error(const std::string& message) : std::runtime_error(message) {}
+  /// A message as fmt::format takes it.
+  template <typename... Values>
+  explicit Error(fmt::format_string<Values...> message, Values&&... values)
+      : std::runtime_error(fmt::format(message, std::forward<Values>(values)...)) {}
 };
 
 /// One scan of a recording that cannot be understood: it is left out, the next one can be asked

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <span>
+#include <vector>
 
 namespace hqslam {
 
@@ -24,7 +26,12 @@ class Ranks {
   }
 
   /// Whether any rank says so.
-  bool any(bool own);
+  bool any(bool own) {
+    std::vector<std::byte> said(static_cast<std::size_t>(count()));
+    said[static_cast<std::size_t>(rank())] = std::byte{own};
+    gather_bytes(said);
+    return std::ranges::any_of(said, [](std::byte one) { return one != std::byte{0}; });
+  }
   /// Until all are here.
   void wait() { any(false); }
 

@@ -20,6 +20,10 @@ struct RowSelection {
 /// 16 of 64 are 3, 7, ..., 63. Throws Error unless `wanted` divides `rows`.
 RowSelection selection_for(int rows, int wanted);
 
+/// The numbers of the selected rows of an image or a sensor with `rows` rows; at least one. Throws
+/// Error unless the first one is there and the stride is positive.
+std::vector<int> selected_rows(int rows, RowSelection selection);
+
 /// A spinning LiDAR as the geometry of its range image.
 ///
 /// Row 0 is the highest beam. The centre of pixel (row, column) looks along

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 namespace hqslam {
@@ -41,13 +42,22 @@ class JsonFields {
   /// The field as JSON text.
   std::string dumped(const std::string& field);
 
-  // The same, keeping `value` where the field is missing.
-  void optional(const std::string& field, int& value);
-  void optional(const std::string& field, std::int64_t& value);
-  void optional(const std::string& field, std::uint64_t& value);
-  void optional(const std::string& field, float& value);
-  void optional(const std::string& field, double& value);
-  void optional(const std::string& field, bool& value);
+  /// The same, keeping `value` where the field is missing.
+  template <typename Value>
+  void optional(const std::string& field, Value& value) {
+    if (!has(field)) return;
+    if constexpr (std::is_same_v<Value, bool>) {
+      value = boolean(field);
+    } else if constexpr (std::is_same_v<Value, int>) {
+      value = small_integer(field);
+    } else if constexpr (std::is_signed_v<Value> && std::is_integral_v<Value>) {
+      value = integer(field);
+    } else if constexpr (std::is_integral_v<Value>) {
+      value = unsigned_integer(field);
+    } else {
+      value = static_cast<Value>(number(field));
+    }
+  }
 
   /// Throws Error, which lists `names`, if there is a field with another one.
   void allow_only(const std::vector<std::string>& names) const;

@@ -1,4 +1,3 @@
-#include <fmt/format.h>
 
 #include <array>
 #include <cmath>
@@ -35,12 +34,12 @@ class WindowAttention final : public Layer {
         depth_ * options.heads * 3 != input.channels || depth_ % 4 != 0 ||
         depth_ > kGreatestDepth || window_rows_ * options.window_rows != input.rows ||
         window_columns_ * options.window_columns != input.columns) {
-      throw Error(fmt::format(
+      throw Error(
           "attention: windows of {} x {} and {} heads for {} channels, {} rows, {} columns, "
-          "expected "
-          "windows of {} pixels that divide rows and columns, and heads of 4, 8, ... {} channels",
+          "expected windows of {} pixels that divide rows and columns, and heads of 4, 8, ... {} "
+          "channels",
           options.window_rows, options.window_columns, options.heads, output_.channels, input.rows,
-          input.columns, kPixels, kGreatestDepth));
+          input.columns, kPixels, kGreatestDepth);
     }
   }
 

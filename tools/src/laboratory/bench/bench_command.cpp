@@ -38,7 +38,7 @@ class TemporaryFolder {
   TemporaryFolder() {
     std::string name = (fs::temp_directory_path() / "hqslam-bench-XXXXXX").string();
     if (mkdtemp(name.data()) == nullptr) {
-      throw Error(fmt::format("{}: cannot be made for the simulated drive; set TMPDIR", name));
+      throw Error("{}: cannot be made for the simulated drive; set TMPDIR", name);
     }
     path_ = name;
   }

@@ -38,10 +38,10 @@ void guard_outputs(const CompareOptions& options) {
 /// There must be rows between the measured ones.
 void require_rows_to_compute(const CompareOptions& options, const SensorModel& sensor) {
   if (sensor.rows() > kMeasuredRows) return;
-  throw Error(fmt::format(
-      "{}: is of sensor '{}' with {} rows, expected more than the {} that are measured; "
-      "give a recording with all rows",
-      options.input, sensor.name, sensor.rows(), kMeasuredRows));
+  throw Error(
+      "{}: is of sensor '{}' with {} rows, expected more than the {} that are measured; give a "
+      "recording with all rows",
+      options.input, sensor.name, sensor.rows(), kMeasuredRows);
 }
 
 /// The network of a weights file, if it is for scans such as the sensor's.
@@ -50,11 +50,11 @@ nn::SuperResolver network_of(const std::string& weights, const SensorModel& sens
   nn::SuperResolver network = nn::SuperResolver::load(weights, options);
   const SensorModel& made_for = network.sensor();
   if (!fits(sensor, made_for)) {
-    throw Error(fmt::format(
+    throw Error(
         "{}: lifts scans of '{}' ({} x {}, beams within {} degrees), but the recording is of '{}' "
         "({} x {}); give weights made for that sensor",
         weights, made_for.name, made_for.rows(), made_for.columns, kBeamTolerance_deg, sensor.name,
-        sensor.rows(), sensor.columns));
+        sensor.rows(), sensor.columns);
   }
   return network;
 }

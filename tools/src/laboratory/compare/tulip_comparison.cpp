@@ -1,7 +1,5 @@
 #include "laboratory/compare/tulip_comparison.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -139,9 +137,9 @@ std::vector<fs::path> scans_of(const CompareOptions& options) {
   }
   if (all.empty()) {
     throw Error(
-        fmt::format("{}: expected a folder with .bin files, found none; TULIP's protocol "
-                    "begins with KITTI's points",
-                    options.input));
+        "{}: expected a folder with .bin files, found none; TULIP's protocol begins with KITTI's "
+        "points",
+        options.input);
   }
   std::sort(all.begin(), all.end());
   std::vector<fs::path> scans;
@@ -164,9 +162,9 @@ std::vector<TulipMethod> methods_of(const CompareOptions& options) {
     if (own.rows() != sensor.rows() || own.columns != sensor.columns ||
         network.description().measured_rows != rows) {
       throw Error(
-          fmt::format("{}: lifts to {} x {} pixels; TULIP's protocol needs 64 x 1024, of "
-                      "which rows 3, 7, ..., 63 are measured",
-                      weights, own.rows(), own.columns));
+          "{}: lifts to {} x {} pixels; TULIP's protocol needs 64 x 1024, of which rows 3, 7, ..., "
+          "63 are measured",
+          weights, own.rows(), own.columns);
     }
     methods.push_back({fs::path(weights).stem().string(), {std::move(network), sensor}, {}});
   }

@@ -97,7 +97,7 @@ TableMethod method_of_weights(const std::string& text) {
   const std::size_t plus = text.rfind(".npz+");
   const std::string path = plus == std::string::npos ? text : text.substr(0, plus + 4);
   if (!is_weights_file(path) || !fs::is_regular_file(path)) {
-    throw Error(fmt::format("--weights {}: expected a weights file (.npz), found none", path));
+    throw Error("--weights {}: expected a weights file (.npz), found none", path);
   }
   const std::string name = fs::path(path).stem().string();
   const TableMethod method{name, name, kTableMeasuredRows, path, true};
@@ -107,8 +107,8 @@ TableMethod method_of_weights(const std::string& text) {
       return method_with(method, variant);
     }
   }
-  throw Error(fmt::format("--weights {}: expected one of these after the file: {}", text,
-                          fmt::join(slam_variant_names(), ", ")));
+  throw Error("--weights {}: expected one of these after the file: {}", text,
+              fmt::join(slam_variant_names(), ", "));
 }
 
 /// Every row that the program can make: each of the table's, followed by its variants.
@@ -126,10 +126,10 @@ std::vector<TableMethod> known_methods() {
 TableMethod method_named(const std::string& name) {
   for (const TableMethod& method : known_methods())
     if (method.name == name) return method;
-  throw Error(fmt::format(
-      "--methods: '{}' is none; choose from {}, or one of these and a variant "
-      "that applies to it: {}",
-      name, fmt::join(table_method_names(), ", "), fmt::join(slam_variant_names(), ", ")));
+  throw Error(
+      "--methods: '{}' is none; choose from {}, or one of these and a variant that applies to it: "
+      "{}",
+      name, fmt::join(table_method_names(), ", "), fmt::join(slam_variant_names(), ", "));
 }
 
 bool is_preset(const std::string& drive) {
@@ -155,8 +155,8 @@ TableDrive simulated_drive(const std::string& name, const std::string& drive,
 TableDrive drive_of(const std::string& drive, const TableOptions& options) {
   if (is_preset(drive)) return simulated_drive(drive, drive, std::nullopt, options);
   if (!fs::exists(drive)) {
-    throw Error(fmt::format("--drives: '{}' is neither a simulated drive ({}) nor a file or folder",
-                            drive, fmt::join(sim::drive_preset_names(), ", ")));
+    throw Error("--drives: '{}' is neither a simulated drive ({}) nor a file or folder", drive,
+                fmt::join(sim::drive_preset_names(), ", "));
   }
   const fs::path path = fs::canonical(drive);
   InputChoice recording = options.reading;
@@ -170,9 +170,8 @@ std::vector<TableDrive> seeded_drives(const TableOptions& options) {
   for (const std::string& drive : options.drives) {
     if (!is_preset(drive)) {
       throw Error(
-          fmt::format("--seeds: drives are simulated from seeds; expected one of {}, found "
-                      "'{}' in --drives",
-                      fmt::join(sim::drive_preset_names(), ", "), drive));
+          "--seeds: drives are simulated from seeds; expected one of {}, found '{}' in --drives",
+          fmt::join(sim::drive_preset_names(), ", "), drive);
     }
     for (const std::uint64_t seed : seeds_from(options.seeds)) {
       drives.push_back(
@@ -187,8 +186,7 @@ void require_different_names(const std::vector<Named>& all, const char* option) 
   std::set<std::string> names;
   for (const Named& named : all) {
     if (!names.insert(named.name).second) {
-      throw Error(
-          fmt::format("{}: '{}' is there twice; their results would mix", option, named.name));
+      throw Error("{}: '{}' is there twice; their results would mix", option, named.name);
     }
   }
 }
@@ -197,8 +195,7 @@ void require_one_recording(const TablePlan& plan, const TableOptions& options) {
   const auto recordings = std::count_if(plan.drives.begin(), plan.drives.end(),
                                         [](const TableDrive& d) { return !d.simulated; });
   if (!options.reference.empty() && recordings != 1) {
-    throw Error(fmt::format("--reference: is of one recording, but --drives names {}; give one",
-                            recordings));
+    throw Error("--reference: is of one recording, but --drives names {}; give one", recordings);
   }
 }
 
@@ -210,9 +207,8 @@ std::size_t paired_with(const std::vector<TableMethod>& methods, const std::stri
   if (found != methods.end()) return static_cast<std::size_t>(found - methods.begin());
   if (against.empty()) return 0;
   throw Error(
-      fmt::format("--against: '{}' is none of the rows to compute; add it to --methods or "
-                  "name one of them",
-                  against));
+      "--against: '{}' is none of the rows to compute; add it to --methods or name one of them",
+      against);
 }
 
 }  // namespace
@@ -257,9 +253,9 @@ std::string weights_of(const TableMethod& method, const std::string& sensor_name
     if (const auto path = installed_weights(name)) return *path;
   }
   throw Error(
-      fmt::format("{}: no weights for sensor '{}' come with the program; leave it out of --methods "
-                  "or give --weights FILE",
-                  method.name, sensor_name));
+      "{}: no weights for sensor '{}' come with the program; leave it out of --methods or give "
+      "--weights FILE",
+      method.name, sensor_name);
 }
 
 bool shares_pass(const TableMethod& method, const TableMethod& other) {

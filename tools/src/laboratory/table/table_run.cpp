@@ -1,4 +1,3 @@
-#include <fmt/format.h>
 #include <omp.h>
 
 #include <fstream>
@@ -237,10 +236,10 @@ class Pass {
 /// SLAM can do with a clock that is set back, a comparison of trajectories by their stamps can not.
 void require_rising(const RecordedScan& scan, double last_stamp_s) {
   if (scan.stamp_s > last_stamp_s) return;
-  throw Error(fmt::format(
-      "{}: has the stamp {:.6f} s, expected one after that of the scan before, {:.6f} s; "
-      "give stamps that rise with --stamps",
-      scan.name, scan.stamp_s, last_stamp_s));
+  throw Error(
+      "{}: has the stamp {:.6f} s, expected one after that of the scan before, {:.6f} s; give "
+      "stamps that rise with --stamps",
+      scan.name, scan.stamp_s, last_stamp_s);
 }
 
 }  // namespace

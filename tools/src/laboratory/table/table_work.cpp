@@ -26,9 +26,9 @@ SensorModel sensor_of(const TableDrive& drive) {
   SensorModel sensor = required_recording_sensor(recording);
   if (sensor.rows() == kTableAllRows) return sensor;
   throw Error(
-      fmt::format("{}: expected a recording with {} rows, of which 16 are lifted, found "
-                  "'{}' with {}; give another of --drives, or --sensor",
-                  recording.input, kTableAllRows, sensor.name, sensor.rows()));
+      "{}: expected a recording with {} rows, of which 16 are lifted, found '{}' with {}; give "
+      "another of --drives, or --sensor",
+      recording.input, kTableAllRows, sensor.name, sensor.rows());
 }
 
 /// Results of another number of scans, or of another build, lie beside each other.

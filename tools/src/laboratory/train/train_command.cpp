@@ -1,4 +1,3 @@
-#include <fmt/format.h>
 #include <omp.h>
 
 #include <array>
@@ -53,7 +52,7 @@ void require_shares(const Training& training, const Ranks& ranks) {
   try {
     nn::require_shares(training.configuration.network, training.configuration.plan, ranks);
   } catch (const Error& error) {
-    throw Error(fmt::format("{}: {}", training.configuration_path, error.what()));
+    throw Error("{}: {}", training.configuration_path, error.what());
   }
 }
 
@@ -71,8 +70,8 @@ nn::TrainingState starting_state(Training& training) {
   if (!c.start_from.empty()) {
     const nn::Weights weights = nn::read_weights(c.start_from);
     if (weights.parameters.size() != parameters.size()) {
-      throw Error(fmt::format("{}: a network of {} parameters, expected {} as in the configuration",
-                              c.start_from, weights.parameters.size(), parameters.size()));
+      throw Error("{}: a network of {} parameters, expected {} as in the configuration",
+                  c.start_from, weights.parameters.size(), parameters.size());
     }
     parameters = weights.parameters;
   }
@@ -241,7 +240,7 @@ int train_command(const TrainOptions& options) {
     if (scans == nullptr) return kInterrupted;
     prepared.emplace(c.network, c.plan, std::move(scans), std::move(*state), threads, *ranks);
   } catch (const Error& error) {
-    throw Error(fmt::format("{}: {}", options.config, error.what()));
+    throw Error("{}: {}", options.config, error.what());
   }
   nn::Trainer& trainer = *prepared;
   to_stdout("{}: {} parameters, {} training scans, {} validation scans, from step {}\n",

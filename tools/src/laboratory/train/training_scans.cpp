@@ -60,8 +60,8 @@ void rename_to(const std::string& from, const std::string& to) {
   std::error_code failure;
   fs::rename(from, to, failure);
   if (failure) {
-    throw Error(fmt::format("{}: cannot be written ({}); check that the folder is writable", to,
-                            failure.message()));
+    throw Error("{}: cannot be written ({}); check that the folder is writable", to,
+                failure.message());
   }
 }
 
@@ -179,7 +179,7 @@ std::string expanded(const std::string& path) {
   const std::string name = path.substr(1, slash - 1);
   const char* value = std::getenv(name.c_str());
   if (value == nullptr) {
-    throw Error(fmt::format("{}: the environment variable {} is not set", path, name));
+    throw Error("{}: the environment variable {} is not set", path, name);
   }
   return value + path.substr(slash);
 }
@@ -235,9 +235,9 @@ void require_returns(const std::string& path, const SensorModel& sensor) {
     if (any) return;
   }
   throw Error(
-      fmt::format("{}: expected images with ranges from {} to {} m (sensor '{}'), found none; give "
-                  "ranges in metres",
-                  path, sensor.min_range_m, sensor.max_range_m, sensor.name));
+      "{}: expected images with ranges from {} to {} m (sensor '{}'), found none; give ranges in "
+      "metres",
+      path, sensor.min_range_m, sensor.max_range_m, sensor.name);
 }
 
 }  // namespace
@@ -247,8 +247,8 @@ StoredScans::StoredScans(const std::vector<std::string>& paths, const SensorMode
   for (const std::string& path : paths) {
     const NpyStackReader reader(path);
     if (reader.rows() != rows_ || reader.columns() != columns_) {
-      throw Error(fmt::format("{}: images of {} x {}, expected the {} x {} of {}", path,
-                              reader.rows(), reader.columns(), rows_, columns_, sensor.name));
+      throw Error("{}: images of {} x {}, expected the {} x {} of {}", path, reader.rows(),
+                  reader.columns(), rows_, columns_, sensor.name);
     }
     require_returns(path, sensor);
     const std::int64_t begin = size();
@@ -258,13 +258,13 @@ StoredScans::StoredScans(const std::vector<std::string>& paths, const SensorMode
 
 RangeImage StoredScans::read(std::int64_t i) const {
   if (i < 0 || i >= size()) {
-    throw Error(fmt::format("training: scan {}, expected 0 to {}", i, size() - 1));
+    throw Error("training: scan {}, expected 0 to {}", i, size() - 1);
   }
   const auto file = std::upper_bound(files_.begin(), files_.end(), i,
                                      [](std::int64_t scan, const File& f) { return scan < f.end; });
   RangeImage image = NpyStackReader(file->path).read(i - file->begin);
   if (image.rows != rows_ || image.columns != columns_) {
-    throw Error(fmt::format("{}: changed while it was read", file->path));
+    throw Error("{}: changed while it was read", file->path);
   }
   for (float& range_m : image.range_m) {
     if (!std::isfinite(range_m) || range_m < 0.0F) range_m = 0.0F;

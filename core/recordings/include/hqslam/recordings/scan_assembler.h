@@ -32,8 +32,9 @@ class ScanAssembler {
   virtual std::int64_t partial_scans() const = 0;
 };
 
-/// `sensor`: what VelodyneDecoder needs, with the columns of the images that points are put into.
-/// `name`: what the scans' names begin with. Throws Error.
+/// `sensor`: elevation and azimuth offset of each row, as many rows as the model has lasers, and
+/// the columns of the images that points are put into. `name`: what the scans' names begin with.
+/// Throws Error if the rows are others, or if there is no calibration of an HDL-64E.
 std::unique_ptr<ScanAssembler> velodyne_assembler(const VelodyneStream& stream,
                                                   const SensorModel& sensor, std::string name,
                                                   const VelodyneOptions& options = {});

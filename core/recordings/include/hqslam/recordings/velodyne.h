@@ -1,13 +1,13 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
-#include <memory>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "hqslam/core/scan.h"
 #include "hqslam/core/sensor_model.h"
 #include "hqslam/recordings/packet.h"
 
@@ -68,16 +68,29 @@ struct VelodyneStream {
 /// spacing is that of no model.
 class VelodyneProbe {
  public:
-  VelodyneProbe();
-  ~VelodyneProbe();
   void add(const Packet& packet);
   /// `otherwise` is the model where neither spacing nor factory byte tell one. Nothing if no packet
   /// is a Velodyne's, or nothing tells the model. Throws Error for an HDL-64E with two returns.
   std::optional<VelodyneStream> result(std::optional<VelodyneModel> otherwise = std::nullopt) const;
 
  private:
-  struct State;
-  std::unique_ptr<State> state_;
+  std::optional<VelodyneModel> factory_model() const;
+  std::optional<VelodyneModel> model_by_spacing(double spacing_us, bool dual) const;
+  void set_period(VelodyneStream& stream) const;
+  void set_field_of_view(VelodyneStream& stream) const;
+
+  std::int64_t packets_ = 0;
+  std::int64_t with_pairs_ = 0;
+  std::int64_t with_double_pairs_ = 0;  ///< as an HDL-64E with two returns sends them
+  std::array<std::int64_t, 4> banks_{};
+  std::map<std::uint8_t, std::int64_t> products_;
+  std::vector<std::int64_t> spacings_us_;
+  std::vector<int> advances_;  ///< of the azimuth, in hundredths of a degree, over the same times
+  std::array<bool, 360> seen_{};
+  std::int64_t last_us_ = -1;
+  int last_azimuth_ = 0;
+  int last_block_azimuth_ = -1;
+  int largest_jump_ = 0;  ///< of the azimuth from block to block, hundredths of a degree
 };
 
 /// Where a decoder's packets went.
@@ -92,46 +105,6 @@ struct VelodyneOptions {
   KeptReturn kept_return = KeptReturn::kStrongest;
   /// Whether points are computed; without them scans are only counted and timed.
   bool with_points = true;
-};
-
-/// Velodyne packets -> scans.
-///
-/// A scan is one turn of the head, cut at stream.cut_azimuth_deg, and where nothing came for a
-/// turn; what is before the first cut, behind the last one or beside such a gap is a scan only if
-/// it has three quarters of the field of view. A point's row is that of its laser, its time the
-/// time of its firing by the sensor's clock, set by the time of recording; a scan's stamp is the
-/// middle between its first and its last firing. Azimuths are interpolated between the blocks of a
-/// packet. All beams start at the centre of the sensor (the lasers' heights above one another, up
-/// to 11 mm, are left out). Pulses without return are no points; points of a range that the sensor
-/// cannot measure are the projection's to drop. An HDL-64E's lasers count as firing at once, 48 us
-/// for all or what the packets' spacing says; it must send one return. Sources: the models' user
-/// manuals (VLP-16 63-9243, HDL-32E 63-9113, VLP-32C 63-9325, VLS-128 63-9483, HDL-64E S2
-/// 63-HDL64ES2), "Data packet format" and "Firing sequence timing".
-class VelodyneDecoder {
- public:
-  /// `sensor` gives elevation and azimuth offset of each row; as many rows as the model has lasers.
-  /// Throws Error if it has not, or if there is no calibration of an HDL-64E.
-  VelodyneDecoder(const VelodyneStream& stream, const SensorModel& sensor,
-                  const VelodyneOptions& options = {});
-  ~VelodyneDecoder();
-  VelodyneDecoder(VelodyneDecoder&&) noexcept;  ///< moved from: only assign or destroy
-
-  /// Takes the next packet in and appends the scans that it completes.
-  void add(const Packet& packet, std::vector<Scan>& completed);
-  /// The recording has ended: appends what is left, if it is nearly a scan.
-  void finish(std::vector<Scan>& completed);
-  /// Takes a scan back that is not needed any more: its memory serves the next one.
-  void reuse(Scan scan);
-
-  const PacketCounts& counts() const;
-  /// Whole turns of which no packet came. Their packets are counted too.
-  std::int64_t lost_scans() const;
-  /// Turns that were cut short by the beginning or the end of the recording, or by a long gap.
-  std::int64_t partial_scans() const;
-
- private:
-  class Impl;
-  std::unique_ptr<Impl> impl_;
 };
 
 }  // namespace hqslam::recordings

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <string>
 
 #include "byte_reader.h"
 #include "hqslam/recordings/ouster.h"
@@ -40,11 +41,13 @@ inline std::uint32_t range_mm(const std::uint8_t* bytes, const OusterLayout& of)
 /// The turn that a packet is of; the packet has the size of its profile.
 std::uint32_t frame_id(Bytes packet, OusterProfile profile);
 
-/// The middle between a turn's first and last column, by the sensor's clock; nothing if it has no
-/// column or its times are not those of one turn.
-std::optional<std::uint64_t> middle_ns(const OusterFrame& frame);
-
 /// Of the sensor, 0 where the profile does not say.
 std::uint64_t serial_number(Bytes packet, OusterProfile profile);
+
+/// What a file of metadata holds. Throws Error if it is no file or above 16 MiB.
+std::string ouster_metadata_text(const std::string& path);
+
+/// Whether a text that load_sensor understands is an Ouster's metadata.
+bool is_ouster_metadata(const std::string& text);
 
 }  // namespace hqslam::recordings

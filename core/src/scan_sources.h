@@ -8,6 +8,11 @@
 
 namespace hqslam {
 
+/// One scan per file, all of one kind, in the order given. Throws Error.
+std::unique_ptr<ScanSource> make_file_scan_source(std::vector<std::string> paths,
+                                                  const SensorModel& sensor,
+                                                  const RecordingOptions& options);
+
 /// The images of an .npy stack. Image i is of stamps_s[i]; without any stamps, of i scan periods.
 /// confidence_path: a stack with the confidence of every pixel, 0 to 1; empty: none. Throws Error
 /// if the shape of either is not that of the sensor, if there are fewer confidences than images, or

@@ -1,0 +1,243 @@
+#include "recording_file.h"
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <string_view>
+#include <utility>
+
+#include "bag.h"
+#include "hqslam/core/error.h"
+#include "hqslam/core/excerpt.h"
+#include "message_packets.h"
+#include "ouster_metadata.h"
+#include "velodyne_tables.h"
+
+namespace hqslam::recordings {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// What the messages of a stream are, by this one.
+void recognise(Stream& stream, const Message& message) {
+  if (plain_type(stream.type) == "sensor_msgs/PointCloud2") {
+    stream.kind = StreamKind::kPointClouds;
+    return;
+  }
+  if (stream.packet_bytes > 0 || stream.type.empty() || !carries_packets(stream.type)) return;
+  bool given = false;
+  MessagePackets packets(stream, [&]() -> std::optional<Message> {
+    if (std::exchange(given, true)) return std::nullopt;
+    return message;
+  });
+  const auto packet = packets.next();
+  stream.packet_bytes = packet ? packet->payload.size() : 0;
+  if (stream.packet_bytes == kVelodynePacketBytes) {
+    stream.kind = StreamKind::kVelodynePackets;
+  } else if (stream.packet_bytes >= kSmallestLidarPacket &&
+             plain_type(stream.type).ends_with("/PacketMsg")) {
+    stream.kind = StreamKind::kOusterPackets;
+  }
+}
+
+class BagRecording : public RecordingFile {
+ public:
+  BagRecording(std::vector<std::string> paths, std::string kind, OpenBagFile open)
+      : paths_(std::move(paths)),
+        kind_(std::move(kind)),
+        open_(open),
+        file_(open(paths_.front())) {}
+
+  std::string kind() const override { return kind_; }
+
+  std::optional<Message> next() override {
+    while (true) {
+      if (auto message = file_->next()) {
+        message->stream = stream_of(static_cast<std::uint32_t>(message->stream));
+        Stream& stream = streams_[message->stream];
+        ++stream.messages;
+        recognise(stream, *message);
+        return message;
+      }
+      if (part_ + 1 == paths_.size()) return std::nullopt;
+      file_ = open_(paths_[++part_]);
+      stream_of_topic_.clear();
+      if (!kept_.empty()) file_->keep_only(kept_);
+    }
+  }
+
+  void keep_only(std::size_t stream) override {
+    kept_ = topics_[stream];
+    file_->keep_only(kept_);
+  }
+
+  double read_share() const override {
+    return (static_cast<double>(part_) + file_->read_share()) / static_cast<double>(paths_.size());
+  }
+
+ private:
+  /// Topics of one name are one stream, whichever file they are in.
+  std::size_t stream_of(std::uint32_t topic) {
+    const auto [found, is_new] = stream_of_topic_.try_emplace(topic, streams_.size());
+    if (!is_new) return found->second;
+    const Topic& of = file_->topics().at(topic);
+    for (found->second = 0; found->second < topics_.size(); ++found->second) {
+      if (topics_[found->second] == of.name) return found->second;
+    }
+    topics_.push_back(of.name);
+    streams_.push_back(
+        {.name = excerpt(of.name, kNameCharacters), .type = excerpt(of.type, kNameCharacters)});
+    return found->second;
+  }
+
+  std::vector<std::string> paths_;
+  std::string kind_;
+  OpenBagFile open_;
+  std::unique_ptr<BagFile> file_;
+  std::size_t part_ = 0;
+  std::map<std::uint32_t, std::size_t> stream_of_topic_;  ///< of the file that is open
+  std::vector<std::string> topics_;                       ///< their names as the bag has them
+  std::string kept_;
+};
+
+constexpr std::size_t kVelodynePositionBytes = 512;
+constexpr std::uint16_t kVelodynePositionPort = 8308;
+/// A capture of more senders and ports than this is of a whole network.
+constexpr std::size_t kMaxStreams = 1000;
+
+/// What came from one sender to one port.
+struct Traffic {
+  std::size_t stream = 0;
+  std::int64_t velodyne = 0;
+  std::map<std::size_t, std::int64_t> packets_of_size;
+};
+
+StreamKind kind_of(const Stream& stream, const Traffic& traffic) {
+  if (2 * traffic.velodyne > stream.messages) return StreamKind::kVelodynePackets;
+  if (stream.packet_bytes == kVelodynePositionBytes &&
+      stream.endpoint.port == kVelodynePositionPort) {
+    return StreamKind::kVelodynePositions;
+  }
+  return stream.packet_bytes >= kSmallestLidarPacket ? StreamKind::kOusterPackets
+                                                     : StreamKind::kOther;
+}
+
+class PcapRecording : public RecordingFile {
+ public:
+  explicit PcapRecording(const std::string& path) : packets_(open_pcap(path)) {}
+
+  std::string kind() const override { return "pcap capture"; }
+  double read_share() const override { return packets_->read_share(); }
+  std::string complaint() const override { return packets_->complaint(); }
+
+  std::optional<Message> next() override {
+    while (const auto packet = packets_->next()) {
+      if (traffic_.size() == kMaxStreams && !traffic_.contains(packet->endpoint)) continue;
+      return Message{packet->capture_time_ns, packet->payload, false, count(*packet)};
+    }
+    return std::nullopt;
+  }
+
+ private:
+  /// The stream that the packet is of.
+  std::size_t count(const Packet& packet) {
+    const auto [found, is_new] = traffic_.try_emplace(packet.endpoint);
+    Traffic& traffic = found->second;
+    if (is_new) {
+      traffic.stream = streams_.size();
+      streams_.push_back({.name = text(packet.endpoint), .endpoint = packet.endpoint});
+    }
+    Stream& stream = streams_[traffic.stream];
+    ++stream.messages;
+    if (is_velodyne_packet(packet.payload)) ++traffic.velodyne;
+    auto& sizes = traffic.packets_of_size;
+    const std::size_t bytes = packet.payload.size();
+    if (sizes.size() < kMaxStreams || sizes.contains(bytes)) {
+      if (++sizes[bytes] > sizes[stream.packet_bytes]) stream.packet_bytes = bytes;
+    }
+    stream.kind = kind_of(stream, traffic);
+    return traffic.stream;
+  }
+
+  std::unique_ptr<PacketSource> packets_;
+  std::map<Endpoint, Traffic> traffic_;
+};
+
+using Paths = std::vector<std::string>;
+
+/// By what a file begins with.
+struct FileForm {
+  std::string_view magic;
+  const char* kind = nullptr;
+  OpenBagFile open = nullptr;  ///< of a bag
+};
+constexpr FileForm kDb3 = {"SQLite format 3", "ROS 2 bag (sqlite)", open_db3};
+constexpr FileForm kMcap = {"\x89MCAP0\r\n", "MCAP file", open_mcap};
+constexpr std::array<FileForm, 8> kForms = {{{"\xD4\xC3\xB2\xA1"},
+                                             {"\xA1\xB2\xC3\xD4"},
+                                             {"\x4D\x3C\xB2\xA1"},
+                                             {"\xA1\xB2\x3C\x4D"},
+                                             {"\x0A\x0D\x0D\x0A"},
+                                             kDb3,
+                                             kMcap,
+                                             {"#ROSBAG V2.0\n", "ROS 1 bag", open_ros1_bag}}};
+
+/// The files of a ROS 2 bag's folder, in natural order; empty if it is none.
+Paths files_of_bag(const fs::path& folder) {
+  Paths paths;
+  std::error_code error;
+  if (!fs::is_regular_file(folder / "metadata.yaml", error)) return paths;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
+       entry.increment(error)) {
+    const std::string extension = entry->path().extension().string();
+    if (extension == ".db3" || extension == ".mcap") paths.push_back(entry->path().string());
+  }
+  // name_2.db3 comes before name_10.db3: numbers are not padded.
+  std::ranges::sort(paths, [](const std::string& a, const std::string& b) {
+    return std::pair(a.size(), a) < std::pair(b.size(), b);
+  });
+  return paths;
+}
+
+/// The form of a capture or a bag, and its files; nothing for what is none.
+std::optional<FileForm> form_of(const std::string& path, Paths& files) {
+  std::error_code error;
+  files = {path};
+  if (fs::is_directory(path, error)) {
+    files = files_of_bag(path);
+    if (files.empty()) return std::nullopt;
+    return files.front().ends_with(".mcap") ? kMcap : kDb3;
+  }
+  if (!fs::is_regular_file(path, error)) return std::nullopt;
+  std::array<char, 16> head{};
+  std::ifstream(path, std::ios::binary).read(head.data(), head.size());
+  const std::string_view beginning(head.data(), head.size());
+  const auto form = std::ranges::find_if(
+      kForms, [&](const FileForm& known) { return beginning.starts_with(known.magic); });
+  return form == kForms.end() ? std::nullopt : std::optional(*form);
+}
+
+}  // namespace
+
+std::unique_ptr<RecordingFile> open_recording_file(const std::string& path) {
+  Paths files;
+  const auto form = form_of(path, files);
+  if (!form) {
+    throw Error(
+        "{}: expected a capture or a bag, found another file; give a .pcap, .pcapng, .db3, .mcap "
+        "or .bag file",
+        path);
+  }
+  if (form->open == nullptr) return std::make_unique<PcapRecording>(path);
+  return std::make_unique<BagRecording>(std::move(files), form->kind, form->open);
+}
+
+bool is_capture_or_bag(const std::string& path) {
+  Paths files;
+  return form_of(path, files).has_value();
+}
+
+}  // namespace hqslam::recordings
