@@ -28,7 +28,6 @@ int info_command(const InfoOptions& options);
 struct CalibrateOptions : InputChoice {
   int rows = 0;           ///< of the recording; 0: all
   double path_m = 150.0;  ///< that is looked at
-  double elevation_sigma_deg = 0.05;
   std::string out;
 };
 void declare_calibrate(CLI::App& app, CalibrateOptions& options);

@@ -12,7 +12,8 @@ namespace hqslam::slam {
 namespace {
 
 constexpr double kStretch_m = 50.0;
-constexpr int kIterations = 4;
+constexpr int kIterations = 8;
+constexpr double kDegree_rad = 0.017453292519943295;
 
 void check(const SensorModel& sensor, const std::vector<LocatedScan>& scans) {
   for (const LocatedScan& scan : scans) {
@@ -61,14 +62,27 @@ std::vector<CalibrationSystem> linearized(const std::vector<CalibrationStretch>&
   return systems;
 }
 
-Eigen::VectorXd prior_information(const BeamPrior& prior, Eigen::Index beams) {
-  Eigen::VectorXd information(2 * beams);
-  for (Eigen::Index beam = 0; beam < beams; ++beam) {
-    information[2 * beam] = 1.0 / (prior.elevation_rad * prior.elevation_rad);
-    information[2 * beam + 1] = 1.0 / (prior.range_m * prior.range_m);
+/// How much beams of this sensor are off, variances: what makers promise, until the drive says
+/// otherwise.
+struct BeamSpread {
+  double elevation_rad2 = 0.05 * 0.05 * kDegree_rad * kDegree_rad;
+  double range_m2 = 0.02 * 0.02;
+
+  Eigen::VectorXd information(Eigen::Index beams) const {
+    const Eigen::Vector2d of_beam(1.0 / elevation_rad2, 1.0 / range_m2);
+    return of_beam.replicate(beams, 1);
   }
-  return information;
-}
+  /// The most likely one, given what was found of the beams (a step of expectation maximisation).
+  /// No sensor is better than a thousandth of a degree and a tenth of a millimetre.
+  void learn(const BeamParameters& beams, const Eigen::MatrixXd& covariance) {
+    const Eigen::VectorXd squares = beams.cwiseAbs2() + covariance.diagonal();
+    const auto of_kind = [&](Eigen::Index first) {
+      return Eigen::VectorXd(squares(Eigen::seq(first, Eigen::last, 2))).mean();
+    };
+    elevation_rad2 = std::max(of_kind(0), 1e-6 * kDegree_rad * kDegree_rad);
+    range_m2 = std::max(of_kind(1), 1e-8);
+  }
+};
 
 /// Mean over the stretches, with the prior.
 BeamInformation mean_information(const std::vector<CalibrationSystem>& systems,
@@ -105,28 +119,27 @@ std::vector<BeamDistance> distances(const std::vector<CalibrationSystem>& system
 
 }  // namespace
 
-BeamCalibration calibrate_beams(const SensorModel& sensor, const std::vector<LocatedScan>& scans,
-                                const BeamPrior& prior) {
+BeamCalibration calibrate_beams(const SensorModel& sensor, const std::vector<LocatedScan>& scans) {
   check(sensor, scans);
   std::vector<CalibrationStretch> stretches = stretches_of(scans);
-  const Eigen::VectorXd prior_of_beams = prior_information(prior, sensor.rows());
-  BeamParameters beams = BeamParameters::Zero(prior_of_beams.size());
+  BeamSpread spread;
+  BeamParameters beams = BeamParameters::Zero(2 * sensor.rows());
   std::vector<CalibrationSystem> systems = linearized(stretches, beams);
   BeamCalibration result;
   result.residual_before_m = residual_m(systems);
   const std::vector<BeamDistance> before = distances(systems);
+  Eigen::MatrixXd covariance;
   for (int iteration = 0; iteration < kIterations; ++iteration) {
-    const BeamInformation known = mean_information(systems, beams, prior_of_beams);
-    const Eigen::VectorXd change = -known.H.ldlt().solve(known.g);
+    const BeamInformation known =
+        mean_information(systems, beams, spread.information(sensor.rows()));
+    covariance = known.H.ldlt().solve(Eigen::MatrixXd::Identity(beams.size(), beams.size()));
+    const Eigen::VectorXd change = -covariance * known.g;
     for (std::size_t i = 0; i < stretches.size(); ++i) move_poses(stretches[i], systems[i], change);
     beams += change;
+    spread.learn(beams, covariance);
     systems = linearized(stretches, beams);
   }
   const std::vector<BeamDistance> after = distances(systems);
-  const Eigen::MatrixXd covariance =
-      mean_information(systems, beams, prior_of_beams)
-          .H.ldlt()
-          .solve(Eigen::MatrixXd::Identity(beams.size(), beams.size()));
   for (int row = 0; row < sensor.rows(); ++row) {
     const Eigen::Index at = 2 * row;
     result.beams.push_back({beams[at], beams[at + 1], std::sqrt(covariance(at, at)),

@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <numbers>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -134,10 +133,6 @@ void declare_calibrate(CLI::App& app, CalibrateOptions& options) {
   command.option("--path", &options.path_m,
                  "Metres of path from the recording's beginning that are looked at",
                  {.shows_default = true, .within = std::pair(kLeastPath_m, 1000.0)});
-  command.option("--elevation-sigma", &options.elevation_sigma_deg,
-                 "What beams are expected to be off by, in degrees: 0.05 as makers promise, 0.15 "
-                 "for a sensor that was badly kept",
-                 {.shows_default = true, .within = std::pair(0.001, 1.0)});
   command.option("--out", &options.out,
                  "Sensor file to write, for --sensor of every other command; a page with the same "
                  "name and .html shows what was found",
@@ -162,9 +157,7 @@ int calibrate_command(const CalibrateOptions& options) {
         "driven about",
         options.input, drive.path_m, kLeastPath_m);
   }
-  slam::BeamPrior prior;
-  prior.elevation_rad = options.elevation_sigma_deg * std::numbers::pi / 180.0;
-  const slam::BeamCalibration found = slam::calibrate_beams(input.seen(), drive.scans, prior);
+  const slam::BeamCalibration found = slam::calibrate_beams(input.seen(), drive.scans);
   write_sensor_json(corrected(input.recorded, input.rows, found), options.out);
   const CalibrationReport report{options.input, input.seen(), drive.path_m,
                                  static_cast<std::int64_t>(drive.scans.size()), found};

@@ -40,13 +40,6 @@ struct BeamCalibration {
   double residual_after_m = 0.0;
 };
 
-/// How much a beam may be off before anything was measured, standard deviations: as makers promise,
-/// 0.1 degrees and 3 cm. Blocks of lasers of a badly kept sensor are off by 0.3 degrees.
-struct BeamPrior {
-  double elevation_rad = 0.00087266462599716478;  ///< 0.05 degrees
-  double range_m = 0.02;
-};
-
 /// Elevation and range of every beam, from what all beams say of the same surfaces.
 ///
 /// In: scans along a path that SLAM followed, with the poses that it found, a metre or so apart;
@@ -71,7 +64,6 @@ struct BeamPrior {
 /// elevation of beams that meet nothing but upright walls.
 ///
 /// Throws Error if a cloud is not of the sensor's shape.
-BeamCalibration calibrate_beams(const SensorModel& sensor, const std::vector<LocatedScan>& scans,
-                                const BeamPrior& prior = {});
+BeamCalibration calibrate_beams(const SensorModel& sensor, const std::vector<LocatedScan>& scans);
 
 }  // namespace hqslam::slam

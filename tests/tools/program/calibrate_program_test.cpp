@@ -1,0 +1,68 @@
+#include <doctest/doctest.h>
+#include <fmt/format.h>
+
+#include <string>
+
+#include "hqslam/core/sensor_model.h"
+#include "tools/program/program.h"
+
+// What calibrate writes, and that other commands take it.
+namespace hqslam::test {
+namespace {
+
+/// 45 scans of a sensor with few columns whose beams lie, 30 m of street.
+struct LyingDrive {
+  TemporaryDirectory folder;
+  std::string drive = folder.file("drive");
+  std::string sensor = folder.file("calibrated.json");
+
+  LyingDrive() {
+    SensorModel model = sensor_preset("os1-16");
+    model.columns = 512;
+    write_file(folder.file("sensor.json"), sensor_json(model));
+    succeeds(
+        fmt::format("simulate --drive block --sensor '{}' --scans 45 --sensor-errors bad "
+                    "--out '{}'",
+                    folder.file("sensor.json"), drive));
+  }
+  std::string arguments(const std::string& out) const {
+    return fmt::format("calibrate '{}' --out '{}'", drive, out);
+  }
+};
+
+}  // namespace
+
+TEST_CASE("calibrate writes a sensor that run takes, and a page of what it found") {
+  const LyingDrive lying;
+  const ProgramResult result = succeeds(lying.arguments(lying.sensor));
+  CHECK(holds(result.out, "off their surfaces"));
+  CHECK(holds(file_contents(lying.folder.file("calibrated.html")), "Rings against the ground"));
+  const SensorModel sensor = read_sensor_json(lying.sensor);
+  REQUIRE(sensor.elevation_correction_rad.size() == 16);
+  CHECK(sensor.beam_elevation_rad ==
+        read_sensor_json(lying.folder.file("sensor.json")).beam_elevation_rad);
+  const std::string run = lying.folder.file("run");
+  succeeds(fmt::format("run '{}' --sensor '{}' --out '{}'", lying.drive, lying.sensor, run));
+  CHECK(file_contents(run + "/trajectory.tum").size() > 0);
+  succeeds(lying.arguments(lying.sensor));  // its own it replaces
+}
+
+TEST_CASE("calibrate replaces no foreign file, and asks for a drive") {
+  const LyingDrive lying;
+  const std::string foreign = lying.folder.file("foreign.json");
+  write_file(foreign, "{}");
+  const ProgramResult refused = run_hqslam(lying.arguments(foreign));
+  CHECK(refused.status == 2);
+  CHECK(is_one_line(refused.error));
+  CHECK(file_contents(foreign) == "{}");
+  CHECK(holds(run_hqslam(lying.arguments(lying.folder.file("sensor.txt"))).error, "ends in .json"));
+  const std::string standing = lying.folder.file("standing");
+  succeeds(fmt::format("simulate --drive block --sensor '{}' --scans 3 --out '{}'",
+                       lying.folder.file("sensor.json"), standing));
+  const ProgramResult still = run_hqslam(
+      fmt::format("calibrate '{}' --out '{}'", standing, lying.folder.file("standing.json")));
+  CHECK(still.status == 2);
+  CHECK(holds(still.error, "expected at least 20 m"));
+}
+
+}  // namespace hqslam::test
