@@ -10,7 +10,7 @@
 namespace hqslam::test {
 namespace {
 
-/// 45 scans of a sensor with few columns whose beams lie, 30 m of street.
+/// 75 scans of a sensor with few columns whose beams lie, some 30 m of street.
 struct LyingDrive {
   TemporaryDirectory folder;
   std::string drive = folder.file("drive");
@@ -21,7 +21,7 @@ struct LyingDrive {
     model.columns = 512;
     write_file(folder.file("sensor.json"), sensor_json(model));
     succeeds(
-        fmt::format("simulate --drive block --sensor '{}' --scans 45 --sensor-errors bad "
+        fmt::format("simulate --drive block --sensor '{}' --scans 75 --sensor-errors bad "
                     "--out '{}'",
                     folder.file("sensor.json"), drive));
   }

@@ -53,6 +53,13 @@ TEST_CASE("x runs to the right and y upwards over the whole plot") {
   CHECK(to_plot_y(box, 10.0) == kPlotUnits);
 }
 
+TEST_CASE("a line below zero stays within the plot, and zero is where it crosses") {
+  const Chart chart{"beam", "mm", {0.0, 1.0}, {{"off", "a", {-5.0, 5.0}}}};
+  // From -5.4 to 5.4: y = 500 (1 - value / 5.4).
+  const std::string html = chart_html(chart);
+  CHECK(holds(html, "M0.0,963.0L1000.0,37.0"));
+}
+
 TEST_CASE("stacked layers stand on one another: the upper one's outline is the sum") {
   const Chart chart{
       "scan", "ms", {0.0, 1.0}, {{"low", "a", {1.0, 1.0}}, {"high", "b", {3.0, 1.0}}}, true};

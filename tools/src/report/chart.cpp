@@ -43,14 +43,19 @@ std::vector<std::vector<double>> heights_of(const Chart& chart) {
 PlotBox box_of(const Chart& chart, const std::vector<std::vector<double>>& heights) {
   PlotBox box;
   double highest = 0.0;
+  double lowest = 0.0;
   for (const std::vector<double>& line : heights) {
-    for (const double value : line) highest = std::max(highest, value);
+    for (const double value : line) {
+      highest = std::max(highest, value);
+      lowest = std::min(lowest, value);
+    }
   }
   const auto [x_min, x_max] =
       std::minmax_element(chart.x.begin(), chart.x.end());  // clocks may fall
   box.x_min = *x_min;
   box.x_max = *x_max > *x_min ? *x_max : *x_min + 1.0;
-  box.y_max = highest > 0.0 ? 1.08 * highest : 1.0;
+  box.y_min = 1.08 * lowest;
+  box.y_max = highest > lowest ? 1.08 * highest : 1.0;
   return box;
 }
 
