@@ -61,6 +61,17 @@ TEST_CASE("over seeds every drive is there from each seed, without loop closing"
   CHECK(plan.drives[3].recording.input == "out/drives/hills-seed-4");
 }
 
+TEST_CASE("drives of a sensor with errors have folders of their own") {
+  TableOptions options = options_for("out");
+  options.drives = {"town"};
+  options.seeds = "3";
+  options.sensor_errors = "typical";
+  const TablePlan plan = plan_table(options);
+  REQUIRE(plan.drives.size() == 1);
+  CHECK(plan.drives[0].recording.input == "out/drives/town-seed-3-typical");
+  CHECK(plan.drives[0].simulated->sensor_errors == sim::SensorErrors::kTypical);
+}
+
 TEST_CASE("over seeds others are paired with what is named, with linear, or with the first") {
   TableOptions options = options_for("out");
   options.seeds = "1";

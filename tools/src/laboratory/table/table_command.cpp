@@ -142,6 +142,9 @@ void declare_table(CLI::App& app, TableOptions& options) {
               "True trajectory of the recording in --drives (TUM, or KITTI with one pose per scan)",
               {.given = Given::kFile})
       .option("--scans", &options.scans, "Only so many scans of each drive", {.within = kAnyCount})
+      .option("--sensor-errors", &options.sensor_errors,
+              "How far the sensor of simulated drives is from its own table (hqslam simulate)",
+              {.shows_default = true, .one_of = sim::sensor_errors_names()})
       .option(
           "--seeds", &options.seeds,
           "Every simulated drive of --drives from each of these seeds (1..10, or 3,5,8) instead of "

@@ -102,10 +102,13 @@ std::string reading_identity(const InputChoice& reading) {
 /// Why the drive in a simulated drive's folder is not that drive; empty where it is.
 std::string difference_of(const TableDrive& drive) {
   const std::string& folder = drive.recording.input;
-  const Json expected = {{"name", drive.simulated->name},
-                         {"seed", drive.simulated->seed},
-                         {"revision", sim::kDriveRevision},
-                         {"sensor", kSimulatedSensor}};
+  Json expected = {{"name", drive.simulated->name},
+                   {"seed", drive.simulated->seed},
+                   {"revision", sim::kDriveRevision},
+                   {"sensor", kSimulatedSensor}};
+  if (drive.simulated->sensor_errors != sim::SensorErrors::kNone) {
+    expected["sensor_errors"] = sim::name_of(drive.simulated->sensor_errors);
+  }
   Json found = drive_json(folder);
   const std::int64_t scans = take_scans(found);
   if (found != expected) return "drive.json is of another drive, or damaged";
@@ -149,6 +152,7 @@ bool prepare_drive(const TableDrive& drive, const InterruptGuard& interrupt,
   options.out = folder;
   options.scans = drive.simulated->scans;
   options.seed = drive.simulated->seed;
+  options.sensor_errors = sim::name_of(drive.simulated->sensor_errors);
   options.replaces_damaged = something_is;
   return simulate_drive(options, interrupt, on_scan) == kOk;
 }

@@ -144,9 +144,12 @@ std::string recording_name(const fs::path& path) {
   return name == "velodyne" ? path.parent_path().filename().string() : name;
 }
 
-TableDrive simulated_drive(const std::string& name, const std::string& drive,
+/// Drives of a sensor with errors have names and folders of their own.
+TableDrive simulated_drive(std::string name, const std::string& drive,
                            std::optional<std::uint64_t> seed, const TableOptions& options) {
   sim::DriveSpec spec = sim::drive_preset(drive);
+  spec.sensor_errors = sim::sensor_errors_named(options.sensor_errors);
+  if (spec.sensor_errors != sim::SensorErrors::kNone) name += "-" + options.sensor_errors;
   spec.scans = options.scans.value_or(spec.scans);
   spec.seed = seed.value_or(spec.seed);
   return {name, {.input = (fs::path(options.out) / "drives" / name).string()}, "", spec};
