@@ -1,6 +1,7 @@
 #include "hqslam/slam/beam_calibration.h"
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
 #include <span>
 
@@ -28,21 +29,15 @@ void check(const SensorModel& sensor, const std::vector<LocatedScan>& scans) {
 
 /// Cut where 50 m of path are full; what is left over at the end belongs to the last.
 std::vector<CalibrationStretch> stretches_of(std::span<const LocatedScan> scans) {
-  std::vector<std::size_t> begins = {0};
-  double path_m = 0.0;
-  double left_m = 0.0;
+  std::vector<double> path_m = {0.0};
   for (std::size_t i = 1; i < scans.size(); ++i) {
-    left_m +=
-        (scans[i].T_map_sensor.translation() - scans[i - 1].T_map_sensor.translation()).norm();
+    const Pose motion = scans[i - 1].T_map_sensor.inverse() * scans[i].T_map_sensor;
+    path_m.push_back(path_m.back() + motion.translation().norm());
   }
+  std::vector<std::size_t> begins = {0};
   for (std::size_t i = 1; i < scans.size(); ++i) {
-    const double step_m =
-        (scans[i].T_map_sensor.translation() - scans[i - 1].T_map_sensor.translation()).norm();
-    path_m += step_m;
-    left_m -= step_m;
-    if (path_m < kStretch_m || left_m < kStretch_m) continue;
-    begins.push_back(i);
-    path_m = 0.0;
+    const bool is_full = path_m[i] - path_m[begins.back()] >= kStretch_m;
+    if (is_full && path_m.back() - path_m[i] >= kStretch_m) begins.push_back(i);
   }
   std::vector<CalibrationStretch> result;
   for (std::size_t i = 0; i < begins.size(); ++i) {

@@ -201,10 +201,10 @@ CalibrationStretch calibration_stretch(std::span<const LocatedScan> scans) {
         if (!(range_m > kMinRange_m && range_m < kMaxRange_m)) continue;
         const Eigen::Vector3d direction = cloud.points_m[i].cast<double>().normalized();
         const double level = direction.head<2>().norm();
-        if (!(level > 0.0)) continue;
+        const double time_s = cloud.time_offset_s.empty() ? 0.0 : cloud.time_offset_s[i];
+        if (!(level > 0.0) || !std::isfinite(time_s)) continue;
         const Eigen::Vector3d tilt(-direction.x() * direction.z() / level,
                                    -direction.y() * direction.z() / level, level);
-        const double time_s = cloud.time_offset_s.empty() ? 0.0 : cloud.time_offset_s[i];
         const Pose moved = exponential(time_s * located.velocity);
         result.rays.push_back({row, scan, range_m, turned(moved, direction), turned(moved, tilt),
                                moved.translation()});

@@ -176,7 +176,8 @@ std::unique_ptr<ScanSource> LiftedInput::open() {
 }
 
 OrganizedCloud LiftedInput::measured(const OrganizedCloud& scan) const {
-  const OrganizedCloud cloud = calibrated(scan, recorded);
+  if (recorded.elevation_correction_rad.empty()) return rows ? select_rows(scan, *rows) : scan;
+  OrganizedCloud cloud = calibrated(scan, recorded);
   return rows ? select_rows(cloud, *rows) : cloud;
 }
 
