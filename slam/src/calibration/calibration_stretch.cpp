@@ -4,7 +4,8 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <utility>
+
+#include "alignment/motion_state.h"
 
 namespace hqslam::slam {
 
@@ -27,9 +28,6 @@ constexpr double kPoseSigma = 10.0;
 constexpr double kHeldInformation = 1e8;
 constexpr double kGroundUprightness = 0.8;
 constexpr double kWallUprightness = 0.3;
-
-/// Translation, then rotation.
-using Vector6 = Eigen::Matrix<double, 6, 1>;
 
 Eigen::Vector3d turned(const Pose& T, const Eigen::Vector3d& direction) {
   return T.linear() * direction;

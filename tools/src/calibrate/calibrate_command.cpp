@@ -158,7 +158,9 @@ int calibrate_command(const CalibrateOptions& options) {
         options.input, drive.path_m, kLeastPath_m);
   }
   const slam::BeamCalibration found = slam::calibrate_beams(input.seen(), drive.scans);
-  write_sensor_json(corrected(input.recorded, input.rows, found), options.out);
+  const SensorModel sensor = corrected(input.recorded, input.rows, found);
+  validate(sensor);  // what is too far off to be a calibration no other command would take
+  write_sensor_json(sensor, options.out);
   const CalibrationReport report{options.input, input.seen(), drive.path_m,
                                  static_cast<std::int64_t>(drive.scans.size()), found};
   write_text_file(calibration_html(report), page);
