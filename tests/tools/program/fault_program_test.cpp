@@ -199,6 +199,10 @@ TEST_CASE(
     if (command.is_quick) succeeds(arguments);
     if (command.writes_folder()) fs::create_directories(out);
     const std::string in_the_way = out + command.results.front();
+    fs::remove_all(in_the_way);
+    fs::create_symlink(folder.file("elsewhere"), in_the_way);
+    CHECK(is_refusal(run_hqslam(arguments)));
+    CHECK_FALSE(fs::exists(folder.file("elsewhere")));
     fs::remove(in_the_way);
     REQUIRE(mkfifo(in_the_way.c_str(), 0600) == 0);
     CHECK(is_refusal(run_hqslam(arguments)));
