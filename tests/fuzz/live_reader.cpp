@@ -80,10 +80,15 @@ test::Payload payload(int sensor, const Step& step, const Host& host) {
   const int sent = step.form < 3 ? (sensor + 1 + step.form) % kSensors : sensor;
   test::Payload bytes;
   if (sent < 2) {
-    std::vector<int> azimuths(12);
-    for (int i = 0; i < 12; ++i) azimuths[i] = (host.azimuth + i * 16 * step.turned / 12) % 36000;
-    const auto time_us = static_cast<std::uint32_t>(host.clock_ns / 1000 % 3'600'000'000);
-    bytes = test::velodyne_packet(time_us, azimuths, 2500, 10, 0x37, sent == 0 ? 0x22 : 0x21);
+    static const std::array<test::Payload, 2> models = {
+        test::velodyne_packet(0, std::vector<int>(12), 2500, 10, 0x37, 0x22),
+        test::velodyne_packet(0, std::vector<int>(12), 2500, 10, 0x37, 0x21)};
+    bytes = models[sent];
+    for (int i = 0; i < 12; ++i) {
+      const int azimuth = (host.azimuth + i * 16 * step.turned / 12) % 36000;
+      test::put(bytes, 100 * static_cast<std::size_t>(i) + 2, static_cast<std::uint16_t>(azimuth));
+    }
+    test::put(bytes, 1200, static_cast<std::uint32_t>(host.clock_ns / 1000 % 3'600'000'000));
   } else {
     bytes = ouster_packet(sent - 2, host.packets);
   }

@@ -110,11 +110,17 @@ void put_texts() {
     }
     put(reader, "text", std::string({0, 4, 0}) + "{\"format\": \"hqslam weights 1\"}");
   }
-  std::string far = {1, 1, 2};  // edges, float32, three columns
-  for (const float value : {1e10F, 0.0F, 0.0F}) {
-    far.append(reinterpret_cast<const char*>(&value), sizeof value);
+  // A place and a point farther than any drive leads.
+  std::string place(3, '\0');
+  for (const double value : {1.0, 0.0, 0.0, 1e10, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0}) {
+    place.append(reinterpret_cast<const char*>(&value), sizeof value);
   }
-  put("saved_map", "far", far);
+  put("saved_map", "far_place", place);
+  std::string point = {1, 1, 2};  // an edge, float32, three columns
+  for (const float value : {1e10F, 0.0F, 0.0F}) {
+    point.append(reinterpret_cast<const char*>(&value), sizeof value);
+  }
+  put("saved_map", "far_point", point);
 }
 
 #ifdef HQSLAM_FUZZ_RECORDINGS
