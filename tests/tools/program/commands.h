@@ -74,6 +74,8 @@ struct Command {
   std::vector<std::string> with_broken_input = {};
   /// What it writes, each behind {out}: "" is {out} itself, "/map.pcd" lies in the folder {out}.
   std::vector<std::string> results = {};
+  /// From the first scan on, in place of earlier results; else these stay until new ones are whole.
+  bool writes_as_it_goes = false;
   bool is_quick = true;  ///< takes a second at most; else it is only tried where it is to refuse
   bool locks = true;     ///< its folder, against a second program
 
@@ -92,18 +94,21 @@ inline const std::vector<Command>& commands() {
        {"run {npy} --sensor os1-16 --out {out}", "run {pcap} --out {out}",
         "run {drive} --map {npz} --out {out}", "run {drive} --reference {tum} --out {out}",
         "run {drive} --slam-options {json} --out {out}"},
-       of_run},
-      {"run {drive} --dense-map --map-voxel 0.5 --out {out}", {}, of_map},
+       of_run,
+       true},
+      {"run {drive} --dense-map --map-voxel 0.5 --out {out}", {}, of_map, true},
       {"live --sensor vlp-16 --port 47813 --out {out}",
        {"live --sensor {json} --out {out}"},
        of_run,
+       true,
        false},
       {"info {drive}/scans.npy --sensor os1-16", {"info {pcap}"}},
-      {"demo --out {out}", {}, {"/demo.html"}, false, false},
+      {"demo --out {out}", {}, {"/demo.html"}, true, false, false},
       {"simulate --drive block --sensor os1-16 --scans 3 --bin --out {out}",
        {"simulate --drive block --scans 2 --sensor {json} --out {out}"},
        {"/scans.npy", "/sensor.json", "/drive.json", "/truth.tum", "/truth.kitti",
-        "/truth_columns.npy", "/bin"}},
+        "/truth_columns.npy", "/bin"},
+       true},
       {"map {drive} --poses {drive}/truth.tum --map-voxel 0.5 --out {out}",
        {"map {drive} --poses {tum} --out {out}"},
        of_map},
@@ -132,7 +137,8 @@ inline const std::vector<Command>& commands() {
       {"upsample {drive}/pcd --method linear --sensor os1-64 --bin --out {out}",
        {"upsample {mcap} --method linear --out {out}",
         "upsample {drive} --weights {npz} --out {out}"},
-       {"/scans.npy", "/timestamps.txt", "/sensor.json", "/upsample.json", "/bin"}},
+       {"/scans.npy", "/timestamps.txt", "/sensor.json", "/upsample.json", "/bin"},
+       true},
       {"weights show {weights}", {"weights show {npz}"}},
       {"weights pack {arrays} {network} --out {out}",
        {"weights pack {npz} {json} --out {out}"},
