@@ -21,6 +21,8 @@ constexpr int kColumns = 16;
 constexpr int kHosts = 4;
 constexpr int kMostPackets = 1500;
 constexpr std::int64_t kPacket_ns = 1'327'000;
+/// A sensor that was heard within it keeps its address.
+constexpr std::int64_t kSilence_ns = 1'000'000'000;
 
 struct Step {
   explicit Step(Bytes bytes)
@@ -61,17 +63,20 @@ constexpr int kSensors = 4;
 constexpr std::array<OusterProfile, 2> kProfiles = {OusterProfile::kLegacy,
                                                     OusterProfile::kRng19Dual};
 
-test::Payload ouster_packet(int profile, std::uint32_t number) {
-  constexpr std::uint32_t kTurns = 16;
-  static std::array<std::vector<test::Payload>, kProfiles.size()> of_profile;
-  auto& packets = of_profile[profile];
-  for (std::uint32_t turn = 0; packets.empty() || turn < kTurns; ++turn) {
-    if (packets.size() >= kTurns * 32) break;
-    for (auto& packet : test::ouster_turn(kProfiles[profile], turn, kOusterRows)) {
-      packets.push_back(std::move(packet.payload));
+/// Sixteen turns of each profile, again and again.
+const test::Payload& ouster_packet(int profile, std::uint32_t number) {
+  static const auto of_profile = [] {
+    std::array<std::vector<test::Payload>, kProfiles.size()> packets;
+    for (std::size_t i = 0; i < kProfiles.size(); ++i) {
+      for (std::uint32_t turn = 0; turn < 16; ++turn) {
+        for (auto& packet : test::ouster_turn(kProfiles[i], turn, kOusterRows)) {
+          packets[i].push_back(std::move(packet.payload));
+        }
+      }
     }
-  }
-  return packets[number % packets.size()];
+    return packets;
+  }();
+  return of_profile[profile][number % of_profile[profile].size()];
 }
 
 test::Payload payload(int sensor, const Step& step, const Host& host) {
@@ -112,15 +117,21 @@ class Listener {
  public:
   explicit Listener(int sensor) : stream_(options_for(sensor)), is_velodyne_(sensor < 2) {}
 
-  void add(const Packet& packet) {
+  /// is_usual: as the sensor that was named sends it.
+  void add(const Packet& packet, bool is_usual) {
     if (!assembler_) {
       if (!stream_.recognise(packet)) return;
       assembler_ = stream_.assembler(is_velodyne_ ? kColumns : 0);
-    } else if (!stream_.is_sensors(packet)) {
-      require(stream_.sender() != packet.endpoint, "a packet of the sensor is left out");
-      return;
+    } else {
+      const Endpoint before = stream_.sender();
+      const bool is_sensors = stream_.is_sensors(packet);
+      require(is_sensors == (stream_.sender() == packet.endpoint),
+              "a packet is taken for another's");
+      require(stream_.sender() == before || packet.capture_time_ns - last_usual_ns_ >= kSilence_ns,
+              "another is the sensor while it sends");
+      if (!is_sensors) return;
     }
-    require(stream_.sender() == packet.endpoint, "another's packet is taken for the sensor's");
+    if (is_usual) last_usual_ns_ = packet.capture_time_ns;
     assembler_->add(packet);
     ++added_;
     take_scans();
@@ -153,6 +164,7 @@ class Listener {
   bool is_velodyne_;
   std::unique_ptr<ScanAssembler> assembler_;
   std::int64_t added_ = 0;
+  std::int64_t last_usual_ns_ = 0;
 };
 
 }  // namespace
@@ -174,7 +186,7 @@ void live_packets(Bytes input) {
     for (int i = 0; i < step.packets && sent < kMostPackets; ++i, ++sent) {
       const test::Payload bytes = payload(sensor, step, host);
       packet.payload = bytes;
-      listener.add(packet);
+      listener.add(packet, step.form > 4 && step.damage == 0);
       packet.capture_time_ns += kPacket_ns;
       host.clock_ns += kPacket_ns;
       host.azimuth = (host.azimuth + 16 * step.turned) % 36000;

@@ -72,10 +72,11 @@ bool run_stopped(const Stop& stop, const std::string& arguments, const Temporary
   CAPTURE(stop.blocks);
   CAPTURE(stop.is_kill);
   constexpr int kKilled = 128 + SIGXFSZ;
-  // What is printed goes through a pipe, which no limit is on.
+  // What is printed goes through a pipe, which no limit is on; the shell of the parentheses tells
+  // how a program was killed.
   const ProgramResult result = run_shell(fmt::format(
       fmt::runtime(stop.is_kill
-                       ? "(ulimit -c 0; ulimit -f {}; exec {} {} >/dev/null 2>&1)"
+                       ? "(ulimit -c 0; ulimit -f {}; {} {} >/dev/null 2>&1; exit $?)"
                        : "(trap '' XFSZ; ulimit -f {}; {} {} 2>&1; echo status $?) | cat >&2"),
       stop.blocks, kProgram, arguments));
   CAPTURE(result.error);
