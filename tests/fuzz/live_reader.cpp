@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <memory>
@@ -131,7 +132,9 @@ class Listener {
               "another is the sensor while it sends");
       if (!is_sensors) return;
     }
-    if (is_usual) last_usual_ns_ = packet.capture_time_ns;
+    // The receiver's clock may be set back, and what is damaged may be understood or not.
+    const std::int64_t now_ns = packet.capture_time_ns;
+    last_usual_ns_ = is_usual ? now_ns : std::min(last_usual_ns_, now_ns);
     assembler_->add(packet);
     ++added_;
     take_scans();
