@@ -12,9 +12,11 @@
 #include <utility>
 #include <vector>
 
-#include "hqslam/core/pose.h"
+#include "hqslam/core/trajectory.h"
 
 namespace nb = nanobind;
+
+NB_MAKE_OPAQUE(hqslam::Trajectory)  // a class of its own, no list
 
 namespace hqslam::python {
 
@@ -78,5 +80,11 @@ class Guarded {
   T object_;
   std::mutex mutex_;
 };
+
+/// One method of it without arguments: its result, not a reference to it.
+template <auto Method, typename T>
+auto ask(Guarded<T>& object) {
+  return object.call([](T& inner) { return (inner.*Method)(); });
+}
 
 }  // namespace hqslam::python

@@ -1,12 +1,9 @@
 #include <nanobind/stl/string.h>
-#include <nanobind/stl/vector.h>
 
 #include "arrays.h"
-#include "hqslam/evaluation/cloud_error.h"
 #include "hqslam/evaluation/drift.h"
 #include "hqslam/evaluation/trajectory_error.h"
 #include "parts.h"
-#include "scans.h"
 
 namespace hqslam::python {
 namespace {
@@ -26,7 +23,9 @@ auto add_errors(nb::module_& module, const char* name, const char* meaning) {
       .def_ro("rotation_statistics", &Error::rotation_statistics, "Radians.");
 }
 
-void add_errors_of_trajectories(nb::module_& module) {
+}  // namespace
+
+void add_evaluation(nb::module_& module) {
   using namespace nb::literals;
   nb::class_<ErrorStatistics>(module, "ErrorStatistics", "Of errors, in their unit.")
       .def_ro("rmse", &ErrorStatistics::rmse, "Root mean square.")
@@ -65,30 +64,6 @@ void add_errors_of_trajectories(nb::module_& module) {
       },
       "estimate"_a, "reference"_a, "piece_m"_a = kDriftPiece_m, "max_difference_s"_a = 0.02,
       "Over pieces of piece_m metres of the reference, from every pose on.");
-}
-
-}  // namespace
-
-void add_evaluation(nb::module_& module) {
-  using namespace nb::literals;
-  add_errors_of_trajectories(module);
-  nb::class_<CloudError>(module, "CloudError", "Errors of a cloud against the true one.")
-      .def_ro("chamfer_m2", &CloudError::chamfer_m2,
-              "Mean squared nearest distance, m^2, both ways.")
-      .def_ro("outlier_share", &CloudError::outlier_share, "Points more than 0.5 m off, 0 to 1.")
-      .def_ro("iou", &CloudError::iou, "Voxels of 0.1 m in both / in either.")
-      .def_ro("precision", &CloudError::precision, "Voxels in both / in the cloud.")
-      .def_ro("recall", &CloudError::recall, "Voxels in both / in the true one.")
-      .def_ro("f1", &CloudError::f1, "Harmonic mean of precision and recall.");
-  module.def(
-      "cloud_error",
-      [](const PointsInput& cloud_m, const PointsInput& true_cloud_m) {
-        const auto cloud = values_of<Eigen::Vector3f>(cloud_m);
-        const auto true_cloud = values_of<Eigen::Vector3f>(true_cloud_m);
-        const nb::gil_scoped_release others_go_on;
-        return cloud_error(cloud, true_cloud);
-      },
-      "cloud_m"_a, "true_cloud_m"_a, "Both (N, 3), metres, finite. Raises Error.");
 }
 
 }  // namespace hqslam::python

@@ -87,14 +87,10 @@ void add_super_resolver(nb::module_& module) {
           "Lifts a scan. range_m: (measured rows or rows, columns), metres; what is not above 0 is "
           "no return. trace: a dict that is filled with every inner tensor by its name, (channels, "
           "rows, columns) float32. Raises Error.")
-      .def_prop_ro(
-          "sensor",
-          [](Resolver& r) { return r.call([](auto& network) { return network.sensor(); }); },
-          "Of the result, all rows.")
-      .def_prop_ro(
-          "parameters",
-          [](Resolver& r) { return r.call([](auto& network) { return network.parameters(); }); },
-          "Numbers that were learned.");
+      .def_prop_ro("sensor", &ask<&nn::SuperResolver::sensor, nn::SuperResolver>,
+                   "Of the result, all rows.")
+      .def_prop_ro("parameters", &ask<&nn::SuperResolver::parameters, nn::SuperResolver>,
+                   "Numbers that were learned.");
 }
 
 }  // namespace
@@ -104,7 +100,7 @@ void add_lifting(nb::module_& module) {
   add_super_resolver(module);
   const auto lift_points = [](Upsampling& upsampler, const PointsInput& points_m,
                               const RowsInput& row, const TimesInput& time_offset_s) {
-    const SensorModel sensor = upsampler.call([](auto& u) { return u.measured_sensor(); });
+    const auto sensor = ask<&nn::Upsampler::measured_sensor>(upsampler);
     const OrganizedCloud measured = cloud_of(points_m, sensor, row, time_offset_s);
     return upsampler.call([&](auto& u) { return nn::upsampled_cloud(u, measured); });
   };
@@ -143,16 +139,11 @@ void add_lifting(nb::module_& module) {
           "them, with their confidence. Raises Error.")
       .def("upsampled_cloud", lift_points, "points_m"_a, "row"_a = nb::none(),
            "time_offset_s"_a = nb::none(), "The same for points as project takes them.")
-      .def_prop_ro(
-          "sensor", [](Upsampling& u) { return u.call([](auto& up) { return up.sensor(); }); },
-          "Of the result, all rows.")
-      .def_prop_ro(
-          "measured_sensor",
-          [](Upsampling& u) { return u.call([](auto& up) { return up.measured_sensor(); }); },
-          "Of what is lifted.")
-      .def_prop_ro(
-          "name", [](Upsampling& u) { return u.call([](auto& up) { return up.name(); }); },
-          "du-mix, linear, ...");
+      .def_prop_ro("sensor", &ask<&nn::Upsampler::sensor, nn::Upsampler>,
+                   "Of the result, all rows.")
+      .def_prop_ro("measured_sensor", &ask<&nn::Upsampler::measured_sensor, nn::Upsampler>,
+                   "Of what is lifted.")
+      .def_prop_ro("name", &ask<&nn::Upsampler::name, nn::Upsampler>, "du-mix, linear, ...");
 }
 
 }  // namespace hqslam::python

@@ -14,9 +14,9 @@
 namespace hqslam::python {
 namespace {
 
-using Angles = Array<double, -1>;
+using Angles = Array<const double, -1>;
 
-Angles view(std::vector<double>& values) { return Angles(values.data(), {values.size()}); }
+Angles view(const std::vector<double>& values) { return Angles(values.data(), {values.size()}); }
 
 }  // namespace
 
@@ -55,10 +55,11 @@ void add_sensors(nb::module_& module) {
       .def_ro("min_range_m", &SensorModel::min_range_m, "What is nearer is no return, metres.")
       .def_ro("max_range_m", &SensorModel::max_range_m, "What is farther is no return, metres.")
       .def_prop_ro(
-          "beam_elevation_rad", [](SensorModel& s) { return view(s.beam_elevation_rad); },
+          "beam_elevation_rad", [](const SensorModel& s) { return view(s.beam_elevation_rad); },
           "(rows,) float64, radians, falling.")
       .def_prop_ro(
-          "beam_azimuth_offset_rad", [](SensorModel& s) { return view(s.beam_azimuth_offset_rad); },
+          "beam_azimuth_offset_rad",
+          [](const SensorModel& s) { return view(s.beam_azimuth_offset_rad); },
           "(rows,) float64, radians, counter-clockwise positive.")
       .def_prop_ro(
           "measured_rows",

@@ -57,15 +57,13 @@ void add_simulation(nb::module_& module) {
           "__iter__", [](nb::handle self) { return nb::borrow(self); },
           nb::sig("def __iter__(self) -> DriveSimulator"))
       .def("__next__", &next_scan)
-      .def("__len__",
-           [](Simulator& s) { return s.call([](auto& drive) { return drive.scans(); }); })
+      .def("__len__", &ask<&sim::DriveSimulator::scans, sim::DriveSimulator>)
       .def(
           "skip",
           [](Simulator& s, std::int64_t scans) { s.call([=](auto& drive) { drive.skip(scans); }); },
           "scans"_a, "Leaves out so many scans without simulating them.")
-      .def_prop_ro(
-          "sensor", [](Simulator& s) { return s.call([](auto& drive) { return drive.sensor(); }); },
-          "The sensor.");
+      .def_prop_ro("sensor", &ask<&sim::DriveSimulator::sensor, sim::DriveSimulator>,
+                   "The sensor.");
 }
 
 }  // namespace hqslam::python

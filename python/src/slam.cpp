@@ -23,12 +23,16 @@ using slam::SavedMap;
 using slam::ScanReport;
 using slam::StageTimes;
 
-/// Each object with its sensor, for whom points are given without one.
+/// Knows its sensor, for whoever gives it points.
 struct Locating {
   slam::Slam slam;
   SensorModel sensor;
 };
 using Slam = Guarded<Locating>;
+template <auto Method>
+auto ask_slam(Slam& slam) {
+  return slam.call([](Locating& locating) { return (locating.slam.*Method)(); });
+}
 
 using Options = std::map<std::string, double>;
 slam::SlamOptions options_of(const Options& given, int threads, bool loop_closing) {
@@ -68,17 +72,6 @@ ScanReport process_points(Slam& slam, const PointsInput& points_m, double stamp_
                           const TraceInput& trace) {
   const SensorModel sensor = slam.call([](Locating& locating) { return locating.sensor; });
   return process(slam, cloud_of(points_m, sensor, row, time_offset_s), stamp_s, trace);
-}
-
-std::vector<std::map<std::string, std::string>> slam_options() {
-  std::vector<std::map<std::string, std::string>> rows;
-  for (const slam::NamedOption& option : slam::option_table()) {
-    rows.push_back({{"name", std::string(option.name)},
-                    {"meaning", std::string(option.meaning)},
-                    {"expected", std::string(option.expected)},
-                    {"default", std::to_string(option.get({}))}});
-  }
-  return rows;
 }
 
 void add_reports(nb::module_& module) {
@@ -168,14 +161,13 @@ void add_slam(nb::module_& module) {
   using namespace nb::literals;
   add_reports(module);
   add_saved_map(module);
-  module.def("slam_options", &slam_options,
-             "Each option's name, its meaning, what it may be, and its default.");
   nb::class_<Slam>(module, "Slam", "Scan in, pose out. The map's frame is the first scan's, level.")
       .def(
           "__init__", &make_slam, "sensor"_a, "options"_a = Options(), "map"_a = nb::none(),
           "T_map_level_start"_a = nb::none(), nb::kw_only(), "threads"_a = 0,
           "loop_closing"_a = true,
-          "options: values by the names of slam_options. map: to be located in, which stays as it "
+          "options: values by the names that `hqslam slam-options` lists. map: to be located in, "
+          "which stays as it "
           "is; T_map_level_start, (4, 4): where the drive begins in it, if that is known. threads: "
           "0, all. Raises Error.")
       .def("process", &process, "cloud"_a, "stamp_s"_a, "trace"_a = nb::none(),
@@ -184,30 +176,20 @@ void add_slam(nb::module_& module) {
       .def("process", &process_points, "points_m"_a, "stamp_s"_a, "row"_a = nb::none(),
            "time_offset_s"_a = nb::none(), "trace"_a = nb::none(),
            "The same for points as project takes them.")
-      .def(
-          "finish",
-          [](Slam& slam) { return slam.call([](auto& self) { return self.slam.finish(); }); },
-          "After the last scan: takes in what loop closing was still finding out.")
-      .def(
-          "trajectory",
-          [](Slam& slam) { return slam.call([](auto& self) { return self.slam.trajectory(); }); },
-          "Of every scan so far, with its loops closed.")
+      .def("finish", &ask_slam<&slam::Slam::finish>,
+           "After the last scan: takes in what loop closing was still finding out.")
+      .def("trajectory", &ask_slam<&slam::Slam::trajectory>,
+           "Of every scan so far, with its loops closed.")
       .def(
           "map_points_m",
           [](Slam& slam) {
-            return owned_points(slam.call([](auto& self) { return self.slam.map_points_m(); }));
+            return owned_points(slam.call([](auto& inner) { return inner.slam.map_points_m(); }));
           },
           "(N, 3) float32, metres, map frame.")
-      .def(
-          "submap_of_scan",
-          [](Slam& slam) {
-            return slam.call([](auto& self) { return self.slam.submap_of_scan(); });
-          },
-          "Per scan the submap it is in; nothing is known of how submaps lie to each other.")
-      .def(
-          "saved_map",
-          [](Slam& slam) { return slam.call([](auto& self) { return self.slam.saved_map(); }); },
-          "What later drives are located in. Raises Error without loop closing.");
+      .def("submap_of_scan", &ask_slam<&slam::Slam::submap_of_scan>,
+           "Per scan the submap it is in; nothing is known of how submaps lie to each other.")
+      .def("saved_map", &ask_slam<&slam::Slam::saved_map>,
+           "What later drives are located in. Raises Error without loop closing.");
 }
 
 }  // namespace hqslam::python
