@@ -2,7 +2,6 @@
 
 #include <nanobind/stl/optional.h>
 
-#include "hqslam/core/error.h"
 #include "hqslam/core/projection.h"
 #include "parts.h"
 
@@ -14,32 +13,7 @@ std::optional<Image> optional_view(OrganizedCloud& cloud, std::vector<float>& va
   return view(values, cloud.rows, cloud.columns);
 }
 
-OrganizedCloud organized_cloud(const Input<float, -1, -1, 3>& points_m,
-                               const std::optional<ImageInput>& time_offset_s) {
-  OrganizedCloud cloud(static_cast<int>(points_m.shape(0)), static_cast<int>(points_m.shape(1)));
-  cloud.points_m = values_of<Eigen::Vector3f>(points_m);
-  for (std::size_t i = 0; i < cloud.points_m.size(); ++i) {
-    if (!cloud.points_m[i].allFinite()) cloud.points_m[i].setZero();
-    cloud.range_m[i] = cloud.points_m[i].norm();
-  }
-  cloud.time_offset_s = values_of<float>(time_offset_s);
-  if (!cloud.time_offset_s.empty() && cloud.time_offset_s.size() != cloud.range_m.size()) {
-    throw Error("OrganizedCloud: {} times for {} x {} points, expected one per point or none",
-                cloud.time_offset_s.size(), cloud.rows, cloud.columns);
-  }
-  return cloud;
-}
-
 }  // namespace
-
-Pose pose_of(const Matrix4& matrix) {
-  const Eigen::Matrix3d R = matrix.topLeftCorner<3, 3>();
-  const bool is_rigid = matrix.allFinite() && matrix.row(3) == Eigen::RowVector4d(0, 0, 0, 1) &&
-                        (R.transpose() * R - Eigen::Matrix3d::Identity()).norm() < 1e-3 &&
-                        R.determinant() > 0.0;
-  if (!is_rigid) throw Error("a 4 x 4 matrix that is no rotation and translation");
-  return orthonormalized(Pose(Eigen::Matrix4d(matrix)));
-}
 
 RangeImage image_of(const ImageInput& range_m) {
   RangeImage image;
@@ -64,15 +38,6 @@ void add_scans(nb::module_& module) {
       module, "OrganizedCloud",
       "A scan: one point per pixel of a range image, sensor frame (x forward, y left, z up). Its "
       "arrays look at the scan's own memory: what is written to them is in the scan.")
-      .def(
-          "__init__",
-          [](OrganizedCloud* self, const Input<float, -1, -1, 3>& points_m,
-             const std::optional<ImageInput>& time_offset_s) {
-            new (self) OrganizedCloud(organized_cloud(points_m, time_offset_s));
-          },
-          "points_m"_a, "time_offset_s"_a = nb::none(),
-          "points_m: (rows, columns, 3), metres; zero or NaN is no return. time_offset_s: (rows, "
-          "columns), seconds; none: the scan is corrected for motion. Raises Error.")
       .def_ro("rows", &OrganizedCloud::rows, "Beams; row 0 is the highest.")
       .def_ro("columns", &OrganizedCloud::columns, "Columns; column 0 looks backwards.")
       .def_prop_ro(

@@ -21,7 +21,6 @@ namespace {
 using slam::LoopReport;
 using slam::SavedMap;
 using slam::ScanReport;
-using slam::StageTimes;
 
 /// Knows its sensor, for whoever gives it points.
 struct Locating {
@@ -75,14 +74,6 @@ ScanReport process_points(Slam& slam, const PointsInput& points_m, double stamp_
 }
 
 void add_reports(nb::module_& module) {
-  nb::class_<StageTimes>(module, "StageTimes", "Seconds that each stage took.")
-      .def_ro("segmentation_s", &StageTimes::segmentation_s, "Seconds.")
-      .def_ro("features_s", &StageTimes::features_s, "Seconds.")
-      .def_ro("odometry_s", &StageTimes::odometry_s, "Seconds.")
-      .def_ro("mapping_s", &StageTimes::mapping_s, "Seconds.")
-      .def_ro("loop_closing_s", &StageTimes::loop_closing_s, "Seconds.")
-      .def_ro("total_s", &StageTimes::total_s, "Seconds.");
-
   nb::class_<LoopReport>(module, "LoopReport", "What loop closing found out about a scan.")
       .def_prop_ro(
           "status", [](const LoopReport& l) { return std::string(name(l.status)); },
@@ -116,16 +107,14 @@ void add_reports(nb::module_& module) {
           "is_registered", [](const ScanReport& r) { return is_registered(r.mapping_status); },
           "Whether the pose was measured against the map.")
       .def_ro("returns", &ScanReport::returns, "Pixels with a return.")
-      .def_ro("ground_points", &ScanReport::ground_points, "Pixels of the ground.")
-      .def_ro("clusters", &ScanReport::clusters, "Clusters that were large enough.")
-      .def_ro("edge_features", &ScanReport::edge_features, "Edges found.")
-      .def_ro("planar_features", &ScanReport::planar_features, "Planar points found.")
       .def_ro("edge_correspondences", &ScanReport::edge_correspondences, "Edges matched.")
       .def_ro("planar_correspondences", &ScanReport::planar_correspondences,
               "Planar points matched.")
       .def_ro("keyframe", &ScanReport::keyframe, "Whether it became part of the map.")
       .def_ro("loop", &ScanReport::loop, "What loop closing found out.")
-      .def_ro("times", &ScanReport::times, "Of the stages.");
+      .def_prop_ro(
+          "time_s", [](const ScanReport& r) { return r.times.total_s; },
+          "Seconds that the scan took.");
 }
 
 void add_saved_map(nb::module_& module) {

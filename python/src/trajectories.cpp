@@ -47,6 +47,15 @@ void write(const Trajectory& trajectory, const std::filesystem::path& path) {
 
 }  // namespace
 
+Pose pose_of(const Matrix4& matrix) {
+  const Eigen::Matrix3d R = matrix.topLeftCorner<3, 3>();
+  const bool is_rigid = matrix.allFinite() && matrix.row(3) == Eigen::RowVector4d(0, 0, 0, 1) &&
+                        (R.transpose() * R - Eigen::Matrix3d::Identity()).norm() < 1e-3 &&
+                        R.determinant() > 0.0;
+  if (!is_rigid) throw Error("a 4 x 4 matrix that is no rotation and translation");
+  return orthonormalized(Pose(Eigen::Matrix4d(matrix)));
+}
+
 void add_trajectories(nb::module_& module) {
   using namespace nb::literals;
   nb::class_<Trajectory>(module, "Trajectory", "Poses in the order of time.")

@@ -58,8 +58,6 @@ class Arrays(unittest.TestCase):
         row = np.nonzero(seen)[0].astype(np.uint16)
         again = hqslam.project(cloud.points_m[seen], SENSOR, row, cloud.time_offset_s[seen])
         np.testing.assert_array_equal(again.points_m, cloud.points_m)
-        own = hqslam.OrganizedCloud(cloud.points_m, cloud.time_offset_s)
-        np.testing.assert_allclose(own.range_m, cloud.range_m, rtol=1e-6)
 
 
 class Errors(unittest.TestCase):
@@ -71,7 +69,7 @@ class Errors(unittest.TestCase):
             lambda: hqslam.Upsampler(WEIGHTS).run(np.zeros((5, 7), np.float32)),
             lambda: hqslam.Slam(SENSOR, {"mapping.no_such": 1.0}),
             lambda: hqslam.Trajectory(np.zeros(2), np.zeros((2, 4, 4))),
-            lambda: hqslam.OrganizedCloud(np.zeros((2, 2, 3)), np.zeros((1, 2))),
+            lambda: hqslam.project(np.zeros((5, 3)), SENSOR, np.full(5, 16, np.uint16)),
         ):
             with self.assertRaises(hqslam.Error) as raised:
                 wrong()
@@ -196,7 +194,7 @@ class Documentation(unittest.TestCase):
                     continue
                 with self.subTest(f"{name}.{field}"):
                     self.assertTrue(value.__doc__)
-                    if field.endswith("_m") and name not in ("Upsampler", "StageTimes"):
+                    if field.endswith("_m") and name != "Upsampler":
                         self.assertRegex(value.__doc__.lower(), r"metres|errors")
 
 
