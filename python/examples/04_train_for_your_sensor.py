@@ -2,7 +2,7 @@
 
     python 04_train_for_your_sensor.py [STEPS]
 
-40,000 steps make a useful network, in about an hour; docs/training.md.
+A few steps show how it goes; a useful network takes 40,000 and more drives (docs/training.md).
 """
 
 import json
@@ -14,8 +14,8 @@ import numpy as np
 
 import hqslam
 
-# All rows that the result is to have: 32, of which every second one is measured.
-elevation_rad = np.radians(np.linspace(15.0, -25.0, 32))
+# All rows that the result is to have: 64, of which every fourth one is measured.
+elevation_rad = np.radians(np.linspace(15.0, -25.0, 64))
 sensor = hqslam.SensorModel("mine", columns=512, beam_elevation_rad=elevation_rad)
 hqslam.write_sensor_json(sensor, "mine.json")
 drive = {"drive": "town", "scans": 100, "every": 20}
