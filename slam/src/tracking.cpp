@@ -1,6 +1,7 @@
 // The states of a sensor that is followed, and one that SLAM has not begun with yet.
 
 #include <array>
+#include <cmath>
 #include <utility>
 
 #include "map/choice_of_start.h"
@@ -37,8 +38,10 @@ Matrix6 growth(const MotionState& before, const MotionState& expected, const Pos
 }  // namespace
 
 Reference reference_of(const Scan& scan, const MotionState& state, const Matrix6& against_map,
-                       const ScanReport& report) {
-  return {scan.time_s, state, against_map, report.T_odom_sensor, {scan.features, state.velocity}};
+                       const ScanReport& report, std::optional<InertialState> inertial) {
+  if (!inertial && scan.turning) inertial = first_inertial_state(state, scan.specific_force_mps2);
+  return {scan.time_s, state, against_map, report.T_odom_sensor, {scan.features, state.velocity},
+          scan.stamp_s, std::move(inertial)};
 }
 
 std::string_view name(const State& state) {
@@ -86,7 +89,8 @@ State Slam::Implementation::next(Lost now, const Scan& scan, Notes& notes) {
   if (map_goes_on && !now.is_motion_measured) return new_segment(now, found, scan, notes);
   if (!found.by_odometry) return now;
   drift.move(reference.state.T_map_sensor.inverse() * found.state.T_map_sensor);
-  now.last.reference = reference_of(scan, found.state, found.against_map, notes.report);
+  now.last.reference =
+      reference_of(scan, found.state, found.against_map, notes.report, found.inertial);
   if (map_goes_on && mapping.is_keyframe(found.state.T_map_sensor)) {
     now.last.first_keyframe.reset();
     add_keyframe(scan, found.state.velocity, false, notes);
@@ -106,7 +110,8 @@ State Slam::Implementation::tracked(Tracking last, const Registered& found, cons
   } else {
     drift.grow(motion, found.state);
   }
-  last.reference = reference_of(scan, found.state, found.against_map, notes.report);
+  last.reference =
+      reference_of(scan, found.state, found.against_map, notes.report, found.inertial);
   last.inlier_ratio = found.inlier_ratio;
   last.close_ratio = found.close_ratio;
   if (!place_recognition && mapping.is_keyframe(found.state.T_map_sensor)) {
@@ -133,6 +138,19 @@ State Slam::Implementation::new_segment(const Lost& lost, Registered found, cons
                   std::nullopt};
 }
 
+/// Nothing where no inertial sensor measured all of the way.
+std::optional<InertialPrediction> Slam::Implementation::predicted_by_imu(const Reference& reference,
+                                                                         const Scan& scan) const {
+  const bool is_clock_steady =
+      std::abs((scan.stamp_s - reference.stamp_s) - (scan.time_s - reference.time_s)) < 1e-6;
+  if (!reference.inertial || !scan.turning || !is_clock_steady) return std::nullopt;
+  const std::vector<ImuStep> steps =
+      imu.steps(reference.stamp_s, scan.stamp_s, mounting.turn_to_level());
+  if (steps.empty()) return std::nullopt;
+  return predicted(reference.state, *reference.inertial, steps,
+                   scan.turning->mean_rate_rad_per_s());
+}
+
 /// Where the scan is: predicted, moved by the odometry, registered in the map.
 Slam::Implementation::Registered Slam::Implementation::registered(const Tracking& last,
                                                                   const Scan& scan,
@@ -141,8 +159,10 @@ Slam::Implementation::Registered Slam::Implementation::registered(const Tracking
   ScanReport& report = notes.report;
   const double duration_s = scan.time_s - reference.time_s;
   const double steady_s = kSteady_periods * sensor.scan_period_s;
+  const std::optional<InertialPrediction> measured = predicted_by_imu(reference, scan);
   const MotionState expected =
-      predicted(reference.state, duration_s, steady_s, accelerations.density());
+      measured ? measured->state
+               : predicted(reference.state, duration_s, steady_s, accelerations.density());
   const OdometryResult moved =
       scan_to_scan(reference.target, scan.features,
                    {reference.state.T_map_sensor.inverse() * expected.T_map_sensor, duration_s},
@@ -173,6 +193,7 @@ Slam::Implementation::Registered Slam::Implementation::registered(const Tracking
     found.state.T_map_sensor = T_map_moved;
     found.state.velocity = (1.0 / duration_s) * logarithm(moved.T_reference_sensor);
   }
+  if (measured) found.inertial = corrected(*measured, found.state);
   report.mapping_status = !found.is_registered    ? Status::kTooFewFeatures
                           : duration_s > steady_s ? Status::kAfterGap
                                                   : matched.status;
