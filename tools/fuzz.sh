@@ -33,7 +33,7 @@ fi
 dictionary_of() {
   case "$1" in
     *json | weights | checkpoint) echo json ;;
-    npy | npz) echo arrays ;;
+    npy | npz | saved_map) echo arrays ;;
     pcap | db3 | mcap | ros1_bag | *packets) echo recordings ;;
     *) echo points ;;
   esac

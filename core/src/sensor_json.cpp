@@ -168,7 +168,7 @@ std::string sensor_json(const SensorModel& sensor) {
 }
 
 void write_sensor_json(const SensorModel& sensor, const std::string& path) {
-  write_whole_file(path, sensor_json(sensor));
+  replace_file(path, [&](const std::string& part) { write_whole_file(part, sensor_json(sensor)); });
 }
 
 SensorModel load_sensor(const std::string& preset_or_path) {

@@ -179,6 +179,9 @@ TEST_CASE("stamps come from KITTI's timestamps.txt, from a file, or from the fil
   write_file(directory.file("stamps.txt"), "10.5\n");
   CHECK(refused_with([&] { stamps({.stamps = directory.file("stamps.txt")}); }, "stamps.txt",
                      "3 scans", "1"));
+  write_file(directory.file("stamps.txt"), "10.5\n11\n12\n13\n");
+  CHECK(refused_with([&] { stamps({.stamps = directory.file("stamps.txt")}); }, "stamps.txt",
+                     "3 scans", "4"));
   write_file(directory.file("stamps.txt"), "# nothing\n");
   CHECK(refused_with([&] { stamps({.stamps = directory.file("stamps.txt")}); }, "stamps.txt",
                      "found none"));

@@ -1,4 +1,3 @@
-#include <cstring>
 #include <string>
 #include <utility>
 #include <vector>
@@ -11,6 +10,7 @@
 #include "hqslam/nn/weights_file.h"
 #include "input_file.h"
 #include "readers.h"
+#include "replaced_array.h"
 #include "weights_arrays.h"
 
 namespace hqslam::fuzz {
@@ -29,39 +29,6 @@ const nn::NetworkDescription& small_network() {
         "small network");
   }();
   return network;
-}
-
-constexpr std::size_t kHead = 3;
-
-/// An array in place of a good one. The checksums of a zip archive would keep random changes of its
-/// bytes out of the readers behind it, so the input is the array, and no archive is there: the
-/// first byte says which, the second of what type, the third how the rest is cut into rows.
-NpzArray replaced(NpzArray array, Bytes input) {
-  constexpr std::pair<const char*, std::size_t> kTypes[] = {
-      {"", 1}, {"<f4", 4}, {"<f8", 8}, {"<i8", 8}, {"|u1", 1}};
-  const auto& [dtype, bytes] = kTypes[input[1] % std::size(kTypes)];
-  const Bytes rest = input.subspan(kHead);
-  if (*dtype == '\0') {  // the values alone
-    std::memcpy(array.bytes.data(), rest.data(), std::min(rest.size(), array.bytes.size()));
-    return array;
-  }
-  const std::size_t columns = 1 + input[2] % 16U;
-  const std::size_t rows = rest.size() / bytes / columns;
-  array.dtype = dtype;
-  array.shape = {static_cast<std::int64_t>(rows), static_cast<std::int64_t>(columns)};
-  if (columns == 1) array.shape.pop_back();
-  array.bytes.resize(rows * columns * bytes);
-  std::memcpy(array.bytes.data(), rest.data(), array.bytes.size());
-  return array;
-}
-
-/// The arrays with one replaced.
-NpzArrays with_one_replaced(NpzArrays arrays, Bytes input) {
-  if (input.size() < kHead) return arrays;
-  const std::size_t which = input[0] % arrays.size();
-  NpzArray& array = std::next(arrays.begin(), static_cast<std::ptrdiff_t>(which))->second;
-  array = replaced(std::move(array), input);
-  return arrays;
 }
 
 NpzArrays good_weights() {

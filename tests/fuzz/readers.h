@@ -20,6 +20,8 @@ void stamps(Bytes input);
 void sensor_json(Bytes input);
 void tum(Bytes input);
 void kitti(Bytes input);
+/// Also what is looked for in the map.
+void saved_map(Bytes input);
 
 void weights(Bytes input);
 void checkpoint(Bytes input);
@@ -35,5 +37,9 @@ void velodyne_packets(Bytes input);
 /// The first byte names the profile, whole packets of so many rows follow.
 inline constexpr int kOusterRows = 2;
 void ouster_packets(Bytes input);
+/// What comes to a port from several hosts: the first byte names the sensor, steps of packets
+/// follow.
+inline constexpr int kLiveStepBytes = 7;
+void live_packets(Bytes input);
 
 }  // namespace hqslam::fuzz

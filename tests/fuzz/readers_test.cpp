@@ -47,6 +47,7 @@ const std::vector<NamedReader> kReaders = {
     {"sensor_json", fuzz::sensor_json, 5000},
     {"tum", fuzz::tum, 5000},
     {"kitti", fuzz::kitti, 5000},
+    {"saved_map", fuzz::saved_map},
 #ifdef HQSLAM_FUZZ_NN
     {"weights", fuzz::weights},
     {"checkpoint", fuzz::checkpoint},
@@ -60,6 +61,7 @@ const std::vector<NamedReader> kReaders = {
     {"ouster_json", fuzz::ouster_json},
     {"velodyne_packets", fuzz::velodyne_packets},
     {"ouster_packets", fuzz::ouster_packets},
+    {"live_packets", fuzz::live_packets, 50},
 #endif
 };
 

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <map>
 #include <vector>
 
 #include "hqslam/core/kitti_bin.h"
@@ -101,18 +102,57 @@ void put_texts() {
     "validation": [{"drive": "block", "seeds": [9], "scans": 1, "conditions": "varied"}],
     "steps": 4, "batch": 2, "augmentation": {"crop_columns": 64, "mirror": true},
     "validate_every": 2})");
-  // Which array, of what type, how many columns, then its values (nn_readers.cpp).
-  for (const char* reader : {"weights", "checkpoint"}) {
+  // Which array, of what type, how many columns, then its values (replaced_array.h).
+  for (const char* reader : {"weights", "checkpoint", "saved_map"}) {
     for (int array = 0; array < 8; ++array) {
       std::string input = {static_cast<char>(array), static_cast<char>(array % 5), 0};
       put(reader, std::to_string(array), input + std::string(64, '\0'));
     }
     put(reader, "text", std::string({0, 4, 0}) + "{\"format\": \"hqslam weights 1\"}");
   }
+  // A place and a point farther than any drive leads.
+  std::string place(3, '\0');
+  for (const double value : {1.0, 0.0, 0.0, 1e10, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0}) {
+    place.append(reinterpret_cast<const char*>(&value), sizeof value);
+  }
+  put("saved_map", "far_place", place);
+  std::string point = {1, 1, 2};  // an edge, float32, three columns
+  for (const float value : {1e10F, 0.0F, 0.0F}) {
+    point.append(reinterpret_cast<const char*>(&value), sizeof value);
+  }
+  put("saved_map", "far_point", point);
 }
 
 #ifdef HQSLAM_FUZZ_RECORDINGS
 std::string text_of(const test::Payload& payload) { return {payload.begin(), payload.end()}; }
+
+/// Steps as live_reader.cpp reads them.
+void put_live_packets() {
+  constexpr int kOwn = 5 * 4;  // what the sensor sends, from host 0
+  const auto step = [](int from, int packets, int gap = 0, int clock_gap = 0) {
+    return std::string{static_cast<char>(from),
+                       static_cast<char>(packets - 1),
+                       static_cast<char>(gap),
+                       static_cast<char>(clock_gap),
+                       30 /* 10 turns a second */,
+                       0,
+                       0};
+  };
+  const std::string begins = step(kOwn, 256) + step(kOwn, 200);
+  const std::map<std::string, std::string> seeds = {
+      {"steady", begins + step(kOwn, 200)},
+      {"stranger_first", step(kOwn + 1, 1) + step(kOwn + 2, 100) + begins},
+      {"outage", begins + step(kOwn, 100, 2, 2) + step(kOwn, 100, 4, 4)},
+      {"restarted", begins + step(kOwn, 200, 2, 7)},
+      {"another_address", begins + step(kOwn + 1, 256, 2, 2) + step(kOwn + 1, 256)},
+      {"another_mode", begins + step(0, 256) + step(4, 256) + step(kOwn, 100)},
+      {"foreign_sizes", step(12, 4) + step(16, 4) + begins + step(16, 4) + step(13, 4)}};
+  for (const auto& [name, steps] : seeds) {
+    for (char sensor = 0; sensor < 4; ++sensor) {
+      put("live_packets", name + std::to_string(sensor), sensor + steps);
+    }
+  }
+}
 
 void put_recordings() {
   using recordings::OusterProfile;
@@ -142,6 +182,7 @@ void put_recordings() {
     put("ouster_json", std::to_string(profile), test::ouster_metadata_text(kProfiles[profile]));
     put("pcap", "ouster" + std::to_string(profile) + ".pcap", test::pcap_bytes(turn));
   }
+  put_live_packets();
   std::vector<test::CloudPoint> points;
   for (std::uint16_t ring = 0; ring < 16; ++ring) {
     points.push_back({5.0F, 1.0F, 0.1F * ring, ring, 0.001 * ring});

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # What the documents say is true: README.md and docs/*.md. Commands in blocks marked sh run as they
-# stand, document by document; examples in C++ are parts of files that are compiled. Links of all
-# documents lead somewhere.
+# stand, document by document; examples in C++ and Python are parts of files that are compiled or
+# run. Links of all documents lead somewhere.
 #   readme_test.sh SOURCE_FOLDER HQSLAM_PROGRAM
 set -euo pipefail
 source_folder=$1
@@ -18,14 +18,21 @@ blocks() {
     "$2"
 }
 
-examples=$(cat "$source_folder"/tests/install/*.{cpp,h})
-for document in "${documents[@]}"; do
-  while IFS= read -r -d $'\f' block; do
-    block=${block#$'\n'}
-    [[ "$examples" == *"${block%$'\n'}"* ]] ||
-      { echo "$document: an example in C++ is no part of tests/install:"; echo "$block"; exit 1; }
-  done < <(blocks cpp "$document")
-done
+# are_parts_of LANGUAGE FILE...: the documents' examples in that language.
+are_parts_of() {
+  local language=$1 examples document block
+  shift
+  examples=$(cat "$@")
+  for document in "${documents[@]}"; do
+    while IFS= read -r -d $'\f' block; do
+      block=${block#$'\n'}
+      [[ "$examples" == *"${block%$'\n'}"* ]] ||
+        { echo "$document: an example in $language is no part of those that run:"; echo "$block"; exit 1; }
+    done < <(blocks "$language" "$document")
+  done
+}
+are_parts_of cpp "$source_folder"/tests/install/*.{cpp,h}
+are_parts_of python "$source_folder"/python/examples/*.py
 
 # anchors DOCUMENT: what its headings are called in links.
 anchors() {

@@ -20,6 +20,7 @@
 #include <tf2_ros/transform_broadcaster.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <cstring>
 #include <geometry_msgs/msg/transform_stamped.hpp>
 #include <memory>
@@ -29,6 +30,7 @@
 #include <sensor_msgs/msg/point_cloud2.hpp>
 #include <sensor_msgs/point_cloud2_iterator.hpp>
 #include <string>
+#include <vector>
 
 namespace {
 
@@ -67,9 +69,10 @@ double number_at(const PointCloud2& message, const PointField& field, std::size_
   }
 }
 
-/// Points of a turn with their times, which drivers count from the message's stamp, in seconds if
-/// they are floating-point numbers and else in nanoseconds. Rows come from the elevation: drivers
-/// do not agree on whether ring 0 is the highest beam or the lowest.
+/// Points of a turn with their times, in seconds if they are floating-point numbers and else in
+/// nanoseconds. Some drivers count them from the message's stamp, others write those of a clock,
+/// which only a double can tell apart. Rows come from the elevation: drivers do not agree on
+/// whether ring 0 is the highest beam or the lowest.
 hqslam::Scan scan_of(const PointCloud2& message) {
   const PointField* x = field_of(message, {"x"});
   const PointField* y = field_of(message, {"y"});
@@ -81,21 +84,22 @@ hqslam::Scan scan_of(const PointCloud2& message) {
   const bool seconds =
       time->datatype == PointField::FLOAT32 || time->datatype == PointField::FLOAT64;
   hqslam::Scan scan;
-  double first_s = 1e300;
-  double last_s = -1e300;
+  std::vector<double> times_s;
   const std::size_t points = static_cast<std::size_t>(message.width) * message.height;
   for (std::size_t i = 0; i < points; ++i) {
-    const double time_s = (seconds ? 1.0 : 1e-9) * number_at(message, *time, i);
-    first_s = std::min(first_s, time_s);
-    last_s = std::max(last_s, time_s);
+    times_s.push_back((seconds ? 1.0 : 1e-9) * number_at(message, *time, i));
     scan.points_m.emplace_back(number_at(message, *x, i), number_at(message, *y, i),
                                number_at(message, *z, i));
-    scan.time_offset_s.push_back(static_cast<float>(time_s));
   }
   if (scan.points_m.empty()) throw hqslam::Error("a message without points");
-  const double middle_s = (first_s + last_s) / 2.0;
-  for (float& offset_s : scan.time_offset_s) offset_s -= static_cast<float>(middle_s);
-  scan.stamp_s = rclcpp::Time(message.header.stamp).seconds() + middle_s;
+  const auto [first_s, last_s] = std::minmax_element(times_s.begin(), times_s.end());
+  const double middle_s = (*first_s + *last_s) / 2.0;
+  for (const double time_s : times_s) {
+    scan.time_offset_s.push_back(static_cast<float>(time_s - middle_s));
+  }
+  constexpr double kSmallestClock_s = 1e6;
+  scan.stamp_s = middle_s;
+  if (middle_s < kSmallestClock_s) scan.stamp_s += rclcpp::Time(message.header.stamp).seconds();
   return scan;
 }
 
@@ -127,7 +131,13 @@ class HqslamNode : public rclcpp::Node {
     options.threads = static_cast<int>(declare_parameter("threads", 0));
     for (const hqslam::slam::NamedOption& option : hqslam::slam::option_table()) {
       const std::string name(option.name);
-      hqslam::slam::set_option(options, name, declare_parameter(name, option.get(options)));
+      // A parameter takes values of the type that it is declared with.
+      const double usual = option.get(options);
+      const double value =
+          option.is_whole
+              ? static_cast<double>(declare_parameter(name, static_cast<std::int64_t>(usual)))
+              : declare_parameter(name, usual);
+      hqslam::slam::set_option(options, name, value);
     }
     if (weights.empty()) {
       sensor_ = hqslam::load_sensor(sensor);

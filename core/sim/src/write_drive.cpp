@@ -147,10 +147,12 @@ void DriveWriter::write_extra(const RangeImage& image) const {
   scan.points_m = points_of(unproject(image, sensor_, CaptureTime::kRolling));
   const fs::path directory(directory_);
   if (extra_.kitti_bin) {
-    write_kitti_bin(scan, (directory / "bin" / fmt::format("{:06}.bin", scans_)).string());
+    replace_file((directory / "bin" / fmt::format("{:06}.bin", scans_)).string(),
+                 [&](const std::string& part) { write_kitti_bin(scan, part); });
   }
   if (extra_.pcd) {
-    write_pcd(scan.points_m, (directory / "pcd" / fmt::format("{:06}.pcd", scans_)).string());
+    replace_file((directory / "pcd" / fmt::format("{:06}.pcd", scans_)).string(),
+                 [&](const std::string& part) { write_pcd(scan.points_m, part); });
   }
 }
 

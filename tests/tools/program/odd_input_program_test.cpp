@@ -61,6 +61,7 @@ TEST_CASE("options that would do nothing are refused with what they need") {
   for (const Useless& useless : {Useless{"--confidence 0.5", "--upsample"},
                                  {"--tolerance 0.1", "--upsample"},
                                  {"--map-voxel 0.2", "--dense-map"},
+                                 {"--stamps ''", "expected a file or 'names', found nothing"},
                                  {"--stream /points", "leave --stream out"}}) {
     CAPTURE(useless.options);
     const ProgramResult result = refused("run " + input + useless.options);

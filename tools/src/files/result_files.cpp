@@ -31,7 +31,10 @@ namespace fs = std::filesystem;
 void refuse_to_replace(const fs::path& file, const Paths& inputs) {
   std::error_code error;
   const fs::file_status status = fs::status(file, error);
-  if (!fs::exists(status)) return;
+  if (!fs::exists(status)) {
+    if (fs::is_symlink(file, error)) refuse(file, "is a link that leads nowhere");
+    return;
+  }
   if (!fs::is_regular_file(status)) {
     refuse(file, fs::is_directory(status) ? "is a folder" : "is no regular file");
   }

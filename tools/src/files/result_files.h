@@ -15,8 +15,8 @@ namespace hqslam::tools {
 
 using Paths = std::vector<std::string>;
 
-/// Refuses what is there and no regular file (a folder, a device, a pipe), and what is one of the
-/// command's own inputs.
+/// Refuses what is there and no regular file (a folder, a device, a pipe, a link to nothing), and
+/// what is one of the command's own inputs.
 void refuse_to_replace(const std::filesystem::path& file, const Paths& inputs);
 
 /// The same for files of a command's folder of results, of which none is replaced either unless

@@ -13,7 +13,6 @@
 #include "commands.h"
 #include "files/result_files.h"
 #include "hqslam/core/error.h"
-#include "hqslam/core/whole_file.h"
 #include "lift/lifted_input.h"
 #include "recording/recording_choice.h"
 #include "recording/reference.h"
@@ -192,7 +191,7 @@ void guard_dense_map(const fs::path& folder, const Paths& inputs) {
 
 void remove_dense_map(const fs::path& folder) {
   std::error_code ignored;
-  // The .ply, by which the others are known as ours, goes last and comes first.
+  // The .ply, by which the others are known as ours, goes last.
   for (const char* name :
        {kDenseMapFiles[0], kDenseMapFiles[2], kDenseMapFiles[3], kDenseMapFiles[1]}) {
     fs::remove(folder / name, ignored);
@@ -203,15 +202,13 @@ void remove_dense_map(const fs::path& folder) {
 void write_dense_map(const DenseMapRun& run, const DenseMapPictures& pictures,
                      const fs::path& folder) {
   make_result_folder(folder);
-  remove_dense_map(folder);
-  replace_file((folder / "dense_map.ply").string(),
-               [&](const std::string& path) { slam::write_dense_map_ply(run.points, path); });
-  replace_file((folder / "dense_map.pcd").string(),
-               [&](const std::string& path) { slam::write_dense_map_pcd(run.points, path); });
-  replace_file((folder / "dense_map_above.png").string(),
-               [&](const std::string& path) { write_png(pictures.above, path); });
-  replace_file((folder / "dense_map_perspective.png").string(),
-               [&](const std::string& path) { write_png(pictures.perspective, path); });
+  PartFiles parts;  // an earlier map stays until all of this one is there
+  // The .ply, by which the others are known as ours, comes first.
+  slam::write_dense_map_ply(run.points, parts.add(folder / "dense_map.ply"));
+  slam::write_dense_map_pcd(run.points, parts.add(folder / "dense_map.pcd"));
+  write_png(pictures.above, parts.add(folder / "dense_map_above.png"));
+  write_png(pictures.perspective, parts.add(folder / "dense_map_perspective.png"));
+  parts.rename();
 }
 
 namespace {

@@ -1,0 +1,202 @@
+"""The Python module as its users have it: python_test.sh runs it where hqslam can be imported."""
+
+import inspect
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+import unittest
+from pathlib import Path
+
+import numpy as np
+
+import hqslam
+
+SENSOR = hqslam.load_sensor("os1-16")
+DRIVE = list(hqslam.DriveSimulator("block", SENSOR, scans=12))
+WEIGHTS = hqslam.weights("du-mix_os1_16to64")
+
+
+def run_slam(trace=None, **options):
+    slam = hqslam.Slam(SENSOR, **options)
+    reports = [
+        slam.process(hqslam.unproject(scan.range_m, SENSOR), scan.stamp_s, trace=trace)
+        for scan in DRIVE
+    ]
+    slam.finish()
+    return slam, reports
+
+
+class Arrays(unittest.TestCase):
+    def test_look_at_the_scans_own_memory(self):
+        cloud = hqslam.unproject(DRIVE[0].range_m, SENSOR)
+        self.assertEqual(cloud.points_m.shape, (16, 1024, 3))
+        self.assertTrue(np.shares_memory(cloud.range_m, cloud.range_m))
+        np.testing.assert_allclose(
+            np.linalg.norm(cloud.points_m, axis=2), cloud.range_m, rtol=1e-5
+        )
+
+    def test_outlive_what_they_came_from(self):
+        points_m = hqslam.unproject(DRIVE[0].range_m, SENSOR).points_m
+        before = points_m.copy()
+        _ = [hqslam.unproject(DRIVE[1].range_m, SENSOR) for _ in range(10)]
+        np.testing.assert_array_equal(points_m, before)
+
+    def test_may_be_of_other_types_and_orders(self):
+        upsampler = hqslam.Upsampler("linear", hqslam.load_sensor("os1-64"), measured_rows=16)
+        image = DRIVE[0].range_m
+        expected = upsampler.run(image).range_m
+        for other in (image.astype(np.float64), np.asfortranarray(image), image.tolist()):
+            given = other if isinstance(other, np.ndarray) else np.array(other)
+            np.testing.assert_array_equal(upsampler.run(given).range_m, expected)
+
+    def test_of_a_driver_give_the_same_scan(self):
+        cloud = hqslam.unproject(DRIVE[0].range_m, SENSOR)
+        seen = cloud.range_m > 0
+        row = np.nonzero(seen)[0].astype(np.uint16)
+        again = hqslam.project(cloud.points_m[seen], SENSOR, row, cloud.time_offset_s[seen])
+        np.testing.assert_array_equal(again.points_m, cloud.points_m)
+
+
+class Errors(unittest.TestCase):
+    def test_are_one_line_that_says_what_was_expected(self):
+        for wrong in (
+            lambda: hqslam.load_sensor("os9"),
+            lambda: hqslam.weights("du-nothing"),
+            lambda: hqslam.open_recording("/nowhere.pcap"),
+            lambda: hqslam.Upsampler(WEIGHTS).run(np.zeros((5, 7), np.float32)),
+            lambda: hqslam.Slam(SENSOR, {"mapping.no_such": 1.0}),
+            lambda: hqslam.Trajectory(np.zeros(2), np.zeros((2, 4, 4))),
+            lambda: hqslam.project(np.zeros((5, 3)), SENSOR, np.full(5, 16, np.uint16)),
+        ):
+            with self.assertRaises(hqslam.Error) as raised:
+                wrong()
+            self.assertNotIn("\n", str(raised.exception))
+        self.assertTrue(issubclass(hqslam.ScanError, hqslam.Error))
+        with self.assertRaises(hqslam.ScanError):
+            cloud = hqslam.unproject(DRIVE[0].range_m, SENSOR)
+            cloud.time_offset_s[:] = 1e9
+            hqslam.Slam(SENSOR).process(cloud, 0.0)
+
+
+class Slam(unittest.TestCase):
+    def test_gives_the_programs_trajectory(self):
+        slam, reports = run_slam()
+        self.assertEqual(reports[-1].mapping_status, "ok")
+        self.assertEqual(reports[-1].covariance.shape, (6, 6))
+        with tempfile.TemporaryDirectory() as folder:
+            command = [hqslam.program, "simulate", "--drive", "block", "--sensor", "os1-16"]
+            run = {"cwd": folder, "check": True, "capture_output": True}
+            subprocess.run([*command, "--scans", "12", "--out", "drive"], **run)
+            subprocess.run([hqslam.program, "run", "drive", "--out", "results"], **run)
+            slam.trajectory().write_tum(Path(folder) / "own.tum")
+            self.assertEqual(
+                (Path(folder) / "own.tum").read_text(),
+                (Path(folder) / "results" / "trajectory.tum").read_text(),
+            )
+
+    def test_is_near_the_truth(self):
+        slam, _ = run_slam()
+        stamps = np.array([scan.stamp_s for scan in DRIVE])
+        truth = hqslam.Trajectory(stamps, np.stack([scan.T_map_sensor for scan in DRIVE]))
+        error = hqslam.absolute_pose_error(slam.trajectory(), truth)
+        self.assertLess(error.translation_statistics.rmse, 0.05)
+        self.assertEqual(error.translation_m.shape, (12,))
+        relative = hqslam.relative_pose_error(slam.trajectory(), truth, stretch_m=0.3)
+        self.assertGreater(len(relative.translation_m), 0)
+        self.assertGreater(hqslam.drift(slam.trajectory(), truth, piece_m=0.3).pieces, 0)
+
+    def test_shows_its_stages(self):
+        trace = {}
+        _, reports = run_slam(trace=trace)
+        self.assertEqual(trace["pixel_class"].shape, (16, 1024))
+        features = len(trace["features.kind"])
+        self.assertEqual(trace["features.point_m"].shape, (features, 3))
+        self.assertEqual(trace["features.is_matched"].dtype, bool)
+        distance_m = np.linalg.norm(trace["features.point_m"], axis=1)
+        self.assertGreater(distance_m.min(), 0.4)
+        np.testing.assert_allclose(trace["T_map_level"][:3, 3], reports[-1].T_map_sensor[:3, 3])
+
+    def test_is_located_in_a_saved_map(self):
+        slam, reports = run_slam()
+        with tempfile.TemporaryDirectory() as folder:
+            slam.saved_map().write(Path(folder) / "map.npz")
+            saved = hqslam.read_saved_map(Path(folder) / "map.npz")
+        self.assertEqual(saved.planes_m.shape[1], 3)
+        later = hqslam.Slam(SENSOR, map=saved, T_map_level_start=reports[0].T_map_sensor)
+        cloud = hqslam.unproject(DRIVE[3].range_m, SENSOR)
+        found = later.process(cloud, DRIVE[3].stamp_s)
+        gap_m = np.linalg.norm(found.T_map_sensor[:3, 3] - reports[3].T_map_sensor[:3, 3])
+        self.assertLess(gap_m, 0.1)
+
+
+class Lifting(unittest.TestCase):
+    def test_keeps_measured_rows_and_says_how_sure_it_is(self):
+        upsampler = hqslam.Upsampler(WEIGHTS)
+        lifted = upsampler.run(DRIVE[0].range_m)
+        rows = upsampler.sensor.measured_rows
+        np.testing.assert_array_equal(lifted.range_m[rows], DRIVE[0].range_m)
+        self.assertEqual(lifted.confidence.shape, (64, 1024))
+        cloud = hqslam.unproject(DRIVE[0].range_m, upsampler.measured_sensor)
+        self.assertEqual(upsampler.upsampled_cloud(cloud).points_m.shape, (64, 1024, 3))
+
+    def test_shows_every_tensor(self):
+        trace = {}
+        result = hqslam.SuperResolver(WEIGHTS).run(DRIVE[0].range_m, trace=trace)
+        np.testing.assert_array_equal(trace["result"][0], result.range_m)
+        self.assertGreater(len(trace), 10)
+
+
+class Threads(unittest.TestCase):
+    def test_go_on_beside_a_call(self):
+        upsampler = hqslam.Upsampler(WEIGHTS, threads=1)
+        expected = upsampler.run(DRIVE[0].range_m).range_m.copy()
+        results = []
+        work = lambda: results.append(upsampler.run(DRIVE[0].range_m).range_m)
+        threads = [threading.Thread(target=work) for _ in range(8)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        for result in results:
+            np.testing.assert_array_equal(result, expected)
+
+    def test_ctrl_c_ends_a_drive(self):
+        code = """
+import hqslam
+slam = hqslam.Slam(hqslam.load_sensor("os1-16"))
+for scan in hqslam.DriveSimulator("town", hqslam.load_sensor("os1-16")):
+    slam.process(hqslam.unproject(scan.range_m, hqslam.load_sensor("os1-16")), scan.stamp_s)
+    print(".", flush=True)
+"""
+        drive = subprocess.Popen(
+            [sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+        )
+        drive.stdout.readline()
+        time.sleep(0.5)
+        drive.send_signal(signal.SIGINT)
+        _, complaint = drive.communicate(timeout=60)
+        self.assertIn("KeyboardInterrupt", complaint)
+
+
+class Documentation(unittest.TestCase):
+    def test_says_shape_and_unit_of_every_array(self):
+        for name, member in inspect.getmembers(hqslam):
+            if name.startswith("_") or inspect.ismodule(member) or name == "program":
+                continue
+            self.assertTrue(member.__doc__, name)
+            if not inspect.isclass(member) or issubclass(member, Exception):
+                continue
+            for field, value in vars(member).items():
+                if field.startswith("_") or value is None:
+                    continue
+                with self.subTest(f"{name}.{field}"):
+                    self.assertTrue(value.__doc__)
+                    if field.endswith("_m") and name != "Upsampler":
+                        self.assertRegex(value.__doc__.lower(), r"metres|errors")
+
+
+if __name__ == "__main__":
+    unittest.main()

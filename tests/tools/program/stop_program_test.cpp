@@ -1,0 +1,121 @@
+#include <doctest/doctest.h>
+#include <fmt/format.h>
+#include <signal.h>
+
+#include <chrono>
+#include <filesystem>
+#include <thread>
+
+#include "hqslam/core/trajectory.h"
+#include "hqslam/nn/weights_file.h"
+#include "tools/program/child.h"
+#include "tools/program/commands.h"
+
+// Streams that are closed or full, readers that go away, signals, and what was stopped half-way.
+
+namespace hqslam::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+}  // namespace
+
+TEST_CASE("a closed or full stderr costs nothing, and nothing is written into the results") {
+  const TemporaryDirectory folder;
+  succeeds(simulate_arguments(folder.file("usual")));
+  for (const char* stream : {"2>&-", "2>/dev/full", "0<&- 1>/dev/null 2>&-"}) {
+    CAPTURE(stream);
+    const TemporaryDirectory out;
+    succeeds(simulate_arguments(out.file("drive")) + " " + stream);
+    CHECK(file_contents(out.file("drive/scans.npy")) ==
+          file_contents(folder.file("usual/scans.npy")));
+    succeeds(run_arguments(out.file("run")) + " " + stream);
+    CHECK(read_tum(out.file("run/trajectory.tum")).size() == kShortDriveScans);
+  }
+  succeeds(train_arguments(folder, folder.file("trained")) + " 2>/dev/full");
+  CHECK_NOTHROW(nn::read_weights(folder.file("trained/weights.npz")));
+}
+
+TEST_CASE("a reader that goes away stops no training and is not complained about") {
+  const TemporaryDirectory folder;
+  const ProgramResult result =
+      run_shell(fmt::format("{{ sleep 0.2; {} {}; echo $? >'{}'; }} | true", kProgram,
+                            train_arguments(folder, folder.file("out")), folder.file("status")));
+  CHECK(file_contents(folder.file("status")) == "1\n");
+  CHECK_FALSE(holds(result.error, "printed"));
+  CHECK_NOTHROW(nn::read_weights(folder.file("out/weights.npz")));
+}
+
+TEST_CASE("a terminal that is closed, and a polite kill, leave a checkpoint to go on from") {
+  for (const int signal_number : {SIGHUP, SIGTERM}) {
+    const TemporaryDirectory folder;
+    const std::string out = folder.file("out");
+    Child child(train_arguments(folder, out, 100000));
+    child.wait_for(out + "/checkpoint.npz");
+    CHECK(child.end(signal_number) == 130);
+    CHECK_NOTHROW(nn::read_weights(out + "/weights.npz"));
+    CHECK(parts_below(folder.path()).empty());
+  }
+}
+
+TEST_CASE("a program that was told to ignore hang-ups ignores them") {
+  const TemporaryDirectory folder;
+  const std::string out = folder.file("out");
+  const ProgramResult result =
+      run_shell(fmt::format("trap '' HUP; {} {} & pid=$!; sleep 0.3; kill -HUP $pid; wait $pid",
+                            kProgram, train_arguments(folder, out, 30)));
+  CHECK(result.status == 0);
+}
+
+TEST_CASE("a run says that it is running until it has ended") {
+  const TemporaryDirectory folder;
+  const std::string out = folder.file("out");
+  {
+    Child child(
+        fmt::format("run '{}' --upsample linear --rows 4 --out '{}'", simulated_drive(), out));
+    child.wait_for(out + "/trajectory.tum");
+    child.end(SIGKILL);
+  }
+  const std::string killed = file_contents(out + "/timings.json");
+  const bool ended_first = fs::exists(out + "/report.html");
+  CHECK((ended_first || holds(killed, "\"end\": \"running\"")));
+  succeeds(run_arguments(out));
+  CHECK(holds(file_contents(out + "/timings.json"), "\"end\": \"complete\""));
+}
+
+TEST_CASE("a lifting that was stopped is used, and said to be one") {
+  const TemporaryDirectory folder;
+  const std::string out = folder.file("out");
+  {
+    Child child(fmt::format("upsample '{}' --weights '{}' --bin --pcd --out '{}'",
+                            simulated_drive("--sensor os1-64 --seed 5 --scans 24"),
+                            command_inputs().paths.at("weights"), out));
+    child.wait_until([&] { return fs::exists(out + "/bin/000000.bin"); });
+    child.end(SIGKILL);
+  }
+  const bool ended_first = holds(file_contents(out + "/upsample.json"), "\"complete\": true");
+  const std::string arguments = " --sensor os1-64 --out '" + folder.file("run") + "'";
+  const ProgramResult result = succeeds("run '" + out + "'" + arguments);
+  CHECK((ended_first || holds(result.error, "hqslam upsample was stopped after")));
+  for (const char* scans : {"/bin", "/pcd"}) {
+    succeeds("run '" + out + scans + "'" + arguments);
+  }
+}
+
+TEST_CASE("a simulation that was stopped is used, and said to be one") {
+  const TemporaryDirectory folder;
+  const std::string drive = folder.file("drive");
+  {
+    Child child(simulate_arguments(drive, 5000));
+    child.wait_for(drive + "/truth.tum");
+    while (!(fs::exists(drive + "/truth.tum") && fs::file_size(drive + "/truth.tum") > 500)) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+    child.end(SIGKILL);
+  }
+  const ProgramResult result = succeeds("run '{}' --out '{}'", drive, folder.file("out"));
+  CHECK(holds(result.error, "the simulation was stopped after"));
+  CHECK_FALSE(holds(run_hqslam(run_arguments(folder.file("whole"))).error, "stopped"));
+}
+
+}  // namespace hqslam::test
