@@ -79,7 +79,7 @@ struct Slam::Implementation {
   Registered first_registered(Tracking& last, const Scan& scan, Notes& notes);
   State tracked(Tracking last, const Registered& found, const Scan& scan, Notes& notes);
   State new_segment(const Lost& lost, Registered found, const Scan& scan, Notes& notes);
-  void correct_first_keyframe(Tracking& last, const Twist& velocity);
+  void correct_first_keyframe(Tracking& last, Twist velocity);
   void add_keyframe(const Scan& scan, const Twist& velocity, bool begins_segment, Notes& notes);
   bool is_in_given_map(const MapFeatures& features, const MotionState& found) const;
 };

@@ -46,6 +46,7 @@ struct FirstKeyframe {
   double time_s = 0.0;
   Features features;
   MapFeatures map_features;
+  std::optional<EvenTurning> turning;  ///< where an inertial sensor saw how it turned
 };
 
 /// The last scan was registered in the map, or is the first of a submap.

@@ -63,10 +63,11 @@ State Slam::Implementation::next(Starting, const Scan& scan, Notes& notes) {
     notes.report.mapping_status = Status::kTooFewFeatures;
     return Starting{};
   }
-  const MotionState standing = unknown_motion(Pose::Identity());
+  MotionState standing = unknown_motion(Pose::Identity());
+  if (scan.turning) standing.velocity.angular = scan.turning->mean_rate_rad_per_s();
   add_keyframe(scan, standing.velocity, true, notes);
   return Tracking{reference_of(scan, standing, drift.against_map(standing), notes.report), 0.0, 0.0,
-                  FirstKeyframe{scan.time_s, scan.features, scan.map_features}};
+                  FirstKeyframe{scan.time_s, scan.features, scan.map_features, scan.turning}};
 }
 
 State Slam::Implementation::next(Tracking now, const Scan& scan, Notes& notes) {
@@ -127,15 +128,19 @@ State Slam::Implementation::new_segment(const Lost& lost, Registered found, cons
                                         Notes& notes) {
   drift.lose(found.against_map, lost.is_carried);
   // A velocity that nothing measured would be predicted again, and kept for good.
-  if (!found.by_odometry) found.state = unknown_motion(found.state.T_map_sensor);
+  if (!found.by_odometry) {
+    found.state = unknown_motion(found.state.T_map_sensor);
+    if (found.inertial) found.inertial = kept(*found.inertial, found.state);
+  }
   drift.move(lost.last.reference.state.T_map_sensor.inverse() * found.state.T_map_sensor);
   path.begin_segment(lost.missed_scans - 1, mapping.keyframes(), lost.is_carried);
   const Matrix6 against_own_map = drift.against_map(unknown_motion(found.state.T_map_sensor));
   notes.own_covariance = drift.own_covariance(Pose::Identity(), against_own_map);
   notes.report.covariance = drift.covariance(Pose::Identity(), against_own_map);
   add_keyframe(scan, found.state.velocity, true, notes);
-  return Tracking{reference_of(scan, found.state, against_own_map, notes.report), 0.0, 0.0,
-                  std::nullopt};
+  return Tracking{
+      reference_of(scan, found.state, against_own_map, notes.report, found.inertial), 0.0, 0.0,
+      std::nullopt};
 }
 
 /// Nothing where no inertial sensor measured all of the way.
@@ -173,7 +178,7 @@ Slam::Implementation::Registered Slam::Implementation::registered(const Tracking
   report.times.odometry_s += notes.stopwatch.lap_s();
 
   const MappingResult matched = register_from_starts(
-      mapping, scan.map_features, {expected, T_map_moved, duration_s, last.close_ratio});
+      mapping, scan.map_features, {expected, T_map_moved, duration_s, last.close_ratio, measured.has_value()});
   // Of a scan that was found far from where it was looked for first, inlier_ratio is of the way.
   const bool is_elsewhere = matched.inlier_ratio < kLeastShareOfInlierRatio * last.inlier_ratio &&
                             matched.close_ratio < kLeastShareOfInlierRatio * last.close_ratio;
@@ -193,7 +198,11 @@ Slam::Implementation::Registered Slam::Implementation::registered(const Tracking
     found.state.T_map_sensor = T_map_moved;
     found.state.velocity = (1.0 / duration_s) * logarithm(moved.T_reference_sensor);
   }
-  if (measured) found.inertial = corrected(*measured, found.state);
+  if (measured) {
+    found.inertial = corrected(*measured, found.state);
+  } else if (reference.inertial) {
+    found.inertial = kept(*reference.inertial, found.state);
+  }
   report.mapping_status = !found.is_registered    ? Status::kTooFewFeatures
                           : duration_s > steady_s ? Status::kAfterGap
                                                   : matched.status;
@@ -230,8 +239,9 @@ Slam::Implementation::Registered Slam::Implementation::first_registered(Tracking
   return registered(last, scan, notes);
 }
 
-void Slam::Implementation::correct_first_keyframe(Tracking& last, const Twist& velocity) {
+void Slam::Implementation::correct_first_keyframe(Tracking& last, Twist velocity) {
   const FirstKeyframe& first = *last.first_keyframe;
+  if (first.turning) velocity.angular = first.turning->mean_rate_rad_per_s();
   mapping = Mapping(options.mapping);
   mapping.insert(first.map_features, Pose::Identity(), velocity);
   if (last.reference.time_s == first.time_s) last.reference.target = {first.features, velocity};

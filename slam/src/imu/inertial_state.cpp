@@ -27,14 +27,14 @@ constexpr double kFirstGyroscopeBias_rad_per_s = 0.02;
 constexpr double kFirstAccelerometerBias_mps2 = 0.2;
 constexpr double kFirstGravity_mps2 = 1.0;
 constexpr double kGyroscopeNoise = 1e-3;      // rad/s/rtHz
-constexpr double kAccelerometerNoise = 2e-2;  // m/s^2/rtHz
+constexpr double kAccelerometerNoise = 5e-2;  // m/s^2/rtHz
 constexpr double kGyroscopeWalk = 1e-4;       // rad/s^2/rtHz
 constexpr double kAccelerometerWalk = 3e-3;   // m/s^3/rtHz
-/// What a registration is off by beside what it says of itself: neighbours err together.
-constexpr double kRegistration_m = 1e-3;
-constexpr double kRegistration_rad = 1e-4;
-/// Of a velocity that is the mean over a scan, against an even turn.
-constexpr double kUneven_rad_per_s = 5e-3;
+/// What a registration is off by beside what it says of itself: neighbours err together, and so
+/// does the map. Biases and gravity are learnt by that, slowly: what the first scans of a drive say
+/// in a map of few is often wrong and always sure of itself.
+constexpr double kRegistration_m = 0.02;
+constexpr double kRegistration_rad = 2e-3;
 
 Matrix3d exponential_of(const Vector3d& turn_rad) {
   const double angle_rad = turn_rad.norm();
@@ -86,7 +86,6 @@ Matrix12 covariance_of_motion(const Matrix18& covariance) {
   Matrix12 result = covariance.topLeftCorner<12, 12>();
   result.bottomRows<3>() *= -1.0;
   result.rightCols<3>() *= -1.0;
-  result.diagonal().tail<3>().array() += kUneven_rad_per_s * kUneven_rad_per_s;
   return result;
 }
 
@@ -113,8 +112,6 @@ InertialPrediction predicted(const MotionState& state, const InertialState& iner
   result.state.T_map_sensor = orthonormalized(result.state.T_map_sensor);
   result.state.velocity.angular = mean_rate_rad_per_s;
   Matrix18& covariance = result.inertial.covariance;
-  add_variance(covariance, kLinear, kRegistration_m * kRegistration_m);
-  add_variance(covariance, kAngular, kRegistration_rad * kRegistration_rad);
   covariance = (0.5 * (covariance + covariance.transpose())).eval();
   result.state.covariance = covariance_of_motion(covariance);
   return result;
@@ -122,9 +119,11 @@ InertialPrediction predicted(const MotionState& state, const InertialState& iner
 
 InertialState corrected(const InertialPrediction& prediction, const MotionState& found) {
   const Matrix18& before = prediction.inertial.covariance;
-  const Matrix6 of_pose = before.topLeftCorner<6, 6>();
+  Matrix6 of_innovation = before.topLeftCorner<6, 6>() + found.covariance.topLeftCorner<6, 6>();
+  of_innovation.diagonal().head<3>().array() += kRegistration_m * kRegistration_m;
+  of_innovation.diagonal().tail<3>().array() += kRegistration_rad * kRegistration_rad;
   const Eigen::Matrix<double, 18, 6> K =
-      of_pose.ldlt().solve(before.topRows<6>()).transpose();
+      of_innovation.ldlt().solve(before.topRows<6>()).transpose();
   const Eigen::Matrix<double, 18, 1> change =
       K * vector_of(logarithm(prediction.state.T_map_sensor.inverse() * found.T_map_sensor));
   InertialState result = prediction.inertial;
@@ -132,8 +131,22 @@ InertialState corrected(const InertialPrediction& prediction, const MotionState&
   result.accelerometer_bias_mps2 += change.segment<3>(kAccelerometer);
   result.gravity_map_mps2 += change.segment<3>(kGravity);
   result.gravity_map_mps2 *= kGravity_mps2 / result.gravity_map_mps2.norm();
-  result.covariance =
-      before - K * (of_pose - found.covariance.topLeftCorner<6, 6>()) * K.transpose();
+  result.covariance = before - K * of_innovation * K.transpose();
+  return result;
+}
+
+void turn(InertialState& inertial, const Matrix3d& R_corrected_map) {
+  inertial.gravity_map_mps2 = R_corrected_map * inertial.gravity_map_mps2;
+  Matrix18 turn = Matrix18::Identity();
+  turn.block<3, 3>(kGravity, kGravity) = R_corrected_map;
+  inertial.covariance = (turn * inertial.covariance * turn.transpose()).eval();
+}
+
+InertialState kept(const InertialState& inertial, const MotionState& found) {
+  InertialState result = inertial;
+  result.covariance.topRightCorner<9, 9>().setZero();
+  result.covariance.bottomLeftCorner<9, 9>().setZero();
+  result.covariance.topLeftCorner<9, 9>() = found.covariance.topLeftCorner<9, 9>();
   return result;
 }
 

@@ -52,8 +52,16 @@ InertialPrediction predicted(const MotionState& state, const InertialState& iner
                              const std::vector<ImuStep>& steps,
                              const Eigen::Vector3d& mean_rate_rad_per_s);
 
-/// What the scan, by which the predicted state became `found`, says of all the rest:
-///   K = P_all,pose P_pose^-1,  x <- x + K e,  P <- P - K (P_pose - P_found) K^T.
+/// What the scan, by which the predicted state became `found`, says of biases and gravity. With the
+/// innovation e of the pose, the covariance R of a registration and the rows P_all of all errors:
+///   S = P_pose + R,  K = P_all,pose S^-1,  x <- x + K e,  P <- P - K S K^T.
+/// Pose and velocity stay as they were found; R is larger than the registration says.
 InertialState corrected(const InertialPrediction& prediction, const MotionState& found);
+
+/// The map was turned.
+void turn(InertialState& inertial, const Eigen::Matrix3d& R_corrected_map);
+
+/// Biases and gravity as they were, after a while in which nothing was integrated.
+InertialState kept(const InertialState& inertial, const MotionState& found);
 
 }  // namespace hqslam::slam
