@@ -40,8 +40,13 @@ Matrix6 growth(const MotionState& before, const MotionState& expected, const Pos
 Reference reference_of(const Scan& scan, const MotionState& state, const Matrix6& against_map,
                        const ScanReport& report, std::optional<InertialState> inertial) {
   if (!inertial && scan.turning) inertial = first_inertial_state(state, scan.specific_force_mps2);
-  return {scan.time_s, state, against_map, report.T_odom_sensor, {scan.features, state.velocity},
-          scan.stamp_s, std::move(inertial)};
+  return {scan.time_s,
+          state,
+          against_map,
+          report.T_odom_sensor,
+          {scan.features, state.velocity},
+          scan.stamp_s,
+          std::move(inertial)};
 }
 
 std::string_view name(const State& state) {
@@ -111,8 +116,7 @@ State Slam::Implementation::tracked(Tracking last, const Registered& found, cons
   } else {
     drift.grow(motion, found.state);
   }
-  last.reference =
-      reference_of(scan, found.state, found.against_map, notes.report, found.inertial);
+  last.reference = reference_of(scan, found.state, found.against_map, notes.report, found.inertial);
   last.inlier_ratio = found.inlier_ratio;
   last.close_ratio = found.close_ratio;
   if (!place_recognition && mapping.is_keyframe(found.state.T_map_sensor)) {
@@ -138,9 +142,8 @@ State Slam::Implementation::new_segment(const Lost& lost, Registered found, cons
   notes.own_covariance = drift.own_covariance(Pose::Identity(), against_own_map);
   notes.report.covariance = drift.covariance(Pose::Identity(), against_own_map);
   add_keyframe(scan, found.state.velocity, true, notes);
-  return Tracking{
-      reference_of(scan, found.state, against_own_map, notes.report, found.inertial), 0.0, 0.0,
-      std::nullopt};
+  return Tracking{reference_of(scan, found.state, against_own_map, notes.report, found.inertial),
+                  0.0, 0.0, std::nullopt};
 }
 
 /// Nothing where no inertial sensor measured all of the way.
@@ -178,7 +181,8 @@ Slam::Implementation::Registered Slam::Implementation::registered(const Tracking
   report.times.odometry_s += notes.stopwatch.lap_s();
 
   const MappingResult matched = register_from_starts(
-      mapping, scan.map_features, {expected, T_map_moved, duration_s, last.close_ratio, measured.has_value()});
+      mapping, scan.map_features,
+      {expected, T_map_moved, duration_s, last.close_ratio, measured.has_value()});
   // Of a scan that was found far from where it was looked for first, inlier_ratio is of the way.
   const bool is_elsewhere = matched.inlier_ratio < kLeastShareOfInlierRatio * last.inlier_ratio &&
                             matched.close_ratio < kLeastShareOfInlierRatio * last.close_ratio;

@@ -60,13 +60,11 @@ void EvenTurning::apply(Features& features) const {
 void EvenTurning::apply(std::vector<FeaturePoint>& points) const {
   const auto knots_per_s = static_cast<float>((kKnots - 1) / duration_s_);
   for (FeaturePoint& point : points) {
-    const float at =
-        std::clamp((point.time_offset_s - static_cast<float>(begin_s_)) * knots_per_s, 0.0F,
-                   static_cast<float>(kKnots - 1));
+    const float at = std::clamp((point.time_offset_s - static_cast<float>(begin_s_)) * knots_per_s,
+                                0.0F, static_cast<float>(kKnots - 1));
     const auto knot = std::min(static_cast<std::size_t>(at), kKnots - 2);
     const float share = at - static_cast<float>(knot);
-    const Eigen::Vector3f turn_rad =
-        (1.0F - share) * turn_rad_[knot] + share * turn_rad_[knot + 1];
+    const Eigen::Vector3f turn_rad = (1.0F - share) * turn_rad_[knot] + share * turn_rad_[knot + 1];
     const float angle_rad = turn_rad.norm();
     if (angle_rad < 1e-8F) continue;
     const Eigen::AngleAxisf turn(angle_rad, turn_rad / angle_rad);

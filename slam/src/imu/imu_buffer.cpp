@@ -45,8 +45,7 @@ std::vector<ImuStep> ImuBuffer::steps(double from_s, double to_s,
     const auto next = std::next(sample);
     const bool is_last = next == samples_.end();
     if (!is_last && next->stamp_s - sample->stamp_s > kMostMissing_s) return {};
-    const double end_s =
-        is_last ? to_s : std::min(to_s, 0.5 * (sample->stamp_s + next->stamp_s));
+    const double end_s = is_last ? to_s : std::min(to_s, 0.5 * (sample->stamp_s + next->stamp_s));
     if (end_s <= time_s) continue;
     result.push_back({end_s - time_s, R_level_sensor * sample->angular_rate_rad_per_s,
                       R_level_sensor * sample->specific_force_mps2});

@@ -91,8 +91,7 @@ Matrix12 covariance_of_motion(const Matrix18& covariance) {
 
 }  // namespace
 
-InertialState first_inertial_state(const MotionState& state,
-                                   const Vector3d& specific_force_mps2) {
+InertialState first_inertial_state(const MotionState& state, const Vector3d& specific_force_mps2) {
   InertialState result;
   result.gravity_map_mps2 =
       -kGravity_mps2 * (state.T_map_sensor.linear() * specific_force_mps2).normalized();

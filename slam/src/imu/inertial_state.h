@@ -22,8 +22,8 @@ struct InertialState {
   Matrix18 covariance = Matrix18::Zero();
 };
 
-/// At the first scan: no biases, gravity against the mean specific force, as of a sensor that hardly
-/// accelerates.
+/// At the first scan: no biases, gravity against the mean specific force, as of a sensor that
+/// hardly accelerates.
 InertialState first_inertial_state(const MotionState& state,
                                    const Eigen::Vector3d& specific_force_mps2);
 
