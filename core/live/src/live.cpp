@@ -27,6 +27,10 @@ using Clock = std::chrono::steady_clock;
 constexpr int kWait_ms = 50;
 /// Packets that are kept to be recorded as soon as the sensor is recognised.
 constexpr std::size_t kMostKept_bytes = std::size_t{64} << 20U;
+/// Packets of inertial data between two others; a flood of them must not hold up the scans.
+constexpr int kMostImuAtOnce = 100;
+/// Inertial samples of dropped scans that the next one carries.
+constexpr std::size_t kMostImuSamples = 20'000;
 /// The sensor sends for so long, and nothing of it is understood.
 constexpr std::int64_t kTrouble_ns = 2'000'000'000;
 
@@ -84,12 +88,16 @@ class LiveSensor::Impl {
   void record(const Packet& packet);
   bool is_sensors(const Packet& packet);
   void judge(std::int64_t arrival_ns);
+  void listen_for_imu();
+  void take_imu();
   void run();
   void take_scans(std::int64_t arrival_ns);
+  void drop_oldest();
 
   LiveOptions options_;
   LiveStream stream_;
   UdpSocket socket_;
+  std::optional<UdpSocket> imu_socket_;  ///< of an Ouster
   std::optional<PcapWriter> recorder_;
   std::deque<Kept> kept_;
   std::size_t kept_bytes_ = 0;
@@ -182,7 +190,30 @@ void LiveSensor::Impl::start(int columns) {
   assembler_->add(first_);
   sender_ = stream_.sender();
   understood_ns_ = first_.capture_time_ns;
+  listen_for_imu();
   thread_ = std::thread([this] { run(); });
+}
+
+/// A port that is in use ends no drive: it goes on without inertial data.
+void LiveSensor::Impl::listen_for_imu() {
+  const std::uint16_t port = stream_.imu_port();
+  if (port == 0 || port == socket_.port()) return;
+  try {
+    imu_socket_.emplace(port);
+  } catch (const Error& error) {
+    counts_.imu_failure = error.what();
+  }
+}
+
+/// What has come of inertial data up to now, so that it is there before its scan is complete.
+void LiveSensor::Impl::take_imu() {
+  for (int i = 0; imu_socket_ && i < kMostImuAtOnce; ++i) {
+    const std::optional<Packet> packet = imu_socket_->receive(0);
+    if (!packet) return;
+    if (!stream_.is_imu(*packet)) continue;
+    record(*packet);
+    assembler_->add(*packet);
+  }
 }
 
 void LiveSensor::Impl::run() {
@@ -191,6 +222,7 @@ void LiveSensor::Impl::run() {
       const std::optional<Packet> packet = socket_.receive(kWait_ms);
       if (!packet) continue;
       if (!is_sensors(*packet)) continue;
+      take_imu();
       record(*packet);
       assembler_->add(*packet);
       take_scans(packet->capture_time_ns);
@@ -225,6 +257,18 @@ void LiveSensor::Impl::judge(std::int64_t arrival_ns) {
   }
 }
 
+/// Its inertial samples go to the next one: whoever missed a scan needs them most.
+void LiveSensor::Impl::drop_oldest() {
+  std::vector<ImuSample> samples = std::move(waiting_.front().scan.imu);
+  waiting_.pop_front();
+  ++counts_.dropped_scans;
+  std::vector<ImuSample>& next = waiting_.front().scan.imu;
+  samples.insert(samples.end(), next.begin(), next.end());
+  if (samples.size() > kMostImuSamples)
+    samples.erase(samples.begin(), samples.end() - kMostImuSamples);
+  next = std::move(samples);
+}
+
 /// Puts what the last packet completed in line.
 void LiveSensor::Impl::take_scans(std::int64_t arrival_ns) {
   while (true) {
@@ -237,6 +281,7 @@ void LiveSensor::Impl::take_scans(std::int64_t arrival_ns) {
     }
     const std::lock_guard lock(mutex_);
     counts_.packets = assembler_->counts();
+    counts_.imu = assembler_->imu_counts();
     counts_.lost_scans = assembler_->lost_scans();
     judge(arrival_ns);
     if (!scan && left_out.empty()) return;
@@ -245,11 +290,8 @@ void LiveSensor::Impl::take_scans(std::int64_t arrival_ns) {
       if (counts_.left_out_scans++ == 0) counts_.first_left_out = left_out;
       continue;
     }
-    if (waiting_.size() >= static_cast<std::size_t>(options_.most_waiting)) {
-      waiting_.pop_front();
-      ++counts_.dropped_scans;
-    }
     waiting_.push_back({std::move(*scan), arrival_ns});
+    if (waiting_.size() > static_cast<std::size_t>(options_.most_waiting)) drop_oldest();
     arrived_.notify_one();
   }
 }
