@@ -12,7 +12,7 @@
 
 #include "hqslam/core/error.h"
 #include "live_stream.h"
-#include "pcap_writer.h"
+#include "packet_recorder.h"
 #include "udp_socket.h"
 
 namespace hqslam::live {
@@ -25,8 +25,6 @@ using Clock = std::chrono::steady_clock;
 
 /// How long the thread waits for a packet before it looks whether it is to end.
 constexpr int kWait_ms = 50;
-/// Packets that are kept to be recorded as soon as the sensor is recognised.
-constexpr std::size_t kMostKept_bytes = std::size_t{64} << 20U;
 /// Packets of inertial data between two others; a flood of them must not hold up the scans.
 constexpr int kMostImuAtOnce = 100;
 /// Inertial samples of dropped scans that the next one carries.
@@ -49,9 +47,8 @@ class LiveSensor::Impl {
   explicit Impl(const LiveOptions& options)
       : options_(checked(options)),
         stream_(options),
-        socket_(options.port != 0 ? options.port : stream_.usual_port()) {
-    if (!options_.record.empty()) recorder_.emplace(options_.record);
-  }
+        socket_(options.port != 0 ? options.port : stream_.usual_port()),
+        recorder_(options_.record) {}
   ~Impl() {
     stop_ = true;
     if (thread_.joinable()) thread_.join();
@@ -77,15 +74,6 @@ class LiveSensor::Impl {
   }
 
  private:
-  /// A packet that was received before the sensor was recognised.
-  struct Kept {
-    Packet packet;
-    std::vector<std::uint8_t> payload;
-  };
-  void keep(const Packet& packet);
-  void begin_recording();
-  void stop_recording(const std::string& failure);
-  void record(const Packet& packet);
   bool is_sensors(const Packet& packet);
   void judge(std::int64_t arrival_ns);
   void listen_for_imu();
@@ -98,9 +86,7 @@ class LiveSensor::Impl {
   LiveStream stream_;
   UdpSocket socket_;
   std::optional<UdpSocket> imu_socket_;  ///< of an Ouster
-  std::optional<PcapWriter> recorder_;
-  std::deque<Kept> kept_;
-  std::size_t kept_bytes_ = 0;
+  PacketRecorder recorder_;
   std::int64_t seen_ = 0;
   bool recognised_ = false;
   Packet first_;  ///< that is decoded: the one by which the sensor was recognised
@@ -119,49 +105,6 @@ class LiveSensor::Impl {
   std::exception_ptr failure_;
 };
 
-/// A full disk ends the recording, not the drive.
-void LiveSensor::Impl::record(const Packet& packet) {
-  if (!recorder_) return;
-  try {
-    recorder_->add(packet);
-  } catch (const Error& error) {
-    stop_recording(error.what());
-  }
-}
-
-void LiveSensor::Impl::stop_recording(const std::string& failure) {
-  recorder_.reset();
-  const std::lock_guard lock(mutex_);
-  counts_.recording_failure = failure;
-}
-
-/// Keeps a packet until it is known whether its sender is the sensor; the oldest make room.
-void LiveSensor::Impl::keep(const Packet& packet) {
-  if (!recorder_) return;
-  kept_.push_back({packet, {packet.payload.begin(), packet.payload.end()}});
-  kept_bytes_ += packet.payload.size();
-  while (kept_bytes_ > kMostKept_bytes) {
-    kept_bytes_ -= kept_.front().payload.size();
-    kept_.pop_front();
-  }
-}
-
-/// What the sensor has sent up to now, its metadata first: without them the packets say nothing.
-void LiveSensor::Impl::begin_recording() {
-  if (recorder_ && !stream_.metadata_text().empty()) {
-    try {
-      recorder_->put_beside(stream_.metadata_text());
-    } catch (const Error& error) {
-      stop_recording(error.what());
-    }
-  }
-  for (Kept& kept : kept_) {
-    kept.packet.payload = kept.payload;
-    if (kept.packet.endpoint == stream_.sender()) record(kept.packet);
-  }
-  kept_.clear();
-}
-
 bool LiveSensor::Impl::recognise(double timeout_s) {
   const auto end = Clock::now() + std::chrono::duration<double>(timeout_s);
   while (!recognised_) {
@@ -171,13 +114,14 @@ bool LiveSensor::Impl::recognise(double timeout_s) {
         socket_.receive(static_cast<int>(std::clamp(left_ms, 1.0, double{kWait_ms})));
     if (!packet) continue;
     ++seen_;
-    keep(*packet);
+    recorder_.keep(*packet);
     recognised_ = stream_.recognise(*packet);
     if (!recognised_) continue;
     first_ = *packet;
     first_payload_.assign(packet->payload.begin(), packet->payload.end());
     first_.payload = first_payload_;
-    begin_recording();
+    recorder_.begin(stream_);
+    counts_.recording_failure = recorder_.failure();
   }
   return true;
 }
@@ -211,7 +155,7 @@ void LiveSensor::Impl::take_imu() {
     const std::optional<Packet> packet = imu_socket_->receive(0);
     if (!packet) return;
     if (!stream_.is_imu(*packet)) continue;
-    record(*packet);
+    recorder_.add(*packet);
     assembler_->add(*packet);
   }
 }
@@ -223,7 +167,7 @@ void LiveSensor::Impl::run() {
       if (!packet) continue;
       if (!is_sensors(*packet)) continue;
       take_imu();
-      record(*packet);
+      recorder_.add(*packet);
       assembler_->add(*packet);
       take_scans(packet->capture_time_ns);
     }
@@ -280,6 +224,7 @@ void LiveSensor::Impl::take_scans(std::int64_t arrival_ns) {
       left_out = error.what();
     }
     const std::lock_guard lock(mutex_);
+    counts_.recording_failure = recorder_.failure();
     counts_.packets = assembler_->counts();
     counts_.imu = assembler_->imu_counts();
     counts_.lost_scans = assembler_->lost_scans();
