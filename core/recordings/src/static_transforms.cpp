@@ -17,6 +17,13 @@ constexpr int kMostLinks = 100;
 
 }  // namespace
 
+StaticTransforms::StaticTransforms() {
+  for (const std::string sensor : {"os", "os1"}) {
+    links_[sensor + "_lidar"] = {sensor + "_sensor", Eigen::Vector3d(-1.0, -1.0, 1.0).asDiagonal()};
+    links_[sensor + "_imu"] = {sensor + "_sensor", Eigen::Matrix3d::Identity()};
+  }
+}
+
 void StaticTransforms::add(const Message& message) {
   try {
     MessageReader reader(message);

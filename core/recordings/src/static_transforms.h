@@ -9,9 +9,11 @@
 
 namespace hqslam::recordings {
 
-/// How the frames of a bag are turned, by its topic /tf_static.
+/// How the frames of a bag are turned, by its topic /tf_static. Those of Ouster's drivers are known
+/// without: os_lidar (once os1_lidar) looks backwards, os_imu forwards.
 class StaticTransforms {
  public:
+  StaticTransforms();
   /// Takes in a tf2_msgs/TFMessage; what is damaged or no rotation is passed over.
   void add(const Message& message);
   /// Turns vectors of one frame into another; nothing if no chain of transforms joins them.

@@ -14,6 +14,7 @@
 #include "hqslam/recordings/recording.h"
 #include "imu_queue.h"
 #include "ouster_imu.h"
+#include "static_transforms.h"
 #include "temporary_directory.h"
 
 using namespace hqslam;
@@ -323,6 +324,27 @@ TEST_CASE("a sensor_msgs/Imu whose frame nothing joins to the scans' is named as
   REQUIRE(info.warnings.size() == 1);
   CHECK(info.warnings[0].find("'imu', the scans in 'lidar'") != std::string::npos);
   CHECK(info_of(folder, {{"/imu", "lidar"}}).warnings.empty());
+}
+
+TEST_CASE("frames of Ouster's drivers are joined without /tf_static, which wins") {
+  StaticTransforms transforms;
+  const Eigen::Vector3d force(1.0, 2.0, 3.0);
+  CHECK(near(transforms.R("os_lidar", "os_imu").value() * force, {-1.0, -2.0, 3.0}));
+  CHECK(near(transforms.R("os1_sensor", "os1_imu").value() * force, force));
+  CHECK_FALSE(transforms.R("os1_lidar", "os_imu"));
+  const Payload upside_down =
+      transform_message("os_sensor", "os_imu", Eigen::Quaterniond(0.0, 1.0, 0.0, 0.0), false);
+  transforms.add({.bytes = upside_down});
+  CHECK(near(transforms.R("os_lidar", "os_imu").value() * force, {-1.0, 2.0, -3.0}));
+}
+
+TEST_CASE("inertial data that are given win over the recording's own") {
+  const TemporaryDirectory folder;
+  const std::string path = ouster_capture(folder, turns_with_imu());
+  ImuSample given = kTurning;
+  given.stamp_s = all_scans(*open_recording(path))[2].stamp_s;
+  const auto scans = all_scans(*with_imu(open_recording(path), {given}));
+  for (std::size_t i = 0; i < scans.size(); ++i) CHECK(scans[i].imu.size() == (i == 2 ? 1 : 0));
 }
 
 TEST_CASE("a sensor_msgs/Imu that says it has no angular rates, or is cut off, is left out") {
