@@ -20,6 +20,7 @@ class SourceWithImu : public ScanSource {
   std::optional<RecordedScan> next() override {
     std::optional<RecordedScan> scan = source_->next();
     if (!scan) return scan;
+    scan->imu.clear();  // what was given wins over the recording's own
     const double end_s = scan->stamp_s + 0.5 * source_->sensor().scan_period_s;
     for (; next_ < samples_.size() && samples_[next_].stamp_s <= end_s; ++next_) {
       scan->imu.push_back(samples_[next_]);

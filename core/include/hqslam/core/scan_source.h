@@ -85,7 +85,8 @@ inline constexpr const char* kStampsFromNames = "names";
 std::unique_ptr<ScanSource> open_recording(const std::string& path, const SensorModel& sensor,
                                            const RecordingOptions& options = {});
 
-/// A recording with inertial samples that were kept elsewhere, in the order of their stamps.
+/// A recording with inertial samples that were kept elsewhere, in the order of their stamps, in
+/// place of its own.
 std::unique_ptr<ScanSource> with_imu(std::unique_ptr<ScanSource> source,
                                      std::vector<ImuSample> samples);
 
