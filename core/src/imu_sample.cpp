@@ -41,9 +41,8 @@ std::vector<ImuSample> read_imu_csv(const std::string& path) {
       throw Error("{}:{}: expected a stamp after {} s, found {} s; sort the lines", path, line,
                   samples.back().stamp_s, numbers[0]);
     }
-    samples.push_back({numbers[0],
-                       {numbers[1], numbers[2], numbers[3]},
-                       {numbers[4], numbers[5], numbers[6]}});
+    samples.push_back(
+        {numbers[0], {numbers[1], numbers[2], numbers[3]}, {numbers[4], numbers[5], numbers[6]}});
   }
   if (samples.empty()) {
     throw Error("{}: expected lines of 7 numbers, found none; give a file of inertial data", path);

@@ -89,10 +89,10 @@ class Slam {
   Slam(Slam&&) noexcept;  ///< moved from: only assign or destroy
   Slam& operator=(Slam&&) noexcept;
 
-  /// What an inertial sensor measured since the last call, before the scan that it belongs to: up to
-  /// that scan's end. Scans are then corrected for an uneven turn, and looked for where the samples
-  /// say; biases are estimated. Nothing is said of the samples: what cannot be used is left out, and
-  /// a scan that they do not cover is as without.
+  /// What an inertial sensor measured since the last call, before the scan that it belongs to: up
+  /// to that scan's end. Scans are then corrected for an uneven turn, and looked for where the
+  /// samples say; biases are estimated. Nothing is said of the samples: what cannot be used is left
+  /// out, and a scan that they do not cover is as without.
   void add_imu(const std::vector<ImuSample>& samples);
 
   /// Throws Error if the cloud's shape is not the sensor's, if a pixel has no point, range or
