@@ -13,6 +13,7 @@ import hqslam
 recording = hqslam.open_recording(sys.argv[1], sensor=sys.argv[2] if len(sys.argv) > 2 else "")
 slam = hqslam.Slam(recording.sensor)
 for scan in recording:
+    slam.add_imu(scan.imu)
     report = slam.process(scan.cloud, scan.stamp_s)
     x_m, y_m, z_m = report.T_map_sensor[:3, 3]
     sigma_m = np.sqrt(np.trace(report.covariance[:3, :3]))

@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "hqslam/core/imu_sample.h"
 #include "hqslam/core/trajectory.h"
 
 namespace nb = nanobind;
@@ -27,6 +28,8 @@ using Image = Array<float, -1, -1>;         ///< rows x columns
 using PointGrid = Array<float, -1, -1, 3>;  ///< rows x columns x 3
 using PointList = Array<float, -1, 3>;      ///< N x 3
 using PoseList = Array<double, -1, 4, 4>;   ///< N x 4 x 4
+using ImuList = Array<double, -1, 7>;       ///< N ImuSamples
+static_assert(sizeof(ImuSample) == 7 * sizeof(double));
 
 /// What comes in: any array of the shape; copied only where it has another type or is not in C
 /// order.

@@ -39,6 +39,13 @@ void add_recordings(nb::module_& module) {
       .def_ro("name", &RecordedScan::name, "The file, or the stack and the index in it.")
       .def_ro("stamp_s", &RecordedScan::stamp_s, "The time of its middle, seconds.")
       .def_ro("cloud", &RecordedScan::cloud, "Its points.")
+      .def_prop_ro(
+          "imu",
+          [](const RecordedScan& r) {
+            return owned<ImuList>(std::vector(r.imu), {r.imu.size(), 7});
+          },
+          "(N, 7) float64: what an inertial sensor measured since the scan before, in the LiDAR's "
+          "frame: stamp, angular rate x, y, z (rad/s), specific force x, y, z (m/s^2).")
       .def_ro("invalid_points", &RecordedScan::invalid_points,
               "Points that were not finite or at the origin: left out.");
 

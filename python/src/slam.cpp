@@ -165,6 +165,13 @@ void add_slam(nb::module_& module) {
       .def("process", &process_points, "points_m"_a, "stamp_s"_a, "row"_a = nb::none(),
            "time_offset_s"_a = nb::none(), "trace"_a = nb::none(),
            "The same for points as project takes them.")
+      .def(
+          "add_imu",
+          [](Slam& slam, const Input<double, -1, 7>& samples) {
+            slam.call([&](Locating& l) { l.slam.add_imu(values_of<ImuSample>(samples)); });
+          },
+          "samples"_a,
+          "What an inertial sensor measured up to the end of the next scan: RecordedScan.imu.")
       .def("finish", &ask_slam<&slam::Slam::finish>,
            "After the last scan: takes in what loop closing was still finding out.")
       .def("trajectory", &ask_slam<&slam::Slam::trajectory>,

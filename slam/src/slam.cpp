@@ -13,6 +13,9 @@ namespace hqslam::slam {
 
 namespace {
 
+/// Across longer gaps nothing is integrated.
+constexpr double kImuMemory_s = 5.0;
+
 SensorModel validated(const SensorModel& sensor) {
   hqslam::validate(sensor);
   return sensor;
@@ -87,6 +90,7 @@ ScanReport Slam::Implementation::process(const OrganizedCloud& cloud, double sta
   report.T_odom_sensor = mounting.of_sensor(report.T_odom_sensor);
   report.covariance = mounting.of_sensor(report.covariance);
   path.add({stamp_s, report.T_map_sensor}, mapping.keyframes(), mounting.of_sensor(own_covariance));
+  imu.forget_before(stamp_s - kImuMemory_s);
   return report;
 }
 
@@ -102,7 +106,11 @@ Scan Slam::Implementation::front_end(const OrganizedCloud& cloud, double stamp_s
             clock.time_s(stamp_s),
             extract_features(cloud, segmentation, options.features),
             {},
-            false};
+            false,
+            stamp_s,
+            {},
+            {}};
+  make_turning_even(scan);
   scan.map_features = map_features(scan.features, sensor.measured_rows, options.mapping);
   const auto planar = static_cast<int>(scan.features.ground.size() + scan.features.surfaces.size());
   report.edge_features = static_cast<int>(scan.features.edges.size());
@@ -116,6 +124,21 @@ Scan Slam::Implementation::front_end(const OrganizedCloud& cloud, double stamp_s
     trace_features(scan.map_features, *notes.trace);
   }
   return scan;
+}
+
+/// As far as an inertial sensor saw how the sensor turned during the scan.
+void Slam::Implementation::make_turning_even(Scan& scan) {
+  const double half_s = 0.5 * sensor.scan_period_s;
+  const std::vector<ImuStep> steps =
+      imu.steps(scan.stamp_s - half_s, scan.stamp_s + half_s, mounting.turn_to_level());
+  if (steps.empty()) return;
+  const Reference* reference = reference_of(state);
+  const bool is_bias_known = reference != nullptr && reference->inertial;
+  scan.turning.emplace(
+      steps, half_s,
+      is_bias_known ? reference->inertial->gyroscope_bias_rad_per_s : Eigen::Vector3d::Zero());
+  scan.turning->apply(scan.features);
+  scan.specific_force_mps2 = mean_specific_force_mps2(steps);
 }
 
 /// What loop closing found out since, if this is the scan that it was waited for.
@@ -139,6 +162,7 @@ void Slam::Implementation::apply(const LoopResult& found) {
     path.correct(found.corrections);
     Pose& T_map_reference = reference->state.T_map_sensor;
     T_map_reference = orthonormalized(found.corrections.back() * T_map_reference);
+    if (reference->inertial) turn(*reference->inertial, found.corrections.back().linear());
   }
   mapping.restore_to_window(found.recalled);
 }
@@ -163,6 +187,8 @@ Slam::Slam(const SensorModel& sensor, const SlamOptions& options, const SavedMap
 Slam::~Slam() = default;
 Slam::Slam(Slam&&) noexcept = default;
 Slam& Slam::operator=(Slam&&) noexcept = default;
+
+void Slam::add_imu(const std::vector<ImuSample>& samples) { implementation_->imu.add(samples); }
 
 ScanReport Slam::process(const OrganizedCloud& cloud, double stamp_s, ScanTrace* trace) {
   check(cloud, stamp_s, implementation_->sensor);

@@ -9,6 +9,7 @@
 #include "hqslam/slam/options.h"
 #include "hqslam/slam/scan_trace.h"
 #include "hqslam/slam/slam.h"
+#include "imu/imu_buffer.h"
 #include "loops/background_loop_closing.h"
 #include "loops/place_recognition.h"
 #include "segmented_trajectory.h"
@@ -31,6 +32,7 @@ struct Slam::Implementation {
   SensorModel sensor;  ///< the upright one
   Segmenter segmenter;
   ScanClock clock;
+  ImuBuffer imu;
   State state;
   Mapping mapping;
   SegmentedTrajectory path;
@@ -50,6 +52,7 @@ struct Slam::Implementation {
   void collect_loops(Notes& notes);
   void apply(const LoopResult& found);
   void apply(const LoopedDrift& found, const Pose& T_map_reference);
+  void make_turning_even(Scan& scan);
   Scan front_end(const OrganizedCloud& cloud, double stamp_s, Notes& notes);
 
   // One scan on, from each state: tracking.cpp, and Searching in relocalization.cpp.
@@ -68,18 +71,22 @@ struct Slam::Implementation {
     bool is_contradiction = false;     ///< of what was well known before the scan
     double inlier_ratio = 0.0;
     double close_ratio = 0.0;
+    std::optional<InertialState> inertial;
   };
+  std::optional<InertialPrediction> predicted_by_imu(const Reference& reference,
+                                                     const Scan& scan) const;
   Registered registered(const Tracking& last, const Scan& scan, Notes& notes) const;
   Registered first_registered(Tracking& last, const Scan& scan, Notes& notes);
   State tracked(Tracking last, const Registered& found, const Scan& scan, Notes& notes);
   State new_segment(const Lost& lost, Registered found, const Scan& scan, Notes& notes);
-  void correct_first_keyframe(Tracking& last, const Twist& velocity);
+  void correct_first_keyframe(Tracking& last, Twist velocity);
   void add_keyframe(const Scan& scan, const Twist& velocity, bool begins_segment, Notes& notes);
   bool is_in_given_map(const MapFeatures& features, const MotionState& found) const;
 };
 
-/// The scan as the one that the next are matched with.
+/// The scan as the one that the next are matched with. inertial: nothing where it begins with this
+/// scan, or nothing covers it.
 Reference reference_of(const Scan& scan, const MotionState& state, const Matrix6& against_map,
-                       const ScanReport& report);
+                       const ScanReport& report, std::optional<InertialState> inertial = {});
 
 }  // namespace hqslam::slam

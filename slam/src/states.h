@@ -8,6 +8,8 @@
 #include "alignment/motion_state.h"
 #include "front_end/features.h"
 #include "front_end/odometry.h"
+#include "imu/even_turning.h"
+#include "imu/inertial_state.h"
 #include "map/mapping.h"
 
 namespace hqslam::slam {
@@ -31,6 +33,8 @@ struct Reference {
   Matrix6 against_map = Matrix6::Zero();  ///< the pose's covariance: Drift
   Pose T_odom_sensor = Pose::Identity();
   OdometryTarget target;
+  double stamp_s = 0.0;
+  std::optional<InertialState> inertial;  ///< where an inertial sensor covers the scan
 };
 
 /// Nothing was seen yet that SLAM could begin with.
@@ -42,6 +46,7 @@ struct FirstKeyframe {
   double time_s = 0.0;
   Features features;
   MapFeatures map_features;
+  std::optional<EvenTurning> turning;  ///< where an inertial sensor saw how it turned
 };
 
 /// The last scan was registered in the map, or is the first of a submap.
@@ -83,6 +88,9 @@ struct Scan {
   /// Whether the next scan can be matched with it: edges alone will do (indoors), and so will
   /// ground and surfaces alone (in open land).
   bool has_enough_features = false;
+  double stamp_s = 0.0;  ///< by the clock of the inertial sensor, if there is one
+  std::optional<EvenTurning> turning;
+  Eigen::Vector3d specific_force_mps2 = Eigen::Vector3d::Zero();  ///< where there is a turning
 };
 
 }  // namespace hqslam::slam

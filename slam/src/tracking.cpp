@@ -1,6 +1,7 @@
 // The states of a sensor that is followed, and one that SLAM has not begun with yet.
 
 #include <array>
+#include <cmath>
 #include <utility>
 
 #include "map/choice_of_start.h"
@@ -37,8 +38,15 @@ Matrix6 growth(const MotionState& before, const MotionState& expected, const Pos
 }  // namespace
 
 Reference reference_of(const Scan& scan, const MotionState& state, const Matrix6& against_map,
-                       const ScanReport& report) {
-  return {scan.time_s, state, against_map, report.T_odom_sensor, {scan.features, state.velocity}};
+                       const ScanReport& report, std::optional<InertialState> inertial) {
+  if (!inertial && scan.turning) inertial = first_inertial_state(state, scan.specific_force_mps2);
+  return {scan.time_s,
+          state,
+          against_map,
+          report.T_odom_sensor,
+          {scan.features, state.velocity},
+          scan.stamp_s,
+          std::move(inertial)};
 }
 
 std::string_view name(const State& state) {
@@ -60,10 +68,11 @@ State Slam::Implementation::next(Starting, const Scan& scan, Notes& notes) {
     notes.report.mapping_status = Status::kTooFewFeatures;
     return Starting{};
   }
-  const MotionState standing = unknown_motion(Pose::Identity());
+  MotionState standing = unknown_motion(Pose::Identity());
+  if (scan.turning) standing.velocity.angular = scan.turning->mean_rate_rad_per_s();
   add_keyframe(scan, standing.velocity, true, notes);
   return Tracking{reference_of(scan, standing, drift.against_map(standing), notes.report), 0.0, 0.0,
-                  FirstKeyframe{scan.time_s, scan.features, scan.map_features}};
+                  FirstKeyframe{scan.time_s, scan.features, scan.map_features, scan.turning}};
 }
 
 State Slam::Implementation::next(Tracking now, const Scan& scan, Notes& notes) {
@@ -86,7 +95,8 @@ State Slam::Implementation::next(Lost now, const Scan& scan, Notes& notes) {
   if (map_goes_on && !now.is_motion_measured) return new_segment(now, found, scan, notes);
   if (!found.by_odometry) return now;
   drift.move(reference.state.T_map_sensor.inverse() * found.state.T_map_sensor);
-  now.last.reference = reference_of(scan, found.state, found.against_map, notes.report);
+  now.last.reference =
+      reference_of(scan, found.state, found.against_map, notes.report, found.inertial);
   if (map_goes_on && mapping.is_keyframe(found.state.T_map_sensor)) {
     now.last.first_keyframe.reset();
     add_keyframe(scan, found.state.velocity, false, notes);
@@ -106,7 +116,7 @@ State Slam::Implementation::tracked(Tracking last, const Registered& found, cons
   } else {
     drift.grow(motion, found.state);
   }
-  last.reference = reference_of(scan, found.state, found.against_map, notes.report);
+  last.reference = reference_of(scan, found.state, found.against_map, notes.report, found.inertial);
   last.inlier_ratio = found.inlier_ratio;
   last.close_ratio = found.close_ratio;
   if (!place_recognition && mapping.is_keyframe(found.state.T_map_sensor)) {
@@ -122,15 +132,31 @@ State Slam::Implementation::new_segment(const Lost& lost, Registered found, cons
                                         Notes& notes) {
   drift.lose(found.against_map, lost.is_carried);
   // A velocity that nothing measured would be predicted again, and kept for good.
-  if (!found.by_odometry) found.state = unknown_motion(found.state.T_map_sensor);
+  if (!found.by_odometry) {
+    found.state = unknown_motion(found.state.T_map_sensor);
+    if (found.inertial) found.inertial = kept(*found.inertial, found.state);
+  }
   drift.move(lost.last.reference.state.T_map_sensor.inverse() * found.state.T_map_sensor);
   path.begin_segment(lost.missed_scans - 1, mapping.keyframes(), lost.is_carried);
   const Matrix6 against_own_map = drift.against_map(unknown_motion(found.state.T_map_sensor));
   notes.own_covariance = drift.own_covariance(Pose::Identity(), against_own_map);
   notes.report.covariance = drift.covariance(Pose::Identity(), against_own_map);
   add_keyframe(scan, found.state.velocity, true, notes);
-  return Tracking{reference_of(scan, found.state, against_own_map, notes.report), 0.0, 0.0,
-                  std::nullopt};
+  return Tracking{reference_of(scan, found.state, against_own_map, notes.report, found.inertial),
+                  0.0, 0.0, std::nullopt};
+}
+
+/// Nothing where no inertial sensor measured all of the way.
+std::optional<InertialPrediction> Slam::Implementation::predicted_by_imu(const Reference& reference,
+                                                                         const Scan& scan) const {
+  const bool is_clock_steady =
+      std::abs((scan.stamp_s - reference.stamp_s) - (scan.time_s - reference.time_s)) < 1e-6;
+  if (!reference.inertial || !scan.turning || !is_clock_steady) return std::nullopt;
+  const std::vector<ImuStep> steps =
+      imu.steps(reference.stamp_s, scan.stamp_s, mounting.turn_to_level());
+  if (steps.empty()) return std::nullopt;
+  return predicted(reference.state, *reference.inertial, steps,
+                   scan.turning->mean_rate_rad_per_s());
 }
 
 /// Where the scan is: predicted, moved by the odometry, registered in the map.
@@ -141,8 +167,10 @@ Slam::Implementation::Registered Slam::Implementation::registered(const Tracking
   ScanReport& report = notes.report;
   const double duration_s = scan.time_s - reference.time_s;
   const double steady_s = kSteady_periods * sensor.scan_period_s;
+  const std::optional<InertialPrediction> measured = predicted_by_imu(reference, scan);
   const MotionState expected =
-      predicted(reference.state, duration_s, steady_s, accelerations.density());
+      measured ? measured->state
+               : predicted(reference.state, duration_s, steady_s, accelerations.density());
   const OdometryResult moved =
       scan_to_scan(reference.target, scan.features,
                    {reference.state.T_map_sensor.inverse() * expected.T_map_sensor, duration_s},
@@ -153,7 +181,8 @@ Slam::Implementation::Registered Slam::Implementation::registered(const Tracking
   report.times.odometry_s += notes.stopwatch.lap_s();
 
   const MappingResult matched = register_from_starts(
-      mapping, scan.map_features, {expected, T_map_moved, duration_s, last.close_ratio});
+      mapping, scan.map_features,
+      {expected, T_map_moved, duration_s, last.close_ratio, measured.has_value()});
   // Of a scan that was found far from where it was looked for first, inlier_ratio is of the way.
   const bool is_elsewhere = matched.inlier_ratio < kLeastShareOfInlierRatio * last.inlier_ratio &&
                             matched.close_ratio < kLeastShareOfInlierRatio * last.close_ratio;
@@ -172,6 +201,11 @@ Slam::Implementation::Registered Slam::Implementation::registered(const Tracking
   if (!found.is_registered) {
     found.state.T_map_sensor = T_map_moved;
     found.state.velocity = (1.0 / duration_s) * logarithm(moved.T_reference_sensor);
+  }
+  if (measured) {
+    found.inertial = corrected(*measured, found.state);
+  } else if (reference.inertial) {
+    found.inertial = kept(*reference.inertial, found.state);
   }
   report.mapping_status = !found.is_registered    ? Status::kTooFewFeatures
                           : duration_s > steady_s ? Status::kAfterGap
@@ -209,8 +243,9 @@ Slam::Implementation::Registered Slam::Implementation::first_registered(Tracking
   return registered(last, scan, notes);
 }
 
-void Slam::Implementation::correct_first_keyframe(Tracking& last, const Twist& velocity) {
+void Slam::Implementation::correct_first_keyframe(Tracking& last, Twist velocity) {
   const FirstKeyframe& first = *last.first_keyframe;
+  if (first.turning) velocity.angular = first.turning->mean_rate_rad_per_s();
   mapping = Mapping(options.mapping);
   mapping.insert(first.map_features, Pose::Identity(), velocity);
   if (last.reference.time_s == first.time_s) last.reference.target = {first.features, velocity};

@@ -43,7 +43,9 @@ struct Step {
   };
 
   int host;
-  int form;  ///< 0 to 4: what another sensor would send, an empty or a large packet; else its own
+  /// 0 to 4: what another sensor would send, an empty packet or one of inertial data, a large one;
+  /// else its own.
+  int form;
   int packets;
   std::int64_t gap_ns;        ///< before the first of them
   std::int64_t clock_gap_ns;  ///< the same by the sender's clock
@@ -81,7 +83,12 @@ const test::Payload& ouster_packet(int profile, std::uint32_t number) {
 }
 
 test::Payload payload(int sensor, const Step& step, const Host& host) {
-  if (step.form == 3) return {};
+  if (step.form == 3 && step.turned % 2 == 0) return {};
+  if (step.form == 3) {
+    test::Payload bytes = test::ouster_imu_packet(host.clock_ns);
+    bytes[step.damaged_at % bytes.size()] ^= step.damage;
+    return bytes;
+  }
   if (step.form == 4) return test::Payload(4096, 0xEE);
   const int sent = step.form < 3 ? (sensor + 1 + step.form) % kSensors : sensor;
   test::Payload bytes;
@@ -139,7 +146,9 @@ class Listener {
     ++added_;
     take_scans();
     const PacketCounts& counts = assembler_->counts();
-    require(counts.used + counts.late + counts.foreign == added_, "packets are not counted once");
+    const ImuCounts imu = assembler_->imu_counts();
+    require(counts.used + counts.late + counts.foreign + imu.used + imu.left_out == added_,
+            "packets are not counted once");
     require(counts.lost >= 0 && assembler_->lost_scans() >= 0, "less than nothing is lost");
   }
 
@@ -157,6 +166,9 @@ class Listener {
         const auto scan = assembler_->next();
         if (!scan) return;
         require(std::isfinite(scan->stamp_s), "a scan has no time");
+        for (const ImuSample& sample : scan->imu) {
+          require(std::isfinite(sample.stamp_s), "an inertial sample has no time");
+        }
       } catch (const ScanError&) {
         continue;  // left out
       }

@@ -192,7 +192,12 @@ void put_recordings() {
         {"/points", ros1 ? "sensor_msgs/PointCloud2" : "sensor_msgs/msg/PointCloud2",
          1'600'000'000'000'000'000, test::cloud_message(1'600'000'000'000'000'000, points, ros1)},
         {"/text", ros1 ? "std_msgs/String" : "std_msgs/msg/String", 1'600'000'000'000'000'001,
-         test::text_message("a text", ros1)}};
+         test::text_message("a text", ros1)},
+        {"/tf_static", ros1 ? "tf2_msgs/TFMessage" : "tf2_msgs/msg/TFMessage",
+         1'600'000'000'000'000'002,
+         test::transform_message("lidar", "imu", Eigen::Quaterniond::Identity(), ros1)},
+        {"/imu", ros1 ? "sensor_msgs/Imu" : "sensor_msgs/msg/Imu", 1'600'000'000'000'000'003,
+         test::imu_message(1'600'000'000'000'000'003, "imu", {}, ros1)}};
     if (ros1) {
       for (const char* compression : {"none", "lz4", "bz2"}) {
         put("ros1_bag", compression, test::ros1_bytes(messages, compression));

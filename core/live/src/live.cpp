@@ -12,7 +12,7 @@
 
 #include "hqslam/core/error.h"
 #include "live_stream.h"
-#include "pcap_writer.h"
+#include "packet_recorder.h"
 #include "udp_socket.h"
 
 namespace hqslam::live {
@@ -25,8 +25,10 @@ using Clock = std::chrono::steady_clock;
 
 /// How long the thread waits for a packet before it looks whether it is to end.
 constexpr int kWait_ms = 50;
-/// Packets that are kept to be recorded as soon as the sensor is recognised.
-constexpr std::size_t kMostKept_bytes = std::size_t{64} << 20U;
+/// Packets of inertial data between two others; a flood of them must not hold up the scans.
+constexpr int kMostImuAtOnce = 100;
+/// Inertial samples of dropped scans that the next one carries.
+constexpr std::size_t kMostImuSamples = 20'000;
 /// The sensor sends for so long, and nothing of it is understood.
 constexpr std::int64_t kTrouble_ns = 2'000'000'000;
 
@@ -45,9 +47,8 @@ class LiveSensor::Impl {
   explicit Impl(const LiveOptions& options)
       : options_(checked(options)),
         stream_(options),
-        socket_(options.port != 0 ? options.port : stream_.usual_port()) {
-    if (!options_.record.empty()) recorder_.emplace(options_.record);
-  }
+        socket_(options.port != 0 ? options.port : stream_.usual_port()),
+        recorder_(options_.record) {}
   ~Impl() {
     stop_ = true;
     if (thread_.joinable()) thread_.join();
@@ -73,26 +74,19 @@ class LiveSensor::Impl {
   }
 
  private:
-  /// A packet that was received before the sensor was recognised.
-  struct Kept {
-    Packet packet;
-    std::vector<std::uint8_t> payload;
-  };
-  void keep(const Packet& packet);
-  void begin_recording();
-  void stop_recording(const std::string& failure);
-  void record(const Packet& packet);
   bool is_sensors(const Packet& packet);
   void judge(std::int64_t arrival_ns);
+  void listen_for_imu();
+  void take_imu();
   void run();
   void take_scans(std::int64_t arrival_ns);
+  void drop_oldest();
 
   LiveOptions options_;
   LiveStream stream_;
   UdpSocket socket_;
-  std::optional<PcapWriter> recorder_;
-  std::deque<Kept> kept_;
-  std::size_t kept_bytes_ = 0;
+  std::optional<UdpSocket> imu_socket_;  ///< of an Ouster
+  PacketRecorder recorder_;
   std::int64_t seen_ = 0;
   bool recognised_ = false;
   Packet first_;  ///< that is decoded: the one by which the sensor was recognised
@@ -111,49 +105,6 @@ class LiveSensor::Impl {
   std::exception_ptr failure_;
 };
 
-/// A full disk ends the recording, not the drive.
-void LiveSensor::Impl::record(const Packet& packet) {
-  if (!recorder_) return;
-  try {
-    recorder_->add(packet);
-  } catch (const Error& error) {
-    stop_recording(error.what());
-  }
-}
-
-void LiveSensor::Impl::stop_recording(const std::string& failure) {
-  recorder_.reset();
-  const std::lock_guard lock(mutex_);
-  counts_.recording_failure = failure;
-}
-
-/// Keeps a packet until it is known whether its sender is the sensor; the oldest make room.
-void LiveSensor::Impl::keep(const Packet& packet) {
-  if (!recorder_) return;
-  kept_.push_back({packet, {packet.payload.begin(), packet.payload.end()}});
-  kept_bytes_ += packet.payload.size();
-  while (kept_bytes_ > kMostKept_bytes) {
-    kept_bytes_ -= kept_.front().payload.size();
-    kept_.pop_front();
-  }
-}
-
-/// What the sensor has sent up to now, its metadata first: without them the packets say nothing.
-void LiveSensor::Impl::begin_recording() {
-  if (recorder_ && !stream_.metadata_text().empty()) {
-    try {
-      recorder_->put_beside(stream_.metadata_text());
-    } catch (const Error& error) {
-      stop_recording(error.what());
-    }
-  }
-  for (Kept& kept : kept_) {
-    kept.packet.payload = kept.payload;
-    if (kept.packet.endpoint == stream_.sender()) record(kept.packet);
-  }
-  kept_.clear();
-}
-
 bool LiveSensor::Impl::recognise(double timeout_s) {
   const auto end = Clock::now() + std::chrono::duration<double>(timeout_s);
   while (!recognised_) {
@@ -163,13 +114,14 @@ bool LiveSensor::Impl::recognise(double timeout_s) {
         socket_.receive(static_cast<int>(std::clamp(left_ms, 1.0, double{kWait_ms})));
     if (!packet) continue;
     ++seen_;
-    keep(*packet);
+    recorder_.keep(*packet);
     recognised_ = stream_.recognise(*packet);
     if (!recognised_) continue;
     first_ = *packet;
     first_payload_.assign(packet->payload.begin(), packet->payload.end());
     first_.payload = first_payload_;
-    begin_recording();
+    recorder_.begin(stream_);
+    counts_.recording_failure = recorder_.failure();
   }
   return true;
 }
@@ -182,7 +134,30 @@ void LiveSensor::Impl::start(int columns) {
   assembler_->add(first_);
   sender_ = stream_.sender();
   understood_ns_ = first_.capture_time_ns;
+  listen_for_imu();
   thread_ = std::thread([this] { run(); });
+}
+
+/// A port that is in use ends no drive: it goes on without inertial data.
+void LiveSensor::Impl::listen_for_imu() {
+  const std::uint16_t port = stream_.imu_port();
+  if (port == 0 || port == socket_.port()) return;
+  try {
+    imu_socket_.emplace(port);
+  } catch (const Error& error) {
+    counts_.imu_failure = error.what();
+  }
+}
+
+/// What has come of inertial data up to now, so that it is there before its scan is complete.
+void LiveSensor::Impl::take_imu() {
+  for (int i = 0; imu_socket_ && i < kMostImuAtOnce; ++i) {
+    const std::optional<Packet> packet = imu_socket_->receive(0);
+    if (!packet) return;
+    if (!stream_.is_imu(*packet)) continue;
+    recorder_.add(*packet);
+    assembler_->add(*packet);
+  }
 }
 
 void LiveSensor::Impl::run() {
@@ -191,7 +166,8 @@ void LiveSensor::Impl::run() {
       const std::optional<Packet> packet = socket_.receive(kWait_ms);
       if (!packet) continue;
       if (!is_sensors(*packet)) continue;
-      record(*packet);
+      take_imu();
+      recorder_.add(*packet);
       assembler_->add(*packet);
       take_scans(packet->capture_time_ns);
     }
@@ -225,6 +201,18 @@ void LiveSensor::Impl::judge(std::int64_t arrival_ns) {
   }
 }
 
+/// Its inertial samples go to the next one: whoever missed a scan needs them most.
+void LiveSensor::Impl::drop_oldest() {
+  std::vector<ImuSample> samples = std::move(waiting_.front().scan.imu);
+  waiting_.pop_front();
+  ++counts_.dropped_scans;
+  std::vector<ImuSample>& next = waiting_.front().scan.imu;
+  samples.insert(samples.end(), next.begin(), next.end());
+  if (samples.size() > kMostImuSamples)
+    samples.erase(samples.begin(), samples.end() - kMostImuSamples);
+  next = std::move(samples);
+}
+
 /// Puts what the last packet completed in line.
 void LiveSensor::Impl::take_scans(std::int64_t arrival_ns) {
   while (true) {
@@ -236,7 +224,9 @@ void LiveSensor::Impl::take_scans(std::int64_t arrival_ns) {
       left_out = error.what();
     }
     const std::lock_guard lock(mutex_);
+    counts_.recording_failure = recorder_.failure();
     counts_.packets = assembler_->counts();
+    counts_.imu = assembler_->imu_counts();
     counts_.lost_scans = assembler_->lost_scans();
     judge(arrival_ns);
     if (!scan && left_out.empty()) return;
@@ -245,11 +235,8 @@ void LiveSensor::Impl::take_scans(std::int64_t arrival_ns) {
       if (counts_.left_out_scans++ == 0) counts_.first_left_out = left_out;
       continue;
     }
-    if (waiting_.size() >= static_cast<std::size_t>(options_.most_waiting)) {
-      waiting_.pop_front();
-      ++counts_.dropped_scans;
-    }
     waiting_.push_back({std::move(*scan), arrival_ns});
+    if (waiting_.size() > static_cast<std::size_t>(options_.most_waiting)) drop_oldest();
     arrived_.notify_one();
   }
 }

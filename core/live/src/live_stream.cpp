@@ -7,6 +7,7 @@
 
 #include "hqslam/core/error.h"
 #include "http_get.h"
+#include "ouster_imu.h"
 #include "ouster_metadata.h"
 #include "velodyne_sensor.h"
 #include "velodyne_tables.h"
@@ -19,6 +20,7 @@ namespace {
 
 constexpr std::uint16_t kVelodynePort = 2368;
 constexpr std::uint16_t kOusterPort = 7502;
+constexpr std::uint16_t kOusterImuPort = 7503;
 /// From firmware 2.2 on; older sensors' metadata must be given as a file.
 constexpr const char* kMetadataPath = "/api/v1/sensor/metadata";
 /// What a Velodyne is recognised by: half a second, or so many packets if their clock stands still.
@@ -55,6 +57,15 @@ LiveStream::LiveStream(const LiveOptions& options) : options_(options) {
 std::uint16_t LiveStream::usual_port() const {
   if (!is_ouster_) return kVelodynePort;
   return metadata_ && metadata_->lidar_port != 0 ? metadata_->lidar_port : kOusterPort;
+}
+
+std::uint16_t LiveStream::imu_port() const {
+  if (!metadata_) return 0;
+  return metadata_->imu_port != 0 ? metadata_->imu_port : kOusterImuPort;
+}
+
+bool LiveStream::is_imu(const Packet& packet) const {
+  return packet.payload.size() == kOusterImuBytes && packet.endpoint.address == sender_->address;
 }
 
 LiveStream::Sender& LiveStream::heard(const Packet& packet) {

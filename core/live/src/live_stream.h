@@ -21,6 +21,10 @@ class LiveStream {
 
   /// The port to which such a sensor sends, unless it is told otherwise.
   std::uint16_t usual_port() const;
+  /// Where inertial data come, once the sensor is recognised; 0: nowhere.
+  std::uint16_t imu_port() const;
+  /// Whether the packet is one of the sensor's inertial data.
+  bool is_imu(const recordings::Packet& packet) const;
   NamedSensor named() const { return {named_, !is_ouster_ || metadata_, metadata_.has_value()}; }
   /// Takes the next packet in; whether its sender is known now to be the sensor. May ask the sender
   /// for an Ouster's metadata.

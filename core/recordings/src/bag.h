@@ -29,7 +29,7 @@ class BagFile {
   /// Those that were met so far.
   const std::map<std::uint32_t, Topic>& topics() const { return topics_; }
   /// As RecordingFile's.
-  virtual void keep_only(const std::string& /*topic*/) {}
+  virtual void keep_only(const std::vector<std::string>& /*topics*/) {}
   virtual double read_share() const = 0;
 
  protected:

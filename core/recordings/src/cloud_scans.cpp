@@ -77,7 +77,7 @@ void check(const Layout& layout) {
 
 /// The stamp of the header alone. Throws Error.
 std::int64_t point_cloud_stamp_ns(const Message& message) {
-  return MessageReader(message).header_ns();
+  return MessageReader(message).header().time_ns;
 }
 
 /// The points of a sensor_msgs/PointCloud2. Fields as point_fields() finds them, of any of the
@@ -85,7 +85,7 @@ std::int64_t point_cloud_stamp_ns(const Message& message) {
 /// message that is damaged or has no coordinates.
 RawPoints read_point_cloud(const Message& message, const std::string& source) {
   MessageReader reader(message);
-  reader.header_ns();
+  reader.header();
   const Layout layout = read_layout(reader);
   check(layout);
   // Rows without a column may be announced by the thousand million.

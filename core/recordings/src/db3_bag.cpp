@@ -84,7 +84,7 @@ class Db3Bag : public BagFile {
       id_ = sqlite3_column_int64(order_.get(), 0);
       const auto topic = static_cast<std::uint32_t>(sqlite3_column_int64(order_.get(), 2));
       const auto found = topics_.find(topic);
-      if (found == topics_.end() || (!kept_.empty() && found->second.name != kept_)) continue;
+      if (found == topics_.end() || !is_kept(found->second.name)) continue;
       Message message;
       message.time_ns = sqlite3_column_int64(order_.get(), 1);
       message.stream = topic;
@@ -95,7 +95,7 @@ class Db3Bag : public BagFile {
     return std::nullopt;
   }
 
-  void keep_only(const std::string& topic) override { kept_ = topic; }
+  void keep_only(const std::vector<std::string>& topics) override { kept_ = topics; }
 
   double read_share() const override {
     return last_id_ > 0
@@ -104,6 +104,10 @@ class Db3Bag : public BagFile {
   }
 
  private:
+  bool is_kept(const std::string& topic) const {
+    return kept_.empty() || std::ranges::find(kept_, topic) != kept_.end();
+  }
+
   Statement prepared(const char* sql) const {
     sqlite3_stmt* raw = nullptr;
     if (sqlite3_prepare_v2(database_.get(), sql, -1, &raw, nullptr) != SQLITE_OK) {
@@ -130,10 +134,10 @@ class Db3Bag : public BagFile {
 
   std::string path_;
   Database database_;
-  Statement order_;  ///< of the messages
-  Statement bytes_;  ///< of one of them
-  std::string kept_;
-  std::int64_t id_ = 0;  ///< of the message that was read last
+  Statement order_;                ///< of the messages
+  Statement bytes_;                ///< of one of them
+  std::vector<std::string> kept_;  ///< topics; none: all
+  std::int64_t id_ = 0;            ///< of the message that was read last
   std::int64_t last_id_ = 0;
 };
 

@@ -68,7 +68,7 @@ void MessagePackets::begin(const Message& message) {
   try {
     reader_.emplace(message);
     if (carrier_ == Carrier::kOneBuffer) return;
-    reader_->header_ns();
+    reader_->header();
     left_ = reader_->u32();
   } catch (const Error&) {
     left_ = 0;
@@ -135,11 +135,13 @@ std::int64_t MessageReader::time_ns() {
   return seconds * 1'000'000'000 + u32();
 }
 
-std::int64_t MessageReader::header_ns() {
+MessageHeader MessageReader::header() {
   if (ros1_) u32();  // a running number
-  const std::int64_t time = time_ns();
-  words();
-  return time;
+  MessageHeader result;
+  result.time_ns = time_ns();
+  result.frame = words();
+  if (result.frame.starts_with('/')) result.frame.erase(0, 1);
+  return result;
 }
 
 }  // namespace hqslam::recordings

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <bit>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -9,6 +10,12 @@
 #include "recording_file.h"
 
 namespace hqslam::recordings {
+
+/// What a stamped message begins with.
+struct MessageHeader {
+  std::int64_t time_ns = 0;  ///< since 1970
+  std::string frame;         ///< its name, without the slash that ROS 1 may put before it
+};
 
 /// Reads a message field by field: ROS 2's CDR (little- or big-endian, numbers aligned to their
 /// size behind the encapsulation header, texts with a zero at the end) or ROS 1's form (no
@@ -21,14 +28,14 @@ class MessageReader {
   std::uint8_t u8() { return static_cast<std::uint8_t>(number(1)); }
   std::uint32_t u32() { return static_cast<std::uint32_t>(number(4)); }
   std::int32_t i32() { return static_cast<std::int32_t>(number(4)); }
+  double f64() { return std::bit_cast<double>(number(8)); }
   std::string words();
   /// Bytes of a list whose length stands before them.
   Bytes byte_list();
   Bytes bytes(std::size_t count);
   /// Seconds and nanoseconds as they stand, ns since 1970.
   std::int64_t time_ns();
-  /// The header of a stamped message: its time; the frame's name is passed over.
-  std::int64_t header_ns();
+  MessageHeader header();
   bool ros1() const { return ros1_; }
   std::size_t left() const { return bytes_.size() - at_; }
 

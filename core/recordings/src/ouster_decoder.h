@@ -84,7 +84,8 @@ class OusterDecoder {
 
 /// A frame with the time of its points.
 struct OusterScan {
-  double stamp_s = 0.0;  ///< the middle between its first and its last column
+  double stamp_s = 0.0;         ///< the middle between its first and its last column
+  double sensor_stamp_s = 0.0;  ///< the same by the sensor's clock
   OrganizedCloud cloud;
 };
 

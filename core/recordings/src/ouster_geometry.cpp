@@ -101,6 +101,7 @@ std::optional<OusterScan> OusterGeometry::scan(const OusterFrame& frame) {
   const std::uint64_t stamp_ns = first_packet_ns + (*middle - frame.first_timestamp_ns);
   OusterScan scan;
   scan.stamp_s = 1e-9 * static_cast<double>(static_cast<std::int64_t>(stamp_ns));
+  scan.sensor_stamp_s = 1e-9 * static_cast<double>(*middle);
   scan.cloud = OrganizedCloud(sensor.rows(), sensor.columns);
   // Columns that never came have the time that they would have had.
   std::vector<float> of_column_s(frame.status.size());

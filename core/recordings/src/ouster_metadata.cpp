@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <charconv>
@@ -81,6 +82,38 @@ void set_window(OusterMetadata& metadata, JsonFields& format) {
   metadata.last_column = window[1];
 }
 
+/// 0 where the file does not say.
+std::uint16_t port(JsonFields config, const std::string& field) {
+  double number = 0.0;
+  config.optional(field, number);
+  return number >= 0.0 && number <= 65535.0 ? static_cast<std::uint16_t>(number) : 0;
+}
+
+/// The rotation of a 4 x 4 transform, row-major; `usual` where the file does not say.
+Eigen::Matrix3d rotation(JsonFields fields, const std::string& field,
+                         const Eigen::Matrix3d& usual) {
+  if (!fields.has(field)) return usual;
+  const std::vector<double> t = fields.numbers(field);
+  if (t.size() != 16) fields.complain(field, "16 numbers");
+  Eigen::Matrix3d result;
+  result << t[0], t[1], t[2], t[4], t[5], t[6], t[8], t[9], t[10];
+  const Eigen::Matrix3d product = result * result.transpose();
+  if (!product.isIdentity(1e-3) || result.determinant() < 0.0) {
+    fields.complain(field, "a rotation and a translation");
+  }
+  return result;
+}
+
+/// Our frame is Ouster's lidar frame, turned to look forward as its sensor frame usually does.
+Eigen::Matrix3d rotation_of_imu(JsonFields& fields) {
+  const Eigen::Matrix3d turned = Eigen::Vector3d(-1.0, -1.0, 1.0).asDiagonal();
+  const Eigen::Matrix3d R_base_lidar =
+      rotation(fields.section("lidar_intrinsics"), "lidar_to_sensor_transform", turned);
+  const Eigen::Matrix3d R_base_imu = rotation(
+      fields.section("imu_intrinsics"), "imu_to_sensor_transform", Eigen::Matrix3d::Identity());
+  return turned * R_base_lidar.transpose() * R_base_imu;
+}
+
 std::uint64_t whole_number(const std::string& text) {
   std::uint64_t value = 0;
   const auto parsed = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -156,9 +189,11 @@ OusterMetadata ouster_metadata_from_json(const std::string& text, const std::str
   metadata.serial_number = whole_number(words(info, "prod_sn"));
   metadata.beam_origin_m =
       1e-3 * beam_origin_mm(fields.section("beam_intrinsics"), metadata.product);
-  double port = 0.0;
-  fields.section("config_params").optional("udp_port_lidar", port);
-  metadata.lidar_port = port >= 0.0 && port <= 65535.0 ? static_cast<std::uint16_t>(port) : 0;
+  metadata.lidar_port = port(fields.section("config_params"), "udp_port_lidar");
+  metadata.imu_port = port(fields.section("config_params"), "udp_port_imu");
+  const std::string imu_profile = words(format, "udp_profile_imu");
+  if (!imu_profile.empty()) metadata.imu_profile = imu_profile.substr(0, 60);
+  metadata.R_sensor_imu = rotation_of_imu(fields);
   for (double& offset_rad : metadata.sensor.beam_azimuth_offset_rad) {
     offset_rad += metadata.sensor.column_step_rad() / 2.0;
   }

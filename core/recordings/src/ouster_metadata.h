@@ -10,7 +10,7 @@
 namespace hqslam::recordings {
 
 /// An Ouster's smallest lidar packet: 16 columns of 8 beams would have 656 bytes. Its packets of
-/// inertial data have 48, a Velodyne's of positions 512.
+/// inertial data have kOusterImuBytes, a Velodyne's of positions 512.
 inline constexpr std::size_t kSmallestLidarPacket = 600;
 
 /// Where a profile has what a range image needs. A packet is a header, columns_per_packet columns

@@ -191,6 +191,12 @@ std::unique_ptr<StreamSource> open_ouster(StreamReader reader, const OpenOptions
   info.sensor = of.metadata.sensor;
   info.sensor_known = options.sensor.empty();
   info.format = fmt::format("Ouster packets, {}", name(of.metadata.profile));
+  if (of.metadata.imu_profile != "LEGACY") {
+    info.warnings.push_back(fmt::format(
+        "{}: inertial data of the profile {} are not read; set the sensor's udp_profile_imu to "
+        "LEGACY",
+        path, of.metadata.imu_profile));
+  }
   OusterOptions decoding;
   decoding.kept_return = options.kept_return;
   decoding.serial_number = serial_to_read(reader, of, info.warnings);

@@ -12,6 +12,7 @@
 #include "hqslam/core/error.h"
 #include "hqslam/core/excerpt.h"
 #include "message_packets.h"
+#include "ouster_imu.h"
 #include "ouster_metadata.h"
 #include "velodyne_tables.h"
 
@@ -21,12 +22,27 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// Of the types that are read.
+bool is_stamped(const std::string& type) {
+  return type.starts_with("sensor_msgs/") || type.starts_with("velodyne_msgs/") ||
+         type.starts_with("nebula_msgs/");
+}
+
+/// "" for a damaged message.
+std::string frame_of(const Message& message) {
+  try {
+    return excerpt(MessageReader(message).header().frame, kNameCharacters);
+  } catch (const Error&) {
+    return "";
+  }
+}
+
 /// What the messages of a stream are, by this one.
 void recognise(Stream& stream, const Message& message) {
-  if (plain_type(stream.type) == "sensor_msgs/PointCloud2") {
-    stream.kind = StreamKind::kPointClouds;
-    return;
-  }
+  const std::string type = plain_type(stream.type);
+  if (stream.messages == 1 && is_stamped(type)) stream.frame = frame_of(message);
+  if (type == "sensor_msgs/PointCloud2") stream.kind = StreamKind::kPointClouds;
+  if (type == "sensor_msgs/Imu") stream.kind = StreamKind::kInertialData;
   if (stream.packet_bytes > 0 || stream.type.empty() || !carries_packets(stream.type)) return;
   bool given = false;
   MessagePackets packets(stream, [&]() -> std::optional<Message> {
@@ -37,9 +53,10 @@ void recognise(Stream& stream, const Message& message) {
   stream.packet_bytes = packet ? packet->payload.size() : 0;
   if (stream.packet_bytes == kVelodynePacketBytes) {
     stream.kind = StreamKind::kVelodynePackets;
-  } else if (stream.packet_bytes >= kSmallestLidarPacket &&
-             plain_type(stream.type).ends_with("/PacketMsg")) {
+  } else if (type.ends_with("/PacketMsg") && stream.packet_bytes >= kSmallestLidarPacket) {
     stream.kind = StreamKind::kOusterPackets;
+  } else if (type.ends_with("/PacketMsg") && stream.packet_bytes == kOusterImuBytes) {
+    stream.kind = StreamKind::kInertialData;
   }
 }
 
@@ -69,8 +86,8 @@ class BagRecording : public RecordingFile {
     }
   }
 
-  void keep_only(std::size_t stream) override {
-    kept_ = topics_[stream];
+  void keep_only(const std::vector<std::size_t>& streams) override {
+    for (const std::size_t stream : streams) kept_.push_back(topics_[stream]);
     file_->keep_only(kept_);
   }
 
@@ -100,7 +117,7 @@ class BagRecording : public RecordingFile {
   std::size_t part_ = 0;
   std::map<std::uint32_t, std::size_t> stream_of_topic_;  ///< of the file that is open
   std::vector<std::string> topics_;                       ///< their names as the bag has them
-  std::string kept_;
+  std::vector<std::string> kept_;
 };
 
 constexpr std::size_t kVelodynePositionBytes = 512;
@@ -121,6 +138,7 @@ StreamKind kind_of(const Stream& stream, const Traffic& traffic) {
       stream.endpoint.port == kVelodynePositionPort) {
     return StreamKind::kVelodynePositions;
   }
+  if (stream.packet_bytes == kOusterImuBytes) return StreamKind::kInertialData;
   return stream.packet_bytes >= kSmallestLidarPacket ? StreamKind::kOusterPackets
                                                      : StreamKind::kOther;
 }

@@ -31,7 +31,7 @@ class RecordingFile {
   /// read on.
   virtual std::optional<Message> next() = 0;
   /// Messages of other streams need not be read from here on.
-  virtual void keep_only(std::size_t /*stream*/) {}
+  virtual void keep_only(const std::vector<std::size_t>& /*streams*/) {}
   /// How much of the file was read, 0 to 1.
   virtual double read_share() const = 0;
   /// What was left out, once all was read: "" or one line.

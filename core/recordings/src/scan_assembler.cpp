@@ -7,7 +7,9 @@
 
 #include "hqslam/core/error.h"
 #include "hqslam/core/projection.h"
+#include "imu_queue.h"
 #include "ouster_decoder.h"
+#include "ouster_imu.h"
 #include "velodyne_decoder.h"
 
 namespace hqslam::recordings {
@@ -66,7 +68,14 @@ class OusterAssembler : public AssemblerOf<OusterDecoder, OusterFrame> {
  public:
   OusterAssembler(const OusterMetadata& metadata, std::string name, const OusterOptions& options)
       : AssemblerOf(metadata.sensor, std::move(name), {metadata, options}),
+        metadata_(metadata),
         geometry_(metadata, options) {}
+
+  void add(const Packet& packet) override {
+    if (packet.payload.size() != kOusterImuBytes) return AssemblerOf::add(packet);
+    imu_.add(ouster_imu_sample(packet.payload, metadata_));
+  }
+  ImuCounts imu_counts() const override { return imu_.counts(); }
 
  private:
   void put(OusterFrame& frame, RecordedScan& result) override {
@@ -78,6 +87,8 @@ class OusterAssembler : public AssemblerOf<OusterDecoder, OusterFrame> {
           result.name);
     }
     result.stamp_s = scan->stamp_s;
+    result.imu = imu_.take(scan->sensor_stamp_s + 0.5 * sensor_.scan_period_s,
+                           scan->stamp_s - scan->sensor_stamp_s);
     result.cloud = std::move(scan->cloud);
     for (const float range_m : result.cloud.range_m) result.counts.kept += range_m > 0.0F ? 1 : 0;
     std::int64_t returns = 0;
@@ -88,7 +99,9 @@ class OusterAssembler : public AssemblerOf<OusterDecoder, OusterFrame> {
     result.counts.out_of_range = returns - result.counts.kept;
   }
 
+  OusterMetadata metadata_;
   OusterGeometry geometry_;
+  ImuQueue imu_;
 };
 
 }  // namespace

@@ -21,7 +21,8 @@ double seconds_apart(std::int64_t a_ns, std::int64_t b_ns) {
 }
 
 bool has_scans(const Stream& stream) {
-  return stream.kind != StreamKind::kOther && stream.kind != StreamKind::kVelodynePositions;
+  return stream.kind == StreamKind::kVelodynePackets || stream.kind == StreamKind::kOusterPackets ||
+         stream.kind == StreamKind::kPointClouds;
 }
 
 /// Whether later messages may show that it has scans.
@@ -32,6 +33,10 @@ bool may_have_scans(const Stream& stream) {
 bool is_named(const Stream& stream, const std::string& name) {
   return name.empty() || stream.name == name ||
          (stream.endpoint.port != 0 && std::to_string(stream.endpoint.port) == name);
+}
+
+bool is_static_transforms(const Stream& stream) {
+  return stream.name.ends_with("/tf_static") && plain_type(stream.type).ends_with("/TFMessage");
 }
 
 std::string listed(const std::vector<Stream>& streams) {
@@ -59,9 +64,19 @@ StreamReader::StreamReader(const std::string& path, const std::string& wanted)
     : path_(path), wanted_(wanted), file_(open_recording_file(path)) {
   listen();
   chosen_ = chosen();
+  imu_ = imu_stream(file_->streams(), chosen_, transforms_);
   std::erase_if(kept_, [&](const Kept& kept) { return kept.message.stream != chosen_; });
+  std::erase_if(kept_imu_, [&](const Kept& kept) { return kept.message.stream != imu_.stream; });
   kept_bytes_ = 0;
-  for (const Kept& kept : kept_) kept_bytes_ += kept.memory_bytes();
+  for (const auto* kept : {&kept_, &kept_imu_}) {
+    for (const Kept& one : *kept) kept_bytes_ += one.memory_bytes();
+  }
+}
+
+void StreamReader::skip_others() {
+  std::vector<std::size_t> streams = {chosen_};
+  if (imu_.stream) streams.push_back(*imu_.stream);
+  file_->keep_only(streams);
 }
 
 void StreamReader::listen() {
@@ -71,15 +86,14 @@ void StreamReader::listen() {
     if (auto text = metadata_text(stream, *message)) {
       metadata_.push_back({stream.name, std::move(*text)});
     }
-    if (!is_named(stream, wanted_) || !may_have_scans(stream)) continue;
-    keep(*message);
+    if (is_static_transforms(stream)) transforms_.add(*message);
+    const bool is_imu = stream.kind == StreamKind::kInertialData;
+    if (!is_imu && !(is_named(stream, wanted_) && may_have_scans(stream))) continue;
+    keep(*message, is_imu ? kept_imu_ : kept_);
     if (!begin_ns && has_scans(stream)) begin_ns = message->time_ns;
     const bool much = kept_bytes_ >= kMostKept_bytes;
     if (begin_ns && (much || seconds_apart(message->time_ns, *begin_ns) >= kListen_s)) break;
-    if (much) {  // none of it was a scan's
-      kept_.clear();
-      kept_bytes_ = 0;
-    }
+    if (much) forget_kept();  // none of it was a scan's
   }
 }
 
@@ -108,34 +122,56 @@ std::size_t StreamReader::chosen() const {
               listed(candidates));
 }
 
-void StreamReader::keep(const Message& message) {
-  Kept& kept = kept_.emplace_back();
+void StreamReader::forget_kept() {
+  kept_.clear();
+  kept_imu_.clear();
+  kept_bytes_ = 0;
+}
+
+void StreamReader::keep(const Message& message, std::deque<Kept>& where) {
+  Kept& kept = where.emplace_back();
   kept.bytes.assign(message.bytes.begin(), message.bytes.end());
   kept.message = message;
   kept.message.bytes = kept.bytes;
   kept.share = file_->read_share();
+  kept.number = kept_messages_++;
   kept_bytes_ += kept.memory_bytes();
 }
 
-std::optional<Message> StreamReader::read() {
+std::optional<Message> StreamReader::read(bool keeps_imu) {
   while (const auto message = file_->next()) {
     if (message->stream == chosen_) return message;
+    if (message->stream != imu_.stream) continue;
+    if (keeps_imu) {
+      keep(*message, kept_imu_);
+    } else {
+      take_imu_(*message);
+    }
   }
   return std::nullopt;
 }
 
+void StreamReader::give_kept_imu(std::int64_t before) {
+  while (!kept_imu_.empty() && kept_imu_.front().number < before) {
+    take_imu_(kept_imu_.front().message);
+    kept_bytes_ -= kept_imu_.front().memory_bytes();
+    kept_imu_.pop_front();
+  }
+}
+
 std::optional<Message> StreamReader::ahead(std::size_t index) {
   while (kept_.size() <= index && kept_bytes_ < kMostKept_bytes) {
-    const auto message = read();
+    const auto message = read(true);
     if (!message) break;
-    keep(*message);
+    keep(*message, kept_);
   }
   return index < kept_.size() ? std::optional(kept_[index].message) : std::nullopt;
 }
 
 std::optional<Message> StreamReader::next() {
+  give_kept_imu(kept_.empty() ? kept_messages_ : kept_.front().number);
   if (kept_.empty()) {
-    const auto message = read();
+    const auto message = read(false);
     share_ = message ? file_->read_share() : 1.0;
     return message;
   }

@@ -2,12 +2,16 @@
 
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "imu_stream.h"
 #include "recording_file.h"
+#include "static_transforms.h"
 
 namespace hqslam::recordings {
 
@@ -30,11 +34,15 @@ class StreamReader {
   const Stream& stream() const { return file_->streams()[chosen_]; }
   /// What stands in the bag's topics of metadata before the stream's messages or among the first.
   const std::vector<TopicText>& metadata() const { return metadata_; }
+  /// Whose inertial data belong to the stream; they are given to whoever asks for them, message by
+  /// message, between those of the stream as they stand in the file.
+  const ImuStream& imu() const { return imu_; }
+  void give_imu_to(std::function<void(const Message&)> taker) { take_imu_ = std::move(taker); }
   /// The message so many behind the next one, which it stays; nothing at the end, or where more
   /// than kMostKept_bytes would have to be kept.
   std::optional<Message> ahead(std::size_t index);
   /// Messages of other streams need not be read, be it only to count them.
-  void skip_others() { file_->keep_only(chosen_); }
+  void skip_others();
   std::optional<Message> next();
   /// How much of the file stands before the next message, 0 to 1.
   double read_share() const { return share_; }
@@ -48,23 +56,32 @@ class StreamReader {
     Message message;  ///< of these bytes
     std::vector<std::uint8_t> bytes;
     double share = 0.0;
+    std::int64_t number = 0;  ///< of all that were kept
 
     std::size_t memory_bytes() const { return sizeof(Kept) + bytes.size(); }
   };
 
   void listen();
   std::size_t chosen() const;
-  void keep(const Message& message);
-  /// The stream's next message in the file.
-  std::optional<Message> read();
+  void keep(const Message& message, std::deque<Kept>& where);
+  void forget_kept();
+  /// The stream's next message in the file; those of inertial data before it are kept or given.
+  std::optional<Message> read(bool keeps_imu);
+  /// Gives those that stand before the kept message of that number.
+  void give_kept_imu(std::int64_t before);
 
   std::string path_;
   std::string wanted_;
   std::unique_ptr<RecordingFile> file_;
   std::size_t chosen_ = 0;
   std::vector<TopicText> metadata_;
+  StaticTransforms transforms_;
+  ImuStream imu_;
+  std::function<void(const Message&)> take_imu_ = [](const Message&) {};
   std::deque<Kept> kept_;
+  std::deque<Kept> kept_imu_;
   std::size_t kept_bytes_ = 0;
+  std::int64_t kept_messages_ = 0;
   Kept current_;
   double share_ = 0.0;
 };

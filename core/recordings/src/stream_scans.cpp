@@ -8,6 +8,7 @@
 
 #include "hqslam/core/error.h"
 #include "message_packets.h"
+#include "ouster_imu.h"
 
 namespace hqslam::recordings {
 
@@ -16,6 +17,29 @@ StreamScans::StreamScans(StreamReader reader, RecordingInfo info)
   info_.kind = reader_.file().kind();
   info_.stream = reader_.stream().name;
   info_.has_stamps = true;
+  const ImuStream& imu = reader_.imu();
+  if (imu.stream) info_.imu_stream = reader_.file().streams()[*imu.stream].name;
+  if (!imu.note.empty()) info_.warnings.push_back(fmt::format("{}: {}", reader_.path(), imu.note));
+  reader_.give_imu_to([this](const Message& message) { add_imu(message); });
+}
+
+void StreamScans::add_imu(const Message& message) {
+  try {
+    imu_.add(imu_sample(message, reader_.imu().R_sensor_imu));
+  } catch (const Error&) {
+    imu_.add_damaged();
+  }
+}
+
+/// Those up to the scan's end, if it has none of its own.
+void StreamScans::take_imu(RecordedScan& scan) {
+  if (scan.imu.empty()) {
+    scan.imu = imu_.take(scan.stamp_s + 0.5 * info_.sensor.scan_period_s, 0.0);
+  }
+  if (scan.imu.empty()) return;
+  if (imu_samples_ == 0) first_imu_s_ = scan.imu.front().stamp_s;
+  last_imu_s_ = scan.imu.back().stamp_s;
+  imu_samples_ += std::ssize(scan.imu);
 }
 
 std::optional<RecordedScan> StreamScans::next() {
@@ -31,6 +55,7 @@ std::optional<RecordedScan> StreamScans::next() {
     info_.first_stamp_s = std::min(first_s, scan->stamp_s);
     last_stamp_s_ = std::max(info_.scans == 0 ? scan->stamp_s : last_stamp_s_, scan->stamp_s);
     ++info_.scans;
+    take_imu(*scan);
     return scan;
   } catch (const ScanError&) {
     ++info_.scans;
@@ -41,6 +66,16 @@ std::optional<RecordedScan> StreamScans::next() {
 void StreamScans::end() {
   ended_ = true;
   complete(info_);
+  info_.imu = imu_counts();
+  if (imu_samples_ > 1 && last_imu_s_ > first_imu_s_) {
+    info_.imu_rate_hz = static_cast<double>(imu_samples_ - 1) / (last_imu_s_ - first_imu_s_);
+  }
+  if (info_.imu.left_out > 0) {
+    info_.warnings.push_back(
+        fmt::format("{}: {} inertial samples were left out: damaged, not in order or of another "
+                    "time than the scans",
+                    reader_.path(), info_.imu.left_out));
+  }
   info_.duration_s = last_stamp_s_ - info_.first_stamp_s + info_.sensor.scan_period_s;
   if (const std::string text = reader_.file().complaint(); !text.empty()) {
     info_.warnings.push_back(fmt::format("{}: {}", reader_.path(), text));
@@ -102,6 +137,22 @@ class PacketScans : public StreamScans {
   }
 
   void sensor_changed() override { assembler_ = make_(info_.sensor); }
+
+  void add_imu(const Message& message) override {
+    const Stream& stream = reader_.file().streams()[message.stream];
+    if (!carries_packets(stream.type)) return StreamScans::add_imu(message);
+    std::optional<Message> left = message;
+    MessagePackets packets(stream, [&] { return std::exchange(left, std::nullopt); });
+    const auto packet = packets.next();
+    if (packet && packet->payload.size() == kOusterImuBytes) assembler_->add(*packet);
+  }
+
+  ImuCounts imu_counts() const override {
+    ImuCounts counts = StreamScans::imu_counts();
+    counts.used += assembler_->imu_counts().used;
+    counts.left_out += assembler_->imu_counts().left_out;
+    return counts;
+  }
 
   void complete(RecordingInfo& info) override {
     info.packets = assembler_->counts();

@@ -8,6 +8,7 @@
 
 #include "hqslam/recordings/recording.h"
 #include "hqslam/recordings/scan_assembler.h"
+#include "imu_queue.h"
 #include "stream_reader.h"
 
 namespace hqslam::recordings {
@@ -33,13 +34,23 @@ class StreamScans : public StreamSource {
   virtual void sensor_changed() = 0;
   /// All was read: to say what was lost.
   virtual void complete(RecordingInfo& info) = 0;
+  /// Takes in a message of the stream of inertial data; those of sensor_msgs/Imu come with the
+  /// scans.
+  virtual void add_imu(const Message& message);
+  /// Whatever they came by.
+  virtual ImuCounts imu_counts() const { return imu_.counts(); }
 
   StreamReader reader_;
   RecordingInfo info_;
 
  private:
   void end();
+  void take_imu(RecordedScan& scan);
 
+  ImuQueue imu_;
+  std::int64_t imu_samples_ = 0;
+  double first_imu_s_ = 0.0;
+  double last_imu_s_ = 0.0;
   double last_stamp_s_ = 0.0;
   bool begun_ = false;
   bool ended_ = false;

@@ -39,10 +39,11 @@ Eigen::Vector3d velocity_mps(const Motion& T_world_sensor, double time_s) {
 
 }  // namespace
 
-ImuSample exact_imu_sample(const Motion& T_world_sensor, double stamp_s) {
+SimulatedImuSample exact_imu_sample(const Motion& T_world_sensor, double stamp_s) {
   const double before_s = stamp_s - 0.5 * kImuPeriod_s;
   const double after_s = stamp_s + 0.5 * kImuPeriod_s;
-  ImuSample sample{.stamp_s = stamp_s};
+  SimulatedImuSample sample;
+  sample.stamp_s = stamp_s;
   sample.angular_rate_rad_per_s =
       logarithm(T_world_sensor(before_s).inverse() * T_world_sensor(after_s)).angular /
       kImuPeriod_s;
@@ -60,8 +61,8 @@ SimulatedImu::SimulatedImu(std::uint64_t drive_seed) : seed_(seed_of(drive_seed,
   accelerometer_bias_mps2_ = drawn(kAccelerometer.first_bias, random);
 }
 
-ImuSample SimulatedImu::next(const Motion& T_world_sensor) {
-  ImuSample sample = exact_imu_sample(T_world_sensor, next_stamp_s());
+SimulatedImuSample SimulatedImu::next(const Motion& T_world_sensor) {
+  SimulatedImuSample sample = exact_imu_sample(T_world_sensor, next_stamp_s());
   Random random(seed_of(seed_, static_cast<std::uint64_t>(++samples_)));
   sample.gyroscope_bias_rad_per_s = gyroscope_bias_rad_per_s_;
   sample.accelerometer_bias_mps2 = accelerometer_bias_mps2_;

@@ -128,13 +128,13 @@ void DriveWriter::append(const SimulatedScan& scan) {
   ++scans_;
 }
 
-void DriveWriter::append_imu(const std::vector<ImuSample>& samples) {
+void DriveWriter::append_imu(const std::vector<SimulatedImuSample>& samples) {
   const auto line = [](double stamp_s, const Eigen::Vector3d& rate, const Eigen::Vector3d& force) {
     return fmt::format("{:.3f},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g}\n", stamp_s, rate.x(),
                        rate.y(), rate.z(), force.x(), force.y(), force.z());
   };
   std::string measured, biases;
-  for (const ImuSample& s : samples) {
+  for (const SimulatedImuSample& s : samples) {
     measured += line(s.stamp_s, s.angular_rate_rad_per_s, s.specific_force_mps2);
     biases += line(s.stamp_s, s.gyroscope_bias_rad_per_s, s.accelerometer_bias_mps2);
   }

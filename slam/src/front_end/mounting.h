@@ -37,6 +37,7 @@ class Mounting {
   /// The scan in the level frame; nothing where the two frames are the same.
   std::optional<OrganizedCloud> level(const OrganizedCloud& cloud) const;
 
+  const Eigen::Matrix3d& turn_to_level() const { return R_level_sensor_; }
   /// As given, or as estimated if `estimated`.
   const MountingOptions& mounted() const { return mounted_; }
   /// Where the sensor is, of where the level frame is.

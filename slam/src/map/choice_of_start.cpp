@@ -64,9 +64,11 @@ MappingResult register_from_starts(const Mapping& mapping, const MapFeatures& fe
         features, with_innovation(state, innovation, expected.duration_s), T_map_start);
     if (fits_better(found, best)) best = found;
   };
-  const Twist innovation = logarithm(state.T_map_sensor.inverse() * expected.T_map_moved);
-  if (!is_precise(state) || is_elsewhere(innovation)) begin_at(expected.T_map_moved);
-  if (fits_badly(best, expected.last_close_ratio)) {
+  Pose T_map_moved = expected.T_map_moved;
+  if (expected.is_turn_measured) T_map_moved.linear() = state.T_map_sensor.linear();
+  const Twist innovation = logarithm(state.T_map_sensor.inverse() * T_map_moved);
+  if (!is_precise(state) || is_elsewhere(innovation)) begin_at(T_map_moved);
+  if (!expected.is_turn_measured && fits_badly(best, expected.last_close_ratio)) {
     for (const double turn_rad : kTurns_rad) begin_at(turned(state.T_map_sensor, turn_rad));
   }
   return best;

@@ -10,6 +10,7 @@ struct ExpectedScan {
   Pose T_map_moved;         ///< where the odometry saw it
   double duration_s;        ///< since the scan before
   double last_close_ratio;  ///< MappingResult::close_ratio of the last registered scan
+  bool is_turn_measured;    ///< by an inertial sensor: the scan is not looked for at other turns
 };
 
 /// Whether a state is known so well that a scan is looked for there and nowhere else, unless the

@@ -41,10 +41,10 @@ class Writer {
     number(static_cast<std::uint32_t>(ns / 1'000'000'000));
     number(static_cast<std::uint32_t>(ns % 1'000'000'000));
   }
-  void header(std::int64_t ns) {
+  void header(std::int64_t ns, const std::string& frame = "lidar") {
     if (ros1_) number(std::uint32_t{0});
     time(ns);
-    words("lidar");
+    words(frame);
   }
   Payload bytes;
 
@@ -173,6 +173,31 @@ Payload cloud_message(std::int64_t stamp_ns, const std::vector<CloudPoint>& poin
     writer.raw(bytes);
   }
   writer.number(std::uint8_t{1});
+  return writer.bytes;
+}
+
+Payload imu_message(std::int64_t stamp_ns, const std::string& frame, const ImuSample& sample,
+                    bool ros1, double first_covariance) {
+  Writer writer(ros1);
+  writer.header(stamp_ns, frame);
+  for (int i = 0; i < 4 + 9; ++i) writer.number(i == 3 ? 1.0 : 0.0);
+  for (const Eigen::Vector3d& vector :
+       {sample.angular_rate_rad_per_s, sample.specific_force_mps2}) {
+    for (int i = 0; i < 3; ++i) writer.number(vector[i]);
+    for (int i = 0; i < 9; ++i) writer.number(i == 0 ? first_covariance : 0.0);
+  }
+  return writer.bytes;
+}
+
+Payload transform_message(const std::string& parent, const std::string& child,
+                          const Eigen::Quaterniond& q_parent_child, bool ros1) {
+  Writer writer(ros1);
+  writer.number(std::uint32_t{1});
+  writer.header(0, parent);
+  writer.words(child);
+  for (const double metres : {1.0, 2.0, 3.0}) writer.number(metres);
+  const auto& q = q_parent_child;
+  for (const double number : {q.x(), q.y(), q.z(), q.w()}) writer.number(number);
   return writer.bytes;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Geometry>
 #include <string>
 #include <vector>
 
@@ -32,6 +33,13 @@ struct CloudPoint {
 Payload cloud_message(std::int64_t stamp_ns, const std::vector<CloudPoint>& points, bool ros1,
                       std::uint8_t time_type = 8, const std::string& time_name = "timestamp",
                       const std::string& ring_name = "ring");
+
+/// A sensor_msgs/Imu in this frame.
+Payload imu_message(std::int64_t stamp_ns, const std::string& frame, const ImuSample& sample,
+                    bool ros1, double first_covariance = 0.0);
+/// A tf2_msgs/TFMessage: how a frame is turned in its parent.
+Payload transform_message(const std::string& parent, const std::string& child,
+                          const Eigen::Quaterniond& q_parent_child, bool ros1);
 
 /// The bytes of an MCAP file; compression "", "lz4" or "zstd".
 std::string mcap_bytes(const std::vector<BagMessage>& messages, const std::string& compression);

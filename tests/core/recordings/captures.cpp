@@ -208,6 +208,20 @@ std::vector<Captured> ouster_turn(recordings::OusterProfile profile, std::uint32
   return packets;
 }
 
+Payload ouster_imu_packet(std::int64_t time_ns) {
+  Payload bytes(48);
+  put(bytes, 0, static_cast<std::uint64_t>(time_ns) + 1'000'000'000);  // since it was switched on
+  put(bytes, 8, static_cast<std::uint64_t>(time_ns) - 222'000);
+  put(bytes, 16, static_cast<std::uint64_t>(time_ns));
+  const auto number = [&](std::size_t at, float value) {
+    put(bytes, at, std::bit_cast<std::uint32_t>(value));
+  };
+  number(24, 0.25F);
+  number(32, 1.0F);
+  number(44, 90.0F);
+  return bytes;
+}
+
 recordings::Packet as_packet(const Captured& captured) {
   recordings::Packet packet;
   packet.capture_time_ns = captured.time_ns;

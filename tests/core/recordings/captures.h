@@ -83,6 +83,10 @@ std::string ouster_metadata_text(recordings::OusterProfile profile, int rows = 8
 std::vector<Captured> ouster_turn(recordings::OusterProfile profile, std::uint32_t frame_id,
                                   int rows = 8, std::uint16_t port = 7502);
 
+/// An Ouster's packet of inertial data of this time: 1 g upwards and 0.25 g forwards, 90 degrees a
+/// second to the left.
+Payload ouster_imu_packet(std::int64_t time_ns);
+
 /// Packets of memory.
 class CapturedPackets : public recordings::PacketSource {
  public:

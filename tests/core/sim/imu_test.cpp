@@ -29,7 +29,7 @@ TEST_CASE("integrating what a perfect inertial sensor measures leads along the t
     Eigen::Vector3d velocity_mps =
         (motion(begin_s + 1e-3).translation() - motion(begin_s - 1e-3).translation()) / 2e-3;
     for (int k = kFirst; k < kFirst + 1000; ++k) {
-      const ImuSample sample = exact_imu_sample(motion, k * kImuPeriod_s);
+      const SimulatedImuSample sample = exact_imu_sample(motion, k * kImuPeriod_s);
       const Twist half_turn{Eigen::Vector3d::Zero(), kHalf_s * sample.angular_rate_rad_per_s};
       const Eigen::Matrix3d turn = exponential(half_turn).linear();
       const Eigen::Vector3d before_mps = velocity_mps;
@@ -50,7 +50,7 @@ TEST_CASE("noise has the data sheet's size, biases walk, and a standing sensor f
   std::vector<double> rates, forces;
   for (int k = 0; k < 20'000; ++k) {
     const double stamp_s = imu.next_stamp_s();
-    const ImuSample sample = imu.next(still);
+    const SimulatedImuSample sample = imu.next(still);
     REQUIRE(sample.stamp_s == stamp_s);
     const Eigen::Vector3d rate = sample.angular_rate_rad_per_s - sample.gyroscope_bias_rad_per_s;
     const Eigen::Vector3d force = sample.specific_force_mps2 - sample.accelerometer_bias_mps2;

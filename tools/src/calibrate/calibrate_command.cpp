@@ -68,6 +68,7 @@ FollowedDrive follow(LiftedInput& input, double wanted_m) {
   Progress progress("calibrate", source->size());
   read_scans(*source, interrupt, drive.reading, [&](const ReadScan& read) {
     const OrganizedCloud cloud = input.measured(read.scan.cloud);
+    slam.add_imu(read.scan.imu);
     const Eigen::Vector3d position_m =
         slam.process(cloud, read.scan.stamp_s).T_map_sensor.translation();
     if (last_m) drive.path_m += (position_m - *last_m).norm();

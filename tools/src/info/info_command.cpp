@@ -38,8 +38,16 @@ std::string packets_line(const recordings::RecordingInfo& info) {
                      packets.late, packets.foreign);
 }
 
+std::string imu_line(const recordings::RecordingInfo& info) {
+  if (info.imu_stream.empty() && info.imu.used == 0) return "none in the recording";
+  return fmt::format("{}{} samples, {:.4g} a second",
+                     info.imu_stream.empty() ? "" : info.imu_stream + ", ", info.imu.used,
+                     info.imu_rate_hz);
+}
+
 std::string what_is_in(const recordings::Stream& stream) {
   if (!stream.type.empty()) return "of " + stream.type;
+  if (stream.kind == recordings::StreamKind::kInertialData) return "packets of inertial data";
   return stream.kind == recordings::StreamKind::kVelodynePositions
              ? "packets of positions, no scans"
              : "packets";
@@ -102,6 +110,7 @@ int info_command(const InfoOptions& options) {
                            : "none: scan i is taken at i turns");
   print_line("points", info.has_point_times ? "each with its own time: corrected for motion by SLAM"
                                             : "without times: taken as corrected for motion");
+  if (!info.streams.empty()) print_line("inertial", imu_line(info));
   if (info.packets.used > 0) print_line("packets", packets_line(info));
   for (const std::string& warning : info.warnings) print_line("note", warning);
   if (!complaint.empty()) throw Error(complaint);

@@ -69,6 +69,7 @@ int inspect_slam(const InspectOptions& options) {
   Progress progress("slam", options.scan + 1);
   for_scans_up_to(options, *input.open(), [&](const RecordedScan& scan, std::int64_t i) {
     const OrganizedCloud cloud = input.lifted(input.measured(scan.cloud));
+    slam.add_imu(scan.imu);
     page.report = slam.process(cloud, scan.stamp_s, i == options.scan ? &page.trace : nullptr);
     progress.update(i + 1);
   });
@@ -92,6 +93,7 @@ void declare_inspect(CLI::App& app, InspectOptions& options) {
       "known\n"
       "about each direction of motion.");
   declare_input(command, options, "Recording (as for hqslam upsample)");
+  declare_imu(command, options);
   command.option("--weights", &options.weights, "Weights file")
       .option("--slam", &options.slam,
               "Show instead what every stage of SLAM makes of the scan, after all scans before it; "

@@ -171,8 +171,7 @@ bool fits(const SensorModel& sensor, const SensorModel& expected) {
 }
 
 std::unique_ptr<ScanSource> LiftedInput::open() {
-  if (opened) return std::move(opened);
-  return open_input(recording, recorded);
+  return with_imu_of(recording, opened ? std::move(opened) : open_input(recording, recorded));
 }
 
 OrganizedCloud LiftedInput::measured(const OrganizedCloud& scan) const {

@@ -57,8 +57,9 @@ void print_summary(const SlamRun& run, const live::LiveCounts& counts, const std
       "from the packet that completes a scan to its pose: median {:.1f}, 95 % {:.1f}, "
       "longest {:.1f} ms\n",
       latency.median, latency.p95, latency.max);
-  to_stdout("{} packets, {} lost; {} of {} scans dropped\n", counts.packets.used,
-            counts.packets.lost, counts.dropped_scans, counts.scans);
+  to_stdout("{} packets, {} lost; {} of {} scans dropped; {} inertial samples\n",
+            counts.packets.used, counts.packets.lost, counts.dropped_scans, counts.scans,
+            counts.imu.used);
   if (!out.empty()) to_stdout("{}", results_line(run, out));
 }
 
@@ -134,6 +135,9 @@ int live_command(const LiveOptions& options) {
       lifted_sender(Sender{fmt::format("UDP port {}", sensor.port()), sensor.sensor()}, options);
   print_sensor(sensor, input);
   sensor.start(input.recorded.columns);
+  if (const std::string failure = sensor.counts().imu_failure; !failure.empty()) {
+    to_stderr("hqslam: {}; driving without inertial data\n", failure);
+  }
   const SlamRun run = run_live(sensor, input, slam, output, interrupt, server ? &view : nullptr);
   const live::LiveCounts counts = sensor.counts();
   if (run.scans.empty()) {

@@ -37,6 +37,14 @@ void declare_input(Command& command, InputChoice& choice, const std::string& wha
   declare_reading(command, choice);
 }
 
+void declare_imu(Command& command, InputChoice& choice) {
+  command.option("--imu", &choice.imu,
+                 "Inertial data by the clock of the scans, in the LiDAR's frame: lines of stamp, "
+                 "angular rate x,y,z (rad/s), specific force x,y,z (m/s^2); by default the imu.csv "
+                 "of a simulated drive",
+                 {.given = Given::kFile});
+}
+
 void declare_reading(Command& command, InputChoice& choice) {
   const auto nothing = [](const std::string& text) {
     return std::string(text.empty() ? "expected a file or 'names', found nothing" : "");
@@ -171,6 +179,12 @@ SensorModel required_recording_sensor(const InputChoice& choice) {
 std::unique_ptr<recordings::StreamSource> open_stream(const InputChoice& choice) {
   if (!recordings::is_capture_or_bag(choice.input)) return nullptr;
   return recordings::open_stream(choice.input, open_options(choice));
+}
+
+std::unique_ptr<ScanSource> with_imu_of(const InputChoice& choice,
+                                        std::unique_ptr<ScanSource> source) {
+  const std::string path = choice.imu.empty() ? file_of_drive(choice.input, "imu.csv") : choice.imu;
+  return path.empty() ? std::move(source) : with_imu(std::move(source), read_imu_csv(path));
 }
 
 std::unique_ptr<ScanSource> open_input(const InputChoice& choice, const SensorModel& sensor) {

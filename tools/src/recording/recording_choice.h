@@ -23,6 +23,7 @@ struct InputChoice {
   bool motion_corrected = false;
   std::string capture = {};  ///< "rolling": points without a time have that of their azimuth
   std::string stamps = {};   ///< a file, or "names"; empty: what the recording says
+  std::string imu = {};      ///< a file of inertial data; empty: what the recording has
 };
 /// INPUT, --sensor and what declare_reading declares. `what`, `sensor`: their explanations; empty:
 /// the usual ones.
@@ -30,6 +31,8 @@ void declare_input(Command& command, InputChoice& choice, const std::string& wha
                    const std::string& sensor = "");
 /// --stream, --return, --row-order, --motion-corrected, --capture and --stamps alone.
 void declare_reading(Command& command, InputChoice& choice);
+/// --imu alone.
+void declare_imu(Command& command, InputChoice& choice);
 /// --return alone.
 void declare_return(Command& command, std::string& kept_return);
 
@@ -72,6 +75,10 @@ std::unique_ptr<recordings::StreamSource> open_stream(const InputChoice& choice)
 /// Opens any recording with the sensor that recording_sensor gave, or with the rows or columns of
 /// it that a network wants. Throws Error.
 std::unique_ptr<ScanSource> open_input(const InputChoice& choice, const SensorModel& sensor);
+
+/// The same with inertial data: those that are named, or a simulated drive's own. Throws Error.
+std::unique_ptr<ScanSource> with_imu_of(const InputChoice& choice,
+                                        std::unique_ptr<ScanSource> source);
 
 /// How many scans there are: as the source says, or by reading the capture or bag to its end.
 std::int64_t scans_in(const InputChoice& choice, const ScanSource& source);

@@ -153,8 +153,8 @@ void process_all(ScanSource& source, SlamSession& session, RunOutput& output,
 
 /// Files that are read; the recording too, where it is one.
 Paths inputs_of(const RunOptions& options) {
-  return {options.input,     options.sensor,   options.stamps,   options.upsample,
-          options.reference, options.map_file, options.slam.file};
+  return {options.input,    options.sensor,    options.stamps,   options.imu,
+          options.upsample, options.reference, options.map_file, options.slam.file};
 }
 
 }  // namespace
@@ -180,6 +180,7 @@ void declare_run(CLI::App& app, RunOptions& options) {
       "ok, degenerate (some direction of motion could not be seen), too few features, not\n"
       "converged, after a gap, or, with --map, not recognized: its pose is the last one known.");
   declare_input(command, options);
+  declare_imu(command, options);
   declare_lifting(command, options);
   command
       .option("--out", &options.out, "Folder for the results; made if it is not there",

@@ -142,6 +142,7 @@ ScanRecord& SlamSession::process(const RecordedScan& scan, std::int64_t index, d
   const OrganizedCloud measured = input_.measured(scan.cloud);
   const double lifting_s = seconds_of([&] { cloud_ = input_.lifted(measured); });
   if (input_.upsampler) record.upsampling_s = lifting_s;
+  slam_.add_imu(scan.imu);
   record.report = slam_.process(cloud_, scan.stamp_s);
   remember(record.report.loop);
   run_.scans.push_back(std::move(record));

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "hqslam/core/imu_sample.h"
 #include "hqslam/core/organized_cloud.h"
 #include "hqslam/core/projection.h"
 #include "hqslam/core/sensor_model.h"
@@ -19,6 +20,7 @@ struct RecordedScan {
   OrganizedCloud cloud;
   std::int64_t invalid_points = 0;  ///< not finite or at the origin: dropped
   ProjectionCounts counts;
+  std::vector<ImuSample> imu;  ///< since the scan before, up to the end of this one
 };
 
 /// A recording read once, scan by scan; never more than its first few scans in memory.
@@ -82,5 +84,10 @@ inline constexpr const char* kStampsFromNames = "names";
 /// for scans that cannot be the sensor's.
 std::unique_ptr<ScanSource> open_recording(const std::string& path, const SensorModel& sensor,
                                            const RecordingOptions& options = {});
+
+/// A recording with inertial samples that were kept elsewhere, in the order of their stamps, in
+/// place of its own.
+std::unique_ptr<ScanSource> with_imu(std::unique_ptr<ScanSource> source,
+                                     std::vector<ImuSample> samples);
 
 }  // namespace hqslam

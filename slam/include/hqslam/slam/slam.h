@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "hqslam/core/imu_sample.h"
 #include "hqslam/core/organized_cloud.h"
 #include "hqslam/core/sensor_model.h"
 #include "hqslam/core/trajectory.h"
@@ -87,6 +88,12 @@ class Slam {
   ~Slam();
   Slam(Slam&&) noexcept;  ///< moved from: only assign or destroy
   Slam& operator=(Slam&&) noexcept;
+
+  /// What an inertial sensor measured since the last call, before the scan that it belongs to: up
+  /// to that scan's end. Scans are then corrected for an uneven turn, and looked for where the
+  /// samples say; biases are estimated. Nothing is said of the samples: what cannot be used is left
+  /// out, and a scan that they do not cover is as without.
+  void add_imu(const std::vector<ImuSample>& samples);
 
   /// Throws Error if the cloud's shape is not the sensor's, if a pixel has no point, range or
   /// capture time of its own (but none need have a time), or if the stamp is no time in seconds;

@@ -9,6 +9,7 @@
 #include "hqslam/core/scan_source.h"
 #include "hqslam/core/sensor_model.h"
 #include "hqslam/recordings/packet.h"
+#include "hqslam/recordings/scan_assembler.h"
 #include "hqslam/recordings/velodyne.h"
 
 namespace hqslam::live {
@@ -39,6 +40,8 @@ NamedSensor named_sensor(const std::string& sensor);
 /// What came up to now.
 struct LiveCounts {
   recordings::PacketCounts packets;
+  recordings::ImuCounts imu;
+  std::string imu_failure;           ///< why no inertial data are received; empty: they may be
   std::int64_t other_senders = 0;    ///< packets from another address: left out
   std::int64_t senders_changed = 0;  ///< how often the sensor sent on from another address
   std::int64_t scans = 0;            ///< complete

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -31,6 +32,11 @@ struct OusterMetadata {
   std::string product;              ///< "OS-1-32-G", "" if the file does not say
   std::uint64_t serial_number = 0;  ///< 0 if the file does not say
   std::uint16_t lidar_port = 0;     ///< 0 if the file does not say
+  std::uint16_t imu_port = 0;       ///< the same
+  /// How it lays out its packets of inertial data, of which LEGACY is read.
+  std::string imu_profile = "LEGACY";
+  /// Turns what its inertial sensor measures into the frame of the scans.
+  Eigen::Matrix3d R_sensor_imu = Eigen::Matrix3d::Identity();
 
   bool in_window(int column) const {
     return first_column <= last_column ? column >= first_column && column <= last_column

@@ -7,7 +7,7 @@
 
 #include "hqslam/core/scan_source.h"
 #include "hqslam/core/sensor_model.h"
-#include "hqslam/recordings/velodyne.h"
+#include "hqslam/recordings/scan_assembler.h"
 
 namespace hqslam::recordings {
 
@@ -17,6 +17,7 @@ enum class StreamKind {
   kVelodynePositions,  ///< of its GPS receiver: no scans
   kOusterPackets,
   kPointClouds,
+  kInertialData,  ///< packets of an Ouster or sensor_msgs/Imu
   kOther
 };
 
@@ -30,6 +31,7 @@ struct Stream {
   /// packets.
   std::size_t packet_bytes = 0;
   Endpoint endpoint = {};  ///< of a capture's stream
+  std::string frame = {};  ///< of a topic's first message; empty if it does not say
 };
 
 struct OpenOptions {
@@ -61,6 +63,9 @@ struct RecordingInfo {
   PacketCounts packets;          ///< all 0 for what has no packets
   std::int64_t lost_scans = 0;   ///< turns of which nothing came
   std::int64_t partial_scans = 0;
+  std::string imu_stream;  ///< whose inertial data come with the scans; empty: none
+  ImuCounts imu;
+  double imu_rate_hz = 0.0;     ///< 0 with fewer than two samples
   std::vector<Stream> streams;  ///< all of the file
   std::vector<std::string> warnings;
 };

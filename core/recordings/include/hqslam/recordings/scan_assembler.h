@@ -13,6 +13,13 @@
 
 namespace hqslam::recordings {
 
+/// Of inertial samples: those that were taken in, and those that were not: a number that is not
+/// finite, a time that is not later than the one before or that is far from all scans.
+struct ImuCounts {
+  std::int64_t used = 0;
+  std::int64_t left_out = 0;
+};
+
 /// Packets of one sensor, in the order in which they came -> scans, ready for SLAM or upsampling.
 class ScanAssembler {
  public:
@@ -25,7 +32,9 @@ class ScanAssembler {
   /// The next complete scan, or nothing: it takes more packets. Scans are counted in their names.
   /// Throws ScanError for one that cannot be understood, after which the next can be asked for.
   virtual std::optional<RecordedScan> next() = 0;
+  /// Without packets of inertial data, which come with the scans.
   virtual const PacketCounts& counts() const = 0;
+  virtual ImuCounts imu_counts() const { return {}; }
   /// Whole turns of which no packet came.
   virtual std::int64_t lost_scans() const = 0;
   /// Turns that were cut short by the beginning or the end of the recording, or by a long gap.

@@ -68,7 +68,7 @@ struct SimulatedScan {
   Pose T_map_sensor = Pose::Identity();  ///< true pose at stamp_s; the first scan's is the identity
   /// True pose when the head stands at each column (SensorModel::firing_column).
   std::vector<Pose> T_map_sensor_at_column;
-  std::vector<ImuSample> imu;  ///< since the end of the scan before, skipped ones included
+  std::vector<SimulatedImuSample> imu;  ///< since the end of the scan before, skipped ones included
 };
 
 /// Drives a sensor through the city, one scan after the other; never more than one in memory.

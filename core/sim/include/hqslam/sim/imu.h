@@ -4,30 +4,26 @@
 #include <cstdint>
 #include <functional>
 
+#include "hqslam/core/imu_sample.h"
 #include "hqslam/core/pose.h"
 
 namespace hqslam::sim {
 
 /// What an inertial sensor measures that sits where the LiDAR is and turns with its housing.
-struct ImuSample {
-  double stamp_s = 0.0;
-  Eigen::Vector3d angular_rate_rad_per_s = Eigen::Vector3d::Zero();  ///< sensor frame
-  /// Acceleration minus gravity, sensor frame: 9.80665 upwards at rest.
-  Eigen::Vector3d specific_force_mps2 = Eigen::Vector3d::Zero();
-  // What of these is bias, which a user does not know.
+struct SimulatedImuSample : ImuSample {
+  // What of it is bias, which a user does not know.
   Eigen::Vector3d gyroscope_bias_rad_per_s = Eigen::Vector3d::Zero();
   Eigen::Vector3d accelerometer_bias_mps2 = Eigen::Vector3d::Zero();
 };
 
 constexpr double kImuPeriod_s = 0.01;
-constexpr double kGravity_mps2 = 9.80665;
 
 using Motion = std::function<Pose(double time_s)>;
 
 /// Without noise and bias, the mean over the period T around `stamp_s` as such sensors give it:
 ///   w = log(R(t - T/2)^T R(t + T/2)) / T,  f = R(t)^T ((v(t + T/2) - v(t - T/2)) / T + g e_z)
 /// with v by central differences of the position over 2 ms. World z is up.
-ImuSample exact_imu_sample(const Motion& T_world_sensor, double stamp_s);
+SimulatedImuSample exact_imu_sample(const Motion& T_world_sensor, double stamp_s);
 
 /// The samples of a drive one after the other, with errors of the sizes of the ICM-20948 that an
 /// OS1 has: white noise of density n (standard deviation n / sqrt T of a sample) and a bias that
@@ -41,7 +37,7 @@ ImuSample exact_imu_sample(const Motion& T_world_sensor, double stamp_s);
 class SimulatedImu {
  public:
   explicit SimulatedImu(std::uint64_t drive_seed);
-  ImuSample next(const Motion& T_world_sensor);
+  SimulatedImuSample next(const Motion& T_world_sensor);
   double next_stamp_s() const { return static_cast<double>(samples_) * kImuPeriod_s; }
 
  private:

@@ -43,7 +43,7 @@ class DriveWriter {
 
  private:
   void write_extra(const RangeImage& image) const;
-  void append_imu(const std::vector<ImuSample>& samples);
+  void append_imu(const std::vector<SimulatedImuSample>& samples);
 
   std::string directory_;
   SensorModel sensor_;

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <deque>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "live_stream.h"
+#include "pcap_writer.h"
+
+namespace hqslam::live {
+
+/// Records what the sensor sends, as soon as it is known who it is. A full disk ends the recording,
+/// not the drive.
+class PacketRecorder {
+ public:
+  /// As LiveOptions::record. Throws Error as PcapWriter does.
+  explicit PacketRecorder(const std::string& path);
+
+  /// Keeps a packet until it is known whether its sender is the sensor; the oldest make room.
+  void keep(const recordings::Packet& packet);
+  /// The sensor is recognised: records what it has sent up to now, its metadata first, without
+  /// which the packets say nothing.
+  void begin(const LiveStream& stream);
+  void add(const recordings::Packet& packet);
+  /// Why no more packets are recorded; "": they are.
+  const std::string& failure() const { return failure_; }
+
+ private:
+  struct Kept {
+    recordings::Packet packet;
+    std::vector<std::uint8_t> payload;
+  };
+
+  std::optional<PcapWriter> writer_;
+  std::deque<Kept> kept_;
+  std::size_t kept_bytes_ = 0;
+  std::string failure_;
+};
+
+}  // namespace hqslam::live

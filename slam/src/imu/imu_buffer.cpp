@@ -1,0 +1,61 @@
+#include "imu/imu_buffer.h"
+
+#include <algorithm>
+
+namespace hqslam::slam {
+
+namespace {
+
+constexpr double kMostMissing_s = 0.05;
+
+}  // namespace
+
+Eigen::Vector3d mean_specific_force_mps2(const std::vector<ImuStep>& steps) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  double duration_s = 0.0;
+  for (const ImuStep& step : steps) {
+    sum += step.duration_s * step.specific_force_mps2;
+    duration_s += step.duration_s;
+  }
+  return sum / duration_s;
+}
+
+void ImuBuffer::add(const std::vector<ImuSample>& samples) {
+  for (const ImuSample& sample : samples) {
+    const bool is_later = samples_.empty() || sample.stamp_s > samples_.back().stamp_s;
+    if (is_later && sample.angular_rate_rad_per_s.allFinite() &&
+        sample.specific_force_mps2.allFinite()) {
+      samples_.push_back(sample);
+    }
+  }
+}
+
+std::vector<ImuStep> ImuBuffer::steps(double from_s, double to_s,
+                                      const Eigen::Matrix3d& R_level_sensor) const {
+  if (samples_.empty() || samples_.front().stamp_s > from_s + kMostMissing_s ||
+      samples_.back().stamp_s < to_s - kMostMissing_s) {
+    return {};
+  }
+  std::vector<ImuStep> result;
+  // The last sample that began before from_s.
+  auto sample = std::partition_point(samples_.begin(), samples_.end(),
+                                     [&](const ImuSample& s) { return s.stamp_s <= from_s; });
+  if (sample != samples_.begin()) --sample;
+  for (double time_s = from_s; time_s < to_s; ++sample) {
+    const auto next = std::next(sample);
+    const bool is_last = next == samples_.end();
+    if (!is_last && next->stamp_s - sample->stamp_s > kMostMissing_s) return {};
+    const double end_s = is_last ? to_s : std::min(to_s, 0.5 * (sample->stamp_s + next->stamp_s));
+    if (end_s <= time_s) continue;
+    result.push_back({end_s - time_s, R_level_sensor * sample->angular_rate_rad_per_s,
+                      R_level_sensor * sample->specific_force_mps2});
+    time_s = end_s;
+  }
+  return result;
+}
+
+void ImuBuffer::forget_before(double stamp_s) {
+  while (samples_.size() > 1 && samples_[1].stamp_s < stamp_s) samples_.pop_front();
+}
+
+}  // namespace hqslam::slam

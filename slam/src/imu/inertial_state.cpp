@@ -1,0 +1,152 @@
+#include "imu/inertial_state.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+
+#include "alignment/cross_matrix.h"
+#include "hqslam/core/imu_sample.h"
+
+namespace hqslam::slam {
+
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+// Where the errors of each lie.
+constexpr int kLinear = 0;
+constexpr int kAngular = 3;
+constexpr int kVelocity = 6;
+constexpr int kGyroscope = 9;
+constexpr int kAccelerometer = 12;
+constexpr int kGravity = 15;
+
+// Standard deviations at first, and densities of noise. Those of noise are several times a data
+// sheet's: stamps are off, samples are means, and what shakes a sensor shakes it between samples.
+constexpr double kFirstGyroscopeBias_rad_per_s = 0.02;
+constexpr double kFirstAccelerometerBias_mps2 = 0.2;
+constexpr double kFirstGravity_mps2 = 1.0;
+constexpr double kGyroscopeNoise = 1e-3;      // rad/s/rtHz
+constexpr double kAccelerometerNoise = 5e-2;  // m/s^2/rtHz
+constexpr double kGyroscopeWalk = 1e-4;       // rad/s^2/rtHz
+constexpr double kAccelerometerWalk = 3e-3;   // m/s^3/rtHz
+/// What a registration is off by beside what it says of itself: neighbours err together, and so
+/// does the map. Biases and gravity are learnt by that, slowly: what the first scans of a drive say
+/// in a map of few is often wrong and always sure of itself.
+constexpr double kRegistration_m = 0.02;
+constexpr double kRegistration_rad = 2e-3;
+
+Matrix3d exponential_of(const Vector3d& turn_rad) {
+  const double angle_rad = turn_rad.norm();
+  if (angle_rad < 1e-12) return Matrix3d::Identity();
+  return Eigen::AngleAxisd(angle_rad, turn_rad / angle_rad).toRotationMatrix();
+}
+
+void add_variance(Matrix18& covariance, int at, double variance) {
+  covariance.diagonal().segment<3>(at).array() += variance;
+}
+
+/// One step of the motion and of its errors.
+void advance(MotionState& state, InertialState& inertial, const ImuStep& step) {
+  const double t_s = step.duration_s;
+  const Vector3d rate = step.angular_rate_rad_per_s - inertial.gyroscope_bias_rad_per_s;
+  const Vector3d force = step.specific_force_mps2 - inertial.accelerometer_bias_mps2;
+  const Matrix3d R = state.T_map_sensor.linear();
+  const Vector3d gravity = R.transpose() * inertial.gravity_map_mps2;
+  Vector3d& velocity = state.velocity.linear;
+
+  Matrix18 A = Matrix18::Zero();
+  A.block<3, 3>(kLinear, kLinear) = -cross_matrix(rate);
+  A.block<3, 3>(kLinear, kAngular) = -cross_matrix(velocity);
+  A.block<3, 3>(kLinear, kVelocity).setIdentity();
+  A.block<3, 3>(kAngular, kAngular) = -cross_matrix(rate);
+  A.block<3, 3>(kAngular, kGyroscope) = -Matrix3d::Identity();
+  A.block<3, 3>(kVelocity, kAngular) = cross_matrix(gravity);
+  A.block<3, 3>(kVelocity, kVelocity) = -cross_matrix(rate);
+  A.block<3, 3>(kVelocity, kGyroscope) = -cross_matrix(velocity);
+  A.block<3, 3>(kVelocity, kAccelerometer) = -Matrix3d::Identity();
+  A.block<3, 3>(kVelocity, kGravity) = R.transpose();
+  A *= t_s;
+  const Matrix18 F = Matrix18::Identity() + A + 0.5 * A * A;
+  inertial.covariance = F * inertial.covariance * F.transpose();
+  add_variance(inertial.covariance, kAngular, t_s * kGyroscopeNoise * kGyroscopeNoise);
+  add_variance(inertial.covariance, kVelocity, t_s * kAccelerometerNoise * kAccelerometerNoise);
+  add_variance(inertial.covariance, kGyroscope, t_s * kGyroscopeWalk * kGyroscopeWalk);
+  add_variance(inertial.covariance, kAccelerometer, t_s * kAccelerometerWalk * kAccelerometerWalk);
+
+  const Matrix3d turn = exponential_of(t_s * rate);
+  const Vector3d acceleration = force + gravity;
+  state.T_map_sensor.translation() += t_s * (R * (velocity + 0.5 * t_s * acceleration));
+  state.T_map_sensor.linear() = R * turn;
+  velocity = turn.transpose() * (velocity + t_s * acceleration);
+}
+
+/// The errors of a MotionState out of all: its angular velocity errs as the gyroscope does.
+Matrix12 covariance_of_motion(const Matrix18& covariance) {
+  Matrix12 result = covariance.topLeftCorner<12, 12>();
+  result.bottomRows<3>() *= -1.0;
+  result.rightCols<3>() *= -1.0;
+  return result;
+}
+
+}  // namespace
+
+InertialState first_inertial_state(const MotionState& state, const Vector3d& specific_force_mps2) {
+  InertialState result;
+  result.gravity_map_mps2 =
+      -kGravity_mps2 * (state.T_map_sensor.linear() * specific_force_mps2).normalized();
+  result.covariance.topLeftCorner<9, 9>() = state.covariance.topLeftCorner<9, 9>();
+  const auto variance = [](double sigma) { return sigma * sigma; };
+  add_variance(result.covariance, kGyroscope, variance(kFirstGyroscopeBias_rad_per_s));
+  add_variance(result.covariance, kAccelerometer, variance(kFirstAccelerometerBias_mps2));
+  add_variance(result.covariance, kGravity, variance(kFirstGravity_mps2));
+  return result;
+}
+
+InertialPrediction predicted(const MotionState& state, const InertialState& inertial,
+                             const std::vector<ImuStep>& steps,
+                             const Vector3d& mean_rate_rad_per_s) {
+  InertialPrediction result{state, inertial};
+  for (const ImuStep& step : steps) advance(result.state, result.inertial, step);
+  result.state.T_map_sensor = orthonormalized(result.state.T_map_sensor);
+  result.state.velocity.angular = mean_rate_rad_per_s;
+  Matrix18& covariance = result.inertial.covariance;
+  covariance = (0.5 * (covariance + covariance.transpose())).eval();
+  result.state.covariance = covariance_of_motion(covariance);
+  return result;
+}
+
+InertialState corrected(const InertialPrediction& prediction, const MotionState& found) {
+  const Matrix18& before = prediction.inertial.covariance;
+  Matrix6 of_innovation = before.topLeftCorner<6, 6>() + found.covariance.topLeftCorner<6, 6>();
+  of_innovation.diagonal().head<3>().array() += kRegistration_m * kRegistration_m;
+  of_innovation.diagonal().tail<3>().array() += kRegistration_rad * kRegistration_rad;
+  const Eigen::Matrix<double, 18, 6> K =
+      of_innovation.ldlt().solve(before.topRows<6>()).transpose();
+  const Eigen::Matrix<double, 18, 1> change =
+      K * vector_of(logarithm(prediction.state.T_map_sensor.inverse() * found.T_map_sensor));
+  InertialState result = prediction.inertial;
+  result.gyroscope_bias_rad_per_s += change.segment<3>(kGyroscope);
+  result.accelerometer_bias_mps2 += change.segment<3>(kAccelerometer);
+  result.gravity_map_mps2 += change.segment<3>(kGravity);
+  result.gravity_map_mps2 *= kGravity_mps2 / result.gravity_map_mps2.norm();
+  result.covariance = before - K * of_innovation * K.transpose();
+  return result;
+}
+
+void turn(InertialState& inertial, const Matrix3d& R_corrected_map) {
+  inertial.gravity_map_mps2 = R_corrected_map * inertial.gravity_map_mps2;
+  Matrix18 turn = Matrix18::Identity();
+  turn.block<3, 3>(kGravity, kGravity) = R_corrected_map;
+  inertial.covariance = (turn * inertial.covariance * turn.transpose()).eval();
+}
+
+InertialState kept(const InertialState& inertial, const MotionState& found) {
+  InertialState result = inertial;
+  result.covariance.topRightCorner<9, 9>().setZero();
+  result.covariance.bottomLeftCorner<9, 9>().setZero();
+  result.covariance.topLeftCorner<9, 9>() = found.covariance.topLeftCorner<9, 9>();
+  return result;
+}
+
+}  // namespace hqslam::slam

@@ -1,0 +1,67 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "alignment/motion_state.h"
+#include "imu/imu_buffer.h"
+
+namespace hqslam::slam {
+
+using Matrix18 = Eigen::Matrix<double, 18, 18>;
+
+/// What an inertial sensor needs to know to say where the LiDAR goes, beside its MotionState: what
+/// its own values are off by, and which way is down.
+///
+/// The covariance is that of the errors, in this order: pose (linear, angular) and linear velocity
+/// as in MotionState, biases of gyroscope and accelerometer, gravity.
+struct InertialState {
+  Eigen::Vector3d gyroscope_bias_rad_per_s = Eigen::Vector3d::Zero();
+  Eigen::Vector3d accelerometer_bias_mps2 = Eigen::Vector3d::Zero();
+  Eigen::Vector3d gravity_map_mps2 = Eigen::Vector3d::Zero();  ///< downwards
+  Matrix18 covariance = Matrix18::Zero();
+};
+
+/// At the first scan: no biases, gravity against the mean specific force, as of a sensor that
+/// hardly accelerates.
+InertialState first_inertial_state(const MotionState& state,
+                                   const Eigen::Vector3d& specific_force_mps2);
+
+struct InertialPrediction {
+  MotionState state;
+  InertialState inertial;
+};
+
+/// The state after the steps, integrated. With the velocity v in the sensor's frame, the angular
+/// rate w and the specific force f, both without bias, the pose T = (R, p) and gravity g:
+///
+///   R' = R [w],  p' = R v,  v' = f + R^T g - w x v.
+///
+/// Errors e = (pose, v, gyroscope, accelerometer, gravity) grow as P <- F P F^T + Q with
+/// F = I + A t + (A t)^2 / 2 and the rows of A
+///
+///   linear    -[w]  -[v]     I     0     0   0
+///   angular     0   -[w]     0    -I     0   0
+///   velocity    0  [R^T g] -[w]  -[v]   -I  R^T
+///
+/// Source: Forster et al., "On-manifold preintegration for real-time visual-inertial odometry", TRO
+/// 2017, for the motion; the errors are those of MotionState.
+/// mean_rate_rad_per_s: over the scan that the state is of (EvenTurning), which is its angular
+/// velocity.
+InertialPrediction predicted(const MotionState& state, const InertialState& inertial,
+                             const std::vector<ImuStep>& steps,
+                             const Eigen::Vector3d& mean_rate_rad_per_s);
+
+/// What the scan, by which the predicted state became `found`, says of biases and gravity. With the
+/// innovation e of the pose, the covariance R of a registration and the rows P_all of all errors:
+///   S = P_pose + R,  K = P_all,pose S^-1,  x <- x + K e,  P <- P - K S K^T.
+/// Pose and velocity stay as they were found; R is larger than the registration says.
+InertialState corrected(const InertialPrediction& prediction, const MotionState& found);
+
+/// The map was turned.
+void turn(InertialState& inertial, const Eigen::Matrix3d& R_corrected_map);
+
+/// Biases and gravity as they were, after a while in which nothing was integrated.
+InertialState kept(const InertialState& inertial, const MotionState& found);
+
+}  // namespace hqslam::slam

@@ -1,0 +1,93 @@
+#include "hqslam/core/imu_sample.h"
+
+#include <doctest/doctest.h>
+
+#include "error_message.h"
+#include "file_contents.h"
+#include "hqslam/core/scan_source.h"
+#include "temporary_directory.h"
+
+using namespace hqslam;
+using namespace hqslam::test;
+
+namespace {
+
+class CsvFile {
+ public:
+  explicit CsvFile(const std::string& text) : path_(directory_.file("imu.csv")) {
+    write_file(path_, text);
+  }
+  std::vector<ImuSample> read() const { return read_imu_csv(path_); }
+
+ private:
+  TemporaryDirectory directory_;
+  std::string path_;
+};
+
+/// Scans at the given times.
+class Scans : public ScanSource {
+ public:
+  explicit Scans(std::vector<double> stamps_s) : stamps_s_(std::move(stamps_s)) {
+    sensor_ = sensor_preset("vlp-16");
+  }
+  const SensorModel& sensor() const override { return sensor_; }
+  std::optional<std::int64_t> size() const override { return std::nullopt; }
+  double read_share() const override { return 0.0; }
+  bool has_stamps() const override { return true; }
+  std::optional<RecordedScan> next() override {
+    if (next_ == stamps_s_.size()) return std::nullopt;
+    RecordedScan scan;
+    scan.stamp_s = stamps_s_[next_++];
+    return scan;
+  }
+
+ private:
+  SensorModel sensor_;
+  std::vector<double> stamps_s_;
+  std::size_t next_ = 0;
+};
+
+}  // namespace
+
+TEST_CASE("lines of seven numbers are samples; names above them and empty lines are none") {
+  const std::vector<ImuSample> samples =
+      CsvFile("stamp,wx,wy,wz,fx,fy,fz\n1.5,0.1,-0.2,3e-1,0,0,9.8\n\n1.51, 1, 2, 3, 4, 5, 6\r\n")
+          .read();
+  REQUIRE(samples.size() == 2);
+  CHECK(samples[0].stamp_s == 1.5);
+  CHECK(samples[0].angular_rate_rad_per_s == Eigen::Vector3d(0.1, -0.2, 0.3));
+  CHECK(samples[0].specific_force_mps2 == Eigen::Vector3d(0, 0, 9.8));
+  CHECK(samples[1].specific_force_mps2 == Eigen::Vector3d(4, 5, 6));
+}
+
+TEST_CASE("inertial data that are none are refused, with the line") {
+  const auto refused = [](const std::string& text, const char* found) {
+    return refused_with([&] { CsvFile(text).read(); }, "imu.csv", found);
+  };
+  CHECK(refused("", "found none"));
+  CHECK(refused("stamp,wx,wy,wz,fx,fy,fz\n", "found none"));
+  CHECK(refused("1,2,3,4,5,6\n", ":1: expected 7 numbers"));
+  CHECK(refused("1,2,3,4,5,6,7,8\n", ":1: expected 7 numbers"));
+  CHECK(refused("1,2,3,4,5,6,7\n2,2,3,x,5,6,7\n", ":2: expected 7 numbers"));
+  CHECK(refused("1,2,3,4,5,6,nan\n", ":1: expected 7 numbers"));
+  CHECK(refused("1,2,3,4,5,6,inf\n", ":1: expected 7 numbers"));
+  CHECK(refused("1,2,3,4,5,6,7\n1,2,3,4,5,6,7\n", ":2: expected a stamp after 1 s"));
+}
+
+TEST_CASE("every scan has the samples up to its end, each sample once") {
+  std::vector<ImuSample> samples;
+  for (int k = 0; k <= 50; ++k) samples.emplace_back().stamp_s = 0.01 * k;
+  const auto source = with_imu(std::make_unique<Scans>(std::vector{0.1, 0.2, 0.4}), samples);
+  CHECK(source->sensor().name == sensor_preset("vlp-16").name);
+  const double half_s = 0.5 * source->sensor().scan_period_s;
+  std::size_t given = 0;
+  for (const double stamp_s : {0.1, 0.2, 0.4}) {
+    const std::optional<RecordedScan> scan = source->next();
+    REQUIRE(scan);
+    for (const ImuSample& sample : scan->imu) CHECK(sample.stamp_s == samples[given++].stamp_s);
+    REQUIRE(given < samples.size());
+    CHECK(samples[given - 1].stamp_s <= stamp_s + half_s);
+    CHECK(samples[given].stamp_s > stamp_s + half_s);
+  }
+  CHECK(!source->next());
+}

@@ -1,0 +1,199 @@
+#include "imu/inertial_state.h"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+#include "alignment/scan_information.h"
+#include "hqslam/core/imu_sample.h"
+#include "slam/steady_drive.h"
+
+using namespace hqslam;
+using slam::ImuStep;
+using slam::InertialPrediction;
+using slam::InertialState;
+using slam::Matrix18;
+using slam::MotionState;
+using Vector18 = Eigen::Matrix<double, 18, 1>;
+
+namespace {
+
+const Eigen::Vector3d kGravity(0, 0, -kGravity_mps2);
+
+MotionState moving(const Pose& T_map_sensor, const Eigen::Vector3d& velocity_mps) {
+  MotionState state;
+  state.T_map_sensor = T_map_sensor;
+  state.velocity.linear = velocity_mps;
+  return state;
+}
+
+/// As MotionState and InertialState define the errors.
+InertialPrediction with_error(const MotionState& state, const InertialState& inertial,
+                              const Vector18& e) {
+  InertialPrediction result{state, inertial};
+  result.state.T_map_sensor = state.T_map_sensor * exponential({e.head<3>(), e.segment<3>(3)});
+  result.state.velocity.linear += e.segment<3>(6);
+  result.inertial.gyroscope_bias_rad_per_s += e.segment<3>(9);
+  result.inertial.accelerometer_bias_mps2 += e.segment<3>(12);
+  result.inertial.gravity_map_mps2 += e.segment<3>(15);
+  return result;
+}
+
+Vector18 error_between(const InertialPrediction& a, const InertialPrediction& b) {
+  const Twist pose = logarithm(a.state.T_map_sensor.inverse() * b.state.T_map_sensor);
+  Vector18 e;
+  e << pose.linear, pose.angular, b.state.velocity.linear - a.state.velocity.linear,
+      b.inertial.gyroscope_bias_rad_per_s - a.inertial.gyroscope_bias_rad_per_s,
+      b.inertial.accelerometer_bias_mps2 - a.inertial.accelerometer_bias_mps2,
+      b.inertial.gravity_map_mps2 - a.inertial.gravity_map_mps2;
+  return e;
+}
+
+std::vector<ImuStep> some_steps(int count) {
+  std::vector<ImuStep> steps;
+  for (int k = 0; k < count; ++k) {
+    const double t = (k + 0.5) * 0.001;
+    steps.push_back(
+        {0.001,
+         {1.5 * std::sin(7 * t), -2.0 * std::cos(5 * t), 3.0 * std::sin(3 * t + 1)},
+         {2.0 * std::cos(11 * t), 1.0 - 3.0 * std::sin(4 * t), 9.8 + 4.0 * std::cos(6 * t)}});
+  }
+  return steps;
+}
+
+}  // namespace
+
+TEST_CASE("a steady drive along a screw is integrated to its closed form") {
+  const test::SteadyDrive drive{
+      pose_from_xyz_rpy({3, 4, 5}, 0.1, 0.2, 0.3), {2, -1, 0.5}, {0.3, -0.2, 0.8}};
+  InertialState inertial;
+  inertial.gravity_map_mps2 = kGravity;
+  inertial.gyroscope_bias_rad_per_s = {0.01, 0.02, -0.01};
+  inertial.accelerometer_bias_mps2 = {0.1, -0.2, 0.05};
+  std::vector<ImuStep> steps;
+  for (int k = 0; k < 500; ++k) {
+    // a = w x v in the sensor's frame; at the middle of the step.
+    const Eigen::Matrix3d R = drive.at(0.001 * (k + 0.5)).linear();
+    steps.push_back({0.001, drive.turn_rad_per_s + inertial.gyroscope_bias_rad_per_s,
+                     drive.turn_rad_per_s.cross(drive.velocity_mps) - R.transpose() * kGravity +
+                         inertial.accelerometer_bias_mps2});
+  }
+  const InertialPrediction later =
+      slam::predicted(moving(drive.at(0.0), drive.velocity_mps), inertial, steps, {7, 8, 9});
+  CHECK((later.state.T_map_sensor.translation() - drive.at(0.5).translation()).norm() < 1e-3);
+  CHECK(rotation_angle_rad(later.state.T_map_sensor.inverse() * drive.at(0.5)) < 1e-9);
+  CHECK((later.state.velocity.linear - drive.velocity_mps).norm() < 5e-3);
+  CHECK(later.state.velocity.angular == Eigen::Vector3d(7, 8, 9));
+}
+
+TEST_CASE("GTSAM's preintegration leads to the same pose and velocity") {
+  // PreintegratedImuMeasurements and predict() of GTSAM 4.3.0, of the same samples. It adds up
+  // turns in a tangent space, to first order of each step.
+  const Eigen::Vector3d position_m(1.82421235, 1.89302732, 3.20299942);
+  const Eigen::Quaterniond turn(0.6554229403761792, 0.11373466473871952, -0.004029091667647207,
+                                0.7466384410715458);
+  const Eigen::Vector3d velocity_mps(-1.07478047, -1.99026246, 0.36019639);
+  InertialState inertial;
+  inertial.gravity_map_mps2 = kGravity;
+  inertial.gyroscope_bias_rad_per_s = {0.01, 0.02, -0.015};
+  inertial.accelerometer_bias_mps2 = {0.05, -0.03, 0.02};
+  const MotionState state = moving(pose_from_xyz_rpy({1, 2, 3}, -0.1, 0.2, 0.3), {1.2, -0.4, 0.3});
+  const InertialPrediction later =
+      slam::predicted(state, inertial, some_steps(500), Eigen::Vector3d::Zero());
+  CHECK((later.state.T_map_sensor.translation() - position_m).norm() < 1e-3);
+  CHECK(Eigen::Quaterniond(later.state.T_map_sensor.linear()).angularDistance(turn) < 2e-4);
+  CHECK((later.state.velocity.linear - velocity_mps).norm() < 5e-3);
+}
+
+TEST_CASE("every error grows into the others as it does when it is made") {
+  const MotionState state = moving(pose_from_xyz_rpy({1, 2, 3}, 0.4, -0.3, 0.9), {1.2, -0.4, 0.3});
+  InertialState inertial;
+  inertial.gravity_map_mps2 = kGravity;
+  const std::vector<ImuStep> steps = some_steps(200);
+  const auto moved = [&](const InertialPrediction& from) {
+    return slam::predicted(from.state, from.inertial, steps, Eigen::Vector3d::Zero());
+  };
+  const InertialPrediction exact = moved({state, inertial});
+  const Matrix18 noise = exact.inertial.covariance;
+  for (int i = 0; i < 18; ++i) {
+    CAPTURE(i);
+    InertialState uncertain = inertial;
+    uncertain.covariance(i, i) = 1.0;
+    const Matrix18 grown = moved({state, uncertain}).inertial.covariance - noise;
+    constexpr double kSmall = 1e-5;
+    const Vector18 made =
+        error_between(exact, moved(with_error(state, inertial, kSmall * Vector18::Unit(i)))) /
+        kSmall;
+    CHECK((grown - made * made.transpose()).norm() < 0.01 * made.squaredNorm());
+  }
+}
+
+TEST_CASE("at first gravity is against the specific force, and the pose as sure as it was") {
+  MotionState state = moving(pose_from_xyz_rpy({1, 2, 3}, 0.2, 0, 0), {0, 0, 0});
+  state.covariance(4, 4) = 0.25;
+  const Eigen::Vector3d force = state.T_map_sensor.linear().transpose() * Eigen::Vector3d(0, 0, 10);
+  const InertialState inertial = slam::first_inertial_state(state, force);
+  CHECK(inertial.gravity_map_mps2.isApprox(kGravity, 1e-9));
+  CHECK(inertial.covariance(4, 4) == 0.25);
+  CHECK(inertial.covariance.diagonal().tail<9>().minCoeff() > 0.0);
+}
+
+TEST_CASE("a hand's turns tell the biases and gravity, scan by scan") {
+  const Eigen::Vector3d gyroscope(0.008, -0.006, 0.01);
+  const Eigen::Vector3d accelerometer(0.08, -0.05, 0.06);
+  const auto pose_at = [](double time_s) {
+    return pose_from_xyz_rpy({std::sin(time_s), 0.3 * std::cos(2 * time_s), 0.1 * time_s},
+                             0.6 * std::sin(1.3 * time_s), 0.7 * std::sin(1.7 * time_s),
+                             1.5 * std::sin(0.9 * time_s));
+  };
+  const auto velocity_at = [&](double time_s) -> Eigen::Vector3d {
+    return (pose_at(time_s + 1e-4).translation() - pose_at(time_s - 1e-4).translation()) / 2e-4;
+  };
+  MotionState state = slam::unknown_motion(pose_at(0.0));
+  InertialState inertial = slam::first_inertial_state(state, {0, 0, 9.8});
+  for (int scan = 1; scan <= 600; ++scan) {
+    std::vector<ImuStep> steps;
+    for (int k = 0; k < 10; ++k) {
+      const double t = 0.1 * (scan - 1) + 0.01 * (k + 0.5);
+      const Twist turn = logarithm(pose_at(t - 0.005).inverse() * pose_at(t + 0.005));
+      const Eigen::Vector3d acceleration = (velocity_at(t + 0.005) - velocity_at(t - 0.005)) / 0.01;
+      steps.push_back(
+          {0.01, turn.angular / 0.01 + gyroscope,
+           pose_at(t).linear().transpose() * (acceleration - kGravity) + accelerometer});
+    }
+    const InertialPrediction prediction =
+        slam::predicted(state, inertial, steps, Eigen::Vector3d::Zero());
+    // As a registration that finds the pose exactly.
+    state = slam::ExpectedState(prediction.state).given(pose_at(0.1 * scan));
+    state.covariance *= 1e-6;
+    inertial = slam::corrected(prediction, state);
+  }
+  CHECK((inertial.gyroscope_bias_rad_per_s - gyroscope).norm() < 1e-3);
+  CHECK((inertial.accelerometer_bias_mps2 - accelerometer).norm() < 0.03);
+  CHECK((inertial.gravity_map_mps2 - kGravity).norm() < 0.03);
+  CHECK(inertial.covariance.isApprox(inertial.covariance.transpose(), 1e-9));
+  CHECK(inertial.covariance.diagonal().minCoeff() > 0.0);
+}
+
+TEST_CASE("after a gap biases and gravity are what they were, and tell nothing of the pose") {
+  const MotionState state = moving(pose_from_xyz_rpy({1, 2, 3}, 0.4, -0.3, 0.9), {1.2, -0.4, 0.3});
+  const InertialPrediction before =
+      slam::predicted(state, slam::first_inertial_state(state, {1, 2, 9}), some_steps(100),
+                      Eigen::Vector3d::Zero());
+  const MotionState found = slam::unknown_motion(state.T_map_sensor);
+  const InertialState after = slam::kept(before.inertial, found);
+  CHECK(after.gravity_map_mps2 == before.inertial.gravity_map_mps2);
+  CHECK(after.covariance.bottomRightCorner<9, 9>() ==
+        before.inertial.covariance.bottomRightCorner<9, 9>());
+  CHECK(after.covariance.topLeftCorner<9, 9>() == found.covariance.topLeftCorner<9, 9>());
+  CHECK(after.covariance.topRightCorner<9, 9>().isZero());
+}
+
+TEST_CASE("gravity turns with the map") {
+  InertialState inertial;
+  inertial.gravity_map_mps2 = kGravity;
+  inertial.covariance(15, 15) = 4.0;
+  slam::turn(inertial, Eigen::AngleAxisd(M_PI_2, Eigen::Vector3d::UnitY()).matrix());
+  CHECK((inertial.gravity_map_mps2 - Eigen::Vector3d(-kGravity_mps2, 0, 0)).norm() < 1e-9);
+  CHECK(inertial.covariance(17, 17) == doctest::Approx(4.0));
+}

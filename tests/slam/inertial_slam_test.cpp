@@ -1,0 +1,94 @@
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+#include "hqslam/core/imu_sample.h"
+#include "hqslam/slam/options.h"
+#include "hqslam/slam/slam.h"
+#include "slam/yard_drive.h"
+
+using namespace hqslam;
+
+namespace {
+
+constexpr double kSample_s = 0.01;
+
+/// A hand that turns to and fro, up to 200 degrees a second, and walks.
+Pose hand_pose(double time_s) {
+  return Eigen::Translation3d(2.0 * std::sin(0.5 * time_s), 1.2 * time_s - 8.0, 1.4) *
+         pose_from_xyz_rpy(Eigen::Vector3d::Zero(), 0.08 * std::sin(5.0 * time_s),
+                           0.1 * std::sin(3.0 * time_s), 1.2 * std::sin(2.9 * time_s));
+}
+
+Eigen::Vector3d velocity_mps(double time_s) {
+  return (hand_pose(time_s + 1e-4).translation() - hand_pose(time_s - 1e-4).translation()) / 2e-4;
+}
+
+ImuSample measured_at(double time_s, const Pose& T_sensor_body) {
+  const double begin_s = time_s - 0.5 * kSample_s;
+  const double end_s = time_s + 0.5 * kSample_s;
+  const Twist turn = logarithm(hand_pose(begin_s).inverse() * hand_pose(end_s));
+  const Eigen::Vector3d acceleration = (velocity_mps(end_s) - velocity_mps(begin_s)) / kSample_s;
+  const Eigen::Vector3d up(0, 0, kGravity_mps2);
+  const Eigen::Vector3d force = hand_pose(time_s).linear().transpose() * (acceleration + up);
+  const Eigen::Vector3d bias(0.01, -0.01, 0.005);
+  return {time_s, T_sensor_body.linear() * (turn.angular / kSample_s + bias),
+          T_sensor_body.linear() * (force + 10.0 * bias)};
+}
+
+enum class Imu { kNone, kAll, kWithGap };
+
+/// Scans every `period_s`, of a sensor that is mounted so. Out: the worst error of a position.
+double worst_error_m(double period_s, int scans, Imu imu, const slam::MountingOptions& mounting) {
+  const SensorModel sensor = test::small_sensor(16, 1024);
+  slam::SlamOptions options;
+  options.mounting = mounting;
+  options.loop_closing.enabled = false;
+  slam::Slam slam(sensor, options);
+  const Pose T_level_sensor =
+      pose_from_xyz_rpy(Eigen::Vector3d::Zero(), mounting.roll_rad, mounting.pitch_rad, 0.0);
+  double worst_m = 0.0;
+  double sampled_s = -0.5 * period_s;
+  for (int i = 0; i < scans; ++i) {
+    const double stamp_s = i * period_s;
+    std::vector<ImuSample> samples;
+    for (; sampled_s <= stamp_s + 0.05; sampled_s += kSample_s) {
+      const bool is_in_gap = imu == Imu::kWithGap && sampled_s > 1.0 && sampled_s < 1.3;
+      if (imu != Imu::kNone && !is_in_gap) {
+        samples.push_back(measured_at(sampled_s, T_level_sensor.inverse()));
+      }
+    }
+    slam.add_imu(samples);
+    const OrganizedCloud scan = test::Yard().rolling_scan(
+        sensor, [&](double time_s) { return hand_pose(stamp_s + time_s) * T_level_sensor; });
+    const slam::ScanReport report = slam.process(scan, stamp_s);
+    const Eigen::Vector3d found_m = report.T_map_sensor.translation();
+    const Eigen::Vector3d truth_m = (hand_pose(0).inverse() * hand_pose(stamp_s)).translation();
+    worst_m = std::max(worst_m, (found_m - truth_m).norm());
+  }
+  return worst_m;
+}
+
+}  // namespace
+
+TEST_CASE("with an inertial sensor a hand that turns 200 degrees a second is followed closely") {
+  const double without_m = worst_error_m(0.1, 40, Imu::kNone, {});
+  const double with_m = worst_error_m(0.1, 40, Imu::kAll, {});
+  CHECK(with_m < 0.03);
+  CHECK(with_m < 0.5 * without_m);
+}
+
+TEST_CASE("so is one whose scans come every half second") {
+  const double without_m = worst_error_m(0.5, 16, Imu::kNone, {});
+  const double with_m = worst_error_m(0.5, 16, Imu::kAll, {});
+  CHECK(with_m < 0.15);
+  CHECK(with_m < 0.2 * without_m);
+}
+
+TEST_CASE("an inertial sensor that hangs upside down with the LiDAR tells the same") {
+  CHECK(worst_error_m(0.1, 30, Imu::kAll, {M_PI, 0.1, false}) < 0.05);
+}
+
+TEST_CASE("what the inertial sensor misses for a while is followed without it") {
+  CHECK(worst_error_m(0.1, 40, Imu::kWithGap, {}) < 0.05);
+}
