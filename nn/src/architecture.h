@@ -42,6 +42,8 @@ class Architecture {
 
   /// Whether Network::lift says how sure it is.
   virtual bool has_confidence() const { return false; }
+  /// Whether it looks at what earlier scans measured (Observation::recalled).
+  virtual bool has_scan_memory() const { return false; }
   /// The outlier filter that the result goes through at the end.
   virtual std::optional<OutlierRemovalOptions> last_filter() const { return std::nullopt; }
 };

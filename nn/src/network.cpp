@@ -39,14 +39,20 @@ Network::Network(const NetworkDescription& description, int columns)
       columns_(columns),
       parameters_(elements(parameter_shapes(description))) {}
 
-void Network::check_measured(const RangeImage& measured) const {
-  check_image(measured, "measured rows", measured_rows_, columns_);
+void Network::check(const Observation& seen) const {
+  check_image(seen.measured, "measured rows", measured_rows_, columns_);
+  if (seen.recalled == nullptr || seen.recalled->is_empty()) return;
+  check_image(seen.recalled->image, "recalled ranges", rows_, columns_);
+  if (seen.recalled->weight.size() != seen.recalled->image.range_m.size()) {
+    throw Error("network: {} weights of what is recalled, expected one for each of {} pixels",
+                seen.recalled->weight.size(), seen.recalled->image.range_m.size());
+  }
 }
 
 double Network::add_gradients(std::span<const TrainingSample> batch, const LossOptions& options,
                               std::span<const std::uint64_t> seeds, std::span<float> d_parameters) {
   for (const TrainingSample& sample : batch) {
-    check_measured(sample.measured);
+    check({sample.measured, sample.recalled});
     check_image(sample.truth, "true ranges", rows_, columns_);
   }
   if (seeds.size() != batch.size() || std::ssize(d_parameters) != parameters_) {

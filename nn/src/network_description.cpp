@@ -35,6 +35,9 @@ void validate_rows(const NetworkDescription& d) {
 
 std::string_view name(const NetworkDescription& d) { return architecture_of(d).name(); }
 bool has_confidence(const NetworkDescription& d) { return architecture_of(d).has_confidence(); }
+
+bool has_scan_memory(const NetworkDescription& d) { return architecture_of(d).has_scan_memory(); }
+
 std::optional<OutlierRemovalOptions> last_filter(const NetworkDescription& d) {
   return architecture_of(d).last_filter();
 }

@@ -54,7 +54,7 @@ struct SuperResolver::Implementation {
   RangeImage measured_rows(const RangeImage& image) const;
   void empty_doubtful(LiftedImage& lifted) const;
   void empty_rejected(LiftedImage& lifted);
-  void trace(const RangeImage& measured, const std::vector<float>& confidence,
+  void trace(const Observation& seen, const std::vector<float>& confidence,
              const LiftedImage& lifted, Trace& trace);
 
   NetworkDescription description;
@@ -103,10 +103,10 @@ void SuperResolver::Implementation::empty_rejected(LiftedImage& lifted) {
 }
 
 /// `confidence` as the network says it: that of pixels that are emptied afterwards too.
-void SuperResolver::Implementation::trace(const RangeImage& measured,
+void SuperResolver::Implementation::trace(const Observation& seen,
                                           const std::vector<float>& confidence,
                                           const LiftedImage& lifted, Trace& trace) {
-  trace = network->trace(measured);
+  trace = network->trace(seen);
   RangeImage image = lifted.image;
   if (filter) {
     image.range_m.assign(rejected.begin(), rejected.end());
@@ -139,15 +139,16 @@ std::int64_t SuperResolver::multiply_adds() const {
   return implementation_->network->multiply_adds();
 }
 
-LiftedImage SuperResolver::run(const RangeImage& image, Trace* trace) {
+LiftedImage SuperResolver::run(const RangeImage& image, const RecalledImage& recalled,
+                               Trace* trace) {
   Implementation& self = *implementation_;
   const RangeImage measured = self.measured_rows(image);
-  LiftedImage lifted = self.network->lift(measured, self.tolerance_m);
+  LiftedImage lifted = self.network->lift({measured, recalled}, self.tolerance_m);
   std::vector<float> confidence;
   if (trace != nullptr) confidence = lifted.confidence;
   self.empty_doubtful(lifted);
   self.empty_rejected(lifted);
-  if (trace != nullptr) self.trace(measured, confidence, lifted, *trace);
+  if (trace != nullptr) self.trace({measured, recalled}, confidence, lifted, *trace);
   return lifted;
 }
 

@@ -144,9 +144,10 @@ OrganizedCloud upsampled_cloud(const LiftedImage& lifted, const OrganizedCloud& 
   return cloud;
 }
 
-OrganizedCloud upsampled_cloud(Upsampler& upsampler, const OrganizedCloud& measured) {
-  return upsampled_cloud(upsampler.run(range_image(measured)), measured, upsampler.measured_rows(),
-                         upsampler.sensor());
+OrganizedCloud upsampled_cloud(Upsampler& upsampler, const OrganizedCloud& measured,
+                               const RecalledImage& recalled) {
+  return upsampled_cloud(upsampler.run(range_image(measured), recalled), measured,
+                         upsampler.measured_rows(), upsampler.sensor());
 }
 
 }  // namespace hqslam::nn

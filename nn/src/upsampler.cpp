@@ -49,9 +49,9 @@ std::string Upsampler::name() const {
   return std::string(kNames[static_cast<std::size_t>(std::get<Interpolation>(method_))]);
 }
 
-LiftedImage Upsampler::run(const RangeImage& measured) {
+LiftedImage Upsampler::run(const RangeImage& measured, const RecalledImage& recalled) {
   if (auto* resolver = std::get_if<SuperResolver>(&method_)) {
-    return resolver->run(measured);
+    return resolver->run(measured, recalled);
   }
   return {interpolate_rows(measured, measured_rows(), sensor_.beam_elevation_rad,
                            std::get<Interpolation>(method_)),

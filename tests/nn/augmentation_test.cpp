@@ -24,7 +24,7 @@ RangeImage numbered() {
 }
 
 TrainingSample sample(const Augmentation& augmentation, std::uint64_t seed) {
-  return augmented_sample(numbered(), small_sensor(), kMeasured, augmentation, seed);
+  return augmented_sample({numbered()}, small_sensor(), kMeasured, augmentation, seed);
 }
 
 int column_of(float range_m) { return static_cast<int>((range_m - 10.0F) * 16.0F) % 64; }
@@ -146,7 +146,7 @@ TEST_CASE("ranges that leave the sensor's limits are lost, in the truth and in w
                    .range_noise_m = 2.0F,
                    .largest_dropout_share = 0.1F};
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
-    const TrainingSample s = augmented_sample(numbered(), sensor, kMeasured, all, seed);
+    const TrainingSample s = augmented_sample({numbered()}, sensor, kMeasured, all, seed);
     int returns = 0;
     for (const RangeImage* image : {&s.truth, &s.measured}) {
       for (const float range_m : image->range_m) {
@@ -162,7 +162,7 @@ TEST_CASE("pixels without a return stay without, whatever the noise") {
   RangeImage half = numbered();
   for (std::size_t i = 0; i < half.range_m.size(); i += 2) half.range_m[i] = 0.0F;
   const Augmentation noisy{.mirror = false, .range_noise_m = 1.0F};
-  const TrainingSample s = augmented_sample(half, small_sensor(), kMeasured, noisy, 4);
+  const TrainingSample s = augmented_sample({half}, small_sensor(), kMeasured, noisy, 4);
   const std::vector<float> truth_m = select_rows(s.truth, kMeasured).range_m;
   for (std::size_t i = 0; i < truth_m.size(); ++i) {
     REQUIRE((s.measured.range_m[i] > 0.0F) == (truth_m[i] > 0.0F));

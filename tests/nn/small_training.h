@@ -14,11 +14,12 @@
 // Trainings of a moment, on three small scans.
 namespace hqslam::nn {
 
-inline std::vector<RangeImage> scans() {
-  std::vector<RangeImage> scans;
+inline std::vector<TrainingScan> scans() {
+  std::vector<TrainingScan> scans;
   for (int i = 0; i < 3; ++i) {
-    scans.push_back(small_scene());
-    for (float& range_m : scans.back().range_m) range_m *= 1.0F + 0.2F * static_cast<float>(i);
+    scans.push_back({small_scene()});
+    for (float& range_m : scans.back().truth.range_m)
+      range_m *= 1.0F + 0.2F * static_cast<float>(i);
   }
   return scans;
 }
@@ -26,17 +27,17 @@ inline std::vector<RangeImage> scans() {
 /// All of one shape.
 class ScansInMemory final : public TrainingScans {
  public:
-  explicit ScansInMemory(std::vector<RangeImage> scans) : scans_(std::move(scans)) {}
+  explicit ScansInMemory(std::vector<TrainingScan> scans) : scans_(std::move(scans)) {}
   std::int64_t size() const override { return std::ssize(scans_); }
-  int rows() const override { return scans_.front().rows; }
-  int columns() const override { return scans_.front().columns; }
-  RangeImage read(std::int64_t i) const override { return scans_.at(i); }
+  int rows() const override { return scans_.front().truth.rows; }
+  int columns() const override { return scans_.front().truth.columns; }
+  TrainingScan read(std::int64_t i) const override { return scans_.at(i); }
 
  private:
-  std::vector<RangeImage> scans_;
+  std::vector<TrainingScan> scans_;
 };
 
-inline std::unique_ptr<const TrainingScans> in_memory(std::vector<RangeImage> scans) {
+inline std::unique_ptr<const TrainingScans> in_memory(std::vector<TrainingScan> scans) {
   return std::make_unique<ScansInMemory>(std::move(scans));
 }
 

@@ -69,7 +69,7 @@ TrainingState trained_for(const NetworkDescription& description, int steps) {
   plan.batch = 2;
   plan.learning_rate = 0.03F;
   plan.warm_up_steps = 1;
-  Trainer trainer(description, plan, in_memory({small_scene()}),
+  Trainer trainer(description, plan, in_memory({{small_scene()}}),
                   {start, AdamW({}, start.size()), start}, 2, alone());
   const double before = trainer.step().loss;
   double after = before;

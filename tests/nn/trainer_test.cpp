@@ -73,7 +73,7 @@ TEST_CASE("the gradient and the loss of a batch are means: equal samples give th
   TrainingStep steps[2];
   for (const int batch : {1, 5}) {
     plan.batch = batch;
-    Trainer trainer(description, plan, in_memory({rings}), fresh_state(description), 1, alone());
+    Trainer trainer(description, plan, in_memory({{rings}}), fresh_state(description), 1, alone());
     steps[batch / 5] = trainer.step();
   }
   CHECK(steps[1].loss == doctest::Approx(steps[0].loss).epsilon(1e-6));
@@ -142,14 +142,14 @@ TEST_CASE("plans that cannot be followed are refused with the field and the valu
 
 TEST_CASE("scans and states that do not fit the network are refused, by any number of threads") {
   const HqsPlan description = small_du_or();
-  const auto message = [&](std::vector<RangeImage> with, const TrainingState& state) {
+  const auto message = [&](std::vector<TrainingScan> with, const TrainingState& state) {
     return test::error_message(
         [&] { Trainer(description, small_plan(), in_memory(std::move(with)), state, 2, alone()); });
   };
   const TrainingState good = fresh_state(description);
   CHECK(message(scans(), good) == "no Error");
   CHECK(test::one_line_with(message({}, good), "no scans"));
-  CHECK(test::one_line_with(message({RangeImage(16, 32)}, good), "16 x 32", "16 x 64"));
+  CHECK(test::one_line_with(message({{RangeImage(16, 32)}}, good), "16 x 32", "16 x 64"));
   TrainingState bad = good;
   bad.parameters.pop_back();
   CHECK(test::one_line_with(message(scans(), bad), std::to_string(bad.parameters.size())));
@@ -158,7 +158,7 @@ TEST_CASE("scans and states that do not fit the network are refused, by any numb
   CHECK(test::one_line_with(message(scans(), bad), std::to_string(good.parameters.size())));
   Trainer trainer(description, small_plan(), in_memory(scans()), good, 2, alone());
   CHECK(test::one_line_with(test::error_message([&] {
-                              trainer.validate({small_scene(), RangeImage(16, 32)});
+                              trainer.validate({{small_scene()}, {RangeImage(16, 32)}});
                             }),
                             "16 x 32"));
 }

@@ -14,8 +14,8 @@ class FixedNetwork final : public Network {
       : Network(small_du_or(), 64), lifted_(std::move(lifted)) {}
   std::int64_t multiply_adds() const override { return 0; }
   void set_parameters(std::span<const float>) override {}
-  const LiftedImage& lift(const RangeImage&, float) override { return lifted_; }
-  Trace trace(const RangeImage&) override { return {}; }
+  const LiftedImage& lift(const Observation&, float) override { return lifted_; }
+  Trace trace(const Observation&) override { return {}; }
 
  private:
   double batch_gradients(std::span<const TrainingSample>, const LossOptions&,
@@ -60,7 +60,7 @@ TEST_CASE("validation empties the least sure pixels until as much is missing as 
   }
   FixedNetwork network(lifted);
   const NetworkDescription description = small_du_or();
-  const Validation validation = validation_of({validated_scan(network, description, truth())});
+  const Validation validation = validation_of({validated_scan(network, description, {truth()})});
   // Of 12 x 64 computed pixels 16 have no true return; 12 + 2 x 8 lie beside empty measured rows.
   CHECK(validation.linear.missing_share > 0.0);
   CHECK(validation.network.missing_share == doctest::Approx(12.0 / (12 * 64 - 16)));
@@ -76,8 +76,8 @@ TEST_CASE("linear interpolation's figures are over the pixels of all scans, as t
   for (int column = 0; column < 10; ++column) nearly_empty.at(5, column) = 10.0F;
   FixedNetwork network({walls(), {}});
   const NetworkDescription description = small_du_or();
-  const ImageFigures linear = validation_of({validated_scan(network, description, walls()),
-                                             validated_scan(network, description, nearly_empty)})
+  const ImageFigures linear = validation_of({validated_scan(network, description, {walls()}),
+                                             validated_scan(network, description, {nearly_empty})})
                                   .linear;
   CHECK(linear.missing_share == doctest::Approx(10.0 / (12 * 64 + 10)));
   CHECK(linear.mae_all_m == doctest::Approx(10 * 10.0 / (2 * 16 * 64)));
@@ -92,7 +92,7 @@ TEST_CASE("what says nothing of its confidence is taken as it is") {
   lifted.image.at(6, 3) = 7.0F;  // where truth has nothing
   lifted.image.at(2, 9) = 0.0F;
   FixedNetwork network(lifted);
-  const Validation validation = validation_of({validated_scan(network, small_du_or(), truth())});
+  const Validation validation = validation_of({validated_scan(network, small_du_or(), {truth()})});
   CHECK(validation.network.wrong_share == doctest::Approx(2.0 / (12 * 64 - 16)));
   CHECK(validation.network.missing_share == doctest::Approx(1.0 / (12 * 64 - 16)));
   CHECK(validation.network.mae_all_m == doctest::Approx((0.4 + 2.0 + 7.0 + 10.0) / (16 * 64)));
@@ -109,7 +109,7 @@ TEST_CASE("the exponent of the confidence makes it the share that is right") {
     lifted.image.range_m[i] = right ? 10.0F : 20.0F;
   }
   FixedNetwork network(lifted);
-  const Validation validation = validation_of({validated_scan(network, small_du_or(), walls())});
+  const Validation validation = validation_of({validated_scan(network, small_du_or(), {walls()})});
   CHECK(validation.confidence_exponent == doctest::Approx(2.0).epsilon(0.02));
 }
 

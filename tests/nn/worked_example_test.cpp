@@ -37,6 +37,18 @@ TEST_CASE("worked example, data consistency: L = 10, Z = 12, Y = 11, b = 0.1") {
   CHECK(h == doctest::Approx(11.5));  // not measured
 }
 
+TEST_CASE("worked example, memory: 10.5 m through the middle of a pixel of 11.5 m, or beside it") {
+  const float m = 10.5F;
+  const auto drawn = [&](float weight) {
+    const float share = weight / (weight + 1.0F);
+    float h = 11.5F;
+    recall_row(&m, &share, 1, &h);
+    return h;
+  };
+  CHECK(drawn(4.0F) == doctest::Approx(10.7));
+  CHECK(drawn(4.0F * std::exp(-1.0F)) == doctest::Approx(10.90).epsilon(1e-3));
+}
+
 TEST_CASE("worked example, selection: above 10 m, below 14 m, here 11.5 m") {
   const Tensor shape(1, 1, 16, ColumnPadding::kCircular);
   Candidates candidates{shape, shape};

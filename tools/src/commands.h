@@ -35,6 +35,7 @@ int calibrate_command(const CalibrateOptions& options);
 
 /// sensor empty: as lifted_input says
 struct UpsampleOptions : InputChoice, LiftingChoice {
+  std::string poses;  ///< for networks with a memory; empty: they have none of earlier scans
   std::string out;
   int threads = 0;  ///< 0: what OpenMP chooses
   bool bin = false;
@@ -100,6 +101,7 @@ int evaluate_map_command(const EvaluateMapOptions& options);
 
 struct CompareOptions : InputChoice {
   std::vector<std::string> weights;
+  std::string poses;  ///< for networks with a memory; empty: they have none of earlier scans
   std::int64_t every = 1;
   std::string json;   ///< file to write; empty: none
   std::string curve;  ///< page to write about the last weights' confidence; empty: none

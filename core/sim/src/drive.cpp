@@ -103,7 +103,7 @@ std::vector<float> DriveSimulator::distances_to_surface_m(
   return distances_m;
 }
 
-std::optional<SimulatedScan> DriveSimulator::next() {
+std::optional<SimulatedScan> DriveSimulator::next(const std::optional<RowSelection>& rows) {
   Implementation& self = *implementation_;
   if (self.next_scan >= self.spec.scans) return std::nullopt;
   const double begin_s = self.begin_s(self.next_scan);
@@ -113,7 +113,8 @@ std::optional<SimulatedScan> DriveSimulator::next() {
   const Pose T_world_middle = self.scenario.T_world_sensor(scan.stamp_s);
   self.scene.place_actors(self.scenario.actors(begin_s, begin_s + self.sensor.scan_period_s,
                                                T_world_middle.translation().head<2>()));
-  scan.image = self.lidar.measure(self.scene, T_world_sensor, self.next_scan);
+  scan.image =
+      self.lidar.measure(self.scene, T_world_sensor, self.next_scan, rows.value_or(RowSelection{}));
   scan.T_map_sensor = self.T_map_world * T_world_middle;
   for (const Pose& pose : T_world_sensor) {
     scan.T_map_sensor_at_column.push_back(self.T_map_world * pose);

@@ -32,6 +32,7 @@ struct Lidar::Revolution {
   const RayScene& scene;
   const std::vector<Pose>& T_world_sensor;
   std::uint64_t seed;
+  RowSelection rows;
   RangeImage image{lidar.sensor_.rows(), lidar.sensor_.columns};
   /// What the ray in the middle of each pixel meets.
   std::vector<std::optional<RayHit>> central{image.range_m.size()};
@@ -61,7 +62,7 @@ struct Lidar::Revolution {
     add(central[pixel], 2.0);
     constexpr std::array<std::array<int, 2>, 4> kNeighbours = {{{-1, 0}, {1, 0}, {0, -1}, {0, 1}}};
     for (const auto& [down, right] : kNeighbours) {
-      if (row + down < 0 || row + down >= image.rows) continue;
+      if (row + down < 0 || row + down >= image.rows || !rows.contains(row + down)) continue;
       const std::size_t other =
           image.index(row + down, (column + right + image.columns) % image.columns);
       if (!jumps(central[pixel], central[other])) continue;
@@ -106,20 +107,21 @@ Lidar::Lidar(const SensorModel& sensor, const DriveSpec& drive)
 }
 
 RangeImage Lidar::measure(const RayScene& scene, const std::vector<Pose>& T_world_sensor,
-                          std::int64_t scan) const {
-  Revolution turn{*this, scene, T_world_sensor, seed_of(seed_, static_cast<std::uint64_t>(scan))};
+                          std::int64_t scan, RowSelection selected) const {
+  Revolution turn{*this, scene, T_world_sensor, seed_of(seed_, static_cast<std::uint64_t>(scan)),
+                  selected};
   const int rows = sensor_.rows();
   const int columns = sensor_.columns;
 #pragma omp parallel for schedule(dynamic, 16)
   for (int column = 0; column < columns; ++column) {
-    for (int row = 0; row < rows; ++row) {
+    for (int row = selected.offset; row < rows; row += selected.stride) {
       const std::size_t pixel = turn.image.index(row, column);
       turn.central[pixel] = turn.cast(row, column, directions_[pixel]);
     }
   }
 #pragma omp parallel for schedule(dynamic, 16)
   for (int column = 0; column < columns; ++column) {
-    for (int row = 0; row < rows; ++row) {
+    for (int row = selected.offset; row < rows; row += selected.stride) {
       turn.image.range_m[turn.image.index(row, column)] = turn.reported_range_m(row, column);
     }
   }

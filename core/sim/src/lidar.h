@@ -40,9 +40,10 @@ class Lidar {
  public:
   /// With the conditions, the sensor's errors and the seed of a drive.
   Lidar(const SensorModel& sensor, const DriveSpec& drive);
-  /// One revolution; `T_world_sensor` at every column of the head.
+  /// One revolution; `T_world_sensor` at every column of the head. Of other rows nothing comes
+  /// back.
   RangeImage measure(const RayScene& scene, const std::vector<Pose>& T_world_sensor,
-                     std::int64_t scan) const;
+                     std::int64_t scan, RowSelection rows = {}) const;
   /// Where the beams of one revolution meet surfaces that are within range and bright enough to be
   /// seen at least every other time (q of 1 and more); none behind glass. World frame, in the order
   /// of the pixels.

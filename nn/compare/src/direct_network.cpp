@@ -118,8 +118,9 @@ void DirectNetwork::restore(const RangeImage& measured, RangeImage& image) const
   }
 }
 
-const LiftedImage& DirectNetwork::lift(const RangeImage& measured, float /*tolerance_m*/) {
-  check_measured(measured);
+const LiftedImage& DirectNetwork::lift(const Observation& seen, float /*tolerance_m*/) {
+  check(seen);
+  const RangeImage& measured = seen.measured;
   run_passes(measured, plan_.passes);
   const auto nearest_m = static_cast<float>(description_.sensor.min_range_m);
   const auto farthest_m = static_cast<float>(description_.sensor.max_range_m);
@@ -135,7 +136,7 @@ const LiftedImage& DirectNetwork::lift(const RangeImage& measured, float /*toler
 
 /// One pass without dropout.
 RangeImage DirectNetwork::estimate(const RangeImage& measured) {
-  check_measured(measured);
+  check(measured);
   run_passes(measured, 1);
   RangeImage image(lifted_.image.rows, lifted_.image.columns);
   for (std::size_t i = 0; i < sum_.size(); ++i) {
@@ -144,8 +145,8 @@ RangeImage DirectNetwork::estimate(const RangeImage& measured) {
   return image;
 }
 
-Trace DirectNetwork::trace(const RangeImage& measured) {
-  const RangeImage lifted = lift(measured, 0.5F).image;
+Trace DirectNetwork::trace(const Observation& seen) {
+  const RangeImage lifted = lift(seen, 0.5F).image;
   RangeImage said = lifted;
   RangeImage disagreed = lifted;
   for (std::size_t pixel = 0; pixel < sum_.size(); ++pixel) {
@@ -153,7 +154,7 @@ Trace DirectNetwork::trace(const RangeImage& measured) {
     disagreed.range_m[pixel] = agreed(pixel) ? 0.0F : 1.0F;
   }
   Trace trace;
-  trace.add(traced_image("measured", measured));
+  trace.add(traced_image("measured", seen.measured));
   trace.add(traced_image("layers.0.z", std::move(said)));
   trace.add(traced_image("layers.0.rejected", std::move(disagreed), ""));
   trace.add(traced_image("layers.0.y", lifted));

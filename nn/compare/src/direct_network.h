@@ -45,9 +45,9 @@ class DirectNetwork final : public Network {
 
   std::int64_t multiply_adds() const override;  ///< of all passes
   void set_parameters(std::span<const float> parameters) override;
-  const LiftedImage& lift(const RangeImage& measured, float tolerance_m) override;
+  const LiftedImage& lift(const Observation& seen, float tolerance_m) override;
   RangeImage estimate(const RangeImage& measured) override;
-  Trace trace(const RangeImage& measured) override;
+  Trace trace(const Observation& seen) override;
   std::vector<NetworkStep> steps(const RangeImage& measured) override;
 
  private:

@@ -46,13 +46,39 @@ double part_down(const Run& run, int row, const Between& at) {
 
 double logistic(double v) { return 1.0 / (1.0 + std::exp(-v)); }
 
+/// What is recalled of each pixel; 0 where nothing is, and where it was measured.
+struct Recalled {
+  Image m;      ///< ln of metres
+  Image share;  ///< W^2 / (W^2 + 1)
+};
+
+Recalled recalled(const Run& run) {
+  Recalled r{Image(1, run.rows(), run.columns()), Image(1, run.rows(), run.columns())};
+  const RecalledImage& given = run.options.recalled;
+  for (int y = 0; y < run.rows() && !given.is_empty(); ++y) {
+    for (int x = 0; x < run.columns(); ++x) {
+      const double range_m = given.image.at(y, x);
+      const double weight = given.weight[given.image.index(y, x)];
+      if (run.is_measured(y) || !(range_m > 0.0) || !(weight > 0.0)) continue;
+      r.m.at(0, y, x) = std::log(range_m);
+      r.share.at(0, y, x) = weight / (weight + 1.0);
+    }
+  }
+  return r;
+}
+
 /// The input on tiles, 16 + 4 + 4 x 16 x 256 for 4 x 4 tiles and 64 x 1024 pixels: (H - ln 20) / 2;
-/// valid - 1/2 of the tile's measured pixels; ln above - ln below of them, within +-1.
-Image input_of(const Run& run, const Measured& m, const Image& h, int tile_rows, int tile_columns) {
+/// valid - 1/2 of the tile's measured pixels; ln above - ln below of them, within +-1. With a
+/// memory two channels more for each of the 12 computed pixels: M - start, within +-1; share - 1/2.
+Image input_of(const Run& run, const Measured& m, const Image& start, const Recalled& recalled,
+               const Image& h, int tile_rows, int tile_columns) {
   Image centred = h;
   for (double& value : centred.values) value = 0.5 * (value - std::log(kTypicalRange_m));
   const Image tiles = tiled(centred, tile_rows, tile_columns);
-  Image input(tiles.channels + 2 * tile_columns, tiles.rows, tiles.columns);
+  const bool has_memory = run.network["denoiser"].value("scan_memory", false);
+  const int computed = (tile_rows - 1) * tile_columns;
+  const int first_recalled = tiles.channels + 2 * tile_columns;
+  Image input(first_recalled + (has_memory ? 2 * computed : 0), tiles.rows, tiles.columns);
   std::copy(tiles.values.begin(), tiles.values.end(), input.values.begin());
   for (int y = 0; y < tiles.rows; ++y) {
     for (int x = 0; x < run.columns(); ++x) {
@@ -63,11 +89,22 @@ Image input_of(const Run& run, const Measured& m, const Image& h, int tile_rows,
       input.at(channel + tile_columns, y, x / tile_columns) = std::clamp(step, -1.0, 1.0);
     }
   }
+  for (int y = 0; y < run.rows() && has_memory; ++y) {
+    for (int x = 0; x < run.columns() && !run.is_measured(y); ++x) {
+      const int in_tile = y % tile_rows - (y % tile_rows > run.description.measured_rows.offset);
+      const int channel = first_recalled + 2 * (in_tile * tile_columns + x % tile_columns);
+      const double share = recalled.share.at(0, y, x);
+      const double step =
+          share > 0.0 ? std::clamp(recalled.m.at(0, y, x) - start.at(0, y, x), -1.0, 1.0) : 0.0;
+      input.at(channel, y / tile_rows, x / tile_columns) = step;
+      input.at(channel + 1, y / tile_rows, x / tile_columns) = share - 0.5;
+    }
+  }
   return input;
 }
 
 /// The convolutions, channels c, lower channels l: c x 16 x 256 -> l x 8 x 128 -> residual blocks
-/// -> c x 16 x 256 -> 7 outputs of each computed pixel of a tile, 84 x 16 x 256.
+/// -> c x 16 x 256 -> 7 outputs of each computed pixel of a tile, 84 x 16 x 256 (9 with a memory).
 Image outputs_of(Run& run, const Image& input) {
   const nlohmann::json& sizes = run.network["denoiser"];
   const double slope = sizes["negative_slope"];
@@ -114,6 +151,8 @@ double laplace_below(double v) {
 ///   w  = s(4 o4)                                   probability of the first
 ///   scale = exp(-3.5 + 4 clamp(o5, -1/2, 1))       of both Laplace distributions
 ///   p  = s(4 o6)                                   probability of a return
+/// With a memory each mode has an h of its own, start + g (M - start): W^2 scaled by what it says,
+///   g = W^2 e / (W^2 e + 1),  e = exp(4 clamp(o, -2, 2)),  o = o7 for the first, o8 for the second
 struct Said {
   double mode_1, mode_2, weight_1, scale, probability;
 
@@ -139,16 +178,22 @@ void run_du_mix(Run& run) {
   const int tile_columns = run.network["denoiser"]["tile_columns"];
   const RowSelection rows = run.description.measured_rows;
   const Measured m = measured(run);
-  // Start, linear in 1 / range, and 10a with b -> 0: H = ln L where a pixel was measured, otherwise
-  // the start.
-  Image h(1, run.rows(), run.columns());
-  for (int y = 0; y < h.rows; ++y) {
+  // Start, linear in 1 / range.
+  Image start(1, run.rows(), run.columns());
+  for (int y = 0; y < start.rows; ++y) {
     const Between at = between(run, y);
     const double down = part_down(run, y, at);
-    for (int x = 0; x < h.columns; ++x) {
-      h.at(0, y, x) = -std::log((1.0 - down) / m.filled.at(0, at.above, x) +
-                                down / m.filled.at(0, at.below, x));
+    for (int x = 0; x < start.columns; ++x) {
+      start.at(0, y, x) = -std::log((1.0 - down) / m.filled.at(0, at.above, x) +
+                                    down / m.filled.at(0, at.below, x));
     }
+  }
+  // 10a with b -> 0: H = ln L where a pixel was measured, otherwise the start, drawn towards what
+  // is recalled: (W^2 M + start) / (W^2 + 1).
+  const Recalled memory = recalled(run);
+  Image h = start;
+  for (std::size_t i = 0; i < h.values.size(); ++i) {
+    h.values[i] += memory.share.values[i] * (memory.m.values[i] - start.values[i]);
   }
   /// ln to metres; a measured pixel as it was measured.
   const auto add_metres = [&](const std::string& name, Image image) {
@@ -161,9 +206,10 @@ void run_du_mix(Run& run) {
     }
     run.add(name, image, "m");
   };
-  add_metres("start", h);
+  add_metres("start", start);
   add_metres("layers.0.h", h);
-  const Image outputs = outputs_of(run, input_of(run, m, h, tile_rows, tile_columns));
+  const Image outputs =
+      outputs_of(run, input_of(run, m, start, memory, h, tile_rows, tile_columns));
   const Image empty(1, run.rows(), run.columns());
   Image mode_1 = empty, mode_2 = empty, weight_1 = empty, scale = empty, probability = empty;
   Image z = h;
@@ -185,9 +231,18 @@ void run_du_mix(Run& run) {
       };
       const double above = std::log(m.filled.at(0, at.above, x));
       const double below = std::log(m.filled.at(0, at.below, x));
-      const double middle = h.at(0, y, x);
-      const Said said{.mode_1 = middle + logistic(4.0 * o(0)) * (above - middle) + o(1),
-                      .mode_2 = middle + logistic(4.0 * o(2)) * (below - middle) + o(3),
+      const auto middle = [&](int group) {
+        const double share = memory.share.at(0, y, x);
+        if (share == 0.0) return h.at(0, y, x);
+        const double scaled =
+            share / (1.0 - share) * std::exp(4.0 * std::clamp(o(group), -2.0, 2.0));
+        const double from = start.at(0, y, x);
+        return from + scaled / (scaled + 1.0) * (memory.m.at(0, y, x) - from);
+      };
+      const double first = middle(7);
+      const double second = middle(8);
+      const Said said{.mode_1 = first + logistic(4.0 * o(0)) * (above - first) + o(1),
+                      .mode_2 = second + logistic(4.0 * o(2)) * (below - second) + o(3),
                       .weight_1 = logistic(4.0 * o(4)),
                       .scale = std::exp(-3.5 + 4.0 * std::clamp(o(5), -0.5, 1.0)),
                       .probability = logistic(4.0 * o(6))};

@@ -20,6 +20,14 @@ void check(const NetworkDescription& d, const RangeImage& measured,
                 measured.rows, measured.columns, rows, d.sensor.columns);
   }
   const std::size_t pixels = static_cast<std::size_t>(d.sensor.rows()) * measured.columns;
+  const RecalledImage& recalled = options.recalled;
+  if (!recalled.is_empty() &&
+      (recalled.image.rows != d.sensor.rows() || recalled.image.columns != measured.columns ||
+       recalled.weight.size() != pixels)) {
+    throw Error("reference: {} x {} pixels are recalled with {} weights, expected {} x {}",
+                recalled.image.rows, recalled.image.columns, recalled.weight.size(),
+                d.sensor.rows(), measured.columns);
+  }
   for (const std::vector<std::uint8_t>& mask : options.rejected) {
     if (mask.size() != pixels) {
       throw Error("reference: a mask of {} pixels, expected {}", mask.size(), pixels);
@@ -69,8 +77,12 @@ std::vector<ReferenceDifference> differences_from_reference(const NetworkDescrip
                                                             std::span<const float> parameters,
                                                             const Trace& trace) {
   const std::vector<double> exact(parameters.begin(), parameters.end());
+  ReferenceOptions options{.rejected = masks_of(trace)};
+  if (trace.has("recalled")) {
+    options.recalled = {trace.image("recalled"), trace.tensor("recalled_weight").values};
+  }
   const ReferenceTrace reference =
-      reference_trace(description, exact, trace.image("measured"), {.rejected = masks_of(trace)});
+      reference_trace(description, exact, trace.image("measured"), options);
   std::vector<ReferenceDifference> differences;
   for (const ReferenceTensor& expected : reference.tensors) {
     if (!trace.has(expected.name)) continue;

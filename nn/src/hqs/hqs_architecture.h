@@ -62,6 +62,7 @@ class HqsArchitecture final : public Architecture {
   std::unique_ptr<Network> make_network(const NetworkDescription& description, int columns,
                                         InstructionSet instruction_set, int threads) const override;
   bool has_confidence() const override { return preset_.says_confidence; }
+  bool has_scan_memory() const override { return prior_.scan_memory; }
   std::optional<OutlierRemovalOptions> last_filter() const override;
 
  private:

@@ -123,7 +123,12 @@ void data_consistency_row(const float* l, const float* z, const float* y, float 
   }
 }
 
-/// H = (L + b (Z + Y)) / (1 + 2 b) where a pixel was measured, otherwise (Z + Y) / 2.
+void recall_row(const float* m, const float* share, int columns, float* h) {
+  for (int x = 0; x < columns; ++x) h[x] += share[x] * (m[x] - h[x]);
+}
+
+/// H = (L + b (Z + Y)) / (1 + 2 b) where a pixel was measured, otherwise (Z + Y) / 2, drawn towards
+/// what is recalled.
 void data_step(Hqs& hqs, int k, HqsState& state) {
   const TileSize tile = hqs.prior(k).tile();
   const Tensor& z = hqs.z_before(k, state);
@@ -136,6 +141,9 @@ void data_step(Hqs& hqs, int k, HqsState& state) {
     for (int channel = 0; channel < tile.pixels(); ++channel) {
       data_consistency_row(hqs.measurement.l_row(channel, row), z.row(channel, row),
                            y.row(channel, row), hqs.penalty[k], h.columns(), h.row(channel, row));
+      if (const RecalledRow recalled = hqs.measurement.recalled_row(channel, row); recalled.m) {
+        recall_row(recalled.m, recalled.share, h.columns(), h.row(channel, row));
+      }
       h.fill_border(channel, row);
     }
     hqs.prior(k).take_row(row, before, current);
@@ -143,12 +151,14 @@ void data_step(Hqs& hqs, int k, HqsState& state) {
   }
 }
 
-void hqs_loop(Hqs& hqs, const RangeImage& measured_m, HqsState& state, const PriorPass& pass) {
-  hqs.measurement.take(measured_m);  // L
-  start(hqs);                        // Z, Y
+void hqs_loop(Hqs& hqs, const Observation& seen, HqsState& state, const PriorPass& pass) {
+  hqs.measurement.take(seen);  // L, and M and W where there is a memory
+  start(hqs);                  // Z, Y
   for (int k = 0; k < hqs.layers; ++k) {
     const bool filters = hqs.filters(k, state);
-    data_step(hqs, k, state);  // H = argmin |L - D H|^2 + b |Z - H|^2 + b |Y - H|^2     eq. 10a
+    data_step(
+        hqs, k,
+        state);  // H = argmin |L - D H|^2 + |W (M - H)|^2 + b |Z - H|^2 + b |Y - H|^2     eq. 10a
     if (filters) look_for_outliers(hqs, k, state);
     hqs.prior(k).forward(hqs.measurement.candidates(), state.layer(k).prior,
                          pass.of_layer(k));   // Z = G(H)                             eq. 10b

@@ -13,6 +13,7 @@
 #include "hqs_architecture.h"
 #include "hqslam/core/range_image.h"
 #include "hqslam/nn/hqs/outlier_removal.h"
+#include "hqslam/nn/network.h"
 #include "prior.h"
 
 namespace hqslam::nn {
@@ -72,9 +73,8 @@ struct Hqs {
 };
 
 /// Eq. 10: start; for each layer k: H by data consistency, Z by the prior, Y by the filter. The
-/// last layer's Z is the result. measured_m: the measured rows, metres. Called by all threads of a
-/// parallel region.
-void hqs_loop(Hqs& hqs, const RangeImage& measured_m, HqsState& state, const PriorPass& pass);
+/// last layer's Z is the result. Called by all threads of a parallel region.
+void hqs_loop(Hqs& hqs, const Observation& seen, HqsState& state, const PriorPass& pass);
 
 /// Its step of eq. 10a alone, to be measured.
 void data_step(Hqs& hqs, int k, HqsState& state);
@@ -99,11 +99,17 @@ double hqs_backward(Hqs& hqs, const HqsState& state, const LayerLoss& loss, HqsG
 ///   measured pixels:  H = (L + 2 b A) / (1 + 2 b);   b -> 0: what was measured stays
 ///   other pixels:     H = A
 /// Differs from the paper, whose eq. 7 and 10a have D^T Y where D^T L is meant; D^T D is 0 or 1 on
-/// each pixel, so no matrix is inverted.
+/// each pixel, so no matrix is inverted. Earlier scans add 1/2 |W (M - H)|^2 to eq. 3, which stays
+/// in closed form (recall_row), with W^2 in units of 2 b:
+///   other pixels:     H = (W^2 M + A) / (W^2 + 1)
 ///
 /// One row of pixels, in any one unit. l: measured ranges; null: none of them is measured.
 void data_consistency_row(const float* l, const float* z, const float* y, float penalty,
                           int columns, float* h);
+
+/// H of a row of other pixels with what is recalled there: h + share (m - h), share = W^2 / (W^2 +
+/// 1).
+void recall_row(const float* m, const float* share, int columns, float* h);
 
 /// d_h: d loss / d H. Writes d loss / d A to d_a and returns the row's part of d loss / d b.
 double data_consistency_gradient_row(const float* l, const float* z, const float* y,

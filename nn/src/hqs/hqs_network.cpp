@@ -21,14 +21,14 @@ std::int64_t HqsNetwork::multiply_adds() const {
   return hqs_.prior(0).multiply_adds() * hqs_.layers;
 }
 
-const LiftedImage& HqsNetwork::lift(const RangeImage& measured, float tolerance_m) {
-  check_measured(measured);
+const LiftedImage& HqsNetwork::lift(const Observation& seen, float tolerance_m) {
+  check(seen);
   const PriorPass pass{.tolerance_m = tolerance_m, .lifted = &lifted_};
 #pragma omp parallel num_threads(threads_)
   {
-    hqs_loop(hqs_, measured, state_, pass);
+    hqs_loop(hqs_, seen, state_, pass);
     if (!hqs_.preset.says_confidence) {
-      restore_rows(description_, hqs_.prior(0).tile(), last_z(), measured, lifted_.image);
+      restore_rows(description_, hqs_.prior(0).tile(), last_z(), seen.measured, lifted_.image);
     }
   }
   return lifted_;
@@ -39,17 +39,23 @@ RangeImage HqsNetwork::estimate(const RangeImage& measured) {
   return hqs_.preset.says_confidence ? lifted_.image : hqs_.measurement.in_metres(last_z());
 }
 
-Trace HqsNetwork::trace(const RangeImage& measured) {
-  check_measured(measured);
+Trace HqsNetwork::trace(const Observation& seen) {
+  check(seen);
   HqsState all = hqs_.make_state(true);
   all.last_y = true;
 #pragma omp parallel num_threads(threads_)
-  hqs_loop(hqs_, measured, all, {});
+  hqs_loop(hqs_, seen, all, {});
   Trace trace;
   const auto image = [&](const std::string& name, const Tensor& tiles) {
     trace.add(traced_image(name, hqs_.measurement.in_metres(tiles)));
   };
-  trace.add(traced_image("measured", measured));
+  trace.add(traced_image("measured", seen.measured));
+  if (seen.recalled != nullptr && !seen.recalled->is_empty()) {
+    RangeImage weight = seen.recalled->image;
+    weight.range_m = seen.recalled->weight;
+    trace.add(traced_image("recalled", seen.recalled->image));
+    trace.add(traced_image("recalled_weight", std::move(weight), ""));
+  }
   image("start", hqs_.z0);
   for (int k = 0; k < hqs_.layers; ++k) {
     const HqsLayer& layer = all.layer(k);
@@ -104,7 +110,7 @@ double HqsNetwork::add_gradient(const TrainingSample& sample, const LossOptions&
                                 std::uint64_t seed, std::span<float> d_parameters) {
   if (!training_) training_ = Training{hqs_.make_state(true), HqsGradient(hqs_), hqs_.z0};
   hqs_.measurement.put_truth(sample.truth, training_->truth);
-  hqs_loop(hqs_, sample.measured, training_->state, {.dropout_seed = seed});
+  hqs_loop(hqs_, {sample.measured, sample.recalled}, training_->state, {.dropout_seed = seed});
   const LayerLoss loss = [&](int k, const PriorState& state, PriorState& gradient) {
     const bool last = k + 1 == hqs_.layers;
     const LossTarget target{

@@ -19,9 +19,9 @@ class HqsNetwork final : public Network {
   void set_parameters(std::span<const float> parameters) override {
     hqs_.set_parameters(parameters);
   }
-  const LiftedImage& lift(const RangeImage& measured, float tolerance_m) override;
+  const LiftedImage& lift(const Observation& seen, float tolerance_m) override;
   RangeImage estimate(const RangeImage& measured) override;
-  Trace trace(const RangeImage& measured) override;
+  Trace trace(const Observation& seen) override;
   std::vector<NetworkStep> steps(const RangeImage& measured) override;
 
  private:

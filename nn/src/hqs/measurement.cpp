@@ -11,6 +11,9 @@ namespace hqslam::nn {
 namespace {
 
 const float kTypicalLogRange = std::log(LogRanges::kTypicalRange_m);
+// What is recalled beyond these, or is no number, is not recalled.
+constexpr float kFarthest_m = 1e4F;
+constexpr float kLargestWeight = 1e4F;
 
 }  // namespace
 
@@ -23,7 +26,8 @@ ScaledRanges::ScaledRanges(const NetworkDescription& d, TileSize tile, const Ten
       scaled_(select_rows(d.sensor, d.measured_rows).rows(), shape.columns() * tile.columns),
       candidates_{shape, shape} {}
 
-void ScaledRanges::take(const RangeImage& measured_m) {
+void ScaledRanges::take(const Observation& seen) {
+  const RangeImage& measured_m = seen.measured;
 #pragma omp master
   measured_m_ = &measured_m;
 #pragma omp for schedule(static)
@@ -78,7 +82,8 @@ void ScaledRanges::put_truth(const RangeImage& truth_m, Tensor& tiles) const {
   to_tiles(scaled.range_m.data(), tile_, tiles);
 }
 
-LogRanges::LogRanges(const NetworkDescription& d, TileSize tile, int columns, const Engine& engine)
+LogRanges::LogRanges(const NetworkDescription& d, TileSize tile, int columns, bool recalls,
+                     const Engine& engine)
     : measured_rows_(d.measured_rows),
       tile_(tile),
       kernels_(kernels::row_kernels(engine.instruction_set)),
@@ -97,6 +102,10 @@ LogRanges::LogRanges(const NetworkDescription& d, TileSize tile, int columns, co
     const RowsBetween between = rows_between(row, measured_rows_, d.sensor.beam_elevation_rad);
     weight_above_.push_back(1.0F - between.part_down);
   }
+  if (recalls) {
+    recalled_log_ = recalled_share_ =
+        recalled_step_ = {tile.pixels(), log_.rows(), log_.columns(), ColumnPadding::kCircular};
+  }
 }
 
 int LogRanges::row_above(const ComputedPixel& pixel, int row) const {
@@ -107,7 +116,8 @@ int LogRanges::row_below(const ComputedPixel& pixel, int row) const {
   return std::min(pixel.above ? row : row + 1, log_.rows() - 1);
 }
 
-void LogRanges::take(const RangeImage& measured_m) {
+void LogRanges::take(const Observation& seen) {
+  const RangeImage& measured_m = seen.measured;
 #pragma omp master
   measured_m_ = &measured_m;
 #pragma omp for schedule(static)
@@ -130,6 +140,32 @@ void LogRanges::take(const RangeImage& measured_m) {
                               .columns = log_.columns()});
     }
   }
+  if (recalled_log_.channels() == 0) return;
+#pragma omp for schedule(static)
+  for (int row = 0; row < log_.rows(); ++row) take_recalled(seen.recalled, row);
+}
+
+/// M and W of one row of tiles.
+void LogRanges::take_recalled(const RecalledImage* recalled, int row) {
+  const bool nothing = recalled == nullptr || recalled->is_empty();
+  for (const ComputedPixel& pixel : computed_) {
+    float* log = recalled_log_.row(pixel.channel, row);
+    float* share = recalled_share_.row(pixel.channel, row);
+    if (nothing) {
+      std::fill_n(share, log_.columns(), 0.0F);
+      continue;
+    }
+    const int image_row = row * tile_.rows + pixel.channel / tile_.columns;
+    const std::size_t first = recalled->image.index(image_row, pixel.phase);
+    for (int x = 0; x < log_.columns(); ++x) {
+      const std::size_t from = first + static_cast<std::size_t>(x) * tile_.columns;
+      const float range_m = recalled->image.range_m[from];
+      const bool there = range_m > 0.0F && range_m < kFarthest_m && recalled->weight[from] > 0.0F;
+      const float weight = there ? std::min(recalled->weight[from], kLargestWeight) : 0.0F;
+      log[x] = there ? std::log(range_m) : 0.0F;
+      share[x] = weight / (weight + 1.0F);
+    }
+  }
 }
 
 void LogRanges::start_row(int row, float* /*image_rows*/, Tensor& z0) {
@@ -141,12 +177,25 @@ void LogRanges::start_row(int row, float* /*image_rows*/, Tensor& z0) {
                           .weight_below = 1.0F - weight_above,
                           .log_range = z0.row(pixel.channel, row),
                           .columns = log_.columns()});
+    if (recalled_log_.channels() == 0) continue;
+    const float* m = recalled_log_.row(pixel.channel, row);
+    const float* share = recalled_share_.row(pixel.channel, row);
+    const float* start = z0.row(pixel.channel, row);
+    float* step = recalled_step_.row(pixel.channel, row);
+    for (int x = 0; x < log_.columns(); ++x) {
+      step[x] = share[x] > 0.0F ? m[x] - start[x] : 0.0F;
+    }
   }
 }
 
 const float* LogRanges::l_row(int channel, int row) const {
   const bool is_measured = channel / tile_.columns == measured_rows_.offset;
   return is_measured ? log_.row(channel % tile_.columns, row) : nullptr;
+}
+
+RecalledRow LogRanges::recalled_row(int channel, int row) const {
+  if (recalled_log_.channels() == 0 || channel / tile_.columns == measured_rows_.offset) return {};
+  return {recalled_log_.row(channel, row), recalled_share_.row(channel, row)};
 }
 
 RangeImage LogRanges::in_metres(const Tensor& tiles) const {

@@ -7,6 +7,7 @@
 #include "../tensor.h"
 #include "../tiles.h"
 #include "hqslam/core/range_image.h"
+#include "hqslam/nn/network.h"
 #include "hqslam/nn/network_description.h"
 
 namespace hqslam::nn {
@@ -18,19 +19,26 @@ struct Candidates {
   Tensor below;
 };
 
+/// M and W^2 / (W^2 + 1) in the pixels of one row of a channel of the tiles.
+struct RecalledRow {
+  const float* m = nullptr;  ///< null: nothing is recalled
+  const float* share = nullptr;
+};
+
 /// L, what was measured, in the unit that the loop works in, and the start that is made of it.
 class Measurement {
  public:
   virtual ~Measurement() = default;
 
-  /// measured_m: the measured rows, metres, 0 = no return; must outlive what is asked of it. Called
-  /// by all threads of a parallel region, they share the work and wait for each other at the end.
-  virtual void take(const RangeImage& measured_m) = 0;
+  /// The scan must outlive what is asked of it. Called by all threads of a parallel region, they
+  /// share the work and wait for each other at the end.
+  virtual void take(const Observation& seen) = 0;
   /// One row of tiles of Z0 = Y0, by the calling thread alone. image_rows: scratch for as many rows
   /// of the image.
   virtual void start_row(int row, float* image_rows, Tensor& z0) = 0;
   /// L in the pixels of one row of a channel of the tiles; null: those are not measured.
   virtual const float* l_row(int channel, int row) const = 0;
+  virtual RecalledRow recalled_row(int /*channel*/, int /*row*/) const { return {}; }
   virtual const Candidates& candidates() const = 0;
 
   /// Tiles in the loop's unit as an image in metres.
@@ -46,7 +54,7 @@ class ScaledRanges final : public Measurement {
   ScaledRanges(const NetworkDescription& description, TileSize tile, const Tensor& shape,
                bool starts_at_zero);
 
-  void take(const RangeImage& measured_m) override;
+  void take(const Observation& seen) override;
   void start_row(int row, float* image_rows, Tensor& z0) override;
   const float* l_row(int channel, int row) const override;
   const Candidates& candidates() const override { return candidates_; }
@@ -72,18 +80,23 @@ struct ComputedPixel {
 
 /// L = ln(range in metres), on tiles that have one measured row each. A measured pixel without a
 /// return is filled from above (at the top: 20 m) and marked as empty. The start is linear in
-/// 1 / range by the beams' true elevations.
+/// 1 / range by the beams' true elevations. M, where it is recalled, is ln(range in metres) too.
 class LogRanges final : public Measurement {
  public:
   static constexpr float kTypicalRange_m = 20.0F;
 
-  /// columns: of the image.
-  LogRanges(const NetworkDescription& description, TileSize tile, int columns,
+  /// columns: of the image. recalls: M and W are taken too.
+  LogRanges(const NetworkDescription& description, TileSize tile, int columns, bool recalls,
             const Engine& engine);
 
-  void take(const RangeImage& measured_m) override;
+  void take(const Observation& seen) override;
   void start_row(int row, float* image_rows, Tensor& z0) override;
   const float* l_row(int channel, int row) const override;
+  RecalledRow recalled_row(int channel, int row) const override;
+  /// M minus the start, 0 where nothing is recalled; null without a memory.
+  const float* recalled_step_row(int channel, int row) const {
+    return recalled_step_.channels() == 0 ? nullptr : recalled_step_.row(channel, row);
+  }
   /// Nobody needs them as tiles.
   const Candidates& candidates() const override { return candidates_; }
   /// Measured pixels as they were measured, without what fills them.
@@ -107,6 +120,7 @@ class LogRanges final : public Measurement {
   }
 
  private:
+  void take_recalled(const RecalledImage* recalled, int row);
   int row_above(const ComputedPixel& pixel, int row) const;
   int row_below(const ComputedPixel& pixel, int row) const;
 
@@ -118,6 +132,9 @@ class LogRanges final : public Measurement {
   Tensor log_;                       ///< tile columns x rows: one channel per column of a tile
   Tensor inverse_;                   ///< 1 / m
   Tensor valid_;
+  Tensor recalled_log_;    ///< tiles of M, where there is a memory; 0 where nothing is recalled
+  Tensor recalled_share_;  ///< tiles of W^2 / (W^2 + 1)
+  Tensor recalled_step_;
   const RangeImage* measured_m_ = nullptr;
   Candidates candidates_;
   std::vector<std::vector<float>> scratch_;  ///< three rows for each thread

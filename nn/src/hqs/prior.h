@@ -137,6 +137,7 @@ struct PriorDescription {
   nlohmann::ordered_json sizes;  ///< the fields that the kind's `read` takes
   TileSize multiple;             ///< images have a multiple of so many rows and columns
   bool has_rows = false;         ///< some parameters belong to rows of the sensor's image
+  bool scan_memory = false;      ///< looks at what earlier scans measured
   /// For such images of rows x columns.
   std::function<std::unique_ptr<Prior>(const NetworkDescription&, int rows, int columns,
                                        const Engine&)>

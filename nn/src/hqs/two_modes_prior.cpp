@@ -24,7 +24,9 @@ int computed_pixels(TileSize tile) { return tile.pixels() - tile.columns; }
 LayerGraph two_modes_graph(const TwoModesShape& shape, int rows, int columns,
                            const Engine& engine) {
   const float slope = shape.negative_slope;
-  LayerGraph graph({shape.tile.pixels() + 2 * shape.tile.columns, rows, columns}, engine);
+  const int recalled = shape.scan_memory ? 2 * computed_pixels(shape.tile) : 0;
+  LayerGraph graph({shape.tile.pixels() + 2 * shape.tile.columns + recalled, rows, columns},
+                   engine);
   ConvolutionOptions first = three_by_three(shape.channels, slope);
   first.row_bias = true;
   const int encoded = graph.add("encoder.0", first, {0});
@@ -41,7 +43,7 @@ LayerGraph two_modes_graph(const TwoModesShape& shape, int rows, int columns,
                  .transposed = true,
                  .negative_slope = slope},
                 {x, encoded});
-  const int outputs = kTwoModesOutputs * computed_pixels(shape.tile);
+  const int outputs = two_modes_outputs(shape.scan_memory) * computed_pixels(shape.tile);
   graph.add("head", {.channels = outputs, .start_scale = 0.1F}, {x});
   return graph;
 }
@@ -54,12 +56,13 @@ class TwoModesPrior final : public Prior {
               shape.tile),
         description_(d),
         kernels_(kernels::row_kernels(engine.instruction_set)),
-        ranges_(d, shape.tile, columns, engine),
-        pixels_(computed_pixels(shape.tile)) {
+        ranges_(d, shape.tile, columns, shape.scan_memory, engine),
+        pixels_(computed_pixels(shape.tile)),
+        outputs_(two_modes_outputs(shape.scan_memory)) {
     const Tensor z = tiles(1);
     stride_ = z.padded_columns();
     // A row of the head's result, then ranges and confidences of a row of tiles.
-    const std::size_t channels = (kTwoModesOutputs + 2) * ranges_.computed().size();
+    const std::size_t channels = (outputs_ + 2) * ranges_.computed().size();
     scratch_.assign(engine.threads,
                     std::vector<float>(channels * static_cast<std::size_t>(stride_)));
   }
@@ -94,6 +97,7 @@ class TwoModesPrior final : public Prior {
   const kernels::RowKernels& kernels_;
   LogRanges ranges_;
   int pixels_;                               ///< of a tile that are computed
+  int outputs_;                              ///< of each of them
   std::int64_t stride_ = 0;                  ///< between the rows of scratch_
   std::vector<std::vector<float>> scratch_;  ///< for each thread
 };
@@ -128,6 +132,13 @@ void TwoModesPrior::take_row(int row, const PriorState* /*before*/, PriorState& 
     const float* below = ranges_.log_row(phase, row);
     put(channel++, [&](int x) { return std::clamp(above[x] - below[x], -1.0F, 1.0F); });
   }
+  if (channel == input.channels()) return;
+  for (const ComputedPixel& pixel : ranges_.computed()) {
+    const float* step = ranges_.recalled_step_row(pixel.channel, row);
+    const float* share = ranges_.recalled_row(pixel.channel, row).share;
+    put(channel++, [&](int x) { return std::clamp(step[x], -1.0F, 1.0F); });
+    put(channel++, [&](int x) { return share[x] - 0.5F; });
+  }
 }
 
 void TwoModesPrior::forward(const Candidates& /*candidates*/, PriorState& state,
@@ -145,6 +156,8 @@ kernels::TwoModesInput TwoModesPrior::modes_input(const PriorState& state, int p
           .above = ranges_.above(computed, row),
           .below = ranges_.below(computed, row),
           .middle = state.own_h.row(computed.channel, row),
+          .recalled_step = ranges_.recalled_step_row(computed.channel, row),
+          .recalled_share = ranges_.recalled_row(computed.channel, row).share,
           .columns = ranges_.columns()};
 }
 
@@ -157,7 +170,7 @@ void TwoModesPrior::say_modes(PriorState& state, const PriorPass& pass) {
   for (int row = 0; row < ranges_.rows(); ++row) {
     float* own = scratch_[omp_get_thread_num()].data();
     float* of_head = kept ? state.output().row(0, row) : own;
-    float* ranges = own + kTwoModesOutputs * pixels_ * stride_;
+    float* ranges = own + outputs_ * pixels_ * stride_;
     float* confidences = ranges + pixels_ * stride_;
     graph_.last_row(state.values, row, of_head, stride);
     for (int pixel = 0; pixel < pixels_; ++pixel) {
@@ -248,11 +261,19 @@ void TwoModesPrior::add_inner(const Measurement& measurement, const PriorState& 
         };
         const float share1 = logistic(output(TwoModesOutput::kShareAbove));
         const float share2 = logistic(output(TwoModesOutput::kShareBelow));
-        const float middle = in.middle[x];
+        const auto middle = [&](TwoModesOutput group) {
+          if (in.recalled_share == nullptr) return in.middle[x];
+          const float said = std::clamp(output(group), -kLargestRecall, kLargestRecall);
+          const float share = in.recalled_share[x];
+          const float scaled = share * std::exp(kTwoModesGain * said);
+          return in.middle[x] + (scaled / (scaled + 1.0F - share) - share) * in.recalled_step[x];
+        };
+        const float middle1 = middle(TwoModesOutput::kRecallAbove);
+        const float middle2 = middle(TwoModesOutput::kRecallBelow);
         mode1.at(channel, row, x) =
-            middle + share1 * (in.above[x] - middle) + output(TwoModesOutput::kCorrectionAbove);
+            middle1 + share1 * (in.above[x] - middle1) + output(TwoModesOutput::kCorrectionAbove);
         mode2.at(channel, row, x) =
-            middle + share2 * (in.below[x] - middle) + output(TwoModesOutput::kCorrectionBelow);
+            middle2 + share2 * (in.below[x] - middle2) + output(TwoModesOutput::kCorrectionBelow);
         weight1.at(channel, row, x) = logistic(output(TwoModesOutput::kWeight));
         const float clamped =
             std::clamp(output(TwoModesOutput::kScale), kLowestScale, kHighestScale);
@@ -309,13 +330,16 @@ PriorDescription two_modes_prior(const TwoModesShape& shape) {
   nlohmann::ordered_json layer = {{"channels", shape.channels},
                                   {"lower_channels", shape.lower_channels},
                                   {"residual_blocks", shape.residual_blocks}};
-  return {.sizes = {{"tile_rows", shape.tile.rows},
-                    {"tile_columns", shape.tile.columns},
-                    {"memory", shape.memory},
-                    {"negative_slope", shape.negative_slope},
-                    {"layers", nlohmann::ordered_json::array({std::move(layer)})}},
+  nlohmann::ordered_json sizes = {{"tile_rows", shape.tile.rows},
+                                  {"tile_columns", shape.tile.columns},
+                                  {"memory", shape.memory},
+                                  {"negative_slope", shape.negative_slope},
+                                  {"layers", nlohmann::ordered_json::array({std::move(layer)})}};
+  if (shape.scan_memory) sizes["scan_memory"] = true;
+  return {.sizes = std::move(sizes),
           .multiple = {2 * shape.tile.rows, 2 * shape.tile.columns},
           .has_rows = true,
+          .scan_memory = shape.scan_memory,
           .make =
               [shape](const NetworkDescription& d, int rows, int columns, const Engine& engine) {
                 return std::make_unique<TwoModesPrior>(shape, d, rows, columns, engine);
@@ -328,6 +352,7 @@ PriorDescription read_two_modes_prior(JsonFields& sizes) {
   sizes.optional("tile_rows", shape.tile.rows);
   sizes.optional("tile_columns", shape.tile.columns);
   sizes.optional("memory", shape.memory);
+  sizes.optional("scan_memory", shape.scan_memory);
   sizes.optional("negative_slope", shape.negative_slope);
   if (sizes.has("layers")) {
     std::vector<JsonFields> layers = sizes.objects("layers");

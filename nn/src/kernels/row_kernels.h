@@ -120,7 +120,10 @@ struct TwoModesInput {
   const float* above = nullptr;  ///< ln of the measured range above
   const float* below = nullptr;
   const float* middle = nullptr;  ///< ln of the range so far
-  int columns = 0;                ///< all arrays hold them rounded up to whole vectors of 16
+  /// M minus the start, and W^2 / (W^2 + 1); null: nothing can be recalled, and two outputs fewer.
+  const float* recalled_step = nullptr;
+  const float* recalled_share = nullptr;
+  int columns = 0;  ///< all arrays hold them rounded up to whole vectors of 16
 };
 
 /// What the outputs say.

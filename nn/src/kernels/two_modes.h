@@ -9,6 +9,9 @@ namespace hqslam::nn {
 ///   w  = s(4 o4)                                           probability of the first
 ///   ln b = -3.5 + 4 clamp(o5, -1/2, 1)                     the scale of both
 ///   p  = s(4 o6)                                           probability of a return
+/// With a memory two outputs more say how much either mode believes what is recalled, by scaling
+/// its W^2: y_middle, which is start + W^2 / (W^2 + 1) (M - start), becomes for mode i
+///   start + g (M - start),  g = W^2 e / (W^2 e + 1),  e = exp(4 clamp(o_i, -2, 2)),  i = 7, 8
 /// so that a range, where there is one, is distributed as w Laplace(y1, b) + (1 - w) Laplace(y2,
 /// b). At a depth jump the truth is one surface or the other, never the mean: two modes and a hard
 /// choice say so, one number cannot.
@@ -29,8 +32,12 @@ enum class TwoModesOutput {
   kWeight,
   kScale,
   kReturn,
+  kRecallAbove,
+  kRecallBelow,
 };
-inline constexpr int kTwoModesOutputs = 7;
+/// Of each computed pixel.
+inline constexpr int two_modes_outputs(bool scan_memory) { return scan_memory ? 9 : 7; }
+inline constexpr float kLargestRecall = 2.0F;  ///< the clamp of the last two
 
 /// An optimiser of AdamW's kind moves every weight by the same step; logits must become larger
 /// than logarithms of ranges before a choice is clear.

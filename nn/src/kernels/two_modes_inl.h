@@ -36,20 +36,38 @@ struct Modes {
   Vector weight1;
   Vector log_scale;
   Vector probability;
+  Vector recall1, recall2;  ///< g of each mode; nothing without a memory
+  Vector middle1, middle2;
 };
+
+/// g of a mode: the share of what is recalled with its W^2 scaled.
+inline Vector recall_share(Vector share, Vector output) {
+  const Vector bounded =
+      smaller(larger(output, Vector{} - kLargestRecall), Vector{} + kLargestRecall);
+  const Vector scaled = share * exponential_up_to_10(kTwoModesGain * bounded);
+  return scaled / (scaled + 1.0F - share);
+}
 
 inline Modes modes_of(const TwoModesInput& in, int x) {
   const auto output = [&](TwoModesOutput group) {
     return load(in.outputs + static_cast<int>(group) * in.group_stride + x);
   };
   Modes m;
-  const Vector middle = load(in.middle + x);
+  m.middle1 = m.middle2 = load(in.middle + x);
+  if (in.recalled_share != nullptr) {
+    const Vector share = load(in.recalled_share + x);
+    const Vector step = load(in.recalled_step + x);
+    m.recall1 = recall_share(share, output(TwoModesOutput::kRecallAbove));
+    m.recall2 = recall_share(share, output(TwoModesOutput::kRecallBelow));
+    m.middle1 += (m.recall1 - share) * step;
+    m.middle2 += (m.recall2 - share) * step;
+  }
   m.share1 = logistic(kTwoModesGain * output(TwoModesOutput::kShareAbove));
   m.share2 = logistic(kTwoModesGain * output(TwoModesOutput::kShareBelow));
-  m.mode1 =
-      middle + m.share1 * (load(in.above + x) - middle) + output(TwoModesOutput::kCorrectionAbove);
-  m.mode2 =
-      middle + m.share2 * (load(in.below + x) - middle) + output(TwoModesOutput::kCorrectionBelow);
+  m.mode1 = m.middle1 + m.share1 * (load(in.above + x) - m.middle1) +
+            output(TwoModesOutput::kCorrectionAbove);
+  m.mode2 = m.middle2 + m.share2 * (load(in.below + x) - m.middle2) +
+            output(TwoModesOutput::kCorrectionBelow);
   m.weight1 = logistic(kTwoModesGain * output(TwoModesOutput::kWeight));
   const Vector scale = output(TwoModesOutput::kScale);
   m.log_scale = kMiddleLogScale + kTwoModesGain * smaller(larger(scale, Vector{} + kLowestScale),
@@ -130,13 +148,12 @@ double two_modes_loss(const TwoModesLossRow& row) {
     };
     const Vector d_mode1 = range_share * posterior1 * inverse_scale * towards(off1);
     const Vector d_mode2 = range_share * posterior2 * inverse_scale * towards(off2);
-    const Vector middle = load(row.in.middle + x);
     put(TwoModesOutput::kCorrectionAbove, d_mode1);
     put(TwoModesOutput::kCorrectionBelow, d_mode2);
-    put(TwoModesOutput::kShareAbove,
-        kTwoModesGain * d_mode1 * m.share1 * (1.0F - m.share1) * (load(row.in.above + x) - middle));
-    put(TwoModesOutput::kShareBelow,
-        kTwoModesGain * d_mode2 * m.share2 * (1.0F - m.share2) * (load(row.in.below + x) - middle));
+    put(TwoModesOutput::kShareAbove, kTwoModesGain * d_mode1 * m.share1 * (1.0F - m.share1) *
+                                         (load(row.in.above + x) - m.middle1));
+    put(TwoModesOutput::kShareBelow, kTwoModesGain * d_mode2 * m.share2 * (1.0F - m.share2) *
+                                         (load(row.in.below + x) - m.middle2));
     put(TwoModesOutput::kWeight, kTwoModesGain * range_share * (m.weight1 - posterior1));
     const Vector scale =
         load(row.in.outputs + static_cast<int>(TwoModesOutput::kScale) * row.in.group_stride + x);
@@ -144,6 +161,17 @@ double two_modes_loss(const TwoModesLossRow& row) {
     const Vector d_log_scale = range_share * (1.0F - posterior1 * far1 - posterior2 * far2);
     put(TwoModesOutput::kScale, free ? kTwoModesGain * d_log_scale : Vector{});
     put(TwoModesOutput::kReturn, kTwoModesGain * (row.return_share * (m.probability - valid)));
+    if (row.in.recalled_share == nullptr) continue;
+    const Vector step = load(row.in.recalled_step + x);
+    const auto put_recall = [&](TwoModesOutput group, Vector d_mode, Vector share, Vector recall) {
+      const Vector said =
+          magnitude(load(row.in.outputs + static_cast<int>(group) * row.in.group_stride + x));
+      const Vector gradient =
+          kTwoModesGain * d_mode * (1.0F - share) * step * recall * (1.0F - recall);
+      put(group, said < kLargestRecall ? gradient : Vector{});
+    };
+    put_recall(TwoModesOutput::kRecallAbove, d_mode1, m.share1, m.recall1);
+    put_recall(TwoModesOutput::kRecallBelow, d_mode2, m.share2, m.recall2);
   }
   return loss;
 }

@@ -29,31 +29,41 @@ void disturb(const Augmentation& augmentation, const SensorModel& sensor, Random
 
 }  // namespace
 
-TrainingSample augmented_sample(const RangeImage& scan, const SensorModel& sensor,
+TrainingSample augmented_sample(const TrainingScan& scan, const SensorModel& sensor,
                                 RowSelection measured_rows, const Augmentation& augmentation,
                                 std::uint64_t seed) {
+  constexpr double kForgotten = 0.1;
   Random random(seed);
-  const auto turn = static_cast<int>(random.below(scan.columns));
+  const int rows = scan.truth.rows;
+  const int all_columns = scan.truth.columns;
+  const auto turn = static_cast<int>(random.below(all_columns));
   const bool mirrored = augmentation.mirror && random.unit() < 0.5;
   const double scale = augmentation.smallest_scale +
                        random.unit() * (augmentation.largest_scale - augmentation.smallest_scale);
-  const int columns = augmentation.crop_columns > 0 ? augmentation.crop_columns : scan.columns;
-  TrainingSample sample;
-  sample.truth = RangeImage(scan.rows, columns);
-  for (int row = 0; row < scan.rows; ++row) {
-    for (int column = 0; column < columns; ++column) {
-      const int from = (turn + (mirrored ? columns - 1 - column : column)) % scan.columns;
-      sample.truth.at(row, column) = within_limits(scan.at(row, from) * scale, sensor);
+  const int columns = augmentation.crop_columns > 0 ? augmentation.crop_columns : all_columns;
+  const auto cut = [&](const RangeImage& image) {
+    RangeImage result(rows, columns);
+    for (int row = 0; row < rows; ++row) {
+      for (int column = 0; column < columns; ++column) {
+        const int from = (turn + (mirrored ? columns - 1 - column : column)) % all_columns;
+        result.at(row, column) = image.at(row, from);
+      }
     }
+    return result;
+  };
+  const auto scaled = [&](RangeImage image) {
+    for (float& range_m : image.range_m) range_m = within_limits(range_m * scale, sensor);
+    return image;
+  };
+  TrainingSample sample;
+  sample.truth = scaled(cut(scan.truth));
+  sample.measured = select_rows(sample.truth, measured_rows);
+  disturb(augmentation, sensor, random, sample.measured);
+  if (!scan.recalled.is_empty() && random.unit() >= kForgotten) {
+    RangeImage weight = scan.recalled.image;
+    weight.range_m = scan.recalled.weight;
+    sample.recalled = {scaled(cut(scan.recalled.image)), cut(weight).range_m};
   }
-  RangeImage& measured = sample.measured;
-  for (int row = measured_rows.offset; row < scan.rows; row += measured_rows.stride) {
-    const auto begin = sample.truth.range_m.begin() + row * columns;
-    measured.range_m.insert(measured.range_m.end(), begin, begin + columns);
-    ++measured.rows;
-  }
-  measured.columns = columns;
-  disturb(augmentation, sensor, random, measured);
   return sample;
 }
 

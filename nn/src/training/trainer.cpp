@@ -43,8 +43,11 @@ void check_shape(int rows, int columns, const SensorModel& sensor) {
   }
 }
 
-void check_scans(const std::vector<RangeImage>& scans, const SensorModel& sensor) {
-  for (const RangeImage& scan : scans) check_shape(scan.rows, scan.columns, sensor);
+void check_scans(const std::vector<TrainingScan>& scans, const SensorModel& sensor) {
+  for (const auto& [truth, recalled] : scans) {
+    check_shape(truth.rows, truth.columns, sensor);
+    if (!recalled.is_empty()) check_shape(recalled.image.rows, recalled.image.columns, sensor);
+  }
 }
 
 void check_state(const TrainingState& state, const NetworkDescription& description) {
@@ -202,7 +205,7 @@ const TrainingState& Trainer::state() const { return implementation_->state; }
 Trainer::Implementation::Drawn Trainer::Implementation::draw(int place) const {
   const auto number = static_cast<std::uint64_t>(state.optimiser.steps * plan.batch + place);
   Random random(plan.seed * 0x9E3779B97F4A7C15ULL + number);
-  const RangeImage scan = scans->read(random.below(scans->size()));
+  const TrainingScan scan = scans->read(random.below(scans->size()));
   Drawn drawn{augmented_sample(scan, description.sensor, description.measured_rows,
                                plan.augmentation, random.bits()),
               0};
@@ -282,7 +285,7 @@ TrainingStep Trainer::step() {
   return result;
 }
 
-Validation Trainer::validate(const std::vector<RangeImage>& scans) {
+Validation Trainer::validate(const std::vector<TrainingScan>& scans) {
   Implementation& self = *implementation_;
   const NetworkDescription& description = self.description;
   check_scans(scans, description.sensor);

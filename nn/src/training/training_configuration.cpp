@@ -41,6 +41,7 @@ SimulatedScans simulated_scans(JsonFields fields) {
                            ? DriveConditions::kUsual
                            : DriveConditions::kVaried;
   }
+  if (fields.has("sensor_errors")) scans.sensor_errors = fields.text("sensor_errors");
   fields.finish();
   if (scans.seeds.empty()) fields.complain("seeds", "at least one seed");
   for (const int seed : scans.seeds) {

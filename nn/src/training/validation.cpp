@@ -120,10 +120,11 @@ double best_exponent(const ValidatedScan& scan) {
 }  // namespace
 
 ValidatedScan validated_scan(Network& network, const NetworkDescription& description,
-                             const RangeImage& truth) {
+                             const TrainingScan& seen) {
   const RowSelection rows = description.measured_rows;
+  const RangeImage& truth = seen.truth;
   const RangeImage measured = select_rows(truth, rows);
-  ValidatedScan scan = compared(network.lift(measured, kTolerance_m), truth, rows);
+  ValidatedScan scan = compared(network.lift({measured, seen.recalled}, kTolerance_m), truth, rows);
   const LiftedImage linear{interpolate_rows(measured, rows, description.sensor.beam_elevation_rad,
                                             Interpolation::kLinear),
                            {}};

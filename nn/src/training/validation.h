@@ -32,7 +32,7 @@ struct ValidatedScan {
 };
 
 ValidatedScan validated_scan(Network& network, const NetworkDescription& description,
-                             const RangeImage& truth);
+                             const TrainingScan& scan);
 /// The figures over all scans at the confidence where as many true returns are missing as linear
 /// interpolation misses.
 Validation validation_of(const std::vector<ValidatedScan>& scans);

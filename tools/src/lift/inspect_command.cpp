@@ -7,6 +7,7 @@
 #include "hqslam/core/error.h"
 #include "hqslam/core/scan_source.h"
 #include "inspect_slam/slam_scan_page.h"
+#include "lift/drive_memory.h"
 #include "lift/layers_report.h"
 #include "lift/lifted_input.h"
 #include "recording/reading.h"
@@ -63,14 +64,18 @@ int inspect_slam(const InspectOptions& options) {
                     [](const auto& path) { return has_marker(path, kSlamScanPageMarker); });
   LiftedInput input = lifted_input(options, {options.weights, options.rows});
   slam::Slam slam(input.seen(), slam_options(options.slam_settings));
+  DriveMemory memory(input.lifter());
   SlamScanReport page;
   page.recording = options.input;
   page.scan = options.scan;
   Progress progress("slam", options.scan + 1);
   for_scans_up_to(options, *input.open(), [&](const RecordedScan& scan, std::int64_t i) {
-    const OrganizedCloud cloud = input.lifted(input.measured(scan.cloud));
+    const OrganizedCloud measured = input.measured(scan.cloud);
+    const OrganizedCloud cloud =
+        input.lifted(measured, memory.recall(measured, slam.trajectory(), scan.stamp_s));
     slam.add_imu(scan.imu);
     page.report = slam.process(cloud, scan.stamp_s, i == options.scan ? &page.trace : nullptr);
+    memory.remember(measured, slam.trajectory(), slam::is_registered(page.report.mapping_status));
     progress.update(i + 1);
   });
   progress.finish();

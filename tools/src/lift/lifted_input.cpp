@@ -180,8 +180,9 @@ OrganizedCloud LiftedInput::measured(const OrganizedCloud& scan) const {
   return rows ? select_rows(cloud, *rows) : cloud;
 }
 
-OrganizedCloud LiftedInput::lifted(const OrganizedCloud& measured) {
-  return upsampler ? nn::upsampled_cloud(*upsampler, measured) : measured;
+OrganizedCloud LiftedInput::lifted(const OrganizedCloud& measured,
+                                   const nn::RecalledImage& recalled) {
+  return upsampler ? nn::upsampled_cloud(*upsampler, measured, recalled) : measured;
 }
 
 SensorModel LiftedInput::seen() const {

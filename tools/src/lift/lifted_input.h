@@ -31,8 +31,10 @@ struct LiftedInput {
   std::unique_ptr<ScanSource> open();
   /// The rows of a recorded scan that are looked at.
   OrganizedCloud measured(const OrganizedCloud& scan) const;
-  /// What is used of them: with the rows between them filled, if anything fills them.
-  OrganizedCloud lifted(const OrganizedCloud& measured);
+  /// What is used of them: with the rows between them filled, if anything fills them. recalled: of
+  /// a network with a memory (DriveMemory).
+  OrganizedCloud lifted(const OrganizedCloud& measured, const nn::RecalledImage& recalled = {});
+  const nn::Upsampler* lifter() const { return upsampler ? &*upsampler : nullptr; }
   /// Behind what `lifted` returns.
   SensorModel seen() const;
 };

@@ -8,10 +8,12 @@
 
 #include "commands.h"
 #include "hqslam/nn/upsampled_cloud.h"
+#include "lift/drive_memory.h"
 #include "lift/lifted_input.h"
 #include "lift/upsample_output.h"
 #include "recording/reading.h"
 #include "recording/recording_choice.h"
+#include "recording/scan_poses.h"
 #include "terminal/command_options.h"
 #include "terminal/progress.h"
 #include "terminal/terminal.h"
@@ -36,10 +38,11 @@ UpsampleOutput make_output(const UpsampleOptions& options, const LiftedInput& in
 }
 
 /// The ranges of the points that are written: those of the measured rows are the recording's.
-UpsampleRun upsample(ScanSource& source, LiftedInput& input, const UpsampleOptions& options,
-                     const InterruptGuard& interrupt) {
+UpsampleRun upsample(ScanSource& source, LiftedInput& input, const ScanPoses& poses,
+                     const UpsampleOptions& options, const InterruptGuard& interrupt) {
   std::optional<UpsampleOutput> output;  // made when the first scan is there
   nn::Upsampler& upsampler = *input.upsampler;
+  DriveMemory memory(input.lifter());
   UpsampleRun run;
   Progress progress(
       fmt::format("upsample to {}x{}", upsampler.sensor().rows(), upsampler.sensor().columns),
@@ -48,7 +51,12 @@ UpsampleRun upsample(ScanSource& source, LiftedInput& input, const UpsampleOptio
     const OrganizedCloud measured = input.measured(read.scan.cloud);
     const RangeImage measured_image = range_image(measured);
     nn::LiftedImage lifted;
-    const double time_s = seconds_of([&] { lifted = upsampler.run(measured_image); });
+    const auto path = poses.path_of(read.index, read.scan.stamp_s);
+    const double time_s = seconds_of([&] {
+      lifted = upsampler.run(measured_image,
+                             path ? memory.recall(measured, *path) : nn::RecalledImage());
+    });
+    if (path) memory.remember(measured, *path, read.scan.stamp_s);
     const OrganizedCloud cloud =
         nn::upsampled_cloud(lifted, measured, upsampler.measured_rows(), upsampler.sensor());
     if (!output) output.emplace(make_output(options, input, cloud, source.size().value_or(0)));
@@ -104,6 +112,7 @@ void declare_upsample(CLI::App& app, UpsampleOptions& options) {
   command.option("--out", &options.out, "Folder for the results; made if it is not there",
                  {.required = true});
   declare_confidence(command, options);
+  command.option("--poses", &options.poses, kMemoryPosesHelp, {.given = Given::kFile});
   declare_threads(command, options.threads);
   command.option("--bin", &options.bin, "Also write KITTI .bin files")
       .option("--pcd", &options.pcd, "Also write .pcd files")
@@ -115,10 +124,14 @@ int upsample_command(const UpsampleOptions& options) {
   use_threads(options.threads);
   refuse_to_write_into_recording(options.input, options.out);
   LiftedInput input = lifted_input(options, options);
+  ScanPoses poses;
+  if (!options.poses.empty()) {
+    poses = read_scan_poses(options.poses, [&] { return scans_in(options, *input.open()); });
+  }
   const std::unique_ptr<ScanSource> source = input.open();
   print_warnings(*source, options.input);
   const std::size_t told = source->warnings().size();
-  const UpsampleRun run = upsample(*source, input, options, interrupt);
+  const UpsampleRun run = upsample(*source, input, poses, options, interrupt);
   print_later_warnings(*source, told);
   if (!run.times_s.empty()) print_summary(run, *input.upsampler, options);
   return exit_status_of(run, std::ssize(run.times_s), source->size());

@@ -13,6 +13,7 @@
 #include "commands.h"
 #include "files/result_files.h"
 #include "hqslam/core/error.h"
+#include "lift/drive_memory.h"
 #include "lift/lifted_input.h"
 #include "recording/recording_choice.h"
 #include "recording/reference.h"
@@ -26,44 +27,6 @@
 namespace hqslam::tools {
 
 namespace {
-
-constexpr double kMostStampDifference_s = 0.02;
-
-/// The pose whose stamp is nearest, nothing if it is too far.
-std::optional<std::size_t> pose_at(const Trajectory& trajectory, double stamp_s) {
-  const auto later =
-      std::lower_bound(trajectory.begin(), trajectory.end(), stamp_s - kMostStampDifference_s,
-                       [](const StampedPose& a, double limit_s) { return a.stamp_s < limit_s; });
-  const auto nearest =
-      std::min_element(later,
-                       std::find_if(later, trajectory.end(),
-                                    [&](const StampedPose& candidate) {
-                                      return candidate.stamp_s > stamp_s + kMostStampDifference_s;
-                                    }),
-                       [&](const StampedPose& a, const StampedPose& b) {
-                         return std::abs(a.stamp_s - stamp_s) < std::abs(b.stamp_s - stamp_s);
-                       });
-  const bool is_near =
-      nearest != trajectory.end() && std::abs(nearest->stamp_s - stamp_s) <= kMostStampDifference_s;
-  if (!is_near) return std::nullopt;
-  return static_cast<std::size_t>(nearest - trajectory.begin());
-}
-
-/// The pose of a scan of the recording, nothing if it has none.
-std::optional<std::size_t> pose_of_scan(const std::vector<std::int64_t>& scan_of_pose,
-                                        std::int64_t scan) {
-  const auto found = std::lower_bound(scan_of_pose.begin(), scan_of_pose.end(), scan);
-  if (found == scan_of_pose.end() || *found != scan) return std::nullopt;
-  return static_cast<std::size_t>(found - scan_of_pose.begin());
-}
-
-/// The pose of a scan, nothing if it is not known.
-std::optional<std::size_t> pose_of(const ScanPoses& poses, std::int64_t scan, double stamp_s) {
-  const auto pose = poses.scan_of_pose ? pose_of_scan(*poses.scan_of_pose, scan)
-                                       : pose_at(poses.trajectory, stamp_s);
-  if (pose && !poses.is_located.empty() && !poses.is_located[*pose]) return std::nullopt;
-  return pose;
-}
 
 /// One reading of all scans whose pose may be known.
 struct MapReading : Reading {
@@ -84,9 +47,8 @@ MapReading read_all(LiftedInput& input, const ScanPoses& poses, const std::strin
   Progress progress(label, most);
   MapReading reading;
   read_scans(*source, interrupt, reading, [&](const ReadScan& read) {
-    if (const auto pose = pose_of(poses, read.index, read.scan.stamp_s)) {
-      use(read.scan, slam::SensorPath(poses.trajectory, *pose,
-                                      {poses.knows_way(*pose - 1), poses.knows_way(*pose)}));
+    if (const auto path = poses.path_of(read.index, read.scan.stamp_s)) {
+      use(read.scan, *path);
       ++reading.scans;
     } else {
       ++reading.without_pose;
@@ -136,11 +98,14 @@ DenseMapRun build_dense_map(const InputChoice& recording, const LiftingChoice& l
                                                         ? input.upsampler->measured_rows()
                                                     : input.rows ? std::nullopt
                                                                  : input.recorded.measured_rows;
-  const MapReading inserted =
-      read_all(input, poses, "dense map, points", interrupt,
-               [&](const RecordedScan& scan, const auto& path) {
-                 map.insert(input.lifted(input.measured(scan.cloud)), computed_from, path);
-               });
+  DriveMemory memory(input.lifter());
+  const MapReading inserted = read_all(
+      input, poses, "dense map, points", interrupt,
+      [&](const RecordedScan& scan, const auto& path) {
+        const OrganizedCloud measured = input.measured(scan.cloud);
+        map.insert(input.lifted(measured, memory.recall(measured, path)), computed_from, path);
+        memory.remember(measured, path, scan.stamp_s);
+      });
   read_all(input, poses, "dense map, seen through", interrupt,
            [&](const RecordedScan& scan, const auto& path) {
              const OrganizedCloud cloud = input.measured(scan.cloud);
@@ -213,22 +178,6 @@ void write_dense_map(const DenseMapRun& run, const DenseMapPictures& pictures,
 
 namespace {
 
-ScanPoses poses_from(const MapOptions& options) {
-  const std::string& path = options.poses;
-  const TrajectoryFile file = read_trajectory_file(path);
-  if (file.has_stamps) return {file.poses, {}, {}, std::nullopt};
-  const std::int64_t scans = scans_in(options, *lifted_input(options, options).open());
-  if (std::ssize(file.poses) != scans) {
-    throw Error(
-        "{}: has {} poses without stamps, but the recording has {} scans; give one pose per scan "
-        "or a TUM file",
-        path, file.poses.size(), scans);
-  }
-  std::vector<std::int64_t> every_scan(file.poses.size());
-  std::iota(every_scan.begin(), every_scan.end(), 0);
-  return {file.poses, {}, {}, std::move(every_scan)};
-}
-
 std::string no_scan_message(const DenseMapRun& run, const MapOptions& options) {
   if (run.scans_left_out == 0 && run.not_understood.scans > 0) return run.not_understood.text();
   return fmt::format(
@@ -259,10 +208,7 @@ void declare_map(CLI::App& app, MapOptions& options) {
   declare_input(command, options);
   declare_lifting(command, options);
   command
-      .option("--poses", &options.poses,
-              "Where the scans were taken: TUM, matched by stamp (0.02 s), scans without a pose "
-              "are left out; or KITTI with one pose per scan",
-              {.required = true, .given = Given::kFile})
+      .option("--poses", &options.poses, kScanPosesHelp, {.required = true, .given = Given::kFile})
       .option("--out", &options.out, "Folder for the map; made if it is not there",
               {.required = true});
   declare_dense_map(command, options.map);
@@ -273,7 +219,8 @@ int map_command(const MapOptions& options) {
   const InterruptGuard interrupt;
   use_threads(options.threads);
   refuse_to_write_into_recording(options.input, options.out);
-  const ScanPoses poses = poses_from(options);
+  const ScanPoses poses = read_scan_poses(
+      options.poses, [&] { return scans_in(options, *lifted_input(options, options).open()); });
   guard_dense_map(options.out, {options.input, options.poses, options.upsample});
   make_result_folder(options.out);
   const FolderLock lock(options.out);

@@ -7,11 +7,11 @@
 #include <vector>
 
 #include "files/result_files.h"
-#include "hqslam/core/trajectory.h"
 #include "hqslam/evaluation/png.h"
 #include "hqslam/slam/dense_map.h"
 #include "recording/reading.h"
 #include "recording/recording_choice.h"
+#include "recording/scan_poses.h"
 #include "terminal/command_options.h"
 #include "terminal/terminal.h"
 
@@ -27,22 +27,6 @@ struct DenseMapChoice {
 /// --map-voxel and --map-confidence. needs: options without which they say nothing.
 void declare_dense_map(Command& command, DenseMapChoice& choice,
                        const std::vector<const char*>& needs = {});
-
-/// Where the scans of a recording were taken.
-struct ScanPoses {
-  Trajectory trajectory;
-  /// Per pose, whether it is known, and in one frame with the others; empty: all are.
-  std::vector<bool> is_located;
-  /// Per pose, whether something is known of the way to the next; empty: of all.
-  std::vector<bool> is_way_known;
-  /// Of which scan of the recording each pose is, counted from 0 and rising; nothing: stamps tell.
-  std::optional<std::vector<std::int64_t>> scan_of_pose;
-
-  /// The way from a pose to the next.
-  bool knows_way(std::size_t pose) const {
-    return pose >= is_way_known.size() || is_way_known[pose];
-  }
-};
 
 /// The poses of a run, but for scans that were not located, or are in another part of the map.
 ScanPoses poses_of(const SlamRun& run);

@@ -122,7 +122,7 @@ std::size_t largest_part(const SlamRun& run) {
 
 SlamSession::SlamSession(LiftedInput& input, const slam::SlamOptions& options,
                          const std::optional<GivenMap>& map)
-    : input_(input), slam_(slam_of(input.seen(), options, map)) {
+    : input_(input), memory_(input.lifter()), slam_(slam_of(input.seen(), options, map)) {
   const SensorModel seen = input.seen();
   run_.input = input.recording.input;
   run_.sensor_name = seen.name;
@@ -140,10 +140,13 @@ ScanRecord& SlamSession::process(const RecordedScan& scan, std::int64_t index, d
   record.reading_s = reading_s;
   record.invalid_points = scan.invalid_points;
   const OrganizedCloud measured = input_.measured(scan.cloud);
-  const double lifting_s = seconds_of([&] { cloud_ = input_.lifted(measured); });
+  const double lifting_s = seconds_of([&] {
+    cloud_ = input_.lifted(measured, memory_.recall(measured, slam_.trajectory(), scan.stamp_s));
+  });
   if (input_.upsampler) record.upsampling_s = lifting_s;
   slam_.add_imu(scan.imu);
   record.report = slam_.process(cloud_, scan.stamp_s);
+  memory_.remember(measured, slam_.trajectory(), slam::is_registered(record.report.mapping_status));
   remember(record.report.loop);
   run_.scans.push_back(std::move(record));
   run_.wall_s = seconds_since(start_);

@@ -13,6 +13,7 @@
 #include "hqslam/slam/options.h"
 #include "hqslam/slam/saved_map.h"
 #include "hqslam/slam/slam.h"
+#include "lift/drive_memory.h"
 #include "lift/lifted_input.h"
 #include "recording/reading.h"
 #include "recording/reference.h"
@@ -132,6 +133,7 @@ class SlamSession {
   void remember(const slam::LoopReport& loop);
 
   LiftedInput& input_;
+  DriveMemory memory_;
   slam::Slam slam_;
   SlamRun run_;
   OrganizedCloud cloud_;

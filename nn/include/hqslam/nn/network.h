@@ -10,14 +10,27 @@
 #include "hqslam/nn/lifted_image.h"
 #include "hqslam/nn/network_description.h"
 #include "hqslam/nn/network_step.h"
+#include "hqslam/nn/recalled_image.h"
 #include "hqslam/nn/trace.h"
 
 namespace hqslam::nn {
 
+/// What a network knows of a scan; refers to its parts.
+struct Observation {
+  /// Without memory. Implicit: this is what most networks see.
+  Observation(const RangeImage& measured_) : measured(measured_) {}  // NOLINT(*-explicit-*)
+  Observation(const RangeImage& measured_, const RecalledImage& recalled_)
+      : measured(measured_), recalled(&recalled_) {}
+
+  const RangeImage& measured;  ///< the measured rows, metres; 0 = no return, never anything else
+  const RecalledImage* recalled = nullptr;  ///< null, or empty: nothing; of networks without memory
+};
+
 /// What the network sees and what it should say.
 struct TrainingSample {
-  RangeImage measured;  ///< the measured rows only
-  RangeImage truth;     ///< all rows
+  RangeImage measured;          ///< the measured rows only
+  RangeImage truth;             ///< all rows
+  RecalledImage recalled = {};  ///< all rows, or empty
 };
 
 /// What the loss looks at.
@@ -38,18 +51,18 @@ class Network {
   /// number of values.
   virtual void set_parameters(std::span<const float> parameters) = 0;
 
-  /// measured: the measured rows, metres; 0 = no return, never negative or not finite, which
-  /// SuperResolver sees to. Returns what the network says of every computed pixel, nothing emptied
-  /// for want of confidence; a range outside the sensor's limits is no return. `confidence` is for
-  /// a tolerance of tolerance_m. Throws Error for another shape.
-  virtual const LiftedImage& lift(const RangeImage& measured, float tolerance_m) = 0;
+  /// No range is negative or not finite, which SuperResolver sees to. Returns what the network says
+  /// of every computed pixel, nothing emptied for want of confidence; a range outside the sensor's
+  /// limits is no return. `confidence` is for a tolerance of tolerance_m. Throws Error for another
+  /// shape.
+  virtual const LiftedImage& lift(const Observation& seen, float tolerance_m) = 0;
 
   /// What it says of every pixel before anything is emptied or put back, metres: the self-test of a
   /// weights file.
   virtual RangeImage estimate(const RangeImage& measured) { return lift(measured, 0.5F).image; }
 
   /// Every inner tensor by name. Throws Error for another shape.
-  virtual Trace trace(const RangeImage& measured) = 0;
+  virtual Trace trace(const Observation& seen) = 0;
 
   /// The training losses of the scans of a batch, in units of the network's own, summed; their
   /// gradients are added to d_parameters. seeds: of what is random, one for each scan. One thread,
@@ -64,8 +77,8 @@ class Network {
  protected:
   /// For images of `columns` columns.
   Network(const NetworkDescription& description, int columns);
-  /// Throws Error unless it has the shape of the measured rows.
-  void check_measured(const RangeImage& measured) const;
+  /// Throws Error unless the measured rows, and what is recalled, have their shapes.
+  void check(const Observation& seen) const;
 
  private:
   /// add_gradients of what has been checked, by a team of one thread.

@@ -50,6 +50,9 @@ std::string_view name(const NetworkDescription& description);
 /// Whether it says how sure it is of each pixel.
 bool has_confidence(const NetworkDescription& description);
 
+/// Whether it looks at what earlier scans measured (ScanMemory).
+bool has_scan_memory(const NetworkDescription& description);
+
 /// The outlier filter that its result goes through at the end; nothing: none.
 std::optional<OutlierRemovalOptions> last_filter(const NetworkDescription& description);
 

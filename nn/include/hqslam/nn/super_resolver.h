@@ -11,6 +11,7 @@
 #include "hqslam/nn/instruction_set.h"
 #include "hqslam/nn/lifted_image.h"
 #include "hqslam/nn/network_description.h"
+#include "hqslam/nn/recalled_image.h"
 #include "hqslam/nn/trace.h"
 #include "hqslam/nn/weights_file.h"
 
@@ -52,7 +53,10 @@ class SuperResolver {
   /// what is not finite or not above 0 is no return. Returns all rows: measured rows as they were;
   /// rejected and doubtful pixels and those outside the sensor's limits empty. Throws Error for any
   /// other shape. With `trace` it also writes down every layer.
-  LiftedImage run(const RangeImage& image, Trace* trace = nullptr);
+  LiftedImage run(const RangeImage& image, Trace* trace = nullptr) { return run(image, {}, trace); }
+  /// The same with what earlier scans tell (ScanMemory::recall), all rows; networks without a
+  /// memory do not look at it. Throws Error for another shape.
+  LiftedImage run(const RangeImage& image, const RecalledImage& recalled, Trace* trace = nullptr);
 
  private:
   struct Implementation;

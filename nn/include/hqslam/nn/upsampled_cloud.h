@@ -23,7 +23,9 @@ namespace hqslam::nn {
 OrganizedCloud upsampled_cloud(const LiftedImage& lifted, const OrganizedCloud& measured,
                                RowSelection measured_rows, const SensorModel& sensor);
 
-/// The same of what the upsampler makes of the measured rows.
-OrganizedCloud upsampled_cloud(Upsampler& upsampler, const OrganizedCloud& measured);
+/// The same of what the upsampler makes of the measured rows, and of what is recalled if it has a
+/// memory.
+OrganizedCloud upsampled_cloud(Upsampler& upsampler, const OrganizedCloud& measured,
+                               const RecalledImage& recalled = {});
 
 }  // namespace hqslam::nn

@@ -42,7 +42,12 @@ class Upsampler {
 
   /// measured: the measured rows alone, metres. Returns all rows; of interpolation without a
   /// confidence. Throws Error.
-  LiftedImage run(const RangeImage& measured);
+  LiftedImage run(const RangeImage& measured) { return run(measured, {}); }
+  /// The same with what earlier scans tell of it, where the network has a memory.
+  LiftedImage run(const RangeImage& measured, const RecalledImage& recalled);
+  bool has_scan_memory() const {
+    return network() != nullptr && nn::has_scan_memory(network()->description());
+  }
 
  private:
   std::variant<SuperResolver, Interpolation> method_;

@@ -32,6 +32,13 @@ SelfTest make_self_test(const NetworkDescription& description, const std::vector
 /// "self_test.measured", "self_test.expected". Throws Error with file, field, expected, found for
 /// anything unknown, missing or inconsistent.
 Weights read_weights(const std::string& path);
+
+/// The parameters of `weights` for a training of `network` to begin with: of the same arrays, or of
+/// the same network without a memory: weights that have to do with what is recalled begin with 0.
+/// Throws Error with `path` for any other.
+std::vector<float> parameters_to_start_from(const Weights& weights,
+                                            const NetworkDescription& network,
+                                            const std::string& path);
 /// Throws Error, also if the parameters are not as many as the description's arrays hold.
 void write_weights(const std::string& path, const Weights& weights);
 

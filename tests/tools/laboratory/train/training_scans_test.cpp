@@ -1,7 +1,9 @@
 #include "laboratory/train/training_scans.h"
 
 #include <doctest/doctest.h>
+#include <fmt/format.h>
 
+#include <cmath>
 #include <csignal>
 #include <filesystem>
 #include <thread>
@@ -11,6 +13,7 @@
 #include "hqslam/core/npy.h"
 #include "hqslam/core/pcd.h"
 #include "hqslam/core/projection.h"
+#include "hqslam/nn/network_json.h"
 #include "hqslam/sim/drive.h"
 #include "temporary_directory.h"
 #include "thread_ranks.h"
@@ -35,6 +38,14 @@ SensorModel tiny_sensor() {
   SensorModel sensor = sensor_preset("os1-16");
   sensor.columns = 64;
   return sensor;
+}
+
+nn::NetworkDescription network_for(const SensorModel& sensor, bool with_memory = false) {
+  return nn::network_from_json(
+      fmt::format(R"({{"kind": "du-mix", "sensor": {}, "measured_rows": {}, "denoiser":
+                      {{"scan_memory": {}}}}})",
+                  sensor_json(sensor), sensor.rows() / 4, with_memory),
+      "test");
 }
 
 bool store(const TemporaryDirectory& folder, const std::vector<StoredDrive>& drives, int threads) {
@@ -210,7 +221,7 @@ TEST_CASE("scans of several files are numbered through, many threads read them a
     threads.emplace_back([&, k] {
       for (int i = 0; i < 60; ++i) {
         const auto scan = static_cast<std::size_t>((i * 7 + k) % 6);
-        const RangeImage image = scans.read(static_cast<std::int64_t>(scan));
+        const RangeImage image = scans.read(static_cast<std::int64_t>(scan)).truth;
         wrong[k] += image.range_m == std::vector<float>(16 * 64, expected[scan]) ? 0 : 1;
       }
     });
@@ -231,7 +242,7 @@ TEST_CASE("what is no range is no return; what is no scan is an Error") {
     writer.append(image);
   }
   const StoredScans scans({folder.file("bad.npy")}, tiny_sensor());
-  const RangeImage image = scans.read(0);
+  const RangeImage image = scans.read(0).truth;
   CHECK(image.range_m[0] == 0.0F);
   CHECK(image.range_m[1] == 0.0F);
   CHECK(image.range_m[2] == 0.0F);
@@ -253,23 +264,48 @@ TEST_CASE("a set is its stacks, then its drives, usual or of varied conditions")
       {.drive = "block", .seeds = {6}, .scans = 1, .conditions = nn::DriveConditions::kVaried}};
   const InterruptGuard interrupt;
   Ranks alone;
-  const auto scans =
-      stored_scans(set, tiny_sensor(), {folder.path() / "drives", 2, alone}, "scans", interrupt);
+  const auto scans = stored_scans(set, network_for(tiny_sensor()),
+                                  {folder.path() / "drives", 2, alone}, "scans", interrupt);
   REQUIRE(scans != nullptr);
   REQUIRE(scans->size() == 3);
-  CHECK(scans->read(0).range_m.front() == 10.0F);
+  CHECK(scans->read(0).truth.range_m.front() == 10.0F);
   sim::DriveSpec spec = sim::drive_preset("block");
   spec.scans = 1;
   spec.seed = 5;
-  CHECK(scans->read(1).range_m == sim::DriveSimulator(spec, tiny_sensor()).next()->image.range_m);
+  CHECK(scans->read(1).truth.range_m ==
+        sim::DriveSimulator(spec, tiny_sensor()).next()->image.range_m);
   spec.seed = 6;
   CHECK(
-      scans->read(2).range_m ==
+      scans->read(2).truth.range_m ==
       sim::DriveSimulator(sim::with_varied_conditions(spec), tiny_sensor()).next()->image.range_m);
   set.stacks = {"$HQSLAM_NO_SUCH_FOLDER/a.npy"};
   CHECK(refuses({"HQSLAM_NO_SUCH_FOLDER is not set"}, [&] {
-    stored_scans(set, tiny_sensor(), {folder.path(), 1, alone}, "scans", interrupt);
+    stored_scans(set, network_for(tiny_sensor()), {folder.path(), 1, alone}, "scans", interrupt);
   }));
+}
+
+TEST_CASE("a network with a memory gets what every scan recalls of those before it") {
+  const TemporaryDirectory folder;
+  nn::ScanSet set;
+  set.simulated = {{.drive = "block", .seeds = {5}, .scans = 7, .every = 3}};
+  const InterruptGuard interrupt;
+  Ranks alone;
+  const DriveStore store{folder.path(), 1, alone};
+  const auto scans = stored_scans(set, network_for(tiny_sensor(), true), store, "scans", interrupt);
+  const auto without = stored_scans(set, network_for(tiny_sensor()), store, "scans", interrupt);
+  REQUIRE(scans->size() == 3);
+  for (std::int64_t i = 0; i < 3; ++i) {
+    const auto [truth, recalled] = scans->read(i);
+    CHECK(truth.range_m == without->read(i).truth.range_m);
+    CHECK(without->read(i).recalled.is_empty());
+    int agreeing = 0;
+    for (std::size_t pixel = 0; pixel < truth.range_m.size(); ++pixel) {
+      REQUIRE((recalled.weight[pixel] > 0.0F) == (recalled.image.range_m[pixel] > 0.0F));
+      agreeing += recalled.weight[pixel] > 0.0F &&
+                  std::fabs(recalled.image.range_m[pixel] - truth.range_m[pixel]) < 0.3F;
+    }
+    CHECK((i == 0 ? agreeing == 0 : agreeing > 100));
+  }
 }
 
 TEST_CASE("a recording's folder is what is in it now, without the scans that are no scans") {
@@ -282,7 +318,8 @@ TEST_CASE("a recording's folder is what is in it now, without the scans that are
   nn::ScanSet set;
   set.stacks = {folder.file("scans")};
   const auto scans_now = [&] {
-    return stored_scans(set, sensor, {folder.path() / "store", 1, alone}, "scans", interrupt)
+    return stored_scans(set, network_for(sensor), {folder.path() / "store", 1, alone}, "scans",
+                        interrupt)
         ->size();
   };
   for (const char* name : {"0.pcd", "1.pcd", "2.pcd"}) {

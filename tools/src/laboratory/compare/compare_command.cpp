@@ -9,9 +9,11 @@
 #include "laboratory/compare/confidence_curve.h"
 #include "laboratory/compare/tulip_comparison.h"
 #include "laboratory/compare/upsampling_comparison.h"
+#include "lift/drive_memory.h"
 #include "lift/lifted_input.h"
 #include "recording/reading.h"
 #include "recording/recording_choice.h"
+#include "recording/scan_poses.h"
 #include "report/page.h"
 #include "terminal/command_options.h"
 #include "terminal/progress.h"
@@ -184,17 +186,18 @@ void finish_curve(const ConfidenceCurve& curve, const CompareOptions& options, s
             markdown_of(operating_table(report.points)), report.calibration_error, options.curve);
 }
 
-/// Whether the measured rows of a scan have a return: without one there is nothing to lift.
-bool has_measured_return(const OrganizedCloud& scan) {
-  const OrganizedCloud measured = select_rows(scan, selection_for(scan.rows, kMeasuredRows));
-  return std::any_of(measured.range_m.begin(), measured.range_m.end(),
-                     [](float range_m) { return range_m > 0.0F; });
-}
-
-/// Hands every `every`-th scan of the recording to `use`. Returns how many.
+/// Hands every `every`-th scan of the recording to `use`, with what a memory for `upsampler` has of
+/// the scans before it. Returns how many.
 template <typename Use>
 std::int64_t for_each_scan(const CompareOptions& options, const SensorModel& sensor,
-                           const InterruptGuard& interrupt, const Use& use) {
+                           const InterruptGuard& interrupt, const Use& use,
+                           const nn::Upsampler* upsampler = nullptr) {
+  ScanPoses poses;
+  if (!options.poses.empty()) {
+    poses = read_scan_poses(options.poses,
+                            [&] { return scans_in(options, *open_input(options, sensor)); });
+  }
+  DriveMemory memory(upsampler);
   const auto source = open_input(options, sensor);
   print_warnings(*source, options.input);
   const std::size_t told = source->warnings().size();
@@ -204,11 +207,14 @@ std::int64_t for_each_scan(const CompareOptions& options, const SensorModel& sen
   Reading reading;
   read_scans(*source, interrupt, reading, [&](const ReadScan& read) {
     progress.update(++looked_at, source->read_share());
+    const OrganizedCloud measured =
+        select_rows(read.scan.cloud, selection_for(read.scan.cloud.rows, kMeasuredRows));
+    const auto path = poses.path_of(read.index, read.scan.stamp_s);
+    const nn::RecalledImage recalled = path ? memory.recall(measured, *path) : nn::RecalledImage();
+    if (path) memory.remember(measured, *path, read.scan.stamp_s);
     if ((looked_at - 1) % options.every != 0) return true;
-    if (!has_measured_return(read.scan.cloud)) {
-      throw ScanError("has no return in the measured rows");
-    }
-    use(read.scan.cloud);
+    if (points_of(measured).empty()) throw ScanError("has no return in the measured rows");
+    use(read.scan.cloud, recalled);
     ++used;
     return true;
   });
@@ -239,6 +245,7 @@ void declare_compare(CLI::App& app, CompareOptions& options) {
       "filter) of every layer as if the network ended there.");
   declare_input(command, options, "Recording with all rows (as for hqslam run)");
   command.option("--weights", &options.weights, "Weights files to compare", {.given = Given::kFile})
+      .option("--poses", &options.poses, kMemoryPosesHelp, {.given = Given::kFile})
       .option("--every", &options.every, "Take every n-th scan (default: all)",
               {.within = kAnyCount})
       .option(
@@ -280,21 +287,24 @@ int compare_command(const CompareOptions& options) {
     FilterComparison comparison(without_last_filter(options.weights.front(), sensor),
                                 {5, 10, 15, 20, 30, 60}, {5, 10, 20, 50, 100}, {0.0, 0.01});
     used = for_each_scan(options, sensor, interrupt,
-                         [&](const OrganizedCloud& scan) { comparison.add(scan); });
+                         [&](const OrganizedCloud& scan, const auto&) { comparison.add(scan); });
     print_trials(comparison.trials());
   } else if (options.layers) {
     if (options.weights.empty()) throw Error("compare: --layers needs --weights");
     LayerComparison comparison(network_of(options.weights.front(), sensor), sensor);
     used = for_each_scan(options, sensor, interrupt,
-                         [&](const OrganizedCloud& scan) { comparison.add(scan); });
+                         [&](const OrganizedCloud& scan, const auto&) { comparison.add(scan); });
     print_scores(comparison.scores());
   } else {
     UpsamplingComparison comparison(methods_of(options, sensor));
     std::optional<ConfidenceCurve> curve = curve_of(options, sensor);
-    used = for_each_scan(options, sensor, interrupt, [&](const OrganizedCloud& scan) {
-      comparison.add(scan);
-      if (curve) curve->add(scan);
-    });
+    used = for_each_scan(
+        options, sensor, interrupt,
+        [&](const OrganizedCloud& scan, const nn::RecalledImage& recalled) {
+          comparison.add(scan, recalled);
+          if (curve) curve->add(scan, recalled);
+        },
+        comparison.with_memory());
     print_scores(comparison.scores());
     to_stdout(
         "chance in the data: the median of the eight true ranges around each pixel has an MAE "

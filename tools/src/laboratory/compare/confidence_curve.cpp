@@ -97,10 +97,10 @@ ConfidenceCurve::ConfidenceCurve(nn::Upsampler network, float tolerance_m)
   }
 }
 
-void ConfidenceCurve::add(const OrganizedCloud& truth) {
+void ConfidenceCurve::add(const OrganizedCloud& truth, const nn::RecalledImage& recalled) {
   const RowSelection rows = network_.measured_rows();
   const OrganizedCloud measured = select_rows(truth, rows);
-  LiftedScan scan{network_.run(range_image(measured)), {}, {}};
+  LiftedScan scan{network_.run(range_image(measured), recalled), {}, {}};
   scan.cloud = nn::upsampled_cloud(scan.lifted, measured, rows, network_.sensor());
   const std::vector<float> distances_m = nearest_distances_m(
       points_of(scan.cloud, scan.lifted.image), points_of(truth, range_image(truth)));

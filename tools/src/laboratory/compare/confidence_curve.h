@@ -34,8 +34,8 @@ class ConfidenceCurve {
   /// network: with confidence 0 as its operating point. Throws Error if it has no confidence.
   /// tolerance_m: the network's, within which a range is right.
   ConfidenceCurve(nn::Upsampler network, float tolerance_m);
-  /// truth: a scan with all rows. Throws Error.
-  void add(const OrganizedCloud& truth);
+  /// truth: a scan with all rows. recalled: for a network with a memory. Throws Error.
+  void add(const OrganizedCloud& truth, const nn::RecalledImage& recalled = {});
   std::vector<OperatingPoint> points() const;
   std::vector<ReliabilityBin> reliability() const;
   /// Mean distance of the bins from the diagonal, weighted by their pixels.

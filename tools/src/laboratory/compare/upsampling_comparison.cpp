@@ -101,8 +101,15 @@ void make_mean(UpsamplingScore& sum, std::int64_t scans) {
 UpsamplingComparison::UpsamplingComparison(std::vector<ComparedMethod> methods)
     : methods_(std::move(methods)), sums_(methods_.size()) {}
 
-void UpsamplingComparison::add(const OrganizedCloud& truth) {
-  for (std::size_t i = 0; i < methods_.size(); ++i) add(methods_[i], truth, sums_[i]);
+const nn::Upsampler* UpsamplingComparison::with_memory() const {
+  for (const ComparedMethod& method : methods_) {
+    if (method.upsampler.has_scan_memory()) return &method.upsampler;
+  }
+  return nullptr;
+}
+
+void UpsamplingComparison::add(const OrganizedCloud& truth, const nn::RecalledImage& recalled) {
+  for (std::size_t i = 0; i < methods_.size(); ++i) add(methods_[i], truth, recalled, sums_[i]);
   if (!methods_.empty()) {
     const RangeImage image = range_image(truth);
     const RangeImage median =
@@ -117,16 +124,17 @@ double UpsamplingComparison::true_neighbours_mae_m() const {
 }
 
 void UpsamplingComparison::add(ComparedMethod& method, const OrganizedCloud& truth,
-                               Sums& sums) const {
+                               const nn::RecalledImage& recalled, Sums& sums) const {
   const RowSelection rows = method.upsampler.measured_rows();
   const OrganizedCloud measured = select_rows(truth, rows);
   const RangeImage measured_image = range_image(measured);
   nn::LiftedImage lifted;
-  sums.times_ms.push_back(1e3 * seconds_of([&] { lifted = method.upsampler.run(measured_image); }));
+  sums.times_ms.push_back(
+      1e3 * seconds_of([&] { lifted = method.upsampler.run(measured_image, recalled); }));
   add_errors(lifted, measured, truth, method.upsampler.sensor(), sums.sum);
   if (!method.unfiltered) return;
-  const OrganizedCloud unfiltered = nn::upsampled_cloud(method.unfiltered->run(measured_image),
-                                                        measured, rows, method.upsampler.sensor());
+  const OrganizedCloud unfiltered = nn::upsampled_cloud(
+      method.unfiltered->run(measured_image, recalled), measured, rows, method.upsampler.sensor());
   for_each_computed(unfiltered, rows, pixel_distances_m(unfiltered, truth),
                     [&](std::size_t pixel, float distance_m) {
                       if (distance_m >= kGoodDistance_m) return;

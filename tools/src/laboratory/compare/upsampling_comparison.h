@@ -60,8 +60,11 @@ struct ComparedMethod {
 class UpsamplingComparison {
  public:
   explicit UpsamplingComparison(std::vector<ComparedMethod> methods);
-  /// truth: a scan with all rows of the methods' sensor. Throws Error.
-  void add(const OrganizedCloud& truth);
+  /// truth: a scan with all rows of the methods' sensor. recalled: for networks with a memory.
+  /// Throws Error.
+  void add(const OrganizedCloud& truth, const nn::RecalledImage& recalled = {});
+  /// The first of the methods that has a memory; null: none has.
+  const nn::Upsampler* with_memory() const;
   std::vector<UpsamplingScore> scores() const;
   /// How much of a scan is chance: MAE over all pixels, metres, of a method that knows what none
   /// can, the true ranges of the eight pixels around each computed one, and takes their median.
@@ -74,7 +77,8 @@ class UpsamplingComparison {
     std::int64_t good = 0;
     std::int64_t good_lost = 0;
   };
-  void add(ComparedMethod& method, const OrganizedCloud& truth, Sums& sums) const;
+  void add(ComparedMethod& method, const OrganizedCloud& truth, const nn::RecalledImage& recalled,
+           Sums& sums) const;
 
   std::vector<ComparedMethod> methods_;
   std::vector<Sums> sums_;

@@ -16,6 +16,7 @@
 #include "hqslam/slam/slam.h"
 #include "laboratory/compare/upsampling_comparison.h"
 #include "laboratory/table/table_work.h"
+#include "lift/drive_memory.h"
 #include "lift/lifted_input.h"
 #include "recording/reading.h"
 #include "timing/timing.h"
@@ -68,10 +69,15 @@ struct TimedSlam {
       times_ms.push_back(1e3 * seconds_of([&] { as_published->process(cloud, stamp_s); }));
       return;
     }
-    slam::ScanReport report;
     times_ms.push_back(
         1e3 * seconds_of([&] { report = std::get<slam::Slam>(system).process(cloud, stamp_s); }));
     count(report.loop);
+  }
+
+  /// Of the last scan.
+  bool is_located() const {
+    return std::holds_alternative<slam::LegoLoamAsPublished>(system) ||
+           slam::is_registered(report.mapping_status);
   }
 
   void finish() {
@@ -80,8 +86,9 @@ struct TimedSlam {
     for (const slam::LoopReport& loop : slam->finish()) count(loop);
   }
 
-  Trajectory trajectory() const {
-    return std::visit([](const auto& any) { return Trajectory(any.trajectory()); }, system);
+  const Trajectory& trajectory() const {
+    return std::visit([](const auto& any) -> const Trajectory& { return any.trajectory(); },
+                      system);
   }
 
   SlamTimings timings() const {
@@ -100,6 +107,7 @@ struct TimedSlam {
   }
 
   SlamSystem system;
+  slam::ScanReport report;  ///< of our SLAM
   std::vector<double> times_ms;
   std::int64_t loops_closed = 0;
 };
@@ -133,6 +141,9 @@ class MethodRun {
     // A scan that is lifted from nothing is no image to score.
     if (scored && !points_of(measured).empty()) score(lifted.image, cloud, truth.cloud);
   }
+
+  /// Without loop closing.
+  const TimedSlam& slam() const { return slam_.front(); }
 
   TableResult result(const TableSettings& settings) {
     for (TimedSlam& slam : slam_) slam.finish();
@@ -183,10 +194,10 @@ class Pass {
  public:
   explicit Pass(const TablePass& pass)
       : input_(shared_input(pass)),
+        memory_(input_.lifter()),
         score_every_((pass.scans + pass.scored_scans - 1) / pass.scored_scans) {
-    const nn::Upsampler* upsampler = input_.upsampler ? &*input_.upsampler : nullptr;
     for (const TableMethod& method : pass.methods) {
-      runs_.emplace_back(method, input_.seen(), upsampler, pass.loop_closing);
+      runs_.emplace_back(method, input_.seen(), input_.lifter(), pass.loop_closing);
     }
   }
 
@@ -200,11 +211,17 @@ class Pass {
     }
     const RangeImage image = range_image(measured);
     nn::LiftedImage lifted;
-    const double shared_s = seconds_of([&] { lifted = input_.upsampler->run(image); });
+    const double shared_s = seconds_of([&] {
+      lifted = input_.upsampler->run(
+          image, memory_.recall(measured, runs_.front().slam().trajectory(), scan.stamp_s));
+    });
     for (MethodRun& run : runs_) {
       run.add_lifted(lifted, shared_s, measured, *input_.upsampler, scan,
                      index % score_every_ == 0);
     }
+    // Where the first method of the pass has it.
+    const TimedSlam& slam = runs_.front().slam();
+    memory_.remember(measured, slam.trajectory(), slam.is_located());
   }
 
   std::vector<TableResult> results(const TablePass& pass,
@@ -229,6 +246,7 @@ class Pass {
 
  private:
   LiftedInput input_;
+  DriveMemory memory_;
   std::int64_t score_every_;
   std::vector<MethodRun> runs_;
 };

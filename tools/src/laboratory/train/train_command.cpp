@@ -34,7 +34,7 @@ struct Training {
   std::vector<nn::CurvePoint> curve;
   double loss_sum = 0.0;  ///< over the steps since the last point of the curve
   std::int64_t training_scans = 0;
-  std::vector<RangeImage> validation;
+  std::vector<nn::TrainingScan> validation;
 
   std::string checkpoint_path() const { return (out / "checkpoint.npz").string(); }
 };
@@ -68,12 +68,8 @@ nn::TrainingState starting_state(Training& training) {
   }
   std::vector<float> parameters = nn::initial_parameters(c.network, c.plan.seed);
   if (!c.start_from.empty()) {
-    const nn::Weights weights = nn::read_weights(c.start_from);
-    if (weights.parameters.size() != parameters.size()) {
-      throw Error("{}: a network of {} parameters, expected {} as in the configuration",
-                  c.start_from, weights.parameters.size(), parameters.size());
-    }
-    parameters = weights.parameters;
+    parameters =
+        nn::parameters_to_start_from(nn::read_weights(c.start_from), c.network, c.start_from);
   }
   const std::size_t count = parameters.size();
   std::vector<float> average = parameters;
@@ -115,7 +111,7 @@ void write_results(const Training& training, const nn::TrainingState& state) {
         static_cast<float>(std::pow(v.least_confidence, v.confidence_exponent));
     network.confidence_exponent = static_cast<float>(v.confidence_exponent);
   }
-  const RangeImage sample = select_rows(training.validation.front(), network.measured_rows);
+  const RangeImage sample = select_rows(training.validation.front().truth, network.measured_rows);
   nn::write_weights((training.out / "weights.npz").string(),
                     {network, state.average, training_json(training, state),
                      nn::make_self_test(network, state.average, sample)});
@@ -127,12 +123,12 @@ std::unique_ptr<const nn::TrainingScans> load_scans(Training& training, const Dr
                                                     const InterruptGuard& interrupt) {
   const nn::TrainingConfiguration& c = training.configuration;
   const auto validation =
-      stored_scans(c.validation, c.network.sensor, store, "validation scans", interrupt);
+      stored_scans(c.validation, c.network, store, "validation scans", interrupt);
   if (validation == nullptr) return nullptr;
   for (std::int64_t i = 0; i < validation->size(); ++i) {
     training.validation.push_back(validation->read(i));
   }
-  auto scans = stored_scans(c.training, c.network.sensor, store, "training scans", interrupt);
+  auto scans = stored_scans(c.training, c.network, store, "training scans", interrupt);
   if (scans != nullptr) training.training_scans = scans->size();
   return scans;
 }

@@ -9,14 +9,17 @@
 #include <fstream>
 #include <functional>
 #include <nlohmann/json.hpp>
+#include <random>
 #include <regex>
 
 #include "files/content_hash.h"
 #include "files/result_files.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/npy.h"
+#include "hqslam/core/projection.h"
 #include "hqslam/core/scan_source.h"
 #include "hqslam/core/whole_file.h"
+#include "hqslam/nn/scan_memory.h"
 #include "ranks/ranks.h"
 #include "recording/reading.h"
 #include "terminal/progress.h"
@@ -26,6 +29,9 @@ namespace hqslam::tools {
 namespace {
 
 namespace fs = std::filesystem;
+
+/// Raised whenever the same drive begins to recall something else.
+constexpr int kMemoryRevision = 1;
 
 /// Everything that decides the bytes of a stored drive.
 std::string key_of(const StoredDrive& drive, const SensorModel& sensor) {
@@ -44,6 +50,9 @@ std::string key_of(const StoredDrive& drive, const SensorModel& sensor) {
     key["sensor_errors"] = sim::name_of(spec.sensor_errors);
   }
   key["sensor"] = sensor_json(sensor);
+  if (drive.remembered_rows) {
+    key["memory"] = {kMemoryRevision, drive.remembered_rows->offset, drive.remembered_rows->stride};
+  }
   return key.dump();
 }
 
@@ -93,9 +102,102 @@ void remove_abandoned_parts(const fs::path& folder) {
   for (const fs::path& path : abandoned) fs::remove(path, error);
 }
 
+/// How far SLAM's poses are off: of each scan that is remembered, and of the one that recalls,
+/// which is only predicted. Standard deviations on each axis.
+constexpr double kKeptError_m = 0.005;
+constexpr double kKeptError_rad = 0.0003;
+constexpr double kPredictedError_m = 0.015;
+constexpr double kPredictedError_rad = 0.0012;
+
+/// The poses of a scan as SLAM may have them: all off by one and the same small motion.
+nn::ColumnPoses with_error(const nn::ColumnPoses& poses, double error_m, double error_rad,
+                           std::mt19937_64& random) {
+  const auto uniform = [&] { return static_cast<double>(random() >> 11) * 0x1p-53; };
+  const auto off = [&](double sigma) {  // the sum of twelve uniform numbers is nearly normal
+    double sum = -6.0;
+    for (int i = 0; i < 12; ++i) sum += uniform();
+    return sigma * sum;
+  };
+  Twist error;
+  for (int axis = 0; axis < 3; ++axis) {
+    error.linear[axis] = off(error_m);
+    error.angular[axis] = off(error_rad);
+  }
+  const Pose T_right_off = exponential(error);
+  nn::ColumnPoses result;
+  for (const Pose& pose : poses) result.push_back(pose * T_right_off);
+  return result;
+}
+
+/// The measured rows of a drive's scans one after the other, and what each recalls of those before.
+class Recollection {
+ public:
+  Recollection(const SensorModel& sensor, RowSelection rows, std::uint64_t seed)
+      : sensor_(select_rows(sensor, rows)), memory_(measured_by(sensor, rows)), random_(seed) {}
+
+  /// The image of a scan with M and W^2 below it.
+  RangeImage with_recalled(RangeImage image, const RangeImage& measured,
+                           const nn::ColumnPoses& poses) {
+    const double how_far = static_cast<double>(random_() >> 11) * 0x1p-52;  // 0 to 2
+    const nn::RecalledImage recalled = memory_.recall(
+        measured,
+        with_error(poses, how_far * kPredictedError_m, how_far * kPredictedError_rad, random_));
+    const std::size_t pixels = image.range_m.size();
+    if (!recalled.is_empty()) {
+      image.range_m.insert(image.range_m.end(), recalled.image.range_m.begin(),
+                           recalled.image.range_m.end());
+      image.range_m.insert(image.range_m.end(), recalled.weight.begin(), recalled.weight.end());
+    }
+    image.range_m.resize(3 * pixels);
+    image.rows *= 3;
+    return image;
+  }
+  void remember(const RangeImage& measured, const nn::ColumnPoses& poses, double stamp_s) {
+    memory_.insert(unproject(measured, sensor_, CaptureTime::kRolling),
+                   with_error(poses, kKeptError_m, kKeptError_rad, random_), stamp_s);
+  }
+
+ private:
+  static SensorModel measured_by(SensorModel sensor, RowSelection rows) {
+    sensor.measured_rows = rows;
+    return sensor;
+  }
+
+  SensorModel sensor_;
+  nn::ScanMemory memory_;
+  std::mt19937_64 random_;
+};
+
+/// simulate() of a drive whose scans recall earlier ones: of those between only the rows that are
+/// remembered are simulated.
+bool simulate_with_memory(const StoredDrive& drive, const SensorModel& sensor,
+                          NpyStackWriter& writer, const std::function<bool()>& stopping,
+                          Progress& progress) {
+  const RowSelection rows = *drive.remembered_rows;
+  sim::DriveSimulator simulator(drive.spec, sensor);
+  Recollection recollection(sensor, rows, drive.spec.seed);
+  for (std::int64_t i = 0; i < drive.spec.scans; ++i) {
+    if (stopping()) return false;
+    const bool kept = i % drive.every == 0;
+    const auto scan = simulator.next(kept ? std::nullopt : std::optional(rows));
+    const RangeImage measured = select_rows(scan->image, rows);
+    if (kept) {
+      writer.append(
+          recollection.with_recalled(scan->image, measured, scan->T_map_sensor_at_column));
+      progress.advance();
+    }
+    recollection.remember(measured, scan->T_map_sensor_at_column, scan->stamp_s);
+  }
+  return true;
+}
+
 /// Returns false if it stopped before the end.
 bool simulate(const StoredDrive& drive, const SensorModel& sensor, const std::string& path,
               const std::function<bool()>& stopping, Progress& progress) {
+  if (drive.remembered_rows) {
+    NpyStackWriter writer(path, 3 * sensor.rows(), sensor.columns);
+    return simulate_with_memory(drive, sensor, writer, stopping, progress);
+  }
   sim::DriveSimulator simulator(drive.spec, sensor);
   NpyStackWriter writer(path, sensor.rows(), sensor.columns);
   while (const auto scan = simulator.next()) {
@@ -205,17 +307,19 @@ std::string stack_of_recording(const std::string& folder, const SensorModel& sen
   return path.string();
 }
 
-std::vector<StoredDrive> drives_of(const nn::ScanSet& set) {
+std::vector<StoredDrive> drives_of(const nn::ScanSet& set, const nn::NetworkDescription& network) {
   std::vector<StoredDrive> drives;
   for (const nn::SimulatedScans& simulated : set.simulated) {
     for (const int seed : simulated.seeds) {
       sim::DriveSpec spec = sim::drive_preset(simulated.drive);
       spec.seed = static_cast<std::uint64_t>(seed);
       spec.scans = simulated.scans;
+      spec.sensor_errors = sim::sensor_errors_named(simulated.sensor_errors);
       if (simulated.conditions == nn::DriveConditions::kVaried) {
         spec = sim::with_varied_conditions(spec);
       }
       drives.push_back({spec, simulated.every});
+      if (has_scan_memory(network)) drives.back().remembered_rows = network.measured_rows;
     }
   }
   return drives;
@@ -246,7 +350,8 @@ StoredScans::StoredScans(const std::vector<std::string>& paths, const SensorMode
     : rows_(sensor.rows()), columns_(sensor.columns) {
   for (const std::string& path : paths) {
     const NpyStackReader reader(path);
-    if (reader.rows() != rows_ || reader.columns() != columns_) {
+    const bool fits = reader.rows() == rows_ || reader.rows() == 3 * rows_;
+    if (!fits || reader.columns() != columns_) {
       throw Error("{}: images of {} x {}, expected the {} x {} of {}", path, reader.rows(),
                   reader.columns(), rows_, columns_, sensor.name);
     }
@@ -256,25 +361,35 @@ StoredScans::StoredScans(const std::vector<std::string>& paths, const SensorMode
   }
 }
 
-RangeImage StoredScans::read(std::int64_t i) const {
+nn::TrainingScan StoredScans::read(std::int64_t i) const {
   if (i < 0 || i >= size()) {
     throw Error("training: scan {}, expected 0 to {}", i, size() - 1);
   }
   const auto file = std::upper_bound(files_.begin(), files_.end(), i,
                                      [](std::int64_t scan, const File& f) { return scan < f.end; });
   RangeImage image = NpyStackReader(file->path).read(i - file->begin);
-  if (image.rows != rows_ || image.columns != columns_) {
+  const bool recalls = image.rows == 3 * rows_;
+  if ((image.rows != rows_ && !recalls) || image.columns != columns_) {
     throw Error("{}: changed while it was read", file->path);
   }
   for (float& range_m : image.range_m) {
     if (!std::isfinite(range_m) || range_m < 0.0F) range_m = 0.0F;
   }
-  return image;
+  if (!recalls) return {std::move(image)};
+  const auto part = [&](int k) {
+    RangeImage result(rows_, columns_);
+    std::copy_n(image.range_m.begin() + k * std::ssize(result.range_m), result.range_m.size(),
+                result.range_m.begin());
+    return result;
+  };
+  return {part(0), {part(1), part(2).range_m}};
 }
 
-std::unique_ptr<const StoredScans> stored_scans(const nn::ScanSet& set, const SensorModel& sensor,
+std::unique_ptr<const StoredScans> stored_scans(const nn::ScanSet& set,
+                                                const nn::NetworkDescription& network,
                                                 const DriveStore& store, const char* label,
                                                 const InterruptGuard& interrupt) {
+  const SensorModel& sensor = network.sensor;
   std::vector<std::string> paths;
   store.ranks.rank_0_first([&] {
     for (const std::string& stack : set.stacks) {
@@ -285,7 +400,7 @@ std::unique_ptr<const StoredScans> stored_scans(const nn::ScanSet& set, const Se
   });
   // What is wrong with a stack should be said before hours of simulation.
   static_cast<void>(StoredScans(paths, sensor));
-  const std::vector<StoredDrive> drives = drives_of(set);
+  const std::vector<StoredDrive> drives = drives_of(set, network);
   if (!store_drives(store.path, drives, sensor, store.threads, label, interrupt, store.ranks)) {
     return nullptr;
   }

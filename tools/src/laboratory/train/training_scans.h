@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,12 +20,15 @@ namespace hqslam::tools {
 struct StoredDrive {
   sim::DriveSpec spec;
   std::int64_t every = 1;
+  /// The rows whose earlier measurements each scan recalls (nn::ScanMemory); nothing: none are.
+  std::optional<RowSelection> remembered_rows = std::nullopt;
 
   std::int64_t scans() const { return (spec.scans + every - 1) / every; }
 };
 
-/// Where a folder of drives keeps this one: an .npy stack of its range images, named by drive and
-/// seed and by a hash of everything that decides its bytes.
+/// Where a folder of drives keeps this one: an .npy stack of its range images, with what is
+/// recalled below each (M, then W^2, rows x columns each), named by drive and seed and by a hash of
+/// everything that decides its bytes.
 std::string path_in_store(const std::filesystem::path& folder, const StoredDrive& drive,
                           const SensorModel& sensor);
 
@@ -38,7 +42,7 @@ bool store_drives(const std::filesystem::path& folder, const std::vector<StoredD
                   const InterruptGuard& interrupt, Ranks& ranks);
 
 /// The scans of .npy stacks, read one by one from their files; what is no range (NaN, infinite,
-/// negative) is no return.
+/// negative) is no return. Images of three times the sensor's rows have what is recalled.
 class StoredScans final : public nn::TrainingScans {
  public:
   /// Throws Error if a file cannot be read or has images of another shape than the sensor's.
@@ -46,7 +50,7 @@ class StoredScans final : public nn::TrainingScans {
   std::int64_t size() const override { return files_.empty() ? 0 : files_.back().end; }
   int rows() const override { return rows_; }
   int columns() const override { return columns_; }
-  RangeImage read(std::int64_t i) const override;
+  nn::TrainingScan read(std::int64_t i) const override;
 
  private:
   struct File {
@@ -69,7 +73,8 @@ struct DriveStore {
 /// All scans of a set in its order, stacks first, then drives; those that are not in the folder
 /// yet are simulated. Shows progress on stderr; null if asked to stop meanwhile. Throws Error, also
 /// for a stack of another shape than the sensor's.
-std::unique_ptr<const StoredScans> stored_scans(const nn::ScanSet& set, const SensorModel& sensor,
+std::unique_ptr<const StoredScans> stored_scans(const nn::ScanSet& set,
+                                                const nn::NetworkDescription& network,
                                                 const DriveStore& store, const char* label,
                                                 const InterruptGuard& interrupt);
 

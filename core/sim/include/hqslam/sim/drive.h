@@ -81,7 +81,9 @@ class DriveSimulator {
 
   const SensorModel& sensor() const;
   std::int64_t scans() const;
-  std::optional<SimulatedScan> next();
+  /// rows: only these are simulated, four times as fast for a quarter of them; the others of the
+  /// image are empty. (No beam of them then borders on one that is.) Nothing: all rows.
+  std::optional<SimulatedScan> next(const std::optional<RowSelection>& rows = std::nullopt);
   /// Leaves out the next `scans` scans without simulating them; those after it stay the same.
   void skip(std::int64_t scans);
 

@@ -5,8 +5,15 @@
 #include "hqslam/core/range_image.h"
 #include "hqslam/core/sensor_model.h"
 #include "hqslam/nn/network.h"
+#include "hqslam/nn/recalled_image.h"
 
 namespace hqslam::nn {
+
+/// A scan to learn from.
+struct TrainingScan {
+  RangeImage truth;             ///< all rows
+  RecalledImage recalled = {};  ///< what the scans before it tell of it; may be empty
+};
 
 /// How one scan becomes many.
 struct Augmentation {
@@ -19,8 +26,9 @@ struct Augmentation {
 };
 
 /// A turned, mirrored, scaled cut-out of a scan. The same seed gives the same sample on every
-/// machine. Ranges that leave the sensor's limits are lost.
-TrainingSample augmented_sample(const RangeImage& scan, const SensorModel& sensor,
+/// machine. Ranges that leave the sensor's limits are lost. One scan in ten is seen without what it
+/// recalls: every drive begins so.
+TrainingSample augmented_sample(const TrainingScan& scan, const SensorModel& sensor,
                                 RowSelection measured_rows, const Augmentation& augmentation,
                                 std::uint64_t seed);
 

@@ -44,7 +44,7 @@ class TrainingScans {
   virtual int rows() const = 0;
   virtual int columns() const = 0;
   /// Scan i, 0 to size() - 1. Many threads may read at once. Throws Error if it cannot be read.
-  virtual RangeImage read(std::int64_t i) const = 0;
+  virtual TrainingScan read(std::int64_t i) const = 0;
 };
 
 struct TrainingStep {
@@ -101,7 +101,7 @@ class Trainer {
   TrainingStep step();
   /// By this process alone: no other need call it. Throws Error if a scan does not have the
   /// sensor's shape.
-  Validation validate(const std::vector<RangeImage>& scans);
+  Validation validate(const std::vector<TrainingScan>& scans);
   const TrainingState& state() const;
 
  private:

@@ -8,6 +8,7 @@
 
 #include "hqslam/core/range_image.h"
 #include "hqslam/nn/network_description.h"
+#include "hqslam/nn/recalled_image.h"
 #include "hqslam/nn/trace.h"
 
 namespace hqslam::nn {
@@ -34,6 +35,8 @@ struct ReferenceOptions {
   /// that is off by a rounding may connect two pixels or not: whoever compares numbers gives both
   /// the same decisions.
   std::vector<std::vector<std::uint8_t>> rejected = {};
+  /// M and W^2 of the networks with a memory; empty: nothing is recalled.
+  RecalledImage recalled = {};
   // Eq. 10c and the paper's prose to the letter, to show what comes of it.
   bool filters_z = false;      ///< Y = Q(Z) instead of Q(H)
   bool rejected_zero = false;  ///< Y = 0 in a rejected pixel instead of Z
@@ -56,7 +59,7 @@ struct ReferenceDifference {
   double root_mean_square = 0.0;
 };
 /// Of all tensors that both have, in the reference's order, with the trace's decisions of the
-/// filter. Throws Error as reference_trace.
+/// filter and what it recalls. Throws Error as reference_trace.
 std::vector<ReferenceDifference> differences_from_reference(const NetworkDescription& description,
                                                             std::span<const float> parameters,
                                                             const Trace& trace);

@@ -1,0 +1,73 @@
+#pragma once
+
+#include <memory>
+#include <span>
+
+#include "hqslam/core/organized_cloud.h"
+#include "hqslam/core/pose.h"
+#include "hqslam/core/sensor_model.h"
+#include "hqslam/nn/recalled_image.h"
+
+namespace hqslam::nn {
+
+/// Where a sensor is while it captures a scan: T_world_sensor when its head stands at each column
+/// of the image (SensorModel::firing_column), or one pose for all of a motion-corrected scan.
+using ColumnPoses = std::vector<Pose>;
+
+struct ScanMemoryOptions {
+  int scans = 20;        ///< that are kept; 1 to 200
+  double path_m = 40.0;  ///< what was measured farther back along the path is forgotten
+  double time_s = 10.0;  ///< and what is older
+  /// A scan replaces the one before it unless the sensor has moved or turned so far since.
+  double step_m = 0.05;
+  double step_rad = 0.005;
+};
+/// Throws Error with field, value and constraint.
+void validate(const ScanMemoryOptions& options);
+
+/// The measured points of the last scans, and what they look like from where the sensor is now.
+///
+/// In: per scan its measured points and its column poses, in any frame that stays (that of SLAM's
+/// map). Out: RecalledImage, for which every point is moved into the scan by the pose of the column
+/// that would see it:
+///   p_sensor = T_world_sensor(column)^-1 p_world,  column = firing_column(row, azimuth of
+///   p_sensor)
+/// - begun at the middle column and taken once more. It falls into the pixel (row, column) at
+///   (v, u) pixels from its centre, -1/2 to 1/2, v in sines of the elevation between neighbouring
+///   beams, and has the worth w = exp(-4 (u^2 + v^2)).
+/// - Of the points in a pixel those count that lie within 0.15 m + 1 % of the nearest: a surface
+///   hides what is behind it.
+/// - On a plane 1/r is linear in the direction; so 1/M is the value at the centre of the weighted
+///   regression 1/r = a + b u + c v, whose slopes, with the nearest 1/r as unit, are drawn towards
+///   0 by a ridge of 0.04.
+/// - W^2 = 4 sum of w, so that one point through the centre outweighs the interpolation four times.
+/// A point that a measured beam now passes within 0.15 pixels, and sees farther than by 0.5 m + 5
+/// %, is forgotten: it has moved on.
+///
+/// Threads: one object serves one caller at a time and works with the threads that OpenMP gives.
+/// The same scans give the same bytes, whatever their number.
+class ScanMemory {
+ public:
+  /// sensor: all rows, and which of them are measured. Throws Error where it does not say.
+  explicit ScanMemory(const SensorModel& sensor, const ScanMemoryOptions& options = {});
+  ~ScanMemory();
+  ScanMemory(ScanMemory&&) noexcept;  ///< moved from: only assign or destroy
+  ScanMemory& operator=(ScanMemory&&) noexcept;
+
+  /// What is remembered, seen from T_world_sensor; empty where no scan is kept. measured: the
+  /// measured rows of the scan that is taken there, which decide what has moved on. Throws Error
+  /// for another shape or number of poses.
+  RecalledImage recall(const RangeImage& measured, const ColumnPoses& T_world_sensor);
+
+  /// Remembers a scan. measured: the points of the measured rows. Throws Error as recall.
+  void insert(const OrganizedCloud& measured, const ColumnPoses& T_world_sensor, double stamp_s);
+
+  /// Forgets all: the sensor was carried elsewhere, or its frame has changed.
+  void clear();
+
+ private:
+  struct Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace hqslam::nn

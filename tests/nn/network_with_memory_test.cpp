@@ -1,0 +1,156 @@
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+#include "error_message.h"
+#include "hqslam/nn/network_json.h"
+#include "hqslam/nn/reference/reference.h"
+#include "hqslam/nn/super_resolver.h"
+#include "small_network.h"
+
+// DU-Mix with what earlier scans measured (Observation::recalled).
+namespace hqslam::nn {
+namespace {
+
+NetworkDescription small_du_mix_with_memory() {
+  TwoModesShape shape = small_two_modes();
+  shape.scan_memory = true;
+  return small_du_mix(shape);
+}
+
+/// Most pixels of the scene, some of them off, with weights of all sizes.
+RecalledImage recalled_scene() {
+  RecalledImage recalled{small_scene(), std::vector<float>(16 * 64)};
+  const std::vector<float> random = random_values(5, 2 * 16 * 64);
+  for (std::size_t i = 0; i < recalled.weight.size(); ++i) {
+    const bool there = random[i] > -0.4F && recalled.image.range_m[i] > 0.0F;
+    recalled.image.range_m[i] *= there ? 1.0F + 0.1F * random[i] : 0.0F;
+    recalled.weight[i] = there ? 4.0F * std::fabs(random[i + 16 * 64]) : 0.0F;
+  }
+  return recalled;
+}
+
+std::unique_ptr<Network> made(const NetworkDescription& description,
+                              const std::vector<float>& parameters, int threads = 1) {
+  auto network = make_network(description, 64, chosen_instruction_set(), threads);
+  network->set_parameters(parameters);
+  return network;
+}
+
+}  // namespace
+
+TEST_CASE("a pixel that is recalled is drawn towards what is recalled by W^2 / (W^2 + 1)") {
+  // A = 10, M = 12: with W^2 = 3 it is (3 * 12 + 10) / 4 = 11.5, with W^2 = 0 it stays.
+  const std::vector<float> m = {12.0F, 99.0F};
+  const std::vector<float> share = {0.75F, 0.0F};
+  std::vector<float> h = {10.0F, 10.0F};
+  recall_row(m.data(), share.data(), 2, h.data());
+  CHECK(h == std::vector<float>{11.5F, 10.0F});
+}
+
+TEST_CASE("every inner tensor of a network with a memory is that of the reference") {
+  const NetworkDescription description = small_du_mix_with_memory();
+  const std::vector<float> parameters = large_parameters(description, 9);
+  const RangeImage measured = measured_scene(description);
+  const RecalledImage recalled = recalled_scene();
+  for (const bool remembers : {true, false}) {
+    const Trace trace =
+        made(description, parameters)->trace({measured, remembers ? recalled : RecalledImage()});
+    CHECK(trace.has("recalled") == remembers);
+    int compared = 0;
+    for (const ReferenceDifference& difference :
+         differences_from_reference(description, parameters, trace)) {
+      CAPTURE(difference.name);
+      float scale = 1.0F;
+      for (const float value : trace.tensor(difference.name).values) {
+        scale = std::max(scale, std::fabs(value));
+      }
+      CHECK(difference.largest < 1e-4 * scale);
+      ++compared;
+    }
+    CHECK(compared > 10);
+  }
+}
+
+TEST_CASE("what is recalled changes computed pixels alone, the same with any number of threads") {
+  const NetworkDescription description = small_du_mix_with_memory();
+  const std::vector<float> parameters = large_parameters(description, 9);
+  const RangeImage measured = measured_scene(description);
+  const RecalledImage recalled = recalled_scene();
+  const auto network = made(description, parameters);
+  const LiftedImage without = network->lift(measured, 0.5F);
+  const LiftedImage with = network->lift({measured, recalled}, 0.5F);
+  CHECK(with.image.range_m != without.image.range_m);
+  CHECK(select_rows(with.image, description.measured_rows).range_m == measured.range_m);
+  CHECK(made(description, parameters, 3)->lift({measured, recalled}, 0.5F).image.range_m ==
+        with.image.range_m);
+  CHECK(network->lift(measured, 0.5F).image.range_m == without.image.range_m);
+}
+
+TEST_CASE("a memory that begins with another network's weights begins as that network") {
+  const NetworkDescription plain = small_du_mix();
+  const NetworkDescription description = small_du_mix_with_memory();
+  const Weights weights = small_weights(plain);
+  const std::vector<float> parameters = parameters_to_start_from(weights, description, "file");
+  const RangeImage measured = measured_scene(plain);
+  const LiftedImage expected = made(plain, weights.parameters)->lift(measured, 0.5F);
+  const LiftedImage lifted = made(description, parameters)->lift(measured, 0.5F);
+  for (std::size_t i = 0; i < expected.image.range_m.size(); ++i) {
+    REQUIRE(lifted.image.range_m[i] == doctest::Approx(expected.image.range_m[i]).epsilon(1e-5));
+  }
+  CHECK(parameters_to_start_from(weights, plain, "file") == weights.parameters);
+  const auto refuses = [&](const Weights& from, const NetworkDescription& to) {
+    CHECK(test::one_line_with(
+        test::error_message([&] { parameters_to_start_from(from, to, "file"); }), "file"));
+  };
+  refuses(small_weights(description), plain);
+  refuses(small_weights(small_du_or()), description);
+}
+
+TEST_CASE("the loss of a network with a memory falls along its gradient") {
+  const NetworkDescription description = small_du_mix_with_memory();
+  std::vector<float> parameters = initial_parameters(description, 3);
+  const RangeImage truth = small_scene();
+  const TrainingSample sample{select_rows(truth, description.measured_rows), truth,
+                              recalled_scene()};
+  const auto network = made(description, parameters);
+  std::vector<float> gradient(parameters.size());
+  const double before = add_gradient(*network, sample, {}, gradient);
+  double squares = 0.0;
+  for (const float g : gradient) squares += static_cast<double>(g) * g;
+  constexpr float kStep = 1e-3F;
+  for (std::size_t i = 0; i < parameters.size(); ++i) parameters[i] -= kStep * gradient[i];
+  network->set_parameters(parameters);
+  std::vector<float> ignored(parameters.size());
+  const double after = add_gradient(*network, sample, {}, ignored);
+  CHECK((before - after) / kStep == doctest::Approx(squares).epsilon(0.05));
+  // The weights of what is recalled, the last inputs of the first convolution, learn too.
+  const std::int64_t inputs = parameter_shapes(description).front().shape[1];
+  const std::int64_t first = (inputs - 24) * 9;
+  CHECK(std::any_of(gradient.begin() + first, gradient.begin() + inputs * 9,
+                    [](float g) { return g != 0.0F; }));
+}
+
+TEST_CASE("a recipe and a weights file say whether a network has a memory") {
+  const NetworkDescription description = small_du_mix_with_memory();
+  CHECK(has_scan_memory(description));
+  CHECK(has_scan_memory(network_from_json(network_json(description), "file")));
+  CHECK_FALSE(has_scan_memory(small_du_mix()));
+  CHECK(network_json(small_du_mix()).find("scan_memory") == std::string::npos);
+}
+
+TEST_CASE("what is recalled in another shape is refused in one line") {
+  const NetworkDescription description = small_du_mix_with_memory();
+  const RangeImage measured = measured_scene(description);
+  SuperResolver resolver(small_weights(description), {});
+  RecalledImage recalled = recalled_scene();
+  CHECK(resolver.run(measured, recalled).image.rows == 16);
+  recalled.weight.pop_back();
+  CHECK(test::one_line_with(test::error_message([&] { resolver.run(measured, recalled); }),
+                            "1023 weights"));
+  recalled = {RangeImage(4, 64), std::vector<float>(4 * 64)};
+  CHECK(test::one_line_with(test::error_message([&] { resolver.run(measured, recalled); }),
+                            "4 x 64"));
+}
+
+}  // namespace hqslam::nn

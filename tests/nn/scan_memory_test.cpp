@@ -1,0 +1,254 @@
+#include "hqslam/nn/scan_memory.h"
+
+#include <doctest/doctest.h>
+#include <omp.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "error_message.h"
+#include "hqslam/core/projection.h"
+#include "random_values.h"
+
+namespace hqslam::nn {
+namespace {
+
+SensorModel sensor_with_memory() {
+  SensorModel sensor = sensor_preset("os1-64");
+  sensor.columns = 256;
+  sensor.measured_rows = RowSelection{3, 4};
+  return sensor;
+}
+
+/// From a place within a hall of 40 x 30 x 8 m to its wall, floor or roof; and to a pillar, 0.6 m
+/// thick, around (6, 2), unless it has gone.
+float range_to_hall_m(const Eigen::Vector3d& from_m, const Eigen::Vector3d& along, bool pillar) {
+  double nearest_m = HUGE_VAL;
+  const Eigen::Vector3d low(-20.0, -15.0, -2.0);
+  const Eigen::Vector3d high(20.0, 15.0, 6.0);
+  for (int axis = 0; axis < 3; ++axis) {
+    const double wall = along[axis] > 0.0 ? high[axis] : low[axis];
+    if (along[axis] != 0.0) {
+      nearest_m = std::min(nearest_m, (wall - from_m[axis]) / along[axis]);
+    }
+  }
+  const Eigen::Vector2d to_axis = Eigen::Vector2d(6.0, 2.0) - from_m.head<2>();
+  const Eigen::Vector2d level = along.head<2>();
+  const double b = to_axis.dot(level);
+  const double d = b * b - level.squaredNorm() * (to_axis.squaredNorm() - 0.3 * 0.3);
+  if (pillar && d > 0.0 && b > 0.0) {
+    nearest_m = std::min(nearest_m, (b - std::sqrt(d)) / level.squaredNorm());
+  }
+  return static_cast<float>(nearest_m);
+}
+
+/// Where the sensor is at each column: on its way by a metre and a tenth of a turn a scan.
+ColumnPoses poses_at(double scan, const SensorModel& sensor, const Eigen::Vector3d& offset_m) {
+  ColumnPoses poses;
+  for (int column = 0; column < sensor.columns; ++column) {
+    const double t = scan + (column + 0.5) / sensor.columns;
+    poses.push_back(pose_from_xyz_rpy(offset_m + Eigen::Vector3d(-8.0 + t, 0.3 * t, 0.01 * t),
+                                      0.01 * t, -0.01 * t, 0.1 * t));
+  }
+  return poses;
+}
+
+/// What all beams see, column after column.
+RangeImage seen_from(const ColumnPoses& poses, const SensorModel& sensor,
+                     const Eigen::Vector3d& offset_m, bool pillar = true) {
+  RangeImage image(sensor.rows(), sensor.columns);
+  for (int row = 0; row < image.rows; ++row) {
+    for (int column = 0; column < image.columns; ++column) {
+      const Pose& pose = poses[sensor.firing_column(row, column)];
+      const double elevation_rad = sensor.beam_elevation_rad[row];
+      const double azimuth_rad = sensor.azimuth_rad(row, column);
+      const Eigen::Vector3d along(std::cos(elevation_rad) * std::cos(azimuth_rad),
+                                  std::cos(elevation_rad) * std::sin(azimuth_rad),
+                                  std::sin(elevation_rad));
+      image.at(row, column) =
+          range_to_hall_m(pose.translation() - offset_m, pose.linear() * along, pillar);
+    }
+  }
+  return image;
+}
+
+struct Recalled {
+  RangeImage truth;
+  RecalledImage recalled;
+};
+
+/// After ten scans through the hall, which lies at offset_m in the world.
+Recalled after_ten_scans(const Eigen::Vector3d& offset_m, bool pillar_stays = true) {
+  const SensorModel sensor = sensor_with_memory();
+  const RowSelection rows = *sensor.measured_rows;
+  ScanMemory memory(sensor);
+  for (int scan = 0; scan < 10; ++scan) {
+    const ColumnPoses poses = poses_at(scan, sensor, offset_m);
+    const RangeImage measured = select_rows(seen_from(poses, sensor, offset_m), rows);
+    memory.insert(unproject(measured, select_rows(sensor, rows), CaptureTime::kRolling), poses,
+                  0.1 * scan);
+  }
+  const ColumnPoses poses = poses_at(10.0, sensor, offset_m);
+  Recalled result{seen_from(poses, sensor, offset_m, pillar_stays), {}};
+  result.recalled = memory.recall(select_rows(result.truth, rows), poses);
+  return result;
+}
+
+/// Of the pixels that are recalled.
+double share_within_m(const Recalled& r, float limit_m) {
+  int recalled = 0;
+  int near = 0;
+  for (std::size_t i = 0; i < r.truth.range_m.size(); ++i) {
+    if (r.recalled.image.range_m[i] <= 0.0F) continue;
+    ++recalled;
+    near += std::fabs(r.recalled.image.range_m[i] - r.truth.range_m[i]) < limit_m;
+  }
+  REQUIRE(recalled > 6000);  // of 16384
+  return static_cast<double>(near) / recalled;
+}
+
+}  // namespace
+
+TEST_CASE("what earlier scans measured is recalled where a later one would measure it") {
+  const Recalled r = after_ten_scans({0.0, 0.0, 0.0});
+  CHECK(share_within_m(r, 0.05F) > 0.70);
+  CHECK(share_within_m(r, 0.5F) > 0.94);
+  for (std::size_t i = 0; i < r.truth.range_m.size(); ++i) {
+    REQUIRE((r.recalled.image.range_m[i] > 0.0F) == (r.recalled.weight[i] > 0.0F));
+  }
+}
+
+TEST_CASE("kilometres from the frame's origin the same is recalled") {
+  const Recalled near = after_ten_scans({0.0, 0.0, 0.0});
+  const Recalled far = after_ten_scans({54321.0, -9876.0, 321.0});
+  int differing = 0;  // a point may fall to the other side of a pixel's edge
+  for (std::size_t i = 0; i < near.truth.range_m.size(); ++i) {
+    differing += std::fabs(near.recalled.image.range_m[i] - far.recalled.image.range_m[i]) > 0.005F;
+  }
+  CHECK(differing < 40);
+}
+
+TEST_CASE("the same bytes are recalled whatever the number of threads") {
+  const int before = omp_get_max_threads();
+  omp_set_num_threads(1);
+  const Recalled one = after_ten_scans({0.0, 0.0, 0.0});
+  omp_set_num_threads(3);
+  const Recalled three = after_ten_scans({0.0, 0.0, 0.0});
+  omp_set_num_threads(before);
+  CHECK(one.recalled.image.range_m == three.recalled.image.range_m);
+  CHECK(one.recalled.weight == three.recalled.weight);
+}
+
+TEST_CASE("what the measured beams see through has moved on and is forgotten") {
+  const auto ghosts = [](const Recalled& r) {  // pixels of the pillar before what is behind it
+    int count = 0;
+    for (std::size_t i = 0; i < r.truth.range_m.size(); ++i) {
+      const float recalled_m = r.recalled.image.range_m[i];
+      count += recalled_m > 0.0F && recalled_m < r.truth.range_m[i] - 2.0F;
+    }
+    return count;
+  };
+  const Recalled stays = after_ten_scans({0.0, 0.0, 0.0});
+  const Recalled gone = after_ten_scans({0.0, 0.0, 0.0}, false);
+  CHECK(ghosts(stays) < 20);
+  CHECK(ghosts(gone) > 20);  // between the measured rows it is still remembered
+  const SensorModel sensor = sensor_with_memory();
+  for (int row = sensor.measured_rows->offset; row < 64; row += 4) {
+    for (int column = 0; column < sensor.columns; ++column) {
+      const float recalled_m = gone.recalled.image.at(row, column);
+      const bool is_ghost =
+          recalled_m > 0.0F && recalled_m < 0.9F * gone.truth.at(row, column) - 0.7F;
+      // Only what passes near a pixel's centre is known to be seen through.
+      if (is_ghost) CHECK(gone.recalled.weight[gone.truth.index(row, column)] < 16.0F);
+    }
+  }
+}
+
+namespace {
+
+/// A scan with one point, at a range straight ahead in row 31 of 64.
+OrganizedCloud one_point(const SensorModel& sensor, float range_m) {
+  RangeImage image(16, sensor.columns);
+  image.at(7, sensor.columns / 2) = range_m;  // row 3 + 7 * 4 = 31
+  return unproject(image, select_rows(sensor, *sensor.measured_rows),
+                   CaptureTime::kMotionCorrected);
+}
+
+const ColumnPoses kHere = {Pose::Identity()};
+
+ColumnPoses ahead(double x_m) { return {pose_from_xyz_rpy({x_m, 0.0, 0.0}, 0.0, 0.0, 0.0)}; }
+
+/// How many pixels are recalled from the beginning when nothing is measured.
+int recalled_pixels(ScanMemory& memory, const SensorModel& sensor) {
+  const RecalledImage recalled = memory.recall(RangeImage(16, sensor.columns), kHere);
+  return static_cast<int>(std::count_if(recalled.image.range_m.begin(),
+                                        recalled.image.range_m.end(),
+                                        [](float range_m) { return range_m > 0.0F; }));
+}
+
+}  // namespace
+
+TEST_CASE("one point is recalled in its pixel, with its range and the weight of one") {
+  const SensorModel sensor = sensor_with_memory();
+  ScanMemory memory(sensor);
+  CHECK(memory.recall(RangeImage(16, sensor.columns), kHere).is_empty());
+  memory.insert(one_point(sensor, 10.0F), kHere, 0.0);
+  const RecalledImage recalled = memory.recall(RangeImage(16, sensor.columns), kHere);
+  CHECK(recalled.image.at(31, sensor.columns / 2) == doctest::Approx(10.0));
+  CHECK(recalled.weight[recalled.image.index(31, sensor.columns / 2)] ==
+        doctest::Approx(4.0).epsilon(0.01));
+  CHECK(recalled_pixels(memory, sensor) == 1);
+  memory.clear();
+  CHECK(memory.recall(RangeImage(16, sensor.columns), kHere).is_empty());
+}
+
+TEST_CASE("of two surfaces in a pixel the nearer one is recalled") {
+  const SensorModel sensor = sensor_with_memory();
+  ScanMemory memory(sensor, {.step_m = 0.0, .step_rad = 0.0});
+  memory.insert(one_point(sensor, 12.0F), kHere, 0.0);
+  memory.insert(one_point(sensor, 10.0F), kHere, 0.1);
+  memory.insert(one_point(sensor, 10.1F), kHere, 0.2);
+  const RecalledImage recalled = memory.recall(RangeImage(16, sensor.columns), kHere);
+  CHECK(recalled.image.at(31, sensor.columns / 2) == doctest::Approx(10.05).epsilon(1e-3));
+}
+
+TEST_CASE("scans are forgotten by number, path and time; a sensor that stands keeps its last one") {
+  const SensorModel sensor = sensor_with_memory();
+  ScanMemory few(sensor, {.scans = 2});
+  ScanMemory near(sensor, {.path_m = 3.0});
+  ScanMemory young(sensor, {.time_s = 0.25});
+  ScanMemory standing(sensor);
+  for (int scan = 0; scan < 4; ++scan) {
+    // Each scan's point at another place: 20, 22, 24, 26 m from the beginning, in one pixel.
+    for (ScanMemory* memory : {&few, &near, &young}) {
+      memory->insert(one_point(sensor, 20.0F + static_cast<float>(scan)), ahead(scan), 0.1 * scan);
+    }
+    standing.insert(one_point(sensor, 20.0F + 2.0F * static_cast<float>(scan)), kHere, 0.1 * scan);
+  }
+  const auto nearest_m = [&](ScanMemory& memory) {
+    return memory.recall(RangeImage(16, sensor.columns), kHere).image.at(31, sensor.columns / 2);
+  };
+  CHECK(nearest_m(few) == doctest::Approx(24.0).epsilon(1e-3));
+  CHECK(nearest_m(near) == doctest::Approx(20.0).epsilon(1e-3));
+  near.insert(one_point(sensor, 24.0F), ahead(4.0), 0.4);
+  CHECK(nearest_m(near) == doctest::Approx(22.0).epsilon(1e-3));
+  CHECK(nearest_m(young) == doctest::Approx(22.0).epsilon(1e-3));
+  CHECK(nearest_m(standing) == doctest::Approx(26.0).epsilon(1e-3));
+}
+
+TEST_CASE("what does not fit a memory is refused in one line") {
+  SensorModel sensor = sensor_with_memory();
+  ScanMemory memory(sensor);
+  const auto refuses = [](const auto& call, const char* what) {
+    CHECK(test::one_line_with(test::error_message(call), what));
+  };
+  refuses([&] { memory.recall(RangeImage(64, 256), kHere); }, "64 x 256");
+  refuses([&] { memory.recall(RangeImage(16, 256), ColumnPoses(7)); }, "7 poses");
+  refuses([&] { memory.insert(OrganizedCloud(16, 128), kHere, 0.0); }, "16 x 128");
+  refuses([&] { ScanMemory(sensor, {.scans = 0}); }, "scans");
+  refuses([&] { ScanMemory(sensor, {.time_s = -1.0}); }, "time_s");
+  sensor.measured_rows.reset();
+  refuses([&] { ScanMemory{sensor}; }, "which of its 64 rows");
+}
+
+}  // namespace hqslam::nn

@@ -1,0 +1,82 @@
+#include "lift/drive_memory.h"
+
+namespace hqslam::tools {
+namespace {
+
+/// The path of a scan that comes, if the motion goes on as it was.
+slam::SensorPath expected_path(const Trajectory& before, double stamp_s) {
+  const StampedPose& last = before.back();
+  if (before.size() < 2) return slam::SensorPath(last.T_map_sensor);
+  const StampedPose& earlier = before[before.size() - 2];
+  const double step_s = last.stamp_s - earlier.stamp_s;
+  if (!(step_s > 0.0 && stamp_s > last.stamp_s)) return slam::SensorPath(last.T_map_sensor);
+  const Pose expected =
+      interpolate(earlier.T_map_sensor, last.T_map_sensor, 1.0 + (stamp_s - last.stamp_s) / step_s);
+  return {{earlier, last, {stamp_s, expected}}, 2};
+}
+
+/// As seen from another frame.
+nn::ColumnPoses moved(const Pose& T_memory_map, nn::ColumnPoses poses) {
+  for (Pose& pose : poses) pose = T_memory_map * pose;
+  return poses;
+}
+
+}  // namespace
+
+DriveMemory::DriveMemory(const nn::Upsampler* upsampler) {
+  if (upsampler == nullptr || !upsampler->has_scan_memory()) return;
+  sensor_ = upsampler->sensor();
+  memory_.emplace(sensor_);
+}
+
+/// Of a motion-corrected scan one.
+nn::ColumnPoses DriveMemory::column_poses(const slam::SensorPath& path,
+                                          const OrganizedCloud& cloud) const {
+  if (cloud.time_offset_s.empty()) return {path.at(0.0)};
+  nn::ColumnPoses poses;
+  for (int column = 0; column < sensor_.columns; ++column) {
+    poses.push_back(path.at(sensor_.scan_period_s * ((column + 0.5) / sensor_.columns - 0.5)));
+  }
+  return poses;
+}
+
+nn::RecalledImage DriveMemory::recall(const OrganizedCloud& measured,
+                                      const slam::SensorPath& path) {
+  if (!memory_) return {};
+  return memory_->recall(range_image(measured), column_poses(path, measured));
+}
+
+void DriveMemory::remember(const OrganizedCloud& measured, const slam::SensorPath& path,
+                           double stamp_s) {
+  if (memory_) memory_->insert(measured, column_poses(path, measured), stamp_s);
+}
+
+nn::RecalledImage DriveMemory::recall(const OrganizedCloud& measured, const Trajectory& before,
+                                      double stamp_s) {
+  if (!memory_ || !T_memory_sensor_ || before.empty()) return {};
+  const Pose T_memory_map = *T_memory_sensor_ * before.back().T_map_sensor.inverse();
+  return memory_->recall(
+      range_image(measured),
+      moved(T_memory_map, column_poses(expected_path(before, stamp_s), measured)));
+}
+
+void DriveMemory::remember(const OrganizedCloud& measured, const Trajectory& trajectory,
+                           bool is_located) {
+  if (!memory_) return;
+  if (!is_located) {
+    memory_->clear();
+    T_memory_sensor_.reset();
+    return;
+  }
+  const StampedPose& last = trajectory.back();
+  T_memory_sensor_ =
+      T_memory_sensor_ ? orthonormalized(*T_memory_sensor_ *
+                                         trajectory[trajectory.size() - 2].T_map_sensor.inverse() *
+                                         last.T_map_sensor)
+                       : Pose::Identity();
+  const Pose T_memory_map = *T_memory_sensor_ * last.T_map_sensor.inverse();
+  const slam::SensorPath path(trajectory, trajectory.size() - 1);
+  memory_->insert(measured, moved(T_memory_map, column_poses(path, measured)), last.stamp_s);
+}
+
+}  // namespace hqslam::tools
