@@ -126,7 +126,7 @@ TEST_CASE("the loss of a network with a memory falls along its gradient") {
   CHECK((before - after) / kStep == doctest::Approx(squares).epsilon(0.05));
   // The weights of what is recalled, the last inputs of the first convolution, learn too.
   const std::int64_t inputs = parameter_shapes(description).front().shape[1];
-  const std::int64_t first = (inputs - 24) * 9;
+  const std::int64_t first = (inputs - 32) * 9;
   CHECK(std::any_of(gradient.begin() + first, gradient.begin() + inputs * 9,
                     [](float g) { return g != 0.0F; }));
 }

@@ -46,7 +46,7 @@ double part_down(const Run& run, int row, const Between& at) {
 
 double logistic(double v) { return 1.0 / (1.0 + std::exp(-v)); }
 
-/// What is recalled of each pixel; 0 where nothing is, and where it was measured.
+/// What is recalled of each pixel; 0 where nothing is.
 struct Recalled {
   Image m;      ///< ln of metres
   Image share;  ///< W^2 / (W^2 + 1)
@@ -59,7 +59,7 @@ Recalled recalled(const Run& run) {
     for (int x = 0; x < run.columns(); ++x) {
       const double range_m = given.image.at(y, x);
       const double weight = given.weight[given.image.index(y, x)];
-      if (run.is_measured(y) || !(range_m > 0.0) || !(weight > 0.0)) continue;
+      if (!(range_m > 0.0) || !(weight > 0.0)) continue;
       r.m.at(0, y, x) = std::log(range_m);
       r.share.at(0, y, x) = weight / (weight + 1.0);
     }
@@ -76,9 +76,8 @@ Image input_of(const Run& run, const Measured& m, const Image& start, const Reca
   for (double& value : centred.values) value = 0.5 * (value - std::log(kTypicalRange_m));
   const Image tiles = tiled(centred, tile_rows, tile_columns);
   const bool has_memory = run.network["denoiser"].value("scan_memory", false);
-  const int computed = (tile_rows - 1) * tile_columns;
   const int first_recalled = tiles.channels + 2 * tile_columns;
-  Image input(first_recalled + (has_memory ? 2 * computed : 0), tiles.rows, tiles.columns);
+  Image input(first_recalled + (has_memory ? 2 * tiles.channels : 0), tiles.rows, tiles.columns);
   std::copy(tiles.values.begin(), tiles.values.end(), input.values.begin());
   for (int y = 0; y < tiles.rows; ++y) {
     for (int x = 0; x < run.columns(); ++x) {
@@ -90,12 +89,13 @@ Image input_of(const Run& run, const Measured& m, const Image& start, const Reca
     }
   }
   for (int y = 0; y < run.rows() && has_memory; ++y) {
-    for (int x = 0; x < run.columns() && !run.is_measured(y); ++x) {
-      const int in_tile = y % tile_rows - (y % tile_rows > run.description.measured_rows.offset);
-      const int channel = first_recalled + 2 * (in_tile * tile_columns + x % tile_columns);
+    for (int x = 0; x < run.columns(); ++x) {
+      const int channel = first_recalled + 2 * (y % tile_rows * tile_columns + x % tile_columns);
       const double share = recalled.share.at(0, y, x);
+      const double without =
+          run.is_measured(y) ? std::log(m.filled.at(0, y / tile_rows, x)) : start.at(0, y, x);
       const double step =
-          share > 0.0 ? std::clamp(recalled.m.at(0, y, x) - start.at(0, y, x), -1.0, 1.0) : 0.0;
+          share > 0.0 ? std::clamp(recalled.m.at(0, y, x) - without, -1.0, 1.0) : 0.0;
       input.at(channel, y / tile_rows, x / tile_columns) = step;
       input.at(channel + 1, y / tile_rows, x / tile_columns) = share - 0.5;
     }
@@ -192,8 +192,10 @@ void run_du_mix(Run& run) {
   // is recalled: (W^2 M + start) / (W^2 + 1).
   const Recalled memory = recalled(run);
   Image h = start;
-  for (std::size_t i = 0; i < h.values.size(); ++i) {
-    h.values[i] += memory.share.values[i] * (memory.m.values[i] - start.values[i]);
+  for (int y = 0; y < h.rows; ++y) {
+    for (int x = 0; x < h.columns && !run.is_measured(y); ++x) {
+      h.at(0, y, x) += memory.share.at(0, y, x) * (memory.m.at(0, y, x) - start.at(0, y, x));
+    }
   }
   /// ln to metres; a measured pixel as it was measured.
   const auto add_metres = [&](const std::string& name, Image image) {

@@ -145,18 +145,18 @@ void LogRanges::take(const Observation& seen) {
   for (int row = 0; row < log_.rows(); ++row) take_recalled(seen.recalled, row);
 }
 
-/// M and W of one row of tiles.
+/// M and W of one row of tiles, of its measured pixels too: there M tells how well the poses fit.
 void LogRanges::take_recalled(const RecalledImage* recalled, int row) {
   const bool nothing = recalled == nullptr || recalled->is_empty();
-  for (const ComputedPixel& pixel : computed_) {
-    float* log = recalled_log_.row(pixel.channel, row);
-    float* share = recalled_share_.row(pixel.channel, row);
+  for (int channel = 0; channel < tile_.pixels(); ++channel) {
+    float* log = recalled_log_.row(channel, row);
+    float* share = recalled_share_.row(channel, row);
     if (nothing) {
       std::fill_n(share, log_.columns(), 0.0F);
       continue;
     }
-    const int image_row = row * tile_.rows + pixel.channel / tile_.columns;
-    const std::size_t first = recalled->image.index(image_row, pixel.phase);
+    const std::size_t first =
+        recalled->image.index(row * tile_.rows + channel / tile_.columns, channel % tile_.columns);
     for (int x = 0; x < log_.columns(); ++x) {
       const std::size_t from = first + static_cast<std::size_t>(x) * tile_.columns;
       const float range_m = recalled->image.range_m[from];
@@ -168,6 +168,14 @@ void LogRanges::take_recalled(const RecalledImage* recalled, int row) {
   }
 }
 
+/// M minus what is there without it.
+void LogRanges::put_recalled_step(int channel, int row, const float* start) {
+  const float* m = recalled_log_.row(channel, row);
+  const float* share = recalled_share_.row(channel, row);
+  float* step = recalled_step_.row(channel, row);
+  for (int x = 0; x < log_.columns(); ++x) step[x] = share[x] > 0.0F ? m[x] - start[x] : 0.0F;
+}
+
 void LogRanges::start_row(int row, float* /*image_rows*/, Tensor& z0) {
   for (const ComputedPixel& pixel : computed_) {
     const float weight_above = weight_above_[row * tile_.rows + pixel.channel / tile_.columns];
@@ -177,14 +185,12 @@ void LogRanges::start_row(int row, float* /*image_rows*/, Tensor& z0) {
                           .weight_below = 1.0F - weight_above,
                           .log_range = z0.row(pixel.channel, row),
                           .columns = log_.columns()});
-    if (recalled_log_.channels() == 0) continue;
-    const float* m = recalled_log_.row(pixel.channel, row);
-    const float* share = recalled_share_.row(pixel.channel, row);
-    const float* start = z0.row(pixel.channel, row);
-    float* step = recalled_step_.row(pixel.channel, row);
-    for (int x = 0; x < log_.columns(); ++x) {
-      step[x] = share[x] > 0.0F ? m[x] - start[x] : 0.0F;
+    if (recalled_log_.channels() > 0) {
+      put_recalled_step(pixel.channel, row, z0.row(pixel.channel, row));
     }
+  }
+  for (int phase = 0; phase < tile_.columns && recalled_log_.channels() > 0; ++phase) {
+    put_recalled_step(measured_rows_.offset * tile_.columns + phase, row, log_.row(phase, row));
   }
 }
 

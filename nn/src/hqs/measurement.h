@@ -93,9 +93,14 @@ class LogRanges final : public Measurement {
   void start_row(int row, float* image_rows, Tensor& z0) override;
   const float* l_row(int channel, int row) const override;
   RecalledRow recalled_row(int channel, int row) const override;
-  /// M minus the start, 0 where nothing is recalled; null without a memory.
+  /// M minus the start, of a measured pixel minus L; 0 where nothing is recalled; null without a
+  /// memory.
   const float* recalled_step_row(int channel, int row) const {
     return recalled_step_.channels() == 0 ? nullptr : recalled_step_.row(channel, row);
+  }
+  /// W^2 / (W^2 + 1); null without a memory.
+  const float* recalled_share_row(int channel, int row) const {
+    return recalled_share_.channels() == 0 ? nullptr : recalled_share_.row(channel, row);
   }
   /// Nobody needs them as tiles.
   const Candidates& candidates() const override { return candidates_; }
@@ -121,6 +126,7 @@ class LogRanges final : public Measurement {
 
  private:
   void take_recalled(const RecalledImage* recalled, int row);
+  void put_recalled_step(int channel, int row, const float* start);
   int row_above(const ComputedPixel& pixel, int row) const;
   int row_below(const ComputedPixel& pixel, int row) const;
 

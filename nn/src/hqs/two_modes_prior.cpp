@@ -24,7 +24,7 @@ int computed_pixels(TileSize tile) { return tile.pixels() - tile.columns; }
 LayerGraph two_modes_graph(const TwoModesShape& shape, int rows, int columns,
                            const Engine& engine) {
   const float slope = shape.negative_slope;
-  const int recalled = shape.scan_memory ? 2 * computed_pixels(shape.tile) : 0;
+  const int recalled = shape.scan_memory ? 2 * shape.tile.pixels() : 0;
   LayerGraph graph({shape.tile.pixels() + 2 * shape.tile.columns + recalled, rows, columns},
                    engine);
   ConvolutionOptions first = three_by_three(shape.channels, slope);
@@ -133,9 +133,9 @@ void TwoModesPrior::take_row(int row, const PriorState* /*before*/, PriorState& 
     put(channel++, [&](int x) { return std::clamp(above[x] - below[x], -1.0F, 1.0F); });
   }
   if (channel == input.channels()) return;
-  for (const ComputedPixel& pixel : ranges_.computed()) {
-    const float* step = ranges_.recalled_step_row(pixel.channel, row);
-    const float* share = ranges_.recalled_row(pixel.channel, row).share;
+  for (int pixel = 0; pixel < tile().pixels(); ++pixel) {
+    const float* step = ranges_.recalled_step_row(pixel, row);
+    const float* share = ranges_.recalled_share_row(pixel, row);
     put(channel++, [&](int x) { return std::clamp(step[x], -1.0F, 1.0F); });
     put(channel++, [&](int x) { return share[x] - 0.5F; });
   }
@@ -157,7 +157,7 @@ kernels::TwoModesInput TwoModesPrior::modes_input(const PriorState& state, int p
           .below = ranges_.below(computed, row),
           .middle = state.own_h.row(computed.channel, row),
           .recalled_step = ranges_.recalled_step_row(computed.channel, row),
-          .recalled_share = ranges_.recalled_row(computed.channel, row).share,
+          .recalled_share = ranges_.recalled_share_row(computed.channel, row),
           .columns = ranges_.columns()};
 }
 

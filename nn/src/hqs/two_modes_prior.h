@@ -14,9 +14,9 @@ namespace hqslam::nn {
 ///   with
 ///                  a memory
 /// with leaky ReLU after all but the head. The input: (H - ln 20) / 2, where something was
-/// measured, and ln above - ln below of the measured rows; with a memory also M minus the start and
-/// W^2 / (W^2 + 1) - 1/2 of every computed pixel. Z is the likelier mode, all in
-/// y = ln(range in metres); what is known to a centimetre needs no penalty, so b -> 0.
+/// measured, and ln above - ln below of the measured rows; with a memory also M minus the start
+/// (of a measured pixel minus L) within +-1, and W^2 / (W^2 + 1) - 1/2. Z is the likelier mode, all
+/// in y = ln(range in metres); what is known to a centimetre needs no penalty, so b -> 0.
 struct TwoModesShape {
   TileSize tile{4, 4};
   int channels = 48;

@@ -118,8 +118,8 @@ TEST_CASE("a network with a memory recalls earlier scans where the poses are kno
              poses, folder.file(out));
     return folder.file(out + "/scans.npy");
   };
-  const NpyStackReader without(lifted("", "without"));
-  const NpyStackReader with(lifted("--poses '" + files.drive + "/truth.tum'", "with"));
+  NpyStackReader without(lifted("", "without"));
+  NpyStackReader with(lifted("--poses '" + files.drive + "/truth.tum'", "with"));
   CHECK(with.read(0).range_m == without.read(0).range_m);
   const RangeImage truth = NpyStackReader(files.drive + "/scans.npy").read(3);
   const auto near = [&](const RangeImage& image) {
