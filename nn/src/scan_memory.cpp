@@ -1,6 +1,9 @@
 #include "hqslam/nn/scan_memory.h"
 
+#include <omp.h>
+
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <deque>
@@ -36,16 +39,33 @@ struct PoseFloat {
   }
 };
 
-/// atan2 with an error below 2e-4 rad, a thirtieth of a column, in a fifth of the time.
+/// exp(-kFallOff d2) for squared distances of up to 1/2, to 0.2 %.
+class WorthTable {
+ public:
+  WorthTable() {
+    for (int i = 0; i <= kParts; ++i) {
+      values_[i] = std::exp(-kFallOff * 0.5F * (static_cast<float>(i) + 0.5F) / kParts);
+    }
+  }
+  float operator()(float d2) const { return values_[static_cast<int>(d2 * (2.0F * kParts))]; }
+
+ private:
+  static constexpr int kParts = 512;
+  std::array<float, kParts + 1> values_{};
+};
+
+/// atan2 with an error below 2e-4 rad, a thirtieth of a column; without a branch, for points come
+/// in no order.
 float azimuth_of(float y, float x) {
   const float ax = std::fabs(x);
   const float ay = std::fabs(y);
   const float a = std::min(ax, ay) / std::max(std::max(ax, ay), 1e-20F);
   const float s = a * a;
-  float angle = ((-0.0464964749F * s + 0.15931422F) * s - 0.327622764F) * s * a + a;
-  if (ay > ax) angle = std::numbers::pi_v<float> / 2 - angle;
-  if (x < 0.0F) angle = std::numbers::pi_v<float> - angle;
-  return y < 0.0F ? -angle : angle;
+  const float eighth = ((-0.0464964749F * s + 0.15931422F) * s - 0.327622764F) * s * a + a;
+  constexpr float kQuarter = std::numbers::pi_v<float> / 2;
+  const float quarter = ay > ax ? kQuarter - eighth : eighth;
+  const float half = x < 0.0F ? 2 * kQuarter - quarter : quarter;
+  return std::copysign(half, y);
 }
 
 struct KeptScan {
@@ -53,11 +73,15 @@ struct KeptScan {
   Pose T_world_sensor;
   double path_m = 0.0;                    ///< since the first scan of all
   std::vector<Eigen::Vector3f> points_m;  ///< world frame, relative to the origin; NaN: forgotten
+  /// Of each point, the head's in the scan that saw or recalled it last: where the next looks
+  /// first.
+  std::vector<std::int16_t> columns;
 };
 
-/// Where a point falls.
+/// Where a point falls: into a pixel, or into none (row -1).
 struct Hit {
-  std::int32_t pixel = -1;  ///< -1: none
+  std::int16_t row = -1;
+  std::int16_t column = 0;
   float range_m = 0.0F;
   float u = 0.0F;  ///< from the pixel's centre to the right, in columns
   float v = 0.0F;  ///< downwards, in rows
@@ -114,14 +138,18 @@ struct ScanMemory::Implementation {
   Implementation(const SensorModel& sensor_, const ScanMemoryOptions& options_);
 
   void check_poses(const ColumnPoses& poses) const;
-  const Pose& pose_at(const ColumnPoses& poses, int row, int column) const {
-    return poses.size() == 1 ? poses.front() : poses[sensor.firing_column(row, column)];
-  }
   int row_of(float sine) const;
-  Hit hit_of(const Eigen::Vector3f& point_m, const std::vector<PoseFloat>& poses) const;
+  Hit hit_of(const Eigen::Vector3f& point_m, const std::vector<PoseFloat>& poses,
+             std::int16_t& seen_in_column) const;
+  std::size_t pixel_of(const Hit& hit) const {
+    return static_cast<std::size_t>(hit.row) * sensor.columns + hit.column;
+  }
   bool is_passed(const Hit& hit, const RangeImage& measured) const;
   void project(const RangeImage& measured, const std::vector<PoseFloat>& poses);
+  void project_scan(KeptScan& scan, const RangeImage& measured, const std::vector<PoseFloat>& poses,
+                    std::vector<Hit>& of_scan, std::vector<float>& nearest) const;
   void fill(RecalledImage& recalled) const;
+  void fill_rows(int first, int end, RecalledImage& recalled) const;
   std::vector<PoseFloat> in_floats(const ColumnPoses& poses) const;
   void move_origin(const Eigen::Vector3d& to_m);
 
@@ -130,17 +158,30 @@ struct ScanMemory::Implementation {
   ScanMemoryOptions options;
   std::vector<float> sine;                 ///< of each row's elevation, falling
   std::vector<float> azimuth_of_column_0;  ///< of each row
-  std::vector<float> surface_share;        ///< of the range, that one surface spans in each row
-  std::vector<std::int16_t> row_of_sine;   ///< the row nearest to each part of -1 to 1
+  std::vector<int> column_shift;           ///< SensorModel::column_shift of each row
+  std::vector<float> per_sine_above;       ///< rows a unit of sine, towards the row above
+  std::vector<float> per_sine_below;
+  std::vector<float> surface_share;       ///< of the range, that one surface spans in each row
+  std::vector<float> lower_edge;          ///< the sine between each row and the next
+  std::vector<std::int16_t> row_of_sine;  ///< of the upper end of each part of -1 to 1
+  float columns_per_rad;
+  float least_m;
+  float most_m;
   std::deque<KeptScan> kept;
   double path_m = 0.0;
   Eigen::Vector3d origin_m = Eigen::Vector3d::Zero();
-  std::vector<std::vector<Hit>> hits;  ///< of the points of each kept scan
+  WorthTable worth;
+  std::vector<std::vector<Hit>> hits;  ///< of each kept scan
+  std::vector<float> nearest_m;        ///< of the hits of each pixel
 };
 
 ScanMemory::Implementation::Implementation(const SensorModel& sensor_,
                                            const ScanMemoryOptions& options_)
-    : sensor(sensor_), options(options_) {
+    : sensor(sensor_),
+      options(options_),
+      columns_per_rad(static_cast<float>(1.0 / sensor_.column_step_rad())),
+      least_m(static_cast<float>(sensor_.min_range_m)),
+      most_m(static_cast<float>(sensor_.max_range_m)) {
   hqslam::validate(sensor);
   nn::validate(options);
   if (!sensor.measured_rows) {
@@ -151,19 +192,27 @@ ScanMemory::Implementation::Implementation(const SensorModel& sensor_,
   for (int row = 0; row < sensor.rows(); ++row) {
     sine.push_back(static_cast<float>(std::sin(sensor.beam_elevation_rad[row])));
     azimuth_of_column_0.push_back(static_cast<float>(sensor.azimuth_rad(row, 0)));
+    column_shift.push_back(sensor.column_shift(row));
   }
   for (int row = 0; row < sensor.rows(); ++row) {
-    const int other = row > 0 ? row - 1 : 1;
-    const float pitch = std::fabs(sine[row] - sine[other]);
+    const int last = sensor.rows() - 1;
+    const float above = sine[std::max(row - 1, 0)] - sine[std::max(row, 1)];
+    const float below = sine[std::min(row, last - 1)] - sine[std::min(row + 1, last)];
+    per_sine_above.push_back(1.0F / above);
+    per_sine_below.push_back(1.0F / below);
     const float ground =
-        sine[row] < 0.0F ? std::min(pitch / -sine[row], kLargestGroundShare) : 0.0F;
+        sine[row] < 0.0F ? std::min(above / -sine[row], kLargestGroundShare) : 0.0F;
     surface_share.push_back(kLeaningWall * static_cast<float>(sensor.column_step_rad()) + ground);
   }
-  constexpr int kParts = 8192;
+  for (int row = 0; row + 1 < sensor.rows(); ++row) {
+    lower_edge.push_back(0.5F * (sine[row] + sine[row + 1]));
+  }
+  lower_edge.push_back(-2.0F);
+  constexpr int kParts = 16384;  // so narrow that no part has the edges of two rows
   int row = sensor.rows() - 1;
   for (int part = 0; part < kParts; ++part) {
-    const float s = (static_cast<float>(part) + 0.5F) * (2.0F / kParts) - 1.0F;
-    while (row > 0 && std::fabs(sine[row - 1] - s) < std::fabs(sine[row] - s)) --row;
+    const float top = static_cast<float>(part + 1) * (2.0F / (kParts - 1)) - 1.0F;
+    while (row > 0 && top >= lower_edge[row - 1]) --row;
     row_of_sine.push_back(static_cast<std::int16_t>(row));
   }
 }
@@ -174,112 +223,120 @@ void ScanMemory::Implementation::check_poses(const ColumnPoses& poses) const {
               poses.size(), sensor.columns, sensor.name);
 }
 
-/// The row whose elevation is nearest, which the table tells up to one.
+/// The row whose elevation is nearest: the table's, or the next below.
 int ScanMemory::Implementation::row_of(float s) const {
-  const auto parts = static_cast<int>(row_of_sine.size());
-  const int part = static_cast<int>((s + 1.0F) * 0.5F * static_cast<float>(parts));
-  int row = row_of_sine[std::clamp(part, 0, parts - 1)];
-  if (row > 0 && std::fabs(sine[row - 1] - s) < std::fabs(sine[row] - s)) --row;
-  if (row + 1 < sensor.rows() && std::fabs(sine[row + 1] - s) < std::fabs(sine[row] - s)) ++row;
-  return row;
+  const auto parts = static_cast<float>(row_of_sine.size());
+  const int row = row_of_sine[static_cast<int>((s + 1.0F) * 0.5F * (parts - 1.0F))];
+  return row + (s < lower_edge[row] ? 1 : 0);
 }
 
+/// Looked for in the column where the point was seen last, and once more where that is far off.
 Hit ScanMemory::Implementation::hit_of(const Eigen::Vector3f& point_m,
-                                       const std::vector<PoseFloat>& poses) const {
-  Hit hit;
-  const auto column_step = static_cast<float>(sensor.column_step_rad());
-  const PoseFloat* pose = &poses[poses.size() / 2];
-  for (int pass = 0;; ++pass) {
-    const Eigen::Vector3f p = (*pose)(point_m);
-    const float range_m = p.norm();
-    if (!(range_m >= sensor.min_range_m && range_m <= sensor.max_range_m)) return hit;
+                                       const std::vector<PoseFloat>& poses,
+                                       std::int16_t& seen_in_column) const {
+  constexpr int kFar_columns = 4;
+  const int columns = sensor.columns;
+  const auto all = static_cast<float>(columns);
+  int head = seen_in_column;
+  for (bool again = poses.size() > 1;; again = false) {
+    const Eigen::Vector3f p = poses[poses.size() > 1 ? head : 0](point_m);
+    const float range_m = std::sqrt(p.squaredNorm());
+    if (!(range_m >= least_m && range_m <= most_m)) return {};
     const float s = p.z() / range_m;
     const int row = row_of(s);
-    const float off = sine[row] - s;  // positive: below the row's middle
-    const int other = off > 0.0F ? row + 1 : row - 1;
-    const int inner = std::clamp(other, 0, sensor.rows() - 1) == other ? other : 2 * row - other;
-    const float v = off / std::fabs(sine[row] - sine[inner]);
     // Columns count clockwise from the first one's azimuth.
-    float u = (azimuth_of_column_0[row] - azimuth_of(p.y(), p.x())) / column_step;
-    if (u < -0.5F) u += static_cast<float>(sensor.columns);
-    if (u >= static_cast<float>(sensor.columns) - 0.5F) u -= static_cast<float>(sensor.columns);
-    const int column = std::clamp(static_cast<int>(std::floor(u + 0.5F)), 0, sensor.columns - 1);
-    if (pass == 0 && poses.size() > 1) {
-      pose = &poses[sensor.firing_column(row, column)];
-      continue;
-    }
-    if (std::fabs(v) > 0.5F) return hit;
-    const float du = u - static_cast<float>(column);
-    hit.pixel = row * sensor.columns + column;
-    hit.range_m = range_m;
-    hit.u = du;
-    hit.v = v;
-    hit.worth = std::exp(-kFallOff * (du * du + v * v));
-    return hit;
+    float u = (azimuth_of_column_0[row] - azimuth_of(p.y(), p.x())) * columns_per_rad;
+    u += (u < -0.5F ? all : 0.0F) - (u >= all - 0.5F ? all : 0.0F);
+    const int column = std::clamp(static_cast<int>(u + 0.5F), 0, columns - 1);
+    const int shifted = column + column_shift[row];
+    const int seen_by = shifted + (shifted < 0 ? columns : 0) - (shifted >= columns ? columns : 0);
+    const int off = std::abs(seen_by - head);
+    head = seen_by;
+    if (again && std::min(off, columns - off) > kFar_columns) continue;
+    seen_in_column = static_cast<std::int16_t>(head);
+    const float down = sine[row] - s;
+    const float v = down * (down > 0.0F ? per_sine_below[row] : per_sine_above[row]);
+    if (std::fabs(v) > 0.5F) return {};
+    const float off_u = std::clamp(u - static_cast<float>(column), -0.5F, 0.5F);
+    return {static_cast<std::int16_t>(row), static_cast<std::int16_t>(column), range_m, off_u, v,
+            worth(off_u * off_u + v * v)};
   }
 }
 
 bool ScanMemory::Implementation::is_passed(const Hit& hit, const RangeImage& measured) const {
-  const int row = hit.pixel / sensor.columns;
-  if (!measured_rows.contains(row) || std::fabs(hit.v) > kPassed_pixels) return false;
+  if (!measured_rows.contains(hit.row) || std::fabs(hit.v) > kPassed_pixels) return false;
   const float range_m =
-      measured.at((row - measured_rows.offset) / measured_rows.stride, hit.pixel % sensor.columns);
+      measured.at((hit.row - measured_rows.offset) / measured_rows.stride, hit.column);
   return range_m > hit.range_m * (1.0F + kFartherShare) + kFarther_m;
 }
 
-/// Hits of all points; those that have moved on are forgotten.
+/// Hits of one scan's points; those that have moved on are forgotten.
+void ScanMemory::Implementation::project_scan(KeptScan& scan, const RangeImage& measured,
+                                              const std::vector<PoseFloat>& poses,
+                                              std::vector<Hit>& of_scan,
+                                              std::vector<float>& nearest) const {
+  of_scan.clear();
+  for (std::size_t i = 0; i < scan.points_m.size(); ++i) {
+    const Hit hit = hit_of(scan.points_m[i], poses, scan.columns[i]);
+    if (hit.row < 0) continue;
+    if (is_passed(hit, measured)) {
+      scan.points_m[i].setConstant(NAN);
+      continue;
+    }
+    of_scan.push_back(hit);
+    float& first_m = nearest[pixel_of(hit)];
+    first_m = std::min(first_m, hit.range_m);
+  }
+}
+
 void ScanMemory::Implementation::project(const RangeImage& measured,
                                          const std::vector<PoseFloat>& poses) {
   hits.resize(kept.size());
+  nearest_m.assign(static_cast<std::size_t>(sensor.rows()) * sensor.columns, HUGE_VALF);
   const auto scans = static_cast<int>(kept.size());
-#pragma omp parallel for schedule(dynamic, 1)
-  for (int scan = 0; scan < scans; ++scan) {
-    std::vector<Eigen::Vector3f>& points_m = kept[scan].points_m;
-    hits[scan].assign(points_m.size(), Hit());
-    for (std::size_t i = 0; i < points_m.size(); ++i) {
-      Hit hit = hit_of(points_m[i], poses);
-      if (hit.pixel < 0) continue;
-      if (is_passed(hit, measured)) {
-        points_m[i].setConstant(NAN);
-      } else {
-        hits[scan][i] = hit;
-      }
+#pragma omp parallel
+  {
+    std::vector<float> nearest(nearest_m.size(), HUGE_VALF);
+#pragma omp for schedule(dynamic, 1)
+    for (int scan = 0; scan < scans; ++scan) {
+      project_scan(kept[scan], measured, poses, hits[scan], nearest);
+    }
+#pragma omp critical
+    for (std::size_t i = 0; i < nearest.size(); ++i) {
+      nearest_m[i] = std::min(nearest_m[i], nearest[i]);
     }
   }
 }
 
-/// M and W^2 of every pixel. Each thread does some of the rows, with the points in their order.
-void ScanMemory::Implementation::fill(RecalledImage& recalled) const {
-  const int pixels = sensor.rows() * sensor.columns;
-  constexpr int kParts = 4;
-  std::vector<float> nearest_m(pixels, HUGE_VALF);
-  std::vector<PixelSums> sums(pixels);
-#pragma omp parallel for schedule(static)
-  for (int part = 0; part < kParts; ++part) {
-    const int begin = pixels / kParts * part;
-    const int end = part + 1 == kParts ? pixels : begin + pixels / kParts;
-    const auto for_own_hits = [&](const auto& visit) {
-      for (const std::vector<Hit>& of_scan : hits) {
-        for (const Hit& hit : of_scan) {
-          if (hit.pixel >= begin && hit.pixel < end) visit(hit);
-        }
-      }
-    };
-    for_own_hits([&](const Hit& hit) {
-      nearest_m[hit.pixel] = std::min(nearest_m[hit.pixel], hit.range_m);
-    });
-    for_own_hits([&](const Hit& hit) {
-      const float first_m = nearest_m[hit.pixel];
-      const float share = surface_share[hit.pixel / sensor.columns];
-      if (hit.range_m > first_m * (1.0F + share) + kSurface_m) return;
-      sums[hit.pixel].add(hit, first_m / hit.range_m);  // 1/r, with the nearest as its unit
-    });
-    for (int pixel = begin; pixel < end; ++pixel) {
-      const PixelSums& sum = sums[pixel];
-      if (!(sum.w > 0.0F)) continue;
-      recalled.image.range_m[pixel] = nearest_m[pixel] / std::clamp(sum.at_centre(), 0.8F, 1.2F);
-      recalled.weight[pixel] = kWorthOfCentre * sum.w;
+/// M and W^2 of the pixels of some rows, the points in their order.
+void ScanMemory::Implementation::fill_rows(int first, int end, RecalledImage& recalled) const {
+  std::vector<PixelSums> sums(static_cast<std::size_t>(end - first) * sensor.columns);
+  const std::size_t begin = recalled.image.index(first, 0);
+  for (const std::vector<Hit>& of_scan : hits) {
+    for (const Hit& hit : of_scan) {
+      if (hit.row < first || hit.row >= end) continue;
+      const std::size_t pixel = pixel_of(hit);
+      const float first_m = nearest_m[pixel];
+      if (hit.range_m > first_m * (1.0F + surface_share[hit.row]) + kSurface_m) continue;
+      sums[pixel - begin].add(hit, first_m / hit.range_m);  // 1/r, with the nearest as its unit
     }
+  }
+  for (std::size_t i = 0; i < sums.size(); ++i) {
+    if (!(sums[i].w > 0.0F)) continue;
+    recalled.image.range_m[begin + i] =
+        nearest_m[begin + i] / std::clamp(sums[i].at_centre(), 0.8F, 1.2F);
+    recalled.weight[begin + i] = kWorthOfCentre * sums[i].w;
+  }
+}
+
+/// Each thread does some of the rows.
+void ScanMemory::Implementation::fill(RecalledImage& recalled) const {
+  const int rows = sensor.rows();
+#pragma omp parallel
+  {
+    const int thread = omp_get_thread_num();
+    const int threads = omp_get_num_threads();
+    fill_rows(rows * thread / threads, rows * (thread + 1) / threads, recalled);
   }
 }
 
@@ -336,7 +393,7 @@ void ScanMemory::insert(const OrganizedCloud& measured, const ColumnPoses& T_wor
   if ((middle.translation() - self.origin_m).norm() > kFarFromOrigin_m) {
     self.move_origin(middle.translation());
   }
-  KeptScan scan{stamp_s, middle, self.path_m, {}};
+  KeptScan scan{stamp_s, middle, self.path_m, {}, {}};
   if (!self.kept.empty()) {
     const Pose step = self.kept.back().T_world_sensor.inverse() * middle;
     scan.path_m = self.path_m = self.kept.back().path_m + step.translation().norm();
@@ -349,7 +406,9 @@ void ScanMemory::insert(const OrganizedCloud& measured, const ColumnPoses& T_wor
     for (int column = 0; column < measured.columns; ++column) {
       const std::size_t pixel = measured.index(row, column);
       if (measured.range_m[pixel] <= 0.0F) continue;
-      const Pose& pose = self.pose_at(T_world_sensor, sensor_row, column);
+      const int head = self.sensor.firing_column(sensor_row, column);
+      const Pose& pose = T_world_sensor[T_world_sensor.size() > 1 ? head : 0];
+      scan.columns.push_back(static_cast<std::int16_t>(head));
       scan.points_m.emplace_back(
           (pose * measured.points_m[pixel].cast<double>() - self.origin_m).cast<float>());
     }

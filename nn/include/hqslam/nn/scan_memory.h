@@ -32,7 +32,8 @@ void validate(const ScanMemoryOptions& options);
 /// that would see it:
 ///   p_sensor = T_world_sensor(column)^-1 p_world,  column = firing_column(row, azimuth of
 ///   p_sensor)
-/// - begun at the middle column and taken once more. It falls into the pixel (row, column) at
+/// - begun at the column where it was seen last, and taken once more where that is far off. It
+/// falls into the pixel (row, column) at
 ///   (v, u) pixels from its centre, -1/2 to 1/2, v in sines of the elevation between neighbouring
 ///   beams, and has the worth w = exp(-4 (u^2 + v^2)).
 /// - Of the points in a pixel those count that lie within 0.15 m + 1 % of the nearest: a surface
