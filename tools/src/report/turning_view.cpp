@@ -113,7 +113,7 @@ Eigen::AlignedBox3d scene_of(const TurningView& view, const Points& points_m) {
     const Eigen::Vector3d margin_m(kAroundPath_m, kAroundPath_m, 0.0);
     return {box.min() - margin_m, box.max() + margin_m};
   }
-  constexpr double kOutliers = 0.1;
+  constexpr double kOutliers = 0.05;
   Eigen::Vector3d low, high;
   for (int axis = 0; axis < 3; ++axis) {
     const auto range = range_of(points_m, axis, kOutliers);
@@ -211,9 +211,10 @@ std::string turning_view_html(const TurningView& view) {
       "</button><button data-view=\"behind\"{}>Behind the sensor</button>\n"
       "<label{}><input type=\"checkbox\" class=\"map\" checked>map</label>\n"
       "<label{}><input type=\"checkbox\" class=\"way\" checked><i style=\"background:#ff7a5c\"></i>"
-      "path</label></div>\n",
+      "path</label>\n<label{}><i style=\"background:#d58cff\"></i>loops</label></div>\n",
       hidden_unless(view.clouds.size() > 1), hidden_unless(!view.scans.empty()),
-      hidden_unless(!view.scans.empty()), hidden_unless(!view.path_m.empty()));
+      hidden_unless(!view.scans.empty()), hidden_unless(!view.path_m.empty()),
+      hidden_unless(!view.loops_m.empty()));
   html += fmt::format(fmt::runtime(kScanControls), hidden_unless(!view.scans.empty()),
                       hidden_unless(lifts));
   html +=

@@ -287,9 +287,9 @@ function turningView(root) {
     if (moved) movingUntil = now + 200;
     moved = false;
     const moving = now < movingUntil;
-    if (moving && before) {  // a little more room than 30 pictures a second leave
-      coarse = clamp(coarse * clamp((now - before) / 26, .95, 1.5), 1, 8);
-      if (coarse > 4) blurred = true;
+    if (moving && before) {
+      coarse = clamp(coarse * clamp((now - before) / 30, .92, 1.25), 1, 8);
+      if (coarse > 4 && !blurred) { blurred = true; coarse = 2; }
       if (coarse === 1) blurred = false;
     }
     before = now;

@@ -24,7 +24,7 @@ constexpr const char* kTitle = "hqslam view: ";
 constexpr const char* kStyle = R"css(
 body { max-width: none; padding: .6rem; }
 .turning-view { margin: 0; }
-.turning-view .stage { aspect-ratio: auto; height: calc(100vh - 7.2rem); min-height: 12rem; }
+.turning-view .stage { aspect-ratio: auto; height: calc(100vh - 5.8rem); min-height: 12rem; }
 )css";
 
 ViewCloud points_in(const std::string& path) {
