@@ -248,7 +248,8 @@ class FileScanSource : public ScanSource {
   }
 
   RawPoints points_of(std::size_t index) {
-    if (index >= first_points_.size() || !first_points_[index]) return read_point_file(paths_[index]);
+    if (index >= first_points_.size() || !first_points_[index])
+      return read_point_file(paths_[index]);
     RawPoints points = std::move(*first_points_[index]);
     first_points_[index].reset();
     return points;

@@ -240,9 +240,12 @@ function turningView(root) {
       const cloud = data.clouds[shown.cloud];
       drawCloud(cloud, look, {palette, bySureness: shown.bySureness, light: scan ? .4 : 1, spacing: .8 * cloud.spacing, least: 1});
     }
-    if (scan) {
+    if (scan) {  // a little nearer than the map, which has the same surfaces
+      const nearer = [...look.toClip];
+      nearer[14] -= .04 * look.near;
+      gl.uniformMatrix4fv(points.toClip, false, nearer);
       for (const [kind, colour] of [['measured', kMeasured], ['lifted', kLifted]]) {
-        const plain = {palette: Array(5).fill(colour), light: 1, spacing: .05, least: 2};
+        const plain = {palette: Array(5).fill(colour), light: 1, spacing: .07, least: 2};
         if (find('.' + kind).checked) drawCloud(scan[kind], look, plain);
       }
     }

@@ -47,7 +47,10 @@ ViewCloud scan_of(const std::string& path, const ViewOptions& options) {
   std::optional<RecordedScan> scan;
   for (std::int64_t i = 0; i <= options.scan; ++i) {
     scan = source->next();
-    if (!scan) throw Error("{}: has {} scans, --scan {} is none of them", path, i, options.scan);
+    if (!scan) {
+      throw Error("{}: expected a scan {}, found {} scans; --scan counts them from 0", path,
+                  options.scan, i);
+    }
   }
   const OrganizedCloud seen = input.measured(scan->cloud);
   ViewCloud cloud;

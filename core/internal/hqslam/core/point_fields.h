@@ -127,7 +127,8 @@ struct RawPoints {
   bool add(double x_m, double y_m, double z_m);
 };
 
-/// A file of points, a scan or a map: .pcd, .ply, KITTI's .bin, and any other as text. Throws Error.
+/// A file of points, a scan or a map: .pcd, .ply, KITTI's .bin, and any other as text. Throws
+/// Error.
 RawPoints read_point_file(const std::string& path);
 
 /// Rings to rows, times to offsets from their middle. The scan's stamp is that middle: by the
