@@ -22,6 +22,7 @@ cd "$folder"
 
 for page in results/report.html map.html; do
   cat "$page" "$source_folder/tests/tools/report/turning_view.html" >tried.html
+  : >log
   "$browser" --headless=new --no-sandbox --use-gl=angle --use-angle=swiftshader \
     --enable-unsafe-swiftshader --user-data-dir="$folder/profile" --window-size=1280,1000 \
     --enable-logging=stderr --remote-debugging-port=0 "file://$folder/tried.html" >/dev/null 2>log &

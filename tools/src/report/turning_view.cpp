@@ -85,23 +85,6 @@ std::vector<std::size_t> shared_out(std::size_t room, const std::vector<std::siz
   return result;
 }
 
-/// The coordinates of one axis between which all but a share of the points at either end are.
-std::array<double, 2> range_of(const Points& points_m, int axis, double share) {
-  std::vector<float> values;
-  for (const Eigen::Vector3f& point_m : points_m) {
-    if (point_m.allFinite()) values.push_back(point_m[axis]);
-  }
-  if (values.empty()) return {0.0, 1.0};
-  const auto at = [&](double rank) {
-    const auto place =
-        values.begin() + static_cast<std::ptrdiff_t>(rank * static_cast<double>(values.size() - 1));
-    std::nth_element(values.begin(), place, values.end());
-    return static_cast<double>(*place);
-  };
-  const double low = at(share);
-  return {low, at(1.0 - share)};
-}
-
 /// Around the path, or where there is none around most of the points.
 Eigen::AlignedBox3d scene_of(const TurningView& view, const Points& points_m) {
   constexpr double kAroundPath_m = 15.0;
@@ -140,10 +123,9 @@ Json data_of(const TurningView& view) {
                            : !view.scans.empty() ? view.scans.front().measured.points_m
                                                  : kNone;
   const Eigen::AlignedBox3d scene = scene_of(view, points_m);
-  const auto [low_m, high_m] = range_of(points_m, 2, 0.01);
   Json data = {{"centre", json_of(Eigen::Vector3d(scene.center()))},
                {"radius", std::max(5.0, 0.5 * scene.sizes().head<2>().norm())},
-               {"heights", {low_m, std::max(low_m + 1.0, high_m)}}};
+               {"heights", range_of_heights(points_m)}};
   std::vector<std::size_t> wanted;
   for (const ViewCloud& cloud : view.clouds) wanted.push_back(cloud.points_m.size());
   const std::vector<std::size_t> most = shared_out(kMostCloudPoints, wanted);
@@ -218,7 +200,8 @@ std::string turning_view_html(const TurningView& view) {
   html += fmt::format(fmt::runtime(kScanControls), hidden_unless(!view.scans.empty()),
                       hidden_unless(lifts));
   html +=
-      "<figcaption>Drag to turn, Shift or right button to move, wheel to zoom; two fingers move "
+      "<figcaption>Drag to turn, Shift or right button to move, wheel to zoom (click first); two "
+      "fingers move "
       "and "
       "zoom; arrow keys, + and -.</figcaption>\n<script type=\"application/json\">";
   html += script_text(data_of(view));

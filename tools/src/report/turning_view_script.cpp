@@ -183,8 +183,10 @@ function turningView(root) {
 
   // Blocks that are seen, each with as many points as its distance asks for.
   function drawCloud(cloud, look, colours) {
-    if (!cloud.points) return;
-    if (!cloud.buffer) cloud.buffer = bufferOf(bytesOf(cloud.points));
+    if (!cloud.buffer) {
+      cloud.buffer = bufferOf(bytesOf(cloud.points));
+      delete cloud.points;
+    }
     gl.bindBuffer(gl.ARRAY_BUFFER, cloud.buffer);
     gl.vertexAttribIPointer(0, 1, gl.UNSIGNED_INT, 0, 0);
     gl.uniform1f(points.step, cloud.step);
@@ -364,7 +366,11 @@ function turningView(root) {
     }
   };
   canvas.oncontextmenu = event => event.preventDefault();
-  canvas.onwheel = event => { event.preventDefault(); zoomBy(Math.exp(event.deltaY / 700)); };
+  canvas.onwheel = event => {  // of a page that scrolls only once it was clicked on
+    if (document.activeElement !== canvas && document.documentElement.scrollHeight > innerHeight) return;
+    event.preventDefault();
+    zoomBy(Math.exp(event.deltaY / 700));
+  };
   canvas.onkeydown = event => {
     const step = {ArrowLeft: [1, 0], ArrowRight: [-1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1]}[event.key];
     if (step && event.shiftKey) moveBy(-40 * step[0], 40 * step[1]);
@@ -402,6 +408,7 @@ function turningView(root) {
     const arrow = (forward, left) => seen.at.map((value, i) => value + (i === 2 ? 0 :
         i === 0 ? forward * Math.cos(seen.yaw) - left * Math.sin(seen.yaw)
                 : forward * Math.sin(seen.yaw) + left * Math.cos(seen.yaw)));
+    gl.deleteBuffer(sensor.buffer);
     sensor = linesOf(seen ? [[arrow(-1, 0), arrow(2, 0)], [arrow(2, 0), arrow(1.1, .6)], [arrow(2, 0), arrow(1.1, -.6)]] : []);
     if (seen && following) goal = views.behind();
     redraw(true);
