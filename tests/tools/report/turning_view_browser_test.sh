@@ -27,7 +27,7 @@ for page in results/report.html map.html; do
     --enable-unsafe-swiftshader --user-data-dir="$folder/profile" --window-size=1280,1000 \
     --enable-logging=stderr --remote-debugging-port=0 "file://$folder/tried.html" >/dev/null 2>log &
   running=$!
-  for ((tenths = 0; tenths < 1200; ++tenths)); do
+  for ((tenths = 0; tenths < 3000; ++tenths)); do
     ! grep -q TRIED log && kill -0 $running 2>/dev/null && sleep 0.1 || break
   done
   kill $running 2>/dev/null && wait $running 2>/dev/null || true

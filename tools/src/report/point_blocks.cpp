@@ -59,7 +59,8 @@ std::vector<CodedPoint> coded(const std::vector<Eigen::Vector3f>& points_m,
     for (int axis = 0; axis < kAxes; ++axis) {
       point.code |= spread(static_cast<std::uint64_t>(steps[axis])) << axis;
     }
-    const double of_one = share.empty() ? 1.0 : std::clamp(double{share[i]}, 0.0, 1.0);
+    // What is not a number counts as none.
+    const double of_one = share.empty() ? 1.0 : share[i] > 0.0F ? std::min(share[i], 1.0F) : 0.0F;
     point.share = static_cast<std::uint32_t>(std::lround(of_one * PointBlocks::kMostShare));
     result.push_back(point);
   }
