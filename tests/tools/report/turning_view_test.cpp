@@ -65,7 +65,7 @@ TEST_CASE("a view has all points of a small cloud, and no more than a page may h
     of_scans += points_in(scan["measured"]) + points_in(scan["lifted"]);
   }
   CHECK(of_scans <= kMostScanPoints);
-  CHECK(html.size() < 13'000'000);
+  CHECK(html.size() < 11'000'000);
 }
 
 TEST_CASE("a view needs no other file and no network, and says where it cannot be seen") {

@@ -34,8 +34,8 @@ struct TurningView {
 };
 
 /// What a page may have of points, so that it stays below 15 MB with its pictures.
-inline constexpr std::size_t kMostCloudPoints = 1'400'000;
-inline constexpr std::size_t kMostScanPoints = 800'000;
+inline constexpr std::size_t kMostCloudPoints = 1'200'000;
+inline constexpr std::size_t kMostScanPoints = 700'000;
 
 /// Of a page's style and for its body: a view of points that is turned, moved and zoomed with
 /// mouse, fingers or keys, and steps through the scans. WebGL 2, no other file, no network; a
