@@ -10,9 +10,8 @@
 #include <vector>
 
 #include "hqslam/core/error.h"
-#include "hqslam/core/kitti_bin.h"
+#include "hqslam/core/point_fields.h"
 #include "hqslam/core/recorded_scan.h"
-#include "point_files.h"
 #include "ring_segments.h"
 #include "scan_sources.h"
 #include "scan_stamps.h"
@@ -161,13 +160,6 @@ namespace fs = std::filesystem;
 constexpr std::size_t kScansToTry = 10;
 constexpr std::size_t kScansToLearnFrom = 5;
 
-RawPoints read_points(const std::string& path) {
-  if (path.ends_with(".pcd")) return read_pcd_points(path);
-  if (path.ends_with(".ply")) return read_ply_points(path);
-  if (path.ends_with(".bin")) return RawPoints(read_kitti_bin(path));
-  return read_text_points(path);
-}
-
 class FileScanSource : public ScanSource {
  public:
   FileScanSource(std::vector<std::string> paths, SensorModel sensor,
@@ -233,7 +225,7 @@ class FileScanSource : public ScanSource {
     std::vector<Scan> scans;
     for (std::size_t i = 0; i < std::min(kScansToLearnFrom, paths_.size()); ++i) {
       try {
-        first_points_[i] = read_points(paths_[i]);
+        first_points_[i] = read_point_file(paths_[i]);
         scans.push_back(scan_of(*first_points_[i], &sensor_, paths_[i]));
         has_stamps_ = has_stamps_ || scans.back().stamp_s != 0.0;
         set_rows(scans.back(), paths_[i], false);
@@ -256,7 +248,8 @@ class FileScanSource : public ScanSource {
   }
 
   RawPoints points_of(std::size_t index) {
-    if (index >= first_points_.size() || !first_points_[index]) return read_points(paths_[index]);
+    if (index >= first_points_.size() || !first_points_[index])
+      return read_point_file(paths_[index]);
     RawPoints points = std::move(*first_points_[index]);
     first_points_[index].reset();
     return points;

@@ -112,7 +112,8 @@ RawPoints read_pcd_points(const std::string& path) {
     decompressed = decompressed_points(data, header, path);
   }
   const PointFields fields = point_fields(header.fields, path);
-  for (const PointField* field : {fields.x, fields.y, fields.z, fields.ring, fields.time}) {
+  for (const PointField* field :
+       {fields.x, fields.y, fields.z, fields.ring, fields.time, fields.confidence}) {
     if (field == nullptr || field->count > 0) continue;
     throw Error(
         "{}: field '{}': expected one number per point, found none; give a .pcd file with COUNT 1 "

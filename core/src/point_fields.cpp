@@ -110,10 +110,13 @@ void require_rings_of(const SensorModel& sensor, const std::vector<std::uint16_t
 PointFields point_fields(const std::vector<PointField>& fields, const std::string& source,
                          const char* kind) {
   const PointFields found = {
-      field_of(fields, {"x"}), field_of(fields, {"y"}), field_of(fields, {"z"}),
+      field_of(fields, {"x"}),
+      field_of(fields, {"y"}),
+      field_of(fields, {"z"}),
       field_of(fields, {"ring", "channel", "line", "laserid", "ringid", "beam"}),
       field_of(fields,
-               {"t", "time", "timestamp", "offsettime", "timeoffset", "toffset", "relativetime"})};
+               {"t", "time", "timestamp", "offsettime", "timeoffset", "toffset", "relativetime"}),
+      field_of(fields, {"confidence"})};
   if (found.x == nullptr || found.y == nullptr || found.z == nullptr) {
     std::string names;
     for (const PointField& field : fields) names += (names.empty() ? "" : " ") + field.name;

@@ -8,6 +8,7 @@
 #include "error_message.h"
 #include "file_contents.h"
 #include "hqslam/core/error.h"
+#include "hqslam/core/pcd.h"
 #include "hqslam/core/point_fields.h"
 #include "hqslam/core/scan_source.h"
 #include "temporary_directory.h"
@@ -309,6 +310,19 @@ TEST_CASE("a recording whose first scans all are of something else is refused") 
     ended = true;
   }
   CHECK(ended);
+}
+
+TEST_CASE("a confidence comes with its points, whatever the file") {
+  const TemporaryDirectory folder;
+  write_file(folder.file("a.csv"), "x,y,confidence,z\n1,2,0.5,3\n0,0,0.9,0\n4,5,1,6\n");
+  write_pcd({{1.0F, 2.0F, 3.0F}, {4.0F, 5.0F, 6.0F}}, folder.file("a.pcd"), {0.5F, 1.0F});
+  for (const char* name : {"a.csv", "a.pcd"}) {
+    const RawPoints points = read_point_file(folder.file(name));
+    CHECK(points.scan.points_m.size() == 2);
+    CHECK(points.confidence == std::vector<float>{0.5F, 1.0F});
+  }
+  write_file(folder.file("b.txt"), "1 2 3\n");
+  CHECK(read_point_file(folder.file("b.txt")).confidence.empty());
 }
 
 TEST_CASE("the unit of times is that in which they last a turn") {

@@ -120,7 +120,7 @@ TEST_CASE("the options of table arrive where they belong, lists split at commas"
   CHECK(parsed({"table", "--out", "x"}).table.drives == std::vector<std::string>{"town", "hills"});
 }
 
-TEST_CASE("the options of simulate, demo, evaluate and bench arrive where they belong") {
+TEST_CASE("the options of simulate, demo, view and bench arrive where they belong") {
   const SimulateOptions simulate = parsed({"simulate", "--drive", "town", "--sensor", "vlp-16",
                                            "--out", "x", "--scans", "7", "--seed", "9", "--bin"})
                                        .simulate;
@@ -130,6 +130,12 @@ TEST_CASE("the options of simulate, demo, evaluate and bench arrive where they b
   CHECK(simulate.bin);
   CHECK_FALSE(simulate.pcd);
   CHECK(parsed({"demo", "--out", "y"}).demo.out == "y");
+  const ViewOptions view =
+      parsed({"view", "/", "/proc", "--sensor", "vlp-16", "--scan", "3", "--out", "x"}).view;
+  CHECK(view.files == std::vector<std::string>{"/", "/proc"});
+  CHECK(view.sensor == "vlp-16");
+  CHECK(view.scan == 3);
+  CHECK(view.out == "x");
   CHECK(parsed({"bench", "--json", "--scans", "20"}).bench.json);
   CHECK(parsed({"bench", "--drive", "hills"}).bench.drive == "hills");
   CHECK(parsed({"bench", "--cpu"}).bench.cpu);
@@ -161,6 +167,9 @@ TEST_CASE("what makes no sense is refused") {
       {"live", "--sensor", "vlp-16"},
       {"live", "--sensor", "vlp-16", "--out", "x", "--port", "70000"},
       {"bench", "--sensor", "os1-64"},
+      {"view", "/"},
+      {"view", "--out", "x"},
+      {"view", "/", "--out", "x", "--scan", "-1"},
       {"compare", "/", "--curve", "c.html", "--layers"},
       {"compare", "/", "--curve", "c.html", "--filters"},
   };

@@ -57,6 +57,7 @@ void declare_program(CLI::App& app, CommandLine& options) {
   add(app, options, options.demo, declare_demo, demo_command);
   add(app, options, options.simulate, declare_simulate, simulate_command);
   add(app, options, options.map, declare_map, map_command);
+  add(app, options, options.view, declare_view, view_command);
   add(app, options, options.evaluate, declare_evaluate, evaluate_command);
   add(app, options, options.evaluate_map, declare_evaluate_map, evaluate_map_command);
   add(app, options, options.compare, declare_compare, compare_command);

@@ -16,6 +16,7 @@ struct CommandLine {
   DemoOptions demo;
   SimulateOptions simulate;
   MapOptions map;
+  ViewOptions view;
   EvaluateOptions evaluate;
   EvaluateMapOptions evaluate_map;
   BenchOptions bench;

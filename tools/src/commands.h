@@ -25,6 +25,15 @@ struct InfoOptions {
 void declare_info(CLI::App& app, InfoOptions& options);
 int info_command(const InfoOptions& options);
 
+struct ViewOptions {
+  std::vector<std::string> files;
+  std::string sensor;     ///< of recordings; empty: what they say
+  std::int64_t scan = 0;  ///< of recordings
+  std::string out;
+};
+void declare_view(CLI::App& app, ViewOptions& options);
+int view_command(const ViewOptions& options);
+
 struct CalibrateOptions : InputChoice {
   int rows = 0;           ///< of the recording; 0: all
   double path_m = 150.0;  ///< that is looked at

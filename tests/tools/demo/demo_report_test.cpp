@@ -13,7 +13,7 @@ TEST_CASE("the demo's page holds every cell, leads to every report and shows eve
   RangeImage image(4, 8);
   image.at(1, 1) = 10.0F;
   const std::string html =
-      demo_html(table, {"APE: what it is"}, {{"64 beams", image}, {"16 -> 64", image}}, 120.0);
+      demo_html({}, table, {"APE: what it is"}, {{"64 beams", image}, {"16 -> 64", image}}, 120.0);
   for (const char* part : {"APE, m", "a &lt; b", "0.010", "9.43 %", "rows-64/report.html",
                            "linear/report.html", "16 -&gt; 64", "APE: what it is"}) {
     CAPTURE(part);

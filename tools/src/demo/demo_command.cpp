@@ -13,10 +13,12 @@
 #include "files/installed_weights.h"
 #include "files/result_files.h"
 #include "hqslam/core/npy.h"
+#include "hqslam/core/point_fields.h"
 #include "laboratory/compare/upsampling_comparison.h"
 #include "lift/lifted_input.h"
 #include "recording/reading.h"
 #include "recording/recording_choice.h"
+#include "run/run_view.h"
 #include "simulate/simulate_command.h"
 #include "terminal/command_options.h"
 #include "terminal/progress.h"
@@ -37,6 +39,7 @@ struct Way {
   std::string folder;    ///< of its results
   int rows = 0;          ///< of the recording that are looked at
   std::string upsample;  ///< as RunOptions::upsample
+  bool dense_map = false;
 };
 
 struct DemoRow {
@@ -47,10 +50,10 @@ struct DemoRow {
 
 std::vector<Way> ways(const std::optional<std::string>& weights) {
   std::vector<Way> result = {{"64 beams", "rows-64", 64, ""},
-                             {"16 beams", "rows-16", kFewRows, ""},
+                             {"16 beams", "rows-16", kFewRows, "", true},
                              {"16 -> 64, linear", "linear", kFewRows, "linear"}};
   if (weights) {
-    result.push_back({"16 -> 64, DU-Mix", "du-mix", kFewRows, *weights});
+    result.push_back({"16 -> 64, DU-Mix", "du-mix", kFewRows, *weights, true});
   }
   return result;
 }
@@ -141,6 +144,19 @@ std::vector<std::pair<std::string, RangeImage>> example_images(const std::string
   return images;
 }
 
+/// The last way's path and scans over the dense maps.
+TurningView view_of(const std::filesystem::path& out, const std::vector<DemoRow>& rows) {
+  TurningView view = view_of(rows.back().run);
+  view.clouds.clear();
+  for (const DemoRow& row : rows) {
+    if (!row.way.dense_map) continue;
+    RawPoints map = read_point_file((out / row.way.folder / "dense_map.pcd").string());
+    view.clouds.insert(view.clouds.begin(),
+                       {row.way.name, std::move(map.scan.points_m), std::move(map.confidence)});
+  }
+  return view;
+}
+
 }  // namespace
 
 void declare_demo(CLI::App& app, DemoOptions& options) {
@@ -175,6 +191,7 @@ int demo_command(const DemoOptions& options) {
     run.input = simulate.out;
     run.rows = way.rows;
     run.upsample = way.upsample;
+    run.dense_map = way.dense_map;
     run.out = (out / way.folder).string();
     rows.push_back({way, run_and_write(run, interrupt), std::nullopt});
     if (rows.back().run.end == ReadingEnd::kInterrupted) return interrupted();
@@ -191,7 +208,9 @@ int demo_command(const DemoOptions& options) {
   }
   const double max_range_m = required_recording_sensor({simulate.out}).max_range_m;
   const std::string page = (out / kPage[0]).string();
-  write_text_file(demo_html(table, notes, example_images(simulate.out, rows), max_range_m), page);
+  write_text_file(
+      demo_html(view_of(out, rows), table, notes, example_images(simulate.out, rows), max_range_m),
+      page);
   to_stdout("To look at, in any browser:\n  {}\n", page);
   for (const std::string& report : table.links) to_stdout("  {}\n", (out / report).string());
   return kOk;

@@ -4,11 +4,14 @@
 
 namespace hqslam::tools {
 
-std::string demo_html(const TextTable& table, const std::vector<std::string>& notes,
+std::string demo_html(const TurningView& view, const TextTable& table,
+                      const std::vector<std::string>& notes,
                       const std::vector<std::pair<std::string, RangeImage>>& images,
                       double max_range_m) {
   Page page("hqslam demo");
   page.heading(1, "hqslam demo");
+  page.style(kTurningViewStyle);
+  page.html(turning_view_html(view));
   page.table(table);
   page.list(notes);
   for (const auto& [caption, image] : images) {

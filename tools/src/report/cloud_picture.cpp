@@ -95,21 +95,6 @@ class DepthImage {
   std::vector<float> depth_m_;
 };
 
-/// The heights between which colours change: all but a few points'.
-std::array<double, 2> range_of_heights(const std::vector<Eigen::Vector3f>& points_m) {
-  std::vector<float> heights_m;
-  for (const Eigen::Vector3f& point_m : points_m) heights_m.push_back(point_m.z());
-  if (heights_m.empty()) return {0.0, 1.0};
-  const auto at = [&](double share) {
-    const auto place = heights_m.begin() + static_cast<std::ptrdiff_t>(
-                                               share * static_cast<double>(heights_m.size() - 1));
-    std::nth_element(heights_m.begin(), place, heights_m.end());
-    return static_cast<double>(*place);
-  };
-  const double low_m = at(0.01);
-  return {low_m, std::max(low_m + 1.0, at(0.99))};
-}
-
 Eigen::AlignedBox2d surroundings_of(const Trajectory& path) {
   constexpr double kMargin_m = 40.0;
   Eigen::AlignedBox2d box(Eigen::Vector2d::Zero());
@@ -137,6 +122,28 @@ Pose T_camera_map_behind(const Pose& T_map_sensor) {
 }
 
 }  // namespace
+
+std::array<double, 2> range_of(const std::vector<Eigen::Vector3f>& points_m, int axis,
+                               double share) {
+  std::vector<float> values;
+  for (const Eigen::Vector3f& point_m : points_m) {
+    if (point_m.allFinite()) values.push_back(point_m[axis]);
+  }
+  if (values.empty()) return {0.0, 1.0};
+  const auto at = [&](double rank) {
+    const auto place =
+        values.begin() + static_cast<std::ptrdiff_t>(rank * static_cast<double>(values.size() - 1));
+    std::nth_element(values.begin(), place, values.end());
+    return static_cast<double>(*place);
+  };
+  const double low = at(share);
+  return {low, at(1.0 - share)};
+}
+
+std::array<double, 2> range_of_heights(const std::vector<Eigen::Vector3f>& points_m) {
+  const auto [low_m, high_m] = range_of(points_m, 2, 0.01);
+  return {low_m, std::max(low_m + 1.0, high_m)};
+}
 
 RgbImage cloud_from_above(const CloudScene& scene, int rows, int columns) {
   const Eigen::AlignedBox2d box = surroundings_of(scene.path);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -17,6 +18,12 @@ struct CloudScene {
   const Trajectory& path;
   double point_m = 0.1;  ///< side of what a point stands for
 };
+
+/// The coordinates of an axis between which all points are but a share of them at either end.
+std::array<double, 2> range_of(const std::vector<Eigen::Vector3f>& points_m, int axis,
+                               double share);
+/// The heights between which colours change: all but a few points', at least 1 m.
+std::array<double, 2> range_of_heights(const std::vector<Eigen::Vector3f>& points_m);
 
 /// From above, x to the right, y upwards, everything within 40 m of the path; colours tell heights.
 /// Gaps between points stay gaps.

@@ -6,7 +6,9 @@
 
 #include "report/chart.h"
 #include "report/page.h"
+#include "report/turning_view.h"
 #include "run/run_output.h"
+#include "run/run_view.h"
 #include "timing/timing.h"
 
 namespace hqslam::tools {
@@ -181,6 +183,8 @@ std::string html_report(const SlamRun& run, const DenseMapPage& dense_map) {
                              run.sensor_name, run.rows, run.columns));
   add_notice(page, run);
   page.numbers(numbers_of(run));
+  page.style(kTurningViewStyle);
+  page.html(turning_view_html(view_of(run, dense_map.run)));
   page.heading(2, "Trajectory from above");
   page.html(trajectory_plot_html(run));
   add_dense_map(page, dense_map);

@@ -171,7 +171,7 @@ void declare_run(CLI::App& app, RunOptions& options) {
       "  map.pcd           the features of all key frames, in that frame\n"
       "  saved_map.npz     with --save-map: map and places for later drives\n"
       "  timings.json      time per stage and status of every scan\n"
-      "  report.html       trajectory, error and times on one page\n"
+      "  report.html       map, path and scans to be turned, error and times on one page\n"
       "and with --dense-map, in the same frame:\n"
       "  dense_map.pcd, dense_map.ply   x y z confidence times_seen per voxel, binary\n"
       "  dense_map_above.png, dense_map_perspective.png\n"

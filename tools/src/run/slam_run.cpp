@@ -128,6 +128,7 @@ SlamSession::SlamSession(LiftedInput& input, const slam::SlamOptions& options,
   run_.sensor_name = seen.name;
   run_.rows = seen.rows();
   run_.columns = seen.columns;
+  run_.measured_rows = seen.measured_rows;
   run_.upsampled_by = input.upsampler ? input.upsampler->name() : "";
   run_.slam = options;
   run_.threads = omp_get_max_threads();
@@ -148,6 +149,7 @@ ScanRecord& SlamSession::process(const RecordedScan& scan, std::int64_t index, d
   record.report = slam_.process(cloud_, scan.stamp_s);
   memory_.remember(measured, slam_.trajectory(), slam::is_registered(record.report.mapping_status));
   remember(record.report.loop);
+  kept_scans_.offer(run_.scans.size(), cloud_);
   run_.scans.push_back(std::move(record));
   run_.wall_s = seconds_since(start_);
   return run_.scans.back();
@@ -176,6 +178,7 @@ SlamRun SlamSession::finished(bool save_map) {
   }
   run_.map_part = largest_part(run_);
   run_.map_points_m = slam_.map_points_m(run_.map_part);
+  run_.kept_scans = kept_scans_.take();
   if (save_map) run_.saved_map = slam_.saved_map();
   return std::move(run_);
 }

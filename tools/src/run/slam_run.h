@@ -17,6 +17,7 @@
 #include "lift/lifted_input.h"
 #include "recording/reading.h"
 #include "recording/reference.h"
+#include "run/kept_scans.h"
 
 namespace hqslam::tools {
 
@@ -39,6 +40,7 @@ struct SlamRun : Reading {
   int rows = 0;
   int columns = 0;
   std::string upsampled_by;  ///< nn::Upsampler::name(); empty: the recording as it is
+  std::optional<RowSelection> measured_rows;  ///< the others were computed; nothing: all of them
   slam::SlamOptions slam;
   slam::MountingOptions mounting;  ///< slam::Slam::mounting()
   int threads = 1;
@@ -53,6 +55,7 @@ struct SlamRun : Reading {
   /// points in the map's frame. How others lie to it is not known.
   std::size_t map_part = 0;
   std::vector<Eigen::Vector3f> map_points_m;
+  std::vector<KeptScan> kept_scans;  ///< to be looked at; filled when the run ends
   std::string located_in;  ///< the file of the map that it was located in; empty: it made its own
   std::optional<slam::SavedMap> saved_map;  ///< filled when the run ends, if it was asked for
   double wall_s = 0.0;
@@ -137,6 +140,7 @@ class SlamSession {
   slam::Slam slam_;
   SlamRun run_;
   OrganizedCloud cloud_;
+  KeptScans kept_scans_;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 

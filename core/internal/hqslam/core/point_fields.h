@@ -52,13 +52,14 @@ struct PointField {
 };
 
 /// The fields that matter: x, y, z, and where they are there ring and time, by any of the names
-/// that drivers give them (see point_fields).
+/// that drivers give them (see point_fields), and the confidence of hqslam's own maps.
 struct PointFields {
   const PointField* x = nullptr;
   const PointField* y = nullptr;
   const PointField* z = nullptr;
   const PointField* ring = nullptr;
   const PointField* time = nullptr;
+  const PointField* confidence = nullptr;
 };
 /// ring: also channel, line, laser_id and the like; time: t, time, timestamp, offset_time and the
 /// like; whether letters are large and what stands between words does not matter. Throws Error
@@ -104,7 +105,8 @@ struct RawPoints {
   Scan scan;
   std::vector<double> ring;  ///< per point; empty if there are none
   std::string ring_name;
-  PointTimeField time;  ///< per point; empty if there are none
+  PointTimeField time;            ///< per point; empty if there are none
+  std::vector<float> confidence;  ///< the same
 
   /// Points of which nothing else is known.
   explicit RawPoints(Scan scan_) : scan(std::move(scan_)) {}
@@ -116,11 +118,18 @@ struct RawPoints {
     if (!add(value(*fields.x), value(*fields.y), value(*fields.z))) return;
     if (fields.ring != nullptr) ring.push_back(value(*fields.ring));
     if (fields.time != nullptr) time.values.push_back(value(*fields.time));
+    if (fields.confidence != nullptr) {
+      confidence.push_back(static_cast<float>(value(*fields.confidence)));
+    }
   }
 
  private:
   bool add(double x_m, double y_m, double z_m);
 };
+
+/// A file of points, a scan or a map: .pcd, .ply, KITTI's .bin, and any other as text. Throws
+/// Error.
+RawPoints read_point_file(const std::string& path);
 
 /// Rings to rows, times to offsets from their middle. The scan's stamp is that middle: by the
 /// clock of the times; where they count from the message, whose stamp_s was given, from there;

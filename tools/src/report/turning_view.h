@@ -1,0 +1,46 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "hqslam/core/pose.h"
+
+namespace hqslam::tools {
+
+/// Points under a name, in metres; confidence: 0 to 1 each, or empty where nothing is known of it.
+struct ViewCloud {
+  std::string name;
+  std::vector<Eigen::Vector3f> points_m;
+  std::vector<float> confidence = {};
+};
+
+/// A scan as it was measured, and what was computed between, in the frame of the clouds.
+struct ViewScan {
+  std::string name;
+  Pose T_map_sensor = Pose::Identity();
+  ViewCloud measured;
+  ViewCloud lifted;  ///< without points: nothing was computed
+};
+
+/// What a view shows: everything in one frame, z upwards.
+struct TurningView {
+  std::vector<ViewCloud> clouds;                     ///< of which one is seen at a time
+  std::vector<std::vector<Eigen::Vector3f>> path_m;  ///< in pieces where the way is not known
+  std::vector<std::pair<Eigen::Vector3f, Eigen::Vector3f>> loops_m;  ///< places that are the same
+  std::vector<ViewScan> scans;
+};
+
+/// What a page may have of points, so that it stays below 15 MB with its pictures.
+inline constexpr std::size_t kMostCloudPoints = 1'200'000;
+inline constexpr std::size_t kMostScanPoints = 700'000;
+
+/// Of a page's style and for its body: a view of points that is turned, moved and zoomed with
+/// mouse, fingers or keys, and steps through the scans. WebGL 2, no other file, no network; a
+/// browser without it shows a line of text. Points are thinned to what a page may have.
+extern const char* const kTurningViewStyle;
+std::string turning_view_html(const TurningView& view);
+
+}  // namespace hqslam::tools

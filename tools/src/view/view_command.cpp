@@ -1,0 +1,115 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <memory>
+
+#include "commands.h"
+#include "files/result_files.h"
+#include "hqslam/core/error.h"
+#include "hqslam/core/point_fields.h"
+#include "hqslam/slam/saved_map.h"
+#include "lift/lifted_input.h"
+#include "report/page.h"
+#include "report/turning_view.h"
+#include "terminal/command_options.h"
+#include "terminal/terminal.h"
+
+namespace hqslam::tools {
+namespace {
+
+constexpr const char* kTitle = "hqslam view: ";
+/// The view has the window to itself.
+constexpr const char* kStyle = R"css(
+body { max-width: none; padding: .6rem; }
+.turning-view { margin: 0; }
+.turning-view .stage { aspect-ratio: auto; height: calc(100vh - 5.8rem); min-height: 12rem; }
+)css";
+
+ViewCloud points_in(const std::string& path) {
+  RawPoints points = read_point_file(path);
+  return {"", std::move(points.scan.points_m), std::move(points.confidence)};
+}
+
+ViewCloud saved_map_in(const std::string& path) {
+  const slam::SavedMap map = slam::read_saved_map(path);
+  ViewCloud cloud;
+  for (const auto* features_m : {&map.edges_m, &map.posts_m, &map.planes_m}) {
+    cloud.points_m.insert(cloud.points_m.end(), features_m->begin(), features_m->end());
+  }
+  return cloud;
+}
+
+ViewCloud scan_of(const std::string& path, const ViewOptions& options) {
+  LiftedInput input = lifted_input({path, options.sensor}, {});
+  const std::unique_ptr<ScanSource> source = input.open();
+  std::optional<RecordedScan> scan;
+  for (std::int64_t i = 0; i <= options.scan; ++i) {
+    scan = source->next();
+    if (!scan) {
+      throw Error("{}: expected a scan {}, found {} scans; --scan counts them from 0", path,
+                  options.scan, i);
+    }
+  }
+  const OrganizedCloud seen = input.measured(scan->cloud);
+  ViewCloud cloud;
+  for (std::size_t i = 0; i < seen.range_m.size(); ++i) {
+    if (!(seen.range_m[i] > 0.0F)) continue;
+    cloud.points_m.push_back(seen.points_m[i]);
+    if (!seen.confidence.empty()) cloud.confidence.push_back(seen.confidence[i]);
+  }
+  return cloud;
+}
+
+ViewCloud cloud_in(const std::string& path, const ViewOptions& options) {
+  constexpr std::array<const char*, 5> kPointFiles = {".pcd", ".ply", ".bin", ".txt", ".csv"};
+  const std::filesystem::path file(path);
+  const std::string ending = file.extension().string();
+  ViewCloud cloud = std::ranges::count(kPointFiles, ending) > 0 ? points_in(path)
+                    : ending == ".npz"                          ? saved_map_in(path)
+                                                                : scan_of(path, options);
+  if (cloud.points_m.empty()) {
+    throw Error("{}: expected points to look at, found none; give another file", path);
+  }
+  cloud.name = (file.parent_path().filename() / file.filename()).string();
+  return cloud;
+}
+
+}  // namespace
+
+void declare_view(CLI::App& app, ViewOptions& options) {
+  add_command(
+      app, "view", "A page on which maps and scans can be turned, in any browser",
+      "The page needs no other file and no network. Large maps are thinned evenly to what a\n"
+      "page may have; several files are seen one at a time.")
+      .option("FILE", &options.files,
+              "Maps and scans: .pcd, .ply, .bin, .txt or .csv points, a saved_map.npz, or a "
+              "recording (as for hqslam run), of which a scan is shown",
+              {.required = true, .given = Given::kFileOrFolder})
+      .option("--sensor", &options.sensor, "Of recordings that do not say: a name or a .json file")
+      .option("--scan", &options.scan, "Of recordings: which scan, counted from 0",
+              {.shows_default = true, .given = Given::kNotNegative})
+      .option("--out", &options.out, "Page to write", {.required = true});
+}
+
+int view_command(const ViewOptions& options) {
+  guard_output_file(options.out, options.files, [](const std::string& path) {
+    return has_marker(path, std::string("<title>") + kTitle);
+  });
+  TurningView view;
+  std::size_t points = 0;
+  for (const std::string& path : options.files) {
+    view.clouds.push_back(cloud_in(path, options));
+    points += view.clouds.back().points_m.size();
+  }
+  Page page(kTitle + view.clouds.front().name);
+  page.style(kTurningViewStyle);
+  page.style(kStyle);
+  page.html(turning_view_html(view));
+  write_text_file(page.text(), options.out);
+  to_stdout("{} points\nresults: {}\n", points, options.out);
+  return kOk;
+}
+
+}  // namespace hqslam::tools
