@@ -173,7 +173,9 @@ std::optional<SensorModel> recording_sensor(const InputChoice& choice) {
 SensorModel required_recording_sensor(const InputChoice& choice) {
   std::optional<SensorModel> known = recording_sensor(choice);
   if (known) return *known;
-  return recordings::open_recording(choice.input)->sensor();  // says what is missing
+  const auto source = recordings::open_recording(choice.input, open_options(choice));
+  print_later_warnings(*source, 0);  // which sensor was found in the points
+  return source->sensor();
 }
 
 std::unique_ptr<recordings::StreamSource> open_stream(const InputChoice& choice) {
