@@ -238,3 +238,25 @@ TEST_CASE("the beams of other real sensors are found in their clouds") {
     CHECK(largest_difference_deg(found.beam_elevation_rad, sensor.beam_elevation_rad) < 0.1);
   }
 }
+
+TEST_CASE("beams that a fast motion's correction blurs are found as they are or not at all") {
+  for (const char* name : {"vlp-16", "os1-64", "hdl-32e"}) {
+    CAPTURE(name);
+    const SensorModel sensor = sensor_preset(name);
+    for (const double step_m : {0.1, 0.2, 0.5, 1.0, 2.0}) {
+      std::vector<RawPoints> scans = scans_of(sensor, Told::kNothing);
+      for (RawPoints& raw : scans) {
+        for (Eigen::Vector3f& point_m : raw.scan.points_m) {
+          const double turned = std::atan2(point_m.y(), point_m.x()) * kDegrees / 360.0;
+          point_m.x() += static_cast<float>(step_m * turned);
+        }
+      }
+      SensorModel found = sensor;
+      const std::string refusal =
+          error_message([&] { found = find_sensor(scans, std::nullopt, "drive").sensor; });
+      CHECK(found == sensor);
+      if (step_m < 0.15) CHECK(refusal == "no Error");
+      if (step_m > 1.5) CHECK(refusal.find("between them") != std::string::npos);
+    }
+  }
+}

@@ -31,10 +31,9 @@ RawPoints points_alone(const OrganizedCloud& cloud, bool by_columns) {
 }  // namespace
 
 TEST_CASE("the beams that packets tell are found within 0.1 degrees in their points alone") {
-  for (const char* name :
+  for (const std::string name :
        {"packets/velodyne/hdl-32e_driving_18rev.pcap", "packets/velodyne/vlp-16_dual_return.db3",
-        "packets/velodyne/vlp-32c.db3", "packets/ouster/OS-0-128-U1_v2.3.0_1024x10.pcap",
-        "packets/ouster/OS-0-32-U1_v2.2.0_1024x10.pcap", "ouster/OS-1-64_1024x10_fw20.pcap",
+        "packets/velodyne/vlp-32c.db3", "ouster/OS-1-64_1024x10_fw20.pcap",
         "ouster/OS-1-32-G_v2.1.1_1024x10.pcap"}) {
     CAPTURE(name);
     const auto path = real_data(name);

@@ -90,7 +90,7 @@ void declare_info(CLI::App& app, InfoOptions& options) {
       .option("INPUT", &options.input, "Recording (as for hqslam run)",
               {.required = true, .given = Given::kFileOrFolder})
       .option("--sensor", &options.sensor,
-              fmt::format("{}, or a .json file; not needed where the recording says it",
+              fmt::format("{}, or a .json file; not needed where the recording or its points tell",
                           fmt::join(sensor_preset_names(), ", ")))
       .option("--stream", &options.stream,
               "Which stream, if there are several: a bag's topic, or a port or sender:port of a "
