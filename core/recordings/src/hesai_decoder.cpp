@@ -1,5 +1,6 @@
 #include "hesai_decoder.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <numbers>
