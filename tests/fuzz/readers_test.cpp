@@ -43,6 +43,7 @@ const std::vector<NamedReader> kReaders = {
     {"ply", fuzz::ply, 5000},
     {"kitti_bin", fuzz::kitti_bin, 5000},
     {"text", fuzz::text, 5000},
+    {"found_sensor", fuzz::found_sensor},
     {"stamps", fuzz::stamps, 5000},
     {"sensor_json", fuzz::sensor_json, 5000},
     {"tum", fuzz::tum, 5000},
@@ -60,6 +61,8 @@ const std::vector<NamedReader> kReaders = {
     {"ros1_bag", fuzz::ros1_bag},
     {"ouster_json", fuzz::ouster_json},
     {"velodyne_packets", fuzz::velodyne_packets},
+    {"hesai_packets", fuzz::hesai_packets},
+    {"hesai_angles", fuzz::hesai_angles, 5000},
     {"ouster_packets", fuzz::ouster_packets},
     {"live_packets", fuzz::live_packets, 50},
 #endif
