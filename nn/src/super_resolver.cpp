@@ -2,7 +2,6 @@
 
 #include <omp.h>
 
-
 #include "hqslam/core/error.h"
 #include "hqslam/nn/hqs/outlier_removal.h"
 #include "hqslam/nn/interpolation.h"
