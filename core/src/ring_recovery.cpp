@@ -19,7 +19,8 @@
 //
 //   heights     min(n_s, n_s-1) rows / n  min(2, |(h_s - h_s-1) - (e[r_s] - e[r_s-1])| / d[r_s])
 //   elevations  n_s / n                   min(20, |median elevation_s - e[r_s]| / d[r_s])
-//   order       after a wrap: 0 to the next row, kSpuriousWrap to the same row;
+//   order       after a wrap: 0 to the next row, kSpuriousWrap to the same row, and kSeenTwice for
+//               all of its directions, as a ring goes around once;
 //               after a gap: 0 to the same row, kMissedWrap to the next row;
 //               kSkippedRow for each row that stays empty in between and before the first
 //
@@ -34,6 +35,7 @@ namespace {
 constexpr double kMaxFall = 2.0;
 constexpr double kMaxElevation = 20.0;
 constexpr double kSpuriousWrap = 0.6;
+constexpr double kSeenTwice = 10.0;
 constexpr double kMissedWrap = 0.2;
 constexpr double kSkippedRow = 0.15;
 /// Beyond these deviations, in beam spacings, a ring does not belong to the sensor.
@@ -71,6 +73,11 @@ class RowAssignment {
   double elevation_deviation(std::size_t s, int row) const {
     return std::abs(segments_[s].elevation_rad - elevation_rad_[row]) / spacing_rad_[row];
   }
+  /// Without what lasers that lie above the origin may see otherwise.
+  double deviation_beyond_parallax(std::size_t s, int row) const {
+    return std::max(0.0,
+                    elevation_deviation(s, row) - segments_[s].parallax_rad / spacing_rad_[row]);
+  }
   /// Of the fall from an earlier segment, in row `from`.
   double fall_deviation(std::size_t earlier, std::size_t s, int from, int row) const {
     const double fall_rad = segments_[s].height_rad - segments_[earlier].height_rad;
@@ -82,6 +89,15 @@ class RowAssignment {
     return static_cast<double>(segments_[s].end - segments_[s].first) / points_per_row_;
   }
 
+  /// The share of the directions of the smaller of this segment and the one before that both see.
+  double seen_twice(std::size_t s) const {
+    const auto& before = segments_[s - 1].looks_to;
+    const auto& now = segments_[s].looks_to;
+    const std::size_t fewer = std::min(before.count(), now.count());
+    return fewer == 0 ? 0.0
+                      : static_cast<double>((before & now).count()) / static_cast<double>(fewer);
+  }
+
   double elevation_cost(std::size_t s, int row) const {
     return rings_in(s) / rows_ * std::min(elevation_deviation(s, row), kMaxElevation);
   }
@@ -90,7 +106,7 @@ class RowAssignment {
     const bool wrap = segments_[s].begins_with_wrap;
     double cost = std::min(rings_in(s - 1), rings_in(s)) *
                   std::min(fall_deviation(s - 1, s, from, row), kMaxFall);
-    if (row == from) return cost + (wrap ? kSpuriousWrap : 0.0);
+    if (row == from) return cost + (wrap ? kSpuriousWrap + kSeenTwice * seen_twice(s) : 0.0);
     cost += kSkippedRow * (row - from - 1);
     return cost + (wrap ? 0.0 : kMissedWrap);
   }
@@ -127,7 +143,7 @@ RingRecovery recovery_from(const std::vector<RingSegment>& segments, const std::
     const RingSegment& segment = segments[s];
     recovery.row.resize(segment.end, static_cast<std::uint16_t>(row_of[s]));
     used[row_of[s]] = true;
-    bool off = assignment.elevation_deviation(s, row_of[s]) > kMaxElevationDeviation;
+    bool off = assignment.deviation_beyond_parallax(s, row_of[s]) > kMaxElevationDeviation;
     if (s > 0) {
       const bool new_row = row_of[s] != row_of[s - 1];
       recovery.spurious_wraps += static_cast<int>(segment.begins_with_wrap && !new_row);

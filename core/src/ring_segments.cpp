@@ -40,7 +40,6 @@ constexpr double kLaserHeight_m = 0.25;
 constexpr double kMinRingShareAfterGap = 0.03;
 /// More than the gaps that fit into a turn; bounds the time, which grows with their square.
 constexpr std::size_t kMaxPiecesPerTurn = 256;
-constexpr int kAzimuthBins = 72;
 constexpr int kMinPointsPerBin = 3;
 
 /// A run of points without a wrap or a gap inside.
@@ -281,8 +280,14 @@ class HeightTracker {
         least_deviation_rad = fall.deviation_rad;
         cut = i;
       }
-      add_segment({pieces[begin].first, pieces[cut - 1].end, pieces[begin].begins_with_wrap, 0.0,
-                   0.0, false},
+      add_segment({pieces[begin].first,
+                   pieces[cut - 1].end,
+                   pieces[begin].begins_with_wrap,
+                   0.0,
+                   0.0,
+                   0.0,
+                   false,
+                   {}},
                   joined(begin, cut));
       begin = cut;
     }
@@ -292,6 +297,9 @@ class HeightTracker {
     std::vector<float> values(tangent_.begin() + static_cast<std::ptrdiff_t>(segment.first),
                               tangent_.begin() + static_cast<std::ptrdiff_t>(segment.end));
     segment.elevation_rad = std::atan(median(values));
+    values.assign(nearness_per_m_.begin() + static_cast<std::ptrdiff_t>(segment.first),
+                  nearness_per_m_.begin() + static_cast<std::ptrdiff_t>(segment.end));
+    segment.parallax_rad = kLaserHeight_m * median(values);
     segment.is_sure = segments_.empty() || is_sure(bins);
     if (std::vector<double> heights = heights_rad(bins); !heights.empty()) {
       segment.height_rad = median(heights);
@@ -303,6 +311,7 @@ class HeightTracker {
     }
     for (const BinElevation& b : bins) {
       last_[b.bin] = {true, segment.is_sure, b.elevation_rad, segment.height_rad};
+      segment.looks_to.set(static_cast<std::size_t>(b.bin));
     }
     segments_.push_back(segment);
   }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <bitset>
 #include <cstddef>
 #include <vector>
 
@@ -9,6 +10,9 @@
 
 namespace hqslam {
 
+/// Directions that are told apart: bins of 5 degrees.
+inline constexpr int kAzimuthBins = 72;
+
 /// Points of one ring, or of a part of one, in the order of the file.
 struct RingSegment {
   std::size_t first = 0;
@@ -16,7 +20,9 @@ struct RingSegment {
   bool begins_with_wrap = false;
   double height_rad = 0.0;     ///< elevation relative to the rings before it, seen the same way
   double elevation_rad = 0.0;  ///< median of its points
+  double parallax_rad = 0.0;   ///< so far may that be off: a laser may lie above the origin
   bool is_sure = false;        ///< of the height: it looks where others did
+  std::bitset<kAzimuthBins> looks_to = {};
 };
 
 /// Cuts a scan into segments at each wrap of the azimuth, and at a large gap of the azimuth (the

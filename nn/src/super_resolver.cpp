@@ -2,8 +2,6 @@
 
 #include <omp.h>
 
-#include <cmath>
-
 #include "hqslam/core/error.h"
 #include "hqslam/nn/hqs/outlier_removal.h"
 #include "hqslam/nn/interpolation.h"
@@ -78,8 +76,9 @@ RangeImage SuperResolver::Implementation::measured_rows(const RangeImage& image)
                 description.sensor.columns, description.sensor.name);
   }
   RangeImage result = image.rows == measured ? image : select_rows(image, rows);
+  const auto farthest_m = static_cast<float>(description.sensor.max_range_m);
   for (float& range_m : result.range_m) {
-    if (!(range_m > 0.0F && std::isfinite(range_m))) range_m = 0.0F;
+    if (!(range_m > 0.0F && range_m <= farthest_m)) range_m = 0.0F;
   }
   return result;
 }

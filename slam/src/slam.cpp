@@ -109,7 +109,7 @@ Scan Slam::Implementation::front_end(const OrganizedCloud& cloud, double stamp_s
             false,
             stamp_s,
             {},
-            {}};
+            Eigen::Vector3d::Zero()};
   make_turning_even(scan);
   scan.map_features = map_features(scan.features, sensor.measured_rows, options.mapping);
   const auto planar = static_cast<int>(scan.features.ground.size() + scan.features.surfaces.size());

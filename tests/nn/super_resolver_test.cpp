@@ -3,6 +3,8 @@
 #include <doctest/doctest.h>
 
 #include <array>
+#include <cmath>
+#include <limits>
 
 #include "../temporary_directory.h"
 #include "error_message.h"
@@ -36,6 +38,24 @@ TEST_CASE("measured rows come back as they were, computed ranges keep the sensor
       const bool within =
           range_m >= resolver.sensor().min_range_m && range_m <= resolver.sensor().max_range_m;
       CHECK((range_m == 0.0F || within));
+    }
+  }
+}
+
+TEST_CASE(
+    "a range that the sensor cannot have measured is no return, and empties nothing beside it") {
+  for (const Weights& weights : {weights_of(small_du_or()), small_weights(small_du_mix())}) {
+    SuperResolver resolver(weights, {});
+    RangeImage scene = select_rows(small_scene(), weights.description.measured_rows);
+    scene.at(2, 30) = 0.0F;
+    const LiftedImage expected = resolver.run(scene);
+    constexpr float kInfinity = std::numeric_limits<float>::infinity();
+    for (const float range_m : {1e6F, 3e38F, kInfinity, std::nanf(""), -5.0F}) {
+      CAPTURE(range_m);
+      scene.at(2, 30) = range_m;
+      const LiftedImage lifted = resolver.run(scene);
+      CHECK(lifted.image.range_m == expected.image.range_m);
+      CHECK(lifted.confidence == expected.confidence);
     }
   }
 }

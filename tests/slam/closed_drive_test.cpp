@@ -93,6 +93,10 @@ TEST_CASE("a drive that drifts by metres is closed, smoothly, the same whatever 
   CHECK(reports[at].loop.correction_m > 2.0);
   CHECK(reports[at].loop.older_scan < at / 2);
   CHECK(closing_error_m(closed[0], circuit) < 0.3);
+  const auto variance_m2 = [&](std::size_t i) {
+    return reports[i].covariance.topLeftCorner<3, 3>().trace();
+  };
+  CHECK(variance_m2(at) < 0.5 * variance_m2(at - 1));
 
   // The next scan is followed as if nothing had happened, and the odometry knows nothing of it.
   const auto step_m = [&](Pose slam::ScanReport::*T_sensor, std::size_t i) {

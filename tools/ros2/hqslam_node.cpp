@@ -10,8 +10,8 @@
 //               map_frame, loop_closing, threads, and every name of `hqslam slam-options`, as
 //               mounting.roll_rad
 //
-// Written against the documented interfaces of rclcpp and tf2_ros (Humble and later). It is not
-// built or tested here, where there is no ROS.
+// Written against the documented interfaces of rclcpp and tf2_ros (Humble and later). Here, where
+// there is no ROS, it is built and tested with stand-ins for them (tests/ros2).
 #include <hqslam/core/error.h>
 #include <hqslam/core/projection.h>
 #include <hqslam/nn/upsampled_cloud.h>
@@ -46,27 +46,54 @@ const PointField* field_of(const PointCloud2& message, std::initializer_list<con
   return nullptr;
 }
 
-/// A number of whatever type the driver writes.
-double number_at(const PointCloud2& message, const PointField& field, std::size_t point) {
-  const std::uint8_t* bytes = &message.data[point * message.point_step + field.offset];
+/// A number of whatever type the driver writes. Throws Error where a point has no room for it.
+double number_at(const PointCloud2& message, const PointField& field, std::size_t at) {
   const auto as = [&](auto value) {
-    std::memcpy(&value, bytes, sizeof value);
+    if (field.offset > message.point_step || message.point_step - field.offset < sizeof value) {
+      throw hqslam::Error("{}: expected it within the {} bytes of a point, found it at {}",
+                          field.name, message.point_step, field.offset);
+    }
+    std::memcpy(&value, &message.data[at + field.offset], sizeof value);
     return static_cast<double>(value);
   };
   switch (field.datatype) {
+    case PointField::INT8:
+      return as(std::int8_t());
     case PointField::UINT8:
       return as(std::uint8_t());
+    case PointField::INT16:
+      return as(std::int16_t());
     case PointField::UINT16:
       return as(std::uint16_t());
-    case PointField::UINT32:
-      return as(std::uint32_t());
     case PointField::INT32:
       return as(std::int32_t());
+    case PointField::UINT32:
+      return as(std::uint32_t());
     case PointField::FLOAT32:
       return as(float());
     default:
       return as(double());
   }
+}
+
+/// Where each point of a message begins. Throws Error where the message is shorter than it says.
+std::vector<std::size_t> beginnings_of(const PointCloud2& message) {
+  const std::size_t width = message.width;
+  const std::size_t used = width * message.point_step;
+  const bool fits =
+      message.height == 0 ||
+      (message.row_step >= used && message.data.size() / message.height >= message.row_step);
+  if (used == 0 || !fits) {
+    throw hqslam::Error("expected {} x {} points of {} bytes, found {} bytes in all",
+                        message.height, width, message.point_step, message.data.size());
+  }
+  std::vector<std::size_t> result;
+  for (std::size_t row = 0; row < message.height; ++row) {
+    for (std::size_t column = 0; column < width; ++column) {
+      result.push_back(row * message.row_step + column * message.point_step);
+    }
+  }
+  return result;
 }
 
 /// Points of a turn with their times, in seconds if they are floating-point numbers and else in
@@ -85,11 +112,10 @@ hqslam::Scan scan_of(const PointCloud2& message) {
       time->datatype == PointField::FLOAT32 || time->datatype == PointField::FLOAT64;
   hqslam::Scan scan;
   std::vector<double> times_s;
-  const std::size_t points = static_cast<std::size_t>(message.width) * message.height;
-  for (std::size_t i = 0; i < points; ++i) {
-    times_s.push_back((seconds ? 1.0 : 1e-9) * number_at(message, *time, i));
-    scan.points_m.emplace_back(number_at(message, *x, i), number_at(message, *y, i),
-                               number_at(message, *z, i));
+  for (const std::size_t at : beginnings_of(message)) {
+    times_s.push_back((seconds ? 1.0 : 1e-9) * number_at(message, *time, at));
+    scan.points_m.emplace_back(number_at(message, *x, at), number_at(message, *y, at),
+                               number_at(message, *z, at));
   }
   if (scan.points_m.empty()) throw hqslam::Error("a message without points");
   const auto [first_s, last_s] = std::minmax_element(times_s.begin(), times_s.end());
@@ -118,6 +144,17 @@ PointCloud2 message_of(const hqslam::OrganizedCloud& cloud, const std_msgs::msg:
     ++to;
   }
   return message;
+}
+
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+
+/// hqslam's covariance is in the sensor's frame, the message's in that of the map. Of a pose of
+/// which nothing is known it is infinite, whichever way one looks.
+Matrix6 in_map(const Matrix6& covariance, const hqslam::Pose& T_map_sensor) {
+  if (!covariance.allFinite()) return covariance;
+  Matrix6 to_map = Matrix6::Zero();
+  to_map.topLeftCorner<3, 3>() = to_map.bottomRightCorner<3, 3>() = T_map_sensor.linear();
+  return to_map * covariance * to_map.transpose();
 }
 
 class HqslamNode : public rclcpp::Node {
@@ -198,11 +235,7 @@ class HqslamNode : public rclcpp::Node {
     odometry.pose.pose.position.y = position_m.y();
     odometry.pose.pose.position.z = position_m.z();
     odometry.pose.pose.orientation = transform.transform.rotation;
-    // hqslam's covariance is in the sensor's frame, the message's in that of the map.
-    using Matrix6 = Eigen::Matrix<double, 6, 6>;
-    Matrix6 to_map = Matrix6::Zero();
-    to_map.topLeftCorner<3, 3>() = to_map.bottomRightCorner<3, 3>() = report.T_map_sensor.linear();
-    const Matrix6 covariance = to_map * report.covariance * to_map.transpose();
+    const Matrix6 covariance = in_map(report.covariance, report.T_map_sensor);
     for (int row = 0; row < 6; ++row) {
       for (int column = 0; column < 6; ++column) {
         odometry.pose.covariance[static_cast<std::size_t>(6 * row + column)] =
@@ -228,4 +261,5 @@ int main(int argc, char** argv) {
   rclcpp::init(argc, argv);
   rclcpp::spin(std::make_shared<HqslamNode>());
   rclcpp::shutdown();
+  return 0;
 }

@@ -173,13 +173,13 @@ class SurfaceSum {
   Eigen::Vector3d residuals_ = Eigen::Vector3d::Zero();
 };
 
-/// The poses' part, held where nothing tells: the first pose altogether.
+/// The poses' part, of one at least, held where nothing tells: the first pose altogether.
 Eigen::LDLT<Eigen::MatrixXd> solved_poses(const CalibrationSystem& system,
                                           Eigen::Index beam_parameters) {
   const Eigen::Index size = system.g.size() - beam_parameters;
   Eigen::MatrixXd H = system.H.bottomRightCorner(size, size);
   H.diagonal().array() += 1.0 / (kPoseSigma * kPoseSigma);
-  H.diagonal().head(std::min<Eigen::Index>(6, size)).array() += kHeldInformation;
+  H.diagonal().head<6>().array() += kHeldInformation;
   return H.ldlt();
 }
 
@@ -236,6 +236,7 @@ CalibrationSystem linearized(const CalibrationStretch& stretch, const BeamParame
 
 void move_poses(CalibrationStretch& stretch, const CalibrationSystem& system,
                 const Eigen::VectorXd& beam_change) {
+  if (stretch.T_map_sensor.empty()) return;
   const Eigen::Index beams = beam_change.size();
   const Eigen::Index size = system.g.size() - beams;
   const Eigen::VectorXd change =
@@ -252,6 +253,7 @@ void move_poses(CalibrationStretch& stretch, const CalibrationSystem& system,
 
 BeamInformation beam_information(const CalibrationSystem& system, Eigen::Index beam_parameters) {
   const Eigen::Index size = system.g.size() - beam_parameters;
+  if (size == 0) return {system.H, system.g};  // without scans there are no poses
   const auto coupling = system.H.bottomLeftCorner(size, beam_parameters);
   const auto poses = solved_poses(system, beam_parameters);
   return {system.H.topLeftCorner(beam_parameters, beam_parameters) -

@@ -360,6 +360,46 @@ TEST_CASE("a sensor whose address changes is followed once it sends from the new
   CHECK(text(sensor.sender()) == fmt::format("127.0.0.3:{}", options.port));
 }
 
+TEST_CASE("a sensor that starts again in the drive is followed on, however it counts then") {
+  {
+    const auto packets = velodyne_capture({.duration_s = 1.2});  // its clock begins anew, too
+    const LiveOptions options = vlp16();
+    LiveSensor sensor(options);
+    const Background sending([&] {
+      replay(packets, options.port, 1.0);
+      replay(packets, options.port, 1.0);
+    });
+    REQUIRE(sensor.recognise(kPatience_s));
+    sensor.start();
+    const auto scans = all_scans(sensor, 16);
+    REQUIRE(scans.size() == 16);
+    for (std::size_t i = 1; i < scans.size(); ++i) {
+      CHECK(scans[i].scan.stamp_s > scans[i - 1].scan.stamp_s);
+    }
+    CHECK(sensor.counts().packets.late == 0);
+    CHECK(sensor.counts().packets.lost == 0);
+    CHECK(sensor.counts().trouble.empty());
+  }
+  const TemporaryDirectory folder;
+  write_file(folder.file("sensor.json"), ouster_metadata_text(OusterProfile::kRng19));
+  LiveOptions options{.sensor = folder.file("sensor.json"), .port = free_udp_port()};
+  options.most_waiting = 5;
+  LiveSensor sensor(options);
+  const LoopbackSender sender(options.port);
+  const auto send_turn = [&](std::uint32_t frame_id) {
+    for (const Captured& packet : ouster_turn(OusterProfile::kRng19, frame_id)) {
+      sender.send(packet.payload);
+    }
+  };
+  send_turn(5000);
+  REQUIRE(sensor.recognise(kPatience_s));
+  sensor.start();
+  for (const std::uint32_t frame_id : {5001, 0, 1, 2}) send_turn(frame_id);
+  CHECK(all_scans(sensor, 5).size() == 5);
+  CHECK(sensor.counts().lost_scans == 0);
+  CHECK(sensor.counts().packets.late == 0);
+}
+
 TEST_CASE("a sensor that was set to another mode in the drive is said to be") {
   const auto packets = velodyne_capture({.duration_s = 1.0});
   const LiveOptions options = vlp16();

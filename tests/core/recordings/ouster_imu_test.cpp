@@ -187,7 +187,7 @@ TEST_CASE("inertial data that are not finite, not in order or of another time ar
 
 TEST_CASE("inertial samples that wait for a scan which never comes take no more memory") {
   ImuQueue queue;
-  for (int i = 0; i < 100'000; ++i) queue.add({1e-4 * i, {}, {}});
+  for (int i = 0; i < 100'000; ++i) queue.add({.stamp_s = 1e-4 * i});
   CHECK(queue.counts().used == 20'000);
   CHECK(queue.counts().left_out == 80'000);
   CHECK(queue.take(9.0, 100.0).size() == 10'001);

@@ -96,7 +96,7 @@ TEST_CASE("the page is told what has come since it asked last, and everything an
   Pose moved = Pose::Identity();
   moved.translation().x() = 2.0;
   view.add(ring(10.0F, 64), moved);
-  LiveStatus status{10.0, 2, 9.5, 0.031, ScanRecord{}, 2.0, {}, {}};
+  LiveStatus status{10.0, 2, 9.5, 0.031, ScanRecord{}, 2.0, 2, {}, {}};
   status.counts.packets.lost = 7;
   status.counts.dropped_scans = 1;
   view.set(status);
@@ -110,6 +110,7 @@ TEST_CASE("the page is told what has come since it asked last, and everything an
   CHECK(second["lost_packets"] == 7);
   CHECK(second["dropped_scans"] == 1);
   CHECK(second["mapping"] == "ok");
+  CHECK(holds(second["warning"].get<std::string>(), "2 parts of the path"));
   view.replace({{0.0, Pose::Identity()}}, {{1.0F, 2.0F, 3.0F}});
   const auto third = state(view, query);
   CHECK(third["generation"] != first["generation"]);
@@ -230,6 +231,8 @@ TEST_CASE(
   status.counts.other_senders = 2;
   CHECK(holds(status_line(status), "mapping degenerate"));
   CHECK(status_line(status).ends_with("  2 packets of other senders"));
+  status.parts = 2;
+  CHECK(status_line(status).ends_with("  2 parts of the path, not joined"));
   status.counts.recording_failure = "a.pcap: cannot be written on; is the disk full?";
   CHECK(status_line(status).ends_with("  NOT RECORDED ANY MORE"));
   status.results_failure = "out: cannot be written; is the disk full?";

@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "hqslam/core/npy.h"
 #include "hqslam/core/sensor_model.h"
 #include "tools/program/program.h"
 
@@ -45,6 +46,21 @@ TEST_CASE("calibrate writes a sensor that run takes, and a page of what it found
   succeeds(fmt::format("run '{}' --sensor '{}' --out '{}'", lying.drive, lying.sensor, run));
   CHECK(file_contents(run + "/trajectory.tum").size() > 0);
   succeeds(lying.arguments(lying.sensor));  // its own it replaces
+}
+
+TEST_CASE("calibrate looks at nothing beyond where the way was lost, and says so") {
+  const LyingDrive lying;
+  const std::string blind = lying.folder.file("blind.npy");
+  NpyStackReader reader(lying.drive + "/scans.npy");
+  NpyStackWriter writer(blind, 16, 512);
+  for (std::int64_t i = 0; i < reader.images(); ++i) {
+    const bool is_blind = i >= 52 && i < 72;
+    writer.append(is_blind ? RangeImage(16, 512) : reader.read(i));
+  }
+  const ProgramResult result = succeeds("calibrate '{}' --sensor '{}' --out '{}'", blind,
+                                        lying.folder.file("sensor.json"), lying.sensor);
+  CHECK(holds(last_line(result.error), "blind.npy: the way was lost after 2"));
+  CHECK(holds(result.out, "off their surfaces"));
 }
 
 TEST_CASE("calibrate replaces no foreign file, and asks for a drive") {

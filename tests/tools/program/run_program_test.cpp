@@ -109,17 +109,24 @@ TEST_CASE("the same drive is read from its stack, its .bin files and its .pcd fi
   }
 }
 
-TEST_CASE("a bad file in mid-drive is left out and named, and the run goes on") {
+TEST_CASE("bad files in mid-drive are left out and named, and the run goes on") {
   const TemporaryDirectory folder;
   fs::copy(simulated_drive() + "/bin", folder.file("bin"));
   std::vector<fs::path> files(fs::directory_iterator(folder.file("bin")), {});
   std::sort(files.begin(), files.end());
-  fs::resize_file(files[5], 1001);
+  for (const std::size_t bad : {5, 8}) fs::resize_file(files[bad], 1001);
   const ProgramResult result =
       succeeds("run '{0}/bin' --sensor os1-16 --out '{0}/out'", folder.path().string());
   CHECK(holds(last_line(result.error), files[5].filename().string()));
-  CHECK(holds(last_line(result.error), "1 scan was left out"));
-  CHECK(read_tum(folder.file("out/trajectory.tum")).size() == kDriveScans - 1);
+  CHECK(holds(last_line(result.error), "2 scans were left out"));
+  const auto timings = nlohmann::json::parse(file_contents(folder.file("out/timings.json")));
+  CHECK(timings["scans_left_out"] == 2);
+  REQUIRE(timings["left_out"].size() == 2);
+  CHECK(holds(timings["left_out"][1].get<std::string>(), files[8].filename().string()));
+  const Trajectory trajectory = read_tum(folder.file("out/trajectory.tum"));
+  REQUIRE(trajectory.size() == kDriveScans - 2);
+  CHECK(trajectory[5].stamp_s == doctest::Approx(0.6));  // as if none were missing
+  CHECK(trajectory[7].stamp_s == doctest::Approx(0.9));
   CHECK(read_pcd(folder.file("out/map.pcd")).points_m.size() > 1000);
 }
 

@@ -48,10 +48,12 @@ std::vector<slam::LocatedScan> located(std::vector<KeptScan> kept, const Traject
   return result;
 }
 
-/// Follows the sensor until it has come as far as asked for, and keeps what is calibrated from.
+/// Follows the sensor until it has come as far as asked for, or the way is lost, and keeps what is
+/// calibrated from.
 struct FollowedDrive {
   std::vector<slam::LocatedScan> scans;
   double path_m = 0.0;
+  bool is_lost = false;
   Reading reading;
 };
 FollowedDrive follow(LiftedInput& input, double wanted_m) {
@@ -69,8 +71,11 @@ FollowedDrive follow(LiftedInput& input, double wanted_m) {
   read_scans(*source, interrupt, drive.reading, [&](const ReadScan& read) {
     const OrganizedCloud cloud = input.measured(read.scan.cloud);
     slam.add_imu(read.scan.imu);
-    const Eigen::Vector3d position_m =
-        slam.process(cloud, read.scan.stamp_s).T_map_sensor.translation();
+    const slam::ScanReport report = slam.process(cloud, read.scan.stamp_s);
+    drive.is_lost = slam.segment_of_scan().back() > 0;
+    if (drive.is_lost) return false;
+    if (!is_registered(report.mapping_status)) return true;
+    const Eigen::Vector3d position_m = report.T_map_sensor.translation();
     if (last_m) drive.path_m += (position_m - *last_m).norm();
     last_m = position_m;
     if (!last_kept_m || (position_m - *last_kept_m).norm() >= kStep_m) {
@@ -152,6 +157,10 @@ int calibrate_command(const CalibrateOptions& options) {
   rows.rows = options.rows;
   LiftedInput input = lifted_input(options, rows);
   FollowedDrive drive = follow(input, options.path_m);
+  if (drive.is_lost) {
+    to_stderr("hqslam: {}: the way was lost after {:.1f} m; only the scans before are looked at\n",
+              options.input, drive.path_m);
+  }
   if (!(drive.path_m >= kLeastPath_m)) {
     throw Error(
         "{}: the sensor moved by {:.1f} m, expected at least {} m; give a recording in which it is "

@@ -55,12 +55,13 @@ class LiveProgress {
     status_.results_failure = failure;
   }
 
-  void tell_if_due(const live::LiveCounts& counts) {
+  void tell_if_due(const SlamSession& session, const live::LiveCounts& counts) {
     const double passed_s = seconds_since(second_start_);
     if (passed_s < kStatusInterval_s) return;
     status_.elapsed_s = seconds_since(start_);
     status_.rate_hz = static_cast<double>(scans_of_second_) / passed_s;
     status_.counts = counts;
+    status_.parts = session.parts();
     to_stdout("{}\n", status_line(status_));
     if (view_ != nullptr) view_->set(status_);
     second_start_ = SteadyClock::now();
@@ -135,6 +136,7 @@ std::string status_line(const LiveStatus& status) {
   say(counts.packets.foreign, "packets of another kind");
   say(counts.other_senders, "packets of other senders");
   say(counts.senders_changed, "times another address");
+  if (status.parts > 1) line += fmt::format("  {} parts of the path, not joined", status.parts);
   if (!counts.trouble.empty()) line += "  " + counts.trouble;
   if (!counts.recording_failure.empty()) line += "  NOT RECORDED ANY MORE";
   if (!status.results_failure.empty()) line += "  RESULTS NOT WRITTEN";
@@ -173,7 +175,7 @@ SlamRun run_live(live::LiveSensor& sensor, LiftedInput& input, const slam::SlamO
             failure_of_writing([&] { output.write_checkpoint(session.run_so_far()); }));
       }
     }
-    progress.tell_if_due(sensor.counts());
+    progress.tell_if_due(session, sensor.counts());
   }
   if (run.end == ReadingEnd::kRunning) run.end = ReadingEnd::kComplete;
   const live::LiveCounts counts = sensor.counts();

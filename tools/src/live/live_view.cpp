@@ -1,5 +1,7 @@
 #include "live/live_view.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -109,7 +111,9 @@ struct ViewState {
 std::string warning_of(const LiveStatus& status) {
   if (!status.results_failure.empty()) return "results are not written: " + status.results_failure;
   const std::string& recording = status.counts.recording_failure;
-  return recording.empty() ? "" : "not recorded any more: " + recording;
+  if (!recording.empty()) return "not recorded any more: " + recording;
+  if (status.parts < 2) return "";
+  return fmt::format("{} parts of the path: how they lie to each other is not known", status.parts);
 }
 
 std::string json_of(const ViewState& state) {

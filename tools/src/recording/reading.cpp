@@ -35,6 +35,7 @@ std::optional<RecordedScan> next_scan(ScanSource& source, const InterruptGuard& 
 
 void LeftOut::add(const std::string& what) {
   if (scans++ == 0) first = what;
+  if (each.size() < kMostNamed) each.push_back(what);
 }
 
 std::string LeftOut::text() const {

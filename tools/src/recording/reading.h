@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "hqslam/core/scan_source.h"
 #include "terminal/terminal.h"
@@ -14,7 +15,9 @@ namespace hqslam::tools {
 /// Scans of a recording that could not be understood.
 struct LeftOut {
   std::int64_t scans = 0;
-  std::string first;  ///< what was wrong with the first one
+  std::string first;              ///< what was wrong with the first one
+  std::vector<std::string> each;  ///< and with all of them, up to kMostNamed
+  static constexpr std::size_t kMostNamed = 1000;
 
   void add(const std::string& what);
   /// "2 scans were left out: ..."

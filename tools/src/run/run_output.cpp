@@ -162,6 +162,7 @@ std::string timings_json(const SlamRun& run) {
       {"key_frames", key_frames},
       {"invalid_points_dropped", invalid_points},
       {"scans_left_out", run.left_out.scans},
+      {"left_out", run.left_out.each},
       {"odometry_status", statuses_json(run, &slam::ScanReport::odometry_status)},
       {"mapping_status", statuses_json(run, &slam::ScanReport::mapping_status)},
       {"loops", loops_json(run)},

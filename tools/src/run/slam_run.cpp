@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <numbers>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -158,6 +159,11 @@ ScanRecord& SlamSession::process(const RecordedScan& scan, std::int64_t index, d
 SlamRun& SlamSession::run_so_far() {
   run_.trajectory = slam_.trajectory();
   return run_;
+}
+
+std::size_t SlamSession::parts() const {
+  const std::vector<std::size_t> submaps = slam_.submap_of_scan();
+  return std::set<std::size_t>(submaps.begin(), submaps.end()).size();
 }
 
 void SlamSession::remember(const slam::LoopReport& loop) {

@@ -126,6 +126,8 @@ class SlamSession {
   /// The trajectory and the map as they are now.
   const Trajectory& trajectory() const { return slam_.trajectory(); }
   std::vector<Eigen::Vector3f> map_points_m() const { return slam_.map_points_m(); }
+  /// Of the path, as it is now: between them nothing is known.
+  std::size_t parts() const;
   /// What SLAM saw of the last scan.
   const OrganizedCloud& cloud() const { return cloud_; }
   /// The run with its trajectory and map. save_map: with a map for later drives, which needs loop

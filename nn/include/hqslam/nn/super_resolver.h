@@ -50,9 +50,9 @@ class SuperResolver {
   std::int64_t multiply_adds() const;
 
   /// image: the measured rows alone, or all rows, of which the measured ones are looked at; metres;
-  /// what is not finite or not above 0 is no return. Returns all rows: measured rows as they were;
-  /// rejected and doubtful pixels and those outside the sensor's limits empty. Throws Error for any
-  /// other shape. With `trace` it also writes down every layer.
+  /// what is not above 0, not finite or beyond the sensor's max_range_m is no return. Returns all
+  /// rows: measured rows as they were; rejected and doubtful pixels and those outside the sensor's
+  /// limits empty. Throws Error for any other shape. With `trace` it also writes down every layer.
   LiftedImage run(const RangeImage& image, Trace* trace = nullptr) { return run(image, {}, trace); }
   /// The same with what earlier scans tell (ScanMemory::recall), all rows; networks without a
   /// memory do not look at it. Throws Error for another shape.

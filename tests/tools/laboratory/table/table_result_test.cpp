@@ -24,7 +24,8 @@ struct SavedResult {
  private:
   static TableResult with_left_out(TableResult result) {
     result.scan_of_pose = {0, 1, 4};
-    result.left_out = {2, "scan 7: expected something else"};
+    result.left_out.scans = 2;
+    result.left_out.first = "scan 7: expected something else";
     return result;
   }
 };
