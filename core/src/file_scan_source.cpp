@@ -12,6 +12,7 @@
 #include "hqslam/core/error.h"
 #include "hqslam/core/point_fields.h"
 #include "hqslam/core/recorded_scan.h"
+#include "point_files.h"
 #include "ring_segments.h"
 #include "scan_sources.h"
 #include "scan_stamps.h"
