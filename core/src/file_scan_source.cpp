@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "hqslam/core/error.h"
-#include "hqslam/core/kitti_bin.h"
 #include "hqslam/core/recorded_scan.h"
 #include "point_files.h"
 #include "ring_segments.h"
@@ -161,23 +160,15 @@ namespace fs = std::filesystem;
 constexpr std::size_t kScansToTry = 10;
 constexpr std::size_t kScansToLearnFrom = 5;
 
-RawPoints read_points(const std::string& path) {
-  if (path.ends_with(".pcd")) return read_pcd_points(path);
-  if (path.ends_with(".ply")) return read_ply_points(path);
-  if (path.ends_with(".bin")) return RawPoints(read_kitti_bin(path));
-  return read_text_points(path);
-}
-
 class FileScanSource : public ScanSource {
  public:
-  FileScanSource(std::vector<std::string> paths, SensorModel sensor,
+  FileScanSource(std::vector<std::string> paths, const std::optional<SensorModel>& sensor,
                  const RecordingOptions& options)
-      : paths_(std::move(paths)),
-        sensor_(std::move(sensor)),
-        times_from_azimuth_(options.times_from_azimuth),
-        azimuth_times_(sensor_.scan_period_s) {
+      : paths_(std::move(paths)), times_from_azimuth_(options.times_from_azimuth) {
     read_stamps(options.stamps);
-    look_at_first_scans();
+    sensor_ = sensor ? *sensor : found_sensor();
+    azimuth_times_ = AzimuthTimes(sensor_.scan_period_s);
+    look_at_first_scans(sensor.has_value());
   }
 
   const SensorModel& sensor() const override { return sensor_; }
@@ -227,8 +218,15 @@ class FileScanSource : public ScanSource {
     }
   }
 
-  /// Looks at the first scans, whose points are kept until it is their turn.
-  void look_at_first_scans() {
+  SensorModel found_sensor() {
+    FoundSensor found = find_sensor_of_files(paths_, stamps_s_);
+    warnings_.push_back(fmt::format("{}: {}", paths_.front(), found.note));
+    return std::move(found.sensor);
+  }
+
+  /// Looks at the first scans, whose points are kept until it is their turn. may_be_off: whether
+  /// the beams may be others than the sensor's.
+  void look_at_first_scans(bool may_be_off) {
     has_stamps_ = !stamps_s_.empty();
     std::vector<Scan> scans;
     for (std::size_t i = 0; i < std::min(kScansToLearnFrom, paths_.size()); ++i) {
@@ -241,6 +239,7 @@ class FileScanSource : public ScanSource {
         continue;  // will be said when it is its turn
       }
     }
+    if (!may_be_off) return;
     if (auto own = with_own_elevations(sensor_, scans)) {
       warnings_.push_back(fmt::format(
           "{}: the beams are off the table of sensor '{}'; read with those of this unit, from its "
@@ -282,7 +281,7 @@ class FileScanSource : public ScanSource {
   std::vector<double> stamps_s_;
   std::vector<std::string> warnings_;
   bool times_from_azimuth_;
-  AzimuthTimes azimuth_times_;
+  AzimuthTimes azimuth_times_{0.0};
   std::array<std::optional<RawPoints>, kScansToLearnFrom> first_points_;
   bool has_stamps_ = false;
   std::size_t next_ = 0;
@@ -292,7 +291,7 @@ class FileScanSource : public ScanSource {
 }  // namespace
 
 std::unique_ptr<ScanSource> make_file_scan_source(std::vector<std::string> paths,
-                                                  const SensorModel& sensor,
+                                                  const std::optional<SensorModel>& sensor,
                                                   const RecordingOptions& options) {
   return std::make_unique<FileScanSource>(std::move(paths), sensor, options);
 }

@@ -1,8 +1,10 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "hqslam/core/point_fields.h"
+#include "hqslam/core/sensor_finder.h"
 
 namespace hqslam {
 
@@ -18,5 +20,14 @@ RawPoints read_ply_points(const std::string& path);
 
 /// A .pcd file, as read_pcd describes it. Throws Error.
 RawPoints read_pcd_points(const std::string& path);
+
+/// A file of any of these kinds, or KITTI's .bin, by its extension. Throws Error.
+RawPoints read_points(const std::string& path);
+
+/// The sensor of a recording with one scan per file, from some of them; at least one file. The rate
+/// of turning by the stamps, else by the points' times. Files that cannot be read are passed over.
+/// Throws Error where the points do not tell.
+FoundSensor find_sensor_of_files(const std::vector<std::string>& paths,
+                                 const std::vector<double>& stamps_s);
 
 }  // namespace hqslam

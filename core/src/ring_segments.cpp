@@ -349,6 +349,26 @@ double median_beam_spacing_rad(const SensorModel& sensor) {
   return median(spacing_rad);
 }
 
+std::vector<std::size_t> ring_begins(const Scan& scan) {
+  const std::size_t points = scan.points_m.size();
+  const std::vector<float> angle_rad = angles_from_ring_begin_rad(
+      azimuths_rad(scan), elevation_tangents(scan), static_cast<float>(kGap_rad));
+  std::vector<std::size_t> wraps = {0};
+  for (std::size_t i = 1; i < points; ++i) {
+    if (angle_rad[i] - angle_rad[i - 1] < -kWrap_rad) wraps.push_back(i);
+  }
+  wraps.push_back(points);
+  std::vector<std::size_t> sizes;
+  for (std::size_t w = 1; w < wraps.size(); ++w) sizes.push_back(wraps[w] - wraps[w - 1]);
+  const auto usual = static_cast<double>(median(sizes));
+  std::vector<std::size_t> begins;
+  for (std::size_t w = 1; w < wraps.size(); ++w) {
+    const auto size = static_cast<double>(wraps[w] - wraps[w - 1]);
+    if (size >= kMinRingShareAfterGap * usual) begins.push_back(wraps[w - 1]);
+  }
+  return begins;
+}
+
 std::vector<RingSegment> ring_segments(const Scan& scan, const SensorModel& sensor) {
   const auto gap_rad =
       static_cast<float>(std::max(kGap_rad, kGapColumns * sensor.column_step_rad()));

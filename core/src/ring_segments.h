@@ -24,6 +24,10 @@ struct RingSegment {
 /// one point. Throws Error where the azimuth jumps more often than gaps fit into a turn.
 std::vector<RingSegment> ring_segments(const Scan& scan, const SensorModel& sensor);
 
+/// Where the azimuth begins anew, from front or back; without beginnings of less than 3 % of the
+/// usual points. At least one for a scan with points.
+std::vector<std::size_t> ring_begins(const Scan& scan);
+
 /// Tangent of the elevation of each point: rises with it, at a fraction of the cost. Finite.
 std::vector<float> elevation_tangents(const Scan& scan);
 

@@ -57,9 +57,10 @@ bool nearly_equal(const std::vector<double>& a, const std::vector<double>& b) {
 /// The images of such a folder are those of one sensor; another one would bend every point. What
 /// the folder says about them, which rows were measured and whether they are corrected for motion,
 /// holds whatever the caller calls the sensor.
-SensorModel sensor_of_folder(const fs::path& folder, const SensorModel& sensor) {
+SensorModel sensor_of_folder(const fs::path& folder, const std::optional<SensorModel>& named) {
   const std::string path = (folder / "sensor.json").string();
   const SensorModel recorded = read_sensor_json(path);
+  const SensorModel& sensor = named ? *named : recorded;
   constexpr double kTolerance_s = 1e-9;
   const bool same = recorded.columns == sensor.columns &&
                     std::abs(recorded.scan_period_s - sensor.scan_period_s) < kTolerance_s &&
@@ -149,7 +150,8 @@ std::vector<std::string> files_of_one_kind(const fs::path& folder,
   return paths;
 }
 
-std::unique_ptr<ScanSource> open_folder(const fs::path& folder, const SensorModel& sensor,
+std::unique_ptr<ScanSource> open_folder(const fs::path& folder,
+                                        const std::optional<SensorModel>& sensor,
                                         const RecordingOptions& options) {
   std::error_code error;
   if (fs::exists(folder / "scans.npy", error) && fs::exists(folder / "sensor.json", error)) {
@@ -175,9 +177,10 @@ std::unique_ptr<ScanSource> open_folder(const fs::path& folder, const SensorMode
 
 }  // namespace
 
-std::unique_ptr<ScanSource> open_recording(const std::string& path, const SensorModel& sensor,
+std::unique_ptr<ScanSource> open_recording(const std::string& path,
+                                           const std::optional<SensorModel>& sensor,
                                            const RecordingOptions& options) {
-  validate(sensor);
+  if (sensor) validate(*sensor);
   const fs::path recording(path);
   std::error_code error;
   if (fs::is_directory(recording, error)) return open_folder(recording, sensor, options);
@@ -187,7 +190,13 @@ std::unique_ptr<ScanSource> open_recording(const std::string& path, const Sensor
   }
   const fs::path extension = recording.extension();
   if (extension == ".npy") {
-    return make_image_stack_source(path, sensor, options, wanted_stamps_s(path, options));
+    if (!sensor) {
+      throw Error(
+          "{}: images do not say which sensor they were recorded with; give --sensor NAME or "
+          "--sensor FILE.json",
+          path);
+    }
+    return make_image_stack_source(path, *sensor, options, wanted_stamps_s(path, options));
   }
   const auto is_one_of = [&](const auto& extensions) {
     return std::ranges::find(extensions, extension) != extensions.end();

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -8,9 +9,10 @@
 
 namespace hqslam {
 
-/// One scan per file, all of one kind, in the order given. Throws Error.
+/// One scan per file, all of one kind, in the order given; without a sensor that which is found in
+/// the points. Throws Error.
 std::unique_ptr<ScanSource> make_file_scan_source(std::vector<std::string> paths,
-                                                  const SensorModel& sensor,
+                                                  const std::optional<SensorModel>& sensor,
                                                   const RecordingOptions& options);
 
 /// The images of an .npy stack. Image i is of stamps_s[i]; without any stamps, of i scan periods.

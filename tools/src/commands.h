@@ -21,6 +21,7 @@ struct InfoOptions {
   std::string input;
   std::string sensor;  ///< empty: what the recording says
   std::string stream;  ///< empty: the only one with scans
+  std::string write_sensor;
 };
 void declare_info(CLI::App& app, InfoOptions& options);
 int info_command(const InfoOptions& options);

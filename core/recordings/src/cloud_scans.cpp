@@ -9,6 +9,7 @@
 #include "hqslam/core/error.h"
 #include "hqslam/core/excerpt.h"
 #include "hqslam/core/recorded_scan.h"
+#include "hqslam/core/sensor_finder.h"
 #include "message_packets.h"
 #include "stream_scans.h"
 #include "velodyne_sensor.h"
@@ -106,6 +107,8 @@ RawPoints read_point_cloud(const Message& message, const std::string& source) {
 
 /// By whose stamps the rate of turning is told.
 constexpr std::size_t kProbedClouds = 50;
+/// In whose points the sensor is looked for.
+constexpr std::size_t kCloudsToLearnFrom = 10;
 
 /// Scans of a topic of point clouds.
 class CloudScans : public StreamScans {
@@ -167,6 +170,20 @@ std::optional<double> period_s(StreamReader& reader) {
   return std::round(1e4 * *middle) * 1e-4;
 }
 
+std::vector<RawPoints> first_clouds(StreamReader& reader) {
+  std::vector<RawPoints> clouds;
+  for (std::size_t i = 0; i < kCloudsToLearnFrom; ++i) {
+    const auto message = reader.ahead(i);
+    if (!message) break;
+    try {
+      clouds.push_back(read_point_cloud(*message, reader.path()));
+    } catch (const Error&) {
+      continue;  // will be named when it is its turn
+    }
+  }
+  return clouds;
+}
+
 bool has_point_times(StreamReader& reader, std::vector<std::string>& warnings) {
   try {
     const auto first = reader.ahead(0);
@@ -181,15 +198,17 @@ bool has_point_times(StreamReader& reader, std::vector<std::string>& warnings) {
 
 std::unique_ptr<StreamSource> open_clouds(StreamReader reader, const OpenOptions& options,
                                           bool with_points) {
-  if (options.sensor.empty()) {
-    throw Error(
-        "{}: point clouds do not say which sensor they are of; give --sensor NAME or --sensor "
-        "FILE.json",
-        reader.path());
-  }
   RecordingInfo info;
-  info.sensor = load_sensor(options.sensor);
-  if (const auto period = period_s(reader)) {
+  const auto period = period_s(reader);
+  if (options.sensor.empty()) {
+    FoundSensor found = find_sensor(first_clouds(reader), period, reader.path());
+    info.sensor = std::move(found.sensor);
+    info.sensor_known = true;
+    info.warnings.push_back(fmt::format("{}: {}", reader.path(), found.note));
+  } else {
+    info.sensor = load_sensor(options.sensor);
+  }
+  if (period && !options.sensor.empty()) {
     if (velodyne_model(info.sensor.name) && !options.sensor.ends_with(".json")) {
       info.sensor.columns = columns_at(info.sensor.columns, *period);
     }

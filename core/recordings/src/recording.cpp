@@ -60,28 +60,30 @@ void refuse_folder_of_recordings(const std::string& folder) {
       folder, paths.size(), *std::ranges::min_element(paths));
 }
 
-/// The sensor of files of scans: the one that is named, or that the folder describes. `own`: which
-/// of them it is.
-SensorModel sensor_of_files(const std::string& path, const OpenOptions& options, bool& own) {
+/// Files of scans of the sensor that is named, else that the folder describes, else that the points
+/// tell of.
+std::unique_ptr<ScanSource> open_files(const std::string& path, const OpenOptions& options) {
   const fs::path described = fs::path(path) / "sensor.json";
   std::error_code error;
-  own = options.sensor.empty() && fs::is_regular_file(described, error);
-  if (options.sensor.empty() && !own) {
+  std::optional<SensorModel> sensor;
+  if (!options.sensor.empty()) {
+    sensor = load_sensor(options.sensor);
+  } else if (fs::is_regular_file(described, error)) {
+    sensor = load_sensor(described.string());
+  } else {
     refuse_folder_of_recordings(path);
-    throw Error(
-        "{}: does not say which sensor it was recorded with; give --sensor NAME or --sensor "
-        "FILE.json",
-        path);
   }
-  SensorModel sensor = load_sensor(own ? described.string() : options.sensor);
-  if (options.columns > 0) sensor.columns = options.columns;
-  return sensor;
+  if (options.columns > 0) {
+    if (!sensor) sensor = hqslam::open_recording(path, std::nullopt, options.files)->sensor();
+    sensor->columns = options.columns;
+  }
+  return hqslam::open_recording(path, sensor, options.files);
 }
 
 RecordingInfo inspect_files(const std::string& path, const OpenOptions& options) {
   RecordingInfo info;
-  const SensorModel sensor = sensor_of_files(path, options, info.sensor_known);
-  const auto source = hqslam::open_recording(path, sensor, options.files);
+  const auto source = open_files(path, options);
+  info.sensor_known = options.sensor.empty();
   info.sensor = source->sensor();
   info.scans = source->size().value_or(0);
   info.duration_s = static_cast<double>(info.scans) * info.sensor.scan_period_s;
@@ -114,9 +116,7 @@ std::unique_ptr<StreamSource> open_stream(const std::string& path, const OpenOpt
 }
 
 std::unique_ptr<ScanSource> open_recording(const std::string& path, const OpenOptions& options) {
-  if (is_capture_or_bag(path)) return open_stream(path, options);
-  bool own = false;
-  return hqslam::open_recording(path, sensor_of_files(path, options, own), options.files);
+  return is_capture_or_bag(path) ? open_stream(path, options) : open_files(path, options);
 }
 
 RecordingInfo inspect(const std::string& path, const OpenOptions& options) {

@@ -247,7 +247,11 @@ TEST_CASE("clouds of every unit and origin of times get the recording's stamps")
     CAPTURE(c.absolute);
     write_file(directory.file("a.mcap"),
                mcap_bytes(cloud_messages(c.period_s, c.unit_s, c.absolute, c.type, false), "lz4"));
-    CHECK(refused_with([&] { open_recording(directory.file("a.mcap")); }, "--sensor"));
+    const auto unnamed = open_recording(directory.file("a.mcap"));  // found in the points
+    CHECK(unnamed->sensor().beam_elevation_rad == sensor_preset("vlp-16").beam_elevation_rad);
+    CHECK(unnamed->sensor().columns == 360);
+    CHECK(unnamed->warnings().front().find("vlp-16") != std::string::npos);
+    CHECK(unnamed->sensor().scan_period_s == doctest::Approx(c.period_s).scale(0).epsilon(1e-3));
     const auto source = open_recording(directory.file("a.mcap"), {.sensor = "vlp-16"});
     CHECK(source->sensor().scan_period_s == doctest::Approx(c.period_s).scale(0).epsilon(1e-3));
     const auto scans = all_scans(*source);

@@ -2,6 +2,8 @@
 #include <fmt/format.h>
 
 #include "core/recordings/captures.h"
+#include "file_contents.h"
+#include "hqslam/core/sensor_model.h"
 #include "hqslam/core/trajectory.h"
 #include "tools/program/program.h"
 
@@ -41,6 +43,26 @@ TEST_CASE("info names no command for a recording that cannot be read as that sen
   CHECK(holds(wrong.error, "name the sensor"));
   CHECK(holds(wrong.out, "no scan that can be read"));
   CHECK_FALSE(holds(wrong.out, "hqslam run"));
+}
+
+TEST_CASE("without a sensor info finds it in the points, writes it, and run goes by it") {
+  const TemporaryDirectory folder;
+  const std::string bin = simulated_drive() + "/bin";
+  const std::string file = folder.file("found.json");
+  const ProgramResult info = succeeds("info '{}' --write-sensor '{}'", bin, file);
+  for (const char* part : {"os1-16: 16 rows x 1024 columns", "sensor found in the points",
+                           "beams       14.8 12.63 ", "those of os1-16", "hqslam run"}) {
+    CAPTURE(part);
+    CHECK(holds(info.out, part));
+  }
+  CHECK(read_sensor_json(file) == sensor_preset("os1-16"));
+  CHECK(holds(refused("info '{}' --write-sensor '{}'", bin, file).error, file));
+
+  const ProgramResult found = succeeds("run '{}' --out '{}'", bin, folder.file("found"));
+  CHECK(holds(found.error, "sensor found in the points: 16 beams"));
+  succeeds("run '{}' --sensor '{}' --out '{}'", bin, file, folder.file("named"));
+  CHECK(file_contents(folder.file("found/trajectory.tum")) ==
+        file_contents(folder.file("named/trajectory.tum")));
 }
 
 TEST_CASE("a folder of captures is told from one of scans, by info and by run") {

@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include "file_contents.h"
 #include "temporary_directory.h"
 #include "tools/parts_of_text.h"
 
@@ -19,8 +20,9 @@ TEST_CASE("the sensor that is named comes before the one in the folder") {
   CHECK(file_of_drive(drive, "truth.tum").empty());
 }
 
-TEST_CASE("a recording that does not name its sensor is one line where one is needed") {
+TEST_CASE("a recording whose sensor is neither named nor found is one line where one is needed") {
   const TemporaryDirectory folder;
+  write_file(folder.file("0.csv"), "5 0 1\n5 0 0\n");
   CHECK_FALSE(recording_sensor({folder.path().string()}).has_value());
   CHECK(refuses({"--sensor"}, [&] { required_recording_sensor({folder.path().string()}); }));
 }

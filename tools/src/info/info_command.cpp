@@ -2,9 +2,11 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <numbers>
 #include <utility>
 
 #include "commands.h"
+#include "files/result_files.h"
 #include "hqslam/core/error.h"
 #include "hqslam/recordings/recording.h"
 #include "terminal/command_options.h"
@@ -20,6 +22,14 @@ std::string sensor_line(const recordings::RecordingInfo& info) {
   return fmt::format("{}{}: {} rows x {} columns, {:.4g} turns a second", sensor.name,
                      info.sensor_known ? "" : " (as you say)", sensor.rows(), sensor.columns,
                      1.0 / sensor.scan_period_s);
+}
+
+std::string beams_line(const SensorModel& sensor) {
+  std::vector<std::string> angles_deg;
+  for (const double angle_rad : sensor.beam_elevation_rad) {
+    angles_deg.push_back(fmt::format("{:.4g}", angle_rad * 180.0 / std::numbers::pi));
+  }
+  return fmt::format("{} degrees", fmt::join(angles_deg, " "));
 }
 
 std::string scans_line(const recordings::RecordingInfo& info) {
@@ -80,14 +90,20 @@ void declare_info(CLI::App& app, InfoOptions& options) {
       .option("INPUT", &options.input, "Recording (as for hqslam run)",
               {.required = true, .given = Given::kFileOrFolder})
       .option("--sensor", &options.sensor,
-              fmt::format("{}, or a .json file; where the recording does not say",
+              fmt::format("{}, or a .json file; not needed where the recording or its points tell",
                           fmt::join(sensor_preset_names(), ", ")))
       .option("--stream", &options.stream,
               "Which stream, if there are several: a bag's topic, or a port or sender:port of a "
-              "capture");
+              "capture")
+      .option("--write-sensor", &options.write_sensor,
+              "Sensor file to write, to be looked at, changed and named with --sensor");
 }
 
 int info_command(const InfoOptions& options) {
+  if (!options.write_sensor.empty()) {
+    guard_output_file(options.write_sensor, {options.input, options.sensor},
+                      [](const std::string&) { return false; });  // users change them
+  }
   recordings::OpenOptions open;
   open.sensor = options.sensor;
   open.stream = options.stream;
@@ -104,6 +120,7 @@ int info_command(const InfoOptions& options) {
   }
   print_line("holds", complaint.empty() ? info.format : "no scan that can be read so");
   print_line("sensor", sensor_line(info));
+  print_line("beams", beams_line(info.sensor));
   print_line("scans", scans_line(info));
   print_line("stamps", info.has_stamps
                            ? fmt::format("from the recording, first {:.6f} s", info.first_stamp_s)
@@ -114,6 +131,10 @@ int info_command(const InfoOptions& options) {
   if (info.packets.used > 0) print_line("packets", packets_line(info));
   for (const std::string& warning : info.warnings) print_line("note", warning);
   if (!complaint.empty()) throw Error(complaint);
+  if (!options.write_sensor.empty()) {
+    write_sensor_json(info.sensor, options.write_sensor);
+    print_line("written", options.write_sensor);
+  }
   print_line("run", command_for(options));
   return kOk;
 }

@@ -28,7 +28,7 @@ void declare_input(Command& command, InputChoice& choice, const std::string& wha
       "metres), or folder written by hqslam simulate";
   const std::string usual_sensor = fmt::format(
       "{}, or a .json file with the beam angles (Ouster's metadata files too) or, for "
-      "packets of an HDL-64E, its db.xml; not needed where the recording says it",
+      "packets of an HDL-64E, its db.xml; not needed where the recording or its points tell",
       fmt::join(sensor_preset_names(), ", "));
   command
       .option("INPUT", &choice.input, what.empty() ? kUsual : what,
@@ -173,7 +173,9 @@ std::optional<SensorModel> recording_sensor(const InputChoice& choice) {
 SensorModel required_recording_sensor(const InputChoice& choice) {
   std::optional<SensorModel> known = recording_sensor(choice);
   if (known) return *known;
-  return recordings::open_recording(choice.input)->sensor();  // says what is missing
+  const auto source = recordings::open_recording(choice.input, open_options(choice));
+  print_later_warnings(*source, 0);  // which sensor was found in the points
+  return source->sensor();
 }
 
 std::unique_ptr<recordings::StreamSource> open_stream(const InputChoice& choice) {

@@ -65,7 +65,8 @@ std::string file_of_drive(const std::string& input, const char* name);
 /// said, at the rate at which it turned. Nothing where neither says. Throws Error.
 std::optional<SensorModel> recording_sensor(const InputChoice& choice);
 
-/// The same where one is needed: throws Error where neither says.
+/// The same where one is needed: else the one that its points tell of, which is said on stderr.
+/// Throws Error where they do not.
 SensorModel required_recording_sensor(const InputChoice& choice);
 
 /// A capture or a bag, opened just as far as it takes to know its sensor; nullptr for other

@@ -62,7 +62,8 @@ struct RecordingOptions {
 /// For RecordingOptions::stamps.
 inline constexpr const char* kStampsFromNames = "names";
 
-/// Opens a recording of `sensor`:
+/// Opens a recording of `sensor`; without one, of that of its sensor.json or that which its points
+/// tell of, and a warning says which that is:
 /// - a folder of KITTI .bin files (motion-corrected; rows from the rings where the points are
 ///   stored ring after ring, from the elevation otherwise), or a KITTI drive with them in
 ///   `velodyne` or `velodyne_points/data`;
@@ -82,7 +83,8 @@ inline constexpr const char* kStampsFromNames = "names";
 /// drive, the middle of each scan. Pixels of images that are not finite or negative count as
 /// invalid points. Throws Error: which file, what was expected, what was found, what to do; also
 /// for scans that cannot be the sensor's.
-std::unique_ptr<ScanSource> open_recording(const std::string& path, const SensorModel& sensor,
+std::unique_ptr<ScanSource> open_recording(const std::string& path,
+                                           const std::optional<SensorModel>& sensor,
                                            const RecordingOptions& options = {});
 
 /// A recording with inertial samples that were kept elsewhere, in the order of their stamps, in

@@ -94,8 +94,8 @@ bool is_capture_or_bag(const std::string& path);
 /// scan.
 std::unique_ptr<StreamSource> open_stream(const std::string& path, const OpenOptions& options = {});
 
-/// Opens any recording: what open_stream reads, or whatever hqslam::open_recording does;
-/// options.sensor must then say which sensor it is. source->warnings() says what a user should
+/// Opens any recording: what open_stream reads, or whatever hqslam::open_recording does. Images
+/// without a sensor.json need options.sensor. source->warnings() says what a user should
 /// know. Throws Error.
 std::unique_ptr<ScanSource> open_recording(const std::string& path,
                                            const OpenOptions& options = {});

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hqslam/core/point_fields.h"
+#include "hqslam/core/sensor_model.h"
+
+namespace hqslam {
+
+struct FoundSensor {
+  SensorModel sensor;  ///< a preset where all beams are one's, else without azimuth offsets
+  std::vector<double> beam_elevation_rad;  ///< as the points say, highest first
+  std::string note;                        ///< how it was found and how well it fits, for one line
+};
+
+/// The sensor that scans of one recording are of, from their points (sensor_finder.cpp says how).
+/// scan_period_s: where the recording tells it; 0.1 s otherwise. Throws Error where beams are not
+/// clearly apart or scans contradict each other; `source` stands for the recording in messages.
+FoundSensor find_sensor(const std::vector<RawPoints>& scans, std::optional<double> scan_period_s,
+                        const std::string& source);
+
+}  // namespace hqslam
