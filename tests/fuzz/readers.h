@@ -34,6 +34,10 @@ void ros1_bag(Bytes input);
 void ouster_json(Bytes input);
 /// The first byte names the model, whole packets follow.
 void velodyne_packets(Bytes input);
+/// The first byte names the lasers, 16 or 32, and the return, whole packets follow.
+void hesai_packets(Bytes input);
+/// A Hesai's angle file.
+void hesai_angles(Bytes input);
 /// The first byte names the profile, whole packets of so many rows follow.
 inline constexpr int kOusterRows = 2;
 void ouster_packets(Bytes input);

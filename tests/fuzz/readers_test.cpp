@@ -60,6 +60,8 @@ const std::vector<NamedReader> kReaders = {
     {"ros1_bag", fuzz::ros1_bag},
     {"ouster_json", fuzz::ouster_json},
     {"velodyne_packets", fuzz::velodyne_packets},
+    {"hesai_packets", fuzz::hesai_packets},
+    {"hesai_angles", fuzz::hesai_angles, 5000},
     {"ouster_packets", fuzz::ouster_packets},
     {"live_packets", fuzz::live_packets, 50},
 #endif

@@ -2,6 +2,7 @@
 #include <vector>
 
 #include "captures.h"
+#include "hesai_decoder.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/projection.h"
 #include "hqslam/recordings/recording.h"
@@ -87,6 +88,22 @@ void velodyne_packets(Bytes input) {
   decoder.finish(scans);
   for (const Scan& scan : scans) project(scan, sensor);
 }
+
+void hesai_packets(Bytes input) {
+  if (input.empty()) return;
+  const int lasers = (input[0] & 1U) != 0 ? 32 : 16;
+  SensorModel sensor = nominal_hesai(lasers);
+  sensor.columns = kColumns;
+  HesaiDecoder decoder(
+      sensor, {.kept_return = (input[0] & 2U) != 0 ? KeptReturn::kLast : KeptReturn::kStrongest});
+  std::vector<Scan> scans;
+  const std::size_t bytes = lasers == 16 ? 568 : 1080;
+  for_each_packet(input.subspan(1), bytes, [&](const Packet& p) { decoder.add(p, scans); });
+  decoder.finish(scans);
+  for (const Scan& scan : scans) project(scan, sensor);
+}
+
+void hesai_angles(Bytes input) { read_hesai_angles(as_whole_file(input, ".csv")); }
 
 namespace {
 

@@ -1,5 +1,7 @@
 #include "seeds.h"
 
+#include <fmt/format.h>
+
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -166,6 +168,17 @@ void put_recordings() {
     for (const test::Captured& packet : velodyne) input += text_of(packet.payload);
     put("velodyne_packets", std::to_string(model), input);
   }
+  for (int kind = 0; kind < 4; ++kind) {
+    std::string input(1, static_cast<char>(kind));
+    const std::vector<test::Captured> hesai =
+        test::hesai_capture(kind % 2 == 0 ? 16 : 32, 0.002, kind < 2 ? 0x37 : 0x39);
+    for (const test::Captured& packet : hesai) input += text_of(packet.payload);
+    put("hesai_packets", std::to_string(kind), input);
+    put("pcap", "hesai" + std::to_string(kind) + ".pcap", test::pcap_bytes(hesai));
+  }
+  std::string angles = "Channel,Elevation,Azimuth\n";
+  for (int i = 0; i < 16; ++i) angles += fmt::format("{},{},0.1\n", i + 1, 15 - 2 * i);
+  put("hesai_angles", "xt16", angles);
   constexpr OusterProfile kProfiles[] = {OusterProfile::kLegacy, OusterProfile::kRng19,
                                          OusterProfile::kRng19Dual, OusterProfile::kRng15,
                                          OusterProfile::kFusaDual};

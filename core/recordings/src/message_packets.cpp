@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "hqslam/core/error.h"
@@ -11,6 +12,8 @@ namespace hqslam::recordings {
 namespace {
 
 constexpr std::size_t kEncapsulation = 4;
+/// Room for any packet of a Hesai.
+constexpr std::size_t kPandarPacketBytes = 1500;
 
 [[noreturn]] void fail_for_end(std::size_t wanted, std::size_t left) {
   throw Error(
@@ -30,6 +33,7 @@ MessagePackets::Carrier MessagePackets::carrier_of(const std::string& type) {
   const std::string plain = plain_type(type);
   if (plain.empty()) return Carrier::kPayload;
   if (plain == "velodyne_msgs/VelodyneScan") return Carrier::kFixedPackets;
+  if (plain == "pandar_msgs/PandarScan") return Carrier::kSizedPackets;
   if (plain == "nebula_msgs/NebulaPackets") return Carrier::kPacketLists;
   if (plain.ends_with("/PacketMsg")) return Carrier::kOneBuffer;
   return Carrier::kNone;
@@ -82,6 +86,11 @@ Packet MessagePackets::packet() {
   if (carrier_ != Carrier::kOneBuffer) {
     const std::int64_t stamp_ns = reader_->time_ns();
     if (stamp_ns > 0) result.capture_time_ns = stamp_ns;
+  }
+  if (carrier_ == Carrier::kSizedPackets) {
+    const Bytes space = reader_->bytes(kPandarPacketBytes);
+    result.payload = space.first(std::min<std::size_t>(reader_->u32(), space.size()));
+    return result;
   }
   result.payload = carrier_ == Carrier::kFixedPackets ? reader_->bytes(kVelodynePacketBytes)
                                                       : reader_->byte_list();

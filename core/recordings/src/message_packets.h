@@ -66,7 +66,7 @@ class MessagePackets : public PacketSource {
 
  private:
   /// How a message carries packets.
-  enum class Carrier { kNone, kPayload, kFixedPackets, kPacketLists, kOneBuffer };
+  enum class Carrier { kNone, kPayload, kFixedPackets, kSizedPackets, kPacketLists, kOneBuffer };
   static Carrier carrier_of(const std::string& type);
   friend bool carries_packets(const std::string& type);
 

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "bag.h"
+#include "hesai_decoder.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/excerpt.h"
 #include "message_packets.h"
@@ -25,7 +26,7 @@ namespace fs = std::filesystem;
 /// Of the types that are read.
 bool is_stamped(const std::string& type) {
   return type.starts_with("sensor_msgs/") || type.starts_with("velodyne_msgs/") ||
-         type.starts_with("nebula_msgs/");
+         type.starts_with("pandar_msgs/") || type.starts_with("nebula_msgs/");
 }
 
 /// "" for a damaged message.
@@ -53,6 +54,8 @@ void recognise(Stream& stream, const Message& message) {
   stream.packet_bytes = packet ? packet->payload.size() : 0;
   if (stream.packet_bytes == kVelodynePacketBytes) {
     stream.kind = StreamKind::kVelodynePackets;
+  } else if (packet && hesai_packet(packet->payload)) {
+    stream.kind = StreamKind::kHesaiPackets;
   } else if (type.ends_with("/PacketMsg") && stream.packet_bytes >= kSmallestLidarPacket) {
     stream.kind = StreamKind::kOusterPackets;
   } else if (type.ends_with("/PacketMsg") && stream.packet_bytes == kOusterImuBytes) {
@@ -129,11 +132,13 @@ constexpr std::size_t kMaxStreams = 1000;
 struct Traffic {
   std::size_t stream = 0;
   std::int64_t velodyne = 0;
+  std::int64_t hesai = 0;
   std::map<std::size_t, std::int64_t> packets_of_size;
 };
 
 StreamKind kind_of(const Stream& stream, const Traffic& traffic) {
   if (2 * traffic.velodyne > stream.messages) return StreamKind::kVelodynePackets;
+  if (2 * traffic.hesai > stream.messages) return StreamKind::kHesaiPackets;
   if (stream.packet_bytes == kVelodynePositionBytes &&
       stream.endpoint.port == kVelodynePositionPort) {
     return StreamKind::kVelodynePositions;
@@ -171,6 +176,7 @@ class PcapRecording : public RecordingFile {
     Stream& stream = streams_[traffic.stream];
     ++stream.messages;
     if (is_velodyne_packet(packet.payload)) ++traffic.velodyne;
+    if (hesai_packet(packet.payload)) ++traffic.hesai;
     auto& sizes = traffic.packets_of_size;
     const std::size_t bytes = packet.payload.size();
     if (sizes.size() < kMaxStreams || sizes.contains(bytes)) {

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "hesai_decoder.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/projection.h"
 #include "imu_queue.h"
@@ -52,15 +53,17 @@ class AssemblerOf : public ScanAssembler {
   std::int64_t taken_ = 0;
 };
 
-class VelodyneAssembler : public AssemblerOf<VelodyneDecoder, Scan> {
-  using AssemblerOf::AssemblerOf;
+/// Of a decoder whose turns are scans.
+template <typename Decoder>
+class PointAssembler : public AssemblerOf<Decoder, Scan> {
+  using AssemblerOf<Decoder, Scan>::AssemblerOf;
 
   void put(Scan& scan, RecordedScan& result) override {
-    ProjectedScan projected = project(scan, sensor_);
+    ProjectedScan projected = project(scan, this->sensor_);
     result.stamp_s = scan.stamp_s;
     result.cloud = std::move(projected.cloud);
     result.counts = projected.counts;
-    decoder_.reuse(std::move(scan));
+    this->decoder_.reuse(std::move(scan));
   }
 };
 
@@ -109,8 +112,14 @@ class OusterAssembler : public AssemblerOf<OusterDecoder, OusterFrame> {
 std::unique_ptr<ScanAssembler> velodyne_assembler(const VelodyneStream& stream,
                                                   const SensorModel& sensor, std::string name,
                                                   const VelodyneOptions& options) {
-  return std::make_unique<VelodyneAssembler>(sensor, std::move(name),
-                                             VelodyneDecoder(stream, sensor, options));
+  return std::make_unique<PointAssembler<VelodyneDecoder>>(
+      sensor, std::move(name), VelodyneDecoder(stream, sensor, options));
+}
+
+std::unique_ptr<ScanAssembler> hesai_assembler(const SensorModel& sensor, std::string name,
+                                               const VelodyneOptions& options) {
+  return std::make_unique<PointAssembler<HesaiDecoder>>(sensor, std::move(name),
+                                                        HesaiDecoder(sensor, options));
 }
 
 std::unique_ptr<ScanAssembler> ouster_assembler(const OusterMetadata& metadata, std::string name,

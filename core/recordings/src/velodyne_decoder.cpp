@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <utility>
 
 // A point of a Velodyne packet.
 //
@@ -22,19 +21,13 @@ namespace hqslam::recordings {
 namespace {
 
 constexpr double kHalfTurn = kTurn / 2.0;
-/// A head's azimuth may tremble by some hundredths of a degree; more is a new turn.
-constexpr int kSmallestFall = 200;
-constexpr double kMostOfAScan = 0.75;
 /// After so much of a turn without packets the azimuth may be about where it was.
 constexpr double kWholeTurn = 0.99;
-constexpr std::int64_t kSecond_ns = 1'000'000'000;
 constexpr std::int64_t kSecond_us = 1'000'000;
 /// Two clocks that tell of the same gap differ by less, seconds: packets are recorded late.
 constexpr double kMostApart = 0.5;
 /// No recording has a longer gap.
 constexpr double kMostHours = 1000.0;
-
-int modulo_turn(int azimuth) { return (azimuth % kTurn + kTurn) % kTurn; }
 
 /// Cosine and sine of hundredths of a degree.
 struct Directions {
@@ -80,7 +73,8 @@ VelodyneDecoder::VelodyneDecoder(const VelodyneStream& stream, const SensorModel
       timing_(timing_of(stream)),
       options_(options),
       channels_(channels_of(stream, sensor)),
-      cut_(modulo_turn(static_cast<int>(std::lround(100.0 * stream.cut_azimuth_deg)))) {
+      cut_(modulo_turn(static_cast<int>(std::lround(100.0 * stream.cut_azimuth_deg)))),
+      turns_(cut_, stream.field_of_view_deg) {
   rate_ = expected_rate();
 }
 
@@ -122,7 +116,7 @@ bool VelodyneDecoder::take_time(const Packet& packet, std::vector<Scan>& complet
   }
   if (!clock_was_set) count_lost(passed, block_azimuth(packet.payload, 0));
   if (clock_was_set || static_cast<double>(passed) >= kWholeTurn * 1e6 * stream_.scan_period_s) {
-    finish(completed);
+    turns_.finish(completed);
   }
   last_us_ = now_us;
   last_capture_ns_ = packet.capture_time_ns;
@@ -219,27 +213,9 @@ void VelodyneDecoder::add(const Packet& packet, std::vector<Scan>& completed) {
 
 void VelodyneDecoder::add_firing(const Firing& firing, Bytes payload, std::int64_t packet_ns,
                                  std::vector<Scan>& completed) {
-  const int turned = modulo_turn(firing.azimuth - cut_);
   const std::int64_t firing_ns = packet_ns + std::llround(1e3 * firing.time_us);
-  if (!empty_ && turned < last_turned_ - kSmallestFall) {
-    complete(completed);
-    began_with_cut_ = true;
-  } else if (!empty_ && firing_ns - first_ns_ > kSecond_ns) {
-    ++partial_scans_;  // the head stands still: no turn takes so long
-    scan_ = {};
-    empty_ = true;
-    began_with_cut_ = false;
-  }
-  if (empty_) {
-    first_turned_ = turned;
-    first_ns_ = firing_ns;
-    empty_ = false;
-  }
-  last_turned_ = turned;
-  last_ns_ = firing_ns;
-  if (options_.with_points) {
-    add_points(firing, payload, 1e-9 * static_cast<double>(firing_ns - first_ns_));
-  }
+  const double start_s = turns_.fire(firing.azimuth, firing_ns, completed);
+  if (options_.with_points) add_points(firing, payload, start_s);
 }
 
 /// `start_s`: of the firing after the scan's first one.
@@ -247,6 +223,7 @@ void VelodyneDecoder::add_points(const Firing& firing, Bytes payload, double sta
   const Directions& table = directions();
   const auto unit_m = static_cast<float>(timing_.distance_unit_m);
   const int channels = static_cast<int>(channels_[firing.bank].size());
+  Scan& scan = turns_.scan();
   for (int c = 0; c < channels; ++c) {
     Measurement measured = measurement(payload, firing.block, c);
     if (stream_.dual_return) {
@@ -263,47 +240,13 @@ void VelodyneDecoder::add_points(const Firing& firing, Bytes payload, double sta
     const float distance_m = unit_m * static_cast<float>(measured.distance) + channel.distance_m;
     const float horizontal_m =
         distance_m * channel.cos_elevation - channel.up_m * channel.sin_elevation;
-    scan_.points_m.emplace_back(
+    scan.points_m.emplace_back(
         horizontal_m * cosine + channel.left_m * sine,
         channel.left_m * cosine - horizontal_m * sine,
         distance_m * channel.sin_elevation + channel.up_m * channel.cos_elevation);
-    scan_.row.push_back(channel.row);
-    scan_.time_offset_s.push_back(static_cast<float>(start_s + 1e-6 * channel.time_us));
+    scan.row.push_back(channel.row);
+    scan.time_offset_s.push_back(static_cast<float>(start_s + 1e-6 * channel.time_us));
   }
-}
-
-/// Ends the scan. What began in the middle of a turn is one only if little of it is missing.
-void VelodyneDecoder::complete(std::vector<Scan>& completed) {
-  if (empty_) return;
-  const std::size_t points = scan_.points_m.size();  // the next scan will have about as many
-  const double seen_deg = 0.01 * (last_turned_ - first_turned_);
-  if (!began_with_cut_ && seen_deg < kMostOfAScan * stream_.field_of_view_deg) {
-    ++partial_scans_;
-  } else {
-    const std::int64_t middle_ns = (last_ns_ - first_ns_) / 2;
-    const auto middle_s = static_cast<float>(1e-9 * static_cast<double>(middle_ns));
-    for (float& offset_s : scan_.time_offset_s) offset_s -= middle_s;
-    scan_.stamp_s = 1e-9 * static_cast<double>(first_ns_ + middle_ns);
-    completed.push_back(std::move(scan_));
-  }
-  scan_ = std::exchange(spare_, {});
-  scan_.points_m.reserve(points);
-  scan_.row.reserve(points);
-  scan_.time_offset_s.reserve(points);
-  empty_ = true;
-}
-
-void VelodyneDecoder::reuse(Scan scan) {
-  scan.stamp_s = 0.0;
-  scan.points_m.clear();
-  scan.row.clear();
-  scan.time_offset_s.clear();
-  spare_ = std::move(scan);
-}
-
-void VelodyneDecoder::finish(std::vector<Scan>& completed) {
-  began_with_cut_ = false;  // nothing follows: what is missing at the end counts too
-  complete(completed);
 }
 
 }  // namespace hqslam::recordings

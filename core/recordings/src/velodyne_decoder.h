@@ -2,11 +2,13 @@
 
 #include <cstdint>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "hqslam/core/scan.h"
 #include "hqslam/recordings/velodyne.h"
 #include "sensor_clock.h"
+#include "turn_cutter.h"
 #include "velodyne_tables.h"
 
 namespace hqslam::recordings {
@@ -34,15 +36,15 @@ class VelodyneDecoder {
   /// Takes the next packet in and appends the scans that it completes.
   void add(const Packet& packet, std::vector<Scan>& completed);
   /// The recording has ended: appends what is left, if it is nearly a scan.
-  void finish(std::vector<Scan>& completed);
+  void finish(std::vector<Scan>& completed) { turns_.finish(completed); }
   /// Takes a scan back that is not needed any more: its memory serves the next one.
-  void reuse(Scan scan);
+  void reuse(Scan scan) { turns_.reuse(std::move(scan)); }
 
   const PacketCounts& counts() const { return counts_; }
   /// Whole turns of which no packet came. Their packets are counted too.
   std::int64_t lost_scans() const { return lost_scans_; }
   /// Turns that were cut short by the beginning or the end of the recording, or by a long gap.
-  std::int64_t partial_scans() const { return partial_scans_; }
+  std::int64_t partial_scans() const { return turns_.partial_scans(); }
 
  private:
   /// One firing of 32 channels (or the 16 of a VLP-16, twice).
@@ -61,7 +63,6 @@ class VelodyneDecoder {
   void add_firing(const Firing& firing, Bytes payload, std::int64_t packet_ns,
                   std::vector<Scan>& completed);
   void add_points(const Firing& firing, Bytes payload, double start_s);
-  void complete(std::vector<Scan>& completed);
   double expected_rate() const { return kTurn / (1e6 * stream_.scan_period_s); }
 
   VelodyneStream stream_;
@@ -78,18 +79,10 @@ class VelodyneDecoder {
   double rate_ = 0.0;
   std::vector<Firing> firings_;
 
-  Scan scan_;
-  Scan spare_;  ///< empty, with memory
-  bool began_with_cut_ = false;
-  bool empty_ = true;
-  int first_turned_ = 0;
-  int last_turned_ = 0;
-  std::int64_t first_ns_ = 0;
-  std::int64_t last_ns_ = 0;
+  TurnCutter turns_;
 
   PacketCounts counts_;
   std::int64_t lost_scans_ = 0;
-  std::int64_t partial_scans_ = 0;
 };
 
 }  // namespace hqslam::recordings

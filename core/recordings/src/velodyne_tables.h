@@ -6,7 +6,7 @@
 
 #include "byte_reader.h"
 #include "hqslam/recordings/velodyne.h"
-#include "velodyne_tables.h"
+#include "turn_cutter.h"
 
 namespace hqslam::recordings {
 
@@ -17,7 +17,6 @@ inline constexpr std::size_t kBlockBytes = 100;
 inline constexpr std::size_t kTimeAt = 1200;
 inline constexpr std::size_t kReturnModeAt = 1204;
 inline constexpr std::size_t kProductAt = 1205;
-inline constexpr int kTurn = 36000;  ///< of the head, hundredths of a degree
 inline constexpr std::int64_t kHour_us = 3'600'000'000;
 
 /// How the lasers of a model fire.

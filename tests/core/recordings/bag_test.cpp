@@ -270,6 +270,46 @@ TEST_CASE("clouds of every unit and origin of times get the recording's stamps")
   }
 }
 
+TEST_CASE("clouds with the fields that other makers' drivers write are read") {
+  struct Driver {
+    const char* ring;
+    const char* time;
+    std::uint8_t time_type;
+    double unit_s;
+    bool absolute, highest_first, with_nan;
+  };
+  const TemporaryDirectory directory;
+  for (const Driver& d : {Driver{"ring", "timestamp", 8, 1.0, true, false, true},  // RoboSense
+                          Driver{"ring", "time", 7, 1.0, false, false, false},     // LSLiDAR
+                          Driver{"ring", "timestamp", 8, 1.0, true, true, false},  // Hesai
+                          Driver{"channel", "time_stamp", 6, 1e-9, false, true, false}}) {
+    CAPTURE(d.time);
+    std::vector<BagMessage> messages;
+    for (int i = 0; i < 3; ++i) {
+      const double begin_s = 1'600'000'000.0 + 0.1 * i;
+      std::vector<CloudPoint> points = round_cloud(0.1, d.unit_s, d.absolute ? begin_s : 0.0);
+      for (CloudPoint& point : points) {
+        if (d.with_nan && point.ring == 3 && point.x > 4.0F) point.x = std::nanf("");
+        if (d.highest_first) point.ring = static_cast<std::uint16_t>(15 - point.ring);
+      }
+      const auto begin_ns = static_cast<std::int64_t>(1e9 * begin_s);
+      messages.push_back({"/points", kCloudType, begin_ns,
+                          cloud_message(begin_ns, points, false, d.time_type, d.time, d.ring)});
+    }
+    write_file(directory.file("a.mcap"), mcap_bytes(messages, ""));
+    const auto source = open_recording(directory.file("a.mcap"));
+    CHECK(source->sensor().rows() == 16);
+    const auto scans = all_scans(*source);
+    REQUIRE(scans.size() == 3);
+    const OrganizedCloud& cloud = scans[1].cloud;
+    const std::size_t behind = cloud.index(0, source->sensor().column_of(0, 3.14));
+    CHECK(cloud.points_m[behind].z() == doctest::Approx(5.0 * std::sin(15.0 / 57.29577951)));
+    CHECK(std::abs(cloud.time_offset_s[behind]) < 0.001);
+    CHECK(scans[1].stamp_s == doctest::Approx(1'600'000'000.15).scale(0).epsilon(1e-12));
+    CHECK((scans[1].invalid_points > 0) == d.with_nan);
+  }
+}
+
 TEST_CASE("times that contradict the rate are refused in one line, scan by scan") {
   const TemporaryDirectory directory;
   auto messages = cloud_messages(0.1, 1.0, false, 7, false);

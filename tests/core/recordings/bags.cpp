@@ -123,6 +123,20 @@ Payload velodyne_scan_message(const std::vector<Captured>& packets, bool ros1) {
   return writer.bytes;
 }
 
+Payload pandar_scan_message(const std::vector<Captured>& packets, bool ros1) {
+  Writer writer(ros1);
+  writer.header(packets.front().time_ns);
+  writer.number(static_cast<std::uint32_t>(packets.size()));
+  for (const Captured& packet : packets) {
+    writer.time(packet.time_ns);
+    Payload space = packet.payload;
+    space.resize(1500);
+    writer.raw(space);
+    writer.number(static_cast<std::uint32_t>(packet.payload.size()));
+  }
+  return writer.bytes;
+}
+
 Payload buffer_message(const Payload& packet, bool ros1) {
   Writer writer(ros1);
   writer.number(static_cast<std::uint32_t>(packet.size()));

@@ -18,6 +18,8 @@ struct BagMessage {
 
 /// A velodyne_msgs/VelodyneScan with these packets.
 Payload velodyne_scan_message(const std::vector<Captured>& packets, bool ros1);
+/// A pandar_msgs/PandarScan with these packets.
+Payload pandar_scan_message(const std::vector<Captured>& packets, bool ros1);
 /// A message of one buffer: Ouster's PacketMsg.
 Payload buffer_message(const Payload& packet, bool ros1);
 /// A std_msgs/String.

@@ -136,6 +136,51 @@ std::vector<Captured> velodyne_capture(const RoundRoom& room) {
   return result;
 }
 
+Payload hesai_packet_bytes(int lasers, std::uint32_t time_us, int azimuth, std::uint32_t number,
+                           std::uint8_t return_mode, std::uint16_t distance) {
+  const std::size_t block_bytes = 2 + 4 * static_cast<std::size_t>(lasers);
+  const std::size_t tail = 12 + 8 * block_bytes;
+  Payload packet(tail + 28);
+  const Payload head = {0xEE, 0xFF, 6, 1, 0, 0, static_cast<std::uint8_t>(lasers), 8, 1, 4, 2, 1};
+  std::copy(head.begin(), head.end(), packet.begin());
+  const int step = return_mode >= 0x39 ? 2 : 1;
+  for (int block = 0; block < 8; ++block) {
+    put(packet, 12 + static_cast<std::size_t>(block) * block_bytes,
+        static_cast<std::uint16_t>((azimuth + 18 * (block / step)) % 36000));
+    for (int i = 0; i < lasers; ++i) set_hesai_measurement(packet, lasers, block, i, distance);
+  }
+  packet[tail + 10] = return_mode;
+  put(packet, tail + 11, std::uint16_t{599});
+  const Payload date = {120, 9, 13, 12, 26, static_cast<std::uint8_t>(40 + time_us / 1'000'000)};
+  std::copy(date.begin(), date.end(), packet.begin() + static_cast<std::ptrdiff_t>(tail) + 13);
+  put(packet, tail + 19, time_us % 1'000'000);
+  packet[tail + 23] = 0x42;
+  put(packet, tail + 24, number);
+  return packet;
+}
+
+void set_hesai_measurement(Payload& packet, int lasers, int block, int laser,
+                           std::uint16_t distance, std::uint8_t reflectivity) {
+  const auto at = static_cast<std::size_t>(12 + block * (2 + 4 * lasers) + 2 + 4 * laser);
+  put(packet, at, distance);
+  packet[at + 2] = reflectivity;
+}
+
+std::vector<Captured> hesai_capture(int lasers, double duration_s, std::uint8_t return_mode) {
+  const int firings = return_mode >= 0x39 ? 4 : 8;
+  std::vector<Captured> result;
+  for (int i = 0; 50e-6 * firings * i < duration_s; ++i) {
+    Captured captured;
+    const int time_us = 50 * firings * i;
+    captured.time_ns = 1'600'000'000'000'000'000 + 1000LL * time_us;
+    captured.payload = hesai_packet_bytes(lasers, static_cast<std::uint32_t>(time_us),
+                                          (30000 + 18 * firings * i) % 36000,
+                                          static_cast<std::uint32_t>(i), return_mode);
+    result.push_back(std::move(captured));
+  }
+  return result;
+}
+
 std::string ouster_metadata_text(recordings::OusterProfile profile, int rows) {
   std::string altitude;
   std::string azimuth;

@@ -75,6 +75,18 @@ struct RoundRoom {
 };
 std::vector<Captured> velodyne_capture(const RoundRoom& room = {});
 
+/// A Hesai XT's packet: 8 blocks from this azimuth on (hundredths of a degree), 0.18 degrees apart
+/// (of two returns every other one), all measurements of `distance` (4 mm); 10 s after 2020-09-13
+/// 12:26:30 plus `time_us`.
+Payload hesai_packet_bytes(int lasers, std::uint32_t time_us, int azimuth, std::uint32_t number,
+                           std::uint8_t return_mode = 0x37, std::uint16_t distance = 1250);
+/// Changes one measurement of it.
+void set_hesai_measurement(Payload& packet, int lasers, int block, int laser,
+                           std::uint16_t distance, std::uint8_t reflectivity = 10);
+/// What such a sensor sends in a round room in so many seconds, 10 turns a second, from the azimuth
+/// of 300 degrees on.
+std::vector<Captured> hesai_capture(int lasers, double duration_s, std::uint8_t return_mode = 0x37);
+
 /// Metadata of a small Ouster with `rows` beams and 512 columns at 20 Hz.
 std::string ouster_metadata_text(recordings::OusterProfile profile, int rows = 8);
 

@@ -28,7 +28,8 @@ void declare_input(Command& command, InputChoice& choice, const std::string& wha
       "metres), or folder written by hqslam simulate";
   const std::string usual_sensor = fmt::format(
       "{}, or a .json file with the beam angles (Ouster's metadata files too) or, for "
-      "packets of an HDL-64E, its db.xml; not needed where the recording or its points tell",
+      "packets of an HDL-64E, its db.xml, of a Hesai, its .csv of angles; not needed where the "
+      "recording or its points tell",
       fmt::join(sensor_preset_names(), ", "));
   command
       .option("INPUT", &choice.input, what.empty() ? kUsual : what,

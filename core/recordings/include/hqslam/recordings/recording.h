@@ -15,6 +15,7 @@ namespace hqslam::recordings {
 enum class StreamKind {
   kVelodynePackets,
   kVelodynePositions,  ///< of its GPS receiver: no scans
+  kHesaiPackets,
   kOusterPackets,
   kPointClouds,
   kInertialData,  ///< packets of an Ouster or sensor_msgs/Imu
@@ -35,8 +36,8 @@ struct Stream {
 };
 
 struct OpenOptions {
-  /// A preset's name or a .json file (for packets of an Ouster its metadata); empty: what the
-  /// recording says. What is said here wins.
+  /// A preset's name or a .json file (for packets of an Ouster its metadata; of a Hesai its .csv of
+  /// angles; of an HDL-64E its db.xml); empty: what the recording says. What is said here wins.
   std::string sensor = {};
   /// Which stream: a topic, a port or sender:port; empty: the only one with scans.
   std::string stream = {};
@@ -85,13 +86,13 @@ class StreamSource : public ScanSource {
 /// Whether this is a capture or a bag, by its first bytes: what open_stream reads.
 bool is_capture_or_bag(const std::string& path);
 
-/// Opens a .pcap or .pcapng capture of Velodyne and Ouster packets, or a bag of packets or point
-/// clouds, of which options.sensor must then say which sensor they are of. An Ouster's metadata are
-/// found in the bag or beside the file (the same name with .json, else the only fitting .json of
-/// the folder). Stamps are those of the recording. Streams that begin more than two seconds behind
-/// the first one are not looked for, unless they are named. Throws Error: which file, what was
-/// expected, what was found, what to do; also next(), at the end, where there was not one whole
-/// scan.
+/// Opens a .pcap or .pcapng capture of Velodyne, Hesai and Ouster packets, or a bag of packets or
+/// point clouds, of which options.sensor must then say which sensor they are of. An Ouster's
+/// metadata are found in the bag or beside the file (the same name with .json, else the only
+/// fitting .json of the folder). Stamps are those of the recording. Streams that begin more than
+/// two seconds behind the first one are not looked for, unless they are named. Throws Error: which
+/// file, what was expected, what was found, what to do; also next(), at the end, where there was
+/// not one whole scan.
 std::unique_ptr<StreamSource> open_stream(const std::string& path, const OpenOptions& options = {});
 
 /// Opens any recording: what open_stream reads, or whatever hqslam::open_recording does. Images
