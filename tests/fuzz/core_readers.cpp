@@ -6,6 +6,7 @@
 #include "hqslam/core/sensor_model.h"
 #include "hqslam/core/trajectory.h"
 #include "input_file.h"
+#include "point_files.h"
 #include "readers.h"
 #include "scan_stamps.h"
 
@@ -53,6 +54,8 @@ void ply(Bytes input) { read_scans(as_file(input, ".ply")); }
 void kitti_bin(Bytes input) { read_scans(as_file(input, ".bin")); }
 
 void text(Bytes input) { read_scans(as_file(input, ".csv")); }
+
+void found_sensor(Bytes input) { find_sensor_of_files({as_whole_file(input, ".csv")}, {}); }
 
 void stamps(Bytes input) { read_stamps_s(as_whole_file(input, ".txt")); }
 

@@ -16,6 +16,8 @@ void pcd(Bytes input);
 void ply(Bytes input);
 void kitti_bin(Bytes input);
 void text(Bytes input);
+/// Whose points say which sensor they are of.
+void found_sensor(Bytes input);
 void stamps(Bytes input);
 void sensor_json(Bytes input);
 void tum(Bytes input);

@@ -43,6 +43,7 @@ const std::vector<NamedReader> kReaders = {
     {"ply", fuzz::ply, 5000},
     {"kitti_bin", fuzz::kitti_bin, 5000},
     {"text", fuzz::text, 5000},
+    {"found_sensor", fuzz::found_sensor},
     {"stamps", fuzz::stamps, 5000},
     {"sensor_json", fuzz::sensor_json, 5000},
     {"tum", fuzz::tum, 5000},

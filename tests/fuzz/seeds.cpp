@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -70,6 +71,17 @@ void put_points() {
     scan.points_m.emplace_back(5.0F, static_cast<float>(20 - i), 0.1F * static_cast<float>(i % 3));
   }
   write_kitti_bin(scan, place("kitti_bin", "scan"));
+  std::string beams = "x,y,z,ring\n";
+  std::string points = "x,y,z\n";
+  for (int i = 0; i < 4 * 40; ++i) {
+    const double azimuth = 0.15 * (i / 4);
+    const std::string point =
+        fmt::format("{:.3f},{:.3f},{}", 9.0 * std::cos(azimuth), 9.0 * std::sin(azimuth), i % 4);
+    beams += fmt::format("{},{}\n", point, i % 4);
+    points += point + "\n";
+  }
+  put("found_sensor", "rings", beams);
+  put("found_sensor", "points", points);
   put("stamps", "seconds", "0.1\n0.2\n1316430000.5\n");
   put("stamps", "dates", "2011-09-26 13:02:25.594360375\n2011-09-26 13:02:25.694360375\n");
 }
