@@ -3,12 +3,14 @@
 #include <doctest/doctest.h>
 
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "golden_folder.h"
 #include "hqslam/core/projection.h"
 #include "hqslam/nn/compare/compared_networks.h"
+#include "hqslam/nn/scan_memory.h"
 #include "hqslam/sim/drive.h"
 #include "laboratory/compare/upsampling_comparison.h"
 
@@ -96,6 +98,38 @@ TEST_CASE("the networks to compare with are trained: not far from interpolation,
   check("srae_4_os1_16to64.npz", "os1-64", {1.5, 0.55});
   check("tulip_16_os1_16to64.npz", "os1-64", {kAny, 0.7, kAny, 1.0});
   check("simple-du_os1_16to64.npz", "os1-64", {1.0, 0.0, 0.8});
+}
+
+TEST_CASE("what DU-Mix remembers of the last scans makes its ranges better on an unseen drive") {
+  SensorModel sensor = sensor_preset("os1-64");
+  const RowSelection rows = selection_for(sensor.rows(), 16);
+  sensor.measured_rows = rows;
+  sim::DriveSpec spec = sim::drive_preset("town");
+  spec.seed = 4711;
+  spec.scans = 140;
+  sim::DriveSimulator simulator(spec, sensor);
+  std::vector<ComparedMethod> methods;
+  for (const char* weights : {"du-mix_os1_16to64.npz", "du-mix-memory_os1_16to64.npz"}) {
+    const std::string path = golden_folder() + "/../../weights/" + weights;
+    methods.push_back({"", nn::Upsampler(nn::SuperResolver::load(path), sensor), std::nullopt});
+  }
+  UpsamplingComparison comparison(std::move(methods));
+  nn::ScanMemory memory(sensor);
+  simulator.skip(100);
+  for (int i = 0; i < 40; ++i) {
+    const bool compared = i == 20 || i == 39;
+    const auto scan = simulator.next(compared ? std::nullopt : std::optional(rows));
+    const RangeImage measured = select_rows(scan->image, rows);
+    if (compared) {
+      comparison.add(unproject(scan->image, sensor, CaptureTime::kMotionCorrected),
+                     memory.recall(measured, scan->T_map_sensor_at_column));
+    }
+    memory.insert(unproject(measured, select_rows(sensor, rows), CaptureTime::kRolling),
+                  scan->T_map_sensor_at_column, scan->stamp_s);
+  }
+  const std::vector<UpsamplingScore> scores = comparison.scores();
+  CHECK(scores[1].mae_valid_m < 0.9 * scores[0].mae_valid_m);
+  CHECK(scores[1].f1 > scores[0].f1);
 }
 
 }  // namespace hqslam::tools
