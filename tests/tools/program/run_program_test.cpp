@@ -175,7 +175,7 @@ TEST_CASE("wrong input is one line on stderr and status 2, and writes nothing") 
   const std::string bin = "run '" + drive + "/bin' --sensor os1-16 ";
   const std::vector<std::string> wrong = {
       "run /no/such/folder --sensor os1-16 --out '" + out + "'",
-      "run '" + drive + "/bin' --out '" + out + "'",
+      "run '" + drive + "/scans.npy' --out '" + out + "'",
       "run '" + drive + "' --sensor os1-17 --out '" + out + "'",
       "run '" + drive + "' --rows 5 --out '" + out + "'",
       "run '" + drive + "' --rows 32 --out '" + out + "'",

@@ -281,7 +281,7 @@ TEST_CASE("a wrong table is one line on stderr and status 2, and writes nothing"
            std::string("--drives moon"),
            std::string("--drives block --weights none.npz"),
            "--drives '" + drive + "'",
-           "--drives '" + drive + "/bin'",
+           "--drives '" + drive + "/bin' --sensor os1-16",
            std::string("--drives block --scans 0"),
            std::string("--drives block --seeds 3..1"),
            std::string("--drives block --seeds 1..2 --methods rows-16 --against linear"),
