@@ -137,7 +137,8 @@ void validate(const ScanMemoryOptions& options) {
 struct ScanMemory::Implementation {
   Implementation(const SensorModel& sensor_, const ScanMemoryOptions& options_);
 
-  void check_poses(const ColumnPoses& poses) const;
+  /// Throws Error.
+  void check(int rows, int columns, std::size_t pixels, const ColumnPoses& poses) const;
   int row_of(float sine) const;
   Hit hit_of(const Eigen::Vector3f& point_m, const std::vector<PoseFloat>& poses,
              std::int16_t& seen_in_column) const;
@@ -189,6 +190,9 @@ ScanMemory::Implementation::Implementation(const SensorModel& sensor_,
                 sensor.name, sensor.rows());
   }
   measured_rows = *sensor.measured_rows;
+  if (sensor.rows() < 2) {
+    throw Error("scan memory: sensor '{}' has 1 row, expected at least 2", sensor.name);
+  }
   for (int row = 0; row < sensor.rows(); ++row) {
     sine.push_back(static_cast<float>(std::sin(sensor.beam_elevation_rad[row])));
     azimuth_of_column_0.push_back(static_cast<float>(sensor.azimuth_rad(row, 0)));
@@ -217,7 +221,15 @@ ScanMemory::Implementation::Implementation(const SensorModel& sensor_,
   }
 }
 
-void ScanMemory::Implementation::check_poses(const ColumnPoses& poses) const {
+void ScanMemory::Implementation::check(int rows, int columns, std::size_t pixels,
+                                       const ColumnPoses& poses) const {
+  const int expected = select_rows(sensor, measured_rows).rows();
+  const std::size_t all = static_cast<std::size_t>(expected) * sensor.columns;
+  if (rows != expected || columns != sensor.columns || pixels != all) {
+    throw Error(
+        "scan memory: a scan of {} x {} with {} pixels, expected the measured {} x {} of {}", rows,
+        columns, pixels, expected, sensor.columns, sensor.name);
+  }
   if (poses.size() == 1 || std::ssize(poses) == sensor.columns) return;
   throw Error("scan memory: {} poses, expected 1 or one for each of the {} columns of {}",
               poses.size(), sensor.columns, sensor.name);
@@ -366,12 +378,7 @@ ScanMemory& ScanMemory::operator=(ScanMemory&&) noexcept = default;
 
 RecalledImage ScanMemory::recall(const RangeImage& measured, const ColumnPoses& T_world_sensor) {
   Implementation& self = *implementation_;
-  self.check_poses(T_world_sensor);
-  const int rows = select_rows(self.sensor, self.measured_rows).rows();
-  if (measured.rows != rows || measured.columns != self.sensor.columns) {
-    throw Error("scan memory: a scan of {} x {}, expected the measured {} x {} of {}",
-                measured.rows, measured.columns, rows, self.sensor.columns, self.sensor.name);
-  }
+  self.check(measured.rows, measured.columns, measured.range_m.size(), T_world_sensor);
   if (self.kept.empty()) return {};
   self.project(measured, self.in_floats(T_world_sensor));
   RecalledImage recalled{RangeImage(self.sensor.rows(), self.sensor.columns), {}};
@@ -383,12 +390,8 @@ RecalledImage ScanMemory::recall(const RangeImage& measured, const ColumnPoses& 
 void ScanMemory::insert(const OrganizedCloud& measured, const ColumnPoses& T_world_sensor,
                         double stamp_s) {
   Implementation& self = *implementation_;
-  self.check_poses(T_world_sensor);
-  const int rows = select_rows(self.sensor, self.measured_rows).rows();
-  if (measured.rows != rows || measured.columns != self.sensor.columns) {
-    throw Error("scan memory: a scan of {} x {}, expected the measured {} x {} of {}",
-                measured.rows, measured.columns, rows, self.sensor.columns, self.sensor.name);
-  }
+  self.check(measured.rows, measured.columns,
+             std::min(measured.range_m.size(), measured.points_m.size()), T_world_sensor);
   const Pose& middle = T_world_sensor[T_world_sensor.size() / 2];
   if ((middle.translation() - self.origin_m).norm() > kFarFromOrigin_m) {
     self.move_origin(middle.translation());
@@ -401,7 +404,7 @@ void ScanMemory::insert(const OrganizedCloud& measured, const ColumnPoses& T_wor
                         rotation_angle_rad(step) < self.options.step_rad;
     if (stands) self.kept.pop_back();
   }
-  for (int row = 0; row < rows; ++row) {
+  for (int row = 0; row < measured.rows; ++row) {
     const int sensor_row = self.measured_rows.offset + row * self.measured_rows.stride;
     for (int column = 0; column < measured.columns; ++column) {
       const std::size_t pixel = measured.index(row, column);
