@@ -78,9 +78,9 @@ struct KeptScan {
   std::vector<std::int16_t> columns;
 };
 
-/// Where a point falls: into a pixel, or into none (row -1).
+/// Where a point falls.
 struct Hit {
-  std::int16_t row = -1;
+  std::int16_t row = 0;
   std::int16_t column = 0;
   float range_m = 0.0F;
   float u = 0.0F;  ///< from the pixel's centre to the right, in columns
@@ -140,8 +140,8 @@ struct ScanMemory::Implementation {
   /// Throws Error.
   void check(int rows, int columns, std::size_t pixels, const ColumnPoses& poses) const;
   int row_of(float sine) const;
-  Hit hit_of(const Eigen::Vector3f& point_m, const std::vector<PoseFloat>& poses,
-             std::int16_t& seen_in_column) const;
+  bool find_hit(const Eigen::Vector3f& point_m, const std::vector<PoseFloat>& poses,
+                std::int16_t& seen_in_column, Hit& hit) const;
   std::size_t pixel_of(const Hit& hit) const {
     return static_cast<std::size_t>(hit.row) * sensor.columns + hit.column;
   }
@@ -243,9 +243,10 @@ int ScanMemory::Implementation::row_of(float s) const {
 }
 
 /// Looked for in the column where the point was seen last, and once more where that is far off.
-Hit ScanMemory::Implementation::hit_of(const Eigen::Vector3f& point_m,
-                                       const std::vector<PoseFloat>& poses,
-                                       std::int16_t& seen_in_column) const {
+/// Returns false where it falls into no pixel.
+bool ScanMemory::Implementation::find_hit(const Eigen::Vector3f& point_m,
+                                          const std::vector<PoseFloat>& poses,
+                                          std::int16_t& seen_in_column, Hit& hit) const {
   constexpr int kFar_columns = 4;
   const int columns = sensor.columns;
   const auto all = static_cast<float>(columns);
@@ -253,7 +254,7 @@ Hit ScanMemory::Implementation::hit_of(const Eigen::Vector3f& point_m,
   for (bool again = poses.size() > 1;; again = false) {
     const Eigen::Vector3f p = poses[poses.size() > 1 ? head : 0](point_m);
     const float range_m = std::sqrt(p.squaredNorm());
-    if (!(range_m >= least_m && range_m <= most_m)) return {};
+    if (!(range_m >= least_m && range_m <= most_m)) return false;
     const float s = p.z() / range_m;
     const int row = row_of(s);
     // Columns count clockwise from the first one's azimuth.
@@ -268,10 +269,15 @@ Hit ScanMemory::Implementation::hit_of(const Eigen::Vector3f& point_m,
     seen_in_column = static_cast<std::int16_t>(head);
     const float down = sine[row] - s;
     const float v = down * (down > 0.0F ? per_sine_below[row] : per_sine_above[row]);
-    if (std::fabs(v) > 0.5F) return {};
+    if (std::fabs(v) > 0.5F) return false;
     const float off_u = std::clamp(u - static_cast<float>(column), -0.5F, 0.5F);
-    return {static_cast<std::int16_t>(row), static_cast<std::int16_t>(column), range_m, off_u, v,
-            worth(off_u * off_u + v * v)};
+    hit.row = static_cast<std::int16_t>(row);
+    hit.column = static_cast<std::int16_t>(column);
+    hit.range_m = range_m;
+    hit.u = off_u;
+    hit.v = v;
+    hit.worth = worth(off_u * off_u + v * v);
+    return true;
   }
 }
 
@@ -287,18 +293,20 @@ void ScanMemory::Implementation::project_scan(KeptScan& scan, const RangeImage& 
                                               const std::vector<PoseFloat>& poses,
                                               std::vector<Hit>& of_scan,
                                               std::vector<float>& nearest) const {
-  of_scan.clear();
+  of_scan.resize(scan.points_m.size());
+  std::size_t count = 0;
   for (std::size_t i = 0; i < scan.points_m.size(); ++i) {
-    const Hit hit = hit_of(scan.points_m[i], poses, scan.columns[i]);
-    if (hit.row < 0) continue;
+    Hit& hit = of_scan[count];  // written where it stays: to copy it waits for every part of it
+    if (!find_hit(scan.points_m[i], poses, scan.columns[i], hit)) continue;
     if (is_passed(hit, measured)) {
       scan.points_m[i].setConstant(NAN);
       continue;
     }
-    of_scan.push_back(hit);
+    ++count;
     float& first_m = nearest[pixel_of(hit)];
     first_m = std::min(first_m, hit.range_m);
   }
+  of_scan.resize(count);
 }
 
 void ScanMemory::Implementation::project(const RangeImage& measured,
@@ -311,7 +319,10 @@ void ScanMemory::Implementation::project(const RangeImage& measured,
     std::vector<float> nearest(nearest_m.size(), HUGE_VALF);
 #pragma omp for schedule(dynamic, 1)
     for (int scan = 0; scan < scans; ++scan) {
-      project_scan(kept[scan], measured, poses, hits[scan], nearest);
+      std::vector<Hit> own;  // neighbours in `hits` share a line of the cache
+      own.swap(hits[scan]);
+      project_scan(kept[scan], measured, poses, own, nearest);
+      own.swap(hits[scan]);
     }
 #pragma omp critical
     for (std::size_t i = 0; i < nearest.size(); ++i) {
