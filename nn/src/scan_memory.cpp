@@ -157,10 +157,10 @@ struct ScanMemory::Implementation {
   SensorModel sensor;
   RowSelection measured_rows;
   ScanMemoryOptions options;
-  std::vector<float> sine;                 ///< of each row's elevation, falling
-  std::vector<float> azimuth_of_column_0;  ///< of each row
-  std::vector<int> column_shift;           ///< SensorModel::column_shift of each row
-  std::vector<float> per_sine_above;       ///< rows a unit of sine, towards the row above
+  std::vector<float> sine;             ///< of each row's elevation, falling
+  std::vector<float> azimuth_of_edge;  ///< of the left edge of column 0, of each row
+  std::vector<int> column_shift;       ///< SensorModel::column_shift of each row
+  std::vector<float> per_sine_above;   ///< rows a unit of sine, towards the row above
   std::vector<float> per_sine_below;
   std::vector<float> surface_share;       ///< of the range, that one surface spans in each row
   std::vector<float> lower_edge;          ///< the sine between each row and the next
@@ -195,7 +195,8 @@ ScanMemory::Implementation::Implementation(const SensorModel& sensor_,
   }
   for (int row = 0; row < sensor.rows(); ++row) {
     sine.push_back(static_cast<float>(std::sin(sensor.beam_elevation_rad[row])));
-    azimuth_of_column_0.push_back(static_cast<float>(sensor.azimuth_rad(row, 0)));
+    azimuth_of_edge.push_back(
+        static_cast<float>(sensor.azimuth_rad(row, 0) + 0.5 * sensor.column_step_rad()));
     column_shift.push_back(sensor.column_shift(row));
   }
   for (int row = 0; row < sensor.rows(); ++row) {
@@ -257,10 +258,10 @@ bool ScanMemory::Implementation::find_hit(const Eigen::Vector3f& point_m,
     if (!(range_m >= least_m && range_m <= most_m)) return false;
     const float s = p.z() / range_m;
     const int row = row_of(s);
-    // Columns count clockwise from the first one's azimuth.
-    float u = (azimuth_of_column_0[row] - azimuth_of(p.y(), p.x())) * columns_per_rad;
-    u += (u < -0.5F ? all : 0.0F) - (u >= all - 0.5F ? all : 0.0F);
-    const int column = std::clamp(static_cast<int>(u + 0.5F), 0, columns - 1);
+    // Columns count clockwise, from the left edge of the first.
+    float u = (azimuth_of_edge[row] - azimuth_of(p.y(), p.x())) * columns_per_rad;
+    u += (u < 0.0F ? all : 0.0F) - (u >= all ? all : 0.0F);
+    const int column = std::clamp(static_cast<int>(u), 0, columns - 1);
     const int shifted = column + column_shift[row];
     const int seen_by = shifted + (shifted < 0 ? columns : 0) - (shifted >= columns ? columns : 0);
     const int off = std::abs(seen_by - head);
@@ -270,7 +271,7 @@ bool ScanMemory::Implementation::find_hit(const Eigen::Vector3f& point_m,
     const float down = sine[row] - s;
     const float v = down * (down > 0.0F ? per_sine_below[row] : per_sine_above[row]);
     if (std::fabs(v) > 0.5F) return false;
-    const float off_u = std::clamp(u - static_cast<float>(column), -0.5F, 0.5F);
+    const float off_u = std::clamp(u - static_cast<float>(column) - 0.5F, -0.5F, 0.5F);
     hit.row = static_cast<std::int16_t>(row);
     hit.column = static_cast<std::int16_t>(column);
     hit.range_m = range_m;
