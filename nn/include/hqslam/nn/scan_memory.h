@@ -1,7 +1,7 @@
 #pragma once
 
 #include <memory>
-#include <span>
+#include <vector>
 
 #include "hqslam/core/organized_cloud.h"
 #include "hqslam/core/pose.h"
@@ -36,8 +36,9 @@ void validate(const ScanMemoryOptions& options);
 /// falls into the pixel (row, column) at
 ///   (v, u) pixels from its centre, -1/2 to 1/2, v in sines of the elevation between neighbouring
 ///   beams, and has the worth w = exp(-4 (u^2 + v^2)).
-/// - Of the points in a pixel those count that lie within 0.15 m + 1 % of the nearest: a surface
-///   hides what is behind it.
+/// - Of the points in a pixel those count that may lie on the surface of the nearest, which hides
+///   what is behind it: up to 0.15 m farther, and what a wall that leans by 70 degrees spans in a
+///   column and level ground in a row (at most 15 % of the range).
 /// - On a plane 1/r is linear in the direction; so 1/M is the value at the centre of the weighted
 ///   regression 1/r = a + b u + c v, whose slopes, with the nearest 1/r as unit, are drawn towards
 ///   0 by a ridge of 0.04.
