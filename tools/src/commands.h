@@ -60,6 +60,7 @@ struct InspectOptions : InputChoice {  ///< sensor empty: as for hqslam upsample
   bool slam = false;  ///< what SLAM makes of it, not the network; weights: lifted by it first
   int rows = 0;       ///< of SLAM: of the recording, 0: all
   SlamSettings slam_settings;
+  std::string poses;  ///< for networks with a memory; empty: they have none of earlier scans
   std::int64_t scan = 0;
   std::vector<std::string> tensors;  ///< by name
   bool list = false;                 ///< say their names, write nothing

@@ -133,6 +133,15 @@ TEST_CASE("a network with a memory recalls earlier scans where the poses are kno
   CHECK(f1("with.json", 1) == f1("without.json", 1));  // linear
   CHECK(f1("with.json", 3) != f1("without.json", 3));
 
+  const auto page_of = [&](int scan) {
+    succeeds("inspect '{0}' --weights '{1}' --poses '{0}/truth.tum' --scan {2} --out '{3}'",
+             files.drive, weights, scan, folder.file("page.html"));
+    return file_contents(folder.file("page.html"));
+  };
+  CHECK_FALSE(holds(page_of(0), "what earlier scans measured"));
+  CHECK(holds(page_of(3), "what earlier scans measured"));
+  CHECK(holds(page_of(3), "Where memory changed a range"));
+
   // SLAM's own poses, those that it expects and then those that it finds.
   const ProgramResult run = succeeds("run '{}' --upsample '{}' --dense-map --out '{}'", files.drive,
                                      weights, folder.file("run"));

@@ -46,15 +46,14 @@ nn::ColumnPoses DriveMemory::column_poses(const slam::SensorPath& path,
   return poses;
 }
 
-nn::RecalledImage DriveMemory::recall(const OrganizedCloud& measured,
-                                      const slam::SensorPath& path) {
-  if (!memory_) return {};
-  return memory_->recall(range_image(measured), column_poses(path, measured));
-}
-
-void DriveMemory::remember(const OrganizedCloud& measured, const slam::SensorPath& path,
-                           double stamp_s) {
-  if (memory_) memory_->insert(measured, column_poses(path, measured), stamp_s);
+nn::RecalledImage DriveMemory::recall_and_remember(const OrganizedCloud& measured,
+                                                   const std::optional<slam::SensorPath>& path,
+                                                   double stamp_s) {
+  if (!memory_ || !path) return {};
+  const nn::ColumnPoses poses = column_poses(*path, measured);
+  nn::RecalledImage recalled = memory_->recall(range_image(measured), poses);
+  memory_->insert(measured, poses, stamp_s);
+  return recalled;
 }
 
 nn::RecalledImage DriveMemory::recall(const OrganizedCloud& measured, const Trajectory& before,

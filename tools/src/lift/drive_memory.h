@@ -17,9 +17,11 @@ class DriveMemory {
   /// upsampler: null where nothing is lifted.
   explicit DriveMemory(const nn::Upsampler* upsampler);
 
-  /// What is recalled in a scan whose path is known.
-  nn::RecalledImage recall(const OrganizedCloud& measured, const slam::SensorPath& path);
-  void remember(const OrganizedCloud& measured, const slam::SensorPath& path, double stamp_s);
+  /// What is recalled in a scan whose path is known, which is then remembered; of one whose path is
+  /// not known nothing is either.
+  nn::RecalledImage recall_and_remember(const OrganizedCloud& measured,
+                                        const std::optional<slam::SensorPath>& path,
+                                        double stamp_s);
 
   /// The same before SLAM has located the scan: it is expected to move on as it did between the two
   /// scans before. before: SLAM's trajectory up to them.

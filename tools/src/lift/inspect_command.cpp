@@ -12,6 +12,7 @@
 #include "lift/lifted_input.h"
 #include "recording/reading.h"
 #include "recording/recording_choice.h"
+#include "recording/scan_poses.h"
 #include "run/slam_settings.h"
 #include "terminal/command_options.h"
 #include "terminal/progress.h"
@@ -22,25 +23,37 @@ namespace {
 
 /// Hands the scans up to the one that was asked for to `use`, with their indices.
 void for_scans_up_to(const InspectOptions& options, ScanSource& source,
-                     const std::function<void(const RecordedScan& scan, std::int64_t i)>& use) {
+                     const std::function<void(const ReadScan& read, std::int64_t i)>& use) {
   print_warnings(source, options.input);
   LeftOut left_out;
   for (std::int64_t i = 0; i <= options.scan; ++i) {
-    const std::optional<RecordedScan> scan = next_usable(source, left_out);
+    std::optional<RecordedScan> scan = next_usable(source, left_out);
     if (!scan) {
       throw Error("{}: has {} scans{}, expected one with index {}", options.input, i,
                   left_out.scans > 0 ? " that can be used" : "", options.scan);
     }
-    use(*scan, i);
+    use({std::move(*scan), i + left_out.scans}, i);
   }
 }
 
-RangeImage scan_of(const InspectOptions& options, const SensorModel& sensor) {
+/// The scan that was asked for, and what a network with a memory recalls in it.
+struct SeenScan {
   RangeImage image;
-  for_scans_up_to(options, *open_input(options, sensor), [&](const auto& scan, std::int64_t i) {
-    if (i == options.scan) image = range_image(scan.cloud);
+  nn::RecalledImage recalled;
+};
+
+SeenScan scan_of(const InspectOptions& options, LiftedInput& input) {
+  const ScanPoses poses =
+      read_scan_poses(options.poses, [&] { return scans_in(options, *input.open()); });
+  DriveMemory memory(input.lifter());
+  SeenScan seen;
+  for_scans_up_to(options, *input.open(), [&](const ReadScan& read, std::int64_t i) {
+    const auto& [cloud, stamp_s] = std::tie(read.scan.cloud, read.scan.stamp_s);
+    seen.recalled = memory.recall_and_remember(input.measured(cloud),
+                                               poses.path_of(read.index, stamp_s), stamp_s);
+    if (i == options.scan) seen.image = range_image(cloud);
   });
-  return image;
+  return seen;
 }
 
 void print_names(const nn::Trace& trace) {
@@ -69,7 +82,8 @@ int inspect_slam(const InspectOptions& options) {
   page.recording = options.input;
   page.scan = options.scan;
   Progress progress("slam", options.scan + 1);
-  for_scans_up_to(options, *input.open(), [&](const RecordedScan& scan, std::int64_t i) {
+  for_scans_up_to(options, *input.open(), [&](const ReadScan& read, std::int64_t i) {
+    const RecordedScan& scan = read.scan;
     const OrganizedCloud measured = input.measured(scan.cloud);
     const OrganizedCloud cloud =
         input.lifted(measured, memory.recall(measured, slam.trajectory(), scan.stamp_s));
@@ -108,6 +122,8 @@ void declare_inspect(CLI::App& app, InspectOptions& options) {
               {.within = kAnyCount, .needs = {"--slam"}})
       .option("--set", &options.slam_settings.set, "One option of SLAM, NAME=NUMBER",
               {.needs = {"--slam"}})
+      .option("--poses", &options.poses, kMemoryPosesHelp,
+              {.given = Given::kFile, .excludes = {"--slam"}})
       .option("--scan", &options.scan, "Which scan, counted from 0 (default: the first)",
               {.given = Given::kNotNegative})
       .option("--tensor", &options.tensors,
@@ -129,9 +145,9 @@ int inspect_command(const InspectOptions& options) {
     guard_output_file(options.out, {options.input, options.weights},
                       [](const auto& path) { return has_marker(path, kLayersPageMarker); });
   }
-  const LiftedInput input = lifted_input(options, {options.weights});
+  LiftedInput input = lifted_input(options, {options.weights});
   nn::SuperResolver network = nn::SuperResolver::load(options.weights);
-  const RangeImage scan = scan_of(options, input.recorded);
+  const auto [scan, recalled] = scan_of(options, input);
   LayersReport report;
   report.recording = options.input;
   report.weights = options.weights;
@@ -141,7 +157,7 @@ int inspect_command(const InspectOptions& options) {
   report.network = network.description();
   report.measured = input.rows ? select_rows(scan, *input.rows) : scan;
   if (scan.rows == network.sensor().rows()) report.truth = scan;
-  nn::LiftedImage lifted = network.run(report.measured, &report.trace);
+  nn::LiftedImage lifted = network.run(report.measured, recalled, &report.trace);
   if (options.list) {
     print_names(report.trace);
     return kOk;
@@ -156,6 +172,7 @@ int inspect_command(const InspectOptions& options) {
   }
   report.result = std::move(lifted.image);
   report.confidence = std::move(lifted.confidence);
+  if (!recalled.is_empty()) report.without_memory = network.run(report.measured).image;
   write_text_file(layers_html(report), options.out);
   to_stdout("results: {}\n", options.out);
   return kOk;

@@ -161,6 +161,48 @@ std::string mixture_html(const LayersReport& report, std::size_t k) {
          range_html(likely, report, "Z where a return is likely");
 }
 
+/// M and W^2 / (W^2 + 1), the share of H that memory has where its mode does not scale it.
+std::string recalled_html(const LayersReport& report) {
+  if (!report.trace.has("recalled")) return "";
+  const RangeImage recalled = report.trace.image("recalled");
+  std::vector<float> share = report.trace.tensor("recalled_weight").values;
+  for (float& weight : share) weight /= weight + 1.0F;
+  return range_html(recalled, report, "M: what earlier scans measured, seen from here") +
+         image_html(share_image(share, recalled.rows, recalled.columns),
+                    "W² / (W² + 1): white memory alone, black nothing is recalled");
+}
+
+/// Where the result is another than without a memory, by more than 0.1 m: of the truth's returns
+/// whether it came nearer (green) or went away (red), of the others, or all, orange.
+RgbImage decided_image(const LayersReport& report) {
+  constexpr Pixel kNearer = {40, 190, 90};
+  constexpr Pixel kChanged = {245, 160, 40};
+  constexpr float kSame_m = 0.1F;
+  RgbImage image{report.result.rows, report.result.columns, {}};
+  for (std::size_t i = 0; i < report.result.range_m.size(); ++i) {
+    const float with_m = report.result.range_m[i];
+    const float without_m = report.without_memory->range_m[i];
+    const float truth_m = report.truth ? report.truth->range_m[i] : 0.0F;
+    const std::uint8_t grey = with_m > 0.0F ? 90 : 0;
+    Pixel colour = {grey, grey, grey};
+    if (std::abs(with_m - without_m) > kSame_m) {
+      const bool nearer = std::abs(with_m - truth_m) < std::abs(without_m - truth_m);
+      colour = truth_m == 0.0F ? kChanged : nearer ? kNearer : kRejected;
+    }
+    image.pixels.push_back(colour);
+  }
+  return image;
+}
+
+std::string without_memory_html(const LayersReport& report) {
+  if (!report.without_memory) return "";
+  return range_html(*report.without_memory, report, "Result without a memory") +
+         image_html(decided_image(report),
+                    report.truth ? "Where memory changed a range by more than 0.1 m: green nearer "
+                                   "to the truth, red farther, orange where the truth has no return"
+                                 : "Where memory changed a range by more than 0.1 m: orange");
+}
+
 /// A network that says all ranges in one go.
 std::string direct_html(const LayersReport& report) {
   const RangeImage said = image_of(report, 0, "z");
@@ -228,6 +270,7 @@ std::string result_html(const LayersReport& report) {
     html +=
         range_html(report.result, report, "Result: measured rows restored, rejected pixels empty");
   }
+  html += without_memory_html(report);
   if (report.truth) html += range_html(*report.truth, report, "Truth");
   return html;
 }
@@ -248,6 +291,7 @@ std::string layers_html(const LayersReport& report) {
   if (report.trace.has("start")) {
     html += range_html(report.trace.image("start"), report, "Start (Z and Y before layer 1)");
   }
+  html += recalled_html(report);
   for (std::size_t k = 0; k < layer_count(report); ++k) html += layer_html(report, k);
   html += result_html(report);
   return page_html(fmt::format("Layers of scan {}", report.scan), kStyle, html,

@@ -29,11 +29,13 @@ struct LayersReport {
   std::vector<nn::ReferenceDifference> differences;  ///< empty: not asked for
   RangeImage result;
   std::vector<float> confidence;  ///< of the result, per pixel; of networks that say it
+  /// What the network makes of the scan alone; where it recalled earlier ones.
+  std::optional<RangeImage> without_memory;
 };
 
 /// A page that needs no other file: the tensors that were asked for, the difference from the
-/// reference, start, then H, Z, the filter's mask and Y of every layer, the
-/// terms of the objective, the result and, with the truth, how far Z is from it.
+/// reference, start, what is recalled of earlier scans, then H, Z, the filter's mask and Y of every
+/// layer, the terms of the objective, the result and, with the truth, how far Z is from it.
 std::string layers_html(const LayersReport& report);
 
 }  // namespace hqslam::tools

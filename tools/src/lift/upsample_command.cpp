@@ -54,9 +54,8 @@ UpsampleRun upsample(ScanSource& source, LiftedInput& input, const ScanPoses& po
     const auto path = poses.path_of(read.index, read.scan.stamp_s);
     const double time_s = seconds_of([&] {
       lifted = upsampler.run(measured_image,
-                             path ? memory.recall(measured, *path) : nn::RecalledImage());
+                             memory.recall_and_remember(measured, path, read.scan.stamp_s));
     });
-    if (path) memory.remember(measured, *path, read.scan.stamp_s);
     const OrganizedCloud cloud =
         nn::upsampled_cloud(lifted, measured, upsampler.measured_rows(), upsampler.sensor());
     if (!output) output.emplace(make_output(options, input, cloud, source.size().value_or(0)));
@@ -124,10 +123,8 @@ int upsample_command(const UpsampleOptions& options) {
   use_threads(options.threads);
   refuse_to_write_into_recording(options.input, options.out);
   LiftedInput input = lifted_input(options, options);
-  ScanPoses poses;
-  if (!options.poses.empty()) {
-    poses = read_scan_poses(options.poses, [&] { return scans_in(options, *input.open()); });
-  }
+  const ScanPoses poses =
+      read_scan_poses(options.poses, [&] { return scans_in(options, *input.open()); });
   const std::unique_ptr<ScanSource> source = input.open();
   print_warnings(*source, options.input);
   const std::size_t told = source->warnings().size();

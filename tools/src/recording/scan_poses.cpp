@@ -50,6 +50,7 @@ std::optional<slam::SensorPath> ScanPoses::path_of(std::int64_t scan, double sta
 
 ScanPoses read_scan_poses(const std::string& path,
                           const std::function<std::int64_t()>& scans_in_recording) {
+  if (path.empty()) return {};
   const TrajectoryFile file = read_trajectory_file(path);
   if (file.has_stamps) return {file.poses, {}, {}, std::nullopt};
   const std::int64_t scans = scans_in_recording();

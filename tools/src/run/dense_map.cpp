@@ -103,8 +103,8 @@ DenseMapRun build_dense_map(const InputChoice& recording, const LiftingChoice& l
       input, poses, "dense map, points", interrupt,
       [&](const RecordedScan& scan, const auto& path) {
         const OrganizedCloud measured = input.measured(scan.cloud);
-        map.insert(input.lifted(measured, memory.recall(measured, path)), computed_from, path);
-        memory.remember(measured, path, scan.stamp_s);
+        map.insert(input.lifted(measured, memory.recall_and_remember(measured, path, scan.stamp_s)),
+                   computed_from, path);
       });
   read_all(input, poses, "dense map, seen through", interrupt,
            [&](const RecordedScan& scan, const auto& path) {

@@ -192,11 +192,8 @@ template <typename Use>
 std::int64_t for_each_scan(const CompareOptions& options, const SensorModel& sensor,
                            const InterruptGuard& interrupt, const Use& use,
                            const nn::Upsampler* upsampler = nullptr) {
-  ScanPoses poses;
-  if (!options.poses.empty()) {
-    poses = read_scan_poses(options.poses,
-                            [&] { return scans_in(options, *open_input(options, sensor)); });
-  }
+  const ScanPoses poses = read_scan_poses(
+      options.poses, [&] { return scans_in(options, *open_input(options, sensor)); });
   DriveMemory memory(upsampler);
   const auto source = open_input(options, sensor);
   print_warnings(*source, options.input);
@@ -209,9 +206,8 @@ std::int64_t for_each_scan(const CompareOptions& options, const SensorModel& sen
     progress.update(++looked_at, source->read_share());
     const OrganizedCloud measured =
         select_rows(read.scan.cloud, selection_for(read.scan.cloud.rows, kMeasuredRows));
-    const auto path = poses.path_of(read.index, read.scan.stamp_s);
-    const nn::RecalledImage recalled = path ? memory.recall(measured, *path) : nn::RecalledImage();
-    if (path) memory.remember(measured, *path, read.scan.stamp_s);
+    const nn::RecalledImage recalled = memory.recall_and_remember(
+        measured, poses.path_of(read.index, read.scan.stamp_s), read.scan.stamp_s);
     if ((looked_at - 1) % options.every != 0) return true;
     if (points_of(measured).empty()) throw ScanError("has no return in the measured rows");
     use(read.scan.cloud, recalled);
