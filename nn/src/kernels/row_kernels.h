@@ -193,6 +193,24 @@ struct MergeRow {
   int columns = 0;  ///< of each half, rounded up to whole vectors of 16
 };
 
+/// Points of the world as a sensor sees them that moves while its head turns:
+///   p(h) = R(h) (p_world - t(h)),  h the head's place in its turn, -1 its begin, 1 its end
+/// R and t are cubics in h: term k of element e, of R row by row and then of t, is motion[e][k].
+/// The head sees a point at column head_offset - turn; begun in the middle of the turn and taken
+/// twice more, which settles it.
+struct SeePoints {
+  const float* x_m = nullptr;  ///< world
+  const float* y_m = nullptr;
+  const float* z_m = nullptr;
+  const float* head_offset = nullptr;
+  const float (*motion)[4] = nullptr;
+  float columns = 0.0F;  ///< of a whole turn
+  float* range_m = nullptr;
+  float* sine = nullptr;  ///< of the elevation
+  float* turn = nullptr;  ///< the azimuth, counter-clockwise from ahead, in columns
+  int count = 0;          ///< rounded up to whole vectors of 16
+};
+
 struct RowKernels {
   void (*accumulate)(const AccumulateRow&);
   void (*correlate)(const CorrelateRows&);
@@ -208,6 +226,7 @@ struct RowKernels {
   void (*two_modes)(const TwoModesRow&);
   /// Returns the row's share of the loss: of the columns alone, though vectors reach beyond them.
   double (*two_modes_loss)(const TwoModesLossRow&);
+  void (*see_points)(const SeePoints&);
   /// For measuring the processor's peak: `rounds` times one multiply-add in every lane of so many
   /// independent chains that their latency hides. Returns something that depends on all of them.
   float (*multiply_add_chains)(std::int64_t rounds, float start);

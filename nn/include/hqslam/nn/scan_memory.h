@@ -32,8 +32,8 @@ void validate(const ScanMemoryOptions& options);
 /// that would see it:
 ///   p_sensor = T_world_sensor(column)^-1 p_world,  column = firing_column(row, azimuth of
 ///   p_sensor)
-/// - begun at the column where it was seen last, and taken once more where that is far off. It
-/// falls into the pixel (row, column) at
+/// - begun in the middle of the scan and taken twice more, with a cubic through the poses of the
+/// columns, and the row in which the point was seen last. It falls into the pixel (row, column) at
 ///   (v, u) pixels from its centre, -1/2 to 1/2, v in sines of the elevation between neighbouring
 ///   beams, and has the worth w = exp(-4 (u^2 + v^2)).
 /// - Of the points in a pixel those count that may lie on the surface of the nearest, which hides
