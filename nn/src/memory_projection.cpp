@@ -12,8 +12,7 @@ namespace {
 
 constexpr float kFallOff = 4.0F;  ///< w = exp(-kFallOff (u^2 + v^2))
 constexpr int kWorthParts = 512;
-/// What a measured beam passes, and by how much it sees farther.
-constexpr float kPassed_pixels = 0.15F;
+/// By how much a beam sees farther than what it passes.
 constexpr float kFarther_m = 0.5F;
 constexpr float kFartherShare = 0.05F;
 
@@ -64,6 +63,11 @@ MemoryProjection::MemoryProjection(const SensorModel& sensor)
     lower_edge_.push_back(0.5F * (sine_[row] + sine_[row + 1]));
   }
   lower_edge_.push_back(-2.0F);
+  const int measured = select_rows(sensor_, measured_rows_).rows();
+  for (int row = 0, above = -1; row < sensor_.rows(); ++row) {
+    if (measured_rows_.contains(row) && above + 1 < measured) ++above;
+    measured_above_.push_back(above);
+  }
   for (int band = 0; band < kBands; ++band) {
     band_.resize(sensor_.rows() * (band + 1) / kBands, static_cast<std::int16_t>(band));
   }
@@ -105,11 +109,18 @@ bool MemoryProjection::find_hit(float range_m, float sine, float turn, Hit& hit)
   return true;
 }
 
+/// By a measured beam, or between two of them by both and by those beside them.
 bool MemoryProjection::is_passed(const Hit& hit, const RangeImage& measured) const {
-  if (!measured_rows_.contains(hit.row) || std::fabs(hit.v) > kPassed_pixels) return false;
-  const float range_m =
-      measured.at((hit.row - measured_rows_.offset) / measured_rows_.stride, hit.column);
-  return range_m > hit.range_m * (1.0F + kFartherShare) + kFarther_m;
+  const float passed_m = hit.range_m * (1.0F + kFartherShare) + kFarther_m;
+  const int above = measured_above_[hit.row];
+  if (measured_rows_.contains(hit.row)) return measured.at(above, hit.column) > passed_m;
+  if (above < 0 || above + 1 >= measured.rows) return false;
+  for (int beside = -1; beside <= 1; ++beside) {
+    const int column = (hit.column + beside + sensor_.columns) % sensor_.columns;
+    if (!(measured.at(above, column) > passed_m)) return false;
+    if (!(measured.at(above + 1, column) > passed_m)) return false;
+  }
+  return true;
 }
 
 /// Hits of one scan's points; those that have moved on are forgotten.

@@ -88,6 +88,7 @@ class MemoryProjection {
   std::vector<float> per_sine_below_;
   std::vector<float> lower_edge_;          ///< the sine between each row and the next
   std::vector<std::int16_t> row_of_sine_;  ///< of the upper end of each part of -1 to 1
+  std::vector<int> measured_above_;        ///< the last measured row not below each; -1: none
   std::vector<std::int16_t> band_;         ///< of each row
   std::array<float, 513> worth_;           ///< exp(-4 d^2) of each part of d^2 up to 1/2
   Eigen::Matrix<double, 4, Eigen::Dynamic> cubic_through_columns_;
