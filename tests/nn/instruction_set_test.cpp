@@ -66,12 +66,6 @@ TEST_CASE("an unknown name is refused with the list of those that there are") {
   }
 }
 
-TEST_CASE("every instruction set has its own name") {
-  CHECK(name(InstructionSet::kPortable) == "portable");
-  CHECK(name(InstructionSet::kAvx2) == "avx2");
-  CHECK(name(InstructionSet::kAvx512) == "avx512");
-}
-
 TEST_CASE("every instruction set's peak is a processor's, and wider ones lose at most half of it") {
   double narrower = 0.1;  // GFLOP/s
   for (const InstructionSet instruction_set : available_instruction_sets()) {

@@ -32,15 +32,7 @@ struct ImuTopic {
   double first_covariance = 0.0;
 };
 std::vector<BagMessage> clouds_with_imu(const std::vector<ImuTopic>& topics, bool ros1) {
-  std::vector<CloudPoint> points;
-  for (int i = 0; i < 360 * 16; ++i) {
-    const double azimuth = -(i / 16) * std::numbers::pi / 180.0;
-    const double elevation = (-15.0 + 2.0 * (i % 16)) * std::numbers::pi / 180.0;
-    points.push_back({static_cast<float>(5.0 * std::cos(elevation) * std::cos(azimuth)),
-                      static_cast<float>(5.0 * std::cos(elevation) * std::sin(azimuth)),
-                      static_cast<float>(5.0 * std::sin(elevation)),
-                      static_cast<std::uint16_t>(i % 16), 0.1 * (i / 16) / 360.0});
-  }
+  const std::vector<CloudPoint> points = round_cloud(0.1);
   std::vector<BagMessage> messages;
   for (std::int64_t i = 0; i < 60; ++i) {
     const std::int64_t stamp_ns = 1'600'000'000'000'000'000 + i * 10'000'000;
