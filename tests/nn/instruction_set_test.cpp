@@ -2,7 +2,6 @@
 
 #include <doctest/doctest.h>
 
-#include <algorithm>
 #include <cstdlib>
 #include <optional>
 #include <string>
@@ -37,13 +36,6 @@ class Setting {
 };
 
 }  // namespace
-
-TEST_CASE("the portable kernels are always there, and come first") {
-  const std::vector<InstructionSet> available = available_instruction_sets();
-  REQUIRE_FALSE(available.empty());
-  CHECK(available.front() == InstructionSet::kPortable);
-  CHECK(std::is_sorted(available.begin(), available.end()));
-}
 
 TEST_CASE("without the variable the widest instruction set is chosen") {
   const Setting setting(std::nullopt);
