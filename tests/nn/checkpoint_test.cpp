@@ -2,7 +2,6 @@
 
 #include <doctest/doctest.h>
 
-
 #include "../temporary_directory.h"
 #include "error_message.h"
 #include "hqslam/core/npz.h"
