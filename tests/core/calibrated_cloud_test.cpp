@@ -1,7 +1,5 @@
 #include <doctest/doctest.h>
 
-#include <cmath>
-
 #include "hqslam/core/error.h"
 #include "hqslam/core/organized_cloud.h"
 #include "hqslam/core/projection.h"

@@ -3,7 +3,6 @@
 #include <cmath>
 #include <filesystem>
 #include <numbers>
-#include <random>
 
 #include "error_message.h"
 #include "file_contents.h"
@@ -121,38 +120,6 @@ TEST_CASE("a .ply file may announce as many points as a map has, if it is as lon
   CHECK(one_line_with(complaint("67108865"), "a number of points up to 67108864"));
 }
 
-TEST_CASE("damaged point files are read or refused, nothing else") {
-  const TemporaryDirectory directory;
-  const SensorModel sensor = sensor_preset("vlp-16");
-  const std::string header =
-      "element vertex 3\nproperty float x\nproperty float y\nproperty float z\nend_header\n";
-  std::mt19937 random(9);
-  struct Valid {
-    const char* name;
-    std::string bytes;
-  };
-  for (const Valid& valid :
-       {Valid{"a.ply", "ply\nformat ascii 1.0\n" + header + "5 0 0\n5 1 0\n5 2 0\n"},
-        Valid{"a.ply", "ply\nformat binary_little_endian 1.0\n" + header + std::string(36, 'A')},
-        Valid{"a.csv", "x,y,z,ring,t\n5,0,0,1,0\n5,1,0,2,0.01\n"},
-        Valid{"a.txt", "5 0 0\n5 1 0\n5 2 0\n"}}) {
-    int refused = 0;
-    for (int copy = 0; copy < 1500; ++copy) {
-      std::string bytes = valid.bytes;
-      for (int edit = 0; edit < 2; ++edit)
-        bytes[random() % bytes.size()] = static_cast<char>(random());
-      if (copy % 4 == 0) bytes.resize(random() % bytes.size());
-      write_file(directory.file(valid.name), bytes);
-      const std::string message =
-          error_message([&] { open_recording(directory.file(valid.name), sensor)->next(); });
-      CHECK(one_line_with(message));
-      refused += message != "no Error" ? 1 : 0;
-    }
-    CHECK(refused > 100);
-    CHECK(refused < 1500);
-  }
-}
-
 TEST_CASE("stamps come from KITTI's timestamps.txt, from a file, or from the files' names") {
   const TemporaryDirectory directory;
   const SensorModel sensor = sensor_preset("vlp-16");
@@ -177,18 +144,14 @@ TEST_CASE("stamps come from KITTI's timestamps.txt, from a file, or from the fil
   write_file(directory.file("stamps.txt"), "# of my robot\n10.5\n10.625\n\n11\n");
   CHECK(stamps({.stamps = directory.file("stamps.txt")}) ==
         std::vector<double>{10.5, 10.625, 11.0});
-  write_file(directory.file("stamps.txt"), "10.5\n");
-  CHECK(refused_with([&] { stamps({.stamps = directory.file("stamps.txt")}); }, "stamps.txt",
-                     "3 scans", "1"));
-  write_file(directory.file("stamps.txt"), "10.5\n11\n12\n13\n");
-  CHECK(refused_with([&] { stamps({.stamps = directory.file("stamps.txt")}); }, "stamps.txt",
-                     "3 scans", "4"));
-  write_file(directory.file("stamps.txt"), "# nothing\n");
-  CHECK(refused_with([&] { stamps({.stamps = directory.file("stamps.txt")}); }, "stamps.txt",
-                     "found none"));
-  write_file(directory.file("stamps.txt"), "10.5\nyesterday\n11\n");
-  CHECK(refused_with([&] { stamps({.stamps = directory.file("stamps.txt")}); }, "line 2",
-                     "yesterday"));
+  const auto complaint = [&](const char* contents) {
+    write_file(directory.file("stamps.txt"), contents);
+    return error_message([&] { stamps({.stamps = directory.file("stamps.txt")}); });
+  };
+  CHECK(one_line_with(complaint("10.5\n"), "stamps.txt", "3 scans", "1"));
+  CHECK(one_line_with(complaint("10.5\n11\n12\n13\n"), "stamps.txt", "3 scans", "4"));
+  CHECK(one_line_with(complaint("# nothing\n"), "stamps.txt", "found none"));
+  CHECK(one_line_with(complaint("10.5\nyesterday\n11\n"), "line 2", "yesterday"));
 }
 
 TEST_CASE("points without times get that of their azimuth, counted on from scan to scan") {

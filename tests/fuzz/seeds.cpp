@@ -233,6 +233,10 @@ void put_recordings() {
       put("mcap", std::string("cloud") + compression, test::mcap_bytes(messages, compression));
     }
     test::write_db3(messages, place("db3", "cloud"));
+    const auto packets = test::scan_messages("/packets", "velodyne_msgs/msg/VelodyneScan", velodyne,
+                                             velodyne.size(), ros1);
+    put("mcap", "packets", test::mcap_bytes(packets, ""));
+    test::write_db3(packets, place("db3", "packets"));
   }
 }
 #endif

@@ -2,8 +2,6 @@
 
 #include <doctest/doctest.h>
 
-#include <cmath>
-
 #include "../temporary_directory.h"
 #include "error_message.h"
 #include "hqslam/core/npz.h"

@@ -230,18 +230,6 @@ TEST_CASE("conv2d of a 1-2-3 row with kernel 1 10 100 is what a hand computes, g
   CHECK(output.at(0, 0, 2) == 1000 + 2 * 1 + 3 * 10 + 1 * 100);
 }
 
-TEST_CASE("one and two threads give the same bits") {
-  const Case c{{5, 11, 3, 3, 2, 1, 1}, 16, 256, ColumnPadding::kCircular};
-  const Problem conv = problem(c, false);
-  const Problem transposed = problem(c, true);
-  for (const InstructionSet instruction_set : available_instruction_sets()) {
-    CHECK(same_bits(with_layer(conv, instruction_set, 1).output,
-                    with_layer(conv, instruction_set, 2).output));
-    CHECK(same_bits(with_layer(transposed, instruction_set, 1).output,
-                    with_layer(transposed, instruction_set, 2).output));
-  }
-}
-
 TEST_CASE("new parameters count forward and backward, whichever way the convolution goes") {
   for (const int channels : {5, 16}) {
     Problem p = problem({{channels, channels, 3, 3, 1, 1, 1}, 4, 32, ColumnPadding::kZero}, false);

@@ -1,4 +1,3 @@
-#include <cmath>
 
 #include "golden.h"
 #include "hqs/hqs_loop.h"
@@ -44,27 +43,6 @@ TEST_CASE("data consistency and its gradients equal PyTorch's") {
   for (const float gradient : values_of(d_a)) half.push_back(0.5F * gradient);
   CHECK(relative_error(half, golden.values("data_consistency.d_z")) < 1e-5);
   CHECK(relative_error(half, golden.values("data_consistency.d_y")) < 1e-5);
-}
-
-TEST_CASE("measured pixels weigh L against the mean of Z and Y, others are the mean") {
-  const float l = 8.0F;
-  const float z = 1.0F;
-  const float y = 3.0F;
-  const auto h = [&](bool measured, float penalty) {
-    float result = 0.0F;
-    data_consistency_row(measured ? &l : nullptr, &z, &y, penalty, 1, &result);
-    return result;
-  };
-  CHECK(h(false, 0.5F) == 2.0F);  // (1 + 3) / 2
-  CHECK(h(true, 0.5F) == 5.0F);   // (8 + 2 * 0.5 * 2) / (1 + 2 * 0.5)
-  CHECK(h(true, 0.0F) == 8.0F);   // the limit: what was measured stays
-  float last = 0.0F;
-  for (const float penalty : {1e-6F, 0.01F, 0.1F, 1.0F, 100.0F}) {
-    const float distance = std::fabs(h(true, penalty) - l);
-    CHECK(distance > last);  // the smaller the penalty, the closer to L
-    last = distance;
-  }
-  CHECK(last < std::fabs(2.0F - l));
 }
 
 TEST_CASE("the L1 loss with measured rows and its gradient equal PyTorch's") {

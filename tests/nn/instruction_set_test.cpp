@@ -2,7 +2,6 @@
 
 #include <doctest/doctest.h>
 
-#include <algorithm>
 #include <cstdlib>
 #include <optional>
 #include <string>
@@ -38,13 +37,6 @@ class Setting {
 
 }  // namespace
 
-TEST_CASE("the portable kernels are always there, and come first") {
-  const std::vector<InstructionSet> available = available_instruction_sets();
-  REQUIRE_FALSE(available.empty());
-  CHECK(available.front() == InstructionSet::kPortable);
-  CHECK(std::is_sorted(available.begin(), available.end()));
-}
-
 TEST_CASE("without the variable the widest instruction set is chosen") {
   const Setting setting(std::nullopt);
   CHECK(chosen_instruction_set() == available_instruction_sets().back());
@@ -64,12 +56,6 @@ TEST_CASE("an unknown name is refused with the list of those that there are") {
   for (const InstructionSet instruction_set : available_instruction_sets()) {
     CHECK(message.find(name(instruction_set)) != std::string::npos);
   }
-}
-
-TEST_CASE("every instruction set has its own name") {
-  CHECK(name(InstructionSet::kPortable) == "portable");
-  CHECK(name(InstructionSet::kAvx2) == "avx2");
-  CHECK(name(InstructionSet::kAvx512) == "avx512");
 }
 
 TEST_CASE("every instruction set's peak is a processor's, and wider ones lose at most half of it") {

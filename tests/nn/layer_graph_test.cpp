@@ -119,23 +119,6 @@ TEST_CASE("a graph's last layer by rows is what it is as a whole, forward and ba
   }
 }
 
-TEST_CASE("one and two threads give a graph the same bits, with and without dropout") {
-  LayerGraph one = small_graph(1);
-  LayerGraph two = small_graph(2);
-  LayerGraph::Values a = one.make_values();
-  LayerGraph::Values b = two.make_values();
-  fill_random(1, a.front());
-  fill_random(1, b.front());
-  one.set_parameters(one.initial_parameters(3));
-  two.set_parameters(two.initial_parameters(3));
-  for (const std::optional<std::uint64_t> seed : {std::optional<std::uint64_t>(), {7}}) {
-    one.forward(a, {.seed = seed});
-#pragma omp parallel num_threads(2)
-    two.forward(b, {.seed = seed});
-    CHECK(same_bits(a.back(), b.back()));
-  }
-}
-
 TEST_CASE("no mask of a dropout comes again in a graph whose seed is 10 more") {
   LayerGraph graph({1, 4, 32}, {});
   constexpr int kDropouts = 12;

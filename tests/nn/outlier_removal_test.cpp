@@ -42,52 +42,6 @@ TEST_CASE("options that make no sense are refused") {
   CHECK_THROWS_AS(OutlierRemoval(sensor, {3, 0}, {}, 512), Error);
 }
 
-TEST_CASE("a component of 19 pixels is rejected, one of 20 stays") {
-  const SensorModel sensor = small_sensor(8, 360);
-  OutlierRemoval removal(sensor, kNothingMeasured, {}, 360);
-  RangeImage image(8, 360);
-  draw_run(image, 1, 50, 68);    // 19 in a row
-  draw_run(image, 1, 100, 119);  // 20 in a row
-  draw_run(image, 4, 100, 109);  // 10 + 9
-  draw_run(image, 5, 109, 117);
-  draw_run(image, 4, 200, 209);  // 10 + 10
-  draw_run(image, 5, 209, 218);
-  draw_run(image, 4, 250, 269);  // 20 and an arm below of one pixel
-  draw_run(image, 5, 260, 260);
-  draw_run(image, 6, 300, 300);  // alone
-  const Mask expected = mask_of(image, {{1, 50, 68}, {4, 100, 109}, {5, 109, 117}, {6, 300, 300}});
-  CHECK(found(removal, image) == expected);
-}
-
-TEST_CASE("the last column is a neighbour of the first") {
-  const SensorModel sensor = small_sensor(3, 360);
-  OutlierRemoval removal(sensor, kNothingMeasured, {}, 360);
-  RangeImage image(3, 360);
-  draw_run(image, 0, 0, 9);
-  draw_run(image, 0, 350, 359);
-  draw_run(image, 2, 0, 8);
-  draw_run(image, 2, 350, 359);
-  CHECK(found(removal, image) == mask_of(image, {{2, 0, 8}, {2, 350, 359}}));
-}
-
-TEST_CASE("a step in range parts a component, the same step seen at a wider angle does not") {
-  // At 1 degree and 10 degrees of slope, 10 m connects with 10 m + x for
-  // 10 sin 1 > tan 10 (10 + x - 10 cos 1), x < 0.988 m; at 0.5 degrees for x < 0.495 m.
-  const SensorModel sensor = small_sensor(1, 360);
-  OutlierRemoval removal(sensor, kNothingMeasured, {}, 360);
-  RangeImage image(1, 360);
-  draw_run(image, 0, 100, 109);
-  for (int column = 110; column < 120; ++column) image.at(0, column) = 10.98F;
-  CHECK(found(removal, image) == Mask(360, 0));
-  for (int column = 110; column < 120; ++column) image.at(0, column) = 11.0F;
-  const Mask expected = mask_of(image, {{0, 100, 119}});
-  CHECK(found(removal, image) == expected);
-  const SensorModel finer = small_sensor(1, 720);
-  OutlierRemoval cut_out(finer, kNothingMeasured, {}, 360);
-  for (int column = 110; column < 120; ++column) image.at(0, column) = 10.98F;
-  CHECK(found(cut_out, image) == expected);
-}
-
 TEST_CASE("a pixel of a measured row is never rejected but counts for its component") {
   const SensorModel sensor = small_sensor(8, 360);
   OutlierRemoval removal(sensor, {3, 4}, {}, 360);
@@ -126,23 +80,6 @@ TEST_CASE("negative ranges are no returns at angles at which the formula connect
                  from_component_labeler(image, sensor, kNothingMeasured, options);
       }
       CHECK(wrong == 0);
-    }
-  }
-}
-
-TEST_CASE("components reach over rows that different threads label") {
-  const SensorModel sensor = small_sensor(16, 360);
-  OutlierRemoval removal(sensor, kNothingMeasured, {}, 360);
-  for (int row = 0; row + 1 < 16; ++row) {
-    RangeImage image(16, 360);
-    draw_run(image, row, 10, 10);  // one pixel above a long run
-    draw_run(image, row + 1, 10, 40);
-    draw_run(image, row, 100, 130);  // one pixel below a long run
-    draw_run(image, row + 1, 110, 110);
-    draw_run(image, row, 200, 209);  // 10 + 10
-    draw_run(image, row + 1, 209, 218);
-    for (const int threads : {1, 2, 4}) {
-      CHECK(found(removal, image, threads) == Mask(image.range_m.size(), 0));
     }
   }
 }

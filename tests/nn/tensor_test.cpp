@@ -65,13 +65,6 @@ TEST_CASE("filling one row's border leaves the other rows alone") {
   CHECK(tensor.at(0, 1, -1) == 0.0F);
 }
 
-TEST_CASE("set_zero clears values and borders") {
-  Tensor tensor = counted(16, ColumnPadding::kCircular);
-  tensor.fill_borders();
-  tensor.set_zero();
-  for (int x = -16; x < 32; ++x) REQUIRE(tensor.at(1, 2, x) == 0.0F);
-}
-
 TEST_CASE("rows are a whole number of the widest vector apart") {
   for (const int columns : {1, 16, 17, 100}) {
     const Tensor tensor(1, 1, columns, ColumnPadding::kZero);
@@ -119,13 +112,6 @@ TEST_CASE("tiles need not be square, and channels beyond the tile's pixels are l
     }
   }
   CHECK(tiles.at(6, 1, 3) == 9.0F);
-}
-
-TEST_CASE("with 4 x 4 tiles rows 3, 7, ... are the channels 12 to 15") {
-  for (int channel = 0; channel < 16; ++channel) {
-    for (int row = 0; row < 4; ++row)
-      CHECK(measured({4, 4}, {3, 4}, channel, row) == (channel >= 12));
-  }
 }
 
 TEST_CASE("measured says of every pixel what its image row says") {

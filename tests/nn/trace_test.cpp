@@ -2,8 +2,6 @@
 
 #include <doctest/doctest.h>
 
-#include <algorithm>
-
 #include "error_message.h"
 #include "hqslam/nn/super_resolver.h"
 #include "small_network.h"

@@ -1,7 +1,6 @@
 // Whole drives against known trajectories, from file or simulator to pose.
 
 #include <doctest/doctest.h>
-#include <omp.h>
 
 #include <cstdlib>
 #include <string>
@@ -136,18 +135,4 @@ TEST_CASE("the recorded HDL-64E drive is tracked to 0.05 m with 64 rows, 0.10 m 
   CHECK(all_rows.estimate.size() == 80);
   CHECK(ape_rmse_m(all_rows) <= 0.05);
   CHECK(ape_rmse_m(track_recorded(16)) <= 0.10);
-}
-
-TEST_CASE("a simulated drive gives the same bytes with one and with two threads") {
-  const int threads_before = omp_get_max_threads();
-  omp_set_num_threads(1);
-  const TrackedDrive one = track_simulated(15, 64);
-  omp_set_num_threads(2);
-  const TrackedDrive two = track_simulated(15, 64);
-  omp_set_num_threads(threads_before);
-  REQUIRE(one.estimate.size() == two.estimate.size());
-  for (std::size_t i = 0; i < one.estimate.size(); ++i) {
-    CHECK(one.truth[i].T_map_sensor.matrix() == two.truth[i].T_map_sensor.matrix());
-    CHECK(one.estimate[i].T_map_sensor.matrix() == two.estimate[i].T_map_sensor.matrix());
-  }
 }

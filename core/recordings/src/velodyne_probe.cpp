@@ -1,7 +1,5 @@
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <map>
 
 #include "hqslam/core/error.h"
 #include "velodyne_tables.h"

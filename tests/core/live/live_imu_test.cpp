@@ -1,9 +1,6 @@
 #include <doctest/doctest.h>
 #include <fmt/format.h>
 
-#include <chrono>
-#include <thread>
-
 #include "core/recordings/captures.h"
 #include "file_contents.h"
 #include "hqslam/live/live.h"
@@ -19,7 +16,6 @@ using namespace hqslam::test;
 
 namespace {
 
-constexpr double kPatience_s = 20.0;
 constexpr OusterProfile kProfile = OusterProfile::kRng19;
 
 /// An Ouster whose metadata name a port for inertial data.
@@ -79,10 +75,7 @@ TEST_CASE("inertial data of a scan that is dropped come with the next one") {
   LiveSensor sensor(fixture.options);
   fixture.recognise(sensor);
   for (std::uint32_t id = 3; id < 8; ++id) fixture.send_turn(id);
-  const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(kPatience_s);
-  while (sensor.counts().scans < 6 && std::chrono::steady_clock::now() < end) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  }
+  wait_until([&] { return sensor.counts().scans >= 6; });
   const auto scan = sensor.next(kPatience_s);
   REQUIRE(scan);
   CHECK(sensor.counts().dropped_scans == 5);

@@ -4,7 +4,6 @@
 #include <netinet/in.h>
 #include <sys/socket.h>
 
-#include <chrono>
 #include <thread>
 
 #include "core/recordings/captures.h"
@@ -24,22 +23,26 @@ using namespace hqslam::test;
 
 namespace {
 
-constexpr double kPatience_s = 20.0;
+/// Listens on a port of this computer.
+FileDescriptor listening_socket(std::uint16_t& port) {
+  FileDescriptor listener(socket(AF_INET, SOCK_STREAM, 0));
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  socklen_t bytes = sizeof address;
+  REQUIRE(bind(listener.get(), reinterpret_cast<const sockaddr*>(&address), bytes) == 0);
+  REQUIRE(listen(listener.get(), 1) == 0);
+  getsockname(listener.get(), reinterpret_cast<sockaddr*>(&address), &bytes);
+  port = ntohs(address.sin_port);
+  return listener;
+}
 
 /// A server that takes so many connections, reads what is asked and gives back any bytes.
 class OneAnswer {
  public:
   /// hold: keeps the connections open until the end.
   explicit OneAnswer(std::string answer, int connections = 1, bool hold = false)
-      : listener_(socket(AF_INET, SOCK_STREAM, 0)), hold_(hold) {
-    sockaddr_in address{};
-    address.sin_family = AF_INET;
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    socklen_t bytes = sizeof address;
-    bind(listener_.get(), reinterpret_cast<const sockaddr*>(&address), bytes);
-    listen(listener_.get(), 1);
-    getsockname(listener_.get(), reinterpret_cast<sockaddr*>(&address), &bytes);
-    port_ = ntohs(address.sin_port);
+      : listener_(listening_socket(port_)), hold_(hold) {
     thread_ = std::thread([this, connections, answer = std::move(answer)] {
       for (int i = 0; i < connections; ++i) serve(answer);
     });
@@ -71,8 +74,8 @@ class OneAnswer {
     if (hold_) held_.push_back(std::move(connection));
   }
 
-  FileDescriptor listener_;
   std::uint16_t port_ = 0;
+  FileDescriptor listener_;
   bool hold_ = false;
   std::vector<FileDescriptor> held_;
   std::string asked_;
@@ -86,16 +89,23 @@ std::string http_answer(const std::string& body) {
   return "HTTP/1.1 200 OK\r\nContent-Type: application/json\r\n\r\n" + body;
 }
 
+/// Of an Ouster of 16 beams that is only named, whose metadata the server gives.
+LiveOptions named(const OneAnswer& server) {
+  return {.sensor = "os1-16", .port = free_udp_port(), .http_port = server.port()};
+}
+
+void send_packet(const LiveOptions& options) {
+  LoopbackSender(options.port).send(ouster_turn(OusterProfile::kLegacy, 1, 16)[0].payload);
+}
+
 }  // namespace
 
 TEST_CASE("an Ouster that is only named is asked for its metadata where its packets come from") {
   std::string text = ouster_metadata_text(OusterProfile::kLegacy, 16);
   OneAnswer server(http_answer(text));
-  const LiveOptions options{
-      .sensor = "os1-16", .port = free_udp_port(), .http_port = server.port()};
+  const LiveOptions options = named(server);
   LiveSensor sensor(options);
-  const LoopbackSender sender(options.port);
-  sender.send(ouster_turn(OusterProfile::kLegacy, 1, 16)[0].payload);
+  send_packet(options);
   REQUIRE(sensor.recognise(kPatience_s));
   server.join();
   CHECK(server.asked().starts_with("GET /api/v1/sensor/metadata HTTP/1.0\r\n"));
@@ -108,14 +118,13 @@ TEST_CASE("an Ouster that is only named is asked for its metadata where its pack
 TEST_CASE("why an Ouster of another kind, or one that says nothing, is not it, is one line") {
   const auto refused = [](const std::string& answer) {
     OneAnswer server(answer);
-    const LiveOptions options{
-        .sensor = "os1-16", .port = free_udp_port(), .http_port = server.port()};
+    const LiveOptions options = named(server);
     LiveSensor sensor(options);
-    LoopbackSender(options.port).send(ouster_turn(OusterProfile::kLegacy, 1, 16)[0].payload);
-    const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(kPatience_s);
-    while (sensor.complaint().empty() && std::chrono::steady_clock::now() < end) {
+    send_packet(options);
+    wait_until([&] {
       CHECK_FALSE(sensor.recognise(0.05));
-    }
+      return !sensor.complaint().empty();
+    });
     return sensor.complaint();
   };
   CHECK(one_line_with(refused(http_answer(ouster_metadata_text(OusterProfile::kLegacy, 32))),
@@ -132,12 +141,11 @@ TEST_CASE("why an Ouster of another kind, or one that says nothing, is not it, i
 TEST_CASE("a stranger's large packet does not keep the Ouster from being found") {
   const std::string text = ouster_metadata_text(OusterProfile::kLegacy, 16);
   OneAnswer server(http_answer(text));
-  const LiveOptions options{
-      .sensor = "os1-16", .port = free_udp_port(), .http_port = server.port()};
+  const LiveOptions options = named(server);
   LiveSensor sensor(options);
   LoopbackSender(options.port, 2).send(Payload(4000));  // nobody answers there: refused
   CHECK_FALSE(sensor.recognise(0.05));
-  LoopbackSender(options.port).send(ouster_turn(OusterProfile::kLegacy, 1, 16)[0].payload);
+  send_packet(options);
   REQUIRE(sensor.recognise(kPatience_s));
   CHECK(recordings::text(sensor.sender()).starts_with("127.0.0.1:"));
 }
@@ -168,13 +176,7 @@ TEST_CASE("a server that is not there or never answers does not hold anybody up"
   const UdpSocket nobody(0);
   CHECK(refused_with([&] { http_get(kLoopback, nobody.port(), "/"); },
                      "http://127.0.0.1:", "refused"));
-  const FileDescriptor silent(socket(AF_INET, SOCK_STREAM, 0));
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  socklen_t bytes = sizeof address;
-  REQUIRE(bind(silent.get(), reinterpret_cast<const sockaddr*>(&address), bytes) == 0);
-  REQUIRE(listen(silent.get(), 1) == 0);
-  getsockname(silent.get(), reinterpret_cast<sockaddr*>(&address), &bytes);
-  CHECK(refused_with([&] { http_get(kLoopback, ntohs(address.sin_port), "/"); }, "within 3 s"));
+  std::uint16_t port = 0;
+  const FileDescriptor silent = listening_socket(port);
+  CHECK(refused_with([&] { http_get(kLoopback, port, "/"); }, "within 3 s"));
 }

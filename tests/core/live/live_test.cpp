@@ -26,9 +26,17 @@ using namespace hqslam::test;
 
 namespace {
 
-constexpr double kPatience_s = 20.0;
-
 LiveOptions vlp16() { return {.sensor = "vlp-16", .port = free_udp_port()}; }
+
+/// Of a small Ouster, whose metadata lie in the folder.
+LiveOptions ouster(const TemporaryDirectory& folder, OusterProfile profile) {
+  write_file(folder.file("sensor.json"), ouster_metadata_text(profile));
+  return {.sensor = folder.file("sensor.json"), .port = free_udp_port()};
+}
+
+void send_turn(const LoopbackSender& sender, OusterProfile profile, std::uint32_t frame_id) {
+  for (const Captured& packet : ouster_turn(profile, frame_id)) sender.send(packet.payload);
+}
 
 /// All scans that come until `sent` packets are through, and none comes any more.
 std::vector<LiveScan> all_scans(LiveSensor& sensor, std::int64_t expected) {
@@ -68,14 +76,11 @@ void replay_in_step(const std::vector<Captured>& packets, std::uint16_t port,
     const PacketCounts counts = sensor.counts().packets;
     return counts.used + counts.late + counts.foreign;
   };
-  const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(kPatience_s);
   for (std::size_t begin = 0; begin < packets.size(); begin += kAtOnce) {
     const std::size_t count = std::min(kAtOnce, packets.size() - begin);
     const std::int64_t wanted = taken_in() + static_cast<std::int64_t>(count);
     for (std::size_t i = 0; i < count; ++i) sender.send(packets[begin + i].payload);
-    while (taken_in() < wanted && std::chrono::steady_clock::now() < end) {
-      std::this_thread::sleep_for(std::chrono::microseconds(200));
-    }
+    wait_until([&] { return taken_in() >= wanted; });
   }
 }
 
@@ -191,10 +196,8 @@ TEST_CASE("memory does not grow with what was received, whether scans are taken 
 TEST_CASE("an Ouster's turn is complete with its last packet, whatever its metadata came by") {
   const TemporaryDirectory folder;
   const OusterProfile profile = OusterProfile::kRng19;
-  write_file(folder.file("sensor.json"), ouster_metadata_text(profile));
-  const LiveOptions options{.sensor = folder.file("sensor.json"),
-                            .port = free_udp_port(),
-                            .record = folder.file("kept.pcap")};
+  LiveOptions options = ouster(folder, profile);
+  options.record = folder.file("kept.pcap");
   LiveSensor sensor(options);
   const LoopbackSender sender(options.port);
   const auto first = ouster_turn(profile, 7);
@@ -204,14 +207,13 @@ TEST_CASE("an Ouster's turn is complete with its last packet, whatever its metad
   CHECK(sensor.sensor().rows() == 8);
   CHECK(sensor.format() == "Ouster packets, RNG19_RFL8_SIG16_NIR16");
   sensor.start();
-  const auto turn = ouster_turn(profile, 8);
-  for (const Captured& packet : turn) sender.send(packet.payload);
+  send_turn(sender, profile, 8);
   REQUIRE(sensor.next(kPatience_s));  // what came of turn 7
   const auto scan = sensor.next(kPatience_s);
   REQUIRE(scan);  // no packet of turn 9 was sent
   CHECK(scan->scan.counts.kept + scan->scan.counts.out_of_range == 8 * 512);
-  sender.send(turn[3].payload);  // comes twice, behind the end of its turn
-  for (const Captured& packet : ouster_turn(profile, 10)) sender.send(packet.payload);
+  sender.send(ouster_turn(profile, 8)[3].payload);  // comes twice, behind the end of its turn
+  send_turn(sender, profile, 10);
   REQUIRE(sensor.next(kPatience_s));
   CHECK(sensor.counts().packets.late == 1);
   CHECK(sensor.counts().lost_scans == 1);
@@ -221,10 +223,8 @@ TEST_CASE("an Ouster's turn is complete with its last packet, whatever its metad
 TEST_CASE("what was recorded live is opened as any capture, an Ouster's metadata included") {
   const TemporaryDirectory folder;
   const OusterProfile profile = OusterProfile::kRng15;
-  write_file(folder.file("sensor.json"), ouster_metadata_text(profile));
-  const LiveOptions options{.sensor = folder.file("sensor.json"),
-                            .port = free_udp_port(),
-                            .record = folder.file("kept.pcap")};
+  LiveOptions options = ouster(folder, profile);
+  options.record = folder.file("kept.pcap");
   std::vector<float> live_range_m;
   {
     LiveSensor sensor(options);
@@ -232,7 +232,7 @@ TEST_CASE("what was recorded live is opened as any capture, an Ouster's metadata
     sender.send(ouster_turn(profile, 2)[0].payload);
     REQUIRE(sensor.recognise(kPatience_s));
     sensor.start();
-    for (const Captured& packet : ouster_turn(profile, 3)) sender.send(packet.payload);
+    send_turn(sender, profile, 3);
     REQUIRE(sensor.next(kPatience_s));  // the packet that it was recognised by
     const auto scan = sensor.next(kPatience_s);
     REQUIRE(scan);
@@ -381,20 +381,16 @@ TEST_CASE("a sensor that starts again in the drive is followed on, however it co
     CHECK(sensor.counts().trouble.empty());
   }
   const TemporaryDirectory folder;
-  write_file(folder.file("sensor.json"), ouster_metadata_text(OusterProfile::kRng19));
-  LiveOptions options{.sensor = folder.file("sensor.json"), .port = free_udp_port()};
+  LiveOptions options = ouster(folder, OusterProfile::kRng19);
   options.most_waiting = 5;
   LiveSensor sensor(options);
   const LoopbackSender sender(options.port);
-  const auto send_turn = [&](std::uint32_t frame_id) {
-    for (const Captured& packet : ouster_turn(OusterProfile::kRng19, frame_id)) {
-      sender.send(packet.payload);
-    }
-  };
-  send_turn(5000);
+  send_turn(sender, OusterProfile::kRng19, 5000);
   REQUIRE(sensor.recognise(kPatience_s));
   sensor.start();
-  for (const std::uint32_t frame_id : {5001, 0, 1, 2}) send_turn(frame_id);
+  for (const std::uint32_t frame_id : {5001, 0, 1, 2}) {
+    send_turn(sender, OusterProfile::kRng19, frame_id);
+  }
   CHECK(all_scans(sensor, 5).size() == 5);
   CHECK(sensor.counts().lost_scans == 0);
   CHECK(sensor.counts().packets.late == 0);
@@ -411,11 +407,10 @@ TEST_CASE("a sensor that was set to another mode in the drive is said to be") {
   }
   CHECK(sensor.counts().trouble.empty());
   const LoopbackSender sender(options.port);
-  const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(kPatience_s);
-  while (sensor.counts().trouble.empty() && std::chrono::steady_clock::now() < end) {
+  wait_until([&] {
     sender.send(Payload(1300));
-    std::this_thread::sleep_for(std::chrono::milliseconds(50));
-  }
+    return !sensor.counts().trouble.empty();
+  });
   CHECK(one_line_with(sensor.counts().trouble, "another form", "mode"));
 }
 

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
+#include <thread>
 #include <vector>
 
 #include "core/recordings/captures.h"
@@ -18,6 +20,17 @@ class LoopbackSender {
  private:
   FileDescriptor socket_;
 };
+
+/// More than what is waited for takes on any computer.
+inline constexpr double kPatience_s = 20.0;
+/// Waits until it is so, but no longer than that.
+template <typename Condition>
+void wait_until(const Condition& is_so) {
+  const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(kPatience_s);
+  while (!is_so() && std::chrono::steady_clock::now() < end) {
+    std::this_thread::sleep_for(std::chrono::microseconds(200));
+  }
+}
 
 /// A UDP port that nobody listens to just now.
 std::uint16_t free_udp_port();

@@ -1,10 +1,8 @@
 #include <doctest/doctest.h>
 
-#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <numbers>
-#include <random>
 
 #include "bags.h"
 #include "captures.h"
@@ -20,41 +18,15 @@ using namespace hqslam::test;
 
 namespace {
 
-constexpr const char* kVelodyneType = "velodyne_msgs/msg/VelodyneScan";
 constexpr const char* kCloudType = "sensor_msgs/msg/PointCloud2";
 
 /// A VLP-16's packets as messages of ten packets.
 std::vector<BagMessage> velodyne_messages(bool ros1) {
-  const auto packets = velodyne_capture({.duration_s = 0.45});
-  std::vector<BagMessage> messages;
-  for (std::size_t i = 0; i + 10 <= packets.size(); i += 10) {
-    const std::vector<Captured> part(packets.begin() + static_cast<std::ptrdiff_t>(i),
-                                     packets.begin() + static_cast<std::ptrdiff_t>(i + 10));
-    messages.push_back({"/velodyne_packets", kVelodyneType, part.front().time_ns,
-                        velodyne_scan_message(part, ros1)});
-    messages.push_back(
-        {"/other", "std_msgs/msg/String", part.front().time_ns, text_message("nothing", ros1)});
-  }
+  auto messages = scan_messages("/velodyne_packets", "velodyne_msgs/msg/VelodyneScan",
+                                velodyne_capture({.duration_s = 0.45}), 10, ros1);
+  messages.insert(messages.begin() + 1, {"/other", "std_msgs/msg/String", messages[0].time_ns,
+                                         text_message("nothing", ros1)});
   return messages;
-}
-
-/// One turn of a VLP-16 in a round room of 5 m, from the front on; times in `unit_s` from `zero_s`.
-std::vector<CloudPoint> round_cloud(double period_s, double unit_s, double zero_s) {
-  std::vector<CloudPoint> points;
-  for (int column = 0; column < 360; ++column) {
-    for (int ring = 0; ring < 16; ++ring) {
-      const double azimuth = -column * std::numbers::pi / 180.0;
-      const double elevation = (-15.0 + 2.0 * ring) * std::numbers::pi / 180.0;
-      CloudPoint point;
-      point.x = static_cast<float>(5.0 * std::cos(elevation) * std::cos(azimuth));
-      point.y = static_cast<float>(5.0 * std::cos(elevation) * std::sin(azimuth));
-      point.z = static_cast<float>(5.0 * std::sin(elevation));
-      point.ring = static_cast<std::uint16_t>(ring);
-      point.time = (zero_s + period_s * column / 360.0) / unit_s;
-      points.push_back(point);
-    }
-  }
-  return points;
 }
 
 /// Five clouds, `period_s` apart, the fourth of which never came.
@@ -182,25 +154,6 @@ TEST_CASE("the log that lies beside a bag in write-ahead mode is read with it") 
   const auto scans = all_scans(*open_recording(directory.file("stopped.db3")));
   CHECK(!scans.empty());
   CHECK(scans.size() < 4);
-}
-
-TEST_CASE("Ouster's packets and metadata are found in one bag") {
-  const TemporaryDirectory directory;
-  std::vector<BagMessage> messages;
-  messages.push_back({"/ouster/metadata", "std_msgs/msg/String", 1,
-                      text_message(ouster_metadata_text(OusterProfile::kRng19Dual), false)});
-  for (const std::uint32_t id : {1U, 2U}) {
-    for (const Captured& packet : ouster_turn(OusterProfile::kRng19Dual, id)) {
-      messages.push_back({"/ouster/lidar_packets", "ouster_sensor_msgs/msg/PacketMsg",
-                          packet.time_ns, buffer_message(packet.payload, false)});
-      messages.push_back({"/ouster/imu_packets", "ouster_sensor_msgs/msg/PacketMsg", packet.time_ns,
-                          buffer_message(Payload(48), false)});
-    }
-  }
-  write_file(directory.file("a.mcap"), mcap_bytes(messages, "zstd"));
-  const auto source = open_recording(directory.file("a.mcap"));
-  CHECK(source->sensor().rows() == 8);
-  CHECK(all_scans(*source).size() == 2);
 }
 
 TEST_CASE("of several Ousters in a bag each has its own metadata, whatever other texts are there") {
@@ -343,52 +296,4 @@ TEST_CASE("clouds of four thousand million rows without a column are read at onc
   CHECK(all_scans(*source).size() == 34);
   const double processor_s = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
   CHECK(processor_s < 10.0);  // a minute, were the rows counted
-}
-
-TEST_CASE("damaged bags are read or refused, nothing else") {
-  const TemporaryDirectory directory;
-  std::mt19937 random(5);
-  write_db3(velodyne_messages(false), directory.file("valid.db3"));
-  const auto clouds = [](bool ros1) { return cloud_messages(0.1, 1.0, true, 8, ros1); };
-  struct Valid {
-    const char* name;
-    std::string bytes;
-    bool stored = true;  ///< of compressed ones the least damage leaves nothing
-  };
-  for (const Valid& valid : {Valid{"a.mcap", mcap_bytes(velodyne_messages(false), "")},
-                             Valid{"a.mcap", mcap_bytes(clouds(false), "zstd"), false},
-                             Valid{"a.mcap", mcap_bytes(clouds(false), "")},
-                             Valid{"a.bag", ros1_bytes(velodyne_messages(true), "none")},
-                             Valid{"a.bag", ros1_bytes(clouds(true), "bz2"), false},
-                             Valid{"a.bag", ros1_bytes(clouds(true), "none")},
-                             Valid{"a.db3", file_contents(directory.file("valid.db3"))}}) {
-    int refused = 0;
-    int read = 0;
-    for (int copy = 0; copy < 60; ++copy) {
-      std::string bytes = valid.bytes;
-      for (int edit = 0; edit < 6; ++edit) {
-        const std::size_t reach = copy % 2 == 0 ? 400 : bytes.size();
-        bytes[std::min<std::size_t>(20, bytes.size() - 1) + random() % (reach - 20)] =
-            static_cast<char>(random());
-      }
-      if (copy % 5 == 0) bytes.resize(random() % bytes.size());
-      write_file(directory.file(valid.name), bytes);
-      const std::string message = error_message([&] {
-        const auto source = open_recording(directory.file(valid.name), {.sensor = "vlp-16"});
-        while (true) {
-          try {
-            if (!source->next()) break;
-            ++read;
-          } catch (const ScanError& error) {
-            CHECK(one_line_with(error.what()));
-          }
-        }
-      });
-      CHECK(one_line_with(message));
-      refused += message != "no Error" ? 1 : 0;
-    }
-    CAPTURE(valid.name);
-    CHECK(refused > 0);
-    CHECK((read > 0 || !valid.stored));
-  }
 }

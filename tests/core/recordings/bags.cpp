@@ -5,9 +5,11 @@
 #include <sqlite3.h>
 #include <zstd.h>
 
+#include <cmath>
 #include <cstring>
 #include <filesystem>
 #include <map>
+#include <numbers>
 #include <stdexcept>
 
 namespace hqslam::test {
@@ -18,12 +20,7 @@ namespace {
 class Writer {
  public:
   explicit Writer(bool ros1) : ros1_(ros1) {
-    if (!ros1) {  // little-endian CDR
-      bytes.push_back(0);
-      bytes.push_back(1);
-      bytes.push_back(0);
-      bytes.push_back(0);
-    }
+    if (!ros1) bytes = {0, 1, 0, 0};  // little-endian CDR
   }
   template <typename T>
   void number(T value) {
@@ -87,13 +84,17 @@ void append_record(std::string& bytes, std::uint8_t opcode, const std::string& c
   append(bytes, opcode, std::uint64_t{content.size()}, content);
 }
 
-/// A number per topic, in the order of their first messages.
-std::map<std::string, std::uint16_t> numbered(const std::vector<BagMessage>& messages) {
+/// Calls add(topic's number, first message) for every topic that it was not called for, then
+/// put(topic's number, message), message by message. Numbers count from 1.
+template <typename Add, typename Put>
+void write_messages(const std::vector<BagMessage>& messages, const Add& add, const Put& put) {
   std::map<std::string, std::uint16_t> ids;
   for (const BagMessage& message : messages) {
-    ids.try_emplace(message.topic, static_cast<std::uint16_t>(ids.size() + 1));
+    const auto next = static_cast<std::uint16_t>(ids.size() + 1);
+    const auto [id, is_new] = ids.try_emplace(message.topic, next);
+    if (is_new) add(id->second, message);
+    put(id->second, message);
   }
-  return ids;
 }
 
 using Fields = std::vector<std::pair<std::string, std::string>>;
@@ -118,7 +119,6 @@ Payload velodyne_scan_message(const std::vector<Captured>& packets, bool ros1) {
   for (const Captured& packet : packets) {
     writer.time(packet.time_ns);
     writer.raw(packet.payload);
-    // The next packet's time is aligned again.
   }
   return writer.bytes;
 }
@@ -137,6 +137,19 @@ Payload pandar_scan_message(const std::vector<Captured>& packets, bool ros1) {
   return writer.bytes;
 }
 
+std::vector<BagMessage> scan_messages(const std::string& topic, const std::string& type,
+                                      const std::vector<Captured>& packets, std::size_t each,
+                                      bool ros1,
+                                      Payload (*message)(const std::vector<Captured>&, bool)) {
+  std::vector<BagMessage> messages;
+  for (std::size_t i = 0; i + each <= packets.size(); i += each) {
+    const auto first = packets.begin() + static_cast<std::ptrdiff_t>(i);
+    const std::vector<Captured> part(first, first + static_cast<std::ptrdiff_t>(each));
+    messages.push_back({topic, type, part.front().time_ns, message(part, ros1)});
+  }
+  return messages;
+}
+
 Payload buffer_message(const Payload& packet, bool ros1) {
   Writer writer(ros1);
   writer.number(static_cast<std::uint32_t>(packet.size()));
@@ -148,6 +161,22 @@ Payload text_message(const std::string& text, bool ros1) {
   Writer writer(ros1);
   writer.words(text);
   return writer.bytes;
+}
+
+std::vector<CloudPoint> round_cloud(double period_s, double unit_s, double zero_s) {
+  std::vector<CloudPoint> points;
+  for (int column = 0; column < 360; ++column) {
+    for (int ring = 0; ring < 16; ++ring) {
+      const double azimuth = -column * std::numbers::pi / 180.0;
+      const double elevation = (-15.0 + 2.0 * ring) * std::numbers::pi / 180.0;
+      points.push_back({static_cast<float>(5.0 * std::cos(elevation) * std::cos(azimuth)),
+                        static_cast<float>(5.0 * std::cos(elevation) * std::sin(azimuth)),
+                        static_cast<float>(5.0 * std::sin(elevation)),
+                        static_cast<std::uint16_t>(ring),
+                        (zero_s + period_s * column / 360.0) / unit_s});
+    }
+  }
+  return points;
 }
 
 Payload cloud_message(std::int64_t stamp_ns, const std::vector<CloudPoint>& points, bool ros1,
@@ -218,23 +247,21 @@ Payload transform_message(const std::string& parent, const std::string& child,
 std::string mcap_bytes(const std::vector<BagMessage>& messages, const std::string& compression) {
   const std::string magic("\x89MCAP0\r\n", 8);
   std::string records;
-  const auto ids = numbered(messages);
-  std::map<std::string, bool> written;
-  for (const BagMessage& message : messages) {
-    const std::uint16_t id = ids.at(message.topic);
-    if (!written[message.topic]) {
-      written[message.topic] = true;
-      std::string schema;
-      append(schema, id, words(message.type), words("ros2msg"), words(""));
-      append_record(records, 3, schema);
-      std::string channel;
-      append(channel, id, id, words(message.topic), words("cdr"), words(""));
-      append_record(records, 4, channel);
-    }
-    std::string content;
-    append(content, id, std::uint32_t{0}, message.time_ns, message.time_ns, message.bytes);
-    append_record(records, 5, content);
-  }
+  write_messages(
+      messages,
+      [&](std::uint16_t id, const BagMessage& message) {
+        std::string schema;
+        append(schema, id, words(message.type), words("ros2msg"), words(""));
+        append_record(records, 3, schema);
+        std::string channel;
+        append(channel, id, id, words(message.topic), words("cdr"), words(""));
+        append_record(records, 4, channel);
+      },
+      [&](std::uint16_t id, const BagMessage& message) {
+        std::string content;
+        append(content, id, std::uint32_t{0}, message.time_ns, message.time_ns, message.bytes);
+        append_record(records, 5, content);
+      });
   const std::string packed = compressed(records, compression);
   std::string chunk;
   append(chunk, std::uint64_t{0}, std::uint64_t{0}, std::uint64_t{records.size()}, std::uint32_t{0},
@@ -252,24 +279,23 @@ std::string ros1_bytes(const std::vector<BagMessage>& messages, const std::strin
   append_ros1_record(bytes, {{"op", raw(std::uint8_t{3})}, {"index_pos", raw(std::uint64_t{0})}},
                      std::string(100, ' '));
   std::string records;
-  const auto ids = numbered(messages);
-  std::map<std::string, bool> written;
-  for (const BagMessage& message : messages) {
-    const auto id = static_cast<std::uint32_t>(ids.at(message.topic));
-    if (!written[message.topic]) {
-      written[message.topic] = true;
-      std::string type = message.type;
-      if (const auto at = type.find("/msg/"); at != std::string::npos) type.erase(at, 4);
-      const std::string connection = words("topic=" + message.topic) + words("type=" + type);
-      append_ros1_record(
-          records, {{"op", raw(std::uint8_t{7})}, {"conn", raw(id)}, {"topic", message.topic}},
-          connection);
-    }
-    const std::string time = raw(static_cast<std::uint32_t>(message.time_ns / 1'000'000'000)) +
-                             raw(static_cast<std::uint32_t>(message.time_ns % 1'000'000'000));
-    append_ros1_record(records, {{"op", raw(std::uint8_t{2})}, {"conn", raw(id)}, {"time", time}},
-                       std::string(message.bytes.begin(), message.bytes.end()));
-  }
+  write_messages(
+      messages,
+      [&](std::uint32_t id, const BagMessage& message) {
+        std::string type = message.type;
+        if (const auto at = type.find("/msg/"); at != std::string::npos) type.erase(at, 4);
+        const std::string connection = words("topic=" + message.topic) + words("type=" + type);
+        append_ros1_record(
+            records, {{"op", raw(std::uint8_t{7})}, {"conn", raw(id)}, {"topic", message.topic}},
+            connection);
+      },
+      [&](std::uint32_t id, const BagMessage& message) {
+        const std::string time = raw(static_cast<std::uint32_t>(message.time_ns / 1'000'000'000)) +
+                                 raw(static_cast<std::uint32_t>(message.time_ns % 1'000'000'000));
+        append_ros1_record(records,
+                           {{"op", raw(std::uint8_t{2})}, {"conn", raw(id)}, {"time", time}},
+                           std::string(message.bytes.begin(), message.bytes.end()));
+      });
   append_ros1_record(bytes,
                      {{"op", raw(std::uint8_t{5})},
                       {"compression", compression},
@@ -278,69 +304,91 @@ std::string ros1_bytes(const std::vector<BagMessage>& messages, const std::strin
   return bytes;
 }
 
-void write_db3(const std::vector<BagMessage>& messages, const std::string& path,
-               const std::string& serialization_format) {
-  sqlite3* database = nullptr;
-  if (sqlite3_open(path.c_str(), &database) != SQLITE_OK) throw std::runtime_error(path);
-  const auto run = [&](const char* sql) { sqlite3_exec(database, sql, nullptr, nullptr, nullptr); };
-  run("PRAGMA page_size = 512");  // small files, of several pages all the same
-  run("CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT NOT NULL, type TEXT NOT NULL, "
-      "serialization_format TEXT NOT NULL, offered_qos_profiles TEXT NOT NULL)");
-  run("CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id INTEGER NOT NULL, timestamp INTEGER "
-      "NOT NULL, data BLOB NOT NULL)");
-  run("BEGIN");
-  const auto ids = numbered(messages);
-  std::map<std::string, bool> written;
-  for (const BagMessage& message : messages) {
-    const int id = ids.at(message.topic);
+namespace {
+
+/// A database that is open while it lives.
+class Database {
+ public:
+  explicit Database(const std::string& path) {
+    if (sqlite3_open(path.c_str(), &database_) != SQLITE_OK) throw std::runtime_error(path);
+  }
+  ~Database() { sqlite3_close(database_); }
+  Database(const Database&) = delete;
+  Database& operator=(const Database&) = delete;
+
+  void run(const char* sql) { sqlite3_exec(database_, sql, nullptr, nullptr, nullptr); }
+  /// One number or text, or bytes, for each question mark.
+  template <typename... Values>
+  void run_with(const char* sql, const Values&... values) {
     sqlite3_stmt* statement = nullptr;
-    if (!written[message.topic]) {
-      written[message.topic] = true;
-      sqlite3_prepare_v2(database, "INSERT INTO topics VALUES(?, ?, ?, ?, '')", -1, &statement,
-                         nullptr);
-      sqlite3_bind_int(statement, 1, id);
-      sqlite3_bind_text(statement, 2, message.topic.c_str(), -1, SQLITE_TRANSIENT);
-      sqlite3_bind_text(statement, 3, message.type.c_str(), -1, SQLITE_TRANSIENT);
-      sqlite3_bind_text(statement, 4, serialization_format.c_str(), -1, SQLITE_TRANSIENT);
-      sqlite3_step(statement);
-      sqlite3_finalize(statement);
-    }
-    sqlite3_prepare_v2(database, "INSERT INTO messages(topic_id, timestamp, data) VALUES(?, ?, ?)",
-                       -1, &statement, nullptr);
-    sqlite3_bind_int(statement, 1, id);
-    sqlite3_bind_int64(statement, 2, message.time_ns);
-    sqlite3_bind_blob(statement, 3, message.bytes.data(), static_cast<int>(message.bytes.size()),
-                      SQLITE_TRANSIENT);
+    sqlite3_prepare_v2(database_, sql, -1, &statement, nullptr);
+    int place = 0;
+    (bind(statement, ++place, values), ...);
     sqlite3_step(statement);
     sqlite3_finalize(statement);
   }
-  run("COMMIT");
-  sqlite3_close(database);
+
+ private:
+  static void bind(sqlite3_stmt* statement, int place, std::int64_t number) {
+    sqlite3_bind_int64(statement, place, number);
+  }
+  static void bind(sqlite3_stmt* statement, int place, const std::string& text) {
+    sqlite3_bind_text(statement, place, text.c_str(), -1, SQLITE_TRANSIENT);
+  }
+  static void bind(sqlite3_stmt* statement, int place, const Payload& bytes) {
+    sqlite3_bind_blob(statement, place, bytes.data(), static_cast<int>(bytes.size()),
+                      SQLITE_TRANSIENT);
+  }
+
+  sqlite3* database_ = nullptr;
+};
+
+}  // namespace
+
+void write_db3(const std::vector<BagMessage>& messages, const std::string& path,
+               const std::string& serialization_format) {
+  Database database(path);
+  for (const char* sql :
+       {"PRAGMA page_size = 512",  // small files, of several pages all the same
+        "CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT NOT NULL, type TEXT NOT NULL, "
+        "serialization_format TEXT NOT NULL, offered_qos_profiles TEXT NOT NULL)",
+        "CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id INTEGER NOT NULL, timestamp "
+        "INTEGER NOT NULL, data BLOB NOT NULL)",
+        "BEGIN"}) {
+    database.run(sql);
+  }
+  write_messages(
+      messages,
+      [&](std::int64_t id, const BagMessage& message) {
+        database.run_with("INSERT INTO topics VALUES(?, ?, ?, ?, '')", id, message.topic,
+                          message.type, serialization_format);
+      },
+      [&](std::int64_t id, const BagMessage& message) {
+        database.run_with("INSERT INTO messages(topic_id, timestamp, data) VALUES(?, ?, ?)", id,
+                          message.time_ns, message.bytes);
+      });
+  database.run("COMMIT");
 }
 
 void write_endless_db3(const std::string& path) {
   write_db3({{"/points", "sensor_msgs/msg/PointCloud2", 1, Payload(8)}}, path);
-  sqlite3* database = nullptr;
-  if (sqlite3_open(path.c_str(), &database) != SQLITE_OK) throw std::runtime_error(path);
+  Database database(path);
   for (const char* sql : {"DROP TABLE messages",
                           "CREATE VIEW messages AS WITH RECURSIVE endless(n) AS (SELECT 1 UNION "
                           "ALL SELECT n + 1 FROM endless) SELECT n AS id, 1 AS topic_id, n AS "
                           "timestamp, x'00' AS data FROM endless"}) {
-    sqlite3_exec(database, sql, nullptr, nullptr, nullptr);
+    database.run(sql);
   }
-  sqlite3_close(database);
 }
 
 void copy_with_half_taken_back(const std::string& path, const std::string& copy) {
-  sqlite3* database = nullptr;
-  if (sqlite3_open(path.c_str(), &database) != SQLITE_OK) throw std::runtime_error(path);
+  Database database(path);
   for (const char* sql : {"PRAGMA journal_mode = WAL",
                           "DELETE FROM messages WHERE id > (SELECT COUNT(*) / 2 FROM messages)"}) {
-    sqlite3_exec(database, sql, nullptr, nullptr, nullptr);
+    database.run(sql);
   }
   std::filesystem::copy_file(path, copy);
   std::filesystem::copy_file(path + "-wal", copy + "-wal");
-  sqlite3_close(database);
 }
 
 }  // namespace hqslam::test

@@ -20,6 +20,12 @@ struct BagMessage {
 Payload velodyne_scan_message(const std::vector<Captured>& packets, bool ros1);
 /// A pandar_msgs/PandarScan with these packets.
 Payload pandar_scan_message(const std::vector<Captured>& packets, bool ros1);
+/// Messages of a topic with so many packets each; what is left at the end stays out.
+std::vector<BagMessage> scan_messages(const std::string& topic, const std::string& type,
+                                      const std::vector<Captured>& packets, std::size_t each,
+                                      bool ros1,
+                                      Payload (*message)(const std::vector<Captured>&,
+                                                         bool) = velodyne_scan_message);
 /// A message of one buffer: Ouster's PacketMsg.
 Payload buffer_message(const Payload& packet, bool ros1);
 /// A std_msgs/String.
@@ -31,6 +37,8 @@ struct CloudPoint {
   std::uint16_t ring = 0;
   double time = 0.0;
 };
+/// One turn of a VLP-16 in a round room of 5 m, from the front on; times in `unit_s` from `zero_s`.
+std::vector<CloudPoint> round_cloud(double period_s, double unit_s = 1.0, double zero_s = 0.0);
 /// A sensor_msgs/PointCloud2; its field of times has this type (6: uint32, 7: float32, 8: float64).
 Payload cloud_message(std::int64_t stamp_ns, const std::vector<CloudPoint>& points, bool ros1,
                       std::uint8_t time_type = 8, const std::string& time_name = "timestamp",

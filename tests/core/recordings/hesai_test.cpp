@@ -3,20 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
-#include <filesystem>
 #include <numbers>
-#include <utility>
 
 #include "bags.h"
 #include "captures.h"
-#include "core/real_data.h"
 #include "error_message.h"
 #include "file_contents.h"
 #include "hesai_decoder.h"
 #include "hqslam/recordings/recording.h"
-#include "message_packets.h"
-#include "stream_reader.h"
 #include "temporary_directory.h"
 
 using namespace hqslam;
@@ -130,17 +124,10 @@ TEST_CASE("a capture and a bag of Hesai packets give the same scans, by the angl
   const auto packets = hesai_capture(16, 0.35, 0x39);
   write_file(folder.file("a.pcap"), pcap_bytes(packets));
   write_file(folder.file("a_angles.csv"), angle_file(16, 0.25, 0.5));
-  std::vector<BagMessage> messages;
-  for (std::size_t i = 0; i < packets.size(); i += 100) {
-    const std::vector<Captured> part(
-        packets.begin() + static_cast<std::ptrdiff_t>(i),
-        packets.begin() + static_cast<std::ptrdiff_t>(std::min(i + 100, packets.size())));
-    messages.push_back({"/pandar_packets", "pandar_msgs/msg/PandarScan", part.front().time_ns,
-                        pandar_scan_message(part, false)});
-  }
-  write_db3(messages, folder.file("b.db3"));
+  write_db3(scan_messages("/pandar_packets", "pandar_msgs/msg/PandarScan", packets, 10, false,
+                          pandar_scan_message),
+            folder.file("b.db3"));
   write_file(folder.file("b.csv"), angle_file(16, 0.25, 0.5));
-  for (auto& message : messages) message.type = "pandar_msgs/PandarScan";
 
   const auto source = open_recording(folder.file("a.pcap"));
   CHECK(source->sensor().name == "xt16");
@@ -180,75 +167,5 @@ TEST_CASE(
         std::string("1,15,0\n2,16,0\n"), std::string("1,1e99,0\n")}) {
     write_file(angles, wrong);
     CHECK(refused_with([&] { open_recording(capture, {.sensor = angles}); }, "angle"));
-  }
-}
-
-namespace {
-
-/// x y z of a binary .pcd.
-std::vector<Eigen::Vector3f> their_points(const std::string& path) {
-  const std::string file = file_contents(path);
-  const std::string marker = "DATA binary\n";
-  std::vector<Eigen::Vector3f> points_m;
-  for (std::size_t at = file.find(marker) + marker.size(); at + 12 <= file.size(); at += 12) {
-    std::memcpy(points_m.emplace_back().data(), file.data() + at, 12);
-  }
-  return points_m;
-}
-
-/// Of a scan, sorted by x.
-float nearest_m(const std::vector<Eigen::Vector3f>& points_m, const Eigen::Vector3f& query_m,
-                float within_m) {
-  const auto x_of = [](const Eigen::Vector3f& point_m) { return point_m.x(); };
-  float best_m = within_m;
-  for (auto it = std::ranges::lower_bound(points_m, query_m.x() - within_m, {}, x_of);
-       it != points_m.end() && it->x() <= query_m.x() + within_m; ++it) {
-    best_m = std::min(best_m, (*it - query_m).norm());
-  }
-  return best_m;
-}
-
-}  // namespace
-
-TEST_CASE("points of a real XT16 and a real XT32 are those of another decoder") {
-  for (const auto& [name, cloud] : {std::pair("xt16", "xt16_1732848128093928016"),
-                                    std::pair("xt32", "xt32_1673400678101968885")}) {
-    CAPTURE(name);
-    const auto bag = real_data(fmt::format("packets/hesai/{}.db3", name));
-    if (!bag) return;
-    HesaiDecoder decoder(
-        read_hesai_angles(*real_data(fmt::format("packets/hesai/{}_angles.csv", name))));
-    StreamReader reader(*bag, "");
-    REQUIRE(reader.stream().kind == StreamKind::kHesaiPackets);
-    MessagePackets packets(reader.stream(), [&] { return reader.next(); });
-    std::vector<Scan> scans;
-    while (const auto packet = packets.next()) {
-      // They keep both returns, we one: as packets of one return all blocks give points.
-      Payload single(packet->payload.begin(), packet->payload.end());
-      CHECK(std::exchange(single[single.size() - 18], std::uint8_t{0x37}) == 0x39);
-      Packet copy = *packet;
-      copy.payload = single;
-      decoder.add(copy, scans);
-    }
-    decoder.finish(scans);
-    CHECK(decoder.counts().late + decoder.counts().foreign + decoder.counts().lost == 0);
-    std::vector<Eigen::Vector3f> ours_m;
-    for (const Scan& scan : scans) {
-      ours_m.insert(ours_m.end(), scan.points_m.begin(), scan.points_m.end());
-    }
-    std::ranges::sort(ours_m, {}, [](const Eigen::Vector3f& point_m) { return point_m.x(); });
-    constexpr float kTolerance_m = 0.002F;
-    std::vector<float> distances_m;
-    std::int64_t found = 0;
-    const auto theirs_m = their_points(*real_data(fmt::format("packets/hesai/{}.pcd", cloud)));
-    for (const Eigen::Vector3f& their_m : theirs_m) {
-      distances_m.push_back(nearest_m(ours_m, their_m, 0.01F));
-      found += distances_m.back() <= kTolerance_m ? 1 : 0;
-    }
-    std::ranges::sort(distances_m);
-    MESSAGE(name, ": ", found, " of ", theirs_m.size(), " points within 2 mm, median ",
-            1e3F * distances_m[distances_m.size() / 2], " mm, largest ", 1e3F * distances_m.back(),
-            " mm");
-    CHECK(static_cast<double>(found) >= 0.9999 * static_cast<double>(theirs_m.size()));
   }
 }

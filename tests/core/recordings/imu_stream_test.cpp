@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <numbers>
-#include <random>
 
 #include "bags.h"
 #include "captures.h"
@@ -32,15 +31,7 @@ struct ImuTopic {
   double first_covariance = 0.0;
 };
 std::vector<BagMessage> clouds_with_imu(const std::vector<ImuTopic>& topics, bool ros1) {
-  std::vector<CloudPoint> points;
-  for (int i = 0; i < 360 * 16; ++i) {
-    const double azimuth = -(i / 16) * std::numbers::pi / 180.0;
-    const double elevation = (-15.0 + 2.0 * (i % 16)) * std::numbers::pi / 180.0;
-    points.push_back({static_cast<float>(5.0 * std::cos(elevation) * std::cos(azimuth)),
-                      static_cast<float>(5.0 * std::cos(elevation) * std::sin(azimuth)),
-                      static_cast<float>(5.0 * std::sin(elevation)),
-                      static_cast<std::uint16_t>(i % 16), 0.1 * (i / 16) / 360.0});
-  }
+  const std::vector<CloudPoint> points = round_cloud(0.1);
   std::vector<BagMessage> messages;
   for (std::int64_t i = 0; i < 60; ++i) {
     const std::int64_t stamp_ns = 1'600'000'000'000'000'000 + i * 10'000'000;
@@ -139,32 +130,4 @@ TEST_CASE("a sensor_msgs/Imu that says it has no angular rates, or is cut off, i
   CHECK(info.imu.used == 59);
   CHECK(info.imu.left_out == 1);
   CHECK(info.scans == 6);
-}
-
-TEST_CASE("damaged inertial messages and transforms are read or left out, nothing else") {
-  const TemporaryDirectory folder;
-  auto messages = clouds_with_imu({{"/imu", "imu"}}, false);
-  const Eigen::Quaterniond q(0.0, 1.0, 0.0, 0.0);
-  messages.insert(messages.begin(),
-                  {"/tf_static", kTransformType, 1, transform_message("lidar", "imu", q, false)});
-  std::mt19937 random(1);
-  for (int round = 0; round < 100; ++round) {
-    auto damaged = messages;
-    for (BagMessage& message : damaged) {
-      if (message.topic == "/robot/points" || random() % 4 > 0) continue;
-      message.bytes[random() % message.bytes.size()] = static_cast<std::uint8_t>(random());
-      if (random() % 4 == 0) message.bytes.resize(random() % message.bytes.size());
-    }
-    write_file(folder.file("b.mcap"), mcap_bytes(damaged, ""));
-    const auto source = open_stream(folder.file("b.mcap"), {.sensor = "vlp-16"});
-    const auto scans = all_scans(*source);
-    CHECK(scans.size() == 6);
-    for (const RecordedScan& scan : scans) {
-      for (const ImuSample& sample : scan.imu) {
-        CHECK(std::abs(sample.stamp_s - scan.stamp_s) <= 10.1);
-        CHECK(sample.angular_rate_rad_per_s.allFinite());
-      }
-    }
-    CHECK(source->info().imu.used + source->info().imu.left_out == 60);
-  }
 }

@@ -1,13 +1,17 @@
 #include <doctest/doctest.h>
+#include <fmt/format.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <numbers>
+#include <utility>
 
+#include "captures.h"
 #include "core/real_data.h"
 #include "file_contents.h"
+#include "hesai_decoder.h"
 #include "message_packets.h"
 #include "stream_reader.h"
 #include "velodyne_decoder.h"
@@ -217,4 +221,47 @@ TEST_CASE("points of a real VLP-32C are those of another decoder") {
   MESSAGE(found, " of ", theirs.size(), " found, ", turned_on, " more in last blocks");
   CHECK(turned_on <= static_cast<std::int64_t>(theirs.size()) / 12);
   CHECK(static_cast<double>(found + turned_on) >= 0.999 * static_cast<double>(theirs.size()));
+}
+
+TEST_CASE("points of a real XT16 and a real XT32 are those of another decoder") {
+  for (const auto& [name, cloud] : {std::pair("xt16", "xt16_1732848128093928016"),
+                                    std::pair("xt32", "xt32_1673400678101968885")}) {
+    CAPTURE(name);
+    const auto bag = real_data(fmt::format("packets/hesai/{}.db3", name));
+    if (!bag) return;
+    HesaiDecoder decoder(
+        read_hesai_angles(*real_data(fmt::format("packets/hesai/{}_angles.csv", name))));
+    StreamReader reader(*bag, "");
+    REQUIRE(reader.stream().kind == StreamKind::kHesaiPackets);
+    MessagePackets packets(reader.stream(), [&] { return reader.next(); });
+    std::vector<Scan> scans;
+    while (const auto packet = packets.next()) {
+      // They keep both returns, we one: as packets of one return all blocks give points.
+      Payload single(packet->payload.begin(), packet->payload.end());
+      CHECK(std::exchange(single[single.size() - 18], std::uint8_t{0x37}) == 0x39);
+      Packet copy = *packet;
+      copy.payload = single;
+      decoder.add(copy, scans);
+    }
+    decoder.finish(scans);
+    CHECK(decoder.counts().late + decoder.counts().foreign + decoder.counts().lost == 0);
+    std::vector<OurPoint> ours;
+    for (const Scan& scan : scans) {
+      for (const Eigen::Vector3f& point_m : scan.points_m) ours.push_back({point_m});
+    }
+    const Row all = rows_of(ours, 1).front();
+    std::vector<float> distances_m;
+    std::int64_t found = 0;
+    const auto theirs = their_points(*real_data(fmt::format("packets/hesai/{}.pcd", cloud)), false);
+    for (const TheirPoint& their : theirs) {
+      const OurPoint* our = all.nearest(their.point_m, 0.01F);
+      distances_m.push_back(our != nullptr ? (our->point_m - their.point_m).norm() : 0.01F);
+      found += distances_m.back() <= 0.002F ? 1 : 0;
+    }
+    std::ranges::sort(distances_m);
+    MESSAGE(name, ": ", found, " of ", theirs.size(), " points within 2 mm, median ",
+            1e3F * distances_m[distances_m.size() / 2], " mm, largest ", 1e3F * distances_m.back(),
+            " mm");
+    CHECK(static_cast<double>(found) >= 0.9999 * static_cast<double>(theirs.size()));
+  }
 }

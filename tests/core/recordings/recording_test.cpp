@@ -58,12 +58,8 @@ TEST_CASE("a recording is read once, from opening it to its last scan, and so it
   const TemporaryDirectory directory;
   const auto packets = velodyne_capture({.duration_s = 30.0});
   write_file(directory.file("a.pcap"), pcap_bytes(packets));
-  std::vector<BagMessage> messages;
-  for (std::size_t i = 0; i + 76 <= packets.size(); i += 76) {
-    const auto first = packets.begin() + static_cast<std::ptrdiff_t>(i);
-    messages.push_back({"/velodyne_packets", "velodyne_msgs/msg/VelodyneScan", packets[i].time_ns,
-                        velodyne_scan_message({first, first + 76}, false)});
-  }
+  const auto messages =
+      scan_messages("/velodyne_packets", "velodyne_msgs/msg/VelodyneScan", packets, 76, false);
   write_db3(messages, directory.file("a.db3"));
   write_file(directory.file("a.mcap"), mcap_bytes(messages, ""));
   for (const char* name : {"a.pcap", "a.db3", "a.mcap"}) {

@@ -29,10 +29,11 @@ struct Seen {
 
 /// What the decoder makes of one packet, recorded at its time 0: by the range in millimetres.
 std::map<int, Seen> decoded(const Payload& packet, VelodyneModel model, bool dual = false,
-                            KeptReturn kept = KeptReturn::kStrongest) {
+                            KeptReturn kept = KeptReturn::kStrongest, double cut_deg = 0.0) {
   VelodyneStream stream;
   stream.model = model;
   stream.dual_return = dual;
+  stream.cut_azimuth_deg = cut_deg;
   stream.field_of_view_deg = 0.0;  // a packet is a scan
   VelodyneDecoder decoder(stream, sensor_preset(name(model)), {kept, true});
   std::vector<Scan> scans;
@@ -267,15 +268,7 @@ TEST_CASE("the azimuth is interpolated over the front, where 360 degrees become 
   for (int i = 0; i < 12; ++i) azimuths.push_back((35950 + 20 * i) % 36000);  // 35990, 10
   Payload packet = velodyne_packet(0, azimuths, 0);
   set_measurement(packet, 2, 16, 2500);  // laser 0 of the second firing: half a block later
-  VelodyneStream stream;
-  stream.cut_azimuth_deg = 180.0;
-  stream.field_of_view_deg = 0.3;
-  VelodyneDecoder decoder(stream, sensor_preset("vlp-16"));
-  std::vector<Scan> scans;
-  decoder.add(as_packet({0, 2368, packet}), scans);
-  decoder.finish(scans);
-  REQUIRE(scans.size() == 1);
-  REQUIRE(scans[0].points_m.size() == 1);
-  const Eigen::Vector3f point_m = scans[0].points_m[0];
-  CHECK(std::abs(degrees(std::atan2(-point_m.y(), point_m.x()))) < 2e-4);
+  const auto seen = decoded(packet, VelodyneModel::kVlp16, false, KeptReturn::kStrongest, 180.0);
+  REQUIRE(seen.size() == 1);
+  CHECK(std::abs(seen.at(5000).azimuth_deg) < 2e-4);
 }

@@ -200,22 +200,6 @@ TEST_CASE("gradients are what small changes of inputs and parameters do") {
   }
 }
 
-TEST_CASE("one and two threads give the same bits in every layer") {
-  const Golden golden("network_layers");
-  for (const Case& c : cases()) {
-    CAPTURE(c.name);
-    Batch one = golden_batch(golden, c, {chosen_instruction_set(), 1});
-    Batch two = golden_batch(golden, c, {chosen_instruction_set(), 2});
-    one.layer->set_parameters(one.parameters);
-    two.layer->set_parameters(two.parameters);
-    one.layer->forward(one.passes().front());
-    const LayerPass pass = two.passes().front();
-#pragma omp parallel num_threads(2)
-    two.layer->forward(pass);
-    CHECK(same_bits(one.output.front(), two.output.front()));
-  }
-}
-
 TEST_CASE("batch norm lifts with its running statistics") {
   const Golden golden("network_layers");
   const std::vector<Case> all = cases();

@@ -1,7 +1,5 @@
 #include <doctest/doctest.h>
 
-#include <string>
-
 #include "error_message.h"
 #include "small_training.h"
 #include "srae.h"

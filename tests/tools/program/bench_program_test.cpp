@@ -1,9 +1,7 @@
 #include <doctest/doctest.h>
-#include <fmt/format.h>
 
 #include <cstdlib>
 #include <nlohmann/json.hpp>
-#include <string>
 
 #include "hqslam/nn/instruction_set.h"
 #include "tools/program/program.h"

@@ -101,18 +101,6 @@ TEST_CASE("the files of a dense map are whole and the report shows its pictures"
   CHECK_FALSE(holds(file_contents(out.file("report.html")), "Dense map</h2>"));
 }
 
-TEST_CASE("two dense maps of one drive are the same bytes, with one thread and with two") {
-  std::vector<std::string> maps;
-  for (const int threads : {1, 2}) {
-    const TemporaryDirectory out;
-    succeeds("run '{}' --dense-map --threads {} --out '{}'", simulated_drive(), threads,
-             out.path().string());
-    maps.push_back(file_contents(out.file("dense_map.ply")));
-  }
-  CHECK(maps[0].size() > 10000);
-  CHECK(maps[0] == maps[1]);
-}
-
 TEST_CASE("scans whose poses a TUM file does not have are left out of the map, and that is said") {
   const TemporaryDirectory out;
   std::istringstream truth(file_contents(simulated_drive() + "/truth.tum"));

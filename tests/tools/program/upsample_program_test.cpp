@@ -160,18 +160,6 @@ TEST_CASE("a lifted recording says whether it was corrected for motion, as its s
   }
 }
 
-TEST_CASE("the number of threads does not change an upsampled stack") {
-  const Material& files = material();
-  std::vector<std::string> stacks;
-  for (const int threads : {1, 2}) {
-    const TemporaryDirectory out;
-    succeeds("upsample '{}' --weights '{}' --threads {} --out '{}'", files.measured, files.weights,
-             threads, out.path().string());
-    stacks.push_back(file_contents(out.file("scans.npy")));
-  }
-  CHECK(stacks[0] == stacks[1]);
-}
-
 TEST_CASE("wrong input of upsample is one line on stderr and status 2, and writes nothing") {
   const Material& files = material();
   const TemporaryDirectory folder;

@@ -94,14 +94,4 @@ TEST_CASE("weights pack says which description or file does not fit") {
   CHECK(holds(broken.error, "network.json"));
 }
 
-TEST_CASE("weights pack refuses a description that is nested without end") {
-  const Foreign foreign(false);
-  constexpr std::size_t kLevels = 500'000;
-  std::ofstream(foreign.description)
-      << R"({"network": )" << std::string(kLevels, '[') << std::string(kLevels, ']') << '}';
-  const ProgramResult result = foreign.pack();
-  CHECK(result.status == 2);
-  CHECK(holds(result.error, "network.json: expected JSON with values at most"));
-}
-
 }  // namespace hqslam::test

@@ -17,6 +17,11 @@ namespace hqslam::tools {
 /// more: this one ends, and whoever started them ends the others.
 std::unique_ptr<Ranks> launched_ranks();
 
+/// Whether what stands at this place among all is this rank's share.
+inline bool is_own(std::size_t place, const Ranks& ranks) {
+  return place % static_cast<std::size_t>(ranks.count()) == static_cast<std::size_t>(ranks.rank());
+}
+
 /// One of many jobs, by its number. Returns false if it was interrupted; is to look now and then
 /// whether the others have stopped.
 using SideJob = std::function<bool(std::size_t job, const std::atomic<bool>& stopped)>;

@@ -42,10 +42,9 @@ TEST_CASE("with growing confidence points are lost, never won, and the bins hold
   std::int64_t pixels = 0;
   for (const ReliabilityBin& bin : curve.reliability()) pixels += bin.pixels;
   CHECK(pixels == 48 * 1024);
-  const std::string page = confidence_html(
-      {"w.npz", "room", 1, 0.25F, points, curve.reliability(), curve.calibration_error()});
+  const std::string page = confidence_html(curve, "w.npz", "room");
   CHECK(holds(page, "Can it be believed"));
-  CHECK(holds(page, "true return within 0.25 m"));
+  CHECK(holds(page, "true return within 0.5 m"));
   CHECK_FALSE(holds(page, "nan"));
 }
 

@@ -13,20 +13,15 @@
 namespace hqslam::tools {
 namespace {
 
-TableOptions options_for(const std::string& out) {
-  TableOptions options;
-  options.out = out;
-  return options;
-}
-
-std::string plan_error(const TableOptions& options) {
-  return test::error_message([&] { plan_table(options); });
-}
+const auto found = [](const TablePlan& plan, const std::string& name) {
+  return std::find_if(plan.shown.begin(), plan.shown.end(),
+                      [&](const TableMethod& method) { return method.name == name; });
+};
 
 }  // namespace
 
 TEST_CASE("without a choice every method runs on the paper's two lengths") {
-  const TablePlan plan = plan_table(options_for("out"));
+  const TablePlan plan = plan_table({.out = "out"});
   REQUIRE(plan.drives.size() == 2);
   CHECK(plan.drives[0].simulated->scans == 4000);
   CHECK(plan.drives[1].simulated->scans == 8000);
@@ -35,22 +30,16 @@ TEST_CASE("without a choice every method runs on the paper's two lengths") {
 }
 
 TEST_CASE("--scans shortens simulated drives and --methods chooses among the rows") {
-  TableOptions options = options_for("out");
-  options.drives = {"block"};
-  options.methods = {"du-or", "rows-16"};
-  options.scans = 30;
-  const TablePlan plan = plan_table(options);
+  const TablePlan plan =
+      plan_table({.drives = {"block"}, .methods = {"du-or", "rows-16"}, .scans = 30, .out = "out"});
   CHECK(plan.drives[0].simulated->scans == 30);
   REQUIRE(plan.methods.size() == 2);
   CHECK(plan.methods[0].title == "DU-OR");
 }
 
 TEST_CASE("over seeds every drive is there from each seed, without loop closing") {
-  TableOptions options = options_for("out");
-  options.drives = {"town", "hills"};
-  options.seeds = "3..4";
-  options.scans = 50;
-  const TablePlan plan = plan_table(options);
+  const TablePlan plan =
+      plan_table({.drives = {"town", "hills"}, .scans = 50, .seeds = "3..4", .out = "out"});
   CHECK(plan.over_seeds);
   CHECK_FALSE(plan.loop_closing);
   REQUIRE(plan.drives.size() == 4);
@@ -62,20 +51,15 @@ TEST_CASE("over seeds every drive is there from each seed, without loop closing"
 }
 
 TEST_CASE("drives of a sensor with errors have folders of their own") {
-  TableOptions options = options_for("out");
-  options.drives = {"town"};
-  options.seeds = "3";
-  options.sensor_errors = "typical";
-  const TablePlan plan = plan_table(options);
+  const TablePlan plan =
+      plan_table({.drives = {"town"}, .sensor_errors = "typical", .seeds = "3", .out = "out"});
   REQUIRE(plan.drives.size() == 1);
   CHECK(plan.drives[0].recording.input == "out/drives/town-seed-3-typical");
   CHECK(plan.drives[0].simulated->sensor_errors == sim::SensorErrors::kTypical);
 }
 
 TEST_CASE("over seeds others are paired with what is named, with linear, or with the first") {
-  TableOptions options = options_for("out");
-  options.seeds = "1";
-  options.methods = {"rows-16", "linear", "rows-64"};
+  TableOptions options{.methods = {"rows-16", "linear", "rows-64"}, .seeds = "1", .out = "out"};
   CHECK(plan_table(options).against == 1);
   CHECK(plan_table(options).shown.size() == 3);
   options.against = "rows-64";
@@ -86,23 +70,18 @@ TEST_CASE("over seeds others are paired with what is named, with linear, or with
 }
 
 TEST_CASE("a variant of SLAM is a row behind its method, never without being asked for") {
-  TableOptions options = options_for("out");
   CHECK(std::none_of(table_methods().begin(), table_methods().end(),
                      [](const TableMethod& method) { return method.variant != nullptr; }));
-  options.methods = {"du-or+whole-map", "rows-64+16-rows"};
-  const TablePlan plan = plan_table(options);
+  const TablePlan plan =
+      plan_table({.methods = {"du-or+whole-map", "rows-64+16-rows"}, .out = "out"});
   REQUIRE(plan.methods.size() == 2);
   CHECK(plan.methods[0].title == "DU-OR, the whole map matched");
   CHECK(plan.methods[0].source == "du-or");
   CHECK(plan.methods[0].filtered);
   CHECK_FALSE(is_reference(plan.methods[1]));
-  const auto shown = [&](const std::string& name) {
-    return std::find_if(plan.shown.begin(), plan.shown.end(),
-                        [&](const TableMethod& method) { return method.name == name; });
-  };
-  CHECK(shown("du-or") < shown("du-or+whole-map"));
-  CHECK(shown("du-or+whole-map") < shown("rows-64"));
-  CHECK(shown("rows-64+16-rows") < plan.shown.end());
+  CHECK(found(plan, "du-or") < found(plan, "du-or+whole-map"));
+  CHECK(found(plan, "du-or+whole-map") < found(plan, "rows-64"));
+  CHECK(found(plan, "rows-64+16-rows") < plan.shown.end());
 }
 
 TEST_CASE("methods that share a network share a pass, and all rows come first") {
@@ -135,16 +114,13 @@ TEST_CASE("networks find the weights of the sensor, other methods need none") {
 TEST_CASE("a weights file becomes a filtered row before LiDAR-64") {
   const test::TemporaryDirectory folder;
   test::write_file(folder.file("mine.npz"), "");
-  TableOptions options = options_for("out");
-  options.weights = {folder.file("mine.npz")};
+  TableOptions options{.weights = {folder.file("mine.npz")}, .out = "out"};
   const TablePlan plan = plan_table(options);
   CHECK(plan.methods.back().name == "mine");
   CHECK(plan.methods.back().filtered);
   CHECK(weights_of(plan.methods.back(), "any") == folder.file("mine.npz"));
-  const auto mine = std::find_if(plan.shown.begin(), plan.shown.end(),
-                                 [](const TableMethod& method) { return method.name == "mine"; });
-  REQUIRE(mine != plan.shown.end());
-  CHECK((mine + 1)->name == "rows-64");
+  REQUIRE(found(plan, "mine") != plan.shown.end());
+  CHECK((found(plan, "mine") + 1)->name == "rows-64");
 
   options.weights = {folder.file("mine.npz") + "+as-published"};
   CHECK(plan_table(options).methods.back().name == "mine+as-published");
@@ -157,8 +133,7 @@ TEST_CASE("a recording is named after its folder and keeps the sensor and truth 
   const test::TemporaryDirectory folder;
   std::filesystem::create_directories(folder.file("kitti_drive/velodyne"));
   std::filesystem::create_directory(folder.file("street"));
-  TableOptions options = options_for("out");
-  options.drives = {folder.file("kitti_drive/velodyne")};
+  TableOptions options{.drives = {folder.file("kitti_drive/velodyne")}, .out = "out"};
   CHECK(plan_table(options).drives[0].name == "kitti_drive");
   options.drives = {folder.file("street") + "/", "town"};
   options.reading.sensor = "hdl-64e";
@@ -182,32 +157,22 @@ TEST_CASE("a recording is named after its folder and keeps the sensor and truth 
 }
 
 TEST_CASE("what is not there or would mix is refused in one line") {
-  TableOptions wrong = options_for("out");
-  wrong.methods = {"du-and"};
-  CHECK(test::one_line_with(plan_error(wrong), "du-and", "rows-16", "du-or"));
-  wrong.methods = {"rows-16+computed-rows"};  // it has none
-  CHECK(test::one_line_with(plan_error(wrong), "rows-16+computed-rows", "+whole-map"));
-  wrong = options_for("out");
-  wrong.drives = {"moon"};
-  CHECK(test::one_line_with(plan_error(wrong), "moon", "town"));
-  wrong.drives = {"town", "town"};
-  CHECK(test::one_line_with(plan_error(wrong), "--drives", "town", "twice"));
-  wrong = options_for("out");
-  wrong.methods = {"du-or", "du-or"};
-  CHECK(test::one_line_with(plan_error(wrong), "--methods", "twice"));
-  wrong = options_for("out");
-  wrong.seeds = "1..2";
-  wrong.methods = {"rows-16"};
-  wrong.against = "du-or";
-  CHECK(test::one_line_with(plan_error(wrong), "--against", "'du-or'"));
-  wrong.drives = {"."};
-  CHECK(test::one_line_with(plan_error(wrong), "--seeds", "town", "'.'"));
-  wrong = options_for("out");
-  wrong.weights = {"none.npz"};
-  CHECK(test::one_line_with(plan_error(wrong), "--weights none.npz"));
-  wrong = options_for("out");
-  wrong.reference = "truth.txt";
-  CHECK(test::one_line_with(plan_error(wrong), "--reference", "names 0"));
+  const auto complaint = [](TableOptions options) {
+    options.out = "out";
+    return test::error_message([&] { plan_table(options); });
+  };
+  using test::one_line_with;
+  CHECK(one_line_with(complaint({.methods = {"du-and"}}), "du-and", "rows-16", "du-or"));
+  CHECK(one_line_with(complaint({.methods = {"rows-16+computed-rows"}}),  // it has none
+                      "rows-16+computed-rows", "+whole-map"));
+  CHECK(one_line_with(complaint({.drives = {"moon"}}), "moon", "town"));
+  CHECK(one_line_with(complaint({.drives = {"town", "town"}}), "--drives", "town", "twice"));
+  CHECK(one_line_with(complaint({.methods = {"du-or", "du-or"}}), "--methods", "twice"));
+  CHECK(one_line_with(complaint({.methods = {"rows-16"}, .seeds = "1..2", .against = "du-or"}),
+                      "--against", "'du-or'"));
+  CHECK(one_line_with(complaint({.drives = {"."}, .seeds = "1..2"}), "--seeds", "town", "'.'"));
+  CHECK(one_line_with(complaint({.weights = {"none.npz"}}), "--weights none.npz"));
+  CHECK(one_line_with(complaint({.reference = "truth.txt"}), "--reference", "names 0"));
 }
 
 namespace {
@@ -220,10 +185,7 @@ SensorModel lifted_sensor() {
 }
 
 SlamSetup setup_of(const std::string& method, const SensorModel& sensor) {
-  TableOptions options;
-  options.out = "out";
-  options.methods = {method};
-  return slam_setup(plan_table(options).methods.front(), sensor, true);
+  return slam_setup(plan_table({.methods = {method}, .out = "out"}).methods.front(), sensor, true);
 }
 
 }  // namespace

@@ -2,7 +2,6 @@
 #include <fmt/ranges.h>
 
 #include <nlohmann/json.hpp>
-#include <string>
 
 #include "laboratory/bench/bench_network.h"
 #include "terminal/terminal.h"

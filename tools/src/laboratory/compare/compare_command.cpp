@@ -129,13 +129,18 @@ void print_scores(const std::vector<UpsamplingScore>& scores) {
 
 void print_trials(const std::vector<FilterTrial>& trials) {
   using T = FilterTrial;
+  const auto share = [](std::int64_t part, std::int64_t whole) {
+    return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : 0.0;
+  };
   const std::vector<Figure<T>> figures = {
       {"angle deg", nullptr, 0, 1.0, [](const T& t) { return t.min_angle_deg; }},
       {"min pixels", nullptr, 0, 1.0, [](const T& t) { return t.min_pixels; }},
-      {"bad removed %", nullptr, 1, 100.0, [](const T& t) { return t.bad_removed_share; }},
-      {"good lost %", nullptr, 2, 100.0, [](const T& t) { return t.good_lost_share; }},
-      {"outliers left %", nullptr, 2, 100.0, [](const T& t) { return t.outlier_share; }},
-      {"MAE all m", nullptr, 3, 1.0, [](const T& t) { return t.mae_all_m; }}};
+      {"bad removed %", nullptr, 1, 100.0, [=](const T& t) { return share(t.bad_removed, t.bad); }},
+      {"good lost %", nullptr, 2, 100.0, [=](const T& t) { return share(t.good_lost, t.good); }},
+      {"outliers left %", nullptr, 2, 100.0,
+       [=](const T& t) { return share(t.bad - t.bad_removed, t.points_left); }},
+      {"MAE all m", nullptr, 3, 1.0,
+       [](const T& t) { return t.mae_sum_m / static_cast<double>(t.scans); }}};
   const auto support = [](const T& t) { return fmt::format("{:.0f}", 100.0 * t.support_share); };
   to_stdout("{}", markdown_of(table_of(trials, "support %", figures, support)));
 }
@@ -177,13 +182,10 @@ Json curve_json(const ConfidenceCurve& curve) {
       {"points", points}, {"reliability", bins}, {"calibration_error", curve.calibration_error()}};
 }
 
-void finish_curve(const ConfidenceCurve& curve, const CompareOptions& options, std::int64_t used) {
-  const ConfidenceReport report{options.weights.back(),   options.input,  used,
-                                options.tolerance_m,      curve.points(), curve.reliability(),
-                                curve.calibration_error()};
-  write_text_file(confidence_html(report), options.curve);
+void finish_curve(const ConfidenceCurve& curve, const CompareOptions& options) {
+  write_text_file(confidence_html(curve, options.weights.back(), options.input), options.curve);
   to_stdout("{}confidence against what was right: {:.3f} off on average; page: {}\n",
-            markdown_of(operating_table(report.points)), report.calibration_error, options.curve);
+            markdown_of(operating_table(curve.points())), curve.calibration_error(), options.curve);
 }
 
 /// Hands every `every`-th scan of the recording to `use`, with what a memory for `upsampler` has of
@@ -278,15 +280,16 @@ int compare_command(const CompareOptions& options) {
   require_rows_to_compute(options, sensor);
   Json json;
   std::int64_t used = 0;
+  if ((options.filters || options.layers) && options.weights.empty()) {
+    throw Error("compare: {} needs --weights", options.filters ? "--filters" : "--layers");
+  }
   if (options.filters) {
-    if (options.weights.empty()) throw Error("compare: --filters needs --weights");
     FilterComparison comparison(without_last_filter(options.weights.front(), sensor),
                                 {5, 10, 15, 20, 30, 60}, {5, 10, 20, 50, 100}, {0.0, 0.01});
     used = for_each_scan(options, sensor, interrupt,
                          [&](const OrganizedCloud& scan, const auto&) { comparison.add(scan); });
     print_trials(comparison.trials());
   } else if (options.layers) {
-    if (options.weights.empty()) throw Error("compare: --layers needs --weights");
     LayerComparison comparison(network_of(options.weights.front(), sensor), sensor);
     used = for_each_scan(options, sensor, interrupt,
                          [&](const OrganizedCloud& scan, const auto&) { comparison.add(scan); });
@@ -314,7 +317,7 @@ int compare_command(const CompareOptions& options) {
             {"methods", scores_json(comparison.scores())}};
     if (curve && used > 0) {
       json["curve"] = curve_json(*curve);
-      finish_curve(*curve, options, used);
+      finish_curve(*curve, options);
     }
   }
   to_stdout("{} scans of {}\n", used, options.input);

@@ -184,27 +184,30 @@ TextTable operating_table(const std::vector<OperatingPoint>& points) {
   });
 }
 
-std::string confidence_html(const ConfidenceReport& report) {
-  Page page("Confidence of " + report.weights);
+std::string confidence_html(const ConfidenceCurve& curve, const std::string& weights,
+                            const std::string& recording) {
+  const std::vector<OperatingPoint> points = curve.points();
+  const std::vector<ReliabilityBin> reliability = curve.reliability();
+  Page page("Confidence of " + weights);
   page.head_html(kConfidencePageMarker);
   page.heading(1, "How sure the network is, and how right");
-  page.paragraph(fmt::format("{}, {} scans of {}", report.weights, report.scans, report.recording));
+  page.paragraph(fmt::format("{}, {} scans of {}", weights, curve.scans(), recording));
   page.heading(2, "Every operating point");
   page.html(lines_html<OperatingPoint>(
-      report.points, &OperatingPoint::least_confidence, "confidence below which pixels are emptied",
+      points, &OperatingPoint::least_confidence, "confidence below which pixels are emptied",
       "share",
       {{"outliers among the points", "upsampling", &OperatingPoint::outlier_share},
        {"true returns missing", "segmentation", &OperatingPoint::missing_share},
        {"F1 of voxels of 0.1 m", "features", &OperatingPoint::f1}}));
-  page.table(operating_table(report.points));
+  page.table(operating_table(points));
   page.heading(2, "Can it be believed?");
   page.paragraph(fmt::format(
       "Computed pixels by tenths of their confidence: how many have their true return within {:g} "
       "m. Mean distance from the diagonal: {:.3f}",
-      report.tolerance_m, report.calibration_error));
-  if (report.reliability.size() > 1) {
+      curve.tolerance_m(), curve.calibration_error()));
+  if (reliability.size() > 1) {
     page.html(lines_html<ReliabilityBin>(
-        report.reliability, &ReliabilityBin::confidence, "confidence said", "share that was right",
+        reliability, &ReliabilityBin::confidence, "confidence said", "share that was right",
         {{"what would be true", "reading", &ReliabilityBin::confidence},
          {"what is true", "odometry", &ReliabilityBin::right_share}}));
   }

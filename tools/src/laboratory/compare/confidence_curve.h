@@ -40,6 +40,8 @@ class ConfidenceCurve {
   std::vector<ReliabilityBin> reliability() const;
   /// Mean distance of the bins from the diagonal, weighted by their pixels.
   double calibration_error() const;
+  std::int64_t scans() const { return scans_; }
+  float tolerance_m() const { return tolerance_m_; }
 
  private:
   nn::Upsampler network_;
@@ -47,17 +49,6 @@ class ConfidenceCurve {
   std::vector<OperatingPoint> sums_;
   std::vector<ReliabilityBin> bin_sums_;
   std::int64_t scans_ = 0;
-};
-
-/// What `hqslam compare --curve` shows.
-struct ConfidenceReport {
-  std::string weights;
-  std::string recording;
-  std::int64_t scans = 0;
-  float tolerance_m = 0.0F;  ///< how far off a range may be and count as right
-  std::vector<OperatingPoint> points;
-  std::vector<ReliabilityBin> reliability;
-  double calibration_error = 0.0;
 };
 
 /// What every operating point says.
@@ -69,7 +60,8 @@ TextTable operating_table(const std::vector<OperatingPoint>& points);
 inline constexpr const char* kConfidencePageMarker = "<!-- hqslam compare --curve -->";
 
 /// A self-contained page: outliers, missing returns and F1 over the confidence, and the reliability
-/// diagram.
-std::string confidence_html(const ConfidenceReport& report);
+/// diagram. `weights`, `recording`: whose it is.
+std::string confidence_html(const ConfidenceCurve& curve, const std::string& weights,
+                            const std::string& recording);
 
 }  // namespace hqslam::tools

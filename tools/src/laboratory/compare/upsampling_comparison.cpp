@@ -167,11 +167,8 @@ FilterComparison::FilterComparison(nn::Upsampler unfiltered,
   for (const double share : support_shares) {
     for (const double angle_deg : min_angles_deg) {
       for (const int pixels : min_pixels) {
-        Counts counts;
-        counts.trial.min_angle_deg = angle_deg;
-        counts.trial.min_pixels = pixels;
-        counts.trial.support_share = share;
-        counts_.push_back(counts);
+        trials_.push_back(
+            {.min_angle_deg = angle_deg, .min_pixels = pixels, .support_share = share});
       }
     }
   }
@@ -186,46 +183,29 @@ void FilterComparison::add(const OrganizedCloud& truth) {
   const OrganizedCloud cloud = nn::upsampled_cloud(lifted, measured, rows, unfiltered_.sensor());
   const std::vector<float> distances_m = pixel_distances_m(cloud, truth);
   std::vector<std::uint8_t> rejected(image.range_m.size());
-  for (Counts& counts : counts_) {
-    nn::OutlierRemoval filter(
-        unfiltered_.sensor(), rows,
-        {counts.trial.min_angle_deg * std::numbers::pi / 180.0, counts.trial.min_pixels,
-         static_cast<float>(counts.trial.support_share)},
-        image.columns);
+  for (FilterTrial& trial : trials_) {
+    nn::OutlierRemoval filter(unfiltered_.sensor(), rows,
+                              {trial.min_angle_deg * std::numbers::pi / 180.0, trial.min_pixels,
+                               static_cast<float>(trial.support_share)},
+                              image.columns);
     filter.find(image.range_m.data(), rejected.data());
     RangeImage filtered = image;
     for (std::size_t i = 0; i < rejected.size(); ++i) {
       if (rejected[i] != 0) filtered.range_m[i] = 0.0F;
-      if (filtered.range_m[i] > 0.0F) ++counts.points_left;
+      if (filtered.range_m[i] > 0.0F) ++trial.points_left;
     }
     for_each_computed(cloud, rows, distances_m, [&](std::size_t pixel, float distance_m) {
       if (distance_m > kOutlierDistance_m) {
-        ++counts.bad;
-        counts.bad_removed += rejected[pixel];
+        ++trial.bad;
+        trial.bad_removed += rejected[pixel];
       } else if (distance_m < kGoodDistance_m) {
-        ++counts.good;
-        counts.good_lost += rejected[pixel];
+        ++trial.good;
+        trial.good_lost += rejected[pixel];
       }
     });
-    counts.mae_sum_m += image_error(filtered, true_image).mae_all_m;
+    trial.mae_sum_m += image_error(filtered, true_image).mae_all_m;
+    ++trial.scans;
   }
-  ++scans_;
-}
-
-std::vector<FilterTrial> FilterComparison::trials() const {
-  std::vector<FilterTrial> trials;
-  const auto share = [](std::int64_t part, std::int64_t whole) {
-    return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : 0.0;
-  };
-  for (const Counts& counts : counts_) {
-    FilterTrial trial = counts.trial;
-    trial.bad_removed_share = share(counts.bad_removed, counts.bad);
-    trial.good_lost_share = share(counts.good_lost, counts.good);
-    trial.outlier_share = share(counts.bad - counts.bad_removed, counts.points_left);
-    trial.mae_all_m = counts.mae_sum_m / static_cast<double>(scans_);
-    trials.push_back(trial);
-  }
-  return trials;
 }
 
 namespace {

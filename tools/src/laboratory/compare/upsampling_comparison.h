@@ -86,16 +86,19 @@ class UpsamplingComparison {
   std::int64_t scans_ = 0;
 };
 
-/// What the filter does to one method's results with one choice of its settings.
+/// What the filter does to one method's results with one choice of its settings; sums over the
+/// scans.
 struct FilterTrial {
   double min_angle_deg = 0.0;
   int min_pixels = 0;
   double support_share = 0.0;
-  double bad_removed_share =
-      0.0;                       ///< of the computed points farther than 0.5 m from the true cloud
-  double good_lost_share = 0.0;  ///< of the computed points nearer than 0.2 m
-  double outlier_share = 0.0;    ///< of what is left
-  double mae_all_m = 0.0;
+  std::int64_t bad = 0;  ///< computed points farther than 0.5 m from the true cloud
+  std::int64_t bad_removed = 0;
+  std::int64_t good = 0;  ///< computed points nearer than 0.2 m
+  std::int64_t good_lost = 0;
+  std::int64_t points_left = 0;  ///< measured ones too
+  double mae_sum_m = 0.0;        ///< over all pixels
+  std::int64_t scans = 0;
 };
 
 /// Tries settings of the filter at the end on the same results.
@@ -104,21 +107,11 @@ class FilterComparison {
   FilterComparison(nn::Upsampler unfiltered, const std::vector<double>& min_angles_deg,
                    const std::vector<int>& min_pixels, const std::vector<double>& support_shares);
   void add(const OrganizedCloud& truth);
-  std::vector<FilterTrial> trials() const;
+  const std::vector<FilterTrial>& trials() const { return trials_; }
 
  private:
-  struct Counts {
-    FilterTrial trial;
-    std::int64_t bad = 0;
-    std::int64_t bad_removed = 0;
-    std::int64_t good = 0;
-    std::int64_t good_lost = 0;
-    std::int64_t points_left = 0;
-    double mae_sum_m = 0.0;
-  };
   nn::Upsampler unfiltered_;
-  std::vector<Counts> counts_;
-  std::int64_t scans_ = 0;
+  std::vector<FilterTrial> trials_;
 };
 
 /// What every step of an unrolled network makes of scans: the scores that it would have if it ended

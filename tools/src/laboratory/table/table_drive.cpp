@@ -6,7 +6,6 @@
 #include <filesystem>
 #include <iterator>
 #include <nlohmann/json.hpp>
-#include <vector>
 
 #include "files/content_hash.h"
 #include "hqslam/core/error.h"

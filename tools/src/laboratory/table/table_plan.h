@@ -42,15 +42,16 @@ SlamSetup slam_setup(const TableMethod& method, const SensorModel& sensor, bool 
 
 struct TableOptions {
   std::vector<std::string> drives = {"town", "hills"};  ///< simulated drives and recordings
-  std::vector<std::string> methods;                     ///< empty: all
-  std::vector<std::string> weights;                     ///< files that become rows of their own
-  InputChoice reading;    ///< how recordings are read; its input is not looked at
-  std::string reference;  ///< true trajectory of the only recording among the drives
-  std::optional<std::int64_t> scans;
+  std::vector<std::string> methods = {};                ///< empty: all
+  std::vector<std::string> weights = {};                ///< files that become rows of their own
+  InputChoice reading = {};    ///< how recordings are read; its input is not looked at
+  std::string reference = {};  ///< true trajectory of the only recording among the drives
+  std::optional<std::int64_t> scans = {};
   std::string sensor_errors = "none";  ///< of simulated drives: sim::sensor_errors_names()
-  std::string seeds;                   ///< "1..10" or "3,5": every drive from each of these seeds
-  std::string against;  ///< with seeds: the row that others are paired with; empty: see TablePlan
-  std::string out;
+  std::string seeds = {};              ///< "1..10" or "3,5": every drive from each of these seeds
+  /// With seeds: the row that others are paired with; empty: see TablePlan.
+  std::string against = {};
+  std::string out = {};
   int threads = 0;  ///< 0: what OpenMP chooses
 };
 

@@ -163,10 +163,6 @@ bool run_drives(std::vector<DriveWork>& works, const TablePlan& plan, const Tabl
   });
 }
 
-bool is_own(std::size_t place, const Ranks& ranks) {
-  return place % static_cast<std::size_t>(ranks.count()) == static_cast<std::size_t>(ranks.rank());
-}
-
 /// This rank's share of the drives that are to be simulated; nothing is left to run on them yet.
 std::vector<DriveWork> own_simulations(const std::vector<DriveWork>& works, const Ranks& ranks) {
   std::vector<DriveWork> own;
