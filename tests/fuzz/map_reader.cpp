@@ -1,6 +1,8 @@
+#include <algorithm>
 #include <string>
 
 #include "hqslam/core/npz.h"
+#include "hqslam/slam/occupancy_grid.h"
 #include "hqslam/slam/options.h"
 #include "hqslam/slam/saved_map.h"
 #include "input_file.h"
@@ -48,6 +50,15 @@ void saved_map(Bytes input) {
     maps.take_near(here);
   }
   maps.take_all();
+}
+
+void occupancy_map(Bytes input) {
+  const std::string text(input.begin(), input.end());
+  const std::size_t image = std::min(text.find("P5"), text.size());
+  const std::string image_path = as_file(input.subspan(image), ".pgm");
+  const std::string yaml = "image: " + image_path + '\n' + text.substr(0, image);
+  static_cast<void>(slam::read_occupancy_map(
+      as_file({reinterpret_cast<const std::uint8_t*>(yaml.data()), yaml.size()}, ".yaml")));
 }
 
 }  // namespace hqslam::fuzz

@@ -24,6 +24,8 @@ void tum(Bytes input);
 void kitti(Bytes input);
 /// Also what is looked for in the map.
 void saved_map(Bytes input);
+/// A map's .yaml file, and from P5 on its image.
+void occupancy_map(Bytes input);
 
 void weights(Bytes input);
 void checkpoint(Bytes input);

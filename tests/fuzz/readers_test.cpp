@@ -49,6 +49,7 @@ const std::vector<NamedReader> kReaders = {
     {"tum", fuzz::tum, 5000},
     {"kitti", fuzz::kitti, 5000},
     {"saved_map", fuzz::saved_map},
+    {"occupancy_map", fuzz::occupancy_map},
 #ifdef HQSLAM_FUZZ_NN
     {"weights", fuzz::weights},
     {"checkpoint", fuzz::checkpoint},

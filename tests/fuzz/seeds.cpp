@@ -98,6 +98,10 @@ void put_arrays(const std::string& golden_folder) {
 }
 
 void put_texts() {
+  put("occupancy_map", "own",
+      "mode: trinary\nresolution: 0.05\norigin: [-1.25, 3.5, 0.0]\nnegate: 0\n"
+      "occupied_thresh: 0.65\nfree_thresh: 0.196\n"
+      "P5\n# written by hqslam\n3 2\n255\nabcdef");
   write_sensor_json(sensor_preset("vlp-16"), place("sensor_json", "own"));
   put("sensor_json", "ouster", R"({"beam_intrinsics": {"beam_altitude_angles": [10, 0, -10.5],
     "beam_azimuth_angles": [3, -3, 1]}, "lidar_data_format": {"columns_per_frame": 512},

@@ -8,6 +8,7 @@
 #include "hqslam/nn/super_resolver.h"
 #include "recording/recording_choice.h"
 #include "run/dense_map.h"
+#include "run/occupancy_grid.h"
 #include "run/slam_run.h"
 #include "run/slam_settings.h"
 #include "terminal/terminal.h"
@@ -171,6 +172,8 @@ struct RunOptions : InputChoice, LiftingChoice {
   std::vector<double> start;  ///< x and y in metres, yaw in degrees; empty: anywhere
   bool dense_map = false;
   DenseMapChoice map;
+  bool occupancy_grid = false;
+  OccupancyGridChoice grid;
 };
 
 void declare_run(CLI::App& app, RunOptions& options);
@@ -187,6 +190,8 @@ struct MapOptions : InputChoice, LiftingChoice {
   std::string out;
   int threads = 0;  ///< 0: what OpenMP chooses
   DenseMapChoice map;
+  bool occupancy_grid = false;
+  OccupancyGridChoice grid;
 };
 
 void declare_map(CLI::App& app, MapOptions& options);

@@ -1,9 +1,9 @@
 #include "hqslam/slam/dense_map.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "dense_map/block_surroundings.h"
+#include "dense_map/mapped_scan.h"
 #include "dense_map/path_table.h"
 #include "dense_map/see_through.h"
 #include "dense_map/voxel_grid.h"
@@ -22,32 +22,6 @@ void check_option(const char* field, double value, double low, double high) {
 DenseMapOptions validated(const DenseMapOptions& options) {
   validate(options);
   return options;
-}
-
-void check_shape(const OrganizedCloud& cloud) {
-  const std::size_t pixels = static_cast<std::size_t>(std::max(cloud.rows, 0)) *
-                             static_cast<std::size_t>(std::max(cloud.columns, 0));
-  const auto fits = [&](std::size_t size) { return size == 0 || size == pixels; };
-  if (cloud.points_m.size() == pixels && cloud.range_m.size() == pixels &&
-      fits(cloud.time_offset_s.size()) && fits(cloud.confidence.size())) {
-    return;
-  }
-  throw Error(
-      "dense map: scan of {}x{} pixels has {} points, {} ranges, {} capture times and {} "
-      "confidences: give each pixel its own, of the last two or none",
-      cloud.rows, cloud.columns, cloud.points_m.size(), cloud.range_m.size(),
-      cloud.time_offset_s.size(), cloud.confidence.size());
-}
-
-void check_path(const SensorPath& path) {
-  if (path.at(0.0).matrix().allFinite()) return;
-  throw Error("dense map: the pose of a scan is not finite; leave the scan out");
-}
-
-bool has_return(const OrganizedCloud& cloud, std::size_t pixel) {
-  return cloud.range_m[pixel] > 0.0F && std::isfinite(cloud.range_m[pixel]) &&
-         cloud.points_m[pixel].allFinite() &&
-         (cloud.time_offset_s.empty() || std::isfinite(cloud.time_offset_s[pixel]));
 }
 
 }  // namespace
@@ -129,8 +103,7 @@ DenseMap& DenseMap::operator=(DenseMap&&) noexcept = default;
 
 void DenseMap::insert(const OrganizedCloud& cloud, const std::optional<RowSelection>& measured_rows,
                       const SensorPath& path) {
-  check_shape(cloud);
-  check_path(path);
+  check_mapped_scan(cloud, path);
   Implementation& self = *implementation_;
   ++self.scans;
   const PathTable table(path, cloud);
@@ -152,8 +125,7 @@ void DenseMap::insert(const OrganizedCloud& cloud, const std::optional<RowSelect
 }
 
 void DenseMap::see_through(const OrganizedCloud& measured, const SensorPath& path) {
-  check_shape(measured);
-  check_path(path);
+  check_mapped_scan(measured, path);
   Implementation& self = *implementation_;
   ++self.scans;
   const PathTable table(path, measured);

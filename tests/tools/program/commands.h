@@ -42,7 +42,7 @@ struct CommandInputs {
     write_sensor_json(few_columns, folder.file("sensor.json"));
     succeeds("simulate --drive block --sensor '{}' --scans 75 --out '{}'",
              folder.file("sensor.json"), paths.at("driven"));
-    for (const char* kind : {"npy", "npz", "json", "pcap", "mcap", "tum", "pcd"}) {
+    for (const char* kind : {"npy", "npz", "json", "pcap", "mcap", "tum", "pcd", "yaml"}) {
       paths[kind] = folder.file(std::string("broken.") + kind);
       write_file(paths[kind], "what is this?");
     }
@@ -89,6 +89,7 @@ inline const std::vector<Command>& commands() {
                                                   "/map.pcd",        "/report.html"};
   static const std::vector<std::string> of_map = {
       "/dense_map.pcd", "/dense_map.ply", "/dense_map_above.png", "/dense_map_perspective.png"};
+  static const std::vector<std::string> of_grid = {"/map.pgm", "/map.yaml"};
   static const std::vector<Command> table = {
       {"run {drive} --out {out}",
        {"run {npy} --sensor os1-16 --out {out}", "run {pcap} --out {out}",
@@ -97,6 +98,7 @@ inline const std::vector<Command>& commands() {
        of_run,
        true},
       {"run {drive} --dense-map --map-voxel 0.5 --out {out}", {}, of_map, true},
+      {"run {drive} --occupancy-grid --grid-cell 0.5 --out {out}", {}, of_grid, true},
       {"live --sensor vlp-16 --port 47813 --out {out}",
        {"live --sensor {json} --out {out}"},
        of_run,
@@ -112,6 +114,9 @@ inline const std::vector<Command>& commands() {
       {"map {drive} --poses {drive}/truth.tum --map-voxel 0.5 --out {out}",
        {"map {drive} --poses {tum} --out {out}"},
        of_map},
+      {"map {drive} --poses {drive}/truth.tum --map-voxel 0.5 --occupancy-grid --out {out}",
+       {},
+       of_grid},
       {"view {drive}/pcd/000000.pcd --out {out}",
        {"view {pcd} --out {out}", "view {npz} --out {out}",
         "view {npy} --sensor os1-16 --out {out}"},
@@ -119,7 +124,7 @@ inline const std::vector<Command>& commands() {
       {"evaluate {drive}/truth.tum {drive}/truth.tum",
        {"evaluate {tum} {tum}", "evaluate {pcd} {pcd}"}},
       {"evaluate-map {drive}/pcd/000000.pcd --drive {drive}",
-       {"evaluate-map {pcd} --drive {drive}"}},
+       {"evaluate-map {pcd} --drive {drive}", "evaluate-map {yaml} --drive {drive}"}},
       {"compare {drive64} --json {out}", {"compare {npy} --sensor os1-64 --json {out}"}, {""}},
       {"compare {drive64} --weights {weights} --curve {out}",
        {"compare {drive64} --weights {npz} --curve {out}"},

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "commands.h"
+#include "evaluate/occupancy_grid_error.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/pcd.h"
 #include "hqslam/evaluation/cloud_error.h"
@@ -165,6 +166,49 @@ void print_row(const PlacedMap& map, const MapError& error) {
             map.is_aligned ? " (aligned)" : "");
 }
 
+void evaluate_dense_maps(const std::vector<std::string>& paths, const sim::DriveSpec& spec,
+                         const SensorModel& sensor, const TrajectoryFile& truth) {
+  const std::vector<Eigen::Vector3f> visible_m = visible_surface_m({spec, sensor});
+  sim::DriveSimulator surface(spec, sensor);
+  to_stdout("{} visible samples of the true surface; shares in percent\n", visible_m.size());
+  to_stdout("{:>10}{:>18}{:>9}{:>18}{:>16}\n", "points", "accuracy", "far", "complete", "F1");
+  to_stdout("{:>10}{:>9}{:>9}{:>9}{:>9}{:>9}{:>8}{:>8}\n", "", "0.1 m", "0.2 m", "0.3 m", "0.1 m",
+            "0.2 m", "0.1 m", "0.2 m");
+  for (const std::string& path : paths) {
+    const PlacedMap map = placed_map(path, truth);
+    print_row(map, map_error(map.points_m, visible_m, surface));
+  }
+}
+
+void evaluate_grids(const std::vector<std::string>& paths, const TrueDrive& drive,
+                    const TrajectoryFile& truth) {
+  std::optional<TrueCells> cells;
+  double cell_m = 0.0;
+  for (const std::string& path : paths) {
+    const slam::OccupancyMap map = slam::read_occupancy_map(path);
+    if (!cells || cell_m != map.resolution_m) {
+      cell_m = map.resolution_m;
+      cells = true_cells(drive, cell_m);
+      to_stdout(
+          "cells of {} m: {} empty, {} where something stands, {} where something moved; "
+          "shares in percent\n",
+          cell_m, cells->empty_m.size(), cells->standing_m.size(), cells->moving_m.size());
+      to_stdout("{:>16}{:>24}{:>8}{:>7}{:>7}\n", "empty", "standing", "moved", "free", "occ.");
+      to_stdout("{:>8}{:>8}{:>8}{:>8}{:>8}{:>8}{:>7}{:>7}\n", "free", "occ.", "occ.", "near",
+                "free", "occ.", "wrong", "wrong");
+    }
+    const std::optional<Pose> T_truth_map = alignment_of(path, truth);
+    const OccupancyGridError error =
+        occupancy_grid_error(map, T_truth_map.value_or(Pose::Identity()), *cells, drive);
+    to_stdout("{:>8.2f}{:>8.2f}{:>8.2f}{:>8.2f}{:>8.2f}{:>8.2f}{:>7.2f}{:>7.2f}  {}{}\n",
+              100.0 * error.empty_is_free, 100.0 * error.empty_is_occupied,
+              100.0 * error.standing_is_occupied, 100.0 * error.standing_is_near,
+              100.0 * error.standing_is_free, 100.0 * error.moving_is_occupied,
+              100.0 * error.free_is_wrong, 100.0 * error.occupied_is_wrong, path,
+              T_truth_map ? " (aligned)" : "");
+  }
+}
+
 constexpr const char* kDefinitions =
     "Definitions\n"
     "  true surface  what stands still in the simulated city, and what its windows show along a\n"
@@ -178,16 +222,26 @@ constexpr const char* kDefinitions =
     "  F1            harmonic mean of accuracy and completeness at the same distance\n"
     "                (Knapitsch et al., Tanks and Temples, 2017)\n"
     "A map beside which there is a trajectory.tum is moved with it first: by the rotation and the\n"
-    "translation that on average bring its poses onto the truth's.";
+    "translation that on average bring its poses onto the truth's.\n"
+    "Of an occupancy grid, in cells within 20 m of the sensor and things 0.25 to 2 m high:\n"
+    "  empty         cells of visible ground above which nothing stands: shares called free and\n"
+    "                occupied\n"
+    "  standing      cells in which a visible surface stands: shares called occupied, with an\n"
+    "                occupied cell within one cell, and called free\n"
+    "  moved         empty cells where a scan has a point farther than 0.3 m from a true surface\n"
+    "                (whoever moves, and pixels between two surfaces): share called occupied\n"
+    "  free, occ.    of the grid's free cells the share where something stands, of its occupied\n"
+    "                ones where nothing stands within one and a half cells";
 
 }  // namespace
 
 void declare_evaluate_map(CLI::App& app, EvaluateMapOptions& options) {
-  add_command(app, "evaluate-map", "Maps of a simulated drive against the true surface of its city",
-              kDefinitions)
-      .option("MAP", &options.maps,
-              "Folders with a dense_map.pcd (of hqslam run --dense-map), or .pcd files",
-              {.required = true, .given = Given::kFileOrFolder})
+  add_command(app, "evaluate-map", "Maps of a simulated drive against its true city", kDefinitions)
+      .option(
+          "MAP", &options.maps,
+          "Folders with a dense_map.pcd (of hqslam run --dense-map), .pcd files, or an occupancy "
+          "grid's map.yaml",
+          {.required = true, .given = Given::kFileOrFolder})
       .option("--drive", &options.drive, "The drive: folder written by hqslam simulate",
               {.required = true, .given = Given::kFolder});
 }
@@ -196,16 +250,15 @@ int evaluate_map_command(const EvaluateMapOptions& options) {
   const sim::DriveSpec spec = sim::read_drive_json(file_of(options.drive, "drive.json"));
   const SensorModel sensor = load_sensor(file_of(options.drive, "sensor.json"));
   const TrajectoryFile truth = read_trajectory_file(file_of(options.drive, "truth.tum"));
-  const std::vector<Eigen::Vector3f> visible_m = visible_surface_m({spec, sensor});
-  sim::DriveSimulator surface(spec, sensor);
-  to_stdout("{} visible samples of the true surface; shares in percent\n", visible_m.size());
-  to_stdout("{:>10}{:>18}{:>9}{:>18}{:>16}\n", "points", "accuracy", "far", "complete", "F1");
-  to_stdout("{:>10}{:>9}{:>9}{:>9}{:>9}{:>9}{:>8}{:>8}\n", "", "0.1 m", "0.2 m", "0.3 m", "0.1 m",
-            "0.2 m", "0.1 m", "0.2 m");
-  for (const std::string& path : options.maps) {
-    const PlacedMap map = placed_map(path, truth);
-    print_row(map, map_error(map.points_m, visible_m, surface));
-  }
+  std::vector<std::string> grids = options.maps;
+  const auto is_grid = [](const std::string& path) {
+    return fs::path(path).extension() == ".yaml";
+  };
+  const auto maps_end = std::ranges::stable_partition(grids, is_grid);
+  const std::vector<std::string> maps(maps_end.begin(), maps_end.end());
+  grids.erase(maps_end.begin(), maps_end.end());
+  if (!maps.empty()) evaluate_dense_maps(maps, spec, sensor, truth);
+  if (!grids.empty()) evaluate_grids(grids, {options.drive, spec, sensor, truth.poses}, truth);
   return kOk;
 }
 

@@ -4,63 +4,23 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
-#include <numeric>
-#include <optional>
 #include <system_error>
 #include <utility>
 
 #include "commands.h"
 #include "files/result_files.h"
 #include "hqslam/core/error.h"
-#include "lift/drive_memory.h"
-#include "lift/lifted_input.h"
 #include "recording/recording_choice.h"
 #include "recording/reference.h"
 #include "report/cloud_picture.h"
+#include "run/map_input.h"
+#include "run/occupancy_grid.h"
 #include "run/slam_run.h"
 #include "terminal/command_options.h"
-#include "terminal/progress.h"
 #include "terminal/terminal.h"
 #include "timing/timing.h"
 
 namespace hqslam::tools {
-
-namespace {
-
-/// One reading of all scans whose pose may be known.
-struct MapReading : Reading {
-  std::int64_t scans = 0;         ///< with a pose that is known
-  std::int64_t without_pose = 0;  ///< the others
-};
-
-/// Calls use(scan, path) for every scan whose pose is known.
-MapReading read_all(LiftedInput& input, const ScanPoses& poses, const std::string& label,
-                    const InterruptGuard& interrupt,
-                    const std::function<void(const RecordedScan&, const slam::SensorPath&)>& use) {
-  const auto source = input.open();
-  const auto& scans = poses.scan_of_pose;
-  std::optional<std::int64_t> most = source->size();
-  if (scans && !scans->empty()) {
-    most = std::min(most.value_or(scans->back() + 1), scans->back() + 1);
-  }
-  Progress progress(label, most);
-  MapReading reading;
-  read_scans(*source, interrupt, reading, [&](const ReadScan& read) {
-    if (const auto path = poses.path_of(read.index, read.scan.stamp_s)) {
-      use(read.scan, *path);
-      ++reading.scans;
-    } else {
-      ++reading.without_pose;
-    }
-    progress.update(read.index + 1, source->read_share());
-    return !most || read.index + 1 < *most;
-  });
-  progress.finish();
-  return reading;
-}
-
-}  // namespace
 
 ScanPoses poses_of(const SlamRun& run) {
   ScanPoses poses{run.trajectory, {}, {}, scan_of_pose(run)};
@@ -86,32 +46,18 @@ DenseMapRun build_dense_map(const InputChoice& recording, const LiftingChoice& l
                             const ScanPoses& poses, const DenseMapChoice& choice,
                             const InterruptGuard& interrupt) {
   const SteadyClock::time_point start = SteadyClock::now();
-  nn::SuperResolverOptions network;
-  network.tolerance_m = static_cast<float>(choice.voxel_m);
-  network.least_confidence = slam::DenseMapOptions::kLeastPointConfidence;
-  LiftedInput input = lifted_input(recording, {lifting.upsample, lifting.rows}, network);
+  MapInput input(recording, lifting, choice.voxel_m);
   slam::DenseMapOptions options;
   options.voxel_m = choice.voxel_m;
   options.least_confidence = choice.least_confidence;
   slam::DenseMap map(options);
-  const std::optional<RowSelection> computed_from = input.upsampler
-                                                        ? input.upsampler->measured_rows()
-                                                    : input.rows ? std::nullopt
-                                                                 : input.recorded.measured_rows;
-  DriveMemory memory(input.lifter());
-  const MapReading inserted = read_all(
-      input, poses, "dense map, points", interrupt,
-      [&](const RecordedScan& scan, const auto& path) {
-        const OrganizedCloud measured = input.measured(scan.cloud);
-        map.insert(input.lifted(measured, memory.recall_and_remember(measured, path, scan.stamp_s)),
-                   computed_from, path);
+  const MapReading inserted = input.read_all(
+      poses, "dense map, points", interrupt, [&](const auto& scan, const auto& path) {
+        map.insert(input.lifted(scan, path), input.measured_rows(), path);
       });
-  read_all(input, poses, "dense map, seen through", interrupt,
-           [&](const RecordedScan& scan, const auto& path) {
-             const OrganizedCloud cloud = input.measured(scan.cloud);
-             const bool all_measured = input.upsampler || !computed_from;
-             map.see_through(all_measured ? cloud : select_rows(cloud, *computed_from), path);
-           });
+  input.read_all(
+      poses, "dense map, seen through", interrupt,
+      [&](const auto& scan, const auto& path) { map.see_through(input.measured(scan), path); });
   DenseMapRun run;
   run.points = map.points();
   run.voxel_m = choice.voxel_m;
@@ -204,7 +150,10 @@ void declare_map(CLI::App& app, MapOptions& options) {
                   "Writes into --out, in the frame of the poses:\n"
                   "  dense_map.pcd, dense_map.ply   x y z confidence times_seen per voxel, binary\n"
                   "  dense_map_above.png, dense_map_perspective.png\n"
-                  "hqslam run --dense-map does the same with the poses that it finds.");
+                  "and with --occupancy-grid\n"
+                  "  map.pgm, map.yaml              where a robot can drive, for Nav2\n"
+                  "hqslam run --dense-map --occupancy-grid does the same with the poses that it "
+                  "finds.");
   declare_input(command, options);
   declare_lifting(command, options);
   command
@@ -212,16 +161,20 @@ void declare_map(CLI::App& app, MapOptions& options) {
       .option("--out", &options.out, "Folder for the map; made if it is not there",
               {.required = true});
   declare_dense_map(command, options.map);
+  declare_occupancy_grid(command, options.occupancy_grid, options.grid);
   declare_threads(command, options.threads);
 }
 
 int map_command(const MapOptions& options) {
   const InterruptGuard interrupt;
   use_threads(options.threads);
+  options_of(options.grid);  // refused before the work, not after it
   refuse_to_write_into_recording(options.input, options.out);
   const ScanPoses poses = read_scan_poses(
       options.poses, [&] { return scans_in(options, *lifted_input(options, options).open()); });
-  guard_dense_map(options.out, {options.input, options.poses, options.upsample});
+  const Paths inputs = {options.input, options.poses, options.upsample};
+  guard_dense_map(options.out, inputs);
+  if (options.occupancy_grid) guard_occupancy_grid(options.out, inputs);
   make_result_folder(options.out);
   const FolderLock lock(options.out);
   const DenseMapRun run = build_dense_map(options, options, poses, options.map, interrupt);
@@ -235,6 +188,15 @@ int map_command(const MapOptions& options) {
       "{}\nresults: {}/dense_map.pcd, dense_map.ply, dense_map_above.png, "
       "dense_map_perspective.png\n",
       dense_map_summary(run), options.out);
+  if (options.occupancy_grid) {
+    const auto grid = build_occupancy_grid(options, options, poses, options.grid, interrupt);
+    if (interrupt.stop_requested()) {
+      to_stderr("hqslam: interrupted; no occupancy grid was written\n");
+      return kInterrupted;
+    }
+    write_occupancy_grid(grid.map, options.out);
+    to_stdout("{}\n", grid.summary);
+  }
   if (run.not_understood.scans > 0) to_stderr("hqslam: {}\n", run.not_understood.text());
   if (!run.end_message.empty()) {
     to_stderr("hqslam: {}; the map is of the scans before it\n", run.end_message);

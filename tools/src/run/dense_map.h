@@ -43,11 +43,8 @@ struct DenseMapRun {
   double wall_s = 0.0;
 };
 
-/// Reads the recording twice, with the poses that are known when it is over: first all scans are
-/// put into the map, then they vote about what they saw through. Between the two no scan is kept.
-/// Shows progress on stderr. A scan that cannot be read ends each reading at the same place.
-/// A network is asked for all points that it believes in at all, and how sure it is that they lie
-/// within a voxel of the truth: the map decides, not its operating point.
+/// Reads the recording twice (MapInput): first all scans are put into the map, then they vote about
+/// what they saw through.
 DenseMapRun build_dense_map(const InputChoice& recording, const LiftingChoice& lifting,
                             const ScanPoses& poses, const DenseMapChoice& choice,
                             const InterruptGuard& interrupt);

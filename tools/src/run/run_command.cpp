@@ -57,14 +57,19 @@ void print_summary(const SlamRun& run, const RunOptions& options) {
               error.translation_statistics.rmse, error.translation_m.size(),
               run.comparison->reference_path, name(error.alignment));
   }
-  if (!run.dense_map_summary.empty()) to_stdout("{}\n", run.dense_map_summary);
+  for (const std::string& summary : {run.dense_map_summary, run.occupancy_grid_summary}) {
+    if (!summary.empty()) to_stdout("{}\n", summary);
+  }
   to_stdout("{}", results_line(run, options.out));
 }
 
 /// What to tell the shell, with the one line on stderr that explains it.
 int exit_status_of(const SlamRun& run, const RunOptions& options) {
-  if (run.end == ReadingEnd::kComplete && options.dense_map && run.dense_map_summary.empty()) {
-    to_stderr("hqslam: interrupted; the results are valid, but there is no dense map\n");
+  const bool lacks_dense_map = options.dense_map && run.dense_map_summary.empty();
+  const bool lacks_grid = options.occupancy_grid && run.occupancy_grid_summary.empty();
+  if (run.end == ReadingEnd::kComplete && (lacks_dense_map || lacks_grid)) {
+    to_stderr("hqslam: interrupted; the results are valid, but there is no {}\n",
+              lacks_dense_map ? "dense map" : "occupancy grid");
     return kInterrupted;
   }
   return exit_status_of(run, static_cast<std::int64_t>(run.scans.size()), run.scans_in_recording);
@@ -132,6 +137,15 @@ void add_dense_map(const RunOptions& options, const InterruptGuard& interrupt, R
   output.write_dense_map(run, dense_map);
 }
 
+/// The same of the occupancy grid.
+void add_occupancy_grid(const RunOptions& options, const InterruptGuard& interrupt, SlamRun& run) {
+  const OccupancyGridRun grid =
+      build_occupancy_grid(options, options, poses_of(run), options.grid, interrupt);
+  if (interrupt.stop_requested()) return;
+  write_occupancy_grid(grid.map, options.out);
+  run.occupancy_grid_summary = grid.summary;
+}
+
 /// SLAM over the recording, with intermediate results now and then.
 void process_all(ScanSource& source, SlamSession& session, RunOutput& output,
                  const InterruptGuard& interrupt) {
@@ -175,6 +189,8 @@ void declare_run(CLI::App& app, RunOptions& options) {
       "and with --dense-map, in the same frame:\n"
       "  dense_map.pcd, dense_map.ply   x y z confidence times_seen per voxel, binary\n"
       "  dense_map_above.png, dense_map_perspective.png\n"
+      "and with --occupancy-grid, its cells about the frame's x and y:\n"
+      "  map.pgm, map.yaml              where a robot can drive, for Nav2\n"
       "An earlier run's results in it are replaced from the first scan on. Ctrl-C stops the run;\n"
       "what is written up to then is valid. Mapping says of every scan whether it was located:\n"
       "ok, degenerate (some direction of motion could not be seen), too few features, not\n"
@@ -208,11 +224,13 @@ void declare_run(CLI::App& app, RunOptions& options) {
           "Also make a dense map of all scans' points, measured and upsampled; reads the recording "
           "twice more");
   declare_dense_map(command, options.map, {"--dense-map"});
+  declare_occupancy_grid(command, options.occupancy_grid, options.grid);
 }
 
 SlamRun run_and_write(const RunOptions& options, const InterruptGuard& interrupt) {
   use_threads(options.threads);
   refuse_to_write_into_recording(options.input, options.out);
+  options_of(options.grid);  // refused before the drive, not after it
   LiftedInput input = lifted_input(options, options);
   const std::unique_ptr<ScanSource> source = input.open();
   print_warnings(*source, options.input);
@@ -239,6 +257,9 @@ SlamRun run_and_write(const RunOptions& options, const InterruptGuard& interrupt
   output.write_results(run);
   if (options.dense_map && !interrupt.stop_requested()) {
     add_dense_map(options, interrupt, output, run);
+  }
+  if (options.occupancy_grid && !interrupt.stop_requested()) {
+    add_occupancy_grid(options, interrupt, run);
   }
   return run;
 }

@@ -14,6 +14,7 @@
 #include "hqslam/core/pcd.h"
 #include "hqslam/core/whole_file.h"
 #include "run/dense_map.h"
+#include "run/occupancy_grid.h"
 #include "run/slam_settings.h"
 #include "timing/timing.h"
 
@@ -182,10 +183,14 @@ RunOutput::RunOutput(const std::string& folder, const Paths& inputs)
   }
   const bool is_own = written_by_hqslam(folder_);
   constexpr const char* kBut = "was not written by hqslam";
-  if (!is_own) guard_dense_map(folder_, inputs);
+  if (!is_own) {
+    guard_dense_map(folder_, inputs);
+    guard_occupancy_grid(folder_, inputs);
+  }
   guard_results(folder_, kResultsSoFar, is_own, kBut, inputs);
   guard_results(folder_, kResultsAtTheEnd, is_own, kBut, inputs);
   guard_results(folder_, kDenseMapFiles, true, kBut, inputs);
+  guard_results(folder_, kOccupancyGridFiles, true, kBut, inputs);
 }
 
 RunOutput::~RunOutput() {
@@ -216,6 +221,7 @@ void RunOutput::write_checkpoint(const SlamRun& run) {
     std::error_code ignored;
     for (const char* result : kResultsAtTheEnd) fs::remove(folder_ / result, ignored);
     remove_dense_map(folder_);
+    remove_occupancy_grid(folder_);
     first_ = false;
   }
   replace_file(path("trajectory.tum"),

@@ -33,9 +33,9 @@ std::string covariances_csv(const SlamRun& run);
 
 /// The folder that a run writes into: trajectory.tum, trajectory.kitti, covariances.csv,
 /// map.pcd, timings.json and report.html, saved_map.npz if it was asked for, and those of a dense
-/// map if there is one. Every file is
-/// written under another name first and then renamed, so that each is valid whenever the program
-/// stops. No other file in the folder is touched.
+/// map and an occupancy grid if there are any. Every file is written under another name first and
+/// then renamed, so that each is valid whenever the program stops. No other file in the folder is
+/// touched.
 class RunOutput {
  public:
   /// Touches nothing yet. Throws Error if one of the files is there and was not written by hqslam,

@@ -61,6 +61,7 @@ struct SlamRun : Reading {
   double wall_s = 0.0;
   std::optional<ReferenceComparison> comparison;  ///< once the run has ended, of one with a truth
   std::string dense_map_summary;                  ///< empty: there is none
+  std::string occupancy_grid_summary;             ///< the same
 };
 
 /// Scans per second over the whole run: reading, upsampling, SLAM and writing.

@@ -71,6 +71,19 @@ struct SimulatedScan {
   std::vector<SimulatedImuSample> imu;  ///< since the end of the scan before, skipped ones included
 };
 
+/// A part of space above a place: round, from lowest_m to highest_m above the ground.
+struct UprightColumn {
+  double radius_m = 0.05;
+  double lowest_m = 0.25;
+  double highest_m = 2.0;
+};
+
+/// What there is at a place.
+struct TruePlace {
+  double ground_m = 0.0;     ///< z of the ground
+  bool is_occupied = false;  ///< something that stands still comes into the column above it
+};
+
 /// Drives a sensor through the city, one scan after the other; never more than one in memory.
 class DriveSimulator {
  public:
@@ -100,6 +113,10 @@ class DriveSimulator {
   /// metres of the drive.
   std::vector<float> distances_to_surface_m(const std::vector<Eigen::Vector3f>& points_m,
                                             double reach_m);
+  /// What there is above and below each point (map frame), the truth of an occupancy grid: out of
+  /// doors, where the lowest surface within 50 m is the ground. Nothing where there is none.
+  std::vector<std::optional<TruePlace>> true_places(const std::vector<Eigen::Vector3f>& points_m,
+                                                    const UprightColumn& column);
 
  private:
   struct Implementation;

@@ -1,0 +1,287 @@
+#include "hqslam/slam/occupancy_grid.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "dense_map/grid_walk.h"
+#include "dense_map/mapped_scan.h"
+#include "dense_map/path_table.h"
+#include "front_end/ground.h"
+#include "hqslam/core/error.h"
+#include "hqslam/slam/dense_map.h"
+#include "occupancy_grid/cell_chunks.h"
+#include "occupancy_grid/ground_heights.h"
+
+namespace hqslam::slam {
+
+namespace {
+
+constexpr double kMostCells = 4e8;
+/// Of its way a beam says nothing about what it met, or nearly met.
+constexpr double kEnd_cells = 1.5;
+
+/// On its way to a surface that it meets at a grazing angle a beam passes cells of that surface:
+/// what is so much nearer to its end is not seen through (dense_map/see_through.h has the formula).
+double seen_through_m(double range_m, double cell_m) {
+  return range_m - 0.3 - cell_m * range_m / 1.5;
+}
+
+struct Cell {
+  std::uint32_t last_scan = 0;    ///< that said something, counted from 1
+  std::uint16_t times_empty = 0;  ///< scans that saw through it, or its ground; saturates
+  std::uint8_t is_free = 0;
+};
+
+/// One vote against it, unless this scan had its vote.
+void vote_empty(Cell& cell, std::uint32_t scan) {
+  if (std::atomic_ref(cell.last_scan).exchange(scan, std::memory_order_relaxed) == scan) return;
+  if (cell.times_empty < std::numeric_limits<std::uint16_t>::max()) ++cell.times_empty;
+}
+
+void check_option(const char* field, double value, double low, double high) {
+  if (value >= low && value <= high) return;
+  throw Error("occupancy grid: {} is {}, expected {} to {}", field, value, low, high);
+}
+
+DenseMapOptions obstacle_options(const OccupancyGridOptions& options) {
+  validate(options);
+  DenseMapOptions obstacles;
+  obstacles.voxel_m = options.resolution_m;
+  obstacles.max_range_m = options.max_range_m;
+  obstacles.max_voxels = options.max_voxels;
+  return obstacles;
+}
+
+/// The points of a scan in the map's frame; not finite where there is none, or none so near.
+std::vector<Eigen::Vector3d> points_in_map_m(const OrganizedCloud& cloud, const SensorPath& path,
+                                             double max_range_m) {
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  const PathTable table(path, cloud);
+  std::vector<Eigen::Vector3d> points_m(cloud.range_m.size(), Eigen::Vector3d::Constant(kNone));
+#pragma omp parallel for schedule(static)
+  for (std::size_t pixel = 0; pixel < points_m.size(); ++pixel) {
+    if (!has_return(cloud, pixel) || cloud.range_m[pixel] > max_range_m) continue;
+    const Eigen::Vector3d point_m = table.at(pixel) * cloud.points_m[pixel].cast<double>();
+    if (GroundHeights::is_near(point_m)) points_m[pixel] = point_m;
+  }
+  return points_m;
+}
+
+}  // namespace
+
+void validate(const OccupancyGridOptions& options) {
+  check_option("resolution_m", options.resolution_m, 0.02, 1.0);
+  check_option("lowest_obstacle_m", options.lowest_obstacle_m, 0.05, 10.0);
+  check_option("highest_obstacle_m", options.highest_obstacle_m, options.lowest_obstacle_m, 20.0);
+  check_option("max_range_m", options.max_range_m, 1.0, 1000.0);
+  check_option("max_voxels", static_cast<double>(options.max_voxels), 1.0, 2e9);
+}
+
+struct OccupancyGrid::Implementation {
+  OccupancyGridOptions options;
+  GroundHeights ground;
+  DenseMap obstacles;
+  CellChunks<Cell> cells;   ///< above known ground; none are added once it is settled
+  std::uint32_t scans = 0;  ///< calls of see_through so far
+  bool settled = false;
+
+  explicit Implementation(const OccupancyGridOptions& options_)
+      : options(options_), obstacles(obstacle_options(options_)) {}
+
+  Eigen::Vector2i cell_of(const Eigen::Vector2d& place_m) const {
+    return (place_m / options.resolution_m).array().floor().cast<int>();
+  }
+  void settle();
+  void mark_ends(const std::vector<Eigen::Vector3d>& points_m);
+  void mark_passed(const Eigen::Vector3d& origin_m, const Eigen::Vector3d& end_m, double near_m);
+  CellChunks<std::uint32_t> times_seen() const;
+};
+
+/// No more is said of the ground. Cells are made here, so that threads need not.
+void OccupancyGrid::Implementation::settle() {
+  if (settled) return;
+  settled = true;
+  ground.settle();
+  ground.for_each_known([&](const Eigen::AlignedBox2d& place_m) {
+    for (const auto corner : {Eigen::AlignedBox2d::BottomLeft, Eigen::AlignedBox2d::BottomRight,
+                              Eigen::AlignedBox2d::TopLeft, Eigen::AlignedBox2d::TopRight}) {
+      cells.find_or_add(cell_of(place_m.corner(corner)));
+    }
+  });
+}
+
+/// Obstacles that a scan has in a cell silence all that it says against it.
+void OccupancyGrid::Implementation::mark_ends(const std::vector<Eigen::Vector3d>& points_m) {
+  std::vector<Cell*> grounds;
+  for (const Eigen::Vector3d& point_m : points_m) {
+    const auto ground_m = ground.at(point_m.head<2>());
+    Cell* const cell = ground_m ? cells.find(cell_of(point_m.head<2>())) : nullptr;
+    if (cell == nullptr) continue;
+    const double height_m = point_m.z() - *ground_m;
+    if (std::abs(height_m) < options.lowest_obstacle_m) grounds.push_back(cell);
+    if (height_m >= options.lowest_obstacle_m && height_m <= options.highest_obstacle_m) {
+      cell->last_scan = scans;
+    }
+  }
+  for (Cell* const cell : grounds) {
+    cell->is_free = 1;
+    vote_empty(*cell, scans);
+  }
+}
+
+/// May be called from many threads at once.
+void OccupancyGrid::Implementation::mark_passed(const Eigen::Vector3d& origin_m,
+                                                const Eigen::Vector3d& end_m, double near_m) {
+  const double length_m = (end_m - origin_m).head<2>().norm();  // seen from above, as all here
+  const double passed_m = length_m - kEnd_cells * options.resolution_m;
+  if (!(passed_m > 0.0 && GroundHeights::is_near(origin_m))) return;
+  const double rise = (end_m.z() - origin_m.z()) / length_m;
+  BeamSection beam{{origin_m.x(), origin_m.y(), 0.0}, (end_m - origin_m) / length_m, 0.0, passed_m};
+  beam.direction.z() = 0.0;
+  const double voting_m = std::min(near_m, seen_through_m(length_m, options.resolution_m));
+  const auto pass = [&](const Eigen::Vector3i& index, double at_m, double ground_m) {
+    const double height_m = origin_m.z() + rise * at_m - ground_m;
+    Cell* const cell = height_m <= kPassed_m ? cells.find({index.x(), index.y()}) : nullptr;
+    if (cell == nullptr) return;
+    std::atomic_ref(cell->is_free).store(1, std::memory_order_relaxed);
+    if (height_m >= options.lowest_obstacle_m && at_m <= voting_m) vote_empty(*cell, scans);
+  };
+  walk_grid(beam, GroundHeights::kCell_m, [&](const auto&, double begin_m, double end_here_m) {
+    const double middle_m = 0.5 * (begin_m + end_here_m);
+    const auto ground_m = ground.at((beam.origin_m + middle_m * beam.direction).head<2>());
+    const double lowest_m = origin_m.z() + rise * (rise < 0.0 ? end_here_m : begin_m);
+    if (!ground_m || lowest_m > *ground_m + kPassed_m) return;
+    const BeamSection inside{beam.origin_m, beam.direction, begin_m, end_here_m};
+    walk_grid(inside, options.resolution_m, [&](const auto& index, double from_m, double to_m) {
+      pass(index, 0.5 * (from_m + to_m), *ground_m);
+    });
+  });
+}
+
+/// Scans with a point in a voxel of an obstacle, those above each other together.
+CellChunks<std::uint32_t> OccupancyGrid::Implementation::times_seen() const {
+  CellChunks<std::uint32_t> times_seen;
+  for (const DenseMapPoint& point : obstacles.points()) {
+    times_seen.find_or_add(cell_of(point.point_m.head<2>().cast<double>())) += point.times_seen;
+  }
+  return times_seen;
+}
+
+OccupancyGrid::OccupancyGrid(const OccupancyGridOptions& options)
+    : implementation_(std::make_unique<Implementation>(options)) {}
+OccupancyGrid::~OccupancyGrid() = default;
+OccupancyGrid::OccupancyGrid(OccupancyGrid&&) noexcept = default;
+OccupancyGrid& OccupancyGrid::operator=(OccupancyGrid&&) noexcept = default;
+
+void OccupancyGrid::add_ground(const OrganizedCloud& measured, const SensorModel& sensor,
+                               const SensorPath& path) {
+  check_mapped_scan(measured, path);
+  if (measured.rows != sensor.rows() || measured.columns != sensor.columns) {
+    throw Error("occupancy grid: a scan of {}x{} pixels, expected the sensor's {}x{}",
+                measured.rows, measured.columns, sensor.rows(), sensor.columns);
+  }
+  Implementation& self = *implementation_;
+  const std::vector<Eigen::Vector3d> points_m =
+      points_in_map_m(measured, path, self.options.max_range_m);
+  OrganizedCloud level = measured;
+  const Eigen::Vector3d origin_m = path.at(0.0).translation();
+  for (std::size_t pixel = 0; pixel < points_m.size(); ++pixel) {
+    if (!points_m[pixel].allFinite()) level.range_m[pixel] = 0.0F;
+    level.points_m[pixel] = (points_m[pixel] - origin_m).cast<float>();
+  }
+  const Eigen::Vector3d up_of_sensor = path.at(0.0).linear().row(2);
+  const std::vector<std::uint8_t> is_ground = mark_ground(level, sensor, {}, up_of_sensor);
+  for (std::size_t pixel = 0; pixel < points_m.size(); ++pixel) {
+    if (is_ground[pixel] != 0) self.ground.add(points_m[pixel]);
+  }
+}
+
+void OccupancyGrid::insert(const OrganizedCloud& cloud,
+                           const std::optional<RowSelection>& measured_rows,
+                           const SensorPath& path) {
+  check_mapped_scan(cloud, path);
+  Implementation& self = *implementation_;
+  self.settle();
+  const std::vector<Eigen::Vector3d> points_m =
+      points_in_map_m(cloud, path, self.options.max_range_m);
+  OrganizedCloud obstacles = cloud;
+  for (std::size_t pixel = 0; pixel < points_m.size(); ++pixel) {
+    const auto ground_m = self.ground.at(points_m[pixel].head<2>());
+    const double height_m = ground_m ? points_m[pixel].z() - *ground_m : 0.0;
+    if (height_m < self.options.lowest_obstacle_m || height_m > self.options.highest_obstacle_m) {
+      obstacles.range_m[pixel] = 0.0F;
+    }
+  }
+  self.obstacles.insert(obstacles, measured_rows, path);
+}
+
+void OccupancyGrid::see_through(const OrganizedCloud& measured, const SensorPath& path) {
+  check_mapped_scan(measured, path);
+  Implementation& self = *implementation_;
+  self.settle();
+  self.obstacles.see_through(measured, path);
+  ++self.scans;
+  const std::vector<Eigen::Vector3d> points_m =
+      points_in_map_m(measured, path, self.options.max_range_m);
+  self.mark_ends(points_m);
+  // Farther away beams have room for a post between them.
+  const double near_m = self.options.resolution_m * measured.columns / (2.0 * std::numbers::pi);
+  const PathTable table(path, measured);
+#pragma omp parallel for schedule(dynamic, 64)
+  for (std::size_t pixel = 0; pixel < points_m.size(); ++pixel) {
+    if (!points_m[pixel].allFinite()) continue;
+    self.mark_passed(table.at(pixel).translation(), points_m[pixel], near_m);
+  }
+}
+
+OccupancyMap OccupancyGrid::map() const {
+  const Implementation& self = *implementation_;
+  const CellChunks<std::uint32_t> times_seen = self.times_seen();
+  const auto state_of = [&](const Eigen::Vector2i& at, const Cell& cell) {
+    const std::uint32_t* const seen = times_seen.find(at);
+    if (seen != nullptr && *seen > 0 && *seen >= cell.times_empty) return Occupancy::kOccupied;
+    return cell.is_free != 0 ? Occupancy::kFree : Occupancy::kUnknown;
+  };
+  Eigen::AlignedBox2i known;
+  self.cells.for_each([&](const Eigen::Vector2i& at, const Cell& cell) {
+    if (state_of(at, cell) != Occupancy::kUnknown) known.extend(at);
+  });
+  if (known.isEmpty()) {
+    throw Error(
+        "occupancy grid: no ground was seen; expected a sensor that sees it, and poses in a frame "
+        "whose z axis points up");
+  }
+  OccupancyMap map;
+  map.resolution_m = self.options.resolution_m;
+  map.origin_m = map.resolution_m * known.min().cast<double>();
+  const Eigen::Vector2d size = (known.sizes().cast<double>().array() + 1.0);
+  if (size.prod() > kMostCells) {
+    throw Error("occupancy grid: {} x {} cells of {} m, expected {} at most; give larger cells",
+                size.x(), size.y(), map.resolution_m, kMostCells);
+  }
+  map.columns = static_cast<int>(size.x());
+  map.rows = static_cast<int>(size.y());
+  map.cells.resize(static_cast<std::size_t>(map.columns) * static_cast<std::size_t>(map.rows));
+  self.cells.for_each([&](const Eigen::Vector2i& at, const Cell& cell) {
+    if (!known.contains(at)) return;
+    const Eigen::Vector2i place(at.x() - known.min().x(), known.max().y() - at.y());
+    map.cells[static_cast<std::size_t>(place.y()) * map.columns + place.x()] = state_of(at, cell);
+  });
+  return map;
+}
+
+bool OccupancyGrid::is_full() const { return implementation_->obstacles.is_full(); }
+
+Occupancy OccupancyMap::at(const Eigen::Vector2d& place_m) const {
+  const Eigen::Vector2d cell = ((place_m - origin_m) / resolution_m).array().floor();
+  if (!(cell.x() >= 0.0 && cell.y() >= 0.0 && cell.x() < columns && cell.y() < rows)) {
+    return Occupancy::kUnknown;
+  }
+  const auto row = static_cast<std::size_t>(rows - 1 - static_cast<int>(cell.y()));
+  return cells[row * columns + static_cast<std::size_t>(cell.x())];
+}
+
+}  // namespace hqslam::slam

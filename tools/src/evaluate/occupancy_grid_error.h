@@ -1,0 +1,48 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "hqslam/core/pose.h"
+#include "hqslam/core/trajectory.h"
+#include "hqslam/sim/drive.h"
+#include "hqslam/slam/occupancy_grid.h"
+
+namespace hqslam::tools {
+
+/// A simulated drive and its city.
+struct TrueDrive {
+  std::string folder;  ///< with its scans
+  sim::DriveSpec spec;
+  SensorModel sensor;
+  Trajectory truth;
+};
+
+/// Places of cells that say how good a grid is: centres in the frame of the truth, up to 20 m from
+/// the sensor, each once.
+struct TrueCells {
+  std::vector<Eigen::Vector3f> empty_m;     ///< the ground is visible, nothing stands above it
+  std::vector<Eigen::Vector3f> standing_m;  ///< a surface is visible that stands there
+  std::vector<Eigen::Vector3f> moving_m;    ///< nothing stands there, but scans have points
+};
+/// Throws Error.
+TrueCells true_cells(const TrueDrive& drive, double cell_m);
+
+/// Shares, 0 to 1.
+struct OccupancyGridError {
+  double empty_is_free = 0.0;         ///< of the true cells
+  double empty_is_occupied = 0.0;     ///< the same
+  double standing_is_occupied = 0.0;  ///< the same
+  double standing_is_near = 0.0;      ///< the same: an occupied cell within one cell
+  double standing_is_free = 0.0;      ///< the same
+  double moving_is_occupied = 0.0;    ///< the same
+  double free_is_wrong = 0.0;         ///< of the grid's free cells: something stands there
+  double occupied_is_wrong = 0.0;     ///< of its occupied ones: nothing within one and a half cells
+};
+/// T_truth_map: from the grid's frame.
+OccupancyGridError occupancy_grid_error(const slam::OccupancyMap& map, const Pose& T_truth_map,
+                                        const TrueCells& cells, const TrueDrive& drive);
+
+}  // namespace hqslam::tools
