@@ -34,7 +34,10 @@ void* counted(std::size_t bytes, std::size_t alignment) {
 
 }  // namespace
 
-// Arrays, and what may not throw, come here too.
+// Arrays come here too; what may not throw would, but for sanitizers, which answer it themselves.
+void* operator new(std::size_t bytes, const std::nothrow_t&) noexcept {
+  return counted(bytes, alignof(std::max_align_t));
+}
 void* operator new(std::size_t bytes) { return counted(bytes, alignof(std::max_align_t)); }
 void* operator new(std::size_t bytes, std::align_val_t alignment) {
   return counted(bytes, static_cast<std::size_t>(alignment));

@@ -5,6 +5,7 @@
 #include <Eigen/QR>
 #include <algorithm>
 
+#include "alignment/cross_matrix.h"
 #include "hqslam/core/imu_sample.h"
 
 namespace hqslam::slam {
@@ -22,29 +23,23 @@ constexpr double kWholeSpan = 0.8;
 /// another place's.
 constexpr double kMostResidual_m = 0.1;
 constexpr double kMostOfGravity_mps2 = 0.7;
-// Where the errors of each lie.
+// Where each lies in the state.
 constexpr int kGravity = 0;
 constexpr int kBias = 3;
 constexpr int kLean = 6;
 constexpr int kLeanOfScan = 9;
 
-static double env(const char* n, double v) { return getenv(n) ? atof(getenv(n)) : v; }
-const double kShare = env("KP", 0.2);  ///< of the lean, that one scan is turned by
-/// Standard deviations at first, and from scan to scan.
+/// Of the lean, what one scan is turned by.
+constexpr double kShare = 0.2;
+// Standard deviations at first, and of what comes from scan to scan.
 constexpr double kFirstGravity_mps2 = 1.0;
 constexpr double kFirstBias_mps2 = 0.2;
-const double kFirstLeanOfScan_rad = env("KI", 2e-4);
+constexpr double kFirstLeanOfScan_rad = 2e-4;
 constexpr double kBiasWalk_mps2 = 2e-4;
-const double kLeanWalk_rad = env("KW", 2e-4);
-const double kLeanOfScanWalk_rad = env("KR", 2e-6);
-/// Of one scan's z: neighbours see the same three seconds.
-const double kNoise_mps2 = env("KN", 0.03);
-
-Matrix3d cross_of(const Vector3d& v) {
-  Matrix3d m;
-  m << 0.0, -v.z(), v.y(), v.z(), 0.0, -v.x(), -v.y(), v.x(), 0.0;
-  return m;
-}
+constexpr double kLeanWalk_rad = 2e-4;
+constexpr double kLeanOfScanWalk_rad = 2e-6;
+/// Of a scan's z: 0.03, and five times that because thirty scans see the same three seconds.
+constexpr double kNoise_mps2 = 0.15;
 
 /// R_last_step of the middle of each step, by the gyroscope.
 std::vector<Matrix3d> turned_back(const std::vector<ImuStep>& steps) {
@@ -84,13 +79,8 @@ Table integrated_twice(const Trajectory& poses, const std::vector<ImuStep>& step
   return moved;
 }
 
-/// z and L.
-struct FeltGravity {
-  Vector3d gravity_mps2;
-  Matrix3d of_bias;
-};
+}  // namespace
 
-/// Nothing where poses and specific forces do not fit each other.
 std::optional<FeltGravity> felt_gravity(const Trajectory& poses,
                                         const std::vector<ImuStep>& steps) {
   if (poses.size() < kFewestPoses || steps.empty()) return std::nullopt;
@@ -121,8 +111,6 @@ std::optional<FeltGravity> felt_gravity(const Trajectory& poses,
   return felt;
 }
 
-}  // namespace
-
 std::optional<double> Vertical::begin_s() const {
   return registered_.empty() ? std::nullopt : std::optional(registered_.front().stamp_s);
 }
@@ -132,7 +120,7 @@ void Vertical::turn(const Matrix3d& R_corrected_map) {
     pose.T_map_sensor = Pose(R_corrected_map) * pose.T_map_sensor;
   }
   if (!state_) return;
-  Eigen::Matrix<double, 12, 12> turn = Eigen::Matrix<double, 12, 12>::Identity();
+  Matrix12 turn = Matrix12::Identity();
   turn.block<3, 3>(kGravity, kGravity) = R_corrected_map;
   turn.block<3, 3>(kLean, kLean) = R_corrected_map;
   *state_ = turn * *state_;
@@ -142,12 +130,49 @@ void Vertical::turn(const Matrix3d& R_corrected_map) {
 void Vertical::begin(const Vector3d& gravity_map_mps2) {
   state_ = State::Zero();
   state_->segment<3>(kGravity) = gravity_map_mps2;
-  const auto set = [&](int at, double sigma) {
-    covariance_.diagonal().segment<3>(at).setConstant(sigma * sigma);
-  };
-  set(kGravity, kFirstGravity_mps2);
-  set(kBias, kFirstBias_mps2);
-  set(kLeanOfScan, kFirstLeanOfScan_rad);
+  add_variance(kGravity, kFirstGravity_mps2);
+  add_variance(kBias, kFirstBias_mps2);
+  add_variance(kLeanOfScan, kFirstLeanOfScan_rad);
+}
+
+void Vertical::add_variance(int at, double sigma) {
+  covariance_.diagonal().segment<3>(at).array() += sigma * sigma;
+}
+
+void Vertical::add_scan(const Matrix3d& R_map_sensor) {
+  Matrix12 F = Matrix12::Identity();
+  F.block<3, 3>(kLean, kLeanOfScan) = R_map_sensor;
+  *state_ = F * *state_;
+  covariance_ = (F * covariance_ * F.transpose()).eval();
+  add_variance(kBias, kBiasWalk_mps2);
+  add_variance(kLean, kLeanWalk_rad);
+  add_variance(kLeanOfScan, kLeanOfScanWalk_rad);
+}
+
+void Vertical::measure(const Matrix3d& R_map_sensor, const FeltGravity& felt) {
+  const Vector3d gravity = state_->segment<3>(kGravity);
+  const Vector3d lean = state_->segment<3>(kLean);
+  const Matrix3d R_sensor_map = R_map_sensor.transpose();
+  Eigen::Matrix<double, 3, 12> H = Eigen::Matrix<double, 3, 12>::Zero();
+  H.block<3, 3>(0, kGravity) = R_sensor_map * (Matrix3d::Identity() + cross_matrix(lean));
+  H.block<3, 3>(0, kBias) = -felt.of_bias;
+  H.block<3, 3>(0, kLean) = -R_sensor_map * cross_matrix(gravity);
+  const Vector3d expected =
+      R_sensor_map * (gravity + lean.cross(gravity)) - felt.of_bias * state_->segment<3>(kBias);
+  Matrix3d S = H * covariance_ * H.transpose();
+  S.diagonal().array() += kNoise_mps2 * kNoise_mps2;
+  const Eigen::Matrix<double, 12, 3> K = S.ldlt().solve(H * covariance_).transpose();
+  *state_ += K * (felt.gravity_mps2 - expected);
+  covariance_ = (covariance_ - K * S * K.transpose()).eval();
+}
+
+Vector3d Vertical::take_turn_rad(const Matrix3d& R_map_sensor) {
+  Vector3d turn_rad =
+      -kShare * state_->segment<3>(kLean) - R_map_sensor * state_->segment<3>(kLeanOfScan);
+  const Vector3d down = state_->segment<3>(kGravity).normalized();
+  turn_rad -= down * down.dot(turn_rad);
+  state_->segment<3>(kLean) += turn_rad;
+  return turn_rad;
 }
 
 Pose Vertical::upright(const StampedPose& found, const Vector3d& gravity_map_mps2,
@@ -157,44 +182,19 @@ Pose Vertical::upright(const StampedPose& found, const Vector3d& gravity_map_mps
   const bool is_whole = found.stamp_s - registered_.front().stamp_s > kWholeSpan * kSpan_s;
   if (is_whole && !state_) begin(gravity_map_mps2);
   if (state_) {
-    // One scan more leans.
-    const Matrix3d R = T_map_sensor.linear();
-    Eigen::Matrix<double, 12, 12> F = Eigen::Matrix<double, 12, 12>::Identity();
-    F.block<3, 3>(kLean, kLeanOfScan) = R;
-    *state_ = F * *state_;
-    covariance_ = (F * covariance_ * F.transpose()).eval();
-    covariance_.diagonal().segment<3>(kBias).array() += kBiasWalk_mps2 * kBiasWalk_mps2;
-    covariance_.diagonal().segment<3>(kLean).array() += kLeanWalk_rad * kLeanWalk_rad;
-    covariance_.diagonal().segment<3>(kLeanOfScan).array() += kLeanOfScanWalk_rad * kLeanOfScanWalk_rad;
-    if (const auto felt = is_whole ? felt_gravity(registered_, steps) : std::nullopt) {
-      // R = exp(lean) R_true, so R_true^T g = R^T exp(lean) g = R^T (g + lean x g).
-      const Vector3d g = state_->segment<3>(kGravity);
-      const Vector3d lean = state_->segment<3>(kLean);
-      Eigen::Matrix<double, 3, 12> H = Eigen::Matrix<double, 3, 12>::Zero();
-      H.block<3, 3>(0, kGravity) = R.transpose() * (Matrix3d::Identity() + cross_of(lean));
-      H.block<3, 3>(0, kBias) = -felt->of_bias;
-      H.block<3, 3>(0, kLean) = -R.transpose() * cross_of(g);
-      const Vector3d expected = R.transpose() * (g + lean.cross(g)) - felt->of_bias * state_->segment<3>(kBias);
-      Matrix3d S = H * covariance_ * H.transpose();
-      S.diagonal().array() += kNoise_mps2 * kNoise_mps2;
-      const Eigen::Matrix<double, 12, 3> K = S.ldlt().solve(H * covariance_).transpose();
-      *state_ += K * (felt->gravity_mps2 - expected);
-      covariance_ = (covariance_ - K * S * K.transpose()).eval();
-    }
-    // Never about the vertical.
-    const Vector3d down = state_->segment<3>(kGravity).normalized();
-    Vector3d turn_rad = kShare * state_->segment<3>(kLean) + R * state_->segment<3>(kLeanOfScan);
-    turn_rad -= down * down.dot(turn_rad);
-    const Pose turned = exponential(Twist{Vector3d::Zero(), -turn_rad});
-    T_map_sensor.linear() = turned.linear() * R;
-    state_->segment<3>(kLean) -= turn_rad;
+    const Matrix3d R_map_sensor = T_map_sensor.linear();
+    add_scan(R_map_sensor);
+    const auto felt = is_whole ? felt_gravity(registered_, steps) : std::nullopt;
+    if (felt) measure(R_map_sensor, *felt);
+    const Twist turn{Vector3d::Zero(), take_turn_rad(R_map_sensor)};
+    T_map_sensor.linear() = exponential(turn).linear() * R_map_sensor;
   }
-  const Pose result = T_map_sensor;
-  const auto recent = std::find_if(registered_.begin(), registered_.end(), [&](const auto& pose) {
-    return pose.stamp_s >= found.stamp_s - kSpan_s;
-  });
-  registered_.erase(registered_.begin(), recent);
-  return result;
+  const Pose upright = T_map_sensor;
+  registered_.erase(registered_.begin(),
+                    std::find_if(registered_.begin(), registered_.end(), [&](const auto& pose) {
+                      return pose.stamp_s >= found.stamp_s - kSpan_s;
+                    }));
+  return upright;
 }
 
 }  // namespace hqslam::slam
