@@ -69,6 +69,11 @@ ScanReport Slam::Implementation::process_level(const OrganizedCloud& cloud, doub
     trace->state = name(state);
     trace->T_map_level = notes.report.T_map_sensor;
   }
+  const Reference* reference = reference_of(state);
+  const bool is_followed = reference != nullptr && reference->time_s == scan.time_s;
+  const MotionState motion = is_followed ? reference->state : unknown_motion(Pose::Identity());
+  notes.report.velocity = motion.velocity;
+  notes.report.velocity_covariance = motion.covariance.bottomRightCorner<6, 6>();
   StageTimes& times = notes.report.times;
   times.mapping_s += notes.stopwatch.lap_s();
   times.total_s = times.segmentation_s + times.features_s + times.odometry_s + times.mapping_s +
@@ -89,6 +94,8 @@ ScanReport Slam::Implementation::process(const OrganizedCloud& cloud, double sta
   report.T_map_sensor = mounting.of_sensor(report.T_map_sensor);
   report.T_odom_sensor = mounting.of_sensor(report.T_odom_sensor);
   report.covariance = mounting.of_sensor(report.covariance);
+  report.velocity = mounting.of_sensor(report.velocity);
+  report.velocity_covariance = mounting.of_sensor(report.velocity_covariance);
   path.add({stamp_s, report.T_map_sensor}, mapping.keyframes(), mounting.of_sensor(own_covariance));
   imu.forget_before(stamp_s - kImuMemory_s);
   return report;

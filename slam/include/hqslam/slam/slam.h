@@ -42,6 +42,11 @@ struct ScanReport {
   /// away. Infinite variances where the place was not recognized, and after the sensor was carried
   /// away.
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
+  /// How the sensor moves, per second in its frame, and the covariance of the error, (linear,
+  /// angular); of a scan that nothing was matched with that of whatever moves on earth. It takes
+  /// errors of features as independent, so it is too small, as a rule, and not calibrated.
+  Twist velocity;
+  Eigen::Matrix<double, 6, 6> velocity_covariance = Eigen::Matrix<double, 6, 6>::Zero();
   Status odometry_status = Status::kOk;
   Status mapping_status = Status::kOk;
   int returns = 0;
