@@ -54,6 +54,14 @@ Slam::Implementation::Implementation(const SensorModel& sensor_, const SlamOptio
   }
 }
 
+void Slam::Implementation::extend(const SavedMap& given) {
+  const auto first_keyframe = static_cast<std::uint32_t>(given.places.size());
+  mapping = Mapping(options.mapping, first_keyframe);
+  loop_closing.emplace(options.mapping, given);
+  path.begin_segment(0, first_keyframe, true);
+  drift.lose(Matrix6::Zero(), true);
+}
+
 /// The way of a scan, in the frame of the sensor turned level.
 ScanReport Slam::Implementation::process_level(const OrganizedCloud& cloud, double stamp_s,
                                                ScanTrace* trace) {
@@ -69,6 +77,11 @@ ScanReport Slam::Implementation::process_level(const OrganizedCloud& cloud, doub
     trace->state = name(state);
     trace->T_map_level = notes.report.T_map_sensor;
   }
+  const Reference* reference = reference_of(state);
+  const bool is_followed = reference != nullptr && reference->time_s == scan.time_s;
+  const MotionState motion = is_followed ? reference->state : unknown_motion(Pose::Identity());
+  notes.report.velocity = motion.velocity;
+  notes.report.velocity_covariance = motion.covariance.bottomRightCorner<6, 6>();
   StageTimes& times = notes.report.times;
   times.mapping_s += notes.stopwatch.lap_s();
   times.total_s = times.segmentation_s + times.features_s + times.odometry_s + times.mapping_s +
@@ -89,6 +102,8 @@ ScanReport Slam::Implementation::process(const OrganizedCloud& cloud, double sta
   report.T_map_sensor = mounting.of_sensor(report.T_map_sensor);
   report.T_odom_sensor = mounting.of_sensor(report.T_odom_sensor);
   report.covariance = mounting.of_sensor(report.covariance);
+  report.velocity = mounting.of_sensor(report.velocity);
+  report.velocity_covariance = mounting.of_sensor(report.velocity_covariance);
   path.add({stamp_s, report.T_map_sensor}, mapping.keyframes(), mounting.of_sensor(own_covariance));
   imu.forget_before(stamp_s - kImuMemory_s);
   return report;
@@ -184,6 +199,17 @@ Slam::Slam(const SensorModel& sensor, const SlamOptions& options)
 Slam::Slam(const SensorModel& sensor, const SlamOptions& options, const SavedMap& map,
            const std::optional<Pose>& T_map_level_start)
     : implementation_(std::make_unique<Implementation>(sensor, options, &map, T_map_level_start)) {}
+Slam Slam::extending(const SensorModel& sensor, const SlamOptions& options, const SavedMap& map) {
+  if (map.places.empty() || !options.loop_closing.enabled) {
+    throw Error(
+        "expected a map with places, and loop closing, which recognizes them, found {} places and "
+        "loop closing switched {}",
+        map.places.size(), options.loop_closing.enabled ? "on" : "off");
+  }
+  Slam slam(sensor, options);
+  slam.implementation_->extend(map);
+  return slam;
+}
 Slam::~Slam() = default;
 Slam::Slam(Slam&&) noexcept = default;
 Slam& Slam::operator=(Slam&&) noexcept = default;

@@ -63,6 +63,7 @@ Reference* reference_of(State& state) {
 
 /// The first scan with enough features defines the frame of the map.
 State Slam::Implementation::next(Starting, const Scan& scan, Notes& notes) {
+  notes.report.covariance = drift.covariance(Pose::Identity(), Matrix6::Zero());
   if (!scan.has_enough_features) {
     notes.report.odometry_status = Status::kTooFewFeatures;
     notes.report.mapping_status = Status::kTooFewFeatures;
@@ -262,7 +263,7 @@ Slam::Implementation::Registered Slam::Implementation::first_registered(Tracking
 void Slam::Implementation::correct_first_keyframe(Tracking& last, Twist velocity) {
   const FirstKeyframe& first = *last.first_keyframe;
   if (first.turning) velocity.angular = first.turning->mean_rate_rad_per_s();
-  mapping = Mapping(options.mapping);
+  mapping = Mapping(options.mapping, mapping.keyframes() - 1);
   mapping.insert(first.map_features, Pose::Identity(), velocity);
   if (last.reference.time_s == first.time_s) last.reference.target = {first.features, velocity};
   last.first_keyframe.reset();

@@ -1,15 +1,22 @@
+#include "hqslam_node.cpp"
+
 #include <doctest/doctest.h>
 
+#include <charconv>
 #include <cmath>
-#include <limits>
-
-#define main main_of_the_node
-#include "hqslam_node.cpp"
-#undef main
+#include <cstring>
+#include <fstream>
+#include <set>
 
 #include "slam/yard_drive.h"
+#include "temporary_directory.h"
 
+namespace hqslam_ros {
 namespace {
+
+using sensor_msgs::msg::PointField;
+using Odometry = nav_msgs::msg::Odometry;
+using Located = geometry_msgs::msg::PoseWithCovarianceStamped;
 
 constexpr double kClock_s = 1'700'000'000.0;
 
@@ -61,8 +68,65 @@ hqslam::SensorModel sensor() { return hqslam::sensor_preset("os1-16"); }
 
 hqslam::OrganizedCloud scan(int i) { return hqslam::test::drive_scan(sensor(), i); }
 
-void take(const PointCloud2& message) {
-  rclcpp::Subscription<PointCloud2>::callback(std::make_shared<const PointCloud2>(message));
+template <typename Message>
+void take(const Message& message) {
+  rclcpp::Subscription<Message>::callback(std::make_shared<const Message>(message));
+}
+
+constexpr double kAheadOfBase_m = 0.5;
+
+/// A node on a robot whose LiDAR is where tf says, with these parameters; nothing was sent yet.
+HqslamNode node_with(const std::map<std::string, rclcpp::Node::Parameter>& given = {}) {
+  tf2_ros::Buffer::known.clear();
+  tf2_ros::Buffer::known[{"base_link", "lidar"}] =
+      message_of(hqslam::pose_from_xyz_rpy({kAheadOfBase_m, 0.0, 1.2}, 0.0, 0.0, 0.0), {}, "lidar");
+  tf2_ros::Buffer::known[{"lidar", "imu"}] = message_of(Pose::Identity(), {}, "imu");
+  rclcpp::Publisher<Odometry>::published.clear();
+  rclcpp::Publisher<Located>::published.clear();
+  rclcpp::Publisher<PointCloud2>::published.clear();
+  rclcpp::Subscription<Imu>::publishers = 0;
+  tf2_ros::TransformBroadcaster::sent.clear();
+  rclcpp::Node::warnings.clear();
+  rclcpp::Node::given = given;
+  return HqslamNode(rclcpp::NodeOptions());
+}
+
+/// The last that was sent between two frames.
+Pose sent(const std::string& parent, const std::string& child) {
+  const auto& all = tf2_ros::TransformBroadcaster::sent;
+  const auto last = std::find_if(all.rbegin(), all.rend(), [&](const TransformStamped& message) {
+    return message.header.frame_id == parent && message.child_frame_id == child;
+  });
+  REQUIRE(last != all.rend());
+  return pose_of(*last);
+}
+
+/// Names in a YAML file of parameters, as other_names.name, with their values as text.
+std::map<std::string, std::string> parameters_of(const std::string& path) {
+  std::map<std::string, std::string> result;
+  std::ifstream file(path);
+  std::string group;
+  for (std::string line; std::getline(file, line);) {
+    const std::size_t begin = line.find_first_not_of(' ');
+    if (begin == std::string::npos || begin < 4 || line[begin] == '#') continue;
+    const std::size_t colon = line.find(':');
+    const std::string name = line.substr(begin, colon - begin);
+    const std::string value = colon + 2 < line.size() ? line.substr(colon + 2) : "";
+    if (value.empty()) {
+      group = name + ".";
+    } else {
+      result[(begin > 4 ? group : "") + name] = value == "\"\"" ? "" : value;
+    }
+  }
+  return result;
+}
+
+/// Whether a YAML value is of a parameter's type, and its default.
+bool is_default(const std::string& value, const rclcpp::Node::Parameter& usual) {
+  if (const auto* text = std::get_if<std::string>(&usual)) return value == *text;
+  if (const auto* flag = std::get_if<bool>(&usual)) return value == (*flag ? "true" : "false");
+  if (const auto* whole = std::get_if<std::int64_t>(&usual)) return value == std::to_string(*whole);
+  return value.find('.') != std::string::npos && std::stod(value) == std::get<double>(usual);
 }
 
 }  // namespace
@@ -95,14 +159,31 @@ TEST_CASE("options that are whole numbers take whole numbers, the others numbers
       given = usual;
     }
   }
-  CHECK_NOTHROW(HqslamNode());
-  rclcpp::Node::given.clear();
+  const auto given = rclcpp::Node::given;
+  CHECK_NOTHROW(node_with(given));
+}
+
+TEST_CASE("the parameters of the installed file are the node's, and so are their values") {
+  const HqslamNode node = node_with();
+  const auto& declared = rclcpp::Node::declared;
+  const auto file = parameters_of(HQSLAM_ROS2_PARAMETERS);
+  CHECK(file.size() >= 14);
+  for (const auto& [name, value] : file) {
+    CAPTURE(name);
+    REQUIRE(declared.contains(name));
+    CHECK(is_default(value, declared.at(name)));
+  }
+  for (const auto& [name, usual] : declared) {
+    CAPTURE(name);
+    CHECK((name.find('.') != std::string::npos || name == "lidar_in_base" || file.contains(name)));
+  }
+  CHECK_FALSE(declared.contains("mounting.roll_rad"));
 }
 
 TEST_CASE("a drive's messages become poses with the stamps of their scans, padded rows or not") {
-  const HqslamNode node;
-  auto& odometry = rclcpp::Publisher<nav_msgs::msg::Odometry>::published;
-  odometry.clear();
+  const HqslamNode node = node_with();
+  const auto& odometry = rclcpp::Publisher<Odometry>::published;
+  const Pose T_base_lidar(Eigen::Translation3d(kAheadOfBase_m, 0.0, 0.0));
   for (int i = 0; i < 6; ++i) {
     PointCloud2 message = message_of(scan(i), {}, 0.1 * i);
     if (i == 4) {  // two rows, with room behind each
@@ -116,19 +197,109 @@ TEST_CASE("a drive's messages become poses with the stamps of their scans, padde
   }
   REQUIRE(odometry.size() == 6);
   for (int i = 0; i < 6; ++i) {
-    const hqslam::Pose truth =
-        hqslam::test::drive_pose(0.0).inverse() * hqslam::test::drive_pose(0.1 * i);
+    const Pose truth = T_base_lidar * hqslam::test::drive_pose(0.0).inverse() *
+                       hqslam::test::drive_pose(0.1 * i) * T_base_lidar.inverse();
     const auto& found = odometry[static_cast<std::size_t>(i)];
     CHECK(std::abs(found.pose.pose.position.x - truth.translation().x()) < 0.05);
     CHECK(std::abs(found.pose.pose.position.y - truth.translation().y()) < 0.05);
     CHECK(rclcpp::Time(found.header.stamp).seconds() - kClock_s ==
           doctest::Approx(0.05 + 0.1 * i).epsilon(0.01));
-    CHECK(found.child_frame_id == "lidar");
+    CHECK(found.header.frame_id == "odom");
+    CHECK(found.child_frame_id == "base_link");
   }
+  const Pose step = T_base_lidar * hqslam::test::drive_pose(0.4).inverse() *
+                    hqslam::test::drive_pose(0.5) * T_base_lidar.inverse();
+  const auto& twist = odometry.back().twist;
+  CHECK((vector_of(twist.twist.linear) - 10.0 * step.translation()).norm() < 0.2);
+  CHECK((vector_of(twist.twist.angular) - 10.0 * hqslam::logarithm(step).angular).norm() < 0.1);
+  CHECK(twist.covariance[0] > 0.0);
+  CHECK(odometry.back().pose.covariance[0] > 0.0);
+  const auto& located = rclcpp::Publisher<Located>::published;
+  REQUIRE(located.size() == 6);
+  CHECK(located.back().header.frame_id == "map");
+  CHECK(located.back().pose.pose.position.x ==
+        doctest::Approx(odometry.back().pose.pose.position.x).epsilon(1e-6));
+  CHECK(sent("odom", "base_link").translation().x() ==
+        doctest::Approx(odometry.back().pose.pose.position.x));
+  CHECK(sent("map", "odom").isApprox(Pose::Identity(), 1e-6));
+}
+
+TEST_CASE("until tf knows where the LiDAR is, scans are left out, and given it is published") {
+  const HqslamNode asks = node_with();
+  tf2_ros::Buffer::known.clear();
+  take(message_of(scan(0), {}, 0.0));
+  CHECK(rclcpp::Publisher<Odometry>::published.empty());
+  CHECK(rclcpp::Node::warnings.size() == 1);
+  const HqslamNode given =
+      node_with({{"lidar_in_base", std::vector<double>{0.0, 0.0, 2.0, 0.0, 0.0, 0.0}}});
+  take(message_of(scan(0), {}, 0.0));
+  CHECK(rclcpp::Publisher<Odometry>::published.size() == 1);
+  CHECK(sent("base_link", "lidar").translation().z() == doctest::Approx(2.0));
+  CHECK_THROWS_AS(node_with({{"lidar_in_base", std::vector<double>{1.0}}}), hqslam::Error);
+}
+
+TEST_CASE("of an odom that comes from elsewhere map -> odom makes map's pose") {
+  const HqslamNode node = node_with({{"publish_odom", false}});
+  const Pose T_odom_base = hqslam::pose_from_xyz_rpy({100.0, 50.0, 0.0}, 0.0, 0.0, 0.7);
+  take(message_of(scan(0), {}, 0.0));
+  CHECK(tf2_ros::TransformBroadcaster::sent.empty());  // tf does not know it yet
+  tf2_ros::Buffer::known[{"odom", "base_link"}] = message_of(T_odom_base, {}, "base_link");
+  take(message_of(scan(1), {}, 0.1));
+  REQUIRE(tf2_ros::TransformBroadcaster::sent.size() == 1);
+  const Pose T_map_base = sent("map", "odom") * T_odom_base;
+  const auto& position = rclcpp::Publisher<Located>::published.back().pose.pose.position;
+  CHECK((T_map_base.translation() - vector_of(position)).norm() < 1e-9);
+  const auto& stamp = tf2_ros::TransformBroadcaster::sent.back().header.stamp;
+  CHECK(rclcpp::Time(stamp).seconds() - kClock_s == doctest::Approx(0.15 + 0.2).epsilon(0.01));
+}
+
+TEST_CASE("a scan waits for the inertial samples up to its end, or for the next scan") {
+  const HqslamNode node = node_with();
+  const auto& odometry = rclcpp::Publisher<Odometry>::published;
+  rclcpp::Subscription<Imu>::publishers = 1;
+  const auto sample = [](double time_s) {
+    Imu message;
+    message.header.frame_id = "imu";
+    message.header.stamp = time_of(kClock_s + time_s);
+    message.linear_acceleration.z = hqslam::kGravity_mps2;
+    return message;
+  };
+  take(message_of(scan(0), {}, 0.0));
+  take(sample(0.05));
+  CHECK(odometry.empty());
+  take(sample(0.11));
+  CHECK(odometry.size() == 1);
+  take(message_of(scan(1), {}, 0.1));
+  take(message_of(scan(2), {}, 0.2));
+  CHECK(odometry.size() == 2);
+}
+
+TEST_CASE("the map is published now and then, and saved where it was said, in the frame of map") {
+  const hqslam::test::TemporaryDirectory folder;
+  const auto save = [] {
+    const auto response = std::make_shared<Trigger::Response>();
+    rclcpp::Service<Trigger>::callback(std::make_shared<Trigger::Request>(), response);
+    return *response;
+  };
+  const HqslamNode refuses = node_with();
+  CHECK_FALSE(save().success);
+  const HqslamNode node = node_with({{"save_folder", folder.file("maps")}, {"map_period_s", 0.35}});
+  CHECK_FALSE(save().success);  // no scan yet
+  for (int i = 0; i < 6; ++i) take(message_of(scan(i), {}, 0.1 * i));
+  const auto& clouds = rclcpp::Publisher<PointCloud2>::published;
+  REQUIRE(clouds.size() == 2);
+  CHECK(clouds.back().header.frame_id == "map");
+  CHECK(clouds.back().width > 100);
+  const Trigger::Response saved = save();
+  CAPTURE(saved.message);
+  REQUIRE(saved.success);
+  const hqslam::slam::SavedMap map = hqslam::slam::read_saved_map(saved.message);
+  CHECK(map.places.front().T_map_sensor.translation().isApprox(
+      Eigen::Vector3d(kAheadOfBase_m, 0.0, 1.2), 1e-6));
 }
 
 TEST_CASE("a message that is shorter than it says, or has no times, is left out and named") {
-  const HqslamNode node;
+  const HqslamNode node = node_with();
   const PointCloud2 good = message_of(scan(0), {}, 0.0);
   auto& warnings = rclcpp::Node::warnings;
   const auto warned = [&](const auto& damage) {
@@ -152,11 +323,4 @@ TEST_CASE("a message that is shorter than it says, or has no times, is left out 
   }));
 }
 
-TEST_CASE("of a pose of which nothing is known the covariance stays infinite in the map's frame") {
-  const hqslam::Pose turned = hqslam::pose_from_xyz_rpy({1.0, 2.0, 3.0}, 0.0, 0.0, 1.0);
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  Matrix6 covariance = Matrix6::Identity();
-  CHECK(in_map(covariance, turned).isApprox(covariance));
-  covariance.diagonal().setConstant(kInfinity);
-  CHECK(in_map(covariance, turned) == covariance);
-}
+}  // namespace hqslam_ros

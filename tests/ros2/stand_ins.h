@@ -7,12 +7,12 @@
 #include <memory>
 #include <stdexcept>
 #include <string>
-#include <type_traits>
+#include <utility>
 #include <variant>
 #include <vector>
 
-// What the example of a ROS 2 node uses of ROS, as far as its documentation says what it does.
-// Whatever is published or warned of is kept.
+// What the node uses of ROS, as far as its documentation and headers say what it does. Whatever is
+// published, declared or warned of is kept.
 
 namespace builtin_interfaces::msg {
 struct Time {
@@ -43,19 +43,32 @@ struct TransformStamped {
     Quaternion rotation;
   } transform;
 };
+struct Pose {
+  Vector3 position;
+  Quaternion orientation;
+};
+struct PoseWithCovariance {
+  Pose pose;
+  std::array<double, 36> covariance{};
+};
+struct PoseWithCovarianceStamped {
+  std_msgs::msg::Header header;
+  PoseWithCovariance pose;
+};
 }  // namespace geometry_msgs::msg
 
 namespace nav_msgs::msg {
 struct Odometry {
   std_msgs::msg::Header header;
   std::string child_frame_id;
+  geometry_msgs::msg::PoseWithCovariance pose;
   struct {
     struct {
-      geometry_msgs::msg::Vector3 position;
-      geometry_msgs::msg::Quaternion orientation;
-    } pose;
+      geometry_msgs::msg::Vector3 linear;
+      geometry_msgs::msg::Vector3 angular;
+    } twist;
     std::array<double, 36> covariance{};
-  } pose;
+  } twist;
 };
 }  // namespace nav_msgs::msg
 
@@ -77,6 +90,12 @@ struct PointCloud2 {
   std::uint32_t point_step = 0;
   std::uint32_t row_step = 0;
   std::vector<std::uint8_t> data;
+};
+struct Imu {
+  using ConstSharedPtr = std::shared_ptr<const Imu>;
+  std_msgs::msg::Header header;
+  geometry_msgs::msg::Vector3 angular_velocity;
+  geometry_msgs::msg::Vector3 linear_acceleration;
 };
 }  // namespace msg
 
@@ -109,6 +128,23 @@ class PointCloud2Iterator {
 };
 }  // namespace sensor_msgs
 
+namespace std_srvs::srv {
+struct Trigger {
+  struct Request {};
+  struct Response {
+    bool success = false;
+    std::string message;
+  };
+};
+}  // namespace std_srvs::srv
+
+namespace rcl_interfaces::msg {
+struct ParameterDescriptor {
+  std::string description;
+  bool read_only = false;
+};
+}  // namespace rcl_interfaces::msg
+
 namespace rclcpp {
 class Time {
  public:
@@ -125,42 +161,63 @@ class Time {
   std::int64_t ns_;
 };
 
+struct Duration {
+  static Duration from_seconds(double /*seconds*/) { return {}; }
+};
+
+struct QoS {
+  explicit QoS(std::size_t /*depth*/) {}
+  QoS& transient_local() { return *this; }
+};
 struct SensorDataQoS {
   SensorDataQoS& keep_last(std::size_t /*depth*/) { return *this; }
 };
+struct NodeOptions {};
 
 template <typename Message>
 struct Publisher {
   using SharedPtr = std::shared_ptr<Publisher>;
   void publish(const Message& message) { published.push_back(message); }
+  std::size_t get_subscription_count() const { return subscriptions; }
   static inline std::vector<Message> published;
+  static inline std::size_t subscriptions = 1;
 };
 
 template <typename Message>
 struct Subscription {
   using SharedPtr = std::shared_ptr<Subscription>;
+  std::size_t get_publisher_count() const { return publishers; }
+  static inline std::size_t publishers = 0;
   static inline std::function<void(const typename Message::ConstSharedPtr&)> callback;
+};
+
+template <typename ServiceType>
+struct Service {
+  using SharedPtr = std::shared_ptr<Service>;
+  static inline std::function<void(std::shared_ptr<typename ServiceType::Request>,
+                                   std::shared_ptr<typename ServiceType::Response>)>
+      callback;
 };
 
 class Node {
  public:
+  using Parameter = std::variant<bool, std::int64_t, double, std::string, std::vector<double>>;
   /// As the command line or a launch file gives them.
-  static inline std::map<std::string, std::variant<bool, std::int64_t, double, std::string>> given;
+  static inline std::map<std::string, Parameter> given;
+  static inline std::map<std::string, Parameter> declared;  ///< with their defaults
   static inline std::vector<std::string> warnings;
 
-  explicit Node(const std::string& /*name*/) {}
+  Node(const std::string& /*name*/, const NodeOptions& /*options*/) { declared.clear(); }
 
   /// A value of another type than the parameter is declared with is refused.
   template <typename T>
-  auto declare_parameter(const std::string& name, const T& usual) {
-    using Stored = std::conditional_t<
-        std::is_same_v<T, bool>, bool,
-        std::conditional_t<std::is_integral_v<T>, std::int64_t,
-                           std::conditional_t<std::is_floating_point_v<T>, double, std::string>>>;
+  T declare_parameter(const std::string& name, const T& usual,
+                      const rcl_interfaces::msg::ParameterDescriptor& /*descriptor*/) {
+    declared[name] = usual;
     const auto found = given.find(name);
-    if (found == given.end()) return Stored(usual);
-    if (!std::holds_alternative<Stored>(found->second)) throw std::runtime_error(name);
-    return std::get<Stored>(found->second);
+    if (found == given.end()) return usual;
+    if (!std::holds_alternative<T>(found->second)) throw std::runtime_error(name);
+    return std::get<T>(found->second);
   }
   template <typename Message, typename Quality>
   std::shared_ptr<Publisher<Message>> create_publisher(const std::string&, const Quality&) {
@@ -172,28 +229,56 @@ class Node {
     Subscription<Message>::callback = callback;
     return std::make_shared<Subscription<Message>>();
   }
+  template <typename ServiceType, typename Callback>
+  std::shared_ptr<Service<ServiceType>> create_service(const std::string&,
+                                                       const Callback& callback) {
+    Service<ServiceType>::callback = callback;
+    return std::make_shared<Service<ServiceType>>();
+  }
   int get_logger() const { return 0; }
   const int* get_clock() const { return &clock_; }
+  Time now() const { return Time(0); }
 
  private:
   int clock_ = 0;
 };
-
-inline void init(int /*argc*/, char** /*argv*/) {}
-inline void spin(const std::shared_ptr<Node>& /*node*/) {}
-inline void shutdown() {}
 }  // namespace rclcpp
+
+#define RCLCPP_COMPONENTS_REGISTER_NODE(node)
 
 #define RCLCPP_WARN_THROTTLE(logger, clock, ms, format, what) \
   ((void)(logger), (void)(clock), rclcpp::Node::warnings.push_back(what))
 
+namespace tf2 {
+struct TransformException : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+}  // namespace tf2
+
 namespace tf2_ros {
-class TransformBroadcaster {
- public:
+/// Knows what it was told, at any time.
+struct Buffer {
+  explicit Buffer(const int* /*clock*/) {}
+  geometry_msgs::msg::TransformStamped lookupTransform(const std::string& target,
+                                                       const std::string& source,
+                                                       const rclcpp::Time& /*time*/,
+                                                       const rclcpp::Duration& /*timeout*/) const {
+    const auto found = known.find({target, source});
+    if (found == known.end()) throw tf2::TransformException(target + " to " + source);
+    return found->second;
+  }
+  static inline std::map<std::pair<std::string, std::string>, geometry_msgs::msg::TransformStamped>
+      known;
+};
+struct TransformListener {
+  explicit TransformListener(Buffer& /*buffer*/) {}
+};
+struct TransformBroadcaster {
   explicit TransformBroadcaster(rclcpp::Node& /*node*/) {}
   void sendTransform(const geometry_msgs::msg::TransformStamped& transform) {
     sent.push_back(transform);
   }
   static inline std::vector<geometry_msgs::msg::TransformStamped> sent;
 };
+using StaticTransformBroadcaster = TransformBroadcaster;
 }  // namespace tf2_ros

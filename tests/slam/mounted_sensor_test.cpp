@@ -30,6 +30,7 @@ struct Drive {
   slam::Slam slam;
   int located = 0;
   int fewest_ground_points = 1 << 30;
+  Twist last_velocity = {};
 };
 
 Drive driven(const slam::MountingOptions& leans, const slam::MountingOptions& believed) {
@@ -41,9 +42,20 @@ Drive driven(const slam::MountingOptions& leans, const slam::MountingOptions& be
     const slam::ScanReport report =
         drive.slam.process(leaning_scan(sensor, leans, i), i * test::kDrivePeriod_s);
     drive.located += is_registered(report.mapping_status) ? 1 : 0;
+    drive.last_velocity = report.velocity;
     drive.fewest_ground_points = std::min(drive.fewest_ground_points, report.ground_points);
   }
   return drive;
+}
+
+/// Of what SLAM says of the motion to the last scan, in the sensor's frame, a second.
+double velocity_error(const Twist& found, const Pose& T_level_sensor) {
+  const auto truth = [&](int scan) {
+    return Pose(test::drive_pose(scan * test::kDrivePeriod_s) * T_level_sensor);
+  };
+  const Twist step = logarithm(truth(kScans - 2).inverse() * truth(kScans - 1));
+  return (found.linear - step.linear / test::kDrivePeriod_s).norm() +
+         (found.angular - step.angular / test::kDrivePeriod_s).norm();
 }
 
 /// Of the sensor's poses in a map whose frame is that of the first scan, turned level.
@@ -67,6 +79,7 @@ TEST_CASE("a sensor that leans is followed if it is known, in a map that is leve
   CHECK(drive.located == kScans);
   CHECK(drive.fewest_ground_points > 300);
   CHECK(worst_pose_error(drive.slam.trajectory(), level_from_sensor(leans)) < 0.04);
+  CHECK(velocity_error(drive.last_velocity, level_from_sensor(leans)) < 0.3);
 }
 
 TEST_CASE("so is one that hangs upside down") {
@@ -75,6 +88,7 @@ TEST_CASE("so is one that hangs upside down") {
   CHECK(drive.located == kScans);
   CHECK(drive.fewest_ground_points > 300);
   CHECK(worst_pose_error(drive.slam.trajectory(), level_from_sensor(hangs)) < 0.04);
+  CHECK(velocity_error(drive.last_velocity, level_from_sensor(hangs)) < 0.3);
 }
 
 TEST_CASE("how it leans is estimated from the first scan where that is asked for") {

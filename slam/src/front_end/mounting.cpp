@@ -164,4 +164,9 @@ Matrix6 Mounting::of_sensor(const Matrix6& covariance) const {
   return turn * covariance * turn.transpose();
 }
 
+Twist Mounting::of_sensor(const Twist& motion) const {
+  const Eigen::Matrix3d R_sensor_level = R_level_sensor_.transpose();
+  return {R_sensor_level * motion.linear, R_sensor_level * motion.angular};
+}
+
 }  // namespace hqslam::slam

@@ -44,6 +44,8 @@ class Mounting {
   Pose of_sensor(const Pose& T_map_level) const;
   /// The covariance of e in T exp(e), the same way; one that is not finite stays as it is.
   Matrix6 of_sensor(const Matrix6& covariance) const;
+  /// A motion of the level frame, in that of the sensor.
+  Twist of_sensor(const Twist& motion) const;
 
  private:
   MountingOptions mounted_;

@@ -21,6 +21,7 @@ struct PoseGraph {
   std::vector<Pose> T_map_node;
   std::vector<PoseGraphEdge> odometry;  ///< from a node to the next; none where the way was lost
   std::vector<PoseGraphEdge> loops;     ///< between places that were recognised
+  std::size_t held = 0;                 ///< so many of the first nodes stay where they are
 };
 
 /// By how much two poses disagree with an edge: E = T_from_to^-1 (T_map_from^-1 T_map_to).
@@ -30,13 +31,13 @@ Pose disagreement(const PoseGraphEdge& edge, const std::vector<Pose>& T_map_node
 ///
 ///   minimise  sum over odometry |r|^2 + sum over loops rho(|r|^2),
 ///   r = (translation of E / translation sigma, 2 vec(q of E) / rotation sigma),
-/// with rho the Cauchy loss; the first node is held, and so is that of every other component that
-/// no edge joins. A far correction lies beyond the reach of a robust loss, so the problem is solved
-/// without it first. If some loop is then off by more than the loss forgives, it is solved with it
-/// from there: a loop that the others contradict is let go (the first and last step of graduated
-/// non-convexity, Yang et al., RA-L 2020). If none is, that step is left out: where a path drifts
-/// always to the same side its edges are strained by far more than their sigmas, and the loss would
-/// rather let all loops go. Ceres, Levenberg-Marquardt, sparse Cholesky, one thread.
+/// with rho the Cauchy loss; the first node of every component that edges join is held, and so are
+/// the graph's `held` ones. A far correction lies beyond the reach of a robust loss, so the problem
+/// is solved without it first. If some loop is then off by more than the loss forgives, it is
+/// solved with it from there: a loop that the others contradict is let go (the first and last step
+/// of graduated non-convexity, Yang et al., RA-L 2020). If none is, that step is left out: where a
+/// path drifts always to the same side its edges are strained by far more than their sigmas, and
+/// the loss would rather let all loops go. Ceres, Levenberg-Marquardt, sparse Cholesky, one thread.
 std::vector<Pose> optimized(const PoseGraph& graph);
 
 }  // namespace hqslam::slam

@@ -72,7 +72,8 @@ MapFeatures map_features(const Features& features, const std::optional<RowSelect
   return result;
 }
 
-Mapping::Mapping(const MappingOptions& options) : options_(options), map_(options) {}
+Mapping::Mapping(const MappingOptions& options, std::uint32_t first_keyframe)
+    : options_(options), map_(options), keyframes_(first_keyframe) {}
 
 Mapping::Mapping(const MappingOptions& options, FeatureMaps map)
     : options_(options), map_(std::move(map)) {}

@@ -68,7 +68,8 @@ struct MappingResult {
 /// with decimetres of drift would fit half, and tilt or turn the sensor by degrees.
 class Mapping {
  public:
-  explicit Mapping(const MappingOptions& options);
+  /// first_keyframe: the number of the first that is inserted.
+  explicit Mapping(const MappingOptions& options, std::uint32_t first_keyframe = 0);
   /// A given map.
   Mapping(const MappingOptions& options, FeatureMaps map);
 

@@ -57,6 +57,7 @@ struct SlamRun : Reading {
   std::vector<Eigen::Vector3f> map_points_m;
   std::vector<KeptScan> kept_scans;  ///< to be looked at; filled when the run ends
   std::string located_in;  ///< the file of the map that it was located in; empty: it made its own
+  std::string extended;    ///< the file of the map that it went on from; empty: none
   std::optional<slam::SavedMap> saved_map;  ///< filled when the run ends, if it was asked for
   double wall_s = 0.0;
   std::optional<ReferenceComparison> comparison;  ///< once the run has ended, of one with a truth
@@ -108,6 +109,7 @@ struct GivenMap {
   std::string path;
   slam::SavedMap map;
   std::optional<Pose> T_map_level_start;
+  bool is_extended = false;  ///< the drive goes on with it, instead of being located in it
 };
 
 /// SLAM over scans that come one by one, and what is to be told of it.

@@ -42,6 +42,11 @@ struct ScanReport {
   /// away. Infinite variances where the place was not recognized, and after the sensor was carried
   /// away.
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
+  /// How the sensor moves, per second in its frame, and the covariance of the error, (linear,
+  /// angular); of a scan that nothing was matched with that of whatever moves on earth. It takes
+  /// errors of features as independent, so it is too small, as a rule, and not calibrated.
+  Twist velocity;
+  Eigen::Matrix<double, 6, 6> velocity_covariance = Eigen::Matrix<double, 6, 6>::Zero();
   Status odometry_status = Status::kOk;
   Status mapping_status = Status::kOk;
   int returns = 0;
@@ -85,6 +90,12 @@ class Slam {
   /// also if there is no place in the map.
   Slam(const SensorModel& sensor, const SlamOptions& options, const SavedMap& map,
        const std::optional<Pose>& T_map_level_start = std::nullopt);
+  /// Makes a map of its own that goes on from one that another drive left behind. Until loop
+  /// closing recognizes a place of that, poses are in a frame of their own, in another submap, with
+  /// infinite covariances; from then on in its frame, the scans before included, and saved_map() is
+  /// the given map, whose places stay, with what the drive added. Throws Error, also if the map has
+  /// no place or loop closing is switched off.
+  static Slam extending(const SensorModel& sensor, const SlamOptions& options, const SavedMap& map);
   ~Slam();
   Slam(Slam&&) noexcept;  ///< moved from: only assign or destroy
   Slam& operator=(Slam&&) noexcept;
@@ -136,8 +147,10 @@ class Slam {
   /// each other.
   std::vector<Eigen::Vector3f> map_points_m(std::optional<std::size_t> submap = {}) const;
 
-  /// What later drives are located in: of several submaps the one with most places. Throws Error
-  /// unless loop closing is switched on, which knows the places, and after a drive in a given map.
+  /// What later drives are located in: of several submaps the one with most places, of a map that
+  /// was to be extended that. Throws Error unless loop closing is switched on, which knows the
+  /// places; after a drive in a given map; and where no place of a map to be extended was
+  /// recognized.
   SavedMap saved_map() const;
 
  private:
