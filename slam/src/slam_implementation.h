@@ -77,8 +77,6 @@ struct Slam::Implementation {
   };
   std::optional<InertialPrediction> predicted_by_imu(const Reference& reference,
                                                      const Scan& scan) const;
-  InertialPrediction upright(InertialPrediction measured, const Scan& scan,
-                             MotionState& found) const;
   Registered registered(const Tracking& last, const Scan& scan, Notes& notes) const;
   Registered first_registered(Tracking& last, const Scan& scan, Notes& notes);
   State tracked(Tracking last, const Registered& found, const Scan& scan, Notes& notes);

@@ -160,20 +160,6 @@ std::optional<InertialPrediction> Slam::Implementation::predicted_by_imu(const R
                    scan.turning->mean_rate_rad_per_s());
 }
 
-/// Turns the pose of a registered scan towards gravity's vertical.
-InertialPrediction Slam::Implementation::upright(InertialPrediction measured, const Scan& scan,
-                                                 MotionState& found) const {
-  InertialState& inertial = measured.inertial;
-  std::vector<ImuStep> steps;
-  if (const auto begin_s = inertial.vertical.begin_s()) {
-    steps = imu.steps(*begin_s, scan.stamp_s, mounting.turn_to_level());
-  }
-  for (ImuStep& step : steps) step.angular_rate_rad_per_s -= inertial.gyroscope_bias_rad_per_s;
-  found.T_map_sensor = inertial.vertical.upright({scan.stamp_s, found.T_map_sensor},
-                                                 inertial.gravity_map_mps2, steps);
-  return measured;
-}
-
 /// Where the scan is: predicted, moved by the odometry, registered in the map.
 Slam::Implementation::Registered Slam::Implementation::registered(const Tracking& last,
                                                                   const Scan& scan,
@@ -218,9 +204,7 @@ Slam::Implementation::Registered Slam::Implementation::registered(const Tracking
     found.state.velocity = (1.0 / duration_s) * logarithm(moved.T_reference_sensor);
   }
   if (measured) {
-    found.inertial = found.is_registered
-                         ? corrected(upright(*measured, scan, found.state), found.state)
-                         : corrected(*measured, found.state);
+    found.inertial = corrected(*measured, found.state);
   } else if (reference.inertial) {
     found.inertial = kept(*reference.inertial, found.state);
   }

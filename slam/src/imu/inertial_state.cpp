@@ -136,7 +136,6 @@ InertialState corrected(const InertialPrediction& prediction, const MotionState&
 
 void turn(InertialState& inertial, const Matrix3d& R_corrected_map) {
   inertial.gravity_map_mps2 = R_corrected_map * inertial.gravity_map_mps2;
-  inertial.vertical.turn(R_corrected_map);
   Matrix18 turn = Matrix18::Identity();
   turn.block<3, 3>(kGravity, kGravity) = R_corrected_map;
   inertial.covariance = (turn * inertial.covariance * turn.transpose()).eval();
@@ -144,7 +143,6 @@ void turn(InertialState& inertial, const Matrix3d& R_corrected_map) {
 
 InertialState kept(const InertialState& inertial, const MotionState& found) {
   InertialState result = inertial;
-  result.vertical.interrupt();
   result.covariance.topRightCorner<9, 9>().setZero();
   result.covariance.bottomLeftCorner<9, 9>().setZero();
   result.covariance.topLeftCorner<9, 9>() = found.covariance.topLeftCorner<9, 9>();

@@ -5,7 +5,6 @@
 
 #include "alignment/motion_state.h"
 #include "imu/imu_buffer.h"
-#include "imu/vertical.h"
 
 namespace hqslam::slam {
 
@@ -21,7 +20,6 @@ struct InertialState {
   Eigen::Vector3d accelerometer_bias_mps2 = Eigen::Vector3d::Zero();
   Eigen::Vector3d gravity_map_mps2 = Eigen::Vector3d::Zero();  ///< downwards
   Matrix18 covariance = Matrix18::Zero();
-  Vertical vertical;
 };
 
 /// At the first scan: no biases, gravity against the mean specific force, as of a sensor that
