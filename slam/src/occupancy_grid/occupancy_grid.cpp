@@ -33,7 +33,9 @@ struct Cell {
   std::uint32_t last_scan = 0;    ///< that said something, counted from 1
   std::uint16_t times_empty = 0;  ///< scans that saw through it, or its ground; saturates
   std::uint8_t is_free = 0;
+  std::uint8_t top = 0;  ///< of what any scan has there, kTop_m each; over a bonnet one can look
 };
+constexpr double kTop_m = 0.1;
 
 /// One vote against it, unless this scan had its vote.
 void vote_empty(Cell& cell, std::uint32_t scan) {
@@ -147,7 +149,10 @@ void OccupancyGrid::Implementation::mark_passed(const Eigen::Vector3d& origin_m,
     Cell* const cell = height_m <= kPassed_m ? cells.find({index.x(), index.y()}) : nullptr;
     if (cell == nullptr) return;
     std::atomic_ref(cell->is_free).store(1, std::memory_order_relaxed);
-    if (height_m >= options.lowest_obstacle_m && at_m <= voting_m) vote_empty(*cell, scans);
+    if (height_m >= options.lowest_obstacle_m && height_m < kTop_m * cell->top &&
+        at_m <= voting_m) {
+      vote_empty(*cell, scans);
+    }
   };
   walk_grid(beam, GroundHeights::kCell_m, [&](const auto&, double begin_m, double end_here_m) {
     const double middle_m = 0.5 * (begin_m + end_here_m);
@@ -213,6 +218,9 @@ void OccupancyGrid::insert(const OrganizedCloud& cloud,
     const double height_m = ground_m ? points_m[pixel].z() - *ground_m : 0.0;
     if (height_m < self.options.lowest_obstacle_m || height_m > self.options.highest_obstacle_m) {
       obstacles.range_m[pixel] = 0.0F;
+    } else if (Cell* const cell = self.cells.find(self.cell_of(points_m[pixel].head<2>()))) {
+      const double top = std::min(height_m / kTop_m, 255.0);
+      cell->top = std::max(cell->top, static_cast<std::uint8_t>(top));
     }
   }
   self.obstacles.insert(obstacles, measured_rows, path);

@@ -57,7 +57,8 @@ void put_in(const Car& car, const SensorModel& sensor, const SensorPath& path,
 
 /// Of a drive round the yard, in the yard's frame.
 OccupancyMap yard_map(const std::optional<Car>& car = std::nullopt, bool backwards = false) {
-  const SensorModel sensor = small_sensor();
+  // Where there is a car, columns close enough to tell that it left.
+  const SensorModel sensor = small_sensor(16, car ? 1024 : 512);
   const Trajectory trajectory = true_poses();
   OccupancyGrid grid({});
   const auto for_each_scan = [&](const auto& use) {

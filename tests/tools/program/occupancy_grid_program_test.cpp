@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "hqslam/slam/occupancy_grid.h"
 #include "tools/program/program.h"
 
 namespace hqslam::test {
@@ -40,9 +39,7 @@ TEST_CASE("an occupancy grid agrees with the city that it was driven through") {
   const ProgramResult run = succeeds("run '{}' --rows 16 --occupancy-grid --out '{}'",
                                      drive_of_64(), out.path().string());
   CHECK(holds(run.out, "occupancy grid: "));
-  const slam::OccupancyMap map = slam::read_occupancy_map(out.file("map.yaml"));
-  CHECK(map.resolution_m == 0.1);
-  CHECK(map.at({5.0, 0.0}) == slam::Occupancy::kFree);  // the street ahead of the first scan
+  CHECK(holds(file_contents(out.file("map.yaml")), "image: map.pgm\nmode: trinary\n"));
   const ProgramResult result =
       succeeds("evaluate-map '{}' --drive '{}'", out.file("map.yaml"), drive_of_64());
   const GridRow row = last_row_of(result.out);

@@ -49,8 +49,8 @@ struct OccupancyMap {
 /// - occupied, if a voxel in the band above the ground beneath it holds a surface with a
 ///   probability of a half and more (DenseMap, whose voxels have the side of a cell), and its
 ///   voxels were seen at least as often, scans with a point in each counted, as the cell was seen
-///   empty: by scans that saw its ground, or looked through it within the band and below
-///   kPassed_m, and have no obstacle in it. Whoever moved is gone;
+///   empty: by scans that saw its ground, or looked through it within the band, lower than
+///   kPassed_m and than what was seen there, and have no obstacle in it. Whoever moved is gone;
 /// - free, if the ground was seen in it, or a measured beam passed lower than kPassed_m above it;
 /// - unknown otherwise, also where no ground was seen within 3 m.
 ///
