@@ -35,7 +35,7 @@ void put(std::vector<std::uint8_t>& data, std::size_t at, T value) {
 }
 
 /// The scan begins at kClock_s + begin_s.
-PointCloud2 message_of(const hqslam::OrganizedCloud& cloud, const Sent& sent, double begin_s) {
+PointCloud2 as_sent(const hqslam::OrganizedCloud& cloud, const Sent& sent, double begin_s) {
   PointCloud2 message;
   message.header.stamp = rclcpp::Time(static_cast<std::int64_t>(1e9 * (kClock_s + begin_s)));
   message.header.frame_id = "lidar";
@@ -136,7 +136,7 @@ TEST_CASE("times of a clock, of the message's stamp, in seconds and in nanosecon
   for (const Sent& sent : {Sent{}, Sent{PointField::FLOAT32, "time", 4, 1.0, 0.0},
                            Sent{PointField::UINT32, "t", 4, 1e-9, 0.0}}) {
     CAPTURE(sent.time);
-    const hqslam::Scan read = scan_of(message_of(cloud, sent, 0.3));
+    const hqslam::Scan read = scan_of(as_sent(cloud, sent, 0.3));
     CHECK(read.stamp_s - kClock_s == doctest::Approx(0.35).epsilon(0.01));
     std::size_t point = 0;
     for (std::size_t i = 0; i < cloud.range_m.size(); ++i) {
@@ -185,7 +185,7 @@ TEST_CASE("a drive's messages become poses with the stamps of their scans, padde
   const auto& odometry = rclcpp::Publisher<Odometry>::published;
   const Pose T_base_lidar(Eigen::Translation3d(kAheadOfBase_m, 0.0, 0.0));
   for (int i = 0; i < 6; ++i) {
-    PointCloud2 message = message_of(scan(i), {}, 0.1 * i);
+    PointCloud2 message = as_sent(scan(i), {}, 0.1 * i);
     if (i == 4) {  // two rows, with room behind each
       message.height = 2;
       message.width /= 2;
@@ -227,12 +227,12 @@ TEST_CASE("a drive's messages become poses with the stamps of their scans, padde
 TEST_CASE("until tf knows where the LiDAR is, scans are left out, and given it is published") {
   const HqslamNode asks = node_with();
   tf2_ros::Buffer::known.clear();
-  take(message_of(scan(0), {}, 0.0));
+  take(as_sent(scan(0), {}, 0.0));
   CHECK(rclcpp::Publisher<Odometry>::published.empty());
   CHECK(rclcpp::Node::warnings.size() == 1);
   const HqslamNode given =
       node_with({{"lidar_in_base", std::vector<double>{0.0, 0.0, 2.0, 0.0, 0.0, 0.0}}});
-  take(message_of(scan(0), {}, 0.0));
+  take(as_sent(scan(0), {}, 0.0));
   CHECK(rclcpp::Publisher<Odometry>::published.size() == 1);
   CHECK(sent("base_link", "lidar").translation().z() == doctest::Approx(2.0));
   CHECK_THROWS_AS(node_with({{"lidar_in_base", std::vector<double>{1.0}}}), hqslam::Error);
@@ -241,10 +241,10 @@ TEST_CASE("until tf knows where the LiDAR is, scans are left out, and given it i
 TEST_CASE("of an odom that comes from elsewhere map -> odom makes map's pose") {
   const HqslamNode node = node_with({{"publish_odom", false}});
   const Pose T_odom_base = hqslam::pose_from_xyz_rpy({100.0, 50.0, 0.0}, 0.0, 0.0, 0.7);
-  take(message_of(scan(0), {}, 0.0));
+  take(as_sent(scan(0), {}, 0.0));
   CHECK(tf2_ros::TransformBroadcaster::sent.empty());  // tf does not know it yet
   tf2_ros::Buffer::known[{"odom", "base_link"}] = message_of(T_odom_base, {}, "base_link");
-  take(message_of(scan(1), {}, 0.1));
+  take(as_sent(scan(1), {}, 0.1));
   REQUIRE(tf2_ros::TransformBroadcaster::sent.size() == 1);
   const Pose T_map_base = sent("map", "odom") * T_odom_base;
   const auto& position = rclcpp::Publisher<Located>::published.back().pose.pose.position;
@@ -264,13 +264,13 @@ TEST_CASE("a scan waits for the inertial samples up to its end, or for the next 
     message.linear_acceleration.z = hqslam::kGravity_mps2;
     return message;
   };
-  take(message_of(scan(0), {}, 0.0));
+  take(as_sent(scan(0), {}, 0.0));
   take(sample(0.05));
   CHECK(odometry.empty());
   take(sample(0.11));
   CHECK(odometry.size() == 1);
-  take(message_of(scan(1), {}, 0.1));
-  take(message_of(scan(2), {}, 0.2));
+  take(as_sent(scan(1), {}, 0.1));
+  take(as_sent(scan(2), {}, 0.2));
   CHECK(odometry.size() == 2);
 }
 
@@ -285,7 +285,7 @@ TEST_CASE("the map is published now and then, and saved where it was said, in th
   CHECK_FALSE(save().success);
   const HqslamNode node = node_with({{"save_folder", folder.file("maps")}, {"map_period_s", 0.35}});
   CHECK_FALSE(save().success);  // no scan yet
-  for (int i = 0; i < 6; ++i) take(message_of(scan(i), {}, 0.1 * i));
+  for (int i = 0; i < 6; ++i) take(as_sent(scan(i), {}, 0.1 * i));
   const auto& clouds = rclcpp::Publisher<PointCloud2>::published;
   REQUIRE(clouds.size() == 2);
   CHECK(clouds.back().header.frame_id == "map");
@@ -300,7 +300,7 @@ TEST_CASE("the map is published now and then, and saved where it was said, in th
 
 TEST_CASE("a message that is shorter than it says, or has no times, is left out and named") {
   const HqslamNode node = node_with();
-  const PointCloud2 good = message_of(scan(0), {}, 0.0);
+  const PointCloud2 good = as_sent(scan(0), {}, 0.0);
   auto& warnings = rclcpp::Node::warnings;
   const auto warned = [&](const auto& damage) {
     PointCloud2 message = good;

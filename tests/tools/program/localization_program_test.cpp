@@ -87,22 +87,23 @@ TEST_CASE("a map in the folder whose results would be replaced is refused, and s
 
 TEST_CASE("a drive is located in a cloud of the place, as its dense map is one") {
   const TemporaryDirectory folder;
-  succeeds("run '{}' --dense-map --out '{}'", simulated_drive(), folder.file("dense"));
+  const std::string& drive = simulated_drive("--sensor os1-16 --scans 40");
+  succeeds("run '{}' --dense-map --out '{}'", drive, folder.file("dense"));
   for (const std::string ending : {".pcd", ".ply"}) {
     CAPTURE(ending);
     const std::string map = folder.file("dense/dense_map") + ending;
     const ProgramResult result =
-        succeeds("run '{}' --map '{}' --out '{}'", simulated_drive(), map, folder.file("located"));
+        succeeds("run '{}' --map '{}' --out '{}'", drive, map, folder.file("located"));
     CHECK(holds(result.out, "located in the map of " + map));
     const Trajectory path = read_tum(folder.file("located/trajectory.tum"));
-    const Trajectory truth = read_tum(simulated_drive() + "/truth.tum");
+    const Trajectory truth = read_tum(drive + "/truth.tum");
     CHECK(
         (path.back().T_map_sensor.translation() - truth.back().T_map_sensor.translation()).norm() <
         0.1);
   }
   write_file(folder.file("few.txt"), "0 0 0\n1 0 0\n0 1 0\n");
-  const ProgramResult few = refused("run '{}' --map '{}' --out '{}'", simulated_drive(),
-                                    folder.file("few.txt"), folder.file("none"));
+  const ProgramResult few =
+      refused("run '{}' --map '{}' --out '{}'", drive, folder.file("few.txt"), folder.file("none"));
   CHECK(holds(few.error, folder.file("few.txt") + ": expected a cloud with at least"));
   CHECK_FALSE(std::filesystem::exists(folder.file("none")));
 }
