@@ -230,8 +230,8 @@ constexpr const char* kDefinitions =
     "                occupied cell within one cell, and called free\n"
     "  moved         empty cells where a scan has a point farther than 0.3 m from a true surface\n"
     "                (whoever moves, and pixels between two surfaces): share called occupied\n"
-    "  free, occ.    of the grid's free cells the share where something stands, of its occupied\n"
-    "                ones where nothing stands within one and a half cells";
+    "  free, occ.    of the grid's free cells (every eighth) the share where something stands,\n"
+    "                of its occupied ones where nothing does within one and a half cells";
 
 }  // namespace
 

@@ -19,6 +19,7 @@ constexpr double kGround_m = 0.1;
 constexpr double kAstray_m = 0.3;         ///< from any true surface: whoever moves
 constexpr double kRadius_cells = 0.5642;  ///< of the circle as large as a cell
 constexpr double kNear_cells = 1.5;
+constexpr int kFreeEvery = 8;      ///< of a grid's free cells: they are many
 constexpr std::size_t kEvery = 4;  ///< scans that are looked at: neighbours see the same
 
 sim::UprightColumn column_of(double radius_m) {
@@ -211,6 +212,7 @@ OccupancyGridError occupancy_grid_error(const slam::OccupancyMap& map, const Pos
       for (int column = 0; column < map.columns; ++column) {
         const auto cell = static_cast<std::size_t>(row) * map.columns + column;
         if (map.cells[cell] != occupancy) continue;
+        if (occupancy == Occupancy::kFree && (row + column) % kFreeEvery != 0) continue;
         const Eigen::Vector2d place_m =
             map.origin_m + map.resolution_m * Eigen::Vector2d(column + 0.5, map.rows - row - 0.5);
         const Eigen::Vector3d true_m = T_truth_map * Eigen::Vector3d(place_m.x(), place_m.y(), 0.0);
