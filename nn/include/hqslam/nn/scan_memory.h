@@ -43,8 +43,8 @@ void validate(const ScanMemoryOptions& options);
 ///   regression 1/r = a + b u + c v, whose slopes, with the nearest 1/r as unit, are drawn towards
 ///   0 by a ridge of 0.04.
 /// - W^2 = 4 sum of w, so that one point through the centre outweighs the interpolation four times.
-/// A point beyond which its pixel's measured beam now sees by more than 0.5 m + 5 % is forgotten: it
-/// has moved on. So is one between two measured rows beyond which both see, in its column and in
+/// A point beyond which its pixel's measured beam now sees by more than 0.5 m + 5 % is forgotten:
+/// it has moved on. So is one between two measured rows beyond which both see, in its column and in
 /// those beside it.
 ///
 /// Threads: one object serves one caller at a time and works with the threads that OpenMP gives.
