@@ -87,9 +87,10 @@ TEST_CASE("of two returns of a Hesai's pulse the asked one is kept, whatever the
       HesaiDecoder decoder(nominal_hesai(16), {.kept_return = kept});
       const std::vector<Scan> scans = decoded(decoder, packets);
       REQUIRE(scans.size() == 1);
+      const float range_m = 0.004F * static_cast<float>(distance);
       const auto of_it =
           std::ranges::count_if(scans[0].points_m, [&](const Eigen::Vector3f& point_m) {
-            return std::abs(point_m.norm() - 0.004F * static_cast<float>(distance)) < 0.001F;
+            return std::abs(point_m.norm() - range_m) < 0.001F;
           });
       CHECK(of_it == 1);
       CHECK(scans[0].points_m.size() == 2000 * 16);  // of the missing return the other one
