@@ -262,7 +262,8 @@ TEST_CASE("a covariance keeps what was not measured, until a loop takes it away"
     const auto corrected = slam.corrected_covariances();
     std::size_t known = 0;
     for (const auto& [scan, covariance] : corrected) {
-      CAPTURE(scan);
+      const std::size_t corrected_scan = scan;
+      CAPTURE(corrected_scan);
       CHECK(scan >= seen_again);
       if (!std::isfinite(covariance.trace())) {
         CHECK(scan < seen_again + 6);  // before it was noticed

@@ -226,7 +226,8 @@ TEST_CASE("points of a real VLP-32C are those of another decoder") {
 TEST_CASE("points of a real XT16 and a real XT32 are those of another decoder") {
   for (const auto& [name, cloud] : {std::pair("xt16", "xt16_1732848128093928016"),
                                     std::pair("xt32", "xt32_1673400678101968885")}) {
-    CAPTURE(name);
+    const char* const sensor_name = name;  // clang 14 captures no structured binding
+    CAPTURE(sensor_name);
     const auto bag = real_data(fmt::format("packets/hesai/{}.db3", name));
     if (!bag) return;
     HesaiDecoder decoder(

@@ -105,10 +105,10 @@ TEST_CASE("the ground of one scan tells how a sensor leans, to 0.05 degrees") {
     for (const auto& [roll_deg, pitch_deg] :
          {std::pair{0.0, 0.0}, {3.0, -2.0}, {0.0, 20.0}, {-14.0, 14.0}}) {
       CAPTURE(name);
-      CAPTURE(roll_deg);
-      CAPTURE(pitch_deg);
       const double roll_rad = roll_deg * kDegree_rad;
       const double pitch_rad = pitch_deg * kDegree_rad;
+      CAPTURE(roll_rad);
+      CAPTURE(pitch_rad);
       slam::Mounting mounting({}, sensor);
       REQUIRE(mounting.estimate(leaning_scan(sensor, roll_rad, pitch_rad)));
       CHECK(angle_between_rad(R_level_sensor(mounting.mounted()),

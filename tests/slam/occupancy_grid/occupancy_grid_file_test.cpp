@@ -78,7 +78,8 @@ TEST_CASE("a broken map is one line that says what was expected") {
                                                         {"map.pgm", "other.pgm"},
                                                         {"image: map.pgm", "image:"},
                                                         {"negate: 0", "negate: what"}}) {
-    CAPTURE(by);
+    const std::string broken_line = by;
+    CAPTURE(broken_line);
     CHECK(one_line_with(error_of(replaced(kYaml, what, by), image), "expected"));
   }
   for (const std::string& broken :
