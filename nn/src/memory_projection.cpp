@@ -32,9 +32,9 @@ MemoryProjection::MemoryProjection(const SensorModel& sensor)
     : sensor_(sensor),
       kernels_(kernels::row_kernels(chosen_instruction_set())),
       least_m_(static_cast<float>(sensor.min_range_m)),
-      most_m_(static_cast<float>(sensor.max_range_m)),
-      cubic_through_columns_(cubic_through(sensor.columns)) {
+      most_m_(static_cast<float>(sensor.max_range_m)) {
   validate(sensor);
+  cubic_through_columns_ = cubic_through(sensor.columns);
   if (!sensor.measured_rows) {
     throw Error("scan memory: sensor '{}' does not say which of its {} rows are measured",
                 sensor.name, sensor.rows());
@@ -153,8 +153,8 @@ void MemoryProjection::project_scan(KeptScan& scan, const RangeImage& measured,
   }
 }
 
-/// A car's poses within a scan are such a cubic to a millimetre, a hand's that turns by 200 degrees
-/// a second to 1e-5 of the range.
+/// What a cubic leaves out of an even turn is of the fourth order in its angle: by 200 degrees a
+/// second some 1e-5 of the range.
 HeadMotion MemoryProjection::motion_through(const std::vector<Pose>& T_world_sensor,
                                             const Eigen::Vector3d& origin_m) const {
   Eigen::Matrix<double, 12, Eigen::Dynamic> elements(12, T_world_sensor.size());
