@@ -177,6 +177,7 @@ void Slam::Implementation::apply(const LoopResult& found) {
     path.correct(found.corrections);
     Pose& T_map_reference = reference->state.T_map_sensor;
     T_map_reference = orthonormalized(found.corrections.back() * T_map_reference);
+    gravity_window.correct(found.corrections.back());
     if (reference->inertial) turn(*reference->inertial, found.corrections.back().linear());
   }
   mapping.restore_to_window(found.recalled);

@@ -9,6 +9,7 @@
 #include "hqslam/slam/options.h"
 #include "hqslam/slam/scan_trace.h"
 #include "hqslam/slam/slam.h"
+#include "imu/felt_gravity.h"
 #include "imu/imu_buffer.h"
 #include "loops/background_loop_closing.h"
 #include "loops/place_recognition.h"
@@ -36,6 +37,7 @@ struct Slam::Implementation {
   State state;
   Mapping mapping;
   SegmentedTrajectory path;
+  GravityWindow gravity_window;
   AccelerationNoise accelerations;
   Drift drift;
   Matrix6 own_covariance = Matrix6::Zero();  ///< Drift::own_covariance() of the last scan

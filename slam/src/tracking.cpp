@@ -83,6 +83,7 @@ State Slam::Implementation::next(Tracking now, const Scan& scan, Notes& notes) {
 State Slam::Implementation::next(Lost now, const Scan& scan, Notes& notes) {
   const Registered found = first_registered(now.last, scan, notes);
   if (found.is_registered) return tracked(std::move(now.last), found, scan, notes);
+  gravity_window.interrupt();
   ++now.missed_scans;
   now.is_motion_measured = now.is_motion_measured && found.is_motion_plausible;
   now.is_carried = now.is_carried || found.is_contradiction;
@@ -118,6 +119,12 @@ State Slam::Implementation::tracked(Tracking last, const Registered& found, cons
     drift.grow(motion, found.state);
   }
   last.reference = reference_of(scan, found.state, found.against_map, notes.report, found.inertial);
+  if (last.reference.inertial) {
+    gravity_window.add({scan.stamp_s, found.state.T_map_sensor},
+                       last.reference.inertial->gyroscope_bias_rad_per_s);
+  } else {
+    gravity_window.interrupt();
+  }
   last.inlier_ratio = found.inlier_ratio;
   last.close_ratio = found.close_ratio;
   if (!place_recognition && mapping.is_keyframe(found.state.T_map_sensor)) {
@@ -258,11 +265,13 @@ void Slam::Implementation::correct_first_keyframe(Tracking& last, Twist velocity
 void Slam::Implementation::add_keyframe(const Scan& scan, const Twist& velocity,
                                         bool begins_segment, Notes& notes) {
   ScanReport& report = notes.report;
-  LoopKeyframe keyframe{report.T_map_sensor, report.mapping_status, path.trajectory().size(),
-                        begins_segment,      drift.state(),         std::nullopt};
+  LoopKeyframe keyframe{report.T_map_sensor, report.mapping_status,   path.trajectory().size(),
+                        begins_segment,      drift.state(),           std::nullopt,
+                        std::nullopt,        scan.turning.has_value()};
   if (begins_segment || loop_closing->wants_view(report.T_map_sensor)) {
     keyframe.view = {scan.cloud, scan.map_features, velocity,
                      begins_segment ? mapping.clear_window() : mapping.slide_window()};
+    keyframe.gravity = gravity_window.take(imu, mounting.turn_to_level());
   }
   mapping.insert(scan.map_features, report.T_map_sensor, velocity);
   report.keyframe = true;

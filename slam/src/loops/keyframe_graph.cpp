@@ -21,6 +21,10 @@ constexpr double kLeastSigma_rad = 0.001;
 constexpr double kSigmaPerDrift = 1.0 / 3.0;
 constexpr double kSigma_rad_per_m = 0.005;
 
+// How often the path is levelled: it takes time, and moves the map.
+constexpr double kLevelledEvery_m = 10.0;
+constexpr double kLevelledEveryShare = 0.01;
+
 /// To compare two covariances by: an angle counts at 10 m.
 double size_of(const Matrix6& covariance) {
   constexpr double kLever_m = 10.0;
@@ -38,6 +42,7 @@ KeyframeGraph::KeyframeGraph(const MappingOptions& options, const SavedMap& give
       graph_.odometry.push_back({node - 1, node,
                                  graph_.T_map_node.back().inverse() * place.T_map_sensor,
                                  kLeastSigma_m, kLeastSigma_rad});
+      T_node_next_.push_back(graph_.odometry.back().T_from_to);
       edge_drift_m_.push_back(0.0);
     }
     T_map_keyframe_.push_back(place.T_map_sensor);
@@ -54,6 +59,7 @@ void KeyframeGraph::add_keyframe(const LoopKeyframe& keyframe) {
         {static_cast<std::uint32_t>(T_map_keyframe_.size()), nodes_.size(), submaps_.size()});
     submaps_.emplace_back(options_);
     recent_ = RecentFeatures(kRecentNodes);
+    gravity_.clear();
     drift_m_ = 0.0;
   } else {
     const double step_m =
@@ -73,7 +79,11 @@ void KeyframeGraph::add_node(const LoopKeyframe& keyframe) {
                                graph_.T_map_node.back().inverse() * keyframe.T_map_sensor,
                                kLeastSigma_m + sigma_m,
                                kLeastSigma_rad + kSigma_rad_per_m * sigma_m});
+    T_node_next_.push_back(graph_.odometry.back().T_from_to);
     edge_drift_m_.push_back(drift_m_);
+  }
+  if (keyframe.gravity) {
+    gravity_.push_back({nodes_.size() - segments_.back().first_node, *keyframe.gravity});
   }
   drift_m_ = 0.0;
   graph_.T_map_node.push_back(keyframe.T_map_sensor);
@@ -86,6 +96,22 @@ void KeyframeGraph::add_node(const LoopKeyframe& keyframe) {
 
 void KeyframeGraph::add_loops(const std::vector<PoseGraphEdge>& loops) {
   graph_.loops.insert(graph_.loops.end(), loops.begin(), loops.end());
+}
+
+bool KeyframeGraph::level() {
+  if (gravity_.empty() || path_m_ < next_levelled_m_) return false;
+  next_levelled_m_ = kLevelledEvery_m + (1.0 + kLevelledEveryShare) * path_m_;
+  std::vector<Pose> T_first_node{Pose::Identity()};
+  const std::size_t first_edge =
+      graph_.odometry.size() - (nodes_.size() - 1 - segments_.back().first_node);
+  for (std::size_t i = first_edge; i < graph_.odometry.size(); ++i) {
+    T_first_node.push_back(orthonormalized(T_first_node.back() * T_node_next_[i]));
+  }
+  const std::vector<Pose> upright = levelled(T_first_node, gravity_);
+  for (std::size_t i = first_edge; i < graph_.odometry.size(); ++i) {
+    graph_.odometry[i].T_from_to = upright[i - first_edge].inverse() * upright[i + 1 - first_edge];
+  }
+  return true;
 }
 
 std::size_t KeyframeGraph::segment_of(std::size_t node) const {

@@ -8,6 +8,7 @@
 #include "alignment/drift.h"
 #include "hqslam/core/organized_cloud.h"
 #include "hqslam/slam/saved_map.h"
+#include "loops/levelling.h"
 #include "loops/pose_graph.h"
 #include "map/mapping.h"
 #include "map/recent_features.h"
@@ -31,6 +32,9 @@ struct LoopKeyframe {
   bool begins_segment = false;
   DriftState drift;
   std::optional<LoopView> view;  ///< of one every few metres, and of the first of a segment
+  /// Where it was felt anew, of one with a view.
+  std::optional<FeltGravity> gravity = std::nullopt;
+  bool is_inertial = false;  ///< an inertial sensor feels it here and there
 };
 
 /// What a loop found out about drift: of the last node, and of segments whose poses were less known
@@ -61,6 +65,9 @@ class KeyframeGraph {
   /// The last keyframe, which has a view, becomes a node.
   void add_node(const LoopKeyframe& keyframe);
   void add_loops(const std::vector<PoseGraphEdge>& loops);
+  /// What gravity says of the last segment: its odometry edges are turned upright. Whether gravity
+  /// was felt anew since the path was a hundredth shorter, or a few metres.
+  bool level();
   /// A loop was accepted: of its two nodes the one that is known less well is known by the other
   /// now. Nothing is combined: the estimates share most of their errors. Call it before move() and
   /// join().
@@ -130,7 +137,10 @@ class KeyframeGraph {
   std::vector<ScanContext> contexts_;
   std::vector<ScanContext> last_contexts_;
   PoseGraph graph_;
+  std::vector<Pose> T_node_next_;  ///< of odometry edges, as registered
   std::vector<double> edge_drift_m_;
+  std::vector<GravityAtNode> gravity_;  ///< of the last segment, nodes counted from its first
+  double next_levelled_m_ = 0.0;        ///< along the path
   RecentFeatures recent_{kRecentNodes};
 };
 

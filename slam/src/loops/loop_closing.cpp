@@ -53,10 +53,12 @@ LoopResult LoopClosing::process(std::vector<LoopKeyframe> keyframes) {
       forget_waiting();
       next_search_m_ = graph_.path_m();
     }
-    if (keyframe.view && searches_) graph_.add_node(keyframe);
+    if (keyframe.view && (searches_ || keyframe.is_inertial)) graph_.add_node(keyframe);
   }
   LoopResult result;
+  const bool is_levelled = graph_.level();
   if (searches_ && !graph_.empty() && graph_.path_m() >= next_search_m_) result = search();
+  if (is_levelled && result.corrections.empty()) stand_upright(result);
   result.submap_of_segment = graph_.submap_of_segment();
   return result;
 }
@@ -190,6 +192,12 @@ void LoopClosing::close(LoopResult& result) {
   result.drift = graph_.improve_drift(last);
   result.corrections = graph_.move(T_map_node);
   if (submap != other) graph_.join(submap, other);
+}
+
+/// Moves the path to where its levelled edges say.
+void LoopClosing::stand_upright(LoopResult& result) {
+  const std::vector<Pose> T_map_node = optimized(graph_.poses());
+  if (!T_map_node.empty()) result.corrections = graph_.move(T_map_node);
 }
 
 /// Puts the younger of two submaps where the loops see it, as a whole: the optimisation begins

@@ -50,6 +50,16 @@ double close_share(const ConstraintList& found, const MapFeatures& features) {
   return static_cast<double>(close) / std::max(static_cast<double>(asked), 1.0);
 }
 
+double standing_features(const MapFeatures& features) {
+  return static_cast<double>(features.edges.size() + features.posts_to_register.size() +
+                             features.surfaces_to_register.size());
+}
+
+/// MappingResult::inlier_ratio, of a wide search.
+double inlier_share(const ConstraintList& found, const MapFeatures& features) {
+  return (found.edges + found.planes - found.ground) / std::max(standing_features(features), 1.0);
+}
+
 MapSearch search_at(const MappingResult& at, const MappingOptions& options) {
   return {
       at.state.T_map_sensor, at.state.velocity,
@@ -80,17 +90,36 @@ Mapping::Mapping(const MappingOptions& options, FeatureMaps map)
 
 MappingResult Mapping::register_scan(const MapFeatures& features, const MotionState& expected,
                                      const Pose& T_map_sensor_start) const {
-  const auto standing =
-      static_cast<double>(features.edges.size() + features.posts_to_register.size() +
-                          features.surfaces_to_register.size());
-  const double feature_count = standing + static_cast<double>(features.ground_to_register.size());
+  MappingResult found = register_from(features, expected, T_map_sensor_start, kWideSearches);
+  if (found.is_close_search || found.status == Status::kTooFewFeatures) return found;
+  // There is too little near by, so searches stayed wide. Unless they led astray.
+  MappingResult nearby = register_from(features, expected, T_map_sensor_start, 0);
+  if (!nearby.is_close_search) return found;
+  const ConstraintList wide = widely_found(features, nearby.state);
+  if (close_share(wide, features) <= found.close_ratio) return found;
+  nearby.inlier_ratio = inlier_share(wide, features);
+  return nearby;
+}
+
+ConstraintList Mapping::widely_found(const MapFeatures& features, const MotionState& state) const {
+  RegisteredScan scan = searched(features);
+  MappingResult at;
+  at.state = state;
+  return match_with_map(scan, search_at(at, options_), map_, options_).constraints();
+}
+
+/// Narrow searches after so many wide ones; after none, they alone.
+MappingResult Mapping::register_from(const MapFeatures& features, const MotionState& expected,
+                                     const Pose& T_map_sensor_start, int wide_searches) const {
+  const double feature_count =
+      standing_features(features) + static_cast<double>(features.ground_to_register.size());
   MappingResult result;
   const ExpectedState prior(expected);
   result.state = prior.given(T_map_sensor_start);
   RegisteredScan scan = searched(features);
   bool narrow_suffices = true;
   for (int iteration = 0; iteration < options_.max_iterations; ++iteration) {
-    const bool narrow = iteration >= kWideSearches && narrow_suffices;
+    const bool narrow = iteration >= wide_searches && narrow_suffices;
     result.is_close_search = narrow;
     const ConstraintList constraints =
         match_with_map(scan, search_at(result, options_), map_, options_).constraints();
@@ -103,12 +132,14 @@ MappingResult Mapping::register_scan(const MapFeatures& features, const MotionSt
         observability(constraints.all, FreeParameters::kAll).degenerate_directions == 0;
     if (narrow && (!enough || !all_observable)) {
       narrow_suffices = false;
+      result.is_close_search = false;
+      if (wide_searches == 0) return result;
       continue;
     }
     result.edge_correspondences = constraints.edges;
     result.planar_correspondences = constraints.planes;
     result.close_ratio = close_share(constraints, features);
-    if (!narrow) result.inlier_ratio = (matched - constraints.ground) / std::max(standing, 1.0);
+    if (!narrow) result.inlier_ratio = inlier_share(constraints, features);
     if (!enough) {
       result.state = expected;
       result.status = Status::kTooFewFeatures;

@@ -98,6 +98,10 @@ class Mapping {
   const FeatureMaps& map() const { return map_; }
 
  private:
+  MappingResult register_from(const MapFeatures& features, const MotionState& expected,
+                              const Pose& T_map_sensor_start, int wide_searches) const;
+  ConstraintList widely_found(const MapFeatures& features, const MotionState& state) const;
+
   MappingOptions options_;
   FeatureMaps map_;
   std::uint32_t keyframes_ = 0;

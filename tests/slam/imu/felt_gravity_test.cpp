@@ -1,0 +1,115 @@
+#include "imu/felt_gravity.h"
+
+#include <doctest/doctest.h>
+
+#include "hqslam/core/imu_sample.h"
+#include "slam/steady_drive.h"
+
+using namespace hqslam;
+using slam::ImuErrors;
+using slam::ImuStep;
+
+namespace {
+
+constexpr double kScan_s = 0.1;
+constexpr double kStep_s = 0.01;
+const Eigen::Vector3d kGravity(0, 0, -kGravity_mps2);
+const Eigen::Vector3d kBias_mps2(0.1, -0.05, 0.02);
+
+const test::SteadyDrive kStraight{Pose::Identity(), {10, 0, 0}, {0, 0, 1e-6}};
+const test::SteadyDrive kRound{Pose::Identity(), {10, 0, 0}, {0.1, 0.05, 0.4}};
+
+Trajectory poses_of(const test::SteadyDrive& drive) {
+  Trajectory poses;
+  for (int scan = 0; scan <= 30; ++scan) {
+    poses.push_back({kScan_s * scan, drive.at(kScan_s * scan)});
+  }
+  return poses;
+}
+
+/// Three seconds of a drive, as an inertial sensor with these errors measures them.
+std::vector<ImuStep> measured(const test::SteadyDrive& drive, const Eigen::Vector3d& bias_mps2,
+                              const ImuErrors& errors) {
+  const Eigen::Vector3d& turn = drive.turn_rad_per_s;
+  const Eigen::Vector3d at_lever_mps2 =
+      turn.cross(drive.velocity_mps + turn.cross(Eigen::Vector3d(errors.segment<3>(4))));
+  const Eigen::Matrix3d R_imu_lidar =
+      exponential(Twist{Eigen::Vector3d::Zero(), errors.head<3>()}).linear();
+  std::vector<ImuStep> steps;
+  for (int k = 0; k < 300; ++k) {
+    const Eigen::Matrix3d R = drive.at((k + 0.5) * kStep_s - errors[7]).linear();
+    const Eigen::Vector3d force = at_lever_mps2 - R.transpose() * kGravity;
+    steps.push_back(
+        {kStep_s, R_imu_lidar * turn, (1.0 + errors[3]) * (R_imu_lidar * force) + bias_mps2});
+  }
+  return steps;
+}
+
+}  // namespace
+
+TEST_CASE("gravity is felt as it is, less what the sensor accelerates") {
+  for (const test::SteadyDrive& drive : {kStraight, kRound}) {
+    const auto felt = slam::felt_gravity(
+        poses_of(drive), measured(drive, Eigen::Vector3d::Zero(), ImuErrors::Zero()));
+    REQUIRE(felt);
+    CHECK(felt->stamp_s == 3.0);
+    const Eigen::Matrix3d R_end = drive.at(3.0).linear();
+    CHECK((felt->gravity_mps2 - R_end.transpose() * kGravity).norm() < 5e-3);
+  }
+}
+
+TEST_CASE("what a bias and each error of the inertial sensor does to it is known") {
+  const ImuErrors large = (ImuErrors() << 0.01, 0.01, 0.01, 0.01, 0.3, 0.3, 0.3, 0.01).finished();
+  const auto check = [](const Eigen::Vector3d& bias_mps2, const ImuErrors& errors) {
+    const auto felt = slam::felt_gravity(poses_of(kRound), measured(kRound, bias_mps2, errors));
+    REQUIRE(felt);
+    const Eigen::Vector3d put_right =
+        felt->gravity_mps2 + felt->of_bias * bias_mps2 + felt->of_errors * errors;
+    const Eigen::Vector3d truth = kRound.at(3.0).linear().transpose() * kGravity;
+    CHECK((put_right - truth).norm() < 5e-3);
+    // Left alone it would be felt.
+    CHECK((felt->gravity_mps2 - truth).norm() > 0.01);
+  };
+  check(kBias_mps2, ImuErrors::Zero());
+  for (int i = 0; i < large.size(); ++i) check({0, 0, 0}, large[i] * ImuErrors::Unit(i));
+}
+
+TEST_CASE("poses that the forces contradict say nothing of gravity") {
+  Trajectory poses = poses_of(kStraight);
+  const std::vector<ImuStep> steps =
+      measured(kStraight, Eigen::Vector3d::Zero(), ImuErrors::Zero());
+  CHECK(slam::felt_gravity(poses, steps));
+  CHECK_FALSE(slam::felt_gravity({poses.begin(), poses.begin() + 3}, steps));
+  CHECK_FALSE(slam::felt_gravity(poses, {}));
+  poses[17].T_map_sensor.translation().y() += 0.5;
+  CHECK_FALSE(slam::felt_gravity(poses, steps));
+}
+
+TEST_CASE("gravity is taken from three whole seconds, each once, wherever the map is moved") {
+  slam::ImuBuffer imu;
+  const Eigen::Matrix3d level = Eigen::Matrix3d::Identity();
+  slam::GravityWindow window;
+  slam::GravityWindow moved;
+  slam::GravityWindow interrupted;
+  const Pose move = pose_from_xyz_rpy({5, 0, 1}, 0.1, 0.2, 0.3);
+  std::vector<ImuSample> samples;
+  for (int k = 0; k <= 310; ++k) {
+    samples.push_back({kStep_s * k, Eigen::Vector3d::Zero(), -kGravity});
+  }
+  imu.add(samples);
+  for (int scan = 0; scan <= 30; ++scan) {
+    for (auto* each : {&window, &moved, &interrupted}) {
+      each->add({kScan_s * scan, Pose::Identity()}, Eigen::Vector3d::Zero());
+    }
+    if (scan == 20) {
+      CHECK_FALSE(window.take(imu, level));
+      moved.correct(move);
+      interrupted.interrupt();
+    }
+  }
+  const auto felt = window.take(imu, level);
+  REQUIRE(felt);
+  CHECK((felt->gravity_mps2 - kGravity).norm() < 1e-6);
+  CHECK_FALSE(window.take(imu, level));
+  CHECK_FALSE(interrupted.take(imu, level));
+}
