@@ -43,7 +43,7 @@ int interrupted_table(const std::string& out, const std::string& method) {
       fmt::format("table --drives block --scans 16 --methods {} --out '{}'", kMethods, out));
   // The folder's name is known once it is there; the table may end by itself.
   const bool is_there = child.wait_until(
-      [&] { return fs::exists(results_folder(out, "block", 16) + method + ".json"); });
+      [&] { return fs::exists(results_folder(out, "block-typical", 16) + method + ".json"); });
   return is_there ? child.end(SIGINT) : -1;
 }
 
@@ -70,7 +70,7 @@ TEST_CASE("a table is interrupted, finished, repeated and repaired, always with 
   const TemporaryDirectory folder;
   const std::string out = folder.file("table");
   CHECK(interrupted_table(out, "rows-64") == 130);
-  const std::string results = results_folder(out, "block", 16);
+  const std::string results = results_folder(out, "block-typical", 16);
   REQUIRE_FALSE(results.empty());
   CHECK(holds(file_contents(out + "/table.md"), "| LiDAR-64 |"));
   CHECK_FALSE(holds(file_contents(out + "/table.md"), "| DU-OR |"));
@@ -86,7 +86,7 @@ TEST_CASE("a table is interrupted, finished, repeated and repaired, always with 
     CHECK(holds(file_contents(out + "/table.md"), row));
   }
   for (const char* file :
-       {"table.html", "block-loop-closing-off.svg", "block-loop-closing-on.svg"}) {
+       {"table.html", "block-typical-loop-closing-off.svg", "block-typical-loop-closing-on.svg"}) {
     CHECK(fs::file_size(out + "/" + file) > 1000);
   }
   const nlohmann::json table = json_of(out + "/table.json");
@@ -94,7 +94,7 @@ TEST_CASE("a table is interrupted, finished, repeated and repaired, always with 
   REQUIRE(methods.size() == 4);
 
   // The figures are those of run and evaluate.
-  const std::string drive = out + "/drives/block";
+  const std::string drive = out + "/drives/block-typical";
   const std::string weights = golden_folder() + "/../../weights/du-or_os1_16to64.npz";
   const std::string arguments = fmt::format("'{}' --upsample '{}'", drive, weights);
   const nlohmann::json& du_or = methods[2]["loop_closing_off"];
@@ -111,7 +111,7 @@ TEST_CASE("a table is interrupted, finished, repeated and repaired, always with 
   write_file(results + "linear.json", "{\"written_by\": \"hqsl");
   const ProgramResult repaired = make_table(out);
   CHECK(repaired.status == 0);
-  CHECK(holds(repaired.error, "block, linear: 16/16 scans"));
+  CHECK(holds(repaired.error, "block-typical, linear: 16/16 scans"));
   CHECK(json_of(out + "/table.json")["drives"] == table["drives"]);
 }
 
@@ -147,7 +147,8 @@ TEST_CASE("a drive that was simulated once serves shorter tables too") {
   };
   rows_of(6, "long");
   const nlohmann::json shortened = rows_of(4, "long");
-  CHECK(json_of(folder.file("long/drives/block/drive.json"))["scans"] == 6);  // not made anew
+  CHECK(json_of(folder.file("long/drives/block-typical/drive.json"))["scans"] ==
+        6);  // not made anew
   CHECK(shortened[0]["scans"] == 4);
   CHECK(shortened == rows_of(4, "short"));
 
@@ -164,7 +165,7 @@ TEST_CASE("a simulated drive that was damaged is simulated anew, and said to be"
   const std::string arguments =
       "table --drives block --scans 3 --methods rows-16 --out '" + out + "'";
   succeeds(arguments);
-  const std::string scans = file_contents(out + "/drives/block/scans.npy");
+  const std::string scans = file_contents(out + "/drives/block-typical/scans.npy");
   for (const auto& [file, damaged] : std::vector<std::pair<const char*, std::string>>{
            {"drive.json", "{\"name\": "},
            {"drive.json", std::string(2 << 16, 'x')},
@@ -172,11 +173,11 @@ TEST_CASE("a simulated drive that was damaged is simulated anew, and said to be"
            {"scans.npy", scans.substr(0, 200) + std::string(scans.size() - 200, '\0')},
            {"truth.tum", ""}}) {
     CAPTURE(file);
-    write_file(out + "/drives/block/" + file, damaged);
+    write_file(out + "/drives/block-typical/" + file, damaged);
     const ProgramResult result = succeeds(arguments);
-    CHECK(holds(result.error, "drives/block: "));
+    CHECK(holds(result.error, "drives/block-typical: "));
     CHECK(holds(result.error, "it is simulated anew"));
-    CHECK(file_contents(out + "/drives/block/scans.npy") == scans);
+    CHECK(file_contents(out + "/drives/block-typical/scans.npy") == scans);
   }
 }
 
@@ -216,12 +217,12 @@ TEST_CASE("over seeds drives run side by side with the same figures as one by on
   CHECK(holds(file_contents(folder.file("together/table.html")), "seeds 5, 6"));
 
   // More seeds: what is there stays as it was, with its times.
-  const std::string before =
-      file_contents(results_folder(folder.file("together"), "block-seed-5", 20) + "linear.json");
+  const std::string before = file_contents(
+      results_folder(folder.file("together"), "block-seed-5-typical", 20) + "linear.json");
   const nlohmann::json more = table("5..7", 2, "together");
   CHECK(more["drives"].size() == 3);
   CHECK(more["drives"][0] == together["drives"][0]);
-  CHECK(file_contents(results_folder(folder.file("together"), "block-seed-5", 20) +
+  CHECK(file_contents(results_folder(folder.file("together"), "block-seed-5-typical", 20) +
                       "linear.json") == before);
 }
 

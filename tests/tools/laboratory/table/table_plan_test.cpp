@@ -25,7 +25,7 @@ TEST_CASE("without a choice every method runs on the paper's two lengths") {
   REQUIRE(plan.drives.size() == 2);
   CHECK(plan.drives[0].simulated->scans == 4000);
   CHECK(plan.drives[1].simulated->scans == 8000);
-  CHECK(plan.drives[1].recording.input == "out/drives/hills");
+  CHECK(plan.drives[1].recording.input == "out/drives/hills-typical");
   CHECK(plan.methods.size() == table_methods().size());
 }
 
@@ -38,8 +38,11 @@ TEST_CASE("--scans shortens simulated drives and --methods chooses among the row
 }
 
 TEST_CASE("over seeds every drive is there from each seed, without loop closing") {
-  const TablePlan plan =
-      plan_table({.drives = {"town", "hills"}, .scans = 50, .seeds = "3..4", .out = "out"});
+  const TablePlan plan = plan_table({.drives = {"town", "hills"},
+                                     .scans = 50,
+                                     .sensor_errors = "none",
+                                     .seeds = "3..4",
+                                     .out = "out"});
   CHECK(plan.over_seeds);
   CHECK_FALSE(plan.loop_closing);
   REQUIRE(plan.drives.size() == 4);
@@ -50,9 +53,8 @@ TEST_CASE("over seeds every drive is there from each seed, without loop closing"
   CHECK(plan.drives[3].recording.input == "out/drives/hills-seed-4");
 }
 
-TEST_CASE("drives of a sensor with errors have folders of their own") {
-  const TablePlan plan =
-      plan_table({.drives = {"town"}, .sensor_errors = "typical", .seeds = "3", .out = "out"});
+TEST_CASE("the sensor is off as sensors are, and its drives have folders of their own") {
+  const TablePlan plan = plan_table({.drives = {"town"}, .seeds = "3", .out = "out"});
   REQUIRE(plan.drives.size() == 1);
   CHECK(plan.drives[0].recording.input == "out/drives/town-seed-3-typical");
   CHECK(plan.drives[0].simulated->sensor_errors == sim::SensorErrors::kTypical);

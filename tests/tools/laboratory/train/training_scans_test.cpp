@@ -104,7 +104,7 @@ TEST_CASE("what is no range is no return; what is no scan is an Error") {
   CHECK(refuses({"bad.npy"}, [&] { scans.read(0); }));
 }
 
-TEST_CASE("a set is its stacks, then its drives, usual or of varied conditions") {
+TEST_CASE("a set is its stacks, then its drives, usual or varied, of a sensor that is off") {
   const TemporaryDirectory folder;
   nn::ScanSet set;
   set.stacks = {stack(folder, 1, 1)};
@@ -120,6 +120,7 @@ TEST_CASE("a set is its stacks, then its drives, usual or of varied conditions")
   CHECK(scans->read(0).truth.range_m.front() == 10.0F);
   sim::DriveSpec spec = sim::drive_preset("block");
   spec.scans = 1;
+  spec.sensor_errors = sim::SensorErrors::kTypical;
   spec.seed = 5;
   CHECK(scans->read(1).truth.range_m ==
         sim::DriveSimulator(spec, tiny_sensor()).next()->image.range_m);

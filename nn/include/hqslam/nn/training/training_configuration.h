@@ -20,7 +20,7 @@ struct SimulatedScans {
   std::int64_t scans = 0;
   std::int64_t every = 1;
   DriveConditions conditions = DriveConditions::kUsual;
-  std::string sensor_errors = "none";  ///< as `hqslam simulate --sensor-errors` names them
+  std::string sensor_errors = "typical";  ///< as `hqslam simulate --sensor-errors` names them
 };
 
 /// Where scans come from; a stack is an .npy file of range images of the network's sensor, or the
