@@ -116,7 +116,7 @@ State Slam::Implementation::tracked(Tracking last, const Registered& found, cons
   if (place_recognition) {
     drift.move(motion);
   } else {
-    drift.grow(motion, found.state);
+    drift.grow(motion, found.state, found.inertial.has_value());
   }
   last.reference = reference_of(scan, found.state, found.against_map, notes.report, found.inertial);
   if (last.reference.inertial) {

@@ -95,14 +95,11 @@ TrackedDrive track_recorded(int rows) {
 /// Mean over a simulated drive of e^T C^-1 e, e being the error of a pose and C its covariance: 6
 /// if the covariance is right. Where so many scans from the 30th on are blind, of what follows
 /// them.
-double normalised_error_squared(const char* drive, std::uint64_t seed, std::int64_t scans,
+double normalised_error_squared(const char* name, std::uint64_t seed, std::int64_t scans,
                                 std::int64_t blind = 0) {
   constexpr std::int64_t kSeen = 30;
-  sim::DriveSpec spec = sim::drive_preset(drive);
-  spec.seed = seed;
-  spec.scans = scans;
   const SensorModel sensor = sensor_preset("os1-16");
-  sim::DriveSimulator simulator(spec, sensor);
+  sim::DriveSimulator simulator(drive(name, seed, scans, sim::SensorErrors::kTypical), sensor);
   slam::Slam slam(sensor);
   double sum = 0.0;
   std::int64_t counted = 0;
@@ -131,12 +128,12 @@ TEST_CASE("squared errors are what their covariances say, within a factor of two
     }
   }
   CHECK(mean > 3.0);
-  CHECK(mean < 12.0);  // 9.5: a start is a little less certain than it says
+  CHECK(mean < 12.0);  // 4.7
 }
 
 TEST_CASE("what a blind stretch leaves unknown of a pose is what its covariance says") {
-  // Over ten drives 4.7 after a second, which is bridged, and 3.0 after three: the way is lost
-  // then, and poses that are 14 to 29 m off have sigmas of 70 to 170 m.
+  // 2.2 after a second, which is bridged, and 3.2 after three: the way is lost then, and poses that
+  // are 14 to 29 m off have sigmas of 70 to 170 m.
   for (const std::int64_t blind : {10, 30}) {
     CAPTURE(blind);
     double mean = 0.0;

@@ -24,6 +24,8 @@ constexpr double kShakeAlong = 0.3;
 constexpr double kShakeAbout = 0.0097;
 constexpr double kNewShare = 0.05;
 constexpr double kShare_per_m = 0.0135;
+/// Roll and pitch by beams that are off.
+constexpr double kLean_rad2_per_m = 5e-4 * 5e-4;
 /// Tilt at the start, of the spacing of the rows, and how long a start is.
 constexpr double kStartTilt = 0.019;
 constexpr double kStart_m = 2.6;
@@ -80,12 +82,13 @@ Matrix6 Drift::against_map(const MotionState& state) const {
 
 void Drift::move(const Pose& motion) { state_ = carried(state_, motion); }
 
-void Drift::grow(const Pose& motion, const MotionState& state) {
+void Drift::grow(const Pose& motion, const MotionState& state, bool is_levelled) {
   move(motion);
   const double step_m = motion.translation().norm();
   const double begun = std::exp(-path_m_ / kStart_m) - std::exp(-(path_m_ + step_m) / kStart_m);
   state_.drift += kShare_per_m * step_m * against_map(state);
-  state_.drift.diagonal().segment<2>(3).array() += begun * start_variance_;
+  state_.drift.diagonal().segment<2>(3).array() +=
+      begun * start_variance_ + (is_levelled ? 0.0 : step_m * kLean_rad2_per_m);
   path_m_ += step_m;
 }
 

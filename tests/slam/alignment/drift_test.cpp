@@ -100,7 +100,7 @@ TEST_CASE("a sensor that is shaken is less certain along and about the axes that
 TEST_CASE("a start tilts the map within the first metres, by the spacing of the rows") {
   slam::Drift drift = sixteen_rows();
   const MotionState exact = known_to(0.0);
-  for (int i = 0; i < 1000; ++i) drift.grow(ahead(0.02), exact);
+  for (int i = 0; i < 1000; ++i) drift.grow(ahead(0.02), exact, true);
   const double tilt_rad = 0.019 * 0.0368;
   CHECK(std::sqrt(drift.covariance(kHere, drift.against_map(exact))(3, 3)) / tilt_rad ==
         doctest::Approx(1.0).epsilon(0.03));
@@ -111,6 +111,17 @@ TEST_CASE("a start tilts the map within the first metres, by the spacing of the 
   const double aside_m = std::sqrt(drift.covariance(kHere, drift.against_map(exact))(2, 2));
   CHECK(aside_m > 16.0 * tilt_rad);
   CHECK(aside_m < 19.0 * tilt_rad);
+}
+
+TEST_CASE("beams that are off make it lean by the root of the path, unless gravity levels it") {
+  const auto lean_rad = [](int steps_m, bool is_levelled) {
+    slam::Drift drift = sixteen_rows();
+    const MotionState exact = known_to(0.0);
+    for (int i = 0; i < steps_m; ++i) drift.grow(ahead(1.0), exact, is_levelled);
+    return std::sqrt(drift.covariance(kHere, drift.against_map(exact))(4, 4));
+  };
+  CHECK(lean_rad(400, false) == doctest::Approx(5e-4 * 20.0).epsilon(0.01));
+  CHECK(lean_rad(400, true) < 0.1 * lean_rad(400, false));
 }
 
 TEST_CASE("what is known of the last scan is carried along to this one") {
