@@ -34,7 +34,7 @@ constexpr double kAccelerometerWalk = 3e-3;   // m/s^3/rtHz
 /// does the map. Biases and gravity are learnt by that, slowly: what the first scans of a drive say
 /// in a map of few is often wrong and always sure of itself.
 constexpr double kRegistration_m = 0.02;
-constexpr double kRegistration_rad = 2e-3;
+constexpr double kRegistration_rad = 4e-3;
 
 Matrix3d exponential_of(const Vector3d& turn_rad) {
   const double angle_rad = turn_rad.norm();
