@@ -131,10 +131,9 @@ Observability observability(const std::vector<PlaneConstraint>& constraints, Fre
     Vector6 row;
     row << c.normal, c.point_m.cross(c.normal) / kLever_m;
     row *= c.weight;
-    information.selfadjointView<Eigen::Lower>().rankUpdate(row);
+    information += row.lazyProduct(row.transpose());
     total += c.weight * c.weight;
   }
-  information.triangularView<Eigen::Upper>() = information.transpose();
   // Held parameters get the largest eigenvalue there is: they are not in question.
   for (const int held : held_parameters(free)) {
     information.row(held).setZero();

@@ -12,14 +12,13 @@ ScanInformation scan_information(const std::vector<PlaneConstraint>& constraints
     Vector6 J;
     J << c.normal, c.point_m.cross(c.normal);
     J *= c.weight;
-    sum.selfadjointView<Eigen::Lower>().rankUpdate(J);
+    sum += J.lazyProduct(J.transpose());
     gradient += c.weight * (c.normal.dot(c.point_m) - c.offset_m) * J;
   }
   Matrix6 turn = Matrix6::Zero();
   turn.topLeftCorner<3, 3>() = R_map_sensor;
   turn.bottomRightCorner<3, 3>() = R_map_sensor;
-  const Matrix6 information = sum.selfadjointView<Eigen::Lower>();
-  return {turn.transpose() * information * turn, turn.transpose() * gradient};
+  return {turn.transpose() * sum * turn, turn.transpose() * gradient};
 }
 
 ExpectedState::ExpectedState(const MotionState& expected)
