@@ -12,9 +12,6 @@ namespace hqslam::slam {
 
 namespace {
 
-/// Lever that makes a length of an angle in the observability test.
-constexpr double kLever_m = 10.0;
-
 /// (x, y, z, roll, pitch, yaw)
 Vector6 vector_of(const MotionParameters& p) {
   Vector6 result;
@@ -134,6 +131,11 @@ Observability observability(const std::vector<PlaneConstraint>& constraints, Fre
     information += row.lazyProduct(row.transpose());
     total += c.weight * c.weight;
   }
+  return observability(information, total, free, min_share);
+}
+
+Observability observability(Matrix6 information, double total, FreeParameters free,
+                            double min_share) {
   // Held parameters get the largest eigenvalue there is: they are not in question.
   for (const int held : held_parameters(free)) {
     information.row(held).setZero();

@@ -211,15 +211,16 @@ Neighbours FeatureMap::nearest(const Eigen::Vector3f& query_m) const {
   // one beyond the nearer face. Cubes farther than the sixth neighbour so far are not looked into.
   const Eigen::Vector3i own = floored(scaled);
   const Eigen::Array3f inside = scaled.array() - own.cast<float>().array();  // 0..1
-  const Eigen::Array3i step = (inside < 0.5F).select(Eigen::Array3i::Constant(-1), 1);
-  const Eigen::Array3f face_m = (inside < 0.5F).select(inside, 1.0F - inside) * cube_m_;
-  const Eigen::Array3f face_m2 = face_m.square();
+  const auto is_near_lower = inside < 0.5F;
+  const Eigen::Array3f face_m2 =
+      (is_near_lower.select(inside, 1.0F - inside) * cube_m_).square().eval();
+  const Eigen::Array3i beyond = own.array() + is_near_lower.select(Eigen::Array3i::Constant(-1), 1);
   SixNearest nearest(query_m, max_distance_m_ * max_distance_m_);
   std::array<const Cube*, 8> cubes{};
-  for (int corner = 0; corner < 8; ++corner) {
-    const Eigen::Array3i beyond(corner & 1, (corner >> 1) & 1, corner >> 2);
-    if ((beyond.cast<float>() * face_m2).sum() >= nearest.bound_m2()) continue;
-    cubes[corner] = find(own + (beyond * step).matrix());
+  for (std::uint32_t corner = 0; corner < 8; ++corner) {
+    const Eigen::Array3<bool> is_beyond((corner & 1U) != 0, (corner & 2U) != 0, (corner & 4U) != 0);
+    if (is_beyond.select(face_m2, 0.0F).sum() >= nearest.bound_m2()) continue;
+    cubes[corner] = find(is_beyond.select(beyond, own.array()));
     if (cubes[corner] != nullptr) nearest.look_through(cubes[corner]->cells, corner);
   }
   return nearest.found([&](std::uint32_t cube, std::uint32_t cell) -> const Eigen::Vector3f& {

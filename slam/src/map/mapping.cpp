@@ -99,8 +99,7 @@ MappingResult Mapping::register_scan(const MapFeatures& features, const MotionSt
                         matched >= options_.min_matched_share * feature_count;
     const Pose before = result.state.T_map_sensor;
     const ScanInformation information = scan_information(constraints.all, before.linear());
-    const bool all_observable =
-        observability(constraints.all, FreeParameters::kAll).degenerate_directions == 0;
+    const bool all_observable = information.degenerate_directions == 0;
     if (narrow && (!enough || !all_observable)) {
       narrow_suffices = false;
       continue;
