@@ -77,11 +77,14 @@ std::optional<EdgeConstraints> match_edge(const RowOrderedCloud& target,
 
 /// One constraint or none per feature, searched in parallel.
 template <typename Find>
-ConstraintList find_all(const std::vector<Eigen::Vector3f>& points_m,
+ConstraintList find_all(const std::vector<FeaturePoint>& features, const Twist& velocity,
                         std::vector<MatchedPoints>& matched, const Find& find) {
-  std::vector<decltype(find(points_m.front(), matched.front()))> found(points_m.size());
+  const MotionCorrection corrected(velocity);
+  std::vector<decltype(find(Eigen::Vector3f(), matched.front()))> found(features.size());
 #pragma omp parallel for schedule(static)
-  for (std::size_t i = 0; i < points_m.size(); ++i) found[i] = find(points_m[i], matched[i]);
+  for (std::size_t i = 0; i < features.size(); ++i) {
+    found[i] = find(corrected(features[i]), matched[i]);
+  }
   ConstraintList list;
   list.add(found);
   return list;
@@ -99,9 +102,18 @@ bool improve(const std::vector<PlaneConstraint>& constraints, FreeParameters fre
 
 }  // namespace
 
-OdometryTarget::OdometryTarget(const Features& features, const Twist& velocity)
-    : ground(features.ground, motion_corrected(features.ground, velocity)),
-      edges(features.edges, motion_corrected(features.edges, velocity)) {}
+OdometryTarget::OdometryTarget(const Features& features, const Twist& velocity) {
+  const auto ordered = [&](const std::vector<FeaturePoint>& points) {
+    return RowOrderedCloud(points, motion_corrected(points, velocity));
+  };
+#pragma omp parallel sections
+  {
+#pragma omp section
+    ground = ordered(features.ground);
+#pragma omp section
+    edges = ordered(features.edges);
+  }
+}
 
 OdometryResult scan_to_scan(const OdometryTarget& reference, const Features& features,
                             const PredictedMotion& predicted, const OdometryOptions& options) {
@@ -121,7 +133,7 @@ OdometryResult scan_to_scan(const OdometryTarget& reference, const Features& fea
 
     const SearchState planar_state{before, reach_m, robust};
     const ConstraintList planar = find_all(
-        motion_corrected(features.flat_points, velocity), matched_flat,
+        features.flat_points, velocity, matched_flat,
         [&](const auto& point_m, MatchedPoints& matched) {
           return match_plane(reference.ground, point_m, planar_state, matched);
         });
@@ -133,7 +145,7 @@ OdometryResult scan_to_scan(const OdometryTarget& reference, const Features& fea
 
     const SearchState edge_state{result.T_reference_sensor, reach_m, robust};
     const ConstraintList edges = find_all(
-        motion_corrected(features.sharp_edges, velocity), matched_sharp,
+        features.sharp_edges, velocity, matched_sharp,
         [&](const auto& point_m, MatchedPoints& matched) {
           return match_edge(reference.edges, point_m, edge_state, matched);
         });

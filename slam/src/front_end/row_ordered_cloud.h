@@ -29,6 +29,7 @@ struct RowQuery {
 /// took twice as long.
 class RowOrderedCloud {
  public:
+  RowOrderedCloud() = default;
   /// `points_m`: the positions to search, one per point of `features` (whose rows are taken).
   /// Those that are not finite are left out.
   RowOrderedCloud(const std::vector<FeaturePoint>& features,
