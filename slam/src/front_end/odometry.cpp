@@ -29,8 +29,8 @@ struct MatchedPoints {
 
 /// A plane through the nearest point, its neighbour in the same row and one in a row nearby.
 std::optional<PlaneConstraint> match_plane(const RowOrderedCloud& target,
-                                           const Eigen::Vector3f& point_m,
-                                           const SearchState& state, MatchedPoints& matched) {
+                                           const Eigen::Vector3f& point_m, const SearchState& state,
+                                           MatchedPoints& matched) {
   const Eigen::Vector3d point = point_m.cast<double>();
   const Eigen::Vector3d moved = state.T_reference_sensor * point;
   const RowQuery query(moved.cast<float>());
@@ -55,8 +55,8 @@ std::optional<PlaneConstraint> match_plane(const RowOrderedCloud& target,
 
 /// The line through the nearest point and one in a row nearby, as two planes.
 std::optional<EdgeConstraints> match_edge(const RowOrderedCloud& target,
-                                          const Eigen::Vector3f& point_m,
-                                          const SearchState& state, MatchedPoints& matched) {
+                                          const Eigen::Vector3f& point_m, const SearchState& state,
+                                          MatchedPoints& matched) {
   const Eigen::Vector3d point = point_m.cast<double>();
   const Eigen::Vector3d moved = state.T_reference_sensor * point;
   const RowQuery query(moved.cast<float>());
@@ -132,11 +132,11 @@ OdometryResult scan_to_scan(const OdometryTarget& reference, const Features& fea
     const double reach_m = options.max_distance_m * (robust ? kNarrowSearchShare : 1.0);
 
     const SearchState planar_state{before, reach_m, robust};
-    const ConstraintList planar = find_all(
-        features.flat_points, velocity, matched_flat,
-        [&](const auto& point_m, MatchedPoints& matched) {
-          return match_plane(reference.ground, point_m, planar_state, matched);
-        });
+    const ConstraintList planar =
+        find_all(features.flat_points, velocity, matched_flat,
+                 [&](const auto& point_m, MatchedPoints& matched) {
+                   return match_plane(reference.ground, point_m, planar_state, matched);
+                 });
     result.planar_correspondences = planar.planes;
     const bool enough_planar = has_ground && planar.planes >= options.min_correspondences;
     const bool planar_observable =
@@ -144,11 +144,11 @@ OdometryResult scan_to_scan(const OdometryTarget& reference, const Features& fea
         improve(planar.all, FreeParameters::kOutOfPlane, result.T_reference_sensor);
 
     const SearchState edge_state{result.T_reference_sensor, reach_m, robust};
-    const ConstraintList edges = find_all(
-        features.sharp_edges, velocity, matched_sharp,
-        [&](const auto& point_m, MatchedPoints& matched) {
-          return match_edge(reference.edges, point_m, edge_state, matched);
-        });
+    const ConstraintList edges =
+        find_all(features.sharp_edges, velocity, matched_sharp,
+                 [&](const auto& point_m, MatchedPoints& matched) {
+                   return match_edge(reference.edges, point_m, edge_state, matched);
+                 });
     result.edge_correspondences = edges.edges;
     const bool enough_edges = has_edges && edges.edges >= options.min_correspondences;
     // Where there is no ground, edges give what information they have about all of the motion.

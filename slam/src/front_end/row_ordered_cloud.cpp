@@ -45,8 +45,8 @@ RowOrderedCloud::RowOrderedCloud(const std::vector<FeaturePoint>& features,
     if (!points_m[i].allFinite()) continue;
     const float azimuth_rad = azimuth_of(points_m[i]);
     const int row = features[i].row;
-    placed.push_back({static_cast<std::size_t>(row * kSectors + sector_of(azimuth_rad)),
-                      azimuth_rad, i});
+    placed.push_back(
+        {static_cast<std::size_t>(row * kSectors + sector_of(azimuth_rad)), azimuth_rad, i});
     rows = std::max(rows, row + 1);
   }
   sector_begin_.assign(static_cast<std::size_t>(rows) * kSectors + 1, 0);

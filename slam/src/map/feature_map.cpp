@@ -22,9 +22,9 @@ Eigen::Vector3i floored(const Eigen::Vector3f& v) {
   return truncated - (v.array() < truncated.cast<float>()).cast<int>();
 }
 
-/// The six points nearest to a query so far. Each is one number, its squared distance above where it
-/// was found, so that the nearer has the smaller one and none of their comparisons is a branch that
-/// a processor could guess wrong.
+/// The six points nearest to a query so far. Each is one number, its squared distance above where
+/// it was found, so that the nearer has the smaller one and none of their comparisons is a branch
+/// that a processor could guess wrong.
 class SixNearest {
  public:
   SixNearest(const Eigen::Vector3f& query_m, float reach_m2)
@@ -64,8 +64,7 @@ class SixNearest {
     while (result.count < kWanted && distance_m2(result.count) < reach_m2_) {
       const auto place = static_cast<std::uint32_t>(nearest_[result.count]);
       result.squared_distance_m2[result.count] = distance_m2(result.count);
-      result.points_m[result.count] =
-          point_m(place >> kCellBits, place & ((1U << kCellBits) - 1U));
+      result.points_m[result.count] = point_m(place >> kCellBits, place & ((1U << kCellBits) - 1U));
       ++result.count;
     }
     result.sixth_squared_m2 = bound_m2();
