@@ -1,7 +1,6 @@
 #include "front_end/voxel_thinning.h"
 
 #include <algorithm>
-#include <boost/sort/spreadsort/integer_sort.hpp>
 #include <cstdint>
 #include <span>
 
@@ -19,12 +18,6 @@ struct PlacedPoint {
   std::uint32_t point;
 };
 
-struct NumberedPoint {
-  std::uint32_t voxel;
-  std::uint32_t point;
-  bool operator<(const NumberedPoint& other) const { return voxel < other.voxel; }
-};
-
 std::vector<PlacedPoint> placed(const std::vector<FeaturePoint>& points, float leaf_m) {
   const float per_m = 1.0F / leaf_m;
   std::vector<PlacedPoint> result;
@@ -40,42 +33,47 @@ std::vector<PlacedPoint> placed(const std::vector<FeaturePoint>& points, float l
 }
 
 /// The mean of position and time; slopes are averaged, and made of length 1 again.
-FeaturePoint mean(const std::vector<FeaturePoint>& points, std::span<const NumberedPoint> of,
-                  int row) {
+struct Mean {
   Eigen::Vector3f sum_m = Eigen::Vector3f::Zero();
-  Eigen::Vector4f slope = Eigen::Vector4f::Zero();
+  Eigen::Vector3f slope = Eigen::Vector3f::Zero();
   float time_s = 0.0F;
-  for (const NumberedPoint& numbered : of) {
-    const FeaturePoint& point = points[numbered.point];
-    sum_m += point.point_m;
-    slope.head<3>() += point.slope;
-    time_s += point.time_offset_s;
-  }
-  const auto count = static_cast<float>(of.size());
-  return {sum_m / count, time_s / count, row, slope.normalized().head<3>()};
-}
+  int count = 0;
 
-/// Of points whose box has so many voxels on each side, beginning with `first`.
+  void add(const FeaturePoint& point) {
+    sum_m += point.point_m;
+    slope += point.slope;
+    time_s += point.time_offset_s;
+    ++count;
+  }
+  FeaturePoint in_row(int row) const {
+    const auto points = static_cast<float>(count);
+    return {sum_m / points, time_s / points, row, slope.normalized()};
+  }
+};
+
+/// Of points whose box has so many voxels on each side, beginning with `first`. Those that follow
+/// each other in one voxel, as most do, are sorted as one.
 void thin_box(const std::vector<FeaturePoint>& points, std::span<const PlacedPoint> box,
               const Eigen::Array3i& first, const Eigen::Array3i& side,
               std::vector<FeaturePoint>& thinned) {
-  std::vector<NumberedPoint> numbered;
-  numbered.reserve(box.size());
-  for (const PlacedPoint& placed : box) {
-    const Eigen::Array3i at = placed.voxel - first;
-    const int voxel = at.x() + side.x() * (at.y() + side.y() * at.z());
-    numbered.push_back({static_cast<std::uint32_t>(voxel), placed.point});
+  std::vector<std::uint32_t> voxel(box.size());
+  std::vector<std::uint64_t> runs;  // the voxel above where in the box the run begins
+  for (std::size_t i = 0; i < box.size(); ++i) {
+    const Eigen::Array3i at = box[i].voxel - first;
+    voxel[i] = static_cast<std::uint32_t>(at.x() + side.x() * (at.y() + side.y() * at.z()));
+    if (i == 0 || voxel[i] != voxel[i - 1]) runs.push_back(std::uint64_t{voxel[i]} << 32 | i);
   }
-  boost::sort::spreadsort::integer_sort(
-      numbered.begin(), numbered.end(),
-      [](const NumberedPoint& point, unsigned shift) { return point.voxel >> shift; });
+  std::sort(runs.begin(), runs.end());
   const int row = points[box.front().point].row;
-  for (auto begin = numbered.begin(); begin != numbered.end();) {
-    const auto end = std::find_if(begin, numbered.end(), [&](const NumberedPoint& point) {
-      return point.voxel != begin->voxel;
-    });
-    thinned.push_back(mean(points, {begin, end}, row));
-    begin = end;
+  for (auto run = runs.begin(); run != runs.end();) {
+    const std::uint64_t here = *run >> 32;
+    Mean mean;
+    for (; run != runs.end() && *run >> 32 == here; ++run) {
+      for (auto i = static_cast<std::uint32_t>(*run); i < box.size() && voxel[i] == here; ++i) {
+        mean.add(points[box[i].point]);
+      }
+    }
+    thinned.push_back(mean.in_row(row));
   }
 }
 
