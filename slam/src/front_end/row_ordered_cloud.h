@@ -25,8 +25,7 @@ struct RowQuery {
 /// while the rows beyond can be nearer than the best so far, and in each row from the query's
 /// azimuth both ways likewise. Each way takes at most half of the row's points: exact where they
 /// stand all around; in a row with points on one side only, the nearest can be missed if more than
-/// half of them stand before it. LeGO-LOAM builds a kd-tree for every scan; with PCL's the odometry
-/// took twice as long.
+/// half of them stand before it. LeGO-LOAM builds a kd-tree for every scan.
 class RowOrderedCloud {
  public:
   RowOrderedCloud() = default;
