@@ -24,14 +24,6 @@ constexpr double kLateTolerance = 4.0;
 /// Of its line or plane: MappingResult::close_ratio.
 constexpr double kClose_m = 0.1;
 
-std::vector<FeaturePoint> in_rows(const std::vector<FeaturePoint>& features,
-                                  const RowSelection& rows) {
-  std::vector<FeaturePoint> result;
-  std::copy_if(features.begin(), features.end(), std::back_inserter(result),
-               [&](const FeaturePoint& feature) { return rows.contains(feature.row); });
-  return result;
-}
-
 RegisteredScan searched(const MapFeatures& features) {
   return {SearchedFeatures<MapSurface>(features.ground_to_register),
           SearchedFeatures<MapSurface>(features.surfaces_to_register),
@@ -58,28 +50,24 @@ MapSearch search_at(const MappingResult& at, const MappingOptions& options) {
 
 }  // namespace
 
-MapFeatures map_features(const Features& features, const std::optional<RowSelection>& measured_rows,
-                         const MappingOptions& options) {
-  const auto thinned = [&](const std::vector<FeaturePoint>& all, double leaf_m) {
-    return measured_rows ? thin(in_rows(all, *measured_rows), leaf_m) : thin(all, leaf_m);
-  };
+MapFeatures map_features(const Features& features, const MappingOptions& options) {
   MapFeatures result;
 #pragma omp parallel sections
   {
 #pragma omp section
     {
-      result.surfaces = thinned(features.surfaces, options.planar_leaf_m);
+      result.surfaces = thin(features.surfaces, options.planar_leaf_m);
       result.surfaces_to_register = thin(result.surfaces, options.located_planar_leaf_m);
     }
 #pragma omp section
     {
-      result.ground = thinned(features.ground, options.planar_leaf_m);
+      result.ground = thin(features.ground, options.planar_leaf_m);
       result.ground_to_register = thin(result.ground, options.located_planar_leaf_m);
     }
 #pragma omp section
     {
-      result.edges = thinned(features.edges, options.edge_leaf_m);
-      result.posts = measured_rows ? in_rows(features.posts, *measured_rows) : features.posts;
+      result.edges = thin(features.edges, options.edge_leaf_m);
+      result.posts = features.posts;
       result.posts_to_register = thin(result.posts, options.located_planar_leaf_m);
     }
   }
