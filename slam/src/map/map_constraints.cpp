@@ -187,6 +187,7 @@ std::vector<std::optional<EdgeConstraints>> post_constraints(
 
 ConstraintList MapMatches::constraints() const {
   ConstraintList list;
+  list.all.reserve(ground.size() + surfaces.size() + 2 * (edges.size() + posts.size()));
   list.add(ground);
   list.ground = list.planes;
   list.add(surfaces);
