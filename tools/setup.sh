@@ -14,7 +14,7 @@ packages=(
   libpng-dev                                                        # evaluation
   libpcap-dev libsqlite3-dev liblz4-dev libzstd-dev libbz2-dev      # recordings, live
   libembree-dev                                                     # the simulated city
-  libpcl-dev libceres-dev                                           # slam
+  libceres-dev                                                      # slam
   libcli11-dev                                                      # the command line
   doctest-dev                                                       # the tests
 )

@@ -51,7 +51,7 @@ fi
 
 step "clang-tidy"
 if command -v clang-tidy >/dev/null; then
-  # Sources that include PCL or Ceres would take minutes to parse. Clang does not find GCC's omp.h,
+  # Sources that include Ceres would take minutes to parse. Clang does not find GCC's omp.h,
   # so it reads the sources as without OpenMP: a field that only num_threads() uses looks unused.
   # Read are the sources that the last three days changed: they were read when they came. With --tidy
   # all, the simulator and the command line too: ten minutes of two cores.
@@ -65,7 +65,7 @@ if command -v clang-tidy >/dev/null; then
   else
     sources '*.cpp'
   fi | { grep -E "^(\./)?$tidied" || true; } |
-    { xargs -r grep -L -E '#include [<"](pcl|ceres|omp\.h)' || true; } >build/tidy/files
+    { xargs -r grep -L -E '#include [<"](ceres|omp\.h)' || true; } >build/tidy/files
   xargs -r -P "$jobs" -n 3 clang-tidy --quiet -p build/tidy --extra-arg=-fno-openmp \
     --extra-arg=-Wno-unused-private-field <build/tidy/files 2>/dev/null
   echo "clang-tidy: no finding in $(wc -l <build/tidy/files) sources"

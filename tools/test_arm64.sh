@@ -17,16 +17,12 @@ packages=(
   libpng-dev                                                        # evaluation
   libpcap-dev libsqlite3-dev liblz4-dev libzstd-dev libbz2-dev      # recordings, live
   libceres-dev libblas-dev liblapack-dev                            # slam
-  libpcl-filters1.13 libflann-dev libqhull-dev
-  libboost-{date-time,filesystem,iostreams,serialization,system}-dev
   doctest-dev
 )
-# Headers; what it depends on is VTK, Qt and 700 packages more, which nothing here uses.
-alone=(libpcl-dev)
 
 root=$PWD/build/arm64-root
 state=$PWD/build/arm64-packages
-wanted="${packages[*]} ${alone[*]}"
+wanted="${packages[*]}"
 
 # apt as it would be on an arm64 machine on which nothing is installed.
 arm64_apt() {
@@ -41,7 +37,6 @@ fetch() {
   : >"$state/status"
   arm64_apt update
   arm64_apt install -y --no-install-recommends --download-only "${packages[@]}"
-  (cd "$archives" && arm64_apt download "${alone[@]}")
   rm -rf "$root"
   mkdir -p "$root"
   for package in "$archives"/*.deb; do
@@ -51,7 +46,7 @@ fetch() {
   done
   # What update-alternatives would link.
   (cd "$root/usr/lib/aarch64-linux-gnu" && ln -s blas/libblas.so* lapack/liblapack.so* .)
-  # Ceres and FLANN name the libraries that they were built with by their full paths.
+  # Ceres names the libraries that it was built with by their full paths.
   find "$root/usr/lib" -iname '*targets*.cmake' -exec \
     sed -i "s,\([;\"]\)\(/usr/lib/aarch64-linux-gnu/lib\),\1$root\2,g" {} +
   echo "$wanted" >"$root/unpacked"

@@ -116,14 +116,31 @@ std::vector<float> time_offsets_s(const SensorModel& sensor) {
   return result;
 }
 
-/// (cos, sin) of the azimuth of every pixel of a row.
-std::vector<Eigen::Vector2d> horizontal_directions(const SensorModel& sensor, int row) {
-  std::vector<Eigen::Vector2d> result;
-  for (int column = 0; column < sensor.columns; ++column) {
-    const double azimuth_rad = sensor.azimuth_rad(row, column);
-    result.emplace_back(std::cos(azimuth_rad), std::sin(azimuth_rad));
+/// (cos, sin) of the azimuth of every pixel. Rows of the same residual azimuth look the same ways:
+/// all rows where beams have no offsets.
+struct HorizontalDirections {
+  int columns = 0;
+  std::vector<double> beam_azimuth_offset_rad;
+  std::map<double, std::vector<Eigen::Vector2d>> of_residual;
+};
+
+/// Kept from scan to scan: to find them takes as long as all the rest.
+const HorizontalDirections& horizontal_directions(const SensorModel& sensor) {
+  thread_local HorizontalDirections last;
+  if (last.columns == sensor.columns &&
+      last.beam_azimuth_offset_rad == sensor.beam_azimuth_offset_rad) {
+    return last;
   }
-  return result;
+  last = {sensor.columns, sensor.beam_azimuth_offset_rad, {}};
+  for (int row = 0; row < sensor.rows(); ++row) {
+    std::vector<Eigen::Vector2d>& directions = last.of_residual[sensor.residual_azimuth_rad(row)];
+    if (!directions.empty()) continue;
+    for (int column = 0; column < sensor.columns; ++column) {
+      const double azimuth_rad = sensor.azimuth_rad(row, column);
+      directions.emplace_back(std::cos(azimuth_rad), std::sin(azimuth_rad));
+    }
+  }
+  return last;
 }
 
 }  // namespace
@@ -137,13 +154,11 @@ OrganizedCloud unproject(const RangeImage& image, const SensorModel& sensor,
   }
   OrganizedCloud cloud(image.rows, image.columns);
   if (capture_time == CaptureTime::kRolling) cloud.time_offset_s = time_offsets_s(sensor);
-  // Rows of the same residual azimuth look the same ways: all rows where beams have no offsets.
-  std::map<double, std::vector<Eigen::Vector2d>> directions;
+  const HorizontalDirections& directions = horizontal_directions(sensor);
   for (int row = 0; row < image.rows; ++row) {
     const double cos_elevation = std::cos(sensor.beam_elevation_rad[row]);
     const double sin_elevation = std::sin(sensor.beam_elevation_rad[row]);
-    std::vector<Eigen::Vector2d>& direction = directions[sensor.residual_azimuth_rad(row)];
-    if (direction.empty()) direction = horizontal_directions(sensor, row);
+    const auto& direction = directions.of_residual.at(sensor.residual_azimuth_rad(row));
     for (int column = 0; column < image.columns; ++column) {
       const std::size_t pixel = image.index(row, column);
       const double range_m = image.range_m[pixel];

@@ -113,10 +113,14 @@ bool MemoryProjection::find_hit(float range_m, float sine, float turn, Hit& hit)
 bool MemoryProjection::is_passed(const Hit& hit, const RangeImage& measured) const {
   const float passed_m = hit.range_m * (1.0F + kFartherShare) + kFarther_m;
   const int above = measured_above_[hit.row];
-  if (measured_rows_.contains(hit.row)) return measured.at(above, hit.column) > passed_m;
+  const bool is_measured =
+      above >= 0 && hit.row == measured_rows_.offset + above * measured_rows_.stride;
+  if (is_measured) return measured.at(above, hit.column) > passed_m;
   if (above < 0 || above + 1 >= measured.rows) return false;
-  for (int beside = -1; beside <= 1; ++beside) {
-    const int column = (hit.column + beside + sensor_.columns) % sensor_.columns;
+  const int last = sensor_.columns - 1;
+  const int left = hit.column > 0 ? hit.column - 1 : last;
+  const int right = hit.column < last ? hit.column + 1 : 0;
+  for (const int column : {left, int{hit.column}, right}) {
     if (!(measured.at(above, column) > passed_m)) return false;
     if (!(measured.at(above + 1, column) > passed_m)) return false;
   }

@@ -34,33 +34,37 @@ void check_shapes(const RangeImage& image, const OrganizedCloud& measured,
       image.columns);
 }
 
-Deviation deviation_of(const OrganizedCloud& measured, std::size_t pixel, const SensorModel& sensor,
-                       int row, int column) {
-  Deviation deviation;
-  if (measured.range_m[pixel] <= 0.0F) {
-    return deviation;
-  }
-  deviation.has_return = true;
-  const Eigen::Vector3f& point_m = measured.points_m[pixel];
-  const double elevation_rad = std::atan2(point_m.z(), std::hypot(point_m.x(), point_m.y()));
-  const auto off_rad = static_cast<float>(elevation_rad - sensor.beam_elevation_rad[row]);
-  deviation.elevation_rad = std::abs(off_rad) < kRounding_rad ? 0.0F : off_rad;
-  if (!measured.time_offset_s.empty()) {
-    deviation.time_s =
-        measured.time_offset_s[pixel] - static_cast<float>(sensor.time_offset_s(row, column));
-  }
-  return deviation;
+/// beam: (cos, sin) of the elevation of the model's beam.
+float elevation_deviation_rad(const Eigen::Vector3f& point_m, double beam_rad,
+                              const Eigen::Vector2f& beam) {
+  const float horizontal_m = std::hypot(point_m.x(), point_m.y());
+  const float off_m = std::abs(beam.x() * point_m.z() - beam.y() * horizontal_m);
+  const float at_least_m = std::max(std::abs(point_m.z()), horizontal_m);
+  if (off_m < 0.5F * kRounding_rad * at_least_m) return 0.0F;  // without atan2
+  const double elevation_rad = std::atan2(point_m.z(), horizontal_m);
+  const auto off_rad = static_cast<float>(elevation_rad - beam_rad);
+  return std::abs(off_rad) < kRounding_rad ? 0.0F : off_rad;
 }
 
-/// Of every pixel of the measured rows.
+/// Of every pixel of the measured rows. model: as the sensor model has all rows.
 std::vector<Deviation> deviations_of(const OrganizedCloud& measured, RowSelection measured_rows,
-                                     const SensorModel& sensor) {
+                                     const SensorModel& sensor, const OrganizedCloud& model) {
   std::vector<Deviation> deviations(measured.range_m.size());
+#pragma omp parallel for schedule(static)
   for (int i = 0; i < measured.rows; ++i) {
     const int row = measured_rows.offset + i * measured_rows.stride;
+    const double beam_rad = sensor.beam_elevation_rad[row];
+    const Eigen::Vector2f beam =
+        Eigen::Vector2d(std::cos(beam_rad), std::sin(beam_rad)).cast<float>();
     for (int column = 0; column < measured.columns; ++column) {
       const std::size_t pixel = measured.index(i, column);
-      deviations[pixel] = deviation_of(measured, pixel, sensor, row, column);
+      if (measured.range_m[pixel] <= 0.0F) continue;
+      Deviation& deviation = deviations[pixel];
+      deviation.has_return = true;
+      deviation.elevation_rad = elevation_deviation_rad(measured.points_m[pixel], beam_rad, beam);
+      if (measured.time_offset_s.empty()) continue;
+      deviation.time_s =
+          measured.time_offset_s[pixel] - model.time_offset_s[model.index(row, column)];
     }
   }
   return deviations;
@@ -129,7 +133,8 @@ OrganizedCloud upsampled_cloud(const LiftedImage& lifted, const OrganizedCloud& 
       lifted.image, sensor,
       measured.time_offset_s.empty() ? CaptureTime::kMotionCorrected : CaptureTime::kRolling);
   cloud.confidence = lifted.confidence;
-  const std::vector<Deviation> deviations = deviations_of(measured, measured_rows, sensor);
+  const std::vector<Deviation> deviations = deviations_of(measured, measured_rows, sensor, cloud);
+#pragma omp parallel for schedule(static)
   for (int row = 0; row < cloud.rows; ++row) {
     const int steps = row - measured_rows.offset;
     const int rest = ((steps % measured_rows.stride) + measured_rows.stride) % measured_rows.stride;

@@ -119,14 +119,14 @@ Scan Slam::Implementation::front_end(const OrganizedCloud& cloud, double stamp_s
 
   Scan scan{cloud,
             clock.time_s(stamp_s),
-            extract_features(cloud, segmentation, options.features),
+            extract_features(cloud, segmentation, options.features, sensor.measured_rows),
             {},
             false,
             stamp_s,
             {},
             Eigen::Vector3d::Zero()};
   make_turning_even(scan);
-  scan.map_features = map_features(scan.features, sensor.measured_rows, options.mapping);
+  scan.map_features = map_features(scan.features, options.mapping);
   const auto planar = static_cast<int>(scan.features.ground.size() + scan.features.surfaces.size());
   report.edge_features = static_cast<int>(scan.features.edges.size());
   report.planar_features = planar;

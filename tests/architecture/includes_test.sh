@@ -39,7 +39,7 @@ for pair in kernels:'graph|hqs|training' graph:'hqs|training' hqs:training train
 done
 
 # Heavy parents stay with those who need them, and out of every installed header.
-for header in pcl ceres; do
+for header in ceres; do
   users=$(grep -rlE "#include <$header/" --include='*.h' --include='*.cpp' core nn slam tools python | grep -v '^slam/src/' || true)
   if [[ -n "$users" ]]; then
     printf 'only slam/src may include %s:\n%s\n' "$header" "$users"

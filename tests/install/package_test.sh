@@ -18,7 +18,7 @@ for file in bin/hqslam share/man/man1/hqslam.1 share/hqslam/weights/du-mix_os1_1
   [[ -f "$folder/root/usr/$file" ]] || { echo "usr/$file is not in the package"; exit 1; }
 done
 depends=$(dpkg-deb -f "$folder"/hqslam_*.deb Depends)
-for library in libc6 libembree libpcl libzip libpcap; do
+for library in libc6 libembree libgoogle-glog libzip libpcap; do
   [[ "$depends" == *"$library"* ]] || { echo "Depends lacks $library: $depends"; exit 1; }
 done
 program=$folder/root/usr/bin/hqslam

@@ -149,9 +149,9 @@ inline Circuit circuit() {
 inline slam::MapFeatures features_of(const OrganizedCloud& cloud, const SensorModel& sensor) {
   const slam::SlamOptions options;
   slam::Segmenter segmenter(sensor, options.ground, options.segmentation);
-  return slam::map_features(
-      slam::extract_features(cloud, segmenter.segment(cloud), options.features),
-      sensor.measured_rows, options.mapping);
+  return slam::map_features(slam::extract_features(cloud, segmenter.segment(cloud),
+                                                   options.features, sensor.measured_rows),
+                            options.mapping);
 }
 
 }  // namespace hqslam::test

@@ -1,5 +1,5 @@
-// What lifting and SLAM allocate per scan once they run. Counted is operator new; Eigen and PCL go
-// past it for another tenth.
+// What lifting and SLAM allocate per scan once they run. Counted is operator new; Eigen goes past
+// it for some more.
 
 #include <doctest/doctest.h>
 
@@ -123,7 +123,7 @@ TEST_CASE("lifting a scan allocates what it returns, the measured rows and 10 kB
 }
 
 // Stages hand their results on by value. Two thirds of the pieces are the rows' lists of features,
-// which grow, and PCL's, which thins each row; the others the lists of constraints, of matches and
+// which grow, and what thins them; the others the lists of constraints, of matches and
 // of cells of the map.
 TEST_CASE("a scan in SLAM allocates a few thousand pieces of less than the scan's size each") {
   const Allocations rows_64 = of_slam("os1-64");

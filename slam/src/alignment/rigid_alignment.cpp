@@ -12,9 +12,6 @@ namespace hqslam::slam {
 
 namespace {
 
-/// Lever that makes a length of an angle in the observability test.
-constexpr double kLever_m = 10.0;
-
 /// (x, y, z, roll, pitch, yaw)
 Vector6 vector_of(const MotionParameters& p) {
   Vector6 result;
@@ -131,10 +128,14 @@ Observability observability(const std::vector<PlaneConstraint>& constraints, Fre
     Vector6 row;
     row << c.normal, c.point_m.cross(c.normal) / kLever_m;
     row *= c.weight;
-    information.selfadjointView<Eigen::Lower>().rankUpdate(row);
+    information += row.lazyProduct(row.transpose());
     total += c.weight * c.weight;
   }
-  information.triangularView<Eigen::Upper>() = information.transpose();
+  return observability(information, total, free, min_share);
+}
+
+Observability observability(Matrix6 information, double total, FreeParameters free,
+                            double min_share) {
   // Held parameters get the largest eigenvalue there is: they are not in question.
   for (const int held : held_parameters(free)) {
     information.row(held).setZero();

@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "alignment/motion_state.h"
 #include "hqslam/core/pose.h"
 
 namespace hqslam::slam {
@@ -72,6 +73,9 @@ MotionParameters align(const std::vector<PlaneConstraint>& constraints,
 /// Measured: 0.008 and more in streets, 0.001 along a corridor without ends.
 inline constexpr double kMinObservableShare = 0.003;
 
+/// Lever that makes a length of an angle where directions of motion are compared.
+inline constexpr double kLever_m = 10.0;
+
 /// Directions of motion that the constraints have no information about.
 ///
 /// In: constraints whose points are about the origin, and which parameters they are asked for. With
@@ -85,12 +89,15 @@ struct Observability {
   int degenerate_directions = 0;
   /// Per direction its share, rising, and the directions in scaled units, a column each: (x, y, z,
   /// 10 m times rotation about x, y, z).
-  Eigen::Matrix<double, 6, 1> share = Eigen::Matrix<double, 6, 1>::Zero();
-  Eigen::Matrix<double, 6, 6> direction = Eigen::Matrix<double, 6, 6>::Zero();
+  Vector6 share = Vector6::Zero();
+  Matrix6 direction = Matrix6::Zero();
   /// Projects a change of (x, y, z, roll, pitch, yaw) onto the observable directions.
-  Eigen::Matrix<double, 6, 6> projection = Eigen::Matrix<double, 6, 6>::Identity();
+  Matrix6 projection = Matrix6::Identity();
 };
 Observability observability(const std::vector<PlaneConstraint>& constraints, FreeParameters free,
+                            double min_share = kMinObservableShare);
+/// The same of their J^T J, with angles scaled, and sum of weight^2.
+Observability observability(Matrix6 information, double total, FreeParameters free,
                             double min_share = kMinObservableShare);
 
 /// `start` changed towards `end` in the observable directions only.

@@ -49,17 +49,20 @@ void weigh_by_noise(std::vector<std::optional<Constraints>>& found, double trust
   constexpr double kLeastSigma_m = 0.02;
   constexpr double kSigmaPerMedian = 2.0;
   std::vector<double> distances_m;
+  distances_m.reserve(found.size());
   for (const auto& constraints : found) {
     if (constraints) distances_m.push_back(distance_m(*constraints));
   }
   if (distances_m.empty()) return;
-  const auto middle = distances_m.begin() + static_cast<std::ptrdiff_t>(distances_m.size() / 2);
-  std::nth_element(distances_m.begin(), middle, distances_m.end());
+  std::vector<double> halved_m = distances_m;
+  const auto middle = halved_m.begin() + static_cast<std::ptrdiff_t>(halved_m.size() / 2);
+  std::nth_element(halved_m.begin(), middle, halved_m.end());
   const double scale_m = std::max(trusted_m, kScalePerMedian * *middle);
   const double sigma_m = std::hypot(kLeastSigma_m, kSigmaPerMedian * *middle);
+  auto away_m = distances_m.begin();
   for (auto& constraints : found) {
     if (!constraints) continue;
-    const double relative = trust_near ? distance_m(*constraints) / scale_m : 0.0;
+    const double relative = trust_near ? *away_m++ / scale_m : 0.0;
     weigh(*constraints, 1.0 / (1.0 + relative * relative) / sigma_m);
   }
 }

@@ -8,18 +8,23 @@ ScanInformation scan_information(const std::vector<PlaneConstraint>& constraints
                                  const Eigen::Matrix3d& R_map_sensor) {
   Matrix6 sum = Matrix6::Zero();
   Vector6 gradient = Vector6::Zero();
+  double total = 0.0;
   for (const PlaneConstraint& c : constraints) {
     Vector6 J;
     J << c.normal, c.point_m.cross(c.normal);
     J *= c.weight;
-    sum.selfadjointView<Eigen::Lower>().rankUpdate(J);
+    sum += J.lazyProduct(J.transpose());
+    total += c.weight * c.weight;
     gradient += c.weight * (c.normal.dot(c.point_m) - c.offset_m) * J;
   }
   Matrix6 turn = Matrix6::Zero();
   turn.topLeftCorner<3, 3>() = R_map_sensor;
   turn.bottomRightCorner<3, 3>() = R_map_sensor;
-  const Matrix6 information = sum.selfadjointView<Eigen::Lower>();
-  return {turn.transpose() * information * turn, turn.transpose() * gradient};
+  Vector6 scale;
+  scale << Eigen::Vector3d::Ones(), Eigen::Vector3d::Constant(1.0 / kLever_m);
+  const Matrix6 scaled = scale.asDiagonal() * sum * scale.asDiagonal();
+  return {turn.transpose() * sum * turn, turn.transpose() * gradient,
+          observability(scaled, total, FreeParameters::kAll).degenerate_directions};
 }
 
 ExpectedState::ExpectedState(const MotionState& expected)

@@ -10,6 +10,7 @@ namespace hqslam::slam {
 struct ScanInformation {
   Matrix6 information = Matrix6::Zero();
   Vector6 gradient = Vector6::Zero();
+  int degenerate_directions = 0;  ///< Observability, of all parameters
 };
 
 /// In: constraints in axes of the map with the sensor as origin, weight = 1 / sigma [1/m], the

@@ -79,7 +79,7 @@ View view_of(const OrganizedCloud& cloud, const SensorModel& seen_by, const Sens
              const SlamOptions& options) {
   Segmenter segmenter(seen_by, options.ground, options.segmentation);
   const Features features = extract_features(cloud, segmenter.segment(cloud), options.features);
-  return {map_features(features, std::nullopt, options.mapping),
+  return {map_features(features, options.mapping),
           scan_context(with_rows_of(sensor, cloud, seen_by))};
 }
 

@@ -218,28 +218,32 @@ Features features_of_row(const OrganizedCloud& cloud, const Segmentation& segmen
   return features;
 }
 
-void append(std::vector<FeaturePoint>& to, const std::vector<FeaturePoint>& from) {
+void append(std::vector<FeaturePoint>& to, const std::vector<FeaturePoint>& from, int row) {
+  const auto first = static_cast<std::ptrdiff_t>(to.size());
   to.insert(to.end(), from.begin(), from.end());
+  for (auto point = to.begin() + first; point != to.end(); ++point) point->row = row;
 }
 
 }  // namespace
 
 Features extract_features(const OrganizedCloud& cloud, const Segmentation& segmentation,
-                          const FeatureOptions& options) {
-  std::vector<Features> of_row(cloud.rows);
+                          const FeatureOptions& options,
+                          const std::optional<RowSelection>& measured_rows) {
+  const std::vector<int> rows = selected_rows(cloud.rows, measured_rows.value_or(RowSelection{}));
+  std::vector<Features> of_row(rows.size());
 #pragma omp parallel for schedule(dynamic)
-  for (int row = 0; row < cloud.rows; ++row) {
-    of_row[row] = features_of_row(cloud, segmentation, row, options);
-    of_row[row].posts = posts_in_row(cloud, segmentation, row, options.max_post_width_m);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    of_row[i] = features_of_row(cloud, segmentation, rows[i], options);
+    of_row[i].posts = posts_in_row(cloud, segmentation, rows[i], options.max_post_width_m);
   }
   Features all;
-  for (const Features& row : of_row) {
-    append(all.sharp_edges, row.sharp_edges);
-    append(all.edges, row.edges);
-    append(all.flat_points, row.flat_points);
-    append(all.ground, row.ground);
-    append(all.surfaces, row.surfaces);
-    append(all.posts, row.posts);
+  for (int i = 0; i < static_cast<int>(of_row.size()); ++i) {
+    append(all.sharp_edges, of_row[i].sharp_edges, i);
+    append(all.edges, of_row[i].edges, i);
+    append(all.flat_points, of_row[i].flat_points, i);
+    append(all.ground, of_row[i].ground, i);
+    append(all.surfaces, of_row[i].surfaces, i);
+    append(all.posts, of_row[i].posts, i);
   }
   return all;
 }

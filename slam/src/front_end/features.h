@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <vector>
 
 #include "front_end/segmentation.h"
@@ -13,7 +14,7 @@ namespace hqslam::slam {
 struct FeaturePoint {
   Eigen::Vector3f point_m = Eigen::Vector3f::Zero();  ///< sensor frame at the time of capture
   float time_offset_s = 0.0F;                         ///< capture time minus the scan's stamp
-  int row = 0;
+  int row = 0;                                        ///< counted among the measured ones
   /// Of the ground: the direction of its slope across the row, towards the row above or away from
   /// it, of length 1. Zero where the rows beside it have no ground there, and of all else.
   Eigen::Vector3f slope = Eigen::Vector3f::Zero();
@@ -40,6 +41,9 @@ struct Features {
 /// are the largest c of a section, flat points the smallest, and neither has a neighbour of its
 /// kind within 5 points. Source: LOAM (Zhang & Singh 2014), LeGO-LOAM's featureAssociation.
 ///
+/// measured_rows: SensorModel::measured_rows. Computed rows have no features: they tell ground from
+/// what stands on it, and have nothing to say about the pose.
+///
 /// Differs from LeGO-LOAM: smoothness is judged against the range as well as by itself, so that a
 /// distant surface is no edge; the ground is not thinned to every fifth column before the
 /// smoothness is taken; every point of a section takes part in the choice, the last one too, and
@@ -47,6 +51,7 @@ struct Features {
 /// flat points, the fourth of a section too, keep their neighbours from being chosen; and there are
 /// posts.
 Features extract_features(const OrganizedCloud& cloud, const Segmentation& segmentation,
-                          const FeatureOptions& options);
+                          const FeatureOptions& options,
+                          const std::optional<RowSelection>& measured_rows = {});
 
 }  // namespace hqslam::slam

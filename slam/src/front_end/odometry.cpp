@@ -22,17 +22,23 @@ struct SearchState {
   bool robust;
 };
 
+/// What a feature was matched with, and what it may be matched with again.
+struct MatchedPoints {
+  std::optional<int> first, second, third;
+};
+
 /// A plane through the nearest point, its neighbour in the same row and one in a row nearby.
 std::optional<PlaneConstraint> match_plane(const RowOrderedCloud& target,
-                                           const Eigen::Vector3f& point_m,
-                                           const SearchState& state) {
+                                           const Eigen::Vector3f& point_m, const SearchState& state,
+                                           MatchedPoints& matched) {
   const Eigen::Vector3d point = point_m.cast<double>();
   const Eigen::Vector3d moved = state.T_reference_sensor * point;
-  const Eigen::Vector3f query = moved.cast<float>();
-  const auto first = target.nearest(query, state.max_distance_m);
+  const RowQuery query(moved.cast<float>());
+  auto& [first, second, third] = matched;
+  first = target.nearest(query, state.max_distance_m, first);
   if (!first) return std::nullopt;
-  const auto second = target.nearest_in_row_of(*first, query, state.max_distance_m);
-  const auto third = target.nearest_near_row_of(*first, query, state.max_distance_m);
+  second = target.nearest_in_row_of(*first, query, state.max_distance_m, second);
+  third = target.nearest_near_row_of(*first, query, state.max_distance_m, third);
   if (!second || !third) return std::nullopt;
   const Eigen::Vector3d a = target.point_m(*first).cast<double>();
   const Eigen::Vector3d b = target.point_m(*second).cast<double>();
@@ -49,14 +55,15 @@ std::optional<PlaneConstraint> match_plane(const RowOrderedCloud& target,
 
 /// The line through the nearest point and one in a row nearby, as two planes.
 std::optional<EdgeConstraints> match_edge(const RowOrderedCloud& target,
-                                          const Eigen::Vector3f& point_m,
-                                          const SearchState& state) {
+                                          const Eigen::Vector3f& point_m, const SearchState& state,
+                                          MatchedPoints& matched) {
   const Eigen::Vector3d point = point_m.cast<double>();
   const Eigen::Vector3d moved = state.T_reference_sensor * point;
-  const Eigen::Vector3f query = moved.cast<float>();
-  const auto first = target.nearest(query, state.max_distance_m);
+  const RowQuery query(moved.cast<float>());
+  auto& [first, second, third] = matched;
+  first = target.nearest(query, state.max_distance_m, first);
   if (!first) return std::nullopt;
-  const auto second = target.nearest_near_row_of(*first, query, state.max_distance_m);
+  second = target.nearest_near_row_of(*first, query, state.max_distance_m, second);
   if (!second) return std::nullopt;
   const Eigen::Vector3d a = target.point_m(*first).cast<double>();
   const Eigen::Vector3d along = target.point_m(*second).cast<double>() - a;
@@ -70,10 +77,14 @@ std::optional<EdgeConstraints> match_edge(const RowOrderedCloud& target,
 
 /// One constraint or none per feature, searched in parallel.
 template <typename Find>
-ConstraintList find_all(const std::vector<Eigen::Vector3f>& points_m, const Find& find) {
-  std::vector<decltype(find(points_m.front()))> found(points_m.size());
+ConstraintList find_all(const std::vector<FeaturePoint>& features, const Twist& velocity,
+                        std::vector<MatchedPoints>& matched, const Find& find) {
+  const MotionCorrection corrected(velocity);
+  std::vector<decltype(find(Eigen::Vector3f(), matched.front()))> found(features.size());
 #pragma omp parallel for schedule(static)
-  for (std::size_t i = 0; i < points_m.size(); ++i) found[i] = find(points_m[i]);
+  for (std::size_t i = 0; i < features.size(); ++i) {
+    found[i] = find(corrected(features[i]), matched[i]);
+  }
   ConstraintList list;
   list.add(found);
   return list;
@@ -91,9 +102,18 @@ bool improve(const std::vector<PlaneConstraint>& constraints, FreeParameters fre
 
 }  // namespace
 
-OdometryTarget::OdometryTarget(const Features& features, const Twist& velocity)
-    : ground(features.ground, motion_corrected(features.ground, velocity)),
-      edges(features.edges, motion_corrected(features.edges, velocity)) {}
+OdometryTarget::OdometryTarget(const Features& features, const Twist& velocity) {
+  const auto ordered = [&](const std::vector<FeaturePoint>& points) {
+    return RowOrderedCloud(points, motion_corrected(points, velocity));
+  };
+#pragma omp parallel sections
+  {
+#pragma omp section
+    ground = ordered(features.ground);
+#pragma omp section
+    edges = ordered(features.edges);
+  }
+}
 
 OdometryResult scan_to_scan(const OdometryTarget& reference, const Features& features,
                             const PredictedMotion& predicted, const OdometryOptions& options) {
@@ -103,6 +123,8 @@ OdometryResult scan_to_scan(const OdometryTarget& reference, const Features& fea
   const bool has_edges = static_cast<int>(reference.edges.size()) >= options.min_edges;
   const bool has_ground = static_cast<int>(reference.ground.size()) >= options.min_planar;
   if (!has_edges && !has_ground) return result;
+  std::vector<MatchedPoints> matched_flat(features.flat_points.size());
+  std::vector<MatchedPoints> matched_sharp(features.sharp_edges.size());
   for (int iteration = 0; iteration < options.max_iterations; ++iteration) {
     const Pose before = result.T_reference_sensor;
     const Twist velocity = (1.0 / predicted.duration_s) * logarithm(before);
@@ -110,9 +132,11 @@ OdometryResult scan_to_scan(const OdometryTarget& reference, const Features& fea
     const double reach_m = options.max_distance_m * (robust ? kNarrowSearchShare : 1.0);
 
     const SearchState planar_state{before, reach_m, robust};
-    const ConstraintList planar = find_all(
-        motion_corrected(features.flat_points, velocity),
-        [&](const auto& point_m) { return match_plane(reference.ground, point_m, planar_state); });
+    const ConstraintList planar =
+        find_all(features.flat_points, velocity, matched_flat,
+                 [&](const auto& point_m, MatchedPoints& matched) {
+                   return match_plane(reference.ground, point_m, planar_state, matched);
+                 });
     result.planar_correspondences = planar.planes;
     const bool enough_planar = has_ground && planar.planes >= options.min_correspondences;
     const bool planar_observable =
@@ -120,9 +144,11 @@ OdometryResult scan_to_scan(const OdometryTarget& reference, const Features& fea
         improve(planar.all, FreeParameters::kOutOfPlane, result.T_reference_sensor);
 
     const SearchState edge_state{result.T_reference_sensor, reach_m, robust};
-    const ConstraintList edges = find_all(
-        motion_corrected(features.sharp_edges, velocity),
-        [&](const auto& point_m) { return match_edge(reference.edges, point_m, edge_state); });
+    const ConstraintList edges =
+        find_all(features.sharp_edges, velocity, matched_sharp,
+                 [&](const auto& point_m, MatchedPoints& matched) {
+                   return match_edge(reference.edges, point_m, edge_state, matched);
+                 });
     result.edge_correspondences = edges.edges;
     const bool enough_edges = has_edges && edges.edges >= options.min_correspondences;
     // Where there is no ground, edges give what information they have about all of the motion.

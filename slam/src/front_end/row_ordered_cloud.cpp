@@ -2,15 +2,24 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
+#include <numbers>
+#include <numeric>
 
 namespace hqslam::slam {
 
 namespace {
 
 constexpr int kRowReach = 2;
+constexpr int kSectors = 128;  // of a row, as many as it has points, about
 
 float azimuth_of(const Eigen::Vector3f& point_m) { return std::atan2(point_m.y(), point_m.x()); }
+
+/// Does not fall as the azimuth rises.
+int sector_of(float azimuth_rad) {
+  constexpr float kPi = std::numbers::pi_v<float>;
+  const auto sector = static_cast<int>((azimuth_rad + kPi) * (kSectors / (2.0F * kPi)));
+  return std::clamp(sector, 0, kSectors - 1);
+}
 
 /// (horizontal, vertical) of length 1
 Eigen::Vector2f elevation_of(const Eigen::Vector3f& point_m) {
@@ -19,75 +28,105 @@ Eigen::Vector2f elevation_of(const Eigen::Vector3f& point_m) {
 
 }  // namespace
 
+RowQuery::RowQuery(const Eigen::Vector3f& query_m)
+    : point_m(query_m), azimuth_rad(azimuth_of(query_m)) {}
+
 RowOrderedCloud::RowOrderedCloud(const std::vector<FeaturePoint>& features,
                                  const std::vector<Eigen::Vector3f>& points_m) {
-  std::vector<float> azimuth_rad(points_m.size());
-  std::vector<int> order;
-  order.reserve(points_m.size());
+  struct Placed {
+    std::size_t sector;
+    float azimuth_rad;
+    std::size_t feature;
+  };
+  std::vector<Placed> placed;
+  placed.reserve(points_m.size());
+  int rows = 0;
   for (std::size_t i = 0; i < points_m.size(); ++i) {
     if (!points_m[i].allFinite()) continue;
-    azimuth_rad[i] = azimuth_of(points_m[i]);
-    order.push_back(static_cast<int>(i));
+    const float azimuth_rad = azimuth_of(points_m[i]);
+    const int row = features[i].row;
+    placed.push_back(
+        {static_cast<std::size_t>(row * kSectors + sector_of(azimuth_rad)), azimuth_rad, i});
+    rows = std::max(rows, row + 1);
   }
-  std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
-    return std::pair(features[a].row, azimuth_rad[a]) < std::pair(features[b].row, azimuth_rad[b]);
-  });
-  for (const int i : order) {
-    while (static_cast<int>(row_begin_.size()) <= features[i].row) {
-      row_begin_.push_back(static_cast<int>(row_.size()));
+  sector_begin_.assign(static_cast<std::size_t>(rows) * kSectors + 1, 0);
+  for (const Placed& point : placed) ++sector_begin_[point.sector + 1];
+  std::partial_sum(sector_begin_.begin(), sector_begin_.end(), sector_begin_.begin());
+  std::vector<Placed> ordered(placed.size());
+  std::vector<int> end(sector_begin_.begin(), sector_begin_.end() - 1);
+  for (const Placed& point : placed) {  // into their sectors, of which few hold more than two
+    int i = end[point.sector]++;
+    for (; i > sector_begin_[point.sector] && ordered[i - 1].azimuth_rad > point.azimuth_rad; --i) {
+      ordered[i] = ordered[i - 1];
     }
-    row_.push_back(features[i].row);
-    azimuth_rad_.push_back(azimuth_rad[i]);
-    points_m_.push_back(points_m[i]);
-    direction_.push_back(points_m[i].head<2>().normalized());
+    ordered[i] = point;
   }
-  row_begin_.push_back(static_cast<int>(row_.size()));
+  row_.reserve(ordered.size());
+  azimuth_rad_.reserve(ordered.size());
+  points_m_.reserve(ordered.size());
+  direction_.reserve(ordered.size());
+  for (const Placed& point : ordered) {
+    row_.push_back(features[point.feature].row);
+    azimuth_rad_.push_back(point.azimuth_rad);
+    points_m_.push_back(points_m[point.feature]);
+    direction_.push_back(points_m[point.feature].head<2>().normalized());
+  }
   find_elevations();
 }
 
+int RowOrderedCloud::rows() const { return static_cast<int>(sector_begin_.size()) / kSectors; }
+int RowOrderedCloud::row_begin(int row) const { return sector_begin_[row * kSectors]; }
+
 void RowOrderedCloud::find_elevations() {
-  const std::size_t rows = row_begin_.size() - 1;
   const auto higher = [](const auto& a, const auto& b) { return a.y() < b.y(); };
   Eigen::Vector2f lowest(0.0F, 1.0F);
-  lowest_up_to_.resize(rows);
-  for (std::size_t row = 0; row < rows; ++row) {
-    for (int i = row_begin_[row]; i < row_begin_[row + 1]; ++i) {
+  lowest_up_to_.resize(rows());
+  for (int row = 0; row < rows(); ++row) {
+    for (int i = row_begin(row); i < row_begin(row + 1); ++i) {
       lowest = std::min(lowest, elevation_of(points_m_[i]), higher);
     }
     lowest_up_to_[row] = lowest;
   }
   Eigen::Vector2f highest(0.0F, -1.0F);
-  highest_from_.resize(rows);
-  for (std::size_t row = rows; row-- > 0;) {
-    for (int i = row_begin_[row]; i < row_begin_[row + 1]; ++i) {
+  highest_from_.resize(rows());
+  for (int row = rows() - 1; row >= 0; --row) {
+    for (int i = row_begin(row); i < row_begin(row + 1); ++i) {
       highest = std::max(highest, elevation_of(points_m_[i]), higher);
     }
     highest_from_[row] = highest;
   }
 }
 
+/// What is farther is not looked at; the guess itself is within it.
+float RowOrderedCloud::limit_m2(const RowQuery& query, double max_distance_m,
+                                std::optional<int> guess) const {
+  const auto most_m2 = static_cast<float>(max_distance_m * max_distance_m);
+  if (!guess) return most_m2;
+  const float guess_m2 = (points_m_[*guess] - query.point_m).squaredNorm();
+  return std::min(most_m2, 1.00001F * guess_m2 + 1e-12F);
+}
+
 /// Points of an elevation u above that of the query q are at least as far from it as it is from the
 /// cone of u, |q x u| in the plane of (horizontal, vertical).
-std::optional<int> RowOrderedCloud::nearest(const Eigen::Vector3f& query_m,
-                                            double max_distance_m) const {
+std::optional<int> RowOrderedCloud::nearest(const RowQuery& query, double max_distance_m,
+                                            std::optional<int> guess) const {
+  const Eigen::Vector3f& query_m = query.point_m;
   if (points_m_.empty() || !query_m.allFinite()) return std::nullopt;
   const Eigen::Vector2f q_m(query_m.head<2>().norm(), query_m.z());
-  const float azimuth_rad = azimuth_of(query_m);
-  auto limit_m2 = static_cast<float>(max_distance_m * max_distance_m);
+  float nearest_m2 = limit_m2(query, max_distance_m, guess);
   std::optional<int> best;
   const auto search = [&](int row) {
-    const auto found = nearest_in_row(row, std::nullopt, query_m, azimuth_rad, limit_m2);
+    const auto found = nearest_in_row(row, std::nullopt, query, nearest_m2);
     if (found) best = found;
   };
   const auto too_far = [&](float to_cone_m) {
-    return to_cone_m > 0.0F && to_cone_m * to_cone_m > limit_m2;
+    return to_cone_m > 0.0F && to_cone_m * to_cone_m > nearest_m2;
   };
   const float distance_m = q_m.norm();
   const auto is_above = [&](const Eigen::Vector2f& u) { return u.y() * distance_m > q_m.y(); };
   const auto first = std::partition_point(lowest_up_to_.begin(), lowest_up_to_.end(), is_above);
-  const int rows = static_cast<int>(lowest_up_to_.size());
   const int start = static_cast<int>(first - lowest_up_to_.begin());
-  for (int row = start; row < rows; ++row) {
+  for (int row = start; row < rows(); ++row) {
     const Eigen::Vector2f& u = highest_from_[row];
     if (too_far(q_m.y() * u.x() - q_m.x() * u.y())) break;
     search(row);
@@ -100,20 +139,26 @@ std::optional<int> RowOrderedCloud::nearest(const Eigen::Vector3f& query_m,
   return best;
 }
 
+/// How many points of the row are before the azimuth.
+int RowOrderedCloud::first_from(int row, float azimuth_rad) const {
+  const int sector = row * kSectors + sector_of(azimuth_rad);
+  int i = sector_begin_[sector];
+  while (i < sector_begin_[sector + 1] && azimuth_rad_[i] < azimuth_rad) ++i;
+  return i - row_begin(row);
+}
+
 /// Walks away from the query's azimuth on both sides. A point whose direction from the vertical
 /// axis is u is at least as far from the query q as q is from the ray along u, |q x u|, or |q|
 /// where the ray points away: beyond the best distance so far the walk ends.
 std::optional<int> RowOrderedCloud::nearest_in_row(int row, std::optional<int> except,
-                                                   const Eigen::Vector3f& query_m,
-                                                   float query_azimuth_rad,
+                                                   const RowQuery& query,
                                                    float& squared_distance_m2) const {
-  const int begin = row_begin_[row];
-  const int count = row_begin_[row + 1] - begin;
+  const int begin = row_begin(row);
+  const int count = row_begin(row + 1) - begin;
   if (count == 0) return std::nullopt;
+  const Eigen::Vector3f& query_m = query.point_m;
   const float rho_m2 = query_m.head<2>().squaredNorm();
-  const auto first = azimuth_rad_.begin() + begin;
-  const int start =
-      static_cast<int>(std::lower_bound(first, first + count, query_azimuth_rad) - first);
+  const int start = first_from(row, query.azimuth_rad);
   std::optional<int> best;
   for (const int direction : {1, -1}) {
     // Around half the circle on each side; the index wraps as the scan does.
@@ -136,22 +181,27 @@ std::optional<int> RowOrderedCloud::nearest_in_row(int row, std::optional<int> e
   return best;
 }
 
-std::optional<int> RowOrderedCloud::nearest_in_row_of(int i, const Eigen::Vector3f& query_m,
-                                                      double max_distance_m) const {
-  auto limit_m2 = static_cast<float>(max_distance_m * max_distance_m);
-  return nearest_in_row(row_[i], i, query_m, azimuth_of(query_m), limit_m2);
+std::optional<int> RowOrderedCloud::nearest_in_row_of(int i, const RowQuery& query,
+                                                      double max_distance_m,
+                                                      std::optional<int> guess) const {
+  if (guess && (*guess == i || row_[*guess] != row_[i])) guess.reset();
+  float nearest_m2 = limit_m2(query, max_distance_m, guess);
+  return nearest_in_row(row_[i], i, query, nearest_m2);
 }
 
-std::optional<int> RowOrderedCloud::nearest_near_row_of(int i, const Eigen::Vector3f& query_m,
-                                                        double max_distance_m) const {
-  auto limit_m2 = static_cast<float>(max_distance_m * max_distance_m);
-  const float azimuth_rad = azimuth_of(query_m);
-  const int rows = static_cast<int>(row_begin_.size()) - 1;
+std::optional<int> RowOrderedCloud::nearest_near_row_of(int i, const RowQuery& query,
+                                                        double max_distance_m,
+                                                        std::optional<int> guess) const {
+  const int first = std::max(0, row_[i] - kRowReach);
+  const int last = std::min(rows() - 1, row_[i] + kRowReach);
+  if (guess && (row_[*guess] == row_[i] || row_[*guess] < first || row_[*guess] > last)) {
+    guess.reset();
+  }
+  float nearest_m2 = limit_m2(query, max_distance_m, guess);
   std::optional<int> best;
-  for (int row = std::max(0, row_[i] - kRowReach); row <= std::min(rows - 1, row_[i] + kRowReach);
-       ++row) {
+  for (int row = first; row <= last; ++row) {
     if (row == row_[i]) continue;
-    const auto found = nearest_in_row(row, i, query_m, azimuth_rad, limit_m2);
+    const auto found = nearest_in_row(row, i, query, nearest_m2);
     if (found) best = found;
   }
   return best;

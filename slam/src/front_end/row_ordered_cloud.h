@@ -8,17 +8,27 @@
 
 namespace hqslam::slam {
 
+/// A point near which others are looked for.
+struct RowQuery {
+  explicit RowQuery(const Eigen::Vector3f& query_m);
+  Eigen::Vector3f point_m;
+  float azimuth_rad;
+};
+
 /// Points ordered by row, and by azimuth within a row: the search target of the odometry, where
 /// nearest points are looked for in one row, in rows nearby and in all rows.
+///
+/// Each search takes a guess of what it will find, what it found when the query was a little beside
+/// where it is now: nothing farther needs to be looked at. What is found is the same.
 ///
 /// The order is an index already: from the row at the query's elevation the search goes up and down
 /// while the rows beyond can be nearer than the best so far, and in each row from the query's
 /// azimuth both ways likewise. Each way takes at most half of the row's points: exact where they
 /// stand all around; in a row with points on one side only, the nearest can be missed if more than
-/// half of them stand before it. LeGO-LOAM builds a kd-tree for every scan; with PCL's the odometry
-/// took twice as long.
+/// half of them stand before it. LeGO-LOAM builds a kd-tree for every scan.
 class RowOrderedCloud {
  public:
+  RowOrderedCloud() = default;
   /// `points_m`: the positions to search, one per point of `features` (whose rows are taken).
   /// Those that are not finite are left out.
   RowOrderedCloud(const std::vector<FeaturePoint>& features,
@@ -28,24 +38,28 @@ class RowOrderedCloud {
   const Eigen::Vector3f& point_m(int i) const { return points_m_[i]; }
 
   /// The nearest point within max_distance_m.
-  std::optional<int> nearest(const Eigen::Vector3f& query_m, double max_distance_m) const;
+  std::optional<int> nearest(const RowQuery& query, double max_distance_m,
+                             std::optional<int> guess = {}) const;
   /// The nearest other point in the row of point i.
-  std::optional<int> nearest_in_row_of(int i, const Eigen::Vector3f& query_m,
-                                       double max_distance_m) const;
+  std::optional<int> nearest_in_row_of(int i, const RowQuery& query, double max_distance_m,
+                                       std::optional<int> guess = {}) const;
   /// The nearest point in another row, at most two rows from that of point i.
-  std::optional<int> nearest_near_row_of(int i, const Eigen::Vector3f& query_m,
-                                         double max_distance_m) const;
+  std::optional<int> nearest_near_row_of(int i, const RowQuery& query, double max_distance_m,
+                                         std::optional<int> guess = {}) const;
 
  private:
+  int rows() const;
+  int row_begin(int row) const;
   void find_elevations();
-  std::optional<int> nearest_in_row(int row, std::optional<int> except,
-                                    const Eigen::Vector3f& query_m, float query_azimuth_rad,
+  float limit_m2(const RowQuery& query, double max_distance_m, std::optional<int> guess) const;
+  int first_from(int row, float azimuth_rad) const;
+  std::optional<int> nearest_in_row(int row, std::optional<int> except, const RowQuery& query,
                                     float& squared_distance_m2) const;
   std::vector<Eigen::Vector3f> points_m_;
   std::vector<Eigen::Vector2f> direction_;  ///< horizontal, of length 1
   std::vector<float> azimuth_rad_;
   std::vector<int> row_;
-  std::vector<int> row_begin_;  ///< index of the first point of each row, and the end
+  std::vector<int> sector_begin_;  ///< index of the first point per row and sector, and the end
   /// Elevations as (horizontal, vertical) of length 1. Per row: the highest of the points from this
   /// row on, the lowest of those up to it.
   std::vector<Eigen::Vector2f> highest_from_;

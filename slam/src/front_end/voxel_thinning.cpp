@@ -1,14 +1,8 @@
 #include "front_end/voxel_thinning.h"
 
-// The one filter that is used is compiled here: PCL's library of filters brings four more along,
-// 35 MB in all.
-#define PCL_NO_PRECOMPILE
-#include <pcl/filters/voxel_grid.h>
-#include <pcl/point_types.h>
-
 #include <algorithm>
-#include <cmath>
-#include <iterator>
+#include <cstdint>
+#include <span>
 
 namespace hqslam::slam {
 
@@ -16,76 +10,101 @@ namespace {
 
 constexpr float kReach_voxels = 1e6F;
 
-/// PCL numbers the voxels of the points' box with 31 bits. Where they are more it prints a warning
-/// and thins nothing; half as many are surely counted as it counts them.
+/// Voxels of a box are numbered with 32 bits.
 constexpr double kMaxVoxels = 1 << 30;
 
-/// The voxel of a point, counted as PCL does.
-Eigen::Array3f voxel_of(const FeaturePoint& point, float leaf_m) {
-  return (point.point_m.array() * (1.0F / leaf_m)).floor();
-}
+struct PlacedPoint {
+  Eigen::Array3i voxel;
+  std::uint32_t point;
+};
 
-std::vector<FeaturePoint> within_reach(const std::vector<FeaturePoint>& points, float leaf_m) {
-  std::vector<FeaturePoint> result;
+std::vector<PlacedPoint> placed(const std::vector<FeaturePoint>& points, float leaf_m) {
+  const float per_m = 1.0F / leaf_m;
+  std::vector<PlacedPoint> result;
   result.reserve(points.size());
-  std::copy_if(points.begin(), points.end(), std::back_inserter(result), [&](const auto& point) {
-    return (voxel_of(point, leaf_m).abs() < kReach_voxels).all();
-  });
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Eigen::Array3f scaled = points[i].point_m.array() * per_m;
+    if (!(scaled.abs() < kReach_voxels - 1.0F).all()) continue;
+    const Eigen::Array3i truncated = scaled.cast<int>();
+    const Eigen::Array3i below = (scaled < truncated.cast<float>()).cast<int>();
+    result.push_back({truncated - below, static_cast<std::uint32_t>(i)});
+  }
   return result;
 }
 
-/// Of points whose box has at most kMaxVoxels.
-std::vector<FeaturePoint> thin_box(const std::vector<FeaturePoint>& points, float leaf_m) {
-  auto cloud = pcl::make_shared<pcl::PointCloud<pcl::PointXYZINormal>>();
-  cloud->reserve(points.size());
-  for (const FeaturePoint& point : points) {
-    pcl::PointXYZINormal pcl_point;
-    pcl_point.getVector3fMap() = point.point_m;
-    pcl_point.intensity = point.time_offset_s;       // averaged like the position
-    pcl_point.getNormalVector3fMap() = point.slope;  // averaged, and made of length 1 again
-    cloud->push_back(pcl_point);
+/// The mean of position and time; slopes are averaged, and made of length 1 again.
+struct Mean {
+  Eigen::Vector3f sum_m = Eigen::Vector3f::Zero();
+  Eigen::Vector3f slope = Eigen::Vector3f::Zero();
+  float time_s = 0.0F;
+  int count = 0;
+
+  void add(const FeaturePoint& point) {
+    sum_m += point.point_m;
+    slope += point.slope;
+    time_s += point.time_offset_s;
+    ++count;
   }
-  pcl::VoxelGrid<pcl::PointXYZINormal> grid;
-  grid.setLeafSize(leaf_m, leaf_m, leaf_m);
-  grid.setInputCloud(cloud);
-  pcl::PointCloud<pcl::PointXYZINormal> kept;
-  grid.filter(kept);
-  std::vector<FeaturePoint> result;
-  result.reserve(kept.size());
-  for (const pcl::PointXYZINormal& point : kept) {
-    result.push_back({point.getVector3fMap(), point.intensity, points.front().row,
-                      point.getNormalVector3fMap()});
+  FeaturePoint in_row(int row) const {
+    const auto points = static_cast<float>(count);
+    return {sum_m / points, time_s / points, row, slope.normalized()};
   }
-  return result;
+};
+
+/// Of points whose box has so many voxels on each side, beginning with `first`. Those that follow
+/// each other in one voxel, as most do, are sorted as one.
+void thin_box(const std::vector<FeaturePoint>& points, std::span<const PlacedPoint> box,
+              const Eigen::Array3i& first, const Eigen::Array3i& side,
+              std::vector<FeaturePoint>& thinned) {
+  std::vector<std::uint32_t> voxel(box.size());
+  std::vector<std::uint64_t> runs;  // the voxel above where in the box the run begins
+  for (std::size_t i = 0; i < box.size(); ++i) {
+    const Eigen::Array3i at = box[i].voxel - first;
+    voxel[i] = static_cast<std::uint32_t>(at.x() + side.x() * (at.y() + side.y() * at.z()));
+    if (i == 0 || voxel[i] != voxel[i - 1]) runs.push_back(std::uint64_t{voxel[i]} << 32 | i);
+  }
+  std::sort(runs.begin(), runs.end());
+  const int row = points[box.front().point].row;
+  for (auto run = runs.begin(); run != runs.end();) {
+    const std::uint64_t here = *run >> 32;
+    Mean mean;
+    for (; run != runs.end() && *run >> 32 == here; ++run) {
+      for (auto i = static_cast<std::uint32_t>(*run); i < box.size() && voxel[i] == here; ++i) {
+        mean.add(points[box[i].point]);
+      }
+    }
+    thinned.push_back(mean.in_row(row));
+  }
 }
 
 /// Halves the box between two voxels until its parts are small enough.
-std::vector<FeaturePoint> thin_in_parts(std::vector<FeaturePoint> points, float leaf_m) {
-  if (points.empty()) return {};
-  Eigen::Array3f first = voxel_of(points.front(), leaf_m);
-  Eigen::Array3f last = first;
-  for (const FeaturePoint& point : points) {
-    first = first.min(voxel_of(point, leaf_m));
-    last = last.max(voxel_of(point, leaf_m));
+void thin_in_parts(const std::vector<FeaturePoint>& points, std::span<PlacedPoint> box,
+                   std::vector<FeaturePoint>& thinned) {
+  if (box.empty()) return;
+  Eigen::Array3i first = box.front().voxel;
+  Eigen::Array3i last = first;
+  for (const PlacedPoint& placed : box) {
+    first = first.min(placed.voxel);
+    last = last.max(placed.voxel);
   }
-  const Eigen::Array3f side = last - first + 1.0F;
-  if (side.cast<double>().prod() <= kMaxVoxels) return thin_box(points, leaf_m);
+  const Eigen::Array3i side = last - first + 1;
+  if (side.cast<double>().prod() <= kMaxVoxels) return thin_box(points, box, first, side, thinned);
   Eigen::Index longest = 0;
-  const float half = std::floor(side.maxCoeff(&longest) / 2.0F);
-  const auto upper = std::stable_partition(points.begin(), points.end(), [&](const auto& point) {
-    return voxel_of(point, leaf_m)[longest] < first[longest] + half;
+  const int half = side.maxCoeff(&longest) / 2;
+  const auto upper = std::stable_partition(box.begin(), box.end(), [&](const auto& placed) {
+    return placed.voxel[longest] < first[longest] + half;
   });
-  std::vector<FeaturePoint> result = thin_in_parts({points.begin(), upper}, leaf_m);
-  const std::vector<FeaturePoint> rest = thin_in_parts({upper, points.end()}, leaf_m);
-  result.insert(result.end(), rest.begin(), rest.end());
-  return result;
+  thin_in_parts(points, {box.begin(), upper}, thinned);
+  thin_in_parts(points, {upper, box.end()}, thinned);
 }
 
 }  // namespace
 
 std::vector<FeaturePoint> thin(const std::vector<FeaturePoint>& points, double leaf_m) {
-  const auto leaf = static_cast<float>(leaf_m);
-  return thin_in_parts(within_reach(points, leaf), leaf);
+  std::vector<FeaturePoint> thinned;
+  std::vector<PlacedPoint> all = placed(points, static_cast<float>(leaf_m));
+  thin_in_parts(points, all, thinned);
+  return thinned;
 }
 
 }  // namespace hqslam::slam

@@ -1,6 +1,7 @@
 #include "map/feature_map.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <numeric>
 #include <utility>
@@ -21,24 +22,78 @@ Eigen::Vector3i floored(const Eigen::Vector3f& v) {
   return truncated - (v.array() < truncated.cast<float>()).cast<int>();
 }
 
-/// distance_m2: less than that of the sixth so far.
-void insert_sorted(Neighbours& found, const Eigen::Vector3f& point_m, float distance_m2) {
-  int place = found.count;
-  if (found.count < Neighbours::kWanted) {
-    ++found.count;
-  } else {
-    found.sixth_squared_m2 = std::max(distance_m2, found.squared_distance_m2.back());
-    if (distance_m2 >= found.squared_distance_m2.back()) return;
-    --place;
+/// The six points nearest to a query so far. Each is one number, its squared distance above where
+/// it was found, so that the nearer has the smaller one and none of their comparisons is a branch
+/// that a processor could guess wrong.
+class SixNearest {
+ public:
+  SixNearest(const Eigen::Vector3f& query_m, float reach_m2)
+      : query_m_(query_m), reach_m2_(reach_m2) {
+    nearest_.fill(number(reach_m2, 0));
   }
-  while (place > 0 && found.squared_distance_m2[place - 1] > distance_m2) {
-    found.squared_distance_m2[place] = found.squared_distance_m2[place - 1];
-    found.points_m[place] = found.points_m[place - 1];
-    --place;
+
+  /// Nothing farther is among them.
+  float bound_m2() const { return distance_m2(kWanted); }
+
+  /// The points of a cube, which is one of at most eight.
+  template <typename Cells>
+  void look_through(const Cells& cells, std::uint32_t cube) {
+    constexpr std::size_t kAtOnce = 32;
+    for (std::size_t begin = 0; begin < cells.size(); begin += kAtOnce) {
+      const std::size_t count = std::min(cells.size() - begin, kAtOnce);
+      std::array<float, kAtOnce> candidates_m2;
+      std::array<std::uint32_t, kAtOnce> candidate;
+      std::size_t candidates = 0;
+      const float bound_m2_now = bound_m2();
+      for (std::size_t i = 0; i < count; ++i) {
+        const float away_m2 = (cells[begin + i].mean_m - query_m_).squaredNorm();
+        candidates_m2[candidates] = away_m2;
+        candidate[candidates] = static_cast<std::uint32_t>(begin + i);
+        candidates += away_m2 < bound_m2_now ? 1 : 0;
+      }
+      for (std::size_t i = 0; i < candidates; ++i) {
+        insert(number(candidates_m2[i], cube << kCellBits | candidate[i]));
+      }
+    }
   }
-  found.squared_distance_m2[place] = distance_m2;
-  found.points_m[place] = point_m;
-}
+
+  /// point_m(cube, cell): what was looked through there.
+  template <typename Point>
+  Neighbours found(const Point& point_m) const {
+    Neighbours result;
+    while (result.count < kWanted && distance_m2(result.count) < reach_m2_) {
+      const auto place = static_cast<std::uint32_t>(nearest_[result.count]);
+      result.squared_distance_m2[result.count] = distance_m2(result.count);
+      result.points_m[result.count] = point_m(place >> kCellBits, place & ((1U << kCellBits) - 1U));
+      ++result.count;
+    }
+    result.sixth_squared_m2 = bound_m2();
+    return result;
+  }
+
+ private:
+  static constexpr int kWanted = Neighbours::kWanted;
+  static constexpr int kCellBits = 24;
+
+  /// Floats that are not negative are in the order of their bits.
+  static std::uint64_t number(float distance_m2, std::uint32_t place) {
+    return std::uint64_t{std::bit_cast<std::uint32_t>(distance_m2)} << 32 | place;
+  }
+  float distance_m2(int i) const {
+    return std::bit_cast<float>(static_cast<std::uint32_t>(nearest_[i] >> 32));
+  }
+  void insert(std::uint64_t inserted) {
+    for (std::uint64_t& number : nearest_) {
+      const std::uint64_t before = number;
+      number = inserted < before ? inserted : before;
+      inserted = inserted < before ? before : inserted;
+    }
+  }
+
+  Eigen::Vector3f query_m_;
+  float reach_m2_;
+  std::array<std::uint64_t, kWanted + 1> nearest_;
+};
 
 }  // namespace
 
@@ -149,29 +204,27 @@ void FeatureMap::drop_empty_cubes() {
 }
 
 Neighbours FeatureMap::nearest(const Eigen::Vector3f& query_m) const {
-  Neighbours found;
   const Eigen::Vector3f scaled = query_m / cube_m_;
-  if (!(scaled.array().abs() < static_cast<float>(kCubeRange - 1)).all()) return found;
+  if (!(scaled.array().abs() < static_cast<float>(kCubeRange - 1)).all()) return {};
   // The ball has the diameter of a cube: along each axis it touches the query's own cube and the
   // one beyond the nearer face. Cubes farther than the sixth neighbour so far are not looked into.
   const Eigen::Vector3i own = floored(scaled);
   const Eigen::Array3f inside = scaled.array() - own.cast<float>().array();  // 0..1
-  const Eigen::Array3i step = (inside < 0.5F).select(Eigen::Array3i::Constant(-1), 1);
-  const Eigen::Array3f face_m = (inside < 0.5F).select(inside, 1.0F - inside) * cube_m_;
-  const Eigen::Array3f face_m2 = face_m.square();
-  found.sixth_squared_m2 = max_distance_m_ * max_distance_m_;
-  for (int corner = 0; corner < 8; ++corner) {
-    const Eigen::Array3i beyond(corner & 1, (corner >> 1) & 1, corner >> 2);
-    if ((beyond.cast<float>() * face_m2).sum() >= found.sixth_squared_m2) continue;
-    const Cube* cube = find(own + (beyond * step).matrix());
-    if (cube == nullptr) continue;
-    for (const Cell& cell : cube->cells) {
-      const Eigen::Vector3f& mean_m = cell.mean_m;
-      const float distance_m2 = (mean_m - query_m).squaredNorm();
-      if (distance_m2 < found.sixth_squared_m2) insert_sorted(found, mean_m, distance_m2);
-    }
+  const auto is_near_lower = inside < 0.5F;
+  const Eigen::Array3f face_m2 =
+      (is_near_lower.select(inside, 1.0F - inside) * cube_m_).square().eval();
+  const Eigen::Array3i beyond = own.array() + is_near_lower.select(Eigen::Array3i::Constant(-1), 1);
+  SixNearest nearest(query_m, max_distance_m_ * max_distance_m_);
+  std::array<const Cube*, 8> cubes{};
+  for (std::uint32_t corner = 0; corner < 8; ++corner) {
+    const Eigen::Array3<bool> is_beyond((corner & 1U) != 0, (corner & 2U) != 0, (corner & 4U) != 0);
+    if (is_beyond.select(face_m2, 0.0F).sum() >= nearest.bound_m2()) continue;
+    cubes[corner] = find(is_beyond.select(beyond, own.array()));
+    if (cubes[corner] != nullptr) nearest.look_through(cubes[corner]->cells, corner);
   }
-  return found;
+  return nearest.found([&](std::uint32_t cube, std::uint32_t cell) -> const Eigen::Vector3f& {
+    return cubes[cube]->cells[cell].mean_m;
+  });
 }
 
 std::vector<std::size_t> FeatureMap::cubes_touching(const Surroundings& place) const {

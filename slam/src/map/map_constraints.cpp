@@ -94,15 +94,15 @@ std::optional<PlaneConstraint> horizontal(std::optional<PlaneConstraint> surface
 template <typename Fit, int kNeighbours, typename Make, typename Constrain>
 auto find_all(SearchedFeatures<Fit, kNeighbours>& searched, const MapSearch& search,
               const FeatureMap& map, const Make& make, const Constrain& constrain) {
-  const std::vector<Eigen::Vector3f> points_m =
-      motion_corrected(searched.features, search.velocity);
+  const MotionCorrection corrected(search.velocity);
   const Eigen::Matrix3d rotation = search.T_map_sensor.linear();
   const Eigen::Vector3d origin_m = search.T_map_sensor.translation();
   std::vector<decltype(constrain(std::size_t(), std::optional<Fit>(), Eigen::Vector3d()))> found(
-      points_m.size());
+      searched.features.size());
 #pragma omp parallel for schedule(static)
-  for (std::size_t i = 0; i < points_m.size(); ++i) {
-    const Eigen::Vector3d rotated_m = rotation * points_m[i].cast<double>();
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    const Eigen::Vector3f point_m = corrected(searched.features[i]);
+    const Eigen::Vector3d rotated_m = rotation * point_m.cast<double>();
     const Eigen::Vector3f query_m = (rotated_m + origin_m).cast<float>();
     found[i] = constrain(i, searched.nearby[i].at(map, query_m, search.reach_m, make), rotated_m);
   }
@@ -187,6 +187,7 @@ std::vector<std::optional<EdgeConstraints>> post_constraints(
 
 ConstraintList MapMatches::constraints() const {
   ConstraintList list;
+  list.all.reserve(ground.size() + surfaces.size() + 2 * (edges.size() + posts.size()));
   list.add(ground);
   list.ground = list.planes;
   list.add(surfaces);

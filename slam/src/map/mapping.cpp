@@ -24,15 +24,6 @@ constexpr double kLateTolerance = 4.0;
 /// Of its line or plane: MappingResult::close_ratio.
 constexpr double kClose_m = 0.1;
 
-std::vector<FeaturePoint> measured(const std::vector<FeaturePoint>& features,
-                                   const std::optional<RowSelection>& rows) {
-  if (!rows) return features;
-  std::vector<FeaturePoint> result;
-  std::copy_if(features.begin(), features.end(), std::back_inserter(result),
-               [&](const FeaturePoint& feature) { return rows->contains(feature.row); });
-  return result;
-}
-
 RegisteredScan searched(const MapFeatures& features) {
   return {SearchedFeatures<MapSurface>(features.ground_to_register),
           SearchedFeatures<MapSurface>(features.surfaces_to_register),
@@ -69,16 +60,27 @@ MapSearch search_at(const MappingResult& at, const MappingOptions& options) {
 
 }  // namespace
 
-MapFeatures map_features(const Features& features, const std::optional<RowSelection>& measured_rows,
-                         const MappingOptions& options) {
+MapFeatures map_features(const Features& features, const MappingOptions& options) {
   MapFeatures result;
-  result.edges = thin(measured(features.edges, measured_rows), options.edge_leaf_m);
-  result.posts = measured(features.posts, measured_rows);
-  result.ground = thin(measured(features.ground, measured_rows), options.planar_leaf_m);
-  result.surfaces = thin(measured(features.surfaces, measured_rows), options.planar_leaf_m);
-  result.posts_to_register = thin(result.posts, options.located_planar_leaf_m);
-  result.ground_to_register = thin(result.ground, options.located_planar_leaf_m);
-  result.surfaces_to_register = thin(result.surfaces, options.located_planar_leaf_m);
+#pragma omp parallel sections
+  {
+#pragma omp section
+    {
+      result.surfaces = thin(features.surfaces, options.planar_leaf_m);
+      result.surfaces_to_register = thin(result.surfaces, options.located_planar_leaf_m);
+    }
+#pragma omp section
+    {
+      result.ground = thin(features.ground, options.planar_leaf_m);
+      result.ground_to_register = thin(result.ground, options.located_planar_leaf_m);
+    }
+#pragma omp section
+    {
+      result.edges = thin(features.edges, options.edge_leaf_m);
+      result.posts = features.posts;
+      result.posts_to_register = thin(result.posts, options.located_planar_leaf_m);
+    }
+  }
   return result;
 }
 
@@ -128,8 +130,7 @@ MappingResult Mapping::register_from(const MapFeatures& features, const MotionSt
                         matched >= options_.min_matched_share * feature_count;
     const Pose before = result.state.T_map_sensor;
     const ScanInformation information = scan_information(constraints.all, before.linear());
-    const bool all_observable =
-        observability(constraints.all, FreeParameters::kAll).degenerate_directions == 0;
+    const bool all_observable = information.degenerate_directions == 0;
     if (narrow && (!enough || !all_observable)) {
       narrow_suffices = false;
       result.is_close_search = false;

@@ -26,9 +26,7 @@ struct MapFeatures {
   std::vector<FeaturePoint> ground_to_register;    ///< fewer: enough to register the scan
   std::vector<FeaturePoint> surfaces_to_register;  ///< the same
 };
-/// measured_rows: SensorModel::measured_rows. Features of computed rows are left out.
-MapFeatures map_features(const Features& features, const std::optional<RowSelection>& measured_rows,
-                         const MappingOptions& options);
+MapFeatures map_features(const Features& features, const MappingOptions& options);
 
 struct MappingResult {
   MotionState state;  ///< at the scan's stamp

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -19,6 +21,10 @@ namespace hqslam::slam {
 template <typename Fit, int kNeighbours = Neighbours::kWanted>
 class NearbyFit {
  public:
+  NearbyFit() {
+    points_m_.fill(Eigen::Vector3f::Constant(std::numeric_limits<float>::quiet_NaN()));
+  }
+
   /// query_m: map frame. reach_m: how far the last neighbour may be, at most the map's own reach.
   /// fit(neighbours): a Fit or nothing, of at least k neighbours. map and fit: the same in every
   /// call.
@@ -48,13 +54,16 @@ class NearbyFit {
     last_m_ = enough ? std::sqrt(found.squared_distance_m2[kNeighbours - 1])
                      : std::numeric_limits<float>::infinity();
     same_within_m_ = enough ? (std::sqrt(next_m2) - last_m_) / 2.0F : 0.0F;
-    fit_ = enough ? fit(found) : std::nullopt;
+    if (!enough || std::equal(points_m_.begin(), points_m_.end(), found.points_m.begin())) return;
+    std::copy_n(found.points_m.begin(), kNeighbours, points_m_.begin());
+    fit_ = fit(found);
   }
 
   Eigen::Vector3f query_m_ = Eigen::Vector3f::Zero();
   float last_m_ = 0.0F;
   float same_within_m_ = 0.0F;  ///< about query_m_; 0: nothing is known
   std::optional<Fit> fit_;
+  std::array<Eigen::Vector3f, kNeighbours> points_m_;  ///< that it was made of; before: not finite
 };
 
 }  // namespace hqslam::slam

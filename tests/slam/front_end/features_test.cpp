@@ -57,6 +57,30 @@ TEST_CASE("the ground's slope lies in the ground, across the row; nothing else h
     CHECK(point.slope == Eigen::Vector3f::Zero());
 }
 
+TEST_CASE("of a scan with computed rows the measured ones have features, those they always have") {
+  const SensorModel sensor = test::small_sensor(32, 512);
+  const OrganizedCloud cloud = test::Yard().scan(sensor, test::yard_pose(0, 0, 0));
+  slam::Segmenter segmenter(sensor, {}, {});
+  const slam::Segmentation segmentation = segmenter.segment(cloud);
+  const slam::Features of_all = slam::extract_features(cloud, segmentation, {});
+  const slam::Features features =
+      slam::extract_features(cloud, segmentation, {}, RowSelection{3, 4});
+  for (const auto kind :
+       {&slam::Features::sharp_edges, &slam::Features::edges, &slam::Features::flat_points,
+        &slam::Features::ground, &slam::Features::surfaces, &slam::Features::posts}) {
+    std::vector<slam::FeaturePoint> expected;
+    for (slam::FeaturePoint point : of_all.*kind) {
+      if (point.row % 4 != 3) continue;
+      point.row /= 4;  // counted among the measured ones
+      expected.push_back(point);
+    }
+    CHECK(std::ranges::equal(features.*kind, expected, [](const auto& a, const auto& b) {
+      return a.point_m == b.point_m && a.row == b.row;
+    }));
+  }
+  CHECK(features.ground.size() > 100);
+}
+
 TEST_CASE("a circle around the sensor has no edges") {
   CHECK(OneRow(std::vector<float>(360, 10.0F)).features().edges.empty());
 }

@@ -7,6 +7,7 @@
 
 using hqslam::slam::FeaturePoint;
 using hqslam::slam::RowOrderedCloud;
+using hqslam::slam::RowQuery;
 
 namespace {
 
@@ -56,7 +57,8 @@ float slow_nearest_m2(const Points& points, const Eigen::Vector3f& query_m, cons
 void compare_with_search_through_all(const Points& points, const Points& queries) {
   const RowOrderedCloud cloud(points.features, points.points_m);
   for (const Eigen::Vector3f& query_m : queries.points_m) {
-    const auto first = cloud.nearest(query_m, 5.0);
+    const RowQuery query(query_m);
+    const auto first = cloud.nearest(query, 5.0);
     REQUIRE(first);
     const Eigen::Vector3f first_m = cloud.point_m(*first);
     CHECK((first_m - query_m).squaredNorm() ==
@@ -65,33 +67,43 @@ void compare_with_search_through_all(const Points& points, const Points& queries
     for (std::size_t i = 0; i < points.points_m.size(); ++i) {
       if (points.points_m[i] == first_m) row = points.features[i].row;
     }
-    const auto second = cloud.nearest_in_row_of(*first, query_m, 5.0);
+    const auto second = cloud.nearest_in_row_of(*first, query, 5.0);
     const float second_m2 = slow_nearest_m2(
         points, query_m, [&](int r, const auto& p) { return r == row && p != first_m; });
     if (second_m2 < 25.0F) REQUIRE(second);
     if (second) CHECK((cloud.point_m(*second) - query_m).squaredNorm() == second_m2);
-    const auto third = cloud.nearest_near_row_of(*first, query_m, 5.0);
+    const auto third = cloud.nearest_near_row_of(*first, query, 5.0);
     const float third_m2 = slow_nearest_m2(
         points, query_m, [&](int r, const auto&) { return r != row && std::abs(r - row) <= 2; });
     if (third_m2 < 25.0F) REQUIRE(third);
     if (third) CHECK((cloud.point_m(*third) - query_m).squaredNorm() == third_m2);
+    for (int guess = 0; guess < static_cast<int>(cloud.size()); guess += 17) {
+      CHECK(cloud.nearest(query, 5.0, guess) == first);
+      CHECK(cloud.nearest_in_row_of(*first, query, 5.0, guess) == second);
+      CHECK(cloud.nearest_near_row_of(*first, query, 5.0, guess) == third);
+    }
+    CHECK(cloud.nearest(query, 5.0, first) == first);
+    CHECK(cloud.nearest_in_row_of(*first, query, 5.0, second) == second);
+    CHECK(cloud.nearest_near_row_of(*first, query, 5.0, third) == third);
   }
 }
 
 }  // namespace
 
-TEST_CASE("nearest, in the row and near the row agree with a search through all points") {
+TEST_CASE(
+    "nearest, in the row and near the row agree with a search through all, whatever is guessed") {
   compare_with_search_through_all(random_rows(40, 1), random_rows(30, 2));
   compare_with_search_through_all(rings(40, 1), rings(30, 2));
   compare_with_search_through_all(rings(40, 1), random_rows(30, 3));
 }
 
 TEST_CASE("an empty cloud and a query that is not finite find nothing") {
-  CHECK(!RowOrderedCloud({}, {}).nearest({0, 0, 0}, 5.0));
+  CHECK(!RowOrderedCloud({}, {}).nearest(RowQuery({0, 0, 0}), 5.0));
+  CHECK(!RowOrderedCloud().nearest(RowQuery({0, 0, 0}), 5.0));
   const Points points = random_rows(3, 1);
   const RowOrderedCloud cloud(points.features, points.points_m);
-  CHECK(!cloud.nearest({std::nanf(""), 0, 0}, 5.0));
-  CHECK(!cloud.nearest({100, 0, 0}, 5.0));
+  CHECK(!cloud.nearest(RowQuery({std::nanf(""), 0, 0}), 5.0));
+  CHECK(!cloud.nearest(RowQuery({100, 0, 0}), 5.0));
 }
 
 TEST_CASE("points that are not finite are left out, and the others are found") {
@@ -105,7 +117,7 @@ TEST_CASE("points that are not finite are left out, and the others are found") {
   const RowOrderedCloud cloud(points.features, points.points_m);
   CHECK(cloud.size() == sound.points_m.size());
   for (const Eigen::Vector3f& point_m : sound.points_m) {
-    const auto found = cloud.nearest(point_m, 5.0);
+    const auto found = cloud.nearest(RowQuery(point_m), 5.0);
     REQUIRE(found);
     CHECK(cloud.point_m(*found) == point_m);
   }

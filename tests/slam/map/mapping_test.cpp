@@ -14,8 +14,7 @@ namespace {
 
 slam::MapFeatures features_of(const SensorModel& sensor, const OrganizedCloud& cloud) {
   slam::Segmenter segmenter(sensor, {}, {});
-  return slam::map_features(slam::extract_features(cloud, segmenter.segment(cloud), {}),
-                            std::nullopt, {});
+  return slam::map_features(slam::extract_features(cloud, segmenter.segment(cloud), {}), {});
 }
 
 /// A sensor that is believed to be here: metres, radians.
@@ -280,36 +279,6 @@ TEST_CASE("a turn on the spot makes a keyframe, a short step does not") {
   CHECK(!mapping.is_keyframe(pose_from_xyz_rpy({0.2, 0, 0}, 0, 0, 0.1)));
   CHECK(mapping.is_keyframe(pose_from_xyz_rpy({0, 0, 0}, 0, 0, 0.25)));
   CHECK(mapping.is_keyframe(pose_from_xyz_rpy({0.31, 0, 0}, 0, 0, 0)));
-}
-
-TEST_CASE("of a scan with computed rows only the measured ones meet the map") {
-  const SensorModel sensor = test::small_sensor(32, 512);
-  const OrganizedCloud cloud = test::Yard().scan(sensor, test::yard_pose(0, 0, 0));
-  slam::Segmenter segmenter(sensor, {}, {});
-  const slam::Features features = slam::extract_features(cloud, segmenter.segment(cloud), {});
-  // A point of a map feature is the mean of the features in its voxel: the measured rows alone give
-  // the same map.
-  slam::Features of_measured_rows;
-  const auto copy = [&](const auto& from, auto& to) {
-    for (const slam::FeaturePoint& feature : from) {
-      if (feature.row % 4 == 3) to.push_back(feature);
-    }
-  };
-  copy(features.edges, of_measured_rows.edges);
-  copy(features.ground, of_measured_rows.ground);
-  copy(features.surfaces, of_measured_rows.surfaces);
-  REQUIRE(of_measured_rows.ground.size() < features.ground.size() / 2);
-  const slam::MapFeatures expected = slam::map_features(of_measured_rows, std::nullopt, {});
-  const slam::MapFeatures result = slam::map_features(features, RowSelection{3, 4}, {});
-  const auto same = [](const auto& a, const auto& b) {
-    return std::equal(a.begin(), a.end(), b.begin(), b.end(),
-                      [](const auto& p, const auto& q) { return p.point_m == q.point_m; });
-  };
-  CHECK(same(result.edges, expected.edges));
-  CHECK(same(result.ground, expected.ground));
-  CHECK(same(result.surfaces, expected.surfaces));
-  CHECK(same(result.ground_to_register, expected.ground_to_register));
-  CHECK(same(result.surfaces_to_register, expected.surfaces_to_register));
 }
 
 TEST_CASE("surfaces that lean to one side do not lift the sensor") {

@@ -10,6 +10,7 @@
 #include "hqslam/core/projection.h"
 #include "hqslam/nn/upsampled_cloud.h"
 #include "hqslam/slam/slam.h"
+#include "lift/drive_memory.h"
 #include "timing/timing.h"
 
 namespace hqslam::tools {
@@ -81,17 +82,25 @@ SlamTiming time_slam(ScanSource& source, int rows, nn::Upsampler* upsampler, int
                                                       : selection_for(source.sensor().rows(), rows);
   slam::Slam slam(upsampler != nullptr ? upsampler->sensor()
                                        : select_rows(source.sensor(), selection));
+  DriveMemory memory(upsampler);
   std::vector<slam::StageTimes> times;
   std::vector<double> upsampling_ms;
   std::vector<double> total_ms;
   while (!interrupt.stop_requested()) {
     const std::optional<RecordedScan> scan = source.next();
     if (!scan) break;
-    OrganizedCloud cloud = select_rows(scan->cloud, selection);
+    const OrganizedCloud measured = select_rows(scan->cloud, selection);
+    OrganizedCloud lifted;
     upsampling_ms.push_back(upsampler == nullptr ? 0.0 : milliseconds_of([&] {
-      cloud = nn::upsampled_cloud(*upsampler, cloud);
+      lifted = nn::upsampled_cloud(*upsampler, measured,
+                                   memory.recall(measured, slam.trajectory(), scan->stamp_s));
     }));
-    times.push_back(slam.process(cloud, scan->stamp_s).times);
+    const slam::ScanReport report =
+        slam.process(upsampler == nullptr ? measured : lifted, scan->stamp_s);
+    times.push_back(report.times);
+    upsampling_ms.back() += milliseconds_of([&] {
+      memory.remember(measured, slam.trajectory(), slam::is_registered(report.mapping_status));
+    });
     total_ms.push_back(upsampling_ms.back() + 1e3 * times.back().total_s);
   }
   SlamTiming timing;
@@ -99,7 +108,7 @@ SlamTiming time_slam(ScanSource& source, int rows, nn::Upsampler* upsampler, int
   timing.threads = threads;
   timing.scans = static_cast<std::int64_t>(times.size());
   if (upsampler != nullptr) {
-    timing.upsampled_by = upsampler->name();
+    timing.upsampled_by = upsampler->name() + (upsampler->has_scan_memory() ? ", memory" : "");
     timing.upsampling_ms = distribution_of(std::move(upsampling_ms));
   }
   for (const Stage& stage : kStages) {

@@ -31,7 +31,7 @@ struct SlamTiming {
   std::string upsampled_by;  ///< to all rows; empty: the measured rows as they are
   int threads = 0;
   std::int64_t scans = 0;
-  std::optional<Distribution> upsampling_ms;  ///< a scan of points in, a scan of points out
+  std::optional<Distribution> upsampling_ms;  ///< a scan of points in and out, with its memory
   std::vector<std::pair<std::string, Distribution>> stages_ms;  ///< and "total", with upsampling
   double first_fifth_ms = 0.0;  ///< median total of the first fifth of the scans, first 10 left out
   double last_fifth_ms = 0.0;
