@@ -52,8 +52,32 @@ Json json_of(const Eigen::Vector3f& place_m) {
   return json_of(Eigen::Vector3d(place_m.cast<double>()));
 }
 
+/// From the dimmest to the brightest of the points, but for the few beyond; nothing where no
+/// intensity is known.
+std::vector<float> range_of_intensities(std::vector<float> intensity) {
+  constexpr double kBeyond = 0.02;
+  std::erase_if(intensity, [](float value) { return !std::isfinite(value); });
+  if (intensity.empty()) return {};
+  const auto at = [&](double share) {
+    const auto place =
+        intensity.begin() + std::lround(share * static_cast<double>(intensity.size() - 1));
+    std::nth_element(intensity.begin(), place, intensity.end());
+    return *place;
+  };
+  return {at(kBeyond), at(1.0 - kBeyond)};
+}
+
 Json json_of(const ViewCloud& cloud, std::size_t most_points) {
-  const PointBlocks packed = point_blocks(cloud.points_m, cloud.confidence, most_points);
+  const std::vector<float> bright = range_of_intensities(cloud.intensity);
+  std::vector<float> brightness;
+  if (!bright.empty()) {
+    for (const float intensity : cloud.intensity) {
+      brightness.push_back((intensity - bright[0]) / std::max(bright[1] - bright[0], 1e-6F));
+    }
+  }
+  // A fifth byte for each, in the same room.
+  const std::size_t most = bright.empty() ? most_points : most_points * 4 / 5;
+  const PointBlocks packed = point_blocks(cloud.points_m, cloud.confidence, most, brightness);
   Json blocks = Json::array();
   for (const PointBlocks::Block& block : packed.blocks) {
     Json& entry = blocks.emplace_back(Json{block.corner.x(), block.corner.y(), block.corner.z()});
@@ -63,6 +87,8 @@ Json json_of(const ViewCloud& cloud, std::size_t most_points) {
   if (!bytes.empty()) std::memcpy(bytes.data(), packed.points.data(), bytes.size());
   return {{"name", cloud.name},
           {"sure", !cloud.confidence.empty()},
+          {"bright", bright},
+          {"brightness", base64(packed.brightness)},
           {"origin", json_of(packed.origin_m)},
           {"step", packed.step_m},
           {"spacing", packed.spacing_m},
@@ -188,7 +214,7 @@ std::string turning_view_html(const TurningView& view) {
       "<div class=\"controls\">\n"
       "<label{}>Points <select class=\"cloud\"></select></label>\n"
       "<label>Colour <select class=\"colour\"><option>height</option><option>confidence</option>"
-      "</select></label>\n"
+      "<option>intensity</option></select></label>\n"
       "<button data-view=\"overview\">Overview</button><button data-view=\"above\">From above"
       "</button><button data-view=\"behind\"{}>Behind the sensor</button>\n"
       "<label{}><input type=\"checkbox\" class=\"map\" checked>map</label>\n"

@@ -10,11 +10,13 @@
 
 namespace hqslam::tools {
 
-/// Points under a name, in metres; confidence: 0 to 1 each, or empty where nothing is known of it.
+/// Points under a name, in metres; confidence: 0 to 1 each, or empty where nothing is known of it;
+/// intensity: the same, in any unit.
 struct ViewCloud {
   std::string name;
   std::vector<Eigen::Vector3f> points_m;
   std::vector<float> confidence = {};
+  std::vector<float> intensity = {};
 };
 
 /// A scan as it was measured, and what was computed between, in the frame of the clouds.
