@@ -34,7 +34,7 @@ UpsampleOutput make_output(const UpsampleOptions& options, const LiftedInput& in
   return {options.out,
           {options.input, options.upsample, scans},
           sensor,
-          UpsampledFormats{options.bin, options.pcd, options.las, options.png}};
+          UpsampledFormats{options.bin, options.pcd, options.png, options.las}};
 }
 
 /// The ranges of the points that are written: those of the measured rows are the recording's.

@@ -31,7 +31,7 @@ constexpr std::array<const char*, 7> kFiles = {"scans.npy",   "confidence.npy", 
                                                "sensor.json", "upsample.json",  "truth.tum",
                                                "truth.kitti"};
 constexpr std::array<const char*, 2> kTruthFiles = {"truth.tum", "truth.kitti"};
-constexpr std::array<const char*, 4> kScanFolders = {"bin", "pcd", "las", "png"};
+constexpr std::array<const char*, 4> kScanFolders = {"bin", "pcd", "png", "las"};
 
 bool same_file(const fs::path& a, const fs::path& b) {
   std::error_code error;
@@ -111,7 +111,7 @@ UpsampleOutput::UpsampleOutput(const std::string& folder, UpsampleOrigin origin,
       fs::copy_file(known, folder_ / truth);
     }
   }
-  const std::array<bool, 4> wanted = {formats.kitti_bin, formats.pcd, formats.las, formats.png};
+  const std::array<bool, 4> wanted = {formats.kitti_bin, formats.pcd, formats.png, formats.las};
   for (std::size_t i = 0; i < wanted.size(); ++i) {
     if (wanted[i]) make_result_folder(folder_ / kScanFolders[i]);
   }

@@ -75,9 +75,8 @@ Json json_of(const ViewCloud& cloud, std::size_t most_points) {
       brightness.push_back((intensity - bright[0]) / std::max(bright[1] - bright[0], 1e-6F));
     }
   }
-  // A fifth byte for each, in the same room.
-  const std::size_t most = bright.empty() ? most_points : most_points * 4 / 5;
-  const PointBlocks packed = point_blocks(cloud.points_m, cloud.confidence, most, brightness);
+  const PointBlocks packed =
+      point_blocks(cloud.points_m, cloud.confidence, most_points, brightness);
   Json blocks = Json::array();
   for (const PointBlocks::Block& block : packed.blocks) {
     Json& entry = blocks.emplace_back(Json{block.corner.x(), block.corner.y(), block.corner.z()});
@@ -96,8 +95,8 @@ Json json_of(const ViewCloud& cloud, std::size_t most_points) {
           {"points", base64(bytes)}};
 }
 
-/// How many points each cloud may have, so that none has fewer than its part of the room unless it
-/// needs less.
+/// How much of the room each cloud gets, so that none has less than its part of it unless it needs
+/// less.
 std::vector<std::size_t> shared_out(std::size_t room, const std::vector<std::size_t>& wanted) {
   std::vector<std::size_t> by_size(wanted.size());
   std::iota(by_size.begin(), by_size.end(), 0U);
@@ -152,12 +151,19 @@ Json data_of(const TurningView& view) {
   Json data = {{"centre", json_of(Eigen::Vector3d(scene.center()))},
                {"radius", std::max(5.0, 0.5 * scene.sizes().head<2>().norm())},
                {"heights", range_of_heights(points_m)}};
+  const auto bytes_of_point = [](const ViewCloud& cloud) {
+    return sizeof(std::uint32_t) + (cloud.intensity.empty() ? 0 : 1);
+  };
   std::vector<std::size_t> wanted;
-  for (const ViewCloud& cloud : view.clouds) wanted.push_back(cloud.points_m.size());
-  const std::vector<std::size_t> most = shared_out(kMostCloudPoints, wanted);
+  for (const ViewCloud& cloud : view.clouds) {
+    wanted.push_back(cloud.points_m.size() * bytes_of_point(cloud));
+  }
+  const std::vector<std::size_t> most =
+      shared_out(kMostCloudPoints * sizeof(std::uint32_t), wanted);
   data["clouds"] = Json::array();
   for (std::size_t i = 0; i < most.size(); ++i) {
-    data["clouds"].push_back(json_of(view.clouds[i], most[i]));
+    const ViewCloud& cloud = view.clouds[i];
+    data["clouds"].push_back(json_of(cloud, most[i] / bytes_of_point(cloud)));
   }
   data["path"] = Json::array();
   for (const Points& piece_m : view.path_m) {

@@ -35,7 +35,8 @@ struct TurningView {
   std::vector<ViewScan> scans;
 };
 
-/// What a page may have of points, so that it stays below 15 MB with its pictures.
+/// What a page may have of points of 4 bytes (5 with an intensity), so that it stays below 15 MB
+/// with its pictures.
 inline constexpr std::size_t kMostCloudPoints = 1'200'000;
 inline constexpr std::size_t kMostScanPoints = 700'000;
 

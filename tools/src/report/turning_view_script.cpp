@@ -449,7 +449,7 @@ function turningView(root) {
     const stops = kPalettes[shown.by].map(stop => `rgb(${stop.map(part => 255 * part)})`);
     find('.key i').style.background = `linear-gradient(90deg, ${stops})`;
     const ends = [data.heights.map(height => height.toFixed(1) + ' m'), ['unsure', 'sure'],
-                  bright.map(value => value.toPrecision(2))][shown.by];
+                  bright.map(value => String(Number(value.toPrecision(2))))][shown.by];
     find('.key .low').textContent = ends[0];
     find('.key .high').textContent = ends[1];
     redraw();
