@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cmath>
 #include <cstring>
 #include <string_view>
 
@@ -53,15 +54,16 @@ Scan read_kitti_bin(const std::string& path) {
   Scan scan;
   scan.points_m.reserve(points);
   for (std::size_t i = 0; i < points; ++i) {
-    std::array<float, 3> xyz{};
-    std::memcpy(xyz.data(), bytes.data() + i * kBytesPerPoint, sizeof(xyz));
-    const Eigen::Vector3f point_m(xyz[0], xyz[1], xyz[2]);
+    std::array<float, 4> numbers{};
+    std::memcpy(numbers.data(), bytes.data() + i * kBytesPerPoint, sizeof(numbers));
+    const Eigen::Vector3f point_m(numbers[0], numbers[1], numbers[2]);
     if (!point_m.allFinite() || point_m.isZero(0.0F)) {
       ++scan.invalid_points;
       continue;
     }
     if (point_m.cwiseAbs().maxCoeff() > kMaxCoordinate_m) ++implausible;
     scan.points_m.push_back(point_m);
+    scan.intensity.push_back(numbers[3]);
   }
   if (static_cast<double>(implausible) > kMaxImplausibleShare * static_cast<double>(points)) {
     throw Error(
@@ -75,7 +77,10 @@ Scan read_kitti_bin(const std::string& path) {
 void write_kitti_bin(const Scan& scan, const std::string& path) {
   std::string bytes(scan.points_m.size() * kBytesPerPoint, '\0');
   for (std::size_t i = 0; i < scan.points_m.size(); ++i) {
-    std::memcpy(bytes.data() + i * kBytesPerPoint, scan.points_m[i].data(), 3 * sizeof(float));
+    char* const point = bytes.data() + i * kBytesPerPoint;
+    std::memcpy(point, scan.points_m[i].data(), 3 * sizeof(float));
+    if (scan.intensity.empty() || !std::isfinite(scan.intensity[i])) continue;
+    std::memcpy(point + 3 * sizeof(float), &scan.intensity[i], sizeof(float));
   }
   write_whole_file(path, bytes);
 }

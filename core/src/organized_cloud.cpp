@@ -47,6 +47,7 @@ OrganizedCloud select_rows(const OrganizedCloud& cloud, RowSelection rows) {
   result.range_m = rows_of(cloud.range_m, cloud.columns, selected);
   result.time_offset_s = rows_of(cloud.time_offset_s, cloud.columns, selected);
   result.confidence = rows_of(cloud.confidence, cloud.columns, selected);
+  result.intensity = rows_of(cloud.intensity, cloud.columns, selected);
   return result;
 }
 

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <optional>
 
+#include "hqslam/core/cloud_file.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/whole_file.h"
 #include "pcd_header.h"
@@ -112,8 +113,8 @@ RawPoints read_pcd_points(const std::string& path) {
     decompressed = decompressed_points(data, header, path);
   }
   const PointFields fields = point_fields(header.fields, path);
-  for (const PointField* field :
-       {fields.x, fields.y, fields.z, fields.ring, fields.time, fields.confidence}) {
+  for (const PointField* field : {fields.x, fields.y, fields.z, fields.ring, fields.time,
+                                  fields.intensity, fields.confidence}) {
     if (field == nullptr || field->count > 0) continue;
     throw Error(
         "{}: field '{}': expected one number per point, found none; give a .pcd file with COUNT 1 "
@@ -141,30 +142,10 @@ Scan read_pcd(const std::string& path, const SensorModel& sensor) {
   return scan_of(read_pcd_points(path), &sensor, path);
 }
 
-void write_pcd(const std::vector<Eigen::Vector3f>& points_m, const std::string& path,
-               const std::vector<float>& confidence) {
-  static_assert(sizeof(Eigen::Vector3f) == 3 * sizeof(float));
-  const bool sure = !confidence.empty();
-  if (sure && confidence.size() != points_m.size()) {
-    throw Error("{}: {} confidences for {} points, expected as many", path, confidence.size(),
-                points_m.size());
-  }
-  std::string bytes = fmt::format(
-      "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\nFIELDS x y z{1}\nSIZE 4 4 4{2}\n"
-      "TYPE F F F{3}\nCOUNT 1 1 1{4}\nWIDTH {0}\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS {0}\n"
-      "DATA binary\n",
-      points_m.size(), sure ? " confidence" : "", sure ? " 4" : "", sure ? " F" : "",
-      sure ? " 1" : "");
-  const std::size_t point_bytes = sizeof(Eigen::Vector3f) + (sure ? sizeof(float) : 0);
-  std::size_t next = bytes.size();
-  bytes.resize(next + points_m.size() * point_bytes);
-  for (std::size_t i = 0; i < points_m.size(); ++i, next += point_bytes) {
-    std::memcpy(bytes.data() + next, points_m[i].data(), sizeof(Eigen::Vector3f));
-    if (sure) {
-      std::memcpy(bytes.data() + next + sizeof(Eigen::Vector3f), &confidence[i], sizeof(float));
-    }
-  }
-  write_whole_file(path, bytes);
+void write_pcd(const std::vector<Eigen::Vector3f>& points_m, const std::string& path) {
+  Scan scan;
+  scan.points_m = points_m;
+  write_cloud(scan, path);
 }
 
 }  // namespace hqslam

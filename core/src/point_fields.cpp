@@ -116,6 +116,7 @@ PointFields point_fields(const std::vector<PointField>& fields, const std::strin
       field_of(fields, {"ring", "channel", "line", "laserid", "ringid", "beam"}),
       field_of(fields,
                {"t", "time", "timestamp", "offsettime", "timeoffset", "toffset", "relativetime"}),
+      field_of(fields, {"reflectivity", "intensity", "scalarintensity"}),
       field_of(fields, {"confidence"})};
   if (found.x == nullptr || found.y == nullptr || found.z == nullptr) {
     std::string names;

@@ -47,10 +47,13 @@ void require_matching_shapes(const Scan& scan, const SensorModel& sensor) {
     throw Error("scan has {} points but {} rows: expected one row per point or none", points,
                 scan.row.size());
   }
-  if (!scan.time_offset_s.empty() && scan.time_offset_s.size() != points) {
-    throw Error("scan has {} points but {} time offsets: expected one per point or none", points,
-                scan.time_offset_s.size());
-  }
+  const auto require_as_many = [&](const std::vector<float>& values, const char* name) {
+    if (values.empty() || values.size() == points) return;
+    throw Error("scan has {} points but {} {}: expected one per point or none", points,
+                values.size(), name);
+  };
+  require_as_many(scan.time_offset_s, "time offsets");
+  require_as_many(scan.intensity, "intensities");
   for (const std::uint16_t row : scan.row) {
     if (row >= sensor.rows()) {
       throw Error(
@@ -70,6 +73,7 @@ ProjectedScan project(const Scan& scan, const SensorModel& sensor) {
   if (!scan.time_offset_s.empty()) {
     result.cloud.time_offset_s.assign(result.cloud.range_m.size(), 0.0F);
   }
+  if (!scan.intensity.empty()) result.cloud.intensity.assign(result.cloud.range_m.size(), 0.0F);
   const ColumnFinder columns(sensor);
   for (std::size_t i = 0; i < scan.points_m.size(); ++i) {
     const Eigen::Vector3f& point_m = scan.points_m[i];
@@ -92,9 +96,26 @@ ProjectedScan project(const Scan& scan, const SensorModel& sensor) {
     nearest_m = range_m;
     result.cloud.points_m[pixel] = point_m;
     if (!scan.time_offset_s.empty()) result.cloud.time_offset_s[pixel] = scan.time_offset_s[i];
+    if (!scan.intensity.empty()) result.cloud.intensity[pixel] = scan.intensity[i];
   }
   for (const float range_m : result.cloud.range_m) result.counts.kept += range_m > 0.0F ? 1 : 0;
   return result;
+}
+
+Scan returns_of(const OrganizedCloud& cloud) {
+  Scan scan;
+  const auto keep = [](const auto& values, std::size_t pixel, auto& result) {
+    if (!values.empty()) result.push_back(values[pixel]);
+  };
+  for (std::size_t pixel = 0; pixel < cloud.range_m.size(); ++pixel) {
+    if (!(cloud.range_m[pixel] > 0.0F)) continue;
+    scan.points_m.push_back(cloud.points_m[pixel]);
+    scan.row.push_back(static_cast<std::uint16_t>(pixel / static_cast<std::size_t>(cloud.columns)));
+    keep(cloud.time_offset_s, pixel, scan.time_offset_s);
+    keep(cloud.confidence, pixel, scan.confidence);
+    keep(cloud.intensity, pixel, scan.intensity);
+  }
+  return scan;
 }
 
 namespace {

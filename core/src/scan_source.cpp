@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "hqslam/core/error.h"
+#include "hqslam/core/point_fields.h"
 #include "hqslam/core/trajectory.h"
 #include "scan_sources.h"
 #include "scan_stamps.h"
@@ -17,10 +18,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array<const char*, 3> kBinaryPoints = {".bin", ".pcd", ".ply"};
-constexpr std::array<const char*, 2> kTextPoints = {".csv", ".txt"};
 constexpr const char* kKnownRecordings =
-    "a folder of .bin, .pcd, .ply, .txt or .csv files, one such file, an .npy stack of range "
+    "a folder of .bin, .pcd, .ply, .las, .txt or .csv files, one such file, an .npy stack of range "
     "images or a folder written by 'hqslam simulate'";
 
 /// KITTI's file of stamps, and no scan.

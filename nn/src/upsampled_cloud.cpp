@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <optional>
 #include <vector>
 
 #include "hqslam/core/error.h"
@@ -79,6 +81,24 @@ Deviation between(const Deviation& above, const Deviation& below, float t) {
           t < 0.5F ? above.time_s : below.time_s};
 }
 
+/// Of a point of range_m, a fraction t down from pixel `above` to pixel `below` of what was
+/// measured; nothing: there is none, or it has no return.
+float intensity_between(const OrganizedCloud& measured, std::optional<std::size_t> above,
+                        std::optional<std::size_t> below, float t, float range_m) {
+  constexpr float kNear = 0.2F;
+  const auto off_m = [&](std::optional<std::size_t> pixel) {
+    return pixel && measured.range_m[*pixel] > 0.0F ? std::abs(measured.range_m[*pixel] - range_m)
+                                                    : std::numeric_limits<float>::infinity();
+  };
+  const float above_off_m = off_m(above);
+  const float below_off_m = off_m(below);
+  if (std::max(above_off_m, below_off_m) <= kNear * range_m) {
+    return (1.0F - t) * measured.intensity[*above] + t * measured.intensity[*below];
+  }
+  if (std::isinf(std::min(above_off_m, below_off_m))) return std::nanf("");
+  return measured.intensity[above_off_m <= below_off_m ? *above : *below];
+}
+
 /// Turns a point up by an angle about the horizontal axis across its line of sight.
 Eigen::Vector3f turned_up(const Eigen::Vector3f& point_m, float angle_rad) {
   const float horizontal_m = std::hypot(point_m.x(), point_m.y());
@@ -93,13 +113,22 @@ void correct_row(OrganizedCloud& cloud, int row, int above, int below, float t,
                  const OrganizedCloud& measured, const std::vector<Deviation>& deviations,
                  const SensorModel& sensor) {
   for (int column = 0; column < cloud.columns; ++column) {
-    const auto deviation_in = [&](int measured_row) {
+    const auto pixel_in = [&](int measured_row) {
       return measured_row < 0 || measured_row >= measured.rows
-                 ? Deviation()
-                 : deviations[measured.index(measured_row, column)];
+                 ? std::nullopt
+                 : std::optional(measured.index(measured_row, column));
     };
-    const Deviation deviation = between(deviation_in(above), deviation_in(below), t);
+    const auto deviation_of = [&](std::optional<std::size_t> at) {
+      return at ? deviations[*at] : Deviation();
+    };
+    const auto pixel_above = pixel_in(above);
+    const auto pixel_below = pixel_in(below);
+    const Deviation deviation = between(deviation_of(pixel_above), deviation_of(pixel_below), t);
     const std::size_t pixel = cloud.index(row, column);
+    if (!measured.intensity.empty() && cloud.range_m[pixel] > 0.0F) {
+      cloud.intensity[pixel] =
+          intensity_between(measured, pixel_above, pixel_below, t, cloud.range_m[pixel]);
+    }
     if (deviation.elevation_rad != 0.0F && cloud.range_m[pixel] > 0.0F) {
       cloud.points_m[pixel] = turned_up(cloud.points_m[pixel], deviation.elevation_rad);
     }
@@ -122,6 +151,7 @@ void copy_row(const OrganizedCloud& measured, int from, OrganizedCloud& cloud, i
   if (!measured.time_offset_s.empty()) {
     copy(measured.time_offset_s, cloud.time_offset_s);
   }
+  if (!measured.intensity.empty()) copy(measured.intensity, cloud.intensity);
 }
 
 }  // namespace
@@ -133,6 +163,7 @@ OrganizedCloud upsampled_cloud(const LiftedImage& lifted, const OrganizedCloud& 
       lifted.image, sensor,
       measured.time_offset_s.empty() ? CaptureTime::kMotionCorrected : CaptureTime::kRolling);
   cloud.confidence = lifted.confidence;
+  if (!measured.intensity.empty()) cloud.intensity.assign(cloud.range_m.size(), 0.0F);
   const std::vector<Deviation> deviations = deviations_of(measured, measured_rows, sensor, cloud);
 #pragma omp parallel for schedule(static)
   for (int row = 0; row < cloud.rows; ++row) {

@@ -56,7 +56,12 @@ void add_scans(nb::module_& module) {
           "(rows, columns) float32, seconds after the scan's stamp; None: corrected for motion.")
       .def_prop_ro(
           "confidence", [](OrganizedCloud& c) { return optional_view(c, c.confidence); },
-          "(rows, columns) float32, 0 to 1: 1 where measured; None: nothing is known of it.");
+          "(rows, columns) float32, 0 to 1: 1 where measured; None: nothing is known of it.")
+      .def_prop_ro(
+          "intensity", [](OrganizedCloud& c) { return optional_view(c, c.intensity); },
+          "(rows, columns) float32, in the recording's unit, of computed points between the "
+          "measured "
+          "ones; nan where it is not known. None: the recording does not say.");
 
   module.def(
       "project",

@@ -28,13 +28,14 @@ std::string complaint_about(const std::string& contents) {
 
 }  // namespace
 
-TEST_CASE("a KITTI scan is x y z intensity in float32; the intensity is left out") {
+TEST_CASE("a KITTI scan is x y z intensity in float32") {
   const TemporaryDirectory directory;
   write_file(directory.file("0.bin"), floats({1, 2, 3, 0.5F, -4, 5.5F, -6, 0}));
   const Scan scan = read_kitti_bin(directory.file("0.bin"));
   REQUIRE(scan.points_m.size() == 2);
   CHECK(scan.points_m[0] == Eigen::Vector3f(1, 2, 3));
   CHECK(scan.points_m[1] == Eigen::Vector3f(-4, 5.5F, -6));
+  CHECK(scan.intensity == std::vector<float>{0.5F, 0.0F});
   CHECK(scan.row.empty());
   CHECK(scan.time_offset_s.empty());
   CHECK(scan.invalid_points == 0);

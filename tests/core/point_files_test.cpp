@@ -275,17 +275,27 @@ TEST_CASE("a recording whose first scans all are of something else is refused") 
   CHECK(ended);
 }
 
-TEST_CASE("a confidence comes with its points, whatever the file") {
+TEST_CASE("confidence and intensity come with their points, whatever the field is called") {
   const TemporaryDirectory folder;
-  write_file(folder.file("a.csv"), "x,y,confidence,z\n1,2,0.5,3\n0,0,0.9,0\n4,5,1,6\n");
-  write_pcd({{1.0F, 2.0F, 3.0F}, {4.0F, 5.0F, 6.0F}}, folder.file("a.pcd"), {0.5F, 1.0F});
-  for (const char* name : {"a.csv", "a.pcd"}) {
-    const RawPoints points = read_point_file(folder.file(name));
-    CHECK(points.scan.points_m.size() == 2);
-    CHECK(points.confidence == std::vector<float>{0.5F, 1.0F});
+  const auto read = [&](const std::string& names) {
+    write_file(folder.file("a.csv"), names + "\n1,2,0.5,3,7\n0,0,0.9,0,8\n4,5,1,6,9\n");
+    return read_point_file(folder.file("a.csv")).scan;
+  };
+  for (const char* name : {"intensity", "Reflectivity", "scalar_Intensity"}) {
+    const Scan scan = read(std::string("x,y,confidence,z,") + name);
+    CHECK(scan.points_m.size() == 2);
+    CHECK(scan.confidence == std::vector<float>{0.5F, 1.0F});
+    CHECK(scan.intensity == std::vector<float>{7.0F, 9.0F});
   }
-  write_file(folder.file("b.txt"), "1 2 3\n");
-  CHECK(read_point_file(folder.file("b.txt")).confidence.empty());
+  CHECK(read("x,y,intensity,z,reflectivity").intensity == std::vector<float>{7.0F, 9.0F});
+  CHECK(read("x,y,a,z,b").confidence.empty());
+  CHECK(read("x,y,a,z,b").intensity.empty());
+}
+
+TEST_CASE("intensities that are all 0 are none") {
+  const TemporaryDirectory folder;
+  write_file(folder.file("a.txt"), "1 2 3 0\n2 3 4 0\n");
+  CHECK(read_point_file(folder.file("a.txt")).scan.intensity.empty());
 }
 
 TEST_CASE("the unit of times is that in which they last a turn") {

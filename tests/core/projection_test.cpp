@@ -5,9 +5,12 @@
 #include <cmath>
 #include <random>
 
+#include "error_message.h"
 #include "hqslam/core/error.h"
 
 using namespace hqslam;
+using hqslam::test::error_message;
+using hqslam::test::one_line_with;
 
 namespace {
 
@@ -85,6 +88,17 @@ TEST_CASE("the nearest return wins a pixel, in whatever order they come") {
   CHECK(projected.cloud.points_m[projected.cloud.index(7, 899)].isApprox(5.0F * direction));
 }
 
+TEST_CASE("an intensity goes where its point goes") {
+  Scan scan;
+  scan.points_m = {{9.0F, 0.01F, 0.0F}, {5.0F, 0.01F, 0.0F}, {0.0F, 7.0F, 0.0F}};
+  scan.intensity = {1.0F, 2.0F, 3.0F};
+  const OrganizedCloud cloud = project(scan, sensor_preset("vlp-16")).cloud;
+  CHECK(returns_of(cloud).intensity == std::vector<float>{3.0F, 2.0F});
+  scan.intensity.pop_back();
+  CHECK(one_line_with(error_message([&] { project(scan, sensor_preset("vlp-16")); }),
+                      "2 intensities"));
+}
+
 TEST_CASE("points outside the ranges or the beams are left out and counted") {
   const SensorModel sensor = sensor_preset("vlp-16");
   Scan scan;
@@ -159,4 +173,10 @@ TEST_CASE("the points of a cloud are those of the pixels with a return, row by r
   cloud.points_m[2] = {0.0F, 4.0F, 0.0F};
   cloud.range_m[2] = 4.0F;
   CHECK(points_of(cloud) == std::vector<Eigen::Vector3f>{{1.0F, 2.0F, 2.0F}, {0.0F, 4.0F, 0.0F}});
+  cloud.intensity = {1.0F, 2.0F, 3.0F, 4.0F};
+  const Scan scan = returns_of(cloud);
+  CHECK(scan.points_m == points_of(cloud));
+  CHECK(scan.row == std::vector<std::uint16_t>{0, 1});
+  CHECK(scan.intensity == std::vector<float>{2.0F, 3.0F});
+  CHECK(scan.time_offset_s.empty());
 }

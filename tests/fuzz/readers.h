@@ -14,6 +14,7 @@ void npy(Bytes input);
 void npz(Bytes input);
 void pcd(Bytes input);
 void ply(Bytes input);
+void las(Bytes input);
 void kitti_bin(Bytes input);
 void text(Bytes input);
 /// Whose points say which sensor they are of.

@@ -41,6 +41,7 @@ const std::vector<NamedReader> kReaders = {
     {"npz", fuzz::npz, 5000},
     {"pcd", fuzz::pcd, 5000},
     {"ply", fuzz::ply, 5000},
+    {"las", fuzz::las, 5000},
     {"kitti_bin", fuzz::kitti_bin, 5000},
     {"text", fuzz::text, 5000},
     {"found_sensor", fuzz::found_sensor},

@@ -9,6 +9,7 @@
 #include <map>
 #include <vector>
 
+#include "hqslam/core/cloud_file.h"
 #include "hqslam/core/kitti_bin.h"
 #include "hqslam/core/npy.h"
 #include "hqslam/core/npz.h"
@@ -71,6 +72,11 @@ void put_points() {
     scan.points_m.emplace_back(5.0F, static_cast<float>(20 - i), 0.1F * static_cast<float>(i % 3));
   }
   write_kitti_bin(scan, place("kitti_bin", "scan"));
+  write_cloud(scan, place("las", "points") + ".las");
+  scan.row.assign(scan.points_m.size(), 2);
+  scan.time_offset_s.assign(scan.points_m.size(), 0.01F);
+  scan.intensity.assign(scan.points_m.size(), 9.0F);
+  write_cloud(scan, place("las", "all") + ".las");
   std::string beams = "x,y,z,ring\n";
   std::string points = "x,y,z\n";
   for (int i = 0; i < 4 * 40; ++i) {

@@ -76,6 +76,34 @@ TEST_CASE("measured points and their times stay as they are, to the bit") {
   CHECK(kept.time_offset_s == measured.time_offset_s);
 }
 
+TEST_CASE("a computed point is as bright as the measured ones above and below it make it") {
+  const SensorModel sensor = small_sensor();
+  OrganizedCloud measured =
+      select_rows(unproject(flat(10.0F), sensor, CaptureTime::kRolling), kMeasuredRows);
+  measured.intensity.assign(measured.range_m.size(), 0.0F);
+  for (int column = 0; column < 16; ++column) {
+    measured.intensity[measured.index(0, column)] = 40.0F;
+    measured.intensity[measured.index(1, column)] = 80.0F;
+  }
+  measured.range_m[measured.index(1, 1)] = 13.0F;  // far from the point between
+  measured.range_m[measured.index(0, 2)] = 13.0F;
+  measured.range_m[measured.index(0, 3)] = 0.0F;
+  measured.range_m[measured.index(0, 4)] = measured.range_m[measured.index(1, 4)] = 0.0F;
+  const OrganizedCloud cloud = upsampled_cloud({flat(10.0F), {}}, measured, kMeasuredRows, sensor);
+  const auto intensity = [&](int row, int column) {
+    return cloud.intensity[cloud.index(row, column)];
+  };
+  CHECK(select_rows(cloud, kMeasuredRows).intensity == measured.intensity);
+  CHECK(intensity(2, 0) == 60.0F);
+  CHECK(intensity(0, 0) == 40.0F);  // nothing is above it
+  CHECK(intensity(2, 1) == 40.0F);
+  CHECK(intensity(2, 2) == 80.0F);
+  CHECK(intensity(2, 3) == 80.0F);
+  CHECK(std::isnan(intensity(2, 4)));
+  measured.intensity.clear();
+  CHECK(upsampled_cloud({flat(10.0F), {}}, measured, kMeasuredRows, sensor).intensity.empty());
+}
+
 TEST_CASE("the scans of a sensor that keeps to its beam table become what unproject makes") {
   const SensorModel sensor = small_sensor();
   const RangeImage image = image_of(sensor);

@@ -51,6 +51,7 @@ struct UpsampleOptions : InputChoice, LiftingChoice {
   int threads = 0;  ///< 0: what OpenMP chooses
   bool bin = false;
   bool pcd = false;
+  bool las = false;
   bool png = false;
 };
 void declare_upsample(CLI::App& app, UpsampleOptions& options);

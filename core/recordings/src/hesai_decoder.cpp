@@ -181,6 +181,7 @@ void HesaiDecoder::add_points(Bytes payload, int block, bool dual, double start_
     const double z_m = range_m * laser.sin_elevation;
     scan.points_m.push_back(Eigen::Vector3d(x_m, y_m, z_m).cast<float>());
     scan.row.push_back(static_cast<std::uint16_t>(i));
+    scan.intensity.push_back(measurement.reflectivity);
     scan.time_offset_s.push_back(static_cast<float>(start_s + laser.time_s));
   }
 }

@@ -38,7 +38,11 @@ void OusterDecoder::begin(const Packet& packet, std::uint32_t id) {
   frame.frame_id = id;
   if (options_.with_ranges) {
     frame.range_mm.assign(pixels, 0);
-    if (metadata_.dual_return()) frame.second_range_mm.assign(pixels, 0);
+    frame.reflectivity.assign(pixels, 0);
+    if (metadata_.dual_return()) {
+      frame.second_range_mm.assign(pixels, 0);
+      frame.second_reflectivity.assign(pixels, 0);
+    }
   }
   frame.timestamp_ns.assign(columns, 0);
   frame.measurement_id.assign(columns, 0);
@@ -122,16 +126,17 @@ void OusterDecoder::read_columns(Bytes packet) {
 void OusterDecoder::read_pixels(const std::uint8_t* pixels, int column) {
   const auto columns = static_cast<std::size_t>(metadata_.sensor.columns);
   const auto rows = static_cast<std::size_t>(metadata_.sensor.rows());
-  std::uint32_t* range = frame_->range_mm.data() + column;
-  for (std::size_t row = 0; row < rows; ++row) {
-    range[row * columns] = range_mm(pixels + row * layout_.pixel, layout_);
-  }
+  const auto read = [&](const std::uint8_t* at, std::vector<std::uint32_t>& range,
+                        std::vector<std::uint16_t>& bright) {
+    for (std::size_t i = static_cast<std::size_t>(column); i < rows * columns; i += columns) {
+      range[i] = range_mm(at, layout_);
+      bright[i] = reflectivity(at, layout_);
+      at += layout_.pixel;
+    }
+  };
+  read(pixels, frame_->range_mm, frame_->reflectivity);
   if (layout_.second_range_at == 0) return;
-  std::uint32_t* second = frame_->second_range_mm.data() + column;
-  for (std::size_t row = 0; row < rows; ++row) {
-    second[row * columns] =
-        range_mm(pixels + row * layout_.pixel + layout_.second_range_at, layout_);
-  }
+  read(pixels + layout_.second_range_at, frame_->second_range_mm, frame_->second_reflectivity);
 }
 
 /// Ends the frame. Of the first and the last one of a recording a part may never have been

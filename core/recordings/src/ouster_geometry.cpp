@@ -61,16 +61,16 @@ OusterGeometry::OusterGeometry(const OusterMetadata& metadata, const OusterOptio
   }
 }
 
-std::uint32_t OusterGeometry::kept_mm(const OusterFrame& frame, std::size_t at) const {
+bool OusterGeometry::keeps_second(const OusterFrame& frame, std::size_t at) const {
+  if (frame.second_range_mm.empty()) return false;
   const std::uint32_t first_mm = frame.range_mm[at];
-  if (frame.second_range_mm.empty()) return first_mm;
-  const std::uint32_t second_mm = frame.second_range_mm[at];
-  if (options_.kept_return == KeptReturn::kLast) return std::max(first_mm, second_mm);
-  return first_mm > 0 ? first_mm : second_mm;
+  if (options_.kept_return == KeptReturn::kLast) return frame.second_range_mm[at] > first_mm;
+  return first_mm == 0;
 }
 
 void OusterGeometry::set_points(const OusterFrame& frame, OrganizedCloud& cloud) const {
   if (frame.range_mm.empty()) return;  // they were not read
+  cloud.intensity.assign(cloud.range_m.size(), 0.0F);
   const SensorModel& sensor = metadata_.sensor;
   const auto columns = static_cast<std::size_t>(sensor.columns);
   const auto nearest_mm = static_cast<std::uint32_t>(std::ceil(1e3 * sensor.min_range_m));
@@ -79,7 +79,9 @@ void OusterGeometry::set_points(const OusterFrame& frame, OrganizedCloud& cloud)
     const std::size_t first = columns * static_cast<std::size_t>(row);
     std::size_t measured = static_cast<std::size_t>(sensor.firing_column(row, 0));
     for (std::size_t column = 0; column < columns; ++column) {
-      const std::uint32_t range_mm = kept_mm(frame, first + measured);
+      const std::size_t at = first + measured;
+      const bool second = keeps_second(frame, at);
+      const std::uint32_t range_mm = second ? frame.second_range_mm[at] : frame.range_mm[at];
       if (++measured == columns) measured = 0;
       if (range_mm == 0 || range_mm < nearest_mm || range_mm > farthest_mm) continue;
       const std::size_t pixel = first + column;
@@ -87,6 +89,7 @@ void OusterGeometry::set_points(const OusterFrame& frame, OrganizedCloud& cloud)
           1e-3F * static_cast<float>(range_mm) * beam_[pixel] + origin_[pixel];
       cloud.points_m[pixel] = point_m;
       cloud.range_m[pixel] = point_m.norm();
+      cloud.intensity[pixel] = second ? frame.second_reflectivity[at] : frame.reflectivity[at];
     }
   }
 }

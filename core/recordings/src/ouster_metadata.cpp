@@ -23,11 +23,11 @@ struct Profile {
 };
 /// In the order of OusterProfile.
 constexpr std::array<Profile, 5> kProfiles = {
-    {{"LEGACY", {0, 0, 16, 4, 12, 4, 0x000FFFFF, 0, 0}},
-     {"RNG19_RFL8_SIG16_NIR16", {32, 32, 12, 0, 12, 4, 0x0007FFFF, 0, 0}},
-     {"RNG19_RFL8_SIG16_NIR16_DUAL", {32, 32, 12, 0, 16, 4, 0x0007FFFF, 0, 4}},
-     {"RNG15_RFL8_NIR8", {32, 32, 12, 0, 4, 2, 0x7FFF, 3, 0}},
-     {"FUSA_RNG15_RFL8_NIR8_DUAL", {32, 32, 12, 0, 8, 2, 0x7FFF, 3, 4}}}};
+    {{"LEGACY", {0, 0, 16, 4, 12, 4, 0x000FFFFF, 0, 0, 4, 2}},
+     {"RNG19_RFL8_SIG16_NIR16", {32, 32, 12, 0, 12, 4, 0x0007FFFF, 0, 0, 4}},
+     {"RNG19_RFL8_SIG16_NIR16_DUAL", {32, 32, 12, 0, 16, 4, 0x0007FFFF, 0, 4, 3}},
+     {"RNG15_RFL8_NIR8", {32, 32, 12, 0, 4, 2, 0x7FFF, 3, 0, 2}},
+     {"FUSA_RNG15_RFL8_NIR8_DUAL", {32, 32, 12, 0, 8, 2, 0x7FFF, 3, 4, 2}}}};
 
 const Profile& facts(OusterProfile profile) { return kProfiles[static_cast<std::size_t>(profile)]; }
 

@@ -26,6 +26,8 @@ struct OusterLayout {
   std::uint32_t range_mask = 0;
   int range_shift = 0;              ///< ranges in units of 1 << range_shift mm
   std::size_t second_range_at = 0;  ///< 0: a single return
+  std::size_t reflectivity_at = 0;  ///< behind each range
+  std::size_t reflectivity_bytes = 1;
 };
 
 const OusterLayout& layout(OusterProfile profile);
@@ -36,6 +38,12 @@ inline std::uint32_t range_mm(const std::uint8_t* bytes, const OusterLayout& of)
                                  ? std::uint32_t{little_endian<std::uint16_t>(bytes)}
                                  : little_endian<std::uint32_t>(bytes);
   return (word & of.range_mask) << of.range_shift;
+}
+
+/// Of the return whose range stands here.
+inline std::uint16_t reflectivity(const std::uint8_t* bytes, const OusterLayout& of) {
+  const std::uint8_t* const at = bytes + of.reflectivity_at;
+  return of.reflectivity_bytes == 2 ? little_endian<std::uint16_t>(at) : *at;
 }
 
 /// The turn that a packet is of; the packet has the size of its profile.

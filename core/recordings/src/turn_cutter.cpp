@@ -53,6 +53,7 @@ void TurnCutter::complete(std::vector<Scan>& completed) {
   scan_.points_m.reserve(points);
   scan_.row.reserve(points);
   scan_.time_offset_s.reserve(points);
+  scan_.intensity.reserve(points);
   empty_ = true;
 }
 
@@ -61,6 +62,7 @@ void TurnCutter::reuse(Scan scan) {
   scan.points_m.clear();
   scan.row.clear();
   scan.time_offset_s.clear();
+  scan.intensity.clear();
   spare_ = std::move(scan);
 }
 

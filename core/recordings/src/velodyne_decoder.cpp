@@ -245,6 +245,7 @@ void VelodyneDecoder::add_points(const Firing& firing, Bytes payload, double sta
         channel.left_m * cosine - horizontal_m * sine,
         distance_m * channel.sin_elevation + channel.up_m * channel.cos_elevation);
     scan.row.push_back(channel.row);
+    scan.intensity.push_back(measured.intensity);
     scan.time_offset_s.push_back(static_cast<float>(start_s + 1e-6 * channel.time_us));
   }
 }

@@ -1,6 +1,7 @@
 #include "hqslam/slam/dense_map.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "dense_map/block_surroundings.h"
 #include "dense_map/mapped_scan.h"
@@ -22,6 +23,13 @@ void check_option(const char* field, double value, double low, double high) {
 DenseMapOptions validated(const DenseMapOptions& options) {
   validate(options);
   return options;
+}
+
+template <typename Value>
+std::vector<Value> joined(const std::vector<std::vector<Value>>& parts) {
+  std::vector<Value> all;
+  for (const auto& part : parts) all.insert(all.end(), part.begin(), part.end());
+  return all;
 }
 
 }  // namespace
@@ -52,21 +60,26 @@ struct DenseMap::Implementation {
                         : computed_vote(static_cast<float>(options.assumed_confidence));
   }
 
-  void add(const Eigen::Vector3d& point_m, const PointVote& vote);
+  void add(const Eigen::Vector3d& point_m, const PointVote& vote, float intensity);
   std::vector<const VoxelBlock*> sorted_blocks() const;
-  std::vector<DenseMapPoint> points_of(const VoxelBlock& block) const;
+  std::vector<DenseMapPoint> points_of(const VoxelBlock& block,
+                                       std::vector<float>& intensity) const;
 };
 
 /// Puts a point of the scan `scans` into its voxel.
-void DenseMap::Implementation::add(const Eigen::Vector3d& point_m, const PointVote& vote) {
+void DenseMap::Implementation::add(const Eigen::Vector3d& point_m, const PointVote& vote,
+                                   float intensity) {
   const auto index = grid.voxel_of(point_m);
   if (!index) return;
   if (grid.size() >= options.max_voxels && grid.find(*index) == nullptr) {
     full = true;
     return;
   }
-  vote_for(grid.find_or_add(*index), point_m / options.voxel_m - index->cast<double>(), vote,
-           scans);
+  Voxel& voxel = grid.find_or_add(*index);
+  if (VoxelIntensity* const sum = grid.intensity(*index)) {
+    add_intensity(*sum, intensity, voxel, vote);
+  }
+  vote_for(voxel, point_m / options.voxel_m - index->cast<double>(), vote, scans);
 }
 
 /// In an order that does not depend on that of the scans.
@@ -80,15 +93,19 @@ std::vector<const VoxelBlock*> DenseMap::Implementation::sorted_blocks() const {
   return blocks;
 }
 
-std::vector<DenseMapPoint> DenseMap::Implementation::points_of(const VoxelBlock& block) const {
+std::vector<DenseMapPoint> DenseMap::Implementation::points_of(
+    const VoxelBlock& block, std::vector<float>& intensity) const {
   const BlockSurroundings surroundings(grid, block);
+  const VoxelIntensity* next_intensity = grid.intensities(block);
   std::vector<DenseMapPoint> points;
   block.for_each([&](const Eigen::Vector3i& index, const Voxel& voxel) {
     double support = 0.0;
     surroundings.for_each_neighbour(
         index, [&](const Voxel& neighbour) { support += support_of(neighbour); });
     const double confidence = confidence_of(voxel, support);
+    const VoxelIntensity* const of_voxel = next_intensity != nullptr ? next_intensity++ : nullptr;
     if (confidence < options.least_confidence) return;
+    if (of_voxel != nullptr) intensity.push_back(mean_intensity(*of_voxel));
     const Eigen::Vector3d point_m = grid.voxel_m() * (index.cast<double>() + mean_place(voxel));
     points.push_back({point_m.cast<float>(), static_cast<float>(confidence), voxel.times_seen});
   });
@@ -119,8 +136,11 @@ void DenseMap::insert(const OrganizedCloud& cloud, const std::optional<RowSelect
       points_m[pixel] = table.at(pixel) * cloud.points_m[pixel].cast<double>();
     }
   }
+  const bool bright = !cloud.intensity.empty();
+  if (bright) self.grid.keep_intensities();
   for (std::size_t pixel = 0; pixel < votes.size(); ++pixel) {
-    if (votes[pixel].odds > 0) self.add(points_m[pixel], votes[pixel]);
+    if (votes[pixel].odds == 0) continue;
+    self.add(points_m[pixel], votes[pixel], bright ? cloud.intensity[pixel] : std::nanf(""));
   }
 }
 
@@ -143,17 +163,17 @@ void DenseMap::see_through(const OrganizedCloud& measured, const SensorPath& pat
 std::size_t DenseMap::voxels() const { return implementation_->grid.size(); }
 bool DenseMap::is_full() const { return implementation_->full; }
 
-std::vector<DenseMapPoint> DenseMap::points() const {
+std::vector<DenseMapPoint> DenseMap::points(std::vector<float>* intensity) const {
   const Implementation& self = *implementation_;
   const std::vector<const VoxelBlock*> blocks = self.sorted_blocks();
   std::vector<std::vector<DenseMapPoint>> points_of_block(blocks.size());
+  std::vector<std::vector<float>> intensity_of_block(blocks.size());
 #pragma omp parallel for schedule(dynamic, 64)
-  for (std::size_t i = 0; i < blocks.size(); ++i) points_of_block[i] = self.points_of(*blocks[i]);
-  std::vector<DenseMapPoint> points;
-  for (const auto& of_block : points_of_block) {
-    points.insert(points.end(), of_block.begin(), of_block.end());
+  for (std::size_t i = 0; i < blocks.size(); ++i) {
+    points_of_block[i] = self.points_of(*blocks[i], intensity_of_block[i]);
   }
-  return points;
+  if (intensity != nullptr) *intensity = joined(intensity_of_block);
+  return joined(points_of_block);
 }
 
 }  // namespace hqslam::slam

@@ -1,50 +1,27 @@
-#include <fmt/format.h>
-
-#include <bit>
-#include <fstream>
-
 #include "hqslam/core/error.h"
+#include "hqslam/core/point_columns.h"
 #include "hqslam/slam/dense_map.h"
 
 namespace hqslam::slam {
 
-namespace {
-
-// A point is written as it stands in memory.
-static_assert(sizeof(DenseMapPoint) == 20 && std::endian::native == std::endian::little);
-
-void write(const std::string& header, const std::vector<DenseMapPoint>& points,
-           const std::string& path) {
-  std::ofstream stream(path, std::ios::binary);
-  stream << header;
-  stream.write(reinterpret_cast<const char*>(points.data()),
-               static_cast<std::streamsize>(points.size() * sizeof(DenseMapPoint)));
-  stream.close();
-  if (!stream) {
-    throw Error(
-        "{}: cannot be written; check that the folder exists, is writable and has free space",
-        path);
+void write_dense_map(const std::vector<DenseMapPoint>& points, const std::string& path,
+                     const std::vector<float>& intensity) {
+  if (!intensity.empty() && intensity.size() != points.size()) {
+    throw Error("{}: {} intensities for {} points, expected as many", path, intensity.size(),
+                points.size());
   }
-}
-
-}  // namespace
-
-void write_dense_map_pcd(const std::vector<DenseMapPoint>& points, const std::string& path) {
-  write(fmt::format("# .PCD v0.7 - Point Cloud Data file format\n# written by hqslam\nVERSION 0.7\n"
-                    "FIELDS x y z confidence times_seen\nSIZE 4 4 4 4 4\nTYPE F F F F U\n"
-                    "COUNT 1 1 1 1 1\nWIDTH {0}\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS {0}\n"
-                    "DATA binary\n",
-                    points.size()),
-        points, path);
-}
-
-void write_dense_map_ply(const std::vector<DenseMapPoint>& points, const std::string& path) {
-  write(fmt::format("ply\nformat binary_little_endian 1.0\n"
-                    "comment written by hqslam\ncomment metres\n"
-                    "element vertex {}\nproperty float x\nproperty float y\nproperty float z\n"
-                    "property float confidence\nproperty uint times_seen\nend_header\n",
-                    points.size()),
-        points, path);
+  const DenseMapPoint none;
+  const DenseMapPoint& first = points.empty() ? none : points.front();
+  constexpr std::size_t kStep = sizeof(DenseMapPoint);
+  std::vector<PointColumn> columns = {{"x", {'F', 4}, &first.point_m.x(), kStep},
+                                      {"y", {'F', 4}, &first.point_m.y(), kStep},
+                                      {"z", {'F', 4}, &first.point_m.z(), kStep}};
+  if (!intensity.empty()) {
+    columns.push_back({"intensity", {'F', 4}, intensity.data(), sizeof(float)});
+  }
+  columns.push_back({"confidence", {'F', 4}, &first.confidence, kStep});
+  columns.push_back({"times_seen", {'U', 4}, &first.times_seen, kStep});
+  write_points(columns, points.size(), path, "written by hqslam");
 }
 
 }  // namespace hqslam::slam

@@ -13,14 +13,15 @@ void check_shape(const OrganizedCloud& cloud) {
                              static_cast<std::size_t>(std::max(cloud.columns, 0));
   const auto fits = [&](std::size_t size) { return size == 0 || size == pixels; };
   if (cloud.points_m.size() == pixels && cloud.range_m.size() == pixels &&
-      fits(cloud.time_offset_s.size()) && fits(cloud.confidence.size())) {
+      fits(cloud.time_offset_s.size()) && fits(cloud.confidence.size()) &&
+      fits(cloud.intensity.size())) {
     return;
   }
   throw Error(
-      "dense map: scan of {}x{} pixels has {} points, {} ranges, {} capture times and {} "
-      "confidences: give each pixel its own, of the last two or none",
+      "dense map: scan of {}x{} pixels has {} points, {} ranges, {} capture times, {} confidences "
+      "and {} intensities: give each pixel its own, of the last three or none",
       cloud.rows, cloud.columns, cloud.points_m.size(), cloud.range_m.size(),
-      cloud.time_offset_s.size(), cloud.confidence.size());
+      cloud.time_offset_s.size(), cloud.confidence.size(), cloud.intensity.size());
 }
 
 }  // namespace

@@ -39,12 +39,29 @@ Voxel& VoxelGrid::find_or_add(const Eigen::Vector3i& voxel) {
     found = static_cast<std::uint32_t>(blocks_.size());
     index_.add(key, found);
     blocks_.emplace_back(block_of(voxel));
+    if (keeps_intensities_) intensities_.emplace_back();
   }
   VoxelBlock& block = blocks_[found];
   const int local = local_of(voxel);
   if (block.has(local)) return block.at(local);
   ++size_;
+  if (keeps_intensities_) {
+    auto& of_block = intensities_[found];
+    of_block.insert(of_block.begin() + block.rank(local), VoxelIntensity());
+  }
   return block.add(local);
+}
+
+void VoxelGrid::keep_intensities() {
+  if (keeps_intensities_) return;
+  keeps_intensities_ = true;
+  for (const VoxelBlock& block : blocks_) intensities_.emplace_back(block.size());
+}
+
+VoxelIntensity* VoxelGrid::intensity(const Eigen::Vector3i& voxel) {
+  if (!keeps_intensities_) return nullptr;
+  const std::uint32_t block = index_.find(block_of(voxel));
+  return &intensities_[block][blocks_[block].rank(local_of(voxel))];
 }
 
 }  // namespace hqslam::slam

@@ -24,6 +24,12 @@ struct Voxel {
   std::uint16_t times_seen_through = 0;
 };
 
+/// Of the intensities of the points that a voxel's place is the mean of: the lower 18 bits are the
+/// sum of their weights, the upper 46 that of 1024 times the intensity and the weight.
+struct VoxelIntensity {
+  std::uint64_t sums = 0;
+};
+
 /// A cube of 8 x 8 x 8 voxels that keeps only those that are there.
 class VoxelBlock {
  public:
@@ -34,6 +40,13 @@ class VoxelBlock {
   const Eigen::Vector3i& index() const { return index_; }
 
   bool has(int local) const { return ((mask_[local >> 6] >> (local & 63)) & 1U) != 0; }
+  /// How many voxels come before this one.
+  int rank(int local) const {
+    int before = std::popcount(mask_[local >> 6] & ((std::uint64_t{1} << (local & 63)) - 1));
+    for (int word = 0; word < local >> 6; ++word) before += std::popcount(mask_[word]);
+    return before;
+  }
+  std::size_t size() const { return voxels_.size(); }
   Voxel& at(int local) { return voxels_[rank(local)]; }
   const Voxel& at(int local) const { return voxels_[rank(local)]; }
   /// Adds an empty one; there must be none.
@@ -54,13 +67,6 @@ class VoxelBlock {
   }
 
  private:
-  /// How many voxels come before this one.
-  int rank(int local) const {
-    int before = std::popcount(mask_[local >> 6] & ((std::uint64_t{1} << (local & 63)) - 1));
-    for (int word = 0; word < local >> 6; ++word) before += std::popcount(mask_[word]);
-    return before;
-  }
-
   Eigen::Vector3i index_;
   std::array<std::uint64_t, 8> mask_{};
   std::vector<Voxel> voxels_;  ///< in the order of their place in the block
@@ -87,6 +93,15 @@ class VoxelGrid {
   /// A voxel of voxel_of. Whatever find and find_or_add returned before may no longer be used.
   Voxel& find_or_add(const Eigen::Vector3i& voxel);
 
+  /// From now on every voxel has an intensity, which maps without any do not pay for.
+  void keep_intensities();
+  /// Of a voxel that is there, and of all of a block in the order of their places; nullptr: none
+  /// are kept.
+  VoxelIntensity* intensity(const Eigen::Vector3i& voxel);
+  const VoxelIntensity* intensities(const VoxelBlock& block) const {
+    return keeps_intensities_ ? intensities_[&block - blocks_.data()].data() : nullptr;
+  }
+
   static Eigen::Vector3i block_of(const Eigen::Vector3i& voxel) {
     return {voxel.x() >> VoxelBlock::kShift, voxel.y() >> VoxelBlock::kShift,
             voxel.z() >> VoxelBlock::kShift};
@@ -103,6 +118,8 @@ class VoxelGrid {
   std::size_t size_ = 0;
   std::vector<VoxelBlock> blocks_;
   CellIndex index_;  ///< of blocks_
+  bool keeps_intensities_ = false;
+  std::vector<std::vector<VoxelIntensity>> intensities_;  ///< of blocks_
 };
 
 }  // namespace hqslam::slam

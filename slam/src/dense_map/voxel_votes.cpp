@@ -16,6 +16,11 @@ constexpr double kMostWeight = 16.0;
 /// The sums of offsets have 32 bits: 1024 steps times this are 31.
 constexpr std::uint32_t kMostWeightSum = 1U << 21U;
 
+constexpr double kIntensitySteps = 1024.0;  ///< per unit
+constexpr unsigned kWeightBits = 18;
+constexpr std::uint64_t kMostIntensityWeight = (1U << kWeightBits) - 1;
+constexpr double kMostIntensity = 262'143.0;  ///< so many weights of it are 46 bits
+
 constexpr double kMeasuredConfidence = 0.95;
 constexpr double kMostConfidence = 0.98;  ///< of a computed point: no network knows better
 /// Of a neighbour where nothing was measured.
@@ -74,6 +79,23 @@ void vote_for(Voxel& voxel, const Eigen::Vector3d& place, const PointVote& vote,
     const double steps = std::clamp(kOffsetSteps * place[axis], 0.0, kOffsetSteps - 1.0);
     voxel.offset_sum[axis] += vote.weight * static_cast<std::uint32_t>(steps);
   }
+}
+
+void add_intensity(VoxelIntensity& sum, float intensity, const Voxel& voxel,
+                   const PointVote& vote) {
+  if (vote.measured && voxel.times_measured == 0) sum = {};
+  if (!std::isfinite(intensity) || (!vote.measured && voxel.times_measured > 0)) return;
+  const std::uint64_t weight = vote.measured ? 1 : vote.weight;
+  if ((sum.sums & kMostIntensityWeight) + weight > kMostIntensityWeight) return;
+  const double steps = std::clamp<double>(intensity, 0.0, kMostIntensity) * kIntensitySteps;
+  sum.sums += weight * (static_cast<std::uint64_t>(std::lround(steps)) << kWeightBits | 1U);
+}
+
+float mean_intensity(const VoxelIntensity& sum) {
+  const std::uint64_t weight = sum.sums & kMostIntensityWeight;
+  if (weight == 0) return std::nanf("");
+  return static_cast<float>(static_cast<double>(sum.sums >> kWeightBits) /
+                            static_cast<double>(weight) / kIntensitySteps);
 }
 
 Eigen::Vector3d mean_place(const Voxel& voxel) {

@@ -21,6 +21,11 @@ PointVote computed_vote(float confidence);
 void vote_for(Voxel& voxel, const Eigen::Vector3d& place, const PointVote& vote,
               std::uint32_t scan);
 
+/// Takes the intensity of a point in, before vote_for takes in the point; not finite: not known.
+void add_intensity(VoxelIntensity& sum, float intensity, const Voxel& voxel, const PointVote& vote);
+/// Not a number where none is known.
+float mean_intensity(const VoxelIntensity& sum);
+
 /// Mean place of the points within the voxel, 0 to 1 along each axis.
 Eigen::Vector3d mean_place(const Voxel& voxel);
 

@@ -150,6 +150,7 @@ std::optional<OrganizedCloud> Mounting::level(const OrganizedCloud& cloud) const
     std::reverse(result.range_m.begin(), result.range_m.end());
     std::reverse(result.time_offset_s.begin(), result.time_offset_s.end());
     std::reverse(result.confidence.begin(), result.confidence.end());
+    std::reverse(result.intensity.begin(), result.intensity.end());
   }
   return result;
 }

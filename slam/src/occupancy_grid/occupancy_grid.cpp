@@ -213,6 +213,7 @@ void OccupancyGrid::insert(const OrganizedCloud& cloud,
   const std::vector<Eigen::Vector3d> points_m =
       points_in_map_m(cloud, path, self.options.max_range_m);
   OrganizedCloud obstacles = cloud;
+  obstacles.intensity.clear();  // the map would keep them
   for (std::size_t pixel = 0; pixel < points_m.size(); ++pixel) {
     const auto ground_m = self.ground.at(points_m[pixel].head<2>());
     const double height_m = ground_m ? points_m[pixel].z() - *ground_m : 0.0;

@@ -58,6 +58,7 @@ TEST_CASE("points and times of a Hesai's packets are those that the manual's for
     const Eigen::Vector3f& second_m = scan.points_m[1];
     CHECK(std::atan2(second_m.x(), second_m.y()) == doctest::Approx(1.12 * kDegree_rad));
     CHECK(scan.row[1] == 1);
+    CHECK(scan.intensity == std::vector<float>(scan.points_m.size(), 10.0F));
     // A quarter of a turn later it looks along x.
     const Eigen::Vector3f& later_m = scan.points_m[500 * static_cast<std::size_t>(lasers)];
     CHECK(later_m.x() == doctest::Approx(5.0 * std::cos(15.0 * kDegree_rad)));

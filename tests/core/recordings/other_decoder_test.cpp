@@ -33,6 +33,7 @@ struct TheirPoint {
   int channel = -1;  ///< 0 the lowest beam
   int return_type = 6;
   double time_us = 0.0;  ///< as the file has it
+  float intensity = 0.0F;
 };
 
 /// A binary .pcd of known fields.
@@ -51,6 +52,7 @@ std::vector<TheirPoint> their_points(const std::string& path, bool all_fields) {
       std::memcpy(&channel, file.data() + at + 14, 2);
       std::memcpy(&time_ns, file.data() + at + 28, 4);
       point.channel = channel;
+      point.intensity = static_cast<std::uint8_t>(file[at + 12]);
       point.return_type = static_cast<std::uint8_t>(file[at + 13]);
       point.time_us = 1e-3 * time_ns;
     }
@@ -63,6 +65,7 @@ struct OurPoint {
   Eigen::Vector3f point_m;
   int row = 0;
   double time_s = 0.0;  ///< after the first scan's stamp
+  float intensity = 0.0F;
 };
 
 /// The points of the scans of a bag from the `first` one on.
@@ -93,7 +96,8 @@ std::vector<OurPoint> our_points(const std::string& path, VelodyneModel expected
     const Scan& scan = scans[s];
     for (std::size_t i = 0; i < scan.points_m.size(); ++i) {
       points.push_back({scan.points_m[i], scan.row[i],
-                        scan.stamp_s - scans.front().stamp_s + double{scan.time_offset_s[i]}});
+                        scan.stamp_s - scans.front().stamp_s + double{scan.time_offset_s[i]},
+                        scan.intensity[i]});
     }
   }
   return points;
@@ -132,7 +136,9 @@ constexpr float kTolerance_m = 0.005F;
 
 }  // namespace
 
-TEST_CASE("points and times of a real VLP-16 with two returns are those of another decoder") {
+TEST_CASE(
+    "points, times and intensities of a real VLP-16 with two returns are those of another "
+    "decoder") {
   const auto bag = real_data("packets/velodyne/vlp-16_dual_return.db3");
   if (!bag) return;
   const auto ours = our_points(*bag, VelodyneModel::kVlp16, true, 3);
@@ -148,6 +154,7 @@ TEST_CASE("points and times of a real VLP-16 with two returns are those of anoth
   std::int64_t second_returns = 0;
   double first_packet_us = 0.0;
   std::int64_t in_time = 0;
+  std::int64_t as_bright = 0;
   for (const TheirPoint& their : theirs) {
     const double block = std::floor(their.time_us / kBlock_us);
     const double in_pair_us = their.time_us - block * kBlock_us;
@@ -165,6 +172,7 @@ TEST_CASE("points and times of a real VLP-16 with two returns are those of anoth
     }
     if (our == nullptr) continue;
     ++found;
+    as_bright += our->intensity == their.intensity ? 1 : 0;
     // What is left is the time of a packet: a multiple of the packets' spacing from the first one.
     const double packet_us = 1e6 * our->time_s - std::floor(block / 2.0) * kBlock_us - in_pair_us;
     if (found == 1) first_packet_us = packet_us;
@@ -173,7 +181,8 @@ TEST_CASE("points and times of a real VLP-16 with two returns are those of anoth
     in_time += off_us < 10.0 ? 1 : 0;
   }
   MESSAGE(found, " of ", theirs.size(), " found, ", second_returns, " second returns left out, ",
-          in_time, " in time");
+          in_time, " in time, ", as_bright, " as bright");
+  CHECK(static_cast<double>(as_bright) >= 0.999 * static_cast<double>(found));
   CHECK(second_returns <= 99 + 89 + 99 + 89);  // 188 pulses with two
   CHECK(static_cast<double>(found) >=
         0.999 * static_cast<double>(static_cast<std::int64_t>(theirs.size()) - second_returns));

@@ -61,37 +61,53 @@ TEST_CASE("fields stand where Ouster's own decoder reads them") {
     std::uint64_t serial;
     std::uint32_t ranges[2], second_ranges[2];
     std::uint64_t second_timestamp;
+    std::uint16_t reflectivities[2], second_reflectivities[2];
   };
-  const Expected expected[] = {
-      {OusterProfile::kLegacy, 6464, 0xb0a, 0, {0x21110, 0xe1d1c}, {0, 0}, 0xa09f9e9d9c9b9a99},
-      {OusterProfile::kRng19,
-       6400,
-       0x302,
-       0xb0a090807,
-       {0x62d2c, 0x23938},
-       {0, 0},
-       0xb8b7b6b5b4b3b2b1},
-      {OusterProfile::kRng19Dual,
-       8448,
-       0x302,
-       0xb0a090807,
-       {0x62d2c, 0x63d3c},
-       {0x23130, 0x24140},
-       0x3d3c3b3a39383736},
-      {OusterProfile::kRng15,
-       2304,
-       0x302,
-       0xb0a090807,
-       {0x16960, 0x18980},
-       {0, 0},
-       0xb3b2b1b0afaeadac},
-      {OusterProfile::kFusaDual,
-       4352,
-       0x7060504,
-       0xf0e0d0c0b,
-       {0x16960, 0x1a9a0},
-       {0x18980, 0x1c9c0},
-       0x3837363534333231}};
+  const Expected expected[] = {{OusterProfile::kLegacy,
+                                6464,
+                                0xb0a,
+                                0,
+                                {0x21110, 0xe1d1c},
+                                {0, 0},
+                                0xa09f9e9d9c9b9a99,
+                                {0x1514, 0x2120},
+                                {}},
+                               {OusterProfile::kRng19,
+                                6400,
+                                0x302,
+                                0xb0a090807,
+                                {0x62d2c, 0x23938},
+                                {0, 0},
+                                0xb8b7b6b5b4b3b2b1,
+                                {0x30, 0x3c},
+                                {}},
+                               {OusterProfile::kRng19Dual,
+                                8448,
+                                0x302,
+                                0xb0a090807,
+                                {0x62d2c, 0x63d3c},
+                                {0x23130, 0x24140},
+                                0x3d3c3b3a39383736,
+                                {0x2f, 0x3f},
+                                {0x33, 0x43}},
+                               {OusterProfile::kRng15,
+                                2304,
+                                0x302,
+                                0xb0a090807,
+                                {0x16960, 0x18980},
+                                {0, 0},
+                                0xb3b2b1b0afaeadac,
+                                {0x2e, 0x32},
+                                {}},
+                               {OusterProfile::kFusaDual,
+                                4352,
+                                0x7060504,
+                                0xf0e0d0c0b,
+                                {0x16960, 0x1a9a0},
+                                {0x18980, 0x1c9c0},
+                                0x3837363534333231,
+                                {0x2e, 0x36},
+                                {0x32, 0x3a}}};
   for (const Expected& e : expected) {
     CAPTURE(name(e.profile));
     OusterMetadata metadata = small_metadata(e.profile);
@@ -103,10 +119,12 @@ TEST_CASE("fields stand where Ouster's own decoder reads them") {
     CHECK(serial_number(bytes, e.profile) == e.serial);
     const std::size_t first = of.packet_header + of.column_header;
     for (std::size_t row = 0; row < 2; ++row) {
-      CHECK(range_mm(bytes.data() + first + row * of.pixel, of) == e.ranges[row]);
+      const std::uint8_t* const pixel = bytes.data() + first + row * of.pixel;
+      CHECK(range_mm(pixel, of) == e.ranges[row]);
+      CHECK(reflectivity(pixel, of) == e.reflectivities[row]);
       if (of.second_range_at > 0) {
-        CHECK(range_mm(bytes.data() + first + row * of.pixel + of.second_range_at, of) ==
-              e.second_ranges[row]);
+        CHECK(range_mm(pixel + of.second_range_at, of) == e.second_ranges[row]);
+        CHECK(reflectivity(pixel + of.second_range_at, of) == e.second_reflectivities[row]);
       }
     }
     const std::size_t column = (e.bytes - of.packet_header - of.packet_footer) / 16;
@@ -297,16 +315,18 @@ TEST_CASE("real Ouster frames have the digests of Ouster's own decoder") {
   struct Expected {
     const char* name;
     std::uint32_t frame;
-    const char *timestamp, *status, *measurement, *range, *second_range;
+    const char *timestamp, *status, *measurement, *range, *second_range, *reflectivity,
+        *second_reflectivity;
   };
   // The status of a frame has the digest that its packets' has there: 32 bits a column.
   const Expected expected[] = {
       {"packets/ouster/OS-0-128-U1_v2.3.0_1024x10", 1491, "7180800dc6e5641c5d01686a3cef19b2",
        "24736efb524c4c76e8d5aca0c04ff392", "ab4e111268cce8326714d9308aafd5fe",
-       "04aba38789e3e0ea52c08938b49c0cb1", nullptr},
+       "04aba38789e3e0ea52c08938b49c0cb1", nullptr, "19a25b698e553a5d41a0a4973fdf836c", nullptr},
       {"packets/ouster/OS-0-32-U1_v2.2.0_1024x10", 1453, "060e7ccbcf80ef9632dec5688e47a6d1",
        "24736efb524c4c76e8d5aca0c04ff392", "ab4e111268cce8326714d9308aafd5fe",
-       "b7e7a2a5aa86516f86fd2e8f56b8f6b0", "67b3d847d10084cef0e33a958591cdb5"}};
+       "b7e7a2a5aa86516f86fd2e8f56b8f6b0", "67b3d847d10084cef0e33a958591cdb5",
+       "e0873ecae1da2f575c3918c9b4dc0130", "3c6ec9fcc23d08e37367115bd67200f6"}};
   for (const Expected& e : expected) {
     const auto path = real_data(e.name);
     if (!path) return;
@@ -322,7 +342,14 @@ TEST_CASE("real Ouster frames have the digests of Ouster's own decoder") {
     CHECK(digest(frames[0].status) == e.status);
     CHECK(digest(frames[0].measurement_id) == e.measurement);
     CHECK(digest(frames[0].range_mm) == e.range);
-    if (e.second_range != nullptr) CHECK(digest(frames[0].second_range_mm) == e.second_range);
+    const auto bytes = [](const std::vector<std::uint16_t>& values) {
+      return std::vector<std::uint8_t>(values.begin(), values.end());
+    };
+    CHECK(digest(bytes(frames[0].reflectivity)) == e.reflectivity);
+    if (e.second_range != nullptr) {
+      CHECK(digest(frames[0].second_range_mm) == e.second_range);
+      CHECK(digest(bytes(frames[0].second_reflectivity)) == e.second_reflectivity);
+    }
     CHECK(decoder.counts().lost == 0);
   }
 }

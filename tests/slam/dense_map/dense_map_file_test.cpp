@@ -5,6 +5,7 @@
 #include "error_message.h"
 #include "file_contents.h"
 #include "hqslam/core/pcd.h"
+#include "hqslam/core/point_fields.h"
 #include "hqslam/slam/dense_map.h"
 #include "temporary_directory.h"
 
@@ -21,7 +22,7 @@ const std::vector<DenseMapPoint> kPoints = {{{1.0F, 2.0F, 3.0F}, 0.75F, 4},
 
 TEST_CASE("a .pcd map reads back, with its confidences and counts behind the coordinates") {
   const TemporaryDirectory folder;
-  write_dense_map_pcd(kPoints, folder.file("map.pcd"));
+  write_dense_map(kPoints, folder.file("map.pcd"));
   const Scan scan = read_pcd(folder.file("map.pcd"));
   REQUIRE(scan.points_m.size() == 2);
   CHECK(scan.points_m[1] == kPoints[1].point_m);
@@ -34,7 +35,7 @@ TEST_CASE("a .pcd map reads back, with its confidences and counts behind the coo
 
 TEST_CASE("a .ply map has the header of the format and 20 bytes for each point") {
   const TemporaryDirectory folder;
-  write_dense_map_ply(kPoints, folder.file("map.ply"));
+  write_dense_map(kPoints, folder.file("map.ply"));
   const std::string bytes = file_contents(folder.file("map.ply"));
   CHECK(bytes.starts_with("ply\nformat binary_little_endian 1.0\n"));
   CHECK(bytes.find("element vertex 2\n") != std::string::npos);
@@ -45,7 +46,19 @@ TEST_CASE("a .ply map has the header of the format and 20 bytes for each point")
   CHECK(confidence == 0.75F);
 }
 
+TEST_CASE("a map's intensities stand before its confidences") {
+  const TemporaryDirectory folder;
+  for (const char* name : {"map.pcd", "map.ply", "map.las"}) {
+    write_dense_map(kPoints, folder.file(name), {300.0F, 0.0F});
+    const Scan scan = read_point_file(folder.file(name)).scan;
+    CHECK(scan.intensity == std::vector<float>{300.0F, 0.0F});
+    CHECK(scan.confidence == std::vector<float>{0.75F, 0.5F});
+  }
+}
+
 TEST_CASE("a map that cannot be written is an error of one line") {
-  CHECK(one_line_with(error_message([] { write_dense_map_ply(kPoints, "/nowhere/map.ply"); }),
+  CHECK(one_line_with(error_message([] { write_dense_map(kPoints, "/nowhere/map.ply"); }),
                       "/nowhere/map.ply", "cannot be written"));
+  CHECK(one_line_with(error_message([] { write_dense_map(kPoints, "/nowhere/map.ply", {1.0F}); }),
+                      "1 intensities for 2 points"));
 }

@@ -55,9 +55,9 @@ std::size_t points_near_x(const std::vector<DenseMapPoint>& points, float x_m) {
   }));
 }
 
-bool same_bytes(const std::vector<DenseMapPoint>& a, const std::vector<DenseMapPoint>& b) {
-  return a.size() == b.size() &&
-         std::memcmp(a.data(), b.data(), a.size() * sizeof(DenseMapPoint)) == 0;
+template <typename Value>
+bool same_bytes(const std::vector<Value>& a, const std::vector<Value>& b) {
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(Value)) == 0;
 }
 
 /// Scans of a random scatter about the sensor, measured and computed, from places along a line.
@@ -74,13 +74,15 @@ std::vector<OrganizedCloud> random_scans(int count) {
       cloud.range_m[i] = cloud.points_m[i].norm();
       cloud.confidence.push_back(i % 4 == 0 ? 1.0F : 0.5F + random(0.5));
       cloud.time_offset_s.push_back(random(0.05));
+      if (scan % 3 != 0) cloud.intensity.push_back(100.0F + random(100.0));
     }
     scans.push_back(cloud);
   }
   return scans;
 }
 
-std::vector<DenseMapPoint> map_of(const std::vector<OrganizedCloud>& scans, bool backwards) {
+std::vector<DenseMapPoint> map_of(const std::vector<OrganizedCloud>& scans, bool backwards,
+                                  std::vector<float>& intensity) {
   Trajectory trajectory;
   for (std::size_t i = 0; i < scans.size(); ++i) {
     const double k = static_cast<double>(i);
@@ -91,7 +93,7 @@ std::vector<DenseMapPoint> map_of(const std::vector<OrganizedCloud>& scans, bool
   DenseMap map({});
   for (const std::size_t i : order) map.insert(scans[i], std::nullopt, SensorPath(trajectory, i));
   for (const std::size_t i : order) map.see_through(scans[i], SensorPath(trajectory, i));
-  return map.points();
+  return map.points(&intensity);
 }
 
 }  // namespace
@@ -106,6 +108,41 @@ TEST_CASE("one point per voxel: the mean of the measured ones, in the map's fram
   CHECK((points[0].point_m - Eigen::Vector3f(11.04F, 0.05F, 0.05F)).norm() < 1e-3F);
   CHECK((points[1].point_m - Eigen::Vector3f(11.15F, 0.05F, 0.05F)).norm() < 1e-3F);
   CHECK(points[0].times_seen == 1);
+}
+
+TEST_CASE("a voxel's intensity is the mean of those of the points that its place is the mean of") {
+  const float nan = std::nanf("");
+  OrganizedCloud measured = cloud_of({{1.02F, 0.05F, 0.05F}, {1.06F, 0.05F, 0.05F}});
+  measured.intensity = {0.25F, 100.0F};
+  OrganizedCloud guesses = computed(
+      cloud_of({{1.05F, 0.05F, 0.05F}, {1.15F, 0.05F, 0.05F}, {1.16F, 0.05F, 0.05F}}), 0.5F);
+  guesses.intensity = {7.0F, 20.0F, 40.0F};
+  guesses.confidence[2] = 0.98F;
+  OrganizedCloud silent = cloud_of({{1.25F, 0.05F, 0.05F}, {1.35F, 0.05F, 0.05F}});
+  OrganizedCloud unknown = silent;
+  unknown.intensity = {nan, 8.0F};
+  const std::vector<OrganizedCloud> scans = {measured, guesses, silent, unknown};
+  std::vector<std::size_t> order = {0, 1, 2, 3};
+  do {
+    DenseMap map({.least_confidence = 0.01});
+    for (const std::size_t i : order) map.insert(scans[i], std::nullopt, kOrigin);
+    std::vector<float> intensity;
+    const auto points = map.points(&intensity);
+    REQUIRE(points.size() == 4);
+    REQUIRE(intensity.size() == 4);
+    CHECK(intensity[0] == 50.125F);  // the computed point does not count
+    CHECK(intensity[1] == doctest::Approx((8 * 20.0 + 16 * 40.0) / 24).epsilon(1e-5));
+    CHECK(std::isnan(intensity[2]));
+    CHECK(intensity[3] == 8.0F);
+  } while (std::next_permutation(order.begin(), order.end()));
+}
+
+TEST_CASE("a map of scans without intensities has none") {
+  DenseMap map({});
+  map.insert(cloud_of(wall(5.0F)), std::nullopt, kOrigin);
+  std::vector<float> intensity = {1.0F};
+  CHECK(map.points(&intensity).size() == 200);
+  CHECK(intensity.empty());
 }
 
 TEST_CASE("points of a turning, driving sensor are put where it was when it measured them") {
@@ -186,14 +223,18 @@ TEST_CASE("the same scans give the same bytes, in any order, with one thread and
   const auto scans = random_scans(8);
   const int before = omp_get_max_threads();
   omp_set_num_threads(1);
-  const auto one = map_of(scans, false);
-  const auto backwards = map_of(scans, true);
+  std::vector<float> bright, bright_backwards, bright_of_three;
+  const auto one = map_of(scans, false, bright);
+  const auto backwards = map_of(scans, true, bright_backwards);
   omp_set_num_threads(3);
-  const auto three = map_of(scans, false);
+  const auto three = map_of(scans, false, bright_of_three);
   omp_set_num_threads(before);
   CHECK(one.size() > 500);
   CHECK(same_bytes(one, backwards));
   CHECK(same_bytes(one, three));
+  CHECK(bright.size() == one.size());
+  CHECK(same_bytes(bright, bright_backwards));
+  CHECK(same_bytes(bright, bright_of_three));
 }
 
 TEST_CASE("memory is bounded: what is full takes no further voxels and says so") {
@@ -236,6 +277,10 @@ TEST_CASE("clouds, poses and options that cannot be are errors of one line") {
   CHECK(one_line_with(error_message([&] { map.insert(cloud, std::nullopt, kOrigin); }), "1x2",
                       "1 confidences"));
   cloud.confidence.clear();
+  cloud.intensity = {1.0F, 2.0F, 3.0F};
+  CHECK(one_line_with(error_message([&] { map.insert(cloud, std::nullopt, kOrigin); }), "1x2",
+                      "3 intensities"));
+  cloud.intensity.clear();
   cloud.range_m.pop_back();
   CHECK(one_line_with(error_message([&] { map.see_through(cloud, kOrigin); }), "1 ranges"));
   Pose nowhere = Pose::Identity();

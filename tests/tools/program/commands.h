@@ -42,7 +42,7 @@ struct CommandInputs {
     write_sensor_json(few_columns, folder.file("sensor.json"));
     succeeds("simulate --drive block --sensor '{}' --scans 75 --out '{}'",
              folder.file("sensor.json"), paths.at("driven"));
-    for (const char* kind : {"npy", "npz", "json", "pcap", "mcap", "tum", "pcd", "yaml"}) {
+    for (const char* kind : {"npy", "npz", "json", "pcap", "mcap", "tum", "pcd", "las", "yaml"}) {
       paths[kind] = folder.file(std::string("broken.") + kind);
       write_file(paths[kind], "what is this?");
     }
@@ -94,7 +94,8 @@ inline const std::vector<Command>& commands() {
       {"run {drive} --out {out}",
        {"run {npy} --sensor os1-16 --out {out}", "run {pcap} --out {out}",
         "run {drive} --map {npz} --out {out}", "run {drive} --map {pcd} --out {out}",
-        "run {drive} --map {npz} --extend --out {out}", "run {drive} --reference {tum} --out {out}",
+        "run {drive} --map {las} --out {out}", "run {drive} --map {npz} --extend --out {out}",
+        "run {drive} --reference {tum} --out {out}",
         "run {drive} --slam-options {json} --out {out}"},
        of_run,
        true},
@@ -115,11 +116,14 @@ inline const std::vector<Command>& commands() {
       {"map {drive} --poses {drive}/truth.tum --map-voxel 0.5 --out {out}",
        {"map {drive} --poses {tum} --out {out}"},
        of_map},
+      {"map {drive} --poses {drive}/truth.tum --map-voxel 0.5 --las --out {out}",
+       {},
+       {"/dense_map.las"}},
       {"map {drive} --poses {drive}/truth.tum --map-voxel 0.5 --occupancy-grid --out {out}",
        {},
        of_grid},
       {"view {drive}/pcd/000000.pcd --out {out}",
-       {"view {pcd} --out {out}", "view {npz} --out {out}",
+       {"view {pcd} --out {out}", "view {las} --out {out}", "view {npz} --out {out}",
         "view {npy} --sensor os1-16 --out {out}"},
        {""}},
       {"evaluate {drive}/truth.tum {drive}/truth.tum",
@@ -144,10 +148,10 @@ inline const std::vector<Command>& commands() {
       {"calibrate {driven} --path 20 --out {out}.json",
        {"calibrate {npy} --sensor os1-16 --out {out}.json"},
        {".json", ".html"}},
-      {"upsample {drive}/pcd --method linear --sensor os1-64 --bin --out {out}",
+      {"upsample {drive}/pcd --method linear --sensor os1-64 --bin --las --out {out}",
        {"upsample {mcap} --method linear --out {out}",
         "upsample {drive} --weights {npz} --out {out}"},
-       {"/scans.npy", "/timestamps.txt", "/sensor.json", "/upsample.json", "/bin"},
+       {"/scans.npy", "/timestamps.txt", "/sensor.json", "/upsample.json", "/bin", "/las"},
        true},
       {"weights show {weights}", {"weights show {npz}"}},
       {"weights pack {arrays} {network} --out {out}",

@@ -3,12 +3,16 @@
 #include <signal.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <vector>
 
+#include "hqslam/core/cloud_file.h"
 #include "hqslam/core/npy.h"
 #include "hqslam/core/pcd.h"
+#include "hqslam/core/point_fields.h"
+#include "hqslam/core/projection.h"
 #include "hqslam/core/trajectory.h"
 #include "tools/program/child.h"
 #include "tools/program/program.h"
@@ -217,6 +221,56 @@ TEST_CASE("a lifted recording keeps the stamps that its scans had") {
   REQUIRE(std::ssize(trajectory) == files);
   CHECK(trajectory[1].stamp_s == doctest::Approx(100.1));
   CHECK(trajectory[2].stamp_s == doctest::Approx(105.2));
+}
+
+TEST_CASE("a recording's intensities come through lifting into clouds and into the dense map") {
+  const TemporaryDirectory folder;
+  fs::create_directory(folder.file("in"));
+  const SensorModel sensor = sensor_preset("os1-64");
+  std::string stamps;
+  NpyStackReader drive(material().drive + "/scans.npy");
+  for (std::int64_t i = 0; i < drive.images(); ++i) {
+    OrganizedCloud cloud = unproject(drive.read(i), sensor, CaptureTime::kRolling);
+    for (int row = 0; row < 64; ++row) {
+      cloud.intensity.resize(cloud.index(row + 1, 0), 2.0F * static_cast<float>(row));
+    }
+    write_cloud(returns_of(cloud), folder.file(fmt::format("in/{}.ply", i)));
+    stamps += fmt::format("{}\n", 0.1 * (static_cast<double>(i) + 0.5));
+  }
+  write_file(folder.file("in/timestamps.txt"), stamps);
+  const std::string in = folder.path().string();
+  const std::string lift = fmt::format("--upsample '{}'", material().weights);
+  succeeds("upsample '{0}/in' --weights '{1}' --pcd --las --bin --out '{0}/up'", in,
+           material().weights);
+  const RawPoints lifted = read_point_file(folder.file("up/pcd/000001.pcd"));
+  REQUIRE(lifted.scan.intensity.size() == lifted.scan.points_m.size());
+  std::size_t computed = 0;
+  for (std::size_t i = 0; i < lifted.ring.size(); ++i) {
+    const float intensity = lifted.scan.intensity[i];
+    const bool measured = static_cast<int>(lifted.ring[i]) % 4 == 3;
+    if (measured) CHECK(intensity == 2.0F * static_cast<float>(lifted.ring[i]));
+    if (measured || std::isnan(intensity)) continue;
+    CHECK(std::abs(intensity - 2.0F * static_cast<float>(lifted.ring[i])) <= 6.0F);
+    ++computed;
+  }
+  CHECK(computed > 1000);
+  CHECK(scan_of(lifted, &sensor, "").time_offset_s.size() == lifted.scan.points_m.size());
+  const Scan las = read_point_file(folder.file("up/las/000001.las")).scan;
+  CHECK(las.confidence == lifted.scan.confidence);
+  CHECK(las.intensity.front() == 257.0F * lifted.scan.intensity.front());
+  CHECK(read_point_file(folder.file("up/bin/000001.bin")).scan.intensity.size() ==
+        las.points_m.size());
+
+  succeeds("map '{0}/in' {1} --poses '{2}/truth.tum' --las --out '{0}/map'", in, lift,
+           material().drive);
+  const Scan map = read_point_file(folder.file("map/dense_map.las")).scan;
+  CHECK(map.intensity.size() ==
+        read_point_file(folder.file("map/dense_map.ply")).scan.points_m.size());
+  CHECK(*std::ranges::max_element(map.intensity) == doctest::Approx(257.0 * 126.0).epsilon(0.02));
+  succeeds("view '{0}/map/dense_map.las' '{0}/in' --sensor os1-64 --out '{0}/page.html'", in);
+  const std::string page = file_contents(folder.file("page.html"));
+  CHECK(count(page, "\"brightness\":\"\"") == 0);
+  CHECK(count(page, "\"brightness\":\"") == 2);
 }
 
 TEST_CASE("a recording of which nothing can be used is not lifted and not compared") {

@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <random>
 #include <set>
@@ -119,6 +120,14 @@ TEST_CASE("a confidence stays as it is within a 62nd, and of one place the sures
   CHECK(share_of(blocks.points[0]) / 31.0 == doctest::Approx(0.4).epsilon(0.05));
   CHECK(share_of(blocks.points[1]) == PointBlocks::kMostShare);
   CHECK(share_of(point_blocks({{1.0F, 2.0F, 3.0F}}, {}, 10).points[0]) == PointBlocks::kMostShare);
+}
+
+TEST_CASE("brightness goes with its point, in 255 steps, and of one place the brighter one") {
+  const float nan = std::nanf("");
+  const Points points_m = {{5.0F, 0.0F, 0.0F}, {5.001F, 0.0F, 0.0F}, {0.0F, 0.0F, 0.0F}};
+  const PointBlocks blocks = point_blocks(points_m, {}, 10, {0.2F, 0.4F, nan});
+  CHECK(blocks.brightness == std::vector<std::uint8_t>{0, 102});
+  CHECK(point_blocks(points_m, {}, 10).brightness.empty());
 }
 
 TEST_CASE("points that are none, or anywhere, do no harm") {

@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <random>
 #include <regex>
@@ -66,6 +67,16 @@ TEST_CASE("a view has all points of a small cloud, and no more than a page may h
   }
   CHECK(of_scans <= kMostScanPoints);
   CHECK(html.size() < 11'000'000);
+}
+
+TEST_CASE("intensities go from their 2nd to their 98th percentile, a byte for each point") {
+  ViewCloud cloud{"map", points_m(101)};
+  for (int i = 0; i <= 100; ++i) cloud.intensity.push_back(static_cast<float>(i));
+  const nlohmann::json map = data_of(turning_view_html({{cloud}, {}, {}, {}}))["clouds"][0];
+  CHECK(map["bright"] == nlohmann::json({2.0, 98.0}));
+  CHECK(map["brightness"].get<std::string>().size() == 136);  // 101 bytes as base64
+  cloud.intensity.assign(101, std::nanf(""));
+  CHECK(data_of(turning_view_html({{cloud}, {}, {}, {}}))["clouds"][0]["bright"].empty());
 }
 
 TEST_CASE("a view needs no other file and no network, and says where it cannot be seen") {

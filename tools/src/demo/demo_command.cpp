@@ -151,8 +151,8 @@ TurningView view_of(const std::filesystem::path& out, const std::vector<DemoRow>
   for (const DemoRow& row : rows) {
     if (!row.way.dense_map) continue;
     RawPoints map = read_point_file((out / row.way.folder / "dense_map.pcd").string());
-    view.clouds.insert(view.clouds.begin(),
-                       {row.way.name, std::move(map.scan.points_m), std::move(map.confidence)});
+    view.clouds.insert(view.clouds.begin(), {row.way.name, std::move(map.scan.points_m),
+                                             std::move(map.scan.confidence)});
   }
   return view;
 }

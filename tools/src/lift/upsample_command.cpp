@@ -34,7 +34,7 @@ UpsampleOutput make_output(const UpsampleOptions& options, const LiftedInput& in
   return {options.out,
           {options.input, options.upsample, scans},
           sensor,
-          UpsampledFormats{options.bin, options.pcd, options.png}};
+          UpsampledFormats{options.bin, options.pcd, options.png, options.las}};
 }
 
 /// The ranges of the points that are written: those of the measured rows are the recording's.
@@ -84,9 +84,9 @@ void print_summary(const UpsampleRun& run, const nn::Upsampler& upsampler,
             omp_get_max_threads() == 1 ? "" : "s");
   const bool sure =
       upsampler.network() != nullptr && has_confidence(upsampler.network()->description());
-  to_stdout("results: {}/scans.npy{}, sensor.json, upsample.json{}{}{}\n", options.out,
+  to_stdout("results: {}/scans.npy{}, sensor.json, upsample.json{}{}{}{}\n", options.out,
             sure ? ", confidence.npy" : "", options.bin ? ", bin" : "", options.pcd ? ", pcd" : "",
-            options.png ? ", png" : "");
+            options.las ? ", las" : "", options.png ? ", png" : "");
 }
 
 }  // namespace
@@ -115,6 +115,7 @@ void declare_upsample(CLI::App& app, UpsampleOptions& options) {
   declare_threads(command, options.threads);
   command.option("--bin", &options.bin, "Also write KITTI .bin files")
       .option("--pcd", &options.pcd, "Also write .pcd files")
+      .option("--las", &options.las, "Also write .las files")
       .option("--png", &options.png, "Also write pictures of the range images");
 }
 

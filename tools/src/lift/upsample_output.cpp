@@ -10,10 +10,10 @@
 #include <vector>
 
 #include "files/result_files.h"
+#include "hqslam/core/cloud_file.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/kitti_bin.h"
-#include "hqslam/core/pcd.h"
-#include "hqslam/core/scan.h"
+#include "hqslam/core/projection.h"
 #include "hqslam/evaluation/png.h"
 #include "recording/recording_choice.h"
 
@@ -31,7 +31,7 @@ constexpr std::array<const char*, 7> kFiles = {"scans.npy",   "confidence.npy", 
                                                "sensor.json", "upsample.json",  "truth.tum",
                                                "truth.kitti"};
 constexpr std::array<const char*, 2> kTruthFiles = {"truth.tum", "truth.kitti"};
-constexpr std::array<const char*, 3> kScanFolders = {"bin", "pcd", "png"};
+constexpr std::array<const char*, 4> kScanFolders = {"bin", "pcd", "png", "las"};
 
 bool same_file(const fs::path& a, const fs::path& b) {
   std::error_code error;
@@ -111,7 +111,7 @@ UpsampleOutput::UpsampleOutput(const std::string& folder, UpsampleOrigin origin,
       fs::copy_file(known, folder_ / truth);
     }
   }
-  const std::array<bool, 3> wanted = {formats.kitti_bin, formats.pcd, formats.png};
+  const std::array<bool, 4> wanted = {formats.kitti_bin, formats.pcd, formats.png, formats.las};
   for (std::size_t i = 0; i < wanted.size(); ++i) {
     if (wanted[i]) make_result_folder(folder_ / kScanFolders[i]);
   }
@@ -121,7 +121,7 @@ void UpsampleOutput::append(const RangeImage& image, const OrganizedCloud& cloud
   // A stack may have fewer images than there are stamps, a folder of scans may not: its files get
   // their names when all else is there, so that a program that is killed leaves what can be read.
   PartFiles parts;
-  write_formats(image, cloud, parts);
+  write_formats(image, cloud, stamp_s, parts);
   const std::string line = fmt::format("{:.9f}\n", stamp_s);
   if (!stamps_.write(line.data(), std::ssize(line)).flush()) {
     throw Error("{}: cannot be written; is the disk full?", (folder_ / kStampsFile).string());
@@ -142,21 +142,22 @@ void UpsampleOutput::append(const RangeImage& image, const OrganizedCloud& cloud
 void UpsampleOutput::finish() { write_origin(folder_, origin_, true); }
 
 void UpsampleOutput::write_formats(const RangeImage& image, const OrganizedCloud& cloud,
-                                   PartFiles& parts) const {
+                                   double stamp_s, PartFiles& parts) const {
   const auto part = [&](const char* kind) {
     return parts.add(folder_ / kind / fmt::format("{:06}.{}", scans_, kind));
   };
   if (formats_.png) write_png(color_by_range(image, sensor_.max_range_m), part("png"));
-  if (!formats_.kitti_bin && !formats_.pcd) return;
-  Scan scan;
-  scan.points_m = points_of(cloud);
+  if (!formats_.kitti_bin && !formats_.pcd && !formats_.las) return;
+  Scan scan = returns_of(cloud);
+  scan.stamp_s = stamp_s;
   if (formats_.kitti_bin) write_kitti_bin(scan, part("bin"));
+  if (formats_.las) write_cloud(scan, part("las"));
   if (!formats_.pcd) return;
-  std::vector<float> confidence;
-  for (std::size_t pixel = 0; pixel < cloud.confidence.size(); ++pixel) {
-    if (cloud.range_m[pixel] > 0.0F) confidence.push_back(cloud.confidence[pixel]);
+  if (scan.intensity.empty()) {  // then it is the image's points alone
+    scan.row.clear();
+    scan.time_offset_s.clear();
   }
-  write_pcd(scan.points_m, part("pcd"), confidence);
+  write_cloud(scan, part("pcd"));
 }
 
 }  // namespace hqslam::tools

@@ -19,6 +19,7 @@ struct UpsampledFormats {
   bool kitti_bin = false;  ///< bin/000000.bin, ...
   bool pcd = false;        ///< pcd/000000.pcd, ...
   bool png = false;        ///< png/000000.png, ...: the range image in colours
+  bool las = false;        ///< las/000000.las, ...
 };
 
 /// Where the scans of a folder come from.
@@ -50,7 +51,8 @@ class UpsampleOutput {
   void finish();
 
  private:
-  void write_formats(const RangeImage& image, const OrganizedCloud& cloud, PartFiles& parts) const;
+  void write_formats(const RangeImage& image, const OrganizedCloud& cloud, double stamp_s,
+                     PartFiles& parts) const;
 
   std::filesystem::path folder_;
   FolderLock lock_;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <tuple>
 
 namespace hqslam::tools {
 namespace {
@@ -36,7 +37,8 @@ Eigen::Vector3i steps_of(std::uint64_t code) {
 
 struct CodedPoint {
   std::uint64_t code = 0;
-  std::uint32_t share = 0;
+  std::uint8_t share = 0;
+  std::uint8_t brightness = 0;
   std::int32_t level = 0;  ///< the highest of whose voxels it is the first point
 };
 
@@ -48,8 +50,15 @@ Eigen::AlignedBox3d box_of(const std::vector<Eigen::Vector3f>& points_m) {
   return box;
 }
 
+/// In so many steps of 1; what is not a number counts as none.
+std::uint8_t steps_of_one(float value, unsigned steps) {
+  return static_cast<std::uint8_t>(
+      std::lround((value > 0.0F ? std::min(value, 1.0F) : 0.0F) * static_cast<float>(steps)));
+}
+
 std::vector<CodedPoint> coded(const std::vector<Eigen::Vector3f>& points_m,
-                              const std::vector<float>& share, const PointBlocks& blocks) {
+                              const std::vector<float>& share, const std::vector<float>& brightness,
+                              const PointBlocks& blocks) {
   std::vector<CodedPoint> result;
   result.reserve(points_m.size());
   for (std::size_t i = 0; i < points_m.size(); ++i) {
@@ -59,14 +68,13 @@ std::vector<CodedPoint> coded(const std::vector<Eigen::Vector3f>& points_m,
     for (int axis = 0; axis < kAxes; ++axis) {
       point.code |= spread(static_cast<std::uint64_t>(steps[axis])) << axis;
     }
-    // What is not a number counts as none.
-    const double of_one = share.empty() ? 1.0 : share[i] > 0.0F ? std::min(share[i], 1.0F) : 0.0F;
-    point.share = static_cast<std::uint32_t>(std::lround(of_one * PointBlocks::kMostShare));
+    point.share = steps_of_one(share.empty() ? 1.0F : share[i], PointBlocks::kMostShare);
+    if (!brightness.empty()) point.brightness = steps_of_one(brightness[i], 255);
     result.push_back(point);
   }
   // Of points in one place the surest comes first, and the others go.
   std::ranges::sort(result, [](const CodedPoint& a, const CodedPoint& b) {
-    return a.code != b.code ? a.code < b.code : a.share > b.share;
+    return std::tuple(a.code, b.share, b.brightness) < std::tuple(b.code, a.share, a.brightness);
   });
   const auto same = [](const CodedPoint& a, const CodedPoint& b) { return a.code == b.code; };
   result.erase(std::unique(result.begin(), result.end(), same), result.end());
@@ -120,14 +128,15 @@ double spacing_of(const std::vector<CodedPoint>& points, double step_m) {
 }  // namespace
 
 PointBlocks point_blocks(const std::vector<Eigen::Vector3f>& points_m,
-                         const std::vector<float>& share, std::size_t most_points) {
+                         const std::vector<float>& share, std::size_t most_points,
+                         const std::vector<float>& brightness) {
   PointBlocks result;
   const Eigen::AlignedBox3d box = box_of(points_m);
   if (box.isEmpty()) return result;
   result.origin_m = box.min();
   constexpr double kMostSteps = (1 << kBitsPerCode) - 2;
   result.step_m = std::max(result.step_m, box.sizes().maxCoeff() / kMostSteps);
-  std::vector<CodedPoint> points = coded(points_m, share, result);
+  std::vector<CodedPoint> points = coded(points_m, share, brightness, result);
   const int level = thin(points, most_points);
   const int coarser = std::max(0, level - kLevelOfThinning);
   result.step_m = std::ldexp(result.step_m, coarser);
@@ -151,7 +160,9 @@ PointBlocks point_blocks(const std::vector<Eigen::Vector3f>& points_m,
       const Eigen::Vector3i steps = steps_of(point->code & ((1ULL << kBlockBits) - 1));
       result.points.push_back(static_cast<std::uint32_t>(steps.x()) |
                               static_cast<std::uint32_t>(steps.y()) << 9U |
-                              static_cast<std::uint32_t>(steps.z()) << 18U | point->share << 27U);
+                              static_cast<std::uint32_t>(steps.z()) << 18U |
+                              static_cast<std::uint32_t>(point->share) << 27U);
+      if (!brightness.empty()) result.brightness.push_back(point->brightness);
       for (int l = 0; l < PointBlocks::kLevels && l <= point->level; ++l) {
         ++block.ends[static_cast<std::size_t>(l)];
       }

@@ -34,12 +34,15 @@ struct PointBlocks {
   /// Block after block: x, y and z in steps, 9 bits each from the lowest, then 5 bits of the share.
   /// A point is in the middle of its step.
   std::vector<std::uint32_t> points;
+  std::vector<std::uint8_t> brightness;  ///< of each, 0 to 255; empty: none was given
 };
 
 /// At most `most_points` of the points, evenly thinned: no coordinate is farther than half a step
 /// from its point's. share: of 1, per point (a confidence); empty: none is known, all are 1. Points
-/// that are not finite are left out. The same points give the same bytes.
+/// that are not finite are left out. brightness: of 1, per point; empty: none. The same points give
+/// the same bytes.
 PointBlocks point_blocks(const std::vector<Eigen::Vector3f>& points_m,
-                         const std::vector<float>& share, std::size_t most_points);
+                         const std::vector<float>& share, std::size_t most_points,
+                         const std::vector<float>& brightness = {});
 
 }  // namespace hqslam::tools

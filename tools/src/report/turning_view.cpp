@@ -52,8 +52,31 @@ Json json_of(const Eigen::Vector3f& place_m) {
   return json_of(Eigen::Vector3d(place_m.cast<double>()));
 }
 
+/// From the dimmest to the brightest of the points, but for the few beyond; nothing where no
+/// intensity is known.
+std::vector<float> range_of_intensities(std::vector<float> intensity) {
+  constexpr double kBeyond = 0.02;
+  std::erase_if(intensity, [](float value) { return !std::isfinite(value); });
+  if (intensity.empty()) return {};
+  const auto at = [&](double share) {
+    const auto place =
+        intensity.begin() + std::lround(share * static_cast<double>(intensity.size() - 1));
+    std::nth_element(intensity.begin(), place, intensity.end());
+    return *place;
+  };
+  return {at(kBeyond), at(1.0 - kBeyond)};
+}
+
 Json json_of(const ViewCloud& cloud, std::size_t most_points) {
-  const PointBlocks packed = point_blocks(cloud.points_m, cloud.confidence, most_points);
+  const std::vector<float> bright = range_of_intensities(cloud.intensity);
+  std::vector<float> brightness;
+  if (!bright.empty()) {
+    for (const float intensity : cloud.intensity) {
+      brightness.push_back((intensity - bright[0]) / std::max(bright[1] - bright[0], 1e-6F));
+    }
+  }
+  const PointBlocks packed =
+      point_blocks(cloud.points_m, cloud.confidence, most_points, brightness);
   Json blocks = Json::array();
   for (const PointBlocks::Block& block : packed.blocks) {
     Json& entry = blocks.emplace_back(Json{block.corner.x(), block.corner.y(), block.corner.z()});
@@ -63,6 +86,8 @@ Json json_of(const ViewCloud& cloud, std::size_t most_points) {
   if (!bytes.empty()) std::memcpy(bytes.data(), packed.points.data(), bytes.size());
   return {{"name", cloud.name},
           {"sure", !cloud.confidence.empty()},
+          {"bright", bright},
+          {"brightness", base64(packed.brightness)},
           {"origin", json_of(packed.origin_m)},
           {"step", packed.step_m},
           {"spacing", packed.spacing_m},
@@ -70,8 +95,8 @@ Json json_of(const ViewCloud& cloud, std::size_t most_points) {
           {"points", base64(bytes)}};
 }
 
-/// How many points each cloud may have, so that none has fewer than its part of the room unless it
-/// needs less.
+/// How much of the room each cloud gets, so that none has less than its part of it unless it needs
+/// less.
 std::vector<std::size_t> shared_out(std::size_t room, const std::vector<std::size_t>& wanted) {
   std::vector<std::size_t> by_size(wanted.size());
   std::iota(by_size.begin(), by_size.end(), 0U);
@@ -126,12 +151,19 @@ Json data_of(const TurningView& view) {
   Json data = {{"centre", json_of(Eigen::Vector3d(scene.center()))},
                {"radius", std::max(5.0, 0.5 * scene.sizes().head<2>().norm())},
                {"heights", range_of_heights(points_m)}};
+  const auto bytes_of_point = [](const ViewCloud& cloud) {
+    return sizeof(std::uint32_t) + (cloud.intensity.empty() ? 0 : 1);
+  };
   std::vector<std::size_t> wanted;
-  for (const ViewCloud& cloud : view.clouds) wanted.push_back(cloud.points_m.size());
-  const std::vector<std::size_t> most = shared_out(kMostCloudPoints, wanted);
+  for (const ViewCloud& cloud : view.clouds) {
+    wanted.push_back(cloud.points_m.size() * bytes_of_point(cloud));
+  }
+  const std::vector<std::size_t> most =
+      shared_out(kMostCloudPoints * sizeof(std::uint32_t), wanted);
   data["clouds"] = Json::array();
   for (std::size_t i = 0; i < most.size(); ++i) {
-    data["clouds"].push_back(json_of(view.clouds[i], most[i]));
+    const ViewCloud& cloud = view.clouds[i];
+    data["clouds"].push_back(json_of(cloud, most[i] / bytes_of_point(cloud)));
   }
   data["path"] = Json::array();
   for (const Points& piece_m : view.path_m) {
@@ -188,7 +220,7 @@ std::string turning_view_html(const TurningView& view) {
       "<div class=\"controls\">\n"
       "<label{}>Points <select class=\"cloud\"></select></label>\n"
       "<label>Colour <select class=\"colour\"><option>height</option><option>confidence</option>"
-      "</select></label>\n"
+      "<option>intensity</option></select></label>\n"
       "<button data-view=\"overview\">Overview</button><button data-view=\"above\">From above"
       "</button><button data-view=\"behind\"{}>Behind the sensor</button>\n"
       "<label{}><input type=\"checkbox\" class=\"map\" checked>map</label>\n"

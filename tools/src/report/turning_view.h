@@ -10,11 +10,13 @@
 
 namespace hqslam::tools {
 
-/// Points under a name, in metres; confidence: 0 to 1 each, or empty where nothing is known of it.
+/// Points under a name, in metres; confidence: 0 to 1 each, or empty where nothing is known of it;
+/// intensity: the same, in any unit.
 struct ViewCloud {
   std::string name;
   std::vector<Eigen::Vector3f> points_m;
   std::vector<float> confidence = {};
+  std::vector<float> intensity = {};
 };
 
 /// A scan as it was measured, and what was computed between, in the frame of the clouds.
@@ -33,7 +35,8 @@ struct TurningView {
   std::vector<ViewScan> scans;
 };
 
-/// What a page may have of points, so that it stays below 15 MB with its pictures.
+/// What a page may have of points of 4 bytes (5 with an intensity), so that it stays below 15 MB
+/// with its pictures.
 inline constexpr std::size_t kMostCloudPoints = 1'200'000;
 inline constexpr std::size_t kMostScanPoints = 700'000;
 

@@ -10,11 +10,12 @@ const char* const kTurningViewScript = R"js(
 'use strict';
 const kPointVertices = `#version 300 es
 in uint point;                // x, y, z in steps from the block's corner, and how sure it is
+in float bright;
 uniform mat4 toClip;
 uniform vec3 corner;
 uniform float step, side, least;  // metres of a step; pixels of a point 1 m away, and at least
 uniform vec2 heights;
-uniform bool bySureness;
+uniform int by;               // height, sureness, brightness
 uniform vec3 palette[5];
 flat out vec3 colour;
 void main() {
@@ -22,7 +23,7 @@ void main() {
   gl_Position = toClip * vec4(place, 1);
   gl_PointSize = clamp(side / gl_Position.w, least, 16.);
   float height = (place.z - heights.x) / (heights.y - heights.x);
-  float share = 4. * clamp(bySureness ? float(point >> 27) / 31. : height, 0., 1.);
+  float share = 4. * clamp(by == 2 ? bright : by == 1 ? float(point >> 27) / 31. : height, 0., 1.);
   int stop = min(int(share), 3);
   colour = mix(palette[stop], palette[stop + 1], share - float(stop));
 }`;
@@ -87,6 +88,8 @@ void main() { pixel = vec4(colour, 1); }`;
 const rgb = hex => [16, 8, 0].map(bits => (parseInt(hex, 16) >> bits & 255) / 255);
 const kHeights = ['3a4c96', '2a8498', '56b276', 'd6c85c', 'f6ecce'].map(rgb);
 const kSureness = ['c0392b', 'e67e22', 'e8d36b', '7fc8a9', '4aa3df'].map(rgb);
+const kBrightness = ['262a52', '6a3d8f', 'c34f72', 'f28f4e', 'fbe9a8'].map(rgb);
+const kPalettes = [kHeights, kSureness, kBrightness];
 const kMeasured = rgb('ffd24a'), kLifted = rgb('35c3f3');
 const kPath = rgb('ff7a5c'), kLoops = rgb('d58cff'), kSensor = rgb('ffffff');
 const kBackground = rgb('11141c');
@@ -112,7 +115,7 @@ function turningView(root) {
       gl.compileShader(shader);
       gl.attachShader(result, shader);
     }
-    for (const [place, name] of [[0, 'point'], [0, 'from'], [1, 'to']]) gl.bindAttribLocation(result, place, name);
+    for (const [place, name] of [[0, 'point'], [1, 'bright'], [0, 'from'], [1, 'to']]) gl.bindAttribLocation(result, place, name);
     gl.linkProgram(result);
     if (!gl.getProgramParameter(result, gl.LINK_STATUS)) throw new Error(gl.getProgramInfoLog(result));
     const at = {program: result};  // and where its uniforms are
@@ -166,7 +169,7 @@ function turningView(root) {
   // What is looked at, from how far and from where: yaw 0 looks along x, pitch down.
   const camera = {target: [...data.centre], distance: 2.4 * data.radius, yaw: 1.1, pitch: .62};
   let goal = null;  // where the camera glides to
-  let shown = {cloud: 0, scan: 0, bySureness: false};
+  let shown = {cloud: 0, scan: 0, by: 0};
   // While the camera moves: how many pixels a voxel may be wide, and whether pixels are twice as
   // large; as 30 pictures a second need.
   let coarse = 2, blurred = false;
@@ -185,13 +188,23 @@ function turningView(root) {
   function drawCloud(cloud, look, colours) {
     if (!cloud.buffer) {
       cloud.buffer = bufferOf(bytesOf(cloud.points));
+      cloud.shine = bufferOf(bytesOf(cloud.brightness));
       delete cloud.points;
+      delete cloud.brightness;
+    }
+    if (colours.by === 2) {
+      gl.bindBuffer(gl.ARRAY_BUFFER, cloud.shine);
+      gl.enableVertexAttribArray(1);
+      gl.vertexAttribPointer(1, 1, gl.UNSIGNED_BYTE, true, 0, 0);
+      gl.vertexAttribDivisor(1, 0);
+    } else {
+      gl.disableVertexAttribArray(1);
     }
     gl.bindBuffer(gl.ARRAY_BUFFER, cloud.buffer);
     gl.vertexAttribIPointer(0, 1, gl.UNSIGNED_INT, 0, 0);
     gl.uniform1f(points.step, cloud.step);
     gl.uniform1f(points.least, colours.least * canvas.height / canvas.clientHeight);
-    gl.uniform1i(points.bySureness, colours.bySureness ? 1 : 0);
+    gl.uniform1i(points.by, colours.by);
     gl.uniform3fv(points.palette, colours.palette.flatMap(stop => stop.map(part => part * colours.light)));
     const size = 512 * cloud.step, reach = .87 * size;
     const origin = less(cloud.origin, camera.target);
@@ -237,17 +250,17 @@ function turningView(root) {
     gl.uniformMatrix4fv(points.toClip, false, look.toClip);
     gl.uniform2fv(points.heights, data.heights.map(height => height - camera.target[2]));
     const scan = data.scans[shown.scan - 1];
-    const palette = shown.bySureness ? kSureness : kHeights;
+    const palette = kPalettes[shown.by];
     if (data.clouds.length && find('.map').checked) {
       const cloud = data.clouds[shown.cloud];
-      drawCloud(cloud, look, {palette, bySureness: shown.bySureness, light: scan ? .4 : 1, spacing: .8 * cloud.spacing, least: 1});
+      drawCloud(cloud, look, {palette, by: shown.by, light: scan ? .4 : 1, spacing: .8 * cloud.spacing, least: 1});
     }
     if (scan) {  // a little nearer than the map, which has the same surfaces
       const nearer = [...look.toClip];
       nearer[14] -= .04 * look.near;
       gl.uniformMatrix4fv(points.toClip, false, nearer);
       for (const [kind, colour] of [['measured', kMeasured], ['lifted', kLifted]]) {
-        const plain = {palette: Array(5).fill(colour), light: 1, spacing: .07, least: 2};
+        const plain = {palette: Array(5).fill(colour), by: 0, light: 1, spacing: .07, least: 2};
         if (find('.' + kind).checked) drawCloud(scan[kind], look, plain);
       }
     }
@@ -427,12 +440,16 @@ function turningView(root) {
   for (const cloud of data.clouds) find('.cloud').add(new Option(cloud.name));
   function choose() {
     shown.cloud = Math.max(0, find('.cloud').selectedIndex);
-    const {sure} = data.clouds[shown.cloud] || {};
-    find('.colour').parentElement.hidden = !sure;
-    shown.bySureness = Boolean(sure) && find('.colour').value === 'confidence';
-    const stops = (shown.bySureness ? kSureness : kHeights).map(stop => `rgb(${stop.map(part => 255 * part)})`);
+    const {sure, bright = []} = data.clouds[shown.cloud] || {};
+    const colour = find('.colour');
+    [true, sure, bright.length].forEach((known, i) => { colour[i].disabled = colour[i].hidden = !known; });
+    if (colour.selectedOptions[0].disabled) colour.selectedIndex = 0;
+    colour.parentElement.hidden = !sure && !bright.length;
+    shown.by = colour.selectedIndex;
+    const stops = kPalettes[shown.by].map(stop => `rgb(${stop.map(part => 255 * part)})`);
     find('.key i').style.background = `linear-gradient(90deg, ${stops})`;
-    const ends = shown.bySureness ? ['unsure', 'sure'] : data.heights.map(height => height.toFixed(1) + ' m');
+    const ends = [data.heights.map(height => height.toFixed(1) + ' m'), ['unsure', 'sure'],
+                  bright.map(value => String(Number(value.toPrecision(2))))][shown.by];
     find('.key .low').textContent = ends[0];
     find('.key .high').textContent = ends[1];
     redraw();
@@ -440,11 +457,12 @@ function turningView(root) {
   find('.cloud').onchange = find('.colour').onchange = choose;
   new ResizeObserver(() => redraw()).observe(canvas);
 
-  // A link can say how it looks: page.html#yaw=0.5&pitch=0.3&distance=40&scan=3
+  // A link can say how it looks: page.html#yaw=0.5&pitch=0.3&distance=40&scan=3&colour=2
   const said = Object.fromEntries([...new URLSearchParams(location.hash.slice(1))]
       .map(([name, value]) => [name, Number(value)]));
   for (const name of ['yaw', 'pitch', 'distance']) if (Number.isFinite(said[name])) camera[name] = said[name];
   if (said.cloud in data.clouds) find('.cloud').selectedIndex = said.cloud;
+  if (said.colour in kPalettes) find('.colour').selectedIndex = said.colour;
   choose();
   if (data.scans.length) show(said.scan in [0, ...data.scans] ? said.scan : 0);
   if (shown.scan) camera.target = [...data.scans[shown.scan - 1].at];

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
@@ -39,7 +40,8 @@ void declare_dense_map(Command& command, DenseMapChoice& choice,
               {.shows_default = true, .within = std::pair(0.02, 1.0), .needs = needs})
       .option("--map-confidence", &choice.least_confidence,
               "Of the dense map: least probability that a point is on a surface",
-              {.shows_default = true, .within = std::pair(0.001, 0.999), .needs = needs});
+              {.shows_default = true, .within = std::pair(0.001, 0.999), .needs = needs})
+      .option("--las", &choice.las, "Also write the dense map as dense_map.las", {.needs = needs});
 }
 
 DenseMapRun build_dense_map(const InputChoice& recording, const LiftingChoice& lifting,
@@ -59,7 +61,8 @@ DenseMapRun build_dense_map(const InputChoice& recording, const LiftingChoice& l
       poses, "dense map, seen through", interrupt,
       [&](const auto& scan, const auto& path) { map.see_through(input.measured(scan), path); });
   DenseMapRun run;
-  run.points = map.points();
+  run.points = map.points(&run.intensity);
+  run.las = choice.las;
   run.voxel_m = choice.voxel_m;
   run.scans = inserted.scans;
   run.scans_left_out = inserted.without_pose;
@@ -102,9 +105,7 @@ void guard_dense_map(const fs::path& folder, const Paths& inputs) {
 
 void remove_dense_map(const fs::path& folder) {
   std::error_code ignored;
-  // The .ply, by which the others are known as ours, goes last.
-  for (const char* name :
-       {kDenseMapFiles[0], kDenseMapFiles[2], kDenseMapFiles[3], kDenseMapFiles[1]}) {
+  for (const char* name : kDenseMapFiles) {
     fs::remove(folder / name, ignored);
     fs::remove(folder / (std::string(name) + ".part"), ignored);  // of a run that was killed
   }
@@ -115,8 +116,10 @@ void write_dense_map(const DenseMapRun& run, const DenseMapPictures& pictures,
   make_result_folder(folder);
   PartFiles parts;  // an earlier map stays until all of this one is there
   // The .ply, by which the others are known as ours, comes first.
-  slam::write_dense_map_ply(run.points, parts.add(folder / "dense_map.ply"));
-  slam::write_dense_map_pcd(run.points, parts.add(folder / "dense_map.pcd"));
+  for (const char* name : {"dense_map.ply", "dense_map.pcd", "dense_map.las"}) {
+    if (!run.las && std::string_view(name).ends_with(".las")) continue;
+    slam::write_dense_map(run.points, parts.add(folder / name), run.intensity);
+  }
   write_png(pictures.above, parts.add(folder / "dense_map_above.png"));
   write_png(pictures.perspective, parts.add(folder / "dense_map_perspective.png"));
   parts.rename();
@@ -148,7 +151,8 @@ void declare_map(CLI::App& app, MapOptions& options) {
   Command command =
       add_command(app, "map", "The dense map of a recorded drive whose poses are known",
                   "Writes into --out, in the frame of the poses:\n"
-                  "  dense_map.pcd, dense_map.ply   x y z confidence times_seen per voxel, binary\n"
+                  "  dense_map.pcd, dense_map.ply   x y z, intensity where the recording has it,\n"
+                  "                                 confidence, times_seen per voxel, binary\n"
                   "  dense_map_above.png, dense_map_perspective.png\n"
                   "and with --occupancy-grid\n"
                   "  map.pgm, map.yaml              where a robot can drive, for Nav2\n"
@@ -185,9 +189,9 @@ int map_command(const MapOptions& options) {
   if (run.scans == 0) throw Error(no_scan_message(run, options));
   write_dense_map(run, pictures_of(run, poses.trajectory), options.out);
   to_stdout(
-      "{}\nresults: {}/dense_map.pcd, dense_map.ply, dense_map_above.png, "
+      "{}\nresults: {}/dense_map.pcd, dense_map.ply, {}dense_map_above.png, "
       "dense_map_perspective.png\n",
-      dense_map_summary(run), options.out);
+      dense_map_summary(run), options.out, run.las ? "dense_map.las, " : "");
   if (options.occupancy_grid) {
     const auto grid = build_occupancy_grid(options, options, poses, options.grid, interrupt);
     if (interrupt.stop_requested()) {

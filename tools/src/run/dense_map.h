@@ -23,8 +23,9 @@ struct SlamRun;
 struct DenseMapChoice {
   double voxel_m = slam::DenseMapOptions().voxel_m;
   double least_confidence = slam::DenseMapOptions().least_confidence;
+  bool las = false;  ///< a .las file too
 };
-/// --map-voxel and --map-confidence. needs: options without which they say nothing.
+/// --map-voxel, --map-confidence and --las. needs: options without which they say nothing.
 void declare_dense_map(Command& command, DenseMapChoice& choice,
                        const std::vector<const char*>& needs = {});
 
@@ -34,6 +35,8 @@ ScanPoses poses_of(const SlamRun& run);
 /// A dense map, finished or not.
 struct DenseMapRun {
   std::vector<slam::DenseMapPoint> points;  ///< in the frame of the poses
+  std::vector<float> intensity;             ///< of the points; empty: the recording has none
+  bool las = false;                         ///< as DenseMapChoice
   double voxel_m = 0.0;
   std::int64_t scans = 0;           ///< that are in it
   std::int64_t scans_left_out = 0;  ///< without a pose that is known
@@ -57,9 +60,10 @@ struct DenseMapPictures {
 /// path: of the sensor, in the map's frame.
 DenseMapPictures pictures_of(const DenseMapRun& run, const Trajectory& path);
 
-/// dense_map.pcd, dense_map.ply, dense_map_above.png, dense_map_perspective.png
-inline constexpr const char* kDenseMapFiles[] = {
-    "dense_map.pcd", "dense_map.ply", "dense_map_above.png", "dense_map_perspective.png"};
+/// The .ply, by which the others are known as ours, is the last; the .las only if it was asked for.
+inline constexpr const char* kDenseMapFiles[] = {"dense_map.pcd", "dense_map.las",
+                                                 "dense_map_above.png", "dense_map_perspective.png",
+                                                 "dense_map.ply"};
 
 /// Throws Error if one of the files is there and was not written by hqslam, or is one of `inputs`.
 void guard_dense_map(const std::filesystem::path& folder, const Paths& inputs);

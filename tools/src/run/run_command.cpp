@@ -208,7 +208,8 @@ void declare_run(CLI::App& app, RunOptions& options) {
       "  timings.json      time per stage and status of every scan\n"
       "  report.html       map, path and scans to be turned, error and times on one page\n"
       "and with --dense-map, in the same frame:\n"
-      "  dense_map.pcd, dense_map.ply   x y z confidence times_seen per voxel, binary\n"
+      "  dense_map.pcd, dense_map.ply   x y z, intensity where the recording has it,\n"
+      "                                 confidence, times_seen per voxel, binary\n"
       "  dense_map_above.png, dense_map_perspective.png\n"
       "and with --occupancy-grid, its cells about the frame's x and y:\n"
       "  map.pgm, map.yaml              where a robot can drive, for Nav2\n"
@@ -232,10 +233,11 @@ void declare_run(CLI::App& app, RunOptions& options) {
       .option("--save-map", &options.save_map,
               "Also write saved_map.npz, in which later drives can be located",
               {.excludes = {"--no-loop-closing"}})
-      .option("--map", &options.map_file,
-              "Locate the drive in a saved_map.npz, or in any cloud (.pcd, .ply, .txt; metres, z "
-              "up), which stays as it is, instead of making a map",
-              {.given = Given::kFile, .excludes = {"--save-map"}})
+      .option(
+          "--map", &options.map_file,
+          "Locate the drive in a saved_map.npz, or in any cloud (.pcd, .ply, .las, .txt; metres, z "
+          "up), which stays as it is, instead of making a map",
+          {.given = Given::kFile, .excludes = {"--save-map"}})
       .option(
           "--extend", &options.extend,
           "Go on from --map: write a saved_map.npz with its places and those of the drive, which "

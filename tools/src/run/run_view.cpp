@@ -13,6 +13,7 @@ ViewCloud cloud_of(const DenseMapRun& map) {
     cloud.points_m.push_back(point.point_m);
     cloud.confidence.push_back(point.confidence);
   }
+  cloud.intensity = map.intensity;
   return cloud;
 }
 

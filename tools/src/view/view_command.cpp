@@ -1,6 +1,5 @@
 
 #include <algorithm>
-#include <array>
 #include <filesystem>
 #include <memory>
 
@@ -8,6 +7,7 @@
 #include "files/result_files.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/point_fields.h"
+#include "hqslam/core/projection.h"
 #include "hqslam/slam/saved_map.h"
 #include "lift/lifted_input.h"
 #include "report/page.h"
@@ -26,9 +26,9 @@ body { max-width: none; padding: .6rem; }
 .turning-view .stage { aspect-ratio: auto; height: calc(100vh - 5.8rem); min-height: 12rem; }
 )css";
 
-ViewCloud points_in(const std::string& path) {
-  RawPoints points = read_point_file(path);
-  return {"", std::move(points.scan.points_m), std::move(points.confidence)};
+ViewCloud cloud_of(Scan points) {
+  return {"", std::move(points.points_m), std::move(points.confidence),
+          std::move(points.intensity)};
 }
 
 ViewCloud saved_map_in(const std::string& path) {
@@ -51,23 +51,17 @@ ViewCloud scan_of(const std::string& path, const ViewOptions& options) {
                   options.scan, i);
     }
   }
-  const OrganizedCloud seen = input.measured(scan->cloud);
-  ViewCloud cloud;
-  for (std::size_t i = 0; i < seen.range_m.size(); ++i) {
-    if (!(seen.range_m[i] > 0.0F)) continue;
-    cloud.points_m.push_back(seen.points_m[i]);
-    if (!seen.confidence.empty()) cloud.confidence.push_back(seen.confidence[i]);
-  }
-  return cloud;
+  return cloud_of(returns_of(input.measured(scan->cloud)));
 }
 
 ViewCloud cloud_in(const std::string& path, const ViewOptions& options) {
-  constexpr std::array<const char*, 5> kPointFiles = {".pcd", ".ply", ".bin", ".txt", ".csv"};
   const std::filesystem::path file(path);
   const std::string ending = file.extension().string();
-  ViewCloud cloud = std::ranges::count(kPointFiles, ending) > 0 ? points_in(path)
-                    : ending == ".npz"                          ? saved_map_in(path)
-                                                                : scan_of(path, options);
+  const bool has_points =
+      std::ranges::count(kBinaryPoints, ending) > 0 || std::ranges::count(kTextPoints, ending) > 0;
+  ViewCloud cloud = has_points         ? cloud_of(read_point_file(path).scan)
+                    : ending == ".npz" ? saved_map_in(path)
+                                       : scan_of(path, options);
   if (cloud.points_m.empty()) {
     throw Error("{}: expected points to look at, found none; give another file", path);
   }
@@ -83,7 +77,7 @@ void declare_view(CLI::App& app, ViewOptions& options) {
       "The page needs no other file and no network. Large maps are thinned evenly to what a\n"
       "page may have; several files are seen one at a time.")
       .option("FILE", &options.files,
-              "Maps and scans: .pcd, .ply, .bin, .txt or .csv points, a saved_map.npz, or a "
+              "Maps and scans: .pcd, .ply, .las, .bin, .txt or .csv points, a saved_map.npz, or a "
               "recording (as for hqslam run), of which a scan is shown",
               {.required = true, .given = Given::kFileOrFolder})
       .option("--sensor", &options.sensor, "Of recordings that do not say: a name or a .json file")

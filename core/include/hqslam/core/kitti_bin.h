@@ -12,7 +12,7 @@ namespace hqslam {
 /// Throws Error for a file of a wrong size, of text or of numbers that are no coordinates.
 Scan read_kitti_bin(const std::string& path);
 
-/// Intensity is written as 0. Throws Error.
+/// An intensity that is not known is written as 0. Throws Error.
 void write_kitti_bin(const Scan& scan, const std::string& path);
 
 }  // namespace hqslam

@@ -22,6 +22,10 @@ struct OrganizedCloud {
   /// what a network says of it where it was computed. Empty: no point was computed, or nothing is
   /// known of those that were.
   std::vector<float> confidence;
+  /// How bright each return was, in the unit of the recording (Scan::intensity); of a computed
+  /// point, what follows from the measured ones around it. Not a number where that is not known.
+  /// Empty: the recording does not say.
+  std::vector<float> intensity;
 
   OrganizedCloud() = default;
   OrganizedCloud(int rows_, int columns_);

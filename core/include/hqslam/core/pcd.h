@@ -20,9 +20,7 @@ Scan read_pcd(const std::string& path);
 /// Throws Error, also for a ring that the sensor does not have.
 Scan read_pcd(const std::string& path, const SensorModel& sensor);
 
-/// Writes x y z (float32), binary, and where `confidence` is not empty a field of that name. Throws
-/// Error, also if there are not as many confidences as points.
-void write_pcd(const std::vector<Eigen::Vector3f>& points_m, const std::string& path,
-               const std::vector<float>& confidence = {});
+/// Writes x y z (float32), binary. Throws Error. For more of each point: write_cloud.
+void write_pcd(const std::vector<Eigen::Vector3f>& points_m, const std::string& path);
 
 }  // namespace hqslam

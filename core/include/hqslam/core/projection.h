@@ -27,6 +27,9 @@ struct ProjectedScan {
 /// wins a pixel. Throws Error if a row of the scan is not a row of the sensor.
 ProjectedScan project(const Scan& scan, const SensorModel& sensor);
 
+/// The pixels that have a return, row after row, with all that is known of them.
+Scan returns_of(const OrganizedCloud& cloud);
+
 /// What the time of a pixel of a range image means.
 enum class CaptureTime {
   kRolling,          ///< measured one column after the other (SensorModel::time_offset_s)

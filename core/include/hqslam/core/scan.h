@@ -16,6 +16,12 @@ struct Scan {
   /// Capture time of each point minus stamp_s; empty if all points are given for stamp_s (a
   /// motion-corrected scan).
   std::vector<float> time_offset_s;
+  /// How bright each return was, in the sensor's own unit: reflectivity where it says that (Hesai,
+  /// Ouster: 0 to 255, of old firmware to 65,535), else what it calls intensity (Velodyne 0 to 255,
+  /// KITTI 0 to 1). Empty if it does not say.
+  std::vector<float> intensity;
+  /// Of each point, as OrganizedCloud::confidence; empty if nothing is known of it.
+  std::vector<float> confidence;
   /// Points of the file that were not finite or lay at the origin: left out and counted here.
   std::int64_t invalid_points = 0;
 };

@@ -67,7 +67,8 @@ inline constexpr const char* kStampsFromNames = "names";
 /// - a folder of KITTI .bin files (motion-corrected; rows from the rings where the points are
 ///   stored ring after ring, from the elevation otherwise), or a KITTI drive with them in
 ///   `velodyne` or `velodyne_points/data`;
-/// - a folder of .pcd, .ply, .txt or .csv files (rows from rings, times from a field of times);
+/// - a folder of .pcd, .ply, .las, .txt or .csv files (rows from rings, times from a field of
+/// times);
 /// - one such file: a recording of one scan;
 /// - an .npy stack of range images (N x H x W or N x H x W x 1, float32 metres; `options` apply);
 /// - a folder written by `hqslam simulate` or `hqslam upsample` (scans.npy, sensor.json; `options`

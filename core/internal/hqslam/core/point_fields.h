@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -51,20 +52,21 @@ struct PointField {
   std::size_t count = 1;   ///< numbers
 };
 
-/// The fields that matter: x, y, z, and where they are there ring and time, by any of the names
-/// that drivers give them (see point_fields), and the confidence of hqslam's own maps.
+/// The fields that matter: x, y, z, and where they are there ring, time and intensity, by any of
+/// the names that drivers give them (see point_fields), and the confidence of hqslam's own maps.
 struct PointFields {
   const PointField* x = nullptr;
   const PointField* y = nullptr;
   const PointField* z = nullptr;
   const PointField* ring = nullptr;
   const PointField* time = nullptr;
+  const PointField* intensity = nullptr;
   const PointField* confidence = nullptr;
 };
 /// ring: also channel, line, laser_id and the like; time: t, time, timestamp, offset_time and the
-/// like; whether letters are large and what stands between words does not matter. Throws Error
-/// unless there are x, y and z. `source` stands for the file in messages, `kind` for what it calls
-/// its fields.
+/// like; intensity: reflectivity where there is one, else intensity; whether letters are large and
+/// what stands between words does not matter. Throws Error unless there are x, y and z. `source`
+/// stands for the file in messages, `kind` for what it calls its fields.
 PointFields point_fields(const std::vector<PointField>& fields, const std::string& source,
                          const char* kind = "fields");
 
@@ -105,8 +107,7 @@ struct RawPoints {
   Scan scan;
   std::vector<double> ring;  ///< per point; empty if there are none
   std::string ring_name;
-  PointTimeField time;            ///< per point; empty if there are none
-  std::vector<float> confidence;  ///< the same
+  PointTimeField time;  ///< per point; empty if there are none
 
   /// Points of which nothing else is known.
   explicit RawPoints(Scan scan_) : scan(std::move(scan_)) {}
@@ -118,8 +119,11 @@ struct RawPoints {
     if (!add(value(*fields.x), value(*fields.y), value(*fields.z))) return;
     if (fields.ring != nullptr) ring.push_back(value(*fields.ring));
     if (fields.time != nullptr) time.values.push_back(value(*fields.time));
+    if (fields.intensity != nullptr) {
+      scan.intensity.push_back(static_cast<float>(value(*fields.intensity)));
+    }
     if (fields.confidence != nullptr) {
-      confidence.push_back(static_cast<float>(value(*fields.confidence)));
+      scan.confidence.push_back(static_cast<float>(value(*fields.confidence)));
     }
   }
 
@@ -127,7 +131,12 @@ struct RawPoints {
   bool add(double x_m, double y_m, double z_m);
 };
 
-/// A file of points, a scan or a map: .pcd, .ply, KITTI's .bin, and any other as text. Throws
+/// Endings of files of points; those of .laz are there to be refused.
+inline constexpr std::array<const char*, 5> kBinaryPoints = {".bin", ".pcd", ".ply", ".las",
+                                                             ".laz"};
+inline constexpr std::array<const char*, 2> kTextPoints = {".csv", ".txt"};
+
+/// A file of points, a scan or a map: .pcd, .ply, .las, KITTI's .bin, and any other as text. Throws
 /// Error.
 RawPoints read_point_file(const std::string& path);
 

@@ -18,8 +18,10 @@ namespace hqslam::nn {
 /// with t how far down the row lies between the two (0 to 1); of one of them where the other has no
 /// return; none where neither has one. Its capture time is the sensor model's for its pixel,
 /// shifted as the time of the nearer one of the two is. A motion-corrected scan has no times. The
-/// cloud's confidence is the image's.
-/// Throws Error if a shape differs.
+/// cloud's confidence is the image's. The intensity of a computed point is that of the measured
+/// ones above and below it, as far down between the two as it lies, where the ranges of both are
+/// within a fifth of its own; else that of the one nearer in range; not a number where neither has
+/// a return. Throws Error if a shape differs.
 OrganizedCloud upsampled_cloud(const LiftedImage& lifted, const OrganizedCloud& measured,
                                RowSelection measured_rows, const SensorModel& sensor);
 

@@ -25,7 +25,7 @@ struct DenseMapOptions {
   double least_confidence = 0.5;
   /// Of a computed point, where the scan has no confidences of its own; 0 to 1.
   double assumed_confidence = 0.5;
-  /// Memory is bounded by it: a voxel takes about 50 bytes.
+  /// Memory is bounded by it: a voxel takes about 50 bytes, and 8 more with intensities.
   std::size_t max_voxels = 60'000'000;
 };
 /// Throws Error with field, value and constraint.
@@ -65,7 +65,8 @@ struct DenseMapPoint {
 /// count; the odds are not clamped, so that the order of the scans does not matter.
 ///
 /// The same scans, in any order, give the same bytes, whatever the number of threads, as long as no
-/// voxel has 131,072 measured points or more and max_voxels are not reached.
+/// voxel has 131,072 measured points or more (or, with intensities, 16,384 computed ones) and
+/// max_voxels are not reached.
 class DenseMap {
  public:
   /// Throws Error if an option is invalid.
@@ -91,17 +92,20 @@ class DenseMap {
   /// Whether points were left out because max_voxels were reached.
   bool is_full() const;
 
-  /// The voxels of least_confidence and more, in a fixed order.
-  std::vector<DenseMapPoint> points() const;
+  /// The voxels of least_confidence and more, in a fixed order. intensity: takes one per point, the
+  /// mean of those of the points that its place is the mean of, not a number where none is known;
+  /// empty if no scan had any.
+  std::vector<DenseMapPoint> points(std::vector<float>* intensity = nullptr) const;
 
  private:
   struct Implementation;
   std::unique_ptr<Implementation> implementation_;
 };
 
-/// Writes a map with fields x y z confidence times_seen (float32, the last uint32), binary, little
-/// endian. Throws Error.
-void write_dense_map_pcd(const std::vector<DenseMapPoint>& points, const std::string& path);
-void write_dense_map_ply(const std::vector<DenseMapPoint>& points, const std::string& path);
+/// Writes a map with fields x y z confidence times_seen (float32, the last uint32) and, where they
+/// are not empty, intensities (float32) before the confidence: a .pcd, .ply or .las file as its
+/// name says (write_cloud). Throws Error.
+void write_dense_map(const std::vector<DenseMapPoint>& points, const std::string& path,
+                     const std::vector<float>& intensity = {});
 
 }  // namespace hqslam::slam

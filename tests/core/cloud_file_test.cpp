@@ -1,0 +1,72 @@
+#include "hqslam/core/cloud_file.h"
+
+#include <doctest/doctest.h>
+
+#include "error_message.h"
+#include "file_contents.h"
+#include "hqslam/core/point_fields.h"
+#include "temporary_directory.h"
+
+using namespace hqslam;
+using namespace hqslam::test;
+
+namespace {
+
+Scan a_scan() {
+  Scan scan;
+  scan.stamp_s = 1'700'000'000.5;
+  scan.points_m = {{1.0F, 2.0F, 3.0F}, {4.0F, 5.0F, -6.0F}};
+  scan.row = {3, 15};
+  scan.time_offset_s = {-0.05F, 0.05F};
+  scan.intensity = {1.0F, 0.25F};
+  scan.confidence = {1.0F, 0.5F};
+  return scan;
+}
+
+}  // namespace
+
+TEST_CASE("a cloud comes back with all that is known of its points, whatever the file") {
+  const TemporaryDirectory folder;
+  for (const char* name : {"a.pcd", "a.ply", "a.las"}) {
+    CAPTURE(name);
+    write_cloud(a_scan(), folder.file(name));
+    const RawPoints points = read_point_file(folder.file(name));
+    CHECK(points.scan.points_m == a_scan().points_m);
+    CHECK(points.scan.confidence == a_scan().confidence);
+    CHECK(points.ring == std::vector<double>{3.0, 15.0});
+    const Scan scan = scan_of(points, nullptr, name);
+    CHECK(scan.stamp_s == doctest::Approx(a_scan().stamp_s).epsilon(1e-15));
+    CHECK(scan.time_offset_s[1] == doctest::Approx(0.05));
+    const float steps = std::string(name) == "a.las" ? 65535.0F : 1.0F;  // its own unit
+    CHECK(points.scan.intensity[0] == steps);
+    CHECK(points.scan.intensity[1] == doctest::Approx(0.25F * steps).epsilon(1e-4));
+  }
+}
+
+TEST_CASE("what is not known of points has no field in their file") {
+  const TemporaryDirectory folder;
+  Scan scan;
+  scan.points_m = a_scan().points_m;
+  write_cloud(scan, folder.file("a.pcd"));
+  CHECK(file_contents(folder.file("a.pcd")).find("FIELDS x y z\n") != std::string::npos);
+  write_cloud(scan, folder.file("a.las"));
+  CHECK(file_contents(folder.file("a.las")).size() == 227 + 2 * 20);
+  CHECK(read_point_file(folder.file("a.las")).scan.intensity.empty());
+}
+
+TEST_CASE("a file that gets its name at the end is of the kind of that name") {
+  const TemporaryDirectory folder;
+  write_cloud(a_scan(), folder.file("a.ply.part"));
+  CHECK(file_contents(folder.file("a.ply.part")).starts_with("ply\n"));
+}
+
+TEST_CASE("a cloud that cannot be written is an error of one line") {
+  const auto complaint = [](const Scan& scan, const std::string& path) {
+    return error_message([&] { write_cloud(scan, path); });
+  };
+  CHECK(one_line_with(complaint(a_scan(), "/tmp/cloud.laz"), "cloud.laz", ".las"));
+  CHECK(one_line_with(complaint(a_scan(), "/nowhere/a.las"), "/nowhere/a.las", "written"));
+  Scan scan = a_scan();
+  scan.intensity.pop_back();
+  CHECK(one_line_with(complaint(scan, "/nowhere/a.pcd"), "'intensity'", "2 points"));
+}
