@@ -48,7 +48,7 @@ struct TableOptions {
   std::string reference = {};  ///< true trajectory of the only recording among the drives
   std::optional<std::int64_t> scans = {};
   std::string sensor_errors = "typical";  ///< of simulated drives: sim::sensor_errors_names()
-  std::string seeds = {};              ///< "1..10" or "3,5": every drive from each of these seeds
+  std::string seeds = {};  ///< "1..10" or "3,5": every drive from each of these seeds
   /// With seeds: the row that others are paired with; empty: see TablePlan.
   std::string against = {};
   std::string out = {};
