@@ -65,8 +65,8 @@ class KeyframeGraph {
   /// The last keyframe, which has a view, becomes a node.
   void add_node(const LoopKeyframe& keyframe);
   void add_loops(const std::vector<PoseGraphEdge>& loops);
-  /// What gravity says of the last segment: its odometry edges are turned upright. Whether gravity
-  /// was felt anew since the path was a hundredth shorter, or a few metres.
+  /// Turns the odometry edges of the last segment upright, by what gravity said along it. Whether
+  /// it did: only when the path is a hundredth and 10 m longer than the last time.
   bool level();
   /// A loop was accepted: of its two nodes the one that is known less well is known by the other
   /// now. Nothing is combined: the estimates share most of their errors. Call it before move() and

@@ -4,6 +4,7 @@
 #include <ceres/rotation.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -129,7 +130,8 @@ bool solve(const std::vector<Pose>& T_first_node, const std::vector<GravityAtNod
     Measurement& before = i == 0 ? first : unknowns.measurements[i - 1];
     Measurement& now = unknowns.measurements[i];
     const std::size_t node_before = i == 0 ? 0 : gravity[i - 1].node;
-    const double time_s = i == 0 ? 3.0 : felt.stamp_s - gravity[i - 1].felt.stamp_s;
+    // Clocks may be set back.
+    const double time_s = i == 0 ? 3.0 : std::max(1.0, felt.stamp_s - gravity[i - 1].felt.stamp_s);
     problem.AddResidualBlock(
         new ceres::AutoDiffCostFunction<WalkResidual, 6, 3, 3, 3, 3, 3>(
             new WalkResidual{integral_of_turn(T_first_node, node_before, node), std::sqrt(time_s)}),

@@ -84,6 +84,13 @@ TEST_CASE("nor where it goes straight: what never changes is none") {
   CHECK(worst_lean_rad(slam::levelled(path.registered, path.gravity)) < 1e-6);
 }
 
+TEST_CASE("a clock that is set back does no harm") {
+  Path path(true, 5e-4, Eigen::Vector3d::Zero());
+  for (std::size_t i = 20; i < path.gravity.size(); ++i) path.gravity[i].felt.stamp_s -= 1000.0;
+  const std::vector<Pose> upright = slam::levelled(path.registered, path.gravity);
+  CHECK(worst_lean_rad(upright) < 0.1 * worst_lean_rad(path.registered));
+}
+
 TEST_CASE("motions in the sensor's frame stay as they were, and so does a path without gravity") {
   const Path path(true, 5e-4, kBias_mps2);
   const std::vector<Pose> upright = slam::levelled(path.registered, path.gravity);
