@@ -7,6 +7,29 @@
 
 namespace hqslam::slam {
 
+/// A covariance of e in T exp(e) at another pose that moves with T.
+Matrix6 carried(const Matrix6& covariance, const Pose& motion);
+
+struct DriftState {
+  Matrix6 drift = Matrix6::Zero();       ///< come up along the path
+  Matrix6 unmeasured = Matrix6::Zero();  ///< where the way was lost
+  bool is_anywhere = false;              ///< nothing is known of the pose
+
+  Matrix6 total() const { return drift + unmeasured; }
+};
+/// The same at another pose of the path, without what comes up on the way there.
+DriftState carried(const DriftState& state, const Pose& motion);
+
+/// What loop closing found out about the drift at a pose of the path.
+struct DriftImprovement {
+  DriftState before;
+  DriftState after;
+};
+/// The state at a later pose, now that more is known of an earlier one. In: the motion between the
+/// two; whether the way from one to the other was never lost.
+DriftState improved(const DriftState& later, const DriftImprovement& earlier, const Pose& motion,
+                    bool is_way_known);
+
 /// How far a path of dead reckoning may have come away from the truth.
 ///
 /// A scan is registered in the map that the scans before it made: its error against that map is
@@ -47,30 +70,7 @@ namespace hqslam::slam {
 /// The numbers are those that make the errors most likely on 68 runs over simulated drives (`town`,
 /// `hills`, `meadow`, seeds 101 to 110, `indoors` and `handheld`, 101 and 102, which count half; 16
 /// and 64 rows), of a perfect sensor; `lean` is of `town`, `hills`, `meadow` and `narrow`, seeds 71
-/// to 75, of one that is off (`typical`). A slip is no drift and in no covariance. A covariance of
-/// e in T exp(e) at another pose that moves with T.
-Matrix6 carried(const Matrix6& covariance, const Pose& motion);
-
-struct DriftState {
-  Matrix6 drift = Matrix6::Zero();       ///< come up along the path
-  Matrix6 unmeasured = Matrix6::Zero();  ///< where the way was lost
-  bool is_anywhere = false;              ///< nothing is known of the pose
-
-  Matrix6 total() const { return drift + unmeasured; }
-};
-/// The same at another pose of the path, without what comes up on the way there.
-DriftState carried(const DriftState& state, const Pose& motion);
-
-/// What loop closing found out about the drift at a pose of the path.
-struct DriftImprovement {
-  DriftState before;
-  DriftState after;
-};
-/// The state at a later pose, now that more is known of an earlier one. In: the motion between the
-/// two; whether the way from one to the other was never lost.
-DriftState improved(const DriftState& later, const DriftImprovement& earlier, const Pose& motion,
-                    bool is_way_known);
-
+/// to 75, of one that is off (`typical`). A slip is no drift and in no covariance.
 class Drift {
  public:
   explicit Drift(const SensorModel& sensor);
