@@ -52,8 +52,8 @@ State Slam::Implementation::next(Searching now, const Scan& scan, Notes& notes) 
   found.velocity = searched.velocity;
   report.T_map_sensor = found.T_map_sensor;
   if (T_map_sensor) {
-    const MappingResult matched =
-        mapping.register_scan(scan.map_features, found_about(found), found.T_map_sensor);
+    const MappingResult matched = mapping.register_scan(
+        scan.map_features, found_about(found), found.T_map_sensor, SearchFrom::kRecognizedPlace);
     found.covariance = matched.state.covariance;
     const Matrix6 against_map = drift.against_map(found);
     report.covariance = drift.covariance(Pose::Identity(), against_map);

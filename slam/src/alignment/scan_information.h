@@ -11,6 +11,8 @@ struct ScanInformation {
   Matrix6 information = Matrix6::Zero();
   Vector6 gradient = Vector6::Zero();
   int degenerate_directions = 0;  ///< Observability, of all parameters
+  /// 1 / sigma^2 [1/m^2] of the least known direction in (x, y, kLever_m yaw), the others held.
+  double least_in_plane = 0.0;
 };
 
 /// In: constraints in axes of the map with the sensor as origin, weight = 1 / sigma [1/m], the

@@ -42,11 +42,12 @@ class FitSum {
   double squares_m2_ = 0.0;
 };
 
-/// A sensor that stands about there.
-MotionState somewhere_near(const Pose& T_map_sensor) {
-  MotionState result;
-  result.T_map_sensor = T_map_sensor;
-  return result;
+/// Of a sensor that stands about there.
+MappingResult registered_at(const MapFeatures& features, const Mapping& map,
+                            const Pose& T_map_sensor) {
+  MotionState standing;
+  standing.T_map_sensor = T_map_sensor;
+  return map.register_scan(features, standing, T_map_sensor, SearchFrom::kRecognizedPlace);
 }
 
 /// Whether the pose could as well lie ahead or to the side: along a corridor every place fits, and
@@ -54,8 +55,7 @@ MotionState somewhere_near(const Pose& T_map_sensor) {
 bool slides(const MapFeatures& features, const Mapping& older_map, const Pose& T_map_sensor) {
   for (const int axis : {0, 1}) {
     const Pose pushed = T_map_sensor * Eigen::Translation3d(kPush_m * Eigen::Vector3d::Unit(axis));
-    const Pose returned =
-        older_map.register_scan(features, somewhere_near(pushed), pushed).state.T_map_sensor;
+    const Pose returned = registered_at(features, older_map, pushed).state.T_map_sensor;
     if ((returned.translation() - T_map_sensor.translation()).norm() > kMaxReturn_m) return true;
   }
   return false;
@@ -84,11 +84,10 @@ Fit fit_of(const MapFeatures& features, const FeatureMaps& map, const MotionStat
 VerifiedLoop verify_loop(const MapFeatures& features, const Mapping& older_map,
                          const Pose& T_map_sensor_start) {
   VerifiedLoop result;
-  const auto register_at = [&](const Pose& T_map_sensor) {
-    return older_map.register_scan(features, somewhere_near(T_map_sensor), T_map_sensor);
-  };
-  MappingResult found = register_at(T_map_sensor_start);
-  if (found.status == Status::kNotConverged) found = register_at(found.state.T_map_sensor);
+  MappingResult found = registered_at(features, older_map, T_map_sensor_start);
+  if (found.status == Status::kNotConverged) {
+    found = registered_at(features, older_map, found.state.T_map_sensor);
+  }
   result.T_map_sensor = found.state.T_map_sensor;
   // Where the pose can slide, edges that are none keep it moving to and fro.
   const bool settled = found.status == Status::kOk || found.status == Status::kDegenerate;

@@ -202,10 +202,18 @@ MapMatches match_with_map(RegisteredScan& scan, const MapSearch& search, const F
     weigh_by_noise(found, options.trusted_residual_m, search.trust_near);
     return found;
   };
+  const auto count = [](const auto& found) {
+    return std::count_if(found.begin(), found.end(),
+                         [](const auto& match) { return match.has_value(); });
+  };
   MapMatches result;
   result.ground = weighed(ground_constraints(scan.ground, search, map.planes, options));
-  const auto by_ground = std::count_if(result.ground.begin(), result.ground.end(),
-                                       [](const auto& match) { return match.has_value(); });
+  if (count(result.ground) < kMinGroundConstraints && search.ground_reach_m > search.reach_m) {
+    MapSearch wider = search;
+    wider.reach_m = search.ground_reach_m;
+    result.ground = weighed(ground_constraints(scan.ground, wider, map.planes, options));
+  }
+  const auto by_ground = count(result.ground);
   result.surfaces = weighed(surface_constraints(scan.surfaces, search, map.planes, options,
                                                 by_ground >= kMinGroundConstraints));
   result.edges = weighed(edge_constraints_of(scan.edges, search, map.edges));

@@ -35,7 +35,8 @@ struct MapSearch {
   Pose T_map_sensor;
   Twist velocity;  ///< per second
   double reach_m;
-  bool trust_near;  ///< take weight from features far from their line or plane
+  double ground_reach_m;  ///< of the ground, where too little of it is within reach_m
+  bool trust_near;        ///< take weight from features far from their line or plane
 };
 
 /// With what of the map each feature of a scan is matched: constraints of the motion that remains,

@@ -17,6 +17,12 @@ namespace {
 
 /// Searches of wide reach, before the pose is good enough for the narrow one.
 constexpr int kWideSearches = 2;
+/// So well (0.063 m) narrow searches must know each way along and across, and the turn, of a sensor
+/// that is followed; where they know less, the scan is searched widely to the end. Where they know
+/// more, wide ones know it worse: features far apart are not of one surface. Of height and tilt a
+/// narrow search knows as much as a wide one, since the ground is searched widely anyway where
+/// little of it is near (MapSearch::ground_reach_m).
+constexpr double kEnoughInPlane_per_m2 = 250.0;
 /// Most scans need fewer. After so many some go round between the same few neighbours, and steps of
 /// so many times what is asked for are the end; others still are on their way.
 constexpr int kUsualIterations = 10;
@@ -51,11 +57,12 @@ double inlier_share(const ConstraintList& found, const MapFeatures& features) {
   return (found.edges + found.planes - found.ground) / std::max(standing_features(features), 1.0);
 }
 
-MapSearch search_at(const MappingResult& at, const MappingOptions& options) {
-  return {
-      at.state.T_map_sensor, at.state.velocity,
-      at.is_close_search ? options.close_neighbour_distance_m : options.max_neighbour_distance_m,
-      at.is_close_search};
+MapSearch search_at(const MappingResult& at, const MappingOptions& options, SearchFrom from) {
+  const double reach_m =
+      at.is_close_search ? options.close_neighbour_distance_m : options.max_neighbour_distance_m;
+  return {at.state.T_map_sensor, at.state.velocity, reach_m,
+          from == SearchFrom::kLastScan ? options.max_neighbour_distance_m : reach_m,
+          at.is_close_search};
 }
 
 }  // namespace
@@ -91,28 +98,7 @@ Mapping::Mapping(const MappingOptions& options, FeatureMaps map)
     : options_(options), map_(std::move(map)) {}
 
 MappingResult Mapping::register_scan(const MapFeatures& features, const MotionState& expected,
-                                     const Pose& T_map_sensor_start) const {
-  MappingResult found = register_from(features, expected, T_map_sensor_start, kWideSearches);
-  if (found.is_close_search || found.status == Status::kTooFewFeatures) return found;
-  // There is too little near by, so searches stayed wide. Unless they led astray.
-  MappingResult nearby = register_from(features, expected, T_map_sensor_start, 0);
-  if (!nearby.is_close_search) return found;
-  const ConstraintList wide = widely_found(features, nearby.state);
-  if (close_share(wide, features) <= found.close_ratio) return found;
-  nearby.inlier_ratio = inlier_share(wide, features);
-  return nearby;
-}
-
-ConstraintList Mapping::widely_found(const MapFeatures& features, const MotionState& state) const {
-  RegisteredScan scan = searched(features);
-  MappingResult at;
-  at.state = state;
-  return match_with_map(scan, search_at(at, options_), map_, options_).constraints();
-}
-
-/// Narrow searches after so many wide ones; after none, they alone.
-MappingResult Mapping::register_from(const MapFeatures& features, const MotionState& expected,
-                                     const Pose& T_map_sensor_start, int wide_searches) const {
+                                     const Pose& T_map_sensor_start, SearchFrom from) const {
   const double feature_count =
       standing_features(features) + static_cast<double>(features.ground_to_register.size());
   MappingResult result;
@@ -121,20 +107,21 @@ MappingResult Mapping::register_from(const MapFeatures& features, const MotionSt
   RegisteredScan scan = searched(features);
   bool narrow_suffices = true;
   for (int iteration = 0; iteration < options_.max_iterations; ++iteration) {
-    const bool narrow = iteration >= wide_searches && narrow_suffices;
+    const bool narrow = iteration >= kWideSearches && narrow_suffices;
     result.is_close_search = narrow;
     const ConstraintList constraints =
-        match_with_map(scan, search_at(result, options_), map_, options_).constraints();
+        match_with_map(scan, search_at(result, options_, from), map_, options_).constraints();
     const int matched = constraints.edges + constraints.planes;
     const bool enough = matched >= options_.min_correspondences &&
                         matched >= options_.min_matched_share * feature_count;
     const Pose before = result.state.T_map_sensor;
     const ScanInformation information = scan_information(constraints.all, before.linear());
     const bool all_observable = information.degenerate_directions == 0;
-    if (narrow && (!enough || !all_observable)) {
+    const bool is_known = all_observable || (from == SearchFrom::kLastScan &&
+                                             information.least_in_plane > kEnoughInPlane_per_m2);
+    if (narrow && !(enough && is_known)) {
       narrow_suffices = false;
       result.is_close_search = false;
-      if (wide_searches == 0) return result;
       continue;
     }
     result.edge_correspondences = constraints.edges;
@@ -163,7 +150,7 @@ MappingResult Mapping::register_from(const MapFeatures& features, const MotionSt
 
 MapMatches Mapping::matches(const MapFeatures& features, const MappingResult& found) const {
   RegisteredScan scan = searched(features);
-  return match_with_map(scan, search_at(found, options_), map_, options_);
+  return match_with_map(scan, search_at(found, options_, SearchFrom::kLastScan), map_, options_);
 }
 
 bool Mapping::is_keyframe(const Pose& T_map_sensor) const {

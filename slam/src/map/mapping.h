@@ -44,6 +44,10 @@ struct MappingResult {
   bool is_close_search = false;  ///< of the last search: reach and weights, see MapSearch
 };
 
+/// Where a search begins: with the sensor's motion since the last scan, or somewhere about a place
+/// that was recognized. There wide searches go on until every direction is observable.
+enum class SearchFrom { kLastScan, kRecognizedPlace };
+
 /// Scan-to-map optimisation, and the map.
 ///
 /// In: thinned features of a scan, a predicted pose. Out: the pose. Each edge feature is
@@ -73,7 +77,8 @@ class Mapping {
 
   /// In: what is expected without the scan, and how well; a pose to begin the search from.
   MappingResult register_scan(const MapFeatures& features, const MotionState& expected,
-                              const Pose& T_map_sensor_start) const;
+                              const Pose& T_map_sensor_start,
+                              SearchFrom from = SearchFrom::kLastScan) const;
 
   /// With what each feature is matched there, for whoever wants to look at it.
   MapMatches matches(const MapFeatures& features, const MappingResult& found) const;
@@ -96,10 +101,6 @@ class Mapping {
   const FeatureMaps& map() const { return map_; }
 
  private:
-  MappingResult register_from(const MapFeatures& features, const MotionState& expected,
-                              const Pose& T_map_sensor_start, int wide_searches) const;
-  ConstraintList widely_found(const MapFeatures& features, const MotionState& state) const;
-
   MappingOptions options_;
   FeatureMaps map_;
   std::uint32_t keyframes_ = 0;

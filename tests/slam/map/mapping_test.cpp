@@ -98,8 +98,8 @@ slam::MapFeatures between_banks(double offset_m, double rise_m) {
 double roll_beside_a_bank_rad(const slam::MappingOptions& options) {
   slam::Mapping mapping{options};
   mapping.insert(beside_a_bank(0.25), Pose::Identity(), {});
-  const auto result =
-      mapping.register_scan(beside_a_bank(0.0), believed(Pose::Identity()), Pose::Identity());
+  const auto result = mapping.register_scan(beside_a_bank(0.0), believed(Pose::Identity()),
+                                            Pose::Identity(), slam::SearchFrom::kRecognizedPlace);
   REQUIRE(result.status == Status::kOk);
   return roll_pitch_yaw_rad(result.state.T_map_sensor).x();
 }
