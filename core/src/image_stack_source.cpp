@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <utility>
 
 #include "hqslam/core/error.h"
@@ -27,8 +28,7 @@ void flip_rows(RangeImage& image) {
 class ImageStackSource : public ScanSource {
  public:
   ImageStackSource(const std::string& path, const SensorModel& sensor,
-                   const RecordingOptions& options, std::vector<double> stamps_s,
-                   const std::string& confidence_path)
+                   const RecordingOptions& options, std::vector<double> stamps_s, bool of_folder)
       : path_(path),
         sensor_(sensor),
         row_order_(options.row_order),
@@ -46,7 +46,9 @@ class ImageStackSource : public ScanSource {
       throw Error("{}: expected at least one image, found none; record again", path);
     }
     complete_stamps(!options.stamps.empty());
-    if (!confidence_path.empty()) open_confidence(confidence_path);
+    if (!of_folder) return;
+    confidence_ = beside("confidence.npy", false);
+    intensity_ = beside("intensity.npy", true);
   }
 
   const SensorModel& sensor() const override { return sensor_; }
@@ -75,33 +77,40 @@ class ImageStackSource : public ScanSource {
     any_used_ = true;
     if (row_order_ == RowOrder::kLowestFirst) flip_rows(image);
     result.cloud = unproject(image, sensor_, capture_time_);
-    if (confidence_) result.cloud.confidence = confidence_of(image, index);
+    if (intensity_) result.cloud.intensity = values_of(*intensity_, image, index);
+    if (!confidence_) return result;
+    result.cloud.confidence = values_of(*confidence_, image, index);
+    for (float& value : result.cloud.confidence)
+      value = value >= 0.0F ? std::min(value, 1.0F) : 0.0F;
     return result;
   }
 
  private:
-  void open_confidence(const std::string& path) {
-    confidence_.emplace(path);
-    if (confidence_->rows() != reader_.rows() || confidence_->columns() != reader_.columns() ||
-        confidence_->images() < reader_.images()) {
+  /// The file that says more of each pixel, if there is one of this name beside the stack.
+  std::optional<NpyStackReader> beside(const char* name, bool or_bytes) const {
+    const auto path = std::filesystem::path(path_).replace_filename(name);
+    std::error_code error;
+    if (!std::filesystem::exists(path, error)) return std::nullopt;
+    NpyStackReader values(path.string(), or_bytes);
+    if (values.rows() != reader_.rows() || values.columns() != reader_.columns() ||
+        values.images() < reader_.images()) {
       throw Error(
-          "{}: expected the confidence of {} images of {} x {}, found {} of {} x {}; lift the "
-          "recording again, or take the file away",
-          path, reader_.images(), reader_.rows(), reader_.columns(), confidence_->images(),
-          confidence_->rows(), confidence_->columns());
+          "{}: expected a value for each pixel of {} images of {} x {}, found {} of {} x {}; make "
+          "the recording again, or take the file away",
+          path.string(), reader_.images(), reader_.rows(), reader_.columns(), values.images(),
+          values.rows(), values.columns());
     }
+    return values;
   }
 
-  /// Of an image's pixels; 0 where there is no return and for what is no probability.
-  std::vector<float> confidence_of(const RangeImage& image, std::int64_t index) {
-    RangeImage confidence = confidence_->read(index);
-    if (row_order_ == RowOrder::kLowestFirst) flip_rows(confidence);
-    for (std::size_t i = 0; i < confidence.range_m.size(); ++i) {
-      float& value = confidence.range_m[i];
-      if (!(value >= 0.0F) || image.range_m[i] <= 0.0F) value = 0.0F;
-      value = std::min(value, 1.0F);
+  /// Of an image's pixels; 0 where there is no return.
+  std::vector<float> values_of(NpyStackReader& stack, const RangeImage& image, std::int64_t index) {
+    RangeImage values = stack.read(index);
+    if (row_order_ == RowOrder::kLowestFirst) flip_rows(values);
+    for (std::size_t i = 0; i < values.range_m.size(); ++i) {
+      if (image.range_m[i] <= 0.0F) values.range_m[i] = 0.0F;
     }
-    return std::move(confidence.range_m);
+    return std::move(values.range_m);
   }
 
   /// Stamps that lie in the folder may be more than the images: lifting was interrupted. They may
@@ -156,6 +165,7 @@ class ImageStackSource : public ScanSource {
   std::vector<double> stamps_s_;
   NpyStackReader reader_;
   std::optional<NpyStackReader> confidence_;
+  std::optional<NpyStackReader> intensity_;
   std::int64_t next_ = 0;
   bool any_used_ = false;
   std::int64_t too_far_ = 0;  ///< pixels of the images that were read
@@ -166,10 +176,8 @@ class ImageStackSource : public ScanSource {
 std::unique_ptr<ScanSource> make_image_stack_source(const std::string& path,
                                                     const SensorModel& sensor,
                                                     const RecordingOptions& options,
-                                                    std::vector<double> stamps_s,
-                                                    const std::string& confidence_path) {
-  return std::make_unique<ImageStackSource>(path, sensor, options, std::move(stamps_s),
-                                            confidence_path);
+                                                    std::vector<double> stamps_s, bool of_folder) {
+  return std::make_unique<ImageStackSource>(path, sensor, options, std::move(stamps_s), of_folder);
 }
 
 }  // namespace hqslam

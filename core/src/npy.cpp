@@ -18,8 +18,8 @@ namespace {
 constexpr std::size_t kWrittenHeaderBytes = 128;
 constexpr std::int64_t kMaxImageSide = 65536;
 
-void require_range_images(const NpyHeader& header, const std::string& path) {
-  if (header.dtype != "<f4") {
+void require_range_images(const NpyHeader& header, bool or_bytes, const std::string& path) {
+  if (header.dtype != "<f4" && !(or_bytes && header.dtype == "|u1")) {
     throw Error("{}: expected float32 values ('<f4'), found '{}'; convert with array.astype('<f4')",
                 path, excerpt(header.dtype));
   }
@@ -40,10 +40,10 @@ void require_range_images(const NpyHeader& header, const std::string& path) {
 
 /// The data may be longer than the shape says by up to one image: what is left when writing is
 /// interrupted.
-void require_data(const NpyHeader& header, std::int64_t file_bytes, const std::string& path) {
+void require_data(const NpyHeader& header, std::int64_t value_bytes, std::int64_t file_bytes,
+                  const std::string& path) {
   const std::int64_t found = file_bytes - header.data_offset_bytes;
-  const std::int64_t image_bytes =
-      header.shape[1] * header.shape[2] * static_cast<std::int64_t>(sizeof(float));
+  const std::int64_t image_bytes = header.shape[1] * header.shape[2] * value_bytes;
   const bool long_enough = header.shape[0] <= found / image_bytes;
   if (long_enough && found - header.shape[0] * image_bytes <= image_bytes) return;
   throw Error(
@@ -55,20 +55,21 @@ void require_data(const NpyHeader& header, std::int64_t file_bytes, const std::s
 
 template <typename T>
 constexpr const char* dtype_of() {
-  return sizeof(T) == 4 ? "<f4" : "<f8";
+  return sizeof(T) == 1 ? "|u1" : sizeof(T) == 4 ? "<f4" : "<f8";
 }
 
 }  // namespace
 
-NpyStackReader::NpyStackReader(const std::string& path)
+NpyStackReader::NpyStackReader(const std::string& path, bool or_bytes)
     : path_(path), stream_(path, std::ios::binary) {
   if (!stream_) {
     throw Error("{}: expected a readable .npy file, found none; check the path", path);
   }
   const NpyHeader header = read_npy_header(stream_, path);
-  require_range_images(header, path);
+  require_range_images(header, or_bytes, path);
+  value_bytes_ = header.dtype == "|u1" ? 1 : sizeof(float);
   stream_.seekg(0, std::ios::end);
-  require_data(header, static_cast<std::int64_t>(stream_.tellg()), path);
+  require_data(header, value_bytes_, static_cast<std::int64_t>(stream_.tellg()), path);
   images_ = header.shape[0];
   rows_ = static_cast<int>(header.shape[1]);
   columns_ = static_cast<int>(header.shape[2]);
@@ -80,7 +81,7 @@ RangeImage NpyStackReader::read(std::int64_t image) {
     throw Error("{}: expected an image index from 0 to {}, found {}", path_, images_ - 1, image);
   }
   RangeImage result(rows_, columns_);
-  const auto bytes = static_cast<std::int64_t>(result.range_m.size() * sizeof(float));
+  const std::int64_t bytes = std::ssize(result.range_m) * value_bytes_;
   stream_.clear();
   stream_.seekg(data_offset_bytes_ + image * bytes);
   stream_.read(reinterpret_cast<char*>(result.range_m.data()), bytes);
@@ -89,6 +90,10 @@ RangeImage NpyStackReader::read(std::int64_t image) {
         "{}: truncated: expected {} bytes for image {}, found {}; the file changed while it was "
         "read",
         path_, bytes, image, stream_.gcount());
+  }
+  if (value_bytes_ == 1) {  // they lie at the front; from the back none is overwritten unread
+    const auto* values = reinterpret_cast<const std::uint8_t*>(result.range_m.data());
+    for (std::size_t i = result.range_m.size(); i-- > 0;) result.range_m[i] = values[i];
   }
   return result;
 }
@@ -141,6 +146,7 @@ void NpyArrayWriter<T>::write_header() {
 
 template class NpyArrayWriter<float>;
 template class NpyArrayWriter<double>;
+template class NpyArrayWriter<std::uint8_t>;
 
 NpyStackWriter::NpyStackWriter(const std::string& path, int rows, int columns)
     : path_(path), rows_(rows), columns_(columns), writer_(path, {rows, columns}) {}

@@ -154,11 +154,9 @@ std::unique_ptr<ScanSource> open_folder(const fs::path& folder,
                                         const RecordingOptions& options) {
   std::error_code error;
   if (fs::exists(folder / "scans.npy", error) && fs::exists(folder / "sensor.json", error)) {
-    const fs::path confidence = folder / "confidence.npy";
     return make_image_stack_source((folder / "scans.npy").string(),
                                    sensor_of_folder(folder, sensor), options,
-                                   stamps_of_folder_s(folder, options),
-                                   fs::exists(confidence, error) ? confidence.string() : "");
+                                   stamps_of_folder_s(folder, options), true);
   }
   refuse_row_order(folder, options);
   std::vector<std::string> paths = files_of_one_kind(folder, kBinaryPoints);

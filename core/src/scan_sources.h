@@ -16,13 +16,13 @@ std::unique_ptr<ScanSource> make_file_scan_source(std::vector<std::string> paths
                                                   const RecordingOptions& options);
 
 /// The images of an .npy stack. Image i is of stamps_s[i]; without any stamps, of i scan periods.
-/// confidence_path: a stack with the confidence of every pixel, 0 to 1; empty: none. Throws Error
-/// if the shape of either is not that of the sensor, if there are fewer confidences than images, or
-/// if more than the last image has no stamp.
+/// of_folder: what there is beside it of confidence.npy (of every pixel, 0 to 1) and intensity.npy
+/// belongs to it. Throws Error if the shape of any is not that of the sensor, if there are fewer of
+/// these than images, or if more than the last image has no stamp.
 std::unique_ptr<ScanSource> make_image_stack_source(const std::string& path,
                                                     const SensorModel& sensor,
                                                     const RecordingOptions& options,
                                                     std::vector<double> stamps_s = {},
-                                                    const std::string& confidence_path = {});
+                                                    bool of_folder = false);
 
 }  // namespace hqslam

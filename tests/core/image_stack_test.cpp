@@ -1,5 +1,9 @@
 #include <doctest/doctest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
 #include "error_message.h"
 #include "file_contents.h"
 #include "hqslam/core/npy.h"
@@ -81,6 +85,40 @@ TEST_CASE("the scans of a drive have the stamps of its truth, also where it was 
   with_truth_of(1);
   CHECK(one_line_with(complaint_about(path, sensor), "scans.npy", "3 images", "found 1",
                       "truth.tum"));
+}
+
+TEST_CASE("what lies beside the images of a folder is known of their pixels") {
+  const TemporaryDirectory directory;
+  const SensorModel sensor = sensor_preset("vlp-16");
+  write_sensor_json(sensor, directory.file("sensor.json"));
+  RangeImage image = a_wall(sensor);
+  image.at(0, 0) = 0.0F;
+  NpyStackWriter(directory.file("scans.npy"), 16, sensor.columns).append(image);
+  const std::string path = directory.path().string();
+  CHECK(open_recording(path, sensor)->next()->cloud.intensity.empty());
+  CHECK(open_recording(path, sensor)->next()->cloud.confidence.empty());
+  RangeImage beside = image;
+  beside.at(0, 0) = beside.at(0, 1) = 3.0F;
+  beside.at(0, 2) = std::nanf("");
+  NpyStackWriter(directory.file("confidence.npy"), 16, sensor.columns).append(beside);
+  NpyStackWriter(directory.file("intensity.npy"), 16, sensor.columns).append(beside);
+  OrganizedCloud cloud = open_recording(path, sensor)->next()->cloud;
+  CHECK(std::vector(cloud.confidence.begin(), cloud.confidence.begin() + 3) ==
+        std::vector{0.0F, 1.0F, 0.0F});
+  CHECK(cloud.intensity[0] == 0.0F);
+  CHECK(cloud.intensity[1] == 3.0F);
+  CHECK(std::isnan(cloud.intensity[2]));
+
+  std::vector<std::uint8_t> bytes(image.range_m.size());
+  for (std::size_t i = 0; i < bytes.size(); ++i) bytes[i] = static_cast<std::uint8_t>(i);
+  NpyArrayWriter<std::uint8_t>(directory.file("intensity.npy"), {16, sensor.columns}).append(bytes);
+  cloud = open_recording(path, sensor)->next()->cloud;
+  for (std::size_t i = 0; i < bytes.size(); ++i) REQUIRE(cloud.intensity[i] == bytes[i]);
+  std::filesystem::copy_file(directory.file("intensity.npy"), directory.file("confidence.npy"),
+                             std::filesystem::copy_options::overwrite_existing);
+  CHECK(one_line_with(complaint_about(path, sensor), "confidence.npy", "'<f4'", "'|u1'"));
+  NpyStackWriter(directory.file("confidence.npy"), 16, 7).append(RangeImage(16, 7));
+  CHECK(one_line_with(complaint_about(path, sensor), "confidence.npy", "1 images", "16 x 7"));
 }
 
 TEST_CASE("images have the stamps that they are given, which go before those in their folder") {

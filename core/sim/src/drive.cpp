@@ -131,8 +131,8 @@ std::optional<SimulatedScan> DriveSimulator::next(const std::optional<RowSelecti
   const Pose T_world_middle = self.scenario.T_world_sensor(scan.stamp_s);
   self.scene.place_actors(self.scenario.actors(begin_s, begin_s + self.sensor.scan_period_s,
                                                T_world_middle.translation().head<2>()));
-  scan.image =
-      self.lidar.measure(self.scene, T_world_sensor, self.next_scan, rows.value_or(RowSelection{}));
+  scan.image = self.lidar.measure(self.scene, T_world_sensor, self.next_scan,
+                                  rows.value_or(RowSelection{}), &scan.intensity);
   scan.T_map_sensor = self.T_map_world * T_world_middle;
   for (const Pose& pose : T_world_sensor) {
     scan.T_map_sensor_at_column.push_back(self.T_map_world * pose);

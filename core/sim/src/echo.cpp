@@ -151,20 +151,31 @@ double transmission(double extinction_per_m, double range_m) {
   return left;
 }
 
-float disturbed_range_m(float range_m, const SensingConditions& conditions,
+std::uint8_t intensity_of(const Echo& echo, double max_range_m) {
+  const double nearness = max_range_m / std::max(echo.range_m, 0.1);
+  const double reflectivity = 0.8 * echo.signal / (nearness * nearness);
+  const double intensity = reflectivity < 1.0 ? 100.0 * reflectivity : 69.0 + 31.0 * reflectivity;
+  return static_cast<std::uint8_t>(std::lround(std::min(intensity, 255.0)));
+}
+
+Return disturbed_return(Return measured, const SensingConditions& conditions,
                         const SensorModel& sensor, std::uint64_t random_bits) {
-  if (conditions == SensingConditions{}) return range_m;
+  constexpr std::uint8_t kDrops = 2;
+  if (conditions == SensingConditions{}) return measured;
   Random random(random_bits);
-  double disturbed_m = range_m;
+  double disturbed_m = measured.range_m;
   const bool meets_drops = random.chance(conditions.airborne_share);
   const double nearness = random.uniform();
   const double drops_m = sensor.min_range_m + 12.0 * nearness * nearness;
-  if (meets_drops && (range_m == 0.0F || drops_m < disturbed_m)) disturbed_m = drops_m;
+  if (meets_drops && (measured.range_m == 0.0F || drops_m < disturbed_m)) {
+    disturbed_m = drops_m;
+    measured.intensity = kDrops;
+  }
   const bool lost = random.chance(conditions.dropout_share);
-  if (lost || disturbed_m == 0.0) return 0.0F;
+  if (lost || disturbed_m == 0.0) return {};
   disturbed_m += conditions.extra_range_noise_m * random.normal();
-  if (disturbed_m < sensor.min_range_m || disturbed_m > sensor.max_range_m) return 0.0F;
-  return static_cast<float>(std::round(disturbed_m * 1000.0) / 1000.0);
+  if (disturbed_m < sensor.min_range_m || disturbed_m > sensor.max_range_m) return {};
+  return {static_cast<float>(std::round(disturbed_m * 1000.0) / 1000.0), measured.intensity};
 }
 
 }  // namespace hqslam::sim

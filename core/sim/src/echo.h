@@ -81,9 +81,16 @@ float detected_range_m(const Echo& echo, double min_range_m, double max_range_m,
 /// The share of a signal that rain or fog lets through to a surface at `range_m` and back.
 double transmission(double extinction_per_m, double range_m);
 
-/// What a pixel that would report `range_m` (0: nothing) reports under these conditions; lidar.h
-/// has the formulas. Without any it is `range_m` itself.
-float disturbed_range_m(float range_m, const SensingConditions& conditions,
+/// The intensity that a sensor reports of an echo; lidar.h has the formula.
+std::uint8_t intensity_of(const Echo& echo, double max_range_m);
+
+/// What a pixel that would report this return (range 0: nothing) reports under these conditions;
+/// lidar.h has the formulas. Without any it is the return itself.
+struct Return {
+  float range_m = 0.0F;
+  std::uint8_t intensity = 0;
+};
+Return disturbed_return(Return measured, const SensingConditions& conditions,
                         const SensorModel& sensor, std::uint64_t random_bits);
 
 }  // namespace hqslam::sim

@@ -73,7 +73,7 @@ struct Lidar::Revolution {
     return footprint;
   }
 
-  float reported_range_m(int row, int column) const {
+  Return reported(int row, int column) const {
     constexpr int kPatchRows = 3;
     constexpr int kPatchColumns = 5;
     const std::size_t patch = image.index(row / kPatchRows, column / kPatchColumns);
@@ -82,9 +82,13 @@ struct Lidar::Revolution {
     auto echo = footprint(row, column, bits)
                     .reported_echo(lidar.pulse_.mixed_share, seed_of(bits.pixel, kMixed));
     if (echo) echo->range_m += lidar.beams_.range_m[static_cast<std::size_t>(row)];
-    const float range_m =
-        echo ? detected_range_m(*echo, sensor.min_range_m, sensor.max_range_m, bits.pixel) : 0.0F;
-    return disturbed_range_m(range_m, lidar.conditions_, sensor, seed_of(bits.pixel, kDisturbance));
+    Return measured;
+    if (echo) {
+      measured.range_m =
+          detected_range_m(*echo, sensor.min_range_m, sensor.max_range_m, bits.pixel);
+      if (measured.range_m > 0.0F) measured.intensity = intensity_of(*echo, sensor.max_range_m);
+    }
+    return disturbed_return(measured, lidar.conditions_, sensor, seed_of(bits.pixel, kDisturbance));
   }
 };
 
@@ -107,11 +111,13 @@ Lidar::Lidar(const SensorModel& sensor, const DriveSpec& drive)
 }
 
 RangeImage Lidar::measure(const RayScene& scene, const std::vector<Pose>& T_world_sensor,
-                          std::int64_t scan, RowSelection selected) const {
+                          std::int64_t scan, RowSelection selected,
+                          std::vector<std::uint8_t>* intensity) const {
   Revolution turn{*this, scene, T_world_sensor, seed_of(seed_, static_cast<std::uint64_t>(scan)),
                   selected};
   const int rows = sensor_.rows();
   const int columns = sensor_.columns;
+  if (intensity != nullptr) intensity->assign(directions_.size(), 0);
 #pragma omp parallel for schedule(dynamic, 16)
   for (int column = 0; column < columns; ++column) {
     for (int row = selected.offset; row < rows; row += selected.stride) {
@@ -122,7 +128,10 @@ RangeImage Lidar::measure(const RayScene& scene, const std::vector<Pose>& T_worl
 #pragma omp parallel for schedule(dynamic, 16)
   for (int column = 0; column < columns; ++column) {
     for (int row = selected.offset; row < rows; row += selected.stride) {
-      turn.image.range_m[turn.image.index(row, column)] = turn.reported_range_m(row, column);
+      const std::size_t pixel = turn.image.index(row, column);
+      const Return reported = turn.reported(row, column);
+      turn.image.range_m[pixel] = reported.range_m;
+      if (intensity != nullptr) (*intensity)[pixel] = reported.intensity;
     }
   }
   return std::move(turn.image);

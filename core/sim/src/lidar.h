@@ -36,14 +36,22 @@ namespace hqslam::sim {
 /// [0, 1); if that is nearer than what the pixel would have reported, or it would have reported
 /// nothing, r_d is what it reports. Of what is then reported dropout_share is lost, pixel by pixel,
 /// and extra_range_noise_m is the standard deviation of noise that is added.
+///
+/// Intensity: the signal with the range taken out of it, 0.8 q (r / max_range)^2, which of one
+/// surface on a clear day is R = rho max(c, 0.02)^(3/8). Reported is 100 R up to R = 1 and 69 + 31
+/// R above, 255 at most, as Velodyne calibrates (VLP-16 user manual: to 100 what reflects
+/// diffusely, from there to 255 what throws light back). Drops have 2: such clutter is faint
+/// (Heinzler et al., "Weather influence and classification with automotive lidar sensors", IV
+/// 2019).
 class Lidar {
  public:
   /// With the conditions, the sensor's errors and the seed of a drive.
   Lidar(const SensorModel& sensor, const DriveSpec& drive);
   /// One revolution; `T_world_sensor` at every column of the head. Of other rows nothing comes
-  /// back.
+  /// back. intensity: is made the intensities, in the order of the pixels, 0 where no return.
   RangeImage measure(const RayScene& scene, const std::vector<Pose>& T_world_sensor,
-                     std::int64_t scan, RowSelection rows = {}) const;
+                     std::int64_t scan, RowSelection rows = {},
+                     std::vector<std::uint8_t>* intensity = nullptr) const;
   /// Where the beams of one revolution meet surfaces that are within range and bright enough to be
   /// seen at least every other time (q of 1 and more); none behind glass. World frame, in the order
   /// of the pixels.

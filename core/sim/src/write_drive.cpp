@@ -7,9 +7,9 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "hqslam/core/cloud_file.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/kitti_bin.h"
-#include "hqslam/core/pcd.h"
 #include "hqslam/core/projection.h"
 #include "hqslam/core/trajectory.h"
 #include "hqslam/core/whole_file.h"
@@ -96,6 +96,7 @@ DriveWriter::DriveWriter(const std::string& directory, const DriveSpec& spec,
       sensor_(sensor),
       extra_(extra),
       stack_(in(directory, "scans.npy"), sensor.rows(), sensor.columns),
+      intensity_(in(directory, "intensity.npy"), {sensor.rows(), sensor.columns}),
       columns_(in(directory, "truth_columns.npy"), {sensor.columns, 7}),
       tum_(in(directory, "truth.tum"), std::ios::binary),
       kitti_(in(directory, "truth.kitti"), std::ios::binary) {
@@ -118,12 +119,13 @@ DriveWriter::DriveWriter(const std::string& directory, const DriveSpec& spec,
 }
 
 void DriveWriter::append(const SimulatedScan& scan) {
+  intensity_.append(scan.intensity);  // first: no image may be without
   stack_.append(scan.image);
   columns_.append(column_truth(scan.T_map_sensor_at_column));
   const StampedPose pose{scan.stamp_s, scan.T_map_sensor};
   append_text(tum_, in(directory_, "truth.tum"), tum_line(pose));
   append_text(kitti_, in(directory_, "truth.kitti"), kitti_line(pose));
-  if (extra_.kitti_bin || extra_.pcd) write_extra(scan.image);
+  if (extra_.kitti_bin || extra_.pcd) write_extra(scan);
   if (extra_.imu) append_imu(scan.imu);
   ++scans_;
 }
@@ -142,9 +144,12 @@ void DriveWriter::append_imu(const std::vector<SimulatedImuSample>& samples) {
   append_text(imu_biases_, in(directory_, "imu_biases.csv"), biases);
 }
 
-void DriveWriter::write_extra(const RangeImage& image) const {
-  Scan scan;
-  scan.points_m = points_of(unproject(image, sensor_, CaptureTime::kRolling));
+void DriveWriter::write_extra(const SimulatedScan& simulated) const {
+  // Without times or rings, as such files often are.
+  OrganizedCloud cloud = unproject(simulated.image, sensor_, CaptureTime::kMotionCorrected);
+  cloud.intensity.assign(simulated.intensity.begin(), simulated.intensity.end());
+  Scan scan = returns_of(cloud);
+  scan.row.clear();
   const fs::path directory(directory_);
   if (extra_.kitti_bin) {
     replace_file((directory / "bin" / fmt::format("{:06}.bin", scans_)).string(),
@@ -152,7 +157,7 @@ void DriveWriter::write_extra(const RangeImage& image) const {
   }
   if (extra_.pcd) {
     replace_file((directory / "pcd" / fmt::format("{:06}.pcd", scans_)).string(),
-                 [&](const std::string& part) { write_pcd(scan.points_m, part); });
+                 [&](const std::string& part) { write_cloud(scan, part); });
   }
 }
 

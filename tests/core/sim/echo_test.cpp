@@ -40,7 +40,8 @@ constexpr int kPixels = 20'000;
 std::vector<float> disturbed(float range_m, const SensingConditions& conditions) {
   std::vector<float> ranges_m;
   for (int k = 0; k < kPixels; ++k) {
-    ranges_m.push_back(disturbed_range_m(range_m, conditions, small_sensor(), seed_of(9, k)));
+    ranges_m.push_back(
+        disturbed_return({range_m, 40}, conditions, small_sensor(), seed_of(9, k)).range_m);
   }
   return ranges_m;
 }
@@ -114,9 +115,28 @@ TEST_CASE("fog takes what Beer and Lambert say, within a tenth where anything is
   CHECK(transmission(0.05, 100.0) < 0.002);
 }
 
+TEST_CASE("intensity is of the surface and how it is met, not of its distance") {
+  const auto intensity = [](Material material, double range_m, double cosine) {
+    const RayHit hit{range_m, cosine, {material, 255}};
+    return int{intensity_of(*echo_of(hit, 120.0, {}), 120.0)};
+  };
+  for (const double range_m : {0.05, 2.0, 30.0, 110.0}) {
+    CHECK(intensity(Material::kPlaster, range_m, 1.0) == 70);
+    CHECK(intensity(Material::kPlaster, range_m, 0.25) ==
+          std::lround(70.0 * std::pow(0.25, 0.375)));
+    CHECK(intensity(Material::kRubber, range_m, 1.0) == 10);
+    CHECK(intensity(Material::kRetroreflector, range_m, 1.0) == 255);
+  }
+  const Return drops = disturbed_return({}, {.airborne_share = 1.0 - 1e-9}, small_sensor(), 1);
+  CHECK(drops.range_m > 0.0F);
+  CHECK(drops.intensity == 2);
+}
+
 TEST_CASE("on a clear day a pixel reports what it would report") {
-  CHECK(disturbed_range_m(12.345F, {}, small_sensor(), 1) == 12.345F);
-  CHECK(disturbed_range_m(0.0F, {}, small_sensor(), 1) == 0.0F);
+  const Return clear = disturbed_return({12.345F, 40}, {}, small_sensor(), 1);
+  CHECK(clear.range_m == 12.345F);
+  CHECK(clear.intensity == 40);
+  CHECK(disturbed_return({}, {}, small_sensor(), 1).range_m == 0.0F);
 }
 
 TEST_CASE("drop-outs take their share of the returns and leave the others as they are") {

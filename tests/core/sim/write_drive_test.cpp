@@ -10,6 +10,7 @@
 #include "hqslam/core/kitti_bin.h"
 #include "hqslam/core/npy.h"
 #include "hqslam/core/pcd.h"
+#include "hqslam/core/scan_source.h"
 #include "hqslam/core/trajectory.h"
 #include "small_city.h"
 #include "temporary_directory.h"
@@ -33,6 +34,7 @@ TEST_CASE("a drive that is written part of the way reads back as what was simula
 
   // The writer is still open, as if the run had been cut off here.
   NpyStackReader stack(out + "/scans.npy");
+  const auto recording = open_recording(out, std::nullopt);
   const Trajectory tum = read_tum(out + "/truth.tum");
   const Trajectory kitti = read_kitti_poses(out + "/truth.kitti");
   REQUIRE(stack.images() == 3);
@@ -47,10 +49,15 @@ TEST_CASE("a drive that is written part of the way reads back as what was simula
     const auto returns =
         std::ranges::count_if(scans[k].image.range_m, [](float r) { return r > 0; });
     const std::string number = "00000" + std::to_string(k);
-    CHECK(read_kitti_bin(out + "/bin/" + number + ".bin").points_m.size() ==
-          static_cast<std::size_t>(returns));
-    CHECK(read_pcd(out + "/pcd/" + number + ".pcd").points_m.size() ==
-          static_cast<std::size_t>(returns));
+    const Scan bin = read_kitti_bin(out + "/bin/" + number + ".bin");
+    const Scan pcd = read_pcd(out + "/pcd/" + number + ".pcd");
+    CHECK(bin.points_m.size() == static_cast<std::size_t>(returns));
+    CHECK(pcd.points_m.size() == static_cast<std::size_t>(returns));
+    const OrganizedCloud cloud = recording->next()->cloud;
+    CHECK(std::ranges::equal(cloud.intensity, scans[k].intensity));
+    CHECK(std::ranges::count_if(cloud.intensity, [](float value) { return value > 0; }) == returns);
+    CHECK(returns_of(cloud).intensity == bin.intensity);
+    CHECK(bin.intensity == pcd.intensity);
   }
   std::ifstream columns(out + "/truth_columns.npy", std::ios::binary);
   const NpyHeader header = read_npy_header(columns, out + "/truth_columns.npy");

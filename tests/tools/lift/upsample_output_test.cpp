@@ -2,11 +2,13 @@
 
 #include <doctest/doctest.h>
 
+#include <cmath>
 #include <set>
 
 #include "file_contents.h"
 #include "hqslam/core/pcd.h"
 #include "hqslam/core/projection.h"
+#include "hqslam/core/scan_source.h"
 #include "temporary_directory.h"
 #include "tools/parts_of_text.h"
 
@@ -55,6 +57,25 @@ TEST_CASE("an upsampled drive is a stack with its sensor, and one file per scan 
           std::set<std::string>{std::string("000000.") + kind, std::string("000001.") + kind});
   }
   CHECK(read_pcd(folder.file("all/pcd/000001.pcd")).points_m.size() == 1);
+}
+
+TEST_CASE("intensities have a stack of their own, where a scan has none they are not known") {
+  const TemporaryDirectory folder;
+  const SensorModel sensor = sensor_preset("os1-16");
+  UpsampleOutput output(folder.file("out"), {"input", "linear", 3}, sensor, {});
+  RangeImage image(16, 1024);
+  image.at(3, 7) = 10.0F;
+  OrganizedCloud cloud = unproject(image, sensor, CaptureTime::kRolling);
+  output.append(image, cloud, 0.0);
+  cloud.intensity.assign(cloud.range_m.size(), 300.5F);
+  output.append(image, cloud, 0.1);
+  cloud.intensity.clear();
+  output.append(image, cloud, 0.2);
+  const auto lifted = open_recording(folder.file("out"), std::nullopt);
+  const auto intensity = [&] { return returns_of(lifted->next()->cloud).intensity; };
+  CHECK(std::isnan(intensity().at(0)));
+  CHECK(intensity() == std::vector{300.5F});
+  CHECK(std::isnan(intensity().at(0)));
 }
 
 TEST_CASE("upsample.json says whether all scans were taken") {

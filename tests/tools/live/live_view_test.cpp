@@ -122,6 +122,27 @@ TEST_CASE("the page is told what has come since it asked last, and everything an
   }
 }
 
+TEST_CASE("the view that turns shows the map, the last scan and a path of bounded size") {
+  LiveView view("<a>");
+  const auto data = [&] { return nlohmann::json::parse(view.answer("/turning/data").body); };
+  CHECK(data()["clouds"][0]["blocks"].empty());  // before the first scan
+  Pose pose = Pose::Identity();
+  for (int i = 0; i < 15'000; ++i) {
+    pose.translation().x() = 0.2 * i;
+    view.add(ring(10.0F, 64), pose);
+  }
+  const auto now = data();
+  CHECK(now["path"][0].size() < 2'100);
+  CHECK(now["path"][0].back()[0] == doctest::Approx(0.2 * 14'999));
+  CHECK(now["scans"][0]["at"][0] == now["path"][0].back()[0]);
+  CHECK_FALSE(now["clouds"][0]["blocks"].empty());
+  CHECK_FALSE(now["scans"][0]["measured"]["blocks"].empty());
+  CHECK(now.dump().size() < 1'000'000);
+  const std::string page = view.answer("/turning").body;
+  CHECK(holds(page, "<title>&lt;a&gt;"));
+  CHECK_FALSE(holds(page, "http"));
+}
+
 TEST_CASE("the path of a long drive is thinned out, from its beginning to its end") {
   LiveView view("");
   Pose pose = Pose::Identity();

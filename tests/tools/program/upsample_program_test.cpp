@@ -13,6 +13,7 @@
 #include "hqslam/core/pcd.h"
 #include "hqslam/core/point_fields.h"
 #include "hqslam/core/projection.h"
+#include "hqslam/core/scan_source.h"
 #include "hqslam/core/trajectory.h"
 #include "tools/program/child.h"
 #include "tools/program/program.h"
@@ -255,6 +256,12 @@ TEST_CASE("a recording's intensities come through lifting into clouds and into t
   }
   CHECK(computed > 1000);
   CHECK(scan_of(lifted, &sensor, "").time_offset_s.size() == lifted.scan.points_m.size());
+  const auto images = open_recording(folder.file("up"), std::nullopt);
+  images->next();
+  const std::vector<float> of_image = returns_of(images->next()->cloud).intensity;
+  CHECK(std::ranges::equal(of_image, lifted.scan.intensity, [](float a, float b) {
+    return a == b || (std::isnan(a) && std::isnan(b));
+  }));
   const Scan las = read_point_file(folder.file("up/las/000001.las")).scan;
   CHECK(las.confidence == lifted.scan.confidence);
   CHECK(las.intensity.front() == 257.0F * lifted.scan.intensity.front());

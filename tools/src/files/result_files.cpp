@@ -142,9 +142,9 @@ void write_text_file(const std::string& text, const std::string& path) {
 
 namespace {
 
-constexpr std::array<const char*, 9> kDriveFiles = {
-    "scans.npy",         "sensor.json",        "drive.json", "truth.tum",     "truth.kitti",
-    "truth_columns.npy", "sensor_errors.json", "imu.csv",    "imu_biases.csv"};
+constexpr std::array<const char*, 10> kDriveFiles = {
+    "scans.npy",   "intensity.npy",     "sensor.json",        "drive.json", "truth.tum",
+    "truth.kitti", "truth_columns.npy", "sensor_errors.json", "imu.csv",    "imu_biases.csv"};
 constexpr std::string_view kMarkerFile = "drive.json";  // is replaced, not removed
 constexpr std::array<const char*, 2> kScanFolders = {"bin", "pcd"};
 

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <omp.h>
 
+#include <filesystem>
 #include <iterator>
 #include <memory>
 #include <optional>
@@ -82,11 +83,13 @@ void print_summary(const UpsampleRun& run, const nn::Upsampler& upsampler,
   to_stdout("\nupsampling alone: {:.2f} ms a scan, {:.1f} scans/s (median, {} thread{})\n",
             1e3 * median_s, 1.0 / median_s, omp_get_max_threads(),
             omp_get_max_threads() == 1 ? "" : "s");
-  const bool sure =
-      upsampler.network() != nullptr && has_confidence(upsampler.network()->description());
-  to_stdout("results: {}/scans.npy{}, sensor.json, upsample.json{}{}{}{}\n", options.out,
-            sure ? ", confidence.npy" : "", options.bin ? ", bin" : "", options.pcd ? ", pcd" : "",
-            options.las ? ", las" : "", options.png ? ", png" : "");
+  const auto if_there = [&](const char* name) {
+    const bool there = std::filesystem::exists(std::filesystem::path(options.out) / name);
+    return there ? fmt::format(", {}", name) : "";
+  };
+  to_stdout("results: {}/scans.npy{}{}, sensor.json, upsample.json{}{}{}{}\n", options.out,
+            if_there("confidence.npy"), if_there("intensity.npy"), options.bin ? ", bin" : "",
+            options.pcd ? ", pcd" : "", options.las ? ", las" : "", options.png ? ", png" : "");
 }
 
 }  // namespace
@@ -95,10 +98,11 @@ void declare_upsample(CLI::App& app, UpsampleOptions& options) {
   Command command = add_command(
       app, "upsample", "Fill the rows between those of a LiDAR with few beams",
       "Writes into --out: scans.npy (N x rows x columns, float32 metres), confidence.npy (of a\n"
-      "network that says how sure it is, 0 to 1 per pixel), timestamps.txt, sensor.json,\n"
-      "upsample.json (where it came from), and the truth of a simulated drive. hqslam run takes "
-      "the\n"
-      "folder as it is. Ctrl-C stops; what is written up to then is valid.");
+      "network that says how sure it is, 0 to 1 per pixel), intensity.npy (where the recording "
+      "has\n"
+      "them), timestamps.txt, sensor.json, upsample.json (where it came from), and the truth of a\n"
+      "simulated drive. hqslam run takes the folder as it is. Ctrl-C stops; what is written up to "
+      "then is valid.");
   declare_input(command, options,
                 "Recording as for hqslam run: the measured rows alone, or all rows of the sensor, "
                 "of which the measured ones are looked at",

@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <string_view>
 #include <system_error>
@@ -27,9 +29,9 @@ constexpr const char* kWrittenBy = "hqslam upsample";
 constexpr const char* kMarker = "\"written_by\": \"hqslam upsample\"";
 constexpr std::string_view kMarkerFile = "upsample.json";  // is replaced, not removed
 constexpr const char* kStampsFile = "timestamps.txt";
-constexpr std::array<const char*, 7> kFiles = {"scans.npy",   "confidence.npy", kStampsFile,
-                                               "sensor.json", "upsample.json",  "truth.tum",
-                                               "truth.kitti"};
+constexpr std::array<const char*, 8> kFiles = {"scans.npy", "confidence.npy", "intensity.npy",
+                                               kStampsFile, "sensor.json",    "upsample.json",
+                                               "truth.tum", "truth.kitti"};
 constexpr std::array<const char*, 2> kTruthFiles = {"truth.tum", "truth.kitti"};
 constexpr std::array<const char*, 4> kScanFolders = {"bin", "pcd", "png", "las"};
 
@@ -126,17 +128,25 @@ void UpsampleOutput::append(const RangeImage& image, const OrganizedCloud& cloud
   if (!stamps_.write(line.data(), std::ssize(line)).flush()) {
     throw Error("{}: cannot be written; is the disk full?", (folder_ / kStampsFile).string());
   }
+  append_beside(confidence_, "confidence.npy", cloud.confidence);
+  append_beside(intensity_, "intensity.npy", cloud.intensity);
   stack_.append(image);
-  if (!cloud.confidence.empty()) {
-    if (!confidence_) {
-      confidence_.emplace((folder_ / "confidence.npy").string(), sensor_.rows(), sensor_.columns);
-    }
-    RangeImage confidence = image;
-    confidence.range_m = cloud.confidence;
-    confidence_->append(confidence);
-  }
   parts.rename();
   ++scans_;
+}
+
+/// Before the image itself: none may be without. Of scans that have no values none is known.
+void UpsampleOutput::append_beside(std::optional<NpyStackWriter>& stack, const char* name,
+                                   const std::vector<float>& values) const {
+  if (values.empty() && !stack) return;
+  RangeImage image(sensor_.rows(), sensor_.columns);
+  std::ranges::fill(image.range_m, std::numeric_limits<float>::quiet_NaN());
+  if (!stack) {
+    stack.emplace((folder_ / name).string(), image.rows, image.columns);
+    for (std::int64_t scan = 0; scan < scans_; ++scan) stack->append(image);
+  }
+  if (!values.empty()) image.range_m = values;
+  stack->append(image);
 }
 
 void UpsampleOutput::finish() { write_origin(folder_, origin_, true); }

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "files/result_files.h"
 #include "hqslam/core/npy.h"
@@ -33,6 +34,8 @@ struct UpsampleOrigin {
 /// writing stops:
 ///   scans.npy      N x rows x columns, float32 metres, 0 = no return, row 0 the highest beam
 ///   confidence.npy  N x rows x columns, float32, 0 to 1, if the method says how sure it is
+///   intensity.npy  the same shape, float32, if the recording has intensities; not a number where
+///                  that of a return is not known
 ///   timestamps.txt  the stamp of each scan, seconds
 ///   sensor.json    the sensor model
 ///   upsample.json  where the scans came from, and whether all of them did
@@ -51,6 +54,8 @@ class UpsampleOutput {
   void finish();
 
  private:
+  void append_beside(std::optional<NpyStackWriter>& stack, const char* name,
+                     const std::vector<float>& values) const;
   void write_formats(const RangeImage& image, const OrganizedCloud& cloud, double stamp_s,
                      PartFiles& parts) const;
 
@@ -62,6 +67,7 @@ class UpsampleOutput {
   NpyStackWriter stack_;
   std::ofstream stamps_;
   std::optional<NpyStackWriter> confidence_;
+  std::optional<NpyStackWriter> intensity_;
   std::int64_t scans_ = 0;
 };
 

@@ -2,6 +2,7 @@
 
 #include "live/live_view.h"
 #include "report/chart.h"
+#include "report/page.h"
 
 namespace hqslam::tools {
 namespace {
@@ -177,9 +178,45 @@ std::string live_page(const std::string& title) {
       "<div><dt>latency</dt><dd id=\"latency\">-</dd></div>\n"
       "<div><dt>lost</dt><dd id=\"lost\">-</dd></div>\n"
       "<div><dt>mapping</dt><dd id=\"mapping\">-</dd></div>\n"
-      "</dl><button id=\"all\">show all</button><span id=\"gone\"></span></header>\n"
+      "</dl><button id=\"all\">show all</button><a href=\"/turning\">turn it</a><span "
+      "id=\"gone\"></span></header>\n"
       "<canvas id=\"map\"></canvas>\n<script>{2}</script>\n</body>\n</html>\n",
       escaped, kStyle, kScript);
+}
+
+namespace {
+
+// The scan's controls go: there is one scan, the last.
+constexpr const char* kTurningStyle = R"css(
+body { max-width: none; padding-top: 0; }
+.turning-view .stage { aspect-ratio: auto; height: calc(100vh - 9rem); min-height: 15rem; }
+.turning-view .controls:has(.play) { display: none; }
+)css";
+
+constexpr const char* kTurningScript = R"js(
+<p class="quiet"><a href="/">From above, with numbers</a> <span id="gone"></span></p>
+<script>
+const view = document.querySelector('.turning-view'), gone = document.getElementById('gone');
+async function ask() {
+  try {
+    view.renew(await (await fetch('/turning/data')).json());
+    gone.textContent = '';
+  } catch (error) { gone.textContent = 'hqslam does not answer any more'; }
+  setTimeout(ask, 2000);
+}
+if (view.renew) { view.querySelector('[data-view=behind]').click(); ask(); }
+</script>
+)js";
+
+}  // namespace
+
+std::string live_turning_page(const std::string& title, const TurningView& view) {
+  Page page(title);
+  page.style(kTurningViewStyle);
+  page.style(kTurningStyle);
+  page.html(turning_view_html(view));
+  page.html(kTurningScript);
+  return page.text();
 }
 
 }  // namespace hqslam::tools

@@ -155,12 +155,14 @@ void LiveView::add(const OrganizedCloud& cloud, const Pose& T_map_sensor) {
   const std::lock_guard lock(mutex_);
   T_map_sensor_ = T_map_sensor;
   add_position(T.translation());
+  last_scan_m_.clear();
   for (int row = 0; row < cloud.rows; ++row) {
     for (int column = 0; column < cloud.columns; column += kColumnStep) {
       const std::size_t pixel = cloud.index(row, column);
-      if (cloud.range_m[pixel] > 0.0F) map_.add(T * cloud.points_m[pixel]);
+      if (cloud.range_m[pixel] > 0.0F) last_scan_m_.emplace_back(T * cloud.points_m[pixel]);
     }
   }
+  for (const Eigen::Vector3f& point_m : last_scan_m_) map_.add(point_m);
 }
 
 void LiveView::replace(const Trajectory& trajectory,
@@ -194,10 +196,27 @@ std::string LiveView::state(const std::string& query) const {
   return json_of(state);
 }
 
+TurningView LiveView::turning_view() const {
+  constexpr std::size_t kMostPlaces = 2'000;
+  TurningView view;
+  const std::lock_guard lock(mutex_);
+  view.clouds = {{"map", map_.points_m()}};
+  view.scans = {{"last scan", T_map_sensor_, {"", last_scan_m_}, {}}};
+  Points& path_m = view.path_m.emplace_back();
+  const std::size_t every = 1 + positions_m_.size() / kMostPlaces;
+  for (std::size_t i = 0; i < positions_m_.size(); i += every) path_m.push_back(positions_m_[i]);
+  path_m.emplace_back(T_map_sensor_.translation().cast<float>());
+  return view;
+}
+
 ViewAnswer LiveView::answer(const std::string& target) const {
   const std::size_t query = target.find('?');
   const std::string path = target.substr(0, query);
   if (path == "/") return {200, "text/html; charset=utf-8", live_page(title_)};
+  if (path == "/turning") {
+    return {200, "text/html; charset=utf-8", live_turning_page(title_, turning_view())};
+  }
+  if (path == "/turning/data") return {200, "application/json", turning_view_data(turning_view())};
   if (path == "/state") {
     return {200, "application/json",
             state(query == std::string::npos ? "" : target.substr(query + 1))};

@@ -14,6 +14,7 @@
 #include "hqslam/core/trajectory.h"
 #include "hqslam/live/live.h"
 #include "live/view_server.h"
+#include "report/turning_view.h"
 #include "run/slam_run.h"
 
 namespace hqslam::tools {
@@ -60,6 +61,9 @@ struct LiveStatus {
 /// The page that asks LiveView for its state twice a second and draws path and map from above:
 /// nothing else is loaded.
 std::string live_page(const std::string& title);
+/// The page that shows path, map and last scan in a view that turns, and asks for them anew two
+/// seconds after it got them.
+std::string live_turning_page(const std::string& title, const TurningView& view);
 
 /// What the page of a sensor that sends now shows: the path, the map and numbers, all of bounded
 /// size. Written by the thread that runs SLAM, read by the page's.
@@ -76,16 +80,20 @@ class LiveView {
   void set(const LiveStatus& status);
 
   /// "/": the page. "/state?generation=G&positions=N&points=M": what has come since, as JSON, at
-  /// most 20,000 points at once; everything from the beginning where G is another one.
+  /// most 20,000 points at once; everything from the beginning where G is another one. "/turning":
+  /// the page of the view that turns. "/turning/data": what it shows now, all of it: a megabyte at
+  /// most.
   ViewAnswer answer(const std::string& target) const;
 
  private:
   std::string state(const std::string& query) const;
+  TurningView turning_view() const;
   void add_position(const Eigen::Vector3f& position_m);
 
   std::string title_;
   mutable std::mutex mutex_;  ///< of what follows
   LiveMap map_;
+  std::vector<Eigen::Vector3f> last_scan_m_;  ///< in the map's frame
   std::vector<Eigen::Vector3f> positions_m_;
   std::int64_t position_generation_ = 0;
   float step_m_ = 0.1F;  ///< between positions

@@ -182,9 +182,9 @@ Json data_of(const TurningView& view) {
 }
 
 /// As a script's contents: nothing in it ends the script.
-std::string script_text(const Json& data) {
+std::string script_text(const std::string& json) {
   std::string text;
-  for (const char c : data.dump(-1, ' ', /*ensure_ascii=*/true, Json::error_handler_t::replace)) {
+  for (const char c : json) {
     if (c == '<') {
       text += "\\u003c";
     } else {
@@ -211,6 +211,10 @@ constexpr const char* kScanControls = R"html(<div class="controls"{}>
 
 }  // namespace
 
+std::string turning_view_data(const TurningView& view) {
+  return data_of(view).dump(-1, ' ', /*ensure_ascii=*/true, Json::error_handler_t::replace);
+}
+
 std::string turning_view_html(const TurningView& view) {
   const auto hidden_unless = [](bool is_there) { return is_there ? "" : " hidden"; };
   const bool lifts = std::ranges::any_of(
@@ -236,7 +240,7 @@ std::string turning_view_html(const TurningView& view) {
       "fingers move "
       "and "
       "zoom; arrow keys, + and -.</figcaption>\n<script type=\"application/json\">";
-  html += script_text(data_of(view));
+  html += script_text(turning_view_data(view));
   html += "</script>\n</figure>\n<script>";
   html += kTurningViewScript;
   return html + "</script>\n";

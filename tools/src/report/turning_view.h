@@ -45,5 +45,9 @@ inline constexpr std::size_t kMostScanPoints = 700'000;
 /// browser without it shows a line of text. Points are thinned to what a page may have.
 extern const char* const kTurningViewStyle;
 std::string turning_view_html(const TurningView& view);
+/// What such a page knows of the view, as JSON. A page that goes on calls renew(data) of its
+/// element .turning-view with what there is now, of as many clouds: it is seen from where the last
+/// was.
+std::string turning_view_data(const TurningView& view);
 
 }  // namespace hqslam::tools

@@ -140,8 +140,12 @@ function turningView(root) {
     return {count: pairs.length, buffer: bufferOf(new Float32Array(pairs.flatMap(
         ([from, to]) => [...less(from, data.centre), ...less(to, data.centre)])))};
   }
-  const path = linesOf(data.path.flatMap(piece => piece.slice(1).map((to, i) => [piece[i], to])));
-  const loops = linesOf(data.loops);
+  let path, loops;
+  function takeLines() {
+    path = linesOf(data.path.flatMap(piece => piece.slice(1).map((to, i) => [piece[i], to])));
+    loops = linesOf(data.loops);
+  }
+  takeLines();
   let sensor = linesOf([]);
 
   // The picture in memory, as large as the canvas.
@@ -334,14 +338,16 @@ function turningView(root) {
     moved = true;
   }
 
+  let following = false;
+  const takeOver = () => { goal = null; following = false; };
   const turnBy = (yaw, pitch) => {
-    goal = null;
+    takeOver();
     camera.yaw += yaw;
     camera.pitch = clamp(camera.pitch + pitch, -.3, Math.PI / 2);
     redraw(true);
   };
   const moveBy = (right, up) => {  // pixels, over the ground
-    goal = null;
+    takeOver();
     const scale = camera.distance / lens().focal * canvas.height / canvas.clientHeight;
     const [cy, sy] = [Math.cos(camera.yaw), Math.sin(camera.yaw)];
     const far = up / Math.max(.35, Math.sin(camera.pitch));
@@ -350,7 +356,7 @@ function turningView(root) {
     redraw(true);
   };
   const zoomBy = factor => {
-    goal = null;
+    takeOver();
     camera.distance = clamp(camera.distance * factor, .5, 20 * data.radius);
     redraw(true);
   };
@@ -404,7 +410,6 @@ function turningView(root) {
       return {target: scan.at, distance: 26, yaw: scan.yaw, pitch: .38};
     },
   };
-  let following = false;
   for (const button of root.querySelectorAll('[data-view]')) {
     button.onclick = () => {
       following = button.dataset.view === 'behind';
@@ -433,6 +438,15 @@ function turningView(root) {
     find('.play').textContent = timer ? 'Stop' : 'Play';
   }
   find('.play').onclick = play;
+  root.renew = fresh => {  // of a page that goes on
+    const clouds = [...data.clouds, ...data.scans.flatMap(scan => [scan.measured, scan.lifted])];
+    for (const old of [path, loops, ...clouds]) { gl.deleteBuffer(old.buffer); gl.deleteBuffer(old.shine); }
+    Object.assign(data, fresh);
+    takeLines();
+    find('.scan').max = data.scans.length;
+    choose();
+    show(Math.min(shown.scan, data.scans.length));
+  };
   find('.scan').max = data.scans.length;
   find('.scan').oninput = event => show(Number(event.target.value));
   root.querySelectorAll('input[type=checkbox]').forEach(box => { box.onchange = () => redraw(); });

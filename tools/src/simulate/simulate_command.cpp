@@ -104,9 +104,9 @@ sim::DriveSpec drive_of(const SimulateOptions& options) {
 void declare_simulate(CLI::App& app, SimulateOptions& options) {
   Command command = add_command(
       app, "simulate", "Drive a LiDAR through a simulated city, with the truth",
-      "Writes into --out: scans.npy (N x rows x columns, float32 metres), sensor.json, "
-      "drive.json,\n"
-      "truth.tum and truth.kitti (true pose per scan), truth_columns.npy (true pose per column).\n"
+      "Writes into --out: scans.npy (N x rows x columns, float32 metres), intensity.npy (bytes),\n"
+      "sensor.json, drive.json, truth.tum and truth.kitti (true pose per scan), truth_columns.npy\n"
+      "(true pose per column).\n"
       "hqslam run takes the folder as it is.");
   command
       .option(

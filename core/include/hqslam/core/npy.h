@@ -22,10 +22,11 @@ struct NpyHeader {
 NpyHeader read_npy_header(std::istream& stream, const std::string& path);
 
 /// An .npy stack of range images read one image at a time: float32 metres, N x H x W or
-/// N x H x W x 1. Throws Error.
+/// N x H x W x 1; or, if asked for, of bytes, which are read as numbers from 0 to 255. Throws
+/// Error.
 class NpyStackReader {
  public:
-  explicit NpyStackReader(const std::string& path);
+  explicit NpyStackReader(const std::string& path, bool or_bytes = false);
   std::int64_t images() const { return images_; }
   int rows() const { return rows_; }
   int columns() const { return columns_; }
@@ -38,12 +39,13 @@ class NpyStackReader {
   std::int64_t images_ = 0;
   int rows_ = 0;
   int columns_ = 0;
+  std::int64_t value_bytes_ = 0;
   std::int64_t data_offset_bytes_ = 0;
 };
 
-/// Writes an array of shape N x item_shape, T float ("<f4") or double ("<f8"), item by item. The
-/// header is rewritten after every item, so that the file is valid whenever writing stops. Throws
-/// Error.
+/// Writes an array of shape N x item_shape, T float ("<f4"), double ("<f8") or std::uint8_t
+/// ("|u1"), item by item. The header is rewritten after every item, so that the file is valid
+/// whenever writing stops. Throws Error.
 template <typename T>
 class NpyArrayWriter {
  public:
@@ -61,6 +63,7 @@ class NpyArrayWriter {
 };
 extern template class NpyArrayWriter<float>;
 extern template class NpyArrayWriter<double>;
+extern template class NpyArrayWriter<std::uint8_t>;
 
 /// Writes a stack of range images (N x rows x columns, "<f4") image by image; the file is valid
 /// after every image. Throws Error.

@@ -72,9 +72,9 @@ inline constexpr const char* kStampsFromNames = "names";
 /// - one such file: a recording of one scan;
 /// - an .npy stack of range images (N x H x W or N x H x W x 1, float32 metres; `options` apply);
 /// - a folder written by `hqslam simulate` or `hqslam upsample` (scans.npy, sensor.json; `options`
-///   apply), with the confidence of its pixels if there is a confidence.npy: what its sensor.json
-///   says of measured rows and of the correction for motion holds,
-///   whatever `sensor` says.
+///   apply), with confidence and intensity of its pixels if there is a confidence.npy or an
+///   intensity.npy (float32, or bytes): what its sensor.json says of measured rows and of the
+///   correction for motion holds, whatever `sensor` says.
 /// Files are taken in the natural order of their names. The stamp of a scan is what options.stamps
 /// says, else that of a timestamps.txt in the folder or, beside files, the one above it (KITTI's
 /// drives), else the middle of its points' times where those are a clock's, else its index times

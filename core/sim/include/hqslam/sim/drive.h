@@ -63,8 +63,11 @@ std::vector<std::string> drive_preset_names();
 
 /// One scan with the truth.
 struct SimulatedScan {
-  RangeImage image;      ///< rolling capture: column after column, from a moving sensor
-  double stamp_s = 0.0;  ///< the middle of the scan
+  RangeImage image;  ///< rolling capture: column after column, from a moving sensor
+  /// Of each pixel, as a calibrated sensor reports it: reflectivity in percent up to 100, above
+  /// it what throws light back; src/lidar.h has the formula. 0 where no return.
+  std::vector<std::uint8_t> intensity;
+  double stamp_s = 0.0;                  ///< the middle of the scan
   Pose T_map_sensor = Pose::Identity();  ///< true pose at stamp_s; the first scan's is the identity
   /// True pose when the head stands at each column (SensorModel::firing_column).
   std::vector<Pose> T_map_sensor_at_column;

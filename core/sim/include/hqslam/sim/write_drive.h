@@ -14,7 +14,7 @@ namespace hqslam::sim {
 void write_drive_json(const std::string& path, DriveSpec spec, const SensorModel& sensor);
 
 /// What is written beside the stack of range images: points of each scan as captured (not corrected
-/// for motion), what an inertial sensor measured.
+/// for motion) with their intensities, what an inertial sensor measured.
 struct ExtraFormats {
   bool kitti_bin = false;  ///< bin/000000.bin, ...
   bool pcd = false;        ///< pcd/000000.pcd, ...
@@ -23,6 +23,7 @@ struct ExtraFormats {
 
 /// Writes a drive to a folder, scan by scan; what is there is valid whenever writing stops:
 ///   scans.npy          N x rows x columns, float32 metres, 0 = no return, row 0 the highest beam
+///   intensity.npy      N x rows x columns, bytes: SimulatedScan::intensity
 ///   sensor.json        the sensor model
 ///   drive.json         name, seed and planned length of the drive, and the simulator's revision;
 ///                      mount, conditions and sensor errors where they are not the usual ones
@@ -42,7 +43,7 @@ class DriveWriter {
   void append(const SimulatedScan& scan);
 
  private:
-  void write_extra(const RangeImage& image) const;
+  void write_extra(const SimulatedScan& scan) const;
   void append_imu(const std::vector<SimulatedImuSample>& samples);
 
   std::string directory_;
@@ -50,6 +51,7 @@ class DriveWriter {
   ExtraFormats extra_;
   std::int64_t scans_ = 0;
   NpyStackWriter stack_;
+  NpyArrayWriter<std::uint8_t> intensity_;
   NpyArrayWriter<double> columns_;
   std::ofstream tum_;
   std::ofstream kitti_;
