@@ -1,7 +1,9 @@
 #pragma once
 
+#include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <set>
 #include <string>
 
 namespace hqslam::test {
@@ -14,6 +16,15 @@ inline std::string file_contents(const std::string& path) {
 inline void write_file(const std::string& path, const std::string& contents) {
   std::ofstream stream(path, std::ios::binary);
   stream.write(contents.data(), static_cast<std::streamsize>(contents.size()));
+}
+
+/// Of what lies in a folder.
+inline std::set<std::string> names_in(const std::filesystem::path& folder) {
+  std::set<std::string> names;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    names.insert(entry.path().filename().string());
+  }
+  return names;
 }
 
 }  // namespace hqslam::test

@@ -1,7 +1,6 @@
 #include "beams_in_points.h"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <numbers>
 #include <set>

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "hqslam/core/error.h"
 #include "hqslam/core/excerpt.h"

@@ -3,11 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cctype>
 #include <cmath>
 #include <numbers>
-#include <utility>
 
 #include "hqslam/core/error.h"
 #include "hqslam/core/excerpt.h"

@@ -6,7 +6,6 @@
 #include <set>
 
 #include "hqslam/core/error.h"
-#include "hqslam/core/sensor_finder.h"
 #include "ring_segments.h"
 
 namespace hqslam {

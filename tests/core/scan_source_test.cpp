@@ -176,8 +176,7 @@ TEST_CASE("bad pixels and pixels out of range are counted and left out") {
   image.at(0, 2) = -3.0F;
   image.at(0, 3) = 1e6F;
   image.at(0, 4) = 0.01F;
-  NpyStackWriter writer(directory.file("scans.npy"), image.rows, image.columns);
-  writer.append(image);
+  NpyStackWriter(directory.file("scans.npy"), image.rows, image.columns).append(image);
   const auto source = open_recording(directory.file("scans.npy"), sensor);
   CHECK(source->warnings().empty());
   const auto scan = source->next();
@@ -195,8 +194,7 @@ TEST_CASE("a simulated drive is opened with the sensor it was made with and no o
   const SensorModel sensor = sensor_preset("hdl-32e");
   const RangeImage image = an_image(sensor);
   write_sensor_json(sensor, directory.file("sensor.json"));
-  NpyStackWriter writer(directory.file("scans.npy"), image.rows, image.columns);
-  writer.append(image);
+  NpyStackWriter(directory.file("scans.npy"), image.rows, image.columns).append(image);
   const std::string path = directory.path().string();
   const auto source = open_recording(path, sensor);
   const auto scan = source->next();
@@ -216,8 +214,7 @@ TEST_CASE("a folder's sensor is another one if its scans take longer") {
   SensorModel slow = sensor;
   slow.scan_period_s = 0.2;
   write_sensor_json(slow, directory.file("sensor.json"));
-  NpyStackWriter writer(directory.file("scans.npy"), 16, sensor.columns);
-  writer.append(an_image(sensor));
+  NpyStackWriter(directory.file("scans.npy"), 16, sensor.columns).append(an_image(sensor));
   const std::string path = directory.path().string();
   CHECK(open_recording(path, slow)->size() == 1);
   CHECK(one_line_with(complaint_about(path, sensor), "0.1 s a scan", "found", "0.2 s a scan"));
@@ -230,8 +227,7 @@ TEST_CASE("what a folder's sensor file says of its images holds whatever the sen
   lifted.measured_rows = RowSelection{3, 4};
   lifted.motion_corrected = true;
   write_sensor_json(lifted, directory.file("sensor.json"));
-  NpyStackWriter writer(directory.file("scans.npy"), 32, preset.columns);
-  writer.append(an_image(preset));
+  NpyStackWriter(directory.file("scans.npy"), 32, preset.columns).append(an_image(preset));
   const std::string path = directory.path().string();
   const auto source = open_recording(path, preset);
   CHECK(source->sensor() == lifted);
@@ -344,8 +340,7 @@ TEST_CASE("scans of another sensor or in other units are refused") {
 
   RangeImage image = an_image(os1_64);
   for (float& range : image.range_m) range *= 1000.0F;
-  NpyStackWriter writer(directory.file("mm.npy"), image.rows, image.columns);
-  writer.append(image);
+  NpyStackWriter(directory.file("mm.npy"), image.rows, image.columns).append(image);
   CHECK(one_line_with(complaint_about(directory.file("mm.npy"), os1_64), "mm.npy[0]", "metres"));
   CHECK(one_line_with(complaint_about(directory.file("mm.npy"), sensor_preset("os1-16")), "mm.npy",
                       "16 x 1024", "64 x 1024"));

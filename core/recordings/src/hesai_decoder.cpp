@@ -92,12 +92,11 @@ std::optional<HesaiPacket> hesai_packet(Bytes payload) {
 }
 
 HesaiDecoder::HesaiDecoder(const SensorModel& sensor, const VelodyneOptions& options)
-    : options_(options) {
+    : TurnDecoder(0, 360.0, options) {
   const int lasers = sensor.rows();
   if (lasers != 16 && lasers != 32) {
     throw Error(
-        "sensor '{}' has {} rows, expected the 16 or 32 lasers of a Hesai XT; name its "
-        "angle file",
+        "sensor '{}' has {} rows, expected the 16 or 32 lasers of a Hesai XT; name its angle file",
         sensor.name, lasers);
   }
   for (int row = 0; row < lasers; ++row) {
@@ -152,7 +151,7 @@ void HesaiDecoder::add(const Packet& packet, std::vector<Scan>& completed) {
     const std::int64_t block_ns =
         packet_ns + std::llround(1e3 * (kFirstFiring_us - kBlock_us * later));
     const int azimuth = azimuth_of(packet.payload, said->lasers, block);
-    const double start_s = turns_.fire(azimuth % kTurn, block_ns, completed);
+    const double start_s = fire(azimuth % kTurn, block_ns, completed);
     if (options_.with_points) add_points(packet.payload, block, said->dual_return, start_s);
   }
 }
@@ -168,7 +167,6 @@ void HesaiDecoder::add_points(Bytes payload, int block, bool dual, double start_
                            2 + kMeasurementBytes * static_cast<std::size_t>(laser);
     return Measurement{little_endian<std::uint16_t>(payload, at), payload[at + 2]};
   };
-  Scan& scan = turns_.scan();
   for (int i = 0; i < lasers; ++i) {
     Measurement measurement = measured(block, i);
     if (dual) measurement = kept(measurement, measured(block + 1, i), options_.kept_return);
@@ -179,10 +177,10 @@ void HesaiDecoder::add_points(Bytes payload, int block, bool dual, double start_
     const double x_m = level_m * (sine * laser.cos_offset + cosine * laser.sin_offset);
     const double y_m = level_m * (cosine * laser.cos_offset - sine * laser.sin_offset);
     const double z_m = range_m * laser.sin_elevation;
-    scan.points_m.push_back(Eigen::Vector3d(x_m, y_m, z_m).cast<float>());
-    scan.row.push_back(static_cast<std::uint16_t>(i));
-    scan.intensity.push_back(measurement.reflectivity);
-    scan.time_offset_s.push_back(static_cast<float>(start_s + laser.time_s));
+    scan_.points_m.push_back(Eigen::Vector3d(x_m, y_m, z_m).cast<float>());
+    scan_.row.push_back(static_cast<std::uint16_t>(i));
+    scan_.intensity.push_back(measurement.reflectivity);
+    scan_.time_offset_s.push_back(static_cast<float>(start_s + laser.time_s));
   }
 }
 

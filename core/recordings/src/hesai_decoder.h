@@ -4,15 +4,12 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "byte_reader.h"
-#include "hqslam/core/scan.h"
 #include "hqslam/core/sensor_model.h"
 #include "hqslam/recordings/scan_assembler.h"
-#include "sensor_clock.h"
-#include "turn_cutter.h"
+#include "turn_decoder.h"
 
 namespace hqslam::recordings {
 
@@ -42,20 +39,15 @@ SensorModel nominal_hesai(int lasers);
 /// In:  block b of a packet: azimuth a_b; laser c: distance; the packet's time t.
 /// Out: azimuth a_b + offset of the laser; time t + 5.632 us - 50 us (firings after this one) +
 ///      0.368 us + c step, the step 1.512 us (XT32) or 3.024 us (XT16).
-/// A scan is one turn, cut at azimuth 0; see TurnCutter. Sources: PandarXT user manual, "Point
+/// A scan is one turn, cut at azimuth 0; see TurnDecoder. Sources: PandarXT user manual, "Point
 /// cloud data packet" and appendix II; the numbers of appendix II as open drivers have them.
-class HesaiDecoder {
+class HesaiDecoder : public TurnDecoder {
  public:
   /// `sensor` gives elevation and azimuth offset of each laser, 16 or 32.
   HesaiDecoder(const SensorModel& sensor, const VelodyneOptions& options = {});
 
   /// Takes the next packet in and appends the scans that it completes.
   void add(const Packet& packet, std::vector<Scan>& completed);
-  void finish(std::vector<Scan>& completed) { turns_.finish(completed); }
-  void reuse(Scan scan) { turns_.reuse(std::move(scan)); }
-  const PacketCounts& counts() const { return counts_; }
-  std::int64_t lost_scans() const { return lost_scans_; }
-  std::int64_t partial_scans() const { return turns_.partial_scans(); }
 
  private:
   struct Laser {
@@ -65,14 +57,8 @@ class HesaiDecoder {
   bool take_time(const HesaiPacket& said, std::int64_t capture_ns, std::vector<Scan>& completed);
   void add_points(Bytes payload, int block, bool dual, double start_s);
 
-  VelodyneOptions options_;
   std::vector<Laser> lasers_;
-  TurnCutter turns_{0, 360.0};
-  SensorClock clock_;
   std::optional<HesaiPacket> last_;
-  std::int64_t last_capture_ns_ = 0;
-  PacketCounts counts_;
-  std::int64_t lost_scans_ = 0;
 };
 
 /// Throws Error unless the sensor has 16 or 32 rows.

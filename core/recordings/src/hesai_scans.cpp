@@ -103,9 +103,8 @@ SensorModel read_hesai_angles(const std::string& path) {
   SensorModel sensor = empty_sensor("");
   const auto complain = [&](const std::string& found) {
     throw Error(
-        "{}: expected a Hesai angle file, lines of channel, elevation and azimuth in "
-        "degrees, 16 or 32 from the highest to the lowest, found {}; give the file that "
-        "came with the sensor",
+        "{}: expected a Hesai angle file, lines of channel, elevation and azimuth in degrees, 16 "
+        "or 32 from the highest to the lowest, found {}; give the file that came with the sensor",
         path, found);
   };
   for (std::string line; std::getline(lines, line);) {

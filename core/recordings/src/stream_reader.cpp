@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <utility>
 
 #include "hqslam/core/error.h"
 #include "message_packets.h"

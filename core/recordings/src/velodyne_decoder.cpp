@@ -69,12 +69,11 @@ Measurement kept(Measurement last, Measurement other, KeptReturn which) {
 
 VelodyneDecoder::VelodyneDecoder(const VelodyneStream& stream, const SensorModel& sensor,
                                  const VelodyneOptions& options)
-    : stream_(stream),
+    : TurnDecoder(modulo_turn(static_cast<int>(std::lround(100.0 * stream.cut_azimuth_deg))),
+                  stream.field_of_view_deg, options),
+      stream_(stream),
       timing_(timing_of(stream)),
-      options_(options),
-      channels_(channels_of(stream, sensor)),
-      cut_(modulo_turn(static_cast<int>(std::lround(100.0 * stream.cut_azimuth_deg)))),
-      turns_(cut_, stream.field_of_view_deg) {
+      channels_(channels_of(stream, sensor)) {
   rate_ = expected_rate();
 }
 
@@ -116,7 +115,7 @@ bool VelodyneDecoder::take_time(const Packet& packet, std::vector<Scan>& complet
   }
   if (!clock_was_set) count_lost(passed, block_azimuth(packet.payload, 0));
   if (clock_was_set || static_cast<double>(passed) >= kWholeTurn * 1e6 * stream_.scan_period_s) {
-    turns_.finish(completed);
+    finish(completed);
   }
   last_us_ = now_us;
   last_capture_ns_ = packet.capture_time_ns;
@@ -214,7 +213,7 @@ void VelodyneDecoder::add(const Packet& packet, std::vector<Scan>& completed) {
 void VelodyneDecoder::add_firing(const Firing& firing, Bytes payload, std::int64_t packet_ns,
                                  std::vector<Scan>& completed) {
   const std::int64_t firing_ns = packet_ns + std::llround(1e3 * firing.time_us);
-  const double start_s = turns_.fire(firing.azimuth, firing_ns, completed);
+  const double start_s = fire(firing.azimuth, firing_ns, completed);
   if (options_.with_points) add_points(firing, payload, start_s);
 }
 
@@ -223,7 +222,6 @@ void VelodyneDecoder::add_points(const Firing& firing, Bytes payload, double sta
   const Directions& table = directions();
   const auto unit_m = static_cast<float>(timing_.distance_unit_m);
   const int channels = static_cast<int>(channels_[firing.bank].size());
-  Scan& scan = turns_.scan();
   for (int c = 0; c < channels; ++c) {
     Measurement measured = measurement(payload, firing.block, c);
     if (stream_.dual_return) {
@@ -240,13 +238,13 @@ void VelodyneDecoder::add_points(const Firing& firing, Bytes payload, double sta
     const float distance_m = unit_m * static_cast<float>(measured.distance) + channel.distance_m;
     const float horizontal_m =
         distance_m * channel.cos_elevation - channel.up_m * channel.sin_elevation;
-    scan.points_m.emplace_back(
+    scan_.points_m.emplace_back(
         horizontal_m * cosine + channel.left_m * sine,
         channel.left_m * cosine - horizontal_m * sine,
         distance_m * channel.sin_elevation + channel.up_m * channel.cos_elevation);
-    scan.row.push_back(channel.row);
-    scan.intensity.push_back(measured.intensity);
-    scan.time_offset_s.push_back(static_cast<float>(start_s + 1e-6 * channel.time_us));
+    scan_.row.push_back(channel.row);
+    scan_.intensity.push_back(measured.intensity);
+    scan_.time_offset_s.push_back(static_cast<float>(start_s + 1e-6 * channel.time_us));
   }
 }
 

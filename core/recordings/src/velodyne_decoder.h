@@ -2,13 +2,9 @@
 
 #include <cstdint>
 #include <optional>
-#include <utility>
 #include <vector>
 
-#include "hqslam/core/scan.h"
-#include "hqslam/recordings/velodyne.h"
-#include "sensor_clock.h"
-#include "turn_cutter.h"
+#include "turn_decoder.h"
 #include "velodyne_tables.h"
 
 namespace hqslam::recordings {
@@ -26,7 +22,7 @@ namespace hqslam::recordings {
 /// for all or what the packets' spacing says; it must send one return. Sources: the models' user
 /// manuals (VLP-16 63-9243, HDL-32E 63-9113, VLP-32C 63-9325, VLS-128 63-9483, HDL-64E S2
 /// 63-HDL64ES2), "Data packet format" and "Firing sequence timing".
-class VelodyneDecoder {
+class VelodyneDecoder : public TurnDecoder {
  public:
   /// `sensor` gives elevation and azimuth offset of each row; as many rows as the model has lasers.
   /// Throws Error if it has not, or if there is no calibration of an HDL-64E.
@@ -35,16 +31,6 @@ class VelodyneDecoder {
 
   /// Takes the next packet in and appends the scans that it completes.
   void add(const Packet& packet, std::vector<Scan>& completed);
-  /// The recording has ended: appends what is left, if it is nearly a scan.
-  void finish(std::vector<Scan>& completed) { turns_.finish(completed); }
-  /// Takes a scan back that is not needed any more: its memory serves the next one.
-  void reuse(Scan scan) { turns_.reuse(std::move(scan)); }
-
-  const PacketCounts& counts() const { return counts_; }
-  /// Whole turns of which no packet came. Their packets are counted too.
-  std::int64_t lost_scans() const { return lost_scans_; }
-  /// Turns that were cut short by the beginning or the end of the recording, or by a long gap.
-  std::int64_t partial_scans() const { return turns_.partial_scans(); }
 
  private:
   /// One firing of 32 channels (or the 16 of a VLP-16, twice).
@@ -67,22 +53,12 @@ class VelodyneDecoder {
 
   VelodyneStream stream_;
   VelodyneTiming timing_;
-  VelodyneOptions options_;
   VelodyneChannels channels_;
-  int cut_ = 0;
-
-  SensorClock clock_;
   std::optional<std::int64_t> last_us_;  ///< of the packet before, within the hour
   std::int64_t sensor_us_ = 0;           ///< the same, counted on over the hours
-  std::int64_t last_capture_ns_ = 0;     ///< of that packet
   int last_packet_azimuth_ = 0;
   double rate_ = 0.0;
   std::vector<Firing> firings_;
-
-  TurnCutter turns_;
-
-  PacketCounts counts_;
-  std::int64_t lost_scans_ = 0;
 };
 
 }  // namespace hqslam::recordings

@@ -6,7 +6,7 @@
 
 #include "byte_reader.h"
 #include "hqslam/recordings/velodyne.h"
-#include "turn_cutter.h"
+#include "turn_decoder.h"
 
 namespace hqslam::recordings {
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "city.h"
 #include "furniture.h"
 
 namespace hqslam::sim {

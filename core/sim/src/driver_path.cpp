@@ -5,7 +5,6 @@
 
 #include "b_spline.h"
 #include "random.h"
-#include "route.h"
 
 namespace hqslam::sim {
 

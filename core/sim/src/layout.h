@@ -4,7 +4,6 @@
 #include <array>
 #include <cstdint>
 #include <set>
-#include <tuple>
 #include <vector>
 
 #include "style.h"

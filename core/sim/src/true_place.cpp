@@ -1,7 +1,5 @@
 #include "true_place.h"
 
-#include <algorithm>
-
 namespace hqslam::sim {
 
 namespace {

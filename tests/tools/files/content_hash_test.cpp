@@ -5,9 +5,9 @@
 #include <filesystem>
 #include <set>
 
+#include "error_message.h"
 #include "file_contents.h"
 #include "temporary_directory.h"
-#include "tools/parts_of_text.h"
 
 namespace hqslam::tools {
 
@@ -22,7 +22,7 @@ TEST_CASE("a file has the hash of its bytes, however many there are") {
   const std::string text(200000, '\xf3');
   test::write_file(folder.file("bytes"), text);
   CHECK(content_hash(folder.file("bytes")) == text_hash(text));
-  CHECK(refuses({folder.file("none")}, [&] { content_hash(folder.file("none")); }));
+  CHECK(test::refused_with([&] { content_hash(folder.file("none")); }, folder.file("none")));
 }
 
 TEST_CASE("a folder is known by the names and the bytes of its files") {

@@ -6,9 +6,9 @@
 #include <array>
 #include <filesystem>
 
+#include "error_message.h"
 #include "file_contents.h"
 #include "temporary_directory.h"
-#include "tools/parts_of_text.h"
 
 namespace hqslam::tools {
 namespace {
@@ -26,10 +26,10 @@ TEST_CASE("a file may be written where nothing is, and where its own kind is") {
   CHECK_NOTHROW(guard_output_file(folder.file("new"), {}, never));
   write_file(folder.file("mine"), "marker");
   CHECK_NOTHROW(guard_output_file(folder.file("mine"), {folder.file("other")}, always));
-  CHECK(refuses({"mine", "give another --out"},
-                [&] { guard_output_file(folder.file("mine"), {}, never); }));
-  CHECK(refuses({"no", "existing folder"},
-                [&] { guard_output_file(folder.file("no/new"), {}, never); }));
+  CHECK(refused_with([&] { guard_output_file(folder.file("mine"), {}, never); }, "mine",
+                     "give another --out"));
+  CHECK(refused_with([&] { guard_output_file(folder.file("no/new"), {}, never); }, "no",
+                     "existing folder"));
   CHECK(file_contents(folder.file("mine")) == "marker");
 }
 
@@ -43,11 +43,11 @@ TEST_CASE("no device, no pipe, no folder and no input is written over, whoever m
   CHECK_FALSE(has_marker(folder.file("pipe"), "x"));
   for (const char* name : {"pipe", "folder", "link", "same"}) {
     CAPTURE(name);
-    CHECK(refuses({"--out"},
-                  [&] { guard_output_file(folder.file(name), {folder.file("input")}, always); }));
+    CHECK(refused_with(
+        [&] { guard_output_file(folder.file(name), {folder.file("input")}, always); }, "--out"));
   }
-  CHECK(refuses({"/dev/null", "no regular file"},
-                [] { guard_output_file("/dev/null", {}, always); }));
+  CHECK(refused_with([] { guard_output_file("/dev/null", {}, always); }, "/dev/null",
+                     "no regular file"));
 }
 
 TEST_CASE("results are replaced in a command's own folder alone") {
@@ -56,10 +56,10 @@ TEST_CASE("results are replaced in a command's own folder alone") {
   CHECK_NOTHROW(guard_results(folder.path(), kNames, false, "is foreign"));
   write_file(folder.file("b"), "x");
   CHECK_NOTHROW(guard_results(folder.path(), kNames, true, "is foreign"));
-  CHECK(refuses({"b", "is there already and is foreign"},
-                [&] { guard_results(folder.path(), kNames, false, "is foreign"); }));
-  CHECK(refuses({"read by this command"},
-                [&] { guard_results(folder.path(), kNames, true, "", {folder.file("b")}); }));
+  CHECK(refused_with([&] { guard_results(folder.path(), kNames, false, "is foreign"); }, "b",
+                     "is there already and is foreign"));
+  CHECK(refused_with([&] { guard_results(folder.path(), kNames, true, "", {folder.file("b")}); },
+                     "read by this command"));
 }
 
 namespace {
@@ -90,7 +90,7 @@ TEST_CASE("a file of the same name that is no drive's is neither replaced nor re
     CAPTURE(name);
     const TemporaryDirectory folder;
     write_file(folder.file(name), "mine");
-    CHECK(refuses({name, "--out"}, [&] { clear_drive_folder(folder.path().string()); }));
+    CHECK(refused_with([&] { clear_drive_folder(folder.path().string()); }, name, "--out"));
     CHECK(fs::exists(folder.file(name)));
   }
 }

@@ -4,9 +4,9 @@
 
 #include <string>
 
+#include "error_message.h"
 #include "hqslam/core/npy.h"
 #include "temporary_directory.h"
-#include "tools/parts_of_text.h"
 #include "tools/program/untrained_weights.h"
 
 namespace hqslam::tools {
@@ -89,28 +89,38 @@ TEST_CASE("interpolation looks at every fourth row, or at as many as it is told"
 
 TEST_CASE("rows of a sensor that all were measured are not thinned and filled without a word") {
   const Files files;
-  CHECK(refuses({"all 16 rows", "nothing between them", "os1-64"}, [&] {
-    lifted_input({files.stack_16, "os1-16"}, {"linear"});
-  }));
+  CHECK(refused_with(
+      [&] {
+        lifted_input({files.stack_16, "os1-16"}, {"linear"});
+      },
+      "all 16 rows", "nothing between them", "os1-64"));
   CHECK(lifted_input({files.stack_16, "os1-16"}, {"linear", 4}).rows->stride == 4);
 }
 
 TEST_CASE("a sensor that the weights were not made for is one line that says what they expect") {
   const Files files;
-  CHECK(refuses({"os1-64", "hdl-64e"}, [&] {
-    lifted_input({files.stack_64, "hdl-64e"}, {files.weights});
-  }));
-  CHECK(refuses({"16 x 1024", "vlp-16"}, [&] {
-    lifted_input({files.stack_16, "vlp-16"}, {files.weights});
-  }));
-  CHECK(refuses({"16 measured rows", "32"}, [&] {
-    lifted_input({files.stack_64}, {files.weights, 32});
-  }));
-  CHECK(refuses({"--sensor", "stack64"}, [&] { lifted_input({files.stack_64}, {"linear"}); }));
-  CHECK(refuses({"16 rows", "32"}, [&] {
-    lifted_input({files.stack_16, "os1-64"}, {"linear", 32});
-  }));
-  CHECK(refuses({"stack64"}, [&] { lifted_input({files.stack_64}, {files.stack_64}); }));
+  CHECK(refused_with(
+      [&] {
+        lifted_input({files.stack_64, "hdl-64e"}, {files.weights});
+      },
+      "os1-64", "hdl-64e"));
+  CHECK(refused_with(
+      [&] {
+        lifted_input({files.stack_16, "vlp-16"}, {files.weights});
+      },
+      "16 x 1024", "vlp-16"));
+  CHECK(refused_with(
+      [&] {
+        lifted_input({files.stack_64}, {files.weights, 32});
+      },
+      "16 measured rows", "32"));
+  CHECK(refused_with([&] { lifted_input({files.stack_64}, {"linear"}); }, "--sensor", "stack64"));
+  CHECK(refused_with(
+      [&] {
+        lifted_input({files.stack_16, "os1-64"}, {"linear", 32});
+      },
+      "16 rows", "32"));
+  CHECK(refused_with([&] { lifted_input({files.stack_64}, {files.stack_64}); }, "stack64"));
 }
 
 TEST_CASE("a sender whose beams are still to come is refused for its rows alone") {
@@ -121,12 +131,12 @@ TEST_CASE("a sender whose beams are still to come is refused for its rows alone"
     sender.sensor = sensor_preset(name);
     for (double& elevation_rad : sender.sensor.beam_elevation_rad) elevation_rad -= 0.02;
     sender.knows_beams = true;
-    CHECK(refuses({"os1-64", name}, [&] { lifted_sender(sender, lifting); }));
+    CHECK(refused_with([&] { lifted_sender(sender, lifting); }, "os1-64", name));
     sender.knows_beams = false;
     CHECK_NOTHROW(lifted_sender(sender, lifting));
   }
   sender.sensor = sensor_preset("hdl-32e");
-  CHECK(refuses({"os1-64", "hdl-32e"}, [&] { lifted_sender(sender, lifting); }));
+  CHECK(refused_with([&] { lifted_sender(sender, lifting); }, "os1-64", "hdl-32e"));
 }
 
 TEST_CASE("rows that nothing fills are looked at alone, all of them where none are chosen") {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <set>
 
+#include "error_message.h"
 #include "file_contents.h"
 #include "hqslam/core/pcd.h"
 #include "hqslam/core/projection.h"
@@ -17,14 +18,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using namespace hqslam::test;
-
-std::set<std::string> names_in(const fs::path& folder) {
-  std::set<std::string> names;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
-    names.insert(entry.path().filename().string());
-  }
-  return names;
-}
 
 /// Writes `scans` scans into `folder`.
 void write_scans(const std::string& folder, int scans, UpsampledFormats formats = {}) {
@@ -117,7 +110,7 @@ TEST_CASE("what hqslam upsample did not write is not overwritten") {
     CAPTURE(name);
     const TemporaryDirectory folder;
     write_file(folder.file(name), "mine");
-    CHECK(refuses({name, "--out"}, [&] { write_scans(folder.path().string(), 1); }));
+    CHECK(refused_with([&] { write_scans(folder.path().string(), 1); }, name, "--out"));
     CHECK(file_contents(folder.file(name)) == "mine");
   }
 }
@@ -133,9 +126,11 @@ TEST_CASE("the input is never overwritten, by whatever path it is named") {
        {out, out + "/", out + "/scans.npy", out + "/pcd", out + "/bin/000001.bin",
         folder.file("link"), folder.file("link/scans.npy"), folder.file("out/../out")}) {
     CAPTURE(input);
-    CHECK(refuses({"overwritten", "--out"}, [&] {
-      UpsampleOutput(out, {input, "linear", 1}, sensor, {});
-    }));
+    CHECK(refused_with(
+        [&] {
+          UpsampleOutput(out, {input, "linear", 1}, sensor, {});
+        },
+        "overwritten", "--out"));
   }
   CHECK(file_contents(out + "/scans.npy") == before);
 }

@@ -11,6 +11,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "error_message.h"
 #include "live/live_run.h"
 #include "live/view_server.h"
 #include "tools/parts_of_text.h"
@@ -227,8 +228,9 @@ TEST_CASE("a page's port in use and an address that is none are refused in one l
   const ViewServer server("127.0.0.1", 0, nothing);
   const std::string url = server.url();
   const auto port = static_cast<std::uint16_t>(std::stoi(url.substr(url.rfind(':') + 1)));
-  CHECK(refuses({std::to_string(port), "--view"}, [&] { ViewServer("127.0.0.1", port, nothing); }));
-  CHECK(refuses({"localhost", "127.0.0.1"}, [&] { ViewServer("localhost", 0, nothing); }));
+  CHECK(test::refused_with([&] { ViewServer("127.0.0.1", port, nothing); }, std::to_string(port),
+                           "--view"));
+  CHECK(test::refused_with([&] { ViewServer("localhost", 0, nothing); }, "localhost", "127.0.0.1"));
 }
 
 TEST_CASE(
@@ -246,8 +248,7 @@ TEST_CASE(
   status.counts.dropped_scans = 1;
   CHECK(status_line(status) ==
         "12 s  120 scans  x 3.21 y -0.40 z 0.02 m  10.0 scans/s  latency 23 ms  3 packets lost  1 "
-        "scans "
-        "dropped");
+        "scans dropped");
   status.latest->report.mapping_status = slam::Status::kDegenerate;
   status.counts.other_senders = 2;
   CHECK(holds(status_line(status), "mapping degenerate"));

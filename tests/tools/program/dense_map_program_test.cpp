@@ -80,10 +80,8 @@ TEST_CASE("a lifted drive's dense map is more complete than a measured one's, an
 
 TEST_CASE("the files of a dense map are whole and the report shows its pictures") {
   const TemporaryDirectory out;
-  succeeds(
-      "run '{}' --upsample linear --rows 4 --dense-map --map-voxel 0.2 "
-      "--out '{}'",
-      simulated_drive(), out.path().string());
+  succeeds("run '{}' --upsample linear --rows 4 --dense-map --map-voxel 0.2 --out '{}'",
+           simulated_drive(), out.path().string());
   const std::size_t points = read_pcd(out.file("dense_map.pcd")).points_m.size();
   CHECK(points > 1000);
   CHECK(

@@ -101,10 +101,8 @@ TEST_CASE("bench leaves out the rows to which a sensor cannot be thinned") {
   for (int row = 0; row < 40; ++row) sensor.beam_elevation_rad.push_back(0.3 - 0.015 * row);
   write_file(folder.file("sensor.json"), sensor_json(sensor));
   write_untrained_weights(folder.file("weights.npz"), sensor);
-  succeeds(
-      "simulate --drive block --sensor '{0}/sensor.json' --scans 3 "
-      "--out '{0}/drive'",
-      folder.path().string());
+  succeeds("simulate --drive block --sensor '{0}/sensor.json' --scans 3 --out '{0}/drive'",
+           folder.path().string());
   const ProgramResult result = succeeds(
       "bench --input '{0}/drive' --weights '{0}/weights.npz' --json", folder.path().string());
   CHECK(holds(result.error, "slam, 16 rows: left out"));

@@ -38,10 +38,7 @@ TEST_CASE(
     "a sensor upside down is followed once it is known, and a user who does not say so is asked") {
   const TemporaryDirectory folder;
   const std::string drive = folder.file("drive");
-  succeeds(
-      "simulate --drive block --sensor os1-16 --scans 12 --mount 180,4 "
-      "--out '{}'",
-      drive);
+  succeeds("simulate --drive block --sensor os1-16 --scans 12 --mount 180,4 --out '{}'", drive);
   const std::string run = fmt::format("run '{}' --out '{}'", drive, folder.file("results"));
   const std::string question = "the sensor may lean or hang upside down";
   CHECK(holds(run_hqslam(run).out, question));

@@ -214,8 +214,7 @@ TEST_CASE("a lifted recording keeps the stamps that its scans had") {
   write_file(folder.file("stamps.txt"), stamps);
   const std::string in = folder.path().string();
   succeeds(
-      "upsample '{0}/pcd' --method linear --sensor os1-64 --stamps "
-      "'{0}/stamps.txt' --out '{0}/up'",
+      "upsample '{0}/pcd' --method linear --sensor os1-64 --stamps '{0}/stamps.txt' --out '{0}/up'",
       in);
   succeeds("run '{0}/up' --out '{0}/run'", in);
   const Trajectory trajectory = read_tum(folder.file("run/trajectory.tum"));

@@ -5,8 +5,8 @@
 #include <functional>
 #include <vector>
 
+#include "error_message.h"
 #include "hqslam/core/error.h"
-#include "tools/parts_of_text.h"
 
 namespace hqslam::tools {
 namespace {
@@ -65,14 +65,16 @@ TEST_CASE("a scan that cannot be read ends the reading, unless it is the first")
   CHECK(reading.end == ReadingEnd::kUnreadableScan);
   CHECK(reading.end_message == "a.bin: cannot be read");
   Reading none;
-  CHECK(refuses({"a.bin"}, [&] { used_of({unreadable}, none); }));
+  CHECK(test::refused_with([&] { used_of({unreadable}, none); }, "a.bin"));
 }
 
 TEST_CASE("a recording of which nothing can be used says why") {
   Reading reading;
-  CHECK(refuses({"2 scans were left out", "has no points"}, [&] {
-    used_of({not_understood, not_understood}, reading);
-  }));
+  CHECK(test::refused_with(
+      [&] {
+        used_of({not_understood, not_understood}, reading);
+      },
+      "2 scans were left out", "has no points"));
 }
 
 TEST_CASE("whoever uses the scans may leave one out, or have enough") {

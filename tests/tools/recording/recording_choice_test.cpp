@@ -2,9 +2,9 @@
 
 #include <doctest/doctest.h>
 
+#include "error_message.h"
 #include "file_contents.h"
 #include "temporary_directory.h"
-#include "tools/parts_of_text.h"
 
 namespace hqslam::tools {
 
@@ -24,7 +24,7 @@ TEST_CASE("a recording whose sensor is neither named nor found is one line where
   const TemporaryDirectory folder;
   write_file(folder.file("0.csv"), "5 0 1\n5 0 0\n");
   CHECK_FALSE(recording_sensor({folder.path().string()}).has_value());
-  CHECK(refuses({"--sensor"}, [&] { required_recording_sensor({folder.path().string()}); }));
+  CHECK(refused_with([&] { required_recording_sensor({folder.path().string()}); }, "--sensor"));
 }
 
 }  // namespace hqslam::tools

@@ -5,8 +5,8 @@
 
 #include <filesystem>
 
+#include "error_message.h"
 #include "temporary_directory.h"
-#include "tools/parts_of_text.h"
 
 namespace hqslam::tools {
 
@@ -48,8 +48,8 @@ TEST_CASE("a mount is refused in the degrees in which it was given") {
   const TemporaryDirectory folder;
   for (const std::vector<double>& mount_deg :
        {std::vector{200.0, 0.0}, {-180.1, 0.0}, {0.0, 45.1}, {0.0, -46.0}, {std::nan(""), 0.0}}) {
-    CHECK(refuses({"--mount ", "-180 to 180", "-45 to 45 degrees", "give "},
-                  [&] { simulate(folder, mount_deg); }));
+    CHECK(test::refused_with([&] { simulate(folder, mount_deg); }, "--mount ", "-180 to 180",
+                             "-45 to 45 degrees", "give "));
   }
   CHECK_FALSE(std::filesystem::exists(folder.file("drive")));
   simulate(folder, {180.0, -45.0});
@@ -58,8 +58,8 @@ TEST_CASE("a mount is refused in the degrees in which it was given") {
 
 TEST_CASE("a drive longer than there can be says how long it may be") {
   const TemporaryDirectory folder;
-  CHECK(refuses({"scans is 1000001", "1 to 1000000; give "},
-                [&] { simulate(folder, {}, 1'000'001); }));
+  CHECK(test::refused_with([&] { simulate(folder, {}, 1'000'001); }, "scans is 1000001",
+                           "1 to 1000000; give "));
 }
 
 }  // namespace hqslam::tools

@@ -1,7 +1,5 @@
 #include "demo/demo_report.h"
 
-#include "report/page.h"
-
 namespace hqslam::tools {
 
 std::string demo_html(const TurningView& view, const TextTable& table,

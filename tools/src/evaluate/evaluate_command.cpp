@@ -133,32 +133,29 @@ int evaluate_stacks(const EvaluateOptions& options) {
 }
 
 constexpr const char* kDefinitions =
-    "Definitions\n"
-    "  APE     absolute pose error: per pair of poses the distance and the angle of\n"
-    "          E = T_reference^-1 T_estimate, after the alignment that is named beside it: se3\n"
-    "          (least squares of all positions, Umeyama 1991, no scale), first (first poses made\n"
-    "          equal) or none. Pairs: nearest stamps, at most 0.02 s apart; a KITTI file has no\n"
-    "          stamps, its pose i is pose i of the other file. As in evo (evo_ape).\n"
-    "  RPE     relative pose error: the same for the motion over each stretch of 10, 100 and\n"
-    "          800 m of path along the reference. Needs no alignment. Position in percent of the\n"
-    "          stretch, rotation in degrees per 100 m (Geiger et al., KITTI, CVPR 2012). The mean\n"
-    "          over stretches of 100 m is the drift of hqslam table --seeds.\n"
-    "  slips   places where the motion over ten scans is wrong by more than 0.3 m or 0.3 degrees;\n"
-    "          scans that follow one another are one slip.\n"
-    "  MAE     mean |range - true range| in metres; over all pixels (no return counts as 0 m), "
-    "and\n"
-    "          over the pixels where both have a return.\n"
-    "  Chamfer mean squared distance to the nearest point, estimate to reference plus reference\n"
-    "          to estimate, m^2.\n"
-    "  IoU, F1 on the voxels of 0.1 m that hold a point: both / either; harmonic mean of "
-    "precision\n"
-    "          (both / estimate) and recall (both / reference).\n"
-    "  outlier points: share of the estimate's points farther than 0.5 m from the nearest true "
-    "one.\n"
-    "MAE over all pixels, Chamfer, IoU and F1 follow the evaluation code of TULIP (Yang et al.,\n"
-    "CVPR 2024) with two differences: MAE is in metres, not in units of the sensor's range, and\n"
-    "pixels without a return make no points there instead of points at the sensor. For two stacks\n"
-    "the 3-D errors are means over the images and need --sensor.";
+    R"(Definitions
+  APE     absolute pose error: per pair of poses the distance and the angle of
+          E = T_reference^-1 T_estimate, after the alignment that is named beside it: se3
+          (least squares of all positions, Umeyama 1991, no scale), first (first poses made
+          equal) or none. Pairs: nearest stamps, at most 0.02 s apart; a KITTI file has no
+          stamps, its pose i is pose i of the other file. As in evo (evo_ape).
+  RPE     relative pose error: the same for the motion over each stretch of 10, 100 and
+          800 m of path along the reference. Needs no alignment. Position in percent of the
+          stretch, rotation in degrees per 100 m (Geiger et al., KITTI, CVPR 2012). The mean
+          over stretches of 100 m is the drift of hqslam table --seeds.
+  slips   places where the motion over ten scans is wrong by more than 0.3 m or 0.3 degrees;
+          scans that follow one another are one slip.
+  MAE     mean |range - true range| in metres; over all pixels (no return counts as 0 m), and
+          over the pixels where both have a return.
+  Chamfer mean squared distance to the nearest point, estimate to reference plus reference
+          to estimate, m^2.
+  IoU, F1 on the voxels of 0.1 m that hold a point: both / either; harmonic mean of precision
+          (both / estimate) and recall (both / reference).
+  outlier points: share of the estimate's points farther than 0.5 m from the nearest true one.
+MAE over all pixels, Chamfer, IoU and F1 follow the evaluation code of TULIP (Yang et al.,
+CVPR 2024) with two differences: MAE is in metres, not in units of the sensor's range, and
+pixels without a return make no points there instead of points at the sensor. For two stacks
+the 3-D errors are means over the images and need --sensor.)";
 
 /// Throws Error if one of them alone does.
 bool both_end_with(const EvaluateOptions& options, const char* extension) {

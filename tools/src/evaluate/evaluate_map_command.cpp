@@ -210,28 +210,28 @@ void evaluate_grids(const std::vector<std::string>& paths, const TrueDrive& driv
 }
 
 constexpr const char* kDefinitions =
-    "Definitions\n"
-    "  true surface  what stands still in the simulated city, and what its windows show along a\n"
-    "                sensor's line of sight (curtains, rooms, seats). Whoever moves is none.\n"
-    "  visible       what the beams of the drive's sensor, all its rows, meet from where it is in\n"
-    "                all its scans: without noise, drop-outs and traffic, within range and bright\n"
-    "                enough, not behind glass; one sample per voxel of 0.1 m.\n"
-    "  accuracy      share of the map's points with a true surface within 0.1 and 0.2 m\n"
-    "  far           share of the map's points without one within 0.3 m\n"
-    "  complete      share of the visible samples with a point of the map within 0.1 and 0.2 m\n"
-    "  F1            harmonic mean of accuracy and completeness at the same distance\n"
-    "                (Knapitsch et al., Tanks and Temples, 2017)\n"
-    "A map beside which there is a trajectory.tum is moved with it first: by the rotation and the\n"
-    "translation that on average bring its poses onto the truth's.\n"
-    "Of an occupancy grid, in cells within 20 m of the sensor and things 0.25 to 2 m high:\n"
-    "  empty         cells of visible ground above which nothing stands: shares called free and\n"
-    "                occupied\n"
-    "  standing      cells in which a visible surface stands: shares called occupied, with an\n"
-    "                occupied cell within one cell, and called free\n"
-    "  moved         empty cells where a scan has a point farther than 0.3 m from a true surface\n"
-    "                (whoever moves, and pixels between two surfaces): share called occupied\n"
-    "  free, occ.    of the grid's free cells (every eighth) the share where something stands,\n"
-    "                of its occupied ones where nothing does within one and a half cells";
+    R"(Definitions
+  true surface  what stands still in the simulated city, and what its windows show along a
+                sensor's line of sight (curtains, rooms, seats). Whoever moves is none.
+  visible       what the beams of the drive's sensor, all its rows, meet from where it is in
+                all its scans: without noise, drop-outs and traffic, within range and bright
+                enough, not behind glass; one sample per voxel of 0.1 m.
+  accuracy      share of the map's points with a true surface within 0.1 and 0.2 m
+  far           share of the map's points without one within 0.3 m
+  complete      share of the visible samples with a point of the map within 0.1 and 0.2 m
+  F1            harmonic mean of accuracy and completeness at the same distance
+                (Knapitsch et al., Tanks and Temples, 2017)
+A map beside which there is a trajectory.tum is moved with it first: by the rotation and the
+translation that on average bring its poses onto the truth's.
+Of an occupancy grid, in cells within 20 m of the sensor and things 0.25 to 2 m high:
+  empty         cells of visible ground above which nothing stands: shares called free and
+                occupied
+  standing      cells in which a visible surface stands: shares called occupied, with an
+                occupied cell within one cell, and called free
+  moved         empty cells where a scan has a point farther than 0.3 m from a true surface
+                (whoever moves, and pixels between two surfaces): share called occupied
+  free, occ.    of the grid's free cells (every eighth) the share where something stands,
+                of its occupied ones where nothing does within one and a half cells)";
 
 }  // namespace
 

@@ -10,7 +10,6 @@
 #include <fstream>
 #include <string_view>
 #include <system_error>
-#include <vector>
 
 #include "hqslam/core/error.h"
 #include "hqslam/core/whole_file.h"
@@ -117,6 +116,14 @@ namespace {
 std::filesystem::path part_of(std::filesystem::path path) { return path += ".part"; }
 
 }  // namespace
+
+void remove_results(const fs::path& folder, std::span<const char* const> names) {
+  std::error_code ignored;
+  for (const char* name : names) {
+    fs::remove(folder / name, ignored);
+    fs::remove(part_of(folder / name), ignored);
+  }
+}
 
 PartFiles::~PartFiles() {
   std::error_code ignored;

@@ -33,6 +33,9 @@ void guard_output_file(const std::string& path, const Paths& inputs,
 /// that puts the marker there wrote it.
 bool has_marker(const std::string& path, const std::string& marker);
 
+/// Removes the results of an earlier run, and what a killed one left of them.
+void remove_results(const std::filesystem::path& folder, std::span<const char* const> names);
+
 /// Makes the folder for a command's results, with all above it. Throws Error if it cannot be made
 /// or no file can be written into it: before the work, not after it.
 void make_result_folder(const std::filesystem::path& folder);

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
 #include <numeric>
@@ -182,8 +181,7 @@ std::string slam_scan_html(const SlamScanReport& page) {
   html += image_html(feature_image(trace), "rows", "The features that are matched with the map");
   html += "<h2>From above</h2>\n<div class=\"two\">";
   html += image_html(class_from_above(trace), "",
-                     "Points by class, 40 m about the sensor; it "
-                     "looks upwards");
+                     "Points by class, 40 m about the sensor; it looks upwards");
   html += residuals_picture(trace);
   html += "</div>\n" + poses_html(trace) + matches_html(trace) + directions_html(trace);
   return page_html(fmt::format("SLAM of scan {}", page.scan), kStyle, html,

@@ -103,21 +103,17 @@ int inspect_slam(const InspectOptions& options) {
 void declare_inspect(CLI::App& app, InspectOptions& options) {
   Command command = add_command(
       app, "inspect", "Show what a network, or SLAM, makes of one scan",
-      "Writes one page with H, Z, the filter's mask and Y of every layer, the terms of the "
-      "objective\n"
-      "and, if the recording has all rows, the error of every layer.\n"
-      "With --slam: the class of every pixel, features, what each was matched with in the map, "
-      "its\n"
-      "residual and weight, the expected, the odometry's and the found pose, and how much is "
-      "known\n"
-      "about each direction of motion.");
+      R"(Writes one page with H, Z, the filter's mask and Y of every layer, the terms of the objective
+and, if the recording has all rows, the error of every layer.
+With --slam: the class of every pixel, features, what each was matched with in the map, its
+residual and weight, the expected, the odometry's and the found pose, and how much is known
+about each direction of motion.)");
   declare_input(command, options, "Recording (as for hqslam upsample)");
   declare_imu(command, options);
   command.option("--weights", &options.weights, "Weights file")
       .option("--slam", &options.slam,
               "Show instead what every stage of SLAM makes of the scan, after all scans before it; "
-              "with "
-              "--weights the scans are lifted first")
+              "with --weights the scans are lifted first")
       .option("--rows", &options.rows, "Use only this many of the sensor's rows",
               {.within = kAnyCount, .needs = {"--slam"}})
       .option("--set", &options.slam_settings.set, "One option of SLAM, NAME=NUMBER",

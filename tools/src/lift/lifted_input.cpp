@@ -8,7 +8,6 @@
 #include "hqslam/core/npy.h"
 #include "hqslam/nn/upsampled_cloud.h"
 #include "hqslam/recordings/recording.h"
-#include "recording/recording_choice.h"
 
 namespace hqslam::tools {
 namespace {

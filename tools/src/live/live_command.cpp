@@ -77,11 +77,11 @@ int exit_status_of(const SlamRun& run, const live::LiveCounts& counts) {
 void declare_live(CLI::App& app, LiveOptions& options) {
   Command command = add_command(
       app, "live", "From a sensor that sends now to a trajectory and a map",
-      "The sensor must send to this computer already. A line each second says where it is, how\n"
-      "many scans a second were located, the longest time from the packet that completes a scan\n"
-      "to its pose, and what was lost: packets that never came, and whole scans that had to make\n"
-      "room for later ones because the computer is too slow. Ctrl-C (or SIGTERM) ends it: exit\n"
-      "status 0, and in --out the results as hqslam run writes them.");
+      R"(The sensor must send to this computer already. A line each second says where it is, how
+many scans a second were located, the longest time from the packet that completes a scan
+to its pose, and what was lost: packets that never came, and whole scans that had to make
+room for later ones because the computer is too slow. Ctrl-C (or SIGTERM) ends it: exit
+status 0, and in --out the results as hqslam run writes them.)");
   command
       .option("--sensor", &options.sensor,
               fmt::format(

@@ -9,7 +9,6 @@
 
 #include "hqslam/core/error.h"
 #include "hqslam/slam/status.h"
-#include "terminal/terminal.h"
 #include "timing/timing.h"
 
 namespace hqslam::tools {

@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "hqslam/core/error.h"
-#include "terminal/terminal.h"
 #include "timing/timing.h"
 
 namespace hqslam::tools {

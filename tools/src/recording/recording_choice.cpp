@@ -10,12 +10,9 @@
 
 #include "hqslam/core/error.h"
 #include "hqslam/core/json_fields.h"
-#include "hqslam/core/sensor_model.h"
 #include "hqslam/core/whole_file.h"
 #include "hqslam/nn/upsampler.h"
-#include "hqslam/recordings/recording.h"
 #include "hqslam/sim/read_drive.h"
-#include "terminal/command_options.h"
 #include "terminal/terminal.h"
 
 namespace hqslam::tools {
@@ -66,8 +63,7 @@ void declare_reading(Command& command, InputChoice& choice) {
       .option("--stamps", &choice.stamps,
               "File with the stamp of each scan (seconds, or dates as KITTI's timestamps.txt), or "
               "'names' for the numbers in the files' names; not of a capture or a bag, which have "
-              "their "
-              "own",
+              "their own",
               {.complaint = nothing});
 }
 

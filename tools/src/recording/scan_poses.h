@@ -38,8 +38,7 @@ inline constexpr const char* kMemoryPosesHelp =
 /// How options say what `read_scan_poses` takes.
 inline constexpr const char* kScanPosesHelp =
     "Where the scans were taken: TUM, matched by stamp (0.02 s), scans without a pose are left "
-    "out; "
-    "or KITTI with one pose per scan";
+    "out; or KITTI with one pose per scan";
 /// The poses of a file, none without a path; KITTI's must be as many as the recording has scans,
 /// which is asked only then. Throws Error.
 ScanPoses read_scan_poses(const std::string& path,

@@ -1,7 +1,6 @@
 #include "report/cloud_picture.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <string_view>

@@ -237,9 +237,8 @@ std::string turning_view_html(const TurningView& view) {
                       hidden_unless(lifts));
   html +=
       "<figcaption>Drag to turn, Shift or right button to move, wheel to zoom (click first); two "
-      "fingers move "
-      "and "
-      "zoom; arrow keys, + and -.</figcaption>\n<script type=\"application/json\">";
+      "fingers move and zoom; arrow keys, + and -.</figcaption>\n<script "
+      "type=\"application/json\">";
   html += script_text(turning_view_data(view));
   html += "</script>\n</figure>\n<script>";
   html += kTurningViewScript;

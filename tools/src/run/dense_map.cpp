@@ -2,23 +2,17 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
 #include <string_view>
 #include <system_error>
 #include <utility>
 
 #include "commands.h"
-#include "files/result_files.h"
 #include "hqslam/core/error.h"
-#include "recording/recording_choice.h"
 #include "recording/reference.h"
 #include "report/cloud_picture.h"
 #include "run/map_input.h"
 #include "run/occupancy_grid.h"
 #include "run/slam_run.h"
-#include "terminal/command_options.h"
-#include "terminal/terminal.h"
 #include "timing/timing.h"
 
 namespace hqslam::tools {
@@ -103,14 +97,6 @@ void guard_dense_map(const fs::path& folder, const Paths& inputs) {
   }
 }
 
-void remove_dense_map(const fs::path& folder) {
-  std::error_code ignored;
-  for (const char* name : kDenseMapFiles) {
-    fs::remove(folder / name, ignored);
-    fs::remove(folder / (std::string(name) + ".part"), ignored);  // of a run that was killed
-  }
-}
-
 void write_dense_map(const DenseMapRun& run, const DenseMapPictures& pictures,
                      const fs::path& folder) {
   make_result_folder(folder);
@@ -150,14 +136,13 @@ std::string dense_map_summary(const DenseMapRun& run) {
 void declare_map(CLI::App& app, MapOptions& options) {
   Command command =
       add_command(app, "map", "The dense map of a recorded drive whose poses are known",
-                  "Writes into --out, in the frame of the poses:\n"
-                  "  dense_map.pcd, dense_map.ply   x y z, intensity where the recording has it,\n"
-                  "                                 confidence, times_seen per voxel, binary\n"
-                  "  dense_map_above.png, dense_map_perspective.png\n"
-                  "and with --occupancy-grid\n"
-                  "  map.pgm, map.yaml              where a robot can drive, for Nav2\n"
-                  "hqslam run --dense-map --occupancy-grid does the same with the poses that it "
-                  "finds.");
+                  R"(Writes into --out, in the frame of the poses:
+  dense_map.pcd, dense_map.ply   x y z, intensity where the recording has it,
+                                 confidence, times_seen per voxel, binary
+  dense_map_above.png, dense_map_perspective.png
+and with --occupancy-grid
+  map.pgm, map.yaml              where a robot can drive, for Nav2
+hqslam run --dense-map --occupancy-grid does the same with the poses that it finds.)");
   declare_input(command, options);
   declare_lifting(command, options);
   command

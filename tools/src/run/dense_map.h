@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -67,8 +66,6 @@ inline constexpr const char* kDenseMapFiles[] = {"dense_map.pcd", "dense_map.las
 
 /// Throws Error if one of the files is there and was not written by hqslam, or is one of `inputs`.
 void guard_dense_map(const std::filesystem::path& folder, const Paths& inputs);
-/// Removes those of an earlier map.
-void remove_dense_map(const std::filesystem::path& folder);
 /// Writes each file under another name first and renames it then, so that each is whole whenever
 /// the program stops; makes the folder. Throws Error, leaving no half of a file.
 void write_dense_map(const DenseMapRun& run, const DenseMapPictures& pictures,

@@ -62,8 +62,7 @@ OccupancyGridRun build_occupancy_grid(const InputChoice& recording, const Liftin
   };
   run.summary = fmt::format(
       "occupancy grid: {} x {} cells of {} m, {:.1f} % free, {:.1f} % occupied, of {} scans, "
-      "{:.1f} "
-      "s{}",
+      "{:.1f} s{}",
       run.map.columns, run.map.rows, run.map.resolution_m, share_of(slam::Occupancy::kFree),
       share_of(slam::Occupancy::kOccupied), reading.scans, seconds_since(start),
       grid.is_full() ? "; full: give a larger --grid-cell for the rest" : "");
@@ -74,14 +73,6 @@ void guard_occupancy_grid(const fs::path& folder, const Paths& inputs) {
   for (const char* const& name : kOccupancyGridFiles) {
     guard_results(folder, {&name, 1}, has_marker(folder / name, "# written by hqslam"),
                   "was not written by hqslam", inputs);
-  }
-}
-
-void remove_occupancy_grid(const fs::path& folder) {
-  std::error_code ignored;
-  for (const char* name : kOccupancyGridFiles) {
-    fs::remove(folder / name, ignored);
-    fs::remove(folder / (std::string(name) + ".part"), ignored);  // of a run that was killed
   }
 }
 

@@ -38,8 +38,6 @@ inline constexpr const char* kOccupancyGridFiles[] = {"map.pgm", "map.yaml"};
 
 /// Throws Error if one of the files is there and was not written by hqslam, or is one of `inputs`.
 void guard_occupancy_grid(const std::filesystem::path& folder, const Paths& inputs);
-/// Removes those of an earlier map.
-void remove_occupancy_grid(const std::filesystem::path& folder);
 /// Both or none, each whole whenever the program stops. Throws Error.
 void write_occupancy_grid(const slam::OccupancyMap& map, const std::filesystem::path& folder);
 

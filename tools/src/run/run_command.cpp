@@ -245,8 +245,7 @@ void declare_run(CLI::App& app, RunOptions& options) {
           {.needs = {"--map"}, .excludes = {"--no-loop-closing"}})
       .option("--start", &options.start,
               "X,Y,YAW: about where the drive begins in the map, in metres and degrees, within 10 "
-              "m and "
-              "25 degrees; by default it is looked for in all of the map",
+              "m and 25 degrees; by default it is looked for in all of the map",
               {.delimiter = ',', .values = 3, .needs = {"--map"}, .excludes = {"--extend"}})
       .option(
           "--dense-map", &options.dense_map,

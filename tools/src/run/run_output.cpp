@@ -9,11 +9,9 @@
 #include <nlohmann/json.hpp>
 #include <system_error>
 
-#include "files/result_files.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/pcd.h"
 #include "hqslam/core/whole_file.h"
-#include "run/dense_map.h"
 #include "run/occupancy_grid.h"
 #include "run/slam_settings.h"
 #include "timing/timing.h"
@@ -24,8 +22,7 @@ std::string covariances_csv(const SlamRun& run) {
   constexpr const char* kAxes[] = {"x", "y", "z", "rx", "ry", "rz"};
   std::string text =
       "# covariance of e = (x y z rx ry rz) in T_true = T_map_sensor exp(e), in the sensor's "
-      "frame, "
-      "the first scan's pose being exact; m^2, m rad, rad^2; mapping: whether it was "
+      "frame, the first scan's pose being exact; m^2, m rad, rad^2; mapping: whether it was "
       "located; part: of the map, between which nothing is known\nstamp_s,mapping,part";
   for (const char* row : kAxes) {
     for (const char* column : kAxes) text += fmt::format(",{}_{}", row, column);
@@ -218,10 +215,9 @@ void RunOutput::write_checkpoint(const SlamRun& run) {
   // The timings first: they mark the folder as ours.
   write_text_file(timings_json(run), path("timings.json"));
   if (first_) {
-    std::error_code ignored;
-    for (const char* result : kResultsAtTheEnd) fs::remove(folder_ / result, ignored);
-    remove_dense_map(folder_);
-    remove_occupancy_grid(folder_);
+    remove_results(folder_, kResultsAtTheEnd);
+    remove_results(folder_, kDenseMapFiles);
+    remove_results(folder_, kOccupancyGridFiles);
     first_ = false;
   }
   replace_file(path("trajectory.tum"),

@@ -7,8 +7,6 @@
 #include <algorithm>
 #include <numbers>
 #include <set>
-#include <utility>
-#include <vector>
 
 #include "hqslam/evaluation/trajectory_error.h"
 #include "timing/timing.h"
@@ -257,8 +255,7 @@ std::string map_summary(const SlamRun& run) {
   const std::int64_t scans = parts.at(run.map_part);
   return fmt::format(
       "maps: of part {} alone, {} scans; the {} of other parts are left out, for how they lie to "
-      "it "
-      "is not known\n",
+      "it is not known\n",
       run.map_part, scans, std::ssize(run.scans) - scans);
 }
 

@@ -4,15 +4,12 @@
 
 #include <charconv>
 #include <nlohmann/json.hpp>
-#include <string>
 #include <string_view>
 
 #include "commands.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/json_limits.h"
 #include "hqslam/core/whole_file.h"
-#include "hqslam/slam/options.h"
-#include "terminal/command_options.h"
 #include "terminal/terminal.h"
 
 namespace hqslam::tools {

@@ -15,7 +15,6 @@
 #include "recording/recording_choice.h"
 #include "terminal/command_options.h"
 #include "terminal/progress.h"
-#include "terminal/terminal.h"
 
 namespace hqslam::tools {
 namespace {
@@ -130,8 +129,7 @@ void declare_simulate(CLI::App& app, SimulateOptions& options) {
           {.delimiter = ',', .values = 2})
       .option("--sensor-errors", &options.sensor_errors,
               "How far the sensor is from its own table (default: none): typical is what makers "
-              "promise, "
-              "bad a badly kept one; the truth goes to sensor_errors.json",
+              "promise, bad a badly kept one; the truth goes to sensor_errors.json",
               {.one_of = sim::sensor_errors_names()})
       .option("--bin", &options.bin, "Also write KITTI .bin files")
       .option("--pcd", &options.pcd, "Also write .pcd files")

@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include "error_message.h"
 #include "hqslam/core/projection.h"
 #include "tools/parts_of_text.h"
 #include "tools/program/untrained_weights.h"
@@ -49,7 +50,7 @@ TEST_CASE("with growing confidence points are lost, never won, and the bins hold
 }
 
 TEST_CASE("a network without a confidence has no curve") {
-  CHECK(refuses({"du-or", "du-mix"}, [] { ConfidenceCurve(untrained("du-or"), 0.5F); }));
+  CHECK(test::refused_with([] { ConfidenceCurve(untrained("du-or"), 0.5F); }, "du-or", "du-mix"));
 }
 
 }  // namespace hqslam::tools

@@ -6,9 +6,9 @@
 #include <filesystem>
 #include <string>
 
+#include "error_message.h"
 #include "file_contents.h"
 #include "temporary_directory.h"
-#include "tools/parts_of_text.h"
 
 namespace hqslam::tools {
 namespace {
@@ -109,8 +109,8 @@ TEST_CASE("networks find the weights of the sensor, other methods need none") {
       CHECK(std::filesystem::path(weights).filename() == method.source + "_hdl64e_16to64.npz");
     }
   }
-  CHECK(refuses({"du-or", "vls-128", "--weights"},
-                [] { weights_of(table_methods()[7], "vls-128"); }));
+  CHECK(test::refused_with([] { weights_of(table_methods()[7], "vls-128"); }, "du-or", "vls-128",
+                           "--weights"));
 }
 
 TEST_CASE("a weights file becomes a filtered row before LiDAR-64") {
@@ -128,7 +128,7 @@ TEST_CASE("a weights file becomes a filtered row before LiDAR-64") {
   CHECK(plan_table(options).methods.back().name == "mine+as-published");
   CHECK(weights_of(plan_table(options).methods.back(), "any") == folder.file("mine.npz"));
   options.weights = {folder.file("mine.npz") + "+nothing"};
-  CHECK(refuses({"mine.npz+nothing", "+as-published"}, [&] { plan_table(options); }));
+  CHECK(test::refused_with([&] { plan_table(options); }, "mine.npz+nothing", "+as-published"));
 }
 
 TEST_CASE("a recording is named after its folder and keeps the sensor and truth it was given") {

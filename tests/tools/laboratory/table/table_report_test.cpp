@@ -4,6 +4,7 @@
 
 #include <string>
 
+#include "error_message.h"
 #include "report/chart.h"
 #include "tools/example_table.h"
 #include "tools/parts_of_text.h"
@@ -157,7 +158,7 @@ TEST_CASE("the picture holds all panels with their names and grows with their nu
       error_map_svg(example_map({1.0, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5}), "drive");
   CHECK(count(seven, "<svg") == 8);
   CHECK(holds(seven, "width=\"2020\""));
-  CHECK(refuses({"expected at least one"}, [] { error_map_svg({}, "drive"); }));
+  CHECK(test::refused_with([] { error_map_svg({}, "drive"); }, "expected at least one"));
 }
 
 }  // namespace hqslam::tools

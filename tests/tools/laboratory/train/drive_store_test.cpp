@@ -5,13 +5,13 @@
 #include <csignal>
 #include <filesystem>
 
+#include "error_message.h"
 #include "file_contents.h"
 #include "files/result_files.h"
 #include "hqslam/core/npy.h"
 #include "hqslam/sim/drive.h"
 #include "temporary_directory.h"
 #include "thread_ranks.h"
-#include "tools/parts_of_text.h"
 
 namespace hqslam::tools {
 namespace {
@@ -158,14 +158,16 @@ TEST_CASE("several ranks make each drive once, and stop together") {
 
 TEST_CASE("a drive that cannot be, and a folder that cannot be, are one line") {
   const TemporaryDirectory folder;
-  CHECK(refuses({"scans is 0"}, [&] { store(folder, {block(1, 0, 1)}, 1); }));
+  CHECK(test::refused_with([&] { store(folder, {block(1, 0, 1)}, 1); }, "scans is 0"));
   write_file(folder.file("file"), "x");
   const InterruptGuard interrupt;
   Ranks alone;
-  CHECK(refuses({"file"}, [&] {
-    store_drives({folder.path() / "file", 1, alone}, {block(1, 1, 1)}, tiny_sensor(), "drives",
-                 interrupt);
-  }));
+  CHECK(test::refused_with(
+      [&] {
+        store_drives({folder.path() / "file", 1, alone}, {block(1, 1, 1)}, tiny_sensor(), "drives",
+                     interrupt);
+      },
+      "file"));
 }
 
 }  // namespace hqslam::tools

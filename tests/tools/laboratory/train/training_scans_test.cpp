@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <thread>
 
+#include "error_message.h"
 #include "file_contents.h"
 #include "hqslam/core/npy.h"
 #include "hqslam/core/pcd.h"
@@ -14,7 +15,6 @@
 #include "hqslam/nn/network_json.h"
 #include "hqslam/sim/drive.h"
 #include "temporary_directory.h"
-#include "tools/parts_of_text.h"
 
 namespace hqslam::tools {
 namespace {
@@ -96,12 +96,12 @@ TEST_CASE("what is no range is no return; what is no scan is an Error") {
   CHECK(image.range_m[1] == 0.0F);
   CHECK(image.range_m[2] == 0.0F);
   CHECK(image.range_m[3] == 4.0F);
-  CHECK(refuses({"scan 1", "0 to 0"}, [&] { scans.read(1); }));
-  CHECK(refuses({"scan -1"}, [&] { scans.read(-1); }));
-  CHECK(refuses({"16 x 64", "16 x 1024"},
-                [&] { StoredScans({folder.file("bad.npy")}, sensor_preset("os1-16")); }));
+  CHECK(test::refused_with([&] { scans.read(1); }, "scan 1", "0 to 0"));
+  CHECK(test::refused_with([&] { scans.read(-1); }, "scan -1"));
+  CHECK(test::refused_with([&] { StoredScans({folder.file("bad.npy")}, sensor_preset("os1-16")); },
+                           "16 x 64", "16 x 1024"));
   test::write_file(folder.file("bad.npy"), "no longer");
-  CHECK(refuses({"bad.npy"}, [&] { scans.read(0); }));
+  CHECK(test::refused_with([&] { scans.read(0); }, "bad.npy"));
 }
 
 TEST_CASE("a set is its stacks, then its drives, usual or varied, of a sensor that is off") {
@@ -129,9 +129,12 @@ TEST_CASE("a set is its stacks, then its drives, usual or varied, of a sensor th
       scans->read(2).truth.range_m ==
       sim::DriveSimulator(sim::with_varied_conditions(spec), tiny_sensor()).next()->image.range_m);
   set.stacks = {"$HQSLAM_NO_SUCH_FOLDER/a.npy"};
-  CHECK(refuses({"HQSLAM_NO_SUCH_FOLDER is not set"}, [&] {
-    stored_scans(set, network_for(tiny_sensor()), {folder.path(), 1, alone}, "scans", interrupt);
-  }));
+  CHECK(test::refused_with(
+      [&] {
+        stored_scans(set, network_for(tiny_sensor()), {folder.path(), 1, alone}, "scans",
+                     interrupt);
+      },
+      "HQSLAM_NO_SUCH_FOLDER is not set"));
 }
 
 TEST_CASE("a network with a memory gets what every scan recalls of those before it") {

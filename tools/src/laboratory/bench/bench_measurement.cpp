@@ -11,7 +11,6 @@
 #include "hqslam/nn/upsampled_cloud.h"
 #include "hqslam/slam/slam.h"
 #include "lift/drive_memory.h"
-#include "timing/timing.h"
 
 namespace hqslam::tools {
 namespace {

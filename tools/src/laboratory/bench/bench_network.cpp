@@ -2,10 +2,8 @@
 
 #include <functional>
 
-#include "hqslam/nn/instruction_set.h"
 #include "hqslam/nn/network.h"
 #include "hqslam/nn/super_resolver.h"
-#include "timing/timing.h"
 
 namespace hqslam::tools {
 namespace {

@@ -128,10 +128,8 @@ void print_networks(const std::vector<MultiplyAddPeak>& peaks,
     to_stdout("{:>12}{:>9}{:>10.1f}\n", nn::name(peak.instruction_set), peak.threads, peak.gflops);
   }
   for (const NetworkTiming& network : networks) {
-    to_stdout(
-        "\n{}: whole network, filter included; {} parameters, {:.3f} GMAC a "
-        "frame\n",
-        network.name, network.parameters, network.gmac);
+    to_stdout("\n{}: whole network, filter included; {} parameters, {:.3f} GMAC a frame\n",
+              network.name, network.parameters, network.gmac);
     print_runs(network);
     print_steps(network);
   }

@@ -231,16 +231,14 @@ std::int64_t for_each_scan(const CompareOptions& options, const SensorModel& sen
 void declare_compare(CLI::App& app, CompareOptions& options) {
   Command command = add_command(
       app, "compare", "Compare ways to lift 16 rows to all against a recording that has all",
-      "Rows: nearest, linear and inverse (linear in 1/range, by the beams' elevations)\n"
-      "interpolation, and each network: with its filters, and where it has one at its end, "
-      "without\n"
-      "that one (the filters inside stay). Missing: share of the true returns between the "
-      "measured\n"
-      "rows that are left empty; invented: share of the computed points where the truth has no\n"
-      "return. Precision, recall, F1: voxels of 0.1 m. Outliers are farther than 0.5 m from the\n"
-      "true cloud, good points nearer than 0.2 m.\n"
-      "With --layers: H (measured rows and what was believed before), Z (denoiser) and Y (inner\n"
-      "filter) of every layer as if the network ended there.");
+      R"(Rows: nearest, linear and inverse (linear in 1/range, by the beams' elevations)
+interpolation, and each network: with its filters, and where it has one at its end, without
+that one (the filters inside stay). Missing: share of the true returns between the measured
+rows that are left empty; invented: share of the computed points where the truth has no
+return. Precision, recall, F1: voxels of 0.1 m. Outliers are farther than 0.5 m from the
+true cloud, good points nearer than 0.2 m.
+With --layers: H (measured rows and what was believed before), Z (denoiser) and Y (inner
+filter) of every layer as if the network ended there.)");
   declare_input(command, options, "Recording with all rows (as for hqslam run)");
   command.option("--weights", &options.weights, "Weights files to compare", {.given = Given::kFile})
       .option("--poses", &options.poses, kMemoryPosesHelp, {.given = Given::kFile})
@@ -252,8 +250,7 @@ void declare_compare(CLI::App& app, CompareOptions& options) {
           "point, and whether it can be believed")
       .option("--tolerance", &options.tolerance_m,
               "With --curve: how far off in metres a range may be and count as right; with 100 and "
-              "more "
-              "it is the confidence that there is a return at all",
+              "more it is the confidence that there is a return at all",
               {.shows_default = true, .within = kTolerance_m})
       .option("--filters", &options.filters,
               "Instead, try settings of the outlier filter on the first weights' results",

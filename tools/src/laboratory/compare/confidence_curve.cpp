@@ -10,7 +10,6 @@
 #include "hqslam/evaluation/image_error.h"
 #include "hqslam/nn/upsampled_cloud.h"
 #include "report/chart.h"
-#include "report/page.h"
 
 namespace hqslam::tools {
 

@@ -7,7 +7,6 @@
 #include <numbers>
 #include <string>
 #include <utility>
-#include <vector>
 
 #include "files/result_files.h"
 #include "hqslam/core/error.h"

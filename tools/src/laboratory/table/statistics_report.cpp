@@ -183,8 +183,7 @@ std::vector<std::string> notes_of(const TableSample& sample) {
       ("Share of the gap closed: (LiDAR-16 - method) / (LiDAR-16 - LiDAR-64); 1 is as good as "
        "LiDAR-64. It means little where the two hardly differ."),
       ("APE: absolute pose error, RMSE of the position after an SE(3) alignment. SLAM, ms: mean "
-       "per "
-       "scan with one thread, drives beside each other where there were several threads."),
+       "per scan with one thread, drives beside each other where there were several threads."),
       fmt::format("Made by build {} of the program.", result_sources_hash())};
 }
 

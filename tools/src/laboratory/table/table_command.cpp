@@ -94,32 +94,23 @@ void write_report(const TableReport& report, const fs::path& out) {
 }  // namespace
 
 void declare_table(CLI::App& app, TableOptions& options) {
-  Command command = add_command(
-      app, "table",
-      "SLAM with 16 rows, with 16 lifted to 64 in every way, and with 64, in one table",
-      variants_help() +
-          "Writes into --out:\n"
-          "  table.md, table.json, table.html   the tables; the page also shows where the error "
-          "is\n"
-          "  DRIVE-loop-closing-off.svg, -on.svg   trajectories coloured by error\n"
-          "  results/DRIVE/.../METHOD.json, .tum   each finished run; drives/NAME: simulated "
-          "drives\n"
-          "Without a choice it takes hours and 3 GB: the drives have 12,000 scans, and Simple DU "
-          "needs\n"
-          "about a second for one. Ctrl-C keeps what is finished; the same command goes on from "
-          "there.\n"
-          "With --seeds there are no pictures, SLAM runs without loop closing, and as many drives "
-          "as\n"
-          "there are threads are under way side by side, with one thread each. A simulated drive "
-          "of\n"
-          "1,000 scans takes 320 MB.\n"
-          "A result is computed anew if it is damaged or was made from a recording with other "
-          "scans,\n"
-          "with other weights or by another build of the program; results of other lengths and "
-          "builds\n"
-          "are kept beside it.\n"
-          "mpirun -n N shares drives and methods among N processes, which must all see the same "
-          "folders.");
+  Command command =
+      add_command(app, "table",
+                  "SLAM with 16 rows, with 16 lifted to 64 in every way, and with 64, in one table",
+                  variants_help() +
+                      R"(Writes into --out:
+  table.md, table.json, table.html   the tables; the page also shows where the error is
+  DRIVE-loop-closing-off.svg, -on.svg   trajectories coloured by error
+  results/DRIVE/.../METHOD.json, .tum   each finished run; drives/NAME: simulated drives
+Without a choice it takes hours and 3 GB: the drives have 12,000 scans, and Simple DU needs
+about a second for one. Ctrl-C keeps what is finished; the same command goes on from there.
+With --seeds there are no pictures, SLAM runs without loop closing, and as many drives as
+there are threads are under way side by side, with one thread each. A simulated drive of
+1,000 scans takes 320 MB.
+A result is computed anew if it is damaged or was made from a recording with other scans,
+with other weights or by another build of the program; results of other lengths and builds
+are kept beside it.
+mpirun -n N shares drives and methods among N processes, which must all see the same folders.)");
   command
       .option("--drives", &options.drives,
               fmt::format("Simulated drives ({}) and recordings with {} rows (as for hqslam run), "

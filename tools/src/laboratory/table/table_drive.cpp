@@ -15,7 +15,6 @@
 #include "hqslam/core/whole_file.h"
 #include "recording/recording_choice.h"
 #include "simulate/simulate_command.h"
-#include "terminal/terminal.h"
 
 namespace hqslam::tools {
 namespace {

@@ -7,7 +7,6 @@
 #include <string_view>
 
 #include "report/chart.h"
-#include "report/page.h"
 
 namespace hqslam::tools {
 

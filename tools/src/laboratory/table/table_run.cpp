@@ -38,7 +38,7 @@ std::string processor_name() {
 /// and no network's last filter runs.
 LiftedInput shared_input(const TablePass& pass) {
   const TableMethod& method = pass.methods.front();
-  const std::string weights = weights_of(method, pass.sensor.name);
+  const std::string weights = weights_of(method, pass.drive.sensor.name);
   return lifted_input(pass.drive.recording,
                       {weights.empty() ? method.source : weights, method.rows},
                       {.filter_result = false});
@@ -195,7 +195,7 @@ class Pass {
   explicit Pass(const TablePass& pass)
       : input_(shared_input(pass)),
         memory_(input_.lifter()),
-        score_every_((pass.scans + pass.scored_scans - 1) / pass.scored_scans) {
+        score_every_((pass.drive.scans + pass.scored_scans - 1) / pass.scored_scans) {
     for (const TableMethod& method : pass.methods) {
       runs_.emplace_back(method, input_.seen(), input_.lifter(), pass.loop_closing);
     }
@@ -276,7 +276,7 @@ std::vector<TableResult> run_pass(const TablePass& pass, const InterruptGuard& i
     state.add(read.scan, std::ssize(scan_of_pose));
     scan_of_pose.push_back(read.index);
     on_scan();
-    return std::ssize(scan_of_pose) < pass.scans;
+    return std::ssize(scan_of_pose) < pass.drive.scans;
   });
   if (reading.end == ReadingEnd::kInterrupted) return {};
   if (reading.end == ReadingEnd::kUnreadableScan) throw Error(reading.end_message);

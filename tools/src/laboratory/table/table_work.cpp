@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <functional>
 #include <utility>
 
 #include "files/content_hash.h"
@@ -40,15 +39,11 @@ std::string result_folder(const TableDrive& drive, std::int64_t scans, const std
 }
 
 PreparedDrive prepared(const TableDrive& drive, const TableOptions& options) {
-  PreparedDrive prepared;
-  prepared.drive = drive;
-  prepared.sensor = sensor_of(drive);
-  const std::int64_t size =
-      scans_in(drive.recording, *open_input(drive.recording, prepared.sensor));
-  prepared.scans = std::min(size, options.scans.value_or(size));
-  prepared.identity = identity_of(drive, prepared.scans);
-  prepared.results = result_folder(drive, prepared.scans, options.out);
-  return prepared;
+  const SensorModel sensor = sensor_of(drive);
+  const std::int64_t size = scans_in(drive.recording, *open_input(drive.recording, sensor));
+  const std::int64_t scans = std::min(size, options.scans.value_or(size));
+  return {
+      {drive}, sensor, scans, identity_of(drive, scans), result_folder(drive, scans, options.out)};
 }
 
 TableSettings settings_of(const PreparedDrive& drive, const TableMethod& method,
@@ -78,13 +73,8 @@ std::vector<TablePass> passes_on(const PreparedDrive& drive, const TablePlan& pl
   }
   std::vector<TablePass> passes;
   for (const std::vector<TableMethod>& shared : passes_of(missing)) {
-    TablePass pass{drive.drive,
-                   drive.sensor,
-                   shared,
-                   {},
-                   drive.scans,
-                   plan.loop_closing,
-                   plan.over_seeds ? kScoredPerSeed : kMostScoredScans};
+    TablePass pass{
+        drive, shared, {}, plan.loop_closing, plan.over_seeds ? kScoredPerSeed : kMostScoredScans};
     for (const TableMethod& method : shared) {
       pass.settings.push_back(settings_of(drive, method, plan.loop_closing));
     }

@@ -14,13 +14,19 @@
 
 namespace hqslam::tools {
 
+/// A drive whose recording is there.
+struct PreparedDrive : TableDrive {
+  SensorModel sensor;      ///< of the recording
+  std::int64_t scans = 0;  ///< of the recording that are used
+  std::string identity;    ///< identity_of(drive, scans)
+  std::string results;     ///< folder
+};
+
 /// Methods that share one pass of upsampling over one drive.
 struct TablePass {
-  TableDrive drive;
-  SensorModel sensor;  ///< of the recording
+  PreparedDrive drive;
   std::vector<TableMethod> methods;
   std::vector<TableSettings> settings;  ///< of each
-  std::int64_t scans = 0;               ///< of the recording that are used
   bool loop_closing = true;             ///< whether SLAM also runs with it
   std::int64_t scored_scans = 0;        ///< at most; see run_pass
 };
@@ -35,15 +41,6 @@ std::vector<TableResult> run_pass(const TablePass& pass, const InterruptGuard& i
                                   const std::function<void()>& on_scan);
 inline constexpr std::int64_t kMostScoredScans = 200;
 inline constexpr std::int64_t kScoredPerSeed = 20;  ///< of each of many drives
-
-/// A drive whose recording is there.
-struct PreparedDrive {
-  TableDrive drive;
-  SensorModel sensor;
-  std::int64_t scans = 0;
-  std::string identity;  ///< identity_of(drive, scans)
-  std::string results;   ///< folder
-};
 
 /// One drive on its way through the table.
 struct DriveWork {

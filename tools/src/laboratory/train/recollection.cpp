@@ -1,7 +1,6 @@
 #include "laboratory/train/recollection.h"
 
 #include <cmath>
-#include <utility>
 
 #include "hqslam/core/projection.h"
 

@@ -139,8 +139,7 @@ void print_point(const nn::CurvePoint& point, std::int64_t steps, double steps_p
   const nn::ImageFigures& linear = point.validation.linear;
   to_stdout(
       "step {:>7}/{}  loss {:.4f}  of linear's: MAE all {:.3f}, valid {:.3f}, wrong {:.3f} "
-      "(missing "
-      "{:.3f} against {:.3f}, confidence {:.3f})  {:.1f} min left\n",
+      "(missing {:.3f} against {:.3f}, confidence {:.3f})  {:.1f} min left\n",
       point.step, steps, point.loss, network.mae_all_m / linear.mae_all_m,
       network.mae_valid_m / linear.mae_valid_m, network.wrong_share / linear.wrong_share,
       network.missing_share, linear.missing_share, point.validation.least_confidence, left_min);
@@ -186,14 +185,13 @@ int train(Training& training, nn::Trainer& trainer, const InterruptGuard& interr
 void declare_train(CLI::App& app, TrainOptions& options) {
   Command command = add_command(
       app, "train", "Train a super-resolution network on simulated or own scans",
-      "Writes into --out: weights.npz (for --weights and --upsample), checkpoint.npz, curve.svg.\n"
-      "The drives of the recipe are simulated once (0.26 MB for a scan of 64 x 1024) and read\n"
-      "from --drives scan by scan.\n"
-      "Ctrl-C stops after the step; the same command goes on exactly where it stopped. The "
-      "recipes\n"
-      "of the weights that come with hqslam are beside them, weights/*.json.\n"
-      "mpirun -n N shares each batch among N processes, with the same bytes as a result; N must\n"
-      "divide the batch, and all must see the same folders.");
+      R"(Writes into --out: weights.npz (for --weights and --upsample), checkpoint.npz, curve.svg.
+The drives of the recipe are simulated once (0.26 MB for a scan of 64 x 1024) and read
+from --drives scan by scan.
+Ctrl-C stops after the step; the same command goes on exactly where it stopped. The recipes
+of the weights that come with hqslam are beside them, weights/*.json.
+mpirun -n N shares each batch among N processes, with the same bytes as a result; N must
+divide the batch, and all must see the same folders.)");
   command
       .option("--config", &options.config, "Network, data and recipe (.json)", {.required = true})
       .option("--out", &options.out, "Folder for results; a checkpoint in it is continued from",

@@ -1,4 +1,4 @@
-#include "turn_cutter.h"
+#include "turn_decoder.h"
 
 #include <utility>
 
@@ -11,10 +11,7 @@ constexpr std::int64_t kSecond_ns = 1'000'000'000;
 
 }  // namespace
 
-TurnCutter::TurnCutter(int cut, double field_of_view_deg)
-    : cut_(cut), field_of_view_deg_(field_of_view_deg) {}
-
-double TurnCutter::fire(int azimuth, std::int64_t time_ns, std::vector<Scan>& completed) {
+double TurnDecoder::fire(int azimuth, std::int64_t time_ns, std::vector<Scan>& completed) {
   const int turned = modulo_turn(azimuth - cut_);
   if (!empty_ && turned < last_turned_ - kSmallestFall) {
     complete(completed);
@@ -36,7 +33,7 @@ double TurnCutter::fire(int azimuth, std::int64_t time_ns, std::vector<Scan>& co
 }
 
 /// Ends the scan. What began in the middle of a turn is one only if little of it is missing.
-void TurnCutter::complete(std::vector<Scan>& completed) {
+void TurnDecoder::complete(std::vector<Scan>& completed) {
   if (empty_) return;
   const std::size_t points = scan_.points_m.size();  // the next scan will have about as many
   const double seen_deg = 0.01 * (last_turned_ - first_turned_);
@@ -57,7 +54,7 @@ void TurnCutter::complete(std::vector<Scan>& completed) {
   empty_ = true;
 }
 
-void TurnCutter::reuse(Scan scan) {
+void TurnDecoder::reuse(Scan scan) {
   scan.stamp_s = 0.0;
   scan.points_m.clear();
   scan.row.clear();
@@ -66,7 +63,7 @@ void TurnCutter::reuse(Scan scan) {
   spare_ = std::move(scan);
 }
 
-void TurnCutter::finish(std::vector<Scan>& completed) {
+void TurnDecoder::finish(std::vector<Scan>& completed) {
   began_with_cut_ = false;
   complete(completed);
 }

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "hqslam/core/scan.h"
+#include "hqslam/recordings/velodyne.h"
+#include "sensor_clock.h"
+
+namespace hqslam::recordings {
+
+inline constexpr int kTurn = 36000;  ///< of a head, hundredths of a degree
+/// It may tremble by some of these; more is a new turn.
+inline constexpr int kSmallestFall = 200;
+
+inline int modulo_turn(int azimuth) { return (azimuth % kTurn + kTurn) % kTurn; }
+
+/// What the decoders of a head that turns clockwise share: its firings -> scans, one a turn, cut at
+/// an azimuth.
+///
+/// What began in the middle of a turn is a scan only if it has three quarters of the field of view.
+/// A scan's stamp is the middle between its first and its last firing.
+class TurnDecoder {
+ public:
+  /// Nothing follows, or much later: appends what is left, if it is nearly a scan.
+  void finish(std::vector<Scan>& completed);
+  /// Takes a scan back that is not needed any more: its memory serves the next one.
+  void reuse(Scan scan);
+  const PacketCounts& counts() const { return counts_; }
+  /// Whole turns of which no packet came.
+  std::int64_t lost_scans() const { return lost_scans_; }
+  /// Turns that were cut short by the beginning or the end of the recording, or by a long gap.
+  std::int64_t partial_scans() const { return partial_scans_; }
+
+ protected:
+  TurnDecoder(int cut, double field_of_view_deg, const VelodyneOptions& options)
+      : options_(options), cut_(cut), field_of_view_deg_(field_of_view_deg) {}
+
+  /// The head fires here, at this time by the clock of stamps: what is before the cut goes to
+  /// `completed`. The time since the first firing of the turn, which this one may be, seconds.
+  double fire(int azimuth, std::int64_t time_ns, std::vector<Scan>& completed);
+
+  VelodyneOptions options_;
+  int cut_;
+  double field_of_view_deg_;
+  Scan scan_;  ///< the turn that was begun; times since its first firing
+  SensorClock clock_;
+  std::int64_t last_capture_ns_ = 0;  ///< of the packet before
+  PacketCounts counts_;
+  std::int64_t lost_scans_ = 0;
+
+ private:
+  void complete(std::vector<Scan>& completed);
+
+  Scan spare_;  ///< empty, with memory
+  bool began_with_cut_ = false;
+  bool empty_ = true;
+  int first_turned_ = 0;
+  int last_turned_ = 0;
+  std::int64_t first_ns_ = 0;
+  std::int64_t last_ns_ = 0;
+  std::int64_t partial_scans_ = 0;
+};
+
+}  // namespace hqslam::recordings
