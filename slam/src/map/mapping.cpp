@@ -17,12 +17,6 @@ namespace {
 
 /// Searches of wide reach, before the pose is good enough for the narrow one.
 constexpr int kWideSearches = 2;
-/// So well (0.063 m) narrow searches must know each way along and across, and the turn, of a sensor
-/// that is followed; where they know less, the scan is searched widely to the end. Where they know
-/// more, wide ones know it worse: features far apart are not of one surface. Of height and tilt a
-/// narrow search knows as much as a wide one, since the ground is searched widely anyway where
-/// little of it is near (MapSearch::ground_reach_m).
-constexpr double kEnoughInPlane_per_m2 = 250.0;
 /// Most scans need fewer. After so many some go round between the same few neighbours, and steps of
 /// so many times what is asked for are the end; others still are on their way.
 constexpr int kUsualIterations = 10;
@@ -55,6 +49,19 @@ double standing_features(const MapFeatures& features) {
 /// MappingResult::inlier_ratio, of a wide search.
 double inlier_share(const ConstraintList& found, const MapFeatures& features) {
   return (found.edges + found.planes - found.ground) / std::max(standing_features(features), 1.0);
+}
+
+/// So well (0.063 m, or as well as is expected without the scan) narrow searches must know each way
+/// along and across, and the turn, of a sensor that is followed; where they know less, the scan is
+/// searched widely to the end. Where they know more, wide ones know it worse: features far apart
+/// are not of one surface. Where an inertial sensor knows more, it evens out the noise of wide
+/// searches, and not that rings lying close to each other hold the sensor. Of height and tilt a
+/// narrow search knows as much as a wide one, since the ground is searched widely anyway where
+/// little of it is near (MapSearch::ground_reach_m).
+double enough_in_plane_per_m2(const MotionState& expected) {
+  constexpr double kLeast_per_m2 = 250.0;
+  return std::max(kLeast_per_m2,
+                  1.0 / std::max(expected.covariance(0, 0), expected.covariance(1, 1)));
 }
 
 MapSearch search_at(const MappingResult& at, const MappingOptions& options, SearchFrom from) {
@@ -104,6 +111,7 @@ MappingResult Mapping::register_scan(const MapFeatures& features, const MotionSt
   MappingResult result;
   const ExpectedState prior(expected);
   result.state = prior.given(T_map_sensor_start);
+  const double least_in_plane_per_m2 = enough_in_plane_per_m2(expected);
   RegisteredScan scan = searched(features);
   bool narrow_suffices = true;
   for (int iteration = 0; iteration < options_.max_iterations; ++iteration) {
@@ -118,7 +126,7 @@ MappingResult Mapping::register_scan(const MapFeatures& features, const MotionSt
     const ScanInformation information = scan_information(constraints.all, before.linear());
     const bool all_observable = information.degenerate_directions == 0;
     const bool is_known = all_observable || (from == SearchFrom::kLastScan &&
-                                             information.least_in_plane > kEnoughInPlane_per_m2);
+                                             information.least_in_plane > least_in_plane_per_m2);
     if (narrow && !(enough && is_known)) {
       narrow_suffices = false;
       result.is_close_search = false;

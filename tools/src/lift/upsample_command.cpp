@@ -97,19 +97,11 @@ void print_summary(const UpsampleRun& run, const nn::Upsampler& upsampler,
 void declare_upsample(CLI::App& app, UpsampleOptions& options) {
   Command command = add_command(
       app, "upsample", "Fill the rows between those of a LiDAR with few beams",
-<<<<<<< HEAD
-      "Writes into --out: scans.npy (N x rows x columns, float32 metres), confidence.npy (of a\n"
-      "network that says how sure it is, 0 to 1 per pixel), intensity.npy (where the recording "
-      "has\n"
-      "them), timestamps.txt, sensor.json, upsample.json (where it came from), and the truth of a\n"
-      "simulated drive. hqslam run takes the folder as it is. Ctrl-C stops; what is written up to "
-      "then is valid.");
-=======
       R"(Writes into --out: scans.npy (N x rows x columns, float32 metres), confidence.npy (of a
-network that says how sure it is, 0 to 1 per pixel), timestamps.txt, sensor.json,
-upsample.json (where it came from), and the truth of a simulated drive. hqslam run takes the
-folder as it is. Ctrl-C stops; what is written up to then is valid.)");
->>>>>>> b91e7eb1e090934eed18e81336f7cdebebd41437
+network that says how sure it is, 0 to 1 per pixel), intensity.npy (where the recording has
+them), timestamps.txt, sensor.json, upsample.json (where it came from), and the truth of a
+simulated drive. hqslam run takes the folder as it is. Ctrl-C stops; what is written up to then
+is valid.)");
   declare_input(command, options,
                 "Recording as for hqslam run: the measured rows alone, or all rows of the sensor, "
                 "of which the measured ones are looked at",
