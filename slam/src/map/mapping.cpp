@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -51,16 +52,19 @@ double inlier_share(const ConstraintList& found, const MapFeatures& features) {
   return (found.edges + found.planes - found.ground) / std::max(standing_features(features), 1.0);
 }
 
-/// So well (0.063 m, or as well as is expected without the scan) narrow searches must know each way
-/// along and across, and the turn, of a sensor that is followed; where they know less, the scan is
-/// searched widely to the end. Where they know more, wide ones know it worse: features far apart
-/// are not of one surface. Where an inertial sensor knows more, it evens out the noise of wide
-/// searches, and not that rings lying close to each other hold the sensor. Of height and tilt a
-/// narrow search knows as much as a wide one, since the ground is searched widely anyway where
-/// little of it is near (MapSearch::ground_reach_m).
-double enough_in_plane_per_m2(const MotionState& expected) {
-  constexpr double kLeast_per_m2 = 250.0;
-  return std::max(kLeast_per_m2,
+/// How well narrow searches must know each way along and across, and the turn, where they leave
+/// a direction degenerate; where they know less, the scan is searched widely to the end.
+///
+/// Of a sensor that is followed: to 0.063 m. Where they know more, wide ones know it worse:
+/// features far apart are not of one surface. Of height and tilt a narrow search knows as much as
+/// a wide one, since the ground is searched widely anyway where little of it is near
+/// (MapSearch::ground_reach_m). But an inertial sensor that knows more evens out the noise of wide
+/// searches, and not that rings lying close to each other hold the sensor.
+double enough_in_plane_per_m2(SearchFrom from, const MotionState& expected) {
+  constexpr double kEnough_per_m2 = 250.0;
+  if (from == SearchFrom::kRecognizedPlace) return std::numeric_limits<double>::infinity();
+  if (from == SearchFrom::kLastScan) return kEnough_per_m2;
+  return std::max(kEnough_per_m2,
                   1.0 / std::max(expected.covariance(0, 0), expected.covariance(1, 1)));
 }
 
@@ -68,7 +72,7 @@ MapSearch search_at(const MappingResult& at, const MappingOptions& options, Sear
   const double reach_m =
       at.is_close_search ? options.close_neighbour_distance_m : options.max_neighbour_distance_m;
   return {at.state.T_map_sensor, at.state.velocity, reach_m,
-          from == SearchFrom::kLastScan ? options.max_neighbour_distance_m : reach_m,
+          from == SearchFrom::kRecognizedPlace ? reach_m : options.max_neighbour_distance_m,
           at.is_close_search};
 }
 
@@ -111,7 +115,7 @@ MappingResult Mapping::register_scan(const MapFeatures& features, const MotionSt
   MappingResult result;
   const ExpectedState prior(expected);
   result.state = prior.given(T_map_sensor_start);
-  const double least_in_plane_per_m2 = enough_in_plane_per_m2(expected);
+  const double least_in_plane_per_m2 = enough_in_plane_per_m2(from, expected);
   RegisteredScan scan = searched(features);
   bool narrow_suffices = true;
   for (int iteration = 0; iteration < options_.max_iterations; ++iteration) {
@@ -125,8 +129,7 @@ MappingResult Mapping::register_scan(const MapFeatures& features, const MotionSt
     const Pose before = result.state.T_map_sensor;
     const ScanInformation information = scan_information(constraints.all, before.linear());
     const bool all_observable = information.degenerate_directions == 0;
-    const bool is_known = all_observable || (from == SearchFrom::kLastScan &&
-                                             information.least_in_plane > least_in_plane_per_m2);
+    const bool is_known = all_observable || information.least_in_plane > least_in_plane_per_m2;
     if (narrow && !(enough && is_known)) {
       narrow_suffices = false;
       result.is_close_search = false;

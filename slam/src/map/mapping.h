@@ -44,9 +44,10 @@ struct MappingResult {
   bool is_close_search = false;  ///< of the last search: reach and weights, see MapSearch
 };
 
-/// Where a search begins: with the sensor's motion since the last scan, or somewhere about a place
-/// that was recognized. There wide searches go on until every direction is observable.
-enum class SearchFrom { kLastScan, kRecognizedPlace };
+/// Where a search begins: where the last scan's motion leads, or what an inertial sensor measured
+/// since, or somewhere about a place that was recognized. There wide searches go on until every
+/// direction is observable.
+enum class SearchFrom { kLastScan, kInertialData, kRecognizedPlace };
 
 /// Scan-to-map optimisation, and the map.
 ///
