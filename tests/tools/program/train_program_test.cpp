@@ -217,7 +217,8 @@ TEST_CASE("a network of two modes is trained, lifts with a confidence, and shows
       if (measured || !there) REQUIRE(scan->cloud.confidence[i] == (there ? 1.0F : 0.0F));
       computed += !measured && there ? 1 : 0;
     }
-    CHECK(holds(file_contents(folder.file(out + "/pcd/000000.pcd")), "FIELDS x y z confidence"));
+    const std::string pcd = file_contents(folder.file(out + "/pcd/000000.pcd"));
+    CHECK(holds(pcd, "FIELDS x y z intensity ring timestamp confidence\n"));
     return computed;
   };
   const int all = lifted_returns("all", "--confidence 0");
