@@ -157,6 +157,13 @@ TEST_CASE("an alley where wide searches lead astray is tracked by narrow ones") 
   CHECK(ape_rmse_m(track_simulated(alley, "os1-16", 16)) <= 0.1);
 }
 
+TEST_CASE("a drive that begins between long walls, and one in a room, are tracked from the start") {
+  const sim::DriveSpec road = drive("hills", 7090, 60, sim::SensorErrors::kTypical);
+  CHECK(ape_rmse_m(track_simulated(road, "os1-16", 16)) <= 0.15);
+  const sim::DriveSpec room = drive("indoors", 7105, 20, sim::SensorErrors::kTypical);
+  CHECK(ape_rmse_m(track_simulated(room, "os1-16", 16)) <= 0.04);
+}
+
 TEST_CASE("an inertial sensor keeps a path upright that leans by beams that are off") {
   const sim::DriveSpec town = drive("town", 101, 200, sim::SensorErrors::kTypical);
   const double without_rad = worst_lean_rad(track_simulated(town, "os1-16", 16));
