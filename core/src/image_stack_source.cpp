@@ -80,8 +80,9 @@ class ImageStackSource : public ScanSource {
     if (intensity_) result.cloud.intensity = values_of(*intensity_, image, index);
     if (!confidence_) return result;
     result.cloud.confidence = values_of(*confidence_, image, index);
-    for (float& value : result.cloud.confidence)
+    for (float& value : result.cloud.confidence) {
       value = value >= 0.0F ? std::min(value, 1.0F) : 0.0F;
+    }
     return result;
   }
 

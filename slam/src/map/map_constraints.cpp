@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "alignment/robust_weights.h"
 #include "front_end/motion_correction.h"
@@ -207,12 +208,13 @@ MapMatches match_with_map(RegisteredScan& scan, const MapSearch& search, const F
                          [](const auto& match) { return match.has_value(); });
   };
   MapMatches result;
-  result.ground = weighed(ground_constraints(scan.ground, search, map.planes, options));
+  result.ground = ground_constraints(scan.ground, search, map.planes, options);
   if (count(result.ground) < kMinGroundConstraints && search.ground_reach_m > search.reach_m) {
     MapSearch wider = search;
     wider.reach_m = search.ground_reach_m;
-    result.ground = weighed(ground_constraints(scan.ground, wider, map.planes, options));
+    result.ground = ground_constraints(scan.ground, wider, map.planes, options);
   }
+  result.ground = weighed(std::move(result.ground));
   const auto by_ground = count(result.ground);
   result.surfaces = weighed(surface_constraints(scan.surfaces, search, map.planes, options,
                                                 by_ground >= kMinGroundConstraints));
