@@ -1,7 +1,10 @@
 #include "map/registration_trace.h"
 
+#include <algorithm>
+#include <iterator>
 #include <limits>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "alignment/robust_weights.h"
@@ -12,30 +15,51 @@ namespace hqslam::slam {
 
 namespace {
 
-void find_pixel(const OrganizedCloud& cloud, const Eigen::Vector3f& point_m,
-                TracedFeature& feature) {
-  float nearest_m2 = std::numeric_limits<float>::infinity();
-  for (int row = 0; row < cloud.rows; ++row) {
-    for (int column = 0; column < cloud.columns; ++column) {
-      const std::size_t pixel = cloud.index(row, column);
-      if (!(cloud.range_m[pixel] > 0.0F)) continue;
-      const float distance_m2 = (cloud.points_m[pixel] - point_m).squaredNorm();
-      if (distance_m2 >= nearest_m2) continue;
-      nearest_m2 = distance_m2;
-      feature.row = row;
-      feature.column = column;
+/// The pixel nearest to a point. What differs in range by d is at least d away, so pixels are
+/// looked at from the point's own range outwards, until none can be nearer.
+class NearestPixel {
+ public:
+  explicit NearestPixel(const OrganizedCloud& cloud) : cloud_(cloud) {
+    for (std::size_t pixel = 0; pixel < cloud.range_m.size(); ++pixel) {
+      if (cloud.range_m[pixel] > 0.0F) by_range_.emplace_back(cloud.points_m[pixel].norm(), pixel);
     }
+    std::ranges::sort(by_range_);
   }
-}
+
+  /// Of several as near the first one; 0 where the cloud has no return.
+  std::size_t of(const Eigen::Vector3f& point_m) const {
+    const float range_m = point_m.norm();
+    const auto start = std::ranges::lower_bound(by_range_, std::pair(range_m, std::size_t(0)));
+    std::pair nearest(std::numeric_limits<float>::infinity(), std::size_t(0));  // distance^2, pixel
+    const auto is_last = [&](const std::pair<float, std::size_t>& at) {
+      const float apart_m = kRounding * (at.first - range_m);
+      if (apart_m * apart_m > nearest.first) return true;
+      nearest = std::min(
+          nearest, std::pair((cloud_.points_m[at.second] - point_m).squaredNorm(), at.second));
+      return false;
+    };
+    std::find_if(start, by_range_.end(), is_last);
+    std::find_if(std::make_reverse_iterator(start), by_range_.rend(), is_last);
+    return nearest.second;
+  }
+
+ private:
+  static constexpr float kRounding = 0.999F;
+  const OrganizedCloud& cloud_;
+  std::vector<std::pair<float, std::size_t>> by_range_;
+};
 
 void trace_kind(FeatureKind kind, const std::vector<FeaturePoint>& points, const Twist& velocity,
-                ScanTrace& trace) {
+                const NearestPixel& nearest, ScanTrace& trace) {
   const std::vector<Eigen::Vector3f> corrected_m = motion_corrected(points, velocity);
+  const auto columns = static_cast<std::size_t>(trace.cloud.columns);
   for (std::size_t i = 0; i < points.size(); ++i) {
+    const std::size_t pixel = nearest.of(points[i].point_m);
     TracedFeature feature;
     feature.kind = kind;
+    feature.row = static_cast<int>(pixel / columns);
+    feature.column = static_cast<int>(pixel % columns);
     feature.point_m = corrected_m[i];
-    find_pixel(trace.cloud, points[i].point_m, feature);
     trace.features.push_back(feature);
   }
 }
@@ -65,11 +89,12 @@ void trace_matches(const std::vector<std::optional<Constraint>>& matches,
 }
 
 void trace_features(const MapFeatures& features, const Twist& velocity, ScanTrace& trace) {
+  const NearestPixel nearest(trace.cloud);
   trace.features.clear();
-  trace_kind(FeatureKind::kGround, features.ground_to_register, velocity, trace);
-  trace_kind(FeatureKind::kSurface, features.surfaces_to_register, velocity, trace);
-  trace_kind(FeatureKind::kEdge, features.edges, velocity, trace);
-  trace_kind(FeatureKind::kPost, features.posts_to_register, velocity, trace);
+  trace_kind(FeatureKind::kGround, features.ground_to_register, velocity, nearest, trace);
+  trace_kind(FeatureKind::kSurface, features.surfaces_to_register, velocity, nearest, trace);
+  trace_kind(FeatureKind::kEdge, features.edges, velocity, nearest, trace);
+  trace_kind(FeatureKind::kPost, features.posts_to_register, velocity, nearest, trace);
 }
 
 }  // namespace

@@ -65,6 +65,15 @@ TEST_CASE("without a sensor info finds it in the points, writes it, and run goes
         file_contents(folder.file("named/trajectory.tum")));
 }
 
+TEST_CASE("of points without times info says how they were captured, and names that to run") {
+  const std::string bin = simulated_drive("--sensor os1-16 --scans 40 --seed 3") + "/bin";
+  const ProgramResult moving = succeeds("info '{}'", bin);
+  CHECK(holds(moving.out, "as captured while the sensor turned"));
+  CHECK(holds(moving.out, fmt::format("hqslam run {} --capture rolling", bin)));
+  const ProgramResult few = succeeds("info '{}'", simulated_drive() + "/bin");
+  CHECK_FALSE(holds(few.out, "--capture"));
+}
+
 TEST_CASE("a folder of captures is told from one of scans, by info and by run") {
   const TemporaryDirectory folder;
   RoundRoom room;

@@ -2,6 +2,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <numbers>
 #include <utility>
 
@@ -9,11 +10,14 @@
 #include "files/result_files.h"
 #include "hqslam/core/error.h"
 #include "hqslam/recordings/recording.h"
+#include "info/capture_check.h"
 #include "terminal/command_options.h"
 #include "terminal/terminal.h"
 
 namespace hqslam::tools {
 namespace {
+
+namespace fs = std::filesystem;
 
 void print_line(const char* what, const std::string& text) { to_stdout("{:<12}{}\n", what, text); }
 
@@ -75,11 +79,28 @@ std::string for_shell(const std::string& word) {
   return quoted + "'";
 }
 
-std::string command_for(const InfoOptions& options) {
+/// Of points without times, and of images, which may have been corrected.
+std::string capture_line(const CaptureCheck& check) {
+  const std::string fit = fmt::format(
+      "{} scans that moved fit each other within {:.1f} mm as captured while the sensor "
+      "turned, within {:.1f} mm as corrected for motion",
+      check.scans, 1e3 * check.rolling_m, 1e3 * check.corrected_m);
+  if (check.scans == 0)
+    return "too few scans that moved to tell whether they are corrected for motion";
+  return check.told ? fit : fit + ": too near to tell";
+}
+
+/// Where the points are not what they are taken for.
+std::string capture_option(const std::optional<CaptureTime>& told, bool is_stack) {
+  if (is_stack) return told == CaptureTime::kMotionCorrected ? " --motion-corrected" : "";
+  return told == CaptureTime::kRolling ? " --capture rolling" : "";
+}
+
+std::string command_for(const InfoOptions& options, const std::string& capture) {
   std::string command = fmt::format("hqslam run {}", for_shell(options.input));
   if (!options.sensor.empty()) command += fmt::format(" --sensor {}", for_shell(options.sensor));
   if (!options.stream.empty()) command += fmt::format(" --stream {}", for_shell(options.stream));
-  return command + " --out results";
+  return command + capture + " --out results";
 }
 
 }  // namespace
@@ -127,6 +148,13 @@ int info_command(const InfoOptions& options) {
                            : "none: scan i is taken at i turns");
   print_line("points", info.has_point_times ? "each with its own time: corrected for motion by SLAM"
                                             : "without times: taken as corrected for motion");
+  std::string capture;
+  const bool is_stack = fs::path(options.input).extension() == ".npy";
+  if (complaint.empty() && (is_stack || (info.streams.empty() && !info.has_point_times))) {
+    const CaptureCheck check = check_capture(options.input, info.sensor);
+    print_line("captured", capture_line(check));
+    capture = capture_option(check.told, is_stack);
+  }
   if (!info.streams.empty()) print_line("inertial", imu_line(info));
   if (info.packets.used > 0) print_line("packets", packets_line(info));
   for (const std::string& warning : info.warnings) print_line("note", warning);
@@ -135,7 +163,7 @@ int info_command(const InfoOptions& options) {
     write_sensor_json(info.sensor, options.write_sensor);
     print_line("written", options.write_sensor);
   }
-  print_line("run", command_for(options));
+  print_line("run", command_for(options, capture));
   return kOk;
 }
 

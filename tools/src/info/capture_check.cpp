@@ -1,0 +1,92 @@
+#include "info/capture_check.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "hqslam/core/scan_source.h"
+#include "hqslam/slam/scan_trace.h"
+#include "hqslam/slam/slam.h"
+#include "recording/reading.h"
+
+namespace hqslam::tools {
+namespace {
+
+constexpr int kMostScans = 100;
+constexpr int kFewestScans = 15;
+/// In a turn, as far as a point 10 m away moves.
+constexpr double kMoved_m = 0.1;
+constexpr double kLever_m = 10.0;
+constexpr std::size_t kFewestFeatures = 20;
+constexpr double kClear = 2.5;
+
+struct ScanFit {
+  double moved_m = 0.0;
+  std::optional<double> distance_m;
+};
+
+std::optional<double> median_distance_m(const slam::ScanTrace& trace) {
+  std::vector<double> distances_m;
+  for (const slam::TracedFeature& feature : trace.features) {
+    if (feature.is_matched && feature.kind != slam::FeatureKind::kGround) {
+      distances_m.push_back(std::abs(feature.residual_m));
+    }
+  }
+  if (distances_m.size() < kFewestFeatures) return std::nullopt;
+  const auto middle = distances_m.begin() + static_cast<std::ptrdiff_t>(distances_m.size() / 2);
+  std::nth_element(distances_m.begin(), middle, distances_m.end());
+  return *middle;
+}
+
+std::vector<ScanFit> fits(const std::string& input, const SensorModel& sensor,
+                          CaptureTime capture_time) {
+  RecordingOptions options;
+  options.capture_time = capture_time;
+  options.times_from_azimuth = capture_time == CaptureTime::kRolling;
+  const auto source = open_recording(input, sensor, options);
+  slam::Slam slam(source->sensor());
+  LeftOut left_out;
+  std::vector<ScanFit> result;
+  while (result.size() < kMostScans) {
+    const auto scan = next_usable(*source, left_out);
+    if (!scan) break;
+    slam::ScanTrace trace;
+    const Twist velocity = slam.process(scan->cloud, scan->stamp_s, &trace).velocity;
+    result.push_back(
+        {(velocity.linear.norm() + kLever_m * velocity.angular.norm()) * sensor.scan_period_s,
+         median_distance_m(trace)});
+  }
+  return result;
+}
+
+}  // namespace
+
+CaptureCheck check_capture(const std::string& input, const SensorModel& sensor) {
+  const std::vector<ScanFit> rolling = fits(input, sensor, CaptureTime::kRolling);
+  const std::vector<ScanFit> corrected = fits(input, sensor, CaptureTime::kMotionCorrected);
+  CaptureCheck check;
+  double sum = 0.0;
+  double sum_of_squares = 0.0;
+  for (std::size_t i = 0; i < rolling.size(); ++i) {
+    const bool is_moved = std::min(rolling[i].moved_m, corrected[i].moved_m) > kMoved_m;
+    if (!is_moved || !rolling[i].distance_m || !corrected[i].distance_m) continue;
+    const double log_ratio = std::log(*rolling[i].distance_m / *corrected[i].distance_m);
+    sum += log_ratio;
+    sum_of_squares += log_ratio * log_ratio;
+    check.rolling_m += *rolling[i].distance_m;
+    check.corrected_m += *corrected[i].distance_m;
+    ++check.scans;
+  }
+  if (check.scans == 0) return check;
+  check.rolling_m /= check.scans;
+  check.corrected_m /= check.scans;
+  const double mean = sum / check.scans;
+  const double variance = sum_of_squares / check.scans - mean * mean;
+  const bool is_clear = std::abs(mean) > kClear * std::sqrt(variance / check.scans);
+  if (check.scans >= kFewestScans && is_clear) {
+    check.told = mean < 0.0 ? CaptureTime::kRolling : CaptureTime::kMotionCorrected;
+  }
+  return check;
+}
+
+}  // namespace hqslam::tools
