@@ -165,7 +165,7 @@ class FileScanSource : public ScanSource {
  public:
   FileScanSource(std::vector<std::string> paths, const std::optional<SensorModel>& sensor,
                  const RecordingOptions& options)
-      : paths_(std::move(paths)), times_from_azimuth_(options.times_from_azimuth) {
+      : paths_(std::move(paths)), without_times_(options.without_times) {
     read_stamps(options.stamps);
     sensor_ = sensor ? *sensor : found_sensor();
     azimuth_times_ = AzimuthTimes(sensor_.scan_period_s);
@@ -267,8 +267,9 @@ class FileScanSource : public ScanSource {
     const std::string& path = paths_[index];
     Scan scan = scan_of(points_of(index), &sensor_, path);
     set_rows(scan, path, true);
-    if (times_from_azimuth_ && scan.time_offset_s.empty()) {
-      azimuth_times_.set(scan, sensor_, index);
+    if (scan.time_offset_s.empty()) {
+      if (!without_times_) warn_of_missing_times();
+      if (without_times_ == CaptureTime::kRolling) azimuth_times_.set(scan, sensor_, index);
     }
     if (!stamps_s_.empty()) {
       scan.stamp_s = stamps_s_[index];
@@ -278,16 +279,26 @@ class FileScanSource : public ScanSource {
     return recorded_scan(scan, sensor_, path);
   }
 
+  /// Once, and not of a single scan, which fits nothing else.
+  void warn_of_missing_times() {
+    if (std::exchange(is_warned_, true) || paths_.size() == 1) return;
+    warnings_.push_back(fmt::format(
+        "{}: points without times are taken as corrected for motion; 'hqslam info' tells whether "
+        "they are, and --capture says it",
+        paths_.front()));
+  }
+
   std::vector<std::string> paths_;
   SensorModel sensor_;
   std::vector<double> stamps_s_;
   std::vector<std::string> warnings_;
-  bool times_from_azimuth_;
+  std::optional<CaptureTime> without_times_;
   AzimuthTimes azimuth_times_{0.0};
   std::array<std::optional<RawPoints>, kScansToLearnFrom> first_points_;
   bool has_stamps_ = false;
   std::size_t next_ = 0;
   bool any_used_ = false;
+  bool is_warned_ = false;
 };
 
 }  // namespace

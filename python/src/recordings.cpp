@@ -26,7 +26,7 @@ void open(Recording* self, const std::filesystem::path& path, const std::filesys
   options.sensor = sensor.string();
   options.stream = stream;
   options.columns = columns;
-  options.files.times_from_azimuth = times_from_azimuth;
+  if (times_from_azimuth) options.files.without_times = CaptureTime::kRolling;
   const nb::gil_scoped_release others_go_on;
   new (self) Recording(recordings::open_recording(path.string(), options));
 }

@@ -162,7 +162,7 @@ TEST_CASE("points without times get that of their azimuth, counted on from scan 
     write_file(directory.file(std::to_string(i) + ".txt"), firing_order(40.0 + 364.0 * i, 364.0));
   }
   const auto source =
-      open_recording(directory.path().string(), sensor, {.times_from_azimuth = true});
+      open_recording(directory.path().string(), sensor, {.without_times = CaptureTime::kRolling});
   for (int i = 0; i < 4; ++i) {
     const auto scan = source->next();
     REQUIRE(scan);
@@ -179,7 +179,11 @@ TEST_CASE("points without times get that of their azimuth, counted on from scan 
     CHECK(nearest_s < 0.0005F);
     for (const float offset_s : scan->cloud.time_offset_s) CHECK(std::abs(offset_s) < 0.051F);
   }
-  CHECK(open_recording(directory.path().string(), sensor)->next()->cloud.time_offset_s.empty());
+  CHECK(source->warnings().empty());
+  const auto corrected = open_recording(directory.path().string(), sensor);
+  CHECK(corrected->next()->cloud.time_offset_s.empty());
+  REQUIRE(corrected->warnings().size() == 1);
+  CHECK(corrected->warnings()[0].find("taken as corrected for motion") != std::string::npos);
 }
 
 TEST_CASE("turns are counted on over scans that cannot be read or have no points") {
@@ -191,7 +195,7 @@ TEST_CASE("turns are counted on over scans that cannot be read or have no points
                  i == missing ? contents : firing_order(40.0 + 364.0 * i, 364.0));
     }
     const auto source =
-        open_recording(directory.path().string(), sensor, {.times_from_azimuth = true});
+        open_recording(directory.path().string(), sensor, {.without_times = CaptureTime::kRolling});
     std::vector<double> result;
     for (int i = 0; i < 4; ++i) {
       try {

@@ -42,7 +42,7 @@ std::vector<ScanFit> fits(const std::string& input, const SensorModel& sensor,
                           CaptureTime capture_time) {
   RecordingOptions options;
   options.capture_time = capture_time;
-  options.times_from_azimuth = capture_time == CaptureTime::kRolling;
+  options.without_times = capture_time;
   const auto source = open_recording(input, sensor, options);
   slam::Slam slam(source->sensor());
   LeftOut left_out;

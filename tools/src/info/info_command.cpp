@@ -128,6 +128,7 @@ int info_command(const InfoOptions& options) {
   recordings::OpenOptions open;
   open.sensor = options.sensor;
   open.stream = options.stream;
+  open.files.without_times = CaptureTime::kMotionCorrected;  // and looked at below
   recordings::RecordingInfo info = recordings::inspect(options.input, open);
   print_line("file", fmt::format("{}: {}", options.input, info.kind));
   for (const recordings::Stream& stream : info.streams) {

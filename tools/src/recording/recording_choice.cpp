@@ -123,7 +123,10 @@ recordings::OpenOptions open_options(const InputChoice& choice) {
                                                      : recordings::KeptReturn::kStrongest;
   if (choice.row_order == "lowest-first") options.files.row_order = RowOrder::kLowestFirst;
   if (choice.motion_corrected) options.files.capture_time = CaptureTime::kMotionCorrected;
-  options.files.times_from_azimuth = choice.capture == "rolling";
+  if (choice.capture == "rolling") options.files.without_times = CaptureTime::kRolling;
+  if (choice.capture == "corrected") {
+    options.files.without_times = CaptureTime::kMotionCorrected;
+  }
   options.files.stamps = choice.stamps;
   return options;
 }

@@ -50,10 +50,10 @@ struct RecordingOptions {
   /// Whether a stack's scans were captured rolling or were corrected for motion already; they are
   /// taken as corrected too if the sensor's model says so.
   CaptureTime capture_time = CaptureTime::kRolling;
-  /// Gives points of files that have no times the time of their azimuth: for scans as captured
-  /// while the sensor turned, points in the order of their firing. Otherwise such scans are taken
-  /// as corrected for motion.
-  bool times_from_azimuth = false;
+  /// How points of files that have no times were captured: rolling gives each the time of its
+  /// azimuth, for points in the order of their firing or ring after ring. Nothing: they are taken
+  /// as corrected for motion, and a warning says so.
+  std::optional<CaptureTime> without_times = std::nullopt;
   /// A file with the stamp of each scan (seconds, or dates as in KITTI's timestamps.txt), or
   /// kStampsFromNames for the number in each file's name. Empty: what the recording says.
   std::string stamps = {};
