@@ -1,6 +1,8 @@
 #include "map/mapping.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
+#include <array>
 #include <iterator>
 #include <limits>
 #include <optional>
@@ -59,13 +61,26 @@ double inlier_share(const ConstraintList& found, const MapFeatures& features) {
 /// features far apart are not of one surface. Of height and tilt a narrow search knows as much as
 /// a wide one, since the ground is searched widely anyway where little of it is near
 /// (MapSearch::ground_reach_m). But an inertial sensor that knows more evens out the noise of wide
-/// searches, and not that rings lying close to each other hold the sensor.
+/// searches, and not that rings lying close to each other hold the sensor; unless what they find
+/// contradicts it.
 double enough_in_plane_per_m2(SearchFrom from, const MotionState& expected) {
   constexpr double kEnough_per_m2 = 250.0;
   if (from == SearchFrom::kRecognizedPlace) return std::numeric_limits<double>::infinity();
   if (from == SearchFrom::kLastScan) return kEnough_per_m2;
   return std::max(kEnough_per_m2,
                   1.0 / std::max(expected.covariance(0, 0), expected.covariance(1, 1)));
+}
+
+/// Whether a pose lies elsewhere in the plane than expected, by more than four standard deviations.
+/// Of wide searches that even noise out 3.2 is the most (five meadows); where they lead astray it
+/// is up to 13.
+bool contradicts(const MotionState& expected, const Pose& T_map_sensor) {
+  constexpr double kMostSigmas = 4.0;
+  const std::array in_plane = {0, 1, 5};  // x, y, yaw
+  const Vector6 off = vector_of(logarithm(expected.T_map_sensor.inverse() * T_map_sensor));
+  const Eigen::Vector3d error = off(in_plane);
+  const Eigen::Matrix3d covariance = expected.covariance(in_plane, in_plane);
+  return error.dot(covariance.ldlt().solve(error)) > kMostSigmas * kMostSigmas;
 }
 
 MapSearch search_at(const MappingResult& at, const MappingOptions& options, SearchFrom from) {
@@ -156,7 +171,10 @@ MappingResult Mapping::register_scan(const MapFeatures& features, const MotionSt
     if (converged && (narrow || !narrow_suffices)) break;
   }
   result.state.T_map_sensor = orthonormalized(result.state.T_map_sensor);
-  return result;
+  const bool is_astray = from == SearchFrom::kInertialData && !result.is_close_search &&
+                         contradicts(expected, result.state.T_map_sensor);
+  return is_astray ? register_scan(features, expected, T_map_sensor_start, SearchFrom::kLastScan)
+                   : result;
 }
 
 MapMatches Mapping::matches(const MapFeatures& features, const MappingResult& found) const {
