@@ -59,7 +59,7 @@ if command -v clang-tidy >/dev/null; then
   since=$(git rev-list -1 --before='3 days ago' HEAD 2>/dev/null || true)
   if [[ "${1:-}" == --tidy ]]; then tidied='(core|nn|slam|tools)/(.*/)?src/' since=; fi
   cmake --preset release -B build/tidy -Wno-dev -DHQSLAM_PRECOMPILED_HEADERS=OFF \
-    -DCMAKE_EXPORT_COMPILE_COMMANDS=ON >/dev/null
+    -DCMAKE_UNITY_BUILD=OFF -DCMAKE_EXPORT_COMPILE_COMMANDS=ON >/dev/null
   if [[ -n "$since" ]]; then
     git diff --name-only --diff-filter=d "$since" -- '*.cpp'
   else

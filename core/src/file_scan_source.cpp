@@ -93,9 +93,8 @@ class AzimuthTimes {
   double first_turned_rad_ = 0.0;
 };
 
-constexpr double kDegree_rad = std::numbers::pi / 180.0;
-constexpr double kFits_rad = 0.1 * kDegree_rad;
-constexpr double kFarthest_rad = 1.5 * kDegree_rad;
+constexpr double kFits_rad = 0.1 * (std::numbers::pi / 180.0);
+constexpr double kFarthest_rad = 1.5 * (std::numbers::pi / 180.0);
 constexpr std::size_t kFewestPoints = 100;
 
 /// How far each row is from the table, where it has points enough.

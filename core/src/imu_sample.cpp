@@ -13,13 +13,13 @@ namespace hqslam {
 
 namespace {
 
-constexpr std::size_t kMaxFileBytes = 1U << 30U;  // more than a day at 100 Hz
+constexpr std::size_t kMaxImuFileBytes = 1U << 30U;  // more than a day at 100 Hz
 constexpr std::size_t kColumns = 7;
 
 }  // namespace
 
 std::vector<ImuSample> read_imu_csv(const std::string& path) {
-  const std::string file = whole_file(path, "inertial data", kMaxFileBytes);
+  const std::string file = whole_file(path, "inertial data", kMaxImuFileBytes);
   std::vector<ImuSample> samples;
   std::string_view rest = file;
   for (int line = 1; !rest.empty(); ++line) {

@@ -15,7 +15,7 @@ namespace hqslam {
 namespace {
 
 constexpr std::size_t kBytesPerPoint = 4 * sizeof(float);
-constexpr std::size_t kMaxFileBytes = 64U << 20U;  // 4 million points, 30 times a scan
+constexpr std::size_t kMaxBinFileBytes = 64U << 20U;  // 4 million points, 30 times a scan
 /// No LiDAR reaches so far: a coordinate beyond is a number that was never one.
 constexpr float kMaxCoordinate_m = 10'000.0F;
 constexpr double kMaxImplausibleShare = 0.1;
@@ -47,7 +47,7 @@ void require_points(const std::string& bytes, const std::string& path) {
 }  // namespace
 
 Scan read_kitti_bin(const std::string& path) {
-  const std::string bytes = whole_file(path, "a KITTI .bin file", kMaxFileBytes);
+  const std::string bytes = whole_file(path, "a KITTI .bin file", kMaxBinFileBytes);
   require_points(bytes, path);
   const std::size_t points = bytes.size() / kBytesPerPoint;
   std::size_t implausible = 0;

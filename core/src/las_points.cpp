@@ -20,8 +20,8 @@ namespace hqslam {
 
 namespace {
 
-constexpr std::size_t kMaxFileBytes = std::size_t{1} << 31U;
-constexpr std::size_t kMaxPoints = std::size_t{1} << 26U;  // a large map
+constexpr std::size_t kMaxLasFileBytes = std::size_t{1} << 31U;
+constexpr std::size_t kMaxLasPoints = std::size_t{1} << 26U;  // a large map
 constexpr double kStep_m = 0.001;
 /// Beyond, a float32 is off by more than a few millimetres.
 constexpr double kFarthest_m = 1e5;
@@ -78,8 +78,8 @@ T number_in(std::string_view file, std::size_t at) {
 }
 
 template <typename... Values>
-[[noreturn]] void fail(const std::string& path, fmt::format_string<Values...> complaint,
-                       Values&&... values) {
+[[noreturn]] void fail_in_las(const std::string& path, fmt::format_string<Values...> complaint,
+                              Values&&... values) {
   throw Error("{}: {}; give a .las file of version 1.0 to 1.4", path,
               fmt::format(complaint, std::forward<Values>(values)...));
 }
@@ -122,17 +122,18 @@ void add_extra_fields(std::string_view file, std::size_t at, Header& header) {
 }
 
 Header read_header(std::string_view file, const std::string& path) {
-  if (!file.starts_with("LASF")) fail(path, "expected a file that begins with 'LASF'");
-  if (file.size() < kHeaderBytes) fail(path, "truncated: found {} bytes", file.size());
+  if (!file.starts_with("LASF")) fail_in_las(path, "expected a file that begins with 'LASF'");
+  if (file.size() < kHeaderBytes) fail_in_las(path, "truncated: found {} bytes", file.size());
   const int minor = number_in<std::uint8_t>(file, 25);
-  if (number_in<std::uint8_t>(file, 24) != 1 || minor > 4) fail(path, "expected another version");
+  if (number_in<std::uint8_t>(file, 24) != 1 || minor > 4)
+    fail_in_las(path, "expected another version");
   const std::size_t header_bytes = number_in<std::uint16_t>(file, 94);
   const auto format = number_in<std::uint8_t>(file, 104);
   if ((format & kCompressed) != 0 || path.ends_with(".laz")) {
     throw Error("{}: compressed points (LAZ) are not read; write them as .las first", path);
   }
   if (format >= kFormats.size() || kFormats[format].bytes == 0) {
-    fail(path, "expected point format 0 to 3 or 6 to 8, found {}", format);
+    fail_in_las(path, "expected point format 0 to 3 or 6 to 8, found {}", format);
   }
   Header header;
   header.points_at = number_in<std::uint32_t>(file, 96);
@@ -143,9 +144,10 @@ Header read_header(std::string_view file, const std::string& path) {
   }
   if (header_bytes < kHeaderBytes || header.points_at < header_bytes ||
       header.points_at > file.size() || header.point_bytes < kFormats[format].bytes ||
-      points > kMaxPoints || points > (file.size() - header.points_at) / header.point_bytes) {
-    fail(path, "expected up to {} points of {} bytes at byte {}, found {} points in {} bytes",
-         kMaxPoints, header.point_bytes, header.points_at, points, file.size());
+      points > kMaxLasPoints || points > (file.size() - header.points_at) / header.point_bytes) {
+    fail_in_las(path,
+                "expected up to {} points of {} bytes at byte {}, found {} points in {} bytes",
+                kMaxLasPoints, header.point_bytes, header.points_at, points, file.size());
   }
   header.points = points;
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -169,7 +171,7 @@ Header read_header(std::string_view file, const std::string& path) {
 }  // namespace
 
 RawPoints read_las_points(const std::string& path) {
-  const std::string file = whole_file(path, "a .las file", kMaxFileBytes);
+  const std::string file = whole_file(path, "a .las file", kMaxLasFileBytes);
   const Header header = read_header(file, path);
   const PointFields fields = point_fields(header.fields, path);
   RawPoints points(fields, header.points);

@@ -22,8 +22,8 @@ constexpr std::size_t kMaxHeaderBytes = 65536;
 constexpr std::size_t kMaxDimensions = 32;
 
 template <typename... Values>
-[[noreturn]] void fail(const std::string& path, fmt::format_string<Values...> complaint,
-                       Values&&... values) {
+[[noreturn]] void fail_in_npy(const std::string& path, fmt::format_string<Values...> complaint,
+                              Values&&... values) {
   throw Error("{}: {}; save the array again with numpy.save", path,
               fmt::format(complaint, std::forward<Values>(values)...));
 }
@@ -51,7 +51,8 @@ std::string as_json(const std::string& literal) {
 NpyHeader header_of(const std::string& literal, const std::string& path) {
   const auto require = [&](bool fits, std::string_view expected) {
     if (fits) return;
-    fail(path, "damaged .npy header: expected {}, found {}", expected, excerpt(literal, 120));
+    fail_in_npy(path, "damaged .npy header: expected {}, found {}", expected,
+                excerpt(literal, 120));
   };
   require(literal.find('[') == std::string::npos,
           "one number per element, not an array of structures, and a shape in parentheses");
@@ -130,25 +131,25 @@ NpyHeader read_npy_header(std::istream& stream, const std::string& path) {
   std::array<char, 12> start{};
   stream.read(start.data(), 8);
   if (!stream || std::string_view(start.data(), kMagic.size()) != kMagic) {
-    fail(path, "expected an .npy file (it begins with \\x93NUMPY), found something else");
+    fail_in_npy(path, "expected an .npy file (it begins with \\x93NUMPY), found something else");
   }
   const int version = static_cast<unsigned char>(start[6]);
   if (version < 1 || version > 3 || start[7] != 0) {
-    fail(path, "expected .npy version 1.0, 2.0 or 3.0, found {}.{}", version,
-         static_cast<unsigned char>(start[7]));
+    fail_in_npy(path, "expected .npy version 1.0, 2.0 or 3.0, found {}.{}", version,
+                static_cast<unsigned char>(start[7]));
   }
   const std::size_t size_bytes = version == 1 ? 2 : 4;
   stream.read(start.data() + 8, static_cast<std::streamsize>(size_bytes));
   const std::size_t length = size_from_little_endian(start.data() + 8, size_bytes);
   if (!stream || length > kMaxHeaderBytes) {
-    fail(path, "expected an .npy header of at most {} bytes, found {}", kMaxHeaderBytes,
-         stream ? fmt::format("{} bytes", length) : "the end of the file");
+    fail_in_npy(path, "expected an .npy header of at most {} bytes, found {}", kMaxHeaderBytes,
+                stream ? fmt::format("{} bytes", length) : "the end of the file");
   }
   std::string text(length, '\0');
   stream.read(text.data(), static_cast<std::streamsize>(length));
   if (!stream) {
-    fail(path, "truncated: expected an .npy header of {} bytes, found {} bytes", length,
-         stream.gcount());
+    fail_in_npy(path, "truncated: expected an .npy header of {} bytes, found {} bytes", length,
+                stream.gcount());
   }
   NpyHeader header = header_of(text, path);
   header.data_offset_bytes = static_cast<std::int64_t>(8 + size_bytes + length);

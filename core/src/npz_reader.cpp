@@ -27,11 +27,11 @@ constexpr std::size_t kNameCharacters = 120;
 constexpr std::string_view kEnding = ".npy";
 
 /// The longest header that read_npy_header accepts, with what comes before it.
-constexpr std::int64_t kMaxHeaderBytes = 65536 + 12;
+constexpr std::int64_t kMaxArrayHeaderBytes = 65536 + 12;
 
 /// The one complaint about a damaged or foreign .npz file: "where: expected .., found ..".
-[[noreturn]] void fail(const std::string& where, const std::string& expected,
-                       const std::string& found) {
+[[noreturn]] void fail_in_npz(const std::string& where, const std::string& expected,
+                              const std::string& found) {
   throw Error("{}: expected {}, found {}; copy the file or save it again with numpy.savez", where,
               expected, found);
 }
@@ -51,8 +51,8 @@ zip_stat_t directory_entry(zip_t* archive, zip_uint64_t index, const std::string
   zip_stat_init(&entry);
   const bool known = zip_stat_index(archive, index, ZIP_FL_ENC_RAW, &entry) == 0;
   if (!known || (entry.valid & kNeeded) != kNeeded) {
-    fail(path, fmt::format("name, size and method of member {}", index),
-         known ? "a part of them" : zip_strerror(archive));
+    fail_in_npz(path, fmt::format("name, size and method of member {}", index),
+                known ? "a part of them" : zip_strerror(archive));
   }
   return entry;
 }
@@ -63,8 +63,8 @@ void require_possible_size(const zip_stat_t& entry, const std::string& where) {
   const zip_uint64_t ratio = entry.comp_method == ZIP_CM_DEFLATE ? 1032 : 1;
   constexpr zip_uint64_t kMax = std::numeric_limits<std::int64_t>::max();
   if (entry.size > kMax || entry.size / ratio > entry.comp_size) {
-    fail(where, fmt::format("at most {} bytes from each of {}", ratio, entry.comp_size),
-         fmt::format("a claim of {} bytes", entry.size));
+    fail_in_npz(where, fmt::format("at most {} bytes from each of {}", ratio, entry.comp_size),
+                fmt::format("a claim of {} bytes", entry.size));
   }
 }
 
@@ -73,14 +73,14 @@ ZipMember npz_member(const zip_stat_t& entry, const std::string& path) {
   ZipMember member;
   member.where = fmt::format("{}: member '{}'", path, excerpt(name, kNameCharacters));
   if (!name.ends_with(kEnding) || name.size() == kEnding.size()) {
-    fail(member.where, "a name that ends in .npy", "another");
+    fail_in_npz(member.where, "a name that ends in .npy", "another");
   }
   if (entry.encryption_method != ZIP_EM_NONE) {
-    fail(member.where, "no encryption", fmt::format("method {}", entry.encryption_method));
+    fail_in_npz(member.where, "no encryption", fmt::format("method {}", entry.encryption_method));
   }
   if (entry.comp_method != ZIP_CM_STORE && entry.comp_method != ZIP_CM_DEFLATE) {
-    fail(member.where, "a stored or deflated member",
-         fmt::format("compression method {}", entry.comp_method));
+    fail_in_npz(member.where, "a stored or deflated member",
+                fmt::format("compression method {}", entry.comp_method));
   }
   require_possible_size(entry, member.where);
   member.name = name.substr(0, name.size() - kEnding.size());
@@ -102,10 +102,11 @@ std::vector<ZipMember> npz_members(zip_t* archive, const std::string& path,
     const zip_stat_t entry = directory_entry(archive, static_cast<zip_uint64_t>(index), path);
     members.push_back(npz_member(entry, path));
     const ZipMember& member = members.back();
-    if (!names.insert(member.name).second) fail(member.where, "every name once", "it twice");
+    if (!names.insert(member.name).second) fail_in_npz(member.where, "every name once", "it twice");
     if (entry.comp_size > left) {
-      fail(member.where, fmt::format("at most {} packed bytes in the rest of the file", left),
-           fmt::format("{}", entry.comp_size));
+      fail_in_npz(member.where,
+                  fmt::format("at most {} packed bytes in the rest of the file", left),
+                  fmt::format("{}", entry.comp_size));
     }
     left -= entry.comp_size;
   }
@@ -119,7 +120,7 @@ class ZipMemberStream {
       : where_(member.where),
         bytes_(member.bytes),
         file_(zip_fopen_index(archive, member.index, 0)) {
-    if (!file_) fail(where_, "a member that can be opened", zip_strerror(archive));
+    if (!file_) fail_in_npz(where_, "a member that can be opened", zip_strerror(archive));
   }
 
   /// Exactly so many bytes.
@@ -129,10 +130,11 @@ class ZipMemberStream {
       const zip_int64_t found = zip_fread(file_.get(), static_cast<std::byte*>(bytes) + done,
                                           static_cast<zip_uint64_t>(count - done));
       if (found < 0) {
-        fail(where_, fmt::format("{} bytes that can be unpacked", bytes_),
-             fmt::format("damage after {} ({})", position_, zip_file_strerror(file_.get())));
+        fail_in_npz(where_, fmt::format("{} bytes that can be unpacked", bytes_),
+                    fmt::format("damage after {} ({})", position_, zip_file_strerror(file_.get())));
       }
-      if (found == 0) fail(where_, fmt::format("{} bytes", bytes_), fmt::format("{}", position_));
+      if (found == 0)
+        fail_in_npz(where_, fmt::format("{} bytes", bytes_), fmt::format("{}", position_));
       done += found;
       position_ += found;
     }
@@ -144,10 +146,10 @@ class ZipMemberStream {
     std::byte beyond{};
     const zip_int64_t found = zip_fread(file_.get(), &beyond, 1);
     if (found < 0) {
-      fail(where_, fmt::format("{} bytes with the right checksum", bytes_),
-           zip_file_strerror(file_.get()));
+      fail_in_npz(where_, fmt::format("{} bytes with the right checksum", bytes_),
+                  zip_file_strerror(file_.get()));
     }
-    if (found > 0) fail(where_, fmt::format("{} bytes", bytes_), "more");
+    if (found > 0) fail_in_npz(where_, fmt::format("{} bytes", bytes_), "more");
   }
 
  private:
@@ -189,8 +191,8 @@ ZipArchive opened(const std::string& path, std::int64_t file_bytes) {
   int code = ZIP_ER_NOZIP;  // libzip would take an empty file for an empty archive
   ZipArchive archive(file_bytes > 0 ? zip_open(path.c_str(), ZIP_RDONLY, &code) : nullptr);
   if (!archive) {
-    fail(path, "an .npz file (a zip archive)",
-         fmt::format("another or a part of one ({})", zip_error_text(code)));
+    fail_in_npz(path, "an .npz file (a zip archive)",
+                fmt::format("another or a part of one ({})", zip_error_text(code)));
   }
   return archive;
 }
@@ -202,26 +204,26 @@ std::pair<NpzArray, std::int64_t> announced(const NpyHeader& header, const ZipMe
   array.shape = header.shape;
   const auto element_bytes = npz_element_bytes(header.dtype);
   if (!element_bytes) {
-    fail(member.where, fmt::format("dtype {}", kNpzDtypes),
-         fmt::format("'{}'", excerpt(header.dtype)));
+    fail_in_npz(member.where, fmt::format("dtype {}", kNpzDtypes),
+                fmt::format("'{}'", excerpt(header.dtype)));
   }
   if (header.fortran_order) {
-    fail(member.where, "C order (numpy.ascontiguousarray)", "Fortran order");
+    fail_in_npz(member.where, "C order (numpy.ascontiguousarray)", "Fortran order");
   }
   const std::int64_t found = member.bytes - header.data_offset_bytes;
   const auto count = npz_element_count(header.shape);
   if (!count || *count * *element_bytes != found) {
-    fail(member.where,
-         fmt::format("the bytes of shape {} and dtype '{}'", npy_shape_text(header.shape),
-                     header.dtype),
-         fmt::format("{} bytes", found));
+    fail_in_npz(member.where,
+                fmt::format("the bytes of shape {} and dtype '{}'", npy_shape_text(header.shape),
+                            header.dtype),
+                fmt::format("{} bytes", found));
   }
   return {std::move(array), found};
 }
 
 NpzArray read_member(zip_t* archive, const ZipMember& member, std::int64_t largest_bytes) {
   ZipMemberStream stream(archive, member);
-  std::string start(static_cast<std::size_t>(std::min(member.bytes, kMaxHeaderBytes)), '\0');
+  std::string start(static_cast<std::size_t>(std::min(member.bytes, kMaxArrayHeaderBytes)), '\0');
   stream.read(start.data(), static_cast<std::int64_t>(start.size()));
   std::istringstream header_stream(start);
   const NpyHeader header = read_npy_header(header_stream, member.where);

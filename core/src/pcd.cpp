@@ -19,7 +19,7 @@ static_assert(std::endian::native == std::endian::little, "files are little-endi
 
 namespace {
 
-constexpr std::size_t kMaxFileBytes = std::size_t{1} << 31U;  // maps are larger than scans
+constexpr std::size_t kMaxPcdFileBytes = std::size_t{1} << 31U;  // maps are larger than scans
 /// As much as the most points that a header may announce take with 16 bytes each.
 constexpr std::size_t kMaxDecompressedBytes = std::size_t{1} << 30U;
 /// No LZF stream grows by more than this: a reference of 3 bytes stands for at most 264.
@@ -100,7 +100,7 @@ std::optional<std::string> lzf_decompressed(std::string_view stream, std::size_t
 }
 
 RawPoints read_pcd_points(const std::string& path) {
-  const std::string file = whole_file(path, "a .pcd file", kMaxFileBytes);
+  const std::string file = whole_file(path, "a .pcd file", kMaxPcdFileBytes);
   const PcdHeader header = parse_pcd_header(file, path);
   const std::string_view data = std::string_view(file).substr(header.data_offset_bytes);
   std::optional<AsciiPoints> text;

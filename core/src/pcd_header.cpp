@@ -21,8 +21,8 @@ constexpr std::size_t kMaxPoints = std::size_t{1} << 26U;  // a large map; scans
 using Words = std::vector<std::string_view>;
 
 template <typename... Values>
-[[noreturn]] void fail(const std::string& path, fmt::format_string<Values...> complaint,
-                       Values&&... values) {
+[[noreturn]] void fail_in_pcd(const std::string& path, fmt::format_string<Values...> complaint,
+                              Values&&... values) {
   throw Error("{}: {}; give a .pcd file of version 0.7", path,
               fmt::format(complaint, std::forward<Values>(values)...));
 }
@@ -31,8 +31,8 @@ std::size_t size_from(std::string_view word, const std::string& key, std::size_t
                       const std::string& path) {
   const auto value = hqslam::number_from<std::size_t>(word);
   if (!value || *value > max) {
-    fail(path, "{} in the header: expected a whole number up to {}, found '{}'", key, max,
-         excerpt(word));
+    fail_in_pcd(path, "{} in the header: expected a whole number up to {}, found '{}'", key, max,
+                excerpt(word));
   }
   return *value;
 }
@@ -54,18 +54,18 @@ std::map<std::string, Words> header_lines(std::string_view file, const std::stri
       return lines;
     }
   }
-  fail(path, "expected a .pcd header that ends with a DATA line, found '{}'",
-       excerpt(file.substr(0, std::min(file.find('\n'), file.size()))));
+  fail_in_pcd(path, "expected a .pcd header that ends with a DATA line, found '{}'",
+              excerpt(file.substr(0, std::min(file.find('\n'), file.size()))));
 }
 
 /// The words after `key`; as many as `expected` unless that is 0.
 const Words& line_of(const std::map<std::string, Words>& lines, const std::string& key,
                      std::size_t expected, const std::string& path) {
   const auto found = lines.find(key);
-  if (found == lines.end()) fail(path, "expected a line {} in the header, found none", key);
+  if (found == lines.end()) fail_in_pcd(path, "expected a line {} in the header, found none", key);
   if (expected != 0 && found->second.size() != expected) {
-    fail(path, "{} in the header: expected {} values, found {}", key, expected,
-         found->second.size());
+    fail_in_pcd(path, "{} in the header: expected {} values, found {}", key, expected,
+                found->second.size());
   }
   return found->second;
 }
@@ -75,9 +75,10 @@ void require_type(const PointField& field, std::string_view type, const std::str
   const bool power_of_two = size == 1 || size == 2 || size == 4 || size == 8;
   const bool known = type == "F" ? size == 4 || size == 8 : (type == "I" || type == "U");
   if (!known || !power_of_two) {
-    fail(path,
-         "field '{}': expected type F of 4 or 8 bytes or I or U of 1, 2, 4 or 8, found {} of {}",
-         excerpt(field.name), excerpt(type), size);
+    fail_in_pcd(
+        path,
+        "field '{}': expected type F of 4 or 8 bytes or I or U of 1, 2, 4 or 8, found {} of {}",
+        excerpt(field.name), excerpt(type), size);
   }
 }
 
@@ -85,7 +86,8 @@ void add_fields(const std::map<std::string, Words>& lines, const std::string& pa
                 PcdHeader& header) {
   const Words& names = line_of(lines, "FIELDS", 0, path);
   if (names.empty() || names.size() > kMaxFields) {
-    fail(path, "FIELDS in the header: expected 1 to {} names, found {}", kMaxFields, names.size());
+    fail_in_pcd(path, "FIELDS in the header: expected 1 to {} names, found {}", kMaxFields,
+                names.size());
   }
   const Words& sizes = line_of(lines, "SIZE", names.size(), path);
   const Words& types = line_of(lines, "TYPE", names.size(), path);
@@ -116,8 +118,8 @@ std::size_t points_of(const std::map<std::string, Words>& lines, const std::stri
   const bool fits = height == 0 || width <= kMaxPoints / height;
   const std::size_t points = lines.contains("POINTS") ? number("POINTS") : width * height;
   if (!fits || points != width * height) {
-    fail(path, "POINTS in the header: expected WIDTH x HEIGHT = {} x {}, found {}", width, height,
-         points);
+    fail_in_pcd(path, "POINTS in the header: expected WIDTH x HEIGHT = {} x {}, found {}", width,
+                height, points);
   }
   return points;
 }
@@ -127,8 +129,8 @@ PcdData data_of(const std::map<std::string, Words>& lines, const std::string& pa
   if (data == "ascii") return PcdData::kAscii;
   if (data == "binary") return PcdData::kBinary;
   if (data == "binary_compressed") return PcdData::kBinaryCompressed;
-  fail(path, "DATA in the header: expected ascii, binary or binary_compressed, found '{}'",
-       excerpt(data));
+  fail_in_pcd(path, "DATA in the header: expected ascii, binary or binary_compressed, found '{}'",
+              excerpt(data));
 }
 
 }  // namespace

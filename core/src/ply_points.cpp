@@ -14,8 +14,8 @@ namespace hqslam {
 
 namespace {
 
-constexpr std::size_t kMaxFileBytes = std::size_t{1} << 31U;
-constexpr std::size_t kMaxPoints = std::size_t{1} << 26U;  // a large map
+constexpr std::size_t kMaxPlyFileBytes = std::size_t{1} << 31U;
+constexpr std::size_t kMaxPlyPoints = std::size_t{1} << 26U;  // a large map
 constexpr std::size_t kMaxProperties = 200;
 
 struct TypeName {
@@ -40,8 +40,8 @@ struct Header {
   std::size_t data_at = 0;
 };
 
-[[noreturn]] void fail(const std::string& path, const std::string& expected,
-                       std::string_view found) {
+[[noreturn]] void fail_in_ply(const std::string& path, const std::string& expected,
+                              std::string_view found) {
   throw Error("{}: expected {}, found '{}'; give a .ply file of points", path, expected,
               excerpt(found));
 }
@@ -52,7 +52,7 @@ void add_property(Header& header, const std::vector<std::string_view>& words,
     return words.size() == 3 && (known.name == words[1] || known.other_name == words[1]);
   });
   if (type == kTypes.end() || header.properties.size() >= kMaxProperties) {
-    fail(path, "a property TYPE NAME of a point", line);
+    fail_in_ply(path, "a property TYPE NAME of a point", line);
   }
   header.properties.push_back({std::string(words[2]), type->stored, header.point_bytes});
   header.point_bytes += type->stored.bytes;
@@ -70,43 +70,44 @@ Header read_header(std::string_view file, const std::string& path) {
     at = end + 1;
     const std::vector<std::string_view> words = words_of(line);
     if (line_number == 0) {
-      if (words.size() != 1 || words[0] != "ply") fail(path, "a file that begins with 'ply'", line);
+      if (words.size() != 1 || words[0] != "ply")
+        fail_in_ply(path, "a file that begins with 'ply'", line);
     } else if (words.empty() || words[0] == "comment" || words[0] == "obj_info") {
       continue;
     } else if (words[0] == "format") {
       header.ascii = words.size() > 1 && words[1] == "ascii";
       known_format = header.ascii || (words.size() > 1 && words[1] == "binary_little_endian");
-      if (!known_format) fail(path, "format ascii or binary_little_endian", line);
+      if (!known_format) fail_in_ply(path, "format ascii or binary_little_endian", line);
     } else if (words[0] == "element") {
       behind_vertex = behind_vertex || in_vertex;
       in_vertex = words.size() == 3 && words[1] == "vertex" && !behind_vertex;
-      if (!in_vertex && !behind_vertex) fail(path, "the points as the first element", line);
+      if (!in_vertex && !behind_vertex) fail_in_ply(path, "the points as the first element", line);
       if (!in_vertex) continue;
       const auto points = number_from<std::size_t>(words[2]);
-      if (!points || *points > kMaxPoints) {
-        fail(path, fmt::format("a number of points up to {}", kMaxPoints), line);
+      if (!points || *points > kMaxPlyPoints) {
+        fail_in_ply(path, fmt::format("a number of points up to {}", kMaxPlyPoints), line);
       }
       header.points = *points;
     } else if (words[0] == "property") {
       if (in_vertex && !behind_vertex) add_property(header, words, path, line);
     } else if (words[0] == "end_header") {
-      if (!known_format) fail(path, "a line 'format'", "none");
+      if (!known_format) fail_in_ply(path, "a line 'format'", "none");
       header.data_at = at;
       for (std::size_t i = 0; header.ascii && i < header.properties.size(); ++i) {
         header.properties[i].offset = i;
       }
       return header;
     } else {
-      fail(path, "a line of a .ply header", line);
+      fail_in_ply(path, "a line of a .ply header", line);
     }
   }
-  fail(path, "a header that ends with 'end_header'", "its end");
+  fail_in_ply(path, "a header that ends with 'end_header'", "its end");
 }
 
 }  // namespace
 
 RawPoints read_ply_points(const std::string& path) {
-  const std::string file = whole_file(path, "a .ply file", kMaxFileBytes);
+  const std::string file = whole_file(path, "a .ply file", kMaxPlyFileBytes);
   const Header header = read_header(file, path);
   const std::string_view data = std::string_view(file).substr(header.data_at);
   const PointFields fields = point_fields(header.properties, path, "properties");
@@ -120,8 +121,8 @@ RawPoints read_ply_points(const std::string& path) {
     return points;
   }
   if (header.points > data.size() / header.point_bytes) {
-    fail(path, fmt::format("{} points of {} bytes", header.points, header.point_bytes),
-         fmt::format("{} bytes", data.size()));
+    fail_in_ply(path, fmt::format("{} points of {} bytes", header.points, header.point_bytes),
+                fmt::format("{} bytes", data.size()));
   }
   RawPoints points(fields, header.points);
   for (std::size_t i = 0; i < header.points; ++i) {

@@ -18,7 +18,7 @@ namespace hqslam {
 
 namespace {
 
-constexpr std::size_t kMaxFileBytes = 256U << 20U;
+constexpr std::size_t kMaxStampsFileBytes = 256U << 20U;
 
 std::optional<double> number(std::string_view text) {
   const auto value = number_from<double>(text);
@@ -61,7 +61,7 @@ double seconds_of(double value) {
 }  // namespace
 
 std::vector<double> read_stamps_s(const std::string& path) {
-  const std::string file = whole_file(path, "a file of stamps", kMaxFileBytes);
+  const std::string file = whole_file(path, "a file of stamps", kMaxStampsFileBytes);
   std::vector<double> stamps_s;
   std::size_t line_number = 0;
   for (std::string_view rest = file; !rest.empty();) {

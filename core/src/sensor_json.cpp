@@ -19,7 +19,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t kMaxFileBytes = 16U << 20U;
+constexpr std::size_t kMaxSensorFileBytes = 16U << 20U;
 
 double radians(double degrees) { return degrees * std::numbers::pi / 180.0; }
 
@@ -137,7 +137,7 @@ SensorModel sensor_from_json(const std::string& text, const std::string& source)
 }
 
 SensorModel read_sensor_json(const std::string& path) {
-  return sensor_from_json(whole_file(path, "a sensor's .json file", kMaxFileBytes), path);
+  return sensor_from_json(whole_file(path, "a sensor's .json file", kMaxSensorFileBytes), path);
 }
 
 std::string sensor_json(const SensorModel& sensor) {

@@ -15,7 +15,7 @@ namespace hqslam {
 
 namespace {
 
-constexpr std::size_t kMaxFileBytes = std::size_t{1} << 29U;
+constexpr std::size_t kMaxTextFileBytes = std::size_t{1} << 29U;
 constexpr std::size_t kMaxColumns = 100;
 constexpr std::string_view kSeparators = " \t\r,;";
 
@@ -40,7 +40,7 @@ std::vector<PointField> usual_columns(std::size_t count) {
 }  // namespace
 
 RawPoints read_text_points(const std::string& path) {
-  const std::string file = whole_file(path, "a .txt or .csv file of points", kMaxFileBytes);
+  const std::string file = whole_file(path, "a .txt or .csv file of points", kMaxTextFileBytes);
   std::vector<PointField> columns;
   PointFields fields;
   std::optional<RawPoints> points;

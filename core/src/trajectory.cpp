@@ -17,7 +17,7 @@ namespace hqslam {
 
 namespace {
 
-constexpr std::size_t kMaxFileBytes = 128U << 20U;  // more than a million poses
+constexpr std::size_t kMaxTrajectoryFileBytes = 128U << 20U;  // more than a million poses
 constexpr std::size_t kTumColumns = 8;
 constexpr std::size_t kKittiColumns = 12;
 /// How far a rotation read from rounded numbers may be from a rotation.
@@ -111,7 +111,7 @@ StampedPose kitti_pose(const Row& row, double stamp_s, const std::string& path) 
 /// The poses of a file, each made from its line as it is met: '#' comments and empty lines are left
 /// out. Without a form the first line of numbers tells it.
 TrajectoryFile parsed(const std::string& path, std::optional<Form> form, double period_s) {
-  const std::string file = whole_file(path, "a trajectory", kMaxFileBytes);
+  const std::string file = whole_file(path, "a trajectory", kMaxTrajectoryFileBytes);
   Trajectory trajectory;
   std::string_view rest = file;
   for (int line = 1; !rest.empty(); ++line) {

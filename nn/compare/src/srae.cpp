@@ -16,10 +16,10 @@ namespace hqslam::nn {
 namespace {
 
 constexpr int kLevels = 5;
-constexpr float kEpsilon = 1e-3F;  // Keras' batch norm
+constexpr float kBatchNormEpsilon = 1e-3F;  // Keras' batch norm
 
 /// Adds layers to a graph; every function returns the number of its result.
-struct Builder {
+struct SraeBuilder {
   LayerGraph graph;
   Purpose purpose;
 
@@ -30,13 +30,14 @@ struct Builder {
     options.start_limit = std::numbers::sqrt3_v<float> * std::sqrt(2.0F / taps);
     if (purpose == Purpose::kLifting) {
       options.negative_slope = 0.0F;
-      return graph.add(
-          name, make_normalised_convolution(options, kEpsilon, graph.shape(from), graph.engine()),
-          {from}, dropout);
+      return graph.add(name,
+                       make_normalised_convolution(options, kBatchNormEpsilon, graph.shape(from),
+                                                   graph.engine()),
+                       {from}, dropout);
     }
     const int sums = graph.add(name + ".convolution", options, {from});
-    return graph.add(name + ".norm", make_batch_norm(kEpsilon, 0.0F, graph.shape(sums)), {sums},
-                     dropout);
+    return graph.add(name + ".norm", make_batch_norm(kBatchNormEpsilon, 0.0F, graph.shape(sums)),
+                     {sums}, dropout);
   }
 
   int up(const std::string& name, int channels, int stride_columns, int from) {
@@ -100,7 +101,7 @@ LayerGraph Srae::graph(const NetworkDescription& d, int columns, Purpose purpose
                        const Engine& engine) const {
   const int upscaling = d.measured_rows.stride;
   const TensorShape input{1, d.sensor.rows() / upscaling, columns, ColumnPadding::kZero};
-  Builder build{LayerGraph(input, engine), purpose};
+  SraeBuilder build{LayerGraph(input, engine), purpose};
   LayerGraph& graph = build.graph;
   int x = 0;
   for (int i = 0; 1 << i < upscaling; ++i) {

@@ -13,7 +13,7 @@
 namespace hqslam::nn {
 namespace {
 
-constexpr float kEpsilon = 1e-6F;
+constexpr float kLayerNormEpsilon = 1e-6F;
 constexpr float kHeadSlope = 0.01F;
 
 /// Uniform starting values with this standard deviation.
@@ -24,14 +24,14 @@ float limit_of_taps(int taps) {
 }
 
 /// Adds layers to a graph; every function returns the number of its result.
-struct Builder {
+struct TulipBuilder {
   const TulipShape& shape;
   LayerGraph graph;
 
   int channels(int from) const { return graph.shape(from).channels; }
 
   int norm(const std::string& name, int from) {
-    return graph.add(name, make_layer_norm(kEpsilon, graph.shape(from)), {from});
+    return graph.add(name, make_layer_norm(kLayerNormEpsilon, graph.shape(from)), {from});
   }
 
   /// inputs: one, and what is added.
@@ -138,7 +138,7 @@ void Tulip::validate(const NetworkDescription& d) const {
 LayerGraph Tulip::graph(const NetworkDescription& d, int columns, Purpose /*purpose*/,
                         const Engine& engine) const {
   const TensorShape input{1, d.sensor.rows() / d.measured_rows.stride, columns};
-  Builder build{shape_, LayerGraph(input, engine)};
+  TulipBuilder build{shape_, LayerGraph(input, engine)};
   LayerGraph& graph = build.graph;
   const int stages = static_cast<int>(shape_.heads.size());
   int x = graph.add("patch_embed.proj",

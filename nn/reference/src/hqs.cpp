@@ -11,15 +11,15 @@
 namespace hqslam::nn::reference {
 namespace {
 
-struct Measured {
+struct MeasuredAround {
   Image above;   ///< of each pixel the measured range in the row above it ...
   Image below;   ///< ... and below it; in a measured row both are its own, L
   Image linear;  ///< interpolated linearly between them
 };
 
-Measured measured(const Run& run, bool circular) {
+MeasuredAround measured_around(const Run& run, bool circular) {
   const Image empty(1, run.rows(), run.columns(), circular);
-  Measured m{empty, empty, empty};
+  MeasuredAround m{empty, empty, empty};
   const double scale_m = run.description.range_scale_m;
   for (int y = 0; y < run.rows(); ++y) {
     const Between at = between(run, y);
@@ -89,7 +89,7 @@ void run_hqs(Run& run) {
   const bool du_or = run.network["kind"] == "du-or";  // otherwise Simple DU
   const double scale_m = run.description.range_scale_m;
   const int layers = run.network["layers"];
-  const Measured m = measured(run, du_or);
+  const MeasuredAround m = measured_around(run, du_or);
   Image z = m.linear;                                          // Z0 = Y0: L interpolated ...
   if (!du_or) z = Image(1, run.rows(), run.columns(), false);  // ... or nothing
   Image y = z;

@@ -22,7 +22,7 @@ constexpr double kMost_m = 0.05;
 /// them.
 constexpr double kShakeAlong = 0.3;
 constexpr double kShakeAbout = 0.0097;
-constexpr double kNewShare = 0.05;
+constexpr double kNewJoltShare = 0.05;
 constexpr double kShare_per_m = 0.0135;
 /// Roll and pitch by beams that are off.
 constexpr double kLean_rad2_per_m = 5e-4 * 5e-4;
@@ -60,7 +60,7 @@ Drift::Drift(const SensorModel& sensor)
 void Drift::learn(const Twist& velocity) {
   if (velocity_) {
     const Vector6 unforeseen = scan_period_s_ * (vector_of(velocity) - vector_of(*velocity_));
-    jolts_ += kNewShare * (unforeseen.cwiseAbs2() - jolts_);
+    jolts_ += kNewJoltShare * (unforeseen.cwiseAbs2() - jolts_);
   }
   velocity_ = velocity;
 }

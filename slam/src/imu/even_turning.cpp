@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::size_t kKnots = 65;
 
-Eigen::Quaterniond exponential_of(const Eigen::Vector3d& turn_rad) {
+Eigen::Quaterniond quaternion_of(const Eigen::Vector3d& turn_rad) {
   const double angle_rad = turn_rad.norm();
   if (angle_rad < 1e-12) return Eigen::Quaterniond::Identity();
   return Eigen::Quaterniond(Eigen::AngleAxisd(angle_rad, turn_rad / angle_rad));
@@ -26,7 +26,7 @@ Eigen::Quaterniond turn_until(const std::vector<ImuStep>& steps, const Eigen::Ve
   Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();
   for (const ImuStep& step : steps) {
     const double duration_s = std::min(step.duration_s, time_s);
-    turn = turn * exponential_of(duration_s * (step.angular_rate_rad_per_s - bias));
+    turn = turn * quaternion_of(duration_s * (step.angular_rate_rad_per_s - bias));
     time_s -= duration_s;
     if (time_s <= 0.0) break;
   }
@@ -44,7 +44,7 @@ EvenTurning::EvenTurning(const std::vector<ImuStep>& scan, double before_stamp_s
   const Eigen::Quaterniond to_stamp = turn_until(scan, bias, before_stamp_s).conjugate();
   for (std::size_t knot = 0; knot < kKnots; ++knot) {
     const double since_s = duration_s_ * static_cast<double>(knot) / (kKnots - 1);
-    const Eigen::Quaterniond turn = exponential_of(-(begin_s_ + since_s) * mean_rate_rad_per_s_) *
+    const Eigen::Quaterniond turn = quaternion_of(-(begin_s_ + since_s) * mean_rate_rad_per_s_) *
                                     to_stamp * turn_until(scan, bias, since_s);
     turn_rad_.emplace_back(logarithm_of(turn).cast<float>());
   }

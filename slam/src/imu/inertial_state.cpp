@@ -36,7 +36,7 @@ constexpr double kAccelerometerWalk = 3e-3;   // m/s^3/rtHz
 constexpr double kRegistration_m = 0.02;
 constexpr double kRegistration_rad = 4e-3;
 
-Matrix3d exponential_of(const Vector3d& turn_rad) {
+Matrix3d turned_by(const Vector3d& turn_rad) {
   const double angle_rad = turn_rad.norm();
   if (angle_rad < 1e-12) return Matrix3d::Identity();
   return Eigen::AngleAxisd(angle_rad, turn_rad / angle_rad).toRotationMatrix();
@@ -74,7 +74,7 @@ void advance(MotionState& state, InertialState& inertial, const ImuStep& step) {
   add_variance(inertial.covariance, kGyroscope, t_s * kGyroscopeWalk * kGyroscopeWalk);
   add_variance(inertial.covariance, kAccelerometer, t_s * kAccelerometerWalk * kAccelerometerWalk);
 
-  const Matrix3d turn = exponential_of(t_s * rate);
+  const Matrix3d turn = turned_by(t_s * rate);
   const Vector3d acceleration = force + gravity;
   state.T_map_sensor.translation() += t_s * (R * (velocity + 0.5 * t_s * acceleration));
   state.T_map_sensor.linear() = R * turn;

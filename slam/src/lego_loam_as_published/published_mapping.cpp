@@ -20,14 +20,14 @@ constexpr double kSurfaceLeaf_m = 0.4;
 constexpr double kReach_m = 1.0;
 constexpr std::size_t kMinMapEdges = 10;
 constexpr std::size_t kMinMapSurfaces = 100;
-constexpr int kMinCorrespondences = 50;
-constexpr int kIterations = 10;
-constexpr double kMinEigenvalue = 100.0;
-constexpr double kWeightFall = 0.9;
+constexpr int kMinMapCorrespondences = 50;
+constexpr int kMapIterations = 10;
+constexpr double kMinMapEigenvalue = 100.0;
+constexpr double kMapWeightFall = 0.9;
 constexpr double kMaxPlaneResidual_m = 0.2;
 constexpr double kLineShare = 3.0;
-constexpr double kConverged_deg = 0.05;
-constexpr double kConverged_m = 0.0005;
+constexpr double kMapConverged_deg = 0.05;
+constexpr double kMapConverged_m = 0.0005;
 constexpr double kKeyframe_m = 0.3;
 
 std::vector<Eigen::Vector3f> thinned(const std::vector<Eigen::Vector3f>& points_m, double leaf_m) {
@@ -52,7 +52,7 @@ std::optional<WeightedDistance> from_edges(const FeatureMap& map, const Eigen::V
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(covariance);
   if (!(eigen.eigenvalues()(2) > kLineShare * eigen.eigenvalues()(1))) return std::nullopt;
   const WeightedDistance line = distance_from_line(p, mean, mean + eigen.eigenvectors().col(2));
-  const double weight = 1.0 - kWeightFall * line.distance_m;
+  const double weight = 1.0 - kMapWeightFall * line.distance_m;
   return weight > kMinWeight ? std::optional(weighed(line, weight)) : std::nullopt;
 }
 
@@ -71,7 +71,7 @@ std::optional<WeightedDistance> from_surfaces(const FeatureMap& map, const Eigen
   if (((q * normal).array() + offset_m).abs().maxCoeff() > kMaxPlaneResidual_m) return std::nullopt;
   const double distance_m = normal.dot(p) + offset_m;
   // The program's defect: p is in the frame of the map.
-  const double weight = 1.0 - kWeightFall * std::abs(distance_m) / std::sqrt(p.norm());
+  const double weight = 1.0 - kMapWeightFall * std::abs(distance_m) / std::sqrt(p.norm());
   return weight > kMinWeight ? std::optional(weighed({normal, distance_m}, weight)) : std::nullopt;
 }
 
@@ -112,8 +112,8 @@ void PublishedMapping::match(const std::vector<Eigen::Vector3f>& edges_m,
   if (edge_map.size() <= kMinMapEdges || surface_map.size() <= kMinMapSurfaces) return;
 
   Parameters parameters = parameters_of(T_map_end_);
-  PublishedSteps<6> steps(1.0, kMinEigenvalue);
-  for (int iteration = 0; iteration < kIterations; ++iteration) {
+  PublishedSteps<6> steps(1.0, kMinMapEigenvalue);
+  for (int iteration = 0; iteration < kMapIterations; ++iteration) {
     const Pose T_map_end = pose_of(parameters);
     const std::array<Eigen::Matrix3d, 3> dR = rotation_derivatives(parameters);
     int used = 0;
@@ -132,11 +132,11 @@ void PublishedMapping::match(const std::vector<Eigen::Vector3f>& edges_m,
       const Eigen::Vector3d p = point_m.cast<double>();
       if (const auto match = from_surfaces(surface_map, T_map_end * p)) add(p, *match);
     }
-    if (used < kMinCorrespondences) break;
+    if (used < kMinMapCorrespondences) break;
     const Parameters step = steps.take();
     parameters += step;
-    if (step.head<3>().norm() * 180.0 / std::numbers::pi < kConverged_deg &&
-        step.tail<3>().norm() < kConverged_m) {
+    if (step.head<3>().norm() * 180.0 / std::numbers::pi < kMapConverged_deg &&
+        step.tail<3>().norm() < kMapConverged_m) {
       break;
     }
   }

@@ -66,7 +66,7 @@ struct MapDescription {
   }
   /// Of [x, y, yaw], which must not be turned.
   Eigen::Vector2d origin_m() const {
-    constexpr double kFarthest_m = 1e7;
+    constexpr double kFarthestOrigin_m = 1e7;
     std::array<double, 3> values{};
     const std::string& list = text("origin");
     const char* at = list.data();
@@ -74,7 +74,7 @@ struct MapDescription {
     for (double& value : values) {
       while (at != end && (*at == '[' || *at == ',' || *at == ' ')) ++at;
       const auto read = std::from_chars(at, end, value);
-      if (read.ec != std::errc() || !(std::abs(value) <= kFarthest_m)) {
+      if (read.ec != std::errc() || !(std::abs(value) <= kFarthestOrigin_m)) {
         fail("origin", "[x, y, yaw] in metres and radians");
       }
       at = read.ptr;

@@ -209,7 +209,7 @@ void evaluate_grids(const std::vector<std::string>& paths, const TrueDrive& driv
   }
 }
 
-constexpr const char* kDefinitions =
+constexpr const char* kMapDefinitions =
     R"(Definitions
   true surface  what stands still in the simulated city, and what its windows show along a
                 sensor's line of sight (curtains, rooms, seats). Whoever moves is none.
@@ -236,7 +236,8 @@ Of an occupancy grid, in cells within 20 m of the sensor and things 0.25 to 2 m 
 }  // namespace
 
 void declare_evaluate_map(CLI::App& app, EvaluateMapOptions& options) {
-  add_command(app, "evaluate-map", "Maps of a simulated drive against its true city", kDefinitions)
+  add_command(app, "evaluate-map", "Maps of a simulated drive against its true city",
+              kMapDefinitions)
       .option(
           "MAP", &options.maps,
           "Folders with a dense_map.pcd (of hqslam run --dense-map), .pcd files, or an occupancy "

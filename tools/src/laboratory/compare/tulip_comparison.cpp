@@ -22,7 +22,7 @@ namespace {
 
 constexpr int kRows = 64;
 constexpr int kColumns = 1024;
-constexpr int kMeasuredRows = 16;
+constexpr int kTulipMeasuredRows = 16;
 constexpr double kLowest_deg = -24.8;
 constexpr double kRowStep_deg = 26.8 / (kRows - 1);
 constexpr double kColumnStep_deg = 360.0 / kColumns;
@@ -34,7 +34,7 @@ constexpr float kMaxPrediction_m = 80.0F;
 /// TULIP's column of ours and ours of TULIP's: the circle turned over, forward stays at 512.
 int mirrored(int column) { return (kColumns - column) % kColumns; }
 
-bool is_measured(int row) { return selection_for(kRows, kMeasuredRows).contains(row); }
+bool is_measured(int row) { return selection_for(kRows, kTulipMeasuredRows).contains(row); }
 
 double mae_of_computed_rows_m(const RangeImage& image, const RangeImage& truth) {
   double sum_m = 0.0;
@@ -44,7 +44,7 @@ double mae_of_computed_rows_m(const RangeImage& image, const RangeImage& truth) 
       sum_m += std::abs(image.at(row, column) - truth.at(row, column));
     }
   }
-  return sum_m / ((kRows - kMeasuredRows) * kColumns);
+  return sum_m / ((kRows - kTulipMeasuredRows) * kColumns);
 }
 
 }  // namespace
@@ -150,7 +150,7 @@ std::vector<fs::path> scans_of(const CompareOptions& options) {
 
 std::vector<TulipMethod> methods_of(const CompareOptions& options) {
   const SensorModel sensor = tulip_sensor();
-  const RowSelection rows = selection_for(sensor.rows(), kMeasuredRows);
+  const RowSelection rows = selection_for(sensor.rows(), kTulipMeasuredRows);
   std::vector<TulipMethod> methods;
   for (const std::string& name : nn::interpolation_names()) {
     methods.push_back({name, {nn::interpolation_from_name(name), sensor, rows}, {}});

@@ -34,7 +34,7 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(TableTimings, threads, processor, instruction
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::json;
+using SortedJson = nlohmann::json;
 
 constexpr const char* kWrittenBy = "hqslam table";
 
@@ -52,16 +52,16 @@ std::string trajectory_path(const std::string& method, std::size_t loop_closing,
 /// Loop closing off, and on where it was asked for.
 std::size_t trajectories_of(const TableSettings& settings) { return settings.loop_closing ? 2 : 1; }
 
-/// Throws Error or Json::exception for files that are not what save_result wrote.
+/// Throws Error or SortedJson::exception for files that are not what save_result wrote.
 std::optional<TableResult> read_result(const TableSettings& settings, const std::string& folder) {
   std::ifstream stream(json_path(settings.method, folder));
-  const Json json = Json::parse(stream);
-  if (json.at("written_by") != kWrittenBy || json.at("settings") != Json(settings)) {
+  const SortedJson json = SortedJson::parse(stream);
+  if (json.at("written_by") != kWrittenBy || json.at("settings") != SortedJson(settings)) {
     return std::nullopt;
   }
   TableResult result;
   result.settings = settings;
-  const Json& figures = json.at("result");
+  const SortedJson& figures = json.at("result");
   figures.at("images").get_to(result.images);
   figures.at("network").get_to(result.network);
   figures.at("loops_closed").get_to(result.loops_closed);
@@ -82,24 +82,24 @@ void save_result(const TableResult& result, const std::string& folder) {
   std::error_code ignored;
   fs::create_directories(folder, ignored);  // writing says what is wrong
   const std::string& method = result.settings.method;
-  Json hashes;
+  SortedJson hashes;
   for (std::size_t i = 0; i < trajectories_of(result.settings); ++i) {
     const std::string path = trajectory_path(method, i, folder);
     write_tum(result.trajectory[i], path);
     hashes.push_back(content_hash(path));
   }
-  const Json json = {{"written_by", kWrittenBy},
-                     {"settings", result.settings},
-                     {"result",
-                      {{"images", result.images},
-                       {"network", result.network},
-                       {"loops_closed", result.loops_closed},
-                       {"scan_of_pose", result.scan_of_pose},
-                       {"left_out", result.left_out},
-                       {"trajectory_hash", hashes}}},
-                     {"timings", result.timings}};
+  const SortedJson json = {{"written_by", kWrittenBy},
+                           {"settings", result.settings},
+                           {"result",
+                            {{"images", result.images},
+                             {"network", result.network},
+                             {"loops_closed", result.loops_closed},
+                             {"scan_of_pose", result.scan_of_pose},
+                             {"left_out", result.left_out},
+                             {"trajectory_hash", hashes}}},
+                           {"timings", result.timings}};
   // The trajectories first: a result counts as there when this file and their hashes agree.
-  write_text_file(json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n",
+  write_text_file(json.dump(2, ' ', false, SortedJson::error_handler_t::replace) + "\n",
                   json_path(method, folder));
 }
 
@@ -108,7 +108,7 @@ std::optional<TableResult> load_result(const TableSettings& settings, const std:
     return read_result(settings, folder);
   } catch (const Error&) {
     return std::nullopt;
-  } catch (const Json::exception&) {
+  } catch (const SortedJson::exception&) {
     return std::nullopt;
   }
 }
