@@ -237,6 +237,34 @@ for scan in hqslam.DriveSimulator("town", hqslam.load_sensor("os1-16")):
         self.assertIn("KeyboardInterrupt", complaint)
 
 
+class Speed(unittest.TestCase):
+    def test_is_that_of_the_library(self):
+        """What a call adds, against what it does: SLAM's own time of a scan, and a network's call
+        against one that does next to nothing."""
+        slam = hqslam.Slam(SENSOR)
+        network = hqslam.Upsampler(WEIGHTS)
+        nearest = hqslam.Upsampler("nearest", network.sensor, measured_rows=16)
+        taken_s = {"slam": [], "slam inside": [], "network": [], "nearest": []}
+
+        def timed(name, work):
+            start_s = time.perf_counter()
+            result = work()
+            taken_s[name].append(time.perf_counter() - start_s)
+            return result
+
+        for scan in DRIVE:
+            cloud = hqslam.unproject(scan.range_m, SENSOR)
+            report = timed("slam", lambda: slam.process(cloud, scan.stamp_s))
+            taken_s["slam inside"].append(report.time_s)
+            timed("network", lambda: network.run(scan.range_m))
+            timed("nearest", lambda: nearest.run(scan.range_m))
+        median_s = {name: np.median(times) for name, times in taken_s.items()}
+        added_s = np.median(np.subtract(taken_s["slam"], taken_s["slam inside"]))
+        print({name: f"{1e3 * s:.3f} ms" for name, s in {**median_s, "added": added_s}.items()})
+        self.assertLess(added_s, 0.05 * median_s["slam"])
+        self.assertLess(median_s["nearest"], 0.05 * median_s["network"])
+
+
 class Documentation(unittest.TestCase):
     def test_says_shape_and_unit_of_every_array(self):
         for name, member in inspect.getmembers(hqslam):
