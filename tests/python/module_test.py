@@ -144,6 +144,7 @@ class Slam(unittest.TestCase):
         self.assertEqual(trace["pixel_class"].shape, (16, 1024))
         features = len(trace["features.kind"])
         self.assertEqual(trace["features.point_m"].shape, (features, 3))
+        self.assertEqual(set(trace["features.kind"]), {0, 1, 2, 3})
         self.assertEqual(trace["features.is_matched"].dtype, bool)
         distance_m = np.linalg.norm(trace["features.point_m"], axis=1)
         self.assertGreater(distance_m.min(), 0.4)
