@@ -58,12 +58,15 @@ Shown owned(std::vector<T> values, std::initializer_list<std::size_t> shape) {
   kept.release();
   return Shown(data, shape, owner);
 }
+/// Of a property that gives such an array; others look at the object that they are of.
+inline constexpr auto kOwned = nb::rv_policy::reference;
 
 using Matrix4 = Eigen::Matrix<double, 4, 4, Eigen::RowMajor>;
 using Matrix6 = Eigen::Matrix<double, 6, 6, Eigen::RowMajor>;
 inline Matrix4 matrix_of(const Pose& pose) { return pose.matrix(); }
 /// Throws Error unless it is a rigid transform.
 Pose pose_of(const Matrix4& matrix);
+PoseList pose_list(const std::vector<Pose>& poses);
 
 /// An object that serves one thread at a time. While it works other threads of Python go on, and
 /// those that call it wait for their turn.

@@ -53,6 +53,11 @@ void make_upsampler(Upsampling* self, const std::filesystem::path& weights,
   }
 }
 
+const nn::RecalledImage& or_nothing(const nn::RecalledImage* recalled) {
+  static const nn::RecalledImage nothing;
+  return recalled != nullptr ? *recalled : nothing;
+}
+
 void add_super_resolver(nb::module_& module) {
   using namespace nb::literals;
   nb::class_<nn::LiftedImage>(module, "LiftedImage", "A scan with all rows.")
@@ -123,20 +128,23 @@ void add_lifting(nb::module_& module) {
            "better. threads, least_confidence: as SuperResolver. Raises Error.")
       .def(
           "run",
-          [](Upsampling& upsampler, const ImageInput& range_m) {
+          [](Upsampling& upsampler, const ImageInput& range_m, const nn::RecalledImage* recalled) {
             const RangeImage measured = image_of(range_m);
-            return upsampler.call([&](auto& u) { return u.run(measured); });
+            return upsampler.call([&](auto& u) { return u.run(measured, or_nothing(recalled)); });
           },
-          "range_m"_a,
-          "Lifts a range image: (measured rows, columns), metres; 0 is no return. Raises Error.")
+          "range_m"_a, "recalled"_a = nb::none(),
+          "Lifts a range image: (measured rows, columns), metres; 0 is no return. recalled: what "
+          "ScanMemory.recall gave, for weights with a memory. Raises Error.")
       .def(
           "upsampled_cloud",
-          [](Upsampling& upsampler, const OrganizedCloud& measured) {
-            return upsampler.call([&](auto& u) { return nn::upsampled_cloud(u, measured); });
+          [](Upsampling& upsampler, const OrganizedCloud& measured,
+             const nn::RecalledImage* recalled) {
+            return upsampler.call(
+                [&](auto& u) { return nn::upsampled_cloud(u, measured, or_nothing(recalled)); });
           },
-          "measured"_a,
+          "measured"_a, "recalled"_a = nb::none(),
           "Lifts a scan: measured points and times stay as recorded, computed ones come between "
-          "them, with their confidence. Raises Error.")
+          "them, with their confidence. recalled: as run. Raises Error.")
       .def("upsampled_cloud", lift_points, "points_m"_a, "row"_a = nb::none(),
            "time_offset_s"_a = nb::none(), "The same for points as project takes them.")
       .def_prop_ro("sensor", &ask<&nn::Upsampler::sensor, nn::Upsampler>,

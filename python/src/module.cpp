@@ -18,6 +18,7 @@ NB_MODULE(_hqslam, module) {
   add_scans(module);
   add_recordings(module);
   add_trajectories(module);
+  add_scan_memory(module);
   add_lifting(module);
   add_slam(module);
   add_evaluation(module);

@@ -9,6 +9,7 @@ void add_sensors(nanobind::module_& module);
 void add_scans(nanobind::module_& module);
 void add_recordings(nanobind::module_& module);
 void add_trajectories(nanobind::module_& module);
+void add_scan_memory(nanobind::module_& module);
 void add_lifting(nanobind::module_& module);
 void add_slam(nanobind::module_& module);
 void add_evaluation(nanobind::module_& module);

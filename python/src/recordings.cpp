@@ -44,6 +44,7 @@ void add_recordings(nb::module_& module) {
           [](const RecordedScan& r) {
             return owned<ImuList>(std::vector(r.imu), {r.imu.size(), 7});
           },
+          kOwned,
           "(N, 7) float64: what an inertial sensor measured since the scan before, in the LiDAR's "
           "frame: stamp, angular rate x, y, z (rad/s), specific force x, y, z (m/s^2).")
       .def_ro("invalid_points", &RecordedScan::invalid_points,

@@ -43,7 +43,11 @@ void add_simulation(nb::module_& module) {
       .def_ro("stamp_s", &SimulatedScan::stamp_s, "The time of its middle, seconds.")
       .def_prop_ro(
           "T_map_sensor", [](const SimulatedScan& s) { return matrix_of(s.T_map_sensor); },
-          "(4, 4) float64: the true pose at stamp_s; the first scan's is the identity.");
+          "(4, 4) float64: the true pose at stamp_s; the first scan's is the identity.")
+      .def_prop_ro(
+          "T_map_sensor_at_column",
+          [](const SimulatedScan& s) { return pose_list(s.T_map_sensor_at_column); }, kOwned,
+          "(columns, 4, 4) float64: the true pose when each column was measured.");
 
   module.def("drive_preset_names", &sim::drive_preset_names, "The drives there are.");
   nb::class_<Simulator>(

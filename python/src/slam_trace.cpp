@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <string>
+#include <type_traits>
 
 namespace hqslam::python {
 namespace {
@@ -38,7 +39,8 @@ void show_features(TraceArrays<slam::ScanTrace>& shown) {
   const auto& features = shown.trace().features;
   const TracedFeature& first = features.empty() ? none : features.front();
   FeatureArrays arrays(shown);
-  arrays.show("features.kind", reinterpret_cast<const std::int32_t*>(&first.kind));
+  arrays.show("features.kind",
+              reinterpret_cast<const std::underlying_type_t<slam::FeatureKind>*>(&first.kind));
   arrays.show("features.row", &first.row);
   arrays.show("features.column", &first.column);
   arrays.show("features.point_m", &first.point_m);

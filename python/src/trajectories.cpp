@@ -33,11 +33,10 @@ Array<double, -1> stamps_of(const Trajectory& trajectory) {
 }
 
 PoseList poses_of(const Trajectory& trajectory) {
-  std::vector<double> values(16 * trajectory.size());
-  for (std::size_t i = 0; i < trajectory.size(); ++i) {
-    Eigen::Map<Matrix4>(values.data() + 16 * i) = trajectory[i].T_map_sensor.matrix();
-  }
-  return owned<PoseList>(std::move(values), {trajectory.size(), 4, 4});
+  std::vector<Pose> poses;
+  poses.reserve(trajectory.size());
+  for (const StampedPose& pose : trajectory) poses.push_back(pose.T_map_sensor);
+  return pose_list(poses);
 }
 
 template <auto Write>
@@ -56,6 +55,14 @@ Pose pose_of(const Matrix4& matrix) {
   return orthonormalized(Pose(Eigen::Matrix4d(matrix)));
 }
 
+PoseList pose_list(const std::vector<Pose>& poses) {
+  std::vector<double> values(16 * poses.size());
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    Eigen::Map<Matrix4>(values.data() + 16 * i) = poses[i].matrix();
+  }
+  return owned<PoseList>(std::move(values), {poses.size(), 4, 4});
+}
+
 void add_trajectories(nb::module_& module) {
   using namespace nb::literals;
   nb::class_<Trajectory>(module, "Trajectory", "Poses in the order of time.")
@@ -68,8 +75,8 @@ void add_trajectories(nb::module_& module) {
           "stamp_s"_a, "T_map_sensor"_a,
           "stamp_s: (N,), seconds. T_map_sensor: (N, 4, 4), metres. Raises Error.")
       .def("__len__", [](const Trajectory& t) { return t.size(); })
-      .def_prop_ro("stamp_s", &stamps_of, "(N,) float64, seconds.")
-      .def_prop_ro("T_map_sensor", &poses_of,
+      .def_prop_ro("stamp_s", &stamps_of, kOwned, "(N,) float64, seconds.")
+      .def_prop_ro("T_map_sensor", &poses_of, kOwned,
                    "(N, 4, 4) float64: takes points of the sensor's frame to the map's, metres.")
       .def_prop_ro("path_length_m", &path_length_m, "Length of the path, metres.")
       .def("write_tum", &write<write_tum>, "path"_a,

@@ -41,6 +41,8 @@ void ouster_json(Bytes input);
 void velodyne_packets(Bytes input);
 /// The first byte names the lasers, 16 or 32, and the return, whole packets follow.
 void hesai_packets(Bytes input);
+/// A RoboSense's packets: of settings the first one.
+void robosense_packets(Bytes input);
 /// A Hesai's angle file.
 void hesai_angles(Bytes input);
 /// The first byte names the profile, whole packets of so many rows follow.

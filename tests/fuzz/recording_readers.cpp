@@ -9,6 +9,7 @@
 #include "input_file.h"
 #include "ouster_decoder.h"
 #include "readers.h"
+#include "robosense_decoder.h"
 #include "velodyne_decoder.h"
 
 namespace hqslam::fuzz {
@@ -99,6 +100,20 @@ void hesai_packets(Bytes input) {
   std::vector<Scan> scans;
   const std::size_t bytes = lasers == 16 ? 568 : 1080;
   for_each_packet(input.subspan(1), bytes, [&](const Packet& p) { decoder.add(p, scans); });
+  decoder.finish(scans);
+  for (const Scan& scan : scans) project(scan, sensor);
+}
+
+void robosense_packets(Bytes input) {
+  if (input.size() <= kRobosenseBytes) return;
+  const Bytes settings = input.subspan(1, kRobosenseBytes);
+  const RobosenseUnit unit = robosense_unit(settings, (input[0] & 1U) != 0, "fuzzed");
+  SensorModel sensor = unit.sensor;
+  sensor.columns = kColumns;
+  RobosenseDecoder decoder(unit, sensor);
+  std::vector<Scan> scans;
+  for_each_packet(input.subspan(1 + kRobosenseBytes), kRobosenseBytes,
+                  [&](const Packet& p) { decoder.add(p, scans); });
   decoder.finish(scans);
   for (const Scan& scan : scans) project(scan, sensor);
 }

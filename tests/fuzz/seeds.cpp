@@ -198,6 +198,14 @@ void put_recordings() {
     put("hesai_packets", std::to_string(kind), input);
     put("pcap", "hesai" + std::to_string(kind) + ".pcap", test::pcap_bytes(hesai));
   }
+  for (int kind = 0; kind < 4; ++kind) {
+    const test::Robosense sensor = {kind != 0, kind < 2 ? 16 : 32, kind % 2 == 1};
+    const std::vector<test::Captured> robosense = test::robosense_capture(sensor, 0.004);
+    std::string input(1, static_cast<char>(sensor.helios));
+    for (const test::Captured& packet : robosense) input += text_of(packet.payload);
+    put("robosense_packets", std::to_string(kind), input);
+    put("pcap", "robosense" + std::to_string(kind) + ".pcap", test::pcap_bytes(robosense));
+  }
   std::string angles = "Channel,Elevation,Azimuth\n";
   for (int i = 0; i < 16; ++i) angles += fmt::format("{},{},0.1\n", i + 1, 15 - 2 * i);
   put("hesai_angles", "xt16", angles);

@@ -60,6 +60,36 @@ class Arrays(unittest.TestCase):
         np.testing.assert_array_equal(again.points_m, cloud.points_m)
 
 
+    def test_of_a_trajectory_are_those_that_it_was_made_of(self):
+        stamps = np.array([scan.stamp_s for scan in DRIVE])
+        poses = np.stack([scan.T_map_sensor for scan in DRIVE])
+        trajectory = hqslam.Trajectory(stamps, poses)
+        kept = trajectory.T_map_sensor
+        np.testing.assert_array_equal(trajectory.stamp_s, stamps)
+        del trajectory
+        np.testing.assert_allclose(kept, poses, atol=1e-12)
+        self.assertEqual(DRIVE[0].T_map_sensor_at_column.shape, (1024, 4, 4))
+
+
+class Recordings(unittest.TestCase):
+    def test_give_what_the_sensor_measured(self):
+        with tempfile.TemporaryDirectory() as folder:
+            command = [hqslam.program, "simulate", "--drive", "block", "--sensor", "os1-16"]
+            command += ["--scans", "2", "--imu", "--out", "drive"]
+            subprocess.run(command, cwd=folder, check=True, capture_output=True)
+            recording = hqslam.open_recording(Path(folder) / "drive")
+            self.assertEqual(recording.size, 2)
+            scans = list(recording)
+        self.assertEqual(len(scans), 2)
+        np.testing.assert_array_equal(scans[1].cloud.range_m, DRIVE[1].range_m)
+        intensity = scans[1].cloud.intensity
+        self.assertEqual(intensity.shape, (16, 1024))
+        self.assertTrue(np.isfinite(intensity[scans[1].cloud.range_m > 0]).all())
+        self.assertEqual(scans[1].imu.shape[1], 7)
+        lifted = hqslam.Upsampler(WEIGHTS).upsampled_cloud(scans[1].cloud)
+        self.assertEqual(lifted.intensity.shape, (64, 1024))
+
+
 class Errors(unittest.TestCase):
     def test_are_one_line_that_says_what_was_expected(self):
         for wrong in (
@@ -114,6 +144,7 @@ class Slam(unittest.TestCase):
         self.assertEqual(trace["pixel_class"].shape, (16, 1024))
         features = len(trace["features.kind"])
         self.assertEqual(trace["features.point_m"].shape, (features, 3))
+        self.assertEqual(set(trace["features.kind"]), {0, 1, 2, 3})
         self.assertEqual(trace["features.is_matched"].dtype, bool)
         distance_m = np.linalg.norm(trace["features.point_m"], axis=1)
         self.assertGreater(distance_m.min(), 0.4)
@@ -149,6 +180,32 @@ class Lifting(unittest.TestCase):
         self.assertGreater(len(trace), 10)
 
 
+    def test_recalls_what_earlier_scans_measured(self):
+        upsampler = hqslam.Upsampler(hqslam.weights("du-mix-memory_os1_16to64"))
+        memory = hqslam.ScanMemory(upsampler.sensor)
+        for scan in hqslam.DriveSimulator("block", hqslam.load_sensor("os1-64"), scans=8):
+            measured_m = scan.range_m[upsampler.sensor.measured_rows]
+            recalled = memory.recall(measured_m, scan.T_map_sensor_at_column)
+            cloud = hqslam.unproject(measured_m, upsampler.measured_sensor)
+            memory.insert(cloud, scan.T_map_sensor_at_column, scan.stamp_s)
+        both = (recalled.range_m > 0) & (scan.range_m > 0) & (recalled.weight > 0)
+        self.assertGreater(both.sum(), 10000)
+        self.assertLess(np.median(np.abs(recalled.range_m - scan.range_m)[both]), 0.05)
+        lifted = upsampler.run(measured_m, recalled)
+        error_m = [
+            np.abs(image.range_m - scan.range_m)[scan.range_m > 0].mean()
+            for image in (lifted, upsampler.run(measured_m))
+        ]
+        self.assertLess(error_m[0], error_m[1])
+        with_memory = upsampler.upsampled_cloud(cloud, recalled)
+        np.testing.assert_array_equal(with_memory.range_m > 0, lifted.range_m > 0)
+        memory.clear()
+        nothing = memory.recall(measured_m, np.eye(4)).range_m
+        self.assertEqual(nothing.size, 0)
+        with self.assertRaises(hqslam.Error):
+            memory.recall(measured_m, np.eye(3))
+
+
 class Threads(unittest.TestCase):
     def test_go_on_beside_a_call(self):
         upsampler = hqslam.Upsampler(WEIGHTS, threads=1)
@@ -179,6 +236,34 @@ for scan in hqslam.DriveSimulator("town", hqslam.load_sensor("os1-16")):
         drive.send_signal(signal.SIGINT)
         _, complaint = drive.communicate(timeout=60)
         self.assertIn("KeyboardInterrupt", complaint)
+
+
+class Speed(unittest.TestCase):
+    def test_is_that_of_the_library(self):
+        """What a call adds, against what it does: SLAM's own time of a scan, and a network's call
+        against one that does next to nothing."""
+        slam = hqslam.Slam(SENSOR)
+        network = hqslam.Upsampler(WEIGHTS)
+        nearest = hqslam.Upsampler("nearest", network.sensor, measured_rows=16)
+        taken_s = {"slam": [], "slam inside": [], "network": [], "nearest": []}
+
+        def timed(name, work):
+            start_s = time.perf_counter()
+            result = work()
+            taken_s[name].append(time.perf_counter() - start_s)
+            return result
+
+        for scan in DRIVE:
+            cloud = hqslam.unproject(scan.range_m, SENSOR)
+            report = timed("slam", lambda: slam.process(cloud, scan.stamp_s))
+            taken_s["slam inside"].append(report.time_s)
+            timed("network", lambda: network.run(scan.range_m))
+            timed("nearest", lambda: nearest.run(scan.range_m))
+        median_s = {name: np.median(times) for name, times in taken_s.items()}
+        added_s = np.median(np.subtract(taken_s["slam"], taken_s["slam inside"]))
+        print({name: f"{1e3 * s:.3f} ms" for name, s in {**median_s, "added": added_s}.items()})
+        self.assertLess(added_s, 0.05 * median_s["slam"])
+        self.assertLess(median_s["nearest"], 0.05 * median_s["network"])
 
 
 class Documentation(unittest.TestCase):

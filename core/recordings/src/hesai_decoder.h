@@ -54,11 +54,10 @@ class HesaiDecoder : public TurnDecoder {
     double cos_elevation, sin_elevation, cos_offset, sin_offset;  ///< offset clockwise
     double time_s;                                                ///< after the block's begin
   };
-  bool take_time(const HesaiPacket& said, std::int64_t capture_ns, std::vector<Scan>& completed);
   void add_points(Bytes payload, int block, bool dual, double start_s);
 
   std::vector<Laser> lasers_;
-  std::optional<HesaiPacket> last_;
+  std::optional<std::uint32_t> last_number_;  ///< of the packet before
 };
 
 /// Throws Error unless the sensor has 16 or 32 rows.

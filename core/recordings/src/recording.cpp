@@ -30,6 +30,9 @@ std::unique_ptr<StreamSource> open_stream_of(const std::string& path, const Open
   if (kind == StreamKind::kHesaiPackets) {
     return open_hesai(std::move(reader), options, with_points);
   }
+  if (kind == StreamKind::kRobosensePackets) {
+    return open_robosense(std::move(reader), options, with_points);
+  }
   if (kind == StreamKind::kOusterPackets) {
     return open_ouster(std::move(reader), options, with_points);
   }

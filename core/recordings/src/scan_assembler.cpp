@@ -11,6 +11,7 @@
 #include "imu_queue.h"
 #include "ouster_decoder.h"
 #include "ouster_imu.h"
+#include "robosense_decoder.h"
 #include "velodyne_decoder.h"
 
 namespace hqslam::recordings {
@@ -120,6 +121,13 @@ std::unique_ptr<ScanAssembler> hesai_assembler(const SensorModel& sensor, std::s
                                                const VelodyneOptions& options) {
   return std::make_unique<PointAssembler<HesaiDecoder>>(sensor, std::move(name),
                                                         HesaiDecoder(sensor, options));
+}
+
+std::unique_ptr<ScanAssembler> robosense_assembler(const RobosenseUnit& unit,
+                                                   const SensorModel& sensor, std::string name,
+                                                   const VelodyneOptions& options) {
+  return std::make_unique<PointAssembler<RobosenseDecoder>>(
+      sensor, std::move(name), RobosenseDecoder(unit, sensor, options));
 }
 
 std::unique_ptr<ScanAssembler> ouster_assembler(const OusterMetadata& metadata, std::string name,

@@ -6,6 +6,7 @@
 
 #include "hqslam/core/error.h"
 #include "message_packets.h"
+#include "robosense_decoder.h"
 
 namespace hqslam::recordings {
 
@@ -21,6 +22,7 @@ double seconds_apart(std::int64_t a_ns, std::int64_t b_ns) {
 
 bool has_scans(const Stream& stream) {
   return stream.kind == StreamKind::kVelodynePackets || stream.kind == StreamKind::kHesaiPackets ||
+         stream.kind == StreamKind::kRobosensePackets ||
          stream.kind == StreamKind::kOusterPackets || stream.kind == StreamKind::kPointClouds;
 }
 
@@ -72,6 +74,12 @@ StreamReader::StreamReader(const std::string& path, const std::string& wanted)
   }
 }
 
+const std::vector<std::uint8_t>& StreamReader::robosense_settings() const {
+  static const std::vector<std::uint8_t> kNone;
+  const auto found = settings_.find(stream().endpoint.address);
+  return found == settings_.end() ? kNone : found->second;
+}
+
 void StreamReader::skip_others() {
   std::vector<std::size_t> streams = {chosen_};
   if (imu_.stream) streams.push_back(*imu_.stream);
@@ -86,6 +94,9 @@ void StreamReader::listen() {
       metadata_.push_back({stream.name, std::move(*text)});
     }
     if (is_static_transforms(stream)) transforms_.add(*message);
+    if (stream.type.empty() && is_robosense_settings(message->bytes)) {
+      settings_.try_emplace(stream.endpoint.address, message->bytes.begin(), message->bytes.end());
+    }
     const bool is_imu = stream.kind == StreamKind::kInertialData;
     if (!is_imu && !(is_named(stream, wanted_) && may_have_scans(stream))) continue;
     keep(*message, is_imu ? kept_imu_ : kept_);

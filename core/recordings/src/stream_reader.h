@@ -1,8 +1,10 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <deque>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -34,6 +36,8 @@ class StreamReader {
   const Stream& stream() const { return file_->streams()[chosen_]; }
   /// What stands in the bag's topics of metadata before the stream's messages or among the first.
   const std::vector<TopicText>& metadata() const { return metadata_; }
+  /// The first packet of settings of a RoboSense that sent the stream; empty: none came so soon.
+  const std::vector<std::uint8_t>& robosense_settings() const;
   /// Whose inertial data belong to the stream; they are given to whoever asks for them, message by
   /// message, between those of the stream as they stand in the file.
   const ImuStream& imu() const { return imu_; }
@@ -75,6 +79,7 @@ class StreamReader {
   std::unique_ptr<RecordingFile> file_;
   std::size_t chosen_ = 0;
   std::vector<TopicText> metadata_;
+  std::map<std::array<std::uint8_t, 16>, std::vector<std::uint8_t>> settings_;  ///< by sender
   StaticTransforms transforms_;
   ImuStream imu_;
   std::function<void(const Message&)> take_imu_ = [](const Message&) {};

@@ -1,5 +1,8 @@
 #include "turn_decoder.h"
 
+#include <algorithm>
+#include <chrono>
+#include <cmath>
 #include <utility>
 
 namespace hqslam::recordings {
@@ -8,8 +11,50 @@ namespace {
 
 constexpr double kMostOfAScan = 0.75;
 constexpr std::int64_t kSecond_ns = 1'000'000'000;
+/// Two clocks that tell of the same gap differ by less.
+constexpr double kMostApart_s = 0.5;
 
 }  // namespace
+
+PulseReturn kept_of(PulseReturn a, PulseReturn b, KeptReturn which) {
+  if (a.distance == 0 || b.distance == 0) return a.distance == 0 ? b : a;
+  if (which == KeptReturn::kLast) return a.distance < b.distance ? b : a;
+  return a.reflectivity < b.reflectivity ? b : a;
+}
+
+std::optional<std::int64_t> date_ns(int year, Bytes month_to_second) {
+  const Bytes& of = month_to_second;
+  const std::chrono::year_month_day day{std::chrono::year{year}, std::chrono::month{of[0]},
+                                        std::chrono::day{of[1]}};
+  if (!day.ok() || of[2] > 23 || of[3] > 59 || of[4] > 60) return std::nullopt;
+  const std::int64_t days = std::chrono::sys_days{day}.time_since_epoch().count();
+  return kSecond_ns * (86400 * days + 3600 * of[2] + 60 * of[3] + of[4]);
+}
+
+bool TurnDecoder::take_time(std::int64_t sensor_ns, std::int64_t capture_ns, double scan_period_s,
+                            std::vector<Scan>& completed) {
+  passed_s_ = 0.0;
+  if (last_sensor_ns_) {
+    const std::int64_t passed_ns = sensor_ns - *last_sensor_ns_;
+    if (passed_ns <= 0 && passed_ns > -kSecond_ns) {
+      ++counts_.late;
+      return false;
+    }
+    const double passed_s = 1e-9 * static_cast<double>(passed_ns);
+    const double recorded_s =
+        1e-9 * (static_cast<double>(capture_ns) - static_cast<double>(last_capture_ns_));
+    const bool clock_was_set = std::abs(passed_s - recorded_s) > kMostApart_s;
+    const bool turned = passed_s >= kWholeTurn * scan_period_s;
+    if (!clock_was_set) passed_s_ = passed_s;
+    if (turned && !clock_was_set) {
+      lost_scans_ += std::max<std::int64_t>(0, std::llround(passed_s / scan_period_s) - 1);
+    }
+    if (turned || passed_s < 0.0) finish(completed);
+  }
+  last_sensor_ns_ = sensor_ns;
+  last_capture_ns_ = capture_ns;
+  return true;
+}
 
 double TurnDecoder::fire(int azimuth, std::int64_t time_ns, std::vector<Scan>& completed) {
   const int turned = modulo_turn(azimuth - cut_);

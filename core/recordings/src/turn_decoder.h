@@ -1,19 +1,35 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
+#include "byte_reader.h"
 #include "hqslam/core/scan.h"
 #include "hqslam/recordings/velodyne.h"
 #include "sensor_clock.h"
 
 namespace hqslam::recordings {
 
+/// After so much of a turn without packets the azimuth may be about where it was.
+inline constexpr double kWholeTurn = 0.99;
+
 inline constexpr int kTurn = 36000;  ///< of a head, hundredths of a degree
 /// It may tremble by some of these; more is a new turn.
 inline constexpr int kSmallestFall = 200;
 
 inline int modulo_turn(int azimuth) { return (azimuth % kTurn + kTurn) % kTurn; }
+
+struct PulseReturn {
+  std::uint16_t distance = 0;  ///< in the sensor's unit; 0: none
+  std::uint8_t reflectivity = 0;
+};
+/// Of two returns of a pulse, in whichever order the sensor was told to send them.
+PulseReturn kept_of(PulseReturn a, PulseReturn b, KeptReturn which);
+
+/// Nanoseconds since 1970 of a year and month, day, hour, minute, second, a byte each; nothing for
+/// what is no date.
+std::optional<std::int64_t> date_ns(int year, Bytes month_to_second);
 
 /// What the decoders of a head that turns clockwise share: its firings -> scans, one a turn, cut at
 /// an azimuth.
@@ -36,6 +52,10 @@ class TurnDecoder {
   TurnDecoder(int cut, double field_of_view_deg, const VelodyneOptions& options)
       : options_(options), cut_(cut), field_of_view_deg_(field_of_view_deg) {}
 
+  /// A packet has this time by the sensor's clock: false if it is left out, as late. Where nothing
+  /// came for a turn, or a clock was set, the scan ends.
+  bool take_time(std::int64_t sensor_ns, std::int64_t capture_ns, double scan_period_s,
+                 std::vector<Scan>& completed);
   /// The head fires here, at this time by the clock of stamps: what is before the cut goes to
   /// `completed`. The time since the first firing of the turn, which this one may be, seconds.
   double fire(int azimuth, std::int64_t time_ns, std::vector<Scan>& completed);
@@ -46,6 +66,8 @@ class TurnDecoder {
   Scan scan_;  ///< the turn that was begun; times since its first firing
   SensorClock clock_;
   std::int64_t last_capture_ns_ = 0;  ///< of the packet before
+  /// Between the last packet and the one before; 0 for the first one and where a clock was set.
+  double passed_s_ = 0.0;
   PacketCounts counts_;
   std::int64_t lost_scans_ = 0;
 
@@ -53,6 +75,7 @@ class TurnDecoder {
   void complete(std::vector<Scan>& completed);
 
   Scan spare_;  ///< empty, with memory
+  std::optional<std::int64_t> last_sensor_ns_;
   bool began_with_cut_ = false;
   bool empty_ = true;
   int first_turned_ = 0;

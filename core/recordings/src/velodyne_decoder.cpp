@@ -21,8 +21,6 @@ namespace hqslam::recordings {
 namespace {
 
 constexpr double kHalfTurn = kTurn / 2.0;
-/// After so much of a turn without packets the azimuth may be about where it was.
-constexpr double kWholeTurn = 0.99;
 constexpr std::int64_t kSecond_us = 1'000'000;
 /// Two clocks that tell of the same gap differ by less, seconds: packets are recorded late.
 constexpr double kMostApart = 0.5;

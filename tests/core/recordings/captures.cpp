@@ -181,6 +181,81 @@ std::vector<Captured> hesai_capture(int lasers, double duration_s, std::uint8_t 
   return result;
 }
 
+namespace {
+
+void put_big(Payload& bytes, std::size_t at, std::int64_t value, std::size_t size) {
+  for (std::size_t i = 0; i < size; ++i) {
+    bytes[at + size - 1 - i] = static_cast<std::uint8_t>(value >> (8 * i));
+  }
+}
+
+void put_robosense_time(Payload& packet, bool helios, std::int64_t time_us) {
+  if (helios) {
+    put_big(packet, 20, 1'600'000'000 + time_us / 1'000'000, 6);
+    put_big(packet, 26, time_us % 1'000'000, 4);
+    return;
+  }
+  const Payload date = {20, 9, 13, 12, 26, static_cast<std::uint8_t>(40 + time_us / 1'000'000)};
+  std::copy(date.begin(), date.end(), packet.begin() + 20);
+  put_big(packet, 26, time_us / 1000 % 1000, 2);
+  put_big(packet, 28, time_us % 1000, 2);
+}
+
+}  // namespace
+
+Payload robosense_settings(const Robosense& sensor) {
+  Payload packet(1248);
+  const Payload begin = {0xA5, 0xFF, 0x00, 0x5A, 0x11, 0x11, 0x55, 0x55};
+  std::copy(begin.begin(), begin.end(), packet.begin());
+  put_big(packet, 8, 599, 2);
+  packet[300] = sensor.dual ? 0 : 4;
+  for (int i = 0; i < 32; ++i) {
+    const auto at = static_cast<std::size_t>(3 * i);
+    if (!sensor.helios) {
+      if (i < 16) put_big(packet, 1165 + at, 10'000 * (i < 8 ? 15 - 2 * i : 31 - 2 * i), 3);
+      continue;
+    }
+    const int elevation = 1500 - i * 3200 / sensor.lasers;
+    packet[468 + at] = static_cast<std::uint8_t>(i >= sensor.lasers ? 0xFF : elevation < 0);
+    put_big(packet, 469 + at, std::abs(elevation), 2);
+    put_big(packet, 565 + at, i % 2 == 1 ? 100 : 0, 2);
+  }
+  return packet;
+}
+
+void set_robosense_measurement(Payload& packet, int block, int channel, std::uint16_t distance,
+                               std::uint8_t reflectivity) {
+  const auto at = static_cast<std::size_t>(46 + 100 * block + 3 * channel);
+  put_big(packet, at, distance, 2);
+  packet[at + 2] = reflectivity;
+}
+
+std::vector<Captured> robosense_capture(const Robosense& sensor, double duration_s) {
+  constexpr std::int64_t kBegin_ns = 1'600'000'000'000'000'000;
+  std::vector<Captured> result = {{kBegin_ns, 7788, robosense_settings(sensor)}};
+  const double firing_us = sensor.helios ? 55.56 : 55.5;
+  const int firings = (sensor.lasers == 16 ? 24 : 12) / (sensor.dual ? 2 : 1);
+  for (int i = 0; 1e-6 * firing_us * firings * i < duration_s; ++i) {
+    const auto time_us = static_cast<std::int64_t>(firing_us * firings * i);
+    Captured captured{kBegin_ns + 1000 * time_us, 6699, Payload(1248)};
+    const Payload begin = sensor.helios ? Payload{0x55, 0xAA, 0x05, 0x5A}
+                                        : Payload{0x55, 0xAA, 0x05, 0x0A, 0x5A, 0xA5, 0x50, 0xA0};
+    std::copy(begin.begin(), begin.end(), captured.payload.begin());
+    put_robosense_time(captured.payload, sensor.helios, time_us);
+    for (int block = 0; block < 12; ++block) {
+      const int firing = firings * i + block * firings / 12;
+      const std::int64_t azimuth = 30000 + std::llround(0.36 * firing_us * firing);
+      put_big(captured.payload, static_cast<std::size_t>(42 + 100 * block), 0xFFEE, 2);
+      put_big(captured.payload, static_cast<std::size_t>(44 + 100 * block), azimuth % 36000, 2);
+      for (int channel = 0; channel < 32; ++channel) {
+        set_robosense_measurement(captured.payload, block, channel, sensor.distance);
+      }
+    }
+    result.push_back(std::move(captured));
+  }
+  return result;
+}
+
 std::string ouster_metadata_text(recordings::OusterProfile profile, int rows) {
   std::string altitude;
   std::string azimuth;

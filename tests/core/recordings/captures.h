@@ -87,6 +87,22 @@ void set_hesai_measurement(Payload& packet, int lasers, int block, int laser,
 /// of 300 degrees on.
 std::vector<Captured> hesai_capture(int lasers, double duration_s, std::uint8_t return_mode = 0x37);
 
+/// What a RoboSense in a round room sends in so many seconds, 10 turns a second, from the azimuth
+/// of 300 degrees on and from 2020-09-13 12:26:40, all measurements of `distance` and reflectivity
+/// 10; its settings first, to port 7788. Beams of an RS-16: -15 to -1 and 15 to 1 degrees; of a
+/// Helios of `lasers` beams from 15 degrees down, every other one a degree clockwise aside.
+struct Robosense {
+  bool helios = false;
+  int lasers = 16;
+  bool dual = false;
+  std::uint16_t distance = 1000;
+};
+Payload robosense_settings(const Robosense& sensor);
+std::vector<Captured> robosense_capture(const Robosense& sensor, double duration_s);
+/// Changes one of the 32 measurements of a block.
+void set_robosense_measurement(Payload& packet, int block, int channel, std::uint16_t distance,
+                               std::uint8_t reflectivity = 10);
+
 /// Metadata of a small Ouster with `rows` beams and 512 columns at 20 Hz.
 std::string ouster_metadata_text(recordings::OusterProfile profile, int rows = 8);
 

@@ -62,16 +62,16 @@ std::string answer_to(const std::string& url, const std::string& request) {
 
 TEST_CASE("the live map keeps one point per voxel, and coarser ones instead of too many") {
   LiveMap map;
-  map.add({0.01F, 0.01F, 0.01F});
-  map.add({0.02F, 0.02F, 0.02F});
-  map.add({-0.01F, 0.02F, 0.02F});
-  map.add({std::numeric_limits<float>::quiet_NaN(), 0.0F, 0.0F});
-  map.add({1e9F, 0.0F, 0.0F});
+  map.add({0.01F, 0.01F, 0.01F}, {});
+  map.add({0.02F, 0.02F, 0.02F}, {});
+  map.add({-0.01F, 0.02F, 0.02F}, {});
+  map.add({std::numeric_limits<float>::quiet_NaN(), 0.0F, 0.0F}, {});
+  map.add({1e9F, 0.0F, 0.0F}, {});
   CHECK(map.points_m().size() == 2);
   CHECK(map.generation() == 0);
   for (int i = 0; i < 600; ++i) {
     for (int k = 0; k < 600; ++k) {
-      map.add({0.3F * static_cast<float>(i), 0.3F * static_cast<float>(k), 0.0F});
+      map.add({0.3F * static_cast<float>(i), 0.3F * static_cast<float>(k), 0.0F}, {});
     }
   }
   CHECK(map.points_m().size() < LiveMap::kMostPoints);
@@ -89,14 +89,14 @@ TEST_CASE("the live map keeps one point per voxel, and coarser ones instead of t
 
 TEST_CASE("the page is told what has come since it asked last, and everything anew after a loop") {
   LiveView view("a title");
-  view.add(ring(10.0F, 64), Pose::Identity());
+  view.add(ring(10.0F, 64), Pose::Identity(), 0);
   const auto first = state(view, "");
   CHECK(first["points"].size() == 3 * 16);
   CHECK(first["points"][0] == 1000);  // centimetres
-  CHECK(first["positions"] == nlohmann::json({0, 0, 0}));
+  CHECK(first["positions"] == nlohmann::json({0, 0, 0, 0}));
   Pose moved = Pose::Identity();
   moved.translation().x() = 2.0;
-  view.add(ring(10.0F, 64), moved);
+  view.add(ring(10.0F, 64), moved, 0);
   LiveStatus status{10.0, 2, 9.5, 0.031, ScanRecord{}, 2.0, 2, {}, {}};
   status.counts.packets.lost = 7;
   status.counts.dropped_scans = 1;
@@ -104,7 +104,7 @@ TEST_CASE("the page is told what has come since it asked last, and everything an
   const std::string query =
       fmt::format("?generation={}&positions=1&points=16", first["generation"].get<int>());
   const auto second = state(view, query);
-  CHECK(second["positions"] == nlohmann::json({200, 0, 0}));
+  CHECK(second["positions"] == nlohmann::json({200, 0, 0, 0}));
   CHECK(second["points"].size() == 3 * 16);
   CHECK(second["points"][0] == 1200);
   CHECK(second["position_m"][0] == 2.0);
@@ -112,10 +112,15 @@ TEST_CASE("the page is told what has come since it asked last, and everything an
   CHECK(second["dropped_scans"] == 1);
   CHECK(second["mapping"] == "ok");
   CHECK(holds(second["warning"].get<std::string>(), "2 parts of the path"));
-  view.replace({{0.0, Pose::Identity()}}, {{1.0F, 2.0F, 3.0F}});
+  moved.translation().y() = 1.0;
+  view.replace({{0.0, Pose::Identity()}, {0.1, moved}}, {0, 0});
   const auto third = state(view, query);
   CHECK(third["generation"] != first["generation"]);
-  CHECK(third["points"] == nlohmann::json({100, 200, 300}));
+  CHECK(third["positions"] == nlohmann::json({0, 0, 0, 0, 200, 100, 0, 0}));
+  CHECK(third["points"].size() == 2 * 3 * 16);
+  CHECK(third["points"][0] == 1000);
+  CHECK(third["points"][3 * 16] == 1200);
+  CHECK(third["points"][3 * 16 + 1] == 100);
   for (const char* hostile :
        {"?generation=99999999999999999999999", "?points=-1", "?positions=18446744073709551615",
         "?generation=2&points=999999999&positions=999999999", "?&&&==", "?%00"}) {
@@ -130,7 +135,7 @@ TEST_CASE("the view that turns shows the map, the last scan and a path of bounde
   Pose pose = Pose::Identity();
   for (int i = 0; i < 15'000; ++i) {
     pose.translation().x() = 0.2 * i;
-    view.add(ring(10.0F, 64), pose);
+    view.add(ring(10.0F, 64), pose, 0);
   }
   const auto now = data();
   CHECK(now["path"][0].size() < 2'100);
@@ -144,18 +149,52 @@ TEST_CASE("the view that turns shows the map, the last scan and a path of bounde
   CHECK_FALSE(holds(page, "http"));
 }
 
+TEST_CASE("a path whose parts are not joined is not drawn as if they were") {
+  LiveView view("");
+  Pose pose = Pose::Identity();
+  for (int i = 0; i < 20; ++i) {
+    pose.translation().x() = i;
+    view.add(OrganizedCloud(1, 1), pose, i < 15 ? 0 : 4);
+  }
+  const auto positions = state(view, "")["positions"];
+  CHECK(positions[4 * 14 + 3] == 0);
+  CHECK(positions[4 * 15 + 3] == 4);
+  CHECK(state(view, "")["segment"] == 4);
+  const auto path = nlohmann::json::parse(view.answer("/turning/data").body)["path"];
+  REQUIRE(path.size() == 2);
+  CHECK(path[0].size() == 15);
+  CHECK(path[1][0][0] == 15.0);
+}
+
+TEST_CASE("the view that turns has intensities where the sensor gives them, also after a loop") {
+  LiveView view("");
+  const auto bright = [&] {
+    return nlohmann::json::parse(view.answer("/turning/data").body)["clouds"][0]["bright"];
+  };
+  OrganizedCloud cloud = ring(10.0F, 64);
+  view.add(cloud, Pose::Identity(), 0);
+  CHECK(bright().empty());
+  cloud.intensity.assign(64, 7.0F);
+  Pose moved = Pose::Identity();
+  moved.translation().x() = 2.0;
+  view.add(cloud, moved, 0);
+  CHECK(bright() == nlohmann::json({7.0, 7.0}));
+  view.replace({{0.0, Pose::Identity()}, {0.1, moved}}, {0, 0});
+  CHECK(bright() == nlohmann::json({7.0, 7.0}));
+}
+
 TEST_CASE("the path of a long drive is thinned out, from its beginning to its end") {
   LiveView view("");
   Pose pose = Pose::Identity();
   for (int i = 0; i < 50'000; ++i) {
     pose.translation().x() = 0.2 * i;
-    view.add(OrganizedCloud(1, 1), pose);
+    view.add(OrganizedCloud(1, 1), pose, 0);
   }
   const auto positions = state(view, "")["positions"];
-  CHECK(positions.size() / 3 < LiveView::kMostPositions);
-  CHECK(positions.size() / 3 > LiveView::kMostPositions / 4);
+  CHECK(positions.size() / 4 < LiveView::kMostPositions);
+  CHECK(positions.size() / 4 > LiveView::kMostPositions / 4);
   CHECK(positions[0] == 0);
-  CHECK(positions[positions.size() - 3] > 990'000);
+  CHECK(positions[positions.size() - 4] > 990'000);
 }
 
 TEST_CASE("the page is one file, and its title cannot break out of it") {

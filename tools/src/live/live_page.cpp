@@ -27,7 +27,8 @@ canvas { flex: 1; min-height: 0; width: 100%; touch-action: none; cursor: grab; 
 button { font: inherit; padding: 0 .7rem; }
 )css";
 
-// State: points and positions in centimetres; the view is a centre and a scale (pixels a metre),
+// State: points and positions in centimetres, a position with its segment of the path, between
+// which no way is known; the view is a centre and a scale (pixels a metre),
 // which follow what is there until somebody drags or zooms. Points are drawn once, on a canvas
 // behind the scenes, and all again only when the view changes.
 constexpr const char* kScript = R"js(
@@ -61,7 +62,7 @@ function fit() {
   if (free) return;
   let [x0, x1, y0, y1] = [-10, 10, -10, 10];
   for (const list of [positions, points]) {
-    const step = list === points ? 3 * Math.max(1, Math.ceil(list.length / 30000)) : 3;
+    const step = list === points ? 3 * Math.max(1, Math.ceil(list.length / 30000)) : 4;
     for (let i = 0; i + 2 < list.length; i += step) {
       x0 = Math.min(x0, list[i] / 100); x1 = Math.max(x1, list[i] / 100);
       y0 = Math.min(y0, list[i + 1] / 100); y1 = Math.max(y1, list[i + 1] / 100);
@@ -92,12 +93,17 @@ function draw() {
   context.strokeStyle = context.fillStyle = css('--path');
   context.lineWidth = 2 * ratio;
   context.beginPath();
-  for (let i = 0; i + 2 < positions.length; i += 3) {
-    context.lineTo(toX(positions[i] / 100), toY(positions[i + 1] / 100));
+  let segment = -1;
+  const goTo = (x, y, on) => {
+    if (on === segment) context.lineTo(x, y); else context.moveTo(x, y);
+    segment = on;
+  };
+  for (let i = 0; i + 3 < positions.length; i += 4) {
+    goTo(toX(positions[i] / 100), toY(positions[i + 1] / 100), positions[i + 3]);
   }
   if (last) {
     const [x, y] = [toX(last.position_m[0]), toY(last.position_m[1])];
-    context.lineTo(x, y);
+    goTo(x, y, last.segment);
     context.stroke();
     const a = last.heading_rad, r = 8 * ratio;  // an arrow where the sensor is
     context.beginPath();
@@ -120,7 +126,7 @@ function drawScale(ratio) {
 
 async function ask() {
   try {
-    const answer = await fetch(`/state?generation=${generation}&positions=${positions.length / 3}` +
+    const answer = await fetch(`/state?generation=${generation}&positions=${positions.length / 4}` +
                                `&points=${points.length / 3}`);
     const state = await answer.json();
     if (state.generation !== generation) {

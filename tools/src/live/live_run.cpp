@@ -42,9 +42,9 @@ class LiveProgress {
     ++scans_of_second_;
     if (view_ == nullptr) return;
     if (record.report.loop.correction_m > 0.0) {
-      view_->replace(session.trajectory(), session.map_points_m());
+      view_->replace(session.trajectory(), session.segment_of_scan());
     }
-    view_->add(session.cloud(), T_map_sensor);
+    view_->add(session.cloud(), T_map_sensor, session.segment_of_scan().back());
   }
 
   void set_results_failure(const std::string& failure) {

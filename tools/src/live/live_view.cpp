@@ -31,10 +31,11 @@ bool LiveMap::take_voxel(const Eigen::Vector3f& point_m) {
   return taken_.insert(key).second;
 }
 
-void LiveMap::add(const Eigen::Vector3f& point_m) {
+void LiveMap::add(const Eigen::Vector3f& point_m, const Seen& seen) {
   if (!point_m.allFinite() || point_m.cwiseAbs().maxCoeff() > kFarthest_m) return;
   if (!take_voxel(point_m)) return;
   points_m_.push_back(point_m);
+  seen_.push_back(seen);
   if (points_m_.size() >= kMostPoints) coarsen();
 }
 
@@ -43,19 +44,34 @@ void LiveMap::coarsen() {
   while (points_m_.size() > kMostPoints / 2) {
     voxel_m_ *= 2.0F;
     taken_.clear();
-    const std::vector<Eigen::Vector3f> finer_m = std::move(points_m_);
-    points_m_.clear();
-    for (const Eigen::Vector3f& point_m : finer_m) {
-      if (take_voxel(point_m)) points_m_.push_back(point_m);
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < points_m_.size(); ++i) {
+      if (!take_voxel(points_m_[i])) continue;
+      points_m_[kept] = points_m_[i];
+      seen_[kept++] = seen_[i];
     }
+    points_m_.resize(kept);
+    seen_.resize(kept);
   }
   ++generation_;
 }
 
-void LiveMap::clear() {
+void LiveMap::move_to(const Trajectory& trajectory) {
+  const std::vector<Seen> seen = std::exchange(seen_, {});
   points_m_.clear();
   taken_.clear();
   ++generation_;
+  for (const Seen& point : seen) {
+    if (point.scan >= trajectory.size()) continue;
+    add(trajectory[point.scan].T_map_sensor.cast<float>() * point.point_m, point);
+  }
+}
+
+std::vector<float> LiveMap::intensity() const {
+  std::vector<float> intensity;
+  intensity.reserve(seen_.size());
+  for (const Seen& point : seen_) intensity.push_back(point.intensity);
+  return intensity;
 }
 
 namespace {
@@ -83,18 +99,29 @@ std::uint64_t number_in(std::string_view query, std::string_view name) {
 using Points = std::vector<Eigen::Vector3f>;
 
 /// As many as are sent at once, from `begin` on.
-Points points_from(const Points& points_m, std::uint64_t begin) {
-  const std::size_t first = std::min<std::uint64_t>(begin, points_m.size());
-  const std::size_t count = std::min(points_m.size() - first, kMostPointsAtOnce);
-  const auto from = points_m.begin() + static_cast<std::ptrdiff_t>(first);
+template <typename Point>
+std::vector<Point> points_from(const std::vector<Point>& points, std::uint64_t begin) {
+  const std::size_t first = std::min<std::uint64_t>(begin, points.size());
+  const std::size_t count = std::min(points.size() - first, kMostPointsAtOnce);
+  const auto from = points.begin() + static_cast<std::ptrdiff_t>(first);
   return {from, from + static_cast<std::ptrdiff_t>(count)};
 }
 
+void append_centimetres(const Eigen::Vector3f& point_m, Json& json) {
+  for (int axis = 0; axis < 3; ++axis) json.push_back(std::lround(100.0F * point_m[axis]));
+}
 /// x, y, z, x, ... in whole centimetres
 Json centimetres(const Points& points_m) {
   Json json = Json::array();
-  for (const Eigen::Vector3f& point_m : points_m) {
-    for (int axis = 0; axis < 3; ++axis) json.push_back(std::lround(100.0F * point_m[axis]));
+  for (const Eigen::Vector3f& point_m : points_m) append_centimetres(point_m, json);
+  return json;
+}
+/// x, y, z, segment, x, ...
+Json centimetres(const std::vector<PathPosition>& positions) {
+  Json json = Json::array();
+  for (const PathPosition& position : positions) {
+    append_centimetres(position.place_m, json);
+    json.push_back(position.segment);
   }
   return json;
 }
@@ -102,9 +129,10 @@ Json centimetres(const Points& points_m) {
 /// What a page is to be told, copied so that SLAM need not wait until it is written as text.
 struct ViewState {
   std::uint64_t generation = 0;
-  Points positions_m;
+  std::vector<PathPosition> positions;
   Points points_m;
   Pose T_map_sensor = Pose::Identity();
+  std::size_t segment = 0;
   LiveStatus status;
 };
 
@@ -122,9 +150,10 @@ std::string json_of(const ViewState& state) {
   const LiveStatus& status = state.status;
   const Json json = {
       {"generation", state.generation},
-      {"positions", centimetres(state.positions_m)},
+      {"positions", centimetres(state.positions)},
       {"points", centimetres(state.points_m)},
       {"position_m", {position_m.x(), position_m.y(), position_m.z()}},
+      {"segment", state.segment},
       {"heading_rad", std::atan2(ahead.y(), ahead.x())},
       {"rate_hz", status.rate_hz},
       {"latency_ms", 1e3 * status.latency_s.value_or(0.0)},
@@ -140,41 +169,47 @@ std::string json_of(const ViewState& state) {
 
 }  // namespace
 
-void LiveView::add_position(const Eigen::Vector3f& position_m) {
-  if (!positions_m_.empty() && (position_m - positions_m_.back()).norm() < step_m_) return;
-  positions_m_.push_back(position_m);
-  if (positions_m_.size() < kMostPositions) return;
-  for (std::size_t i = 0; 2 * i < positions_m_.size(); ++i) positions_m_[i] = positions_m_[2 * i];
-  positions_m_.resize(positions_m_.size() / 2);
+void LiveView::add_position(const PathPosition& position) {
+  if (!positions_.empty() && positions_.back().segment == position.segment &&
+      (position.place_m - positions_.back().place_m).norm() < step_m_) {
+    return;
+  }
+  positions_.push_back(position);
+  if (positions_.size() < kMostPositions) return;
+  for (std::size_t i = 0; 2 * i < positions_.size(); ++i) positions_[i] = positions_[2 * i];
+  positions_.resize(positions_.size() / 2);
   step_m_ *= 2.0F;
   ++position_generation_;
 }
 
-void LiveView::add(const OrganizedCloud& cloud, const Pose& T_map_sensor) {
+void LiveView::add(const OrganizedCloud& cloud, const Pose& T_map_sensor, std::size_t segment) {
   const Eigen::Isometry3f T = T_map_sensor.cast<float>();
   const std::lock_guard lock(mutex_);
   T_map_sensor_ = T_map_sensor;
-  add_position(T.translation());
+  segment_ = segment;
+  add_position({T.translation(), segment});
   last_scan_m_.clear();
   for (int row = 0; row < cloud.rows; ++row) {
     for (int column = 0; column < cloud.columns; column += kColumnStep) {
       const std::size_t pixel = cloud.index(row, column);
-      if (cloud.range_m[pixel] > 0.0F) last_scan_m_.emplace_back(T * cloud.points_m[pixel]);
+      if (!(cloud.range_m[pixel] > 0.0F)) continue;
+      LiveMap::Seen seen{scans_, cloud.points_m[pixel]};
+      if (!cloud.intensity.empty()) seen.intensity = cloud.intensity[pixel];
+      map_.add(last_scan_m_.emplace_back(T * seen.point_m), seen);
     }
   }
-  for (const Eigen::Vector3f& point_m : last_scan_m_) map_.add(point_m);
+  ++scans_;
 }
 
 void LiveView::replace(const Trajectory& trajectory,
-                       const std::vector<Eigen::Vector3f>& map_points_m) {
+                       const std::vector<std::size_t>& segment_of_scan) {
   const std::lock_guard lock(mutex_);
-  positions_m_.clear();
+  positions_.clear();
   ++position_generation_;
-  for (const StampedPose& pose : trajectory) {
-    add_position(pose.T_map_sensor.translation().cast<float>());
+  for (std::size_t i = 0; i < trajectory.size(); ++i) {
+    add_position({trajectory[i].T_map_sensor.translation().cast<float>(), segment_of_scan[i]});
   }
-  map_.clear();
-  for (const Eigen::Vector3f& point_m : map_points_m) map_.add(point_m);
+  map_.move_to(trajectory);
 }
 
 void LiveView::set(const LiveStatus& status) {
@@ -188,9 +223,10 @@ std::string LiveView::state(const std::string& query) const {
     const std::lock_guard lock(mutex_);
     state.generation = static_cast<std::uint64_t>(map_.generation() + position_generation_);
     const bool same = number_in(query, "generation") == state.generation;
-    state.positions_m = points_from(positions_m_, same ? number_in(query, "positions") : 0);
+    state.positions = points_from(positions_, same ? number_in(query, "positions") : 0);
     state.points_m = points_from(map_.points_m(), same ? number_in(query, "points") : 0);
     state.T_map_sensor = T_map_sensor_;
+    state.segment = segment_;
     state.status = status_;
   }
   return json_of(state);
@@ -200,12 +236,17 @@ TurningView LiveView::turning_view() const {
   constexpr std::size_t kMostPlaces = 2'000;
   TurningView view;
   const std::lock_guard lock(mutex_);
-  view.clouds = {{"map", map_.points_m()}};
+  view.clouds = {{"map", map_.points_m(), {}, map_.intensity()}};
   view.scans = {{"last scan", T_map_sensor_, {"", last_scan_m_}, {}}};
-  Points& path_m = view.path_m.emplace_back();
-  const std::size_t every = 1 + positions_m_.size() / kMostPlaces;
-  for (std::size_t i = 0; i < positions_m_.size(); i += every) path_m.push_back(positions_m_[i]);
-  path_m.emplace_back(T_map_sensor_.translation().cast<float>());
+  std::optional<std::size_t> segment;
+  const auto add = [&](const PathPosition& position) {
+    if (segment != position.segment) view.path_m.emplace_back();
+    segment = position.segment;
+    view.path_m.back().push_back(position.place_m);
+  };
+  const std::size_t every = 1 + positions_.size() / kMostPlaces;
+  for (std::size_t i = 0; i < positions_.size(); i += every) add(positions_[i]);
+  add({T_map_sensor_.translation().cast<float>(), segment_});
   return view;
 }
 

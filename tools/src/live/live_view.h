@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -26,12 +27,21 @@ class LiveMap {
   static constexpr std::size_t kMostPoints = 60'000;
   static constexpr float kFirstVoxel_m = 0.25F;
 
+  /// As a scan saw it: how often scans were added before that one; in its sensor's frame.
+  struct Seen {
+    std::size_t scan = 0;
+    Eigen::Vector3f point_m = Eigen::Vector3f::Zero();
+    float intensity = std::numeric_limits<float>::quiet_NaN();
+  };
+
   /// Points that are not finite or beyond 50 km are left out.
-  void add(const Eigen::Vector3f& point_m);
-  void clear();
+  void add(const Eigen::Vector3f& point_m, const Seen& seen);
+  /// To where their scans are now; of scans beyond them they go.
+  void move_to(const Trajectory& trajectory);
 
   /// Only grows, as long as the generation stays the same.
   const std::vector<Eigen::Vector3f>& points_m() const { return points_m_; }
+  std::vector<float> intensity() const;  ///< of each; not a number where it is not known
   std::int64_t generation() const { return generation_; }
   float voxel_m() const { return voxel_m_; }
 
@@ -42,6 +52,7 @@ class LiveMap {
   float voxel_m_ = kFirstVoxel_m;
   std::int64_t generation_ = 0;
   std::vector<Eigen::Vector3f> points_m_;
+  std::vector<Seen> seen_;
   std::unordered_set<std::uint64_t> taken_;
 };
 
@@ -56,6 +67,12 @@ struct LiveStatus {
   std::size_t parts = 1;  ///< SlamSession::parts()
   live::LiveCounts counts;
   std::string results_failure;  ///< why no results are written now; empty: they are
+};
+
+/// A place on the path, and the segment that it is on.
+struct PathPosition {
+  Eigen::Vector3f place_m = Eigen::Vector3f::Zero();
+  std::size_t segment = 0;
 };
 
 /// The page that asks LiveView for its state twice a second and draws path and map from above:
@@ -74,9 +91,11 @@ class LiveView {
   explicit LiveView(std::string title) : title_(std::move(title)) {}
 
   /// A scan was located. Its points are put where it was at its stamp, not where each was measured.
-  void add(const OrganizedCloud& cloud, const Pose& T_map_sensor);
-  /// A loop was closed: the path and the map are others now.
-  void replace(const Trajectory& trajectory, const std::vector<Eigen::Vector3f>& map_points_m);
+  /// segment: of the path, slam::Slam::segment_of_scan(); no way leads from one to another.
+  void add(const OrganizedCloud& cloud, const Pose& T_map_sensor, std::size_t segment);
+  /// A loop was closed: the path and the map lie elsewhere now. Of every scan that was added, and
+  /// of any to come.
+  void replace(const Trajectory& trajectory, const std::vector<std::size_t>& segment_of_scan);
   void set(const LiveStatus& status);
 
   /// "/": the page. "/state?generation=G&positions=N&points=M": what has come since, as JSON, at
@@ -88,16 +107,18 @@ class LiveView {
  private:
   std::string state(const std::string& query) const;
   TurningView turning_view() const;
-  void add_position(const Eigen::Vector3f& position_m);
+  void add_position(const PathPosition& position);
 
   std::string title_;
   mutable std::mutex mutex_;  ///< of what follows
   LiveMap map_;
+  std::size_t scans_ = 0;                     ///< that were added
   std::vector<Eigen::Vector3f> last_scan_m_;  ///< in the map's frame
-  std::vector<Eigen::Vector3f> positions_m_;
+  std::vector<PathPosition> positions_;
   std::int64_t position_generation_ = 0;
   float step_m_ = 0.1F;  ///< between positions
   Pose T_map_sensor_ = Pose::Identity();
+  std::size_t segment_ = 0;
   LiveStatus status_;
 };
 

@@ -126,9 +126,9 @@ class SlamSession {
   SlamRun& run_so_far();
   /// Everything but its trajectory and its map.
   SlamRun& run() { return run_; }
-  /// The trajectory and the map as they are now.
+  /// The trajectory as it is now, and of each pose slam::Slam::segment_of_scan().
   const Trajectory& trajectory() const { return slam_.trajectory(); }
-  std::vector<Eigen::Vector3f> map_points_m() const { return slam_.map_points_m(); }
+  const std::vector<std::size_t>& segment_of_scan() const { return slam_.segment_of_scan(); }
   /// Of the path, as it is now: between them nothing is known.
   std::size_t parts() const;
   /// What SLAM saw of the last scan.

@@ -16,6 +16,8 @@ enum class StreamKind {
   kVelodynePackets,
   kVelodynePositions,  ///< of its GPS receiver: no scans
   kHesaiPackets,
+  kRobosensePackets,
+  kRobosenseSettings,  ///< which its scans need
   kOusterPackets,
   kPointClouds,
   kInertialData,  ///< packets of an Ouster or sensor_msgs/Imu
@@ -86,7 +88,7 @@ class StreamSource : public ScanSource {
 /// Whether this is a capture or a bag, by its first bytes: what open_stream reads.
 bool is_capture_or_bag(const std::string& path);
 
-/// Opens a .pcap or .pcapng capture of Velodyne, Hesai and Ouster packets, or a bag of packets or
+/// Opens a .pcap or .pcapng capture of Velodyne, Hesai, RoboSense and Ouster packets, or a bag of packets or
 /// point clouds, whose sensor is found in the points where options.sensor does not say it. An
 /// Ouster's metadata are found in the bag or beside the file (the same name with .json, else the
 /// only fitting .json of the folder), a Hesai's angles beside it (the same name with .csv or
