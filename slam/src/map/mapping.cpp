@@ -26,6 +26,8 @@ constexpr int kUsualIterations = 10;
 constexpr double kLateTolerance = 4.0;
 /// Of its line or plane: MappingResult::close_ratio.
 constexpr double kClose_m = 0.1;
+/// Of path, before an inertial sensor's velocity is better than that of scans.
+constexpr double kSettled_m = 40.0;
 
 RegisteredScan searched(const MapFeatures& features) {
   return {SearchedFeatures<MapSurface>(features.ground_to_register),
@@ -62,7 +64,7 @@ double inlier_share(const ConstraintList& found, const MapFeatures& features) {
 /// a wide one, since the ground is searched widely anyway where little of it is near
 /// (MapSearch::ground_reach_m). But an inertial sensor that knows more evens out the noise of wide
 /// searches, and not that rings lying close to each other hold the sensor; unless what they find
-/// contradicts it.
+/// contradicts it, or its own map has just begun, and what is known of the velocity is from scans.
 double enough_in_plane_per_m2(SearchFrom from, const MotionState& expected) {
   constexpr double kEnough_per_m2 = 250.0;
   if (from == SearchFrom::kRecognizedPlace) return std::numeric_limits<double>::infinity();
@@ -125,6 +127,8 @@ Mapping::Mapping(const MappingOptions& options, FeatureMaps map)
 
 MappingResult Mapping::register_scan(const MapFeatures& features, const MotionState& expected,
                                      const Pose& T_map_sensor_start, SearchFrom from) const {
+  const bool begins = keyframes_ > 0 && path_m_ < kSettled_m;
+  if (from == SearchFrom::kInertialData && begins) from = SearchFrom::kLastScan;
   const double feature_count =
       standing_features(features) + static_cast<double>(features.ground_to_register.size());
   MappingResult result;
