@@ -23,7 +23,7 @@ struct MapFeatures {
   std::vector<FeaturePoint> ground;                ///< as dense as the map
   std::vector<FeaturePoint> surfaces;              ///< the same
   std::vector<FeaturePoint> posts_to_register;     ///< one of a few neighbouring rows
-  std::vector<FeaturePoint> ground_to_register;    ///< fewer: enough to register the scan
+  std::vector<FeaturePoint> ground_to_register;    ///< fewer, where there are many
   std::vector<FeaturePoint> surfaces_to_register;  ///< the same
 };
 MapFeatures map_features(const Features& features, const MappingOptions& options);

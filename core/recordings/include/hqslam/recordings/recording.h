@@ -88,10 +88,10 @@ class StreamSource : public ScanSource {
 /// Whether this is a capture or a bag, by its first bytes: what open_stream reads.
 bool is_capture_or_bag(const std::string& path);
 
-/// Opens a .pcap or .pcapng capture of Velodyne, Hesai, RoboSense and Ouster packets, or a bag of packets or
-/// point clouds, whose sensor is found in the points where options.sensor does not say it. An
-/// Ouster's metadata are found in the bag or beside the file (the same name with .json, else the
-/// only fitting .json of the folder), a Hesai's angles beside it (the same name with .csv or
+/// Opens a .pcap or .pcapng capture of Velodyne, Hesai, RoboSense and Ouster packets, or a bag of
+/// packets or point clouds, whose sensor is found in the points where options.sensor does not say
+/// it. An Ouster's metadata are found in the bag or beside the file (the same name with .json, else
+/// the only fitting .json of the folder), a Hesai's angles beside it (the same name with .csv or
 /// _angles.csv). Stamps are those of the recording. Streams that begin more than two seconds behind
 /// the first one are not looked for, unless they are named. Throws Error: which file, what was
 /// expected, what was found, what to do; also next(), at the end, where there was not one whole
