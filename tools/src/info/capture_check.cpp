@@ -67,7 +67,7 @@ CaptureCheck check_capture(const std::string& input, const SensorModel& sensor) 
   CaptureCheck check;
   double sum = 0.0;
   double sum_of_squares = 0.0;
-  for (std::size_t i = 0; i < rolling.size(); ++i) {
+  for (std::size_t i = 0; i < std::min(rolling.size(), corrected.size()); ++i) {
     const bool is_moved = std::min(rolling[i].moved_m, corrected[i].moved_m) > kMoved_m;
     if (!is_moved || !rolling[i].distance_m || !corrected[i].distance_m) continue;
     const double log_ratio = std::log(*rolling[i].distance_m / *corrected[i].distance_m);
