@@ -93,14 +93,6 @@ MapSearch search_at(const MappingResult& at, const MappingOptions& options, Sear
           at.is_close_search};
 }
 
-/// One per voxel, or all where that leaves few: in a room, where everything is near, or in open
-/// land.
-std::vector<FeaturePoint> enough_of(const std::vector<FeaturePoint>& points, double leaf_m) {
-  constexpr std::size_t kFew = 300;
-  std::vector<FeaturePoint> thinned = thin(points, leaf_m);
-  return thinned.size() < kFew ? points : thinned;
-}
-
 }  // namespace
 
 MapFeatures map_features(const Features& features, const MappingOptions& options) {
@@ -110,12 +102,12 @@ MapFeatures map_features(const Features& features, const MappingOptions& options
 #pragma omp section
     {
       result.surfaces = thin(features.surfaces, options.planar_leaf_m);
-      result.surfaces_to_register = enough_of(result.surfaces, options.located_planar_leaf_m);
+      result.surfaces_to_register = thin(result.surfaces, options.located_planar_leaf_m);
     }
 #pragma omp section
     {
       result.ground = thin(features.ground, options.planar_leaf_m);
-      result.ground_to_register = enough_of(result.ground, options.located_planar_leaf_m);
+      result.ground_to_register = thin(result.ground, options.located_planar_leaf_m);
     }
 #pragma omp section
     {
@@ -123,6 +115,12 @@ MapFeatures map_features(const Features& features, const MappingOptions& options
       result.posts = features.posts;
       result.posts_to_register = thin(result.posts, options.located_planar_leaf_m);
     }
+  }
+  // Where everything is near, as in a room, that leaves too few.
+  constexpr std::size_t kFew = 300;
+  if (result.ground_to_register.size() < kFew) {
+    result.ground_to_register = result.ground;
+    if (result.surfaces_to_register.size() < kFew) result.surfaces_to_register = result.surfaces;
   }
   return result;
 }
