@@ -38,8 +38,8 @@ class NearestPixel {
           nearest, std::pair((cloud_.points_m[at.second] - point_m).squaredNorm(), at.second));
       return false;
     };
-    std::find_if(start, by_range_.end(), is_last);
-    std::find_if(std::make_reverse_iterator(start), by_range_.rend(), is_last);
+    for (auto at = start; at != by_range_.end() && !is_last(*at); ++at) continue;
+    for (auto at = start; at != by_range_.begin() && !is_last(*std::prev(at)); --at) continue;
     return nearest.second;
   }
 
