@@ -49,17 +49,17 @@ class NearestPixel {
   std::vector<std::pair<float, std::size_t>> by_range_;
 };
 
-void trace_kind(FeatureKind kind, const std::vector<FeaturePoint>& points, const Twist& velocity,
+/// The features as they were found, at their pixels.
+void trace_kind(FeatureKind kind, const std::vector<FeaturePoint>& points,
                 const NearestPixel& nearest, ScanTrace& trace) {
-  const std::vector<Eigen::Vector3f> corrected_m = motion_corrected(points, velocity);
   const auto columns = static_cast<std::size_t>(trace.cloud.columns);
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const std::size_t pixel = nearest.of(points[i].point_m);
+  for (const FeaturePoint& point : points) {
+    const std::size_t pixel = nearest.of(point.point_m);
     TracedFeature feature;
     feature.kind = kind;
     feature.row = static_cast<int>(pixel / columns);
     feature.column = static_cast<int>(pixel % columns);
-    feature.point_m = corrected_m[i];
+    feature.point_m = point.point_m;
     trace.features.push_back(feature);
   }
 }
@@ -88,24 +88,34 @@ void trace_matches(const std::vector<std::optional<Constraint>>& matches,
   }
 }
 
-void trace_features(const MapFeatures& features, const Twist& velocity, ScanTrace& trace) {
-  const NearestPixel nearest(trace.cloud);
-  trace.features.clear();
-  trace_kind(FeatureKind::kGround, features.ground_to_register, velocity, nearest, trace);
-  trace_kind(FeatureKind::kSurface, features.surfaces_to_register, velocity, nearest, trace);
-  trace_kind(FeatureKind::kEdge, features.edges, velocity, nearest, trace);
-  trace_kind(FeatureKind::kPost, features.posts_to_register, velocity, nearest, trace);
+/// The same, corrected for motion, and not matched yet. Out: the next feature.
+TracedFeature* correct_kind(const std::vector<FeaturePoint>& points, const Twist& velocity,
+                            TracedFeature* feature) {
+  for (const Eigen::Vector3f& point_m : motion_corrected(points, velocity)) {
+    *feature = {feature->kind, feature->row, feature->column, point_m};
+    ++feature;
+  }
+  return feature;
 }
 
 }  // namespace
 
 void trace_features(const MapFeatures& features, ScanTrace& trace) {
-  trace_features(features, Twist(), trace);
+  const NearestPixel nearest(trace.cloud);
+  trace.features.clear();
+  trace_kind(FeatureKind::kGround, features.ground_to_register, nearest, trace);
+  trace_kind(FeatureKind::kSurface, features.surfaces_to_register, nearest, trace);
+  trace_kind(FeatureKind::kEdge, features.edges, nearest, trace);
+  trace_kind(FeatureKind::kPost, features.posts_to_register, nearest, trace);
 }
 
 void trace_registration(const Mapping& mapping, const MapFeatures& features,
                         const MappingResult& found, ScanTrace& trace) {
-  trace_features(features, found.state.velocity, trace);
+  TracedFeature* traced = trace.features.data();
+  for (const auto* points : {&features.ground_to_register, &features.surfaces_to_register,
+                             &features.edges, &features.posts_to_register}) {
+    traced = correct_kind(*points, found.state.velocity, traced);
+  }
   trace.inlier_ratio = found.inlier_ratio;
   const MapMatches matches = mapping.matches(features, found);
   const Eigen::Vector3d origin_m = found.state.T_map_sensor.translation();
