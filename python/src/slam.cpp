@@ -1,6 +1,5 @@
 #include "hqslam/slam/slam.h"
 
-#include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/map.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
@@ -12,6 +11,7 @@
 #include "hqslam/slam/saved_map.h"
 #include "hqslam/slam/scan_trace.h"
 #include "parts.h"
+#include "paths.h"
 #include "scans.h"
 #include "slam_trace.h"
 
