@@ -1,4 +1,3 @@
-#include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
@@ -8,6 +7,7 @@
 #include "hqslam/nn/super_resolver.h"
 #include "hqslam/nn/upsampled_cloud.h"
 #include "parts.h"
+#include "paths.h"
 #include "scans.h"
 #include "traces.h"
 

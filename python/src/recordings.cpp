@@ -1,4 +1,3 @@
-#include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
@@ -8,6 +7,7 @@
 #include "arrays.h"
 #include "hqslam/recordings/recording.h"
 #include "parts.h"
+#include "paths.h"
 
 namespace hqslam::python {
 namespace {

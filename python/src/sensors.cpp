@@ -1,4 +1,3 @@
-#include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/string_view.h>
@@ -10,6 +9,7 @@
 #include "arrays.h"
 #include "hqslam/core/sensor_model.h"
 #include "parts.h"
+#include "paths.h"
 
 namespace hqslam::python {
 namespace {
@@ -67,7 +67,9 @@ void add_sensors(nb::module_& module) {
             return selected_rows(s.rows(), s.measured_rows.value_or(RowSelection{}));
           },
           "The rows that a beam measures; those between them are computed.")
-      .def("__eq__", [](const SensorModel& a, const SensorModel& b) { return a == b; })
+      .def(
+          "__eq__", [](const SensorModel& a, const SensorModel& b) { return a == b; },
+          nb::is_operator(), nb::sig("def __eq__(self, other: object, /) -> bool"))
       .def("__repr__", [](const SensorModel& s) {
         return "SensorModel('" + s.name + "', " + std::to_string(s.rows()) + " x " +
                std::to_string(s.columns) + ")";

@@ -1,6 +1,5 @@
 #include "hqslam/slam/slam.h"
 
-#include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/map.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
@@ -12,6 +11,7 @@
 #include "hqslam/slam/saved_map.h"
 #include "hqslam/slam/scan_trace.h"
 #include "parts.h"
+#include "paths.h"
 #include "scans.h"
 #include "slam_trace.h"
 
@@ -182,6 +182,17 @@ void add_slam(nb::module_& module) {
             return owned_points(slam.call([](auto& inner) { return inner.slam.map_points_m(); }));
           },
           "(N, 3) float32, metres, map frame.")
+      .def(
+          "map_intensity",
+          [](Slam& slam) {
+            std::vector<float> intensity;
+            slam.call([&](auto& inner) { return inner.slam.map_points_m({}, &intensity); });
+            const std::size_t count = intensity.size();
+            return owned<Array<float, -1>>(std::move(intensity), {count});
+          },
+          "(N,) float32 of map_points_m(), the mean of what the scans had there, in their unit, "
+          "not "
+          "a number where that is not known; of no points where no scan had any.")
       .def("submap_of_scan", &ask_slam<&slam::Slam::submap_of_scan>,
            "Per scan the submap it is in; nothing is known of how submaps lie to each other.")
       .def("saved_map", &ask_slam<&slam::Slam::saved_map>,

@@ -12,7 +12,7 @@
 namespace hqslam::python {
 
 /// Where a caller wants to see what happened inside: arrays by their names.
-using TraceInput = std::optional<nb::dict>;
+using TraceInput = std::optional<nb::typed<nb::dict, nb::str, nb::any>>;
 
 /// Arrays that look at a trace's own memory, which lives as long as any of them.
 template <typename Trace>

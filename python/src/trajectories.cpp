@@ -1,4 +1,3 @@
-#include <nanobind/stl/filesystem.h>
 
 #include <filesystem>
 
@@ -6,6 +5,7 @@
 #include "hqslam/core/error.h"
 #include "hqslam/core/trajectory.h"
 #include "parts.h"
+#include "paths.h"
 
 namespace hqslam::python {
 namespace {

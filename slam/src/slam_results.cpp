@@ -1,5 +1,6 @@
 // What SLAM knows of the scans so far.
 
+#include <limits>
 #include <utility>
 
 #include "hqslam/core/error.h"
@@ -8,6 +9,19 @@
 #include "thread_limit.h"
 
 namespace hqslam::slam {
+
+namespace {
+
+/// Where some points have intensities and others none: those of `points` so far that had none are
+/// not a number.
+void append_known(std::vector<float>& intensity, const std::vector<float>& added,
+                  std::size_t points) {
+  if (intensity.empty() && added.empty()) return;
+  intensity.resize(points, std::numeric_limits<float>::quiet_NaN());
+  intensity.insert(intensity.end(), added.begin(), added.end());
+}
+
+}  // namespace
 
 MountingOptions Slam::mounting() const { return implementation_->mounting.mounted(); }
 
@@ -29,20 +43,24 @@ std::vector<std::pair<std::size_t, Matrix6>> Slam::corrected_covariances() const
   return result;
 }
 
-std::vector<Eigen::Vector3f> Slam::map_points_m(std::optional<std::size_t> submap) const {
+std::vector<Eigen::Vector3f> Slam::map_points_m(std::optional<std::size_t> submap,
+                                                std::vector<float>* intensity) const {
   const ThreadLimit limit(implementation_->options.threads);
   const FeatureMaps& window = implementation_->mapping.map();
   const auto& loop_closing = implementation_->loop_closing;
   const std::vector<FeatureMaps> submaps =
       loop_closing ? loop_closing->whole_map(window) : std::vector<FeatureMaps>{window};
   std::vector<Eigen::Vector3f> result;
+  if (intensity != nullptr) intensity->clear();
   for (std::size_t i = 0; i < submaps.size(); ++i) {
     if (submap && *submap != i) continue;
     for (const FeatureMap* kind : {&submaps[i].planes, &submaps[i].edges}) {
       const std::vector<Eigen::Vector3f> points_m = kind->points_m();
+      if (intensity != nullptr) append_known(*intensity, kind->intensity(), result.size());
       result.insert(result.end(), points_m.begin(), points_m.end());
     }
   }
+  if (intensity != nullptr && !intensity->empty()) append_known(*intensity, {}, result.size());
   return result;
 }
 
@@ -65,8 +83,10 @@ SavedMap Slam::saved_map() const {
   for (std::size_t submap = 0; submap < submaps.size(); ++submap) {
     std::vector<SavedPlace> places = loop_closing->finished().places(submap);
     if (places.size() <= result.places.size()) continue;
-    result = {submaps[submap].edges.points_m(), submaps[submap].posts.points_m(),
-              submaps[submap].planes.points_m(), std::move(places)};
+    const FeatureMaps& map = submaps[submap];
+    result = {map.edges.points_m(),  map.posts.points_m(),  map.planes.points_m(),
+              std::move(places),     map.edges.intensity(), map.posts.intensity(),
+              map.planes.intensity()};
     if (given_places > 0) break;  // the first is the map that is extended
   }
   if (given_places > 0 && result.places.size() <= given_places) {

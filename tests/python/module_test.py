@@ -88,6 +88,11 @@ class Recordings(unittest.TestCase):
         self.assertEqual(scans[1].imu.shape[1], 7)
         lifted = hqslam.Upsampler(WEIGHTS).upsampled_cloud(scans[1].cloud)
         self.assertEqual(lifted.intensity.shape, (64, 1024))
+        slam = hqslam.Slam(SENSOR)
+        slam.process(scans[1].cloud, 0.0)
+        map_intensity = slam.map_intensity()
+        self.assertEqual(len(map_intensity), len(slam.map_points_m()))
+        self.assertTrue((map_intensity > 0).all() and (map_intensity <= intensity.max()).all())
 
 
 class Errors(unittest.TestCase):
@@ -126,6 +131,11 @@ class Slam(unittest.TestCase):
                 (Path(folder) / "own.tum").read_text(),
                 (Path(folder) / "results" / "trajectory.tum").read_text(),
             )
+
+    def test_of_scans_without_intensities_has_a_map_without(self):
+        slam, _ = run_slam()
+        self.assertGreater(len(slam.map_points_m()), 100)
+        self.assertEqual(slam.map_intensity().shape, (0,))
 
     def test_is_near_the_truth(self):
         slam, _ = run_slam()

@@ -18,9 +18,10 @@ cd "$folder"
 
 examples=$source_folder/python/examples
 if "$python" -m mypy --version >/dev/null 2>&1; then
+  "$python" -m mypy --strict -p hqslam
   "$python" -m mypy --strict "$examples"
 else
-  echo "mypy is not there: the types of the examples were not checked"
+  echo "mypy is not there: the types of module and examples were not checked: SKIPPED"
 fi
 
 bin=$(dirname "$("$python" -c 'import sys; print(sys.executable)')")

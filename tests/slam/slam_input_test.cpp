@@ -101,7 +101,8 @@ TEST_CASE("a pixel with a capture time that is not finite is no return") {
   }
 }
 
-TEST_CASE("a scan with a pixel without its own point, range or capture time is refused") {
+TEST_CASE(
+    "a scan with a pixel without its own point, range, capture time or intensity is refused") {
   const SensorModel sensor = test::small_sensor(16, 512);
   slam::Slam slam(sensor);
   const OrganizedCloud sound = drive_scan(sensor, 0);
@@ -115,6 +116,9 @@ TEST_CASE("a scan with a pixel without its own point, range or capture time is r
   cloud.time_offset_s.resize(1);
   CHECK_THROWS_AS(slam.process(cloud, 0.0), Error);
   cloud.time_offset_s.clear();
+  cloud.intensity.resize(1);
+  CHECK_THROWS_AS(slam.process(cloud, 0.0), Error);
+  cloud.intensity.clear();
   CHECK_NOTHROW(slam.process(cloud, 0.0));
   CHECK(slam.trajectory().size() == 1);
 }

@@ -95,6 +95,43 @@ TEST_CASE("one and two threads give the same bytes, and so do two runs") {
   }
 }
 
+TEST_CASE("the map has the intensities of what it is made of, and no pose looks at them") {
+  const SensorModel sensor = test::small_sensor(16, 512);
+  slam::Slam slam(sensor);
+  slam::Slam without(sensor);
+  constexpr float kFloor = 20.0F;
+  constexpr float kWall = 80.0F;
+  for (int i = 0; i < 20; ++i) {
+    OrganizedCloud scan = drive_scan(sensor, i);
+    without.process(scan, i * kPeriod_s);
+    for (const Eigen::Vector3f& point_m : scan.points_m) {
+      scan.intensity.push_back(point_m.z() < -1.2F ? kFloor : kWall);
+    }
+    slam.process(scan, i * kPeriod_s);
+  }
+  std::vector<float> intensity;
+  const std::vector<Eigen::Vector3f> points_m = slam.map_points_m({}, &intensity);
+  REQUIRE(intensity.size() == points_m.size());
+  float least = kWall;
+  int of_the_floor = 0;
+  for (std::size_t i = 0; i < points_m.size(); ++i) {
+    least = std::min(least, intensity[i]);
+    if (points_m[i].z() < -1.5F) CHECK(intensity[i] == kFloor);
+    if (points_m[i].z() > -1.0F) CHECK(intensity[i] == kWall);
+    of_the_floor += intensity[i] == kFloor ? 1 : 0;
+  }
+  CHECK(least == kFloor);
+  CHECK(of_the_floor > 100);
+  const slam::SavedMap saved = slam.saved_map();
+  CHECK(saved.planes_intensity.size() == saved.planes_m.size());
+  CHECK(without.map_points_m({}, &intensity) == points_m);
+  CHECK(intensity.empty());
+  for (std::size_t i = 0; i < slam.trajectory().size(); ++i) {
+    CHECK(slam.trajectory()[i].T_map_sensor.matrix() ==
+          without.trajectory()[i].T_map_sensor.matrix());
+  }
+}
+
 TEST_CASE("empty, nearly empty and garbage scans are survived, reported and recovered from") {
   const SensorModel sensor = test::small_sensor(32, 512);
   for (const int kind : {0, 1, 2}) {

@@ -72,8 +72,8 @@ std::optional<Echo> echo_of_car_window(const RayHit& hit, double max_range_m,
 }  // namespace
 
 PulseErrors pulse_errors(SensorErrors errors) {
-  if (errors == SensorErrors::kTypical) return {0.25, 0.01, 0.7, 0.1};
-  if (errors == SensorErrors::kBad) return {0.5, 0.02, 0.5, 0.2};
+  if (errors == SensorErrors::kTypical) return {0.25, 0.01, 0.7, 0.1, 0.1};
+  if (errors == SensorErrors::kBad) return {0.5, 0.02, 0.5, 0.2, 0.2};
   return {};
 }
 

@@ -37,6 +37,9 @@ struct PixelBits {
 ///             24, 2024).
 ///   signal *= signal_share: what an aged laser or a dirty window leaves; it takes what is dark or
 ///             far first.
+///   intensity *= 1 + intensity_scatter n, n of unit variance, of each return anew: speckle, and
+///   the
+///             noise of a receiver that was made to tell times.
 /// Of the returns at depth edges, mixed_share lie anywhere between two surfaces up to 2 m apart
 /// (Tuley et al., "Analysis and removal of artifacts in 3-D LADAR data", ICRA 2005).
 /// Their sizes are chosen within what is published, not measured with one sensor.
@@ -45,6 +48,7 @@ struct PulseErrors {
   double walk_m = 0.0;
   double signal_share = 1.0;
   double mixed_share = 0.0;
+  double intensity_scatter = 0.0;
 };
 PulseErrors pulse_errors(SensorErrors errors);
 Echo with_errors(const Echo& echo, double cos_incidence, const PulseErrors& errors);

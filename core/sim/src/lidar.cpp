@@ -11,9 +11,11 @@ namespace hqslam::sim {
 
 namespace {
 
-/// The keys of the random bits of a pixel: for rain, drop-outs and extra noise, for mixed pixels.
+/// The keys of the random bits of a pixel: for rain, drop-outs and extra noise, for mixed
+/// pixels, for how bright it is.
 constexpr std::uint64_t kDisturbance = 1;
 constexpr std::uint64_t kMixed = 2;
+constexpr std::uint64_t kIntensity = 3;
 
 /// Whether the beam may straddle an edge between two neighbouring pixels: the ranges differ by more
 /// than a smooth surface would let them.
@@ -73,6 +75,13 @@ struct Lidar::Revolution {
     return footprint;
   }
 
+  /// What the beam and chance make of how bright a return is; 1 of a sensor without errors.
+  double intensity_factor(int row, const PixelBits& bits) const {
+    const double scatter = lidar.pulse_.intensity_scatter;
+    return lidar.beams_.intensity_gain[static_cast<std::size_t>(row)] *
+           (1.0 + scatter * normal_of(seed_of(bits.pixel, kIntensity)));
+  }
+
   Return reported(int row, int column) const {
     constexpr int kPatchRows = 3;
     constexpr int kPatchColumns = 5;
@@ -86,7 +95,10 @@ struct Lidar::Revolution {
     if (echo) {
       measured.range_m =
           detected_range_m(*echo, sensor.min_range_m, sensor.max_range_m, bits.pixel);
-      if (measured.range_m > 0.0F) measured.intensity = intensity_of(*echo, sensor.max_range_m);
+      if (measured.range_m > 0.0F) {
+        echo->signal *= intensity_factor(row, bits);
+        measured.intensity = intensity_of(*echo, sensor.max_range_m);
+      }
     }
     return disturbed_return(measured, lidar.conditions_, sensor, seed_of(bits.pixel, kDisturbance));
   }

@@ -42,7 +42,8 @@ namespace hqslam::sim {
 /// R above, 255 at most, as Velodyne calibrates (VLP-16 user manual: to 100 what reflects
 /// diffusely, from there to 255 what throws light back). Drops have 2: such clutter is faint
 /// (Heinzler et al., "Weather influence and classification with automotive lidar sensors", IV
-/// 2019).
+/// 2019). A sensor with errors reports it times its beam's gain (draw_beam_errors), and scattered
+/// (PulseErrors).
 class Lidar {
  public:
   /// With the conditions, the sensor's errors and the seed of a drive.

@@ -105,7 +105,9 @@ std::array<Eigen::Vector3d, 3> corners_m(const TriangleMesh& mesh, unsigned tria
 /// The ray o + t d (in the mesh's frame) against the plane of a triangle with normal n and corner
 /// v:
 ///   t = n . (v - o) / n . d,   cos of incidence = |n . d| / (|n| |d|)
-/// `embree_m` is Embree's t: for a ray that nearly lies in the plane it is the better one.
+/// `embree_m` is Embree's t: for a ray that nearly lies in the plane it is the better one. Embree
+/// rounds the ray to single precision, and may meet what in double precision lies behind the origin
+/// already: no range is negative, lest one who goes on from hit to hit comes to the same one again.
 RayHit meet_triangle(const TriangleMesh& mesh, unsigned triangle, const Eigen::Vector3d& origin,
                      const Eigen::Vector3d& direction, float embree_m) {
   const auto [a, b, c] = corners_m(mesh, triangle);
@@ -113,7 +115,7 @@ RayHit meet_triangle(const TriangleMesh& mesh, unsigned triangle, const Eigen::V
   const double along = normal.dot(direction);
   const double cosine = std::abs(along) / (normal.norm() * direction.norm());
   RayHit hit{embree_m, std::min(1.0, cosine), mesh.surfaces[triangle]};
-  if (cosine > 1e-3) hit.range_m = normal.dot(a - origin) / along;
+  if (cosine > 1e-3) hit.range_m = std::max(0.0, normal.dot(a - origin) / along);
   return hit;
 }
 

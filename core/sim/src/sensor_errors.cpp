@@ -20,6 +20,8 @@ constexpr double kDegree_rad = 0.017453292519943295;
 constexpr double kAngle_rad = 0.05 * kDegree_rad;
 constexpr double kRange_m = 0.015;
 constexpr double kBetweenBlocks_rad = 0.3 * kDegree_rad;
+constexpr double kGain = 0.05;
+constexpr std::uint64_t kGainKey = 1;  ///< gains have bits of their own
 
 double drawn_within_two_sigma(double sigma, Random& random) {
   double value = random.normal();
@@ -45,7 +47,7 @@ SensorErrors sensor_errors_named(std::string_view name) {
 BeamErrors draw_beam_errors(SensorErrors errors, int rows, std::uint64_t drive_seed) {
   const auto count = static_cast<std::size_t>(rows);
   const std::vector<double> zeros(count, 0.0);
-  BeamErrors beams{zeros, zeros, zeros};
+  BeamErrors beams{zeros, zeros, zeros, std::vector<double>(count, 1.0)};
   if (errors == SensorErrors::kNone) return beams;
   const bool bad = errors == SensorErrors::kBad;
   Random random(seed_of(drive_seed, DrivePart::kErrors));
@@ -55,6 +57,10 @@ BeamErrors draw_beam_errors(SensorErrors errors, int rows, std::uint64_t drive_s
     beams.elevation_rad[row] =
         (2 * row < count ? block_rad : -block_rad) + drawn_within_two_sigma(kAngle_rad, random);
     beams.azimuth_rad[row] = drawn_within_two_sigma(kAngle_rad, random);
+  }
+  Random gains(seed_of(seed_of(drive_seed, DrivePart::kErrors), kGainKey));
+  for (double& gain : beams.intensity_gain) {
+    gain += (bad ? 3.0 : 1.0) * drawn_within_two_sigma(kGain, gains);
   }
   return beams;
 }

@@ -60,7 +60,8 @@ void write_sensor_errors_json(const std::string& path, const DriveSpec& spec, in
   const nlohmann::ordered_json json = {{"sensor_errors", name_of(spec.sensor_errors)},
                                        {"range_m", beams.range_m},
                                        {"elevation_deg", beams.elevation_rad},
-                                       {"azimuth_deg", beams.azimuth_rad}};
+                                       {"azimuth_deg", beams.azimuth_rad},
+                                       {"intensity_gain", beams.intensity_gain}};
   write_whole_file(path, json.dump(2) + "\n");
 }
 

@@ -76,6 +76,7 @@ Row gather_row(const OrganizedCloud& cloud, const Segmentation& segmentation, in
     if (pixel_class == PixelClass::kNoReturn) continue;
     const float offset_s = cloud.time_offset_s.empty() ? 0.0F : cloud.time_offset_s[pixel];
     FeaturePoint point{cloud.points_m[pixel], offset_s, row};
+    if (!cloud.intensity.empty()) point.intensity = cloud.intensity[pixel];
     if (pixel_class == PixelClass::kGround) {
       point.slope = slope_at(cloud, segmentation, row, column);
     }

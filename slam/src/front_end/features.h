@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -18,6 +19,8 @@ struct FeaturePoint {
   /// Of the ground: the direction of its slope across the row, towards the row above or away from
   /// it, of length 1. Zero where the rows beside it have no ground there, and of all else.
   Eigen::Vector3f slope = Eigen::Vector3f::Zero();
+  /// OrganizedCloud::intensity, not a number where that is not known; nothing is decided by it.
+  float intensity = std::numeric_limits<float>::quiet_NaN();
 };
 
 /// LOAM's four kinds of features and posts, each ordered by row.

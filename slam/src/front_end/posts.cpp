@@ -48,7 +48,10 @@ struct Row {
     const bool timed = !cloud.time_offset_s.empty();
     const float time_s = timed ? cloud.time_offset_s[pixel((first + last) / 2)] : 0.0F;
     const Eigen::Vector3f mean_m = sum_m / static_cast<float>(last - first + 1);
-    return {mean_m + kMiddleBehindMean * width_m(first, last) * mean_m.normalized(), time_s, row};
+    FeaturePoint middle{mean_m + kMiddleBehindMean * width_m(first, last) * mean_m.normalized(),
+                        time_s, row};
+    if (!cloud.intensity.empty()) middle.intensity = cloud.intensity[pixel((first + last) / 2)];
+    return middle;
   }
 };
 

@@ -13,7 +13,8 @@ namespace hqslam::slam {
 /// In: a scan, its segmentation, one of its rows. Returns, ordered by column, one point for each
 /// run of neighbouring columns without ground whose ranges differ by at most 0.3 m from one to the
 /// next, that is at most max_width_m wide, and on both sides of which the row goes on behind it (by
-/// more than 0.3 m, or for ever): its middle, if it is round, captured when the middle column was.
+/// more than 0.3 m, or for ever): its middle, if it is round, captured when the middle column was,
+/// and as bright as that.
 ///
 ///   middle = mean of the points + (pi / 8) width * direction of the beam
 ///

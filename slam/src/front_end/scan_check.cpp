@@ -19,6 +19,11 @@ void check_size(const OrganizedCloud& cloud, const SensorModel& sensor) {
   }
   const std::size_t pixels = static_cast<std::size_t>(cloud.rows) * cloud.columns;
   const std::size_t times = cloud.time_offset_s.size();
+  const std::size_t intensities = cloud.intensity.size();
+  if (intensities != 0 && intensities != pixels) {
+    throw Error("scan of {}x{} pixels has {} intensities: give each pixel its own, or none at all",
+                cloud.rows, cloud.columns, intensities);
+  }
   if (cloud.points_m.size() != pixels || cloud.range_m.size() != pixels ||
       (times != 0 && times != pixels)) {
     throw Error(

@@ -1,6 +1,7 @@
 #include "front_end/voxel_thinning.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <span>
 
@@ -32,22 +33,30 @@ std::vector<PlacedPoint> placed(const std::vector<FeaturePoint>& points, float l
   return result;
 }
 
-/// The mean of position and time; slopes are averaged, and made of length 1 again.
+/// The mean of position, time and what intensities are known; slopes are averaged, and made of
+/// length 1 again.
 struct Mean {
   Eigen::Vector3f sum_m = Eigen::Vector3f::Zero();
   Eigen::Vector3f slope = Eigen::Vector3f::Zero();
   float time_s = 0.0F;
+  float intensity_sum = 0.0F;
   int count = 0;
+  int bright = 0;  ///< of known intensity
 
   void add(const FeaturePoint& point) {
     sum_m += point.point_m;
     slope += point.slope;
     time_s += point.time_offset_s;
     ++count;
+    if (std::isnan(point.intensity)) return;
+    intensity_sum += point.intensity;
+    ++bright;
   }
   FeaturePoint in_row(int row) const {
     const auto points = static_cast<float>(count);
-    return {sum_m / points, time_s / points, row, slope.normalized()};
+    FeaturePoint mean{sum_m / points, time_s / points, row, slope.normalized()};
+    if (bright > 0) mean.intensity = intensity_sum / static_cast<float>(bright);
+    return mean;
   }
 };
 

@@ -6,7 +6,8 @@
 
 namespace hqslam::slam {
 
-/// One point per voxel of `leaf_m`: the mean of position and time offset, summed in the order of
+/// One point per voxel of `leaf_m`: the mean of position, time offset and known intensities,
+/// summed in the order of
 /// the points. Voxels follow each other along x, then y, then z. The row is the first point's: it
 /// means something only where all points are of one row. Points a million voxels from the origin or
 /// farther are left out.

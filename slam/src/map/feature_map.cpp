@@ -95,6 +95,14 @@ class SixNearest {
   std::array<std::uint64_t, kWanted + 1> nearest_;
 };
 
+/// Of a voxel's points after others came to them, `all.count` together.
+float mean_intensity(const MapPoint& all, const MapPoint& others) {
+  if (std::isnan(all.intensity)) return others.intensity;
+  if (std::isnan(others.intensity)) return all.intensity;
+  return all.intensity + static_cast<float>(others.count) * (others.intensity - all.intensity) /
+                             static_cast<float>(all.count);
+}
+
 }  // namespace
 
 bool Surroundings::contains(const Eigen::Vector3f& point_m) const {
@@ -120,8 +128,13 @@ FeatureMap::Cube& FeatureMap::find_or_add(std::uint64_t key) {
   return cubes_.emplace_back(Cube{key, {}});
 }
 
-void FeatureMap::insert(const std::vector<Eigen::Vector3f>& points_m, std::uint32_t keyframe) {
-  for (const Eigen::Vector3f& point_m : points_m) insert_point({point_m, keyframe, keyframe});
+void FeatureMap::insert(const std::vector<Eigen::Vector3f>& points_m, std::uint32_t keyframe,
+                        const std::vector<float>& intensity) {
+  for (std::size_t i = 0; i < points_m.size(); ++i) {
+    MapPoint point{points_m[i], keyframe, keyframe};
+    if (!intensity.empty()) point.intensity = intensity[i];
+    insert_point(point);
+  }
 }
 
 void FeatureMap::insert(const std::vector<MapPoint>& points) {
@@ -154,6 +167,7 @@ void FeatureMap::insert_point(const MapPoint& inserted) {
       cell.count = static_cast<std::uint16_t>(cell.count + inserted.count);
       cell.mean_m += static_cast<float>(inserted.count) * (inserted.mean_m - cell.mean_m) /
                      static_cast<float>(cell.count);
+      cell.intensity = mean_intensity(cell, inserted);
     }
     return;
   }
@@ -303,6 +317,16 @@ std::vector<Eigen::Vector3f> FeatureMap::points_m() const {
     for (const Cell& cell : cube.cells) result.push_back(cell.mean_m);
   }
   return result;
+}
+
+std::vector<float> FeatureMap::intensity() const {
+  std::vector<float> result;
+  result.reserve(size_);
+  for (const Cube& cube : cubes_) {
+    for (const Cell& cell : cube.cells) result.push_back(cell.intensity);
+  }
+  const bool is_any_known = std::ranges::any_of(result, [](float i) { return !std::isnan(i); });
+  return is_any_known ? result : std::vector<float>{};
 }
 
 }  // namespace hqslam::slam

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -36,6 +37,8 @@ struct MapPoint {
   std::uint32_t keyframe = 0;   ///< the first that saw it
   std::uint32_t last_seen = 0;  ///< the last keyframe that did
   std::uint16_t count = 1;      ///< points averaged
+  /// Their mean intensity, as far as it is known; not a number until one is.
+  float intensity = std::numeric_limits<float>::quiet_NaN();
 };
 
 /// A map of points, thinned to one per voxel, that grows point by point and finds nearest points.
@@ -55,7 +58,9 @@ class FeatureMap {
  public:
   FeatureMap(double leaf_m, double max_distance_m);
 
-  void insert(const std::vector<Eigen::Vector3f>& points_m, std::uint32_t keyframe = 0);
+  /// intensity: of each point, or empty.
+  void insert(const std::vector<Eigen::Vector3f>& points_m, std::uint32_t keyframe = 0,
+              const std::vector<float>& intensity = {});
   /// Points of another map; those that meet in one voxel are merged, and the oldest keyframe kept.
   void insert(const std::vector<MapPoint>& points);
 
@@ -70,6 +75,8 @@ class FeatureMap {
   std::size_t size() const { return size_; }
   /// All points, in the order in which their cubes and voxels were first met.
   std::vector<Eigen::Vector3f> points_m() const;
+  /// Of each of points_m(), MapPoint::intensity; empty where none is known.
+  std::vector<float> intensity() const;
   /// The points about a place.
   std::vector<Eigen::Vector3f> points_near_m(const Surroundings& place) const;
 

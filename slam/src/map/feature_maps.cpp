@@ -26,9 +26,9 @@ FeatureMaps::FeatureMaps(const MappingOptions& options)
 
 FeatureMaps::FeatureMaps(const MappingOptions& options, const SavedMap& map)
     : FeatureMaps(options) {
-  edges.insert(map.edges_m);
-  posts.insert(map.posts_m);
-  planes.insert(map.planes_m);
+  edges.insert(map.edges_m, 0, map.edges_intensity);
+  posts.insert(map.posts_m, 0, map.posts_intensity);
+  planes.insert(map.planes_m, 0, map.planes_intensity);
 }
 
 FeatureMaps FeatureMaps::about(const MappingOptions& options, const Surroundings& place) const {

@@ -207,10 +207,15 @@ void Mapping::insert(const MapFeatures& features, const Pose& T_map_sensor, cons
     }
     return result;
   };
-  map_.edges.insert(in_map(features.edges), keyframes_);
-  map_.posts.insert(in_map(features.posts), keyframes_);
-  map_.planes.insert(in_map(features.ground), keyframes_);
-  map_.planes.insert(in_map(features.surfaces), keyframes_);
+  const auto insert = [&](const std::vector<FeaturePoint>& points, FeatureMap& map) {
+    std::vector<float> intensity;
+    for (const FeaturePoint& point : points) intensity.push_back(point.intensity);
+    map.insert(in_map(points), keyframes_, intensity);
+  };
+  insert(features.edges, map_.edges);
+  insert(features.posts, map_.posts);
+  insert(features.ground, map_.planes);
+  insert(features.surfaces, map_.planes);
   if (keyframes_ > 0) {
     path_m_ += (T_map_sensor.translation() - T_map_last_keyframe_.translation()).norm();
   }

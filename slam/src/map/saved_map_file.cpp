@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <string>
 
 #include "hqslam/core/error.h"
 #include "hqslam/core/npz.h"
@@ -85,6 +86,17 @@ class MapFile {
     return points;
   }
 
+  /// Of so many points. Maps of recordings without intensities have none.
+  std::vector<float> intensity(const std::string& name, std::size_t points) const {
+    if (!arrays_.contains(name)) return {};
+    std::vector<float> values = float_values(at(name, {}), path_ + ": " + name);
+    if (values.size() != points) {
+      refuse(fmt::format("array {} has {} numbers, expected one for each of {} points", name,
+                         values.size(), points));
+    }
+    return values;
+  }
+
   std::vector<SavedPlace> places() const {
     const std::vector<double> poses =
         double_values(at("T_map_place", {3, 4}), path_ + ": T_map_place");
@@ -143,19 +155,31 @@ void write_saved_map(const std::string& path, const SavedMap& map) {
     contexts.insert(contexts.end(), context.data(), context.data() + context.size());
   }
   const auto places = static_cast<std::int64_t>(map.places.size());
-  write_npz(path, {{"format", npz_text(kFormat)},
-                   {"edges_m", array_of(map.edges_m)},
-                   {"posts_m", array_of(map.posts_m)},
-                   {"planes_m", array_of(map.planes_m)},
-                   {"T_map_place", npz_array(poses, {places, 3, 4})},
-                   {"place_contexts",
-                    npz_array(contexts, {places, ScanContext::kRings, ScanContext::kSectors})}});
+  NpzArrays arrays = {{"format", npz_text(kFormat)},
+                      {"edges_m", array_of(map.edges_m)},
+                      {"posts_m", array_of(map.posts_m)},
+                      {"planes_m", array_of(map.planes_m)},
+                      {"T_map_place", npz_array(poses, {places, 3, 4})},
+                      {"place_contexts",
+                       npz_array(contexts, {places, ScanContext::kRings, ScanContext::kSectors})}};
+  const auto add_intensity = [&](const char* name, const std::vector<float>& intensity) {
+    const auto points = static_cast<std::int64_t>(intensity.size());
+    if (points > 0) arrays.emplace(name, npz_array(intensity, {points}));
+  };
+  add_intensity("edges_intensity", map.edges_intensity);
+  add_intensity("posts_intensity", map.posts_intensity);
+  add_intensity("planes_intensity", map.planes_intensity);
+  write_npz(path, arrays);
 }
 
 SavedMap read_saved_map(const std::string& path) {
   const MapFile file(path);
-  return {file.points_m("edges_m"), file.points_m("posts_m"), file.points_m("planes_m"),
-          file.places()};
+  SavedMap map{file.points_m("edges_m"), file.points_m("posts_m"), file.points_m("planes_m"),
+               file.places()};
+  map.edges_intensity = file.intensity("edges_intensity", map.edges_m.size());
+  map.posts_intensity = file.intensity("posts_intensity", map.posts_m.size());
+  map.planes_intensity = file.intensity("planes_intensity", map.planes_m.size());
+  return map;
 }
 
 }  // namespace hqslam::slam

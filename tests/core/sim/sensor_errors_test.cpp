@@ -37,13 +37,14 @@ DriveSpec drive_with(SensorErrors errors) {
 TEST_CASE("errors of beams are drawn from the seed: no mean, the stated size and bound") {
   for (const SensorErrors errors : {SensorErrors::kTypical, SensorErrors::kBad}) {
     const bool bad = errors == SensorErrors::kBad;
-    std::vector<double> range_m, elevation_rad, azimuth_rad;
+    std::vector<double> range_m, elevation_rad, azimuth_rad, brighter;
     for (std::uint64_t seed = 1; seed <= 100; ++seed) {
       const BeamErrors beams = draw_beam_errors(errors, 64, seed);
       CHECK(beams.range_m == draw_beam_errors(errors, 64, seed).range_m);
       CHECK(beams.range_m != draw_beam_errors(errors, 64, seed + 1).range_m);
       range_m.insert(range_m.end(), beams.range_m.begin(), beams.range_m.end());
       azimuth_rad.insert(azimuth_rad.end(), beams.azimuth_rad.begin(), beams.azimuth_rad.end());
+      for (const double gain : beams.intensity_gain) brighter.push_back(gain - 1.0);
       const auto middle = beams.elevation_rad.begin() + 32;
       const double upper = std::accumulate(beams.elevation_rad.begin(), middle, 0.0) / 32.0;
       const double lower = std::accumulate(middle, beams.elevation_rad.end(), 0.0) / 32.0;
@@ -64,7 +65,9 @@ TEST_CASE("errors of beams are drawn from the seed: no mean, the stated size and
     check(range_m, bad ? 0.03 : 0.015);
     check(elevation_rad, 0.05 * kDegree_rad);
     check(azimuth_rad, 0.05 * kDegree_rad);
+    check(brighter, bad ? 0.15 : 0.05);
   }
+  CHECK(draw_beam_errors(SensorErrors::kNone, 3, 1).intensity_gain == std::vector<double>(3, 1.0));
   CHECK(draw_beam_errors(SensorErrors::kNone, 3, 1).elevation_rad == std::vector<double>(3, 0.0));
 }
 
@@ -131,6 +134,37 @@ TEST_CASE("before a wall every beam is off by what was drawn for it, within a mi
   }
 }
 
+TEST_CASE("before a wall every beam is as bright as its gain says, scattered as stated") {
+  City city = empty_city();
+  add_wall(city.fixed, 10.0, -60.0, 60.0);
+  const RayScene scene(city);
+  const SensorModel sensor = small_sensor();
+  const std::vector<Pose> poses(static_cast<std::size_t>(sensor.columns), Pose::Identity());
+  const DriveSpec spec = drive_with(SensorErrors::kBad);
+  const Lidar lidar(sensor, spec);
+  const BeamErrors beams = draw_beam_errors(spec.sensor_errors, sensor.rows(), spec.seed);
+  for (int row = 0; row < sensor.rows(); ++row) {
+    std::vector<double> scatter;
+    for (int scan = 0; scan < 60; ++scan) {
+      std::vector<std::uint8_t> intensity;
+      const RangeImage image = lidar.measure(scene, poses, scan, {}, &intensity);
+      for (int column = 60; column < 68; ++column) {
+        if (!image.has_return(row, column)) continue;
+        const auto beam = static_cast<std::size_t>(row);
+        const double cosine =
+            std::cos(sensor.beam_elevation_rad[beam] + beams.elevation_rad[beam]) *
+            std::cos(sensor.azimuth_rad(row, column) + beams.azimuth_rad[beam]);
+        // Half of the signal comes back; plaster reflects 70 % head-on.
+        const double unscattered = 0.5 * 70.0 * std::pow(cosine, 0.375);
+        scatter.push_back(
+            intensity[image.index(row, column)] / (beams.intensity_gain[beam] * unscattered) - 1.0);
+      }
+    }
+    CHECK(std::abs(mean_of(scatter)) < 0.04);
+    CHECK(deviation_of(scatter) == doctest::Approx(0.2).epsilon(0.15));
+  }
+}
+
 TEST_CASE("a drive keeps its sensor's table and says beside it how its beams really look") {
   const TemporaryDirectory folder;
   for (const SensorErrors errors : {SensorErrors::kNone, SensorErrors::kTypical}) {
@@ -149,6 +183,7 @@ TEST_CASE("a drive keeps its sensor's table and says beside it how its beams rea
   CHECK(truth["elevation_deg"][3].get<double>() * kDegree_rad ==
         doctest::Approx(beams.elevation_rad[3]));
   CHECK(truth["azimuth_deg"].size() == 16);
+  CHECK(truth["intensity_gain"] == beams.intensity_gain);
   CHECK(DriveSimulator(drive_with(SensorErrors::kTypical), small_sensor()).next()->image.range_m !=
         DriveSimulator(drive_with(SensorErrors::kNone), small_sensor()).next()->image.range_m);
   CHECK(refused_with([] { sensor_errors_named("awful"); }, "awful", "typical"));

@@ -39,3 +39,20 @@ TEST_CASE("a place is occupied under a bonnet and at its edge, free beside it an
   CHECK_FALSE(at(0.0, 7.0));
   CHECK_FALSE(true_place(scene, {20.0, 0.0, 3.0}, column));
 }
+
+TEST_CASE("below a surface that is all but upright the ground is found, too") {
+  City city = street();
+  // It leans by 3 mm a metre, so that Embree's rays, rounded to single precision, meet it
+  // centimetres from where those in double precision do.
+  add_quad(city.fixed, {400.0, -9.0, 1.0}, {400.0, 9.0, 1.0}, {400.012, 9.0, 5.0},
+           {400.012, -9.0, 5.0}, {Material::kPlaster, 1});
+  add_quad(city.fixed, {390.0, -9.0, 1.0}, {410.0, -9.0, 1.0}, {410.0, 9.0, 1.0}, {390.0, 9.0, 1.0},
+           {Material::kConcrete, 1});
+  const RayScene scene(city);
+  for (int i = 1; i < 100; ++i) {
+    const auto place = true_place(scene, {400.0 + 1.2e-4 * i, 0.3, 3.0}, {0.05, 0.25, 2.0});
+    REQUIRE(place);
+    CHECK(place->ground_m == doctest::Approx(1.0));
+    CHECK(place->is_occupied);
+  }
+}

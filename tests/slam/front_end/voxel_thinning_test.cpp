@@ -46,6 +46,17 @@ TEST_CASE("the slopes of a voxel become their mean direction; none stays none") 
   CHECK(thinned[1].slope == Eigen::Vector3f::Zero());
 }
 
+TEST_CASE("the intensities of a voxel become their mean, those that are not known left out") {
+  std::vector<FeaturePoint> points = {
+      {{0.01F, 0.01F, 0.01F}}, {{0.03F, 0.05F, 0.01F}}, {{0.05F, 0.05F, 0.01F}}, {{1, 1, 1}}};
+  points[0].intensity = 10.0F;
+  points[2].intensity = 40.0F;
+  const auto thinned = hqslam::slam::thin(points, 0.2);
+  REQUIRE(thinned.size() == 2);
+  CHECK(thinned[0].intensity == 25.0F);
+  CHECK(std::isnan(thinned[1].intensity));
+}
+
 TEST_CASE("thinning nothing gives nothing") { CHECK(hqslam::slam::thin({}, 0.2).empty()); }
 
 TEST_CASE("a stray point far away keeps no others from being thinned, nor changes them") {

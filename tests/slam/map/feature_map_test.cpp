@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <random>
 
@@ -120,6 +121,29 @@ TEST_CASE("a corrected map holds every point where its keyframe belongs") {
   CHECK(map.nearest({2.1F, 0.1F, 0.1F}).squared_distance_m2[0] < 1e-6F);
   CHECK(map.nearest({7.1F, 0.1F, 0.1F}).count == 0);
   CHECK(map.take_near({{0, 0, 0}, 0.5F}).front().keyframe == 0);
+}
+
+TEST_CASE("a voxel keeps the mean intensity of its points, merged and moved ones included") {
+  FeatureMap map(0.4, 1.0);
+  map.insert({{0.1F, 0.1F, 0.1F}, {0.3F, 0.1F, 0.1F}, {0.5F, 0.1F, 0.1F}}, 0, {10.0F, 40.0F, 7.0F});
+  CHECK(map.intensity() == std::vector<float>{25.0F, 7.0F});
+  // A point of two and one of one, when the second moves into the voxel of the first.
+  map.insert({{1.7F, 0.1F, 0.1F}}, 1, {100.0F});
+  map.correct({Pose::Identity(), Pose(Eigen::Translation3d(-1.5, 0.0, 0.0))});
+  CHECK(map.intensity() == std::vector<float>{50.0F, 7.0F});
+  // One that is not known says nothing, and is known from the first that is.
+  map.insert({{0.2F, 0.1F, 0.1F}, {3.1F, 0.1F, 0.1F}}, 0);
+  REQUIRE(map.intensity().size() == 3);
+  CHECK(map.intensity()[0] == 50.0F);
+  CHECK(std::isnan(map.intensity()[2]));
+  map.insert({{3.1F, 0.1F, 0.1F}}, 0, {3.0F});
+  CHECK(map.intensity()[2] == 3.0F);
+}
+
+TEST_CASE("a map of points without intensities has none") {
+  FeatureMap map(0.4, 1.0);
+  map.insert({{0.1F, 0.1F, 0.1F}});
+  CHECK(map.intensity().empty());
 }
 
 TEST_CASE("a correction that moves nothing leaves the same bytes") {

@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include <cmath>
 #include <functional>
 #include <limits>
 #include <string>
@@ -42,6 +43,21 @@ std::string changed(const test::TemporaryDirectory& folder, const Change& change
 }
 
 }  // namespace
+
+TEST_CASE("intensities are saved with their points, and a map of before them is read") {
+  const test::TemporaryDirectory folder;
+  slam::SavedMap map = small_map();
+  slam::write_saved_map(folder.file("map.npz"), map);
+  CHECK_FALSE(read_npz(folder.file("map.npz")).contains("edges_intensity"));
+  CHECK(slam::read_saved_map(folder.file("map.npz")).edges_intensity.empty());
+  map.edges_intensity = {12.0F, std::numeric_limits<float>::quiet_NaN()};
+  slam::write_saved_map(folder.file("map.npz"), map);
+  const slam::SavedMap read = slam::read_saved_map(folder.file("map.npz"));
+  REQUIRE(read.edges_intensity.size() == 2);
+  CHECK(read.edges_intensity[0] == 12.0F);
+  CHECK(std::isnan(read.edges_intensity[1]));
+  CHECK(read.planes_intensity.empty());
+}
 
 TEST_CASE("a map that was saved is read as it was") {
   const test::TemporaryDirectory folder;
@@ -85,6 +101,8 @@ TEST_CASE("a file that is no saved map is refused in one line") {
          a["posts_m"] = npz_array(std::vector<float>{0, 0, -1e10F}, {1, 3});
        },
        "posts_m has a coordinate of -10000000000 m"},
+      {[](NpzArrays& a) { a["edges_intensity"] = npz_array(std::vector<float>(3), {3}); },
+       "edges_intensity has 3 numbers"},
       {[](NpzArrays& a) {
          std::vector<double> pose = {1, 0, 0, 1e10, 0, 1, 0, 0, 0, 0, 1, 0};
          a["T_map_place"] = npz_array(pose, {1, 3, 4});

@@ -72,7 +72,9 @@ TEST_CASE("a simulated drive needs no sensor and no reference: both are in its f
   REQUIRE(estimate.size() == kDriveScans);
   CHECK(read_kitti_poses(out.file("trajectory.kitti")).size() == kDriveScans);
   CHECK(estimate.front().T_map_sensor.isApprox(Pose::Identity()));
-  CHECK(read_pcd(out.file("map.pcd")).points_m.size() > 1000);
+  const Scan map = read_pcd(out.file("map.pcd"));
+  CHECK(map.points_m.size() > 1000);
+  CHECK(map.intensity.size() == map.points_m.size());
   CHECK(timings(out)["end"] == "complete");
   const Trajectory truth = read_tum(simulated_drive() + "/truth.tum");
   CHECK(absolute_pose_error(estimate, truth, Alignment::kFirstPose).translation_statistics.max <

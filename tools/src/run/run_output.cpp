@@ -9,8 +9,8 @@
 #include <nlohmann/json.hpp>
 #include <system_error>
 
+#include "hqslam/core/cloud_file.h"
 #include "hqslam/core/error.h"
-#include "hqslam/core/pcd.h"
 #include "hqslam/core/whole_file.h"
 #include "run/occupancy_grid.h"
 #include "run/slam_settings.h"
@@ -231,8 +231,10 @@ void RunOutput::write_checkpoint(const SlamRun& run) {
 void RunOutput::write_results(const SlamRun& run) {
   write_checkpoint(run);
   write_text_file(covariances_csv(run), path("covariances.csv"));
-  replace_file(path("map.pcd"),
-               [&](const std::string& part) { write_pcd(run.map_points_m, part); });
+  Scan map;
+  map.points_m = run.map_points_m;
+  map.intensity = run.map_intensity;
+  replace_file(path("map.pcd"), [&](const std::string& part) { write_cloud(map, part); });
   if (run.saved_map) {
     replace_file(path("saved_map.npz"),
                  [&](const std::string& part) { slam::write_saved_map(part, *run.saved_map); });

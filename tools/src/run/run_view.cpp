@@ -44,7 +44,9 @@ ViewScan scan_of(const SlamRun& run, const KeptScan& kept) {
 TurningView view_of(const SlamRun& run, const DenseMapRun* dense_map) {
   TurningView view;
   if (dense_map != nullptr) view.clouds.push_back(cloud_of(*dense_map));
-  if (!run.map_points_m.empty()) view.clouds.push_back({"features", run.map_points_m});
+  if (!run.map_points_m.empty()) {
+    view.clouds.push_back({"features", run.map_points_m, {}, run.map_intensity});
+  }
   const auto is_shown = [&](std::size_t pose) {
     return pose < run.trajectory.size() && run.part_of_scan[pose] == run.map_part;
   };

@@ -182,7 +182,7 @@ SlamRun SlamSession::finished(bool save_map) {
     run_.scans[scan].report.covariance = covariance;
   }
   run_.map_part = largest_part(run_);
-  run_.map_points_m = slam_.map_points_m(run_.map_part);
+  run_.map_points_m = slam_.map_points_m(run_.map_part, &run_.map_intensity);
   run_.kept_scans = kept_scans_.take();
   const bool is_elsewhere =
       !run_.extended.empty() && std::ranges::count(run_.part_of_scan, 0U) == 0;

@@ -55,6 +55,7 @@ struct SlamRun : Reading {
   /// points in the map's frame. How others lie to it is not known.
   std::size_t map_part = 0;
   std::vector<Eigen::Vector3f> map_points_m;
+  std::vector<float> map_intensity;  ///< of each; empty where the recording has none
   std::vector<KeptScan> kept_scans;  ///< to be looked at; filled when the run ends
   std::string located_in;  ///< the file of the map that it was located in; empty: it made its own
   std::string extended;    ///< the file of the map that it went on from; empty: none

@@ -1,6 +1,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <limits>
 #include <memory>
 
 #include "commands.h"
@@ -34,9 +35,18 @@ ViewCloud cloud_of(Scan points) {
 ViewCloud saved_map_in(const std::string& path) {
   const slam::SavedMap map = slam::read_saved_map(path);
   ViewCloud cloud;
-  for (const auto* features_m : {&map.edges_m, &map.posts_m, &map.planes_m}) {
-    cloud.points_m.insert(cloud.points_m.end(), features_m->begin(), features_m->end());
-  }
+  const auto add = [&](const std::vector<Eigen::Vector3f>& points_m,
+                       const std::vector<float>& intensity) {
+    cloud.points_m.insert(cloud.points_m.end(), points_m.begin(), points_m.end());
+    cloud.intensity.insert(cloud.intensity.end(), intensity.begin(), intensity.end());
+    cloud.intensity.resize(cloud.points_m.size(), std::numeric_limits<float>::quiet_NaN());
+  };
+  add(map.edges_m, map.edges_intensity);
+  add(map.posts_m, map.posts_intensity);
+  add(map.planes_m, map.planes_intensity);
+  const bool is_any_known =
+      !map.edges_intensity.empty() || !map.posts_intensity.empty() || !map.planes_intensity.empty();
+  if (!is_any_known) cloud.intensity.clear();
   return cloud;
 }
 

@@ -24,6 +24,10 @@ struct SavedMap {
   std::vector<Eigen::Vector3f> posts_m;
   std::vector<Eigen::Vector3f> planes_m;
   std::vector<SavedPlace> places;  ///< every few metres of the path
+  /// Of each point, not a number where it is not known; empty if none is.
+  std::vector<float> edges_intensity = {};
+  std::vector<float> posts_intensity = {};
+  std::vector<float> planes_intensity = {};
 };
 
 /// A map of any point cloud (metres, z up), in its frame: what drives with this sensor through it
@@ -36,7 +40,8 @@ SavedMap map_of_cloud(const std::vector<Eigen::Vector3f>& points_m, const Sensor
 
 /// An .npz file that numpy reads, too: edges_m, posts_m and planes_m (N x 3, float32, metres),
 /// T_map_place (M x 3 x 4, float64) and place_contexts (M x 20 x 60, float32; ScanContext's unit
-/// sectors, ring after ring). Throws Error; an existing file is replaced once the new one is whole.
+/// sectors, ring after ring), and edges_intensity and so on (N, float32) where they are not empty.
+/// Throws Error; an existing file is replaced once the new one is whole.
 void write_saved_map(const std::string& path, const SavedMap& map);
 /// Throws Error: not a saved map, or something in it that no drive leaves behind (shapes, numbers
 /// that are not finite, rotations that are none).

@@ -106,13 +106,12 @@ class Slam {
   /// out, and a scan that they do not cover is as without.
   void add_imu(const std::vector<ImuSample>& samples);
 
-  /// Throws Error if the cloud's shape is not the sensor's, if a pixel has no point, range or
-  /// capture time of its own (but none need have a time), or if the stamp is no time in seconds;
-  /// ScanError if the capture times are no offsets from the middle of the scan in seconds.
-  /// Whatever the numbers inside the cloud are is survived: a pixel with one that is not finite is
-  /// no return. Stamps need not rise: see src/front_end/scan_clock.h.
-  /// Where a trace is given it is filled with what each stage made of the scan; nothing is spent on
-  /// it otherwise.
+  /// Throws Error if the cloud's shape is not the sensor's, if a pixel has no point, range, capture
+  /// time or intensity of its own (but none need have a time or an intensity), or if the stamp is
+  /// no time in seconds; ScanError if the capture times are no offsets from the middle of the scan
+  /// in seconds. Whatever the numbers inside the cloud are is survived: a pixel with one that is
+  /// not finite is no return. Stamps need not rise: see src/front_end/scan_clock.h. Where a trace
+  /// is given it is filled with what each stage made of the scan; nothing is spent on it otherwise.
   ScanReport process(const OrganizedCloud& cloud, double stamp_s, ScanTrace* trace = nullptr);
 
   /// After the last scan: takes in what loop closing was still finding out, and reports it.
@@ -144,8 +143,10 @@ class Slam {
   /// The map: planar features of all keyframes, one per 0.4 m voxel, then edge features, one per
   /// 0.2 m voxel (MappingOptions), in the map's frame. Of one submap (its number in
   /// submap_of_scan()), or of all, one after the other, though nothing is known of how they lie to
-  /// each other.
-  std::vector<Eigen::Vector3f> map_points_m(std::optional<std::size_t> submap = {}) const;
+  /// each other. intensity: takes one per point, the mean of those of its features in the unit of
+  /// the recording, not a number where none is known; empty if none is.
+  std::vector<Eigen::Vector3f> map_points_m(std::optional<std::size_t> submap = {},
+                                            std::vector<float>* intensity = nullptr) const;
 
   /// What later drives are located in: of several submaps the one with most places, of a map that
   /// was to be extended that. Throws Error unless loop closing is switched on, which knows the

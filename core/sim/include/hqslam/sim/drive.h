@@ -46,7 +46,8 @@ struct DriveSpec {
   SensingConditions conditions;
   SensorErrors sensor_errors = SensorErrors::kNone;
 };
-/// Raised whenever the same spec begins to give other bytes.
+/// Raised whenever the same spec begins to give other ranges or poses, which are what is stored
+/// under it.
 constexpr int kDriveRevision = 1;
 /// Throws Error with field, value and constraint.
 void validate(const DriveSpec& spec);

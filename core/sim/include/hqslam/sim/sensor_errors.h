@@ -17,20 +17,24 @@ SensorErrors sensor_errors_named(std::string_view name);
 
 /// What is the same for every point of a beam (row), highest beam first.
 struct BeamErrors {
-  std::vector<double> range_m;        ///< what is reported minus what is true
-  std::vector<double> elevation_rad;  ///< where the beam looks minus what the sensor model says
-  std::vector<double> azimuth_rad;    ///< the same, positive to the left
+  std::vector<double> range_m;         ///< what is reported minus what is true
+  std::vector<double> elevation_rad;   ///< where the beam looks minus what the sensor model says
+  std::vector<double> azimuth_rad;     ///< the same, positive to the left
+  std::vector<double> intensity_gain;  ///< what is reported over what a calibrated beam would
 };
 
 /// Drawn from a drive's seed, all independent of each other: normally distributed, drawn anew
 /// beyond a bound.
-///             range             elevation           azimuth
-///   typical   15 mm, to 30 mm   0.05, to 0.1 deg    0.05, to 0.1 deg
-///   bad       30 mm, to 60 mm   the same, and 0.3 deg between the upper and the lower half
-/// `none` gives zeros. Sources: the VLP-16's and the OS1's makers promise 3 cm; factory tables of
-/// an HDL-64E are off by some hundredths of a degree and by centimetres, its two blocks of lasers
-/// against each other by more (Glennie and Lichti, "Static calibration and analysis of the Velodyne
-/// HDL-64E S2", Remote Sensing 2, 2010).
+///             range             elevation           azimuth            intensity
+///   typical   15 mm, to 30 mm   0.05, to 0.1 deg    0.05, to 0.1 deg   1 +- 0.05, to 0.1
+///   bad       30 mm, to 60 mm   the same, and 0.3 deg between the      1 +- 0.15, to 0.3
+///                               upper and the lower half
+/// `none` gives zeros, and gains of 1. Sources: the VLP-16's and the OS1's makers promise 3 cm;
+/// factory tables of an HDL-64E are off by some hundredths of a degree and by centimetres, its two
+/// blocks of lasers against each other by more (Glennie and Lichti, "Static calibration and
+/// analysis of the Velodyne HDL-64E S2", Remote Sensing 2, 2010). That beams report one surface
+/// unequally bright, in spite of the maker's table: Levinson and Thrun, "Unsupervised calibration
+/// for multi-beam lasers", ISER 2010, who have no one size for it; these are chosen.
 BeamErrors draw_beam_errors(SensorErrors errors, int rows, std::uint64_t drive_seed);
 
 }  // namespace hqslam::sim
