@@ -1,0 +1,15 @@
+#pragma once
+
+#include <numbers>
+
+namespace hqslam {
+
+inline constexpr double kTwoPi = 2.0 * std::numbers::pi;
+inline constexpr double kDegree_rad = std::numbers::pi / 180.0;
+inline constexpr double kDegreesPerRadian = 180.0 / std::numbers::pi;
+
+/// What the constants give but for rounding: 90 is pi / 2 and back to the last digit.
+constexpr double radians(double angle_deg) { return angle_deg * std::numbers::pi / 180.0; }
+constexpr double degrees(double angle_rad) { return angle_rad * 180.0 / std::numbers::pi; }
+
+}  // namespace hqslam
