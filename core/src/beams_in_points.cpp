@@ -2,10 +2,11 @@
 
 #include <algorithm>
 #include <map>
-#include <numbers>
 #include <set>
 #include <utility>
 
+#include "hqslam/core/angles.h"
+#include "hqslam/core/median.h"
 #include "ring_segments.h"
 
 // Which points are of one beam is told by their rings, else by their order where each scan holds
@@ -25,7 +26,6 @@ namespace hqslam {
 
 namespace {
 
-constexpr double kDegree_rad = std::numbers::pi / 180.0;
 /// Of what other beams have: fewer are strays.
 constexpr double kFewestShare = 0.01;
 /// What is nearer is the vehicle, or seen too askew to say anything.

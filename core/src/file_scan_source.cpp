@@ -4,16 +4,16 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
-#include <numbers>
 #include <optional>
 #include <utility>
 #include <vector>
 
+#include "hqslam/core/angles.h"
 #include "hqslam/core/error.h"
+#include "hqslam/core/median.h"
 #include "hqslam/core/point_fields.h"
 #include "hqslam/core/recorded_scan.h"
 #include "point_files.h"
-#include "ring_segments.h"
 #include "scan_sources.h"
 #include "scan_stamps.h"
 
@@ -21,7 +21,6 @@ namespace hqslam {
 
 namespace {
 
-constexpr double kTwoPi = 2.0 * std::numbers::pi;
 /// A scan in the order of firing turns about once; one stored ring after ring once per ring.
 constexpr double kMostTurns = 1.5;
 
@@ -93,8 +92,8 @@ class AzimuthTimes {
   double first_turned_rad_ = 0.0;
 };
 
-constexpr double kFits_rad = 0.1 * (std::numbers::pi / 180.0);
-constexpr double kFarthest_rad = 1.5 * (std::numbers::pi / 180.0);
+constexpr double kFits_rad = 0.1 * kDegree_rad;
+constexpr double kFarthest_rad = 1.5 * kDegree_rad;
 constexpr std::size_t kFewestPoints = 100;
 
 /// How far each row is from the table, where it has points enough.

@@ -7,13 +7,13 @@
 
 #include "hqslam/core/error.h"
 #include "hqslam/core/npy.h"
+#include "hqslam/core/recorded_scan.h"
 #include "scan_sources.h"
 
 namespace hqslam {
 
 namespace {
 
-constexpr double kMaxForeignShare = 0.5;
 constexpr std::int64_t kImagesToTry = 10;
 
 void flip_rows(RangeImage& image) {

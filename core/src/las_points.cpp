@@ -24,7 +24,7 @@ constexpr std::size_t kMaxLasFileBytes = std::size_t{1} << 31U;
 constexpr std::size_t kMaxLasPoints = std::size_t{1} << 26U;  // a large map
 constexpr double kStep_m = 0.001;
 /// Beyond, a float32 is off by more than a few millimetres.
-constexpr double kFarthest_m = 1e5;
+constexpr double kFarthestPlace_m = 1e5;
 
 constexpr std::size_t kHeaderBytes = 227;
 constexpr std::size_t kHeaderBytes14 = 375;
@@ -44,22 +44,22 @@ constexpr std::array<Format, 9> kFormats = {
     {{20, 0}, {28, 20}, {26, 0}, {34, 20}, {0, 0}, {0, 0}, {30, 22}, {36, 22}, {38, 22}}};
 
 /// Types of extra bytes, from 1 on.
-constexpr std::array<StoredNumber, 10> kTypes = {{{'U', 1},
-                                                  {'I', 1},
-                                                  {'U', 2},
-                                                  {'I', 2},
-                                                  {'U', 4},
-                                                  {'I', 4},
-                                                  {'U', 8},
-                                                  {'I', 8},
-                                                  {'F', 4},
-                                                  {'F', 8}}};
+constexpr std::array<StoredNumber, 10> kLasTypes = {{{'U', 1},
+                                                     {'I', 1},
+                                                     {'U', 2},
+                                                     {'I', 2},
+                                                     {'U', 4},
+                                                     {'I', 4},
+                                                     {'U', 8},
+                                                     {'I', 8},
+                                                     {'F', 4},
+                                                     {'F', 8}}};
 
 std::uint8_t type_of(StoredNumber stored) {
-  const auto found = std::ranges::find_if(kTypes, [&](StoredNumber known) {
+  const auto found = std::ranges::find_if(kLasTypes, [&](StoredNumber known) {
     return known.type == stored.type && known.bytes == stored.bytes;
   });
-  return static_cast<std::uint8_t>(found - kTypes.begin() + 1);
+  return static_cast<std::uint8_t>(found - kLasTypes.begin() + 1);
 }
 
 template <typename T>
@@ -84,7 +84,7 @@ template <typename... Values>
               fmt::format(complaint, std::forward<Values>(values)...));
 }
 
-struct Header {
+struct LasHeader {
   std::size_t points = 0;
   std::size_t points_at = 0;
   std::size_t point_bytes = 0;
@@ -93,7 +93,7 @@ struct Header {
 };
 
 /// Those of the records between header and points that describe extra bytes.
-void add_extra_fields(std::string_view file, std::size_t at, Header& header) {
+void add_extra_fields(std::string_view file, std::size_t at, LasHeader& header) {
   std::size_t offset = header.point_bytes;  // so far that of the format alone
   while (at + kRecordHeaderBytes <= header.points_at) {
     const std::string_view user = file.substr(at + 2, 16);
@@ -105,7 +105,7 @@ void add_extra_fields(std::string_view file, std::size_t at, Header& header) {
     for (std::size_t of = at; extra && of + kExtraBytes <= end; of += kExtraBytes) {
       const auto type = number_in<std::uint8_t>(file, of + 2);
       const auto options = number_in<std::uint8_t>(file, of + 3);
-      if (type > kTypes.size()) return;  // what follows is not where we know
+      if (type > kLasTypes.size()) return;  // what follows is not where we know
       if (type == 0) {
         offset += options;  // so many bytes that are no number
         continue;
@@ -113,15 +113,15 @@ void add_extra_fields(std::string_view file, std::size_t at, Header& header) {
       const std::string_view name = file.substr(of + 4, 32);
       if ((options & kScaledOrShifted) == 0) {
         header.fields.push_back(
-            {std::string(name.substr(0, name.find('\0'))), kTypes[type - 1], offset});
+            {std::string(name.substr(0, name.find('\0'))), kLasTypes[type - 1], offset});
       }
-      offset += kTypes[type - 1].bytes;
+      offset += kLasTypes[type - 1].bytes;
     }
     at = end;
   }
 }
 
-Header read_header(std::string_view file, const std::string& path) {
+LasHeader read_las_header(std::string_view file, const std::string& path) {
   if (!file.starts_with("LASF")) fail_in_las(path, "expected a file that begins with 'LASF'");
   if (file.size() < kHeaderBytes) fail_in_las(path, "truncated: found {} bytes", file.size());
   const int minor = number_in<std::uint8_t>(file, 25);
@@ -135,7 +135,7 @@ Header read_header(std::string_view file, const std::string& path) {
   if (format >= kFormats.size() || kFormats[format].bytes == 0) {
     fail_in_las(path, "expected point format 0 to 3 or 6 to 8, found {}", format);
   }
-  Header header;
+  LasHeader header;
   header.points_at = number_in<std::uint32_t>(file, 96);
   header.point_bytes = number_in<std::uint16_t>(file, 105);
   std::uint64_t points = number_in<std::uint32_t>(file, 107);
@@ -172,7 +172,7 @@ Header read_header(std::string_view file, const std::string& path) {
 
 RawPoints read_las_points(const std::string& path) {
   const std::string file = whole_file(path, "a .las file", kMaxLasFileBytes);
-  const Header header = read_header(file, path);
+  const LasHeader header = read_las_header(file, path);
   const PointFields fields = point_fields(header.fields, path);
   RawPoints points(fields, header.points);
   for (std::size_t i = 0; i < header.points; ++i) {
@@ -182,11 +182,11 @@ RawPoints read_las_points(const std::string& path) {
       const auto axis = static_cast<std::size_t>(&field - header.fields.data());
       if (axis >= 3) return stored;
       const double place_m = stored * header.step_m[axis] + header.origin_m[axis];
-      if (std::abs(place_m) <= kFarthest_m) return place_m;
+      if (std::abs(place_m) <= kFarthestPlace_m) return place_m;
       throw Error(
           "{}: expected points within {} km of the origin, found a coordinate of {:.1f} m; shift "
           "the cloud there first",
-          path, 1e-3 * kFarthest_m, place_m);
+          path, 1e-3 * kFarthestPlace_m, place_m);
     });
   }
   return points;

@@ -1,5 +1,4 @@
 #include <fmt/format.h>
-#include <zip.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -15,15 +14,12 @@
 #include "hqslam/core/npy.h"
 #include "hqslam/core/npz.h"
 #include "npy_format.h"
+#include "zip_archive.h"
 
 namespace hqslam {
 
 namespace {
 
-using ZipArchive = std::unique_ptr<zip_t, decltype([](zip_t* archive) { zip_discard(archive); })>;
-
-/// More than the longest name of a network's weight.
-constexpr std::size_t kNameCharacters = 120;
 constexpr std::string_view kEnding = ".npy";
 
 /// The longest header that read_npy_header accepts, with what comes before it.

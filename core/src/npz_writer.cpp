@@ -1,5 +1,4 @@
 #include <fmt/format.h>
-#include <zip.h>
 
 #include <map>
 #include <memory>
@@ -11,12 +10,11 @@
 #include "hqslam/core/npz.h"
 #include "hqslam/core/whole_file.h"
 #include "npy_format.h"
+#include "zip_archive.h"
 
 namespace hqslam {
 
 namespace {
-
-constexpr std::size_t kNameCharacters = 120;  // of a name in a message
 
 [[noreturn]] void fail_to_write(const std::string& path, const std::string& reason) {
   throw Error(
@@ -24,7 +22,6 @@ constexpr std::size_t kNameCharacters = 120;  // of a name in a message
       path, reason);
 }
 
-using ZipArchive = std::unique_ptr<zip_t, decltype([](zip_t* archive) { zip_discard(archive); })>;
 using ZipSource =
     std::unique_ptr<zip_source_t, decltype([](zip_source_t* source) { zip_source_free(source); })>;
 
@@ -54,13 +51,13 @@ std::string bytes_of(zip_source_t* source, const std::string& path) {
 /// The bytes of an array's .npy file.
 std::string npy_file(const std::string& path, const std::string& name, const NpzArray& array) {
   const std::string where = fmt::format("{}: array '{}'", path, excerpt(name, kNameCharacters));
-  constexpr std::size_t kMaxDimensions = 32;  // numpy's limit
+  constexpr std::size_t kMostDimensions = 32;  // numpy's limit
   const auto size = npz_element_bytes(array.dtype);
   if (!size) {
     throw Error("{}: expected dtype {}, found '{}'", where, kNpzDtypes, array.dtype);
   }
   const auto count = npz_element_count(array.shape);
-  if (!count || array.shape.size() > kMaxDimensions ||
+  if (!count || array.shape.size() > kMostDimensions ||
       static_cast<std::size_t>(*count * *size) != array.bytes.size()) {
     throw Error("{}: expected the bytes of shape {} and dtype '{}', found {} bytes", where,
                 npy_shape_text(array.shape), array.dtype, array.bytes.size());

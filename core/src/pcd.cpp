@@ -1,7 +1,5 @@
 #include "hqslam/core/pcd.h"
 
-#include <fmt/format.h>
-
 #include <bit>
 #include <cstring>
 #include <optional>

@@ -18,21 +18,21 @@ constexpr std::size_t kMaxPlyFileBytes = std::size_t{1} << 31U;
 constexpr std::size_t kMaxPlyPoints = std::size_t{1} << 26U;  // a large map
 constexpr std::size_t kMaxProperties = 200;
 
-struct TypeName {
+struct PlyTypeName {
   std::string_view name;
   std::string_view other_name;
   StoredNumber stored;
 };
-constexpr std::array<TypeName, 8> kTypes = {{{"char", "int8", {'I', 1}},
-                                             {"uchar", "uint8", {'U', 1}},
-                                             {"short", "int16", {'I', 2}},
-                                             {"ushort", "uint16", {'U', 2}},
-                                             {"int", "int32", {'I', 4}},
-                                             {"uint", "uint32", {'U', 4}},
-                                             {"float", "float32", {'F', 4}},
-                                             {"double", "float64", {'F', 8}}}};
+constexpr std::array<PlyTypeName, 8> kPlyTypes = {{{"char", "int8", {'I', 1}},
+                                                   {"uchar", "uint8", {'U', 1}},
+                                                   {"short", "int16", {'I', 2}},
+                                                   {"ushort", "uint16", {'U', 2}},
+                                                   {"int", "int32", {'I', 4}},
+                                                   {"uint", "uint32", {'U', 4}},
+                                                   {"float", "float32", {'F', 4}},
+                                                   {"double", "float64", {'F', 8}}}};
 
-struct Header {
+struct PlyHeader {
   bool ascii = false;
   std::size_t points = 0;
   std::size_t point_bytes = 0;
@@ -46,20 +46,20 @@ struct Header {
               excerpt(found));
 }
 
-void add_property(Header& header, const std::vector<std::string_view>& words,
+void add_property(PlyHeader& header, const std::vector<std::string_view>& words,
                   const std::string& path, std::string_view line) {
-  const auto type = std::ranges::find_if(kTypes, [&](const TypeName& known) {
+  const auto type = std::ranges::find_if(kPlyTypes, [&](const PlyTypeName& known) {
     return words.size() == 3 && (known.name == words[1] || known.other_name == words[1]);
   });
-  if (type == kTypes.end() || header.properties.size() >= kMaxProperties) {
+  if (type == kPlyTypes.end() || header.properties.size() >= kMaxProperties) {
     fail_in_ply(path, "a property TYPE NAME of a point", line);
   }
   header.properties.push_back({std::string(words[2]), type->stored, header.point_bytes});
   header.point_bytes += type->stored.bytes;
 }
 
-Header read_header(std::string_view file, const std::string& path) {
-  Header header;
+PlyHeader read_ply_header(std::string_view file, const std::string& path) {
+  PlyHeader header;
   bool known_format = false;
   bool in_vertex = false;
   bool behind_vertex = false;
@@ -108,7 +108,7 @@ Header read_header(std::string_view file, const std::string& path) {
 
 RawPoints read_ply_points(const std::string& path) {
   const std::string file = whole_file(path, "a .ply file", kMaxPlyFileBytes);
-  const Header header = read_header(file, path);
+  const PlyHeader header = read_ply_header(file, path);
   const std::string_view data = std::string_view(file).substr(header.data_at);
   const PointFields fields = point_fields(header.properties, path, "properties");
   if (header.ascii) {

@@ -6,7 +6,7 @@
 #include <set>
 
 #include "hqslam/core/error.h"
-#include "ring_segments.h"
+#include "hqslam/core/median.h"
 
 namespace hqslam {
 

@@ -64,6 +64,50 @@ void require_matching_shapes(const Scan& scan, const SensorModel& sensor) {
   }
 }
 
+/// When every pixel is measured, relative to the middle of the scan.
+std::vector<float> time_offsets_s(const SensorModel& sensor) {
+  std::vector<float> of_head_s(sensor.columns);
+  for (int column = 0; column < sensor.columns; ++column) {
+    of_head_s[sensor.firing_column(0, column)] =
+        static_cast<float>(sensor.time_offset_s(0, column));
+  }
+  std::vector<float> result;
+  result.reserve(of_head_s.size() * static_cast<std::size_t>(sensor.rows()));
+  for (int row = 0; row < sensor.rows(); ++row) {
+    const auto first = of_head_s.begin() + sensor.firing_column(row, 0);
+    result.insert(result.end(), first, of_head_s.end());
+    result.insert(result.end(), of_head_s.begin(), first);
+  }
+  return result;
+}
+
+/// (cos, sin) of the azimuth of every pixel. Rows of the same residual azimuth look the same ways:
+/// all rows where beams have no offsets.
+struct HorizontalDirections {
+  int columns = 0;
+  std::vector<double> beam_azimuth_offset_rad;
+  std::map<double, std::vector<Eigen::Vector2d>> of_residual;
+};
+
+/// Kept from scan to scan: to find them takes as long as all the rest.
+const HorizontalDirections& horizontal_directions(const SensorModel& sensor) {
+  thread_local HorizontalDirections last;
+  if (last.columns == sensor.columns &&
+      last.beam_azimuth_offset_rad == sensor.beam_azimuth_offset_rad) {
+    return last;
+  }
+  last = {sensor.columns, sensor.beam_azimuth_offset_rad, {}};
+  for (int row = 0; row < sensor.rows(); ++row) {
+    std::vector<Eigen::Vector2d>& directions = last.of_residual[sensor.residual_azimuth_rad(row)];
+    if (!directions.empty()) continue;
+    for (int column = 0; column < sensor.columns; ++column) {
+      const double azimuth_rad = sensor.azimuth_rad(row, column);
+      directions.emplace_back(std::cos(azimuth_rad), std::sin(azimuth_rad));
+    }
+  }
+  return last;
+}
+
 }  // namespace
 
 ProjectedScan project(const Scan& scan, const SensorModel& sensor) {
@@ -117,54 +161,6 @@ Scan returns_of(const OrganizedCloud& cloud) {
   }
   return scan;
 }
-
-namespace {
-
-/// When every pixel is measured, relative to the middle of the scan.
-std::vector<float> time_offsets_s(const SensorModel& sensor) {
-  std::vector<float> of_head_s(sensor.columns);
-  for (int column = 0; column < sensor.columns; ++column) {
-    of_head_s[sensor.firing_column(0, column)] =
-        static_cast<float>(sensor.time_offset_s(0, column));
-  }
-  std::vector<float> result;
-  result.reserve(of_head_s.size() * static_cast<std::size_t>(sensor.rows()));
-  for (int row = 0; row < sensor.rows(); ++row) {
-    const auto first = of_head_s.begin() + sensor.firing_column(row, 0);
-    result.insert(result.end(), first, of_head_s.end());
-    result.insert(result.end(), of_head_s.begin(), first);
-  }
-  return result;
-}
-
-/// (cos, sin) of the azimuth of every pixel. Rows of the same residual azimuth look the same ways:
-/// all rows where beams have no offsets.
-struct HorizontalDirections {
-  int columns = 0;
-  std::vector<double> beam_azimuth_offset_rad;
-  std::map<double, std::vector<Eigen::Vector2d>> of_residual;
-};
-
-/// Kept from scan to scan: to find them takes as long as all the rest.
-const HorizontalDirections& horizontal_directions(const SensorModel& sensor) {
-  thread_local HorizontalDirections last;
-  if (last.columns == sensor.columns &&
-      last.beam_azimuth_offset_rad == sensor.beam_azimuth_offset_rad) {
-    return last;
-  }
-  last = {sensor.columns, sensor.beam_azimuth_offset_rad, {}};
-  for (int row = 0; row < sensor.rows(); ++row) {
-    std::vector<Eigen::Vector2d>& directions = last.of_residual[sensor.residual_azimuth_rad(row)];
-    if (!directions.empty()) continue;
-    for (int column = 0; column < sensor.columns; ++column) {
-      const double azimuth_rad = sensor.azimuth_rad(row, column);
-      directions.emplace_back(std::cos(azimuth_rad), std::sin(azimuth_rad));
-    }
-  }
-  return last;
-}
-
-}  // namespace
 
 OrganizedCloud unproject(const RangeImage& image, const SensorModel& sensor,
                          CaptureTime capture_time) {

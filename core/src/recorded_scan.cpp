@@ -1,8 +1,8 @@
 #include "hqslam/core/recorded_scan.h"
 
-#include <numbers>
 #include <utility>
 
+#include "hqslam/core/angles.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/ring_recovery.h"
 
@@ -12,9 +12,6 @@ namespace {
 
 /// A scan with fewer points may look any way; one with more tells which sensor it is from.
 constexpr std::size_t kMinPointsToJudge = 1000;
-constexpr double kMaxForeignShare = 0.5;
-
-double degrees(double radians) { return radians * 180.0 / std::numbers::pi; }
 
 void require_rings_of(const SensorModel& sensor, const RingRecovery& rings,
                       const std::string& source) {

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "hqslam/core/error.h"
+#include "hqslam/core/median.h"
 #include "ring_segments.h"
 
 // Rings of a scan whose points are stored ring after ring, top ring first.

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "hqslam/core/error.h"
+#include "hqslam/core/median.h"
 
 // The azimuth of the points, counted in the direction of rotation from the seam where rings begin,
 // rises within a ring and falls back where the next one begins: a wrap.
@@ -19,14 +20,14 @@
 //   h_s = median over a of  h_l(a) + e_s(a) - e_l(a)(a)
 // and the fall of h from ring to ring follows the beam table to a tenth of a beam spacing. A
 // segment that sees nothing but directions in which no ring was seen before must be held against
-// others by its elevation: up to what lasers so far apart can do there (kLaserHeight_m / distance)
+// others by its elevation: up to what lasers so far apart can do there (kLaserApart_m / distance)
 // it says nothing, and what is known of its directions gives way to what other rings say.
 
 namespace hqslam {
 
 namespace {
 
-constexpr float kTwoPi = 2.0F * std::numbers::pi_v<float>;
+constexpr float kCircle_rad = 2.0F * std::numbers::pi_v<float>;
 /// Azimuth falls back by more than this only where a ring begins; jitter is a hundred times less.
 constexpr float kWrap_rad = 0.05F;
 /// A gap is a step of the azimuth of more than this, and of several columns.
@@ -35,7 +36,7 @@ constexpr double kGapColumns = 4.0;
 /// How far the height must fall across a gap, in beam spacings, to count as a possible wrap.
 constexpr double kFallAcrossGap = 0.4;
 /// Lasers do not lie farther apart, one above the other.
-constexpr double kLaserHeight_m = 0.25;
+constexpr double kLaserApart_m = 0.25;
 /// A part of a ring smaller than this is no evidence of a ring of its own.
 constexpr double kMinRingShareAfterGap = 0.03;
 /// More than the gaps that fit into a turn; bounds the time, which grows with their square.
@@ -80,8 +81,8 @@ std::vector<float> angles_from_seam_rad(const std::vector<float>& azimuth_rad, f
   angle_rad.reserve(azimuth_rad.size());
   for (const float azimuth : azimuth_rad) {
     float angle = direction * (azimuth - seam_rad);
-    if (angle < 0.0F) angle += kTwoPi;
-    if (angle >= kTwoPi) angle -= kTwoPi;
+    if (angle < 0.0F) angle += kCircle_rad;
+    if (angle >= kCircle_rad) angle -= kCircle_rad;
     angle_rad.push_back(angle);
   }
   return angle_rad;
@@ -89,11 +90,11 @@ std::vector<float> angles_from_seam_rad(const std::vector<float>& azimuth_rad, f
 
 /// One by the horizontal distance of each point.
 std::vector<float> nearness_per_m(const Scan& scan) {
-  constexpr float kNearest_m = 0.1F;
+  constexpr float kLeast_m = 0.1F;
   std::vector<float> nearness;
   nearness.reserve(scan.points_m.size());
   for (const Eigen::Vector3f& p : scan.points_m) {
-    nearness.push_back(1.0F / std::max(std::sqrt(p.x() * p.x() + p.y() * p.y()), kNearest_m));
+    nearness.push_back(1.0F / std::max(std::sqrt(p.x() * p.x() + p.y() * p.y()), kLeast_m));
   }
   return nearness;
 }
@@ -183,7 +184,8 @@ class HeightTracker {
   std::vector<BinElevation> bins_of(const Piece& piece) const {
     std::vector<BinElevation> bins;
     const auto bin_of = [&](std::size_t i) {
-      return std::min(static_cast<int>(angle_rad_[i] / kTwoPi * kAzimuthBins), kAzimuthBins - 1);
+      return std::min(static_cast<int>(angle_rad_[i] / kCircle_rad * kAzimuthBins),
+                      kAzimuthBins - 1);
     };
     for (std::size_t i = piece.first; i < piece.end;) {
       const int bin = bin_of(i);
@@ -231,7 +233,7 @@ class HeightTracker {
       for (const BinElevation& b : bins) nearness.push_back(b.nearness_per_m);
       return median(nearness);
     };
-    return kLaserHeight_m * std::abs(middle(before) - middle(after));
+    return kLaserApart_m * std::abs(middle(before) - middle(after));
   }
 
   struct Fall {
@@ -299,7 +301,7 @@ class HeightTracker {
     segment.elevation_rad = std::atan(median(values));
     values.assign(nearness_per_m_.begin() + static_cast<std::ptrdiff_t>(segment.first),
                   nearness_per_m_.begin() + static_cast<std::ptrdiff_t>(segment.end));
-    segment.parallax_rad = kLaserHeight_m * median(values);
+    segment.parallax_rad = kLaserApart_m * median(values);
     segment.is_sure = segments_.empty() || is_sure(bins);
     if (std::vector<double> heights = heights_rad(bins); !heights.empty()) {
       segment.height_rad = median(heights);
@@ -343,7 +345,7 @@ std::vector<float> elevation_tangents(const Scan& scan) {
 std::vector<double> beam_spacing_rad(const SensorModel& sensor) {
   const auto& elevation_rad = sensor.beam_elevation_rad;
   const int rows = sensor.rows();
-  if (rows == 1) return {kTwoPi / 360.0};
+  if (rows == 1) return {kCircle_rad / 360.0};
   std::vector<double> spacing_rad;
   for (int row = 0; row < rows; ++row) {
     const int above = std::max(row - 1, 0);

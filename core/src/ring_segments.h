@@ -1,6 +1,5 @@
 #pragma once
 
-#include <algorithm>
 #include <bitset>
 #include <cstddef>
 #include <vector>
@@ -42,11 +41,4 @@ std::vector<double> beam_spacing_rad(const SensorModel& sensor);
 double median_beam_spacing_rad(const SensorModel& sensor);
 
 /// The upper one of the two in the middle; at least one value. Changes their order.
-template <typename T>
-T median(std::vector<T>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 }  // namespace hqslam

@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::size_t kMaxStampsFileBytes = 256U << 20U;
 
-std::optional<double> number(std::string_view text) {
+std::optional<double> finite_number(std::string_view text) {
   const auto value = number_from<double>(text);
   return value && std::isfinite(*value) ? value : std::nullopt;
 }
@@ -43,14 +43,14 @@ std::optional<double> date_s(std::string_view text) {
                                         std::chrono::day(static_cast<unsigned>(part(8, 2))));
   const std::string_view rest = text.substr(kForm.size());
   if (!rest.empty() && rest.front() != '.') return std::nullopt;
-  const auto fraction = rest.empty() ? std::optional(0.0) : number(fmt::format("0{}", rest));
+  const auto fraction = rest.empty() ? std::optional(0.0) : finite_number(fmt::format("0{}", rest));
   if (!day.ok() || !fraction) return std::nullopt;
   const auto days = std::chrono::sys_days(day).time_since_epoch().count();
   return 86400.0 * static_cast<double>(days) + 3600.0 * part(11, 2) + 60.0 * part(14, 2) +
          part(17, 2) + *fraction;
 }
 
-/// By the size of a number of this century: nanoseconds have 19 digits, seconds 10.
+/// By the size of a finite_number of this century: nanoseconds have 19 digits, seconds 10.
 double seconds_of(double value) {
   if (value > 1e17) return 1e-9 * value;
   if (value > 1e14) return 1e-6 * value;
@@ -69,7 +69,7 @@ std::vector<double> read_stamps_s(const std::string& path) {
     ++line_number;
     while (!line.empty() && (line.back() == '\r' || line.back() == ' ')) line.remove_suffix(1);
     if (line.empty() || line.starts_with('#')) continue;
-    const auto seconds = number(line);
+    const auto seconds = finite_number(line);
     const auto stamp_s = seconds ? seconds_of(*seconds) : date_s(line).value_or(NAN);
     if (std::isnan(stamp_s)) {
       throw Error(
@@ -97,10 +97,11 @@ std::vector<double> stamps_from_names_s(const std::vector<std::string>& paths) {
     const std::size_t begin = before == std::string::npos ? 0 : before + 1;
     const auto value = end == std::string::npos
                            ? std::nullopt
-                           : number(std::string_view(stem).substr(begin, end + 1 - begin));
+                           : finite_number(std::string_view(stem).substr(begin, end + 1 - begin));
     if (!value) {
       throw Error(
-          "{}: expected a stamp in the file's name, found no number; give the stamps in a file",
+          "{}: expected a stamp in the file's name, found no finite_number; give the stamps in a "
+          "file",
           path);
     }
     stamps_s.push_back(seconds_of(*value));

@@ -9,8 +9,9 @@
 #include <utility>
 
 #include "beams_in_points.h"
+#include "hqslam/core/angles.h"
 #include "hqslam/core/error.h"
-#include "ring_segments.h"
+#include "hqslam/core/median.h"
 
 // The beams of a sensor, found in the points of some of its scans.
 //
@@ -23,8 +24,6 @@
 namespace hqslam {
 
 namespace {
-
-constexpr double kDegree_rad = std::numbers::pi / 180.0;
 
 constexpr int kFewestBeams = 4;
 constexpr double kMostBetweenBeams = 0.03;

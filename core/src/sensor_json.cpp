@@ -4,8 +4,8 @@
 #include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
-#include <numbers>
 
+#include "hqslam/core/angles.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/excerpt.h"
 #include "hqslam/core/json_fields.h"
@@ -21,17 +21,8 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kMaxSensorFileBytes = 16U << 20U;
 
-double radians(double degrees) { return degrees * std::numbers::pi / 180.0; }
-
 /// Rounded to a nano-degree: 16.61 rather than 16.609999999999999, and the same radians again.
-double degrees(double radians) {
-  return std::round(radians * 180.0 / std::numbers::pi * 1e9) / 1e9;
-}
-
-std::vector<double> radians(std::vector<double> degrees) {
-  for (double& angle : degrees) angle = radians(angle);
-  return degrees;
-}
+double rounded_deg(double angle_rad) { return std::round(degrees(angle_rad) * 1e9) / 1e9; }
 
 RowSelection row_selection(JsonFields& fields, const std::string& field) {
   if (!fields.is_object(field)) fields.complain(field, "an object of offset and stride");
@@ -148,13 +139,13 @@ std::string sensor_json(const SensorModel& sensor) {
   json["min_range_m"] = sensor.min_range_m;
   json["max_range_m"] = sensor.max_range_m;
   for (const double angle_rad : sensor.beam_elevation_rad) {
-    json["beam_elevation_deg"].push_back(degrees(angle_rad));
+    json["beam_elevation_deg"].push_back(rounded_deg(angle_rad));
   }
   for (const double angle_rad : sensor.beam_azimuth_offset_rad) {
-    json["beam_azimuth_offset_deg"].push_back(degrees(angle_rad));
+    json["beam_azimuth_offset_deg"].push_back(rounded_deg(angle_rad));
   }
   for (const double angle_rad : sensor.elevation_correction_rad) {
-    json["elevation_correction_deg"].push_back(degrees(angle_rad));
+    json["elevation_correction_deg"].push_back(rounded_deg(angle_rad));
   }
   for (const double correction_m : sensor.range_correction_m) {
     json["range_correction_m"].push_back(correction_m);

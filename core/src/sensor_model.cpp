@@ -6,13 +6,12 @@
 #include <cstdint>
 #include <numbers>
 
+#include "hqslam/core/angles.h"
 #include "hqslam/core/error.h"
 
 namespace hqslam {
 
 namespace {
-
-constexpr double kTwoPi = 2.0 * std::numbers::pi;
 
 /// `value` modulo `modulus` in 0..modulus-1, for negative values too.
 int wrapped(int value, int modulus) {
@@ -45,6 +44,27 @@ void require_corrections(const SensorModel& sensor) {
             sensor.elevation_correction_rad[row], sensor.range_correction_m[row], kMaxElevation_rad,
             kMaxRange_m);
   }
+}
+
+/// Which of the selected rows were measured, counted in the selection.
+std::optional<RowSelection> measured_of(const SensorModel& sensor, RowSelection rows,
+                                        const std::vector<int>& selected) {
+  if (!sensor.measured_rows) return std::nullopt;
+  const int count = static_cast<int>(selected.size());
+  std::vector<int> measured;
+  for (int i = 0; i < count; ++i) {
+    if (sensor.measured_rows->contains(selected[i])) measured.push_back(i);
+  }
+  if (static_cast<int>(measured.size()) == count) return std::nullopt;
+  if (measured.empty()) {
+    const auto second = [](RowSelection r) { return std::int64_t{r.offset} + r.stride; };
+    throw Error(
+        "sensor '{}': rows {}, {}, ... were all computed; select some of the measured rows {}, {}, "
+        "...",
+        sensor.name, rows.offset, second(rows), sensor.measured_rows->offset,
+        second(*sensor.measured_rows));
+  }
+  return RowSelection{measured.front(), measured.size() > 1 ? measured[1] - measured[0] : count};
 }
 
 }  // namespace
@@ -140,31 +160,6 @@ void validate(const SensorModel& sensor) {
             measured.offset, measured.stride, sensor.rows() - 1);
   }
 }
-
-namespace {
-
-/// Which of the selected rows were measured, counted in the selection.
-std::optional<RowSelection> measured_of(const SensorModel& sensor, RowSelection rows,
-                                        const std::vector<int>& selected) {
-  if (!sensor.measured_rows) return std::nullopt;
-  const int count = static_cast<int>(selected.size());
-  std::vector<int> measured;
-  for (int i = 0; i < count; ++i) {
-    if (sensor.measured_rows->contains(selected[i])) measured.push_back(i);
-  }
-  if (static_cast<int>(measured.size()) == count) return std::nullopt;
-  if (measured.empty()) {
-    const auto second = [](RowSelection r) { return std::int64_t{r.offset} + r.stride; };
-    throw Error(
-        "sensor '{}': rows {}, {}, ... were all computed; select some of the measured rows {}, {}, "
-        "...",
-        sensor.name, rows.offset, second(rows), sensor.measured_rows->offset,
-        second(*sensor.measured_rows));
-  }
-  return RowSelection{measured.front(), measured.size() > 1 ? measured[1] - measured[0] : count};
-}
-
-}  // namespace
 
 SensorModel select_rows(const SensorModel& sensor, RowSelection rows) {
   const std::vector<int> selected = selected_rows(sensor.rows(), rows);

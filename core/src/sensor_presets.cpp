@@ -2,9 +2,9 @@
 #include <fmt/ranges.h>
 
 #include <array>
-#include <numbers>
 #include <vector>
 
+#include "hqslam/core/angles.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/sensor_model.h"
 
@@ -12,18 +12,10 @@ namespace hqslam {
 
 namespace {
 
-double in_radians(double degrees) { return degrees * std::numbers::pi / 180.0; }
-
-std::vector<double> in_radians(const std::vector<double>& degrees) {
-  std::vector<double> result;
-  for (const double value : degrees) result.push_back(in_radians(value));
-  return result;
-}
-
 std::vector<double> evenly_spaced_rad(double highest_deg, double lowest_deg, int rows) {
   std::vector<double> result;
   for (int row = 0; row < rows; ++row) {
-    result.push_back(in_radians(highest_deg + (lowest_deg - highest_deg) * row / (rows - 1)));
+    result.push_back(radians(highest_deg + (lowest_deg - highest_deg) * row / (rows - 1)));
   }
   return result;
 }
@@ -57,9 +49,9 @@ SensorModel os1_64() {
       -1.04, -3.10, 3.11,  1.04,  -1.03, -3.09, 3.12,  1.04,  -1.01, -3.09, 3.14,  1.07,  -1.00,
       -3.08, 3.15,  1.07,  -1.00, -3.08, 3.17,  1.08,  -0.99, -3.10, 3.19,  1.10,  -0.98, -3.09,
       3.23,  1.12,  -0.99, -3.11, 3.24,  1.12,  -1.00, -3.13, 3.29,  1.14,  -1.01, -3.17};
-  std::vector<double> counter_clockwise_rad = in_radians(clockwise_deg);
+  std::vector<double> counter_clockwise_rad = radians(clockwise_deg);
   for (double& offset_rad : counter_clockwise_rad) offset_rad = -offset_rad;
-  return sensor("os1-64", 1024, 0.8, 120.0, in_radians(elevation_deg), counter_clockwise_rad);
+  return sensor("os1-64", 1024, 0.8, 120.0, radians(elevation_deg), counter_clockwise_rad);
 }
 
 /// Velodyne HDL-64E S2, median elevations measured on KITTI scans.
@@ -72,7 +64,7 @@ SensorModel hdl_64e() {
       -12.185, -12.607, -13.131, -13.648, -14.214, -14.650, -15.145, -15.504, -16.116, -16.637,
       -17.197, -17.652, -18.150, -18.550, -19.005, -19.548, -20.057, -20.655, -21.140, -21.538,
       -21.983, -22.617, -23.140, -23.620};
-  return sensor("hdl-64e", 1024, 1.0, 120.0, in_radians(elevation_deg));
+  return sensor("hdl-64e", 1024, 1.0, 120.0, radians(elevation_deg));
 }
 
 /// Velodyne VLS-128 (Alpha Prime): 0.11 degrees between beams in the middle, wider outside, in
@@ -97,8 +89,8 @@ SensorModel vls_128() {
   for (std::size_t row = 0; row < elevation_deg.size(); ++row) {
     counter_clockwise_deg.push_back(kCounterClockwise_deg[row % kCounterClockwise_deg.size()]);
   }
-  return sensor("vls-128", 1800, 0.5, 245.0, in_radians(elevation_deg),
-                in_radians(counter_clockwise_deg));
+  return sensor("vls-128", 1800, 0.5, 245.0, radians(elevation_deg),
+                radians(counter_clockwise_deg));
 }
 
 SensorModel os1_16() {
@@ -121,8 +113,8 @@ SensorModel vlp_32c() {
   const std::vector<double> counter_clockwise_deg = {
       1.4,  -1.4, 1.4, -1.4, 1.4,  -1.4, 4.2, 1.4, -1.4, -4.2, 4.2, 1.4,  -1.4, -4.2, 4.2, 1.4,
       -1.4, -4.2, 4.2, 1.4,  -1.4, -4.2, 4.2, 1.4, -1.4, -4.2, 1.4, -1.4, 1.4,  -1.4, 1.4, -1.4};
-  return sensor("vlp-32c", 1800, 0.5, 200.0, in_radians(elevation_deg),
-                in_radians(counter_clockwise_deg));
+  return sensor("vlp-32c", 1800, 0.5, 200.0, radians(elevation_deg),
+                radians(counter_clockwise_deg));
 }
 
 SensorModel vlp_16() {

@@ -19,7 +19,7 @@ constexpr std::size_t kMaxTextFileBytes = std::size_t{1} << 29U;
 constexpr std::size_t kMaxColumns = 100;
 constexpr std::string_view kSeparators = " \t\r,;";
 
-std::optional<double> number(std::string_view word) {
+std::optional<double> signed_decimal(std::string_view word) {
   if (word.starts_with('+')) word.remove_prefix(1);
   return decimal_from(word);
 }
@@ -55,7 +55,7 @@ RawPoints read_text_points(const std::string& path) {
     const std::vector<std::string_view> words = words_of(line, kSeparators, kMaxColumns);
     if (words.empty()) continue;
     if (!points) {
-      const bool names = !number(words.front());
+      const bool names = !signed_decimal(words.front());
       count = words.size();
       columns = names ? columns_named(words) : usual_columns(count);
       fields = point_fields(columns, path, "columns");
@@ -64,7 +64,7 @@ RawPoints read_text_points(const std::string& path) {
     }
     bool good = words.size() == count && count >= 3;
     for (std::size_t i = 0; good && i < count; ++i) {
-      const auto value = number(words[i]);
+      const auto value = signed_decimal(words[i]);
       good = value.has_value();
       if (good) values[i] = *value;
     }

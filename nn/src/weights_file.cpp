@@ -98,19 +98,6 @@ void check_parameter_count(const std::string& path, const Weights& weights) {
   }
 }
 
-}  // namespace
-
-SelfTest make_self_test(const NetworkDescription& description, const std::vector<float>& parameters,
-                        const RangeImage& measured) {
-  return {measured, estimate(description, parameters, measured)};
-}
-
-Weights read_weights(const std::string& path) {
-  return weights_of(read_npz(path, kLargestBytes), path);
-}
-
-namespace {
-
 /// An array with more outputs or inputs than it had, which begin with zeros. Nothing if it does not
 /// hold what there was.
 std::optional<std::vector<float>> widened(const ParameterShape& from, const float* values,
@@ -133,6 +120,15 @@ std::optional<std::vector<float>> widened(const ParameterShape& from, const floa
 }
 
 }  // namespace
+
+SelfTest make_self_test(const NetworkDescription& description, const std::vector<float>& parameters,
+                        const RangeImage& measured) {
+  return {measured, estimate(description, parameters, measured)};
+}
+
+Weights read_weights(const std::string& path) {
+  return weights_of(read_npz(path, kLargestBytes), path);
+}
 
 std::vector<float> parameters_to_start_from(const Weights& weights,
                                             const NetworkDescription& network,

@@ -8,19 +8,18 @@
 #include <random>
 #include <set>
 
+#include "hqslam/core/angles.h"
 #include "hqslam/core/error.h"
 
 using namespace hqslam;
 
 namespace {
 
-constexpr double kDegree = 3.14159265358979323846 / 180.0;
-
 /// `rows` beams and `columns` columns, neighbours one degree apart vertically.
 SensorModel small_sensor(int rows, int columns) {
   SensorModel sensor;
   sensor.columns = columns;
-  for (int row = 0; row < rows; ++row) sensor.beam_elevation_rad.push_back(-row * kDegree);
+  for (int row = 0; row < rows; ++row) sensor.beam_elevation_rad.push_back(-row * kDegree_rad);
   sensor.beam_azimuth_offset_rad.assign(rows, 0.0);
   return sensor;
 }
@@ -82,7 +81,7 @@ TEST_CASE("a uniform image is one component") {
   const SensorModel sensor = small_sensor(4, 360);
   RangeImage image(4, 360);
   for (float& range_m : image.range_m) range_m = 10.0F;
-  const auto result = components_of(image, sensor, 20 * kDegree);
+  const auto result = components_of(image, sensor, 20 * kDegree_rad);
   REQUIRE(result.components.size() == 1);
   CHECK(result.components[0].pixels == 4 * 360);
   CHECK(result.components[0].first_row == 0);
@@ -94,8 +93,8 @@ TEST_CASE("a near column splits the scan in two, because the scan is a circle") 
   RangeImage image(5, 360);
   for (float& range_m : image.range_m) range_m = 10.0F;
   for (int row = 0; row < 5; ++row) image.at(row, 180) = 5.0F;
-  CHECK(components_of(image, sensor, 20 * kDegree).components.size() == 2);
-  ComponentLabeler cut_out(sensor, {20 * kDegree, false});
+  CHECK(components_of(image, sensor, 20 * kDegree_rad).components.size() == 2);
+  ComponentLabeler cut_out(sensor, {20 * kDegree_rad, false});
   CHECK(cut_out.label(image).components.size() == 3);
 }
 
@@ -104,7 +103,7 @@ TEST_CASE("a near row splits the scan in three, because rows do not wrap") {
   RangeImage image(5, 360);
   for (float& range_m : image.range_m) range_m = 10.0F;
   for (int column = 0; column < 360; ++column) image.at(2, column) = 5.0F;
-  const auto result = components_of(image, sensor, 20 * kDegree);
+  const auto result = components_of(image, sensor, 20 * kDegree_rad);
   REQUIRE(result.components.size() == 3);
   CHECK(result.components[1].first_row == 2);
   CHECK(result.components[1].last_row == 2);
@@ -116,8 +115,8 @@ TEST_CASE("two points connect exactly when the angle exceeds the threshold") {
   RangeImage image(2, 360);
   image.at(0, 7) = 10.0F;
   image.at(1, 7) = 9.0F;
-  CHECK(components_of(image, sensor, 8.9 * kDegree).components.size() == 1);
-  CHECK(components_of(image, sensor, 8.95 * kDegree).components.size() == 2);
+  CHECK(components_of(image, sensor, 8.9 * kDegree_rad).components.size() == 1);
+  CHECK(components_of(image, sensor, 8.95 * kDegree_rad).components.size() == 2);
 }
 
 TEST_CASE("the criterion does not depend on the scale of the ranges") {
@@ -126,9 +125,9 @@ TEST_CASE("the criterion does not depend on the scale of the ranges") {
   std::mt19937 generator(5);
   for (float& range_m : image.range_m)
     range_m = 8.0F + 0.0005F * static_cast<float>(generator() % 1000);
-  const auto once = components_of(image, sensor, 10 * kDegree);
+  const auto once = components_of(image, sensor, 10 * kDegree_rad);
   for (float& range_m : image.range_m) range_m *= 0.25F;  // exact in binary
-  CHECK(components_of(image, sensor, 10 * kDegree).label == once.label);
+  CHECK(components_of(image, sensor, 10 * kDegree_rad).label == once.label);
 }
 
 TEST_CASE("labels equal those of a slow union-find on random images, with and without a mask") {
@@ -145,9 +144,9 @@ TEST_CASE("labels equal those of a slow union-find on random images, with and wi
       for (std::size_t i = 0; i < image.range_m.size(); ++i)
         excluded.push_back(generator() % 5 == 0);
     }
-    ComponentLabeler labeler(sensor, {30 * kDegree, true});
+    ComponentLabeler labeler(sensor, {30 * kDegree_rad, true});
     const auto& result = labeler.label(image, excluded);
-    CHECK(result.label == union_find_labels(image, sensor, 30 * kDegree, excluded));
+    CHECK(result.label == union_find_labels(image, sensor, 30 * kDegree_rad, excluded));
   }
 }
 
@@ -157,7 +156,7 @@ TEST_CASE("sizes add up and rows are those of the pixels") {
   RangeImage image(64, 1024);
   for (float& range_m : image.range_m)
     range_m = 5.0F + 0.01F * static_cast<float>(generator() % 300);
-  ComponentLabeler labeler(sensor, {10 * kDegree, true});
+  ComponentLabeler labeler(sensor, {10 * kDegree_rad, true});
   const auto& result = labeler.label(image);
   std::vector<Component> counted(result.components.size(), {0, 1000, -1});
   for (int row = 0; row < 64; ++row) {
@@ -183,7 +182,7 @@ TEST_CASE("more than 65,536 components are told apart") {
       image.at(row, column) = (row + column) % 2 == 0 ? 5.0F : 50.0F;
     }
   }
-  const auto result = components_of(image, sensor, 10 * kDegree);
+  const auto result = components_of(image, sensor, 10 * kDegree_rad);
   CHECK(result.components.size() == 64 * 4096);
   const std::set<std::int32_t> labels(result.label.begin(), result.label.end());
   CHECK(labels.size() == 64 * 4096);

@@ -9,6 +9,7 @@
 #include "hqslam/core/npy.h"
 #include "hqslam/core/scan_source.h"
 #include "hqslam/core/trajectory.h"
+#include "recording_complaint.h"
 #include "temporary_directory.h"
 
 using namespace hqslam;
@@ -20,14 +21,6 @@ RangeImage a_wall(const SensorModel& sensor) {
   RangeImage image(sensor.rows(), sensor.columns);
   for (float& range_m : image.range_m) range_m = 5.0F;
   return image;
-}
-
-std::string complaint_about(const std::string& path, const SensorModel& sensor) {
-  return error_message([&] {
-    const auto source = open_recording(path, sensor);
-    while (source->next()) {
-    }
-  });
 }
 
 }  // namespace
@@ -83,7 +76,7 @@ TEST_CASE("the scans of a drive have the stamps of its truth, also where it was 
     }
   }
   with_truth_of(1);
-  CHECK(one_line_with(complaint_about(path, sensor), "scans.npy", "3 images", "found 1",
+  CHECK(one_line_with(recording_complaint(path, sensor), "scans.npy", "3 images", "found 1",
                       "truth.tum"));
 }
 
@@ -116,9 +109,9 @@ TEST_CASE("what lies beside the images of a folder is known of their pixels") {
   for (std::size_t i = 0; i < bytes.size(); ++i) REQUIRE(cloud.intensity[i] == bytes[i]);
   std::filesystem::copy_file(directory.file("intensity.npy"), directory.file("confidence.npy"),
                              std::filesystem::copy_options::overwrite_existing);
-  CHECK(one_line_with(complaint_about(path, sensor), "confidence.npy", "'<f4'", "'|u1'"));
+  CHECK(one_line_with(recording_complaint(path, sensor), "confidence.npy", "'<f4'", "'|u1'"));
   NpyStackWriter(directory.file("confidence.npy"), 16, 7).append(RangeImage(16, 7));
-  CHECK(one_line_with(complaint_about(path, sensor), "confidence.npy", "1 images", "16 x 7"));
+  CHECK(one_line_with(recording_complaint(path, sensor), "confidence.npy", "1 images", "16 x 7"));
 }
 
 TEST_CASE("images have the stamps that they are given, which go before those in their folder") {

@@ -20,7 +20,7 @@ std::string floats(const std::vector<float>& values) {
   return bytes;
 }
 
-std::string complaint_about(const std::string& contents) {
+std::string kitti_bin_complaint(const std::string& contents) {
   const TemporaryDirectory directory;
   write_file(directory.file("0.bin"), contents);
   return error_message([&] { read_kitti_bin(directory.file("0.bin")); });
@@ -63,11 +63,12 @@ TEST_CASE("a scan written as KITTI comes back point by point") {
 }
 
 TEST_CASE("a file that is no KITTI scan is refused with file, expected and found") {
-  CHECK(one_line_with(complaint_about(""), "0.bin", "expected a KITTI scan", "empty"));
-  CHECK(one_line_with(complaint_about("1.0 2.0 3.0 0.5\n4.0 5.0"), "0.bin", "float32", "text"));
-  CHECK(one_line_with(complaint_about(floats({1, 2, 3, 0}) + "xyz"), "16 bytes per point",
+  CHECK(one_line_with(kitti_bin_complaint(""), "0.bin", "expected a KITTI scan", "empty"));
+  CHECK(one_line_with(kitti_bin_complaint("1.0 2.0 3.0 0.5\n4.0 5.0"), "0.bin", "float32", "text"));
+  CHECK(one_line_with(kitti_bin_complaint(floats({1, 2, 3, 0}) + "xyz"), "16 bytes per point",
                       "19 bytes", "3 too many"));
-  CHECK(one_line_with(complaint_about(floats({1e20F, 2, 3, 0, 1, 2, 3, 0})), "metres", "1 of 2"));
+  CHECK(
+      one_line_with(kitti_bin_complaint(floats({1e20F, 2, 3, 0, 1, 2, 3, 0})), "metres", "1 of 2"));
   CHECK(refused_with([] { read_kitti_bin("/nowhere/0.bin"); }, "/nowhere/0.bin", "no file"));
   CHECK(refused_with([] { read_kitti_bin("/tmp"); }, "/tmp", "folder"));
   CHECK(refused_with([] { write_kitti_bin({}, "/nowhere/0.bin"); }, "/nowhere"));

@@ -68,7 +68,7 @@ RawPoints points_of(const ByHand& file, const char* name = "a.las") {
   return read_point_file(folder.file(name));
 }
 
-std::string complaint_about(const ByHand& file, const char* name = "a.las") {
+std::string las_complaint(const ByHand& file, const char* name = "a.las") {
   return error_message([&] { points_of(file, name); });
 }
 
@@ -138,24 +138,24 @@ TEST_CASE("intensities are stretched to 16 bits by the range that they are of") 
 }
 
 TEST_CASE("what is no .las file is an error of one line") {
-  CHECK(one_line_with(complaint_about(two_points(), "a.laz"), "a.laz", "LAZ"));
-  CHECK(one_line_with(complaint_about(two_points().at<std::uint8_t>(104, 129)), "a.las", "LAZ"));
-  CHECK(one_line_with(complaint_about(two_points().at<std::uint8_t>(104, 4)), "format", "found 4"));
-  CHECK(one_line_with(complaint_about(two_points().at<std::uint8_t>(24, 2)), "version"));
-  CHECK(one_line_with(complaint_about(two_points().text(0, "LAZF")), "LASF"));
+  CHECK(one_line_with(las_complaint(two_points(), "a.laz"), "a.laz", "LAZ"));
+  CHECK(one_line_with(las_complaint(two_points().at<std::uint8_t>(104, 129)), "a.las", "LAZ"));
+  CHECK(one_line_with(las_complaint(two_points().at<std::uint8_t>(104, 4)), "format", "found 4"));
+  CHECK(one_line_with(las_complaint(two_points().at<std::uint8_t>(24, 2)), "version"));
+  CHECK(one_line_with(las_complaint(two_points().text(0, "LAZF")), "LASF"));
   ByHand file = two_points();
   file.bytes.resize(200);
-  CHECK(one_line_with(complaint_about(file), "truncated"));
+  CHECK(one_line_with(las_complaint(file), "truncated"));
   file = two_points();
   file.bytes.pop_back();
-  CHECK(one_line_with(complaint_about(file), "found 2 points"));
-  CHECK(one_line_with(complaint_about(two_points().at<std::uint32_t>(107, 4'000'000'000)),
+  CHECK(one_line_with(las_complaint(file), "found 2 points"));
+  CHECK(one_line_with(las_complaint(two_points().at<std::uint32_t>(107, 4'000'000'000)),
                       "4000000000 points"));
-  CHECK(one_line_with(complaint_about(two_points().at<std::uint16_t>(105, 0)), "of 0 bytes"));
-  CHECK(one_line_with(complaint_about(two_points().at<std::uint32_t>(96, 4'000'000'000)),
+  CHECK(one_line_with(las_complaint(two_points().at<std::uint16_t>(105, 0)), "of 0 bytes"));
+  CHECK(one_line_with(las_complaint(two_points().at<std::uint32_t>(96, 4'000'000'000)),
                       "at byte 4000000000"));
-  CHECK(one_line_with(complaint_about(two_points().at(155, 412345.0)), "100 km", "412346.5 m"));
-  CHECK(one_line_with(complaint_about(two_points().at(131, std::nan(""))), "100 km"));
+  CHECK(one_line_with(las_complaint(two_points().at(155, 412345.0)), "100 km", "412346.5 m"));
+  CHECK(one_line_with(las_complaint(two_points().at(131, std::nan(""))), "100 km"));
 }
 
 TEST_CASE("records that describe extra bytes beyond a point's, or scaled ones, are passed over") {

@@ -33,7 +33,7 @@ std::string bytes_of(const std::vector<float>& values) {
 
 constexpr const char* kTwoImages = "{'descr': '<f4', 'fortran_order': False, 'shape': (2, 1, 3), }";
 
-std::string complaint_about(const std::string& contents) {
+std::string npy_complaint(const std::string& contents) {
   const TemporaryDirectory directory;
   write_file(directory.file("scans.npy"), contents);
   return error_message([&] { NpyStackReader reader(directory.file("scans.npy")); });
@@ -115,15 +115,15 @@ TEST_CASE("an array of doubles has numpy's header, byte for byte") {
 TEST_CASE("a file that is no stack of range images is refused in one line that says why") {
   const std::string data = bytes_of({1, 2, 3, 4, 5, 6});
   const auto with = [&](const std::string& dictionary) {
-    return complaint_about(npy_file(dictionary, data));
+    return npy_complaint(npy_file(dictionary, data));
   };
-  CHECK(one_line_with(complaint_about("x y z\n1 2 3\n"), "scans.npy", "NUMPY"));
-  CHECK(one_line_with(complaint_about(""), "scans.npy", "NUMPY"));
-  CHECK(one_line_with(complaint_about(npy_file(kTwoImages, data, 9)), "9.0"));
-  CHECK(one_line_with(complaint_about(npy_file(kTwoImages, data).substr(0, 40)), "truncated"));
-  CHECK(one_line_with(complaint_about(npy_file(kTwoImages, data.substr(0, 23))), "truncated",
+  CHECK(one_line_with(npy_complaint("x y z\n1 2 3\n"), "scans.npy", "NUMPY"));
+  CHECK(one_line_with(npy_complaint(""), "scans.npy", "NUMPY"));
+  CHECK(one_line_with(npy_complaint(npy_file(kTwoImages, data, 9)), "9.0"));
+  CHECK(one_line_with(npy_complaint(npy_file(kTwoImages, data).substr(0, 40)), "truncated"));
+  CHECK(one_line_with(npy_complaint(npy_file(kTwoImages, data.substr(0, 23))), "truncated",
                       "2 images of 12 bytes", "found 23"));
-  CHECK(one_line_with(complaint_about(npy_file(kTwoImages, data + data)), "too long"));
+  CHECK(one_line_with(npy_complaint(npy_file(kTwoImages, data + data)), "too long"));
   CHECK(one_line_with(with("{'descr': '<f8', 'fortran_order': False, 'shape': (1, 1, 3), }"),
                       "'<f4'", "'<f8'", "astype"));
   CHECK(one_line_with(with("{'descr': '<f4', 'fortran_order': True, 'shape': (2, 1, 3), }"),
@@ -138,7 +138,7 @@ TEST_CASE("a file that is no stack of range images is refused in one line that s
 
 TEST_CASE("sizes that overflow or exceed the file are refused before anything is allocated") {
   const auto with_shape = [](const std::string& shape) {
-    return complaint_about(npy_file(
+    return npy_complaint(npy_file(
         "{'descr': '<f4', 'fortran_order': False, 'shape': " + shape + ", }", bytes_of({1, 2, 3})));
   };
   CHECK(one_line_with(with_shape("(4611686018427387904, 1, 4)"), "truncated"));
@@ -157,7 +157,7 @@ TEST_CASE("a header that is no dictionary of the three keys is refused") {
         "{'descr': '<f4', 'fortran_order': False, 'shape': (1, 1, 1), 'x': 1}",
         "{'descr': '<f4', 'fortran_order': False, 'shape': [1, 1, 1]}", "{'descr"}) {
     CAPTURE(dictionary);
-    CHECK(one_line_with(complaint_about(npy_file(dictionary, bytes_of({1}))), "scans.npy",
+    CHECK(one_line_with(npy_complaint(npy_file(dictionary, bytes_of({1}))), "scans.npy",
                         "damaged .npy header", "expected"));
   }
 }

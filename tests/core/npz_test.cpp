@@ -41,13 +41,13 @@ std::string npy_file(const std::string& dtype, const std::string& shape, const s
 
 const std::string kFourBytes = "\x01\x02\x03\x04";
 
-std::string complaint_about(const std::string& contents, std::int64_t largest_bytes = 1 << 20) {
+std::string npz_complaint(const std::string& contents, std::int64_t largest_bytes = 1 << 20) {
   const TemporaryDirectory directory;
   write_file(directory.file("arrays.npz"), contents);
   return error_message([&] { read_npz(directory.file("arrays.npz"), largest_bytes); });
 }
 
-std::string complaint_about(const HandMember& member) { return complaint_about(zip_of({member})); }
+std::string npz_complaint(const HandMember& member) { return npz_complaint(zip_of({member})); }
 
 NpzArrays some_arrays() {
   NpzArrays arrays;
@@ -215,10 +215,9 @@ TEST_CASE("what is no zip archive is refused") {
   const auto read = [&](const std::string& path) { return error_message([&] { read_npz(path); }); };
   CHECK(one_line_with(read(directory.file("none.npz")), "none.npz", "no file"));
   CHECK(one_line_with(read(directory.path().string()), "a folder"));
-  CHECK(one_line_with(complaint_about(""), "arrays.npz", "expected an .npz file"));
-  CHECK(one_line_with(complaint_about("x y z\n1 2 3\n"), "expected an .npz file"));
-  CHECK(
-      one_line_with(complaint_about(npy_file("<f4", "(1,)", kFourBytes)), "expected an .npz file"));
+  CHECK(one_line_with(npz_complaint(""), "arrays.npz", "expected an .npz file"));
+  CHECK(one_line_with(npz_complaint("x y z\n1 2 3\n"), "expected an .npz file"));
+  CHECK(one_line_with(npz_complaint(npy_file("<f4", "(1,)", kFourBytes)), "expected an .npz file"));
 }
 
 TEST_CASE("a file that is cut anywhere is refused") {
@@ -237,26 +236,26 @@ TEST_CASE("a member that numpy would not have written is refused by name") {
   const std::string array = npy_file("|u1", "(4,)", kFourBytes);
   for (const char* name : {"a.txt", "folder/", ".npy", "a.npy.bak"}) {
     CAPTURE(name);
-    CHECK(one_line_with(complaint_about(stored(array, name)), "arrays.npz", name,
+    CHECK(one_line_with(npz_complaint(stored(array, name)), "arrays.npz", name,
                         "a name that ends in .npy"));
   }
-  CHECK(one_line_with(complaint_about(stored(array, "line\nbreak")), "line\\nbreak"));
-  CHECK(one_line_with(complaint_about(zip_of({stored(array), stored(array)})), "'a.npy'",
+  CHECK(one_line_with(npz_complaint(stored(array, "line\nbreak")), "line\\nbreak"));
+  CHECK(one_line_with(npz_complaint(zip_of({stored(array), stored(array)})), "'a.npy'",
                       "every name once"));
   HandMember member = stored(array);
   member.flags = 1;
-  CHECK(one_line_with(complaint_about(member), "'a.npy'", "no encryption"));
+  CHECK(one_line_with(npz_complaint(member), "'a.npy'", "no encryption"));
   member = stored(array);
   member.method = 12;  // bzip2
-  CHECK(one_line_with(complaint_about(member), "'a.npy'", "stored or deflated", "method 12"));
-  CHECK(one_line_with(complaint_about(stored("no array")), "'a.npy'", "NUMPY"));
-  CHECK(one_line_with(complaint_about(stored(array.substr(0, 30))), "'a.npy'", "truncated"));
+  CHECK(one_line_with(npz_complaint(member), "'a.npy'", "stored or deflated", "method 12"));
+  CHECK(one_line_with(npz_complaint(stored("no array")), "'a.npy'", "NUMPY"));
+  CHECK(one_line_with(npz_complaint(stored(array.substr(0, 30))), "'a.npy'", "truncated"));
 }
 
 TEST_CASE("an array that hqslam does not read is refused by member and reason") {
   const auto with = [](const std::string& dtype, const std::string& shape,
                        const std::string& fortran_order = "False") {
-    return complaint_about(deflated(npy_file(dtype, shape, kFourBytes, fortran_order)));
+    return npz_complaint(deflated(npy_file(dtype, shape, kFourBytes, fortran_order)));
   };
   CHECK(one_line_with(with("<f2", "(2,)"), "arrays.npz: member 'a.npy'", "dtype <f4", "'<f2'"));
   CHECK(one_line_with(with(">f4", "(1,)"), "'>f4'"));
@@ -276,29 +275,29 @@ TEST_CASE("damaged contents are refused by their checksum") {
   const std::string array = npy_file("|u1", "(4,)", kFourBytes);
   for (HandMember member : {stored(array), deflated(array)}) {
     member.packed.back() = '\x7F';
-    CHECK(one_line_with(complaint_about(member), "'a.npy'", "right checksum", "CRC"));
+    CHECK(one_line_with(npz_complaint(member), "'a.npy'", "right checksum", "CRC"));
   }
   HandMember broken = deflated(array);
   broken.packed[0] = '\x07';  // deflate has no block of kind 3
-  CHECK(one_line_with(complaint_about(broken), "'a.npy'", "can be unpacked"));
+  CHECK(one_line_with(npz_complaint(broken), "'a.npy'", "can be unpacked"));
 }
 
 TEST_CASE("a claimed size is not believed") {
   // The claim and the header agree, the packed bytes hold less: nothing of the kind is allocated.
   HandMember member = stored(npy_file("|u1", "(4000000000,)", kFourBytes));
   member.claimed_bytes += 4000000000 - 4;
-  CHECK(one_line_with(complaint_about(member), "'a.npy'", "1 bytes from each", "a claim of 4000"));
+  CHECK(one_line_with(npz_complaint(member), "'a.npy'", "1 bytes from each", "a claim of 4000"));
   member = deflated(npy_file("|u1", "(4000000000,)", kFourBytes));
   member.claimed_bytes += 4000000000 - 4;
-  CHECK(one_line_with(complaint_about(member), "'a.npy'", "1032 bytes from each"));
+  CHECK(one_line_with(npz_complaint(member), "'a.npy'", "1032 bytes from each"));
   // What deflate could have done, but has not.
   member = deflated(npy_file("|u1", "(50000,)", kFourBytes));
   member.claimed_bytes += 50000 - 4;
-  CHECK(one_line_with(complaint_about(member), "'a.npy'", "expected 50"));
+  CHECK(one_line_with(npz_complaint(member), "'a.npy'", "expected 50"));
   // More is packed than is claimed.
   member = deflated(npy_file("|u1", "(4,)", kFourBytes + std::string(1000, 'x')));
   member.claimed_bytes -= 1000;
-  CHECK(one_line_with(complaint_about(member), "'a.npy'", "expected"));
+  CHECK(one_line_with(npz_complaint(member), "'a.npy'", "expected"));
 }
 
 TEST_CASE("arrays above the limit are refused before they are unpacked") {
@@ -327,7 +326,7 @@ TEST_CASE("members that share their packed bytes are refused") {
        at = file.find("PK\x01\x02", at + 1)) {
     file.replace(at + 20, 4, little_endian(file.size() - 100, 4));
   }
-  CHECK(one_line_with(complaint_about(file), "'b.npy'", "packed bytes in the rest of the file"));
+  CHECK(one_line_with(npz_complaint(file), "'b.npy'", "packed bytes in the rest of the file"));
 }
 
 TEST_CASE("arrays that numpy could not read are not written") {

@@ -42,7 +42,7 @@ Scan scan_of(const std::string& contents, const SensorModel& sensor) {
   return read_pcd(directory.file("0.pcd"), sensor);
 }
 
-std::string complaint_about(const std::string& contents) {
+std::string pcd_complaint(const std::string& contents) {
   return error_message([&] { scan_of(contents); });
 }
 
@@ -175,14 +175,14 @@ TEST_CASE("times that last a turn in another unit are in that unit") {
 }
 
 TEST_CASE("times that last longer than a turn are refused with field, unit and what was found") {
-  const std::string seconds = complaint_about(
-      header("x y z time", "4 4 4 4", "F F F F", 2, "ascii") + "1 0 0 0\n2 0 0 3000000\n");
+  const std::string seconds = pcd_complaint(header("x y z time", "4 4 4 4", "F F F F", 2, "ascii") +
+                                            "1 0 0 0\n2 0 0 3000000\n");
   CHECK(one_line_with(seconds, "0.pcd", "'time'", "seconds", "3e+06 s"));
-  const std::string nanoseconds = complaint_about(
+  const std::string nanoseconds = pcd_complaint(
       header("x y z t", "4 4 4 4", "F F F U", 2, "ascii") + "1 0 0 0\n2 0 0 1500000000\n");
   CHECK(one_line_with(nanoseconds, "'t'", "nanoseconds", "1.5 s"));
   CHECK(one_line_with(
-      complaint_about(header("x y z t", "4 4 4 4", "F F F F", 2, "ascii") + "1 0 0 0\n2 0 0 nan\n"),
+      pcd_complaint(header("x y z t", "4 4 4 4", "F F F F", 2, "ascii") + "1 0 0 0\n2 0 0 nan\n"),
       "'t'", "not finite"));
 }
 
@@ -262,10 +262,10 @@ TEST_CASE("a file that is no point cloud is refused with file, expected and foun
     std::string contents = kAscii;
     const auto at = contents.find(from);
     REQUIRE(at != std::string::npos);
-    return complaint_about(contents.replace(at, from.size(), to));
+    return pcd_complaint(contents.replace(at, from.size(), to));
   };
-  CHECK(one_line_with(complaint_about(""), "0.pcd", "DATA"));
-  CHECK(one_line_with(complaint_about("ply\nformat ascii\n"), "0.pcd", "DATA", "found 'ply'"));
+  CHECK(one_line_with(pcd_complaint(""), "0.pcd", "DATA"));
+  CHECK(one_line_with(pcd_complaint("ply\nformat ascii\n"), "0.pcd", "DATA", "found 'ply'"));
   CHECK(one_line_with(with("FIELDS x y z", "FIELDS x y w"), "fields x y z", "found x y w"));
   CHECK(one_line_with(with("SIZE 4 4 4", "SIZE 4 4"), "SIZE", "expected 3", "found 2"));
   CHECK(one_line_with(with("SIZE 4 4 4", "SIZE 4 4 3"), "'z'", "F of 3"));
@@ -277,28 +277,28 @@ TEST_CASE("a file that is no point cloud is refused with file, expected and foun
   CHECK(one_line_with(with("5.5", "five"), "point 1", "'five'"));
   CHECK(one_line_with(with(" 6e-1\n", ""), "truncated", "2 points of 3", "found 5"));
   CHECK(one_line_with(with("DATA ascii", "DATA binary"), "truncated", "2 points of 12 bytes"));
-  CHECK(one_line_with(complaint_about(header("x y z", "4 4 4", "F F F", 2, "binary") + "abc"),
+  CHECK(one_line_with(pcd_complaint(header("x y z", "4 4 4", "F F F", 2, "binary") + "abc"),
                       "truncated", "found 3 bytes"));
   CHECK(refused_with([] { read_pcd("/nowhere/0.pcd"); }, "/nowhere", "no file"));
 }
 
 TEST_CASE("counts that overflow or exceed the file are refused before anything is allocated") {
   std::string huge = "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 67108864\nHEIGHT 1\nDATA ";
-  CHECK(one_line_with(complaint_about(huge + "ascii\n1 2 3\n"), "truncated"));
-  CHECK(one_line_with(complaint_about(huge + "binary\n1 2 3\n"), "truncated"));
-  CHECK(one_line_with(complaint_about(huge + "binary_compressed\n1 2 3\n"), "truncated"));
+  CHECK(one_line_with(pcd_complaint(huge + "ascii\n1 2 3\n"), "truncated"));
+  CHECK(one_line_with(pcd_complaint(huge + "binary\n1 2 3\n"), "truncated"));
+  CHECK(one_line_with(pcd_complaint(huge + "binary_compressed\n1 2 3\n"), "truncated"));
   const std::string overflow =
       "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 4294967296\n"
       "HEIGHT 4294967296\nDATA ascii\n1 2 3\n";
-  CHECK(one_line_with(complaint_about(overflow), "WIDTH", "up to 67108864"));
+  CHECK(one_line_with(pcd_complaint(overflow), "WIDTH", "up to 67108864"));
   const std::string product =
       "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 67108864\n"
       "HEIGHT 2\nDATA ascii\n1 2 3\n";
-  CHECK(one_line_with(complaint_about(product), "POINTS", "67108864 x 2"));
+  CHECK(one_line_with(pcd_complaint(product), "POINTS", "67108864 x 2"));
   const std::string none =
       "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 0 1 1\nWIDTH 1\nHEIGHT 1\n"
       "DATA binary\n12345678";
-  CHECK(one_line_with(complaint_about(none), "'x'", "found none"));
+  CHECK(one_line_with(pcd_complaint(none), "'x'", "found none"));
 }
 
 TEST_CASE("compressed data that would become gigabytes are refused before they do") {
@@ -306,7 +306,7 @@ TEST_CASE("compressed data that would become gigabytes are refused before they d
       "FIELDS x y z pad\nSIZE 4 4 4 4\nTYPE F F F F\nCOUNT 1 1 1 13\nWIDTH 25165824\nHEIGHT 1\n"
       "DATA binary_compressed\n";
   const std::string sizes = bytes_of<std::uint32_t>(0) + bytes_of<std::uint32_t>(64U * 25165824U);
-  CHECK(one_line_with(complaint_about(wide + sizes), "0.pcd", "at most 1073741824 bytes",
+  CHECK(one_line_with(pcd_complaint(wide + sizes), "0.pcd", "at most 1073741824 bytes",
                       "found 1610612736"));
 }
 
@@ -343,11 +343,11 @@ TEST_CASE("damaged compressed data are refused") {
   const std::string data(24, 'a');
   const std::string start = header("x y z", "4 4 4", "F F F", 2, "binary_compressed");
   std::string stream = literals(data);
-  CHECK(one_line_with(complaint_about(start + stream.substr(0, 20)), "truncated"));
-  CHECK(one_line_with(complaint_about(start + "ab"), "truncated"));
-  CHECK(one_line_with(complaint_about(start + literals(std::string(23, 'a'))), "found 23 bytes"));
+  CHECK(one_line_with(pcd_complaint(start + stream.substr(0, 20)), "truncated"));
+  CHECK(one_line_with(pcd_complaint(start + "ab"), "truncated"));
+  CHECK(one_line_with(pcd_complaint(start + literals(std::string(23, 'a'))), "found 23 bytes"));
   stream[8] = '\xFF';
-  CHECK(one_line_with(complaint_about(start + stream), "damaged"));
+  CHECK(one_line_with(pcd_complaint(start + stream), "damaged"));
 }
 
 TEST_CASE("literals, short and long references and overlapping repeats are expanded") {

@@ -14,6 +14,7 @@
 #include "hqslam/core/npy.h"
 #include "hqslam/core/pcd.h"
 #include "hqslam/core/trajectory.h"
+#include "recording_complaint.h"
 #include "temporary_directory.h"
 
 using namespace hqslam;
@@ -52,14 +53,6 @@ double largest_difference_m(const OrganizedCloud& cloud, const RangeImage& image
     difference_m = std::max<double>(difference_m, std::abs(cloud.range_m[i] - image.range_m[i]));
   }
   return difference_m;
-}
-
-std::string complaint_about(const std::string& path, const SensorModel& sensor) {
-  return error_message([&] {
-    const auto source = open_recording(path, sensor);
-    while (source->next()) {
-    }
-  });
 }
 
 }  // namespace
@@ -131,8 +124,8 @@ TEST_CASE("rings whose points are in no order of azimuth are refused with the fi
     }
   }
   write_kitti_bin(scan, directory.file("0.bin"));
-  CHECK(one_line_with(complaint_about(directory.file("0.bin"), sensor), "0.bin", "ring after ring",
-                      "jumps"));
+  CHECK(one_line_with(recording_complaint(directory.file("0.bin"), sensor), "0.bin",
+                      "ring after ring", "jumps"));
 }
 
 TEST_CASE("an .npy stack gives its images, in either order of rows, rolling or corrected") {
@@ -202,9 +195,9 @@ TEST_CASE("a simulated drive is opened with the sensor it was made with and no o
   CHECK_FALSE(scan->cloud.time_offset_s.empty());
   SensorModel tilted = sensor;
   tilted.beam_elevation_rad[3] += 1e-3;
-  CHECK(one_line_with(complaint_about(path, tilted), path, "expected", "hdl-32e", "found",
+  CHECK(one_line_with(recording_complaint(path, tilted), path, "expected", "hdl-32e", "found",
                       "sensor.json"));
-  CHECK(one_line_with(complaint_about(path, sensor_preset("os1-64")), "'os1-64' (64 rows",
+  CHECK(one_line_with(recording_complaint(path, sensor_preset("os1-64")), "'os1-64' (64 rows",
                       "'hdl-32e' (32 rows"));
 }
 
@@ -217,7 +210,7 @@ TEST_CASE("a folder's sensor is another one if its scans take longer") {
   NpyStackWriter(directory.file("scans.npy"), 16, sensor.columns).append(an_image(sensor));
   const std::string path = directory.path().string();
   CHECK(open_recording(path, slow)->size() == 1);
-  CHECK(one_line_with(complaint_about(path, sensor), "0.1 s a scan", "found", "0.2 s a scan"));
+  CHECK(one_line_with(recording_complaint(path, sensor), "0.1 s a scan", "found", "0.2 s a scan"));
 }
 
 TEST_CASE("what a folder's sensor file says of its images holds whatever the sensor is called") {
@@ -267,20 +260,21 @@ TEST_CASE("a path that is no recording is refused in one line") {
   const TemporaryDirectory directory;
   const SensorModel sensor = sensor_preset("os1-16");
   const std::string path = directory.path().string();
-  CHECK(one_line_with(complaint_about("/nowhere", sensor), "/nowhere", "no such", "give a folder"));
-  CHECK(one_line_with(complaint_about(path, sensor), path, "empty folder", ".bin or .pcd"));
+  CHECK(one_line_with(recording_complaint("/nowhere", sensor), "/nowhere", "no such",
+                      "give a folder"));
+  CHECK(one_line_with(recording_complaint(path, sensor), path, "empty folder", ".bin or .pcd"));
   write_file(directory.file("readme.md"), "hello");
-  CHECK(one_line_with(complaint_about(path, sensor), path, "found none"));
-  CHECK(one_line_with(complaint_about(directory.file("readme.md"), sensor), "'.md'"));
+  CHECK(one_line_with(recording_complaint(path, sensor), path, "found none"));
+  CHECK(one_line_with(recording_complaint(directory.file("readme.md"), sensor), "'.md'"));
   write_file(directory.file("readme.txt"), "hello");  // a kind of recording, but no points in it
-  CHECK(one_line_with(complaint_about(directory.file("readme.txt"), sensor), "columns x y z"));
+  CHECK(one_line_with(recording_complaint(directory.file("readme.txt"), sensor), "columns x y z"));
   write_file(directory.file("a.npy"), "not numpy");
-  CHECK(one_line_with(complaint_about(path, sensor), "a.npy", "give the path"));
-  CHECK(one_line_with(complaint_about(directory.file("a.npy"), sensor), "a.npy", "NUMPY"));
+  CHECK(one_line_with(recording_complaint(path, sensor), "a.npy", "give the path"));
+  CHECK(one_line_with(recording_complaint(directory.file("a.npy"), sensor), "a.npy", "NUMPY"));
   write_file(directory.file("0.bin"), "text, not a scan");
-  CHECK(one_line_with(complaint_about(path, sensor), "0.bin", "text"));
+  CHECK(one_line_with(recording_complaint(path, sensor), "0.bin", "text"));
   write_file(directory.file("0.pcd"), "");
-  CHECK(one_line_with(complaint_about(path, sensor), path, "one kind", "1 .bin and 1 .pcd"));
+  CHECK(one_line_with(recording_complaint(path, sensor), path, "one kind", "1 .bin and 1 .pcd"));
 }
 
 TEST_CASE("a truncated file in the middle of a recording ends it after the scans before it") {
@@ -325,28 +319,29 @@ TEST_CASE("scans of another sensor or in other units are refused") {
   write_pcd(scan.points_m, directory.file("0.pcd"));
   for (const std::string name : {"os1-16", "vlp-16", "hdl-64e", "vls-128"}) {
     CAPTURE(name);
-    CHECK(one_line_with(complaint_about(directory.file("0.bin"), sensor_preset(name)), "0.bin",
+    CHECK(one_line_with(recording_complaint(directory.file("0.bin"), sensor_preset(name)), "0.bin",
                         name, "name the sensor"));
   }
   std::vector<Eigen::Vector3f> in_mm = scan.points_m;
   for (Eigen::Vector3f& point : in_mm) point *= 1000.0F;
   write_pcd(in_mm, directory.file("mm.pcd"));
-  CHECK(one_line_with(complaint_about(directory.file("mm.pcd"), os1_64), "mm.pcd", "metres"));
+  CHECK(one_line_with(recording_complaint(directory.file("mm.pcd"), os1_64), "mm.pcd", "metres"));
   std::vector<Eigen::Vector3f> above = scan.points_m;
   for (Eigen::Vector3f& point : above) point.z() = point.norm();
   write_pcd(above, directory.file("above.pcd"));
-  CHECK(one_line_with(complaint_about(directory.file("above.pcd"), os1_64), "above.pcd", "outside",
-                      "name the sensor"));
+  CHECK(one_line_with(recording_complaint(directory.file("above.pcd"), os1_64), "above.pcd",
+                      "outside", "name the sensor"));
 
   RangeImage image = an_image(os1_64);
   for (float& range : image.range_m) range *= 1000.0F;
   NpyStackWriter(directory.file("mm.npy"), image.rows, image.columns).append(image);
-  CHECK(one_line_with(complaint_about(directory.file("mm.npy"), os1_64), "mm.npy[0]", "metres"));
-  CHECK(one_line_with(complaint_about(directory.file("mm.npy"), sensor_preset("os1-16")), "mm.npy",
-                      "16 x 1024", "64 x 1024"));
-  const NpyStackWriter no_images(directory.file("none.npy"), 64, 1024);
   CHECK(
-      one_line_with(complaint_about(directory.file("none.npy"), os1_64), "none.npy", "one image"));
+      one_line_with(recording_complaint(directory.file("mm.npy"), os1_64), "mm.npy[0]", "metres"));
+  CHECK(one_line_with(recording_complaint(directory.file("mm.npy"), sensor_preset("os1-16")),
+                      "mm.npy", "16 x 1024", "64 x 1024"));
+  const NpyStackWriter no_images(directory.file("none.npy"), 64, 1024);
+  CHECK(one_line_with(recording_complaint(directory.file("none.npy"), os1_64), "none.npy",
+                      "one image"));
 }
 
 TEST_CASE("real recordings are opened and keep nearly all of their points") {

@@ -11,6 +11,7 @@
 #include "../../core/src/point_files.h"
 #include "core/real_data.h"
 #include "error_message.h"
+#include "hqslam/core/angles.h"
 #include "hqslam/core/npy.h"
 #include "hqslam/core/pcd.h"
 #include "hqslam/core/projection.h"
@@ -21,8 +22,6 @@ using namespace hqslam;
 using namespace hqslam::test;
 
 namespace {
-
-constexpr double kDegrees = 180.0 / std::numbers::pi;
 
 enum class Told { kRings, kOrder, kNothing };
 
@@ -62,7 +61,7 @@ double largest_difference_deg(const std::vector<double>& found_rad,
   REQUIRE(found_rad.size() == table_rad.size());
   double most = 0.0;
   for (std::size_t i = 0; i < table_rad.size(); ++i) {
-    most = std::max(most, kDegrees * std::abs(found_rad[i] - table_rad[i]));
+    most = std::max(most, kDegreesPerRadian * std::abs(found_rad[i] - table_rad[i]));
   }
   return most;
 }
@@ -122,7 +121,7 @@ TEST_CASE("lasers above the origin are found with the elevation at which they me
     const double slope = std::tan(sensor.beam_elevation_rad[row]);
     const double level_m = slope < 0.0 ? std::min(26.0, 1.9 / -slope) : 26.0;
     const double seen_rad = std::atan(slope + 0.2 / level_m);
-    CHECK(kDegrees * std::abs(found.beam_elevation_rad[row] - seen_rad) < 0.1);
+    CHECK(kDegreesPerRadian * std::abs(found.beam_elevation_rad[row] - seen_rad) < 0.1);
   }
 }
 
@@ -247,7 +246,7 @@ TEST_CASE("beams that a fast motion's correction blurs are found as they are or 
       std::vector<RawPoints> scans = scans_of(sensor, Told::kNothing);
       for (RawPoints& raw : scans) {
         for (Eigen::Vector3f& point_m : raw.scan.points_m) {
-          const double turned = std::atan2(point_m.y(), point_m.x()) * kDegrees / 360.0;
+          const double turned = std::atan2(point_m.y(), point_m.x()) * kDegreesPerRadian / 360.0;
           point_m.x() += static_cast<float>(step_m * turned);
         }
       }

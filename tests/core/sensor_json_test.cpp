@@ -6,6 +6,7 @@
 #include "core/real_data.h"
 #include "error_message.h"
 #include "file_contents.h"
+#include "hqslam/core/angles.h"
 #include "hqslam/core/sensor_model.h"
 #include "temporary_directory.h"
 
@@ -34,11 +35,9 @@ SensorModel sensor_of(const std::string& json) {
   return read_sensor_json(directory.file("s.json"));
 }
 
-std::string complaint_about(const std::string& json) {
+std::string sensor_json_complaint(const std::string& json) {
   return error_message([&] { sensor_of(json); });
 }
-
-double degrees(double rad) { return rad * 180.0 / std::numbers::pi; }
 
 }  // namespace
 
@@ -70,7 +69,7 @@ TEST_CASE("a sensor file may say that its images are corrected for motion, and i
   CHECK(sensor.motion_corrected);
   CHECK(sensor_of(sensor_json(sensor)) == sensor);
   CHECK(one_line_with(
-      complaint_about(replaced(kOwn, "\"columns\"", "\"motion_corrected\": 1, \"columns\"")),
+      sensor_json_complaint(replaced(kOwn, "\"columns\"", "\"motion_corrected\": 1, \"columns\"")),
       "'motion_corrected'", "true or false", "found 1"));
 }
 
@@ -140,7 +139,7 @@ TEST_CASE("Ouster's real metadata files, reduced and full, are read") {
 
 TEST_CASE("a sensor file with a wrong field is refused with file, field, expected and found") {
   const auto with = [](const std::string& from, const std::string& to) {
-    return complaint_about(replaced(kOwn, from, to));
+    return sensor_json_complaint(replaced(kOwn, from, to));
   };
   CHECK(one_line_with(with("\"max_range_m\": 80,", ""), "s.json", "'max_range_m'",
                       "expected a number", "found nothing"));
@@ -164,22 +163,23 @@ TEST_CASE("a sensor file with a wrong field is refused with file, field, expecte
   CHECK(one_line_with(with("80", "NaN"), "s.json", "expected JSON"));
   CHECK(one_line_with(with("[10, -10]", "[-10, 10]"), "s.json", "elevations must fall"));
   CHECK(one_line_with(with("[1.5, 0]", "[1.5]"), "s.json", "azimuth offsets"));
-  CHECK(one_line_with(complaint_about("[1, 2]"), "s.json", "object"));
-  CHECK(one_line_with(complaint_about("{\"name\": \"x\""), "s.json", "JSON", "byte"));
-  CHECK(one_line_with(complaint_about(std::string(100000, '[')), "s.json", "JSON"));
+  CHECK(one_line_with(sensor_json_complaint("[1, 2]"), "s.json", "object"));
+  CHECK(one_line_with(sensor_json_complaint("{\"name\": \"x\""), "s.json", "JSON", "byte"));
+  CHECK(one_line_with(sensor_json_complaint(std::string(100000, '[')), "s.json", "JSON"));
 }
 
 TEST_CASE("values nested deep and objects of many fields are refused, however they end") {
   const std::string deep = std::string(1'000'000, '[') + std::string(1'000'000, ']');
-  CHECK(one_line_with(complaint_about(deep), "s.json", "at most 32 levels"));
-  CHECK(
-      one_line_with(complaint_about(replaced(kOwn, "1024", deep)), "s.json", "at most 32 levels"));
+  CHECK(one_line_with(sensor_json_complaint(deep), "s.json", "at most 32 levels"));
+  CHECK(one_line_with(sensor_json_complaint(replaced(kOwn, "1024", deep)), "s.json",
+                      "at most 32 levels"));
   std::string objects;
   for (int i = 0; i < 100'000; ++i) objects += "{\"a\":";
-  CHECK(one_line_with(complaint_about(objects + "1" + std::string(100'000, '}')), "32 levels"));
+  CHECK(
+      one_line_with(sensor_json_complaint(objects + "1" + std::string(100'000, '}')), "32 levels"));
   std::string fields;
   for (int i = 0; i < 300'000; ++i) fields += ", \"" + std::to_string(i) + "\": 0";
-  CHECK(one_line_with(complaint_about(replaced(kOwn, "80", "80" + fields)), "s.json",
+  CHECK(one_line_with(sensor_json_complaint(replaced(kOwn, "80", "80" + fields)), "s.json",
                       "at most 1000 fields"));
 }
 
@@ -190,12 +190,12 @@ TEST_CASE("32 levels and 1000 fields are still read") {
       std::string(31, '[') + std::string(31, ']');
   for (int i = 4; i < 1000; ++i) text += ", \"" + std::to_string(i) + "\": 0";
   CHECK(sensor_of(text + "}").columns == 512);
-  CHECK(one_line_with(complaint_about(text + ", \"more\": 0}"), "at most 1000 fields"));
+  CHECK(one_line_with(sensor_json_complaint(text + ", \"more\": 0}"), "at most 1000 fields"));
 }
 
 TEST_CASE("Ouster metadata that contradict themselves or lack a field are refused") {
   const auto with = [](const std::string& from, const std::string& to) {
-    return complaint_about(replaced(kGrouped, from, to));
+    return sensor_json_complaint(replaced(kGrouped, from, to));
   };
   CHECK(one_line_with(with("512x20", "fast"), "s.json", "'lidar_mode'", "1024x10", "\"fast\""));
   CHECK(one_line_with(with("512x20", "1024x10"), "'columns_per_frame'", "1024", "found 512"));

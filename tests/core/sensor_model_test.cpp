@@ -7,17 +7,14 @@
 #include <numbers>
 #include <set>
 
+#include "hqslam/core/angles.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/organized_cloud.h"
 #include "hqslam/core/range_image.h"
 
 using namespace hqslam;
 
-namespace {
-
-double degrees(double rad) { return rad * 180.0 / std::numbers::pi; }
-
-}  // namespace
+namespace {}  // namespace
 
 TEST_CASE("every preset is valid and has the rows its name says") {
   const std::vector<std::pair<std::string, int>> expected = {

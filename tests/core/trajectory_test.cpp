@@ -34,8 +34,8 @@ double largest_difference(const Trajectory& a, const Trajectory& b) {
   return difference;
 }
 
-std::string complaint_about(const std::string& contents,
-                            const std::function<Trajectory(const std::string&)>& read) {
+std::string trajectory_complaint(const std::string& contents,
+                                 const std::function<Trajectory(const std::string&)>& read) {
   const TemporaryDirectory directory;
   write_file(directory.file("poses.txt"), contents);
   return error_message([&] { read(directory.file("poses.txt")); });
@@ -103,27 +103,30 @@ TEST_CASE("the number of columns tells TUM from KITTI") {
 }
 
 TEST_CASE("a file that is no trajectory is refused with its name and line") {
-  CHECK(one_line_with(complaint_about("", read_any), "poses.txt", "at least one pose"));
-  CHECK(one_line_with(complaint_about("# only a comment\n", read_tum), "at least one pose"));
-  CHECK(one_line_with(complaint_about("\n1 2 3\n", read_any), "poses.txt:2", "8", "12", "found 3"));
-  CHECK(one_line_with(complaint_about("0 0 0 0 0 0 0 1\n1 0 0 0 0 0 0\n", read_any), "poses.txt:2",
-                      "expected 8 numbers", "found 7"));
-  CHECK(one_line_with(complaint_about("0 0 0 0 0 0 0 one\n", read_any), "poses.txt:1", "'one'"));
-  CHECK(one_line_with(complaint_about("0 0 0 nan 0 0 0 1\n", read_any), "'nan'"));
-  CHECK(one_line_with(complaint_about("0 0 0 1e999 0 0 0 1\n", read_any), "'1e999'"));
-  CHECK(one_line_with(complaint_about("0 0 0 0 0 0 0 0\n", read_any), "unit quaternion", "norm 0"));
-  CHECK(one_line_with(complaint_about("1 0 0 0 0 0 0 1\n1 0 0 0 0 0 0 1\n", read_any),
+  CHECK(one_line_with(trajectory_complaint("", read_any), "poses.txt", "at least one pose"));
+  CHECK(one_line_with(trajectory_complaint("# only a comment\n", read_tum), "at least one pose"));
+  CHECK(one_line_with(trajectory_complaint("\n1 2 3\n", read_any), "poses.txt:2", "8", "12",
+                      "found 3"));
+  CHECK(one_line_with(trajectory_complaint("0 0 0 0 0 0 0 1\n1 0 0 0 0 0 0\n", read_any),
+                      "poses.txt:2", "expected 8 numbers", "found 7"));
+  CHECK(
+      one_line_with(trajectory_complaint("0 0 0 0 0 0 0 one\n", read_any), "poses.txt:1", "'one'"));
+  CHECK(one_line_with(trajectory_complaint("0 0 0 nan 0 0 0 1\n", read_any), "'nan'"));
+  CHECK(one_line_with(trajectory_complaint("0 0 0 1e999 0 0 0 1\n", read_any), "'1e999'"));
+  CHECK(one_line_with(trajectory_complaint("0 0 0 0 0 0 0 0\n", read_any), "unit quaternion",
+                      "norm 0"));
+  CHECK(one_line_with(trajectory_complaint("1 0 0 0 0 0 0 1\n1 0 0 0 0 0 0 1\n", read_any),
                       "poses.txt:2", "rise"));
-  CHECK(one_line_with(complaint_about("1 0 0 0 0 1 0 0 0 0 -1 0\n", read_any), "rotation",
+  CHECK(one_line_with(trajectory_complaint("1 0 0 0 0 1 0 0 0 0 -1 0\n", read_any), "rotation",
                       "determinant -1"));
-  CHECK(one_line_with(complaint_about("2 0 0 0 0 2 0 0 0 0 2 0\n", read_any), "rotation"));
-  CHECK(one_line_with(complaint_about(std::string("\0\1\2binary\n", 10), read_any), "poses.txt:1",
-                      "finite number"));
-  CHECK(one_line_with(complaint_about("1 2 3 4 5 6 7 8 9 10 11 12 13 14",
-                                      [](const auto& path) { return read_kitti_poses(path); }),
+  CHECK(one_line_with(trajectory_complaint("2 0 0 0 0 2 0 0 0 0 2 0\n", read_any), "rotation"));
+  CHECK(one_line_with(trajectory_complaint(std::string("\0\1\2binary\n", 10), read_any),
+                      "poses.txt:1", "finite number"));
+  CHECK(one_line_with(trajectory_complaint("1 2 3 4 5 6 7 8 9 10 11 12 13 14",
+                                           [](const auto& path) { return read_kitti_poses(path); }),
                       "expected 12", "more than 12"));
-  CHECK(one_line_with(complaint_about(std::string("\x93NUMPY\1\0v\0", 10), read_any), "poses.txt:1",
-                      "finite number"));
+  CHECK(one_line_with(trajectory_complaint(std::string("\x93NUMPY\1\0v\0", 10), read_any),
+                      "poses.txt:1", "finite number"));
   CHECK(refused_with([] { read_tum("/nowhere/t.tum"); }, "/nowhere/t.tum"));
   CHECK(refused_with([] { write_tum({}, "/nowhere/t.tum"); }, "/nowhere/t.tum"));
 }
@@ -142,8 +145,8 @@ TEST_CASE("a trajectory is a regular file that is not far larger than any drive"
 }
 
 TEST_CASE("the first wrong line is refused, whatever comes after it") {
-  CHECK(one_line_with(complaint_about("1\n2\nthree\n", read_any), "poses.txt:1", "found 1"));
-  CHECK(one_line_with(complaint_about("0 0 0 0 0 0 0 1\n1\ntwo\n", read_tum), "poses.txt:2",
+  CHECK(one_line_with(trajectory_complaint("1\n2\nthree\n", read_any), "poses.txt:1", "found 1"));
+  CHECK(one_line_with(trajectory_complaint("0 0 0 0 0 0 0 1\n1\ntwo\n", read_tum), "poses.txt:2",
                       "found 1"));
 }
 

@@ -18,7 +18,7 @@ namespace {
 
 using namespace hqslam::recordings;
 
-constexpr int kColumns = 16;
+constexpr int kLiveColumns = 16;
 constexpr int kHosts = 4;
 constexpr int kMostPackets = 1500;
 constexpr std::int64_t kPacket_ns = 1'327'000;
@@ -63,16 +63,16 @@ struct Host {
 
 /// By the number of the sensor: two Velodynes, then two Ousters.
 constexpr int kSensors = 4;
-constexpr std::array<OusterProfile, 2> kProfiles = {OusterProfile::kLegacy,
-                                                    OusterProfile::kRng19Dual};
+constexpr std::array<OusterProfile, 2> kLiveProfiles = {OusterProfile::kLegacy,
+                                                        OusterProfile::kRng19Dual};
 
 /// Sixteen turns of each profile, again and again.
 const test::Payload& ouster_packet(int profile, std::uint32_t number) {
   static const auto of_profile = [] {
-    std::array<std::vector<test::Payload>, kProfiles.size()> packets;
-    for (std::size_t i = 0; i < kProfiles.size(); ++i) {
+    std::array<std::vector<test::Payload>, kLiveProfiles.size()> packets;
+    for (std::size_t i = 0; i < kLiveProfiles.size(); ++i) {
       for (std::uint32_t turn = 0; turn < 16; ++turn) {
-        for (auto& packet : test::ouster_turn(kProfiles[i], turn, kOusterRows)) {
+        for (auto& packet : test::ouster_turn(kLiveProfiles[i], turn, kOusterRows)) {
           packets[i].push_back(std::move(packet.payload));
         }
       }
@@ -111,7 +111,7 @@ test::Payload payload(int sensor, const Step& step, const Host& host) {
 
 live::LiveOptions options_for(int sensor) {
   if (sensor < 2) return {.sensor = sensor == 0 ? "vlp-16" : "hdl-32e"};
-  const std::string text = test::ouster_metadata_text(kProfiles[sensor - 2], kOusterRows);
+  const std::string text = test::ouster_metadata_text(kLiveProfiles[sensor - 2], kOusterRows);
   return {.sensor =
               as_file({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()}, ".json")};
 }
@@ -129,7 +129,7 @@ class Listener {
   void add(const Packet& packet, bool is_usual) {
     if (!assembler_) {
       if (!stream_.recognise(packet)) return;
-      assembler_ = stream_.assembler(is_velodyne_ ? kColumns : 0);
+      assembler_ = stream_.assembler(is_velodyne_ ? kLiveColumns : 0);
     } else {
       const Endpoint before = stream_.sender();
       const bool is_sensors = stream_.is_sensors(packet);

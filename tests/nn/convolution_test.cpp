@@ -65,7 +65,7 @@ struct Outcome {
   std::vector<float> d_parameters;  ///< of the weights, then of the biases
 };
 
-struct Problem {
+struct ConvolutionProblem {
   ConvolutionShape shape;
   Tensor input;
   Tensor output;  ///< only its shape
@@ -93,10 +93,10 @@ struct Problem {
   }
 };
 
-Problem problem(const Case& c, bool transposed) {
+ConvolutionProblem problem(const Case& c, bool transposed) {
   Tensor narrow = narrow_tensor(c.shape, c, c.shape.output_channels);
   Tensor wide(c.shape.input_channels, c.rows, c.columns, c.padding, 4);
-  Problem p{c.shape, wide, narrow, narrow, {}};
+  ConvolutionProblem p{c.shape, wide, narrow, narrow, {}};
   if (transposed) {
     p = {c.shape, narrow, wide, wide, {}};
     std::swap(p.shape.input_channels, p.shape.output_channels);
@@ -110,21 +110,21 @@ Problem problem(const Case& c, bool transposed) {
   return p;
 }
 
-void run(ConvolutionLayer& layer, const Problem& p, Outcome& outcome, int threads = 1) {
+void run(ConvolutionLayer& layer, const ConvolutionProblem& p, Outcome& outcome, int threads = 1) {
 #pragma omp parallel num_threads(threads)
   layer.forward({.input = &p.input, .output = &outcome.output});
   const BackwardPass back{.input = &p.input, .d_output = &p.d_output, .d_input = &outcome.d_input};
   layer.backward({&back, 1}, outcome.d_parameters);
 }
 
-Outcome with_layer(const Problem& p, InstructionSet instruction_set, int threads) {
+Outcome with_layer(const ConvolutionProblem& p, InstructionSet instruction_set, int threads) {
   Outcome outcome = p.empty_outcome();
   ConvolutionLayer layer = p.layer(instruction_set, threads);
   run(layer, p, outcome, threads);
   return outcome;
 }
 
-Outcome with_reference(const Problem& p) {
+Outcome with_reference(const ConvolutionProblem& p) {
   Outcome o = p.empty_outcome();
   const auto weights = static_cast<std::size_t>(p.shape.weights());
   const std::span<const float> parameters = p.parameters;
@@ -141,7 +141,7 @@ void check_against_reference(bool transposed) {
     const bool uneven =
         c.padding == ColumnPadding::kCircular && c.columns % c.shape.column_stride() != 0;
     if (uneven) continue;
-    const Problem p = problem(c, transposed);
+    const ConvolutionProblem p = problem(c, transposed);
     const Outcome expected = with_reference(p);
     for (const InstructionSet instruction_set : available_instruction_sets()) {
       CAPTURE(name(instruction_set));
@@ -157,11 +157,11 @@ void check_against_reference(bool transposed) {
 }
 
 /// Of a layer of the golden file.
-Problem problem(const Golden& golden, const std::string& name, bool transposed) {
+ConvolutionProblem problem(const Golden& golden, const std::string& name, bool transposed) {
   const std::vector<std::int64_t> stored = int64_values(golden.array(name + ".shape"), name);
   std::vector<int> s(stored.begin(), stored.end());
   const ColumnPadding padding = s.at(11) != 0 ? ColumnPadding::kCircular : ColumnPadding::kZero;
-  Problem p;
+  ConvolutionProblem p;
   p.shape = {s[0], s[1], s[2], s[3], s[4], s[5], s[6]};
   p.shape.transposed = transposed;
   p.input = tensor_of(golden.values(name + ".input"), s[0], s[7], s[8], padding, 2);
@@ -181,7 +181,7 @@ void check_against_pytorch(const std::string& kind, bool transposed, int cases) 
   for (int i = 0; i < cases; ++i) {
     const std::string name = kind + "." + std::to_string(i);
     CAPTURE(name);
-    const Problem p = problem(golden, name, transposed);
+    const ConvolutionProblem p = problem(golden, name, transposed);
     for (const InstructionSet instruction_set : available_instruction_sets()) {
       CAPTURE(nn::name(instruction_set));
       Outcome actual{p.output, p.input, std::vector<float>(p.parameters.size())};
@@ -223,7 +223,7 @@ TEST_CASE("conv2d of a 1-2-3 row with kernel 1 10 100 is what a hand computes, g
   Tensor input(1, 1, 3, ColumnPadding::kCircular);
   for (int x = 0; x < 3; ++x) input.at(0, 0, x) = static_cast<float>(x + 1);
   input.fill_borders();
-  const Problem p{{1, 1, 1, 3, 1, 0, 1}, input, input, input, {1, 10, 100, 1000}};
+  const ConvolutionProblem p{{1, 1, 1, 3, 1, 0, 1}, input, input, input, {1, 10, 100, 1000}};
   const Tensor output = with_layer(p, chosen_instruction_set(), 1).output;
   CHECK(output.at(0, 0, 0) == 1000 + 3 * 1 + 1 * 10 + 2 * 100);
   CHECK(output.at(0, 0, 1) == 1000 + 1 * 1 + 2 * 10 + 3 * 100);
@@ -232,7 +232,8 @@ TEST_CASE("conv2d of a 1-2-3 row with kernel 1 10 100 is what a hand computes, g
 
 TEST_CASE("new parameters count forward and backward, whichever way the convolution goes") {
   for (const int channels : {5, 16}) {
-    Problem p = problem({{channels, channels, 3, 3, 1, 1, 1}, 4, 32, ColumnPadding::kZero}, false);
+    ConvolutionProblem p =
+        problem({{channels, channels, 3, 3, 1, 1, 1}, 4, 32, ColumnPadding::kZero}, false);
     ConvolutionLayer layer = p.layer();
     for (const std::uint32_t seed : {11U, 12U}) {
       p.parameters = random_values(seed, std::ssize(p.parameters));
@@ -247,13 +248,15 @@ TEST_CASE("new parameters count forward and backward, whichever way the convolut
 }
 
 TEST_CASE("a single row is refused where the kernel has more") {
-  const Problem p = problem({{3, 8, 3, 3, 1, 1, 1}, 4, 32, ColumnPadding::kCircular}, false);
+  const ConvolutionProblem p =
+      problem({{3, 8, 3, 3, 1, 1, 1}, 4, 32, ColumnPadding::kCircular}, false);
   std::vector<float> row(static_cast<std::size_t>(8) * 32);
   CHECK_THROWS_AS(p.layer().forward_row(p.input, 0, row.data(), 32), Error);
 }
 
 TEST_CASE("skip and activation are applied to the sum") {
-  const Problem p = problem({{3, 8, 3, 3, 1, 1, 1}, 4, 32, ColumnPadding::kCircular}, false);
+  const ConvolutionProblem p =
+      problem({{3, 8, 3, 3, 1, 1, 1}, 4, 32, ColumnPadding::kCircular}, false);
   Tensor skip = p.output;
   fill_random(9, skip);
   Tensor plain = p.output;
@@ -284,11 +287,12 @@ TEST_CASE("shapes that do not fit are refused") {
   };
   CHECK_THROWS_AS(make({1, 1, 3, 3, 2, 1, 0}, narrow(4, 7), wide), Error);
   CHECK_THROWS_AS(make({1, 1, 3, 5, 3, 1, 0}, narrow(3, 4), wide), Error);
-  CHECK_THROWS_AS((Problem{{1, 1, 3, 3, 2, 1, 0, 2, true}, narrow(4, 7), wide, wide, {}}.layer()),
-                  Error);
+  CHECK_THROWS_AS(
+      (ConvolutionProblem{{1, 1, 3, 3, 2, 1, 0, 2, true}, narrow(4, 7), wide, wide, {}}.layer()),
+      Error);
   // or a whole vector would end beyond the border.
   CHECK_THROWS_AS(make({1, 1, 3, 4, 1, 1, 2}, narrow(8, 17), wide), Error);
-  ConvolutionLayer layer = Problem{{3, 4, 3, 3, 2, 1, 1}, input, half, half, {}}.layer();
+  ConvolutionLayer layer = ConvolutionProblem{{3, 4, 3, 3, 2, 1, 1}, input, half, half, {}}.layer();
   CHECK_THROWS_AS(layer.set_parameters(std::vector<float>(5)), Error);
   CHECK_THROWS_AS(layer.set_parameters(std::vector<float>(108 + 3)), Error);
 }

@@ -9,7 +9,7 @@
 namespace hqslam::nn {
 namespace {
 
-struct Problem {
+struct GradientProblem {
   HqsPlan plan;
   RangeImage measured;
   std::vector<float> parameters;
@@ -17,8 +17,9 @@ struct Problem {
   std::vector<std::vector<float>> directions;
 };
 
-Problem problem(const HqsPlan& plan, int columns, std::uint32_t seed, int layers_in_loss = 1) {
-  Problem p{plan, RangeImage(4, columns), large_parameters(plan, seed), {}};
+GradientProblem problem(const HqsPlan& plan, int columns, std::uint32_t seed,
+                        int layers_in_loss = 1) {
+  GradientProblem p{plan, RangeImage(4, columns), large_parameters(plan, seed), {}};
   for (int i = 0; i < layers_in_loss; ++i) {
     p.directions.push_back(random_values(seed + 1 + i, 16 * columns));
   }
@@ -40,7 +41,7 @@ struct EngineResult {
   Masks rejected;
 };
 
-EngineResult engine(const Problem& p, InstructionSet instruction_set) {
+EngineResult engine(const GradientProblem& p, InstructionSet instruction_set) {
   HqsRun run = run_of(p.plan, p.parameters, p.measured, instruction_set);
   std::vector<Tensor> d_z(p.directions.size(), run.hqs.z0);
   for (std::size_t i = 0; i < d_z.size(); ++i) {
@@ -56,7 +57,7 @@ EngineResult engine(const Problem& p, InstructionSet instruction_set) {
 }
 
 /// Of each layer, in units of range_scale_m.
-std::vector<std::vector<double>> reference_z(const Problem& p,
+std::vector<std::vector<double>> reference_z(const GradientProblem& p,
                                              const std::vector<double>& parameters,
                                              const Masks& rejected) {
   const ReferenceTrace trace =
@@ -69,7 +70,8 @@ std::vector<std::vector<double>> reference_z(const Problem& p,
   return z;
 }
 
-double loss(const Problem& p, const std::vector<double>& parameters, const Masks& rejected) {
+double loss(const GradientProblem& p, const std::vector<double>& parameters,
+            const Masks& rejected) {
   const auto z = reference_z(p, parameters, rejected);
   double sum = 0.0;
   for (std::size_t n = 0; n < p.directions.size(); ++n) {
@@ -80,7 +82,7 @@ double loss(const Problem& p, const std::vector<double>& parameters, const Masks
 }
 
 /// Central differences at `each` parameters of every array.
-void check_gradients(const Problem& p, int each, const EngineResult& result) {
+void check_gradients(const GradientProblem& p, int each, const EngineResult& result) {
   std::vector<double> parameters(p.parameters.begin(), p.parameters.end());
   std::mt19937 generator(99);
   std::size_t first = 0;
@@ -118,7 +120,7 @@ void check_gradients(const Problem& p, int each, const EngineResult& result) {
   CHECK(wrong <= checked / 50);
 }
 
-void check_network(const Problem& p, int each) {
+void check_network(const GradientProblem& p, int each) {
   const std::vector<double> parameters(p.parameters.begin(), p.parameters.end());
   const EngineResult chosen = engine(p, chosen_instruction_set());
   const auto expected = reference_z(p, parameters, chosen.rejected);

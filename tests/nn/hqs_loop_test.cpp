@@ -7,7 +7,7 @@
 namespace hqslam::nn {
 namespace {
 
-constexpr double kTolerance = 1e-4;
+constexpr double kLoopTolerance = 1e-4;
 
 HqsPlan filtered(HqsPlan plan) {
   plan.filter.min_pixels = 30;
@@ -64,7 +64,7 @@ void check_against_pytorch(const HqsPlan& plan, const std::string& file, bool re
       CAPTURE(layer);
       const std::string prefix = "layers." + std::to_string(layer);
       CHECK(relative_error(image_of(plan, run.z(layer)), golden.values(prefix + ".z")) <
-            kTolerance);
+            kLoopTolerance);
       if (!golden.has(prefix + ".rejected")) continue;
       std::vector<std::uint8_t> mask;
       for (const std::byte byte : golden.array(prefix + ".rejected").bytes) {
@@ -76,15 +76,15 @@ void check_against_pytorch(const HqsPlan& plan, const std::string& file, bool re
     run.hqs.measurement.put_truth(small_scene(), truth);
     Tensor d_z = run.hqs.z0;
     const double loss = l1_loss(run.z(2), truth, plan.tile(), plan.measured_rows, 1.0F, d_z);
-    CHECK(loss == doctest::Approx(golden.value("loss")).epsilon(kTolerance));
+    CHECK(loss == doctest::Approx(golden.value("loss")).epsilon(kLoopTolerance));
     std::vector<float> d_parameters(parameters.size());
     add_gradient(run, std::span(&d_z, 1), d_parameters);
     const std::vector<float> expected = golden.values("d_parameters");
     if (repeats) {
-      CHECK(relative_error(summed(d_parameters, plan.layers), expected) < kTolerance);
+      CHECK(relative_error(summed(d_parameters, plan.layers), expected) < kLoopTolerance);
       continue;
     }
-    check_arrays(d_parameters, expected, parameter_shapes(plan), kTolerance);
+    check_arrays(d_parameters, expected, parameter_shapes(plan), kLoopTolerance);
   }
 }
 

@@ -9,7 +9,7 @@ namespace hqslam::nn {
 namespace {
 
 /// Of tiles of 4 x 4 pixels whose last row is measured.
-bool is_measured(int channel) { return channel / 4 == 3; }
+bool is_measured_channel(int channel) { return channel / 4 == 3; }
 
 Tensor of(const Golden& golden, const std::string& name) {
   return tensor_of(golden.values("data_consistency." + name), 16, 2, 20);
@@ -29,7 +29,7 @@ TEST_CASE("data consistency and its gradients equal PyTorch's") {
   double d_penalty = 0.0;
   for (int channel = 0; channel < 16; ++channel) {
     for (int row = 0; row < 2; ++row) {
-      const float* l_row = is_measured(channel) ? l.row(channel, row) : nullptr;
+      const float* l_row = is_measured_channel(channel) ? l.row(channel, row) : nullptr;
       data_consistency_row(l_row, z.row(channel, row), y.row(channel, row), penalty, 20,
                            h.row(channel, row));
       d_penalty +=

@@ -6,6 +6,7 @@
 #include <random>
 #include <vector>
 
+#include "hqslam/core/angles.h"
 #include "hqslam/core/connected_components.h"
 #include "hqslam/core/range_image.h"
 #include "hqslam/core/sensor_model.h"
@@ -16,14 +17,13 @@ namespace hqslam::nn {
 
 using Mask = std::vector<std::uint8_t>;
 
-inline constexpr double kDegree = std::numbers::pi / 180.0;
 inline constexpr RowSelection kNothingMeasured{1000, 1};
 
 /// `rows` beams and `columns` columns, neighbouring beams one degree apart.
 inline SensorModel small_sensor(int rows, int columns) {
   SensorModel sensor;
   sensor.columns = columns;
-  for (int row = 0; row < rows; ++row) sensor.beam_elevation_rad.push_back(-row * kDegree);
+  for (int row = 0; row < rows; ++row) sensor.beam_elevation_rad.push_back(-row * kDegree_rad);
   sensor.beam_azimuth_offset_rad.assign(rows, 0.0);
   return sensor;
 }

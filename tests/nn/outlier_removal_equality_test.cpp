@@ -106,7 +106,7 @@ TEST_CASE("the same mask for every size of component and every angle") {
   for (const int min_pixels : {0, 1, 2, 3, 5, 20, 64, 65, 66, 129, 200, 500, 100000}) {
     for (const double angle_deg : {1.0, 10.0, 60.0, 89.0}) {
       const SensorModel sensor = small_sensor(9, 200);
-      const OutlierRemovalOptions options{angle_deg * kDegree, min_pixels};
+      const OutlierRemovalOptions options{angle_deg * kDegree_rad, min_pixels};
       OutlierRemoval removal(sensor, kNothingMeasured, options, 200);
       for_each_kind(9, 200, generator, [&](const RangeImage& image) {
         compare(counts, from_component_labeler(image, sensor, kNothingMeasured, options),

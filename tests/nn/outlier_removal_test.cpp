@@ -70,7 +70,7 @@ TEST_CASE("negative ranges are no returns at angles at which the formula connect
     SensorModel sensor = small_sensor(5, columns);
     for (double& elevation_rad : sensor.beam_elevation_rad) elevation_rad *= 30.0;
     for (const int min_pixels : {2, 3, 5, 8}) {
-      const OutlierRemovalOptions options{89.0 * kDegree, min_pixels};
+      const OutlierRemovalOptions options{89.0 * kDegree_rad, min_pixels};
       OutlierRemoval removal(sensor, kNothingMeasured, options, columns);
       int wrong = 0;
       for (int i = 0; i < 200; ++i) {

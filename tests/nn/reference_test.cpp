@@ -16,7 +16,7 @@ Trace trace_of(const NetworkDescription& description, const std::vector<float>& 
   return network->trace(measured_scene(description));
 }
 
-HqsPlan filtered_du_or() {
+HqsPlan supported_du_or() {
   HqsPlan plan = small_du_or();
   plan.filter.min_pixels = 12;
   plan.filter.support_share = 0.05F;
@@ -34,7 +34,7 @@ ReferenceTrace reference_of(const NetworkDescription& description,
 
 TEST_CASE("every network's inner tensors are those of the reference, name by name") {
   for (const NetworkDescription& description :
-       {NetworkDescription(filtered_du_or()), NetworkDescription(small_simple_du()),
+       {NetworkDescription(supported_du_or()), NetworkDescription(small_simple_du()),
         small_du_mix()}) {
     CAPTURE(name(description));
     const std::vector<float> parameters = large_parameters(description, 9);
@@ -60,7 +60,7 @@ TEST_CASE("every network's inner tensors are those of the reference, name by nam
 }
 
 TEST_CASE("the reference's breadth-first search rejects what the fast filter rejects") {
-  const HqsPlan plan = filtered_du_or();
+  const HqsPlan plan = supported_du_or();
   const Trace trace = trace_of(plan, large_parameters(plan, 9));
   const ReferenceTrace reference = reference_of(plan);  // with a search of its own
   for (const char* name : {"layers.0.rejected", "layers.1.rejected", "layers.2.rejected"}) {
@@ -83,7 +83,7 @@ TEST_CASE("DU-Mix's confidence is the reference's") {
 }
 
 TEST_CASE("a rejected pixel that is 0, as in the paper, halves its range in the next layer") {
-  const HqsPlan plan = filtered_du_or();
+  const HqsPlan plan = supported_du_or();
   const ReferenceTrace literal = reference_of(plan, {.rejected_zero = true});
   const std::vector<double>& rejected = literal.tensor("layers.0.rejected").values;
   const std::vector<double>& z = literal.tensor("layers.0.z").values;
@@ -102,7 +102,7 @@ TEST_CASE("a rejected pixel that is 0, as in the paper, halves its range in the 
 }
 
 TEST_CASE("with Q of Z and Y := Z in rejected pixels Y is Z everywhere") {
-  const ReferenceTrace trace = reference_of(filtered_du_or(), {.filters_z = true});
+  const ReferenceTrace trace = reference_of(supported_du_or(), {.filters_z = true});
   CHECK(trace.tensor("layers.1.y").values == trace.tensor("layers.1.z").values);
 }
 

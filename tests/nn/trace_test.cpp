@@ -23,7 +23,7 @@ Traced traced_run(const NetworkDescription& description, const RangeImage& scene
   return traced;
 }
 
-HqsPlan filtered_du_or() {
+HqsPlan shallow_du_or() {
   HqsPlan plan = small_du_or();
   plan.layers = 2;
   plan.filter.min_pixels = 4;
@@ -42,7 +42,7 @@ std::vector<std::string> names_of(const Trace& trace) {
 }  // namespace
 
 TEST_CASE("DU-OR's trace has every inner tensor by name, in its order") {
-  const Traced traced = traced_run(filtered_du_or());
+  const Traced traced = traced_run(shallow_du_or());
   std::vector<std::string> expected = {"measured", "start"};
   for (const char* layer : {"layers.0.", "layers.1."}) {
     for (const char* what : {"penalty", "h", "encoder.0", "encoder.1", "bottleneck", "decoder.0",
@@ -105,7 +105,7 @@ TEST_CASE("DU-Mix chooses the likelier mode and shows no range where nothing was
 }
 
 TEST_CASE("the terms of the objective are those of the images that the trace shows") {
-  for (const HqsPlan& plan : {filtered_du_or(), small_simple_du()}) {
+  for (const HqsPlan& plan : {shallow_du_or(), small_simple_du()}) {
     const Trace trace = traced_run(plan).trace;
     const RangeImage scene = small_scene();
     for (int k = 0; k < plan.layers; ++k) {
@@ -143,7 +143,7 @@ TEST_CASE("the terms of the objective are those of the images that the trace sho
 }
 
 TEST_CASE("a name that is none is refused with those that are") {
-  const Trace trace = traced_run(filtered_du_or()).trace;
+  const Trace trace = traced_run(shallow_du_or()).trace;
   CHECK(test::one_line_with(test::error_message([&] { trace.tensor("layers.2.h"); }), "layers.2.h",
                             "measured, start, layers.0.penalty", "result"));
   CHECK(test::one_line_with(test::error_message([&] { trace.image("layers.0.encoder.0"); }),

@@ -8,7 +8,7 @@
 namespace hqslam::nn {
 namespace {
 
-constexpr double kTolerance = 1e-4;
+constexpr double kPriorTolerance = 1e-4;
 
 std::unique_ptr<Network> network_with(const NetworkDescription& description,
                                       const std::vector<float>& parameters,
@@ -42,13 +42,13 @@ void check_against_pytorch(NetworkDescription description, const std::string& fi
     const RangeImage measured = golden.image("measured_m");
     const LiftedImage& lifted = network->lift(measured, 0.5F);
     CHECK(relative_error(computed_pixels(lifted.image.range_m), golden.values("range_m")) <
-          kTolerance);
+          kPriorTolerance);
     CHECK(relative_error(computed_pixels(lifted.confidence), golden.values("confidence")) <
-          kTolerance);
+          kPriorTolerance);
     const std::vector<float> expected = golden.values("d_parameters");
     std::vector<float> d_parameters(expected.size());
     const double loss = add_gradient(*network, {measured, small_scene()}, {}, d_parameters);
-    CHECK(loss == doctest::Approx(golden.value("loss")).epsilon(kTolerance));
+    CHECK(loss == doctest::Approx(golden.value("loss")).epsilon(kPriorTolerance));
     check_arrays(d_parameters, expected, parameter_shapes(description), 2e-4);
   }
 }

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "error_message.h"
+#include "hqslam/core/angles.h"
 #include "hqslam/core/projection.h"
 #include "hqslam/core/scan_source.h"
 
@@ -15,16 +16,15 @@ namespace {
 
 using namespace hqslam::test;
 
-constexpr double kDegree = 0.017453292519943295;
 constexpr RowSelection kMeasuredRows = {1, 2};
 
 /// Six rows of 16 columns, of which rows 1, 3 and 5 are measured.
-SensorModel small_sensor() {
+SensorModel six_row_sensor() {
   SensorModel sensor;
   sensor.name = "small";
   sensor.columns = 16;
   for (int row = 0; row < 6; ++row) {
-    sensor.beam_elevation_rad.push_back((10.0 - 4.0 * row) * kDegree);
+    sensor.beam_elevation_rad.push_back((10.0 - 4.0 * row) * kDegree_rad);
     sensor.beam_azimuth_offset_rad.push_back(0.0);
   }
   return sensor;
@@ -61,7 +61,7 @@ Eigen::Vector3f point_at(const SensorModel& sensor, int row, int column, double 
 }  // namespace
 
 TEST_CASE("measured points and their times stay as they are, to the bit") {
-  const SensorModel sensor = small_sensor();
+  const SensorModel sensor = six_row_sensor();
   OrganizedCloud measured =
       select_rows(unproject(image_of(sensor), sensor, CaptureTime::kRolling), kMeasuredRows);
   for (std::size_t i = 0; i < measured.points_m.size(); ++i) {
@@ -77,7 +77,7 @@ TEST_CASE("measured points and their times stay as they are, to the bit") {
 }
 
 TEST_CASE("a computed point is as bright as the measured ones above and below it make it") {
-  const SensorModel sensor = small_sensor();
+  const SensorModel sensor = six_row_sensor();
   OrganizedCloud measured =
       select_rows(unproject(flat(10.0F), sensor, CaptureTime::kRolling), kMeasuredRows);
   measured.intensity.assign(measured.range_m.size(), 0.0F);
@@ -105,7 +105,7 @@ TEST_CASE("a computed point is as bright as the measured ones above and below it
 }
 
 TEST_CASE("the scans of a sensor that keeps to its beam table become what unproject makes") {
-  const SensorModel sensor = small_sensor();
+  const SensorModel sensor = six_row_sensor();
   const RangeImage image = image_of(sensor);
   for (const CaptureTime time : {CaptureTime::kRolling, CaptureTime::kMotionCorrected}) {
     const OrganizedCloud expected = unproject(image, sensor, time);
@@ -118,15 +118,15 @@ TEST_CASE("the scans of a sensor that keeps to its beam table become what unproj
 }
 
 TEST_CASE("a computed point deviates from its beam as the measured ones above and below do") {
-  const SensorModel sensor = small_sensor();
+  const SensorModel sensor = six_row_sensor();
   const RangeImage lifted = flat(20.0F);
   OrganizedCloud measured(3, 16);
   const auto measure = [&](int measured_row, int column, double deviation_deg) {
     const int row = kMeasuredRows.offset + measured_row * kMeasuredRows.stride;
     const std::size_t pixel = measured.index(measured_row, column);
     measured.range_m[pixel] = 10.0F;
-    measured.points_m[pixel] = point_at(sensor, row, column, 10.0,
-                                        sensor.beam_elevation_rad[row] + deviation_deg * kDegree);
+    measured.points_m[pixel] = point_at(
+        sensor, row, column, 10.0, sensor.beam_elevation_rad[row] + deviation_deg * kDegree_rad);
   };
   measure(0, 4, 0.2);
   measure(1, 4, 0.4);   // row 2 of column 4 lies half way between the two
@@ -137,7 +137,7 @@ TEST_CASE("a computed point deviates from its beam as the measured ones above an
   const auto deviation_deg = [&](int row, int column) {
     return (elevation_rad(cloud.points_m[cloud.index(row, column)]) -
             sensor.beam_elevation_rad[row]) /
-           kDegree;
+           kDegree_rad;
   };
   CHECK(deviation_deg(2, 4) == doctest::Approx(0.3).epsilon(1e-3));
   CHECK(deviation_deg(2, 5) == doctest::Approx(0.4).epsilon(1e-3));
@@ -154,7 +154,7 @@ TEST_CASE("a computed point deviates from its beam as the measured ones above an
 }
 
 TEST_CASE("a computed point is as late as the measured ones near it, and stays inside the scan") {
-  const SensorModel sensor = small_sensor();
+  const SensorModel sensor = six_row_sensor();
   const RangeImage image = flat(10.0F);
   const OrganizedCloud model = unproject(image, sensor, CaptureTime::kRolling);
   OrganizedCloud measured = select_rows(model, kMeasuredRows);
@@ -171,7 +171,7 @@ TEST_CASE("a computed point is as late as the measured ones near it, and stays i
 }
 
 TEST_CASE("a computed point whose head began anew is not a turn too early") {
-  SensorModel sensor = small_sensor();
+  SensorModel sensor = six_row_sensor();
   sensor.beam_azimuth_offset_rad[2] = sensor.column_step_rad();  // a column ahead of its neighbours
   const RangeImage image = flat(10.0F);
   OrganizedCloud measured =
@@ -183,7 +183,7 @@ TEST_CASE("a computed point whose head began anew is not a turn too early") {
 }
 
 TEST_CASE("a computed point is as late as the nearer one of the rows above and below") {
-  const SensorModel sensor = small_sensor();
+  const SensorModel sensor = six_row_sensor();
   constexpr RowSelection kEveryThird = {1, 3};  // rows 1 and 4
   const RangeImage image = flat(10.0F);
   const OrganizedCloud model = unproject(image, sensor, CaptureTime::kRolling);
@@ -201,7 +201,7 @@ TEST_CASE("a computed point is as late as the nearer one of the rows above and b
 }
 
 TEST_CASE("images that are not of the sensor are refused in one line") {
-  const SensorModel sensor = small_sensor();
+  const SensorModel sensor = six_row_sensor();
   const auto message = [&](int lifted_rows, int measured_rows) {
     return error_message([&] {
       upsampled_cloud({RangeImage(lifted_rows, 16), {}}, OrganizedCloud(measured_rows, 16),
@@ -237,7 +237,7 @@ TEST_CASE(
 }
 
 TEST_CASE("the confidence of a lifted image is that of its cloud") {
-  const SensorModel sensor = small_sensor();
+  const SensorModel sensor = six_row_sensor();
   const RangeImage image = image_of(sensor);
   const OrganizedCloud measured =
       select_rows(unproject(image, sensor, CaptureTime::kMotionCorrected), kMeasuredRows);

@@ -12,7 +12,7 @@
 namespace hqslam::nn::kernels {
 namespace {
 
-struct Problem {
+struct WinogradProblem {
   ConvolutionShape shape;
   Tensor input;
   Tensor output;  ///< only its shape
@@ -20,19 +20,20 @@ struct Problem {
   std::vector<float> bias;
 };
 
-Problem random_problem(int inputs, int outputs, int rows, int columns, ColumnPadding padding) {
-  Problem p{{inputs, outputs, 3, 3, 1, 1, 1},
-            Tensor(inputs, rows, columns, padding),
-            Tensor(outputs, rows, columns, padding),
-            {},
-            {}};
+WinogradProblem random_winograd_problem(int inputs, int outputs, int rows, int columns,
+                                        ColumnPadding padding) {
+  WinogradProblem p{{inputs, outputs, 3, 3, 1, 1, 1},
+                    Tensor(inputs, rows, columns, padding),
+                    Tensor(outputs, rows, columns, padding),
+                    {},
+                    {}};
   fill_random(1, p.input);
   p.weight = random_values(2, p.shape.weights());
   p.bias = random_values(3, outputs);
   return p;
 }
 
-Tensor convolved(const Problem& p, InstructionSet instruction_set, int threads,
+Tensor convolved(const WinogradProblem& p, InstructionSet instruction_set, int threads,
                  const LayerEnd& end = {}) {
   WinogradConvolution convolution(p.shape, p.input, instruction_set, threads);
   convolution.set_weights(p.weight);
@@ -42,7 +43,7 @@ Tensor convolved(const Problem& p, InstructionSet instruction_set, int threads,
   return output;
 }
 
-Tensor convolved_by_reference(const Problem& p) {
+Tensor convolved_by_reference(const WinogradProblem& p) {
   Tensor output = p.output;
   conv2d_reference(p.shape, p.weight, p.bias, p.input, output);
   return output;
@@ -62,7 +63,7 @@ TEST_CASE("Winograd's convolution equals the reference at every size, on every i
   for (const ColumnPadding padding : {ColumnPadding::kCircular, ColumnPadding::kZero}) {
     for (const int rows : {1, 2, 3, 8, 13}) {
       for (const int columns : {1, 6, 16, 31, 32, 33, 48, 64, 100, 225, 288}) {
-        const Problem p = random_problem(5, 9, rows, columns, padding);
+        const WinogradProblem p = random_winograd_problem(5, 9, rows, columns, padding);
         const Tensor expected = convolved_by_reference(p);
         for (const InstructionSet instruction_set : available_instruction_sets()) {
           CAPTURE(name(instruction_set));
@@ -80,7 +81,8 @@ TEST_CASE("Winograd's gradients equal the reference at every size, on every inst
     for (const int rows : {1, 2, 3, 13}) {
       for (const int columns : {1, 16, 31, 33, 48, 225, 288}) {
         // More channels: several panels.
-        const Problem p = random_problem(columns == 288 ? 24 : 5, 9, rows, columns, padding);
+        const WinogradProblem p =
+            random_winograd_problem(columns == 288 ? 24 : 5, 9, rows, columns, padding);
         Tensor d_output = p.output;
         fill_random(6, d_output);
         Tensor d_input = p.input;
@@ -113,8 +115,8 @@ TEST_CASE("Winograd's gradients equal the reference at every size, on every inst
 // The direct kernels add 576 products one after the other and round up to 2.0e-7 of that sum; 64 at
 // each of 16 places round up to 0.9e-7.
 TEST_CASE("Winograd's convolution rounds less than 2e-7 of the sum of what is added") {
-  const Problem p = random_problem(64, 16, 8, 64, ColumnPadding::kCircular);
-  Problem magnitudes = p;
+  const WinogradProblem p = random_winograd_problem(64, 16, 8, 64, ColumnPadding::kCircular);
+  WinogradProblem magnitudes = p;
   for (float& weight : magnitudes.weight) weight = std::fabs(weight);
   for (float& bias : magnitudes.bias) bias = std::fabs(bias);
   for_each_value(p.input, kBorder, [&](int c, int y, int x) {
@@ -140,7 +142,7 @@ TEST_CASE("Winograd's convolution rounds less than 2e-7 of the sum of what is ad
 }
 
 TEST_CASE("Winograd's convolution ends as the others do: skip, then activation or its gradient") {
-  const Problem p = random_problem(16, 16, 5, 70, ColumnPadding::kCircular);
+  const WinogradProblem p = random_winograd_problem(16, 16, 5, 70, ColumnPadding::kCircular);
   const Tensor sum = convolved_by_reference(p);
   Tensor skip = p.output;
   Tensor activated = p.output;

@@ -39,7 +39,8 @@ ImuSample measured_at(double time_s, const Pose& T_sensor_body) {
 enum class Imu { kNone, kAll, kWithGap };
 
 /// Scans every `period_s`, of a sensor that is mounted so. Out: the worst error of a position.
-double worst_error_m(double period_s, int scans, Imu imu, const slam::MountingOptions& mounting) {
+double worst_inertial_error_m(double period_s, int scans, Imu imu,
+                              const slam::MountingOptions& mounting) {
   const SensorModel sensor = test::small_sensor(16, 1024);
   slam::SlamOptions options;
   options.mounting = mounting;
@@ -72,23 +73,23 @@ double worst_error_m(double period_s, int scans, Imu imu, const slam::MountingOp
 }  // namespace
 
 TEST_CASE("with an inertial sensor a hand that turns 200 degrees a second is followed closely") {
-  const double without_m = worst_error_m(0.1, 40, Imu::kNone, {});
-  const double with_m = worst_error_m(0.1, 40, Imu::kAll, {});
+  const double without_m = worst_inertial_error_m(0.1, 40, Imu::kNone, {});
+  const double with_m = worst_inertial_error_m(0.1, 40, Imu::kAll, {});
   CHECK(with_m < 0.03);
   CHECK(with_m < 0.5 * without_m);
 }
 
 TEST_CASE("so is one whose scans come every half second") {
-  const double without_m = worst_error_m(0.5, 16, Imu::kNone, {});
-  const double with_m = worst_error_m(0.5, 16, Imu::kAll, {});
+  const double without_m = worst_inertial_error_m(0.5, 16, Imu::kNone, {});
+  const double with_m = worst_inertial_error_m(0.5, 16, Imu::kAll, {});
   CHECK(with_m < 0.15);
   CHECK(with_m < 0.2 * without_m);
 }
 
 TEST_CASE("an inertial sensor that hangs upside down with the LiDAR tells the same") {
-  CHECK(worst_error_m(0.1, 30, Imu::kAll, {M_PI, 0.1, false}) < 0.05);
+  CHECK(worst_inertial_error_m(0.1, 30, Imu::kAll, {M_PI, 0.1, false}) < 0.05);
 }
 
 TEST_CASE("what the inertial sensor misses for a while is followed without it") {
-  CHECK(worst_error_m(0.1, 40, Imu::kWithGap, {}) < 0.05);
+  CHECK(worst_inertial_error_m(0.1, 40, Imu::kWithGap, {}) < 0.05);
 }

@@ -19,7 +19,7 @@ using slam::LegoLoamAsPublished;
 
 namespace {
 
-constexpr double kPeriod_s = 0.1;
+constexpr double kPublishedPeriod_s = 0.1;
 constexpr float kSweepEnd_s = 0.05F;
 
 /// Rings of 120 points on the ground, 1.8 m below, two metres apart, `z_m` higher.
@@ -56,19 +56,20 @@ std::vector<FeaturePoint> posts(int rows, float x_m) {
 PublishedFeatures first_scan() { return {{}, posts(2, 0.0F), {}, rings(3, 120, 0.0F)}; }
 
 Parameters motion_to(const PublishedFeatures& features) {
-  PublishedOdometry odometry(kPeriod_s);
+  PublishedOdometry odometry(kPublishedPeriod_s);
   odometry.add(first_scan());
   odometry.add(features);
   return odometry.motion();
 }
 
 /// Along a street of the village, at 3 m/s.
-struct Drive {
+struct PublishedDrive {
   test::Circuit circuit = test::circuit();
   Trajectory truth;
-  explicit Drive(int scans) {
+  explicit PublishedDrive(int scans) {
     for (int i = 0; i < scans; ++i) {
-      truth.push_back({kPeriod_s * i, pose_from_xyz_rpy({8.0 + 0.3 * i, 0.0, 1.7}, 0.0, 0.0, 0.0)});
+      truth.push_back(
+          {kPublishedPeriod_s * i, pose_from_xyz_rpy({8.0 + 0.3 * i, 0.0, 1.7}, 0.0, 0.0, 0.0)});
     }
   }
   template <typename System>
@@ -155,11 +156,11 @@ TEST_CASE("the derivatives of a rotation are its differences") {
     const Eigen::Matrix3d difference = (pose_of(later).linear() - pose_of(p).linear()) / 1e-6;
     CHECK((difference - derivatives[i]).norm() < 1e-5);
   }
-  CHECK((parameters_of(pose_of(p)) - p).norm() < 1e-12);
+  CHECK((slam::as_published::parameters_of(pose_of(p)) - p).norm() < 1e-12);
 }
 
 TEST_CASE("LeGO-LOAM as published follows a slow drive, not as closely as Slam does") {
-  const Drive drive(40);
+  const PublishedDrive drive(40);
   const SensorModel sensor = sensor_preset("os1-16");
   const Trajectory published = drive.driven(LegoLoamAsPublished(sensor), sensor);
   REQUIRE(published.size() == drive.truth.size());
@@ -171,7 +172,7 @@ TEST_CASE("LeGO-LOAM as published follows a slow drive, not as closely as Slam d
 }
 
 TEST_CASE("as published, too, the same scans give the same poses, and nothing seen is survived") {
-  const Drive drive(6);
+  const PublishedDrive drive(6);
   const SensorModel sensor = sensor_preset("os1-16");
   const Trajectory first = drive.driven(LegoLoamAsPublished(sensor), sensor);
   const Trajectory second = drive.driven(LegoLoamAsPublished(sensor), sensor);
@@ -180,7 +181,7 @@ TEST_CASE("as published, too, the same scans give the same poses, and nothing se
   }
   LegoLoamAsPublished blind(sensor);
   for (int i = 0; i < 8; ++i) {
-    const Pose pose = blind.process(OrganizedCloud(16, sensor.columns), kPeriod_s * i);
+    const Pose pose = blind.process(OrganizedCloud(16, sensor.columns), kPublishedPeriod_s * i);
     CHECK(pose.matrix().isIdentity(1e-12));
   }
 }

@@ -12,7 +12,7 @@ using namespace hqslam;
 
 namespace {
 
-constexpr int kScans = 25;
+constexpr int kMountedScans = 25;
 
 Pose level_from_sensor(const slam::MountingOptions& mounting) {
   return pose_from_xyz_rpy(Eigen::Vector3d::Zero(), mounting.roll_rad, mounting.pitch_rad, 0.0);
@@ -26,19 +26,19 @@ OrganizedCloud leaning_scan(const SensorModel& sensor, const slam::MountingOptio
   });
 }
 
-struct Drive {
+struct MountedDrive {
   slam::Slam slam;
   int located = 0;
   int fewest_ground_points = 1 << 30;
   Twist last_velocity = {};
 };
 
-Drive driven(const slam::MountingOptions& leans, const slam::MountingOptions& believed) {
+MountedDrive driven(const slam::MountingOptions& leans, const slam::MountingOptions& believed) {
   const SensorModel sensor = test::small_sensor(16, 512);
   slam::SlamOptions options;
   options.mounting = believed;
-  Drive drive{slam::Slam(sensor, options)};
-  for (int i = 0; i < kScans; ++i) {
+  MountedDrive drive{slam::Slam(sensor, options)};
+  for (int i = 0; i < kMountedScans; ++i) {
     const slam::ScanReport report =
         drive.slam.process(leaning_scan(sensor, leans, i), i * test::kDrivePeriod_s);
     drive.located += is_registered(report.mapping_status) ? 1 : 0;
@@ -53,7 +53,7 @@ double velocity_error(const Twist& found, const Pose& T_level_sensor) {
   const auto truth = [&](int scan) {
     return Pose(test::drive_pose(scan * test::kDrivePeriod_s) * T_level_sensor);
   };
-  const Twist step = logarithm(truth(kScans - 2).inverse() * truth(kScans - 1));
+  const Twist step = logarithm(truth(kMountedScans - 2).inverse() * truth(kMountedScans - 1));
   return (found.linear - step.linear / test::kDrivePeriod_s).norm() +
          (found.angular - step.angular / test::kDrivePeriod_s).norm();
 }
@@ -75,8 +75,8 @@ double worst_pose_error(const Trajectory& trajectory, const Pose& T_level_sensor
 
 TEST_CASE("a sensor that leans is followed if it is known, in a map that is level") {
   const slam::MountingOptions leans{-0.1, 0.2, false};
-  const Drive drive = driven(leans, leans);
-  CHECK(drive.located == kScans);
+  const MountedDrive drive = driven(leans, leans);
+  CHECK(drive.located == kMountedScans);
   CHECK(drive.fewest_ground_points > 300);
   CHECK(worst_pose_error(drive.slam.trajectory(), level_from_sensor(leans)) < 0.04);
   CHECK(velocity_error(drive.last_velocity, level_from_sensor(leans)) < 0.3);
@@ -84,8 +84,8 @@ TEST_CASE("a sensor that leans is followed if it is known, in a map that is leve
 
 TEST_CASE("so is one that hangs upside down") {
   const slam::MountingOptions hangs{std::numbers::pi, 0.1, false};
-  const Drive drive = driven(hangs, hangs);
-  CHECK(drive.located == kScans);
+  const MountedDrive drive = driven(hangs, hangs);
+  CHECK(drive.located == kMountedScans);
   CHECK(drive.fewest_ground_points > 300);
   CHECK(worst_pose_error(drive.slam.trajectory(), level_from_sensor(hangs)) < 0.04);
   CHECK(velocity_error(drive.last_velocity, level_from_sensor(hangs)) < 0.3);
@@ -93,8 +93,8 @@ TEST_CASE("so is one that hangs upside down") {
 
 TEST_CASE("how it leans is estimated from the first scan where that is asked for") {
   const slam::MountingOptions leans{0.05, 0.15, false};
-  const Drive drive = driven(leans, {0.0, 0.0, true});
-  CHECK(drive.located == kScans);
+  const MountedDrive drive = driven(leans, {0.0, 0.0, true});
+  CHECK(drive.located == kMountedScans);
   const slam::MountingOptions seen = drive.slam.mounting();
   CHECK(seen.estimated);
   CHECK(std::abs(seen.roll_rad - leans.roll_rad) < 2e-3);

@@ -14,8 +14,6 @@ using test::worst_error_m;
 
 namespace {
 
-constexpr double kPeriod_s = test::kDrivePeriod_s;
-
 /// The drive around the yard with stamps of another clock: its worst error, and how often the map
 /// did not tell the pose.
 struct ClockedDrive {
@@ -43,13 +41,13 @@ TEST_CASE("a drive is tracked to centimetres whatever the clock does") {
   CHECK(equal_or_falling.worst_error_m < 0.15);
   CHECK(equal_or_falling.not_ok <= 4);
   // Every fifth scan is stamped right after the one before.
-  const ClockedDrive late =
-      drive_with_clock([](int i) { return kPeriod_s * i - (i % 5 == 4 ? 0.0999 : 0.0); });
+  const ClockedDrive late = drive_with_clock(
+      [](int i) { return test::kDrivePeriod_s * i - (i % 5 == 4 ? 0.0999 : 0.0); });
   CHECK(late.worst_error_m < 0.15);
   CHECK(late.not_ok <= 4);
   // From the time since the start to that of day, and back.
-  const ClockedDrive set_twice =
-      drive_with_clock([](int i) { return kPeriod_s * i + (i >= 10 && i < 20 ? 1.7e9 : 0.0); });
+  const ClockedDrive set_twice = drive_with_clock(
+      [](int i) { return test::kDrivePeriod_s * i + (i >= 10 && i < 20 ? 1.7e9 : 0.0); });
   CHECK(set_twice.worst_error_m < 0.15);
   CHECK(set_twice.not_ok <= 4);
 }
@@ -62,7 +60,7 @@ TEST_CASE("a stamp that is no time in seconds is refused, and nothing has change
     for (const double stamp : {std::nan(""), HUGE_VAL, -HUGE_VAL, 1.7e18}) {
       CHECK_THROWS_AS(slam.process(scan, stamp), Error);
     }
-    slam.process(scan, i * kPeriod_s);
+    slam.process(scan, i * test::kDrivePeriod_s);
   }
   CHECK(slam.trajectory().size() == 6);
   CHECK(worst_error_m(slam.trajectory()) < 0.15);
@@ -77,7 +75,7 @@ TEST_CASE("points and ranges that are not finite do no harm") {
       cloud.range_m[k] = k % 2 == 0 ? std::nanf("") : HUGE_VALF;
       cloud.points_m[k].setConstant(std::nanf(""));
     }
-    const auto report = slam.process(cloud, i * kPeriod_s);
+    const auto report = slam.process(cloud, i * test::kDrivePeriod_s);
     CHECK(report.T_map_sensor.matrix().allFinite());
   }
   CHECK(worst_error_m(slam.trajectory()) < 0.15);
@@ -94,8 +92,8 @@ TEST_CASE("a pixel with a capture time that is not finite is no return") {
       cloud.time_offset_s[k] = k % 2 == 0 ? std::nanf("") : HUGE_VALF;
       without.range_m[k] = 0.0F;
     }
-    const auto report = slam.process(cloud, i * kPeriod_s);
-    const auto expected = slam_without.process(without, i * kPeriod_s);
+    const auto report = slam.process(cloud, i * test::kDrivePeriod_s);
+    const auto expected = slam_without.process(without, i * test::kDrivePeriod_s);
     CHECK(report.returns == expected.returns);
     CHECK(report.T_map_sensor.matrix() == expected.T_map_sensor.matrix());
   }

@@ -23,8 +23,6 @@ using test::worst_error_m;
 
 namespace {
 
-constexpr double kPeriod_s = test::kDrivePeriod_s;
-
 OrganizedCloud garbage(const SensorModel& sensor, unsigned seed) {
   std::mt19937 generator(seed);
   RangeImage image(sensor.rows(), sensor.columns);
@@ -52,7 +50,7 @@ TEST_CASE("a sensor of sixteen rows that stands is located in every scan, and st
   slam::Slam slam(sensor);
   for (int i = 0; i < 20; ++i) {
     const OrganizedCloud scan = test::Yard().scan(sensor, test::yard_pose(1.0, 2.0, 0.3));
-    const auto report = slam.process(noisy(scan), i * kPeriod_s);
+    const auto report = slam.process(noisy(scan), i * test::kDrivePeriod_s);
     CAPTURE(i);
     CHECK(report.mapping_status != Status::kTooFewFeatures);
     CHECK(report.T_map_sensor.translation().norm() < 0.02);
@@ -66,7 +64,8 @@ TEST_CASE("a drive around a yard is tracked to centimetres with 16, 32, 64 and 1
     slam::Slam slam(sensor);
     int not_ok = 0;
     for (int i = 0; i < 40; ++i) {
-      not_ok += slam.process(drive_scan(sensor, i), i * kPeriod_s).mapping_status != Status::kOk;
+      not_ok += slam.process(drive_scan(sensor, i), i * test::kDrivePeriod_s).mapping_status !=
+                Status::kOk;
     }
     CAPTURE(rows);
     CHECK(not_ok <= 4);
@@ -82,7 +81,7 @@ TEST_CASE("one and two threads give the same bytes, and so do two runs") {
   for (const int threads : {1, 2, 2}) {
     omp_set_num_threads(threads);
     slam::Slam slam(sensor);
-    for (int i = 0; i < 20; ++i) slam.process(drive_scan(sensor, i), i * kPeriod_s);
+    for (int i = 0; i < 20; ++i) slam.process(drive_scan(sensor, i), i * test::kDrivePeriod_s);
     trajectories.push_back(slam.trajectory());
     maps.push_back(slam.map_points_m());
   }
@@ -146,7 +145,7 @@ TEST_CASE("empty, nearly empty and garbage scans are survived, reported and reco
         }
       }
       if (bad && kind == 2) cloud = garbage(sensor, static_cast<unsigned>(i));
-      const auto report = slam.process(cloud, i * kPeriod_s);
+      const auto report = slam.process(cloud, i * test::kDrivePeriod_s);
       CAPTURE(kind);
       CAPTURE(i);
       if (bad) CHECK(report.mapping_status != Status::kOk);
@@ -184,7 +183,7 @@ TEST_CASE("a sensor that is carried to another place starts the map anew there")
     const auto report =
         slam.process(i < 15 ? drive_scan(sensor, i)
                             : elsewhere.scan(sensor, test::yard_pose(0.3, -20.0 + 0.5 * i, 1.5)),
-                     i * kPeriod_s);
+                     i * test::kDrivePeriod_s);
     CHECK(report.T_map_sensor.matrix().allFinite());
     if (i >= 40) ok_elsewhere += report.mapping_status == Status::kOk;
   }
@@ -199,13 +198,14 @@ TEST_CASE("a sensor that is covered is believed to go on for a second, then less
   const SensorModel sensor = test::small_sensor(16, 512);
   slam::Slam slam(sensor);
   slam::ScanReport report;
-  for (int i = 0; i < 10; ++i) report = slam.process(drive_scan(sensor, i), i * kPeriod_s);
+  for (int i = 0; i < 10; ++i)
+    report = slam.process(drive_scan(sensor, i), i * test::kDrivePeriod_s);
   const auto sigma_m = [&] { return std::sqrt(report.covariance.topLeftCorner<3, 3>().trace()); };
   const double seeing_m = sigma_m();
   double before_m = seeing_m;
   const OrganizedCloud empty(sensor.rows(), sensor.columns);
   for (int i = 10; i < 150; ++i) {
-    report = slam.process(empty, i * kPeriod_s);
+    report = slam.process(empty, i * test::kDrivePeriod_s);
     CHECK(report.mapping_status == Status::kTooFewFeatures);
     CHECK(sigma_m() > before_m);
     before_m = sigma_m();
@@ -228,9 +228,9 @@ TEST_CASE("ten scans that are missing in a row are bridged, and the status says 
   double worst_m = 0.0;
   for (int i = 0; i < 60; ++i) {
     if (i >= 25 && i < 35) continue;
-    const auto report = slam.process(drive_scan(sensor, i), i * kPeriod_s);
+    const auto report = slam.process(drive_scan(sensor, i), i * test::kDrivePeriod_s);
     CHECK((report.mapping_status == Status::kAfterGap) == (i == 35));
-    const Pose truth = drive_pose(0).inverse() * drive_pose(i * kPeriod_s);
+    const Pose truth = drive_pose(0).inverse() * drive_pose(i * test::kDrivePeriod_s);
     worst_m = std::max(worst_m, (report.T_map_sensor.translation() - truth.translation()).norm());
   }
   CHECK(worst_m < 0.1);
@@ -246,7 +246,7 @@ TEST_CASE("a steady drive with roll and pitch is tracked from its first scan on"
     double worst_m = 0.0;
     double worst_rad = 0.0;
     for (int i = 0; i < 18; ++i) {
-      const double stamp_s = i * kPeriod_s;
+      const double stamp_s = i * test::kDrivePeriod_s;
       const auto report = slam.process(
           yard.rolling_scan(sensor, [&](double time_s) { return drive.at(stamp_s + time_s); }),
           stamp_s);
@@ -269,7 +269,7 @@ TEST_CASE("a fast sensor that was covered and stands elsewhere then is followed 
   slam::Slam slam(sensor);
   int scans = 0;
   const auto process = [&](const OrganizedCloud& cloud) {
-    return slam.process(cloud, kPeriod_s * scans++);
+    return slam.process(cloud, test::kDrivePeriod_s * scans++);
   };
   // Up to 8 m in a scan: farther than odometry and map look for what a scan saw.
   double x_m = 0.0;
@@ -297,7 +297,7 @@ TEST_CASE("the number of threads is an option, and the caller's own stays as it 
     slam::SlamOptions options;
     options.threads = threads;
     slam::Slam slam(sensor, options);
-    for (int i = 0; i < 5; ++i) slam.process(drive_scan(sensor, i), i * kPeriod_s);
+    for (int i = 0; i < 5; ++i) slam.process(drive_scan(sensor, i), i * test::kDrivePeriod_s);
     last.push_back(slam.trajectory().back().T_map_sensor);
     CHECK(omp_get_max_threads() == before);
   }
@@ -318,7 +318,7 @@ TEST_CASE("who asks for the map gets it from as many threads as the option says"
     slam::SlamOptions options;
     options.threads = 1;
     slam::Slam slam(sensor, options);
-    for (int i = 0; i < 5; ++i) slam.process(drive_scan(sensor, i), i * kPeriod_s);
+    for (int i = 0; i < 5; ++i) slam.process(drive_scan(sensor, i), i * test::kDrivePeriod_s);
     const std::ptrdiff_t before = threads();
     CHECK(slam.map_points_m().size() > 100);
     CHECK(slam.saved_map().planes_m.size() > 100);

@@ -25,13 +25,7 @@ using slam::Status;
 
 namespace {
 
-SensorModel sensor() { return test::small_sensor(16, 240); }
-
-test::Village street(unsigned seed) {
-  test::Village village;
-  village.add_street(-40.0, 0.0, 160.0, seed);
-  return village;
-}
+SensorModel narrow_sensor() { return test::small_sensor(16, 240); }
 
 /// '-' starting, 't' tracking, 'l' lost, '?' searching.
 char letter(std::string_view state) {
@@ -39,15 +33,15 @@ char letter(std::string_view state) {
 }
 
 /// A drive along a street of which single scans are others.
-class Drive {
+class StreetDrive {
  public:
-  explicit Drive(slam::Slam slam = slam::Slam(sensor())) : slam_(std::move(slam)) {}
+  explicit StreetDrive(slam::Slam slam = slam::Slam(narrow_sensor())) : slam_(std::move(slam)) {}
 
   /// 's': sees the street; 'b': is blind; 'e': stands in another street.
   std::string states(const std::string& scans) {
     std::string result;
     for (const char what : scans) {
-      OrganizedCloud cloud = (what == 'e' ? elsewhere_ : street_).scan(sensor(), pose());
+      OrganizedCloud cloud = (what == 'e' ? elsewhere_ : street_).scan(narrow_sensor(), pose());
       if (what == 'b') cloud = OrganizedCloud(cloud.rows, cloud.columns);
       report = slam_.process(cloud, 0.1 * scans_++, &trace);
       result += letter(trace.state);
@@ -63,16 +57,16 @@ class Drive {
   Pose pose() const { return test::yard_pose(0.3 * scans_, 0.0, 0.0); }
 
   slam::Slam slam_;
-  test::Village street_ = street(31);
-  test::Village elsewhere_ = street(77);
+  test::Village street_ = test::street(31);
+  test::Village elsewhere_ = test::street(77);
   int scans_ = 0;
 };
 
 }  // namespace
 
 TEST_CASE("SLAM starts with the first scan that has enough features") {
-  CHECK(Drive().states("bbs") == "--t");
-  Drive drive;
+  CHECK(StreetDrive().states("bbs") == "--t");
+  StreetDrive drive;
   drive.states("bb");
   CHECK(drive.trace.state_before == "starting");
   CHECK(drive.trace.state == "starting");
@@ -85,7 +79,7 @@ TEST_CASE("SLAM starts with the first scan that has enough features") {
 TEST_CASE("up to five scans that miss the map are bridged, whatever they are") {
   for (const std::string missed : {"b", "bbbbb", "e", "eeeee", "beebe"}) {
     CAPTURE(missed);
-    Drive drive;
+    StreetDrive drive;
     drive.states("ssssssss");
     CHECK(drive.states(missed) == std::string(missed.size(), 'l'));
     CHECK(drive.states("sss") == "ttt");
@@ -94,7 +88,7 @@ TEST_CASE("up to five scans that miss the map are bridged, whatever they are") {
 }
 
 TEST_CASE("a scan of which much less fits than of the last registered one stands elsewhere") {
-  Drive drive;
+  StreetDrive drive;
   drive.states("ssssss");
   CHECK(drive.trace.last_inlier_ratio > 0.0);
   CHECK(drive.trace.inlier_ratio > 0.6 * drive.trace.last_inlier_ratio);
@@ -108,24 +102,24 @@ TEST_CASE("a scan of which much less fits than of the last registered one stands
 }
 
 TEST_CASE("with the sixth missed scan the way is lost: a segment begins where something is seen") {
-  Drive drive;
+  StreetDrive drive;
   drive.states("ssssss");
   CHECK(drive.states("eeeee") == "lllll");
   CHECK(drive.states("e") == "t");
   CHECK(drive.report.keyframe);
   CHECK(drive.slam().segment_of_scan() ==
         std::vector<std::size_t>{0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1});
-  Drive blind;
+  StreetDrive blind;
   blind.states("ssssss");
   CHECK(blind.states("bbbbbbbb") == "llllllll");  // nothing to begin with
   CHECK(blind.slam().segment_of_scan().back() == 0);
 }
 
 TEST_CASE("in a given map a sensor is searched for until it is found, and after it was lost") {
-  Drive mapped;
+  StreetDrive mapped;
   mapped.states(std::string(120, 's'));
   mapped.slam().finish();
-  Drive drive(slam::Slam(sensor(), slam::SlamOptions(), mapped.slam().saved_map()));
+  StreetDrive drive(slam::Slam(narrow_sensor(), slam::SlamOptions(), mapped.slam().saved_map()));
   CHECK(drive.states("eb") == "??");
   CHECK(drive.states("ss") == "tt");
   CHECK(drive.states("bbbbbb") == "lllll?");
@@ -136,12 +130,12 @@ TEST_CASE("in a given map a sensor is searched for until it is found, and after 
 }
 
 TEST_CASE("a trace has each feature with its match, and asking for it changes nothing") {
-  slam::Slam plain(sensor());
-  Drive drive;
-  const test::Village village = street(31);
+  slam::Slam plain(narrow_sensor());
+  StreetDrive drive;
+  const test::Village village = test::street(31);
   for (int i = 0; i < 8; ++i) {
     const auto report =
-        plain.process(village.scan(sensor(), test::yard_pose(0.3 * i, 0.0, 0.0)), 0.1 * i);
+        plain.process(village.scan(narrow_sensor(), test::yard_pose(0.3 * i, 0.0, 0.0)), 0.1 * i);
     drive.states("s");
     CHECK(report.T_map_sensor.matrix() == drive.report.T_map_sensor.matrix());
     CHECK(report.covariance == drive.report.covariance);
@@ -192,7 +186,7 @@ class RandomDrive {
     std::string_view state;
   };
 
-  explicit RandomDrive(unsigned seed) : random_(seed), slam_(sensor()) {
+  explicit RandomDrive(unsigned seed) : random_(seed), slam_(narrow_sensor()) {
     drive(10);
     while (scans.size() < 60) {
       switch (below(5)) {
@@ -239,7 +233,7 @@ class RandomDrive {
       x_m_ += step_m_;
       time_s_ += 0.1;
       const Pose pose = test::yard_pose(x_m_, 0.0, 0.0);
-      OrganizedCloud cloud = streets_[street_].scan(sensor(), pose);
+      OrganizedCloud cloud = streets_[street_].scan(narrow_sensor(), pose);
       if (is_blind_) cloud = OrganizedCloud(cloud.rows, cloud.columns);
       slam::ScanTrace trace;
       const slam::ScanReport report = slam_.process(cloud, time_s_, &trace);
@@ -251,7 +245,7 @@ class RandomDrive {
 
   std::mt19937 random_;
   slam::Slam slam_;
-  std::array<test::Village, 2> streets_ = {street(31), street(77)};
+  std::array<test::Village, 2> streets_ = {test::street(31), test::street(77)};
   std::size_t street_ = 0;
   bool is_blind_ = false;
   bool was_carried_blind_ = false;

@@ -19,8 +19,6 @@ using slam::Status;
 
 namespace {
 
-constexpr double kStep_m = 1.0;
-
 struct Driven {
   std::vector<Pose> T_street_sensor;
   std::vector<slam::ScanReport> reports;
@@ -43,18 +41,12 @@ struct Driven {
   }
 };
 
-test::Village street(unsigned seed) {
-  test::Village village;
-  village.add_street(-40.0, 0.0, 160.0, seed);
-  return village;
-}
-
 /// Steps of a metre along the street from x_m on, up or down.
 std::vector<Pose> steps(double x_m, double y_m, int count, bool up) {
   std::vector<Pose> result;
   for (int i = 0; i < count; ++i) {
-    result.push_back(
-        test::yard_pose(x_m + (up ? i : -i) * kStep_m, y_m, up ? 0.0 : std::numbers::pi));
+    result.push_back(test::yard_pose(x_m + (up ? i : -i) * test::kStreetStep_m, y_m,
+                                     up ? 0.0 : std::numbers::pi));
   }
   return result;
 }
@@ -86,7 +78,7 @@ Driven drive(const test::Village& village, const std::vector<Pose>& way,
 }  // namespace
 
 TEST_CASE("who is carried to a place passed before, either way, is joined with the path there") {
-  const test::Village village = street(31);
+  const test::Village village = test::street(31);
   for (const bool up : {true, false}) {
     CAPTURE(up);
     const std::vector<Pose> other_way = steps(up ? 15.0 : 65.0, 1.0, 50, up);
@@ -119,7 +111,7 @@ TEST_CASE(
   std::size_t before = 0;
   int scan = 0;
   for (const unsigned seed : {31U, 77U}) {
-    const test::Village village = street(seed);
+    const test::Village village = test::street(seed);
     for (const Pose& T_street_sensor : steps(0.0, 0.0, 40, true)) {
       slam.process(village.scan(sensor, T_street_sensor), 0.1 * scan);
       const std::size_t points = slam.map_points_m().size();
@@ -158,8 +150,8 @@ TEST_CASE("laps without loop closing let the map grow no further") {
 }
 
 TEST_CASE("who is carried to a place never passed is followed there, in a part of its own") {
-  const Driven driven =
-      drive(street(31), steps(0.0, 0.0, 80, true), street(77), steps(0.0, 0.0, 50, true));
+  const Driven driven = drive(test::street(31), steps(0.0, 0.0, 80, true), test::street(77),
+                              steps(0.0, 0.0, 50, true));
   CHECK(driven.submap_of_scan[79] == 0);
   CHECK(driven.submap_of_scan.back() == 1);
   const Pose step =
@@ -176,7 +168,7 @@ TEST_CASE(
   const auto process = [&](const OrganizedCloud& cloud) {
     return slam.process(cloud, 0.1 * scans++);
   };
-  const test::Village village = street(31);
+  const test::Village village = test::street(31);
   for (const Pose& T_street_sensor : steps(0.0, 0.0, 10, true)) {
     process(village.scan(sensor, T_street_sensor));
   }
@@ -223,7 +215,7 @@ TEST_CASE("a map that went on before a scan was located in it loses nothing when
 
 TEST_CASE("a covariance keeps what was not measured, until a loop takes it away") {
   const SensorModel sensor = test::small_sensor(16, 360);
-  const test::Village village = street(31);
+  const test::Village village = test::street(31);
   for (const bool blind : {true, false}) {
     CAPTURE(blind);
     slam::Slam slam(sensor);
@@ -280,8 +272,8 @@ TEST_CASE("a covariance keeps what was not measured, until a loop takes it away"
 }
 
 TEST_CASE("a map is that of one submap, or of all") {
-  const Driven driven =
-      drive(street(31), steps(0.0, 0.0, 30, true), street(77), steps(0.0, 0.0, 30, true));
+  const Driven driven = drive(test::street(31), steps(0.0, 0.0, 30, true), test::street(77),
+                              steps(0.0, 0.0, 30, true));
   CHECK(driven.map_points == driven.map_points_of_submap[0] + driven.map_points_of_submap[1]);
   CHECK(driven.map_points_of_submap[0] > 1000);
   CHECK(driven.map_points_of_submap[1] > 1000);

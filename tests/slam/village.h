@@ -12,6 +12,7 @@
 #include "hqslam/core/projection.h"
 #include "hqslam/core/sensor_model.h"
 #include "map/mapping.h"
+#include "slam/yard.h"
 
 namespace hqslam::test {
 
@@ -99,6 +100,16 @@ struct Village {
     return nearest_m;
   }
 };
+
+/// One straight street along x.
+inline Village street(unsigned seed, double begin_m = -40.0, double length_m = 160.0) {
+  Village village;
+  village.add_street(begin_m, 0.0, length_m, seed);
+  return village;
+}
+/// How it is driven, and with what: few columns, for speed.
+inline constexpr double kStreetStep_m = 1.0;
+inline SensorModel street_sensor() { return small_sensor(16, 360); }
 
 /// A village and a way through it.
 struct Circuit {

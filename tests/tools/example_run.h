@@ -3,7 +3,7 @@
 #include "recording/reference.h"
 #include "run/slam_run.h"
 
-namespace hqslam::tools::test {
+namespace hqslam::tools {
 
 /// A run over `scans` scans straight ahead, 1 m per scan, 0.1 s apart, with 1 ms, 2 ms, 3 ms and
 /// 4 ms in the four stages.
@@ -55,4 +55,4 @@ inline SlamRun compared_run(int scans, double offset_m) {
   return run;
 }
 
-}  // namespace hqslam::tools::test
+}  // namespace hqslam::tools

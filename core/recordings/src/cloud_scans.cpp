@@ -8,6 +8,7 @@
 #include "bag.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/excerpt.h"
+#include "hqslam/core/median.h"
 #include "hqslam/core/recorded_scan.h"
 #include "hqslam/core/sensor_finder.h"
 #include "message_packets.h"
@@ -164,10 +165,9 @@ std::optional<double> period_s(StreamReader& reader) {
   std::vector<double> steps;
   for (std::size_t i = 1; i < stamps.size(); ++i) steps.push_back(stamps[i] - stamps[i - 1]);
   if (steps.empty()) return std::nullopt;
-  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
-  std::nth_element(steps.begin(), middle, steps.end());
-  if (!(*middle > 0.01 && *middle < 1.0)) return std::nullopt;
-  return std::round(1e4 * *middle) * 1e-4;
+  const double middle = median(std::move(steps));
+  if (!(middle > 0.01 && middle < 1.0)) return std::nullopt;
+  return std::round(1e4 * middle) * 1e-4;
 }
 
 std::vector<RawPoints> first_clouds(StreamReader& reader) {

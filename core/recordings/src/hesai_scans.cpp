@@ -3,15 +3,14 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <numbers>
 #include <sstream>
 #include <utility>
 
 #include "hesai_decoder.h"
+#include "hqslam/core/angles.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/excerpt.h"
 #include "hqslam/core/whole_file.h"
-#include "message_packets.h"
 #include "stream_scans.h"
 #include "velodyne_sensor.h"
 
@@ -19,7 +18,6 @@ namespace hqslam::recordings {
 
 namespace {
 
-constexpr double kDegree_rad = std::numbers::pi / 180.0;
 constexpr const char* kAnglesExtension = ".csv";
 constexpr std::size_t kMostBytes = 100'000;
 /// No laser looks farther aside.
@@ -37,8 +35,7 @@ SensorModel empty_sensor(std::string name) {
 std::string name_of(int lasers) { return fmt::format("xt{}", lasers); }
 
 HesaiPacket first_packet(StreamReader& reader) {
-  std::size_t looked_at = 0;
-  MessagePackets packets(reader.stream(), [&] { return reader.ahead(looked_at++); });
+  MessagePackets packets = packets_ahead(reader);
   while (const auto packet = packets.next()) {
     if (const auto said = hesai_packet(packet->payload)) return *said;
   }

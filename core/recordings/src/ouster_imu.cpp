@@ -1,6 +1,6 @@
 #include "ouster_imu.h"
 
-#include <numbers>
+#include "hqslam/core/angles.h"
 
 namespace hqslam::recordings {
 
@@ -19,7 +19,6 @@ Eigen::Vector3d vector_at(Bytes packet, std::size_t at) {
 }  // namespace
 
 ImuSample ouster_imu_sample(Bytes packet, const OusterMetadata& metadata) {
-  constexpr double kDegree_rad = std::numbers::pi / 180.0;
   ImuSample sample;
   sample.stamp_s =
       1e-9 * static_cast<double>(little_endian<std::uint64_t>(packet, kGyroscopeTimeAt));

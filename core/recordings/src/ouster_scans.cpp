@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "hqslam/core/error.h"
-#include "message_packets.h"
 #include "ouster_metadata.h"
 #include "stream_scans.h"
 
@@ -16,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kProbedPackets = 2000;
+constexpr int kProbedOusterPackets = 2000;
 constexpr std::size_t kMaxMetadataFiles = 500;
 
 /// Metadata that may be those of the capture.
@@ -51,9 +50,8 @@ std::vector<Candidate> fitting_files(const fs::path& folder, const Stream& strea
 /// How often each serial number stands in the first packets, if they were of this profile.
 std::map<std::uint64_t, int> serial_numbers(StreamReader& reader, OusterProfile profile) {
   std::map<std::uint64_t, int> found;
-  std::size_t looked_at = 0;
-  MessagePackets packets(reader.stream(), [&] { return reader.ahead(looked_at++); });
-  for (int i = 0; i < kProbedPackets; ++i) {
+  MessagePackets packets = packets_ahead(reader);
+  for (int i = 0; i < kProbedOusterPackets; ++i) {
     const auto packet = packets.next();
     if (!packet) break;
     if (packet->payload.size() == reader.stream().packet_bytes) {

@@ -18,15 +18,15 @@ constexpr std::array<std::uint8_t, 8> kSettingsBegin = {0xA5, 0xFF, 0x00, 0x5A,
                                                         0x11, 0x11, 0x55, 0x55};
 
 // Of a packet of measurements.
-constexpr std::size_t kTimeAt = 20;
+constexpr std::size_t kClockAt = 20;
 constexpr std::size_t kBlocksAt = 42;
-constexpr std::size_t kBlockBytes = 100;
-constexpr std::size_t kMeasurementBytes = 3;
+constexpr std::size_t kReturnsBlockBytes = 100;
+constexpr std::size_t kReturnBytes = 3;
 constexpr int kBlocksInPacket = 12;
 constexpr std::uint16_t kBlockBegin = 0xFFEE;
 
 // Of a packet of settings.
-constexpr std::size_t kTurnsPerMinuteAt = 8;
+constexpr std::size_t kSpeedAt = 8;
 constexpr std::size_t kReturnModeInSettings = 300;
 constexpr std::size_t kRs16AnglesAt = 1165;
 constexpr std::size_t kHeliosElevationsAt = 468;
@@ -57,12 +57,12 @@ std::uint64_t big_endian(Bytes bytes) {
 }
 
 std::size_t block_at(int block) {
-  return kBlocksAt + static_cast<std::size_t>(block) * kBlockBytes;
+  return kBlocksAt + static_cast<std::size_t>(block) * kReturnsBlockBytes;
 }
 int azimuth_of(Bytes payload, int block) { return big_endian_16(payload, block_at(block) + 2); }
 
 std::optional<std::int64_t> time_of(Bytes payload, bool helios) {
-  const Bytes time = payload.subspan(kTimeAt, 10);
+  const Bytes time = payload.subspan(kClockAt, 10);
   if (helios) {
     constexpr std::uint64_t kMostSeconds = 4'000'000'000;
     const std::uint64_t seconds = big_endian(time.first(6));
@@ -144,7 +144,7 @@ RobosenseUnit robosense_unit(Bytes settings, bool helios, const std::string& pat
   RobosenseUnit unit;
   unit.helios = helios;
   unit.dual_return = settings[kReturnModeInSettings] == 0;
-  const int turns_per_minute = big_endian_16(settings, kTurnsPerMinuteAt);
+  const int turns_per_minute = big_endian_16(settings, kSpeedAt);
   if (turns_per_minute > 100 && turns_per_minute < 3000) {
     unit.scan_period_s = 60.0 / (10.0 * std::round(turns_per_minute / 10.0));
   }
@@ -245,8 +245,7 @@ std::vector<RobosenseDecoder::Firing> RobosenseDecoder::firings_of(Bytes payload
 void RobosenseDecoder::add_points(Bytes payload, const Firing& firing, double start_s) {
   const Timing& timing = timing_of(unit_.helios);
   const auto measured = [&](int block, int channel) {
-    const std::size_t at =
-        block_at(block) + 4 + kMeasurementBytes * static_cast<std::size_t>(channel);
+    const std::size_t at = block_at(block) + 4 + kReturnBytes * static_cast<std::size_t>(channel);
     return PulseReturn{big_endian_16(payload, at), payload[at + 2]};
   };
   for (int i = 0; i < channels_; ++i) {

@@ -3,7 +3,6 @@
 #include <utility>
 
 #include "hqslam/core/error.h"
-#include "message_packets.h"
 #include "robosense_decoder.h"
 #include "stream_scans.h"
 #include "velodyne_sensor.h"
@@ -13,8 +12,7 @@ namespace hqslam::recordings {
 namespace {
 
 bool is_helios(StreamReader& reader) {
-  std::size_t looked_at = 0;
-  MessagePackets packets(reader.stream(), [&] { return reader.ahead(looked_at++); });
+  MessagePackets packets = packets_ahead(reader);
   while (const auto packet = packets.next()) {
     if (const auto said = robosense_packet(packet->payload)) return said->helios;
   }

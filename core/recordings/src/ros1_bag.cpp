@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::uint64_t kVersionLine = 13;  // "#ROSBAG V2.0\n"
 constexpr std::size_t kMaxHeaderBytes = 1U << 20U;
-enum Opcode : std::uint8_t { kMessage = 2, kChunk = 5, kConnection = 7 };
+enum RosOpcode : std::uint8_t { kRosMessage = 2, kRosChunk = 5, kRosConnection = 7 };
 
 /// The fields "name=value" of a record's header. Throws Error.
 std::map<std::string, Bytes> fields_of(Bytes header) {
@@ -62,10 +62,10 @@ class Ros1File : public ScannedBag {
     if (!read(4, bytes) || !read(little_endian<std::uint32_t>(bytes, 0), bytes)) return false;
     const auto fields = fields_of(header);
     const auto opcode = number<std::uint8_t>(fields, "op");
-    if (opcode == kConnection) {
+    if (opcode == kRosConnection) {
       add_topic(number<std::uint32_t>(fields, "conn"),
                 {words(fields, "topic"), words(fields_of(bytes), "type")});
-    } else if (opcode == kMessage) {
+    } else if (opcode == kRosMessage) {
       const auto time = number<std::uint64_t>(fields, "time");
       message.emplace();
       message->stream = number<std::uint32_t>(fields, "conn");
@@ -73,7 +73,7 @@ class Ros1File : public ScannedBag {
                          static_cast<std::int64_t>(time >> 32U);
       message->bytes = bytes;
       message->ros1 = true;
-    } else if (opcode == kChunk) {
+    } else if (opcode == kRosChunk) {
       open_chunk(bytes, words(fields, "compression"), number<std::uint32_t>(fields, "size"));
     }
     return true;

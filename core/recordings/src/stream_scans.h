@@ -9,6 +9,7 @@
 #include "hqslam/recordings/recording.h"
 #include "hqslam/recordings/scan_assembler.h"
 #include "imu_queue.h"
+#include "message_packets.h"
 #include "stream_reader.h"
 
 namespace hqslam::recordings {
@@ -55,6 +56,12 @@ class StreamScans : public StreamSource {
   bool begun_ = false;
   bool ended_ = false;
 };
+
+/// The packets that come next, looked at without being taken.
+inline MessagePackets packets_ahead(StreamReader& reader) {
+  return {reader.stream(),
+          [&reader, index = std::size_t{0}]() mutable { return reader.ahead(index++); }};
+}
 
 /// Scans of packets. make(sensor): what makes scans of them.
 using MakeAssembler = std::function<std::unique_ptr<ScanAssembler>(const SensorModel& sensor)>;

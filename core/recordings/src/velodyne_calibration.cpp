@@ -3,9 +3,9 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <numbers>
 #include <string_view>
 
+#include "hqslam/core/angles.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/whole_file.h"
 #include "velodyne_tables.h"
@@ -21,7 +21,6 @@ namespace {
 
 constexpr std::size_t kMaxBytes = 1U << 20U;
 constexpr int kLasers = 64;
-constexpr double kRadians = std::numbers::pi / 180.0;
 /// Rows must fall strictly; two lasers of one elevation are this far apart.
 constexpr double kLeastStep_rad = 1e-7;
 
@@ -61,8 +60,8 @@ VelodyneCalibration read_velodyne_calibration(const std::string& path) {
     const double id = number("id_", 1000.0);
     if (!(id >= 0.0 && id < kLasers) || id != std::floor(id)) continue;  // of a unit with fewer
     VelodyneCalibration::Laser laser;
-    laser.azimuth_offset_rad = kRadians * number("rotCorrection_", 30.0);
-    laser.elevation_rad = kRadians * number("vertCorrection_", 60.0);
+    laser.azimuth_offset_rad = kDegree_rad * number("rotCorrection_", 30.0);
+    laser.elevation_rad = kDegree_rad * number("vertCorrection_", 60.0);
     laser.distance_m = 0.01 * number("distCorrection_", 1000.0);
     laser.up_m = 0.01 * number("vertOffsetCorrection_", 100.0);
     laser.left_m = 0.01 * number("horizOffsetCorrection_", 100.0);

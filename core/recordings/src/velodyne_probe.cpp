@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "hqslam/core/error.h"
+#include "hqslam/core/median.h"
 #include "velodyne_tables.h"
 
 namespace hqslam::recordings {
@@ -27,13 +28,6 @@ bool has_pairs(Bytes payload) {
     }
   }
   return true;
-}
-
-template <typename Value>
-Value median(std::vector<Value> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 }  // namespace

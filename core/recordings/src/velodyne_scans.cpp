@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "hqslam/core/error.h"
-#include "message_packets.h"
 #include "stream_scans.h"
 #include "velodyne_sensor.h"
 #include "velodyne_tables.h"
@@ -19,8 +18,7 @@ constexpr int kProbedPackets = 20000;
 VelodyneStream probe(StreamReader& reader, std::optional<VelodyneModel> named) {
   const std::string& path = reader.path();
   VelodyneProbe probe;
-  std::size_t looked_at = 0;
-  MessagePackets packets(reader.stream(), [&] { return reader.ahead(looked_at++); });
+  MessagePackets packets = packets_ahead(reader);
   for (int i = 0; i < kProbedPackets; ++i) {
     const auto packet = packets.next();
     if (!packet) break;

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "hqslam/core/angles.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/json_fields.h"
 #include "hqslam/core/whole_file.h"
@@ -13,8 +14,6 @@
 namespace hqslam::sim {
 
 namespace {
-
-constexpr double kRadiansPerDegree = 0.017453292519943295;
 
 /// A number of a drive's mount or conditions; part and name are drive.json's.
 struct Number {
@@ -41,7 +40,7 @@ std::vector<Number> numbers_of(DriveSpec& spec) {
 
 /// Normally distributed, cut off at 5 degrees.
 double drawn_tilt_rad(Random& random) {
-  return kRadiansPerDegree * std::clamp(1.5 * random.normal(), -5.0, 5.0);
+  return kDegree_rad * std::clamp(1.5 * random.normal(), -5.0, 5.0);
 }
 
 }  // namespace

@@ -2,13 +2,12 @@
 
 #include <cmath>
 
+#include "hqslam/core/angles.h"
 #include "random.h"
 
 namespace hqslam::sim {
 
 namespace {
-
-constexpr double kDegree_rad = 0.017453292519943295;
 
 /// Standard deviations: of the noise of a sample, of the first bias, of a step of the bias.
 struct Sizes {

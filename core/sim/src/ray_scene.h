@@ -1,6 +1,5 @@
 #pragma once
 
-#include <Eigen/Geometry>
 #include <memory>
 #include <optional>
 #include <vector>

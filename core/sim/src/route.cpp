@@ -17,8 +17,8 @@ using Direction = Eigen::Vector2i;
 Direction left_of(const Direction& direction) { return {-direction.y(), direction.x()}; }
 Direction right_of(const Direction& direction) { return {direction.y(), -direction.x()}; }
 
-using Way = std::array<int, 4>;  ///< from one crossing to another
-Way way_between(const Crossing& from, const Crossing& to) {
+using Link = std::array<int, 4>;  ///< from one crossing to another
+Link link_between(const Crossing& from, const Crossing& to) {
   return {from.x(), from.y(), to.x(), to.y()};
 }
 
@@ -85,7 +85,7 @@ class CircuitPlanner {
   }
 
   void step(const Direction& direction) {
-    driven_.insert(way_between(route_.here(), route_.here() + direction));
+    driven_.insert(link_between(route_.here(), route_.here() + direction));
     route_.step(direction);
     direction_ = direction;
   }
@@ -126,7 +126,7 @@ class CircuitPlanner {
     for (const Direction& way : onward()) {
       if (!open(route_.here(), way)) continue;
       possible.push_back(way);
-      if (driven_.contains(way_between(route_.here() + way, route_.here())))
+      if (driven_.contains(link_between(route_.here() + way, route_.here())))
         driven_backwards.push_back(way);
     }
     const auto& choice =
@@ -139,7 +139,7 @@ class CircuitPlanner {
   Random random_;
   Route route_;
   Direction direction_{1, 0};
-  std::set<Way> driven_;
+  std::set<Link> driven_;
 };
 
 /// The outermost streets, then the same the other way round, and so on. A street across the middle

@@ -149,8 +149,8 @@ class WalkingPath {
  public:
   explicit WalkingPath(const std::vector<Eigen::Vector3d>& waypoints_m)
       : control_m_(resampled(waypoints_m, kSpacing_m).points) {
-    constexpr int kSmoothingPasses = 8;
-    smooth(control_m_, kSmoothingPasses);
+    constexpr int kTurnSmoothingPasses = 8;
+    smooth(control_m_, kTurnSmoothingPasses);
   }
 
   /// The walker's feet, upright, x forward.

@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 
+#include "hqslam/core/angles.h"
 #include "hqslam/core/error.h"
 #include "random.h"
 
@@ -15,7 +16,6 @@ namespace hqslam::sim {
 namespace {
 
 constexpr std::array<const char*, 3> kNames = {"none", "typical", "bad"};
-constexpr double kDegree_rad = 0.017453292519943295;
 /// Standard deviations; nothing is farther from 0 than twice that.
 constexpr double kAngle_rad = 0.05 * kDegree_rad;
 constexpr double kRange_m = 0.015;

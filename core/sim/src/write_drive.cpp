@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "hqslam/core/angles.h"
 #include "hqslam/core/cloud_file.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/kitti_bin.h"
@@ -52,10 +53,9 @@ void append_text(std::ofstream& stream, const std::string& path, const std::stri
 
 /// What a calibration of the beams should find.
 void write_sensor_errors_json(const std::string& path, const DriveSpec& spec, int rows) {
-  constexpr double kRadiansPerDegree = 0.017453292519943295;
   BeamErrors beams = draw_beam_errors(spec.sensor_errors, rows, spec.seed);
   for (auto* angles : {&beams.elevation_rad, &beams.azimuth_rad}) {
-    for (double& angle : *angles) angle /= kRadiansPerDegree;
+    for (double& angle : *angles) angle /= kDegree_rad;
   }
   const nlohmann::ordered_json json = {{"sensor_errors", name_of(spec.sensor_errors)},
                                        {"range_m", beams.range_m},

@@ -1,8 +1,8 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <numbers>
 
+#include "hqslam/core/angles.h"
 #include "scan.h"
 
 // The unrolled loop, eq. 10 of "Fast and Accurate Outlier-Aware LiDAR Super-Resolution for SLAM
@@ -53,7 +53,7 @@ Image data_step(const Run& run, const Image& l, const Image& z, const Image& y, 
 
 OutlierRemovalOptions filter_options(const nlohmann::json& json) {
   OutlierRemovalOptions options;
-  options.min_angle_rad = json["min_angle_deg"].get<double>() * std::numbers::pi / 180.0;
+  options.min_angle_rad = radians(json["min_angle_deg"].get<double>());
   options.min_pixels = json["min_pixels"];
   options.support_share = json["support_share"];
   return options;

@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <numbers>
 
 #include "../parameters.h"
 #include "hqs_network.h"
+#include "hqslam/core/angles.h"
 #include "plain_prior.h"
 #include "two_modes_prior.h"
 #include "u_shaped_prior.h"
@@ -19,22 +19,20 @@ using Json = nlohmann::ordered_json;
 constexpr float kFirstPenalty = 0.1F;
 constexpr float kFirstAlpha = 10.99F;  // as in the authors' code of Simple DU
 
-constexpr double kDegrees = 180.0 / std::numbers::pi;
-
 /// Replaces what the object `field` names; nothing if there is no such field.
 void read_filter(JsonFields& fields, const char* field, OutlierRemovalOptions& filter) {
   if (!fields.has(field)) return;
   JsonFields options = fields.object(field);
-  double min_angle_deg = filter.min_angle_rad * kDegrees;
+  double min_angle_deg = filter.min_angle_rad * kDegreesPerRadian;
   options.optional("min_angle_deg", min_angle_deg);
-  filter.min_angle_rad = min_angle_deg / kDegrees;
+  filter.min_angle_rad = min_angle_deg / kDegreesPerRadian;
   options.optional("min_pixels", filter.min_pixels);
   options.optional("support_share", filter.support_share);
   options.finish();
 }
 
 Json filter_json(const OutlierRemovalOptions& filter) {
-  return {{"min_angle_deg", std::round(filter.min_angle_rad * kDegrees * 1e9) / 1e9},
+  return {{"min_angle_deg", std::round(filter.min_angle_rad * kDegreesPerRadian * 1e9) / 1e9},
           {"min_pixels", filter.min_pixels},
           {"support_share", std::round(filter.support_share * 1e6) / 1e6}};
 }

@@ -49,8 +49,6 @@ void validate(const SensorModel& sensor, RowSelection measured_rows,
   }
 }
 
-constexpr int kWordBits = 64;
-
 template <typename Visit>
 void for_each_bit(std::uint64_t word, int first_column, const Visit& visit) {
   for (; word != 0; word &= word - 1) visit(first_column + std::countr_zero(word));

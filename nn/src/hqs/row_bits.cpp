@@ -24,8 +24,6 @@ namespace hqslam::nn {
 
 namespace {
 
-constexpr int kWordBits = 64;
-
 /// 64 bytes of 0 or 1 as the bits of a word, the first byte lowest.
 inline std::uint64_t packed(const std::uint8_t* flags) {
   std::uint64_t word = 0;

@@ -7,7 +7,8 @@ namespace hqslam::nn {
 // One row of an image with one bit per pixel: bit c % 64 of word c / 64 belongs to column c. Bits
 // beyond the last column are zero.
 
-inline int words_for(int columns) { return (columns + 63) / 64; }
+inline constexpr int kWordBits = 64;
+inline int words_for(int columns) { return (columns + kWordBits - 1) / kWordBits; }
 
 /// The criterion's constants for a row: float, as ComponentLabeler rounds them.
 struct ConnectionAngles {

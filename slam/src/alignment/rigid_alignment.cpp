@@ -3,7 +3,6 @@
 #include <ceres/ceres.h>
 
 #include <Eigen/Eigenvalues>
-#include <cmath>
 
 #include "alignment/motion_state.h"
 #include "alignment/rotation_derivatives.h"

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "alignment/rigid_alignment.h"
+#include "hqslam/core/median.h"
 
 namespace hqslam::slam {
 
@@ -54,11 +55,9 @@ void weigh_by_noise(std::vector<std::optional<Constraints>>& found, double trust
     if (constraints) distances_m.push_back(distance_m(*constraints));
   }
   if (distances_m.empty()) return;
-  std::vector<double> halved_m = distances_m;
-  const auto middle = halved_m.begin() + static_cast<std::ptrdiff_t>(halved_m.size() / 2);
-  std::nth_element(halved_m.begin(), middle, halved_m.end());
-  const double scale_m = std::max(trusted_m, kScalePerMedian * *middle);
-  const double sigma_m = std::hypot(kLeastSigma_m, kSigmaPerMedian * *middle);
+  const double median_m = median(distances_m);
+  const double scale_m = std::max(trusted_m, kScalePerMedian * median_m);
+  const double sigma_m = std::hypot(kLeastSigma_m, kSigmaPerMedian * median_m);
   auto away_m = distances_m.begin();
   for (auto& constraints : found) {
     if (!constraints) continue;

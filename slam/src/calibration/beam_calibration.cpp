@@ -6,6 +6,7 @@
 #include <span>
 
 #include "calibration/calibration_stretch.h"
+#include "hqslam/core/angles.h"
 #include "hqslam/core/error.h"
 
 namespace hqslam::slam {
@@ -14,7 +15,6 @@ namespace {
 
 constexpr double kStretch_m = 50.0;
 constexpr int kIterations = 8;
-constexpr double kDegree_rad = 0.017453292519943295;
 
 void check(const SensorModel& sensor, const std::vector<LocatedScan>& scans) {
   for (const LocatedScan& scan : scans) {

@@ -1,24 +1,18 @@
 #include "hqslam/slam/dense_map.h"
 
 #include <algorithm>
-#include <cmath>
 
+#include "check_option.h"
 #include "dense_map/block_surroundings.h"
 #include "dense_map/mapped_scan.h"
 #include "dense_map/path_table.h"
 #include "dense_map/see_through.h"
 #include "dense_map/voxel_grid.h"
 #include "dense_map/voxel_votes.h"
-#include "hqslam/core/error.h"
 
 namespace hqslam::slam {
 
 namespace {
-
-void check_option(const char* field, double value, double low, double high) {
-  if (value >= low && value <= high) return;
-  throw Error("dense map: {} is {}, expected {} to {}", field, value, low, high);
-}
 
 DenseMapOptions validated(const DenseMapOptions& options) {
   validate(options);
@@ -35,11 +29,11 @@ std::vector<Value> joined(const std::vector<std::vector<Value>>& parts) {
 }  // namespace
 
 void validate(const DenseMapOptions& options) {
-  check_option("voxel_m", options.voxel_m, 0.02, 1.0);
-  check_option("max_range_m", options.max_range_m, 1.0, 1000.0);
-  check_option("least_confidence", options.least_confidence, 0.001, 0.999);
-  check_option("assumed_confidence", options.assumed_confidence, 0.0, 1.0);
-  check_option("max_voxels", static_cast<double>(options.max_voxels), 1.0, 2e9);
+  check_option("dense map", "voxel_m", options.voxel_m, 0.02, 1.0);
+  check_option("dense map", "max_range_m", options.max_range_m, 1.0, 1000.0);
+  check_option("dense map", "least_confidence", options.least_confidence, 0.001, 0.999);
+  check_option("dense map", "assumed_confidence", options.assumed_confidence, 0.0, 1.0);
+  check_option("dense map", "max_voxels", static_cast<double>(options.max_voxels), 1.0, 2e9);
 }
 
 struct DenseMap::Implementation {

@@ -16,7 +16,7 @@ constexpr double kLeastGap_m = 0.3;
 constexpr double kPlaneDistance_m = 1.5;
 /// Nearer to the sensor than this there is nothing but its own mount.
 constexpr double kBeginning_m = 0.3;
-constexpr double kReach_voxels = 0.5;
+constexpr double kRayReach_voxels = 0.5;
 
 struct PassedVoxel {
   std::uint32_t block = 0;
@@ -48,7 +48,7 @@ void collect(const VoxelGrid& grid, const BeamSection& beam, std::uint32_t scan,
                 const Voxel& found = block->at(local);
                 if (found.last_scan == scan) return;
                 const Eigen::Vector3d mean_m = voxel_m * (voxel.cast<double>() + mean_place(found));
-                if (is_near(beam, mean_m, kReach_voxels * voxel_m)) {
+                if (is_near(beam, mean_m, kRayReach_voxels * voxel_m)) {
                   passed.push_back({number, static_cast<std::uint16_t>(local)});
                 }
               });

@@ -1,7 +1,5 @@
 #include "dense_map/voxel_grid.h"
 
-#include <cmath>
-
 namespace hqslam::slam {
 
 namespace {

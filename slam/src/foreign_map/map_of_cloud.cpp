@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cmath>
 
 #include "foreign_map/surfels.h"
 #include "foreign_map/viewpoints.h"
@@ -18,7 +17,7 @@ namespace hqslam::slam {
 namespace {
 
 /// At this distance from the origin a float still tells centimetres apart.
-constexpr float kFarthest_m = 1e5F;
+constexpr float kFarthestPoint_m = 1e5F;
 constexpr double kFine_m = 0.1;
 constexpr double kCoarse_m = 0.3;
 constexpr std::size_t kFewestSurfels = 1000;
@@ -30,11 +29,11 @@ constexpr std::size_t kAtOnce = 64;
 
 std::vector<Surfel> checked_surfels(const std::vector<Eigen::Vector3f>& points_m) {
   for (const Eigen::Vector3f& point_m : points_m) {
-    if (point_m.allFinite() && point_m.cwiseAbs().maxCoeff() <= kFarthest_m) continue;
+    if (point_m.allFinite() && point_m.cwiseAbs().maxCoeff() <= kFarthestPoint_m) continue;
     throw Error(
         "expected a cloud within {:.0f} km of its origin, in metres, found a point at {} {} {}; "
         "shift it",
-        kFarthest_m / 1000.0F, point_m.x(), point_m.y(), point_m.z());
+        kFarthestPoint_m / 1000.0F, point_m.x(), point_m.y(), point_m.z());
   }
   std::vector<Surfel> surfels = surfels_of(points_m, kFine_m);
   if (surfels.size() < kFewestSurfels) {

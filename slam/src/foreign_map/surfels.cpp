@@ -1,6 +1,5 @@
 #include "foreign_map/surfels.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "map/cell_index.h"
@@ -12,12 +11,12 @@ namespace hqslam::slam {
 namespace {
 
 constexpr double kNeighbour_leaves = 5.0;
-constexpr double kMaxResidual_m = 0.1;
+constexpr double kMaxSurfelResidual_m = 0.1;
 /// Of the distance to the farthest neighbour: discs on a square grid then leave no gap.
 constexpr float kRadiusShare = 0.75F;
 
 Surfel surfel_at(const Eigen::Vector3f& point_m, const Neighbours& neighbours) {
-  const auto plane = fit_plane(neighbours, kMaxResidual_m);
+  const auto plane = fit_plane(neighbours, kMaxSurfelResidual_m);
   return {point_m, plane ? Eigen::Vector3f(plane->normal.cast<float>()) : Eigen::Vector3f::Zero(),
           kRadiusShare * std::sqrt(neighbours.squared_distance_m2.back())};
 }

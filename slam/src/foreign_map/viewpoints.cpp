@@ -20,14 +20,14 @@ constexpr float kMaxStep_m = 0.3F;
 constexpr std::size_t kMinCells = 50;
 
 /// A square metre, seen from above.
-struct Cell {
+struct ViewCell {
   Eigen::Vector3i at;
   float ground_m = std::numeric_limits<float>::infinity();
   bool is_free = true;
   bool is_taken = false;  ///< looked at
 };
 
-Eigen::Vector3i cell_of(const Eigen::Vector3f& point_m) {
+Eigen::Vector3i view_cell_of(const Eigen::Vector3f& point_m) {
   return {static_cast<int>(std::floor(point_m.x())), static_cast<int>(std::floor(point_m.y())), 0};
 }
 
@@ -36,11 +36,11 @@ class Ground {
   explicit Ground(const std::vector<Surfel>& surfels) {
     for (const Surfel& surfel : surfels) {
       if (std::abs(surfel.normal.z()) < kLevel) continue;
-      Cell& cell = find_or_add(cell_of(surfel.point_m));
+      ViewCell& cell = find_or_add(view_cell_of(surfel.point_m));
       cell.ground_m = std::min(cell.ground_m, surfel.point_m.z());
     }
     for (const Surfel& surfel : surfels) {
-      Cell* cell = find(cell_of(surfel.point_m));
+      ViewCell* cell = find(view_cell_of(surfel.point_m));
       if (cell == nullptr) continue;
       const float above_m = surfel.point_m.z() - cell->ground_m;
       if (above_m > kClearFrom_m && above_m < kClearTo_m) cell->is_free = false;
@@ -48,33 +48,33 @@ class Ground {
   }
 
   /// Where one can drive on and on.
-  std::vector<const Cell*> wide_areas() {
-    std::vector<const Cell*> result;
-    for (Cell& cell : cells_) {
+  std::vector<const ViewCell*> wide_areas() {
+    std::vector<const ViewCell*> result;
+    for (ViewCell& cell : cells_) {
       if (!cell.is_free || cell.is_taken) continue;
-      const std::vector<Cell*> area = area_of(cell);
+      const std::vector<ViewCell*> area = area_of(cell);
       if (area.size() >= kMinCells) result.insert(result.end(), area.begin(), area.end());
     }
     return result;
   }
 
  private:
-  Cell* find(const Eigen::Vector3i& at) {
+  ViewCell* find(const Eigen::Vector3i& at) {
     const std::uint32_t found = index_.find(at);
     return found == CellIndex::kNone ? nullptr : &cells_[found];
   }
-  Cell& find_or_add(const Eigen::Vector3i& at) {
-    if (Cell* cell = find(at)) return *cell;
+  ViewCell& find_or_add(const Eigen::Vector3i& at) {
+    if (ViewCell* cell = find(at)) return *cell;
     index_.add(CellIndex::key_of(at), static_cast<std::uint32_t>(cells_.size()));
-    return cells_.emplace_back(Cell{at});
+    return cells_.emplace_back(ViewCell{at});
   }
-  std::vector<Cell*> area_of(Cell& start) {
+  std::vector<ViewCell*> area_of(ViewCell& start) {
     constexpr std::array<std::array<int, 2>, 4> kSides = {{{1, 0}, {0, 1}, {-1, 0}, {0, -1}}};
-    std::vector<Cell*> area = {&start};
+    std::vector<ViewCell*> area = {&start};
     start.is_taken = true;
     for (std::size_t i = 0; i < area.size(); ++i) {
       for (const auto& side : kSides) {
-        Cell* next = find(area[i]->at + Eigen::Vector3i(side[0], side[1], 0));
+        ViewCell* next = find(area[i]->at + Eigen::Vector3i(side[0], side[1], 0));
         if (next == nullptr || !next->is_free || next->is_taken) continue;
         if (std::abs(next->ground_m - area[i]->ground_m) > kMaxStep_m) continue;
         next->is_taken = true;
@@ -84,7 +84,7 @@ class Ground {
     return area;
   }
 
-  std::vector<Cell> cells_;
+  std::vector<ViewCell> cells_;
   CellIndex index_;
 };
 
@@ -93,7 +93,7 @@ class Ground {
 std::vector<Pose> viewpoints_in(const std::vector<Surfel>& surfels) {
   Ground ground(surfels);
   std::vector<Pose> result;
-  for (const Cell* cell : ground.wide_areas()) {
+  for (const ViewCell* cell : ground.wide_areas()) {
     const bool is_wanted = cell->at.x() % kSpacing_cells == 0 && cell->at.y() % kSpacing_cells == 0;
     if (!is_wanted) continue;
     result.push_back(pose_from_xyz_rpy(

@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kMostCorrected_rad = std::numbers::pi / 6.0;
 constexpr double kSteepest_rad = kMostCorrected_rad + GroundOptions().max_slope_rad;
-constexpr float kReach_m = 25.0F;
+constexpr float kGroundReach_m = 25.0F;
 constexpr double kLeaf_m = 0.5;
 constexpr float kGroundThickness_m = 0.1F;
 constexpr float kMinArea_m2 = 1.0F;  // less makes no plane
@@ -48,7 +48,7 @@ Eigen::Matrix3Xf ground_points_m(const OrganizedCloud& level, const SensorModel&
       mark_ground(level, upright_sensor, {kSteepest_rad}, up_of_sensor);
   std::vector<FeaturePoint> points;
   for (std::size_t pixel = 0; pixel < is_ground.size(); ++pixel) {
-    if (is_ground[pixel] != 0 && level.range_m[pixel] <= kReach_m) {
+    if (is_ground[pixel] != 0 && level.range_m[pixel] <= kGroundReach_m) {
       points.push_back({level.points_m[pixel]});
     }
   }

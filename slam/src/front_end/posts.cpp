@@ -7,11 +7,11 @@ namespace hqslam::slam {
 
 namespace {
 
-constexpr float kDepthJump_m = 0.3F;
+constexpr float kPostDepth_m = 0.3F;
 constexpr float kMiddleBehindMean = std::numbers::pi_v<float> / 8.0F;  // of the width
 
 /// One row of a scan.
-struct Row {
+struct PostRow {
   const OrganizedCloud& cloud;
   const Segmentation& segmentation;
   int row;
@@ -26,14 +26,14 @@ struct Row {
   int end_of_run(int first) const {
     int last = first;
     while (last + 1 < cloud.columns && stands(last + 1) &&
-           std::abs(range_m(last + 1) - range_m(last)) <= kDepthJump_m) {
+           std::abs(range_m(last + 1) - range_m(last)) <= kPostDepth_m) {
       ++last;
     }
     return last;
   }
   /// Whether the row goes on at `column` behind something at range_m.
   bool goes_on_behind(int column, float range_m_) const {
-    return !(range_m(column) > 0.0F) || range_m(column) > range_m_ + kDepthJump_m;
+    return !(range_m(column) > 0.0F) || range_m(column) > range_m_ + kPostDepth_m;
   }
   bool stands_alone(int first, int last) const {
     return first > 0 && last + 1 < cloud.columns && goes_on_behind(first - 1, range_m(first)) &&
@@ -60,7 +60,7 @@ struct Row {
 std::vector<FeaturePoint> posts_in_row(const OrganizedCloud& cloud,
                                        const Segmentation& segmentation, int row,
                                        double max_width_m) {
-  const Row in{cloud, segmentation, row};
+  const PostRow in{cloud, segmentation, row};
   std::vector<FeaturePoint> posts;
   for (int first = 0; first < cloud.columns;) {
     if (!in.stands(first)) {

@@ -2,11 +2,11 @@
 
 #include <Eigen/Dense>
 #include <cmath>
-#include <numbers>
 #include <optional>
 #include <set>
 
 #include "front_end/voxel_thinning.h"
+#include "hqslam/core/angles.h"
 #include "map/feature_map.h"
 
 namespace hqslam::slam::as_published {
@@ -135,7 +135,7 @@ void PublishedMapping::match(const std::vector<Eigen::Vector3f>& edges_m,
     if (used < kMinMapCorrespondences) break;
     const Parameters step = steps.take();
     parameters += step;
-    if (step.head<3>().norm() * 180.0 / std::numbers::pi < kMapConverged_deg &&
+    if (degrees(step.head<3>().norm()) < kMapConverged_deg &&
         step.tail<3>().norm() < kMapConverged_m) {
       break;
     }

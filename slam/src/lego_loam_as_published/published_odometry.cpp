@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+
+#include "hqslam/core/angles.h"
 
 namespace hqslam::slam::as_published {
 
@@ -68,8 +69,6 @@ struct PlaneMatch {
   int second = kNone;  ///< same row
   int third = kNone;   ///< another row
 };
-
-double degrees(double radians) { return radians * 180.0 / std::numbers::pi; }
 
 }  // namespace
 

@@ -4,7 +4,6 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/QR>
 #include <array>
-#include <cmath>
 
 #include "alignment/rotation_derivatives.h"
 #include "hqslam/core/pose.h"

@@ -1,7 +1,6 @@
 #include "loops/keyframe_graph.h"
 
 #include <algorithm>
-#include <iterator>
 #include <utility>
 
 #include "loops/loop_correction.h"

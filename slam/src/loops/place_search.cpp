@@ -13,7 +13,7 @@ constexpr double kCell_m = 0.5;
 constexpr double kHalfSide_m = 60.0;
 constexpr int kSide = static_cast<int>(2.0 * kHalfSide_m / kCell_m);
 constexpr double kTurnStep_rad = 0.035;  // 0.5 m in 15 m
-constexpr double kOtherPlace_m = 3.0;
+constexpr double kOtherPeak_m = 3.0;
 constexpr float kMinUprightHeight_m = 0.8F;
 
 /// The cell of a coordinate, which may lie outside of the grid.
@@ -81,7 +81,7 @@ struct Peak {
 };
 
 bool is_elsewhere(const Peak& a, const Peak& b) {
-  return std::hypot(a.dx - b.dx, a.dy - b.dy) * kCell_m >= kOtherPlace_m;
+  return std::hypot(a.dx - b.dx, a.dy - b.dy) * kCell_m >= kOtherPeak_m;
 }
 
 /// The best of all shifts of all turns, of those elsewhere than `taken` if that is given.

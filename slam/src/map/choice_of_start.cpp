@@ -3,6 +3,8 @@
 #include <Eigen/Geometry>
 #include <array>
 
+#include "hqslam/core/angles.h"
+
 namespace hqslam::slam {
 
 namespace {
@@ -19,7 +21,6 @@ constexpr double kFitsBetter = 1.1;
 /// may have turned as no sensor on wheels does.
 constexpr double kFitsBadly = 0.8;
 /// What a hand turns in half a second; a search finds what is 10 degrees beside its start.
-constexpr double kDegree_rad = 0.017453292519943295;
 constexpr std::array<double, 6> kTurns_rad = {15.0 * kDegree_rad, -15.0 * kDegree_rad,
                                               30.0 * kDegree_rad, -30.0 * kDegree_rad,
                                               45.0 * kDegree_rad, -45.0 * kDegree_rad};

@@ -12,7 +12,7 @@ namespace hqslam::slam {
 
 namespace {
 
-constexpr double kMinWeight = 0.1;
+constexpr double kMinMapWeight = 0.1;
 /// Cosine of the steepest ground's angle with the sensor's.
 constexpr double kMinGroundUprightness = 0.9;
 /// So many points of the ground measure the height well enough to ask nothing else about it.
@@ -27,7 +27,7 @@ std::optional<EdgeConstraints> match_edge(const std::optional<MapLine>& line,
   const Eigen::Vector3d on_line_m = line->point_m - origin_m;
   const double distance_m = line->direction.cross(rotated_m - on_line_m).norm();
   const double weight = 1.0 - 0.9 * distance_m;
-  if (weight < kMinWeight) return std::nullopt;
+  if (weight < kMinMapWeight) return std::nullopt;
   return edge_constraints(rotated_m, on_line_m, line->direction, weight);
 }
 
@@ -53,7 +53,7 @@ std::optional<PlaneConstraint> match_surface(const std::optional<MapPlane>& plan
   const double offset_m = plane->normal.dot(plane->point_m - origin_m);
   const double distance_m = std::abs(plane->normal.dot(rotated_m) - offset_m);
   const double weight = 1.0 - 0.9 * distance_m / std::sqrt(rotated_m.norm());
-  if (weight < kMinWeight) return std::nullopt;
+  if (weight < kMinMapWeight) return std::nullopt;
   return PlaneConstraint{rotated_m, plane->normal, offset_m, weight};
 }
 

@@ -3,9 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
-#include <iterator>
 #include <limits>
-#include <optional>
 #include <utility>
 
 #include "alignment/rigid_alignment.h"

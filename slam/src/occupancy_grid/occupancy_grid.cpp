@@ -6,6 +6,7 @@
 #include <limits>
 #include <numbers>
 
+#include "check_option.h"
 #include "dense_map/grid_walk.h"
 #include "dense_map/mapped_scan.h"
 #include "dense_map/path_table.h"
@@ -43,11 +44,6 @@ void vote_empty(Cell& cell, std::uint32_t scan) {
   if (cell.times_empty < std::numeric_limits<std::uint16_t>::max()) ++cell.times_empty;
 }
 
-void check_option(const char* field, double value, double low, double high) {
-  if (value >= low && value <= high) return;
-  throw Error("occupancy grid: {} is {}, expected {} to {}", field, value, low, high);
-}
-
 DenseMapOptions obstacle_options(const OccupancyGridOptions& options) {
   validate(options);
   DenseMapOptions obstacles;
@@ -75,11 +71,12 @@ std::vector<Eigen::Vector3d> points_in_map_m(const OrganizedCloud& cloud, const 
 }  // namespace
 
 void validate(const OccupancyGridOptions& options) {
-  check_option("resolution_m", options.resolution_m, 0.02, 1.0);
-  check_option("lowest_obstacle_m", options.lowest_obstacle_m, 0.05, 10.0);
-  check_option("highest_obstacle_m", options.highest_obstacle_m, options.lowest_obstacle_m, 20.0);
-  check_option("max_range_m", options.max_range_m, 1.0, 1000.0);
-  check_option("max_voxels", static_cast<double>(options.max_voxels), 1.0, 2e9);
+  check_option("occupancy grid", "resolution_m", options.resolution_m, 0.02, 1.0);
+  check_option("occupancy grid", "lowest_obstacle_m", options.lowest_obstacle_m, 0.05, 10.0);
+  check_option("occupancy grid", "highest_obstacle_m", options.highest_obstacle_m,
+               options.lowest_obstacle_m, 20.0);
+  check_option("occupancy grid", "max_range_m", options.max_range_m, 1.0, 1000.0);
+  check_option("occupancy grid", "max_voxels", static_cast<double>(options.max_voxels), 1.0, 2e9);
 }
 
 struct OccupancyGrid::Implementation {

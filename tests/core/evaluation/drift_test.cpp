@@ -6,13 +6,12 @@
 #include <numbers>
 
 #include "error_message.h"
+#include "hqslam/core/angles.h"
 
 using namespace hqslam;
 using namespace hqslam::test;
 
 namespace {
-
-constexpr double kDegree_rad = std::numbers::pi / 180.0;
 
 /// 300 poses a metre apart along x, ten a second.
 Trajectory straight_drive() {

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "error_message.h"
+#include "hqslam/core/angles.h"
 
 using namespace hqslam;
 using namespace hqslam::test;
@@ -56,8 +57,6 @@ Trajectory with_stamps(const std::vector<double>& stamps_s) {
   return trajectory;
 }
 
-constexpr double kDegrees = 180.0 / std::numbers::pi;
-
 }  // namespace
 
 TEST_CASE("statistics of a few numbers are those done by hand") {
@@ -94,15 +93,19 @@ TEST_CASE("absolute errors after each alignment agree with evo") {
   const AbsolutePoseError se3 = absolute_pose_error(estimate, reference, Alignment::kSe3);
   // Made with evo 1.38: APE, translation part and rotation angle in degrees.
   CHECK(none.translation_statistics.rmse == doctest::Approx(52.657774789).epsilon(1e-8));
-  CHECK(none.rotation_statistics.max * kDegrees == doctest::Approx(47.836904964).epsilon(1e-8));
+  CHECK(none.rotation_statistics.max * kDegreesPerRadian ==
+        doctest::Approx(47.836904964).epsilon(1e-8));
   CHECK(first.translation_statistics.rmse == doctest::Approx(3.058708220).epsilon(1e-8));
-  CHECK(first.rotation_statistics.rmse * kDegrees == doctest::Approx(3.247434879).epsilon(1e-8));
+  CHECK(first.rotation_statistics.rmse * kDegreesPerRadian ==
+        doctest::Approx(3.247434879).epsilon(1e-8));
   CHECK(se3.translation_statistics.rmse == doctest::Approx(0.658186919).epsilon(1e-8));
   CHECK(se3.translation_statistics.mean == doctest::Approx(0.630367623).epsilon(1e-8));
   CHECK(se3.translation_statistics.median == doctest::Approx(0.603841948).epsilon(1e-8));
   CHECK(se3.translation_statistics.max == doctest::Approx(1.025101855).epsilon(1e-8));
-  CHECK(se3.rotation_statistics.rmse * kDegrees == doctest::Approx(1.635884686).epsilon(1e-8));
-  CHECK(se3.rotation_statistics.median * kDegrees == doctest::Approx(1.409616810).epsilon(1e-8));
+  CHECK(se3.rotation_statistics.rmse * kDegreesPerRadian ==
+        doctest::Approx(1.635884686).epsilon(1e-8));
+  CHECK(se3.rotation_statistics.median * kDegreesPerRadian ==
+        doctest::Approx(1.409616810).epsilon(1e-8));
 }
 
 TEST_CASE("relative errors over a stretch agree with evo") {
@@ -113,8 +116,10 @@ TEST_CASE("relative errors over a stretch agree with evo") {
   CHECK(error.translation_statistics.rmse == doctest::Approx(0.151059479).epsilon(1e-8));
   CHECK(error.translation_statistics.median == doctest::Approx(0.150954999).epsilon(1e-7));
   CHECK(error.translation_statistics.max == doctest::Approx(0.159442497).epsilon(1e-7));
-  CHECK(error.rotation_statistics.rmse * kDegrees == doctest::Approx(0.593686206).epsilon(1e-7));
-  CHECK(error.rotation_statistics.max * kDegrees == doctest::Approx(0.617860397).epsilon(1e-7));
+  CHECK(error.rotation_statistics.rmse * kDegreesPerRadian ==
+        doctest::Approx(0.593686206).epsilon(1e-7));
+  CHECK(error.rotation_statistics.max * kDegreesPerRadian ==
+        doctest::Approx(0.617860397).epsilon(1e-7));
 }
 
 TEST_CASE("a straight line and a standing sensor are aligned by their orientations") {

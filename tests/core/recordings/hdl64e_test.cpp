@@ -8,6 +8,7 @@
 #include "captures.h"
 #include "error_message.h"
 #include "file_contents.h"
+#include "hqslam/core/angles.h"
 #include "hqslam/recordings/recording.h"
 #include "temporary_directory.h"
 #include "velodyne_decoder.h"
@@ -17,8 +18,6 @@ using namespace hqslam::recordings;
 using namespace hqslam::test;
 
 namespace {
-
-double radians(double degrees) { return degrees * std::numbers::pi / 180.0; }
 
 std::string laser_xml(int id, double elevation_deg, const std::string& more) {
   return fmt::format(

@@ -10,6 +10,7 @@
 #include "error_message.h"
 #include "file_contents.h"
 #include "hesai_decoder.h"
+#include "hqslam/core/angles.h"
 #include "hqslam/recordings/recording.h"
 #include "temporary_directory.h"
 
@@ -18,8 +19,6 @@ using namespace hqslam::recordings;
 using namespace hqslam::test;
 
 namespace {
-
-constexpr double kDegree_rad = std::numbers::pi / 180.0;
 
 std::vector<Scan> decoded(HesaiDecoder& decoder, const std::vector<Captured>& packets) {
   std::vector<Scan> scans;

@@ -7,6 +7,7 @@
 #include "captures.h"
 #include "file_contents.h"
 #include "hqslam/recordings/recording.h"
+#include "near.h"
 #include "static_transforms.h"
 #include "temporary_directory.h"
 
@@ -18,8 +19,6 @@ namespace {
 
 constexpr const char* kImuType = "sensor_msgs/msg/Imu";
 constexpr const char* kTransformType = "tf2_msgs/msg/TFMessage";
-
-bool near(const Eigen::Vector3d& a, const Eigen::Vector3d& b) { return (a - b).norm() < 1e-6; }
 
 const ImuSample kTurning = {0.0, {0.0, 0.0, 0.5}, {1.0, 2.0, 9.8}};
 

@@ -14,6 +14,7 @@
 #include "file_contents.h"
 #include "hqslam/recordings/recording.h"
 #include "imu_queue.h"
+#include "near.h"
 #include "temporary_directory.h"
 
 using namespace hqslam;
@@ -23,8 +24,6 @@ using namespace hqslam::test;
 namespace {
 
 constexpr OusterProfile kProfile = OusterProfile::kRng19;
-
-bool near(const Eigen::Vector3d& a, const Eigen::Vector3d& b) { return (a - b).norm() < 1e-6; }
 
 std::string replaced(std::string text, const std::string& from, const std::string& to) {
   return text.replace(text.find(from), from.size(), to);

@@ -7,6 +7,7 @@
 #include "captures.h"
 #include "error_message.h"
 #include "file_contents.h"
+#include "hqslam/core/angles.h"
 #include "hqslam/recordings/recording.h"
 #include "robosense_decoder.h"
 #include "temporary_directory.h"
@@ -16,8 +17,6 @@ using namespace hqslam::recordings;
 using namespace hqslam::test;
 
 namespace {
-
-constexpr double kDegree_rad = std::numbers::pi / 180.0;
 
 RobosenseDecoder decoder_of(const Robosense& sensor, const VelodyneOptions& options = {}) {
   const RobosenseUnit unit = robosense_unit(robosense_settings(sensor), sensor.helios, "a test");

@@ -6,6 +6,7 @@
 
 #include "captures.h"
 #include "core/real_data.h"
+#include "hqslam/core/angles.h"
 #include "velodyne_decoder.h"
 #include "velodyne_tables.h"
 
@@ -14,8 +15,6 @@ using namespace hqslam::recordings;
 using namespace hqslam::test;
 
 namespace {
-
-double radians(double degrees) { return degrees * std::numbers::pi / 180.0; }
 
 VelodyneStream probed(const std::vector<Captured>& packets) {
   VelodyneProbe probe;

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "captures.h"
+#include "hqslam/core/angles.h"
 #include "velodyne_decoder.h"
 
 using namespace hqslam;
@@ -17,8 +18,6 @@ using namespace hqslam::test;
 // expectation worked out from the manuals' numbers alone.
 
 namespace {
-
-double degrees(double radians) { return radians * 180.0 / std::numbers::pi; }
 
 /// A point as the manuals speak of it.
 struct Seen {

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <string>
 
+#include "hqslam/core/angles.h"
 #include "ray_scene.h"
 
 using namespace hqslam;
@@ -147,7 +148,6 @@ TEST_CASE("a hand rolls and pitches by ten degrees about once in a second") {
 }
 
 TEST_CASE("some hands turn by 200 degrees a second, some by 45 degrees between two scans") {
-  constexpr double kDegree_rad = std::numbers::pi / 180.0;
   const auto largest_turn_deg = [](const char* drive, double apart_s) {
     const Scenario scenario = make_scenario(drive_preset(drive), 60.0);
     double largest_rad = 0.0;

@@ -10,6 +10,7 @@
 
 #include "error_message.h"
 #include "file_contents.h"
+#include "hqslam/core/angles.h"
 #include "hqslam/sim/read_drive.h"
 #include "hqslam/sim/write_drive.h"
 #include "lidar.h"
@@ -22,8 +23,6 @@ using namespace hqslam::sim;
 using namespace hqslam::test;
 
 namespace {
-
-constexpr double kDegree_rad = std::numbers::pi / 180.0;
 
 DriveSpec drive_with(SensorErrors errors) {
   DriveSpec spec = drive_preset("block");

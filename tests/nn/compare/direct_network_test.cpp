@@ -13,7 +13,7 @@
 namespace hqslam::nn {
 namespace {
 
-struct Case {
+struct NetworkCase {
   std::string name;
   NetworkDescription description;
 };
@@ -24,14 +24,14 @@ NetworkDescription described(std::shared_ptr<const Architecture> architecture) {
   description.architecture = std::move(architecture);
   return description;
 }
-Case small_srae() {
+NetworkCase small_srae() {
   const SraeShape shape{.filters = 1, .passes = 4, .largest_deviation = 0.1875F};
   return {"srae", described(std::make_shared<Srae>(shape))};
 }
-Case small_tulip() {
+NetworkCase small_tulip() {
   return {"tulip", described(std::make_shared<Tulip>(TulipShape{.channels = 8, .heads = {2, 2}}))};
 }
-std::vector<Case> cases() { return {small_srae(), small_tulip()}; }
+std::vector<NetworkCase> network_cases() { return {small_srae(), small_tulip()}; }
 
 /// The arrays that a PyTorch module's state dict has, in our order.
 std::vector<float> exported(const std::string& name, const std::vector<ParameterShape>& shapes,
@@ -46,7 +46,7 @@ std::vector<float> exported(const std::string& name, const std::vector<Parameter
   return parameters;
 }
 
-std::unique_ptr<Network> network_of(const Case& c, int threads = 1,
+std::unique_ptr<Network> network_of(const NetworkCase& c, int threads = 1,
                                     InstructionSet instruction_set = chosen_instruction_set()) {
   auto network = make_network(c.description, 64, instruction_set, threads);
   network->set_parameters(exported("exported_" + c.name, parameter_shapes(c.description)));
@@ -69,7 +69,7 @@ std::vector<TrainingSample> batch_of(const Golden& golden) {
 }  // namespace
 
 TEST_CASE("SRAE and TULIP say what their PyTorch modules say, with every instruction set") {
-  for (const Case& c : cases()) {
+  for (const NetworkCase& c : network_cases()) {
     const Golden golden("exported_" + c.name);
     for (const InstructionSet instruction_set : available_instruction_sets()) {
       CAPTURE(c.name);
@@ -83,7 +83,7 @@ TEST_CASE("SRAE and TULIP say what their PyTorch modules say, with every instruc
 }
 
 TEST_CASE("loss and gradients of a batch equal PyTorch's, dropout and batch norm included") {
-  for (const Case& c : cases()) {
+  for (const NetworkCase& c : network_cases()) {
     CAPTURE(c.name);
     const Golden golden(c.name);
     const std::vector<ParameterShape> shapes = parameter_shapes(c.description);
@@ -116,7 +116,7 @@ TEST_CASE("SRAE's result is the mean of passes with dropout, empty where they do
 
 TEST_CASE("one and two threads lift to the same bits") {
   const RangeImage measured = select_rows(small_scene(), {3, 4});
-  for (const Case& c : cases()) {
+  for (const NetworkCase& c : network_cases()) {
     const auto one = network_of(c, 1);
     const auto two = network_of(c, 2);
     CHECK(one->lift(measured, 0.5F).image.range_m == two->lift(measured, 0.5F).image.range_m);
@@ -137,7 +137,7 @@ TEST_CASE("the published sizes have the published numbers of parameters and mult
 }
 
 TEST_CASE("what every pass does alike is done once, and the steps are all that is multiplied") {
-  for (const Case& c : cases()) {
+  for (const NetworkCase& c : network_cases()) {
     const auto network = network_of(c);
     std::int64_t multiply_adds = 0;
     int most_calls = 0;

@@ -21,26 +21,26 @@ constexpr double kTolerance = 1e-5;
 using Shapes = std::vector<TensorShape>;
 
 /// How a layer of the golden file is made.
-struct Case {
+struct LayerCase {
   std::string name;
   ColumnPadding padding = kCircular;
   std::function<std::unique_ptr<Layer>(const Shapes&, const Engine&)> make;
 };
 
 /// A case of a convolution.
-Case convolution(const std::string& name, ColumnPadding padding,
-                 const ConvolutionOptions& options) {
+LayerCase convolution(const std::string& name, ColumnPadding padding,
+                      const ConvolutionOptions& options) {
   return {name, padding, [options](const Shapes& in, const Engine& engine) {
             return std::make_unique<ConvolutionLayer>(options, in[0], engine);
           }};
 }
-Case attention(const std::string& name, const WindowAttentionOptions& options) {
+LayerCase attention(const std::string& name, const WindowAttentionOptions& options) {
   return {name, kCircular, [options](const Shapes& in, const Engine& engine) {
             return make_window_attention(options, in[0], engine);
           }};
 }
 
-std::vector<Case> cases() {
+std::vector<LayerCase> layer_cases() {
   ConvolutionOptions transposed = three_by_three(5, 0.0F);
   transposed.stride = {2, 1};
   transposed.transposed = true;
@@ -124,7 +124,7 @@ struct Batch {
   }
 };
 
-Batch golden_batch(const Golden& golden, const Case& c, const Engine& engine) {
+Batch golden_batch(const Golden& golden, const LayerCase& c, const Engine& engine) {
   Batch batch;
   std::vector<TensorShape> shapes;
   for (int i = 0; golden.has(fmt::format("{}.input.{}", c.name, i)); ++i) {
@@ -149,7 +149,7 @@ Batch golden_batch(const Golden& golden, const Case& c, const Engine& engine) {
 
 TEST_CASE("each layer and its gradients equal PyTorch's with every instruction set") {
   const Golden golden("network_layers");
-  for (const Case& c : cases()) {
+  for (const LayerCase& c : layer_cases()) {
     for (const InstructionSet instruction_set : available_instruction_sets()) {
       CAPTURE(c.name);
       CAPTURE(name(instruction_set));
@@ -174,7 +174,7 @@ TEST_CASE("each layer and its gradients equal PyTorch's with every instruction s
 TEST_CASE("gradients are what small changes of inputs and parameters do") {
   constexpr float kStep = 1.0F / 1024.0F;
   const Golden golden("network_layers");
-  for (const Case& c : cases()) {
+  for (const LayerCase& c : layer_cases()) {
     CAPTURE(c.name);
     Batch batch = golden_batch(golden, c, {});
     batch.loss();
@@ -202,9 +202,9 @@ TEST_CASE("gradients are what small changes of inputs and parameters do") {
 
 TEST_CASE("batch norm lifts with its running statistics") {
   const Golden golden("network_layers");
-  const std::vector<Case> all = cases();
+  const std::vector<LayerCase> all = layer_cases();
   const auto c = std::find_if(all.begin(), all.end(),
-                              [](const Case& each) { return each.name == "batch_norm"; });
+                              [](const LayerCase& each) { return each.name == "batch_norm"; });
   Batch batch = golden_batch(golden, *c, {});
   batch.layer->set_parameters(batch.parameters);
   for (const LayerPass& pass : batch.passes()) batch.layer->forward(pass);
@@ -217,10 +217,10 @@ TEST_CASE("a convolution with the batch norm behind it worked into its weights g
   for (const bool transposed : {false, true}) {
     ConvolutionOptions options = three_by_three(3, 0.0F, transposed ? 2 : 1);
     options.transposed = transposed;
-    const Case c{transposed ? "normalised.1" : "normalised.0", kZero,
-                 [&](const Shapes& in, const Engine& engine) {
-                   return make_normalised_convolution(options, 1e-3F, in[0], engine);
-                 }};
+    const LayerCase c{transposed ? "normalised.1" : "normalised.0", kZero,
+                      [&](const Shapes& in, const Engine& engine) {
+                        return make_normalised_convolution(options, 1e-3F, in[0], engine);
+                      }};
     Batch batch = golden_batch(golden, c, {});
     batch.loss();
     CHECK(relative_error(std::span<const float>(values_of(batch.output)),

@@ -5,6 +5,8 @@
 
 #include <random>
 
+#include "slam/alignment/random_unit.h"
+
 using namespace hqslam;
 using slam::FreeParameters;
 using slam::MotionParameters;
@@ -12,20 +14,18 @@ using slam::PlaneConstraint;
 
 namespace {
 
-double random_unit(std::mt19937& generator) {
-  return static_cast<double>(generator() % 20001) / 10000.0 - 1.0;
-}
-
 /// Points of random planes, moved so that `T` brings them onto the planes.
 std::vector<PlaneConstraint> constraints_of(const Pose& T, int count, unsigned seed) {
   std::mt19937 generator(seed);
   std::vector<PlaneConstraint> result;
   for (int i = 0; i < count; ++i) {
-    const Eigen::Vector3d normal = Eigen::Vector3d(random_unit(generator), random_unit(generator),
-                                                   random_unit(generator) + 0.1)
-                                       .normalized();
-    const Eigen::Vector3d on_plane(20 * random_unit(generator), 20 * random_unit(generator),
-                                   3 * random_unit(generator));
+    const Eigen::Vector3d normal =
+        Eigen::Vector3d(test::random_unit(generator), test::random_unit(generator),
+                        test::random_unit(generator) + 0.1)
+            .normalized();
+    const Eigen::Vector3d on_plane(20 * test::random_unit(generator),
+                                   20 * test::random_unit(generator),
+                                   3 * test::random_unit(generator));
     result.push_back({T.inverse() * on_plane, normal, normal.dot(on_plane), 0.5 + 0.01 * (i % 50)});
   }
   return result;
@@ -116,10 +116,11 @@ TEST_CASE("a corridor does not tell the motion along it, and that motion is held
   std::vector<PlaneConstraint> corridor;
   std::mt19937 generator(4);
   for (int i = 0; i < 300; ++i) {
-    const Eigen::Vector3d p(10 * random_unit(generator), i % 3 == 0 ? -3.0 : 3.0,
-                            random_unit(generator));
+    const Eigen::Vector3d p(10 * test::random_unit(generator), i % 3 == 0 ? -3.0 : 3.0,
+                            test::random_unit(generator));
     corridor.push_back({p, Eigen::Vector3d::UnitY(), p.y() + 0.1, 1.0});
-    const Eigen::Vector3d floor(10 * random_unit(generator), 3 * random_unit(generator), -1.7);
+    const Eigen::Vector3d floor(10 * test::random_unit(generator), 3 * test::random_unit(generator),
+                                -1.7);
     corridor.push_back({floor, Eigen::Vector3d::UnitZ(), floor.z() + 0.05, 1.0});
   }
   const auto observable = slam::observability(corridor, FreeParameters::kAll, 0.005);
@@ -145,7 +146,8 @@ TEST_CASE("held parameters are never called degenerate") {
   std::vector<PlaneConstraint> floor;
   std::mt19937 generator(6);
   for (int i = 0; i < 100; ++i) {
-    const Eigen::Vector3d p(10 * random_unit(generator), 10 * random_unit(generator), -1.7);
+    const Eigen::Vector3d p(10 * test::random_unit(generator), 10 * test::random_unit(generator),
+                            -1.7);
     floor.push_back({p, Eigen::Vector3d::UnitZ(), -1.7, 1.0});
   }
   CHECK(slam::observability(floor, FreeParameters::kOutOfPlane, 0.005).degenerate_directions == 0);

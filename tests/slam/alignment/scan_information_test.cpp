@@ -7,6 +7,8 @@
 #include <cmath>
 #include <random>
 
+#include "slam/alignment/random_unit.h"
+
 using namespace hqslam;
 using slam::ExpectedState;
 using slam::Matrix6;
@@ -19,21 +21,18 @@ namespace {
 
 constexpr double kSigma_m = 0.02;
 
-double random_unit(std::mt19937& generator) {
-  return static_cast<double>(generator() % 20001) / 10000.0 - 1.0;
-}
-
 /// Points on random planes about a sensor with this orientation.
 std::vector<PlaneConstraint> constraints_about(const Eigen::Matrix3d& R, int count) {
   std::mt19937 generator(7);
   const auto random = [&] {
-    return Eigen::Vector3d(random_unit(generator), random_unit(generator), random_unit(generator));
+    return Eigen::Vector3d(test::random_unit(generator), test::random_unit(generator),
+                           test::random_unit(generator));
   };
   std::vector<PlaneConstraint> result;
   for (int i = 0; i < count; ++i) {
     const Eigen::Vector3d point_m = R * (20.0 * random());
     const Eigen::Vector3d normal = (random() + Eigen::Vector3d(0, 0, 0.1)).normalized();
-    result.push_back({point_m, normal, normal.dot(point_m) + 0.05 * random_unit(generator),
+    result.push_back({point_m, normal, normal.dot(point_m) + 0.05 * test::random_unit(generator),
                       (0.5 + 0.01 * (i % 50)) / kSigma_m});
   }
   return result;

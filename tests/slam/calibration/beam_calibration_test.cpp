@@ -5,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include "hqslam/core/angles.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/projection.h"
 #include "slam/yard.h"
@@ -14,7 +15,6 @@ namespace {
 
 constexpr int kRows = 16;
 constexpr double kHeight_m = 1.7;  ///< of test::yard_pose
-constexpr double kDegree_rad = 0.017453292519943295;
 
 /// A sensor whose beams look elsewhere than `sensor` says and measure too much or too little.
 struct LyingSensor {

@@ -10,6 +10,7 @@
 #include <random>
 
 #include "error_message.h"
+#include "slam/cloud_of.h"
 
 using namespace hqslam;
 using namespace hqslam::slam;
@@ -19,13 +20,6 @@ using hqslam::test::one_line_with;
 namespace {
 
 /// A cloud of one row with these points.
-OrganizedCloud cloud_of(const std::vector<Eigen::Vector3f>& points_m) {
-  OrganizedCloud cloud(1, static_cast<int>(points_m.size()));
-  cloud.points_m = points_m;
-  for (std::size_t i = 0; i < points_m.size(); ++i) cloud.range_m[i] = points_m[i].norm();
-  return cloud;
-}
-
 OrganizedCloud computed(OrganizedCloud cloud, float confidence) {
   cloud.confidence.assign(cloud.range_m.size(), confidence);
   return cloud;
@@ -100,7 +94,7 @@ std::vector<DenseMapPoint> map_of(const std::vector<OrganizedCloud>& scans, bool
 
 TEST_CASE("one point per voxel: the mean of the measured ones, in the map's frame") {
   DenseMap map({});
-  map.insert(cloud_of({{1.02F, 0.05F, 0.05F}, {1.06F, 0.05F, 0.05F}, {1.15F, 0.05F, 0.05F}}),
+  map.insert(test::cloud_of({{1.02F, 0.05F, 0.05F}, {1.06F, 0.05F, 0.05F}, {1.15F, 0.05F, 0.05F}}),
              std::nullopt, at(10.0));
   const auto points = map.points();
   REQUIRE(points.size() == 2);
@@ -112,13 +106,13 @@ TEST_CASE("one point per voxel: the mean of the measured ones, in the map's fram
 
 TEST_CASE("a voxel's intensity is the mean of those of the points that its place is the mean of") {
   const float nan = std::nanf("");
-  OrganizedCloud measured = cloud_of({{1.02F, 0.05F, 0.05F}, {1.06F, 0.05F, 0.05F}});
+  OrganizedCloud measured = test::cloud_of({{1.02F, 0.05F, 0.05F}, {1.06F, 0.05F, 0.05F}});
   measured.intensity = {0.25F, 100.0F};
   OrganizedCloud guesses = computed(
-      cloud_of({{1.05F, 0.05F, 0.05F}, {1.15F, 0.05F, 0.05F}, {1.16F, 0.05F, 0.05F}}), 0.5F);
+      test::cloud_of({{1.05F, 0.05F, 0.05F}, {1.15F, 0.05F, 0.05F}, {1.16F, 0.05F, 0.05F}}), 0.5F);
   guesses.intensity = {7.0F, 20.0F, 40.0F};
   guesses.confidence[2] = 0.98F;
-  OrganizedCloud silent = cloud_of({{1.25F, 0.05F, 0.05F}, {1.35F, 0.05F, 0.05F}});
+  OrganizedCloud silent = test::cloud_of({{1.25F, 0.05F, 0.05F}, {1.35F, 0.05F, 0.05F}});
   OrganizedCloud unknown = silent;
   unknown.intensity = {nan, 8.0F};
   const std::vector<OrganizedCloud> scans = {measured, guesses, silent, unknown};
@@ -139,7 +133,7 @@ TEST_CASE("a voxel's intensity is the mean of those of the points that its place
 
 TEST_CASE("a map of scans without intensities has none") {
   DenseMap map({});
-  map.insert(cloud_of(wall(5.0F)), std::nullopt, kOrigin);
+  map.insert(test::cloud_of(wall(5.0F)), std::nullopt, kOrigin);
   std::vector<float> intensity = {1.0F};
   CHECK(map.points(&intensity).size() == 200);
   CHECK(intensity.empty());
@@ -157,7 +151,7 @@ TEST_CASE("points of a turning, driving sensor are put where it was when it meas
   for (const double t : {-0.05, 0.05}) {
     seen_m.push_back((path.at(t).inverse() * thing_m).cast<float>());
   }
-  OrganizedCloud cloud = cloud_of(seen_m);
+  OrganizedCloud cloud = test::cloud_of(seen_m);
   cloud.time_offset_s = {-0.05F, 0.05F};
   DenseMap map({});
   map.insert(cloud, std::nullopt, path);
@@ -169,24 +163,24 @@ TEST_CASE("points of a turning, driving sensor are put where it was when it meas
 TEST_CASE("a wall that other scans see through vanishes; one that they see stays") {
   DenseMap map({});
   // Something stands 5 m ahead in two scans and is gone in six.
-  for (int i = 0; i < 2; ++i) map.insert(cloud_of(wall(5.05F)), std::nullopt, kOrigin);
+  for (int i = 0; i < 2; ++i) map.insert(test::cloud_of(wall(5.05F)), std::nullopt, kOrigin);
   std::vector<Eigen::Vector3f> behind_m = wall(10.05F);
-  for (int i = 0; i < 6; ++i) map.insert(cloud_of(behind_m), std::nullopt, kOrigin);
+  for (int i = 0; i < 6; ++i) map.insert(test::cloud_of(behind_m), std::nullopt, kOrigin);
   const std::size_t before = points_near_x(map.points(), 5.05F);
   CHECK(before == 200);
-  for (int i = 0; i < 2; ++i) map.see_through(cloud_of(wall(5.05F)), kOrigin);
+  for (int i = 0; i < 2; ++i) map.see_through(test::cloud_of(wall(5.05F)), kOrigin);
   // The far wall fills half of the near one's angle; a dense one meets every voxel on the way.
   for (int i = 0; i < 6; ++i) {
     std::vector<Eigen::Vector3f> dense_m;
     for (const Eigen::Vector3f& point_m : wall(5.05F)) dense_m.push_back(10.05F / 5.05F * point_m);
-    map.see_through(cloud_of(dense_m), kOrigin);
+    map.see_through(test::cloud_of(dense_m), kOrigin);
   }
   CHECK(points_near_x(map.points(), 5.05F) == 0);
   CHECK(points_near_x(map.points(), 10.05F) == 200);
 }
 
 TEST_CASE("a computed wall is believed when scans agree, a lone computed point is not") {
-  const OrganizedCloud lone = computed(cloud_of({{5.05F, 0.05F, 0.05F}}), 0.5F);
+  const OrganizedCloud lone = computed(test::cloud_of({{5.05F, 0.05F, 0.05F}}), 0.5F);
   DenseMap map({});
   map.insert(lone, std::nullopt, kOrigin);
   CHECK(map.points().empty());
@@ -198,9 +192,10 @@ TEST_CASE("a computed wall is believed when scans agree, a lone computed point i
 
 TEST_CASE("a computed point between measured ones is believed sooner than one in the open") {
   DenseMap map({});
-  map.insert(cloud_of({{5.05F, -0.05F, 0.05F}, {5.05F, 0.15F, 0.05F}}), std::nullopt, kOrigin);
-  map.insert(computed(cloud_of({{5.05F, 0.05F, 0.05F}, {5.05F, 2.05F, 0.05F}}), 0.5F), std::nullopt,
+  map.insert(test::cloud_of({{5.05F, -0.05F, 0.05F}, {5.05F, 0.15F, 0.05F}}), std::nullopt,
              kOrigin);
+  map.insert(computed(test::cloud_of({{5.05F, 0.05F, 0.05F}, {5.05F, 2.05F, 0.05F}}), 0.5F),
+             std::nullopt, kOrigin);
   CHECK(map.points().size() == 3);
 }
 
@@ -241,10 +236,10 @@ TEST_CASE("memory is bounded: what is full takes no further voxels and says so")
   DenseMapOptions options;
   options.max_voxels = 100;
   DenseMap map(options);
-  map.insert(cloud_of(wall(5.05F)), std::nullopt, kOrigin);
+  map.insert(test::cloud_of(wall(5.05F)), std::nullopt, kOrigin);
   CHECK(map.is_full());
   CHECK(map.voxels() == 100);
-  map.insert(cloud_of(wall(5.05F)), std::nullopt, kOrigin);
+  map.insert(test::cloud_of(wall(5.05F)), std::nullopt, kOrigin);
   CHECK(map.voxels() == 100);
   const auto points = map.points();
   REQUIRE(points.size() == 100);
@@ -254,8 +249,8 @@ TEST_CASE("memory is bounded: what is full takes no further voxels and says so")
 TEST_CASE("points beyond the range, without a return or not finite leave no trace") {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   constexpr float kInfinite = std::numeric_limits<float>::infinity();
-  OrganizedCloud cloud =
-      cloud_of({{60.0F, 0.0F, 0.0F}, {5.0F, 0.0F, 0.0F}, {kNan, 0.0F, 0.0F}, {1e30F, 0.0F, 0.0F}});
+  OrganizedCloud cloud = test::cloud_of(
+      {{60.0F, 0.0F, 0.0F}, {5.0F, 0.0F, 0.0F}, {kNan, 0.0F, 0.0F}, {1e30F, 0.0F, 0.0F}});
   cloud.range_m = {60.0F, 0.0F, 5.0F, 5.0F};
   DenseMap map({});
   map.insert(cloud, std::nullopt, kOrigin);
@@ -272,7 +267,7 @@ TEST_CASE("points beyond the range, without a return or not finite leave no trac
 
 TEST_CASE("clouds, poses and options that cannot be are errors of one line") {
   DenseMap map({});
-  OrganizedCloud cloud = cloud_of({{5.0F, 0.0F, 0.0F}, {6.0F, 0.0F, 0.0F}});
+  OrganizedCloud cloud = test::cloud_of({{5.0F, 0.0F, 0.0F}, {6.0F, 0.0F, 0.0F}});
   cloud.confidence = {1.0F};
   CHECK(one_line_with(error_message([&] { map.insert(cloud, std::nullopt, kOrigin); }), "1x2",
                       "1 confidences"));
@@ -285,11 +280,11 @@ TEST_CASE("clouds, poses and options that cannot be are errors of one line") {
   CHECK(one_line_with(error_message([&] { map.see_through(cloud, kOrigin); }), "1 ranges"));
   Pose nowhere = Pose::Identity();
   nowhere.translation().x() = std::numeric_limits<double>::infinity();
-  CHECK(
-      one_line_with(error_message([&] {
-                      map.insert(cloud_of({{5.0F, 0.0F, 0.0F}}), std::nullopt, SensorPath(nowhere));
-                    }),
-                    "pose", "not finite"));
+  CHECK(one_line_with(
+      error_message([&] {
+        map.insert(test::cloud_of({{5.0F, 0.0F, 0.0F}}), std::nullopt, SensorPath(nowhere));
+      }),
+      "pose", "not finite"));
   DenseMapOptions options;
   options.voxel_m = 0.0;
   CHECK(one_line_with(error_message([&] { DenseMap{options}; }), "voxel_m", "0.02"));

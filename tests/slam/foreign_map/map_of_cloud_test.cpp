@@ -16,14 +16,6 @@ namespace {
 
 using Points = std::vector<Eigen::Vector3f>;
 
-SensorModel sensor() { return test::small_sensor(16, 360); }
-
-test::Village street(unsigned seed) {
-  test::Village village;
-  village.add_street(-20.0, 0.0, 80.0, seed);
-  return village;
-}
-
 /// As a surveyor's scanner would have left it, in a frame of its own.
 Points surveyed(const test::Village& village, const Pose& T_survey_street) {
   const SensorModel scanner = test::small_sensor(64, 1024);
@@ -38,33 +30,36 @@ Points surveyed(const test::Village& village, const Pose& T_survey_street) {
 }
 
 slam::SavedMap map_of(const Points& points_m) {
-  return slam::map_of_cloud(points_m, sensor(), slam::SlamOptions());
+  return slam::map_of_cloud(points_m, test::street_sensor(), slam::SlamOptions());
 }
 
 }  // namespace
 
 TEST_CASE("a drive is located in a surveyed cloud of its street, and not in that of another") {
   const Pose T_survey_street = pose_from_xyz_rpy({200.0, -70.0, 30.0}, 0.0, 0.0, 1.0);
-  const slam::SavedMap map = map_of(surveyed(street(31), T_survey_street));
+  const slam::SavedMap map = map_of(surveyed(test::street(31, -20.0, 80.0), T_survey_street));
   CHECK(map.places.size() > 20);
-  slam::Slam here(sensor(), slam::SlamOptions(), map);
-  slam::Slam elsewhere(sensor(), slam::SlamOptions(), map);
+  slam::Slam here(test::street_sensor(), slam::SlamOptions(), map);
+  slam::Slam elsewhere(test::street_sensor(), slam::SlamOptions(), map);
   for (int i = 0; i < 6; ++i) {
     const Pose T_street_sensor = test::yard_pose(22.0 - 0.5 * i, 1.0, 2.8);
-    const auto report = here.process(street(31).scan(sensor(), T_street_sensor), 0.1 * i);
+    const auto report = here.process(
+        test::street(31, -20.0, 80.0).scan(test::street_sensor(), T_street_sensor), 0.1 * i);
     CAPTURE(i);
     CHECK(is_registered(report.mapping_status));
     const Pose error = report.T_map_sensor.inverse() * T_survey_street * T_street_sensor;
     CHECK(error.translation().norm() < 0.1);
     CHECK(rotation_angle_rad(error) < 0.01);
-    CHECK(elsewhere.process(street(77).scan(sensor(), T_street_sensor), 0.1 * i).mapping_status ==
-          slam::Status::kNotRecognized);
+    CHECK(elsewhere
+              .process(test::street(77, -20.0, 80.0).scan(test::street_sensor(), T_street_sensor),
+                       0.1 * i)
+              .mapping_status == slam::Status::kNotRecognized);
   }
 }
 
 TEST_CASE(
     "a cloud that is none of a place is refused: not finite, far away, few points, no ground") {
-  const Points good = surveyed(street(31), Pose::Identity());
+  const Points good = surveyed(test::street(31, -20.0, 80.0), Pose::Identity());
   const auto refused = [](const Points& points_m, const char* why) {
     CHECK_THROWS_WITH_AS(map_of(points_m), doctest::Contains(why), Error);
   };

@@ -5,14 +5,13 @@
 #include <cmath>
 #include <numbers>
 
+#include "hqslam/core/angles.h"
 #include "slam/yard.h"
 
 using namespace hqslam;
 using slam::R_level_sensor;
 
 namespace {
-
-constexpr double kDegree_rad = std::numbers::pi / 180.0;
 
 slam::MountingOptions mounted(double roll_rad, double pitch_rad) {
   return {roll_rad, pitch_rad, false};

@@ -13,12 +13,12 @@ using namespace hqslam;
 namespace {
 
 /// One row of a sensor that looks straight ahead at things 10 m away, 0.17 m from column to column.
-struct OneRow {
+struct RowWithPosts {
   SensorModel sensor;
   std::vector<float> range_m = std::vector<float>(360, 10.0F);
   slam::Segmentation segmentation;
 
-  OneRow() {
+  RowWithPosts() {
     sensor.columns = 360;
     sensor.beam_elevation_rad = {0.0};
     sensor.beam_azimuth_offset_rad = {0.0};
@@ -44,7 +44,7 @@ struct OneRow {
 }  // namespace
 
 TEST_CASE("a post is a little behind the mean of what a row sees of it, when its middle was seen") {
-  OneRow row;
+  RowWithPosts row;
   row.put(100, 102, 5.0F);
   const OrganizedCloud cloud = row.cloud();
   const auto posts = row.posts();
@@ -60,7 +60,7 @@ TEST_CASE("a post is a little behind the mean of what a row sees of it, when its
 
 TEST_CASE("of a trunk that a row sees, the middle is found") {
   // A circle of 0.3 m radius, 6 m away, seen with beams 0.25 degrees apart.
-  OneRow row;
+  RowWithPosts row;
   row.sensor.columns = 1440;
   row.range_m.assign(1440, 50.0F);
   row.segmentation.pixel_class.assign(1440, slam::PixelClass::kCluster);
@@ -77,7 +77,7 @@ TEST_CASE("of a trunk that a row sees, the middle is found") {
 }
 
 TEST_CASE("a single pixel before nothing is a post, wherever clutter or clusters count as such") {
-  OneRow row;
+  RowWithPosts row;
   row.put(90, 110, 0.0F);
   row.put(100, 100, 5.0F);
   CHECK(row.posts().size() == 1);
@@ -88,7 +88,7 @@ TEST_CASE("a single pixel before nothing is a post, wherever clutter or clusters
 }
 
 TEST_CASE("what is wider than a metre is no post") {
-  OneRow row;
+  RowWithPosts row;
   row.put(100, 111, 5.0F);  // 11 steps of 0.087 m
   CHECK(row.posts().size() == 1);
   row.put(100, 112, 5.0F);
@@ -96,25 +96,25 @@ TEST_CASE("what is wider than a metre is no post") {
 }
 
 TEST_CASE("what something nearer cuts off, and what the seam of the image cuts, is no post") {
-  OneRow row;
+  RowWithPosts row;
   row.put(100, 102, 5.0F);
   row.put(103, 140, 3.0F);
   CHECK(row.posts().empty());
-  OneRow at_seam;
+  RowWithPosts at_seam;
   at_seam.put(0, 2, 5.0F);
   at_seam.put(358, 359, 5.0F);
   CHECK(at_seam.posts().empty());
 }
 
 TEST_CASE("two posts side by side are two where one stands behind the other's gap") {
-  OneRow row;
+  RowWithPosts row;
   row.put(100, 101, 5.0F);
   row.put(105, 106, 5.2F);
   CHECK(row.posts().size() == 2);
   // Without a gap the nearer one hides the edge of the other.
   row.put(102, 104, 5.6F);
   CHECK(row.posts().size() == 2);
-  OneRow touching;
+  RowWithPosts touching;
   touching.put(100, 101, 5.0F);
   touching.put(102, 103, 5.6F);
   const auto posts = touching.posts();

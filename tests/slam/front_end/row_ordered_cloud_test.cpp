@@ -11,16 +11,16 @@ using hqslam::slam::RowQuery;
 
 namespace {
 
-struct Points {
+struct FeaturesAndPoints {
   std::vector<FeaturePoint> features;
   std::vector<Eigen::Vector3f> points_m;
 };
 
 /// Random points in rows 0..9; row 4 is empty.
-Points random_rows(int count, unsigned seed) {
+FeaturesAndPoints random_rows(int count, unsigned seed) {
   std::mt19937 generator(seed);
   const auto random = [&] { return static_cast<float>(generator() % 20001) / 1000.0F - 10.0F; };
-  Points result;
+  FeaturesAndPoints result;
   for (int row = 0; row < 10; ++row) {
     for (int i = 0; row != 4 && i < count; ++i) {
       const Eigen::Vector3f p(random(), random(), 0.1F * random());
@@ -31,9 +31,10 @@ Points random_rows(int count, unsigned seed) {
   return result;
 }
 
-/// Points as a sensor sees them: each row at an elevation of its own, 12 degrees up to 15 down.
-Points rings(int count, unsigned seed) {
-  Points result = random_rows(count, seed);
+/// FeaturesAndPoints as a sensor sees them: each row at an elevation of its own, 12 degrees up to
+/// 15 down.
+FeaturesAndPoints rings(int count, unsigned seed) {
+  FeaturesAndPoints result = random_rows(count, seed);
   for (std::size_t i = 0; i < result.points_m.size(); ++i) {
     Eigen::Vector3f& p = result.points_m[i];
     const float elevation_rad = 0.2F - 0.05F * static_cast<float>(result.features[i].row);
@@ -44,7 +45,8 @@ Points rings(int count, unsigned seed) {
 }
 
 template <typename Accept>
-float slow_nearest_m2(const Points& points, const Eigen::Vector3f& query_m, const Accept& accept) {
+float slow_nearest_m2(const FeaturesAndPoints& points, const Eigen::Vector3f& query_m,
+                      const Accept& accept) {
   float best_m2 = 25.0F;
   for (std::size_t i = 0; i < points.points_m.size(); ++i) {
     if (accept(points.features[i].row, points.points_m[i])) {
@@ -54,7 +56,8 @@ float slow_nearest_m2(const Points& points, const Eigen::Vector3f& query_m, cons
   return best_m2;
 }
 
-void compare_with_search_through_all(const Points& points, const Points& queries) {
+void compare_with_search_through_all(const FeaturesAndPoints& points,
+                                     const FeaturesAndPoints& queries) {
   const RowOrderedCloud cloud(points.features, points.points_m);
   for (const Eigen::Vector3f& query_m : queries.points_m) {
     const RowQuery query(query_m);
@@ -100,15 +103,15 @@ TEST_CASE(
 TEST_CASE("an empty cloud and a query that is not finite find nothing") {
   CHECK(!RowOrderedCloud({}, {}).nearest(RowQuery({0, 0, 0}), 5.0));
   CHECK(!RowOrderedCloud().nearest(RowQuery({0, 0, 0}), 5.0));
-  const Points points = random_rows(3, 1);
+  const FeaturesAndPoints points = random_rows(3, 1);
   const RowOrderedCloud cloud(points.features, points.points_m);
   CHECK(!cloud.nearest(RowQuery({std::nanf(""), 0, 0}), 5.0));
   CHECK(!cloud.nearest(RowQuery({100, 0, 0}), 5.0));
 }
 
 TEST_CASE("points that are not finite are left out, and the others are found") {
-  Points points = rings(50, 7);
-  const Points sound = points;
+  FeaturesAndPoints points = rings(50, 7);
+  const FeaturesAndPoints sound = points;
   const Eigen::Vector3f nowhere_m = Eigen::Vector3f::Constant(std::nanf(""));
   for (int row = 9; row >= 0; --row) {
     points.features.push_back({nowhere_m, 0.0F, row});

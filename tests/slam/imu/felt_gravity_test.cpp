@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include "hqslam/core/imu_sample.h"
+#include "slam/imu/accelerometer.h"
 #include "slam/steady_drive.h"
 
 using namespace hqslam;
@@ -13,8 +14,6 @@ namespace {
 
 constexpr double kScan_s = 0.1;
 constexpr double kStep_s = 0.01;
-const Eigen::Vector3d kGravity(0, 0, -kGravity_mps2);
-const Eigen::Vector3d kBias_mps2(0.1, -0.05, 0.02);
 
 const test::SteadyDrive kStraight{Pose::Identity(), {10, 0, 0}, {0, 0, 1e-6}};
 const test::SteadyDrive kRound{Pose::Identity(), {10, 0, 0}, {0.1, 0.05, 0.4}};
@@ -38,7 +37,7 @@ std::vector<ImuStep> measured(const test::SteadyDrive& drive, const Eigen::Vecto
   std::vector<ImuStep> steps;
   for (int k = 0; k < 300; ++k) {
     const Eigen::Matrix3d R = drive.at((k + 0.5) * kStep_s - errors[7]).linear();
-    const Eigen::Vector3d force = at_lever_mps2 - R.transpose() * kGravity;
+    const Eigen::Vector3d force = at_lever_mps2 - R.transpose() * test::kGravity;
     steps.push_back(
         {kStep_s, R_imu_lidar * turn, (1.0 + errors[3]) * (R_imu_lidar * force) + bias_mps2});
   }
@@ -54,7 +53,7 @@ TEST_CASE("gravity is felt as it is, less what the sensor accelerates") {
     REQUIRE(felt);
     CHECK(felt->stamp_s == 3.0);
     const Eigen::Matrix3d R_end = drive.at(3.0).linear();
-    CHECK((felt->gravity_mps2 - R_end.transpose() * kGravity).norm() < 5e-3);
+    CHECK((felt->gravity_mps2 - R_end.transpose() * test::kGravity).norm() < 5e-3);
   }
 }
 
@@ -65,12 +64,12 @@ TEST_CASE("what a bias and each error of the inertial sensor does to it is known
     REQUIRE(felt);
     const Eigen::Vector3d put_right =
         felt->gravity_mps2 + felt->of_bias * bias_mps2 + felt->of_errors * errors;
-    const Eigen::Vector3d truth = kRound.at(3.0).linear().transpose() * kGravity;
+    const Eigen::Vector3d truth = kRound.at(3.0).linear().transpose() * test::kGravity;
     CHECK((put_right - truth).norm() < 5e-3);
     // Left alone it would be felt.
     CHECK((felt->gravity_mps2 - truth).norm() > 0.01);
   };
-  check(kBias_mps2, ImuErrors::Zero());
+  check(test::kBias_mps2, ImuErrors::Zero());
   for (int i = 0; i < large.size(); ++i) check({0, 0, 0}, large[i] * ImuErrors::Unit(i));
 }
 
@@ -94,7 +93,7 @@ TEST_CASE("gravity is taken from three whole seconds, each once, wherever the ma
   const Pose move = pose_from_xyz_rpy({5, 0, 1}, 0.1, 0.2, 0.3);
   std::vector<ImuSample> samples;
   for (int k = 0; k <= 310; ++k) {
-    samples.push_back({kStep_s * k, Eigen::Vector3d::Zero(), -kGravity});
+    samples.push_back({kStep_s * k, Eigen::Vector3d::Zero(), -test::kGravity});
   }
   imu.add(samples);
   for (int scan = 0; scan <= 30; ++scan) {
@@ -109,7 +108,7 @@ TEST_CASE("gravity is taken from three whole seconds, each once, wherever the ma
   }
   const auto felt = window.take(imu, level);
   REQUIRE(felt);
-  CHECK((felt->gravity_mps2 - kGravity).norm() < 1e-6);
+  CHECK((felt->gravity_mps2 - test::kGravity).norm() < 1e-6);
   CHECK_FALSE(window.take(imu, level));
   CHECK_FALSE(interrupted.take(imu, level));
 }

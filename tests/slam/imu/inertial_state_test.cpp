@@ -6,6 +6,7 @@
 
 #include "alignment/scan_information.h"
 #include "hqslam/core/imu_sample.h"
+#include "slam/imu/accelerometer.h"
 #include "slam/steady_drive.h"
 
 using namespace hqslam;
@@ -17,8 +18,6 @@ using slam::MotionState;
 using Vector18 = Eigen::Matrix<double, 18, 1>;
 
 namespace {
-
-const Eigen::Vector3d kGravity(0, 0, -kGravity_mps2);
 
 MotionState moving(const Pose& T_map_sensor, const Eigen::Vector3d& velocity_mps) {
   MotionState state;
@@ -67,7 +66,7 @@ TEST_CASE("a steady drive along a screw is integrated to its closed form") {
   const test::SteadyDrive drive{
       pose_from_xyz_rpy({3, 4, 5}, 0.1, 0.2, 0.3), {2, -1, 0.5}, {0.3, -0.2, 0.8}};
   InertialState inertial;
-  inertial.gravity_map_mps2 = kGravity;
+  inertial.gravity_map_mps2 = test::kGravity;
   inertial.gyroscope_bias_rad_per_s = {0.01, 0.02, -0.01};
   inertial.accelerometer_bias_mps2 = {0.1, -0.2, 0.05};
   std::vector<ImuStep> steps;
@@ -75,8 +74,8 @@ TEST_CASE("a steady drive along a screw is integrated to its closed form") {
     // a = w x v in the sensor's frame; at the middle of the step.
     const Eigen::Matrix3d R = drive.at(0.001 * (k + 0.5)).linear();
     steps.push_back({0.001, drive.turn_rad_per_s + inertial.gyroscope_bias_rad_per_s,
-                     drive.turn_rad_per_s.cross(drive.velocity_mps) - R.transpose() * kGravity +
-                         inertial.accelerometer_bias_mps2});
+                     drive.turn_rad_per_s.cross(drive.velocity_mps) -
+                         R.transpose() * test::kGravity + inertial.accelerometer_bias_mps2});
   }
   const InertialPrediction later =
       slam::predicted(moving(drive.at(0.0), drive.velocity_mps), inertial, steps, {7, 8, 9});
@@ -94,7 +93,7 @@ TEST_CASE("GTSAM's preintegration leads to the same pose and velocity") {
                                 0.7466384410715458);
   const Eigen::Vector3d velocity_mps(-1.07478047, -1.99026246, 0.36019639);
   InertialState inertial;
-  inertial.gravity_map_mps2 = kGravity;
+  inertial.gravity_map_mps2 = test::kGravity;
   inertial.gyroscope_bias_rad_per_s = {0.01, 0.02, -0.015};
   inertial.accelerometer_bias_mps2 = {0.05, -0.03, 0.02};
   const MotionState state = moving(pose_from_xyz_rpy({1, 2, 3}, -0.1, 0.2, 0.3), {1.2, -0.4, 0.3});
@@ -108,7 +107,7 @@ TEST_CASE("GTSAM's preintegration leads to the same pose and velocity") {
 TEST_CASE("every error grows into the others as it does when it is made") {
   const MotionState state = moving(pose_from_xyz_rpy({1, 2, 3}, 0.4, -0.3, 0.9), {1.2, -0.4, 0.3});
   InertialState inertial;
-  inertial.gravity_map_mps2 = kGravity;
+  inertial.gravity_map_mps2 = test::kGravity;
   const std::vector<ImuStep> steps = some_steps(200);
   const auto moved = [&](const InertialPrediction& from) {
     return slam::predicted(from.state, from.inertial, steps, Eigen::Vector3d::Zero());
@@ -133,7 +132,7 @@ TEST_CASE("at first gravity is against the specific force, and the pose as sure 
   state.covariance(4, 4) = 0.25;
   const Eigen::Vector3d force = state.T_map_sensor.linear().transpose() * Eigen::Vector3d(0, 0, 10);
   const InertialState inertial = slam::first_inertial_state(state, force);
-  CHECK(inertial.gravity_map_mps2.isApprox(kGravity, 1e-9));
+  CHECK(inertial.gravity_map_mps2.isApprox(test::kGravity, 1e-9));
   CHECK(inertial.covariance(4, 4) == 0.25);
   CHECK(inertial.covariance.diagonal().tail<9>().minCoeff() > 0.0);
 }
@@ -159,7 +158,7 @@ TEST_CASE("a hand's turns tell the biases and gravity, scan by scan") {
       const Eigen::Vector3d acceleration = (velocity_at(t + 0.005) - velocity_at(t - 0.005)) / 0.01;
       steps.push_back(
           {0.01, turn.angular / 0.01 + gyroscope,
-           pose_at(t).linear().transpose() * (acceleration - kGravity) + accelerometer});
+           pose_at(t).linear().transpose() * (acceleration - test::kGravity) + accelerometer});
     }
     const InertialPrediction prediction =
         slam::predicted(state, inertial, steps, Eigen::Vector3d::Zero());
@@ -171,7 +170,7 @@ TEST_CASE("a hand's turns tell the biases and gravity, scan by scan") {
   // Slowly, for what scans of a room say is often wrong: a fifth is left after a minute.
   CHECK((inertial.gyroscope_bias_rad_per_s - gyroscope).norm() < 0.2 * gyroscope.norm());
   CHECK((inertial.accelerometer_bias_mps2 - accelerometer).norm() < 0.03);
-  CHECK((inertial.gravity_map_mps2 - kGravity).norm() < 0.03);
+  CHECK((inertial.gravity_map_mps2 - test::kGravity).norm() < 0.03);
   CHECK(inertial.covariance.isApprox(inertial.covariance.transpose(), 1e-9));
   CHECK(inertial.covariance.diagonal().minCoeff() > 0.0);
 }
@@ -192,7 +191,7 @@ TEST_CASE("after a gap biases and gravity are what they were, and tell nothing o
 
 TEST_CASE("gravity turns with the map") {
   InertialState inertial;
-  inertial.gravity_map_mps2 = kGravity;
+  inertial.gravity_map_mps2 = test::kGravity;
   inertial.covariance(15, 15) = 4.0;
   slam::turn(inertial, Eigen::AngleAxisd(M_PI_2, Eigen::Vector3d::UnitY()).matrix());
   CHECK((inertial.gravity_map_mps2 - Eigen::Vector3d(-kGravity_mps2, 0, 0)).norm() < 1e-9);

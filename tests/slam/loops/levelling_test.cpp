@@ -5,6 +5,8 @@
 #include <cmath>
 
 #include "hqslam/core/imu_sample.h"
+#include "slam/imu/accelerometer.h"
+#include "slam/loops/worst_error.h"
 
 using namespace hqslam;
 using slam::FeltGravity;
@@ -14,8 +16,6 @@ namespace {
 
 constexpr double kNode_m = 4.0;
 constexpr int kNodes = 200;
-const Eigen::Vector3d kGravity(0, 0, -kGravity_mps2);
-const Eigen::Vector3d kBias_mps2(0.1, -0.05, 0.02);  // looks like 0.7 degrees
 
 Pose turned(const Eigen::Vector3d& turn_rad) {
   return exponential(Twist{Eigen::Vector3d::Zero(), turn_rad});
@@ -37,7 +37,7 @@ struct Path {
       if (i % 6 != 0) continue;
       FeltGravity felt;
       felt.stamp_s = 0.5 * i;
-      felt.gravity_mps2 = truth.back().linear().transpose() * kGravity - bias_mps2;
+      felt.gravity_mps2 = truth.back().linear().transpose() * test::kGravity - bias_mps2;
       felt.of_bias.setIdentity();
       gravity.push_back({static_cast<std::size_t>(i), felt});
     }
@@ -52,14 +52,6 @@ double worst_lean_rad(const std::vector<Pose>& poses) {
   return worst;
 }
 
-double worst_error_m(const std::vector<Pose>& poses, const std::vector<Pose>& truth) {
-  double worst_m = 0.0;
-  for (std::size_t i = 0; i < poses.size(); ++i) {
-    worst_m = std::max(worst_m, (poses[i].translation() - truth[i].translation()).norm());
-  }
-  return worst_m;
-}
-
 }  // namespace
 
 TEST_CASE("a path that leans by a little more with every metre is put upright") {
@@ -70,17 +62,18 @@ TEST_CASE("a path that leans by a little more with every metre is put upright") 
     REQUIRE(upright.size() == path.truth.size());
     CHECK(upright.front().isApprox(path.registered.front()));
     CHECK(worst_lean_rad(upright) < 0.1 * worst_lean_rad(path.registered));
-    CHECK(worst_error_m(upright, path.truth) < 0.2 * worst_error_m(path.registered, path.truth));
+    CHECK(test::worst_error_m(upright, path.truth) <
+          0.2 * test::worst_error_m(path.registered, path.truth));
   }
 }
 
 TEST_CASE("an accelerometer's bias is not taken for a lean where the sensor turns") {
-  const Path path(true, 0.0, kBias_mps2);
+  const Path path(true, 0.0, test::kBias_mps2);
   CHECK(worst_lean_rad(slam::levelled(path.registered, path.gravity)) < 1e-3);
 }
 
 TEST_CASE("nor where it goes straight: what never changes is none") {
-  const Path path(false, 0.0, kBias_mps2);
+  const Path path(false, 0.0, test::kBias_mps2);
   CHECK(worst_lean_rad(slam::levelled(path.registered, path.gravity)) < 1e-6);
 }
 
@@ -92,7 +85,7 @@ TEST_CASE("a clock that is set back does no harm") {
 }
 
 TEST_CASE("motions in the sensor's frame stay as they were, and so does a path without gravity") {
-  const Path path(true, 5e-4, kBias_mps2);
+  const Path path(true, 5e-4, test::kBias_mps2);
   const std::vector<Pose> upright = slam::levelled(path.registered, path.gravity);
   for (std::size_t i = 1; i < upright.size(); ++i) {
     const Pose motion = upright[i - 1].inverse() * upright[i];

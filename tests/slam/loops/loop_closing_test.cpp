@@ -14,7 +14,7 @@ using slam::Status;
 namespace {
 
 /// A way as it was estimated, keyframe by keyframe, with what loop closing made of it.
-struct Driven {
+struct DrivenCircuit {
   std::vector<Pose> T_map_sensor;
   std::vector<slam::LoopReport> reports;
   std::vector<Eigen::Vector3f> map_points_m;
@@ -35,14 +35,14 @@ struct Estimate {
 };
 
 /// Drives a circuit with an odometry that adds an error to every step; the map is built from that.
-Driven drive(const test::Circuit& circuit, const Estimate& estimate) {
+DrivenCircuit drive(const test::Circuit& circuit, const Estimate& estimate) {
   const SensorModel sensor = test::small_sensor(16, 256);
   slam::MappingOptions options;
   options.recent_path_m = 30.0;
   slam::Mapping mapping(options);
   slam::LoopClosing loop_closing(options, estimate.closes_loops);
   double since_view_m = 0.0;
-  Driven driven;
+  DrivenCircuit driven;
   const std::vector<Pose>& truth = circuit.T_village_sensor;
   for (std::size_t i = 0; i < truth.size(); ++i) {
     Pose T_map_sensor = i == 0 ? Pose::Identity()
@@ -78,7 +78,7 @@ Driven drive(const test::Circuit& circuit, const Estimate& estimate) {
   return driven;
 }
 
-double worst_error_m(const Driven& driven, const std::vector<Pose>& truth) {
+double worst_circuit_error_m(const DrivenCircuit& driven, const std::vector<Pose>& truth) {
   double worst_m = 0.0;
   for (std::size_t i = 0; i < truth.size(); ++i) {
     const Pose T_map_sensor = truth.front().inverse() * truth[i];
@@ -89,7 +89,7 @@ double worst_error_m(const Driven& driven, const std::vector<Pose>& truth) {
 }
 
 /// How far the end of the way is from where it was passed first, beyond what is true.
-double closing_error_m(const Driven& driven, const std::vector<Pose>& truth) {
+double closing_error_m(const DrivenCircuit& driven, const std::vector<Pose>& truth) {
   const std::size_t last = truth.size() - 1;
   const auto distance_m = [&](const Pose& pose) {
     return (pose.translation() - truth[last].translation()).norm();
@@ -109,25 +109,25 @@ double closing_error_m(const Driven& driven, const std::vector<Pose>& truth) {
 TEST_CASE("a way that drifts by metres is closed, and path and map become right") {
   const test::Circuit circuit = test::circuit();
   const Pose error = pose_from_xyz_rpy({0.0, 0.0, 0.004}, 0.0, 0.0, 0.0003);
-  const Driven open = drive(circuit, {error, Status::kOk, false});
-  const Driven closed = drive(circuit, {error, Status::kOk, true});
-  CHECK(worst_error_m(open, circuit.T_village_sensor) > 2.5);
+  const DrivenCircuit open = drive(circuit, {error, Status::kOk, false});
+  const DrivenCircuit closed = drive(circuit, {error, Status::kOk, true});
+  CHECK(worst_circuit_error_m(open, circuit.T_village_sensor) > 2.5);
   CHECK(closed.count(LoopStatus::kClosed) >= 1);
-  CHECK(worst_error_m(closed, circuit.T_village_sensor) < 1.0);
+  CHECK(worst_circuit_error_m(closed, circuit.T_village_sensor) < 1.0);
   // The second pass lies on the first again: fewer voxels are taken.
   CHECK(20 * closed.map_points_m.size() < 19 * open.map_points_m.size());
   // Where the way ends it was before: both passes are at one place now.
   CHECK(closing_error_m(open, circuit.T_village_sensor) > 2.0);
   CHECK(closing_error_m(closed, circuit.T_village_sensor) < 0.3);
   CHECK(closed.count(LoopStatus::kImplausible) == 0);
-  const Driven again = drive(circuit, {error, Status::kOk, true});
+  const DrivenCircuit again = drive(circuit, {error, Status::kOk, true});
   CHECK(again.map_points_m == closed.map_points_m);
 }
 
 TEST_CASE("a way without drift is left exactly as it is where it meets itself") {
   const test::Circuit circuit = test::circuit();
-  const Driven without = drive(circuit, {Pose::Identity(), Status::kOk, false});
-  const Driven with = drive(circuit, {Pose::Identity(), Status::kOk, true});
+  const DrivenCircuit without = drive(circuit, {Pose::Identity(), Status::kOk, false});
+  const DrivenCircuit with = drive(circuit, {Pose::Identity(), Status::kOk, true});
   CHECK(with.count(LoopStatus::kAgrees) >= 2);
   CHECK(with.count(LoopStatus::kClosed) == 0);
   for (std::size_t i = 0; i < with.T_map_sensor.size(); ++i) {
@@ -147,8 +147,8 @@ TEST_CASE("a place that looks exactly like one passed before is not taken for it
   circuit.village.add_street(140.0, 14.0, 32.0, 24, test::Village::Along::kY);
   circuit.T_village_sensor =
       test::way_through({{72, 0}, {140, 0}, {140, 60}, {0, 60}, {0, 0}, {62, 0}}, 1.5);
-  const Driven without = drive(circuit, {Pose::Identity(), Status::kDegenerate, false});
-  const Driven with = drive(circuit, {Pose::Identity(), Status::kDegenerate, true});
+  const DrivenCircuit without = drive(circuit, {Pose::Identity(), Status::kDegenerate, false});
+  const DrivenCircuit with = drive(circuit, {Pose::Identity(), Status::kDegenerate, true});
   CHECK(with.count(LoopStatus::kAwaitsOthers) >= 2);  // it does look like it
   CHECK(with.count(LoopStatus::kClosed) == 0);
   CHECK(with.map_points_m == without.map_points_m);

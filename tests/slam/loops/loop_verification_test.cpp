@@ -26,18 +26,13 @@ slam::Mapping map_of(const Scene& scene, const SensorModel& sensor = kSensor) {
   return mapping;
 }
 
-test::Village street(unsigned seed) {
-  test::Village village;
-  village.add_street(-50.0, 0.0, 100.0, seed);
-  return village;
-}
-
 }  // namespace
 
 TEST_CASE("a place is accepted from half a metre away, and the pose is found to centimetres") {
-  const slam::Mapping map = map_of(street(1));
+  const slam::Mapping map = map_of(test::street(1, -50.0, 100.0));
   const Pose truth = test::yard_pose(1.0, 0.7, 0.3);
-  const auto features = test::features_of(street(1).scan(kSensor, truth), kSensor);
+  const auto features =
+      test::features_of(test::street(1, -50.0, 100.0).scan(kSensor, truth), kSensor);
   for (const double yaw_error_rad : {-0.03, 0.03}) {
     const Pose start = truth * pose_from_xyz_rpy({0.4, -0.3, 0.2}, 0.01, -0.01, yaw_error_rad);
     const auto loop = slam::verify_loop(features, map, start);
@@ -49,10 +44,11 @@ TEST_CASE("a place is accepted from half a metre away, and the pose is found to 
 }
 
 TEST_CASE("other places are refused") {
-  const slam::Mapping map = map_of(street(1));
+  const slam::Mapping map = map_of(test::street(1, -50.0, 100.0));
   const Pose pose = test::yard_pose(0.0, 0.0, 0.0);
   for (const unsigned seed : {2U, 3U, 4U, 5U, 6U}) {
-    const auto features = test::features_of(street(seed).scan(kSensor, pose), kSensor);
+    const auto features =
+        test::features_of(test::street(seed, -50.0, 100.0).scan(kSensor, pose), kSensor);
     CAPTURE(seed);
     CHECK(slam::verify_loop(features, map, pose).verdict != LoopVerdict::kAccepted);
   }
@@ -80,7 +76,8 @@ TEST_CASE("a place that fits but could slide is refused") {
 TEST_CASE("where there is no map nothing is recognised") {
   const slam::Mapping nothing{slam::MappingOptions{}};
   const Pose pose = test::yard_pose(0.0, 0.0, 0.0);
-  const auto features = test::features_of(street(1).scan(kSensor, pose), kSensor);
+  const auto features =
+      test::features_of(test::street(1, -50.0, 100.0).scan(kSensor, pose), kSensor);
   CHECK(slam::verify_loop(features, nothing, pose).verdict == LoopVerdict::kNotRegistered);
   CHECK(slam::fit_of(features, nothing.map(), slam::unknown_motion(pose)).overlap == 0.0);
 }

@@ -4,6 +4,8 @@
 
 #include <numbers>
 
+#include "slam/loops/worst_error.h"
+
 using namespace hqslam;
 using slam::optimized;
 using slam::PoseGraph;
@@ -39,14 +41,6 @@ PoseGraph drifted_square(const Pose& drift) {
   return graph;
 }
 
-double worst_error_m(const std::vector<Pose>& poses, const std::vector<Pose>& truth) {
-  double worst_m = 0.0;
-  for (std::size_t i = 0; i < truth.size(); ++i) {
-    worst_m = std::max(worst_m, (poses[i].translation() - truth[i].translation()).norm());
-  }
-  return worst_m;
-}
-
 }  // namespace
 
 TEST_CASE("a gap in a straight path is spread evenly over its edges") {
@@ -75,14 +69,14 @@ TEST_CASE("a gap in a straight path is spread evenly over its edges") {
 TEST_CASE("a square whose odometry drifts closes with one loop") {
   const PoseGraph open = drifted_square(pose_from_xyz_rpy({0.01, 0.0, 0.02}, 0.0, 0.0, 0.004));
   const std::vector<Pose> truth = square();
-  const double before_m = worst_error_m(open.T_map_node, truth);
+  const double before_m = test::worst_error_m(open.T_map_node, truth);
   CHECK(before_m > 1.3);
   PoseGraph closed = open;
   closed.loops.push_back({0, 40, Pose::Identity(), 0.01, 0.001});
   const std::vector<Pose> poses = optimized(closed);
   REQUIRE(poses.size() == truth.size());
   CHECK((poses.back().translation() - truth.back().translation()).norm() < 0.02);
-  CHECK(worst_error_m(poses, truth) < before_m / 5.0);
+  CHECK(test::worst_error_m(poses, truth) < before_m / 5.0);
   CHECK(poses.front().matrix() == truth.front().matrix());
 }
 
@@ -121,19 +115,19 @@ TEST_CASE("a false loop does not bend a path that true loops hold") {
     graph.loops.push_back({i, 40, square()[i].inverse() * square()[40], 0.1, 0.005});
   }
   const std::vector<Pose> truth = square();
-  CHECK(worst_error_m(optimized(graph), truth) < 1e-6);
+  CHECK(test::worst_error_m(optimized(graph), truth) < 1e-6);
   Pose false_loop = Pose::Identity();
   false_loop.translation() << 6.0, -3.0, 0.0;
   graph.loops.push_back({5, 25, false_loop, 0.1, 0.005});
   const std::vector<Pose> poses = optimized(graph);
   REQUIRE(poses.size() == truth.size());
-  CHECK(worst_error_m(poses, truth) < 0.1);
+  CHECK(test::worst_error_m(poses, truth) < 0.1);
   CHECK(slam::disagreement(graph.loops.back(), poses).translation().norm() > 5.0);
 }
 
 TEST_CASE("a graph without loops stays as it is, and one without nodes gives none") {
   const PoseGraph graph = drifted_square(pose_from_xyz_rpy({0.01, 0.0, 0.0}, 0.0, 0.0, 0.004));
-  CHECK(worst_error_m(optimized(graph), graph.T_map_node) < 1e-9);
+  CHECK(test::worst_error_m(optimized(graph), graph.T_map_node) < 1e-9);
   CHECK(optimized(PoseGraph{}).empty());
 }
 

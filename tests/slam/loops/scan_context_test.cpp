@@ -4,6 +4,7 @@
 
 #include <numbers>
 
+#include "slam/cloud_of.h"
 #include "slam/village.h"
 #include "slam/yard.h"
 
@@ -16,22 +17,15 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-OrganizedCloud cloud_of(const std::vector<Eigen::Vector3f>& points_m) {
-  OrganizedCloud cloud(1, static_cast<int>(points_m.size()));
-  cloud.points_m = points_m;
-  for (std::size_t i = 0; i < points_m.size(); ++i) cloud.range_m[i] = points_m[i].norm();
-  return cloud;
-}
-
 }  // namespace
 
 TEST_CASE("a bin of a scan context holds how high its highest point reaches") {
   // Two points in one bin, one nearer in the same sector, one behind the sensor, one too far.
-  const ScanContext context = scan_context(cloud_of({{10.0F, 0.5F, 0.0F},
-                                                     {10.0F, 0.5F, 2.0F},
-                                                     {5.0F, 0.2F, 1.0F},
-                                                     {-30.0F, -0.1F, 0.0F},
-                                                     {90, 1, 0}}));
+  const ScanContext context = scan_context(test::cloud_of({{10.0F, 0.5F, 0.0F},
+                                                           {10.0F, 0.5F, 2.0F},
+                                                           {5.0F, 0.2F, 1.0F},
+                                                           {-30.0F, -0.1F, 0.0F},
+                                                           {90, 1, 0}}));
   // Ring 2 holds 8 to 12 m and ring 1 4 to 8 m; heights are from 2 m below the sensor.
   CHECK(context.unit_sectors(2, 0) == doctest::Approx(4.0 / 5.0));
   CHECK(context.unit_sectors(1, 0) == doctest::Approx(3.0 / 5.0));
@@ -80,16 +74,16 @@ TEST_CASE("a point farther away than an integer counts rings changes nothing") {
   const std::vector<Eigen::Vector3f> points_m = {{10.0F, 0.5F, 0.0F}, {-30.0F, -0.1F, 0.0F}};
   std::vector<Eigen::Vector3f> with_far_m = points_m;
   for (const float far_m : {1e4F, 9e9F, 3e18F, 3e38F}) with_far_m.emplace_back(-far_m, far_m, 1.0F);
-  OrganizedCloud cloud = cloud_of(with_far_m);
+  OrganizedCloud cloud = test::cloud_of(with_far_m);
   cloud.range_m.back() = 1.0F;
   const ScanContext context = scan_context(cloud);
-  CHECK(context.unit_sectors == scan_context(cloud_of(points_m)).unit_sectors);
-  CHECK(context.seen == scan_context(cloud_of(points_m)).seen);
+  CHECK(context.unit_sectors == scan_context(test::cloud_of(points_m)).unit_sectors);
+  CHECK(context.seen == scan_context(test::cloud_of(points_m)).seen);
 }
 
 TEST_CASE("an empty scan looks like nothing") {
   const ScanContext empty = scan_context(OrganizedCloud(16, 360));
-  const ScanContext something = scan_context(cloud_of({{10.0F, 0.5F, 0.0F}}));
+  const ScanContext something = scan_context(test::cloud_of({{10.0F, 0.5F, 0.0F}}));
   CHECK(compare(empty, something, 0.0, kPi).distance == 1.0);
   CHECK(compare(empty, empty, 0.0, kPi).distance == 1.0);
 }

@@ -15,7 +15,7 @@ using hqslam::slam::Surroundings;
 
 namespace {
 
-std::vector<Eigen::Vector3f> random_points(int count, float extent_m, unsigned seed) {
+std::vector<Eigen::Vector3f> random_points_m(int count, float extent_m, unsigned seed) {
   std::mt19937 generator(seed);
   const auto random = [&] {
     return extent_m * (static_cast<float>(generator() % 20001) / 10000.0F - 1.0F);
@@ -29,10 +29,10 @@ std::vector<Eigen::Vector3f> random_points(int count, float extent_m, unsigned s
 
 TEST_CASE("neighbours are those of a search through all points of the map") {
   FeatureMap map(0.4, 1.0);
-  map.insert(random_points(20000, 15.0F, 1));
+  map.insert(random_points_m(20000, 15.0F, 1));
   const auto all = map.points_m();
   CHECK(all.size() == map.size());
-  for (const auto& query : random_points(500, 16.0F, 2)) {
+  for (const auto& query : random_points_m(500, 16.0F, 2)) {
     std::vector<float> distances_m2;
     for (const auto& p : all) {
       const float d2 = (p - query).squaredNorm();
@@ -88,7 +88,7 @@ TEST_CASE("points that are not finite or beyond every map are left out, and quer
 
 TEST_CASE("points near a place are those within the radius, and can be taken out") {
   FeatureMap map(0.4, 1.0);
-  map.insert(random_points(3000, 30.0F, 3));
+  map.insert(random_points_m(3000, 30.0F, 3));
   const Eigen::Vector3d centre_m(-4.0, 7.0, 0.5);
   std::size_t expected = 0;
   for (const auto& p : map.points_m()) {
@@ -148,8 +148,8 @@ TEST_CASE("a map of points without intensities has none") {
 
 TEST_CASE("a correction that moves nothing leaves the same bytes") {
   FeatureMap map(0.4, 1.0);
-  map.insert(random_points(5000, 10.0F, 4), 0);
-  map.insert(random_points(5000, 10.0F, 5), 1);
+  map.insert(random_points_m(5000, 10.0F, 4), 0);
+  map.insert(random_points_m(5000, 10.0F, 5), 1);
   const auto before = map.points_m();
   map.correct({Pose::Identity(), Pose::Identity()});
   CHECK(map.points_m() == before);
@@ -178,13 +178,13 @@ TEST_CASE(
 
 TEST_CASE("a map out of which most was taken finds what a search through all does") {
   FeatureMap map(0.4, 1.0);
-  map.insert(random_points(8000, 12.0F, 6), 0);
-  map.insert(random_points(1500, 4.0F, 7), 1);
+  map.insert(random_points_m(8000, 12.0F, 6), 0);
+  map.insert(random_points_m(1500, 4.0F, 7), 1);
   CHECK(map.take_not_seen_since(1).size() > 1000);
-  map.insert(random_points(500, 12.0F, 9), 2);
+  map.insert(random_points_m(500, 12.0F, 9), 2);
   const auto all = map.points_m();
   CHECK(all.size() == map.size());
-  for (const auto& query : random_points(200, 13.0F, 8)) {
+  for (const auto& query : random_points_m(200, 13.0F, 8)) {
     float nearest_m2 = 1.0F;
     for (const auto& p : all) nearest_m2 = std::min(nearest_m2, (p - query).squaredNorm());
     const Neighbours found = map.nearest(query);

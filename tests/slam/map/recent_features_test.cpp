@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "hqslam/core/pose.h"
+#include "slam/at_x.h"
 
 using namespace hqslam;
 
@@ -15,8 +16,6 @@ slam::MapFeatures one_edge_at(float x_m) {
   features.edges = {{{x_m, 0.0F, 0.0F}, 0.0F, 0}};
   return features;
 }
-
-Pose at_x(double x_m) { return pose_from_xyz_rpy({x_m, 0.0, 0.0}, 0.0, 0.0, 0.0); }
 
 std::vector<float> sorted_x_m(const slam::MapFeatures& features) {
   std::vector<float> result;
@@ -29,9 +28,9 @@ std::vector<float> sorted_x_m(const slam::MapFeatures& features) {
 
 TEST_CASE("features of the last scans come together in the frame of the last one") {
   slam::RecentFeatures recent(2);
-  recent.add(one_edge_at(1.0F), at_x(0.0), {});  // forgotten
-  recent.add(one_edge_at(2.0F), at_x(10.0), {});
-  recent.add(one_edge_at(3.0F), at_x(14.0), {});
+  recent.add(one_edge_at(1.0F), test::at_x(0.0), {});  // forgotten
+  recent.add(one_edge_at(2.0F), test::at_x(10.0), {});
+  recent.add(one_edge_at(3.0F), test::at_x(14.0), {});
   CHECK(sorted_x_m(recent.about_last()) == std::vector<float>{-2.0F, 3.0F});
   // A correction of the map does not change what was seen.
   recent.correct(pose_from_xyz_rpy({5.0, -3.0, 1.0}, 0.0, 0.0, 0.5));
@@ -42,7 +41,7 @@ TEST_CASE("features of the last scans come together in the frame of the last one
 TEST_CASE("what is far from the last scan is left out, and of many points some are taken") {
   slam::RecentFeatures recent(2);
   slam::MapFeatures features = one_edge_at(36.0F);
-  recent.add(features, at_x(0.0), {});
+  recent.add(features, test::at_x(0.0), {});
   CHECK(recent.about_last().edges.empty());
   for (int i = 0; i < 1000; ++i) {
     features.edges.push_back(
@@ -51,7 +50,7 @@ TEST_CASE("what is far from the last scan is left out, and of many points some a
          0.0F,
          0});
   }
-  recent.add(features, at_x(0.0), {});
+  recent.add(features, test::at_x(0.0), {});
   CHECK(recent.about_last().edges.size() == 800);
 }
 

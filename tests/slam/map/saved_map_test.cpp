@@ -15,7 +15,7 @@ using namespace hqslam;
 
 namespace {
 
-slam::SavedMap small_map() {
+slam::SavedMap small_saved_map() {
   slam::SavedMap map;
   map.edges_m = {{1.0F, 2.0F, 3.0F}, {-4.0F, 5.5F, 0.25F}};
   map.planes_m = {{7.0F, 8.0F, 9.0F}};
@@ -35,7 +35,7 @@ using Change = std::function<void(NpzArrays&)>;
 /// A saved map with something else in it.
 std::string changed(const test::TemporaryDirectory& folder, const Change& change) {
   const std::string path = folder.file("map.npz");
-  slam::write_saved_map(path, small_map());
+  slam::write_saved_map(path, small_saved_map());
   NpzArrays arrays = read_npz(path);
   change(arrays);
   write_npz(path, arrays);
@@ -61,7 +61,7 @@ TEST_CASE("intensities are saved with their points, and a map of before them is 
 
 TEST_CASE("a map that was saved is read as it was") {
   const test::TemporaryDirectory folder;
-  const slam::SavedMap map = small_map();
+  const slam::SavedMap map = small_saved_map();
   slam::write_saved_map(folder.file("map.npz"), map);
   const slam::SavedMap read = slam::read_saved_map(folder.file("map.npz"));
   CHECK(read.edges_m == map.edges_m);

@@ -11,7 +11,7 @@ using namespace hqslam::test;
 
 namespace {
 
-OccupancyMap small_map() {
+OccupancyMap small_occupancy_map() {
   using enum Occupancy;
   return {0.05, {-1.25, 3.5}, 2, 3, {kFree, kOccupied, kUnknown, kUnknown, kFree, kFree}};
 }
@@ -36,10 +36,10 @@ std::string replaced(std::string text, const std::string& what, const std::strin
 
 TEST_CASE("the image is as map_server reads it: the top row first, 254 free, 0 occupied") {
   const TemporaryDirectory folder;
-  write_occupancy_image(small_map(), folder.file("map.pgm"));
+  write_occupancy_image(small_occupancy_map(), folder.file("map.pgm"));
   CHECK(file_contents(folder.file("map.pgm")) ==
         std::string("P5\n# written by hqslam\n3 2\n255\n\xFE\x00\xCD\xCD\xFE\xFE", 37));
-  write_occupancy_yaml(small_map(), "map.pgm", folder.file("map.yaml"));
+  write_occupancy_yaml(small_occupancy_map(), "map.pgm", folder.file("map.yaml"));
   CHECK(file_contents(folder.file("map.yaml")) ==
         "# written by hqslam\nimage: map.pgm\nmode: trinary\nresolution: 0.05\n"
         "origin: [-1.250000, 3.500000, 0.0]\nnegate: 0\noccupied_thresh: 0.65\n"
@@ -48,10 +48,10 @@ TEST_CASE("the image is as map_server reads it: the top row first, 254 free, 0 o
 
 TEST_CASE("a map that was written is read back, and its cells lie where they were") {
   const TemporaryDirectory folder;
-  write_occupancy_image(small_map(), folder.file("map.pgm"));
-  write_occupancy_yaml(small_map(), "map.pgm", folder.file("map.yaml"));
+  write_occupancy_image(small_occupancy_map(), folder.file("map.pgm"));
+  write_occupancy_yaml(small_occupancy_map(), "map.pgm", folder.file("map.yaml"));
   const OccupancyMap map = read_occupancy_map(folder.file("map.yaml"));
-  CHECK(map.cells == small_map().cells);
+  CHECK(map.cells == small_occupancy_map().cells);
   CHECK(map.at({-1.24, 3.56}) == Occupancy::kFree);
   CHECK(map.at({-1.16, 3.56}) == Occupancy::kOccupied);
   CHECK(map.at({-1.24, 3.54}) == Occupancy::kUnknown);

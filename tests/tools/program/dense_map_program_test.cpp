@@ -15,7 +15,6 @@ namespace {
 namespace fs = std::filesystem;
 
 /// All 64 beams, and long enough for scans to vote.
-const std::string& drive_of_64() { return simulated_drive("--sensor os1-64 --seed 5 --scans 24"); }
 
 /// A row of what evaluate-map prints.
 struct MapRow {

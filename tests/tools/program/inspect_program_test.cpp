@@ -36,7 +36,7 @@ struct Inspected {
 };
 
 /// Of the line that begins with this name, the number behind it.
-double number_after(const std::string& text, const std::string& name) {
+double number_of_line(const std::string& text, const std::string& name) {
   const std::size_t line = text.find("\n" + name + " ");
   REQUIRE(line != std::string::npos);
   return std::stod(text.substr(line + 1 + name.size()));
@@ -87,7 +87,7 @@ TEST_CASE("inspect --reference finds differences of arithmetic alone, in what is
   for (const char* name :
        {"layers.0.encoder.0", "layers.0.decoder.0", "weight_1", "probability", "confidence"}) {
     CAPTURE(name);
-    CHECK(number_after(result.out, name) < 1e-3);
+    CHECK(number_of_line(result.out, name) < 1e-3);
   }
   CHECK(holds(file_contents(inspected.page), "Difference from the reference"));
 }

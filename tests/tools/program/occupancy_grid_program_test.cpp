@@ -14,7 +14,6 @@ namespace {
 namespace fs = std::filesystem;
 
 /// The same as for dense maps.
-const std::string& drive_of_64() { return simulated_drive("--sensor os1-64 --seed 5 --scans 24"); }
 
 /// A row of what evaluate-map prints of a grid, shares in percent.
 struct GridRow {

@@ -97,4 +97,9 @@ inline const std::string& simulated_drive(
   return drive;
 }
 
+/// The drive that maps are made of.
+inline const std::string& drive_of_64() {
+  return simulated_drive("--sensor os1-64 --seed 5 --scans 24");
+}
+
 }  // namespace hqslam::test

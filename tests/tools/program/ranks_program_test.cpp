@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "tools/json_of.h"
 #include "tools/program/program.h"
 
 // The program as one of several that mpirun starts.
@@ -43,10 +44,6 @@ std::string recipe(int batch, const std::string& more = "") {
     "steps": 6, "batch": {}, "augmentation": {{"crop_columns": 64}}, "validate_every": 3{}
   }})",
                      batch, more);
-}
-
-nlohmann::json json_of(const std::string& path) {
-  return nlohmann::json::parse(file_contents(path));
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 
 #include "golden_folder.h"
 #include "hqslam/core/trajectory.h"
+#include "tools/json_of.h"
 #include "tools/program/child.h"
 #include "tools/program/program.h"
 
@@ -45,10 +46,6 @@ int interrupted_table(const std::string& out, const std::string& method) {
   const bool is_there = child.wait_until(
       [&] { return fs::exists(results_folder(out, "block-typical", 16) + method + ".json"); });
   return is_there ? child.end(SIGINT) : -1;
-}
-
-nlohmann::json json_of(const std::string& path) {
-  return nlohmann::json::parse(file_contents(path));
 }
 
 /// The number after `label` in a program's output.

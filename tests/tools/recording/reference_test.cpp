@@ -18,7 +18,7 @@ using hqslam::test::TemporaryDirectory;
 
 TEST_CASE("a TUM file has stamps and a KITTI file has none") {
   const TemporaryDirectory folder;
-  const Trajectory poses = test::example_run(5).trajectory;
+  const Trajectory poses = example_run(5).trajectory;
   write_tum(poses, folder.file("a.txt"));
   write_kitti_poses(poses, folder.file("b.txt"));
   CHECK(read_trajectory_file(folder.file("a.txt")).has_stamps);
@@ -27,7 +27,7 @@ TEST_CASE("a TUM file has stamps and a KITTI file has none") {
 
 TEST_CASE("a comment behind a pose does not take a file's stamps away") {
   const TemporaryDirectory folder;
-  const Trajectory poses = test::example_run(5).trajectory;
+  const Trajectory poses = example_run(5).trajectory;
   write_tum(poses, folder.file("plain.txt"));
   std::string text = hqslam::test::file_contents(folder.file("plain.txt"));
   text.insert(text.find('\n'), " # the start of the drive");
@@ -39,8 +39,8 @@ TEST_CASE("a comment behind a pose does not take a file's stamps away") {
 
 TEST_CASE("poses without stamps are those of the other file, one by one") {
   TrajectoryFile file;
-  file.poses = test::example_run(5).trajectory;
-  Trajectory other = test::example_run(3).trajectory;
+  file.poses = example_run(5).trajectory;
+  Trajectory other = example_run(3).trajectory;
   other[2].stamp_s = 77.0;
   const Trajectory stamped = with_stamps_of(file, other);
   REQUIRE(stamped.size() == 3);
@@ -51,8 +51,8 @@ TEST_CASE("poses without stamps are those of the other file, one by one") {
 
 TEST_CASE("poses without stamps are those of the scans that were not left out") {
   TrajectoryFile file;
-  file.poses = test::example_run(5).trajectory;
-  const Trajectory other = test::example_run(3).trajectory;
+  file.poses = example_run(5).trajectory;
+  const Trajectory other = example_run(3).trajectory;
   const Trajectory stamped = with_stamps_of_scans(file, other, {0, 2, 3});
   REQUIRE(stamped.size() == 3);
   for (const auto& [pose, scan] : {std::pair(0, 0), std::pair(1, 2), std::pair(2, 3)}) {
@@ -65,17 +65,17 @@ TEST_CASE("poses without stamps are those of the scans that were not left out") 
 }
 
 TEST_CASE("an estimate in another frame than its reference has no error after alignment") {
-  const SlamRun run = test::example_run(30);
-  const auto comparison = compare_with_reference(run.trajectory, test::example_reference(run, 0.0));
+  const SlamRun run = example_run(30);
+  const auto comparison = compare_with_reference(run.trajectory, example_reference(run, 0.0));
   REQUIRE(comparison);
   CHECK(comparison->error.translation_statistics.max < 1e-9);
   CHECK(comparison->reference.size() == 30);
 }
 
 TEST_CASE("two poses or other stamps are too little to compare") {
-  const SlamRun run = test::example_run(30);
-  TrajectoryFile reference = test::example_reference(run, 0.0);
-  CHECK_FALSE(compare_with_reference(test::example_run(2).trajectory, reference));
+  const SlamRun run = example_run(30);
+  TrajectoryFile reference = example_reference(run, 0.0);
+  CHECK_FALSE(compare_with_reference(example_run(2).trajectory, reference));
   for (StampedPose& pose : reference.poses) {
     pose.stamp_s += 1000.0;
   }

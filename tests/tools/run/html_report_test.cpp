@@ -27,7 +27,7 @@ bool balanced(const std::string& html, const std::string& name) {
 }  // namespace
 
 TEST_CASE("the report needs no other file and no network") {
-  const std::string html = html_report(test::compared_run(30, 0.5));
+  const std::string html = html_report(compared_run(30, 0.5));
   CHECK_FALSE(
       std::regex_search(html, std::regex("(src|href|url)\\s*[=(]\\s*[\"']?(?!data:)[a-z./]")));
   CHECK_FALSE(holds(html, "@import"));
@@ -35,7 +35,7 @@ TEST_CASE("the report needs no other file and no network") {
 }
 
 TEST_CASE("the headline says scans, path, error with its alignment, and speed") {
-  const SlamRun run = test::compared_run(30, 0.5);
+  const SlamRun run = compared_run(30, 0.5);
   REQUIRE(run.comparison);
   const std::string html = html_report(run);
   CHECK(holds(html, "<dd>30</dd>"));
@@ -47,7 +47,7 @@ TEST_CASE("the headline says scans, path, error with its alignment, and speed") 
 
 TEST_CASE(
     "where nothing is known about the way there is no line and no path, parts joined or not") {
-  SlamRun run = test::example_run(30);
+  SlamRun run = example_run(30);
   const auto lines = [](const std::string& html) {
     const std::regex line("class=\"line estimate\"");
     return std::distance(std::sregex_iterator(html.begin(), html.end(), line), {});
@@ -66,7 +66,7 @@ TEST_CASE(
 }
 
 TEST_CASE("every element of the report is closed, with and without a reference") {
-  for (const SlamRun& run : {test::compared_run(30, 0.5), test::example_run(30)}) {
+  for (const SlamRun& run : {compared_run(30, 0.5), example_run(30)}) {
     const std::string html = html_report(run);
     for (const char* name : {"div", "svg", "span", "table", "tr", "td", "th", "p", "dl", "dd", "dt",
                              "ul", "li", "h2", "b", "small", "i"}) {
@@ -77,7 +77,7 @@ TEST_CASE("every element of the report is closed, with and without a reference")
 }
 
 TEST_CASE("a run that ended early says why, and a hostile file name stays text") {
-  SlamRun run = test::example_run(3);
+  SlamRun run = example_run(3);
   run.input = "<img>alert";
   run.end = ReadingEnd::kUnreadableScan;
   run.end_message = "<000003.bin>: truncated";
@@ -88,7 +88,7 @@ TEST_CASE("a run that ended early says why, and a hostile file name stays text")
 }
 
 TEST_CASE("a run without a single scan still makes a page without infinite numbers") {
-  SlamRun run = test::example_run(0);
+  SlamRun run = example_run(0);
   run.end = ReadingEnd::kInterrupted;
   const std::string html = html_report(run);
   CHECK(holds(html, "</html>"));
@@ -96,13 +96,13 @@ TEST_CASE("a run without a single scan still makes a page without infinite numbe
 }
 
 TEST_CASE("a long run is binned: its chart of times does not grow with the drive") {
-  const std::string html = html_report(test::example_run(8000));
+  const std::string html = html_report(example_run(8000));
   CHECK(holds(html, "means of 20 scans"));
   CHECK(html.size() < 600'000);
 }
 
 TEST_CASE("the estimate is coloured by its error where there is a reference") {
-  const SlamRun run = test::compared_run(30, 2.0);
+  const SlamRun run = compared_run(30, 2.0);
   REQUIRE(run.comparison);
   const std::string html = trajectory_plot_html(run);
   const std::regex stroke("stroke:(#[0-9a-f]{6})");
@@ -113,7 +113,7 @@ TEST_CASE("the estimate is coloured by its error where there is a reference") {
 }
 
 TEST_CASE("a reference in another frame is drawn over the estimate, not beside it") {
-  const SlamRun run = test::compared_run(30, 0.0);
+  const SlamRun run = compared_run(30, 0.0);
   REQUIRE(run.comparison);
   const std::string html = trajectory_plot_html(run);
   const auto path_of = [&](const std::string& line) {
@@ -127,7 +127,7 @@ TEST_CASE("a reference in another frame is drawn over the estimate, not beside i
 }
 
 TEST_CASE("without a reference the estimate is one line of one colour") {
-  const std::string html = trajectory_plot_html(test::example_run(30));
+  const std::string html = trajectory_plot_html(example_run(30));
   CHECK_FALSE(holds(html, "line reference"));
   CHECK_FALSE(holds(html, "stroke:#"));
   CHECK(html.find("class=\"line estimate\"") == html.rfind("class=\"line estimate\""));
@@ -135,7 +135,7 @@ TEST_CASE("without a reference the estimate is one line of one colour") {
 
 TEST_CASE("both axes have one scale: the box is as wide in metres as it is drawn") {
   // 29 m along x, margins of 12 m: 53 m x 24 m.
-  const std::string html = trajectory_plot_html(test::example_run(30));
+  const std::string html = trajectory_plot_html(example_run(30));
   CHECK(holds(html, "aspect-ratio:2.2083"));
 }
 

@@ -13,7 +13,7 @@ using slam::Status;
 /// Ten scans, of which the way was lost after the third and the fifth; the last part is the
 /// largest, and one of its scans was not located.
 SlamRun run_of_parts() {
-  SlamRun run = test::example_run(10);
+  SlamRun run = example_run(10);
   run.part_of_scan = {0, 0, 0, 1, 1, 2, 2, 2, 2, 2};
   run.stretch_of_scan = run.part_of_scan;
   run.scans[7].report.mapping_status = Status::kTooFewFeatures;
@@ -30,11 +30,11 @@ TEST_CASE("a dense map takes the scans of one part alone, and no motion from one
   CHECK(poses.is_way_known ==
         std::vector<bool>{true, true, false, true, false, true, true, true, true});
   CHECK(poses.knows_way(9));  // there is no next
-  CHECK(poses_of(test::example_run(3)).is_located == std::vector<bool>(3, true));
+  CHECK(poses_of(example_run(3)).is_located == std::vector<bool>(3, true));
 }
 
 TEST_CASE("nothing is known of the way from a place that was not recognized") {
-  SlamRun run = test::example_run(4);
+  SlamRun run = example_run(4);
   run.scans[0].report.mapping_status = Status::kNotRecognized;
   const ScanPoses poses = poses_of(run);
   CHECK(!poses.knows_way(0));
@@ -45,7 +45,7 @@ TEST_CASE("nothing is known of the way from a place that was not recognized") {
 TEST_CASE("a run of several parts says of which its maps are, and how much is left out") {
   const std::string summary = run_summary(run_of_parts());
   CHECK(holds(summary, "maps: of part 2 alone, 5 scans; the 5 of other parts are left out"));
-  CHECK_FALSE(holds(run_summary(test::example_run(3)), "maps:"));
+  CHECK_FALSE(holds(run_summary(example_run(3)), "maps:"));
 }
 
 }  // namespace hqslam::tools

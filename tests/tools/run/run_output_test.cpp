@@ -26,7 +26,7 @@ const std::set<std::string> kAllResults = {"trajectory.tum", "trajectory.kitti",
 
 TEST_CASE("the results are six files that read back, and no other file is left") {
   const TemporaryDirectory folder;
-  const SlamRun run = test::example_run(10);
+  const SlamRun run = example_run(10);
   RunOutput output(folder.file("a/b"));
   output.write_results(run);
   CHECK(names_in(folder.file("a/b")) == kAllResults);
@@ -36,7 +36,7 @@ TEST_CASE("the results are six files that read back, and no other file is left")
 }
 
 TEST_CASE("the timings hold medians in milliseconds, counts of statuses and every scan") {
-  SlamRun run = test::example_run(10);
+  SlamRun run = example_run(10);
   run.scans[4].report.odometry_status = slam::Status::kDegenerate;
   run.input = "bad \xFF name";
   const nlohmann::json json = nlohmann::json::parse(timings_json(run));
@@ -50,7 +50,7 @@ TEST_CASE("the timings hold medians in milliseconds, counts of statuses and ever
 }
 
 TEST_CASE("the timings list the loops that were found") {
-  SlamRun run = test::example_run(10);
+  SlamRun run = example_run(10);
   CHECK(nlohmann::json::parse(timings_json(run))["loops"].empty());
   run.loops = {{slam::LoopStatus::kClosed, 1, 7, 2, 3.25},
                {slam::LoopStatus::kAgrees, 1, 9, 4, 0.0}};
@@ -65,7 +65,7 @@ TEST_CASE("the timings list the loops that were found") {
 }
 
 TEST_CASE("upsampling is a stage of its own where there is any, and none where there is not") {
-  SlamRun run = test::example_run(3);
+  SlamRun run = example_run(3);
   const nlohmann::json without = nlohmann::json::parse(timings_json(run));
   CHECK(without["upsampled_by"].is_null());
   CHECK_FALSE(without["times_ms"].contains("upsampling"));
@@ -82,10 +82,10 @@ TEST_CASE("upsampling is a stage of its own where there is any, and none where t
 
 TEST_CASE("an earlier run's results are replaced, and a checkpoint leaves none of them behind") {
   const TemporaryDirectory folder;
-  RunOutput(folder.path().string()).write_results(test::example_run(10));
+  RunOutput(folder.path().string()).write_results(example_run(10));
   RunOutput output(folder.path().string());
   CHECK(names_in(folder.path()) == kAllResults);
-  output.write_checkpoint(test::example_run(4));
+  output.write_checkpoint(example_run(4));
   CHECK(names_in(folder.path()) ==
         std::set<std::string>{"trajectory.tum", "trajectory.kitti", "timings.json"});
   CHECK(read_tum(folder.file("trajectory.tum")).size() == 4);
@@ -94,7 +94,7 @@ TEST_CASE("an earlier run's results are replaced, and a checkpoint leaves none o
 TEST_CASE("a file of somebody else beside the results stays") {
   const TemporaryDirectory folder;
   write_file(folder.file("notes.txt"), "mine");
-  RunOutput(folder.path().string()).write_results(test::example_run(3));
+  RunOutput(folder.path().string()).write_results(example_run(3));
   CHECK(file_contents(folder.file("notes.txt")) == "mine");
 }
 
@@ -102,9 +102,8 @@ TEST_CASE("a file in the place of the folder or above it is one clear line") {
   const TemporaryDirectory folder;
   write_file(folder.file("out"), "");
   CHECK(refused_with([&] { RunOutput(folder.file("out")); }, "out", "--out"));
-  CHECK(refused_with(
-      [&] { RunOutput(folder.file("out/deeper")).write_checkpoint(test::example_run(1)); },
-      "deeper", "--out"));
+  CHECK(refused_with([&] { RunOutput(folder.file("out/deeper")).write_checkpoint(example_run(1)); },
+                     "deeper", "--out"));
 }
 
 namespace {
@@ -121,7 +120,7 @@ std::vector<std::string> split(const std::string& text, char separator) {
 TEST_CASE(
     "the covariances are a line per scan: stamp, status, part and six rows of six, named above "
     "them") {
-  SlamRun run = test::example_run(3);
+  SlamRun run = example_run(3);
   for (int i = 0; i < 36; ++i) run.scans[1].report.covariance(i / 6, i % 6) = 0.25 * i;
   run.scans[1].report.mapping_status = slam::Status::kTooFewFeatures;
   run.part_of_scan[1] = 2;

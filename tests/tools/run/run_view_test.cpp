@@ -39,7 +39,7 @@ TEST_CASE("of a drive of any length some scans are kept, evenly from its beginni
 }
 
 TEST_CASE("a scan's points are where the sensor was when it saw them, measured ones told apart") {
-  SlamRun run = test::example_run(3);
+  SlamRun run = example_run(3);
   run.measured_rows = RowSelection{3, 4};
   KeptScans scans;
   for (std::size_t pose = 0; pose < 3; ++pose) scans.offer(pose, two_columns(8));
@@ -57,7 +57,7 @@ TEST_CASE("a scan's points are where the sensor was when it saw them, measured o
 }
 
 TEST_CASE("the path ends where the way is not known, and other parts of the map are not shown") {
-  SlamRun run = test::example_run(30);
+  SlamRun run = example_run(30);
   run.loops.push_back({slam::LoopStatus::kClosed, 1, 20, 2, 0.5});
   CHECK(view_of(run).path_m.size() == 1);
   CHECK(view_of(run).loops_m.size() == 1);
@@ -72,7 +72,7 @@ TEST_CASE("the path ends where the way is not known, and other parts of the map 
 }
 
 TEST_CASE("the dense map comes first, with its confidence") {
-  const SlamRun run = test::example_run(3);
+  const SlamRun run = example_run(3);
   DenseMapRun map;
   map.points = {{{1.0F, 2.0F, 3.0F}, 0.7F, 2}};
   const TurningView view = view_of(run, &map);

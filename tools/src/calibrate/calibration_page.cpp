@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 
 #include <functional>
-#include <numbers>
 #include <vector>
 
+#include "hqslam/core/angles.h"
 #include "report/chart.h"
 
 namespace hqslam::tools {
@@ -13,7 +13,6 @@ namespace {
 
 using slam::BeamCorrection;
 
-constexpr double kDegreesPerRadian = 180.0 / std::numbers::pi;
 constexpr double kMillimetres = 1000.0;
 
 std::vector<double> of_beams(const CalibrationReport& report,

@@ -25,6 +25,34 @@ namespace fs = std::filesystem;
   throw Error("{}: is there already and {}; give another --out or move it", path.string(), why);
 }
 
+std::filesystem::path part_of(std::filesystem::path path) { return path += ".part"; }
+
+constexpr std::array<const char*, 10> kDriveFiles = {
+    "scans.npy",   "intensity.npy",     "sensor.json",        "drive.json", "truth.tum",
+    "truth.kitti", "truth_columns.npy", "sensor_errors.json", "imu.csv",    "imu_biases.csv"};
+constexpr std::string_view kMarkerFile = "drive.json";  // is replaced, not removed
+constexpr std::array<const char*, 2> kScanFolders = {"bin", "pcd"};
+
+/// The file that says what the drive is comes first: it marks the folder however little else is
+/// there, because a disk was full or the program was killed.
+bool written_by_simulate(const fs::path& folder) {
+  try {
+    sim::read_drive_json((folder / "drive.json").string());
+    return true;
+  } catch (const Error&) {
+    return false;
+  }
+}
+
+/// bin/000123.bin, pcd/000123.pcd, and what a program that was killed left of one
+bool is_numbered_scan(fs::path file, const std::string& extension) {
+  if (file.extension() == ".part") file.replace_extension();
+  const std::string stem = file.stem().string();
+  return file.extension() == "." + extension && stem.size() >= 6 &&
+         std::all_of(stem.begin(), stem.end(),
+                     [](unsigned char c) { return std::isdigit(c) != 0; });
+}
+
 }  // namespace
 
 void refuse_to_replace(const fs::path& file, const Paths& inputs) {
@@ -111,12 +139,6 @@ FolderLock::FolderLock(const std::filesystem::path& folder) : FileLock(folder) {
       folder.string());
 }
 
-namespace {
-
-std::filesystem::path part_of(std::filesystem::path path) { return path += ".part"; }
-
-}  // namespace
-
 void remove_results(const fs::path& folder, std::span<const char* const> names) {
   std::error_code ignored;
   for (const char* name : names) {
@@ -146,36 +168,6 @@ void PartFiles::rename() {
 void write_text_file(const std::string& text, const std::string& path) {
   replace_file(path, [&](const std::string& part) { write_whole_file(part, text); });
 }
-
-namespace {
-
-constexpr std::array<const char*, 10> kDriveFiles = {
-    "scans.npy",   "intensity.npy",     "sensor.json",        "drive.json", "truth.tum",
-    "truth.kitti", "truth_columns.npy", "sensor_errors.json", "imu.csv",    "imu_biases.csv"};
-constexpr std::string_view kMarkerFile = "drive.json";  // is replaced, not removed
-constexpr std::array<const char*, 2> kScanFolders = {"bin", "pcd"};
-
-/// The file that says what the drive is comes first: it marks the folder however little else is
-/// there, because a disk was full or the program was killed.
-bool written_by_simulate(const fs::path& folder) {
-  try {
-    sim::read_drive_json((folder / "drive.json").string());
-    return true;
-  } catch (const Error&) {
-    return false;
-  }
-}
-
-/// bin/000123.bin, pcd/000123.pcd, and what a program that was killed left of one
-bool is_numbered_scan(fs::path file, const std::string& extension) {
-  if (file.extension() == ".part") file.replace_extension();
-  const std::string stem = file.stem().string();
-  return file.extension() == "." + extension && stem.size() >= 6 &&
-         std::all_of(stem.begin(), stem.end(),
-                     [](unsigned char c) { return std::isdigit(c) != 0; });
-}
-
-}  // namespace
 
 void remove_numbered_scans(const fs::path& folder, const std::string& extension) {
   if (!fs::is_directory(folder)) return;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "hqslam/core/median.h"
 #include "hqslam/core/scan_source.h"
 #include "hqslam/slam/scan_trace.h"
 #include "hqslam/slam/slam.h"
@@ -33,9 +34,7 @@ std::optional<double> median_distance_m(const slam::ScanTrace& trace) {
     }
   }
   if (distances_m.size() < kFewestFeatures) return std::nullopt;
-  const auto middle = distances_m.begin() + static_cast<std::ptrdiff_t>(distances_m.size() / 2);
-  std::nth_element(distances_m.begin(), middle, distances_m.end());
-  return *middle;
+  return median(std::move(distances_m));
 }
 
 std::vector<ScanFit> fits(const std::string& input, const SensorModel& sensor,

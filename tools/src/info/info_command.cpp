@@ -3,11 +3,11 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <numbers>
 #include <utility>
 
 #include "commands.h"
 #include "files/result_files.h"
+#include "hqslam/core/angles.h"
 #include "hqslam/core/error.h"
 #include "hqslam/recordings/recording.h"
 #include "info/capture_check.h"
@@ -31,7 +31,7 @@ std::string sensor_line(const recordings::RecordingInfo& info) {
 std::string beams_line(const SensorModel& sensor) {
   std::vector<std::string> angles_deg;
   for (const double angle_rad : sensor.beam_elevation_rad) {
-    angles_deg.push_back(fmt::format("{:.4g}", angle_rad * 180.0 / std::numbers::pi));
+    angles_deg.push_back(fmt::format("{:.4g}", degrees(angle_rad)));
   }
   return fmt::format("{} degrees", fmt::join(angles_deg, " "));
 }

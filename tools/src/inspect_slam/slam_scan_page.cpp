@@ -4,9 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <numeric>
 
+#include "hqslam/core/angles.h"
+#include "hqslam/core/median.h"
 #include "hqslam/slam/status.h"
 #include "report/chart.h"
 #include "report/page.h"
@@ -16,8 +17,6 @@ namespace {
 
 using slam::FeatureKind;
 using slam::TracedFeature;
-
-constexpr double kDegreesPerRadian = 180.0 / std::numbers::pi;
 
 constexpr const char* kStyle = R"css(
 figure { margin: .75rem 0; }
@@ -89,16 +88,12 @@ std::string poses_html(const slam::ScanTrace& trace) {
   return html + "</table>\n" + poses_picture(trace);
 }
 
-double median(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 std::string matches_html(const slam::ScanTrace& trace) {
   const auto information = [](const TracedFeature& feature) {
     return feature.is_matched ? feature.weight_per_m * feature.weight_per_m : 0.0;
+  };
+  const auto middle = [](const std::vector<double>& values) {
+    return values.empty() ? 0.0 : median(values);
   };
   const double all = std::accumulate(
       trace.features.begin(), trace.features.end(), 0.0,
@@ -123,7 +118,7 @@ std::string matches_html(const slam::ScanTrace& trace) {
     html += fmt::format(
         "<tr><td>{}</td><td>{}</td><td>{}</td><td>{:.1f}</td><td>{:.1f}</td><td>{:.0f} "
         "%</td></tr>\n",
-        name(kind), features, residuals_m.size(), 1e3 * median(residuals_m), median(weights_per_m),
+        name(kind), features, residuals_m.size(), 1e3 * middle(residuals_m), middle(weights_per_m),
         all > 0.0 ? 100.0 * sum / all : 0.0);
   }
   return html + "</table>\n";

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <utility>
 
+#include "hqslam/core/angles.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/npy.h"
 #include "hqslam/nn/upsampled_cloud.h"
@@ -12,7 +13,6 @@
 namespace hqslam::tools {
 namespace {
 
-constexpr double kDegreesPerRadian = 57.29577951308232;
 /// Without --rows every fourth row is measured, if there are so many that this makes sense.
 constexpr int kInterpolationFactor = 4;
 constexpr int kFewestRowsToThin = 64;

@@ -169,29 +169,6 @@ window.onresize = draw;
 ask();
 )js";
 
-}  // namespace
-
-std::string live_page(const std::string& title) {
-  const std::string escaped = escape_html(title);
-  return fmt::format(
-      "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
-      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
-      "<title>{0}</title>\n<link rel=\"icon\" href=\"data:,\">\n<style>{1}</style>\n</head>\n"
-      "<body>\n<header><h1>{0}</h1><dl>\n"
-      "<div><dt>position</dt><dd id=\"position\">-</dd></div>\n"
-      "<div><dt>path</dt><dd id=\"path\">-</dd></div>\n"
-      "<div><dt>rate</dt><dd id=\"rate\">-</dd></div>\n"
-      "<div><dt>latency</dt><dd id=\"latency\">-</dd></div>\n"
-      "<div><dt>lost</dt><dd id=\"lost\">-</dd></div>\n"
-      "<div><dt>mapping</dt><dd id=\"mapping\">-</dd></div>\n"
-      "</dl><button id=\"all\">show all</button><a href=\"/turning\">turn it</a><span "
-      "id=\"gone\"></span></header>\n"
-      "<canvas id=\"map\"></canvas>\n<script>{2}</script>\n</body>\n</html>\n",
-      escaped, kStyle, kScript);
-}
-
-namespace {
-
 // The scan's controls go: there is one scan, the last.
 constexpr const char* kTurningStyle = R"css(
 body { max-width: none; padding-top: 0; }
@@ -215,6 +192,25 @@ if (view.renew) { view.querySelector('[data-view=behind]').click(); ask(); }
 )js";
 
 }  // namespace
+
+std::string live_page(const std::string& title) {
+  const std::string escaped = escape_html(title);
+  return fmt::format(
+      "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
+      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
+      "<title>{0}</title>\n<link rel=\"icon\" href=\"data:,\">\n<style>{1}</style>\n</head>\n"
+      "<body>\n<header><h1>{0}</h1><dl>\n"
+      "<div><dt>position</dt><dd id=\"position\">-</dd></div>\n"
+      "<div><dt>path</dt><dd id=\"path\">-</dd></div>\n"
+      "<div><dt>rate</dt><dd id=\"rate\">-</dd></div>\n"
+      "<div><dt>latency</dt><dd id=\"latency\">-</dd></div>\n"
+      "<div><dt>lost</dt><dd id=\"lost\">-</dd></div>\n"
+      "<div><dt>mapping</dt><dd id=\"mapping\">-</dd></div>\n"
+      "</dl><button id=\"all\">show all</button><a href=\"/turning\">turn it</a><span "
+      "id=\"gone\"></span></header>\n"
+      "<canvas id=\"map\"></canvas>\n<script>{2}</script>\n</body>\n</html>\n",
+      escaped, kStyle, kScript);
+}
 
 std::string live_turning_page(const std::string& title, const TurningView& view) {
   Page page(title);

@@ -23,59 +23,6 @@ std::uint64_t cell(float coordinate_m, float voxel_m) {
   return static_cast<std::uint64_t>(index + (1 << 20)) & 0x1FFFFF;
 }
 
-}  // namespace
-
-bool LiveMap::take_voxel(const Eigen::Vector3f& point_m) {
-  const std::uint64_t key = cell(point_m.x(), voxel_m_) << 42 | cell(point_m.y(), voxel_m_) << 21 |
-                            cell(point_m.z(), voxel_m_);
-  return taken_.insert(key).second;
-}
-
-void LiveMap::add(const Eigen::Vector3f& point_m, const Seen& seen) {
-  if (!point_m.allFinite() || point_m.cwiseAbs().maxCoeff() > kFarthest_m) return;
-  if (!take_voxel(point_m)) return;
-  points_m_.push_back(point_m);
-  seen_.push_back(seen);
-  if (points_m_.size() >= kMostPoints) coarsen();
-}
-
-/// Until half of the room is free again.
-void LiveMap::coarsen() {
-  while (points_m_.size() > kMostPoints / 2) {
-    voxel_m_ *= 2.0F;
-    taken_.clear();
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i < points_m_.size(); ++i) {
-      if (!take_voxel(points_m_[i])) continue;
-      points_m_[kept] = points_m_[i];
-      seen_[kept++] = seen_[i];
-    }
-    points_m_.resize(kept);
-    seen_.resize(kept);
-  }
-  ++generation_;
-}
-
-void LiveMap::move_to(const Trajectory& trajectory) {
-  const std::vector<Seen> seen = std::exchange(seen_, {});
-  points_m_.clear();
-  taken_.clear();
-  ++generation_;
-  for (const Seen& point : seen) {
-    if (point.scan >= trajectory.size()) continue;
-    add(trajectory[point.scan].T_map_sensor.cast<float>() * point.point_m, point);
-  }
-}
-
-std::vector<float> LiveMap::intensity() const {
-  std::vector<float> intensity;
-  intensity.reserve(seen_.size());
-  for (const Seen& point : seen_) intensity.push_back(point.intensity);
-  return intensity;
-}
-
-namespace {
-
 using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kMostPointsAtOnce = 20'000;
@@ -168,6 +115,55 @@ std::string json_of(const ViewState& state) {
 }
 
 }  // namespace
+
+bool LiveMap::take_voxel(const Eigen::Vector3f& point_m) {
+  const std::uint64_t key = cell(point_m.x(), voxel_m_) << 42 | cell(point_m.y(), voxel_m_) << 21 |
+                            cell(point_m.z(), voxel_m_);
+  return taken_.insert(key).second;
+}
+
+void LiveMap::add(const Eigen::Vector3f& point_m, const Seen& seen) {
+  if (!point_m.allFinite() || point_m.cwiseAbs().maxCoeff() > kFarthest_m) return;
+  if (!take_voxel(point_m)) return;
+  points_m_.push_back(point_m);
+  seen_.push_back(seen);
+  if (points_m_.size() >= kMostPoints) coarsen();
+}
+
+/// Until half of the room is free again.
+void LiveMap::coarsen() {
+  while (points_m_.size() > kMostPoints / 2) {
+    voxel_m_ *= 2.0F;
+    taken_.clear();
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < points_m_.size(); ++i) {
+      if (!take_voxel(points_m_[i])) continue;
+      points_m_[kept] = points_m_[i];
+      seen_[kept++] = seen_[i];
+    }
+    points_m_.resize(kept);
+    seen_.resize(kept);
+  }
+  ++generation_;
+}
+
+void LiveMap::move_to(const Trajectory& trajectory) {
+  const std::vector<Seen> seen = std::exchange(seen_, {});
+  points_m_.clear();
+  taken_.clear();
+  ++generation_;
+  for (const Seen& point : seen) {
+    if (point.scan >= trajectory.size()) continue;
+    add(trajectory[point.scan].T_map_sensor.cast<float>() * point.point_m, point);
+  }
+}
+
+std::vector<float> LiveMap::intensity() const {
+  std::vector<float> intensity;
+  intensity.reserve(seen_.size());
+  for (const Seen& point : seen_) intensity.push_back(point.intensity);
+  return intensity;
+}
 
 void LiveView::add_position(const PathPosition& position) {
   if (!positions_.empty() && positions_.back().segment == position.segment &&

@@ -120,6 +120,29 @@ Pose T_camera_map_behind(const Pose& T_map_sensor) {
   return T_map_camera.inverse();
 }
 
+/// Points per pixel.
+std::vector<int> counts_from_above(const std::vector<Eigen::Vector3f>& points_m, const PlotBox& box,
+                                   int rows, int columns) {
+  std::vector<int> counts(static_cast<std::size_t>(rows) * columns, 0);
+  for (const Eigen::Vector3f& point_m : points_m) {
+    const double column = to_plot_x(box, point_m.x()) / kPlotUnits * columns;
+    const double row = to_plot_y(box, point_m.y()) / kPlotUnits * rows;
+    if (row >= 0.0 && row < rows && column >= 0.0 && column < columns) {
+      ++counts[static_cast<std::size_t>(row) * columns + static_cast<std::size_t>(column)];
+    }
+  }
+  return counts;
+}
+
+/// A count that few pixels exceed: the darkest grey stands for it.
+int dark_count(std::vector<int> counts) {
+  counts.erase(std::remove(counts.begin(), counts.end(), 0), counts.end());
+  if (counts.empty()) return 1;
+  const auto rank = static_cast<std::ptrdiff_t>(0.99 * static_cast<double>(counts.size() - 1));
+  std::nth_element(counts.begin(), counts.begin() + rank, counts.end());
+  return std::max(1, counts[static_cast<std::size_t>(rank)]);
+}
+
 }  // namespace
 
 std::array<double, 2> range_of(const std::vector<Eigen::Vector3f>& points_m, int axis,
@@ -188,33 +211,6 @@ RgbImage cloud_in_perspective(const CloudScene& scene, int rows, int columns) {
   }
   return image.shaded();
 }
-
-namespace {
-
-/// Points per pixel.
-std::vector<int> counts_from_above(const std::vector<Eigen::Vector3f>& points_m, const PlotBox& box,
-                                   int rows, int columns) {
-  std::vector<int> counts(static_cast<std::size_t>(rows) * columns, 0);
-  for (const Eigen::Vector3f& point_m : points_m) {
-    const double column = to_plot_x(box, point_m.x()) / kPlotUnits * columns;
-    const double row = to_plot_y(box, point_m.y()) / kPlotUnits * rows;
-    if (row >= 0.0 && row < rows && column >= 0.0 && column < columns) {
-      ++counts[static_cast<std::size_t>(row) * columns + static_cast<std::size_t>(column)];
-    }
-  }
-  return counts;
-}
-
-/// A count that few pixels exceed: the darkest grey stands for it.
-int dark_count(std::vector<int> counts) {
-  counts.erase(std::remove(counts.begin(), counts.end(), 0), counts.end());
-  if (counts.empty()) return 1;
-  const auto rank = static_cast<std::ptrdiff_t>(0.99 * static_cast<double>(counts.size() - 1));
-  std::nth_element(counts.begin(), counts.begin() + rank, counts.end());
-  return std::max(1, counts[static_cast<std::size_t>(rank)]);
-}
-
-}  // namespace
 
 RgbImage density_from_above(const std::vector<Eigen::Vector3f>& points_m, const PlotBox& box,
                             int rows, int columns) {

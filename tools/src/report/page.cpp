@@ -143,19 +143,6 @@ figure img.rows { height: 8rem; image-rendering: pixelated; }
 figcaption { color: var(--quiet); font-size: .85rem; }
 )css";
 
-}  // namespace
-
-std::string page_html(std::string_view title, std::string_view style, std::string_view body,
-                      std::string_view head) {
-  return fmt::format(
-      "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n{}"
-      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
-      "<title>{}</title>\n<style>{}{}</style>\n</head>\n<body>\n{}</body>\n</html>\n",
-      head, title, kReportStyle, style, body);
-}
-
-namespace {
-
 std::string row_html(const std::vector<std::string>& cells, const char* element,
                      const std::string& link) {
   std::string html = "<tr>";
@@ -169,6 +156,15 @@ std::string row_html(const std::vector<std::string>& cells, const char* element,
 }
 
 }  // namespace
+
+std::string page_html(std::string_view title, std::string_view style, std::string_view body,
+                      std::string_view head) {
+  return fmt::format(
+      "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n{}"
+      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
+      "<title>{}</title>\n<style>{}{}</style>\n</head>\n<body>\n{}</body>\n</html>\n",
+      head, title, kReportStyle, style, body);
+}
 
 Page::Page(std::string_view title) : title_(escape_html(title)) {}
 

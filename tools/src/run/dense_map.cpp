@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <string_view>
-#include <system_error>
 #include <utility>
 
 #include "commands.h"
@@ -75,6 +74,14 @@ constexpr int kPictureColumns = 1600;
 constexpr int kAboveRows = 1200;
 constexpr int kPerspectiveRows = 900;
 
+std::string no_scan_message(const DenseMapRun& run, const MapOptions& options) {
+  if (run.scans_left_out == 0 && run.not_understood.scans > 0) return run.not_understood.text();
+  return fmt::format(
+      "{}: none of its poses is within 0.02 s of one of {} scans of {}; give poses with the stamps "
+      "of the scans",
+      options.poses, run.scans_left_out, options.input);
+}
+
 }  // namespace
 
 DenseMapPictures pictures_of(const DenseMapRun& run, const Trajectory& path) {
@@ -110,18 +117,6 @@ void write_dense_map(const DenseMapRun& run, const DenseMapPictures& pictures,
   write_png(pictures.perspective, parts.add(folder / "dense_map_perspective.png"));
   parts.rename();
 }
-
-namespace {
-
-std::string no_scan_message(const DenseMapRun& run, const MapOptions& options) {
-  if (run.scans_left_out == 0 && run.not_understood.scans > 0) return run.not_understood.text();
-  return fmt::format(
-      "{}: none of its poses is within 0.02 s of one of {} scans of {}; give poses with the stamps "
-      "of the scans",
-      options.poses, run.scans_left_out, options.input);
-}
-
-}  // namespace
 
 std::string dense_map_summary(const DenseMapRun& run) {
   std::string summary = fmt::format("dense map: {} points, one per {} m, of {} scans, {:.1f} s",

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <numeric>
 
+#include "hqslam/core/angles.h"
 #include "report/chart.h"
 #include "report/page.h"
 #include "report/turning_view.h"
@@ -13,8 +14,6 @@
 
 namespace hqslam::tools {
 namespace {
-
-constexpr double kDegreesPerRadian = 57.29577951308232;
 
 PageNumber path_length(const SlamRun& run) {
   const double path_m = known_path_m(run);

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <iterator>
 #include <memory>
-#include <numbers>
 
 #include "commands.h"
+#include "hqslam/core/angles.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/point_fields.h"
 #include "recording/recording_choice.h"
@@ -122,7 +122,7 @@ Pose start_on_path(const std::vector<slam::SavedPlace>& places, const std::vecto
                        [&](const auto& a, const auto& b) { return distance_m(a) < distance_m(b); });
   const Eigen::Vector3d rpy_rad = roll_pitch_yaw_rad(nearest->T_map_sensor);
   return pose_from_xyz_rpy({start[0], start[1], nearest->T_map_sensor.translation().z()},
-                           rpy_rad.x(), rpy_rad.y(), start[2] * std::numbers::pi / 180.0);
+                           rpy_rad.x(), rpy_rad.y(), radians(start[2]));
 }
 
 /// Of a saved map, or of any cloud.

@@ -5,9 +5,9 @@
 #include <omp.h>
 
 #include <algorithm>
-#include <numbers>
 #include <set>
 
+#include "hqslam/core/angles.h"
 #include "hqslam/evaluation/trajectory_error.h"
 #include "timing/timing.h"
 
@@ -20,6 +20,80 @@ slam::Slam slam_of(const SensorModel& sensor, const slam::SlamOptions& options,
   if (!map) return {sensor, options};
   if (map->is_extended) return slam::Slam::extending(sensor, options, map->map);
   return {sensor, options, map->map, map->T_map_level_start};
+}
+
+std::size_t largest_part(const SlamRun& run) {
+  const std::map<std::size_t, std::int64_t> parts = scans_of_parts(run);
+  const auto largest = std::max_element(
+      parts.begin(), parts.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+  return largest == parts.end() ? 0 : largest->first;
+}
+
+/// "mapping: 198 scans ok, 2 degenerate; 1 loop closed"
+std::string mapping_summary(const SlamRun& run) {
+  std::vector<std::string> counts;
+  for (const auto& [status, scans] : status_counts(run, &slam::ScanReport::mapping_status)) {
+    if (scans > 0) {
+      counts.push_back(
+          fmt::format("{}{} {}", scans, counts.empty() ? " scans" : "", slam::name(status)));
+    }
+  }
+  std::string summary = fmt::format("mapping: {}", fmt::join(counts, ", "));
+  if (run.slam.loop_closing.enabled) {
+    const std::int64_t closed = loops_closed(run);
+    summary += fmt::format("; {} loop{} closed", closed, closed == 1 ? "" : "s");
+  }
+  const std::size_t parts = scans_of_parts(run).size();
+  if (parts > 1) summary += fmt::format("; {} parts of the path, not joined", parts);
+  return summary;
+}
+
+/// "mounting: roll 0.1, pitch 12.0 degrees, estimated from the ground"; nothing of a level one
+std::string mounting_summary(const SlamRun& run) {
+  const slam::MountingOptions& mounted = run.mounting;
+  const bool is_level = mounted.roll_rad == 0.0 && mounted.pitch_rad == 0.0;
+  if (is_level && !run.slam.mounting.estimated) return "";
+  const char* how = mounted.estimated             ? ", estimated from the ground"
+                    : run.slam.mounting.estimated ? "; not estimated, no ground was found"
+                                                  : "";
+  return fmt::format("mounting: roll {:.1f}, pitch {:.1f} degrees{}\n",
+                     kDegreesPerRadian * mounted.roll_rad, kDegreesPerRadian * mounted.pitch_rad,
+                     how);
+}
+
+/// The median share of a scan's returns that lie on the ground; 1 where nothing was seen.
+double median_ground_share(const SlamRun& run) {
+  std::vector<double> shares;
+  for (const ScanRecord& scan : run.scans) {
+    if (scan.report.returns == 0) continue;
+    shares.push_back(static_cast<double>(scan.report.ground_points) / scan.report.returns);
+  }
+  return shares.empty() ? 1.0 : distribution_of(shares).median;
+}
+
+/// Sensors on the road, on robots and in hands see a third of their returns and more on the ground,
+/// one that hangs upside down and of which that was not said 5 to 9 %, rooms 5 %.
+constexpr double kLittleGround = 0.1;
+
+/// What a user may have forgotten to say; empty where enough ground was seen.
+std::string ground_summary(const SlamRun& run) {
+  const double share = median_ground_share(run);
+  if (share >= kLittleGround) return "";
+  return fmt::format(
+      "ground: only {:.0f} % of what was seen; usual in rooms, elsewhere the sensor may lean or "
+      "hang upside down: say so (mounting in hqslam slam-options)\n",
+      100.0 * share);
+}
+
+/// Of which part of the map the maps are, if there are several.
+std::string map_summary(const SlamRun& run) {
+  const std::map<std::size_t, std::int64_t> parts = scans_of_parts(run);
+  if (parts.size() < 2) return "";
+  const std::int64_t scans = parts.at(run.map_part);
+  return fmt::format(
+      "maps: of part {} alone, {} scans; the {} of other parts are left out, for how they lie to "
+      "it is not known\n",
+      run.map_part, scans, std::ssize(run.scans) - scans);
 }
 
 }  // namespace
@@ -109,17 +183,6 @@ std::map<std::size_t, std::int64_t> scans_of_parts(const SlamRun& run) {
   return result;
 }
 
-namespace {
-
-std::size_t largest_part(const SlamRun& run) {
-  const std::map<std::size_t, std::int64_t> parts = scans_of_parts(run);
-  const auto largest = std::max_element(
-      parts.begin(), parts.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
-  return largest == parts.end() ? 0 : largest->first;
-}
-
-}  // namespace
-
 SlamSession::SlamSession(LiftedInput& input, const slam::SlamOptions& options,
                          const std::optional<GivenMap>& map)
     : input_(input), memory_(input.lifter()), slam_(slam_of(input.seen(), options, map)) {
@@ -189,77 +252,6 @@ SlamRun SlamSession::finished(bool save_map) {
   if (save_map && !is_elsewhere) run_.saved_map = slam_.saved_map();
   return std::move(run_);
 }
-
-namespace {
-
-/// "mapping: 198 scans ok, 2 degenerate; 1 loop closed"
-std::string mapping_summary(const SlamRun& run) {
-  std::vector<std::string> counts;
-  for (const auto& [status, scans] : status_counts(run, &slam::ScanReport::mapping_status)) {
-    if (scans > 0) {
-      counts.push_back(
-          fmt::format("{}{} {}", scans, counts.empty() ? " scans" : "", slam::name(status)));
-    }
-  }
-  std::string summary = fmt::format("mapping: {}", fmt::join(counts, ", "));
-  if (run.slam.loop_closing.enabled) {
-    const std::int64_t closed = loops_closed(run);
-    summary += fmt::format("; {} loop{} closed", closed, closed == 1 ? "" : "s");
-  }
-  const std::size_t parts = scans_of_parts(run).size();
-  if (parts > 1) summary += fmt::format("; {} parts of the path, not joined", parts);
-  return summary;
-}
-
-/// "mounting: roll 0.1, pitch 12.0 degrees, estimated from the ground"; nothing of a level one
-std::string mounting_summary(const SlamRun& run) {
-  constexpr double kDegrees = 180.0 / std::numbers::pi;
-  const slam::MountingOptions& mounted = run.mounting;
-  const bool is_level = mounted.roll_rad == 0.0 && mounted.pitch_rad == 0.0;
-  if (is_level && !run.slam.mounting.estimated) return "";
-  const char* how = mounted.estimated             ? ", estimated from the ground"
-                    : run.slam.mounting.estimated ? "; not estimated, no ground was found"
-                                                  : "";
-  return fmt::format("mounting: roll {:.1f}, pitch {:.1f} degrees{}\n", kDegrees * mounted.roll_rad,
-                     kDegrees * mounted.pitch_rad, how);
-}
-
-/// The median share of a scan's returns that lie on the ground; 1 where nothing was seen.
-double median_ground_share(const SlamRun& run) {
-  std::vector<double> shares;
-  for (const ScanRecord& scan : run.scans) {
-    if (scan.report.returns == 0) continue;
-    shares.push_back(static_cast<double>(scan.report.ground_points) / scan.report.returns);
-  }
-  return shares.empty() ? 1.0 : distribution_of(shares).median;
-}
-
-/// Sensors on the road, on robots and in hands see a third of their returns and more on the ground,
-/// one that hangs upside down and of which that was not said 5 to 9 %, rooms 5 %.
-constexpr double kLittleGround = 0.1;
-
-/// What a user may have forgotten to say; empty where enough ground was seen.
-std::string ground_summary(const SlamRun& run) {
-  const double share = median_ground_share(run);
-  if (share >= kLittleGround) return "";
-  return fmt::format(
-      "ground: only {:.0f} % of what was seen; usual in rooms, elsewhere the sensor may lean or "
-      "hang upside down: say so (mounting in hqslam slam-options)\n",
-      100.0 * share);
-}
-
-/// Of which part of the map the maps are, if there are several.
-std::string map_summary(const SlamRun& run) {
-  const std::map<std::size_t, std::int64_t> parts = scans_of_parts(run);
-  if (parts.size() < 2) return "";
-  const std::int64_t scans = parts.at(run.map_part);
-  return fmt::format(
-      "maps: of part {} alone, {} scans; the {} of other parts are left out, for how they lie to "
-      "it is not known\n",
-      run.map_part, scans, std::ssize(run.scans) - scans);
-}
-
-}  // namespace
 
 std::string run_summary(const SlamRun& run) {
   std::string summary =

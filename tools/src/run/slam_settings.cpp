@@ -59,6 +59,19 @@ void set_from_text(slam::SlamOptions& options, const std::string& text) {
   slam::set_option(options, text.substr(0, equals), value);
 }
 
+std::string json_of_defaults() {
+  const slam::SlamOptions defaults;
+  Json json;
+  for (const slam::NamedOption& option : slam::option_table()) {
+    const std::size_t point = option.name.find('.');
+    const std::string part(option.name.substr(0, point));
+    const std::string field(option.name.substr(point + 1));
+    const double value = option.get(defaults);
+    json[part][field] = option.is_whole ? Json(static_cast<int>(value)) : Json(value);
+  }
+  return json.dump(2) + "\n";
+}
+
 }  // namespace
 
 void declare_slam_settings(Command& command, SlamSettings& settings) {
@@ -94,23 +107,6 @@ std::vector<std::pair<std::string, double>> changed_options(const slam::SlamOpti
   }
   return changed;
 }
-
-namespace {
-
-std::string json_of_defaults() {
-  const slam::SlamOptions defaults;
-  Json json;
-  for (const slam::NamedOption& option : slam::option_table()) {
-    const std::size_t point = option.name.find('.');
-    const std::string part(option.name.substr(0, point));
-    const std::string field(option.name.substr(point + 1));
-    const double value = option.get(defaults);
-    json[part][field] = option.is_whole ? Json(static_cast<int>(value)) : Json(value);
-  }
-  return json.dump(2) + "\n";
-}
-
-}  // namespace
 
 void declare_slam_options(CLI::App& app, SlamOptionsCommand& options) {
   add_command(app, "slam-options",

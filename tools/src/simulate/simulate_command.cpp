@@ -4,10 +4,10 @@
 
 #include <charconv>
 #include <cmath>
-#include <numbers>
 #include <set>
 
 #include "files/result_files.h"
+#include "hqslam/core/angles.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/sensor_model.h"
 #include "hqslam/sim/drive.h"
@@ -32,6 +32,36 @@ std::uint64_t seed_of(std::string_view text, const std::string& list) {
   const std::optional<std::uint64_t> seed = seed_from(text);
   if (!seed) fail(list);
   return *seed;
+}
+
+/// Of --seed's text, empty if there is none: read as a number alone, -1 would become 2^64 - 1.
+std::string seed_complaint(const std::string& text) {
+  return seed_from(text) ? "" : fmt::format("{}: expected a whole number from 0 to 2^64 - 1", text);
+}
+
+sim::SensorMount mount_of(sim::SensorMount mount, const std::vector<double>& roll_pitch_deg) {
+  constexpr double kMostRoll_deg = 180.0;
+  constexpr double kMostPitch_deg = 45.0;
+  const double roll_deg = roll_pitch_deg[0];
+  const double pitch_deg = roll_pitch_deg[1];
+  if (!(std::abs(roll_deg) <= kMostRoll_deg && std::abs(pitch_deg) <= kMostPitch_deg)) {
+    throw Error(
+        "--mount {},{}: expected a roll from {} to {} and a pitch from {} to {} degrees; give two "
+        "such angles",
+        roll_deg, pitch_deg, -kMostRoll_deg, kMostRoll_deg, -kMostPitch_deg, kMostPitch_deg);
+  }
+  mount.mount_roll_rad = roll_deg * kDegree_rad;
+  mount.mount_pitch_rad = pitch_deg * kDegree_rad;
+  return mount;
+}
+
+sim::DriveSpec drive_of(const SimulateOptions& options) {
+  sim::DriveSpec spec = sim::drive_preset(options.drive);
+  spec.scans = options.scans.value_or(spec.scans);
+  spec.seed = options.seed.value_or(spec.seed);
+  spec.sensor_errors = sim::sensor_errors_named(options.sensor_errors);
+  if (!options.mount.empty()) spec.mount = mount_of(spec.mount, options.mount);
+  return spec;
 }
 
 }  // namespace
@@ -64,41 +94,6 @@ std::vector<std::uint64_t> seeds_from(const std::string& list) {
   }
   return seeds;
 }
-
-namespace {
-
-/// Of --seed's text, empty if there is none: read as a number alone, -1 would become 2^64 - 1.
-std::string seed_complaint(const std::string& text) {
-  return seed_from(text) ? "" : fmt::format("{}: expected a whole number from 0 to 2^64 - 1", text);
-}
-
-sim::SensorMount mount_of(sim::SensorMount mount, const std::vector<double>& roll_pitch_deg) {
-  constexpr double kDegree_rad = std::numbers::pi / 180.0;
-  constexpr double kMostRoll_deg = 180.0;
-  constexpr double kMostPitch_deg = 45.0;
-  const double roll_deg = roll_pitch_deg[0];
-  const double pitch_deg = roll_pitch_deg[1];
-  if (!(std::abs(roll_deg) <= kMostRoll_deg && std::abs(pitch_deg) <= kMostPitch_deg)) {
-    throw Error(
-        "--mount {},{}: expected a roll from {} to {} and a pitch from {} to {} degrees; give two "
-        "such angles",
-        roll_deg, pitch_deg, -kMostRoll_deg, kMostRoll_deg, -kMostPitch_deg, kMostPitch_deg);
-  }
-  mount.mount_roll_rad = roll_deg * kDegree_rad;
-  mount.mount_pitch_rad = pitch_deg * kDegree_rad;
-  return mount;
-}
-
-sim::DriveSpec drive_of(const SimulateOptions& options) {
-  sim::DriveSpec spec = sim::drive_preset(options.drive);
-  spec.scans = options.scans.value_or(spec.scans);
-  spec.seed = options.seed.value_or(spec.seed);
-  spec.sensor_errors = sim::sensor_errors_named(options.sensor_errors);
-  if (!options.mount.empty()) spec.mount = mount_of(spec.mount, options.mount);
-  return spec;
-}
-
-}  // namespace
 
 void declare_simulate(CLI::App& app, SimulateOptions& options) {
   Command command = add_command(

@@ -29,6 +29,15 @@ bool write_line(std::FILE* stream, std::string line) {
   return std::fwrite(line.data(), 1, line.size(), stream) == line.size();
 }
 
+constexpr std::array<int, 3> kSignals = {SIGINT, SIGTERM, SIGHUP};
+volatile std::sig_atomic_t g_stop_requested = 0;
+
+// Back to the default at once: whoever presses Ctrl-C twice does not want to wait.
+extern "C" void request_stop(int signal_number) {
+  g_stop_requested = 1;
+  std::signal(signal_number, SIG_DFL);
+}
+
 }  // namespace
 
 void print_lines(std::string_view lines) {
@@ -76,19 +85,6 @@ bool all_printed() {
   }
   return false;
 }
-
-namespace {
-
-constexpr std::array<int, 3> kSignals = {SIGINT, SIGTERM, SIGHUP};
-volatile std::sig_atomic_t g_stop_requested = 0;
-
-// Back to the default at once: whoever presses Ctrl-C twice does not want to wait.
-extern "C" void request_stop(int signal_number) {
-  g_stop_requested = 1;
-  std::signal(signal_number, SIG_DFL);
-}
-
-}  // namespace
 
 InterruptGuard::InterruptGuard() {
   g_stop_requested = 0;

@@ -7,6 +7,9 @@
 
 namespace hqslam {
 
+/// More points or rows than this that fit no pixel are from another sensor.
+inline constexpr double kMaxForeignShare = 0.5;
+
 // Points become a scan here, whichever file or message they come from:
 //   RawPoints -> scan_of: times -> with_rows: rows -> recorded_scan: pixels
 

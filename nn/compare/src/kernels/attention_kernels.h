@@ -1,7 +1,5 @@
 #pragma once
 
-#include <cstdint>
-
 #include "hqslam/nn/instruction_set.h"
 
 // The loops of transformers beside those of convolutions, compiled once per instruction set; raw

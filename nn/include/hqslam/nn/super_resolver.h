@@ -4,7 +4,6 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "hqslam/core/range_image.h"
 #include "hqslam/core/sensor_model.h"

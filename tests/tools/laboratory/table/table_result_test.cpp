@@ -19,7 +19,7 @@ struct SavedResult {
     return load_result(result.settings, folder.path().string());
   }
   test::TemporaryDirectory folder;
-  TableResult result = with_left_out(test::example_result(table_methods()[7], 0.5));
+  TableResult result = with_left_out(example_result(table_methods()[7], 0.5));
 
  private:
   static TableResult with_left_out(TableResult result) {
@@ -62,7 +62,7 @@ TEST_CASE("a result that was written is read back, figures, times and trajectori
 
 TEST_CASE("a method without images and network is read back without") {
   const test::TemporaryDirectory folder;
-  const TableResult result = test::example_result(table_methods()[0], 0.5);
+  const TableResult result = example_result(table_methods()[0], 0.5);
   save_result(result, folder.file("new/folder"));
   const std::optional<TableResult> read = load_result(result.settings, folder.file("new/folder"));
   REQUIRE(read);
@@ -72,7 +72,7 @@ TEST_CASE("a method without images and network is read back without") {
 
 TEST_CASE("a result without loop closing is read back without its trajectory") {
   const test::TemporaryDirectory folder;
-  TableResult result = test::example_result(table_methods()[0], 0.5);
+  TableResult result = example_result(table_methods()[0], 0.5);
   result.settings.loop_closing = false;
   result.trajectory[kLoopClosingOn].clear();
   save_result(result, folder.path().string());

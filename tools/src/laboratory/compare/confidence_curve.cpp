@@ -83,6 +83,25 @@ void add_reliability(const nn::LiftedImage& lifted, const OrganizedCloud& truth,
   }
 }
 
+/// A point per row: of what `x` says the figures that `series` says.
+template <typename Row>
+struct Line {
+  const char* name;
+  const char* css_class;
+  double Row::*y;
+};
+template <typename Row>
+std::string lines_html(const std::vector<Row>& rows, double Row::*x, const char* x_label,
+                       const char* y_label, const std::vector<Line<Row>>& lines) {
+  Chart chart{x_label, y_label, {}, {}};
+  for (const Row& row : rows) chart.x.push_back(row.*x);
+  for (const Line<Row>& line : lines) {
+    Series& series = chart.series.emplace_back(Series{line.name, line.css_class, {}});
+    for (const Row& row : rows) series.y.push_back(row.*line.y);
+  }
+  return chart_html(chart);
+}
+
 }  // namespace
 
 ConfidenceCurve::ConfidenceCurve(nn::Upsampler network, float tolerance_m)
@@ -142,29 +161,6 @@ double ConfidenceCurve::calibration_error() const {
   }
   return pixels > 0 ? sum / static_cast<double>(pixels) : 0.0;
 }
-
-namespace {
-
-/// A point per row: of what `x` says the figures that `series` says.
-template <typename Row>
-struct Line {
-  const char* name;
-  const char* css_class;
-  double Row::*y;
-};
-template <typename Row>
-std::string lines_html(const std::vector<Row>& rows, double Row::*x, const char* x_label,
-                       const char* y_label, const std::vector<Line<Row>>& lines) {
-  Chart chart{x_label, y_label, {}, {}};
-  for (const Row& row : rows) chart.x.push_back(row.*x);
-  for (const Line<Row>& line : lines) {
-    Series& series = chart.series.emplace_back(Series{line.name, line.css_class, {}});
-    for (const Row& row : rows) series.y.push_back(row.*line.y);
-  }
-  return chart_html(chart);
-}
-
-}  // namespace
 
 const std::vector<Figure<OperatingPoint>>& operating_figures() {
   using P = OperatingPoint;

@@ -4,9 +4,9 @@
 
 #include <algorithm>
 #include <array>
-#include <numbers>
 #include <utility>
 
+#include "hqslam/core/angles.h"
 #include "hqslam/nn/hqs/outlier_removal.h"
 #include "hqslam/nn/upsampled_cloud.h"
 #include "timing/timing.h"
@@ -62,6 +62,16 @@ RangeImage median_of_true_neighbours(const RangeImage& truth, RowSelection measu
     }
   }
   return image;
+}
+
+/// Z where a return is likelier than none.
+RangeImage likely(const nn::Trace& trace, int k) {
+  RangeImage z = trace.image(fmt::format("layers.{}.z", k));
+  const std::vector<float>& probability = trace.tensor("probability").values;
+  for (std::size_t i = 0; i < probability.size(); ++i) {
+    if (probability[i] < 0.5F) z.range_m[i] = 0.0F;
+  }
+  return z;
 }
 
 }  // namespace
@@ -184,10 +194,10 @@ void FilterComparison::add(const OrganizedCloud& truth) {
   const std::vector<float> distances_m = pixel_distances_m(cloud, truth);
   std::vector<std::uint8_t> rejected(image.range_m.size());
   for (FilterTrial& trial : trials_) {
-    nn::OutlierRemoval filter(unfiltered_.sensor(), rows,
-                              {trial.min_angle_deg * std::numbers::pi / 180.0, trial.min_pixels,
-                               static_cast<float>(trial.support_share)},
-                              image.columns);
+    nn::OutlierRemoval filter(
+        unfiltered_.sensor(), rows,
+        {radians(trial.min_angle_deg), trial.min_pixels, static_cast<float>(trial.support_share)},
+        image.columns);
     filter.find(image.range_m.data(), rejected.data());
     RangeImage filtered = image;
     for (std::size_t i = 0; i < rejected.size(); ++i) {
@@ -207,20 +217,6 @@ void FilterComparison::add(const OrganizedCloud& truth) {
     ++trial.scans;
   }
 }
-
-namespace {
-
-/// Z where a return is likelier than none.
-RangeImage likely(const nn::Trace& trace, int k) {
-  RangeImage z = trace.image(fmt::format("layers.{}.z", k));
-  const std::vector<float>& probability = trace.tensor("probability").values;
-  for (std::size_t i = 0; i < probability.size(); ++i) {
-    if (probability[i] < 0.5F) z.range_m[i] = 0.0F;
-  }
-  return z;
-}
-
-}  // namespace
 
 LayerComparison::LayerComparison(nn::SuperResolver network, const SensorModel& sensor)
     : network_(std::move(network)),

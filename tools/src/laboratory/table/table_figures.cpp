@@ -1,9 +1,10 @@
 #include "laboratory/table/table_figures.h"
 
+#include "hqslam/core/angles.h"
+
 namespace hqslam::tools {
 namespace {
 
-constexpr double kDegreesPerRadian = 57.29577951308232;
 constexpr std::size_t kFewestPairs = 3;
 constexpr double kMaxStampDifference_s = 0.02;
 

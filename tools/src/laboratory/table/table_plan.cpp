@@ -42,36 +42,6 @@ void allow_bent_ground(SlamSetup& setup) {
 
 void run_as_published(SlamSetup& setup) { setup.as_published = true; }
 
-}  // namespace
-
-const std::vector<SlamVariant>& slam_variants() {
-  static const std::vector<SlamVariant> variants = {
-      {"computed-rows", "computed rows matched too", lifts_rows, match_computed_rows},
-      {"16-rows", "16 rows of it matched", sees_all_rows, match_sixteen_rows},
-      {"whole-map", "the whole map matched", any, match_whole_map},
-      {"plain-weights", "no robust weights", any, trust_every_residual},
-      {"bent-ground", "LeGO-LOAM's ground planes", any, allow_bent_ground},
-      {"as-published", "LeGO-LOAM as published", any, run_as_published},
-  };
-  return variants;
-}
-
-std::vector<std::string> slam_variant_names() {
-  std::vector<std::string> names;
-  for (const SlamVariant& variant : slam_variants())
-    names.push_back(fmt::format("+{}", variant.name));
-  return names;
-}
-
-SlamSetup slam_setup(const TableMethod& method, const SensorModel& sensor, bool loop_closing) {
-  SlamSetup setup{sensor, {}};
-  setup.options.loop_closing.enabled = loop_closing;
-  if (method.variant != nullptr) method.variant->change(setup);
-  return setup;
-}
-
-namespace {
-
 namespace fs = std::filesystem;
 
 /// How the weights of a sensor are called: du-mix_os1_16to64.npz.
@@ -215,6 +185,32 @@ std::size_t paired_with(const std::vector<TableMethod>& methods, const std::stri
 }
 
 }  // namespace
+
+const std::vector<SlamVariant>& slam_variants() {
+  static const std::vector<SlamVariant> variants = {
+      {"computed-rows", "computed rows matched too", lifts_rows, match_computed_rows},
+      {"16-rows", "16 rows of it matched", sees_all_rows, match_sixteen_rows},
+      {"whole-map", "the whole map matched", any, match_whole_map},
+      {"plain-weights", "no robust weights", any, trust_every_residual},
+      {"bent-ground", "LeGO-LOAM's ground planes", any, allow_bent_ground},
+      {"as-published", "LeGO-LOAM as published", any, run_as_published},
+  };
+  return variants;
+}
+
+std::vector<std::string> slam_variant_names() {
+  std::vector<std::string> names;
+  for (const SlamVariant& variant : slam_variants())
+    names.push_back(fmt::format("+{}", variant.name));
+  return names;
+}
+
+SlamSetup slam_setup(const TableMethod& method, const SensorModel& sensor, bool loop_closing) {
+  SlamSetup setup{sensor, {}};
+  setup.options.loop_closing.enabled = loop_closing;
+  if (method.variant != nullptr) method.variant->change(setup);
+  return setup;
+}
 
 const std::vector<TableMethod>& table_methods() {
   static const std::vector<TableMethod> methods = {

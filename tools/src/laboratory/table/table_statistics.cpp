@@ -23,30 +23,6 @@ double percentile(const std::vector<double>& sorted, double share) {
   return (1.0 - t) * sorted[below] + t * sorted[above];
 }
 
-}  // namespace
-
-Estimate bootstrap(std::size_t n, const SampleFigure& figure) {
-  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-  std::vector<std::size_t> members(n);
-  std::iota(members.begin(), members.end(), std::size_t{0});
-  Estimate estimate{figure(members), kNone, kNone};
-  if (n < 2) return estimate;
-  std::mt19937_64 random(kSeed);
-  std::vector<double> figures;
-  for (std::size_t i = 0; i < kResamples; ++i) {
-    for (std::size_t& member : members) member = static_cast<std::size_t>(random() % n);
-    const double value = figure(members);
-    if (std::isfinite(value)) figures.push_back(value);
-  }
-  if (figures.size() < kResamples / 2) return estimate;
-  std::sort(figures.begin(), figures.end());
-  estimate.low = percentile(figures, kBelow);
-  estimate.high = percentile(figures, 1.0 - kBelow);
-  return estimate;
-}
-
-namespace {
-
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 /// Translation or rotation of a drift that has pieces.
@@ -149,6 +125,26 @@ std::optional<Estimate> share_of_gap(const TableSample& sample, std::size_t meth
 }
 
 }  // namespace
+
+Estimate bootstrap(std::size_t n, const SampleFigure& figure) {
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  std::vector<std::size_t> members(n);
+  std::iota(members.begin(), members.end(), std::size_t{0});
+  Estimate estimate{figure(members), kNone, kNone};
+  if (n < 2) return estimate;
+  std::mt19937_64 random(kSeed);
+  std::vector<double> figures;
+  for (std::size_t i = 0; i < kResamples; ++i) {
+    for (std::size_t& member : members) member = static_cast<std::size_t>(random() % n);
+    const double value = figure(members);
+    if (std::isfinite(value)) figures.push_back(value);
+  }
+  if (figures.size() < kResamples / 2) return estimate;
+  std::sort(figures.begin(), figures.end());
+  estimate.low = percentile(figures, kBelow);
+  estimate.high = percentile(figures, 1.0 - kBelow);
+  return estimate;
+}
 
 std::optional<DriveSample> drive_sample(const DriveFigures& drive,
                                         const std::vector<TableMethod>& methods) {
