@@ -12,7 +12,7 @@ namespace hqslam::slam {
 namespace {
 
 /// (x, y, z, roll, pitch, yaw)
-Vector6 vector_of(const MotionParameters& p) {
+Vector6 parameter_vector(const MotionParameters& p) {
   Vector6 result;
   result << p.in_plane[0], p.in_plane[1], p.out_of_plane[0], p.out_of_plane[1], p.out_of_plane[2],
       p.in_plane[2];
@@ -165,8 +165,9 @@ Observability observability(Matrix6 information, double total, FreeParameters fr
 
 MotionParameters without_unobservable(const MotionParameters& start, const MotionParameters& end,
                                       const Observability& observability) {
-  const Vector6 change = observability.projection * (vector_of(end) - vector_of(start));
-  const Vector6 result = vector_of(start) + change;
+  const Vector6 change =
+      observability.projection * (parameter_vector(end) - parameter_vector(start));
+  const Vector6 result = parameter_vector(start) + change;
   return {{result[0], result[1], result[5]}, {result[2], result[3], result[4]}};
 }
 

@@ -12,12 +12,10 @@ namespace hqslam::slam {
 
 namespace {
 
-using namespace as_published;
-
 constexpr int kOdometryPerMappingScan = 2;
 constexpr double kMappingInterval_s = 0.3;
 
-SensorModel validated(const SensorModel& sensor) {
+SensorModel checked_sensor(const SensorModel& sensor) {
   hqslam::validate(sensor);
   return sensor;
 }
@@ -26,19 +24,19 @@ SensorModel validated(const SensorModel& sensor) {
 
 struct LegoLoamAsPublished::Implementation {
   explicit Implementation(const SensorModel& sensor_)
-      : sensor(validated(sensor_)), projection(sensor), odometry(sensor.scan_period_s) {}
+      : sensor(checked_sensor(sensor_)), projection(sensor), odometry(sensor.scan_period_s) {}
 
   Pose process(const OrganizedCloud& cloud, double stamp_s) {
-    const SegmentedScan scan = projection.segment(cloud);
-    odometry.add(published_features(scan));
+    const as_published::SegmentedScan scan = projection.segment(cloud);
+    odometry.add(as_published::published_features(scan));
     if (!odometry.has_motion()) {
       trajectory.push_back({stamp_s, Pose::Identity()});
       return Pose::Identity();
     }
     if (scans_with_motion++ % kOdometryPerMappingScan == 0) map_if_due(scan, stamp_s);
     // The stamp is half a sweep before the end; of the first scan that is known only now.
-    const Pose T_end_stamp =
-        pose_of(odometry.motion()).inverse() * pose_of(0.5 * odometry.motion());
+    const Pose T_end_stamp = as_published::pose_of(odometry.motion()).inverse() *
+                             as_published::pose_of(0.5 * odometry.motion());
     if (trajectory.size() == 1) trajectory.front().T_map_sensor = T_end_stamp;
     const Pose T_map_sensor =
         orthonormalized(mapping.T_map_odom() * odometry.T_odom_end() * T_end_stamp);
@@ -46,7 +44,7 @@ struct LegoLoamAsPublished::Implementation {
     return T_map_sensor;
   }
 
-  void map_if_due(const SegmentedScan& scan, double stamp_s) {
+  void map_if_due(const as_published::SegmentedScan& scan, double stamp_s) {
     constexpr double kRounding_s = 1e-6;
     if (mapped_s && stamp_s - *mapped_s < kMappingInterval_s - kRounding_s) return;
     mapping.add(odometry.last(), scan.outliers, odometry.T_odom_end());
@@ -54,9 +52,9 @@ struct LegoLoamAsPublished::Implementation {
   }
 
   SensorModel sensor;
-  ImageProjection projection;
-  PublishedOdometry odometry;
-  PublishedMapping mapping;
+  as_published::ImageProjection projection;
+  as_published::PublishedOdometry odometry;
+  as_published::PublishedMapping mapping;
   int scans_with_motion = 0;
   std::optional<double> mapped_s;
   Trajectory trajectory;

@@ -38,11 +38,11 @@ class SixNearest {
   /// The points of a cube, which is one of at most eight.
   template <typename Cells>
   void look_through(const Cells& cells, std::uint32_t cube) {
-    constexpr std::size_t kAtOnce = 32;
-    for (std::size_t begin = 0; begin < cells.size(); begin += kAtOnce) {
-      const std::size_t count = std::min(cells.size() - begin, kAtOnce);
-      std::array<float, kAtOnce> candidates_m2;
-      std::array<std::uint32_t, kAtOnce> candidate;
+    constexpr std::size_t kCellsAtOnce = 32;
+    for (std::size_t begin = 0; begin < cells.size(); begin += kCellsAtOnce) {
+      const std::size_t count = std::min(cells.size() - begin, kCellsAtOnce);
+      std::array<float, kCellsAtOnce> candidates_m2;
+      std::array<std::uint32_t, kCellsAtOnce> candidate;
       std::size_t candidates = 0;
       const float bound_m2_now = bound_m2();
       for (std::size_t i = 0; i < count; ++i) {
