@@ -102,11 +102,11 @@ TEST_CASE("the map has the intensities of what it is made of, and no pose looks 
   constexpr float kWall = 80.0F;
   for (int i = 0; i < 20; ++i) {
     OrganizedCloud scan = drive_scan(sensor, i);
-    without.process(scan, i * kPeriod_s);
+    without.process(scan, i * test::kDrivePeriod_s);
     for (const Eigen::Vector3f& point_m : scan.points_m) {
       scan.intensity.push_back(point_m.z() < -1.2F ? kFloor : kWall);
     }
-    slam.process(scan, i * kPeriod_s);
+    slam.process(scan, i * test::kDrivePeriod_s);
   }
   std::vector<float> intensity;
   const std::vector<Eigen::Vector3f> points_m = slam.map_points_m({}, &intensity);

@@ -163,8 +163,8 @@ TEST_CASE("loops that would bend the path more than it bears leave nothing behin
   circuit.T_village_sensor =
       test::way_through({{0, 0}, {24, 0}, {24, 24}, {0, 24}, {0, 0}, {24, 0}, {24, 24}}, 1.0);
   const Pose jump = pose_from_xyz_rpy({0.0, 4.0, 0.0}, 0.0, 0.0, 0.0);
-  const Driven without = drive(circuit, {Pose::Identity(), Status::kOk, false, jump});
-  const Driven with = drive(circuit, {Pose::Identity(), Status::kOk, true, jump});
+  const DrivenCircuit without = drive(circuit, {Pose::Identity(), Status::kOk, false, jump});
+  const DrivenCircuit with = drive(circuit, {Pose::Identity(), Status::kOk, true, jump});
   CHECK(with.count(LoopStatus::kImplausible) == 1);
   CHECK(with.count(LoopStatus::kClosed) == 0);
   CHECK(with.loops == 0);

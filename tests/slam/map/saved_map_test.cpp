@@ -46,7 +46,7 @@ std::string changed(const test::TemporaryDirectory& folder, const Change& change
 
 TEST_CASE("intensities are saved with their points, and a map of before them is read") {
   const test::TemporaryDirectory folder;
-  slam::SavedMap map = small_map();
+  slam::SavedMap map = small_saved_map();
   slam::write_saved_map(folder.file("map.npz"), map);
   CHECK_FALSE(read_npz(folder.file("map.npz")).contains("edges_intensity"));
   CHECK(slam::read_saved_map(folder.file("map.npz")).edges_intensity.empty());
