@@ -115,7 +115,7 @@ MapFeatures map_features(const Features& features, const MappingOptions& options
     }
   }
   // Where everything is near, as in a room, that leaves too few.
-  constexpr std::size_t kFew = 400;
+  constexpr std::size_t kFew = 300;
   if (result.ground_to_register.size() < kFew) {
     result.ground_to_register = result.ground;
     if (result.surfaces_to_register.size() < kFew) result.surfaces_to_register = result.surfaces;

@@ -57,8 +57,8 @@ struct MappingOptions {
   int min_correspondences = 50;
   double min_matched_share = 0.25;
   double edge_leaf_m = 0.2;
-  double planar_leaf_m = 0.25;
-  double located_planar_leaf_m = 0.6;
+  double planar_leaf_m = 0.4;
+  double located_planar_leaf_m = 0.8;
   double max_neighbour_distance_m = 1.0;
   double close_neighbour_distance_m = 0.6;
   double trusted_residual_m = 0.05;
