@@ -50,7 +50,7 @@ std::optional<double> date_s(std::string_view text) {
          part(17, 2) + *fraction;
 }
 
-/// By the size of a finite_number of this century: nanoseconds have 19 digits, seconds 10.
+/// By the size of a number of this century: nanoseconds have 19 digits, seconds 10.
 double seconds_of(double value) {
   if (value > 1e17) return 1e-9 * value;
   if (value > 1e14) return 1e-6 * value;
@@ -100,7 +100,7 @@ std::vector<double> stamps_from_names_s(const std::vector<std::string>& paths) {
                            : finite_number(std::string_view(stem).substr(begin, end + 1 - begin));
     if (!value) {
       throw Error(
-          "{}: expected a stamp in the file's name, found no finite_number; give the stamps in a "
+          "{}: expected a stamp in the file's name, found no number; give the stamps in a "
           "file",
           path);
     }

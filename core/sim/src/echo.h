@@ -38,8 +38,7 @@ struct PixelBits {
 ///   signal *= signal_share: what an aged laser or a dirty window leaves; it takes what is dark or
 ///             far first.
 ///   intensity *= 1 + intensity_scatter n, n of unit variance, of each return anew: speckle, and
-///   the
-///             noise of a receiver that was made to tell times.
+///             the noise of a receiver that was made to tell times.
 /// Of the returns at depth edges, mixed_share lie anywhere between two surfaces up to 2 m apart
 /// (Tuley et al., "Analysis and removal of artifacts in 3-D LADAR data", ICRA 2005).
 /// Their sizes are chosen within what is published, not measured with one sensor.
