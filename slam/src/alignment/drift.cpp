@@ -11,7 +11,7 @@ namespace {
 /// Of variances.
 constexpr double kAlongGround = 23.0;
 constexpr double kHeight = 1.35;
-constexpr double kTiltShare = 5.9;
+constexpr double kRollAndPitch = 5.9;
 constexpr double kHeading = 11.3;
 /// How those of x, y and yaw grow with the variance of x and y, where they are as above, and up to
 /// where: only a scan that was not registered is less certain.
@@ -71,7 +71,7 @@ Matrix6 Drift::against_map(const MotionState& state) const {
       std::min(0.5 * (covariance(0, 0) + covariance(1, 1)), kMost_m * kMost_m);
   const double growth = std::pow(variance_m2 / (kUsual_m * kUsual_m), kPower);
   Vector6 variance;
-  variance << kAlongGround * growth, kAlongGround * growth, kHeight, kTiltShare, kTiltShare,
+  variance << kAlongGround * growth, kAlongGround * growth, kHeight, kRollAndPitch, kRollAndPitch,
       kHeading * growth;
   const Vector6 factor = variance.cwiseSqrt();
   Matrix6 result = factor.asDiagonal() * covariance * factor.asDiagonal();

@@ -77,16 +77,16 @@ bool is_plane(std::span<const PlacedRay> rays, Surface& surface) {
   if (rays.size() < kMinPoints) return false;
   std::vector<int> beams;
   surface.centre_m.setZero();
-  for (const PlacedRay& placed_rays : rays) {
-    surface.centre_m += placed_rays.point_m / static_cast<double>(rays.size());
-    if (std::find(beams.begin(), beams.end(), placed_rays.ray->beam) == beams.end()) {
-      beams.push_back(placed_rays.ray->beam);
+  for (const PlacedRay& placed : rays) {
+    surface.centre_m += placed.point_m / static_cast<double>(rays.size());
+    if (std::find(beams.begin(), beams.end(), placed.ray->beam) == beams.end()) {
+      beams.push_back(placed.ray->beam);
     }
   }
   if (std::ssize(beams) < kMinBeams) return false;
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-  for (const PlacedRay& placed_rays : rays) {
-    const Eigen::Vector3d offset_m = placed_rays.point_m - surface.centre_m;
+  for (const PlacedRay& placed : rays) {
+    const Eigen::Vector3d offset_m = placed.point_m - surface.centre_m;
     covariance += offset_m * offset_m.transpose() / static_cast<double>(rays.size());
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance);
@@ -108,9 +108,9 @@ class SurfaceSum {
         beam_parameters_(2 * system.distances.rows()),
         planes_by_all_(Eigen::Matrix3Xd::Zero(3, system.g.size())) {}
 
-  void add(const PlacedRay& placed_rays, const BeamParameters& beams) {
-    const CalibrationRay& ray = *placed_rays.ray;
-    const Eigen::Vector3d from_centre_m = placed_rays.point_m - surface_.centre_m;
+  void add(const PlacedRay& placed, const BeamParameters& beams) {
+    const CalibrationRay& ray = *placed.ray;
+    const Eigen::Vector3d from_centre_m = placed.point_m - surface_.centre_m;
     const Eigen::Vector3d in_plane = surface_.axes.transpose() * from_centre_m;
     const double residual_m = in_plane[0];
     // Geman-McClure, iterated: what lies off by more than 9 cm is something else.
@@ -124,7 +124,7 @@ class SurfaceSum {
     const Eigen::Vector2d by_beam(range_m * normal.dot(turned_direction(T, ray.tilt)),
                                   normal.dot(turned_direction(T, ray.direction)));
     Vector6 by_pose;
-    by_pose << normal, (placed_rays.point_m - T.translation()).cross(normal);
+    by_pose << normal, (placed.point_m - T.translation()).cross(normal);
     const Eigen::Index beam = 2 * ray.beam;
     const Eigen::Index pose = beam_parameters_ + 6 * ray.scan;
     system_.H.block<2, 2>(beam, beam) += weight * by_beam * by_beam.transpose();

@@ -6,11 +6,10 @@
 
 namespace hqslam::slam {
 
-/// One point per voxel of `leaf_m`: the mean of position, time offset and known intensities,
-/// summed in the order of
-/// the points. Voxels follow each other along x, then y, then z. The row is the first point's: it
-/// means something only where all points are of one row. Points a million voxels from the origin or
-/// farther are left out.
+/// One point per voxel of `leaf_m`: the mean of position, time offset and known intensities, summed
+/// in the order of the points. Voxels follow each other along x, then y, then z. The row is the
+/// first point's: it means something only where all points are of one row. Points a million voxels
+/// from the origin or farther are left out.
 std::vector<FeaturePoint> thin(const std::vector<FeaturePoint>& points, double leaf_m);
 
 }  // namespace hqslam::slam
