@@ -60,7 +60,8 @@ Drift::Drift(const SensorModel& sensor)
 void Drift::learn(const Twist& velocity) {
   if (velocity_) {
     const Vector6 unforeseen = scan_period_s_ * (vector_of(velocity) - vector_of(*velocity_));
-    jolts_ += kNewJoltShare * (unforeseen.cwiseAbs2() - jolts_);
+    ++jolts_seen_;
+    jolts_ += std::max(kNewJoltShare, 1.0 / jolts_seen_) * (unforeseen.cwiseAbs2() - jolts_);
   }
   velocity_ = velocity;
 }
@@ -75,9 +76,14 @@ Matrix6 Drift::against_map(const MotionState& state) const {
       kHeading * growth;
   const Vector6 factor = variance.cwiseSqrt();
   Matrix6 result = factor.asDiagonal() * covariance * factor.asDiagonal();
-  result.diagonal().head<3>() += kShakeAlong * jolts_.head<3>();
-  result.diagonal().tail<3>() += kShakeAbout * jolts_.tail<3>();
+  result.diagonal() += shake();
   return result;
+}
+
+Vector6 Drift::shake() const {
+  Vector6 share;
+  share << kShakeAlong, kShakeAlong, kShakeAlong, kShakeAbout, kShakeAbout, kShakeAbout;
+  return share.cwiseProduct(jolts_);
 }
 
 void Drift::move(const Pose& motion) { state_ = carried(state_, motion); }
@@ -87,6 +93,7 @@ void Drift::grow(const Pose& motion, const MotionState& state, bool is_levelled)
   const double step_m = motion.translation().norm();
   const double begun = std::exp(-path_m_ / kStart_m) - std::exp(-(path_m_ + step_m) / kStart_m);
   state_.drift += kShare_per_m * step_m * against_map(state);
+  state_.drift.diagonal() += begun * shake();
   state_.drift.diagonal().segment<2>(3).array() +=
       begun * start_variance_ + (is_levelled ? 0.0 : step_m * kLean_rad2_per_m);
   path_m_ += step_m;

@@ -36,7 +36,7 @@ DriftState improved(const DriftState& later, const DriftImprovement& earlier, co
 /// small and soon forgotten, but a share of it stays in the map and so in all poses that follow:
 ///
 ///   D <- Ad(T^-1) D Ad(T^-1)^T + step share A + step lean
-///        + start (exp(-path / L) - exp(-(path + step) / L)),
+///        + (start + shake) (exp(-path / L) - exp(-(path + step) / L)),
 ///
 /// with the motion T since the scan before, the step in metres, the path up to it, and the
 /// covariance A of a scan's pose against the map,
@@ -53,7 +53,8 @@ DriftState improved(const DriftState& later, const DriftImprovement& earlier, co
 ///
 /// `shake` is what a sensor does that is not moved evenly, in a hand, say: a scan is corrected for
 /// a motion that it did not quite make. It is a share of the mean square of the velocity's change
-/// from scan to scan times the scan's period, along and about each axis.
+/// from scan to scan times the scan's period, along and about each axis. The first scans make the
+/// map, so what they are off by stays for good.
 ///
 /// `start` is a tilt: within the first metres, in a map of a few scans, what the ground does
 /// between its rows is measured by chords, and the error stays for good; it grows with their
@@ -98,10 +99,14 @@ class Drift {
   Matrix6 own_covariance(const Pose& motion, const Matrix6& against_map) const;
 
  private:
+  /// Variances of a scan's pose, by uneven motion.
+  Vector6 shake() const;
+
   double start_variance_;
   double scan_period_s_;
   std::optional<Twist> velocity_;    ///< of the last scan that was registered
   Vector6 jolts_ = Vector6::Zero();  ///< mean squares of a scan's unforeseen motion, m^2, rad^2
+  int jolts_seen_ = 0;
   double path_m_ = 0.0;
   DriftState state_;
 };

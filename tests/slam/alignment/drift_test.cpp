@@ -97,6 +97,34 @@ TEST_CASE("a sensor that is shaken is less certain along and about the axes that
   CHECK(drift.covariance(kHere, drift.against_map(state)).isApprox(still, 1e-6));
 }
 
+TEST_CASE("a sensor that is shaken from the first scan on is known to be from the third") {
+  slam::Drift drift = sixteen_rows();
+  const MotionState exact = known_to(0.0);
+  Twist velocity;
+  for (const double rate_rad_per_s : {0.5, -0.5, 0.5}) {
+    velocity.angular.y() = rate_rad_per_s;
+    drift.learn(velocity);
+  }
+  CHECK(drift.covariance(kHere, drift.against_map(exact))(4, 4) ==
+        doctest::Approx(0.0097 * std::pow(0.1 * 1.0, 2)));
+}
+
+TEST_CASE("what the first scans are off by as they are shaken stays in the map for good") {
+  slam::Drift drift = sixteen_rows();
+  const MotionState exact = known_to(0.0);
+  Twist velocity;
+  for (int i = 0; i < 500; ++i) {
+    velocity.angular.y() = i % 2 == 0 ? 0.5 : -0.5;
+    drift.learn(velocity);
+  }
+  for (int i = 0; i < 1000; ++i) drift.grow(ahead(0.02), exact, true);
+  for (int i = 0; i < 500; ++i) drift.learn(velocity);
+  const Matrix6 covariance = drift.covariance(kHere, drift.against_map(exact));
+  // Once, and 1.35 % a metre of what later ones are off by.
+  CHECK(covariance(4, 4) - covariance(3, 3) ==
+        doctest::Approx((1.0 + 0.0135 * 20.0) * 0.0097 * std::pow(0.1 * 1.0, 2)).epsilon(0.01));
+}
+
 TEST_CASE("a start tilts the map within the first metres, by the spacing of the rows") {
   slam::Drift drift = sixteen_rows();
   const MotionState exact = known_to(0.0);
