@@ -176,6 +176,7 @@ Slam::Implementation::Registered Slam::Implementation::registered(const Tracking
   const double duration_s = scan.time_s - reference.time_s;
   const double steady_s = kSteady_periods * sensor.scan_period_s;
   const std::optional<InertialPrediction> measured = predicted_by_imu(reference, scan);
+  report.predicted_by_imu = measured.has_value();
   const MotionState expected =
       measured ? measured->state
                : predicted(reference.state, duration_s, steady_s, accelerations.density());

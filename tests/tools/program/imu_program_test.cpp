@@ -1,6 +1,8 @@
 #include <doctest/doctest.h>
 
 #include <filesystem>
+#include <sstream>
+#include <string>
 
 #include "file_contents.h"
 #include "hqslam/core/trajectory.h"
@@ -27,16 +29,32 @@ TEST_CASE(
   const std::string drive = folder.file("drive");
   succeeds("simulate --drive handheld-turning --sensor os1-16 --scans 40 --seed 3 --imu --out '{}'",
            drive);
+  std::string summary;
   const auto run = [&](const std::string& options, const std::string& name) {
-    succeeds("run '{}' {} --out '{}'", drive, options, folder.file(name));
+    summary = succeeds("run '{}' {} --out '{}'", drive, options, folder.file(name)).out;
     return folder.file(name);
   };
   const std::string by_default = run("", "default");
   fs::rename(drive + "/imu.csv", folder.file("moved.csv"));
+  CHECK(holds(summary, "inertial sensor: measured the way to 39 of 40 scans\n"));
   const std::string without = run("", "without");
+  CHECK(!holds(summary, "inertial sensor"));
   const std::string given = run("--imu '" + folder.file("moved.csv") + "'", "given");
   CHECK(file_contents(by_default + "/trajectory.tum") == file_contents(given + "/trajectory.tum"));
   CHECK(error_m(given, drive) < 0.5 * error_m(without, drive));
+
+  // Ten a second are too few, and are not used, which is said.
+  std::istringstream all(file_contents(folder.file("moved.csv")));
+  std::string few;
+  int number = 0;
+  for (std::string line; std::getline(all, line); ++number) {
+    if (number % 10 == 0) few += line + "\n";
+  }
+  write_file(folder.file("few.csv"), few);
+  const std::string unused = run("--imu '" + folder.file("few.csv") + "'", "few");
+  CHECK(holds(summary,
+              "inertial sensor: measured the way to 0 of 40 scans; between others its samples"));
+  CHECK(file_contents(unused + "/trajectory.tum") == file_contents(without + "/trajectory.tum"));
 
   write_file(folder.file("bad.csv"), "1,2,3\n");
   const ProgramResult result = refused("run '{}' --imu '{}' --out '{}'", drive,

@@ -48,6 +48,18 @@ std::string mapping_summary(const SlamRun& run) {
   return summary;
 }
 
+/// "inertial sensor: measured the way to 198 of 200 scans"; nothing where there is none
+std::string inertial_summary(const SlamRun& run) {
+  if (!run.has_imu) return "";
+  const auto measured = std::ranges::count_if(
+      run.scans, [](const ScanRecord& scan) { return scan.report.predicted_by_imu; });
+  return fmt::format("inertial sensor: measured the way to {} of {} scans{}\n", measured,
+                     run.scans.size(),
+                     2 * measured > std::ssize(run.scans)
+                         ? ""
+                         : "; between others its samples are more than 50 ms apart, or missing");
+}
+
 /// "mounting: roll 0.1, pitch 12.0 degrees, estimated from the ground"; nothing of a level one
 std::string mounting_summary(const SlamRun& run) {
   const slam::MountingOptions& mounted = run.mounting;
@@ -208,6 +220,7 @@ ScanRecord& SlamSession::process(const RecordedScan& scan, std::int64_t index, d
     cloud_ = input_.lifted(measured, memory_.recall(measured, slam_.trajectory(), scan.stamp_s));
   });
   if (input_.upsampler) record.upsampling_s = lifting_s;
+  run_.has_imu = run_.has_imu || !scan.imu.empty();
   slam_.add_imu(scan.imu);
   record.report = slam_.process(cloud_, scan.stamp_s);
   memory_.remember(measured, slam_.trajectory(), slam::is_registered(record.report.mapping_status));
@@ -258,6 +271,7 @@ std::string run_summary(const SlamRun& run) {
       fmt::format("{} scans, {:.1f} m of path, {:.1f} scans/s\n{}\n", run.scans.size(),
                   known_path_m(run), scans_per_second(run), mapping_summary(run));
   summary += map_summary(run);
+  summary += inertial_summary(run);
   summary += mounting_summary(run);
   summary += ground_summary(run);
   if (!run.located_in.empty()) {

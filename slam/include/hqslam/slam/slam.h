@@ -57,6 +57,8 @@ struct ScanReport {
   int edge_correspondences = 0;  ///< used by the last iteration of mapping
   int planar_correspondences = 0;
   bool keyframe = false;
+  /// An inertial sensor measured all of the way since the scan before.
+  bool predicted_by_imu = false;
   LoopReport loop;
   StageTimes times;
 };
