@@ -135,7 +135,7 @@ struct Traffic {
   std::int64_t velodyne = 0;
   std::int64_t hesai = 0;
   std::int64_t robosense = 0;
-  std::int64_t robosense_settings = 0;
+  std::int64_t settings = 0;
   std::map<std::size_t, std::int64_t> packets_of_size;
 };
 
@@ -143,7 +143,7 @@ StreamKind kind_of(const Stream& stream, const Traffic& traffic) {
   if (2 * traffic.velodyne > stream.messages) return StreamKind::kVelodynePackets;
   if (2 * traffic.hesai > stream.messages) return StreamKind::kHesaiPackets;
   if (2 * traffic.robosense > stream.messages) return StreamKind::kRobosensePackets;
-  if (2 * traffic.robosense_settings > stream.messages) return StreamKind::kRobosenseSettings;
+  if (2 * traffic.settings > stream.messages) return StreamKind::kSettings;
   if (stream.packet_bytes == kVelodynePositionBytes &&
       stream.endpoint.port == kVelodynePositionPort) {
     return StreamKind::kVelodynePositions;
@@ -183,7 +183,7 @@ class PcapRecording : public RecordingFile {
     if (is_velodyne_packet(packet.payload)) ++traffic.velodyne;
     if (hesai_packet(packet.payload)) ++traffic.hesai;
     if (robosense_packet(packet.payload)) ++traffic.robosense;
-    if (is_robosense_settings(packet.payload)) ++traffic.robosense_settings;
+    if (is_settings(packet.payload)) ++traffic.settings;
     auto& sizes = traffic.packets_of_size;
     const std::size_t bytes = packet.payload.size();
     if (sizes.size() < kMaxStreams || sizes.contains(bytes)) {

@@ -4,9 +4,9 @@
 
 #include <cmath>
 
+#include "block_decoder.h"
 #include "hqslam/core/error.h"
 #include "message_packets.h"
-#include "robosense_decoder.h"
 
 namespace hqslam::recordings {
 
@@ -74,10 +74,9 @@ StreamReader::StreamReader(const std::string& path, const std::string& wanted)
   }
 }
 
-const std::vector<std::uint8_t>& StreamReader::robosense_settings() const {
-  static const std::vector<std::uint8_t> kNone;
+Bytes StreamReader::settings() const {
   const auto found = settings_.find(stream().endpoint.address);
-  return found == settings_.end() ? kNone : found->second;
+  return found == settings_.end() ? Bytes{} : Bytes(found->second);
 }
 
 void StreamReader::skip_others() {
@@ -94,7 +93,7 @@ void StreamReader::listen() {
       metadata_.push_back({stream.name, std::move(*text)});
     }
     if (is_static_transforms(stream)) transforms_.add(*message);
-    if (stream.type.empty() && is_robosense_settings(message->bytes)) {
+    if (stream.type.empty() && is_settings(message->bytes)) {
       settings_.try_emplace(stream.endpoint.address, message->bytes.begin(), message->bytes.end());
     }
     const bool is_imu = stream.kind == StreamKind::kInertialData;
