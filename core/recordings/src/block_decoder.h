@@ -64,6 +64,8 @@ class BlockDecoder : public TurnDecoder {
   /// Takes in the next packet, of this time by the sensor's clock; false if it is late.
   bool add_blocks(const Packet& packet, std::int64_t sensor_ns, std::vector<Scan>& completed);
 
+  BlockUnit unit_;
+
  private:
   struct Beam {
     double cos_elevation, sin_elevation, offset;  ///< hundredths of a degree, clockwise
@@ -79,7 +81,6 @@ class BlockDecoder : public TurnDecoder {
   PulseReturn pulse_of(Bytes payload, const Firing& firing, int channel) const;
   void add_points(Bytes payload, const Firing& firing, double start_s);
 
-  BlockUnit unit_;
   int channels_;
   std::vector<Beam> beams_;  ///< of each channel
 };

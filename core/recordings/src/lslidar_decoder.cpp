@@ -42,8 +42,8 @@ std::optional<std::int64_t> second_ns_of(Bytes time) {
   return 1'000'000'000 * seconds;
 }
 
-/// By row, hundredths of a degree; empty if they are not those of a C16.
-std::vector<double> angles_of(Bytes settings) {
+/// By row, hundredths of a degree.
+std::vector<double> angles_of(Bytes settings, const std::string& path) {
   std::vector<double> angles(kRows);
   for (int channel = 0; channel < kRows; ++channel) {
     const std::size_t at = kAnglesAt + 2 * static_cast<std::size_t>(channel);
@@ -57,7 +57,10 @@ std::vector<double> angles_of(Bytes settings) {
     }
     if (fits) return angles;
   }
-  return {};
+  throw Error(
+      "{}: expected the angles of 16 beams, 2 or 1.33 degrees apart, in the settings (DIFOP) of an "
+      "LSLiDAR C16, found others; name a sensor that has them",
+      path);
 }
 
 void check_version(Bytes settings, bool is_v4, const std::string& path) {
@@ -112,16 +115,7 @@ LslidarUnit lslidar_unit(Bytes settings, const LslidarPacket& said, const std::s
   unit.sensor.min_range_m = 0.15;
   unit.sensor.max_range_m = said.is_v4 ? 200.0 : 150.0;
   std::vector<double> angles;
-  if (!said.is_v4 && needs_angles) {
-    angles = angles_of(settings);
-    if (angles.empty()) {
-      throw Error(
-          "{}: expected the angles of 16 beams, 2 or 1.33 degrees apart, in the settings (DIFOP) "
-          "of "
-          "an LSLiDAR C16, found others; name a sensor that has them",
-          path);
-    }
-  }
+  if (!said.is_v4 && needs_angles) angles = angles_of(settings, path);
   for (int i = 0; i < kRows; ++i) {
     unit.row_of_channel.push_back(static_cast<std::uint16_t>(row_of(i)));
     const double angle = angles.empty() ? (said.is_v4 ? 1400 : 1500) - 200 * i : angles[i];
@@ -130,13 +124,6 @@ LslidarUnit lslidar_unit(Bytes settings, const LslidarPacket& said, const std::s
   unit.sensor.beam_azimuth_offset_rad.assign(kRows, 0.0);
   return unit;
 }
-
-LslidarDecoder::LslidarDecoder(const LslidarUnit& unit, const SensorModel& sensor,
-                               const VelodyneOptions& options)
-    : BlockDecoder(unit, sensor, options),
-      is_v4_(unit.is_v4),
-      dual_return_(unit.dual_return),
-      fraction_ns_(unit.fraction_ns) {}
 
 /// The time of a packet by microseconds that begin anew every hour, or every second of a clock from
 /// outside; the recorder's clock tells how many of these passed.
@@ -156,7 +143,7 @@ std::int64_t LslidarDecoder::counted_us(std::int64_t now_us, std::int64_t captur
 void LslidarDecoder::add(const Packet& packet, std::vector<Scan>& completed) {
   const auto said = lslidar_packet(packet.payload);
   if (!said || said->is_v4 != is_v4_ || said->model != kLslidarC16 ||
-      said->dual_return != dual_return_) {
+      said->dual_return != unit_.dual_return) {
     ++counts_.foreign;
     return;
   }

@@ -44,7 +44,8 @@ LslidarUnit lslidar_unit(Bytes settings, const LslidarPacket& said, const std::s
 class LslidarDecoder : public BlockDecoder {
  public:
   LslidarDecoder(const LslidarUnit& unit, const SensorModel& sensor,
-                 const VelodyneOptions& options = {});
+                 const VelodyneOptions& options = {})
+      : BlockDecoder(unit, sensor, options), is_v4_(unit.is_v4), fraction_ns_(unit.fraction_ns) {}
 
   /// Takes the next packet in and appends the scans that it completes.
   void add(const Packet& packet, std::vector<Scan>& completed);
@@ -52,7 +53,7 @@ class LslidarDecoder : public BlockDecoder {
  private:
   std::int64_t counted_us(std::int64_t now_us, std::int64_t capture_ns) const;
 
-  bool is_v4_, dual_return_;
+  bool is_v4_;
   int fraction_ns_;
   std::optional<std::int64_t> last_fraction_;  ///< of the packet before
   std::int64_t last_ns_ = 0;                   ///< its time
