@@ -65,6 +65,7 @@ const std::vector<NamedReader> kReaders = {
     {"velodyne_packets", fuzz::velodyne_packets},
     {"hesai_packets", fuzz::hesai_packets},
     {"robosense_packets", fuzz::robosense_packets},
+    {"lslidar_packets", fuzz::lslidar_packets},
     {"hesai_angles", fuzz::hesai_angles, 5000},
     {"ouster_packets", fuzz::ouster_packets},
     {"live_packets", fuzz::live_packets, 50},

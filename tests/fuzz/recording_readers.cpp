@@ -7,6 +7,7 @@
 #include "hqslam/core/projection.h"
 #include "hqslam/recordings/recording.h"
 #include "input_file.h"
+#include "lslidar_decoder.h"
 #include "ouster_decoder.h"
 #include "readers.h"
 #include "robosense_decoder.h"
@@ -113,6 +114,21 @@ void robosense_packets(Bytes input) {
   RobosenseDecoder decoder(unit, sensor);
   std::vector<Scan> scans;
   for_each_packet(input.subspan(1 + kRobosenseBytes), kRobosenseBytes,
+                  [&](const Packet& p) { decoder.add(p, scans); });
+  decoder.finish(scans);
+  for (const Scan& scan : scans) project(scan, sensor);
+}
+
+void lslidar_packets(Bytes input) {
+  if (input.size() <= kLslidarSettingsBytes) return;
+  const LslidarPacket said = {(input[0] & 1U) != 0, kLslidarC16, (input[0] & 2U) != 0};
+  const Bytes settings = input.subspan(1, kLslidarSettingsBytes);
+  const LslidarUnit unit = lslidar_unit(settings, said, "fuzzed", (input[0] & 4U) == 0);
+  SensorModel sensor = unit.sensor;
+  sensor.columns = kColumns;
+  LslidarDecoder decoder(unit, sensor);
+  std::vector<Scan> scans;
+  for_each_packet(input.subspan(1 + kLslidarSettingsBytes), said.is_v4 ? 1212 : 1206,
                   [&](const Packet& p) { decoder.add(p, scans); });
   decoder.finish(scans);
   for (const Scan& scan : scans) project(scan, sensor);

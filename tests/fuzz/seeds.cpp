@@ -206,6 +206,14 @@ void put_recordings() {
     put("robosense_packets", std::to_string(kind), input);
     put("pcap", "robosense" + std::to_string(kind) + ".pcap", test::pcap_bytes(robosense));
   }
+  for (int kind = 0; kind < 4; ++kind) {
+    const std::vector<test::Captured> lslidar =
+        test::lslidar_capture({.v4 = kind % 2 == 1, .dual = kind > 1}, 0.004);
+    std::string input(1, static_cast<char>(kind));
+    for (const test::Captured& packet : lslidar) input += text_of(packet.payload);
+    put("lslidar_packets", std::to_string(kind), input);
+    put("pcap", "lslidar" + std::to_string(kind) + ".pcap", test::pcap_bytes(lslidar));
+  }
   std::string angles = "Channel,Elevation,Azimuth\n";
   for (int i = 0; i < 16; ++i) angles += fmt::format("{},{},0.1\n", i + 1, 15 - 2 * i);
   put("hesai_angles", "xt16", angles);

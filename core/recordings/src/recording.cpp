@@ -33,6 +33,9 @@ std::unique_ptr<StreamSource> open_stream_of(const std::string& path, const Open
   if (kind == StreamKind::kRobosensePackets) {
     return open_robosense(std::move(reader), options, with_points);
   }
+  if (kind == StreamKind::kLslidarPackets) {
+    return open_lslidar(std::move(reader), options, with_points);
+  }
   if (kind == StreamKind::kOusterPackets) {
     return open_ouster(std::move(reader), options, with_points);
   }

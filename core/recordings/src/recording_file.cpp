@@ -12,6 +12,7 @@
 #include "hesai_decoder.h"
 #include "hqslam/core/error.h"
 #include "hqslam/core/excerpt.h"
+#include "lslidar_decoder.h"
 #include "message_packets.h"
 #include "ouster_imu.h"
 #include "ouster_metadata.h"
@@ -132,18 +133,20 @@ constexpr std::size_t kMaxStreams = 1000;
 /// What came from one sender to one port.
 struct Traffic {
   std::size_t stream = 0;
+  std::int64_t lslidar = 0;
   std::int64_t velodyne = 0;
   std::int64_t hesai = 0;
   std::int64_t robosense = 0;
-  std::int64_t robosense_settings = 0;
+  std::int64_t settings = 0;
   std::map<std::size_t, std::int64_t> packets_of_size;
 };
 
 StreamKind kind_of(const Stream& stream, const Traffic& traffic) {
+  if (2 * traffic.lslidar > stream.messages) return StreamKind::kLslidarPackets;  // looks as one of
   if (2 * traffic.velodyne > stream.messages) return StreamKind::kVelodynePackets;
   if (2 * traffic.hesai > stream.messages) return StreamKind::kHesaiPackets;
   if (2 * traffic.robosense > stream.messages) return StreamKind::kRobosensePackets;
-  if (2 * traffic.robosense_settings > stream.messages) return StreamKind::kRobosenseSettings;
+  if (2 * traffic.settings > stream.messages) return StreamKind::kSettings;
   if (stream.packet_bytes == kVelodynePositionBytes &&
       stream.endpoint.port == kVelodynePositionPort) {
     return StreamKind::kVelodynePositions;
@@ -180,10 +183,11 @@ class PcapRecording : public RecordingFile {
     }
     Stream& stream = streams_[traffic.stream];
     ++stream.messages;
+    if (lslidar_packet(packet.payload)) ++traffic.lslidar;
     if (is_velodyne_packet(packet.payload)) ++traffic.velodyne;
     if (hesai_packet(packet.payload)) ++traffic.hesai;
     if (robosense_packet(packet.payload)) ++traffic.robosense;
-    if (is_robosense_settings(packet.payload)) ++traffic.robosense_settings;
+    if (is_settings(packet.payload)) ++traffic.settings;
     auto& sizes = traffic.packets_of_size;
     const std::size_t bytes = packet.payload.size();
     if (sizes.size() < kMaxStreams || sizes.contains(bytes)) {

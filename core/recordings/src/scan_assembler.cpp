@@ -9,6 +9,7 @@
 #include "hqslam/core/error.h"
 #include "hqslam/core/projection.h"
 #include "imu_queue.h"
+#include "lslidar_decoder.h"
 #include "ouster_decoder.h"
 #include "ouster_imu.h"
 #include "robosense_decoder.h"
@@ -128,6 +129,12 @@ std::unique_ptr<ScanAssembler> robosense_assembler(const RobosenseUnit& unit,
                                                    const VelodyneOptions& options) {
   return std::make_unique<PointAssembler<RobosenseDecoder>>(
       sensor, std::move(name), RobosenseDecoder(unit, sensor, options));
+}
+
+std::unique_ptr<ScanAssembler> lslidar_assembler(const LslidarUnit& unit, const SensorModel& sensor,
+                                                 std::string name, const VelodyneOptions& options) {
+  return std::make_unique<PointAssembler<LslidarDecoder>>(sensor, std::move(name),
+                                                          LslidarDecoder(unit, sensor, options));
 }
 
 std::unique_ptr<ScanAssembler> ouster_assembler(const OusterMetadata& metadata, std::string name,

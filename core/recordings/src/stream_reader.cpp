@@ -4,9 +4,9 @@
 
 #include <cmath>
 
+#include "block_decoder.h"
 #include "hqslam/core/error.h"
 #include "message_packets.h"
-#include "robosense_decoder.h"
 
 namespace hqslam::recordings {
 
@@ -23,7 +23,8 @@ double seconds_apart(std::int64_t a_ns, std::int64_t b_ns) {
 bool has_scans(const Stream& stream) {
   return stream.kind == StreamKind::kVelodynePackets || stream.kind == StreamKind::kHesaiPackets ||
          stream.kind == StreamKind::kRobosensePackets ||
-         stream.kind == StreamKind::kOusterPackets || stream.kind == StreamKind::kPointClouds;
+         stream.kind == StreamKind::kLslidarPackets || stream.kind == StreamKind::kOusterPackets ||
+         stream.kind == StreamKind::kPointClouds;
 }
 
 /// Whether later messages may show that it has scans.
@@ -74,10 +75,9 @@ StreamReader::StreamReader(const std::string& path, const std::string& wanted)
   }
 }
 
-const std::vector<std::uint8_t>& StreamReader::robosense_settings() const {
-  static const std::vector<std::uint8_t> kNone;
+Bytes StreamReader::settings() const {
   const auto found = settings_.find(stream().endpoint.address);
-  return found == settings_.end() ? kNone : found->second;
+  return found == settings_.end() ? Bytes{} : Bytes(found->second);
 }
 
 void StreamReader::skip_others() {
@@ -94,7 +94,7 @@ void StreamReader::listen() {
       metadata_.push_back({stream.name, std::move(*text)});
     }
     if (is_static_transforms(stream)) transforms_.add(*message);
-    if (stream.type.empty() && is_robosense_settings(message->bytes)) {
+    if (stream.type.empty() && is_settings(message->bytes)) {
       settings_.try_emplace(stream.endpoint.address, message->bytes.begin(), message->bytes.end());
     }
     const bool is_imu = stream.kind == StreamKind::kInertialData;

@@ -36,8 +36,9 @@ class StreamReader {
   const Stream& stream() const { return file_->streams()[chosen_]; }
   /// What stands in the bag's topics of metadata before the stream's messages or among the first.
   const std::vector<TopicText>& metadata() const { return metadata_; }
-  /// The first packet of settings of a RoboSense that sent the stream; empty: none came so soon.
-  const std::vector<std::uint8_t>& robosense_settings() const;
+  /// The first packet of settings (DIFOP) of the sensor that sent the stream; empty: none came so
+  /// soon.
+  Bytes settings() const;
   /// Whose inertial data belong to the stream; they are given to whoever asks for them, message by
   /// message, between those of the stream as they stand in the file.
   const ImuStream& imu() const { return imu_; }

@@ -17,7 +17,8 @@ enum class StreamKind {
   kVelodynePositions,  ///< of its GPS receiver: no scans
   kHesaiPackets,
   kRobosensePackets,
-  kRobosenseSettings,  ///< which its scans need
+  kLslidarPackets,
+  kSettings,  ///< of a RoboSense or an LSLiDAR, which its scans need
   kOusterPackets,
   kPointClouds,
   kInertialData,  ///< packets of an Ouster or sensor_msgs/Imu
@@ -88,14 +89,14 @@ class StreamSource : public ScanSource {
 /// Whether this is a capture or a bag, by its first bytes: what open_stream reads.
 bool is_capture_or_bag(const std::string& path);
 
-/// Opens a .pcap or .pcapng capture of Velodyne, Hesai, RoboSense and Ouster packets, or a bag of
-/// packets or point clouds, whose sensor is found in the points where options.sensor does not say
-/// it. An Ouster's metadata are found in the bag or beside the file (the same name with .json, else
-/// the only fitting .json of the folder), a Hesai's angles beside it (the same name with .csv or
-/// _angles.csv). Stamps are those of the recording. Streams that begin more than two seconds behind
-/// the first one are not looked for, unless they are named. Throws Error: which file, what was
-/// expected, what was found, what to do; also next(), at the end, where there was not one whole
-/// scan.
+/// Opens a .pcap or .pcapng capture of Velodyne, Hesai, RoboSense, LSLiDAR and Ouster packets, or a
+/// bag of packets or point clouds, whose sensor is found in the points where options.sensor does
+/// not say it. An Ouster's metadata are found in the bag or beside the file (the same name with
+/// .json, else the only fitting .json of the folder), a Hesai's angles beside it (the same name
+/// with .csv or _angles.csv). Stamps are those of the recording. Streams that begin more than two
+/// seconds behind the first one are not looked for, unless they are named. Throws Error: which
+/// file, what was expected, what was found, what to do; also next(), at the end, where there was
+/// not one whole scan.
 std::unique_ptr<StreamSource> open_stream(const std::string& path, const OpenOptions& options = {});
 
 /// Opens any recording: what open_stream reads, or whatever hqslam::open_recording does. Images
