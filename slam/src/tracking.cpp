@@ -189,9 +189,10 @@ Slam::Implementation::Registered Slam::Implementation::registered(const Tracking
   report.T_odom_sensor = orthonormalized(reference.T_odom_sensor * moved.T_reference_sensor);
   report.times.odometry_s += notes.stopwatch.lap_s();
 
-  const MappingResult matched = register_from_starts(
-      mapping, scan.map_features,
-      {expected, T_map_moved, duration_s, last.close_ratio, measured.has_value()});
+  const MappingResult matched =
+      register_from_starts(mapping, scan.map_features,
+                           {expected, T_map_moved, reference.state.T_map_sensor, duration_s,
+                            last.close_ratio, measured.has_value()});
   // Of a scan that was found far from where it was looked for first, inlier_ratio is of the way.
   const bool is_elsewhere = matched.inlier_ratio < kLeastShareOfInlierRatio * last.inlier_ratio &&
                             matched.close_ratio < kLeastShareOfInlierRatio * last.close_ratio;

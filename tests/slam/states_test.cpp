@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "hqslam/core/angles.h"
 #include "hqslam/slam/options.h"
 #include "hqslam/slam/saved_map.h"
 #include "hqslam/slam/scan_trace.h"
@@ -318,4 +319,23 @@ TEST_CASE("whatever happens to a sensor, what is said of each scan holds against
       CHECK((truth.inverse() * found).translation().norm() < 0.3);
     }
   }
+}
+
+TEST_CASE("a hand that turns by 30 degrees a scan and jerks back by 60 is followed") {
+  SensorModel sensor = test::small_sensor(32, 512);
+  sensor.scan_period_s = 0.5;
+  test::Yard room;
+  room.half_length_m = 10.0;
+  room.half_width_m = 6.0;
+  const auto pose = [](int scan) {
+    const int ahead = std::min(scan, 7);
+    const int back = scan - ahead;
+    return test::yard_pose(-3.0 + ahead - 0.3 * back, 0.0,
+                           (-30.0 * ahead + 60.0 * back) * kDegree_rad);
+  };
+  slam::Slam slam(sensor);
+  for (int scan = 0; scan < 9; ++scan) slam.process(room.scan(sensor, pose(scan)), 0.5 * scan);
+  const Pose error = (pose(0).inverse() * pose(8)).inverse() * slam.trajectory()[8].T_map_sensor;
+  CHECK(error.translation().norm() < 0.05);
+  CHECK(rotation_angle_rad(error) < 0.01);
 }

@@ -71,8 +71,13 @@ MappingResult register_from_starts(const Mapping& mapping, const MapFeatures& fe
   if (expected.is_turn_measured) T_map_moved.linear() = state.T_map_sensor.linear();
   const Twist innovation = logarithm(state.T_map_sensor.inverse() * T_map_moved);
   if (!is_precise(state) || is_elsewhere(innovation)) begin_at(T_map_moved);
-  if (!expected.is_turn_measured && fits_badly(best, expected.last_close_ratio)) {
+  if (expected.is_turn_measured) return best;
+  if (fits_badly(best, expected.last_close_ratio)) {
     for (const double turn_rad : kTurns_rad) begin_at(turned(state.T_map_sensor, turn_rad));
+  }
+  if (fits_badly(best, expected.last_close_ratio)) {
+    begin_at(expected.T_map_last);
+    for (const double turn_rad : kTurns_rad) begin_at(turned(expected.T_map_last, turn_rad));
   }
   return best;
 }
