@@ -207,7 +207,7 @@ void RobosenseDecoder::add(const Packet& packet, std::vector<Scan>& completed) {
   const double packet_s =
       1e-6 * timing_of(unit_.helios).firing_us * static_cast<double>(firings.size());
   if (passed_s_ > 0.0) counts_.lost += std::max(0LL, std::llround(passed_s_ / packet_s) - 1);
-  const std::int64_t packet_ns = clock_.recorded_ns(said->time_ns, packet.capture_time_ns);
+  const std::int64_t packet_ns = recorded_ns(said->time_ns, packet.capture_time_ns, completed);
   for (const Firing& firing : firings) {
     const std::int64_t firing_ns = packet_ns + std::llround(1e3 * firing.time_us);
     const double start_s =
