@@ -93,6 +93,10 @@ ScanReport Slam::Implementation::process_level(const OrganizedCloud& cloud, doub
 /// All that process_level() knows of is the sensor turned level.
 ScanReport Slam::Implementation::process(const OrganizedCloud& cloud, double stamp_s,
                                          ScanTrace* trace) {
+  if (!path.trajectory().empty() && stamp_s < path.trajectory().back().stamp_s) {
+    imu = {};  // the clock was set back: its samples are of other times than their stamps say now
+    gravity_window.interrupt();
+  }
   if (options.mounting.estimated && !mounting.mounted().estimated &&
       reference_of(state) == nullptr) {
     mounting.estimate(cloud);
