@@ -36,7 +36,7 @@ ImuSample measured_at(double time_s, const Pose& T_sensor_body) {
           T_sensor_body.linear() * (force + 10.0 * bias)};
 }
 
-enum class Imu { kNone, kAll, kWithGap, kClockSetBack };
+enum class Imu { kNone, kAll, kWithGap, kClockSetBack, kInG };
 
 /// Scans every `period_s`, of a sensor that is mounted so. Out: the worst error of a position.
 double worst_inertial_error_m(double period_s, int scans, Imu imu,
@@ -61,6 +61,7 @@ double worst_inertial_error_m(double period_s, int scans, Imu imu,
       if (imu != Imu::kNone && !is_in_gap) {
         samples.push_back(measured_at(sampled_s, T_level_sensor.inverse()));
         samples.back().stamp_s = stamp_of(sampled_s);
+        if (imu == Imu::kInG) samples.back().specific_force_mps2 /= kGravity_mps2;
       }
     }
     slam.add_imu(samples);
@@ -100,4 +101,9 @@ TEST_CASE("what the inertial sensor misses for a while is followed without it") 
 
 TEST_CASE("so is one whose clock is set back, for as long as samples are missing") {
   CHECK(worst_inertial_error_m(0.1, 60, Imu::kClockSetBack, {}) < 0.05);
+}
+
+TEST_CASE("inertial data whose forces are no gravity, as in another unit, change nothing") {
+  CHECK(worst_inertial_error_m(0.1, 40, Imu::kInG, {}) ==
+        worst_inertial_error_m(0.1, 40, Imu::kNone, {}));
 }
