@@ -1,9 +1,11 @@
 #include "hqslam/slam/slam.h"
 
+#include <cmath>
 #include <utility>
 
 #include "front_end/scan_check.h"
 #include "hqslam/core/error.h"
+#include "hqslam/core/imu_sample.h"
 #include "hqslam/slam/saved_map.h"
 #include "map/registration_trace.h"
 #include "slam_implementation.h"
@@ -15,6 +17,12 @@ namespace {
 
 /// Across longer gaps nothing is integrated.
 constexpr double kImuMemory_s = 5.0;
+
+/// Whether an inertial state can begin with this mean force over a scan: one that is nowhere near
+/// gravity is of another unit, or of a sensor that measures none.
+bool is_about_gravity(const Eigen::Vector3d& specific_force_mps2) {
+  return std::abs(specific_force_mps2.norm() - kGravity_mps2) < 0.5 * kGravity_mps2;
+}
 
 SensorModel validated(const SensorModel& sensor) {
   hqslam::validate(sensor);
@@ -93,6 +101,10 @@ ScanReport Slam::Implementation::process_level(const OrganizedCloud& cloud, doub
 /// All that process_level() knows of is the sensor turned level.
 ScanReport Slam::Implementation::process(const OrganizedCloud& cloud, double stamp_s,
                                          ScanTrace* trace) {
+  if (!path.trajectory().empty() && stamp_s < path.trajectory().back().stamp_s) {
+    imu = {};  // the clock was set back: its samples are of other times than their stamps say now
+    gravity_window.interrupt();
+  }
   if (options.mounting.estimated && !mounting.mounted().estimated &&
       reference_of(state) == nullptr) {
     mounting.estimate(cloud);
@@ -149,11 +161,13 @@ void Slam::Implementation::make_turning_even(Scan& scan) {
   if (steps.empty()) return;
   const Reference* reference = reference_of(state);
   const bool is_bias_known = reference != nullptr && reference->inertial;
+  const Eigen::Vector3d force_mps2 = mean_specific_force_mps2(steps);
+  if (!is_bias_known && !is_about_gravity(force_mps2)) return;
   scan.turning.emplace(
       steps, half_s,
       is_bias_known ? reference->inertial->gyroscope_bias_rad_per_s : Eigen::Vector3d::Zero());
   scan.turning->apply(scan.features);
-  scan.specific_force_mps2 = mean_specific_force_mps2(steps);
+  scan.specific_force_mps2 = force_mps2;
 }
 
 /// What loop closing found out since, if this is the scan that it was waited for.

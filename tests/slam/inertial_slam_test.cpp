@@ -36,7 +36,7 @@ ImuSample measured_at(double time_s, const Pose& T_sensor_body) {
           T_sensor_body.linear() * (force + 10.0 * bias)};
 }
 
-enum class Imu { kNone, kAll, kWithGap };
+enum class Imu { kNone, kAll, kWithGap, kClockSetBack, kInG };
 
 /// Scans every `period_s`, of a sensor that is mounted so. Out: the worst error of a position.
 double worst_inertial_error_m(double period_s, int scans, Imu imu,
@@ -48,6 +48,9 @@ double worst_inertial_error_m(double period_s, int scans, Imu imu,
   slam::Slam slam(sensor, options);
   const Pose T_level_sensor =
       pose_from_xyz_rpy(Eigen::Vector3d::Zero(), mounting.roll_rad, mounting.pitch_rad, 0.0);
+  const auto stamp_of = [&](double time_s) {
+    return imu == Imu::kClockSetBack && time_s > 1.55 ? time_s - 2.0 : time_s;
+  };
   double worst_m = 0.0;
   double sampled_s = -0.5 * period_s;
   for (int i = 0; i < scans; ++i) {
@@ -57,12 +60,14 @@ double worst_inertial_error_m(double period_s, int scans, Imu imu,
       const bool is_in_gap = imu == Imu::kWithGap && sampled_s > 1.0 && sampled_s < 1.3;
       if (imu != Imu::kNone && !is_in_gap) {
         samples.push_back(measured_at(sampled_s, T_level_sensor.inverse()));
+        samples.back().stamp_s = stamp_of(sampled_s);
+        if (imu == Imu::kInG) samples.back().specific_force_mps2 /= kGravity_mps2;
       }
     }
     slam.add_imu(samples);
     const OrganizedCloud scan = test::Yard().rolling_scan(
         sensor, [&](double time_s) { return hand_pose(stamp_s + time_s) * T_level_sensor; });
-    const slam::ScanReport report = slam.process(scan, stamp_s);
+    const slam::ScanReport report = slam.process(scan, stamp_of(stamp_s));
     const Eigen::Vector3d found_m = report.T_map_sensor.translation();
     const Eigen::Vector3d truth_m = (hand_pose(0).inverse() * hand_pose(stamp_s)).translation();
     worst_m = std::max(worst_m, (found_m - truth_m).norm());
@@ -92,4 +97,13 @@ TEST_CASE("an inertial sensor that hangs upside down with the LiDAR tells the sa
 
 TEST_CASE("what the inertial sensor misses for a while is followed without it") {
   CHECK(worst_inertial_error_m(0.1, 40, Imu::kWithGap, {}) < 0.05);
+}
+
+TEST_CASE("so is one whose clock is set back, for as long as samples are missing") {
+  CHECK(worst_inertial_error_m(0.1, 60, Imu::kClockSetBack, {}) < 0.05);
+}
+
+TEST_CASE("inertial data whose forces are no gravity, as in another unit, change nothing") {
+  CHECK(worst_inertial_error_m(0.1, 40, Imu::kInG, {}) ==
+        worst_inertial_error_m(0.1, 40, Imu::kNone, {}));
 }

@@ -75,7 +75,7 @@ bool BlockDecoder::add_blocks(const Packet& packet, std::int64_t sensor_ns,
   const std::vector<Firing> firings = firings_of(packet.payload);
   const double packet_s = 1e-6 * unit_.format.firing_us * static_cast<double>(firings.size());
   if (passed_s_ > 0.0) counts_.lost += std::max(0LL, std::llround(passed_s_ / packet_s) - 1);
-  const std::int64_t packet_ns = clock_.recorded_ns(sensor_ns, packet.capture_time_ns);
+  const std::int64_t packet_ns = recorded_ns(sensor_ns, packet.capture_time_ns, completed);
   for (const Firing& firing : firings) {
     const std::int64_t firing_ns =
         packet_ns + std::llround(1e3 * (unit_.format.first_us + firing.time_us));

@@ -93,7 +93,7 @@ void HesaiDecoder::add(const Packet& packet, std::vector<Scan>& completed) {
   }
   last_number_ = said->number;
   ++counts_.used;
-  const std::int64_t packet_ns = clock_.recorded_ns(said->time_ns, packet.capture_time_ns);
+  const std::int64_t packet_ns = recorded_ns(said->time_ns, packet.capture_time_ns, completed);
   const int step = said->dual_return ? 2 : 1;
   for (int block = 0; block < kHesaiBlocks; block += step) {
     const int later = (kHesaiBlocks - 1 - block) / step;

@@ -18,9 +18,10 @@ class SensorClock {
  public:
   std::int64_t recorded_ns(std::int64_t sensor_ns, std::int64_t capture_ns) {
     const std::int64_t apart = difference(difference(capture_ns, sensor_ns), offset_ns_);
-    if (!set_ || apart > kMaxApart_ns || apart < -kMaxApart_ns) {
+    was_set_ = !begun_ || apart > kMaxApart_ns || apart < -kMaxApart_ns;
+    begun_ = true;
+    if (was_set_) {
       offset_ns_ = difference(capture_ns, sensor_ns);
-      set_ = true;
     } else {
       const std::int64_t passed = difference(sensor_ns, last_sensor_ns_);
       const std::int64_t slew = std::clamp<std::int64_t>(passed, 0, kMaxApart_ns) / kSlewDivisor;
@@ -29,6 +30,8 @@ class SensorClock {
     last_sensor_ns_ = sensor_ns;
     return sum(sensor_ns, offset_ns_);
   }
+  /// Whether the last call took the offset anew, as the first one does.
+  bool was_set() const { return was_set_; }
 
  private:
   static constexpr std::int64_t kMaxApart_ns = 500'000'000;
@@ -43,7 +46,8 @@ class SensorClock {
     return static_cast<std::int64_t>(static_cast<std::uint64_t>(a) + static_cast<std::uint64_t>(b));
   }
 
-  bool set_ = false;
+  bool begun_ = false;
+  bool was_set_ = false;
   std::int64_t offset_ns_ = 0;
   std::int64_t last_sensor_ns_ = 0;
 };

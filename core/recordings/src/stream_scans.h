@@ -50,6 +50,7 @@ class StreamScans : public StreamSource {
 
   ImuQueue imu_;
   std::int64_t imu_samples_ = 0;
+  double force_sum_mps2_ = 0.0;  ///< of their lengths
   double first_imu_s_ = 0.0;
   double last_imu_s_ = 0.0;
   double last_stamp_s_ = 0.0;

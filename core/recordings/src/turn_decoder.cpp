@@ -56,6 +56,15 @@ bool TurnDecoder::take_time(std::int64_t sensor_ns, std::int64_t capture_ns, dou
   return true;
 }
 
+std::int64_t TurnDecoder::recorded_ns(std::int64_t sensor_ns, std::int64_t capture_ns,
+                                      std::vector<Scan>& completed) {
+  constexpr std::int64_t kFarthest_ns = 9'000'000'000 * kSecond_ns;  // a damaged file may say more
+  const std::int64_t time_ns =
+      clock_.recorded_ns(sensor_ns, std::clamp(capture_ns, -kFarthest_ns, kFarthest_ns));
+  if (clock_.was_set()) finish(completed);
+  return time_ns;
+}
+
 double TurnDecoder::fire(int azimuth, std::int64_t time_ns, std::vector<Scan>& completed) {
   const int turned = modulo_turn(azimuth - cut_);
   if (!empty_ && turned < last_turned_ - kSmallestFall) {

@@ -53,9 +53,13 @@ class TurnDecoder {
       : options_(options), cut_(cut), field_of_view_deg_(field_of_view_deg) {}
 
   /// A packet has this time by the sensor's clock: false if it is left out, as late. Where nothing
-  /// came for a turn, or a clock was set, the scan ends.
+  /// came for a turn, or that clock was set back, the scan ends.
   bool take_time(std::int64_t sensor_ns, std::int64_t capture_ns, double scan_period_s,
                  std::vector<Scan>& completed);
+  /// The time of a packet by the clock of stamps. Where the recorder's clock was set, the scan
+  /// ends.
+  std::int64_t recorded_ns(std::int64_t sensor_ns, std::int64_t capture_ns,
+                           std::vector<Scan>& completed);
   /// The head fires here, at this time by the clock of stamps: what is before the cut goes to
   /// `completed`. The time since the first firing of the turn, which this one may be, seconds.
   double fire(int azimuth, std::int64_t time_ns, std::vector<Scan>& completed);
@@ -63,8 +67,7 @@ class TurnDecoder {
   VelodyneOptions options_;
   int cut_;
   double field_of_view_deg_;
-  Scan scan_;  ///< the turn that was begun; times since its first firing
-  SensorClock clock_;
+  Scan scan_;                         ///< the turn that was begun; times since its first firing
   std::int64_t last_capture_ns_ = 0;  ///< of the packet before
   /// Between the last packet and the one before; 0 for the first one and where a clock was set.
   double passed_s_ = 0.0;
@@ -75,6 +78,7 @@ class TurnDecoder {
   void complete(std::vector<Scan>& completed);
 
   Scan spare_;  ///< empty, with memory
+  SensorClock clock_;
   std::optional<std::int64_t> last_sensor_ns_;
   bool began_with_cut_ = false;
   bool empty_ = true;

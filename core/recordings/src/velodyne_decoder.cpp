@@ -112,7 +112,7 @@ bool VelodyneDecoder::take_time(const Packet& packet, std::vector<Scan>& complet
     return false;
   }
   if (!clock_was_set) count_lost(passed, block_azimuth(packet.payload, 0));
-  if (clock_was_set || static_cast<double>(passed) >= kWholeTurn * 1e6 * stream_.scan_period_s) {
+  if (passed < 0 || static_cast<double>(passed) >= kWholeTurn * 1e6 * stream_.scan_period_s) {
     finish(completed);
   }
   last_us_ = now_us;
@@ -202,7 +202,7 @@ void VelodyneDecoder::add(const Packet& packet, std::vector<Scan>& completed) {
   }
   if (!take_time(packet, completed)) return;
   ++counts_.used;
-  const std::int64_t packet_ns = clock_.recorded_ns(1000 * sensor_us_, packet.capture_time_ns);
+  const std::int64_t packet_ns = recorded_ns(1000 * sensor_us_, packet.capture_time_ns, completed);
   read_firings(packet.payload);
   for (const Firing& firing : firings_) add_firing(firing, packet.payload, packet_ns, completed);
   last_packet_azimuth_ = block_azimuth(packet.payload, 0);

@@ -1,6 +1,7 @@
 #include "imu/imu_buffer.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace hqslam::slam {
 
@@ -23,7 +24,7 @@ Eigen::Vector3d mean_specific_force_mps2(const std::vector<ImuStep>& steps) {
 void ImuBuffer::add(const std::vector<ImuSample>& samples) {
   for (const ImuSample& sample : samples) {
     const bool is_later = samples_.empty() || sample.stamp_s > samples_.back().stamp_s;
-    if (is_later && sample.angular_rate_rad_per_s.allFinite() &&
+    if (is_later && std::isfinite(sample.stamp_s) && sample.angular_rate_rad_per_s.allFinite() &&
         sample.specific_force_mps2.allFinite()) {
       samples_.push_back(sample);
     }

@@ -186,18 +186,24 @@ void LoopClosing::close(LoopResult& result) {
     return;
   }
   if (!agrees) report.status = LoopStatus::kClosed;
-  report.correction_m =
-      (T_map_node.back().translation() - graph_.T_map_last().translation()).norm();
   graph_.add_loops(loops);
   result.drift = graph_.improve_drift(last);
-  result.corrections = graph_.move(T_map_node);
+  move(T_map_node, result);
   if (submap != other) graph_.join(submap, other);
 }
 
-/// Moves the path to where its levelled edges say.
+void LoopClosing::move(const std::vector<Pose>& T_map_node, LoopResult& result) {
+  result.report.correction_m =
+      (T_map_node.back().translation() - graph_.T_map_last().translation()).norm();
+  result.corrections = graph_.move(T_map_node);
+}
+
+/// Moves the path to where its levelled edges say, and what was recalled already.
 void LoopClosing::stand_upright(LoopResult& result) {
   const std::vector<Pose> T_map_node = optimized(graph_.poses());
-  if (!T_map_node.empty()) result.corrections = graph_.move(T_map_node);
+  if (T_map_node.empty()) return;
+  move(T_map_node, result);
+  correct(result.recalled, result.corrections);
 }
 
 /// Puts the younger of two submaps where the loops see it, as a whole: the optimisation begins

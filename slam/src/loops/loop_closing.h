@@ -56,6 +56,7 @@ class LoopClosing {
   bool enough_agree() const;
   void forget_waiting();
   void close(LoopResult& result);
+  void move(const std::vector<Pose>& T_map_node, LoopResult& result);
   void stand_upright(LoopResult& result);
   void bring_together(PoseGraph& graph, std::size_t submap, std::size_t other) const;
 

@@ -164,7 +164,8 @@ void FeatureMap::insert_point(const MapPoint& inserted) {
     cell.keyframe = std::min(cell.keyframe, inserted.keyframe);
     cell.last_seen = std::max(cell.last_seen, inserted.last_seen);
     if (cell.count < kMaxMeanCount) {
-      cell.count = static_cast<std::uint16_t>(cell.count + inserted.count);
+      constexpr int kMostCounted = std::numeric_limits<std::uint16_t>::max();
+      cell.count = static_cast<std::uint16_t>(std::min(cell.count + inserted.count, kMostCounted));
       cell.mean_m += static_cast<float>(inserted.count) * (inserted.mean_m - cell.mean_m) /
                      static_cast<float>(cell.count);
       cell.intensity = mean_intensity(cell, inserted);

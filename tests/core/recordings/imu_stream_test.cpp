@@ -28,6 +28,7 @@ struct ImuTopic {
   std::string topic;
   std::string frame;
   double first_covariance = 0.0;
+  ImuSample sample = kTurning;
 };
 std::vector<BagMessage> clouds_with_imu(const std::vector<ImuTopic>& topics, bool ros1) {
   const std::vector<CloudPoint> points = round_cloud(0.1);
@@ -36,7 +37,7 @@ std::vector<BagMessage> clouds_with_imu(const std::vector<ImuTopic>& topics, boo
     const std::int64_t stamp_ns = 1'600'000'000'000'000'000 + i * 10'000'000;
     for (const ImuTopic& of : topics) {
       messages.push_back({of.topic, kImuType, stamp_ns + 5'000'000,
-                          imu_message(stamp_ns, of.frame, kTurning, ros1, of.first_covariance)});
+                          imu_message(stamp_ns, of.frame, of.sample, ros1, of.first_covariance)});
     }
     if (i % 10 != 9) continue;
     const std::int64_t begin_ns = stamp_ns - 90'000'000;
@@ -129,4 +130,12 @@ TEST_CASE("a sensor_msgs/Imu that says it has no angular rates, or is cut off, i
   CHECK(info.imu.used == 59);
   CHECK(info.imu.left_out == 1);
   CHECK(info.scans == 6);
+}
+
+TEST_CASE("inertial data in g are named, with what to do") {
+  const TemporaryDirectory folder;
+  const RecordingInfo info =
+      info_of(folder, {{"/imu", "lidar", 0.0, {0.0, {0, 0, 0}, {0.1, 0, 1}}}});
+  REQUIRE(info.warnings.size() == 1);
+  CHECK(info.warnings[0].find("found 1.00 in the mean") != std::string::npos);
 }

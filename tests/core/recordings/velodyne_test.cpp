@@ -335,6 +335,18 @@ TEST_CASE("time goes on over the hour, and a clock that is set ends a scan") {
   }
 }
 
+TEST_CASE("a scan ends where both clocks are set back together") {
+  auto packets = velodyne_capture({.duration_s = 0.5});
+  for (std::size_t i = 150; i < packets.size(); ++i) {
+    const auto time_us = little_endian<std::uint32_t>(packets[i].payload, kTimeAt);
+    put(packets[i].payload, kTimeAt, (time_us + 3'595'000'000U) % 3'600'000'000U);
+    packets[i].time_ns -= 5'000'000'000;
+  }
+  const Decoded set = decoded(packets, probed(packets));
+  CHECK(set.partial == 2);
+  for (const Scan& scan : set.scans) CHECK(duration_s(scan) < 0.11);
+}
+
 TEST_CASE("real captures of three sensors decode, whatever their factory bytes say") {
   struct Expected {
     const char* name;

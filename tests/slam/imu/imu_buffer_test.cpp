@@ -65,11 +65,14 @@ TEST_CASE("nothing is integrated over missing samples, but for 50 ms") {
 }
 
 TEST_CASE("samples that are no numbers, or come late, are left out") {
-  ImuBuffer buffer = buffer_of(samples(0, 5));
+  constexpr double kNot = std::numeric_limits<double>::quiet_NaN();
+  ImuBuffer buffer = buffer_of({{kNot, {0, 0, 0}, {0, 0, 0}}});
+  CHECK(buffer.steps(0.01, 0.08, kLevel).empty());
+  buffer.add(samples(0, 5));
   buffer.add(samples(3, 4));
-  buffer.add({{0.06, {std::numeric_limits<double>::quiet_NaN(), 0, 0}, {0, 0, 0}}});
+  buffer.add({{0.06, {kNot, 0, 0}, {0, 0, 0}}});
   buffer.add({{0.06, {0, 0, 0}, {0, 0, std::numeric_limits<double>::infinity()}}});
-  buffer.add({{std::numeric_limits<double>::quiet_NaN(), {0, 0, 0}, {0, 0, 0}}});
+  buffer.add({{kNot, {0, 0, 0}, {0, 0, 0}}});
   buffer.add(samples(7, 9));
   double sum_s = 0.0;
   for (const ImuStep& step : buffer.steps(0.01, 0.08, kLevel)) {

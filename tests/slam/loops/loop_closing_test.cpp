@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "slam/imu/accelerometer.h"
 #include "slam/village.h"
 #include "slam/yard.h"
 
@@ -34,13 +35,17 @@ struct Estimate {
   Pose error_once = Pose::Identity();  ///< of the step in the middle of the way
 };
 
+slam::MappingOptions short_window() {
+  slam::MappingOptions options;
+  options.recent_path_m = 30.0;
+  return options;
+}
+
 /// Drives a circuit with an odometry that adds an error to every step; the map is built from that.
 DrivenCircuit drive(const test::Circuit& circuit, const Estimate& estimate) {
   const SensorModel sensor = test::small_sensor(16, 256);
-  slam::MappingOptions options;
-  options.recent_path_m = 30.0;
-  slam::Mapping mapping(options);
-  slam::LoopClosing loop_closing(options, estimate.closes_loops);
+  slam::Mapping mapping(short_window());
+  slam::LoopClosing loop_closing(short_window(), estimate.closes_loops);
   double since_view_m = 0.0;
   DrivenCircuit driven;
   const std::vector<Pose>& truth = circuit.T_village_sensor;
@@ -169,4 +174,42 @@ TEST_CASE("loops that would bend the path more than it bears leave nothing behin
   CHECK(with.count(LoopStatus::kClosed) == 0);
   CHECK(with.loops == 0);
   CHECK(with.map_points_m == without.map_points_m);
+}
+
+TEST_CASE("what is recalled to a path that stands upright now lies where that path is") {
+  const test::Circuit circuit = test::circuit();
+  const std::vector<Pose>& truth = circuit.T_village_sensor;
+  const SensorModel sensor = test::small_sensor(16, 256);
+  slam::Mapping mapping(short_window());
+  slam::LoopClosing loop_closing(short_window(), true);
+  std::vector<slam::LoopKeyframe> keyframes;
+  std::vector<Pose> T_map_sensor;
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    T_map_sensor.push_back(truth.front().inverse() * truth[i]);
+    const OrganizedCloud cloud = circuit.village.scan(sensor, truth[i]);
+    const slam::MapFeatures features = test::features_of(cloud, sensor);
+    keyframes.push_back({T_map_sensor.back(), Status::kOk, i, i == 0, {}, std::nullopt});
+    if (i % 3 == 0) {  // every 4.5 m
+      keyframes.back().view = {cloud, features, Twist(), mapping.slide_window()};
+      const Pose leans =
+          exponential({Eigen::Vector3d::Zero(), {2e-4 * static_cast<double>(i), 0, 0}});
+      slam::FeltGravity felt;
+      felt.stamp_s = 0.5 * static_cast<double>(i);
+      felt.gravity_mps2 = (leans * T_map_sensor.back()).linear().transpose() * test::kGravity;
+      felt.of_bias.setIdentity();
+      if (i > 0) keyframes.back().gravity = felt;
+    }
+    mapping.insert(features, T_map_sensor.back(), Twist());
+  }
+  const slam::LoopResult result = loop_closing.process(std::move(keyframes));
+  REQUIRE(result.report.status == LoopStatus::kAgrees);
+  REQUIRE_FALSE(result.corrections.empty());
+  REQUIRE(result.recalled.planes.size() > 1000);
+  CHECK(result.report.correction_m > 0.0);
+  for (const slam::MapPoint& point : result.recalled.planes) {
+    const Pose T_village_map =
+        truth[point.keyframe] *
+        (result.corrections[point.keyframe] * T_map_sensor[point.keyframe]).inverse();
+    CHECK((T_village_map * point.mean_m.cast<double>()).z() > -0.05);  // not under the ground
+  }
 }

@@ -202,3 +202,16 @@ TEST_CASE("a place that is far away, or larger than the map, is looked at as fas
     CHECK(map.points_near_m({{0.0F, 0.0F, 0.0F}, far_m}).size() == 3);
   }
 }
+
+TEST_CASE("a point that was taken out and put in again on thousands of laps stays in its voxel") {
+  FeatureMap map(0.4, 1.0);
+  std::vector<MapPoint> point;
+  for (int lap = 0; lap < 4000; ++lap) {
+    const Eigen::Vector3f seen_m(lap % 2 == 0 ? 0.1F : 0.3F, 0.1F, 0.1F);
+    map.insert(std::vector<Eigen::Vector3f>(19, seen_m));
+    map.insert(point);
+    point = map.take_not_seen_since(1);
+    REQUIRE(point.size() == 1);
+    REQUIRE((point[0].mean_m - Eigen::Vector3f(0.2F, 0.1F, 0.1F)).norm() < 0.11F);
+  }
+}

@@ -24,7 +24,7 @@ struct LoopReport {
   int candidates = 0;          ///< places that were looked at
   std::size_t scan = 0;        ///< the one that was looked for: some scans before the report's own
   std::size_t older_scan = 0;  ///< kAwaitsOthers, kAgrees, kClosed: the scan that it met
-  double correction_m = 0.0;   ///< kAgrees, kClosed: by how much its pose moved, 0 if it is right
+  double correction_m = 0.0;   ///< by how much its pose moved, also where the path was put upright
 };
 
 }  // namespace hqslam::slam
