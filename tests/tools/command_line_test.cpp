@@ -194,7 +194,8 @@ TEST_CASE("a seed is a whole number from 0 to 2^64 - 1") {
   }
 }
 
-TEST_CASE("the program's help names every subcommand, and evaluate's defines its errors") {
+TEST_CASE(
+    "the program's help names every subcommand, evaluate's its errors, calibrate's recordings") {
   CLI::App app("", "hqslam");
   CommandLine options;
   declare_program(app, options);
@@ -205,6 +206,9 @@ TEST_CASE("the program's help names every subcommand, and evaluate's defines its
   for (const char* part :
        {"APE", "RPE", "MAE", "Chamfer", "IoU", "F1", "outlier", "TULIP", "evo"}) {
     CHECK(holds(help, part));
+  }
+  for (const char* kind : {".pcap", ".mcap", ".bin", ".pcd", ".ply", ".las", ".csv", ".txt"}) {
+    CHECK(holds(app.get_subcommand("calibrate")->help(), kind));
   }
 }
 

@@ -13,8 +13,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The same as for dense maps.
-
 /// A row of what evaluate-map prints of a grid, shares in percent.
 struct GridRow {
   double empty_free, empty_occupied, standing_occupied, standing_near, standing_free, moved,
@@ -38,6 +36,7 @@ TEST_CASE("an occupancy grid agrees with the city that it was driven through") {
   const ProgramResult run = succeeds("run '{}' --rows 16 --occupancy-grid --out '{}'",
                                      drive_of_64(), out.path().string());
   CHECK(holds(run.out, "occupancy grid: "));
+  CHECK(holds(last_line(run.out), "report.html, map.pgm, map.yaml"));
   CHECK(holds(file_contents(out.file("map.yaml")), "image: map.pgm\nmode: trinary\n"));
   const ProgramResult result =
       succeeds("evaluate-map '{}' --drive '{}'", out.file("map.yaml"), drive_of_64());

@@ -179,7 +179,7 @@ int map_command(const MapOptions& options) {
       return kInterrupted;
     }
     write_occupancy_grid(grid.map, options.out);
-    to_stdout("{}\n", grid.summary);
+    to_stdout("{}\nresults: {}/map.pgm, map.yaml\n", grid.summary, options.out);
   }
   if (run.not_understood.scans > 0) to_stderr("hqslam: {}\n", run.not_understood.text());
   if (!run.end_message.empty()) {

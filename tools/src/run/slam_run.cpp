@@ -296,9 +296,10 @@ std::string run_summary(const SlamRun& run) {
 std::string results_line(const SlamRun& run, const std::string& out) {
   return fmt::format(
       "results: {}/trajectory.tum, trajectory.kitti, covariances.csv, map.pcd, timings.json, "
-      "report.html{}{}\n",
+      "report.html{}{}{}\n",
       out, run.saved_map ? ", saved_map.npz" : "",
-      run.dense_map_summary.empty() ? "" : ", dense_map.pcd, dense_map.ply and pictures");
+      run.dense_map_summary.empty() ? "" : ", dense_map.pcd, dense_map.ply and pictures",
+      run.occupancy_grid_summary.empty() ? "" : ", map.pgm, map.yaml");
 }
 
 }  // namespace hqslam::tools
