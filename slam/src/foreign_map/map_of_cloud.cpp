@@ -97,6 +97,12 @@ std::vector<Eigen::Vector3f> near_in_map(const std::vector<FeaturePoint>& featur
 SavedMap map_of_cloud(const std::vector<Eigen::Vector3f>& points_m, const SensorModel& sensor,
                       const SlamOptions& options) {
   validate(options);
+  if (sensor.rows() < 2) {
+    throw Error(
+        "expected a sensor with two rows or more to be located in a cloud, found '{}' with {}; "
+        "locate it in a map that it saved",
+        sensor.name, sensor.rows());
+  }
   const ThreadLimit limit(options.threads);
   const std::vector<Surfel> surfels = checked_surfels(points_m);
   const std::vector<Pose> places = checked_viewpoints(surfels);

@@ -34,7 +34,7 @@ struct SavedMap {
 /// would have left behind, as far as the cloud tells. Planes are the cloud's own; edges, posts and
 /// contexts are those that a virtual sensor sees at places every 4 m on the ground
 /// (src/foreign_map/). Throws Error: points not finite or more than 100 km from the origin, too
-/// few, or no ground among them.
+/// few, or no ground among them; a sensor with one row.
 SavedMap map_of_cloud(const std::vector<Eigen::Vector3f>& points_m, const SensorModel& sensor,
                       const SlamOptions& options);
 
