@@ -13,9 +13,9 @@ namespace {
 
 constexpr int kColumnsOfScan = 128;
 constexpr double kMinRange_m = 1.0;
-constexpr double kMaxRange_m = 40.0;  ///< farther away, beams are metres apart
+constexpr double kMaxRange_m = 80.0;
 constexpr double kVoxel_m = 1.0;
-constexpr std::size_t kMinPoints = 15;
+constexpr std::size_t kMinPoints = 8;
 constexpr int kMinBeams = 3;
 constexpr double kMaxThickness_m = 0.15;
 constexpr double kMaxThicknessShare = 0.3;  ///< of the width across
