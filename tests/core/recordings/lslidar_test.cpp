@@ -118,9 +118,10 @@ TEST_CASE("of two returns of an LSLiDAR's pulse the asked one is kept") {
     LslidarDecoder decoder = decoder_of(sensor, {.kept_return = kept});
     const std::vector<Scan> scans = decoded(decoder, packets);
     REQUIRE(scans.size() == 1);
-    CHECK(std::ranges::count_if(scans[0].points_m, [&](const Eigen::Vector3f& point_m) {
-            return std::abs(point_m.norm() - range_m) < 0.05F;
-          }) == 1);
+    CHECK(std::ranges::count_if(scans[0].points_m,
+                                [range_m = range_m](const Eigen::Vector3f& point_m) {
+                                  return std::abs(point_m.norm() - range_m) < 0.05F;
+                                }) == 1);
   }
 }
 
