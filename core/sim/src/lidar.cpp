@@ -18,12 +18,13 @@ constexpr std::uint64_t kMixed = 2;
 constexpr std::uint64_t kIntensity = 3;
 
 /// Whether the beam may straddle an edge between two neighbouring pixels: the ranges differ by more
-/// than a smooth surface would let them.
-bool jumps(const std::optional<RayHit>& a, const std::optional<RayHit>& b) {
+/// than a smooth surface would let them, the more the farther the rays are apart (sine).
+bool jumps(const std::optional<RayHit>& a, const std::optional<RayHit>& b, double apart) {
   if (!a || !b) return a.has_value() != b.has_value();
   const double near_m = std::min(a->range_m, b->range_m);
   const double grazing = std::min(a->cos_incidence, b->cos_incidence);
-  return std::abs(a->range_m - b->range_m) > 0.15 + 0.02 * near_m / std::max(grazing, 0.05);
+  const double slope = std::max(0.02, 1.8 * apart) / std::max(grazing, 0.05);
+  return std::abs(a->range_m - b->range_m) > 0.15 + slope * near_m;
 }
 
 }  // namespace
@@ -67,9 +68,10 @@ struct Lidar::Revolution {
       if (row + down < 0 || row + down >= image.rows || !rows.contains(row + down)) continue;
       const std::size_t other =
           image.index(row + down, (column + right + image.columns) % image.columns);
-      if (!jumps(central[pixel], central[other])) continue;
       const Eigen::Vector3d& middle = lidar.directions_[pixel];
-      const Eigen::Vector3d towards = (lidar.directions_[other] - middle).normalized();
+      const Eigen::Vector3d aside = lidar.directions_[other] - middle;
+      if (!jumps(central[pixel], central[other], aside.norm())) continue;
+      const Eigen::Vector3d towards = aside.normalized();
       add(cast(row, column, (middle + kHalfDivergence_rad * towards).normalized()), 1.0);
     }
     return footprint;

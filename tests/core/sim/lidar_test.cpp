@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "hqslam/core/projection.h"
+#include "hqslam/core/sensor_model.h"
 #include "small_city.h"
 
 using namespace hqslam;
@@ -60,6 +61,27 @@ TEST_CASE("a standing sensor measures the floor where it is, within the noise") 
         CHECK(sensor.beam_elevation_rad[static_cast<std::size_t>(row)] < 0.0);
       });
   CHECK(returns > 8 * sensor.columns);
+}
+
+TEST_CASE("rows far apart see no edge in smooth ground: on average it is where it is") {
+  City city = empty_city();
+  add_floor(city.fixed);
+  const RayScene scene(city);
+  const SensorModel sensor = sensor_preset("os1-16");
+  const std::vector<Pose> poses(static_cast<std::size_t>(sensor.columns),
+                                pose_from_xyz_rpy({3.0, 4.0, 1.8}, 0.0, 0.0, 0.0));
+  const RangeImage image = Lidar(sensor, DriveSpec{}).measure(scene, poses, 0);
+  std::vector<double> sum_m(static_cast<std::size_t>(sensor.rows()), 0.0);
+  std::vector<int> returns(sum_m.size(), 0);
+  for_each_return(image, sensor, [&](int row, int /*column*/, const Eigen::Vector3d& point) {
+    sum_m[static_cast<std::size_t>(row)] += (poses[0] * point).z();
+    ++returns[static_cast<std::size_t>(row)];
+  });
+  for (std::size_t row = 9; row < sum_m.size(); ++row) {  // from 4 degrees down
+    CAPTURE(row);
+    REQUIRE(returns[row] > 900);
+    CHECK(std::abs(sum_m[row] / returns[row]) < 0.001);  // before: up to 0.013
+  }
 }
 
 TEST_CASE("rolling capture: with the pose of each column walls are straight, with one pose not") {
