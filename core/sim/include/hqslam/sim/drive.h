@@ -48,7 +48,7 @@ struct DriveSpec {
 };
 /// Raised whenever the same spec begins to give other ranges or poses, which are what is stored
 /// under it.
-constexpr int kDriveRevision = 1;
+constexpr int kDriveRevision = 2;
 /// Throws Error with field, value and constraint.
 void validate(const DriveSpec& spec);
 
