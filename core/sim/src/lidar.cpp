@@ -18,7 +18,8 @@ constexpr std::uint64_t kMixed = 2;
 constexpr std::uint64_t kIntensity = 3;
 
 /// Whether the beam may straddle an edge between two neighbouring pixels: the ranges differ by more
-/// than a smooth surface would let them, the more the farther the rays are apart (sine).
+/// than a smooth surface would let them, the more the farther the rays are apart (radians). A rim
+/// towards one side alone makes smooth ground look nearer or farther away than it is.
 bool jumps(const std::optional<RayHit>& a, const std::optional<RayHit>& b, double apart) {
   if (!a || !b) return a.has_value() != b.has_value();
   const double near_m = std::min(a->range_m, b->range_m);

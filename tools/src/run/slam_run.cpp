@@ -53,11 +53,11 @@ std::string inertial_summary(const SlamRun& run) {
   if (!run.has_imu) return "";
   const auto measured = std::ranges::count_if(
       run.scans, [](const ScanRecord& scan) { return scan.report.predicted_by_imu; });
-  return fmt::format("inertial sensor: measured the way to {} of {} scans{}\n", measured,
-                     run.scans.size(),
-                     2 * measured > std::ssize(run.scans)
-                         ? ""
-                         : "; between others its samples are more than 50 ms apart, or missing");
+  return fmt::format(
+      "inertial sensor: measured the way to {} of {} scans{}\n", measured, run.scans.size(),
+      2 * measured > std::ssize(run.scans)
+          ? ""
+          : "; between others its samples are missing, more than 50 ms apart, or hold no gravity");
 }
 
 /// "mounting: roll 0.1, pitch 12.0 degrees, estimated from the ground"; nothing of a level one
