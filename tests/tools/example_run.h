@@ -30,7 +30,7 @@ inline SlamRun example_run(int scans) {
   }
   run.end = ReadingEnd::kComplete;
   run.part_of_scan.resize(run.scans.size());
-  run.stretch_of_scan.resize(run.scans.size());
+  run.segment_of_scan.resize(run.scans.size());
   return run;
 }
 

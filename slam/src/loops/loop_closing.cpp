@@ -109,7 +109,7 @@ LoopReport LoopClosing::look_around() {
 }
 
 LoopReport LoopClosing::look_where_predicted() {
-  const Pose T_map_predicted = T_corrected_map_ * graph_.T_map_last();
+  const Pose T_map_predicted = T_corrected_map(waiting_.back()) * graph_.T_map_last();
   const std::optional<FoundLoop> loop =
       look_in(graph_.submap_of(waiting_.back().from),
               [&](const LoopSearchSpace& space) { return loop_at(space, T_map_predicted); });
@@ -134,9 +134,14 @@ PoseGraphEdge LoopClosing::edge_of(const FoundLoop& loop) const {
           kLoopSigma_rad};
 }
 
+/// Takes a loop's younger node from where it is believed to be to where the loop sees it.
+Pose LoopClosing::T_corrected_map(const PoseGraphEdge& loop) const {
+  const std::vector<Pose>& T_map_node = graph_.poses().T_map_node;
+  return T_map_node[loop.from] * loop.T_from_to * T_map_node[loop.to].inverse();
+}
+
 void LoopClosing::await_others(const FoundLoop& loop) {
   waiting_.push_back(edge_of(loop));
-  T_corrected_map_ = loop.T_map_last * graph_.T_map_last().inverse();
   missed_ = 0;
 }
 
@@ -153,7 +158,7 @@ bool LoopClosing::enough_agree() const {
     return length_m >= kLengthBeyondCorrection_m;
   }
   const Eigen::Vector3d believed_m = graph_.poses().T_map_node[last.to].translation();
-  const double change_m = (T_corrected_map_ * believed_m - believed_m).norm();
+  const double change_m = (T_corrected_map(last) * believed_m - believed_m).norm();
   return length_m >= kLengthBeyondCorrection_m + change_m;
 }
 
@@ -178,7 +183,7 @@ void LoopClosing::close(LoopResult& result) {
   with_loops.loops.insert(with_loops.loops.end(), loops.begin(), loops.end());
   const std::size_t submap = graph_.submap_of(last.to);
   const std::size_t other = graph_.submap_of(last.from);
-  if (submap != other) bring_together(with_loops, submap, other);
+  if (submap != other) bring_together(with_loops, last);
   const std::vector<Pose> T_map_node = optimized(with_loops);
   if (T_map_node.empty() || !is_plausible(with_loops, graph_.edge_drift_m(), T_map_node)) {
     report.status = LoopStatus::kImplausible;
@@ -206,10 +211,11 @@ void LoopClosing::stand_upright(LoopResult& result) {
   correct(result.recalled, result.corrections);
 }
 
-/// Puts the younger of two submaps where the loops see it, as a whole: the optimisation begins
-/// there.
-void LoopClosing::bring_together(PoseGraph& graph, std::size_t submap, std::size_t other) const {
-  const Pose move = submap > other ? T_corrected_map_ : Pose(T_corrected_map_.inverse());
+/// Puts the younger of two submaps where a loop sees it, as a whole: the optimisation begins there.
+void LoopClosing::bring_together(PoseGraph& graph, const PoseGraphEdge& loop) const {
+  const std::size_t submap = graph_.submap_of(loop.to);
+  const std::size_t other = graph_.submap_of(loop.from);
+  const Pose move = submap > other ? T_corrected_map(loop) : T_corrected_map(loop).inverse();
   for (std::size_t i = 0; i < graph.T_map_node.size(); ++i) {
     if (graph_.submap_of(i) != std::max(submap, other)) continue;
     graph.T_map_node[i] = orthonormalized(move * graph.T_map_node[i]);

@@ -52,13 +52,14 @@ class LoopClosing {
   template <typename Look>
   auto look_in(std::size_t submap, const Look& look) const;
   PoseGraphEdge edge_of(const FoundLoop& loop) const;
+  Pose T_corrected_map(const PoseGraphEdge& loop) const;
   void await_others(const FoundLoop& loop);
   bool enough_agree() const;
   void forget_waiting();
   void close(LoopResult& result);
   void move(const std::vector<Pose>& T_map_node, LoopResult& result);
   void stand_upright(LoopResult& result);
-  void bring_together(PoseGraph& graph, std::size_t submap, std::size_t other) const;
+  void bring_together(PoseGraph& graph, const PoseGraphEdge& loop) const;
 
   MappingOptions options_;
   bool searches_;
@@ -66,8 +67,7 @@ class LoopClosing {
   double next_search_m_ = 0.0;  ///< along the path
   // Loops that wait for others to agree with them.
   std::vector<PoseGraphEdge> waiting_;
-  Pose T_corrected_map_ = Pose::Identity();  ///< of the last node, by them
-  int missed_ = 0;                           ///< nodes since, not found where predicted
+  int missed_ = 0;  ///< nodes since, not found where predicted
 };
 
 }  // namespace hqslam::slam

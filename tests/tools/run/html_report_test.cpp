@@ -53,13 +53,13 @@ TEST_CASE(
     return std::distance(std::sregex_iterator(html.begin(), html.end(), line), {});
   };
   CHECK(lines(html_report(run)) == 1);
-  std::fill(run.stretch_of_scan.begin() + 10, run.stretch_of_scan.end(), 1);
+  std::fill(run.segment_of_scan.begin() + 10, run.segment_of_scan.end(), 1);
   run.scans[20].report.mapping_status = slam::Status::kNotRecognized;
   const std::string html = html_report(run);
   CHECK(lines(html) == 3);
   CHECK(holds(html, "26.0 <small>m</small>"));  // of 29, one to stretch 1, two about scan 20
   CHECK_FALSE(holds(html, "parts not joined"));
-  run.part_of_scan = run.stretch_of_scan;
+  run.part_of_scan = run.segment_of_scan;
   CHECK(lines(html_report(run)) == 3);
   CHECK(holds(html_report(run), "2 parts not joined"));
   CHECK(holds(html, "<th>not recognized</th>"));

@@ -15,7 +15,7 @@ using slam::Status;
 SlamRun run_of_parts() {
   SlamRun run = example_run(10);
   run.part_of_scan = {0, 0, 0, 1, 1, 2, 2, 2, 2, 2};
-  run.stretch_of_scan = run.part_of_scan;
+  run.segment_of_scan = run.part_of_scan;
   run.scans[7].report.mapping_status = Status::kTooFewFeatures;
   run.map_part = 2;
   return run;

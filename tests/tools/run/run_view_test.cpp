@@ -61,11 +61,11 @@ TEST_CASE("the path ends where the way is not known, and other parts of the map 
   run.loops.push_back({slam::LoopStatus::kClosed, 1, 20, 2, 0.5});
   CHECK(view_of(run).path_m.size() == 1);
   CHECK(view_of(run).loops_m.size() == 1);
-  std::fill(run.stretch_of_scan.begin() + 10, run.stretch_of_scan.end(), 1);
+  std::fill(run.segment_of_scan.begin() + 10, run.segment_of_scan.end(), 1);
   const TurningView joined = view_of(run);
   REQUIRE(joined.path_m.size() == 2);
   CHECK(joined.path_m[0].size() == 10);
-  run.part_of_scan = run.stretch_of_scan;
+  run.part_of_scan = run.segment_of_scan;
   const TurningView parted = view_of(run);
   CHECK(parted.path_m.size() == 1);
   CHECK(parted.loops_m.empty());

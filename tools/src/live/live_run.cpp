@@ -31,11 +31,6 @@ class LiveProgress {
   explicit LiveProgress(LiveView* view) : view_(view) {}
 
   void located(const SlamSession& session, const ScanRecord& record) {
-    const Pose& T_map_sensor = record.report.T_map_sensor;
-    if (status_.latest) {
-      const Pose& before = status_.latest->report.T_map_sensor;
-      status_.path_m += (T_map_sensor.translation() - before.translation()).norm();
-    }
     status_.latest = record;
     status_.latency_s = std::max(status_.latency_s.value_or(0.0), *record.latency_s);
     ++status_.scans;
@@ -44,7 +39,7 @@ class LiveProgress {
     if (record.report.loop.correction_m > 0.0) {
       view_->replace(session.trajectory(), session.segment_of_scan());
     }
-    view_->add(session.cloud(), T_map_sensor, session.segment_of_scan().back());
+    view_->add(session.cloud(), record.report.T_map_sensor, session.segment_of_scan().back());
   }
 
   void set_results_failure(const std::string& failure) {
@@ -54,13 +49,14 @@ class LiveProgress {
     status_.results_failure = failure;
   }
 
-  void tell_if_due(const SlamSession& session, const live::LiveCounts& counts) {
+  void tell_if_due(SlamSession& session, const live::LiveCounts& counts) {
     const double passed_s = seconds_since(second_start_);
     if (passed_s < kStatusInterval_s) return;
     status_.elapsed_s = seconds_since(start_);
     status_.rate_hz = static_cast<double>(scans_of_second_) / passed_s;
     status_.counts = counts;
     status_.parts = session.parts();
+    status_.path_m = known_path_m(session.run_so_far());
     to_stdout("{}\n", status_line(status_));
     if (view_ != nullptr) view_->set(status_);
     second_start_ = SteadyClock::now();

@@ -169,7 +169,7 @@ bool is_way_known(const SlamRun& run, std::size_t scan) {
     return run.scans[i].report.mapping_status != slam::Status::kNotRecognized;
   };
   return is_recognized(scan) && is_recognized(scan + 1) &&
-         run.stretch_of_scan[scan] == run.stretch_of_scan[scan + 1];
+         run.segment_of_scan[scan] == run.segment_of_scan[scan + 1];
 }
 
 std::vector<std::int64_t> scan_of_pose(const SlamRun& run) {
@@ -233,6 +233,7 @@ ScanRecord& SlamSession::process(const RecordedScan& scan, std::int64_t index, d
 
 SlamRun& SlamSession::run_so_far() {
   run_.trajectory = slam_.trajectory();
+  run_.segment_of_scan = slam_.segment_of_scan();
   return run_;
 }
 
@@ -251,7 +252,7 @@ SlamRun SlamSession::finished(bool save_map) {
   for (const slam::LoopReport& loop : slam_.finish()) remember(loop);
   run_.mounting = slam_.mounting();
   run_.part_of_scan = slam_.submap_of_scan();
-  run_.stretch_of_scan = slam_.segment_of_scan();
+  run_.segment_of_scan = slam_.segment_of_scan();
   run_.wall_s = seconds_since(start_);
   run_.trajectory = slam_.trajectory();
   for (const auto& [scan, covariance] : slam_.corrected_covariances()) {

@@ -50,7 +50,7 @@ struct SlamRun : Reading {
   bool has_imu = false;                      ///< inertial data came with it
   std::vector<slam::LoopReport> loops;       ///< places that were recognised, and are right now
   std::vector<std::size_t> part_of_scan;     ///< slam::Slam::submap_of_scan()
-  std::vector<std::size_t> stretch_of_scan;  ///< slam::Slam::segment_of_scan()
+  std::vector<std::size_t> segment_of_scan;  ///< slam::Slam::segment_of_scan()
   Trajectory trajectory;  ///< T_map_sensor, the map's frame is the first scan's, turned level
   /// Filled when the run ends: of the part of the map with most scans, which that is, and its
   /// points in the map's frame. How others lie to it is not known.
@@ -124,7 +124,7 @@ class SlamSession {
   /// Locates the next scan. index, reading_s: as ReadScan says. Returns what the run now ends with.
   /// Throws Error, ScanError for a scan that is to be left out.
   ScanRecord& process(const RecordedScan& scan, std::int64_t index, double reading_s);
-  /// The run so far, with its trajectory.
+  /// The run so far, with its trajectory and its segments.
   SlamRun& run_so_far();
   /// Everything but its trajectory and its map.
   SlamRun& run() { return run_; }
