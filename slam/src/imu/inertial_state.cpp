@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
+#include <Eigen/LU>
 
 #include "alignment/cross_matrix.h"
 #include "hqslam/core/imu_sample.h"
@@ -118,19 +119,24 @@ InertialPrediction predicted(const MotionState& state, const InertialState& iner
 
 InertialState corrected(const InertialPrediction& prediction, const MotionState& found) {
   const Matrix18& before = prediction.inertial.covariance;
-  Matrix6 of_innovation = before.topLeftCorner<6, 6>() + found.covariance.topLeftCorner<6, 6>();
-  of_innovation.diagonal().head<3>().array() += kRegistration_m * kRegistration_m;
-  of_innovation.diagonal().tail<3>().array() += kRegistration_rad * kRegistration_rad;
-  const Eigen::Matrix<double, 18, 6> K =
-      of_innovation.ldlt().solve(before.topRows<6>()).transpose();
-  const Eigen::Matrix<double, 18, 1> change =
-      K * vector_of(logarithm(prediction.state.T_map_sensor.inverse() * found.T_map_sensor));
+  const Matrix6 of_pose = before.topLeftCorner<6, 6>();
+  const Matrix6 of_both = found.covariance.topLeftCorner<6, 6>().ldlt().solve(Matrix6::Identity());
+  const Matrix6 of_scan = of_both - of_pose.ldlt().solve(Matrix6::Identity());
+  Matrix6 noise = of_pose;
+  noise.diagonal().head<3>().array() += kRegistration_m * kRegistration_m;
+  noise.diagonal().tail<3>().array() += kRegistration_rad * kRegistration_rad;
+  const Eigen::PartialPivLU<Matrix6> share(Matrix6::Identity() + of_scan * noise);
+  const Vector6 moved =
+      vector_of(logarithm(prediction.state.T_map_sensor.inverse() * found.T_map_sensor));
+  const Eigen::Matrix<double, 18, 6> with_pose = before.leftCols<6>();
+  const Eigen::Matrix<double, 18, 1> change = with_pose * share.solve(of_both * moved);
   InertialState result = prediction.inertial;
   result.gyroscope_bias_rad_per_s += change.segment<3>(kGyroscope);
   result.accelerometer_bias_mps2 += change.segment<3>(kAccelerometer);
   result.gravity_map_mps2 += change.segment<3>(kGravity);
   result.gravity_map_mps2 *= kGravity_mps2 / result.gravity_map_mps2.norm();
-  result.covariance = before - K * of_innovation * K.transpose();
+  result.covariance = before - with_pose * share.solve(of_scan) * with_pose.transpose();
+  result.covariance = (0.5 * (result.covariance + result.covariance.transpose())).eval();
   return result;
 }
 

@@ -58,13 +58,11 @@ bool is_precise(const MotionState& state) {
 MappingResult register_from_starts(const Mapping& mapping, const MapFeatures& features,
                                    const ExpectedScan& expected) {
   const MotionState& state = expected.state;
-  const SearchFrom from =
-      expected.is_turn_measured ? SearchFrom::kInertialData : SearchFrom::kLastScan;
-  MappingResult best = mapping.register_scan(features, state, state.T_map_sensor, from);
+  MappingResult best = mapping.register_scan(features, state, state.T_map_sensor);
   const auto begin_at = [&](const Pose& T_map_start) {
     const Twist innovation = logarithm(state.T_map_sensor.inverse() * T_map_start);
     const MappingResult found = mapping.register_scan(
-        features, with_innovation(state, innovation, expected.duration_s), T_map_start, from);
+        features, with_innovation(state, innovation, expected.duration_s), T_map_start);
     if (fits_better(found, best)) best = found;
   };
   Pose T_map_moved = expected.T_map_moved;

@@ -24,8 +24,6 @@ constexpr int kUsualIterations = 10;
 constexpr double kLateTolerance = 4.0;
 /// Of its line or plane: MappingResult::close_ratio.
 constexpr double kClose_m = 0.1;
-/// Of path, before an inertial sensor's velocity is better than that of scans.
-constexpr double kSettled_m = 40.0;
 
 RegisteredScan searched(const MapFeatures& features) {
   return {SearchedFeatures<MapSurface>(features.ground_to_register),
@@ -55,32 +53,14 @@ double inlier_share(const ConstraintList& found, const MapFeatures& features) {
 }
 
 /// How well narrow searches must know each way along and across, and the turn, where they leave
-/// a direction degenerate; where they know less, the scan is searched widely to the end.
+/// a direction degenerate [1/m^2]; where they know less, the scan is searched widely to the end.
 ///
 /// Of a sensor that is followed: to 0.063 m. Where they know more, wide ones know it worse:
 /// features far apart are not of one surface. Of height and tilt a narrow search knows as much as
 /// a wide one, since the ground is searched widely anyway where little of it is near
-/// (MapSearch::ground_reach_m). But an inertial sensor that knows more evens out the noise of wide
-/// searches, and not that rings lying close to each other hold the sensor; unless what they find
-/// contradicts it, or its own map has just begun, and what is known of the velocity is from scans.
-double enough_in_plane_per_m2(SearchFrom from, const MotionState& expected) {
-  constexpr double kEnough_per_m2 = 250.0;
-  if (from == SearchFrom::kRecognizedPlace) return std::numeric_limits<double>::infinity();
-  if (from == SearchFrom::kLastScan) return kEnough_per_m2;
-  return std::max(kEnough_per_m2,
-                  1.0 / std::max(expected.covariance(0, 0), expected.covariance(1, 1)));
-}
-
-/// Whether a pose lies elsewhere in the plane than expected, by more than four standard deviations.
-/// Of wide searches that even noise out 3.2 is the most (five meadows); where they lead astray it
-/// is up to 13.
-bool contradicts(const MotionState& expected, const Pose& T_map_sensor) {
-  constexpr double kMostSigmas = 4.0;
-  const std::array in_plane = {0, 1, 5};  // x, y, yaw
-  const Vector6 off = vector_of(logarithm(expected.T_map_sensor.inverse() * T_map_sensor));
-  const Eigen::Vector3d error = off(in_plane);
-  const Eigen::Matrix3d covariance = expected.covariance(in_plane, in_plane);
-  return error.dot(covariance.ldlt().solve(error)) > kMostSigmas * kMostSigmas;
+/// (MapSearch::ground_reach_m).
+double enough_in_plane_per_m2(SearchFrom from) {
+  return from == SearchFrom::kRecognizedPlace ? std::numeric_limits<double>::infinity() : 250.0;
 }
 
 MapSearch search_at(const MappingResult& at, const MappingOptions& options, SearchFrom from) {
@@ -131,14 +111,12 @@ Mapping::Mapping(const MappingOptions& options, FeatureMaps map)
 
 MappingResult Mapping::register_scan(const MapFeatures& features, const MotionState& expected,
                                      const Pose& T_map_sensor_start, SearchFrom from) const {
-  const bool begins = keyframes_ > 0 && path_m_ < kSettled_m;
-  if (from == SearchFrom::kInertialData && begins) from = SearchFrom::kLastScan;
   const double feature_count =
       standing_features(features) + static_cast<double>(features.ground_to_register.size());
   MappingResult result;
   const ExpectedState prior(expected);
   result.state = prior.given(T_map_sensor_start);
-  const double least_in_plane_per_m2 = enough_in_plane_per_m2(from, expected);
+  const double least_in_plane_per_m2 = enough_in_plane_per_m2(from);
   RegisteredScan scan = searched(features);
   bool narrow_suffices = true;
   for (int iteration = 0; iteration < options_.max_iterations; ++iteration) {
@@ -179,15 +157,13 @@ MappingResult Mapping::register_scan(const MapFeatures& features, const MotionSt
     if (converged && (narrow || !narrow_suffices)) break;
   }
   result.state.T_map_sensor = orthonormalized(result.state.T_map_sensor);
-  const bool is_astray = from == SearchFrom::kInertialData && !result.is_close_search &&
-                         contradicts(expected, result.state.T_map_sensor);
-  return is_astray ? register_scan(features, expected, T_map_sensor_start, SearchFrom::kLastScan)
-                   : result;
+  return result;
 }
 
 MapMatches Mapping::matches(const MapFeatures& features, const MappingResult& found) const {
   RegisteredScan scan = searched(features);
-  return match_with_map(scan, search_at(found, options_, SearchFrom::kLastScan), map_, options_);
+  return match_with_map(scan, search_at(found, options_, SearchFrom::kExpectedPose), map_,
+                        options_);
 }
 
 bool Mapping::is_keyframe(const Pose& T_map_sensor) const {

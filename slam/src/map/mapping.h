@@ -43,10 +43,9 @@ struct MappingResult {
   bool is_close_search = false;  ///< of the last search: reach and weights, see MapSearch
 };
 
-/// Where a search begins: where the last scan's motion leads, or what an inertial sensor measured
-/// since, or somewhere about a place that was recognized. There wide searches go on until every
-/// direction is observable.
-enum class SearchFrom { kLastScan, kInertialData, kRecognizedPlace };
+/// Where a search begins: where the scan is expected, or somewhere about a place that was
+/// recognized. There wide searches go on until every direction is observable.
+enum class SearchFrom { kExpectedPose, kRecognizedPlace };
 
 /// Scan-to-map optimisation, and the map.
 ///
@@ -78,7 +77,7 @@ class Mapping {
   /// In: what is expected without the scan, and how well; a pose to begin the search from.
   MappingResult register_scan(const MapFeatures& features, const MotionState& expected,
                               const Pose& T_map_sensor_start,
-                              SearchFrom from = SearchFrom::kLastScan) const;
+                              SearchFrom from = SearchFrom::kExpectedPose) const;
 
   /// With what each feature is matched there, for whoever wants to look at it.
   MapMatches matches(const MapFeatures& features, const MappingResult& found) const;

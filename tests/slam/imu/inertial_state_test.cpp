@@ -14,7 +14,9 @@ using slam::ImuStep;
 using slam::InertialPrediction;
 using slam::InertialState;
 using slam::Matrix18;
+using slam::Matrix6;
 using slam::MotionState;
+using slam::Vector6;
 using Vector18 = Eigen::Matrix<double, 18, 1>;
 
 namespace {
@@ -173,6 +175,42 @@ TEST_CASE("a hand's turns tell the biases and gravity, scan by scan") {
   CHECK((inertial.gravity_map_mps2 - test::kGravity).norm() < 0.03);
   CHECK(inertial.covariance.isApprox(inertial.covariance.transpose(), 1e-9));
   CHECK(inertial.covariance.diagonal().minCoeff() > 0.0);
+}
+
+TEST_CASE(
+    "a scan teaches as a Kalman update by what it alone says, and nothing where it is blind") {
+  const MotionState state = moving(pose_from_xyz_rpy({1, 2, 3}, 0.4, -0.3, 0.9), {1.2, -0.4, 0.3});
+  const InertialState inertial = slam::first_inertial_state(state, {0.1, 0.2, 9.7});
+  const std::vector<ImuStep> steps(10, {0.01, {0.1, -0.2, 0.3}, {0.4, 0.1, 9.9}});
+  const InertialPrediction prediction =
+      slam::predicted(state, inertial, steps, Eigen::Vector3d::Zero());
+  slam::ScanInformation scan;
+  const slam::ExpectedState expected(prediction.state);
+  SUBCASE("blind in every direction") {
+    const InertialState same =
+        slam::corrected(prediction, expected.improved(prediction.state, scan));
+    CHECK(same.covariance.isApprox(prediction.inertial.covariance, 1e-6));
+  }
+  SUBCASE("sees every direction") {
+    Vector6 sigma;
+    sigma << 0.02, 0.03, 0.01, 0.002, 0.001, 0.003;
+    Vector6 z;  // where the scan alone says that the pose is, seen from the prediction
+    z << 0.01, -0.02, 0.03, 1e-3, -2e-3, 1e-3;
+    scan.information = sigma.cwiseAbs2().cwiseInverse().asDiagonal();
+    scan.gradient = -scan.information * z;
+    const InertialState found =
+        slam::corrected(prediction, expected.improved(prediction.state, scan));
+    const Matrix18& P = prediction.inertial.covariance;
+    Vector6 off;
+    off << Eigen::Vector3d::Constant(0.02), Eigen::Vector3d::Constant(4e-3);
+    Matrix6 S = P.topLeftCorner<6, 6>();
+    S.diagonal() += sigma.cwiseAbs2() + off.cwiseAbs2();
+    const Eigen::Matrix<double, 18, 6> K = P.leftCols<6>() * S.inverse();
+    CHECK(found.covariance.isApprox(P - K * S * K.transpose(), 1e-6));
+    const Eigen::Vector3d learnt =
+        found.gyroscope_bias_rad_per_s - prediction.inertial.gyroscope_bias_rad_per_s;
+    CHECK(learnt.isApprox((K * z).segment<3>(9), 1e-3));
+  }
 }
 
 TEST_CASE("after a gap biases and gravity are what they were, and tell nothing of the pose") {
