@@ -274,10 +274,14 @@ TEST_CASE("a wrong table is one line on stderr and status 2, and writes nothing"
   const TemporaryDirectory folder;
   const std::string out = folder.file("out");
   const std::string drive = simulated_drive();  // 16 rows
+  write_file(folder.file("junk.npz"), "no weights");
   for (const std::string& arguments : {
            std::string("--drives block --methods du-and"),
            std::string("--drives moon"),
            std::string("--drives block --weights none.npz"),
+           "--drives block --methods rows-16 --weights '" + folder.file("junk.npz") + "'",
+           "--drives block --methods rows-16 --weights '" + golden_folder() +
+               "/../../weights/du-mix_hdl64e_16to64.npz'",
            "--drives '" + drive + "'",
            "--drives '" + drive + "/bin' --sensor os1-16",
            std::string("--drives block --scans 0"),

@@ -22,9 +22,6 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-/// The paper's sensor.
-constexpr const char* kSimulatedSensor = "os1-64";
-
 /// What drive.json in the folder says, null if there is none.
 Json drive_json(const std::string& folder) {
   constexpr std::size_t kMostBytes = 1U << 16U;

@@ -11,6 +11,9 @@
 
 namespace hqslam::tools {
 
+/// Of simulated drives: the paper's.
+inline constexpr const char* kSimulatedSensor = "os1-64";
+
 /// Whether the recording of a drive is there: one that is to be simulated was, by this simulator,
 /// from the same seed, for the same sensor, to its end and long enough.
 bool is_there(const TableDrive& drive);

@@ -11,6 +11,7 @@
 #include "hqslam/core/error.h"
 #include "hqslam/core/scan_source.h"
 #include "laboratory/table/table_drive.h"
+#include "lift/lifted_input.h"
 #include "ranks/ranks.h"
 #include "recording/recording_choice.h"
 #include "terminal/progress.h"
@@ -28,6 +29,14 @@ SensorModel sensor_of(const TableDrive& drive) {
       "{}: expected a recording with {} rows, of which 16 are lifted, found '{}' with {}; give "
       "another of --drives, or --sensor",
       recording.input, kTableAllRows, sensor.name, sensor.rows());
+}
+
+/// Weights that cannot lift the drive are named before the work.
+void require_weights(const SensorModel& sensor, const TableDrive& drive, const TablePlan& plan) {
+  for (const TableMethod& method : plan.methods) {
+    const std::string weights = weights_of(method, sensor.name);
+    if (!weights.empty()) lifted_sender({drive.name, sensor}, {weights, method.rows});
+  }
 }
 
 /// Results of another number of scans, or of another build, lie beside each other.
@@ -193,8 +202,13 @@ bool simulate_drives(std::vector<DriveWork>& works, const TablePlan& plan,
 
 std::vector<DriveWork> work_of(const TablePlan& plan, const TableOptions& options) {
   std::vector<DriveWork> works;
+  // Before anything is written. The sensor of simulated drives is always the same.
+  bool simulated = false;
   for (const TableDrive& drive : plan.drives) {
-    if (!drive.simulated) sensor_of(drive);  // before anything is written
+    if (drive.simulated && simulated) continue;
+    simulated = drive.simulated || simulated;
+    require_weights(drive.simulated ? load_sensor(kSimulatedSensor) : sensor_of(drive), drive,
+                    plan);
   }
   for (const TableDrive& drive : plan.drives) {
     DriveWork work{drive, std::nullopt, {}};
