@@ -24,8 +24,11 @@ constexpr double kShakeAlong = 0.3;
 constexpr double kShakeAbout = 0.0097;
 constexpr double kNewJoltShare = 0.05;
 constexpr double kShare_per_m = 0.0135;
-/// Roll and pitch by beams that are off.
+/// Roll and pitch by beams that are off; what gravity leaves of it, and what such beams do to x and
+/// y, which the lean outweighs where nothing takes it away.
 constexpr double kLean_rad2_per_m = 5e-4 * 5e-4;
+constexpr double kLevelledLean_rad2_per_m = 1.2e-4 * 1.2e-4;
+constexpr double kLevelledSideways_m2_per_m = 3.2e-3 * 3.2e-3;
 /// Tilt at the start, of the spacing of the rows, and how long a start is.
 constexpr double kStartTilt = 0.019;
 constexpr double kStart_m = 2.6;
@@ -95,7 +98,11 @@ void Drift::grow(const Pose& motion, const MotionState& state, bool is_levelled)
   state_.drift += kShare_per_m * step_m * against_map(state);
   state_.drift.diagonal() += begun * shake();
   state_.drift.diagonal().segment<2>(3).array() +=
-      begun * start_variance_ + (is_levelled ? 0.0 : step_m * kLean_rad2_per_m);
+      begun * start_variance_ +
+      step_m * (is_levelled ? kLevelledLean_rad2_per_m : kLean_rad2_per_m);
+  if (is_levelled) {
+    state_.drift.diagonal().head<2>().array() += step_m * kLevelledSideways_m2_per_m;
+  }
   path_m_ += step_m;
 }
 

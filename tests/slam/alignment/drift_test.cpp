@@ -141,15 +141,20 @@ TEST_CASE("a start tilts the map within the first metres, by the spacing of the 
   CHECK(aside_m < 19.0 * tilt_rad);
 }
 
-TEST_CASE("beams that are off make it lean by the root of the path, unless gravity levels it") {
-  const auto lean_rad = [](int steps_m, bool is_levelled) {
+TEST_CASE(
+    "beams that are off make it lean by the root of the path, less so where gravity levels it") {
+  const auto sigma_after = [](int steps_m, bool is_levelled, int at) {
     slam::Drift drift = sixteen_rows();
     const MotionState exact = known_to(0.0);
     for (int i = 0; i < steps_m; ++i) drift.grow(ahead(1.0), exact, is_levelled);
-    return std::sqrt(drift.covariance(kHere, drift.against_map(exact))(4, 4));
+    return std::sqrt(drift.covariance(kHere, drift.against_map(exact))(at, at));
   };
-  CHECK(lean_rad(400, false) == doctest::Approx(5e-4 * 20.0).epsilon(0.01));
-  CHECK(lean_rad(400, true) < 0.1 * lean_rad(400, false));
+  constexpr int kAhead = 0;
+  constexpr int kPitch = 4;
+  CHECK(sigma_after(400, false, kPitch) == doctest::Approx(5e-4 * 20.0).epsilon(0.01));
+  CHECK(sigma_after(400, true, kPitch) > 1.2e-4 * 20.0);
+  CHECK(sigma_after(400, true, kPitch) < 0.3 * sigma_after(400, false, kPitch));
+  CHECK(sigma_after(400, true, kAhead) == doctest::Approx(3.2e-3 * 20.0).epsilon(0.01));
 }
 
 TEST_CASE("what is known of the last scan is carried along to this one") {
