@@ -1,6 +1,7 @@
 // What the weights that come with the program are worth, on a drive that none of them has seen.
 
 #include <doctest/doctest.h>
+#include <fmt/format.h>
 
 #include <limits>
 #include <optional>
@@ -101,7 +102,15 @@ TEST_CASE("the networks to compare with are trained: not far from interpolation,
 }
 
 TEST_CASE("what DU-Mix remembers of the last scans makes its ranges better on an unseen drive") {
-  SensorModel sensor = sensor_preset("os1-64");
+  std::string sensor_name;
+  SUBCASE("OS1") { sensor_name = "os1"; }
+  SUBCASE("VLP-16") { sensor_name = "vlp16"; }
+  CAPTURE(sensor_name);
+  const auto load = [&](const char* kind) {
+    return nn::SuperResolver::load(
+        fmt::format("{}/../../weights/{}_{}_16to64.npz", golden_folder(), kind, sensor_name));
+  };
+  SensorModel sensor = load("du-mix").sensor();
   const RowSelection rows = selection_for(sensor.rows(), 16);
   sensor.measured_rows = rows;
   sim::DriveSpec spec = sim::drive_preset("town");
@@ -109,9 +118,8 @@ TEST_CASE("what DU-Mix remembers of the last scans makes its ranges better on an
   spec.scans = 140;
   sim::DriveSimulator simulator(spec, sensor);
   std::vector<ComparedMethod> methods;
-  for (const char* weights : {"du-mix_os1_16to64.npz", "du-mix-memory_os1_16to64.npz"}) {
-    const std::string path = golden_folder() + "/../../weights/" + weights;
-    methods.push_back({"", nn::Upsampler(nn::SuperResolver::load(path), sensor), std::nullopt});
+  for (const char* kind : {"du-mix", "du-mix-memory"}) {
+    methods.push_back({"", nn::Upsampler(load(kind), sensor), std::nullopt});
   }
   UpsamplingComparison comparison(std::move(methods));
   nn::ScanMemory memory(sensor);
