@@ -213,7 +213,7 @@ Slam::Implementation::Registered Slam::Implementation::registered(const Tracking
     found.state.velocity = (1.0 / duration_s) * logarithm(moved.T_reference_sensor);
   }
   if (measured) {
-    found.inertial = found.is_registered ? corrected(*measured, found.state)
+    found.inertial = found.is_registered ? corrected(*measured, found.state, matched.information)
                                          : kept(measured->inertial, found.state);
   } else if (reference.inertial) {
     found.inertial = kept(*reference.inertial, found.state);

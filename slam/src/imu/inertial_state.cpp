@@ -117,19 +117,18 @@ InertialPrediction predicted(const MotionState& state, const InertialState& iner
   return result;
 }
 
-InertialState corrected(const InertialPrediction& prediction, const MotionState& found) {
+InertialState corrected(const InertialPrediction& prediction, const MotionState& found,
+                        const Matrix6& of_scan) {
   const Matrix18& before = prediction.inertial.covariance;
-  const Matrix6 of_pose = before.topLeftCorner<6, 6>();
-  const Matrix6 of_both = found.covariance.topLeftCorner<6, 6>().ldlt().solve(Matrix6::Identity());
-  const Matrix6 of_scan = of_both - of_pose.ldlt().solve(Matrix6::Identity());
-  Matrix6 noise = of_pose;
+  const Eigen::Matrix<double, 18, 6> with_pose = before.leftCols<6>();
+  Matrix6 noise = before.topLeftCorner<6, 6>();
   noise.diagonal().head<3>().array() += kRegistration_m * kRegistration_m;
   noise.diagonal().tail<3>().array() += kRegistration_rad * kRegistration_rad;
   const Eigen::PartialPivLU<Matrix6> share(Matrix6::Identity() + of_scan * noise);
   const Vector6 moved =
       vector_of(logarithm(prediction.state.T_map_sensor.inverse() * found.T_map_sensor));
-  const Eigen::Matrix<double, 18, 6> with_pose = before.leftCols<6>();
-  const Eigen::Matrix<double, 18, 1> change = with_pose * share.solve(of_both * moved);
+  const Vector6 said = found.covariance.topLeftCorner<6, 6>().ldlt().solve(moved);
+  const Eigen::Matrix<double, 18, 1> change = with_pose * share.solve(said);
   InertialState result = prediction.inertial;
   result.gyroscope_bias_rad_per_s += change.segment<3>(kGyroscope);
   result.accelerometer_bias_mps2 += change.segment<3>(kAccelerometer);

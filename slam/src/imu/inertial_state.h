@@ -52,15 +52,16 @@ InertialPrediction predicted(const MotionState& state, const InertialState& iner
                              const std::vector<ImuStep>& steps,
                              const Eigen::Vector3d& mean_rate_rad_per_s);
 
-/// What the scan, by which the predicted state became `found`, says of biases and gravity. `found`
-/// joins the prediction (covariance P, rows P_all of all errors) and the scan: its covariance C is
-/// (P^-1 + L)^-1, with the scan's own information L, and it lies e = C L z from the prediction,
-/// where the scan alone says z. A Kalman update by z with covariance L^-1 + N is then
-///   L = C^-1 - P^-1,  A = (I + L (P + N))^-1
-///   x <- x + P_all A C^-1 e,  P <- P - P_all A L P_all^T
+/// What the scan, by which the predicted state became `found`, says of biases and gravity. With the
+/// covariance P of the prediction, its rows P_all of all errors, the scan's own information L
+/// (`of_scan`, as ScanInformation), the covariance C of `found`, which joins both, and the way e
+/// from the prediction to it, C^-1 e = L z for the pose z that the scan alone says. A Kalman update
+/// by z with covariance L^-1 + N is
+///   A = (I + L (P + N))^-1,  x <- x + P_all A C^-1 e,  P <- P - P_all A L P_all^T
 /// which needs no L^-1: a direction of which the scan says nothing teaches nothing. N: what a
 /// registration is off by beside what it says of itself. Pose and velocity stay as they were found.
-InertialState corrected(const InertialPrediction& prediction, const MotionState& found);
+InertialState corrected(const InertialPrediction& prediction, const MotionState& found,
+                        const Matrix6& of_scan);
 
 /// The map was turned.
 void turn(InertialState& inertial, const Eigen::Matrix3d& R_corrected_map);

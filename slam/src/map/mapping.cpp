@@ -146,6 +146,7 @@ MappingResult Mapping::register_scan(const MapFeatures& features, const MotionSt
       return result;
     }
     result.state = prior.improved(result.state, information);
+    result.information = information.information;
     const Pose change = before.inverse() * result.state.T_map_sensor;
     const double near_enough = iteration < kUsualIterations ? 1.0 : kLateTolerance;
     const bool converged =

@@ -28,7 +28,8 @@ struct MapFeatures {
 MapFeatures map_features(const Features& features, const MappingOptions& options);
 
 struct MappingResult {
-  MotionState state;  ///< at the scan's stamp
+  MotionState state;                      ///< at the scan's stamp
+  Matrix6 information = Matrix6::Zero();  ///< of the scan alone about the pose: ScanInformation
   Status status = Status::kOk;
   int edge_correspondences = 0;
   int planar_correspondences = 0;
