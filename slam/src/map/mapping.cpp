@@ -1,8 +1,6 @@
 #include "map/mapping.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
-#include <array>
 #include <limits>
 #include <utility>
 
