@@ -19,6 +19,7 @@ ImageError image_error(const RangeImage& image, const RangeImage& true_image) {
   double valid_sum_m = 0.0;
   std::int64_t returns = 0;
   std::int64_t true_returns = 0;
+  std::int64_t right = 0;
   for (std::size_t i = 0; i < image.range_m.size(); ++i) {
     const double range_m = range_or_zero(image.range_m[i]);
     const double true_range_m = range_or_zero(true_image.range_m[i]);
@@ -30,6 +31,7 @@ ImageError image_error(const RangeImage& image, const RangeImage& true_image) {
     if (range_m == 0.0 || true_range_m == 0.0) continue;
     valid_sum_m += difference_m;
     ++error.valid_pixels;
+    right += difference_m < kRightRange_m ? 1 : 0;
   }
   if (error.pixels > 0) error.mae_all_m = sum_m / static_cast<double>(error.pixels);
   if (error.valid_pixels > 0) {
@@ -40,6 +42,9 @@ ImageError image_error(const RangeImage& image, const RangeImage& true_image) {
   };
   error.missing_share = share(true_returns);
   error.invented_share = share(returns);
+  if (true_returns > 0) {
+    error.right_share = static_cast<double>(right) / static_cast<double>(true_returns);
+  }
   return error;
 }
 

@@ -104,6 +104,7 @@ TEST_CASE("errors of a small image are those done by hand") {
   CHECK(error.mae_valid_m == doctest::Approx(1.0));
   CHECK(error.missing_share == doctest::Approx(1.0 / 3.0));   // the 3 m of 12, 3 and 5
   CHECK(error.invented_share == doctest::Approx(1.0 / 3.0));  // the 7 m of 10, 5 and 7
+  CHECK(error.right_share == doctest::Approx(1.0 / 3.0));     // the 5 m of 12, 3 and 5
 }
 
 TEST_CASE("images without a common return and empty images have no error of valid pixels") {

@@ -98,11 +98,13 @@ ScoreFigures score_figures(const UpsamplingScore& linear) {
       {"MAE valid m", "mae_valid_m", 3, 1.0, [](const S& s) { return s.mae_valid_m; }},
       {"missing %", "missing_share", 2, 100.0, [](const S& s) { return s.missing_share; }},
       {"invented %", "invented_share", 2, 100.0, [](const S& s) { return s.invented_share; }},
+      {"right %", "right_share", 2, 100.0, [](const S& s) { return s.right_share; }},
       {"Chamfer m^2", "chamfer_m2", 3, 1.0, [](const S& s) { return s.chamfer_m2; }},
       {"IoU", "iou", 3, 1.0, [](const S& s) { return s.iou; }},
       {"precision", "precision", 3, 1.0, [](const S& s) { return s.precision; }},
       {"recall", "recall", 3, 1.0, [](const S& s) { return s.recall; }},
       {"F1", "f1", 3, 1.0, [](const S& s) { return s.f1; }},
+      {"computed", "computed_f1", 3, 1.0, [](const S& s) { return s.computed_f1; }},
       {"outliers %", "outlier_share", 2, 100.0, [](const S& s) { return s.outlier_share; }},
       {"per scan", "outliers_per_scan", 0, 1.0, [](const S& s) { return s.outliers_per_scan; }},
       {"of linear", nullptr, 3, 1.0,
@@ -235,7 +237,8 @@ void declare_compare(CLI::App& app, CompareOptions& options) {
 interpolation, and each network: with its filters, and where it has one at its end, without
 that one (the filters inside stay). Missing: share of the true returns between the measured
 rows that are left empty; invented: share of the computed points where the truth has no
-return. Precision, recall, F1: voxels of 0.1 m. Outliers are farther than 0.5 m from the
+return; right: share of those true returns that are met within 0.1 m. Precision, recall, F1:
+voxels of 0.1 m; computed: F1 without the measured rows. Outliers are farther than 0.5 m from the
 true cloud, good points nearer than 0.2 m.
 With --layers: H (measured rows and what was believed before), Z (denoiser) and Y (inner
 filter) of every layer as if the network ended there.)");

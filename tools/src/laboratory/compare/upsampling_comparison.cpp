@@ -42,6 +42,13 @@ RangeImage computed_rows(RangeImage image, RowSelection measured) {
   return image;
 }
 
+std::vector<Eigen::Vector3f> computed_points(OrganizedCloud cloud, RowSelection measured) {
+  for (std::size_t pixel = 0; pixel < cloud.range_m.size(); ++pixel) {
+    if (measured.contains(static_cast<int>(pixel) / cloud.columns)) cloud.range_m[pixel] = 0.0F;
+  }
+  return points_of(cloud);
+}
+
 /// Each computed pixel as the median (the mean of the middle two) of the eight true ranges around
 /// it, no return counting as 0; beyond the top and bottom row there is none.
 RangeImage median_of_true_neighbours(const RangeImage& truth, RowSelection measured) {
@@ -96,6 +103,12 @@ void add_errors(const nn::LiftedImage& lifted, const OrganizedCloud& measured,
       image_error(computed_rows(image, rows), computed_rows(range_image(truth), rows));
   sum.missing_share += computed.missing_share;
   sum.invented_share += computed.invented_share;
+  sum.right_share += computed.right_share;
+  const std::vector<Eigen::Vector3f> computed_m = computed_points(cloud, rows);
+  const std::vector<Eigen::Vector3f> true_m = computed_points(truth, rows);
+  if (!computed_m.empty() && !true_m.empty()) {
+    sum.computed_f1 += voxel_overlap(computed_m, true_m).f1;
+  }
   sum.outliers_per_scan += errors.cloud.outlier_share * static_cast<double>(errors.points);
 }
 
@@ -103,7 +116,7 @@ void make_mean(UpsamplingScore& sum, std::int64_t scans) {
   const double n = static_cast<double>(scans);
   sum /= n;
   for (double* mean : {&sum.mae_all_m, &sum.mae_valid_m, &sum.missing_share, &sum.invented_share,
-                       &sum.outliers_per_scan}) {
+                       &sum.right_share, &sum.computed_f1, &sum.outliers_per_scan}) {
     *mean /= n;
   }
 }

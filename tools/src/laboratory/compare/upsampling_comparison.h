@@ -25,6 +25,8 @@ struct UpsamplingScore : CloudError {
   double mae_valid_m = 0.0;
   double missing_share = 0.0;      ///< of the computed pixels' true returns, left empty
   double invented_share = 0.0;     ///< of the computed points, where the truth has no return
+  double right_share = 0.0;        ///< of the computed pixels' true returns, within 0.1 m
+  double computed_f1 = 0.0;        ///< f1 of the computed points alone
   double outliers_per_scan = 0.0;  ///< as many points
   double upsampling_ms = 0.0;      ///< median
   /// Of the good computed points that the same method gives without the filter at its end, the

@@ -13,9 +13,11 @@ struct ImageError {
   double mae_valid_m = 0.0;     ///< the same over pixels where both have a return
   double missing_share = 0.0;   ///< of the true returns: pixels that the image leaves empty
   double invented_share = 0.0;  ///< of the image's returns: pixels where the truth has none
+  double right_share = 0.0;     ///< of the true returns: pixels within kRightRange_m of them
   std::int64_t valid_pixels = 0;
   std::int64_t pixels = 0;
 };
+inline constexpr double kRightRange_m = 0.1;
 /// A pixel that is not finite or negative counts as no return. Throws Error if the shapes differ.
 ImageError image_error(const RangeImage& image, const RangeImage& true_image);
 
