@@ -110,6 +110,7 @@ struct ScanMemory::Implementation {
   std::vector<float> surface_share;
   std::deque<KeptScan> kept;
   double path_m = 0.0;
+  Pose T_world_step;  ///< since when the last scan has not moved on
   Eigen::Vector3d origin_m = Eigen::Vector3d::Zero();
 };
 
@@ -191,13 +192,18 @@ void ScanMemory::insert(const OrganizedCloud& measured, const ColumnPoses& T_wor
     self.move_origin(middle.translation());
   }
   KeptScan scan{stamp_s, middle, self.path_m, {}, {}, {}, {}};
+  bool stands = false;
   if (!self.kept.empty()) {
-    const Pose step = self.kept.back().T_world_sensor.inverse() * middle;
-    scan.path_m = self.path_m = self.kept.back().path_m + step.translation().norm();
-    const bool stands = step.translation().norm() < self.options.step_m &&
-                        rotation_angle_rad(step) < self.options.step_rad;
+    const KeptScan& last = self.kept.back();
+    self.path_m += (middle.translation() - last.T_world_sensor.translation()).norm();
+    scan.path_m = self.path_m;
+    // Not since the last scan, which may have replaced others: whoever creeps moves on too.
+    const Pose step = self.T_world_step.inverse() * middle;
+    stands = step.translation().norm() < self.options.step_m &&
+             rotation_angle_rad(step) < self.options.step_rad;
     if (stands) self.kept.pop_back();
   }
+  if (!stands) self.T_world_step = middle;
   const RowSelection measured_rows = *self.sensor.measured_rows;
   for (int row = 0; row < measured.rows; ++row) {
     const int sensor_row = measured_rows.offset + row * measured_rows.stride;

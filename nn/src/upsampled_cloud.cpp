@@ -152,6 +152,10 @@ void copy_row(const OrganizedCloud& measured, int from, OrganizedCloud& cloud, i
     copy(measured.time_offset_s, cloud.time_offset_s);
   }
   if (!measured.intensity.empty()) copy(measured.intensity, cloud.intensity);
+  if (cloud.confidence.empty()) return;
+  for (int column = 0; column < measured.columns; ++column) {
+    cloud.confidence[target + column] = measured.range_m[source + column] > 0.0F ? 1.0F : 0.0F;
+  }
 }
 
 }  // namespace

@@ -235,6 +235,18 @@ TEST_CASE("scans are forgotten by number, path and time; a sensor that stands ke
   CHECK(nearest_m(standing) == doctest::Approx(26.0).epsilon(1e-3));
 }
 
+TEST_CASE("a sensor that creeps moves on: its scans are kept step by step") {
+  const SensorModel sensor = sensor_with_memory();
+  ScanMemory memory(sensor);
+  for (int scan = 0; scan < 40; ++scan) {  // 0.04 m a scan; a step are 0.05 m
+    memory.insert(one_point(sensor, 20.0F - 0.04F * static_cast<float>(scan)), ahead(0.04 * scan),
+                  0.1 * scan);
+  }
+  const RecalledImage recalled = memory.recall(RangeImage(16, sensor.columns), kHere);
+  // One point through the centre of its pixel is worth 4.
+  CHECK(recalled.weight[recalled.image.index(31, sensor.columns / 2)] > 4.0F * 15.0F);
+}
+
 TEST_CASE("what does not fit a memory is refused in one line") {
   SensorModel sensor = sensor_with_memory();
   ScanMemory memory(sensor);

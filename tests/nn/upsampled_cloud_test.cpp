@@ -60,6 +60,22 @@ Eigen::Vector3f point_at(const SensorModel& sensor, int row, int column, double 
 
 }  // namespace
 
+TEST_CASE("what was measured is sure, also where a network takes it for too far") {
+  const SensorModel sensor = six_row_sensor();
+  RangeImage lifted = flat(10.0F);
+  lifted.at(1, 3) = 0.0F;
+  const OrganizedCloud measured =
+      unproject(select_rows(flat(10.0F), kMeasuredRows), select_rows(sensor, kMeasuredRows),
+                CaptureTime::kMotionCorrected);
+  std::vector<float> confidence(lifted.range_m.size(), 0.5F);
+  confidence[lifted.index(1, 3)] = 0.0F;
+  const OrganizedCloud cloud =
+      upsampled_cloud({lifted, confidence}, measured, kMeasuredRows, sensor);
+  CHECK(cloud.range_m[cloud.index(1, 3)] == doctest::Approx(10.0));
+  CHECK(cloud.confidence[cloud.index(1, 3)] == 1.0F);
+  CHECK(cloud.confidence[cloud.index(2, 3)] == 0.5F);
+}
+
 TEST_CASE("measured points and their times stay as they are, to the bit") {
   const SensorModel sensor = six_row_sensor();
   OrganizedCloud measured =

@@ -10,11 +10,23 @@
 #include "true_place.h"
 
 namespace hqslam::sim {
+namespace {
+
+/// A simulated unit is as its maker's table says, and its images are as they were captured.
+SensorModel as_made(SensorModel sensor) {
+  validate(sensor);
+  sensor.elevation_correction_rad.clear();
+  sensor.range_correction_m.clear();
+  sensor.motion_corrected = false;
+  return sensor;
+}
+
+}  // namespace
 
 struct DriveSimulator::Implementation {
   Implementation(const DriveSpec& spec_, const SensorModel& sensor_)
       : spec((validate(spec_), spec_)),
-        sensor((validate(sensor_), sensor_)),
+        sensor(as_made(sensor_)),
         turns_per_scan(has_streets(spec.name) ? drive_style(spec.name).turns_per_scan : 1),
         scenario(make_scenario(spec, begin_s(spec.scans))),
         scene(*scenario.scenery),

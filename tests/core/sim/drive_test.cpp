@@ -75,6 +75,14 @@ TEST_CASE("the same spec gives the same bytes, with one thread and with two") {
   for (std::size_t k = 0; k < first.size(); ++k) CHECK(same_bytes(first[k], again[k]));
 }
 
+TEST_CASE("a simulated sensor is as it was made, whatever a calibration said of it") {
+  SensorModel sensor = small_sensor();
+  sensor.elevation_correction_rad.assign(sensor.beam_elevation_rad.size(), 0.005);
+  sensor.range_correction_m.assign(sensor.beam_elevation_rad.size(), 0.2);
+  sensor.motion_corrected = true;
+  CHECK(DriveSimulator(short_drive("block", 1), sensor).sensor() == small_sensor());
+}
+
 TEST_CASE("another seed gives another drive") {
   DriveSpec spec = short_drive("block", 1);
   const auto first = drive(spec, 1);

@@ -81,6 +81,23 @@ TEST_CASE("a sensor like the weights' keeps its own beam table where it has all 
   CHECK(plan.upsampler->sensor().name == "own");
 }
 
+TEST_CASE("a sensor of the measured rows alone keeps its rate and its limits when it is lifted") {
+  const Files files;
+  SensorModel twice_as_fast = sensor_preset("os1-16");
+  twice_as_fast.scan_period_s = 0.05;
+  twice_as_fast.min_range_m = 0.8;
+  twice_as_fast.max_range_m = 200.0;
+  InputChoice choice{files.stack_16};
+  choice.sensor = files.folder.file("fast.json");
+  write_sensor_json(twice_as_fast, choice.sensor);
+  const LiftedInput input = lifted_input(choice, {files.weights});
+  const SensorModel& lifted = input.upsampler->sensor();
+  CHECK(lifted.rows() == 64);
+  CHECK(lifted.scan_period_s == 0.05);
+  CHECK(lifted.min_range_m == 0.8);
+  CHECK(lifted.max_range_m == 200.0);
+}
+
 TEST_CASE("interpolation looks at every fourth row, or at as many as it is told") {
   const Files files;
   CHECK(lifted_input({files.stack_64, "os1-64"}, {"nearest"}).rows->stride == 4);

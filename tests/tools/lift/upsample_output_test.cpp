@@ -135,13 +135,15 @@ TEST_CASE("the input is never overwritten, by whatever path it is named") {
   CHECK(file_contents(out + "/scans.npy") == before);
 }
 
-TEST_CASE("the truth of a simulated drive goes along") {
+TEST_CASE("the truth and the inertial data of a simulated drive go along") {
   const TemporaryDirectory folder;
   fs::create_directory(folder.file("drive"));
   write_file(folder.file("drive/truth.tum"), "0.05 0 0 0 0 0 0 1\n");
+  write_file(folder.file("drive/imu.csv"), "0,0,0,0,0,0,9.81\n");
   const UpsampleOutput output(folder.file("out"), {folder.file("drive"), "linear", 1},
                               sensor_preset("os1-16"), {});
   CHECK(file_contents(folder.file("out/truth.tum")) == "0.05 0 0 0 0 0 0 1\n");
+  CHECK(file_contents(folder.file("out/imu.csv")) == "0,0,0,0,0,0,9.81\n");
 }
 
 }  // namespace hqslam::tools

@@ -83,6 +83,13 @@ TEST_CASE("calibrate replaces no foreign file, and asks for a drive") {
       fmt::format("calibrate '{}' --out '{}'", standing, lying.folder.file("standing.json")));
   CHECK(still.status == 2);
   CHECK(holds(still.error, "expected at least 20 m"));
+  const std::string lifted = lying.folder.file("lifted");
+  succeeds(fmt::format("upsample '{}' --sensor os1-64 --method linear --out '{}'",
+                       simulated_drive("--sensor os1-16 --scans 3"), lifted));
+  const ProgramResult computed = run_hqslam(
+      fmt::format("calibrate '{}' --out '{}'", lifted, lying.folder.file("lifted.json")));
+  CHECK(computed.status == 2);
+  CHECK(holds(computed.error, "computed rows tell nothing of beams"));
 }
 
 }  // namespace hqslam::test

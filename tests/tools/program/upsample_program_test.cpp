@@ -112,6 +112,36 @@ TEST_CASE("upsampling and then running is running with --upsample") {
   }
 }
 
+TEST_CASE("what calibration found is put into ranges once, and computed rows lie between") {
+  const Material& files = material();
+  const TemporaryDirectory folder;
+  SensorModel sensor = sensor_preset("os1-64");
+  sensor.elevation_correction_rad.assign(64, 0.0);
+  sensor.range_correction_m.assign(64, 0.1);
+  sensor.elevation_correction_rad[7] = 0.004;  // of rows 3, 7, 11, ... that are looked at
+  sensor.elevation_correction_rad[8] = 0.04;   // of one that is not
+  const std::string calibrated = folder.file("calibrated.json");
+  write_sensor_json(sensor, calibrated);
+  const std::string stack = files.drive + "/scans.npy";
+  succeeds("upsample '{}' --sensor '{}' --method linear --out '{}'", stack, calibrated,
+           folder.file("lifted"));
+  const RangeImage recorded = NpyStackReader(stack).read(0);
+  const RangeImage image = NpyStackReader(folder.file("lifted/scans.npy")).read(0);
+  for (int column = 0; column < recorded.columns; ++column) {
+    if (recorded.at(31, column) <= 0.0F) continue;
+    CHECK(image.at(31, column) == doctest::Approx(recorded.at(31, column) + 0.1F));
+  }
+  const SensorModel lifted = read_sensor_json(folder.file("lifted/sensor.json"));
+  CHECK(lifted.range_correction_m == std::vector<double>(64, 0.0));
+  CHECK(lifted.elevation_correction_rad[7] == doctest::Approx(0.004));
+  CHECK(lifted.elevation_correction_rad[8] == doctest::Approx(0.003));
+  CHECK(lifted.elevation_correction_rad[11] == 0.0);
+
+  const ProgramResult as_recorded = succeeds("compare '{}' --sensor os1-64", stack);
+  const ProgramResult as_calibrated = succeeds("compare '{}' --sensor '{}'", stack, calibrated);
+  CHECK(as_recorded.out != as_calibrated.out);
+}
+
 TEST_CASE("a network with a memory recalls earlier scans where the poses are known") {
   const Material& files = material();
   const TemporaryDirectory folder;

@@ -156,12 +156,22 @@ int calibrate_command(const CalibrateOptions& options) {
   LiftingChoice rows;
   rows.rows = options.rows;
   LiftedInput input = lifted_input(options, rows);
+  if (input.recorded.measured_rows) {
+    throw Error(
+        "{}: computed rows tell nothing of beams, expected a recording of measured ones; give the "
+        "one that was lifted",
+        options.input);
+  }
   FollowedDrive drive = follow(input, options.path_m);
   if (drive.is_lost) {
     to_stderr("hqslam: {}: the way was lost after {:.1f} m; only the scans before are looked at\n",
               options.input, drive.path_m);
   }
   if (!(drive.path_m >= kLeastPath_m)) {
+    if (drive.reading.end == ReadingEnd::kInterrupted) {
+      return exit_status_of(drive.reading, static_cast<std::int64_t>(drive.scans.size()),
+                            std::nullopt);
+    }
     throw Error(
         "{}: the sensor moved by {:.1f} m, expected at least {} m; give a recording in which it is "
         "driven about",

@@ -51,7 +51,7 @@ SeenScan scan_of(const InspectOptions& options, LiftedInput& input) {
     const auto& [cloud, stamp_s] = std::tie(read.scan.cloud, read.scan.stamp_s);
     seen.recalled = memory.recall_and_remember(input.measured(cloud),
                                                poses.path_of(read.index, stamp_s), stamp_s);
-    if (i == options.scan) seen.image = range_image(cloud);
+    if (i == options.scan) seen.image = range_image(calibrated(cloud, input.recorded));
   });
   return seen;
 }

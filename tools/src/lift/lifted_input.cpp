@@ -84,7 +84,7 @@ LiftedInput with_network(const Request& request) {
   if (asks_for_confidence(choice) && !has_confidence(network.description())) {
     fail_for_confidence(request);
   }
-  const SensorModel full = network.sensor();
+  SensorModel full = network.sensor();
   const RowSelection measured_rows = network.description().measured_rows;
   const SensorModel measured = select_rows(full, measured_rows);
   if (choice.rows > 0 && choice.rows != measured.rows()) {
@@ -106,6 +106,9 @@ LiftedInput with_network(const Request& request) {
     return {{}, recorded, measured_rows, nn::Upsampler(std::move(network), recorded)};
   }
   if (fits(recorded, measured)) {
+    full.scan_period_s = recorded.scan_period_s;
+    full.min_range_m = recorded.min_range_m;
+    full.max_range_m = recorded.max_range_m;
     return {{}, recorded, std::nullopt, nn::Upsampler(std::move(network), full)};
   }
   fail_for_sensor(request, recorded, full, measured_rows);

@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 #include <omp.h>
 
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <iterator>
 #include <memory>
@@ -27,10 +29,30 @@ struct UpsampleRun : Reading {
   std::vector<double> times_s;  ///< of the upsampling alone, per scan
 };
 
+/// Corrections of the images that are written: their ranges have them already, and computed rows
+/// look between the measured ones. measured: the sensor of the measured rows.
+void put_corrections(SensorModel& sensor, const SensorModel& measured) {
+  sensor.elevation_correction_rad.clear();
+  sensor.range_correction_m.clear();
+  if (measured.elevation_correction_rad.empty()) return;
+  const RowSelection rows = *sensor.measured_rows;
+  for (int row = 0; row < sensor.rows(); ++row) {
+    const double at = std::clamp(static_cast<double>(row - rows.offset) / rows.stride, 0.0,
+                                 static_cast<double>(measured.rows() - 1));
+    const int above = static_cast<int>(at);
+    const int below = std::min(above + 1, measured.rows() - 1);
+    sensor.elevation_correction_rad.push_back(std::lerp(measured.elevation_correction_rad[above],
+                                                        measured.elevation_correction_rad[below],
+                                                        at - above));
+    sensor.range_correction_m.push_back(0.0);
+  }
+}
+
 /// Where the first scan goes, and all that follow.
 UpsampleOutput make_output(const UpsampleOptions& options, const LiftedInput& input,
                            const OrganizedCloud& first, std::int64_t scans) {
   SensorModel sensor = input.upsampler->sensor();
+  put_corrections(sensor, input.rows ? select_rows(input.recorded, *input.rows) : input.recorded);
   sensor.motion_corrected = first.time_offset_s.empty();
   return {options.out,
           {options.input, options.upsample, scans},

@@ -27,10 +27,10 @@ constexpr const char* kWrittenBy = "hqslam upsample";
 constexpr const char* kMarker = "\"written_by\": \"hqslam upsample\"";
 constexpr std::string_view kMarkerFile = "upsample.json";  // is replaced, not removed
 constexpr const char* kStampsFile = "timestamps.txt";
-constexpr std::array<const char*, 8> kFiles = {"scans.npy", "confidence.npy", "intensity.npy",
+constexpr std::array<const char*, 9> kFiles = {"scans.npy", "confidence.npy", "intensity.npy",
                                                kStampsFile, "sensor.json",    "upsample.json",
-                                               "truth.tum", "truth.kitti"};
-constexpr std::array<const char*, 2> kTruthFiles = {"truth.tum", "truth.kitti"};
+                                               "truth.tum", "truth.kitti",    "imu.csv"};
+constexpr std::array<const char*, 3> kFilesOfDrive = {"truth.tum", "truth.kitti", "imu.csv"};
 constexpr std::array<const char*, 4> kScanFolders = {"bin", "pcd", "png", "las"};
 
 bool same_file(const fs::path& a, const fs::path& b) {
@@ -106,9 +106,9 @@ UpsampleOutput::UpsampleOutput(const std::string& folder, UpsampleOrigin origin,
       stack_((prepared(folder_, origin_) / "scans.npy").string(), sensor.rows(), sensor.columns),
       stamps_(folder_ / kStampsFile) {
   write_sensor_json(sensor, (folder_ / "sensor.json").string());
-  for (const char* truth : kTruthFiles) {
-    if (const std::string known = file_of_drive(origin_.input, truth); !known.empty()) {
-      fs::copy_file(known, folder_ / truth);
+  for (const char* file : kFilesOfDrive) {
+    if (const std::string known = file_of_drive(origin_.input, file); !known.empty()) {
+      fs::copy_file(known, folder_ / file);
     }
   }
   const std::array<bool, 4> wanted = {formats.kitti_bin, formats.pcd, formats.png, formats.las};

@@ -18,7 +18,8 @@ struct ScanMemoryOptions {
   int scans = 20;        ///< that are kept; 1 to 200
   double path_m = 40.0;  ///< what was measured farther back along the path is forgotten
   double time_s = 10.0;  ///< and what is older
-  /// A scan replaces the one before it unless the sensor has moved or turned so far since.
+  /// A scan replaces the one before it until the sensor has moved or turned so far since a scan
+  /// replaced none.
   double step_m = 0.05;
   double step_rad = 0.005;
 };

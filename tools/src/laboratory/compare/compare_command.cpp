@@ -208,13 +208,13 @@ std::int64_t for_each_scan(const CompareOptions& options, const SensorModel& sen
   Reading reading;
   read_scans(*source, interrupt, reading, [&](const ReadScan& read) {
     progress.update(++looked_at, source->read_share());
-    const OrganizedCloud measured =
-        select_rows(read.scan.cloud, selection_for(read.scan.cloud.rows, kMeasuredRows));
+    const OrganizedCloud truth = calibrated(read.scan.cloud, sensor);
+    const OrganizedCloud measured = select_rows(truth, selection_for(truth.rows, kMeasuredRows));
     const nn::RecalledImage recalled = memory.recall_and_remember(
         measured, poses.path_of(read.index, read.scan.stamp_s), read.scan.stamp_s);
     if ((looked_at - 1) % options.every != 0) return true;
     if (points_of(measured).empty()) throw ScanError("has no return in the measured rows");
-    use(read.scan.cloud, recalled);
+    use(truth, recalled);
     ++used;
     return true;
   });
