@@ -74,6 +74,9 @@ void add_scans(nb::module_& module) {
       "the highest beam (of rings that count from below: sensor.rows - 1 - ring); none: the beam "
       "nearest in elevation. time_offset_s: (N,), seconds after the scan's stamp, which is the "
       "middle of the turn; none: corrected for motion. Raises Error.");
+  module.def("calibrated", &calibrated, "cloud"_a, "sensor"_a,
+             "The scan with the corrections of each beam that hqslam calibrate wrote into the "
+             "sensor's file; as it is where there are none. Raises Error.");
   module.def(
       "unproject",
       [](const ImageInput& range_m, const SensorModel& sensor, bool motion_corrected) {

@@ -1,6 +1,7 @@
 """The Python module as its users have it: python_test.sh runs it where hqslam can be imported."""
 
 import inspect
+import json
 import signal
 import subprocess
 import sys
@@ -51,6 +52,21 @@ class Arrays(unittest.TestCase):
         for other in (image.astype(np.float64), np.asfortranarray(image), image.tolist()):
             given = other if isinstance(other, np.ndarray) else np.array(other)
             np.testing.assert_array_equal(upsampler.run(given).range_m, expected)
+
+    def test_take_what_a_calibration_found(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "calibrated.json"
+            hqslam.write_sensor_json(SENSOR, str(path))
+            fields = json.loads(path.read_text())
+            fields["elevation_correction_deg"] = [0.0] * 16
+            fields["range_correction_m"] = [0.1] * 16
+            path.write_text(json.dumps(fields))
+            sensor = hqslam.load_sensor(str(path))
+        cloud = hqslam.unproject(DRIVE[0].range_m, sensor)
+        seen = cloud.range_m > 0
+        np.testing.assert_allclose(
+            hqslam.calibrated(cloud, sensor).range_m[seen], cloud.range_m[seen] + 0.1, rtol=1e-5
+        )
 
     def test_of_a_driver_give_the_same_scan(self):
         cloud = hqslam.unproject(DRIVE[0].range_m, SENSOR)

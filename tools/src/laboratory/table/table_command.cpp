@@ -109,7 +109,7 @@ there are threads are under way side by side, with one thread each. A simulated 
 1,000 scans takes 320 MB.
 A result is computed anew if it is damaged or was made from a recording with other scans,
 with other weights or by another build of the program; results of other lengths and builds
-are kept beside it.
+are kept beside it. Inertial data and corrections of beams are not looked at.
 mpirun -n N shares drives and methods among N processes, which must all see the same folders.)");
   command
       .option("--drives", &options.drives,
