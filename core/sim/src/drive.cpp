@@ -2,6 +2,7 @@
 
 #include <limits>
 
+#include "hqslam/core/error.h"
 #include "lidar.h"
 #include "random.h"
 #include "ray_scene.h"
@@ -84,7 +85,10 @@ DriveSimulator& DriveSimulator::operator=(DriveSimulator&&) noexcept = default;
 const SensorModel& DriveSimulator::sensor() const { return implementation_->sensor; }
 std::int64_t DriveSimulator::scans() const { return implementation_->spec.scans; }
 
-void DriveSimulator::skip(std::int64_t scans) { implementation_->next_scan += scans; }
+void DriveSimulator::skip(std::int64_t scans) {
+  if (scans < 0) throw Error("skip: {} scans, expected at least 0", scans);
+  implementation_->next_scan += scans;
+}
 
 std::optional<std::vector<Eigen::Vector3f>> DriveSimulator::next_visible() {
   Implementation& self = *implementation_;

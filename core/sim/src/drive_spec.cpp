@@ -43,6 +43,27 @@ double drawn_tilt_rad(Random& random) {
   return kDegree_rad * std::clamp(1.5 * random.normal(), -5.0, 5.0);
 }
 
+JsonFields fields_of_drive(const std::string& path) {
+  constexpr std::size_t kMostBytes = 1U << 16U;
+  return {whole_file(path, "a drive.json written by hqslam simulate", kMostBytes), path,
+          "give a folder written by hqslam simulate, by this version of it"};
+}
+
+DriveSpec spec_in(JsonFields fields) {
+  DriveSpec spec;
+  spec.name = fields.text("name");
+  spec.seed = fields.unsigned_integer("seed");
+  spec.scans = fields.integer("scans");
+  for (const Number& number : numbers_of(spec)) {
+    if (fields.has(number.part)) number.value = fields.object(number.part).number(number.name);
+  }
+  if (fields.has("sensor_errors")) {
+    spec.sensor_errors = sensor_errors_named(fields.text("sensor_errors"));
+  }
+  validate(spec);
+  return spec;
+}
+
 }  // namespace
 
 void validate(const DriveSpec& spec) {
@@ -81,21 +102,16 @@ DriveSpec with_varied_conditions(DriveSpec spec) {
 }
 
 DriveSpec read_drive_json(const std::string& path) {
-  constexpr std::size_t kMostBytes = 1U << 16U;
-  JsonFields fields(whole_file(path, "a drive.json written by hqslam simulate", kMostBytes), path,
-                    "give a folder written by hqslam simulate, by this version of it");
-  DriveSpec spec;
-  spec.name = fields.text("name");
-  spec.seed = fields.unsigned_integer("seed");
-  spec.scans = fields.integer("scans");
-  for (const Number& number : numbers_of(spec)) {
-    if (fields.has(number.part)) number.value = fields.object(number.part).number(number.name);
+  JsonFields fields = fields_of_drive(path);
+  if (const auto revision = fields.integer("revision"); revision != kDriveRevision) {
+    throw Error("{}: of drives of revision {}, expected {}: its city is another; simulate it anew",
+                path, revision, kDriveRevision);
   }
-  if (fields.has("sensor_errors")) {
-    spec.sensor_errors = sensor_errors_named(fields.text("sensor_errors"));
-  }
-  validate(spec);
-  return spec;
+  return spec_in(fields);
+}
+
+DriveSpec read_drive_json_of_any_revision(const std::string& path) {
+  return spec_in(fields_of_drive(path));
 }
 
 void write_drive_json(const std::string& path, DriveSpec spec, const SensorModel& sensor) {

@@ -69,7 +69,7 @@ Recalled recalled(const Run& run) {
 
 /// The input on tiles, 16 + 4 + 4 x 16 x 256 for 4 x 4 tiles and 64 x 1024 pixels: (H - ln 20) / 2;
 /// valid - 1/2 of the tile's measured pixels; ln above - ln below of them, within +-1. With a
-/// memory two channels more for each of the 12 computed pixels: M - start, within +-1; share - 1/2.
+/// memory two channels more for each of the 16 pixels: M - start, within +-1; share - 1/2.
 Image input_of(const Run& run, const Measured& m, const Image& start, const Recalled& recalled,
                const Image& h, int tile_rows, int tile_columns) {
   Image centred = h;

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "error_message.h"
+#include "hqslam/core/error.h"
 #include "small_city.h"
 #include "style.h"
 
@@ -81,6 +82,11 @@ TEST_CASE("a simulated sensor is as it was made, whatever a calibration said of 
   sensor.range_correction_m.assign(sensor.beam_elevation_rad.size(), 0.2);
   sensor.motion_corrected = true;
   CHECK(DriveSimulator(short_drive("block", 1), sensor).sensor() == small_sensor());
+}
+
+TEST_CASE("no scan is left out backwards") {
+  DriveSimulator simulator(short_drive("block", 3), small_sensor());
+  CHECK_THROWS_AS(simulator.skip(-1), Error);
 }
 
 TEST_CASE("another seed gives another drive") {

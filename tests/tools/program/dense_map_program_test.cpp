@@ -6,6 +6,7 @@
 #include <sstream>
 #include <vector>
 
+#include "hqslam/core/npy.h"
 #include "hqslam/core/pcd.h"
 #include "tools/program/program.h"
 
@@ -139,6 +140,19 @@ TEST_CASE("a map is aligned by the trajectory beside it, however the map is name
   }
 }
 
+TEST_CASE("a map that cannot be made costs that map alone") {
+  const TemporaryDirectory folder;
+  NpyStackWriter writer(folder.file("empty.npy"), 16, 1024);
+  for (int scan = 0; scan < 3; ++scan) writer.append(RangeImage(16, 1024));
+  const ProgramResult result =
+      run_hqslam("run '{}' --sensor os1-16 --dense-map --occupancy-grid --out '{}'",
+                 folder.file("empty.npy"), folder.file("out"));
+  CHECK(result.status == 2);
+  CHECK(holds(last_line(result.error), "occupancy grid: no ground was seen"));
+  CHECK(holds(result.out, "results: "));
+  CHECK(holds(result.out, "dense_map.ply"));
+}
+
 TEST_CASE("files of somebody else are not replaced by a dense map, and wrong input is one line") {
   const TemporaryDirectory out;
   write_file(out.file("dense_map.pcd"), "mine");
@@ -158,6 +172,9 @@ TEST_CASE("files of somebody else are not replaced by a dense map, and wrong inp
   fails(fmt::format("evaluate-map '{0}' --drive '{1}'", out.file("dense_map.pcd"),
                     out.path().string()),
         "drive.json");
+  fails(fmt::format("map '{0}' --poses '{0}/truth.tum' --confidence 0.9 --out '{1}'",
+                    simulated_drive(), out.file("x")),
+        "--confidence");
   fails(
       fmt::format("evaluate-map '{0}' --drive '{1}'", out.file("dense_map.pcd"), simulated_drive()),
       "dense_map.pcd");

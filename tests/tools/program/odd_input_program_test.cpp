@@ -68,6 +68,15 @@ TEST_CASE("options that would do nothing are refused with what they need") {
     CHECK(holds(result.error, useless.needs));
   }
   CHECK_FALSE(fs::exists(out.file("x")));
+  const std::string drive = simulated_drive();
+  CHECK(holds(refused("compare '{}' --tolerance 3", drive).error, "--curve"));
+  CHECK(holds(refused("evaluate '{0}/truth.tum' '{0}/truth.tum' --sensor os1-16", drive).error,
+              "two .npy stacks"));
+  for (const char* option : {"--tensor mode_1", "--reference"}) {
+    CHECK(
+        holds(refused("inspect '{}' --slam {} --out '{}'", drive, option, out.file("x.html")).error,
+              "--slam excludes"));
+  }
 }
 
 TEST_CASE("compare refuses what cannot be compared or written before it begins") {

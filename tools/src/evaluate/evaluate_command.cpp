@@ -184,7 +184,12 @@ void declare_evaluate(CLI::App& app, EvaluateOptions& options) {
 }
 
 int evaluate_command(const EvaluateOptions& options) {
-  if (both_end_with(options, ".npy")) return evaluate_stacks(options);
+  const bool stacks = both_end_with(options, ".npy");
+  if (!stacks && !options.sensor.empty()) {
+    throw Error("--sensor {}: is looked at with two .npy stacks, found {}; leave it out",
+                options.sensor, options.estimate);
+  }
+  if (stacks) return evaluate_stacks(options);
   if (both_end_with(options, ".pcd")) return evaluate_clouds(options);
   return evaluate_trajectories(options);
 }

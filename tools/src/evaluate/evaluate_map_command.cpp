@@ -248,9 +248,10 @@ void declare_evaluate_map(CLI::App& app, EvaluateMapOptions& options) {
 }
 
 int evaluate_map_command(const EvaluateMapOptions& options) {
-  const sim::DriveSpec spec = sim::read_drive_json(file_of(options.drive, "drive.json"));
+  sim::DriveSpec spec = sim::read_drive_json(file_of(options.drive, "drive.json"));
   const SensorModel sensor = load_sensor(file_of(options.drive, "sensor.json"));
   const TrajectoryFile truth = read_trajectory_file(file_of(options.drive, "truth.tum"));
+  spec.scans = std::ssize(truth.poses);  // the simulation may have been stopped
   std::vector<std::string> grids = options.maps;
   const auto is_grid = [](const std::string& path) {
     return fs::path(path).extension() == ".yaml";

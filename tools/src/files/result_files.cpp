@@ -37,7 +37,7 @@ constexpr std::array<const char*, 2> kScanFolders = {"bin", "pcd"};
 /// there, because a disk was full or the program was killed.
 bool written_by_simulate(const fs::path& folder) {
   try {
-    sim::read_drive_json((folder / "drive.json").string());
+    sim::read_drive_json_of_any_revision((folder / "drive.json").string());
     return true;
   } catch (const Error&) {
     return false;

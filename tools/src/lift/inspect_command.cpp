@@ -123,10 +123,12 @@ about each direction of motion.)");
       .option("--scan", &options.scan, "Which scan, counted from 0 (default: the first)",
               {.given = Given::kNotNegative})
       .option("--tensor", &options.tensors,
-              "Show an inner tensor too, such as layers.2.encoder.0 (may be repeated)")
+              "Show an inner tensor too, such as layers.2.encoder.0 (may be repeated)",
+              {.excludes = {"--slam"}})
       .option("--list", &options.list, "Print the names of all inner tensors, no page")
       .option("--reference", &options.reference,
-              "How far every tensor is from the network in double precision (minutes)")
+              "How far every tensor is from the network in double precision (minutes)",
+              {.excludes = {"--slam"}})
       .option("--out", &options.out, "Page to write (.html)", {.excludes = {"--list"}});
 }
 

@@ -73,7 +73,7 @@ void declare_return(Command& command, std::string& kept_return) {
                  {.shows_default = true, .one_of = {"strongest", "last"}});
 }
 
-void declare_lifting(Command& command, LiftingChoice& choice) {
+void declare_lifting_method(Command& command, LiftingChoice& choice) {
   command
       .option("--rows", &choice.rows, "Use only this many of the sensor's rows, evenly spread",
               {.within = kAnyCount})
@@ -83,6 +83,10 @@ void declare_lifting(Command& command, LiftingChoice& choice) {
                       "interpolation ({})",
                       fmt::join(nn::interpolation_names(), ", ")),
           {.given = Given::kFile, .one_of = nn::interpolation_names()});
+}
+
+void declare_lifting(Command& command, LiftingChoice& choice) {
+  declare_lifting_method(command, choice);
   declare_confidence(command, choice, {"--upsample"});
 }
 
@@ -136,7 +140,7 @@ std::int64_t planned_scans(const std::string& input) {
   const std::string drive = file_of_drive(input, "drive.json");
   if (drive.empty() || file_of_drive(input, "scans.npy").empty()) return 0;
   try {
-    return sim::read_drive_json(drive).scans;
+    return sim::read_drive_json_of_any_revision(drive).scans;
   } catch (const Error&) {
     return 0;  // of another version: its scans can be read all the same
   }

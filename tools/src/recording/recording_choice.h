@@ -43,7 +43,9 @@ struct LiftingChoice {
   std::optional<float> least_confidence = {};  ///< of pixels that are kept; nothing: the weights'
   std::optional<float> tolerance_m = {};       ///< nothing: SuperResolverOptions' own
 };
-/// --rows, --upsample and what declare_confidence declares.
+/// --rows and --upsample.
+void declare_lifting_method(Command& command, LiftingChoice& choice);
+/// These and what declare_confidence declares.
 void declare_lifting(Command& command, LiftingChoice& choice);
 /// --confidence and --tolerance. needs: options without which they say nothing.
 void declare_confidence(Command& command, LiftingChoice& choice,

@@ -1,6 +1,8 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <memory>
 
@@ -113,6 +115,9 @@ std::optional<ReferenceComparison> comparison_of(const SlamRun& run,
 
 /// x, y and yaw as the user says, the rest as at the nearest place of the map: streets have slopes.
 Pose start_on_path(const std::vector<slam::SavedPlace>& places, const std::vector<double>& start) {
+  if (!std::ranges::all_of(start, [](double v) { return std::isfinite(v); })) {
+    throw Error("--start {}: expected three numbers; give X,Y,YAW", fmt::join(start, ","));
+  }
   const Eigen::Vector2d start_m(start[0], start[1]);
   const auto distance_m = [&](const slam::SavedPlace& place) {
     return (place.T_map_sensor.translation().head<2>() - start_m).norm();
@@ -148,7 +153,7 @@ std::optional<GivenMap> given_map(const RunOptions& options, const SensorModel& 
   return given;
 }
 
-/// All other results are written by now: what goes wrong here costs the dense map alone.
+/// All other results are written by now: what goes wrong here costs the dense map alone. Throws.
 void add_dense_map(const RunOptions& options, const InterruptGuard& interrupt, RunOutput& output,
                    SlamRun& run) {
   const DenseMapRun dense_map =
@@ -285,12 +290,16 @@ SlamRun run_and_write(const RunOptions& options, const InterruptGuard& interrupt
     }
   }
   output.write_results(run);
-  if (options.dense_map && !interrupt.stop_requested()) {
-    add_dense_map(options, interrupt, output, run);
-  }
-  if (options.occupancy_grid && !interrupt.stop_requested()) {
-    add_occupancy_grid(options, interrupt, run);
-  }
+  const auto add = [&](bool wanted, const auto& make) {
+    if (!wanted || interrupt.stop_requested()) return;
+    try {
+      make();
+    } catch (const Error& error) {
+      run.failed_maps.emplace_back(error.what());
+    }
+  };
+  add(options.dense_map, [&] { add_dense_map(options, interrupt, output, run); });
+  add(options.occupancy_grid, [&] { add_occupancy_grid(options, interrupt, run); });
   return run;
 }
 
@@ -298,7 +307,8 @@ int run_command(const RunOptions& options) {
   const InterruptGuard interrupt;
   const SlamRun run = run_and_write(options, interrupt);
   if (!run.scans.empty()) print_summary(run, options);
-  return exit_status_of(run, options);
+  if (run.failed_maps.empty()) return exit_status_of(run, options);
+  throw Error("{}", fmt::join(run.failed_maps, "; "));
 }
 
 }  // namespace hqslam::tools

@@ -65,6 +65,7 @@ struct SlamRun : Reading {
   std::optional<ReferenceComparison> comparison;  ///< once the run has ended, of one with a truth
   std::string dense_map_summary;                  ///< empty: there is none
   std::string occupancy_grid_summary;             ///< the same
+  std::vector<std::string> failed_maps;           ///< of these two: why one could not be made
 };
 
 /// Scans per second over the whole run: reading, upsampling, SLAM and writing.

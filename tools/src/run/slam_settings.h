@@ -15,7 +15,7 @@ struct SlamSettings {
   std::vector<std::string> set;  ///< "mapping.max_iterations=12", after the file
   bool loop_closing = true;
 };
-/// --slam-options, --set and --loop-closing.
+/// --slam-options, --set and --no-loop-closing.
 void declare_slam_settings(Command& command, SlamSettings& settings);
 
 /// The options of SLAM. Throws Error: no such option, no number, out of bounds.

@@ -54,8 +54,9 @@ ViewCloud scan_of(const std::string& path, const ViewOptions& options) {
   LiftedInput input = lifted_input({path, options.sensor}, {});
   const std::unique_ptr<ScanSource> source = input.open();
   std::optional<RecordedScan> scan;
+  LeftOut left_out;
   for (std::int64_t i = 0; i <= options.scan; ++i) {
-    scan = source->next();
+    scan = next_usable(*source, left_out);
     if (!scan) {
       throw Error("{}: expected a scan {}, found {} scans; --scan counts them from 0", path,
                   options.scan, i);

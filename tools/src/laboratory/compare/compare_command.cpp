@@ -254,7 +254,7 @@ filter) of every layer as if the network ended there.)");
       .option("--tolerance", &options.tolerance_m,
               "With --curve: how far off in metres a range may be and count as right; with 100 and "
               "more it is the confidence that there is a return at all",
-              {.shows_default = true, .within = kTolerance_m})
+              {.shows_default = true, .within = kTolerance_m, .needs = {"--curve"}})
       .option("--filters", &options.filters,
               "Instead, try settings of the outlier filter on the first weights' results",
               {.excludes = {"--curve"}})

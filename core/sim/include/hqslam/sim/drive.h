@@ -102,6 +102,7 @@ class DriveSimulator {
   /// image are empty. (No beam of them then borders on one that is.) Nothing: all rows.
   std::optional<SimulatedScan> next(const std::optional<RowSelection>& rows = std::nullopt);
   /// Leaves out the next `scans` scans without simulating them; those after it stay the same.
+  /// Throws Error for a negative number.
   void skip(std::int64_t scans);
 
   /// Where the beams of the next scan would meet the true surface (map frame, in the order of the
