@@ -73,6 +73,15 @@ void take(const Message& message) {
   rclcpp::Subscription<Message>::callback(std::make_shared<const Message>(message));
 }
 
+/// Of a robot at rest, kClock_s + time_s.
+Imu sample(double time_s) {
+  Imu message;
+  message.header.frame_id = "imu";
+  message.header.stamp = time_of(kClock_s + time_s);
+  message.linear_acceleration.z = hqslam::kGravity_mps2;
+  return message;
+}
+
 constexpr double kAheadOfBase_m = 0.5;
 
 /// A node on a robot whose LiDAR is where tf says, with these parameters; nothing was sent yet.
@@ -257,13 +266,6 @@ TEST_CASE("a scan waits for the inertial samples up to its end, or for the next 
   const HqslamNode node = node_with();
   const auto& odometry = rclcpp::Publisher<Odometry>::published;
   rclcpp::Subscription<Imu>::publishers = 1;
-  const auto sample = [](double time_s) {
-    Imu message;
-    message.header.frame_id = "imu";
-    message.header.stamp = time_of(kClock_s + time_s);
-    message.linear_acceleration.z = hqslam::kGravity_mps2;
-    return message;
-  };
   take(as_sent(scan(0), {}, 0.0));
   take(sample(0.05));
   CHECK(odometry.empty());
@@ -272,6 +274,21 @@ TEST_CASE("a scan waits for the inertial samples up to its end, or for the next 
   take(as_sent(scan(1), {}, 0.1));
   take(as_sent(scan(2), {}, 0.2));
   CHECK(odometry.size() == 2);
+}
+
+TEST_CASE("a scan that cannot be used takes no other with it, whether scans wait or not") {
+  for (const std::size_t imus : {0U, 1U}) {
+    CAPTURE(imus);
+    const HqslamNode node = node_with();
+    rclcpp::Subscription<Imu>::publishers = imus;
+    for (int i = 0; i < 6; ++i) {
+      PointCloud2 message = as_sent(scan(i), {}, 0.1 * i);
+      if (i == 1) put(message.data, 12, kClock_s + 100.0);  // a time of another scan
+      take(message);
+    }
+    CHECK(rclcpp::Publisher<Odometry>::published.size() == 5 - imus);  // the last one waits
+    CHECK(rclcpp::Node::warnings.size() == 1);
+  }
 }
 
 TEST_CASE("the map is published now and then, and saved where it was said, in the frame of map") {

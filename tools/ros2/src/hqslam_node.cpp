@@ -175,7 +175,7 @@ class HqslamNode : public rclcpp::Node {
   void take(const PointCloud2& message) {
     if (!slam_ && !begin(message.header.frame_id)) return;
     hqslam::Scan scan = scan_of(message);
-    if (waiting_) process_waiting();
+    if (waiting_) warned([&] { process_waiting(); });  // whatever is wrong with it, this one waits
     float last_s = 0.0F;
     for (const float offset_s : scan.time_offset_s) last_s = std::max(last_s, offset_s);
     const double end_s = scan.stamp_s + last_s;
