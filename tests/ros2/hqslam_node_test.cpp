@@ -157,6 +157,24 @@ TEST_CASE("times of a clock, of the message's stamp, in seconds and in nanosecon
   }
 }
 
+TEST_CASE("what is no point, at the origin or not a number, has no say in a scan's times") {
+  const PointCloud2 good = as_sent(scan(3), {}, 0.3);
+  const hqslam::Scan expected = scan_of(good);
+  for (const float x_m : {0.0F, std::nanf("")}) {
+    CAPTURE(x_m);
+    PointCloud2 message = good;
+    message.data.insert(message.data.begin(), message.point_step, 0);
+    put(message.data, 0, x_m);
+    ++message.width;
+    message.row_step += message.point_step;
+    const hqslam::Scan read = scan_of(message);
+    CHECK(read.stamp_s == expected.stamp_s);
+    CHECK(read.time_offset_s == expected.time_offset_s);
+    CHECK(read.points_m == expected.points_m);
+    CHECK(read.invalid_points == 1);
+  }
+}
+
 TEST_CASE("options that are whole numbers take whole numbers, the others numbers") {
   for (const hqslam::slam::NamedOption& option : hqslam::slam::option_table()) {
     CAPTURE(option.name);
