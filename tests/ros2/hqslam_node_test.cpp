@@ -309,6 +309,17 @@ TEST_CASE("a scan that cannot be used takes no other with it, whether scans wait
   }
 }
 
+TEST_CASE("inertial samples in a frame that tf does not know keep no scan waiting for tf") {
+  const HqslamNode node = node_with();
+  tf2_ros::Buffer::known.erase({"lidar", "imu"});
+  rclcpp::Subscription<Imu>::publishers = 1;
+  tf2_ros::Buffer::waited_s = 0.0;
+  take(as_sent(scan(0), {}, 0.0));
+  for (int i = 0; i < 10; ++i) take(sample(0.01 * i));
+  CHECK(rclcpp::Node::warnings.size() == 10);
+  CHECK(tf2_ros::Buffer::waited_s == 0.0);
+}
+
 TEST_CASE("the map is published now and then, and saved where it was said, in the frame of map") {
   const hqslam::test::TemporaryDirectory folder;
   const auto save = [] {
