@@ -103,6 +103,7 @@ class Errors(unittest.TestCase):
             lambda: hqslam.open_recording("/nowhere.pcap"),
             lambda: hqslam.Upsampler(WEIGHTS).run(np.zeros((5, 7), np.float32)),
             lambda: hqslam.Slam(SENSOR, {"mapping.no_such": 1.0}),
+            lambda: hqslam.Slam(SENSOR, T_map_level_start=np.eye(4)),
             lambda: hqslam.Trajectory(np.zeros(2), np.zeros((2, 4, 4))),
             lambda: hqslam.Trajectory(np.array([0.0, 2.0, 1.0]), np.stack(3 * [np.eye(4)])),
             lambda: hqslam.Trajectory(np.array([0.0, np.nan]), np.stack(2 * [np.eye(4)])),
