@@ -85,7 +85,9 @@ class Recordings(unittest.TestCase):
         intensity = scans[1].cloud.intensity
         self.assertEqual(intensity.shape, (16, 1024))
         self.assertTrue(np.isfinite(intensity[scans[1].cloud.range_m > 0]).all())
-        self.assertEqual(scans[1].imu.shape[1], 7)
+        samples = np.concatenate([scan.imu for scan in scans])
+        self.assertEqual(samples.shape[1], 7)
+        self.assertGreater(len(samples), 15)  # a hundred a second
         lifted = hqslam.Upsampler(WEIGHTS).upsampled_cloud(scans[1].cloud)
         self.assertEqual(lifted.intensity.shape, (64, 1024))
         slam = hqslam.Slam(SENSOR)
