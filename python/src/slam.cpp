@@ -7,6 +7,7 @@
 
 #include <filesystem>
 
+#include "hqslam/core/error.h"
 #include "hqslam/slam/options.h"
 #include "hqslam/slam/saved_map.h"
 #include "hqslam/slam/scan_trace.h"
@@ -45,6 +46,10 @@ slam::SlamOptions options_of(const Options& given, int threads, bool loop_closin
 
 void make_slam(Slam* self, const SensorModel& sensor, const Options& given, const SavedMap* map,
                const std::optional<Matrix4>& T_map_level_start, int threads, bool loop_closing) {
+  if (T_map_level_start && map == nullptr) {
+    throw Error(
+        "Slam: expected a map for T_map_level_start, found none; give map, or leave the start out");
+  }
   const slam::SlamOptions options = options_of(given, threads, loop_closing);
   std::optional<Pose> start;
   if (T_map_level_start) start = pose_of(*T_map_level_start);

@@ -1,4 +1,5 @@
 
+#include <cmath>
 #include <filesystem>
 
 #include "arrays.h"
@@ -19,8 +20,15 @@ Trajectory trajectory_of(const Input<double, -1>& stamp_s,
   Trajectory result;
   result.reserve(stamp_s.size());
   for (std::size_t i = 0; i < stamp_s.size(); ++i) {
+    const double next_s = stamp_s.data()[i];
+    if (!std::isfinite(next_s) || (i > 0 && !(next_s > result.back().stamp_s))) {
+      throw Error(
+          "Trajectory: expected finite stamps that rise, found {:.9f} at index {}; sort the poses "
+          "by time and leave repeated ones out",
+          next_s, i);
+    }
     const Matrix4 matrix = Eigen::Map<const Matrix4>(T_map_sensor.data() + 16 * i);
-    result.push_back({stamp_s.data()[i], pose_of(matrix)});
+    result.push_back({next_s, pose_of(matrix)});
   }
   return result;
 }
@@ -73,7 +81,7 @@ void add_trajectories(nb::module_& module) {
             new (self) Trajectory(trajectory_of(stamp_s, T_map_sensor));
           },
           "stamp_s"_a, "T_map_sensor"_a,
-          "stamp_s: (N,), seconds. T_map_sensor: (N, 4, 4), metres. Raises Error.")
+          "stamp_s: (N,), seconds, rising. T_map_sensor: (N, 4, 4), metres. Raises Error.")
       .def("__len__", [](const Trajectory& t) { return t.size(); })
       .def_prop_ro("stamp_s", &stamps_of, kOwned, "(N,) float64, seconds.")
       .def_prop_ro("T_map_sensor", &poses_of, kOwned,

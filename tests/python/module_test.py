@@ -101,7 +101,9 @@ class Recordings(unittest.TestCase):
         intensity = scans[1].cloud.intensity
         self.assertEqual(intensity.shape, (16, 1024))
         self.assertTrue(np.isfinite(intensity[scans[1].cloud.range_m > 0]).all())
-        self.assertEqual(scans[1].imu.shape[1], 7)
+        samples = np.concatenate([scan.imu for scan in scans])
+        self.assertEqual(samples.shape[1], 7)
+        self.assertGreater(len(samples), 15)  # a hundred a second
         lifted = hqslam.Upsampler(WEIGHTS).upsampled_cloud(scans[1].cloud)
         self.assertEqual(lifted.intensity.shape, (64, 1024))
         slam = hqslam.Slam(SENSOR)
@@ -119,7 +121,10 @@ class Errors(unittest.TestCase):
             lambda: hqslam.open_recording("/nowhere.pcap"),
             lambda: hqslam.Upsampler(WEIGHTS).run(np.zeros((5, 7), np.float32)),
             lambda: hqslam.Slam(SENSOR, {"mapping.no_such": 1.0}),
+            lambda: hqslam.Slam(SENSOR, T_map_level_start=np.eye(4)),
             lambda: hqslam.Trajectory(np.zeros(2), np.zeros((2, 4, 4))),
+            lambda: hqslam.Trajectory(np.array([0.0, 2.0, 1.0]), np.stack(3 * [np.eye(4)])),
+            lambda: hqslam.Trajectory(np.array([0.0, np.nan]), np.stack(2 * [np.eye(4)])),
             lambda: hqslam.project(np.zeros((5, 3)), SENSOR, np.full(5, 16, np.uint16)),
         ):
             with self.assertRaises(hqslam.Error) as raised:

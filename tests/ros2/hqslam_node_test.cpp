@@ -73,6 +73,15 @@ void take(const Message& message) {
   rclcpp::Subscription<Message>::callback(std::make_shared<const Message>(message));
 }
 
+/// Of a robot at rest, kClock_s + time_s.
+Imu sample(double time_s) {
+  Imu message;
+  message.header.frame_id = "imu";
+  message.header.stamp = time_of(kClock_s + time_s);
+  message.linear_acceleration.z = hqslam::kGravity_mps2;
+  return message;
+}
+
 constexpr double kAheadOfBase_m = 0.5;
 
 /// A node on a robot whose LiDAR is where tf says, with these parameters; nothing was sent yet.
@@ -145,6 +154,24 @@ TEST_CASE("times of a clock, of the message's stamp, in seconds and in nanosecon
       ++point;
     }
     CHECK(point == read.time_offset_s.size());
+  }
+}
+
+TEST_CASE("what is no point, at the origin or not a number, has no say in a scan's times") {
+  const PointCloud2 good = as_sent(scan(3), {}, 0.3);
+  const hqslam::Scan expected = scan_of(good);
+  for (const float x_m : {0.0F, std::nanf("")}) {
+    CAPTURE(x_m);
+    PointCloud2 message = good;
+    message.data.insert(message.data.begin(), message.point_step, 0);
+    put(message.data, 0, x_m);
+    ++message.width;
+    message.row_step += message.point_step;
+    const hqslam::Scan read = scan_of(message);
+    CHECK(read.stamp_s == expected.stamp_s);
+    CHECK(read.time_offset_s == expected.time_offset_s);
+    CHECK(read.points_m == expected.points_m);
+    CHECK(read.invalid_points == 1);
   }
 }
 
@@ -257,13 +284,6 @@ TEST_CASE("a scan waits for the inertial samples up to its end, or for the next 
   const HqslamNode node = node_with();
   const auto& odometry = rclcpp::Publisher<Odometry>::published;
   rclcpp::Subscription<Imu>::publishers = 1;
-  const auto sample = [](double time_s) {
-    Imu message;
-    message.header.frame_id = "imu";
-    message.header.stamp = time_of(kClock_s + time_s);
-    message.linear_acceleration.z = hqslam::kGravity_mps2;
-    return message;
-  };
   take(as_sent(scan(0), {}, 0.0));
   take(sample(0.05));
   CHECK(odometry.empty());
@@ -272,6 +292,32 @@ TEST_CASE("a scan waits for the inertial samples up to its end, or for the next 
   take(as_sent(scan(1), {}, 0.1));
   take(as_sent(scan(2), {}, 0.2));
   CHECK(odometry.size() == 2);
+}
+
+TEST_CASE("a scan that cannot be used takes no other with it, whether scans wait or not") {
+  for (const std::size_t imus : {0U, 1U}) {
+    CAPTURE(imus);
+    const HqslamNode node = node_with();
+    rclcpp::Subscription<Imu>::publishers = imus;
+    for (int i = 0; i < 6; ++i) {
+      PointCloud2 message = as_sent(scan(i), {}, 0.1 * i);
+      if (i == 1) put(message.data, 12, kClock_s + 100.0);  // a time of another scan
+      take(message);
+    }
+    CHECK(rclcpp::Publisher<Odometry>::published.size() == 5 - imus);  // the last one waits
+    CHECK(rclcpp::Node::warnings.size() == 1);
+  }
+}
+
+TEST_CASE("inertial samples in a frame that tf does not know keep no scan waiting for tf") {
+  const HqslamNode node = node_with();
+  tf2_ros::Buffer::known.erase({"lidar", "imu"});
+  rclcpp::Subscription<Imu>::publishers = 1;
+  tf2_ros::Buffer::waited_s = 0.0;
+  take(as_sent(scan(0), {}, 0.0));
+  for (int i = 0; i < 10; ++i) take(sample(0.01 * i));
+  CHECK(rclcpp::Node::warnings.size() == 10);
+  CHECK(tf2_ros::Buffer::waited_s == 0.0);
 }
 
 TEST_CASE("the map is published now and then, and saved where it was said, in the frame of map") {

@@ -125,7 +125,16 @@ std::unique_ptr<StreamSource> open_stream(const std::string& path, const OpenOpt
 }
 
 std::unique_ptr<ScanSource> open_recording(const std::string& path, const OpenOptions& options) {
-  return is_capture_or_bag(path) ? open_stream(path, options) : open_files(path, options);
+  if (is_capture_or_bag(path)) return open_stream(path, options);
+  return with_imu_of_drive(open_files(path, options), path);
+}
+
+std::unique_ptr<ScanSource> with_imu_of_drive(std::unique_ptr<ScanSource> source,
+                                              const std::string& path) {
+  const fs::path samples = fs::path(path) / "imu.csv";
+  std::error_code error;
+  if (!fs::is_regular_file(samples, error)) return source;
+  return with_imu(std::move(source), read_imu_csv(samples.string()));
 }
 
 RecordingInfo inspect(const std::string& path, const OpenOptions& options) {

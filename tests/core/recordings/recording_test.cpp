@@ -13,6 +13,7 @@
 #include "error_message.h"
 #include "file_contents.h"
 #include "hqslam/core/error.h"
+#include "hqslam/core/npy.h"
 #include "temporary_directory.h"
 
 using namespace hqslam;
@@ -226,4 +227,24 @@ TEST_CASE("every real capture and bag opens from its path alone") {
       CHECK(scan.stamp_s > 1.3e9);
     }
   }
+}
+
+TEST_CASE("a simulated drive opens with the inertial data beside its scans, if there are any") {
+  const TemporaryDirectory drive;
+  const std::string path = drive.path().string();
+  const SensorModel sensor = sensor_preset("vlp-16");
+  write_sensor_json(sensor, drive.file("sensor.json"));
+  NpyStackWriter writer(drive.file("scans.npy"), sensor.rows(), sensor.columns);
+  RangeImage image(sensor.rows(), sensor.columns);
+  std::ranges::fill(image.range_m, 5.0F);
+  writer.append(image);
+  writer.append(image);
+  CHECK(open_recording(path)->next()->imu.empty());
+  write_file(drive.file("imu.csv"), "0.04,0,0,0,0,0,9.8\n0.06,0,0,0,0,0,9.8\n");
+  const auto scans = all_scans(*open_recording(path));
+  REQUIRE(scans.size() == 2);
+  REQUIRE(scans[1].imu.size() == 1);
+  CHECK(scans[1].imu[0].stamp_s == 0.06);
+  write_file(drive.file("imu.csv"), "1,2,3\n");
+  CHECK(refused_with([&] { open_recording(path); }, "imu.csv", "7 numbers"));
 }

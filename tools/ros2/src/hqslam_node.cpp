@@ -158,13 +158,12 @@ class HqslamNode : public rclcpp::Node {
     }
   }
 
-  /// Nothing, and a warning, where tf does not know it.
+  /// Nothing, and a warning, where tf does not know it in time; nothing else is done meanwhile.
   std::optional<Pose> looked_up(const std::string& target, const std::string& source,
-                                const rclcpp::Time& time) {
-    constexpr double kPatience_s = 0.1;
+                                const rclcpp::Time& time, double patience_s = 0.1) {
     try {
       return pose_of(buffer_.lookupTransform(target, source, time,
-                                             rclcpp::Duration::from_seconds(kPatience_s)));
+                                             rclcpp::Duration::from_seconds(patience_s)));
     } catch (const tf2::TransformException& error) {
       RCLCPP_WARN_THROTTLE(get_logger(), *get_clock(), 1000, "tf: %s", error.what());
       return std::nullopt;
@@ -175,7 +174,7 @@ class HqslamNode : public rclcpp::Node {
   void take(const PointCloud2& message) {
     if (!slam_ && !begin(message.header.frame_id)) return;
     hqslam::Scan scan = scan_of(message);
-    if (waiting_) process_waiting();
+    if (waiting_) warned([&] { process_waiting(); });  // whatever is wrong with it, this one waits
     float last_s = 0.0F;
     for (const float offset_s : scan.time_offset_s) last_s = std::max(last_s, offset_s);
     const double end_s = scan.stamp_s + last_s;
@@ -186,7 +185,8 @@ class HqslamNode : public rclcpp::Node {
   void take(const Imu& message) {
     if (!slam_) return;
     if (!R_lidar_imu_) {
-      const auto T_lidar_imu = looked_up(lidar_frame_, message.header.frame_id, time_of(0.0));
+      // Without patience: its messages come so often that scans would wait for tf all the time.
+      const auto T_lidar_imu = looked_up(lidar_frame_, message.header.frame_id, time_of(0.0), 0.0);
       if (!T_lidar_imu) return;
       R_lidar_imu_ = T_lidar_imu->linear();
     }

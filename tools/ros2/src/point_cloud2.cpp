@@ -90,9 +90,15 @@ hqslam::Scan scan_of(const PointCloud2& message) {
   hqslam::Scan scan;
   std::vector<double> times_s;
   for (const std::size_t at : beginnings_of(message)) {
+    const Eigen::Vector3f point_m(static_cast<float>(number_at(message, *x, at)),
+                                  static_cast<float>(number_at(message, *y, at)),
+                                  static_cast<float>(number_at(message, *z, at)));
+    if (!point_m.allFinite() || point_m.isZero(0.0F)) {  // drivers give it any time
+      ++scan.invalid_points;
+      continue;
+    }
     times_s.push_back((seconds ? 1.0 : 1e-9) * number_at(message, *time, at));
-    scan.points_m.emplace_back(number_at(message, *x, at), number_at(message, *y, at),
-                               number_at(message, *z, at));
+    scan.points_m.push_back(point_m);
   }
   if (scan.points_m.empty()) throw hqslam::Error("a message without points");
   const auto [first_s, last_s] = std::minmax_element(times_s.begin(), times_s.end());

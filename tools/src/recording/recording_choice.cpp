@@ -189,8 +189,8 @@ std::unique_ptr<recordings::StreamSource> open_stream(const InputChoice& choice)
 
 std::unique_ptr<ScanSource> with_imu_of(const InputChoice& choice,
                                         std::unique_ptr<ScanSource> source) {
-  const std::string path = choice.imu.empty() ? file_of_drive(choice.input, "imu.csv") : choice.imu;
-  return path.empty() ? std::move(source) : with_imu(std::move(source), read_imu_csv(path));
+  if (choice.imu.empty()) return recordings::with_imu_of_drive(std::move(source), choice.input);
+  return with_imu(std::move(source), read_imu_csv(choice.imu));
 }
 
 std::unique_ptr<ScanSource> open_input(const InputChoice& choice, const SensorModel& sensor) {

@@ -99,11 +99,16 @@ bool is_capture_or_bag(const std::string& path);
 /// not one whole scan.
 std::unique_ptr<StreamSource> open_stream(const std::string& path, const OpenOptions& options = {});
 
-/// Opens any recording: what open_stream reads, or whatever hqslam::open_recording does. Images
-/// without a sensor.json need options.sensor. source->warnings() says what a user should
-/// know. Throws Error.
+/// Opens any recording: what open_stream reads, or whatever hqslam::open_recording does, with the
+/// inertial data of a simulated drive. Images without a sensor.json need options.sensor.
+/// source->warnings() says what a user should know. Throws Error.
 std::unique_ptr<ScanSource> open_recording(const std::string& path,
                                            const OpenOptions& options = {});
+
+/// The source of a recording at `path`, with the samples of the imu.csv that `hqslam simulate`
+/// wrote there; as it is where there is none. Throws Error.
+std::unique_ptr<ScanSource> with_imu_of_drive(std::unique_ptr<ScanSource> source,
+                                              const std::string& path);
 
 /// What was found out about a recording of any kind, which is read to its end, but for files of
 /// scans, of which the first one tells. Throws Error as open_recording does.
