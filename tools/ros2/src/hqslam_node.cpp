@@ -221,7 +221,8 @@ class HqslamNode : public rclcpp::Node {
 
   void process_waiting() {
     const hqslam::Scan scan = std::exchange(waiting_, std::nullopt)->scan;
-    hqslam::OrganizedCloud cloud = hqslam::project(scan, sensor_).cloud;
+    hqslam::OrganizedCloud cloud =
+        hqslam::calibrated(hqslam::project(scan, sensor_).cloud, sensor_);
     if (upsampler_) cloud = hqslam::nn::upsampled_cloud(*upsampler_, cloud);
     const hqslam::slam::ScanReport report = slam_->process(cloud, scan.stamp_s);
     publish(frames_->next(report, slam_->trajectory()), report);
