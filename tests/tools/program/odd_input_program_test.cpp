@@ -70,6 +70,11 @@ TEST_CASE("options that would do nothing are refused with what they need") {
   CHECK_FALSE(fs::exists(out.file("x")));
   const std::string drive = simulated_drive();
   CHECK(holds(refused("compare '{}' --tolerance 3", drive).error, "--curve"));
+  CHECK(holds(
+      refused("upsample '{0}' --sensor os1-64 --method linear --poses '{0}/truth.tum' --out '{1}'",
+              drive, out.file("y"))
+          .error,
+      "weights with a memory"));
   CHECK(holds(refused("evaluate '{0}/truth.tum' '{0}/truth.tum' --sensor os1-16", drive).error,
               "two .npy stacks"));
   for (const char* option : {"--tensor mode_1", "--reference"}) {

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "hqslam/core/error.h"
+
 namespace hqslam::tools {
 namespace {
 
@@ -82,6 +84,12 @@ void DriveMemory::remember(const OrganizedCloud& measured, const Trajectory& tra
   const Pose T_memory_map = *T_memory_sensor_ * last.T_map_sensor.inverse();
   const slam::SensorPath path(trajectory, trajectory.size() - 1);
   memory_->insert(measured, moved(T_memory_map, column_poses(path, measured)), last.stamp_s);
+}
+
+void require_memory(const std::string& poses, const nn::Upsampler* upsampler) {
+  if (poses.empty() || (upsampler != nullptr && upsampler->has_scan_memory())) return;
+  throw Error("--poses {}: only weights with a memory look at poses, found none; leave it out",
+              poses);
 }
 
 }  // namespace hqslam::tools

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 
 #include "hqslam/core/organized_cloud.h"
 #include "hqslam/core/trajectory.h"
@@ -39,5 +40,9 @@ class DriveMemory {
   /// Of the last scan that was remembered by its place in a trajectory: a frame that no loop moves.
   std::optional<Pose> T_memory_sensor_;
 };
+
+/// Throws Error where poses are named that nothing looks at. upsampler: null where nothing is
+/// lifted.
+void require_memory(const std::string& poses, const nn::Upsampler* upsampler);
 
 }  // namespace hqslam::tools

@@ -43,6 +43,7 @@ struct SeenScan {
 };
 
 SeenScan scan_of(const InspectOptions& options, LiftedInput& input) {
+  require_memory(options.poses, input.lifter());
   const ScanPoses poses =
       read_scan_poses(options.poses, [&] { return scans_in(options, *input.open()); });
   DriveMemory memory(input.lifter());

@@ -149,6 +149,7 @@ int upsample_command(const UpsampleOptions& options) {
   use_threads(options.threads);
   refuse_to_write_into_recording(options.input, options.out);
   LiftedInput input = lifted_input(options, options);
+  require_memory(options.poses, input.lifter());
   const ScanPoses poses =
       read_scan_poses(options.poses, [&] { return scans_in(options, *input.open()); });
   const std::unique_ptr<ScanSource> source = input.open();

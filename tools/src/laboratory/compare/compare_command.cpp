@@ -196,6 +196,7 @@ template <typename Use>
 std::int64_t for_each_scan(const CompareOptions& options, const SensorModel& sensor,
                            const InterruptGuard& interrupt, const Use& use,
                            const nn::Upsampler* upsampler = nullptr) {
+  require_memory(options.poses, upsampler);
   const ScanPoses poses = read_scan_poses(
       options.poses, [&] { return scans_in(options, *open_input(options, sensor)); });
   DriveMemory memory(upsampler);
