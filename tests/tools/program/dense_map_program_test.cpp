@@ -153,6 +153,22 @@ TEST_CASE("a map that cannot be made costs that map alone") {
   CHECK(holds(result.out, "dense_map.ply"));
 }
 
+TEST_CASE("of a simulation that was stopped a map is held against the scans that there are") {
+  const TemporaryDirectory folder;
+  write_pcd({{5.0F, 0.0F, -1.0F}}, folder.file("map.pcd"));
+  const std::string stopped = folder.file("stopped");
+  fs::copy(simulated_drive(), stopped);
+  std::string json = file_contents(stopped + "/drive.json");
+  const std::string scans = fmt::format("\"scans\": {}", kDriveScans);
+  REQUIRE(holds(json, scans));
+  write_file(stopped + "/drive.json",
+             json.replace(json.find(scans), scans.size(), "\"scans\": 40"));
+  const auto said = [&](const std::string& drive) {
+    return succeeds("evaluate-map '{}' --drive '{}'", folder.file("map.pcd"), drive).out;
+  };
+  CHECK(said(stopped) == said(simulated_drive()));
+}
+
 TEST_CASE("files of somebody else are not replaced by a dense map, and wrong input is one line") {
   const TemporaryDirectory out;
   write_file(out.file("dense_map.pcd"), "mine");
