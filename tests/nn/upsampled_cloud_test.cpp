@@ -258,8 +258,13 @@ TEST_CASE("the confidence of a lifted image is that of its cloud") {
   const OrganizedCloud measured =
       select_rows(unproject(image, sensor, CaptureTime::kMotionCorrected), kMeasuredRows);
   LiftedImage lifted{image, std::vector<float>(image.range_m.size(), 0.25F)};
-  lifted.confidence[17] = 0.75F;
-  CHECK(upsampled_cloud(lifted, measured, kMeasuredRows, sensor).confidence == lifted.confidence);
+  lifted.confidence[33] = 0.75F;  // row 2, which is computed
+  const OrganizedCloud cloud = upsampled_cloud(lifted, measured, kMeasuredRows, sensor);
+  CHECK(select_rows(cloud, {0, 2}).confidence == std::vector<float>([&] {
+          std::vector<float> computed(std::size_t{3} * 16, 0.25F);
+          computed[17] = 0.75F;
+          return computed;
+        }()));
   CHECK(upsampled_cloud({image, {}}, measured, kMeasuredRows, sensor).confidence.empty());
 }
 

@@ -103,11 +103,12 @@ DriveSpec with_varied_conditions(DriveSpec spec) {
 
 DriveSpec read_drive_json(const std::string& path) {
   JsonFields fields = fields_of_drive(path);
+  DriveSpec spec = spec_in(fields);
   if (const auto revision = fields.integer("revision"); revision != kDriveRevision) {
     throw Error("{}: of drives of revision {}, expected {}: its city is another; simulate it anew",
                 path, revision, kDriveRevision);
   }
-  return spec_in(fields);
+  return spec;
 }
 
 DriveSpec read_drive_json_of_any_revision(const std::string& path) {

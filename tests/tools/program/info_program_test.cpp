@@ -94,4 +94,18 @@ TEST_CASE("info says in one line what a file is not") {
   CHECK(holds(info.error, "a.pcap"));
 }
 
+TEST_CASE("a folder that says that it was corrected for motion is not asked how it was captured") {
+  const TemporaryDirectory folder;
+  std::filesystem::copy(simulated_drive(), folder.file("drive"));
+  const std::string sensor_file = folder.file("drive/sensor.json");
+  CHECK(
+      holds(succeeds("info '{}'", folder.file("drive")).out, "points      each with its own time"));
+  SensorModel sensor = read_sensor_json(sensor_file);
+  sensor.motion_corrected = true;
+  write_sensor_json(sensor, sensor_file);
+  const ProgramResult result = succeeds("info '{}'", folder.file("drive"));
+  CHECK(holds(result.out, "corrected for motion"));
+  CHECK_FALSE(holds(result.out, "captured    "));
+}
+
 }  // namespace hqslam::test

@@ -194,6 +194,8 @@ int demo_command(const DemoOptions& options) {
     run.dense_map = way.dense_map;
     run.out = (out / way.folder).string();
     rows.push_back({way, run_and_write(run, interrupt), std::nullopt});
+    const std::vector<std::string>& failed = rows.back().run.failed_maps;
+    if (!failed.empty()) throw Error("{}", fmt::join(failed, "; "));
     if (rows.back().run.end == ReadingEnd::kInterrupted) return interrupted();
   }
   score(simulate.out, rows, interrupt);

@@ -37,8 +37,8 @@ std::optional<double> median_distance_m(const slam::ScanTrace& trace) {
   return median(std::move(distances_m));
 }
 
-std::vector<ScanFit> fits(const std::string& input, SensorModel sensor, CaptureTime capture_time) {
-  sensor.motion_corrected = false;  // that is what is looked for
+std::vector<ScanFit> fits(const std::string& input, const SensorModel& sensor,
+                          CaptureTime capture_time) {
   RecordingOptions options;
   options.capture_time = capture_time;
   options.without_times = capture_time;

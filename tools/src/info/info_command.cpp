@@ -151,8 +151,8 @@ int info_command(const InfoOptions& options) {
                                             : "without times: taken as corrected for motion");
   std::string capture;
   const bool is_stack = fs::path(options.input).extension() == ".npy";
-  const bool is_untimed =
-      is_stack ? !info.sensor.motion_corrected : info.streams.empty() && !info.has_point_times;
+  const bool is_untimed = !info.sensor.motion_corrected &&  // else a folder's sensor.json says so
+                          (is_stack || (info.streams.empty() && !info.has_point_times));
   if (complaint.empty() && is_untimed) {
     const CaptureCheck check = check_capture(options.input, info.sensor);
     print_line("captured", capture_line(check));

@@ -58,8 +58,8 @@ ViewCloud scan_of(const std::string& path, const ViewOptions& options) {
   for (std::int64_t i = 0; i <= options.scan; ++i) {
     scan = next_usable(*source, left_out);
     if (!scan) {
-      throw Error("{}: expected a scan {}, found {} scans; --scan counts them from 0", path,
-                  options.scan, i);
+      throw Error("{}: expected a scan {}, found {} scans{}; --scan counts them from 0", path,
+                  options.scan, i, left_out.scans > 0 ? " that can be used" : "");
     }
   }
   return cloud_of(returns_of(input.measured(scan->cloud)));
