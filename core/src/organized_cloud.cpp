@@ -51,7 +51,7 @@ OrganizedCloud select_rows(const OrganizedCloud& cloud, RowSelection rows) {
   return result;
 }
 
-OrganizedCloud calibrated(const OrganizedCloud& cloud, const SensorModel& sensor) {
+OrganizedCloud calibrated(OrganizedCloud cloud, const SensorModel& sensor) {
   if (sensor.elevation_correction_rad.empty()) return cloud;
   if (cloud.rows != sensor.rows()) {
     throw Error(
@@ -59,7 +59,6 @@ OrganizedCloud calibrated(const OrganizedCloud& cloud, const SensorModel& sensor
         "recorded the scan",
         cloud.rows, sensor.rows());
   }
-  OrganizedCloud result = cloud;
   for (int row = 0; row < cloud.rows; ++row) {
     const double turn_rad = sensor.elevation_correction_rad[row];
     for (int column = 0; column < cloud.columns; ++column) {
@@ -71,14 +70,14 @@ OrganizedCloud calibrated(const OrganizedCloud& cloud, const SensorModel& sensor
       const bool is_return = level > 0.0 && range_m > 0.0;
       const Eigen::Vector3d tilt(-direction.x() * direction.z() / level,
                                  -direction.y() * direction.z() / level, level);
-      result.range_m[i] = is_return ? static_cast<float>(range_m) : 0.0F;
-      result.points_m[i].setZero();
+      cloud.range_m[i] = is_return ? static_cast<float>(range_m) : 0.0F;
+      cloud.points_m[i].setZero();
       if (!is_return) continue;
       const Eigen::Vector3d turned = std::cos(turn_rad) * direction + std::sin(turn_rad) * tilt;
-      result.points_m[i] = (range_m * turned).cast<float>();
+      cloud.points_m[i] = (range_m * turned).cast<float>();
     }
   }
-  return result;
+  return cloud;
 }
 
 RangeImage range_image(const OrganizedCloud& cloud) {

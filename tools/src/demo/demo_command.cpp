@@ -195,7 +195,7 @@ int demo_command(const DemoOptions& options) {
     run.out = (out / way.folder).string();
     rows.push_back({way, run_and_write(run, interrupt), std::nullopt});
     const std::vector<std::string>& failed = rows.back().run.failed_maps;
-    if (!failed.empty()) throw Error("{}", fmt::join(failed, "; "));
+    if (!failed.empty()) throw Error("{}", failed.front());
     if (rows.back().run.end == ReadingEnd::kInterrupted) return interrupted();
   }
   score(simulate.out, rows, interrupt);

@@ -66,8 +66,10 @@ void print_summary(const SlamRun& run, const RunOptions& options) {
   to_stdout("{}", results_line(run, options.out));
 }
 
-/// What to tell the shell, with the one line on stderr that explains it.
+/// What to tell the shell, with the lines on stderr that explain it.
 int exit_status_of(const SlamRun& run, const RunOptions& options) {
+  for (const std::string& failed : run.failed_maps) to_stderr("hqslam: {}\n", failed);
+  if (run.end == ReadingEnd::kComplete && !run.failed_maps.empty()) return kWrongInput;
   const bool lacks_dense_map = options.dense_map && run.dense_map_summary.empty();
   const bool lacks_grid = options.occupancy_grid && run.occupancy_grid_summary.empty();
   if (run.end == ReadingEnd::kComplete && (lacks_dense_map || lacks_grid)) {
@@ -153,7 +155,7 @@ std::optional<GivenMap> given_map(const RunOptions& options, const SensorModel& 
   return given;
 }
 
-/// All other results are written by now: what goes wrong here costs the dense map alone. Throws.
+/// All other results are written by now: what goes wrong here costs the dense map alone.
 void add_dense_map(const RunOptions& options, const InterruptGuard& interrupt, RunOutput& output,
                    SlamRun& run) {
   const DenseMapRun dense_map =
@@ -307,8 +309,7 @@ int run_command(const RunOptions& options) {
   const InterruptGuard interrupt;
   const SlamRun run = run_and_write(options, interrupt);
   if (!run.scans.empty()) print_summary(run, options);
-  if (run.failed_maps.empty()) return exit_status_of(run, options);
-  throw Error("{}", fmt::join(run.failed_maps, "; "));
+  return exit_status_of(run, options);
 }
 
 }  // namespace hqslam::tools

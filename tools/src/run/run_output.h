@@ -59,7 +59,7 @@ class RunOutput {
   void write_checkpoint(const SlamRun& run);
   /// Everything.
   void write_results(const SlamRun& run);
-  /// After write_results: the dense map's four files (dense_map.h), and the report again,
+  /// After write_results: the dense map's files (dense_map.h), and the report again,
   /// with its pictures.
   void write_dense_map(const SlamRun& run, const DenseMapRun& dense_map);
 

@@ -40,7 +40,7 @@ OrganizedCloud select_rows(const OrganizedCloud& cloud, RowSelection rows);
 /// Points and ranges where the sensor's calibration says that its beams look and what they measure
 /// (SensorModel::elevation_correction_rad, range_correction_m); the cloud as it is where it says
 /// nothing. Throws Error if the cloud has other rows.
-OrganizedCloud calibrated(const OrganizedCloud& cloud, const SensorModel& sensor);
+OrganizedCloud calibrated(OrganizedCloud cloud, const SensorModel& sensor);
 
 /// The ranges alone.
 RangeImage range_image(const OrganizedCloud& cloud);
