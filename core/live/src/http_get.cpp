@@ -74,8 +74,7 @@ class Exchange {
 
  private:
   void connect(const std::array<std::uint8_t, 16>& address, std::uint16_t port) {
-    const bool ipv4 =
-        std::all_of(address.begin(), address.begin() + 12, [](auto byte) { return byte == 0; });
+    const bool ipv4 = is_ipv4(address);
     socket_ = FileDescriptor(
         socket(ipv4 ? AF_INET : AF_INET6, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
     if (!socket_) fail(std::strerror(errno));

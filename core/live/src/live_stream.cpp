@@ -7,7 +7,7 @@
 
 #include "hqslam/core/error.h"
 #include "http_get.h"
-#include "ouster_imu.h"
+#include "ouster_decoder.h"
 #include "ouster_metadata.h"
 #include "velodyne_sensor.h"
 #include "velodyne_tables.h"

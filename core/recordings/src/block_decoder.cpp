@@ -46,11 +46,7 @@ bool is_settings(Bytes payload) {
          std::equal(kSettingsBegin.begin(), kSettingsBegin.end(), payload.begin());
 }
 
-double scan_period_of(Bytes settings) {
-  const int turns_per_minute = big_endian_16(settings, kSpeedAt);
-  if (turns_per_minute <= 100 || turns_per_minute >= 3000) return 0.1;
-  return 60.0 / (10.0 * std::round(turns_per_minute / 10.0));  // 599 or 601 are 600
-}
+double scan_period_of(Bytes settings) { return period_at(big_endian_16(settings, kSpeedAt)); }
 
 BlockDecoder::BlockDecoder(const BlockUnit& unit, const SensorModel& sensor,
                            const VelodyneOptions& options)

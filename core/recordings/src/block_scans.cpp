@@ -4,24 +4,13 @@
 
 #include "hqslam/core/error.h"
 #include "lslidar_decoder.h"
+#include "point_assembler.h"
 #include "robosense_decoder.h"
 #include "stream_scans.h"
-#include "velodyne_sensor.h"
 
 namespace hqslam::recordings {
 
 namespace {
-
-/// What read(payload) says of the first packet that it understands.
-template <typename Read>
-auto first_packet(StreamReader& reader, const char* maker, const Read& read) {
-  MessagePackets packets = packets_ahead(reader);
-  while (const auto packet = packets.next()) {
-    if (const auto said = read(packet->payload)) return *said;
-  }
-  throw Error("{}: expected packets of {}, found none that are whole; copy it again", reader.path(),
-              maker);
-}
 
 Bytes settings_of(const StreamReader& reader, const char* maker, int port, std::size_t bytes) {
   const Bytes settings = reader.settings();
@@ -50,11 +39,7 @@ RecordingInfo info_of(const BlockUnit& unit, const char* name, const OpenOptions
   info.sensor = options.sensor.empty() ? unit.sensor : load_sensor(options.sensor);
   info.sensor_known = options.sensor.empty();
   info.sensor.scan_period_s = unit.scan_period_s;
-  if (options.columns > 0) {
-    info.sensor.columns = options.columns;
-  } else if (options.sensor.empty()) {
-    info.sensor.columns = columns_at(info.sensor.columns, unit.scan_period_s);
-  }
+  set_columns(info.sensor, options.columns, options.sensor.empty());
   validate(info.sensor);
   info.format = fmt::format("{} packets, {} beams, {} return", name, unit.sensor.rows(),
                             unit.dual_return ? "dual" : "single");
@@ -72,7 +57,7 @@ std::unique_ptr<StreamSource> open_robosense(StreamReader reader, const OpenOpti
   RecordingInfo info = info_of(unit, unit.helios ? "RoboSense Helios" : "RoboSense RS-16", options);
   const VelodyneOptions decoding = {options.kept_return, with_points};
   return packet_scans(std::move(reader), std::move(info), [=](const SensorModel& sensor) {
-    return robosense_assembler(unit, sensor, path, decoding);
+    return point_assembler(sensor, path, RobosenseDecoder(unit, sensor, decoding));
   });
 }
 
@@ -90,7 +75,7 @@ std::unique_ptr<StreamSource> open_lslidar(StreamReader reader, const OpenOption
   RecordingInfo info = info_of(unit, "LSLiDAR C16", options);
   const VelodyneOptions decoding = {options.kept_return, with_points};
   return packet_scans(std::move(reader), std::move(info), [=](const SensorModel& sensor) {
-    return lslidar_assembler(unit, sensor, path, decoding);
+    return point_assembler(sensor, path, LslidarDecoder(unit, sensor, decoding));
   });
 }
 

@@ -11,9 +11,9 @@
 #include "hqslam/core/median.h"
 #include "hqslam/core/recorded_scan.h"
 #include "hqslam/core/sensor_finder.h"
+#include "hqslam/recordings/velodyne.h"
 #include "message_packets.h"
 #include "stream_scans.h"
-#include "velodyne_sensor.h"
 
 namespace hqslam::recordings {
 
@@ -78,8 +78,8 @@ void check(const Layout& layout) {
 }
 
 /// The stamp of the header alone. Throws Error.
-std::int64_t point_cloud_stamp_ns(const Message& message) {
-  return MessageReader(message).header().time_ns;
+double point_cloud_stamp_s(const Message& message) {
+  return 1e-9 * static_cast<double>(MessageReader(message).header().time_ns);
 }
 
 /// The points of a sensor_msgs/PointCloud2. Fields as point_fields() finds them, of any of the
@@ -131,7 +131,7 @@ class CloudScans : public StreamScans {
   }
 
   RecordedScan scan_of_message(const Message& message, const std::string& name) const {
-    const double stamp_s = 1e-9 * static_cast<double>(point_cloud_stamp_ns(message));
+    const double stamp_s = point_cloud_stamp_s(message);
     if (!with_points_) {
       RecordedScan timed;
       timed.stamp_s = stamp_s;
@@ -149,18 +149,26 @@ class CloudScans : public StreamScans {
   std::int64_t index_ = 0;
 };
 
-/// The time from scan to scan: most gaps are one turn. Nothing with fewer than two stamps.
-std::optional<double> period_s(StreamReader& reader) {
-  std::vector<double> stamps;
-  for (std::size_t i = 0; i < kProbedClouds; ++i) {
+/// read(message) of the next messages, so many of them; damaged ones, which will be named when it
+/// is their turn, are passed over.
+template <typename Read>
+auto read_ahead(StreamReader& reader, std::size_t messages, const Read& read) {
+  std::vector<decltype(read(Message()))> results;
+  for (std::size_t i = 0; i < messages; ++i) {
     const auto message = reader.ahead(i);
     if (!message) break;
     try {
-      stamps.push_back(1e-9 * static_cast<double>(point_cloud_stamp_ns(*message)));
+      results.push_back(read(*message));
     } catch (const Error&) {
-      continue;  // will be named when it is its turn
+      continue;
     }
   }
+  return results;
+}
+
+/// The time from scan to scan: most gaps are one turn. Nothing with fewer than two stamps.
+std::optional<double> period_s(StreamReader& reader) {
+  std::vector<double> stamps = read_ahead(reader, kProbedClouds, point_cloud_stamp_s);
   std::ranges::sort(stamps);
   std::vector<double> steps;
   for (std::size_t i = 1; i < stamps.size(); ++i) steps.push_back(stamps[i] - stamps[i - 1]);
@@ -171,17 +179,9 @@ std::optional<double> period_s(StreamReader& reader) {
 }
 
 std::vector<RawPoints> first_clouds(StreamReader& reader) {
-  std::vector<RawPoints> clouds;
-  for (std::size_t i = 0; i < kCloudsToLearnFrom; ++i) {
-    const auto message = reader.ahead(i);
-    if (!message) break;
-    try {
-      clouds.push_back(read_point_cloud(*message, reader.path()));
-    } catch (const Error&) {
-      continue;  // will be named when it is its turn
-    }
-  }
-  return clouds;
+  return read_ahead(reader, kCloudsToLearnFrom, [&](const Message& message) {
+    return read_point_cloud(message, reader.path());
+  });
 }
 
 bool has_point_times(StreamReader& reader, std::vector<std::string>& warnings) {
@@ -208,13 +208,10 @@ std::unique_ptr<StreamSource> open_clouds(StreamReader reader, const OpenOptions
   } else {
     info.sensor = load_sensor(options.sensor);
   }
-  if (period && !options.sensor.empty()) {
-    if (velodyne_model(info.sensor.name) && !options.sensor.ends_with(".json")) {
-      info.sensor.columns = columns_at(info.sensor.columns, *period);
-    }
-    info.sensor.scan_period_s = *period;
-  }
-  if (options.columns > 0) info.sensor.columns = options.columns;
+  const bool named = period && !options.sensor.empty();
+  if (named) info.sensor.scan_period_s = *period;
+  set_columns(info.sensor, options.columns,
+              named && velodyne_model(info.sensor.name) && !options.sensor.ends_with(".json"));
   info.has_point_times = has_point_times(reader, info.warnings);
   info.format = info.has_point_times ? "point clouds with times" : "point clouds without times";
   return std::make_unique<CloudScans>(std::move(reader), std::move(info), with_points);

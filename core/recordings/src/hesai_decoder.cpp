@@ -56,10 +56,7 @@ std::optional<HesaiPacket> hesai_packet(Bytes payload) {
   said.time_ns = *date + 1000 * std::int64_t{microseconds};
   const int mode = payload[tail + kReturnModeAt];
   said.dual_return = mode == 0x39 || mode == 0x3B || mode == 0x3C;
-  const int turns_per_minute = little_endian<std::uint16_t>(payload, tail + kTurnsPerMinuteAt);
-  if (turns_per_minute > 100 && turns_per_minute < 3000) {  // 599 or 601 are 600
-    said.scan_period_s = 60.0 / (10.0 * std::round(turns_per_minute / 10.0));
-  }
+  said.scan_period_s = period_at(little_endian<std::uint16_t>(payload, tail + kTurnsPerMinuteAt));
   if (has_number) said.number = little_endian<std::uint32_t>(payload, tail + kTailBytes);
   return said;
 }

@@ -1,14 +1,12 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "byte_reader.h"
 #include "hqslam/core/sensor_model.h"
-#include "hqslam/recordings/scan_assembler.h"
 #include "turn_decoder.h"
 
 namespace hqslam::recordings {
@@ -43,7 +41,7 @@ SensorModel nominal_hesai(int lasers);
 /// cloud data packet" and appendix II; the numbers of appendix II as open drivers have them.
 class HesaiDecoder : public TurnDecoder {
  public:
-  /// `sensor` gives elevation and azimuth offset of each laser, 16 or 32.
+  /// `sensor` gives elevation and azimuth offset of each laser, 16 or 32. Throws Error for others.
   HesaiDecoder(const SensorModel& sensor, const VelodyneOptions& options = {});
 
   /// Takes the next packet in and appends the scans that it completes.
@@ -59,9 +57,5 @@ class HesaiDecoder : public TurnDecoder {
   std::vector<Laser> lasers_;
   std::optional<std::uint32_t> last_number_;  ///< of the packet before
 };
-
-/// Throws Error unless the sensor has 16 or 32 rows.
-std::unique_ptr<ScanAssembler> hesai_assembler(const SensorModel& sensor, std::string name,
-                                               const VelodyneOptions& options = {});
 
 }  // namespace hqslam::recordings

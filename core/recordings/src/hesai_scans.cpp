@@ -11,8 +11,8 @@
 #include "hqslam/core/error.h"
 #include "hqslam/core/excerpt.h"
 #include "hqslam/core/whole_file.h"
+#include "point_assembler.h"
 #include "stream_scans.h"
-#include "velodyne_sensor.h"
 
 namespace hqslam::recordings {
 
@@ -33,16 +33,6 @@ SensorModel empty_sensor(std::string name) {
 }
 
 std::string name_of(int lasers) { return fmt::format("xt{}", lasers); }
-
-HesaiPacket first_packet(StreamReader& reader) {
-  MessagePackets packets = packets_ahead(reader);
-  while (const auto packet = packets.next()) {
-    if (const auto said = hesai_packet(packet->payload)) return *said;
-  }
-  throw Error(
-      "{}: expected packets of a Hesai XT16 or XT32, found none that are whole; copy it again",
-      reader.path());
-}
 
 /// The angle file that lies beside a recording: its name with .csv or _angles.csv; "" if none does.
 std::string angles_beside(const std::string& path) {
@@ -75,11 +65,7 @@ SensorModel sensor_of(const HesaiPacket& said, const OpenOptions& options, const
         path, said.lasers, name_of(said.lasers), sensor.name, sensor.rows());
   }
   sensor.scan_period_s = said.scan_period_s;
-  if (options.columns > 0) {
-    sensor.columns = options.columns;
-  } else if (!wanted.ends_with(".json")) {
-    sensor.columns = columns_at(sensor.columns, sensor.scan_period_s);
-  }
+  set_columns(sensor, options.columns, !wanted.ends_with(".json"));
   validate(sensor);
   return sensor;
 }
@@ -130,7 +116,7 @@ SensorModel read_hesai_angles(const std::string& path) {
 std::unique_ptr<StreamSource> open_hesai(StreamReader reader, const OpenOptions& options,
                                          bool with_points) {
   const std::string path = reader.path();
-  const HesaiPacket said = first_packet(reader);
+  const HesaiPacket said = first_packet(reader, "a Hesai XT16 or XT32", hesai_packet);
   RecordingInfo info;
   info.sensor = sensor_of(said, options, path, info.warnings);
   info.sensor_known = options.sensor.empty();
@@ -138,7 +124,7 @@ std::unique_ptr<StreamSource> open_hesai(StreamReader reader, const OpenOptions&
                             said.dual_return ? "dual" : "single");
   const VelodyneOptions decoding = {options.kept_return, with_points};
   return packet_scans(std::move(reader), std::move(info), [=](const SensorModel& sensor) {
-    return hesai_assembler(sensor, path, decoding);
+    return point_assembler(sensor, path, HesaiDecoder(sensor, decoding));
   });
 }
 

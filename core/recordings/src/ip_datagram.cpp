@@ -22,9 +22,13 @@ Endpoint ipv4_sender(Bytes header) {
 
 }  // namespace
 
+bool is_ipv4(const std::array<std::uint8_t, 16>& address) {
+  return std::all_of(address.begin(), address.begin() + 12, [](auto byte) { return byte == 0; });
+}
+
 std::string text(const Endpoint& endpoint) {
   const auto& a = endpoint.address;
-  if (std::all_of(a.begin(), a.begin() + 12, [](std::uint8_t byte) { return byte == 0; })) {
+  if (is_ipv4(endpoint.address)) {
     return fmt::format("{}.{}.{}.{}:{}", a[12], a[13], a[14], a[15], endpoint.port);
   }
   std::string groups;
@@ -49,17 +53,12 @@ std::optional<UdpDatagram> IpDatagrams::add(Bytes ip_packet) {
 
 std::optional<UdpDatagram> IpDatagrams::add_ipv4(Bytes packet) {
   const std::size_t header_bytes = 4 * static_cast<std::size_t>(packet[0] & 0x0F);
-  if (header_bytes < 20 || packet.size() < header_bytes) {
-    ++damaged_;
-    return std::nullopt;
-  }
+  if (header_bytes < 20 || packet.size() < header_bytes) return damaged_packet();
   if (packet[9] != kUdp) return std::nullopt;
   const std::size_t total = big_endian_16(packet, 2);
   const bool fragment = (big_endian_16(packet, 6) & 0x3FFF) != 0;
-  if (total < header_bytes || (fragment && total > packet.size())) {
-    ++damaged_;  // cut off when it was recorded, or never whole
-    return std::nullopt;
-  }
+  if (total < header_bytes || (fragment && total > packet.size()))
+    return damaged_packet();  // cut off when it was recorded, or never whole
   const Bytes header = packet.first(header_bytes);
   // Old firmware of the VLP-16 gives its packets of positions the length of its packets of points:
   // what UDP says of the length decides whether anything is missing.
@@ -68,16 +67,10 @@ std::optional<UdpDatagram> IpDatagrams::add_ipv4(Bytes packet) {
 }
 
 std::optional<UdpDatagram> IpDatagrams::add_ipv6(Bytes packet) {
-  if (packet.size() < kIpv6Header) {
-    ++damaged_;
-    return std::nullopt;
-  }
+  if (packet.size() < kIpv6Header) return damaged_packet();
   if (packet[6] != kUdp) return std::nullopt;
   const std::size_t bytes = big_endian_16(packet, 4);
-  if (bytes > packet.size() - kIpv6Header) {
-    ++damaged_;
-    return std::nullopt;
-  }
+  if (bytes > packet.size() - kIpv6Header) return damaged_packet();
   Endpoint sender;
   std::copy_n(packet.data() + 8, sender.address.size(), sender.address.begin());
   return udp(packet.subspan(kIpv6Header, bytes), sender);
@@ -110,10 +103,8 @@ std::deque<IpDatagrams::Unfinished>::iterator IpDatagrams::unfinished(Bytes head
 std::optional<UdpDatagram> IpDatagrams::add_fragment(Bytes header, Bytes data) {
   const std::size_t first = kUnit * (big_endian_16(header, 6) & 0x1FFF);
   const bool more = (header[6] & 0x20) != 0;
-  if (data.empty() || first + data.size() > kMaxDatagram || (more && data.size() % kUnit != 0)) {
-    ++damaged_;
-    return std::nullopt;
-  }
+  if (data.empty() || first + data.size() > kMaxDatagram || (more && data.size() % kUnit != 0))
+    return damaged_packet();
   const auto found = unfinished(header);
   if (found->bytes.size() < first + data.size()) {
     found->bytes.resize(first + data.size());
@@ -132,15 +123,9 @@ std::optional<UdpDatagram> IpDatagrams::add_fragment(Bytes header, Bytes data) {
 }
 
 std::optional<UdpDatagram> IpDatagrams::udp(Bytes datagram, const Endpoint& sender) {
-  if (datagram.size() < kUdpHeader) {
-    ++damaged_;
-    return std::nullopt;
-  }
+  if (datagram.size() < kUdpHeader) return damaged_packet();
   const std::size_t bytes = big_endian_16(datagram, 4);
-  if (bytes < kUdpHeader || bytes > datagram.size()) {
-    ++damaged_;
-    return std::nullopt;
-  }
+  if (bytes < kUdpHeader || bytes > datagram.size()) return damaged_packet();
   UdpDatagram result;
   result.endpoint = sender;
   result.endpoint.port = big_endian_16(datagram, 2);

@@ -50,6 +50,10 @@ class IpDatagrams {
   std::optional<UdpDatagram> add_fragment(Bytes header, Bytes data);
   std::deque<Unfinished>::iterator unfinished(Bytes header);
   std::optional<UdpDatagram> udp(Bytes datagram, const Endpoint& sender);
+  std::nullopt_t damaged_packet() {
+    ++damaged_;
+    return std::nullopt;
+  }
 
   std::deque<Unfinished> unfinished_;
   std::vector<std::uint8_t> whole_;

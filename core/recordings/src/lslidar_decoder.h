@@ -1,13 +1,11 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "block_decoder.h"
-#include "hqslam/recordings/scan_assembler.h"
 
 namespace hqslam::recordings {
 
@@ -58,10 +56,5 @@ class LslidarDecoder : public BlockDecoder {
   std::optional<std::int64_t> last_fraction_;  ///< of the packet before
   std::int64_t last_ns_ = 0;                   ///< its time
 };
-
-/// Throws Error unless the sensor has as many rows as the unit.
-std::unique_ptr<ScanAssembler> lslidar_assembler(const LslidarUnit& unit, const SensorModel& sensor,
-                                                 std::string name,
-                                                 const VelodyneOptions& options = {});
 
 }  // namespace hqslam::recordings

@@ -22,24 +22,21 @@ std::unique_ptr<StreamSource> open_stream_of(const std::string& path, const Open
                 options.files.stamps);
   }
   StreamReader reader(path, options.stream);
-  const StreamKind kind = reader.stream().kind;
   if (with_points) reader.skip_others();
-  if (kind == StreamKind::kVelodynePackets) {
-    return open_velodyne(std::move(reader), options, with_points);
+  switch (reader.stream().kind) {
+    case StreamKind::kVelodynePackets:
+      return open_velodyne(std::move(reader), options, with_points);
+    case StreamKind::kHesaiPackets:
+      return open_hesai(std::move(reader), options, with_points);
+    case StreamKind::kRobosensePackets:
+      return open_robosense(std::move(reader), options, with_points);
+    case StreamKind::kLslidarPackets:
+      return open_lslidar(std::move(reader), options, with_points);
+    case StreamKind::kOusterPackets:
+      return open_ouster(std::move(reader), options, with_points);
+    default:
+      return open_clouds(std::move(reader), options, with_points);
   }
-  if (kind == StreamKind::kHesaiPackets) {
-    return open_hesai(std::move(reader), options, with_points);
-  }
-  if (kind == StreamKind::kRobosensePackets) {
-    return open_robosense(std::move(reader), options, with_points);
-  }
-  if (kind == StreamKind::kLslidarPackets) {
-    return open_lslidar(std::move(reader), options, with_points);
-  }
-  if (kind == StreamKind::kOusterPackets) {
-    return open_ouster(std::move(reader), options, with_points);
-  }
-  return open_clouds(std::move(reader), options, with_points);
 }
 
 /// The next scan that can be understood, as long as there is one; a warning says what was wrong

@@ -14,7 +14,7 @@
 #include "hqslam/core/excerpt.h"
 #include "lslidar_decoder.h"
 #include "message_packets.h"
-#include "ouster_imu.h"
+#include "ouster_decoder.h"
 #include "ouster_metadata.h"
 #include "robosense_decoder.h"
 #include "velodyne_tables.h"

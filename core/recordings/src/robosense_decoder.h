@@ -1,13 +1,11 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "block_decoder.h"
-#include "hqslam/recordings/scan_assembler.h"
 
 namespace hqslam::recordings {
 
@@ -45,10 +43,5 @@ class RobosenseDecoder : public BlockDecoder {
  private:
   bool helios_;
 };
-
-/// Throws Error unless the sensor has as many rows as the unit.
-std::unique_ptr<ScanAssembler> robosense_assembler(const RobosenseUnit& unit,
-                                                   const SensorModel& sensor, std::string name,
-                                                   const VelodyneOptions& options = {});
 
 }  // namespace hqslam::recordings

@@ -13,7 +13,6 @@
 
 #include "imu_stream.h"
 #include "recording_file.h"
-#include "static_transforms.h"
 
 namespace hqslam::recordings {
 

@@ -9,7 +9,7 @@
 
 #include "hqslam/core/error.h"
 #include "message_packets.h"
-#include "ouster_imu.h"
+#include "ouster_decoder.h"
 
 namespace hqslam::recordings {
 
@@ -187,6 +187,16 @@ class PacketScans : public StreamScans {
 };
 
 }  // namespace
+
+void set_columns(SensorModel& sensor, int wanted, bool is_preset) {
+  constexpr double kPresetPeriod_s = 0.1;
+  if (wanted > 0) {
+    sensor.columns = wanted;
+  } else if (is_preset) {
+    const double columns = sensor.columns * sensor.scan_period_s / kPresetPeriod_s;
+    sensor.columns = std::clamp(static_cast<int>(std::lround(columns / 100.0)) * 100, 100, 10000);
+  }
+}
 
 std::unique_ptr<StreamSource> packet_scans(StreamReader reader, RecordingInfo info,
                                            MakeAssembler make) {

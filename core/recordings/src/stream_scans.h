@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "hqslam/core/error.h"
 #include "hqslam/recordings/recording.h"
 #include "hqslam/recordings/scan_assembler.h"
 #include "imu_queue.h"
@@ -63,6 +64,22 @@ inline MessagePackets packets_ahead(StreamReader& reader) {
   return {reader.stream(),
           [&reader, index = std::size_t{0}]() mutable { return reader.ahead(index++); }};
 }
+
+/// What read(payload) says of the first packet that it understands; `sender` stands for the sensor
+/// in messages. Throws Error if there is none.
+template <typename Read>
+auto first_packet(StreamReader& reader, const char* sender, const Read& read) {
+  MessagePackets packets = packets_ahead(reader);
+  while (const auto packet = packets.next()) {
+    if (const auto said = read(packet->payload)) return *said;
+  }
+  throw Error("{}: expected packets of {}, found none that are whole; copy it again", reader.path(),
+              sender);
+}
+
+/// The columns that the user wants; 0: of a preset, which is for 10 turns a second, as many as its
+/// lasers fire in a turn of the sensor's period, others as they are.
+void set_columns(SensorModel& sensor, int wanted, bool is_preset);
 
 /// Scans of packets. make(sensor): what makes scans of them.
 using MakeAssembler = std::function<std::unique_ptr<ScanAssembler>(const SensorModel& sensor)>;

@@ -31,6 +31,11 @@ std::optional<std::int64_t> date_ns(int year, Bytes month_to_second) {
   return kSecond_ns * (86400 * days + 3600 * of[2] + 60 * of[3] + of[4]);
 }
 
+double period_at(int turns_per_minute) {
+  if (turns_per_minute <= 100 || turns_per_minute >= 3000) return 0.1;
+  return 60.0 / (10.0 * std::round(turns_per_minute / 10.0));  // 599 or 601 are 600
+}
+
 bool TurnDecoder::take_time(std::int64_t sensor_ns, std::int64_t capture_ns, double scan_period_s,
                             std::vector<Scan>& completed) {
   passed_s_ = 0.0;

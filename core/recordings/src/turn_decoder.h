@@ -31,6 +31,9 @@ PulseReturn kept_of(PulseReturn a, PulseReturn b, KeptReturn which);
 /// what is no date.
 std::optional<std::int64_t> date_ns(int year, Bytes month_to_second);
 
+/// Seconds a turn; 0.1 for what no head turns at.
+double period_at(int turns_per_minute);
+
 /// What the decoders of a head that turns clockwise share: its firings -> scans, one a turn, cut at
 /// an azimuth.
 ///

@@ -43,12 +43,7 @@ const Directions& directions() {
   return table;
 }
 
-struct Measurement {
-  std::uint16_t distance = 0;
-  std::uint8_t intensity = 0;
-};
-
-Measurement measurement(Bytes payload, int block_index, int channel) {
+PulseReturn measurement(Bytes payload, int block_index, int channel) {
   const std::size_t at = kBlockBytes * static_cast<std::size_t>(block_index) + 4 +
                          3 * static_cast<std::size_t>(channel);
   return {little_endian<std::uint16_t>(payload, at), payload[at + 2]};
@@ -56,11 +51,11 @@ Measurement measurement(Bytes payload, int block_index, int channel) {
 
 /// Of two returns of a pulse. The first block of a pair has the last one, the second block the
 /// strongest, or the second strongest where the last one is the strongest.
-Measurement kept(Measurement last, Measurement other, KeptReturn which) {
+PulseReturn kept(PulseReturn last, PulseReturn other, KeptReturn which) {
   if (other.distance == 0) return last;
   if (last.distance == 0) return other;
   if (which == KeptReturn::kLast) return last;
-  return last.intensity > other.intensity ? last : other;
+  return last.reflectivity > other.reflectivity ? last : other;
 }
 
 }  // namespace
@@ -204,15 +199,12 @@ void VelodyneDecoder::add(const Packet& packet, std::vector<Scan>& completed) {
   ++counts_.used;
   const std::int64_t packet_ns = recorded_ns(1000 * sensor_us_, packet.capture_time_ns, completed);
   read_firings(packet.payload);
-  for (const Firing& firing : firings_) add_firing(firing, packet.payload, packet_ns, completed);
+  for (const Firing& firing : firings_) {
+    const std::int64_t firing_ns = packet_ns + std::llround(1e3 * firing.time_us);
+    const double start_s = fire(firing.azimuth, firing_ns, completed);
+    if (options_.with_points) add_points(firing, packet.payload, start_s);
+  }
   last_packet_azimuth_ = block_azimuth(packet.payload, 0);
-}
-
-void VelodyneDecoder::add_firing(const Firing& firing, Bytes payload, std::int64_t packet_ns,
-                                 std::vector<Scan>& completed) {
-  const std::int64_t firing_ns = packet_ns + std::llround(1e3 * firing.time_us);
-  const double start_s = fire(firing.azimuth, firing_ns, completed);
-  if (options_.with_points) add_points(firing, payload, start_s);
 }
 
 /// `start_s`: of the firing after the scan's first one.
@@ -221,7 +213,7 @@ void VelodyneDecoder::add_points(const Firing& firing, Bytes payload, double sta
   const auto unit_m = static_cast<float>(timing_.distance_unit_m);
   const int channels = static_cast<int>(channels_[firing.bank].size());
   for (int c = 0; c < channels; ++c) {
-    Measurement measured = measurement(payload, firing.block, c);
+    PulseReturn measured = measurement(payload, firing.block, c);
     if (stream_.dual_return) {
       measured = kept(measured, measurement(payload, firing.block + 1, c), options_.kept_return);
     }
@@ -241,7 +233,7 @@ void VelodyneDecoder::add_points(const Firing& firing, Bytes payload, double sta
         channel.left_m * cosine - horizontal_m * sine,
         distance_m * channel.sin_elevation + channel.up_m * channel.cos_elevation);
     scan_.row.push_back(channel.row);
-    scan_.intensity.push_back(measured.intensity);
+    scan_.intensity.push_back(measured.reflectivity);
     scan_.time_offset_s.push_back(static_cast<float>(start_s + 1e-6 * channel.time_us));
   }
 }

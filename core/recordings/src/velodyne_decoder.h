@@ -46,8 +46,6 @@ class VelodyneDecoder : public TurnDecoder {
   void count_lost(std::int64_t passed_us, int azimuth);
   void read_firings(Bytes payload);
   void set_rates();
-  void add_firing(const Firing& firing, Bytes payload, std::int64_t packet_ns,
-                  std::vector<Scan>& completed);
   void add_points(const Firing& firing, Bytes payload, double start_s);
   double expected_rate() const { return kTurn / (1e6 * stream_.scan_period_s); }
 

@@ -39,7 +39,6 @@ VelodyneStream probe(StreamReader& reader, std::optional<VelodyneModel> named) {
   return *found;
 }
 
-constexpr double kPresetPeriod_s = 0.1;
 constexpr const char* kCalibrationExtension = ".xml";
 
 /// The model that has as many lasers as the user's sensor has rows: the one found, if that fits.
@@ -99,11 +98,6 @@ std::optional<VelodyneModel> named_model(const std::string& wanted_sensor) {
   return velodyne_model(load_sensor(wanted_sensor).name);
 }
 
-int columns_at(int preset_columns, double period_s) {
-  const double columns = preset_columns * period_s / kPresetPeriod_s;
-  return std::clamp(static_cast<int>(std::lround(columns / 100.0)) * 100, 100, 10000);
-}
-
 SensorModel velodyne_sensor(VelodyneStream& stream, const std::string& wanted_sensor, int columns,
                             const std::string& path, std::vector<std::string>& warnings) {
   SensorModel sensor;
@@ -134,11 +128,7 @@ SensorModel velodyne_sensor(VelodyneStream& stream, const std::string& wanted_se
     require_calibration(stream, path);
   }
   sensor.scan_period_s = std::round(1e4 * stream.scan_period_s) * 1e-4;
-  if (columns > 0) {
-    sensor.columns = columns;
-  } else if (preset) {
-    sensor.columns = columns_at(sensor.columns, sensor.scan_period_s);
-  }
+  set_columns(sensor, columns, preset);
   validate(sensor);
   return sensor;
 }

@@ -16,9 +16,6 @@ namespace hqslam::recordings {
 SensorModel velodyne_sensor(VelodyneStream& stream, const std::string& wanted_sensor, int columns,
                             const std::string& path, std::vector<std::string>& warnings);
 
-/// Columns of a preset for 10 turns a second; a slower head fires more often in a turn.
-int columns_at(int preset_columns, double period_s);
-
 /// The model of the sensor that a user names, if the name says it. Throws Error for one that is not
 /// there.
 std::optional<VelodyneModel> named_model(const std::string& wanted_sensor);

@@ -54,9 +54,6 @@ std::vector<double> laser_elevations_deg(VelodyneModel model);
 inline constexpr std::array<VelodyneModel, 4> kVelodyneModels = {
     VelodyneModel::kVlp16, VelodyneModel::kHdl32e, VelodyneModel::kVlp32c, VelodyneModel::kVls128};
 
-inline Bytes block(Bytes payload, int index) {
-  return payload.subspan(kBlockBytes * static_cast<std::size_t>(index), kBlockBytes);
-}
 inline std::uint16_t block_flag(Bytes payload, int index) {
   return little_endian<std::uint16_t>(payload, kBlockBytes * static_cast<std::size_t>(index));
 }

@@ -1,3 +1,5 @@
+#include "imu_stream.h"
+
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -8,7 +10,6 @@
 #include "file_contents.h"
 #include "hqslam/recordings/recording.h"
 #include "near.h"
-#include "static_transforms.h"
 #include "temporary_directory.h"
 
 using namespace hqslam;

@@ -1,5 +1,3 @@
-#include "ouster_imu.h"
-
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -15,6 +13,7 @@
 #include "hqslam/recordings/recording.h"
 #include "imu_queue.h"
 #include "near.h"
+#include "ouster_decoder.h"
 #include "temporary_directory.h"
 
 using namespace hqslam;

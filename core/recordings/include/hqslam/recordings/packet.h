@@ -17,6 +17,9 @@ struct Endpoint {
   auto operator<=>(const Endpoint&) const = default;
 };
 
+/// Whether it is that of an Endpoint with IPv4.
+bool is_ipv4(const std::array<std::uint8_t, 16>& address);
+
 /// "192.168.1.201:2368"; IPv6 in brackets.
 std::string text(const Endpoint& endpoint);
 
