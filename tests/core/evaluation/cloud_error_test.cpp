@@ -3,12 +3,12 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <random>
 
 #include "error_message.h"
 #include "hqslam/evaluation/image_error.h"
-#include "nearest_point.h"
 
 using namespace hqslam;
 using namespace hqslam::test;
@@ -16,13 +16,12 @@ using Points = std::vector<Eigen::Vector3f>;
 
 namespace {
 
-float slowly_found_m2(const std::vector<Eigen::Vector3f>& points_m,
-                      const Eigen::Vector3f& query_m) {
+float slowly_found_m(const Points& points_m, const Eigen::Vector3f& query_m) {
   float nearest_m2 = std::numeric_limits<float>::infinity();
   for (const Eigen::Vector3f& p : points_m) {
     nearest_m2 = std::min(nearest_m2, (p - query_m).squaredNorm());
   }
-  return nearest_m2;
+  return static_cast<float>(std::sqrt(double{nearest_m2}));
 }
 
 /// Points in `cells` places per axis: few cells mean many equal points.
@@ -133,13 +132,13 @@ TEST_CASE("the nearest point is the one that a search of all points finds") {
       CAPTURE(count);
       CAPTURE(cells);
       const auto points_m = points_on_a_grid(count, cells, generator);
-      const NearestPoint nearest(points_m);
-      for (const Eigen::Vector3f& query_m : points_on_a_grid(50, 2 * cells, generator)) {
-        CHECK(nearest.squared_distance_m2(query_m) == slowly_found_m2(points_m, query_m));
+      Points queries_m = points_on_a_grid(50, 2 * cells, generator);
+      queries_m.push_back(points_m.front());
+      queries_m.emplace_back(-1e5F, 3e4F, 1.0F);
+      const std::vector<float> distances_m = nearest_distances_m(queries_m, points_m);
+      for (std::size_t i = 0; i < queries_m.size(); ++i) {
+        CHECK(distances_m[i] == slowly_found_m(points_m, queries_m[i]));
       }
-      CHECK(nearest.squared_distance_m2(points_m.front()) == 0.0);
-      const Eigen::Vector3f far_m(-1e5F, 3e4F, 1.0F);
-      CHECK(nearest.squared_distance_m2(far_m) == slowly_found_m2(points_m, far_m));
     }
   }
 }
