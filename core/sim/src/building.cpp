@@ -3,7 +3,6 @@
 #include <limits>
 
 #include "block_contents.h"
-#include "facade.h"
 
 namespace hqslam::sim {
 

@@ -7,7 +7,6 @@
 #include "random.h"
 #include "ray_scene.h"
 #include "scenario.h"
-#include "surface_distance.h"
 #include "true_place.h"
 
 namespace hqslam::sim {

@@ -1,7 +1,6 @@
-#include "facade.h"
-
 #include <doctest/doctest.h>
 
+#include "block_contents.h"
 #include "ray_scene.h"
 #include "small_city.h"
 

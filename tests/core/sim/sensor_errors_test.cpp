@@ -31,6 +31,29 @@ DriveSpec drive_with(SensorErrors errors) {
   return spec;
 }
 
+City city_with_wall() {
+  City city = empty_city();
+  add_wall(city.fixed, 10.0, -60.0, 60.0);
+  return city;
+}
+
+/// A bad sensor, 10 m before a wall.
+struct BeforeWall {
+  City city = city_with_wall();
+  RayScene scene{city};
+  SensorModel sensor = small_sensor();
+  std::vector<Pose> poses = std::vector(static_cast<std::size_t>(sensor.columns), Pose::Identity());
+  DriveSpec spec = drive_with(SensorErrors::kBad);
+  Lidar lidar{sensor, spec};
+  BeamErrors beams = draw_beam_errors(spec.sensor_errors, sensor.rows(), spec.seed);
+
+  /// Of the angle at which the beam of a pixel meets the wall.
+  double cosine(int row, int column) const {
+    return std::cos(sensor.beam_elevation_rad[row] + beams.elevation_rad[row]) *
+           std::cos(sensor.azimuth_rad(row, column) + beams.azimuth_rad[row]);
+  }
+};
+
 }  // namespace
 
 TEST_CASE("errors of beams are drawn from the seed: no mean, the stated size and bound") {
@@ -99,28 +122,19 @@ TEST_CASE("of the echoes at an edge a share lies between the surfaces, if these 
 }
 
 TEST_CASE("before a wall every beam is off by what was drawn for it, within a millimetre or two") {
-  City city = empty_city();
-  add_wall(city.fixed, 10.0, -60.0, 60.0);
-  const RayScene scene(city);
-  const SensorModel sensor = small_sensor();
-  const std::vector<Pose> poses(static_cast<std::size_t>(sensor.columns), Pose::Identity());
-  const DriveSpec spec = drive_with(SensorErrors::kBad);
-  const Lidar lidar(sensor, spec);
-  const BeamErrors beams = draw_beam_errors(spec.sensor_errors, sensor.rows(), spec.seed);
-  std::vector<std::vector<double>> errors_m(beams.range_m.size());
+  const BeforeWall bad;
+  std::vector<std::vector<double>> errors_m(bad.beams.range_m.size());
   for (int scan = 0; scan < 60; ++scan) {
-    const RangeImage image = lidar.measure(scene, poses, scan);
-    for (int row = 0; row < sensor.rows(); ++row) {
+    const RangeImage image = bad.lidar.measure(bad.scene, bad.poses, scan);
+    for (int row = 0; row < bad.sensor.rows(); ++row) {
       const auto beam = static_cast<std::size_t>(row);
       for (int column = 60; column < 68; ++column) {
-        const double cosine =
-            std::cos(sensor.beam_elevation_rad[beam] + beams.elevation_rad[beam]) *
-            std::cos(sensor.azimuth_rad(row, column) + beams.azimuth_rad[beam]);
+        const double cosine = bad.cosine(row, column);
         const double true_m = 10.0 / cosine;
         const Echo echo = *echo_of({true_m, cosine, {Material::kPlaster, 255}}, 120.0, {});
         const double expected_m =
             with_errors(echo, cosine, pulse_errors(SensorErrors::kBad)).range_m +
-            beams.range_m[beam];
+            bad.beams.range_m[beam];
         if (image.has_return(row, column)) {
           errors_m[beam].push_back(static_cast<double>(image.at(row, column)) - expected_m);
         }
@@ -134,29 +148,18 @@ TEST_CASE("before a wall every beam is off by what was drawn for it, within a mi
 }
 
 TEST_CASE("before a wall every beam is as bright as its gain says, scattered as stated") {
-  City city = empty_city();
-  add_wall(city.fixed, 10.0, -60.0, 60.0);
-  const RayScene scene(city);
-  const SensorModel sensor = small_sensor();
-  const std::vector<Pose> poses(static_cast<std::size_t>(sensor.columns), Pose::Identity());
-  const DriveSpec spec = drive_with(SensorErrors::kBad);
-  const Lidar lidar(sensor, spec);
-  const BeamErrors beams = draw_beam_errors(spec.sensor_errors, sensor.rows(), spec.seed);
-  for (int row = 0; row < sensor.rows(); ++row) {
+  const BeforeWall bad;
+  for (int row = 0; row < bad.sensor.rows(); ++row) {
     std::vector<double> scatter;
     for (int scan = 0; scan < 60; ++scan) {
       std::vector<std::uint8_t> intensity;
-      const RangeImage image = lidar.measure(scene, poses, scan, {}, &intensity);
+      const RangeImage image = bad.lidar.measure(bad.scene, bad.poses, scan, {}, &intensity);
       for (int column = 60; column < 68; ++column) {
         if (!image.has_return(row, column)) continue;
-        const auto beam = static_cast<std::size_t>(row);
-        const double cosine =
-            std::cos(sensor.beam_elevation_rad[beam] + beams.elevation_rad[beam]) *
-            std::cos(sensor.azimuth_rad(row, column) + beams.azimuth_rad[beam]);
         // Half of the signal comes back; plaster reflects 70 % head-on.
-        const double unscattered = 0.5 * 70.0 * std::pow(cosine, 0.375);
-        scatter.push_back(
-            intensity[image.index(row, column)] / (beams.intensity_gain[beam] * unscattered) - 1.0);
+        const double unscattered = 0.5 * 70.0 * std::pow(bad.cosine(row, column), 0.375);
+        const double gain = bad.beams.intensity_gain[static_cast<std::size_t>(row)];
+        scatter.push_back(intensity[image.index(row, column)] / (gain * unscattered) - 1.0);
       }
     }
     CHECK(std::abs(mean_of(scatter)) < 0.04);
