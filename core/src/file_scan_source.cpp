@@ -15,7 +15,6 @@
 #include "hqslam/core/recorded_scan.h"
 #include "point_files.h"
 #include "scan_sources.h"
-#include "scan_stamps.h"
 
 namespace hqslam {
 

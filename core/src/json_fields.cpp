@@ -55,10 +55,12 @@ void JsonFields::complain(const std::string& field, const std::string& expected,
   throw Error("{}: field '{}': expected {}, found {}{}", source_, field, expected, found, mend_);
 }
 
-const Json& JsonFields::get(const std::string& field, const std::string& expected) {
+const Json& JsonFields::get(const std::string& field, const std::string& expected, IsType is_type) {
   if (!object_.contains(field)) complain(field, expected);
   read_.insert(field);
-  return object_[field];
+  const Json& value = object_[field];
+  if (is_type != nullptr && !(value.*is_type)()) complain(field, expected);
+  return value;
 }
 
 double JsonFields::number(const std::string& field) {
@@ -78,10 +80,7 @@ std::int64_t JsonFields::integer(const std::string& field) {
 }
 
 std::uint64_t JsonFields::unsigned_integer(const std::string& field) {
-  const std::string expected = "a whole number of at least 0";
-  const Json& value = get(field, expected);
-  if (!value.is_number_unsigned()) complain(field, expected);
-  return value.get<std::uint64_t>();
+  return get(field, "a whole number of at least 0", &Json::is_number_unsigned).get<std::uint64_t>();
 }
 
 int JsonFields::small_integer(const std::string& field) {
@@ -92,23 +91,17 @@ int JsonFields::small_integer(const std::string& field) {
 }
 
 bool JsonFields::boolean(const std::string& field) {
-  const Json& value = get(field, "true or false");
-  if (!value.is_boolean()) complain(field, "true or false");
-  return value.get<bool>();
+  return get(field, "true or false", &Json::is_boolean).get<bool>();
 }
 
 std::string JsonFields::text(const std::string& field) {
-  const Json& value = get(field, "a text");
-  if (!value.is_string()) complain(field, "a text");
-  return value.get<std::string>();
+  return get(field, "a text", &Json::is_string).get<std::string>();
 }
 
 std::vector<int> JsonFields::integers(const std::string& field) {
   const std::string expected = "a list of whole numbers";
-  const Json& list = get(field, expected);
-  if (!list.is_array()) complain(field, expected);
   std::vector<int> values;
-  for (const Json& value : list) {
+  for (const Json& value : get(field, expected, &Json::is_array)) {
     if (!value.is_number_integer() || std::abs(value.get<double>()) > 1e6)
       complain(field, expected);
     values.push_back(value.get<int>());
@@ -117,11 +110,8 @@ std::vector<int> JsonFields::integers(const std::string& field) {
 }
 
 std::vector<double> JsonFields::numbers(const std::string& field) {
-  const std::string expected = "a list of numbers";
-  const Json& list = get(field, expected);
-  if (!list.is_array()) complain(field, expected);
   std::vector<double> values;
-  for (const Json& value : list) {
+  for (const Json& value : get(field, "a list of numbers", &Json::is_array)) {
     values.push_back(number(value, fmt::format("{}[{}]", field, values.size())));
   }
   return values;
@@ -135,17 +125,13 @@ std::size_t JsonFields::choice(const std::string& field, const std::vector<std::
 }
 
 JsonFields JsonFields::object(const std::string& field) {
-  const Json& value = get(field, "an object");
-  if (!value.is_object()) complain(field, "an object");
-  return {value, fmt::format("{}: {}", source_, field), mend_};
+  return {get(field, "an object", &Json::is_object), fmt::format("{}: {}", source_, field), mend_};
 }
 
 std::vector<JsonFields> JsonFields::objects(const std::string& field) {
   const std::string expected = "a list of objects";
-  const Json& list = get(field, expected);
-  if (!list.is_array()) complain(field, expected);
   std::vector<JsonFields> values;
-  for (const Json& value : list) {
+  for (const Json& value : get(field, expected, &Json::is_array)) {
     if (!value.is_object()) complain(field, expected);
     values.push_back(
         JsonFields(value, fmt::format("{}: {}[{}]", source_, field, values.size()), mend_));

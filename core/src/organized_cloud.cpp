@@ -31,23 +31,19 @@ OrganizedCloud::OrganizedCloud(int rows_, int columns_)
 
 RangeImage select_rows(const RangeImage& image, RowSelection rows) {
   const std::vector<int> selected = selected_rows(image.rows, rows);
-  RangeImage result;
-  result.rows = static_cast<int>(selected.size());
-  result.columns = image.columns;
+  RangeImage result(static_cast<int>(selected.size()), image.columns);
   result.range_m = rows_of(image.range_m, image.columns, selected);
   return result;
 }
 
 OrganizedCloud select_rows(const OrganizedCloud& cloud, RowSelection rows) {
   const std::vector<int> selected = selected_rows(cloud.rows, rows);
-  OrganizedCloud result;
-  result.rows = static_cast<int>(selected.size());
-  result.columns = cloud.columns;
+  OrganizedCloud result(static_cast<int>(selected.size()), cloud.columns);
   result.points_m = rows_of(cloud.points_m, cloud.columns, selected);
-  result.range_m = rows_of(cloud.range_m, cloud.columns, selected);
-  result.time_offset_s = rows_of(cloud.time_offset_s, cloud.columns, selected);
-  result.confidence = rows_of(cloud.confidence, cloud.columns, selected);
-  result.intensity = rows_of(cloud.intensity, cloud.columns, selected);
+  for (const auto values : {&OrganizedCloud::range_m, &OrganizedCloud::time_offset_s,
+                            &OrganizedCloud::confidence, &OrganizedCloud::intensity}) {
+    result.*values = rows_of(cloud.*values, cloud.columns, selected);
+  }
   return result;
 }
 
@@ -81,9 +77,7 @@ OrganizedCloud calibrated(OrganizedCloud cloud, const SensorModel& sensor) {
 }
 
 RangeImage range_image(const OrganizedCloud& cloud) {
-  RangeImage image;
-  image.rows = cloud.rows;
-  image.columns = cloud.columns;
+  RangeImage image(cloud.rows, cloud.columns);
   image.range_m = cloud.range_m;
   return image;
 }

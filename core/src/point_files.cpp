@@ -6,6 +6,7 @@
 #include <set>
 
 #include "hqslam/core/error.h"
+#include "hqslam/core/kitti_bin.h"
 #include "hqslam/core/median.h"
 
 namespace hqslam {
@@ -18,6 +19,14 @@ constexpr std::size_t kPlaces = 5;
 constexpr std::size_t kMostPoints = 5'000'000;
 /// Longer than a turn of any LiDAR.
 constexpr double kLongestTurn_s = 1.0;
+
+RawPoints read_by_name(const std::string& path) {
+  if (path.ends_with(".pcd")) return read_pcd_points(path);
+  if (path.ends_with(".ply")) return read_ply_points(path);
+  if (path.ends_with(".las") || path.ends_with(".laz")) return read_las_points(path);
+  if (path.ends_with(".bin")) return RawPoints(read_kitti_bin(path));
+  return read_text_points(path);
+}
 
 std::set<std::size_t> scans_to_look_at(std::size_t scans) {
   std::set<std::size_t> indices;
@@ -45,6 +54,14 @@ std::optional<double> period_of(std::vector<double> turns_s) {
 }
 
 }  // namespace
+
+RawPoints read_point_file(const std::string& path) {
+  RawPoints points = read_by_name(path);
+  // Formats with a place for intensities have it also where none are known.
+  std::vector<float>& intensity = points.scan.intensity;
+  if (std::ranges::count(intensity, 0.0F) == std::ssize(intensity)) intensity.clear();
+  return points;
+}
 
 FoundSensor find_sensor_of_files(const std::vector<std::string>& paths,
                                  const std::vector<double>& stamps_s) {

@@ -40,5 +40,4 @@ std::vector<float> elevation_tangents(const Scan& scan);
 std::vector<double> beam_spacing_rad(const SensorModel& sensor);
 double median_beam_spacing_rad(const SensorModel& sensor);
 
-/// The upper one of the two in the middle; at least one value. Changes their order.
 }  // namespace hqslam

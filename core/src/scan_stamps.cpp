@@ -1,5 +1,3 @@
-#include "scan_stamps.h"
-
 #include <fmt/format.h>
 
 #include <charconv>
@@ -12,6 +10,7 @@
 #include "hqslam/core/error.h"
 #include "hqslam/core/excerpt.h"
 #include "hqslam/core/whole_file.h"
+#include "scan_sources.h"
 #include "words.h"
 
 namespace hqslam {

@@ -138,18 +138,13 @@ std::string sensor_json(const SensorModel& sensor) {
   json["scan_period_s"] = sensor.scan_period_s;
   json["min_range_m"] = sensor.min_range_m;
   json["max_range_m"] = sensor.max_range_m;
-  for (const double angle_rad : sensor.beam_elevation_rad) {
-    json["beam_elevation_deg"].push_back(rounded_deg(angle_rad));
-  }
-  for (const double angle_rad : sensor.beam_azimuth_offset_rad) {
-    json["beam_azimuth_offset_deg"].push_back(rounded_deg(angle_rad));
-  }
-  for (const double angle_rad : sensor.elevation_correction_rad) {
-    json["elevation_correction_deg"].push_back(rounded_deg(angle_rad));
-  }
-  for (const double correction_m : sensor.range_correction_m) {
-    json["range_correction_m"].push_back(correction_m);
-  }
+  const auto put_deg = [&](const char* name, const std::vector<double>& angles_rad) {
+    for (const double angle_rad : angles_rad) json[name].push_back(rounded_deg(angle_rad));
+  };
+  put_deg("beam_elevation_deg", sensor.beam_elevation_rad);
+  put_deg("beam_azimuth_offset_deg", sensor.beam_azimuth_offset_rad);
+  put_deg("elevation_correction_deg", sensor.elevation_correction_rad);
+  if (!sensor.range_correction_m.empty()) json["range_correction_m"] = sensor.range_correction_m;
   if (sensor.measured_rows) {
     json["measured_rows"] = {{"offset", sensor.measured_rows->offset},
                              {"stride", sensor.measured_rows->stride}};

@@ -165,16 +165,12 @@ SensorModel select_rows(const SensorModel& sensor, RowSelection rows) {
   const std::vector<int> selected = selected_rows(sensor.rows(), rows);
   SensorModel result = sensor;
   result.name = fmt::format("{}/{}:{}", sensor.name, rows.offset, rows.stride);
-  result.beam_elevation_rad.clear();
-  result.beam_azimuth_offset_rad.clear();
-  result.elevation_correction_rad.clear();
-  result.range_correction_m.clear();
-  for (const int row : selected) {
-    result.beam_elevation_rad.push_back(sensor.beam_elevation_rad[row]);
-    result.beam_azimuth_offset_rad.push_back(sensor.beam_azimuth_offset_rad[row]);
-    if (sensor.elevation_correction_rad.empty()) continue;
-    result.elevation_correction_rad.push_back(sensor.elevation_correction_rad[row]);
-    result.range_correction_m.push_back(sensor.range_correction_m[row]);
+  for (const auto list :
+       {&SensorModel::beam_elevation_rad, &SensorModel::beam_azimuth_offset_rad,
+        &SensorModel::elevation_correction_rad, &SensorModel::range_correction_m}) {
+    if ((sensor.*list).empty()) continue;
+    (result.*list).clear();
+    for (const int row : selected) (result.*list).push_back((sensor.*list)[row]);
   }
   result.measured_rows = measured_of(sensor, rows, selected);
   return result;

@@ -8,7 +8,7 @@
 #include "input_file.h"
 #include "point_files.h"
 #include "readers.h"
-#include "scan_stamps.h"
+#include "scan_sources.h"
 
 namespace hqslam::fuzz {
 

@@ -69,7 +69,10 @@ class JsonFields {
  private:
   JsonFields(nlohmann::ordered_json object, std::string source, std::string mend)
       : object_(std::move(object)), source_(std::move(source)), mend_(std::move(mend)) {}
-  const nlohmann::ordered_json& get(const std::string& field, const std::string& expected);
+  using IsType = bool (nlohmann::ordered_json::*)() const noexcept;
+  /// The field's value, which is_type, if that is given, holds for; complains otherwise.
+  const nlohmann::ordered_json& get(const std::string& field, const std::string& expected,
+                                    IsType is_type = nullptr);
   double number(const nlohmann::ordered_json& value, const std::string& field) const;
   [[noreturn]] void complain(const std::string& field, const std::string& expected,
                              const std::string& found) const;
