@@ -18,6 +18,11 @@ inline void write_file(const std::string& path, const std::string& contents) {
   stream.write(contents.data(), static_cast<std::streamsize>(contents.size()));
 }
 
+/// A text with `to` in place of its first `from`; throws if that is not there.
+inline std::string replaced_in(std::string text, const std::string& from, const std::string& to) {
+  return text.replace(text.find(from), from.size(), to);
+}
+
 /// Of what lies in a folder.
 inline std::set<std::string> names_in(const std::filesystem::path& folder) {
   std::set<std::string> names;

@@ -30,16 +30,12 @@ std::string header(const std::string& fields, const std::string& size, const std
          "\nDATA " + data + "\n";
 }
 
-Scan scan_of(const std::string& contents) {
+/// sensor: as read_pcd.
+template <typename... Sensor>
+Scan scan_of(const std::string& contents, const Sensor&... sensor) {
   const TemporaryDirectory directory;
   write_file(directory.file("0.pcd"), contents);
-  return read_pcd(directory.file("0.pcd"));
-}
-
-Scan scan_of(const std::string& contents, const SensorModel& sensor) {
-  const TemporaryDirectory directory;
-  write_file(directory.file("0.pcd"), contents);
-  return read_pcd(directory.file("0.pcd"), sensor);
+  return read_pcd(directory.file("0.pcd"), sensor...);
 }
 
 std::string pcd_complaint(const std::string& contents) {
@@ -216,11 +212,9 @@ TEST_CASE("rings in the order of firing or all alike are left to the elevation")
 }
 
 TEST_CASE("a ring that the sensor does not have is refused") {
-  const TemporaryDirectory directory;
-  write_file(directory.file("0.pcd"), points_on_beams(sensor_preset("hdl-32e"), true));
-  const std::string complaint =
-      error_message([&] { read_pcd(directory.file("0.pcd"), sensor_preset("vlp-16")); });
-  CHECK(one_line_with(complaint, "0.pcd", "'ring'", "0 to 15", "vlp-16", "found 16"));
+  const std::string rings = points_on_beams(sensor_preset("hdl-32e"), true);
+  CHECK(refused_with([&] { scan_of(rings, sensor_preset("vlp-16")); }, "0.pcd", "'ring'", "0 to 15",
+                     "vlp-16", "found 16"));
 }
 
 TEST_CASE("rings of a sensor with fewer beams are not taken for those of one with more") {
@@ -259,10 +253,7 @@ TEST_CASE("points written as .pcd come back bit by bit") {
 
 TEST_CASE("a file that is no point cloud is refused with file, expected and found") {
   const auto with = [](const std::string& from, const std::string& to) {
-    std::string contents = kAscii;
-    const auto at = contents.find(from);
-    REQUIRE(at != std::string::npos);
-    return pcd_complaint(contents.replace(at, from.size(), to));
+    return pcd_complaint(replaced_in(kAscii, from, to));
   };
   CHECK(one_line_with(pcd_complaint(""), "0.pcd", "DATA"));
   CHECK(one_line_with(pcd_complaint("ply\nformat ascii\n"), "0.pcd", "DATA", "found 'ply'"));

@@ -25,16 +25,8 @@ RangeImage random_image(const SensorModel& sensor, unsigned seed) {
 }
 
 Scan scan_of(const OrganizedCloud& cloud, bool with_rows) {
-  Scan scan;
-  for (int row = 0; row < cloud.rows; ++row) {
-    for (int column = 0; column < cloud.columns; ++column) {
-      const std::size_t pixel = cloud.index(row, column);
-      if (cloud.range_m[pixel] <= 0.0F) continue;
-      scan.points_m.push_back(cloud.points_m[pixel]);
-      if (with_rows) scan.row.push_back(static_cast<std::uint16_t>(row));
-      if (!cloud.time_offset_s.empty()) scan.time_offset_s.push_back(cloud.time_offset_s[pixel]);
-    }
-  }
+  Scan scan = returns_of(cloud);
+  if (!with_rows) scan.row.clear();
   return scan;
 }
 

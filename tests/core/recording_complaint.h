@@ -3,6 +3,7 @@
 #include <string>
 
 #include "error_message.h"
+#include "hqslam/core/error.h"
 #include "hqslam/core/scan_source.h"
 
 namespace hqslam::test {
@@ -14,6 +15,21 @@ inline std::string recording_complaint(const std::string& path, const SensorMode
     while (source->next()) {
     }
   });
+}
+
+/// Whether its first nine scans are left out, and the tenth, as none was read before, ends it.
+inline bool is_given_up_at_tenth(ScanSource& source) {
+  for (int i = 0; i < 10; ++i) {
+    try {
+      source.next();
+      return false;
+    } catch (const ScanError&) {
+      continue;
+    } catch (const Error&) {
+      return i == 9;
+    }
+  }
+  return false;
 }
 
 }  // namespace hqslam::test

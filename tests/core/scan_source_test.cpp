@@ -38,11 +38,8 @@ RangeImage an_image(const SensorModel& sensor, double shift_m = 0.0) {
 }
 
 Scan as_scan(const RangeImage& image, const SensorModel& sensor) {
-  const OrganizedCloud cloud = unproject(image, sensor, CaptureTime::kMotionCorrected);
   Scan scan;
-  for (std::size_t i = 0; i < cloud.range_m.size(); ++i) {
-    if (cloud.range_m[i] > 0.0F) scan.points_m.push_back(cloud.points_m[i]);
-  }
+  scan.points_m = points_of(unproject(image, sensor, CaptureTime::kMotionCorrected));
   return scan;
 }
 

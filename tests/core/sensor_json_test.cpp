@@ -23,12 +23,6 @@ constexpr const char* kGrouped = R"({"sensor_info": {"prod_line": "OS-0-32"},
   "beam_intrinsics": {"beam_altitude_angles": [10, -10], "beam_azimuth_angles": [3, -3]},
   "lidar_data_format": {"columns_per_frame": 512}, "config_params": {"lidar_mode": "512x20"}})";
 
-std::string replaced(std::string text, const std::string& from, const std::string& to) {
-  const auto at = text.find(from);
-  REQUIRE(at != std::string::npos);
-  return text.replace(at, from.size(), to);
-}
-
 SensorModel sensor_of(const std::string& json) {
   const TemporaryDirectory directory;
   write_file(directory.file("s.json"), json);
@@ -55,7 +49,7 @@ TEST_CASE("a sensor file in degrees is read field by field") {
 
 TEST_CASE("a sensor file may name the measured rows, and they come back from it") {
   CHECK(!sensor_of(kOwn).measured_rows);
-  const std::string lifted = replaced(
+  const std::string lifted = replaced_in(
       kOwn, "\"columns\"", "\"measured_rows\": {\"offset\": 1, \"stride\": 4}, \"columns\"");
   const SensorModel sensor = sensor_of(lifted);
   CHECK(sensor.measured_rows == RowSelection{1, 4});
@@ -65,12 +59,12 @@ TEST_CASE("a sensor file may name the measured rows, and they come back from it"
 TEST_CASE("a sensor file may say that its images are corrected for motion, and it comes back") {
   CHECK_FALSE(sensor_of(kOwn).motion_corrected);
   const SensorModel sensor =
-      sensor_of(replaced(kOwn, "\"columns\"", "\"motion_corrected\": true, \"columns\""));
+      sensor_of(replaced_in(kOwn, "\"columns\"", "\"motion_corrected\": true, \"columns\""));
   CHECK(sensor.motion_corrected);
   CHECK(sensor_of(sensor_json(sensor)) == sensor);
-  CHECK(one_line_with(
-      sensor_json_complaint(replaced(kOwn, "\"columns\"", "\"motion_corrected\": 1, \"columns\"")),
-      "'motion_corrected'", "true or false", "found 1"));
+  CHECK(one_line_with(sensor_json_complaint(
+                          replaced_in(kOwn, "\"columns\"", "\"motion_corrected\": 1, \"columns\"")),
+                      "'motion_corrected'", "true or false", "found 1"));
 }
 
 TEST_CASE("every preset comes back from its file to a hundred-millionth of a degree") {
@@ -114,8 +108,8 @@ TEST_CASE("Ouster's grouped metadata give the sensor with azimuths turned counte
   CHECK(sensor.scan_period_s == 0.05);
   CHECK(degrees(sensor.beam_elevation_rad[1]) == doctest::Approx(-10.0));
   CHECK(degrees(sensor.beam_azimuth_offset_rad[0]) == doctest::Approx(-3.0));
-  const SensorModel without_mode = sensor_of(replaced(
-      replaced(kGrouped, R"("lidar_mode": "512x20")", ""), R"(512})", R"(512, "fps": 10})"));
+  const SensorModel without_mode = sensor_of(replaced_in(
+      replaced_in(kGrouped, R"("lidar_mode": "512x20")", ""), R"(512})", R"(512, "fps": 10})"));
   CHECK(without_mode.columns == 512);
   CHECK(without_mode.scan_period_s == 0.1);
 }
@@ -139,7 +133,7 @@ TEST_CASE("Ouster's real metadata files, reduced and full, are read") {
 
 TEST_CASE("a sensor file with a wrong field is refused with file, field, expected and found") {
   const auto with = [](const std::string& from, const std::string& to) {
-    return sensor_json_complaint(replaced(kOwn, from, to));
+    return sensor_json_complaint(replaced_in(kOwn, from, to));
   };
   CHECK(one_line_with(with("\"max_range_m\": 80,", ""), "s.json", "'max_range_m'",
                       "expected a number", "found nothing"));
@@ -171,7 +165,7 @@ TEST_CASE("a sensor file with a wrong field is refused with file, field, expecte
 TEST_CASE("values nested deep and objects of many fields are refused, however they end") {
   const std::string deep = std::string(1'000'000, '[') + std::string(1'000'000, ']');
   CHECK(one_line_with(sensor_json_complaint(deep), "s.json", "at most 32 levels"));
-  CHECK(one_line_with(sensor_json_complaint(replaced(kOwn, "1024", deep)), "s.json",
+  CHECK(one_line_with(sensor_json_complaint(replaced_in(kOwn, "1024", deep)), "s.json",
                       "at most 32 levels"));
   std::string objects;
   for (int i = 0; i < 100'000; ++i) objects += "{\"a\":";
@@ -179,7 +173,7 @@ TEST_CASE("values nested deep and objects of many fields are refused, however th
       one_line_with(sensor_json_complaint(objects + "1" + std::string(100'000, '}')), "32 levels"));
   std::string fields;
   for (int i = 0; i < 300'000; ++i) fields += ", \"" + std::to_string(i) + "\": 0";
-  CHECK(one_line_with(sensor_json_complaint(replaced(kOwn, "80", "80" + fields)), "s.json",
+  CHECK(one_line_with(sensor_json_complaint(replaced_in(kOwn, "80", "80" + fields)), "s.json",
                       "at most 1000 fields"));
 }
 
@@ -195,7 +189,7 @@ TEST_CASE("32 levels and 1000 fields are still read") {
 
 TEST_CASE("Ouster metadata that contradict themselves or lack a field are refused") {
   const auto with = [](const std::string& from, const std::string& to) {
-    return sensor_json_complaint(replaced(kGrouped, from, to));
+    return sensor_json_complaint(replaced_in(kGrouped, from, to));
   };
   CHECK(one_line_with(with("512x20", "fast"), "s.json", "'lidar_mode'", "1024x10", "\"fast\""));
   CHECK(one_line_with(with("512x20", "1024x10"), "'columns_per_frame'", "1024", "found 512"));

@@ -14,8 +14,6 @@
 
 using namespace hqslam;
 
-namespace {}  // namespace
-
 TEST_CASE("every preset is valid and has the rows its name says") {
   const std::vector<std::pair<std::string, int>> expected = {
       {"os1-64", 64}, {"os1-16", 16},  {"hdl-64e", 64}, {"hdl-32e", 32},

@@ -12,6 +12,7 @@
 #include "readers.h"
 #include "robosense_decoder.h"
 #include "velodyne_decoder.h"
+#include "velodyne_tables.h"
 
 namespace hqslam::fuzz {
 
@@ -46,14 +47,20 @@ void for_each_packet(Bytes input, std::size_t bytes, const Add& add) {
   }
 }
 
-constexpr VelodyneModel kModels[] = {VelodyneModel::kVlp16, VelodyneModel::kHdl32e,
-                                     VelodyneModel::kVlp32c, VelodyneModel::kVls128};
+/// What a decoder makes of packets, as images of the sensor.
+template <typename Decoder>
+void read_scans(Decoder decoder, const SensorModel& sensor, Bytes packets, std::size_t bytes) {
+  std::vector<Scan> scans;
+  for_each_packet(packets, bytes, [&](const Packet& p) { decoder.add(p, scans); });
+  decoder.finish(scans);
+  for (const Scan& scan : scans) project(scan, sensor);
+}
 
-/// In the order of kModels.
+/// In the order of kVelodyneModels.
 const std::vector<SensorModel>& velodyne_sensors() {
   static const std::vector<SensorModel> sensors = [] {
     std::vector<SensorModel> made;
-    for (const VelodyneModel model : kModels) {
+    for (const VelodyneModel model : kVelodyneModels) {
       made.push_back(sensor_preset(std::string(name(model))));
       made.back().columns = kColumns;
     }
@@ -75,20 +82,16 @@ void ouster_json(Bytes input) {
 
 void velodyne_packets(Bytes input) {
   if (input.empty()) return;
-  const VelodyneModel model = kModels[input[0] % 4U];
+  const VelodyneModel model = kVelodyneModels[input[0] % 4U];
   VelodyneProbe probe;
   const Bytes packets = input.subspan(1);
   for_each_packet(packets, kVelodynePacketBytes, [&](const Packet& p) { probe.add(p); });
   VelodyneStream stream = probe.result(model).value_or(VelodyneStream{});
   stream.model = model;
   const SensorModel& sensor = velodyne_sensors()[static_cast<std::size_t>(input[0] % 4U)];
-  VelodyneDecoder decoder(
-      stream, sensor,
-      {.kept_return = (input[0] & 4U) != 0 ? KeptReturn::kLast : KeptReturn::kStrongest});
-  std::vector<Scan> scans;
-  for_each_packet(packets, kVelodynePacketBytes, [&](const Packet& p) { decoder.add(p, scans); });
-  decoder.finish(scans);
-  for (const Scan& scan : scans) project(scan, sensor);
+  const KeptReturn kept = (input[0] & 4U) != 0 ? KeptReturn::kLast : KeptReturn::kStrongest;
+  read_scans(VelodyneDecoder(stream, sensor, {.kept_return = kept}), sensor, packets,
+             kVelodynePacketBytes);
 }
 
 void hesai_packets(Bytes input) {
@@ -96,13 +99,9 @@ void hesai_packets(Bytes input) {
   const int lasers = (input[0] & 1U) != 0 ? 32 : 16;
   SensorModel sensor = nominal_hesai(lasers);
   sensor.columns = kColumns;
-  HesaiDecoder decoder(
-      sensor, {.kept_return = (input[0] & 2U) != 0 ? KeptReturn::kLast : KeptReturn::kStrongest});
-  std::vector<Scan> scans;
-  const std::size_t bytes = lasers == 16 ? 568 : 1080;
-  for_each_packet(input.subspan(1), bytes, [&](const Packet& p) { decoder.add(p, scans); });
-  decoder.finish(scans);
-  for (const Scan& scan : scans) project(scan, sensor);
+  const KeptReturn kept = (input[0] & 2U) != 0 ? KeptReturn::kLast : KeptReturn::kStrongest;
+  read_scans(HesaiDecoder(sensor, {.kept_return = kept}), sensor, input.subspan(1),
+             lasers == 16 ? 568 : 1080);
 }
 
 void robosense_packets(Bytes input) {
@@ -111,12 +110,8 @@ void robosense_packets(Bytes input) {
   const RobosenseUnit unit = robosense_unit(settings, (input[0] & 1U) != 0, "fuzzed");
   SensorModel sensor = unit.sensor;
   sensor.columns = kColumns;
-  RobosenseDecoder decoder(unit, sensor);
-  std::vector<Scan> scans;
-  for_each_packet(input.subspan(1 + kRobosenseBytes), kRobosenseBytes,
-                  [&](const Packet& p) { decoder.add(p, scans); });
-  decoder.finish(scans);
-  for (const Scan& scan : scans) project(scan, sensor);
+  read_scans(RobosenseDecoder(unit, sensor), sensor, input.subspan(1 + kRobosenseBytes),
+             kRobosenseBytes);
 }
 
 void lslidar_packets(Bytes input) {
@@ -126,12 +121,8 @@ void lslidar_packets(Bytes input) {
   const LslidarUnit unit = lslidar_unit(settings, said, "fuzzed", (input[0] & 4U) == 0);
   SensorModel sensor = unit.sensor;
   sensor.columns = kColumns;
-  LslidarDecoder decoder(unit, sensor);
-  std::vector<Scan> scans;
-  for_each_packet(input.subspan(1 + kLslidarSettingsBytes), said.is_v4 ? 1212 : 1206,
-                  [&](const Packet& p) { decoder.add(p, scans); });
-  decoder.finish(scans);
-  for (const Scan& scan : scans) project(scan, sensor);
+  read_scans(LslidarDecoder(unit, sensor), sensor, input.subspan(1 + kLslidarSettingsBytes),
+             said.is_v4 ? 1212 : 1206);
 }
 
 void hesai_angles(Bytes input) { read_hesai_angles(as_whole_file(input, ".csv")); }

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <map>
 #include <vector>
 
+#include "file_contents.h"
 #include "hqslam/core/cloud_file.h"
 #include "hqslam/core/kitti_bin.h"
 #include "hqslam/core/npy.h"
@@ -35,11 +35,6 @@ std::string place(const std::string& reader, const std::string& name) {
 
 void put(const std::string& reader, const std::string& name, const std::string& bytes) {
   std::ofstream(place(reader, name), std::ios::binary) << bytes;
-}
-
-std::string contents(const std::string& path) {
-  std::ifstream stream(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
 }
 
 RangeImage an_image() {
@@ -99,7 +94,7 @@ void put_arrays(const std::string& golden_folder) {
   arrays["note"] = npz_text("a note");
   write_npz(place("npz", "own"), arrays);
   for (const char* golden : {"numpy_stored.npz", "numpy_deflated.npz"}) {
-    put("npz", golden, contents(golden_folder + "/" + golden));
+    put("npz", golden, test::file_contents(golden_folder + "/" + golden));
   }
 }
 
@@ -148,7 +143,19 @@ void put_texts() {
 }
 
 #ifdef HQSLAM_FUZZ_RECORDINGS
-std::string text_of(const test::Payload& payload) { return {payload.begin(), payload.end()}; }
+/// Packets behind a byte that says of which kind they are.
+std::string input_of(int kind, const std::vector<test::Captured>& packets) {
+  std::string input(1, static_cast<char>(kind));
+  for (const test::Captured& packet : packets) test::append(input, packet.payload);
+  return input;
+}
+
+/// Seeds of a maker's packets and of captures of them.
+void put_packets(const std::string& maker, int number, int kind,
+                 const std::vector<test::Captured>& packets) {
+  put(maker + "_packets", std::to_string(number), input_of(kind, packets));
+  put("pcap", maker + std::to_string(number) + ".pcap", test::pcap_bytes(packets));
+}
 
 /// Steps as live_reader.cpp reads them.
 void put_live_packets() {
@@ -186,33 +193,16 @@ void put_recordings() {
   put("pcap", "fragments.pcap", test::pcap_bytes(velodyne, 512));
   put("pcap", "velodyne.pcapng", test::pcapng_bytes(velodyne));
   for (int model = 0; model < 8; ++model) {
-    std::string input(1, static_cast<char>(model));
-    for (const test::Captured& packet : velodyne) input += text_of(packet.payload);
-    put("velodyne_packets", std::to_string(model), input);
+    put("velodyne_packets", std::to_string(model), input_of(model, velodyne));
   }
   for (int kind = 0; kind < 4; ++kind) {
-    std::string input(1, static_cast<char>(kind));
-    const std::vector<test::Captured> hesai =
-        test::hesai_capture(kind % 2 == 0 ? 16 : 32, 0.002, kind < 2 ? 0x37 : 0x39);
-    for (const test::Captured& packet : hesai) input += text_of(packet.payload);
-    put("hesai_packets", std::to_string(kind), input);
-    put("pcap", "hesai" + std::to_string(kind) + ".pcap", test::pcap_bytes(hesai));
-  }
-  for (int kind = 0; kind < 4; ++kind) {
-    const test::Robosense sensor = {kind != 0, kind < 2 ? 16 : 32, kind % 2 == 1};
-    const std::vector<test::Captured> robosense = test::robosense_capture(sensor, 0.004);
-    std::string input(1, static_cast<char>(sensor.helios));
-    for (const test::Captured& packet : robosense) input += text_of(packet.payload);
-    put("robosense_packets", std::to_string(kind), input);
-    put("pcap", "robosense" + std::to_string(kind) + ".pcap", test::pcap_bytes(robosense));
-  }
-  for (int kind = 0; kind < 4; ++kind) {
-    const std::vector<test::Captured> lslidar =
-        test::lslidar_capture({.v4 = kind % 2 == 1, .dual = kind > 1}, 0.004);
-    std::string input(1, static_cast<char>(kind));
-    for (const test::Captured& packet : lslidar) input += text_of(packet.payload);
-    put("lslidar_packets", std::to_string(kind), input);
-    put("pcap", "lslidar" + std::to_string(kind) + ".pcap", test::pcap_bytes(lslidar));
+    put_packets("hesai", kind, kind,
+                test::hesai_capture(kind % 2 == 0 ? 16 : 32, 0.002, kind < 2 ? 0x37 : 0x39));
+    const test::Robosense robosense = {kind != 0, kind < 2 ? 16 : 32, kind % 2 == 1};
+    put_packets("robosense", kind, robosense.helios ? 1 : 0,
+                test::robosense_capture(robosense, 0.004));
+    put_packets("lslidar", kind, kind,
+                test::lslidar_capture({.v4 = kind % 2 == 1, .dual = kind > 1}, 0.004));
   }
   std::string angles = "Channel,Elevation,Azimuth\n";
   for (int i = 0; i < 16; ++i) angles += fmt::format("{},{},0.1\n", i + 1, 15 - 2 * i);
@@ -221,13 +211,12 @@ void put_recordings() {
                                          OusterProfile::kRng19Dual, OusterProfile::kRng15,
                                          OusterProfile::kFusaDual};
   for (int profile = 0; profile < 5; ++profile) {
-    std::string input(1, static_cast<char>(profile));
+    std::vector<test::Captured> packets;
     for (const std::uint32_t frame : {7U, 8U}) {
-      std::vector<test::Captured> turn = test::ouster_turn(kProfiles[profile], frame, kOusterRows);
-      turn.resize(4);
-      for (const test::Captured& packet : turn) input += text_of(packet.payload);
+      const auto turn = test::ouster_turn(kProfiles[profile], frame, kOusterRows);
+      packets.insert(packets.end(), turn.begin(), turn.begin() + 4);
     }
-    put("ouster_packets", std::to_string(profile), input);
+    put("ouster_packets", std::to_string(profile), input_of(profile, packets));
     std::vector<test::Captured> turn = test::ouster_turn(kProfiles[profile], 7);
     turn.resize(3);
     put("ouster_json", std::to_string(profile), test::ouster_metadata_text(kProfiles[profile]));

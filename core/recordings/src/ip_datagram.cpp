@@ -38,7 +38,7 @@ std::string text(const Endpoint& endpoint) {
   return fmt::format("[{}]:{}", groups, endpoint.port);
 }
 
-std::optional<UdpDatagram> IpDatagrams::add(Bytes ip_packet) {
+std::optional<Packet> IpDatagrams::add(Bytes ip_packet) {
   if (ip_packet.empty()) return std::nullopt;
   ++packets_;
   switch (ip_packet[0] >> 4) {
@@ -51,7 +51,7 @@ std::optional<UdpDatagram> IpDatagrams::add(Bytes ip_packet) {
   }
 }
 
-std::optional<UdpDatagram> IpDatagrams::add_ipv4(Bytes packet) {
+std::optional<Packet> IpDatagrams::add_ipv4(Bytes packet) {
   const std::size_t header_bytes = 4 * static_cast<std::size_t>(packet[0] & 0x0F);
   if (header_bytes < 20 || packet.size() < header_bytes) return damaged_packet();
   if (packet[9] != kUdp) return std::nullopt;
@@ -66,7 +66,7 @@ std::optional<UdpDatagram> IpDatagrams::add_ipv4(Bytes packet) {
   return fragment ? add_fragment(header, data) : udp(data, ipv4_sender(header));
 }
 
-std::optional<UdpDatagram> IpDatagrams::add_ipv6(Bytes packet) {
+std::optional<Packet> IpDatagrams::add_ipv6(Bytes packet) {
   if (packet.size() < kIpv6Header) return damaged_packet();
   if (packet[6] != kUdp) return std::nullopt;
   const std::size_t bytes = big_endian_16(packet, 4);
@@ -100,7 +100,7 @@ std::deque<IpDatagrams::Unfinished>::iterator IpDatagrams::unfinished(Bytes head
   return found;
 }
 
-std::optional<UdpDatagram> IpDatagrams::add_fragment(Bytes header, Bytes data) {
+std::optional<Packet> IpDatagrams::add_fragment(Bytes header, Bytes data) {
   const std::size_t first = kUnit * (big_endian_16(header, 6) & 0x1FFF);
   const bool more = (header[6] & 0x20) != 0;
   if (data.empty() || first + data.size() > kMaxDatagram || (more && data.size() % kUnit != 0))
@@ -122,11 +122,11 @@ std::optional<UdpDatagram> IpDatagrams::add_fragment(Bytes header, Bytes data) {
   return udp(whole_, ipv4_sender(header));
 }
 
-std::optional<UdpDatagram> IpDatagrams::udp(Bytes datagram, const Endpoint& sender) {
+std::optional<Packet> IpDatagrams::udp(Bytes datagram, const Endpoint& sender) {
   if (datagram.size() < kUdpHeader) return damaged_packet();
   const std::size_t bytes = big_endian_16(datagram, 4);
   if (bytes < kUdpHeader || bytes > datagram.size()) return damaged_packet();
-  UdpDatagram result;
+  Packet result;
   result.endpoint = sender;
   result.endpoint.port = big_endian_16(datagram, 2);
   result.payload = datagram.subspan(kUdpHeader, bytes - kUdpHeader);

@@ -10,17 +10,11 @@
 
 namespace hqslam::recordings {
 
-/// A UDP datagram within the bytes that it was found in.
-struct UdpDatagram {
-  Endpoint endpoint;
-  Bytes payload;
-};
-
-/// Takes IP packets and gives their UDP datagrams back, fragments of IPv4 put together. Memory is
-/// bounded: of unfinished datagrams only the latest kMaxUnfinished are kept, each of at most 64 kB.
-/// The number by which fragments find each other has 16 bits: a datagram to which nothing came for
-/// kMostPacketsBetween is given up before a later one has the same.
-/// Source: RFC 791, RFC 768, RFC 8200 (extension headers of IPv6 are not followed).
+/// Takes IP packets and gives their UDP datagrams back, without a time, fragments of IPv4 put
+/// together. Memory is bounded: of unfinished datagrams only the latest kMaxUnfinished are kept,
+/// each of at most 64 kB. The number by which fragments find each other has 16 bits: a datagram to
+/// which nothing came for kMostPacketsBetween is given up before a later one has the same. Source:
+/// RFC 791, RFC 768, RFC 8200 (extension headers of IPv6 are not followed).
 class IpDatagrams {
  public:
   static constexpr std::size_t kMaxUnfinished = 64;
@@ -28,7 +22,7 @@ class IpDatagrams {
 
   /// Nothing for what is no UDP, is damaged, or is a fragment whose datagram is not complete. The
   /// payload lives until the next call.
-  std::optional<UdpDatagram> add(Bytes ip_packet);
+  std::optional<Packet> add(Bytes ip_packet);
 
   std::int64_t damaged() const { return damaged_; }
   /// Datagrams of which a fragment never came.
@@ -45,11 +39,11 @@ class IpDatagrams {
     std::int64_t last_packet = 0;  ///< the one that brought a fragment last
   };
 
-  std::optional<UdpDatagram> add_ipv4(Bytes packet);
-  std::optional<UdpDatagram> add_ipv6(Bytes packet);
-  std::optional<UdpDatagram> add_fragment(Bytes header, Bytes data);
+  std::optional<Packet> add_ipv4(Bytes packet);
+  std::optional<Packet> add_ipv6(Bytes packet);
+  std::optional<Packet> add_fragment(Bytes header, Bytes data);
   std::deque<Unfinished>::iterator unfinished(Bytes header);
-  std::optional<UdpDatagram> udp(Bytes datagram, const Endpoint& sender);
+  std::optional<Packet> udp(Bytes datagram, const Endpoint& sender);
   std::nullopt_t damaged_packet() {
     ++damaged_;
     return std::nullopt;

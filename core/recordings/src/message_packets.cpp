@@ -65,6 +65,10 @@ std::optional<Packet> MessagePackets::next() {
   }
 }
 
+std::optional<Packet> first_packet_of(const Stream& stream, std::optional<Message> message) {
+  return MessagePackets(stream, [&] { return std::exchange(message, std::nullopt); }).next();
+}
+
 void MessagePackets::begin(const Message& message) {
   message_ = message;
   left_ = 1;

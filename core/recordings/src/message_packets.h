@@ -82,4 +82,8 @@ class MessagePackets : public PacketSource {
   std::int64_t damaged_ = 0;
 };
 
+/// The first packet that a message of the stream carries; nothing where there is none. It lives as
+/// long as the message.
+std::optional<Packet> first_packet_of(const Stream& stream, std::optional<Message> message);
+
 }  // namespace hqslam::recordings

@@ -100,12 +100,9 @@ class PcapFile : public PacketSource {
       const int status = pcap_next_ex(pcap_.get(), &header, &bytes);
       if (status == PCAP_ERROR) note_failure();
       if (status != 1) break;
-      const auto datagram = datagrams_.add(ip_packet({bytes, header->caplen}, link_type_));
-      if (!datagram) continue;
-      Packet packet;
-      packet.capture_time_ns = capture_time_ns(*header);
-      packet.endpoint = datagram->endpoint;
-      packet.payload = datagram->payload;
+      auto packet = datagrams_.add(ip_packet({bytes, header->caplen}, link_type_));
+      if (!packet) continue;
+      packet->capture_time_ns = capture_time_ns(*header);
       ++packets_;
       return packet;
     }

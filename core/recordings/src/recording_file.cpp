@@ -47,12 +47,7 @@ void recognise(Stream& stream, const Message& message) {
   if (type == "sensor_msgs/PointCloud2") stream.kind = StreamKind::kPointClouds;
   if (type == "sensor_msgs/Imu") stream.kind = StreamKind::kInertialData;
   if (stream.packet_bytes > 0 || stream.type.empty() || !carries_packets(stream.type)) return;
-  bool given = false;
-  MessagePackets packets(stream, [&]() -> std::optional<Message> {
-    if (std::exchange(given, true)) return std::nullopt;
-    return message;
-  });
-  const auto packet = packets.next();
+  const auto packet = first_packet_of(stream, message);
   stream.packet_bytes = packet ? packet->payload.size() : 0;
   if (stream.packet_bytes == kVelodynePacketBytes) {
     stream.kind = StreamKind::kVelodynePackets;

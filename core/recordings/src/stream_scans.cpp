@@ -152,9 +152,7 @@ class PacketScans : public StreamScans {
   void add_imu(const Message& message) override {
     const Stream& stream = reader_.file().streams()[message.stream];
     if (!carries_packets(stream.type)) return StreamScans::add_imu(message);
-    std::optional<Message> left = message;
-    MessagePackets packets(stream, [&] { return std::exchange(left, std::nullopt); });
-    const auto packet = packets.next();
+    const auto packet = first_packet_of(stream, message);
     if (packet && packet->payload.size() == kOusterImuBytes) assembler_->add(*packet);
   }
 

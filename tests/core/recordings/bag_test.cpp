@@ -66,12 +66,7 @@ TEST_CASE("every kind of bag carries the same packets") {
        {"a.mcap", "alz4.mcap", "azstd.mcap", "anone.bag", "alz4.bag", "abz2.bag", "folder"}) {
     CAPTURE(name);
     const auto source = open_recording(directory.file(name));
-    const auto scans = all_scans(*source);
-    REQUIRE(scans.size() == expected.size());
-    for (std::size_t i = 0; i < scans.size(); ++i) {
-      CHECK(scans[i].stamp_s == expected[i].stamp_s);
-      CHECK(scans[i].cloud.range_m == expected[i].cloud.range_m);
-    }
+    CHECK(same_scans(all_scans(*source), expected));
     CHECK(source->warnings().empty());  // nothing came twice
     CHECK(inspect(directory.file(name)).streams.size() == 2);
   }
@@ -124,11 +119,9 @@ TEST_CASE("rings and times of clouds are found by any of the names that drivers 
       CAPTURE(time_name);
       CAPTURE(ring_name);
       const auto scans = scans_of(time_name, ring_name);
-      REQUIRE(scans.size() == 3);
+      REQUIRE(same_scans(scans, expected));
       for (std::size_t i = 0; i < scans.size(); ++i) {
-        CHECK(scans[i].stamp_s == expected[i].stamp_s);
         CHECK(scans[i].cloud.time_offset_s == expected[i].cloud.time_offset_s);
-        CHECK(scans[i].cloud.range_m == expected[i].cloud.range_m);
       }
     }
   }

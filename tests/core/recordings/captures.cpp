@@ -12,32 +12,36 @@ namespace hqslam::test {
 
 namespace {
 
-void put_big_endian(Payload& bytes, std::size_t at, std::size_t value) {
-  bytes[at] = static_cast<std::uint8_t>(value >> 8);
-  bytes[at + 1] = static_cast<std::uint8_t>(value);
+void put_big(Payload& bytes, std::size_t at, std::int64_t value, std::size_t size) {
+  for (std::size_t i = 0; i < size; ++i) {
+    bytes[at + size - 1 - i] = static_cast<std::uint8_t>(value >> (8 * i));
+  }
+}
+
+void put_bytes(Payload& packet, std::size_t at, const Payload& bytes) {
+  std::ranges::copy(bytes, packet.begin() + static_cast<std::ptrdiff_t>(at));
 }
 
 }  // namespace
 
 std::vector<Payload> ethernet_frames(const Captured& captured, std::size_t fragment_bytes) {
   Payload datagram(8);
-  put_big_endian(datagram, 0, 443);
-  put_big_endian(datagram, 2, captured.port);
-  put_big_endian(datagram, 4, 8 + captured.payload.size());
+  put_big(datagram, 0, 443, 2);
+  put_big(datagram, 2, captured.port, 2);
+  put_big(datagram, 4, 8 + captured.payload.size(), 2);
   datagram.insert(datagram.end(), captured.payload.begin(), captured.payload.end());
   const std::size_t most = fragment_bytes == 0 ? datagram.size() : fragment_bytes;
   std::vector<Payload> frames;
   for (std::size_t at = 0; at < datagram.size(); at += most) {
     const std::size_t bytes = std::min(most, datagram.size() - at);
     Payload frame(14 + 20);
-    put_big_endian(frame, 12, 0x0800);
+    put_big(frame, 12, 0x0800, 2);
     frame[14] = 0x45;
-    put_big_endian(frame, 16, 20 + bytes);
-    put_big_endian(frame, 18, static_cast<std::size_t>(captured.time_ns / 1000 % 65536));
-    put_big_endian(frame, 20, (at + bytes < datagram.size() ? 0x2000 : 0) | at / 8);
+    put_big(frame, 16, 20 + bytes, 2);
+    put_big(frame, 18, static_cast<std::size_t>(captured.time_ns / 1000 % 65536), 2);
+    put_big(frame, 20, (at + bytes < datagram.size() ? 0x2000 : 0) | at / 8, 2);
     frame[23] = 17;
-    const std::array<std::uint8_t, 4> sender = {192, 168, 1, captured.sender};
-    std::ranges::copy(sender, frame.begin() + 26);
+    put_bytes(frame, 26, {192, 168, 1, captured.sender});
     frame.insert(frame.end(), datagram.begin() + static_cast<std::ptrdiff_t>(at),
                  datagram.begin() + static_cast<std::ptrdiff_t>(at + bytes));
     frames.push_back(std::move(frame));
@@ -141,8 +145,7 @@ Payload hesai_packet_bytes(int lasers, std::uint32_t time_us, int azimuth, std::
   const std::size_t block_bytes = 2 + 4 * static_cast<std::size_t>(lasers);
   const std::size_t tail = 12 + 8 * block_bytes;
   Payload packet(tail + 28);
-  const Payload head = {0xEE, 0xFF, 6, 1, 0, 0, static_cast<std::uint8_t>(lasers), 8, 1, 4, 2, 1};
-  std::copy(head.begin(), head.end(), packet.begin());
+  put_bytes(packet, 0, {0xEE, 0xFF, 6, 1, 0, 0, static_cast<std::uint8_t>(lasers), 8, 1, 4, 2, 1});
   const int step = return_mode >= 0x39 ? 2 : 1;
   for (int block = 0; block < 8; ++block) {
     put(packet, 12 + static_cast<std::size_t>(block) * block_bytes,
@@ -151,8 +154,8 @@ Payload hesai_packet_bytes(int lasers, std::uint32_t time_us, int azimuth, std::
   }
   packet[tail + 10] = return_mode;
   put(packet, tail + 11, std::uint16_t{599});
-  const Payload date = {120, 9, 13, 12, 26, static_cast<std::uint8_t>(40 + time_us / 1'000'000)};
-  std::copy(date.begin(), date.end(), packet.begin() + static_cast<std::ptrdiff_t>(tail) + 13);
+  put_bytes(packet, tail + 13,
+            {120, 9, 13, 12, 26, static_cast<std::uint8_t>(40 + time_us / 1'000'000)});
   put(packet, tail + 19, time_us % 1'000'000);
   packet[tail + 23] = 0x42;
   put(packet, tail + 24, number);
@@ -183,20 +186,13 @@ std::vector<Captured> hesai_capture(int lasers, double duration_s, std::uint8_t 
 
 namespace {
 
-void put_big(Payload& bytes, std::size_t at, std::int64_t value, std::size_t size) {
-  for (std::size_t i = 0; i < size; ++i) {
-    bytes[at + size - 1 - i] = static_cast<std::uint8_t>(value >> (8 * i));
-  }
-}
-
 void put_robosense_time(Payload& packet, bool helios, std::int64_t time_us) {
   if (helios) {
     put_big(packet, 20, 1'600'000'000 + time_us / 1'000'000, 6);
     put_big(packet, 26, time_us % 1'000'000, 4);
     return;
   }
-  const Payload date = {20, 9, 13, 12, 26, static_cast<std::uint8_t>(40 + time_us / 1'000'000)};
-  std::copy(date.begin(), date.end(), packet.begin() + 20);
+  put_bytes(packet, 20, {20, 9, 13, 12, 26, static_cast<std::uint8_t>(40 + time_us / 1'000'000)});
   put_big(packet, 26, time_us / 1000 % 1000, 2);
   put_big(packet, 28, time_us % 1000, 2);
 }
@@ -205,8 +201,7 @@ void put_robosense_time(Payload& packet, bool helios, std::int64_t time_us) {
 
 Payload robosense_settings(const Robosense& sensor) {
   Payload packet(1248);
-  const Payload begin = {0xA5, 0xFF, 0x00, 0x5A, 0x11, 0x11, 0x55, 0x55};
-  std::copy(begin.begin(), begin.end(), packet.begin());
+  put_bytes(packet, 0, {0xA5, 0xFF, 0x00, 0x5A, 0x11, 0x11, 0x55, 0x55});
   put_big(packet, 8, 599, 2);
   packet[300] = sensor.dual ? 0 : 4;
   for (int i = 0; i < 32; ++i) {
@@ -238,9 +233,9 @@ std::vector<Captured> robosense_capture(const Robosense& sensor, double duration
   for (int i = 0; 1e-6 * firing_us * firings * i < duration_s; ++i) {
     const auto time_us = static_cast<std::int64_t>(firing_us * firings * i);
     Captured captured{kBegin_ns + 1000 * time_us, 6699, Payload(1248)};
-    const Payload begin = sensor.helios ? Payload{0x55, 0xAA, 0x05, 0x5A}
-                                        : Payload{0x55, 0xAA, 0x05, 0x0A, 0x5A, 0xA5, 0x50, 0xA0};
-    std::copy(begin.begin(), begin.end(), captured.payload.begin());
+    put_bytes(captured.payload, 0,
+              sensor.helios ? Payload{0x55, 0xAA, 0x05, 0x5A}
+                            : Payload{0x55, 0xAA, 0x05, 0x0A, 0x5A, 0xA5, 0x50, 0xA0});
     put_robosense_time(captured.payload, sensor.helios, time_us);
     for (int block = 0; block < 12; ++block) {
       const int firing = firings * i + block * firings / 12;
@@ -258,8 +253,7 @@ std::vector<Captured> robosense_capture(const Robosense& sensor, double duration
 
 Payload lslidar_settings(const Lslidar& sensor) {
   Payload packet(1206);
-  const Payload begin = {0xA5, 0xFF, 0x00, 0x5A, 0x11, 0x11, 0x55, 0x55, 0x02, 0x58};
-  std::copy(begin.begin(), begin.end(), packet.begin());
+  put_bytes(packet, 0, {0xA5, 0xFF, 0x00, 0x5A, 0x11, 0x11, 0x55, 0x55, 0x02, 0x58});
   packet[1196] = sensor.v4 ? 0x2C : 3;
   packet[1198] = 0x14;
   for (int i = 0; i < 16; ++i) {
@@ -288,8 +282,7 @@ std::vector<Captured> lslidar_capture(const Lslidar& sensor, double duration_s) 
     }
     const std::int64_t second = end_us / 1'000'000;
     if (sensor.v4) {
-      const Payload date = {20, 9, 13, 12, 26, static_cast<std::uint8_t>(40 + second)};
-      std::copy(date.begin(), date.end(), packet.begin() + 1200);
+      put_bytes(packet, 1200, {20, 9, 13, 12, 26, static_cast<std::uint8_t>(40 + second)});
       if (sensor.ptp) put_big(packet, 1200, 1'600'000'000 + second, 6);
       put(packet, 1206, static_cast<std::uint32_t>(end_us % 1'000'000 * sensor.fraction_of_us));
     } else {
@@ -374,6 +367,14 @@ std::vector<Captured> ouster_turn(recordings::OusterProfile profile, std::uint32
   return packets;
 }
 
+std::vector<Captured> ouster_turns(recordings::OusterProfile profile,
+                                   const std::vector<std::uint32_t>& frame_ids) {
+  std::vector<Captured> packets;
+  for (const std::uint32_t id : frame_ids)
+    std::ranges::move(ouster_turn(profile, id), std::back_inserter(packets));
+  return packets;
+}
+
 Payload ouster_imu_packet(std::int64_t time_ns) {
   Payload bytes(48);
   put(bytes, 0, static_cast<std::uint64_t>(time_ns) + 1'000'000'000);  // since it was switched on
@@ -400,6 +401,12 @@ recordings::Packet as_packet(const Captured& captured) {
 std::optional<recordings::Packet> CapturedPackets::next() {
   if (next_ == packets_.size()) return std::nullopt;
   return as_packet(packets_[next_++]);
+}
+
+bool same_scans(const std::vector<RecordedScan>& a, const std::vector<RecordedScan>& b) {
+  return std::ranges::equal(a, b, [](const RecordedScan& x, const RecordedScan& y) {
+    return x.stamp_s == y.stamp_s && x.cloud.range_m == y.cloud.range_m;
+  });
 }
 
 std::vector<RecordedScan> all_scans(ScanSource& source) {

@@ -126,6 +126,10 @@ std::string ouster_metadata_text(recordings::OusterProfile profile, int rows = 8
 std::vector<Captured> ouster_turn(recordings::OusterProfile profile, std::uint32_t frame_id,
                                   int rows = 8, std::uint16_t port = 7502);
 
+/// Those of the turns with these numbers.
+std::vector<Captured> ouster_turns(recordings::OusterProfile profile,
+                                   const std::vector<std::uint32_t>& frame_ids);
+
 /// An Ouster's packet of inertial data of this time: 1 g upwards and 0.25 g forwards, 90 degrees a
 /// second to the left.
 Payload ouster_imu_packet(std::int64_t time_ns);
@@ -142,6 +146,18 @@ class CapturedPackets : public recordings::PacketSource {
 };
 
 recordings::Packet as_packet(const Captured& captured);
+
+/// The turns that a decoder makes of packets, to the last one.
+template <typename Turn = Scan, typename Decoder>
+std::vector<Turn> decoded(Decoder& decoder, const std::vector<Captured>& packets) {
+  std::vector<Turn> turns;
+  for (const Captured& packet : packets) decoder.add(as_packet(packet), turns);
+  decoder.finish(turns);
+  return turns;
+}
+
+/// Whether they have the same stamps and ranges.
+bool same_scans(const std::vector<RecordedScan>& a, const std::vector<RecordedScan>& b);
 
 /// All scans of a recording from where it stands.
 std::vector<RecordedScan> all_scans(ScanSource& source);

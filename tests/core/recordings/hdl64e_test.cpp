@@ -107,16 +107,14 @@ TEST_CASE("a point of an HDL-64E is where its own laser saw it, by the formula o
     VelodyneStream stream = stream_with(calibration);
     stream.cut_azimuth_deg = 80.0;
     VelodyneDecoder decoder(stream, sensor);
-    std::vector<Scan> scans;
-    decoder.add(as_packet({0, 2368, packet}), scans);
+    std::vector<Captured> packets = {{0, 2368, packet}};
     // Round the rest of the turn, so that it counts.
     for (int i = 1; i < 76; ++i) {
-      decoder.add(as_packet({0, 2368,
-                             empty_packet(static_cast<std::uint32_t>(1000 + 1250 * i),
-                                          std::fmod(9000.0 + 450.0 * i, 36000.0), 17.28)}),
-                  scans);
+      packets.push_back({0, 2368,
+                         empty_packet(static_cast<std::uint32_t>(1000 + 1250 * i),
+                                      std::fmod(9000.0 + 450.0 * i, 36000.0), 17.28)});
     }
-    decoder.finish(scans);
+    const std::vector<Scan> scans = decoded(decoder, packets);
     REQUIRE(!scans.empty());
     REQUIRE(scans[0].points_m.size() == 1);
     CHECK(scans[0].row[0] == c.row);

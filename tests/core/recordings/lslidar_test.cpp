@@ -24,13 +24,6 @@ LslidarDecoder decoder_of(const Lslidar& sensor, const VelodyneOptions& options 
   return {unit, unit.sensor, options};
 }
 
-std::vector<Scan> decoded(LslidarDecoder& decoder, const std::vector<Captured>& packets) {
-  std::vector<Scan> scans;
-  for (const Captured& packet : packets) decoder.add(as_packet(packet), scans);
-  decoder.finish(scans);
-  return scans;
-}
-
 /// Degrees, of a channel: from below, every other one of the upper half.
 double elevation_deg(const Lslidar& sensor, int channel) {
   const double lowest = sensor.v4 ? -16.0 : -15.2;

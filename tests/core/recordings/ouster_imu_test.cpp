@@ -24,23 +24,16 @@ namespace {
 
 constexpr OusterProfile kProfile = OusterProfile::kRng19;
 
-std::string replaced(std::string text, const std::string& from, const std::string& to) {
-  return text.replace(text.find(from), from.size(), to);
-}
-
 /// Metadata with these fields more.
 std::string metadata_text(const std::string& fields) {
-  return replaced(ouster_metadata_text(kProfile), "\"prod_sn\"", fields + ", \"prod_sn\"");
+  return replaced_in(ouster_metadata_text(kProfile), "\"prod_sn\"", fields + ", \"prod_sn\"");
 }
 
 /// Turns 2 to 5, 50 ms each, and inertial data every 10 ms by the same clock, from when turn 2
 /// begins on. Both come 2 ms after they were measured.
 std::vector<Captured> turns_with_imu(std::uint16_t imu_port = 7503) {
   constexpr std::int64_t kLatency_ns = 2'000'000;
-  std::vector<Captured> packets;
-  for (std::uint32_t id = 2; id < 6; ++id) {
-    for (Captured& packet : ouster_turn(kProfile, id)) packets.push_back(std::move(packet));
-  }
+  std::vector<Captured> packets = ouster_turns(kProfile, {2, 3, 4, 5});
   const std::int64_t begin_ns = 5'000'000'000 + 2 * 50'000'000;
   for (std::int64_t time_ns = begin_ns; time_ns < begin_ns + 200'000'000; time_ns += 10'000'000) {
     packets.push_back({1'600'000'000'000'000'000 + time_ns, imu_port, ouster_imu_packet(time_ns)});
@@ -94,7 +87,8 @@ TEST_CASE("inertial data are turned into the frame of the scans by the metadata'
           force,
       {-1.0, -2.0, 3.0}));
   CHECK(refused_with([&] { R_of(R"("imu_to_sensor_transform": [1, 2])"); }, "imu_to_sensor", "16"));
-  CHECK(refused_with([&] { R_of(replaced(usual, "[-1", "[-2")); }, "lidar_to_sensor", "rotation"));
+  CHECK(
+      refused_with([&] { R_of(replaced_in(usual, "[-1", "[-2")); }, "lidar_to_sensor", "rotation"));
 }
 
 TEST_CASE("a scan of an Ouster's capture carries the inertial data up to its end, by its clock") {
@@ -130,12 +124,10 @@ TEST_CASE("scans are the same with inertial data beside them, on the lidar's por
   CHECK(inspect(folder.file("a.pcap")).imu_stream.empty());
   for (const std::uint16_t port : {std::uint16_t{7503}, std::uint16_t{7502}}) {
     const auto scans = all_scans(*open_recording(ouster_capture(folder, turns_with_imu(port))));
-    REQUIRE(scans.size() == expected.size());
+    REQUIRE(same_scans(scans, expected));
     for (std::size_t i = 0; i < scans.size(); ++i) {
       CHECK(expected[i].imu.empty());
       CHECK(scans[i].imu.size() == 5);
-      CHECK(scans[i].stamp_s == expected[i].stamp_s);
-      CHECK(scans[i].cloud.range_m == expected[i].cloud.range_m);
     }
   }
 }
@@ -197,8 +189,8 @@ TEST_CASE("an inertial profile of new firmware is named as not read") {
   const TemporaryDirectory folder;
   ouster_capture(folder, turns_with_imu());
   write_file(folder.file("a.json"),
-             replaced(ouster_metadata_text(kProfile), "\"udp_profile_lidar\"",
-                      R"("udp_profile_imu": "ACCEL32_GYRO32_NMEA", "udp_profile_lidar")"));
+             replaced_in(ouster_metadata_text(kProfile), "\"udp_profile_lidar\"",
+                         R"("udp_profile_imu": "ACCEL32_GYRO32_NMEA", "udp_profile_lidar")"));
   const auto warnings = open_recording(folder.file("a.pcap"))->warnings();
   REQUIRE(warnings.size() == 1);
   CHECK(warnings[0].find("ACCEL32_GYRO32_NMEA are not read") != std::string::npos);

@@ -24,22 +24,6 @@ OusterMetadata small_metadata(OusterProfile profile) {
   return ouster_metadata_from_json(ouster_metadata_text(profile), "a test");
 }
 
-std::vector<OusterFrame> frames_of(OusterDecoder& decoder, const std::vector<Captured>& packets) {
-  std::vector<OusterFrame> frames;
-  for (const Captured& captured : packets) decoder.add(as_packet(captured), frames);
-  decoder.finish(frames);
-  return frames;
-}
-
-std::vector<Captured> turns(OusterProfile profile, std::vector<std::uint32_t> ids) {
-  std::vector<Captured> packets;
-  for (const std::uint32_t id : ids) {
-    const auto turn = ouster_turn(profile, id);
-    packets.insert(packets.end(), turn.begin(), turn.end());
-  }
-  return packets;
-}
-
 template <typename T>
 std::string digest(const std::vector<T>& values) {
   return md5(values.data(), values.size() * sizeof(T));
@@ -136,7 +120,7 @@ TEST_CASE("every profile gives the ranges that were put into it") {
   for (const OusterProfile profile : kAllProfiles) {
     CAPTURE(name(profile));
     OusterDecoder decoder(small_metadata(profile));
-    const auto frames = frames_of(decoder, turns(profile, {65534, 65535, 65536}));
+    const auto frames = decoded<OusterFrame>(decoder, ouster_turns(profile, {65534, 65535, 65536}));
     REQUIRE(frames.size() == 3);
     CHECK(decoder.lost_scans() == 0);
     CHECK(decoder.counts().used == 96);
@@ -158,7 +142,7 @@ TEST_CASE("every profile gives the ranges that were put into it") {
 TEST_CASE("a pixel's point is that of the documented formula") {
   const OusterMetadata metadata = small_metadata(OusterProfile::kLegacy);
   OusterDecoder decoder(metadata);
-  const auto frames = frames_of(decoder, turns(OusterProfile::kLegacy, {3}));
+  const auto frames = decoded<OusterFrame>(decoder, ouster_turns(OusterProfile::kLegacy, {3}));
   REQUIRE(frames.size() == 1);
   OusterGeometry geometry(metadata);
   const auto scan = geometry.scan(frames[0]);
@@ -199,13 +183,13 @@ TEST_CASE("a pixel's point is that of the documented formula") {
 TEST_CASE(
     "lost packets leave empty columns and are counted, doubled and overtaken ones are left out") {
   const OusterProfile profile = OusterProfile::kRng15;
-  auto packets = turns(profile, {10, 11, 12, 15});
+  auto packets = ouster_turns(profile, {10, 11, 12, 15});
   packets.erase(packets.begin() + 32 + 4);            // of turn 11: columns 64 to 79
   packets.insert(packets.begin() + 40, packets[38]);  // doubled
   packets.insert(packets.begin() + 70, packets[1]);   // of turn 10, in turn 12
   packets.push_back({packets[0].time_ns, 7502, Payload(100)});
   OusterDecoder decoder(small_metadata(profile));
-  const auto frames = frames_of(decoder, packets);
+  const auto frames = decoded<OusterFrame>(decoder, packets);
   REQUIRE(frames.size() == 4);
   CHECK(decoder.counts().lost == 1);
   CHECK(decoder.counts().late == 2);
@@ -220,12 +204,11 @@ TEST_CASE(
 
 TEST_CASE("a window that begins within a packet: a packet that comes twice counts once") {
   const OusterProfile profile = OusterProfile::kRng15;
-  std::string text = ouster_metadata_text(profile);
-  text.replace(text.find("[0, 511]"), 8, "[100, 355]");
+  const std::string text = replaced_in(ouster_metadata_text(profile), "[0, 511]", "[100, 355]");
   const OusterMetadata metadata = ouster_metadata_from_json(text, "a test");
   constexpr std::size_t kColumnBytes = 12 + 4 * 8;
   std::vector<Captured> packets;
-  for (Captured packet : turns(profile, {1, 2, 3})) {
+  for (Captured packet : ouster_turns(profile, {1, 2, 3})) {
     bool sent = false;
     for (std::size_t i = 0; i < 16; ++i) {
       const std::size_t at = 32 + kColumnBytes * i;
@@ -242,7 +225,7 @@ TEST_CASE("a window that begins within a packet: a packet that comes twice count
     packets.push_back(packet);
   }
   OusterDecoder decoder(metadata);
-  const auto frames = frames_of(decoder, packets);
+  const auto frames = decoded<OusterFrame>(decoder, packets);
   REQUIRE(frames.size() == 3);
   CHECK(decoder.counts().used == 3 * 17);
   CHECK(decoder.counts().late == 3 * 17);
@@ -263,26 +246,26 @@ TEST_CASE("a window that begins within a packet: a packet that comes twice count
 
 TEST_CASE("turns that the recording cuts off are left out unless nothing else is there") {
   const OusterProfile profile = OusterProfile::kLegacy;
-  auto packets = turns(profile, {1, 2, 3});
+  auto packets = ouster_turns(profile, {1, 2, 3});
   packets.erase(packets.begin(), packets.begin() + 10);
   packets.resize(packets.size() - 10);
   OusterDecoder decoder(small_metadata(profile));
-  const auto frames = frames_of(decoder, packets);
+  const auto frames = decoded<OusterFrame>(decoder, packets);
   REQUIRE(frames.size() == 1);
   CHECK(frames[0].frame_id == 2);
   CHECK(decoder.partial_scans() == 2);
 
-  auto one = turns(profile, {1});
+  auto one = ouster_turns(profile, {1});
   one.erase(one.begin(), one.begin() + 10);
   OusterDecoder other(small_metadata(profile));
-  CHECK(frames_of(other, one).size() == 1);
+  CHECK(decoded<OusterFrame>(other, one).size() == 1);
   CHECK(other.counts().lost == 10);
 }
 
 TEST_CASE("of two returns the strongest is kept, or the farther one on request") {
   const OusterMetadata metadata = small_metadata(OusterProfile::kRng19Dual);
   OusterDecoder decoder(metadata);
-  const auto frames = frames_of(decoder, turns(OusterProfile::kRng19Dual, {1}));
+  const auto frames = decoded<OusterFrame>(decoder, ouster_turns(OusterProfile::kRng19Dual, {1}));
   OusterGeometry strongest(metadata);
   OusterOptions options;
   options.kept_return = KeptReturn::kLast;
@@ -298,9 +281,7 @@ TEST_CASE("metadata that are not an Ouster's, or of a profile that is not known,
     return error_message([&] { ouster_metadata_from_json(json, "beside.json"); });
   };
   const auto with = [&](const std::string& from, const std::string& to) {
-    std::string changed = text;
-    changed.replace(changed.find(from), from.size(), to);
-    return changed;
+    return replaced_in(text, from, to);
   };
   CHECK(one_line_with(message(with("RNG15_RFL8_NIR8", "RNG99")), "beside.json", "udp_profile_lidar",
                       "RNG99", "RNG19_RFL8_SIG16_NIR16_DUAL"));

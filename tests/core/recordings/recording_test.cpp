@@ -99,8 +99,7 @@ TEST_CASE("a sensor that begins later than the one that is read is named at the 
     late.port = 2369;
     packets.push_back(late);
   }
-  std::ranges::stable_sort(
-      packets, [](const Captured& a, const Captured& b) { return a.time_ns < b.time_ns; });
+  std::ranges::stable_sort(packets, {}, &Captured::time_ns);
   write_file(path, pcap_bytes(packets));
   const auto source = open_recording(path);
   CHECK(source->warnings().empty());
@@ -151,8 +150,7 @@ TEST_CASE("several sensors in a capture are listed and chosen by port or sender"
     other.sender = 202;
   }
   packets.insert(packets.end(), others.begin(), others.end());
-  std::ranges::stable_sort(
-      packets, [](const Captured& a, const Captured& b) { return a.time_ns < b.time_ns; });
+  std::ranges::stable_sort(packets, {}, &Captured::time_ns);
   write_file(path, pcap_bytes(packets));
   CHECK(refused_with([&] { open_recording(path); }, "192.168.1.201:2368", "192.168.1.202:2369",
                      "--stream"));
@@ -167,12 +165,7 @@ TEST_CASE("several sensors in a capture are listed and chosen by port or sender"
 TEST_CASE("an Ouster's metadata are found beside the capture") {
   const TemporaryDirectory directory;
   const std::string path = directory.file("a.pcap");
-  std::vector<Captured> packets;
-  for (const std::uint32_t id : {7U, 8U, 9U}) {
-    const auto turn = ouster_turn(OusterProfile::kRng15, id);
-    packets.insert(packets.end(), turn.begin(), turn.end());
-  }
-  write_file(path, pcap_bytes(packets, 1480));
+  write_file(path, pcap_bytes(ouster_turns(OusterProfile::kRng15, {7, 8, 9}), 1480));
   CHECK(refused_with([&] { open_recording(path); }, "metadata", ".json"));
   write_file(directory.file("unrelated.json"), "{\"a\": 1}");
   write_file(directory.file("other.json"), ouster_metadata_text(OusterProfile::kLegacy));

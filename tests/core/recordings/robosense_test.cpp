@@ -23,13 +23,6 @@ RobosenseDecoder decoder_of(const Robosense& sensor, const VelodyneOptions& opti
   return {unit, unit.sensor, options};
 }
 
-std::vector<Scan> decoded(RobosenseDecoder& decoder, const std::vector<Captured>& packets) {
-  std::vector<Scan> scans;
-  for (const Captured& packet : packets) decoder.add(as_packet(packet), scans);
-  decoder.finish(scans);
-  return scans;
-}
-
 double clockwise_deg(const Eigen::Vector3f& point_m) {
   return std::atan2(-point_m.y(), point_m.x()) / kDegree_rad;
 }

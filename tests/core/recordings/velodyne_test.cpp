@@ -34,13 +34,8 @@ struct Decoded {
 Decoded decoded(const std::vector<Captured>& packets, const VelodyneStream& stream,
                 const VelodyneOptions& options = {}) {
   VelodyneDecoder decoder(stream, sensor_preset(name(stream.model)), options);
-  Decoded result;
-  for (const Captured& captured : packets) decoder.add(as_packet(captured), result.scans);
-  decoder.finish(result.scans);
-  result.counts = decoder.counts();
-  result.partial = decoder.partial_scans();
-  result.lost = decoder.lost_scans();
-  return result;
+  std::vector<Scan> scans = test::decoded(decoder, packets);
+  return {std::move(scans), decoder.counts(), decoder.partial_scans(), decoder.lost_scans()};
 }
 
 /// From the first point to the last.
@@ -96,18 +91,17 @@ TEST_CASE("a point of a VLP-16 is where and when its laser fired") {
   // Blocks 0.4 degrees apart; laser 3 of the second firing of block 5: -15 + 3 * ... = +3 degrees.
   auto packet = velodyne_packet(1000, azimuths(9000, 40), 0);
   set_measurement(packet, 5, 16 + 3, 5000);  // 10 m
-  const Decoded result = [&] {
-    VelodyneDecoder decoder(stream_of(VelodyneModel::kVlp16), sensor_preset("vlp-16"));
-    Decoded d;
-    // A turn before and behind it, so that the scan is whole.
-    decoder.add(as_packet({0, 2368, velodyne_packet(0, azimuths(35700, 40), 0)}), d.scans);
-    decoder.add(as_packet({1'000'000, 2368, packet}), d.scans);
-    decoder.add(as_packet({90'000'000, 2368, velodyne_packet(90000, azimuths(35900, 40), 0)}),
-                d.scans);
-    return d;
-  }();
-  REQUIRE(result.scans.size() == 1);
-  const Scan& scan = result.scans[0];
+  VelodyneDecoder decoder(stream_of(VelodyneModel::kVlp16), sensor_preset("vlp-16"));
+  std::vector<Scan> scans;
+  // A turn before and behind it, so that the scan is whole.
+  for (const Captured& captured :
+       {Captured{0, 2368, velodyne_packet(0, azimuths(35700, 40), 0)},
+        Captured{1'000'000, 2368, packet},
+        Captured{90'000'000, 2368, velodyne_packet(90000, azimuths(35900, 40), 0)}}) {
+    decoder.add(as_packet(captured), scans);
+  }
+  REQUIRE(scans.size() == 1);
+  const Scan& scan = scans[0];
   REQUIRE(scan.points_m.size() == 1);
   const double laser_us = 55.296 + 3 * 2.304;
   const double azimuth_rad = radians(92.0 + 0.4 * laser_us / 110.592);

@@ -35,9 +35,7 @@ std::map<int, Seen> decoded(const Payload& packet, VelodyneModel model, bool dua
   stream.cut_azimuth_deg = cut_deg;
   stream.field_of_view_deg = 0.0;  // a packet is a scan
   VelodyneDecoder decoder(stream, sensor_preset(name(model)), {kept, true});
-  std::vector<Scan> scans;
-  decoder.add(as_packet({0, 2368, packet}), scans);
-  decoder.finish(scans);
+  const std::vector<Scan> scans = test::decoded(decoder, {{0, 2368, packet}});
   REQUIRE(scans.size() == 1);
   std::map<int, Seen> seen;
   for (std::size_t i = 0; i < scans[0].points_m.size(); ++i) {
@@ -220,9 +218,7 @@ TEST_CASE("a capture of a VLS-128 with two returns is recognised and has all its
   CHECK(stream->dual_return);
   CHECK(stream->scan_period_s == doctest::Approx(0.1).scale(0).epsilon(0.001));
   VelodyneDecoder decoder(*stream, sensor_preset("vls-128"));
-  std::vector<Scan> scans;
-  for (const Captured& captured : packets) decoder.add(as_packet(captured), scans);
-  decoder.finish(scans);
+  const std::vector<Scan> scans = test::decoded(decoder, packets);
   CHECK(decoder.counts().used == 6567);
   CHECK(decoder.counts().lost + decoder.counts().foreign + decoder.counts().late == 0);
   REQUIRE(scans.size() == 3);
