@@ -282,14 +282,9 @@ class HeightTracker {
         least_deviation_rad = fall.deviation_rad;
         cut = i;
       }
-      add_segment({pieces[begin].first,
-                   pieces[cut - 1].end,
-                   pieces[begin].begins_with_wrap,
-                   0.0,
-                   0.0,
-                   0.0,
-                   false,
-                   {}},
+      add_segment({.first = pieces[begin].first,
+                   .end = pieces[cut - 1].end,
+                   .begins_with_wrap = pieces[begin].begins_with_wrap},
                   joined(begin, cut));
       begin = cut;
     }
@@ -329,7 +324,6 @@ class HeightTracker {
 
 }  // namespace
 
-/// Tangent of the elevation: rises with it, at a fraction of the cost.
 std::vector<float> elevation_tangents(const Scan& scan) {
   std::vector<float> tangent;
   tangent.reserve(scan.points_m.size());
@@ -341,7 +335,6 @@ std::vector<float> elevation_tangents(const Scan& scan) {
   return tangent;
 }
 
-/// Distance of each beam to its neighbours.
 std::vector<double> beam_spacing_rad(const SensorModel& sensor) {
   const auto& elevation_rad = sensor.beam_elevation_rad;
   const int rows = sensor.rows();

@@ -54,9 +54,7 @@ TEST_CASE("points, images, components and trajectories have the same bytes on ev
   CHECK(hash_of(cloud.time_offset_s) == 8085818488415593253U);
 
   Scan scan;
-  for (std::size_t i = 0; i < cloud.points_m.size(); ++i) {
-    if (cloud.range_m[i] > 0.0F) scan.points_m.push_back(cloud.points_m[i]);
-  }
+  scan.points_m = points_of(cloud);
   CHECK(hash_of(project(scan, sensor).cloud.range_m) == 3701233445619095456U);
 
   ComponentLabeler labeler(sensor, {});

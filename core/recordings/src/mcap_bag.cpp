@@ -1,4 +1,3 @@
-
 #include "bag.h"
 #include "hqslam/core/error.h"
 

@@ -68,7 +68,6 @@ void OusterDecoder::begin(const Packet& packet, std::uint32_t id) {
     }
   }
   frame.timestamp_ns.assign(columns, 0);
-  frame.measurement_id.assign(columns, 0);
   frame.status.assign(columns, 0);
   frame.first_capture_ns = packet.capture_time_ns;
   const auto first = first_column(packet.payload);
@@ -139,7 +138,6 @@ void OusterDecoder::read_columns(Bytes packet) {
     const auto found = column(packet, place);
     if (!found) continue;
     frame_->timestamp_ns[found->id] = little_endian<std::uint64_t>(found->bytes);
-    frame_->measurement_id[found->id] = static_cast<std::uint16_t>(found->id);
     frame_->status[found->id] = found->status;
     if (!options_.with_ranges) continue;
     read_pixels(found->bytes + layout_.column_header, static_cast<int>(found->id));

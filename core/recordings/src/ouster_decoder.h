@@ -29,11 +29,10 @@ struct OusterFrame {
   std::vector<std::uint32_t> second_range_mm;      ///< empty with a single return
   std::vector<std::uint16_t> reflectivity;         ///< of the first return
   std::vector<std::uint16_t> second_reflectivity;  ///< empty with a single return
-  std::vector<std::uint64_t> timestamp_ns;    ///< per column, by the sensor's clock; 0: no column
-  std::vector<std::uint16_t> measurement_id;  ///< per column; 0 where it never came
-  std::vector<std::uint32_t> status;          ///< per column; bit 0: it is valid
-  std::int64_t first_capture_ns = 0;          ///< of the packet that came first
-  std::uint64_t first_timestamp_ns = 0;       ///< of that packet's first valid column
+  std::vector<std::uint64_t> timestamp_ns;  ///< per column, by the sensor's clock; 0: no column
+  std::vector<std::uint32_t> status;        ///< per column; bit 0: it is valid
+  std::int64_t first_capture_ns = 0;        ///< of the packet that came first
+  std::uint64_t first_timestamp_ns = 0;     ///< of that packet's first valid column
 };
 
 /// Ouster lidar packets -> frames. Columns of lost packets stay empty. A packet of an earlier frame

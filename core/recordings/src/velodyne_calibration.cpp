@@ -82,9 +82,7 @@ VelodyneCalibration read_velodyne_calibration(const std::string& path) {
 
 SensorModel sensor_of(const VelodyneCalibration& calibration) {
   SensorModel sensor = sensor_preset(name(VelodyneModel::kHdl64e));
-  std::vector<double> elevations_rad;
-  for (const auto& laser : calibration.lasers) elevations_rad.push_back(laser.elevation_rad);
-  const std::vector<int> rows = rows_by_elevation(elevations_rad);
+  const std::vector<int> rows = laser_rows(calibration);
   sensor.beam_elevation_rad.resize(rows.size());
   sensor.beam_azimuth_offset_rad.resize(rows.size());
   for (std::size_t laser = 0; laser < rows.size(); ++laser) {

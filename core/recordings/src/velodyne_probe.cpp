@@ -108,7 +108,7 @@ void VelodyneProbe::set_field_of_view(VelodyneStream& stream) const {
       longest_end = bin + 1;
     }
   }
-  // What was not reached yet looks the same: the head must have been seen_ to jump over it.
+  // What was not reached yet looks the same: the head must have been seen to jump over it.
   if (longest < kSmallestBlindAngle_deg || largest_jump_ < 100 * (longest - 2)) return;
   stream.field_of_view_deg = kBins - longest;
   stream.cut_azimuth_deg = (longest_end - longest / 2 + kBins) % kBins;
@@ -124,24 +124,19 @@ std::optional<VelodyneStream> VelodyneProbe::result(std::optional<VelodyneModel>
   }
   const bool four_banks = 10 * banks_[2] > banks_[0];
   const bool two_banks = 2 * banks_[1] > banks_[0] && !four_banks;
-  const auto by_spacing = model_by_spacing(stream.packet_spacing_us, stream.dual_return);
-  if (four_banks) {
-    stream.model = VelodyneModel::kVls128;
-  } else if (two_banks && 2 * with_double_pairs_ > packets_) {
+  if (two_banks && 2 * with_double_pairs_ > packets_) {
     throw Error(
         "expected packets of an HDL-64E with one return, found two; set the sensor to one, or "
         "give its scans as point clouds");
-  } else if (two_banks) {
-    stream.model = VelodyneModel::kHdl64e;
-  } else if (by_spacing) {
-    stream.model = *by_spacing;
-  } else if (stream.factory_model) {
-    stream.model = *stream.factory_model;
-  } else if (otherwise) {
-    stream.model = *otherwise;
-  } else {
-    return std::nullopt;
   }
+  const auto by_spacing = model_by_spacing(stream.packet_spacing_us, stream.dual_return);
+  const auto model = four_banks             ? std::optional(VelodyneModel::kVls128)
+                     : two_banks            ? VelodyneModel::kHdl64e
+                     : by_spacing           ? by_spacing
+                     : stream.factory_model ? stream.factory_model
+                                            : otherwise;
+  if (!model) return std::nullopt;
+  stream.model = *model;
   set_period(stream);
   set_field_of_view(stream);
   return stream;

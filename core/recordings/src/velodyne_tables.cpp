@@ -47,12 +47,13 @@ const std::vector<double> kVls128Elevations_deg = {
     -5.18,   0.21,    6.98,  -3.09,   4.98,  -3.75, 1.64,    -8.352, -2.54, 2.85,    -5.84, -0.45,
     8.43,    -2.87,   2.52,  -6.17,   -1.66, 3.73,  -4.96,   0.43};
 
-std::vector<int> rows_of(const VelodyneStream& stream) {
-  if (stream.model != VelodyneModel::kHdl64e) return laser_rows(stream.model);
-  std::vector<double> elevations_rad;
-  for (const auto& laser : stream.calibration->lasers)
-    elevations_rad.push_back(laser.elevation_rad);
-  return rows_by_elevation(elevations_rad);
+std::vector<int> rows_by_elevation(const std::vector<double>& elevations) {
+  std::vector<int> lasers(elevations.size());
+  std::iota(lasers.begin(), lasers.end(), 0);
+  std::ranges::stable_sort(lasers, [&](int a, int b) { return elevations[a] > elevations[b]; });
+  std::vector<int> rows(elevations.size());
+  for (std::size_t row = 0; row < lasers.size(); ++row) rows[lasers[row]] = static_cast<int>(row);
+  return rows;
 }
 
 void check(const VelodyneStream& stream, const SensorModel& sensor, int lasers) {
@@ -126,17 +127,14 @@ std::vector<double> laser_elevations_deg(VelodyneModel model) {
   return kVls128Elevations_deg;
 }
 
-std::vector<int> rows_by_elevation(const std::vector<double>& elevations) {
-  std::vector<int> lasers(elevations.size());
-  std::iota(lasers.begin(), lasers.end(), 0);
-  std::ranges::stable_sort(lasers, [&](int a, int b) { return elevations[a] > elevations[b]; });
-  std::vector<int> rows(elevations.size());
-  for (std::size_t row = 0; row < lasers.size(); ++row) rows[lasers[row]] = static_cast<int>(row);
-  return rows;
-}
-
 std::vector<int> laser_rows(VelodyneModel model) {
   return rows_by_elevation(laser_elevations_deg(model));
+}
+
+std::vector<int> laser_rows(const VelodyneCalibration& calibration) {
+  std::vector<double> elevations_rad;
+  for (const auto& laser : calibration.lasers) elevations_rad.push_back(laser.elevation_rad);
+  return rows_by_elevation(elevations_rad);
 }
 
 int bank_of(std::uint16_t flag) {
@@ -176,7 +174,9 @@ VelodyneTiming timing_of(const VelodyneStream& stream) {
 VelodyneChannels channels_of(const VelodyneStream& stream, const SensorModel& sensor) {
   const VelodyneTiming timing = timing_of(stream);
   check(stream, sensor, timing.lasers);
-  const std::vector<int> rows = rows_of(stream);
+  const std::vector<int> rows = stream.model == VelodyneModel::kHdl64e
+                                    ? laser_rows(*stream.calibration)
+                                    : laser_rows(stream.model);
   VelodyneChannels result;
   for (int bank = 0; bank < static_cast<int>(result.size()); ++bank) {
     for (int c = 0; c < kChannels; ++c) {

@@ -43,9 +43,7 @@ double laser_azimuth_time_us(VelodyneModel model, int laser);
 
 /// The row of each laser, 0 the highest beam.
 std::vector<int> laser_rows(VelodyneModel model);
-
-/// The same of lasers with these elevations.
-std::vector<int> rows_by_elevation(const std::vector<double>& elevations);
+std::vector<int> laser_rows(const VelodyneCalibration& calibration);
 
 /// By the manual, degrees: what laser_rows goes by. Not of an HDL-64E.
 std::vector<double> laser_elevations_deg(VelodyneModel model);

@@ -3,10 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cmath>
-#include <cstring>
 
 namespace hqslam::test {
 
@@ -413,60 +411,6 @@ std::vector<RecordedScan> all_scans(ScanSource& source) {
   std::vector<RecordedScan> scans;
   while (auto scan = source.next()) scans.push_back(std::move(*scan));
   return scans;
-}
-
-std::string md5(const void* bytes, std::size_t count) {
-  std::array<std::uint32_t, 64> sines{};
-  for (std::size_t i = 0; i < sines.size(); ++i) {
-    sines[i] = static_cast<std::uint32_t>(
-        std::floor(std::abs(std::sin(static_cast<double>(i) + 1.0)) * 4294967296.0));
-  }
-  constexpr std::array<std::array<int, 4>, 4> kTurns = {
-      {{7, 12, 17, 22}, {5, 9, 14, 20}, {4, 11, 16, 23}, {6, 10, 15, 21}}};
-  Payload message(static_cast<const std::uint8_t*>(bytes),
-                  static_cast<const std::uint8_t*>(bytes) + count);
-  message.push_back(0x80);
-  message.resize((message.size() + 8 + 63) / 64 * 64);
-  put(message, message.size() - 8, std::uint64_t{count} * 8);
-  std::array<std::uint32_t, 4> state = {0x67452301, 0xEFCDAB89, 0x98BADCFE, 0x10325476};
-  for (std::size_t chunk = 0; chunk < message.size(); chunk += 64) {
-    std::array<std::uint32_t, 16> words{};
-    std::memcpy(words.data(), message.data() + chunk, 64);
-    auto [a, b, c, d] = state;
-    for (std::size_t i = 0; i < 64; ++i) {
-      std::uint32_t f = 0;
-      std::size_t word = 0;
-      switch (i / 16) {
-        case 0:
-          f = (b & c) | (~b & d);
-          word = i;
-          break;
-        case 1:
-          f = (d & b) | (~d & c);
-          word = (5 * i + 1) % 16;
-          break;
-        case 2:
-          f = b ^ c ^ d;
-          word = (3 * i + 5) % 16;
-          break;
-        default:
-          f = c ^ (b | ~d);
-          word = 7 * i % 16;
-      }
-      const std::uint32_t next =
-          b + std::rotl(a + f + sines[i] + words[word], kTurns[i / 16][i % 4]);
-      a = d;
-      d = c;
-      c = b;
-      b = next;
-    }
-    state = {state[0] + a, state[1] + b, state[2] + c, state[3] + d};
-  }
-  std::string text;
-  for (const std::uint32_t word : state) {
-    for (int i = 0; i < 4; ++i) text += fmt::format("{:02x}", word >> (8 * i) & 0xFF);
-  }
-  return text;
 }
 
 }  // namespace hqslam::test

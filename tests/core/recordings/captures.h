@@ -162,7 +162,4 @@ bool same_scans(const std::vector<RecordedScan>& a, const std::vector<RecordedSc
 /// All scans of a recording from where it stands.
 std::vector<RecordedScan> all_scans(ScanSource& source);
 
-/// The MD5 digest, in hexadecimal. Source: RFC 1321.
-std::string md5(const void* bytes, std::size_t count);
-
 }  // namespace hqslam::test
