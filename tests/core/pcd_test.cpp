@@ -164,24 +164,6 @@ TEST_CASE("times are offsets from the middle of the scan, whatever they count fr
   CHECK(none.time_offset_s.empty());
 }
 
-TEST_CASE("times that last a turn in another unit are in that unit") {
-  const Scan microseconds =
-      scan_of(header("x y z time", "4 4 4 4", "F F F F", 2, "ascii") + "1 0 0 0\n2 0 0 99999\n");
-  CHECK(microseconds.time_offset_s[1] == doctest::Approx(0.0499995));
-}
-
-TEST_CASE("times that last longer than a turn are refused with field, unit and what was found") {
-  const std::string seconds = pcd_complaint(header("x y z time", "4 4 4 4", "F F F F", 2, "ascii") +
-                                            "1 0 0 0\n2 0 0 3000000\n");
-  CHECK(one_line_with(seconds, "0.pcd", "'time'", "seconds", "3e+06 s"));
-  const std::string nanoseconds = pcd_complaint(
-      header("x y z t", "4 4 4 4", "F F F U", 2, "ascii") + "1 0 0 0\n2 0 0 1500000000\n");
-  CHECK(one_line_with(nanoseconds, "'t'", "nanoseconds", "1.5 s"));
-  CHECK(one_line_with(
-      pcd_complaint(header("x y z t", "4 4 4 4", "F F F F", 2, "ascii") + "1 0 0 0\n2 0 0 nan\n"),
-      "'t'", "not finite"));
-}
-
 TEST_CASE("row 0 is the highest beam whether the driver counts rings from above or from below") {
   for (const std::string& name : sensor_preset_names()) {
     CAPTURE(name);

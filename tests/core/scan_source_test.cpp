@@ -274,18 +274,6 @@ TEST_CASE("a path that is no recording is refused in one line") {
   CHECK(one_line_with(recording_complaint(path, sensor), path, "one kind", "1 .bin and 1 .pcd"));
 }
 
-TEST_CASE("a truncated file in the middle of a recording ends it after the scans before it") {
-  const TemporaryDirectory directory;
-  const SensorModel sensor = sensor_preset("os1-16");
-  for (const char* name : {"0.bin", "1.bin", "2.bin"}) {
-    write_kitti_bin(as_scan(an_image(sensor), sensor), directory.file(name));
-  }
-  std::filesystem::resize_file(directory.file("1.bin"), 1001);
-  const auto source = open_recording(directory.path().string(), sensor);
-  CHECK(source->next());
-  CHECK(refused_with([&] { source->next(); }, "1.bin", "1001 bytes"));
-}
-
 TEST_CASE(
     "links that lead nowhere and files that are none are named, and later stamps stay theirs") {
   const TemporaryDirectory directory;

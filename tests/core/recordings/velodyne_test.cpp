@@ -51,14 +51,6 @@ std::vector<int> azimuths(int first, int step) {
   return result;
 }
 
-/// The stream that the hand-computed packets are of.
-VelodyneStream stream_of(VelodyneModel model, bool dual = false) {
-  VelodyneStream stream;
-  stream.model = model;
-  stream.dual_return = dual;
-  return stream;
-}
-
 }  // namespace
 
 TEST_CASE("the lasers of every model are the beams of its preset") {
@@ -91,7 +83,7 @@ TEST_CASE("a point of a VLP-16 is where and when its laser fired") {
   // Blocks 0.4 degrees apart; laser 3 of the second firing of block 5: -15 + 3 * ... = +3 degrees.
   auto packet = velodyne_packet(1000, azimuths(9000, 40), 0);
   set_measurement(packet, 5, 16 + 3, 5000);  // 10 m
-  VelodyneDecoder decoder(stream_of(VelodyneModel::kVlp16), sensor_preset("vlp-16"));
+  VelodyneDecoder decoder(VelodyneStream{}, sensor_preset("vlp-16"));
   std::vector<Scan> scans;
   // A turn before and behind it, so that the scan is whole.
   for (const Captured& captured :
@@ -114,55 +106,6 @@ TEST_CASE("a point of a VLP-16 is where and when its laser fired") {
   const double time_us = 1000.0 + 5 * 110.592 + laser_us;
   CHECK(scan.stamp_s + scan.time_offset_s[0] ==
         doctest::Approx(1e-6 * time_us).scale(0).epsilon(1e-5));
-}
-
-TEST_CASE("two returns of a pulse come in pairs of blocks") {
-  std::vector<int> pairs;
-  for (int i = 0; i < 12; ++i) pairs.push_back(9000 + 20 * (i / 2));
-  auto packet = velodyne_packet(1000, pairs, 0);
-  set_measurement(packet, 4, 0, 3000, 5);  // last: 6 m, weak
-  set_measurement(packet, 5, 0, 2000, 9);  // 4 m, strong
-  set_measurement(packet, 6, 1, 3000, 9);  // last and strongest
-  set_measurement(packet, 7, 1, 2000, 5);
-  set_measurement(packet, 8, 2, 0);  // only one return
-  set_measurement(packet, 9, 2, 2500, 5);
-  const auto ranges = [&](KeptReturn kept) {
-    VelodyneStream stream = stream_of(VelodyneModel::kVlp16, true);
-    stream.field_of_view_deg = 1.0;
-    const Decoded d = decoded({{0, 2368, packet}}, stream, {kept, true});
-    std::vector<float> result;
-    for (const auto& point_m : d.scans.at(0).points_m) result.push_back(point_m.norm());
-    return result;
-  };
-  const auto near_to = [](const std::vector<float>& found, const std::vector<double>& expected) {
-    return std::ranges::equal(found, expected,
-                              [](float f, double e) { return std::abs(f - e) < 1e-4; });
-  };
-  CHECK(near_to(ranges(KeptReturn::kStrongest), {4.0, 6.0, 5.0}));
-  CHECK(near_to(ranges(KeptReturn::kLast), {6.0, 6.0, 5.0}));
-}
-
-TEST_CASE("the lasers of a VLS-128 come in four banks that fire together") {
-  auto packet = velodyne_packet(1000, azimuths(9000, 0), 0);
-  for (int i = 0; i < 12; ++i) {
-    put(packet, 100 * static_cast<std::size_t>(i), kBankFlags[static_cast<std::size_t>(i % 4)]);
-    put(packet, 100 * static_cast<std::size_t>(i) + 2,
-        static_cast<std::uint16_t>(9000 + 20 * (i / 4)));
-  }
-  set_measurement(packet, 6, 5, 2500);  // second firing, bank 2: laser 69, -19.582 degrees
-  VelodyneStream stream = stream_of(VelodyneModel::kVls128);
-  stream.field_of_view_deg = 0.4;
-  const Decoded d = decoded({{0, 2368, packet}}, stream);
-  REQUIRE(d.scans.size() == 1);
-  REQUIRE(d.scans[0].points_m.size() == 1);
-  const Eigen::Vector3d point_m = d.scans[0].points_m[0].cast<double>();
-  CHECK(point_m.norm() == doctest::Approx(10.0).scale(0).epsilon(1e-5));  // units of 4 mm
-  CHECK(std::asin(point_m.z() / 10.0) == doctest::Approx(radians(-19.582)).scale(0).epsilon(1e-4));
-  // Laser 69 is of group 8, behind the pause after the eighth: 9 * 2.665 us.
-  const double azimuth_deg = 90.2 + 0.2 * 9 * 2.665 / 53.3 - 2.732;
-  CHECK(std::atan2(-point_m.y(), point_m.x()) ==
-        doctest::Approx(radians(azimuth_deg)).scale(0).epsilon(1e-5));
-  CHECK(d.scans[0].row[0] == 126);
 }
 
 TEST_CASE("the spacing of the packets tells the model, whatever the factory byte says") {
@@ -297,7 +240,7 @@ TEST_CASE("a gap of nearly a turn, which leaves the azimuth as it was, ends a sc
   };
   for (int i = 0; i <= 13; ++i) add(10.0 * i);         // up to 108 degrees of the second turn
   for (int i = 0; i < 20; ++i) add(229.5 + 10.0 * i);  // from 106.2 degrees of the third turn on
-  const Decoded d = decoded(packets, stream_of(VelodyneModel::kVlp16));
+  const Decoded d = decoded(packets, VelodyneStream{});
   REQUIRE(d.scans.size() == 2);
   CHECK(duration_s(d.scans[0]) == doctest::Approx(0.09).epsilon(0.02));
   CHECK(duration_s(d.scans[1]) == doctest::Approx(0.09).epsilon(0.02));

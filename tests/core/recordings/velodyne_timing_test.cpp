@@ -246,13 +246,17 @@ TEST_CASE("with two returns a pair of blocks fires as one, and the last pair tur
     set_measurement(packet, 7, 6, units(6000), 9);
     set_measurement(packet, 10, 6, units(8000), 9);  // the sixth: the last one is the strongest
     set_measurement(packet, 11, 6, units(7000), 5);
+    set_measurement(packet, 9, 6, units(5000), 5);  // the fifth: only one return
     const double within_deg = 0.2 * c.azimuth_us / c.block_us + c.offset_deg;
     const auto strongest = decoded(packet, c.model, true);
-    REQUIRE(strongest.size() == 2);
+    REQUIRE(strongest.size() == 3);
     check_seen(strongest.at(6000), 3 * c.block_us + c.laser_us, 90.6 + within_deg);
     check_seen(strongest.at(8000), 5 * c.block_us + c.laser_us, 91.0 + within_deg);
     const auto last = decoded(packet, c.model, true, KeptReturn::kLast);
-    REQUIRE(last.size() == 2);
+    REQUIRE(last.size() == 3);
+    for (const auto& seen : {strongest, last}) {
+      check_seen(seen.at(5000), 4 * c.block_us + c.laser_us, 90.8 + within_deg);
+    }
     check_seen(last.at(9000), 3 * c.block_us + c.laser_us, 90.6 + within_deg);
     check_seen(last.at(8000), 5 * c.block_us + c.laser_us, 91.0 + within_deg);
   }
