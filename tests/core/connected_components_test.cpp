@@ -77,17 +77,6 @@ ConnectedComponents components_of(const RangeImage& image, const SensorModel& se
 
 }  // namespace
 
-TEST_CASE("a uniform image is one component") {
-  const SensorModel sensor = small_sensor(4, 360);
-  RangeImage image(4, 360);
-  for (float& range_m : image.range_m) range_m = 10.0F;
-  const auto result = components_of(image, sensor, 20 * kDegree_rad);
-  REQUIRE(result.components.size() == 1);
-  CHECK(result.components[0].pixels == 4 * 360);
-  CHECK(result.components[0].first_row == 0);
-  CHECK(result.components[0].last_row == 3);
-}
-
 TEST_CASE("a near column splits the scan in two, because the scan is a circle") {
   const SensorModel sensor = small_sensor(5, 360);
   RangeImage image(5, 360);
@@ -96,17 +85,6 @@ TEST_CASE("a near column splits the scan in two, because the scan is a circle") 
   CHECK(components_of(image, sensor, 20 * kDegree_rad).components.size() == 2);
   ComponentLabeler cut_out(sensor, {20 * kDegree_rad, false});
   CHECK(cut_out.label(image).components.size() == 3);
-}
-
-TEST_CASE("a near row splits the scan in three, because rows do not wrap") {
-  const SensorModel sensor = small_sensor(5, 360);
-  RangeImage image(5, 360);
-  for (float& range_m : image.range_m) range_m = 10.0F;
-  for (int column = 0; column < 360; ++column) image.at(2, column) = 5.0F;
-  const auto result = components_of(image, sensor, 20 * kDegree_rad);
-  REQUIRE(result.components.size() == 3);
-  CHECK(result.components[1].first_row == 2);
-  CHECK(result.components[1].last_row == 2);
 }
 
 TEST_CASE("two points connect exactly when the angle exceeds the threshold") {

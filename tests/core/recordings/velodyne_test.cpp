@@ -5,7 +5,6 @@
 #include <numbers>
 
 #include "captures.h"
-#include "core/real_data.h"
 #include "hqslam/core/angles.h"
 #include "velodyne_decoder.h"
 #include "velodyne_tables.h"
@@ -282,39 +281,4 @@ TEST_CASE("a scan ends where both clocks are set back together") {
   const Decoded set = decoded(packets, probed(packets));
   CHECK(set.partial == 2);
   for (const Scan& scan : set.scans) CHECK(duration_s(scan) < 0.11);
-}
-
-TEST_CASE("real captures of three sensors decode, whatever their factory bytes say") {
-  struct Expected {
-    const char* name;
-    VelodyneModel model;
-    double period_s, field_of_view_deg;
-    std::size_t scans;
-  };
-  for (const Expected& e : {Expected{"packets/velodyne/vlp-16_90deg_1200rpm_50rev.pcap",
-                                     VelodyneModel::kVlp16, 0.05, 360.0, 50},
-                            Expected{"packets/velodyne/hdl-32e_driving_18rev.pcap",
-                                     VelodyneModel::kHdl32e, 0.085, 360.0, 17},
-                            Expected{"packets/velodyne/vlp-16_old_firmware.pcap",
-                                     VelodyneModel::kVlp16, 0.1, 360.0, 1}}) {
-    const auto path = real_data(e.name);
-    if (!path) return;
-    CAPTURE(e.name);
-    const auto packets = open_pcap(*path);
-    VelodyneProbe probe;
-    while (const auto packet = packets->next()) probe.add(*packet);
-    const auto stream = probe.result();
-    REQUIRE(stream);
-    CHECK(stream->model == e.model);
-    VelodyneDecoder decoder(*stream, sensor_preset(name(stream->model)));
-    std::vector<Scan> scans;
-    const auto again = open_pcap(*path);
-    while (const auto packet = again->next()) decoder.add(*packet, scans);
-    decoder.finish(scans);
-    CHECK(stream->scan_period_s == doctest::Approx(e.period_s).scale(0).epsilon(0.02));
-    CHECK(stream->field_of_view_deg == doctest::Approx(e.field_of_view_deg).scale(0).epsilon(0.03));
-    CHECK(scans.size() == e.scans);
-    CHECK(decoder.counts().lost == 0);
-    CHECK(decoder.counts().late == 0);
-  }
 }
