@@ -32,11 +32,18 @@ void show_tensors(nn::Trace trace, nb::dict arrays) {
   }
 }
 
-nn::LiftedImage run(Resolver& resolver, const ImageInput& range_m, const TraceInput& trace) {
+const nn::RecalledImage& or_nothing(const nn::RecalledImage* recalled) {
+  static const nn::RecalledImage nothing;
+  return recalled != nullptr ? *recalled : nothing;
+}
+
+nn::LiftedImage run(Resolver& resolver, const ImageInput& range_m, const TraceInput& trace,
+                    const nn::RecalledImage* recalled) {
   const RangeImage image = image_of(range_m);
   nn::Trace written;
-  nn::LiftedImage lifted = resolver.call(
-      [&](nn::SuperResolver& network) { return network.run(image, trace ? &written : nullptr); });
+  nn::LiftedImage lifted = resolver.call([&](nn::SuperResolver& network) {
+    return network.run(image, or_nothing(recalled), trace ? &written : nullptr);
+  });
   if (trace) show_tensors(std::move(written), *trace);
   return lifted;
 }
@@ -51,11 +58,6 @@ void make_upsampler(Upsampling* self, const std::filesystem::path& weights,
   } else {
     new (self) Upsampling(nn::Upsampler(std::move(network)));
   }
-}
-
-const nn::RecalledImage& or_nothing(const nn::RecalledImage* recalled) {
-  static const nn::RecalledImage nothing;
-  return recalled != nullptr ? *recalled : nothing;
 }
 
 void add_super_resolver(nb::module_& module) {
@@ -88,10 +90,10 @@ void add_super_resolver(nb::module_& module) {
           "come "
           "out empty, 0 to 1; none: the file's. Raises Error.")
       .def(
-          "run", &run, "range_m"_a, "trace"_a = nb::none(),
+          "run", &run, "range_m"_a, "trace"_a = nb::none(), "recalled"_a = nb::none(),
           "Lifts a scan. range_m: (measured rows or rows, columns), metres; what is not above 0 is "
           "no return. trace: a dict that is filled with every inner tensor by its name, (channels, "
-          "rows, columns) float32. Raises Error.")
+          "rows, columns) float32. recalled: as Upsampler.run. Raises Error.")
       .def_prop_ro("sensor", &ask<&nn::SuperResolver::sensor, nn::SuperResolver>,
                    "Of the result, all rows.")
       .def_prop_ro("parameters", &ask<&nn::SuperResolver::parameters, nn::SuperResolver>,

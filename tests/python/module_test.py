@@ -228,6 +228,11 @@ class Lifting(unittest.TestCase):
             for image in (lifted, upsampler.run(measured_m))
         ]
         self.assertLess(error_m[0], error_m[1])
+        inside = {}
+        resolver = hqslam.SuperResolver(hqslam.weights("du-mix-memory_os1_16to64"))
+        traced = resolver.run(measured_m, trace=inside, recalled=recalled)
+        np.testing.assert_array_equal(traced.range_m, lifted.range_m)
+        np.testing.assert_array_equal(inside["recalled"][0], recalled.range_m)
         with_memory = upsampler.upsampled_cloud(cloud, recalled)
         np.testing.assert_array_equal(with_memory.range_m > 0, lifted.range_m > 0)
         memory.clear()

@@ -30,7 +30,8 @@ struct TracedTensor {
 /// `layers.k.choice.correction` (m), `layers.k.memory`, `layers.k.rejected` (1: by the filter),
 /// `layers.k.y`. DU-OR and Simple DU: `layers.k.penalty` (b).
 /// DU-Mix: `mode_1`, `mode_2` (m), `weight_1` (of mode 1), `scale` (of both, in ln of the range),
-/// `probability` (of a return).
+/// `probability` (of a return). With a memory also `recalled` (M, m) and `recalled_weight` (W^2),
+/// where anything is recalled.
 /// From SuperResolver: `rejected` (by the filter at the end), `confidence` (before pixels are
 /// emptied for want of it), `result`.
 class Trace {
