@@ -37,6 +37,14 @@ class CellIndex {
     return is_within ? find(key_of(cell)) : kNone;
   }
 
+  /// The number of a cell, which is added as number `next` if it is not there.
+  std::uint32_t find_or_add(std::uint64_t key, std::size_t next) {
+    const std::uint32_t found = find(key);
+    if (found != kNone) return found;
+    add(key, static_cast<std::uint32_t>(next));
+    return static_cast<std::uint32_t>(next);
+  }
+
   /// Adds a cell that is not there yet.
   void add(std::uint64_t key, std::uint32_t number) {
     if (2 * ++size_ > slots_.size()) grow();
