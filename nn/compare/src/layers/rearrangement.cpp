@@ -1,6 +1,5 @@
 #include <algorithm>
 
-#include "channels.h"
 #include "layers.h"
 
 // Layers without parameters: pixels and channels put elsewhere, side by side, or together.
