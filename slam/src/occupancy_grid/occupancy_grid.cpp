@@ -11,7 +11,7 @@
 #include "front_end/segmentation.h"
 #include "hqslam/core/error.h"
 #include "hqslam/slam/dense_map.h"
-#include "occupancy_grid/cell_chunks.h"
+#include "map/cell_index.h"
 #include "occupancy_grid/ground_heights.h"
 
 namespace hqslam::slam {
