@@ -100,14 +100,8 @@ void check_gradients(const GradientProblem& p, int each, const EngineResult& res
       const std::size_t i =
           first + (count <= static_cast<std::size_t>(each) ? static_cast<std::size_t>(n) % count
                                                            : generator() % count);
-      constexpr double kStep = 1e-6;
-      const double middle = parameters[i];
-      parameters[i] = middle + kStep;
-      const double above = loss(p, parameters, result.rejected);
-      parameters[i] = middle - kStep;
-      const double below = loss(p, parameters, result.rejected);
-      parameters[i] = middle;
-      const double expected = (above - below) / (2.0 * kStep);
+      const double expected =
+          slope_of([&] { return loss(p, parameters, result.rejected); }, 1e-6, parameters[i]);
       ++checked;
       wrong += !(std::fabs(result.gradient[i] - expected) < 1e-4 * largest);
       // Even where an activation changes sides on the way the two cannot be far apart.

@@ -285,9 +285,9 @@ TEST_CASE("columns and parameters that do not fit are refused") {
   const auto network = make_network(plan, 64, any, 1);
   std::vector<float> parameters = initial_parameters(plan, 1);
   parameters.pop_back();
-  CHECK(test::one_line_with(test::error_message([&] { network->set_parameters(parameters); }),
-                            std::to_string(parameters.size()),
-                            std::to_string(parameters.size() + 1)));
+  CHECK(test::refused_with([&] { network->set_parameters(parameters); },
+                           std::to_string(parameters.size()),
+                           std::to_string(parameters.size() + 1)));
 }
 
 }  // namespace hqslam::nn

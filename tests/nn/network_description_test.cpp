@@ -178,8 +178,7 @@ TEST_CASE("denoisers of senseless sizes cannot be described") {
 }
 
 TEST_CASE("a description without an architecture is none") {
-  CHECK(test::one_line_with(test::error_message([] { validate(NetworkDescription{}); }),
-                            "architecture"));
+  CHECK(test::refused_with([] { validate(NetworkDescription{}); }, "architecture"));
 }
 
 }  // namespace hqslam::nn

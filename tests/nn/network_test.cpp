@@ -32,9 +32,8 @@ RangeImage repeated_scan(int columns, int times) {
 
 LiftedImage lifted(NetworkDescription description, const RangeImage& measured) {
   description.sensor.columns = 26 * 8;  // of which these are some, or all
-  const auto network = make_network(description, measured.columns, chosen_instruction_set(), 1);
-  network->set_parameters(initial_parameters(description, 5));
-  return network->lift(measured, 0.5F);
+  return made(description, initial_parameters(description, 5), 1, measured.columns)
+      ->lift(measured, 0.5F);
 }
 
 }  // namespace
@@ -78,7 +77,7 @@ TEST_CASE("images may have any number of columns that the strides divide, down t
     if (multiple == 1) continue;
     NetworkDescription other = description;
     other.sensor.columns = 60;
-    CHECK(test::one_line_with(test::error_message([&] { validate(other); }), "60", "multiple"));
+    CHECK(test::refused_with([&] { validate(other); }, "60", "multiple"));
     for (const int columns : {multiple - 1, multiple + 1, 3 * multiple + multiple / 2}) {
       const std::string message =
           test::error_message([&] { lifted(description, RangeImage(4, columns)); });
@@ -90,17 +89,17 @@ TEST_CASE("images may have any number of columns that the strides divide, down t
 TEST_CASE("a network for an instruction set that the processor has not is refused in one line") {
   const int beyond_all = static_cast<int>(InstructionSet::kAvx512) + 1;
   for (const NetworkDescription& description : every_kind()) {
-    const std::string message = test::error_message(
-        [&] { make_network(description, 64, static_cast<InstructionSet>(beyond_all), 1); });
-    CHECK(test::one_line_with(message, "instruction set", "portable"));
+    CHECK(test::refused_with(
+        [&] { make_network(description, 64, static_cast<InstructionSet>(beyond_all), 1); },
+        "instruction set", "portable"));
   }
 }
 
 TEST_CASE("more threads than anybody has, and fewer than one, are refused") {
   for (const int threads : {-1, 0, 1025, 1 << 30}) {
-    const std::string message = test::error_message(
-        [&] { make_network(small_du_or(), 64, chosen_instruction_set(), threads); });
-    CHECK(test::one_line_with(message, "threads is " + std::to_string(threads), "1 to 1024"));
+    CHECK(test::refused_with(
+        [&] { make_network(small_du_or(), 64, chosen_instruction_set(), threads); },
+        "threads is " + std::to_string(threads), "1 to 1024"));
   }
 }
 
@@ -115,10 +114,8 @@ TEST_CASE("gradients inside a parallel region of the caller's are those outside,
       std::vector<float> gradient;
     };
     const auto gradient = [&] {
-      const auto network = make_network(description, 64, chosen_instruction_set(), 1);
-      network->set_parameters(parameters);
       Result result{0.0, std::vector<float>(parameters.size())};
-      result.loss = add_gradient(*network, sample, {}, result.gradient, 7);
+      result.loss = add_gradient(*made(description, parameters), sample, {}, result.gradient, 7);
       return result;
     };
     const Result alone = gradient();
@@ -135,9 +132,8 @@ TEST_CASE("gradients inside a parallel region of the caller's are those outside,
 TEST_CASE("a batch, seeds or a gradient of another shape are refused with what was expected") {
   for (const NetworkDescription& description : every_kind()) {
     CAPTURE(name(description));
-    const auto network = make_network(description, 64, chosen_instruction_set(), 1);
     const std::vector<float> parameters = initial_parameters(description, 5);
-    network->set_parameters(parameters);
+    const auto network = made(description, parameters);
     const auto message = [&](const TrainingSample& sample, std::size_t seeds, std::size_t values) {
       std::vector<float> gradient(values);
       return test::error_message([&] {
@@ -163,8 +159,7 @@ TEST_CASE("the steps of a network are all that it multiplies, and running them c
   for (const NetworkDescription& description : every_kind()) {
     CAPTURE(name(description));
     constexpr int kThreads = 2;
-    const auto network = make_network(description, 64, chosen_instruction_set(), kThreads);
-    network->set_parameters(initial_parameters(description, 5));
+    const auto network = made(description, initial_parameters(description, 5), kThreads);
     const RangeImage measured = measured_scene(description);
     const LiftedImage expected = network->lift(measured, 0.5F);
     std::int64_t multiply_adds = 0;

@@ -4,8 +4,8 @@
 
 #include "error_message.h"
 #include "hqslam/nn/network_json.h"
-#include "hqslam/nn/reference/reference.h"
 #include "hqslam/nn/super_resolver.h"
+#include "reference_differences.h"
 #include "small_network.h"
 
 // DU-Mix with what earlier scans measured (Observation::recalled).
@@ -30,13 +30,6 @@ RecalledImage recalled_scene() {
   return recalled;
 }
 
-std::unique_ptr<Network> made(const NetworkDescription& description,
-                              const std::vector<float>& parameters, int threads = 1) {
-  auto network = make_network(description, 64, chosen_instruction_set(), threads);
-  network->set_parameters(parameters);
-  return network;
-}
-
 }  // namespace
 
 TEST_CASE("a pixel that is recalled is drawn towards what is recalled by W^2 / (W^2 + 1)") {
@@ -57,18 +50,7 @@ TEST_CASE("every inner tensor of a network with a memory is that of the referenc
     const Trace trace =
         made(description, parameters)->trace({measured, remembers ? recalled : RecalledImage()});
     CHECK(trace.has("recalled") == remembers);
-    int compared = 0;
-    for (const ReferenceDifference& difference :
-         differences_from_reference(description, parameters, trace)) {
-      CAPTURE(difference.name);
-      float scale = 1.0F;
-      for (const float value : trace.tensor(difference.name).values) {
-        scale = std::max(scale, std::fabs(value));
-      }
-      CHECK(difference.largest < 1e-4 * scale);
-      ++compared;
-    }
-    CHECK(compared > 10);
+    CHECK(compared_with_reference(description, parameters, trace).size() > 10);
   }
 }
 
@@ -146,11 +128,9 @@ TEST_CASE("what is recalled in another shape is refused in one line") {
   RecalledImage recalled = recalled_scene();
   CHECK(resolver.run(measured, recalled).image.rows == 16);
   recalled.weight.pop_back();
-  CHECK(test::one_line_with(test::error_message([&] { resolver.run(measured, recalled); }),
-                            "1023 weights"));
+  CHECK(test::refused_with([&] { resolver.run(measured, recalled); }, "1023 weights"));
   recalled = {RangeImage(4, 64), std::vector<float>(4 * 64)};
-  CHECK(test::one_line_with(test::error_message([&] { resolver.run(measured, recalled); }),
-                            "4 x 64"));
+  CHECK(test::refused_with([&] { resolver.run(measured, recalled); }, "4 x 64"));
 }
 
 }  // namespace hqslam::nn

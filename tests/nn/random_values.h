@@ -48,9 +48,9 @@ inline bool same_bits(const Tensor& a, const Tensor& b) {
 }
 
 /// How `loss` changes with a value that it depends on: central differences.
-template <typename Loss>
-double slope_of(const Loss& loss, float step, float& value) {
-  const float before = value;
+template <typename Loss, typename Value>
+double slope_of(const Loss& loss, Value step, Value& value) {
+  const Value before = value;
   value = before + step;
   const double above = loss();
   value = before - step;

@@ -1,20 +1,13 @@
 #include "hqslam/nn/reference/reference.h"
 
-#include <cmath>
-#include <set>
+#include <doctest/doctest.h>
 
 #include "error_message.h"
-#include "golden.h"
+#include "reference_differences.h"
 #include "small_network.h"
 
 namespace hqslam::nn {
 namespace {
-
-Trace trace_of(const NetworkDescription& description, const std::vector<float>& parameters) {
-  const auto network = make_network(description, 64, chosen_instruction_set(), 2);
-  network->set_parameters(parameters);
-  return network->trace(measured_scene(description));
-}
 
 HqsPlan supported_du_or() {
   HqsPlan plan = small_du_or();
@@ -38,20 +31,8 @@ TEST_CASE("every network's inner tensors are those of the reference, name by nam
         small_du_mix()}) {
     CAPTURE(name(description));
     const std::vector<float> parameters = large_parameters(description, 9);
-    const Trace trace = trace_of(description, parameters);
-    std::set<std::string> compared;
-    for (const ReferenceDifference& difference :
-         differences_from_reference(description, parameters, trace)) {
-      CAPTURE(difference.name);
-      CAPTURE(difference.largest);
-      const TracedTensor& tensor = trace.tensor(difference.name);
-      float scale = 1.0F;
-      for (const float value : tensor.values) scale = std::max(scale, std::fabs(value));
-      CHECK(difference.largest < 1e-4 * scale);
-      CHECK(difference.root_mean_square <= difference.largest);
-      CHECK(difference.unit == tensor.unit);
-      compared.insert(difference.name);
-    }
+    const Trace trace = made(description, parameters, 2)->trace(measured_scene(description));
+    const std::set<std::string> compared = compared_with_reference(description, parameters, trace);
     for (const TracedTensor& tensor : trace.tensors()) {
       const bool given = tensor.name == "measured" || tensor.name.ends_with(".penalty");
       CHECK(compared.contains(tensor.name) == !given);
@@ -61,7 +42,7 @@ TEST_CASE("every network's inner tensors are those of the reference, name by nam
 
 TEST_CASE("the reference's breadth-first search rejects what the fast filter rejects") {
   const HqsPlan plan = supported_du_or();
-  const Trace trace = trace_of(plan, large_parameters(plan, 9));
+  const Trace trace = made(plan, large_parameters(plan, 9), 2)->trace(measured_scene(plan));
   const ReferenceTrace reference = reference_of(plan);  // with a search of its own
   for (const char* name : {"layers.0.rejected", "layers.1.rejected", "layers.2.rejected"}) {
     const std::vector<float>& mask = trace.tensor(name).values;
@@ -71,9 +52,7 @@ TEST_CASE("the reference's breadth-first search rejects what the fast filter rej
 
 TEST_CASE("DU-Mix's confidence is the reference's") {
   const NetworkDescription description = small_du_mix();
-  const std::vector<float> parameters = large_parameters(description, 9);
-  const auto network = make_network(description, 64, chosen_instruction_set(), 1);
-  network->set_parameters(parameters);
+  const auto network = made(description, large_parameters(description, 9));
   const LiftedImage& lifted = network->lift(measured_scene(description), 0.5F);
   const ReferenceTrace reference = reference_of(description);
   const std::vector<double>& expected = reference.tensor("confidence").values;
@@ -110,12 +89,10 @@ TEST_CASE("the reference refuses what does not fit in one line") {
   const HqsPlan plan = small_du_or();
   const std::vector<double> none;
   const RangeImage measured = measured_scene(plan);
-  CHECK(test::one_line_with(test::error_message([&] { reference_trace(plan, none, measured); }),
-                            "0 parameters"));
+  CHECK(test::refused_with([&] { reference_trace(plan, none, measured); }, "0 parameters"));
   CHECK(test::one_line_with(
       test::error_message([&] { reference_trace(plan, none, RangeImage(16, 64)); }), "16 x 64"));
-  CHECK(test::one_line_with(test::error_message([&] { reference_of(plan, {.rejected = {{1}}}); }),
-                            "a mask of 1"));
+  CHECK(test::refused_with([&] { reference_of(plan, {.rejected = {{1}}}); }, "a mask of 1"));
 }
 
 }  // namespace hqslam::nn

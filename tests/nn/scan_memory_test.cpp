@@ -251,7 +251,7 @@ TEST_CASE("what does not fit a memory is refused in one line") {
   SensorModel sensor = sensor_with_memory();
   ScanMemory memory(sensor);
   const auto refuses = [](const auto& call, const char* what) {
-    CHECK(test::one_line_with(test::error_message(call), what));
+    CHECK(test::refused_with(call, what));
   };
   refuses([&] { memory.recall(RangeImage(64, 256), kHere); }, "64 x 256");
   refuses([&] { memory.recall(RangeImage(16, 256), ColumnPoses(7)); }, "7 poses");

@@ -1,8 +1,10 @@
 #pragma once
 
 #include <cmath>
+#include <memory>
 #include <numbers>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "hqs/hqs_loop.h"
@@ -96,14 +98,18 @@ inline TwoModesShape small_two_modes() {
           .memory = 0};
 }
 
-inline NetworkDescription small_du_mix(const TwoModesShape& shape = small_two_modes()) {
+/// On the images of small_du_or.
+inline NetworkDescription small_network(std::shared_ptr<const Architecture> architecture) {
   NetworkDescription description = small_du_or();
+  description.architecture = std::move(architecture);
+  return description;
+}
+
+inline NetworkDescription small_du_mix(const TwoModesShape& shape = small_two_modes()) {
   HqsSizes sizes;
   sizes.layers = 1;
   sizes.last_filter.min_pixels = 0;
-  description.architecture =
-      std::make_shared<HqsArchitecture>(kDuMix, sizes, two_modes_prior(shape));
-  return description;
+  return small_network(std::make_shared<HqsArchitecture>(kDuMix, sizes, two_modes_prior(shape)));
 }
 
 /// An image in units of range_scale_m.
@@ -179,6 +185,15 @@ inline std::vector<float> large_parameters(const NetworkDescription& description
   const std::vector<float> random = random_values(seed, std::ssize(parameters));
   for (std::int64_t i = 0; i < count; ++i) parameters[i] = 0.3F * random[i];
   return parameters;
+}
+
+/// A network with these parameters.
+inline std::unique_ptr<Network> made(const NetworkDescription& description,
+                                     const std::vector<float>& parameters, int threads = 1,
+                                     int columns = 64) {
+  auto network = make_network(description, columns, chosen_instruction_set(), threads);
+  network->set_parameters(parameters);
+  return network;
 }
 
 /// A whole weights file.

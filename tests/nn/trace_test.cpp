@@ -144,10 +144,9 @@ TEST_CASE("the terms of the objective are those of the images that the trace sho
 
 TEST_CASE("a name that is none is refused with those that are") {
   const Trace trace = traced_run(shallow_du_or()).trace;
-  CHECK(test::one_line_with(test::error_message([&] { trace.tensor("layers.2.h"); }), "layers.2.h",
-                            "measured, start, layers.0.penalty", "result"));
-  CHECK(test::one_line_with(test::error_message([&] { trace.image("layers.0.encoder.0"); }),
-                            "6 channels", "expected 1"));
+  CHECK(test::refused_with([&] { trace.tensor("layers.2.h"); }, "layers.2.h",
+                           "measured, start, layers.0.penalty", "result"));
+  CHECK(test::refused_with([&] { trace.image("layers.0.encoder.0"); }, "6 channels", "expected 1"));
 }
 
 }  // namespace hqslam::nn

@@ -11,6 +11,10 @@ namespace {
 const UShapedPriorShape kSmall{
     .tile = {2, 4}, .channels = {5, 7, 6}, .memory = 3, .negative_slope = 0.1F};
 
+std::unique_ptr<Prior> small_prior(InstructionSet instruction_set = InstructionSet::kPortable) {
+  return make_prior(u_shaped_prior(kSmall), {}, 8, 32, {instruction_set, 1});
+}
+
 std::string message(const UShapedPriorShape& shape, int rows, int columns) {
   return test::error_message([&] {
     make_prior(u_shaped_prior(shape), {}, rows, columns, {InstructionSet::kPortable, 1});
@@ -20,7 +24,7 @@ std::string message(const UShapedPriorShape& shape, int rows, int columns) {
 }  // namespace
 
 TEST_CASE("the U-shaped denoiser's arrays have the names and shapes of its description") {
-  const auto prior = make_prior(u_shaped_prior(kSmall), {}, 8, 32, {InstructionSet::kPortable, 1});
+  const auto prior = small_prior();
   const std::vector<ParameterShape> shapes = prior->parameter_shapes();
   const std::vector<std::pair<std::string, std::vector<std::int64_t>>> expected{
       {"encoder.0.weight", {5, 11, 3, 3}}, {"encoder.0.bias", {5}},
@@ -41,7 +45,7 @@ TEST_CASE("the U-shaped denoiser's arrays have the names and shapes of its descr
 }
 
 TEST_CASE("multiply_adds counts what a hand counts") {
-  const auto prior = make_prior(u_shaped_prior(kSmall), {}, 8, 32, {InstructionSet::kPortable, 1});
+  const auto prior = small_prior();
   // Levels of 4 x 8, 2 x 4 and 1 x 2 tiles; a 2 x 2 deconvolution works once per input pixel.
   CHECK(prior->multiply_adds() == 5 * 11 * 9 * 32 + 7 * 5 * 9 * 8 + 6 * 7 * 9 * 2 + 6 * 6 * 9 * 2 +
                                       6 * 7 * 4 * 2 + 7 * 5 * 4 * 8 + 43 * 5 * 32);
@@ -49,7 +53,7 @@ TEST_CASE("multiply_adds counts what a hand counts") {
 
 TEST_CASE("with a head of zeros Z is the mean of the candidates and nothing") {
   for (const InstructionSet any : available_instruction_sets()) {
-    const auto prior = make_prior(u_shaped_prior(kSmall), {}, 8, 32, {any, 1});
+    const auto prior = small_prior(any);
     std::vector<float> parameters = prior->initial_parameters(1);
     std::fill(parameters.end() - 43 * 6, parameters.end(), 0.0F);
     prior->set_parameters(parameters);
@@ -69,7 +73,7 @@ TEST_CASE("with a head of zeros Z is the mean of the candidates and nothing") {
 }
 
 TEST_CASE("Z turns with the scan: columns are a circle without a seam") {
-  const auto prior = make_prior(u_shaped_prior(kSmall), {}, 8, 32, {chosen_instruction_set(), 1});
+  const auto prior = small_prior(chosen_instruction_set());
   prior->set_parameters(prior->initial_parameters(4));
   PriorState state = prior->make_state();
   PriorState turned = prior->make_state();
@@ -117,7 +121,7 @@ TEST_CASE("images that cannot be halved often enough and senseless shapes are re
 }
 
 TEST_CASE("the U-shaped denoiser refuses another number of parameters") {
-  const auto prior = make_prior(u_shaped_prior(kSmall), {}, 8, 32, {InstructionSet::kPortable, 1});
+  const auto prior = small_prior();
   std::vector<float> parameters = prior->initial_parameters(1);
   parameters.pop_back();
   CHECK_THROWS_AS(prior->set_parameters(parameters), Error);

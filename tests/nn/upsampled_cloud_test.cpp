@@ -3,9 +3,10 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
-#include <cstdlib>
+#include <optional>
 #include <string>
 
+#include "core/real_data.h"
 #include "error_message.h"
 #include "hqslam/core/angles.h"
 #include "hqslam/core/projection.h"
@@ -230,15 +231,11 @@ TEST_CASE("images that are not of the sensor are refused in one line") {
 
 TEST_CASE(
     "on a real scan the true ranges become points nearer to the true ones than by the table") {
-  const char* data = std::getenv("HQSLAM_DATA");
-  if (data == nullptr) {
-    MESSAGE("SKIPPED: HQSLAM_DATA is not set");
-    return;
-  }
+  const std::optional<std::string> drive = real_data("kitti_drive_0005");
+  if (!drive) return;
   const SensorModel sensor = sensor_preset("hdl-64e");
   const RowSelection rows = selection_for(64, 16);
-  const OrganizedCloud truth =
-      open_recording(std::string(data) + "/kitti_drive_0005", sensor)->next()->cloud;
+  const OrganizedCloud truth = open_recording(*drive, sensor)->next()->cloud;
   const OrganizedCloud joined =
       upsampled_cloud({range_image(truth), {}}, select_rows(truth, rows), rows, sensor);
   const OrganizedCloud by_table =

@@ -17,8 +17,8 @@ TEST_CASE("every interpolation has a name that leads back to it") {
     CHECK(upsampler.network() == nullptr);
   }
   CHECK_FALSE(is_interpolation("cubic"));
-  CHECK(one_line_with(error_message([] { interpolation_from_name("cubic"); }), "cubic",
-                      "nearest, linear, inverse"));
+  CHECK(
+      refused_with([] { interpolation_from_name("cubic"); }, "cubic", "nearest, linear, inverse"));
 }
 
 TEST_CASE("an upsampler of a network alone is one for the network's own sensor") {

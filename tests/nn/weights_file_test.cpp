@@ -88,11 +88,11 @@ TEST_CASE("a changed weight is found by the self-test") {
 TEST_CASE("a self-test of another shape is refused") {
   Weights weights = small_weights(small_du_or(), 7);
   weights.self_test.expected = RangeImage(15, 64);
-  CHECK(one_line_with(error_message([&] { check_self_test(weights, "a.npz"); }), "a.npz",
-                      "1024 pixels", "found 960"));
+  CHECK(refused_with([&] { check_self_test(weights, "a.npz"); }, "a.npz", "1024 pixels",
+                     "found 960"));
   weights = small_weights(small_du_or(), 7);
   weights.self_test.measured = RangeImage(3, 64);
-  CHECK(one_line_with(error_message([&] { check_self_test(weights, "a.npz"); }), "3 x 64"));
+  CHECK(refused_with([&] { check_self_test(weights, "a.npz"); }, "3 x 64"));
 }
 
 TEST_CASE("missing, unknown, misshapen and non-finite arrays are refused by name") {
@@ -150,13 +150,13 @@ TEST_CASE("weights that no reader would take are not written") {
   for (const int missing : {1, -1}) {
     Weights weights = small_weights(small_du_or(), 7);
     weights.parameters.resize(weights.parameters.size() - missing);
-    CHECK(one_line_with(error_message([&] { write_weights(path, weights); }), path, "expected",
-                        "parameters", "du-or"));
+    CHECK(refused_with([&] { write_weights(path, weights); }, path, "expected", "parameters",
+                       "du-or"));
   }
   Weights weights = small_weights(small_du_or(), 7);
   weights.training = "{\"seed\": ";
-  CHECK(one_line_with(error_message([&] { write_weights(path, weights); }), "weights.npz: training",
-                      "expected JSON"));
+  CHECK(refused_with([&] { write_weights(path, weights); }, "weights.npz: training",
+                     "expected JSON"));
   CHECK_FALSE(std::filesystem::exists(path));
 }
 
@@ -194,13 +194,13 @@ TEST_CASE("arrays of double precision are taken, missing and unknown ones named"
 
   arrays["batch_norm.weight"] = npz_array(std::vector<float>{1.0F}, {1});
   write_npz(path, arrays);
-  CHECK(one_line_with(error_message([&] { read_foreign_arrays(path, small_simple_du()); }), path,
-                      "unknown array 'batch_norm.weight'"));
+  CHECK(refused_with([&] { read_foreign_arrays(path, small_simple_du()); }, path,
+                     "unknown array 'batch_norm.weight'"));
   arrays.erase("batch_norm.weight");
   arrays.erase("alpha");
   write_npz(path, arrays);
-  CHECK(one_line_with(error_message([&] { read_foreign_arrays(path, small_simple_du()); }), path,
-                      "expected an array 'alpha' of 1, found none"));
+  CHECK(refused_with([&] { read_foreign_arrays(path, small_simple_du()); }, path,
+                     "expected an array 'alpha' of 1, found none"));
 }
 
 }  // namespace hqslam::nn

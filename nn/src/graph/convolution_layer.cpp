@@ -4,7 +4,6 @@
 #include <cmath>
 #include <utility>
 
-#include "../channels.h"
 #include "hqslam/core/error.h"
 
 namespace hqslam::nn {

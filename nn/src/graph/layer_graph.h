@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "convolution_layer.h"
-#include "hqslam/nn/network_step.h"
+#include "hqslam/nn/network.h"
 
 namespace hqslam::nn {
 

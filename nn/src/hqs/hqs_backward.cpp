@@ -1,4 +1,3 @@
-#include "../channels.h"
 #include "hqs_loop.h"
 
 // The gradients of the loop, layer by layer from the last to the first.

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include "../channels.h"
 #include "../parameters.h"
 #include "hqslam/core/error.h"
 

@@ -12,9 +12,8 @@
 #include "../graph/layer_graph.h"
 #include "../tiles.h"
 #include "hqslam/core/json_fields.h"
-#include "hqslam/nn/lifted_image.h"
+#include "hqslam/nn/network.h"
 #include "hqslam/nn/network_description.h"
-#include "hqslam/nn/network_step.h"
 #include "hqslam/nn/trace.h"
 #include "measurement.h"
 

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 
-#include "../channels.h"
 #include "../kernels/row_kernels.h"
 #include "../parameters.h"
 #include "hqslam/core/error.h"

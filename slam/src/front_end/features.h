@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <limits>
 #include <optional>
 #include <vector>
@@ -33,6 +34,11 @@ struct Features {
                                           ///< the outliers of every fifth column; thinned
   std::vector<FeaturePoint> posts;  ///< narrow things that stand alone, one point per row: posts.h
 };
+
+/// All of them.
+inline constexpr std::array kFeatureKinds = {&Features::sharp_edges, &Features::edges,
+                                             &Features::flat_points, &Features::ground,
+                                             &Features::surfaces,    &Features::posts};
 
 /// Chooses edge and planar features of a scan.
 ///

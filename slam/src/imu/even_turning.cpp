@@ -51,10 +51,7 @@ EvenTurning::EvenTurning(const std::vector<ImuStep>& scan, double before_stamp_s
 }
 
 void EvenTurning::apply(Features& features) const {
-  for (auto* points : {&features.sharp_edges, &features.edges, &features.flat_points,
-                       &features.ground, &features.surfaces, &features.posts}) {
-    apply(*points);
-  }
+  for (const auto kind : kFeatureKinds) apply(features.*kind);
 }
 
 void EvenTurning::apply(std::vector<FeaturePoint>& points) const {

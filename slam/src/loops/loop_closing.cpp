@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "loops/loop_correction.h"
+#include "loops/pose_graph.h"
 
 namespace hqslam::slam {
 

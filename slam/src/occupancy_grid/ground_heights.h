@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "occupancy_grid/cell_chunks.h"
+#include "map/cell_index.h"
 
 namespace hqslam::slam {
 

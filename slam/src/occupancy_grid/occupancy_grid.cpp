@@ -6,14 +6,12 @@
 #include <limits>
 #include <numbers>
 
-#include "check_option.h"
 #include "dense_map/grid_walk.h"
 #include "dense_map/mapped_scan.h"
-#include "dense_map/path_table.h"
-#include "front_end/ground.h"
+#include "front_end/segmentation.h"
 #include "hqslam/core/error.h"
 #include "hqslam/slam/dense_map.h"
-#include "occupancy_grid/cell_chunks.h"
+#include "map/cell_index.h"
 #include "occupancy_grid/ground_heights.h"
 
 namespace hqslam::slam {

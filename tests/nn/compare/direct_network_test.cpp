@@ -19,17 +19,13 @@ struct NetworkCase {
 };
 
 /// As tools/make_golden.py has them.
-NetworkDescription described(std::shared_ptr<const Architecture> architecture) {
-  NetworkDescription description = small_du_or();
-  description.architecture = std::move(architecture);
-  return description;
-}
 NetworkCase small_srae() {
   const SraeShape shape{.filters = 1, .passes = 4, .largest_deviation = 0.1875F};
-  return {"srae", described(std::make_shared<Srae>(shape))};
+  return {"srae", small_network(std::make_shared<Srae>(shape))};
 }
 NetworkCase small_tulip() {
-  return {"tulip", described(std::make_shared<Tulip>(TulipShape{.channels = 8, .heads = {2, 2}}))};
+  return {"tulip",
+          small_network(std::make_shared<Tulip>(TulipShape{.channels = 8, .heads = {2, 2}}))};
 }
 std::vector<NetworkCase> network_cases() { return {small_srae(), small_tulip()}; }
 
@@ -155,15 +151,16 @@ TEST_CASE("what every pass does alike is done once, and the steps are all that i
 TEST_CASE("rows and sizes that do not fit are refused with what would") {
   NetworkDescription srae = small_srae().description;
   srae.measured_rows = {2, 3};
-  CHECK(test::one_line_with(test::error_message([&] { validate(srae); }), "2 + n 3", "16"));
+  CHECK(test::refused_with([&] { validate(srae); }, "2 + n 3", "16"));
   NetworkDescription tulip = small_tulip().description;
   tulip.measured_rows = {1, 2};
-  CHECK(test::one_line_with(test::error_message([&] { validate(tulip); }), "1 + n 2", "16"));
-  CHECK(test::one_line_with(test::error_message([] {
-                              Tulip({.channels = 16, .heads = {3, 4}});
-                            }),
-                            "3 heads", "16 channels"));
-  CHECK(test::one_line_with(test::error_message([] { Srae({.dropout = 1.0F}); }), "dropout", "1"));
+  CHECK(test::refused_with([&] { validate(tulip); }, "1 + n 2", "16"));
+  CHECK(test::refused_with(
+      [] {
+        Tulip({.channels = 16, .heads = {3, 4}});
+      },
+      "3 heads", "16 channels"));
+  CHECK(test::refused_with([] { Srae({.dropout = 1.0F}); }, "dropout", "1"));
   tulip = small_tulip().description;
   CHECK_THROWS_AS(make_network(tulip, 32, chosen_instruction_set(), 1), Error);  // half a window
 }

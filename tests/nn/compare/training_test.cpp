@@ -7,16 +7,28 @@
 
 // SRAE's and TULIP's trainings.
 namespace hqslam::nn {
+namespace {
+
+NetworkDescription srae_to_train(int filters) {
+  return small_network(std::make_shared<Srae>(SraeShape{.filters = filters, .passes = 1}));
+}
+
+NetworkDescription tulip_to_train() {
+  return small_network(std::make_shared<Tulip>(TulipShape{.channels = 8, .heads = {2, 2}}));
+}
+
+TrainingPlan plan_of_whole_scans() {
+  TrainingPlan plan = small_plan();
+  plan.augmentation.crop_columns = 0;
+  return plan;
+}
+
+}  // namespace
 
 TEST_CASE(
     "training makes SRAE and TULIP better than they were, the same by any number of threads") {
-  NetworkDescription srae = small_du_or();
-  srae.architecture = std::make_shared<Srae>(SraeShape{.filters = 2, .passes = 1});
-  NetworkDescription tulip = srae;
-  tulip.architecture = std::make_shared<Tulip>(TulipShape{.channels = 8, .heads = {2, 2}});
-  TrainingPlan plan = small_plan();
-  plan.augmentation.crop_columns = 0;
-  for (const NetworkDescription& description : {srae, tulip}) {
+  const TrainingPlan plan = plan_of_whole_scans();
+  for (const NetworkDescription& description : {srae_to_train(2), tulip_to_train()}) {
     CAPTURE(name(description));
     Trainer one = small_trainer(description, 1, plan);
     Trainer three = small_trainer(description, 3, plan);
@@ -34,8 +46,7 @@ TEST_CASE(
 }
 
 TEST_CASE("batch norm's statistics follow the scans and no optimiser moves them") {
-  NetworkDescription srae = small_du_or();
-  srae.architecture = std::make_shared<Srae>(SraeShape{.filters = 1, .passes = 1});
+  const NetworkDescription srae = srae_to_train(1);
   const TrainingState state = trained(srae, 3, 1);
   std::size_t begin = 0;
   for (const ParameterShape& shape : parameter_shapes(srae)) {
@@ -49,14 +60,11 @@ TEST_CASE("batch norm's statistics follow the scans and no optimiser moves them"
 }
 
 TEST_CASE("weight decay pulls at the weights of convolutions and linear layers alone") {
-  NetworkDescription tulip = small_du_or();
-  tulip.architecture = std::make_shared<Tulip>(TulipShape{.channels = 8, .heads = {2, 2}});
-  TrainingPlan plan = small_plan();
-  plan.augmentation.crop_columns = 0;
+  const NetworkDescription tulip = tulip_to_train();
   const auto after_a_step = [&](float weight_decay) {
     TrainingState state = fresh_state(tulip);
     state.optimiser.options.weight_decay = weight_decay;
-    Trainer trainer(tulip, plan, in_memory(scans()), std::move(state), 1, alone());
+    Trainer trainer(tulip, plan_of_whole_scans(), in_memory(scans()), std::move(state), 1, alone());
     trainer.step();
     return trainer.state().parameters;
   };
@@ -78,9 +86,8 @@ TEST_CASE("weight decay pulls at the weights of convolutions and linear layers a
 }
 
 TEST_CASE("processes cannot share a batch whose scans see each other") {
-  NetworkDescription srae = small_du_or();
-  srae.architecture = std::make_shared<Srae>(SraeShape{.filters = 2, .passes = 1});
-  CHECK(test::one_line_with(message_of_two_ranks(srae, 4), "batch norm", "2 processes"));
+  CHECK(
+      test::one_line_with(message_of_two_ranks(srae_to_train(2), 4), "batch norm", "2 processes"));
 }
 
 }  // namespace hqslam::nn

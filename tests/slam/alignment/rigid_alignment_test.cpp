@@ -5,7 +5,7 @@
 
 #include <random>
 
-#include "slam/alignment/random_unit.h"
+#include "slam/helpers.h"
 
 using namespace hqslam;
 using slam::FreeParameters;

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <random>
 
-#include "slam/alignment/random_unit.h"
+#include "slam/helpers.h"
 
 using namespace hqslam;
 using slam::ExpectedState;

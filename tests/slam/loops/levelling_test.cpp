@@ -5,8 +5,7 @@
 #include <cmath>
 
 #include "hqslam/core/imu_sample.h"
-#include "slam/imu/accelerometer.h"
-#include "slam/loops/worst_error.h"
+#include "slam/helpers.h"
 
 using namespace hqslam;
 using slam::FeltGravity;

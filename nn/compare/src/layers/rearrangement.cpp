@@ -1,6 +1,3 @@
-#include <algorithm>
-
-#include "channels.h"
 #include "layers.h"
 
 // Layers without parameters: pixels and channels put elsewhere, side by side, or together.
@@ -48,16 +45,8 @@ class Concatenation final : public Layer {
 
   void forward(const LayerPass& pass) override {
     const int of_first = pass.input->channels();
-#pragma omp for schedule(static)
-    for (int channel = 0; channel < output_.channels; ++channel) {
-      const bool in_first = channel < of_first;
-      const Tensor& from = in_first ? *pass.input : *pass.second;
-      for (int y = 0; y < output_.rows; ++y) {
-        std::copy_n(from.row(in_first ? channel : channel - of_first, y), output_.columns,
-                    pass.output->row(channel, y));
-        pass.output->fill_border(channel, y);
-      }
-    }
+    copy_channels(*pass.input, 0, of_first, *pass.output, 0);
+    copy_channels(*pass.second, 0, pass.second->channels(), *pass.output, of_first);
   }
 
   void backward(std::span<const BackwardPass> batch, std::span<float> /*d_parameters*/) override {

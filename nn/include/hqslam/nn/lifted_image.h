@@ -15,4 +15,17 @@ struct LiftedImage {
   std::vector<float> confidence;
 };
 
+/// What earlier scans measured, seen from a later one: M and W of the term 1/2 |W (M - H)|^2 that
+/// they add to eq. 3. Made by ScanMemory.
+struct RecalledImage {
+  /// M: all rows of the sensor, metres; 0 where nothing is remembered.
+  RangeImage image;
+  /// W^2 of every pixel, with the penalty 2 b of a pixel that was not measured as its unit: how
+  /// many earlier points agree, each by how near it passes to the pixel's centre.
+  std::vector<float> weight;
+
+  /// Nothing is remembered at all: the first scan of a drive.
+  bool is_empty() const { return image.range_m.empty(); }
+};
+
 }  // namespace hqslam::nn

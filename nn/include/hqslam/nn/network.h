@@ -1,16 +1,16 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "hqslam/core/range_image.h"
 #include "hqslam/nn/instruction_set.h"
 #include "hqslam/nn/lifted_image.h"
 #include "hqslam/nn/network_description.h"
-#include "hqslam/nn/network_step.h"
-#include "hqslam/nn/recalled_image.h"
 #include "hqslam/nn/trace.h"
 
 namespace hqslam::nn {
@@ -37,6 +37,18 @@ struct TrainingSample {
 struct LossOptions {
   /// Share of each layer before the last: with 0 only the last one has to say what is there.
   float layer_share = 0.1F;
+};
+
+/// A part of a network that can be run by itself, to be measured.
+struct NetworkStep {
+  std::string name;                ///< "encoder.0"
+  int calls = 1;                   ///< for one scan
+  std::int64_t multiply_adds = 0;  ///< of one call
+  /// On what the last scan left, as often as one likes.
+  std::function<void()> run;
+  bool by_team = true;  ///< called by all threads of a parallel region, which share the work
+  /// The same, written as its formula, by one thread; empty if there is no such thing.
+  std::function<void()> reference = {};
 };
 
 /// A network with its weights packed for one image size, and memory for one scan at a time: what

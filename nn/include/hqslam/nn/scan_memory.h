@@ -6,7 +6,7 @@
 #include "hqslam/core/organized_cloud.h"
 #include "hqslam/core/pose.h"
 #include "hqslam/core/sensor_model.h"
-#include "hqslam/nn/recalled_image.h"
+#include "hqslam/nn/lifted_image.h"
 
 namespace hqslam::nn {
 

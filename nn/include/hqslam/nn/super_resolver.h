@@ -10,7 +10,6 @@
 #include "hqslam/nn/instruction_set.h"
 #include "hqslam/nn/lifted_image.h"
 #include "hqslam/nn/network_description.h"
-#include "hqslam/nn/recalled_image.h"
 #include "hqslam/nn/trace.h"
 #include "hqslam/nn/weights_file.h"
 

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "hqslam/core/range_image.h"
+#include "hqslam/nn/lifted_image.h"
 #include "hqslam/nn/network_description.h"
-#include "hqslam/nn/recalled_image.h"
 #include "hqslam/nn/trace.h"
 
 namespace hqslam::nn {
